@@ -1,0 +1,55 @@
+//! Rollers and fixed sides: velocity components of boundary nodes set to zero.
+
+use crate::grid::Grid;
+use crate::nodes::{NodeMotion, NodeSums};
+use crate::scene::SolidSide;
+
+/// Nodes held in each direction.
+#[derive(Debug, Clone)]
+pub struct Supports<const D: usize> {
+    held: [Vec<u32>; D],
+}
+
+impl<const D: usize> Supports<D> {
+    /// The nodes on the sides of a mesh; sides in the order left, right, bottom, top.
+    pub fn new(grid: &Grid<D>, sides: &[SolidSide; 4]) -> Self {
+        let mut held: [Vec<u32>; D] = std::array::from_fn(|_| Vec::new());
+        let across = if D == 2 { grid.cells[0] + 1 } else { 1 };
+        for node in 0..grid.node_count() {
+            let position = if D == 2 { vec![node % across, node / across] } else { vec![node] };
+            for axis in 0..D {
+                for upper in [false, true] {
+                    let edge = if upper { grid.cells[axis] } else { 0 };
+                    let side = sides[2 * (axis + 2 - D) + usize::from(upper)];
+                    if position[axis] != edge || side == SolidSide::Free {
+                        continue;
+                    }
+                    for d in 0..D {
+                        let holds = side == SolidSide::Fixed || d == axis;
+                        if holds && held[d].last() != Some(&(node as u32)) {
+                            held[d].push(node as u32);
+                        }
+                    }
+                }
+            }
+        }
+        Self { held }
+    }
+
+    /// Stops the held components. Returns the impulse of the supports on the soil in this step, N s.
+    #[inline(always)]
+    pub fn apply(&self, nodes: &[NodeSums<D>], motion: &mut [NodeMotion<D>]) -> [f64; D] {
+        let mut impulse = [0.0; D];
+        for d in 0..D {
+            for &node in &self.held[d] {
+                let m = &mut motion[node as usize];
+                // What the particles would have received from this node.
+                impulse[d] -= nodes[node as usize].mixture_mass * m.change[d];
+                m.velocity[d] = 0.0;
+                m.acceleration[d] = 0.0;
+                m.change[d] = 0.0;
+            }
+        }
+        impulse
+    }
+}

@@ -1,0 +1,132 @@
+//! The surcharge on the top of the column, and the settlement of that top.
+//!
+//! Each particle of the top row carries a strip of the surface. The surface lies above the particle by its first
+//! distance times the stretch of the particle, V/V_0: that is the settlement "extrapolated from the particles below".
+
+use crate::dimension::{basis, coefficients, to_corners, value};
+use crate::grid::Grid;
+use crate::nodes::{NodeMotion, NodeSums};
+use crate::particles::{Layer, SolidPoint};
+use crate::scene::LoadOn;
+
+/// A strip of the surface above one particle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Strip {
+    /// Particle below it, by the number it was seeded with.
+    pub id: u32,
+    /// Distance from the particle up to the surface at t = 0, m.
+    pub offset: f64,
+    /// Volume of the particle at t = 0, m3.
+    pub volume: f64,
+    /// Area of the strip, m2.
+    pub area: f64,
+}
+
+/// The top surface and the load on it.
+#[derive(Debug, Clone)]
+pub struct SurfaceLoad<const D: usize> {
+    strips: Vec<Strip>,
+    /// Where the particle of each strip stands in the layer now.
+    index: Vec<u32>,
+    order: u64,
+    height: f64,
+    on: LoadOn,
+}
+
+impl<const D: usize> SurfaceLoad<D> {
+    /// A surface at `height` (m) above the strips' particles.
+    pub fn new(strips: Vec<Strip>, height: f64, on: LoadOn) -> Self {
+        Self { index: vec![0; strips.len()], strips, order: 0, height, on }
+    }
+
+    /// Finds the particles again after their order has changed.
+    pub fn follow<const S: usize>(&mut self, solid: &Layer<SolidPoint<D, S>, D>) {
+        if self.order == solid.order {
+            return;
+        }
+        self.order = solid.order;
+        for (index, &id) in solid.ids.iter().enumerate() {
+            if let Ok(strip) = self.strips.binary_search_by_key(&id, |s| s.id) {
+                self.index[strip] = index as u32;
+            }
+        }
+    }
+
+    /// Where the load of a strip acts: cell, cell coordinates of the point.
+    ///
+    /// The cell is that of the particle, so that no force lands on nodes without mass.
+    #[inline(always)]
+    fn place<const S: usize>(&self, strip: usize, grid: &Grid<D>, point: &SolidPoint<D, S>) -> ([usize; 4], [f64; D]) {
+        let mut position = [0; D];
+        let mut xi = [0.0; D];
+        for d in 0..D {
+            let scaled = point.x[d] * grid.inverse_size;
+            position[d] = (scaled.max(0.0) as usize).min(grid.cells[d] - 1);
+            xi[d] = scaled - position[d] as f64;
+        }
+        if self.on == LoadOn::Surface {
+            let s = &self.strips[strip];
+            xi[D - 1] += s.offset * (point.volume / s.volume) * grid.inverse_size;
+        }
+        (grid.corners(&position), xi)
+    }
+
+    /// Adds a pressure (Pa, downwards) to the nodal forces.
+    #[inline(always)]
+    pub fn apply<const S: usize>(
+        &self,
+        pressure: f64,
+        grid: &Grid<D>,
+        solid: &Layer<SolidPoint<D, S>, D>,
+        nodes: &mut [NodeSums<D>],
+    ) {
+        for strip in 0..self.strips.len() {
+            let (corners, xi) = self.place(strip, grid, &solid.points[self.index[strip] as usize]);
+            let force = -pressure * self.strips[strip].area;
+            let share = to_corners::<D, 1>(&basis(&xi).map(|phi| [force * phi]));
+            for a in 0..Grid::<D>::CORNERS {
+                nodes[corners[a]].force[D - 1] += share[a][0];
+            }
+        }
+    }
+
+    /// Power of a pressure (Pa) on the surface at the middle of the step, W.
+    #[inline(always)]
+    pub fn power<const S: usize>(
+        &self,
+        pressure: f64,
+        grid: &Grid<D>,
+        solid: &Layer<SolidPoint<D, S>, D>,
+        motion: &[NodeMotion<D>],
+        dt: f64,
+    ) -> f64 {
+        let mut power = 0.0;
+        for strip in 0..self.strips.len() {
+            let (corners, xi) = self.place(strip, grid, &solid.points[self.index[strip] as usize]);
+            let mut nodal = [[0.0]; 4];
+            for a in 0..Grid::<D>::CORNERS {
+                let m = &motion[corners[a]];
+                nodal[a][0] = m.velocity[D - 1] - 0.5 * dt * m.acceleration[D - 1];
+            }
+            let velocity = value::<D, 1>(&coefficients::<D, 1>(&nodal), &basis(&xi))[0];
+            power -= pressure * self.strips[strip].area * velocity;
+        }
+        power
+    }
+
+    /// Total area, m2.
+    pub fn area(&self) -> f64 {
+        self.strips.iter().map(|s| s.area).sum()
+    }
+
+    /// How far the surface has come down since t = 0, m.
+    pub fn settlement<const S: usize>(&self, solid: &Layer<SolidPoint<D, S>, D>) -> f64 {
+        let mut sum = 0.0;
+        for (strip, &index) in self.strips.iter().zip(&self.index) {
+            let point = &solid.points[index as usize];
+            let surface = point.x[D - 1] + strip.offset * point.volume / strip.volume;
+            sum += (self.height - surface) * strip.area;
+        }
+        sum / self.area()
+    }
+}

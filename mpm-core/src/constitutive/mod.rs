@@ -1,0 +1,16 @@
+//! Constitutive laws of the skeleton, one per file. A law turns a strain increment into an effective stress.
+
+mod linear_elastic;
+
+pub use linear_elastic::LinearElastic;
+use nalgebra::SMatrix;
+
+/// A law with S stress components.
+pub trait Law<const S: usize>: Copy + Send + Sync + 'static {
+    /// Adds the effect of a strain increment to a stress (Pa, tension positive).
+    fn update(&self, stress: &mut [f64; S], strain: &[f64; S]);
+    /// Tangent stiffness, Pa.
+    fn tangent(&self) -> SMatrix<f64, S, S>;
+    /// Elastic energy stored per volume at a stress, J/m3.
+    fn energy(&self, stress: &[f64; S]) -> f64;
+}

@@ -1,0 +1,150 @@
+//! What one dimension and plane strain differ in: stress components, strain, rotation.
+//!
+//! Within a cell a field is held by the coefficients of the basis phi = (1, xi, eta, xi eta), with xi and eta in
+//! [0, 1]; in one dimension only the first two are used. `T` maps nodal values to coefficients, and its transpose
+//! maps the moments `sum_p w_p phi(x_p)` of particles to nodes, because N = T^t phi.
+
+/// A velocity gradient, `gradient[i][j]` = dv_i/dx_j, 1/s.
+pub type Gradient<const D: usize> = [[f64; D]; D];
+
+/// Kinematics in D dimensions with S stress components.
+pub trait Kinematics<const D: usize, const S: usize>: Copy + Send + Sync + 'static {
+    /// Strain increment over a time dt, in the component order of the stress (engineering shear).
+    fn strain_increment(gradient: &Gradient<D>, dt: f64) -> [f64; S];
+    /// Turns a stress by the spin of a gradient over dt (Jaumann rate).
+    fn rotate(stress: &mut [f64; S], gradient: &Gradient<D>, dt: f64);
+    /// Force coefficients of a cell from its stress: `F_k,i = sum_p V sigma_ij dphi_k/dx_j`, N m / m.
+    ///
+    /// `mean` is `sum V sigma`, `first[d]` is `sum V sigma xi_d`; `inverse_size` is 1/L.
+    fn internal_force(mean: &[f64; S], first: &[[f64; S]; D], inverse_size: f64) -> [[f64; D]; 4];
+    /// The stress of an isotropic pressure of 1 Pa (compression), for the pore water.
+    const UNIT_PRESSURE: [f64; S];
+}
+
+/// One dimension: the axis is vertical, the stress has a vertical and a lateral component.
+#[derive(Debug, Clone, Copy)]
+pub struct Column;
+
+impl Kinematics<1, 2> for Column {
+    const UNIT_PRESSURE: [f64; 2] = [-1.0, -1.0];
+
+    #[inline(always)]
+    fn strain_increment(gradient: &Gradient<1>, dt: f64) -> [f64; 2] {
+        [gradient[0][0] * dt, 0.0]
+    }
+
+    #[inline(always)]
+    fn rotate(_: &mut [f64; 2], _: &Gradient<1>, _: f64) {}
+
+    #[inline(always)]
+    fn internal_force(mean: &[f64; 2], _: &[[f64; 2]; 1], inverse_size: f64) -> [[f64; 1]; 4] {
+        [[0.0], [mean[0] * inverse_size], [0.0], [0.0]]
+    }
+}
+
+/// Two dimensions: stress components xx, yy, zz, xy.
+#[derive(Debug, Clone, Copy)]
+pub struct PlaneStrain;
+
+impl Kinematics<2, 4> for PlaneStrain {
+    const UNIT_PRESSURE: [f64; 4] = [-1.0, -1.0, -1.0, 0.0];
+
+    #[inline(always)]
+    fn strain_increment(gradient: &Gradient<2>, dt: f64) -> [f64; 4] {
+        [gradient[0][0] * dt, gradient[1][1] * dt, 0.0, (gradient[0][1] + gradient[1][0]) * dt]
+    }
+
+    #[inline(always)]
+    fn rotate(stress: &mut [f64; 4], gradient: &Gradient<2>, dt: f64) {
+        // sigma += (w sigma - sigma w) dt with w_xy = (dv_x/dy - dv_y/dx)/2.
+        let spin = 0.5 * (gradient[0][1] - gradient[1][0]) * dt;
+        let [xx, yy, _, xy] = *stress;
+        stress[0] += 2.0 * spin * xy;
+        stress[1] -= 2.0 * spin * xy;
+        stress[3] += spin * (yy - xx);
+    }
+
+    #[inline(always)]
+    fn internal_force(mean: &[f64; 4], first: &[[f64; 4]; 2], inverse_size: f64) -> [[f64; 2]; 4] {
+        let [xx, yy, _, xy] = mean.map(|s| s * inverse_size);
+        let bilinear = [first[1][0] + first[0][3], first[1][3] + first[0][1]];
+        [[0.0; 2], [xx, xy], [xy, yy], bilinear.map(|s| s * inverse_size)]
+    }
+}
+
+/// The basis (1, xi, eta, xi eta) at a point of the cell.
+#[inline(always)]
+pub fn basis<const D: usize>(xi: &[f64; D]) -> [f64; 4] {
+    if D == 1 { [1.0, xi[0], 0.0, 0.0] } else { [1.0, xi[0], xi[1], xi[0] * xi[1]] }
+}
+
+/// Coefficients of the basis from values at the corners of the cell.
+#[inline(always)]
+pub fn coefficients<const D: usize, const F: usize>(nodal: &[[f64; F]; 4]) -> [[f64; F]; 4] {
+    let [a, b, c, d] = nodal;
+    let mut k = [[0.0; F]; 4];
+    for f in 0..F {
+        k[0][f] = a[f];
+        k[1][f] = b[f] - a[f];
+        if D == 2 {
+            k[2][f] = c[f] - a[f];
+            k[3][f] = (d[f] - c[f]) - (b[f] - a[f]);
+        }
+    }
+    k
+}
+
+/// Shares of the corners of the cell from moments of the basis: the transpose of [`coefficients`].
+#[inline(always)]
+pub fn to_corners<const D: usize, const F: usize>(moments: &[[f64; F]; 4]) -> [[f64; F]; 4] {
+    let [one, xi, eta, both] = moments;
+    let mut nodal = [[0.0; F]; 4];
+    for f in 0..F {
+        if D == 1 {
+            nodal[0][f] = one[f] - xi[f];
+            nodal[1][f] = xi[f];
+        } else {
+            nodal[0][f] = (one[f] - xi[f]) - (eta[f] - both[f]);
+            nodal[1][f] = xi[f] - both[f];
+            nodal[2][f] = eta[f] - both[f];
+            nodal[3][f] = both[f];
+        }
+    }
+    nodal
+}
+
+/// Value of a field at a point of the cell from its coefficients and the [`basis`] there.
+#[inline(always)]
+pub fn value<const D: usize, const F: usize>(k: &[[f64; F]; 4], phi: &[f64; 4]) -> [f64; F] {
+    let mut v = k[0];
+    for f in 0..F {
+        v[f] += k[1][f] * phi[1];
+        if D == 2 {
+            v[f] += k[2][f] * phi[2] + k[3][f] * phi[3];
+        }
+    }
+    v
+}
+
+/// Gradient of a vector field at a point of the cell from its coefficients.
+#[inline(always)]
+pub fn gradient<const D: usize>(k: &[[f64; D]; 4], xi: &[f64; D], inverse_size: f64) -> Gradient<D> {
+    let mut g = [[0.0; D]; D];
+    for i in 0..D {
+        for (j, gij) in g[i].iter_mut().enumerate() {
+            let across = if D == 2 { k[3][i] * xi[D - 1 - j] } else { 0.0 };
+            *gij = (k[1 + j][i] + across) * inverse_size;
+        }
+    }
+    g
+}
+
+/// Trace of a gradient: the rate of volume change, 1/s.
+#[inline(always)]
+pub fn trace<const D: usize>(gradient: &Gradient<D>) -> f64 {
+    let mut sum = gradient[0][0];
+    for d in 1..D {
+        sum += gradient[d][d];
+    }
+    sum
+}

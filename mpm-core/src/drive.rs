@@ -1,0 +1,201 @@
+//! Time: stages one after the other, steps that end exactly at the times to observe.
+
+use serde::Serialize;
+
+use crate::error::RunError;
+use crate::observe::{Ledger, Observation};
+use crate::scene::{Scene, Until};
+use crate::step::{Fault, Model};
+
+/// The state at a time that was asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sample {
+    /// Index of the stage.
+    pub stage: usize,
+    /// Time since the start of that stage, s.
+    pub stage_time: f64,
+    /// Steps done since the start of the run.
+    pub step: u64,
+    /// Whether the time is one of [`Scene::observe_times`].
+    pub observed: bool,
+    /// The state.
+    pub state: Observation,
+    /// Its balances.
+    pub ledger: Ledger,
+}
+
+/// How a stage went.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StageRecord {
+    /// Its name.
+    pub name: String,
+    /// How long it lasted, s.
+    pub duration_s: f64,
+    /// Its steps.
+    pub steps: u64,
+}
+
+/// A run, as far as it came.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// Samples in the order of time.
+    pub samples: Vec<Sample>,
+    /// Stages that were entered.
+    pub stages: Vec<StageRecord>,
+    /// Largest time step that was asked for, s.
+    pub dt: f64,
+    /// Steps done.
+    pub steps: u64,
+    /// Solid particles.
+    pub solid_particles: usize,
+    /// Bytes held by particles and mesh.
+    pub bytes: usize,
+    /// Why the run ended early, if it did.
+    pub failure: Option<RunError>,
+}
+
+impl Run {
+    /// Samples at the observed times of the last stage.
+    pub fn observed(&self) -> impl Iterator<Item = &Sample> {
+        self.samples.iter().filter(|s| s.observed)
+    }
+}
+
+/// How often the end of a pore-pressure stage is looked for, steps.
+const STEPS_BETWEEN_LOOKS: u64 = 8;
+/// Shortest history time as a share of the whole, for the logarithmic spacing.
+const FIRST_HISTORY: f64 = 1e-4;
+
+/// Runs a model through the stages of a scene with steps of at most `dt` (s), reporting progress in [0, 1].
+pub fn drive(scene: &Scene, model: &mut dyn Model, dt: f64, progress: &mut dyn FnMut(f64)) -> Run {
+    let mut run = Run {
+        samples: Vec::new(),
+        stages: Vec::new(),
+        dt,
+        steps: 0,
+        solid_particles: model.solid_count(),
+        bytes: model.bytes(),
+        failure: None,
+    };
+    for (number, stage) in scene.stages.iter().enumerate() {
+        model.enter_stage(stage.drained, stage.damping);
+        let first_step = run.steps;
+        let outcome = match stage.until {
+            Until::Time(end) => {
+                let times = times(scene, number + 1 == scene.stages.len(), end);
+                timed(number, &times, model, dt, &mut run, progress)
+            }
+            Until::PorePressure { within, everywhere, at_most } => {
+                let target = scene.undrained_pressure();
+                let goal = Goal { target, within, everywhere, at_most };
+                until_pressure(number, &goal, model, dt, &mut run)
+            }
+        };
+        let (duration_s, fault) = match outcome {
+            Ok(duration) => (duration, None),
+            Err((duration, fault)) => (duration, Some(fault)),
+        };
+        run.stages.push(StageRecord { name: stage.name.clone(), duration_s, steps: run.steps - first_step });
+        if let Some(fault) = fault {
+            let time = run.stages.iter().map(|s| s.duration_s).sum();
+            run.failure = Some(RunError { step: run.steps, time, place: fault.place, what: fault.what });
+            break;
+        }
+    }
+    run
+}
+
+/// Times to stop at in a stage, with whether each is observed: those of the scene and its history in the last one.
+fn times(scene: &Scene, last: bool, end: f64) -> Vec<(f64, bool)> {
+    if !last {
+        return vec![(end, false)];
+    }
+    let mut times: Vec<(f64, bool)> = scene.observe_times.iter().map(|t| (*t, true)).collect();
+    for i in 0..scene.history {
+        let share = (i + 1) as f64 / scene.history as f64;
+        let time = end * FIRST_HISTORY.powf(1.0 - share);
+        if times.iter().all(|(t, _)| (t - time).abs() > 1e-9 * end) {
+            times.push((time, false));
+        }
+    }
+    times.sort_by(|a, b| a.0.total_cmp(&b.0));
+    times
+}
+
+type Outcome = Result<f64, (f64, Fault)>;
+
+fn timed(
+    stage: usize,
+    times: &[(f64, bool)],
+    model: &mut dyn Model,
+    dt: f64,
+    run: &mut Run,
+    progress: &mut dyn FnMut(f64),
+) -> Outcome {
+    let end = times[times.len() - 1].0;
+    sample(stage, 0.0, false, model, run);
+    let mut now = 0.0;
+    for &(time, observed) in times {
+        let span = time - now;
+        // Equal steps that end exactly at the time; a hair above a whole number of steps is round-off.
+        let steps = (span / dt - 1e-6).ceil().max(1.0) as u64;
+        let step = span / steps as f64;
+        let mut left = steps;
+        while left > 0 {
+            let some = left.min(1 << 14);
+            let mut done = 0;
+            let result = model.advance(step, some, &mut done);
+            run.steps += done;
+            left -= done;
+            let here = time - left as f64 * step;
+            result.map_err(|fault| (here, fault))?;
+            progress(here / end);
+        }
+        now = time;
+        sample(stage, time, observed, model, run);
+        let state = &run.samples[run.samples.len() - 1].state;
+        if !(state.settlement.is_finite() && state.mean_pressure.is_finite()) {
+            let what = format!("settlement {} m, mean pore pressure {} Pa", state.settlement, state.mean_pressure);
+            return Err((now, Fault { place: "surface".to_owned(), what }));
+        }
+    }
+    Ok(end)
+}
+
+struct Goal {
+    target: f64,
+    within: f64,
+    everywhere: bool,
+    at_most: f64,
+}
+
+fn until_pressure(stage: usize, goal: &Goal, model: &mut dyn Model, dt: f64, run: &mut Run) -> Outcome {
+    sample(stage, 0.0, false, model, run);
+    let mut time = 0.0;
+    loop {
+        let mut done = 0;
+        let result = model.advance(dt, STEPS_BETWEEN_LOOKS, &mut done);
+        run.steps += done;
+        time += done as f64 * dt;
+        result.map_err(|fault| (time, fault))?;
+        let off = |p: f64| (p / goal.target - 1.0).abs();
+        let [mean, low, high] = model.pore_pressure();
+        let worst = if goal.everywhere { off(low).max(off(high)).max(off(mean)) } else { off(mean) };
+        if worst <= goal.within {
+            sample(stage, time, false, model, run);
+            return Ok(time);
+        }
+        if time > goal.at_most || worst.is_nan() {
+            let what = format!(
+                "pore pressure {mean:.6e} Pa on average ({low:.3e} to {high:.3e}), expected {:.6e} Pa within {} after at most {:.3e} s; damping helps",
+                goal.target, goal.within, goal.at_most
+            );
+            return Err((time, Fault { place: "the whole column".to_owned(), what }));
+        }
+    }
+}
+
+fn sample(stage: usize, stage_time: f64, observed: bool, model: &dyn Model, run: &mut Run) {
+    let (state, ledger) = (model.observe(), model.ledger());
+    run.samples.push(Sample { stage, stage_time, step: run.steps, observed, state, ledger });
+}

@@ -1,0 +1,46 @@
+//! The two-layer (solid + water) material point method: the solver.
+//!
+//! Effective stress is tension positive, pore pressure compression positive, gravity a vector. All quantities are
+//! SI; a scene is 1 m thick in the direction that is not modelled, and a column carries its width as an area.
+//!
+//! # Reading order
+//! 1. [`scene`]: what to simulate, from TOML to a checked [`scene::Scene`].
+//! 2. [`grid`], [`nodes`], [`particles`]: the mesh and the two layers.
+//! 3. [`dimension`], [`shape`]: one dimension and plane strain; where shape functions are evaluated.
+//! 4. [`constitutive`], [`water`], [`boundary`]: the physics.
+//! 5. [`step`]: one time step; `step/explicit.rs` is the paper's Figure 1.
+//! 6. [`stability`], [`drive`]: how long a step may be; stages and times.
+//! 7. [`observe`]: what is read from a run, and its ledgers.
+//! 8. [`run`]: the switchboard from words to types.
+//!
+//! # Symbols
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | H, L | height of the column, edge of a cell | m |
+//! | q | surcharge | Pa |
+//! | E, nu, M | Young's modulus, Poisson's ratio, oedometer modulus | Pa, -, Pa |
+//! | n | porosity | - |
+//! | k, gamma_w | hydraulic conductivity, unit weight of water | m/s, N/m3 |
+//! | K_w, Q = K_w/n | bulk modulus of water, stiffness of the pore water | Pa |
+//! | D_p = k Q/gamma_w | diffusivity of pressure in a rigid skeleton | m2/s |
+//! | c_v = k M/gamma_w | coefficient of consolidation | m2/s |
+//! | Tv = c_v t/H^2 | time factor | - |
+//! | rho, rho_s, rho_w | density of mixture, grains, water | kg/m3 |
+//! | v_s, v_w, v* | velocity of solid, of water, v_w - v_s | m/s |
+//! | p, sigma' | pore pressure, effective stress | Pa |
+
+pub mod boundary;
+pub mod constitutive;
+pub mod dimension;
+pub mod drive;
+pub mod error;
+pub mod grid;
+pub mod nodes;
+pub mod observe;
+pub mod particles;
+pub mod run;
+pub mod scene;
+pub mod shape;
+pub mod stability;
+pub mod step;
+pub mod water;

@@ -1,0 +1,177 @@
+//! Balances since the start of a run. A closing error is what is left when all booked parts are taken away.
+
+use serde::Serialize;
+
+use super::CellValues;
+use crate::nodes::{NodeMotion, NodeSums};
+
+/// Sums kept during the steps of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Totals<const D: usize> {
+    /// Work of the surcharge, J.
+    pub external_work: f64,
+    /// Impulse of the surcharge, vertical, N s.
+    pub load_impulse: f64,
+    /// Impulse of rollers and fixed sides, N s.
+    pub support_impulse: [f64; D],
+    /// Impulse of gravity, N s.
+    pub gravity_impulse: [f64; D],
+    /// Impulse of damping, N s.
+    pub damping_impulse: [f64; D],
+    /// Work of gravity on the mixture, J.
+    pub gravity_work: f64,
+    /// Energy taken by damping, J.
+    pub damping_loss: f64,
+    /// Energy lost to friction in the pores, J.
+    pub darcy_dissipation: f64,
+    /// Work of rho_w (g - a_s) on the Darcy flux, J.
+    pub flow_body_work: f64,
+    /// Water that has left, m3.
+    pub water_out: f64,
+    /// Water that has entered, m3.
+    pub water_in: f64,
+    first: Stored<D>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Stored<const D: usize> {
+    solid: f64,
+    water: f64,
+    kinetic: f64,
+    strain: f64,
+    pressure: f64,
+    momentum: [f64; D],
+    volume: f64,
+}
+
+impl<const D: usize> Stored<D> {
+    const NONE: Self =
+        Self { solid: 0.0, water: 0.0, kinetic: 0.0, strain: 0.0, pressure: 0.0, momentum: [0.0; D], volume: 0.0 };
+
+    fn of(cells: &[CellValues<D>]) -> Self {
+        let mut sum = Self::NONE;
+        for cell in cells {
+            let ratio = cell.mixture_ratio();
+            sum.solid += cell.solid_mass;
+            sum.water += cell.water_mass;
+            sum.kinetic += ratio * cell.kinetic;
+            sum.strain += cell.strain_energy;
+            sum.pressure += cell.water_energy;
+            sum.volume += cell.volume;
+            for d in 0..D {
+                sum.momentum[d] += ratio * cell.momentum[d];
+            }
+        }
+        sum
+    }
+}
+
+impl<const D: usize> Default for Totals<D> {
+    fn default() -> Self {
+        Self {
+            external_work: 0.0,
+            load_impulse: 0.0,
+            support_impulse: [0.0; D],
+            gravity_impulse: [0.0; D],
+            damping_impulse: [0.0; D],
+            gravity_work: 0.0,
+            damping_loss: 0.0,
+            darcy_dissipation: 0.0,
+            flow_body_work: 0.0,
+            water_out: 0.0,
+            water_in: 0.0,
+            first: Stored::NONE,
+        }
+    }
+}
+
+/// The ledgers at one time. Vertical components where a vector is meant; energies from the start of the run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Ledger {
+    /// Dry mass, kg.
+    pub solid_mass_kg: f64,
+    /// Change of the dry mass since the start, kg.
+    pub solid_closing_kg: f64,
+    /// Water in the pores, kg.
+    pub water_stored_kg: f64,
+    /// Water that has entered, kg.
+    pub water_in_kg: f64,
+    /// Water that has left, kg.
+    pub water_out_kg: f64,
+    /// Stored - first stored - in + out, kg.
+    pub water_closing_kg: f64,
+    /// Vertical momentum of the mixture, N s.
+    pub momentum_n_s: f64,
+    /// Impulse of load, gravity, supports and damping, vertical, N s.
+    pub impulse_n_s: f64,
+    /// Momentum - first momentum - impulse, N s.
+    pub momentum_closing_n_s: f64,
+    /// Kinetic energy of the mixture, J.
+    pub kinetic_j: f64,
+    /// Strain energy of the skeleton, J.
+    pub strain_j: f64,
+    /// Energy of the compressed water, J.
+    pub water_j: f64,
+    /// Work of the surcharge, J.
+    pub external_work_j: f64,
+    /// Work of gravity on the mixture, J.
+    pub gravity_work_j: f64,
+    /// Work of rho_w (g - a_s) on the Darcy flux, J.
+    pub flow_body_work_j: f64,
+    /// Energy lost to Darcy flow, J.
+    pub darcy_dissipation_j: f64,
+    /// Energy taken by damping, J.
+    pub damping_loss_j: f64,
+    /// Stored - first stored - work + losses, J.
+    pub energy_closing_j: f64,
+}
+
+impl<const D: usize> Totals<D> {
+    /// Notes the state that the balances start from.
+    pub fn start(&mut self, cells: &[CellValues<D>]) {
+        self.first = Stored::of(cells);
+    }
+
+    /// Books a step under gravity (m/s2).
+    pub fn weigh(&mut self, nodes: &[NodeSums<D>], motion: &[NodeMotion<D>], gravity: &[f64; D], dt: f64) {
+        for (node, motion) in nodes.iter().zip(motion) {
+            for d in 0..D {
+                let impulse = dt * node.mixture_mass * gravity[d];
+                self.gravity_impulse[d] += impulse;
+                self.gravity_work += impulse * (motion.velocity[d] - 0.5 * dt * motion.acceleration[d]);
+            }
+        }
+    }
+
+    /// The balances now. `density` is that of the water, kg/m3.
+    pub fn ledger(&self, cells: &[CellValues<D>], density: f64) -> Ledger {
+        let (now, first, up) = (Stored::of(cells), &self.first, D - 1);
+        let (water_in_kg, water_out_kg) = (density * self.water_in, density * self.water_out);
+        let impulse_n_s = self.load_impulse
+            + self.support_impulse[up]
+            + self.gravity_impulse[up]
+            + self.damping_impulse[up];
+        let stored = now.kinetic + now.strain + now.pressure - first.kinetic - first.strain - first.pressure;
+        let work = self.external_work + self.gravity_work + self.flow_body_work;
+        Ledger {
+            solid_mass_kg: now.solid,
+            solid_closing_kg: now.solid - first.solid,
+            water_stored_kg: now.water,
+            water_in_kg,
+            water_out_kg,
+            water_closing_kg: now.water - first.water - water_in_kg + water_out_kg,
+            momentum_n_s: now.momentum[up],
+            impulse_n_s,
+            momentum_closing_n_s: now.momentum[up] - first.momentum[up] - impulse_n_s,
+            kinetic_j: now.kinetic,
+            strain_j: now.strain,
+            water_j: now.pressure,
+            external_work_j: self.external_work,
+            gravity_work_j: self.gravity_work,
+            flow_body_work_j: self.flow_body_work,
+            darcy_dissipation_j: self.darcy_dissipation,
+            damping_loss_j: self.damping_loss,
+            energy_closing_j: stored - work + self.darcy_dissipation + self.damping_loss,
+        }
+    }
+}

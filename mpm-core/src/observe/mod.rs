@@ -1,0 +1,198 @@
+//! What is read from a run: settlement, profiles, and the ledgers of mass, water, momentum and energy.
+
+mod ledger;
+
+pub use ledger::{Ledger, Totals};
+use serde::Serialize;
+
+use crate::particles::{Layer, SolidPoint, WaterPoint};
+
+/// Where particles were seeded: rows of equal height from the base up, in the order of their numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seed {
+    /// Particles in a row.
+    pub per_row: usize,
+    /// Height of a row, m.
+    pub spacing: f64,
+}
+
+impl Seed {
+    /// Height of a solid particle at t = 0, m.
+    pub fn height_of(&self, id: u32) -> f64 {
+        ((id as usize / self.per_row) as f64 + 0.5) * self.spacing
+    }
+}
+
+/// One row of a profile over the height.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ProfileRow {
+    /// Height of the soil in this row of cells now, m.
+    pub height_m: f64,
+    /// Height of the same soil at t = 0, m: the coordinate of small-strain solutions.
+    pub material_height_m: f64,
+    /// Pore pressure, Pa.
+    pub pressure_pa: f64,
+    /// Vertical effective stress, Pa, tension positive.
+    pub effective_stress_pa: f64,
+}
+
+/// The state at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observation {
+    /// Time since the start of the run, s.
+    pub time: f64,
+    /// Settlement of the surface from the unloaded state, m.
+    pub settlement: f64,
+    /// Pore pressure averaged over the soil, Pa.
+    pub mean_pressure: f64,
+    /// Pore pressure in the lowest row of cells, Pa.
+    pub base_pressure: f64,
+    /// Largest speed of a solid particle, m/s.
+    pub max_speed: f64,
+    /// Difference of pore pressure between neighbouring cells that alternates in sign: mean |p_c - average of the
+    /// face neighbours| over the soil, divided by the mean |p|; zero when dry.
+    pub checkerboard: f64,
+    /// Solid particles that have changed their cell so far.
+    pub solid_crossings: u64,
+    /// Water particles that have changed their cell so far.
+    pub water_crossings: u64,
+    /// Values per row of cells, from the base up.
+    pub profile: Vec<ProfileRow>,
+}
+
+/// One cell of soil.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CellValues<const D: usize> {
+    /// Row of the cell from the base up.
+    pub row: usize,
+    /// Dry mass, kg.
+    pub solid_mass: f64,
+    /// Volume of soil, m3.
+    pub volume: f64,
+    /// Mass of pore water, kg.
+    pub water_mass: f64,
+    /// Pore pressure, Pa.
+    pub pressure: f64,
+    /// Volume average of the vertical effective stress, Pa.
+    pub effective_stress: f64,
+    /// Volume average of the height now, m.
+    pub height: f64,
+    /// Volume average of the height at t = 0, m.
+    pub material_height: f64,
+    /// Strain energy, J.
+    pub strain_energy: f64,
+    /// Energy of the compressed water, J.
+    pub water_energy: f64,
+    /// Kinetic energy of the solid, J.
+    pub kinetic: f64,
+    /// Momentum of the solid, N s.
+    pub momentum: [f64; D],
+}
+
+impl<const D: usize> Default for CellValues<D> {
+    fn default() -> Self {
+        Self {
+            row: 0,
+            solid_mass: 0.0,
+            volume: 0.0,
+            water_mass: 0.0,
+            pressure: 0.0,
+            effective_stress: 0.0,
+            height: 0.0,
+            material_height: 0.0,
+            strain_energy: 0.0,
+            water_energy: 0.0,
+            kinetic: 0.0,
+            momentum: [0.0; D],
+        }
+    }
+}
+
+impl<const D: usize> CellValues<D> {
+    /// Adds a solid particle that stood at `first_height` (m) and stores `energy` (J/m3).
+    pub fn add_solid<const S: usize>(&mut self, point: &SolidPoint<D, S>, first_height: f64, energy: f64) {
+        // Component order: vertical first in a column, xx before yy in plane strain.
+        let vertical = point.stress[D - 1];
+        self.solid_mass += point.mass;
+        self.volume += point.volume;
+        self.effective_stress += point.volume * vertical;
+        self.height += point.volume * point.x[D - 1];
+        self.material_height += point.volume * first_height;
+        self.strain_energy += point.volume * energy;
+        for d in 0..D {
+            self.kinetic += 0.5 * point.mass * point.v[d] * point.v[d];
+            self.momentum[d] += point.mass * point.v[d];
+        }
+    }
+
+    /// Turns volume sums into averages.
+    pub fn finish(&mut self) {
+        self.effective_stress /= self.volume;
+        self.height /= self.volume;
+        self.material_height /= self.volume;
+    }
+
+    /// Mixture mass over solid mass: in the u-p model the water moves with the solid.
+    pub fn mixture_ratio(&self) -> f64 {
+        1.0 + self.water_mass / self.solid_mass
+    }
+}
+
+/// Reads the state of a run.
+pub fn observe<const D: usize, const S: usize>(
+    solid: &Layer<SolidPoint<D, S>, D>,
+    water: Option<&Layer<WaterPoint<D>, D>>,
+    cells: &[CellValues<D>],
+    settlement: f64,
+    time: f64,
+) -> Observation {
+    let profile = profile(cells);
+    let volume: f64 = cells.iter().map(|c| c.volume).sum();
+    let speed = |p: &SolidPoint<D, S>| p.v.iter().map(|v| v * v).sum::<f64>().sqrt();
+    Observation {
+        time,
+        settlement,
+        mean_pressure: cells.iter().map(|c| c.volume * c.pressure).sum::<f64>() / volume,
+        base_pressure: profile.first().map_or(0.0, |row| row.pressure_pa),
+        max_speed: solid.points.iter().map(speed).fold(0.0, f64::max),
+        checkerboard: checkerboard(cells),
+        solid_crossings: solid.crossings,
+        water_crossings: water.map_or(0, |w| w.crossings),
+        profile,
+    }
+}
+
+/// Averages over rows of cells, weighted by volume.
+fn profile<const D: usize>(cells: &[CellValues<D>]) -> Vec<ProfileRow> {
+    let mut rows = Vec::new();
+    for row in cells.chunk_by(|a, b| a.row == b.row) {
+        let volume: f64 = row.iter().map(|c| c.volume).sum();
+        let mean = |value: fn(&CellValues<D>) -> f64| row.iter().map(|c| c.volume * value(c)).sum::<f64>() / volume;
+        rows.push(ProfileRow {
+            height_m: mean(|c| c.height),
+            material_height_m: mean(|c| c.material_height),
+            pressure_pa: mean(|c| c.pressure),
+            effective_stress_pa: mean(|c| c.effective_stress),
+        });
+    }
+    rows
+}
+
+/// Share of the pore pressure that alternates from cell to cell, along rows of equal length.
+///
+/// For every 2 x 2 block of cells in a plane: |p_00 - p_10 - p_01 + p_11| / 4, averaged and divided by mean |p|.
+fn checkerboard<const D: usize>(cells: &[CellValues<D>]) -> f64 {
+    let mean: f64 = cells.iter().map(|c| c.pressure.abs()).sum::<f64>() / cells.len() as f64;
+    if D == 1 || mean == 0.0 {
+        return 0.0;
+    }
+    let rows: Vec<&[CellValues<D>]> = cells.chunk_by(|a, b| a.row == b.row).collect();
+    let (mut sum, mut count) = (0.0, 0u32);
+    for pair in rows.windows(2).filter(|pair| pair[0].len() == pair[1].len()) {
+        for (low, high) in pair[0].windows(2).zip(pair[1].windows(2)) {
+            sum += 0.25 * (low[0].pressure - low[1].pressure - high[0].pressure + high[1].pressure).abs();
+            count += 1;
+        }
+    }
+    if count == 0 { 0.0 } else { sum / f64::from(count) / mean }
+}

@@ -1,0 +1,231 @@
+//! The two layers of particles, kept in the order of their cells so that a cell's particles are one slice.
+//!
+//! A particle is one compact record, because every pass over the particles uses all of it.
+
+use crate::grid::Grid;
+
+/// A particle of the solid layer. D: dimensions, S: stress components.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolidPoint<const D: usize, const S: usize> {
+    /// Position, m.
+    pub x: [f64; D],
+    /// Velocity, m/s.
+    pub v: [f64; D],
+    /// Effective stress, Pa, tension positive. Column: vertical, lateral. Plane strain: xx, yy, zz, xy.
+    pub stress: [f64; S],
+    /// Mass of the dry skeleton, kg.
+    pub mass: f64,
+    /// Volume of soil (grains and pores), m3.
+    pub volume: f64,
+}
+
+/// A particle of the water layer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WaterPoint<const D: usize> {
+    /// Position, m.
+    pub x: [f64; D],
+    /// Velocity, m/s: that of the soil plus the relative velocity v*.
+    pub v: [f64; D],
+    /// Mass, kg; constant.
+    pub mass: f64,
+    /// Control volume of soil that this water fills, m3: mass / (n rho_w).
+    pub volume: f64,
+    /// Pore pressure, Pa, compression positive.
+    pub pressure: f64,
+}
+
+/// Anything with a position.
+pub trait Point<const D: usize>: Copy {
+    /// Position, m.
+    fn position(&self) -> &[f64; D];
+}
+
+impl<const D: usize, const S: usize> Point<D> for SolidPoint<D, S> {
+    fn position(&self) -> &[f64; D] {
+        &self.x
+    }
+}
+
+impl<const D: usize> Point<D> for WaterPoint<D> {
+    fn position(&self) -> &[f64; D] {
+        &self.x
+    }
+}
+
+/// A particle that has left the mesh or has no position any more.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Escaped<const D: usize> {
+    /// Index in [`Layer::points`].
+    pub index: usize,
+    /// Its position, m.
+    pub x: [f64; D],
+}
+
+/// One layer of particles in the order of their cells.
+#[derive(Debug, Clone)]
+pub struct Layer<P, const D: usize> {
+    /// The particles.
+    pub points: Vec<P>,
+    /// Number each particle was seeded with.
+    pub ids: Vec<u32>,
+    /// First particle of each cell, and the total at the end.
+    pub cell_start: Vec<u32>,
+    /// How many times a particle has changed its cell.
+    pub crossings: u64,
+    /// Goes up whenever the order changes, so that holders of indices know.
+    pub order: u64,
+    cell_of: Vec<u32>,
+}
+
+impl<P: Point<D>, const D: usize> Layer<P, D> {
+    /// Sorts particles into the cells of a mesh; `ids` are their places in `points`.
+    ///
+    /// # Errors
+    /// The first particle outside the mesh.
+    pub fn new(points: Vec<P>, grid: &Grid<D>) -> Result<Self, Escaped<D>> {
+        let count = points.len();
+        let mut layer = Self {
+            points,
+            ids: (0..count as u32).collect(),
+            cell_start: vec![0; grid.cell_count() + 1],
+            crossings: 0,
+            order: 0,
+            cell_of: vec![0; count],
+        };
+        layer.sort(grid)?;
+        layer.crossings = 0;
+        Ok(layer)
+    }
+
+    /// Particles of a cell.
+    #[inline]
+    pub fn range(&self, cell: usize) -> std::ops::Range<usize> {
+        self.cell_start[cell] as usize..self.cell_start[cell + 1] as usize
+    }
+
+    /// Restores the cell order after particles have moved, counting those that changed their cell. No allocation.
+    ///
+    /// # Errors
+    /// The first particle outside the mesh; the order is then left as it was.
+    pub fn sort(&mut self, grid: &Grid<D>) -> Result<(), Escaped<D>> {
+        for (index, point) in self.points.iter().enumerate() {
+            let Some(cell) = grid.cell_at(point.position()) else {
+                return Err(Escaped { index, x: *point.position() });
+            };
+            self.cell_of[index] = cell as u32;
+        }
+        for cell in 0..grid.cell_count() {
+            for index in self.range(cell) {
+                self.crossings += u64::from(self.cell_of[index] != cell as u32);
+            }
+        }
+        // Counting sort: `cell_start[c]` becomes the next free place of cell c, `cell_of` the place of each particle.
+        self.cell_start.fill(0);
+        for &cell in &self.cell_of {
+            self.cell_start[cell as usize + 1] += 1;
+        }
+        for cell in 0..grid.cell_count() {
+            self.cell_start[cell + 1] += self.cell_start[cell];
+        }
+        for place in &mut self.cell_of {
+            let cell = *place as usize;
+            *place = self.cell_start[cell];
+            self.cell_start[cell] += 1;
+        }
+        for cell in (0..grid.cell_count()).rev() {
+            self.cell_start[cell + 1] = self.cell_start[cell];
+        }
+        self.cell_start[0] = 0;
+        // Carry every particle to its place, one cycle of the permutation at a time.
+        for start in 0..self.points.len() {
+            while self.cell_of[start] as usize != start {
+                let to = self.cell_of[start] as usize;
+                self.points.swap(start, to);
+                self.ids.swap(start, to);
+                self.cell_of.swap(start, to);
+            }
+        }
+        self.order += 1;
+        Ok(())
+    }
+
+    /// Removes the particles for which `leaves` holds, keeping the order, and restores the cells.
+    ///
+    /// # Errors
+    /// As [`Layer::sort`].
+    pub fn remove(&mut self, grid: &Grid<D>, mut leaves: impl FnMut(&P) -> bool) -> Result<(), Escaped<D>> {
+        let mut kept = 0;
+        for index in 0..self.points.len() {
+            if !leaves(&self.points[index]) {
+                self.points[kept] = self.points[index];
+                self.ids[kept] = self.ids[index];
+                kept += 1;
+            }
+        }
+        self.points.truncate(kept);
+        self.ids.truncate(kept);
+        self.cell_of.truncate(kept);
+        // The old cells no longer hold; count no crossings for a removal.
+        let crossings = self.crossings;
+        self.cell_start.fill(0);
+        self.sort(grid)?;
+        self.crossings = crossings;
+        Ok(())
+    }
+
+    /// Bytes held for this layer.
+    pub fn bytes(&self) -> usize {
+        self.points.capacity() * size_of::<P>()
+            + (self.ids.capacity() + self.cell_of.capacity() + self.cell_start.capacity()) * size_of::<u32>()
+    }
+}
+
+/// Positions of `per_direction`^D particles per cell, evenly spaced, in the cells below `rows` of the last axis,
+/// in units of the cell: particle i of a cell sits at (i + 1/2) / `per_direction`.
+pub fn even_positions<const D: usize>(cells: [usize; D], per_direction: usize) -> impl Iterator<Item = [f64; D]> {
+    let along: [usize; D] = std::array::from_fn(|d| cells[d] * per_direction);
+    let count: usize = along.iter().product();
+    (0..count).map(move |number| {
+        let mut rest = number;
+        std::array::from_fn(|d| {
+            let i = rest % along[d];
+            rest /= along[d];
+            (i as f64 + 0.5) / per_direction as f64
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, Clone, Copy)]
+    struct Bare([f64; 2]);
+    impl Point<2> for Bare {
+        fn position(&self) -> &[f64; 2] {
+            &self.0
+        }
+    }
+
+    #[test]
+    fn sorting_keeps_every_particle_and_counts_crossings() {
+        let grid = Grid::new([3, 2], 1.0);
+        let points: Vec<Bare> = even_positions([3, 2], 2).map(Bare).collect();
+        let mut layer = Layer::new(points.clone(), &grid).unwrap();
+        assert_eq!(layer.crossings, 0);
+        for cell in 0..6 {
+            assert_eq!(layer.range(cell).len(), 4);
+            for i in layer.range(cell) {
+                assert_eq!(grid.cell_at(&layer.points[i].0), Some(cell));
+                assert_eq!(layer.points[i].0, points[layer.ids[i] as usize].0);
+            }
+        }
+        let moved = layer.range(0).start;
+        layer.points[moved].0[0] += 1.0;
+        layer.sort(&grid).unwrap();
+        assert_eq!(layer.crossings, 1);
+        assert_eq!((layer.range(0).len(), layer.range(1).len()), (3, 5));
+        layer.points[0].0[1] = f64::NAN;
+        assert_eq!(layer.sort(&grid).unwrap_err().index, 0);
+    }
+}

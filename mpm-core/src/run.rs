@@ -1,0 +1,216 @@
+//! The one switchboard: the words of a scene become concrete types. Nothing else matches on them.
+
+use crate::boundary::{Strip, Supports, SurfaceLoad};
+use crate::constitutive::{Law, LinearElastic};
+use crate::dimension::{Column, Kinematics, PlaneStrain};
+use crate::drive::{Run, drive};
+use crate::error::RunError;
+use crate::grid::Grid;
+use crate::observe::Seed;
+use crate::particles::{Layer, SolidPoint, WaterPoint, even_positions};
+use crate::scene::{DarcyChoice, Dimension, LoadOn, Scene, ShapeChoice, Start, WaterProperties};
+use crate::shape::{Centre, Linear, Shape};
+use crate::stability::{StepTooLarge, choose_step};
+use crate::step::{Explicit, Model, Parts};
+use crate::water::{DarcyOperator, Dry, Face, Nodal, Saturated, Water};
+
+/// Why a scene could not be run.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// The time step is above the stability limit.
+    #[error(transparent)]
+    Step(#[from] StepTooLarge),
+    /// The particles could not be placed.
+    #[error(transparent)]
+    Place(#[from] RunError),
+}
+
+/// Runs a scene to its end, or to where it fails: [`Run::failure`] then says why.
+///
+/// # Errors
+/// A step above the stability limit, or particles outside the mesh: nothing was run.
+pub fn run(scene: &Scene, progress: &mut dyn FnMut(f64)) -> Result<Run, StartError> {
+    let dt = choose_step(scene)?;
+    let mut model = model(scene)?;
+    Ok(drive(scene, model.as_mut(), dt, progress))
+}
+
+/// The model of a scene at t = 0, its first stage not yet entered.
+///
+/// # Errors
+/// Particles outside the mesh.
+pub fn model(scene: &Scene) -> Result<Box<dyn Model>, RunError> {
+    match scene.dimension {
+        Dimension::Column => {
+            let stress = |vertical: f64, lateral: f64| [vertical, lateral];
+            let law = LinearElastic::column(&scene.elastic);
+            shape::<Column, _, 1, 2>(scene, [scene.cells[1]], scene.width, stress, law)
+        }
+        Dimension::PlaneStrain => {
+            let stress = |vertical: f64, lateral: f64| [lateral, vertical, lateral, 0.0];
+            let law = LinearElastic::plane_strain(&scene.elastic);
+            shape::<PlaneStrain, _, 2, 4>(scene, scene.cells, scene.cell, stress, law)
+        }
+    }
+}
+
+fn shape<K: Kinematics<D, S>, L: Law<S>, const D: usize, const S: usize>(
+    scene: &Scene,
+    soil_cells: [usize; D],
+    face_area: f64,
+    stress: fn(f64, f64) -> [f64; S],
+    law: L,
+) -> Result<Box<dyn Model>, RunError> {
+    let seed = Seeded::new(scene, soil_cells, face_area, stress)?;
+    match scene.shape {
+        ShapeChoice::Centre => water::<K, Centre, L, D, S>(scene, seed, law),
+        ShapeChoice::Linear => water::<K, Linear, L, D, S>(scene, seed, law),
+    }
+}
+
+fn water<K: Kinematics<D, S>, Sh: Shape, L: Law<S>, const D: usize, const S: usize>(
+    scene: &Scene,
+    seed: Seeded<D, S>,
+    law: L,
+) -> Result<Box<dyn Model>, RunError> {
+    match (scene.water, scene.darcy) {
+        (None, _) => Ok(seed.explicit::<K, Sh, L, Dry>(scene, law, Dry)),
+        (Some(properties), DarcyChoice::Face) => {
+            let water = seed.saturated::<Face<D>>(scene, properties)?;
+            Ok(seed.explicit::<K, Sh, L, _>(scene, law, water))
+        }
+        (Some(properties), DarcyChoice::Nodal) => {
+            let water = seed.saturated::<Nodal<D>>(scene, properties)?;
+            Ok(seed.explicit::<K, Sh, L, _>(scene, law, water))
+        }
+    }
+}
+
+/// Mesh and solid particles of a scene.
+struct Seeded<const D: usize, const S: usize> {
+    grid: Grid<D>,
+    solid: Layer<SolidPoint<D, S>, D>,
+    face_area: f64,
+    particle_volume: f64,
+    seed: Seed,
+}
+
+impl<const D: usize, const S: usize> Seeded<D, S> {
+    fn new(
+        scene: &Scene,
+        soil_cells: [usize; D],
+        face_area: f64,
+        stress: fn(f64, f64) -> [f64; S],
+    ) -> Result<Self, RunError> {
+        let mut cells = soil_cells;
+        cells[D - 1] += scene.headroom_cells;
+        let grid = Grid::new(cells, scene.cell);
+        let per_direction = scene.particles_per_direction();
+        let particle_volume = face_area * scene.cell / (per_direction as f64).powi(D as i32);
+        let ratio = scene.elastic.lame() / scene.oedometer_modulus();
+        let points = positions(scene, soil_cells)
+            .map(|x| {
+                let (vertical, _) = first_state(scene, x[D - 1]);
+                SolidPoint {
+                    x,
+                    v: [0.0; D],
+                    stress: stress(vertical, ratio * vertical),
+                    mass: scene.dry_density() * particle_volume,
+                    volume: particle_volume,
+                }
+            })
+            .collect();
+        let solid = Layer::new(points, &grid).map_err(|e| outside("solid", e.index, &e.x))?;
+        let per_row = soil_cells[..D - 1].iter().product::<usize>() * per_direction.pow(D as u32 - 1);
+        let seed = Seed { per_row, spacing: scene.cell / per_direction as f64 };
+        Ok(Self { grid, solid, face_area, particle_volume, seed })
+    }
+
+    fn saturated<O: DarcyOperator<D>>(
+        &self,
+        scene: &Scene,
+        properties: WaterProperties,
+    ) -> Result<Saturated<O, D>, RunError> {
+        let mut soil_cells = self.grid.cells;
+        soil_cells[D - 1] -= scene.headroom_cells;
+        let points = positions(scene, soil_cells)
+            .map(|x| WaterPoint {
+                x,
+                v: [0.0; D],
+                mass: scene.porosity * properties.density * self.particle_volume,
+                volume: self.particle_volume,
+                pressure: first_state(scene, x[D - 1]).1,
+            })
+            .collect();
+        let layer = Layer::new(points, &self.grid).map_err(|e| outside("water", e.index, &e.x))?;
+        let operator = O::new(&self.grid, &properties, self.face_area, scene.darcy_inertia);
+        Ok(Saturated::new(layer, &self.grid, properties, scene.grain_density, operator))
+    }
+
+    fn explicit<K: Kinematics<D, S>, Sh: Shape, L: Law<S>, W: Water<K, D, S> + 'static>(
+        self,
+        scene: &Scene,
+        law: L,
+        water: W,
+    ) -> Box<dyn Model> {
+        let spacing = self.seed.spacing;
+        let first = (scene.cells[1] * scene.particles_per_direction() - 1) * self.seed.per_row;
+        let strip = |i| Strip {
+            id: (first + i) as u32,
+            offset: 0.5 * spacing,
+            volume: self.particle_volume,
+            area: self.particle_volume / spacing,
+        };
+        let on = scene.surcharge.map_or(LoadOn::Surface, |s| s.on);
+        let surface = SurfaceLoad::new((0..self.seed.per_row).map(strip).collect(), scene.height, on);
+        let mut gravity = [0.0; D];
+        gravity[D - 1] = -scene.gravity.unwrap_or(0.0);
+        let first_settlement = match (scene.start, scene.surcharge) {
+            (Start::UndrainedEquilibrium, Some(load)) => {
+                (load.pressure - scene.undrained_pressure()) * scene.height / scene.oedometer_modulus()
+            }
+            _ => 0.0,
+        };
+        Box::new(Explicit::<K, Sh, L, W, D, S>::new(Parts {
+            supports: Supports::new(&self.grid, &scene.solid_sides),
+            grid: self.grid,
+            solid: self.solid,
+            water,
+            law,
+            surface,
+            surcharge: scene.surcharge,
+            gravity: scene.gravity.map(|_| gravity),
+            flip: scene.flip,
+            seed: self.seed,
+            first_settlement,
+        }))
+    }
+}
+
+/// Positions of the particles of either layer, m.
+fn positions<const D: usize>(scene: &Scene, soil_cells: [usize; D]) -> impl Iterator<Item = [f64; D]> {
+    let cell = scene.cell;
+    even_positions(soil_cells, scene.particles_per_direction()).map(move |x| x.map(|x| x * cell))
+}
+
+/// Vertical effective stress (tension positive) and pore pressure at a height at t = 0, Pa.
+fn first_state(scene: &Scene, height: f64) -> (f64, f64) {
+    match scene.start {
+        Start::Unloaded => (0.0, 0.0),
+        Start::UndrainedEquilibrium => {
+            let load = scene.surcharge.map_or(0.0, |s| s.pressure);
+            let pressure = scene.undrained_pressure();
+            (-(load - pressure), pressure)
+        }
+        Start::Geostatic => {
+            let g = scene.gravity.unwrap_or(0.0);
+            let depth = scene.height - height;
+            let water = scene.water.map_or(0.0, |w| w.density);
+            (-(scene.mixture_density() - water) * g * depth, water * g * depth)
+        }
+    }
+}
+
+fn outside<const D: usize>(layer: &str, index: usize, x: &[f64; D]) -> RunError {
+    RunError { step: 0, time: 0.0, place: format!("{layer} particle {index} at {x:?} m"), what: "outside the mesh".into() }
+}

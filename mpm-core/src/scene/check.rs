@@ -1,0 +1,498 @@
+//! From the raw file to a checked [`Scene`]: every bound, every default, and every message about them.
+
+use std::ops::Range;
+
+use toml::{Spanned, Value};
+
+use super::raw::{
+    RawGeometry, RawLaw, RawMesh, RawObserve, RawScene, RawScheme, RawSoil, RawStage, RawUntil, RawWater,
+};
+use super::{
+    DarcyChoice, Dimension, Elastic, LoadOn, Scene, ShapeChoice, Side, SolidSide, Stage, Start, StepChoice, Surcharge,
+    Until, WaterProperties,
+};
+use crate::error::SceneError;
+
+/// Memory that one soil point takes at most, bytes; kept honest by a test in `tests/memory.rs`.
+const BYTES_PER_SOIL_POINT: f64 = 300.0;
+/// A run that needs more than this is refused before it starts, bytes.
+const MEMORY_LIMIT: f64 = 16.0 * GIB;
+const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
+/// Standard gravity used to turn a unit weight into a density, m/s2 (Table 1 of the paper uses the same).
+const STANDARD_GRAVITY: f64 = 9.81;
+
+type Checked<T> = Result<T, SceneError>;
+
+struct Reader<'a> {
+    text: &'a str,
+    file: &'a str,
+}
+
+pub(super) fn check(text: &str, file: &str) -> Checked<Scene> {
+    let reader = Reader { text, file };
+    let raw: RawScene = toml::from_str(text).map_err(|error| reader.syntax(&error))?;
+    reader.scene(&raw)
+}
+
+impl Reader<'_> {
+    fn line(&self, span: &Range<usize>) -> usize {
+        1 + self.text[..span.start.min(self.text.len())].matches('\n').count()
+    }
+
+    fn refuse<T>(&self, span: &Range<usize>, key: &str, expected: &str, found: impl ToString) -> Checked<T> {
+        Err(SceneError {
+            file: self.file.to_owned(),
+            line: self.line(span),
+            key: key.to_owned(),
+            expected: expected.to_owned(),
+            found: found.to_string(),
+        })
+    }
+
+    /// A file that is not TOML, or has a key or type that no scene has.
+    fn syntax(&self, error: &toml::de::Error) -> SceneError {
+        let span = error.span().unwrap_or(self.text.len()..self.text.len());
+        let message = error.message().replace('\n', ", ");
+        let (expected, found) = match message.split_once(", expected ") {
+            Some((found, expected)) => (expected.to_owned(), found.to_owned()),
+            None => match message.strip_prefix("missing field ") {
+                Some(field) => (format!("the key {field}"), "none".to_owned()),
+                None => ("a complete TOML scene".to_owned(), message),
+            },
+        };
+        let key = self.text.get(span.clone()).map_or("", |text| text.lines().next().unwrap_or(""));
+        let key = if key.is_empty() { "end of file" } else { key };
+        SceneError { file: self.file.to_owned(), line: self.line(&span), key: key.trim().to_owned(), expected, found }
+    }
+
+    fn within(&self, value: &Spanned<f64>, key: &str, expected: &str, holds: impl Fn(f64) -> bool) -> Checked<f64> {
+        let number = *value.get_ref();
+        if number.is_finite() && holds(number) {
+            Ok(number)
+        } else {
+            self.refuse(&value.span(), key, expected, number)
+        }
+    }
+
+    fn positive(&self, value: &Spanned<f64>, key: &str, unit: &str) -> Checked<f64> {
+        self.within(value, key, &format!("a finite number above 0 ({unit})"), |x| x > 0.0)
+    }
+
+    fn word<T: Copy>(&self, value: Option<&Spanned<String>>, key: &str, words: &[(&str, T)], default: T) -> Checked<T> {
+        let Some(value) = value else { return Ok(default) };
+        match words.iter().find(|(word, _)| word == value.get_ref()) {
+            Some((_, choice)) => Ok(*choice),
+            None => self.refuse(&value.span(), key, &one_of(words.iter().map(|(w, _)| *w)), quoted(value.get_ref())),
+        }
+    }
+
+    /// Exactly one of two keys.
+    fn either<'v>(
+        &self,
+        table: &Range<usize>,
+        key: &str,
+        first: (&str, Option<&'v Spanned<f64>>),
+        second: (&str, Option<&'v Spanned<f64>>),
+    ) -> Checked<(bool, &'v Spanned<f64>)> {
+        let expected = format!("exactly one of {} or {}", first.0, second.0);
+        match (first.1, second.1) {
+            (Some(value), None) => Ok((true, value)),
+            (None, Some(value)) => Ok((false, value)),
+            (None, None) => self.refuse(table, key, &expected, "neither"),
+            (Some(_), Some(value)) => self.refuse(&value.span(), key, &expected, "both"),
+        }
+    }
+
+    fn scene(&self, raw: &RawScene) -> Checked<Scene> {
+        let dimensions = [("column", Dimension::Column), ("plane-strain", Dimension::PlaneStrain)];
+        let dimension = self.word(raw.dimension.as_ref(), "dimension", &dimensions, Dimension::Column)?;
+        let gravity = match &raw.gravity {
+            Some(value) => Some(self.positive(value, "gravity", "m/s2, downwards; leave the key out for none")?),
+            None => None,
+        };
+        let RawGeometry::Column(column) = raw.geometry.get_ref();
+        let height = self.positive(&column.height, "geometry.column.height", "m")?;
+        let width = self.positive(&column.width, "geometry.column.width", "m")?;
+        let mesh = raw.mesh.get_ref();
+        let cell = self.positive(&mesh.cell, "mesh.cell", "m")?;
+        let rows = self.divides(mesh, cell, height, "height")?;
+        // A column ignores the cells across, so only plane strain asks the mesh to divide the width.
+        let across = match dimension {
+            Dimension::Column => 1,
+            Dimension::PlaneStrain => self.divides(mesh, cell, width, "width")?,
+        };
+        let (particles_per_cell, headroom_cells) = self.particles(mesh, rows, across, dimension)?;
+        let (elastic, porosity) = self.soil(raw.soil.get_ref())?;
+        let water = match &raw.water {
+            Some(water) => Some(self.water(water)?),
+            None => None,
+        };
+        let grain_density = self.grain_density(&raw.soil, porosity, water.as_ref())?;
+        let solid_sides = self.solid_sides(raw, dimension)?;
+        let surcharge = self.surcharge(raw, solid_sides[Side::Top as usize])?;
+        let (start, scheme) = (self.start(raw, gravity, surcharge.as_ref())?, raw.scheme.as_ref());
+        let (shape, darcy, darcy_inertia, flip) = self.scheme(scheme.map(Spanned::get_ref), water.is_some())?;
+        let (step, safety) = self.time(raw)?;
+        let mut scene = Scene {
+            name: raw.name.get_ref().clone(),
+            dimension,
+            start,
+            gravity,
+            height,
+            width,
+            cell,
+            cells: [across, rows],
+            headroom_cells,
+            particles_per_cell,
+            elastic,
+            grain_density,
+            porosity,
+            water,
+            solid_sides,
+            surcharge,
+            shape,
+            darcy,
+            darcy_inertia,
+            flip,
+            step,
+            safety,
+            force: false,
+            stages: Vec::new(),
+            observe_times: Vec::new(),
+            history: 0,
+            profiles: true,
+        };
+        self.stages(raw, &mut scene)?;
+        self.observe(raw.observe.as_ref(), &mut scene)?;
+        Ok(scene)
+    }
+
+    fn divides(&self, mesh: &RawMesh, cell: f64, length: f64, name: &str) -> Checked<usize> {
+        let count = (length / cell).round();
+        if count >= 1.0 && (count * cell - length).abs() <= 1e-9 * length && count < 1e9 {
+            return Ok(count as usize);
+        }
+        let expected = format!("a cell that divides the {name} of {length} m into whole cells");
+        self.refuse(&mesh.cell.span(), "mesh.cell", &expected, format!("{cell} m ({} cells)", length / cell))
+    }
+
+    fn particles(&self, mesh: &RawMesh, rows: usize, across: usize, dim: Dimension) -> Checked<(usize, usize)> {
+        let value = &mesh.particles_per_cell;
+        let count = *value.get_ref();
+        let root = (count.max(0) as f64).sqrt().round();
+        if count < 1 || root * root != count as f64 {
+            let expected = "a square number of particles per cell: 1, 4, 9, ...";
+            return self.refuse(&value.span(), "mesh.particles_per_cell", expected, count);
+        }
+        let per_cell = if dim == Dimension::Column { root } else { count as f64 };
+        let points = rows as f64 * across as f64 * per_cell;
+        let bytes = points * BYTES_PER_SOIL_POINT;
+        if bytes > MEMORY_LIMIT {
+            let expected = format!("a scene that fits into {:.0} GiB", MEMORY_LIMIT / GIB);
+            let found = format!("{points:.3e} particles, which need {:.0} GiB", bytes / GIB);
+            return self.refuse(&value.span(), "mesh.particles_per_cell", &expected, found);
+        }
+        let headroom = mesh.headroom_cells.as_ref().map_or(Ok(0), |h| match *h.get_ref() {
+            rows @ 0..=1_000_000 => Ok(rows as usize),
+            rows => self.refuse(&h.span(), "mesh.headroom_cells", "between 0 and 1000000 rows of cells", rows),
+        })?;
+        Ok((count as usize, headroom))
+    }
+
+    fn soil(&self, soil: &RawSoil) -> Checked<(Elastic, f64)> {
+        let RawLaw::LinearElastic(law) = soil.law.get_ref();
+        let elastic = Elastic {
+            youngs_modulus: self.positive(&law.youngs_modulus, "soil.law.linear_elastic.youngs_modulus", "Pa")?,
+            poisson_ratio: self.within(
+                &law.poisson_ratio,
+                "soil.law.linear_elastic.poisson_ratio",
+                "-1 < nu < 0.5",
+                |nu| nu > -1.0 && nu < 0.5,
+            )?,
+        };
+        let porosity = self.within(&soil.porosity, "soil.porosity", "0 < n < 1", |n| n > 0.0 && n < 1.0)?;
+        Ok((elastic, porosity))
+    }
+
+    fn grain_density(&self, soil: &Spanned<RawSoil>, n: f64, water: Option<&WaterProperties>) -> Checked<f64> {
+        let (raw, span) = (soil.get_ref(), soil.span());
+        let grain = ("grain_density", raw.grain_density.as_ref());
+        let bulk = ("bulk_density", raw.bulk_density.as_ref());
+        let (is_grain, value) = self.either(&span, "soil.grain_density", grain, bulk)?;
+        if is_grain {
+            return self.positive(value, "soil.grain_density", "kg/m3");
+        }
+        // Saturated bulk density with water, dry bulk density without.
+        let of_water = water.map_or(0.0, |w| n * w.density);
+        let expected = format!("a bulk density above {of_water} kg/m3, the share of the water in it");
+        let bulk = self.within(value, "soil.bulk_density", &expected, |rho| rho > of_water)?;
+        Ok((bulk - of_water) / (1.0 - n))
+    }
+
+    fn water(&self, table: &Spanned<RawWater>) -> Checked<WaterProperties> {
+        let (water, span) = (table.get_ref(), table.span());
+        let unit_weight = self.positive(&water.unit_weight, "water.unit_weight", "N/m3")?;
+        let density = match &water.density {
+            Some(value) => self.positive(value, "water.density", "kg/m3")?,
+            None => unit_weight / STANDARD_GRAVITY,
+        };
+        let conductivity = ("hydraulic_conductivity", water.hydraulic_conductivity.as_ref());
+        let intrinsic = ("intrinsic_permeability", water.intrinsic_permeability.as_ref());
+        let (is_hydraulic, value) = self.either(&span, "water.hydraulic_conductivity", conductivity, intrinsic)?;
+        let hydraulic_conductivity = match (is_hydraulic, &water.viscosity) {
+            (true, None) => self.positive(value, "water.hydraulic_conductivity", "m/s")?,
+            (true, Some(viscosity)) => {
+                let expected = "no viscosity beside a hydraulic conductivity, which contains it";
+                return self.refuse(&viscosity.span(), "water.viscosity", expected, viscosity.get_ref());
+            }
+            (false, None) => {
+                return self.refuse(&value.span(), "water.viscosity", "a viscosity (Pa s) beside it", "none");
+            }
+            (false, Some(viscosity)) => {
+                let permeability = self.positive(value, "water.intrinsic_permeability", "m2")?;
+                permeability * unit_weight / self.positive(viscosity, "water.viscosity", "Pa s")?
+            }
+        };
+        let bulk_modulus = self.positive(&water.bulk_modulus, "water.bulk_modulus", "Pa")?;
+        Ok(WaterProperties { hydraulic_conductivity, bulk_modulus, unit_weight, density })
+    }
+
+    fn solid_sides(&self, raw: &RawScene, dimension: Dimension) -> Checked<[SolidSide; 4]> {
+        let words = [("free", SolidSide::Free), ("roller", SolidSide::Roller), ("fixed", SolidSide::Fixed)];
+        let defaults = [SolidSide::Roller, SolidSide::Roller, SolidSide::Fixed, SolidSide::Free];
+        let Some(table) = &raw.boundaries else { return Ok(defaults) };
+        let b = table.get_ref();
+        let mut sides = defaults;
+        for (side, value) in Side::ALL.into_iter().zip([&b.left, &b.right, &b.bottom, &b.top]) {
+            let i = side as usize;
+            sides[i] = self.word(value.as_ref(), &format!("boundaries.{side}"), &words, defaults[i])?;
+            let across = matches!(side, Side::Left | Side::Right);
+            if let (Some(value), true, Dimension::Column) = (value, across && sides[i] != SolidSide::Roller, dimension) {
+                let expected = "\"roller\" in a column, which cannot move sideways (or dimension = \"plane-strain\")";
+                return self.refuse(&value.span(), &format!("boundaries.{side}"), expected, quoted(value.get_ref()));
+            }
+        }
+        if sides[Side::Bottom as usize] == SolidSide::Free {
+            let span = b.bottom.as_ref().map_or(table.span(), Spanned::span);
+            return self.refuse(&span, "boundaries.bottom", "\"roller\" or \"fixed\": a free column falls", "\"free\"");
+        }
+        Ok(sides)
+    }
+
+    fn surcharge(&self, raw: &RawScene, top: SolidSide) -> Checked<Option<Surcharge>> {
+        let Some(table) = &raw.surcharge else { return Ok(None) };
+        let load = table.get_ref();
+        if top != SolidSide::Free {
+            let expected = "boundaries.top = \"free\" under a surcharge (a held surface carries no load)";
+            return self.refuse(&table.span(), "surcharge", expected, format!("{top:?}").to_lowercase());
+        }
+        let words = [("surface", LoadOn::Surface), ("particles", LoadOn::Particles)];
+        let ramp_time = match &load.ramp_time {
+            Some(value) => self.within(value, "surcharge.ramp_time", "a time of 0 or more (s)", |t| t >= 0.0)?,
+            None => 0.0,
+        };
+        Ok(Some(Surcharge {
+            pressure: self.within(&load.pressure, "surcharge.pressure", "a finite pressure other than 0 (Pa)", |q| q != 0.0)?,
+            on: self.word(load.on.as_ref(), "surcharge.on", &words, LoadOn::Surface)?,
+            ramp_time,
+        }))
+    }
+
+    fn start(&self, raw: &RawScene, gravity: Option<f64>, surcharge: Option<&Surcharge>) -> Checked<Start> {
+        let words = [
+            ("unloaded", Start::Unloaded),
+            ("undrained-equilibrium", Start::UndrainedEquilibrium),
+            ("geostatic", Start::Geostatic),
+        ];
+        let start = self.word(raw.start.as_ref(), "start", &words, Start::Unloaded)?;
+        let span = raw.start.as_ref().map_or(0..0, Spanned::span);
+        match start {
+            Start::UndrainedEquilibrium if surcharge.is_none_or(|s| s.ramp_time > 0.0) => {
+                self.refuse(&span, "start", "a surcharge without ramp to be in equilibrium with", "\"undrained-equilibrium\"")
+            }
+            Start::UndrainedEquilibrium if gravity.is_some() => {
+                self.refuse(&span, "start", "\"geostatic\" or \"unloaded\" under gravity", "\"undrained-equilibrium\"")
+            }
+            Start::Geostatic if gravity.is_none() => {
+                self.refuse(&span, "start", "the key gravity beside a geostatic start", "no gravity")
+            }
+            start => Ok(start),
+        }
+    }
+
+    fn scheme(&self, raw: Option<&RawScheme>, wet: bool) -> Checked<(ShapeChoice, DarcyChoice, bool, f64)> {
+        let shapes = [("centre", ShapeChoice::Centre), ("linear", ShapeChoice::Linear)];
+        let operators = [("face", DarcyChoice::Face), ("nodal", DarcyChoice::Nodal)];
+        let Some(raw) = raw else { return Ok((ShapeChoice::Centre, DarcyChoice::Face, true, 1.0)) };
+        if let (Some(value), false) = (&raw.darcy, wet) {
+            return self.refuse(&value.span(), "scheme.darcy", "no Darcy operator in a dry scene", quoted(value.get_ref()));
+        }
+        let flip = match &raw.flip {
+            Some(value) => self.within(value, "scheme.flip", "0 <= flip <= 1", |f| (0.0..=1.0).contains(&f))?,
+            None => 1.0,
+        };
+        Ok((
+            self.word(raw.shape.as_ref(), "scheme.shape", &shapes, ShapeChoice::Centre)?,
+            self.word(raw.darcy.as_ref(), "scheme.darcy", &operators, DarcyChoice::Face)?,
+            raw.darcy_inertia.unwrap_or(true),
+            flip,
+        ))
+    }
+
+    fn time(&self, raw: &RawScene) -> Checked<(StepChoice, f64)> {
+        let Some(table) = &raw.time else { return Ok((StepChoice::Auto, 0.9)) };
+        let time = table.get_ref();
+        self.word(time.integrator.as_ref(), "time.integrator", &[("explicit", ())], ())?;
+        let safety = match &time.safety {
+            Some(value) => self.within(value, "time.safety", "0 < safety <= 1", |s| s > 0.0 && s <= 1.0)?,
+            None => 0.9,
+        };
+        let expected = "\"auto\", \"paper\" or a step above 0 (s)";
+        let Some(value) = &time.step else { return Ok((StepChoice::Auto, safety)) };
+        let step = match value.get_ref() {
+            Value::String(word) if word == "auto" => StepChoice::Auto,
+            Value::String(word) if word == "paper" => StepChoice::Paper,
+            Value::Float(step) if step.is_finite() && *step > 0.0 => StepChoice::Fixed(*step),
+            Value::Integer(step) if *step > 0 => StepChoice::Fixed(*step as f64),
+            other => return self.refuse(&value.span(), "time.step", expected, other),
+        };
+        Ok((step, safety))
+    }
+
+    fn stages(&self, raw: &RawScene, scene: &mut Scene) -> Checked<()> {
+        let stages = raw.stages.get_ref();
+        if stages.is_empty() {
+            return self.refuse(&raw.stages.span(), "stages", "at least one [[stages]]", "none");
+        }
+        for (number, stage) in stages.iter().enumerate() {
+            let drained = self.drained(stage, scene)?;
+            let damping = match &stage.get_ref().damping {
+                Some(value) => self.within(value, "stages.damping", "a rate of 0 or more (1/s)", |d| d >= 0.0)?,
+                None => 0.0,
+            };
+            let name = stage.get_ref().name.as_ref().map_or_else(|| format!("stage {}", number + 1), |n| n.get_ref().clone());
+            scene.stages.push(Stage { name, drained, damping, until: Until::Time(0.0) });
+            let until = self.until(&stage.get_ref().until, scene)?;
+            if let Some(last) = scene.stages.last_mut() {
+                last.until = until;
+            }
+        }
+        Ok(())
+    }
+
+    fn drained(&self, stage: &Spanned<RawStage>, scene: &Scene) -> Checked<[bool; 4]> {
+        let mut drained = [false; 4];
+        let expected = "\"none\" or a list of sides, e.g. [\"top\"]: a saturated scene must say where its water leaves";
+        let Some(value) = &stage.get_ref().drained else {
+            return if scene.water.is_none() { Ok(drained) } else { self.refuse(&stage.span(), "stages.drained", expected, "none given") };
+        };
+        if scene.water.is_none() {
+            return self.refuse(&value.span(), "stages.drained", "no drained side in a dry scene", "one");
+        }
+        let refuse = |expected: &str, found: String| self.refuse(&value.span(), "stages.drained", expected, found);
+        let list = match value.get_ref() {
+            Value::String(word) if word == "none" => return Ok(drained),
+            Value::Array(list) if !list.is_empty() => list,
+            other => return refuse(expected, other.to_string()),
+        };
+        for entry in list {
+            let Some(side) = Side::ALL.into_iter().find(|side| entry.as_str() == Some(side.word())) else {
+                return refuse(&one_of(Side::ALL.iter().map(|s| s.word())), entry.to_string());
+            };
+            if matches!(side, Side::Left | Side::Right) {
+                let expected = "\"top\" and \"bottom\" only: a column with rollers at its sides drains vertically";
+                return refuse(expected, entry.to_string());
+            }
+            if std::mem::replace(&mut drained[side as usize], true) {
+                return refuse("each side once", format!("{entry} again"));
+            }
+        }
+        Ok(drained)
+    }
+
+    fn until(&self, table: &Spanned<RawUntil>, scene: &Scene) -> Checked<Until> {
+        let (until, span) = (table.get_ref(), table.span());
+        if until.pore_pressure_within.is_none() {
+            if let Some(value) = &until.at_most {
+                return self.refuse(&value.span(), "stages.until.at_most", "pore_pressure_within beside it", "none");
+            }
+        }
+        match (&until.time, &until.time_factor, &until.pore_pressure_within) {
+            (Some(time), None, None) => Ok(Until::Time(self.positive(time, "stages.until.time", "s")?)),
+            (None, Some(factor), None) => {
+                let tv = self.positive(factor, "stages.until.time_factor", "-")?;
+                if !scene.stages.last().is_some_and(|s| s.drained.contains(&true)) {
+                    let expected = "a drained side: without one there is no drainage path and no time factor";
+                    return self.refuse(&factor.span(), "stages.until.time_factor", expected, "drained nowhere");
+                }
+                match scene.time_per_factor() {
+                    Some(seconds) => Ok(Until::Time(tv * seconds)),
+                    None => self.refuse(&factor.span(), "stages.until.time_factor", "[water]", "a dry scene"),
+                }
+            }
+            (None, None, Some(within)) => {
+                if scene.surcharge.is_none() || scene.water.is_none() {
+                    return self.refuse(&within.span(), "stages.until.pore_pressure_within", "[surcharge] and [water]", "none");
+                }
+                let expected = "0 < tolerance < 1";
+                let key = "stages.until.pore_pressure_within";
+                let within = self.within(within, key, expected, |t| t > 0.0 && t < 1.0)?;
+                // Long enough for many passages of the undrained wave through any column.
+                let passage = scene.height / (scene.pore_stiffness() / scene.mixture_density()).sqrt();
+                let at_most = match &until.at_most {
+                    Some(value) => self.positive(value, "stages.until.at_most", "s")?,
+                    None => 200.0 * passage,
+                };
+                Ok(Until::PorePressure { within, everywhere: until.everywhere.unwrap_or(false), at_most })
+            }
+            _ => self.refuse(&span, "stages.until", "exactly one of time, time_factor, pore_pressure_within", "none or several"),
+        }
+    }
+
+    fn observe(&self, raw: Option<&Spanned<RawObserve>>, scene: &mut Scene) -> Checked<()> {
+        let Until::Time(end) = scene.stages[scene.stages.len() - 1].until else {
+            scene.observe_times = Vec::new();
+            return Ok(());
+        };
+        let mut times = Vec::new();
+        if let Some(table) = raw {
+            let observe = table.get_ref();
+            if let Some(list) = &observe.times {
+                for value in list.get_ref() {
+                    times.push(self.within(value, "observe.times", &format!("0 < t <= {end} s, the end"), |t| t > 0.0 && t <= end)?);
+                }
+            }
+            if let Some(list) = &observe.time_factors {
+                let Some(seconds) = scene.time_per_factor() else {
+                    return self.refuse(&list.span(), "observe.time_factors", "[water]", "a dry scene");
+                };
+                let last = end / seconds;
+                for value in list.get_ref() {
+                    let fits = |tv: f64| tv > 0.0 && tv <= last * (1.0 + 1e-12);
+                    let key = "observe.time_factors";
+                    times.push(seconds * self.within(value, key, &format!("0 < Tv <= {last}, the end"), fits)?);
+                }
+            }
+            scene.profiles = observe.profiles.unwrap_or(true);
+            scene.history = match &observe.history {
+                Some(value) if (0..=1_000_000).contains(value.get_ref()) => *value.get_ref() as usize,
+                Some(value) => return self.refuse(&value.span(), "observe.history", "between 0 and 1000000 points", value.get_ref()),
+                None => 0,
+            };
+        }
+        times.push(end);
+        times.sort_by(f64::total_cmp);
+        times.dedup_by(|b, a| (*b - *a).abs() <= 1e-12 * end);
+        scene.observe_times = times;
+        Ok(())
+    }
+}
+
+fn quoted(word: &str) -> String {
+    format!("\"{word}\"")
+}
+
+fn one_of<'a>(words: impl Iterator<Item = &'a str>) -> String {
+    let list: Vec<String> = words.map(quoted).collect();
+    format!("one of {}", list.join(", "))
+}

@@ -1,0 +1,144 @@
+//! The scene file as written: TOML with the place of every value, nothing checked yet.
+//!
+//! Each field is documented in `reference-data/scenes/README.md`, where the defaults stand beside the units.
+
+use serde::Deserialize;
+use toml::{Spanned, Value};
+
+type Number = Spanned<f64>;
+type Word = Spanned<String>;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawScene {
+    pub name: Word,
+    pub dimension: Option<Word>,
+    pub start: Option<Word>,
+    pub gravity: Option<Number>,
+    pub geometry: Spanned<RawGeometry>,
+    pub mesh: Spanned<RawMesh>,
+    pub soil: Spanned<RawSoil>,
+    pub water: Option<Spanned<RawWater>>,
+    pub boundaries: Option<Spanned<RawBoundaries>>,
+    pub surcharge: Option<Spanned<RawSurcharge>>,
+    pub scheme: Option<Spanned<RawScheme>>,
+    pub time: Option<Spanned<RawTime>>,
+    pub stages: Spanned<Vec<Spanned<RawStage>>>,
+    pub observe: Option<Spanned<RawObserve>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub(super) enum RawGeometry {
+    Column(RawColumn),
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawColumn {
+    pub height: Number,
+    pub width: Number,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawMesh {
+    pub cell: Number,
+    pub particles_per_cell: Spanned<i64>,
+    pub headroom_cells: Option<Spanned<i64>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawSoil {
+    pub law: Spanned<RawLaw>,
+    pub grain_density: Option<Number>,
+    pub bulk_density: Option<Number>,
+    pub porosity: Number,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub(super) enum RawLaw {
+    LinearElastic(RawLinearElastic),
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawLinearElastic {
+    pub youngs_modulus: Number,
+    pub poisson_ratio: Number,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawWater {
+    pub hydraulic_conductivity: Option<Number>,
+    pub intrinsic_permeability: Option<Number>,
+    pub viscosity: Option<Number>,
+    pub bulk_modulus: Number,
+    pub unit_weight: Number,
+    pub density: Option<Number>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawBoundaries {
+    pub left: Option<Word>,
+    pub right: Option<Word>,
+    pub bottom: Option<Word>,
+    pub top: Option<Word>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawSurcharge {
+    pub pressure: Number,
+    pub on: Option<Word>,
+    pub ramp_time: Option<Number>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawScheme {
+    pub shape: Option<Word>,
+    pub darcy: Option<Word>,
+    pub darcy_inertia: Option<bool>,
+    pub flip: Option<Number>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawTime {
+    pub integrator: Option<Word>,
+    pub step: Option<Spanned<Value>>,
+    pub safety: Option<Number>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawStage {
+    pub name: Option<Word>,
+    pub drained: Option<Spanned<Value>>,
+    pub damping: Option<Number>,
+    pub until: Spanned<RawUntil>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawUntil {
+    pub time: Option<Number>,
+    pub time_factor: Option<Number>,
+    pub pore_pressure_within: Option<Number>,
+    pub everywhere: Option<bool>,
+    pub at_most: Option<Number>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawObserve {
+    pub time_factors: Option<Spanned<Vec<Number>>>,
+    pub times: Option<Spanned<Vec<Number>>>,
+    pub history: Option<Spanned<i64>>,
+    pub profiles: Option<bool>,
+}

@@ -1,0 +1,32 @@
+//! Where the linear shape functions are evaluated for stress, pore pressure and strain.
+//!
+//! Mass, momentum and velocity always use N_i at the particle. The choice below is about gradients (and, in
+//! Darcy's law, about N_i): the paper's stabilisation takes them at the centre of the cell.
+
+/// An evaluation point for gradients.
+pub trait Shape: Copy + Send + Sync + 'static {
+    /// Whether all particles of a cell share the point.
+    const AT_CENTRE: bool;
+
+    /// The point, in cell coordinates in [0, 1], for a particle at `xi`.
+    #[inline(always)]
+    fn point<const D: usize>(xi: &[f64; D]) -> [f64; D] {
+        if Self::AT_CENTRE { [0.5; D] } else { *xi }
+    }
+}
+
+/// Values at the centre of the cell (the paper, section 2.2): G_i(x_p) is replaced by G_i(x_c).
+#[derive(Debug, Clone, Copy)]
+pub struct Centre;
+
+impl Shape for Centre {
+    const AT_CENTRE: bool = true;
+}
+
+/// The standard linear scheme: G_i at the particle.
+#[derive(Debug, Clone, Copy)]
+pub struct Linear;
+
+impl Shape for Linear {
+    const AT_CENTRE: bool = false;
+}

@@ -1,0 +1,178 @@
+//! The largest stable time step of the explicit scheme: von Neumann analysis with lumped masses.
+//!
+//! One step of a plane wave with squared gradient symbol `K_u` (solid) and `K_p` (pressure Laplacian) has an
+//! eigenvalue -1, the first to leave the unit circle, when
+//!
+//! `(2 rho - c M K_u dt^2) (2 - D_p K_p dt) = 2 K_u dt (c Q dt - chi rho_w D_p)`
+//!
+//! with Q = K_w/n, D_p = k Q/gamma_w, and chi = 1 if Darcy's law keeps `rho_w a_s`. `c` comes from the transfer:
+//! particles give back only the part S of an acceleration (S = M_lumped^-1 M_consistent, the mass matrices that
+//! the particles make), so the velocity that strains the mesh is `W + dt a` while `W` grows by `S dt a` alone:
+//! `c = 1 - S/(1 + flip + (1 - flip) S)`. A mesh without particles has S = 1, c = 1/2; with K_u = K_p = 4/L^2 and
+//! chi = 0 that is `(1 - dt^2 M/(rho L^2)) (1 - 2 dt D_p/L^2) = dt^2 Q/(rho L^2)`. One particle per cell has S = 0
+//! for the shortest wave: its Courant limit is lower by the square root of two.
+
+use crate::scene::{DarcyChoice, Dimension, Scene, StepChoice, PAPER_STEP};
+
+/// What the limit depends on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Medium {
+    /// Oedometer modulus M, Pa.
+    pub modulus: f64,
+    /// Density of the mixture, kg/m3.
+    pub density: f64,
+    /// Q = K_w/n, Pa; zero without water.
+    pub pore_stiffness: f64,
+    /// D_p = k Q/gamma_w, m2/s; zero without water.
+    pub diffusivity: f64,
+    /// chi rho_w, kg/m3: the water density where Darcy's law keeps inertia, else zero.
+    pub flow_inertia: f64,
+    /// Edge of a cell L, m.
+    pub cell: f64,
+    /// S of the shortest wave along one axis: 1 for a mesh without particles.
+    pub shortest_transfer: f64,
+    /// FLIP share of the velocity update.
+    pub flip: f64,
+}
+
+/// S of the shortest wave for evenly spaced particles: 0 for one per direction, 1/4 for two, 1/3 for many.
+///
+/// With N = (1 - xi, xi) the lumped mass is `sum N` and the consistent one `sum N N^t`; for a wave that changes its
+/// sign from node to node `S = sum (1 - 2 xi)^2 / count`.
+pub fn shortest_transfer(per_direction: usize) -> f64 {
+    let count = per_direction as f64;
+    (0..per_direction).map(|i| (1.0 - 2.0 * (i as f64 + 0.5) / count).powi(2)).sum::<f64>() / count
+}
+
+impl Medium {
+    /// The medium of a scene.
+    pub fn of(scene: &Scene) -> Self {
+        let pore_stiffness = scene.pore_stiffness();
+        let flow_inertia = scene.water.filter(|_| scene.darcy_inertia).map_or(0.0, |w| w.density);
+        Self {
+            modulus: scene.oedometer_modulus(),
+            density: scene.mixture_density(),
+            pore_stiffness,
+            diffusivity: scene.water.map_or(0.0, |w| w.mobility() * pore_stiffness),
+            flow_inertia,
+            cell: scene.cell,
+            shortest_transfer: shortest_transfer(scene.particles_per_direction()),
+            flip: scene.flip,
+        }
+    }
+
+    /// One direction's S for a wave with `sin^2(theta/2) = s`.
+    fn transfer(&self, s: f64) -> f64 {
+        1.0 - (1.0 - self.shortest_transfer) * s
+    }
+
+    /// `c` for a transfer S.
+    fn memory(&self, transfer: f64) -> f64 {
+        1.0 - transfer / (1.0 + self.flip + (1.0 - self.flip) * transfer)
+    }
+
+    /// The cubic above; positive at dt = 0, the limit is its first root.
+    fn residual(&self, dt: f64, k_u: f64, k_p: f64, c: f64) -> f64 {
+        (2.0 * self.density - c * self.modulus * k_u * dt * dt) * (2.0 - self.diffusivity * k_p * dt)
+            - 2.0 * k_u * dt * (c * self.pore_stiffness * dt - self.flow_inertia * self.diffusivity)
+    }
+
+    /// Smallest positive root of the cubic for one wave, s.
+    fn limit_of(&self, k_u: f64, k_p: f64, c: f64) -> f64 {
+        // At the drained Courant limit the first factor vanishes; a pure pressure wave ends at 2/(D_p K_p).
+        let far = if k_u > 0.0 {
+            (2.0 * self.density / (c * self.modulus * k_u)).sqrt()
+        } else {
+            2.0 / (self.diffusivity * k_p)
+        };
+        // Limits range over decades below that: scan geometrically for the first change of sign, then bisect.
+        let (steps, first) = (2000, far * 1e-6);
+        let ratio = (far * 1.001 / first).powf(1.0 / f64::from(steps));
+        let (mut low, mut high) = (0.0, first);
+        for _ in 0..=steps {
+            if self.residual(high, k_u, k_p, c) < 0.0 {
+                break;
+            }
+            low = high;
+            high *= ratio;
+        }
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            if self.residual(middle, k_u, k_p, c) < 0.0 { high = middle } else { low = middle }
+        }
+        low
+    }
+
+    /// Largest stable step in one dimension, s, over all wave lengths.
+    pub fn limit_column(&self) -> f64 {
+        let scale = 4.0 / (self.cell * self.cell);
+        let limit = |s: f64| self.limit_of(scale * s, scale * s, self.memory(self.transfer(s)));
+        (1..=WAVES).map(|i| limit(wave(i))).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Largest stable step in plane strain, s, over all directions and lengths of a plane wave.
+    ///
+    /// The solid and the nodal Darcy operator see the gradient at the cell centre; the two-point flux sees the
+    /// sum over the axes, up to twice as much for a checkerboard.
+    pub fn limit_plane_strain(&self, darcy: DarcyChoice) -> f64 {
+        let scale = 4.0 / (self.cell * self.cell);
+        let mut limit = f64::INFINITY;
+        for i in 0..=WAVES {
+            for j in 0..=i {
+                let (sx, sy) = (wave(i), wave(j));
+                let k_u = sx * (1.0 - sy) + sy * (1.0 - sx);
+                let k_p = match darcy {
+                    DarcyChoice::Nodal => k_u,
+                    DarcyChoice::Face => sx + sy,
+                };
+                let k_u = if k_u > 1e-9 { scale * k_u } else { 0.0 };
+                if k_u > 0.0 || k_p * self.diffusivity > 1e-9 {
+                    let c = self.memory(self.transfer(sx) * self.transfer(sy));
+                    limit = limit.min(self.limit_of(k_u, scale * k_p, c));
+                }
+            }
+        }
+        limit
+    }
+}
+
+/// Wave lengths looked at along each axis.
+const WAVES: u32 = 16;
+
+/// `sin^2(theta/2)` of a wave, theta from 0 (i = 0) to pi.
+fn wave(i: u32) -> f64 {
+    (f64::from(i) / f64::from(WAVES) * std::f64::consts::FRAC_PI_2).sin().powi(2)
+}
+
+/// Largest stable explicit step of a scene, s.
+pub fn explicit_limit(scene: &Scene) -> f64 {
+    let medium = Medium::of(scene);
+    match scene.dimension {
+        Dimension::Column => medium.limit_column(),
+        Dimension::PlaneStrain => medium.limit_plane_strain(scene.darcy),
+    }
+}
+
+/// A step above the limit was asked for.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("time.step: expected at most {limit:.6e} s, the stability limit of this scene, found {step:.6e} s; --force runs it all the same")]
+pub struct StepTooLarge {
+    /// Step asked for, s.
+    pub step: f64,
+    /// Limit, s.
+    pub limit: f64,
+}
+
+/// The time step of a scene, s.
+///
+/// # Errors
+/// A fixed step above the limit, unless the scene is forced.
+pub fn choose_step(scene: &Scene) -> Result<f64, StepTooLarge> {
+    let limit = explicit_limit(scene);
+    let step = match scene.step {
+        StepChoice::Auto => scene.safety * limit,
+        StepChoice::Fixed(step) => step,
+        StepChoice::Paper => PAPER_STEP,
+    };
+    if step > limit && !scene.force { Err(StepTooLarge { step, limit }) } else { Ok(step) }
+}

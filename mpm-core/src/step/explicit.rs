@@ -1,0 +1,374 @@
+//! The paper's explicit step (Figure 1): particles to mesh, equation of motion, Darcy flow, mesh to particles.
+
+use super::{Fault, Model};
+use crate::boundary::{Supports, SurfaceLoad};
+use crate::constitutive::Law;
+use crate::dimension::{Kinematics, basis, coefficients, gradient, to_corners, trace, value};
+use crate::grid::Grid;
+use crate::nodes::{NodeMotion, NodeSums};
+use crate::observe::{CellValues, Ledger, Observation, Seed, Totals, observe};
+use crate::particles::{Layer, SolidPoint};
+use crate::scene::Surcharge;
+use crate::shape::Shape;
+use crate::water::{SoilCell, StressSums, Water};
+use std::marker::PhantomData;
+
+/// What a run is made of.
+#[derive(Debug)]
+pub struct Parts<L, W, const D: usize, const S: usize> {
+    /// The mesh.
+    pub grid: Grid<D>,
+    /// Solid layer.
+    pub solid: Layer<SolidPoint<D, S>, D>,
+    /// Water layer, or [`crate::water::Dry`].
+    pub water: W,
+    /// Constitutive law of the skeleton.
+    pub law: L,
+    /// Held sides.
+    pub supports: Supports<D>,
+    /// Top surface.
+    pub surface: SurfaceLoad<D>,
+    /// Load on it.
+    pub surcharge: Option<Surcharge>,
+    /// Gravity, m/s2, as a vector; `None` leaves the term out.
+    pub gravity: Option<[f64; D]>,
+    /// FLIP share of the velocity update.
+    pub flip: f64,
+    /// Where the particles were at t = 0.
+    pub seed: Seed,
+    /// Settlement at t = 0, m: that of the state the run starts from, counted from the unloaded one.
+    pub first_settlement: f64,
+}
+
+/// The explicit integrator. K: dimension, Sh: shape, L: law, W: water.
+#[derive(Debug)]
+pub struct Explicit<K, Sh, L, W, const D: usize, const S: usize> {
+    parts: Parts<L, W, D, S>,
+    nodes: Vec<NodeSums<D>>,
+    motion: Vec<NodeMotion<D>>,
+    damping: f64,
+    time: f64,
+    totals: Totals<D>,
+    choices: PhantomData<(K, Sh)>,
+}
+
+impl<K, Sh, L, W, const D: usize, const S: usize> Explicit<K, Sh, L, W, D, S>
+where
+    K: Kinematics<D, S>,
+    Sh: Shape,
+    L: Law<S>,
+    W: Water<K, D, S>,
+{
+    /// A run at t = 0.
+    pub fn new(mut parts: Parts<L, W, D, S>) -> Self {
+        parts.surface.follow(&parts.solid);
+        let count = parts.grid.node_count();
+        let mut run = Self {
+            parts,
+            nodes: vec![NodeSums::ZERO; count],
+            motion: vec![NodeMotion::REST; count],
+            damping: 0.0,
+            time: 0.0,
+            totals: Totals::default(),
+            choices: PhantomData,
+        };
+        run.totals.start(&run.cell_values());
+        run
+    }
+
+    /// One step of Figure 1.
+    fn step(&mut self, dt: f64) -> Result<(), Fault> {
+        self.particles_to_mesh();
+        self.load();
+        self.equation_of_motion(dt);
+        self.darcy_flow(dt);
+        if self.mesh_to_particles(dt) {
+            let solid = &mut self.parts.solid;
+            solid.sort(&self.parts.grid).map_err(|e| Fault {
+                place: format!("solid particle {} at {:?} m", solid.ids[e.index], e.x),
+                what: "outside the mesh".to_owned(),
+            })?;
+            self.parts.surface.follow(&self.parts.solid);
+        }
+        let Parts { water, grid, solid, .. } = &mut self.parts;
+        water.settle(grid, solid).map_err(|(place, what)| Fault { place, what })?;
+        self.time += dt;
+        Ok(())
+    }
+
+    /// Masses, momenta and stresses of both layers to the nodes.
+    fn particles_to_mesh(&mut self) {
+        self.nodes.fill(NodeSums::ZERO);
+        let Parts { grid, solid, water, .. } = &mut self.parts;
+        water.clear();
+        for (cell, position) in grid.walk() {
+            let range = solid.range(cell);
+            if range.is_empty() {
+                continue;
+            }
+            let mut mass = [[0.0]; 4];
+            let mut momentum = [[0.0; D]; 4];
+            let mut stress = StressSums { mean: [0.0; S], first: [[0.0; S]; D] };
+            let mut volume = 0.0;
+            for point in &solid.points[range] {
+                let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - position[d] as f64);
+                let phi = basis(&xi);
+                volume += point.volume;
+                for k in 0..Grid::<D>::CORNERS {
+                    mass[k][0] += point.mass * phi[k];
+                    for d in 0..D {
+                        momentum[k][d] += point.mass * point.v[d] * phi[k];
+                    }
+                }
+                for s in 0..S {
+                    stress.mean[s] += point.volume * point.stress[s];
+                }
+                if !Sh::AT_CENTRE {
+                    for d in 0..D {
+                        for s in 0..S {
+                            stress.first[d][s] += point.volume * point.stress[s] * xi[d];
+                        }
+                    }
+                }
+            }
+            if Sh::AT_CENTRE {
+                // Section 2.2: G_i(x_c) for every particle of the cell.
+                for d in 0..D {
+                    stress.first[d] = stress.mean.map(|s| 0.5 * s);
+                }
+            }
+            let corners = grid.corners_from(grid.first_corner(cell, &position));
+            let soil = SoilCell { cell, position, corners, mass: mass[0][0], volume };
+            let water_mass = water.cell_to_grid::<Sh>(grid, &soil, &mut stress);
+            let mass = to_corners::<D, 1>(&mass);
+            let momentum = to_corners::<D, D>(&momentum);
+            // div(sigma') - grad p, weak: f_i = - sum_p V sigma G_i
+            let internal = to_corners::<D, D>(&K::internal_force(&stress.mean, &stress.first, grid.inverse_size));
+            for a in 0..Grid::<D>::CORNERS {
+                let node = &mut self.nodes[corners[a]];
+                node.solid_mass += mass[a][0];
+                node.mixture_mass += mass[a][0] + water_mass[a][0];
+                for d in 0..D {
+                    node.momentum[d] += momentum[a][d];
+                    node.force[d] -= internal[a][d];
+                }
+            }
+        }
+    }
+
+    /// The surcharge at this time, Pa.
+    fn pressure(&self) -> f64 {
+        self.parts.surcharge.map_or(0.0, |s| {
+            if self.time < s.ramp_time { s.pressure * self.time / s.ramp_time } else { s.pressure }
+        })
+    }
+
+    /// Surcharge and gravity, where the scene has them.
+    fn load(&mut self) {
+        let pressure = self.pressure();
+        if self.parts.surcharge.is_some() {
+            self.parts.surface.apply(pressure, &self.parts.grid, &self.parts.solid, &mut self.nodes);
+        }
+        if let Some(gravity) = self.parts.gravity {
+            for node in &mut self.nodes {
+                for d in 0..D {
+                    node.force[d] += node.mixture_mass * gravity[d];
+                }
+            }
+        }
+    }
+
+    /// Mixture momentum: rho a_s = div(sigma') - grad p + rho g; new nodal velocities.
+    fn equation_of_motion(&mut self, dt: f64) {
+        let flip = self.parts.flip;
+        for (node, motion) in self.nodes.iter().zip(&mut self.motion) {
+            let with_mass = node.solid_mass > 0.0;
+            let (of_solid, of_mixture) =
+                if with_mass { (1.0 / node.solid_mass, 1.0 / node.mixture_mass) } else { (0.0, 0.0) };
+            for d in 0..D {
+                let acceleration = node.force[d] * of_mixture;
+                let velocity = node.momentum[d] * of_solid + dt * acceleration;
+                motion.acceleration[d] = acceleration;
+                motion.velocity[d] = velocity;
+                motion.change[d] = flip * dt * acceleration + (1.0 - flip) * velocity;
+            }
+        }
+        if self.damping > 0.0 {
+            self.damp(dt);
+        }
+        let impulse = self.parts.supports.apply(&self.nodes, &mut self.motion);
+        let pressure = self.pressure();
+        for d in 0..D {
+            self.totals.support_impulse[d] += impulse[d];
+        }
+        if self.parts.surcharge.is_some() {
+            let Parts { surface, grid, solid, .. } = &self.parts;
+            self.totals.external_work += dt * surface.power(pressure, grid, solid, &self.motion, dt);
+            self.totals.load_impulse -= dt * pressure * surface.area();
+        }
+        if let Some(gravity) = self.parts.gravity {
+            self.totals.weigh(&self.nodes, &self.motion, &gravity, dt);
+        }
+    }
+
+    /// Mass-proportional damping, implicit in the velocity: v (1 + c dt) = v + a dt.
+    fn damp(&mut self, dt: f64) {
+        let keep = 1.0 / (1.0 + self.damping * dt);
+        for (node, motion) in self.nodes.iter().zip(&mut self.motion) {
+            for d in 0..D {
+                let undamped = motion.velocity[d];
+                let velocity = keep * undamped;
+                motion.velocity[d] = velocity;
+                motion.acceleration[d] -= (undamped - velocity) / dt;
+                motion.change[d] -= undamped - velocity;
+                let lost = node.mixture_mass * (undamped - velocity);
+                self.totals.damping_loss += lost * velocity;
+                self.totals.damping_impulse[d] -= lost;
+            }
+        }
+    }
+
+    /// Eq. (1): relative velocity of the water.
+    fn darcy_flow(&mut self, dt: f64) {
+        if W::WET {
+            let gravity = self.parts.gravity.unwrap_or([0.0; D]);
+            let rates = self.parts.water.flow(&self.parts.grid, &self.motion, &gravity);
+            self.totals.darcy_dissipation += dt * rates.dissipation;
+            self.totals.flow_body_work += dt * rates.body_work;
+            self.totals.water_out += dt * rates.outflow.max(0.0);
+            self.totals.water_in -= dt * rates.outflow.min(0.0);
+        }
+    }
+
+    /// Strains, stresses, pressures, velocities and positions of both layers. True if a particle left its cell.
+    fn mesh_to_particles(&mut self, dt: f64) -> bool {
+        let Parts { grid, solid, water, law, flip, .. } = &mut self.parts;
+        let (flip, law) = (*flip, *law);
+        let mut inside = true;
+        for (cell, position) in grid.walk() {
+            let range = solid.range(cell);
+            if range.is_empty() {
+                continue;
+            }
+            let corners = grid.corners_from(grid.first_corner(cell, &position));
+            let (mut velocity, mut change) = ([[0.0; D]; 4], [[0.0; D]; 4]);
+            for a in 0..Grid::<D>::CORNERS {
+                velocity[a] = self.motion[corners[a]].velocity;
+                change[a] = self.motion[corners[a]].change;
+            }
+            let velocity = coefficients::<D, D>(&velocity);
+            let change = coefficients::<D, D>(&change);
+            let (mut mass, mut volume) = (0.0, 0.0);
+            for point in &mut solid.points[range] {
+                let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - position[d] as f64);
+                let phi = basis(&xi);
+                let gradient = gradient(&velocity, &Sh::point(&xi), grid.inverse_size);
+                mass += point.mass;
+                volume += point.volume;
+                K::rotate(&mut point.stress, &gradient, dt);
+                law.update(&mut point.stress, &K::strain_increment(&gradient, dt));
+                point.volume *= 1.0 + dt * trace(&gradient);
+                let dv = value::<D, D>(&change, &phi);
+                let v = value::<D, D>(&velocity, &phi);
+                for d in 0..D {
+                    point.v[d] = flip * point.v[d] + dv[d];
+                    point.x[d] += dt * v[d];
+                    let moved = point.x[d] * grid.inverse_size - position[d] as f64;
+                    inside &= (0.0..1.0).contains(&moved);
+                }
+            }
+            if W::WET {
+                let soil = SoilCell { cell, position, corners, mass, volume };
+                water.cell_to_points::<Sh>(grid, &soil, &velocity, dt);
+            }
+        }
+        !inside
+    }
+
+    /// Every cell with soil: its place, soil and water.
+    fn cell_values(&self) -> Vec<CellValues<D>> {
+        let Parts { grid, solid, water, law, .. } = &self.parts;
+        let mut cells = Vec::new();
+        for (cell, position) in grid.walk() {
+            let range = solid.range(cell);
+            if range.is_empty() {
+                continue;
+            }
+            let mut values = CellValues::default();
+            let corners = grid.corners(&position);
+            for index in range {
+                let point = &solid.points[index];
+                values.add_solid(point, self.parts.seed.height_of(solid.ids[index]), law.energy(&point.stress));
+            }
+            let soil =
+                SoilCell { cell, position, corners, mass: values.solid_mass, volume: values.volume };
+            (values.pressure, values.water_energy) = water.cell_state(&soil);
+            values.water_mass = water.cell_mass(&soil);
+            values.row = position[D - 1];
+            values.finish();
+            cells.push(values);
+        }
+        cells
+    }
+}
+
+impl<K, Sh, L, W, const D: usize, const S: usize> Model for Explicit<K, Sh, L, W, D, S>
+where
+    K: Kinematics<D, S>,
+    Sh: Shape,
+    L: Law<S>,
+    W: Water<K, D, S>,
+{
+    fn advance(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault> {
+        for _ in 0..steps {
+            self.step(dt)?;
+            *done += 1;
+        }
+        Ok(())
+    }
+
+    fn enter_stage(&mut self, drained: [bool; 4], damping: f64) {
+        self.damping = damping;
+        self.parts.water.set_drained(&self.parts.grid, &self.parts.solid, drained);
+    }
+
+    fn observe(&self) -> Observation {
+        let Parts { solid, water, surface, first_settlement, .. } = &self.parts;
+        let settlement = first_settlement + surface.settlement(solid);
+        observe(solid, water.layer(), &self.cell_values(), settlement, self.time)
+    }
+
+    fn ledger(&self) -> Ledger {
+        self.totals.ledger(&self.cell_values(), self.parts.water.density())
+    }
+
+    fn pore_pressure(&self) -> [f64; 3] {
+        let Parts { grid, solid, water, .. } = &self.parts;
+        let (mut sum, mut volume, mut low, mut high) = (0.0, 0.0, f64::INFINITY, f64::NEG_INFINITY);
+        for (cell, position) in grid.walk() {
+            let range = solid.range(cell);
+            if range.is_empty() {
+                continue;
+            }
+            let (v, mass) = solid.points[range].iter().fold((0.0, 0.0), |(v, m), p| (v + p.volume, m + p.mass));
+            let soil = SoilCell { cell, position, corners: [0; 4], mass, volume: v };
+            let (pressure, _) = water.cell_state(&soil);
+            sum += pressure * v;
+            volume += v;
+            low = low.min(pressure);
+            high = high.max(pressure);
+        }
+        [sum / volume, low, high]
+    }
+
+    fn bytes(&self) -> usize {
+        self.parts.solid.bytes()
+            + self.parts.water.bytes()
+            + self.nodes.capacity() * size_of::<NodeSums<D>>()
+            + self.motion.capacity() * size_of::<NodeMotion<D>>()
+    }
+
+    fn solid_count(&self) -> usize {
+        self.parts.solid.points.len()
+    }
+}

@@ -1,0 +1,152 @@
+//! The water layer: none at all, or water that fills the pores (saturated).
+//!
+//! A dry scene has no water arrays and calls nothing of this room: [`Dry`] is a type without data.
+
+mod exposed;
+mod face;
+mod nodal;
+mod saturated;
+
+pub use exposed::{Exposed, ExposedFace};
+pub use face::Face;
+pub use nodal::Nodal;
+pub use saturated::{DarcyOperator, Saturated, WaterCell};
+
+use crate::dimension::Kinematics;
+use crate::grid::Grid;
+use crate::nodes::NodeMotion;
+use crate::particles::{Layer, SolidPoint, WaterPoint};
+use crate::shape::Shape;
+
+/// Rates of the flow during one step.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FlowRates {
+    /// Energy lost to friction in the pores, W.
+    pub dissipation: f64,
+    /// Work of `rho_w (g - a_s)` on the Darcy flux, W.
+    pub body_work: f64,
+    /// Water leaving through drained faces, m3/s; negative where it enters.
+    pub outflow: f64,
+}
+
+/// One cell of soil, as the water needs it.
+#[derive(Debug, Clone, Copy)]
+pub struct SoilCell<const D: usize> {
+    /// Number of the cell.
+    pub cell: usize,
+    /// Its lattice position.
+    pub position: [usize; D],
+    /// Its corner nodes.
+    pub corners: [usize; 4],
+    /// Dry mass in it, kg.
+    pub mass: f64,
+    /// Volume of soil in it, m3.
+    pub volume: f64,
+}
+
+/// Stress sums of a cell: `sum V sigma`, and the same times each cell coordinate.
+#[derive(Debug, Clone, Copy)]
+pub struct StressSums<const D: usize, const S: usize> {
+    /// `sum V sigma`, N m.
+    pub mean: [f64; S],
+    /// `sum V sigma xi_d`, N m; not used by schemes that evaluate at the centre.
+    pub first: [[f64; S]; D],
+}
+
+/// What the step asks of the water.
+pub trait Water<K: Kinematics<D, S>, const D: usize, const S: usize>: Send {
+    /// Whether there is water at all.
+    const WET: bool;
+
+    /// Before the particles are gathered.
+    fn clear(&mut self);
+
+    /// Gathers the water of one cell: adds the pore pressure to the stress, returns water mass at the corners, kg.
+    fn cell_to_grid<Sh: Shape>(
+        &mut self,
+        grid: &Grid<D>,
+        soil: &SoilCell<D>,
+        stress: &mut StressSums<D, S>,
+    ) -> [[f64; 1]; 4];
+
+    /// Darcy flow from pressures and accelerations: the paper's Eq. (1).
+    fn flow(&mut self, grid: &Grid<D>, motion: &[NodeMotion<D>], gravity: &[f64; D]) -> FlowRates;
+
+    /// Updates pressure, volume, velocity and position of the water of one cell: the paper's Eqs. (5)-(7).
+    fn cell_to_points<Sh: Shape>(&mut self, grid: &Grid<D>, soil: &SoilCell<D>, velocity: &[[f64; D]; 4], dt: f64);
+
+    /// Restores the cell order where water has moved; removes water that has left the soil.
+    ///
+    /// # Errors
+    /// A place and what was found there.
+    fn settle(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>) -> Result<(), (String, String)>;
+
+    /// Which sides let water out from now on.
+    fn set_drained(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>, drained: [bool; 4]);
+
+    /// The water particles, if there are any.
+    fn layer(&self) -> Option<&Layer<WaterPoint<D>, D>>;
+
+    /// Pressure (Pa) and stored energy (J) of the water in a cell of soil.
+    fn cell_state(&self, soil: &SoilCell<D>) -> (f64, f64);
+
+    /// Mass of water in the pores of a cell of soil, rho_w n V (1 + p/K_w), kg.
+    fn cell_mass(&self, soil: &SoilCell<D>) -> f64;
+
+    /// Density of the water, kg/m3.
+    fn density(&self) -> f64;
+
+    /// Bytes held.
+    fn bytes(&self) -> usize;
+}
+
+/// No water.
+#[derive(Debug, Clone, Copy)]
+pub struct Dry;
+
+impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Dry {
+    const WET: bool = false;
+
+    #[inline(always)]
+    fn clear(&mut self) {}
+
+    #[inline(always)]
+    fn cell_to_grid<Sh: Shape>(&mut self, _: &Grid<D>, _: &SoilCell<D>, _: &mut StressSums<D, S>) -> [[f64; 1]; 4] {
+        [[0.0]; 4]
+    }
+
+    #[inline(always)]
+    fn flow(&mut self, _: &Grid<D>, _: &[NodeMotion<D>], _: &[f64; D]) -> FlowRates {
+        FlowRates::default()
+    }
+
+    #[inline(always)]
+    fn cell_to_points<Sh: Shape>(&mut self, _: &Grid<D>, _: &SoilCell<D>, _: &[[f64; D]; 4], _: f64) {}
+
+    #[inline(always)]
+    fn settle(&mut self, _: &Grid<D>, _: &Layer<SolidPoint<D, S>, D>) -> Result<(), (String, String)> {
+        Ok(())
+    }
+
+    fn set_drained(&mut self, _: &Grid<D>, _: &Layer<SolidPoint<D, S>, D>, _: [bool; 4]) {}
+
+    fn layer(&self) -> Option<&Layer<WaterPoint<D>, D>> {
+        None
+    }
+
+    fn cell_state(&self, _: &SoilCell<D>) -> (f64, f64) {
+        (0.0, 0.0)
+    }
+
+    fn cell_mass(&self, _: &SoilCell<D>) -> f64 {
+        0.0
+    }
+
+    fn density(&self) -> f64 {
+        0.0
+    }
+
+    fn bytes(&self) -> usize {
+        0
+    }
+}

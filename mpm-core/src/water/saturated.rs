@@ -1,0 +1,292 @@
+//! Water that fills the pores: pressure from the mass balance, flow from a Darcy operator.
+//!
+//! Mass balance (the paper's Eq. (5) with the sign of the solid term mended, see `reference-data/paper/errata.md`):
+//! `dp = -(K_w/n) [ tr(d eps_s) + div(n v*) dt ]`.
+
+use super::exposed::Exposed;
+use super::{FlowRates, SoilCell, StressSums, Water};
+use crate::dimension::{Kinematics, basis, coefficients, gradient, to_corners, trace, value};
+use crate::grid::Grid;
+use crate::nodes::NodeMotion;
+use crate::particles::{Layer, SolidPoint, WaterPoint};
+use crate::scene::WaterProperties;
+use crate::shape::Shape;
+
+/// Water of one cell, gathered at the start of a step.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct WaterCell {
+    /// Pore pressure at the centre, Pa.
+    pub pressure: f64,
+    /// Porosity n of the soil in the cell.
+    pub porosity: f64,
+    /// Volume of soil in the cell, m3; zero for a cell without soil.
+    pub soil_volume: f64,
+}
+
+/// A way to compute the flow between cells.
+pub trait DarcyOperator<const D: usize>: Send + Sized {
+    /// Arrays for a mesh; `area` is that of a cell face, m2; `inertia` keeps `rho_w a_s` in Darcy's law.
+    fn new(grid: &Grid<D>, water: &WaterProperties, area: f64, inertia: bool) -> Self;
+    /// The cells with soil, their exposed faces or the drainage have changed.
+    fn rebuild(&mut self, grid: &Grid<D>, soil: impl Fn(usize) -> bool, exposed: &Exposed);
+    /// Before the particles are gathered.
+    fn clear(&mut self);
+    /// Gathers one cell: `gradient` is `sum V G p` at the corners (N), `volume` is `sum V N` (m3).
+    fn gather(&mut self, corners: &[usize; 4], cell: &WaterCell, gradient: &[[f64; D]; 4], volume: &[[f64; 1]; 4]);
+    /// Whether [`Self::gather`] does anything.
+    const GATHERS: bool;
+    /// Flow from the pressures of the cells and the accelerations of the nodes.
+    fn flow(
+        &mut self,
+        grid: &Grid<D>,
+        cells: &[WaterCell],
+        motion: &[NodeMotion<D>],
+        gravity: &[f64; D],
+        boundary: (&Exposed, &[bool; 4]),
+    ) -> FlowRates;
+    /// Relative velocity v* in a cell, as coefficients of the basis, m/s.
+    fn relative(&self, grid: &Grid<D>, soil: &SoilCell<D>, cell: &WaterCell) -> [[f64; D]; 4];
+    /// Factor on the divergence of the flow in a cell that is not full of soil.
+    fn filling(&self, soil_volume: f64) -> f64;
+    /// Bytes held.
+    fn bytes(&self) -> usize;
+}
+
+/// A saturated soil's water.
+#[derive(Debug, Clone)]
+pub struct Saturated<O, const D: usize> {
+    points: Layer<WaterPoint<D>, D>,
+    cells: Vec<WaterCell>,
+    operator: O,
+    exposed: Exposed,
+    drained: [bool; 4],
+    properties: WaterProperties,
+    grain_density: f64,
+    solid_order: u64,
+    moved: bool,
+    /// Mass of particles removed because they left the soil, kg.
+    pub removed_mass: f64,
+}
+
+impl<O: DarcyOperator<D>, const D: usize> Saturated<O, D> {
+    /// Water particles in a mesh. `area` is that of a cell face, m2; `grain_density` in kg/m3.
+    pub fn new(
+        points: Layer<WaterPoint<D>, D>,
+        grid: &Grid<D>,
+        properties: WaterProperties,
+        grain_density: f64,
+        operator: O,
+    ) -> Self {
+        Self {
+            points,
+            cells: vec![WaterCell::default(); grid.cell_count()],
+            operator,
+            exposed: Exposed::default(),
+            drained: [false; 4],
+            properties,
+            grain_density,
+            solid_order: 0,
+            moved: false,
+            removed_mass: 0.0,
+        }
+    }
+
+    /// Porosity from the volume of grains, which do not compress.
+    #[inline(always)]
+    fn porosity(&self, soil: &SoilCell<D>) -> f64 {
+        1.0 - soil.mass / (self.grain_density * soil.volume)
+    }
+
+    fn rebuild<const S: usize>(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>) {
+        let soil = |cell: usize| !solid.range(cell).is_empty();
+        for (cell, water) in self.cells.iter_mut().enumerate() {
+            if !soil(cell) {
+                *water = WaterCell::default();
+            }
+        }
+        self.exposed.rebuild(grid, soil);
+        self.operator.rebuild(grid, soil, &self.exposed);
+        self.solid_order = solid.order;
+    }
+}
+
+impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> Water<K, D, S> for Saturated<O, D> {
+    const WET: bool = true;
+
+    #[inline(always)]
+    fn clear(&mut self) {
+        self.operator.clear();
+    }
+
+    #[inline(always)]
+    fn cell_to_grid<Sh: Shape>(
+        &mut self,
+        grid: &Grid<D>,
+        soil: &SoilCell<D>,
+        stress: &mut StressSums<D, S>,
+    ) -> [[f64; 1]; 4] {
+        let mut mass = [[0.0]; 4];
+        let mut weighted = [[0.0; 1]; 4]; // moments of V p
+        let mut volumes = [[0.0; 1]; 4]; // moments of V
+        for point in &self.points.points[self.points.range(soil.cell)] {
+            let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - soil.position[d] as f64);
+            let phi = basis(&xi);
+            for k in 0..Grid::<D>::CORNERS {
+                mass[k][0] += point.mass * phi[k];
+            }
+            weighted[0][0] += point.volume * point.pressure;
+            volumes[0][0] += point.volume;
+            if !Sh::AT_CENTRE {
+                for k in 1..Grid::<D>::CORNERS {
+                    weighted[k][0] += point.volume * point.pressure * phi[k];
+                    volumes[k][0] += point.volume * phi[k];
+                }
+            }
+        }
+        let pressure = weighted[0][0] / volumes[0][0];
+        self.cells[soil.cell] = WaterCell { pressure, porosity: self.porosity(soil), soil_volume: soil.volume };
+        if Sh::AT_CENTRE {
+            // Section 2.2: the pressure acts at the centre of the cell, on the soil that the water fills.
+            let centre = basis(&[0.5; D]);
+            for k in 0..Grid::<D>::CORNERS {
+                weighted[k][0] = pressure * soil.volume * centre[k];
+                volumes[k][0] = soil.volume * centre[k];
+            }
+        }
+        for s in 0..S {
+            stress.mean[s] += weighted[0][0] * K::UNIT_PRESSURE[s];
+            for d in 0..D {
+                stress.first[d][s] += weighted[1 + d][0] * K::UNIT_PRESSURE[s];
+            }
+        }
+        if O::GATHERS {
+            // sum_wp V G_i p: the force of the pressure alone.
+            let mean: [f64; S] = std::array::from_fn(|s| weighted[0][0] * -K::UNIT_PRESSURE[s]);
+            let first: [[f64; S]; D] =
+                std::array::from_fn(|d| std::array::from_fn(|s| weighted[1 + d][0] * -K::UNIT_PRESSURE[s]));
+            let force = to_corners::<D, D>(&K::internal_force(&mean, &first, grid.inverse_size));
+            self.operator.gather(&soil.corners, &self.cells[soil.cell], &force, &to_corners::<D, 1>(&volumes));
+        }
+        to_corners::<D, 1>(&mass)
+    }
+
+    #[inline(always)]
+    fn flow(&mut self, grid: &Grid<D>, motion: &[NodeMotion<D>], gravity: &[f64; D]) -> FlowRates {
+        self.operator.flow(grid, &self.cells, motion, gravity, (&self.exposed, &self.drained))
+    }
+
+    #[inline(always)]
+    fn cell_to_points<Sh: Shape>(&mut self, grid: &Grid<D>, soil: &SoilCell<D>, velocity: &[[f64; D]; 4], dt: f64) {
+        let cell = self.cells[soil.cell];
+        let relative = self.operator.relative(grid, soil, &cell);
+        let mut both = *velocity; // v_w = v_s + v*
+        for k in 0..Grid::<D>::CORNERS {
+            for d in 0..D {
+                both[k][d] += relative[k][d];
+            }
+        }
+        let stiffness = self.properties.bulk_modulus / cell.porosity;
+        let filling = self.operator.filling(cell.soil_volume);
+        // Rates of pressure and of water volume at a point of the cell.
+        let rates_at = |at: &[f64; D]| {
+            let solid = trace(&gradient(velocity, at, grid.inverse_size)); // Eq. (7a)
+            let flow = filling * trace(&gradient(&relative, at, grid.inverse_size)); // Eq. (6a)
+            // Eq. (5), mended: dp = -(K_w/n) [ tr(d eps_s) + n tr(d eps*_w) ]
+            (-stiffness * (solid + cell.porosity * flow), solid + flow)
+        };
+        let centre = rates_at(&[0.5; D]);
+        let range = self.points.range(soil.cell);
+        let mut inside = true;
+        for point in &mut self.points.points[range] {
+            let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - soil.position[d] as f64);
+            let phi = basis(&xi);
+            let (pressure_rate, volume_rate) = if Sh::AT_CENTRE { centre } else { rates_at(&xi) };
+            point.pressure += dt * pressure_rate;
+            point.volume *= 1.0 + dt * volume_rate;
+            point.v = value::<D, D>(&both, &phi);
+            for d in 0..D {
+                point.x[d] += dt * point.v[d];
+                let moved = point.x[d] * grid.inverse_size - soil.position[d] as f64;
+                inside &= (0.0..1.0).contains(&moved);
+            }
+        }
+        self.moved |= !inside;
+    }
+
+    fn settle(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>) -> Result<(), (String, String)> {
+        let soil_changed = self.solid_order != solid.order;
+        if !soil_changed && !self.moved {
+            return Ok(());
+        }
+        self.moved = false;
+        if soil_changed {
+            self.rebuild(grid, solid);
+        }
+        let outside = |p: &WaterPoint<D>| grid.cell_at(&p.x).is_none_or(|cell| solid.range(cell).is_empty());
+        if let Some(point) = self.points.points.iter().find(|p| outside(p)) {
+            let lost = point.x.iter().any(|x| !x.is_finite()) || !self.drained.contains(&true);
+            if lost {
+                return Err((format!("water particle at {:?} m", point.x), "outside the soil, which is undrained".into()));
+            }
+            let mut removed = 0.0;
+            let escaped = self.points.remove(grid, |p| {
+                let leaves = outside(p);
+                removed += if leaves { p.mass } else { 0.0 };
+                leaves
+            });
+            self.removed_mass += removed;
+            escaped.map_err(|e| (format!("water particle at {:?} m", e.x), "outside the mesh".into()))?;
+        } else {
+            self.points.sort(grid).map_err(|e| (format!("water particle at {:?} m", e.x), "outside the mesh".into()))?;
+        }
+        for cell in 0..grid.cell_count() {
+            if !solid.range(cell).is_empty() && self.points.range(cell).is_empty() {
+                let place = format!("cell {:?}", grid.cell_position(cell));
+                return Err((place, "soil without a water particle in a saturated scene".into()));
+            }
+        }
+        Ok(())
+    }
+
+    fn set_drained(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>, drained: [bool; 4]) {
+        self.drained = drained;
+        self.rebuild(grid, solid);
+    }
+
+    fn layer(&self) -> Option<&Layer<WaterPoint<D>, D>> {
+        Some(&self.points)
+    }
+
+    fn cell_state(&self, soil: &SoilCell<D>) -> (f64, f64) {
+        let (sum, volume) = self.points.points[self.points.range(soil.cell)]
+            .iter()
+            .fold((0.0, 0.0), |(s, v), p| (s + p.volume * p.pressure, v + p.volume));
+        let pressure = sum / volume;
+        let stored = 0.5 * self.porosity(soil) * soil.volume * pressure * pressure / self.properties.bulk_modulus;
+        (pressure, stored)
+    }
+
+    fn cell_mass(&self, soil: &SoilCell<D>) -> f64 {
+        let (pressure, _) = Water::<K, D, S>::cell_state(self, soil);
+        let pores = self.porosity(soil) * soil.volume;
+        self.properties.density * pores * (1.0 + pressure / self.properties.bulk_modulus)
+    }
+
+    fn density(&self) -> f64 {
+        self.properties.density
+    }
+
+    fn bytes(&self) -> usize {
+        self.points.bytes() + self.cells.capacity() * size_of::<WaterCell>() + self.operator.bytes()
+    }
+}
+
+/// Coefficients of a nodal field in a cell.
+#[inline(always)]
+pub(super) fn cell_coefficients<const D: usize>(field: &[[f64; D]], corners: &[usize; 4]) -> [[f64; D]; 4] {
+    let mut nodal = [[0.0; D]; 4];
+    for a in 0..Grid::<D>::CORNERS {
+        nodal[a] = field[corners[a]];
+    }
+    coefficients::<D, D>(&nodal)
+}
