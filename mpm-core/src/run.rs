@@ -212,5 +212,10 @@ fn first_state(scene: &Scene, height: f64) -> (f64, f64) {
 }
 
 fn outside<const D: usize>(layer: &str, index: usize, x: &[f64; D]) -> RunError {
-    RunError { step: 0, time: 0.0, place: format!("{layer} particle {index} at {x:?} m"), what: "outside the mesh".into() }
+    RunError {
+        step: 0,
+        time: 0.0,
+        place: format!("{layer} particle {index} at {x:?} m"),
+        what: "outside the mesh".into(),
+    }
 }

@@ -12,7 +12,7 @@
 //! chi = 0 that is `(1 - dt^2 M/(rho L^2)) (1 - 2 dt D_p/L^2) = dt^2 Q/(rho L^2)`. One particle per cell has S = 0
 //! for the shortest wave: its Courant limit is lower by the square root of two.
 
-use crate::scene::{DarcyChoice, Dimension, Scene, StepChoice, PAPER_STEP};
+use crate::scene::{DarcyChoice, Dimension, PAPER_STEP, Scene, SolidSide, StepChoice};
 
 /// What the limit depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,7 +48,8 @@ impl Medium {
     /// The medium of a scene.
     pub fn of(scene: &Scene) -> Self {
         let pore_stiffness = scene.pore_stiffness();
-        let flow_inertia = scene.water.filter(|_| scene.darcy_inertia).map_or(0.0, |w| w.density);
+        let with_inertia = scene.darcy_inertia && !flow_passes_held_soil(scene);
+        let flow_inertia = scene.water.filter(|_| with_inertia).map_or(0.0, |w| w.density);
         Self {
             modulus: scene.oedometer_modulus(),
             density: scene.mixture_density(),
@@ -144,6 +145,17 @@ fn wave(i: u32) -> f64 {
     (f64::from(i) / f64::from(WAVES) * std::f64::consts::FRAC_PI_2).sin().powi(2)
 }
 
+/// Whether water can flow along a direction in which nodes of the soil are held.
+///
+/// There a_s = 0 whatever the pressure, so `rho_w a_s` cannot relieve Darcy's law and the lower limit holds: at a
+/// drained side on rollers, and along a fixed side in plane strain.
+fn flow_passes_held_soil(scene: &Scene) -> bool {
+    let held = |i: usize| scene.solid_sides[i] != SolidSide::Free;
+    let drained = |i: usize| scene.stages.iter().any(|stage| stage.drained[i]);
+    let along = scene.dimension == Dimension::PlaneStrain && scene.solid_sides.contains(&SolidSide::Fixed);
+    along || (0..4).any(|i| held(i) && drained(i))
+}
+
 /// Largest stable explicit step of a scene, s.
 pub fn explicit_limit(scene: &Scene) -> f64 {
     let medium = Medium::of(scene);
@@ -155,7 +167,9 @@ pub fn explicit_limit(scene: &Scene) -> f64 {
 
 /// A step above the limit was asked for.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("time.step: expected at most {limit:.6e} s, the stability limit of this scene, found {step:.6e} s; --force runs it all the same")]
+#[error(
+    "time.step: expected at most {limit:.6e} s, the stability limit of this scene, found {step:.6e} s; --force runs it all the same"
+)]
 pub struct StepTooLarge {
     /// Step asked for, s.
     pub step: f64,

@@ -4,4 +4,4 @@ mod supports;
 mod surcharge;
 
 pub use supports::Supports;
-pub use surcharge::{SurfaceLoad, Strip};
+pub use surcharge::{Strip, SurfaceLoad};

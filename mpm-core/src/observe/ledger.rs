@@ -147,10 +147,8 @@ impl<const D: usize> Totals<D> {
     pub fn ledger(&self, cells: &[CellValues<D>], density: f64) -> Ledger {
         let (now, first, up) = (Stored::of(cells), &self.first, D - 1);
         let (water_in_kg, water_out_kg) = (density * self.water_in, density * self.water_out);
-        let impulse_n_s = self.load_impulse
-            + self.support_impulse[up]
-            + self.gravity_impulse[up]
-            + self.damping_impulse[up];
+        let impulse_n_s =
+            self.load_impulse + self.support_impulse[up] + self.gravity_impulse[up] + self.damping_impulse[up];
         let stored = now.kinetic + now.strain + now.pressure - first.kinetic - first.strain - first.pressure;
         let work = self.external_work + self.gravity_work + self.flow_body_work;
         Ledger {

@@ -67,11 +67,7 @@ impl Reader<'_> {
 
     fn within(&self, value: &Spanned<f64>, key: &str, expected: &str, holds: impl Fn(f64) -> bool) -> Checked<f64> {
         let number = *value.get_ref();
-        if number.is_finite() && holds(number) {
-            Ok(number)
-        } else {
-            self.refuse(&value.span(), key, expected, number)
-        }
+        if number.is_finite() && holds(number) { Ok(number) } else { self.refuse(&value.span(), key, expected, number) }
     }
 
     fn positive(&self, value: &Spanned<f64>, key: &str, unit: &str) -> Checked<f64> {
@@ -267,7 +263,8 @@ impl Reader<'_> {
             let i = side as usize;
             sides[i] = self.word(value.as_ref(), &format!("boundaries.{side}"), &words, defaults[i])?;
             let across = matches!(side, Side::Left | Side::Right);
-            if let (Some(value), true, Dimension::Column) = (value, across && sides[i] != SolidSide::Roller, dimension) {
+            if let (Some(value), true, Dimension::Column) = (value, across && sides[i] != SolidSide::Roller, dimension)
+            {
                 let expected = "\"roller\" in a column, which cannot move sideways (or dimension = \"plane-strain\")";
                 return self.refuse(&value.span(), &format!("boundaries.{side}"), expected, quoted(value.get_ref()));
             }
@@ -292,7 +289,12 @@ impl Reader<'_> {
             None => 0.0,
         };
         Ok(Some(Surcharge {
-            pressure: self.within(&load.pressure, "surcharge.pressure", "a finite pressure other than 0 (Pa)", |q| q != 0.0)?,
+            pressure: self.within(
+                &load.pressure,
+                "surcharge.pressure",
+                "a finite pressure other than 0 (Pa)",
+                |q| q != 0.0,
+            )?,
             on: self.word(load.on.as_ref(), "surcharge.on", &words, LoadOn::Surface)?,
             ramp_time,
         }))
@@ -307,9 +309,12 @@ impl Reader<'_> {
         let start = self.word(raw.start.as_ref(), "start", &words, Start::Unloaded)?;
         let span = raw.start.as_ref().map_or(0..0, Spanned::span);
         match start {
-            Start::UndrainedEquilibrium if surcharge.is_none_or(|s| s.ramp_time > 0.0) => {
-                self.refuse(&span, "start", "a surcharge without ramp to be in equilibrium with", "\"undrained-equilibrium\"")
-            }
+            Start::UndrainedEquilibrium if surcharge.is_none_or(|s| s.ramp_time > 0.0) => self.refuse(
+                &span,
+                "start",
+                "a surcharge without ramp to be in equilibrium with",
+                "\"undrained-equilibrium\"",
+            ),
             Start::UndrainedEquilibrium if gravity.is_some() => {
                 self.refuse(&span, "start", "\"geostatic\" or \"unloaded\" under gravity", "\"undrained-equilibrium\"")
             }
@@ -325,7 +330,12 @@ impl Reader<'_> {
         let operators = [("face", DarcyChoice::Face), ("nodal", DarcyChoice::Nodal)];
         let Some(raw) = raw else { return Ok((ShapeChoice::Centre, DarcyChoice::Face, true, 1.0)) };
         if let (Some(value), false) = (&raw.darcy, wet) {
-            return self.refuse(&value.span(), "scheme.darcy", "no Darcy operator in a dry scene", quoted(value.get_ref()));
+            return self.refuse(
+                &value.span(),
+                "scheme.darcy",
+                "no Darcy operator in a dry scene",
+                quoted(value.get_ref()),
+            );
         }
         let flip = match &raw.flip {
             Some(value) => self.within(value, "scheme.flip", "0 <= flip <= 1", |f| (0.0..=1.0).contains(&f))?,
@@ -370,7 +380,8 @@ impl Reader<'_> {
                 Some(value) => self.within(value, "stages.damping", "a rate of 0 or more (1/s)", |d| d >= 0.0)?,
                 None => 0.0,
             };
-            let name = stage.get_ref().name.as_ref().map_or_else(|| format!("stage {}", number + 1), |n| n.get_ref().clone());
+            let name =
+                stage.get_ref().name.as_ref().map_or_else(|| format!("stage {}", number + 1), |n| n.get_ref().clone());
             scene.stages.push(Stage { name, drained, damping, until: Until::Time(0.0) });
             let until = self.until(&stage.get_ref().until, scene)?;
             if let Some(last) = scene.stages.last_mut() {
@@ -384,7 +395,11 @@ impl Reader<'_> {
         let mut drained = [false; 4];
         let expected = "\"none\" or a list of sides, e.g. [\"top\"]: a saturated scene must say where its water leaves";
         let Some(value) = &stage.get_ref().drained else {
-            return if scene.water.is_none() { Ok(drained) } else { self.refuse(&stage.span(), "stages.drained", expected, "none given") };
+            return if scene.water.is_none() {
+                Ok(drained)
+            } else {
+                self.refuse(&stage.span(), "stages.drained", expected, "none given")
+            };
         };
         if scene.water.is_none() {
             return self.refuse(&value.span(), "stages.drained", "no drained side in a dry scene", "one");
@@ -432,7 +447,12 @@ impl Reader<'_> {
             }
             (None, None, Some(within)) => {
                 if scene.surcharge.is_none() || scene.water.is_none() {
-                    return self.refuse(&within.span(), "stages.until.pore_pressure_within", "[surcharge] and [water]", "none");
+                    return self.refuse(
+                        &within.span(),
+                        "stages.until.pore_pressure_within",
+                        "[surcharge] and [water]",
+                        "none",
+                    );
                 }
                 let expected = "0 < tolerance < 1";
                 let key = "stages.until.pore_pressure_within";
@@ -445,7 +465,12 @@ impl Reader<'_> {
                 };
                 Ok(Until::PorePressure { within, everywhere: until.everywhere.unwrap_or(false), at_most })
             }
-            _ => self.refuse(&span, "stages.until", "exactly one of time, time_factor, pore_pressure_within", "none or several"),
+            _ => self.refuse(
+                &span,
+                "stages.until",
+                "exactly one of time, time_factor, pore_pressure_within",
+                "none or several",
+            ),
         }
     }
 
@@ -459,7 +484,9 @@ impl Reader<'_> {
             let observe = table.get_ref();
             if let Some(list) = &observe.times {
                 for value in list.get_ref() {
-                    times.push(self.within(value, "observe.times", &format!("0 < t <= {end} s, the end"), |t| t > 0.0 && t <= end)?);
+                    times.push(self.within(value, "observe.times", &format!("0 < t <= {end} s, the end"), |t| {
+                        t > 0.0 && t <= end
+                    })?);
                 }
             }
             if let Some(list) = &observe.time_factors {
@@ -476,7 +503,14 @@ impl Reader<'_> {
             scene.profiles = observe.profiles.unwrap_or(true);
             scene.history = match &observe.history {
                 Some(value) if (0..=1_000_000).contains(value.get_ref()) => *value.get_ref() as usize,
-                Some(value) => return self.refuse(&value.span(), "observe.history", "between 0 and 1000000 points", value.get_ref()),
+                Some(value) => {
+                    return self.refuse(
+                        &value.span(),
+                        "observe.history",
+                        "between 0 and 1000000 points",
+                        value.get_ref(),
+                    );
+                }
                 None => 0,
             };
         }

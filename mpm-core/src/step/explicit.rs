@@ -158,9 +158,9 @@ where
 
     /// The surcharge at this time, Pa.
     fn pressure(&self) -> f64 {
-        self.parts.surcharge.map_or(0.0, |s| {
-            if self.time < s.ramp_time { s.pressure * self.time / s.ramp_time } else { s.pressure }
-        })
+        self.parts
+            .surcharge
+            .map_or(0.0, |s| if self.time < s.ramp_time { s.pressure * self.time / s.ramp_time } else { s.pressure })
     }
 
     /// Surcharge and gravity, where the scene has them.
@@ -300,8 +300,7 @@ where
                 let point = &solid.points[index];
                 values.add_solid(point, self.parts.seed.height_of(solid.ids[index]), law.energy(&point.stress));
             }
-            let soil =
-                SoilCell { cell, position, corners, mass: values.solid_mass, volume: values.volume };
+            let soil = SoilCell { cell, position, corners, mass: values.solid_mass, volume: values.volume };
             (values.pressure, values.water_energy) = water.cell_state(&soil);
             values.water_mass = water.cell_mass(&soil);
             values.row = position[D - 1];

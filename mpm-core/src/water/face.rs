@@ -35,11 +35,8 @@ impl<const D: usize> Face<D> {
     /// rho_w L (g - a_s) across a face, Pa.
     #[inline(always)]
     fn body(&self, axis: usize, gravity: &[f64; D], a: &NodeMotion<D>, b: &NodeMotion<D>) -> f64 {
-        let acceleration = if D == 1 {
-            a.acceleration[axis]
-        } else {
-            0.5 * (a.acceleration[axis] + b.acceleration[axis])
-        };
+        let acceleration =
+            if D == 1 { a.acceleration[axis] } else { 0.5 * (a.acceleration[axis] + b.acceleration[axis]) };
         self.weight * (gravity[axis] - self.inertia * acceleration)
     }
 }
@@ -96,7 +93,13 @@ impl<const D: usize> DarcyOperator<D> for Face<D> {
                 let upper = row * grid.cells[0] + usize::from(axis == 0);
                 let face = row * (grid.cells[0] + usize::from(axis == 0)) + usize::from(axis == 0);
                 let node = row * (grid.cells[0] + 1) + usize::from(axis == 0);
-                let other = if D == 1 { 0 } else if axis == 0 { grid.cells[0] + 1 } else { 1 };
+                let other = if D == 1 {
+                    0
+                } else if axis == 0 {
+                    grid.cells[0] + 1
+                } else {
+                    1
+                };
                 let (lower_cells, upper_cells) = (&cells[upper - stride..], &cells[upper..]);
                 let (first, second) = (&motion[node..], &motion[node + other..]);
                 let open = &self.open[axis][face..face + along];

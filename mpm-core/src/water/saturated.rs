@@ -226,7 +226,10 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
         if let Some(point) = self.points.points.iter().find(|p| outside(p)) {
             let lost = point.x.iter().any(|x| !x.is_finite()) || !self.drained.contains(&true);
             if lost {
-                return Err((format!("water particle at {:?} m", point.x), "outside the soil, which is undrained".into()));
+                return Err((
+                    format!("water particle at {:?} m", point.x),
+                    "outside the soil, which is undrained".into(),
+                ));
             }
             let mut removed = 0.0;
             let escaped = self.points.remove(grid, |p| {
@@ -237,7 +240,9 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
             self.removed_mass += removed;
             escaped.map_err(|e| (format!("water particle at {:?} m", e.x), "outside the mesh".into()))?;
         } else {
-            self.points.sort(grid).map_err(|e| (format!("water particle at {:?} m", e.x), "outside the mesh".into()))?;
+            self.points
+                .sort(grid)
+                .map_err(|e| (format!("water particle at {:?} m", e.x), "outside the mesh".into()))?;
         }
         for cell in 0..grid.cell_count() {
             if !solid.range(cell).is_empty() && self.points.range(cell).is_empty() {
