@@ -1,0 +1,183 @@
+//! The consolidating column with inertia: the u-p model, exactly.
+//!
+//! Assumptions as Terzaghi's with compressible water, plus inertia of the mixture (the relative acceleration of the
+//! water is neglected) and, if asked for, `rho_w a_s` in Darcy's law. With y the height above the impermeable base,
+//! `u = sum U_j sin(k_j y)`, `p = sum P_j cos(k_j y)`, k_j = (j - 1/2) pi/H, each mode obeys
+//! `rho U'' = -M k^2 U + k P - 2 q s_j/H` and `P'/Q = -k U' - (k_h/gamma_w)(k^2 P - rho_w k U'')`, s_j = sin(k_j H).
+//!
+//! Sources: Biot 1956; Zienkiewicz, Chang & Bettess 1980, Geotechnique 30(4); modal form derived here.
+
+use mpm_core::scene::{Scene, Start};
+use nalgebra::{Complex, Matrix3, Vector3};
+use std::f64::consts::PI;
+
+/// Modes kept; the settlement converges as the fourth power of their number, see the tests.
+const MODES: usize = 600;
+
+/// A dynamic column drained at its top.
+#[derive(Debug, Clone)]
+pub struct DynamicColumn {
+    height: f64,
+    modulus: f64,
+    load: f64,
+    ramp: f64,
+    modes: Vec<Mode>,
+}
+
+#[derive(Debug, Clone)]
+struct Mode {
+    wave: f64,
+    sign: f64,
+    /// Eigenvalues, 1/s.
+    rates: [Complex<f64>; 3],
+    /// Their shares in U - U_static, m.
+    shares: [Complex<f64>; 3],
+    /// Stiffness M k^2 and density, for the pressure from the equation of motion.
+    stiffness: f64,
+    density: f64,
+}
+
+impl DynamicColumn {
+    /// The column of a scene; `None` if it is dry, unloaded or not drained at the top alone.
+    pub fn new(scene: &Scene) -> Option<Self> {
+        let (water, load) = (scene.water?, scene.surcharge?);
+        let drained = scene.stages[scene.stages.len() - 1].drained;
+        if drained != [false, false, false, true] {
+            return None;
+        }
+        let (m, q, rho, h) = (scene.oedometer_modulus(), scene.pore_stiffness(), scene.mixture_density(), scene.height);
+        let diffusivity = water.mobility() * q;
+        let inertia = if scene.darcy_inertia { diffusivity * water.density } else { 0.0 };
+        let undrained = match scene.start {
+            Start::UndrainedEquilibrium => scene.undrained_pressure(),
+            _ => 0.0,
+        };
+        // The load that the skeleton carries at t = 0; an unloaded start carries nothing.
+        let carried = if scene.start == Start::UndrainedEquilibrium { load.pressure - undrained } else { 0.0 };
+        let modes = (1..=MODES)
+            .map(|j| {
+                let k = (j as f64 - 0.5) * PI / h;
+                let sign = if j % 2 == 1 { 1.0 } else { -1.0 };
+                // State (U - U_static, U', P).
+                let motion = [-m * k * k / rho, 0.0, k / rho];
+                let flow = [inertia * k * motion[0], -q * k, -diffusivity * k * k + inertia * k * motion[2]];
+                let matrix = Matrix3::from_row_slice(&[
+                    0.0, 1.0, 0.0, motion[0], motion[1], motion[2], flow[0], flow[1], flow[2],
+                ]);
+                let shape = 2.0 * sign / (h * k * k);
+                let first = Vector3::new(shape * (load.pressure - carried) / m, 0.0, shape * k * undrained);
+                Mode::new(k, sign, &matrix, &first, m * k * k, rho)
+            })
+            .collect();
+        Some(Self { height: h, modulus: m, load: load.pressure, ramp: load.ramp_time, modes })
+    }
+
+    /// Settlement of the surface from the unloaded state at a time (s), m.
+    pub fn settlement(&self, time: f64) -> f64 {
+        let late: f64 = self.modes.iter().map(|m| m.sign * self.response(time, |t, i| m.displacement(t, i))).sum();
+        self.share(time) * self.load * self.height / self.modulus - late
+    }
+
+    /// Pore pressure at the base, Pa.
+    pub fn base_pressure(&self, time: f64) -> f64 {
+        self.modes.iter().map(|m| self.response(time, |t, i| m.pressure(t, i))).sum()
+    }
+
+    fn share(&self, time: f64) -> f64 {
+        if time < self.ramp { time / self.ramp } else { 1.0 }
+    }
+
+    /// Response to the load from that to a step; `part(t, true)` is the integral of `part(t, false)`.
+    fn response(&self, time: f64, part: impl Fn(f64, bool) -> f64) -> f64 {
+        if self.ramp == 0.0 {
+            return part(time, false);
+        }
+        let before = if time > self.ramp { part(time - self.ramp, true) } else { part(0.0, true) };
+        (part(time, true) - before) / self.ramp
+    }
+}
+
+impl Mode {
+    fn new(wave: f64, sign: f64, matrix: &Matrix3<f64>, first: &Vector3<f64>, stiffness: f64, density: f64) -> Self {
+        // The entries span twenty decades; a diagonal similarity makes them comparable without moving eigenvalues.
+        let frequency = matrix[(1, 0)].abs().max((matrix[(1, 2)] * matrix[(2, 1)]).abs()).sqrt();
+        let scale = Vector3::new(frequency, 1.0, matrix[(1, 2)] / frequency);
+        let scaled = Matrix3::from_diagonal(&scale) * matrix * Matrix3::from_diagonal(&scale.map(f64::recip));
+        let rates = scaled.complex_eigenvalues();
+        let rates = [rates[0], rates[1], rates[2]];
+        // U and its first two derivatives at t = 0 give the three shares (a Vandermonde system, by Lagrange).
+        let derivatives = [first, &(matrix * first), &(matrix * matrix * first)].map(|d| Complex::from(d[0]));
+        let shares = std::array::from_fn(|i| {
+            let (a, b, c) = (rates[i], rates[(i + 1) % 3], rates[(i + 2) % 3]);
+            (derivatives[2] - (b + c) * derivatives[1] + b * c * derivatives[0]) / ((a - b) * (a - c))
+        });
+        Self { wave, sign, rates, shares, stiffness, density }
+    }
+
+    /// U - U_static, m, or its time integral.
+    fn displacement(&self, time: f64, integral: bool) -> f64 {
+        self.sum(time, integral, |_| Complex::from(1.0))
+    }
+
+    /// P = (rho U'' + M k^2 (U - U_static))/k, Pa, or its time integral.
+    fn pressure(&self, time: f64, integral: bool) -> f64 {
+        self.sum(time, integral, |rate| (rate * rate * self.density + self.stiffness) / self.wave)
+    }
+
+    fn sum(&self, time: f64, integral: bool, factor: impl Fn(Complex<f64>) -> Complex<f64>) -> f64 {
+        let part = |i: usize| {
+            let rate = self.rates[i];
+            let shape = if integral { Complex::from(1.0) / rate } else { Complex::from(1.0) };
+            (self.shares[i] * factor(rate) * (rate * time).exp() * shape).re
+        };
+        part(0) + part(1) + part(2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::oracle::Table;
+    use super::super::terzaghi::Terzaghi;
+    use super::*;
+    use mpm_core::scene::Surcharge;
+
+    fn scene(grain: bool, inertia: bool, ramp: f64) -> Scene {
+        let mut scene = crate::scenes::terzaghi();
+        scene.grain_density = if grain { 1800.0 } else { 1500.0 / 0.7 };
+        scene.darcy_inertia = inertia;
+        scene.start = Start::Unloaded;
+        scene.surcharge = scene.surcharge.map(|s| Surcharge { ramp_time: ramp, ..s });
+        scene
+    }
+
+    #[test]
+    fn long_columns_match_the_tables() {
+        for (name, inertia) in [("up", true), ("upq", false)] {
+            for (density, grain) in [("rhog", true), ("rhob", false)] {
+                let table = Table::read(&format!("04_dynamic_{name}_long_{density}.csv"));
+                let exact = DynamicColumn::new(&scene(grain, inertia, 5e-4)).expect("a wet, loaded column");
+                for [t, u, p] in table.rows(["t_s", "top_u_over_qH_M", "base_p_Pa"]) {
+                    let s = exact.settlement(t) * exact.modulus / exact.load;
+                    assert!((s - u).abs() < 2e-9, "{name} {density} t = {t}: {s} {u}");
+                    assert!((exact.base_pressure(t) - p).abs() < 1e-3, "{name} {density} t = {t}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn without_inertia_it_is_the_compressible_series() {
+        // A hundredth of the density, from undrained equilibrium: the inertia effect of 2e-4 falls with it.
+        let mut light = crate::scenes::terzaghi();
+        light.grain_density *= 0.01;
+        if let Some(water) = &mut light.water {
+            water.density *= 0.01;
+        }
+        let (dynamic, quasi) = (DynamicColumn::new(&light).expect("wet"), Terzaghi::compressible(&light).expect("wet"));
+        for tv in [0.01, 0.1, 1.0] {
+            let t = tv * light.time_per_factor().expect("wet");
+            let difference = dynamic.settlement(t) / quasi.settlement(t) - 1.0;
+            assert!(difference.abs() < 1e-5, "{tv}: {difference}");
+        }
+    }
+}

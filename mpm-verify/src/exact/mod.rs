@@ -1,0 +1,8 @@
+//! Exact solutions, one per file, each with its assumptions and its own tests against independent tables.
+
+pub mod dynamic;
+pub mod semidiscrete;
+pub mod terzaghi;
+
+#[cfg(test)]
+mod oracle;

@@ -1,0 +1,90 @@
+//! Under which conditions numbers were obtained: every report carries this.
+
+use mpm_core::scene::Scene;
+use serde::{Deserialize, Serialize};
+use time::OffsetDateTime;
+use time::format_description::well_known::Rfc3339;
+
+/// The conditions of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// Version of the program.
+    pub version: String,
+    /// Commit that it was built from, with `-dirty` if files differed from it.
+    pub commit: String,
+    /// Compiler.
+    pub compiler: String,
+    /// Target triple.
+    pub target: String,
+    /// Debug or release.
+    pub profile: String,
+    /// Optional cargo features that were on.
+    pub features: String,
+    /// Processor.
+    pub cpu: String,
+    /// Threads that the job used.
+    pub threads: usize,
+    /// When, UTC.
+    pub date: String,
+    /// Hash of the base scene.
+    pub scene_hash: String,
+    /// How the program was called.
+    pub command: String,
+}
+
+impl Manifest {
+    /// The conditions now.
+    pub fn new(scene: &Scene, threads: usize) -> Self {
+        let date = OffsetDateTime::now_utc();
+        let date = date.replace_nanosecond(0).unwrap_or(date);
+        Self {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            commit: env!("MPM_COMMIT").to_owned(),
+            compiler: env!("MPM_COMPILER").to_owned(),
+            target: env!("MPM_TARGET").to_owned(),
+            profile: if cfg!(debug_assertions) { "debug" } else { "release" }.to_owned(),
+            features: "none (there are none)".to_owned(),
+            cpu: cpu(),
+            threads,
+            date: date.format(&Rfc3339).unwrap_or_default(),
+            scene_hash: scene_hash(scene),
+            command: command(),
+        }
+    }
+
+    /// Names and values in a fixed order.
+    pub fn entries(&self) -> [(&'static str, String); 11] {
+        [
+            ("version", self.version.clone()),
+            ("commit", self.commit.clone()),
+            ("compiler", self.compiler.clone()),
+            ("target", self.target.clone()),
+            ("profile", self.profile.clone()),
+            ("features", self.features.clone()),
+            ("cpu", self.cpu.clone()),
+            ("threads", self.threads.to_string()),
+            ("date", self.date.clone()),
+            ("scene hash", self.scene_hash.clone()),
+            ("command", self.command.clone()),
+        ]
+    }
+}
+
+/// The arguments as given, without the path of the program.
+fn command() -> String {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    format!("mpm-verify {}", arguments.join(" ")).trim().to_owned()
+}
+
+fn cpu() -> String {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = text.lines().find_map(|line| line.strip_prefix("model name"));
+    name.map_or_else(|| std::env::consts::ARCH.to_owned(), |n| n.trim_start_matches([' ', '\t', ':']).to_owned())
+}
+
+/// FNV-1a hash (Fowler, Noll, Vo; 64 bit) of a scene as JSON: tells scenes apart, nothing more.
+pub fn scene_hash(scene: &Scene) -> String {
+    let text = serde_json::to_string(scene).unwrap_or_default();
+    let hash = text.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3));
+    format!("{hash:016x}")
+}
