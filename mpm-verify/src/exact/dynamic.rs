@@ -167,17 +167,18 @@ mod tests {
 
     #[test]
     fn without_inertia_it_is_the_compressible_series() {
-        // A hundredth of the density, from undrained equilibrium: the inertia effect of 2e-4 falls with it.
+        // A hundredth of the density, from undrained equilibrium: the inertia effect of 2e-4 falls with it once
+        // the waves of the start have died out (at Tv = 0.01 a light column still rings by 8e-5).
         let mut light = crate::scenes::terzaghi();
         light.grain_density *= 0.01;
         if let Some(water) = &mut light.water {
             water.density *= 0.01;
         }
         let (dynamic, quasi) = (DynamicColumn::new(&light).expect("wet"), Terzaghi::compressible(&light).expect("wet"));
-        for tv in [0.01, 0.1, 1.0] {
+        for tv in [0.05, 0.1, 1.0] {
             let t = tv * light.time_per_factor().expect("wet");
             let difference = dynamic.settlement(t) / quasi.settlement(t) - 1.0;
-            assert!(difference.abs() < 1e-5, "{tv}: {difference}");
+            assert!(difference.abs() < 3e-6, "{tv}: {difference}");
         }
     }
 }
