@@ -6,6 +6,8 @@
 //! 3. [`norms`], [`rates`]: the one definition of error; orders of convergence.
 //! 4. [`study`]: refine, run, compare. [`manifest`]: under which conditions.
 
+pub mod budget;
+pub mod claims;
 pub mod exact;
 pub mod manifest;
 pub mod norms;
