@@ -86,8 +86,9 @@ pub fn drive(scene: &Scene, model: &mut dyn Model, dt: f64, progress: &mut dyn F
                 timed(number, &times, model, dt, &mut run, progress)
             }
             Until::PorePressure { within, everywhere, at_most } => {
-                let target = scene.undrained_pressure();
-                let goal = Goal { target, within, everywhere, at_most };
+                let target = scene.undrained_mean_pressure();
+                let speed = ((scene.oedometer_modulus() + scene.pore_stiffness()) / scene.mixture_density()).sqrt();
+                let goal = Goal { target, within, everywhere, at_most, period: 4.0 * scene.height / speed };
                 until_pressure(number, &goal, model, dt, &mut run)
             }
         };
@@ -167,11 +168,13 @@ struct Goal {
     within: f64,
     everywhere: bool,
     at_most: f64,
+    /// Period of the undrained wave, s: the goal must hold that long, or it was only passed through.
+    period: f64,
 }
 
 fn until_pressure(stage: usize, goal: &Goal, model: &mut dyn Model, dt: f64, run: &mut Run) -> Outcome {
     sample(stage, 0.0, false, model, run);
-    let mut time = 0.0;
+    let (mut time, mut reached) = (0.0, f64::INFINITY);
     loop {
         let mut done = 0;
         let result = model.advance(dt, STEPS_BETWEEN_LOOKS, &mut done);
@@ -180,8 +183,9 @@ fn until_pressure(stage: usize, goal: &Goal, model: &mut dyn Model, dt: f64, run
         result.map_err(|fault| (time, fault))?;
         let off = |p: f64| (p / goal.target - 1.0).abs();
         let [mean, low, high] = model.pore_pressure();
-        let worst = if goal.everywhere { off(low).max(off(high)).max(off(mean)) } else { off(mean) };
-        if worst <= goal.within {
+        let worst = if goal.everywhere { off(low).max(off(high)) } else { off(mean) };
+        reached = if worst <= goal.within { time.min(reached) } else { f64::INFINITY };
+        if time - reached >= goal.period {
             sample(stage, time, false, model, run);
             return Ok(time);
         }

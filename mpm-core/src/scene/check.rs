@@ -60,8 +60,11 @@ impl Reader<'_> {
                 None => ("a complete TOML scene".to_owned(), message),
             },
         };
-        let key = self.text.get(span.clone()).map_or("", |text| text.lines().next().unwrap_or(""));
-        let key = if key.is_empty() { "end of file" } else { key };
+        // The key is what stands before the equals sign of the line, or the whole line of a table.
+        let start = self.text[..span.start.min(self.text.len())].rfind('\n').map_or(0, |end| end + 1);
+        let line = self.text[start..].lines().next().unwrap_or("");
+        let key = line.split('=').next().unwrap_or(line);
+        let key = if key.trim().is_empty() { "end of file" } else { key };
         SceneError { file: self.file.to_owned(), line: self.line(&span), key: key.trim().to_owned(), expected, found }
     }
 
@@ -337,6 +340,10 @@ impl Reader<'_> {
                 quoted(value.get_ref()),
             );
         }
+        if let (Some(value), false) = (&raw.darcy_inertia, wet) {
+            let expected = "no inertia in Darcy's law in a dry scene";
+            return self.refuse(&value.span(), "scheme.darcy_inertia", expected, value.get_ref());
+        }
         let flip = match &raw.flip {
             Some(value) => self.within(value, "scheme.flip", "0 <= flip <= 1", |f| (0.0..=1.0).contains(&f))?,
             None => 1.0,
@@ -344,7 +351,7 @@ impl Reader<'_> {
         Ok((
             self.word(raw.shape.as_ref(), "scheme.shape", &shapes, ShapeChoice::Centre)?,
             self.word(raw.darcy.as_ref(), "scheme.darcy", &operators, DarcyChoice::Face)?,
-            raw.darcy_inertia.unwrap_or(true),
+            raw.darcy_inertia.as_ref().is_none_or(|inertia| *inertia.get_ref()),
             flip,
         ))
     }
@@ -366,6 +373,9 @@ impl Reader<'_> {
             Value::Integer(step) if *step > 0 => StepChoice::Fixed(*step as f64),
             other => return self.refuse(&value.span(), "time.step", expected, other),
         };
+        if let (Some(value), StepChoice::Fixed(_) | StepChoice::Paper) = (&time.safety, step) {
+            return self.refuse(&value.span(), "time.safety", "step = \"auto\" beside a safety factor", "a given step");
+        }
         Ok((step, safety))
     }
 
@@ -427,10 +437,11 @@ impl Reader<'_> {
 
     fn until(&self, table: &Spanned<RawUntil>, scene: &Scene) -> Checked<Until> {
         let (until, span) = (table.get_ref(), table.span());
-        if until.pore_pressure_within.is_none() {
-            if let Some(value) = &until.at_most {
-                return self.refuse(&value.span(), "stages.until.at_most", "pore_pressure_within beside it", "none");
-            }
+        if let (Some(value), None) = (&until.at_most, &until.pore_pressure_within) {
+            return self.refuse(&value.span(), "stages.until.at_most", "pore_pressure_within beside it", "none");
+        }
+        if let (Some(_), None) = (&until.everywhere, &until.pore_pressure_within) {
+            return self.refuse(&span, "stages.until.everywhere", "pore_pressure_within beside it", "none");
         }
         match (&until.time, &until.time_factor, &until.pore_pressure_within) {
             (Some(time), None, None) => Ok(Until::Time(self.positive(time, "stages.until.time", "s")?)),
@@ -476,8 +487,17 @@ impl Reader<'_> {
 
     fn observe(&self, raw: Option<&Spanned<RawObserve>>, scene: &mut Scene) -> Checked<()> {
         let Until::Time(end) = scene.stages[scene.stages.len() - 1].until else {
-            scene.observe_times = Vec::new();
-            return Ok(());
+            let observe = raw.map(Spanned::get_ref);
+            let span = observe.and_then(|o| {
+                let lists = [&o.times, &o.time_factors].into_iter().flatten().map(Spanned::span).next();
+                lists.or(o.history.as_ref().map(Spanned::span))
+            });
+            return match span {
+                Some(span) => {
+                    self.refuse(&span, "observe", "no times beside a last stage that ends by pressure", "some")
+                }
+                None => Ok(()),
+            };
         };
         let mut times = Vec::new();
         if let Some(table) = raw {

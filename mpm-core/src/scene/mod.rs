@@ -165,7 +165,8 @@ pub const PAPER_STEP: f64 = 1.0e-7;
 pub enum Until {
     /// A time since the start of the stage, s.
     Time(f64),
-    /// The pore pressure is within a relative tolerance of its undrained value `q Q/(M + Q)`.
+    /// The pore pressure stays within a relative tolerance of its undrained mean, [`Scene::undrained_mean_pressure`],
+    /// for a period of the undrained wave, 4 H/c_u.
     PorePressure {
         /// Relative tolerance.
         within: f64,
@@ -302,6 +303,18 @@ impl Scene {
     pub fn undrained_pressure(&self) -> f64 {
         let (m, q) = (self.oedometer_modulus(), self.pore_stiffness());
         self.surcharge.map_or(0.0, |s| s.pressure * q / (m + q))
+    }
+
+    /// Undrained pore pressure averaged over the column, Pa.
+    ///
+    /// A load on the top row of particles misses the soil above them: half a spacing, L/(2 m) of the height H with m
+    /// particles per direction.
+    pub fn undrained_mean_pressure(&self) -> f64 {
+        let missed = match self.surcharge {
+            Some(Surcharge { on: LoadOn::Particles, .. }) => 0.5 * self.cell / self.particles_per_direction() as f64,
+            _ => 0.0,
+        };
+        self.undrained_pressure() * (1.0 - missed / self.height)
     }
 
     /// Drainage path H_d of the last stage, m: the height, or half of it with both ends drained.

@@ -103,7 +103,7 @@ pub(super) struct RawSurcharge {
 pub(super) struct RawScheme {
     pub shape: Option<Word>,
     pub darcy: Option<Word>,
-    pub darcy_inertia: Option<bool>,
+    pub darcy_inertia: Option<Spanned<bool>>,
     pub flip: Option<Number>,
 }
 

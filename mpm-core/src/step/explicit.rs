@@ -193,10 +193,10 @@ where
                 motion.change[d] = flip * dt * acceleration + (1.0 - flip) * velocity;
             }
         }
-        if self.damping > 0.0 {
-            self.damp(dt);
-        }
         let impulse = self.parts.supports.apply(&self.nodes, &mut self.motion);
+        if self.damping > 0.0 {
+            self.damp(dt); // after the supports: a held node has no speed to lose
+        }
         let pressure = self.pressure();
         for d in 0..D {
             self.totals.support_impulse[d] += impulse[d];
@@ -235,8 +235,8 @@ where
             let rates = self.parts.water.flow(&self.parts.grid, &self.motion, &gravity);
             self.totals.darcy_dissipation += dt * rates.dissipation;
             self.totals.flow_body_work += dt * rates.body_work;
-            self.totals.water_out += dt * rates.outflow.max(0.0);
-            self.totals.water_in -= dt * rates.outflow.min(0.0);
+            self.totals.water_out += dt * rates.outflow;
+            self.totals.water_in += dt * rates.inflow;
         }
     }
 

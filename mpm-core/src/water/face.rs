@@ -1,6 +1,6 @@
 //! Two-point flux on cell faces: `q = -(k/gamma_w) [ (p_hi - p_lo)/L - rho_w (g - a_s) ]`, the default operator.
 //!
-//! In one dimension it is the paper's Eq. (1); in two it couples cells that share a face, where the paper's nodal
+//! In one dimension it is the paper's Eq. (1) but for a cell that is not full of soil; in two it couples cells that share a face, where the paper's nodal
 //! velocity couples only diagonal neighbours (`mpm-verify stability` measures what that does).
 
 use super::exposed::Exposed;
@@ -127,11 +127,12 @@ impl<const D: usize> DarcyOperator<D> for Face<D> {
             self.flux[axis][face.face as usize] = flux;
             rates.dissipation += flux * head;
             rates.body_work += flux * body;
-            rates.outflow += outwards * flux;
+            rates.pass(outwards * flux);
         }
         rates.dissipation *= self.area;
         rates.body_work *= self.area;
         rates.outflow *= self.area;
+        rates.inflow *= self.area;
         rates
     }
 

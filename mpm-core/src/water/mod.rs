@@ -25,8 +25,19 @@ pub struct FlowRates {
     pub dissipation: f64,
     /// Work of `rho_w (g - a_s)` on the Darcy flux, W.
     pub body_work: f64,
-    /// Water leaving through drained faces, m3/s; negative where it enters.
+    /// Water leaving through drained faces, m3/s.
     pub outflow: f64,
+    /// Water entering through drained faces, m3/s.
+    pub inflow: f64,
+}
+
+impl FlowRates {
+    /// Books a flux through a drained face, outwards positive.
+    #[inline(always)]
+    fn pass(&mut self, outwards: f64) {
+        self.outflow += outwards.max(0.0);
+        self.inflow -= outwards.min(0.0);
+    }
 }
 
 /// One cell of soil, as the water needs it.

@@ -108,7 +108,7 @@ impl<const D: usize> DarcyOperator<D> for Nodal<D> {
             for node in face.nodes {
                 let node = node as usize;
                 let porosity = self.pores[node] / self.volume[node];
-                rates.outflow += outwards * porosity * self.relative[node][axis] * self.area;
+                rates.pass(outwards * porosity * self.relative[node][axis] * self.area);
             }
         }
         rates
