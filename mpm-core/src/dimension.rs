@@ -78,6 +78,20 @@ pub fn basis<const D: usize>(xi: &[f64; D]) -> [f64; 4] {
     if D == 1 { [1.0, xi[0], 0.0, 0.0] } else { [1.0, xi[0], xi[1], xi[0] * xi[1]] }
 }
 
+/// Shape functions N of the corners at a point of the cell.
+///
+/// Masses and momenta are gathered with these and not through the moments of the basis: a node with a tiny share of
+/// a particle would lose the digits of that share, and so its velocity momentum/mass.
+#[inline(always)]
+pub fn weights<const D: usize>(xi: &[f64; D]) -> [f64; 4] {
+    if D == 1 {
+        [1.0 - xi[0], xi[0], 0.0, 0.0]
+    } else {
+        let [x, y] = [xi[0], xi[D - 1]];
+        [(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y]
+    }
+}
+
 /// Coefficients of the basis from values at the corners of the cell.
 #[inline(always)]
 pub fn coefficients<const D: usize, const F: usize>(nodal: &[[f64; F]; 4]) -> [[f64; F]; 4] {

@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::error::RunError;
 use crate::observe::{Ledger, Observation};
 use crate::scene::{Scene, Until};
+use crate::stability::explicit_limit;
 use crate::step::{Fault, Model};
 
 /// The state at a time that was asked for.
@@ -63,6 +64,9 @@ impl Run {
 
 /// How often the end of a pore-pressure stage is looked for, steps.
 const STEPS_BETWEEN_LOOKS: u64 = 8;
+/// A run is unstable when this share of its energy comes from nowhere; sound runs stay below a hundredth. The other
+/// sign is no fault: particles lose what the mesh cannot hold, all of a shock with one particle per cell.
+const FROM_NOWHERE: f64 = 0.5;
 /// Shortest history time as a share of the whole, for the logarithmic spacing.
 const FIRST_HISTORY: f64 = 1e-4;
 
@@ -99,7 +103,13 @@ pub fn drive(scene: &Scene, model: &mut dyn Model, dt: f64, progress: &mut dyn F
         run.stages.push(StageRecord { name: stage.name.clone(), duration_s, steps: run.steps - first_step });
         if let Some(fault) = fault {
             let time = run.stages.iter().map(|s| s.duration_s).sum();
-            run.failure = Some(RunError { step: run.steps, time, place: fault.place, what: fault.what });
+            let limit = explicit_limit(scene);
+            let hint = if dt > limit {
+                format!("; the step {dt:.3e} s is above its limit {limit:.3e} s")
+            } else {
+                String::new()
+            };
+            run.failure = Some(RunError { step: run.steps, time, place: fault.place, what: fault.what + &hint });
             break;
         }
     }
@@ -112,14 +122,17 @@ fn times(scene: &Scene, last: bool, end: f64) -> Vec<(f64, bool)> {
         return vec![(end, false)];
     }
     let mut times: Vec<(f64, bool)> = scene.observe_times.iter().map(|t| (*t, true)).collect();
-    for i in 0..scene.history {
-        let share = (i + 1) as f64 / scene.history as f64;
-        let time = end * FIRST_HISTORY.powf(1.0 - share);
-        if times.iter().all(|(t, _)| (t - time).abs() > 1e-9 * end) {
-            times.push((time, false));
-        }
-    }
+    let share = |i: usize| (i + 1) as f64 / scene.history as f64;
+    times.extend((0..scene.history).map(|i| (end * FIRST_HISTORY.powf(1.0 - share(i)), false)));
     times.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Where both lists have the same time, the observed one stays.
+    times.dedup_by(|later, kept| {
+        let same = later.0 - kept.0 <= 1e-9 * end;
+        if same && later.1 {
+            *kept = *later;
+        }
+        same
+    });
     times
 }
 
@@ -154,13 +167,27 @@ fn timed(
         }
         now = time;
         sample(stage, time, observed, model, run);
-        let state = &run.samples[run.samples.len() - 1].state;
-        if !(state.settlement.is_finite() && state.mean_pressure.is_finite()) {
-            let what = format!("settlement {} m, mean pore pressure {} Pa", state.settlement, state.mean_pressure);
-            return Err((now, Fault { place: "surface".to_owned(), what }));
-        }
+        sane(&run.samples[run.samples.len() - 1]).map_err(|fault| (now, fault))?;
     }
     Ok(end)
+}
+
+/// Stops a run whose state cannot be: not a number, turned inside out, or with energy from nowhere.
+fn sane(sample: &Sample) -> Result<(), Fault> {
+    let (state, l) = (&sample.state, &sample.ledger);
+    let fault = |what| Err(Fault { place: "the whole column".to_owned(), what });
+    if !(state.settlement.is_finite() && state.mean_pressure.is_finite()) {
+        return fault(format!("settlement {} m, mean pore pressure {} Pa", state.settlement, state.mean_pressure));
+    }
+    if state.least_volume <= 0.0 {
+        return fault(format!("a particle with a volume of {:.3e} m3", state.least_volume));
+    }
+    let stored = l.kinetic_j + l.strain_j + l.water_j;
+    let booked = l.external_work_j.abs() + l.gravity_work_j.abs() + l.flow_body_work_j.abs();
+    if l.energy_closing_j > FROM_NOWHERE * (stored - l.energy_closing_j).abs().max(booked) {
+        return fault(format!("{:.3e} J that no work explains, {stored:.3e} J in all", l.energy_closing_j));
+    }
+    Ok(())
 }
 
 struct Goal {

@@ -49,6 +49,8 @@ pub struct Observation {
     pub base_pressure: f64,
     /// Largest speed of a solid particle, m/s.
     pub max_speed: f64,
+    /// Smallest volume of a particle of either layer, m3.
+    pub least_volume: f64,
     /// Difference of pore pressure between neighbouring cells that alternates in sign: mean |p_c - average of the
     /// face neighbours| over the soil, divided by the mean |p|; zero when dry.
     pub checkerboard: f64,
@@ -149,12 +151,15 @@ pub fn observe<const D: usize, const S: usize>(
     let profile = profile(cells);
     let volume: f64 = cells.iter().map(|c| c.volume).sum();
     let speed = |p: &SolidPoint<D, S>| p.v.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let volumes = solid.points.iter().map(|p| p.volume);
+    let of_water = water.map_or(&[][..], |w| &w.points).iter().map(|p| p.volume);
     Observation {
         time,
         settlement,
         mean_pressure: cells.iter().map(|c| c.volume * c.pressure).sum::<f64>() / volume,
         base_pressure: profile.first().map_or(0.0, |row| row.pressure_pa),
         max_speed: solid.points.iter().map(speed).fold(0.0, f64::max),
+        least_volume: volumes.chain(of_water).fold(f64::INFINITY, f64::min),
         checkerboard: checkerboard(cells),
         solid_crossings: solid.crossings,
         water_crossings: water.map_or(0, |w| w.crossings),

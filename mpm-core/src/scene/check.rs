@@ -8,13 +8,17 @@ use super::raw::{
     RawGeometry, RawLaw, RawMesh, RawObserve, RawScene, RawScheme, RawSoil, RawStage, RawUntil, RawWater,
 };
 use super::{
-    DarcyChoice, Dimension, Elastic, LoadOn, Scene, ShapeChoice, Side, SolidSide, Stage, Start, StepChoice, Surcharge,
-    Until, WaterProperties,
+    DarcyChoice, Dimension, Elastic, LoadOn, PAPER_STEP, Scene, ShapeChoice, Side, SolidSide, Stage, Start, StepChoice,
+    Surcharge, Until, WaterProperties,
 };
 use crate::error::SceneError;
+use crate::stability::explicit_limit;
 
-/// Memory that one soil point takes at most, bytes; kept honest by a test in `tests/memory.rs`.
-const BYTES_PER_SOIL_POINT: f64 = 300.0;
+/// Memory that one soil point and one cell take at most, bytes; kept honest by `tests/allocation.rs`.
+const BYTES_PER_SOIL_POINT: f64 = 160.0;
+const BYTES_PER_CELL: f64 = 200.0;
+/// More steps than this are a mistake in the scene: a century of computing.
+const STEP_LIMIT: f64 = 1e14;
 /// A run that needs more than this is refused before it starts, bytes.
 const MEMORY_LIMIT: f64 = 16.0 * GIB;
 const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
@@ -53,13 +57,32 @@ impl Reader<'_> {
     fn syntax(&self, error: &toml::de::Error) -> SceneError {
         let span = error.span().unwrap_or(self.text.len()..self.text.len());
         let message = error.message().replace('\n', ", ");
+        if let Some(field) = message.strip_prefix("missing field ") {
+            let (key, expected) = (field.replace('`', ""), format!("the key {field}"));
+            return SceneError {
+                file: self.file.to_owned(),
+                line: self.line(&span),
+                key,
+                expected,
+                found: "none".to_owned(),
+            };
+        }
         let (expected, found) = match message.split_once(", expected ") {
-            Some((found, expected)) => (expected.to_owned(), found.to_owned()),
-            None => match message.strip_prefix("missing field ") {
-                Some(field) => (format!("the key {field}"), "none".to_owned()),
-                None => ("a complete TOML scene".to_owned(), message),
-            },
+            Some((found, expected)) => (expected, found.trim_start_matches("invalid type: ").replace(" as i128", "")),
+            None => ("a complete TOML scene, each key once", message.clone()),
         };
+        // The parser's words for what a scene calls otherwise.
+        let expected = match expected {
+            "f64" => "a number",
+            "i64" => "a whole number",
+            "a sequence" => "a list",
+            "newtype variant" | "map" => "a table",
+            "literal string" => "a number, or a word in quotes",
+            shape if shape.starts_with("struct ") => "a table",
+            other => other,
+        };
+        let (expected, found) =
+            (expected.to_owned(), found.replace("unit variant", "a word").replace("map", "a table"));
         // The key is what stands before the equals sign of the line, or the whole line of a table.
         let start = self.text[..span.start.min(self.text.len())].rfind('\n').map_or(0, |end| end + 1);
         let line = self.text[start..].lines().next().unwrap_or("");
@@ -127,6 +150,7 @@ impl Reader<'_> {
             None => None,
         };
         let grain_density = self.grain_density(&raw.soil, porosity, water.as_ref())?;
+        self.weight_of_water(raw, gravity, water.as_ref())?;
         let solid_sides = self.solid_sides(raw, dimension)?;
         let surcharge = self.surcharge(raw, solid_sides[Side::Top as usize])?;
         let (start, scheme) = (self.start(raw, gravity, surcharge.as_ref())?, raw.scheme.as_ref());
@@ -163,13 +187,46 @@ impl Reader<'_> {
         };
         self.stages(raw, &mut scene)?;
         self.observe(raw.observe.as_ref(), &mut scene)?;
+        self.number_of_steps(raw, &scene)?;
         Ok(scene)
+    }
+
+    /// Values at the edge of what a number can hold make steps of no length or runs without end.
+    fn number_of_steps(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
+        let step = match scene.step {
+            StepChoice::Auto => scene.safety * explicit_limit(scene),
+            StepChoice::Fixed(step) => step,
+            StepChoice::Paper => PAPER_STEP,
+        };
+        let time: f64 = scene
+            .stages
+            .iter()
+            .map(|stage| match stage.until {
+                Until::Time(time) => time,
+                Until::PorePressure { at_most, .. } => at_most,
+            })
+            .sum();
+        let steps = time / step;
+        if steps.is_finite() && steps <= STEP_LIMIT {
+            return Ok(());
+        }
+        let found = format!("{time:.3e} s in steps of {step:.3e} s");
+        self.refuse(&raw.stages.span(), "stages.until", &format!("a run of at most {STEP_LIMIT:.0e} steps"), found)
     }
 
     fn divides(&self, mesh: &RawMesh, cell: f64, length: f64, name: &str) -> Checked<usize> {
         let count = (length / cell).round();
-        if count >= 1.0 && (count * cell - length).abs() <= 1e-9 * length && count < 1e9 {
+        if count >= 1.0 && (count * cell - length).abs() <= 1e-9 * length {
             return Ok(count as usize);
+        }
+        if count >= 1e9 {
+            let found = format!("{cell} m, {count:.1e} cells");
+            return self.refuse(
+                &mesh.cell.span(),
+                "mesh.cell",
+                &format!("fewer than 1e9 cells over the {name}"),
+                found,
+            );
         }
         let expected = format!("a cell that divides the {name} of {length} m into whole cells");
         self.refuse(&mesh.cell.span(), "mesh.cell", &expected, format!("{cell} m ({} cells)", length / cell))
@@ -184,17 +241,18 @@ impl Reader<'_> {
             return self.refuse(&value.span(), "mesh.particles_per_cell", expected, count);
         }
         let per_cell = if dim == Dimension::Column { root } else { count as f64 };
-        let points = rows as f64 * across as f64 * per_cell;
-        let bytes = points * BYTES_PER_SOIL_POINT;
-        if bytes > MEMORY_LIMIT {
-            let expected = format!("a scene that fits into {:.0} GiB", MEMORY_LIMIT / GIB);
-            let found = format!("{points:.3e} particles, which need {:.0} GiB", bytes / GIB);
-            return self.refuse(&value.span(), "mesh.particles_per_cell", &expected, found);
-        }
         let headroom = mesh.headroom_cells.as_ref().map_or(Ok(0), |h| match *h.get_ref() {
             rows @ 0..=1_000_000 => Ok(rows as usize),
             rows => self.refuse(&h.span(), "mesh.headroom_cells", "between 0 and 1000000 rows of cells", rows),
         })?;
+        let points = rows as f64 * across as f64 * per_cell;
+        let cells = (rows + headroom) as f64 * across as f64;
+        let bytes = points * BYTES_PER_SOIL_POINT + cells * BYTES_PER_CELL;
+        if bytes > MEMORY_LIMIT {
+            let expected = format!("a scene that fits into {:.0} GiB", MEMORY_LIMIT / GIB);
+            let found = format!("{points:.3e} particles in {cells:.3e} cells, which need {:.0} GiB", bytes / GIB);
+            return self.refuse(&value.span(), "mesh.particles_per_cell", &expected, found);
+        }
         Ok((count as usize, headroom))
     }
 
@@ -254,6 +312,17 @@ impl Reader<'_> {
         };
         let bulk_modulus = self.positive(&water.bulk_modulus, "water.bulk_modulus", "Pa")?;
         Ok(WaterProperties { hydraulic_conductivity, bulk_modulus, unit_weight, density })
+    }
+
+    /// Under gravity the water's density must be that of its unit weight.
+    fn weight_of_water(&self, raw: &RawScene, gravity: Option<f64>, water: Option<&WaterProperties>) -> Checked<()> {
+        let (Some(g), Some(water), Some(table)) = (gravity, water, &raw.water) else { return Ok(()) };
+        if (water.density * g / water.unit_weight - 1.0).abs() <= 0.01 {
+            return Ok(());
+        }
+        let span = table.get_ref().density.as_ref().map_or(table.get_ref().unit_weight.span(), Spanned::span);
+        let expected = format!("density = unit_weight / gravity = {:.6} kg/m3 within 1 %", water.unit_weight / g);
+        self.refuse(&span, "water.density", &expected, water.density)
     }
 
     fn solid_sides(&self, raw: &RawScene, dimension: Dimension) -> Checked<[SolidSide; 4]> {
@@ -318,6 +387,9 @@ impl Reader<'_> {
                 "a surcharge without ramp to be in equilibrium with",
                 "\"undrained-equilibrium\"",
             ),
+            Start::UndrainedEquilibrium if raw.water.is_none() => {
+                self.refuse(&span, "start", "[water] to carry the load undrained", "a dry scene")
+            }
             Start::UndrainedEquilibrium if gravity.is_some() => {
                 self.refuse(&span, "start", "\"geostatic\" or \"unloaded\" under gravity", "\"undrained-equilibrium\"")
             }
@@ -476,12 +548,11 @@ impl Reader<'_> {
                 };
                 Ok(Until::PorePressure { within, everywhere: until.everywhere.unwrap_or(false), at_most })
             }
-            _ => self.refuse(
-                &span,
-                "stages.until",
-                "exactly one of time, time_factor, pore_pressure_within",
-                "none or several",
-            ),
+            (time, factor, within) => {
+                let count = [time, factor, within].into_iter().flatten().count();
+                let expected = "exactly one of time, time_factor, pore_pressure_within";
+                self.refuse(&span, "stages.until", expected, if count == 0 { "none" } else { "several" })
+            }
         }
     }
 

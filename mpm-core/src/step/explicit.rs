@@ -3,7 +3,7 @@
 use super::{Fault, Model};
 use crate::boundary::{Supports, SurfaceLoad};
 use crate::constitutive::Law;
-use crate::dimension::{Kinematics, basis, coefficients, gradient, to_corners, trace, value};
+use crate::dimension::{Kinematics, basis, coefficients, gradient, to_corners, trace, value, weights};
 use crate::grid::Grid;
 use crate::nodes::{NodeMotion, NodeSums};
 use crate::observe::{CellValues, Ledger, Observation, Seed, Totals, observe};
@@ -106,18 +106,20 @@ where
             if range.is_empty() {
                 continue;
             }
-            let mut mass = [[0.0]; 4];
+            let (mut mass, mut volume) = (0.0, 0.0);
+            let mut solid_mass = [0.0; 4];
             let mut momentum = [[0.0; D]; 4];
             let mut stress = StressSums { mean: [0.0; S], first: [[0.0; S]; D] };
-            let mut volume = 0.0;
             for point in &solid.points[range] {
                 let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - position[d] as f64);
-                let phi = basis(&xi);
+                let n = weights(&xi);
+                mass += point.mass;
                 volume += point.volume;
-                for k in 0..Grid::<D>::CORNERS {
-                    mass[k][0] += point.mass * phi[k];
+                for a in 0..Grid::<D>::CORNERS {
+                    let share = point.mass * n[a];
+                    solid_mass[a] += share;
                     for d in 0..D {
-                        momentum[k][d] += point.mass * point.v[d] * phi[k];
+                        momentum[a][d] += share * point.v[d];
                     }
                 }
                 for s in 0..S {
@@ -138,16 +140,14 @@ where
                 }
             }
             let corners = grid.corners_from(grid.first_corner(cell, &position));
-            let soil = SoilCell { cell, position, corners, mass: mass[0][0], volume };
+            let soil = SoilCell { cell, position, corners, mass, volume };
             let water_mass = water.cell_to_grid::<Sh>(grid, &soil, &mut stress);
-            let mass = to_corners::<D, 1>(&mass);
-            let momentum = to_corners::<D, D>(&momentum);
             // div(sigma') - grad p, weak: f_i = - sum_p V sigma G_i
             let internal = to_corners::<D, D>(&K::internal_force(&stress.mean, &stress.first, grid.inverse_size));
             for a in 0..Grid::<D>::CORNERS {
                 let node = &mut self.nodes[corners[a]];
-                node.solid_mass += mass[a][0];
-                node.mixture_mass += mass[a][0] + water_mass[a][0];
+                node.solid_mass += solid_mass[a];
+                node.mixture_mass += solid_mass[a] + water_mass[a];
                 for d in 0..D {
                     node.momentum[d] += momentum[a][d];
                     node.force[d] -= internal[a][d];

@@ -78,7 +78,7 @@ pub trait Water<K: Kinematics<D, S>, const D: usize, const S: usize>: Send {
         grid: &Grid<D>,
         soil: &SoilCell<D>,
         stress: &mut StressSums<D, S>,
-    ) -> [[f64; 1]; 4];
+    ) -> [f64; 4];
 
     /// Darcy flow from pressures and accelerations: the paper's Eq. (1).
     fn flow(&mut self, grid: &Grid<D>, motion: &[NodeMotion<D>], gravity: &[f64; D]) -> FlowRates;
@@ -122,8 +122,8 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Dry
     fn clear(&mut self) {}
 
     #[inline(always)]
-    fn cell_to_grid<Sh: Shape>(&mut self, _: &Grid<D>, _: &SoilCell<D>, _: &mut StressSums<D, S>) -> [[f64; 1]; 4] {
-        [[0.0]; 4]
+    fn cell_to_grid<Sh: Shape>(&mut self, _: &Grid<D>, _: &SoilCell<D>, _: &mut StressSums<D, S>) -> [f64; 4] {
+        [0.0; 4]
     }
 
     #[inline(always)]

@@ -5,7 +5,7 @@
 
 use super::exposed::Exposed;
 use super::{FlowRates, SoilCell, StressSums, Water};
-use crate::dimension::{Kinematics, basis, coefficients, gradient, to_corners, trace, value};
+use crate::dimension::{Kinematics, basis, coefficients, gradient, to_corners, trace, value, weights};
 use crate::grid::Grid;
 use crate::nodes::NodeMotion;
 use crate::particles::{Layer, SolidPoint, WaterPoint};
@@ -124,19 +124,20 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
         grid: &Grid<D>,
         soil: &SoilCell<D>,
         stress: &mut StressSums<D, S>,
-    ) -> [[f64; 1]; 4] {
-        let mut mass = [[0.0]; 4];
+    ) -> [f64; 4] {
+        let mut mass = [0.0; 4];
         let mut weighted = [[0.0; 1]; 4]; // moments of V p
         let mut volumes = [[0.0; 1]; 4]; // moments of V
         for point in &self.points.points[self.points.range(soil.cell)] {
             let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - soil.position[d] as f64);
-            let phi = basis(&xi);
-            for k in 0..Grid::<D>::CORNERS {
-                mass[k][0] += point.mass * phi[k];
+            let n = weights(&xi);
+            for a in 0..Grid::<D>::CORNERS {
+                mass[a] += point.mass * n[a];
             }
             weighted[0][0] += point.volume * point.pressure;
             volumes[0][0] += point.volume;
             if !Sh::AT_CENTRE {
+                let phi = basis(&xi);
                 for k in 1..Grid::<D>::CORNERS {
                     weighted[k][0] += point.volume * point.pressure * phi[k];
                     volumes[k][0] += point.volume * phi[k];
@@ -167,7 +168,7 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
             let force = to_corners::<D, D>(&K::internal_force(&mean, &first, grid.inverse_size));
             self.operator.gather(&soil.corners, &self.cells[soil.cell], &force, &to_corners::<D, 1>(&volumes));
         }
-        to_corners::<D, 1>(&mass)
+        mass
     }
 
     #[inline(always)]
@@ -246,7 +247,8 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
         }
         for cell in 0..grid.cell_count() {
             if !solid.range(cell).is_empty() && self.points.range(cell).is_empty() {
-                let place = format!("cell {:?}", grid.cell_position(cell));
+                let middle = grid.cell_position(cell).map(|i| (i as f64 + 0.5) * grid.size);
+                let place = format!("cell around {middle:.4?} m");
                 return Err((place, "soil without a water particle in a saturated scene".into()));
             }
         }

@@ -1,0 +1,450 @@
+//! Guards every message of the scene reader: what is refused, at which line, in which words.
+
+mod common;
+
+use std::path::Path;
+
+use common::{edited, terzaghi};
+use mpm_core::error::SceneError;
+use mpm_core::scene::Scene;
+use proptest::prelude::*;
+
+type Edits = &'static [(&'static str, &'static str)];
+
+const WATER: &str = "[water]
+hydraulic_conductivity = 5.0e-4
+bulk_modulus = 2.2e9
+unit_weight = 9810.0
+";
+const SURCHARGE: &str = "[surcharge]
+pressure = 1.0e4
+on = \"surface\"
+";
+const STAGE: &str = "[[stages]]
+name = \"drain\"
+drained = [\"top\"]
+until.time_factor = 1.0
+";
+const TIME_FACTORS: &str = "time_factors = [0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0]\n";
+const LAW: &str = "[soil.law.linear_elastic]
+youngs_modulus = 2.0e7
+poisson_ratio = 0.30
+";
+
+/// What is wrong, and the edits of the default scene that make it so.
+const CASES: &[(&str, Edits)] = &[
+    // keys, tables and types
+    ("misspelt key", &[("porosity", "porosty")]),
+    ("misspelt key at the root", &[("start =", "strat =")]),
+    ("misspelt table", &[("[mesh]", "[msh]")]),
+    ("misspelt optional table", &[("[surcharge]", "[surchage]")]),
+    ("misspelt law", &[("[soil.law.linear_elastic]", "[soil.law.linear_elastc]")]),
+    ("misspelt geometry", &[("[geometry.column]", "[geometry.colum]")]),
+    ("key in the wrong table", &[("width = 0.1", "width = 0.1\ncell = 0.02")]),
+    ("missing key", &[("cell = 0.02\n", "")]),
+    ("missing key of the water", &[("bulk_modulus = 2.2e9\n", "")]),
+    ("missing key of the law", &[("poisson_ratio = 0.30\n", "")]),
+    ("missing name", &[("name = \"terzaghi\"\n", "")]),
+    ("missing table", &[("[mesh]\ncell = 0.02\nparticles_per_cell = 4\n", "")]),
+    ("missing law", &[(LAW, "")]),
+    ("no stages", &[(STAGE, "")]),
+    ("an empty list of stages", &[(STAGE, ""), ("name = \"terzaghi\"", "name = \"terzaghi\"\nstages = []")]),
+    ("stages as one table", &[("[[stages]]", "[stages]")]),
+    ("key given twice", &[("cell = 0.02", "cell = 0.02\ncell = 0.05")]),
+    ("table given twice", &[("[water]", "[soil]\n[water]")]),
+    ("no value", &[("cell = 0.02", "cell =")]),
+    ("two decimal points", &[("cell = 0.02", "cell = 0.0.2")]),
+    ("a unit behind the number", &[("cell = 0.02", "cell = 0.02 m")]),
+    ("unclosed string", &[("on = \"surface\"", "on = \"surface")]),
+    ("unclosed list", &[("drained = [\"top\"]", "drained = [\"top\"")]),
+    ("string for a number", &[("cell = 0.02", "cell = \"0.02\"")]),
+    ("number for a word", &[("shape = \"centre\"", "shape = 1")]),
+    ("string for a switch", &[("darcy_inertia = true", "darcy_inertia = \"yes\"")]),
+    ("decimal for a count", &[("particles_per_cell = 4", "particles_per_cell = 4.0")]),
+    ("a count that no machine holds", &[("particles_per_cell = 4", "particles_per_cell = 99999999999999999999")]),
+    ("number for a list", &[("history = 60", "times = 0.1")]),
+    ("word for a table", &[(LAW, "law = \"linear_elastic\"\n")]),
+    ("unknown word for a table", &[(LAW, "law = \"elastic\"\n")]),
+    ("values without their keys", &[(SURCHARGE, ""), ("start =", "surcharge = [1.0e4, \"surface\"]\nstart =")]),
+    ("list for a table", &[(SURCHARGE, "[[surcharge]]\npressure = 1.0e4\n")]),
+    // words
+    ("unknown dimension", &[("\"column\"", "\"axisymmetric\"")]),
+    ("unknown start", &[("\"undrained-equilibrium\"", "\"undrained\"")]),
+    ("unknown side condition", &[("top = \"free\"", "top = \"open\"")]),
+    ("unknown load", &[("on = \"surface\"", "on = \"nodes\"")]),
+    ("unknown shape", &[("shape = \"centre\"", "shape = \"center\"")]),
+    ("unknown darcy", &[("darcy = \"face\"", "darcy = \"faces\"")]),
+    ("unknown integrator", &[("integrator = \"explicit\"", "integrator = \"implicit\"")]),
+    ("unknown step", &[("step = \"auto\"", "step = \"automatic\"")]),
+    ("unknown drained side", &[("drained = [\"top\"]", "drained = [\"up\"]")]),
+    ("unknown drained word", &[("drained = [\"top\"]", "drained = \"top\"")]),
+    // numbers
+    ("zero height", &[("height = 1.0", "height = 0.0")]),
+    ("negative width", &[("width = 0.1", "width = -0.1")]),
+    ("zero cell", &[("cell = 0.02", "cell = 0.0")]),
+    ("cell that is not a number", &[("cell = 0.02", "cell = nan")]),
+    ("infinite stiffness", &[("youngs_modulus = 2.0e7", "youngs_modulus = inf")]),
+    ("number beyond the range", &[("youngs_modulus = 2.0e7", "youngs_modulus = 2.0e777")]),
+    ("cell that does not divide the height", &[("cell = 0.02", "cell = 0.03")]),
+    ("cell larger than the column", &[("cell = 0.02", "cell = 2.0")]),
+    ("cell that does not divide the width", &[("cell = 0.02", "cell = 0.04"), ("\"column\"", "\"plane-strain\"")]),
+    ("no particles", &[("particles_per_cell = 4", "particles_per_cell = 0")]),
+    ("negative particles", &[("particles_per_cell = 4", "particles_per_cell = -4")]),
+    ("particles that make no square", &[("particles_per_cell = 4", "particles_per_cell = 5")]),
+    (
+        "1e9 particles",
+        &[("\"column\"", "\"plane-strain\""), ("particles_per_cell = 4", "particles_per_cell = 4000000")],
+    ),
+    ("1e9 particles in a column", &[("particles_per_cell = 4", "particles_per_cell = 400000000000000")]),
+    (
+        "1e9 cells",
+        &[
+            ("\"column\"", "\"plane-strain\""),
+            ("cell = 0.02\nparticles_per_cell = 4", "cell = 1.0e-5\nparticles_per_cell = 1"),
+        ],
+    ),
+    ("1e9 cells in a column", &[("cell = 0.02", "cell = 1.0e-9")]),
+    ("negative headroom", &[("particles_per_cell = 4", "particles_per_cell = 4\nheadroom_cells = -1")]),
+    ("vast headroom", &[("particles_per_cell = 4", "particles_per_cell = 4\nheadroom_cells = 2000000")]),
+    ("nu = 0.6", &[("poisson_ratio = 0.30", "poisson_ratio = 0.6")]),
+    ("nu = 0.5", &[("poisson_ratio = 0.30", "poisson_ratio = 0.5")]),
+    ("nu = -1", &[("poisson_ratio = 0.30", "poisson_ratio = -1.0")]),
+    ("negative stiffness", &[("youngs_modulus = 2.0e7", "youngs_modulus = -2.0e7")]),
+    ("negative porosity", &[("porosity = 0.30", "porosity = -0.1")]),
+    ("porosity 1", &[("porosity = 0.30", "porosity = 1.0")]),
+    ("porosity in percent", &[("porosity = 0.30", "porosity = 30")]),
+    ("zero grain density", &[("grain_density = 1800.0", "grain_density = 0.0")]),
+    ("bulk density below its water", &[("grain_density = 1800.0", "bulk_density = 250.0")]),
+    ("negative conductivity", &[("conductivity = 5.0e-4", "conductivity = -5.0e-4")]),
+    ("zero water stiffness", &[("bulk_modulus = 2.2e9", "bulk_modulus = 0.0")]),
+    ("zero unit weight", &[("unit_weight = 9810.0", "unit_weight = 0.0")]),
+    ("negative water density", &[("unit_weight = 9810.0", "unit_weight = 9810.0\ndensity = -1000.0")]),
+    ("zero surcharge", &[("pressure = 1.0e4", "pressure = 0.0")]),
+    ("negative ramp", &[("pressure = 1.0e4", "pressure = 1.0e4\nramp_time = -1.0")]),
+    ("upward gravity", &[("dimension =", "gravity = -9.81\ndimension =")]),
+    ("zero gravity", &[("dimension =", "gravity = 0.0\ndimension =")]),
+    ("flip above 1", &[("flip = 1.0", "flip = 1.5")]),
+    ("negative flip", &[("flip = 1.0", "flip = -0.1")]),
+    ("safety above 1", &[("safety = 0.9", "safety = 1.1")]),
+    ("zero safety", &[("safety = 0.9", "safety = 0.0")]),
+    ("zero step", &[("step = \"auto\"", "step = 0.0")]),
+    ("negative step", &[("step = \"auto\"", "step = -1.0e-6")]),
+    ("step that is not a number", &[("step = \"auto\"", "step = nan")]),
+    ("step as a list", &[("step = \"auto\"", "step = [1.0e-6]")]),
+    ("negative damping", &[("drained = [\"top\"]", "drained = [\"top\"]\ndamping = -1.0")]),
+    ("negative history", &[("history = 60", "history = -1")]),
+    ("vast history", &[("history = 60", "history = 2000000")]),
+    // one of two keys
+    (
+        "neither density",
+        &[("grain_density = 1800.0 # Table 1 says \"density of soil\"; read as that of the grains\n", "")],
+    ),
+    ("both densities", &[("grain_density = 1800.0", "bulk_density = 1800.0\ngrain_density = 1800.0")]),
+    ("neither conductivity nor permeability", &[("hydraulic_conductivity = 5.0e-4\n", "")]),
+    (
+        "both conductivity and permeability",
+        &[("hydraulic_conductivity = 5.0e-4", "hydraulic_conductivity = 5.0e-4\nintrinsic_permeability = 5.0e-11")],
+    ),
+    ("permeability without viscosity", &[("hydraulic_conductivity = 5.0e-4", "intrinsic_permeability = 5.0e-11")]),
+    (
+        "permeability with a bad viscosity",
+        &[("hydraulic_conductivity = 5.0e-4", "intrinsic_permeability = 5.0e-11\nviscosity = 0.0")],
+    ),
+    (
+        "negative permeability",
+        &[("hydraulic_conductivity = 5.0e-4", "intrinsic_permeability = -5.0e-11\nviscosity = 1.0e-3")],
+    ),
+    (
+        "viscosity beside conductivity",
+        &[("hydraulic_conductivity = 5.0e-4", "hydraulic_conductivity = 5.0e-4\nviscosity = 1.0e-3")],
+    ),
+    // drainage
+    ("drained not said", &[("drained = [\"top\"]\n", "")]),
+    ("drained by an empty list", &[("drained = [\"top\"]", "drained = []")]),
+    ("time factor without drainage", &[("drained = [\"top\"]", "drained = \"none\"")]),
+    ("drained everywhere", &[("drained = [\"top\"]", "drained = [\"left\", \"right\", \"bottom\", \"top\"]")]),
+    ("drained at a side", &[("drained = [\"top\"]", "drained = [\"top\", \"right\"]")]),
+    ("side drained twice", &[("drained = [\"top\"]", "drained = [\"top\", \"top\"]")]),
+    ("side by number", &[("drained = [\"top\"]", "drained = [4]")]),
+    ("drained by a switch", &[("drained = [\"top\"]", "drained = true")]),
+    // boundaries and load
+    ("surcharge on a roller", &[("top = \"free\"", "top = \"roller\"")]),
+    ("surcharge on a fixed top", &[("top = \"free\"", "top = \"fixed\"")]),
+    ("free bottom", &[("bottom = \"roller\"", "bottom = \"free\"")]),
+    ("column free at its side", &[("right = \"roller\"", "right = \"free\"")]),
+    ("column fixed at its side", &[("left = \"roller\"", "left = \"fixed\"")]),
+    // start
+    ("equilibrium without a load", &[(SURCHARGE, "")]),
+    ("equilibrium with a ramp", &[("pressure = 1.0e4", "pressure = 1.0e4\nramp_time = 0.1")]),
+    ("equilibrium under gravity", &[("dimension =", "gravity = 9.81\ndimension =")]),
+    ("geostatic without gravity", &[("\"undrained-equilibrium\"", "\"geostatic\"")]),
+    // until
+    ("no until", &[("until.time_factor = 1.0\n", "")]),
+    ("an empty until", &[("until.time_factor = 1.0", "until = {}")]),
+    ("two ends", &[("until.time_factor = 1.0", "until.time_factor = 1.0\nuntil.time = 1.0")]),
+    ("misspelt until", &[("until.time_factor", "until.time_facto")]),
+    ("zero time", &[("until.time_factor = 1.0", "until.time = 0.0")]),
+    ("negative time factor", &[("until.time_factor = 1.0", "until.time_factor = -1.0")]),
+    ("at_most beside a time", &[("until.time_factor = 1.0", "until.time_factor = 1.0\nuntil.at_most = 1.0")]),
+    ("pressure tolerance of 1", &[("until.time_factor = 1.0", "until.pore_pressure_within = 1.0")]),
+    ("zero pressure tolerance", &[("until.time_factor = 1.0", "until.pore_pressure_within = 0.0")]),
+    ("zero at_most", &[("until.time_factor = 1.0", "until.pore_pressure_within = 0.1\nuntil.at_most = 0.0")]),
+    (
+        "pore pressure without a load",
+        &[
+            (SURCHARGE, ""),
+            ("\"undrained-equilibrium\"", "\"unloaded\""),
+            ("until.time_factor = 1.0", "until.pore_pressure_within = 0.1"),
+        ],
+    ),
+    // observe
+    ("time factor after the end", &[("0.7, 1.0]", "0.7, 1.5]")]),
+    ("zero time factor", &[("[0.01,", "[0.0,")]),
+    ("negative time", &[("history = 60", "times = [-0.1]")]),
+    ("time after the end", &[("history = 60", "times = [0.1, 2.0]")]),
+    // what would not be used
+    ("everywhere beside a time", &[("until.time_factor = 1.0", "until.time_factor = 1.0\nuntil.everywhere = true")]),
+    ("safety beside a given step", &[("step = \"auto\"", "step = 1.0e-7")]),
+    (
+        "times to observe in a stage that ends by its pressure",
+        &[("until.time_factor = 1.0", "until.pore_pressure_within = 0.1")],
+    ),
+    (
+        "history of a stage that ends by its pressure",
+        &[("until.time_factor = 1.0", "until.pore_pressure_within = 0.1"), (TIME_FACTORS, "")],
+    ),
+    // a dry scene
+    (
+        "dry: darcy inertia",
+        &[
+            (WATER, ""),
+            ("\"undrained-equilibrium\"", "\"unloaded\""),
+            ("darcy = \"face\"\n", ""),
+            ("drained = [\"top\"]\n", ""),
+        ],
+    ),
+    ("dry: darcy", &[(WATER, ""), ("\"undrained-equilibrium\"", "\"unloaded\""), ("drained = [\"top\"]\n", "")]),
+    (
+        "dry: drained",
+        &[(WATER, ""), ("\"undrained-equilibrium\"", "\"unloaded\""), ("darcy = \"face\"\ndarcy_inertia = true\n", "")],
+    ),
+    (
+        "dry: time factor",
+        &[
+            (WATER, ""),
+            ("\"undrained-equilibrium\"", "\"unloaded\""),
+            ("darcy = \"face\"\ndarcy_inertia = true\n", ""),
+            ("drained = [\"top\"]\n", ""),
+        ],
+    ),
+    (
+        "dry: pore pressure",
+        &[
+            (WATER, ""),
+            ("\"undrained-equilibrium\"", "\"unloaded\""),
+            ("darcy = \"face\"\ndarcy_inertia = true\n", ""),
+            ("drained = [\"top\"]\n", ""),
+            ("until.time_factor = 1.0", "until.pore_pressure_within = 0.1"),
+        ],
+    ),
+    (
+        "dry: time factors to observe",
+        &[
+            (WATER, ""),
+            ("\"undrained-equilibrium\"", "\"unloaded\""),
+            ("darcy = \"face\"\ndarcy_inertia = true\n", ""),
+            ("drained = [\"top\"]\n", ""),
+            ("until.time_factor = 1.0", "until.time = 1.0"),
+        ],
+    ),
+];
+
+/// The message for a text, whose line must be one of the text.
+fn refusal(case: &str, text: &str) -> SceneError {
+    let Err(error) = Scene::parse(text, "scene.toml") else { panic!("{case}: accepted\n{text}") };
+    let lines = text.lines().count().max(1);
+    assert!((1..=lines).contains(&error.line), "{case}: line {} of {lines}: {error}", error.line);
+    error
+}
+
+#[test]
+fn every_message() {
+    let base = terzaghi();
+    let mut list = String::new();
+    for (case, edits) in CASES {
+        let error = refusal(case, &edited(&base, edits));
+        list += &format!("{case}\n    {error}\n");
+    }
+    insta::with_settings!({
+        description => "Guards the words and the line of every refusal of a scene.",
+        omit_expression => true,
+    }, {
+        insta::assert_snapshot!(list);
+    });
+}
+
+#[test]
+fn truncated_files() {
+    let base = terzaghi();
+    let ends = [
+        "",
+        "name = \"terz",
+        "[geometry.col",
+        "[geometry.column]",
+        "height = ",
+        "[mesh]\ncell = 0.0",
+        "law.linear_elastic]\n",
+        "youngs_modulus = 2.0e",
+        "left = \"roller",
+        "darcy_inertia = tr",
+        "[[stages]]\n",
+        "drained = [\"to",
+        "drained = [\"top\"",
+        "until.time_f",
+        "until.time_factor =",
+    ];
+    let mut list = String::new();
+    for end in ends {
+        let cut = base.find(end).expect("a part of the scene") + end.len();
+        list += &format!("after {end:?}\n    {}\n", refusal(end, &base[..cut]));
+    }
+    insta::with_settings!({
+        description => "Guards the words and the line for a scene file that ends too early.",
+        omit_expression => true,
+    }, {
+        insta::assert_snapshot!(list);
+    });
+}
+
+#[test]
+fn a_file_cut_anywhere_is_refused() {
+    let base = terzaghi();
+    // From here on everything that is left out has a default.
+    let complete = base.find("until.time_factor = 1").expect("the last stage") + "until.time_factor = 1".len();
+    for cut in 0..complete {
+        refusal(&format!("cut at byte {cut}"), &base[..cut]);
+    }
+    for cut in complete..base.len() {
+        if Scene::parse(&base[..cut], "scene.toml").is_err() {
+            refusal(&format!("cut at byte {cut}"), &base[..cut]);
+        }
+    }
+}
+
+#[test]
+fn an_unreadable_file_is_named() {
+    let path = Path::new("no/such/scene.toml");
+    let message = Scene::load(path).expect_err("there is no such file").to_string();
+    assert!(message.starts_with("no/such/scene.toml: expected a readable scene file, found: "), "{message}");
+}
+
+#[test]
+fn endless_nesting_is_refused() {
+    let text = format!("name = {}", "[".repeat(100_000));
+    refusal("nesting", &text);
+}
+
+#[test]
+fn the_line_check_can_fail() {
+    let base = terzaghi();
+    let text = edited(&base, &[("porosity = 0.30", "porosity = 1.0")]);
+    let line = base.lines().position(|line| line.starts_with("porosity")).expect("a porosity") + 1;
+    assert_eq!(refusal("porosity", &text).line, line);
+    // A line added above must move the line that is reported.
+    assert_eq!(refusal("porosity", &format!("\n{text}")).line, line + 1);
+}
+
+/// Scenes that cannot mean what they say, and still pass.
+#[test]
+fn contradictions_are_refused() {
+    let cases: [(&str, Edits); 3] = [
+        (
+            "undrained equilibrium of a dry scene",
+            &[
+                (WATER, ""),
+                ("darcy = \"face\"\ndarcy_inertia = true\n", ""),
+                ("drained = [\"top\"]\n", ""),
+                ("until.time_factor = 1.0", "until.time = 1.0"),
+                (TIME_FACTORS, ""),
+            ],
+        ),
+        (
+            "a density that is not the unit weight over gravity",
+            &[
+                ("dimension =", "gravity = 9.81\ndimension ="),
+                ("\"undrained-equilibrium\"", "\"geostatic\""),
+                ("unit_weight = 9810.0", "unit_weight = 9810.0\ndensity = 500.0"),
+            ],
+        ),
+        (
+            "more nodes than memory holds",
+            &[
+                ("\"column\"", "\"plane-strain\""),
+                ("width = 0.1", "width = 1000.0"),
+                ("particles_per_cell = 4", "particles_per_cell = 1\nheadroom_cells = 1000000"),
+            ],
+        ),
+    ];
+    let base = terzaghi();
+    for (case, edits) in cases {
+        println!("{case}\n    {}", refusal(case, &edited(&base, edits)));
+    }
+}
+
+/// Where numbers stand in a text.
+fn numbers(text: &str) -> Vec<std::ops::Range<usize>> {
+    let digits = |c: char| c.is_ascii_digit() || ".e-".contains(c);
+    let start = |at: &usize| text[*at..].starts_with(|c: char| c.is_ascii_digit()) && text[..*at].ends_with([' ', '[']);
+    let end = |at: usize| text[at..].find(|c| !digits(c)).map_or(text.len(), |length| at + length);
+    (1..text.len()).filter(start).map(|at| at..end(at)).collect()
+}
+
+/// Numbers of any kind and size, as they may be written.
+fn number() -> impl Strategy<Value = String> {
+    prop_oneof![
+        any::<f64>().prop_map(|x| format!("{x:?}")),
+        any::<i64>().prop_map(|x| x.to_string()),
+        (-330..320_i32).prop_map(|exponent| format!("1.0e{exponent}")),
+        (0..100_000_i64).prop_map(|x| x.to_string()),
+    ]
+}
+
+/// Neither panics nor names a line that is not there.
+fn survives(what: &str, text: &str) {
+    if Scene::parse(text, "scene.toml").is_err() {
+        refusal(what, text);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn deletions_never_panic(start in 0..1000_usize, length in 1..200_usize) {
+        let base = terzaghi();
+        prop_assume!(start < base.len());
+        let end = (start + length).min(base.len());
+        prop_assume!(base.is_char_boundary(start) && base.is_char_boundary(end));
+        survives("deletion", &format!("{}{}", &base[..start], &base[end..]));
+    }
+
+    #[test]
+    fn insertions_never_panic(
+        start in 0..1000_usize,
+        what in "\\PC{0,6}|[\\x00-\\x20\"'\\[\\]{}=.,#eé漢🦀-]{1,6}",
+    ) {
+        let base = terzaghi();
+        prop_assume!(start <= base.len() && base.is_char_boundary(start));
+        survives("insertion", &format!("{}{what}{}", &base[..start], &base[start..]));
+    }
+
+    #[test]
+    fn other_numbers_never_panic(which in any::<prop::sample::Index>(), number in number(), plane in any::<bool>()) {
+        let base = terzaghi();
+        let places = numbers(&base);
+        prop_assert!(places.len() > 20);
+        let place = &places[which.index(places.len())];
+        let text = format!("{}{number}{}", &base[..place.start], &base[place.end..]);
+        survives("number", &if plane { text.replace("\"column\"", "\"plane-strain\"") } else { text });
+    }
+}
