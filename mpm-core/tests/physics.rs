@@ -16,7 +16,7 @@ use mpm_core::scene::{Scene, WaterProperties};
 use mpm_core::shape::Centre;
 use mpm_core::stability::explicit_limit;
 use mpm_core::step::{Explicit, Model};
-use mpm_core::water::{DarcyOperator, Exposed, Face, FlowRates, Nodal, SoilCell, WaterCell};
+use mpm_core::water::{DarcyOperator, Exposed, Face, FlowRates, Nodal, Place, WaterCell};
 
 const GRAVITY: f64 = 9.81;
 
@@ -115,11 +115,11 @@ impl<const D: usize> DarcyOperator<D> for Printed<D> {
     ) -> FlowRates {
         self.0.flow(grid, cells, motion, &gravity.map(|g| -g), boundary)
     }
-    fn relative(&self, grid: &Grid<D>, soil: &SoilCell<D>, cell: &WaterCell) -> [[f64; D]; 4] {
-        self.0.relative(grid, soil, cell)
+    fn relative(&self, grid: &Grid<D>, place: &Place<D>, cell: &WaterCell) -> [[f64; D]; 4] {
+        self.0.relative(grid, place, cell)
     }
-    fn filling(&self, soil_volume: f64) -> f64 {
-        self.0.filling(soil_volume)
+    fn filling(&self, inverse_volume: f64) -> f64 {
+        self.0.filling(inverse_volume)
     }
     fn bytes(&self) -> usize {
         self.0.bytes()

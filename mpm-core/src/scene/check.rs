@@ -40,7 +40,9 @@ pub(super) fn check(text: &str, file: &str) -> Checked<Scene> {
 
 impl Reader<'_> {
     fn line(&self, span: &Range<usize>) -> usize {
-        1 + self.text[..span.start.min(self.text.len())].matches('\n').count()
+        // What is missing at the end of the file is missing on its last line.
+        let line = 1 + self.text[..span.start.min(self.text.len())].matches('\n').count();
+        line.min(self.text.lines().count().max(1))
     }
 
     fn refuse<T>(&self, span: &Range<usize>, key: &str, expected: &str, found: impl ToString) -> Checked<T> {

@@ -10,7 +10,7 @@ use crate::observe::{CellValues, Ledger, Observation, Seed, Totals, observe};
 use crate::particles::{Layer, SolidPoint};
 use crate::scene::Surcharge;
 use crate::shape::Shape;
-use crate::water::{SoilCell, StressSums, Water};
+use crate::water::{Place, SoilCell, StressSums, Water};
 use std::marker::PhantomData;
 
 /// What a run is made of.
@@ -140,7 +140,7 @@ where
                 }
             }
             let corners = grid.corners_from(grid.first_corner(cell, &position));
-            let soil = SoilCell { cell, position, corners, mass, volume };
+            let soil = SoilCell { place: Place { cell, position, corners }, mass, volume };
             let water_mass = water.cell_to_grid::<Sh>(grid, &soil, &mut stress);
             // div(sigma') - grad p, weak: f_i = - sum_p V sigma G_i
             let internal = to_corners::<D, D>(&K::internal_force(&stress.mean, &stress.first, grid.inverse_size));
@@ -258,13 +258,10 @@ where
             }
             let velocity = coefficients::<D, D>(&velocity);
             let change = coefficients::<D, D>(&change);
-            let (mut mass, mut volume) = (0.0, 0.0);
             for point in &mut solid.points[range] {
                 let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - position[d] as f64);
                 let phi = basis(&xi);
                 let gradient = gradient(&velocity, &Sh::point(&xi), grid.inverse_size);
-                mass += point.mass;
-                volume += point.volume;
                 K::rotate(&mut point.stress, &gradient, dt);
                 law.update(&mut point.stress, &K::strain_increment(&gradient, dt));
                 point.volume *= 1.0 + dt * trace(&gradient);
@@ -278,8 +275,7 @@ where
                 }
             }
             if W::WET {
-                let soil = SoilCell { cell, position, corners, mass, volume };
-                water.cell_to_points::<Sh>(grid, &soil, &velocity, dt);
+                water.cell_to_points::<Sh>(grid, &Place { cell, position, corners }, &velocity, dt);
             }
         }
         !inside
@@ -300,7 +296,8 @@ where
                 let point = &solid.points[index];
                 values.add_solid(point, self.parts.seed.height_of(solid.ids[index]), law.energy(&point.stress));
             }
-            let soil = SoilCell { cell, position, corners, mass: values.solid_mass, volume: values.volume };
+            let place = Place { cell, position, corners };
+            let soil = SoilCell { place, mass: values.solid_mass, volume: values.volume };
             (values.pressure, values.water_energy) = water.cell_state(&soil);
             values.water_mass = water.cell_mass(&soil);
             values.row = position[D - 1];
@@ -350,7 +347,7 @@ where
                 continue;
             }
             let (v, mass) = solid.points[range].iter().fold((0.0, 0.0), |(v, m), p| (v + p.volume, m + p.mass));
-            let soil = SoilCell { cell, position, corners: [0; 4], mass, volume: v };
+            let soil = SoilCell { place: Place { cell, position, corners: [0; 4] }, mass, volume: v };
             let (pressure, _) = water.cell_state(&soil);
             sum += pressure * v;
             volume += v;

@@ -5,7 +5,7 @@
 
 use super::exposed::Exposed;
 use super::saturated::{DarcyOperator, WaterCell};
-use super::{FlowRates, SoilCell};
+use super::{FlowRates, Place};
 use crate::grid::Grid;
 use crate::nodes::NodeMotion;
 use crate::scene::WaterProperties;
@@ -137,25 +137,25 @@ impl<const D: usize> DarcyOperator<D> for Face<D> {
     }
 
     #[inline(always)]
-    fn relative(&self, grid: &Grid<D>, soil: &SoilCell<D>, cell: &WaterCell) -> [[f64; D]; 4] {
+    fn relative(&self, grid: &Grid<D>, place: &Place<D>, cell: &WaterCell) -> [[f64; D]; 4] {
         // Linear along each axis between the two faces, v* = q/n.
         let mut k = [[0.0; D]; 4];
         for axis in 0..D {
             let (lower, stride) = if axis == 0 {
-                (if D == 1 { soil.cell } else { soil.corners[0] }, 1)
+                (if D == 1 { place.cell } else { place.corners[0] }, 1)
             } else {
-                (soil.cell, grid.cells[0])
+                (place.cell, grid.cells[0])
             };
             let (low, high) = (self.flux[axis][lower], self.flux[axis][lower + stride]);
-            k[0][axis] = low / cell.porosity;
-            k[1 + axis][axis] = (high - low) / cell.porosity;
+            k[0][axis] = low * cell.inverse_porosity;
+            k[1 + axis][axis] = (high - low) * cell.inverse_porosity;
         }
         k
     }
 
     #[inline(always)]
-    fn filling(&self, soil_volume: f64) -> f64 {
-        self.cell_volume / soil_volume.max(LEAST_FILLING * self.cell_volume)
+    fn filling(&self, inverse_volume: f64) -> f64 {
+        (self.cell_volume * inverse_volume).min(1.0 / LEAST_FILLING)
     }
 
     fn bytes(&self) -> usize {

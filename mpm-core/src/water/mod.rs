@@ -40,15 +40,22 @@ impl FlowRates {
     }
 }
 
-/// One cell of soil, as the water needs it.
+/// Where a cell is.
 #[derive(Debug, Clone, Copy)]
-pub struct SoilCell<const D: usize> {
+pub struct Place<const D: usize> {
     /// Number of the cell.
     pub cell: usize,
     /// Its lattice position.
     pub position: [usize; D],
     /// Its corner nodes.
     pub corners: [usize; 4],
+}
+
+/// One cell of soil, as the water needs it.
+#[derive(Debug, Clone, Copy)]
+pub struct SoilCell<const D: usize> {
+    /// Where it is.
+    pub place: Place<D>,
     /// Dry mass in it, kg.
     pub mass: f64,
     /// Volume of soil in it, m3.
@@ -84,7 +91,7 @@ pub trait Water<K: Kinematics<D, S>, const D: usize, const S: usize>: Send {
     fn flow(&mut self, grid: &Grid<D>, motion: &[NodeMotion<D>], gravity: &[f64; D]) -> FlowRates;
 
     /// Updates pressure, volume, velocity and position of the water of one cell: the paper's Eqs. (5)-(7).
-    fn cell_to_points<Sh: Shape>(&mut self, grid: &Grid<D>, soil: &SoilCell<D>, velocity: &[[f64; D]; 4], dt: f64);
+    fn cell_to_points<Sh: Shape>(&mut self, grid: &Grid<D>, place: &Place<D>, velocity: &[[f64; D]; 4], dt: f64);
 
     /// Restores the cell order where water has moved; removes water that has left the soil.
     ///
@@ -132,7 +139,7 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Dry
     }
 
     #[inline(always)]
-    fn cell_to_points<Sh: Shape>(&mut self, _: &Grid<D>, _: &SoilCell<D>, _: &[[f64; D]; 4], _: f64) {}
+    fn cell_to_points<Sh: Shape>(&mut self, _: &Grid<D>, _: &Place<D>, _: &[[f64; D]; 4], _: f64) {}
 
     #[inline(always)]
     fn settle(&mut self, _: &Grid<D>, _: &Layer<SolidPoint<D, S>, D>) -> Result<(), (String, String)> {

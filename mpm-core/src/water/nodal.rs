@@ -5,7 +5,7 @@
 
 use super::exposed::Exposed;
 use super::saturated::{DarcyOperator, WaterCell, cell_coefficients};
-use super::{FlowRates, SoilCell};
+use super::{FlowRates, Place};
 use crate::grid::Grid;
 use crate::nodes::NodeMotion;
 use crate::scene::WaterProperties;
@@ -115,8 +115,8 @@ impl<const D: usize> DarcyOperator<D> for Nodal<D> {
     }
 
     #[inline(always)]
-    fn relative(&self, _: &Grid<D>, soil: &SoilCell<D>, _: &WaterCell) -> [[f64; D]; 4] {
-        cell_coefficients(&self.relative, &soil.corners)
+    fn relative(&self, _: &Grid<D>, place: &Place<D>, _: &WaterCell) -> [[f64; D]; 4] {
+        cell_coefficients(&self.relative, &place.corners)
     }
 
     #[inline(always)]

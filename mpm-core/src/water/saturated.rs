@@ -4,7 +4,7 @@
 //! `dp = -(K_w/n) [ tr(d eps_s) + div(n v*) dt ]`.
 
 use super::exposed::Exposed;
-use super::{FlowRates, SoilCell, StressSums, Water};
+use super::{FlowRates, Place, SoilCell, StressSums, Water};
 use crate::dimension::{Kinematics, basis, coefficients, gradient, to_corners, trace, value, weights};
 use crate::grid::Grid;
 use crate::nodes::NodeMotion;
@@ -19,8 +19,10 @@ pub struct WaterCell {
     pub pressure: f64,
     /// Porosity n of the soil in the cell.
     pub porosity: f64,
-    /// Volume of soil in the cell, m3; zero for a cell without soil.
-    pub soil_volume: f64,
+    /// 1/n.
+    pub inverse_porosity: f64,
+    /// 1/V of the soil in the cell, 1/m3.
+    pub inverse_volume: f64,
 }
 
 /// A way to compute the flow between cells.
@@ -45,9 +47,9 @@ pub trait DarcyOperator<const D: usize>: Send + Sized {
         boundary: (&Exposed, &[bool; 4]),
     ) -> FlowRates;
     /// Relative velocity v* in a cell, as coefficients of the basis, m/s.
-    fn relative(&self, grid: &Grid<D>, soil: &SoilCell<D>, cell: &WaterCell) -> [[f64; D]; 4];
-    /// Factor on the divergence of the flow in a cell that is not full of soil.
-    fn filling(&self, soil_volume: f64) -> f64;
+    fn relative(&self, grid: &Grid<D>, place: &Place<D>, cell: &WaterCell) -> [[f64; D]; 4];
+    /// Factor on the divergence of the flow in a cell that is not full of soil; 1/V of the soil in 1/m3.
+    fn filling(&self, inverse_volume: f64) -> f64;
     /// Bytes held.
     fn bytes(&self) -> usize;
 }
@@ -61,7 +63,8 @@ pub struct Saturated<O, const D: usize> {
     exposed: Exposed,
     drained: [bool; 4],
     properties: WaterProperties,
-    grain_density: f64,
+    /// Volume of the grains per mass, m3/kg.
+    grain_inverse: f64,
     solid_order: u64,
     moved: bool,
     /// Mass of particles removed because they left the soil, kg.
@@ -84,7 +87,7 @@ impl<O: DarcyOperator<D>, const D: usize> Saturated<O, D> {
             exposed: Exposed::default(),
             drained: [false; 4],
             properties,
-            grain_density,
+            grain_inverse: 1.0 / grain_density,
             solid_order: 0,
             moved: false,
             removed_mass: 0.0,
@@ -94,7 +97,7 @@ impl<O: DarcyOperator<D>, const D: usize> Saturated<O, D> {
     /// Porosity from the volume of grains, which do not compress.
     #[inline(always)]
     fn porosity(&self, soil: &SoilCell<D>) -> f64 {
-        1.0 - soil.mass / (self.grain_density * soil.volume)
+        1.0 - soil.mass * self.grain_inverse / soil.volume
     }
 
     fn rebuild<const S: usize>(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>) {
@@ -128,8 +131,8 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
         let mut mass = [0.0; 4];
         let mut weighted = [[0.0; 1]; 4]; // moments of V p
         let mut volumes = [[0.0; 1]; 4]; // moments of V
-        for point in &self.points.points[self.points.range(soil.cell)] {
-            let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - soil.position[d] as f64);
+        for point in &self.points.points[self.points.range(soil.place.cell)] {
+            let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - soil.place.position[d] as f64);
             let n = weights(&xi);
             for a in 0..Grid::<D>::CORNERS {
                 mass[a] += point.mass * n[a];
@@ -145,7 +148,10 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
             }
         }
         let pressure = weighted[0][0] / volumes[0][0];
-        self.cells[soil.cell] = WaterCell { pressure, porosity: self.porosity(soil), soil_volume: soil.volume };
+        let inverse_volume = 1.0 / soil.volume;
+        let porosity = 1.0 - soil.mass * self.grain_inverse * inverse_volume;
+        self.cells[soil.place.cell] =
+            WaterCell { pressure, porosity, inverse_porosity: 1.0 / porosity, inverse_volume };
         if Sh::AT_CENTRE {
             // Section 2.2: the pressure acts at the centre of the cell, on the soil that the water fills.
             let centre = basis(&[0.5; D]);
@@ -166,7 +172,12 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
             let first: [[f64; S]; D] =
                 std::array::from_fn(|d| std::array::from_fn(|s| weighted[1 + d][0] * -K::UNIT_PRESSURE[s]));
             let force = to_corners::<D, D>(&K::internal_force(&mean, &first, grid.inverse_size));
-            self.operator.gather(&soil.corners, &self.cells[soil.cell], &force, &to_corners::<D, 1>(&volumes));
+            self.operator.gather(
+                &soil.place.corners,
+                &self.cells[soil.place.cell],
+                &force,
+                &to_corners::<D, 1>(&volumes),
+            );
         }
         mass
     }
@@ -177,17 +188,17 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
     }
 
     #[inline(always)]
-    fn cell_to_points<Sh: Shape>(&mut self, grid: &Grid<D>, soil: &SoilCell<D>, velocity: &[[f64; D]; 4], dt: f64) {
-        let cell = self.cells[soil.cell];
-        let relative = self.operator.relative(grid, soil, &cell);
+    fn cell_to_points<Sh: Shape>(&mut self, grid: &Grid<D>, place: &Place<D>, velocity: &[[f64; D]; 4], dt: f64) {
+        let cell = self.cells[place.cell];
+        let relative = self.operator.relative(grid, place, &cell);
         let mut both = *velocity; // v_w = v_s + v*
         for k in 0..Grid::<D>::CORNERS {
             for d in 0..D {
                 both[k][d] += relative[k][d];
             }
         }
-        let stiffness = self.properties.bulk_modulus / cell.porosity;
-        let filling = self.operator.filling(cell.soil_volume);
+        let stiffness = self.properties.bulk_modulus * cell.inverse_porosity;
+        let filling = self.operator.filling(cell.inverse_volume);
         // Rates of pressure and of water volume at a point of the cell.
         let rates_at = |at: &[f64; D]| {
             let solid = trace(&gradient(velocity, at, grid.inverse_size)); // Eq. (7a)
@@ -196,10 +207,10 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
             (-stiffness * (solid + cell.porosity * flow), solid + flow)
         };
         let centre = rates_at(&[0.5; D]);
-        let range = self.points.range(soil.cell);
+        let range = self.points.range(place.cell);
         let mut inside = true;
         for point in &mut self.points.points[range] {
-            let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - soil.position[d] as f64);
+            let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - place.position[d] as f64);
             let phi = basis(&xi);
             let (pressure_rate, volume_rate) = if Sh::AT_CENTRE { centre } else { rates_at(&xi) };
             point.pressure += dt * pressure_rate;
@@ -207,7 +218,7 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
             point.v = value::<D, D>(&both, &phi);
             for d in 0..D {
                 point.x[d] += dt * point.v[d];
-                let moved = point.x[d] * grid.inverse_size - soil.position[d] as f64;
+                let moved = point.x[d] * grid.inverse_size - place.position[d] as f64;
                 inside &= (0.0..1.0).contains(&moved);
             }
         }
@@ -265,7 +276,7 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
     }
 
     fn cell_state(&self, soil: &SoilCell<D>) -> (f64, f64) {
-        let (sum, volume) = self.points.points[self.points.range(soil.cell)]
+        let (sum, volume) = self.points.points[self.points.range(soil.place.cell)]
             .iter()
             .fold((0.0, 0.0), |(s, v), p| (s + p.volume * p.pressure, v + p.volume));
         let pressure = sum / volume;

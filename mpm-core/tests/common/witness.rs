@@ -11,7 +11,7 @@ use mpm_core::particles::{Layer, SolidPoint, WaterPoint, even_positions};
 use mpm_core::scene::{LoadOn, Scene};
 use mpm_core::shape::Shape;
 use mpm_core::step::Parts;
-use mpm_core::water::{DarcyOperator, FlowRates, Saturated, SoilCell, StressSums, Water};
+use mpm_core::water::{DarcyOperator, FlowRates, Place, Saturated, SoilCell, StressSums, Water};
 
 /// The particles after the last step, in the order of their cells.
 #[derive(Debug)]
@@ -66,8 +66,8 @@ where
         self.inner.flow(grid, motion, gravity)
     }
 
-    fn cell_to_points<Sh: Shape>(&mut self, grid: &Grid<D>, soil: &SoilCell<D>, velocity: &[[f64; D]; 4], dt: f64) {
-        self.inner.cell_to_points::<Sh>(grid, soil, velocity, dt);
+    fn cell_to_points<Sh: Shape>(&mut self, grid: &Grid<D>, place: &Place<D>, velocity: &[[f64; D]; 4], dt: f64) {
+        self.inner.cell_to_points::<Sh>(grid, place, velocity, dt);
     }
 
     fn settle(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>) -> Result<(), (String, String)> {
