@@ -16,7 +16,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::study::{CaseResult, Degree, Variant};
+use crate::study::{CaseResult, Degree, Variant, or_nan};
 
 /// The parts of the error of one case at one time factor, signed, relative to Terzaghi's U.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -32,20 +32,28 @@ pub struct Budget {
     /// Time factor.
     pub tv: f64,
     /// U/U_Terzaghi - 1.
+    #[serde(deserialize_with = "or_nan")]
     pub total: f64,
     /// Water that compresses.
+    #[serde(deserialize_with = "or_nan")]
     pub compressibility: f64,
     /// Inertia of the mixture.
+    #[serde(deserialize_with = "or_nan")]
     pub inertia: f64,
     /// Cells of finite size.
+    #[serde(deserialize_with = "or_nan")]
     pub space: f64,
     /// Steps of finite length.
+    #[serde(deserialize_with = "or_nan")]
     pub time: f64,
     /// Strains of finite size.
+    #[serde(deserialize_with = "or_nan")]
     pub large_strain: f64,
     /// Load on the particles instead of the surface.
+    #[serde(deserialize_with = "or_nan")]
     pub load_placement: f64,
     /// total - sum of the parts.
+    #[serde(deserialize_with = "or_nan")]
     pub remainder: f64,
 }
 

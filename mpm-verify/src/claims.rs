@@ -1,10 +1,11 @@
 //! The paper's statements on accuracy (section 3), one by one: evidence and verdict.
 //!
-//! A verdict follows from numbers by a stated rule. The words of each claim stand in
-//! `reference-data/paper/claims.toml`; the rules are the functions of this file and nothing else.
+//! A verdict follows from numbers by a rule. The words of each claim and of its rule stand in
+//! `reference-data/paper/claims.toml`; the functions of this file carry the rules out and nothing else does.
 
 use serde::{Deserialize, Serialize};
 
+use crate::norms::{largest, relative};
 use crate::study::{CaseResult, Variant};
 
 /// What became of a claim.
@@ -50,8 +51,259 @@ pub struct Claim {
     pub picture: String,
 }
 
+/// The written part of a claim.
+#[derive(Debug, Deserialize)]
+struct Words {
+    id: String,
+    said: String,
+    rule: String,
+}
+
+#[derive(Debug, Deserialize)]
+struct Book {
+    claim: Vec<Words>,
+}
+
+const BOOK: &str = include_str!("../../reference-data/paper/claims.toml");
+
+/// The finest mesh, where the paper saw the opposite trend, m.
+const FINEST: f64 = 0.01;
+/// The paper's own setting.
+const PAPER_MESH: f64 = 0.02;
+const PAPER_PPC: usize = 4;
+
+/// Evidence and verdict; `None` if the runs at hand cannot tell.
+type Judged = Option<(String, Verdict)>;
+/// The function that carries a claim's rule out.
+type Rule = fn(&Runs) -> Judged;
+
+/// Claims in the order of the paper: name, picture, rule.
+const RULES: [(&str, &str, Rule); 8] = [
+    ("profiles-match", "isochrones", profiles_match),
+    ("curve-matches", "consolidation", curve_matches),
+    ("error-falls-with-time", "error-against-time-particles", error_falls_with_time),
+    ("error-falls-with-mesh", "max-error-against-mesh-terzaghi", error_falls_with_mesh),
+    ("negligible-after-0.1", "error-against-time-particles", negligible_late),
+    ("error-falls-with-particles", "max-error-against-mesh-terzaghi", error_falls_with_particles),
+    ("opposite-trend-at-0.01", "crossings", opposite_trend),
+    ("crossing-noise-explanation", "crossings", crossing_noise),
+];
+
+/// The base cases of a study with the load on the particles, as in the paper.
+struct Runs<'a>(Vec<&'a CaseResult>);
+
+impl<'a> Runs<'a> {
+    fn get(&self, mesh: f64, ppc: usize) -> Option<&'a CaseResult> {
+        self.0.iter().find(|r| (r.mesh_m - mesh).abs() < 1e-9 && r.ppc == ppc).copied()
+    }
+
+    /// Meshes, coarse first.
+    fn meshes(&self) -> Vec<f64> {
+        let mut meshes: Vec<f64> = self.0.iter().map(|r| r.mesh_m).collect();
+        meshes.sort_by(|a, b| b.total_cmp(a));
+        meshes.dedup();
+        meshes
+    }
+
+    fn particles(&self) -> Vec<usize> {
+        let mut particles: Vec<usize> = self.0.iter().map(|r| r.ppc).collect();
+        particles.sort_unstable();
+        particles.dedup();
+        particles
+    }
+}
+
 /// Judges every claim on the results of a study.
-pub fn judge(_results: &[CaseResult]) -> Vec<Claim> {
-    let _ = Variant::Base;
-    Vec::new()
+///
+/// # Panics
+/// Never: a test reads the book of claims.
+pub fn judge(results: &[CaseResult]) -> Vec<Claim> {
+    let book: Book = toml::from_str(BOOK).expect("the book of claims holds");
+    let whole = |r: &&CaseResult| r.variant == Variant::Base && r.load == "particles" && r.failure.is_none();
+    let runs = Runs(results.iter().filter(whole).collect());
+    RULES
+        .iter()
+        .filter_map(|(id, picture, rule)| {
+            let words = book.claim.iter().find(|words| words.id == *id)?;
+            let (evidence, verdict) =
+                rule(&runs).unwrap_or(("the study at hand lacks the runs".to_owned(), Verdict::CannotBeTested));
+            let (said, rule) = (words.said.clone(), words.rule.clone());
+            Some(Claim { id: (*id).to_owned(), said, rule, evidence, verdict, picture: (*picture).to_owned() })
+        })
+        .collect()
+}
+
+fn holds(condition: bool) -> Verdict {
+    if condition { Verdict::Reproduced } else { Verdict::NotReproduced }
+}
+
+fn profiles_match(runs: &Runs) -> Judged {
+    let run = runs.get(PAPER_MESH, PAPER_PPC)?;
+    let error = run.profile_error_terzaghi;
+    Some((format!("RMS(p - p_Terzaghi)/p_0 = {:.2} % at Tv = 0.1", 100.0 * error), holds(error <= 0.02)))
+}
+
+fn curve_matches(runs: &Runs) -> Judged {
+    let run = runs.get(PAPER_MESH, PAPER_PPC)?;
+    let difference = largest(run.degrees.iter().map(|d| d.u - d.u_terzaghi));
+    Some((format!("largest |U - U_Terzaghi| = {difference:.4}"), holds(difference <= 0.02)))
+}
+
+/// |U/U_Terzaghi - 1| at a time factor.
+fn error_at(run: &CaseResult, tv: f64) -> Option<f64> {
+    let degree = run.degrees.iter().find(|d| (d.tv / tv - 1.0).abs() < 1e-6)?;
+    Some(relative(degree.u, degree.u_terzaghi).abs())
+}
+
+fn error_falls_with_time(runs: &Runs) -> Judged {
+    let mut falls = 0;
+    for run in &runs.0 {
+        let [early, middle, late] = [0.01, 0.1, 1.0].map(|tv| error_at(run, tv));
+        falls += usize::from(early? > middle? && middle? > late?);
+    }
+    let count = runs.0.len();
+    (count > 0).then(|| {
+        let evidence = format!("|error| falls from Tv = 0.01 to 0.1 to 1.0 in {falls} of {count} cases");
+        (evidence, holds(falls * 10 >= count * 9))
+    })
+}
+
+fn error_falls_with_mesh(runs: &Runs) -> Judged {
+    let meshes = runs.meshes();
+    let (mut coarse, mut fine, mut pairs) = (Vec::new(), Vec::new(), 0);
+    for ppc in runs.particles() {
+        for pair in meshes.windows(2) {
+            let (Some(a), Some(b)) = (runs.get(pair[0], ppc), runs.get(pair[1], ppc)) else { continue };
+            pairs += 1;
+            if b.max_error_terzaghi >= a.max_error_terzaghi {
+                let which = format!(
+                    "{} to {} m with {ppc} per cell ({:.2e} to {:.2e})",
+                    pair[0], pair[1], a.max_error_terzaghi, b.max_error_terzaghi
+                );
+                if pair[1] >= PAPER_MESH - 1e-9 { coarse.push(which) } else { fine.push(which) }
+            }
+        }
+    }
+    let list = |found: &[String]| if found.is_empty() { "none".to_owned() } else { found.join("; ") };
+    let evidence = format!(
+        "refinements (of {pairs}) that raise the error, down to 0.02 m: {}; below: {}",
+        list(&coarse),
+        list(&fine)
+    );
+    (pairs > 0).then(|| (evidence, holds(coarse.is_empty())))
+}
+
+fn negligible_late(runs: &Runs) -> Judged {
+    let run = runs.get(PAPER_MESH, PAPER_PPC)?;
+    let error = run.late_error_terzaghi;
+    Some((format!("largest error from Tv = 0.1 on: {:.2} %", 100.0 * error), holds(error <= 0.01)))
+}
+
+fn error_falls_with_particles(runs: &Runs) -> Judged {
+    let (mut falls, mut count) = (0, 0);
+    for mesh in runs.meshes().into_iter().filter(|mesh| *mesh > FINEST + 1e-9) {
+        for pair in runs.particles().windows(2) {
+            let (Some(few), Some(many)) = (runs.get(mesh, pair[0]), runs.get(mesh, pair[1])) else { continue };
+            count += 1;
+            falls += usize::from(many.max_error_terzaghi < few.max_error_terzaghi);
+        }
+    }
+    (count > 0).then(|| {
+        (format!("more particles lower the error in {falls} of {count} comparisons"), holds(falls * 5 >= count * 4))
+    })
+}
+
+/// Maximum errors at the finest mesh for growing particle counts, and whether one of them rises.
+fn trend(runs: &Runs, error: fn(&CaseResult) -> f64) -> Option<(String, bool)> {
+    let errors: Option<Vec<f64>> = runs.particles().iter().map(|ppc| runs.get(FINEST, *ppc).map(error)).collect();
+    let errors = errors.filter(|e| e.len() >= 2)?;
+    let text: Vec<String> = errors.iter().map(|e| format!("{e:.3e}")).collect();
+    Some((text.join(", "), errors.windows(2).any(|pair| pair[1] > pair[0])))
+}
+
+fn opposite_trend(runs: &Runs) -> Judged {
+    let (errors, rises) = trend(runs, |r| r.max_error_terzaghi)?;
+    let particles: Vec<String> = runs.particles().iter().map(ToString::to_string).collect();
+    let evidence = format!("errors against Terzaghi with {} per cell: {errors}", particles.join(", "));
+    Some((evidence, holds(rises)))
+}
+
+fn crossing_noise(runs: &Runs) -> Judged {
+    let (_, there) = trend(runs, |r| r.max_error_terzaghi)?;
+    let (errors, still_there) = trend(runs, |r| r.max_error_compressible)?;
+    let crossings: u64 =
+        runs.particles().iter().filter_map(|ppc| runs.get(FINEST, *ppc)).map(|r| r.cell_crossings).sum();
+    let evidence = format!(
+        "{crossings} cell crossings in these runs; against compressible water the errors are {errors}: the trend {}",
+        if still_there { "stays" } else { "is gone" }
+    );
+    let verdict = match (there, crossings, still_there) {
+        (false, _, _) => Verdict::CannotBeTested,
+        (true, 0, false) => Verdict::ReproducedForAnotherReason,
+        (true, 1.., true) => Verdict::Reproduced,
+        _ => Verdict::NotReproduced,
+    };
+    Some((evidence, verdict))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::tests::result;
+
+    /// A run at a mesh with given errors; crossings as given.
+    fn run(mesh: f64, ppc: usize, terzaghi: f64, compressible: f64, crossings: u64) -> CaseResult {
+        let mut run = result(mesh, ppc, "particles");
+        run.max_error_terzaghi = terzaghi;
+        run.max_error_compressible = compressible;
+        run.cell_crossings = crossings;
+        run
+    }
+
+    fn verdict(results: &[CaseResult], id: &str) -> Verdict {
+        judge(results).into_iter().find(|claim| claim.id == id).expect("a claim").verdict
+    }
+
+    #[test]
+    fn every_rule_has_its_words() {
+        let book: Book = toml::from_str(BOOK).expect("the book of claims holds");
+        assert_eq!(book.claim.len(), RULES.len());
+        assert_eq!(judge(&[]).len(), RULES.len());
+        assert!(judge(&[]).iter().all(|claim| claim.verdict == Verdict::CannotBeTested));
+    }
+
+    #[test]
+    fn the_explanation_by_crossings_can_come_out_either_way() {
+        let compressibility = [run(0.01, 4, 0.004, 0.022, 0), run(0.01, 9, 0.012, 0.015, 0)];
+        assert_eq!(verdict(&compressibility, "opposite-trend-at-0.01"), Verdict::Reproduced);
+        assert_eq!(verdict(&compressibility, "crossing-noise-explanation"), Verdict::ReproducedForAnotherReason);
+        let noise = [run(0.01, 4, 0.004, 0.015, 90), run(0.01, 9, 0.012, 0.022, 90)];
+        assert_eq!(verdict(&noise, "crossing-noise-explanation"), Verdict::Reproduced);
+        let neither = [run(0.01, 4, 0.012, 0.022, 0), run(0.01, 9, 0.004, 0.015, 0)];
+        assert_eq!(verdict(&neither, "opposite-trend-at-0.01"), Verdict::NotReproduced);
+        assert_eq!(verdict(&neither, "crossing-noise-explanation"), Verdict::CannotBeTested);
+    }
+
+    #[test]
+    fn the_other_rules_can_fail() {
+        let good = [run(0.05, 4, 0.1, 0.1, 0), run(0.02, 4, 0.05, 0.1, 0), run(0.02, 9, 0.02, 0.1, 0)];
+        assert_eq!(verdict(&good, "error-falls-with-mesh"), Verdict::Reproduced);
+        assert_eq!(verdict(&good, "error-falls-with-particles"), Verdict::Reproduced);
+        let bad = [run(0.05, 4, 0.05, 0.1, 0), run(0.02, 4, 0.1, 0.1, 0), run(0.02, 9, 0.2, 0.1, 0)];
+        assert_eq!(verdict(&bad, "error-falls-with-mesh"), Verdict::NotReproduced);
+        assert_eq!(verdict(&bad, "error-falls-with-particles"), Verdict::NotReproduced);
+        for (error, expected) in [(0.001, Verdict::Reproduced), (0.5, Verdict::NotReproduced)] {
+            let mut run = run(0.02, 4, error, error, 0);
+            (run.late_error_terzaghi, run.profile_error_terzaghi) = (error, error);
+            for degree in &mut run.degrees {
+                degree.u = degree.u_terzaghi + error * (1.0 - degree.tv * 0.9);
+            }
+            for id in ["profiles-match", "curve-matches", "negligible-after-0.1"] {
+                assert_eq!(verdict(&[run.clone()], id), expected, "{id}");
+            }
+            assert_eq!(verdict(&[run.clone()], "error-falls-with-time"), Verdict::Reproduced);
+            run.degrees[8].u = 9.0;
+            assert_eq!(verdict(&[run], "error-falls-with-time"), Verdict::NotReproduced);
+        }
+    }
 }

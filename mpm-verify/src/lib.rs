@@ -4,14 +4,22 @@
 //! 1. [`scenes`]: the scene files that the program carries.
 //! 2. [`exact`]: exact solutions, one per file.
 //! 3. [`norms`], [`rates`]: the one definition of error; orders of convergence.
-//! 4. [`study`]: refine, run, compare. [`manifest`]: under which conditions.
+//! 4. [`cases`]: the verification ladder, one case per file.
+//! 5. [`study`]: refine, run, compare. [`budget`]: which part of an error comes from what. [`claims`]: the paper's
+//!    statements and their verdicts. [`stability`]: time-step limits, predicted and measured.
+//! 6. [`report`]: tables, plots, pages. [`manifest`]: under which conditions. [`baseline`]: accepted values.
 
+pub mod baseline;
 pub mod budget;
+pub mod cases;
 pub mod claims;
+pub mod cost;
 pub mod exact;
 pub mod manifest;
 pub mod norms;
 pub mod progress;
 pub mod rates;
+pub mod report;
 pub mod scenes;
+pub mod stability;
 pub mod study;

@@ -1,2 +1,120 @@
-//! x
-fn main() {}
+//! The command line. `mpm-verify` alone is the main job: the accuracy study with its report.
+
+mod commands;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+use commands::{Failure, check, list, nightly, report, solve, stability, study};
+
+/// Verification of the two-layer material point method against exact solutions.
+///
+/// Without a command: the accuracy study on the paper's Table 1, with its report in reports/index.html.
+#[derive(Debug, Parser)]
+#[command(version, about, args_conflicts_with_subcommands = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    study: study::Options,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Flags of every command.
+#[derive(Debug, Clone, Args)]
+pub struct Common {
+    /// Folder for what is written
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Threads; 0 takes as many as there are cores
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    jobs: usize,
+    /// Say nothing but errors
+    #[arg(long)]
+    quiet: bool,
+    /// Print the result as JSON on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// The accuracy study: mesh x particles per cell x load, errors, budget, claims, plots, report
+    Study {
+        #[command(flatten)]
+        options: study::Options,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Run one scene file
+    Solve {
+        #[command(flatten)]
+        options: solve::Options,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// The verification ladder: every case, or those named; exit code 1 when one falls short
+    Check {
+        /// Cases to run; all without a name
+        cases: Vec<String>,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Time-step limits, predicted and measured, and the checkerboard index of both Darcy operators
+    Stability {
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Study, ladder and stability, compared with the accepted baselines; exit code 1 on a drift
+    Nightly {
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Rebuild the report from a stored study
+    Report {
+        /// Folder that holds study.json
+        #[arg(default_value = "reports/accuracy")]
+        folder: PathBuf,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// What there is: cases, scenes, schemes
+    List {
+        #[command(flatten)]
+        common: Common,
+    },
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let outcome = match cli.command {
+        None => study::run(&cli.study, &cli.common),
+        Some(Command::Study { options, common }) => study::run(&options, &common),
+        Some(Command::Solve { options, common }) => solve::run(&options, &common),
+        Some(Command::Check { cases, common }) => check::run(&cases, &common),
+        Some(Command::Stability { common }) => stability::run(&common),
+        Some(Command::Nightly { common }) => nightly::run(&common),
+        Some(Command::Report { folder, common }) => report::run(&folder, &common),
+        Some(Command::List { common }) => list::run(&common),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("{failure}");
+            ExitCode::from(failure.code())
+        }
+    }
+}
+
+/// How a command ends when it does not succeed.
+impl Failure {
+    fn code(&self) -> u8 {
+        match self {
+            Self::FellShort(_) => 1,
+            Self::BadInput(_) => 2,
+            Self::RunFailed(_) => 3,
+        }
+    }
+}

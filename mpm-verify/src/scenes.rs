@@ -4,7 +4,17 @@ use mpm_core::error::SceneError;
 use mpm_core::scene::Scene;
 
 /// Names and texts of the scenes in `reference-data/scenes`.
-pub const BUILT_IN: [(&str, &str); 1] = [("terzaghi", include_str!("../../reference-data/scenes/terzaghi.toml"))];
+pub const BUILT_IN: [(&str, &str); 9] = [
+    ("dry-bar", include_str!("../../reference-data/scenes/dry-bar.toml")),
+    ("dynamic-column", include_str!("../../reference-data/scenes/dynamic-column.toml")),
+    ("hydrostatic", include_str!("../../reference-data/scenes/hydrostatic.toml")),
+    ("terzaghi", include_str!("../../reference-data/scenes/terzaghi.toml")),
+    ("terzaghi-double", include_str!("../../reference-data/scenes/terzaghi-double.toml")),
+    ("terzaghi-paper", include_str!("../../reference-data/scenes/terzaghi-paper.toml")),
+    ("terzaghi-ramp", include_str!("../../reference-data/scenes/terzaghi-ramp.toml")),
+    ("undrained", include_str!("../../reference-data/scenes/undrained.toml")),
+    ("undrained-wave", include_str!("../../reference-data/scenes/undrained-wave.toml")),
+];
 
 /// A built-in scene by name.
 ///
@@ -20,4 +30,24 @@ pub fn built_in(name: &str) -> Option<Result<Scene, SceneError>> {
 /// Never: a test reads every built-in scene.
 pub fn terzaghi() -> Scene {
     built_in("terzaghi").and_then(Result::ok).expect("the built-in scene holds")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_scene_file_is_carried_and_holds() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-data/scenes");
+        let mut files = 0;
+        for entry in std::fs::read_dir(folder).expect("the scenes") {
+            let path = entry.expect("a file").path();
+            if path.extension().is_some_and(|e| e == "toml") {
+                let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
+                built_in(&name).unwrap_or_else(|| panic!("{name} is not carried")).expect("a scene that holds");
+                files += 1;
+            }
+        }
+        assert_eq!(files, BUILT_IN.len());
+    }
 }

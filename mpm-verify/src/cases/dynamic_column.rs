@@ -1,0 +1,38 @@
+//! The column with inertia under a fast ramp, against the exact u-p model with the same Darcy law.
+
+use mpm_core::scene::{Scene, Start, Surcharge, Until};
+
+use super::{Outcome, Rung, finished, scheme, with_rows};
+use crate::exact::dynamic::DynamicColumn;
+use crate::norms::largest;
+
+/// Darcy's law with `rho_w a_s`.
+pub const WITH_INERTIA: Rung =
+    Rung { name: "dynamic-up", about: "waves and consolidation, u-p model", climb: || climb(|_| {}) };
+
+/// Darcy's law without inertia.
+pub const WITHOUT_INERTIA: Rung = Rung {
+    name: "dynamic-upq",
+    about: "the same without inertia in Darcy's law",
+    climb: || climb(|scene| scene.darcy_inertia = false),
+};
+
+fn climb(change: fn(&mut Scene)) -> Result<Outcome, String> {
+    let mut base = crate::scenes::terzaghi();
+    (base.history, base.start) = (0, Start::Unloaded);
+    base.surcharge = base.surcharge.map(|s| Surcharge { ramp_time: 5e-4, ..s });
+    let end = 0.2 * base.time_per_factor().ok_or("the scene is dry")?;
+    base.stages[0].until = Until::Time(end);
+    base.observe_times = (1..=40).map(|i| end * f64::from(i) / 40.0).collect();
+    change(&mut base);
+    let exact = DynamicColumn::new(&base).ok_or("the scene is dry")?;
+    let whole = 1.0e4 * base.height / base.oedometer_modulus();
+    let mut errors = Vec::new();
+    for rows in [20, 40, 80] {
+        let scene = with_rows(base.clone(), rows);
+        let run = finished(&scene)?;
+        let error = |s: &mpm_core::drive::Sample| (s.state.settlement - exact.settlement(s.stage_time)) / whole;
+        errors.push((scene.cell, largest(run.observed().map(error))));
+    }
+    Ok(Outcome { scheme: scheme(&base), errors, required_error: 1.0e-3, required_order: None })
+}

@@ -1,0 +1,63 @@
+//! `nightly`: everything, compared with the accepted baselines.
+
+use std::fs;
+use std::path::PathBuf;
+
+use mpm_verify::baseline;
+use mpm_verify::report;
+use serde::Serialize;
+
+use super::{Failure, check, say, stability, study, writable, write_csv};
+use crate::Common;
+
+/// A line of `nightly.csv`.
+#[derive(Debug, Serialize)]
+struct Night {
+    date: String,
+    commit: String,
+    rungs: usize,
+    fallen: usize,
+    drifts: usize,
+    largest_drift: f64,
+    study_cpu_s: f64,
+}
+
+/// Runs study, ladder and stability; appends a line to `nightly.csv`.
+pub fn run(common: &Common) -> Result<(), Failure> {
+    let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports"));
+    writable(&folder)?;
+    let accuracy = folder.join("accuracy");
+    let study = study::compute(&study::Options::paper(), common, &accuracy)?;
+    report::write(&study, &accuracy).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    let steps = check::climb(&[], common, &folder.join("ladder"))?;
+    let limits = stability::measure(common, &folder.join("stability"))?;
+    let drifts = baseline::compare(&study.results);
+    write_csv(&folder.join("drift.csv"), &drifts)?;
+    let fallen = steps.iter().filter(|s| !s.held()).count();
+    let drifted = drifts.iter().filter(|d| !d.held()).count();
+    let night = Night {
+        date: study.manifest.date.clone(),
+        commit: study.manifest.commit.clone(),
+        rungs: steps.len(),
+        fallen,
+        drifts: drifted,
+        largest_drift: drifts.iter().map(|d| d.relative_change).fold(0.0, f64::max),
+        study_cpu_s: study.results.iter().map(|r| r.cpu_s).sum(),
+    };
+    append(&folder.join("nightly.csv"), &night)?;
+    let line =
+        format!("{} of {} rungs held, {drifted} of {} errors drifted", steps.len() - fallen, steps.len(), drifts.len());
+    say(common.quiet, &line);
+    stability::verdict(&limits)?;
+    if fallen + drifted > 0 { Err(Failure::FellShort(line)) } else { Ok(()) }
+}
+
+/// Appends a row, with a header if the file is new.
+fn append(path: &std::path::Path, night: &Night) -> Result<(), Failure> {
+    let lost = |e: String| Failure::RunFailed(format!("{}: {e}", path.display()));
+    let new = !path.exists();
+    let file = fs::OpenOptions::new().create(true).append(true).open(path).map_err(|e| lost(e.to_string()))?;
+    let mut writer = csv::WriterBuilder::new().has_headers(new).from_writer(file);
+    writer.serialize(night).map_err(|e| lost(e.to_string()))?;
+    writer.flush().map_err(|e| lost(e.to_string()))
+}

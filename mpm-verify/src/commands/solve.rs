@@ -1,0 +1,206 @@
+//! `solve`: one scene file, its history and summary.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use mpm_core::drive::{Run, Sample};
+use mpm_core::run::{StartError, run as solve};
+use mpm_core::scene::Scene;
+use mpm_core::stability::explicit_limit;
+use mpm_verify::exact::terzaghi::Terzaghi;
+use mpm_verify::manifest::Manifest;
+use mpm_verify::progress::Progress;
+use serde::Serialize;
+
+use super::study::load_scene;
+use super::{Failure, print_json, say, writable, write_csv, write_json};
+use crate::Common;
+
+/// What to solve.
+#[derive(Debug, Clone, Args)]
+pub struct Options {
+    /// The scene
+    scene: PathBuf,
+    /// Run a step above the stability limit all the same
+    #[arg(long)]
+    force: bool,
+}
+
+/// A row of history.csv.
+#[derive(Debug, Serialize)]
+struct Row {
+    time_s: f64,
+    stage: usize,
+    stage_time_s: f64,
+    step: u64,
+    settlement_m: f64,
+    mean_pressure_pa: f64,
+    base_pressure_pa: f64,
+    max_speed_m_s: f64,
+    checkerboard: f64,
+    solid_crossings: u64,
+    water_crossings: u64,
+    solid_mass_kg: f64,
+    solid_closing_kg: f64,
+    water_stored_kg: f64,
+    water_in_kg: f64,
+    water_out_kg: f64,
+    water_closing_kg: f64,
+    momentum_n_s: f64,
+    impulse_n_s: f64,
+    momentum_closing_n_s: f64,
+    kinetic_j: f64,
+    strain_j: f64,
+    water_j: f64,
+    external_work_j: f64,
+    gravity_work_j: f64,
+    flow_body_work_j: f64,
+    darcy_dissipation_j: f64,
+    damping_loss_j: f64,
+    energy_closing_j: f64,
+}
+
+/// A row of profiles.csv.
+#[derive(Debug, Serialize)]
+struct ProfileLine {
+    time_s: f64,
+    stage: usize,
+    stage_time_s: f64,
+    height_m: f64,
+    material_height_m: f64,
+    pressure_pa: f64,
+    effective_stress_pa: f64,
+}
+
+/// summary.json.
+#[derive(Debug, Serialize)]
+struct Summary<'a> {
+    scene: &'a Scene,
+    manifest: Manifest,
+    dt_s: f64,
+    limit_s: f64,
+    forced: bool,
+    steps: u64,
+    stages: &'a [mpm_core::drive::StageRecord],
+    solid_particles: usize,
+    bytes_per_particle: usize,
+    cpu_s: f64,
+    ns_per_point_step: f64,
+    settlement_final_m: f64,
+    /// Against Terzaghi with compressible water, where the scene is a consolidation.
+    settlement_compressible_m: Option<f64>,
+    failure: Option<String>,
+}
+
+/// Solves a scene.
+pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
+    let mut scene = load_scene(&options.scene)?;
+    scene.force = options.force;
+    let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports").join(&scene.name));
+    writable(&folder)?;
+    let progress = Progress::new(&scene.name, common.quiet);
+    let clock = cpu_time::ThreadTime::now();
+    let run = solve(&scene, &mut |share| progress.set((share * 1e6) as u64)).map_err(|e| match e {
+        StartError::Step(e) => Failure::BadInput(format!("{}: {e}", options.scene.display())),
+        StartError::Place(e) => Failure::BadInput(format!("{}: {e}", options.scene.display())),
+    })?;
+    let cpu_s = clock.elapsed().as_secs_f64();
+    progress.finish();
+    write_csv(&folder.join("history.csv"), &history(&run))?;
+    if scene.profiles {
+        write_csv(&folder.join("profiles.csv"), &profiles(&run))?;
+    }
+    let summary = summary(&scene, &run, cpu_s);
+    write_json(&folder.join("summary.json"), &summary)?;
+    if common.json {
+        print_json(&summary);
+    } else {
+        let end = format!("{} steps, settlement {:.6e} m", run.steps, summary.settlement_final_m);
+        say(common.quiet, &format!("{}: {end}, written to {}", scene.name, folder.display()));
+        if summary.forced {
+            say(common.quiet, &format!("forced: step {:.3e} s above the limit {:.3e} s", run.dt, summary.limit_s));
+        }
+    }
+    match &run.failure {
+        Some(failure) => Err(Failure::RunFailed(format!("{}: {failure}", scene.name))),
+        None => Ok(()),
+    }
+}
+
+fn summary<'a>(scene: &'a Scene, run: &'a Run, cpu_s: f64) -> Summary<'a> {
+    let limit_s = explicit_limit(scene);
+    let last = run.samples.last();
+    let drained = scene.stages.last().is_some_and(|stage| stage.drained.contains(&true));
+    let exact = Terzaghi::compressible(scene).filter(|_| drained && scene.gravity.is_none());
+    Summary {
+        scene,
+        manifest: Manifest::new(scene, 1),
+        dt_s: run.dt,
+        limit_s,
+        forced: scene.force && run.dt > limit_s,
+        steps: run.steps,
+        stages: &run.stages,
+        solid_particles: run.solid_particles,
+        bytes_per_particle: run.bytes / run.solid_particles,
+        cpu_s,
+        ns_per_point_step: cpu_s * 1e9 / (run.steps.max(1) as f64 * run.solid_particles as f64),
+        settlement_final_m: last.map_or(f64::NAN, |s| s.state.settlement),
+        settlement_compressible_m: exact.zip(last).map(|(exact, s)| exact.settlement(s.stage_time)),
+        failure: run.failure.as_ref().map(ToString::to_string),
+    }
+}
+
+fn history(run: &Run) -> Vec<Row> {
+    let row = |s: &Sample| {
+        let (o, l) = (&s.state, &s.ledger);
+        Row {
+            time_s: o.time,
+            stage: s.stage,
+            stage_time_s: s.stage_time,
+            step: s.step,
+            settlement_m: o.settlement,
+            mean_pressure_pa: o.mean_pressure,
+            base_pressure_pa: o.base_pressure,
+            max_speed_m_s: o.max_speed,
+            checkerboard: o.checkerboard,
+            solid_crossings: o.solid_crossings,
+            water_crossings: o.water_crossings,
+            solid_mass_kg: l.solid_mass_kg,
+            solid_closing_kg: l.solid_closing_kg,
+            water_stored_kg: l.water_stored_kg,
+            water_in_kg: l.water_in_kg,
+            water_out_kg: l.water_out_kg,
+            water_closing_kg: l.water_closing_kg,
+            momentum_n_s: l.momentum_n_s,
+            impulse_n_s: l.impulse_n_s,
+            momentum_closing_n_s: l.momentum_closing_n_s,
+            kinetic_j: l.kinetic_j,
+            strain_j: l.strain_j,
+            water_j: l.water_j,
+            external_work_j: l.external_work_j,
+            gravity_work_j: l.gravity_work_j,
+            flow_body_work_j: l.flow_body_work_j,
+            darcy_dissipation_j: l.darcy_dissipation_j,
+            damping_loss_j: l.damping_loss_j,
+            energy_closing_j: l.energy_closing_j,
+        }
+    };
+    run.samples.iter().map(row).collect()
+}
+
+fn profiles(run: &Run) -> Vec<ProfileLine> {
+    let lines = |s: &Sample| {
+        let (time_s, stage, stage_time_s) = (s.state.time, s.stage, s.stage_time);
+        let line = move |row: &mpm_core::observe::ProfileRow| ProfileLine {
+            time_s,
+            stage,
+            stage_time_s,
+            height_m: row.height_m,
+            material_height_m: row.material_height_m,
+            pressure_pa: row.pressure_pa,
+            effective_stress_pa: row.effective_stress_pa,
+        };
+        s.state.profile.iter().map(line).collect::<Vec<_>>()
+    };
+    run.samples.iter().filter(|s| s.observed).flat_map(lines).collect()
+}

@@ -1,0 +1,207 @@
+//! `study`, the main job.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use mpm_core::scene::{DarcyChoice, Dimension, LoadOn, Scene, ShapeChoice, StepChoice};
+use mpm_verify::budget::budgets;
+use mpm_verify::claims::judge;
+use mpm_verify::manifest::Manifest;
+use mpm_verify::progress::Progress;
+use mpm_verify::report::{self, Study};
+use mpm_verify::study::{CaseResult, MESHES, Plan, Variant};
+
+use super::{Failure, jobs, print_json, say, writable};
+use crate::Common;
+
+/// What the study varies.
+#[derive(Debug, Clone, Args)]
+pub struct Options {
+    /// Scene file to start from; the paper's Table 1 without one
+    #[arg(long, value_name = "SCENE.toml")]
+    scene: Option<PathBuf>,
+    /// Cell edges L in m
+    #[arg(long, value_delimiter = ',', value_name = "L,L", default_values_t = MESHES)]
+    mesh: Vec<f64>,
+    /// Particles per cell
+    #[arg(long, value_delimiter = ',', value_name = "N,N", default_values_t = [1, 4, 9])]
+    ppc: Vec<usize>,
+    /// What carries the load
+    #[arg(long, value_delimiter = ',', value_enum, default_values_t = [Load::Particles, Load::Surface])]
+    load: Vec<Load>,
+    /// Time integrators
+    #[arg(long, value_delimiter = ',', value_enum, default_values_t = [Integrator::Explicit])]
+    integrator: Vec<Integrator>,
+    /// Where shape functions are evaluated
+    #[arg(long, value_enum)]
+    scheme: Option<Scheme>,
+    /// Darcy operator
+    #[arg(long, value_enum)]
+    darcy: Option<Darcy>,
+    /// `column` solves one dimension; `full` the paper's column in plane strain
+    #[arg(long, value_enum, default_value_t = Width::Column)]
+    width: Width,
+    /// Time step: `auto`, `paper` (1e-7 s) or seconds
+    #[arg(long, value_parser = step, value_name = "STEP")]
+    dt: Option<StepChoice>,
+    /// Run steps above the stability limit all the same
+    #[arg(long)]
+    force: bool,
+    /// Leave out the further runs of the error budget
+    #[arg(long)]
+    no_budget: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Load {
+    Particles,
+    Surface,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Integrator {
+    Explicit,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Scheme {
+    Centre,
+    Linear,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Darcy {
+    Face,
+    Nodal,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Width {
+    Column,
+    Full,
+}
+
+fn step(text: &str) -> Result<StepChoice, String> {
+    match text {
+        "auto" => Ok(StepChoice::Auto),
+        "paper" => Ok(StepChoice::Paper),
+        other => match other.parse::<f64>() {
+            Ok(dt) if dt.is_finite() && dt > 0.0 => Ok(StepChoice::Fixed(dt)),
+            _ => Err("expected auto, paper or a step above 0 s".to_owned()),
+        },
+    }
+}
+
+/// Reads a scene file.
+pub fn load_scene(path: &Path) -> Result<Scene, Failure> {
+    Scene::load(path).map_err(|e| Failure::BadInput(e.to_string()))
+}
+
+impl Options {
+    /// The full study of the paper.
+    pub fn paper() -> Self {
+        Self {
+            scene: None,
+            mesh: MESHES.to_vec(),
+            ppc: vec![1, 4, 9],
+            load: vec![Load::Particles, Load::Surface],
+            integrator: vec![Integrator::Explicit],
+            scheme: None,
+            darcy: None,
+            width: Width::Column,
+            dt: None,
+            force: false,
+            no_budget: false,
+        }
+    }
+
+    fn plan(&self, common: &Common) -> Result<Plan, Failure> {
+        let mut base = match &self.scene {
+            Some(path) => load_scene(path)?,
+            None => mpm_verify::scenes::terzaghi(),
+        };
+        if let Width::Full = self.width {
+            base.dimension = Dimension::PlaneStrain;
+        }
+        if let Some(scheme) = self.scheme {
+            base.shape = match scheme {
+                Scheme::Centre => ShapeChoice::Centre,
+                Scheme::Linear => ShapeChoice::Linear,
+            };
+        }
+        if let Some(darcy) = self.darcy {
+            base.darcy = match darcy {
+                Darcy::Face => DarcyChoice::Face,
+                Darcy::Nodal => DarcyChoice::Nodal,
+            };
+        }
+        base.step = self.dt.unwrap_or(base.step);
+        base.force = self.force;
+        let loads = self.load.iter().map(|load| match load {
+            Load::Particles => LoadOn::Particles,
+            Load::Surface => LoadOn::Surface,
+        });
+        Ok(Plan {
+            base,
+            meshes: self.mesh.clone(),
+            particles_per_cell: self.ppc.clone(),
+            loads: loads.collect(),
+            budget: !self.no_budget && self.load.iter().any(|l| matches!(l, Load::Surface)),
+            jobs: jobs(common.jobs),
+        })
+    }
+}
+
+/// Runs the study and writes its report.
+pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
+    let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/accuracy"));
+    let study = compute(options, common, &folder)?;
+    let write = |e: report::ReportError| Failure::RunFailed(e.to_string());
+    report::write(&study, &folder).map_err(write)?;
+    if common.json {
+        print_json(&study.results.iter().filter(|r| r.variant == Variant::Base).collect::<Vec<_>>());
+    } else {
+        summary(&study, &folder, common.quiet);
+    }
+    match study.results.iter().find_map(|r| r.failure.as_ref().map(|f| format!("{}: {f}", r.case))) {
+        Some(failure) => Err(Failure::RunFailed(failure)),
+        None => Ok(()),
+    }
+}
+
+/// Runs the study; checks the folder before the first step.
+pub fn compute(options: &Options, common: &Common, folder: &Path) -> Result<Study, Failure> {
+    let plan = options.plan(common)?;
+    writable(folder)?;
+    let progress = Progress::new("accuracy study", common.quiet);
+    let start = std::time::Instant::now();
+    let results = plan.run(&progress).map_err(Failure::BadInput)?;
+    progress.finish();
+    let wall = start.elapsed().as_secs_f64();
+    let cpu: f64 = results.iter().map(|r| r.cpu_s).sum();
+    let mut notes = vec![format!("{} runs, {cpu:.1} s of CPU time, {wall:.1} s on the clock.", results.len())];
+    let forced = results.iter().filter(|r| r.forced).count();
+    if forced > 0 {
+        notes.push(format!("{forced} runs were forced above their stability limit."));
+    }
+    let (budgets, claims) = (budgets(&results), judge(&results));
+    let manifest = Manifest::new(&plan.base, plan.jobs);
+    Ok(Study { manifest, results, budgets, claims, notes })
+}
+
+fn summary(study: &Study, folder: &Path, quiet: bool) {
+    say(quiet, &format!("{:<42} {:>9} {:>12} {:>12}", "case", "steps", "Terzaghi", "compressible"));
+    let base = |r: &&CaseResult| r.variant == Variant::Base;
+    for r in study.results.iter().filter(base) {
+        let errors = format!("{:>12.3e} {:>12.3e}", r.max_error_terzaghi, r.max_error_compressible);
+        say(quiet, &format!("{:<42} {:>9} {errors}", r.case, r.steps));
+    }
+    for claim in &study.claims {
+        say(quiet, &format!("{:<28} {}: {}", claim.id, claim.verdict.words(), claim.evidence));
+    }
+    for note in &study.notes {
+        say(quiet, note);
+    }
+    let index = folder.parent().unwrap_or(folder).join("index.html");
+    say(quiet, &format!("report: {}", index.display()));
+}

@@ -1,0 +1,210 @@
+//! What the pages say. [`super::html`] and [`super::markdown`] only say how.
+
+pub mod table;
+pub mod terms;
+
+use serde::Serialize;
+
+use self::table::Table;
+use super::numbers::percent;
+use super::orders::{Group, groups};
+use super::plots::figure::Figure;
+use super::select::{Cases, PAPER, Reference, families};
+use super::{Study, content::terms::TERMS};
+use crate::claims::Verdict;
+use crate::study::{Variant, word};
+
+/// All text and tables of a page.
+#[derive(Debug, Clone, Serialize)]
+pub struct Content {
+    /// Title.
+    pub title: String,
+    /// One paragraph.
+    pub summary: String,
+    /// Runs that failed or were forced: to be seen first.
+    pub warnings: Vec<String>,
+    /// Largest errors, a table per load.
+    pub errors: Vec<Table>,
+    /// Orders of convergence.
+    pub orders: Vec<Table>,
+    /// The paper's statements.
+    pub claims: Vec<ClaimText>,
+    /// Parts of the error.
+    pub budgets: Vec<Table>,
+    /// Time of the runs.
+    pub speed: Vec<Table>,
+    /// Every case with all its numbers.
+    pub cases: Vec<Table>,
+    /// Terms and what they mean.
+    pub terms: Vec<(&'static str, &'static str)>,
+    /// What pictures lack.
+    pub missing: Vec<String>,
+    /// Notes of the study.
+    pub notes: Vec<String>,
+    /// Conditions: name and value.
+    pub manifest: Vec<(&'static str, String)>,
+    /// Pictures in the order of the page.
+    pub pictures: Vec<Picture>,
+}
+
+/// A claim as the pages show it.
+#[derive(Debug, Clone, Serialize)]
+pub struct ClaimText {
+    /// Name.
+    pub id: String,
+    /// What the paper says.
+    pub said: String,
+    /// The rule.
+    pub rule: String,
+    /// The numbers.
+    pub evidence: String,
+    /// The verdict in words.
+    pub verdict: &'static str,
+    /// How its badge looks: `good`, `warn`, `bad` or `plain`.
+    pub mark: &'static str,
+    /// Name of the picture; empty if there is none of that name.
+    pub picture: String,
+    /// Its number on the page.
+    pub number: usize,
+}
+
+/// A picture's words.
+#[derive(Debug, Clone, Serialize)]
+pub struct Picture {
+    /// File name without ending.
+    pub name: &'static str,
+    /// Number on the page, from 1.
+    pub number: usize,
+    /// Title.
+    pub title: String,
+    /// What to see.
+    pub caption: String,
+}
+
+impl Content {
+    /// Gathers everything that pages say about a study.
+    pub fn new(study: &Study, figures: &[Figure]) -> Self {
+        let picture = |(k, f): (usize, &Figure)| {
+            let (title, caption) = (f.title.clone(), f.caption.clone());
+            Picture { name: f.name, number: k + 1, title, caption }
+        };
+        let pictures: Vec<Picture> = figures.iter().enumerate().map(picture).collect();
+        let groups = groups(&study.results);
+        Self {
+            title: "Accuracy of the two-layer material point method in one-dimensional consolidation".to_owned(),
+            summary: summary(study, &groups),
+            warnings: warnings(study),
+            errors: table::errors(&study.results),
+            orders: table::orders(&groups),
+            claims: claims(study, &pictures),
+            budgets: table::budgets(study),
+            speed: table::speed(&study.results),
+            cases: table::cases(&study.results),
+            terms: TERMS.to_vec(),
+            missing: missing(study, figures),
+            notes: study.notes.clone(),
+            manifest: study.manifest.entries().to_vec(),
+            pictures,
+        }
+    }
+}
+
+fn claims(study: &Study, pictures: &[Picture]) -> Vec<ClaimText> {
+    let text = |c: &crate::claims::Claim| {
+        let picture = pictures.iter().find(|p| p.name == c.picture);
+        ClaimText {
+            id: c.id.clone(),
+            said: c.said.clone(),
+            rule: c.rule.clone(),
+            evidence: c.evidence.clone(),
+            verdict: c.verdict.words(),
+            mark: match c.verdict {
+                Verdict::Reproduced => "good",
+                Verdict::ReproducedForAnotherReason => "warn",
+                Verdict::NotReproduced => "bad",
+                Verdict::CannotBeTested => "plain",
+            },
+            picture: picture.map_or_else(String::new, |p| p.name.to_owned()),
+            number: picture.map_or(0, |p| p.number),
+        }
+    };
+    study.claims.iter().map(text).collect()
+}
+
+/// One sentence per run that failed, one for those that were forced.
+fn warnings(study: &Study) -> Vec<String> {
+    let name = |r: &crate::study::CaseResult| match r.variant {
+        Variant::Base => r.case.clone(),
+        other => format!("{} ({})", r.case, word(other)),
+    };
+    let failed = study.results.iter().filter_map(|r| r.failure.as_ref().map(|f| (r, f)));
+    let mut warnings: Vec<String> = failed.map(|(r, f)| format!("Failed: {}: {f}", name(r))).collect();
+    for r in study.results.iter().filter(|r| r.forced) {
+        let times = r.dt_s / r.limit_s;
+        warnings.push(format!("Forced: {} ran with {times:.2} times the stable time step.", name(r)));
+    }
+    warnings
+}
+
+fn missing(study: &Study, figures: &[Figure]) -> Vec<String> {
+    let mut missing: Vec<String> = figures.iter().flat_map(|f| f.missing.clone()).collect();
+    let base = study.results.iter().filter(|r| r.variant == Variant::Base);
+    let left_out = base.filter(|r| r.failure.is_some()).count();
+    if left_out > 0 {
+        missing.insert(0, format!("{left_out} failed runs are left out of pictures and orders."));
+    }
+    if let [(shown, _), rest @ ..] = families(&study.results).as_slice()
+        && !rest.is_empty()
+    {
+        let others: Vec<&str> = rest.iter().map(|(name, _)| name.as_str()).collect();
+        missing.push(format!("Pictures show {shown}; {} are in the tables only.", others.join(", ")));
+    }
+    missing
+}
+
+fn summary(study: &Study, groups: &[Group]) -> String {
+    let cases = Cases::of(&study.results);
+    let list = |values: Vec<String>| values.join(", ");
+    let mut text = format!(
+        "{} cases with cells of {} m and {} particles per cell: degree of consolidation U compared with two exact \
+         solutions, Terzaghi's with incompressible water and the same with the water's own stiffness. ",
+        study.results.iter().filter(|r| r.variant == Variant::Base).count(),
+        list(cases.meshes().iter().map(ToString::to_string).collect()),
+        list(cases.particles().iter().map(ToString::to_string).collect()),
+    );
+    for (load, words) in super::select::LOADS {
+        if let Some(r) = cases.get(load, PAPER.0, PAPER.1) {
+            let [terzaghi, compressible] = Reference::BOTH.map(|reference| percent(reference.largest(r)));
+            text += &format!(
+                "At the paper's mesh and particles ({} m, {} per cell) with the {words} the largest error is {terzaghi} % \
+                 against Terzaghi and {compressible} % against compressible water. ",
+                PAPER.0, PAPER.1
+            );
+        }
+    }
+    let usual = cases.usual_particles();
+    for group in groups.iter().filter(|g| Some(g.ppc) == usual) {
+        if let Some((_, Some(fit))) = group.fits.iter().find(|(norm, _)| *norm == "max-compressible") {
+            text += &format!(
+                "With the load on the {} and {} particles per cell the largest error against compressible water falls \
+                 with the mesh at order {}. ",
+                group.load,
+                group.ppc,
+                table::order_text(fit)
+            );
+        }
+    }
+    text + &verdicts(study)
+}
+
+/// How many claims ended with which verdict.
+fn verdicts(study: &Study) -> String {
+    let all =
+        [Verdict::Reproduced, Verdict::ReproducedForAnotherReason, Verdict::NotReproduced, Verdict::CannotBeTested];
+    let counted = all.map(|v| (study.claims.iter().filter(|c| c.verdict == v).count(), v.words()));
+    let parts: Vec<String> = counted.iter().filter(|(n, _)| *n > 0).map(|(n, words)| format!("{n} {words}")).collect();
+    if parts.is_empty() {
+        return String::new();
+    }
+    format!("Of the paper's {} statements on accuracy: {}.", study.claims.len(), parts.join(", "))
+}

@@ -1,0 +1,281 @@
+//! The tables of the pages. Errors in percent with three significant digits.
+
+use serde::Serialize;
+
+use crate::budget::Budget;
+use crate::norms::LATE_TV;
+use crate::rates::Fit;
+use crate::report::Study;
+use crate::report::numbers::{percent, short};
+use crate::report::orders::Group;
+use crate::report::select::{Cases, LOADS, PAPER, Reference, families, meshes, particles, same_time};
+use crate::study::CaseResult;
+
+/// A table.
+#[derive(Debug, Clone, Serialize)]
+pub struct Table {
+    /// What stands above it.
+    pub title: String,
+    /// Names that span several columns, with their number of columns; may be empty.
+    pub groups: Vec<(String, usize)>,
+    /// Names of the columns with units.
+    pub head: Vec<String>,
+    /// Rows.
+    pub rows: Vec<Vec<Cell>>,
+    /// What stands below it.
+    pub note: String,
+}
+
+/// A cell of a table.
+#[derive(Debug, Clone, Serialize)]
+pub struct Cell {
+    /// What it says.
+    pub text: String,
+    /// What it says in small letters below.
+    pub small: String,
+    /// How it looks: empty, `good`, `warn`, `bad` or `paper`.
+    pub mark: &'static str,
+}
+
+impl Cell {
+    /// A plain cell.
+    pub fn new(text: impl Into<String>) -> Self {
+        Self { text: text.into(), small: String::new(), mark: "" }
+    }
+
+    /// With small letters and a look.
+    pub fn marked(self, small: impl Into<String>, mark: &'static str) -> Self {
+        Self { small: small.into(), mark, ..self }
+    }
+}
+
+fn table(title: String, head: &[&str], rows: Vec<Vec<Cell>>, note: &str) -> Table {
+    let head = head.iter().map(|h| (*h).to_owned()).collect();
+    Table { title, groups: Vec::new(), head, rows, note: note.to_owned() }
+}
+
+/// A number of a case; says so if the case failed or was forced.
+fn of_case(case: &CaseResult, text: String) -> Cell {
+    let is_paper = (case.mesh_m / PAPER.0 - 1.0).abs() < 1e-9 && case.ppc == PAPER.1;
+    match (&case.failure, case.forced) {
+        (Some(_), true) => Cell::new("failed").marked("forced", "bad"),
+        (Some(_), false) => Cell::new("failed").marked("", "bad"),
+        (None, true) => Cell::new(text).marked("forced", "warn"),
+        (None, false) => Cell::new(text).marked("", if is_paper { "paper" } else { "" }),
+    }
+}
+
+/// The case of a mesh, if it was run.
+fn find<'a>(cases: &[&'a CaseResult], load: &str, mesh: f64, ppc: usize) -> Option<&'a CaseResult> {
+    cases.iter().copied().find(|r| r.load == load && r.mesh_m == mesh && r.ppc == ppc)
+}
+
+/// Loads that some cases have, with how they read.
+fn loads(cases: &[&CaseResult]) -> Vec<(&'static str, &'static str)> {
+    LOADS.into_iter().filter(|(load, _)| cases.iter().any(|r| r.load == *load)).collect()
+}
+
+/// Rows of meshes, columns of particles, for several numbers side by side.
+fn by_mesh(cases: &[&CaseResult], load: &str, numbers: &[&dyn Fn(&CaseResult) -> String]) -> Vec<Vec<Cell>> {
+    let row = |mesh: f64| {
+        let mut row = vec![Cell::new(mesh.to_string())];
+        for number in numbers {
+            for ppc in particles(cases) {
+                let found = find(cases, load, mesh, ppc);
+                row.push(found.map_or_else(|| Cell::new("not run"), |r| of_case(r, number(r))));
+            }
+        }
+        row
+    };
+    meshes(cases).into_iter().map(row).collect()
+}
+
+/// Heads of [`by_mesh`].
+fn by_mesh_head(cases: &[&CaseResult], names: &[&str]) -> (Vec<(String, usize)>, Vec<String>) {
+    let count = particles(cases);
+    let mut groups = vec![(String::new(), 1)];
+    let mut head = vec!["L (m)".to_owned()];
+    for name in names {
+        groups.push(((*name).to_owned(), count.len()));
+        head.extend(count.iter().map(|ppc| format!("{ppc} per cell")));
+    }
+    (groups, head)
+}
+
+/// Largest errors per mesh and particles against both exact solutions, a table per load.
+pub fn errors(results: &[CaseResult]) -> Vec<Table> {
+    let mut tables = Vec::new();
+    for (family, cases) in families(results) {
+        for (load, words) in loads(&cases) {
+            let [terzaghi, compressible] = Reference::BOTH;
+            let numbers: [&dyn Fn(&CaseResult) -> String; 2] =
+                [&|r| percent(terzaghi.largest(r)), &|r| percent(compressible.largest(r))];
+            let (groups, head) = by_mesh_head(&cases, &["against Terzaghi (%)", "against compressible water (%)"]);
+            let rows = by_mesh(&cases, load, &numbers);
+            let note = "max |U/U_exact \u{2212} 1| over nine times from Tv = 0.01 to 1. In bold: the paper's mesh and \
+                        particles.";
+            let title = format!("Largest error, {words} ({family})");
+            tables.push(Table { title, groups, head, rows, note: note.to_owned() });
+        }
+    }
+    tables
+}
+
+/// Fitted orders with their confidence and whether the range is asymptotic, a table per exact solution.
+pub fn orders(groups: &[Group]) -> Vec<Table> {
+    if groups.is_empty() {
+        return Vec::new();
+    }
+    let fits = |group: &Group, reference: &str| {
+        let mut row = vec![Cell::new(group.name.clone()).marked(format!("{} meshes", group.meshes.len()), "")];
+        let own = group.fits.iter().filter(|(norm, _)| norm.ends_with(reference));
+        row.extend(own.map(|(_, fit)| order_cell(fit.as_ref())));
+        row
+    };
+    let compressible = |group: &Group| {
+        let mut row = fits(group, "compressible");
+        row.push(richardson_cell(group));
+        row
+    };
+    let head = ["group", "max error", "late error", "profile", "U at Tv = 0.1 without cells"];
+    let explained = "Slope of log(error) over log(L) with the half width of its 95 % confidence interval; below it \
+                     whether the range is asymptotic (every pairwise order within 0.3 of the slope and no change of \
+                     sign), and the pairwise orders from coarse to fine. Last column: Richardson's extrapolation from \
+                     the three finest meshes.";
+    let little = "Orders against Terzaghi mean little: the error tends to the constant that the water's \
+                  compressibility makes.";
+    let rows = |row: &dyn Fn(&Group) -> Vec<Cell>| groups.iter().map(row).collect();
+    vec![
+        table("Orders against compressible water".to_owned(), &head, rows(&compressible), explained),
+        table("Orders against Terzaghi".to_owned(), &head[..4], rows(&|g| fits(g, "terzaghi")), little),
+    ]
+}
+
+fn richardson_cell(group: &Group) -> Cell {
+    match &group.richardson {
+        Some(r) => Cell::new(format!("{:.5}", r.value))
+            .marked(format!("exact {:.5}\norder {}, GCI {} %", group.exact, short(r.order, 3), percent(r.gci)), ""),
+        None => Cell::new("–").marked("not monotonic", ""),
+    }
+}
+
+/// Order and half width.
+pub fn order_text(fit: &Fit) -> String {
+    let width = if fit.half_width.is_finite() { format!("{:.2}", fit.half_width) } else { "?".to_owned() };
+    format!("{:.2} ± {width}", fit.order).replace('-', "\u{2212}")
+}
+
+fn order_cell(fit: Option<&Fit>) -> Cell {
+    let Some(fit) = fit else { return Cell::new("–").marked("needs two meshes with errors", "") };
+    let pairs: Vec<String> = fit.pairwise.iter().map(|p| short_order(*p)).collect();
+    let (words, mark) = match (fit.asymptotic, fit.order > fit.half_width) {
+        (true, true) => ("asymptotic", "good"),
+        (true, false) => ("level: does not fall with L", "warn"),
+        (false, _) => ("not asymptotic", "warn"),
+    };
+    Cell::new(order_text(fit)).marked(format!("{words}\n{}", pairs.join(", ")), mark)
+}
+
+/// One decimal, without a sign at zero.
+fn short_order(order: f64) -> String {
+    format!("{:.1}", (10.0 * order).round() / 10.0 + 0.0).replace('-', "\u{2212}")
+}
+
+/// Parts of the error against Terzaghi, at the first time and at Tv = 0.1, a table per load.
+pub fn budgets(study: &Study) -> Vec<Table> {
+    let ppc = Cases::of(&study.results).usual_particles().unwrap_or(0);
+    let mut tables = Vec::new();
+    for tv in [0.01, LATE_TV] {
+        for (load, words) in LOADS {
+            let own = |b: &&Budget| b.load == load && b.ppc == ppc && same_time(b.tv, tv);
+            let mut budgets: Vec<&Budget> = study.budgets.iter().filter(own).collect();
+            budgets.sort_by(|a, b| b.mesh_m.total_cmp(&a.mesh_m));
+            let Some(first) = budgets.first() else { continue };
+            let mut head = vec!["L (m)"];
+            head.extend(first.parts().map(|(name, _)| name));
+            head.push("total");
+            let row = |b: &&Budget| {
+                let mut row = vec![Cell::new(b.mesh_m.to_string())];
+                row.extend(b.parts().map(|(_, share)| Cell::new(percent(share))));
+                row.push(Cell::new(percent(b.total)).marked("", "paper"));
+                row
+            };
+            let rows = budgets.iter().map(row).collect();
+            let title = format!("Parts of the error at Tv = {tv}, {words}, {ppc} particles per cell (%)");
+            tables.push(table(title, &head, rows, "Shares of Terzaghi's U at the same time, signed."));
+        }
+    }
+    tables
+}
+
+/// Steps and times of the runs with one load.
+pub fn speed(results: &[CaseResult]) -> Vec<Table> {
+    let mut tables = Vec::new();
+    for (family, cases) in families(results) {
+        let Some((load, words)) = loads(&cases).first().copied() else { continue };
+        let numbers: [&dyn Fn(&CaseResult) -> String; 3] =
+            [&|r| r.steps.to_string(), &|r| short(r.cpu_s, 3), &|r| short(r.ns_per_point_step, 3)];
+        let (groups, head) = by_mesh_head(&cases, &["steps", "CPU time (s)", "per point-step (ns)"]);
+        let rows = by_mesh(&cases, load, &numbers);
+        let note = "One point-step is one solid particle with its water particle, one step. The time step is the \
+                    stability limit times a safety factor, so that steps grow faster than 1/L. Times of one machine \
+                    under whatever load it had: compare ratios.";
+        let title = format!("Speed, {words} ({family})");
+        tables.push(Table { title, groups, head, rows, note: note.to_owned() });
+    }
+    tables
+}
+
+/// Heads of the table of all cases.
+const CASE_HEAD: [&str; 13] = [
+    "case",
+    "particles",
+    "step (s)",
+    "step/limit",
+    "steps",
+    "max error, Terzaghi (%)",
+    "late error, Terzaghi (%)",
+    "max error, compressible (%)",
+    "late error, compressible (%)",
+    "profile, Terzaghi (%)",
+    "profile, compressible (%)",
+    "final settlement (mm)",
+    "crossings",
+];
+
+/// Every case with its numbers.
+pub fn cases(results: &[CaseResult]) -> Vec<Table> {
+    let row = |r: &&CaseResult| {
+        let status = match (&r.failure, r.forced) {
+            (Some(why), _) => (format!("failed: {why}"), "bad"),
+            (None, true) => ("forced above the stability limit".to_owned(), "warn"),
+            (None, false) => (String::new(), ""),
+        };
+        let ratio = r.dt_s / r.limit_s;
+        let mut row = vec![
+            Cell::new(r.case.clone()).marked(status.0, status.1),
+            Cell::new(r.particles.to_string()),
+            Cell::new(format!("{:.2e}", r.dt_s)),
+            Cell::new(short(ratio, 2)).marked("", if ratio > 1.0 { "warn" } else { "" }),
+            Cell::new(r.steps.to_string()),
+        ];
+        let errors = [
+            r.max_error_terzaghi,
+            r.late_error_terzaghi,
+            r.max_error_compressible,
+            r.late_error_compressible,
+            r.profile_error_terzaghi,
+            r.profile_error_compressible,
+        ];
+        row.extend(errors.map(|e| Cell::new(percent(e))));
+        row.push(Cell::new(short(1e3 * r.settlement_final_m, 4)));
+        row.push(Cell::new(r.cell_crossings.to_string()));
+        row
+    };
+    let all = families(results).into_iter().map(|(family, cases)| {
+        let dimension = cases.first().map_or("", |r| r.dimension.as_str());
+        let title = format!("All cases ({family}, {dimension})");
+        table(title, &CASE_HEAD, cases.iter().map(row).collect(), "Late: Tv \u{2265} 0.1. Profile: at Tv = 0.1.")
+    });
+    all.collect()
+}

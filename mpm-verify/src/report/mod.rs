@@ -1,0 +1,110 @@
+//! The report: tables, plots, and pages to read.
+//!
+//! # Reading order
+//! 1. [`select`]: which cases tables and pictures are about. [`numbers`]: how numbers are written.
+//! 2. [`orders`]: orders of convergence per group. [`tables`]: the CSV files.
+//! 3. [`plots`]: one file per picture; [`plots::figure`] is what a picture is made of.
+//! 4. [`content`]: what the pages say, once. [`html`], [`markdown`]: how they say it.
+//!
+//! Every picture has its numbers in a CSV beside it, written from the same [`plots::figure::Figure`].
+
+pub mod content;
+pub mod html;
+pub mod markdown;
+pub mod numbers;
+pub mod orders;
+pub mod plots;
+pub mod select;
+pub mod tables;
+#[cfg(test)]
+mod tests;
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::budget::Budget;
+use crate::claims::Claim;
+use crate::manifest::Manifest;
+use crate::study::CaseResult;
+
+/// Everything a report is made of; stored as `study.json`.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Study {
+    /// Under which conditions the study was run.
+    pub manifest: Manifest,
+    /// All runs, with the further ones that the budget needs.
+    pub results: Vec<CaseResult>,
+    /// Parts of the error, per case and time factor, as shares of U.
+    pub budgets: Vec<Budget>,
+    /// The paper's statements with their verdicts.
+    pub claims: Vec<Claim>,
+    /// What else a reader should know.
+    pub notes: Vec<String>,
+}
+
+/// Why a report could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// A folder or file cannot be written.
+    #[error("{}: cannot be written: {cause}", path.display())]
+    Write {
+        /// Which.
+        path: PathBuf,
+        /// Why not.
+        #[source]
+        cause: io::Error,
+    },
+    /// A picture cannot be drawn.
+    #[error("{}: cannot be drawn: {cause}", path.display())]
+    Draw {
+        /// Which.
+        path: PathBuf,
+        /// Why not.
+        cause: String,
+    },
+    /// The template of the page does not fit its content.
+    #[error("{}: the page cannot be made: {cause}", path.display())]
+    Page {
+        /// Which.
+        path: PathBuf,
+        /// Why not.
+        #[source]
+        cause: minijinja::Error,
+    },
+}
+
+/// A file or folder that cannot be written.
+fn unwritable(path: &Path, cause: impl Into<io::Error>) -> ReportError {
+    ReportError::Write { path: path.to_owned(), cause: cause.into() }
+}
+
+/// Writes a text file.
+fn save(path: &Path, text: impl AsRef<[u8]>) -> Result<(), ReportError> {
+    fs::write(path, text).map_err(|e| unwritable(path, e))
+}
+
+/// Writes tables, plots, `report.md`, `study.json` into `folder` (e.g. `reports/accuracy`) and `index.html` into its
+/// parent.
+///
+/// # Errors
+/// A file that cannot be written or drawn, with its path.
+pub fn write(study: &Study, folder: &Path) -> Result<(), ReportError> {
+    let pictures = folder.join("plots");
+    fs::create_dir_all(&pictures).map_err(|e| unwritable(&pictures, e))?;
+    let stored = folder.join("study.json");
+    save(&stored, serde_json::to_string(study).map_err(|e| unwritable(&stored, e))?)?;
+    let conditions = folder.join("manifest.json");
+    save(&conditions, serde_json::to_string_pretty(&study.manifest).map_err(|e| unwritable(&conditions, e))?)?;
+    tables::write(study, folder)?;
+    let figures = plots::figures(study);
+    let drawn = figures.iter().map(|f| plots::write(f, &pictures)).collect::<Result<Vec<_>, _>>()?;
+    let content = content::Content::new(study, &figures);
+    save(&folder.join("report.md"), markdown::page(&content))?;
+    let name = folder.file_name().map_or_else(|| ".".to_owned(), |n| n.to_string_lossy().into_owned());
+    let page = folder.parent().unwrap_or(folder).join("index.html");
+    let html = html::page(&content, &figures, &drawn, &name);
+    save(&page, html.map_err(|cause| ReportError::Page { path: page.clone(), cause })?)
+}

@@ -1,0 +1,246 @@
+//! Draws a [`Figure`] on any backend: title, panels with frames and ticks, legend below, where it hides nothing.
+
+use plotters::prelude::{DrawingBackend, RGBColor};
+
+use super::axis::Axis;
+use super::canvas::{Canvas, Drawn, LEFT, MIDDLE, RIGHT, Rect, Spot, text_width};
+use super::figure::{Figure, Mark, Panel, Point, Series};
+use super::legend::{self, Entry};
+use super::look::{BLACK, Dash, GREY, Look, Marker, PALE};
+
+/// Width of every picture, px.
+pub const WIDTH: f64 = 900.0;
+/// Size of ordinary text, px.
+pub const TEXT: f64 = 12.5;
+const TITLE: f64 = 15.0;
+/// Size of notes at points, px.
+const NOTE: f64 = 11.5;
+/// Room above the panels for the title of the picture and those of the panels.
+const ABOVE: f64 = 58.0;
+/// Room below the panels for ticks and the name of the axis.
+const BELOW: f64 = 46.0;
+const MARGIN: f64 = 12.0;
+
+/// Height of a picture, px.
+pub fn height(figure: &Figure) -> f64 {
+    ABOVE + figure.height + BELOW + legend::height(&legend::entries(figure)) + MARGIN
+}
+
+/// Draws everything.
+///
+/// # Errors
+/// What the backend says.
+pub fn figure<DB: DrawingBackend>(figure: &Figure, canvas: &Canvas<DB>) -> Drawn {
+    canvas.text(&figure.title, (WIDTH / 2.0, 17.0), TITLE, BLACK, MIDDLE, false)?;
+    let shares: f64 = figure.panels.iter().map(|p| p.share).sum();
+    let gap = 14.0;
+    let whole = WIDTH - 2.0 * MARGIN - gap * (figure.panels.len() as f64 - 1.0);
+    let mut left = MARGIN;
+    for panel in &figure.panels {
+        let width = whole * panel.share / shares;
+        let room = Rect { left, top: ABOVE, right: left + width, bottom: ABOVE + figure.height };
+        draw_panel(canvas, &panel.clone().fitted(), room)?;
+        left += width + gap;
+    }
+    let entries: Vec<Entry> = legend::entries(figure);
+    legend::draw(canvas, &entries, ABOVE + figure.height + BELOW)
+}
+
+/// One panel with what stands around it. `room` is as wide as everything and as high as the frame.
+fn draw_panel<DB: DrawingBackend>(canvas: &Canvas<DB>, panel: &Panel, room: Rect) -> Drawn {
+    let widest = panel.y.ticks().iter().map(|(_, t)| text_width(t, TEXT)).fold(0.0, f64::max);
+    let mut frame = Rect { left: room.left + widest + 34.0, right: room.right - 10.0, ..room };
+    if panel.equal {
+        frame = equal_units(panel, frame);
+    }
+    let middle = (0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom));
+    canvas.text(&panel.title, (middle.0, room.top - 14.0), TEXT, BLACK, MIDDLE, false)?;
+    canvas.text(&panel.x.label, (middle.0, frame.bottom + 36.0), TEXT, BLACK, MIDDLE, false)?;
+    canvas.text(&panel.y.label, (frame.left - widest - 24.0, middle.1), TEXT, BLACK, MIDDLE, true)?;
+    let view = View { panel, frame };
+    view.grid(canvas)?;
+    for series in &panel.series {
+        view.series(canvas, series)?;
+    }
+    view.notes(canvas)?;
+    view.edge(canvas)?;
+    if panel.is_empty() {
+        canvas.text("no data in this study", middle, TEXT, GREY, MIDDLE, false)?;
+    }
+    Ok(())
+}
+
+/// The largest frame within another in which one unit is equally long on both axes.
+fn equal_units(panel: &Panel, frame: Rect) -> Rect {
+    let length = |axis: &Axis| axis.range.map_or(1.0, |(start, end)| (end - start).abs());
+    let (width, height) = (frame.right - frame.left, frame.bottom - frame.top);
+    let unit = (width / length(&panel.x)).min(height / length(&panel.y));
+    let spare = width - unit * length(&panel.x);
+    let low = frame.top + unit * length(&panel.y);
+    Rect { left: frame.left + 0.5 * spare, right: frame.right - 0.5 * spare, bottom: low, ..frame }
+}
+
+/// A panel in its frame.
+struct View<'a> {
+    panel: &'a Panel,
+    frame: Rect,
+}
+
+impl View<'_> {
+    fn across(&self, x: f64) -> f64 {
+        self.frame.left + self.panel.x.place(x) * (self.frame.right - self.frame.left)
+    }
+
+    fn down(&self, y: f64) -> f64 {
+        self.frame.bottom - self.panel.y.place(y) * (self.frame.bottom - self.frame.top)
+    }
+
+    /// Where a point is; `None` where an axis has no place for it.
+    fn spot(&self, p: &Point) -> Option<Spot> {
+        let has_place = self.panel.x.takes(p.x) && self.panel.y.takes(p.y);
+        has_place.then(|| (self.across(p.x), self.down(p.y)))
+    }
+
+    /// Ticks with their texts, and grid lines at those that have one.
+    fn grid<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
+        let frame = self.frame;
+        let (fine, tick) = (thin(PALE, 0.8), thin(GREY, 1.0));
+        for (value, text) in self.panel.x.ticks() {
+            let x = self.across(value);
+            if !text.is_empty() && !self.panel.equal {
+                canvas.line(&[(x, frame.top), (x, frame.bottom)], fine)?;
+            }
+            if !text.is_empty() {
+                canvas.text(&text, (x, frame.bottom + 14.0), TEXT, BLACK, MIDDLE, false)?;
+            }
+            let length = if text.is_empty() { 3.0 } else { 6.0 };
+            canvas.line(&[(x, frame.bottom), (x, frame.bottom + length)], tick)?;
+        }
+        for (value, text) in self.panel.y.ticks() {
+            let y = self.down(value);
+            if !text.is_empty() && !self.panel.equal {
+                canvas.line(&[(frame.left, y), (frame.right, y)], fine)?;
+            }
+            if !text.is_empty() {
+                canvas.text(&text, (frame.left - 9.0, y), TEXT, BLACK, RIGHT, false)?;
+            }
+            let length = if text.is_empty() { 3.0 } else { 6.0 };
+            canvas.line(&[(frame.left - length, y), (frame.left, y)], tick)?;
+        }
+        Ok(())
+    }
+
+    fn edge<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
+        let Rect { left, top, right, bottom } = self.frame;
+        let corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
+        canvas.line(&corners, thin(GREY, 1.0))
+    }
+
+    fn series<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, series: &Series) -> Drawn {
+        let look = series.look;
+        if matches!(series.mark, Mark::Line | Mark::LinePoints) {
+            self.polyline(canvas, series)?;
+        }
+        for point in &series.points {
+            let Some(spot) = self.spot(point) else { continue };
+            match series.mark {
+                Mark::Points | Mark::LinePoints => canvas.marker(spot, look, point.open)?,
+                Mark::Bars => self.bar(canvas, point, spot, look)?,
+                Mark::Arrows => arrow(canvas, (spot.0, self.down(point.from)), spot, look)?,
+                Mark::Line | Mark::Text => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// A line that breaks off where a point has no place, and at the frame.
+    fn polyline<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, series: &Series) -> Drawn {
+        let mut run: Vec<Spot> = Vec::new();
+        let spots: Vec<Option<Spot>> = series.points.iter().map(|p| self.spot(p)).collect();
+        for pair in spots.windows(2) {
+            let part = match (pair[0], pair[1]) {
+                (Some(a), Some(b)) => self.frame.clip(a, b),
+                _ => None,
+            };
+            let Some((a, b)) = part else {
+                canvas.line(&std::mem::take(&mut run), series.look)?;
+                continue;
+            };
+            if run.last() != Some(&a) {
+                canvas.line(&std::mem::take(&mut run), series.look)?;
+                run.push(a);
+            }
+            run.push(b);
+        }
+        canvas.line(&run, series.look)
+    }
+
+    fn bar<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, point: &Point, spot: Spot, look: Look) -> Drawn {
+        let half = 0.5 * (self.across(point.x + 0.66) - spot.0);
+        let other = self.down(point.from);
+        let (top, bottom) = (spot.1.min(other), spot.1.max(other));
+        if bottom - top < 0.3 {
+            return Ok(());
+        }
+        canvas.bar(Rect { left: spot.0 - half, top, right: spot.0 + half, bottom }, look)
+    }
+
+    /// Notes, each at its place if it is all there is, otherwise beside its point where it hides least.
+    fn notes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
+        let mut taken = self.segments();
+        for series in &self.panel.series {
+            for point in series.points.iter().filter(|p| !p.note.is_empty()) {
+                let Some(spot) = self.spot(point) else { continue };
+                if series.mark == Mark::Text {
+                    canvas.text(&point.note, spot, TEXT, series.look.colour, LEFT, false)?;
+                    continue;
+                }
+                let room = self.free_room(spot, text_width(&point.note, NOTE), &taken);
+                let middle = (0.5 * (room.left + room.right), 0.5 * (room.top + room.bottom));
+                canvas.text(&point.note, middle, NOTE, series.look.colour, MIDDLE, false)?;
+                taken.push(((room.left, middle.1), (room.right, middle.1)));
+            }
+        }
+        Ok(())
+    }
+
+    /// All lines of the panel and a stroke through each marker, px.
+    fn segments(&self) -> Vec<(Spot, Spot)> {
+        let mut segments = Vec::new();
+        for series in &self.panel.series {
+            let spots: Vec<Option<Spot>> = series.points.iter().map(|p| self.spot(p)).collect();
+            if matches!(series.mark, Mark::Line | Mark::LinePoints) {
+                segments.extend(spots.windows(2).filter_map(|pair| Some((pair[0]?, pair[1]?))));
+            }
+            let r = series.look.radius;
+            segments.extend(spots.iter().flatten().map(|s| ((s.0, s.1 - r), (s.0, s.1 + r))));
+        }
+        segments
+    }
+
+    /// Room for a note above, below, right or left of a spot: the one that the fewest lines cross.
+    fn free_room(&self, spot: Spot, width: f64, taken: &[(Spot, Spot)]) -> Rect {
+        let (half, high) = (0.5 * width + 2.0, 0.6 * NOTE + 1.0);
+        let room = |x: f64, y: f64| Rect { left: x - half, top: y - high, right: x + half, bottom: y + high };
+        let sides = [(0.0, -16.0), (0.0, 16.0), (half + 8.0, 0.0), (-half - 8.0, 0.0)];
+        let rooms = sides.map(|(dx, dy)| room(spot.0 + dx, spot.1 + dy));
+        let frame = self.frame;
+        let crossed = |r: &Rect| {
+            let outside = r.left < frame.left || r.right > frame.right || r.top < frame.top || r.bottom > frame.bottom;
+            taken.iter().filter(|(a, b)| r.clip(*a, *b).is_some()).count() + if outside { 100 } else { 0 }
+        };
+        rooms.into_iter().min_by_key(crossed).unwrap_or(frame)
+    }
+}
+
+/// A thin unbroken line.
+fn thin(colour: RGBColor, width: f64) -> Look {
+    Look::new(colour, Marker::Dot).width(width).dash(Dash::Solid)
+}
+
+/// An arrow from one spot down to another.
+fn arrow<DB: DrawingBackend>(canvas: &Canvas<DB>, from: Spot, to: Spot, look: Look) -> Drawn {
+    let head = Look { marker: Marker::Down, ..look };
+    canvas.line(&[from, (to.0, to.1 - look.radius)], look)?;
+    canvas.marker((to.0, to.1 - 1.15 * look.radius), head, false)
+}

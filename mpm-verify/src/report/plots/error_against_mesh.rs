@@ -1,0 +1,98 @@
+//! Errors over the cell edge, one line per number of particles: the key pictures.
+
+use super::axis::Axis;
+use super::figure::{Figure, Mark, Panel, Point, Series, share_y};
+use super::look::{self, BLACK, Dash, GREY, Look, Marker};
+use crate::report::select::{Cases, LOADS, Reference};
+use crate::study::CaseResult;
+
+/// Largest error over the nine sample times.
+pub fn largest(name: &'static str, cases: &Cases, reference: Reference) -> Figure {
+    let error = move |r: &CaseResult| reference.largest_signed(r, 0.0);
+    let axis = Axis::log("max |U/U_exact \u{2212} 1| (%)", "max_error_percent");
+    let mut figure = over_mesh(name, cases, axis, error);
+    figure.title = format!("Largest error of U against {}", reference.words());
+    figure.caption = "Filled: settled too little at the worst time; open: too much.".to_owned();
+    if reference == Reference::Terzaghi {
+        floor(&mut figure, cases);
+    }
+    figure
+}
+
+/// RMS error of the pore pressure at Tv = 0.1 against compressible water.
+pub fn profile(cases: &Cases) -> Figure {
+    let axis = Axis::log("RMS(p \u{2212} p_exact)/p₀ (%)", "profile_error_percent");
+    let mut figure = over_mesh("profile-error-against-mesh", cases, axis, |r| -r.profile_error_compressible);
+    figure.title = "Error of the pore pressure profile at Tv = 0.1 against compressible water".to_owned();
+    figure.caption =
+        "Root mean square over the cells, as a share of the undrained pore pressure p₀. On fine meshes it \
+                      levels off: what is left is what the exact solution leaves out, large strain and inertia."
+            .to_owned();
+    figure
+}
+
+fn over_mesh(name: &'static str, cases: &Cases, axis: Axis, error: impl Fn(&CaseResult) -> f64) -> Figure {
+    let mut missing = Vec::new();
+    let mut panels = Vec::new();
+    for (load, words) in LOADS {
+        let mut panel = Panel::new(words, Axis::log("cell edge L (m)", "mesh_m"), axis.clone());
+        for (place, ppc) in cases.particles().into_iter().enumerate() {
+            let own = cases.meshes().into_iter().filter_map(|mesh| cases.get(load, mesh, ppc));
+            let points = own.map(|r| {
+                let error = 100.0 * error(r);
+                Point::new(r.mesh_m, error.abs()).open(error > 0.0)
+            });
+            let label = if ppc == 1 { "1 particle per cell".to_owned() } else { format!("{ppc} particles per cell") };
+            // Lines that coincide are seen inside one another.
+            let inside = place.min(2) as f64;
+            let look = look::nth(place).radius(6.5 - 1.3 * inside).width(3.2 - inside);
+            panel.add(Series::new(label, look, Mark::LinePoints, points));
+        }
+        if panel.is_empty() {
+            missing.push(format!("{name}: no run with the {words}"));
+        }
+        panels.push(panel);
+    }
+    share_y(&mut panels);
+    for panel in &mut panels {
+        slopes(panel);
+    }
+    Figure { name, title: String::new(), caption: String::new(), height: 390.0, panels, missing }
+}
+
+/// Lines of slope 1 and 2 from a little above the data on the coarsest mesh.
+fn slopes(panel: &mut Panel) {
+    let meshes = panel.all_x();
+    let top = panel.all_y().into_iter().filter(|e| e.is_finite()).fold(0.0, f64::max);
+    let (fine, coarse) = meshes.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), h| (a.min(*h), b.max(*h)));
+    if panel.is_empty() || fine >= coarse {
+        return;
+    }
+    for (slope, dash) in [(1, Dash::Dotted), (2, Dash::DashDot)] {
+        let line = [coarse, fine].map(|h| (h, 1.2 * top * (h / coarse).powi(slope)));
+        panel.add(Series::line(format!("slope {slope}"), Look::new(GREY, Marker::Dot).dash(dash), line).guide());
+    }
+}
+
+/// The error that is left on the finest mesh if nothing but the water's compressibility differs from Terzaghi.
+fn floor(figure: &mut Figure, cases: &Cases) {
+    let share = |r: &CaseResult| {
+        let errors = r.degrees.iter().map(|d| (d.u_compressible / d.u_terzaghi - 1.0).abs());
+        100.0 * errors.fold(0.0, f64::max)
+    };
+    for panel in &mut figure.panels {
+        let meshes = panel.all_x();
+        let (Some(case), Some(coarse), Some(fine)) =
+            (cases.0.first(), meshes.iter().copied().reduce(f64::max), meshes.iter().copied().reduce(f64::min))
+        else {
+            continue;
+        };
+        let look = Look::new(BLACK, Marker::Dot).dash(Dash::Dashed).width(1.2);
+        let line = [coarse, fine].map(|h| (h, share(case)));
+        panel.add(Series::line("compressible water alone, exact", look, line));
+    }
+    figure.caption.push_str(
+        " Exact solutions with compressible and incompressible water differ by the dashed line: that is where errors \
+         against Terzaghi end up on a fine mesh, and a dip below it is the crossing of two errors of opposite sign.",
+    );
+}

@@ -1,0 +1,79 @@
+//! Pore pressure over height at several times (the paper's Fig. 4b).
+
+use super::axis::Axis;
+use super::figure::{Figure, Mark, Panel, Point, Series};
+use super::look::{self, Dash};
+use crate::report::select::{Cases, Exact, LOADS, same_time, stands_in};
+use crate::study::{CaseResult, Profile};
+
+/// Time factors shown.
+const TIMES: [f64; 6] = [0.01, 0.05, 0.1, 0.2, 0.5, 1.0];
+
+/// Most points of one profile.
+const MOST: usize = 25;
+
+/// Computed points on Terzaghi's lines, one panel per load.
+pub fn figure(cases: &Cases) -> Figure {
+    let mut figure = Figure {
+        name: "isochrones",
+        title: "Pore pressure over the height of the column (the paper's Fig. 4b)".to_owned(),
+        caption:
+            "Points: computed, at most 25 of the cells. Lines of the same colour: Terzaghi, incompressible water, \
+                  p₀ = q. Early pressures near the base swing about q: opening the drain at once sends a wave down \
+                  the column, and it has not died out."
+                .to_owned(),
+        height: 400.0,
+        panels: Vec::new(),
+        missing: Vec::new(),
+    };
+    for (load, words) in LOADS {
+        let title = cases.paper(load).map_or_else(|| words.to_owned(), |c| format!("{words}, L = {} m", c.mesh_m));
+        let x = Axis::linear("pore pressure p/p₀", "p_over_p0").range(0.0, 1.08);
+        let mut panel = Panel::new(&title, x, Axis::linear("height (m)", "height_m"));
+        match cases.paper(load) {
+            Some(case) => {
+                figure.caption.push_str(&stands_in(case));
+                fill(&mut panel, case, &mut figure.missing);
+            }
+            None => figure.missing.push(format!("isochrones: no run with the {words}")),
+        }
+        figure.panels.push(panel);
+    }
+    super::figure::share_y(&mut figure.panels);
+    figure
+}
+
+fn fill(panel: &mut Panel, case: &CaseResult, missing: &mut Vec<String>) {
+    let exact = Exact::of(case);
+    let undrained = exact.map_or_else(|| largest_terzaghi(case), |e| e.terzaghi.load);
+    for (place, tv) in TIMES.into_iter().enumerate() {
+        let Some(profile) = case.profiles.iter().find(|p| same_time(p.tv, tv)) else {
+            missing.push(format!("isochrones: no profile of {} at Tv = {tv}", case.case));
+            continue;
+        };
+        let look = look::nth(place).radius(2.6).width(1.3);
+        let line =
+            Series::line(format!("Terzaghi, Tv = {tv}"), look.dash(Dash::Solid), exact_line(profile, case, exact));
+        panel.add(line.unlisted());
+        let every = profile.rows.len().div_ceil(MOST);
+        let rows = profile.rows.iter().step_by(every.max(1));
+        let points = rows.map(|r| Point::new(r.pressure_pa / undrained, r.height_m).open(true));
+        panel.add(Series::new(format!("Tv = {tv}"), look, Mark::Points, points));
+    }
+}
+
+/// Terzaghi's profile: dense where the column is the built-in one, else through the computed heights.
+fn exact_line(profile: &Profile, case: &CaseResult, exact: Option<Exact>) -> Vec<(f64, f64)> {
+    let time = case.degrees.iter().find(|d| same_time(d.tv, profile.tv)).map(|d| d.time_s);
+    if let (Some(Exact { terzaghi, .. }), Some(time)) = (exact, time) {
+        let heights = (0..=100).map(|k| f64::from(k) / 100.0 * terzaghi.height);
+        return heights.map(|y| (terzaghi.pressure(y, time) / terzaghi.undrained, y)).collect();
+    }
+    let undrained = largest_terzaghi(case);
+    profile.rows.iter().map(|r| (r.terzaghi_pa / undrained, r.height_m)).collect()
+}
+
+/// The largest pressure of Terzaghi's solution in all profiles, Pa: close to q.
+fn largest_terzaghi(case: &CaseResult) -> f64 {
+    case.profiles.iter().flat_map(|p| &p.rows).map(|r| r.terzaghi_pa).fold(f64::MIN_POSITIVE, f64::max)
+}

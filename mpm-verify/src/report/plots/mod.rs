@@ -1,0 +1,173 @@
+//! The pictures of the report, one per file, and what they are made of.
+//!
+//! # Reading order
+//! 1. [`figure`]: panels and series as data. [`axis`], [`look`]: their ranges, ticks, colours and markers.
+//! 2. [`draw`], [`legend`], [`canvas`]: from a figure to any backend.
+//! 3. The pictures: [`mesh`], [`isochrones`], [`consolidation`], [`error_against_time`], [`error_against_mesh`],
+//!    [`error_budget`], [`energy`], [`crossings`].
+
+pub mod axis;
+pub mod canvas;
+pub mod consolidation;
+pub mod crossings;
+pub mod draw;
+pub mod energy;
+pub mod error_against_mesh;
+pub mod error_against_time;
+pub mod error_budget;
+pub mod figure;
+pub mod isochrones;
+pub mod legend;
+pub mod look;
+pub mod mesh;
+
+use std::path::Path;
+use std::sync::OnceLock;
+
+use plotters::prelude::{BitMapBackend, DrawingBackend, IntoDrawingArea, SVGBackend};
+use plotters::style::{FontStyle, WHITE, register_font};
+
+use self::canvas::{BITMAP_LETTERS, Canvas, Drawn, Lettering, SVG_LETTERS};
+use self::figure::Figure;
+use crate::report::numbers::exact;
+use crate::report::select::{Cases, Reference};
+use crate::report::{ReportError, Study, save, tables, unwritable};
+
+/// The font of all pictures: no font of the machine is asked for.
+const FONT: &[u8] = include_bytes!("../../../assets/DejaVuSans-subset.ttf");
+/// Pixels of the SVG's grid to one px: its coordinates are whole numbers.
+const SVG_SCALE: u32 = 4;
+/// Pixels of the PNG to one px.
+const PNG_SCALE: u32 = 2;
+/// Finer pixels that one pixel of the PNG is averaged from, per direction.
+const SMOOTH: u32 = 2;
+
+/// Names of all pictures, in the order of the page.
+pub const NAMES: [&str; 12] = [
+    "max-error-against-mesh-terzaghi",
+    "max-error-against-mesh-compressible",
+    "profile-error-against-mesh",
+    "mesh",
+    "isochrones",
+    "consolidation",
+    "error-against-time-particles",
+    "error-against-time-surface",
+    "crossings",
+    "error-budget",
+    "error-budget-late",
+    "energy",
+];
+
+/// All pictures of a study.
+pub fn figures(study: &Study) -> Vec<Figure> {
+    ready();
+    let cases = Cases::of(&study.results);
+    vec![
+        error_against_mesh::largest("max-error-against-mesh-terzaghi", &cases, Reference::Terzaghi),
+        error_against_mesh::largest("max-error-against-mesh-compressible", &cases, Reference::Compressible),
+        error_against_mesh::profile(&cases),
+        mesh::figure(),
+        isochrones::figure(&cases),
+        consolidation::figure(&cases),
+        error_against_time::figure("error-against-time-particles", &cases, "particles"),
+        error_against_time::figure("error-against-time-surface", &cases, "surface"),
+        crossings::figure(&cases),
+        error_budget::figure("error-budget", study, &cases, 0.01),
+        error_budget::figure("error-budget-late", study, &cases, 0.1),
+        energy::figure(&cases),
+    ]
+}
+
+/// Registers the font, once.
+fn ready() -> bool {
+    static DONE: OnceLock<bool> = OnceLock::new();
+    *DONE.get_or_init(|| register_font("sans-serif", FontStyle::Normal, FONT).is_ok())
+}
+
+/// Writes a picture as SVG and PNG and its numbers as CSV into a folder. Returns the text of the SVG.
+///
+/// # Errors
+/// A file that cannot be written or drawn.
+pub fn write(figure: &Figure, folder: &Path) -> Result<String, ReportError> {
+    let path = |ending: &str| folder.join(format!("{}.{ending}", figure.name));
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        move |cause| ReportError::Draw { path, cause }
+    };
+    let (svg, png) = (path("svg"), path("png"));
+    let text = svg_text(figure).map_err(failed(&svg))?;
+    save(&svg, &text)?;
+    write_png(figure, &png).map_err(failed(&png))?;
+    numbers(figure, &path("csv"))?;
+    Ok(text)
+}
+
+/// Draws a picture on any backend, `scale` of its pixels to one px.
+fn draw_on<DB: DrawingBackend>(figure: &Figure, backend: DB, scale: u32, letters: Lettering) -> Drawn {
+    if !ready() {
+        return Err("the font of the program cannot be read".to_owned());
+    }
+    let area = backend.into_drawing_area();
+    area.fill(&WHITE).map_err(|e| e.to_string())?;
+    draw::figure(figure, &Canvas::new(&area, f64::from(scale), letters))?;
+    area.present().map_err(|e| e.to_string())
+}
+
+/// Width and height of a picture in pixels, `scale` of them to one px.
+fn size(figure: &Figure, scale: u32) -> (u32, u32) {
+    (draw::WIDTH as u32 * scale, draw::height(figure).ceil() as u32 * scale)
+}
+
+fn svg_text(figure: &Figure) -> Result<String, String> {
+    let (width, height) = size(figure, 1);
+    let (wide, high) = size(figure, SVG_SCALE);
+    let mut text = String::new();
+    draw_on(figure, SVGBackend::with_string(&mut text, (wide, high)), SVG_SCALE, SVG_LETTERS)?;
+    // Shown at its own size; the grid of whole numbers is finer.
+    let head = format!("<svg width=\"{wide}\" height=\"{high}\"");
+    Ok(text.replacen(&head, &format!("<svg width=\"{width}\" height=\"{height}\""), 1))
+}
+
+fn write_png(figure: &Figure, path: &Path) -> Drawn {
+    let fine = size(figure, PNG_SCALE * SMOOTH);
+    let mut pixels = vec![0; 3 * (fine.0 * fine.1) as usize];
+    draw_on(figure, BitMapBackend::with_buffer(&mut pixels, fine), PNG_SCALE * SMOOTH, BITMAP_LETTERS)?;
+    let coarse = (fine.0 / SMOOTH, fine.1 / SMOOTH);
+    let mut image = BitMapBackend::new(path, coarse);
+    image.blit_bitmap((0, 0), coarse, &averaged(&pixels, coarse)).map_err(|e| e.to_string())?;
+    image.present().map_err(|e| e.to_string())
+}
+
+/// An RGB image of `size`, each pixel the mean of `SMOOTH` x `SMOOTH` finer ones.
+fn averaged(fine: &[u8], size: (u32, u32)) -> Vec<u8> {
+    let (width, height, n) = (size.0 as usize, size.1 as usize, SMOOTH as usize);
+    let mut coarse = Vec::with_capacity(3 * width * height);
+    for y in 0..height {
+        for x in 0..width {
+            for colour in 0..3 {
+                let at = |k: usize| fine[3 * ((y * n + k / n) * width * n + x * n + k % n) + colour];
+                let sum: u32 = (0..n * n).map(|k| u32::from(at(k))).sum();
+                coarse.push((sum / (SMOOTH * SMOOTH)) as u8);
+            }
+        }
+    }
+    coarse
+}
+
+/// Writes the numbers of a picture: panel, series, one column per axis, and notes where there are some.
+fn numbers(figure: &Figure, path: &Path) -> Result<(), ReportError> {
+    let first = figure.panels.first().ok_or_else(|| unwritable(path, std::io::Error::other("no panels")))?;
+    let data = || figure.panels.iter().flat_map(|p| p.series.iter().filter(|s| s.is_data).map(move |s| (p, s)));
+    let notes = data().any(|(_, s)| s.points.iter().any(|p| !p.note.is_empty()));
+    let header = format!("panel,series,{},{}{}", first.x.column, first.y.column, if notes { ",note" } else { "" });
+    let rows = data().flat_map(|(panel, series)| {
+        series.points.iter().map(move |p| {
+            let mut row = vec![panel.title.clone(), series.label.clone(), exact(p.x), exact(p.y - p.from)];
+            if notes {
+                row.push(p.note.clone());
+            }
+            row
+        })
+    });
+    tables::table(path, &header, rows)
+}

@@ -1,0 +1,122 @@
+//! The tables of a study as CSV. Others parse them: columns are only ever added at the end.
+
+use std::path::Path;
+
+use crate::report::numbers::exact;
+use crate::report::orders::groups;
+use crate::report::{ReportError, Study, unwritable};
+use crate::study::{CaseResult, Variant};
+
+/// Columns of `errors.csv`; the first 18 are a contract.
+pub const ERRORS: &str = "case,integrator,scheme,load,mesh_m,ppc,particles,dt_s,steps,max_error_terzaghi,\
+late_error_terzaghi,max_error_compressible,late_error_compressible,profile_error_compressible,settlement_final_m,\
+cell_crossings,cpu_s,ns_per_point_step,profile_error_terzaghi,limit_s,forced,dimension,scene_hash,failure";
+
+/// Columns of `consolidation.csv`.
+pub const CONSOLIDATION: &str =
+    "case,integrator,scheme,load,mesh_m,ppc,tv,u,u_terzaghi,u_compressible,time_s,u_dynamic,u_mesh";
+
+/// Columns of `orders.csv`. The Richardson columns are about U at Tv = 0.1 and the same for every norm of a group.
+pub const ORDERS: &str = "group,norm,order,half_width_95,pairwise_orders,asymptotic,richardson_u_tv0.1,\
+richardson_order,richardson_gci,u_compressible_tv0.1,meshes";
+
+/// Columns of `budget.csv`.
+pub const BUDGET: &str = "case,load,mesh_m,ppc,tv,total,compressibility,inertia,space,time,large_strain,\
+load_placement,remainder";
+
+/// Columns of `claims.csv`.
+pub const CLAIMS: &str = "id,verdict,said,rule,evidence,picture";
+
+/// Writes all tables of a study into a folder.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(study: &Study, folder: &Path) -> Result<(), ReportError> {
+    let base = || study.results.iter().filter(|r| r.variant == Variant::Base);
+    table(&folder.join("errors.csv"), ERRORS, base().map(error_row))?;
+    table(&folder.join("consolidation.csv"), CONSOLIDATION, base().flat_map(consolidation_rows))?;
+    table(&folder.join("orders.csv"), ORDERS, order_rows(&study.results))?;
+    table(&folder.join("budget.csv"), BUDGET, budget_rows(study))?;
+    let claim = |c: &crate::claims::Claim| {
+        [&c.id, c.verdict.words(), &c.said, &c.rule, &c.evidence, &c.picture].map(str::to_owned).to_vec()
+    };
+    table(&folder.join("claims.csv"), CLAIMS, study.claims.iter().map(claim))
+}
+
+/// Writes one table: a header of names with commas between, then rows.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn table(path: &Path, header: &str, rows: impl IntoIterator<Item = Vec<String>>) -> Result<(), ReportError> {
+    let failed = |e: csv::Error| unwritable(path, e);
+    let mut writer = csv::Writer::from_path(path).map_err(failed)?;
+    writer.write_record(header.split(',')).map_err(failed)?;
+    for row in rows {
+        writer.write_record(&row).map_err(failed)?;
+    }
+    writer.flush().map_err(|e| unwritable(path, e))
+}
+
+/// What every table says of a case first.
+fn identity(r: &CaseResult) -> Vec<String> {
+    vec![r.case.clone(), r.integrator.clone(), r.scheme.clone(), r.load.clone(), exact(r.mesh_m), r.ppc.to_string()]
+}
+
+fn error_row(r: &CaseResult) -> Vec<String> {
+    let mut row = identity(r);
+    row.extend([r.particles.to_string(), exact(r.dt_s), r.steps.to_string()]);
+    row.extend(
+        [
+            r.max_error_terzaghi,
+            r.late_error_terzaghi,
+            r.max_error_compressible,
+            r.late_error_compressible,
+            r.profile_error_compressible,
+            r.settlement_final_m,
+        ]
+        .map(exact),
+    );
+    row.push(r.cell_crossings.to_string());
+    row.extend([r.cpu_s, r.ns_per_point_step, r.profile_error_terzaghi, r.limit_s].map(exact));
+    row.extend([r.forced.to_string(), r.dimension.clone(), r.scene_hash.clone()]);
+    row.push(r.failure.clone().unwrap_or_default());
+    row
+}
+
+fn consolidation_rows(r: &CaseResult) -> Vec<Vec<String>> {
+    let row = |d: &crate::study::Degree| {
+        let mut row = identity(r);
+        row.extend([d.tv, d.u, d.u_terzaghi, d.u_compressible, d.time_s, d.u_dynamic, d.u_mesh].map(exact));
+        row
+    };
+    r.degrees.iter().map(row).collect()
+}
+
+fn order_rows(results: &[CaseResult]) -> Vec<Vec<String>> {
+    let spaced = |values: &[f64]| values.iter().map(|v| exact(*v)).collect::<Vec<_>>().join(" ");
+    let mut rows = Vec::new();
+    for group in groups(results) {
+        let r = group.richardson.as_ref();
+        let value = |get: fn(&crate::rates::Richardson) -> f64| exact(r.map_or(f64::NAN, get));
+        for (norm, fit) in &group.fits {
+            let mut row = vec![group.name.clone(), (*norm).to_owned()];
+            row.extend(match fit {
+                Some(f) => [exact(f.order), exact(f.half_width), spaced(&f.pairwise), f.asymptotic.to_string()],
+                None => [exact(f64::NAN), exact(f64::NAN), String::new(), "false".to_owned()],
+            });
+            row.extend([value(|r| r.value), value(|r| r.order), value(|r| r.gci)]);
+            row.extend([exact(group.exact), spaced(&group.meshes)]);
+            rows.push(row);
+        }
+    }
+    rows
+}
+
+fn budget_rows(study: &Study) -> impl Iterator<Item = Vec<String>> {
+    study.budgets.iter().map(|b| {
+        let mut row = vec![b.case.clone(), b.load.clone(), exact(b.mesh_m), b.ppc.to_string(), exact(b.tv)];
+        row.extend([b.total, b.compressibility, b.inertia, b.space, b.time].map(exact));
+        row.extend([b.large_strain, b.load_placement, b.remainder].map(exact));
+        row
+    })
+}

@@ -1,0 +1,133 @@
+//! Guards the command line: exit codes, messages, stable outputs.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn scene(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-data/scenes").join(name)
+}
+
+/// Runs the program in an empty folder.
+fn verify(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_mpm-verify")).args(arguments).current_dir(folder).output().expect("a run")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// A scene file with one part of terzaghi.toml replaced.
+fn changed(folder: &Path, from: &str, to: &str) -> String {
+    let text = std::fs::read_to_string(scene("terzaghi.toml")).expect("the scene");
+    assert!(text.contains(from), "{from}");
+    let path = folder.join("scene.toml");
+    std::fs::write(&path, text.replace(from, to)).expect("a scene");
+    "scene.toml".to_owned()
+}
+
+#[test]
+fn list_shows_what_there_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = verify(folder.path(), &["list"]);
+    assert!(output.status.success());
+    insta::with_settings!({ description => "Guards what the program says it can do." }, {
+        insta::assert_snapshot!("list", String::from_utf8_lossy(&output.stdout));
+    });
+}
+
+#[test]
+fn bad_input_ends_with_two_before_the_first_step() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let bad = changed(folder.path(), "poisson_ratio = 0.30", "poisson_ratio = 0.6");
+    let output = verify(folder.path(), &["solve", &bad]);
+    assert_eq!(output.status.code(), Some(2));
+    let message = stderr(&output);
+    assert!(
+        message.starts_with("scene.toml:21: soil.law.linear_elastic.poisson_ratio: expected -1 < nu < 0.5, found 0.6"),
+        "{message}"
+    );
+    for arguments in [
+        vec!["solve", "none.toml"],
+        vec!["check", "nonsense"],
+        vec!["study", "--mesh", "0.3"],
+        vec!["study", "--ppc", "5"],
+        vec!["study", "--dt", "fast"],
+        vec!["study", "--mesh", "0.1", "--dt", "1e-3"],
+        vec!["report", "nowhere"],
+        vec!["--nonsense"],
+    ] {
+        let output = verify(folder.path(), &arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", stderr(&output));
+        assert!(!stderr(&output).is_empty() && !stderr(&output).contains("panicked"), "{arguments:?}");
+    }
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("file"), "").expect("a file");
+    let path = scene("terzaghi.toml");
+    let path = path.to_str().expect("a path");
+    let output = verify(folder.path(), &["solve", path, "--out", "file/below"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("expected a folder that can be written to"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_step_above_the_limit_is_refused_and_a_forced_one_fails_but_keeps_its_history() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = changed(folder.path(), "step = \"auto\"\nsafety = 0.9", "step = 3.0e-6");
+    let refused = verify(folder.path(), &["solve", &scene]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("expected at most 1.428"), "{}", stderr(&refused));
+    let forced = verify(folder.path(), &["solve", &scene, "--force", "--out", "forced"]);
+    assert_eq!(forced.status.code(), Some(3));
+    assert!(stderr(&forced).contains("run failed at step"), "{}", stderr(&forced));
+    let summary = std::fs::read_to_string(folder.path().join("forced/summary.json")).expect("a summary");
+    assert!(summary.contains("\"forced\": true") && summary.contains("run failed"));
+    let history = std::fs::read_to_string(folder.path().join("forced/history.csv")).expect("a history");
+    assert!(history.starts_with("time_s,") && history.lines().count() > 1);
+}
+
+#[test]
+fn solve_writes_its_stable_outputs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = changed(folder.path(), "cell = 0.02", "cell = 0.1");
+    let output = verify(folder.path(), &["solve", &scene, "--out", "out", "--json"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON on standard output");
+    assert!(json["steps"].as_u64() > Some(0));
+    for file in ["history.csv", "profiles.csv", "summary.json"] {
+        assert!(folder.path().join("out").join(file).exists(), "{file}");
+    }
+}
+
+#[test]
+fn check_ends_with_zero_when_every_case_holds() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = verify(folder.path(), &["check", "hydrostatic", "undrained", "dry-bar"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let ladder = std::fs::read_to_string(folder.path().join("reports/ladder/ladder.csv")).expect("a ladder");
+    let header = "rung,integrator,scheme,error,required_error,order,order_low,order_high,required_order,verdict,cpu_s";
+    assert_eq!(ladder.lines().next(), Some(header));
+    assert_eq!(ladder.lines().count(), 4);
+}
+
+#[test]
+fn study_and_report_write_the_same_page() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let study = ["study", "--mesh", "0.1,0.05", "--ppc", "1,4", "--quiet"];
+    let output = verify(folder.path(), &study);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let errors = std::fs::read_to_string(folder.path().join("reports/accuracy/errors.csv")).expect("errors");
+    let contract = "case,integrator,scheme,load,mesh_m,ppc,particles,dt_s,steps,max_error_terzaghi,\
+        late_error_terzaghi,max_error_compressible,late_error_compressible,profile_error_compressible,\
+        settlement_final_m,cell_crossings,cpu_s,ns_per_point_step";
+    assert!(errors.starts_with(contract), "{errors}");
+    assert_eq!(errors.lines().count(), 1 + 8);
+    let page = folder.path().join("reports/index.html");
+    let first = std::fs::read(&page).expect("a page");
+    let output = verify(folder.path(), &["report"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(std::fs::read(&page).expect("a page"), first);
+}
