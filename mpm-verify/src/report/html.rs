@@ -5,6 +5,7 @@ use serde::Serialize;
 use serde_json::Value as Json;
 
 use super::content::Content;
+use super::plots::draw;
 use super::plots::figure::Figure;
 
 const TEMPLATE: &str = include_str!("template.html");
@@ -17,7 +18,7 @@ struct Drawn<'a> {
     title: &'a str,
     caption: &'a str,
     svg: String,
-    /// The viewBox of the SVG.
+    /// The viewBox of small copies.
     view: String,
 }
 
@@ -40,7 +41,7 @@ pub fn page(content: &Content, figures: &[Figure], drawn: &[String], folder: &st
 fn picture<'a>(((words, figure), svg): ((&'a super::content::Picture, &'a Figure), &String)) -> Drawn<'a> {
     // A name by which small copies are made, and a description for those who cannot see it.
     let head = format!("<svg id=\"svg-{}\" role=\"img\" aria-label=\"{}\"", figure.name, escaped(&figure.title));
-    let view = svg.split("viewBox=\"").nth(1).and_then(|rest| rest.split('"').next()).unwrap_or_default().to_owned();
+    let view = format!("0 0 {} {}", draw::WIDTH, draw::height(figure).ceil());
     let svg = svg.replacen("<svg", &head, 1);
     Drawn { name: figure.name, number: words.number, title: &words.title, caption: &words.caption, svg, view }
 }

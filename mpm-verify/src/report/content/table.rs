@@ -137,7 +137,7 @@ pub fn orders(groups: &[Group]) -> Vec<Table> {
         row.push(richardson_cell(group));
         row
     };
-    let head = ["group", "max error", "late error", "profile", "U at Tv = 0.1 without cells"];
+    let head = ["group", "max error", "late error", "profile", "U at Tv = 0.1 for L → 0"];
     let explained = "Slope of log(error) over log(L) with the half width of its 95 % confidence interval; below it \
                      whether the range is asymptotic (every pairwise order within 0.3 of the slope and no change of \
                      sign), and the pairwise orders from coarse to fine. Last column: Richardson's extrapolation from \
@@ -255,7 +255,7 @@ pub fn cases(results: &[CaseResult]) -> Vec<Table> {
         let mut row = vec![
             Cell::new(r.case.clone()).marked(status.0, status.1),
             Cell::new(r.particles.to_string()),
-            Cell::new(format!("{:.2e}", r.dt_s)),
+            Cell::new(short(r.dt_s, 3)),
             Cell::new(short(ratio, 2)).marked("", if ratio > 1.0 { "warn" } else { "" }),
             Cell::new(r.steps.to_string()),
         ];
