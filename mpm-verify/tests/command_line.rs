@@ -116,7 +116,7 @@ fn check_ends_with_zero_when_every_case_holds() {
 #[test]
 fn study_and_report_write_the_same_page() {
     let folder = tempfile::tempdir().expect("a folder");
-    let study = ["study", "--mesh", "0.1,0.05", "--ppc", "1,4", "--quiet"];
+    let study = ["study", "--mesh", "0.1,0.05", "--ppc", "1,4", "--quiet", "--no-cost"];
     let output = verify(folder.path(), &study);
     assert!(output.status.success(), "{}", stderr(&output));
     let errors = std::fs::read_to_string(folder.path().join("reports/accuracy/errors.csv")).expect("errors");

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use mpm_core::scene::{DarcyChoice, Dimension, LoadOn, Scene, ShapeChoice, StepChoice};
 use mpm_verify::budget::budgets;
 use mpm_verify::claims::judge;
+use mpm_verify::cost::measure;
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 use mpm_verify::report::{self, Study};
@@ -50,6 +51,9 @@ pub struct Options {
     /// Leave out the further runs of the error budget
     #[arg(long)]
     no_budget: bool,
+    /// Leave out the timing of steps along several paths
+    #[arg(long)]
+    no_cost: bool,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -112,6 +116,7 @@ impl Options {
             dt: None,
             force: false,
             no_budget: false,
+            no_cost: false,
         }
     }
 
@@ -185,8 +190,9 @@ pub fn compute(options: &Options, common: &Common, folder: &Path) -> Result<Stud
         notes.push(format!("{forced} runs were forced above their stability limit."));
     }
     let (budgets, claims) = (budgets(&results), judge(&results));
+    let costs = if options.no_cost { Vec::new() } else { measure() };
     let manifest = Manifest::new(&plan.base, plan.jobs);
-    Ok(Study { manifest, results, budgets, claims, notes })
+    Ok(Study { manifest, results, budgets, claims, costs, notes })
 }
 
 fn summary(study: &Study, folder: &Path, quiet: bool) {

@@ -6,13 +6,14 @@ pub mod terms;
 use serde::Serialize;
 
 use self::table::Table;
+use self::terms::TERMS;
+use super::Study;
 use super::numbers::percent;
 use super::orders::{Group, groups};
 use super::plots::figure::Figure;
-use super::select::{Cases, PAPER, Reference, families};
-use super::{Study, content::terms::TERMS};
-use crate::claims::Verdict;
-use crate::study::{Variant, word};
+use super::select::{Cases, LOADS, PAPER, Reference, compressibility, families};
+use crate::claims::{Claim, Verdict};
+use crate::study::{CaseResult, Variant, word};
 
 /// All text and tables of a page.
 #[derive(Debug, Clone, Serialize)]
@@ -98,7 +99,7 @@ impl Content {
             orders: table::orders(&groups),
             claims: claims(study, &pictures),
             budgets: table::budgets(study),
-            speed: table::speed(&study.results),
+            speed: table::speed(&study.results).into_iter().chain(table::costs(&study.costs)).collect(),
             cases: table::cases(&study.results),
             terms: TERMS.to_vec(),
             missing: missing(study, figures),
@@ -110,7 +111,7 @@ impl Content {
 }
 
 fn claims(study: &Study, pictures: &[Picture]) -> Vec<ClaimText> {
-    let text = |c: &crate::claims::Claim| {
+    let text = |c: &Claim| {
         let picture = pictures.iter().find(|p| p.name == c.picture);
         ClaimText {
             id: c.id.clone(),
@@ -131,19 +132,33 @@ fn claims(study: &Study, pictures: &[Picture]) -> Vec<ClaimText> {
     study.claims.iter().map(text).collect()
 }
 
-/// One sentence per run that failed, one for those that were forced.
+/// Failed runs named in warnings; the table of cases has all of them.
+const NAMED: usize = 12;
+
+/// A sentence per run that failed, one for all that were forced.
 fn warnings(study: &Study) -> Vec<String> {
-    let name = |r: &crate::study::CaseResult| match r.variant {
+    let name = |r: &CaseResult| match r.variant {
         Variant::Base => r.case.clone(),
         other => format!("{} ({})", r.case, word(other)),
     };
-    let failed = study.results.iter().filter_map(|r| r.failure.as_ref().map(|f| (r, f)));
-    let mut warnings: Vec<String> = failed.map(|(r, f)| format!("Failed: {}: {f}", name(r))).collect();
-    for r in study.results.iter().filter(|r| r.forced) {
-        let times = r.dt_s / r.limit_s;
-        warnings.push(format!("Forced: {} ran with {times:.2} times the stable time step.", name(r)));
+    let mut failed: Vec<String> =
+        study.results.iter().filter_map(|r| Some(format!("Failed: {}: {}", name(r), r.failure.as_ref()?))).collect();
+    if failed.len() > NAMED {
+        let more = failed.len() - NAMED;
+        failed.truncate(NAMED);
+        failed.push(format!("Failed: {more} more runs."));
     }
-    warnings
+    let forced: Vec<&CaseResult> = study.results.iter().filter(|r| r.forced).collect();
+    if let Some(worst) = forced.iter().max_by(|a, b| (a.dt_s / a.limit_s).total_cmp(&(b.dt_s / b.limit_s))) {
+        let times = worst.dt_s / worst.limit_s;
+        failed.push(format!(
+            "Forced: {} of {} runs have a time step above the stability limit, up to {times:.2} times ({}).",
+            forced.len(),
+            study.results.len(),
+            name(worst)
+        ));
+    }
+    failed
 }
 
 fn missing(study: &Study, figures: &[Figure]) -> Vec<String> {
@@ -153,6 +168,8 @@ fn missing(study: &Study, figures: &[Figure]) -> Vec<String> {
     if left_out > 0 {
         missing.insert(0, format!("{left_out} failed runs are left out of pictures and orders."));
     }
+    let unknown = study.results.iter().filter(|r| r.failure.is_none() && r.max_error_terzaghi.is_nan());
+    missing.extend(unknown.map(|r| format!("{}: no largest error, some sample times are not there.", r.case)));
     if let [(shown, _), rest @ ..] = families(&study.results).as_slice()
         && !rest.is_empty()
     {
@@ -166,33 +183,39 @@ fn summary(study: &Study, groups: &[Group]) -> String {
     let cases = Cases::of(&study.results);
     let list = |values: Vec<String>| values.join(", ");
     let mut text = format!(
-        "{} cases with cells of {} m and {} particles per cell: degree of consolidation U compared with two exact \
-         solutions, Terzaghi's with incompressible water and the same with the water's own stiffness. ",
+        "{} cases with cells of {} m and {} particles per cell: the degree of consolidation U is compared with two \
+         exact solutions, Terzaghi's with incompressible water and the same with the water's own stiffness. ",
         study.results.iter().filter(|r| r.variant == Variant::Base).count(),
         list(cases.meshes().iter().map(ToString::to_string).collect()),
         list(cases.particles().iter().map(ToString::to_string).collect()),
     );
-    for (load, words) in super::select::LOADS {
-        if let Some(r) = cases.get(load, PAPER.0, PAPER.1) {
-            let [terzaghi, compressible] = Reference::BOTH.map(|reference| percent(reference.largest(r)));
-            text += &format!(
-                "At the paper's mesh and particles ({} m, {} per cell) with the {words} the largest error is {terzaghi} % \
-                 against Terzaghi and {compressible} % against compressible water. ",
-                PAPER.0, PAPER.1
-            );
-        }
+    let at_paper = LOADS.iter().filter_map(|(load, words)| {
+        let [terzaghi, compressible] = {
+            let r = cases.get(load, PAPER.0, PAPER.1)?;
+            Reference::BOTH.map(|reference| percent(reference.largest(r)))
+        };
+        Some(format!("{terzaghi} % against Terzaghi and {compressible} % against compressible water with the {words}"))
+    });
+    let at_paper: Vec<String> = at_paper.collect();
+    if !at_paper.is_empty() {
+        let (mesh, ppc) = PAPER;
+        let errors = at_paper.join(", ");
+        text += &format!("At the paper's setting (L = {mesh} m, {ppc} per cell) the largest error is {errors}. ");
     }
-    let usual = cases.usual_particles();
-    for group in groups.iter().filter(|g| Some(g.ppc) == usual) {
-        if let Some((_, Some(fit))) = group.fits.iter().find(|(norm, _)| *norm == "max-compressible") {
-            text += &format!(
-                "With the load on the {} and {} particles per cell the largest error against compressible water falls \
-                 with the mesh at order {}. ",
-                group.load,
-                group.ppc,
-                table::order_text(fit)
-            );
-        }
+    let shown = families(&study.results).into_iter().next().map_or_else(String::new, |(name, _)| name);
+    let usual = groups.iter().filter(|g| Some(g.ppc) == cases.usual_particles() && g.name.starts_with(&shown));
+    let orders = usual.filter_map(|group| {
+        let (_, fit) = group.fits.iter().find(|(norm, _)| *norm == "max-compressible")?;
+        Some(format!("{} (load on the {}, {} per cell)", table::order_text(fit.as_ref()?), group.load, group.ppc))
+    });
+    let orders: Vec<String> = orders.collect();
+    if !orders.is_empty() {
+        text += &format!("Against compressible water it falls with L at order {}. ", orders.join(" and "));
+    }
+    if let Some(case) = cases.0.first() {
+        let floor = percent(compressibility(case));
+        text +=
+            &format!("Against Terzaghi it does not tend to zero but to {floor} %, where the two solutions differ. ");
     }
     text + &verdicts(study)
 }

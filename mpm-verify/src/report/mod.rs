@@ -27,6 +27,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::budget::Budget;
 use crate::claims::Claim;
+use crate::cost::Cost;
 use crate::manifest::Manifest;
 use crate::study::CaseResult;
 
@@ -41,6 +42,9 @@ pub struct Study {
     pub budgets: Vec<Budget>,
     /// The paper's statements with their verdicts.
     pub claims: Vec<Claim>,
+    /// What a step costs along several paths; empty where it was not measured.
+    #[serde(default)]
+    pub costs: Vec<Cost>,
     /// What else a reader should know.
     pub notes: Vec<String>,
 }

@@ -141,6 +141,11 @@ pub fn stands_in(case: &CaseResult) -> String {
     format!(" This study has no run with L = {mesh} m and {ppc} particles per cell; shown is {}.", case.case)
 }
 
+/// Largest share of U by which the two exact solutions of a case differ over its sample times.
+pub fn compressibility(case: &CaseResult) -> f64 {
+    case.degrees.iter().map(|d| relative(d.u_compressible, d.u_terzaghi).abs()).fold(0.0, f64::max)
+}
+
 /// Exact solutions at any time, if the column of a case is that of the built-in scene.
 #[derive(Debug, Clone, Copy)]
 pub struct Exact {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::cost::Cost;
 use crate::report::numbers::exact;
 use crate::report::orders::groups;
 use crate::report::{ReportError, Study, unwritable};
@@ -27,6 +28,9 @@ load_placement,remainder";
 /// Columns of `claims.csv`.
 pub const CLAIMS: &str = "id,verdict,said,rule,evidence,picture";
 
+/// Columns of `cost.csv`.
+pub const COST: &str = "path,points,steps,ns_per_point_step,ns_min,ns_max,bytes_per_point,ratio_to_general";
+
 /// Writes all tables of a study into a folder.
 ///
 /// # Errors
@@ -40,7 +44,18 @@ pub fn write(study: &Study, folder: &Path) -> Result<(), ReportError> {
     let claim = |c: &crate::claims::Claim| {
         [&c.id, c.verdict.words(), &c.said, &c.rule, &c.evidence, &c.picture].map(str::to_owned).to_vec()
     };
-    table(&folder.join("claims.csv"), CLAIMS, study.claims.iter().map(claim))
+    table(&folder.join("claims.csv"), CLAIMS, study.claims.iter().map(claim))?;
+    if study.costs.is_empty() {
+        return Ok(());
+    }
+    table(&folder.join("cost.csv"), COST, study.costs.iter().map(cost_row))
+}
+
+fn cost_row(cost: &Cost) -> Vec<String> {
+    let counts = [cost.points.to_string(), cost.steps.to_string()];
+    let times = [cost.ns_per_point_step, cost.spread_ns[0], cost.spread_ns[1]].map(exact);
+    let rest = [cost.bytes_per_point.to_string(), exact(cost.ratio)];
+    [vec![cost.path.clone()], counts.to_vec(), times.to_vec(), rest.to_vec()].concat()
 }
 
 /// Writes one table: a header of names with commas between, then rows.

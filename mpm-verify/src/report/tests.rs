@@ -1,1 +1,205 @@
-//! Tests of the report.
+//! Tests of the report on small made-up studies.
+
+use std::fs;
+use std::path::Path;
+
+use super::*;
+use crate::budget::budgets;
+use crate::claims::judge;
+use crate::exact::terzaghi::Terzaghi;
+use crate::study::tests::result;
+use crate::study::{Degree, HistoryPoint, Profile, ProfilePoint, Variant};
+
+/// The columns of `errors.csv` that others parse, in order.
+const CONTRACT: &str = "case,integrator,scheme,load,mesh_m,ppc,particles,dt_s,steps,max_error_terzaghi,\
+late_error_terzaghi,max_error_compressible,late_error_compressible,profile_error_compressible,settlement_final_m,\
+cell_crossings,cpu_s,ns_per_point_step";
+
+/// A run whose U is too small by a share of L.
+fn run(mesh: f64, ppc: usize, load: &str, variant: Variant) -> CaseResult {
+    let scene = crate::scenes::terzaghi();
+    let exact =
+        [Terzaghi::incompressible(&scene), Terzaghi::compressible(&scene)].map(|e| e.expect("water and a load"));
+    let mut run = result(mesh, ppc, load);
+    run.variant = variant;
+    let unit = 1.0 / exact[0].time_factor(1.0);
+    let degree = |d: &Degree| {
+        let [terzaghi, compressible] = exact.map(|e| e.relative_settlement(d.tv * unit));
+        let u = compressible * (1.0 - mesh / d.tv.sqrt());
+        let (u_dynamic, u_mesh) = (compressible, u);
+        Degree { time_s: d.tv * unit, u, u_terzaghi: terzaghi, u_compressible: compressible, u_dynamic, u_mesh, ..*d }
+    };
+    run.degrees = run.degrees.iter().map(degree).collect();
+    run.max_error_terzaghi = 2.0 * mesh;
+    run.max_error_compressible = 10.0 * mesh;
+    (run.late_error_terzaghi, run.late_error_compressible) = (mesh, 3.0 * mesh);
+    (run.profile_error_terzaghi, run.profile_error_compressible) = (0.1 * mesh, 0.2 * mesh * mesh);
+    let row = |tv: f64, height_m: f64| {
+        let [terzaghi_pa, compressible_pa] = exact.map(|e| e.pressure(height_m, tv * unit));
+        ProfilePoint { height_m, pressure_pa: 0.99 * compressible_pa, terzaghi_pa, compressible_pa }
+    };
+    let profile = |tv: f64| Profile { tv, rows: [0.1, 0.5, 0.9].map(|height| row(tv, height)).to_vec() };
+    run.profiles = crate::norms::SAMPLE_TV.map(profile).to_vec();
+    let point = |tv: f64| HistoryPoint {
+        time_s: tv * unit,
+        tv,
+        u: tv.sqrt(),
+        kinetic_j: 1e-5,
+        strain_j: 0.1 * tv,
+        water_j: 1e-4,
+        external_work_j: 0.3 * tv,
+        darcy_dissipation_j: 0.2 * tv,
+        flow_body_work_j: 1e-5,
+        energy_closing_j: 1e-6,
+        water_closing_kg: 0.0,
+        water_out_kg: tv,
+    };
+    run.history = [0.002, 0.02, 0.2, 1.0].map(point).to_vec();
+    run
+}
+
+fn study(results: Vec<CaseResult>) -> Study {
+    Study {
+        manifest: Manifest::new(&crate::scenes::terzaghi(), 1),
+        budgets: budgets(&results),
+        claims: judge(&results),
+        costs: vec![cost()],
+        notes: vec!["a note with <angle brackets> & an ampersand".to_owned()],
+        results,
+    }
+}
+
+fn cost() -> Cost {
+    let (path, spread_ns) = ("a made-up path".to_owned(), [90.0, 110.0]);
+    Cost { path, points: 1000, steps: 100, ns_per_point_step: 100.0, spread_ns, bytes_per_point: 200, ratio: 1.0 }
+}
+
+/// Two meshes, 1 and 4 particles per cell, both loads, with the further runs of the budget.
+fn two_meshes() -> Vec<CaseResult> {
+    let mut results = Vec::new();
+    for (mesh, ppc) in [(0.1, 1), (0.1, 4), (0.05, 1), (0.05, 4)] {
+        for load in ["particles", "surface"] {
+            results.push(run(mesh, ppc, load, Variant::Base));
+        }
+        results.push(run(mesh, ppc, "surface", Variant::HalfStep));
+        results.push(run(mesh, ppc, "surface", Variant::SmallLoad));
+    }
+    results
+}
+
+/// Writes a study into a fresh folder; returns the folder, the page and the text of a file in it.
+fn written(results: Vec<CaseResult>) -> (tempfile::TempDir, String) {
+    let place = tempfile::tempdir().expect("a folder for a test");
+    write(&study(results), &place.path().join("accuracy")).expect("a report");
+    let page = fs::read_to_string(place.path().join("index.html")).expect("a page");
+    (place, page)
+}
+
+fn text(place: &tempfile::TempDir, name: &str) -> String {
+    fs::read_to_string(place.path().join("accuracy").join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+fn check_pictures(folder: &Path) {
+    for name in plots::NAMES {
+        let file = |ending: &str| fs::read(folder.join(format!("{name}.{ending}"))).expect("a picture");
+        assert!(file("svg").starts_with(b"<svg ") && file("svg").ends_with(b"</svg>\n"), "{name}");
+        assert!(file("png").starts_with(b"\x89PNG") && file("png").len() > 4000, "{name}");
+        assert!(file("csv").starts_with(b"panel,series,"), "{name}");
+    }
+}
+
+#[test]
+fn a_small_study_is_written_whole() {
+    let (place, page) = written(two_meshes());
+    check_pictures(&place.path().join("accuracy/plots"));
+    for name in plots::NAMES {
+        assert!(page.contains(&format!("id=\"svg-{name}\"")), "the page lacks {name}");
+        assert!(text(&place, &format!("plots/{name}.csv")).lines().count() > 1, "{name} has no numbers");
+    }
+    for name in
+        ["study.json", "manifest.json", "report.md", "consolidation.csv", "budget.csv", "claims.csv", "cost.csv"]
+    {
+        assert!(text(&place, name).len() > 100, "{name}");
+    }
+    assert!(page.contains("a made-up path") && text(&place, "report.md").contains("a made-up path"));
+    assert!(page.contains("a note with &lt;angle brackets&gt; &amp; an ampersand"));
+    assert!(!page.contains("http://") || page.matches("http://").count() == page.matches("http://www.w3.org/").count());
+}
+
+#[test]
+fn the_columns_of_the_error_table_are_the_contract() {
+    let (place, _) = written(two_meshes());
+    let table = text(&place, "errors.csv");
+    let header = table.lines().next().expect("a header");
+    assert_eq!(header, format!("{CONTRACT},profile_error_terzaghi,limit_s,forced,dimension,scene_hash,failure"));
+    assert_eq!(table.lines().count(), 1 + 8, "base cases only");
+    assert!(
+        table.contains("explicit-centre-surface-L0.05-ppc4,explicit,centre,surface,0.05,4,100,1e-6,1000,0.1,0.05,0.5,")
+    );
+    let consolidation = text(&place, "consolidation.csv");
+    assert!(consolidation.starts_with("case,integrator,scheme,load,mesh_m,ppc,tv,u,u_terzaghi,u_compressible,"));
+    assert_eq!(consolidation.lines().count(), 1 + 8 * 9);
+}
+
+#[test]
+fn orders_are_those_of_the_errors() {
+    let orders = orders::groups(&two_meshes());
+    assert_eq!(orders.len(), 4);
+    for group in &orders {
+        let order = |name: &str| {
+            let (_, fit) = group.fits.iter().find(|(norm, _)| *norm == name).expect("a norm");
+            fit.as_ref().expect("an order").order
+        };
+        assert!((order("max-compressible") - 1.0).abs() < 1e-9);
+        assert!((order("profile-compressible") - 2.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn failed_forced_and_missing_runs_are_said() {
+    let mut results = two_meshes();
+    results[0].failure = Some("NaN at step 17".to_owned());
+    results[0].max_error_terzaghi = f64::NAN;
+    results[0].degrees.truncate(2);
+    results[0].degrees[1].u = f64::NAN;
+    (results[1].forced, results[1].dt_s) = (true, 2.2e-6);
+    let unknown = results.iter_mut().find(|r| r.load == "particles" && r.mesh_m == 0.05).expect("a run");
+    (unknown.max_error_terzaghi, unknown.max_error_compressible) = (f64::NAN, f64::NAN);
+    results[3].degrees[0].u_dynamic = f64::NAN;
+    let (place, page) = written(results);
+    check_pictures(&place.path().join("accuracy/plots"));
+    for words in [
+        "Failed: explicit-centre-particles-L0.1-ppc1: NaN at step 17",
+        "Forced: 1 of 16 runs have a time step above the stability limit, up to 2.00 times",
+        "1 failed runs are left out",
+        "explicit-centre-particles-L0.05-ppc1: no largest error",
+        "no run with L = 0.02 m",
+        "no exact solution for inertia, remainder with the load on the surface",
+    ] {
+        assert!(page.contains(words), "the page does not say: {words}");
+        assert!(text(&place, "report.md").contains(words), "report.md does not say: {words}");
+    }
+    assert!(text(&place, "errors.csv").contains("NaN at step 17"));
+    let again: Study = serde_json::from_str(&text(&place, "study.json")).expect("a stored study reads back");
+    assert!(again.results[0].max_error_terzaghi.is_nan());
+}
+
+#[test]
+fn a_study_without_runs_is_no_panic() {
+    let (place, page) = written(Vec::new());
+    check_pictures(&place.path().join("accuracy/plots"));
+    assert!(page.contains("no run with the load on the surface"));
+    let one = vec![run(0.1, 9, "surface", Variant::Base)];
+    let (place, page) = written(one);
+    check_pictures(&place.path().join("accuracy/plots"));
+    assert!(page.contains("no further runs for a budget"));
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_named() {
+    let place = tempfile::tempdir().expect("a folder for a test");
+    let blocked = place.path().join("file");
+    fs::write(&blocked, "no folder").expect("a file");
+    let error = write(&study(Vec::new()), &blocked.join("accuracy")).expect_err("a file is no folder");
+    assert!(error.to_string().contains("accuracy/plots: cannot be written"), "{error}");
+}

@@ -47,7 +47,8 @@ pub fn figure(cases: &Cases) -> Figure {
         name: "consolidation",
         title: format!("Consolidation curve{setting} (the paper's Fig. 4c)"),
         caption: format!(
-            "Thin lines: computed history; markers: the nine sample times at which errors are taken. With compressible \
+            "Thin lines: computed history, jagged where the wave that opening the drain makes has not died out; \
+             markers: the nine sample times at which errors are taken. With compressible \
              water (dashed) the share (q \u{2212} p₀)/q of the settlement is there at once, so that U starts above \
              Terzaghi's.{stand_in}"
         ),

@@ -15,7 +15,7 @@ pub fn figure(cases: &Cases) -> Figure {
     let mesh = cases.meshes().into_iter().min_by(|a, b| near(a).total_cmp(&near(b)));
     let particles = cases.particles();
     let (least, most) =
-        (particles.first().map_or(1.0, |n| *n as f64 / 1.8), particles.last().map_or(2.0, |n| *n as f64 * 1.8));
+        (particles.first().map_or(1.0, |n| *n as f64 / 2.5), particles.last().map_or(2.0, |n| *n as f64 * 2.5));
     let mut missing = Vec::new();
     let mut panels = Vec::new();
     for (load, words) in LOADS {

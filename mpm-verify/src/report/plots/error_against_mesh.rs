@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::figure::{Figure, Mark, Panel, Point, Series, share_y};
 use super::look::{self, BLACK, Dash, GREY, Look, Marker};
-use crate::report::select::{Cases, LOADS, Reference};
+use crate::report::select::{Cases, LOADS, Reference, compressibility};
 use crate::study::CaseResult;
 
 /// Largest error over the nine sample times.
@@ -76,10 +76,6 @@ fn slopes(panel: &mut Panel) {
 
 /// The error that is left on the finest mesh if nothing but the water's compressibility differs from Terzaghi.
 fn floor(figure: &mut Figure, cases: &Cases) {
-    let share = |r: &CaseResult| {
-        let errors = r.degrees.iter().map(|d| (d.u_compressible / d.u_terzaghi - 1.0).abs());
-        100.0 * errors.fold(0.0, f64::max)
-    };
     for panel in &mut figure.panels {
         let meshes = panel.all_x();
         let (Some(case), Some(coarse), Some(fine)) =
@@ -88,7 +84,7 @@ fn floor(figure: &mut Figure, cases: &Cases) {
             continue;
         };
         let look = Look::new(BLACK, Marker::Dot).dash(Dash::Dashed).width(1.2);
-        let line = [coarse, fine].map(|h| (h, share(case)));
+        let line = [coarse, fine].map(|h| (h, 100.0 * compressibility(case)));
         panel.add(Series::line("compressible water alone, exact", look, line));
     }
     figure.caption.push_str(

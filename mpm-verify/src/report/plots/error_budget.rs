@@ -30,6 +30,12 @@ pub fn figure(name: &'static str, study: &Study, cases: &Cases, tv: f64) -> Figu
         if budgets.is_empty() {
             missing.push(format!("{name}: no further runs for a budget with the {words}"));
         }
+        let unknown = |b: &&&Budget| b.parts().iter().any(|(_, share)| !share.is_finite());
+        if let Some(budget) = budgets.iter().find(unknown) {
+            let parts = budget.parts().into_iter().filter(|(_, share)| !share.is_finite());
+            let parts: Vec<&str> = parts.map(|(name, _)| name).collect();
+            missing.push(format!("{name}: no exact solution for {} with the {words}", parts.join(", ")));
+        }
         panels.push(panel(words, &budgets));
     }
     Figure {

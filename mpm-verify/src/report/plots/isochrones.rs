@@ -18,7 +18,7 @@ pub fn figure(cases: &Cases) -> Figure {
         name: "isochrones",
         title: "Pore pressure over the height of the column (the paper's Fig. 4b)".to_owned(),
         caption:
-            "Points: computed, at most 25 of the cells. Lines of the same colour: Terzaghi, incompressible water, \
+            "Points: computed, at most 25 of the cells shown. Lines of the same colour: Terzaghi, incompressible water, \
                   p₀ = q. Early pressures near the base swing about q: opening the drain at once sends a wave down \
                   the column, and it has not died out."
                 .to_owned(),
