@@ -78,17 +78,19 @@ pub fn basis<const D: usize>(xi: &[f64; D]) -> [f64; 4] {
     if D == 1 { [1.0, xi[0], 0.0, 0.0] } else { [1.0, xi[0], xi[1], xi[0] * xi[1]] }
 }
 
-/// Shape functions N of the corners at a point of the cell.
+/// Shares N times an amount of the corners, for a point of the cell.
 ///
-/// Masses and momenta are gathered with these and not through the moments of the basis: a node with a tiny share of
-/// a particle would lose the digits of that share, and so its velocity momentum/mass.
+/// Mass and momentum are gathered with the same share and not through the moments of the basis: a node with a tiny
+/// share of a particle would lose the digits of that share, and so its velocity momentum/mass.
 #[inline(always)]
-pub fn weights<const D: usize>(xi: &[f64; D]) -> [f64; 4] {
+pub fn shares<const D: usize>(amount: f64, xi: &[f64; D]) -> [f64; 4] {
+    let right = amount * xi[0];
+    let left = amount - right;
     if D == 1 {
-        [1.0 - xi[0], xi[0], 0.0, 0.0]
+        [left, right, 0.0, 0.0]
     } else {
-        let [x, y] = [xi[0], xi[D - 1]];
-        [(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y]
+        let (upper_left, upper_right) = (left * xi[D - 1], right * xi[D - 1]);
+        [left - upper_left, right - upper_right, upper_left, upper_right]
     }
 }
 

@@ -3,7 +3,7 @@
 //! Each particle of the top row carries a strip of the surface. The surface lies above the particle by its first
 //! distance times the stretch of the particle, V/V_0: that is the settlement "extrapolated from the particles below".
 
-use crate::dimension::{basis, coefficients, value, weights};
+use crate::dimension::{basis, coefficients, shares, value};
 use crate::grid::Grid;
 use crate::nodes::{NodeMotion, NodeSums};
 use crate::particles::{Layer, SolidPoint};
@@ -83,9 +83,9 @@ impl<const D: usize> SurfaceLoad<D> {
         for strip in 0..self.strips.len() {
             let (corners, xi) = self.place(strip, grid, &solid.points[self.index[strip] as usize]);
             let force = -pressure * self.strips[strip].area;
-            let n = weights(&xi);
+            let share = shares(force, &xi);
             for a in 0..Grid::<D>::CORNERS {
-                nodes[corners[a]].force[D - 1] += force * n[a];
+                nodes[corners[a]].force[D - 1] += share[a];
             }
         }
     }

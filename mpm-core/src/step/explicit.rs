@@ -3,7 +3,7 @@
 use super::{Fault, Model};
 use crate::boundary::{Supports, SurfaceLoad};
 use crate::constitutive::Law;
-use crate::dimension::{Kinematics, basis, coefficients, gradient, to_corners, trace, value, weights};
+use crate::dimension::{Kinematics, basis, coefficients, gradient, shares, to_corners, trace, value};
 use crate::grid::Grid;
 use crate::nodes::{NodeMotion, NodeSums};
 use crate::observe::{CellValues, Ledger, Observation, Seed, Totals, observe};
@@ -112,14 +112,13 @@ where
             let mut stress = StressSums { mean: [0.0; S], first: [[0.0; S]; D] };
             for point in &solid.points[range] {
                 let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - position[d] as f64);
-                let n = weights(&xi);
+                let share = shares(point.mass, &xi);
                 mass += point.mass;
                 volume += point.volume;
                 for a in 0..Grid::<D>::CORNERS {
-                    let share = point.mass * n[a];
-                    solid_mass[a] += share;
+                    solid_mass[a] += share[a];
                     for d in 0..D {
-                        momentum[a][d] += share * point.v[d];
+                        momentum[a][d] += share[a] * point.v[d];
                     }
                 }
                 for s in 0..S {

@@ -5,7 +5,7 @@
 
 use super::exposed::Exposed;
 use super::{FlowRates, Place, SoilCell, StressSums, Water};
-use crate::dimension::{Kinematics, basis, coefficients, gradient, to_corners, trace, value, weights};
+use crate::dimension::{Kinematics, basis, coefficients, gradient, shares, to_corners, trace, value};
 use crate::grid::Grid;
 use crate::nodes::NodeMotion;
 use crate::particles::{Layer, SolidPoint, WaterPoint};
@@ -133,9 +133,9 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
         let mut volumes = [[0.0; 1]; 4]; // moments of V
         for point in &self.points.points[self.points.range(soil.place.cell)] {
             let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - soil.place.position[d] as f64);
-            let n = weights(&xi);
+            let share = shares(point.mass, &xi);
             for a in 0..Grid::<D>::CORNERS {
-                mass[a] += point.mass * n[a];
+                mass[a] += share[a];
             }
             weighted[0][0] += point.volume * point.pressure;
             volumes[0][0] += point.volume;
