@@ -75,7 +75,7 @@ impl Budget {
 /// Budgets of every base case whose further runs are there, at every sample time.
 pub fn budgets(results: &[CaseResult]) -> Vec<Budget> {
     let mut budgets = Vec::new();
-    for result in results.iter().filter(|r| r.variant == Variant::Base) {
+    for result in results.iter().filter(|r| r.variant == Variant::Base && r.failure.is_none()) {
         let of = |variant| {
             results.iter().find(|r| {
                 r.variant == variant && r.load == "surface" && (r.mesh_m, r.ppc) == (result.mesh_m, result.ppc)

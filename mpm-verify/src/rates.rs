@@ -14,7 +14,8 @@ pub struct Fit {
     pub half_width: f64,
     /// Orders between neighbouring meshes, coarse to fine.
     pub pairwise: Vec<f64>,
-    /// Whether the range is asymptotic: every pairwise order within 0.3 of the fitted one, no change of sign.
+    /// Whether the range is asymptotic: three meshes or more, an order surely above zero, every pairwise order within
+    /// 0.3 of it, no change of sign.
     pub asymptotic: bool,
 }
 
@@ -43,7 +44,9 @@ pub fn fit(points: &[(f64, f64)]) -> Option<Fit> {
     };
     let pairwise: Vec<f64> = logs.windows(2).map(|w| (w[0].1 - w[1].1) / (w[0].0 - w[1].0)).collect();
     let one_sign = points.windows(2).all(|w| w[0].1.signum() == w[1].1.signum());
-    let asymptotic = one_sign && pairwise.iter().all(|p| (p - order).abs() <= SPREAD);
+    // Two meshes have no scatter, and an order whose interval holds zero is a plateau.
+    let certain = half_width.is_finite() && order > half_width;
+    let asymptotic = certain && one_sign && pairwise.iter().all(|p| (p - order).abs() <= SPREAD);
     Some(Fit { order, half_width, pairwise, asymptotic })
 }
 
@@ -111,6 +114,8 @@ mod tests {
     fn a_range_that_is_not_asymptotic_is_flagged() {
         assert!(!fit(&[(0.1, 1e-1), (0.05, 2.5e-2), (0.025, 2.4e-2)]).unwrap().asymptotic);
         assert!(!fit(&[(0.1, 1e-1), (0.05, -2.5e-2), (0.025, 6e-3)]).unwrap().asymptotic);
+        assert!(!fit(&[(0.1, 1e-1), (0.05, 2.5e-2)]).unwrap().asymptotic);
+        assert!(!fit(&[(0.1, 1.0e-2), (0.05, 0.98e-2), (0.025, 1.01e-2)]).unwrap().asymptotic);
         assert!(richardson((0.1, 1.0), (0.05, 2.0), (0.025, 1.0)).is_none());
     }
 

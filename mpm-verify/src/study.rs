@@ -63,10 +63,13 @@ pub struct Degree {
     /// Time since drainage began, s.
     pub time_s: f64,
     /// Computed U = S/(q H/M).
+    #[serde(deserialize_with = "or_nan")]
     pub u: f64,
     /// Terzaghi's series, incompressible water.
+    #[serde(deserialize_with = "or_nan")]
     pub u_terzaghi: f64,
     /// The same with compressible water.
+    #[serde(deserialize_with = "or_nan")]
     pub u_compressible: f64,
     /// Compressible water and inertia (u-p model); NaN where no such solution is at hand.
     #[serde(deserialize_with = "or_nan")]
@@ -91,6 +94,7 @@ pub struct ProfilePoint {
     /// Height at t = 0, m.
     pub height_m: f64,
     /// Computed pore pressure, Pa.
+    #[serde(deserialize_with = "or_nan")]
     pub pressure_pa: f64,
     /// Terzaghi's, Pa.
     pub terzaghi_pa: f64,
@@ -106,24 +110,34 @@ pub struct HistoryPoint {
     /// Time factor.
     pub tv: f64,
     /// U.
+    #[serde(deserialize_with = "or_nan")]
     pub u: f64,
     /// Kinetic energy, J.
+    #[serde(deserialize_with = "or_nan")]
     pub kinetic_j: f64,
     /// Strain energy, J.
+    #[serde(deserialize_with = "or_nan")]
     pub strain_j: f64,
     /// Energy of the compressed water, J.
+    #[serde(deserialize_with = "or_nan")]
     pub water_j: f64,
     /// Work of the load, J.
+    #[serde(deserialize_with = "or_nan")]
     pub external_work_j: f64,
     /// Energy lost to Darcy flow, J.
+    #[serde(deserialize_with = "or_nan")]
     pub darcy_dissipation_j: f64,
     /// Work of rho_w (g - a_s) on the flow, J.
+    #[serde(deserialize_with = "or_nan")]
     pub flow_body_work_j: f64,
     /// What is left over, J.
+    #[serde(deserialize_with = "or_nan")]
     pub energy_closing_j: f64,
     /// Water balance left over, kg.
+    #[serde(deserialize_with = "or_nan")]
     pub water_closing_kg: f64,
     /// Water that has left, kg.
+    #[serde(deserialize_with = "or_nan")]
     pub water_out_kg: f64,
 }
 

@@ -1,7 +1,9 @@
 //! Which cases of a study tables and pictures are about.
 
+use crate::budget::Budget;
 use crate::exact::terzaghi::Terzaghi;
 use crate::norms::relative;
+use crate::report::Study;
 use crate::study::{CaseResult, Degree, Variant};
 
 /// The loads in the order of panels and tables: the word in the data and how it reads.
@@ -94,6 +96,17 @@ impl<'a> Cases<'a> {
     /// The number of particles per cell that pictures of one number show: 4, or the one nearest to it.
     pub fn usual_particles(&self) -> Option<usize> {
         self.particles().into_iter().min_by_key(|n| n.abs_diff(PAPER.1))
+    }
+
+    /// Budgets of the cases with one load and the usual number of particles at a time factor, coarse mesh first.
+    pub fn budgets<'b>(&self, study: &'b Study, load: &str, tv: f64) -> Vec<&'b Budget> {
+        let shown = |b: &&Budget| {
+            let own = b.load == load && Some(b.ppc) == self.usual_particles() && same_time(b.tv, tv);
+            own && self.0.iter().any(|r| r.case == b.case)
+        };
+        let mut budgets: Vec<&Budget> = study.budgets.iter().filter(shown).collect();
+        budgets.sort_by(|a, b| b.mesh_m.total_cmp(&a.mesh_m));
+        budgets
     }
 
     /// The case at the paper's mesh and particles with a given load, or the one nearest to it.

@@ -116,6 +116,8 @@ fn a_small_study_is_written_whole() {
         assert!(page.contains(&format!("id=\"svg-{name}\"")), "the page lacks {name}");
         assert!(text(&place, &format!("plots/{name}.csv")).lines().count() > 1, "{name} has no numbers");
     }
+    let parts = text(&place, "plots/error-budget.csv");
+    assert!(parts.starts_with("panel,series,mesh_m,share_percent\nload on the particles,load placement,0.1,"));
     for name in
         ["study.json", "manifest.json", "report.md", "consolidation.csv", "budget.csv", "claims.csv", "cost.csv"]
     {
@@ -165,7 +167,7 @@ fn failed_forced_and_missing_runs_are_said() {
     (results[1].forced, results[1].dt_s) = (true, 2.2e-6);
     let unknown = results.iter_mut().find(|r| r.load == "particles" && r.mesh_m == 0.05).expect("a run");
     (unknown.max_error_terzaghi, unknown.max_error_compressible) = (f64::NAN, f64::NAN);
-    results[3].degrees[0].u_dynamic = f64::NAN;
+    results[5].degrees[0].u_dynamic = f64::NAN;
     let (place, page) = written(results);
     check_pictures(&place.path().join("accuracy/plots"));
     for words in [
@@ -180,8 +182,18 @@ fn failed_forced_and_missing_runs_are_said() {
         assert!(text(&place, "report.md").contains(words), "report.md does not say: {words}");
     }
     assert!(text(&place, "errors.csv").contains("NaN at step 17"));
+}
+
+#[test]
+fn a_stored_study_reads_back_with_what_is_not_a_number() {
+    let mut results = two_meshes();
+    (results[0].max_error_terzaghi, results[0].degrees[0].u_dynamic) = (f64::NAN, f64::NAN);
+    let (place, page) = written(results);
     let again: Study = serde_json::from_str(&text(&place, "study.json")).expect("a stored study reads back");
     assert!(again.results[0].max_error_terzaghi.is_nan());
+    let other = tempfile::tempdir().expect("a folder for a test");
+    write(&again, &other.path().join("accuracy")).expect("a report");
+    assert_eq!(fs::read_to_string(other.path().join("index.html")).expect("a page"), page);
 }
 
 #[test]

@@ -4,13 +4,12 @@ use serde::Serialize;
 
 use crate::budget::Budget;
 use crate::cost::Cost;
-use crate::cost::Cost;
 use crate::norms::LATE_TV;
 use crate::rates::Fit;
 use crate::report::Study;
 use crate::report::numbers::{percent, short};
 use crate::report::orders::Group;
-use crate::report::select::{Cases, LOADS, PAPER, Reference, families, meshes, particles, same_time};
+use crate::report::select::{Cases, LOADS, PAPER, Reference, families, meshes, particles};
 use crate::study::CaseResult;
 
 /// A table.
@@ -161,15 +160,18 @@ fn richardson_cell(group: &Group) -> Cell {
     }
 }
 
-/// Order and half width.
+/// Order and half width of its interval, if there is one.
 pub fn order_text(fit: &Fit) -> String {
-    let width = if fit.half_width.is_finite() { format!("{:.2}", fit.half_width) } else { "?".to_owned() };
-    format!("{:.2} ± {width}", fit.order).replace('-', "\u{2212}")
+    let width = if fit.half_width.is_finite() { format!(" ± {:.2}", fit.half_width) } else { String::new() };
+    format!("{:.2}{width}", fit.order).replace('-', "\u{2212}")
 }
 
 fn order_cell(fit: Option<&Fit>) -> Cell {
     let Some(fit) = fit else { return Cell::new("–").marked("needs two meshes with errors", "") };
     let pairs: Vec<String> = fit.pairwise.iter().map(|p| short_order(*p)).collect();
+    if fit.half_width.is_infinite() {
+        return Cell::new(order_text(fit)).marked("two meshes: no interval", "warn");
+    }
     let (words, mark) = match (fit.asymptotic, fit.order > fit.half_width) {
         (true, true) => ("asymptotic", "good"),
         (true, false) => ("level: does not fall with L", "warn"),
@@ -185,13 +187,12 @@ fn short_order(order: f64) -> String {
 
 /// Parts of the error against Terzaghi, at the first time and at Tv = 0.1, a table per load.
 pub fn budgets(study: &Study) -> Vec<Table> {
-    let ppc = Cases::of(&study.results).usual_particles().unwrap_or(0);
+    let cases = Cases::of(&study.results);
+    let ppc = cases.usual_particles().unwrap_or(0);
     let mut tables = Vec::new();
     for tv in [0.01, LATE_TV] {
         for (load, words) in LOADS {
-            let own = |b: &&Budget| b.load == load && b.ppc == ppc && same_time(b.tv, tv);
-            let mut budgets: Vec<&Budget> = study.budgets.iter().filter(own).collect();
-            budgets.sort_by(|a, b| b.mesh_m.total_cmp(&a.mesh_m));
+            let budgets = cases.budgets(study, load, tv);
             let Some(first) = budgets.first() else { continue };
             let mut head = vec!["L (m)"];
             head.extend(first.parts().map(|(name, _)| name));
@@ -228,7 +229,7 @@ pub fn speed(results: &[CaseResult]) -> Vec<Table> {
     tables
 }
 
-/// What a step costs along several paths.
+/// What a step costs along several paths; no table where it was not measured.
 pub fn costs(costs: &[Cost]) -> Option<Table> {
     let row = |c: &Cost| {
         let spread = format!("{} to {}", short(c.spread_ns[0], 3), short(c.spread_ns[1], 3));
@@ -243,26 +244,6 @@ pub fn costs(costs: &[Cost]) -> Option<Table> {
                 after the other in the same run. A scene is slower only by what it uses.";
     let rows = costs.iter().map(row).collect();
     (!costs.is_empty()).then(|| table("What a step costs".to_owned(), &head, rows, note))
-}
-
-/// What a step costs along several paths; no table where it was not measured.
-pub fn costs(costs: &[Cost]) -> Option<Table> {
-    let head =
-        ["what the scene uses", "particles", "per point-step (ns)", "spread (ns)", "bytes per particle", "ratio"];
-    let row = |c: &Cost| {
-        vec![
-            Cell::new(c.path.clone()),
-            Cell::new(c.points.to_string()),
-            Cell::new(short(c.ns_per_point_step, 3)),
-            Cell::new(format!("{} – {}", short(c.spread_ns[0], 3), short(c.spread_ns[1], 3))),
-            Cell::new(c.bytes_per_point.to_string()),
-            Cell::new(short(c.ratio, 2)),
-        ]
-    };
-    let note = "Median and spread of several repetitions; the ratio is to the first row. What a scene does not use \
-                must cost nothing.";
-    let rows: Vec<_> = costs.iter().map(row).collect();
-    (!rows.is_empty()).then(|| table("What a step costs".to_owned(), &head, rows, note))
 }
 
 /// Names over several columns of the table of all cases, with the number of columns.

@@ -5,16 +5,19 @@ pub const TERMS: [(&str, &str); 19] = [
     ("Tv", "Time factor c_v t/H² with c_v = k M/γ_w and the drainage path H; t counts from the opening of the drain."),
     (
         "U",
-        "Degree of consolidation S/(q H/M): settlement of the loaded surface over its final value, counted from the unloaded state.",
+        "Degree of consolidation S/(q H/M): settlement of the loaded surface over its final value, counted from \
+         the unloaded state.",
     ),
     ("p₀", "Undrained pore pressure under the load q: q itself if water does not compress, a little less if it does."),
     (
         "Terzaghi",
-        "Exact solution of one-dimensional consolidation at small strain, without inertia, with incompressible water.",
+        "Exact solution of one-dimensional consolidation at small strain, without inertia, with incompressible \
+         water.",
     ),
     (
         "compressible water",
-        "The same with the water's own stiffness: part of the settlement is there at once. The column that is computed has this water.",
+        "The same with the water's own stiffness: part of the settlement is there at once. The column that is \
+         computed has this water.",
     ),
     (
         "error",
@@ -24,11 +27,13 @@ pub const TERMS: [(&str, &str); 19] = [
     ("profile error", "Root mean square of p \u{2212} p_exact over the height at Tv = 0.1, over p₀."),
     (
         "L, per cell",
-        "Edge of a cell of the background mesh; particles of each layer per square cell (a column of one dimension has the root of that number).",
+        "Edge of a cell of the background mesh; particles of each layer per square cell (a column of one dimension \
+         has the root of that number).",
     ),
     (
         "load on the particles",
-        "The load acts on the top row of particles, as in the paper: below the true surface by a part of a cell, and the soil above it is not loaded.",
+        "The load acts on the top row of particles, as in the paper: below the true surface by a part of a cell, \
+         and the soil above it is not loaded.",
     ),
     ("load on the surface", "The load acts on the true surface above the top row of particles."),
     (
@@ -37,15 +42,19 @@ pub const TERMS: [(&str, &str); 19] = [
     ),
     (
         "asymptotic",
-        "Every order between neighbouring meshes lies within 0.3 of the fitted one and the error keeps its sign. Otherwise the fitted order is only a description.",
+        "Every order between neighbouring meshes lies within 0.3 of the fitted one and the error keeps its sign. \
+         Otherwise the fitted order is only a description.",
     ),
     (
         "Richardson value, GCI",
-        "Value on an infinitely fine mesh extrapolated from the three finest, and Roache's grid convergence index of the finest with factor 1.25.",
+        "Value on an infinitely fine mesh extrapolated from the three finest, and Roache's grid convergence index \
+         of the finest with factor 1.25.",
     ),
     (
         "parts of the error",
-        "Each from switching one thing: load placement (particles or surface), space (cells of finite size), time (half the step), inertia (exact dynamic column), compressibility (the two exact solutions), large strain (a hundredth of the load). The remainder is what does not add up.",
+        "Each from switching one thing: load placement (particles or surface), space (cells of finite size), time \
+         (half the step), inertia (exact dynamic column), compressibility (the two exact solutions), large strain \
+         (a hundredth of the load). The remainder is what does not add up.",
     ),
     ("closing error", "Work of the load less all energies and losses: what the scheme makes or loses on its own."),
     (
@@ -55,6 +64,7 @@ pub const TERMS: [(&str, &str); 19] = [
     ("forced", "Run with a time step above the stability limit because the user asked for it."),
     (
         "failed",
-        "Ended early, by a value that is not a number or a particle that left the mesh. It has no error, and pictures leave it out.",
+        "Ended early, by a value that is not a number or a particle that left the mesh. It has no error, and \
+         pictures leave it out.",
     ),
 ];

@@ -1,6 +1,6 @@
 //! An axis: what is on it, its range, its ticks.
 
-use crate::report::numbers::{power_of_ten, short};
+use crate::report::numbers::{exact, power_of_ten, short};
 
 /// How values map to length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +48,12 @@ impl Axis {
     /// With given ticks.
     pub fn named(self, ticks: Vec<Tick>) -> Self {
         Self { named: Some(ticks), ..self }
+    }
+
+    /// A value as the CSV has it: the text of a given tick at its place, otherwise the number.
+    pub fn number(&self, value: f64) -> String {
+        let tick = self.named.iter().flatten().find(|(place, _)| *place == value);
+        tick.map_or_else(|| exact(value), |(_, text)| text.clone())
     }
 
     /// Whether a value has a place on the axis.

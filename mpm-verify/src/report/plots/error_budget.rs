@@ -5,7 +5,7 @@ use super::figure::{Figure, Mark, Panel, Point, Series};
 use super::look::{BLACK, BLUE, GREEN, GREY, Hatch, Look, Marker, ORANGE, PURPLE, RED, SKY};
 use crate::budget::Budget;
 use crate::report::Study;
-use crate::report::select::{Cases, LOADS, same_time};
+use crate::report::select::{Cases, LOADS};
 
 /// Looks in the order of [`Budget::parts`].
 const LOOKS: [Look; 7] = [
@@ -24,9 +24,7 @@ pub fn figure(name: &'static str, study: &Study, cases: &Cases, tv: f64) -> Figu
     let mut missing = Vec::new();
     let mut panels = Vec::new();
     for (load, words) in LOADS {
-        let own = |b: &&Budget| b.load == load && b.ppc == ppc && same_time(b.tv, tv);
-        let mut budgets: Vec<&Budget> = study.budgets.iter().filter(own).collect();
-        budgets.sort_by(|a, b| b.mesh_m.total_cmp(&a.mesh_m));
+        let budgets = cases.budgets(study, load, tv);
         if budgets.is_empty() {
             missing.push(format!("{name}: no further runs for a budget with the {words}"));
         }
@@ -54,7 +52,7 @@ pub fn figure(name: &'static str, study: &Study, cases: &Cases, tv: f64) -> Figu
 fn panel(words: &str, budgets: &[&Budget]) -> Panel {
     let count = budgets.len().max(1) as f64;
     let ticks = budgets.iter().enumerate().map(|(k, b)| (k as f64, b.mesh_m.to_string())).collect();
-    let x = Axis::linear("cell edge L (m)", "place").range(-0.6, count - 0.4).named(ticks);
+    let x = Axis::linear("cell edge L (m)", "mesh_m").range(-0.6, count - 0.4).named(ticks);
     let mut panel = Panel::new(words, x, Axis::linear("share of U of Terzaghi (%)", "share_percent"));
     let (mut up, mut down) = (vec![0.0; budgets.len()], vec![0.0; budgets.len()]);
     for (part, look) in LOOKS.into_iter().enumerate() {

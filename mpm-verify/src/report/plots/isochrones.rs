@@ -20,7 +20,7 @@ pub fn figure(cases: &Cases) -> Figure {
         caption:
             "Points: computed, at most 25 of the cells shown. Lines of the same colour: Terzaghi, incompressible water, \
                   p₀ = q. Early pressures near the base swing about q: opening the drain at once sends a wave down \
-                  the column, and it has not died out."
+                  the column, and it has not died out; the exact solution with inertia has it too."
                 .to_owned(),
         height: 400.0,
         panels: Vec::new(),

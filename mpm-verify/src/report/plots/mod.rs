@@ -29,7 +29,6 @@ use plotters::style::{FontStyle, WHITE, register_font};
 
 use self::canvas::{BITMAP_LETTERS, Canvas, Drawn, Lettering, SVG_LETTERS};
 use self::figure::Figure;
-use crate::report::numbers::exact;
 use crate::report::select::{Cases, Reference};
 use crate::report::{ReportError, Study, save, tables, unwritable};
 
@@ -162,7 +161,8 @@ fn numbers(figure: &Figure, path: &Path) -> Result<(), ReportError> {
     let header = format!("panel,series,{},{}{}", first.x.column, first.y.column, if notes { ",note" } else { "" });
     let rows = data().flat_map(|(panel, series)| {
         series.points.iter().map(move |p| {
-            let mut row = vec![panel.title.clone(), series.label.clone(), exact(p.x), exact(p.y - p.from)];
+            let mut row =
+                vec![panel.title.clone(), series.label.clone(), panel.x.number(p.x), panel.y.number(p.y - p.from)];
             if notes {
                 row.push(p.note.clone());
             }
