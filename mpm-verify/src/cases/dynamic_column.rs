@@ -1,10 +1,10 @@
 //! The column with inertia under a fast ramp, against the exact u-p model with the same Darcy law.
 
+use mpm_core::drive::Sample;
 use mpm_core::scene::{Scene, Start, Surcharge, Until};
 
-use super::{Outcome, Rung, finished, scheme, with_rows};
+use super::{Outcome, Rung, refine, scheme};
 use crate::exact::dynamic::DynamicColumn;
-use crate::norms::largest;
 
 /// Darcy's law with `rho_w a_s`.
 pub const WITH_INERTIA: Rung =
@@ -27,12 +27,7 @@ fn climb(change: fn(&mut Scene)) -> Result<Outcome, String> {
     change(&mut base);
     let exact = DynamicColumn::new(&base).ok_or("the scene is dry")?;
     let whole = 1.0e4 * base.height / base.oedometer_modulus();
-    let mut errors = Vec::new();
-    for rows in [20, 40, 80] {
-        let scene = with_rows(base.clone(), rows);
-        let run = finished(&scene)?;
-        let error = |s: &mpm_core::drive::Sample| (s.state.settlement - exact.settlement(s.stage_time)) / whole;
-        errors.push((scene.cell, largest(run.observed().map(error))));
-    }
+    let error = |s: &Sample| (s.state.settlement - exact.settlement(s.stage_time)) / whole;
+    let errors = refine(&base, &[20, 40, 80], error)?;
     Ok(Outcome { scheme: scheme(&base), errors, required_error: 1.0e-3, required_order: None })
 }

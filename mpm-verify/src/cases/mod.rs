@@ -9,10 +9,12 @@ mod terzaghi;
 mod undrained;
 
 use cpu_time::ThreadTime;
+use mpm_core::drive::Sample;
 use mpm_core::run::run;
 use mpm_core::scene::Scene;
 use serde::{Deserialize, Serialize};
 
+use crate::norms::largest;
 use crate::rates::{Fit, fit};
 use crate::study::word;
 
@@ -136,6 +138,15 @@ fn with_rows(mut scene: Scene, rows: usize) -> Scene {
     scene.cell = scene.height / rows as f64;
     scene.cells[1] = rows;
     scene
+}
+
+/// Runs a scene on several meshes: (mesh in m, largest error over the observed samples).
+fn refine(base: &Scene, rows: &[usize], error: impl Fn(&Sample) -> f64) -> Result<Vec<(f64, f64)>, String> {
+    let on = |rows: &usize| {
+        let scene = with_rows(base.clone(), *rows);
+        Ok((scene.cell, largest(finished(&scene)?.observed().map(&error))))
+    };
+    rows.iter().map(on).collect()
 }
 
 /// Runs a scene to its end.

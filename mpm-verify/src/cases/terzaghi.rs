@@ -5,9 +5,9 @@
 
 use mpm_core::scene::{DarcyChoice, Scene, ShapeChoice, Surcharge};
 
-use super::{Outcome, Rung, finished, scheme, with_rows};
+use super::{Outcome, Rung, refine, scheme};
 use crate::exact::dynamic::DynamicColumn;
-use crate::norms::{largest, relative};
+use crate::norms::relative;
 
 /// The paper's scheme with the default operator.
 pub const SURFACE: Rung =
@@ -33,13 +33,7 @@ fn climb(change: fn(&mut Scene)) -> Result<Outcome, String> {
     base.surcharge = base.surcharge.map(|s| Surcharge { pressure: 0.01 * s.pressure, ..s });
     change(&mut base);
     let exact = DynamicColumn::new(&base).ok_or("the scene is dry")?;
-    let mut errors = Vec::new();
-    for rows in [20, 40, 80] {
-        let scene = with_rows(base.clone(), rows);
-        let run = finished(&scene)?;
-        let error = |s: &mpm_core::drive::Sample| relative(s.state.settlement, exact.settlement(s.stage_time));
-        errors.push((scene.cell, largest(run.observed().map(error))));
-    }
+    let errors = refine(&base, &[20, 40, 80], |s| relative(s.state.settlement, exact.settlement(s.stage_time)))?;
     // Cells of this size alone, exactly in time, make 9.8e-4 at L = 0.0125.
     Ok(Outcome { scheme: scheme(&base), errors, required_error: 1.5e-3, required_order: Some([1.8, 2.2]) })
 }
