@@ -124,6 +124,9 @@ pub struct Ledger {
     pub damping_loss_j: f64,
     /// Stored - first stored - work + losses, J.
     pub energy_closing_j: f64,
+    /// Mass of water particles taken out because they had left the soil, kg. The water balance above is that of the
+    /// flow through the faces; this says how much of the layer has followed it.
+    pub water_particles_removed_kg: f64,
 }
 
 impl<const D: usize> Totals<D> {
@@ -143,8 +146,8 @@ impl<const D: usize> Totals<D> {
         }
     }
 
-    /// The balances now. `density` is that of the water, kg/m3.
-    pub fn ledger(&self, cells: &[CellValues<D>], density: f64) -> Ledger {
+    /// The balances now. `density` is that of the water, kg/m3; `removed` the mass of its lost particles, kg.
+    pub fn ledger(&self, cells: &[CellValues<D>], density: f64, removed: f64) -> Ledger {
         let (now, first, up) = (Stored::of(cells), &self.first, D - 1);
         let (water_in_kg, water_out_kg) = (density * self.water_in, density * self.water_out);
         let impulse_n_s =
@@ -170,6 +173,7 @@ impl<const D: usize> Totals<D> {
             darcy_dissipation_j: self.darcy_dissipation,
             damping_loss_j: self.damping_loss,
             energy_closing_j: stored - work + self.darcy_dissipation + self.damping_loss,
+            water_particles_removed_kg: removed,
         }
     }
 }

@@ -14,7 +14,8 @@ use super::{
 use crate::error::SceneError;
 use crate::stability::explicit_limit;
 
-/// Memory that one soil point and one cell take at most, bytes; kept honest by `tests/allocation.rs`.
+/// Memory that one soil point and one cell take at most, bytes: rounded up from what
+/// `tests/allocation.rs` measures for both together.
 const BYTES_PER_SOIL_POINT: f64 = 160.0;
 const BYTES_PER_CELL: f64 = 200.0;
 /// More steps than this are a mistake in the scene: a century of computing.

@@ -334,7 +334,8 @@ where
     }
 
     fn ledger(&self) -> Ledger {
-        self.totals.ledger(&self.cell_values(), self.parts.water.density())
+        let water = &self.parts.water;
+        self.totals.ledger(&self.cell_values(), water.density(), water.removed_mass())
     }
 
     fn pore_pressure(&self) -> [f64; 3] {

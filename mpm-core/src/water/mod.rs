@@ -111,6 +111,11 @@ pub trait Water<K: Kinematics<D, S>, const D: usize, const S: usize>: Send {
     /// Mass of water in the pores of a cell of soil, rho_w n V (1 + p/K_w), kg.
     fn cell_mass(&self, soil: &SoilCell<D>) -> f64;
 
+    /// Mass of the water particles that were removed because they left the soil, kg.
+    fn removed_mass(&self) -> f64 {
+        0.0
+    }
+
     /// Density of the water, kg/m3.
     fn density(&self) -> f64;
 

@@ -67,12 +67,11 @@ pub struct Saturated<O, const D: usize> {
     grain_inverse: f64,
     solid_order: u64,
     moved: bool,
-    /// Mass of particles removed because they left the soil, kg.
-    pub removed_mass: f64,
+    removed_mass: f64,
 }
 
 impl<O: DarcyOperator<D>, const D: usize> Saturated<O, D> {
-    /// Water particles in a mesh. `area` is that of a cell face, m2; `grain_density` in kg/m3.
+    /// Water particles in a mesh; `grain_density` in kg/m3.
     pub fn new(
         points: Layer<WaterPoint<D>, D>,
         grid: &Grid<D>,
@@ -288,6 +287,10 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
         let (pressure, _) = Water::<K, D, S>::cell_state(self, soil);
         let pores = self.porosity(soil) * soil.volume;
         self.properties.density * pores * (1.0 + pressure / self.properties.bulk_modulus)
+    }
+
+    fn removed_mass(&self) -> f64 {
+        self.removed_mass
     }
 
     fn density(&self) -> f64 {

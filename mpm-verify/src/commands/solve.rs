@@ -58,6 +58,7 @@ struct Row {
     darcy_dissipation_j: f64,
     damping_loss_j: f64,
     energy_closing_j: f64,
+    water_particles_removed_kg: f64,
 }
 
 /// A row of profiles.csv.
@@ -183,6 +184,7 @@ fn history(run: &Run) -> Vec<Row> {
             darcy_dissipation_j: l.darcy_dissipation_j,
             damping_loss_j: l.damping_loss_j,
             energy_closing_j: l.energy_closing_j,
+            water_particles_removed_kg: l.water_particles_removed_kg,
         }
     };
     run.samples.iter().map(row).collect()

@@ -30,9 +30,6 @@ pub struct Options {
     /// What carries the load
     #[arg(long, value_delimiter = ',', value_enum, default_values_t = [Load::Particles, Load::Surface])]
     load: Vec<Load>,
-    /// Time integrators
-    #[arg(long, value_delimiter = ',', value_enum, default_values_t = [Integrator::Explicit])]
-    integrator: Vec<Integrator>,
     /// Where shape functions are evaluated
     #[arg(long, value_enum)]
     scheme: Option<Scheme>,
@@ -60,11 +57,6 @@ pub struct Options {
 enum Load {
     Particles,
     Surface,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Integrator {
-    Explicit,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -109,7 +101,6 @@ impl Options {
             mesh: MESHES.to_vec(),
             ppc: vec![1, 4, 9],
             load: vec![Load::Particles, Load::Surface],
-            integrator: vec![Integrator::Explicit],
             scheme: None,
             darcy: None,
             width: Width::Column,

@@ -6,3 +6,5 @@ pub mod terzaghi;
 
 #[cfg(test)]
 mod oracle;
+#[cfg(test)]
+mod undrained_wave_test;
