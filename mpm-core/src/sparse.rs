@@ -1,0 +1,363 @@
+//! Symmetric sparse systems: the pattern once, then refill, factorise, solve and check the residual (faer).
+//!
+//! Sparse Cholesky does not pivot, and a matrix that is singular to working precision may pass it without an error.
+//! So every solution is put back into its equation; a wrong one is refused with its residual.
+
+use faer::Conj;
+use faer::Par;
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
+use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::mat::MatMut;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LdltRef, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Side, Spec};
+
+/// Largest residual of a solution, as a share of the largest right-hand side.
+pub const RESIDUAL: f64 = 1e-8;
+/// Residuals above this are lowered by putting them on the right-hand side once more.
+const REFINE: f64 = 1e-13;
+/// A solution this much larger than `||b||/||A||` means a singular matrix: nothing but round-off holds it.
+const GROWTH: f64 = 1e14;
+
+/// A system that could not be solved.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Unsolved {
+    /// The factorisation stopped.
+    #[error("a singular system: {0}")]
+    Factor(String),
+    /// The solution does not solve its equation.
+    #[error("a singular system: residual {found:.1e} of the right-hand side, expected at most {RESIDUAL:.0e}")]
+    Residual {
+        /// `max |A x - b| / max |b|`.
+        found: f64,
+    },
+    /// The solution is out of all proportion.
+    #[error("a singular system: a solution {found:.1e} times larger than its right-hand side explains")]
+    Growth {
+        /// `max |x| max |A| / max |b|`.
+        found: f64,
+    },
+}
+
+/// A symmetric matrix with a fixed pattern, its upper triangle stored by columns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Symmetric {
+    column: Vec<usize>,
+    row: Vec<usize>,
+    /// Values in the order of the pattern.
+    pub values: Vec<f64>,
+}
+
+impl Symmetric {
+    /// A matrix of zeros with `size` rows; `pairs` names its entries in any order, either triangle, repeated or not.
+    /// The diagonal is always there.
+    pub fn new(size: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Self {
+        let mut keys: Vec<u64> = pairs.map(|(a, b)| ((a.max(b) as u64) << 32) | a.min(b) as u64).collect();
+        keys.extend((0..size as u64).map(|i| (i << 32) | i));
+        keys.sort_unstable();
+        keys.dedup();
+        let mut column = vec![0; size + 1];
+        for key in &keys {
+            column[(key >> 32) as usize + 1] += 1;
+        }
+        for j in 0..size {
+            column[j + 1] += column[j];
+        }
+        let row: Vec<usize> = keys.iter().map(|key| (key & 0xffff_ffff) as usize).collect();
+        Self { column, values: vec![0.0; row.len()], row }
+    }
+
+    /// Rows (and columns).
+    pub fn size(&self) -> usize {
+        self.column.len() - 1
+    }
+
+    /// Place of an entry in [`Self::values`].
+    ///
+    /// # Panics
+    /// The entry is not in the pattern.
+    #[inline]
+    pub fn place(&self, a: usize, b: usize) -> usize {
+        let (i, j) = (a.min(b), a.max(b));
+        let (first, last) = (self.column[j], self.column[j + 1]);
+        first + self.row[first..last].binary_search(&i).expect("an entry of the pattern")
+    }
+
+    /// Adds to an entry; an entry off the diagonal stands for both triangles.
+    #[inline]
+    pub fn add(&mut self, a: usize, b: usize, value: f64) {
+        let place = self.place(a, b);
+        self.values[place] += value;
+    }
+
+    /// `y = A x`.
+    pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        self.add_product(1.0, x, y);
+    }
+
+    /// `y += factor A x`.
+    pub fn add_product(&self, factor: f64, x: &[f64], y: &mut [f64]) {
+        for j in 0..self.size() {
+            let (xj, mut sum) = (factor * x[j], 0.0);
+            for k in self.column[j]..self.column[j + 1] {
+                let (i, value) = (self.row[k], self.values[k]);
+                y[i] += value * xj;
+                if i != j {
+                    sum += value * x[i];
+                }
+            }
+            y[j] += factor * sum;
+        }
+    }
+
+    fn pattern(&self) -> SymbolicSparseColMatRef<'_, usize> {
+        SymbolicSparseColMatRef::new_checked(self.size(), self.size(), &self.column, None, &self.row)
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        (self.column.capacity() + self.row.capacity()) * size_of::<usize>() + self.values.capacity() * size_of::<f64>()
+    }
+}
+
+/// What is known of the signs of a matrix.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Signs {
+    /// All eigenvalues positive: `L L^T`.
+    Definite,
+    /// A positive definite block beside a negative definite one: `L D L^T` exists in any order (Vanderbei 1995,
+    /// SIAM J. Optim. 5, 100-113).
+    QuasiDefinite,
+}
+
+/// Order of elimination.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ordering {
+    /// As numbered: right for a narrow band.
+    AsNumbered,
+    /// Approximate minimum degree.
+    MinimumDegree,
+}
+
+/// A Cholesky factorisation whose pattern is kept.
+pub struct Factor {
+    symbolic: SymbolicCholesky<usize>,
+    signs: Signs,
+    values: Vec<f64>,
+    buffer: MemBuffer,
+    residual: Vec<f64>,
+    largest: f64,
+}
+
+impl std::fmt::Debug for Factor {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Factor").field("signs", &self.signs).field("fill", &self.fill()).finish_non_exhaustive()
+    }
+}
+
+impl Factor {
+    /// Symbolic factorisation of a pattern.
+    ///
+    /// # Errors
+    /// Out of memory.
+    pub fn new(matrix: &Symmetric, signs: Signs, ordering: Ordering) -> Result<Self, Unsolved> {
+        let order = match ordering {
+            Ordering::AsNumbered => SymmetricOrdering::Identity,
+            Ordering::MinimumDegree => SymmetricOrdering::Amd,
+        };
+        let symbolic =
+            factorize_symbolic_cholesky(matrix.pattern(), Side::Upper, order, CholeskySymbolicParams::default())
+                .map_err(|e| Unsolved::Factor(format!("{e:?}")))?;
+        let factor = match signs {
+            Signs::Definite => symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default()),
+            Signs::QuasiDefinite => symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default()),
+        };
+        let solve = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
+        Ok(Self {
+            values: vec![0.0; symbolic.len_val()],
+            buffer: MemBuffer::new(StackReq::or(factor, solve)),
+            residual: vec![0.0; matrix.size()],
+            largest: 0.0,
+            symbolic,
+            signs,
+        })
+    }
+
+    /// Numeric factorisation of a matrix with the pattern of [`Self::new`]. No allocation.
+    ///
+    /// # Errors
+    /// A pivot of the wrong sign or zero.
+    pub fn refresh(&mut self, matrix: &Symmetric) -> Result<(), Unsolved> {
+        let a = SparseColMatRef::new(matrix.pattern(), &matrix.values);
+        let stack = MemStack::new(&mut self.buffer);
+        self.largest = matrix.values.iter().fold(0.0, |m, v| f64::max(m, v.abs()));
+        match self.signs {
+            Signs::Definite => self
+                .symbolic
+                .factorize_numeric_llt(
+                    &mut self.values,
+                    a,
+                    Side::Upper,
+                    LltRegularization::default(),
+                    Par::Seq,
+                    stack,
+                    Spec::default(),
+                )
+                .map(|_| ())
+                .map_err(|e| Unsolved::Factor(format!("{e:?}"))),
+            Signs::QuasiDefinite => self
+                .symbolic
+                .factorize_numeric_ldlt(
+                    &mut self.values,
+                    a,
+                    Side::Upper,
+                    LdltRegularization::default(),
+                    Par::Seq,
+                    stack,
+                    Spec::default(),
+                )
+                .map(|_| ())
+                .map_err(|e| Unsolved::Factor(format!("{e:?}"))),
+        }
+    }
+
+    /// Solves `A x = b` with the factors of the last [`Self::refresh`] and checks the residual. No allocation.
+    ///
+    /// # Errors
+    /// A residual above [`RESIDUAL`], or a solution that only round-off holds.
+    pub fn solve(&mut self, matrix: &Symmetric, b: &[f64], x: &mut [f64]) -> Result<(), Unsolved> {
+        x.copy_from_slice(b);
+        self.substitute(x);
+        let size = largest(b);
+        let mut found = self.residual_of(matrix, b, x);
+        if found > REFINE * size && found.is_finite() {
+            let mut correction = std::mem::take(&mut self.residual);
+            self.substitute(&mut correction);
+            for (x, c) in x.iter_mut().zip(&correction) {
+                *x += c;
+            }
+            self.residual = correction;
+            found = self.residual_of(matrix, b, x);
+        }
+        if found.is_nan() || found > RESIDUAL * size {
+            return Err(Unsolved::Residual { found: found / size });
+        }
+        let growth = largest(x) * self.largest;
+        if growth > GROWTH * size {
+            return Err(Unsolved::Growth { found: growth / size });
+        }
+        Ok(())
+    }
+
+    /// `b - A x` into [`Self::residual`], and its largest entry.
+    fn residual_of(&mut self, matrix: &Symmetric, b: &[f64], x: &[f64]) -> f64 {
+        self.residual.copy_from_slice(b);
+        matrix.add_product(-1.0, x, &mut self.residual);
+        largest(&self.residual)
+    }
+
+    fn substitute(&mut self, x: &mut [f64]) {
+        let size = x.len();
+        let stack = MemStack::new(&mut self.buffer);
+        let x = MatMut::from_column_major_slice_mut(x, size, 1);
+        match self.signs {
+            Signs::Definite => LltRef::<usize, f64>::new(&self.symbolic, &self.values).solve_in_place_with_conj(
+                Conj::No,
+                x,
+                Par::Seq,
+                stack,
+            ),
+            Signs::QuasiDefinite => LdltRef::<usize, f64>::new(&self.symbolic, &self.values).solve_in_place_with_conj(
+                Conj::No,
+                x,
+                Par::Seq,
+                stack,
+            ),
+        }
+    }
+
+    /// Entries of the factor.
+    pub fn fill(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        (self.values.capacity() + self.residual.capacity()) * size_of::<f64>()
+    }
+}
+
+/// Largest magnitude; NaN if there is one.
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |m, v| if v.is_nan() || m.is_nan() { f64::NAN } else { f64::max(m, v.abs()) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A chain of springs, held at one end if asked.
+    fn chain(size: usize, held: bool) -> Symmetric {
+        let mut a = Symmetric::new(size, (1..size).map(|i| (i, i - 1)));
+        for i in 1..size {
+            a.add(i, i, 1.0);
+            a.add(i - 1, i - 1, 1.0);
+            a.add(i - 1, i, -1.0);
+        }
+        if held {
+            a.add(0, 0, 1.0);
+        }
+        a
+    }
+
+    fn solved(a: &Symmetric, signs: Signs, ordering: Ordering) -> Result<f64, Unsolved> {
+        let b: Vec<f64> = (0..a.size()).map(|i| (i as f64 + 1.0).sin()).collect();
+        let mut x = vec![0.0; a.size()];
+        let mut factor = Factor::new(a, signs, ordering)?;
+        factor.refresh(a)?;
+        factor.solve(a, &b, &mut x)?;
+        let mut back = vec![0.0; a.size()];
+        a.multiply(&x, &mut back);
+        Ok(back.iter().zip(&b).map(|(l, r)| (l - r).abs()).fold(0.0, f64::max))
+    }
+
+    #[test]
+    fn sound_systems_are_solved_in_either_order() {
+        for ordering in [Ordering::AsNumbered, Ordering::MinimumDegree] {
+            assert!(solved(&chain(50, true), Signs::Definite, ordering).expect("a solution") < 1e-10);
+            // A saddle: springs beside a negative block, coupled crosswise.
+            let mut saddle = Symmetric::new(40, (0..20).flat_map(|i| [(i, 20 + i), (i, (i + 1) % 20)]));
+            for i in 0..20 {
+                saddle.add(i, i, 3.0);
+                saddle.add(i, (i + 1) % 20, -1.0);
+                saddle.add(20 + i, 20 + i, -0.1);
+                saddle.add(i, 20 + i, 2.0);
+            }
+            assert!(solved(&saddle, Signs::QuasiDefinite, ordering).expect("a solution") < 1e-12);
+        }
+    }
+
+    #[test]
+    fn singular_systems_are_refused() {
+        for signs in [Signs::Definite, Signs::QuasiDefinite] {
+            for ordering in [Ordering::AsNumbered, Ordering::MinimumDegree] {
+                let refused = solved(&chain(50, false), signs, ordering);
+                assert!(refused.is_err(), "{refused:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn factors_of_another_matrix_are_noticed() {
+        let (right, mut wrong) = (chain(20, true), chain(20, true));
+        wrong.add(7, 7, 0.5);
+        let mut factor = Factor::new(&right, Signs::Definite, Ordering::AsNumbered).expect("a pattern");
+        factor.refresh(&wrong).expect("factors");
+        let (b, mut x) = (vec![1.0; 20], vec![0.0; 20]);
+        assert!(matches!(factor.solve(&right, &b, &mut x), Err(Unsolved::Residual { .. })));
+    }
+}
