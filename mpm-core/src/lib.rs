@@ -41,6 +41,7 @@ pub mod particles;
 pub mod run;
 pub mod scene;
 pub mod shape;
+pub mod space;
 pub mod sparse;
 pub mod stability;
 pub mod step;
