@@ -11,7 +11,7 @@ use mpm_core::stability::choose_step;
 fn step(c: &mut Criterion, group: &str, name: &str, scene: &Scene) {
     let dt = choose_step(scene).expect("a stable step");
     let mut model = model(scene).expect("a model");
-    model.enter_stage(scene.stages[0].drained, 0.0);
+    model.enter_stage(&scene.stages[0], &[]).expect("a stage");
     let steps = (20_000 / model.solid_count()).max(1) as u64;
     let mut group = c.benchmark_group(group);
     group.sample_size(20);

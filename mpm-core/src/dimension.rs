@@ -17,6 +17,8 @@ pub trait Kinematics<const D: usize, const S: usize>: Copy + Send + Sync + 'stat
     ///
     /// `mean` is `sum V sigma`, `first[d]` is `sum V sigma xi_d`; `inverse_size` is 1/L.
     fn internal_force(mean: &[f64; S], first: &[[f64; S]; D], inverse_size: f64) -> [[f64; D]; 4];
+    /// Stress times a vector: sigma . G, Pa times the unit of G.
+    fn traction(stress: &[f64; S], vector: &[f64; D]) -> [f64; D];
     /// The stress of an isotropic pressure of 1 Pa (compression), for the pore water.
     const UNIT_PRESSURE: [f64; S];
 }
@@ -39,6 +41,11 @@ impl Kinematics<1, 2> for Column {
     #[inline(always)]
     fn internal_force(mean: &[f64; 2], _: &[[f64; 2]; 1], inverse_size: f64) -> [[f64; 1]; 4] {
         [[0.0], [mean[0] * inverse_size], [0.0], [0.0]]
+    }
+
+    #[inline(always)]
+    fn traction(stress: &[f64; 2], vector: &[f64; 1]) -> [f64; 1] {
+        [stress[0] * vector[0]]
     }
 }
 
@@ -69,6 +76,12 @@ impl Kinematics<2, 4> for PlaneStrain {
         let [xx, yy, _, xy] = mean.map(|s| s * inverse_size);
         let bilinear = [first[1][0] + first[0][3], first[1][3] + first[0][1]];
         [[0.0; 2], [xx, xy], [xy, yy], bilinear.map(|s| s * inverse_size)]
+    }
+
+    #[inline(always)]
+    fn traction(stress: &[f64; 4], vector: &[f64; 2]) -> [f64; 2] {
+        let [xx, yy, _, xy] = *stress;
+        [xx * vector[0] + xy * vector[1], xy * vector[0] + yy * vector[1]]
     }
 }
 

@@ -4,18 +4,25 @@ use std::path::PathBuf;
 
 /// A scene that cannot be run as written. Exit code 2.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{file}:{line}: {key}: expected {expected}, found {found}")]
+#[error("{}{key}: expected {expected}, found {found}", self.place())]
 pub struct SceneError {
-    /// Path of the scene file as the user gave it.
+    /// Path of the scene file as the user gave it; empty for a flag.
     pub file: String,
-    /// Line of the offending key or value, counted from 1.
+    /// Line of the offending key or value, counted from 1; 0 for a flag.
     pub line: usize,
-    /// Dotted name of the key, e.g. `soil.poisson_ratio`.
+    /// Dotted name of the key, e.g. `soil.poisson_ratio`, or the flag that stands in its place, e.g. `--tolerance`.
     pub key: String,
     /// What would have been accepted, with its unit.
     pub expected: String,
     /// What stands there.
     pub found: String,
+}
+
+impl SceneError {
+    /// `file:line: `, or nothing for a flag.
+    fn place(&self) -> String {
+        if self.line == 0 { String::new() } else { format!("{}:{}: ", self.file, self.line) }
+    }
 }
 
 /// Where a run went wrong. Exit code 3; what was computed before is kept by the caller.

@@ -6,12 +6,15 @@
 //! # Reading order
 //! 1. [`scene`]: what to simulate, from TOML to a checked [`scene::Scene`].
 //! 2. [`grid`], [`nodes`], [`particles`]: the mesh and the two layers.
-//! 3. [`dimension`], [`shape`]: one dimension and plane strain; where shape functions are evaluated.
+//! 3. [`dimension`], [`shape`], [`stencil`]: one dimension and plane strain; where linear functions are evaluated, and
+//!    wider ones.
 //! 4. [`constitutive`], [`water`], [`boundary`]: the physics.
-//! 5. [`step`]: one time step; `step/explicit.rs` is the paper's Figure 1.
-//! 6. [`stability`], [`drive`]: how long a step may be; stages and times.
-//! 7. [`observe`]: what is read from a run, and its ledgers.
-//! 8. [`run`]: the switchboard from words to types.
+//! 5. [`sparse`]: symmetric systems. [`space`]: function spaces and particle weights of the quasi-static integrator.
+//! 6. [`step`]: one time step. `step/explicit.rs` is the paper's Figure 1, `step/skeleton.rs` the same over stencils,
+//!    `step/semi_implicit.rs` with the pressure implicit; [`step::quasi_static`] leaves inertia out.
+//! 7. [`stability`], [`drive`]: how long a step may be; stages and times.
+//! 8. [`observe`]: what is read from a run, and its ledgers.
+//! 9. [`run`]: the switchboard from words to types.
 //!
 //! # Symbols
 //! | symbol | meaning | unit |
@@ -44,5 +47,6 @@ pub mod shape;
 pub mod space;
 pub mod sparse;
 pub mod stability;
+pub mod stencil;
 pub mod step;
 pub mod water;

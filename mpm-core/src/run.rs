@@ -8,10 +8,13 @@ use crate::error::RunError;
 use crate::grid::Grid;
 use crate::observe::Seed;
 use crate::particles::{Layer, SolidPoint, WaterPoint, even_positions};
-use crate::scene::{DarcyChoice, Dimension, LoadOn, Scene, ShapeChoice, Start, WaterProperties};
+use crate::scene::{DarcyChoice, Dimension, Integrator, LoadOn, Scene, ShapeChoice, Start, WaterProperties};
 use crate::shape::{Centre, Linear, Shape};
+use crate::space::Deformation;
 use crate::stability::{StepTooLarge, choose_step};
-use crate::step::{Explicit, Model, Parts};
+use crate::stencil::{Basis, Bspline2, Functions, Gimp};
+use crate::step::quasi_static::{QuasiStatic, Seeding};
+use crate::step::{Explicit, ExplicitWide, Model, Parts, SemiImplicit};
 use crate::water::{DarcyOperator, Dry, Face, Nodal, Saturated, Water};
 
 /// Why a scene could not be run.
@@ -40,17 +43,99 @@ pub fn run(scene: &Scene, progress: &mut dyn FnMut(f64)) -> Result<Run, StartErr
 /// # Errors
 /// Particles outside the mesh.
 pub fn model(scene: &Scene) -> Result<Box<dyn Model>, RunError> {
+    let quasi_static = scene.integrator == Integrator::QuasiStatic;
     match scene.dimension {
         Dimension::Column => {
             let stress = |vertical: f64, lateral: f64| [vertical, lateral];
             let law = LinearElastic::column(&scene.elastic);
+            if quasi_static {
+                return Ok(implicit::<Column, _, 1, 2>(scene, [scene.cells[1]], scene.width, stress, law));
+            }
             shape::<Column, _, 1, 2>(scene, [scene.cells[1]], scene.width, stress, law)
         }
         Dimension::PlaneStrain => {
             let stress = |vertical: f64, lateral: f64| [lateral, vertical, lateral, 0.0];
             let law = LinearElastic::plane_strain(&scene.elastic);
+            if quasi_static {
+                return Ok(implicit::<PlaneStrain, _, 2, 4>(scene, scene.cells, 1.0, stress, law));
+            }
             shape::<PlaneStrain, _, 2, 4>(scene, scene.cells, scene.cell, stress, law)
         }
+    }
+}
+
+/// The quasi-static model: one layer of particles and a mesh that is laid over them.
+fn implicit<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
+    scene: &Scene,
+    soil_cells: [usize; D],
+    thickness: f64,
+    stress: fn(f64, f64) -> [f64; S],
+    law: L,
+) -> Box<dyn Model> {
+    let spacing = scene.cell / scene.particles_per_direction() as f64;
+    let volume = thickness * spacing.powi(D as i32);
+    let ratio = scene.elastic.lame() / scene.oedometer_modulus();
+    let lengths: [f64; D] = std::array::from_fn(|d| if d == D - 1 { scene.height } else { scene.width });
+    let mut places: Vec<([f64; D], bool)> =
+        positions(scene, soil_cells).map(|x| (x, x[D - 1] > scene.height - spacing)).collect();
+    if let Some(displaced) = scene.displaced {
+        displace(&mut places, &lengths, spacing, &displaced);
+    }
+    // Points of a cell follow each other, so that the matrix is gathered cell by cell.
+    let cell = |x: &[f64; D]| x.map(|x| (x / scene.cell + scene.shift).floor() as i64);
+    places.sort_by_key(|(x, _)| std::array::from_fn::<i64, D, _>(|d| cell(x)[D - 1 - d]));
+    let point = |(x, _): &([f64; D], bool)| {
+        let (vertical, _) = first_state(scene, x[D - 1]);
+        SolidPoint {
+            x: *x,
+            v: [0.0; D],
+            stress: stress(vertical, ratio * vertical),
+            mass: scene.dry_density() * volume,
+            volume,
+        }
+    };
+    Box::new(QuasiStatic::<K, L, D, S>::new(
+        scene,
+        Seeding {
+            points: places.iter().map(point).collect(),
+            law,
+            top: places.iter().enumerate().filter(|(_, (_, top))| *top).map(|(i, _)| i).collect(),
+            thickness,
+            first_pressure: |scene, height| first_state(scene, height).1,
+            first_settlement: first_settlement(scene),
+        },
+    ))
+}
+
+/// Moves particles from their even places: a smooth wave and random parts.
+fn displace<const D: usize>(
+    places: &mut [([f64; D], bool)],
+    lengths: &[f64; D],
+    spacing: f64,
+    displaced: &crate::scene::Displaced,
+) {
+    let mut random = displaced.seed;
+    for (x, _) in places {
+        for d in 0..D {
+            // SplitMix64 (Steele, Lea & Flood 2014, OOPSLA).
+            random = random.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = random;
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            let uniform = ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
+            let wave = f64::sin(2.0 * std::f64::consts::PI * x[d] / lengths[d]);
+            x[d] += spacing * (displaced.smooth * wave + displaced.jitter * (2.0 * uniform - 1.0));
+        }
+    }
+}
+
+/// Settlement of the state a run starts from, counted from the unloaded one, m.
+fn first_settlement(scene: &Scene) -> f64 {
+    match (scene.start, scene.surcharge) {
+        (Start::UndrainedEquilibrium, Some(load)) => {
+            (load.pressure - scene.undrained_pressure()) * scene.height / scene.oedometer_modulus()
+        }
+        _ => 0.0,
     }
 }
 
@@ -62,9 +147,14 @@ fn shape<K: Kinematics<D, S>, L: Law<S>, const D: usize, const S: usize>(
     law: L,
 ) -> Result<Box<dyn Model>, RunError> {
     let seed = Seeded::new(scene, soil_cells, face_area, stress)?;
-    match scene.shape {
-        ShapeChoice::Centre => water::<K, Centre, L, D, S>(scene, seed, law),
-        ShapeChoice::Linear => water::<K, Linear, L, D, S>(scene, seed, law),
+    let per_direction = scene.particles_per_direction();
+    match (scene.integrator, scene.shape) {
+        (Integrator::Explicit, ShapeChoice::Centre) => water::<K, Centre, L, D, S>(scene, seed, law),
+        (Integrator::Explicit, ShapeChoice::Linear) => water::<K, Linear, L, D, S>(scene, seed, law),
+        (_, ShapeChoice::Centre) => seed.wide::<K, _, L>(scene, law, Centre),
+        (_, ShapeChoice::Linear) => seed.wide::<K, _, L>(scene, law, Linear),
+        (_, ShapeChoice::Gimp) => seed.wide::<K, _, L>(scene, law, Gimp::new(per_direction)),
+        (_, ShapeChoice::Bspline2) => seed.wide::<K, _, L>(scene, law, Bspline2),
     }
 }
 
@@ -153,26 +243,52 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         law: L,
         water: W,
     ) -> Box<dyn Model> {
+        let supports = Supports::new(&self.grid, &scene.solid_sides);
+        Box::new(Explicit::<K, Sh, L, W, D, S>::new(self.parts(scene, law, water, supports)))
+    }
+
+    /// The kernels over stencils: their water flows through cell faces, and a dry scene has no pressure to solve for.
+    fn wide<K: Kinematics<D, S>, B: Basis, L: Law<S>>(
+        self,
+        scene: &Scene,
+        law: L,
+        basis: B,
+    ) -> Result<Box<dyn Model>, RunError> {
+        let supports = Supports::along(&Functions::new(basis, &self.grid).along, &scene.solid_sides);
+        let Some(properties) = scene.water else {
+            let parts = self.parts(scene, law, Dry, supports);
+            return Ok(Box::new(ExplicitWide::<K, B, L, Dry, D, S>::new(parts, basis)));
+        };
+        let water = self.saturated::<Face<D>>(scene, properties)?;
+        let parts = self.parts(scene, law, water, supports);
+        Ok(match scene.integrator {
+            Integrator::SemiImplicit => Box::new(SemiImplicit::<K, B, L, D, S>::new(parts, basis)),
+            _ => Box::new(ExplicitWide::<K, B, L, _, D, S>::new(parts, basis)),
+        })
+    }
+
+    fn parts<L, W>(self, scene: &Scene, law: L, water: W, supports: Supports<D>) -> Parts<L, W, D, S> {
         let spacing = self.seed.spacing;
         let first = (scene.cells[1] * scene.particles_per_direction() - 1) * self.seed.per_row;
+        let area = self.particle_volume / spacing;
+        // A part of the top may carry the load: a strip has the share at the middle of its particle.
+        let share = |i: usize| {
+            let x = (i as f64 + 0.5) * spacing;
+            scene.surcharge.and_then(|s| s.strip).map_or(1.0, |strip| strip.share(x))
+        };
         let strip = |i| Strip {
             id: (first + i) as u32,
             offset: 0.5 * spacing,
             volume: self.particle_volume,
-            area: self.particle_volume / spacing,
+            area,
+            loaded: area * share(i),
         };
         let on = scene.surcharge.map_or(LoadOn::Surface, |s| s.on);
         let surface = SurfaceLoad::new((0..self.seed.per_row).map(strip).collect(), scene.height, on);
         let mut gravity = [0.0; D];
         gravity[D - 1] = -scene.gravity.unwrap_or(0.0);
-        let first_settlement = match (scene.start, scene.surcharge) {
-            (Start::UndrainedEquilibrium, Some(load)) => {
-                (load.pressure - scene.undrained_pressure()) * scene.height / scene.oedometer_modulus()
-            }
-            _ => 0.0,
-        };
-        Box::new(Explicit::<K, Sh, L, W, D, S>::new(Parts {
-            supports: Supports::new(&self.grid, &scene.solid_sides),
+        Parts {
+            supports,
             grid: self.grid,
             solid: self.solid,
             water,
@@ -182,8 +298,8 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
             gravity: scene.gravity.map(|_| gravity),
             flip: scene.flip,
             seed: self.seed,
-            first_settlement,
-        }))
+            first_settlement: first_settlement(scene),
+        }
     }
 }
 

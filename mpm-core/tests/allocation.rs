@@ -9,7 +9,7 @@ use std::cell::Cell;
 use common::scene;
 use mpm_core::run::model;
 use mpm_core::scene::Scene;
-use mpm_core::stability::explicit_limit;
+use mpm_core::stability::stable_limit;
 
 /// The system's allocator, counting what each thread asks of it.
 struct Counting;
@@ -51,8 +51,8 @@ static ALLOCATOR: Counting = Counting;
 fn calls(scene: &Scene, time: f64) -> (u64, u64) {
     let mut model = model(scene).expect("a model");
     let stage = &scene.stages[0];
-    model.enter_stage(stage.drained, stage.damping);
-    let dt = 0.9 * explicit_limit(scene);
+    model.enter_stage(stage, &[]).expect("a stage");
+    let dt = 0.9 * stable_limit(scene);
     let mut done = 0;
     model.advance(dt, 1, &mut done).expect("a first step");
     let before = CALLS.get();
@@ -93,6 +93,52 @@ fn a_step_allocates_nothing() {
 }
 
 #[test]
+fn a_step_over_stencils_allocates_nothing() {
+    for dimension in ["column", "plane-strain"] {
+        for shape in ["centre", "linear", "gimp", "bspline2"] {
+            for integrator in ["explicit", "semi-implicit"] {
+                let wet = scene(&[
+                    &format!("dimension = \"{dimension}\""),
+                    &format!("integrator = \"{integrator}\""),
+                    &format!("shape = \"{shape}\""),
+                ]);
+                let time = 1100.0 * 0.9 * stable_limit(&wet);
+                assert_eq!(calls(&wet, time).0, 0, "{dimension} {integrator} {shape}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_quasi_static_step_allocates_nothing() {
+    for dimension in ["column", "plane-strain"] {
+        for shape in ["linear", "bspline2"] {
+            for strain in ["small", "large"] {
+                let scene = scene(&[
+                    &format!("dimension = \"{dimension}\""),
+                    "integrator = \"quasi-static\"",
+                    &format!("shape = \"{shape}\""),
+                    &format!("porosity -> porosity = 0.30\nstrain = \"{strain}\""),
+                    "step = 1e-3",
+                    "cell = 0.05",
+                    "particles_per_cell = 9",
+                    "-safety",
+                    "-flip",
+                    "-darcy_inertia",
+                ]);
+                let mut model = model(&scene).expect("a model");
+                model.enter_stage(&scene.stages[0], &[1.0]).expect("a stage");
+                let mut done = 0;
+                model.advance(0.01, 1, &mut done).expect("first steps");
+                let before = CALLS.get();
+                model.advance(0.1, 1, &mut done).expect("steps");
+                assert_eq!((CALLS.get() - before, done), (0, 110), "{dimension} {shape} {strain}");
+            }
+        }
+    }
+}
+
+#[test]
 fn crossing_cells_allocates_nothing() {
     for dimension in ["column", "plane-strain"] {
         for darcy in ["face", "nodal"] {
@@ -122,7 +168,7 @@ fn bytes_per_point(per_cell: usize, darcy: &str) -> [f64; 2] {
     ]);
     let before = BYTES.get();
     let mut model = model(&scene).expect("a model");
-    model.enter_stage(scene.stages[0].drained, 0.0);
+    model.enter_stage(&scene.stages[0], &[]).expect("a stage");
     model.advance(1e-7, 1, &mut 0).expect("a step");
     let held = BYTES.get().wrapping_sub(before);
     [model.bytes(), held].map(|bytes| bytes as f64 / model.solid_count() as f64)

@@ -12,7 +12,7 @@ use mpm_core::drive::{Run, drive};
 use mpm_core::grid::Grid;
 use mpm_core::nodes::NodeMotion;
 use mpm_core::observe::{Ledger, Observation};
-use mpm_core::scene::{Scene, WaterProperties};
+use mpm_core::scene::{Integrator, LoadedStrip, Scene, WaterProperties};
 use mpm_core::shape::Centre;
 use mpm_core::stability::explicit_limit;
 use mpm_core::step::{Explicit, Model};
@@ -67,6 +67,30 @@ fn a_hydrostatic_column_stays_at_rest() {
             }
         }
     }
+}
+
+/// Whether a column stays at rest over stencils.
+fn rests_over_stencils(dimension: &str, integrator: &str, shape: &str, gravity: &str) -> bool {
+    let mut scene = at_rest(dimension, "face", shape);
+    scene.integrator = if integrator == "explicit" { Integrator::Explicit } else { Integrator::SemiImplicit };
+    if gravity == "none" {
+        scene.gravity = Some(0.0);
+    }
+    let run = completed(&scene);
+    println!("{dimension} {integrator} {shape}: {}", figures(&unrest(&scene, &run)));
+    rests(&scene, &run)
+}
+
+#[test]
+fn a_hydrostatic_column_stays_at_rest_over_stencils() {
+    for dimension in ["column", "plane-strain"] {
+        for (integrator, shape) in
+            [("explicit", "gimp"), ("semi-implicit", "centre"), ("semi-implicit", "linear"), ("semi-implicit", "gimp")]
+        {
+            assert!(rests_over_stencils(dimension, integrator, shape, "9.81"), "{dimension} {integrator} {shape}");
+        }
+    }
+    assert!(!rests_over_stencils("column", "semi-implicit", "centre", "none"));
 }
 
 /// Vertical effective stress and pore pressure of a column at rest under gravity, Pa.
@@ -147,7 +171,7 @@ fn first_flow<O: DarcyOperator<1>>(scene: &Scene) -> f64 {
     let differently = Differently { gravity: Some(GRAVITY), order: Vec::new() };
     let (parts, seen) = saturated::<O, _, 1, 2>(scene, law, hydrostatic, &differently);
     let mut model = Explicit::<Column, Centre, _, _, 1, 2>::new(parts);
-    model.enter_stage(scene.stages[0].drained, 0.0);
+    model.enter_stage(&scene.stages[0], &[]).expect("a stage");
     model.advance(1e-6, 1, &mut 0).expect("one step");
     let seen = seen.lock().expect("one thread");
     seen.water[seen.water.len() / 2].v[0]
@@ -199,6 +223,86 @@ fn undrained_compression_reaches_its_pressure() {
             assert!(first_off.iter().all(|share| *share < 1e-4), "{dimension} {shape}: {}", figures(&first_off));
             assert!(off.iter().all(|share| *share < 1e-6), "{dimension} {shape}: {}", figures(&off));
         }
+    }
+}
+
+/// Largest departure of the pressures of a closed column from their undrained value, compressed semi-implicitly.
+fn compressed(shape: &str, bulk_modulus: &str, expected: f64) -> f64 {
+    let run = completed(&scene(&[
+        "integrator = \"semi-implicit\"",
+        &format!("shape = \"{shape}\""),
+        &format!("bulk_modulus = {bulk_modulus}"),
+        "start = \"unloaded\"",
+        "cell = 0.1",
+        "drained = \"none\"\ndamping = 1000.0",
+        "until.time_factor -> until.time = 10.0",
+        "-time_factors",
+    ]));
+    let last = &run.samples[run.samples.len() - 1];
+    last.state.profile.iter().map(|row| apart(row.pressure_pa, expected)).fold(0.0, f64::max)
+}
+
+#[test]
+fn semi_implicit_compression_reaches_its_pressure() {
+    let undrained = SURCHARGE * PORE_STIFFNESS / (MODULUS + PORE_STIFFNESS);
+    for shape in ["centre", "linear", "gimp", "bspline2"] {
+        let worst = [compressed(shape, "2.2e9", undrained), compressed(shape, "inf", SURCHARGE)];
+        println!("{shape}: {}", figures(&worst));
+        assert!(worst.iter().all(|share| *share < 1e-5), "{shape}: {}", figures(&worst));
+    }
+    assert!(compressed("centre", "2.2e9", SURCHARGE) > 1e-3);
+}
+
+#[test]
+fn water_that_can_neither_yield_nor_flow_is_a_fault() {
+    let mut scene = scene(&[
+        "integrator = \"semi-implicit\"",
+        "start = \"unloaded\"",
+        "drained = \"none\"",
+        "until.time_factor -> until.time = 1.0",
+        "-time_factors",
+        "-[surcharge]",
+        "top = \"roller\"",
+        "cell = 0.1",
+    ]);
+    scene.history = 0;
+    // The reader of scenes would refuse this.
+    scene.water = scene.water.map(|w| WaterProperties { bulk_modulus: f64::INFINITY, ..w });
+    let failure = mpm_core::run::run(&scene, &mut |_| {}).expect("a run").failure.expect("a fault");
+    println!("{failure}");
+    assert!(failure.place.contains("pore pressure") && failure.what.contains("singular"), "{failure}");
+}
+
+/// Settlement (m) under a load on a part of the top.
+fn settled_under(integrator: &str, shape: &str, strip: Option<[f64; 2]>) -> f64 {
+    let mut scene = scene(&[
+        "dimension = \"plane-strain\"",
+        "start = \"unloaded\"",
+        &format!("integrator = \"{integrator}\""),
+        &format!("shape = \"{shape}\""),
+        "pressure = 100.0",
+        "cell = 0.1",
+        "width = 0.4",
+        "until.time_factor = 0.02",
+        "-time_factors",
+    ]);
+    if let Some(surcharge) = &mut scene.surcharge {
+        surcharge.strip = strip.map(|[from, to]| LoadedStrip { from, to, taper: 0.0 });
+    }
+    let run = completed(&scene);
+    run.samples[run.samples.len() - 1].state.settlement
+}
+
+#[test]
+fn loads_on_parts_of_the_top_add_up() {
+    for (integrator, shape) in [("explicit", "centre"), ("explicit", "gimp"), ("semi-implicit", "bspline2")] {
+        let of = |strip| settled_under(integrator, shape, strip);
+        let (whole, all) = (of(None), of(Some([0.0, 0.4])));
+        let parts = of(Some([0.0, 0.1])) + of(Some([0.1, 0.4]));
+        println!("{integrator} {shape}: whole {whole:.4e} m, parts {:.1e} off", apart(whole, parts));
+        // Large strain makes the sum of two solutions differ by their strain, 4e-6.
+        assert!(whole > 0.0 && whole == all && apart(whole, parts) < 1e-4, "{integrator} {shape}");
+        assert!(apart(whole, of(Some([0.1, 0.4]))) > 0.1);
     }
 }
 

@@ -78,6 +78,40 @@ fn one_dimension_equals_plane_strain() {
     }
 }
 
+/// The consolidation column over stencils.
+fn wide(dimension: &str, integrator: &str, shape: &str, per_cell: usize, step: &str) -> Scene {
+    let mut scene = scene(&[
+        &format!("dimension = \"{dimension}\""),
+        &format!("integrator = \"{integrator}\""),
+        &format!("shape = \"{shape}\""),
+        &format!("particles_per_cell = {per_cell}"),
+        &format!("step = {step}"),
+        "-safety",
+        "cell = 0.1",
+        "width = 0.2",
+        "until.time_factor = 0.1",
+        "-time_factors",
+        "history = 20",
+    ]);
+    scene.headroom_cells = 1;
+    scene
+}
+
+#[test]
+fn one_dimension_equals_plane_strain_over_stencils() {
+    let shapes = ["centre", "linear", "gimp", "bspline2"];
+    for (integrator, shapes, step) in [("explicit", &shapes[2..], "4.0e-6"), ("semi-implicit", &shapes[..], "2.0e-4")] {
+        for shape in shapes {
+            for per_cell in [4, 9] {
+                let run = |dimension| completed(&wide(dimension, integrator, shape, per_cell, step));
+                let apart = difference(&run("column"), &run("plane-strain"));
+                println!("{integrator} {shape} {per_cell}: {apart:.1e}");
+                assert!(apart < 1e-11, "{integrator} {shape} {per_cell}: {apart:.1e}");
+            }
+        }
+    }
+}
+
 #[test]
 fn equality_check_can_fail() {
     let run = |dimension, step| completed(&consolidation(dimension, "face", "surface", 4, step));
@@ -234,4 +268,28 @@ fn moving_block_check_can_fail() {
     let (worst, _) = flight::<Centre>(60, 0.205, 1e-6);
     println!("sheared at 1e-6 1/s: {}", figures(&worst));
     assert!(!unharmed(&worst));
+}
+
+#[test]
+fn draining_left_mirrors_draining_right() {
+    let drained = |sides: &str| {
+        let run = completed(&scene(&[
+            "cell = 0.1",
+            "dimension = \"plane-strain\"",
+            "width = 0.4",
+            "until.time_factor = 0.5",
+            "-time_factors",
+            "history = 4",
+            &format!("drained = [{sides}]"),
+        ]));
+        let last = &run.samples[run.samples.len() - 1];
+        (last.stage_time, last.state.settlement, last.ledger.water_out_kg)
+    };
+    let (left, right, both) = (drained("\"left\""), drained("\"right\""), drained("\"left\", \"right\""));
+    println!("{left:?} {right:?} {both:?}");
+    assert_eq!(left.0, right.0);
+    assert!(apart(left.1, right.1) < 1e-9 && apart(left.2, right.2) < 1e-9, "{left:?} {right:?}");
+    // Half the path, a quarter of the time: the same consolidation, but for the mesh.
+    assert!(apart(4.0 * both.0, left.0) < 1e-12, "{both:?} {left:?}");
+    assert!(left.2 > 0.0 && apart(both.2, left.2) < 0.05, "{both:?} {left:?}");
 }

@@ -4,28 +4,16 @@ mod common;
 
 use std::path::Path;
 
+use common::refusal::{Edits, SURCHARGE, TIME_FACTORS, WATER, refusal};
 use common::{edited, terzaghi};
-use mpm_core::error::SceneError;
 use mpm_core::scene::Scene;
 use proptest::prelude::*;
 
-type Edits = &'static [(&'static str, &'static str)];
-
-const WATER: &str = "[water]
-hydraulic_conductivity = 5.0e-4
-bulk_modulus = 2.2e9
-unit_weight = 9810.0
-";
-const SURCHARGE: &str = "[surcharge]
-pressure = 1.0e4
-on = \"surface\"
-";
 const STAGE: &str = "[[stages]]
 name = \"drain\"
 drained = [\"top\"]
 until.time_factor = 1.0
 ";
-const TIME_FACTORS: &str = "time_factors = [0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0]\n";
 const LAW: &str = "[soil.law.linear_elastic]
 youngs_modulus = 2.0e7
 poisson_ratio = 0.30
@@ -259,12 +247,10 @@ const CASES: &[(&str, Edits)] = &[
     ),
 ];
 
-/// The message for a text, whose line must be one of the text.
-fn refusal(case: &str, text: &str) -> SceneError {
-    let Err(error) = Scene::parse(text, "scene.toml") else { panic!("{case}: accepted\n{text}") };
-    let lines = text.lines().count().max(1);
-    assert!((1..=lines).contains(&error.line), "{case}: line {} of {lines}: {error}", error.line);
-    error
+/// A scene file by name.
+fn built_in(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-data/scenes").join(name);
+    std::fs::read_to_string(path.with_extension("toml")).expect("a scene file")
 }
 
 #[test]
@@ -439,10 +425,16 @@ proptest! {
     }
 
     #[test]
-    fn other_numbers_never_panic(which in any::<prop::sample::Index>(), number in number(), plane in any::<bool>()) {
-        let base = terzaghi();
-        let places = numbers(&base);
-        prop_assert!(places.len() > 20);
+    fn other_numbers_never_panic(
+        which in any::<prop::sample::Index>(),
+        number in number(),
+        plane in any::<bool>(),
+        scene in any::<prop::sample::Index>(),
+    ) {
+        let scenes = [terzaghi(), built_in("terzaghi-quasi-static"), built_in("mandel"), built_in("strip"), built_in("terzaghi-large-strain")];
+        let base = &scenes[scene.index(scenes.len())];
+        let places = numbers(base);
+        prop_assert!(places.len() > 15);
         let place = &places[which.index(places.len())];
         let text = format!("{}{number}{}", &base[..place.start], &base[place.end..]);
         survives("number", &if plane { text.replace("\"column\"", "\"plane-strain\"") } else { text });

@@ -86,7 +86,7 @@ pub fn measure() -> Vec<Cost> {
 fn time(name: &str, scene: &Scene) -> Option<Cost> {
     let dt = choose_step(scene).ok()?;
     let mut model = model(scene).ok()?;
-    model.enter_stage(scene.stages[0].drained, 0.0);
+    model.enter_stage(&scene.stages[0], &[]).ok()?;
     let points = model.solid_count();
     let steps = (WORK / points).max(4) as u64;
     let mut done = 0;

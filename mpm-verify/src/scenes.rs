@@ -4,14 +4,19 @@ use mpm_core::error::SceneError;
 use mpm_core::scene::Scene;
 
 /// Names and texts of the scenes in `reference-data/scenes`.
-pub const BUILT_IN: [(&str, &str); 9] = [
+pub const BUILT_IN: [(&str, &str); 14] = [
     ("dry-bar", include_str!("../../reference-data/scenes/dry-bar.toml")),
     ("dynamic-column", include_str!("../../reference-data/scenes/dynamic-column.toml")),
     ("hydrostatic", include_str!("../../reference-data/scenes/hydrostatic.toml")),
+    ("mandel", include_str!("../../reference-data/scenes/mandel.toml")),
+    ("strip", include_str!("../../reference-data/scenes/strip.toml")),
     ("terzaghi", include_str!("../../reference-data/scenes/terzaghi.toml")),
     ("terzaghi-double", include_str!("../../reference-data/scenes/terzaghi-double.toml")),
+    ("terzaghi-large-strain", include_str!("../../reference-data/scenes/terzaghi-large-strain.toml")),
     ("terzaghi-paper", include_str!("../../reference-data/scenes/terzaghi-paper.toml")),
+    ("terzaghi-quasi-static", include_str!("../../reference-data/scenes/terzaghi-quasi-static.toml")),
     ("terzaghi-ramp", include_str!("../../reference-data/scenes/terzaghi-ramp.toml")),
+    ("terzaghi-semi-implicit", include_str!("../../reference-data/scenes/terzaghi-semi-implicit.toml")),
     ("undrained", include_str!("../../reference-data/scenes/undrained.toml")),
     ("undrained-wave", include_str!("../../reference-data/scenes/undrained-wave.toml")),
 ];

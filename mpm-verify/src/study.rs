@@ -7,7 +7,7 @@ use mpm_core::drive::{Run, Sample};
 use mpm_core::observe::{Ledger, ProfileRow};
 use mpm_core::run::{StartError, run};
 use mpm_core::scene::{Dimension, LoadOn, Scene, ShapeChoice, StepChoice};
-use mpm_core::stability::{choose_step, explicit_limit};
+use mpm_core::stability::{choose_step, stable_limit};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -348,7 +348,7 @@ impl Case {
 /// Compares a finished run with the exact solutions of its scene.
 fn compare(case: &Case, run: &Run, cpu_s: f64) -> Result<CaseResult, String> {
     let scene = &case.scene;
-    let missing = || format!("{}: the study needs water and a surcharge", case.name);
+    let missing = || format!("{}: the study needs water, a surcharge on the whole top, tight roller sides", case.name);
     let terzaghi = Terzaghi::incompressible(scene).ok_or_else(missing)?;
     let compressible = Terzaghi::compressible(scene).ok_or_else(missing)?;
     let dynamic = DynamicColumn::new(scene);
@@ -404,8 +404,8 @@ fn compare(case: &Case, run: &Run, cpu_s: f64) -> Result<CaseResult, String> {
         cell_crossings: end.map_or(0, |s| s.state.solid_crossings + s.state.water_crossings),
         cpu_s,
         ns_per_point_step: cpu_s * 1e9 / (run.steps.max(1) as f64 * run.solid_particles as f64),
-        limit_s: explicit_limit(scene),
-        forced: scene.force && run.dt > explicit_limit(scene),
+        limit_s: stable_limit(scene),
+        forced: scene.force && run.dt > stable_limit(scene),
         bytes_per_point: run.bytes / run.solid_particles,
         dimension: word(scene.dimension),
         scene_hash: scene_hash(scene),

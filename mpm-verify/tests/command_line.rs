@@ -52,7 +52,11 @@ fn bad_input_ends_with_two_before_the_first_step() {
         vec!["study", "--mesh", "0.3"],
         vec!["study", "--ppc", "5"],
         vec!["study", "--dt", "fast"],
+        vec!["study", "--tolerance", "1"],
+        vec!["study", "--integrator", "implicit"],
+        vec!["study", "--scheme", "cubic"],
         vec!["study", "--mesh", "0.1", "--dt", "1e-3"],
+        vec!["solve", "scene.toml", "--tolerance", "small"],
         vec!["report", "nowhere"],
         vec!["--nonsense"],
     ] {
@@ -60,6 +64,46 @@ fn bad_input_ends_with_two_before_the_first_step() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", stderr(&output));
         assert!(!stderr(&output).is_empty() && !stderr(&output).contains("panicked"), "{arguments:?}");
     }
+}
+
+#[test]
+fn flags_of_solve_change_the_scene_and_are_checked_with_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = changed(folder.path(), "cell = 0.02", "cell = 0.1");
+    let summary = |flags: &[&str]| {
+        let output = verify(folder.path(), &[&["solve", &scene, "--out", "out", "--json"], flags].concat());
+        assert!(output.status.success(), "{flags:?}: {}", stderr(&output));
+        serde_json::from_slice::<serde_json::Value>(&output.stdout).expect("JSON on standard output")
+    };
+    let [plain, same] = [&[][..], &["--integrator", "explicit", "--scheme", "centre"]].map(summary);
+    let linear = summary(&["--scheme", "linear"]);
+    assert_eq!((&plain["scene"], &plain["settlement_final_m"]), (&same["scene"], &same["settlement_final_m"]));
+    assert_eq!(linear["scene"]["shape"], "linear");
+    assert_ne!(linear["settlement_final_m"], plain["settlement_final_m"]);
+    assert_eq!((&plain["integrator"], plain["limit_s"].is_f64()), (&"explicit".into(), true));
+    for count in ["accepted_steps", "rejected_steps", "factorisations", "solves"] {
+        assert!(plain[count].is_u64(), "{count}: {}", plain[count]);
+    }
+    let integrators = "expected one of \"explicit\", \"semi-implicit\", \"quasi-static\", found \"implicit\"";
+    let beside = "expected integrator = \"quasi-static\" beside it, found";
+    for (flags, message) in [
+        (vec!["--integrator", "implicit"], format!("--integrator: {integrators}")),
+        (vec!["--scheme", "cubic"], "--scheme: expected one of \"centre\"".to_owned()),
+        (vec!["--tolerance", "1e-4"], format!("--tolerance: {beside} \"explicit\"")),
+        (
+            vec!["--integrator", "semi-implicit", "--tolerance", "1e-4"],
+            format!("--tolerance: {beside} \"semi-implicit\""),
+        ),
+    ] {
+        let output = verify(folder.path(), &[&["solve", &scene][..], &flags].concat());
+        assert_eq!(output.status.code(), Some(2), "{flags:?}: {}", stderr(&output));
+        assert!(stderr(&output).starts_with(&message), "{flags:?}: {}", stderr(&output));
+    }
+    // Keys of the file that the flag makes senseless are left out, and named.
+    let output = verify(folder.path(), &["solve", &scene, "--integrator", "quasi-static", "--out", "out"]);
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let names = "left out scheme.flip, scheme.darcy_inertia, time.safety";
+    assert!(output.status.success() && said.contains(names), "{said} {}", stderr(&output));
 }
 
 #[test]

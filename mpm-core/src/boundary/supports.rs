@@ -13,13 +13,17 @@ pub struct Supports<const D: usize> {
 impl<const D: usize> Supports<D> {
     /// The nodes on the sides of a mesh; sides in the order left, right, bottom, top.
     pub fn new(grid: &Grid<D>, sides: &[SolidSide; 4]) -> Self {
+        Self::along(&grid.cells.map(|cells| cells + 1), sides)
+    }
+
+    /// The first and last of `along` coefficients in each direction, which are the values on the sides.
+    pub fn along(along: &[usize; D], sides: &[SolidSide; 4]) -> Self {
         let mut held: [Vec<u32>; D] = std::array::from_fn(|_| Vec::new());
-        let across = if D == 2 { grid.cells[0] + 1 } else { 1 };
-        for node in 0..grid.node_count() {
-            let position = if D == 2 { vec![node % across, node / across] } else { vec![node] };
+        for node in 0..along.iter().product() {
+            let position = if D == 2 { vec![node % along[0], node / along[0]] } else { vec![node] };
             for axis in 0..D {
                 for upper in [false, true] {
-                    let edge = if upper { grid.cells[axis] } else { 0 };
+                    let edge = if upper { along[axis] - 1 } else { 0 };
                     let side = sides[2 * (axis + 2 - D) + usize::from(upper)];
                     if position[axis] != edge || side == SolidSide::Free {
                         continue;
@@ -34,6 +38,15 @@ impl<const D: usize> Supports<D> {
             }
         }
         Self { held }
+    }
+
+    /// Takes the held components out of the inverse masses of the nodes (1/kg): no force moves them.
+    pub fn hold(&self, inverse: &mut [[f64; D]]) {
+        for d in 0..D {
+            for &node in &self.held[d] {
+                inverse[node as usize][d] = 0.0;
+            }
+        }
     }
 
     /// Stops the held components. Returns the impulse of the supports on the soil in this step, N s.

@@ -20,6 +20,8 @@ pub struct Strip {
     pub volume: f64,
     /// Area of the strip, m2.
     pub area: f64,
+    /// The part of it that carries the load, m2.
+    pub loaded: f64,
 }
 
 /// The top surface and the load on it.
@@ -52,11 +54,11 @@ impl<const D: usize> SurfaceLoad<D> {
         }
     }
 
-    /// Where the load of a strip acts: cell, cell coordinates of the point.
+    /// Where the load of a strip acts: place of the cell, cell coordinates of the point.
     ///
     /// The cell is that of the particle, so that no force lands on nodes without mass.
     #[inline(always)]
-    fn place<const S: usize>(&self, strip: usize, grid: &Grid<D>, point: &SolidPoint<D, S>) -> ([usize; 4], [f64; D]) {
+    fn place<const S: usize>(&self, strip: usize, grid: &Grid<D>, point: &SolidPoint<D, S>) -> ([usize; D], [f64; D]) {
         let mut position = [0; D];
         let mut xi = [0.0; D];
         for d in 0..D {
@@ -68,7 +70,20 @@ impl<const D: usize> SurfaceLoad<D> {
             let s = &self.strips[strip];
             xi[D - 1] += s.offset * (point.volume / s.volume) * grid.inverse_size;
         }
-        (grid.corners(&position), xi)
+        (position, xi)
+    }
+
+    /// Where the loads act: place of the cell, cell coordinates, loaded area (m2).
+    #[inline(always)]
+    pub fn places<const S: usize>(
+        &self,
+        grid: &Grid<D>,
+        solid: &Layer<SolidPoint<D, S>, D>,
+    ) -> impl Iterator<Item = ([usize; D], [f64; D], f64)> {
+        (0..self.strips.len()).map(|strip| {
+            let (position, xi) = self.place(strip, grid, &solid.points[self.index[strip] as usize]);
+            (position, xi, self.strips[strip].loaded)
+        })
     }
 
     /// Adds a pressure (Pa, downwards) to the nodal forces.
@@ -81,8 +96,9 @@ impl<const D: usize> SurfaceLoad<D> {
         nodes: &mut [NodeSums<D>],
     ) {
         for strip in 0..self.strips.len() {
-            let (corners, xi) = self.place(strip, grid, &solid.points[self.index[strip] as usize]);
-            let force = -pressure * self.strips[strip].area;
+            let (position, xi) = self.place(strip, grid, &solid.points[self.index[strip] as usize]);
+            let corners = grid.corners(&position);
+            let force = -pressure * self.strips[strip].loaded;
             let share = shares(force, &xi);
             for a in 0..Grid::<D>::CORNERS {
                 nodes[corners[a]].force[D - 1] += share[a];
@@ -102,21 +118,22 @@ impl<const D: usize> SurfaceLoad<D> {
     ) -> f64 {
         let mut power = 0.0;
         for strip in 0..self.strips.len() {
-            let (corners, xi) = self.place(strip, grid, &solid.points[self.index[strip] as usize]);
+            let (position, xi) = self.place(strip, grid, &solid.points[self.index[strip] as usize]);
+            let corners = grid.corners(&position);
             let mut nodal = [[0.0]; 4];
             for a in 0..Grid::<D>::CORNERS {
                 let m = &motion[corners[a]];
                 nodal[a][0] = m.velocity[D - 1] - 0.5 * dt * m.acceleration[D - 1];
             }
             let velocity = value::<D, 1>(&coefficients::<D, 1>(&nodal), &basis(&xi))[0];
-            power -= pressure * self.strips[strip].area * velocity;
+            power -= pressure * self.strips[strip].loaded * velocity;
         }
         power
     }
 
-    /// Total area, m2.
-    pub fn area(&self) -> f64 {
-        self.strips.iter().map(|s| s.area).sum()
+    /// Area that carries the load, m2.
+    pub fn loaded_area(&self) -> f64 {
+        self.strips.iter().map(|s| s.loaded).sum()
     }
 
     /// How far the surface has come down since t = 0, m.
@@ -127,6 +144,6 @@ impl<const D: usize> SurfaceLoad<D> {
             let surface = point.x[D - 1] + strip.offset * point.volume / strip.volume;
             sum += (self.height - surface) * strip.area;
         }
-        sum / self.area()
+        sum / self.strips.iter().map(|s| s.area).sum::<f64>()
     }
 }

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::CellValues;
 use crate::nodes::{NodeMotion, NodeSums};
+use crate::water::FlowRates;
 
 /// Sums kept during the steps of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -144,6 +145,14 @@ impl<const D: usize> Totals<D> {
                 self.gravity_work += impulse * (motion.velocity[d] - 0.5 * dt * motion.acceleration[d]);
             }
         }
+    }
+
+    /// Books the flow of a step.
+    pub fn flow(&mut self, rates: &FlowRates, dt: f64) {
+        self.darcy_dissipation += dt * rates.dissipation;
+        self.flow_body_work += dt * rates.body_work;
+        self.water_out += dt * rates.outflow;
+        self.water_in += dt * rates.inflow;
     }
 
     /// The balances now. `density` is that of the water, kg/m3; `removed` the mass of its lost particles, kg.

@@ -60,6 +60,19 @@ pub struct Observation {
     pub water_crossings: u64,
     /// Values per row of cells, from the base up.
     pub profile: Vec<ProfileRow>,
+    /// Pore pressure at the middle of every cell of a quasi-static scene in plane strain; else empty.
+    pub field: Vec<FieldPoint>,
+}
+
+/// The pore pressure at a place.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FieldPoint {
+    /// Place at t = 0, m.
+    pub x_m: f64,
+    /// Height at t = 0, m.
+    pub y_m: f64,
+    /// Pore pressure, Pa.
+    pub pressure_pa: f64,
 }
 
 /// One cell of soil.
@@ -164,11 +177,12 @@ pub fn observe<const D: usize, const S: usize>(
         solid_crossings: solid.crossings,
         water_crossings: water.map_or(0, |w| w.crossings),
         profile,
+        field: Vec::new(),
     }
 }
 
 /// Averages over rows of cells, weighted by volume.
-fn profile<const D: usize>(cells: &[CellValues<D>]) -> Vec<ProfileRow> {
+pub(crate) fn profile<const D: usize>(cells: &[CellValues<D>]) -> Vec<ProfileRow> {
     let mut rows = Vec::new();
     for row in cells.chunk_by(|a, b| a.row == b.row) {
         let volume: f64 = row.iter().map(|c| c.volume).sum();
@@ -186,7 +200,7 @@ fn profile<const D: usize>(cells: &[CellValues<D>]) -> Vec<ProfileRow> {
 /// Share of the pore pressure that alternates from cell to cell, along rows of equal length.
 ///
 /// For every 2 x 2 block of cells in a plane: |p_00 - p_10 - p_01 + p_11| / 4, averaged and divided by mean |p|.
-fn checkerboard<const D: usize>(cells: &[CellValues<D>]) -> f64 {
+pub(crate) fn checkerboard<const D: usize>(cells: &[CellValues<D>]) -> f64 {
     let mean: f64 = cells.iter().map(|c| c.pressure.abs()).sum::<f64>() / cells.len() as f64;
     if D == 1 || mean == 0.0 {
         return 0.0;

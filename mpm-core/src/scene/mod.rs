@@ -2,12 +2,15 @@
 //! what was understood and found possible. Every default, unit and bound of the program is in this room.
 
 mod check;
+mod flags;
 mod raw;
 
 use std::fmt;
 use std::path::Path;
 
 use serde::Serialize;
+
+pub use flags::Flags;
 
 use crate::error::{LoadError, SceneError};
 
@@ -33,14 +36,98 @@ pub enum Start {
     Geostatic,
 }
 
-/// Where shape functions are evaluated for stress, pore pressure and strain.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+/// How time is integrated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Integrator {
+    /// The paper's Figure 1: everything from the state at the start of the step.
+    Explicit,
+    /// Explicit skeleton, implicit pore pressure.
+    SemiImplicit,
+    /// Implicit displacement and pressure, no inertia; the step follows from a tolerance.
+    QuasiStatic,
+}
+
+/// Shape functions, and where they are evaluated for stress, pore pressure and strain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ShapeChoice {
-    /// At the centre of the cell: the paper's stabilisation, section 2.2.
+    /// Linear, gradients at the centre of the cell: the paper's stabilisation, section 2.2.
     Centre,
-    /// At the particle: the standard linear MPM.
+    /// Linear, gradients at the particle: the standard linear MPM.
     Linear,
+    /// uGIMP: linear functions averaged over the first size of the particle.
+    Gimp,
+    /// Quadratic B-splines on knots that are open at the boundary.
+    Bspline2,
+}
+
+/// Whether the geometry follows the deformation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StrainChoice {
+    /// Particles move, logarithmic strain, porosity and cell volumes follow.
+    Large,
+    /// Everything on the first geometry; with an elastic law the scene is linear.
+    Small,
+}
+
+/// How quasi-static time steps are made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TimeMethod {
+    /// [`TimeMethod::Krylov`] where the scene is linear, else [`TimeMethod::Sdirk`].
+    Auto,
+    /// Shift-invert rational Krylov: one factorisation for all times of a stage. Linear scenes only.
+    Krylov,
+    /// SDIRK4(3) with an embedded error estimate.
+    Sdirk,
+}
+
+/// Volumes that particles stand for in the integrals of `bspline2`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quadrature {
+    /// Weights near the volumes that integrate continuous piecewise quadratics exactly.
+    Fitted,
+    /// The particles' own volumes.
+    Volumes,
+}
+
+/// Particles moved from their even places at t = 0, in spacings.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Displaced {
+    /// Amplitude of a smooth wave, sin(2 pi x/length) along each axis.
+    pub smooth: f64,
+    /// Half width of a uniform random displacement along each axis.
+    pub jitter: f64,
+    /// Seed of the random numbers.
+    pub seed: u64,
+}
+
+/// A part of the top that carries the surcharge.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LoadedStrip {
+    /// First x under the full load, m.
+    pub from: f64,
+    /// Last x under the full load, m.
+    pub to: f64,
+    /// Width over which the load falls to zero outside, as cos^2, m.
+    pub taper: f64,
+}
+
+impl LoadedStrip {
+    /// Share of the load at a place x (m).
+    pub fn share(&self, x: f64) -> f64 {
+        let outside = (self.from - x).max(x - self.to);
+        if outside <= 0.0 {
+            1.0
+        } else if outside < self.taper {
+            (std::f64::consts::FRAC_PI_2 * outside / self.taper).cos().powi(2)
+        } else {
+            0.0
+        }
+    }
 }
 
 /// How the Darcy flow between cells is computed.
@@ -61,6 +148,8 @@ pub enum LoadOn {
     Surface,
     /// The top row of particles itself (the paper).
     Particles,
+    /// A rigid plate without friction on the surface: the whole top settles alike.
+    Plate,
 }
 
 /// How the velocity of the solid is held on one side of the domain.
@@ -129,7 +218,7 @@ impl Elastic {
 pub struct WaterProperties {
     /// Hydraulic conductivity k, m/s.
     pub hydraulic_conductivity: f64,
-    /// Bulk modulus K_w, Pa.
+    /// Bulk modulus K_w, Pa; infinite for incompressible water (implicit integrators only).
     pub bulk_modulus: f64,
     /// Unit weight gamma_w, N/m3.
     pub unit_weight: f64,
@@ -199,6 +288,16 @@ pub struct Surcharge {
     pub on: LoadOn,
     /// Time over which it grows linearly from zero, s. Zero for a step load.
     pub ramp_time: f64,
+    /// The part of the top that carries it; `None` for all of it.
+    pub strip: Option<LoadedStrip>,
+}
+
+impl Surcharge {
+    /// The load at a time (s), Pa.
+    #[inline(always)]
+    pub fn at(&self, time: f64) -> f64 {
+        if time < self.ramp_time { self.pressure * time / self.ramp_time } else { self.pressure }
+    }
 }
 
 /// A scene that was checked: every number is finite, in range and consistent with the others.
@@ -224,6 +323,12 @@ pub struct Scene {
     pub headroom_cells: usize,
     /// Particles per cell and layer in plane strain: 1, 4, 9, ...; the column uses the square root.
     pub particles_per_cell: usize,
+    /// The mesh starts this share of a cell below and left of the soil, 0 <= s < 1.
+    pub shift: f64,
+    /// Particles that do not stand evenly.
+    pub displaced: Option<Displaced>,
+    /// Whether the geometry follows the deformation.
+    pub strain: StrainChoice,
     /// Constitutive law of the skeleton.
     pub elastic: Elastic,
     /// Density of the grains, kg/m3.
@@ -236,6 +341,16 @@ pub struct Scene {
     pub solid_sides: [SolidSide; 4],
     /// Load on the top.
     pub surcharge: Option<Surcharge>,
+    /// How time is integrated.
+    pub integrator: Integrator,
+    /// How quasi-static time steps are made.
+    pub method: TimeMethod,
+    /// Largest error in time of settlement and pressure, relative; quasi-static only.
+    pub tolerance: f64,
+    /// Volumes that particles stand for in the integrals of `bspline2`.
+    pub quadrature: Quadrature,
+    /// gamma of the jump penalty on dp/dt, `bspline2` with `quasi-static` only.
+    pub jump_penalty: f64,
     /// Where shape functions are evaluated.
     pub shape: ShapeChoice,
     /// Darcy operator.
@@ -258,6 +373,8 @@ pub struct Scene {
     pub history: usize,
     /// Keep profiles over the height at the observed times.
     pub profiles: bool,
+    /// Keys of the file that the integrator of the command line has no use for.
+    pub left_out: Vec<String>,
 }
 
 impl Scene {
@@ -266,9 +383,17 @@ impl Scene {
     /// # Errors
     /// [`LoadError`] with file, line, what was expected and what was found.
     pub fn load(path: &Path) -> Result<Self, LoadError> {
+        Self::load_with(path, &Flags::default())
+    }
+
+    /// Reads and checks a scene file with some of its keys replaced, as if they stood in the file.
+    ///
+    /// # Errors
+    /// As [`Scene::load`]; a refused flag is named in place of file, line and key.
+    pub fn load_with(path: &Path, flags: &Flags) -> Result<Self, LoadError> {
         let text = std::fs::read_to_string(path)
             .map_err(|source| LoadError::Unreadable { path: path.to_path_buf(), source })?;
-        Ok(Self::parse(&text, &path.display().to_string())?)
+        Ok(Self::parse_with(&text, &path.display().to_string(), flags)?)
     }
 
     /// Checks the text of a scene file; `file` is only used in messages.
@@ -276,7 +401,15 @@ impl Scene {
     /// # Errors
     /// The first thing that is wrong, with its line.
     pub fn parse(text: &str, file: &str) -> Result<Self, SceneError> {
-        check::check(text, file)
+        Self::parse_with(text, file, &Flags::default())
+    }
+
+    /// Checks the text of a scene file with some of its keys replaced.
+    ///
+    /// # Errors
+    /// As [`Scene::parse`]; a refused flag is named in place of file, line and key.
+    pub fn parse_with(text: &str, file: &str, flags: &Flags) -> Result<Self, SceneError> {
+        check::check(text, file, flags)
     }
 
     /// Density of the dry skeleton, (1 - n) rho_s, kg/m3.
@@ -302,7 +435,8 @@ impl Scene {
     /// Undrained pore pressure under the surcharge, p_0 = q Q/(M + Q), Pa.
     pub fn undrained_pressure(&self) -> f64 {
         let (m, q) = (self.oedometer_modulus(), self.pore_stiffness());
-        self.surcharge.map_or(0.0, |s| s.pressure * q / (m + q))
+        let share = if q.is_finite() { q / (m + q) } else { 1.0 };
+        self.surcharge.map_or(0.0, |s| s.pressure * share)
     }
 
     /// Undrained pore pressure averaged over the column, Pa.
@@ -317,10 +451,25 @@ impl Scene {
         self.undrained_pressure() * (1.0 - missed / self.height)
     }
 
-    /// Drainage path H_d of the last stage, m: the height, or half of it with both ends drained.
+    /// Drainage path H_d of the last stage, m: the height, or half of it with both ends drained; the width or half of
+    /// it if left and right drain; the shorter one if both directions do.
     pub fn drainage_path(&self) -> f64 {
         let drained = self.stages[self.stages.len() - 1].drained;
-        if drained[Side::Bottom as usize] && drained[Side::Top as usize] { 0.5 * self.height } else { self.height }
+        let along = |length: f64, ends: [Side; 2]| match ends.map(|side| drained[side as usize]) {
+            [true, true] => 0.5 * length,
+            [false, false] => f64::INFINITY,
+            _ => length,
+        };
+        let path = along(self.height, [Side::Bottom, Side::Top]).min(along(self.width, [Side::Left, Side::Right]));
+        if path.is_finite() { path } else { self.height }
+    }
+
+    /// Whether soil and water move vertically only: nothing free sideways, one load all over, no drained side wall.
+    pub fn is_one_dimensional(&self) -> bool {
+        let walls = [Side::Left as usize, Side::Right as usize];
+        let smooth = walls.iter().all(|i| self.solid_sides[*i] == SolidSide::Roller);
+        let tight = !self.stages.iter().any(|stage| walls.iter().any(|i| stage.drained[*i]));
+        smooth && tight && self.surcharge.is_none_or(|s| s.strip.is_none())
     }
 
     /// Seconds per unit of the time factor Tv = c_v t / H_d^2 with c_v = k M / gamma_w (incompressible water).

@@ -46,6 +46,16 @@ pub(super) struct RawMesh {
     pub cell: Number,
     pub particles_per_cell: Spanned<i64>,
     pub headroom_cells: Option<Spanned<i64>>,
+    pub shift: Option<Number>,
+    pub displaced: Option<Spanned<RawDisplaced>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawDisplaced {
+    pub smooth: Option<Number>,
+    pub jitter: Option<Number>,
+    pub seed: Option<Spanned<i64>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -55,6 +65,7 @@ pub(super) struct RawSoil {
     pub grain_density: Option<Number>,
     pub bulk_density: Option<Number>,
     pub porosity: Number,
+    pub strain: Option<Word>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -96,23 +107,36 @@ pub(super) struct RawSurcharge {
     pub pressure: Number,
     pub on: Option<Word>,
     pub ramp_time: Option<Number>,
+    pub strip: Option<Spanned<RawStrip>>,
 }
 
 #[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawStrip {
+    pub from: Number,
+    pub to: Number,
+    pub taper: Option<Number>,
+}
+
+#[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawScheme {
     pub shape: Option<Word>,
     pub darcy: Option<Word>,
     pub darcy_inertia: Option<Spanned<bool>>,
     pub flip: Option<Number>,
+    pub quadrature: Option<Word>,
+    pub jump_penalty: Option<Number>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawTime {
     pub integrator: Option<Word>,
     pub step: Option<Spanned<Value>>,
     pub safety: Option<Number>,
+    pub method: Option<Word>,
+    pub tolerance: Option<Number>,
 }
 
 #[derive(Debug, Deserialize)]

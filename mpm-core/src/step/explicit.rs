@@ -1,44 +1,15 @@
 //! The paper's explicit step (Figure 1): particles to mesh, equation of motion, Darcy flow, mesh to particles.
 
-use super::{Fault, Model};
-use crate::boundary::{Supports, SurfaceLoad};
+use super::{Fault, Model, Parts};
 use crate::constitutive::Law;
 use crate::dimension::{Kinematics, basis, coefficients, gradient, shares, to_corners, trace, value};
 use crate::grid::Grid;
 use crate::nodes::{NodeMotion, NodeSums};
-use crate::observe::{CellValues, Ledger, Observation, Seed, Totals, observe};
-use crate::particles::{Layer, SolidPoint};
-use crate::scene::Surcharge;
+use crate::observe::{Ledger, Observation, Totals};
+use crate::scene::Stage;
 use crate::shape::Shape;
 use crate::water::{Place, SoilCell, StressSums, Water};
 use std::marker::PhantomData;
-
-/// What a run is made of.
-#[derive(Debug)]
-pub struct Parts<L, W, const D: usize, const S: usize> {
-    /// The mesh.
-    pub grid: Grid<D>,
-    /// Solid layer.
-    pub solid: Layer<SolidPoint<D, S>, D>,
-    /// Water layer, or [`crate::water::Dry`].
-    pub water: W,
-    /// Constitutive law of the skeleton.
-    pub law: L,
-    /// Held sides.
-    pub supports: Supports<D>,
-    /// Top surface.
-    pub surface: SurfaceLoad<D>,
-    /// Load on it.
-    pub surcharge: Option<Surcharge>,
-    /// Gravity, m/s2, as a vector; `None` leaves the term out.
-    pub gravity: Option<[f64; D]>,
-    /// FLIP share of the velocity update.
-    pub flip: f64,
-    /// Where the particles were at t = 0.
-    pub seed: Seed,
-    /// Settlement at t = 0, m: that of the state the run starts from, counted from the unloaded one.
-    pub first_settlement: f64,
-}
 
 /// The explicit integrator. K: dimension, Sh: shape, L: law, W: water.
 #[derive(Debug)]
@@ -72,7 +43,7 @@ where
             totals: Totals::default(),
             choices: PhantomData,
         };
-        run.totals.start(&run.cell_values());
+        run.totals.start(&run.parts.cell_values::<K>());
         run
     }
 
@@ -157,9 +128,7 @@ where
 
     /// The surcharge at this time, Pa.
     fn pressure(&self) -> f64 {
-        self.parts
-            .surcharge
-            .map_or(0.0, |s| if self.time < s.ramp_time { s.pressure * self.time / s.ramp_time } else { s.pressure })
+        self.parts.surcharge.map_or(0.0, |s| s.at(self.time))
     }
 
     /// Surcharge and gravity, where the scene has them.
@@ -203,7 +172,7 @@ where
         if self.parts.surcharge.is_some() {
             let Parts { surface, grid, solid, .. } = &self.parts;
             self.totals.external_work += dt * surface.power(pressure, grid, solid, &self.motion, dt);
-            self.totals.load_impulse -= dt * pressure * surface.area();
+            self.totals.load_impulse -= dt * pressure * surface.loaded_area();
         }
         if let Some(gravity) = self.parts.gravity {
             self.totals.weigh(&self.nodes, &self.motion, &gravity, dt);
@@ -279,32 +248,6 @@ where
         }
         !inside
     }
-
-    /// Every cell with soil: its place, soil and water.
-    fn cell_values(&self) -> Vec<CellValues<D>> {
-        let Parts { grid, solid, water, law, .. } = &self.parts;
-        let mut cells = Vec::new();
-        for (cell, position) in grid.walk() {
-            let range = solid.range(cell);
-            if range.is_empty() {
-                continue;
-            }
-            let mut values = CellValues::default();
-            let corners = grid.corners(&position);
-            for index in range {
-                let point = &solid.points[index];
-                values.add_solid(point, self.parts.seed.height_of(solid.ids[index]), law.energy(&point.stress));
-            }
-            let place = Place { cell, position, corners };
-            let soil = SoilCell { place, mass: values.solid_mass, volume: values.volume };
-            (values.pressure, values.water_energy) = water.cell_state(&soil);
-            values.water_mass = water.cell_mass(&soil);
-            values.row = position[D - 1];
-            values.finish();
-            cells.push(values);
-        }
-        cells
-    }
 }
 
 impl<K, Sh, L, W, const D: usize, const S: usize> Model for Explicit<K, Sh, L, W, D, S>
@@ -322,39 +265,26 @@ where
         Ok(())
     }
 
-    fn enter_stage(&mut self, drained: [bool; 4], damping: f64) {
-        self.damping = damping;
-        self.parts.water.set_drained(&self.parts.grid, &self.parts.solid, drained);
+    fn enter_stage(&mut self, stage: &Stage, _: &[f64]) -> Result<(), Fault> {
+        self.damping = stage.damping;
+        self.parts.water.set_drained(&self.parts.grid, &self.parts.solid, stage.drained);
+        Ok(())
+    }
+
+    fn time(&self) -> f64 {
+        self.time
     }
 
     fn observe(&self) -> Observation {
-        let Parts { solid, water, surface, first_settlement, .. } = &self.parts;
-        let settlement = first_settlement + surface.settlement(solid);
-        observe(solid, water.layer(), &self.cell_values(), settlement, self.time)
+        self.parts.observe::<K>(self.time)
     }
 
     fn ledger(&self) -> Ledger {
-        let water = &self.parts.water;
-        self.totals.ledger(&self.cell_values(), water.density(), water.removed_mass())
+        self.parts.ledger::<K>(&self.totals)
     }
 
     fn pore_pressure(&self) -> [f64; 3] {
-        let Parts { grid, solid, water, .. } = &self.parts;
-        let (mut sum, mut volume, mut low, mut high) = (0.0, 0.0, f64::INFINITY, f64::NEG_INFINITY);
-        for (cell, position) in grid.walk() {
-            let range = solid.range(cell);
-            if range.is_empty() {
-                continue;
-            }
-            let (v, mass) = solid.points[range].iter().fold((0.0, 0.0), |(v, m), p| (v + p.volume, m + p.mass));
-            let soil = SoilCell { place: Place { cell, position, corners: [0; 4] }, mass, volume: v };
-            let (pressure, _) = water.cell_state(&soil);
-            sum += pressure * v;
-            volume += v;
-            low = low.min(pressure);
-            high = high.max(pressure);
-        }
-        [sum / volume, low, high]
+        self.parts.pore_pressure::<K>()
     }
 
     fn bytes(&self) -> usize {

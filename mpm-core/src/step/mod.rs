@@ -1,10 +1,22 @@
 //! One time step. An integrator reads as its algorithm; the choices it is made of are types, fixed for a run.
 
 mod explicit;
+mod explicit_wide;
+mod parts;
+mod pressure;
+pub mod quasi_static;
+mod semi_implicit;
+mod skeleton;
 
-pub use explicit::{Explicit, Parts};
+pub use explicit::Explicit;
+pub use explicit_wide::ExplicitWide;
+pub use parts::Parts;
+pub use semi_implicit::SemiImplicit;
+
+use serde::Serialize;
 
 use crate::observe::{Ledger, Observation};
+use crate::scene::Stage;
 
 /// Something went wrong inside a step.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,15 +27,38 @@ pub struct Fault {
     pub what: String,
 }
 
+/// What the integrators that solve systems have done so far.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct Work {
+    /// Steps that were kept. The Krylov method has none: it counts its basis vectors.
+    pub accepted: u64,
+    /// Steps that were repeated with a smaller length.
+    pub rejected: u64,
+    /// Numeric factorisations of a sparse matrix.
+    pub factorisations: u64,
+    /// Solves with a factorised matrix.
+    pub solves: u64,
+}
+
 /// A model that can be advanced and looked at, whatever its dimension, shape, water and law.
 pub trait Model: Send {
-    /// Advances by `steps` steps of `dt` (s).
+    /// Advances by `steps` steps of `dt` (s). A model with steps of its own choice is asked for one step to the next
+    /// time of its stage and counts its own steps in `done`.
     ///
     /// # Errors
     /// Where and what went wrong; `done` counts the steps that were completed.
     fn advance(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault>;
-    /// Drainage of the sides (left, right, bottom, top) and damping (1/s) from now on.
-    fn enter_stage(&mut self, drained: [bool; 4], damping: f64);
+    /// Drainage and damping from now on; `times` are those to stop at, s since the start of the stage.
+    ///
+    /// # Errors
+    /// The stage cannot be computed.
+    fn enter_stage(&mut self, stage: &Stage, times: &[f64]) -> Result<(), Fault>;
+    /// Time since the start of the run, s.
+    fn time(&self) -> f64;
+    /// Work of the linear solver so far; nothing for an explicit model.
+    fn work(&self) -> Work {
+        Work::default()
+    }
     /// The state now.
     fn observe(&self) -> Observation;
     /// Balances since the start.

@@ -11,7 +11,7 @@ use crate::nodes::NodeMotion;
 use crate::scene::WaterProperties;
 
 /// A face between two cells of soil conducts fully, a drained surface lies half a cell from the centre.
-const DRAINED_SURFACE: f64 = 2.0;
+pub(super) const DRAINED_SURFACE: f64 = 2.0;
 /// A cell less full than this drains as if it were this full: with its drained face half a cell away it then has
 /// the same stability limit as a full cell inside, (1 + 2)/0.75 = 4. The water this miscounts shows in the ledger.
 const LEAST_FILLING: f64 = 0.75;
@@ -32,6 +32,16 @@ pub struct Face<const D: usize> {
 }
 
 impl<const D: usize> Face<D> {
+    /// Flow per pressure drop between two cells of soil, A k/(gamma_w L), m3/(s Pa).
+    pub(super) fn transmissibility(&self) -> f64 {
+        self.area * self.conductance
+    }
+
+    /// Volume of a cell full of soil, m3.
+    pub(super) fn cell_volume(&self) -> f64 {
+        self.cell_volume
+    }
+
     /// rho_w L (g - a_s) across a face, Pa.
     #[inline(always)]
     fn body(&self, axis: usize, gravity: &[f64; D], a: &NodeMotion<D>, b: &NodeMotion<D>) -> f64 {

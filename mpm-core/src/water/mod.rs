@@ -2,11 +2,14 @@
 //!
 //! A dry scene has no water arrays and calls nothing of this room: [`Dry`] is a type without data.
 
+mod cellwise;
 mod exposed;
 mod face;
+mod implicit;
 mod nodal;
 mod saturated;
 
+pub use cellwise::{CellChange, Cellwise};
 pub use exposed::{Exposed, ExposedFace};
 pub use face::Face;
 pub use nodal::Nodal;

@@ -57,16 +57,16 @@ pub trait DarcyOperator<const D: usize>: Send + Sized {
 /// A saturated soil's water.
 #[derive(Debug, Clone)]
 pub struct Saturated<O, const D: usize> {
-    points: Layer<WaterPoint<D>, D>,
-    cells: Vec<WaterCell>,
-    operator: O,
-    exposed: Exposed,
-    drained: [bool; 4],
-    properties: WaterProperties,
+    pub(super) points: Layer<WaterPoint<D>, D>,
+    pub(super) cells: Vec<WaterCell>,
+    pub(super) operator: O,
+    pub(super) exposed: Exposed,
+    pub(super) drained: [bool; 4],
+    pub(super) properties: WaterProperties,
     /// Volume of the grains per mass, m3/kg.
     grain_inverse: f64,
     solid_order: u64,
-    moved: bool,
+    pub(super) moved: bool,
     removed_mass: f64,
 }
 
@@ -95,7 +95,7 @@ impl<O: DarcyOperator<D>, const D: usize> Saturated<O, D> {
 
     /// Porosity from the volume of grains, which do not compress.
     #[inline(always)]
-    fn porosity(&self, soil: &SoilCell<D>) -> f64 {
+    pub(super) fn porosity(&self, soil: &SoilCell<D>) -> f64 {
         1.0 - soil.mass * self.grain_inverse / soil.volume
     }
 

@@ -1,6 +1,7 @@
 //! Scene texts for the tests (the study's default scene with some of its lines changed), and how close two figures are.
 #![allow(dead_code)] // each test file uses its own part
 
+pub mod refusal;
 pub mod witness;
 
 use mpm_core::drive::Run;

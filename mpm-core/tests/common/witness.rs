@@ -169,6 +169,7 @@ pub fn saturated<O: DarcyOperator<D>, L, const D: usize, const S: usize>(
         offset: 0.5 * spacing,
         volume,
         area: volume / spacing,
+        loaded: volume / spacing,
     });
     let surface =
         SurfaceLoad::new(strips.collect(), scene.height, scene.surcharge.map_or(LoadOn::Surface, |load| load.on));

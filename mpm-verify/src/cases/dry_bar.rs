@@ -2,7 +2,7 @@
 
 use mpm_core::scene::{Start, Until};
 
-use super::{Outcome, Rung, finished, scheme, with_rows};
+use super::{Outcome, Rung, finished, integrator, scheme, with_rows};
 
 /// The rung.
 pub const RUNG: Rung = Rung { name: "dry-bar", about: "elastic wave in a bar without water", climb };
@@ -24,5 +24,11 @@ fn climb() -> Result<Outcome, String> {
         let last = run.samples.last().ok_or("no sample")?;
         errors.push((scene.cell, last.state.settlement / expected - 1.0));
     }
-    Ok(Outcome { scheme: scheme(&base), errors, required_error: 1.0e-2, required_order: Some([0.5, 1.5]) })
+    Ok(Outcome {
+        integrator: integrator(&base),
+        scheme: scheme(&base),
+        errors,
+        required_error: 1.0e-2,
+        required_order: Some([0.5, 1.5]),
+    })
 }

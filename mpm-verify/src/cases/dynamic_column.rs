@@ -3,7 +3,7 @@
 use mpm_core::drive::Sample;
 use mpm_core::scene::{Scene, Start, Surcharge, Until};
 
-use super::{Outcome, Rung, refine, scheme};
+use super::{Outcome, Rung, integrator, refine, scheme};
 use crate::exact::dynamic::DynamicColumn;
 
 /// Darcy's law with `rho_w a_s`.
@@ -29,5 +29,11 @@ fn climb(change: fn(&mut Scene)) -> Result<Outcome, String> {
     let whole = 1.0e4 * base.height / base.oedometer_modulus();
     let error = |s: &Sample| (s.state.settlement - exact.settlement(s.stage_time)) / whole;
     let errors = refine(&base, &[20, 40, 80], error)?;
-    Ok(Outcome { scheme: scheme(&base), errors, required_error: 1.0e-3, required_order: None })
+    Ok(Outcome {
+        integrator: integrator(&base),
+        scheme: scheme(&base),
+        errors,
+        required_error: 1.0e-3,
+        required_order: None,
+    })
 }

@@ -4,7 +4,7 @@
 
 use mpm_core::scene::{DarcyChoice, Dimension, Start, Until};
 
-use super::{Outcome, Rung, finished, scheme};
+use super::{Outcome, Rung, finished, integrator, scheme};
 
 /// The rung.
 pub const RUNG: Rung = Rung { name: "hydrostatic", about: "still water stays still (sign of Eq. 2)", climb };
@@ -25,5 +25,6 @@ fn climb() -> Result<Outcome, String> {
         worst = worst.max(last.state.max_speed / (9.81 * 1e-2));
     }
     let scheme = name.replace("nodal", "face and nodal");
-    Ok(Outcome { scheme, errors: vec![(0.05, worst)], required_error: 1e-9, required_order: None })
+    let integrator = integrator(&crate::scenes::terzaghi());
+    Ok(Outcome { integrator, scheme, errors: vec![(0.05, worst)], required_error: 1e-9, required_order: None })
 }

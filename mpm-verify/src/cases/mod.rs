@@ -4,7 +4,12 @@ mod double_drainage;
 mod dry_bar;
 mod dynamic_column;
 mod hydrostatic;
+mod large_strain;
+mod mandel;
+mod quasi_static;
 mod ramp_load;
+mod semi_implicit;
+mod strip;
 mod terzaghi;
 mod undrained;
 
@@ -30,7 +35,7 @@ pub struct Rung {
 }
 
 /// All rungs, the simplest first.
-pub const LADDER: [Rung; 10] = [
+pub const LADDER: [Rung; 27] = [
     hydrostatic::RUNG,
     undrained::RUNG,
     dry_bar::RUNG,
@@ -39,13 +44,31 @@ pub const LADDER: [Rung; 10] = [
     terzaghi::SURFACE,
     terzaghi::LINEAR,
     terzaghi::NODAL,
+    terzaghi::GIMP,
+    terzaghi::SPLINES,
+    semi_implicit::AT_ITS_LIMIT,
+    semi_implicit::CENTRE,
+    semi_implicit::SPLINES,
     double_drainage::RUNG,
     ramp_load::RUNG,
+    quasi_static::CENTRE,
+    quasi_static::SPLINES,
+    quasi_static::COARSE,
+    quasi_static::PROFILE,
+    quasi_static::STEPS,
+    quasi_static::DISPLACED,
+    quasi_static::SHIFTED,
+    large_strain::LINEAR,
+    large_strain::SPLINES,
+    mandel::CENTRE,
+    mandel::SPLINES,
+    strip::RUNG,
 ];
 
 /// What a rung found, before it is judged.
 #[derive(Debug, Clone, PartialEq)]
 struct Outcome {
+    integrator: String,
     scheme: String,
     /// (mesh in m, signed error), or a single entry where there is nothing to refine.
     errors: Vec<(f64, f64)>,
@@ -114,7 +137,7 @@ fn judge(name: &str, outcome: &Outcome, cpu_s: f64) -> Step {
     let fit = fit.filter(|_| outcome.required_order.is_some());
     Step {
         rung: name.to_owned(),
-        integrator: "explicit".to_owned(),
+        integrator: outcome.integrator.clone(),
         scheme: outcome.scheme.clone(),
         error: finest,
         required_error: outcome.required_error,
@@ -131,6 +154,11 @@ fn judge(name: &str, outcome: &Outcome, cpu_s: f64) -> Step {
 fn scheme(scene: &Scene) -> String {
     let shape = word(scene.shape);
     if scene.water.is_some() { format!("{shape}/{}", word(scene.darcy)) } else { shape }
+}
+
+/// `explicit` and the like.
+fn integrator(scene: &Scene) -> String {
+    word(scene.integrator)
 }
 
 /// The scene on a mesh of `rows` cells over its height.
@@ -165,7 +193,13 @@ mod tests {
     #[test]
     fn every_kind_of_check_can_fail() {
         let errors = vec![(0.1, 1e-2), (0.05, 2.5e-3), (0.025, 6.25e-4)];
-        let good = Outcome { scheme: String::new(), errors, required_error: 1e-3, required_order: Some([1.8, 2.2]) };
+        let good = Outcome {
+            integrator: String::new(),
+            scheme: String::new(),
+            errors,
+            required_error: 1e-3,
+            required_order: Some([1.8, 2.2]),
+        };
         assert!(judge("good", &good, 0.0).held());
         let too_large = Outcome { required_error: 5e-4, ..good.clone() };
         assert!(!judge("error", &too_large, 0.0).held());

@@ -3,7 +3,7 @@
 use mpm_core::drive::Sample;
 use mpm_core::scene::{Start, Surcharge};
 
-use super::{Outcome, Rung, refine, scheme};
+use super::{Outcome, Rung, integrator, refine, scheme};
 use crate::exact::terzaghi::Terzaghi;
 
 /// The rung.
@@ -19,5 +19,11 @@ fn climb() -> Result<Outcome, String> {
     // U itself, not relative to its exact value: the first settlements of a ramp are nearly zero.
     let error = |s: &Sample| (s.state.settlement - exact.settlement(s.stage_time)) / whole;
     let errors = refine(&base, &[20, 40], error)?;
-    Ok(Outcome { scheme: scheme(&base), errors, required_error: 1.0e-3, required_order: None })
+    Ok(Outcome {
+        integrator: integrator(&base),
+        scheme: scheme(&base),
+        errors,
+        required_error: 1.0e-3,
+        required_order: None,
+    })
 }

@@ -4,7 +4,7 @@
 
 use mpm_core::scene::{Start, Until};
 
-use super::{Outcome, Rung, finished, scheme, with_rows};
+use super::{Outcome, Rung, finished, integrator, scheme, with_rows};
 
 /// The rung.
 pub const RUNG: Rung =
@@ -27,6 +27,7 @@ fn climb() -> Result<Outcome, String> {
     let worst = last.state.profile.iter().map(|row| (row.pressure_pa / expected - 1.0).abs()).fold(0.0, f64::max);
     // The analysis is linear; strains of q/(M + Q) = 1.4e-6 change volumes by as much.
     Ok(Outcome {
+        integrator: integrator(&scene),
         scheme: scheme(&scene),
         errors: vec![(scene.cell, worst)],
         required_error: 1e-5,

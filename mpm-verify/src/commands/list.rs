@@ -7,6 +7,11 @@ use mpm_verify::study::MESHES;
 use super::{Failure, print_json, say};
 use crate::Common;
 
+/// Words of `time.integrator`.
+const INTEGRATORS: [&str; 3] = ["explicit", "semi-implicit", "quasi-static"];
+/// Words of `scheme.shape`.
+const SCHEMES: [&str; 4] = ["centre", "linear", "gimp", "bspline2"];
+
 /// Prints cases, scenes and schemes.
 pub fn run(common: &Common) -> Result<(), Failure> {
     if common.json {
@@ -14,8 +19,8 @@ pub fn run(common: &Common) -> Result<(), Failure> {
         print_json(&serde_json::json!({
             "cases": names(LADDER.iter().map(|rung| rung.name).collect()),
             "scenes": names(BUILT_IN.iter().map(|(name, _)| *name).collect()),
-            "integrators": names(vec!["explicit"]),
-            "schemes": names(vec!["centre", "linear"]),
+            "integrators": names(INTEGRATORS.to_vec()),
+            "schemes": names(SCHEMES.to_vec()),
             "darcy": names(vec!["face", "nodal"]),
             "meshes_m": MESHES,
         }));
@@ -28,10 +33,10 @@ pub fn run(common: &Common) -> Result<(), Failure> {
     say(false, "scenes (reference-data/scenes, mpm-verify solve SCENE.toml)");
     for (name, text) in BUILT_IN {
         let about = text.lines().next().unwrap_or("").trim_start_matches(['#', ' ']);
-        say(false, &format!("  {name:<16} {about}"));
+        say(false, &format!("  {name:<22} {about}"));
     }
-    say(false, "integrators       explicit");
-    say(false, "schemes           centre, linear");
+    say(false, &format!("integrators       {}", INTEGRATORS.join(", ")));
+    say(false, &format!("schemes           {}", SCHEMES.join(", ")));
     say(false, "darcy operators   face, nodal");
     say(false, &format!("meshes (m)        {}", MESHES.map(|m| m.to_string()).join(", ")));
     Ok(())

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use clap::Args;
 use mpm_core::drive::{Run, Sample};
 use mpm_core::run::{StartError, run as solve};
-use mpm_core::scene::Scene;
-use mpm_core::stability::explicit_limit;
+use mpm_core::scene::{Flags, Integrator, Scene};
+use mpm_core::stability::stable_limit;
+use mpm_core::step::Work;
 use mpm_verify::exact::terzaghi::Terzaghi;
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 use serde::Serialize;
 
-use super::study::load_scene;
 use super::{Failure, print_json, say, writable, write_csv, write_json};
 use crate::Common;
 
@@ -24,6 +24,15 @@ pub struct Options {
     /// Run a step above the stability limit all the same
     #[arg(long)]
     force: bool,
+    /// In place of the scene's time.integrator: explicit, semi-implicit or quasi-static
+    #[arg(long, value_name = "WORD")]
+    integrator: Option<String>,
+    /// In place of the scene's scheme.shape: centre, linear, gimp or bspline2
+    #[arg(long, value_name = "WORD")]
+    scheme: Option<String>,
+    /// In place of the scene's time.tolerance, the largest relative error in time of quasi-static steps
+    #[arg(long, value_name = "SHARE")]
+    tolerance: Option<f64>,
 }
 
 /// A row of history.csv.
@@ -73,13 +82,26 @@ struct ProfileLine {
     effective_stress_pa: f64,
 }
 
+/// A row of field.csv: the pore pressure over the plane, of quasi-static runs in plane strain.
+#[derive(Debug, Serialize)]
+struct FieldLine {
+    time_s: f64,
+    stage: usize,
+    stage_time_s: f64,
+    x_m: f64,
+    y_m: f64,
+    pressure_pa: f64,
+}
+
 /// summary.json.
 #[derive(Debug, Serialize)]
 struct Summary<'a> {
     scene: &'a Scene,
     manifest: Manifest,
-    dt_s: f64,
-    limit_s: f64,
+    /// Largest step asked for; `None` where the integrator chooses its own.
+    dt_s: Option<f64>,
+    /// Stability limit of the integrator; `None` where there is none.
+    limit_s: Option<f64>,
     forced: bool,
     steps: u64,
     stages: &'a [mpm_core::drive::StageRecord],
@@ -91,12 +113,22 @@ struct Summary<'a> {
     /// Against Terzaghi with compressible water, where the scene is a consolidation.
     settlement_compressible_m: Option<f64>,
     failure: Option<String>,
+    integrator: Integrator,
+    accepted_steps: u64,
+    rejected_steps: u64,
+    factorisations: u64,
+    solves: u64,
 }
 
 /// Solves a scene.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
-    let mut scene = load_scene(&options.scene)?;
+    let flags =
+        Flags { integrator: options.integrator.clone(), scheme: options.scheme.clone(), tolerance: options.tolerance };
+    let mut scene = Scene::load_with(&options.scene, &flags).map_err(|e| Failure::BadInput(e.to_string()))?;
     scene.force = options.force;
+    if let (Some(integrator), false) = (&options.integrator, scene.left_out.is_empty()) {
+        say(common.quiet || common.json, &format!("--integrator {integrator}: left out {}", scene.left_out.join(", ")));
+    }
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports").join(&scene.name));
     writable(&folder)?;
     let progress = Progress::new(&scene.name, common.quiet);
@@ -111,15 +143,28 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     if scene.profiles {
         write_csv(&folder.join("profiles.csv"), &profiles(&run))?;
     }
+    let field = field(&run);
+    if !field.is_empty() {
+        write_csv(&folder.join("field.csv"), &field)?;
+    }
     let summary = summary(&scene, &run, cpu_s);
     write_json(&folder.join("summary.json"), &summary)?;
     if common.json {
         print_json(&summary);
     } else {
-        let end = format!("{} steps, settlement {:.6e} m", run.steps, summary.settlement_final_m);
+        let work = match run.work {
+            Work { solves: 0, .. } => format!("{} steps", run.steps),
+            // The Krylov method has no steps: one basis for all times.
+            work if run.steps == 0 => format!("{} factorisations, {} solves", work.factorisations, work.solves),
+            work => format!(
+                "{} steps ({} rejected), {} factorisations, {} solves",
+                work.accepted, work.rejected, work.factorisations, work.solves
+            ),
+        };
+        let end = format!("{work}, settlement {:.6e} m", summary.settlement_final_m);
         say(common.quiet, &format!("{}: {end}, written to {}", scene.name, folder.display()));
-        if summary.forced {
-            say(common.quiet, &format!("forced: step {:.3e} s above the limit {:.3e} s", run.dt, summary.limit_s));
+        if let (true, Some(limit)) = (summary.forced, summary.limit_s) {
+            say(common.quiet, &format!("forced: step {:.3e} s above the limit {limit:.3e} s", run.dt));
         }
     }
     match &run.failure {
@@ -129,16 +174,17 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
 }
 
 fn summary<'a>(scene: &'a Scene, run: &'a Run, cpu_s: f64) -> Summary<'a> {
-    let limit_s = explicit_limit(scene);
+    let limit = stable_limit(scene);
+    let finite = |time: f64| Some(time).filter(|time| time.is_finite());
     let last = run.samples.last();
     let drained = scene.stages.last().is_some_and(|stage| stage.drained.contains(&true));
     let exact = Terzaghi::compressible(scene).filter(|_| drained && scene.gravity.is_none());
     Summary {
         scene,
         manifest: Manifest::new(scene, 1),
-        dt_s: run.dt,
-        limit_s,
-        forced: scene.force && run.dt > limit_s,
+        dt_s: finite(run.dt),
+        limit_s: finite(limit),
+        forced: scene.force && run.dt > limit,
         steps: run.steps,
         stages: &run.stages,
         solid_particles: run.solid_particles,
@@ -148,6 +194,11 @@ fn summary<'a>(scene: &'a Scene, run: &'a Run, cpu_s: f64) -> Summary<'a> {
         settlement_final_m: last.map_or(f64::NAN, |s| s.state.settlement),
         settlement_compressible_m: exact.zip(last).map(|(exact, s)| exact.settlement(s.stage_time)),
         failure: run.failure.as_ref().map(ToString::to_string),
+        integrator: scene.integrator,
+        accepted_steps: run.work.accepted,
+        rejected_steps: run.work.rejected,
+        factorisations: run.work.factorisations,
+        solves: run.work.solves,
     }
 }
 
@@ -188,6 +239,22 @@ fn history(run: &Run) -> Vec<Row> {
         }
     };
     run.samples.iter().map(row).collect()
+}
+
+fn field(run: &Run) -> Vec<FieldLine> {
+    let lines = |s: &Sample| {
+        let (time_s, stage, stage_time_s) = (s.state.time, s.stage, s.stage_time);
+        let line = move |point: &mpm_core::observe::FieldPoint| FieldLine {
+            time_s,
+            stage,
+            stage_time_s,
+            x_m: point.x_m,
+            y_m: point.y_m,
+            pressure_pa: point.pressure_pa,
+        };
+        s.state.field.iter().map(line).collect::<Vec<_>>()
+    };
+    run.samples.iter().filter(|s| s.observed).flat_map(lines).collect()
 }
 
 fn profiles(run: &Run) -> Vec<ProfileLine> {

@@ -89,7 +89,7 @@ fn step(text: &str) -> Result<StepChoice, String> {
 }
 
 /// Reads a scene file.
-pub fn load_scene(path: &Path) -> Result<Scene, Failure> {
+fn load_scene(path: &Path) -> Result<Scene, Failure> {
     Scene::load(path).map_err(|e| Failure::BadInput(e.to_string()))
 }
 

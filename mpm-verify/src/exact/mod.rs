@@ -1,6 +1,8 @@
 //! Exact solutions, one per file, each with its assumptions and its own tests against independent tables.
 
 pub mod dynamic;
+pub mod large_strain;
+pub mod mandel;
 pub mod semidiscrete;
 pub mod terzaghi;
 

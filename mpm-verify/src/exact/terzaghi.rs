@@ -14,7 +14,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use libm::erfc;
-use mpm_core::scene::{Scene, Side};
+use mpm_core::scene::{Scene, Side, Surcharge, WaterProperties};
 
 /// Time factor at which the two forms change over; both are exact to round-off there.
 const IMAGES_BELOW: f64 = 0.15;
@@ -41,17 +41,18 @@ pub struct Terzaghi {
 }
 
 impl Terzaghi {
-    /// Terzaghi's own assumption: water that does not compress. `None` for a dry or unloaded scene.
+    /// Terzaghi's own assumption: water that does not compress. `None` for a scene that is dry, unloaded or moves in
+    /// two dimensions.
     pub fn incompressible(scene: &Scene) -> Option<Self> {
-        let (water, load) = (scene.water?, scene.surcharge?);
+        let (water, load) = one_dimensional(scene)?;
         let modulus = scene.oedometer_modulus();
         let coefficient = water.mobility() * modulus;
         Some(Self::of(scene, coefficient, load.pressure, load.pressure, load.ramp_time))
     }
 
-    /// The same column with the water's own stiffness. `None` for a dry or unloaded scene.
+    /// The same column with the water's own stiffness. `None` as above.
     pub fn compressible(scene: &Scene) -> Option<Self> {
-        let (water, load) = (scene.water?, scene.surcharge?);
+        let (water, load) = one_dimensional(scene)?;
         let storage = 1.0 / scene.oedometer_modulus() + 1.0 / scene.pore_stiffness();
         let coefficient = water.mobility() / storage;
         Some(Self::of(scene, coefficient, load.pressure, scene.undrained_pressure(), load.ramp_time))
@@ -114,6 +115,11 @@ impl Terzaghi {
         let end = self.time_factor(self.ramp);
         (degree_integral(t) - degree_integral(t - end)) / end
     }
+}
+
+/// Water and load of a scene that moves in one dimension.
+fn one_dimensional(scene: &Scene) -> Option<(WaterProperties, Surcharge)> {
+    Some((scene.water?, scene.surcharge?)).filter(|_| scene.is_one_dimensional())
 }
 
 /// Sum of a series over m = (2j+1) pi/2 until its terms no longer count.

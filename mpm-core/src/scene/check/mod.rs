@@ -4,15 +4,17 @@ use std::ops::Range;
 
 use toml::{Spanned, Value};
 
-use super::raw::{
-    RawGeometry, RawLaw, RawMesh, RawObserve, RawScene, RawScheme, RawSoil, RawStage, RawUntil, RawWater,
-};
+mod method;
+mod together;
+
+use super::flags::{self, Flags};
+use super::raw::{RawGeometry, RawLaw, RawMesh, RawObserve, RawScene, RawSoil, RawStage, RawStrip, RawUntil, RawWater};
 use super::{
-    DarcyChoice, Dimension, Elastic, LoadOn, PAPER_STEP, Scene, ShapeChoice, Side, SolidSide, Stage, Start, StepChoice,
+    Dimension, Elastic, Integrator, LoadOn, LoadedStrip, PAPER_STEP, Scene, Side, SolidSide, Stage, Start, StepChoice,
     Surcharge, Until, WaterProperties,
 };
 use crate::error::SceneError;
-use crate::stability::explicit_limit;
+use crate::stability::stable_limit;
 
 /// Memory that one soil point and one cell take at most, bytes: rounded up from what
 /// `tests/allocation.rs` measures for both together.
@@ -33,10 +35,11 @@ struct Reader<'a> {
     file: &'a str,
 }
 
-pub(super) fn check(text: &str, file: &str) -> Checked<Scene> {
+pub(super) fn check(text: &str, file: &str, flags: &Flags) -> Checked<Scene> {
     let reader = Reader { text, file };
-    let raw: RawScene = toml::from_str(text).map_err(|error| reader.syntax(&error))?;
-    reader.scene(&raw)
+    let mut raw: RawScene = toml::from_str(text).map_err(|error| reader.syntax(&error))?;
+    let left_out = flags.apply(&mut raw);
+    Ok(Scene { left_out, ..reader.scene(&raw)? })
 }
 
 impl Reader<'_> {
@@ -47,9 +50,14 @@ impl Reader<'_> {
     }
 
     fn refuse<T>(&self, span: &Range<usize>, key: &str, expected: &str, found: impl ToString) -> Checked<T> {
+        // A value from the command line has no line: its flag is the source.
+        let (file, line, key) = match flags::source(span) {
+            Some(flag) => ("", 0, flag),
+            None => (self.file, self.line(span), key),
+        };
         Err(SceneError {
-            file: self.file.to_owned(),
-            line: self.line(span),
+            file: file.to_owned(),
+            line,
             key: key.to_owned(),
             expected: expected.to_owned(),
             found: found.to_string(),
@@ -155,10 +163,11 @@ impl Reader<'_> {
         let grain_density = self.grain_density(&raw.soil, porosity, water.as_ref())?;
         self.weight_of_water(raw, gravity, water.as_ref())?;
         let solid_sides = self.solid_sides(raw, dimension)?;
-        let surcharge = self.surcharge(raw, solid_sides[Side::Top as usize])?;
-        let (start, scheme) = (self.start(raw, gravity, surcharge.as_ref())?, raw.scheme.as_ref());
-        let (shape, darcy, darcy_inertia, flip) = self.scheme(scheme.map(Spanned::get_ref), water.is_some())?;
-        let (step, safety) = self.time(raw)?;
+        let surcharge = self.surcharge(raw, solid_sides[Side::Top as usize], width)?;
+        let start = self.start(raw, gravity, surcharge.as_ref())?;
+        let scheme = self.scheme(raw.scheme.as_ref().map(Spanned::get_ref), water.is_some(), dimension)?;
+        let time = self.time(raw.time.as_ref().map(Spanned::get_ref))?;
+        let (shift, displaced) = self.places(mesh)?;
         let mut scene = Scene {
             name: raw.name.get_ref().clone(),
             dimension,
@@ -170,26 +179,37 @@ impl Reader<'_> {
             cells: [across, rows],
             headroom_cells,
             particles_per_cell,
+            shift,
+            displaced,
+            strain: self.strain(raw.soil.get_ref())?,
             elastic,
             grain_density,
             porosity,
             water,
             solid_sides,
             surcharge,
-            shape,
-            darcy,
-            darcy_inertia,
-            flip,
-            step,
-            safety,
+            integrator: time.integrator,
+            method: time.method,
+            tolerance: time.tolerance,
+            quadrature: scheme.quadrature,
+            jump_penalty: scheme.jump_penalty,
+            shape: scheme.shape,
+            darcy: scheme.darcy,
+            // A quasi-static soil has no acceleration that could enter Darcy's law.
+            darcy_inertia: scheme.darcy_inertia && time.integrator != Integrator::QuasiStatic,
+            flip: scheme.flip,
+            step: time.step,
+            safety: time.safety,
             force: false,
             stages: Vec::new(),
             observe_times: Vec::new(),
             history: 0,
             profiles: true,
+            left_out: Vec::new(),
         };
         self.stages(raw, &mut scene)?;
         self.observe(raw.observe.as_ref(), &mut scene)?;
+        self.fits_together(raw, &scene)?;
         self.number_of_steps(raw, &scene)?;
         Ok(scene)
     }
@@ -197,7 +217,7 @@ impl Reader<'_> {
     /// Values at the edge of what a number can hold make steps of no length or runs without end.
     fn number_of_steps(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
         let step = match scene.step {
-            StepChoice::Auto => scene.safety * explicit_limit(scene),
+            StepChoice::Auto => scene.safety * stable_limit(scene),
             StepChoice::Fixed(step) => step,
             StepChoice::Paper => PAPER_STEP,
         };
@@ -313,7 +333,11 @@ impl Reader<'_> {
                 permeability * unit_weight / self.positive(viscosity, "water.viscosity", "Pa s")?
             }
         };
-        let bulk_modulus = self.positive(&water.bulk_modulus, "water.bulk_modulus", "Pa")?;
+        let bulk_modulus = *water.bulk_modulus.get_ref();
+        if bulk_modulus.is_nan() || bulk_modulus <= 0.0 {
+            let expected = "a number above 0 (Pa), or inf for incompressible water";
+            return self.refuse(&water.bulk_modulus.span(), "water.bulk_modulus", expected, bulk_modulus);
+        }
         Ok(WaterProperties { hydraulic_conductivity, bulk_modulus, unit_weight, density })
     }
 
@@ -351,14 +375,14 @@ impl Reader<'_> {
         Ok(sides)
     }
 
-    fn surcharge(&self, raw: &RawScene, top: SolidSide) -> Checked<Option<Surcharge>> {
+    fn surcharge(&self, raw: &RawScene, top: SolidSide, width: f64) -> Checked<Option<Surcharge>> {
         let Some(table) = &raw.surcharge else { return Ok(None) };
         let load = table.get_ref();
         if top != SolidSide::Free {
             let expected = "boundaries.top = \"free\" under a surcharge (a held surface carries no load)";
             return self.refuse(&table.span(), "surcharge", expected, format!("{top:?}").to_lowercase());
         }
-        let words = [("surface", LoadOn::Surface), ("particles", LoadOn::Particles)];
+        let words = [("surface", LoadOn::Surface), ("particles", LoadOn::Particles), ("plate", LoadOn::Plate)];
         let ramp_time = match &load.ramp_time {
             Some(value) => self.within(value, "surcharge.ramp_time", "a time of 0 or more (s)", |t| t >= 0.0)?,
             None => 0.0,
@@ -372,7 +396,23 @@ impl Reader<'_> {
             )?,
             on: self.word(load.on.as_ref(), "surcharge.on", &words, LoadOn::Surface)?,
             ramp_time,
+            strip: match &load.strip {
+                Some(strip) => Some(self.strip(strip.get_ref(), width)?),
+                None => None,
+            },
         }))
+    }
+
+    fn strip(&self, strip: &RawStrip, width: f64) -> Checked<LoadedStrip> {
+        let expected = format!("0 <= from < {width} m, the width");
+        let from = self.within(&strip.from, "surcharge.strip.from", &expected, |x| (0.0..width).contains(&x))?;
+        let expected = format!("from < to <= {width} m, the width");
+        let to = self.within(&strip.to, "surcharge.strip.to", &expected, |x| x > from && x <= width)?;
+        let taper = match &strip.taper {
+            Some(value) => self.within(value, "surcharge.strip.taper", "a width of 0 or more (m)", |x| x >= 0.0)?,
+            None => 0.0,
+        };
+        Ok(LoadedStrip { from, to, taper })
     }
 
     fn start(&self, raw: &RawScene, gravity: Option<f64>, surcharge: Option<&Surcharge>) -> Checked<Start> {
@@ -401,57 +441,6 @@ impl Reader<'_> {
             }
             start => Ok(start),
         }
-    }
-
-    fn scheme(&self, raw: Option<&RawScheme>, wet: bool) -> Checked<(ShapeChoice, DarcyChoice, bool, f64)> {
-        let shapes = [("centre", ShapeChoice::Centre), ("linear", ShapeChoice::Linear)];
-        let operators = [("face", DarcyChoice::Face), ("nodal", DarcyChoice::Nodal)];
-        let Some(raw) = raw else { return Ok((ShapeChoice::Centre, DarcyChoice::Face, true, 1.0)) };
-        if let (Some(value), false) = (&raw.darcy, wet) {
-            return self.refuse(
-                &value.span(),
-                "scheme.darcy",
-                "no Darcy operator in a dry scene",
-                quoted(value.get_ref()),
-            );
-        }
-        if let (Some(value), false) = (&raw.darcy_inertia, wet) {
-            let expected = "no inertia in Darcy's law in a dry scene";
-            return self.refuse(&value.span(), "scheme.darcy_inertia", expected, value.get_ref());
-        }
-        let flip = match &raw.flip {
-            Some(value) => self.within(value, "scheme.flip", "0 <= flip <= 1", |f| (0.0..=1.0).contains(&f))?,
-            None => 1.0,
-        };
-        Ok((
-            self.word(raw.shape.as_ref(), "scheme.shape", &shapes, ShapeChoice::Centre)?,
-            self.word(raw.darcy.as_ref(), "scheme.darcy", &operators, DarcyChoice::Face)?,
-            raw.darcy_inertia.as_ref().is_none_or(|inertia| *inertia.get_ref()),
-            flip,
-        ))
-    }
-
-    fn time(&self, raw: &RawScene) -> Checked<(StepChoice, f64)> {
-        let Some(table) = &raw.time else { return Ok((StepChoice::Auto, 0.9)) };
-        let time = table.get_ref();
-        self.word(time.integrator.as_ref(), "time.integrator", &[("explicit", ())], ())?;
-        let safety = match &time.safety {
-            Some(value) => self.within(value, "time.safety", "0 < safety <= 1", |s| s > 0.0 && s <= 1.0)?,
-            None => 0.9,
-        };
-        let expected = "\"auto\", \"paper\" or a step above 0 (s)";
-        let Some(value) = &time.step else { return Ok((StepChoice::Auto, safety)) };
-        let step = match value.get_ref() {
-            Value::String(word) if word == "auto" => StepChoice::Auto,
-            Value::String(word) if word == "paper" => StepChoice::Paper,
-            Value::Float(step) if step.is_finite() && *step > 0.0 => StepChoice::Fixed(*step),
-            Value::Integer(step) if *step > 0 => StepChoice::Fixed(*step as f64),
-            other => return self.refuse(&value.span(), "time.step", expected, other),
-        };
-        if let (Some(value), StepChoice::Fixed(_) | StepChoice::Paper) = (&time.safety, step) {
-            return self.refuse(&value.span(), "time.safety", "step = \"auto\" beside a safety factor", "a given step");
-        }
-        Ok((step, safety))
     }
 
     fn stages(&self, raw: &RawScene, scene: &mut Scene) -> Checked<()> {
@@ -499,8 +488,8 @@ impl Reader<'_> {
             let Some(side) = Side::ALL.into_iter().find(|side| entry.as_str() == Some(side.word())) else {
                 return refuse(&one_of(Side::ALL.iter().map(|s| s.word())), entry.to_string());
             };
-            if matches!(side, Side::Left | Side::Right) {
-                let expected = "\"top\" and \"bottom\" only: a column with rollers at its sides drains vertically";
+            if matches!(side, Side::Left | Side::Right) && scene.dimension == Dimension::Column {
+                let expected = "\"top\" and \"bottom\" only: a column drains vertically";
                 return refuse(expected, entry.to_string());
             }
             if std::mem::replace(&mut drained[side as usize], true) {
@@ -542,6 +531,10 @@ impl Reader<'_> {
                 }
                 let expected = "0 < tolerance < 1";
                 let key = "stages.until.pore_pressure_within";
+                if scene.pore_stiffness().is_infinite() {
+                    let expected = "a finite water.bulk_modulus: the pressure must hold for a period of its wave";
+                    return self.refuse(&within.span(), key, expected, "inf");
+                }
                 let within = self.within(within, key, expected, |t| t > 0.0 && t < 1.0)?;
                 // Long enough for many passages of the undrained wave through any column.
                 let passage = scene.height / (scene.pore_stiffness() / scene.mixture_density()).sqrt();

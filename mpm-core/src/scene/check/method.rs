@@ -1,0 +1,210 @@
+//! How a scene is computed: scheme, integrator and its steps, strain, the place of mesh and particles.
+
+use toml::{Spanned, Value};
+
+use super::super::raw::{RawMesh, RawScheme, RawSoil, RawTime};
+use super::super::{
+    DarcyChoice, Dimension, Displaced, Integrator, Quadrature, ShapeChoice, StepChoice, StrainChoice, TimeMethod,
+};
+use super::{Checked, Reader, quoted};
+
+/// The checked `[scheme]`.
+pub(super) struct Scheme {
+    pub shape: ShapeChoice,
+    pub darcy: DarcyChoice,
+    pub darcy_inertia: bool,
+    pub flip: f64,
+    pub quadrature: Quadrature,
+    pub jump_penalty: f64,
+}
+
+/// The checked `[time]`.
+pub(super) struct Time {
+    pub integrator: Integrator,
+    pub step: StepChoice,
+    pub safety: f64,
+    pub method: TimeMethod,
+    pub tolerance: f64,
+}
+
+/// gamma of the jump penalty in plane strain: the undrained limit is stable on any mesh, and Mandel's problem loses
+/// nothing.
+const JUMP_PENALTY: f64 = 1e-3;
+/// In a column only a closed one has a pressure that no displacement feels; a tenth of the penalty is enough for it, and
+/// costs 3e-7 of the settlement at Tv = 0.01 and L = 0.05 m, where the whole would cost 4e-6.
+const JUMP_PENALTY_COLUMN: f64 = 1e-4;
+/// Default tolerance of error-controlled time.
+const TOLERANCE: f64 = 1e-4;
+/// Tolerances that can be asked for: below, round-off of the linear solves decides.
+const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-10..=0.1;
+
+impl Reader<'_> {
+    pub(super) fn scheme(&self, raw: Option<&RawScheme>, wet: bool, dimension: Dimension) -> Checked<Scheme> {
+        let shapes = [
+            ("centre", ShapeChoice::Centre),
+            ("linear", ShapeChoice::Linear),
+            ("gimp", ShapeChoice::Gimp),
+            ("bspline2", ShapeChoice::Bspline2),
+        ];
+        let operators = [("face", DarcyChoice::Face), ("nodal", DarcyChoice::Nodal)];
+        let quadratures = [("fitted", Quadrature::Fitted), ("volumes", Quadrature::Volumes)];
+        let mut scheme = Scheme {
+            shape: ShapeChoice::Centre,
+            darcy: DarcyChoice::Face,
+            darcy_inertia: true,
+            flip: 1.0,
+            quadrature: Quadrature::Fitted,
+            jump_penalty: if dimension == Dimension::Column { JUMP_PENALTY_COLUMN } else { JUMP_PENALTY },
+        };
+        let Some(raw) = raw else { return Ok(scheme) };
+        if !wet {
+            self.dry_scheme(raw)?;
+        }
+        if let Some(value) = &raw.flip {
+            scheme.flip = self.within(value, "scheme.flip", "0 <= flip <= 1", |f| (0.0..=1.0).contains(&f))?;
+        }
+        scheme.shape = self.word(raw.shape.as_ref(), "scheme.shape", &shapes, scheme.shape)?;
+        if let (Some(value), false) = (&raw.quadrature, scheme.shape == ShapeChoice::Bspline2) {
+            let expected = "shape = \"bspline2\" beside it: other shapes use the particles' volumes";
+            return self.refuse(&value.span(), "scheme.quadrature", expected, quoted(value.get_ref()));
+        }
+        if let (Some(value), false) = (&raw.jump_penalty, scheme.shape == ShapeChoice::Bspline2) {
+            let expected = "shape = \"bspline2\" beside it: other shapes have no jump penalty";
+            return self.refuse(&value.span(), "scheme.jump_penalty", expected, value.get_ref());
+        }
+        scheme.quadrature = self.word(raw.quadrature.as_ref(), "scheme.quadrature", &quadratures, scheme.quadrature)?;
+        if let Some(value) = &raw.jump_penalty {
+            let expected = "a factor from 0 to 1 (-)";
+            scheme.jump_penalty = self.within(value, "scheme.jump_penalty", expected, |g| (0.0..=1.0).contains(&g))?;
+        }
+        scheme.darcy = self.word(raw.darcy.as_ref(), "scheme.darcy", &operators, scheme.darcy)?;
+        scheme.darcy_inertia = raw.darcy_inertia.as_ref().is_none_or(|inertia| *inertia.get_ref());
+        Ok(scheme)
+    }
+
+    /// Keys that concern water.
+    fn dry_scheme(&self, raw: &RawScheme) -> Checked<()> {
+        if let Some(value) = &raw.darcy {
+            let expected = "no Darcy operator in a dry scene";
+            return self.refuse(&value.span(), "scheme.darcy", expected, quoted(value.get_ref()));
+        }
+        if let Some(value) = &raw.darcy_inertia {
+            let expected = "no inertia in Darcy's law in a dry scene";
+            return self.refuse(&value.span(), "scheme.darcy_inertia", expected, value.get_ref());
+        }
+        if let Some(value) = &raw.jump_penalty {
+            let expected = "no jump penalty in a dry scene: it acts on the pore pressure";
+            return self.refuse(&value.span(), "scheme.jump_penalty", expected, value.get_ref());
+        }
+        Ok(())
+    }
+
+    pub(super) fn time(&self, raw: Option<&RawTime>) -> Checked<Time> {
+        let mut checked = Time {
+            integrator: Integrator::Explicit,
+            step: StepChoice::Auto,
+            safety: 0.9,
+            method: TimeMethod::Auto,
+            tolerance: TOLERANCE,
+        };
+        let Some(time) = raw else { return Ok(checked) };
+        let integrators = [
+            ("explicit", Integrator::Explicit),
+            ("semi-implicit", Integrator::SemiImplicit),
+            ("quasi-static", Integrator::QuasiStatic),
+        ];
+        checked.integrator =
+            self.word(time.integrator.as_ref(), "time.integrator", &integrators, Integrator::Explicit)?;
+        if checked.integrator == Integrator::QuasiStatic {
+            self.own_steps(time, &mut checked)?;
+        } else {
+            self.limited_steps(time, &mut checked)?;
+        }
+        checked.step = self.step(time)?;
+        if checked.step == StepChoice::Auto {
+            return Ok(checked);
+        }
+        let found = "a given step";
+        if let Some(value) = &time.safety {
+            return self.refuse(&value.span(), "time.safety", "step = \"auto\" beside a safety factor", found);
+        }
+        if let Some(value) = &time.tolerance {
+            return self.refuse(&value.span(), "time.tolerance", "step = \"auto\" beside a tolerance", found);
+        }
+        if let (Some(value), TimeMethod::Krylov) = (&time.step, checked.method) {
+            let expected = "step = \"auto\": the Krylov method has no steps";
+            return self.refuse(&value.span(), "time.step", expected, found);
+        }
+        Ok(checked)
+    }
+
+    /// Steps that follow from a tolerance.
+    fn own_steps(&self, time: &RawTime, checked: &mut Time) -> Checked<()> {
+        if let Some(value) = &time.safety {
+            let expected = "no safety factor beside quasi-static, whose steps have no stability limit";
+            return self.refuse(&value.span(), "time.safety", expected, value.get_ref());
+        }
+        let methods = [("auto", TimeMethod::Auto), ("krylov", TimeMethod::Krylov), ("sdirk", TimeMethod::Sdirk)];
+        checked.method = self.word(time.method.as_ref(), "time.method", &methods, TimeMethod::Auto)?;
+        if let Some(value) = &time.tolerance {
+            let range = format!("{:e} <= tolerance <= {} (-)", TOLERANCES.start(), TOLERANCES.end());
+            checked.tolerance = self.within(value, "time.tolerance", &range, |t| TOLERANCES.contains(&t))?;
+        }
+        Ok(())
+    }
+
+    /// Steps that are a share of the stability limit.
+    fn limited_steps(&self, time: &RawTime, checked: &mut Time) -> Checked<()> {
+        if let Some(value) = &time.method {
+            return self.beside_quasi_static(&value.span(), "time.method", checked.integrator);
+        }
+        if let Some(value) = &time.tolerance {
+            return self.beside_quasi_static(&value.span(), "time.tolerance", checked.integrator);
+        }
+        if let Some(value) = &time.safety {
+            checked.safety = self.within(value, "time.safety", "0 < safety <= 1", |s| s > 0.0 && s <= 1.0)?;
+        }
+        Ok(())
+    }
+
+    fn step(&self, time: &RawTime) -> Checked<StepChoice> {
+        let expected = "\"auto\", \"paper\" or a step above 0 (s)";
+        let Some(value) = &time.step else { return Ok(StepChoice::Auto) };
+        match value.get_ref() {
+            Value::String(word) if word == "auto" => Ok(StepChoice::Auto),
+            Value::String(word) if word == "paper" => Ok(StepChoice::Paper),
+            Value::Float(step) if step.is_finite() && *step > 0.0 => Ok(StepChoice::Fixed(*step)),
+            Value::Integer(step) if *step > 0 => Ok(StepChoice::Fixed(*step as f64)),
+            other => self.refuse(&value.span(), "time.step", expected, other),
+        }
+    }
+
+    pub(super) fn strain(&self, soil: &RawSoil) -> Checked<StrainChoice> {
+        let words = [("large", StrainChoice::Large), ("small", StrainChoice::Small)];
+        self.word(soil.strain.as_ref(), "soil.strain", &words, StrainChoice::Large)
+    }
+
+    /// Where the mesh starts and how the particles stand.
+    pub(super) fn places(&self, mesh: &RawMesh) -> Checked<(f64, Option<Displaced>)> {
+        let shift = match &mesh.shift {
+            Some(value) => self.within(value, "mesh.shift", "0 <= shift < 1 (cells)", |s| (0.0..1.0).contains(&s))?,
+            None => 0.0,
+        };
+        let Some(table) = &mesh.displaced else { return Ok((shift, None)) };
+        let raw = table.get_ref();
+        let amount = |value: Option<&Spanned<f64>>, key: &str| match value {
+            Some(value) => self.within(value, key, "0 to 0.5 (particle spacings)", |a| (0.0..=0.5).contains(&a)),
+            None => Ok(0.0),
+        };
+        let smooth = amount(raw.smooth.as_ref(), "mesh.displaced.smooth")?;
+        let jitter = amount(raw.jitter.as_ref(), "mesh.displaced.jitter")?;
+        let seed = match &raw.seed {
+            Some(value) if *value.get_ref() < 0 => {
+                return self.refuse(&value.span(), "mesh.displaced.seed", "0 or more", value.get_ref());
+            }
+            Some(value) => *value.get_ref() as u64,
+            None => 1,
+        };
+        Ok((shift, Some(Displaced { smooth, jitter, seed })))
+    }
+}

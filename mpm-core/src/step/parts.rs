@@ -1,0 +1,111 @@
+//! What a run is made of, and what is read from it between steps.
+
+use crate::boundary::{Supports, SurfaceLoad};
+use crate::constitutive::Law;
+use crate::dimension::Kinematics;
+use crate::grid::Grid;
+use crate::observe::{CellValues, Ledger, Observation, Seed, Totals, observe};
+use crate::particles::{Layer, SolidPoint};
+use crate::scene::Surcharge;
+use crate::water::{Place, SoilCell, Water};
+
+/// What a run is made of.
+#[derive(Debug)]
+pub struct Parts<L, W, const D: usize, const S: usize> {
+    /// The mesh.
+    pub grid: Grid<D>,
+    /// Solid layer.
+    pub solid: Layer<SolidPoint<D, S>, D>,
+    /// Water layer, or [`crate::water::Dry`].
+    pub water: W,
+    /// Constitutive law of the skeleton.
+    pub law: L,
+    /// Held sides.
+    pub supports: Supports<D>,
+    /// Top surface.
+    pub surface: SurfaceLoad<D>,
+    /// Load on it.
+    pub surcharge: Option<Surcharge>,
+    /// Gravity, m/s2, as a vector; `None` leaves the term out.
+    pub gravity: Option<[f64; D]>,
+    /// FLIP share of the velocity update.
+    pub flip: f64,
+    /// Where the particles were at t = 0.
+    pub seed: Seed,
+    /// Settlement at t = 0, m: that of the state the run starts from, counted from the unloaded one.
+    pub first_settlement: f64,
+}
+
+impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
+    /// Every cell with soil: its place, soil and water.
+    pub fn cell_values<K: Kinematics<D, S>>(&self) -> Vec<CellValues<D>>
+    where
+        L: Law<S>,
+        W: Water<K, D, S>,
+    {
+        let Parts { grid, solid, water, law, .. } = self;
+        let mut cells = Vec::new();
+        for (cell, position) in grid.walk() {
+            let range = solid.range(cell);
+            if range.is_empty() {
+                continue;
+            }
+            let mut values = CellValues::default();
+            let corners = grid.corners(&position);
+            for index in range {
+                let point = &solid.points[index];
+                values.add_solid(point, self.seed.height_of(solid.ids[index]), law.energy(&point.stress));
+            }
+            let place = Place { cell, position, corners };
+            let soil = SoilCell { place, mass: values.solid_mass, volume: values.volume };
+            (values.pressure, values.water_energy) = water.cell_state(&soil);
+            values.water_mass = water.cell_mass(&soil);
+            values.row = position[D - 1];
+            values.finish();
+            cells.push(values);
+        }
+        cells
+    }
+
+    /// The state at a time (s).
+    pub fn observe<K: Kinematics<D, S>>(&self, time: f64) -> Observation
+    where
+        L: Law<S>,
+        W: Water<K, D, S>,
+    {
+        let settlement = self.first_settlement + self.surface.settlement(&self.solid);
+        observe(&self.solid, self.water.layer(), &self.cell_values::<K>(), settlement, time)
+    }
+
+    /// The balances from the sums of the steps.
+    pub fn ledger<K: Kinematics<D, S>>(&self, totals: &Totals<D>) -> Ledger
+    where
+        L: Law<S>,
+        W: Water<K, D, S>,
+    {
+        totals.ledger(&self.cell_values::<K>(), self.water.density(), self.water.removed_mass())
+    }
+
+    /// Pore pressure averaged over the soil, and its smallest and largest cell value, Pa.
+    pub fn pore_pressure<K: Kinematics<D, S>>(&self) -> [f64; 3]
+    where
+        W: Water<K, D, S>,
+    {
+        let Parts { grid, solid, water, .. } = self;
+        let (mut sum, mut volume, mut low, mut high) = (0.0, 0.0, f64::INFINITY, f64::NEG_INFINITY);
+        for (cell, position) in grid.walk() {
+            let range = solid.range(cell);
+            if range.is_empty() {
+                continue;
+            }
+            let (v, mass) = solid.points[range].iter().fold((0.0, 0.0), |(v, m), p| (v + p.volume, m + p.mass));
+            let soil = SoilCell { place: Place { cell, position, corners: [0; 4] }, mass, volume: v };
+            let (pressure, _) = water.cell_state(&soil);
+            sum += pressure * v;
+            volume += v;
+            low = low.min(pressure);
+            high = high.max(pressure);
+        }
+        [sum / volume, low, high]
+    }
+}

@@ -1,0 +1,275 @@
+//! All times of a stage from one factorisation: shift-invert rational Krylov for linear scenes.
+//!
+//! With displacements eliminated a linear scene is `A dp/dt = -H p`, A and H symmetric, under a constant load. One
+//! backward Euler step of length gamma maps `p` to `B p` with `B = (A + gamma H)^-1 A` (about the drained state). The
+//! exact solution from the state before the load, whose water content is w_0, is a function of B:
+//!
+//! `p(t) = h(B) y_1`, `h(mu) = exp(-t (1/mu - 1)/gamma)/mu`, `y_1` the step from w_0,
+//!
+//! and because h(1) = 1 it is `y_1 - g(B) d`, `g(mu) = (1 - h(mu))/(1 - mu)`, with `d = y_1 - y_2` the difference of
+//! two steps. A d is a difference of water contents, so the drained state is never needed. Lanczos in the inner
+//! product of A makes a basis V of the Krylov space of d, where B is a small tridiagonal matrix T:
+//! `y(t) = y_1 - |d| V g(T) e_1` (Moret & Novati 2004, BIT 44, 595-615; van den Eshof & Hochbruck 2006, SIAM J. Sci.
+//! Comput. 27, 1438-1457). Each vector carries its displacements along.
+
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use super::newton::{Stage, Workspace};
+use super::soil::{HELD, Soil};
+use super::tangent::Stuck;
+use crate::constitutive::Law;
+use crate::space::Deformation;
+
+/// Most basis vectors.
+const MOST: usize = 60;
+/// A direction that is this small beside the one it came from is round-off.
+const BREAKDOWN: f64 = 1e-13;
+
+/// The evolution of a linear scene under a constant load.
+#[derive(Debug)]
+pub(super) struct Krylov {
+    /// y_1.
+    first: Vec<f64>,
+    /// The basis, |d| = `size`.
+    basis: Vec<Vec<f64>>,
+    size: f64,
+    gamma: f64,
+    ritz: Ritz,
+    /// Difference between the last two approximations, as estimated.
+    pub estimate: f64,
+}
+
+/// T and what depends on it.
+#[derive(Debug, Clone)]
+struct Ritz {
+    values: Vec<f64>,
+    /// `vectors[k][j]`: entry k of eigenvector j.
+    vectors: DMatrix<f64>,
+}
+
+impl Ritz {
+    fn new(t: &[[f64; 2]]) -> Self {
+        let size = t.len();
+        let mut matrix = DMatrix::zeros(size, size);
+        for (k, [diagonal, below]) in t.iter().enumerate() {
+            matrix[(k, k)] = *diagonal;
+            if k + 1 < size {
+                (matrix[(k, k + 1)], matrix[(k + 1, k)]) = (*below, *below);
+            }
+        }
+        let eigen = SymmetricEigen::new(matrix);
+        // B lies between 0 and 1; round-off may not.
+        let values = eigen.eigenvalues.iter().map(|mu| mu.clamp(1e-15, 1.0)).collect();
+        Self { values, vectors: eigen.eigenvectors }
+    }
+
+    /// `f(T) e_1`.
+    fn apply(&self, f: impl Fn(f64) -> f64) -> Vec<f64> {
+        let size = self.values.len();
+        let scaled: Vec<f64> = (0..size).map(|j| f(self.values[j]) * self.vectors[(0, j)]).collect();
+        (0..size).map(|k| (0..size).map(|j| self.vectors[(k, j)] * scaled[j]).sum()).collect()
+    }
+}
+
+/// `g(mu) = (1 - h(mu))/(1 - mu)` at a time, tau = t/gamma.
+fn gap(mu: f64, tau: f64) -> f64 {
+    let s = 1.0 - mu;
+    if s < 1e-12 { tau - 1.0 } else { -f64::exp_m1(-tau * s / mu - f64::ln(mu)) / s }
+}
+
+/// `int_0^tau g dtau'`.
+fn gap_integral(mu: f64, tau: f64) -> f64 {
+    let s = 1.0 - mu;
+    if s < 1e-5 { 0.5 * tau * tau - tau } else { (tau + f64::exp_m1(-tau * s / mu) / s) / s }
+}
+
+impl Krylov {
+    /// Builds a basis that holds the state at all `times` (s) within a tolerance. `content` is the water content
+    /// before the load; `measure` weighs unknowns to the settlement, `size` is that of a pressure error of 1 in the
+    /// norm of A.
+    pub fn new<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
+        soil: &mut Soil<K, L, D, S>,
+        content: &[f64],
+        times: &[f64],
+        goal: &Goal,
+        work: &mut Workspace,
+    ) -> Result<Self, Stuck<D>> {
+        let gamma = goal.pole;
+        soil.refresh(gamma)?;
+        let unknowns = soil.unknowns();
+        let stage = |target| Stage { share: 1.0, a: gamma, target, tolerance: 0.0 };
+        let mut first = vec![0.0; unknowns];
+        soil.fulfil(&stage(content), &mut first, work)?;
+        let after = soil.values.content.clone();
+        let mut second = first.clone();
+        soil.fulfil(&stage(&after), &mut second, work)?;
+        let direction: Vec<f64> = first.iter().zip(&second).map(|(a, b)| a - b).collect();
+        // A d = content_1 - content_2, on the rows of the pressures.
+        let mut product = vec![0.0; unknowns];
+        for (function, map) in soil.water_map.iter().enumerate() {
+            if *map != HELD {
+                product[*map as usize] = soil.scales[1] * (after[function] - soil.values.content[function]);
+            }
+        }
+        let mut krylov = Self {
+            first,
+            basis: Vec::new(),
+            size: 0.0,
+            gamma,
+            ritz: Ritz { values: Vec::new(), vectors: DMatrix::zeros(0, 0) },
+            estimate: 0.0,
+        };
+        krylov.build(soil, direction, product, times, goal)?;
+        Ok(krylov)
+    }
+
+    /// Lanczos with full orthogonalisation, until the state at every time stands still.
+    fn build<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
+        &mut self,
+        soil: &mut Soil<K, L, D, S>,
+        mut direction: Vec<f64>,
+        mut product: Vec<f64>,
+        times: &[f64],
+        goal: &Goal,
+    ) -> Result<(), Stuck<D>> {
+        let mut products: Vec<Vec<f64>> = Vec::new();
+        let mut tridiagonal: Vec<[f64; 2]> = Vec::new();
+        let mut settled: Vec<f64> = Vec::new();
+        let mut before: Vec<Vec<f64>> = Vec::new();
+        let mut calm = 0;
+        let mut length = dot(&direction, &product).max(0.0).sqrt();
+        self.size = length;
+        let first_settled = goal.settlement(&self.first);
+        while length > BREAKDOWN * self.size.max(goal.pressure_norm) && self.basis.len() < MOST {
+            for x in direction.iter_mut().chain(&mut product) {
+                *x /= length;
+            }
+            settled.push(goal.settlement(&direction));
+            self.basis.push(direction.clone());
+            products.push(product.clone());
+            // B v: rows of the pressures alone, so that the displacements follow.
+            let rhs: Vec<f64> = product.iter().map(|x| -x).collect();
+            soil.system.solve(&rhs, &mut direction).map_err(Stuck::Unsolved)?;
+            soil.expand(&direction);
+            soil.flow_of_fields().map_err(Stuck::InsideOut)?;
+            // A B v = A v - gamma H B v
+            for (function, map) in soil.water_map.iter().enumerate() {
+                if *map != HELD {
+                    product[*map as usize] -= self.gamma * soil.scales[1] * soil.values.flow[function];
+                }
+            }
+            let mut diagonal = 0.0;
+            for _ in 0..2 {
+                for (k, v) in self.basis.iter().enumerate() {
+                    let along = dot(v, &product);
+                    if k + 1 == self.basis.len() {
+                        diagonal += along;
+                    }
+                    add(&mut direction, -along, v);
+                    add(&mut product, -along, &products[k]);
+                }
+            }
+            length = dot(&direction, &product).max(0.0).sqrt();
+            tridiagonal.push([diagonal, length]);
+            if self.basis.len() < 3 {
+                continue;
+            }
+            self.ritz = Ritz::new(&tridiagonal);
+            let now: Vec<Vec<f64>> = times.iter().map(|t| self.ritz.apply(|mu| gap(mu, t / self.gamma))).collect();
+            self.estimate = if before.is_empty() {
+                f64::INFINITY
+            } else {
+                let change = |(now, before): (&Vec<f64>, &Vec<f64>)| {
+                    let moved = |k: usize| self.size * (now[k] - before.get(k).copied().unwrap_or(0.0));
+                    let settlement: f64 = (0..now.len()).map(|k| settled[k] * self.size * now[k]).sum();
+                    let shift: f64 = (0..now.len()).map(|k| settled[k] * moved(k)).sum();
+                    let norm: f64 = (0..now.len()).map(|k| moved(k).powi(2)).sum::<f64>().sqrt();
+                    let whole = (goal.already + first_settled - settlement).abs();
+                    (shift.abs() / whole).max(norm / goal.pressure_norm)
+                };
+                now.iter().zip(&before).map(change).fold(0.0, f64::max)
+            };
+            calm = if self.estimate <= goal.tolerance { calm + 1 } else { 0 };
+            if calm >= 1 {
+                break;
+            }
+            before = now;
+        }
+        if self.ritz.values.len() != self.basis.len() {
+            self.ritz = Ritz::new(&tridiagonal);
+        }
+        Ok(())
+    }
+
+    /// Unknowns at a time since the start of the stage, s.
+    pub fn at(&self, time: f64, y: &mut [f64]) {
+        y.copy_from_slice(&self.first);
+        let tau = time / self.gamma;
+        for (weight, v) in self.ritz.apply(|mu| gap(mu, tau)).iter().zip(&self.basis) {
+            add(y, -self.size * weight, v);
+        }
+    }
+
+    /// Integral of the unknowns from the start of the stage to a time, s.
+    pub fn integral(&self, time: f64, y: &mut [f64]) {
+        let tau = time / self.gamma;
+        for (y, first) in y.iter_mut().zip(&self.first) {
+            *y = time * first;
+        }
+        for (weight, v) in self.ritz.apply(|mu| gap_integral(mu, tau)).iter().zip(&self.basis) {
+            add(y, -self.gamma * self.size * weight, v);
+        }
+    }
+
+    /// Friction in the pores until a time (s), J: `int p^T H p`.
+    ///
+    /// In Ritz vectors, orthonormal in A, `p = sum zeta_j exp(-lambda_j t) z_j` and `H = lambda_j A` on each.
+    pub fn dissipation(&self, time: f64) -> f64 {
+        let tau = time / self.gamma;
+        let values = &self.ritz.values;
+        let amount = |j: usize| {
+            let (mu, s) = (values[j], 1.0 - values[j]);
+            // d = (1 - B) y_1, and p(0) = y_1/mu
+            let zeta = self.size * self.ritz.vectors[(0, j)] / (mu * s);
+            let part = -0.5 * zeta * zeta * f64::exp_m1(-2.0 * tau * s / mu);
+            if s > 1e-9 { part } else { 0.0 }
+        };
+        (0..values.len()).map(amount).sum()
+    }
+
+    /// Basis vectors.
+    pub fn vectors(&self) -> usize {
+        self.basis.len()
+    }
+}
+
+/// When a basis is good enough.
+#[derive(Debug)]
+pub(super) struct Goal {
+    /// gamma, s.
+    pub pole: f64,
+    /// Largest relative change of settlement, and of the pressure in the norm of A.
+    pub tolerance: f64,
+    /// Weights of the unknowns in the settlement, m.
+    pub weights: Vec<(u32, f64)>,
+    /// Settlement before the stage, m.
+    pub already: f64,
+    /// Norm of the pressure that the load makes undrained, in scaled units.
+    pub pressure_norm: f64,
+}
+
+impl Goal {
+    fn settlement(&self, y: &[f64]) -> f64 {
+        self.weights.iter().map(|(unknown, weight)| weight * y[*unknown as usize]).sum()
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn add(to: &mut [f64], factor: f64, x: &[f64]) {
+    for (to, x) in to.iter_mut().zip(x) {
+        *to += factor * x;
+    }
+}

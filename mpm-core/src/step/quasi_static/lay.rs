@@ -1,0 +1,417 @@
+//! Laying a mesh over the soil: axes, unknowns, integration points, faces, loads.
+
+use std::marker::PhantomData;
+
+use super::soil::{FacePart, Fluid, HELD, PorePart, Soil, SolidPart, Values};
+use super::tangent::System;
+use crate::constitutive::Law;
+use crate::particles::SolidPoint;
+use crate::scene::{LoadOn, Quadrature, Scene, ShapeChoice, Side, SolidSide};
+use crate::space::{Axis, Basis, Deformation, GAUSS3, Local, Stencil, fit, gauss};
+use crate::sparse::Unsolved;
+
+/// Least boundary cell, as a share of a whole one, tried one after the other until the weights can be fitted.
+const LEAST_CELLS: [f64; 3] = [0.5, 0.75, 1.0];
+/// Pieces for the integral of a load along one cell.
+const LOAD_PIECES: usize = 16;
+
+/// What a mesh is laid over.
+#[derive(Debug)]
+pub(super) struct Ground<'a, const D: usize, const S: usize> {
+    pub scene: &'a Scene,
+    /// Particles where they are now.
+    pub points: &'a [SolidPoint<D, S>],
+    /// Strain that the law has seen, per particle.
+    pub strains: &'a [[f64; S]],
+    /// Numbers of the particles of the top row.
+    pub top: &'a [usize],
+    /// How far the surface has come down, m.
+    pub settled: f64,
+    /// Drained sides.
+    pub drained: [bool; 4],
+    /// Lengths that are not modelled, multiplied: the width of a column or 1 m, m.
+    pub thickness: f64,
+}
+
+/// Whether pressures are B-splines; else they are constant in a cell.
+pub(super) fn smooth(shape: ShapeChoice) -> bool {
+    shape == ShapeChoice::Bspline2
+}
+
+impl<const D: usize, const S: usize> Ground<'_, D, S> {
+    /// Axes of the soil with boundary cells of at least a share of a whole one.
+    fn axes(&self, least: f64) -> [Axis; D] {
+        let scene = self.scene;
+        let basis = match scene.shape {
+            ShapeChoice::Centre | ShapeChoice::Linear => Basis::Linear,
+            ShapeChoice::Gimp => Basis::Gimp { half: 0.5 * self.spacing() },
+            ShapeChoice::Bspline2 => Basis::Spline2,
+        };
+        std::array::from_fn(|d| {
+            let high = if d == D - 1 { scene.height - self.settled } else { scene.width };
+            Axis::new(0.0, high, scene.cell, -scene.shift * scene.cell, least, basis)
+        })
+    }
+
+    fn spacing(&self) -> f64 {
+        self.scene.cell / self.scene.particles_per_direction() as f64
+    }
+
+    /// Axes and weights of the particles.
+    fn axes_and_weights(&self) -> ([Axis; D], Vec<f64>) {
+        let volumes: Vec<f64> = self.points.iter().map(|p| p.volume).collect();
+        if self.scene.quadrature == Quadrature::Volumes || self.scene.shape == ShapeChoice::Gimp {
+            return (self.axes(LEAST_CELLS[0]), volumes);
+        }
+        if !smooth(self.scene.shape) {
+            let axes = self.axes(LEAST_CELLS[0]);
+            let weights = self.filling(&axes, volumes);
+            return (axes, weights);
+        }
+        let places: Vec<[f64; D]> = self.points.iter().map(|p| p.x).collect();
+        let mut best: Option<([Axis; D], crate::space::Fit)> = None;
+        for least in LEAST_CELLS {
+            let axes = self.axes(least);
+            let fitted = fit(&axes, self.thickness, &places, &volumes);
+            if best.as_ref().is_none_or(|(_, b)| fitted.degree > b.degree) {
+                best = Some((axes, fitted));
+            }
+            if best.as_ref().is_some_and(|(_, b)| b.degree == 2) {
+                break;
+            }
+        }
+        best.map_or_else(|| (self.axes(LEAST_CELLS[0]), volumes), |(axes, fitted)| (axes, fitted.weights))
+    }
+
+    /// Volumes scaled so that the particles of every cell fill it: gradients of linear functions are constant there,
+    /// and a cell that particles have left or entered would else be too soft or too stiff.
+    fn filling(&self, axes: &[Axis; D], mut volumes: Vec<f64>) -> Vec<f64> {
+        let mut sums = vec![0.0; axes.iter().map(Axis::cells).product()];
+        let place = |point: &SolidPoint<D, S>| number(axes, &cell_of(axes, &point.x));
+        for (point, volume) in self.points.iter().zip(&volumes) {
+            sums[place(point)] += volume;
+        }
+        for (point, volume) in self.points.iter().zip(&mut volumes) {
+            let position = cell_of(axes, &point.x);
+            let whole = (0..D).fold(self.thickness, |v, d| v * axes[d].length(position[d]));
+            *volume *= whole / sums[number(axes, &position)];
+        }
+        volumes
+    }
+
+    /// Lays the mesh.
+    pub fn lay<K: Deformation<D, S>, L: Law<S>>(&self, law: L) -> Result<Soil<K, L, D, S>, Unsolved> {
+        let scene = self.scene;
+        let (axes, weights) = self.axes_and_weights();
+        let smooth = smooth(scene.shape);
+        let functions: usize = axes.iter().map(Axis::functions).product();
+        let cells: usize = axes.iter().map(Axis::cells).product();
+        let wet = scene.water.is_some();
+        let pressures = if !wet {
+            0
+        } else if smooth {
+            functions
+        } else {
+            cells
+        };
+        let solid = self.solid(&axes, &weights);
+        let pore = if wet || scene.gravity.is_some() { self.pore(&axes, &solid) } else { Vec::new() };
+        let faces = if wet && !smooth { self.faces(&axes) } else { Vec::new() };
+        let (soil_map, water_map, size) = self.unknowns(&axes, pressures);
+        let jumps = if wet && smooth { self.jumps(&axes) } else { Vec::new() };
+        let maps = (soil_map.as_slice(), water_map.as_slice());
+        let system = System::new(size, (&solid, &pore, &faces), &jumps, maps)?;
+        let water = scene.water.unwrap_or(crate::scene::WaterProperties {
+            hydraulic_conductivity: 0.0,
+            bulk_modulus: f64::INFINITY,
+            unit_weight: 1.0,
+            density: 0.0,
+        });
+        let mut gravity = [0.0; D];
+        gravity[D - 1] = -scene.gravity.unwrap_or(0.0);
+        Ok(Soil {
+            load: self.load(&axes, &solid),
+            values: Values {
+                force: vec![0.0; functions * D],
+                content: vec![0.0; pressures],
+                flow: vec![0.0; pressures],
+                ..Values::default()
+            },
+            u: vec![[0.0; D]; functions],
+            p: vec![0.0; pressures],
+            fluid: Fluid {
+                mobility: water.mobility(),
+                compressibility: 1.0 / water.bulk_modulus,
+                density: water.density,
+                grain_density: scene.grain_density,
+                gravity: scene.gravity.map(|_| gravity),
+            },
+            scales: [scene.cell, scene.oedometer_modulus()],
+            small: scene.strain == crate::scene::StrainChoice::Small,
+            cell_gradient: vec![([[0.0; D]; D], 0.0); if smooth { 0 } else { cells }],
+            kind: PhantomData,
+            axes,
+            law,
+            solid,
+            pore,
+            faces,
+            jumps,
+            soil_map,
+            water_map,
+            system,
+        })
+    }
+
+    fn solid(&self, axes: &[Axis; D], weights: &[f64]) -> Vec<SolidPart<D, S>> {
+        let centre = self.scene.shape == ShapeChoice::Centre;
+        let part = |(i, point): (usize, &SolidPoint<D, S>)| {
+            let mut stencil = Stencil::at(axes, &point.x);
+            if centre {
+                // Section 2.2: gradients at the centre of the cell.
+                stencil.slope = Stencil::at(axes, &middle(axes, &cell_of(axes, &point.x))).slope;
+            }
+            SolidPart { stencil, weight: weights[i], stress: point.stress, strain: self.strains[i] }
+        };
+        self.points.iter().enumerate().map(part).collect()
+    }
+
+    fn pore(&self, axes: &[Axis; D], solid: &[SolidPart<D, S>]) -> Vec<PorePart<D>> {
+        let wet = self.scene.water.is_some();
+        let mut room = vec![[0.0; 2]; axes.iter().map(Axis::cells).product()];
+        let place = |point: &SolidPoint<D, S>| number(axes, &cell_of(axes, &point.x));
+        for point in self.points {
+            let [volume, mass] = &mut room[place(point)];
+            *volume += point.volume;
+            *mass += point.mass;
+        }
+        // The grains do not compress.
+        let porosity = |cell: usize| match room[cell] {
+            [volume, mass] if volume > 0.0 => 1.0 - mass / (self.scene.grain_density * volume),
+            _ => self.scene.porosity,
+        };
+        if !smooth(self.scene.shape) {
+            let part = |(i, point): (usize, &SolidPoint<D, S>)| {
+                let cell = place(point);
+                let mut water = Stencil::single(cell);
+                water.count = usize::from(wet);
+                let (soil, weight) = (solid[i].stencil, solid[i].weight);
+                PorePart { soil, water, weight, porosity: porosity(cell) }
+            };
+            return self.points.iter().enumerate().map(part).collect();
+        }
+        let mut parts = Vec::with_capacity(room.len() * 3usize.pow(D as u32));
+        for (cell, _) in room.iter().enumerate() {
+            let position = position(axes, cell);
+            let porosity = porosity(cell);
+            for local in 0..3usize.pow(D as u32) {
+                let mut rest = local;
+                let (mut x, mut weight) = ([0.0; D], self.thickness);
+                for d in 0..D {
+                    let (xi, share) = GAUSS3[rest % 3];
+                    rest /= 3;
+                    let length = axes[d].length(position[d]);
+                    x[d] = axes[d].knots[position[d]] + xi * length;
+                    weight *= share * length;
+                }
+                let soil = Stencil::at(axes, &x);
+                let mut water = soil;
+                water.count *= usize::from(wet);
+                parts.push(PorePart { soil, water, weight, porosity });
+            }
+        }
+        parts
+    }
+
+    fn faces(&self, axes: &[Axis; D]) -> Vec<FacePart> {
+        let cells: usize = axes.iter().map(Axis::cells).product();
+        let mut faces = Vec::new();
+        for cell in 0..cells {
+            let position = position(axes, cell);
+            let mut stride = 1;
+            for axis in 0..D {
+                let half = |i: usize| 0.5 * axes[axis].length(i);
+                let area =
+                    (0..D).filter(|d| *d != axis).fold(self.thickness, |area, d| area * axes[d].length(position[d]));
+                let (at, last) = (position[axis], axes[axis].cells() - 1);
+                // The last axis is the vertical one: sides 2 and 3.
+                let side = 2 * (axis + 2 - D);
+                let here = cell as u32;
+                if at == 0 && self.drained[side] {
+                    faces.push(FacePart { cells: [HELD, here], axis, area, reach: [0.0, half(at)] });
+                }
+                if at < last {
+                    let above = (cell + stride) as u32;
+                    faces.push(FacePart { cells: [here, above], axis, area, reach: [half(at), half(at + 1)] });
+                } else if self.drained[side + 1] {
+                    faces.push(FacePart { cells: [here, HELD], axis, area, reach: [half(at), 0.0] });
+                }
+                stride *= axes[axis].cells();
+            }
+        }
+        faces
+    }
+
+    /// Numbers the unknowns: along a column, displacement and pressure of the same place beside each other.
+    fn unknowns(&self, axes: &[Axis; D], pressures: usize) -> (Vec<[u32; D]>, Vec<u32>, usize) {
+        let counts: [usize; D] = std::array::from_fn(|d| axes[d].functions());
+        let functions: usize = counts.iter().product();
+        let smooth = smooth(self.scene.shape);
+        let plate = self.scene.surcharge.is_some_and(|s| s.on == LoadOn::Plate);
+        let mut next = 0;
+        let mut take = || {
+            next += 1;
+            next - 1
+        };
+        let mut shared = None;
+        let (mut soil_map, mut water_map) = (vec![[HELD; D]; functions], vec![HELD; pressures]);
+        for function in 0..functions.max(pressures) {
+            let (mut rest, mut held, mut dry, mut top) = (function, [false; D], false, false);
+            for axis in 0..D {
+                let at = rest % counts[axis];
+                rest /= counts[axis];
+                for upper in [false, true] {
+                    if at != if upper { counts[axis] - 1 } else { 0 } {
+                        continue;
+                    }
+                    let side = 2 * (axis + 2 - D) + usize::from(upper);
+                    dry |= self.drained[side];
+                    top |= side == Side::Top as usize;
+                    match self.scene.solid_sides[side] {
+                        SolidSide::Free => {}
+                        SolidSide::Roller => held[axis] = true,
+                        SolidSide::Fixed => held = [true; D],
+                    }
+                }
+            }
+            if function < functions {
+                for d in 0..D {
+                    if held[d] {
+                        continue;
+                    }
+                    soil_map[function][d] =
+                        if plate && top && d == D - 1 { *shared.get_or_insert_with(&mut take) } else { take() };
+                }
+            }
+            if function < pressures && !(smooth && dry) {
+                water_map[function] = take();
+            }
+        }
+        (soil_map, water_map, next as usize)
+    }
+
+    /// Force of the full load, N per displacement function and direction.
+    fn load(&self, axes: &[Axis; D], solid: &[SolidPart<D, S>]) -> Vec<f64> {
+        let functions: usize = axes.iter().map(Axis::functions).product();
+        let mut load = vec![0.0; functions * D];
+        let Some(surcharge) = self.scene.surcharge else { return load };
+        let share = |x: f64| surcharge.strip.map_or(1.0, |strip| strip.share(x));
+        if surcharge.on == LoadOn::Particles {
+            let area = self.thickness * self.spacing().powi(D as i32 - 1);
+            for &point in self.top {
+                let force = -surcharge.pressure * area * if D == 2 { share(self.points[point].x[0]) } else { 1.0 };
+                let stencil = &solid[point].stencil;
+                for a in 0..stencil.count {
+                    load[stencil.number[a] as usize * D + D - 1] += force * stencil.value[a];
+                }
+            }
+            return load;
+        }
+        let row = functions - axes[..D - 1].iter().map(Axis::functions).product::<usize>();
+        for (i, integral) in top_integrals(axes, share).into_iter().enumerate() {
+            load[(row + i) * D + D - 1] -= surcharge.pressure * self.thickness * integral;
+        }
+        load
+    }
+
+    /// `gamma L^5/(2G) sum over inner knots [d2p/dn2][d2q/dn2]`, integrated along the knot.
+    fn jumps(&self, axes: &[Axis; D]) -> Vec<(u32, u32, f64)> {
+        let gamma = self.scene.jump_penalty;
+        if gamma == 0.0 {
+            return Vec::new();
+        }
+        let factor = gamma * self.scene.cell.powi(5) / (2.0 * self.scene.elastic.shear_modulus()) * self.thickness;
+        let mut jumps = Vec::new();
+        for axis in 0..D {
+            let along = &axes[axis];
+            for knot in 1..along.cells() {
+                // Functions knot - 1 to knot + 2: the cell below has the first three, the cell above the last three.
+                let (below, above) = (along.curvature(knot - 1), along.curvature(knot));
+                let jump = [-below[0], above[0] - below[1], above[1] - below[2], above[2]];
+                for (a, ja) in jump.iter().enumerate() {
+                    for (b, jb) in jump.iter().enumerate() {
+                        across(axes, axis, |i, j, mass, strides| {
+                            let number = |f: usize, other: usize| (f * strides[0] + other * strides[1]) as u32;
+                            let pair = (number(knot - 1 + a, i), number(knot - 1 + b, j));
+                            jumps.push((pair.0, pair.1, factor * ja * jb * mass));
+                        });
+                    }
+                }
+            }
+        }
+        jumps
+    }
+}
+
+/// Integrals of the functions along the top times a share of the load, m; 1 in a column.
+pub(super) fn top_integrals<const D: usize>(axes: &[Axis; D], share: impl Fn(f64) -> f64) -> Vec<f64> {
+    if D == 1 {
+        return vec![1.0];
+    }
+    let axis = &axes[0];
+    let mut sums = vec![0.0; axis.functions()];
+    for cell in 0..axis.cells() {
+        for (i, sum) in sums.iter_mut().enumerate() {
+            *sum += gauss(axis.knots[cell], axis.knots[cell + 1], LOAD_PIECES, |x| {
+                let Local { first, value, .. } = axis.at_boundary(x);
+                i.checked_sub(first).and_then(|a| value.get(a)).map_or(0.0, |v| v * share(x))
+            });
+        }
+    }
+    sums
+}
+
+/// Pairs of functions across an axis with the integral of their product, and the strides of (axis, other axis).
+fn across<const D: usize>(axes: &[Axis; D], axis: usize, mut f: impl FnMut(usize, usize, f64, [usize; 2])) {
+    if D == 1 {
+        return f(0, 0, 1.0, [1, 0]);
+    }
+    let other = &axes[1 - axis];
+    let strides = if axis == 0 { [1, axes[0].functions()] } else { [axes[0].functions(), 1] };
+    for i in 0..other.functions() {
+        for j in i.saturating_sub(2)..(i + 3).min(other.functions()) {
+            let cells = i.max(j).saturating_sub(2)..(i.min(j) + 1).min(other.cells());
+            let product = |x: f64| {
+                let local = other.at(x);
+                let value = |n: usize| n.checked_sub(local.first).and_then(|a| local.value.get(a)).copied();
+                value(i).unwrap_or(0.0) * value(j).unwrap_or(0.0)
+            };
+            let mass: f64 = cells.map(|c| gauss(other.knots[c], other.knots[c + 1], 1, product)).sum();
+            f(i, j, mass, strides);
+        }
+    }
+}
+
+/// Lattice position of the cell that holds a point.
+pub(super) fn cell_of<const D: usize>(axes: &[Axis; D], x: &[f64; D]) -> [usize; D] {
+    std::array::from_fn(|d| axes[d].cell(x[d]))
+}
+
+/// Middle of a cell, m.
+pub(super) fn middle<const D: usize>(axes: &[Axis; D], position: &[usize; D]) -> [f64; D] {
+    std::array::from_fn(|d| axes[d].middle(position[d]))
+}
+
+/// Number of a cell, the first axis fastest.
+pub(super) fn number<const D: usize>(axes: &[Axis; D], position: &[usize; D]) -> usize {
+    (0..D).rev().fold(0, |n, d| n * axes[d].cells() + position[d])
+}
+
+/// Lattice position of a cell.
+pub(super) fn position<const D: usize>(axes: &[Axis; D], cell: usize) -> [usize; D] {
+    let mut rest = cell;
+    std::array::from_fn(|d| {
+        let i = rest % axes[d].cells();
+        rest /= axes[d].cells();
+        i
+    })
+}

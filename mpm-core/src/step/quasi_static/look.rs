@@ -1,0 +1,144 @@
+//! What is read from a quasi-static state: settlement, profiles, balances.
+
+use super::lay::smooth;
+use super::march::work_of;
+use super::soil::{InsideOut, PorePart, PoreState};
+use super::{Method, QuasiStatic, lay};
+use crate::constitutive::Law;
+use crate::observe::{CellValues, FieldPoint, Observation, checkerboard, profile};
+use crate::space::{Deformation, Stencil};
+
+impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
+    /// The state now.
+    pub(super) fn look(&self) -> Observation {
+        let cells = self.cell_values();
+        let volume: f64 = cells.iter().map(|c| c.volume).sum();
+        let rows = profile(&cells);
+        Observation {
+            time: self.time,
+            settlement: self.settlement(),
+            mean_pressure: cells.iter().map(|c| c.volume * c.pressure).sum::<f64>() / volume,
+            base_pressure: rows.first().map_or(0.0, |row| row.pressure_pa),
+            max_speed: 0.0,
+            least_volume: cells.iter().map(|c| c.volume).fold(f64::INFINITY, f64::min),
+            checkerboard: checkerboard(&cells),
+            solid_crossings: self.crossings(),
+            water_crossings: 0,
+            profile: rows,
+            field: self.field(&cells),
+        }
+    }
+
+    /// Pressures over the plane.
+    fn field(&self, cells: &[CellValues<D>]) -> Vec<FieldPoint> {
+        let Some(soil) = self.soil.as_ref().filter(|_| D == 2 && self.scene.profiles) else { return Vec::new() };
+        let across = |cell: usize| lay::middle(&soil.axes, &lay::position(&soil.axes, cell))[0];
+        let point = |(cell, values): (usize, &CellValues<D>)| FieldPoint {
+            x_m: across(cell),
+            y_m: values.material_height,
+            pressure_pa: values.pressure,
+        };
+        cells.iter().enumerate().map(point).collect()
+    }
+
+    /// Particles that are no longer in the mesh cell where they started.
+    fn crossings(&self) -> u64 {
+        let cell = |x: f64| (x / self.scene.cell + self.scene.shift).floor();
+        let moved = self.points.iter().zip(&self.carried).enumerate().filter(|(i, (point, carried))| {
+            let u = self.moved(*i);
+            (0..D).any(|d| cell(point.x[d] + u[d]) != cell(point.x[d] - carried[d]))
+        });
+        moved.count() as u64
+    }
+
+    /// Displacement of a particle since the mesh was laid, m; small strain moves none.
+    fn moved(&self, point: usize) -> [f64; D] {
+        match &self.soil {
+            Some(soil) if !soil.small => soil.solid[point].stencil.vector(&soil.u),
+            _ => [0.0; D],
+        }
+    }
+
+    /// Every cell of the mesh: its soil and water.
+    pub(super) fn cell_values(&self) -> Vec<CellValues<D>> {
+        let Some(soil) = &self.soil else { return Vec::new() };
+        let count: usize = soil.axes.iter().map(crate::space::Axis::cells).product();
+        let mut cells = vec![CellValues::<D>::default(); count];
+        let smooth = smooth(self.scene.shape);
+        let mut shift = vec![0.0; count];
+        for (i, (point, part)) in self.points.iter().zip(&soil.solid).enumerate() {
+            let cell = lay::number(&soil.axes, &lay::cell_of(&soil.axes, &point.x));
+            let Some((push, _, stress)) = soil.stress_of(part) else { continue };
+            let stretch =
+                if soil.small { 1.0 } else { K::stretch(&part.stencil.gradient(&soil.u)).map_or(1.0, |s| s.volume) };
+            let volume = part.weight * stretch;
+            let values = &mut cells[cell];
+            values.solid_mass += point.mass;
+            values.effective_stress += volume * K::turned(&stress, &push.rotation)[D - 1];
+            values.strain_energy += volume * soil.law.energy(&stress);
+            values.volume += volume;
+            shift[cell] += volume * self.carried[i][D - 1];
+        }
+        for (cell, values) in cells.iter_mut().enumerate() {
+            let position = lay::position(&soil.axes, cell);
+            let middle = lay::middle(&soil.axes, &position);
+            let here = Stencil::at(&soil.axes, &middle);
+            values.row = position[D - 1];
+            values.effective_stress /= values.volume;
+            values.material_height = middle[D - 1] - shift[cell] / values.volume;
+            values.height = middle[D - 1] + if soil.small { 0.0 } else { here.vector(&soil.u)[D - 1] };
+            values.pressure = match (soil.p.is_empty(), smooth) {
+                (true, _) => 0.0,
+                (false, true) => here.scalar(&soil.p),
+                (false, false) => soil.p[cell],
+            };
+        }
+        for part in soil.pore.iter().filter(|part| part.water.count > 0) {
+            let Some(PoreState { change, .. }) = soil.pore_state(part) else { continue };
+            let cell = self.cell_of_pore(part);
+            let pressure = part.water.scalar(&soil.p);
+            let pores = if soil.small { part.porosity } else { change + part.porosity };
+            let fluid = &soil.fluid;
+            // Pores change with the soil even where the geometry stays.
+            let water = part.porosity + change + pores * pressure * fluid.compressibility;
+            cells[cell].water_mass += part.weight * fluid.density * water;
+            cells[cell].water_energy += 0.5 * part.weight * pores * pressure * pressure * fluid.compressibility;
+        }
+        for &(a, b, value) in &soil.jumps {
+            let stored = 0.5 * value * soil.p[a as usize] * soil.p[b as usize];
+            cells[0].water_energy += stored;
+        }
+        cells
+    }
+
+    fn cell_of_pore(&self, part: &PorePart<D>) -> usize {
+        let Some(soil) = &self.soil else { return 0 };
+        if !smooth(self.scene.shape) {
+            return part.water.number[0] as usize;
+        }
+        // The first function of a B-spline stencil has the number of its cell along each axis.
+        let mut rest = part.water.number[0] as usize;
+        let position = std::array::from_fn(|d| {
+            let functions = soil.axes[d].functions();
+            let at = rest % functions;
+            rest /= functions;
+            at
+        });
+        lay::number(&soil.axes, &position)
+    }
+
+    /// Balances of a Krylov stage at its present time.
+    pub(super) fn book_krylov(&mut self) -> Result<(), InsideOut<D>> {
+        let (Some(soil), Some(Method::Krylov(stage))) = (&mut self.soil, &mut self.method) else { return Ok(()) };
+        soil.expand(&stage.integral);
+        soil.flow_of_fields()?;
+        let passed = soil.values.outflow - soil.held(&soil.values.flow);
+        soil.evaluate(&self.y)?;
+        let content = soil.held(&soil.values.content);
+        self.totals.water_out = stage.out_before + passed - (content - stage.held);
+        self.totals.external_work = stage.work_before + work_of(&soil.load, &soil.u);
+        self.totals.darcy_dissipation = stage.dissipation_before + stage.evolution.dissipation(self.stage_time);
+        self.content.copy_from_slice(&soil.values.content);
+        Ok(())
+    }
+}

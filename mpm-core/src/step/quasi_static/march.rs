@@ -1,0 +1,238 @@
+//! Through a stage: one Krylov basis, or steps whose length follows from their error.
+
+use super::krylov::{Goal, Krylov};
+use super::relay::RELAY;
+use super::sdirk::{GAMMA, Sdirk, StepSums};
+use super::soil::{HELD, Soil};
+use super::tangent::Stuck;
+use super::trouble::{describe, inside_out, nothing};
+use super::{KrylovStage, Method, QuasiStatic};
+use crate::constitutive::Law;
+use crate::scene::{StepChoice, StrainChoice};
+use crate::space::Deformation;
+use crate::step::Fault;
+
+/// The first step of a stage as a share of L^2/c_v: shorter ones overshoot where the mesh cannot resolve the drained
+/// layer, and the error estimate shortens it where accuracy asks for it.
+const FIRST_STEP: f64 = 0.3;
+/// The estimate of a step beside the tolerance. It is of order 3 while the solution that is kept is of order 4: on
+/// the study's column the error in time was a 200th of the estimate, so that this leaves a tenth of the tolerance.
+const CAUTION: f64 = 10.0;
+/// Least step as a share of the stage.
+const LEAST_STEP: f64 = 1e-12;
+/// Residual of a nonlinear stage beside the tolerance.
+const NEWTON: f64 = 1e-3;
+/// The pole of the Krylov method as a share of the last time.
+const POLE: f64 = 0.1;
+/// Changes of the step between these factors are not worth another factorisation of a linear scene.
+const STEADY: std::ops::Range<f64> = 0.9..1.6;
+
+impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
+    /// Whether the Krylov method can take a stage: linear, constant load, no weight, water that can flow.
+    pub(super) fn krylov_holds(&self) -> bool {
+        let linear = self.scene.strain == StrainChoice::Small && L::LINEAR;
+        let constant = self.time >= self.scene.surcharge.map_or(0.0, |s| s.ramp_time);
+        linear && constant && self.scene.gravity.is_none() && self.scene.water.is_some()
+    }
+
+    /// All times of a stage at once.
+    pub(super) fn krylov(&mut self, times: &[f64]) -> Result<Method, Fault> {
+        let end = times.last().copied().unwrap_or(0.0);
+        let already = self.seeding.first_settlement + self.settled;
+        let pressure = self.pressure_size();
+        let volume = self.seeding.thickness * self.scene.height * if D == 2 { self.scene.width } else { 1.0 };
+        let storage = 1.0 / self.scene.oedometer_modulus() + 1.0 / self.scene.pore_stiffness();
+        let goal = Goal {
+            pole: POLE * end,
+            tolerance: self.scene.tolerance,
+            weights: self.settle.clone(),
+            already,
+            pressure_norm: pressure * (volume * storage).sqrt(),
+        };
+        let held = self.soil.as_ref().map_or(0.0, |soil| soil.held(&self.content));
+        let totals = &self.totals;
+        let (out_before, work_before, dissipation_before) =
+            (totals.water_out, totals.external_work, totals.darcy_dissipation);
+        let Some(soil) = &mut self.soil else { return Err(nothing()) };
+        let evolution =
+            Krylov::new(soil, &self.content, times, &goal, &mut self.work).map_err(|stuck| self.fault(&stuck, None))?;
+        let integral = vec![0.0; self.y.len()];
+        self.done.accepted += evolution.vectors() as u64;
+        Ok(Method::Krylov(Box::new(KrylovStage {
+            evolution,
+            integral,
+            held,
+            out_before,
+            work_before,
+            dissipation_before,
+        })))
+    }
+
+    /// The first step of a stage, s.
+    pub(super) fn first_step(&self, times: &[f64]) -> f64 {
+        let end = times.last().copied().unwrap_or(f64::INFINITY);
+        let drained = self.scene.water.map_or(f64::INFINITY, |w| {
+            FIRST_STEP * self.scene.cell.powi(2) / (w.mobility() * self.scene.oedometer_modulus())
+        });
+        match self.scene.step {
+            StepChoice::Fixed(step) => step,
+            _ => drained.min(end),
+        }
+    }
+
+    /// Steps until `end` (s since the start of the stage).
+    pub(super) fn steps_until(&mut self, end: f64, done: &mut u64) -> Result<(), Fault> {
+        let fixed = matches!(self.scene.step, StepChoice::Fixed(_));
+        while self.stage_time < end {
+            let Some(Method::Sdirk { step, .. }) = &self.method else { return Err(nothing()) };
+            let (wanted, left) = (*step, end - self.stage_time);
+            // Equal steps to the next time, so that none of them is tiny.
+            let h = left / (left / wanted - 1e-6).ceil().max(1.0);
+            let grown = self.step(h)?;
+            let last = left - h <= 1e-12 * end;
+            if grown.accepted {
+                self.stage_time = if last { end } else { self.stage_time + h };
+                *done += 1;
+            }
+            if let Some(Method::Sdirk { step, .. }) = &mut self.method
+                && !fixed
+            {
+                // A step that was only shortened to hit a time says nothing against the longer one.
+                *step = if grown.accepted && h < wanted { wanted.max(h * grown.factor) } else { h * grown.factor };
+                let step = *step;
+                if step < LEAST_STEP * self.stage_end {
+                    return Err(self.too_small(step));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// One step of `h` (s); the state moves only if it is accepted.
+    fn step(&mut self, h: f64) -> Result<Grown, Fault> {
+        let fixed = matches!(self.scene.step, StepChoice::Fixed(_));
+        self.factorise(h)?;
+        let (time, ramp) = (self.time, self.scene.surcharge.map_or(0.0, |s| s.ramp_time));
+        let share = |c: f64| if time + c * h < ramp { (time + c * h) / ramp } else { 1.0 };
+        let tolerance = (NEWTON * self.scene.tolerance).max(1e-12);
+        let (Some(soil), Some(Method::Sdirk { stepper, .. })) = (&mut self.soil, &mut self.method) else {
+            return Err(nothing());
+        };
+        let stepped = stepper.step(soil, (&self.y, &self.content), h, share, (&mut self.work, tolerance));
+        let sums = match stepped {
+            Ok(sums) => sums,
+            // Half the step may be less of a stretch.
+            Err(stuck) if !fixed && !matches!(stuck, Stuck::Unsolved(_)) => {
+                self.done.rejected += 1;
+                self.trouble = Some(describe(&stuck, &self.points));
+                return Ok(Grown { accepted: false, factor: 0.5 });
+            }
+            Err(stuck) => return Err(self.fault(&stuck, Some(h))),
+        };
+        let error = self.error();
+        let allowed = CAUTION * self.scene.tolerance;
+        // The error of a step goes with h^4: the estimate is of order 3.
+        let factor = (0.9 * (allowed / error.max(1e-300)).powf(0.25)).clamp(0.1, 5.0);
+        if !fixed && (error.is_nan() || error > allowed) {
+            self.done.rejected += 1;
+            self.trouble = Some(format!("estimated error {error:.3e}, allowed {allowed:.3e}"));
+            return Ok(Grown { accepted: false, factor: if error.is_nan() { 0.1 } else { factor } });
+        }
+        self.done.accepted += 1;
+        self.book(&sums, 0.5 * (share(0.0) + share(1.0)));
+        self.time += h;
+        let (strained, linear) = (self.commit(), self.soil.as_ref().is_some_and(Soil::linear));
+        if strained > RELAY && self.scene.strain == StrainChoice::Large && self.flat() {
+            self.count_work();
+            self.lay(self.drained)?;
+            if let (Some(soil), Some(Method::Sdirk { stepper, factored, .. })) = (&self.soil, &mut self.method) {
+                **stepper = Sdirk::new(soil.p.len(), soil.unknowns());
+                *factored = f64::NAN;
+            }
+        }
+        Ok(Grown { accepted: true, factor: if linear && STEADY.contains(&factor) { 1.0 } else { factor } })
+    }
+
+    /// Factors for a step of `h` (s), unless those at hand are.
+    fn factorise(&mut self, h: f64) -> Result<(), Fault> {
+        let (Some(soil), Some(Method::Sdirk { factored, .. })) = (&mut self.soil, &mut self.method) else {
+            return Err(nothing());
+        };
+        if *factored == h && soil.linear() {
+            return Ok(());
+        }
+        soil.evaluate(&self.y).map_err(|e| inside_out(&self.points, e.point))?;
+        *factored = f64::NAN;
+        if let Err(stuck) = soil.refresh(GAMMA * h) {
+            let mut fault = self.fault(&stuck, Some(h));
+            if let Some(trouble) = &self.trouble {
+                fault.what = format!("{}; before: {trouble}", fault.what);
+            }
+            return Err(fault);
+        }
+        *factored = h;
+        Ok(())
+    }
+
+    /// Estimated error of the last step: of the settlement, relative to it, and of the pressure, RMS beside that of the
+    /// load.
+    fn error(&self) -> f64 {
+        let (Some(soil), Some(Method::Sdirk { stepper, .. })) = (&self.soil, &self.method) else { return f64::NAN };
+        let size = self.pressure_size();
+        let least = 1e-3 * size * self.scene.height / soil.scales[1];
+        let already = self.seeding.first_settlement + self.settled;
+        let whole = (already + self.settlement_of(&stepper.end)).abs().max(least);
+        let (mut sum, mut count) = (0.0, 0u32);
+        for map in soil.water_map.iter().filter(|map| **map != HELD) {
+            sum += (soil.scales[1] * stepper.error[*map as usize]).powi(2);
+            count += 1;
+        }
+        let pressure = (sum / f64::from(count.max(1))).sqrt() / size;
+        // Written so that a NaN of either stays.
+        let settlement = self.settlement_of(&stepper.error).abs() / whole;
+        if settlement > pressure || settlement.is_nan() { settlement } else { pressure }
+    }
+
+    /// Books the work and the water of the last step, under a mean share of the load, and moves the unknowns to its end.
+    fn book(&mut self, sums: &StepSums, share: f64) {
+        let (Some(soil), Some(Method::Sdirk { stepper, .. })) = (&mut self.soil, &self.method) else { return };
+        soil.expand(&self.y);
+        let before = [work_of(&soil.load, &soil.u), soil.weight_work()];
+        soil.expand(&stepper.end);
+        let after = [work_of(&soil.load, &soil.u), soil.weight_work()];
+        self.totals.external_work += share * (after[0] - before[0]);
+        self.totals.gravity_work += after[1] - before[1];
+        let held = soil.held(&soil.values.content) - soil.held(&self.content);
+        self.totals.water_out += sums.outflow - held;
+        self.totals.darcy_dissipation += sums.dissipation;
+        self.totals.flow_body_work += sums.body_work;
+        self.y.copy_from_slice(&stepper.end);
+        self.content.copy_from_slice(&soil.values.content);
+    }
+
+    /// The state of the law goes on to the end of the step. Returns the largest strain since the mesh was laid.
+    fn commit(&mut self) -> f64 {
+        let Some(soil) = self.soil.as_mut().filter(|soil| !soil.linear()) else { return 0.0 };
+        let mut strained: f64 = 0.0;
+        for i in 0..soil.solid.len() {
+            let part = soil.solid[i];
+            let Some((_, strain, stress)) = soil.stress_of(&part) else { continue };
+            (soil.solid[i].strain, soil.solid[i].stress) = (strain, stress);
+            strained = strain.iter().fold(strained, |m, e| m.max(e.abs()));
+        }
+        strained
+    }
+}
+
+/// How a step went.
+#[derive(Debug, Clone, Copy)]
+struct Grown {
+    accepted: bool,
+    /// The next step as a multiple of this one.
+    factor: f64,
+}
+
+/// Work of nodal forces (N) on displacements (m), J.
+pub(super) fn work_of<const D: usize>(load: &[f64], u: &[[f64; D]]) -> f64 {
+    u.iter().enumerate().map(|(i, u)| (0..D).map(|d| load[i * D + d] * u[d]).sum::<f64>()).sum()
+}

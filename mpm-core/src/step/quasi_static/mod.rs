@@ -1,0 +1,258 @@
+//! The quasi-static integrator: implicit displacement and pressure without inertia, steps of its own choice.
+//!
+//! # Reading order
+//! 1. `soil.rs`: the balance laws at given unknowns. `tangent.rs`: their matrix. `lay.rs`: mesh, unknowns, points.
+//! 2. `newton.rs`: equilibrium. `sdirk.rs`: one step in time. `krylov.rs`: all times of a linear stage at once.
+//! 3. `march.rs`: through a stage. `relay.rs`: from one mesh to the next. `look.rs`: what is read from the state.
+//! 4. `trouble.rs`: what is said when a run cannot go on.
+//!
+//! A mesh is laid over the soil and moves with it (total Lagrangian). Its state goes to the particles, and a new mesh
+//! is laid, when a stage begins and when a particle was strained by more than `RELAY` on it.
+
+mod krylov;
+mod lay;
+mod look;
+mod march;
+mod newton;
+mod relay;
+mod sdirk;
+mod soil;
+mod tangent;
+#[cfg(test)]
+mod tests;
+mod trouble;
+
+use krylov::Krylov;
+use newton::{Workspace, largest};
+use sdirk::Sdirk;
+use soil::Soil;
+use trouble::{inside_out, nothing};
+
+use super::{Fault, Model, Work};
+use crate::constitutive::Law;
+use crate::observe::{Ledger, Observation, Totals};
+use crate::particles::SolidPoint;
+use crate::scene::{Scene, Stage, StepChoice, TimeMethod};
+use crate::space::Deformation;
+
+/// What a quasi-static run is made of.
+#[derive(Debug)]
+pub struct Seeding<L, const D: usize, const S: usize> {
+    /// Solid particles at t = 0, row by row from the base up.
+    pub points: Vec<SolidPoint<D, S>>,
+    /// Law of the skeleton.
+    pub law: L,
+    /// Numbers of the particles of the top row.
+    pub top: Vec<usize>,
+    /// Lengths that are not modelled, multiplied: the width of a column or 1 m, m.
+    pub thickness: f64,
+    /// Pore pressure at a height at t = 0, Pa.
+    pub first_pressure: fn(&Scene, f64) -> f64,
+    /// Settlement of the state the run starts from, counted from the unloaded one, m.
+    pub first_settlement: f64,
+}
+
+/// A quasi-static run. K: dimension, L: law.
+#[derive(Debug)]
+pub struct QuasiStatic<K, L, const D: usize, const S: usize> {
+    scene: Scene,
+    seeding: Seeding<L, D, S>,
+    /// Particles where they were when the mesh was laid, with the stress they had.
+    points: Vec<SolidPoint<D, S>>,
+    /// Their displacement before that, m.
+    carried: Vec<[f64; D]>,
+    soil: Option<Soil<K, L, D, S>>,
+    /// Unknowns and water content now.
+    y: Vec<f64>,
+    content: Vec<f64>,
+    method: Option<Method>,
+    work: Workspace,
+    /// Settlement per unknown, m.
+    settle: Vec<(u32, f64)>,
+    /// Settlement of the surface since t = 0 when the mesh was laid, m.
+    settled: f64,
+    drained: [bool; 4],
+    time: f64,
+    stage_time: f64,
+    stage_end: f64,
+    done: Work,
+    totals: Totals<D>,
+    counted: bool,
+    /// Why the last rejected step was rejected.
+    trouble: Option<String>,
+}
+
+/// How a stage is advanced.
+#[derive(Debug)]
+enum Method {
+    Krylov(Box<KrylovStage>),
+    Sdirk { stepper: Box<Sdirk>, step: f64, factored: f64 },
+}
+
+#[derive(Debug)]
+struct KrylovStage {
+    evolution: Krylov,
+    /// Unknowns integrated over time, for the water that has left.
+    integral: Vec<f64>,
+    /// Content of the held functions when the stage began, m3.
+    held: f64,
+    /// Sums when the stage began: water that had left (m3), work of the load and friction in the pores (J).
+    out_before: f64,
+    work_before: f64,
+    dissipation_before: f64,
+}
+
+impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
+    /// A run at t = 0, its first stage not yet entered.
+    pub fn new(scene: &Scene, seeding: Seeding<L, D, S>) -> Self {
+        let count = seeding.points.len();
+        Self {
+            points: seeding.points.clone(),
+            carried: vec![[0.0; D]; count],
+            scene: scene.clone(),
+            seeding,
+            soil: None,
+            y: Vec::new(),
+            content: Vec::new(),
+            method: None,
+            work: Workspace::default(),
+            settle: Vec::new(),
+            settled: 0.0,
+            drained: [false; 4],
+            time: 0.0,
+            stage_time: 0.0,
+            stage_end: 0.0,
+            done: Work::default(),
+            totals: Totals::default(),
+            counted: false,
+            trouble: None,
+        }
+    }
+
+    /// Settlement since the mesh was laid, m.
+    fn settlement_of(&self, y: &[f64]) -> f64 {
+        self.settle.iter().map(|(unknown, weight)| weight * y[*unknown as usize]).sum()
+    }
+
+    /// Settlement since the unloaded state, m.
+    fn settlement(&self) -> f64 {
+        self.seeding.first_settlement + self.settled + self.settlement_of(&self.y)
+    }
+
+    /// Size of forces that a residual is compared with.
+    fn reference(&self, soil: &Soil<K, L, D, S>) -> f64 {
+        let stress = self.points.iter().flat_map(|p| p.stress).fold(0.0, |m: f64, s| m.max(s.abs()));
+        let pressure = largest(&soil.p);
+        let face = self.seeding.thickness * self.scene.cell.powi(D as i32 - 1);
+        let weight = self.scene.gravity.unwrap_or(0.0) * self.scene.mixture_density() * face * self.scene.cell;
+        let size = soil.scales[0] * (largest(&soil.load) + face * (stress + pressure) + weight);
+        if size > 0.0 { size } else { soil.scales[0] * face * soil.scales[1] * 1e-9 }
+    }
+
+    /// Pressure that errors are compared with, Pa.
+    fn pressure_size(&self) -> f64 {
+        let load = self.scene.surcharge.map_or(0.0, |s| s.pressure.abs());
+        let weight = self.scene.gravity.unwrap_or(0.0) * self.scene.mixture_density() * self.scene.height;
+        let size = load + weight;
+        if size > 0.0 { size } else { self.scene.oedometer_modulus() * 1e-9 }
+    }
+
+    /// Work of the present system into the totals, before it is replaced.
+    fn count_work(&mut self) {
+        if let Some(soil) = &mut self.soil {
+            self.done.factorisations += std::mem::take(&mut soil.system.factorisations);
+            self.done.solves += std::mem::take(&mut soil.system.solves);
+        }
+    }
+}
+
+impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Model for QuasiStatic<K, L, D, S> {
+    fn advance(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault> {
+        let end = self.stage_time + dt * steps as f64;
+        match &mut self.method {
+            Some(Method::Krylov(stage)) => {
+                stage.evolution.at(end, &mut self.y);
+                stage.evolution.integral(end, &mut stage.integral);
+                self.time += end - self.stage_time;
+                self.stage_time = end;
+                self.book_krylov().map_err(|e| inside_out(&self.points, e.point))
+            }
+            Some(Method::Sdirk { .. }) => self.steps_until(end, done),
+            None => Err(nothing()),
+        }
+    }
+
+    fn enter_stage(&mut self, stage: &Stage, times: &[f64]) -> Result<(), Fault> {
+        self.count_work();
+        self.method = None;
+        self.lay(stage.drained)?;
+        (self.stage_time, self.stage_end) = (0.0, times.last().copied().unwrap_or(0.0));
+        if !self.counted {
+            self.counted = true;
+            let cells = self.cell_values();
+            self.totals.start(&cells);
+        }
+        let krylov = match self.scene.method {
+            TimeMethod::Krylov => true,
+            TimeMethod::Auto => self.krylov_holds() && !matches!(self.scene.step, StepChoice::Fixed(_)),
+            TimeMethod::Sdirk => false,
+        };
+        if krylov && !self.krylov_holds() {
+            let what = "the Krylov method needs a linear scene: small strain, an elastic law, a constant load, water, no gravity";
+            return Err(Fault { place: format!("stage {}", stage.name), what: what.to_owned() });
+        }
+        self.method = Some(if krylov {
+            self.krylov(times)?
+        } else {
+            let step = self.first_step(times);
+            let soil = self.soil.as_ref().ok_or_else(nothing)?;
+            let stepper = Box::new(Sdirk::new(soil.p.len(), soil.unknowns()));
+            Method::Sdirk { stepper, step, factored: f64::NAN }
+        });
+        Ok(())
+    }
+
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn work(&self) -> Work {
+        let mut work = self.done;
+        if let Some(soil) = &self.soil {
+            work.factorisations += soil.system.factorisations;
+            work.solves += soil.system.solves;
+        }
+        work
+    }
+
+    fn observe(&self) -> Observation {
+        self.look()
+    }
+
+    fn ledger(&self) -> Ledger {
+        let density = self.scene.water.map_or(0.0, |w| w.density);
+        self.totals.ledger(&self.cell_values(), density, 0.0)
+    }
+
+    fn pore_pressure(&self) -> [f64; 3] {
+        let cells = self.cell_values();
+        let volume: f64 = cells.iter().map(|c| c.volume).sum();
+        let mean = cells.iter().map(|c| c.volume * c.pressure).sum::<f64>() / volume;
+        let pressures = cells.iter().map(|c| c.pressure);
+        [mean, pressures.clone().fold(f64::INFINITY, f64::min), pressures.fold(f64::NEG_INFINITY, f64::max)]
+    }
+
+    fn bytes(&self) -> usize {
+        let soil = self.soil.as_ref().map_or(0, |s| {
+            s.solid.capacity() * size_of_val(&s.solid[0])
+                + s.pore.capacity() * s.pore.first().map_or(0, size_of_val)
+                + s.system.matrix.bytes()
+                + s.system.factor.bytes()
+        });
+        self.points.capacity() * size_of::<SolidPoint<D, S>>() + soil
+    }
+
+    fn solid_count(&self) -> usize {
+        self.points.len()
+    }
+}

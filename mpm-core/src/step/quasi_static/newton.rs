@@ -1,0 +1,128 @@
+//! Equilibrium and water balance at the end of a stage: Newton's iteration with a line search.
+//!
+//! A linear scene is solved by one solve. Otherwise factors are kept as long as they reduce the residual well.
+
+use super::soil::{HELD, Soil};
+use super::tangent::Stuck;
+use crate::constitutive::Law;
+use crate::space::Deformation;
+
+/// Most iterations.
+const ITERATIONS: usize = 30;
+/// Shortest part of a correction that the line search tries.
+const SHORTEST: f64 = 1.0 / 256.0;
+/// Factors are renewed when an iteration leaves more than this share of the residual.
+const SLOW: f64 = 0.3;
+
+/// What a stage has to fulfil.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stage<'a> {
+    /// Share of the full load.
+    pub share: f64,
+    /// gamma dt, s: weight of the flow beside the water content.
+    pub a: f64,
+    /// Water content plus a times flow per pressure function, m3.
+    pub target: &'a [f64],
+    /// Residual to reach, as a share of [`Workspace::reference`].
+    pub tolerance: f64,
+}
+
+/// Vectors over the unknowns.
+#[derive(Debug, Default)]
+pub(super) struct Workspace {
+    residual: Vec<f64>,
+    correction: Vec<f64>,
+    trial: Vec<f64>,
+    /// Residuals of the present stage, one per iteration, as shares of the reference.
+    history: Vec<f64>,
+    /// Size of forces that a residual is compared with, in scaled units.
+    pub reference: f64,
+}
+
+impl Workspace {
+    pub fn new(size: usize, reference: f64) -> Self {
+        let zeros = || vec![0.0; size];
+        let history = Vec::with_capacity(ITERATIONS + 2);
+        Self { residual: zeros(), correction: zeros(), trial: zeros(), history, reference }
+    }
+}
+
+impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Soil<K, L, D, S> {
+    /// Out-of-balance of a stage at the last evaluation, scaled as the matrix.
+    fn out_of_balance(&self, stage: &Stage, residual: &mut [f64]) {
+        let [length, pressure] = self.scales;
+        residual.fill(0.0);
+        for (function, map) in self.soil_map.iter().enumerate() {
+            for d in 0..D {
+                if map[d] != HELD {
+                    let at = function * D + d;
+                    residual[map[d] as usize] += length * (self.values.force[at] - stage.share * self.load[at]);
+                }
+            }
+        }
+        for (function, map) in self.water_map.iter().enumerate() {
+            if *map != HELD {
+                let v = &self.values;
+                residual[*map as usize] =
+                    pressure * (stage.target[function] - v.content[function] - stage.a * v.flow[function]);
+            }
+        }
+    }
+
+    /// Moves `y` to where the stage is fulfilled, and evaluates there. The factors must be those for `stage.a`.
+    pub fn fulfil(&mut self, stage: &Stage, y: &mut [f64], work: &mut Workspace) -> Result<(), Stuck<D>> {
+        self.evaluate(y).map_err(Stuck::InsideOut)?;
+        self.out_of_balance(stage, &mut work.residual);
+        let mut size = largest(&work.residual) / work.reference;
+        work.history.clear();
+        work.history.push(size);
+        for _ in 0..ITERATIONS {
+            if size <= stage.tolerance && !self.linear() {
+                return Ok(());
+            }
+            let solved = self.system.solve(&work.residual, &mut work.correction);
+            if self.linear() {
+                solved.map_err(Stuck::Unsolved)?;
+                for (y, c) in y.iter_mut().zip(&work.correction) {
+                    *y -= c;
+                }
+                return self.evaluate(y).map_err(Stuck::InsideOut);
+            }
+            // A law that has lost its stiffness on the way asks for a shorter step, not for another system.
+            if solved.is_err() {
+                return Err(Stuck::NotConverged(work.history.clone()));
+            }
+            let before = size;
+            let mut part = 1.0;
+            loop {
+                for i in 0..y.len() {
+                    work.trial[i] = y[i] - part * work.correction[i];
+                }
+                let evaluated = self.evaluate(&work.trial);
+                if evaluated.is_ok() {
+                    self.out_of_balance(stage, &mut work.residual);
+                    size = largest(&work.residual) / work.reference;
+                }
+                if evaluated.is_ok() && (size < before || size <= stage.tolerance) {
+                    break;
+                }
+                part *= 0.5;
+                if part < SHORTEST {
+                    work.history.push(size);
+                    return Err(Stuck::NotConverged(work.history.clone()));
+                }
+            }
+            y.copy_from_slice(&work.trial);
+            work.history.push(size);
+            if size > SLOW * before && size > stage.tolerance {
+                self.refresh(stage.a).map_err(|_| Stuck::NotConverged(work.history.clone()))?;
+            }
+        }
+        Err(Stuck::NotConverged(work.history.clone()))
+    }
+}
+
+/// Largest magnitude; NaN if there is one.
+pub(super) fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |m, v| if v.is_nan() || m.is_nan() { f64::NAN } else { f64::max(m, v.abs()) })
+}

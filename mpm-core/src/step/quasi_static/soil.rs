@@ -1,0 +1,423 @@
+//! The balance laws on a mesh that was laid over the soil: forces, water content and flow at given unknowns.
+//!
+//! Unknowns are displacements u since the mesh was laid and pore pressures p:
+//!
+//! ```text
+//! sum_p w P : grad N_i - int p J F^-T grad N_i - int rho g N_i - load = 0      momentum, no inertia
+//! d/dt [ int q (J - 1 + (J - 1 + n) p/K_w) + jumps ] + int grad q . K (grad p - rho_w F^T g) = 0      water
+//! ```
+//!
+//! with F = I + grad u, J = det F and K = (k/gamma_w) J F^-1 F^-T. Small strain puts F = I, J - 1 = div u. Stress and
+//! stiffness are integrated with the particles' weights; the rest with Gauss points (`bspline2`) or with the particles
+//! (pressures that are constant in a cell).
+
+use super::tangent::System;
+use crate::constitutive::Law;
+use crate::space::{Axis, Deformation, Stencil};
+
+/// No unknown: a held displacement, or a pressure that is zero.
+pub(super) const HELD: u32 = u32::MAX;
+
+/// A solid particle in the integrals.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SolidPart<const D: usize, const S: usize> {
+    /// Functions and gradients that strain it.
+    pub stencil: Stencil<D>,
+    /// Volume it stands for, m3.
+    pub weight: f64,
+    /// Effective stress at the last step, Pa, before rotation.
+    pub stress: [f64; S],
+    /// Strain since the mesh was laid, at the last step.
+    pub strain: [f64; S],
+}
+
+/// A point of the pore space in the integrals.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PorePart<const D: usize> {
+    /// Functions of the displacement.
+    pub soil: Stencil<D>,
+    /// Functions of the pressure.
+    pub water: Stencil<D>,
+    /// Volume, m3.
+    pub weight: f64,
+    /// Porosity n when the mesh was laid.
+    pub porosity: f64,
+}
+
+/// A face between two cells of constant pressure, or between a cell and a drained side.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FacePart {
+    /// Cell below, cell above; [`HELD`] outside.
+    pub cells: [u32; 2],
+    /// Axis it is normal to.
+    pub axis: usize,
+    /// Area, m2.
+    pub area: f64,
+    /// Distance to the middle of each cell, m.
+    pub reach: [f64; 2],
+}
+
+/// Constants of the water and of the weight.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Fluid<const D: usize> {
+    /// k/gamma_w, m4/(N s).
+    pub mobility: f64,
+    /// 1/K_w, 1/Pa.
+    pub compressibility: f64,
+    /// rho_w, kg/m3.
+    pub density: f64,
+    /// rho_s, kg/m3.
+    pub grain_density: f64,
+    /// g, m/s2.
+    pub gravity: Option<[f64; D]>,
+}
+
+/// Values at given unknowns.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Values {
+    /// Out-of-balance force per displacement function and direction, without the load, N.
+    pub force: Vec<f64>,
+    /// Water content per pressure function, m3.
+    pub content: Vec<f64>,
+    /// Flow out of each pressure function, m3/s.
+    pub flow: Vec<f64>,
+    /// Water that leaves through drained faces, m3/s.
+    pub outflow: f64,
+    /// Friction in the pores, W.
+    pub dissipation: f64,
+    /// Work of gravity on the flow, W.
+    pub body_work: f64,
+}
+
+/// Soil that was turned inside out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct InsideOut<const D: usize> {
+    /// Number of the solid or pore point.
+    pub point: usize,
+}
+
+/// The soil on its mesh.
+#[derive(Debug)]
+pub(super) struct Soil<K, L, const D: usize, const S: usize> {
+    pub axes: [Axis; D],
+    pub law: L,
+    pub small: bool,
+    pub solid: Vec<SolidPart<D, S>>,
+    pub pore: Vec<PorePart<D>>,
+    pub faces: Vec<FacePart>,
+    pub fluid: Fluid<D>,
+    /// Jump penalty on dp/dt: (function, function, value), both triangles.
+    pub jumps: Vec<(u32, u32, f64)>,
+    /// Unknown of each displacement function and direction.
+    pub soil_map: Vec<[u32; D]>,
+    /// Unknown of each pressure function.
+    pub water_map: Vec<u32>,
+    /// Force of the full load per displacement function and direction, N.
+    pub load: Vec<f64>,
+    /// Displacements (m) and pressures (Pa) of the functions at the unknowns of the last evaluation.
+    pub u: Vec<[f64; D]>,
+    pub p: Vec<f64>,
+    pub values: Values,
+    /// Length (m) and pressure (Pa) that make the unknowns numbers of the same size.
+    pub scales: [f64; 2],
+    pub system: System,
+    /// Mean gradient of displacement per cell, for the faces.
+    pub cell_gradient: Vec<([[f64; D]; D], f64)>,
+    pub kind: std::marker::PhantomData<K>,
+}
+
+impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Soil<K, L, D, S> {
+    /// Number of unknowns.
+    pub fn unknowns(&self) -> usize {
+        self.system.matrix.size()
+    }
+
+    /// Whether forces, content and flow are linear in the unknowns.
+    pub fn linear(&self) -> bool {
+        self.small && L::LINEAR
+    }
+
+    /// Sum over the pressure functions that are held at zero.
+    pub fn held(&self, values: &[f64]) -> f64 {
+        values.iter().zip(&self.water_map).filter(|(_, map)| **map == HELD).map(|(value, _)| value).sum()
+    }
+
+    /// Mass of soil and water per volume of a pore part whose pores are a share of its first volume, kg/m3.
+    fn mass_of(&self, part: &PorePart<D>, pores: f64) -> f64 {
+        (1.0 - part.porosity) * self.fluid.grain_density + pores * self.fluid.density
+    }
+
+    /// Work of gravity on the displacements in [`Self::u`] with the water of the start, J.
+    pub fn weight_work(&self) -> f64 {
+        let Some(g) = self.fluid.gravity else { return 0.0 };
+        let work = |part: &PorePart<D>| {
+            let u = part.soil.vector(&self.u);
+            part.weight * self.mass_of(part, part.porosity) * (0..D).map(|d| g[d] * u[d]).sum::<f64>()
+        };
+        self.pore.iter().map(work).sum()
+    }
+
+    /// Displacements and pressures from the unknowns.
+    pub fn expand(&mut self, y: &[f64]) {
+        let [length, pressure] = self.scales;
+        for (u, map) in self.u.iter_mut().zip(&self.soil_map) {
+            for d in 0..D {
+                u[d] = if map[d] == HELD { 0.0 } else { length * y[map[d] as usize] };
+            }
+        }
+        for (p, map) in self.p.iter_mut().zip(&self.water_map) {
+            *p = if *map == HELD { 0.0 } else { pressure * y[*map as usize] };
+        }
+    }
+
+    /// Forces, content and flow at the unknowns, into [`Self::values`].
+    pub fn evaluate(&mut self, y: &[f64]) -> Result<(), InsideOut<D>> {
+        self.expand(y);
+        self.evaluate_fields()
+    }
+
+    /// The same at the displacements and pressures that stand in [`Self::u`] and [`Self::p`].
+    pub fn evaluate_fields(&mut self) -> Result<(), InsideOut<D>> {
+        let v = &mut self.values;
+        v.force.fill(0.0);
+        v.content.fill(0.0);
+        v.flow.fill(0.0);
+        (v.outflow, v.dissipation, v.body_work) = (0.0, 0.0, 0.0);
+        self.skeleton()?;
+        self.pores()?;
+        self.through_faces()?;
+        for &(a, b, value) in &self.jumps {
+            self.values.content[a as usize] += value * self.p[b as usize];
+        }
+        Ok(())
+    }
+
+    /// Flow alone, at the pressures in [`Self::p`]; small strain.
+    pub fn flow_of_fields(&mut self) -> Result<(), InsideOut<D>> {
+        self.values.flow.fill(0.0);
+        self.values.outflow = 0.0;
+        if self.faces.is_empty() {
+            for part in &self.pore {
+                let slope = part.water.slope_of(&self.p);
+                for b in 0..part.water.count {
+                    let along: f64 = (0..D).map(|d| slope[d] * part.water.slope[b][d]).sum();
+                    self.values.flow[part.water.number[b] as usize] += part.weight * self.fluid.mobility * along;
+                }
+            }
+        }
+        self.through_faces()
+    }
+
+    /// First Piola-Kirchhoff stress of a solid part, and what was needed on the way: strain and stress before rotation.
+    pub fn stress_of(&self, part: &SolidPart<D, S>) -> Option<(Push<D>, [f64; S], [f64; S])> {
+        let gradient = part.stencil.gradient(&self.u);
+        if self.small {
+            let mut strain = [0.0; S];
+            for d in 0..D {
+                let mut direction = [0.0; D];
+                direction[d] = 1.0;
+                let mode = K::strain_mode(&gradient[d], &direction);
+                for s in 0..S {
+                    strain[s] += mode[s];
+                }
+            }
+            let stress = self.updated(part, &strain);
+            return Some((
+                Push { piola: K::tensor(&stress), inverse: identity(), rotation: identity() },
+                strain,
+                stress,
+            ));
+        }
+        let stretch = K::stretch(&gradient)?;
+        let stress = self.updated(part, &stretch.strain);
+        let sigma = K::tensor(&K::turned(&stress, &stretch.rotation));
+        // P = J sigma F^-T
+        let mut piola = [[0.0; D]; D];
+        for i in 0..D {
+            for j in 0..D {
+                for k in 0..D {
+                    piola[i][j] += stretch.volume * sigma[i][k] * stretch.inverse[j][k];
+                }
+            }
+        }
+        Some((Push { piola, inverse: stretch.inverse, rotation: stretch.rotation }, stretch.strain, stress))
+    }
+
+    fn updated(&self, part: &SolidPart<D, S>, strain: &[f64; S]) -> [f64; S] {
+        let mut stress = part.stress;
+        self.law.update(&mut stress, &std::array::from_fn(|s| strain[s] - part.strain[s]));
+        stress
+    }
+
+    fn skeleton(&mut self) -> Result<(), InsideOut<D>> {
+        for point in 0..self.solid.len() {
+            let part = &self.solid[point];
+            let (push, _, _) = self.stress_of(part).ok_or(InsideOut { point })?;
+            for a in 0..part.stencil.count {
+                let at = part.stencil.number[a] as usize * D;
+                for i in 0..D {
+                    let along: f64 = (0..D).map(|j| push.piola[i][j] * part.stencil.slope[a][j]).sum();
+                    self.values.force[at + i] += part.weight * along;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The stretch of a pore point; `None` if it is turned inside out.
+    pub fn pore_state(&self, part: &PorePart<D>) -> Option<PoreState<D>> {
+        let gradient = part.soil.gradient(&self.u);
+        if self.small {
+            let change = (0..D).map(|d| gradient[d][d]).sum();
+            return Some(PoreState { change, cofactor: identity(), gradient });
+        }
+        let stretch = K::stretch(&gradient)?;
+        // det(I + g) - 1 without cancellation.
+        let mut change: f64 = (0..D).map(|d| gradient[d][d]).sum();
+        if D == 2 {
+            change += gradient[0][0] * gradient[1][1] - gradient[0][1] * gradient[1][0];
+        }
+        let cofactor = stretch.inverse.map(|row| row.map(|x| x * stretch.volume));
+        Some(PoreState { change, cofactor, gradient })
+    }
+
+    fn pores(&mut self) -> Result<(), InsideOut<D>> {
+        let by_cells = !self.faces.is_empty();
+        if by_cells && !self.small {
+            self.cell_gradient.fill(([[0.0; D]; D], 0.0));
+        }
+        for point in 0..self.pore.len() {
+            let part = &self.pore[point];
+            let PoreState { change, cofactor, gradient } = self.pore_state(part).ok_or(InsideOut { point })?;
+            let pressure = part.water.scalar(&self.p);
+            let Fluid { compressibility, density, gravity, mobility, .. } = self.fluid;
+            let pores = if self.small { part.porosity } else { change + part.porosity };
+            let content = change + pores * pressure * compressibility;
+            let body = gravity.map_or([0.0; D], |g| {
+                let mass = self.mass_of(part, pores);
+                g.map(|g| mass * g)
+            });
+            let values = &mut self.values;
+            for a in 0..part.soil.count {
+                let at = part.soil.number[a] as usize * D;
+                for i in 0..D {
+                    // int p J F^-T grad N
+                    let spread: f64 = (0..D).map(|j| cofactor[j][i] * part.soil.slope[a][j]).sum();
+                    values.force[at + i] -= part.weight * (pressure * spread + body[i] * part.soil.value[a]);
+                }
+            }
+            for b in 0..part.water.count {
+                values.content[part.water.number[b] as usize] += part.weight * content * part.water.value[b];
+            }
+            if by_cells {
+                if !self.small {
+                    let mean = &mut self.cell_gradient[part.water.number[0] as usize];
+                    mean.1 += part.weight;
+                    for i in 0..D {
+                        for j in 0..D {
+                            mean.0[i][j] += part.weight * gradient[i][j];
+                        }
+                    }
+                }
+                continue;
+            }
+            // Darcy: K (grad p - rho_w F^T g), with K = (k/gamma_w) (J F^-1) (J F^-1)^T / J.
+            let conductivity = conductivity(&cofactor, if self.small { 0.0 } else { change }, mobility);
+            let slope = part.water.slope_of(&self.p);
+            let turn = if self.small { 0.0 } else { 1.0 };
+            let weight: [f64; D] = std::array::from_fn(|d| match gravity {
+                None => 0.0,
+                Some(g) => density * (g[d] + turn * (0..D).map(|i| gradient[i][d] * g[i]).sum::<f64>()),
+            });
+            let flux: [f64; D] =
+                std::array::from_fn(|i| (0..D).map(|j| conductivity[i][j] * (slope[j] - weight[j])).sum());
+            for d in 0..D {
+                values.dissipation += part.weight * flux[d] * (slope[d] - weight[d]);
+                values.body_work -= part.weight * flux[d] * weight[d];
+            }
+            for b in 0..part.water.count {
+                let along: f64 = (0..D).map(|d| flux[d] * part.water.slope[b][d]).sum();
+                values.flow[part.water.number[b] as usize] += part.weight * along;
+            }
+        }
+        Ok(())
+    }
+
+    /// Conductance of a face, m3/(s Pa), and the drop of rho_w g across it, Pa.
+    pub fn face_state(&self, face: &FacePart) -> Option<(f64, f64)> {
+        let (mut resistance, mut weight) = (0.0, 0.0);
+        let gravity = self.fluid.gravity.map_or(0.0, |g| g[face.axis]);
+        for (cell, reach) in face.cells.iter().zip(face.reach) {
+            if reach == 0.0 {
+                continue; // outside
+            }
+            let (mut normal, mut stretch) = (1.0, 1.0);
+            if !self.small {
+                let (sum, volume) = &self.cell_gradient[*cell as usize];
+                let gradient = sum.map(|row| row.map(|g| g / volume));
+                let found = K::stretch(&gradient)?;
+                let cofactor = found.inverse.map(|row| row.map(|x| x * found.volume));
+                normal = conductivity(&cofactor, found.volume - 1.0, 1.0)[face.axis][face.axis];
+                stretch = 1.0 + gradient[face.axis][face.axis];
+            }
+            resistance += reach / normal;
+            weight += self.fluid.density * gravity * stretch * reach;
+        }
+        Some((self.fluid.mobility * face.area / resistance, weight))
+    }
+
+    fn through_faces(&mut self) -> Result<(), InsideOut<D>> {
+        for number in 0..self.faces.len() {
+            let face = self.faces[number];
+            let (conductance, weight) = self.face_state(&face).ok_or(InsideOut { point: number })?;
+            let pressure = |cell: u32| if cell == HELD { 0.0 } else { self.p[cell as usize] };
+            // Eq. (1) on a face, upwards: p below - p above + rho_w g distance.
+            let head = pressure(face.cells[0]) - pressure(face.cells[1]) + weight;
+            let flux = conductance * head;
+            self.values.dissipation += flux * head;
+            self.values.body_work += flux * weight;
+            for (cell, sign) in face.cells.into_iter().zip([1.0, -1.0]) {
+                if cell == HELD {
+                    self.values.outflow -= sign * flux;
+                } else {
+                    self.values.flow[cell as usize] += sign * flux;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Stretch of a pore point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PoreState<const D: usize> {
+    /// J - 1; small strain: div u.
+    pub change: f64,
+    /// J F^-1; small strain: I.
+    pub cofactor: [[f64; D]; D],
+    /// grad u.
+    pub gradient: [[f64; D]; D],
+}
+
+/// What carries a stress back to the mesh.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Push<const D: usize> {
+    /// First Piola-Kirchhoff stress, Pa.
+    pub piola: [[f64; D]; D],
+    /// F^-1.
+    pub inverse: [[f64; D]; D],
+    /// R.
+    pub rotation: [[f64; D]; D],
+}
+
+/// K = mobility J F^-1 F^-T from J F^-1 and J - 1.
+pub(super) fn conductivity<const D: usize>(cofactor: &[[f64; D]; D], change: f64, mobility: f64) -> [[f64; D]; D] {
+    let factor = mobility / (1.0 + change);
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| factor * (0..D).map(|k| cofactor[i][k] * cofactor[j][k]).sum::<f64>())
+    })
+}
+
+pub(super) fn identity<const D: usize>() -> [[f64; D]; D] {
+    std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }))
+}

@@ -1,0 +1,254 @@
+//! The linear system of a step: stiffness, coupling, and storage with flow,
+//!
+//! ```text
+//! [  K    -C        ] [du]   [ force        ]
+//! [ -C^T  -(S + a H)] [dp] = [ water volume ]        a = gamma dt
+//! ```
+//!
+//! symmetric and quasi-definite, so that it has an L D L^T factorisation in any order. At large strain the geometric
+//! part of the stiffness and the change of H with the strain are left out: both are of the order of stress/stiffness,
+//! and the iteration converges at that rate.
+
+use super::soil::{FacePart, HELD, InsideOut, PorePart, PoreState, Soil, SolidPart, conductivity};
+use crate::constitutive::Law;
+use crate::space::{Deformation, MOST, Stencil};
+use crate::sparse::{Factor, Ordering, Signs, Symmetric, Unsolved};
+
+/// A matrix with its factors.
+#[derive(Debug)]
+pub(super) struct System {
+    pub matrix: Symmetric,
+    pub factor: Factor,
+    /// Numeric factorisations and solves so far.
+    pub factorisations: u64,
+    pub solves: u64,
+}
+
+/// Unknowns of the functions at a point, and how they enter it.
+struct Rows {
+    count: usize,
+    unknown: [u32; 3 * MOST],
+}
+
+impl System {
+    /// The pattern of a mesh.
+    pub fn new<const D: usize, const S: usize>(
+        size: usize,
+        parts: (&[SolidPart<D, S>], &[PorePart<D>], &[FacePart]),
+        jumps: &[(u32, u32, f64)],
+        maps: (&[[u32; D]], &[u32]),
+    ) -> Result<Self, Unsolved> {
+        let (solid, pore, faces) = parts;
+        let mut cliques: Vec<Vec<u32>> = Vec::new();
+        let mut last = [u32::MAX; 4];
+        let mut note = |soil: &Stencil<D>, water: Option<&Stencil<D>>| {
+            let key =
+                [soil.number[0], soil.number[soil.count - 1], water.map_or(HELD, |w| w.number[0]), soil.count as u32];
+            if key == last {
+                return;
+            }
+            last = key;
+            let mut clique = Vec::with_capacity(3 * MOST);
+            clique.extend(soil.number[..soil.count].iter().flat_map(|n| maps.0[*n as usize]));
+            clique.extend(water.iter().flat_map(|w| w.number[..w.count].iter().map(|n| maps.1[*n as usize])));
+            clique.retain(|unknown| *unknown != HELD);
+            cliques.push(clique);
+        };
+        for part in solid {
+            note(&part.stencil, None);
+        }
+        for part in pore {
+            note(&part.soil, Some(&part.water));
+        }
+        let pair = |a: u32, b: u32| {
+            let of = |n: u32| if n == HELD { HELD } else { maps.1[n as usize] };
+            [of(a), of(b)]
+        };
+        cliques.extend(faces.iter().map(|f| pair(f.cells[0], f.cells[1]).to_vec()));
+        cliques.extend(jumps.iter().map(|(a, b, _)| pair(*a, *b).to_vec()));
+        cliques.retain(|c| !c.contains(&HELD));
+        let pairs = cliques.iter().flat_map(|c| {
+            c.iter().enumerate().flat_map(move |(i, a)| c[..=i].iter().map(move |b| (*a as usize, *b as usize)))
+        });
+        let matrix = Symmetric::new(size, pairs);
+        // Numbered along the column, the band is narrow already.
+        let ordering = if D == 1 { Ordering::AsNumbered } else { Ordering::MinimumDegree };
+        let factor = Factor::new(&matrix, Signs::QuasiDefinite, ordering)?;
+        Ok(Self { matrix, factor, factorisations: 0, solves: 0 })
+    }
+
+    /// Solves with the present factors.
+    pub fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), Unsolved> {
+        self.solves += 1;
+        self.factor.solve(&self.matrix, b, x)
+    }
+}
+
+impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Soil<K, L, D, S> {
+    /// Assembles and factorises the matrix at the unknowns of the last evaluation, for `a` = gamma dt (s).
+    pub fn refresh(&mut self, a: f64) -> Result<(), Stuck<D>> {
+        self.assemble(a).map_err(Stuck::InsideOut)?;
+        self.system.factorisations += 1;
+        let System { matrix, factor, .. } = &mut self.system;
+        factor.refresh(matrix).map_err(Stuck::Unsolved)
+    }
+
+    fn assemble(&mut self, a: f64) -> Result<(), InsideOut<D>> {
+        self.system.matrix.values.fill(0.0);
+        let [length, pressure] = self.scales;
+        let mut block = Block::new();
+        for point in 0..self.solid.len() {
+            let part = &self.solid[point];
+            let rows = self.rows(&part.stencil, None);
+            block.turn_to(&rows, &mut self.system.matrix);
+            let (push, strain, stress) = self.stress_of(part).ok_or(InsideOut { point })?;
+            let increment = std::array::from_fn(|s| strain[s] - part.strain[s]);
+            let tangent = self.law.tangent(&stress, &increment);
+            // Strain modes in the frame before rotation, with gradients of the deformed soil turned back.
+            let mut modes = [[0.0; S]; 2 * MOST];
+            let mut volume = part.weight * length * length;
+            for n in 0..part.stencil.count {
+                let slope = part.stencil.slope[n];
+                let spatial: [f64; D] = std::array::from_fn(|i| (0..D).map(|j| push.inverse[j][i] * slope[j]).sum());
+                let turned = std::array::from_fn(|i| (0..D).map(|j| push.rotation[j][i] * spatial[j]).sum());
+                for d in 0..D {
+                    modes[n * D + d] = K::strain_mode(&turned, &push.rotation[d]);
+                }
+            }
+            if !self.small {
+                volume *= 1.0 / determinant(&push.inverse);
+            }
+            let count = part.stencil.count * D;
+            for i in 0..count {
+                let stressed: [f64; S] =
+                    std::array::from_fn(|s| (0..S).map(|t| tangent[(t, s)] * modes[i][t]).sum::<f64>() * volume);
+                for j in 0..=i {
+                    block.value[i][j] += (0..S).map(|s| stressed[s] * modes[j][s]).sum::<f64>();
+                }
+            }
+        }
+        block.flush(&mut self.system.matrix);
+        let by_cells = !self.faces.is_empty();
+        for point in 0..self.pore.len() {
+            let part = &self.pore[point];
+            let rows = self.rows(&part.soil, Some(&part.water));
+            block.turn_to(&rows, &mut self.system.matrix);
+            let PoreState { change, cofactor, .. } = self.pore_state(part).ok_or(InsideOut { point })?;
+            let first = part.soil.count * D;
+            let pores = if self.small { part.porosity } else { change + part.porosity };
+            let storage = part.weight * pores * self.fluid.compressibility * pressure * pressure;
+            let flow = conductivity(&cofactor, if self.small { 0.0 } else { change }, self.fluid.mobility);
+            let factor = a * part.weight * pressure * pressure;
+            for b in 0..part.water.count {
+                let value = part.water.value[b];
+                for n in 0..part.soil.count {
+                    for i in 0..D {
+                        // C: int q J F^-T grad N
+                        let spread: f64 = (0..D).map(|j| cofactor[j][i] * part.soil.slope[n][j]).sum();
+                        block.value[first + b][n * D + i] -= part.weight * value * spread * length * pressure;
+                    }
+                }
+                for c in 0..=b {
+                    let mut sum = storage * value * part.water.value[c];
+                    if !by_cells {
+                        for i in 0..D {
+                            let flux: f64 = (0..D).map(|j| flow[i][j] * part.water.slope[c][j]).sum();
+                            sum += factor * part.water.slope[b][i] * flux;
+                        }
+                    }
+                    block.value[first + b][first + c] -= sum;
+                }
+            }
+        }
+        block.flush(&mut self.system.matrix);
+        for number in 0..self.faces.len() {
+            let face = self.faces[number];
+            let (conductance, _) = self.face_state(&face).ok_or(InsideOut { point: number })?;
+            let value = a * conductance * pressure * pressure;
+            let matrix = &mut self.system.matrix;
+            let unknown = face.cells.map(|c| if c == HELD { HELD } else { self.water_map[c as usize] });
+            for u in unknown {
+                if u != HELD {
+                    matrix.add(u as usize, u as usize, -value);
+                }
+            }
+            if !unknown.contains(&HELD) {
+                matrix.add(unknown[0] as usize, unknown[1] as usize, value);
+            }
+        }
+        for &(j, k, value) in &self.jumps {
+            let (row, column) = (self.water_map[j as usize], self.water_map[k as usize]);
+            if row != HELD && column != HELD && row <= column {
+                self.system.matrix.add(row as usize, column as usize, -value * pressure * pressure);
+            }
+        }
+        Ok(())
+    }
+
+    fn rows(&self, soil: &Stencil<D>, water: Option<&Stencil<D>>) -> Rows {
+        let mut rows = Rows { count: 0, unknown: [HELD; 3 * MOST] };
+        for n in 0..soil.count {
+            for d in 0..D {
+                rows.unknown[rows.count] = self.soil_map[soil.number[n] as usize][d];
+                rows.count += 1;
+            }
+        }
+        if let Some(water) = water {
+            for n in 0..water.count {
+                rows.unknown[rows.count] = self.water_map[water.number[n] as usize];
+                rows.count += 1;
+            }
+        }
+        rows
+    }
+}
+
+/// Why a system was not solved.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Stuck<const D: usize> {
+    /// Soil turned inside out.
+    InsideOut(InsideOut<D>),
+    /// A singular system.
+    Unsolved(Unsolved),
+    /// Newton's iteration did not converge: residuals one after the other, as shares of the load.
+    NotConverged(Vec<f64>),
+}
+
+/// The part of the matrix that points with the same functions add to, gathered before it goes to the matrix.
+struct Block {
+    rows: Rows,
+    value: [[f64; 3 * MOST]; 3 * MOST],
+}
+
+impl Block {
+    fn new() -> Self {
+        Self { rows: Rows { count: 0, unknown: [HELD; 3 * MOST] }, value: [[0.0; 3 * MOST]; 3 * MOST] }
+    }
+
+    fn turn_to(&mut self, rows: &Rows, matrix: &mut Symmetric) {
+        if rows.count != self.rows.count || rows.unknown != self.rows.unknown {
+            self.flush(matrix);
+            self.rows = Rows { count: rows.count, unknown: rows.unknown };
+        }
+    }
+
+    fn flush(&mut self, matrix: &mut Symmetric) {
+        for i in 0..self.rows.count {
+            for j in 0..=i {
+                let value = std::mem::take(&mut self.value[i][j]);
+                let (row, column) = (self.rows.unknown[i], self.rows.unknown[j]);
+                if row == HELD || column == HELD || value == 0.0 {
+                    continue;
+                }
+                // Two functions that share an unknown (a rigid plate) meet on its diagonal, once from either side.
+                let twice = if row == column && i != j { 2.0 } else { 1.0 };
+                matrix.add(row as usize, column as usize, twice * value);
+            }
+        }
+        self.rows.count = 0;
+    }
+}
+
+fn determinant<const D: usize>(m: &[[f64; D]; D]) -> f64 {
+    if D == 1 { m[0][0] } else { m[0][0] * m[1][1] - m[0][1] * m[1][0] }
+}

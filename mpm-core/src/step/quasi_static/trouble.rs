@@ -1,0 +1,66 @@
+//! What is said when a run cannot go on.
+
+use super::QuasiStatic;
+use super::tangent::Stuck;
+use crate::constitutive::Law;
+use crate::particles::SolidPoint;
+use crate::space::Deformation;
+use crate::sparse::Unsolved;
+use crate::step::Fault;
+
+impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
+    pub(super) fn fault(&self, stuck: &Stuck<D>, step: Option<f64>) -> Fault {
+        let mut what = describe(stuck, &self.points);
+        if let Some(h) = step {
+            what = format!("{what}; step {h:.3e} s");
+        }
+        if matches!(stuck, Stuck::Unsolved(_)) {
+            what += &self.singular_hint();
+        }
+        Fault { place: "the whole soil".to_owned(), what }
+    }
+
+    pub(super) fn singular_hint(&self) -> String {
+        let incompressible = self.scene.water.is_some_and(|w| w.bulk_modulus.is_infinite());
+        match (incompressible, self.drained.contains(&true)) {
+            (true, false) => "; the water is incompressible and no side is drained".to_owned(),
+            _ => "; are the sides held, and are there enough particles in every cell?".to_owned(),
+        }
+    }
+
+    pub(super) fn too_small(&self, step: f64) -> Fault {
+        let what = format!(
+            "the step cannot be reduced further: {step:.3e} s in a stage of {:.3e} s; {}",
+            self.stage_end,
+            self.trouble.as_deref().unwrap_or("every step was accepted")
+        );
+        Fault { place: "the whole soil".to_owned(), what }
+    }
+}
+
+pub(super) fn nothing() -> Fault {
+    Fault { place: "the run".to_owned(), what: "no stage was entered".to_owned() }
+}
+
+pub(super) fn unsolved(e: &Unsolved) -> Fault {
+    Fault { place: "the whole soil".to_owned(), what: e.to_string() }
+}
+
+pub(super) fn inside_out<const D: usize, const S: usize>(points: &[SolidPoint<D, S>], point: usize) -> Fault {
+    let x = points.get(point).map_or([f64::NAN; D], |p| p.x);
+    Fault { place: format!("point {point} near {x:?} m"), what: "the soil is turned inside out".to_owned() }
+}
+
+pub(super) fn describe<const D: usize, const S: usize>(stuck: &Stuck<D>, points: &[SolidPoint<D, S>]) -> String {
+    match stuck {
+        Stuck::InsideOut(e) => {
+            let fault = inside_out(points, e.point);
+            format!("{}: {}", fault.place, fault.what)
+        }
+        Stuck::Unsolved(e) => e.to_string(),
+        Stuck::NotConverged(history) => {
+            let list: Vec<String> = history.iter().map(|r| format!("{r:.1e}")).collect();
+            format!("Newton's iteration did not converge; residuals {}", list.join(", "))
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! A strip load on an undrained block: equal-order pressures would oscillate without the jump penalty.
+//!
+//! Compared with a run on 45 cells per side, whose cells have the middles of the coarse ones among theirs. The error is
+//! the RMS over the block, as a share of the load.
+
+use mpm_core::observe::FieldPoint;
+use mpm_core::scene::Scene;
+
+use super::{Outcome, Rung, finished, integrator, scheme};
+
+/// The rung.
+pub const RUNG: Rung = Rung {
+    name: "strip",
+    about: "undrained block under a strip load, B-splines: no oscillation of the pressure",
+    climb: || climb(None),
+};
+
+const FINE: usize = 45;
+const SIDES: [usize; 2] = [9, 15];
+
+fn climb(penalty: Option<f64>) -> Result<Outcome, String> {
+    let base = crate::scenes::built_in("strip").ok_or("no such scene")?.map_err(|e| e.to_string())?;
+    let load = base.surcharge.ok_or("no load")?.pressure;
+    let fine = field(&base, FINE)?;
+    let mut errors = Vec::new();
+    for side in SIDES {
+        let scene = Scene { jump_penalty: penalty.unwrap_or(base.jump_penalty), ..base.clone() };
+        let coarse = field(&scene, side)?;
+        let ratio = FINE / side;
+        let place = |i: usize| ratio * i + ratio / 2;
+        let square = |(number, point): (usize, &FieldPoint)| {
+            let there = fine[place(number / side) * FINE + place(number % side)];
+            ((point.pressure_pa - there.pressure_pa) / load).powi(2)
+        };
+        let sum: f64 = coarse.iter().enumerate().map(square).sum();
+        errors.push((base.width / side as f64, (sum / coarse.len() as f64).sqrt()));
+    }
+    let (integrator, scheme) = (integrator(&base), scheme(&base));
+    Ok(Outcome { integrator, scheme, errors, required_error: 1e-3, required_order: None })
+}
+
+/// Pressures at the middles of the cells, row by row.
+fn field(base: &Scene, side: usize) -> Result<Vec<FieldPoint>, String> {
+    let scene = Scene { cell: base.width / side as f64, cells: [side; 2], ..base.clone() };
+    let run = finished(&scene)?;
+    Ok(run.samples.last().ok_or("no sample")?.state.field.clone())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_the_penalty_it_falls_short() {
+        let finest = |outcome: Outcome| outcome.errors[1].1;
+        let with = finest(climb(None).expect("a run"));
+        let without = finest(climb(Some(0.0)).expect("a run"));
+        assert!(with <= 1e-3 && without > 5e-3, "{with:.1e} {without:.1e}");
+    }
+}
