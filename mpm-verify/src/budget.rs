@@ -78,7 +78,8 @@ pub fn budgets(results: &[CaseResult]) -> Vec<Budget> {
     for result in results.iter().filter(|r| r.variant == Variant::Base && r.failure.is_none()) {
         let of = |variant| {
             results.iter().find(|r| {
-                r.variant == variant && r.load == "surface" && (r.mesh_m, r.ppc) == (result.mesh_m, result.ppc)
+                let own = (r.mesh_m, r.ppc) == (result.mesh_m, result.ppc) && r.family() == result.family();
+                own && r.variant == variant && r.load == "surface"
             })
         };
         let (Some(surface), Some(half), Some(small)) =

@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::norms::{largest, relative};
-use crate::study::{CaseResult, Variant};
+use crate::study::{CaseResult, Variant, shown_family};
 
 /// What became of a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -89,7 +89,7 @@ const RULES: [(&str, &str, Rule); 8] = [
     ("crossing-noise-explanation", "crossings", crossing_noise),
 ];
 
-/// The base cases of a study with the load on the particles, as in the paper.
+/// The base cases of one integrator and scheme with the load on the particles, as in the paper.
 struct Runs<'a>(Vec<&'a CaseResult>);
 
 impl<'a> Runs<'a> {
@@ -113,14 +113,42 @@ impl<'a> Runs<'a> {
     }
 }
 
-/// Judges every claim on the results of a study.
+/// The claims as judged on one integrator and scheme.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Judgement {
+    /// Integrator and shape functions: `quasi-static-centre`.
+    pub family: String,
+    /// The claims, in the order of the paper.
+    pub claims: Vec<Claim>,
+}
+
+/// Judges every claim on the integrator and scheme that the study is about: the paper's, if it was run.
+pub fn judge(results: &[CaseResult]) -> Vec<Claim> {
+    judge_family(results, &shown_family(results).unwrap_or_default())
+}
+
+/// Judges every claim on the other integrators, with values at the cell centre as in the paper.
+pub fn judge_others(results: &[CaseResult]) -> Vec<Judgement> {
+    let shown = shown_family(results);
+    let mut families: Vec<String> = Vec::new();
+    for result in results.iter().filter(|r| r.variant == Variant::Base && r.scheme == "centre") {
+        let family = result.family();
+        if Some(&family) != shown.as_ref() && !families.contains(&family) {
+            families.push(family);
+        }
+    }
+    families.into_iter().map(|family| Judgement { claims: judge_family(results, &family), family }).collect()
+}
+
+/// Judges every claim on one integrator and scheme.
 ///
 /// # Panics
 /// Never: a test reads the book of claims.
-pub fn judge(results: &[CaseResult]) -> Vec<Claim> {
+fn judge_family(results: &[CaseResult], family: &str) -> Vec<Claim> {
     let book: Book = toml::from_str(BOOK).expect("the book of claims holds");
-    let whole = |r: &&CaseResult| r.variant == Variant::Base && r.load == "particles" && r.failure.is_none();
-    let runs = Runs(results.iter().filter(whole).collect());
+    let own = |r: &&CaseResult| r.variant == Variant::Base && r.family() == family;
+    let whole = |r: &&CaseResult| r.load == "particles" && r.failure.is_none();
+    let runs = Runs(results.iter().filter(own).filter(whole).collect());
     RULES
         .iter()
         .filter_map(|(id, picture, rule)| {
@@ -282,6 +310,21 @@ mod tests {
         let neither = [run(0.01, 4, 0.012, 0.022, 0), run(0.01, 9, 0.004, 0.015, 0)];
         assert_eq!(verdict(&neither, "opposite-trend-at-0.01"), Verdict::NotReproduced);
         assert_eq!(verdict(&neither, "crossing-noise-explanation"), Verdict::CannotBeTested);
+    }
+
+    #[test]
+    fn each_integrator_is_judged_by_its_own_runs() {
+        let explicit = [run(0.01, 4, 0.004, 0.022, 0), run(0.01, 9, 0.012, 0.015, 0)];
+        let other = [run(0.01, 4, 0.012, 0.022, 0), run(0.01, 9, 0.004, 0.015, 0)];
+        let mut results = other.map(|r| CaseResult { integrator: "quasi-static".to_owned(), ..r }).to_vec();
+        results.extend(explicit);
+        results.push(CaseResult { scheme: "gimp".to_owned(), ..results[0].clone() });
+        assert_eq!(verdict(&results, "opposite-trend-at-0.01"), Verdict::Reproduced);
+        let others = judge_others(&results);
+        assert_eq!(others.len(), 1);
+        assert_eq!(others[0].family, "quasi-static-centre");
+        let trend = others[0].claims.iter().find(|claim| claim.id == "opposite-trend-at-0.01").expect("a claim");
+        assert_eq!(trend.verdict, Verdict::NotReproduced);
     }
 
     #[test]

@@ -6,7 +6,8 @@
 //! 3. [`norms`], [`rates`]: the one definition of error; orders of convergence.
 //! 4. [`cases`]: the verification ladder, one case per file.
 //! 5. [`study`]: refine, run, compare. [`budget`]: which part of an error comes from what. [`claims`]: the paper's
-//!    statements and their verdicts. [`stability`]: time-step limits, predicted and measured.
+//!    statements and their verdicts. [`sweeps`]: displaced particles, offsets of the mesh, errors in time.
+//!    [`stability`]: time-step limits, predicted and measured.
 //! 6. [`report`]: tables, plots, pages. [`manifest`]: under which conditions. [`baseline`]: accepted values.
 
 pub mod baseline;
@@ -23,3 +24,4 @@ pub mod report;
 pub mod scenes;
 pub mod stability;
 pub mod study;
+pub mod sweeps;

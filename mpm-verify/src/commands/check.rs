@@ -33,7 +33,7 @@ pub fn climb(names: &[String], common: &Common, folder: &std::path::Path) -> Res
         .build()
         .map_err(|e| Failure::BadInput(e.to_string()))?;
     let quiet = common.quiet || common.json;
-    say(quiet, &format!("{:<16} {:>10} {:>10}  {:<26} verdict", "rung", "error", "required", "order"));
+    say(quiet, &format!("{:<22} {:>10} {:>10}  {:<26} verdict", "rung", "error", "required", "order"));
     let steps: Result<Vec<Step>, String> = pool.install(|| {
         rungs
             .par_iter()
@@ -57,5 +57,5 @@ fn line(step: &Step) -> String {
         }
         _ => String::new(),
     };
-    format!("{:<16} {:>10.2e} {:>10.1e}  {order:<26} {}", step.rung, step.error, step.required_error, step.verdict)
+    format!("{:<22} {:>10.2e} {:>10.1e}  {order:<26} {}", step.rung, step.error, step.required_error, step.verdict)
 }

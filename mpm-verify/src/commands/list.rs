@@ -28,7 +28,7 @@ pub fn run(common: &Common) -> Result<(), Failure> {
     }
     say(false, "cases (mpm-verify check [CASE..])");
     for rung in LADDER {
-        say(false, &format!("  {:<16} {}", rung.name, rung.about));
+        say(false, &format!("  {:<22} {}", rung.name, rung.about));
     }
     say(false, "scenes (reference-data/scenes, mpm-verify solve SCENE.toml)");
     for (name, text) in BUILT_IN {

@@ -20,9 +20,12 @@ struct Night {
     drifts: usize,
     largest_drift: f64,
     study_cpu_s: f64,
+    limits: usize,
+    limits_fallen: usize,
 }
 
-/// Runs study, ladder and stability; appends a line to `nightly.csv`.
+/// Runs study, ladder and stability; appends a line to `nightly.csv` and writes `accepted.csv`, the baselines as they
+/// would be with these results.
 pub fn run(common: &Common) -> Result<(), Failure> {
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports"));
     writable(&folder)?;
@@ -30,9 +33,12 @@ pub fn run(common: &Common) -> Result<(), Failure> {
     let study = study::compute(&study::Options::paper(), common, &accuracy)?;
     report::write(&study, &accuracy).map_err(|e| Failure::RunFailed(e.to_string()))?;
     let steps = check::climb(&[], common, &folder.join("ladder"))?;
-    let limits = stability::measure(common, &folder.join("stability"))?;
+    let steps_measured = stability::measure(common, &folder.join("stability"))?;
     let drifts = baseline::compare(&study.results);
     write_csv(&folder.join("drift.csv"), &drifts)?;
+    let (path, rows) = (folder.join("accepted.csv"), baseline::accepted(&study.results));
+    fs::write(&path, rows).map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))?;
+    let (limits, limits_fallen) = study.sweeps.limits();
     let fallen = steps.iter().filter(|s| !s.held()).count();
     let drifted = drifts.iter().filter(|d| !d.held()).count();
     let night = Night {
@@ -43,19 +49,26 @@ pub fn run(common: &Common) -> Result<(), Failure> {
         drifts: drifted,
         largest_drift: drifts.iter().map(|d| d.relative_change).fold(0.0, f64::max),
         study_cpu_s: study.results.iter().map(|r| r.cpu_s).sum(),
+        limits,
+        limits_fallen,
     };
     append(&folder.join("nightly.csv"), &night)?;
-    let line =
-        format!("{} of {} rungs held, {drifted} of {} errors drifted", steps.len() - fallen, steps.len(), drifts.len());
+    let line = format!(
+        "{} of {} rungs held, {drifted} of {} errors drifted, {limits_fallen} of {limits} sweeps fell short",
+        steps.len() - fallen,
+        steps.len(),
+        drifts.len()
+    );
     say(common.quiet, &line);
-    stability::verdict(&limits)?;
-    if fallen + drifted > 0 { Err(Failure::FellShort(line)) } else { Ok(()) }
+    stability::verdict(&steps_measured)?;
+    if fallen + drifted + limits_fallen > 0 { Err(Failure::FellShort(line)) } else { Ok(()) }
 }
 
-/// Appends a row, with a header if the file is new.
+/// Appends a row, with a header if the file is new or has another one.
 fn append(path: &std::path::Path, night: &Night) -> Result<(), Failure> {
     let lost = |e: String| Failure::RunFailed(format!("{}: {e}", path.display()));
-    let new = !path.exists();
+    let known = fs::read_to_string(path).unwrap_or_default();
+    let new = !known.lines().any(|line| line.ends_with("study_cpu_s,limits,limits_fallen"));
     let file = fs::OpenOptions::new().create(true).append(true).open(path).map_err(|e| lost(e.to_string()))?;
     let mut writer = csv::WriterBuilder::new().has_headers(new).from_writer(file);
     writer.serialize(night).map_err(|e| lost(e.to_string()))?;

@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use mpm_core::scene::{DarcyChoice, Dimension, LoadOn, Scene, ShapeChoice, StepChoice};
+use mpm_core::scene::{DarcyChoice, Dimension, Integrator, LoadOn, Scene, ShapeChoice, StepChoice};
 use mpm_verify::budget::budgets;
-use mpm_verify::claims::judge;
+use mpm_verify::claims::{judge, judge_others};
 use mpm_verify::cost::measure;
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 use mpm_verify::report::{self, Study};
-use mpm_verify::study::{CaseResult, MESHES, Plan, Variant};
+use mpm_verify::study::{CaseResult, Family, INTEGRATORS, MESHES, Plan, TOLERANCE, Variant};
+use mpm_verify::sweeps::Sweeps;
 
 use super::{Failure, jobs, print_json, say, writable};
 use crate::Common;
@@ -30,16 +31,22 @@ pub struct Options {
     /// What carries the load
     #[arg(long, value_delimiter = ',', value_enum, default_values_t = [Load::Particles, Load::Surface])]
     load: Vec<Load>,
-    /// Where shape functions are evaluated
-    #[arg(long, value_enum)]
-    scheme: Option<Scheme>,
-    /// Darcy operator
+    /// Integrators; all without it, the scene's own with --scene, explicit with --dt
+    #[arg(long, value_delimiter = ',', value_enum, value_name = "NAME,NAME")]
+    integrator: Vec<Clock>,
+    /// Shape functions; all without it, but then only centre and quasi-static run every mesh, particle count and load
+    #[arg(long, value_delimiter = ',', value_enum, value_name = "NAME,NAME")]
+    scheme: Vec<Scheme>,
+    /// Largest error in time of quasi-static runs, relative
+    #[arg(long, value_parser = tolerance, default_value_t = TOLERANCE, value_name = "T")]
+    tolerance: f64,
+    /// Darcy operator of explicit and semi-implicit runs
     #[arg(long, value_enum)]
     darcy: Option<Darcy>,
     /// `column` solves one dimension; `full` the paper's column in plane strain
     #[arg(long, value_enum, default_value_t = Width::Column)]
     width: Width,
-    /// Time step: `auto`, `paper` (1e-7 s) or seconds
+    /// Time step of explicit and semi-implicit runs: `auto`, `paper` (1e-7 s) or seconds
     #[arg(long, value_parser = step, value_name = "STEP")]
     dt: Option<StepChoice>,
     /// Run steps above the stability limit all the same
@@ -48,6 +55,9 @@ pub struct Options {
     /// Leave out the further runs of the error budget
     #[arg(long)]
     no_budget: bool,
+    /// Leave out the sweeps over displaced particles, mesh offsets and time steps
+    #[arg(long)]
+    no_sweeps: bool,
     /// Leave out the timing of steps along several paths
     #[arg(long)]
     no_cost: bool,
@@ -60,9 +70,39 @@ enum Load {
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
+enum Clock {
+    Explicit,
+    SemiImplicit,
+    QuasiStatic,
+}
+
+impl From<Clock> for Integrator {
+    fn from(clock: Clock) -> Self {
+        match clock {
+            Clock::Explicit => Self::Explicit,
+            Clock::SemiImplicit => Self::SemiImplicit,
+            Clock::QuasiStatic => Self::QuasiStatic,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
 enum Scheme {
     Centre,
     Linear,
+    Gimp,
+    Bspline2,
+}
+
+impl From<Scheme> for ShapeChoice {
+    fn from(scheme: Scheme) -> Self {
+        match scheme {
+            Scheme::Centre => Self::Centre,
+            Scheme::Linear => Self::Linear,
+            Scheme::Gimp => Self::Gimp,
+            Scheme::Bspline2 => Self::Bspline2,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -88,6 +128,13 @@ fn step(text: &str) -> Result<StepChoice, String> {
     }
 }
 
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(tolerance) if (1e-10..=0.1).contains(&tolerance) => Ok(tolerance),
+        _ => Err("expected 1e-10 <= tolerance <= 0.1 (-)".to_owned()),
+    }
+}
+
 /// Reads a scene file.
 fn load_scene(path: &Path) -> Result<Scene, Failure> {
     Scene::load(path).map_err(|e| Failure::BadInput(e.to_string()))
@@ -101,12 +148,15 @@ impl Options {
             mesh: MESHES.to_vec(),
             ppc: vec![1, 4, 9],
             load: vec![Load::Particles, Load::Surface],
-            scheme: None,
+            integrator: Vec::new(),
+            scheme: Vec::new(),
+            tolerance: TOLERANCE,
             darcy: None,
             width: Width::Column,
             dt: None,
             force: false,
             no_budget: false,
+            no_sweeps: false,
             no_cost: false,
         }
     }
@@ -118,12 +168,6 @@ impl Options {
         };
         if let Width::Full = self.width {
             base.dimension = Dimension::PlaneStrain;
-        }
-        if let Some(scheme) = self.scheme {
-            base.shape = match scheme {
-                Scheme::Centre => ShapeChoice::Centre,
-                Scheme::Linear => ShapeChoice::Linear,
-            };
         }
         if let Some(darcy) = self.darcy {
             base.darcy = match darcy {
@@ -138,13 +182,33 @@ impl Options {
             Load::Surface => LoadOn::Surface,
         });
         Ok(Plan {
+            families: self.families(&base),
             base,
             meshes: self.mesh.clone(),
             particles_per_cell: self.ppc.clone(),
             loads: loads.collect(),
+            tolerance: self.tolerance,
             budget: !self.no_budget && self.load.iter().any(|l| matches!(l, Load::Surface)),
             jobs: jobs(common.jobs),
         })
+    }
+}
+
+impl Options {
+    /// Integrators and shape functions. A scene brings its own; a given step is about the paper's explicit scheme.
+    fn families(&self, base: &Scene) -> Vec<Family> {
+        let (own, given) = (self.scene.is_some(), self.dt.is_some());
+        let integrators: Vec<Integrator> = match self.integrator.as_slice() {
+            [] if own => vec![base.integrator],
+            [] if given => vec![Integrator::Explicit],
+            [] => INTEGRATORS.to_vec(),
+            asked => asked.iter().map(|clock| (*clock).into()).collect(),
+        };
+        let shapes: Vec<ShapeChoice> = match self.scheme.as_slice() {
+            [] if own || given => vec![base.shape],
+            asked => asked.iter().map(|scheme| (*scheme).into()).collect(),
+        };
+        Family::of(Some(&integrators), Some(shapes.as_slice()).filter(|s| !s.is_empty()))
     }
 }
 
@@ -176,14 +240,34 @@ pub fn compute(options: &Options, common: &Common, folder: &Path) -> Result<Stud
     let wall = start.elapsed().as_secs_f64();
     let cpu: f64 = results.iter().map(|r| r.cpu_s).sum();
     let mut notes = vec![format!("{} runs, {cpu:.1} s of CPU time, {wall:.1} s on the clock.", results.len())];
+    for integrator in ["explicit", "semi-implicit", "quasi-static"] {
+        let own: Vec<f64> = results.iter().filter(|r| r.integrator == integrator).map(|r| r.cpu_s).collect();
+        if !own.is_empty() {
+            notes.push(format!("{integrator}: {} runs, {:.3} s of CPU time.", own.len(), own.iter().sum::<f64>()));
+        }
+    }
     let forced = results.iter().filter(|r| r.forced).count();
     if forced > 0 {
         notes.push(format!("{forced} runs were forced above their stability limit."));
     }
-    let (budgets, claims) = (budgets(&results), judge(&results));
+    notes.extend(plan.left_out());
+    let quasi_static = plan.families.iter().any(|f| f.integrator == Integrator::QuasiStatic);
+    let sweeps = if options.no_sweeps || !quasi_static { Sweeps::default() } else { swept(&plan, common, &mut notes) };
+    let (budgets, claims, other_claims) = (budgets(&results), judge(&results), judge_others(&results));
     let costs = if options.no_cost { Vec::new() } else { measure() };
     let manifest = Manifest::new(&plan.base, plan.jobs);
-    Ok(Study { manifest, results, budgets, claims, costs, notes })
+    Ok(Study { manifest, results, budgets, claims, other_claims, sweeps, costs, notes })
+}
+
+/// Runs the sweeps and notes their time.
+fn swept(plan: &Plan, common: &Common, notes: &mut Vec<String>) -> Sweeps {
+    let start = std::time::Instant::now();
+    let progress = Progress::new("sweeps", common.quiet);
+    let sweeps = Sweeps::run(&plan.base, plan.jobs, &progress);
+    progress.finish();
+    let (count, wall) = (sweeps.count(), start.elapsed().as_secs_f64());
+    notes.push(format!("Sweeps: {count} runs, {:.1} s of CPU time, {wall:.1} s on the clock.", sweeps.cpu_s));
+    sweeps
 }
 
 fn summary(study: &Study, folder: &Path, quiet: bool) {

@@ -1,5 +1,6 @@
 //! What the pages say. [`super::html`] and [`super::markdown`] only say how.
 
+pub mod schemes;
 pub mod table;
 pub mod terms;
 
@@ -13,7 +14,7 @@ use super::orders::{Group, groups};
 use super::plots::figure::Figure;
 use super::select::{Cases, LOADS, PAPER, Reference, compressibility, families};
 use crate::claims::{Claim, Verdict};
-use crate::study::{CaseResult, Variant, word};
+use crate::study::{CaseResult, Variant, shown_family, word};
 
 /// All text and tables of a page.
 #[derive(Debug, Clone, Serialize)]
@@ -28,8 +29,16 @@ pub struct Content {
     pub errors: Vec<Table>,
     /// Orders of convergence.
     pub orders: Vec<Table>,
+    /// Every integrator and scheme side by side.
+    pub schemes: Vec<Table>,
+    /// Displaced particles and offsets of the mesh.
+    pub places: Vec<Table>,
+    /// Errors in time.
+    pub time: Vec<Table>,
     /// The paper's statements.
     pub claims: Vec<ClaimText>,
+    /// The same with other integrators.
+    pub other_claims: Vec<Table>,
     /// Parts of the error.
     pub budgets: Vec<Table>,
     /// Time of the runs.
@@ -96,7 +105,11 @@ impl Content {
             summary: summary(study, &groups),
             warnings: warnings(study),
             errors: table::errors(&study.results),
-            orders: table::orders(&groups),
+            orders: table::orders(&groups, &shown_family(&study.results).unwrap_or_default()),
+            schemes: schemes::schemes(&study.results, &groups),
+            places: schemes::places(&study.sweeps),
+            time: schemes::time(&study.sweeps),
+            other_claims: schemes::other_claims(&study.other_claims),
             claims: claims(study, &pictures),
             budgets: table::budgets(study),
             speed: table::speed(&study.results).into_iter().chain(table::costs(&study.costs)).collect(),
@@ -170,11 +183,10 @@ fn missing(study: &Study, figures: &[Figure]) -> Vec<String> {
     }
     let unknown = study.results.iter().filter(|r| r.failure.is_none() && r.max_error_terzaghi.is_nan());
     missing.extend(unknown.map(|r| format!("{}: no largest error, some sample times are not there.", r.case)));
-    if let [(shown, _), rest @ ..] = families(&study.results).as_slice()
-        && !rest.is_empty()
+    if let Some(shown) = shown_family(&study.results)
+        && families(&study.results).len() > 1
     {
-        let others: Vec<&str> = rest.iter().map(|(name, _)| name.as_str()).collect();
-        missing.push(format!("Pictures show {shown}; {} are in the tables only.", others.join(", ")));
+        missing.push(format!("Pictures and tables of one scheme show {shown}."));
     }
     missing
 }
@@ -202,7 +214,7 @@ fn summary(study: &Study, groups: &[Group]) -> String {
         let errors = at_paper.join(", ");
         text += &format!("At the paper's setting (L = {mesh} m, {ppc} per cell) the largest error is {errors}. ");
     }
-    let shown = families(&study.results).into_iter().next().map_or_else(String::new, |(name, _)| name);
+    let shown = shown_family(&study.results).unwrap_or_default() + "-";
     let usual = groups.iter().filter(|g| Some(g.ppc) == cases.usual_particles() && g.name.starts_with(&shown));
     let orders = usual.filter_map(|group| {
         let (_, fit) = group.fits.iter().find(|(norm, _)| *norm == "max-compressible")?;
@@ -217,7 +229,22 @@ fn summary(study: &Study, groups: &[Group]) -> String {
         text +=
             &format!("Against Terzaghi it does not tend to zero but to {floor} %, where the two solutions differ. ");
     }
-    text + &verdicts(study)
+    text + &best(study) + &verdicts(study)
+}
+
+/// The smallest error on the coarsest mesh, whatever the scheme.
+fn best(study: &Study) -> String {
+    let base = study.results.iter().filter(|r| r.variant == Variant::Base && r.max_error_compressible.is_finite());
+    let coarsest = base.clone().map(|r| r.mesh_m).fold(0.0, f64::max);
+    let own = base.filter(|r| r.mesh_m == coarsest);
+    let Some(best) = own.min_by(|a, b| a.max_error_compressible.total_cmp(&b.max_error_compressible)) else {
+        return String::new();
+    };
+    format!(
+        "On the coarsest mesh, L = {coarsest} m, the smallest error against compressible water is {} %: {}. ",
+        percent(best.max_error_compressible),
+        best.case
+    )
 }
 
 /// How many claims ended with which verdict.

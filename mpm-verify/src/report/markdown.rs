@@ -19,7 +19,18 @@ pub fn page(content: &Content) -> String {
         &["mesh", "max-error-against-mesh-terzaghi", "max-error-against-mesh-compressible"],
     );
     section(&mut page, content, "Orders of convergence", &content.orders, &["profile-error-against-mesh"]);
+    section(
+        &mut page,
+        content,
+        "Integrators and shape functions",
+        &content.schemes,
+        &["error-of-all-schemes", "profile-error-of-all-schemes", "isochrones-bspline2"],
+    );
+    section(&mut page, content, "Displaced particles, shifted mesh", &content.places, &["displaced", "grid-shift"]);
+    let steps = ["error-against-steps", "error-against-factorisations"];
+    section(&mut page, content, "Errors in time", &content.time, &steps);
     claims(&mut page, content);
+    section(&mut page, content, "Other integrators", &content.other_claims, &[]);
     let pictures =
         ["isochrones", "consolidation", "error-against-time-particles", "error-against-time-surface", "crossings"];
     section(&mut page, content, "Pictures of the statements", &[], &pictures);

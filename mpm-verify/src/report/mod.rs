@@ -26,10 +26,11 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::budget::Budget;
-use crate::claims::Claim;
+use crate::claims::{Claim, Judgement};
 use crate::cost::Cost;
 use crate::manifest::Manifest;
 use crate::study::CaseResult;
+use crate::sweeps::Sweeps;
 
 /// Everything a report is made of; stored as `study.json`.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -42,6 +43,12 @@ pub struct Study {
     pub budgets: Vec<Budget>,
     /// The paper's statements with their verdicts.
     pub claims: Vec<Claim>,
+    /// The same statements judged on other integrators.
+    #[serde(default)]
+    pub other_claims: Vec<Judgement>,
+    /// Displaced particles, offsets of the mesh, errors in time; empty where they were not run.
+    #[serde(default)]
+    pub sweeps: Sweeps,
     /// What a step costs along several paths; empty where it was not measured.
     #[serde(default)]
     pub costs: Vec<Cost>,

@@ -7,11 +7,13 @@ use crate::report::numbers::exact;
 use crate::report::orders::groups;
 use crate::report::{ReportError, Study, unwritable};
 use crate::study::{CaseResult, Variant};
+use crate::sweeps::Sweeps;
 
 /// Columns of `errors.csv`; the first 18 are a contract.
 pub const ERRORS: &str = "case,integrator,scheme,load,mesh_m,ppc,particles,dt_s,steps,max_error_terzaghi,\
 late_error_terzaghi,max_error_compressible,late_error_compressible,profile_error_compressible,settlement_final_m,\
-cell_crossings,cpu_s,ns_per_point_step,profile_error_terzaghi,limit_s,forced,dimension,scene_hash,failure";
+cell_crossings,cpu_s,ns_per_point_step,profile_error_terzaghi,limit_s,forced,dimension,scene_hash,failure,\
+accepted_steps,rejected_steps,factorisations,solves,tolerance,strain";
 
 /// Columns of `consolidation.csv`.
 pub const CONSOLIDATION: &str =
@@ -27,6 +29,21 @@ load_placement,remainder";
 
 /// Columns of `claims.csv`.
 pub const CLAIMS: &str = "id,verdict,said,rule,evidence,picture";
+
+/// Columns of `claims_integrators.csv`: the claims judged on other integrators.
+pub const OTHER_CLAIMS: &str = "family,id,verdict,evidence";
+
+/// Columns of `displaced.csv`.
+pub const DISPLACED: &str = "kind,smooth_spacings,jitter_spacings,seed,scheme,quadrature,mesh_m,ppc,\
+max_error_compressible,late_error_compressible,profile_error_compressible,required,held,failure";
+
+/// Columns of `grid_shift.csv`.
+pub const GRID_SHIFT: &str = "shift_cells,scheme,quadrature,mesh_m,ppc,max_error_compressible,\
+late_error_compressible,profile_error_compressible,required,held,failure";
+
+/// Columns of `time_error.csv`.
+pub const TIME_ERROR: &str = "integrator,scheme,method,mesh_m,ppc,tolerance,step_share,accepted_steps,rejected_steps,\
+factorisations,solves,cpu_s,time_error,max_error_compressible,failure";
 
 /// Columns of `cost.csv`.
 pub const COST: &str = "path,points,steps,ns_per_point_step,ns_min,ns_max,bytes_per_point,ratio_to_general";
@@ -45,10 +62,54 @@ pub fn write(study: &Study, folder: &Path) -> Result<(), ReportError> {
         [&c.id, c.verdict.words(), &c.said, &c.rule, &c.evidence, &c.picture].map(str::to_owned).to_vec()
     };
     table(&folder.join("claims.csv"), CLAIMS, study.claims.iter().map(claim))?;
+    let others = study.other_claims.iter().flat_map(|judged| {
+        let row = |c: &crate::claims::Claim| [&judged.family, &c.id, c.verdict.words(), &c.evidence].map(str::to_owned);
+        judged.claims.iter().map(row).map(|row| row.to_vec()).collect::<Vec<_>>()
+    });
+    table(&folder.join("claims_integrators.csv"), OTHER_CLAIMS, others)?;
+    sweeps(&study.sweeps, folder)?;
     if study.costs.is_empty() {
         return Ok(());
     }
     table(&folder.join("cost.csv"), COST, study.costs.iter().map(cost_row))
+}
+
+/// Tables of the sweeps, where they were run.
+fn sweeps(sweeps: &Sweeps, folder: &Path) -> Result<(), ReportError> {
+    if sweeps.count() == 0 {
+        return Ok(());
+    }
+    let displaced = sweeps.displaced.iter().map(|r| {
+        let mut row = vec![r.kind.clone(), exact(r.smooth), exact(r.jitter), r.seed.to_string()];
+        row.extend([r.scheme.clone(), r.quadrature.clone(), exact(r.mesh_m), r.ppc.to_string()]);
+        row.extend([r.max_error_compressible, r.late_error_compressible, r.profile_error_compressible].map(exact));
+        row.extend([maybe(r.required), r.held.map_or_else(String::new, |h| h.to_string())]);
+        row.push(r.failure.clone().unwrap_or_default());
+        row
+    });
+    table(&folder.join("displaced.csv"), DISPLACED, displaced)?;
+    let shifted = sweeps.shifted.iter().map(|r| {
+        let mut row = vec![exact(r.shift), r.scheme.clone(), r.quadrature.clone(), exact(r.mesh_m), r.ppc.to_string()];
+        row.extend([r.max_error_compressible, r.late_error_compressible, r.profile_error_compressible].map(exact));
+        row.extend([maybe(r.required), r.held.map_or_else(String::new, |h| h.to_string())]);
+        row.push(r.failure.clone().unwrap_or_default());
+        row
+    });
+    table(&folder.join("grid_shift.csv"), GRID_SHIFT, shifted)?;
+    let time = sweeps.time.iter().map(|r| {
+        let mut row = vec![r.integrator.clone(), r.scheme.clone(), r.method.clone()];
+        row.extend([exact(r.mesh_m), r.ppc.to_string(), maybe(r.tolerance), maybe(r.step_share)]);
+        row.extend([r.accepted_steps, r.rejected_steps, r.factorisations, r.solves].map(|n| n.to_string()));
+        row.extend([r.cpu_s, r.time_error, r.max_error_compressible].map(exact));
+        row.push(r.failure.clone().unwrap_or_default());
+        row
+    });
+    table(&folder.join("time_error.csv"), TIME_ERROR, time)
+}
+
+/// A number, or nothing where there is none by nature.
+fn maybe(value: Option<f64>) -> String {
+    value.map_or_else(String::new, exact)
 }
 
 fn cost_row(cost: &Cost) -> Vec<String> {
@@ -95,6 +156,8 @@ fn error_row(r: &CaseResult) -> Vec<String> {
     row.extend([r.cpu_s, r.ns_per_point_step, r.profile_error_terzaghi, r.limit_s].map(exact));
     row.extend([r.forced.to_string(), r.dimension.clone(), r.scene_hash.clone()]);
     row.push(r.failure.clone().unwrap_or_default());
+    row.extend([r.accepted_steps, r.rejected_steps, r.factorisations, r.solves].map(|n| n.to_string()));
+    row.extend([maybe(r.tolerance), r.strain.clone()]);
     row
 }
 

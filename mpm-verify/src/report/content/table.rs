@@ -10,7 +10,7 @@ use crate::report::Study;
 use crate::report::numbers::{percent, short};
 use crate::report::orders::Group;
 use crate::report::select::{Cases, LOADS, PAPER, Reference, families, meshes, particles};
-use crate::study::CaseResult;
+use crate::study::{CaseResult, shown_family};
 
 /// A table.
 #[derive(Debug, Clone, Serialize)]
@@ -50,7 +50,8 @@ impl Cell {
     }
 }
 
-fn table(title: String, head: &[&str], rows: Vec<Vec<Cell>>, note: &str) -> Table {
+/// A table without names over its columns.
+pub fn table(title: String, head: &[&str], rows: Vec<Vec<Cell>>, note: &str) -> Table {
     let head = head.iter().map(|h| (*h).to_owned()).collect();
     Table { title, groups: Vec::new(), head, rows, note: note.to_owned() }
 }
@@ -103,10 +104,16 @@ fn by_mesh_head(cases: &[&CaseResult], names: &[&str]) -> (Vec<(String, usize)>,
     (groups, head)
 }
 
+/// The family that the study is about, with all its base cases.
+fn shown(results: &[CaseResult]) -> Option<(String, Vec<&CaseResult>)> {
+    let name = shown_family(results)?;
+    families(results).into_iter().find(|(family, _)| *family == name)
+}
+
 /// Largest errors per mesh and particles against both exact solutions, a table per load.
 pub fn errors(results: &[CaseResult]) -> Vec<Table> {
     let mut tables = Vec::new();
-    for (family, cases) in families(results) {
+    if let Some((family, cases)) = shown(results) {
         for (load, words) in loads(&cases) {
             let [terzaghi, compressible] = Reference::BOTH;
             let numbers: [&dyn Fn(&CaseResult) -> String; 2] =
@@ -122,8 +129,9 @@ pub fn errors(results: &[CaseResult]) -> Vec<Table> {
     tables
 }
 
-/// Fitted orders with their confidence and whether the range is asymptotic, a table per exact solution.
-pub fn orders(groups: &[Group]) -> Vec<Table> {
+/// Fitted orders of one family with their confidence and whether the range is asymptotic, a table per exact solution.
+pub fn orders(groups: &[Group], family: &str) -> Vec<Table> {
+    let groups: Vec<&Group> = groups.iter().filter(|g| g.name.starts_with(&format!("{family}-"))).collect();
     if groups.is_empty() {
         return Vec::new();
     }
@@ -145,7 +153,7 @@ pub fn orders(groups: &[Group]) -> Vec<Table> {
                      the three finest meshes.";
     let little = "Orders against Terzaghi mean little: the error tends to the constant that the water's \
                   compressibility makes.";
-    let rows = |row: &dyn Fn(&Group) -> Vec<Cell>| groups.iter().map(row).collect();
+    let rows = |row: &dyn Fn(&Group) -> Vec<Cell>| groups.iter().copied().map(row).collect();
     vec![
         table("Orders against compressible water".to_owned(), &head, rows(&compressible), explained),
         table("Orders against Terzaghi".to_owned(), &head[..4], rows(&|g| fits(g, "terzaghi")), little),
@@ -166,7 +174,8 @@ pub fn order_text(fit: &Fit) -> String {
     format!("{:.2}{width}", fit.order).replace('-', "\u{2212}")
 }
 
-fn order_cell(fit: Option<&Fit>) -> Cell {
+/// A fitted order with whether it is asymptotic.
+pub fn order_cell(fit: Option<&Fit>) -> Cell {
     let Some(fit) = fit else { return Cell::new("–").marked("needs two meshes with errors", "") };
     let pairs: Vec<String> = fit.pairwise.iter().map(|p| short_order(*p)).collect();
     if fit.half_width.is_infinite() {
@@ -214,8 +223,9 @@ pub fn budgets(study: &Study) -> Vec<Table> {
 /// Steps and times of the runs with one load.
 pub fn speed(results: &[CaseResult]) -> Vec<Table> {
     let mut tables = Vec::new();
-    for (family, cases) in families(results) {
-        let Some((load, words)) = loads(&cases).first().copied() else { continue };
+    if let Some((family, cases)) = shown(results)
+        && let Some((load, words)) = loads(&cases).first().copied()
+    {
         let numbers: [&dyn Fn(&CaseResult) -> String; 3] =
             [&|r| r.steps.to_string(), &|r| short(r.cpu_s, 3), &|r| short(r.ns_per_point_step, 3)];
         let (groups, head) = by_mesh_head(&cases, &["steps", "CPU time (s)", "per point-step (ns)"]);

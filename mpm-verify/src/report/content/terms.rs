@@ -1,7 +1,7 @@
 //! What each term of the report means.
 
 /// Terms and their meaning, in the order in which the page uses them.
-pub const TERMS: [(&str, &str); 19] = [
+pub const TERMS: [(&str, &str); 25] = [
     ("Tv", "Time factor c_v t/H² with c_v = k M/γ_w and the drainage path H; t counts from the opening of the drain."),
     (
         "U",
@@ -60,6 +60,30 @@ pub const TERMS: [(&str, &str); 19] = [
     (
         "cell crossings",
         "How often a particle of either layer moved into another cell: the paper's explanation of noise.",
+    ),
+    ("explicit", "The paper's Figure 1: every step from the state at its start."),
+    (
+        "semi-implicit",
+        "Explicit skeleton, implicit pore pressure: the step is limited by the wave in the skeleton only.",
+    ),
+    (
+        "quasi-static",
+        "Displacement and pressure implicit, no inertia, small strain: what the exact solutions assume. The steps \
+         follow from a tolerance.",
+    ),
+    (
+        "centre, linear, gimp, bspline2",
+        "Shape functions: linear with values at the cell centre (the paper), linear, linear averaged over the \
+         particle, quadratic B-splines.",
+    ),
+    (
+        "fitted weights, particle volumes",
+        "What particles stand for in the integrals of bspline2: weights near the volumes that integrate piecewise \
+         quadratics exactly, or the volumes as they are.",
+    ),
+    (
+        "Krylov, SDIRK",
+        "Quasi-static time: one factorisation for all times of a linear scene, or error-controlled steps.",
     ),
     ("forced", "Run with a time step above the stability limit because the user asked for it."),
     (

@@ -55,22 +55,22 @@ fn over_mesh(name: &'static str, cases: &Cases, axis: Axis, error: impl Fn(&Case
     }
     share_y(&mut panels);
     for panel in &mut panels {
-        slopes(panel);
+        slopes(panel, &[(1, Dash::Dotted), (2, Dash::DashDot)]);
     }
     Figure { name, title: String::new(), caption: String::new(), height: 390.0, panels, missing }
 }
 
-/// Lines of slope 1 and 2 from a little above the data on the coarsest mesh.
-fn slopes(panel: &mut Panel) {
+/// Lines of some slopes from a little above the data on the coarsest mesh.
+pub fn slopes(panel: &mut Panel, slopes: &[(i32, Dash)]) {
     let meshes = panel.all_x();
     let top = panel.all_y().into_iter().filter(|e| e.is_finite()).fold(0.0, f64::max);
     let (fine, coarse) = meshes.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), h| (a.min(*h), b.max(*h)));
     if panel.is_empty() || fine >= coarse {
         return;
     }
-    for (slope, dash) in [(1, Dash::Dotted), (2, Dash::DashDot)] {
-        let line = [coarse, fine].map(|h| (h, 1.2 * top * (h / coarse).powi(slope)));
-        panel.add(Series::line(format!("slope {slope}"), Look::new(GREY, Marker::Dot).dash(dash), line).guide());
+    for (slope, dash) in slopes {
+        let line = [coarse, fine].map(|h| (h, 1.2 * top * (h / coarse).powi(*slope)));
+        panel.add(Series::line(format!("slope {slope}"), Look::new(GREY, Marker::Dot).dash(*dash), line).guide());
     }
 }
 

@@ -181,6 +181,14 @@ impl Panel {
     }
 }
 
+/// Gives all panels the same horizontal range.
+pub fn share_x(panels: &mut [Panel]) {
+    let all: Vec<f64> = panels.iter().flat_map(Panel::all_x).collect();
+    for panel in panels {
+        panel.x.fit(all.iter().copied());
+    }
+}
+
 /// Gives all panels the same vertical range, so that they can be compared by eye.
 pub fn share_y(panels: &mut [Panel]) {
     let all: Vec<f64> = panels.iter().flat_map(Panel::all_y).collect();

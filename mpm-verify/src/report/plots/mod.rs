@@ -4,7 +4,8 @@
 //! 1. [`figure`]: panels and series as data. [`axis`], [`look`]: their ranges, ticks, colours and markers.
 //! 2. [`draw`], [`legend`], [`canvas`]: from a figure to any backend.
 //! 3. The pictures: [`mesh`], [`isochrones`], [`consolidation`], [`error_against_time`], [`error_against_mesh`],
-//!    [`error_budget`], [`energy`], [`crossings`].
+//!    [`error_budget`], [`energy`], [`crossings`]; of all integrators [`schemes`], [`spline_profiles`], [`places`],
+//!    [`steps`].
 
 pub mod axis;
 pub mod canvas;
@@ -20,6 +21,10 @@ pub mod isochrones;
 pub mod legend;
 pub mod look;
 pub mod mesh;
+pub mod places;
+pub mod schemes;
+pub mod spline_profiles;
+pub mod steps;
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -42,10 +47,17 @@ const PNG_SCALE: u32 = 2;
 const SMOOTH: u32 = 2;
 
 /// Names of all pictures, in the order of the page.
-pub const NAMES: [&str; 12] = [
+pub const NAMES: [&str; 19] = [
     "max-error-against-mesh-terzaghi",
     "max-error-against-mesh-compressible",
     "profile-error-against-mesh",
+    "error-of-all-schemes",
+    "profile-error-of-all-schemes",
+    "isochrones-bspline2",
+    "displaced",
+    "grid-shift",
+    "error-against-steps",
+    "error-against-factorisations",
     "mesh",
     "isochrones",
     "consolidation",
@@ -65,6 +77,13 @@ pub fn figures(study: &Study) -> Vec<Figure> {
         error_against_mesh::largest("max-error-against-mesh-terzaghi", &cases, Reference::Terzaghi),
         error_against_mesh::largest("max-error-against-mesh-compressible", &cases, Reference::Compressible),
         error_against_mesh::profile(&cases),
+        schemes::largest(&study.results),
+        schemes::profile(&study.results),
+        spline_profiles::figure(&Cases::of_family(&study.results, "quasi-static-bspline2")),
+        places::displaced(&study.sweeps),
+        places::shifted(&study.sweeps),
+        steps::steps(&study.sweeps),
+        steps::factorisations(&study.sweeps),
         mesh::figure(),
         isochrones::figure(&cases),
         consolidation::figure(&cases),

@@ -1,0 +1,364 @@
+//! The accuracy study: integrator x shape functions x mesh x particles per cell x load, each run compared with the
+//! exact solutions of its own model.
+//!
+//! # Reading order
+//! 1. [`plan`]: which cases. 2. This file: run them and compare. 3. [`result`]: what is kept of a case.
+
+pub mod plan;
+pub mod result;
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use cpu_time::ThreadTime;
+use mpm_core::drive::{Run, Sample};
+use mpm_core::observe::{Ledger, ProfileRow};
+use mpm_core::run::{StartError, run};
+use mpm_core::scene::{Integrator, Scene, ShapeChoice};
+use mpm_core::stability::{choose_step, stable_limit};
+use mpm_core::step::Work;
+use rayon::prelude::*;
+use serde::Serialize;
+
+pub use plan::{Case, Extent, Family, INTEGRATORS, MESHES, Plan, SHAPES, TOLERANCE, case_name};
+pub(crate) use result::or_nan;
+pub use result::{CaseResult, Degree, HistoryPoint, PAPER_FAMILY, Profile, ProfilePoint, Variant, shown_family};
+
+use crate::exact::dynamic::DynamicColumn;
+use crate::exact::semidiscrete::SemiDiscrete;
+use crate::exact::terzaghi::Terzaghi;
+use crate::manifest::scene_hash;
+use crate::norms::{LATE_TV, SAMPLE_TV, largest, profile_error, relative};
+use crate::progress::Progress;
+
+/// A word as it stands in scene files and tables.
+pub fn word(value: impl Serialize) -> String {
+    serde_json::to_value(value).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
+}
+
+impl Plan {
+    /// Runs all cases in parallel. Results in the order of integrator, shape, mesh (coarse first), particles, load,
+    /// variant.
+    ///
+    /// # Errors
+    /// A step above the stability limit or a mesh that does not fit, before anything is run.
+    pub fn run(&self, progress: &Progress) -> Result<Vec<CaseResult>, String> {
+        let cases = self.cases()?;
+        for case in &cases {
+            choose_step(&case.scene).map_err(|e| format!("{}: {e}", case.name))?;
+        }
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.jobs).build().map_err(|e| e.to_string())?;
+        let total: f64 = cases.iter().map(|c| plan::work(&c.scene)).sum();
+        let done = AtomicU64::new(0);
+        let mut results: Vec<CaseResult> = pool.install(|| {
+            // One case at a time per thread, in the given order: the long ones first.
+            cases
+                .par_iter()
+                .with_max_len(1)
+                .map(|case| {
+                    let own = plan::work(&case.scene);
+                    let mut before = 0.0;
+                    let result = case.run(&mut |share| {
+                        let more = ((share - before) * own / total * 1e6) as u64;
+                        if more > 0 {
+                            before = share;
+                            progress.set(done.fetch_add(more, Ordering::Relaxed) + more);
+                        }
+                    });
+                    if let Ok(result) = &result {
+                        progress.line(&result.line());
+                    }
+                    result
+                })
+                .collect::<Result<_, _>>()
+        })?;
+        let place = |r: &CaseResult| {
+            let family = |f: &Family| word(f.integrator) == r.integrator && word(f.shape) == r.scheme;
+            self.families.iter().position(family)
+        };
+        let order = |r: &CaseResult| (r.ppc, r.load.clone(), r.variant as u8);
+        results.sort_by(|a, b| {
+            let meshes = b.mesh_m.total_cmp(&a.mesh_m);
+            place(a).cmp(&place(b)).then(meshes).then_with(|| order(a).cmp(&order(b)))
+        });
+        Ok(results)
+    }
+}
+
+/// A case that takes less than this is run again for its time, s.
+const QUICK: f64 = 2e-3;
+/// Times at most that a quick case is run.
+const REPETITIONS: usize = 20;
+/// CPU time that repetitions may take, s.
+const PATIENCE: f64 = 0.02;
+
+impl Case {
+    /// Runs the case and compares it with the exact solutions. A case that cannot be started is one that failed.
+    ///
+    /// # Errors
+    /// A step above the stability limit, or a scene without water or load.
+    pub fn run(&self, progress: &mut dyn FnMut(f64)) -> Result<CaseResult, String> {
+        self.repeated(REPETITIONS, progress)
+    }
+
+    /// The same with a rough time: a quick case is not run again.
+    ///
+    /// # Errors
+    /// As [`Case::run`].
+    pub fn run_once(&self) -> Result<CaseResult, String> {
+        self.repeated(1, &mut |_| {})
+    }
+
+    fn repeated(&self, at_most: usize, progress: &mut dyn FnMut(f64)) -> Result<CaseResult, String> {
+        let (run, cpu_s) = timed(&self.scene, at_most, progress).map_err(|e| format!("{}: {e}", self.name))?;
+        compare(self, &run, cpu_s)
+    }
+}
+
+/// Runs a scene and takes its CPU time, s: of a quick one the median of at most some runs.
+///
+/// # Errors
+/// A step above the stability limit.
+fn timed(scene: &Scene, at_most: usize, progress: &mut dyn FnMut(f64)) -> Result<(Run, f64), StartError> {
+    let clock = ThreadTime::now();
+    let first = match run(scene, progress) {
+        Err(StartError::Place(failure)) => return Ok((nothing(scene, failure), clock.elapsed().as_secs_f64())),
+        other => other?,
+    };
+    let mut times = vec![clock.elapsed().as_secs_f64()];
+    while times[0] < QUICK && times.len() < at_most && times.iter().sum::<f64>() < PATIENCE {
+        let clock = ThreadTime::now();
+        run(scene, &mut |_| {})?;
+        times.push(clock.elapsed().as_secs_f64());
+    }
+    times.sort_by(f64::total_cmp);
+    Ok((first, times[times.len() / 2]))
+}
+
+/// A run that ended before its first step.
+fn nothing(scene: &Scene, failure: mpm_core::error::RunError) -> Run {
+    Run {
+        samples: Vec::new(),
+        stages: Vec::new(),
+        dt: f64::NAN,
+        steps: 0,
+        work: Work::default(),
+        solid_particles: scene.solid_particles(),
+        bytes: 0,
+        failure: Some(failure),
+    }
+}
+
+/// Compares a finished run with the exact solutions of its scene.
+fn compare(case: &Case, run: &Run, cpu_s: f64) -> Result<CaseResult, String> {
+    let scene = &case.scene;
+    let missing = || format!("{}: the study needs water, a surcharge on the whole top, tight roller sides", case.name);
+    let terzaghi = Terzaghi::incompressible(scene).ok_or_else(missing)?;
+    let compressible = Terzaghi::compressible(scene).ok_or_else(missing)?;
+    // Solutions of a model with inertia, and of cells with one pressure each: only for runs of that model.
+    let own_steps = scene.integrator == Integrator::QuasiStatic;
+    let dynamic = if own_steps { None } else { DynamicColumn::new(scene) };
+    let cellwise = matches!(scene.shape, ShapeChoice::Centre | ShapeChoice::Linear);
+    let mesh = if cellwise { SemiDiscrete::new(scene) } else { None };
+    let whole = terzaghi.load * scene.height / terzaghi.modulus;
+    let degree = |time: f64, settlement: f64| Degree {
+        tv: terzaghi.time_factor(time),
+        time_s: time,
+        u: settlement / whole,
+        u_terzaghi: terzaghi.relative_settlement(time),
+        u_compressible: compressible.relative_settlement(time),
+        u_dynamic: dynamic.as_ref().map_or(f64::NAN, |d| d.settlement(time) / whole),
+        u_mesh: mesh.as_ref().map_or(f64::NAN, |m| m.settlement(time) / whole),
+    };
+    let last = scene.stages.len() - 1;
+    let sampled: Vec<&Sample> = run.observed().collect();
+    let degrees: Vec<Degree> = sampled.iter().map(|s| degree(s.stage_time, s.state.settlement)).collect();
+    // The further runs of the budget are only asked for U.
+    let kept = if case.variant == Variant::Base { sampled.as_slice() } else { &[] };
+    let profiles: Vec<Profile> =
+        kept.iter().map(|s| profile(&s.state.profile, s.stage_time, &terzaghi, &compressible)).collect();
+    let at_late = sampled.iter().find(|s| (terzaghi.time_factor(s.stage_time) / LATE_TV - 1.0).abs() < 1e-6);
+    let profile_error_to =
+        |exact: &Terzaghi| at_late.map_or(f64::NAN, |s| profile_error(&s.state.profile, exact, s.stage_time));
+    let late = |d: &&Degree| d.tv >= LATE_TV * (1.0 - 1e-6);
+    // A run that stopped early has no error: NaN, never the best of what is left.
+    let whole_run =
+        run.failure.is_none() && SAMPLE_TV.iter().all(|tv| degrees.iter().any(|d| (d.tv / tv - 1.0).abs() < 1e-6));
+    let only_whole = |error: f64| if whole_run { error } else { f64::NAN };
+    let end = run.samples.last();
+    let in_history = |s: &&Sample| case.variant == Variant::Base && s.stage == last && s.stage_time > 0.0;
+    let history = run.samples.iter().filter(in_history);
+    let limit = stable_limit(scene);
+    let steps = if own_steps { run.work.accepted } else { run.steps };
+    Ok(CaseResult {
+        case: case.name.clone(),
+        variant: case.variant,
+        integrator: word(scene.integrator),
+        scheme: word(scene.shape),
+        load: word(scene.surcharge.map(|s| s.on)),
+        mesh_m: scene.cell,
+        ppc: scene.particles_per_cell,
+        particles: run.solid_particles,
+        dt_s: step_length(scene, run),
+        steps,
+        max_error_terzaghi: only_whole(largest(degrees.iter().map(|d| relative(d.u, d.u_terzaghi)))),
+        late_error_terzaghi: only_whole(largest(degrees.iter().filter(late).map(|d| relative(d.u, d.u_terzaghi)))),
+        max_error_compressible: only_whole(largest(degrees.iter().map(|d| relative(d.u, d.u_compressible)))),
+        late_error_compressible: only_whole(largest(
+            degrees.iter().filter(late).map(|d| relative(d.u, d.u_compressible)),
+        )),
+        profile_error_compressible: profile_error_to(&compressible),
+        profile_error_terzaghi: profile_error_to(&terzaghi),
+        settlement_final_m: end.map_or(f64::NAN, |s| s.state.settlement),
+        cell_crossings: end.map_or(0, |s| s.state.solid_crossings + s.state.water_crossings),
+        cpu_s,
+        ns_per_point_step: cpu_s * 1e9 / (steps.max(1) as f64 * run.solid_particles as f64),
+        limit_s: Some(limit).filter(|l| l.is_finite()).unwrap_or(f64::NAN),
+        forced: scene.force && run.dt > limit,
+        bytes_per_point: run.bytes / run.solid_particles,
+        dimension: word(scene.dimension),
+        scene_hash: scene_hash(scene),
+        failure: run.failure.as_ref().map(ToString::to_string),
+        accepted_steps: steps,
+        rejected_steps: run.work.rejected,
+        factorisations: run.work.factorisations,
+        solves: run.work.solves,
+        tolerance: own_steps.then_some(scene.tolerance),
+        strain: word(scene.strain),
+        degrees,
+        profiles,
+        history: history.map(|s| point(s.stage_time, s.state.settlement / whole, &terzaghi, &s.ledger)).collect(),
+    })
+}
+
+/// The step that was asked for, s; the average one of an integrator that chooses, NaN if it made none.
+fn step_length(scene: &Scene, run: &Run) -> f64 {
+    if run.dt.is_finite() {
+        return run.dt;
+    }
+    let end = scene.observe_times.last().copied().unwrap_or(f64::NAN);
+    if run.work.accepted > 0 { end / run.work.accepted as f64 } else { f64::NAN }
+}
+
+fn profile(rows: &[ProfileRow], time: f64, terzaghi: &Terzaghi, compressible: &Terzaghi) -> Profile {
+    let point = |row: &ProfileRow| ProfilePoint {
+        height_m: row.material_height_m,
+        pressure_pa: row.pressure_pa,
+        terzaghi_pa: terzaghi.pressure(row.material_height_m, time),
+        compressible_pa: compressible.pressure(row.material_height_m, time),
+    };
+    Profile { tv: terzaghi.time_factor(time), rows: rows.iter().map(point).collect() }
+}
+
+fn point(time_s: f64, u: f64, terzaghi: &Terzaghi, ledger: &Ledger) -> HistoryPoint {
+    HistoryPoint {
+        time_s,
+        tv: terzaghi.time_factor(time_s),
+        u,
+        kinetic_j: ledger.kinetic_j,
+        strain_j: ledger.strain_j,
+        water_j: ledger.water_j,
+        external_work_j: ledger.external_work_j,
+        darcy_dissipation_j: ledger.darcy_dissipation_j,
+        flow_body_work_j: ledger.flow_body_work_j,
+        energy_closing_j: ledger.energy_closing_j,
+        water_closing_kg: ledger.water_closing_kg,
+        water_out_kg: ledger.water_out_kg,
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use mpm_core::scene::{LoadOn, StepChoice};
+
+    use super::*;
+
+    /// A result without a run behind it: no error at all.
+    pub(crate) fn result(mesh: f64, ppc: usize, load: &str) -> CaseResult {
+        let degree = |tv: f64| {
+            let u = crate::exact::terzaghi::degree(tv);
+            Degree { tv, time_s: tv, u, u_terzaghi: u, u_compressible: u, u_dynamic: u, u_mesh: u }
+        };
+        CaseResult {
+            case: format!("explicit-centre-{load}-L{mesh}-ppc{ppc}"),
+            variant: Variant::Base,
+            integrator: "explicit".to_owned(),
+            scheme: "centre".to_owned(),
+            load: load.to_owned(),
+            mesh_m: mesh,
+            ppc,
+            particles: 100,
+            dt_s: 1e-6,
+            steps: 1000,
+            max_error_terzaghi: 0.0,
+            late_error_terzaghi: 0.0,
+            max_error_compressible: 0.0,
+            late_error_compressible: 0.0,
+            profile_error_compressible: 0.0,
+            profile_error_terzaghi: 0.0,
+            settlement_final_m: 3.7e-4,
+            cell_crossings: 0,
+            cpu_s: 0.1,
+            ns_per_point_step: 10.0,
+            limit_s: 1.1e-6,
+            forced: false,
+            bytes_per_point: 200,
+            dimension: "column".to_owned(),
+            scene_hash: String::new(),
+            failure: None,
+            accepted_steps: 1000,
+            rejected_steps: 0,
+            factorisations: 0,
+            solves: 0,
+            tolerance: None,
+            strain: "large".to_owned(),
+            degrees: SAMPLE_TV.map(degree).to_vec(),
+            profiles: Vec::new(),
+            history: Vec::new(),
+        }
+    }
+
+    fn plan(mesh: f64, force_step: Option<f64>) -> Plan {
+        let mut base = crate::scenes::terzaghi();
+        if let Some(step) = force_step {
+            base.step = StepChoice::Fixed(step);
+            base.force = true;
+        }
+        Plan {
+            base,
+            families: vec![Family::whole(Integrator::Explicit, ShapeChoice::Centre)],
+            meshes: vec![mesh],
+            particles_per_cell: vec![1, 4],
+            loads: vec![LoadOn::Surface, LoadOn::Particles],
+            tolerance: TOLERANCE,
+            budget: false,
+            jobs: 2,
+        }
+    }
+
+    #[test]
+    fn results_do_not_depend_on_the_number_of_threads() {
+        let quiet = Progress::new("", true);
+        let run = |jobs| {
+            let mut results = Plan { jobs, ..plan(0.1, None) }.run(&quiet).expect("a study");
+            for result in &mut results {
+                (result.cpu_s, result.ns_per_point_step) = (0.0, 0.0);
+            }
+            results
+        };
+        assert_eq!(run(1), run(2));
+    }
+
+    #[test]
+    fn a_run_that_blows_up_has_no_error_and_says_why() {
+        let results = plan(0.1, Some(3e-5)).run(&Progress::new("", true)).expect("a study");
+        for result in results {
+            assert!(result.forced && result.failure.is_some() && result.max_error_terzaghi.is_nan(), "{result:?}");
+        }
+    }
+
+    #[test]
+    fn a_mesh_that_does_not_fit_is_refused() {
+        let error = plan(0.3, None).run(&Progress::new("", true)).unwrap_err();
+        assert!(error.contains("0.3 m"), "{error}");
+    }
+}
