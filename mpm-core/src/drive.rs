@@ -94,6 +94,7 @@ pub fn drive(scene: &Scene, model: &mut dyn Model, dt: f64, progress: &mut dyn F
         };
         let stops: Vec<f64> = times.iter().map(|(time, _)| *time).collect();
         let entered = model.enter_stage(stage, &stops);
+        run.bytes = run.bytes.max(model.bytes());
         let outcome = match stage.until {
             _ if entered.is_err() => entered.map(|()| 0.0).map_err(|fault| (0.0, fault)),
             Until::Time(_) => timed((scene, number), &times, model, dt, &mut run, progress),

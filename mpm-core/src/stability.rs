@@ -145,25 +145,30 @@ impl Medium {
         (1..=WAVES).map(|i| limit(wave(i))).fold(f64::INFINITY, f64::min)
     }
 
-    /// Largest stable semi-implicit step in plane strain, s.
-    pub fn semi_implicit_plane_strain(&self, darcy: DarcyChoice) -> f64 {
+    /// Plane waves of all directions and lengths: squared gradient symbols of solid and pressure (1/m2), and c.
+    ///
+    /// The solid and the nodal Darcy operator see the gradient at the cell centre; the two-point flux sees the
+    /// sum over the axes, up to twice as much for a checkerboard, which has no gradient at the centre at all.
+    fn plane_waves(&self, darcy: DarcyChoice) -> impl Iterator<Item = [f64; 3]> {
         let scale = 4.0 / (self.cell * self.cell);
-        let mut limit = f64::INFINITY;
-        for i in 0..=WAVES {
-            for j in 0..=i {
+        (0..=WAVES).flat_map(move |i| {
+            (0..=i).map(move |j| {
                 let (sx, sy) = (wave(i), wave(j));
                 let k_u = sx * (1.0 - sy) + sy * (1.0 - sx);
                 let k_p = match darcy {
                     DarcyChoice::Nodal => k_u,
                     DarcyChoice::Face => sx + sy,
                 };
-                if k_u > 1e-9 {
-                    let c = self.memory(self.transfer(sx) * self.transfer(sy));
-                    limit = limit.min(self.semi_implicit_of(scale * k_u, scale * k_p, c));
-                }
-            }
-        }
-        limit
+                let k_u = if k_u > 1e-9 { scale * k_u } else { 0.0 };
+                [k_u, scale * k_p, self.memory(self.transfer(sx) * self.transfer(sy))]
+            })
+        })
+    }
+
+    /// Largest stable semi-implicit step in plane strain, s.
+    pub fn semi_implicit_plane_strain(&self, darcy: DarcyChoice) -> f64 {
+        let moving = self.plane_waves(darcy).filter(|[k_u, ..]| *k_u > 0.0);
+        moving.map(|[k_u, k_p, c]| self.semi_implicit_of(k_u, k_p, c)).fold(f64::INFINITY, f64::min)
     }
 
     /// Largest step for waves of shear in plane strain, s. They do not change volumes, so that an implicit pressure
@@ -201,28 +206,11 @@ impl Medium {
     }
 
     /// Largest stable step in plane strain, s, over all directions and lengths of a plane wave.
-    ///
-    /// The solid and the nodal Darcy operator see the gradient at the cell centre; the two-point flux sees the
-    /// sum over the axes, up to twice as much for a checkerboard.
     pub fn limit_plane_strain(&self, darcy: DarcyChoice) -> f64 {
         let scale = 4.0 / (self.cell * self.cell);
-        let mut limit = f64::INFINITY;
-        for i in 0..=WAVES {
-            for j in 0..=i {
-                let (sx, sy) = (wave(i), wave(j));
-                let k_u = sx * (1.0 - sy) + sy * (1.0 - sx);
-                let k_p = match darcy {
-                    DarcyChoice::Nodal => k_u,
-                    DarcyChoice::Face => sx + sy,
-                };
-                let k_u = if k_u > 1e-9 { scale * k_u } else { 0.0 };
-                if k_u > 0.0 || k_p * self.diffusivity > 1e-9 {
-                    let c = self.memory(self.transfer(sx) * self.transfer(sy));
-                    limit = limit.min(self.limit_of(k_u, scale * k_p, c));
-                }
-            }
-        }
-        limit
+        let felt = |k_u: f64, k_p: f64| k_u > 0.0 || k_p / scale * self.diffusivity > 1e-9;
+        let waves = self.plane_waves(darcy).filter(|[k_u, k_p, _]| felt(*k_u, *k_p));
+        waves.map(|[k_u, k_p, c]| self.limit_of(k_u, k_p, c)).fold(f64::INFINITY, f64::min)
     }
 }
 

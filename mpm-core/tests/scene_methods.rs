@@ -38,6 +38,14 @@ const EXPLICIT_CASES: &[(&str, Edits)] = &[
     ("jump penalty of another shape", &[("flip = 1.0", "flip = 1.0\njump_penalty = 1.0e-3")]),
     ("quadrature without its integrator", &[("shape = \"centre\"", "shape = \"bspline2\"\nquadrature = \"volumes\"")]),
     (
+        "quasi-static: more than fits into memory",
+        &[
+            ("integrator = \"explicit\"", "integrator = \"quasi-static\""),
+            ("dimension = \"column\"", "dimension = \"plane-strain\""),
+            ("width = 0.1", "width = 1000.0"),
+        ],
+    ),
+    (
         "jump penalty without its integrator",
         &[("shape = \"centre\"", "shape = \"bspline2\""), ("flip = 1.0", "flip = 1.0\njump_penalty = 1.0e-3")],
     ),

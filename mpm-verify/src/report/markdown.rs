@@ -50,8 +50,9 @@ fn section(page: &mut String, content: &Content, title: &str, tables: &[Table], 
     for table in tables {
         *page += &format!("### {}\n\n", table.title);
         rows(page, table);
+        page.push('\n');
         if !table.note.is_empty() {
-            *page += &format!("\n{}\n\n", table.note);
+            *page += &format!("{}\n\n", table.note);
         }
     }
     for picture in content.pictures.iter().filter(|p| pictures.contains(&p.name)) {
