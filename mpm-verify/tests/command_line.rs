@@ -178,4 +178,7 @@ fn study_and_report_write_the_same_page() {
     let output = verify(folder.path(), &["report"]);
     assert!(output.status.success(), "{}", stderr(&output));
     assert_eq!(std::fs::read(&page).expect("a page"), first);
+    // And the same numbers, to the last digit.
+    let again = std::fs::read_to_string(folder.path().join("reports/accuracy/errors.csv")).expect("errors");
+    assert_eq!(again, errors);
 }
