@@ -54,6 +54,18 @@ fn both_time_methods_agree_and_count_their_work() {
 }
 
 #[test]
+fn a_basis_that_would_grow_too_large_gives_way_to_steps() {
+    // A hundred cells watched from a millionth of the time on: one pole does not hold seven decades.
+    let wide = ["cell = 0.01", "until.time_factor = 10.0", "time_factors = [1e-6, 1e-3, 0.1, 10.0]"];
+    let scene = column(&[&wide[..], &["tolerance = 1e-6"]].concat());
+    let refused = run(&Scene { method: TimeMethod::Krylov, ..scene.clone() }, &mut |_| {}).expect("a start");
+    let text = refused.failure.expect("a failure").to_string();
+    assert!(text.contains("did not reach the tolerance 1e-6 with 60 basis vectors"), "{text}");
+    let steps = completed(&scene);
+    assert!(steps.work.factorisations > 1 && steps.steps == steps.work.accepted, "{:?}", steps.work);
+}
+
+#[test]
 fn the_error_in_time_follows_the_tolerance() {
     let exact = completed(&column(&["tolerance = 1e-10"]));
     for (tolerance, method) in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6].into_iter().flat_map(|t| [(t, "sdirk"), (t, "krylov")]) {

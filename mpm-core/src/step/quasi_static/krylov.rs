@@ -35,7 +35,8 @@ pub(super) struct Krylov {
     size: f64,
     gamma: f64,
     ritz: Ritz,
-    /// Difference between the last two approximations, as estimated.
+    /// Change of the state by the last basis vector, at the time where it is largest: relative to the settlement, and of
+    /// the pressure in the norm of A.
     pub estimate: f64,
 }
 
@@ -136,7 +137,6 @@ impl Krylov {
         let mut tridiagonal: Vec<[f64; 2]> = Vec::new();
         let mut settled: Vec<f64> = Vec::new();
         let mut before: Vec<Vec<f64>> = Vec::new();
-        let mut calm = 0;
         let mut length = dot(&direction, &product).max(0.0).sqrt();
         self.size = length;
         let first_settled = goal.settlement(&self.first);
@@ -189,11 +189,13 @@ impl Krylov {
                 };
                 now.iter().zip(&before).map(change).fold(0.0, f64::max)
             };
-            calm = if self.estimate <= goal.tolerance { calm + 1 } else { 0 };
-            if calm >= 1 {
+            if self.estimate <= goal.tolerance {
                 break;
             }
             before = now;
+        }
+        if length <= BREAKDOWN * self.size.max(goal.pressure_norm) {
+            self.estimate = 0.0; // the space holds the whole solution
         }
         if self.ritz.values.len() != self.basis.len() {
             self.ritz = Ritz::new(&tridiagonal);

@@ -8,7 +8,7 @@ use super::tangent::Stuck;
 use super::trouble::{describe, inside_out, nothing};
 use super::{KrylovStage, Method, QuasiStatic};
 use crate::constitutive::Law;
-use crate::scene::{StepChoice, StrainChoice};
+use crate::scene::{StepChoice, StrainChoice, TimeMethod};
 use crate::space::Deformation;
 use crate::step::Fault;
 
@@ -35,8 +35,8 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
         linear && constant && self.scene.gravity.is_none() && self.scene.water.is_some()
     }
 
-    /// All times of a stage at once.
-    pub(super) fn krylov(&mut self, times: &[f64]) -> Result<Method, Fault> {
+    /// All times of a stage at once; `None` where the basis would grow too large.
+    pub(super) fn krylov(&mut self, times: &[f64]) -> Result<Option<Method>, Fault> {
         let end = times.last().copied().unwrap_or(0.0);
         let already = self.seeding.first_settlement + self.settled;
         let pressure = self.pressure_size();
@@ -56,16 +56,28 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
         let Some(soil) = &mut self.soil else { return Err(nothing()) };
         let evolution =
             Krylov::new(soil, &self.content, times, &goal, &mut self.work).map_err(|stuck| self.fault(&stuck, None))?;
+        if evolution.estimate > self.scene.tolerance {
+            if self.scene.method == TimeMethod::Auto {
+                return Ok(None);
+            }
+            let (vectors, estimate) = (evolution.vectors(), evolution.estimate);
+            let what = format!(
+                "the Krylov method did not reach the tolerance {:e} with {vectors} basis vectors: the last one still \
+                 changed the state by {estimate:.1e}; the method sdirk divides the time instead",
+                self.scene.tolerance
+            );
+            return Err(Fault { place: "the whole soil".to_owned(), what });
+        }
         let integral = vec![0.0; self.y.len()];
         self.done.accepted += evolution.vectors() as u64;
-        Ok(Method::Krylov(Box::new(KrylovStage {
+        Ok(Some(Method::Krylov(Box::new(KrylovStage {
             evolution,
             integral,
             held,
             out_before,
             work_before,
             dissipation_before,
-        })))
+        }))))
     }
 
     /// The first step of a stage, s.

@@ -201,13 +201,15 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Model for 
             let what = "the Krylov method needs a linear scene: small strain, an elastic law, a constant load, water, no gravity";
             return Err(Fault { place: format!("stage {}", stage.name), what: what.to_owned() });
         }
-        self.method = Some(if krylov {
-            self.krylov(times)?
-        } else {
-            let step = self.first_step(times);
+        let at_once = if krylov { self.krylov(times)? } else { None };
+        let steps = || {
             let soil = self.soil.as_ref().ok_or_else(nothing)?;
             let stepper = Box::new(Sdirk::new(soil.p.len(), soil.unknowns()));
-            Method::Sdirk { stepper, step, factored: f64::NAN }
+            Ok(Method::Sdirk { stepper, step: self.first_step(times), factored: f64::NAN })
+        };
+        self.method = Some(match at_once {
+            Some(method) => method,
+            None => steps()?,
         });
         Ok(())
     }
