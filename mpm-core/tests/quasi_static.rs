@@ -167,6 +167,9 @@ fn load_is_carried_undrained_at_once_and_stages_follow_each_other() {
     let undrained = run.samples.iter().rev().find(|s| s.stage == 0).expect("the first stage");
     let expected = scene.undrained_pressure();
     assert!((undrained.state.mean_pressure / expected - 1.0).abs() < 1e-9, "{}", undrained.state.mean_pressure);
+    // Balances run on from stage to stage.
+    let ledger = run.samples[run.samples.len() - 1].ledger;
+    assert!(ledger.water_out_kg > 0.03 && ledger.water_closing_kg.abs() < 1e-9 * ledger.water_out_kg, "{ledger:?}");
     let direct = completed(&column(&[]));
     for (a, b) in settlements(&run).iter().zip(settlements(&direct)) {
         assert!(apart(*a, b) < 1e-6, "{a} {b}");

@@ -93,14 +93,14 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
                 (false, false) => soil.p[cell],
             };
         }
-        for part in soil.pore.iter().filter(|part| part.water.count > 0) {
+        for (part, spent) in soil.pore.iter().zip(&self.spent).filter(|(part, _)| part.water.count > 0) {
             let Some(PoreState { change, .. }) = soil.pore_state(part) else { continue };
             let cell = self.cell_of_pore(part);
             let pressure = part.water.scalar(&soil.p);
             let pores = if soil.small { part.porosity } else { change + part.porosity };
             let fluid = &soil.fluid;
             // Pores change with the soil even where the geometry stays.
-            let water = part.porosity + change + pores * pressure * fluid.compressibility;
+            let water = part.porosity + spent + change + pores * pressure * fluid.compressibility;
             cells[cell].water_mass += part.weight * fluid.density * water;
             cells[cell].water_energy += 0.5 * part.weight * pores * pressure * pressure * fluid.compressibility;
         }

@@ -56,7 +56,7 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
         let Some(soil) = &mut self.soil else { return Err(nothing()) };
         let evolution =
             Krylov::new(soil, &self.content, times, &goal, &mut self.work).map_err(|stuck| self.fault(&stuck, None))?;
-        if evolution.estimate > self.scene.tolerance {
+        if evolution.estimate.is_nan() || evolution.estimate > self.scene.tolerance {
             if self.scene.method == TimeMethod::Auto {
                 return Ok(None);
             }

@@ -61,6 +61,8 @@ pub struct QuasiStatic<K, L, const D: usize, const S: usize> {
     points: Vec<SolidPoint<D, S>>,
     /// Their displacement before that, m.
     carried: Vec<[f64; D]>,
+    /// Volume change of the pore points before that, per volume; large strain has it in the particles' volumes.
+    spent: Vec<f64>,
     soil: Option<Soil<K, L, D, S>>,
     /// Unknowns and water content now.
     y: Vec<f64>,
@@ -109,6 +111,7 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
         Self {
             points: seeding.points.clone(),
             carried: vec![[0.0; D]; count],
+            spent: Vec::new(),
             scene: scene.clone(),
             seeding,
             soil: None,

@@ -44,6 +44,7 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
             .filter(|(unknown, _)| *unknown != HELD)
             .collect();
         self.work = Workspace::new(soil.unknowns(), self.reference(&soil));
+        self.spent.resize(soil.pore.len(), 0.0);
         self.soil = Some(soil);
         Ok(())
     }
@@ -105,6 +106,11 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
                     point.x[d] += moved[d];
                     self.carried[i][d] += moved[d];
                 }
+            }
+        }
+        if !large {
+            for (spent, part) in self.spent.iter_mut().zip(&soil.pore) {
+                *spent += soil.pore_state(part).map_or(0.0, |state| state.change);
             }
         }
         self.settled += self.settlement_of(&self.y);
