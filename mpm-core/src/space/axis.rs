@@ -23,7 +23,7 @@ pub struct Axis {
     pub basis: Basis,
     /// Edge of a whole cell, m.
     pub size: f64,
-    /// Cell that holds the inner line number 0 as its upper end.
+    /// First inner line, m: the others follow at equal distances.
     origin: f64,
 }
 

@@ -154,7 +154,7 @@ impl Moments {
     }
 
     fn pattern(&self, size: usize) -> Symmetric {
-        let cliques = self.number.chunk_by_support(self.support);
+        let cliques = cliques(&self.number, self.support);
         Symmetric::new(
             size,
             cliques.flat_map(|c| c.iter().flat_map(move |a| c.iter().map(move |b| (*a as usize, *b as usize)))),
@@ -172,19 +172,13 @@ impl Moments {
 }
 
 /// Functions of the points one after the other, each set of functions once where points of a cell follow each other.
-trait Cliques {
-    fn chunk_by_support(&self, support: usize) -> impl Iterator<Item = &[u32]>;
-}
-
-impl Cliques for Vec<u32> {
-    fn chunk_by_support(&self, support: usize) -> impl Iterator<Item = &[u32]> {
-        let mut last: &[u32] = &[];
-        self.chunks(support).filter(move |c| {
-            let new = last != *c;
-            last = c;
-            new
-        })
-    }
+fn cliques(number: &[u32], support: usize) -> impl Iterator<Item = &[u32]> {
+    let mut last: &[u32] = &[];
+    number.chunks(support).filter(move |functions| {
+        let new = last != *functions;
+        last = functions;
+        new
+    })
 }
 
 /// Lagrange polynomials on [0, 1] with equal spacing.

@@ -85,9 +85,8 @@ fn gap_integral(mu: f64, tau: f64) -> f64 {
 }
 
 impl Krylov {
-    /// Builds a basis that holds the state at all `times` (s) within a tolerance. `content` is the water content
-    /// before the load; `measure` weighs unknowns to the settlement, `size` is that of a pressure error of 1 in the
-    /// norm of A.
+    /// Builds a basis that holds the state at all `times` (s since the start of the stage); `content` is the water
+    /// content before the load, m3. [`Self::estimate`] says whether the goal was reached.
     pub fn new<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
         soil: &mut Soil<K, L, D, S>,
         content: &[f64],
