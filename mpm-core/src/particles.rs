@@ -3,6 +3,7 @@
 //! A particle is one compact record, because every pass over the particles uses all of it.
 
 use crate::grid::Grid;
+use crate::scene::Displaced;
 
 /// A particle of the solid layer. D: dimensions, S: stress components.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -193,6 +194,29 @@ pub fn even_positions<const D: usize>(cells: [usize; D], per_direction: usize) -
             (i as f64 + 0.5) / per_direction as f64
         })
     })
+}
+
+/// Moves particles (m) from their even places, `spacing` (m) apart on the given `lengths` (m): a smooth wave and random
+/// parts.
+pub fn displace<'a, const D: usize>(
+    places: impl Iterator<Item = &'a mut [f64; D]>,
+    lengths: &[f64; D],
+    spacing: f64,
+    displaced: &Displaced,
+) {
+    let mut random = displaced.seed;
+    for x in places {
+        for d in 0..D {
+            // SplitMix64 (Steele, Lea & Flood 2014, OOPSLA).
+            random = random.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = random;
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            let uniform = ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
+            let wave = f64::sin(2.0 * std::f64::consts::PI * x[d] / lengths[d]);
+            x[d] += spacing * (displaced.smooth * wave + displaced.jitter * (2.0 * uniform - 1.0));
+        }
+    }
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use crate::drive::{Run, drive};
 use crate::error::RunError;
 use crate::grid::Grid;
 use crate::observe::Seed;
-use crate::particles::{Layer, SolidPoint, WaterPoint, even_positions};
+use crate::particles::{Layer, SolidPoint, WaterPoint, displace, even_positions};
 use crate::scene::{DarcyChoice, Dimension, Integrator, LoadOn, Scene, ShapeChoice, Start, WaterProperties};
 use crate::shape::{Centre, Linear, Shape};
 use crate::space::Deformation;
@@ -79,7 +79,7 @@ fn implicit<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
     let mut places: Vec<([f64; D], bool)> =
         positions(scene, soil_cells).map(|x| (x, x[D - 1] > scene.height - spacing)).collect();
     if let Some(displaced) = scene.displaced {
-        displace(&mut places, &lengths, spacing, &displaced);
+        displace(places.iter_mut().map(|(x, _)| x), &lengths, spacing, &displaced);
     }
     // Points of a cell follow each other, so that the matrix is gathered cell by cell.
     let cell = |x: &[f64; D]| x.map(|x| (x / scene.cell + scene.shift).floor() as i64);
@@ -105,28 +105,6 @@ fn implicit<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
             first_settlement: first_settlement(scene),
         },
     ))
-}
-
-/// Moves particles from their even places: a smooth wave and random parts.
-fn displace<const D: usize>(
-    places: &mut [([f64; D], bool)],
-    lengths: &[f64; D],
-    spacing: f64,
-    displaced: &crate::scene::Displaced,
-) {
-    let mut random = displaced.seed;
-    for (x, _) in places {
-        for d in 0..D {
-            // SplitMix64 (Steele, Lea & Flood 2014, OOPSLA).
-            random = random.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let mut z = random;
-            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            let uniform = ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
-            let wave = f64::sin(2.0 * std::f64::consts::PI * x[d] / lengths[d]);
-            x[d] += spacing * (displaced.smooth * wave + displaced.jitter * (2.0 * uniform - 1.0));
-        }
-    }
 }
 
 /// Settlement of the state a run starts from, counted from the unloaded one, m.
