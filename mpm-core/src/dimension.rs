@@ -4,19 +4,21 @@
 //! [0, 1]; in one dimension only the first two are used. `T` maps nodal values to coefficients, and its transpose
 //! maps the moments `sum_p w_p phi(x_p)` of particles to nodes, because N = T^t phi.
 
+use crate::real::Real;
+
 /// A velocity gradient, `gradient[i][j]` = dv_i/dx_j, 1/s.
-pub type Gradient<const D: usize> = [[f64; D]; D];
+pub type Gradient<const D: usize, R = f64> = [[R; D]; D];
 
 /// Kinematics in D dimensions with S stress components.
 pub trait Kinematics<const D: usize, const S: usize>: Copy + Send + Sync + 'static {
     /// Strain increment over a time dt, in the component order of the stress (engineering shear).
-    fn strain_increment(gradient: &Gradient<D>, dt: f64) -> [f64; S];
+    fn strain_increment<R: Real>(gradient: &Gradient<D, R>, dt: f64) -> [R; S];
     /// Turns a stress by the spin of a gradient over dt (Jaumann rate).
-    fn rotate(stress: &mut [f64; S], gradient: &Gradient<D>, dt: f64);
+    fn rotate<R: Real>(stress: &mut [R; S], gradient: &Gradient<D, R>, dt: f64);
     /// Force coefficients of a cell from its stress: `F_k,i = sum_p V sigma_ij dphi_k/dx_j`, N m / m.
     ///
     /// `mean` is `sum V sigma`, `first[d]` is `sum V sigma xi_d`; `inverse_size` is 1/L.
-    fn internal_force(mean: &[f64; S], first: &[[f64; S]; D], inverse_size: f64) -> [[f64; D]; 4];
+    fn internal_force<R: Real>(mean: &[R; S], first: &[[R; S]; D], inverse_size: f64) -> [[R; D]; 4];
     /// Stress times a vector: sigma . G, Pa times the unit of G.
     fn traction(stress: &[f64; S], vector: &[f64; D]) -> [f64; D];
     /// The stress of an isotropic pressure of 1 Pa (compression), for the pore water.
@@ -31,16 +33,17 @@ impl Kinematics<1, 2> for Column {
     const UNIT_PRESSURE: [f64; 2] = [-1.0, -1.0];
 
     #[inline(always)]
-    fn strain_increment(gradient: &Gradient<1>, dt: f64) -> [f64; 2] {
-        [gradient[0][0] * dt, 0.0]
+    fn strain_increment<R: Real>(gradient: &Gradient<1, R>, dt: f64) -> [R; 2] {
+        [gradient[0][0] * dt, gradient[0][0].like(0.0)]
     }
 
     #[inline(always)]
-    fn rotate(_: &mut [f64; 2], _: &Gradient<1>, _: f64) {}
+    fn rotate<R: Real>(_: &mut [R; 2], _: &Gradient<1, R>, _: f64) {}
 
     #[inline(always)]
-    fn internal_force(mean: &[f64; 2], _: &[[f64; 2]; 1], inverse_size: f64) -> [[f64; 1]; 4] {
-        [[0.0], [mean[0] * inverse_size], [0.0], [0.0]]
+    fn internal_force<R: Real>(mean: &[R; 2], _: &[[R; 2]; 1], inverse_size: f64) -> [[R; 1]; 4] {
+        let none = [mean[0].like(0.0)];
+        [none, [mean[0] * inverse_size], none, none]
     }
 
     #[inline(always)]
@@ -57,25 +60,26 @@ impl Kinematics<2, 4> for PlaneStrain {
     const UNIT_PRESSURE: [f64; 4] = [-1.0, -1.0, -1.0, 0.0];
 
     #[inline(always)]
-    fn strain_increment(gradient: &Gradient<2>, dt: f64) -> [f64; 4] {
-        [gradient[0][0] * dt, gradient[1][1] * dt, 0.0, (gradient[0][1] + gradient[1][0]) * dt]
+    fn strain_increment<R: Real>(gradient: &Gradient<2, R>, dt: f64) -> [R; 4] {
+        let none = gradient[0][0].like(0.0);
+        [gradient[0][0] * dt, gradient[1][1] * dt, none, (gradient[0][1] + gradient[1][0]) * dt]
     }
 
     #[inline(always)]
-    fn rotate(stress: &mut [f64; 4], gradient: &Gradient<2>, dt: f64) {
+    fn rotate<R: Real>(stress: &mut [R; 4], gradient: &Gradient<2, R>, dt: f64) {
         // sigma += (w sigma - sigma w) dt with w_xy = (dv_x/dy - dv_y/dx)/2.
-        let spin = 0.5 * (gradient[0][1] - gradient[1][0]) * dt;
+        let spin = (gradient[0][1] - gradient[1][0]) * 0.5 * dt;
         let [xx, yy, _, xy] = *stress;
-        stress[0] += 2.0 * spin * xy;
-        stress[1] -= 2.0 * spin * xy;
+        stress[0] += spin * 2.0 * xy;
+        stress[1] -= spin * 2.0 * xy;
         stress[3] += spin * (yy - xx);
     }
 
     #[inline(always)]
-    fn internal_force(mean: &[f64; 4], first: &[[f64; 4]; 2], inverse_size: f64) -> [[f64; 2]; 4] {
-        let [xx, yy, _, xy] = mean.map(|s| s * inverse_size);
+    fn internal_force<R: Real>(mean: &[R; 4], first: &[[R; 4]; 2], inverse_size: f64) -> [[R; 2]; 4] {
+        let (xx, yy, xy) = (mean[0] * inverse_size, mean[1] * inverse_size, mean[3] * inverse_size);
         let bilinear = [first[1][0] + first[0][3], first[1][3] + first[0][1]];
-        [[0.0; 2], [xx, xy], [xy, yy], bilinear.map(|s| s * inverse_size)]
+        [[xx.like(0.0); 2], [xx, xy], [xy, yy], [bilinear[0] * inverse_size, bilinear[1] * inverse_size]]
     }
 
     #[inline(always)]
@@ -87,8 +91,9 @@ impl Kinematics<2, 4> for PlaneStrain {
 
 /// The basis (1, xi, eta, xi eta) at a point of the cell.
 #[inline(always)]
-pub fn basis<const D: usize>(xi: &[f64; D]) -> [f64; 4] {
-    if D == 1 { [1.0, xi[0], 0.0, 0.0] } else { [1.0, xi[0], xi[1], xi[0] * xi[1]] }
+pub fn basis<const D: usize, R: Real>(xi: &[R; D]) -> [R; 4] {
+    let (one, none) = (xi[0].like(1.0), xi[0].like(0.0));
+    if D == 1 { [one, xi[0], none, none] } else { [one, xi[0], xi[1], xi[0] * xi[1]] }
 }
 
 /// Shares N times an amount of the corners, for a point of the cell.
@@ -96,11 +101,12 @@ pub fn basis<const D: usize>(xi: &[f64; D]) -> [f64; 4] {
 /// Mass and momentum are gathered with the same share and not through the moments of the basis: a node with a tiny
 /// share of a particle would lose the digits of that share, and so its velocity momentum/mass.
 #[inline(always)]
-pub fn shares<const D: usize>(amount: f64, xi: &[f64; D]) -> [f64; 4] {
+pub fn shares<const D: usize, R: Real>(amount: R, xi: &[R; D]) -> [R; 4] {
     let right = amount * xi[0];
     let left = amount - right;
     if D == 1 {
-        [left, right, 0.0, 0.0]
+        let none = amount.like(0.0);
+        [left, right, none, none]
     } else {
         let (upper_left, upper_right) = (left * xi[D - 1], right * xi[D - 1]);
         [left - upper_left, right - upper_right, upper_left, upper_right]
@@ -109,9 +115,9 @@ pub fn shares<const D: usize>(amount: f64, xi: &[f64; D]) -> [f64; 4] {
 
 /// Coefficients of the basis from values at the corners of the cell.
 #[inline(always)]
-pub fn coefficients<const D: usize, const F: usize>(nodal: &[[f64; F]; 4]) -> [[f64; F]; 4] {
+pub fn coefficients<const D: usize, const F: usize, R: Real>(nodal: &[[R; F]; 4]) -> [[R; F]; 4] {
     let [a, b, c, d] = nodal;
-    let mut k = [[0.0; F]; 4];
+    let mut k = [[a[0].like(0.0); F]; 4];
     for f in 0..F {
         k[0][f] = a[f];
         k[1][f] = b[f] - a[f];
@@ -125,9 +131,9 @@ pub fn coefficients<const D: usize, const F: usize>(nodal: &[[f64; F]; 4]) -> [[
 
 /// Shares of the corners of the cell from moments of the basis: the transpose of [`coefficients`].
 #[inline(always)]
-pub fn to_corners<const D: usize, const F: usize>(moments: &[[f64; F]; 4]) -> [[f64; F]; 4] {
+pub fn to_corners<const D: usize, const F: usize, R: Real>(moments: &[[R; F]; 4]) -> [[R; F]; 4] {
     let [one, xi, eta, both] = moments;
-    let mut nodal = [[0.0; F]; 4];
+    let mut nodal = [[one[0].like(0.0); F]; 4];
     for f in 0..F {
         if D == 1 {
             nodal[0][f] = one[f] - xi[f];
@@ -144,7 +150,7 @@ pub fn to_corners<const D: usize, const F: usize>(moments: &[[f64; F]; 4]) -> [[
 
 /// Value of a field at a point of the cell from its coefficients and the [`basis`] there.
 #[inline(always)]
-pub fn value<const D: usize, const F: usize>(k: &[[f64; F]; 4], phi: &[f64; 4]) -> [f64; F] {
+pub fn value<const D: usize, const F: usize, R: Real>(k: &[[R; F]; 4], phi: &[R; 4]) -> [R; F] {
     let mut v = k[0];
     for f in 0..F {
         v[f] += k[1][f] * phi[1];
@@ -157,11 +163,12 @@ pub fn value<const D: usize, const F: usize>(k: &[[f64; F]; 4], phi: &[f64; 4]) 
 
 /// Gradient of a vector field at a point of the cell from its coefficients.
 #[inline(always)]
-pub fn gradient<const D: usize>(k: &[[f64; D]; 4], xi: &[f64; D], inverse_size: f64) -> Gradient<D> {
-    let mut g = [[0.0; D]; D];
+pub fn gradient<const D: usize, R: Real>(k: &[[R; D]; 4], xi: &[R; D], inverse_size: f64) -> Gradient<D, R> {
+    let none = xi[0].like(0.0);
+    let mut g = [[none; D]; D];
     for i in 0..D {
         for (j, gij) in g[i].iter_mut().enumerate() {
-            let across = if D == 2 { k[3][i] * xi[D - 1 - j] } else { 0.0 };
+            let across = if D == 2 { k[3][i] * xi[D - 1 - j] } else { none };
             *gij = (k[1 + j][i] + across) * inverse_size;
         }
     }
@@ -170,7 +177,7 @@ pub fn gradient<const D: usize>(k: &[[f64; D]; 4], xi: &[f64; D], inverse_size: 
 
 /// Trace of a gradient: the rate of volume change, 1/s.
 #[inline(always)]
-pub fn trace<const D: usize>(gradient: &Gradient<D>) -> f64 {
+pub fn trace<const D: usize, R: Real>(gradient: &Gradient<D, R>) -> R {
     let mut sum = gradient[0][0];
     for d in 1..D {
         sum += gradient[d][d];

@@ -6,15 +6,16 @@
 //! # Reading order
 //! 1. [`scene`]: what to simulate, from TOML to a checked [`scene::Scene`].
 //! 2. [`grid`], [`nodes`], [`particles`]: the mesh and the two layers.
-//! 3. [`dimension`], [`shape`], [`stencil`]: one dimension and plane strain; where linear functions are evaluated, and
-//!    wider ones.
+//! 3. [`real`], [`dimension`], [`shape`], [`stencil`]: one number or many at once; one dimension and plane strain; where
+//!    linear functions are evaluated, and wider ones.
 //! 4. [`constitutive`], [`water`], [`boundary`]: the physics.
 //! 5. [`sparse`]: symmetric systems. [`space`]: function spaces and particle weights of the quasi-static integrator.
-//! 6. [`step`]: one time step. `step/explicit.rs` is the paper's Figure 1, `step/skeleton.rs` the same over stencils,
-//!    `step/semi_implicit.rs` with the pressure implicit; [`step::quasi_static`] leaves inertia out.
+//! 6. [`step`]: one time step. `step/explicit.rs` is the paper's Figure 1, `step/lanes` the same with many cells at once
+//!    and on several threads, `step/skeleton.rs` over stencils, `step/semi_implicit.rs` with the pressure implicit;
+//!    [`step::quasi_static`] leaves inertia out.
 //! 7. [`stability`], [`drive`]: how long a step may be; stages and times.
 //! 8. [`observe`]: what is read from a run, and its ledgers.
-//! 9. [`run`]: the switchboard from words to types.
+//! 9. [`hardware`], [`run`]: what a run may use of the machine; the switchboard from words to types.
 //!
 //! # Symbols
 //! | symbol | meaning | unit |
@@ -38,9 +39,11 @@ pub mod dimension;
 pub mod drive;
 pub mod error;
 pub mod grid;
+pub mod hardware;
 pub mod nodes;
 pub mod observe;
 pub mod particles;
+pub mod real;
 pub mod run;
 pub mod scene;
 pub mod shape;

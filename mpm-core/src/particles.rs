@@ -98,6 +98,17 @@ impl<P: Point<D>, const D: usize> Layer<P, D> {
         Ok(layer)
     }
 
+    /// A layer like `like` of particles that stand in its order already, `cell_start` of them before each cell.
+    pub fn in_order<Q>(like: &Layer<Q, D>, points: Vec<P>, ids: Vec<u32>, cell_start: Vec<u32>) -> Self {
+        let cell_of = vec![0; points.len()];
+        Self { points, ids, cell_start, crossings: like.crossings, order: like.order, cell_of }
+    }
+
+    /// The cells and counts of a layer whose particles are elsewhere.
+    pub fn without_points(self) -> Self {
+        Self { points: Vec::new(), ids: Vec::new(), cell_of: Vec::new(), ..self }
+    }
+
     /// Particles of a cell.
     #[inline]
     pub fn range(&self, cell: usize) -> std::ops::Range<usize> {
@@ -178,6 +189,13 @@ impl<P: Point<D>, const D: usize> Layer<P, D> {
     pub fn bytes(&self) -> usize {
         self.points.capacity() * size_of::<P>()
             + (self.ids.capacity() + self.cell_of.capacity() + self.cell_start.capacity()) * size_of::<u32>()
+    }
+}
+
+impl<P, const D: usize> Default for Layer<P, D> {
+    fn default() -> Self {
+        let (points, ids, cell_start, cell_of) = Default::default();
+        Self { points, ids, cell_start, crossings: 0, order: 0, cell_of }
     }
 }
 

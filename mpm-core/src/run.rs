@@ -6,6 +6,7 @@ use crate::dimension::{Column, Kinematics, PlaneStrain};
 use crate::drive::{Run, drive};
 use crate::error::RunError;
 use crate::grid::Grid;
+use crate::hardware::{Hardware, Width};
 use crate::observe::Seed;
 use crate::particles::{Layer, SolidPoint, WaterPoint, displace, even_positions};
 use crate::scene::{DarcyChoice, Dimension, Integrator, LoadOn, Scene, ShapeChoice, Start, WaterProperties};
@@ -14,8 +15,9 @@ use crate::space::Deformation;
 use crate::stability::{StepTooLarge, choose_step};
 use crate::stencil::{Basis, Bspline2, Functions, Gimp};
 use crate::step::quasi_static::{QuasiStatic, Seeding};
-use crate::step::{Explicit, ExplicitWide, Model, Parts, SemiImplicit};
-use crate::water::{DarcyOperator, Dry, Face, Nodal, Saturated, Water};
+use crate::step::{Explicit, ExplicitLanes, ExplicitWide, Model, Parts, SemiImplicit};
+use crate::water::{DarcyOperator, Dry, Face, Nodal, Resident, Saturated, Water};
+use pulp::{Arch, Scalar128b, Scalar256b, Scalar512b, Simd};
 
 /// Why a scene could not be run.
 #[derive(Debug, thiserror::Error)]
@@ -33,8 +35,16 @@ pub enum StartError {
 /// # Errors
 /// A step above the stability limit, or particles outside the mesh: nothing was run.
 pub fn run(scene: &Scene, progress: &mut dyn FnMut(f64)) -> Result<Run, StartError> {
+    run_on(&Hardware::default(), scene, progress)
+}
+
+/// [`run`] with what it may use of the machine.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_on(hardware: &Hardware, scene: &Scene, progress: &mut dyn FnMut(f64)) -> Result<Run, StartError> {
     let dt = choose_step(scene)?;
-    let mut model = model(scene)?;
+    let mut model = model_on(hardware, scene)?;
     Ok(drive(scene, model.as_mut(), dt, progress))
 }
 
@@ -43,6 +53,14 @@ pub fn run(scene: &Scene, progress: &mut dyn FnMut(f64)) -> Result<Run, StartErr
 /// # Errors
 /// Particles outside the mesh.
 pub fn model(scene: &Scene) -> Result<Box<dyn Model>, RunError> {
+    model_on(&Hardware::default(), scene)
+}
+
+/// [`model`] with what it may use of the machine.
+///
+/// # Errors
+/// As [`model`].
+pub fn model_on(hardware: &Hardware, scene: &Scene) -> Result<Box<dyn Model>, RunError> {
     let quasi_static = scene.integrator == Integrator::QuasiStatic;
     match scene.dimension {
         Dimension::Column => {
@@ -59,9 +77,25 @@ pub fn model(scene: &Scene) -> Result<Box<dyn Model>, RunError> {
             if quasi_static {
                 return Ok(implicit::<PlaneStrain, _, 2, 4>(scene, scene.cells, 1.0, stress, law));
             }
+            if over_lanes(hardware.width, scene) {
+                let seed = Seeded::new(scene, scene.cells, scene.cell, stress)?;
+                return match scene.shape {
+                    ShapeChoice::Centre => seed.lanes::<Centre, _>(hardware, scene, law),
+                    _ => seed.lanes::<Linear, _>(hardware, scene, law),
+                };
+            }
             shape::<PlaneStrain, _, 2, 4>(scene, scene.cells, scene.cell, stress, law)
         }
     }
+}
+
+/// Whether the step over lanes knows a scene.
+pub(crate) fn over_lanes(width: Width, scene: &Scene) -> bool {
+    width != Width::Plain
+        && scene.dimension == Dimension::PlaneStrain
+        && scene.integrator == Integrator::Explicit
+        && matches!(scene.shape, ShapeChoice::Centre | ShapeChoice::Linear)
+        && (scene.water.is_none() || scene.darcy == DarcyChoice::Face)
 }
 
 /// The quasi-static model: one layer of particles and a mesh that is laid over them.
@@ -278,6 +312,49 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
             seed: self.seed,
             first_settlement: first_settlement(scene),
         }
+    }
+}
+
+impl Seeded<2, 4> {
+    fn lanes<Sh: Shape, L: Law<4>>(
+        self,
+        hardware: &Hardware,
+        scene: &Scene,
+        law: L,
+    ) -> Result<Box<dyn Model>, RunError> {
+        let supports = Supports::new(&self.grid, &scene.solid_sides);
+        let Some(properties) = scene.water else {
+            return Ok(lanes::<Sh, L, Dry, false>(hardware, self.parts(scene, law, Dry, supports)));
+        };
+        let water = self.saturated::<Face<2>>(scene, properties)?;
+        Ok(lanes::<Sh, L, _, true>(hardware, self.parts(scene, law, water, supports)))
+    }
+}
+
+/// The step over as many lanes as the machine has.
+fn lanes<Sh: Shape, L: Law<4>, W: Resident, const WET: bool>(
+    hardware: &Hardware,
+    parts: Parts<L, W, 2, 4>,
+) -> Box<dyn Model> {
+    fn with<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool>(
+        simd: V,
+        hardware: &Hardware,
+        parts: Parts<L, W, 2, 4>,
+    ) -> Box<dyn Model> {
+        Box::new(ExplicitLanes::<V, Sh, L, W, WET>::new(simd, parts, hardware.pool.clone()))
+    }
+    match (hardware.width, Arch::new()) {
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        (Width::Widest | Width::Eight, Arch::V4(simd)) => with::<_, Sh, L, W, WET>(simd, hardware, parts),
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        (Width::Widest | Width::Four, Arch::V3(simd)) => with::<_, Sh, L, W, WET>(simd, hardware, parts),
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        (Width::Four, Arch::V4(simd)) => with::<_, Sh, L, W, WET>(*simd, hardware, parts),
+        #[cfg(target_arch = "aarch64")]
+        (Width::Widest, Arch::Neon(simd)) => with::<_, Sh, L, W, WET>(simd, hardware, parts),
+        (Width::Four, _) => with::<_, Sh, L, W, WET>(Scalar256b, hardware, parts),
+        (Width::Eight, _) => with::<_, Sh, L, W, WET>(Scalar512b, hardware, parts),
+        _ => with::<_, Sh, L, W, WET>(Scalar128b, hardware, parts),
     }
 }
 

@@ -3,6 +3,8 @@
 //! Mass, momentum and velocity always use N_i at the particle. The choice below is about gradients (and, in
 //! Darcy's law, about N_i): the paper's stabilisation takes them at the centre of the cell.
 
+use crate::real::Real;
+
 /// An evaluation point for gradients.
 pub trait Shape: Copy + Send + Sync + 'static {
     /// Whether all particles of a cell share the point.
@@ -10,8 +12,8 @@ pub trait Shape: Copy + Send + Sync + 'static {
 
     /// The point, in cell coordinates in [0, 1], for a particle at `xi`.
     #[inline(always)]
-    fn point<const D: usize>(xi: &[f64; D]) -> [f64; D] {
-        if Self::AT_CENTRE { [0.5; D] } else { *xi }
+    fn point<const D: usize, R: Real>(xi: &[R; D]) -> [R; D] {
+        if Self::AT_CENTRE { [xi[0].like(0.5); D] } else { *xi }
     }
 }
 

@@ -41,7 +41,7 @@ fn particle() -> impl Strategy<Value = ([f64; 2], f64, [f64; 2])> {
 
 fn partition_of_unity<const D: usize>(point: &[f64; 2]) {
     let xi = first::<D>(point);
-    let n = to_corners::<D, 1>(&basis(&xi).map(|phi| [phi]));
+    let n = to_corners::<D, 1, _>(&basis(&xi).map(|phi| [phi]));
     let mut sum = 0.0;
     for a in 0..Grid::<D>::CORNERS {
         assert!(close(n[a][0], shape(a, &xi), 1.0), "N_{a} = {} at {xi:?}", n[a][0]);
@@ -56,10 +56,10 @@ fn partition_of_unity<const D: usize>(point: &[f64; 2]) {
 
 fn constant_field<const D: usize>(point: &[f64; 2], velocity: &[f64; 2]) {
     let xi = first::<D>(point);
-    let k = coefficients::<D, D>(&[first::<D>(velocity); 4]);
+    let k = coefficients::<D, D, _>(&[first::<D>(velocity); 4]);
     // Exactly: a uniform velocity must never strain the soil.
     assert_eq!(gradient(&k, &xi, INVERSE_SIZE), [[0.0; D]; D]);
-    assert_eq!(value::<D, D>(&k, &basis(&xi)), first::<D>(velocity));
+    assert_eq!(value::<D, D, _>(&k, &basis(&xi)), first::<D>(velocity));
 }
 
 fn mass_and_momentum<const D: usize>(particles: &[([f64; 2], f64, [f64; 2])]) {
@@ -86,7 +86,7 @@ fn mass_and_momentum<const D: usize>(particles: &[([f64; 2], f64, [f64; 2])]) {
             }
         }
     }
-    let (mass, momentum) = (to_corners::<D, 1>(&mass), to_corners::<D, D>(&momentum));
+    let (mass, momentum) = (to_corners::<D, 1, _>(&mass), to_corners::<D, D, _>(&momentum));
     let size = 5.0 * total;
     for a in 0..Grid::<D>::CORNERS {
         assert!(close(mass[a][0], plain_mass[a], total));
@@ -106,9 +106,9 @@ fn linear_field<const D: usize>(point: &[f64; 2], a: &[f64; 2], b: &[[f64; 2]; 2
         std::array::from_fn(|i| a[i] + (0..D).map(|j| b[i][j] * x[j] / INVERSE_SIZE).sum::<f64>())
     };
     let corner = |c: usize| -> [f64; D] { at(&std::array::from_fn(|d| (c >> d & 1) as f64)) };
-    let k = coefficients::<D, D>(&std::array::from_fn(corner));
+    let k = coefficients::<D, D, _>(&std::array::from_fn(corner));
     let xi = first::<D>(point);
-    let (v, g) = (value::<D, D>(&k, &basis(&xi)), gradient(&k, &xi, INVERSE_SIZE));
+    let (v, g) = (value::<D, D, _>(&k, &basis(&xi)), gradient(&k, &xi, INVERSE_SIZE));
     for i in 0..D {
         assert!(close(v[i], at(&xi)[i], 20.0), "v = {v:?} at {xi:?}");
         for j in 0..D {
@@ -121,8 +121,8 @@ fn linear_field<const D: usize>(point: &[f64; 2], a: &[f64; 2], b: &[[f64; 2]; 2
 fn transpose<const D: usize>(nodal: &[[f64; 1]; 4], moments: &[[f64; 1]; 4]) {
     let dot =
         |a: &[[f64; 1]; 4], b: &[[f64; 1]; 4]| -> f64 { (0..Grid::<D>::CORNERS).map(|k| a[k][0] * b[k][0]).sum() };
-    let there = dot(&coefficients::<D, 1>(nodal), moments);
-    let back = dot(nodal, &to_corners::<D, 1>(moments));
+    let there = dot(&coefficients::<D, 1, _>(nodal), moments);
+    let back = dot(nodal, &to_corners::<D, 1, _>(moments));
     assert!(close(there, back, 16.0 * 25.0), "{there} {back}");
 }
 
@@ -151,7 +151,7 @@ fn internal_force<K: Kinematics<D, S>, const D: usize, const S: usize>(
             }
         }
     }
-    let force = to_corners::<D, D>(&K::internal_force(&mean, &moments, INVERSE_SIZE));
+    let force = to_corners::<D, D, _>(&K::internal_force(&mean, &moments, INVERSE_SIZE));
     for i in 0..D {
         for a in 0..Grid::<D>::CORNERS {
             assert!(close(force[a][i], plain[a][i], size), "{force:?} {plain:?}");
@@ -210,7 +210,7 @@ fn the_round_off_check_can_fail() {
     assert!(close(1.0, 1.0 + 1e-15, 1.0));
     assert!(!close(1.0, 1.0 + 1e-13, 1.0));
     // A corner left out of the sum, or two corners swapped, is far above round-off.
-    let n = to_corners::<2, 1>(&basis(&[0.2, 0.7]).map(|phi| [phi]));
+    let n = to_corners::<2, 1, _>(&basis(&[0.2, 0.7]).map(|phi| [phi]));
     assert!(!close(n[0][0] + n[1][0] + n[2][0], 1.0, 1.0));
     assert!(!close(n[1][0], shape(2, &[0.2, 0.7]), 1.0));
 }

@@ -22,6 +22,9 @@ pub struct Manifest {
     pub features: String,
     /// Processor.
     pub cpu: String,
+    /// Vector instructions that the explicit step in plane strain uses.
+    #[serde(default)]
+    pub vectors: String,
     /// Threads that the job used.
     pub threads: usize,
     /// When, UTC.
@@ -45,6 +48,7 @@ impl Manifest {
             profile: if cfg!(debug_assertions) { "debug" } else { "release" }.to_owned(),
             features: "none (there are none)".to_owned(),
             cpu: cpu(),
+            vectors: mpm_core::hardware::instructions().to_owned(),
             threads,
             date: date.format(&Rfc3339).unwrap_or_default(),
             scene_hash: scene_hash(scene),
@@ -53,7 +57,7 @@ impl Manifest {
     }
 
     /// Names and values in a fixed order.
-    pub fn entries(&self) -> [(&'static str, String); 11] {
+    pub fn entries(&self) -> [(&'static str, String); 12] {
         [
             ("version", self.version.clone()),
             ("commit", self.commit.clone()),
@@ -62,6 +66,7 @@ impl Manifest {
             ("profile", self.profile.clone()),
             ("features", self.features.clone()),
             ("cpu", self.cpu.clone()),
+            ("vectors", self.vectors.clone()),
             ("threads", self.threads.to_string()),
             ("date", self.date.clone()),
             ("scene hash", self.scene_hash.clone()),

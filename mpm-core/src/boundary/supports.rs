@@ -40,6 +40,11 @@ impl<const D: usize> Supports<D> {
         Self { held }
     }
 
+    /// Nodes held in a direction.
+    pub fn held(&self, direction: usize) -> impl Iterator<Item = usize> {
+        self.held[direction].iter().map(|node| *node as usize)
+    }
+
     /// Takes the held components out of the inverse masses of the nodes (1/kg): no force moves them.
     pub fn hold(&self, inverse: &mut [[f64; D]]) {
         for d in 0..D {

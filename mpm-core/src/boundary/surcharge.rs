@@ -54,34 +54,53 @@ impl<const D: usize> SurfaceLoad<D> {
         }
     }
 
-    /// Where the load of a strip acts: place of the cell, cell coordinates of the point.
+    /// The particle of each strip, by its place in the layer when [`Self::follow`] last saw it.
+    #[inline(always)]
+    fn carrier<'a, const S: usize>(
+        &'a self,
+        solid: &'a Layer<SolidPoint<D, S>, D>,
+    ) -> impl Fn(usize) -> ([f64; D], f64) + 'a {
+        |strip| {
+            let point = &solid.points[self.index[strip] as usize];
+            (point.x, point.volume)
+        }
+    }
+
+    /// Strips by the number of the particle below them, in ascending order.
+    pub fn strips(&self) -> &[Strip] {
+        &self.strips
+    }
+
+    /// Where the load of a strip acts: place of the cell, cell coordinates of the point. The particle below it stands
+    /// at `x` (m) and has a volume (m3).
     ///
     /// The cell is that of the particle, so that no force lands on nodes without mass.
     #[inline(always)]
-    fn place<const S: usize>(&self, strip: usize, grid: &Grid<D>, point: &SolidPoint<D, S>) -> ([usize; D], [f64; D]) {
+    fn place(&self, strip: usize, grid: &Grid<D>, (x, volume): ([f64; D], f64)) -> ([usize; D], [f64; D]) {
         let mut position = [0; D];
         let mut xi = [0.0; D];
         for d in 0..D {
-            let scaled = point.x[d] * grid.inverse_size;
+            let scaled = x[d] * grid.inverse_size;
             position[d] = (scaled.max(0.0) as usize).min(grid.cells[d] - 1);
             xi[d] = scaled - position[d] as f64;
         }
         if self.on == LoadOn::Surface {
             let s = &self.strips[strip];
-            xi[D - 1] += s.offset * (point.volume / s.volume) * grid.inverse_size;
+            xi[D - 1] += s.offset * (volume / s.volume) * grid.inverse_size;
         }
         (position, xi)
     }
 
     /// Where the loads act: place of the cell, cell coordinates, loaded area (m2).
     #[inline(always)]
-    pub fn places<const S: usize>(
-        &self,
-        grid: &Grid<D>,
-        solid: &Layer<SolidPoint<D, S>, D>,
+    pub fn places<'a, const S: usize>(
+        &'a self,
+        grid: &'a Grid<D>,
+        solid: &'a Layer<SolidPoint<D, S>, D>,
     ) -> impl Iterator<Item = ([usize; D], [f64; D], f64)> {
-        (0..self.strips.len()).map(|strip| {
-            let (position, xi) = self.place(strip, grid, &solid.points[self.index[strip] as usize]);
+        let carrier = self.carrier(solid);
+        (0..self.strips.len()).map(move |strip| {
+            let (position, xi) = self.place(strip, grid, carrier(strip));
             (position, xi, self.strips[strip].loaded)
         })
     }
@@ -95,14 +114,40 @@ impl<const D: usize> SurfaceLoad<D> {
         solid: &Layer<SolidPoint<D, S>, D>,
         nodes: &mut [NodeSums<D>],
     ) {
+        self.push(pressure, grid, self.carrier(solid), |node, force| nodes[node].force[D - 1] += force);
+    }
+
+    /// Gives the nodes their vertical forces (N) under a pressure (Pa, downwards); `carrier` knows position (m) and volume
+    /// (m3) of the particle below a strip.
+    #[inline(always)]
+    pub fn push(
+        &self,
+        pressure: f64,
+        grid: &Grid<D>,
+        carrier: impl Fn(usize) -> ([f64; D], f64),
+        mut give: impl FnMut(usize, f64),
+    ) {
         for strip in 0..self.strips.len() {
-            let (position, xi) = self.place(strip, grid, &solid.points[self.index[strip] as usize]);
-            let corners = grid.corners(&position);
-            let force = -pressure * self.strips[strip].loaded;
-            let share = shares(force, &xi);
-            for a in 0..Grid::<D>::CORNERS {
-                nodes[corners[a]].force[D - 1] += share[a];
-            }
+            self.push_one(strip, pressure, grid, carrier(strip), &mut give);
+        }
+    }
+
+    /// [`Self::push`] of one strip.
+    #[inline(always)]
+    pub fn push_one(
+        &self,
+        strip: usize,
+        pressure: f64,
+        grid: &Grid<D>,
+        carrier: ([f64; D], f64),
+        mut give: impl FnMut(usize, f64),
+    ) {
+        let (position, xi) = self.place(strip, grid, carrier);
+        let corners = grid.corners(&position);
+        let force = -pressure * self.strips[strip].loaded;
+        let share = shares(force, &xi);
+        for a in 0..Grid::<D>::CORNERS {
+            give(corners[a], share[a]);
         }
     }
 
@@ -116,16 +161,29 @@ impl<const D: usize> SurfaceLoad<D> {
         motion: &[NodeMotion<D>],
         dt: f64,
     ) -> f64 {
+        let moving = |node: usize| motion[node].velocity[D - 1] - 0.5 * dt * motion[node].acceleration[D - 1];
+        self.power_at(pressure, grid, self.carrier(solid), moving)
+    }
+
+    /// Power (W) of a pressure (Pa) on a surface whose nodes move at a vertical velocity (m/s); `carrier` as in
+    /// [`Self::push`].
+    #[inline(always)]
+    pub fn power_at(
+        &self,
+        pressure: f64,
+        grid: &Grid<D>,
+        carrier: impl Fn(usize) -> ([f64; D], f64),
+        moving: impl Fn(usize) -> f64,
+    ) -> f64 {
         let mut power = 0.0;
         for strip in 0..self.strips.len() {
-            let (position, xi) = self.place(strip, grid, &solid.points[self.index[strip] as usize]);
+            let (position, xi) = self.place(strip, grid, carrier(strip));
             let corners = grid.corners(&position);
             let mut nodal = [[0.0]; 4];
             for a in 0..Grid::<D>::CORNERS {
-                let m = &motion[corners[a]];
-                nodal[a][0] = m.velocity[D - 1] - 0.5 * dt * m.acceleration[D - 1];
+                nodal[a][0] = moving(corners[a]);
             }
-            let velocity = value::<D, 1>(&coefficients::<D, 1>(&nodal), &basis(&xi))[0];
+            let velocity = value::<D, 1, _>(&coefficients::<D, 1, _>(&nodal), &basis(&xi))[0];
             power -= pressure * self.strips[strip].loaded * velocity;
         }
         power

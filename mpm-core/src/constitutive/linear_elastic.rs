@@ -3,8 +3,10 @@
 //! Energy per volume `w = 1/2 sigma : C^-1 : sigma`. Source: any text on elasticity, e.g. Sadd, *Elasticity*, ch. 4.
 
 use nalgebra::{SMatrix, SVector};
+use pulp::Simd;
 
 use super::Law;
+use crate::real::{Lanes, Real};
 use crate::scene::Elastic;
 
 /// Linear elasticity with S stress components: 2 in a column (vertical, lateral), 4 in plane strain.
@@ -53,11 +55,34 @@ impl LinearElastic<4> {
     }
 }
 
+impl LinearElastic<2> {
+    #[inline(always)]
+    fn hooke<R: Real>(&self, stress: &mut [R; 2], strain: &[R; 2]) {
+        stress[0] += strain[0] * (self.lame + 2.0 * self.shear);
+        stress[1] += strain[0] * self.lame;
+    }
+}
+
+impl LinearElastic<4> {
+    #[inline(always)]
+    fn hooke<R: Real>(&self, stress: &mut [R; 4], strain: &[R; 4]) {
+        let volumetric = (strain[0] + strain[1] + strain[2]) * self.lame;
+        for i in 0..3 {
+            stress[i] += volumetric + strain[i] * (2.0 * self.shear);
+        }
+        stress[3] += strain[3] * self.shear;
+    }
+}
+
 impl Law<2> for LinearElastic<2> {
     #[inline(always)]
     fn update(&self, stress: &mut [f64; 2], strain: &[f64; 2]) {
-        stress[0] += (self.lame + 2.0 * self.shear) * strain[0];
-        stress[1] += self.lame * strain[0];
+        self.hooke(stress, strain);
+    }
+
+    #[inline(always)]
+    fn update_lanes<V: Simd>(&self, stress: &mut [Lanes<V>; 2], strain: &[Lanes<V>; 2]) {
+        self.hooke(stress, strain);
     }
 
     const LINEAR: bool = true;
@@ -74,11 +99,12 @@ impl Law<2> for LinearElastic<2> {
 impl Law<4> for LinearElastic<4> {
     #[inline(always)]
     fn update(&self, stress: &mut [f64; 4], strain: &[f64; 4]) {
-        let volumetric = self.lame * (strain[0] + strain[1] + strain[2]);
-        for i in 0..3 {
-            stress[i] += volumetric + 2.0 * self.shear * strain[i];
-        }
-        stress[3] += self.shear * strain[3];
+        self.hooke(stress, strain);
+    }
+
+    #[inline(always)]
+    fn update_lanes<V: Simd>(&self, stress: &mut [Lanes<V>; 4], strain: &[Lanes<V>; 4]) {
+        self.hooke(stress, strain);
     }
 
     const LINEAR: bool = true;

@@ -113,7 +113,7 @@ where
             let soil = SoilCell { place: Place { cell, position, corners }, mass, volume };
             let water_mass = water.cell_to_grid::<Sh>(grid, &soil, &mut stress);
             // div(sigma') - grad p, weak: f_i = - sum_p V sigma G_i
-            let internal = to_corners::<D, D>(&K::internal_force(&stress.mean, &stress.first, grid.inverse_size));
+            let internal = to_corners::<D, D, _>(&K::internal_force(&stress.mean, &stress.first, grid.inverse_size));
             for a in 0..Grid::<D>::CORNERS {
                 let node = &mut self.nodes[corners[a]];
                 node.solid_mass += solid_mass[a];
@@ -224,8 +224,8 @@ where
                 velocity[a] = self.motion[corners[a]].velocity;
                 change[a] = self.motion[corners[a]].change;
             }
-            let velocity = coefficients::<D, D>(&velocity);
-            let change = coefficients::<D, D>(&change);
+            let velocity = coefficients::<D, D, _>(&velocity);
+            let change = coefficients::<D, D, _>(&change);
             for point in &mut solid.points[range] {
                 let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - position[d] as f64);
                 let phi = basis(&xi);
@@ -233,8 +233,8 @@ where
                 K::rotate(&mut point.stress, &gradient, dt);
                 law.update(&mut point.stress, &K::strain_increment(&gradient, dt));
                 point.volume *= 1.0 + dt * trace(&gradient);
-                let dv = value::<D, D>(&change, &phi);
-                let v = value::<D, D>(&velocity, &phi);
+                let dv = value::<D, D, _>(&change, &phi);
+                let v = value::<D, D, _>(&velocity, &phi);
                 for d in 0..D {
                     point.v[d] = flip * point.v[d] + dv[d];
                     point.x[d] += dt * v[d];

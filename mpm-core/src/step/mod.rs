@@ -2,6 +2,7 @@
 
 mod explicit;
 mod explicit_wide;
+mod lanes;
 mod parts;
 mod pressure;
 pub mod quasi_static;
@@ -10,6 +11,7 @@ mod skeleton;
 
 pub use explicit::Explicit;
 pub use explicit_wide::ExplicitWide;
+pub use lanes::ExplicitLanes;
 pub use parts::Parts;
 pub use semi_implicit::SemiImplicit;
 
@@ -69,4 +71,10 @@ pub trait Model: Send {
     fn bytes(&self) -> usize;
     /// Solid particles.
     fn solid_count(&self) -> usize;
+    /// Stages of a step that can be done alone; none unless the step is made of stages.
+    fn stages(&self) -> &'static [&'static str] {
+        &[]
+    }
+    /// Does one of [`Self::stages`], to be timed: with `dt` = 0 it may be done again and again, because nothing moves.
+    fn do_stage(&mut self, _stage: usize, _dt: f64) {}
 }

@@ -10,7 +10,7 @@ use crate::scene::Surcharge;
 use crate::water::{Place, SoilCell, Water};
 
 /// What a run is made of.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Parts<L, W, const D: usize, const S: usize> {
     /// The mesh.
     pub grid: Grid<D>,

@@ -109,7 +109,7 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Cellwise<K, D, S> for 
         for point in &mut self.points.points[range] {
             let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - place.position[d] as f64);
             let stencil = functions.around(&place.position, &xi);
-            let mut v = value::<D, D>(&relative, &basis(&xi)); // v_w = v_s + v*
+            let mut v = value::<D, D, _>(&relative, &basis(&xi)); // v_w = v_s + v*
             for a in 0..Functions::<B, D>::COUNT {
                 let of_soil = &motion[stencil.node[a]].velocity;
                 for d in 0..D {

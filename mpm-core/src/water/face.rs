@@ -5,16 +5,16 @@
 
 use super::exposed::Exposed;
 use super::saturated::{DarcyOperator, WaterCell};
-use super::{FlowRates, Place};
+use super::{FaceFlow, FlowRates, Place};
 use crate::grid::Grid;
 use crate::nodes::NodeMotion;
 use crate::scene::WaterProperties;
 
 /// A face between two cells of soil conducts fully, a drained surface lies half a cell from the centre.
-pub(super) const DRAINED_SURFACE: f64 = 2.0;
+pub(crate) const DRAINED_SURFACE: f64 = 2.0;
 /// A cell less full than this drains as if it were this full: with its drained face half a cell away it then has
 /// the same stability limit as a full cell inside, (1 + 2)/0.75 = 4. The water this miscounts shows in the ledger.
-const LEAST_FILLING: f64 = 0.75;
+pub(crate) const LEAST_FILLING: f64 = 0.75;
 
 /// Fluxes normal to the faces of each axis, m/s (Darcy velocity q = n v*).
 #[derive(Debug, Clone)]
@@ -35,6 +35,12 @@ impl<const D: usize> Face<D> {
     /// Flow per pressure drop between two cells of soil, A k/(gamma_w L), m3/(s Pa).
     pub(super) fn transmissibility(&self) -> f64 {
         self.area * self.conductance
+    }
+
+    /// The law of a face; K_w in Pa, volume of the grains per mass in m3/kg.
+    pub(super) fn flow_law(&self, bulk_modulus: f64, grain_inverse: f64) -> FaceFlow {
+        let Self { conductance, weight, inertia, area, cell_volume, .. } = *self;
+        FaceFlow { conductance, weight, inertia, area, cell_volume, bulk_modulus, grain_inverse }
     }
 
     /// Volume of a cell full of soil, m3.

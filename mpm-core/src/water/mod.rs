@@ -7,12 +7,15 @@ mod exposed;
 mod face;
 mod implicit;
 mod nodal;
+mod resident;
 mod saturated;
 
 pub use cellwise::{CellChange, Cellwise};
 pub use exposed::{Exposed, ExposedFace};
 pub use face::Face;
+pub(crate) use face::{DRAINED_SURFACE, LEAST_FILLING};
 pub use nodal::Nodal;
+pub use resident::{FaceFlow, Resident};
 pub use saturated::{DarcyOperator, Saturated, WaterCell};
 
 use crate::dimension::Kinematics;

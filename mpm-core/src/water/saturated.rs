@@ -64,10 +64,10 @@ pub struct Saturated<O, const D: usize> {
     pub(super) drained: [bool; 4],
     pub(super) properties: WaterProperties,
     /// Volume of the grains per mass, m3/kg.
-    grain_inverse: f64,
+    pub(super) grain_inverse: f64,
     solid_order: u64,
     pub(super) moved: bool,
-    removed_mass: f64,
+    pub(super) removed_mass: f64,
 }
 
 impl<O: DarcyOperator<D>, const D: usize> Saturated<O, D> {
@@ -170,12 +170,12 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
             let mean: [f64; S] = std::array::from_fn(|s| weighted[0][0] * -K::UNIT_PRESSURE[s]);
             let first: [[f64; S]; D] =
                 std::array::from_fn(|d| std::array::from_fn(|s| weighted[1 + d][0] * -K::UNIT_PRESSURE[s]));
-            let force = to_corners::<D, D>(&K::internal_force(&mean, &first, grid.inverse_size));
+            let force = to_corners::<D, D, _>(&K::internal_force(&mean, &first, grid.inverse_size));
             self.operator.gather(
                 &soil.place.corners,
                 &self.cells[soil.place.cell],
                 &force,
-                &to_corners::<D, 1>(&volumes),
+                &to_corners::<D, 1, _>(&volumes),
             );
         }
         mass
@@ -214,7 +214,7 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
             let (pressure_rate, volume_rate) = if Sh::AT_CENTRE { centre } else { rates_at(&xi) };
             point.pressure += dt * pressure_rate;
             point.volume *= 1.0 + dt * volume_rate;
-            point.v = value::<D, D>(&both, &phi);
+            point.v = value::<D, D, _>(&both, &phi);
             for d in 0..D {
                 point.x[d] += dt * point.v[d];
                 let moved = point.x[d] * grid.inverse_size - place.position[d] as f64;
@@ -309,5 +309,5 @@ pub(super) fn cell_coefficients<const D: usize>(field: &[[f64; D]], corners: &[u
     for a in 0..Grid::<D>::CORNERS {
         nodal[a] = field[corners[a]];
     }
-    coefficients::<D, D>(&nodal)
+    coefficients::<D, D, _>(&nodal)
 }

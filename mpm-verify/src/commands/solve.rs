@@ -1,10 +1,12 @@
 //! `solve`: one scene file, its history and summary.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use clap::Args;
 use mpm_core::drive::{Run, Sample};
-use mpm_core::run::{StartError, run as solve};
+use mpm_core::hardware::Hardware;
+use mpm_core::run::{StartError, run_on};
 use mpm_core::scene::{Flags, Integrator, Scene};
 use mpm_core::stability::stable_limit;
 use mpm_core::step::Work;
@@ -33,6 +35,9 @@ pub struct Options {
     /// In place of the scene's time.tolerance, the largest relative error in time of quasi-static steps
     #[arg(long, value_name = "SHARE")]
     tolerance: Option<f64>,
+    /// Threads of an explicit run in plane strain; without it all, if the scene is large enough for them to pay
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
+    threads: Option<u16>,
 }
 
 /// A row of history.csv.
@@ -118,6 +123,10 @@ struct Summary<'a> {
     rejected_steps: u64,
     factorisations: u64,
     solves: u64,
+    /// Threads of the run.
+    threads: usize,
+    /// Time by the clock on the wall, s; `cpu_s` adds up that of all threads.
+    wall_s: f64,
 }
 
 /// Solves a scene.
@@ -132,12 +141,15 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports").join(&scene.name));
     writable(&folder)?;
     let progress = Progress::new(&scene.name, common.quiet);
-    let clock = cpu_time::ThreadTime::now();
-    let run = solve(&scene, &mut |share| progress.set((share * 1e6) as u64)).map_err(|e| match e {
+    let hardware = Hardware::suiting(&scene, options.threads.map(usize::from)).map_err(Failure::BadInput)?;
+    let (own, all, watch) = (cpu_time::ThreadTime::now(), cpu_time::ProcessTime::now(), Instant::now());
+    let run = run_on(&hardware, &scene, &mut |share| progress.set((share * 1e6) as u64)).map_err(|e| match e {
         StartError::Step(e) => Failure::BadInput(format!("{}: {e}", options.scene.display())),
         StartError::Place(e) => Failure::BadInput(format!("{}: {e}", options.scene.display())),
     })?;
-    let cpu_s = clock.elapsed().as_secs_f64();
+    // The thread that draws the progress bar is no part of the run.
+    let cpu = if hardware.thread_count() == 1 { own.elapsed() } else { all.elapsed() };
+    let times = [cpu, watch.elapsed()].map(|time| time.as_secs_f64());
     progress.finish();
     write_csv(&folder.join("history.csv"), &history(&run))?;
     if scene.profiles {
@@ -147,7 +159,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     if !field.is_empty() {
         write_csv(&folder.join("field.csv"), &field)?;
     }
-    let summary = summary(&scene, &run, cpu_s);
+    let summary = summary(&scene, &run, hardware.thread_count(), times);
     write_json(&folder.join("summary.json"), &summary)?;
     if common.json {
         print_json(&summary);
@@ -173,7 +185,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     }
 }
 
-fn summary<'a>(scene: &'a Scene, run: &'a Run, cpu_s: f64) -> Summary<'a> {
+fn summary<'a>(scene: &'a Scene, run: &'a Run, threads: usize, [cpu_s, wall_s]: [f64; 2]) -> Summary<'a> {
     let limit = stable_limit(scene);
     let finite = |time: f64| Some(time).filter(|time| time.is_finite());
     let last = run.samples.last();
@@ -181,7 +193,7 @@ fn summary<'a>(scene: &'a Scene, run: &'a Run, cpu_s: f64) -> Summary<'a> {
     let exact = Terzaghi::compressible(scene).filter(|_| drained && scene.gravity.is_none());
     Summary {
         scene,
-        manifest: Manifest::new(scene, 1),
+        manifest: Manifest::new(scene, threads),
         dt_s: finite(run.dt),
         limit_s: finite(limit),
         forced: scene.force && run.dt > limit,
@@ -199,6 +211,8 @@ fn summary<'a>(scene: &'a Scene, run: &'a Run, cpu_s: f64) -> Summary<'a> {
         rejected_steps: run.work.rejected,
         factorisations: run.work.factorisations,
         solves: run.work.solves,
+        threads,
+        wall_s,
     }
 }
 

@@ -1,0 +1,90 @@
+//! What a run may use of the machine. No number of a run depends on it, only its time.
+
+use std::num::NonZero;
+use std::sync::Arc;
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::run::over_lanes;
+use crate::scene::Scene;
+
+/// How many numbers are computed at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Width {
+    /// As many as the machine can, found out when the run starts.
+    #[default]
+    Widest,
+    /// Two, without special instructions.
+    Two,
+    /// Four, with AVX2 where there is some.
+    Four,
+    /// Eight, with AVX-512 where there is some.
+    Eight,
+    /// One: the plain kernel, which other kernels are compared with.
+    Plain,
+}
+
+/// Threads and vectors of a run.
+#[derive(Debug, Clone, Default)]
+pub struct Hardware {
+    /// Numbers computed at once.
+    pub width: Width,
+    /// Threads; the caller's own without a pool.
+    pub pool: Option<Arc<ThreadPool>>,
+}
+
+impl Hardware {
+    /// One thread and vectors of a given width.
+    pub fn plain(width: Width) -> Self {
+        Self { width, pool: None }
+    }
+
+    /// So many threads, and the widest vectors.
+    ///
+    /// # Errors
+    /// The system gives no threads.
+    pub fn threads(threads: usize) -> Result<Self, String> {
+        if threads <= 1 {
+            return Ok(Self::default());
+        }
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| e.to_string())?;
+        Ok(Self { width: Width::Widest, pool: Some(Arc::new(pool)) })
+    }
+}
+
+/// Soil points from which on a second thread pays: below, it waits longer for its work than the work takes.
+pub const THREADS_PAY_FROM: usize = 30_000;
+
+impl Hardware {
+    /// What suits a scene: so many threads, or all of the machine if they pay. Only the explicit step over lanes uses
+    /// more than one.
+    ///
+    /// # Errors
+    /// As [`Hardware::threads`].
+    pub fn suiting(scene: &Scene, threads: Option<usize>) -> Result<Self, String> {
+        if !over_lanes(Width::Widest, scene) {
+            return Ok(Self::default());
+        }
+        let pays = scene.solid_particles() >= THREADS_PAY_FROM;
+        let all = || std::thread::available_parallelism().map_or(1, NonZero::get);
+        Self::threads(threads.unwrap_or_else(|| if pays { all() } else { 1 }))
+    }
+
+    /// How many threads.
+    pub fn thread_count(&self) -> usize {
+        self.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
+    }
+}
+
+/// Instructions that [`Width::Widest`] uses on this machine.
+pub fn instructions() -> &'static str {
+    match pulp::Arch::new() {
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        pulp::Arch::V4(_) => "AVX-512, 8 lanes",
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        pulp::Arch::V3(_) => "AVX2, 4 lanes",
+        #[cfg(target_arch = "aarch64")]
+        pulp::Arch::Neon(_) => "NEON, 2 lanes",
+        _ => "none, 2 lanes",
+    }
+}

@@ -1,0 +1,184 @@
+//! Numbers of the fast loops: one `f64`, or as many side by side as the machine computes at once.
+//!
+//! The formulas of [`crate::dimension`] and [`crate::constitutive`] are written once for both. Lanes do not mix and
+//! products are not fused with sums, so every lane gets the bits that a lone `f64` would get, on any machine.
+
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+use pulp::Simd;
+use pulp::bytemuck::{self, Pod};
+
+/// A number, or several.
+pub trait Real:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+{
+    /// A constant, as many times as this number has lanes.
+    fn like(self, constant: f64) -> Self;
+}
+
+impl Real for f64 {
+    #[inline(always)]
+    fn like(self, constant: f64) -> Self {
+        constant
+    }
+}
+
+/// The numbers in an array of vectors, lane by lane.
+pub fn numbers<V: Pod>(vectors: &[V]) -> &[f64] {
+    bytemuck::cast_slice(vectors)
+}
+
+/// The same, to be changed.
+pub fn numbers_mut<V: Pod>(vectors: &mut [V]) -> &mut [f64] {
+    bytemuck::cast_slice_mut(vectors)
+}
+
+/// Several numbers that are computed at once; S: what the machine can do.
+#[derive(Debug, Clone, Copy)]
+pub struct Lanes<S: Simd> {
+    /// Leave to use the machine's instructions.
+    pub simd: S,
+    /// The numbers.
+    pub value: S::f64s,
+}
+
+impl<S: Simd> Lanes<S> {
+    /// How many.
+    pub const COUNT: usize = S::F64_LANES;
+
+    /// The same number in every lane.
+    #[inline(always)]
+    pub fn splat(simd: S, constant: f64) -> Self {
+        Self { simd, value: simd.splat_f64s(constant) }
+    }
+
+    /// The first numbers of a slice.
+    ///
+    /// # Panics
+    /// The slice is too short.
+    #[inline(always)]
+    pub fn load(simd: S, from: &[f64]) -> Self {
+        Self { simd, value: S::as_simd_f64s(&from[..Self::COUNT]).0[0] }
+    }
+
+    /// Writes the numbers to the start of a slice.
+    ///
+    /// # Panics
+    /// The slice is too short.
+    #[inline(always)]
+    pub fn store(self, to: &mut [f64]) {
+        S::as_mut_simd_f64s(&mut to[..Self::COUNT]).0[0] = self.value;
+    }
+
+    /// The number in a lane.
+    ///
+    /// # Panics
+    /// There is no such lane.
+    #[inline(always)]
+    pub fn lane(self, lane: usize) -> f64 {
+        numbers(std::slice::from_ref(&self.value))[lane]
+    }
+
+    /// Replaces the number in a lane.
+    ///
+    /// # Panics
+    /// There is no such lane.
+    #[inline(always)]
+    pub fn set_lane(&mut self, lane: usize, number: f64) {
+        numbers_mut(std::slice::from_mut(&mut self.value))[lane] = number;
+    }
+
+    /// Every number one lane up, the last one to the first lane.
+    #[inline(always)]
+    pub fn turned(self) -> Self {
+        Self { value: self.simd.rotate_right_f64s(self.value, 1), ..self }
+    }
+
+    /// This where the mask holds, `other` elsewhere.
+    #[inline(always)]
+    pub fn or(self, mask: S::m64s, other: Self) -> Self {
+        Self { value: self.simd.select_f64s(mask, self.value, other.value), ..self }
+    }
+
+    /// Where this is below `other`.
+    #[inline(always)]
+    pub fn below(self, other: Self) -> S::m64s {
+        self.simd.less_than_f64s(self.value, other.value)
+    }
+
+    /// Where this is in [0, 1): not where it is no number.
+    #[inline(always)]
+    pub fn in_unit_interval(self) -> S::m64s {
+        let (zero, one) = (self.like(0.0), self.like(1.0));
+        let simd = self.simd;
+        simd.and_m64s(simd.less_than_or_equal_f64s(zero.value, self.value), simd.less_than_f64s(self.value, one.value))
+    }
+
+    /// The lesser of each pair.
+    #[inline(always)]
+    pub fn lesser(self, other: Self) -> Self {
+        Self { value: self.simd.min_f64s(self.value, other.value), ..self }
+    }
+}
+
+impl<S: Simd> Real for Lanes<S> {
+    #[inline(always)]
+    fn like(self, constant: f64) -> Self {
+        Self::splat(self.simd, constant)
+    }
+}
+
+macro_rules! operator {
+    ($trait:ident, $method:ident, $of_simd:ident) => {
+        impl<S: Simd> $trait for Lanes<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self { value: self.simd.$of_simd(self.value, other.value), ..self }
+            }
+        }
+    };
+}
+
+operator!(Add, add, add_f64s);
+operator!(Sub, sub, sub_f64s);
+operator!(Mul, mul, mul_f64s);
+operator!(Div, div, div_f64s);
+
+impl<S: Simd> Mul<f64> for Lanes<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, factor: f64) -> Self {
+        self * self.like(factor)
+    }
+}
+
+impl<S: Simd> Neg for Lanes<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { value: self.simd.neg_f64s(self.value), ..self }
+    }
+}
+
+impl<S: Simd> AddAssign for Lanes<S> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl<S: Simd> SubAssign for Lanes<S> {
+    #[inline(always)]
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
