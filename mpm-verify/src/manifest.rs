@@ -87,9 +87,13 @@ fn cpu() -> String {
     name.map_or_else(|| std::env::consts::ARCH.to_owned(), |n| n.trim_start_matches([' ', '\t', ':']).to_owned())
 }
 
-/// FNV-1a hash (Fowler, Noll, Vo; 64 bit) of a scene as JSON: tells scenes apart, nothing more.
+/// Hash of a scene as JSON: tells scenes apart, nothing more.
 pub fn scene_hash(scene: &Scene) -> String {
     let text = serde_json::to_string(scene).unwrap_or_default();
-    let hash = text.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3));
-    format!("{hash:016x}")
+    format!("{:016x}", hash(text.as_bytes()))
+}
+
+/// FNV-1a hash (Fowler, Noll, Vo; 64 bit).
+pub fn hash(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3))
 }

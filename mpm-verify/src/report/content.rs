@@ -91,14 +91,21 @@ pub struct Picture {
     pub caption: String,
 }
 
+impl Picture {
+    /// The words of some pictures, numbered in their order.
+    pub fn all(figures: &[Figure]) -> Vec<Self> {
+        let words = |(k, f): (usize, &Figure)| {
+            let (title, caption) = (f.title.clone(), f.caption.clone());
+            Self { name: f.name, number: k + 1, title, caption }
+        };
+        figures.iter().enumerate().map(words).collect()
+    }
+}
+
 impl Content {
     /// Gathers everything that pages say about a study.
     pub fn new(study: &Study, figures: &[Figure]) -> Self {
-        let picture = |(k, f): (usize, &Figure)| {
-            let (title, caption) = (f.title.clone(), f.caption.clone());
-            Picture { name: f.name, number: k + 1, title, caption }
-        };
-        let pictures: Vec<Picture> = figures.iter().enumerate().map(picture).collect();
+        let pictures = Picture::all(figures);
         let groups = groups(&study.results);
         Self {
             title: "Accuracy of the two-layer material point method in one-dimensional consolidation".to_owned(),

@@ -4,10 +4,12 @@ use minijinja::{Environment, Value, context};
 use serde::Serialize;
 use serde_json::Value as Json;
 
-use super::content::Content;
+use super::content::{Content, Picture};
 use super::plots::draw;
 use super::plots::figure::Figure;
 
+/// What every page begins with: styles, and how tables and pictures are shown.
+const HEAD: &str = include_str!("head.html");
 const TEMPLATE: &str = include_str!("template.html");
 
 /// A picture as the template shows it.
@@ -28,17 +30,33 @@ struct Drawn<'a> {
 /// # Errors
 /// The template does not fit the content.
 pub fn page(content: &Content, figures: &[Figure], drawn: &[String], folder: &str) -> Result<String, minijinja::Error> {
-    let pictures: Vec<Drawn> = content.pictures.iter().zip(figures).zip(drawn).map(picture).collect();
+    render(TEMPLATE, serde_json::json!(content), &content.pictures, (figures, drawn), folder)
+}
+
+/// A page of any content: `body` is its template from the header on, and finds `page`, `pictures`, `folder` and the
+/// macros `tables` and `picture`; `page` needs a `title`.
+///
+/// # Errors
+/// The template does not fit the content.
+pub fn render(
+    body: &str,
+    page: Json,
+    words: &[Picture],
+    (figures, drawn): (&[Figure], &[String]),
+    folder: &str,
+) -> Result<String, minijinja::Error> {
+    let pictures: Vec<Drawn> = words.iter().zip(figures).zip(drawn).map(picture).collect();
     let mut environment = Environment::new();
-    environment.add_template("index.html", TEMPLATE)?;
+    let template = HEAD.to_owned() + body;
+    environment.add_template("index.html", &template)?;
     environment.get_template("index.html")?.render(context! {
-        page => value(serde_json::json!(content)),
+        page => value(page),
         pictures => value(serde_json::json!(pictures)),
         folder,
     })
 }
 
-fn picture<'a>(((words, figure), svg): ((&'a super::content::Picture, &'a Figure), &String)) -> Drawn<'a> {
+fn picture<'a>(((words, figure), svg): ((&'a Picture, &'a Figure), &String)) -> Drawn<'a> {
     // A name by which small copies are made, and a description for those who cannot see it.
     let head = format!("<svg id=\"svg-{}\" role=\"img\" aria-label=\"{}\"", figure.name, escaped(&figure.title));
     let view = format!("0 0 {} {}", draw::WIDTH, draw::height(figure).ceil());

@@ -47,18 +47,21 @@ pub fn page(content: &Content) -> String {
 
 fn section(page: &mut String, content: &Content, title: &str, tables: &[Table], pictures: &[&str]) {
     *page += &format!("\n## {title}\n\n");
-    for table in tables {
-        *page += &format!("### {}\n\n", table.title);
-        rows(page, table);
-        page.push('\n');
-        if !table.note.is_empty() {
-            *page += &format!("{}\n\n", table.note);
-        }
-    }
+    tables.iter().for_each(|table| with_note(page, table));
     for picture in content.pictures.iter().filter(|p| pictures.contains(&p.name)) {
         let (number, title, name, caption) = (picture.number, &picture.title, picture.name, &picture.caption);
         *page += &format!("![{title}](plots/{name}.png)\n\n**Figure {number}. {title}.** {caption} ");
         *page += &format!("([numbers](plots/{name}.csv), [vector](plots/{name}.svg))\n\n");
+    }
+}
+
+/// A table with its title and its note.
+pub fn with_note(page: &mut String, table: &Table) {
+    *page += &format!("### {}\n\n", table.title);
+    rows(page, table);
+    page.push('\n');
+    if !table.note.is_empty() {
+        *page += &format!("{}\n\n", table.note);
     }
 }
 
@@ -99,7 +102,8 @@ fn line<'a>(page: &mut String, cells: impl Iterator<Item = &'a str>) {
     *page += "|\n";
 }
 
-fn list(page: &mut String, title: &str, items: impl Iterator<Item = String>) {
+/// A section that is a list; nothing without items.
+pub fn list(page: &mut String, title: &str, items: impl Iterator<Item = String>) {
     let items: Vec<String> = items.map(|item| format!("- {item}\n")).collect();
     if !items.is_empty() {
         *page += &format!("\n## {title}\n\n{}", items.concat());

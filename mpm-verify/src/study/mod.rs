@@ -20,8 +20,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 pub use plan::{Case, Extent, Family, INTEGRATORS, MESHES, Plan, SHAPES, TOLERANCE, case_name};
-pub(crate) use result::or_nan;
-pub use result::{CaseResult, Degree, HistoryPoint, PAPER_FAMILY, Profile, ProfilePoint, Variant, shown_family};
+pub use result::{
+    CaseResult, Degree, HistoryPoint, PAPER_FAMILY, Profile, ProfilePoint, Variant, or_nan, shown_family,
+};
 
 use crate::exact::dynamic::DynamicColumn;
 use crate::exact::semidiscrete::SemiDiscrete;
@@ -110,7 +111,15 @@ impl Case {
 
     fn repeated(&self, at_most: usize, progress: &mut dyn FnMut(f64)) -> Result<CaseResult, String> {
         let (run, cpu_s) = timed(&self.scene, at_most, progress).map_err(|e| format!("{}: {e}", self.name))?;
-        compare(self, &run, cpu_s)
+        self.compare(&run, cpu_s)
+    }
+
+    /// Compares a run of the case that took some CPU time (s) with the exact solutions.
+    ///
+    /// # Errors
+    /// A scene without water or load.
+    pub fn compare(&self, run: &Run, cpu_s: f64) -> Result<CaseResult, String> {
+        compare(self, run, cpu_s)
     }
 }
 

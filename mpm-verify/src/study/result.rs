@@ -17,7 +17,10 @@ pub enum Variant {
 }
 
 /// JSON has no NaN and writes null: reads it back.
-pub(crate) fn or_nan<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+///
+/// # Errors
+/// Neither a number nor null.
+pub fn or_nan<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
 }
 

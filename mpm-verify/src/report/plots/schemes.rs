@@ -8,7 +8,7 @@ use crate::report::select::{INTEGRATORS, of_schemes};
 use crate::study::CaseResult;
 
 /// Looks of the shape functions, the same in every picture that compares them.
-const LOOKS: [(&str, Look); 4] = [
+pub const LOOKS: [(&str, Look); 4] = [
     ("centre", Look::new(BLUE, Marker::Circle)),
     ("linear", Look::new(RED, Marker::Square)),
     ("gimp", Look::new(GREEN, Marker::Up)),

@@ -1,0 +1,143 @@
+//! The cheapest setting for a wanted error, per integrator.
+//!
+//! The error is that against compressible water, the physics of the scene. A setting only counts if every run that
+//! differs from it in nothing but a shorter step or a tighter tolerance reaches the wanted error too: errors of cells
+//! and of steps have opposite signs at times, and a setting where they happen to cancel is no advice.
+
+use mpm_verify::report::numbers::exact;
+
+use crate::baseline;
+use crate::row::Row;
+
+/// The errors that users want, as shares of U.
+pub const WANTED: [f64; 5] = [1e-2, 3e-3, 1e-3, 2e-4, 1e-4];
+
+/// The cheapest setting of an integrator for a wanted error: a line of `cheapest.csv`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cheapest<'a> {
+    /// The wanted error.
+    pub wanted: f64,
+    /// The setting.
+    pub row: &'a Row,
+    /// The cheapest setting of the baseline for the same error.
+    pub baseline: Option<&'a Row>,
+}
+
+/// Columns of `cheapest.csv`. Others parse them: columns are only ever added at the end.
+pub const COLUMNS: &str = "wanted_error,integrator,scheme,mesh_m,ppc,dt_or_tol,cpu_s,ratio_to_baseline,\
+max_error_compressible,max_error_terzaghi,cpu_low_s,cpu_high_s,runs,steps,solves,peak_bytes,method,case,\
+baseline_case,baseline_cpu_s";
+
+impl Cheapest<'_> {
+    /// CPU time over that of the baseline; NaN where the baseline does not get there.
+    pub fn ratio(&self) -> f64 {
+        self.baseline.map_or(f64::NAN, |b| self.row.cpu_s / b.cpu_s)
+    }
+
+    /// The fields of the CSV.
+    pub fn fields(&self) -> Vec<String> {
+        let r = self.row;
+        vec![
+            exact(self.wanted),
+            r.integrator.clone(),
+            r.scheme.clone(),
+            exact(r.mesh_m),
+            r.ppc.to_string(),
+            exact(r.dt_or_tol),
+            exact(r.cpu_s),
+            exact(self.ratio()),
+            exact(r.max_error_compressible),
+            exact(r.max_error_terzaghi),
+            exact(r.cpu_low_s),
+            exact(r.cpu_high_s),
+            r.runs.to_string(),
+            r.steps.to_string(),
+            r.solves.to_string(),
+            r.peak_bytes.to_string(),
+            r.method.clone(),
+            r.case.clone(),
+            self.baseline.map_or_else(String::new, |b| b.case.clone()),
+            exact(self.baseline.map_or(f64::NAN, |b| b.cpu_s)),
+        ]
+    }
+}
+
+/// Whether a setting reaches an error, and goes on reaching it as its steps get finer.
+fn reaches(row: &Row, rows: &[Row], wanted: f64) -> bool {
+    let good = |r: &Row| r.failure.is_none() && r.max_error_compressible <= wanted;
+    good(row) && rows.iter().filter(|r| r.same_but_time(row) && r.dt_or_tol < row.dt_or_tol).all(good)
+}
+
+/// The cheapest of the settings that `which` takes for a wanted error.
+pub fn cheapest(rows: &[Row], wanted: f64, which: impl Fn(&Row) -> bool) -> Option<&Row> {
+    let reached = rows.iter().filter(|r| which(r) && r.cpu_s.is_finite() && reaches(r, rows, wanted));
+    reached.min_by(|a, b| a.cpu_s.total_cmp(&b.cpu_s))
+}
+
+/// The smallest error of the settings that `which` takes.
+pub fn best(rows: &[Row], which: impl Fn(&Row) -> bool) -> Option<&Row> {
+    let sound = rows.iter().filter(|r| which(r) && r.max_error_compressible.is_finite());
+    sound.min_by(|a, b| a.max_error_compressible.total_cmp(&b.max_error_compressible))
+}
+
+/// For each wanted error one row per integrator that reaches it, the cheapest first.
+pub fn table(rows: &[Row]) -> Vec<Cheapest<'_>> {
+    let mut all = Vec::new();
+    for wanted in WANTED {
+        let of = |name: &str| cheapest(rows, wanted, |r| r.integrator == name);
+        let baseline = of(baseline::NAME);
+        let mut own: Vec<&Row> =
+            baseline::with_integrators().iter().filter(|n| !baseline::is(n)).filter_map(|n| of(n)).collect();
+        own.sort_by(|a, b| a.cpu_s.total_cmp(&b.cpu_s));
+        all.extend(own.into_iter().map(|row| Cheapest { wanted, row, baseline }));
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::row::tests::row;
+
+    #[test]
+    fn the_cheapest_comes_first_with_its_ratio() {
+        let rows = [
+            row("explicit", 0.02, 1e-6, 2.5e-3, 0.5),
+            row("quasi-static", 0.2, 1e-3, 2e-3, 3e-5),
+            row("quasi-static", 0.1, 1e-3, 1e-5, 6e-5),
+            row("baseline", 0.1, 1e-2, 2e-3, 6e-5),
+        ];
+        let table = table(&rows);
+        let at = |wanted: f64| table.iter().filter(|c| c.wanted == wanted).map(|c| (c.row.cpu_s, c.ratio()));
+        assert_eq!(at(3e-3).collect::<Vec<_>>(), [(3e-5, 0.5), (0.5, 0.5 / 6e-5)]);
+        let fine: Vec<_> = at(2e-4).collect();
+        assert!(fine.len() == 1 && fine[0].0 == 6e-5 && fine[0].1.is_nan(), "the baseline does not get there");
+    }
+
+    #[test]
+    fn errors_that_cancel_by_chance_do_not_count() {
+        let rows = [
+            row("quasi-static", 0.2, 1e-2, 1e-4, 1e-5),
+            row("quasi-static", 0.2, 1e-3, 5e-4, 2e-5),
+            row("quasi-static", 0.1, 1e-3, 1e-4, 4e-5),
+        ];
+        assert_eq!(cheapest(&rows, 2e-4, |_| true), Some(&rows[2]));
+        assert_eq!(cheapest(&rows, 1e-3, |_| true), Some(&rows[0]));
+        assert_eq!(best(&rows, |_| true), Some(&rows[0]));
+    }
+
+    #[test]
+    fn a_failed_run_is_no_setting() {
+        let mut failed = row("explicit", 0.1, 1e-6, f64::NAN, 1e-9);
+        failed.failure = Some("blown up".to_owned());
+        assert_eq!(cheapest(&[failed], 1.0, |_| true), None);
+    }
+
+    #[test]
+    fn the_first_columns_are_the_contract_and_every_field_has_one() {
+        let contract = "wanted_error,integrator,scheme,mesh_m,ppc,dt_or_tol,cpu_s,ratio_to_baseline";
+        assert!(COLUMNS.starts_with(contract));
+        let rows = [row("explicit", 0.02, 1e-6, 2.5e-3, 0.5)];
+        assert_eq!(table(&rows)[0].fields().len(), COLUMNS.split(',').count());
+    }
+}

@@ -1,0 +1,142 @@
+//! The command line: `mpm-bench` sweeps the settings and writes the report.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Parser;
+use mpm_bench::cheapest;
+use mpm_bench::peers::peers;
+use mpm_bench::plan::Plan;
+use mpm_bench::report::Findings;
+use mpm_bench::report::answers::answers;
+use mpm_bench::store::Store;
+use mpm_bench::sweep::{SweepError, build, sweep};
+use mpm_verify::manifest::Manifest;
+use mpm_verify::progress::Progress;
+
+/// What accuracy costs: error against CPU time of every integrator and scheme, and the cheapest setting for an error.
+///
+/// Writes the report, CSV files and plots. A sweep that was interrupted goes on where it ended.
+#[derive(Debug, Parser)]
+#[command(version, about)]
+struct Cli {
+    /// Folder for what is written
+    #[arg(long, value_name = "DIR", default_value = "reports/speed-against-error")]
+    out: PathBuf,
+    /// Fewer settings, each visited once: less than a minute
+    #[arg(long)]
+    quick: bool,
+    /// Measure everything again, whatever is stored
+    #[arg(long)]
+    fresh: bool,
+    /// Say nothing but errors
+    #[arg(long)]
+    quiet: bool,
+    /// Print the rows of cheapest.csv as JSON on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+/// Why a sweep did not succeed. The exit codes are 2 and 3.
+#[derive(Debug, thiserror::Error)]
+enum Failure {
+    /// Bad input or usage; nothing was run.
+    #[error("{0}")]
+    BadInput(String),
+    /// A run failed; what was computed is kept.
+    #[error("{0}")]
+    RunFailed(String),
+}
+
+fn main() -> ExitCode {
+    match run(&Cli::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("{failure}");
+            ExitCode::from(match failure {
+                Failure::BadInput(_) => 2,
+                Failure::RunFailed(_) => 3,
+            })
+        }
+    }
+}
+
+fn run(cli: &Cli) -> Result<(), Failure> {
+    let start = std::time::Instant::now();
+    let base = mpm_verify::scenes::terzaghi();
+    let plan = Plan::new(&base, cli.quick).map_err(Failure::BadInput)?;
+    let peers = peers().map_err(|e| Failure::BadInput(format!("peers/terzaghi.csv: {e}")))?;
+    let manifest = Manifest { command: command(), ..Manifest::new(&base, 1) };
+    let mut store = open(&cli.out, &build(&manifest), cli.fresh)?;
+    let mut notes = store.opened.notes();
+    let quiet = cli.quiet || cli.json;
+    notes.iter().for_each(|note| say(quiet, note));
+
+    let progress = Progress::new("speed against error", quiet);
+    let rows = sweep(&plan, &base, &mut store, &progress).map_err(|e| match e {
+        SweepError::Setting(why) => Failure::BadInput(why),
+        SweepError::Store(_) => Failure::RunFailed(e.to_string()),
+    })?;
+    progress.finish();
+    let (wall, count) = (start.elapsed().as_secs_f64(), rows.len());
+    notes.insert(0, format!("{count} settings, {} visits at most; {wall:.0} s on the clock.", plan.visits));
+    if cfg!(debug_assertions) {
+        notes.push("A debug build: its times say nothing about a release build.".to_owned());
+    }
+    let findings = Findings::new(manifest, rows, peers, plan.left_out, notes);
+    findings.write(&cli.out).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    if cli.json {
+        print_json(&findings);
+    }
+    for answer in answers(&findings) {
+        say(quiet, &format!("{:>6}: {}", answer.wanted, answer.answer));
+        answer.beside.iter().for_each(|line| say(quiet, &format!("        {line}")));
+    }
+    say(quiet, &findings.notes[0]);
+    say(quiet, &format!("report: {}", cli.out.join("index.html").display()));
+    Ok(())
+}
+
+/// Proves that the folder can be written to, and opens its store.
+fn open(folder: &Path, build: &str, fresh: bool) -> Result<Store, Failure> {
+    let refused = |e: std::io::Error| {
+        Failure::BadInput(format!("--out: expected a folder that can be written to, found {}: {e}", folder.display()))
+    };
+    fs::create_dir_all(folder).map_err(refused)?;
+    Store::open(&folder.join("store.jsonl"), build, fresh).map_err(refused)
+}
+
+/// The arguments as given, without the path of the program.
+fn command() -> String {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    format!("mpm-bench {}", arguments.join(" ")).trim().to_owned()
+}
+
+/// Prints a line unless quiet. A closed pipe is no error.
+fn say(quiet: bool, line: &str) {
+    if !quiet {
+        let _ = writeln!(std::io::stdout(), "{line}");
+    }
+}
+
+/// The rows of `cheapest.csv` as objects.
+fn print_json(findings: &Findings) {
+    let names: Vec<&str> = cheapest::COLUMNS.split(',').collect();
+    let objects: Vec<serde_json::Value> = cheapest::table(&findings.rows)
+        .iter()
+        .map(|row| {
+            let value = |text: String| match text.parse::<f64>() {
+                Ok(number) if number.is_finite() => serde_json::json!(number),
+                Ok(_) => serde_json::Value::Null,
+                Err(_) => serde_json::json!(text),
+            };
+            names.iter().map(|n| (*n).to_owned()).zip(row.fields().into_iter().map(value)).collect()
+        })
+        .map(serde_json::Value::Object)
+        .collect();
+    if let Ok(text) = serde_json::to_string_pretty(&objects) {
+        let _ = writeln!(std::io::stdout(), "{text}");
+    }
+}

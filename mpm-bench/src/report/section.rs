@@ -1,0 +1,104 @@
+//! What the pages say, section by section. A further section is a function and an entry in [`sections`].
+
+use mpm_verify::report::content::table::Table;
+use serde::Serialize;
+
+use super::{Findings, plots, tables};
+
+/// A section of the pages.
+#[derive(Debug, Clone, Serialize)]
+pub struct Section {
+    /// Its place in the page.
+    pub id: &'static str,
+    /// Its title.
+    pub title: &'static str,
+    /// Paragraphs.
+    pub text: Vec<String>,
+    /// A list below them.
+    pub items: Vec<String>,
+    /// Names of pictures.
+    pub pictures: Vec<&'static str>,
+    /// Tables.
+    pub tables: Vec<Table>,
+}
+
+/// All sections in the order of the page.
+pub fn sections(findings: &Findings) -> Vec<Section> {
+    vec![cheapest(findings), cpu(), work(), growth(findings), peers(findings), left_out(findings), measured(findings)]
+}
+
+fn section(id: &'static str, title: &'static str) -> Section {
+    Section { id, title, text: Vec::new(), items: Vec::new(), pictures: Vec::new(), tables: Vec::new() }
+}
+
+fn cheapest(findings: &Findings) -> Section {
+    Section {
+        text: vec![
+            "A setting only counts if every run that differs from it in nothing but a shorter step or a tighter \
+             tolerance reaches the wanted error too: errors of cells and of steps cancel at times, and that is no \
+             advice."
+                .to_owned(),
+        ],
+        tables: vec![tables::cheapest(findings), tables::schemes(findings)],
+        ..section("cheapest", "The cheapest setting")
+    }
+}
+
+fn cpu() -> Section {
+    Section { pictures: vec![plots::CPU, plots::CPU_SCHEMES], ..section("cpu", "Error against CPU time") }
+}
+
+fn work() -> Section {
+    Section { pictures: vec![plots::STEPS, plots::PARTICLES], ..section("work", "Error against steps and particles") }
+}
+
+fn growth(findings: &Findings) -> Section {
+    Section {
+        pictures: vec![plots::GROWTH],
+        tables: vec![tables::growth(findings), tables::dimensions(findings)],
+        ..section("growth", "How cost grows on finer meshes")
+    }
+}
+
+fn peers(findings: &Findings) -> Section {
+    Section {
+        text: vec![
+            "Other codes on the same column, measured elsewhere and on another day, each as its users would set it up: \
+             compare orders of magnitude. Where no error against compressible water is known, the one against \
+             Terzaghi is given."
+                .to_owned(),
+        ],
+        tables: vec![tables::peers(&findings.peers)],
+        ..section("peers", "Other codes, measured elsewhere")
+    }
+}
+
+fn left_out(findings: &Findings) -> Section {
+    let mut items = findings.left_out.clone();
+    let failed: Vec<&str> = findings.rows.iter().filter(|r| r.failure.is_some()).map(|r| r.case.as_str()).collect();
+    if !failed.is_empty() {
+        items.push(format!(
+            "{} runs that failed have no error and no place in pictures: {}. `speed_against_error.csv` says why.",
+            failed.len(),
+            failed.join(", ")
+        ));
+    }
+    Section { items, ..section("left-out", "What was left out, and why") }
+}
+
+fn measured(findings: &Findings) -> Section {
+    let text = "CPU time of one thread for a whole solve, from the checked scene to U at the nine times, set-up \
+                included; nothing else is observed. The median over all samples, with the smallest and the largest \
+                beside it in the CSV. A sample is one run, or the mean over as many as half a millisecond holds. The \
+                settings are visited in an order without rhyme, another one at each visit, so that other load on the \
+                machine falls on none more than on the rest; a setting that takes longer than 1.5 s is run once. \
+                Memory is the largest heap that a solve held at a time with its result, counted in a run of its own.";
+    let baseline = "The baseline is what one would write in an hour: equal finite volumes, BDF2 with a constant step \
+                    after one step of implicit Euler, a tridiagonal matrix factored once; its cells and steps are \
+                    swept as the settings of this program are.";
+    Section {
+        text: vec![text.to_owned(), baseline.to_owned()],
+        items: findings.notes.clone(),
+        ..section("measured", "How it was measured")
+    }
+}
