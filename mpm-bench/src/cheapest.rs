@@ -6,7 +6,7 @@
 
 use mpm_verify::report::numbers::exact;
 
-use crate::baseline;
+use crate::baseline::{self, Kind};
 use crate::row::Row;
 
 /// The errors that users want, as shares of U.
@@ -19,24 +19,27 @@ pub struct Cheapest<'a> {
     pub wanted: f64,
     /// The setting.
     pub row: &'a Row,
-    /// The cheapest setting of the baseline for the same error.
-    pub baseline: Option<&'a Row>,
+    /// The cheapest settings of the plain and of the graded baseline for the same error.
+    pub baselines: [Option<&'a Row>; 2],
 }
 
 /// Columns of `cheapest.csv`. Others parse them: columns are only ever added at the end.
 pub const COLUMNS: &str = "wanted_error,integrator,scheme,mesh_m,ppc,dt_or_tol,cpu_s,ratio_to_baseline,\
 max_error_compressible,max_error_terzaghi,cpu_low_s,cpu_high_s,runs,steps,solves,peak_bytes,method,case,\
-baseline_case,baseline_cpu_s";
+baseline_case,baseline_cpu_s,graded_case,graded_cpu_s,ratio_to_graded";
 
 impl Cheapest<'_> {
-    /// CPU time over that of the baseline; NaN where the baseline does not get there.
-    pub fn ratio(&self) -> f64 {
-        self.baseline.map_or(f64::NAN, |b| self.row.cpu_s / b.cpu_s)
+    /// CPU time over that of the plain and of the graded baseline; NaN where it does not get there.
+    pub fn ratios(&self) -> [f64; 2] {
+        self.baselines.map(|baseline| baseline.map_or(f64::NAN, |b| self.row.cpu_s / b.cpu_s))
     }
 
     /// The fields of the CSV.
     pub fn fields(&self) -> Vec<String> {
         let r = self.row;
+        let ([plain, graded], [to_plain, to_graded]) = (self.baselines, self.ratios());
+        let name = |b: Option<&Row>| b.map_or_else(String::new, |b| b.case.clone());
+        let cpu = |b: Option<&Row>| exact(b.map_or(f64::NAN, |b| b.cpu_s));
         vec![
             exact(self.wanted),
             r.integrator.clone(),
@@ -45,7 +48,7 @@ impl Cheapest<'_> {
             r.ppc.to_string(),
             exact(r.dt_or_tol),
             exact(r.cpu_s),
-            exact(self.ratio()),
+            exact(to_plain),
             exact(r.max_error_compressible),
             exact(r.max_error_terzaghi),
             exact(r.cpu_low_s),
@@ -56,8 +59,11 @@ impl Cheapest<'_> {
             r.peak_bytes.to_string(),
             r.method.clone(),
             r.case.clone(),
-            self.baseline.map_or_else(String::new, |b| b.case.clone()),
-            exact(self.baseline.map_or(f64::NAN, |b| b.cpu_s)),
+            name(plain),
+            cpu(plain),
+            name(graded),
+            cpu(graded),
+            exact(to_graded),
         ]
     }
 }
@@ -85,11 +91,11 @@ pub fn table(rows: &[Row]) -> Vec<Cheapest<'_>> {
     let mut all = Vec::new();
     for wanted in WANTED {
         let of = |name: &str| cheapest(rows, wanted, |r| r.integrator == name);
-        let baseline = of(baseline::NAME);
+        let baselines = Kind::ALL.map(|kind| cheapest(rows, wanted, |r| r.scheme == kind.scheme()));
         let mut own: Vec<&Row> =
             baseline::with_integrators().iter().filter(|n| !baseline::is(n)).filter_map(|n| of(n)).collect();
         own.sort_by(|a, b| a.cpu_s.total_cmp(&b.cpu_s));
-        all.extend(own.into_iter().map(|row| Cheapest { wanted, row, baseline }));
+        all.extend(own.into_iter().map(|row| Cheapest { wanted, row, baselines }));
     }
     all
 }
@@ -105,12 +111,14 @@ mod tests {
             row("explicit", 0.02, 1e-6, 2.5e-3, 0.5),
             row("quasi-static", 0.2, 1e-3, 2e-3, 3e-5),
             row("quasi-static", 0.1, 1e-3, 1e-5, 6e-5),
-            row("baseline", 0.1, 1e-2, 2e-3, 6e-5),
+            Row { scheme: Kind::Plain.scheme().to_owned(), ..row("baseline", 0.1, 1e-2, 2e-3, 6e-5) },
         ];
         let table = table(&rows);
-        let at = |wanted: f64| table.iter().filter(|c| c.wanted == wanted).map(|c| (c.row.cpu_s, c.ratio()));
-        assert_eq!(at(3e-3).collect::<Vec<_>>(), [(3e-5, 0.5), (0.5, 0.5 / 6e-5)]);
-        let fine: Vec<_> = at(2e-4).collect();
+        let at = |wanted: f64| -> Vec<(f64, f64)> {
+            table.iter().filter(|c| c.wanted == wanted).map(|c| (c.row.cpu_s, c.ratios()[0])).collect()
+        };
+        assert_eq!(at(3e-3), [(3e-5, 0.5), (0.5, 0.5 / 6e-5)]);
+        let fine = at(2e-4);
         assert!(fine.len() == 1 && fine[0].0 == 6e-5 && fine[0].1.is_nan(), "the baseline does not get there");
     }
 

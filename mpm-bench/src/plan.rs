@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use mpm_core::scene::{Dimension, Integrator, Scene, ShapeChoice, TimeMethod};
 use mpm_verify::study::{INTEGRATORS, SHAPES};
 
-use crate::baseline::{FiniteVolumes, Soil};
+use crate::baseline::{FiniteVolumes, Kind, Soil};
 use crate::setting::{Choice, Setting, Time};
 
 /// What to run.
@@ -36,7 +36,7 @@ struct Extent {
     plane: &'static [f64],
     /// Cells of the baseline.
     cells: &'static [usize],
-    /// Steps of the baseline.
+    /// Steps of the baseline in each hundredth of the time (plain), to each sample time (graded).
     steps: &'static [usize],
     /// Visits.
     visits: usize,
@@ -50,7 +50,7 @@ const WHOLE: Extent = Extent {
     explicit_down_to: [0.01, 0.02],
     plane: &[0.1, 0.05, 0.025, 0.02],
     cells: &[5, 8, 10, 12, 15, 20, 25, 30, 40, 50, 60, 80, 100, 150, 200],
-    steps: &[100, 200, 300, 400, 500, 600, 800, 1000, 1500, 2000, 3000, 5000, 10000],
+    steps: &[1, 2, 3, 4, 5, 6, 8, 10, 15, 20, 30, 50, 100],
     visits: 3,
 };
 
@@ -62,7 +62,7 @@ const QUICK: Extent = Extent {
     explicit_down_to: [0.02, 0.05],
     plane: &[0.1],
     cells: &[10, 20, 30, 50, 80, 100, 200],
-    steps: &[100, 200, 400, 600, 1000, 2000, 5000],
+    steps: &[2, 4, 6, 10, 20, 50],
     visits: 1,
 };
 
@@ -81,8 +81,11 @@ impl Plan {
         for choice in choices(&extent) {
             settings.push(Setting::points(base, &choice)?);
         }
-        for &cells in extent.cells {
-            settings.extend(extent.steps.iter().map(|&steps| Setting::volumes(soil, FiniteVolumes { cells, steps })));
+        for kind in Kind::ALL {
+            for &cells in extent.cells {
+                let volumes = |steps: &usize| FiniteVolumes { kind, cells, steps: steps * kind.unit() };
+                settings.extend(extent.steps.iter().map(volumes).map(|v| Setting::volumes(soil, v)));
+            }
         }
         let names: HashSet<&String> = settings.iter().map(|s| &s.case).collect();
         debug_assert_eq!(names.len(), settings.len(), "two settings share a name");

@@ -5,7 +5,7 @@ use mpm_core::stability::choose_step;
 use mpm_verify::study::plan::{remesh, set_family};
 use mpm_verify::study::{Family, word};
 
-use crate::baseline::{self, FiniteVolumes, Soil};
+use crate::baseline::{self, FiniteVolumes, Kind, Soil};
 
 /// A setting that can be run.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,7 +92,8 @@ impl Setting {
 
     /// A run of the baseline.
     pub fn volumes(soil: Soil, volumes: FiniteVolumes) -> Self {
-        let case = format!("{}-cells{}-steps{}", baseline::NAME, volumes.cells, volumes.steps);
+        let graded = if volumes.kind == Kind::Graded { "-graded" } else { "" };
+        let case = format!("{}{graded}-cells{}-steps{}", baseline::NAME, volumes.cells, volumes.steps);
         Self { case, solver: Solver::Volumes(volumes, soil) }
     }
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::Findings;
 use super::words::{setting, share, time, times, wanted};
-use crate::baseline;
+use crate::baseline::{self, Kind};
 use crate::cheapest::{WANTED, best, cheapest};
 use crate::peers::{self, Peer};
 use crate::row::Row;
@@ -43,7 +43,7 @@ fn answer(findings: &Findings, error: f64) -> Answer {
         share(row.max_error_compressible),
         share(row.max_error_terzaghi)
     );
-    let over = |other: f64| format!("{} times as much", times(other / row.cpu_s));
+    let over = |other: f64| format!("{} times that", times(other / row.cpu_s));
     let against = |which: &dyn Fn(&Row) -> bool, name: &str| match cheapest(rows, error, which) {
         Some(r) => format!("{name}: {}, {} ({}).", time(r.cpu_s), over(r.cpu_s), setting(r)),
         None => format!("{name}: not reached{}.", nearest(rows, which)),
@@ -53,7 +53,8 @@ fn answer(findings: &Findings, error: f64) -> Answer {
         found.map(|p| format!("{name}, measured elsewhere: {}, {}.", peer(p), over(p.cpu_s())))
     };
     let mut beside = vec![
-        against(&|r| baseline::is(&r.integrator), "The plain finite-volume baseline"),
+        against(&|r| r.scheme == Kind::Plain.scheme(), "The plain finite-volume baseline"),
+        against(&|r| r.scheme == Kind::Graded.scheme(), "The same with graded cells and steps"),
         against(&|r| r.integrator == "semi-implicit", "Semi-implicit"),
         against(&|r| r.integrator == "explicit" && r.scheme == "centre", "The paper's explicit scheme"),
     ];
@@ -120,7 +121,9 @@ mod tests {
     fn every_wanted_error_has_an_answer_with_its_command_or_says_that_none_gets_there() {
         let mut quasi = row("quasi-static", 0.25, 1e-2, 2e-3, 3e-5);
         quasi.method = "krylov".to_owned();
-        let rows = vec![quasi, row("explicit", 0.02, 1e-6, 2.5e-3, 0.6), row("baseline", 0.1, 1e-2, 2e-3, 6e-5)];
+        let mut plain = row("baseline", 0.1, 1e-2, 2e-3, 6e-5);
+        plain.scheme = Kind::Plain.scheme().to_owned();
+        let rows = vec![quasi, row("explicit", 0.02, 1e-6, 2.5e-3, 0.6), plain];
         let manifest = Manifest::new(&mpm_verify::scenes::terzaghi(), 1);
         let peers = peers::peers().expect("peers");
         let findings = Findings::new(manifest, rows, peers, Vec::new(), Vec::new());
@@ -129,7 +132,10 @@ mod tests {
         let coarse = &answers[1];
         assert!(coarse.answer.contains("30 \u{b5}s") && coarse.command.contains("--tolerance 1e-2"), "{coarse:?}");
         let all = coarse.beside.join(" ");
-        assert!(all.contains("2.0 times") && all.contains("20\u{a0}000 times") && all.contains("cb-geo/mpm"), "{all}");
+        assert!(
+            all.contains("2.0 times that") && all.contains("20\u{a0}000 times that") && all.contains("cb-geo/mpm"),
+            "{all}"
+        );
         assert!(answers[4].answer.contains("gets there, best 0.200 %") && answers[4].command.is_empty());
         assert!(summary(&findings).contains("20\u{a0}000 times"));
     }

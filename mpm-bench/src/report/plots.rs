@@ -69,7 +69,7 @@ fn panel(rows: &[Row], title: &str, x: Axis, of: impl Fn(&Row) -> f64, error: im
         panel.add(Series::new(format!("{name}, every run"), look, Mark::Points, dots).unlisted());
     }
     for name in baseline::with_integrators() {
-        let label = if baseline::is(&name) { "plain finite-volume baseline".to_owned() } else { name.clone() };
+        let label = if baseline::is(&name) { "finite-volume baselines".to_owned() } else { name.clone() };
         let look = look_of(&name).radius(3.4);
         panel.add(Series::new(label, look, Mark::LinePoints, front_of(&points(&name))));
     }

@@ -6,7 +6,7 @@ use mpm_verify::report::plots::schemes::LOOKS;
 
 use super::Findings;
 use super::words::{bytes, in_time, setting, share, time, times, wanted};
-use crate::baseline;
+use crate::baseline::{self, Kind};
 use crate::cheapest::{self, WANTED, best};
 use crate::growth::Growth;
 use crate::peers::Peer;
@@ -29,7 +29,8 @@ pub fn cheapest(findings: &Findings) -> Table {
                 setting(r),
                 time(r.cpu_s),
                 times(r.cpu_s / least),
-                times(one.ratio()),
+                times(one.ratios()[0]),
+                times(one.ratios()[1]),
                 share(r.max_error_compressible),
                 share(r.max_error_terzaghi),
                 r.steps.to_string(),
@@ -45,17 +46,23 @@ pub fn cheapest(findings: &Findings) -> Table {
                 let text = format!("{name}: not reached; best {}", share(nearest.max_error_compressible));
                 let dash = || Cell::new("\u{2013}");
                 let mut cells = vec![Cell::new(wanted(error)), Cell::new(text)];
-                cells.extend((0..7).map(|_| dash()));
+                cells.extend((0..8).map(|_| dash()));
                 lines.push(cells);
             }
         }
-        if let Some(r) = found.iter().find(|c| c.wanted == error).and_then(|c| c.baseline) {
+        for kind in Kind::ALL {
+            let Some(r) = cheapest::cheapest(rows, error, |r| r.scheme == kind.scheme()) else { continue };
+            let over = |other: Kind| {
+                let other = cheapest::cheapest(rows, error, |r| r.scheme == other.scheme());
+                times(r.cpu_s / other.map_or(f64::NAN, |o| o.cpu_s))
+            };
             let cells = [
                 wanted(error),
-                format!("baseline: {}", setting(r)),
+                format!("baseline, {}: {}", kind.word(), setting(r)),
                 time(r.cpu_s),
                 times(r.cpu_s / least),
-                "1".to_owned(),
+                over(Kind::Plain),
+                over(Kind::Graded),
                 share(r.max_error_compressible),
                 share(r.max_error_terzaghi),
                 r.steps.to_string(),
@@ -69,7 +76,8 @@ pub fn cheapest(findings: &Findings) -> Table {
         "setting",
         "CPU time",
         "over the cheapest",
-        "over the baseline",
+        "over the plain baseline",
+        "over the graded one",
         "error, compressible",
         "error, Terzaghi",
         "steps",
@@ -92,8 +100,11 @@ pub fn schemes(findings: &Findings) -> Table {
     head.push("best error");
     let mut lines = Vec::new();
     for name in baseline::with_integrators() {
-        let schemes: Vec<&str> =
-            if baseline::is(&name) { vec!["finite-volume"] } else { LOOKS.iter().map(|(scheme, _)| *scheme).collect() };
+        let schemes: Vec<&str> = if baseline::is(&name) {
+            Kind::ALL.map(Kind::scheme).to_vec()
+        } else {
+            LOOKS.iter().map(|(scheme, _)| *scheme).collect()
+        };
         for scheme in schemes {
             let own = |r: &Row| r.integrator == name && r.scheme == scheme;
             let mut cells = vec![Cell::new(name.clone()), Cell::new(scheme)];
