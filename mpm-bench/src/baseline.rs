@@ -256,7 +256,7 @@ mod tests {
     /// Orders in space and time.
     fn orders(soil: &Soil, kind: Kind) -> [f64; 2] {
         let space = [10, 20, 40, 80].map(|n| (1.0 / n as f64, late_error(soil, kind, n, 200 * kind.unit())));
-        let time = [1, 2, 4, 8].map(|n| (1.0 / n as f64, late_error(soil, kind, 1000, 4 * n * kind.unit())));
+        let time = [1, 2, 4].map(|n| (1.0 / n as f64, late_error(soil, kind, 3000, 8 * n * kind.unit())));
         [order(&space), order(&time)]
     }
 

@@ -28,6 +28,9 @@ struct Cli {
     /// Fewer settings, each visited once: less than a minute
     #[arg(long)]
     quick: bool,
+    /// Only settings whose name contains this: `quasi-static-bspline2`, `L0.1-`
+    #[arg(long, value_name = "TEXT")]
+    only: Option<String>,
     /// Measure everything again, whatever is stored
     #[arg(long)]
     fresh: bool,
@@ -66,7 +69,10 @@ fn main() -> ExitCode {
 fn run(cli: &Cli) -> Result<(), Failure> {
     let start = std::time::Instant::now();
     let base = mpm_verify::scenes::terzaghi();
-    let plan = Plan::new(&base, cli.quick).map_err(Failure::BadInput)?;
+    let mut plan = Plan::new(&base, cli.quick).map_err(Failure::BadInput)?;
+    if let Some(text) = &cli.only {
+        plan.only(text).map_err(Failure::BadInput)?;
+    }
     let peers = peers().map_err(|e| Failure::BadInput(format!("peers/terzaghi.csv: {e}")))?;
     let manifest = Manifest { command: command(), ..Manifest::new(&base, 1) };
     let mut store = open(&cli.out, &build(&manifest), cli.fresh)?;

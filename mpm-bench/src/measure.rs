@@ -179,7 +179,7 @@ mod tests {
         for case in ["quasi-static-bspline2-L0.1-ppc9-tol1e-4", "baseline-graded-cells30-steps180"] {
             let setting = plan.settings.iter().find(|s| s.case == case).expect("a setting of the plan");
             let (found, times) = setting.first_visit(&base).expect("a run");
-            assert!(found.max_error_compressible < 1e-3 && found.max_error_terzaghi > 0.02, "{found:?}");
+            assert!(found.max_error_compressible < 3e-3 && found.max_error_terzaghi > 0.02, "{found:?}");
             assert!(found.peak_bytes > 200 && found.failure.is_none() && !times.samples.is_empty());
             let (again, _) = setting.first_visit(&base).expect("a run");
             assert_eq!(again, found, "all but time is the same again");

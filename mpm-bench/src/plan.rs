@@ -93,6 +93,22 @@ impl Plan {
     }
 }
 
+impl Plan {
+    /// Keeps the settings whose name contains a text.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn only(&mut self, text: &str) -> Result<(), String> {
+        let example = self.settings.first().map_or_else(String::new, |s| s.case.clone());
+        self.settings.retain(|s| s.case.contains(text));
+        if self.settings.is_empty() {
+            return Err(format!("--only: expected part of the name of a setting, such as {example}, found {text}"));
+        }
+        self.left_out.insert(0, format!("Every setting whose name does not contain `{text}` (`--only`)."));
+        Ok(())
+    }
+}
+
 fn choices(extent: &Extent) -> Vec<Choice> {
     let mut choices = Vec::new();
     for integrator in INTEGRATORS {
