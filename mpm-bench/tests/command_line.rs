@@ -20,7 +20,7 @@ fn a_sweep_writes_its_tables_pictures_and_pages_and_can_be_resumed() {
     let first = bench(&arguments);
     assert!(first.status.success(), "{}", String::from_utf8_lossy(&first.stderr));
     let said = String::from_utf8_lossy(&first.stdout);
-    assert!(said.contains("0.3 %: quasi-static, `bspline2`, L = 0.25 m"), "{said}");
+    assert!(said.contains("0.3 %: quasi-static, bspline2, L = 0.25 m"), "{said}");
 
     let all = text(&out.join("speed_against_error.csv"));
     let columns = "case,integrator,scheme,mesh_m,ppc,dt_or_tol,max_error_terzaghi,max_error_compressible,cpu_s,steps,\

@@ -118,6 +118,7 @@ fn by_scheme(findings: &Findings) -> Figure {
         }
         panels.push(panel);
     }
+    share_x(&mut panels);
     share_y(&mut panels);
     Figure {
         name: CPU_SCHEMES,
@@ -175,11 +176,22 @@ fn growth(findings: &Findings) -> Figure {
         }
         let (meshes, times) = (panel.all_x(), panel.all_y());
         let ends = |of: &[f64]| of.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(*v), b.max(*v)));
-        let ((fine, coarse), (least, _)) = (ends(&meshes), ends(&times));
+        let ((fine, coarse), (least, most)) = (ends(&meshes), ends(&times));
+        if least < most {
+            // Room for the powers below the data.
+            panel.y = panel.y.range(0.4 * least, 1.5 * most);
+        }
         for &slope in slopes.iter().filter(|_| fine < coarse) {
             let dash = [Dash::Dotted, Dash::DashDot, Dash::Dashed][(slope - 1) as usize];
             let line = [coarse, fine].map(|h| (h, 0.6 * least * (coarse / h).powi(slope)));
-            panel.add(Series::line(format!("(1/L)^{slope}"), Look::new(GREY, Marker::Dot).dash(dash), line).guide());
+            panel.add(
+                Series::line(
+                    ["1/L", "1/L²", "1/L³"][(slope - 1) as usize],
+                    Look::new(GREY, Marker::Dot).dash(dash),
+                    line,
+                )
+                .guide(),
+            );
         }
         panels.push(panel);
     }

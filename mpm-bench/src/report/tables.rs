@@ -25,8 +25,7 @@ pub fn cheapest(findings: &Findings) -> Table {
             let spread =
                 if r.runs > 1 { format!("\u{b1} {} %", short(100.0 * r.spread(), 2)) } else { "one run".to_owned() };
             let cells = [
-                wanted(error),
-                setting(r),
+                wanted(error) + ": " + &r.integrator,
                 time(r.cpu_s),
                 times(r.cpu_s / least),
                 times(one.ratios()[0]),
@@ -37,15 +36,16 @@ pub fn cheapest(findings: &Findings) -> Table {
                 bytes(r.peak_bytes),
             ];
             let mut cells = cells.map(Cell::new);
-            cells[2] = cells[2].clone().marked(spread, if place == 0 { "paper" } else { "" });
+            cells[0] = cells[0].clone().marked(setting(r), "");
+            cells[1] = cells[1].clone().marked(spread, if place == 0 { "paper" } else { "" });
             lines.push(cells.to_vec());
         }
         for name in baseline::with_integrators().iter().filter(|n| !baseline::is(n)) {
             let Some(nearest) = best(rows, |r| r.integrator == *name) else { continue };
             if !reached.iter().any(|c| c.row.integrator == *name) {
-                let text = format!("{name}: not reached; best {}", share(nearest.max_error_compressible));
+                let text = format!("not reached; best {}: {}", share(nearest.max_error_compressible), setting(nearest));
                 let dash = || Cell::new("\u{2013}");
-                let mut cells = vec![Cell::new(wanted(error)), Cell::new(text)];
+                let mut cells = vec![Cell::new(wanted(error) + ": " + name).marked(text, "")];
                 cells.extend((0..8).map(|_| dash()));
                 lines.push(cells);
             }
@@ -57,8 +57,7 @@ pub fn cheapest(findings: &Findings) -> Table {
                 times(r.cpu_s / other.map_or(f64::NAN, |o| o.cpu_s))
             };
             let cells = [
-                wanted(error),
-                format!("baseline, {}: {}", kind.word(), setting(r)),
+                format!("{}: {} baseline", wanted(error), kind.word()),
                 time(r.cpu_s),
                 times(r.cpu_s / least),
                 over(Kind::Plain),
@@ -68,12 +67,13 @@ pub fn cheapest(findings: &Findings) -> Table {
                 r.steps.to_string(),
                 bytes(r.peak_bytes),
             ];
-            lines.push(cells.map(Cell::new).to_vec());
+            let mut cells = cells.map(Cell::new);
+            cells[0] = cells[0].clone().marked(setting(r), "");
+            lines.push(cells.to_vec());
         }
     }
     let head = [
-        "error",
-        "setting",
+        "wanted error and setting",
         "CPU time",
         "over the cheapest",
         "over the plain baseline",
@@ -114,7 +114,7 @@ pub fn schemes(findings: &Findings) -> Table {
                     || Cell::new("not reached"),
                     |r| {
                         let particles = if r.ppc > 0 { format!("{} per cell\n", r.ppc) } else { String::new() };
-                        let small = format!("L = {} m\n{particles}{}", short(r.mesh_m, 2), in_time(r));
+                        let small = format!("L = {} m\n{particles}{}", short(r.mesh_m, 2), briefly(r));
                         Cell::new(time(r.cpu_s)).marked(small, "")
                     },
                 ));
@@ -130,6 +130,12 @@ pub fn schemes(findings: &Findings) -> Table {
         lines,
         "The best error is the smallest of all its runs, by chance or not.",
     )
+}
+
+/// How fine a setting is in time, in few words.
+fn briefly(row: &Row) -> String {
+    let own_steps = row.integrator == "quasi-static" || baseline::is(&row.integrator);
+    if own_steps { in_time(row) } else { format!("step {} s", short(row.dt_or_tol, 2)) }
 }
 
 /// Fitted and expected exponents.

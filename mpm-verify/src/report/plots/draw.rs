@@ -207,7 +207,8 @@ impl View<'_> {
     /// All lines of the panel and a stroke through each marker, px.
     fn segments(&self) -> Vec<(Spot, Spot)> {
         let mut segments = Vec::new();
-        for series in &self.panel.series {
+        // A cloud of small dots may be written over.
+        for series in self.panel.series.iter().filter(|s| s.mark != Mark::Points || s.look.radius > 1.5) {
             let spots: Vec<Option<Spot>> = series.points.iter().map(|p| self.spot(p)).collect();
             if matches!(series.mark, Mark::Line | Mark::LinePoints) {
                 segments.extend(spots.windows(2).filter_map(|pair| Some((pair[0]?, pair[1]?))));
