@@ -68,7 +68,7 @@ pub fn setting(row: &Row) -> String {
     }
     let particles = if row.ppc == 1 { "1 particle".to_owned() } else { format!("{} particles", row.ppc) };
     let plane = if row.dimension == "column" { "" } else { ", full width" };
-    format!("{}, `{}`, L = {} m, {particles} per cell, {}{plane}", row.integrator, row.scheme, row.mesh_m, in_time(row))
+    format!("{}, {}, L = {} m, {particles} per cell, {}{plane}", row.integrator, row.scheme, row.mesh_m, in_time(row))
 }
 
 #[cfg(test)]
