@@ -2,7 +2,8 @@
 //!
 //! Expected is the growth of the work that was counted. Explicit: particles times steps, where the stability limit
 //! passes from that of waves, dt ~ L, to that of drainage, dt ~ L^2, so that the exponent in one dimension passes from
-//! 2 to 3. Semi-implicit: one banded solve per step, dt ~ L, so 2. Quasi-static: banded solves, of which there are
+//! 2 to 3. Semi-implicit: one banded solve per step; water lets steps be longer on coarse meshes, and on fine ones dt ~ L,
+//! so that the exponent comes down to 2. Quasi-static: banded solves, of which there are
 //! hardly more on a finer mesh, so a little above 1. What does not grow, set-up and reading, makes the measured exponent
 //! smaller on coarse meshes.
 

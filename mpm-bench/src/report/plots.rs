@@ -84,13 +84,19 @@ fn against_cpu(findings: &Findings) -> Figure {
     for (panel, which) in panels.iter_mut().zip([0, 1]) {
         let known = findings.peers.iter().filter_map(|p| {
             let error = [p.max_error_compressible, p.max_error_terzaghi][which]?;
-            let name = p.peer.split([' ', '/']).next().unwrap_or(&p.peer);
+            // The first word, or what its users call it.
+            let first = p.peer.split([' ', '/']).next().unwrap_or(&p.peer);
+            let name = if first == "OpenGeoSys" { "OGS" } else { first };
             Some(Point::new(p.cpu_s(), error).note(name).open(true))
         });
         let look = Look::new(BLACK, Marker::Star).radius(4.5);
         panel.add(Series::new("other codes, measured elsewhere", look, Mark::Points, known));
     }
     share_x(&mut panels);
+    // Room for the names of slow codes.
+    for panel in &mut panels {
+        panel.x.range = panel.x.range.map(|(start, end)| (start, 3.0 * end));
+    }
     share_y(&mut panels);
     Figure {
         name: CPU,

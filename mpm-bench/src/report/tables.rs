@@ -177,7 +177,8 @@ pub fn growth(findings: &Findings) -> Table {
         findings.growths.iter().map(line).collect(),
         "Fitted over all meshes from 0.1 m down, with the half width of the 95 % interval. Expected: the same fit of \
          the work that was counted. Explicit steps pass from the limit of waves (dt \u{221d} L) to that of drainage \
-         (dt \u{221d} L\u{b2}) as L falls; semi-implicit ones have the limit of waves alone; quasi-static runs are \
+         (dt \u{221d} L\u{b2}) as L falls; semi-implicit ones, which water helps \
+         on coarse meshes, end at the limit of waves; quasi-static runs are \
          a few banded solves. Set-up and reading, which hardly grow, make cheap runs grow slower than their work. \
          Automatic steps; quasi-static with tolerance 1e-4.",
     )
