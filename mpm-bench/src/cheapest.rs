@@ -68,10 +68,23 @@ impl Cheapest<'_> {
     }
 }
 
+/// The error that a setting is good for: the largest of its own and of those with finer steps and all else equal.
+/// Infinite if one of them failed.
+fn sure_error(row: &Row, rows: &[Row]) -> f64 {
+    let own = |r: &Row| {
+        if r.failure.is_none() && r.max_error_compressible.is_finite() {
+            r.max_error_compressible
+        } else {
+            f64::INFINITY
+        }
+    };
+    let finer = rows.iter().filter(|r| r.dt_or_tol < row.dt_or_tol && r.same_but_time(row)).map(own);
+    finer.fold(own(row), f64::max)
+}
+
 /// Whether a setting reaches an error, and goes on reaching it as its steps get finer.
 fn reaches(row: &Row, rows: &[Row], wanted: f64) -> bool {
-    let good = |r: &Row| r.failure.is_none() && r.max_error_compressible <= wanted;
-    good(row) && rows.iter().filter(|r| r.same_but_time(row) && r.dt_or_tol < row.dt_or_tol).all(good)
+    row.max_error_compressible <= wanted && sure_error(row, rows) <= wanted
 }
 
 /// The cheapest of the settings that `which` takes for a wanted error.
@@ -85,10 +98,22 @@ pub fn cheapest(rows: &[Row], wanted: f64, which: impl Fn(&Row) -> bool) -> Opti
     same.max_by(|a, b| a.dt_or_tol.total_cmp(&b.dt_or_tol))
 }
 
-/// The smallest error of the settings that `which` takes.
-pub fn best(rows: &[Row], which: impl Fn(&Row) -> bool) -> Option<&Row> {
-    let sound = rows.iter().filter(|r| which(r) && r.max_error_compressible.is_finite());
-    sound.min_by(|a, b| a.max_error_compressible.total_cmp(&b.max_error_compressible))
+/// The setting that is good for the smallest error, of those that `which` takes, and that error.
+pub fn best(rows: &[Row], which: impl Fn(&Row) -> bool) -> Option<(&Row, f64)> {
+    let mut sound: Vec<&Row> = rows.iter().filter(|r| which(r) && r.max_error_compressible.is_finite()).collect();
+    sound.sort_by(|a, b| a.max_error_compressible.total_cmp(&b.max_error_compressible));
+    let mut least: Option<(&Row, f64)> = None;
+    for row in sound {
+        // No later row can do better than its own error.
+        if least.is_some_and(|(_, error)| error <= row.max_error_compressible) {
+            break;
+        }
+        let error = sure_error(row, rows);
+        if least.is_none_or(|(_, before)| error < before) {
+            least = Some((row, error));
+        }
+    }
+    least.filter(|(_, error)| error.is_finite())
 }
 
 /// For each wanted error one row per integrator that reaches it, the cheapest first.
@@ -136,7 +161,7 @@ mod tests {
         ];
         assert_eq!(cheapest(&rows, 2e-4, |_| true), Some(&rows[2]));
         assert_eq!(cheapest(&rows, 1e-3, |_| true), Some(&rows[0]));
-        assert_eq!(best(&rows, |_| true), Some(&rows[0]));
+        assert_eq!(best(&rows, |_| true), Some((&rows[2], 1e-4)));
     }
 
     #[test]

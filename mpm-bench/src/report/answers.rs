@@ -69,9 +69,8 @@ fn answer(findings: &Findings, error: f64) -> Answer {
 
 /// How near the best of some settings comes.
 fn nearest(rows: &[Row], which: impl Fn(&Row) -> bool) -> String {
-    best(rows, which).map_or_else(String::new, |r| {
-        format!(", best {} in {} ({})", share(r.max_error_compressible), time(r.cpu_s), setting(r))
-    })
+    best(rows, which)
+        .map_or_else(String::new, |(r, error)| format!(", best {} in {} ({})", share(error), time(r.cpu_s), setting(r)))
 }
 
 fn peer(peer: &Peer) -> String {

@@ -41,9 +41,9 @@ pub fn cheapest(findings: &Findings) -> Table {
             lines.push(cells.to_vec());
         }
         for name in baseline::with_integrators().iter().filter(|n| !baseline::is(n)) {
-            let Some(nearest) = best(rows, |r| r.integrator == *name) else { continue };
+            let Some((nearest, least)) = best(rows, |r| r.integrator == *name) else { continue };
             if !reached.iter().any(|c| c.row.integrator == *name) {
-                let text = format!("not reached; best {}: {}", share(nearest.max_error_compressible), setting(nearest));
+                let text = format!("not reached; best {}: {}", share(least), setting(nearest));
                 let dash = || Cell::new("\u{2013}");
                 let mut cells = vec![Cell::new(wanted(error) + ": " + name).marked(text, "")];
                 cells.extend((0..8).map(|_| dash()));
@@ -120,7 +120,7 @@ pub fn schemes(findings: &Findings) -> Table {
                 ));
             }
             let nearest = best(&findings.rows, own);
-            cells.push(nearest.map_or_else(|| Cell::new("\u{2013}"), |r| Cell::new(share(r.max_error_compressible))));
+            cells.push(nearest.map_or_else(|| Cell::new("\u{2013}"), |(_, error)| Cell::new(share(error))));
             lines.push(cells);
         }
     }
@@ -128,7 +128,7 @@ pub fn schemes(findings: &Findings) -> Table {
         "CPU time that every integrator and scheme needs for a wanted error".to_owned(),
         &head,
         lines,
-        "The best error is the smallest of all its runs, by chance or not.",
+        "The best error is the smallest that a setting reaches and keeps as its steps get finer.",
     )
 }
 
