@@ -7,7 +7,8 @@
 //! 3. [`measure`]: one setting, its error once and its time many times. [`store`]: what is done stays done.
 //!    [`sweep`]: all settings in mixed order.
 //! 4. [`row`]: what is kept of a setting. [`pareto`], [`cheapest`], [`growth`]: what follows from all of them.
-//! 5. [`report`]: answers, tables, pictures, pages.
+//! 5. [`kernel`]: what one explicit step costs by size, threads and vectors, and what the machine would allow.
+//! 6. [`report`]: answers, tables, pictures, pages.
 //!
 //! The scenes of the criterion benches in `benches/` stand in [`mpm_verify::cost`]; those benches are for people, and
 //! print time per solid particle and step.
@@ -15,6 +16,7 @@
 pub mod baseline;
 pub mod cheapest;
 pub mod growth;
+pub mod kernel;
 pub mod measure;
 pub mod pareto;
 pub mod peers;

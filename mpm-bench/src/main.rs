@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use mpm_bench::cheapest;
+use mpm_bench::kernel::kept::kept_or_measured;
 use mpm_bench::peers::peers;
 use mpm_bench::plan::Plan;
 use mpm_bench::report::Findings;
@@ -85,13 +86,16 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         SweepError::Setting(why) => Failure::BadInput(why),
         SweepError::Store(_) => Failure::RunFailed(e.to_string()),
     })?;
+    let kernel = kept_or_measured(&cli.out, &build(&manifest), (cli.quick, cli.fresh), &|line| progress.line(line));
     progress.finish();
+    let kernel = kernel.map_err(Failure::RunFailed)?;
     let (wall, count) = (start.elapsed().as_secs_f64(), rows.len());
     notes.insert(0, format!("{count} settings, {} visits at most; {wall:.0} s on the clock.", plan.visits));
     if cfg!(debug_assertions) {
         notes.push("A debug build: its times say nothing about a release build.".to_owned());
     }
-    let findings = Findings::new(manifest, rows, peers, plan.left_out, notes);
+    let mut findings = Findings::new(manifest, rows, peers, plan.left_out, notes);
+    findings.kernel = Some(kernel);
     findings.write(&cli.out).map_err(|e| Failure::RunFailed(e.to_string()))?;
     if cli.json {
         print_json(&findings);

@@ -53,7 +53,7 @@ impl Hardware {
 }
 
 /// Soil points from which on a second thread pays: below, it waits longer for its work than the work takes.
-pub const THREADS_PAY_FROM: usize = 30_000;
+pub const THREADS_PAY_FROM: usize = 10_000;
 
 impl Hardware {
     /// What suits a scene: so many threads, or all of the machine if they pay. Only the explicit step over lanes uses

@@ -3,9 +3,10 @@
 //! # Reading order
 //! 1. [`words`]: how settings, times and errors read. [`answers`]: the sentences that come first.
 //! 2. [`section`]: what the pages say, one entry per section; a further section is one more entry.
-//! 3. [`tables`], [`plots`]: what sections hold. 4. [`pages`]: HTML and Markdown.
+//! 3. [`tables`], [`plots`]: what sections hold; [`kernel`] is a section by itself. 4. [`pages`]: HTML and Markdown.
 
 pub mod answers;
+pub mod kernel;
 pub mod pages;
 pub mod plots;
 pub mod section;
@@ -24,6 +25,7 @@ use mpm_verify::report::tables::table;
 use crate::baseline;
 use crate::cheapest;
 use crate::growth::{self, Growth, growths};
+use crate::kernel::Kernel;
 use crate::pareto::front;
 use crate::peers::Peer;
 use crate::row::{self, Row};
@@ -37,6 +39,8 @@ pub struct Findings {
     pub rows: Vec<Row>,
     /// How cost grows as cells get smaller.
     pub growths: Vec<Growth>,
+    /// What a step costs, where it was measured.
+    pub kernel: Option<Kernel>,
     /// Other codes.
     pub peers: Vec<Peer>,
     /// What was left out and why.
@@ -62,7 +66,7 @@ impl Findings {
             rows.iter_mut().filter(|r| own(r)).zip(front(&points)).for_each(|(row, on)| row.pareto = on);
         }
         let growths = growths(&rows);
-        Self { manifest, rows, growths, peers, left_out, notes }
+        Self { manifest, rows, growths, kernel: None, peers, left_out, notes }
     }
 
     /// Writes tables, pictures and pages into a folder.
@@ -76,6 +80,7 @@ impl Findings {
         let cheapest = cheapest::table(&self.rows);
         table(&folder.join("cheapest.csv"), cheapest::COLUMNS, cheapest.iter().map(cheapest::Cheapest::fields))?;
         table(&folder.join("growth.csv"), growth::COLUMNS, self.growths.iter().map(tables::growth_fields))?;
+        self.kernel.iter().try_for_each(|kernel| kernel::write(kernel, folder))?;
         let conditions = serde_json::to_string_pretty(&self.manifest).map_err(io::Error::from);
         let path = folder.join("manifest.json");
         conditions

@@ -5,7 +5,7 @@ use mpm_verify::report::plots::figure::{Figure, Mark, Panel, Point, Series, shar
 use mpm_verify::report::plots::look::{BLACK, BLUE, Dash, GREEN, GREY, Look, Marker, ORANGE, RED};
 use mpm_verify::report::plots::schemes::LOOKS;
 
-use super::Findings;
+use super::{Findings, kernel};
 use crate::baseline;
 use crate::pareto::front;
 use crate::row::Row;
@@ -23,13 +23,15 @@ pub const GROWTH: &str = "cpu-against-mesh";
 
 /// All pictures in the order of the page.
 pub fn figures(findings: &Findings) -> Vec<Figure> {
-    vec![
+    let mut figures = vec![
         against_cpu(findings),
         by_scheme(findings),
         against_steps(findings),
         against_particles(findings),
         growth(findings),
-    ]
+    ];
+    figures.extend(findings.kernel.as_ref().map(kernel::figure));
+    figures
 }
 
 /// Looks of the integrators, the same in every picture that compares them.

@@ -3,7 +3,7 @@
 use mpm_verify::report::content::table::Table;
 use serde::Serialize;
 
-use super::{Findings, plots, tables};
+use super::{Findings, kernel, plots, tables};
 
 /// A section of the pages.
 #[derive(Debug, Clone, Serialize)]
@@ -24,7 +24,10 @@ pub struct Section {
 
 /// All sections in the order of the page.
 pub fn sections(findings: &Findings) -> Vec<Section> {
-    vec![cheapest(findings), cpu(), work(), growth(findings), peers(findings), left_out(findings), measured(findings)]
+    let mut sections = vec![cheapest(findings), cpu(), work(), growth(findings)];
+    sections.extend(findings.kernel.as_ref().map(kernel::section));
+    sections.extend([peers(findings), left_out(findings), measured(findings)]);
+    sections
 }
 
 fn section(id: &'static str, title: &'static str) -> Section {

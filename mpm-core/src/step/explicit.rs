@@ -47,13 +47,13 @@ where
         run
     }
 
-    /// One step of Figure 1.
+    /// One step of Figure 1. ALONE gives [`Model::do_stage`] copies of the stages, so that those of a step remain one piece.
     fn step(&mut self, dt: f64) -> Result<(), Fault> {
-        self.particles_to_mesh();
-        self.load();
-        self.equation_of_motion(dt);
-        self.darcy_flow(dt);
-        if self.mesh_to_particles(dt) {
+        self.particles_to_mesh::<false>();
+        self.load::<false>();
+        self.equation_of_motion::<false>(dt);
+        self.darcy_flow::<false>(dt);
+        if self.mesh_to_particles::<false>(dt) {
             let solid = &mut self.parts.solid;
             solid.sort(&self.parts.grid).map_err(|e| Fault {
                 place: format!("solid particle {} at {:?} m", solid.ids[e.index], e.x),
@@ -68,7 +68,7 @@ where
     }
 
     /// Masses, momenta and stresses of both layers to the nodes.
-    fn particles_to_mesh(&mut self) {
+    fn particles_to_mesh<const ALONE: bool>(&mut self) {
         self.nodes.fill(NodeSums::ZERO);
         let Parts { grid, solid, water, .. } = &mut self.parts;
         water.clear();
@@ -132,7 +132,7 @@ where
     }
 
     /// Surcharge and gravity, where the scene has them.
-    fn load(&mut self) {
+    fn load<const ALONE: bool>(&mut self) {
         let pressure = self.pressure();
         if self.parts.surcharge.is_some() {
             self.parts.surface.apply(pressure, &self.parts.grid, &self.parts.solid, &mut self.nodes);
@@ -147,7 +147,7 @@ where
     }
 
     /// Mixture momentum: rho a_s = div(sigma') - grad p + rho g; new nodal velocities.
-    fn equation_of_motion(&mut self, dt: f64) {
+    fn equation_of_motion<const ALONE: bool>(&mut self, dt: f64) {
         let flip = self.parts.flip;
         for (node, motion) in self.nodes.iter().zip(&mut self.motion) {
             let with_mass = node.solid_mass > 0.0;
@@ -197,7 +197,7 @@ where
     }
 
     /// Eq. (1): relative velocity of the water.
-    fn darcy_flow(&mut self, dt: f64) {
+    fn darcy_flow<const ALONE: bool>(&mut self, dt: f64) {
         if W::WET {
             let gravity = self.parts.gravity.unwrap_or([0.0; D]);
             let rates = self.parts.water.flow(&self.parts.grid, &self.motion, &gravity);
@@ -209,7 +209,7 @@ where
     }
 
     /// Strains, stresses, pressures, velocities and positions of both layers. True if a particle left its cell.
-    fn mesh_to_particles(&mut self, dt: f64) -> bool {
+    fn mesh_to_particles<const ALONE: bool>(&mut self, dt: f64) -> bool {
         let Parts { grid, solid, water, law, flip, .. } = &mut self.parts;
         let (flip, law) = (*flip, *law);
         let mut inside = true;
@@ -296,5 +296,19 @@ where
 
     fn solid_count(&self) -> usize {
         self.parts.solid.points.len()
+    }
+
+    fn stages(&self) -> &'static [&'static str] {
+        &["particles to mesh", "loads", "equation of motion", "Darcy flow", "mesh to particles"]
+    }
+
+    fn do_stage(&mut self, stage: usize, dt: f64) {
+        match stage {
+            0 => self.particles_to_mesh::<true>(),
+            1 => self.load::<true>(),
+            2 => self.equation_of_motion::<true>(dt),
+            3 => self.darcy_flow::<true>(dt),
+            _ => _ = self.mesh_to_particles::<true>(dt),
+        }
     }
 }

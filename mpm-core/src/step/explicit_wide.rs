@@ -30,11 +30,12 @@ where
     /// One step of Figure 1.
     fn step(&mut self, dt: f64) -> Result<(), Fault> {
         let skeleton = &mut self.skeleton;
-        skeleton.particles_to_mesh::<false>();
+        skeleton.particles_to_mesh::<false, false>();
         skeleton.load();
         skeleton.equation_of_motion(dt);
         skeleton.darcy_flow(dt);
-        let left = skeleton.mesh_to_particles(dt, |water, grid, place, rate| water.change(grid, place, rate, dt));
+        let left =
+            skeleton.mesh_to_particles::<false>(dt, |water, grid, place, rate| water.change(grid, place, rate, dt));
         skeleton.settle(left, dt)
     }
 }
@@ -101,5 +102,18 @@ where
 
     fn solid_count(&self) -> usize {
         self.skeleton.parts.solid.points.len()
+    }
+
+    fn stages(&self) -> &'static [&'static str] {
+        &["particles to mesh", "mesh to particles"]
+    }
+
+    fn do_stage(&mut self, stage: usize, dt: f64) {
+        let skeleton = &mut self.skeleton;
+        if stage == 0 {
+            skeleton.particles_to_mesh::<false, true>();
+        } else {
+            skeleton.mesh_to_particles::<true>(dt, |water, grid, place, rate| water.change(grid, place, rate, dt));
+        }
     }
 }

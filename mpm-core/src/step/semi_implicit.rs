@@ -43,7 +43,7 @@ where
     /// One step.
     fn step(&mut self, dt: f64) -> Result<(), Fault> {
         let Self { skeleton, pressure, work } = self;
-        skeleton.particles_to_mesh::<true>();
+        skeleton.particles_to_mesh::<true, false>();
         skeleton.load();
         skeleton.accelerate(dt); // v*
         pressure.solve(skeleton, dt)?; // p^{n+1}
@@ -54,7 +54,7 @@ where
         let Parts { water, grid, gravity, .. } = &mut skeleton.parts;
         let rates = water.drive(grid, &skeleton.mesh, &gravity.unwrap_or([0.0; D]));
         skeleton.totals.flow(&rates, dt);
-        let left = skeleton.mesh_to_particles(dt, |water, grid, place, rate| {
+        let left = skeleton.mesh_to_particles::<false>(dt, |water, grid, place, rate| {
             water.follow(grid, place, rate, pressure.rise(place.cell))
         });
         skeleton.motion_of_mesh(); // rho_w a_s of the next step

@@ -77,8 +77,8 @@ where
     }
 
     /// Masses, momenta and stresses of both layers to the nodes. COUPLED leaves the pore pressure out and gathers
-    /// its coupling C instead.
-    pub fn particles_to_mesh<const COUPLED: bool>(&mut self) {
+    /// its coupling C instead. ALONE is a copy for [`super::Model::do_stage`], so that a step remains one piece.
+    pub fn particles_to_mesh<const COUPLED: bool, const ALONE: bool>(&mut self) {
         self.nodes.fill(NodeSums::ZERO);
         if COUPLED {
             self.coupling.fill([0.0; D]);
@@ -269,7 +269,11 @@ where
 
     /// Strains, stresses, velocities and positions of both layers. `change` gives the change of the water in a cell
     /// from the rate of volume of its soil, 1/s: the adjoint of the pressure force. True if a particle left its cell.
-    pub fn mesh_to_particles(&mut self, dt: f64, change: impl Fn(&W, &Grid<D>, &Place<D>, f64) -> CellChange) -> bool {
+    pub fn mesh_to_particles<const ALONE: bool>(
+        &mut self,
+        dt: f64,
+        change: impl Fn(&W, &Grid<D>, &Place<D>, f64) -> CellChange,
+    ) -> bool {
         let Parts { grid, solid, water, law, flip, .. } = &mut self.parts;
         let (flip, law) = (*flip, *law);
         let mut stays = true;
@@ -406,7 +410,7 @@ mod tests {
     /// Largest difference of `C^T v` and `sum_p V_p tr(grad v)` over the cells, for any velocities; both in m3/s.
     fn off_adjoint<B: Basis>(basis: B, spoil: f64) -> f64 {
         let mut skeleton = skeleton(basis);
-        skeleton.particles_to_mesh::<true>();
+        skeleton.particles_to_mesh::<true, false>();
         for (i, motion) in skeleton.motion.iter_mut().enumerate() {
             motion.velocity = [noise(i), noise(11 * i)];
         }

@@ -1,0 +1,219 @@
+//! Arithmetic of a step, counted by hand from the formulas of `step/lanes/sweep.rs` and `step/lanes/motion.rs`: the
+//! paper's shape functions at the centre of the cell, water, no gravity.
+//!
+//! What is the same for all particles of a cell (gradient, strain, spin, increments of stress and pressure) is counted
+//! once per cell, what is written twice once, and a face once though two cells share it. A change of sign, the lesser of
+//! two and a choice count nothing. A test runs the formulas of [`mpm_core::dimension`] with numbers that count.
+
+/// Multiplications, additions (and subtractions), divisions.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Operations {
+    /// Multiplications.
+    pub multiply: u32,
+    /// Additions and subtractions.
+    pub add: u32,
+    /// Divisions.
+    pub divide: u32,
+}
+
+/// What a part is done for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Of {
+    /// Each solid particle.
+    Solid,
+    /// Each water particle.
+    Water,
+    /// Each cell.
+    Cell,
+    /// Each node; there are as many as cells but for the edges.
+    Node,
+}
+
+/// Part, what it is done for, multiplications, additions, divisions.
+pub type Part = (&'static str, Of, u32, u32, u32);
+
+/// All parts of a step.
+pub const PARTS: [Part; 35] = [
+    ("place in the cell, before and after", Of::Solid, 4, 4, 0),
+    ("basis", Of::Solid, 1, 0, 0),
+    ("stress turned by the spin", Of::Solid, 2, 4, 0),
+    ("increment of stress", Of::Solid, 0, 4, 0),
+    ("volume", Of::Solid, 1, 0, 0),
+    ("velocity and its change at the particle", Of::Solid, 12, 12, 0),
+    ("velocity (FLIP) and position", Of::Solid, 4, 4, 0),
+    ("shares of the corners", Of::Solid, 3, 3, 0),
+    ("mass and volume of the cell", Of::Solid, 0, 2, 0),
+    ("mass and momentum of the corners", Of::Solid, 8, 12, 0),
+    ("volume times stress", Of::Solid, 4, 4, 0),
+    ("place in the cell, before and after", Of::Water, 4, 4, 0),
+    ("basis", Of::Water, 1, 0, 0),
+    ("velocity at the particle", Of::Water, 6, 6, 0),
+    ("pressure and volume", Of::Water, 1, 1, 0),
+    ("position", Of::Water, 2, 2, 0),
+    ("shares of the corners", Of::Water, 3, 3, 0),
+    ("mass of the corners", Of::Water, 0, 4, 0),
+    ("volume and volume times pressure", Of::Water, 1, 2, 0),
+    ("coefficients of velocity and its change", Of::Cell, 0, 16, 0),
+    ("Darcy's law on two faces", Of::Cell, 12, 8, 0),
+    ("v* and its work", Of::Cell, 8, 6, 0),
+    ("gradient at the centre", Of::Cell, 6, 4, 0),
+    ("spin and strain", Of::Cell, 6, 2, 0),
+    ("elastic increment", Of::Cell, 4, 3, 0),
+    ("volume factor", Of::Cell, 1, 2, 0),
+    ("v_w = v_s + v*", Of::Cell, 0, 4, 0),
+    ("rates of pressure and of water volume", Of::Cell, 9, 4, 0),
+    ("pressure, porosity and their inverses", Of::Cell, 2, 1, 3),
+    ("pressure acting on the soil", Of::Cell, 7, 6, 0),
+    ("internal force", Of::Cell, 5, 2, 0),
+    ("force and mixture mass of the corners", Of::Cell, 0, 10, 0),
+    ("six sums to four nodes", Of::Cell, 0, 18, 0),
+    ("1/m of solid and mixture", Of::Node, 0, 0, 2),
+    ("acceleration, velocity and its change", Of::Node, 10, 4, 0),
+];
+
+/// All operations for one particle, cell or node.
+pub fn of(what: Of) -> Operations {
+    PARTS.iter().filter(|part| part.1 == what).fold(Operations::default(), |sum, (_, _, multiply, add, divide)| {
+        Operations { multiply: sum.multiply + multiply, add: sum.add + add, divide: sum.divide + divide }
+    })
+}
+
+/// Multiplications with additions, and divisions, per point-step, `ppc` points in a cell.
+pub fn per_point(ppc: usize) -> [f64; 2] {
+    let simple = |o: Operations| f64::from(o.multiply + o.add);
+    let particles = [of(Of::Solid), of(Of::Water)];
+    let lattice = [of(Of::Cell), of(Of::Node)];
+    let sum = |count: fn(Operations) -> f64| {
+        particles.map(count).iter().sum::<f64>() + lattice.map(count).iter().sum::<f64>() / ppc as f64
+    };
+    [sum(simple), sum(|o| f64::from(o.divide))]
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+    use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+    use mpm_core::dimension::{
+        Kinematics, PlaneStrain, basis, coefficients, gradient, shares, to_corners, trace, value,
+    };
+    use mpm_core::real::Real;
+
+    use super::*;
+
+    thread_local! {
+        static COUNT: Cell<[u32; 2]> = const { Cell::new([0; 2]) };
+    }
+
+    fn note(which: usize) {
+        let mut count = COUNT.get();
+        count[which] += 1;
+        COUNT.set(count);
+    }
+
+    /// A number that counts what is done with it.
+    #[derive(Clone, Copy)]
+    struct Counted(f64);
+
+    macro_rules! counts {
+        ($trait:ident, $method:ident, $which:expr) => {
+            impl $trait for Counted {
+                type Output = Self;
+                fn $method(self, other: Self) -> Self {
+                    note($which);
+                    Self(self.0.$method(other.0))
+                }
+            }
+        };
+    }
+    counts!(Mul, mul, 0);
+    counts!(Add, add, 1);
+    counts!(Sub, sub, 1);
+
+    impl Mul<f64> for Counted {
+        type Output = Self;
+        fn mul(self, factor: f64) -> Self {
+            self * Self(factor)
+        }
+    }
+    impl Div for Counted {
+        type Output = Self;
+        fn div(self, other: Self) -> Self {
+            Self(self.0 / other.0)
+        }
+    }
+    impl Neg for Counted {
+        type Output = Self;
+        fn neg(self) -> Self {
+            Self(-self.0)
+        }
+    }
+    impl AddAssign for Counted {
+        fn add_assign(&mut self, other: Self) {
+            *self = *self + other;
+        }
+    }
+    impl SubAssign for Counted {
+        fn sub_assign(&mut self, other: Self) {
+            *self = *self - other;
+        }
+    }
+    impl Real for Counted {
+        fn like(self, constant: f64) -> Self {
+            Self(constant)
+        }
+    }
+
+    /// Multiplications and additions of a formula as it is written.
+    fn counted<T>(formula: impl FnOnce() -> T) -> [u32; 2] {
+        COUNT.set([0; 2]);
+        formula();
+        COUNT.get()
+    }
+
+    fn table(name: &str, of: Of) -> [u32; 2] {
+        let found = PARTS.iter().find(|p| p.0 == name && p.1 == of).expect("a part");
+        [found.2, found.3]
+    }
+
+    #[test]
+    fn hand_counts_are_those_of_the_formulas_without_what_is_written_twice() {
+        let one = Counted(0.5);
+        let (xi, field) = ([one; 2], [[one; 2]; 4]);
+        let slope = [[one; 2]; 2];
+        let twice = |[multiply, add]: [u32; 2]| [2 * multiply, 2 * add];
+        for of in [Of::Solid, Of::Water] {
+            assert_eq!(counted(|| basis(&xi)), table("basis", of));
+            assert_eq!(counted(|| shares(one, &xi)), table("shares of the corners", of));
+        }
+        let at_point = counted(|| value::<2, 2, _>(&field, &[one; 4]));
+        assert_eq!(at_point, table("velocity at the particle", Of::Water));
+        assert_eq!(twice(at_point), table("velocity and its change at the particle", Of::Solid));
+        // b - a of each component stands twice.
+        let [none, add] = counted(|| coefficients::<2, 2, _>(&field));
+        assert_eq!(twice([none, add - 2]), table("coefficients of velocity and its change", Of::Cell));
+        // Half of the bilinear coefficient is the same in both columns.
+        let [multiply, add] = counted(|| gradient(&field, &xi, 50.0));
+        assert_eq!([multiply - 2, add], table("gradient at the centre", Of::Cell));
+        // 2 spin xy stands twice as two products; the spin is the cell's, and so is the strain, which has no zz.
+        let [multiply, add] = counted(|| PlaneStrain::rotate(&mut [one; 4], &slope, 0.1));
+        let strain = counted(|| PlaneStrain::strain_increment(&slope, 0.1));
+        let (turned, spin) = (table("stress turned by the spin", Of::Solid), table("spin and strain", Of::Cell));
+        assert_eq!([multiply - 2 + strain[0], add + strain[1]], [turned[0] + spin[0], turned[1] + spin[1]]);
+        let force = counted(|| PlaneStrain::internal_force(&[one; 4], &[[one; 4]; 2], 50.0));
+        assert_eq!(force, table("internal force", Of::Cell));
+        // eta - both stands twice, and the constant moment is zero; the mixture's mass is four sums more.
+        let [none, add] = counted(|| to_corners::<2, 2, _>(&field));
+        assert_eq!([none, add - 4 + 4], table("force and mixture mass of the corners", Of::Cell));
+        let [none, add] = counted(|| trace(&slope));
+        assert_eq!([none + 1, add + 1], table("volume factor", Of::Cell));
+    }
+
+    #[test]
+    fn counts_add_up() {
+        let sums = [Of::Solid, Of::Water, Of::Cell, Of::Node].map(of);
+        let counts = sums.map(|o| (o.multiply, o.add, o.divide));
+        assert_eq!(counts, [(39, 49, 0), (18, 22, 0), (60, 86, 3), (10, 4, 2)]);
+        assert_eq!(per_point(4), [88.0 + 40.0 + (146.0 + 14.0) / 4.0, 5.0 / 4.0]);
+    }
+}
