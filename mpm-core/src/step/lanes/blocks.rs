@@ -144,6 +144,14 @@ impl<V: Simd, const C: usize> Blocks<V, C> {
         std::array::from_fn(|c| numbers[c * V::F64_LANES + lane])
     }
 
+    /// Position (m) and volume (m3) of a particle: its first two numbers and its last.
+    pub fn place_and_volume(&self, cell: usize, slot: usize) -> ([f64; 2], f64) {
+        let (block, lane) = self.place(cell, slot);
+        let numbers = numbers(&self.blocks[block].0);
+        let number = |c: usize| numbers[c * V::F64_LANES + lane];
+        ([number(0), number(1)], number(C - 1))
+    }
+
     /// Number that a particle was seeded with.
     pub fn id(&self, cell: usize, slot: usize) -> u32 {
         let (block, lane) = self.place(cell, slot);

@@ -32,8 +32,17 @@ use crate::water::{DRAINED_SURFACE, Resident};
 use blocks::{Mover, SOLID, WATER, WATER_MASS};
 use frame::{Frame, MOST_LANES, Motion};
 use motion::EquationOfMotion;
-use strip::{FORCE, MIXTURE_MASS, Strip, join};
+use strip::{FORCE, MIXTURE_MASS, SUMS, Strip, Tail, no_tail};
 use sweep::{Common, Sweep};
+
+/// A face that lets water out.
+#[derive(Debug, Clone, Copy)]
+struct DrainedFace {
+    cell: usize,
+    axis: usize,
+    outwards: f64,
+    nodes: [usize; 2],
+}
 
 /// Room for one in so many particles to change its cell in a step, before more is asked for.
 const MOVERS: usize = 16;
@@ -46,6 +55,8 @@ pub struct ExplicitLanes<V: Simd, Sh, L, W, const WET: bool> {
     parts: Parts<L, W, 2, 4>,
     frame: Frame,
     strips: Vec<Strip<V>>,
+    /// What each strip gives to the next one.
+    tails: Vec<Tail>,
     motion: Motion,
     /// Pore pressure of the cells now and at the next step, Pa, from a row before the first cell on.
     pressure: [Vec<f64>; 2],
@@ -53,6 +64,10 @@ pub struct ExplicitLanes<V: Simd, Sh, L, W, const WET: bool> {
     conducts: [Vec<f64>; 2],
     /// Strip, cell in it and place in that of the particle below each strip of the surface.
     tops: Vec<[u32; 3]>,
+    /// First corner of the cell that each strip of the surface pushes in this step, and the force on its corners, N.
+    pushes: Vec<(usize, [f64; 4])>,
+    /// Drained faces.
+    drained: Vec<DrainedFace>,
     /// Particles on their way to another cell.
     movers: (Vec<Mover<SOLID>>, Vec<Mover<WATER>>),
     solid_count: usize,
@@ -76,10 +91,13 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
             simd,
             frame,
             strips: (0..frame.strips).map(|number| Strip::new(&frame, number)).collect(),
+            tails: (0..frame.strips).map(|_| no_tail(&frame)).collect(),
             motion: Motion::new(&frame),
             pressure: [pressure(), pressure()],
             conducts: [faces(), faces()],
             tops: vec![[0; 3]; parts.surface.strips().len()],
+            pushes: vec![(0, [0.0; 4]); parts.surface.strips().len()],
+            drained: Vec::new(),
             movers: (Vec::with_capacity(parts.solid.points.len() / MOVERS), Vec::new()),
             solid_count: parts.solid.points.len(),
             parts,
@@ -153,7 +171,7 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
 
     /// Finds which faces conduct.
     fn open_faces(&mut self) {
-        let Self { parts, frame, conducts, .. } = self;
+        let Self { parts, frame, conducts, drained, .. } = self;
         let (solid, grid) = (&parts.solid, &parts.grid);
         let soil = |cell: usize| solid.cell_start[cell] != solid.cell_start[cell + 1];
         for faces in conducts.iter_mut() {
@@ -166,17 +184,21 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
                 }
             }
         }
-        let (exposed, drained) = parts.water.outline();
-        for face in exposed.iter().filter(|f| drained[f.side as usize]) {
-            let mut position = grid.cell_position(face.cell as usize);
-            position[face.axis as usize] += usize::from(face.upper);
-            conducts[face.axis as usize][frame.number(&position)] = DRAINED_SURFACE;
+        let (exposed, sides) = parts.water.outline();
+        drained.clear();
+        for face in exposed.iter().filter(|f| sides[f.side as usize]) {
+            let (axis, mut position) = (face.axis as usize, grid.cell_position(face.cell as usize));
+            let outwards = if face.upper { 1.0 } else { -1.0 };
+            let nodes = face.nodes.map(|node| node as usize);
+            drained.push(DrainedFace { cell: frame.number(&position), axis, outwards, nodes });
+            position[axis] += usize::from(face.upper);
+            conducts[axis][frame.number(&position)] = DRAINED_SURFACE;
         }
     }
 
     /// One pass over all particles, on one thread or several.
     fn pass<const MOVE: bool>(&mut self, dt: f64) {
-        let Self { simd, parts, frame, strips, motion, pressure: [old, new], conducts, pool, .. } = self;
+        let Self { simd, parts, frame, strips, tails, motion, pressure: [old, new], conducts, pool, .. } = self;
         let common = &Common {
             frame,
             motion,
@@ -189,18 +211,17 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
             dt,
         };
         let simd = *simd;
-        let sweep = |strip: &mut Strip<V>, pressure: &mut [f64]| {
-            simd.vectorize(Sweep::<V, Sh, L, WET, MOVE> { simd, strip, pressure, common, shape: PhantomData });
+        let sweep = |strip: &mut Strip<V>, tail: &mut Tail, pressure: &mut [f64]| {
+            simd.vectorize(Sweep::<V, Sh, L, WET, MOVE> { simd, strip, tail, pressure, common, shape: PhantomData });
         };
         let chunks = new[frame.row..][..frame.count()].chunks_mut(frame.strip);
         if pool.is_some() {
             let chunks = new[frame.row..][..frame.count()].par_chunks_mut(frame.strip);
-            strips.par_iter_mut().zip(chunks).for_each(|(strip, pressure)| sweep(strip, pressure));
+            strips.par_iter_mut().zip(tails).zip(chunks).for_each(|((strip, tail), new)| sweep(strip, tail, new));
         } else {
-            strips.iter_mut().zip(chunks).for_each(|(strip, pressure)| sweep(strip, pressure));
+            strips.iter_mut().zip(tails).zip(chunks).for_each(|((strip, tail), new)| sweep(strip, tail, new));
         }
         self.pressure.swap(0, 1);
-        join(&mut self.strips, &self.frame);
     }
 
     /// One step of Figure 1, from the gathered particles to the gathered particles.
@@ -276,45 +297,49 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
             return;
         }
         let pressure = self.surcharge();
-        let Self { parts, frame, strips, tops, .. } = self;
+        let Self { parts, frame, strips, tops, pushes, .. } = self;
         for top in 0..tops.len() {
-            // One strip of the surface after the other, so that the particles may be read while nodes are written.
-            let carrier = carrier(strips, tops, top);
-            parts.surface.push_one(top, pressure, &parts.grid, carrier, |node, force| {
-                strips[node / frame.strip].sums[FORCE + 1][node % frame.strip] += force;
+            let (mut first, mut forces, mut corner) = (0, [0.0; 4], 0);
+            parts.surface.push_one(top, pressure, &parts.grid, carrier(strips, tops, top), |node, force| {
+                if corner == 0 {
+                    first = node;
+                }
+                forces[corner] = force;
+                corner += 1;
             });
+            pushes[top] = (first, forces);
+            for (node, force) in corners(frame, first).into_iter().zip(forces) {
+                strips[node / frame.strip].sums[FORCE + 1][node % frame.strip] += force;
+            }
         }
     }
 
     /// Mixture momentum: rho a_s = div(sigma') - grad p + rho g; new nodal velocities.
     fn equation_of_motion(&mut self, dt: f64) {
-        let Self { simd, parts, frame, strips, motion, pool, .. } = self;
+        let Self { simd, parts, frame, strips, tails, motion, pool, .. } = self;
         let (simd, count, length) = (*simd, frame.count(), frame.strip);
         let Motion { velocity: [vx, vy], change: [cx, cy], acceleration: [ax, ay] } = motion;
         let (gravity, flip) = (parts.gravity, parts.flip);
-        let solve = |(strip, velocity, change, acceleration): (&Strip<V>, _, _, _)| {
-            let sums = &strip.sums;
-            simd.vectorize(EquationOfMotion { simd, sums, velocity, change, acceleration, gravity, flip, dt });
+        let solve = |number: usize, strip: &mut Strip<V>, velocity, change, acceleration| {
+            let below = number.checked_sub(1).map(|below| &tails[below]);
+            let sums = &mut strip.sums;
+            simd.vectorize(EquationOfMotion { simd, sums, below, velocity, change, acceleration, gravity, flip, dt });
         };
         if pool.is_some() {
             fn chunks(field: &mut [f64], length: usize) -> rayon::slice::ChunksMut<'_, f64> {
                 field.par_chunks_mut(length)
             }
             let [vx, vy, cx, cy, ax, ay] = [vx, vy, cx, cy, ax, ay].map(|field| chunks(&mut field[..count], length));
-            strips
-                .par_iter()
-                .zip(vx)
-                .zip(vy)
-                .zip(cx)
-                .zip(cy)
-                .zip(ax)
-                .zip(ay)
-                .for_each(|((((((strip, vx), vy), cx), cy), ax), ay)| solve((strip, [vx, vy], [cx, cy], [ax, ay])));
+            strips.par_iter_mut().enumerate().zip(vx).zip(vy).zip(cx).zip(cy).zip(ax).zip(ay).for_each(
+                |(((((((number, strip), vx), vy), cx), cy), ax), ay)| {
+                    solve(number, strip, [vx, vy], [cx, cy], [ax, ay]);
+                },
+            );
         } else {
             let mut fields = [vx, vy, cx, cy, ax, ay].map(|field| field[..count].chunks_mut(length));
-            for strip in strips.iter() {
+            for (number, strip) in strips.iter_mut().enumerate() {
                 let [vx, vy, cx, cy, ax, ay] = fields.each_mut().map(|f| f.next().unwrap_or_default());
-                solve((strip, [vx, vy], [cx, cy], [ax, ay]));
+                solve(number, strip, [vx, vy], [cx, cy], [ax, ay]);
             }
         }
         self.hold();
@@ -322,11 +347,14 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
             self.damp(dt); // after the supports: a held node has no speed to lose
         }
         if self.parts.surcharge.is_some() {
-            let pressure = self.surcharge();
-            let Self { parts, strips, tops, motion, .. } = self;
+            let (frame, motion) = (&self.frame, &self.motion);
             let moving = |node: usize| motion.velocity[1][node] - 0.5 * dt * motion.acceleration[1][node];
-            let power = parts.surface.power_at(pressure, &parts.grid, |top| carrier(strips, tops, top), moving);
-            self.totals.external_work += dt * power;
+            let power = |(first, forces): &(usize, [f64; 4])| {
+                let at_corners = corners(frame, *first).into_iter().zip(forces);
+                at_corners.map(|(node, force)| force * moving(node)).sum::<f64>()
+            };
+            self.totals.external_work += dt * self.pushes.iter().map(power).sum::<f64>();
+            let pressure = self.surcharge();
             self.totals.load_impulse -= dt * pressure * self.parts.surface.loaded_area();
         }
         if let Some(gravity) = self.parts.gravity {
@@ -338,8 +366,13 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
     fn hold(&mut self) {
         let Self { parts, frame, strips, motion, totals, .. } = self;
         for d in 0..2 {
+            // The nodes come in ascending order.
+            let mut strip = 0;
             for node in parts.supports.held(d) {
-                let mass = strips[node / frame.strip].sums[MIXTURE_MASS][node % frame.strip];
+                while node >= strips[strip].first + frame.strip {
+                    strip += 1;
+                }
+                let mass = strips[strip].sums[MIXTURE_MASS][node - strips[strip].first];
                 // What the particles would have received from this node.
                 totals.support_impulse[d] -= mass * motion.change[d][node];
                 (motion.velocity[d][node], motion.change[d][node], motion.acceleration[d][node]) = (0.0, 0.0, 0.0);
@@ -392,16 +425,12 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
 
     /// Books the water that leaves and enters through drained faces.
     fn through_drained_faces(&mut self, dt: f64) {
-        let Self { parts, frame, motion, pressure, totals, .. } = self;
-        let (exposed, drained) = parts.water.outline();
+        let Self { parts, frame, motion, pressure, totals, drained, .. } = self;
         let flow = parts.water.face_flow();
         let gravity = parts.gravity.unwrap_or([0.0; 2]);
-        for face in exposed.iter().filter(|f| drained[f.side as usize]) {
-            let axis = face.axis as usize;
-            let [a, b] = face.nodes.map(|node| motion.acceleration[axis][node as usize]);
-            let body = flow.weight * (gravity[axis] - flow.inertia * (0.5 * (a + b))) / DRAINED_SURFACE;
-            let cell = frame.number(&parts.grid.cell_position(face.cell as usize));
-            let outwards = if face.upper { 1.0 } else { -1.0 };
+        for &DrainedFace { cell, axis, outwards, nodes: [a, b] } in drained.iter() {
+            let acceleration = 0.5 * (motion.acceleration[axis][a] + motion.acceleration[axis][b]);
+            let body = flow.weight * (gravity[axis] - flow.inertia * acceleration) / DRAINED_SURFACE;
             let head = outwards * pressure[0][frame.row + cell] + body;
             let through = dt * flow.area * outwards * DRAINED_SURFACE * flow.conductance * head;
             totals.water_out += through.max(0.0);
@@ -418,11 +447,15 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
     }
 }
 
+/// Corners of a cell from its first one.
+fn corners(frame: &Frame, first: usize) -> [usize; 4] {
+    [first, first + 1, first + frame.row, first + frame.row + 1]
+}
+
 /// Position (m) and volume (m3) of the particle below a strip of the surface.
 fn carrier<V: Simd>(strips: &[Strip<V>], tops: &[[u32; 3]], top: usize) -> ([f64; 2], f64) {
     let [strip, cell, slot] = tops[top].map(|i| i as usize);
-    let record = strips[strip].solid.record(cell, slot);
-    ([record[0], record[1]], record[record.len() - 1])
+    strips[strip].solid.place_and_volume(cell, slot)
 }
 
 impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> Model for ExplicitLanes<V, Sh, L, W, WET> {
@@ -475,7 +508,8 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> Model for Expl
         let faces = self.pressure.iter().chain(&self.conducts).map(Vec::capacity).sum::<usize>() * size_of::<f64>();
         let movers =
             self.movers.0.capacity() * size_of::<Mover<SOLID>>() + self.movers.1.capacity() * size_of::<Mover<WATER>>();
-        let strips = self.strips.iter().map(Strip::bytes).sum::<usize>();
+        let tails = self.tails.len() * SUMS * (self.frame.row + 1) * size_of::<f64>();
+        let strips = self.strips.iter().map(Strip::bytes).sum::<usize>() + tails;
         strips + self.motion.bytes() + faces + movers + self.parts.solid.bytes() + self.parts.water.bytes()
     }
 

@@ -2,15 +2,17 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::strip::{FORCE, MIXTURE_MASS, MOMENTUM, SOLID_MASS, SUMS};
+use super::strip::{FORCE, MIXTURE_MASS, MOMENTUM, SOLID_MASS, SUMS, Tail};
 use crate::real::{Lanes, Real};
 
 /// Mixture momentum on the nodes of one strip: rho a_s = div(sigma') - grad p + rho g; new nodal velocities.
 pub struct EquationOfMotion<'a, V: Simd> {
     /// Leave to use the machine's instructions.
     pub simd: V,
-    /// Sums of the nodes.
-    pub sums: &'a [Vec<f64>; SUMS],
+    /// Sums of the nodes, before what the strip below has given.
+    pub sums: &'a mut [Vec<f64>; SUMS],
+    /// What the strip below has given.
+    pub below: Option<&'a Tail>,
     /// Their velocity at the end of the step, m/s.
     pub velocity: [&'a mut [f64]; 2],
     /// What a particle adds to its velocity, m/s.
@@ -30,7 +32,12 @@ impl<V: Simd> WithSimd for EquationOfMotion<'_, V> {
 
     #[inline(always)]
     fn with_simd<T: Simd>(self, _: T) {
-        let Self { simd, sums, velocity, change, acceleration, gravity, flip, dt } = self;
+        let Self { simd, sums, below, velocity, change, acceleration, gravity, flip, dt } = self;
+        for (into, from) in sums.iter_mut().zip(below.into_iter().flatten()) {
+            for (sum, more) in into.iter_mut().zip(from) {
+                *sum += more;
+            }
+        }
         let none = Lanes::splat(simd, 0.0);
         let one = none.like(1.0);
         for node in (0..velocity[0].len()).step_by(V::F64_LANES) {

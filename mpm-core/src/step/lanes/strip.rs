@@ -102,14 +102,10 @@ impl<V: Simd> Strip<V> {
     }
 }
 
-/// Gives every strip what the cells below and left of it gave to its nodes.
-pub fn join<V: Simd>(strips: &mut [Strip<V>], frame: &Frame) {
-    for s in 1..strips.len() {
-        let (before, after) = strips.split_at_mut(s);
-        for (into, from) in after[0].sums.iter_mut().zip(&before[s - 1].sums) {
-            for (sum, more) in into[..=frame.row].iter_mut().zip(&from[frame.strip..]) {
-                *sum += more;
-            }
-        }
-    }
+/// What a strip gives to the nodes of the next one, a row and a node of them.
+pub type Tail = [Vec<f64>; SUMS];
+
+/// The tail of a strip that gives nothing.
+pub fn no_tail(frame: &Frame) -> Tail {
+    [(); SUMS].map(|()| vec![0.0; frame.row + 1])
 }

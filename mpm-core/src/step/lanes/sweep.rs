@@ -9,7 +9,7 @@ use pulp::{Simd, WithSimd};
 use super::ahead::ask_for;
 use super::blocks::Block;
 use super::frame::{Frame, MOST_LANES, Motion};
-use super::strip::{CellLanes, SUMS, Strip};
+use super::strip::{CellLanes, SUMS, Strip, Tail};
 use crate::constitutive::Law;
 use crate::dimension::{Kinematics, PlaneStrain, basis, coefficients, gradient, shares, to_corners, trace, value};
 use crate::real::{Lanes, Real};
@@ -45,6 +45,8 @@ pub struct Sweep<'a, V: Simd, Sh, L, const WET: bool, const MOVE: bool> {
     pub simd: V,
     /// The strip.
     pub strip: &'a mut Strip<V>,
+    /// What it gives to the nodes of the next strip.
+    pub tail: &'a mut Tail,
     /// Where the pore pressure of its cells goes, Pa.
     pub pressure: &'a mut [f64],
     /// What all strips share.
@@ -152,6 +154,7 @@ impl<V: Simd, Sh: Shape, L: Law<4>, const WET: bool, const MOVE: bool> Sweep<'_,
         for q in 0..SUMS {
             self.strip.sums[q][length] += carry[0][q].lane(0);
             self.strip.sums[q][length + row] = carry[1][q].lane(0);
+            self.tail[q].copy_from_slice(&self.strip.sums[q][length..=length + row]);
         }
         self.strip.stays = self.simd.first_true_m64s(self.simd.not_m64s(stays)) == V::F64_LANES;
         if MOVE && WET {
