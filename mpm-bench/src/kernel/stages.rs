@@ -96,7 +96,7 @@ mod tests {
         let mut model = model(&scene).expect("a model");
         model.enter_stage(&scene.stages[0], &[]).expect("a stage");
         let before = model.observe();
-        let shares = profile(model.as_mut(), Effort { point_steps: 20_000, samples: 1 });
+        let shares = profile(model.as_mut(), Effort { point_steps: 20_000, warm_up: 0, samples: 1 });
         assert_eq!(shares.iter().filter(|s| !s.in_step).count(), 1, "the stage apart has another name");
         let whole: f64 = shares.iter().filter(|s| s.in_step).map(|s| s.share).sum();
         assert!((whole - 1.0).abs() < 1e-12, "{whole}");
