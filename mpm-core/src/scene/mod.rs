@@ -233,6 +233,21 @@ impl WaterProperties {
     }
 }
 
+/// What a side of the soil is fed with.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Feed {
+    /// Water at rest up to this height above the base, m; without gravity its pressure head, m.
+    Head(f64),
+    /// A Darcy flux into the soil, m/s, below a height above the base (m).
+    Velocity {
+        /// The flux, m/s.
+        speed: f64,
+        /// Where it ends, m above the base.
+        height: f64,
+    },
+}
+
 /// How the time step is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]

@@ -5,6 +5,7 @@
 mod cellwise;
 mod exposed;
 mod face;
+pub mod free_surface;
 mod implicit;
 mod nodal;
 mod resident;

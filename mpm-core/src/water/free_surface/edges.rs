@@ -1,0 +1,208 @@
+//! Where water meets the outside: sides that are fed, and the outline of the soil where it seeps out.
+
+use super::flow::{Kind, Linear, Medium, Now};
+use super::soil::SoilMap;
+use crate::grid::Grid;
+use crate::scene::Feed;
+
+/// What is outside a face.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Outside {
+    /// Air at zero pressure: water leaves and none enters.
+    Air,
+    /// Water at rest; its pressure at the bottom of the face (sideways) or on the face (up and down), Pa.
+    Pond(f64),
+    /// A given inflow, m3/s.
+    Inflow(f64),
+}
+
+/// A face of the soil to the outside.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Edge {
+    /// The cell of soil.
+    pub cell: u32,
+    /// Axis that the face is normal to.
+    pub axis: u8,
+    /// Whether the outside lies in the positive direction.
+    pub upper: bool,
+    /// Share of a whole face.
+    pub open: f64,
+    /// Distance from the centre of the cell to the outside, in cells.
+    pub distance: f64,
+    /// What is there.
+    pub outside: Outside,
+}
+
+/// Distance from the centre of a cell to the outline, in cells: half a cell from a full one to a void, less where the
+/// cells beside the outline are filled in part.
+fn to_outline(share: f64, beyond: f64) -> f64 {
+    (share + beyond - 0.5).clamp(0.25, 1.0)
+}
+
+/// All edges of the soil. `sides` says which sides of the mesh let water out, `feeds` which are fed, `periodic` whether left and
+/// right are the same place; `face_area` in m2.
+pub fn edges<const D: usize>(
+    grid: &Grid<D>,
+    soil: &SoilMap<D>,
+    medium: &Medium<D>,
+    sides: &[bool; 4],
+    feeds: &[Option<Feed>; 4],
+    face_area: f64,
+    periodic: bool,
+) -> Vec<Edge> {
+    let mut list = Vec::new();
+    for (cell, position) in grid.walk() {
+        if !soil.is_soil(cell) {
+            continue;
+        }
+        let mut stride = 1;
+        for axis in 0..D {
+            let cover = |upper: bool| {
+                let mut at = position;
+                at[axis] += usize::from(upper);
+                soil.cover[axis][grid.face(axis, &at)]
+            };
+            let own = [cover(false)[1], cover(true)[0]];
+            for upper in [false, true] {
+                let at_side = if upper { position[axis] + 1 == grid.cells[axis] } else { position[axis] == 0 };
+                let here = own[usize::from(upper)];
+                let other = own[usize::from(!upper)];
+                let side = 2 * (axis + 2 - D) + usize::from(upper);
+                let edge = |open, distance, outside| Edge {
+                    cell: cell as u32,
+                    axis: axis as u8,
+                    upper,
+                    open,
+                    distance,
+                    outside,
+                };
+                // The outline runs through the cell where the soil ends before the face.
+                let slope = (other - here).max(0.0);
+                if at_side {
+                    if periodic && axis == 0 && D == 2 {
+                        continue;
+                    }
+                    if let Some(feed) = feeds[side].filter(|_| here > 0.0) {
+                        if let Some(outside) = fed(medium, &feed, (axis, upper), &position, here, face_area) {
+                            list.push(edge(here, 0.5, outside));
+                            continue;
+                        }
+                    }
+                    if sides[side] && here > 0.0 {
+                        list.push(edge(here, 0.5, Outside::Air));
+                    }
+                    if slope > 0.0 {
+                        list.push(edge(slope, to_outline(soil.share[cell], 0.0), Outside::Air));
+                    }
+                    continue;
+                }
+                let next = if upper { cell + stride } else { cell - stride };
+                let beyond = cover(upper)[usize::from(upper)];
+                let through = if soil.is_soil(next) { here.min(beyond) } else { 0.0 };
+                let open = here - through + slope;
+                if open > 1e-9 {
+                    let distance = to_outline(soil.share[cell], soil.share[next]);
+                    list.push(edge(open, distance, Outside::Air));
+                }
+            }
+            stride *= grid.cells[axis];
+        }
+    }
+    list
+}
+
+/// What a feed puts outside a face; nothing above its level.
+fn fed<const D: usize>(
+    medium: &Medium<D>,
+    feed: &Feed,
+    (axis, upper): (usize, bool),
+    position: &[usize; D],
+    open: f64,
+    face_area: f64,
+) -> Option<Outside> {
+    let vertical = axis == D - 1;
+    let lattice = position[D - 1] + usize::from(vertical && upper);
+    let height = lattice as f64 * medium.size;
+    match *feed {
+        Feed::Head(head) => {
+            let g = medium.rise();
+            let pressure = if g > 0.0 { g * (head - height) } else { medium.unit_weight * head };
+            (pressure > 0.0).then_some(Outside::Pond(pressure))
+        }
+        Feed::Velocity { speed, height: top } => {
+            let share = if vertical { 1.0 } else { ((top - height) / medium.size).clamp(0.0, 1.0).min(open) / open };
+            (share > 0.0).then_some(Outside::Inflow(speed * face_area * open * share))
+        }
+    }
+}
+
+impl<const D: usize> Medium<D> {
+    /// The flow out through an edge during a step of `dt` (s); in [`Linear::low`] the factor of the cell's pressure.
+    ///
+    /// `stands` says whether a full cell has its level at its own upper edge.
+    pub fn leak(&self, edge: &Edge, now: Now, share: &[f64], stands: bool, start: f64, dt: f64) -> Linear {
+        let cell = edge.cell as usize;
+        let kind = now.kind[cell];
+        let up = edge.axis as usize == D - 1 && self.rise() > 0.0;
+        let t = self.conductance / edge.distance;
+        let (half, p) = (0.5 * self.rise() * self.size, now.pressure[cell]);
+        let outwards = if edge.upper { 1.0 } else { -1.0 };
+        match edge.outside {
+            Outside::Inflow(flow) => Linear { fixed: -flow, ..Linear::default() },
+            Outside::Air if !kind.unknown() => {
+                // Nothing but gravity moves water that runs through.
+                let along = outwards * self.weight[edge.axis as usize] * self.size;
+                let falls = if kind == Kind::Loose { along.max(0.0) } else { 0.0 };
+                Linear { fixed: self.conductance * edge.open * falls * now.wet[cell], ..Linear::default() }
+            }
+            Outside::Air if up && edge.upper => {
+                // Out through the surface of a full cell, once its pressure is above that of a level there.
+                let top = if stands { self.standing_pressure(1.0, share[cell]) } else { half };
+                if kind == Kind::Full && p > top {
+                    Linear { low: t * edge.open, fixed: -t * edge.open * top, high: 0.0 }
+                } else {
+                    Linear::default()
+                }
+            }
+            Outside::Air if up => {
+                if p + half > 0.0 {
+                    Linear { low: t * edge.open, fixed: t * edge.open * half, high: 0.0 }
+                } else {
+                    Linear::default()
+                }
+            }
+            Outside::Air => {
+                let wet = if half > 0.0 { self.secant(p + half, 0.0, edge.open) } else { edge.open };
+                if p + half > 0.0 {
+                    Linear { low: t * wet, fixed: t * wet * half, high: 0.0 }
+                } else {
+                    Linear::default()
+                }
+            }
+            Outside::Pond(outside) if kind.unknown() => {
+                if up {
+                    let fixed = -t * edge.open * (outside + outwards * half);
+                    Linear { low: t * edge.open, fixed, high: 0.0 }
+                } else {
+                    let wet = if half > 0.0 { self.secant(p + half, outside, edge.open) } else { edge.open };
+                    Linear { low: t * wet, fixed: -t * wet * (outside - half), high: 0.0 }
+                }
+            }
+            Outside::Pond(outside) => {
+                // A front in its first cell, x^2 growing with k p/(gamma_w n): exact from any start.
+                let mean = if up { outside } else { self.mean_pressure(outside, edge.open) };
+                let pores = self.porosity * share[cell] * self.cell_volume;
+                let reach = 2.0 * self.conductance * edge.open * mean * dt / pores;
+                let enters = ((start * start + reach).sqrt() - start) * pores / dt;
+                let along = -outwards * self.weight[edge.axis as usize] * self.size;
+                let falls = if up { self.conductance * edge.open * along.max(0.0) } else { 0.0 };
+                Linear { fixed: -enters - falls, ..Linear::default() }
+            }
+        }
+    }
+
+    /// Mean pressure over a face of which `open` is soil, for one at its bottom, Pa.
+    fn mean_pressure(&self, bottom: f64, open: f64) -> f64 {
+        if self.rise() > 0.0 { self.wet_integral(bottom, open) / open } else { bottom }
+    }
+}

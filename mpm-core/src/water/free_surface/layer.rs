@@ -1,0 +1,295 @@
+//! Water particles that follow the flow: what enters becomes particles, what leaves takes them away, both booked.
+//!
+//! The contents of the cells are the balance; every particle is one equal part of it. Particles move with the flow through the
+//! faces of their cell, and are shifted a little from cells that hold more particles than water to those that hold fewer
+//! (Fickian shifting; Lind et al. 2012, J. Comput. Phys. 231, 1499-1523), so that the layer neither clots nor tears.
+
+use super::flow::Kind;
+use super::soil::{along, spread};
+use super::{FreeSurface, Outside};
+use crate::grid::Grid;
+use crate::particles::WaterPoint;
+
+/// Share of a surplus that is shifted in a step; a quarter is the limit of stability in two dimensions.
+const SHIFT: f64 = 0.2;
+/// Particles further than this from where water leaves are not taken, in cells.
+const REACH: f64 = 0.75;
+/// Longest shift in a step, in cells.
+const LONGEST: f64 = 0.1;
+
+/// The particles of the water.
+#[derive(Debug, Clone)]
+pub struct WaterLayer<const D: usize> {
+    /// The particles, in the order in which they came.
+    pub points: Vec<WaterPoint<D>>,
+    /// Water of one particle, m3.
+    pub volume: f64,
+    /// Particles that were there at the start.
+    pub first: u64,
+    /// Particles that have come in through feeds.
+    pub spawned: u64,
+    /// Particles that were taken away where water leaves the soil.
+    pub removed: u64,
+    /// Water that has come in (or gone, if negative) since the last particle was made, m3, per cell.
+    pending: Vec<f64>,
+    /// Water of the particles in each cell, m3.
+    pub gathered: Vec<f64>,
+    /// Edge of a particle's box, in cells.
+    edge: f64,
+    /// Places taken in turn by new particles.
+    turn: u64,
+}
+
+impl<const D: usize> WaterLayer<D> {
+    /// Particles in the wet part of the cells of `water`: `per_direction` per cell in a full one.
+    pub fn new(grid: &Grid<D>, water: &FreeSurface<D>, per_direction: usize, density: f64) -> Self {
+        let per_cell = (per_direction as f64).powi(D as i32);
+        let volume = water.medium.porosity * water.medium.cell_volume / per_cell;
+        let mut layer = Self {
+            points: Vec::new(),
+            volume,
+            first: 0,
+            spawned: 0,
+            removed: 0,
+            pending: vec![0.0; grid.cell_count()],
+            gathered: vec![0.0; grid.cell_count()],
+            edge: 1.0 / per_direction as f64,
+            turn: 0,
+        };
+        let mut left = 0.0;
+        for (cell, position) in grid.walk() {
+            // Whole particles; the rest goes on to the next cell.
+            left += water.content[cell] / volume;
+            let count = (left + 0.5).floor().max(0.0) as usize;
+            left -= count as f64;
+            let wet = (water.wet_share(cell) * water.soil.share[cell]).clamp(0.0, 1.0);
+            for i in 0..count {
+                let columns = if D == 2 { per_direction } else { 1 };
+                let (column, row) = (i % columns, i / columns);
+                let rows = count.div_ceil(columns);
+                let mut x = position.map(|p| p as f64 * grid.size);
+                if D == 2 {
+                    x[0] += (column as f64 + 0.5) / columns as f64 * grid.size;
+                }
+                x[D - 1] += (row as f64 + 0.5) / rows as f64 * wet * grid.size;
+                layer.points.push(WaterPoint {
+                    x,
+                    v: [0.0; D],
+                    mass: density * volume,
+                    volume: volume / water.medium.porosity,
+                    pressure: water.pressure[cell].max(0.0),
+                });
+            }
+        }
+        layer.first = layer.points.len() as u64;
+        layer.gather(grid);
+        layer
+    }
+
+    /// Water that has entered or left but is no particle yet, m3.
+    pub fn pending(&self) -> f64 {
+        self.pending.iter().sum()
+    }
+
+    /// Water in the particles, m3.
+    pub fn stored(&self) -> f64 {
+        self.points.len() as f64 * self.volume
+    }
+
+    /// Largest surplus or lack of particles in a cell, as a share of a full cell's water.
+    pub fn packing(&self, water: &FreeSurface<D>) -> f64 {
+        let whole = water.medium.porosity * water.medium.cell_volume;
+        let off = self.gathered.iter().zip(&water.content).map(|(g, w)| (g - w).abs() / whole);
+        off.fold(0.0, f64::max)
+    }
+
+    /// Root of the mean square of that, over the cells that hold water.
+    pub fn mean_packing(&self, water: &FreeSurface<D>) -> f64 {
+        let whole = water.medium.porosity * water.medium.cell_volume;
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (g, w) in self.gathered.iter().zip(&water.content) {
+            if *w > 0.0 {
+                sum += ((g - w) / whole).powi(2);
+                count += 1.0;
+            }
+        }
+        if count > 0.0 { f64::sqrt(sum / count) } else { 0.0 }
+    }
+
+    /// Water of the particles in every cell, by the overlap of their boxes.
+    fn gather(&mut self, grid: &Grid<D>) {
+        self.gathered.fill(0.0);
+        let per_volume = self.volume / self.edge.powi(D as i32);
+        for point in &self.points {
+            let spans = std::array::from_fn(|d| {
+                let middle = point.x[d] * grid.inverse_size;
+                along(middle - 0.5 * self.edge, middle + 0.5 * self.edge, grid.cells[d])
+            });
+            spread(grid, &spans, |cell, _, overlap| self.gathered[cell] += per_volume * overlap);
+        }
+    }
+
+    /// Follows a step of `dt` (s) that the water has made.
+    pub fn follow(&mut self, grid: &Grid<D>, water: &FreeSurface<D>, dt: f64, periodic: bool) {
+        // No particle may pass more than half a cell at a time.
+        let area = water.medium.porosity * water.medium.cell_volume / grid.size;
+        let fastest = water.flux.iter().flatten().fold(0.0, |m: f64, q| m.max(q.abs())) / area;
+        let parts = (2.0 * fastest * dt * grid.inverse_size).ceil().clamp(1.0, 1000.0);
+        for _ in 0..parts as usize {
+            self.exchange(grid, water, dt / parts);
+            self.carry(grid, water, dt / parts, periodic);
+            self.gather(grid);
+            self.shift(grid, water);
+        }
+    }
+
+    /// Particles for what came in, and none for what went out.
+    fn exchange(&mut self, grid: &Grid<D>, water: &FreeSurface<D>, dt: f64) {
+        for (edge, out) in water.leaks() {
+            let cell = edge.cell as usize;
+            self.pending[cell] -= dt * out;
+            let fed = !matches!(edge.outside, Outside::Air);
+            while self.pending[cell] >= 0.5 * self.volume && fed {
+                self.pending[cell] -= self.volume;
+                self.spawned += 1;
+                self.turn += 1;
+                let position = grid.cell_position(cell);
+                let axis = edge.axis as usize;
+                let from_edge = 0.5 * self.edge;
+                // The golden ratio spreads places evenly whatever their number.
+                let spot = (self.turn as f64 * 0.618_033_988_749_894_9).fract();
+                let wet = water.wet_share(cell).clamp(0.05, 1.0);
+                let x = std::array::from_fn(|d| {
+                    let inside = if d == axis {
+                        if edge.upper { 1.0 - from_edge } else { from_edge }
+                    } else if d == D - 1 && water.kind[cell] == Kind::Standing {
+                        spot * wet
+                    } else {
+                        spot
+                    };
+                    (position[d] as f64 + inside) * grid.size
+                });
+                self.points.push(WaterPoint {
+                    x,
+                    v: [0.0; D],
+                    mass: self.points.first().map_or(0.0, |p| p.mass),
+                    volume: self.volume / water.medium.porosity,
+                    pressure: water.pressure[cell].max(0.0),
+                });
+            }
+            while self.pending[cell] <= -0.5 * self.volume && !fed {
+                let middle: [f64; D] = grid.cell_position(cell).map(|i| (i as f64 + 0.5) * grid.size);
+                let axis = edge.axis as usize;
+                let outwards = if edge.upper { 1.0 } else { -1.0 };
+                let mut exit = middle;
+                exit[axis] += 0.5 * outwards * grid.size;
+                let distance = |p: &WaterPoint<D>| (0..D).map(|d| (p.x[d] - exit[d]).powi(2)).sum::<f64>();
+                let reach = (REACH * grid.size).powi(2);
+                let nearest = (0..self.points.len())
+                    .map(|i| (distance(&self.points[i]), i))
+                    .filter(|(d, _)| *d <= reach)
+                    .min_by(|a, b| a.0.total_cmp(&b.0));
+                // Where none is near, the water that leaves waits for one.
+                let Some((_, nearest)) = nearest else { break };
+                self.points.swap_remove(nearest);
+                self.pending[cell] += self.volume;
+                self.removed += 1;
+            }
+        }
+    }
+
+    /// Velocity of the water (v* = q/n) at the two ends of a cell along an axis, m/s.
+    fn ends(&self, grid: &Grid<D>, water: &FreeSurface<D>, cell: usize, axis: usize) -> [f64; 2] {
+        let position = grid.cell_position(cell);
+        let area = water.medium.porosity * water.medium.cell_volume / grid.size;
+        let vertical = axis == D - 1 && water.medium.rise() > 0.0;
+        // The part of the face that the water takes: standing water the lower part of a side, falling water its share of the whole.
+        let across = match water.kind[cell] {
+            Kind::Standing if !vertical => water.wet_share(cell).clamp(0.2, 1.0),
+            Kind::Loose if vertical => water.wet_share(cell).clamp(0.05, 1.0),
+            _ => 1.0,
+        };
+        [false, true].map(|upper| {
+            let mut at = position;
+            at[axis] += usize::from(upper);
+            let cover = water.soil.cover[axis][grid.face(axis, &at)][usize::from(!upper)].clamp(0.2, 1.0);
+            water.flux[axis][grid.face(axis, &at)] / (area * cover * across)
+        })
+    }
+
+    fn carry(&mut self, grid: &Grid<D>, water: &FreeSurface<D>, dt: f64, periodic: bool) {
+        let mut through = vec![[[0.0; 2]; D]; grid.cell_count()];
+        for cell in 0..grid.cell_count() {
+            if water.content[cell] > 0.0 {
+                for axis in 0..D {
+                    through[cell][axis] = self.ends(grid, water, cell, axis);
+                }
+            }
+        }
+        // Flow through the outline of the soil.
+        let area = water.medium.porosity * water.medium.cell_volume / grid.size;
+        for (edge, out) in water.leaks() {
+            let outwards = if edge.upper { out } else { -out };
+            let speed = &mut through[edge.cell as usize][edge.axis as usize][usize::from(edge.upper)];
+            *speed += outwards / (area * edge.open.clamp(0.2, 1.0));
+        }
+        let top: [f64; D] = grid.cells.map(|n| n as f64 * grid.size);
+        for point in &mut self.points {
+            let Some(cell) = grid.cell_at(&point.x) else { continue };
+            let position = grid.cell_position(cell);
+            for d in 0..D {
+                let xi = point.x[d] * grid.inverse_size - position[d] as f64;
+                let [low, high] = through[cell][d];
+                point.v[d] = match water.kind[cell] {
+                    Kind::Full => low + xi * (high - low),
+                    // Behind a front all water moves with what presses it.
+                    _ if low.abs() > high.abs() => low,
+                    _ => high,
+                };
+            }
+            point.pressure = water.pressure[cell].max(0.0);
+            for d in 0..D {
+                let moved = (dt * point.v[d]).clamp(-0.9 * grid.size, 0.9 * grid.size);
+                point.x[d] += moved;
+                if periodic && d == 0 {
+                    point.x[d] = point.x[d].rem_euclid(top[d]);
+                }
+                point.x[d] = point.x[d].clamp(1e-9 * top[d], top[d] * (1.0 - 1e-9));
+            }
+        }
+    }
+
+    /// Moves particles down the slope of their surplus.
+    fn shift(&mut self, grid: &Grid<D>, water: &FreeSurface<D>) {
+        let whole = water.medium.porosity * water.medium.cell_volume;
+        let surplus = |cell: usize| (self.gathered[cell] - water.content[cell]) / whole;
+        let mut slope = vec![[[0.0; 2]; D]; grid.cell_count()];
+        for (cell, position) in grid.walk() {
+            let mut stride = 1;
+            for axis in 0..D {
+                if position[axis] > 0 {
+                    let low = cell - stride;
+                    // Particles beyond the soil come back; none goes out there.
+                    let both = water.soil.is_soil(cell) && water.soil.is_soil(low);
+                    let (a, b) = (surplus(low), surplus(cell));
+                    let down = if both || (a - b > 0.0) == water.soil.is_soil(cell) { a - b } else { 0.0 };
+                    let moved = (SHIFT * down).clamp(-LONGEST, LONGEST);
+                    slope[low][axis][1] = moved;
+                    slope[cell][axis][0] = moved;
+                }
+                stride *= grid.cells[axis];
+            }
+        }
+        for point in &mut self.points {
+            let Some(cell) = grid.cell_at(&point.x) else { continue };
+            let position = grid.cell_position(cell);
+            for d in 0..D {
+                let xi = point.x[d] * grid.inverse_size - position[d] as f64;
+                let [low, high] = slope[cell][d];
+                point.x[d] += grid.size * (low + xi * (high - low));
+                let top = grid.cells[d] as f64 * grid.size;
+                point.x[d] = point.x[d].clamp(1e-9 * top, top * (1.0 - 1e-9));
+            }
+        }
+    }
+}

@@ -1,0 +1,464 @@
+//! Water that wets dry soil and leaves it again: sharp fronts, a free surface, seepage faces, and feeds.
+//!
+//! The soil rests. Every cell has a content of water (m3), which changes by what flows through its faces and by nothing else, so that the
+//! ledger closes to round-off; `flow` finds the flow of a step, `edges` what meets the outside, `layer` lets the water
+//! particles follow. A soil that is moist from the start has a part S_0 of its pores filled with water that stays: a front
+//! has only n (1 - S_0) to fill.
+
+mod edges;
+mod flow;
+mod layer;
+mod soil;
+
+pub use edges::{Edge, Outside};
+pub use flow::{Kind, Link, Medium};
+pub use layer::WaterLayer;
+pub use soil::{LEAST_SHARE, SoilMap};
+
+use crate::grid::Grid;
+use crate::scene::Feed;
+use crate::sparse::{Factor, Ordering, Signs, Symmetric, Unsolved};
+use flow::{Linear, Now, System, Terms};
+
+/// Largest change of the wet share of a cell that a step aims at, and the largest it may have.
+const CHANGE: [f64; 2] = [0.15, 0.5];
+/// Rounds after which the kinds of cells that still change are left as they are: what they hold too much or too little of the next step makes good.
+const ROUNDS: usize = 40;
+/// How often a cell may change its kind in one step.
+const FLIPS: u8 = 6;
+/// A cell with less of its pores wet than this does not cover the one below.
+const FILM: f64 = 0.02;
+/// Round-off of a wet share.
+const ROUND: f64 = 1e-10;
+
+/// Water in a soil at rest.
+#[derive(Debug)]
+pub struct FreeSurface<const D: usize> {
+    /// Constants.
+    pub medium: Medium<D>,
+    /// The soil.
+    pub soil: SoilMap<D>,
+    /// Mobile water in each cell, m3.
+    pub content: Vec<f64>,
+    /// Kind of each cell.
+    pub kind: Vec<Kind>,
+    /// Pressure at the centre of each cell, Pa; zero where there is no full water. That of a standing cell follows from its level
+    /// and may be negative.
+    pub pressure: Vec<f64>,
+    /// Flow through each face along its axis in the last step, m3/s.
+    pub flux: [Vec<f64>; D],
+    /// Water that has entered, m3.
+    pub inflow: f64,
+    /// Water that has left, m3.
+    pub outflow: f64,
+    /// Inflow and outflow in the last step, m3/s.
+    pub rates: [f64; 2],
+    /// Steps of which some cells had to be left as they were.
+    pub unsettled: u64,
+    full: Vec<bool>,
+    links: Vec<Link>,
+    edges: Vec<Edge>,
+    flows: Vec<Linear>,
+    leaks: Vec<Linear>,
+    system: System,
+    above: Vec<Neighbour>,
+    below: Vec<Neighbour>,
+    trial: Vec<f64>,
+    wet: Vec<f64>,
+    flips: Vec<u8>,
+}
+
+/// What lies above or below a cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Neighbour {
+    /// A cell of soil.
+    Cell(u32),
+    /// Water at rest.
+    Pond,
+    /// Something tight.
+    Tight,
+    /// Air.
+    Air,
+}
+
+/// What surrounds the soil.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surroundings {
+    /// Sides of the mesh that let water out: left, right, bottom, top.
+    pub open: [bool; 4],
+    /// Sides that are fed.
+    pub feeds: [Option<Feed>; 4],
+    /// Whether left and right are the same place.
+    pub periodic: bool,
+}
+
+/// Why a step could not be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NoFlow {
+    /// A system could not be solved.
+    #[error(transparent)]
+    Unsolved(#[from] Unsolved),
+    /// A step cannot be made shorter.
+    #[error("a step of {0:.1e} s still changes the water of a cell too much")]
+    TooShort(f64),
+}
+
+impl<const D: usize> FreeSurface<D> {
+    /// Dry soil.
+    ///
+    /// # Errors
+    /// Out of memory.
+    pub fn new(grid: &Grid<D>, medium: Medium<D>, soil: SoilMap<D>, around: &Surroundings) -> Result<Self, Unsolved> {
+        let cells = grid.cell_count();
+        let links = links(grid, &soil, around.periodic);
+        let pairs = links.iter().map(|link| (link.low as usize, link.high as usize));
+        let matrix = Symmetric::new(cells, pairs);
+        let factor = Factor::new(&matrix, Signs::Definite, Ordering::MinimumDegree)?;
+        let mut water = Self {
+            medium,
+            content: vec![0.0; cells],
+            kind: vec![Kind::Void; cells],
+            pressure: vec![0.0; cells],
+            flux: std::array::from_fn(|axis| vec![0.0; grid.face_count(axis)]),
+            inflow: 0.0,
+            outflow: 0.0,
+            rates: [0.0; 2],
+            unsettled: 0,
+            full: vec![false; cells],
+            flows: vec![Linear::default(); links.len()],
+            links,
+            edges: Vec::new(),
+            leaks: Vec::new(),
+            system: System { matrix, factor, load: vec![0.0; cells], pressure: vec![0.0; cells] },
+            above: Vec::new(),
+            below: Vec::new(),
+            trial: vec![0.0; cells],
+            wet: vec![0.0; cells],
+            flips: vec![0; cells],
+            soil,
+        };
+        water.surround(grid, around);
+        Ok(water)
+    }
+
+    /// Changes what surrounds the soil.
+    pub fn surround(&mut self, grid: &Grid<D>, around: &Surroundings) {
+        let face_area = self.medium.cell_volume / self.medium.size;
+        self.edges =
+            edges::edges(grid, &self.soil, &self.medium, &around.open, &around.feeds, face_area, around.periodic);
+        self.leaks = vec![Linear::default(); self.edges.len()];
+        let stride: usize = grid.cells[..D - 1].iter().product();
+        let beyond = |cell: usize, row: usize, upper: bool| {
+            let pond = self.edges.iter().any(|e| {
+                e.cell as usize == cell
+                    && e.axis as usize == D - 1
+                    && e.upper == upper
+                    && !matches!(e.outside, Outside::Air)
+            });
+            let air =
+                self.edges.iter().any(|e| e.cell as usize == cell && e.axis as usize == D - 1 && e.upper == upper);
+            let at_side = if upper { row + 1 == grid.cells[D - 1] } else { row == 0 };
+            let next = if at_side {
+                None
+            } else {
+                Some(if upper { cell + stride } else { cell - stride }).filter(|c| self.soil.is_soil(*c))
+            };
+            match next {
+                Some(next) => Neighbour::Cell(next as u32),
+                None if pond => Neighbour::Pond,
+                None if air => Neighbour::Air,
+                None => Neighbour::Tight,
+            }
+        };
+        let mut pairs = vec![[Neighbour::Tight; 2]; grid.cell_count()];
+        for (cell, position) in grid.walk() {
+            if self.soil.is_soil(cell) {
+                pairs[cell] = [false, true].map(|upper| beyond(cell, position[D - 1], upper));
+            }
+        }
+        self.below = pairs.iter().map(|p| p[0]).collect();
+        self.above = pairs.iter().map(|p| p[1]).collect();
+    }
+
+    /// Pores of a cell that mobile water can fill, m3.
+    #[inline]
+    pub fn pores(&self, cell: usize) -> f64 {
+        self.medium.porosity * self.soil.share[cell] * self.medium.cell_volume
+    }
+
+    /// Share of the mobile pores of a cell that is wet.
+    #[inline]
+    pub fn wet_share(&self, cell: usize) -> f64 {
+        if self.soil.is_soil(cell) { self.content[cell] / self.pores(cell) } else { 0.0 }
+    }
+
+    /// Mean over the soil of a cell of the pressure where it is positive, Pa: what the soil feels.
+    pub fn mean_pressure(&self, cell: usize) -> f64 {
+        let (rise, share) = (self.medium.rise() * self.medium.size, self.soil.share[cell]);
+        match self.kind[cell] {
+            Kind::Full | Kind::Standing if rise > 0.0 => {
+                self.medium.wet_integral(self.pressure[cell] + 0.5 * rise, share) / share
+            }
+            Kind::Full => self.pressure[cell],
+            _ => 0.0,
+        }
+    }
+
+    /// Mobile water in all cells, m3.
+    pub fn stored(&self) -> f64 {
+        self.content.iter().sum()
+    }
+
+    /// Whether the cell above or below is full, or water at rest.
+    fn is_full(&self, neighbour: Neighbour, full: &[bool]) -> bool {
+        match neighbour {
+            Neighbour::Cell(cell) => full[cell as usize],
+            Neighbour::Pond => true,
+            Neighbour::Tight | Neighbour::Air => false,
+        }
+    }
+
+    /// Whether the level of a cell, if it is full, is at its own upper edge or above: water stands on something and nothing presses from above.
+    fn stands(&self, cell: usize, full: &[bool]) -> bool {
+        let on_tight = self.below[cell] == Neighbour::Tight;
+        self.medium.rise() > 0.0
+            && (on_tight || self.is_full(self.below[cell], full))
+            && !self.is_full(self.above[cell], full)
+    }
+
+    fn classify(&mut self) {
+        for cell in 0..self.kind.len() {
+            self.kind[cell] = if !self.soil.is_soil(cell) {
+                Kind::Void
+            } else if self.full[cell] {
+                Kind::Full
+            } else if self.stands(cell, &self.full) {
+                Kind::Standing
+            } else if self.medium.rise() > 0.0 && self.is_full(self.above[cell], &self.full) {
+                Kind::Hanging
+            } else {
+                Kind::Loose
+            };
+        }
+    }
+
+    /// Fills cells (m3 of mobile water, no more than their pores) and takes the state as that of water at rest.
+    pub fn fill(&mut self, content: &[f64]) {
+        for cell in 0..content.len() {
+            self.content[cell] = content[cell];
+            self.full[cell] = self.soil.is_soil(cell) && content[cell] >= (1.0 - ROUND) * self.pores(cell);
+        }
+        self.classify();
+        let rise = self.medium.rise() * self.medium.size;
+        // From the top down: each full cell carries the water above it.
+        for cell in (0..self.kind.len()).rev() {
+            self.pressure[cell] = match (self.kind[cell], self.above[cell]) {
+                (Kind::Standing, _) => self.medium.standing_pressure(self.wet_share(cell), self.soil.share[cell]),
+                (Kind::Full, Neighbour::Cell(above)) if self.kind[above as usize].unknown() => {
+                    self.pressure[above as usize] + rise
+                }
+                (Kind::Full, _) => self.medium.standing_pressure(1.0, self.soil.share[cell]),
+                _ => 0.0,
+            };
+        }
+    }
+
+    /// Tries a step of `dt` (s); `Ok(change)` is the largest change of a wet share. Nothing is kept but the trial.
+    fn attempt(&mut self, dt: f64) -> Result<f64, Unsolved> {
+        let before: Vec<bool> = self.full.clone();
+        self.flips.fill(0);
+        for cell in 0..self.wet.len() {
+            self.wet[cell] = self.wet_share(cell).clamp(0.0, 1.0);
+        }
+        self.system.pressure.copy_from_slice(&self.pressure);
+        for round in 0..ROUNDS {
+            self.classify();
+            for cell in 0..self.kind.len() {
+                if !self.kind[cell].unknown() {
+                    self.system.pressure[cell] = 0.0;
+                }
+            }
+            self.assemble(dt);
+            let Self { medium, links, flows, edges, leaks, kind, content, soil, system, .. } = self;
+            system.solve(&Terms { medium, links, flows, edges, leaks, kind, share: &soil.share, content, dt })?;
+            self.contents(dt);
+            let settled = self.compare(round);
+            let mut moved: f64 = 0.0;
+            for cell in 0..self.wet.len() {
+                if self.soil.is_soil(cell) {
+                    // The middle of the step.
+                    let middle = 0.5 * (self.content[cell] + self.trial[cell].max(0.0)) / self.pores(cell);
+                    moved = moved.max((middle.min(1.0) - self.wet[cell]).abs());
+                    self.wet[cell] = middle.clamp(0.0, 1.0);
+                }
+            }
+            if settled && (moved < 1e-6 || round > 12) {
+                break;
+            }
+            self.unsettled += u64::from(round + 1 == ROUNDS);
+        }
+        let mut change: f64 = 0.0;
+        for cell in 0..self.content.len() {
+            if self.soil.is_soil(cell) {
+                change = change.max((self.trial[cell] - self.content[cell]).abs() / self.pores(cell));
+            }
+        }
+        if !change.is_finite() || change > CHANGE[1] {
+            self.full = before;
+        }
+        Ok(change)
+    }
+
+    fn assemble(&mut self, dt: f64) {
+        let now = Now { kind: &self.kind, pressure: &self.system.pressure, wet: &self.wet };
+        for (flow, link) in self.flows.iter_mut().zip(&self.links) {
+            *flow = self.medium.through(link, now);
+        }
+        for i in 0..self.edges.len() {
+            let edge = &self.edges[i];
+            let cell = edge.cell as usize;
+            let stands = self.stands(cell, &self.full);
+            let start = self.wet_share(cell).clamp(0.0, 1.0);
+            self.leaks[i] = self.medium.leak(edge, now, &self.soil.share, stands, start, dt);
+        }
+    }
+
+    /// Contents at the end of the trial step, m3.
+    fn contents(&mut self, dt: f64) {
+        self.trial.copy_from_slice(&self.content);
+        let p = &self.system.pressure;
+        for (link, flow) in self.links.iter().zip(&self.flows) {
+            let (a, b) = (link.low as usize, link.high as usize);
+            let volume = dt * flow.at(p[a], p[b]);
+            self.trial[a] -= volume;
+            self.trial[b] += volume;
+        }
+        for (edge, leak) in self.edges.iter().zip(&self.leaks) {
+            let cell = edge.cell as usize;
+            self.trial[cell] -= dt * leak.at(p[cell], 0.0);
+        }
+    }
+
+    /// Finds the cells whose kind does not go with what came out. True if there are none.
+    fn compare(&mut self, round: usize) -> bool {
+        let rise = self.medium.rise() * self.medium.size;
+        let largest = self.system.pressure.iter().fold(rise, |m, p| f64::max(m, p.abs()));
+        let slack = ROUND * largest;
+        let mut settled = true;
+        for cell in 0..self.kind.len() {
+            let p = self.system.pressure[cell];
+            let level = self.medium.standing_pressure(1.0, self.soil.share[cell]);
+            let flip = match self.kind[cell] {
+                Kind::Void => false,
+                Kind::Full => {
+                    let covered = matches!(self.above[cell], Neighbour::Cell(above)
+                        if self.trial[above as usize] > FILM * self.pores(above as usize));
+                    let least = if self.stands(cell, &self.full) && !covered { level } else { 0.0 };
+                    p < least - slack
+                }
+                Kind::Standing => p > level + slack,
+                Kind::Hanging | Kind::Loose => self.trial[cell] > self.pores(cell) * (1.0 + ROUND),
+            };
+            // A cell that goes to and fro ends as what it was before the step.
+            let returns = self.flips[cell] < FLIPS || self.flips[cell] % 2 == 1;
+            if flip && returns && round + 1 < ROUNDS {
+                self.full[cell] = !self.full[cell];
+                self.flips[cell] += 1;
+                settled = false;
+            }
+        }
+        settled
+    }
+
+    /// Makes a step of at most `dt` (s). Returns its length and the length to try next, s.
+    ///
+    /// # Errors
+    /// The flow could not be found.
+    pub fn step(&mut self, dt: f64) -> Result<(f64, f64), NoFlow> {
+        // Water that falls at k passes half a cell at most.
+        let speed = self.medium.conductance * self.medium.rise() * self.medium.size / self.medium.porosity;
+        let fall = 0.5 * self.medium.cell_volume / speed;
+        let mut step = dt.min(fall);
+        loop {
+            let change = self.attempt(step)?;
+            if change <= CHANGE[1] {
+                self.accept(step);
+                let factor = if change > 0.0 { (CHANGE[0] / change).clamp(0.3, 1.5) } else { 1.5 };
+                return Ok((step, step * factor));
+            }
+            step *= if change.is_finite() { (CHANGE[0] / change).clamp(0.1, 0.5) } else { 0.1 };
+            if step < 1e-12 * dt.max(1e-6) {
+                return Err(NoFlow::TooShort(step));
+            }
+        }
+    }
+
+    fn accept(&mut self, dt: f64) {
+        std::mem::swap(&mut self.content, &mut self.trial);
+        self.pressure.copy_from_slice(&self.system.pressure);
+        for flux in &mut self.flux {
+            flux.fill(0.0);
+        }
+        let p = &self.pressure;
+        for (link, flow) in self.links.iter().zip(&self.flows) {
+            self.flux[link.axis as usize][link.face as usize] = flow.at(p[link.low as usize], p[link.high as usize]);
+        }
+        self.rates = [0.0; 2];
+        for (edge, leak) in self.edges.iter().zip(&self.leaks) {
+            let out = leak.at(p[edge.cell as usize], 0.0);
+            self.rates[usize::from(out > 0.0)] += out.abs();
+        }
+        self.inflow += dt * self.rates[0];
+        self.outflow += dt * self.rates[1];
+    }
+
+    /// Edges with their flow out of the soil in the last step, m3/s.
+    pub fn leaks(&self) -> impl Iterator<Item = (&Edge, f64)> {
+        self.edges.iter().zip(&self.leaks).map(|(edge, leak)| (edge, leak.at(self.pressure[edge.cell as usize], 0.0)))
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let floats = self.content.capacity() + self.pressure.capacity() + self.trial.capacity() + self.wet.capacity();
+        floats * size_of::<f64>()
+            + self.links.capacity() * (size_of::<Link>() + size_of::<Linear>())
+            + self.system.matrix.bytes()
+            + self.system.factor.bytes()
+    }
+}
+
+/// Faces between cells of soil.
+fn links<const D: usize>(grid: &Grid<D>, soil: &SoilMap<D>, periodic: bool) -> Vec<Link> {
+    let mut list = Vec::new();
+    for (cell, position) in grid.walk() {
+        let mut stride = 1;
+        for axis in 0..D {
+            let wraps = periodic && axis == 0 && D == 2 && position[0] == 0 && grid.cells[0] > 1;
+            let low = match position[axis] {
+                0 if wraps => Some(cell + grid.cells[0] - 1),
+                0 => None,
+                _ => Some(cell - stride),
+            };
+            if let Some(low) = low.filter(|low| soil.is_soil(*low) && soil.is_soil(cell)) {
+                let face = grid.face(axis, &position);
+                let [below, above] = soil.cover[axis][face];
+                let below = if wraps {
+                    let mut last = position;
+                    last[axis] = grid.cells[axis];
+                    soil.cover[axis][grid.face(axis, &last)][0]
+                } else {
+                    below
+                };
+                let open = below.min(above);
+                if open > 0.0 {
+                    list.push(Link { low: low as u32, high: cell as u32, face: face as u32, axis: axis as u8, open });
+                }
+            }
+            stride *= grid.cells[axis];
+        }
+    }
+    list
+}
+
+#[cfg(test)]
+mod tests;

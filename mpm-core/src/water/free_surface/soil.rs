@@ -1,0 +1,173 @@
+//! Where there is soil: the share of every cell that the boxes of its particles cover, and what they cover beside each face.
+//!
+//! Area overlap instead of counts, so that soil which moves through the mesh changes its shares without jumps.
+
+use crate::grid::Grid;
+use crate::particles::{Layer, SolidPoint};
+
+/// Less soil than this share of a cell holds no water.
+pub const LEAST_SHARE: f64 = 1e-3;
+
+/// The soil as the water sees it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SoilMap<const D: usize> {
+    /// Share of each cell that is soil, 0 to 1.
+    pub share: Vec<f64>,
+    /// For each axis and face the share that is soil just below it and just above it, 0 to 1.
+    pub cover: [Vec<[f64; 2]>; D],
+}
+
+/// A box along one axis: first cell, and its length in that cell and the next two, in cells.
+type Along = (usize, [f64; 3]);
+
+impl<const D: usize> SoilMap<D> {
+    /// The map of a layer; `face_area` is that of a whole face, m2, `per_direction` the particles per cell and direction.
+    pub fn new<const S: usize>(
+        grid: &Grid<D>,
+        solid: &Layer<SolidPoint<D, S>, D>,
+        face_area: f64,
+        per_direction: usize,
+    ) -> Self {
+        let mut map = Self {
+            share: vec![0.0; grid.cell_count()],
+            cover: std::array::from_fn(|axis| vec![[0.0; 2]; grid.face_count(axis)]),
+        };
+        let cell_volume = face_area * grid.size;
+        // Half a particle beside a face: what lies there touches it.
+        let strip = 0.5 / per_direction as f64;
+        for point in &solid.points {
+            let half = 0.5 * (point.volume / cell_volume).powf(1.0 / D as f64);
+            let middle = point.x.map(|x| x * grid.inverse_size);
+            map.add(grid, &middle, half, strip);
+        }
+        for share in &mut map.share {
+            *share = share.min(1.0);
+        }
+        for cover in map.cover.iter_mut().flatten().flatten() {
+            *cover = cover.min(1.0);
+        }
+        map
+    }
+
+    /// Adds a box around `middle`, of `half` its edge, all in cells.
+    fn add(&mut self, grid: &Grid<D>, middle: &[f64; D], half: f64, strip: f64) {
+        let whole: [Along; D] = std::array::from_fn(|d| along(middle[d] - half, middle[d] + half, grid.cells[d]));
+        spread(grid, &whole, |cell, position, volume| {
+            let _ = position;
+            self.share[cell] += volume;
+        });
+        for axis in 0..D {
+            // A strip below and one above each face that the box may touch.
+            let (low, high) = (middle[axis] - half, middle[axis] + half);
+            let first = (low - strip).floor().max(0.0) as usize;
+            let last = ((high + strip).ceil().max(0.0) as usize).min(grid.cells[axis]);
+            for lattice in first..=last {
+                let at = lattice as f64;
+                for (side, (from, to)) in [(at - strip, at), (at, at + strip)].into_iter().enumerate() {
+                    let length = (high.min(to) - low.max(from)).max(0.0) / strip;
+                    if length == 0.0 {
+                        continue;
+                    }
+                    let mut across = whole;
+                    across[axis] = (0, [1.0, 0.0, 0.0]);
+                    let cover = &mut self.cover[axis];
+                    spread(grid, &across, |_, mut position, share| {
+                        position[axis] = lattice;
+                        cover[grid.face(axis, &position)][side] += length * share;
+                    });
+                }
+            }
+        }
+    }
+
+    /// Whether a cell holds soil enough for water.
+    #[inline]
+    pub fn is_soil(&self, cell: usize) -> bool {
+        self.share[cell] >= LEAST_SHARE
+    }
+}
+
+/// Lengths of an interval (in cells) in the cells of an axis; what sticks out of the mesh stays in its outermost cell.
+pub(super) fn along(low: f64, high: f64, cells: usize) -> Along {
+    let last = cells as f64;
+    let first = (low.floor().max(0.0) as usize).min(cells - 1);
+    let mut lengths = [0.0; 3];
+    for (i, length) in lengths.iter_mut().enumerate() {
+        let cell = first + i;
+        if cell >= cells {
+            break;
+        }
+        let from = if cell == 0 { f64::NEG_INFINITY } else { cell as f64 };
+        let to = if cell + 1 == cells { f64::INFINITY } else { cell as f64 + 1.0 };
+        *length = (high.min(to) - low.max(from)).max(0.0);
+    }
+    debug_assert!(high - low < 2.0 && last > 0.0);
+    (first, lengths)
+}
+
+/// Visits the cells of a box: cell, lattice position, product of its lengths.
+pub(super) fn spread<const D: usize>(
+    grid: &Grid<D>,
+    along: &[Along; D],
+    mut visit: impl FnMut(usize, [usize; D], f64),
+) {
+    let rows = if D == 2 { 3 } else { 1 };
+    for j in 0..rows {
+        for i in 0..3 {
+            let mut volume = along[0].1[i];
+            let mut position = [along[0].0 + i; D];
+            if D == 2 {
+                volume *= along[D - 1].1[j];
+                position[D - 1] = along[D - 1].0 + j;
+            }
+            if volume > 0.0 && (0..D).all(|d| position[d] < grid.cells[d]) {
+                let cell = (0..D).rev().fold(0, |cell, d| cell * grid.cells[d] + position[d]);
+                visit(cell, position, volume);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::particles::even_positions;
+
+    fn block(cells: [usize; 2], per_direction: usize, shift: [f64; 2]) -> Vec<SolidPoint<2, 4>> {
+        let volume = 1.0 / (per_direction * per_direction) as f64;
+        even_positions(cells, per_direction)
+            .map(|x| SolidPoint {
+                x: [x[0] + shift[0], x[1] + shift[1]],
+                v: [0.0; 2],
+                stress: [0.0; 4],
+                mass: 1.0,
+                volume,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_block_on_the_mesh_fills_its_cells_and_faces() {
+        let grid = Grid::new([4, 3], 1.0);
+        let solid = Layer::new(block([2, 2], 2, [0.0; 2]), &grid).unwrap();
+        let map = SoilMap::new(&grid, &solid, 1.0, 2);
+        for (cell, position) in grid.walk() {
+            let inside = position[0] < 2 && position[1] < 2;
+            assert!((map.share[cell] - f64::from(u8::from(inside))).abs() < 1e-12);
+        }
+        assert_eq!(map.cover[0][grid.face(0, &[1, 0])], [1.0, 1.0]);
+        assert_eq!(map.cover[0][grid.face(0, &[2, 1])], [1.0, 0.0]);
+        assert_eq!(map.cover[1][grid.face(1, &[0, 2])], [1.0, 0.0]);
+    }
+
+    #[test]
+    fn a_block_that_moves_keeps_its_area() {
+        let grid = Grid::new([5, 4], 1.0);
+        for step in 0..20 {
+            let shift = [0.1 * f64::from(step), 0.05 * f64::from(step)];
+            let solid = Layer::new(block([2, 2], 3, shift), &grid).unwrap();
+            let map = SoilMap::new(&grid, &solid, 1.0, 3);
+            assert!((map.share.iter().sum::<f64>() - 4.0).abs() < 1e-12, "{shift:?}");
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Water alone in a block of soil, against exact solutions. The ladder has the same with refinement.
+
+use super::*;
+use crate::particles::{Layer, SolidPoint, even_positions};
+
+const N: f64 = 0.3;
+const K: f64 = 5e-4;
+const GAMMA: f64 = 9810.0;
+const CLOSED: Surroundings = Surroundings { open: [false; 4], feeds: [None; 4], periodic: false };
+
+fn block(cells: [usize; 2], h: f64, weight: [f64; 2], around: &Surroundings) -> (Grid<2>, FreeSurface<2>) {
+    let grid = Grid::new(cells, h);
+    let at = |x: [f64; 2]| SolidPoint::<2, 4> {
+        x: x.map(|x| x * h),
+        v: [0.0; 2],
+        stress: [0.0; 4],
+        mass: 1.0,
+        volume: 0.25 * h * h,
+    };
+    let solid = Layer::new(even_positions(cells, 2).map(at).collect(), &grid).unwrap();
+    let soil = SoilMap::new(&grid, &solid, h, 2);
+    let medium =
+        Medium { conductance: K / GAMMA, size: h, cell_volume: h * h, weight, unit_weight: GAMMA, porosity: N };
+    let water = FreeSurface::new(&grid, medium, soil, around).unwrap();
+    (grid, water)
+}
+
+/// Runs to a time (s) and shows every step and its length.
+fn run(water: &mut FreeSurface<2>, until: f64, mut look: impl FnMut(&FreeSurface<2>, f64, f64)) {
+    let (mut time, mut dt) = (0.0, 0.1);
+    while time < until * (1.0 - 1e-12) {
+        let (done, next) = water.step(f64::min(dt, until - time)).unwrap();
+        time += done;
+        dt = next;
+        look(water, time, done);
+    }
+    assert_eq!(water.unsettled, 0);
+}
+
+fn fed(side: usize, head: f64) -> Surroundings {
+    let mut around = CLOSED;
+    around.feeds[side] = Some(Feed::Head(head));
+    around
+}
+
+/// Largest distance of a front from where it should be at its times, in cells.
+fn front(cells: [usize; 2], weight: [f64; 2], around: &Surroundings, time_of: impl Fn(f64) -> f64) -> f64 {
+    let h = 1.0 / cells[0].max(cells[1]) as f64;
+    let (_, mut water) = block(cells, h, weight, around);
+    let mut worst: f64 = 0.0;
+    run(&mut water, time_of(0.9), |water, time, _| {
+        let (mut low, mut high) = (0.0, 0.99);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if time_of(middle) < time { low = middle } else { high = middle }
+        }
+        worst = worst.max((water.stored() / (N * h) - low).abs());
+    });
+    worst / h
+}
+
+#[test]
+fn sharp_fronts_stand_where_they_should() {
+    let down = [0.0, -GAMMA];
+    for cells in [10, 20] {
+        let horizontal = front([cells, 1], [0.0; 2], &fed(0, 0.25), |x| x * x * N / (2.0 * K * 0.25));
+        assert!(horizontal < 0.06, "{horizontal}");
+        let falling = front([1, cells], down, &fed(3, 1.25), |x| N / K * (x - 0.25 * (1.0 + x / 0.25).ln()));
+        assert!(falling < 0.06, "{falling}");
+        let rising = front([1, cells], down, &fed(2, 1.2), |x| N / K * (-x - 1.2 * (1.0 - x / 1.2).ln()));
+        assert!(rising < 0.3, "{rising}");
+    }
+}
+
+#[test]
+fn a_dam_discharges_by_charny_and_its_water_is_accounted_for() {
+    let cells = 20;
+    let h = 1.0 / cells as f64;
+    let mut around = fed(0, 1.0);
+    around.open[1] = true;
+    let (grid, mut water) = block([cells, cells], h, [0.0, -GAMMA], &around);
+    let mut layer = WaterLayer::new(&grid, &water, 2, 1000.0);
+    let (mut closing, mut lost): (f64, f64) = (0.0, 0.0);
+    run(&mut water, 6000.0, |water, _, dt| {
+        layer.follow(&grid, water, dt, false);
+        closing = closing.max((water.stored() - water.inflow + water.outflow).abs());
+        let booked = layer.spawned as f64 - layer.removed as f64 - layer.points.len() as f64;
+        let pending = layer.stored() + layer.pending() - water.inflow + water.outflow;
+        lost = lost.max(booked.abs()).max(pending.abs());
+    });
+    assert!((water.rates[1] / (0.5 * K) - 1.0).abs() < 3e-3, "{}", water.rates[1] / K);
+    assert!(closing < 1e-12 * water.inflow && lost < 1e-12 * water.inflow, "{closing:e} {lost:e}");
+    // 0.76596 m2 of wet soil: the area under the free surface of the exact solution.
+    assert!((water.stored() / N / 0.765_96 - 1.0).abs() < 2e-3, "{}", water.stored() / N);
+    assert!((layer.stored() / water.stored() - 1.0).abs() < 1e-2, "{}", layer.stored() / water.stored());
+    assert!(layer.mean_packing(&water) < 0.12, "{}", layer.mean_packing(&water));
+}
+
+#[test]
+fn still_water_stays() {
+    let (_, mut water) = block([4, 8], 0.125, [0.0, -GAMMA], &CLOSED);
+    // A level in the middle of the sixth row.
+    let pores = water.pores(0);
+    let content: Vec<f64> = (0..32).map(|c| pores * (5.5 - f64::from(c / 4)).clamp(0.0, 1.0)).collect();
+    water.fill(&content);
+    run(&mut water, 1e4, |_, _, _| ());
+    for (cell, before) in content.iter().enumerate() {
+        assert!((water.content[cell] - before).abs() < 1e-12 * pores);
+        let still = GAMMA * 0.125 * (5.0 - f64::from(cell as u32 / 4));
+        if cell / 4 < 5 {
+            assert!((water.pressure[cell] - still).abs() < 1e-6 * GAMMA, "{cell}");
+        }
+    }
+}
