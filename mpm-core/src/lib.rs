@@ -46,6 +46,7 @@ pub mod particles;
 pub mod real;
 pub mod run;
 pub mod scene;
+pub mod seeding;
 pub mod shape;
 pub mod space;
 pub mod sparse;

@@ -1,0 +1,114 @@
+//! Where particles are put when the soil has an outline: a polygon that cuts the squares of the mesh.
+//!
+//! Every particle stands for one square of the mesh, of edge `spacing` = L over the particles per direction. Clipped
+//! ([`parts`]), a square keeps what lies inside the polygon: area and first moment of all parts are those of the
+//! polygon, on every mesh. Whole ([`whole`]), a square counts if its middle lies inside: an error of first order.
+
+mod clip;
+mod polygon;
+
+pub use polygon::{Fault, area, centroid, check, depth, inside};
+
+use std::collections::BTreeMap;
+
+/// What a particle stands for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Part {
+    /// Its centre of area, m.
+    pub centroid: [f64; 2],
+    /// Its area, m2.
+    pub area: f64,
+}
+
+/// A part below this share of a square is merged into a neighbour.
+const SLIVER: f64 = 0.1;
+/// Areas below this share of a square are round-off: a square whose edge lies on the outline.
+const NOTHING: f64 = 1e-14;
+
+/// Parts of a simple polygon (m, either way round), one for each square of edge `spacing` (m) that it covers, row by row
+/// from the bottom. Slivers are merged into the largest neighbour; area and first moment are kept.
+pub fn parts(polygon: &[[f64; 2]], spacing: f64) -> Vec<Part> {
+    let sign = area(polygon).signum();
+    let mut squares = BTreeMap::new();
+    let [_, rows] = range(polygon, 1, spacing);
+    let [_, columns] = range(polygon, 0, spacing);
+    for row in range(polygon, 1, spacing)[0]..rows {
+        let strip = clip::between(polygon, 1, row as f64 * spacing, (row + 1) as f64 * spacing);
+        for column in range(polygon, 0, spacing)[0]..columns {
+            let square = clip::between(&strip, 0, column as f64 * spacing, (column + 1) as f64 * spacing);
+            // About the middle of the square, where the moments lose no digits.
+            let middle = [column, row].map(|i| (i as f64 + 0.5) * spacing);
+            let moments = polygon::moments(&square, &middle).map(|m| sign * m);
+            if moments[0] > NOTHING * spacing * spacing {
+                squares.insert((row, column), of_moments(&middle, &moments));
+            }
+        }
+    }
+    merge(&mut squares, SLIVER * spacing * spacing);
+    squares.into_values().collect()
+}
+
+/// Whole squares of edge `spacing` (m) whose middle lies in a simple polygon (m), row by row from the bottom.
+pub fn whole(polygon: &[[f64; 2]], spacing: f64) -> Vec<Part> {
+    let ([first, rows], [left, columns]) = (range(polygon, 1, spacing), range(polygon, 0, spacing));
+    let middles = (first..rows).flat_map(|row| (left..columns).map(move |column| [column, row]));
+    let middles = middles.map(|place| place.map(|i| (i as f64 + 0.5) * spacing));
+    middles.filter(|x| inside(polygon, x)).map(|centroid| Part { centroid, area: spacing * spacing }).collect()
+}
+
+/// Total area (m2) and centre (m) of parts.
+pub fn total(parts: &[Part]) -> (f64, [f64; 2]) {
+    let area: f64 = parts.iter().map(|part| part.area).sum();
+    let moment = |d: usize| parts.iter().map(|part| part.area * part.centroid[d]).sum::<f64>();
+    (area, [moment(0) / area, moment(1) / area])
+}
+
+/// First square that a polygon may touch along an axis, and the one after the last.
+fn range(polygon: &[[f64; 2]], axis: usize, spacing: f64) -> [usize; 2] {
+    let along = || polygon.iter().map(|x| x[axis] / spacing);
+    let (low, high) = (along().fold(f64::INFINITY, f64::min), along().fold(0.0, f64::max));
+    // A square more than round-off may call for: it is empty, and an empty square is no part.
+    [low.floor() as usize, high.ceil() as usize + 1]
+}
+
+fn of_moments(middle: &[f64; 2], [area, x, y]: &[f64; 3]) -> Part {
+    Part { centroid: [middle[0] + x / area, middle[1] + y / area], area: *area }
+}
+
+/// Gives every part below `least` (m2) to its largest neighbour, the smallest first.
+fn merge(squares: &mut BTreeMap<(usize, usize), Part>, least: f64) {
+    let mut slivers: Vec<(usize, usize)> = squares.iter().filter(|(_, p)| p.area < least).map(|(at, _)| *at).collect();
+    slivers.sort_by(|a, b| squares[a].area.total_cmp(&squares[b].area));
+    for at in slivers {
+        let sliver = squares[&at];
+        if sliver.area >= least {
+            continue; // it has been given another one
+        }
+        let Some(neighbour) = largest_neighbour(squares, at) else { continue };
+        squares.remove(&at);
+        if let Some(part) = squares.get_mut(&neighbour) {
+            let area = part.area + sliver.area;
+            for d in 0..2 {
+                part.centroid[d] += sliver.area / area * (sliver.centroid[d] - part.centroid[d]);
+            }
+            part.area = area;
+        }
+    }
+}
+
+/// Among the squares that share an edge with one, else a corner.
+fn largest_neighbour(squares: &BTreeMap<(usize, usize), Part>, (row, column): (usize, usize)) -> Option<(usize, usize)> {
+    let around = |edges: bool| {
+        let places = (0..9).map(|i| (row + i / 3, column + i % 3)).filter(|(r, c)| *r > 0 && *c > 0);
+        let places = places.map(|(r, c)| (r - 1, c - 1)).filter(move |(r, c)| {
+            let apart = r.abs_diff(row) + c.abs_diff(column);
+            if edges { apart == 1 } else { apart == 2 }
+        });
+        let there = places.filter(|place| squares.contains_key(place));
+        there.max_by(|a, b| squares[a].area.total_cmp(&squares[b].area))
+    };
+    around(true).or_else(|| around(false))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,102 @@
+//! Simple polygons: area, centre, what lies inside, and what is wrong with one.
+
+/// Why points are no outline.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fault {
+    /// Fewer than three points.
+    TooFew(usize),
+    /// A point, by its place in the list, left of or below the origin, or not finite.
+    Outside(usize),
+    /// Two edges cross or touch; each by the place of its first point.
+    Crossing(usize, usize),
+}
+
+/// Area (m2) and first moments (m3) about a point (m), anticlockwise positive.
+pub(super) fn moments(polygon: &[[f64; 2]], about: &[f64; 2]) -> [f64; 3] {
+    let mut sums = [0.0; 3];
+    for (i, b) in polygon.iter().enumerate() {
+        let a = polygon[(i + polygon.len() - 1) % polygon.len()];
+        let (a, b) = ([a[0] - about[0], a[1] - about[1]], [b[0] - about[0], b[1] - about[1]]);
+        let cross = a[0] * b[1] - b[0] * a[1];
+        sums[0] += cross / 2.0;
+        sums[1] += cross * (a[0] + b[0]) / 6.0;
+        sums[2] += cross * (a[1] + b[1]) / 6.0;
+    }
+    sums
+}
+
+/// Area of a polygon (m), m2: positive if it runs anticlockwise.
+pub fn area(polygon: &[[f64; 2]]) -> f64 {
+    polygon.first().map_or(0.0, |first| moments(polygon, first)[0])
+}
+
+/// Centre of area of a polygon, m.
+pub fn centroid(polygon: &[[f64; 2]]) -> [f64; 2] {
+    let first = polygon.first().copied().unwrap_or_default();
+    let [area, x, y] = moments(polygon, &first);
+    [first[0] + x / area, first[1] + y / area]
+}
+
+/// Heights (m) at which the edges of a polygon pass a place x (m), in the order of the edges.
+fn passes(polygon: &[[f64; 2]], x: f64) -> impl Iterator<Item = f64> {
+    polygon.iter().enumerate().filter_map(move |(i, b)| {
+        let a = &polygon[(i + polygon.len() - 1) % polygon.len()];
+        let between = (a[0] > x) != (b[0] > x);
+        between.then(|| a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1]))
+    })
+}
+
+/// Whether a point (m) lies inside a simple polygon (even-odd rule).
+pub fn inside(polygon: &[[f64; 2]], point: &[f64; 2]) -> bool {
+    passes(polygon, point[0]).filter(|y| *y > point[1]).count() % 2 == 1
+}
+
+/// Depth of a point (m) below the outline straight above it, m; zero if there is none.
+pub fn depth(polygon: &[[f64; 2]], point: &[f64; 2]) -> f64 {
+    let above = passes(polygon, point[0]).filter(|y| *y > point[1]).fold(f64::INFINITY, f64::min);
+    if above.is_finite() { above - point[1] } else { 0.0 }
+}
+
+/// Whether points (m) are the corners of a simple polygon in the positive quadrant.
+///
+/// # Errors
+/// The first thing that is wrong.
+pub fn check(points: &[[f64; 2]]) -> Result<(), Fault> {
+    let count = points.len();
+    if count < 3 {
+        return Err(Fault::TooFew(count));
+    }
+    let within = |x: &[f64; 2]| x.iter().all(|x| x.is_finite() && *x >= 0.0);
+    if let Some(i) = points.iter().position(|x| !within(x)) {
+        return Err(Fault::Outside(i));
+    }
+    let edge = |i: usize| [points[i], points[(i + 1) % count]];
+    for i in 0..count {
+        for j in i + 1..count {
+            let next = j == i + 1 || (i == 0 && j == count - 1);
+            if if next { folds(&edge(i), &edge(j)) } else { touch(&edge(i), &edge(j)) } {
+                return Err(Fault::Crossing(i, j));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Twice the area of the triangle a, b, c, m2.
+fn turn(a: &[f64; 2], b: &[f64; 2], c: &[f64; 2]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+/// Whether two edges that share a corner lie on each other, or one has no length.
+fn folds([a, b]: &[[f64; 2]; 2], [c, d]: &[[f64; 2]; 2]) -> bool {
+    let (shared, first, second) = if b == c { (b, a, d) } else { (a, b, c) };
+    let along = |d: usize| (first[d] - shared[d]) * (second[d] - shared[d]);
+    a == b || c == d || (turn(shared, first, second) == 0.0 && along(0) + along(1) > 0.0)
+}
+
+/// Whether two edges have a point in common.
+fn touch([a, b]: &[[f64; 2]; 2], [c, d]: &[[f64; 2]; 2]) -> bool {
+    let overlap = |k: usize| a[k].max(b[k]) >= c[k].min(d[k]) && c[k].max(d[k]) >= a[k].min(b[k]);
+    let sides = |[a, b]: [&[f64; 2]; 2], c, d| turn(a, b, c) * turn(a, b, d) <= 0.0;
+    overlap(0) && overlap(1) && sides([a, b], c, d) && sides([c, d], a, b)
+}
