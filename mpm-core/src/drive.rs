@@ -64,8 +64,10 @@ impl Run {
     }
 }
 
-/// How often the end of a pore-pressure stage is looked for, steps.
+/// How often the end of a pore-pressure stage, or of one that ends by rest, is looked for, steps.
 const STEPS_BETWEEN_LOOKS: u64 = 8;
+/// So many looks in a row must find the soil at rest: a swing that turns is slow only for a moment.
+const LOOKS_AT_REST: u32 = 25;
 /// A run is unstable when this share of its energy comes from nowhere; sound runs stay below a hundredth. The other
 /// sign is no fault: particles lose what the mesh cannot hold, all of a shock with one particle per cell.
 const FROM_NOWHERE: f64 = 0.5;
@@ -90,7 +92,7 @@ pub fn drive(scene: &Scene, model: &mut dyn Model, dt: f64, progress: &mut dyn F
         let first_step = run.steps;
         let times = match stage.until {
             Until::Time(end) => times(scene, number + 1 == scene.stages.len(), end),
-            Until::PorePressure { .. } => Vec::new(),
+            Until::PorePressure { .. } | Until::Rest { .. } => Vec::new(),
         };
         let stops: Vec<f64> = times.iter().map(|(time, _)| *time).collect();
         let entered = model.enter_stage(stage, &stops);
@@ -104,6 +106,7 @@ pub fn drive(scene: &Scene, model: &mut dyn Model, dt: f64, progress: &mut dyn F
                 let goal = Goal { target, within, everywhere, at_most, period: 4.0 * scene.height / speed };
                 until_pressure(number, &goal, model, dt, &mut run)
             }
+            Until::Rest { speed, at_most } => until_rest(number, speed, at_most, model, dt, &mut run),
         };
         let (duration_s, fault) = match outcome {
             Ok(duration) => (duration, None),
@@ -243,6 +246,28 @@ fn until_pressure(stage: usize, goal: &Goal, model: &mut dyn Model, dt: f64, run
             return Err((time, Fault { place: "the whole column".to_owned(), what }));
         }
     }
+}
+
+fn until_rest(stage: usize, speed: f64, at_most: f64, model: &mut dyn Model, dt: f64, run: &mut Run) -> Outcome {
+    sample(stage, 0.0, false, model, run);
+    let (mut time, mut looks) = (0.0, 0);
+    while looks < LOOKS_AT_REST {
+        let mut done = 0;
+        let result = model.advance(dt, STEPS_BETWEEN_LOOKS, &mut done);
+        run.steps += done;
+        time += done as f64 * dt;
+        result.map_err(|fault| (time, fault))?;
+        let fastest = model.grid_speed();
+        looks = if fastest <= speed { looks + 1 } else { 0 };
+        if time > at_most || fastest.is_nan() {
+            let what = format!(
+                "a node moves at {fastest:.3e} m/s, expected at most {speed:.1e} m/s after at most {at_most:.3e} s; damping helps"
+            );
+            return Err((time, Fault { place: "the whole soil".to_owned(), what }));
+        }
+    }
+    sample(stage, time, false, model, run);
+    Ok(time)
 }
 
 fn sample(stage: usize, stage_time: f64, observed: bool, model: &dyn Model, run: &mut Run) {

@@ -1,6 +1,6 @@
 //! The one switchboard: the words of a scene become concrete types. Nothing else matches on them.
 
-use crate::boundary::{Strip, Supports, SurfaceLoad};
+use crate::boundary::{Edges, Strip, Supports, SurfaceLoad};
 use crate::constitutive::{Law, LinearElastic};
 use crate::dimension::{Column, Kinematics, PlaneStrain};
 use crate::drive::{Run, drive};
@@ -9,7 +9,10 @@ use crate::grid::Grid;
 use crate::hardware::{Hardware, Width};
 use crate::observe::Seed;
 use crate::particles::{Layer, SolidPoint, WaterPoint, displace, even_positions};
-use crate::scene::{DarcyChoice, Dimension, Integrator, LoadOn, Scene, ShapeChoice, Start, WaterProperties};
+use crate::scene::{
+    DarcyChoice, Dimension, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, Start, WaterProperties,
+};
+use crate::seeding::{self, Part};
 use crate::shape::{Centre, Linear, Shape};
 use crate::space::Deformation;
 use crate::stability::{StepTooLarge, choose_step};
@@ -92,6 +95,7 @@ pub fn model_on(hardware: &Hardware, scene: &Scene) -> Result<Box<dyn Model>, Ru
 /// Whether the step over lanes knows a scene.
 pub(crate) fn over_lanes(width: Width, scene: &Scene) -> bool {
     width != Width::Plain
+        && !scene.needs_plain_step()
         && scene.dimension == Dimension::PlaneStrain
         && scene.integrator == Integrator::Explicit
         && matches!(scene.shape, ShapeChoice::Centre | ShapeChoice::Linear)
@@ -108,7 +112,7 @@ fn implicit<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
 ) -> Box<dyn Model> {
     let spacing = scene.cell / scene.particles_per_direction() as f64;
     let volume = thickness * spacing.powi(D as i32);
-    let ratio = scene.elastic.lame() / scene.oedometer_modulus();
+    let ratio = scene.lateral_ratio();
     let lengths: [f64; D] = std::array::from_fn(|d| if d == D - 1 { scene.height } else { scene.width });
     let mut places: Vec<([f64; D], bool)> =
         positions(scene, soil_cells).map(|x| (x, x[D - 1] > scene.height - spacing)).collect();
@@ -191,6 +195,7 @@ fn water<K: Kinematics<D, S>, Sh: Shape, L: Law<S>, const D: usize, const S: usi
 /// Mesh and solid particles of a scene.
 struct Seeded<const D: usize, const S: usize> {
     grid: Grid<D>,
+    soil_cells: [usize; D],
     solid: Layer<SolidPoint<D, S>, D>,
     face_area: f64,
     particle_volume: f64,
@@ -206,26 +211,39 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
     ) -> Result<Self, RunError> {
         let mut cells = soil_cells;
         cells[D - 1] += scene.headroom_cells;
+        if D == 2 {
+            cells[0] += scene.sideroom_cells;
+        }
         let grid = Grid::new(cells, scene.cell);
         let per_direction = scene.particles_per_direction();
         let particle_volume = face_area * scene.cell / (per_direction as f64).powi(D as i32);
-        let ratio = scene.elastic.lame() / scene.oedometer_modulus();
-        let points = positions(scene, soil_cells)
-            .map(|x| {
-                let (vertical, _) = first_state(scene, x[D - 1]);
-                SolidPoint {
-                    x,
-                    v: [0.0; D],
-                    stress: stress(vertical, ratio * vertical),
-                    mass: scene.dry_density() * particle_volume,
-                    volume: particle_volume,
-                }
-            })
-            .collect();
+        let ratio = scene.lateral_ratio();
+        let point = |x: [f64; D], volume: f64| {
+            let (vertical, _) = match &scene.outline {
+                Some(outline) => state_at_depth(scene, seeding::depth(outline, &[x[0], x[D - 1]])),
+                None => first_state(scene, x[D - 1]),
+            };
+            let mut stress = stress(vertical, ratio * vertical);
+            if scene.slope_angle.is_some() {
+                stress[S - 1] = first_shear(scene, vertical);
+            }
+            SolidPoint { x, v: first_velocity(scene), stress, mass: scene.dry_density() * volume, volume }
+        };
+        let (points, seed) = match outline_parts(scene) {
+            Some(parts) => {
+                let x = |part: &Part| std::array::from_fn(|d| part.centroid[d]);
+                let points = parts.iter().map(|part| point(x(part), part.area)).collect();
+                let heights = parts.iter().map(|part| part.centroid[1]).collect();
+                (points, Seed { per_row: 0, spacing: scene.spacing(), heights })
+            }
+            None => {
+                let points = positions(scene, soil_cells).map(|x| point(x, particle_volume)).collect();
+                let per_row = soil_cells[..D - 1].iter().product::<usize>() * per_direction.pow(D as u32 - 1);
+                (points, Seed { per_row, spacing: scene.spacing(), heights: Vec::new() })
+            }
+        };
         let solid = Layer::new(points, &grid).map_err(|e| outside("solid", e.index, &e.x))?;
-        let per_row = soil_cells[..D - 1].iter().product::<usize>() * per_direction.pow(D as u32 - 1);
-        let seed = Seed { per_row, spacing: scene.cell / per_direction as f64 };
-        Ok(Self { grid, solid, face_area, particle_volume, seed })
+        Ok(Self { grid, soil_cells, solid, face_area, particle_volume, seed })
     }
 
     fn saturated<O: DarcyOperator<D>>(
@@ -233,12 +251,10 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         scene: &Scene,
         properties: WaterProperties,
     ) -> Result<Saturated<O, D>, RunError> {
-        let mut soil_cells = self.grid.cells;
-        soil_cells[D - 1] -= scene.headroom_cells;
-        let points = positions(scene, soil_cells)
+        let points = positions(scene, self.soil_cells)
             .map(|x| WaterPoint {
                 x,
-                v: [0.0; D],
+                v: first_velocity(scene),
                 mass: scene.porosity * properties.density * self.particle_volume,
                 volume: self.particle_volume,
                 pressure: first_state(scene, x[D - 1]).1,
@@ -256,7 +272,9 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         water: W,
     ) -> Box<dyn Model> {
         let supports = Supports::new(&self.grid, &scene.solid_sides);
-        Box::new(Explicit::<K, Sh, L, W, D, S>::new(self.parts(scene, law, water, supports)))
+        let full_mass = scene.dry_density() * self.face_area * scene.cell;
+        let edges = Edges::of(scene, &self.grid, &supports, self.solid.points.len(), full_mass);
+        Box::new(Explicit::<K, Sh, L, W, D, S>::with_edges(self.parts(scene, law, water, supports), edges))
     }
 
     /// The kernels over stencils: their water flows through cell faces, and a dry scene has no pressure to solve for.
@@ -281,7 +299,9 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
 
     fn parts<L, W>(self, scene: &Scene, law: L, water: W, supports: Supports<D>) -> Parts<L, W, D, S> {
         let spacing = self.seed.spacing;
-        let first = (scene.cells[1] * scene.particles_per_direction() - 1) * self.seed.per_row;
+        // The top of an outline is not followed, and carries no load.
+        let per_row = if scene.outline.is_some() { 0 } else { self.seed.per_row };
+        let first = (scene.cells[1] * scene.particles_per_direction() - 1) * per_row;
         let area = self.particle_volume / spacing;
         // A part of the top may carry the load: a strip has the share at the middle of its particle.
         let share = |i: usize| {
@@ -296,9 +316,9 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
             loaded: area * share(i),
         };
         let on = scene.surcharge.map_or(LoadOn::Surface, |s| s.on);
-        let surface = SurfaceLoad::new((0..self.seed.per_row).map(strip).collect(), scene.height, on);
-        let mut gravity = [0.0; D];
-        gravity[D - 1] = -scene.gravity.unwrap_or(0.0);
+        let surface = SurfaceLoad::new((0..per_row).map(strip).collect(), scene.height, on);
+        // A column has the last component, which is the vertical one.
+        let gravity = scene.gravity_vector().map(|g| std::array::from_fn(|d| g[d + 2 - D]));
         Parts {
             supports,
             grid: self.grid,
@@ -307,7 +327,7 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
             law,
             surface,
             surcharge: scene.surcharge,
-            gravity: scene.gravity.map(|_| gravity),
+            gravity,
             flip: scene.flip,
             seed: self.seed,
             first_settlement: first_settlement(scene),
@@ -373,13 +393,41 @@ fn first_state(scene: &Scene, height: f64) -> (f64, f64) {
             let pressure = scene.undrained_pressure();
             (-(load - pressure), pressure)
         }
+        Start::Geostatic => state_at_depth(scene, scene.height - height),
+    }
+}
+
+/// The same at a depth (m) below the surface, normal to a base that may be tilted.
+fn state_at_depth(scene: &Scene, depth: f64) -> (f64, f64) {
+    match scene.start {
+        Start::Unloaded | Start::UndrainedEquilibrium => (0.0, 0.0),
         Start::Geostatic => {
-            let g = scene.gravity.unwrap_or(0.0);
-            let depth = scene.height - height;
+            let g = scene.gravity_vector().map_or(0.0, |[_, y]| -y);
             let water = scene.water.map_or(0.0, |w| w.density);
             (-(scene.mixture_density() - water) * g * depth, water * g * depth)
         }
     }
+}
+
+/// Shear stress (Pa) on planes along a tilted base beside a normal stress on them, of an infinite slope:
+/// `rho g sin(angle) d` beside `-rho g cos(angle) d`.
+fn first_shear(scene: &Scene, normal: f64) -> f64 {
+    -normal * scene.slope_angle.unwrap_or(0.0).to_radians().tan()
+}
+
+/// Velocity at t = 0, m/s; none in a column, which the scene's check sees to.
+fn first_velocity<const D: usize>(scene: &Scene) -> [f64; D] {
+    let velocity = scene.start_velocity.unwrap_or([0.0; 2]);
+    std::array::from_fn(|d| velocity[d + 2 - D])
+}
+
+/// What the particles of an outline stand for; `None` for a column.
+pub fn outline_parts(scene: &Scene) -> Option<Vec<Part>> {
+    let outline = scene.outline.as_ref()?;
+    Some(match scene.seeding {
+        SeedingChoice::Clipped => seeding::parts(outline, scene.spacing()),
+        SeedingChoice::Whole => seeding::whole(outline, scene.spacing()),
+    })
 }
 
 fn outside<const D: usize>(layer: &str, index: usize, x: &[f64; D]) -> RunError {

@@ -196,6 +196,9 @@ impl<const D: usize> SurfaceLoad<D> {
 
     /// How far the surface has come down since t = 0, m.
     pub fn settlement<const S: usize>(&self, solid: &Layer<SolidPoint<D, S>, D>) -> f64 {
+        if self.strips.is_empty() {
+            return 0.0; // no surface is followed
+        }
         let mut sum = 0.0;
         for (strip, &index) in self.strips.iter().zip(&self.index) {
             let point = &solid.points[index as usize];

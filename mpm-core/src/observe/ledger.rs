@@ -25,6 +25,8 @@ pub struct Totals<const D: usize> {
     pub damping_loss: f64,
     /// Energy lost to friction in the pores, J.
     pub darcy_dissipation: f64,
+    /// Energy lost to friction on the base, J.
+    pub base_friction: f64,
     /// Work of rho_w (g - a_s) on the Darcy flux, J.
     pub flow_body_work: f64,
     /// Water that has left, m3.
@@ -79,6 +81,7 @@ impl<const D: usize> Default for Totals<D> {
             damping_loss: 0.0,
             darcy_dissipation: 0.0,
             flow_body_work: 0.0,
+            base_friction: 0.0,
             water_out: 0.0,
             water_in: 0.0,
             first: Stored::NONE,
@@ -128,6 +131,8 @@ pub struct Ledger {
     /// Mass of water particles taken out because they had left the soil, kg. The water balance above is that of the
     /// flow through the faces; this says how much of the layer has followed it.
     pub water_particles_removed_kg: f64,
+    /// Energy lost to friction on the base, J.
+    pub base_friction_j: f64,
 }
 
 impl<const D: usize> Totals<D> {
@@ -181,8 +186,9 @@ impl<const D: usize> Totals<D> {
             flow_body_work_j: self.flow_body_work,
             darcy_dissipation_j: self.darcy_dissipation,
             damping_loss_j: self.damping_loss,
-            energy_closing_j: stored - work + self.darcy_dissipation + self.damping_loss,
+            energy_closing_j: stored - work + self.darcy_dissipation + self.damping_loss + self.base_friction,
             water_particles_removed_kg: removed,
+            base_friction_j: self.base_friction,
         }
     }
 }

@@ -8,17 +8,22 @@ use serde::Serialize;
 use crate::particles::{Layer, SolidPoint, WaterPoint};
 
 /// Where particles were seeded: rows of equal height from the base up, in the order of their numbers.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Seed {
     /// Particles in a row.
     pub per_row: usize,
     /// Height of a row, m.
     pub spacing: f64,
+    /// Height of each particle, m, where they do not stand in rows; else empty.
+    pub heights: Vec<f64>,
 }
 
 impl Seed {
     /// Height of a solid particle at t = 0, m.
     pub fn height_of(&self, id: u32) -> f64 {
+        if let Some(height) = self.heights.get(id as usize) {
+            return *height;
+        }
         ((id as usize / self.per_row) as f64 + 0.5) * self.spacing
     }
 }
@@ -49,6 +54,8 @@ pub struct Observation {
     pub base_pressure: f64,
     /// Largest speed of a solid particle, m/s.
     pub max_speed: f64,
+    /// Centre of mass of the soil, m: x (zero in a column) and y.
+    pub centre: [f64; 2],
     /// Smallest volume of a particle of either layer, m3.
     pub least_volume: f64,
     /// Difference of pore pressure between neighbouring cells that alternates in sign: mean |p_c - average of the
@@ -172,6 +179,7 @@ pub fn observe<const D: usize, const S: usize>(
         mean_pressure: cells.iter().map(|c| c.volume * c.pressure).sum::<f64>() / volume,
         base_pressure: profile.first().map_or(0.0, |row| row.pressure_pa),
         max_speed: solid.points.iter().map(speed).fold(0.0, f64::max),
+        centre: centre(solid),
         least_volume: volumes.chain(of_water).fold(f64::INFINITY, f64::min),
         checkerboard: checkerboard(cells),
         solid_crossings: solid.crossings,
@@ -179,6 +187,13 @@ pub fn observe<const D: usize, const S: usize>(
         profile,
         field: Vec::new(),
     }
+}
+
+/// Centre of mass of a layer, m: x (zero in a column) and y.
+fn centre<const D: usize, const S: usize>(solid: &Layer<SolidPoint<D, S>, D>) -> [f64; 2] {
+    let mass: f64 = solid.points.iter().map(|p| p.mass).sum();
+    let along = |d: usize| solid.points.iter().map(|p| p.mass * p.x[d]).sum::<f64>() / mass;
+    [if D == 2 { along(0) } else { 0.0 }, along(D - 1)]
 }
 
 /// Averages over rows of cells, weighted by volume.

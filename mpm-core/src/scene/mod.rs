@@ -3,6 +3,7 @@
 
 mod check;
 mod flags;
+mod ground;
 mod raw;
 
 use std::fmt;
@@ -11,6 +12,7 @@ use std::path::Path;
 use serde::Serialize;
 
 pub use flags::Flags;
+pub use ground::{Base, NormalStress, SeedingChoice};
 
 use crate::error::{LoadError, SceneError};
 
@@ -279,6 +281,13 @@ pub enum Until {
         /// Give up after this time, s.
         at_most: f64,
     },
+    /// No node has moved faster than this for some time.
+    Rest {
+        /// Largest speed of a node, m/s.
+        speed: f64,
+        /// Give up after this time, s.
+        at_most: f64,
+    },
 }
 
 /// A part of the run with its own drainage and damping.
@@ -324,18 +333,36 @@ pub struct Scene {
     pub dimension: Dimension,
     /// State at t = 0.
     pub start: Start,
+    /// Velocity of the soil at t = 0, m/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start_velocity: Option<[f64; 2]>,
+    /// Lateral over vertical effective stress of a geostatic start; `None` for that of no lateral strain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start_k0: Option<f64>,
     /// Gravity, m/s2, downwards; `None` switches the term off.
     pub gravity: Option<f64>,
-    /// Height of the column, m.
+    /// Angle of the base to the horizontal, degrees: gravity then points towards (sin, -cos), x downslope.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slope_angle: Option<f64>,
+    /// Height of the column, m; that of the outline's highest point.
     pub height: f64,
-    /// Width of the column, m.
+    /// Width of the column, m; x of the outline's last point.
     pub width: f64,
+    /// Corners of the soil, m, anticlockwise; `None` for a column.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outline: Option<Vec<[f64; 2]>>,
+    /// How particles are cut by the outline.
+    #[serde(skip_serializing_if = "SeedingChoice::is_default")]
+    pub seeding: SeedingChoice,
     /// Edge of the square cells L, m.
     pub cell: f64,
     /// Cells over the height and over the width of the soil.
     pub cells: [usize; 2],
     /// Rows of empty cells above the soil.
     pub headroom_cells: usize,
+    /// Columns of empty cells right of the soil.
+    #[serde(skip_serializing_if = "none")]
+    pub sideroom_cells: usize,
     /// Particles per cell and layer in plane strain: 1, 4, 9, ...; the column uses the square root.
     pub particles_per_cell: usize,
     /// The mesh starts this share of a cell below and left of the soil, 0 <= s < 1.
@@ -354,6 +381,12 @@ pub struct Scene {
     pub water: Option<WaterProperties>,
     /// Constraint of the solid on each side: left, right, bottom, top.
     pub solid_sides: [SolidSide; 4],
+    /// What leaves the mesh at one side comes in at the other.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub periodic: bool,
+    /// Friction on the base; `None` where the bottom is held as `solid_sides` says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base: Option<Base>,
     /// Load on the top.
     pub surcharge: Option<Surcharge>,
     /// How time is integrated.
@@ -374,6 +407,9 @@ pub struct Scene {
     pub darcy_inertia: bool,
     /// FLIP share of the velocity update: 1 is FLIP, 0 is PIC.
     pub flip: f64,
+    /// Nodes with less than this share of a full node's mass move with a heavier neighbour; 0 for none.
+    #[serde(skip_serializing_if = "f64_is_zero")]
+    pub light_nodes: f64,
     /// Time step.
     pub step: StepChoice,
     /// Factor on the stability limit for [`StepChoice::Auto`].
@@ -482,7 +518,7 @@ impl Scene {
     /// Whether soil and water move vertically only: nothing free sideways, one load all over, no drained side wall.
     pub fn is_one_dimensional(&self) -> bool {
         let walls = [Side::Left as usize, Side::Right as usize];
-        let smooth = walls.iter().all(|i| self.solid_sides[*i] == SolidSide::Roller);
+        let smooth = walls.iter().all(|i| self.solid_sides[*i] == SolidSide::Roller) && self.is_level_column();
         let tight = !self.stages.iter().any(|stage| walls.iter().any(|i| stage.drained[*i]));
         smooth && tight && self.surcharge.is_none_or(|s| s.strip.is_none())
     }
@@ -499,14 +535,27 @@ impl Scene {
         (self.particles_per_cell as f64).sqrt().round() as usize
     }
 
-    /// Number of solid particles (equal to that of water particles in a saturated scene).
+    /// Number of solid particles (equal to that of water particles in a saturated scene); about that with an outline.
     pub fn solid_particles(&self) -> usize {
+        if let Some(outline) = &self.outline {
+            let spacing = self.cell / self.particles_per_direction() as f64;
+            return (crate::seeding::area(outline) / (spacing * spacing)).ceil() as usize;
+        }
         let across = match self.dimension {
             Dimension::Column => 1,
             Dimension::PlaneStrain => self.cells[0] * self.particles_per_direction(),
         };
         across * self.cells[1] * self.particles_per_direction()
     }
+}
+
+/// Keys that most scenes do not have stay out of the record of a scene.
+fn none(count: &usize) -> bool {
+    *count == 0
+}
+
+fn f64_is_zero(number: &f64) -> bool {
+    *number == 0.0
 }
 
 impl fmt::Display for Side {

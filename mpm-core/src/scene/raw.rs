@@ -14,12 +14,16 @@ pub(super) struct RawScene {
     pub name: Word,
     pub dimension: Option<Word>,
     pub start: Option<Word>,
+    pub start_velocity: Option<Spanned<[f64; 2]>>,
+    pub start_k0: Option<Number>,
     pub gravity: Option<Number>,
+    pub slope_angle: Option<Number>,
     pub geometry: Spanned<RawGeometry>,
     pub mesh: Spanned<RawMesh>,
     pub soil: Spanned<RawSoil>,
     pub water: Option<Spanned<RawWater>>,
     pub boundaries: Option<Spanned<RawBoundaries>>,
+    pub base: Option<Spanned<RawBase>>,
     pub surcharge: Option<Spanned<RawSurcharge>>,
     pub scheme: Option<Spanned<RawScheme>>,
     pub time: Option<Spanned<RawTime>>,
@@ -31,6 +35,7 @@ pub(super) struct RawScene {
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub(super) enum RawGeometry {
     Column(RawColumn),
+    Outline(RawOutline),
 }
 
 #[derive(Debug, Deserialize)]
@@ -42,10 +47,18 @@ pub(super) struct RawColumn {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+pub(super) struct RawOutline {
+    pub points: Spanned<Vec<Spanned<[f64; 2]>>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct RawMesh {
     pub cell: Number,
     pub particles_per_cell: Spanned<i64>,
     pub headroom_cells: Option<Spanned<i64>>,
+    pub sideroom_cells: Option<Spanned<i64>>,
+    pub seeding: Option<Word>,
     pub shift: Option<Number>,
     pub displaced: Option<Spanned<RawDisplaced>>,
 }
@@ -103,6 +116,17 @@ pub(super) struct RawBoundaries {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+pub(super) struct RawBase {
+    pub friction_angle: Option<Number>,
+    pub peak_angle: Option<Number>,
+    pub residual_angle: Option<Number>,
+    pub slip_distance: Option<Number>,
+    pub adhesion: Option<Number>,
+    pub normal_stress: Option<Word>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct RawSurcharge {
     pub pressure: Number,
     pub on: Option<Word>,
@@ -125,6 +149,7 @@ pub(super) struct RawScheme {
     pub darcy: Option<Word>,
     pub darcy_inertia: Option<Spanned<bool>>,
     pub flip: Option<Number>,
+    pub light_nodes: Option<Number>,
     pub quadrature: Option<Word>,
     pub jump_penalty: Option<Number>,
 }
@@ -154,8 +179,16 @@ pub(super) struct RawUntil {
     pub time: Option<Number>,
     pub time_factor: Option<Number>,
     pub pore_pressure_within: Option<Number>,
+    pub rest: Option<Spanned<RawRest>>,
     pub everywhere: Option<bool>,
     pub at_most: Option<Number>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawRest {
+    pub speed: Number,
+    pub at_most: Number,
 }
 
 #[derive(Debug, Deserialize)]

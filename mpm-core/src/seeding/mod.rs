@@ -97,7 +97,10 @@ fn merge(squares: &mut BTreeMap<(usize, usize), Part>, least: f64) {
 }
 
 /// Among the squares that share an edge with one, else a corner.
-fn largest_neighbour(squares: &BTreeMap<(usize, usize), Part>, (row, column): (usize, usize)) -> Option<(usize, usize)> {
+fn largest_neighbour(
+    squares: &BTreeMap<(usize, usize), Part>,
+    (row, column): (usize, usize),
+) -> Option<(usize, usize)> {
     let around = |edges: bool| {
         let places = (0..9).map(|i| (row + i / 3, column + i % 3)).filter(|(r, c)| *r > 0 && *c > 0);
         let places = places.map(|(r, c)| (r - 1, c - 1)).filter(move |(r, c)| {

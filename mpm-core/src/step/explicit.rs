@@ -1,6 +1,7 @@
 //! The paper's explicit step (Figure 1): particles to mesh, equation of motion, Darcy flow, mesh to particles.
 
 use super::{Fault, Model, Parts};
+use crate::boundary::{Coulomb, Edges};
 use crate::constitutive::Law;
 use crate::dimension::{Kinematics, basis, coefficients, gradient, shares, to_corners, trace, value};
 use crate::grid::Grid;
@@ -15,6 +16,8 @@ use std::marker::PhantomData;
 #[derive(Debug)]
 pub struct Explicit<K, Sh, L, W, const D: usize, const S: usize> {
     parts: Parts<L, W, D, S>,
+    /// Periodic sides, light nodes, friction on the base: few scenes have any.
+    edges: Option<Box<Edges<D>>>,
     nodes: Vec<NodeSums<D>>,
     motion: Vec<NodeMotion<D>>,
     damping: f64,
@@ -31,11 +34,17 @@ where
     W: Water<K, D, S>,
 {
     /// A run at t = 0.
-    pub fn new(mut parts: Parts<L, W, D, S>) -> Self {
+    pub fn new(parts: Parts<L, W, D, S>) -> Self {
+        Self::with_edges(parts, None)
+    }
+
+    /// A run at t = 0 of a mesh with edges.
+    pub fn with_edges(mut parts: Parts<L, W, D, S>, edges: Option<Box<Edges<D>>>) -> Self {
         parts.surface.follow(&parts.solid);
         let count = parts.grid.node_count();
         let mut run = Self {
             parts,
+            edges,
             nodes: vec![NodeSums::ZERO; count],
             motion: vec![NodeMotion::REST; count],
             damping: 0.0,
@@ -55,6 +64,9 @@ where
         self.darcy_flow::<false>(dt);
         if self.mesh_to_particles::<false>(dt) {
             let solid = &mut self.parts.solid;
+            if let Some(edges) = &self.edges {
+                edges.wrap(solid);
+            }
             solid.sort(&self.parts.grid).map_err(|e| Fault {
                 place: format!("solid particle {} at {:?} m", solid.ids[e.index], e.x),
                 what: "outside the mesh".to_owned(),
@@ -148,6 +160,9 @@ where
 
     /// Mixture momentum: rho a_s = div(sigma') - grad p + rho g; new nodal velocities.
     fn equation_of_motion<const ALONE: bool>(&mut self, dt: f64) {
+        if let Some(edges) = &mut self.edges {
+            edges.joined.join(&mut self.nodes);
+        }
         let flip = self.parts.flip;
         for (node, motion) in self.nodes.iter().zip(&mut self.motion) {
             let with_mass = node.solid_mass > 0.0;
@@ -161,9 +176,18 @@ where
                 motion.change[d] = flip * dt * acceleration + (1.0 - flip) * velocity;
             }
         }
+        if self.edges.is_some() {
+            self.rub(dt); // before the supports: it needs what they have to take
+        }
         let impulse = self.parts.supports.apply(&self.nodes, &mut self.motion);
         if self.damping > 0.0 {
             self.damp(dt); // after the supports: a held node has no speed to lose
+        }
+        if let Some(edges) = &mut self.edges {
+            edges.joined.follow(&mut self.motion);
+            if let Some(base) = &mut edges.base {
+                base.slide(&self.parts.grid, &self.parts.solid, &self.motion, dt);
+            }
         }
         let pressure = self.pressure();
         for d in 0..D {
@@ -177,6 +201,23 @@ where
         if let Some(gravity) = self.parts.gravity {
             self.totals.weigh(&self.nodes, &self.motion, &gravity, dt);
         }
+    }
+
+    /// Friction on the base, where the scene has it.
+    #[cold]
+    fn rub(&mut self, dt: f64) {
+        let Some(Edges { joined, base: Some(base), .. }) = self.edges.as_deref_mut() else { return };
+        let Parts { grid, solid, water, .. } = &self.parts;
+        let pressure = |cell: usize| {
+            let place = Place { cell, position: grid.cell_position(cell), corners: [0; 4] };
+            let points = &solid.points[solid.range(cell)];
+            let (mass, volume) = points.iter().fold((0.0, 0.0), |(m, v), p| (m + p.mass, v + p.volume));
+            water.cell_state(&SoilCell { place, mass, volume }).0
+        };
+        base.gather(grid, solid, joined, pressure);
+        let rubbed = base.rub(&self.nodes, &mut self.motion, dt);
+        self.totals.support_impulse[0] += rubbed.impulse;
+        self.totals.base_friction += rubbed.loss;
     }
 
     /// Mass-proportional damping, implicit in the velocity: v (1 + c dt) = v + a dt.
@@ -287,11 +328,18 @@ where
         self.parts.pore_pressure::<K>()
     }
 
+    fn grid_speed(&self) -> f64 {
+        let speed = |m: &NodeMotion<D>| m.velocity.iter().map(|v| v * v).sum::<f64>();
+        // One that is not a number stays: it is not at rest.
+        self.motion.iter().map(speed).fold(0.0, |a, b| if b <= a || a.is_nan() { a } else { b }).sqrt()
+    }
+
     fn bytes(&self) -> usize {
         self.parts.solid.bytes()
             + self.parts.water.bytes()
             + self.nodes.capacity() * size_of::<NodeSums<D>>()
             + self.motion.capacity() * size_of::<NodeMotion<D>>()
+            + self.edges.as_ref().and_then(|edges| edges.base.as_ref()).map_or(0, Coulomb::bytes)
     }
 
     fn solid_count(&self) -> usize {

@@ -67,6 +67,10 @@ pub trait Model: Send {
     fn ledger(&self) -> Ledger;
     /// Pore pressure averaged over the soil, and its smallest and largest cell value, Pa.
     fn pore_pressure(&self) -> [f64; 3];
+    /// Largest speed of a node in the last step, m/s; of no use but to a model that can wait for rest.
+    fn grid_speed(&self) -> f64 {
+        f64::INFINITY
+    }
     /// Bytes held by particles and mesh.
     fn bytes(&self) -> usize;
     /// Solid particles.

@@ -6,8 +6,9 @@ use std::time::Instant;
 use clap::Args;
 use mpm_core::drive::{Run, Sample};
 use mpm_core::hardware::Hardware;
-use mpm_core::run::{StartError, run_on};
+use mpm_core::run::{StartError, outline_parts, run_on};
 use mpm_core::scene::{Flags, Integrator, Scene};
+use mpm_core::seeding;
 use mpm_core::stability::stable_limit;
 use mpm_core::step::Work;
 use mpm_verify::exact::terzaghi::Terzaghi;
@@ -73,6 +74,9 @@ struct Row {
     damping_loss_j: f64,
     energy_closing_j: f64,
     water_particles_removed_kg: f64,
+    base_friction_j: f64,
+    centre_x_m: f64,
+    centre_y_m: f64,
 }
 
 /// A row of profiles.csv.
@@ -127,6 +131,27 @@ struct Summary<'a> {
     threads: usize,
     /// Time by the clock on the wall, s; `cpu_s` adds up that of all threads.
     wall_s: f64,
+    /// What the particles of an outline stand for, beside the outline itself.
+    #[serde(flatten)]
+    seeded: Option<Seeded>,
+}
+
+/// An outline and the particles in it.
+#[derive(Debug, Serialize)]
+struct Seeded {
+    outline_area_m2: f64,
+    seeded_area_m2: f64,
+    outline_centroid_m: [f64; 2],
+    seeded_centroid_m: [f64; 2],
+}
+
+impl Seeded {
+    fn of(scene: &Scene) -> Option<Self> {
+        let outline = scene.outline.as_ref()?;
+        let (seeded_area_m2, seeded_centroid_m) = seeding::total(&outline_parts(scene)?);
+        let (outline_area_m2, outline_centroid_m) = (seeding::area(outline), seeding::centroid(outline));
+        Some(Self { outline_area_m2, seeded_area_m2, outline_centroid_m, seeded_centroid_m })
+    }
 }
 
 /// Solves a scene.
@@ -213,6 +238,7 @@ fn summary<'a>(scene: &'a Scene, run: &'a Run, threads: usize, [cpu_s, wall_s]: 
         solves: run.work.solves,
         threads,
         wall_s,
+        seeded: Seeded::of(scene),
     }
 }
 
@@ -250,6 +276,9 @@ fn history(run: &Run) -> Vec<Row> {
             damping_loss_j: l.damping_loss_j,
             energy_closing_j: l.energy_closing_j,
             water_particles_removed_kg: l.water_particles_removed_kg,
+            base_friction_j: l.base_friction_j,
+            centre_x_m: o.centre[0],
+            centre_y_m: o.centre[1],
         }
     };
     run.samples.iter().map(row).collect()

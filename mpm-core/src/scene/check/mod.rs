@@ -4,11 +4,12 @@ use std::ops::Range;
 
 use toml::{Spanned, Value};
 
+mod ground;
 mod method;
 mod together;
 
 use super::flags::{self, Flags};
-use super::raw::{RawGeometry, RawLaw, RawMesh, RawObserve, RawScene, RawSoil, RawStage, RawStrip, RawUntil, RawWater};
+use super::raw::{RawLaw, RawMesh, RawObserve, RawScene, RawSoil, RawStage, RawStrip, RawUntil, RawWater};
 use super::{
     Dimension, Elastic, Integrator, LoadOn, LoadedStrip, PAPER_STEP, Scene, Side, SolidSide, Stage, Start, StepChoice,
     Surcharge, Until, WaterProperties,
@@ -147,18 +148,10 @@ impl Reader<'_> {
             Some(value) => Some(self.positive(value, "gravity", "m/s2, downwards; leave the key out for none")?),
             None => None,
         };
-        let RawGeometry::Column(column) = raw.geometry.get_ref();
-        let height = self.positive(&column.height, "geometry.column.height", "m")?;
-        let width = self.positive(&column.width, "geometry.column.width", "m")?;
         let mesh = raw.mesh.get_ref();
-        let cell = self.positive(&mesh.cell, "mesh.cell", "m")?;
-        let rows = self.divides(mesh, cell, height, "height")?;
-        // A column ignores the cells across, so only plane strain asks the mesh to divide the width.
-        let across = match dimension {
-            Dimension::Column => 1,
-            Dimension::PlaneStrain => self.divides(mesh, cell, width, "width")?,
-        };
-        let (particles_per_cell, headroom_cells) = self.particles(raw, rows, across, dimension)?;
+        let geometry = self.geometry(raw, dimension)?;
+        let ground::Geometry { outline, width, height, cell, cells: [across, rows], sideroom_cells } = geometry;
+        let (particles_per_cell, headroom_cells) = self.particles(raw, rows, across + sideroom_cells, dimension)?;
         let (elastic, porosity) = self.soil(raw.soil.get_ref())?;
         let water = match &raw.water {
             Some(water) => Some(self.water(water)?),
@@ -172,16 +165,24 @@ impl Reader<'_> {
         let scheme = self.scheme(raw.scheme.as_ref().map(Spanned::get_ref), water.is_some(), dimension)?;
         let time = self.time(raw.time.as_ref().map(Spanned::get_ref))?;
         let (shift, displaced) = self.places(mesh)?;
+        let ground = self.ground(raw)?;
         let mut scene = Scene {
             name: raw.name.get_ref().clone(),
             dimension,
             start,
+            start_velocity: ground.start_velocity,
+            start_k0: ground.start_k0,
             gravity,
+            slope_angle: ground.slope_angle,
             height,
             width,
+            light_nodes: self.light_nodes(raw, outline.is_some() || sideroom_cells > 0)?,
+            outline,
+            seeding: self.seeding(mesh)?,
             cell,
             cells: [across, rows],
             headroom_cells,
+            sideroom_cells,
             particles_per_cell,
             shift,
             displaced,
@@ -191,6 +192,8 @@ impl Reader<'_> {
             porosity,
             water,
             solid_sides,
+            periodic: self.periodic(raw)?,
+            base: self.base(raw)?,
             surcharge,
             integrator: time.integrator,
             method: time.method,
@@ -214,6 +217,7 @@ impl Reader<'_> {
         self.stages(raw, &mut scene)?;
         self.observe(raw.observe.as_ref(), &mut scene)?;
         self.fits_together(raw, &scene)?;
+        self.on_the_ground(raw, &scene)?;
         self.number_of_steps(raw, &scene)?;
         Ok(scene)
     }
@@ -230,7 +234,7 @@ impl Reader<'_> {
             .iter()
             .map(|stage| match stage.until {
                 Until::Time(time) => time,
-                Until::PorePressure { at_most, .. } => at_most,
+                Until::PorePressure { at_most, .. } | Until::Rest { at_most, .. } => at_most,
             })
             .sum();
         let steps = time / step;
@@ -371,6 +375,7 @@ impl Reader<'_> {
         let mut sides = defaults;
         for (side, value) in Side::ALL.into_iter().zip([&b.left, &b.right, &b.bottom, &b.top]) {
             let i = side as usize;
+            let words = [&words[..], ground::own_words(side)].concat();
             sides[i] = self.word(value.as_ref(), &format!("boundaries.{side}"), &words, defaults[i])?;
             let across = matches!(side, Side::Left | Side::Right);
             if let (Some(value), true, Dimension::Column) = (value, across && sides[i] != SolidSide::Roller, dimension)
@@ -512,6 +517,9 @@ impl Reader<'_> {
 
     fn until(&self, table: &Spanned<RawUntil>, scene: &Scene) -> Checked<Until> {
         let (until, span) = (table.get_ref(), table.span());
+        if let Some(rest) = &until.rest {
+            return self.rest(rest, until, &span);
+        }
         if let (Some(value), None) = (&until.at_most, &until.pore_pressure_within) {
             return self.refuse(&value.span(), "stages.until.at_most", "pore_pressure_within beside it", "none");
         }
@@ -557,14 +565,15 @@ impl Reader<'_> {
             }
             (time, factor, within) => {
                 let count = [time, factor, within].into_iter().flatten().count();
-                let expected = "exactly one of time, time_factor, pore_pressure_within";
+                let expected = "exactly one of time, time_factor, pore_pressure_within, rest";
                 self.refuse(&span, "stages.until", expected, if count == 0 { "none" } else { "several" })
             }
         }
     }
 
     fn observe(&self, raw: Option<&Spanned<RawObserve>>, scene: &mut Scene) -> Checked<()> {
-        let Until::Time(end) = scene.stages[scene.stages.len() - 1].until else {
+        let last = scene.stages[scene.stages.len() - 1].until;
+        let Until::Time(end) = last else {
             let observe = raw.map(Spanned::get_ref);
             let span = observe.and_then(|o| {
                 let lists = [&o.times, &o.time_factors].into_iter().flatten().map(Spanned::span).next();
@@ -572,7 +581,8 @@ impl Reader<'_> {
             });
             return match span {
                 Some(span) => {
-                    self.refuse(&span, "observe", "no times beside a last stage that ends by pressure", "some")
+                    let by = if matches!(last, Until::Rest { .. }) { "rest" } else { "pressure" };
+                    self.refuse(&span, "observe", &format!("no times beside a last stage that ends by {by}"), "some")
                 }
                 None => Ok(()),
             };

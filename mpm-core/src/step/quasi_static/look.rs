@@ -20,6 +20,7 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
             mean_pressure: cells.iter().map(|c| c.volume * c.pressure).sum::<f64>() / volume,
             base_pressure: rows.first().map_or(0.0, |row| row.pressure_pa),
             max_speed: 0.0,
+            centre: self.centre(),
             least_volume: cells.iter().map(|c| c.volume).fold(f64::INFINITY, f64::min),
             checkerboard: checkerboard(&cells),
             solid_crossings: self.crossings(),
@@ -27,6 +28,19 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
             profile: rows,
             field: self.field(&cells),
         }
+    }
+
+    /// Centre of mass of the soil, m: x (zero in a column) and y.
+    fn centre(&self) -> [f64; 2] {
+        let (mut mass, mut moment) = (0.0, [0.0; 2]);
+        for (i, point) in self.points.iter().enumerate() {
+            let u = self.moved(i);
+            mass += point.mass;
+            for d in 0..D {
+                moment[d + 2 - D] += point.mass * (point.x[d] + u[d]);
+            }
+        }
+        moment.map(|m| m / mass)
     }
 
     /// Pressures over the plane.

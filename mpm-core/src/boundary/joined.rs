@@ -1,0 +1,103 @@
+//! Nodes that move as one: both ends of a row that is periodic, and nodes too light to move alone.
+//!
+//! What was gathered at a follower is added to its leader before the equation of motion, and the follower, then without
+//! mass, is given the leader's motion afterwards: masses, momenta and forces are kept, and the ledgers see each once.
+
+use crate::grid::Grid;
+use crate::nodes::{NodeMotion, NodeSums};
+
+use super::Supports;
+
+/// Nodes that move with others.
+#[derive(Debug, Clone)]
+pub struct Joined<const D: usize> {
+    /// Follower and leader of a periodic mesh: right and left.
+    across: Vec<[u32; 2]>,
+    /// Nodes lighter than this follow a heavier neighbour, kg.
+    least_mass: f64,
+    /// Directions in which a node is held, one bit each; empty if no node follows for its mass.
+    held: Vec<u8>,
+    /// Followers and leaders of this step, for their mass.
+    light: Vec<[u32; 2]>,
+    /// Nodes along each axis.
+    along: [usize; D],
+}
+
+impl<const D: usize> Joined<D> {
+    /// Joins left and right if the mesh is `periodic`, and nodes lighter than `least_mass` (kg, zero for none) to others.
+    pub fn new(grid: &Grid<D>, supports: &Supports<D>, periodic: bool, least_mass: f64) -> Self {
+        let along = grid.cells.map(|cells| cells + 1);
+        let rows = if periodic { grid.node_count() / along[0] } else { 0 };
+        let end = |row: usize| [(row + 1) * along[0] - 1, row * along[0]].map(|node| node as u32);
+        let mut held = vec![0; if least_mass > 0.0 { grid.node_count() } else { 0 }];
+        for d in (0..D).filter(|_| least_mass > 0.0) {
+            for node in supports.held(d) {
+                held[node] |= 1 << d;
+            }
+        }
+        Self { across: (0..rows).map(end).collect(), least_mass, held, light: Vec::new(), along }
+    }
+
+    /// Gives the sums of the followers to their leaders.
+    pub fn join(&mut self, nodes: &mut [NodeSums<D>]) {
+        for &[follower, leader] in &self.across {
+            give(nodes, follower, leader);
+        }
+        if self.least_mass > 0.0 {
+            self.light.clear();
+            for node in 0..nodes.len() {
+                let mass = nodes[node].solid_mass;
+                if mass > 0.0 && mass < self.least_mass {
+                    let leader = self.leader(node, nodes);
+                    self.light.extend(leader.map(|leader| [node as u32, leader as u32]));
+                }
+            }
+            for &[follower, leader] in &self.light {
+                give(nodes, follower, leader);
+            }
+        }
+    }
+
+    /// Followers and leaders of this step, in the order in which sums are given.
+    pub fn pairs(&self) -> impl Iterator<Item = [usize; 2]> {
+        self.across.iter().chain(&self.light).map(|pair| pair.map(|node| node as usize))
+    }
+
+    /// The heaviest neighbour that is not light itself, and is held wherever the node is.
+    fn leader(&self, node: usize, nodes: &[NodeSums<D>]) -> Option<usize> {
+        let (width, count) = (self.along[0] as isize, nodes.len() as isize);
+        let (x, mut best) = (node as isize % width, None);
+        for [i, j] in (0..9_isize).map(|k| [k % 3 - 1, k / 3 - 1]) {
+            let neighbour = node as isize + i + j * width;
+            if !(0..width).contains(&(x + i)) || !(0..count).contains(&neighbour) {
+                continue;
+            }
+            let (neighbour, held) = (neighbour as usize, self.held[node]);
+            let mass = nodes[neighbour].solid_mass;
+            let heavier = best.is_none_or(|best: usize| mass > nodes[best].solid_mass);
+            if mass >= self.least_mass && self.held[neighbour] & held == held && heavier {
+                best = Some(neighbour);
+            }
+        }
+        best
+    }
+
+    /// Gives the motion of the leaders to their followers.
+    pub fn follow(&self, motion: &mut [NodeMotion<D>]) {
+        // A leader across may be a follower for its mass: that is known first.
+        for &[follower, leader] in self.light.iter().chain(&self.across) {
+            motion[follower as usize] = motion[leader as usize];
+        }
+    }
+}
+
+fn give<const D: usize>(nodes: &mut [NodeSums<D>], follower: u32, leader: u32) {
+    let from = std::mem::replace(&mut nodes[follower as usize], NodeSums::ZERO);
+    let to = &mut nodes[leader as usize];
+    to.solid_mass += from.solid_mass;
+    to.mixture_mass += from.mixture_mass;
+    for d in 0..D {
+        to.momentum[d] += from.momentum[d];
+        to.force[d] += from.force[d];
+    }
+}

@@ -1,0 +1,334 @@
+//! Outlines, slopes, friction on the base, room to run out: their bounds, and what they do not go together with.
+
+use std::ops::Range;
+
+use toml::Spanned;
+
+use super::super::raw::{RawGeometry, RawMesh, RawOutline, RawRest, RawScene, RawUntil};
+use super::super::{
+    Base, Dimension, Integrator, NormalStress, Scene, SeedingChoice, ShapeChoice, Side, SolidSide, Until,
+};
+use super::{Checked, Reader, quoted};
+use crate::seeding::{self, Fault};
+
+/// Columns of empty cells that can be asked for.
+const MOST_SIDEROOM: i64 = 1_000_000;
+/// Share of a full node's mass below which nodes move with a neighbour, where soil may fill a cell in part.
+const LIGHT_NODES: f64 = 0.1;
+
+/// The checked geometry with its mesh.
+pub(super) struct Geometry {
+    pub outline: Option<Vec<[f64; 2]>>,
+    pub width: f64,
+    pub height: f64,
+    pub cell: f64,
+    /// Over the width and the height.
+    pub cells: [usize; 2],
+    pub sideroom_cells: usize,
+}
+
+/// Checked keys of the top level.
+pub(super) struct Ground {
+    pub start_velocity: Option<[f64; 2]>,
+    pub start_k0: Option<f64>,
+    pub slope_angle: Option<f64>,
+}
+
+/// Words that only some sides know; where the side then is not held otherwise.
+pub(super) fn own_words(side: Side) -> &'static [(&'static str, SolidSide)] {
+    match side {
+        Side::Left | Side::Right => &[("periodic", SolidSide::Free)],
+        Side::Bottom => &[("coulomb", SolidSide::Roller)],
+        Side::Top => &[],
+    }
+}
+
+impl Reader<'_> {
+    pub(super) fn geometry(&self, raw: &RawScene, dimension: Dimension) -> Checked<Geometry> {
+        let mesh = raw.mesh.get_ref();
+        let sideroom_cells = self.sideroom(mesh, dimension)?;
+        let column = match raw.geometry.get_ref() {
+            RawGeometry::Column(column) => column,
+            RawGeometry::Outline(outline) if dimension == Dimension::Column => {
+                let expected = "dimension = \"plane-strain\" beside it: an outline is an area";
+                return self.refuse(&outline.points.span(), "geometry.outline", expected, "\"column\"");
+            }
+            RawGeometry::Outline(outline) => {
+                let points = self.outline(outline)?;
+                let cell = self.positive(&mesh.cell, "mesh.cell", "m")?;
+                let [width, height] = [0, 1].map(|d| points.iter().map(|x| x[d]).fold(0.0, f64::max));
+                let cells = [self.covers(mesh, cell, width)?, self.covers(mesh, cell, height)?];
+                return Ok(Geometry { outline: Some(points), width, height, cell, cells, sideroom_cells });
+            }
+        };
+        if let Some(value) = &mesh.seeding {
+            let expected = "[geometry.outline] beside it: a column is filled with whole squares";
+            return self.refuse(&value.span(), "mesh.seeding", expected, "[geometry.column]");
+        }
+        let height = self.positive(&column.height, "geometry.column.height", "m")?;
+        let width = self.positive(&column.width, "geometry.column.width", "m")?;
+        let cell = self.positive(&mesh.cell, "mesh.cell", "m")?;
+        let rows = self.divides(mesh, cell, height, "height")?;
+        // A column ignores the cells across, so only plane strain asks the mesh to divide the width.
+        let across = match dimension {
+            Dimension::Column => 1,
+            Dimension::PlaneStrain => self.divides(mesh, cell, width, "width")?,
+        };
+        Ok(Geometry { outline: None, width, height, cell, cells: [across, rows], sideroom_cells })
+    }
+
+    /// The corners of an outline, anticlockwise.
+    fn outline(&self, outline: &RawOutline) -> Checked<Vec<[f64; 2]>> {
+        let list = outline.points.get_ref();
+        let mut points: Vec<[f64; 2]> = list.iter().map(|x| *x.get_ref()).collect();
+        let key = "geometry.outline.points";
+        match seeding::check(&points) {
+            Ok(()) => {}
+            Err(Fault::TooFew(count)) => {
+                return self.refuse(&outline.points.span(), key, "at least 3 points [x, y] (m)", count);
+            }
+            Err(Fault::Outside(i)) => {
+                let [x, y] = points[i];
+                return self.refuse(&list[i].span(), key, "finite x >= 0 and y >= 0 (m)", format!("[{x}, {y}]"));
+            }
+            Err(Fault::Crossing(i, j)) => {
+                let expected = "a simple polygon, whose edges neither cross nor touch";
+                let found = format!("edges {} and {}, counted from 1, that do", i + 1, j + 1);
+                return self.refuse(&list[j].span(), key, expected, found);
+            }
+        }
+        if seeding::area(&points) < 0.0 {
+            points.reverse();
+        }
+        Ok(points)
+    }
+
+    /// Cells that cover a length, which they need not divide.
+    fn covers(&self, mesh: &RawMesh, cell: f64, length: f64) -> Checked<usize> {
+        let count = (length / cell * (1.0 - 1e-9)).ceil();
+        if (1.0..1e9).contains(&count) {
+            return Ok(count as usize);
+        }
+        let expected = format!("fewer than 1e9 cells over the {length} m of the outline");
+        self.refuse(&mesh.cell.span(), "mesh.cell", &expected, format!("{cell} m, {count:.1e} cells"))
+    }
+
+    fn sideroom(&self, mesh: &RawMesh, dimension: Dimension) -> Checked<usize> {
+        let Some(value) = &mesh.sideroom_cells else { return Ok(0) };
+        let key = "mesh.sideroom_cells";
+        if dimension == Dimension::Column {
+            let expected = "dimension = \"plane-strain\" beside it: a column cannot move sideways";
+            return self.refuse(&value.span(), key, expected, "\"column\"");
+        }
+        match *value.get_ref() {
+            columns @ 0..=MOST_SIDEROOM => Ok(columns as usize),
+            columns => self.refuse(&value.span(), key, "between 0 and 1000000 columns of cells", columns),
+        }
+    }
+
+    pub(super) fn seeding(&self, mesh: &RawMesh) -> Checked<SeedingChoice> {
+        let words = [("clipped", SeedingChoice::Clipped), ("whole", SeedingChoice::Whole)];
+        self.word(mesh.seeding.as_ref(), "mesh.seeding", &words, SeedingChoice::Clipped)
+    }
+
+    pub(super) fn ground(&self, raw: &RawScene) -> Checked<Ground> {
+        let start_velocity = match &raw.start_velocity {
+            Some(value) if value.get_ref().iter().all(|v| v.is_finite()) => Some(*value.get_ref()),
+            Some(value) => {
+                let [x, y] = value.get_ref();
+                return self.refuse(&value.span(), "start_velocity", "two finite numbers (m/s)", format!("[{x}, {y}]"));
+            }
+            None => None,
+        };
+        let start_k0 = match &raw.start_k0 {
+            Some(value) => Some(self.within(value, "start_k0", "a ratio of 0 or more (-)", |k| k >= 0.0)?),
+            None => None,
+        };
+        let slope_angle = match &raw.slope_angle {
+            Some(value) => {
+                let expected = "0 <= angle < 90 (degrees)";
+                Some(self.within(value, "slope_angle", expected, |b| (0.0..90.0).contains(&b))?)
+            }
+            None => None,
+        };
+        Ok(Ground { start_velocity, start_k0, slope_angle })
+    }
+
+    pub(super) fn light_nodes(&self, raw: &RawScene, partly_filled: bool) -> Checked<f64> {
+        match raw.scheme.as_ref().and_then(|scheme| scheme.get_ref().light_nodes.as_ref()) {
+            Some(value) => {
+                let expected = "0 <= share <= 0.5 (of a full node's mass)";
+                self.within(value, "scheme.light_nodes", expected, |s| (0.0..=0.5).contains(&s))
+            }
+            None => Ok(if partly_filled { LIGHT_NODES } else { 0.0 }),
+        }
+    }
+
+    /// Both sides or neither.
+    pub(super) fn periodic(&self, raw: &RawScene) -> Checked<bool> {
+        let Some(table) = &raw.boundaries else { return Ok(false) };
+        let is = |value: &Option<Spanned<String>>| value.as_ref().is_some_and(|word| word.get_ref() == "periodic");
+        let b = table.get_ref();
+        let (side, value, other) = match (is(&b.left), is(&b.right)) {
+            (left, right) if left == right => return Ok(left),
+            (true, _) => (Side::Left, &b.left, &b.right),
+            _ => (Side::Right, &b.right, &b.left),
+        };
+        let span = value.as_ref().map_or(table.span(), Spanned::span);
+        let found = other.as_ref().map_or("none".to_owned(), |word| quoted(word.get_ref()));
+        self.refuse(&span, &format!("boundaries.{side}"), "\"periodic\" on both sides, left and right", found)
+    }
+
+    pub(super) fn base(&self, raw: &RawScene) -> Checked<Option<Base>> {
+        let bottom = raw.boundaries.as_ref().and_then(|table| table.get_ref().bottom.as_ref());
+        let bottom = bottom.filter(|word| word.get_ref() == "coulomb");
+        let (table, base) = match (bottom, &raw.base) {
+            (None, None) => return Ok(None),
+            (Some(word), None) => {
+                let expected = "a [base] table beside it, with its friction angle";
+                return self.refuse(&word.span(), "boundaries.bottom", expected, "none");
+            }
+            (None, Some(table)) => {
+                let expected = "boundaries.bottom = \"coulomb\" beside it";
+                return self.refuse(&table.span(), "base", expected, "another bottom");
+            }
+            (Some(_), Some(table)) => (table, table.get_ref()),
+        };
+        let angle = |value: &Spanned<f64>, key: &str| {
+            self.within(value, key, "0 <= angle < 90 (degrees)", |a| (0.0..90.0).contains(&a))
+        };
+        let expected = "friction_angle alone, or peak_angle, residual_angle and slip_distance together";
+        let (peak_angle, residual_angle, slip_distance) =
+            match (&base.friction_angle, &base.peak_angle, &base.residual_angle, &base.slip_distance) {
+                (Some(value), None, None, None) => {
+                    let angle = angle(value, "base.friction_angle")?;
+                    (angle, angle, None)
+                }
+                (None, Some(peak), Some(residual), Some(distance)) => {
+                    let peak = angle(peak, "base.peak_angle")?;
+                    let expected = format!("0 <= angle <= {peak}, the peak angle (degrees)");
+                    let fits = |a: f64| (0.0..=peak).contains(&a);
+                    let residual = self.within(residual, "base.residual_angle", &expected, fits)?;
+                    (peak, residual, Some(self.positive(distance, "base.slip_distance", "m")?))
+                }
+                _ => return self.refuse(&table.span(), "base", expected, "some of both or too few"),
+            };
+        let adhesion = match &base.adhesion {
+            Some(value) => self.within(value, "base.adhesion", "0 or more (Pa)", |c| c >= 0.0)?,
+            None => 0.0,
+        };
+        let words = [("effective", NormalStress::Effective), ("total", NormalStress::Total)];
+        let normal_stress =
+            self.word(base.normal_stress.as_ref(), "base.normal_stress", &words, NormalStress::Effective)?;
+        Ok(Some(Base { peak_angle, residual_angle, slip_distance, adhesion, normal_stress }))
+    }
+
+    /// The end of a stage by rest.
+    pub(super) fn rest(&self, rest: &Spanned<RawRest>, until: &RawUntil, span: &Range<usize>) -> Checked<Until> {
+        let others = [&until.time, &until.time_factor, &until.pore_pressure_within, &until.at_most];
+        if others.into_iter().any(Option::is_some) || until.everywhere.is_some() {
+            let expected = "exactly one of time, time_factor, pore_pressure_within, rest";
+            return self.refuse(span, "stages.until", expected, "several");
+        }
+        let rest = rest.get_ref();
+        Ok(Until::Rest {
+            speed: self.positive(&rest.speed, "stages.until.rest.speed", "m/s")?,
+            at_most: self.positive(&rest.at_most, "stages.until.rest.at_most", "s")?,
+        })
+    }
+
+    /// Refuses what the steps do not know on slopes, in outlines and on a base with friction.
+    pub(super) fn on_the_ground(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
+        let mesh = raw.mesh.get_ref();
+        let root = 0..0;
+        if let (RawGeometry::Outline(outline), Some(_)) = (raw.geometry.get_ref(), &scene.outline) {
+            let (span, key) = (outline.points.span(), "geometry.outline");
+            self.explicit(&span, key, scene)?;
+            self.dry(&span, key, scene)?;
+            if let Some(table) = &raw.surcharge {
+                let expected = "[geometry.column] beside it: an outline carries no surcharge yet";
+                return self.refuse(&table.span(), "surcharge", expected, "[geometry.outline]");
+            }
+        }
+        if let (Some(value), true) = (&mesh.sideroom_cells, scene.sideroom_cells > 0) {
+            self.explicit(&value.span(), "mesh.sideroom_cells", scene)?;
+        }
+        if let Some(value) = &raw.slope_angle {
+            let key = "slope_angle";
+            self.plane_strain(&value.span(), key, scene)?;
+            if scene.gravity.is_none() {
+                return self.refuse(&value.span(), key, "the key gravity beside it, which it turns", "no gravity");
+            }
+            self.explicit(&value.span(), key, scene)?;
+            self.dry(&value.span(), key, scene)?;
+        }
+        if let Some(value) = &raw.start_velocity {
+            self.plane_strain(&value.span(), "start_velocity", scene)?;
+            self.explicit(&value.span(), "start_velocity", scene)?;
+        }
+        if let (Some(value), true) = (&raw.start_k0, scene.start != super::super::Start::Geostatic) {
+            let found = raw.start.as_ref().map_or("none".to_owned(), |word| quoted(word.get_ref()));
+            return self.refuse(&value.span(), "start_k0", "start = \"geostatic\" beside it", found);
+        }
+        if let (Some(table), true) = (&raw.boundaries, scene.periodic) {
+            let (span, key) = (table.get_ref().left.as_ref().map_or(root, Spanned::span), "boundaries.left");
+            self.plane_strain(&span, key, scene)?;
+            self.corners(&span, key, scene)?;
+            self.dry(&span, key, scene)?;
+            if scene.outline.is_some() || scene.sideroom_cells > 0 {
+                let expected = "[geometry.column] without sideroom beside \"periodic\": the soil fills the width";
+                return self.refuse(&span, key, expected, "\"periodic\"");
+            }
+        }
+        if let Some(table) = &raw.base {
+            self.plane_strain(&table.span(), "base", scene)?;
+            self.corners(&table.span(), "base", scene)?;
+        }
+        if let Some(value) = raw.scheme.as_ref().and_then(|s| s.get_ref().light_nodes.as_ref()) {
+            self.plane_strain(&value.span(), "scheme.light_nodes", scene)?;
+            self.corners(&value.span(), "scheme.light_nodes", scene)?;
+        } else if scene.light_nodes > 0.0 {
+            let scheme = raw.scheme.as_ref().and_then(|s| s.get_ref().shape.as_ref());
+            self.corners(&scheme.map_or(mesh.cell.span(), Spanned::span), "scheme.shape", scene)?;
+        }
+        for (raw, stage) in raw.stages.get_ref().iter().map(Spanned::get_ref).zip(&scene.stages) {
+            if let (Some(rest), Until::Rest { .. }) = (&raw.until.get_ref().rest, stage.until) {
+                self.corners(&rest.span(), "stages.until.rest", scene)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The plain explicit step: linear functions, at the centre of the cell or at the particle.
+    fn corners(&self, span: &Range<usize>, key: &str, scene: &Scene) -> Checked<()> {
+        self.explicit(span, key, scene)?;
+        if matches!(scene.shape, ShapeChoice::Centre | ShapeChoice::Linear) {
+            return Ok(());
+        }
+        let found = if scene.shape == ShapeChoice::Gimp { "\"gimp\"" } else { "\"bspline2\"" };
+        self.refuse(span, key, "shape = \"centre\" or \"linear\" beside it", found)
+    }
+
+    fn explicit(&self, span: &Range<usize>, key: &str, scene: &Scene) -> Checked<()> {
+        let found = match scene.integrator {
+            Integrator::Explicit => return Ok(()),
+            Integrator::SemiImplicit => "\"semi-implicit\"",
+            Integrator::QuasiStatic => "\"quasi-static\"",
+        };
+        self.refuse(span, key, "integrator = \"explicit\" beside it", found)
+    }
+
+    fn plane_strain(&self, span: &Range<usize>, key: &str, scene: &Scene) -> Checked<()> {
+        if scene.dimension == Dimension::PlaneStrain {
+            return Ok(());
+        }
+        self.refuse(span, key, "dimension = \"plane-strain\" beside it", "\"column\"")
+    }
+
+    fn dry(&self, span: &Range<usize>, key: &str, scene: &Scene) -> Checked<()> {
+        if scene.water.is_none() {
+            return Ok(());
+        }
+        self.refuse(span, key, "a dry scene: no water layer follows it yet", "[water]")
+    }
+}
