@@ -22,6 +22,12 @@ pub trait Real:
 {
     /// A constant, as many times as this number has lanes.
     fn like(self, constant: f64) -> Self;
+    /// Its square root.
+    fn root(self) -> Self;
+    /// The larger of two; the other one if either is no number.
+    fn larger(self, other: Self) -> Self;
+    /// The smaller of two; the other one if either is no number.
+    fn smaller(self, other: Self) -> Self;
 }
 
 impl Real for f64 {
@@ -29,7 +35,26 @@ impl Real for f64 {
     fn like(self, constant: f64) -> Self {
         constant
     }
+
+    #[inline(always)]
+    fn root(self) -> Self {
+        self.sqrt()
+    }
+
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        if self > other { self } else { other }
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
 }
+
+/// Cells that lanes never straddle: the most lanes of a machine. Sums over cells are kept in as many parts, so that
+/// their bits do not depend on the machine.
+pub const MOST_LANES: usize = 8;
 
 /// The numbers in an array of vectors, lane by lane.
 pub fn numbers<V: Pod>(vectors: &[V]) -> &[f64] {
@@ -133,6 +158,21 @@ impl<S: Simd> Real for Lanes<S> {
     #[inline(always)]
     fn like(self, constant: f64) -> Self {
         Self::splat(self.simd, constant)
+    }
+
+    #[inline(always)]
+    fn root(self) -> Self {
+        Self { value: self.simd.sqrt_f64s(self.value), ..self }
+    }
+
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        self.or(other.below(self), other)
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        self.or(self.below(other), other)
     }
 }
 

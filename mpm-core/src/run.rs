@@ -1,7 +1,7 @@
 //! The one switchboard: the words of a scene become concrete types. Nothing else matches on them.
 
 use crate::boundary::{Edges, Strip, Supports, SurfaceLoad};
-use crate::constitutive::{Law, LinearElastic};
+use crate::constitutive::{Law, LinearElastic, MohrCoulomb};
 use crate::dimension::{Column, Kinematics, PlaneStrain};
 use crate::drive::{Run, drive};
 use crate::error::RunError;
@@ -65,31 +65,57 @@ pub fn model(scene: &Scene) -> Result<Box<dyn Model>, RunError> {
 /// As [`model`].
 pub fn model_on(hardware: &Hardware, scene: &Scene) -> Result<Box<dyn Model>, RunError> {
     let quasi_static = scene.integrator == Integrator::QuasiStatic;
-    match scene.dimension {
-        Dimension::Column => {
-            let stress = |vertical: f64, lateral: f64| [vertical, lateral];
+    match (scene.dimension, scene.strength) {
+        (_, Some(_)) if quasi_static => Err(RunError {
+            step: 0,
+            time: 0.0,
+            place: "the scene".into(),
+            what: "the quasi-static integrator knows linear elastic soil only".into(),
+        }),
+        (Dimension::Column, None) => {
             let law = LinearElastic::column(&scene.elastic);
             if quasi_static {
-                return Ok(implicit::<Column, _, 1, 2>(scene, [scene.cells[1]], scene.width, stress, law));
+                return Ok(implicit::<Column, _, 1, 2>(scene, [scene.cells[1]], scene.width, along_column, law));
             }
-            shape::<Column, _, 1, 2>(scene, [scene.cells[1]], scene.width, stress, law)
+            shape::<Column, _, 1, 2>(scene, [scene.cells[1]], scene.width, along_column, law)
         }
-        Dimension::PlaneStrain => {
-            let stress = |vertical: f64, lateral: f64| [lateral, vertical, lateral, 0.0];
+        (Dimension::Column, Some(strength)) => {
+            let law = MohrCoulomb::column(&scene.elastic, &strength);
+            shape::<Column, _, 1, 2>(scene, [scene.cells[1]], scene.width, along_column, law)
+        }
+        (Dimension::PlaneStrain, None) => {
             let law = LinearElastic::plane_strain(&scene.elastic);
             if quasi_static {
-                return Ok(implicit::<PlaneStrain, _, 2, 4>(scene, scene.cells, 1.0, stress, law));
+                return Ok(implicit::<PlaneStrain, _, 2, 4>(scene, scene.cells, 1.0, in_plane, law));
             }
-            if over_lanes(hardware.width, scene) {
-                let seed = Seeded::new(scene, scene.cells, scene.cell, stress)?;
-                return match scene.shape {
-                    ShapeChoice::Centre => seed.lanes::<Centre, _>(hardware, scene, law),
-                    _ => seed.lanes::<Linear, _>(hardware, scene, law),
-                };
-            }
-            shape::<PlaneStrain, _, 2, 4>(scene, scene.cells, scene.cell, stress, law)
+            plane_strain(hardware, scene, law)
+        }
+        (Dimension::PlaneStrain, Some(strength)) => {
+            plane_strain(hardware, scene, MohrCoulomb::plane_strain(&scene.elastic, &strength))
         }
     }
+}
+
+/// The stress of a column from its vertical and its lateral one.
+fn along_column(vertical: f64, lateral: f64) -> [f64; 2] {
+    [vertical, lateral]
+}
+
+/// The same in plane strain.
+fn in_plane(vertical: f64, lateral: f64) -> [f64; 4] {
+    [lateral, vertical, lateral, 0.0]
+}
+
+/// A step in plane strain that is not quasi-static, over lanes where that is known.
+fn plane_strain<L: Law<4>>(hardware: &Hardware, scene: &Scene, law: L) -> Result<Box<dyn Model>, RunError> {
+    if over_lanes(hardware.width, scene) {
+        let seed = Seeded::new(scene, scene.cells, scene.cell, in_plane)?;
+        return match scene.shape {
+            ShapeChoice::Centre => seed.lanes::<Centre, _>(hardware, scene, law),
+            _ => seed.lanes::<Linear, _>(hardware, scene, law),
+        };
+    }
+    shape::<PlaneStrain, _, 2, 4>(scene, scene.cells, scene.cell, in_plane, law)
 }
 
 /// Whether the step over lanes knows a scene.

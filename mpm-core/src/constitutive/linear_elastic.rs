@@ -129,34 +129,6 @@ mod tests {
 
     const SOIL: Elastic = Elastic { youngs_modulus: 2.0e7, poisson_ratio: 0.3 };
 
-    /// Checks the tangent of a law against finite differences of its stress, and the energy against the work
-    /// done along a straight strain path.
-    macro_rules! check_law {
-        ($law:expr, $components:expr, $strain:expr) => {
-            let law = $law;
-            let strain: [f64; $components] = $strain;
-            let mut at = [0.0; $components];
-            law.update(&mut at, &strain);
-            for j in 0..$components {
-                if strain[j] == 0.0 {
-                    continue;
-                }
-                let h = 1e-6;
-                let mut step = [0.0; $components];
-                step[j] = h;
-                let mut moved = at;
-                law.update(&mut moved, &step);
-                for i in 0..$components {
-                    let difference = (moved[i] - at[i]) / h;
-                    let tangent = law.tangent(&at, &step);
-                    assert!((difference - tangent[(i, j)]).abs() < 1e-6 * tangent[(0, 0)]);
-                }
-            }
-            let work: f64 = (0..$components).map(|i| 0.5 * at[i] * strain[i]).sum();
-            assert!((law.energy(&at) - work).abs() < 1e-12 * work, "{} {work}", law.energy(&at));
-        };
-    }
-
     #[test]
     fn column_matches_its_tangent_and_energy() {
         check_law!(LinearElastic::column(&SOIL), 2, [-3e-4, 0.0]);

@@ -1,12 +1,26 @@
 //! Constitutive laws of the skeleton, one per file. A law turns a strain increment into an effective stress.
 
+#[cfg(test)]
+#[macro_use]
+mod checks;
 mod linear_elastic;
+mod mohr_coulomb;
 
 pub use linear_elastic::LinearElastic;
+pub use mohr_coulomb::{MohrCoulomb, Region};
 use nalgebra::SMatrix;
 use pulp::Simd;
 
-use crate::real::Lanes;
+use crate::real::{Lanes, Real};
+
+/// What an update of a plastic law did to a particle, or to several.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flow<R = f64> {
+    /// Energy dissipated per volume, J/m3.
+    pub dissipation: R,
+    /// [`Law::yield_residual`] of the new stress; in lanes without a particle negative infinity.
+    pub residual: R,
+}
 
 /// A law with S stress components.
 pub trait Law<const S: usize>: Copy + Send + Sync + 'static {
@@ -25,6 +39,41 @@ pub trait Law<const S: usize>: Copy + Send + Sync + 'static {
     }
     /// Whether the stress is a linear function of the strain: implicit steps then need no iteration.
     const LINEAR: bool;
+    /// Whether the law dissipates. Steps under other laws book neither dissipation nor yield.
+    const PLASTIC: bool = false;
+    /// [`Self::update`], and what it did; asked of plastic laws only.
+    #[inline(always)]
+    fn flow(&self, stress: &mut [f64; S], strain: &[f64; S]) -> Flow {
+        self.update(stress, strain);
+        Flow { dissipation: 0.0, residual: self.yield_residual(stress) }
+    }
+    /// [`Self::flow`] of several particles; lanes that are not `there` hold none.
+    #[inline(always)]
+    fn flow_lanes<V: Simd>(
+        &self,
+        stress: &mut [Lanes<V>; S],
+        strain: &[Lanes<V>; S],
+        there: V::m64s,
+    ) -> Flow<Lanes<V>> {
+        let none = stress[0].like(0.0);
+        let here = none.like(1.0).or(there, none);
+        let mut flow = Flow { dissipation: none, residual: none.like(f64::NEG_INFINITY) };
+        for lane in (0..Lanes::<V>::COUNT).filter(|lane| here.lane(*lane) > 0.0) {
+            let mut of_one = stress.map(|s| s.lane(lane));
+            let own = self.flow(&mut of_one, &strain.map(|e| e.lane(lane)));
+            for s in 0..S {
+                stress[s].set_lane(lane, of_one[s]);
+            }
+            flow.dissipation.set_lane(lane, own.dissipation);
+            flow.residual.set_lane(lane, own.residual);
+        }
+        flow
+    }
+    /// How far a stress is outside the yield surface, as a share of the strength under no stress, which the law states;
+    /// negative inside, negative infinity if there is no surface.
+    fn yield_residual(&self, _stress: &[f64; S]) -> f64 {
+        f64::NEG_INFINITY
+    }
     /// Tangent stiffness at the end of a strain increment from a stress, Pa.
     fn tangent(&self, stress: &[f64; S], strain: &[f64; S]) -> SMatrix<f64, S, S>;
     /// Elastic energy stored per volume at a stress, J/m3.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::CellValues;
+use super::{CellValues, Flowed};
 use crate::nodes::{NodeMotion, NodeSums};
 use crate::water::FlowRates;
 
@@ -33,6 +33,8 @@ pub struct Totals<const D: usize> {
     pub water_out: f64,
     /// Water that has entered, m3.
     pub water_in: f64,
+    /// Plastic flow.
+    pub flowed: Flowed,
     first: Stored<D>,
 }
 
@@ -84,6 +86,7 @@ impl<const D: usize> Default for Totals<D> {
             base_friction: 0.0,
             water_out: 0.0,
             water_in: 0.0,
+            flowed: Flowed::NOTHING,
             first: Stored::NONE,
         }
     }
@@ -133,6 +136,11 @@ pub struct Ledger {
     pub water_particles_removed_kg: f64,
     /// Energy lost to friction on the base, J.
     pub base_friction_j: f64,
+    /// Energy dissipated by plastic flow, J.
+    pub plastic_dissipation_j: f64,
+    /// How far any stress was outside the yield surface at most, as a share of the strength under no stress; nothing under
+    /// an elastic law.
+    pub yield_residual_max: Option<f64>,
 }
 
 impl<const D: usize> Totals<D> {
@@ -186,9 +194,15 @@ impl<const D: usize> Totals<D> {
             flow_body_work_j: self.flow_body_work,
             darcy_dissipation_j: self.darcy_dissipation,
             damping_loss_j: self.damping_loss,
-            energy_closing_j: stored - work + self.darcy_dissipation + self.damping_loss + self.base_friction,
+            energy_closing_j: stored - work
+                + self.darcy_dissipation
+                + self.damping_loss
+                + self.base_friction
+                + self.flowed.dissipation,
             water_particles_removed_kg: removed,
             base_friction_j: self.base_friction,
+            plastic_dissipation_j: self.flowed.dissipation,
+            yield_residual_max: Some(self.flowed.residual).filter(|residual| *residual > f64::NEG_INFINITY),
         }
     }
 }

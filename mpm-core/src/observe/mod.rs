@@ -1,7 +1,9 @@
 //! What is read from a run: settlement, profiles, and the ledgers of mass, water, momentum and energy.
 
+mod flowed;
 mod ledger;
 
+pub use flowed::Flowed;
 pub use ledger::{Ledger, Totals};
 use serde::Serialize;
 

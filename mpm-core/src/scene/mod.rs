@@ -215,6 +215,26 @@ impl Elastic {
     }
 }
 
+/// Strength of a Mohr-Coulomb soil.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Strength {
+    /// Cohesion c, Pa.
+    pub cohesion: f64,
+    /// Angle of friction phi, degrees.
+    pub friction_angle: f64,
+    /// Angle of dilation psi, degrees.
+    pub dilation_angle: f64,
+    /// Largest principal stress sigma_t, Pa; `None` leaves the apex.
+    pub tension_cutoff: Option<f64>,
+}
+
+impl Strength {
+    /// The isotropic tension at the apex, c/tan(phi), Pa.
+    pub fn apex(&self) -> f64 {
+        self.cohesion / self.friction_angle.to_radians().tan()
+    }
+}
+
 /// Pore water.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct WaterProperties {
@@ -371,8 +391,10 @@ pub struct Scene {
     pub displaced: Option<Displaced>,
     /// Whether the geometry follows the deformation.
     pub strain: StrainChoice,
-    /// Constitutive law of the skeleton.
+    /// Elasticity of the skeleton.
     pub elastic: Elastic,
+    /// Its strength, where the law is Mohr-Coulomb; an elastic skeleton has no limit.
+    pub strength: Option<Strength>,
     /// Density of the grains, kg/m3.
     pub grain_density: f64,
     /// Porosity n.

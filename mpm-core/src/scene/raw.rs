@@ -85,6 +85,7 @@ pub(super) struct RawSoil {
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub(super) enum RawLaw {
     LinearElastic(RawLinearElastic),
+    MohrCoulomb(RawMohrCoulomb),
 }
 
 #[derive(Debug, Deserialize)]
@@ -92,6 +93,17 @@ pub(super) enum RawLaw {
 pub(super) struct RawLinearElastic {
     pub youngs_modulus: Number,
     pub poisson_ratio: Number,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawMohrCoulomb {
+    pub youngs_modulus: Number,
+    pub poisson_ratio: Number,
+    pub cohesion: Number,
+    pub friction_angle: Number,
+    pub dilation_angle: Option<Number>,
+    pub tension_cutoff: Option<Number>,
 }
 
 #[derive(Debug, Deserialize)]

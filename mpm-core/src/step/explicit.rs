@@ -6,7 +6,7 @@ use crate::constitutive::Law;
 use crate::dimension::{Kinematics, basis, coefficients, gradient, shares, to_corners, trace, value};
 use crate::grid::Grid;
 use crate::nodes::{NodeMotion, NodeSums};
-use crate::observe::{Ledger, Observation, Totals};
+use crate::observe::{Flowed, Ledger, Observation, Totals};
 use crate::scene::Stage;
 use crate::shape::Shape;
 use crate::water::{Place, SoilCell, StressSums, Water};
@@ -53,6 +53,7 @@ where
             choices: PhantomData,
         };
         run.totals.start(&run.parts.cell_values::<K>());
+        run.totals.flowed = run.parts.flowed_at_first();
         run
     }
 
@@ -254,6 +255,7 @@ where
         let Parts { grid, solid, water, law, flip, .. } = &mut self.parts;
         let (flip, law) = (*flip, *law);
         let mut inside = true;
+        let mut flowed = Flowed::NOTHING;
         for (cell, position) in grid.walk() {
             let range = solid.range(cell);
             if range.is_empty() {
@@ -272,7 +274,12 @@ where
                 let phi = basis(&xi);
                 let gradient = gradient(&velocity, &Sh::point(&xi), grid.inverse_size);
                 K::rotate(&mut point.stress, &gradient, dt);
-                law.update(&mut point.stress, &K::strain_increment(&gradient, dt));
+                let strain = K::strain_increment(&gradient, dt);
+                if L::PLASTIC {
+                    flowed.add(point.volume, &law.flow(&mut point.stress, &strain));
+                } else {
+                    law.update(&mut point.stress, &strain);
+                }
                 point.volume *= 1.0 + dt * trace(&gradient);
                 let dv = value::<D, D, _>(&change, &phi);
                 let v = value::<D, D, _>(&velocity, &phi);
@@ -286,6 +293,9 @@ where
             if W::WET {
                 water.cell_to_points::<Sh>(grid, &Place { cell, position, corners }, &velocity, dt);
             }
+        }
+        if L::PLASTIC {
+            self.totals.flowed.join(&flowed);
         }
         !inside
     }

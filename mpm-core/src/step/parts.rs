@@ -1,10 +1,10 @@
 //! What a run is made of, and what is read from it between steps.
 
 use crate::boundary::{Supports, SurfaceLoad};
-use crate::constitutive::Law;
+use crate::constitutive::{Flow, Law};
 use crate::dimension::Kinematics;
 use crate::grid::Grid;
-use crate::observe::{CellValues, Ledger, Observation, Seed, Totals, observe};
+use crate::observe::{CellValues, Flowed, Ledger, Observation, Seed, Totals, observe};
 use crate::particles::{Layer, SolidPoint};
 use crate::scene::Surcharge;
 use crate::water::{Place, SoilCell, Water};
@@ -65,6 +65,18 @@ impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
             cells.push(values);
         }
         cells
+    }
+
+    /// Nothing dissipated yet, and how near the first stresses are to yield.
+    pub fn flowed_at_first(&self) -> Flowed
+    where
+        L: Law<S>,
+    {
+        let mut flowed = Flowed::NOTHING;
+        for point in self.solid.points.iter().filter(|_| L::PLASTIC) {
+            flowed.add(point.volume, &Flow { dissipation: 0.0, residual: self.law.yield_residual(&point.stress) });
+        }
+        flowed
     }
 
     /// The state at a time (s).

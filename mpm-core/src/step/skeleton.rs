@@ -7,7 +7,7 @@ use crate::constitutive::Law;
 use crate::dimension::{Gradient, Kinematics, trace};
 use crate::grid::Grid;
 use crate::nodes::{NodeMotion, NodeSums};
-use crate::observe::Totals;
+use crate::observe::{Flowed, Totals};
 use crate::stencil::{Basis, Functions, Stencil};
 use crate::water::{CellChange, Cellwise, Place, SoilCell};
 use std::marker::PhantomData;
@@ -73,6 +73,7 @@ where
             parts,
         };
         skeleton.totals.start(&skeleton.parts.cell_values::<K>());
+        skeleton.totals.flowed = skeleton.parts.flowed_at_first();
         skeleton
     }
 
@@ -277,6 +278,7 @@ where
         let Parts { grid, solid, water, law, flip, .. } = &mut self.parts;
         let (flip, law) = (*flip, *law);
         let mut stays = true;
+        let mut flowed = Flowed::NOTHING;
         for (cell, position) in grid.walk() {
             let range = solid.range(cell);
             if range.is_empty() {
@@ -287,7 +289,12 @@ where
                 let stencil = self.functions.around(&position, &inside(grid, &position, &point.x));
                 let (gradient, v, dv) = field::<B, D>(&stencil, &self.motion);
                 K::rotate(&mut point.stress, &gradient, dt);
-                law.update(&mut point.stress, &K::strain_increment(&gradient, dt));
+                let strain = K::strain_increment(&gradient, dt);
+                if L::PLASTIC {
+                    flowed.add(point.volume, &law.flow(&mut point.stress, &strain));
+                } else {
+                    law.update(&mut point.stress, &strain);
+                }
                 let rate = trace(&gradient);
                 volume += point.volume;
                 gained += point.volume * rate; // C^T v
@@ -305,6 +312,9 @@ where
                 let change = change(water, grid, &place, gained / volume);
                 water.move_points(grid, &place, (&self.functions, &self.motion), &change, dt);
             }
+        }
+        if L::PLASTIC {
+            self.totals.flowed.join(&flowed);
         }
         !stays
     }

@@ -5,13 +5,14 @@ use std::ops::Range;
 use toml::{Spanned, Value};
 
 mod ground;
+mod law;
 mod method;
 mod together;
 
 use super::flags::{self, Flags};
-use super::raw::{RawLaw, RawMesh, RawObserve, RawScene, RawSoil, RawStage, RawStrip, RawUntil, RawWater};
+use super::raw::{RawMesh, RawObserve, RawScene, RawSoil, RawStage, RawStrip, RawUntil, RawWater};
 use super::{
-    Dimension, Elastic, Integrator, LoadOn, LoadedStrip, PAPER_STEP, Scene, Side, SolidSide, Stage, Start, StepChoice,
+    Dimension, Integrator, LoadOn, LoadedStrip, PAPER_STEP, Scene, Side, SolidSide, Stage, Start, StepChoice,
     Surcharge, Until, WaterProperties,
 };
 use crate::error::SceneError;
@@ -152,7 +153,9 @@ impl Reader<'_> {
         let geometry = self.geometry(raw, dimension)?;
         let ground::Geometry { outline, width, height, cell, cells: [across, rows], sideroom_cells } = geometry;
         let (particles_per_cell, headroom_cells) = self.particles(raw, rows, across + sideroom_cells, dimension)?;
-        let (elastic, porosity) = self.soil(raw.soil.get_ref())?;
+        let (elastic, strength) = self.law(raw.soil.get_ref())?;
+        let porosity =
+            self.within(&raw.soil.get_ref().porosity, "soil.porosity", "0 < n < 1", |n| n > 0.0 && n < 1.0)?;
         let water = match &raw.water {
             Some(water) => Some(self.water(water)?),
             None => None,
@@ -188,6 +191,7 @@ impl Reader<'_> {
             displaced,
             strain: self.strain(raw.soil.get_ref())?,
             elastic,
+            strength,
             grain_density,
             porosity,
             water,
@@ -292,21 +296,6 @@ impl Reader<'_> {
             return self.refuse(&value.span(), "mesh.particles_per_cell", &expected, found);
         }
         Ok((count as usize, headroom))
-    }
-
-    fn soil(&self, soil: &RawSoil) -> Checked<(Elastic, f64)> {
-        let RawLaw::LinearElastic(law) = soil.law.get_ref();
-        let elastic = Elastic {
-            youngs_modulus: self.positive(&law.youngs_modulus, "soil.law.linear_elastic.youngs_modulus", "Pa")?,
-            poisson_ratio: self.within(
-                &law.poisson_ratio,
-                "soil.law.linear_elastic.poisson_ratio",
-                "-1 < nu < 0.5",
-                |nu| nu > -1.0 && nu < 0.5,
-            )?,
-        };
-        let porosity = self.within(&soil.porosity, "soil.porosity", "0 < n < 1", |n| n > 0.0 && n < 1.0)?;
-        Ok((elastic, porosity))
     }
 
     fn grain_density(&self, soil: &Spanned<RawSoil>, n: f64, water: Option<&WaterProperties>) -> Checked<f64> {

@@ -16,6 +16,7 @@ impl Reader<'_> {
     pub(super) fn fits_together(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
         self.load(raw, scene)?;
         self.incompressible_water(raw, scene)?;
+        self.flow_is_dynamic(raw, scene)?;
         if scene.integrator == Integrator::QuasiStatic {
             self.quasi_static_scheme(raw, scene)?;
             self.quasi_static_time(raw, scene)?;

@@ -6,9 +6,8 @@
 
 use crate::grid::Grid;
 
-/// Cells that lanes never straddle: the most lanes of a machine. Sums over cells are kept in as many parts, so that
-/// their bits do not depend on the machine.
-pub const MOST_LANES: usize = 8;
+pub use crate::real::MOST_LANES;
+
 /// A strip has at least so many cells and rows: its first row is added up apart.
 const LEAST: [usize; 2] = [512, 4];
 /// Strips of a mesh that is large enough for them: they can be shared out evenly among as many threads.

@@ -84,6 +84,7 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
         parts.surface.follow(&parts.solid);
         let mut totals = Totals::default();
         totals.start(&parts.cell_values::<PlaneStrain>());
+        totals.flowed = parts.flowed_at_first();
         let frame = Frame::new(&parts.grid);
         let pressure = || vec![0.0; frame.count() + 2 * frame.row + 1 + MOST_LANES];
         let faces = || vec![0.0; frame.count() + frame.row + 1 + MOST_LANES];
@@ -234,6 +235,11 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
             for strip in &self.strips {
                 self.totals.darcy_dissipation += dt * self.parts.water.face_flow().area * strip.rates[0];
                 self.totals.flow_body_work += dt * self.parts.water.face_flow().area * strip.rates[1];
+            }
+        }
+        if L::PLASTIC {
+            for strip in &self.strips {
+                self.totals.flowed.join(&strip.flowed);
             }
         }
         if !self.strips.iter().all(|strip| strip.stays) {

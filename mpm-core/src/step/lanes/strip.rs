@@ -5,6 +5,7 @@ use pulp::bytemuck::Zeroable;
 
 use super::blocks::{Blocks, SOLID, WATER};
 use super::frame::{Frame, MOST_LANES};
+use crate::observe::Flowed;
 use crate::real::{numbers, numbers_mut};
 
 /// Sums on a node: solid mass, mixture mass, momentum, force.
@@ -49,6 +50,8 @@ pub struct Strip<V: Simd> {
     pub sums: [Vec<f64>; SUMS],
     /// Energy lost to Darcy flow at its lower faces, and work of `rho_w (g - a_s)` there, N m/s over the face area.
     pub rates: [f64; 2],
+    /// Plastic flow of its particles in the step.
+    pub flowed: Flowed,
     /// Whether all its particles stayed in their cells.
     pub stays: bool,
 }
@@ -84,6 +87,7 @@ impl<V: Simd> Strip<V> {
             cells,
             sums: [(); SUMS].map(|()| vec![0.0; length]),
             rates: [0.0; 2],
+            flowed: Flowed::NOTHING,
             stays: true,
         }
     }

@@ -10,8 +10,9 @@ use super::ahead::ask_for;
 use super::blocks::Block;
 use super::frame::{Frame, MOST_LANES, Motion};
 use super::strip::{CellLanes, SUMS, Strip, Tail};
-use crate::constitutive::Law;
+use crate::constitutive::{Flow, Law};
 use crate::dimension::{Kinematics, PlaneStrain, basis, coefficients, gradient, shares, to_corners, trace, value};
+use crate::observe::Flowed;
 use crate::real::{Lanes, Real};
 use crate::shape::Shape;
 use crate::water::{FaceFlow, LEAST_FILLING};
@@ -102,6 +103,40 @@ impl<V: Simd> Gathered<V> {
     }
 }
 
+/// Plastic flow of the particles of a strip, in as many parts as a machine may have lanes: the bits do not depend on how
+/// many it has.
+struct FlowedLanes<V: Simd> {
+    dissipation: [Lanes<V>; MOST_LANES],
+    residual: Lanes<V>,
+}
+
+impl<V: Simd> FlowedLanes<V> {
+    #[inline(always)]
+    fn nothing(simd: V) -> Self {
+        let none = Lanes::splat(simd, 0.0);
+        Self { dissipation: [none; MOST_LANES], residual: none.like(f64::NEG_INFINITY) }
+    }
+
+    /// Adds one particle of each cell of a group, of a volume (m3).
+    #[inline(always)]
+    fn add(&mut self, group: usize, volume: Lanes<V>, flow: &Flow<Lanes<V>>) {
+        self.dissipation[group % (MOST_LANES / V::F64_LANES)] += volume * flow.dissipation;
+        self.residual = flow.residual.larger(self.residual);
+    }
+
+    #[inline(always)]
+    fn added_up(&self) -> Flowed {
+        let mut flowed = Flowed::NOTHING;
+        for part in 0..MOST_LANES {
+            flowed.dissipation += self.dissipation[part / V::F64_LANES].lane(part % V::F64_LANES);
+        }
+        for lane in 0..V::F64_LANES {
+            flowed.residual = flowed.residual.max(self.residual.lane(lane));
+        }
+        flowed
+    }
+}
+
 impl<V: Simd, Sh: Shape, L: Law<4>, const WET: bool, const MOVE: bool> WithSimd for Sweep<'_, V, Sh, L, WET, MOVE> {
     type Output = ();
 
@@ -126,6 +161,7 @@ impl<V: Simd, Sh: Shape, L: Law<4>, const WET: bool, const MOVE: bool> Sweep<'_,
         let none = Lanes::splat(self.simd, 0.0);
         let mut carry = [[none; SUMS]; 2];
         let mut rates = [[none; MOST_LANES]; 2];
+        let mut flowed = FlowedLanes::<V>::nothing(self.simd);
         let mut stays = self.lanes_that_stay();
         for group in 0..self.strip.cells.len() {
             let cell = self.strip.cells[group];
@@ -136,13 +172,13 @@ impl<V: Simd, Sh: Shape, L: Law<4>, const WET: bool, const MOVE: bool> Sweep<'_,
             if MOVE {
                 let motion = self.cell_motion(at);
                 let relative = if WET { self.darcy_flow(at, &cell, &mut rates, group) } else { [[none; 2]; 4] };
-                self.solid(group, &position, Some(&motion), &mut gathered, &mut stays);
+                self.solid(group, &position, Some(&motion), &mut gathered, &mut flowed, &mut stays);
                 if WET {
                     let velocity = &motion.velocity;
                     self.water(group, &position, Some((velocity, &relative, &cell)), &mut gathered, &mut stays);
                 }
             } else {
-                self.solid(group, &position, None, &mut gathered, &mut stays);
+                self.solid(group, &position, None, &mut gathered, &mut flowed, &mut stays);
                 if WET {
                     self.water(group, &position, None, &mut gathered, &mut stays);
                 }
@@ -157,6 +193,9 @@ impl<V: Simd, Sh: Shape, L: Law<4>, const WET: bool, const MOVE: bool> Sweep<'_,
             self.tail[q].copy_from_slice(&self.strip.sums[q][length..=length + row]);
         }
         self.strip.stays = self.simd.first_true_m64s(self.simd.not_m64s(stays)) == V::F64_LANES;
+        if MOVE && L::PLASTIC {
+            self.strip.flowed = flowed.added_up();
+        }
         if MOVE && WET {
             for (rate, lanes) in self.strip.rates.iter_mut().zip(rates) {
                 *rate = 0.0;
@@ -285,6 +324,7 @@ impl<V: Simd, Sh: Shape, L: Law<4>, const WET: bool, const MOVE: bool> Sweep<'_,
         position: &[Lanes<V>; 2],
         motion: Option<&CellMotion<V>>,
         sum: &mut Gathered<V>,
+        flowed: &mut FlowedLanes<V>,
         stays: &mut V::m64s,
     ) {
         let (simd, Common { frame, law, flip, dt, .. }) = (self.simd, self.common);
@@ -300,7 +340,14 @@ impl<V: Simd, Sh: Shape, L: Law<4>, const WET: bool, const MOVE: bool> Sweep<'_,
                 let phi = basis(&xi);
                 let gradient = gradient(velocity, &Sh::point(&xi), inverse);
                 PlaneStrain::rotate(&mut stress, &gradient, *dt);
-                law.update_lanes(&mut stress, &PlaneStrain::strain_increment(&gradient, *dt));
+                let strain = PlaneStrain::strain_increment(&gradient, *dt);
+                if L::PLASTIC {
+                    let there = volume.like(0.0).below(volume);
+                    let flow = law.flow_lanes(&mut stress, &strain, there);
+                    flowed.add(group, volume, &flow);
+                } else {
+                    law.update_lanes(&mut stress, &strain);
+                }
                 volume = volume * (volume.like(1.0) + trace(&gradient) * *dt);
                 let dv = value::<2, 2, _>(change, &phi);
                 let moving = value::<2, 2, _>(velocity, &phi);

@@ -1,0 +1,201 @@
+//! Isotropic elasticity inside a Mohr-Coulomb surface with a tension cut-off; perfectly plastic.
+//!
+//! Tension positive, principal stresses s1 >= s2 >= s3:
+//!
+//! ```text
+//! f   = (s1 - s3) + (s1 + s3) sin(phi) - 2 c cos(phi) <= 0        flow along g = (s1 - s3) + (s1 + s3) sin(psi)
+//! f_t = s1 - sigma_t <= 0                                         flow along s1 (Rankine, associated)
+//! ```
+//!
+//! A strain increment makes an elastic trial stress. Outside the surface it is brought back (fully implicit Euler): an
+//! isotropic law keeps the principal directions, and between planes and a linear elasticity the return is exact, without
+//! iteration. Sources: de Souza Neto, Peric and Owen, *Computational Methods for Plasticity*, 2008, chapter 8 (surface,
+//! edges, apex, consistent tangent); Clausen, Damkilde and Andersen 2006, doi:10.1016/j.compstruc.2006.07.002, and 2007,
+//! doi:10.1002/nme.1967 (linear planes, lines and points in principal stress).
+
+mod principal;
+mod returns;
+mod surface;
+mod tangent;
+#[cfg(test)]
+mod tests;
+
+use nalgebra::SMatrix;
+use pulp::Simd;
+
+use super::linear_elastic::LinearElastic;
+use super::{Flow, Law};
+use crate::real::{Lanes, MOST_LANES, Real};
+use crate::scene::{Elastic, Strength};
+use principal::{Ordered, in_column, in_plane};
+pub use returns::Region;
+use surface::Surface;
+
+/// Mohr-Coulomb with S stress components: 2 in a column (vertical, lateral), 4 in plane strain.
+#[derive(Debug, Clone, Copy)]
+pub struct MohrCoulomb<const S: usize> {
+    elastic: LinearElastic<S>,
+    surface: Surface,
+}
+
+impl MohrCoulomb<2> {
+    /// The law for a column.
+    pub fn column(elastic: &Elastic, strength: &Strength) -> Self {
+        Self { elastic: LinearElastic::column(elastic), surface: Surface::new(elastic, strength) }
+    }
+
+    /// Largest and smallest principal stress, Pa.
+    #[inline(always)]
+    fn extremes<R: Real>(stress: &[R; 2]) -> [R; 2] {
+        [stress[0].larger(stress[1]), stress[0].smaller(stress[1])]
+    }
+
+    fn ordered(stress: &[f64; 2]) -> Ordered<2> {
+        in_column(stress)
+    }
+}
+
+impl MohrCoulomb<4> {
+    /// The law for plane strain.
+    pub fn plane_strain(elastic: &Elastic, strength: &Strength) -> Self {
+        Self { elastic: LinearElastic::plane_strain(elastic), surface: Surface::new(elastic, strength) }
+    }
+
+    /// Largest and smallest principal stress, Pa.
+    #[inline(always)]
+    fn extremes<R: Real>(&[xx, yy, zz, xy]: &[R; 4]) -> [R; 2] {
+        let (centre, half) = ((xx + yy) * 0.5, (xx - yy) * 0.5);
+        let radius = (half * half + xy * xy).root();
+        [(centre + radius).larger(zz), (centre - radius).smaller(zz)]
+    }
+
+    fn ordered(stress: &[f64; 4]) -> Ordered<4> {
+        in_plane(stress)
+    }
+}
+
+/// Trial stresses of several particles, component by component, with dissipation and residual of each.
+struct Packed<const S: usize> {
+    stress: [[f64; MOST_LANES]; S],
+    flow: [[f64; MOST_LANES]; 2],
+}
+
+macro_rules! law {
+    ($components:literal) => {
+        impl MohrCoulomb<$components> {
+            /// The part of the surface that a strain increment from a stress (Pa) ends on.
+            pub fn region(&self, stress: &[f64; $components], strain: &[f64; $components]) -> Region {
+                let mut trial = *stress;
+                self.elastic.update(&mut trial, strain);
+                self.surface.back(&Self::ordered(&trial).values).0
+            }
+
+            /// How far a stress is outside, see [`Law::yield_residual`].
+            #[inline(always)]
+            fn excess<R: Real>(&self, stress: &[R; $components]) -> R {
+                self.surface.excess(Self::extremes(stress))
+            }
+
+            /// Brings a trial stress back to the surface.
+            #[inline(never)]
+            fn flow_back(&self, stress: &mut [f64; $components]) -> Flow {
+                let trial = Self::ordered(stress);
+                let (_, found) = self.surface.back(&trial.values);
+                *stress = trial.with(&found);
+                Flow { dissipation: self.surface.dissipation(&trial.values, &found), residual: self.excess(stress) }
+            }
+        }
+
+        impl MohrCoulomb<$components> {
+            /// The same for the lanes whose residual is above zero. Not for every width anew: that is long to compile.
+            #[inline(never)]
+            fn flow_back_lanes(&self, packed: &mut Packed<$components>, lanes: usize) {
+                for lane in 0..lanes.min(MOST_LANES) {
+                    if packed.flow[1][lane] > 0.0 {
+                        let mut of_one = packed.stress.map(|values| values[lane]);
+                        let flow = self.flow_back(&mut of_one);
+                        for s in 0..$components {
+                            packed.stress[s][lane] = of_one[s];
+                        }
+                        (packed.flow[0][lane], packed.flow[1][lane]) = (flow.dissipation, flow.residual);
+                    }
+                }
+            }
+        }
+
+        impl Law<$components> for MohrCoulomb<$components> {
+            const LINEAR: bool = false;
+            const PLASTIC: bool = true;
+
+            #[inline(always)]
+            fn update(&self, stress: &mut [f64; $components], strain: &[f64; $components]) {
+                self.flow(stress, strain);
+            }
+
+            #[inline(always)]
+            fn flow(&self, stress: &mut [f64; $components], strain: &[f64; $components]) -> Flow {
+                self.elastic.update(stress, strain);
+                let residual = self.excess(stress);
+                if residual > 0.0 { self.flow_back(stress) } else { Flow { dissipation: 0.0, residual } }
+            }
+
+            #[inline(always)]
+            fn update_lanes<V: Simd>(&self, stress: &mut [Lanes<V>; $components], strain: &[Lanes<V>; $components]) {
+                let all = stress[0].like(0.0).below(stress[0].like(1.0));
+                self.flow_lanes(stress, strain, all);
+            }
+
+            #[inline(always)]
+            fn flow_lanes<V: Simd>(
+                &self,
+                stress: &mut [Lanes<V>; $components],
+                strain: &[Lanes<V>; $components],
+                there: V::m64s,
+            ) -> Flow<Lanes<V>> {
+                self.elastic.update_lanes(stress, strain);
+                let none = stress[0].like(0.0);
+                let residual = self.excess(stress).or(there, none.like(f64::NEG_INFINITY));
+                if none.simd.first_true_m64s(none.below(residual)) == V::F64_LANES {
+                    return Flow { dissipation: none, residual };
+                }
+                let mut packed = Packed { stress: [[0.0; MOST_LANES]; $components], flow: [[0.0; MOST_LANES]; 2] };
+                for s in 0..$components {
+                    stress[s].store(&mut packed.stress[s]);
+                }
+                residual.store(&mut packed.flow[1]);
+                self.flow_back_lanes(&mut packed, V::F64_LANES);
+                for s in 0..$components {
+                    stress[s] = Lanes::load(none.simd, &packed.stress[s]);
+                }
+                let [dissipation, residual] = packed.flow.map(|values| Lanes::load(none.simd, &values));
+                Flow { dissipation, residual }
+            }
+
+            fn tangent(
+                &self,
+                stress: &[f64; $components],
+                strain: &[f64; $components],
+            ) -> SMatrix<f64, $components, $components> {
+                let mut trial = *stress;
+                self.elastic.update(&mut trial, strain);
+                let trial = Self::ordered(&trial);
+                let (region, found) = self.surface.back(&trial.values);
+                match region {
+                    Region::Elastic => self.elastic.tangent(stress, strain),
+                    _ => trial.tangent(&found, &self.surface.tangent(region), self.surface.shear),
+                }
+            }
+
+            fn energy(&self, stress: &[f64; $components]) -> f64 {
+                self.surface.energy(&Self::ordered(stress).values)
+            }
+
+            fn yield_residual(&self, stress: &[f64; $components]) -> f64 {
+                self.excess(stress)
+            }
+        }
+    };
+}
+
+law!(2);
+law!(4);

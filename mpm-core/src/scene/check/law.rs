@@ -1,0 +1,65 @@
+//! The law of the skeleton: its elasticity, and its strength if it has one.
+
+use toml::Spanned;
+
+use super::super::raw::{RawLaw, RawMohrCoulomb, RawScene, RawSoil};
+use super::super::{Elastic, Integrator, Scene, Strength};
+use super::{Checked, Reader};
+
+impl Reader<'_> {
+    pub(super) fn law(&self, soil: &RawSoil) -> Checked<(Elastic, Option<Strength>)> {
+        match soil.law.get_ref() {
+            RawLaw::LinearElastic(law) => {
+                Ok((self.elastic("linear_elastic", &law.youngs_modulus, &law.poisson_ratio)?, None))
+            }
+            RawLaw::MohrCoulomb(law) => {
+                let elastic = self.elastic("mohr_coulomb", &law.youngs_modulus, &law.poisson_ratio)?;
+                Ok((elastic, Some(self.strength(law)?)))
+            }
+        }
+    }
+
+    fn elastic(&self, law: &str, modulus: &Spanned<f64>, ratio: &Spanned<f64>) -> Checked<Elastic> {
+        let key = |name: &str| format!("soil.law.{law}.{name}");
+        Ok(Elastic {
+            youngs_modulus: self.positive(modulus, &key("youngs_modulus"), "Pa")?,
+            poisson_ratio: self.within(ratio, &key("poisson_ratio"), "-1 < nu < 0.5", |nu| nu > -1.0 && nu < 0.5)?,
+        })
+    }
+
+    fn strength(&self, law: &RawMohrCoulomb) -> Checked<Strength> {
+        let key = |name: &str| format!("soil.law.mohr_coulomb.{name}");
+        let expected = "a finite cohesion of 0 or more (Pa)";
+        let cohesion = self.within(&law.cohesion, &key("cohesion"), expected, |c| c >= 0.0)?;
+        let expected = "0 < phi < 90 (degrees)";
+        let within = |phi: f64| phi > 0.0 && phi < 90.0;
+        let friction_angle = self.within(&law.friction_angle, &key("friction_angle"), expected, within)?;
+        let dilation_angle = match &law.dilation_angle {
+            Some(value) => {
+                let expected = format!("0 <= psi <= {friction_angle}, the angle of friction (degrees)");
+                self.within(value, &key("dilation_angle"), &expected, |psi| (0.0..=friction_angle).contains(&psi))?
+            }
+            None => 0.0,
+        };
+        let strength = Strength { cohesion, friction_angle, dilation_angle, tension_cutoff: None };
+        let tension_cutoff = match &law.tension_cutoff {
+            Some(value) => {
+                let apex = strength.apex();
+                let expected = format!("0 <= sigma_t <= {apex} Pa, the apex c/tan(phi)");
+                Some(self.within(value, &key("tension_cutoff"), &expected, |stress| (0.0..=apex).contains(&stress))?)
+            }
+            None => None,
+        };
+        Ok(Strength { tension_cutoff, ..strength })
+    }
+
+    /// Quasi-static systems are symmetric; the tangent of a flow that is not associated is not, and at the apex it is zero.
+    pub(super) fn flow_is_dynamic(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
+        if scene.integrator != Integrator::QuasiStatic || scene.strength.is_none() {
+            return Ok(());
+        }
+        let expected = "linear_elastic beside quasi-static, whose systems are symmetric and regular \
+                        (or integrator = \"explicit\" or \"semi-implicit\")";
+        self.refuse(&raw.soil.get_ref().law.span(), "soil.law", expected, "mohr_coulomb")
+    }
+}
