@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::error::RunError;
 use crate::observe::{Ledger, Observation};
-use crate::scene::{Scene, Until};
+use crate::scene::{Clock, Integrator, Scene, Until};
 use crate::stability::stable_limit;
 use crate::step::{Fault, Model, Work};
 
@@ -95,6 +95,9 @@ pub fn drive(scene: &Scene, model: &mut dyn Model, dt: f64, progress: &mut dyn F
             Until::PorePressure { .. } | Until::Rest { .. } => Vec::new(),
         };
         let stops: Vec<f64> = times.iter().map(|(time, _)| *time).collect();
+        // Water that seeps divides the time itself.
+        let dt =
+            if scene.integrator == Integrator::TwoClocks && stage.clock == Clock::Seepage { f64::INFINITY } else { dt };
         let entered = model.enter_stage(stage, &stops);
         run.bytes = run.bytes.max(model.bytes());
         let outcome = match stage.until {

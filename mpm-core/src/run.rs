@@ -15,10 +15,12 @@ use crate::scene::{
 use crate::seeding::{self, Part};
 use crate::shape::{Centre, Linear, Shape};
 use crate::space::Deformation;
+use crate::sparse::Unsolved;
 use crate::stability::{StepTooLarge, choose_step};
 use crate::stencil::{Basis, Bspline2, Functions, Gimp};
 use crate::step::quasi_static::{QuasiStatic, Seeding};
-use crate::step::{Explicit, ExplicitLanes, ExplicitWide, Model, Parts, SemiImplicit};
+use crate::step::{Explicit, ExplicitLanes, ExplicitWide, Model, Parts, SemiImplicit, TwoClocks, Wetting};
+use crate::water::free_surface::{FreeSurface, Medium, SoilMap, Surroundings, WaterLayer};
 use crate::water::{DarcyOperator, Dry, Face, Nodal, Resident, Saturated, Water};
 use pulp::{Arch, Scalar128b, Scalar256b, Scalar512b, Simd};
 
@@ -193,6 +195,8 @@ fn shape<K: Kinematics<D, S>, L: Law<S>, const D: usize, const S: usize>(
     match (scene.integrator, scene.shape) {
         (Integrator::Explicit, ShapeChoice::Centre) => water::<K, Centre, L, D, S>(scene, seed, law),
         (Integrator::Explicit, ShapeChoice::Linear) => water::<K, Linear, L, D, S>(scene, seed, law),
+        (Integrator::TwoClocks, ShapeChoice::Linear) => seed.two_clocks::<K, Linear, L>(scene, law),
+        (Integrator::TwoClocks, _) => seed.two_clocks::<K, Centre, L>(scene, law),
         (_, ShapeChoice::Centre) => seed.wide::<K, _, L>(scene, law, Centre),
         (_, ShapeChoice::Linear) => seed.wide::<K, _, L>(scene, law, Linear),
         (_, ShapeChoice::Gimp) => seed.wide::<K, _, L>(scene, law, Gimp::new(per_direction)),
@@ -246,7 +250,10 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         let ratio = scene.lateral_ratio();
         let point = |x: [f64; D], volume: f64| {
             let (vertical, _) = match &scene.outline {
-                Some(outline) => state_at_depth(scene, seeding::depth(outline, &[x[0], x[D - 1]])),
+                Some(outline) => {
+                    let at = [x[0], x[D - 1]];
+                    state_at_depth(scene, &at, seeding::depth(outline, &at))
+                }
                 None => first_state(scene, x[D - 1]),
             };
             let mut stress = stress(vertical, ratio * vertical);
@@ -301,6 +308,72 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         let full_mass = scene.dry_density() * self.face_area * scene.cell;
         let edges = Edges::of(scene, &self.grid, &supports, self.solid.points.len(), full_mass);
         Box::new(Explicit::<K, Sh, L, W, D, S>::with_edges(self.parts(scene, law, water, supports), edges))
+    }
+
+    /// Soil and water that run by their own clocks.
+    fn two_clocks<K: Kinematics<D, S>, Sh: Shape, L: Law<S>>(
+        self,
+        scene: &Scene,
+        law: L,
+    ) -> Result<Box<dyn Model>, RunError> {
+        let wetting = self.wetting(scene).map_err(|what| RunError {
+            step: 0,
+            time: 0.0,
+            place: "the water".into(),
+            what: what.to_string(),
+        })?;
+        let supports = Supports::new(&self.grid, &scene.solid_sides);
+        let full_mass = scene.dry_density() * self.face_area * scene.cell;
+        let edges = Edges::of(scene, &self.grid, &supports, self.solid.points.len(), full_mass);
+        let parts = self.parts(scene, law, wetting.frozen(), supports);
+        let soil = Explicit::<K, Sh, L, _, D, S>::with_edges(parts, edges);
+        Ok(Box::new(TwoClocks::new(soil, wetting)))
+    }
+
+    /// The water of a scene with a free surface at t = 0.
+    fn wetting(&self, scene: &Scene) -> Result<Wetting<D>, Unsolved> {
+        let water = scene.water.unwrap_or(WaterProperties {
+            hydraulic_conductivity: 0.0,
+            bulk_modulus: f64::INFINITY,
+            unit_weight: 1.0,
+            density: 0.0,
+        });
+        let (weight, size) = (scene.water_weight(), scene.cell);
+        let medium = Medium {
+            conductance: water.mobility() * self.face_area / size,
+            size,
+            cell_volume: self.face_area * size,
+            weight: std::array::from_fn(|d| weight[d + 2 - D]),
+            unit_weight: water.unit_weight,
+            porosity: scene.mobile_porosity(),
+        };
+        let per_direction = scene.particles_per_direction();
+        let soil = SoilMap::new(&self.grid, &self.solid, self.face_area, per_direction);
+        let feeds = scene.free_surface.as_ref().map_or([None; 4], |free| free.feeds);
+        let around = Surroundings { open: [false; 4], feeds, periodic: scene.periodic };
+        let mut water_cells = FreeSurface::new(&self.grid, medium, soil, &around)?;
+        let content: Vec<f64> = self
+            .grid
+            .walk()
+            .map(|(cell, position)| {
+                let share = water_cells.soil.share[cell];
+                if water_cells.soil.is_soil(cell) {
+                    water_cells.pores(cell) * (wet_area(scene, &position) / share).min(1.0)
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        water_cells.fill(&content);
+        Ok(Wetting {
+            layer: WaterLayer::new(&self.grid, &water_cells, per_direction, water.density),
+            water: water_cells,
+            feeds,
+            periodic: scene.periodic,
+            moisture: water.density * (scene.porosity - scene.mobile_porosity()),
+            per_direction,
+            density: water.density,
+        })
     }
 
     /// The kernels over stencils: their water flows through cell faces, and a dry scene has no pressure to solve for.
@@ -419,20 +492,39 @@ fn first_state(scene: &Scene, height: f64) -> (f64, f64) {
             let pressure = scene.undrained_pressure();
             (-(load - pressure), pressure)
         }
-        Start::Geostatic => state_at_depth(scene, scene.height - height),
+        Start::Geostatic => state_at_depth(scene, &[0.5 * scene.width, height], scene.height - height),
     }
 }
 
-/// The same at a depth (m) below the surface, normal to a base that may be tilted.
-fn state_at_depth(scene: &Scene, depth: f64) -> (f64, f64) {
-    match scene.start {
-        Start::Unloaded | Start::UndrainedEquilibrium => (0.0, 0.0),
-        Start::Geostatic => {
-            let g = scene.gravity_vector().map_or(0.0, |[_, y]| -y);
-            let water = scene.water.map_or(0.0, |w| w.density);
-            (-(scene.mixture_density() - water) * g * depth, water * g * depth)
-        }
+/// The same at a place and its depth (m) below the surface, normal to a base that may be tilted.
+fn state_at_depth(scene: &Scene, place: &[f64; 2], depth: f64) -> (f64, f64) {
+    if scene.start != Start::Geostatic {
+        return (0.0, 0.0);
     }
+    let g = scene.gravity_vector().map_or(0.0, |[_, y]| -y);
+    let density = scene.water.map_or(0.0, |w| w.density);
+    let Some(free) = &scene.free_surface else {
+        return (-(scene.mixture_density() - density) * g * depth, density * g * depth);
+    };
+    // Water stands above the place up to the level, or to the upper edge of what is wet.
+    let level = free.level.map_or(0.0, |level| level - place[1]);
+    let wet = free.wet.as_ref().map_or(level, |wet| seeding::depth(wet, place)).clamp(0.0, depth);
+    let moist = scene.porosity - scene.mobile_porosity();
+    let weight = (scene.dry_density() + density * moist) * depth + density * scene.mobile_porosity() * wet;
+    let pressure = density * g * wet;
+    (-(g * weight - pressure), pressure)
+}
+
+/// Share of a cell that is wet at t = 0.
+fn wet_area<const D: usize>(scene: &Scene, position: &[usize; D]) -> f64 {
+    let Some(free) = &scene.free_surface else { return 0.0 };
+    let low = position.map(|i| i as f64 * scene.cell);
+    if let Some(wet) = &free.wet {
+        let row = seeding::between(wet, 1, low[D - 1], low[D - 1] + scene.cell);
+        let part = seeding::between(&row, 0, low[0], low[0] + scene.cell);
+        return (seeding::area(&part) / (scene.cell * scene.cell)).max(0.0);
+    }
+    free.level.map_or(0.0, |level| ((level - low[D - 1]) / scene.cell).clamp(0.0, 1.0))
 }
 
 /// Shear stress (Pa) on planes along a tilted base beside a normal stress on them, of an infinite slope:

@@ -69,8 +69,10 @@ pub struct Observation {
     pub water_crossings: u64,
     /// Values per row of cells, from the base up.
     pub profile: Vec<ProfileRow>,
-    /// Pore pressure at the middle of every cell of a quasi-static scene in plane strain; else empty.
+    /// Pore pressure at the middle of every cell of a quasi-static scene in plane strain, or one with two clocks; else empty.
     pub field: Vec<FieldPoint>,
+    /// Water with a free surface, if the scene has it.
+    pub water: Option<WaterState>,
 }
 
 /// The pore pressure at a place.
@@ -82,6 +84,47 @@ pub struct FieldPoint {
     pub y_m: f64,
     /// Pore pressure, Pa.
     pub pressure_pa: f64,
+    /// Share of the pores that mobile water fills.
+    pub saturation: f64,
+    /// Share of the cell that is soil.
+    pub soil: f64,
+}
+
+/// Water with a free surface.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct WaterState {
+    /// Mobile water in the cells, m3.
+    pub mobile_m3: f64,
+    /// Porosity that it can fill.
+    pub mobile_porosity: f64,
+    /// Water in the particles, m3.
+    pub particles_m3: f64,
+    /// Water that has entered, less what has left, but is in no particle yet, m3.
+    pub pending_m3: f64,
+    /// Inflow in the last step, m3/s.
+    pub inflow_m3_s: f64,
+    /// Outflow in the last step, m3/s.
+    pub outflow_m3_s: f64,
+    /// Water that has entered since the start, m3.
+    pub in_m3: f64,
+    /// Water that has left since the start, m3.
+    pub out_m3: f64,
+    /// Largest x that water has reached, m.
+    pub front_x_m: f64,
+    /// Largest height of water, m.
+    pub front_y_m: f64,
+    /// Water particles.
+    pub particles: u64,
+    /// Of them made at feeds.
+    pub spawned: u64,
+    /// Taken away where water leaves.
+    pub removed: u64,
+    /// Root of the mean square of the surplus of particles in a cell, as a share of a full cell.
+    pub packing_mean: f64,
+    /// Largest surplus or lack.
+    pub packing_max: f64,
+    /// Steps in which some cell was left as it was.
+    pub unsettled: u64,
 }
 
 /// One cell of soil.
@@ -188,6 +231,7 @@ pub fn observe<const D: usize, const S: usize>(
         water_crossings: water.map_or(0, |w| w.crossings),
         profile,
         field: Vec::new(),
+        water: None,
     }
 }
 

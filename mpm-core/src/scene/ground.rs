@@ -62,6 +62,12 @@ impl Scene {
         self.start_k0.unwrap_or_else(|| self.elastic.lame() / self.oedometer_modulus())
     }
 
+    /// Corners of the soil, m, anticlockwise: the outline, or the box of a column.
+    pub fn outline_or_box(&self) -> Vec<[f64; 2]> {
+        let (w, h) = (self.width, self.height);
+        self.outline.clone().unwrap_or_else(|| vec![[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]])
+    }
+
     /// Edge of the square that a particle stands for, m.
     pub fn spacing(&self) -> f64 {
         self.cell / self.particles_per_direction() as f64

@@ -3,6 +3,7 @@
 
 mod check;
 mod flags;
+mod free_surface;
 mod ground;
 mod raw;
 
@@ -12,6 +13,7 @@ use std::path::Path;
 use serde::Serialize;
 
 pub use flags::Flags;
+pub use free_surface::{Clock, Feed, FreeSurfaceWater};
 pub use ground::{Base, NormalStress, SeedingChoice};
 
 use crate::error::{LoadError, SceneError};
@@ -48,6 +50,8 @@ pub enum Integrator {
     SemiImplicit,
     /// Implicit displacement and pressure, no inertia; the step follows from a tolerance.
     QuasiStatic,
+    /// Water with a free surface in soil at rest, in steps of its own, and explicit soil under the pressures it leaves.
+    TwoClocks,
 }
 
 /// Shape functions, and where they are evaluated for stress, pore pressure and strain.
@@ -255,21 +259,6 @@ impl WaterProperties {
     }
 }
 
-/// What a side of the soil is fed with.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Feed {
-    /// Water at rest up to this height above the base, m; without gravity its pressure head, m.
-    Head(f64),
-    /// A Darcy flux into the soil, m/s, below a height above the base (m).
-    Velocity {
-        /// The flux, m/s.
-        speed: f64,
-        /// Where it ends, m above the base.
-        height: f64,
-    },
-}
-
 /// How the time step is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -319,6 +308,9 @@ pub struct Stage {
     pub drained: [bool; 4],
     /// Mass-proportional damping rate, 1/s. Zero for none.
     pub damping: f64,
+    /// What moves, with two clocks.
+    #[serde(skip_serializing_if = "Clock::is_default")]
+    pub clock: Clock,
     /// When it ends.
     pub until: Until,
 }
@@ -401,6 +393,9 @@ pub struct Scene {
     pub porosity: f64,
     /// Pore water, or `None` for a dry scene.
     pub water: Option<WaterProperties>,
+    /// Where the water is, if it has a free surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub free_surface: Option<FreeSurfaceWater>,
     /// Constraint of the solid on each side: left, right, bottom, top.
     pub solid_sides: [SolidSide; 4],
     /// What leaves the mesh at one side comes in at the other.

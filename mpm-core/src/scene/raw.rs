@@ -115,6 +115,33 @@ pub(super) struct RawWater {
     pub bulk_modulus: Number,
     pub unit_weight: Number,
     pub density: Option<Number>,
+    pub free_surface: Option<Spanned<RawFreeSurface>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawFreeSurface {
+    pub saturation: Option<Number>,
+    pub level: Option<Number>,
+    pub wet: Option<Spanned<Vec<Spanned<[f64; 2]>>>>,
+    pub feed: Option<Spanned<RawFeeds>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawFeeds {
+    pub left: Option<Spanned<RawFeed>>,
+    pub right: Option<Spanned<RawFeed>>,
+    pub bottom: Option<Spanned<RawFeed>>,
+    pub top: Option<Spanned<RawFeed>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawFeed {
+    pub head: Option<Number>,
+    pub velocity: Option<Number>,
+    pub height: Option<Number>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -182,6 +209,7 @@ pub(super) struct RawStage {
     pub name: Option<Word>,
     pub drained: Option<Spanned<Value>>,
     pub damping: Option<Number>,
+    pub clock: Option<Word>,
     pub until: Spanned<RawUntil>,
 }
 

@@ -7,7 +7,8 @@
 mod clip;
 mod polygon;
 
-pub use polygon::{Fault, area, centroid, check, depth, inside};
+pub use clip::between;
+pub use polygon::{Fault, area, centroid, check, depth, inside, near};
 
 use std::collections::BTreeMap;
 
@@ -33,9 +34,9 @@ pub fn parts(polygon: &[[f64; 2]], spacing: f64) -> Vec<Part> {
     let [_, rows] = range(polygon, 1, spacing);
     let [_, columns] = range(polygon, 0, spacing);
     for row in range(polygon, 1, spacing)[0]..rows {
-        let strip = clip::between(polygon, 1, row as f64 * spacing, (row + 1) as f64 * spacing);
+        let strip = between(polygon, 1, row as f64 * spacing, (row + 1) as f64 * spacing);
         for column in range(polygon, 0, spacing)[0]..columns {
-            let square = clip::between(&strip, 0, column as f64 * spacing, (column + 1) as f64 * spacing);
+            let square = between(&strip, 0, column as f64 * spacing, (column + 1) as f64 * spacing);
             // About the middle of the square, where the moments lose no digits.
             let middle = [column, row].map(|i| (i as f64 + 0.5) * spacing);
             let moments = polygon::moments(&square, &middle).map(|m| sign * m);

@@ -51,6 +51,18 @@ pub fn inside(polygon: &[[f64; 2]], point: &[f64; 2]) -> bool {
     passes(polygon, point[0]).filter(|y| *y > point[1]).count() % 2 == 1
 }
 
+/// Whether a point (m) lies inside a simple polygon or within a distance (m) of its edges.
+pub fn near(polygon: &[[f64; 2]], point: &[f64; 2], reach: f64) -> bool {
+    let to_edge = |i: usize| {
+        let (a, b) = (polygon[i], polygon[(i + 1) % polygon.len()]);
+        let (along, off) = ([b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]);
+        let length = along[0] * along[0] + along[1] * along[1];
+        let share = ((along[0] * off[0] + along[1] * off[1]) / length).clamp(0.0, 1.0);
+        f64::hypot(off[0] - share * along[0], off[1] - share * along[1])
+    };
+    inside(polygon, point) || (0..polygon.len()).any(|i| to_edge(i) <= reach)
+}
+
 /// Depth of a point (m) below the outline straight above it, m; zero if there is none.
 pub fn depth(polygon: &[[f64; 2]], point: &[f64; 2]) -> f64 {
     let above = passes(polygon, point[0]).filter(|y| *y > point[1]).fold(f64::INFINITY, f64::min);

@@ -57,6 +57,23 @@ where
         run
     }
 
+    /// What the run is made of.
+    pub(super) fn parts(&mut self) -> &mut Parts<L, W, D, S> {
+        &mut self.parts
+    }
+
+    /// The mesh.
+    pub(super) fn grid(&self) -> &Grid<D> {
+        &self.parts.grid
+    }
+
+    /// Books water (m3) that another model has let in and out, and the time (s) it took.
+    pub(super) fn book_flow(&mut self, rates: [f64; 2], time: f64) {
+        self.totals.water_in += rates[0];
+        self.totals.water_out += rates[1];
+        self.time += time;
+    }
+
     /// One step of Figure 1. ALONE gives [`Model::do_stage`] copies of the stages, so that those of a step remain one piece.
     fn step(&mut self, dt: f64) -> Result<(), Fault> {
         self.particles_to_mesh::<false>();

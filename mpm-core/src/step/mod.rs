@@ -8,12 +8,14 @@ mod pressure;
 pub mod quasi_static;
 mod semi_implicit;
 mod skeleton;
+mod two_clocks;
 
 pub use explicit::Explicit;
 pub use explicit_wide::ExplicitWide;
 pub use lanes::ExplicitLanes;
 pub use parts::Parts;
 pub use semi_implicit::SemiImplicit;
+pub use two_clocks::{TwoClocks, Wetting};
 
 use serde::Serialize;
 

@@ -311,7 +311,7 @@ impl Reader<'_> {
 
     fn explicit(&self, span: &Range<usize>, key: &str, scene: &Scene) -> Checked<()> {
         let found = match scene.integrator {
-            Integrator::Explicit => return Ok(()),
+            Integrator::Explicit | Integrator::TwoClocks => return Ok(()),
             Integrator::SemiImplicit => "\"semi-implicit\"",
             Integrator::QuasiStatic => "\"quasi-static\"",
         };
@@ -326,7 +326,7 @@ impl Reader<'_> {
     }
 
     fn dry(&self, span: &Range<usize>, key: &str, scene: &Scene) -> Checked<()> {
-        if scene.water.is_none() {
+        if scene.water.is_none() || scene.free_surface.is_some() {
             return Ok(());
         }
         self.refuse(span, key, "a dry scene: no water layer follows it yet", "[water]")

@@ -112,6 +112,7 @@ impl Reader<'_> {
             ("explicit", Integrator::Explicit),
             ("semi-implicit", Integrator::SemiImplicit),
             ("quasi-static", Integrator::QuasiStatic),
+            ("two-clocks", Integrator::TwoClocks),
         ];
         checked.integrator =
             self.word(time.integrator.as_ref(), "time.integrator", &integrators, Integrator::Explicit)?;

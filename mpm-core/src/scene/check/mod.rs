@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use toml::{Spanned, Value};
 
+mod free_surface;
 mod ground;
 mod law;
 mod method;
@@ -195,6 +196,7 @@ impl Reader<'_> {
             grain_density,
             porosity,
             water,
+            free_surface: None,
             solid_sides,
             periodic: self.periodic(raw)?,
             base: self.base(raw)?,
@@ -218,6 +220,7 @@ impl Reader<'_> {
             profiles: true,
             left_out: Vec::new(),
         };
+        scene.free_surface = self.free_surface(raw, &scene)?;
         self.stages(raw, &mut scene)?;
         self.observe(raw.observe.as_ref(), &mut scene)?;
         self.fits_together(raw, &scene)?;
@@ -461,7 +464,8 @@ impl Reader<'_> {
             };
             let name =
                 stage.get_ref().name.as_ref().map_or_else(|| format!("stage {}", number + 1), |n| n.get_ref().clone());
-            scene.stages.push(Stage { name, drained, damping, until: Until::Time(0.0) });
+            let clock = self.clock(stage.get_ref())?;
+            scene.stages.push(Stage { name, drained, damping, clock, until: Until::Time(0.0) });
             let until = self.until(&stage.get_ref().until, scene)?;
             if let Some(last) = scene.stages.last_mut() {
                 last.until = until;

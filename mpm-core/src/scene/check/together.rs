@@ -16,6 +16,7 @@ impl Reader<'_> {
     pub(super) fn fits_together(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
         self.load(raw, scene)?;
         self.incompressible_water(raw, scene)?;
+        self.two_clocks(raw, scene)?;
         self.flow_is_dynamic(raw, scene)?;
         if scene.integrator == Integrator::QuasiStatic {
             self.quasi_static_scheme(raw, scene)?;
@@ -67,7 +68,8 @@ impl Reader<'_> {
     fn incompressible_water(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
         let Some(table) = &raw.water else { return Ok(()) };
         let value = &table.get_ref().bulk_modulus;
-        if value.get_ref().is_finite() {
+        // Under a free surface no water is closed in.
+        if value.get_ref().is_finite() || scene.integrator == Integrator::TwoClocks {
             return Ok(());
         }
         if scene.integrator == Integrator::Explicit {
@@ -118,6 +120,7 @@ impl Reader<'_> {
             Integrator::Explicit => "\"explicit\"",
             Integrator::SemiImplicit => "\"semi-implicit\"",
             Integrator::QuasiStatic => "\"quasi-static\"",
+            Integrator::TwoClocks => "\"two-clocks\"",
         };
         self.refuse(span, key, "integrator = \"quasi-static\" beside it", found)
     }

@@ -27,6 +27,7 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
             water_crossings: 0,
             profile: rows,
             field: self.field(&cells),
+            water: None,
         }
     }
 
@@ -51,6 +52,8 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
             x_m: across(cell),
             y_m: values.material_height,
             pressure_pa: values.pressure,
+            saturation: 1.0,
+            soil: 1.0,
         };
         cells.iter().enumerate().map(point).collect()
     }

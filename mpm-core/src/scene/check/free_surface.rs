@@ -1,0 +1,211 @@
+//! `[water.free_surface]`: what is wet, what is fed, and what it does not go together with.
+
+use toml::Spanned;
+
+use super::super::raw::{RawFeed, RawFeeds, RawFreeSurface, RawScene, RawStage};
+use super::super::{Clock, Dimension, Feed, FreeSurfaceWater, Integrator, Scene, ShapeChoice, Side, Until};
+use super::{Checked, Reader, quoted};
+use crate::seeding::{self, Fault};
+
+impl Reader<'_> {
+    pub(super) fn clock(&self, stage: &RawStage) -> Checked<Clock> {
+        let words = [("seepage", Clock::Seepage), ("soil", Clock::Soil)];
+        self.word(stage.clock.as_ref(), "stages.clock", &words, Clock::Seepage)
+    }
+
+    /// The checked table of a scene whose geometry is known.
+    pub(super) fn free_surface(&self, raw: &RawScene, scene: &Scene) -> Checked<Option<FreeSurfaceWater>> {
+        let Some(table) = raw.water.as_ref().and_then(|water| water.get_ref().free_surface.as_ref()) else {
+            return Ok(None);
+        };
+        let raw = table.get_ref();
+        let saturation = match &raw.saturation {
+            Some(value) => {
+                let expected = "0 <= saturation < 1 (share of the pores)";
+                self.within(value, "water.free_surface.saturation", expected, |s| (0.0..1.0).contains(&s))?
+            }
+            None => 0.0,
+        };
+        if let (Some(wet), Some(_)) = (&raw.wet, &raw.level) {
+            let expected = "either level or wet, not both";
+            return self.refuse(&wet.span(), "water.free_surface.wet", expected, "both");
+        }
+        let level = match &raw.level {
+            Some(value) => {
+                let expected = format!("0 < level <= {} m, the top of the soil", scene.height);
+                Some(self.within(value, "water.free_surface.level", &expected, |l| l > 0.0 && l <= scene.height)?)
+            }
+            None => None,
+        };
+        let wet = self.wet(raw, scene)?;
+        let feeds = match &raw.feed {
+            Some(feeds) => self.feeds(feeds.get_ref(), scene)?,
+            None => [None; 4],
+        };
+        Ok(Some(FreeSurfaceWater { saturation, level, wet, feeds }))
+    }
+
+    /// The corners of the soil that is full of water at t = 0; all of it must be soil.
+    fn wet(&self, raw: &RawFreeSurface, scene: &Scene) -> Checked<Option<Vec<[f64; 2]>>> {
+        let Some(list) = &raw.wet else { return Ok(None) };
+        let key = "water.free_surface.wet";
+        if scene.dimension == Dimension::Column {
+            let expected = "level, in a column: a polygon is an area";
+            return self.refuse(&list.span(), key, expected, "\"column\"");
+        }
+        let mut points: Vec<[f64; 2]> = list.get_ref().iter().map(|x| *x.get_ref()).collect();
+        match seeding::check(&points) {
+            Ok(()) => {}
+            Err(Fault::TooFew(count)) => {
+                return self.refuse(&list.span(), key, "at least 3 points [x, y] (m)", count);
+            }
+            Err(Fault::Outside(i)) => {
+                let [x, y] = points[i];
+                let expected = "points in the soil: finite x >= 0 and y >= 0 (m)";
+                return self.refuse(&list.get_ref()[i].span(), key, expected, format!("[{x}, {y}]"));
+            }
+            Err(Fault::Crossing(i, j)) => {
+                let expected = "a simple polygon, whose edges neither cross nor touch";
+                let found = format!("edges {} and {}, counted from 1, that do", i + 1, j + 1);
+                return self.refuse(&list.get_ref()[j].span(), key, expected, found);
+            }
+        }
+        if seeding::area(&points) < 0.0 {
+            points.reverse();
+        }
+        // Corners suffice for a convex soil; for others the middles of the edges are looked at too.
+        let soil = scene.outline_or_box();
+        let reach = 1e-9 * (scene.width + scene.height);
+        let count = points.len();
+        for i in 0..count {
+            let (a, b) = (points[i], points[(i + 1) % count]);
+            for share in [0.0, 0.25, 0.5, 0.75] {
+                let x = [0, 1].map(|d| a[d] + share * (b[d] - a[d]));
+                if !seeding::near(&soil, &x, reach) {
+                    let expected = "water inside the soil";
+                    let found = format!("[{}, {}], outside its outline", x[0], x[1]);
+                    return self.refuse(&list.get_ref()[i.min(count - 1)].span(), key, expected, found);
+                }
+            }
+        }
+        Ok(Some(points))
+    }
+
+    fn feeds(&self, feeds: &RawFeeds, scene: &Scene) -> Checked<[Option<Feed>; 4]> {
+        let mut checked = [None; 4];
+        let raw = [&feeds.left, &feeds.right, &feeds.bottom, &feeds.top];
+        for (side, raw) in Side::ALL.into_iter().zip(raw) {
+            if let Some(raw) = raw {
+                checked[side as usize] = Some(self.feed(raw, side, scene)?);
+            }
+        }
+        Ok(checked)
+    }
+
+    fn feed(&self, raw: &Spanned<RawFeed>, side: Side, scene: &Scene) -> Checked<Feed> {
+        let (span, feed) = (raw.span(), raw.get_ref());
+        let key = format!("water.free_surface.feed.{side}");
+        if scene.dimension == Dimension::Column && matches!(side, Side::Left | Side::Right) {
+            return self.refuse(&span, &key, "a feed at the bottom or the top of a column", side);
+        }
+        // Where the soil touches the side, from its lowest to its highest point, m.
+        let Some([low, high]) = touching(&scene.outline_or_box(), side, scene) else {
+            return self.refuse(&span, &key, "soil along the side that is fed", "a wall with no soil");
+        };
+        let (is_head, value) =
+            self.either(&span, &key, ("head", feed.head.as_ref()), ("velocity", feed.velocity.as_ref()))?;
+        if !is_head {
+            let speed = self.positive(value, &format!("{key}.velocity"), "m/s into the soil")?;
+            let height = match &feed.height {
+                Some(value) => {
+                    let expected = format!("above {low} m, where the soil at the side begins");
+                    self.within(value, &format!("{key}.height"), &expected, |h| h > low)?
+                }
+                None => high,
+            };
+            return Ok(Feed::Velocity { speed, height });
+        }
+        if let Some(height) = &feed.height {
+            let expected = "no height beside a head, which is one";
+            return self.refuse(&height.span(), &format!("{key}.height"), expected, height.get_ref());
+        }
+        let least = match (scene.gravity, side) {
+            (None, _) => 0.0,
+            (Some(_), Side::Left | Side::Right | Side::Bottom) => low,
+            (Some(_), Side::Top) => high,
+        };
+        let expected = match side {
+            _ if scene.gravity.is_none() => "a pressure head above 0 (m)".to_owned(),
+            Side::Top => format!("a level above {least} m, the top of the soil"),
+            _ => format!("a head above {least} m, where the soil at the side begins"),
+        };
+        Ok(Feed::Head(self.within(value, &format!("{key}.head"), &expected, |h| h > least)?))
+    }
+
+    /// A free surface needs the integrator with two clocks, and the other way round.
+    pub(super) fn two_clocks(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
+        let integrator = raw.time.as_ref().and_then(|time| time.get_ref().integrator.as_ref());
+        let two = scene.integrator == Integrator::TwoClocks;
+        let table = raw.water.as_ref().and_then(|water| water.get_ref().free_surface.as_ref());
+        if let (Some(table), false) = (table, two) {
+            let expected = "integrator = \"two-clocks\" beside it: the others know saturated soil";
+            let found = integrator.map_or("\"explicit\"".to_owned(), |word| quoted(word.get_ref()));
+            return self.refuse(&table.span(), "water.free_surface", expected, found);
+        }
+        for (raw, stage) in raw.stages.get_ref().iter().map(Spanned::get_ref).zip(&scene.stages) {
+            if let (Some(word), false) = (&raw.clock, two) {
+                let expected = "integrator = \"two-clocks\" beside it";
+                return self.refuse(&word.span(), "stages.clock", expected, quoted(word.get_ref()));
+            }
+            if two && stage.clock == Clock::Seepage && !matches!(stage.until, Until::Time(_)) {
+                let expected = "a time, or clock = \"soil\": while water seeps the soil rests";
+                return self.refuse(&raw.until.span(), "stages.until", expected, "another end");
+            }
+        }
+        if !two {
+            return Ok(());
+        }
+        let span = integrator.map_or(0..0, Spanned::span);
+        let key = "time.integrator";
+        if table.is_none() {
+            let expected = "[water.free_surface] beside it, or integrator = \"explicit\"";
+            return self.refuse(&span, key, expected, "\"two-clocks\"");
+        }
+        if !matches!(scene.shape, ShapeChoice::Centre | ShapeChoice::Linear) {
+            let expected = "shape = \"centre\" or \"linear\" beside it";
+            return self.refuse(&span, key, expected, "another shape");
+        }
+        if let Some(surcharge) = &raw.surcharge {
+            let expected = "no [surcharge] beside \"two-clocks\" yet";
+            return self.refuse(&surcharge.span(), "surcharge", expected, "one");
+        }
+        Ok(())
+    }
+}
+
+/// From where to where the soil touches a side of the mesh, m above the base (left, right) or along it; `None` if it does not.
+fn touching(soil: &[[f64; 2]], side: Side, scene: &Scene) -> Option<[f64; 2]> {
+    let (axis, at) = match side {
+        Side::Left => (0, 0.0),
+        Side::Right => (0, scene.width),
+        Side::Bottom => (1, 0.0),
+        Side::Top => (1, scene.height),
+    };
+    // Beyond the soil there may be room that is empty.
+    if (side == Side::Right && scene.sideroom_cells > 0) || (side == Side::Top && scene.headroom_cells > 0) {
+        return None;
+    }
+    let near = 1e-9 * (scene.width + scene.height);
+    let count = soil.len();
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for i in 0..count {
+        let ends = [soil[i], soil[(i + 1) % count]];
+        if ends.iter().all(|x| (x[axis] - at).abs() <= near) {
+            for x in ends {
+                low = low.min(x[1]);
+                high = high.max(x[1]);
+            }
+        }
+    }
+    (low <= high).then_some([low, high])
+}

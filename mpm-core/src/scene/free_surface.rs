@@ -1,0 +1,63 @@
+//! Water that does not fill the soil: what is wet at t = 0, what feeds it, and which clock a stage runs by.
+
+use serde::Serialize;
+
+use super::Scene;
+
+/// What a side of the soil is fed with.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Feed {
+    /// Water at rest up to this height above the base, m; without gravity its pressure head, m.
+    Head(f64),
+    /// A Darcy flux into the soil, m/s, below a height above the base (m).
+    Velocity {
+        /// The flux, m/s.
+        speed: f64,
+        /// Where it ends, m above the base.
+        height: f64,
+    },
+}
+
+/// Water with a free surface.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FreeSurfaceWater {
+    /// Share S_0 of the pores that holds water before any front comes; it stays where it is.
+    pub saturation: f64,
+    /// Height up to which the soil is full of water at t = 0, m.
+    pub level: Option<f64>,
+    /// Corners of the soil that is full of water at t = 0, m, anticlockwise.
+    pub wet: Option<Vec<[f64; 2]>>,
+    /// Sides that are fed: left, right, bottom, top.
+    pub feeds: [Option<Feed>; 4],
+}
+
+/// What moves during a stage of a scene with two clocks.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Clock {
+    /// The water; the soil rests.
+    #[default]
+    Seepage,
+    /// The soil; the water keeps its pressures.
+    Soil,
+}
+
+impl Clock {
+    pub(super) fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+impl Scene {
+    /// Porosity that mobile water can fill, n (1 - S_0).
+    pub fn mobile_porosity(&self) -> f64 {
+        self.porosity * (1.0 - self.free_surface.as_ref().map_or(0.0, |f| f.saturation))
+    }
+
+    /// Weight of water per volume along each axis, rho_w g, Pa/m.
+    pub fn water_weight(&self) -> [f64; 2] {
+        let density = self.water.map_or(0.0, |w| w.density);
+        self.gravity_vector().map_or([0.0; 2], |g| g.map(|g| density * g))
+    }
+}
