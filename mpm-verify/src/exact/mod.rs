@@ -1,10 +1,21 @@
 //! Exact solutions, one per file, each with its assumptions and its own tests against independent tables.
+//!
+//! Consolidation: [`terzaghi`], [`large_strain`], [`mandel`], [`dynamic`]; on a mesh: [`semidiscrete`]. Seepage with a
+//! free surface: [`wetting_front`], [`dam`], [`boussinesq`]. Stability: [`infinite_slope`]. What they are computed with:
+//! [`root`], [`quadrature`], [`elliptic`].
 
+pub mod boussinesq;
+pub mod dam;
 pub mod dynamic;
+pub mod elliptic;
+pub mod infinite_slope;
 pub mod large_strain;
 pub mod mandel;
+pub mod quadrature;
+pub mod root;
 pub mod semidiscrete;
 pub mod terzaghi;
+pub mod wetting_front;
 
 #[cfg(test)]
 mod oracle;
