@@ -59,6 +59,9 @@ enum Command {
     Check {
         /// Cases to run; all without a name
         cases: Vec<String>,
+        /// Run the mutants instead: the same checks with a planted fault; exit code 1 when one is not caught
+        #[arg(long)]
+        mutants: bool,
         #[command(flatten)]
         common: Common,
     },
@@ -93,7 +96,7 @@ fn main() -> ExitCode {
         None => study::run(&cli.study, &cli.common),
         Some(Command::Study { options, common }) => study::run(&options, &common),
         Some(Command::Solve { options, common }) => solve::run(&options, &common),
-        Some(Command::Check { cases, common }) => check::run(&cases, &common),
+        Some(Command::Check { cases, mutants, common }) => check::run(&cases, mutants, &common),
         Some(Command::Stability { common }) => stability::run(&common),
         Some(Command::Nightly { common }) => nightly::run(&common),
         Some(Command::Report { folder, common }) => report::run(&folder, &common),

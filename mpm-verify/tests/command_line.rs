@@ -49,6 +49,7 @@ fn bad_input_ends_with_two_before_the_first_step() {
     for arguments in [
         vec!["solve", "none.toml"],
         vec!["check", "nonsense"],
+        vec!["check", "--mutants", "nonsense"],
         vec!["study", "--mesh", "0.3"],
         vec!["study", "--ppc", "5"],
         vec!["study", "--dt", "fast"],
@@ -155,6 +156,33 @@ fn check_ends_with_zero_when_every_case_holds() {
     let header = "rung,integrator,scheme,error,required_error,order,order_low,order_high,required_order,verdict,cpu_s";
     assert_eq!(ladder.lines().next(), Some(header));
     assert_eq!(ladder.lines().count(), 4);
+    for file in ["index.html", "manifest.json", "hydrostatic.svg", "hydrostatic.csv", "undrained.svg", "dry-bar.csv"] {
+        assert!(folder.path().join("reports/ladder").join(file).exists(), "{file}");
+    }
+    // A study made beside it links to its page, and the other way round.
+    let study = "study --mesh 0.1 --ppc 1 --quiet --no-cost --no-sweeps";
+    assert!(verify(folder.path(), &study.split(' ').collect::<Vec<_>>()).status.success());
+    let page = std::fs::read_to_string(folder.path().join("reports/index.html")).expect("a page");
+    assert!(page.contains("<a href=\"ladder/index.html\">"));
+    assert!(verify(folder.path(), &["check", "dry-bar", "--quiet"]).status.success());
+    let page = std::fs::read_to_string(folder.path().join("reports/ladder/index.html")).expect("a page");
+    assert!(page.contains("<a href=\"../index.html\">"));
+}
+
+#[test]
+fn mutants_are_caught() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = verify(folder.path(), &["check", "--mutants", "hydrostatic", "quasi-static-steps", "mandel", "strip"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let rows = std::fs::read_to_string(folder.path().join("reports/ladder/mutants.csv")).expect("mutants");
+    let mut lines = rows.lines();
+    assert_eq!(lines.next(), Some("rung,mutant,error,required_error,caught"));
+    assert!(rows.lines().count() == 5 && lines.all(|line| line.ends_with(",true")), "{rows}");
+    // The ladder itself was not climbed.
+    assert!(!folder.path().join("reports/ladder/ladder.csv").exists());
+    let json = verify(folder.path(), &["check", "--mutants", "strip", "--json"]);
+    let rows: serde_json::Value = serde_json::from_slice(&json.stdout).expect("JSON on standard output");
+    assert_eq!((&rows[0]["rung"], &rows[0]["caught"]), (&"strip".into(), &true.into()));
 }
 
 #[test]

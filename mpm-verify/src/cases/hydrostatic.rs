@@ -4,18 +4,23 @@
 
 use mpm_core::scene::{DarcyChoice, Dimension, Start, Until};
 
-use super::{Outcome, Rung, finished, integrator, scheme};
+use super::{Mutant, Outcome, Rung, finished, integrator, scheme};
 
 /// The rung.
-pub const RUNG: Rung = Rung { name: "hydrostatic", about: "still water stays still (sign of Eq. 2)", climb };
+pub const RUNG: Rung = Rung {
+    name: "hydrostatic",
+    about: "still water stays still (sign of Eq. 2)",
+    climb: || climb(Start::Geostatic),
+    mutant: Some(Mutant { what: "no water pressure at the start", climb: || climb(Start::Unloaded) }),
+};
 
-fn climb() -> Result<Outcome, String> {
+fn climb(start: Start) -> Result<Outcome, String> {
     let mut worst: f64 = 0.0;
     let mut name = String::new();
     for darcy in [DarcyChoice::Face, DarcyChoice::Nodal] {
         let mut scene = crate::scenes::terzaghi();
         (scene.dimension, scene.cell, scene.cells) = (Dimension::PlaneStrain, 0.05, [2, 20]);
-        (scene.gravity, scene.start, scene.surcharge, scene.darcy) = (Some(9.81), Start::Geostatic, None, darcy);
+        (scene.gravity, scene.start, scene.surcharge, scene.darcy) = (Some(9.81), start, None, darcy);
         scene.stages[0].until = Until::Time(1e-2);
         (scene.observe_times, scene.history) = (vec![1e-2], 0);
         name = scheme(&scene);
@@ -26,5 +31,12 @@ fn climb() -> Result<Outcome, String> {
     }
     let scheme = name.replace("nodal", "face and nodal");
     let integrator = integrator(&crate::scenes::terzaghi());
-    Ok(Outcome { integrator, scheme, errors: vec![(0.05, worst)], required_error: 1e-9, required_order: None })
+    Ok(Outcome {
+        integrator,
+        scheme,
+        errors: vec![(0.05, worst)],
+        required_error: 1e-9,
+        required_order: None,
+        ..Outcome::default()
+    })
 }

@@ -2,15 +2,25 @@
 //!
 //! This decides the sign in the paper's Eq. (5): as printed, compressing the skeleton would lower the pressure.
 
-use mpm_core::scene::{Start, Until};
+use mpm_core::scene::{Scene, Start, Until};
 
-use super::{Outcome, Rung, finished, integrator, scheme, with_rows};
+use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound, with_rows};
 
 /// The rung.
-pub const RUNG: Rung =
-    Rung { name: "undrained", about: "pore pressure of a closed column under load (sign of Eq. 5)", climb };
+pub const RUNG: Rung = Rung {
+    name: "undrained",
+    about: "pore pressure of a closed column under load (sign of Eq. 5)",
+    climb: || climb(sound),
+    mutant: Some(Mutant { what: "water 1 % too stiff", climb: || climb(stiffer) }),
+};
 
-fn climb() -> Result<Outcome, String> {
+fn stiffer(scene: &mut Scene) {
+    if let Some(water) = &mut scene.water {
+        water.bulk_modulus *= 1.01;
+    }
+}
+
+fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
     let mut scene = with_rows(crate::scenes::terzaghi(), 20);
     scene.start = Start::Unloaded;
     scene.stages[0].drained = [false; 4];
@@ -21,9 +31,10 @@ fn climb() -> Result<Outcome, String> {
     let end = 3.0 * crate::scenes::terzaghi().time_per_factor().ok_or("the scene is dry")?;
     scene.stages[0].until = Until::Time(end);
     (scene.observe_times, scene.history) = (vec![end], 0);
+    let expected = scene.undrained_pressure();
+    fault(&mut scene);
     let run = finished(&scene)?;
     let last = run.samples.last().ok_or("no sample")?;
-    let expected = scene.undrained_pressure();
     let worst = last.state.profile.iter().map(|row| (row.pressure_pa / expected - 1.0).abs()).fold(0.0, f64::max);
     // The analysis is linear; strains of q/(M + Q) = 1.4e-6 change volumes by as much.
     Ok(Outcome {
@@ -32,5 +43,6 @@ fn climb() -> Result<Outcome, String> {
         errors: vec![(scene.cell, worst)],
         required_error: 1e-5,
         required_order: None,
+        ..Outcome::default()
     })
 }

@@ -1,5 +1,7 @@
 //! `list`: what there is.
 
+use std::collections::BTreeMap;
+
 use mpm_verify::cases::LADDER;
 use mpm_verify::scenes::BUILT_IN;
 use mpm_verify::study::MESHES;
@@ -12,12 +14,18 @@ const INTEGRATORS: [&str; 3] = ["explicit", "semi-implicit", "quasi-static"];
 /// Words of `scheme.shape`.
 const SCHEMES: [&str; 4] = ["centre", "linear", "gimp", "bspline2"];
 
-/// Prints cases, scenes and schemes.
+/// Names of the rungs that have a mutant, and its fault.
+fn mutants() -> impl Iterator<Item = (&'static str, &'static str)> {
+    LADDER.iter().filter_map(|rung| Some((rung.name, rung.mutant?.what)))
+}
+
+/// Prints cases, mutants, scenes and schemes.
 pub fn run(common: &Common) -> Result<(), Failure> {
     if common.json {
         let names = |list: Vec<&str>| serde_json::Value::from(list);
         print_json(&serde_json::json!({
             "cases": names(LADDER.iter().map(|rung| rung.name).collect()),
+            "mutants": mutants().collect::<BTreeMap<_, _>>(),
             "scenes": names(BUILT_IN.iter().map(|(name, _)| *name).collect()),
             "integrators": names(INTEGRATORS.to_vec()),
             "schemes": names(SCHEMES.to_vec()),
@@ -29,6 +37,10 @@ pub fn run(common: &Common) -> Result<(), Failure> {
     say(false, "cases (mpm-verify check [CASE..])");
     for rung in LADDER {
         say(false, &format!("  {:<22} {}", rung.name, rung.about));
+    }
+    say(false, "mutants (mpm-verify check --mutants [CASE..]): the same checks with a fault that they must find");
+    for (name, what) in mutants() {
+        say(false, &format!("  {name:<22} {what}"));
     }
     say(false, "scenes (reference-data/scenes, mpm-verify solve SCENE.toml)");
     for (name, text) in BUILT_IN {

@@ -55,6 +55,8 @@ pub struct Content {
     pub manifest: Vec<(&'static str, String)>,
     /// Pictures in the order of the page.
     pub pictures: Vec<Picture>,
+    /// Whether the page of the ladder is beside this one.
+    pub ladder: bool,
 }
 
 /// A claim as the pages show it.
@@ -126,6 +128,7 @@ impl Content {
             notes: study.notes.clone(),
             manifest: study.manifest.entries().to_vec(),
             pictures,
+            ladder: false,
         }
     }
 }

@@ -5,11 +5,13 @@
 //! 2. [`orders`]: orders of convergence per group. [`tables`]: the CSV files.
 //! 3. [`plots`]: one file per picture; [`plots::figure`] is what a picture is made of.
 //! 4. [`content`]: what the pages say, once. [`html`], [`markdown`]: how they say it.
+//! 5. [`ladder`]: the page of the verification ladder.
 //!
 //! Every picture has its numbers in a CSV beside it, written from the same [`plots::figure::Figure`].
 
 pub mod content;
 pub mod html;
+pub mod ladder;
 pub mod markdown;
 pub mod numbers;
 pub mod orders;
@@ -112,10 +114,12 @@ pub fn write(study: &Study, folder: &Path) -> Result<(), ReportError> {
     tables::write(study, folder)?;
     let figures = plots::figures(study);
     let drawn = figures.iter().map(|f| plots::write(f, &pictures)).collect::<Result<Vec<_>, _>>()?;
-    let content = content::Content::new(study, &figures);
+    let above = folder.parent().unwrap_or(folder);
+    let ladder = above.join("ladder/index.html").exists();
+    let content = content::Content { ladder, ..content::Content::new(study, &figures) };
     save(&folder.join("report.md"), markdown::page(&content))?;
     let name = folder.file_name().map_or_else(|| ".".to_owned(), |n| n.to_string_lossy().into_owned());
-    let page = folder.parent().unwrap_or(folder).join("index.html");
+    let page = above.join("index.html");
     let html = html::page(&content, &figures, &drawn, &name);
     save(&page, html.map_err(|cause| ReportError::Page { path: page.clone(), cause })?)
 }

@@ -23,6 +23,14 @@ pub fn short(value: f64, digits: usize) -> String {
     }
 }
 
+/// The same without zeros at the end of its decimals: `0.001`, `1e−9`.
+pub fn brief(value: f64, digits: usize) -> String {
+    let text = short(value, digits);
+    let (number, power) = text.split_once('e').map_or((text.as_str(), None), |(n, p)| (n, Some(p)));
+    let number = if number.contains('.') { number.trim_end_matches('0').trim_end_matches('.') } else { number };
+    power.map_or_else(|| number.to_owned(), |power| format!("{number}e{power}"))
+}
+
 /// A share in percent with three significant digits, without the sign for percent.
 pub fn percent(share: f64) -> String {
     short(100.0 * share, 3)
@@ -43,6 +51,10 @@ mod tests {
     #[test]
     fn numbers_read_well() {
         assert_eq!(percent(0.350_880_6), "35.1");
+        assert_eq!(
+            (brief(1e-9, 2), brief(0.0015, 3), brief(20.0, 2)),
+            ("1e\u{2212}9".into(), "0.0015".into(), "20".into())
+        );
         assert_eq!(percent(-0.017_62), "\u{2212}1.76");
         assert_eq!(percent(0.000_868_9), "0.0869");
         assert_eq!(percent(f64::NAN), "–");

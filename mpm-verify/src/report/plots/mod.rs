@@ -5,7 +5,7 @@
 //! 2. [`draw`], [`legend`], [`canvas`]: from a figure to any backend.
 //! 3. The pictures: [`mesh`], [`isochrones`], [`consolidation`], [`error_against_time`], [`error_against_mesh`],
 //!    [`error_budget`], [`energy`], [`crossings`]; of all integrators [`schemes`], [`spline_profiles`], [`places`],
-//!    [`steps`].
+//!    [`steps`]; of a rung of the ladder [`rung`].
 
 pub mod axis;
 pub mod canvas;
@@ -22,6 +22,7 @@ pub mod legend;
 pub mod look;
 pub mod mesh;
 pub mod places;
+pub mod rung;
 pub mod schemes;
 pub mod spline_profiles;
 pub mod steps;
@@ -108,15 +109,21 @@ fn ready() -> bool {
 /// A file that cannot be written or drawn.
 pub fn write(figure: &Figure, folder: &Path) -> Result<String, ReportError> {
     let path = |ending: &str| folder.join(format!("{}.{ending}", figure.name));
-    let failed = |path: &Path| {
-        let path = path.to_owned();
-        move |cause| ReportError::Draw { path, cause }
-    };
-    let (svg, png) = (path("svg"), path("png"));
-    let text = svg_text(figure).map_err(failed(&svg))?;
-    save(&svg, &text)?;
-    write_png(figure, &png).map_err(failed(&png))?;
+    let text = write_svg(figure, folder)?;
+    let png = path("png");
+    write_png(figure, &png).map_err(|cause| ReportError::Draw { path: png, cause })?;
     numbers(figure, &path("csv"))?;
+    Ok(text)
+}
+
+/// Writes a picture as SVG alone: its numbers are the caller's. Returns its text.
+///
+/// # Errors
+/// A file that cannot be written or drawn.
+pub fn write_svg(figure: &Figure, folder: &Path) -> Result<String, ReportError> {
+    let path = folder.join(format!("{}.svg", figure.name));
+    let text = svg_text(figure).map_err(|cause| ReportError::Draw { path: path.clone(), cause })?;
+    save(&path, &text)?;
     Ok(text)
 }
 

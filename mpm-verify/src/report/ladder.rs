@@ -1,0 +1,159 @@
+//! The page of the verification ladder: every verdict with its reason, every rung with its picture.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::content::Picture;
+use super::content::table::{Cell, Table, table};
+use super::html::render;
+use super::numbers::{brief, exact, short};
+use super::plots::figure::Figure;
+use super::plots::{self, rung};
+use super::tables;
+use super::{ReportError, save};
+use crate::cases::Climb;
+use crate::manifest::Manifest;
+
+const TEMPLATE: &str = include_str!("ladder.html");
+
+/// Columns of `notes.csv`.
+pub const NOTES: &str = "rung,quantity,value,unit";
+
+#[derive(Debug, Serialize)]
+struct Page {
+    title: &'static str,
+    summary: String,
+    fallen: Vec<String>,
+    rungs: Vec<Table>,
+    mutants: Vec<Table>,
+    notes: Vec<Table>,
+    manifest: Vec<(&'static str, String)>,
+    /// Whether there is a study's page above this one.
+    study: bool,
+}
+
+/// Writes `<rung>.svg` and `<rung>.csv` (refinement parameter, signed error) for every rung, `notes.csv` if there are notes, `manifest.json` and `index.html`.
+///
+/// # Errors
+/// A file that cannot be written or drawn.
+pub fn write(climbs: &[Climb], manifest: &Manifest, folder: &Path) -> Result<(), ReportError> {
+    let figures: Vec<Figure> = climbs.iter().map(rung::figure).collect();
+    let drawn = figures.iter().map(|f| plots::write_svg(f, folder)).collect::<Result<Vec<_>, _>>()?;
+    for climb in climbs {
+        let rows = climb.errors.iter().map(|(h, e)| vec![exact(*h), exact(*e)]);
+        let header = format!("{},error", rung::column(climb.refined_by));
+        tables::table(&folder.join(format!("{}.csv", climb.rung.name)), &header, rows)?;
+    }
+    let notes = || climbs.iter().flat_map(|climb| climb.notes.iter().map(move |note| (climb, note)));
+    if notes().next().is_some() {
+        let row = |(climb, (quantity, value, unit)): (&Climb, &(String, f64, String))| {
+            vec![climb.rung.name.to_owned(), quantity.clone(), exact(*value), unit.clone()]
+        };
+        tables::table(&folder.join("notes.csv"), NOTES, notes().map(row))?;
+    }
+    let conditions = folder.join("manifest.json");
+    let json = serde_json::to_string_pretty(manifest).map_err(|e| super::unwritable(&conditions, e))?;
+    save(&conditions, json)?;
+    let page = Page {
+        title: "The verification ladder",
+        summary: summary(climbs),
+        fallen: climbs.iter().filter(|c| !c.step.held()).map(|c| format!("{}: {}", c.rung.name, c.reason)).collect(),
+        rungs: vec![rungs(climbs)],
+        mutants: vec![mutants(climbs)],
+        notes: notes().next().map(|_| further(climbs)).into_iter().collect(),
+        // The scenes are those of the rungs, not one of them.
+        manifest: manifest.entries().into_iter().filter(|(name, _)| *name != "scene hash").collect(),
+        study: folder.parent().is_some_and(|above| above.join("accuracy").is_dir()),
+    };
+    let path = folder.join("index.html");
+    let html = render(TEMPLATE, serde_json::json!(page), &Picture::all(&figures), (&figures, &drawn), ".");
+    save(&path, html.map_err(|cause| ReportError::Page { path: path.clone(), cause })?)
+}
+
+fn summary(climbs: &[Climb]) -> String {
+    let held = climbs.iter().filter(|c| c.step.held()).count();
+    let time: f64 = climbs.iter().map(|c| c.step.cpu_s).sum();
+    format!(
+        "{held} of {} rungs held, in {} s of CPU time. Each compares runs with an exact solution: the error at the \
+         smallest parameter must be small enough and, where it is refined, fall with the order that it should.",
+        climbs.len(),
+        short(time, 3)
+    )
+}
+
+/// Verdict, numbers and reason of every rung.
+fn rungs(climbs: &[Climb]) -> Table {
+    let row = |c: &Climb| {
+        let mark = if c.step.held() { "good" } else { "bad" };
+        let order = c.fit.as_ref().map_or_else(|| "–".to_owned(), |fit| short(fit.order, 3));
+        let width = c.fit.as_ref().filter(|f| f.half_width.is_finite());
+        let width = width.map_or_else(String::new, |f| format!("± {}", short(f.half_width, 2)));
+        vec![
+            Cell::new(c.rung.name).marked(c.rung.about, ""),
+            Cell::new(c.step.verdict.clone()).marked("", mark),
+            Cell::new(short(c.step.error, 3)),
+            Cell::new(brief(c.step.required_error, 3)),
+            Cell::new(order).marked(width, ""),
+            Cell::new(c.step.required_order.clone()),
+            Cell::new(c.step.integrator.clone()).marked(c.step.scheme.clone(), ""),
+            Cell::new(short(c.step.cpu_s, 2)),
+        ]
+    };
+    let head = ["rung", "verdict", "error", "allowed", "order", "required", "scheme", "CPU time (s)"];
+    let note = "Error at the smallest refinement parameter. Order: fitted, with its 95 % interval.";
+    table("Verdicts".to_owned(), &head, climbs.iter().map(row).collect(), note)
+}
+
+/// What each check is shown to find.
+fn mutants(climbs: &[Climb]) -> Table {
+    let row = |c: &Climb| vec![Cell::new(c.rung.name), Cell::new(c.rung.mutant.map_or("–", |mutant| mutant.what))];
+    let note = "The same check with this fault planted must fall short: mpm-verify check --mutants runs them.";
+    table("Mutants".to_owned(), &["rung", "planted fault"], climbs.iter().map(row).collect(), note)
+}
+
+/// Numbers beside the error.
+fn further(climbs: &[Climb]) -> Table {
+    let row = |climb: &Climb, (quantity, value, unit): &(String, f64, String)| {
+        vec![
+            Cell::new(climb.rung.name),
+            Cell::new(quantity.clone()),
+            Cell::new(short(*value, 4)),
+            Cell::new(unit.clone()),
+        ]
+    };
+    let rows = climbs.iter().flat_map(|climb| climb.notes.iter().map(move |note| row(climb, note)));
+    table("Further numbers".to_owned(), &["rung", "quantity", "value", "unit"], rows.collect(), "Reported, not judged.")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cases::LADDER;
+
+    #[test]
+    fn every_rung_has_its_files_and_its_verdict_on_the_page() {
+        let climb = |name: &str| {
+            let rung = LADDER.iter().find(|rung| rung.name == name).expect("a rung");
+            rung.climb().expect("runs that finish")
+        };
+        let (mut single, mut fallen) = (climb("quasi-static-steps"), climb("quasi-static-centre"));
+        single.notes = vec![("stored over geometric water".to_owned(), 0.9995, "-".to_owned())];
+        fallen.step.verdict = "fell short".to_owned();
+        let folder = tempfile::tempdir().expect("a folder");
+        let manifest = Manifest::new(&crate::scenes::terzaghi(), 1);
+        write(&[single, fallen], &manifest, folder.path()).expect("a page");
+        let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect(name);
+        assert!(read("quasi-static-steps.csv").starts_with("mesh_m,error\n0.05,"));
+        assert_eq!(read("quasi-static-centre.csv").lines().count(), 4);
+        assert!(read("quasi-static-centre.svg").contains("order 2.02"));
+        assert!(read("quasi-static-steps.svg").contains("of what is allowed"));
+        assert_eq!(read("notes.csv"), format!("{NOTES}\nquasi-static-steps,stored over geometric water,0.9995,-\n"));
+        let page = read("index.html");
+        for part in ["1 of 2 rungs held", "warning\">quasi-static-centre: error 0.0009", "0.9995", "does not compress"]
+        {
+            assert!(page.contains(part), "{part}");
+        }
+        assert!(!page.contains("scene hash") && !page.contains("../index.html"));
+    }
+}

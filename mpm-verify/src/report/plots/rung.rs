@@ -1,0 +1,141 @@
+//! The picture of a rung: its error over what was refined, the error allowed, the slope that was fitted.
+
+use super::axis::Axis;
+use super::figure::{Figure, Mark, Panel, Point, Series};
+use super::look::{BLACK, BLUE, Dash, GREY, Look, Marker, RED};
+use crate::cases::Climb;
+use crate::report::numbers::{brief, short};
+
+/// How far the vertical axis reaches beyond the data, and the triangle stands below the line, as a factor.
+const ROOM: f64 = 1.6;
+
+/// The picture; a rung with a single run shows it against the error allowed.
+pub fn figure(climb: &Climb) -> Figure {
+    super::ready();
+    let (quantity, unit) = climb.refined_by;
+    let label = if unit == "-" { quantity.to_owned() } else { format!("{quantity} ({unit})") };
+    let mut panel = Panel::new("", Axis::log(&label, ""), Axis::log("|error|", ""));
+    let points = climb.errors.iter().map(|(h, e)| Point::new(*h, e.abs()).open(*e < 0.0));
+    let mark = if climb.errors.len() > 1 { Mark::LinePoints } else { Mark::Points };
+    panel.add(Series::new("measured", Look::new(BLUE, Marker::Circle).radius(5.0), mark, points));
+    across(&mut panel);
+    let (mut low, mut high) = extent(&[panel.all_y(), vec![climb.step.required_error]].concat());
+    if let Some((corners, words)) = slope(climb) {
+        low = low.min(corners[0].1);
+        panel.add(Series::line("fitted slope", Look::new(GREY, Marker::Dot).width(1.2), corners).guide());
+        // Beside the middle of the upright side.
+        let (foot, top) = (corners[1], corners[2]);
+        panel.add(word(1.02 * foot.0, (foot.1 * top.1).sqrt(), words));
+    }
+    // A whole decade at least, so that there are ticks to read.
+    let spare = (10.0 * low / high).max(1.0).sqrt();
+    (low, high) = (low / spare / ROOM, high * spare * ROOM);
+    panel.y.range = Some((low, high));
+    if climb.errors.len() == 1 {
+        let error = climb.step.error;
+        // An error without a place is named in the middle of the axis.
+        let y = if panel.y.takes(error) { error } else { (low * high).sqrt() };
+        panel.add(word(1.03 * climb.errors[0].0, y, ratio(error, climb.step.required_error)));
+    }
+    let (left, right) = panel.x.range.unwrap_or((0.1, 1.0));
+    let allowed = [left, right].map(|h| (h, climb.step.required_error));
+    let look = Look::new(RED, Marker::Dot).dash(Dash::Dashed).width(1.8);
+    panel.add(Series::line(format!("allowed at the smallest {quantity}"), look, allowed).guide());
+    Figure {
+        name: climb.rung.name,
+        title: format!("{}: {}", climb.rung.name, climb.rung.about),
+        caption: caption(climb),
+        height: 250.0,
+        panels: vec![panel],
+        missing: Vec::new(),
+    }
+}
+
+/// What the refinement parameter is called in a file: `mesh_m` of "mesh L" in m. Words of one letter are symbols.
+pub fn column((quantity, unit): (&str, &str)) -> String {
+    let words = quantity.split_whitespace().filter(|word| word.chars().count() > 1);
+    let unit = if unit == "-" { String::new() } else { unit.replace('/', " per ") };
+    let words = words.map(str::to_lowercase).chain(unit.split_whitespace().map(str::to_owned));
+    words.collect::<Vec<_>>().join("_").replace(|c: char| !c.is_ascii_alphanumeric(), "_")
+}
+
+/// The smallest and the largest of the values that have a place on a logarithmic axis.
+fn extent(values: &[f64]) -> (f64, f64) {
+    let placed = values.iter().copied().filter(|v| v.is_finite() && *v > 0.0);
+    placed.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)))
+}
+
+/// The refinement parameters as ticks, and room beside them.
+fn across(panel: &mut Panel) {
+    let mut places = panel.all_x();
+    places.sort_by(f64::total_cmp);
+    places.dedup();
+    let (fine, coarse) = extent(&places);
+    if !fine.is_finite() {
+        return;
+    }
+    let room = (coarse / fine).powf(0.12).max(1.15);
+    panel.x.range = Some(if fine < coarse { (fine / room, coarse * room) } else { (fine / 2.0, fine * 2.0) });
+    panel.x.named = Some(places.iter().map(|h| (*h, brief(*h, 3))).collect());
+}
+
+/// What a single error is in parts of the one allowed.
+fn ratio(error: f64, allowed: f64) -> String {
+    match error {
+        0.0 => "zero, below this axis".to_owned(),
+        e if e.is_nan() => "not a number".to_owned(),
+        e => format!("{} of what is allowed", short(e / allowed, 2)),
+    }
+}
+
+/// A triangle of the fitted slope below the middle of the line (left, foot, top, left), and the order in words.
+fn slope(climb: &Climb) -> Option<([(f64, f64); 4], String)> {
+    let fit = climb.fit.as_ref()?;
+    let mut points: Vec<(f64, f64)> = climb.errors.iter().map(|(h, e)| (*h, e.abs())).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (fine, coarse) = (points.first()?.0, points.last()?.0);
+    let (left, right) = (fine * (coarse / fine).powf(0.3), fine * (coarse / fine).powf(0.7));
+    let line = |h: f64| (h / left).powf(fit.order);
+    // The line between the points, at both ends of the triangle and at the points between.
+    let at = |h: f64| {
+        let next = points.iter().position(|p| p.0 >= h)?.max(1);
+        let ((h0, e0), (h1, e1)) = (points[next - 1], points[next]);
+        Some((h, e0 * (e1 / e0).powf((h / h0).ln() / (h1 / h0).ln())))
+    };
+    let between = points.iter().copied().filter(|p| (left..right).contains(&p.0));
+    let seen = between.chain([at(left)?, at(right)?]);
+    let start = seen.map(|(h, e)| e / line(h)).fold(f64::INFINITY, f64::min) / ROOM;
+    let top = start * line(right);
+    let words = match fit.half_width.is_finite() {
+        true => format!("order {} ± {}", short(fit.order, 3), short(fit.half_width, 2)),
+        false => format!("order {}", short(fit.order, 3)),
+    };
+    Some(([(left, start), (right, start), (right, top), (left, start)], words))
+}
+
+/// A text that begins at a place.
+fn word(x: f64, y: f64, text: String) -> Series {
+    Series::new("", Look::new(BLACK, Marker::Dot), Mark::Text, [Point::new(x, y).note(text)]).unlisted().guide()
+}
+
+fn caption(climb: &Climb) -> String {
+    let mut words =
+        format!("{}, {}. {}: {}.", climb.step.integrator, climb.step.scheme, climb.step.verdict, climb.reason);
+    if climb.errors.iter().any(|(_, e)| *e < 0.0) {
+        words.push_str(" Open markers: too small a value.");
+    }
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_carry_their_unit() {
+        assert_eq!(column(("mesh L", "m")), "mesh_m");
+        assert_eq!(column(("time step", "s")), "time_step_s");
+        assert_eq!(column(("particles per cell", "-")), "particles_per_cell");
+        assert_eq!(column(("speed", "m/s")), "speed_m_per_s");
+    }
+}
