@@ -4,11 +4,15 @@ use mpm_core::error::SceneError;
 use mpm_core::scene::Scene;
 
 /// Names and texts of the scenes in `reference-data/scenes`.
-pub const BUILT_IN: [(&str, &str); 14] = [
+pub const BUILT_IN: [(&str, &str); 19] = [
+    ("boussinesq", include_str!("../../reference-data/scenes/boussinesq.toml")),
+    ("dam", include_str!("../../reference-data/scenes/dam.toml")),
     ("dry-bar", include_str!("../../reference-data/scenes/dry-bar.toml")),
     ("dynamic-column", include_str!("../../reference-data/scenes/dynamic-column.toml")),
     ("hydrostatic", include_str!("../../reference-data/scenes/hydrostatic.toml")),
+    ("infiltration", include_str!("../../reference-data/scenes/infiltration.toml")),
     ("mandel", include_str!("../../reference-data/scenes/mandel.toml")),
+    ("rising-front", include_str!("../../reference-data/scenes/rising-front.toml")),
     ("strip", include_str!("../../reference-data/scenes/strip.toml")),
     ("terzaghi", include_str!("../../reference-data/scenes/terzaghi.toml")),
     ("terzaghi-double", include_str!("../../reference-data/scenes/terzaghi-double.toml")),
@@ -19,6 +23,7 @@ pub const BUILT_IN: [(&str, &str); 14] = [
     ("terzaghi-semi-implicit", include_str!("../../reference-data/scenes/terzaghi-semi-implicit.toml")),
     ("undrained", include_str!("../../reference-data/scenes/undrained.toml")),
     ("undrained-wave", include_str!("../../reference-data/scenes/undrained-wave.toml")),
+    ("wetting-front", include_str!("../../reference-data/scenes/wetting-front.toml")),
 ];
 
 /// A built-in scene by name.

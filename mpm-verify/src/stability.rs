@@ -7,7 +7,7 @@ use mpm_core::grid::Grid;
 use mpm_core::observe::Seed;
 use mpm_core::particles::{Layer, SolidPoint, WaterPoint, even_positions};
 use mpm_core::run::run;
-use mpm_core::scene::{DarcyChoice, Dimension, Elastic, LoadOn, Scene, SolidSide, Stage, StepChoice, Until};
+use mpm_core::scene::{Clock, DarcyChoice, Dimension, Elastic, LoadOn, Scene, SolidSide, Stage, StepChoice, Until};
 use mpm_core::shape::Centre;
 use mpm_core::stability::{Medium, explicit_limit};
 use mpm_core::step::{Explicit, Model, Parts};
@@ -164,7 +164,13 @@ fn point_source<O: DarcyOperator<2> + 'static>() -> f64 {
         grid,
         solid,
     });
-    let closed = Stage { name: "spread".to_owned(), drained: [false; 4], damping: 0.0, until: Until::Time(spread) };
+    let closed = Stage {
+        name: "spread".to_owned(),
+        drained: [false; 4],
+        damping: 0.0,
+        clock: Clock::Soil,
+        until: Until::Time(spread),
+    };
     let steps = (spread / dt).ceil() as u64;
     match model.enter_stage(&closed, &[]).and_then(|()| model.advance(dt, steps, &mut 0)) {
         Ok(()) => model.observe().checkerboard,

@@ -1,5 +1,7 @@
 //! The verification ladder: one case per file, each with its scene, its exact solution, its norm, what it must show.
 
+mod boussinesq;
+mod dam;
 mod double_drainage;
 mod dry_bar;
 mod dynamic_column;
@@ -13,6 +15,7 @@ mod strip;
 mod terzaghi;
 mod undrained;
 mod verdict;
+mod wetting;
 
 use cpu_time::ThreadTime;
 use mpm_core::drive::Sample;
@@ -75,6 +78,17 @@ pub const LADDER: &[Rung] = &[
     mandel::SPLINES,
     mandel::CENTRE,
     strip::RUNG,
+    wetting::HORIZONTAL,
+    wetting::DOWN,
+    wetting::UP,
+    wetting::MOIST,
+    wetting::LEDGER,
+    boussinesq::RUNG,
+    dam::DISCHARGE,
+    dam::TAIL_WATER,
+    dam::EXIT,
+    dam::SURFACE,
+    dam::STORED,
 ];
 
 impl Rung {

@@ -17,6 +17,8 @@ pub(super) struct Outcome {
     pub required_error: f64,
     /// Allowed interval of the fitted order, if the case converges.
     pub required_order: Option<[f64; 2]>,
+    /// Largest error allowed at every parameter, as a share of the parameter.
+    pub required_everywhere: Option<f64>,
     /// What the refinement parameter is, with its unit.
     pub refined_by: (&'static str, &'static str),
     /// Further numbers of the finest run: quantity, value, unit (`-` if it has none). Reported, not judged.
@@ -32,6 +34,7 @@ impl Default for Outcome {
             errors: Vec::new(),
             required_error: f64::NAN,
             required_order: None,
+            required_everywhere: None,
             refined_by: ("mesh L", "m"),
             notes: Vec::new(),
         }
@@ -100,7 +103,10 @@ pub(super) fn judge(rung: Rung, outcome: Outcome, cpu_s: f64) -> Climb {
         (Some([low, high]), Some(fit)) => (low..=high).contains(&fit.order),
         (Some(_), None) => false,
     };
-    let holds = finest <= outcome.required_error && order_holds;
+    // A number that is not one must not pass: `!(error <= ...)`, and not `error > ...`.
+    let too_large = |share: f64| outcome.errors.iter().find(|(h, e)| !(e.abs() <= share * h)).copied();
+    let exceeded = outcome.required_everywhere.and_then(|share| Some((share, too_large(share)?)));
+    let holds = finest <= outcome.required_error && order_holds && exceeded.is_none();
     let fit = fit.filter(|_| outcome.required_order.is_some());
     let step = Step {
         rung: rung.name.to_owned(),
@@ -116,7 +122,7 @@ pub(super) fn judge(rung: Rung, outcome: Outcome, cpu_s: f64) -> Climb {
         cpu_s,
     };
     Climb {
-        reason: reason(&step, order_holds),
+        reason: reason(&step, order_holds, exceeded),
         rung,
         step,
         errors: outcome.errors,
@@ -127,7 +133,11 @@ pub(super) fn judge(rung: Rung, outcome: Outcome, cpu_s: f64) -> Climb {
 }
 
 /// The verdict in numbers.
-fn reason(step: &Step, order_holds: bool) -> String {
+fn reason(step: &Step, order_holds: bool, exceeded: Option<(f64, (f64, f64))>) -> String {
+    if let Some((share, (parameter, error))) = exceeded {
+        let [error, allowed] = [error.abs(), share * parameter].map(|x| short(x, 3));
+        return format!("error {error} above {allowed} at {}", brief(parameter, 3));
+    }
     let (error, required) = (short(step.error, 3), brief(step.required_error, 3));
     let error = match step.error <= step.required_error {
         true => format!("error {error}, at most {required}"),
@@ -161,6 +171,10 @@ mod tests {
         assert!(!too_large.step.held() && too_large.reason.starts_with("error 0.000625 above 0.0005"));
         let wrong_order = judged(Outcome { required_order: Some([2.8, 3.2]), ..good.clone() });
         assert!(!wrong_order.step.held() && wrong_order.reason.ends_with("order 2.00 outside of 2.8 to 3.2"));
+        let everywhere = judged(Outcome { required_everywhere: Some(0.08), ..good.clone() });
+        assert!(!everywhere.step.held() && everywhere.reason == "error 0.0100 above 0.00800 at 0.1");
+        let everywhere = judged(Outcome { required_everywhere: Some(0.11), ..good.clone() });
+        assert!(everywhere.step.held());
         let nothing = Outcome { errors: vec![(0.1, f64::NAN)], ..good };
         assert!(!judged(nothing.clone()).step.held() && judged(nothing.clone()).reason.contains("no order"));
         let not_a_number = judged(Outcome { required_order: None, ..nothing });

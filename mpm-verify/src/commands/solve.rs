@@ -91,7 +91,7 @@ struct ProfileLine {
     effective_stress_pa: f64,
 }
 
-/// A row of field.csv: the pore pressure over the plane, of quasi-static runs in plane strain.
+/// A row of field.csv: the pore pressure over the plane, of quasi-static runs in plane strain and runs with two clocks.
 #[derive(Debug, Serialize)]
 struct FieldLine {
     time_s: f64,
@@ -100,6 +100,33 @@ struct FieldLine {
     x_m: f64,
     y_m: f64,
     pressure_pa: f64,
+    /// Share of the pores that mobile water fills.
+    saturation: f64,
+    /// Share of the cell that is soil.
+    soil: f64,
+}
+
+/// A row of water.csv: water with a free surface.
+#[derive(Debug, Serialize)]
+struct WaterLine {
+    time_s: f64,
+    stage: usize,
+    stage_time_s: f64,
+    mobile_m3: f64,
+    particles_m3: f64,
+    pending_m3: f64,
+    inflow_m3_s: f64,
+    outflow_m3_s: f64,
+    in_m3: f64,
+    out_m3: f64,
+    front_x_m: f64,
+    front_y_m: f64,
+    particles: u64,
+    spawned: u64,
+    removed: u64,
+    packing_mean: f64,
+    packing_max: f64,
+    unsettled: u64,
 }
 
 /// summary.json.
@@ -183,6 +210,10 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let field = field(&run);
     if !field.is_empty() {
         write_csv(&folder.join("field.csv"), &field)?;
+    }
+    let water = water(&run);
+    if !water.is_empty() {
+        write_csv(&folder.join("water.csv"), &water)?;
     }
     let summary = summary(&scene, &run, hardware.thread_count(), times);
     write_json(&folder.join("summary.json"), &summary)?;
@@ -284,6 +315,33 @@ fn history(run: &Run) -> Vec<Row> {
     run.samples.iter().map(row).collect()
 }
 
+fn water(run: &Run) -> Vec<WaterLine> {
+    let line = |s: &Sample| {
+        let w = s.state.water?;
+        Some(WaterLine {
+            time_s: s.state.time,
+            stage: s.stage,
+            stage_time_s: s.stage_time,
+            mobile_m3: w.mobile_m3,
+            particles_m3: w.particles_m3,
+            pending_m3: w.pending_m3,
+            inflow_m3_s: w.inflow_m3_s,
+            outflow_m3_s: w.outflow_m3_s,
+            in_m3: w.in_m3,
+            out_m3: w.out_m3,
+            front_x_m: w.front_x_m,
+            front_y_m: w.front_y_m,
+            particles: w.particles,
+            spawned: w.spawned,
+            removed: w.removed,
+            packing_mean: w.packing_mean,
+            packing_max: w.packing_max,
+            unsettled: w.unsettled,
+        })
+    };
+    run.samples.iter().filter_map(line).collect()
+}
+
 fn field(run: &Run) -> Vec<FieldLine> {
     let lines = |s: &Sample| {
         let (time_s, stage, stage_time_s) = (s.state.time, s.stage, s.stage_time);
@@ -294,6 +352,8 @@ fn field(run: &Run) -> Vec<FieldLine> {
             x_m: point.x_m,
             y_m: point.y_m,
             pressure_pa: point.pressure_pa,
+            saturation: point.saturation,
+            soil: point.soil,
         };
         s.state.field.iter().map(line).collect::<Vec<_>>()
     };

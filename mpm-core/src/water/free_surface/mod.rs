@@ -21,7 +21,7 @@ use crate::sparse::{Factor, Ordering, Signs, Symmetric, Unsolved};
 use flow::{Linear, Now, System, Terms};
 
 /// Largest change of the wet share of a cell that a step aims at, and the largest it may have.
-const CHANGE: [f64; 2] = [0.15, 0.5];
+const CHANGE: [f64; 2] = [0.1, 0.5];
 /// Rounds after which the kinds of cells that still change are left as they are: what they hold too much or too little of the next step makes good.
 const ROUNDS: usize = 40;
 /// How often a cell may change its kind in one step.

@@ -1,0 +1,166 @@
+//! Sharp fronts that wet dry soil: level, down and up, in soil that is dry or moist; and the ledger of the water.
+
+use mpm_core::observe::WaterState;
+use mpm_core::scene::{Dimension, Scene};
+
+use super::{FASTER, Mutant, Outcome, Rung, faster, finished, integrator, sound};
+use crate::exact::wetting_front::{Way, WettingFront};
+use crate::norms::largest;
+
+/// A level front.
+pub const HORIZONTAL: Rung = Rung {
+    name: "front-horizontal",
+    about: "a front without gravity stands at sqrt(2 k h t/n), to half a cell on every mesh",
+    climb: || fronts(&scene("wetting-front", 0.0), Way::Horizontal, sound),
+    mutant: Some(Mutant { what: FASTER, climb: || fronts(&scene("wetting-front", 0.0), Way::Horizontal, faster) }),
+};
+
+/// A front that goes down.
+pub const DOWN: Rung = Rung {
+    name: "front-down",
+    about: "infiltration from 0.25 m of water: the front of Green & Ampt",
+    climb: || fronts(&scene("infiltration", 0.0), Way::Down, sound),
+    mutant: Some(Mutant { what: FASTER, climb: || fronts(&scene("infiltration", 0.0), Way::Down, faster) }),
+};
+
+/// A front that rises.
+pub const UP: Rung = Rung {
+    name: "front-up",
+    about: "a front that rises against its weight",
+    climb: || fronts(&scene("rising-front", 0.0), Way::Up, sound),
+    mutant: Some(Mutant { what: FASTER, climb: || fronts(&scene("rising-front", 0.0), Way::Up, faster) }),
+};
+
+/// A level front in moist soil.
+pub const MOIST: Rung = Rung {
+    name: "front-moist",
+    about: "a front in soil with S_0 = 0.5 has half the pores to fill",
+    climb: || fronts(&scene("wetting-front", 0.5), Way::Horizontal, sound),
+    mutant: Some(Mutant {
+        what: "the soil ahead of the front dry",
+        climb: || {
+            fronts(&scene("wetting-front", 0.5), Way::Horizontal, |scene| {
+                if let Some(free) = &mut scene.free_surface {
+                    free.saturation = 0.0;
+                }
+            })
+        },
+    }),
+};
+
+/// The water of all three, in cells and in particles.
+pub const LEDGER: Rung = Rung {
+    name: "front-ledger",
+    about: "no water is made or lost, in cells or in particles, at 4 and 9 per cell",
+    climb: || ledger(0.0),
+    mutant: Some(Mutant { what: "one water particle lost", climb: || ledger(1.0) }),
+};
+
+/// The scene of a front, in soil with a first saturation.
+fn scene(name: &str, saturation: f64) -> Scene {
+    let mut scene = crate::scenes::built_in(name).and_then(Result::ok).expect("the built-in scene holds");
+    if let Some(free) = &mut scene.free_surface {
+        free.saturation = saturation;
+    }
+    if saturation > 0.0 {
+        // Half of the pores are filled in half of the time.
+        for time in &mut scene.observe_times {
+            *time *= 1.0 - saturation;
+        }
+        scene.stages[0].until = mpm_core::scene::Until::Time(scene.observe_times.last().copied().unwrap_or(1.0));
+    }
+    scene
+}
+
+/// The exact front of a scene.
+fn exact(scene: &Scene, way: Way) -> Option<WettingFront> {
+    let free = scene.free_surface.as_ref()?;
+    let head = free.feeds.iter().flatten().find_map(|feed| match feed {
+        mpm_core::scene::Feed::Head(head) => Some(*head),
+        mpm_core::scene::Feed::Velocity { .. } => None,
+    })?;
+    let head = if way == Way::Down { head - scene.height } else { head };
+    Some(WettingFront {
+        way,
+        conductivity: scene.water?.hydraulic_conductivity,
+        head,
+        porosity: scene.porosity,
+        initial_saturation: free.saturation,
+    })
+}
+
+/// Cross section of the front, m2.
+fn section(scene: &Scene, way: Way) -> f64 {
+    match (scene.dimension, way) {
+        (Dimension::PlaneStrain, Way::Horizontal) => scene.height,
+        _ => scene.width,
+    }
+}
+
+/// How far the water has come, m.
+fn place(water: &WaterState, section: f64) -> f64 {
+    water.mobile_m3 / (water.mobile_porosity * section)
+}
+
+fn fronts(scene: &Scene, way: Way, fault: fn(&mut Scene)) -> Result<Outcome, String> {
+    let exact = exact(scene, way).ok_or("the scene has no feed")?;
+    let mut errors = Vec::new();
+    let mut of_layer: f64 = 0.0;
+    for cell in [0.1, 0.05, 0.025, 0.0125] {
+        let mut scene = on(scene, cell);
+        fault(&mut scene);
+        let run = finished(&scene)?;
+        let states = run.samples.iter().filter(|s| s.observed).filter_map(|s| Some((s.stage_time, s.state.water?)));
+        let off = states.map(|(time, water)| {
+            of_layer = of_layer.max((water.particles_m3 / water.mobile_m3 - 1.0).abs());
+            place(&water, section(&scene, way)) - exact.position(time)
+        });
+        errors.push((cell, largest(off.map(f64::abs))));
+    }
+    let finest = errors[errors.len() - 1].0;
+    Ok(Outcome {
+        integrator: integrator(scene),
+        scheme: "free surface".to_owned(),
+        errors,
+        required_error: 0.5 * finest,
+        required_order: Some([0.9, 4.0]),
+        required_everywhere: Some(0.5),
+        notes: vec![("water in particles over water in cells - 1, largest".to_owned(), of_layer, "-".to_owned())],
+        ..Outcome::default()
+    })
+}
+
+/// The scene on square cells of an edge (m).
+fn on(scene: &Scene, cell: f64) -> Scene {
+    let mut scene = scene.clone();
+    scene.cell = cell;
+    let across = if scene.dimension == Dimension::Column { 1 } else { (scene.width / cell).round() as usize };
+    scene.cells = [across, (scene.height / cell).round() as usize];
+    scene
+}
+
+/// What is left of the water's balance, as a share of what came in: `lost` particles are taken away on the way.
+fn ledger(lost: f64) -> Result<Outcome, String> {
+    let mut worst: f64 = 0.0;
+    for (name, per_cell) in [("wetting-front", 4), ("infiltration", 9), ("rising-front", 4), ("dam", 9)] {
+        let mut scene = scene(name, 0.0);
+        scene.particles_per_cell = per_cell;
+        for sample in finished(&scene)?.samples {
+            let Some(water) = sample.state.water.filter(|w| w.in_m3 > 0.0) else { continue };
+            let cells = water.mobile_m3 - water.in_m3 + water.out_m3;
+            let one = water.particles_m3 / water.particles.max(1) as f64;
+            let layer = water.particles_m3 - lost * one + water.pending_m3 - water.in_m3 + water.out_m3;
+            let count = water.spawned as f64 - water.removed as f64 - water.particles as f64;
+            let ledger = sample.ledger.water_closing_kg / 1000.0;
+            let off = [cells, layer, count * one, ledger].map(|off| off.abs() / water.in_m3);
+            worst = off.into_iter().fold(worst, f64::max);
+        }
+    }
+    Ok(Outcome {
+        integrator: "two-clocks".to_owned(),
+        scheme: "free surface".to_owned(),
+        errors: vec![(0.05, worst)],
+        required_error: 1e-12,
+        ..Outcome::default()
+    })
+}
