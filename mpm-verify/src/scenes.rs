@@ -4,13 +4,14 @@ use mpm_core::error::SceneError;
 use mpm_core::scene::Scene;
 
 /// Names and texts of the scenes in `reference-data/scenes`.
-pub const BUILT_IN: [(&str, &str); 19] = [
+pub const BUILT_IN: [(&str, &str); 20] = [
     ("boussinesq", include_str!("../../reference-data/scenes/boussinesq.toml")),
     ("dam", include_str!("../../reference-data/scenes/dam.toml")),
     ("dry-bar", include_str!("../../reference-data/scenes/dry-bar.toml")),
     ("dynamic-column", include_str!("../../reference-data/scenes/dynamic-column.toml")),
     ("hydrostatic", include_str!("../../reference-data/scenes/hydrostatic.toml")),
     ("infiltration", include_str!("../../reference-data/scenes/infiltration.toml")),
+    ("infinite-slope", include_str!("../../reference-data/scenes/infinite-slope.toml")),
     ("mandel", include_str!("../../reference-data/scenes/mandel.toml")),
     ("rising-front", include_str!("../../reference-data/scenes/rising-front.toml")),
     ("strip", include_str!("../../reference-data/scenes/strip.toml")),

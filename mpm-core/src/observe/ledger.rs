@@ -141,6 +141,15 @@ pub struct Ledger {
     /// How far any stress was outside the yield surface at most, as a share of the strength under no stress; nothing under
     /// an elastic law.
     pub yield_residual_max: Option<f64>,
+    /// Work that pore pressures which are held have done on the soil, J.
+    pub pressure_work_j: f64,
+}
+
+impl Ledger {
+    /// The same with the work (J) of pressures that are held.
+    pub fn with_held_pressure(self, work: f64) -> Self {
+        Self { pressure_work_j: work, energy_closing_j: self.energy_closing_j - work, ..self }
+    }
 }
 
 impl<const D: usize> Totals<D> {
@@ -203,6 +212,7 @@ impl<const D: usize> Totals<D> {
             base_friction_j: self.base_friction,
             plastic_dissipation_j: self.flowed.dissipation,
             yield_residual_max: Some(self.flowed.residual).filter(|residual| *residual > f64::NEG_INFINITY),
+            pressure_work_j: 0.0,
         }
     }
 }

@@ -95,7 +95,8 @@ impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
         L: Law<S>,
         W: Water<K, D, S>,
     {
-        totals.ledger(&self.cell_values::<K>(), self.water.density(), self.water.removed_mass())
+        let ledger = totals.ledger(&self.cell_values::<K>(), self.water.density(), self.water.removed_mass());
+        ledger.with_held_pressure(self.water.held_work())
     }
 
     /// Pore pressure averaged over the soil, and its smallest and largest cell value, Pa.

@@ -46,6 +46,8 @@ impl<const D: usize> Wetting<D> {
             per_volume: vec![0.0; cells],
             middle: vec![0.5; cells],
             density: self.density,
+            work: 0.0,
+            volume: vec![0.0; cells],
         };
         for cell in 0..cells {
             if water.soil.is_soil(cell) {
@@ -137,8 +139,14 @@ where
         self.work.accepted += count;
         *done += count;
         self.soil.book_flow(flowed, time);
-        self.soil.parts().water = self.wetting.frozen();
+        self.hold();
         outcome
+    }
+
+    /// Hands the water as it is to the soil.
+    fn hold(&mut self) {
+        let held = &mut self.soil.parts().water;
+        *held = Frozen { work: held.work, ..self.wetting.frozen() };
     }
 
     fn water_state(&self, grid: &Grid<D>) -> WaterState {
@@ -198,7 +206,7 @@ where
         self.clock = stage.clock;
         let around = self.wetting.around(stage.drained);
         if self.clock == Clock::Soil {
-            self.soil.parts().water = self.wetting.frozen();
+            self.hold();
             return self.soil.enter_stage(stage, times);
         }
         self.next = FIRST_STEP * times.first().copied().unwrap_or(1.0);

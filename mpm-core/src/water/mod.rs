@@ -125,6 +125,11 @@ pub trait Water<K: Kinematics<D, S>, const D: usize, const S: usize>: Send {
         0.0
     }
 
+    /// Work that pressures which are held have done on the soil, J.
+    fn held_work(&self) -> f64 {
+        0.0
+    }
+
     /// Density of the water, kg/m3.
     fn density(&self) -> f64;
 

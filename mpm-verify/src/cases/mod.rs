@@ -6,6 +6,7 @@ mod double_drainage;
 mod dry_bar;
 mod dynamic_column;
 mod hydrostatic;
+mod infinite_slope;
 mod large_strain;
 mod mandel;
 mod quasi_static;
@@ -89,6 +90,8 @@ pub const LADDER: &[Rung] = &[
     dam::EXIT,
     dam::SURFACE,
     dam::STORED,
+    infinite_slope::ASSOCIATED,
+    infinite_slope::WITHOUT_DILATION,
 ];
 
 impl Rung {

@@ -110,7 +110,10 @@ fn fronts(scene: &Scene, way: Way, fault: fn(&mut Scene)) -> Result<Outcome, Str
         let mut scene = on(scene, cell);
         fault(&mut scene);
         let run = finished(&scene)?;
-        let states = run.samples.iter().filter(|s| s.observed).filter_map(|s| Some((s.stage_time, s.state.water?)));
+        let from = scene.observe_times.first().copied().unwrap_or(0.0);
+        let seen = |time: f64| time >= from * (1.0 - 1e-9);
+        let states =
+            run.samples.iter().filter(|s| seen(s.stage_time)).filter_map(|s| Some((s.stage_time, s.state.water?)));
         let off = states.map(|(time, water)| {
             of_layer = of_layer.max((water.particles_m3 / water.mobile_m3 - 1.0).abs());
             place(&water, section(&scene, way)) - exact.position(time)

@@ -1,0 +1,195 @@
+//! Infinite slopes with seepage: the factor of safety at which they start to slide, found by reducing the strength.
+//!
+//! The base of the scene is level and gravity tilted, the sides are one place, so that a column of cells is a slope without
+//! end. The water seeps first; the soil then moves under its pressures, damped, until it rests or is still sliding when it should have
+//! come to rest long ago.
+
+use std::f64::consts::FRAC_PI_6;
+
+use mpm_core::run::run;
+use mpm_core::scene::{Clock, Feed, Scene, Until};
+
+use super::{Mutant, Outcome, Rung, integrator, sound};
+use crate::exact::infinite_slope::{InfiniteSlope, Seepage, Strength};
+
+/// With the flow rule that limit equilibrium stands for.
+pub const ASSOCIATED: Rung = Rung {
+    name: "slope-seepage",
+    about: "factor of safety of infinite slopes, dry, half full, full, and with water leaving them: within 5 %",
+    climb: || climb(FRAC_PI_6, sound),
+    mutant: Some(Mutant { what: "no pore pressure", climb: || climb(FRAC_PI_6, without_water) }),
+};
+
+/// Without dilation: the strength is that of Davis.
+pub const WITHOUT_DILATION: Rung = Rung {
+    name: "slope-seepage-psi-0",
+    about: "the same without dilation, against the strength in simple shear of Davis",
+    climb: || climb(0.0, sound),
+    mutant: Some(Mutant { what: "with dilation", climb: || climb(0.0, dilating) }),
+};
+
+/// Vertical depth (m) and seepage of what is looked at.
+const SLOPES: [(f64, Seepage); 5] = [
+    (1.0, Seepage::Parallel { share: 0.0 }),
+    (1.0, Seepage::Parallel { share: 0.5 }),
+    (1.0, Seepage::Parallel { share: 1.0 }),
+    (2.0, Seepage::Parallel { share: 1.0 }),
+    (1.0, Seepage::Leaving { angle: 13.282_525_588_538_995 * std::f64::consts::PI / 180.0 }),
+];
+
+/// Where the bracket of a factor of safety is narrow enough, relative.
+const NARROW: f64 = 4e-3;
+/// Speed of a slope at rest, m/s. One that lacks a hundredth of its strength slides a hundred times faster under this damping.
+const AT_REST: f64 = 2e-6;
+
+fn without_water(scene: &mut Scene) {
+    if let Some(free) = &mut scene.free_surface {
+        (free.level, free.feeds) = (None, [None; 4]);
+    }
+}
+
+fn dilating(scene: &mut Scene) {
+    if let Some(strength) = &mut scene.strength {
+        strength.dilation_angle = strength.friction_angle;
+    }
+}
+
+fn base() -> Scene {
+    crate::scenes::built_in("infinite-slope").and_then(Result::ok).expect("the built-in scene holds")
+}
+
+/// A slope on a mesh, with the strength (at an angle of dilation psi, rad) divided by a factor.
+fn slope(rows: usize, depth: f64, seepage: Seepage, psi: f64, factor: f64) -> Result<Scene, String> {
+    let mut scene = base();
+    let angle = scene.slope_angle.ok_or("no slope")?.to_radians();
+    scene.height = depth * angle.cos();
+    scene.cell = scene.height / rows as f64;
+    (scene.width, scene.cells) = (2.0 * scene.cell, [2, rows]);
+    let water = scene.water.ok_or("the scene is dry")?;
+    let free = scene.free_surface.as_mut().ok_or("no free surface")?;
+    match seepage {
+        Seepage::Parallel { share } => free.level = (share > 0.0).then_some(share * scene.height),
+        Seepage::Leaving { angle: delta } => {
+            free.level = Some(scene.height);
+            // u = gamma_w d cos(beta) (cos(beta) + sin(beta) tan(delta)): what the gradient asks for above still water.
+            let speed = water.hydraulic_conductivity * angle.sin() * delta.tan();
+            free.feeds[2] = Some(Feed::Velocity { speed, height: scene.height });
+        }
+    }
+    let strength = scene.strength.as_mut().ok_or("the soil is elastic")?;
+    strength.cohesion /= factor;
+    strength.friction_angle = reduced(strength.friction_angle, factor);
+    strength.dilation_angle = if psi > 0.0 { strength.friction_angle } else { 0.0 };
+    // Shear waves pass the slope a few times in every period of damping.
+    let speed = (scene.elastic.shear_modulus() / scene.mixture_density()).sqrt();
+    let passage = scene.height / speed;
+    let stages = &mut scene.stages;
+    stages[1].clock = Clock::Soil;
+    stages[1].damping = 1.0 / passage;
+    stages[1].until = Until::Rest { speed: AT_REST, at_most: 120.0 * passage };
+    (scene.observe_times, scene.history) = (Vec::new(), 0);
+    Ok(scene)
+}
+
+/// An angle (degrees) whose tangent is divided by a factor.
+fn reduced(angle: f64, factor: f64) -> f64 {
+    (angle.to_radians().tan() / factor).atan().to_degrees()
+}
+
+/// Whether a slope comes to rest.
+fn stands(scene: &Scene) -> Result<bool, String> {
+    let run = run(scene, &mut |_| {}).map_err(|e| e.to_string())?;
+    match &run.failure {
+        None => Ok(true),
+        // It still slides, or has slid out of its mesh.
+        Some(failure) if failure.what.contains("m/s, expected") || failure.what.contains("outside the mesh") => {
+            Ok(false)
+        }
+        Some(failure) => Err(failure.to_string()),
+    }
+}
+
+/// The factor by which the strength can be divided before a slope slides, bracketed about a guess.
+fn factor(guess: f64, stands: impl Fn(f64) -> Result<bool, String>) -> Result<f64, String> {
+    let (mut low, mut high) = (0.9 * guess, 1.1 * guess);
+    while !stands(low)? {
+        low *= 0.8;
+    }
+    while stands(high)? {
+        high *= 1.25;
+    }
+    while high - low > NARROW * low {
+        let middle = 0.5 * (low + high);
+        if stands(middle)? { low = middle } else { high = middle }
+    }
+    Ok(0.5 * (low + high))
+}
+
+/// What limit equilibrium says of a slope.
+fn exact(scene: &Scene, depth: f64, seepage: Seepage, psi: f64) -> Result<f64, String> {
+    let gravity = scene.gravity.ok_or("no gravity")?;
+    let strength = scene.strength.ok_or("the soil is elastic")?;
+    let whole = Strength { cohesion: strength.cohesion, friction: strength.friction_angle.to_radians() };
+    let slope = |strength| InfiniteSlope {
+        angle: scene.slope_angle.unwrap_or(0.0).to_radians(),
+        dry_weight: scene.dry_density() * gravity,
+        saturated_weight: scene.mixture_density() * gravity,
+        water_weight: scene.water.map_or(0.0, |w| w.unit_weight),
+        strength,
+        seepage,
+    };
+    if psi > 0.0 {
+        return slope(whole).factor(depth).ok_or("no effective stress".to_owned());
+    }
+    // Davis' reduction depends on the strength that is left: the factor is where the reduced slope just stands.
+    let margin = |factor: f64| {
+        let left = Strength { cohesion: whole.cohesion / factor, friction: (whole.friction.tan() / factor).atan() };
+        slope(left.reduced(0.0)).factor(depth).unwrap_or(0.0) - 1.0
+    };
+    let (mut low, mut high) = (0.05, 10.0);
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if margin(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    Ok(low)
+}
+
+fn climb(psi: f64, fault: fn(&mut Scene)) -> Result<Outcome, String> {
+    let (mut errors, mut notes) = (Vec::new(), Vec::new());
+    for rows in [10, 20, 40] {
+        let mut worst: f64 = 0.0;
+        let mut cell = 0.0;
+        for (depth, seepage) in SLOPES {
+            let exact = exact(&base(), depth, seepage, psi)?;
+            let found = factor(exact, |factor| {
+                let mut scene = slope(rows, depth, seepage, psi, factor)?;
+                fault(&mut scene);
+                stands(&scene)
+            })?;
+            cell = 1.0 / rows as f64;
+            let off = found / exact - 1.0;
+            worst = if off.abs() > worst.abs() { off } else { worst };
+            if rows == 40 {
+                notes.push((format!("factor found, d = {depth} m, {}", words(seepage)), found, "-".to_owned()));
+                notes.push((format!("factor exact, d = {depth} m, {}", words(seepage)), exact, "-".to_owned()));
+            }
+        }
+        errors.push((cell, worst));
+    }
+    Ok(Outcome {
+        integrator: integrator(&base()),
+        scheme: "centre/free surface".to_owned(),
+        errors,
+        required_error: 0.05,
+        refined_by: ("mesh L over the depth", "-"),
+        notes,
+        ..Outcome::default()
+    })
+}
+
+fn words(seepage: Seepage) -> String {
+    match seepage {
+        Seepage::Parallel { share } => format!("water along it, {share} of the depth"),
+        Seepage::Leaving { angle } => format!("water leaving at {:.1} degrees", angle.to_degrees()),
+    }
+}
