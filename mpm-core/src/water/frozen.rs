@@ -86,10 +86,7 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Fro
     }
 
     fn bytes(&self) -> usize {
-        [&self.pressure, &self.per_volume, &self.middle, &self.volume]
-            .iter()
-            .map(|v| v.capacity())
-            .sum::<usize>()
+        [&self.pressure, &self.per_volume, &self.middle, &self.volume].iter().map(|v| v.capacity()).sum::<usize>()
             * size_of::<f64>()
     }
 }
