@@ -2,7 +2,7 @@
 //!
 //! # Reading order
 //! 1. [`scenes`]: the scene files that the program carries.
-//! 2. [`exact`]: exact solutions, one per file.
+//! 2. [`exact`]: exact solutions, one per file. [`literature`]: published laws where there are none.
 //! 3. [`norms`], [`rates`]: the one definition of error; orders of convergence.
 //! 4. [`cases`]: the verification ladder, one case per file.
 //! 5. [`study`]: refine, run, compare. [`budget`]: which part of an error comes from what. [`claims`]: the paper's
@@ -16,6 +16,7 @@ pub mod cases;
 pub mod claims;
 pub mod cost;
 pub mod exact;
+pub mod literature;
 pub mod manifest;
 pub mod norms;
 pub mod progress;
