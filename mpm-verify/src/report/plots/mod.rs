@@ -6,9 +6,11 @@
 //! 3. The pictures: [`mesh`], [`isochrones`], [`consolidation`], [`error_against_time`], [`error_against_mesh`],
 //!    [`error_budget`], [`energy`], [`crossings`]; of all integrators [`schemes`], [`spline_profiles`], [`places`],
 //!    [`steps`]; of a rung of the ladder [`rung`].
+//! 4. [`field`]: a map of particles coloured by a quantity, with lines over it; [`colours`] for it.
 
 pub mod axis;
 pub mod canvas;
+pub mod colours;
 pub mod consolidation;
 pub mod crossings;
 pub mod draw;
@@ -16,6 +18,7 @@ pub mod energy;
 pub mod error_against_mesh;
 pub mod error_against_time;
 pub mod error_budget;
+pub mod field;
 pub mod figure;
 pub mod isochrones;
 pub mod legend;

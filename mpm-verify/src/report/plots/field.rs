@@ -1,0 +1,206 @@
+//! A map in the plane: particles coloured by a quantity, a colour bar, lines such as an outline or a free surface.
+
+use std::path::Path;
+
+use super::axis::Axis;
+use super::figure::{Figure, Mark, Panel, Point, Series};
+use super::look::{BLACK, BLUE, Dash, Look, Marker, RED};
+use super::{colours, draw, write_png, write_svg};
+use crate::report::numbers::exact;
+use crate::report::{ReportError, tables};
+
+/// Colours told apart.
+const SHADES: usize = 32;
+/// Shares of the width of map and colour bar.
+const SHARES: [f64; 2] = [0.86, 0.14];
+/// Heights that the map may have, px.
+const HEIGHTS: (f64, f64) = (130.0, 560.0);
+/// What stands left of the map's frame and between the panels, px: an estimate, for its height alone.
+const BESIDE: f64 = 80.0;
+
+/// The outline of a body.
+pub const OUTLINE: Look = Look::new(BLACK, Marker::Dot).width(1.4);
+/// A computed free surface.
+pub const SURFACE: Look = Look::new(BLUE, Marker::Dot).width(2.4);
+/// An exact one.
+pub const EXACT: Look = Look::new(RED, Marker::Dot).width(2.0).dash(Dash::Dashed);
+
+/// What is to be drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Field {
+    /// File name without ending.
+    pub name: &'static str,
+    /// What stands above it.
+    pub title: String,
+    /// What the reader should see.
+    pub caption: String,
+    /// Quantity and unit, for readers: `pore pressure (kPa)`.
+    pub quantity: String,
+    /// The same as a column of the CSV: `pore_pressure_kpa`.
+    pub column: &'static str,
+    /// Values at the ends of the colour bar; found from the values if not given.
+    pub range: Option<(f64, f64)>,
+    /// Distance of neighbouring particles, m: how large they are drawn.
+    pub spacing: f64,
+    /// Particles: x (m), y (m), value. One whose value is not a number is left out of the picture.
+    pub points: Vec<[f64; 3]>,
+    /// Lines over them.
+    pub lines: Vec<Line>,
+}
+
+/// A line over the map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    /// Name in the legend.
+    pub label: String,
+    /// How it looks.
+    pub look: Look,
+    /// Its points, x and y in m.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// The picture.
+pub fn figure(field: &Field) -> Figure {
+    super::ready();
+    let (low, high) = field.range.unwrap_or_else(|| range(field.points.iter().map(|p| p[2])));
+    let places = || field.lines.iter().flat_map(|line| line.points.iter().copied());
+    let half = 0.5 * field.spacing;
+    let along = |of: fn((f64, f64)) -> f64| {
+        let particles = field.points.iter().map(move |p| of((p[0], p[1]))).flat_map(|x| [x - half, x + half]);
+        let (start, end) = range(particles.chain(places().map(of)));
+        let room = 0.02 * (end - start);
+        (start - room, end + room)
+    };
+    let (x, y) = (along(|p| p.0), along(|p| p.1));
+    let width = (draw::WIDTH - 24.0) * SHARES[0] - BESIDE;
+    let height = (width * (y.1 - y.0) / (x.1 - x.0)).clamp(HEIGHTS.0, HEIGHTS.1);
+    let unit = (width / (x.1 - x.0)).min(height / (y.1 - y.0));
+    // A square marker is 0.9 of its radius high on either side; a little more, so that neighbours touch.
+    let look = |place: f64| Look::new(colours::at(place), Marker::Square).radius((half * unit / 0.86).max(0.8));
+    let (across, up) = (Axis::linear("x (m)", "x_m").range(x.0, x.1), Axis::linear("y (m)", "y_m").range(y.0, y.1));
+    let mut map = Panel { share: SHARES[0], equal: true, ..Panel::new("", across, up) };
+    let shade = |value: f64| (((value - low) / (high - low)).clamp(0.0, 1.0) * SHADES as f64).min(SHADES as f64 - 1.0);
+    for number in 0..SHADES {
+        let own = |p: &&[f64; 3]| p[2].is_finite() && shade(p[2]) as usize == number;
+        let points = field.points.iter().filter(own).map(|p| Point::new(p[0], p[1]));
+        map.add(Series::new("", look(middle(number)), Mark::Points, points).unlisted());
+    }
+    for line in &field.lines {
+        map.add(Series::line(line.label.clone(), line.look, line.points.iter().copied()));
+    }
+    Figure {
+        name: field.name,
+        title: field.title.clone(),
+        caption: field.caption.clone(),
+        height,
+        panels: vec![map, bar(field, (low, high), height)],
+        missing: Vec::new(),
+    }
+}
+
+/// Writes a map as SVG and PNG, its particles as `<name>.csv` and its lines as `<name>_lines.csv`. Returns the SVG's text.
+///
+/// # Errors
+/// A file that cannot be written or drawn.
+pub fn write(field: &Field, folder: &Path) -> Result<String, ReportError> {
+    let figure = figure(field);
+    let text = write_svg(&figure, folder)?;
+    let path = |ending: &str| folder.join(format!("{}{ending}", field.name));
+    let png = path(".png");
+    write_png(&figure, &png).map_err(|cause| ReportError::Draw { path: png, cause })?;
+    let header = format!("x_m,y_m,{}", field.column);
+    tables::table(&path(".csv"), &header, field.points.iter().map(|p| p.map(exact).to_vec()))?;
+    let lines = field
+        .lines
+        .iter()
+        .flat_map(|line| line.points.iter().map(|(x, y)| vec![line.label.clone(), exact(*x), exact(*y)]));
+    tables::table(&path("_lines.csv"), "line,x_m,y_m", lines)?;
+    Ok(text)
+}
+
+/// Middle of a shade between 0 and 1.
+fn middle(number: usize) -> f64 {
+    (number as f64 + 0.5) / SHADES as f64
+}
+
+/// The colour bar: a thick line per shade.
+fn bar(field: &Field, (low, high): (f64, f64), height: f64) -> Panel {
+    let none = Axis::linear("", "").range(0.0, 1.0).named(Vec::new());
+    let scale = Axis::linear(&field.quantity, field.column).range(low, high);
+    let mut bar = Panel { share: SHARES[1], ..Panel::new("", none, scale) };
+    for number in 0..SHADES {
+        let value = low + middle(number) * (high - low);
+        let look = Look::new(colours::at(middle(number)), Marker::Dot).width(height / SHADES as f64 + 0.5);
+        bar.add(Series::line("", look, [(0.0, value), (1.0, value)]).unlisted());
+    }
+    bar
+}
+
+/// Smallest and largest of the values that are numbers, not equal.
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let wide =
+        values.filter(|v| v.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    match wide {
+        (low, high) if low > high => (0.0, 1.0),
+        (low, high) if low == high => (low - 0.5, high + 0.5),
+        wide => wide,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exact::dam::Dam;
+
+    /// The water of a dam as particles, with its outline and free surface.
+    fn dam() -> Field {
+        let dam = Dam::new(1.0, 0.2, 1.5).expect("a dam");
+        let surface: Vec<(f64, f64)> = (0..=30).map(|k| f64::from(k) * 0.05).map(|x| (x, dam.surface(x))).collect();
+        let spot = |k: usize| [0.025 + 0.05 * (k % 30) as f64, 0.025 + 0.05 * (k / 30) as f64];
+        // Hydrostatic below the free surface, nothing above.
+        let point = |[x, y]: [f64; 2]| [x, y, (9.81 * (dam.dupuit(x) - y)).max(0.0)];
+        let mut points: Vec<[f64; 3]> = (0..600).map(|k| point(spot(k))).collect();
+        points[0][2] = f64::NAN;
+        let corners = vec![(0.0, 0.0), (1.5, 0.0), (1.5, 1.0), (0.0, 1.0), (0.0, 0.0)];
+        let line = |label: &str, look, points| Line { label: label.to_owned(), look, points };
+        Field {
+            name: "dam",
+            title: "Pore pressure in a dam, hydrostatic below Dupuit's parabola".to_owned(),
+            caption: String::new(),
+            quantity: "pore pressure (kPa)".to_owned(),
+            column: "pore_pressure_kpa",
+            range: None,
+            spacing: 0.05,
+            points,
+            lines: vec![line("outline", OUTLINE, corners), line("free surface, exact", EXACT, surface)],
+        }
+    }
+
+    #[test]
+    fn a_map_is_drawn_with_its_bar_its_lines_and_its_numbers() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let folder = std::env::var_os("MPM_KEEP_PICTURES").map_or(folder.path().to_owned(), Into::into);
+        let svg = write(&dam(), &folder).expect("a map");
+        for part in ["pore pressure (kPa)", "free surface, exact", "outline", "x (m)", "y (m)"] {
+            assert!(svg.contains(part), "{part}");
+        }
+        // Both ends of the colour map are used, by particles and by the bar.
+        for number in [0, SHADES - 1] {
+            let colour = colours::at(middle(number));
+            let code = format!("#{:02X}{:02X}{:02X}", colour.0, colour.1, colour.2);
+            assert!(svg.matches(&code).count() > 2, "{code}");
+        }
+        let read = |name: &str| std::fs::read_to_string(folder.join(name)).expect(name);
+        assert!(read("dam.csv").starts_with("x_m,y_m,pore_pressure_kpa\n0.025,0.025,NaN\n"));
+        assert_eq!((read("dam.csv").lines().count(), read("dam_lines.csv").lines().count()), (601, 1 + 5 + 31));
+        assert!(folder.join("dam.png").exists());
+    }
+
+    #[test]
+    fn a_field_of_one_value_or_none_has_a_range() {
+        assert_eq!(range([2.0, 2.0, f64::NAN].into_iter()), (1.5, 2.5));
+        assert_eq!(range(std::iter::empty()), (0.0, 1.0));
+        let bare = Field { points: Vec::new(), lines: Vec::new(), ..dam() };
+        assert_eq!(figure(&bare).panels.len(), 2);
+    }
+}
