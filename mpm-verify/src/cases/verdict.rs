@@ -86,6 +86,8 @@ pub struct Climb {
     pub reason: String,
     /// (refinement parameter, signed error).
     pub errors: Vec<(f64, f64)>,
+    /// Largest error allowed at every parameter, as a share of the parameter.
+    pub everywhere: Option<f64>,
     /// The fitted order; `None` where there is none to fit or none is required.
     pub fit: Option<Fit>,
     /// What the refinement parameter is, with its unit.
@@ -103,8 +105,8 @@ pub(super) fn judge(rung: Rung, outcome: Outcome, cpu_s: f64) -> Climb {
         (Some([low, high]), Some(fit)) => (low..=high).contains(&fit.order),
         (Some(_), None) => false,
     };
-    // A number that is not one must not pass: `!(error <= ...)`, and not `error > ...`.
-    let too_large = |share: f64| outcome.errors.iter().find(|(h, e)| !(e.abs() <= share * h)).copied();
+    // A number that is not one must not pass.
+    let too_large = |share: f64| outcome.errors.iter().find(|(h, e)| e.is_nan() || e.abs() > share * h).copied();
     let exceeded = outcome.required_everywhere.and_then(|share| Some((share, too_large(share)?)));
     let holds = finest <= outcome.required_error && order_holds && exceeded.is_none();
     let fit = fit.filter(|_| outcome.required_order.is_some());
@@ -126,6 +128,7 @@ pub(super) fn judge(rung: Rung, outcome: Outcome, cpu_s: f64) -> Climb {
         rung,
         step,
         errors: outcome.errors,
+        everywhere: outcome.required_everywhere,
         fit,
         refined_by: outcome.refined_by,
         notes: outcome.notes,

@@ -82,11 +82,11 @@ pub fn edges<const D: usize>(
                     if periodic && axis == 0 && D == 2 {
                         continue;
                     }
-                    if let Some(feed) = feeds[side].filter(|_| here > 0.0) {
-                        if let Some(outside) = fed(medium, &feed, (axis, upper), &position, here, face_area) {
-                            list.push(edge(here, 0.5, outside));
-                            continue;
-                        }
+                    if let Some(feed) = feeds[side].filter(|_| here > 0.0)
+                        && let Some(outside) = fed(medium, &feed, (axis, upper), &position, here, face_area)
+                    {
+                        list.push(edge(here, 0.5, outside));
+                        continue;
                     }
                     if sides[side] && here > 0.0 {
                         list.push(edge(here, 0.5, Outside::Air));

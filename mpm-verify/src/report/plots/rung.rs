@@ -19,7 +19,8 @@ pub fn figure(climb: &Climb) -> Figure {
     let mark = if climb.errors.len() > 1 { Mark::LinePoints } else { Mark::Points };
     panel.add(Series::new("measured", Look::new(BLUE, Marker::Circle).radius(5.0), mark, points));
     across(&mut panel);
-    let (mut low, mut high) = extent(&[panel.all_y(), vec![climb.step.required_error]].concat());
+    let everywhere = climb.errors.iter().filter_map(|(h, _)| Some(climb.everywhere? * h)).collect();
+    let (mut low, mut high) = extent(&[panel.all_y(), vec![climb.step.required_error], everywhere].concat());
     if let Some((corners, words)) = slope(climb) {
         low = low.min(corners[0].1);
         panel.add(Series::line("fitted slope", Look::new(GREY, Marker::Dot).width(1.2), corners).guide());
@@ -38,6 +39,11 @@ pub fn figure(climb: &Climb) -> Figure {
         panel.add(word(1.03 * climb.errors[0].0, y, ratio(error, climb.step.required_error)));
     }
     let (left, right) = panel.x.range.unwrap_or((0.1, 1.0));
+    if let Some(share) = climb.everywhere {
+        let look = Look::new(BLACK, Marker::Dot).dash(Dash::Dotted).width(1.8);
+        let line = [left, right].map(|h| (h, share * h));
+        panel.add(Series::line(format!("allowed everywhere, {} of it", brief(share, 3)), look, line).guide());
+    }
     let allowed = [left, right].map(|h| (h, climb.step.required_error));
     let look = Look::new(RED, Marker::Dot).dash(Dash::Dashed).width(1.8);
     panel.add(Series::line(format!("allowed at the smallest {quantity}"), look, allowed).guide());
