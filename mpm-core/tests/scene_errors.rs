@@ -402,6 +402,93 @@ fn survives(what: &str, text: &str) {
     }
 }
 
+/// Edits of the scene of a slope (or of a block) and what each must name.
+#[test]
+fn bad_ground_is_refused() {
+    let cases: [(&str, &str, Edits, &str); 26] = [
+        ("crossing", "slope-at-rest", &[("[3.0, 3.0], [0.0, 3.0]", "[0.0, 3.0], [3.0, 3.0]")], "simple polygon"),
+        ("two points", "slope-at-rest", &[(", [3.0, 3.0], [0.0, 3.0]", "")], "at least 3 points"),
+        ("left of the wall", "slope-at-rest", &[("[0.0, 3.0]]", "[-0.1, 3.0]]")], "x >= 0"),
+        ("three numbers", "slope-at-rest", &[("[0.0, 3.0]]", "[0.0, 3.0, 0.0]]")], "points"),
+        ("an outline of a column", "slope-at-rest", &[("\"plane-strain\"", "\"column\"")], "plane-strain"),
+        (
+            "implicit",
+            "slope-at-rest",
+            &[("\"explicit\"", "\"quasi-static\""), ("safety = 0.5\n", ""), ("damping = 40.0", "damping = 0.0")],
+            "explicit",
+        ),
+        ("splines", "slope-at-rest", &[("\"centre\"", "\"bspline2\"")], "\"linear\""),
+        ("unknown seeding", "slope-at-rest", &[("headroom_cells = 1", "seeding = \"cut\"")], "\"whole\""),
+        (
+            "seeding of a column",
+            "self-weight",
+            &[("particles_per_cell", "seeding = \"whole\"\nparticles_per_cell")],
+            "outline",
+        ),
+        (
+            "rest and time",
+            "slope-at-rest",
+            &[("at_most = 20.0 }", "at_most = 20.0 }\nuntil.time = 1.0")],
+            "exactly one",
+        ),
+        ("no speed of rest", "slope-at-rest", &[("speed = 1.0e-12", "speed = 0.0")], "above 0"),
+        (
+            "no gravity to turn",
+            "block-on-incline",
+            &[("start = \"geostatic\"\nstart_k0 = 0.0\ngravity = 9.81\n", "")],
+            "gravity beside it",
+        ),
+        ("vertical slope", "block-on-incline", &[("slope_angle = 25.0", "slope_angle = 90.0")], "0 <= angle < 90"),
+        (
+            "slope of a column",
+            "block-on-incline",
+            &[
+                ("\"plane-strain\"", "\"column\""),
+                ("sideroom_cells = 24\n", ""),
+                ("left = \"free\"\nright = \"free\"\n", ""),
+            ],
+            "plane-strain",
+        ),
+        ("sideroom of a column", "block-on-incline", &[("\"plane-strain\"", "\"column\"")], "column cannot move"),
+        ("one side periodic", "infinite-slope", &[("left = \"periodic\"", "left = \"free\"")], "both sides"),
+        ("periodic with room", "infinite-slope", &[("headroom_cells = 1", "sideroom_cells = 1")], "without sideroom"),
+        ("coulomb without base", "infinite-slope", &[("[base]\nfriction_angle = 30.0\n", "")], "[base]"),
+        ("base without coulomb", "infinite-slope", &[("bottom = \"coulomb\"", "bottom = \"fixed\"")], "\"coulomb\""),
+        ("friction of 90", "infinite-slope", &[("friction_angle = 30.0", "friction_angle = 90.0")], "0 <= angle < 90"),
+        (
+            "both frictions",
+            "infinite-slope",
+            &[("friction_angle = 30.0", "friction_angle = 30.0\npeak_angle = 30.0")],
+            "alone",
+        ),
+        (
+            "residual above peak",
+            "block-weakens",
+            &[("residual_angle = 8.5", "residual_angle = 20.5")],
+            "the peak angle",
+        ),
+        ("no slip distance", "block-weakens", &[("slip_distance = 0.05", "slip_distance = 0.0")], "above 0"),
+        (
+            "negative adhesion",
+            "block-weakens",
+            &[("slip_distance = 0.05", "slip_distance = 0.05\nadhesion = -1.0")],
+            "0 or more",
+        ),
+        (
+            "one component",
+            "block-stops",
+            &[("start_velocity = [1.0, 0.0]", "start_velocity = [1.0]")],
+            "start_velocity",
+        ),
+        ("K0 without weight", "block-stops", &[("start = \"geostatic\"", "start = \"unloaded\"")], "geostatic"),
+    ];
+    for (case, scene, edits, names) in cases {
+        let error = refusal(case, &edited(&built_in(scene), edits));
+        println!("{case}\n    {error}");
+        assert!(error.to_string().contains(names), "{case}: {error}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 

@@ -4,7 +4,10 @@ use mpm_core::error::SceneError;
 use mpm_core::scene::Scene;
 
 /// Names and texts of the scenes in `reference-data/scenes`.
-pub const BUILT_IN: [(&str, &str); 20] = [
+pub const BUILT_IN: [(&str, &str); 26] = [
+    ("block-on-incline", include_str!("../../reference-data/scenes/block-on-incline.toml")),
+    ("block-stops", include_str!("../../reference-data/scenes/block-stops.toml")),
+    ("block-weakens", include_str!("../../reference-data/scenes/block-weakens.toml")),
     ("boussinesq", include_str!("../../reference-data/scenes/boussinesq.toml")),
     ("dam", include_str!("../../reference-data/scenes/dam.toml")),
     ("dry-bar", include_str!("../../reference-data/scenes/dry-bar.toml")),
@@ -14,6 +17,9 @@ pub const BUILT_IN: [(&str, &str); 20] = [
     ("infinite-slope", include_str!("../../reference-data/scenes/infinite-slope.toml")),
     ("mandel", include_str!("../../reference-data/scenes/mandel.toml")),
     ("rising-front", include_str!("../../reference-data/scenes/rising-front.toml")),
+    ("self-weight", include_str!("../../reference-data/scenes/self-weight.toml")),
+    ("slope-at-rest", include_str!("../../reference-data/scenes/slope-at-rest.toml")),
+    ("slope-seepage", include_str!("../../reference-data/scenes/slope-seepage.toml")),
     ("strip", include_str!("../../reference-data/scenes/strip.toml")),
     ("terzaghi", include_str!("../../reference-data/scenes/terzaghi.toml")),
     ("terzaghi-double", include_str!("../../reference-data/scenes/terzaghi-double.toml")),

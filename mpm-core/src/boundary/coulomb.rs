@@ -5,8 +5,13 @@
 //! slides is slowed by at most the limit, and stands still once that stops it: after Bardenhagen, Brackbill & Sulsky
 //! (2000), doi:10.1016/S0045-7825(99)00338-2, with a rigid base for the second body.
 //!
-//! Slip belongs to the soil: its particles in the lowest row of cells carry it, with its sign, and a node has the mean
-//! of theirs by mass. Swings about a place add nothing to it.
+//! Friction that follows the normal stress at once feeds vibrations of an elastic body that slides on a rigid base, the
+//! faster the finer the mesh (Adams 1995, doi:10.1115/1.2896013), until nodes chatter and hold far more than they should.
+//! As in measured friction, the stress that counts therefore lags behind by a `memory`: Prakash & Clifton (1993);
+//! Ranjith & Rice (2001), doi:10.1016/S0022-5096(00)00029-6, on why that makes the problem well posed.
+//!
+//! Slip and memory belong to the soil: its particles in the lowest row of cells carry them, slip with its sign, and a node has
+//! the mean of theirs. Swings about a place add nothing to the slip.
 
 use super::Joined;
 use crate::grid::Grid;
@@ -36,10 +41,42 @@ pub struct Coulomb {
     held: Vec<bool>,
     /// Slip of each particle by its number, m; empty if the base does not weaken.
     slip: Vec<f64>,
-    /// Sums of the lowest row at its nodes: mass (kg), mass times slip (kg m), length of base (m), its load by the pore
-    /// water (N); empty if nothing needs them.
-    shares: Vec<[f64; 4]>,
+    /// Normal stress that each particle remembers, by its number, Pa; not a number before it is on the base. Empty
+    /// without a memory.
+    remembered: Vec<f64>,
+    /// Sums of the lowest row at its nodes; empty if nothing needs them.
+    shares: Vec<Shares>,
+    /// Normal stress on the nodes of the base in this step, Pa.
+    stress: Vec<f64>,
     wet: bool,
+}
+
+/// What a node of the base has of the soil above it.
+#[derive(Debug, Clone, Copy, Default)]
+struct Shares {
+    /// Solid mass, kg.
+    mass: f64,
+    /// Mass times slip, kg m.
+    slip: f64,
+    /// Area of the base, m2.
+    area: f64,
+    /// Force of the pore water on it, N.
+    water: f64,
+    /// The part of the area with a memory, m2.
+    known: f64,
+    /// Force that is remembered on that part, N.
+    remembered: f64,
+}
+
+impl Shares {
+    fn add(&mut self, other: &Self) {
+        self.mass += other.mass;
+        self.slip += other.slip;
+        self.area += other.area;
+        self.water += other.water;
+        self.known += other.known;
+        self.remembered += other.remembered;
+    }
 }
 
 impl Coulomb {
@@ -56,7 +93,7 @@ impl Coulomb {
         held.filter(|node| *node < count).for_each(|node| fixed[node] = true);
         let wet = wet && base.normal_stress == NormalStress::Effective;
         let weakens = base.slip_distance.is_some();
-        let shared = weakens || wet || base.adhesion > 0.0;
+        let shared = weakens || wet || base.adhesion > 0.0 || base.memory > 0.0;
         Self {
             base,
             peak: base.peak_angle.to_radians().tan(),
@@ -64,7 +101,9 @@ impl Coulomb {
             stuck: vec![false; count],
             held: fixed,
             slip: vec![0.0; if weakens { particles } else { 0 }],
-            shares: vec![[0.0; 4]; if shared { count } else { 0 }],
+            remembered: vec![f64::NAN; if base.memory > 0.0 { particles } else { 0 }],
+            shares: vec![Shares::default(); if shared { count } else { 0 }],
+            stress: vec![0.0; count],
             wet,
         }
     }
@@ -88,30 +127,34 @@ impl Coulomb {
         if self.shares.is_empty() {
             return;
         }
-        self.shares.fill([0.0; 4]);
+        self.shares.fill(Shares::default());
         for cell in 0..grid.cells[0] {
             let load = if self.wet && !solid.range(cell).is_empty() { pressure(cell) } else { 0.0 };
             for index in solid.range(cell) {
                 let point = &solid.points[index];
                 let right = point.x[0] * grid.inverse_size - cell as f64;
-                let slip = self.slip.get(solid.ids[index] as usize).copied().unwrap_or(0.0);
-                // A full cell has the length of its edge.
-                let length = point.volume * grid.inverse_size;
+                let id = solid.ids[index] as usize;
+                let slip = self.slip.get(id).copied().unwrap_or(0.0);
+                let remembered = self.remembered.get(id).copied().filter(|stress| !stress.is_nan());
+                // A full cell has the area below it.
+                let area = point.volume * grid.inverse_size;
                 for (node, share) in [(cell, 1.0 - right), (cell + 1, right)] {
                     let sums = &mut self.shares[node];
-                    sums[0] += share * point.mass;
-                    sums[1] += share * point.mass * slip;
-                    sums[2] += share * length;
-                    sums[3] += share * length * load;
+                    sums.mass += share * point.mass;
+                    sums.slip += share * point.mass * slip;
+                    sums.area += share * area;
+                    sums.water += share * area * load;
+                    if let Some(stress) = remembered {
+                        sums.known += share * area;
+                        sums.remembered += share * area * stress;
+                    }
                 }
             }
         }
         let count = self.shares.len();
         for [follower, leader] in joined.pairs().filter(|pair| pair.iter().all(|node| *node < count)) {
-            let shares = std::mem::take(&mut self.shares[follower]);
-            for (to, share) in self.shares[leader].iter_mut().zip(shares) {
-                *to += share;
-            }
+            let from = std::mem::take(&mut self.shares[follower]);
+            self.shares[leader].add(&from);
         }
     }
 
@@ -124,14 +167,19 @@ impl Coulomb {
                 self.stuck[node] = false;
                 continue;
             }
-            let [of, slip, length, load] = self.shares.get(node).copied().unwrap_or([1.0, 0.0, 0.0, 0.0]);
-            // What the support above a base that does not pull has to take.
-            let normal = (-mass * m.change[D - 1] - load * dt).max(0.0);
-            let slip = if of > 0.0 { slip / of } else { 0.0 };
-            let limit = self.friction(slip) * normal + self.base.adhesion * length * dt;
-            if self.stuck[node] && mass * m.change[0].abs() <= limit {
+            let soil = self.shares.get(node).copied().unwrap_or_default();
+            let slip = if soil.mass > 0.0 { soil.slip / soil.mass } else { 0.0 };
+            // What the support has to take of the skeleton, now and by the memory of the soil.
+            let now = -mass * m.change[D - 1] - soil.water * dt;
+            let normal = if soil.known > 0.0 { soil.remembered * soil.area / soil.known * dt } else { now };
+            self.stress[node] = if soil.area > 0.0 { now / (soil.area * dt) } else { 0.0 };
+            let limit = self.friction(slip) * normal.max(0.0) + self.base.adhesion * soil.area * dt;
+            // Soil that stands still has not slid before the first step either.
+            let stood = self.stuck[node] || nodes[node].momentum[0] == 0.0;
+            if stood && mass * m.change[0].abs() <= limit {
                 rubbed.impulse -= mass * m.change[0];
                 (m.velocity[0], m.change[0], m.acceleration[0]) = (0.0, 0.0, 0.0);
+                self.stuck[node] = true;
                 continue;
             }
             let stopping = -mass * m.velocity[0];
@@ -147,28 +195,42 @@ impl Coulomb {
         rubbed
     }
 
-    /// Adds the slip of a step to the particles of the lowest row.
+    /// Takes slip and normal stress of a step to the particles of the lowest row.
     pub fn slide<const D: usize, const S: usize>(
         &mut self,
         grid: &Grid<D>,
         solid: &Layer<SolidPoint<D, S>, D>,
+        joined: &Joined<D>,
         motion: &[NodeMotion<D>],
         dt: f64,
     ) {
-        if self.slip.is_empty() {
+        if self.slip.is_empty() && self.remembered.is_empty() {
             return;
         }
+        let count = self.stress.len();
+        for [follower, leader] in joined.pairs().filter(|pair| pair.iter().all(|node| *node < count)) {
+            self.stress[follower] = self.stress[leader];
+        }
+        let learns = 1.0 - (-dt / self.base.memory).exp();
         for cell in 0..grid.cells[0] {
-            let [left, right] = [cell, cell + 1].map(|node| motion[node].velocity[0]);
+            let [left, right] = [cell, cell + 1].map(|node| [motion[node].velocity[0], self.stress[node]]);
             for index in solid.range(cell) {
                 let xi = solid.points[index].x[0] * grid.inverse_size - cell as f64;
-                self.slip[solid.ids[index] as usize] += dt * (left + xi * (right - left));
+                let [velocity, stress] = [0, 1].map(|i| left[i] + xi * (right[i] - left[i]));
+                let id = solid.ids[index] as usize;
+                if let Some(slip) = self.slip.get_mut(id) {
+                    *slip += dt * velocity;
+                }
+                if let Some(old) = self.remembered.get_mut(id) {
+                    *old = if old.is_nan() { stress } else { *old + learns * (stress - *old) };
+                }
             }
         }
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.slip.capacity() * size_of::<f64>() + self.shares.capacity() * size_of::<[f64; 4]>()
+        (self.slip.capacity() + self.remembered.capacity() + self.stress.capacity()) * size_of::<f64>()
+            + self.shares.capacity() * size_of::<Shares>()
     }
 }

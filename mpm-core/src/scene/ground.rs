@@ -42,6 +42,8 @@ pub struct Base {
     pub slip_distance: Option<f64>,
     /// Shear strength without normal stress, Pa.
     pub adhesion: f64,
+    /// Time by which friction lags behind the normal stress, s; 0 for none.
+    pub memory: f64,
     /// What the friction is a share of.
     pub normal_stress: NormalStress,
 }

@@ -14,7 +14,7 @@ pub(super) struct RawScene {
     pub name: Word,
     pub dimension: Option<Word>,
     pub start: Option<Word>,
-    pub start_velocity: Option<Spanned<[f64; 2]>>,
+    pub start_velocity: Option<Spanned<Vec<f64>>>,
     pub start_k0: Option<Number>,
     pub gravity: Option<Number>,
     pub slope_angle: Option<Number>,
@@ -48,7 +48,7 @@ pub(super) struct RawColumn {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawOutline {
-    pub points: Spanned<Vec<Spanned<[f64; 2]>>>,
+    pub points: Spanned<Vec<Spanned<Vec<f64>>>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -161,6 +161,7 @@ pub(super) struct RawBase {
     pub residual_angle: Option<Number>,
     pub slip_distance: Option<Number>,
     pub adhesion: Option<Number>,
+    pub memory: Option<Number>,
     pub normal_stress: Option<Word>,
 }
 

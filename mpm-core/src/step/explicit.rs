@@ -204,7 +204,7 @@ where
         if let Some(edges) = &mut self.edges {
             edges.joined.follow(&mut self.motion);
             if let Some(base) = &mut edges.base {
-                base.slide(&self.parts.grid, &self.parts.solid, &self.motion, dt);
+                base.slide(&self.parts.grid, &self.parts.solid, &edges.joined, &self.motion, dt);
             }
         }
         let pressure = self.pressure();

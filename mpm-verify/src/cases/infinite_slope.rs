@@ -66,7 +66,7 @@ fn dilating(scene: &mut Scene) {
 }
 
 fn base() -> Scene {
-    crate::scenes::built_in("infinite-slope").and_then(Result::ok).expect("the built-in scene holds")
+    crate::scenes::built_in("slope-seepage").and_then(Result::ok).expect("the built-in scene holds")
 }
 
 /// A slope on a mesh, with the strength (at an angle of dilation psi, rad) divided by a factor.

@@ -1,5 +1,6 @@
 //! The verification ladder: one case per file, each with its scene, its exact solution, its norm, what it must show.
 
+mod block;
 mod boussinesq;
 mod dam;
 mod double_drainage;
@@ -9,8 +10,10 @@ mod hydrostatic;
 mod infinite_slope;
 mod large_strain;
 mod mandel;
+mod outline;
 mod quasi_static;
 mod ramp_load;
+mod rest;
 mod semi_implicit;
 mod strip;
 mod terzaghi;
@@ -90,6 +93,13 @@ pub const LADDER: &[Rung] = &[
     dam::EXIT,
     dam::SURFACE,
     dam::STORED,
+    outline::RUNG,
+    rest::SPEED,
+    rest::ENERGY,
+    block::STICKS,
+    block::STOPS,
+    block::SLIDES,
+    block::WEAKENS,
     infinite_slope::ASSOCIATED,
     infinite_slope::WITHOUT_DILATION,
 ];

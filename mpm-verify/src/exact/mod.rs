@@ -14,6 +14,7 @@ pub mod mandel;
 pub mod quadrature;
 pub mod root;
 pub mod semidiscrete;
+pub mod sliding;
 pub mod terzaghi;
 pub mod wetting_front;
 

@@ -80,8 +80,14 @@ impl Reader<'_> {
     /// The corners of an outline, anticlockwise.
     fn outline(&self, outline: &RawOutline) -> Checked<Vec<[f64; 2]>> {
         let list = outline.points.get_ref();
-        let mut points: Vec<[f64; 2]> = list.iter().map(|x| *x.get_ref()).collect();
         let key = "geometry.outline.points";
+        let mut points = Vec::with_capacity(list.len());
+        for point in list {
+            match point.get_ref().as_slice() {
+                [x, y] => points.push([*x, *y]),
+                other => return self.refuse(&point.span(), key, "two numbers [x, y] (m)", other.len()),
+            }
+        }
         match seeding::check(&points) {
             Ok(()) => {}
             Err(Fault::TooFew(count)) => {
@@ -133,11 +139,13 @@ impl Reader<'_> {
 
     pub(super) fn ground(&self, raw: &RawScene) -> Checked<Ground> {
         let start_velocity = match &raw.start_velocity {
-            Some(value) if value.get_ref().iter().all(|v| v.is_finite()) => Some(*value.get_ref()),
-            Some(value) => {
-                let [x, y] = value.get_ref();
-                return self.refuse(&value.span(), "start_velocity", "two finite numbers (m/s)", format!("[{x}, {y}]"));
-            }
+            Some(value) => match value.get_ref().as_slice() {
+                [x, y] if x.is_finite() && y.is_finite() => Some([*x, *y]),
+                other => {
+                    let expected = "two finite numbers [x, y] (m/s)";
+                    return self.refuse(&value.span(), "start_velocity", expected, format!("{other:?}"));
+                }
+            },
             None => None,
         };
         let start_k0 = match &raw.start_k0 {
@@ -179,7 +187,8 @@ impl Reader<'_> {
         self.refuse(&span, &format!("boundaries.{side}"), "\"periodic\" on both sides, left and right", found)
     }
 
-    pub(super) fn base(&self, raw: &RawScene) -> Checked<Option<Base>> {
+    /// Friction on the base; `period` (s) is that of the soil's first swing up and down.
+    pub(super) fn base(&self, raw: &RawScene, period: f64) -> Checked<Option<Base>> {
         let bottom = raw.boundaries.as_ref().and_then(|table| table.get_ref().bottom.as_ref());
         let bottom = bottom.filter(|word| word.get_ref() == "coulomb");
         let (table, base) = match (bottom, &raw.base) {
@@ -220,7 +229,11 @@ impl Reader<'_> {
         let words = [("effective", NormalStress::Effective), ("total", NormalStress::Total)];
         let normal_stress =
             self.word(base.normal_stress.as_ref(), "base.normal_stress", &words, NormalStress::Effective)?;
-        Ok(Some(Base { peak_angle, residual_angle, slip_distance, adhesion, normal_stress }))
+        let memory = match &base.memory {
+            Some(value) => self.within(value, "base.memory", "a time of 0 or more (s)", |t| t >= 0.0)?,
+            None => period,
+        };
+        Ok(Some(Base { peak_angle, residual_angle, slip_distance, adhesion, memory, normal_stress }))
     }
 
     /// The end of a stage by rest.

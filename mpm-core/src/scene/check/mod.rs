@@ -199,7 +199,7 @@ impl Reader<'_> {
             free_surface: None,
             solid_sides,
             periodic: self.periodic(raw)?,
-            base: self.base(raw)?,
+            base: None,
             surcharge,
             integrator: time.integrator,
             method: time.method,
@@ -221,6 +221,8 @@ impl Reader<'_> {
             left_out: Vec::new(),
         };
         scene.free_surface = self.free_surface(raw, &scene)?;
+        let wave = (scene.oedometer_modulus() / scene.mixture_density()).sqrt();
+        scene.base = self.base(raw, 4.0 * height / wave)?;
         self.stages(raw, &mut scene)?;
         self.observe(raw.observe.as_ref(), &mut scene)?;
         self.fits_together(raw, &scene)?;

@@ -1,0 +1,145 @@
+//! A stiff elastic block on a base with Coulomb friction, against a rigid one: it is stopped, it slides, it runs away as the
+//! base weakens, and it stays where it is.
+//!
+//! The error is that of the way its centre has come, relative; it is of first order in the time step, which goes with the
+//! mesh.
+
+use mpm_core::scene::{Base, Scene};
+
+use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound};
+use crate::exact::sliding::Sliding;
+
+/// Thrown along a flat base.
+pub const STOPS: Rung = Rung {
+    name: "block-stops",
+    about: "a block thrown along a base comes to rest after v^2/(2 mu g)",
+    climb: || way("block-stops", sound),
+    mutant: Some(Mutant { what: "friction 5 % too high", climb: mutant }),
+};
+
+/// Steeper than its friction.
+pub const SLIDES: Rung = Rung {
+    name: "block-slides",
+    about: "a block on an incline slides with g (sin b - mu cos b)",
+    climb: || way("block-on-incline", sound),
+    mutant: Some(Mutant { what: "gravity tilted by one degree too much", climb: mutant_of_gravity }),
+};
+
+/// Friction that falls with slip.
+pub const WEAKENS: Rung = Rung {
+    name: "block-weakens",
+    about: "a base that weakens with slip: cosh(w t), then the residual friction",
+    climb: || way("block-weakens", sound),
+    mutant: Some(Mutant { what: "a slip distance 5 % too short", climb: mutant_of_weakening }),
+};
+
+/// Less steep than its friction.
+pub const STICKS: Rung = Rung {
+    name: "block-sticks",
+    about: "a block on an incline below the friction angle: no friction work at all",
+    climb: || sticks(30.0),
+    mutant: Some(Mutant { what: "a friction angle half a degree below the slope", climb: mutant_of_sticking }),
+};
+
+const ROWS: [usize; 3] = [1, 2, 4];
+
+/// The way of the block in a scene, whose base or gravity `spoil` may change behind the exact solution's back.
+fn way(name: &str, spoil: fn(&mut Scene)) -> Result<Outcome, String> {
+    let base = scene(name)?;
+    let exact = Sliding::new(&base).ok_or("no block on a base")?;
+    let mut errors = Vec::new();
+    for rows in ROWS {
+        let mut scene = on_mesh(base.clone(), rows);
+        spoil(&mut scene);
+        let run = finished(&scene)?;
+        let [first, last] = [run.samples.first(), run.samples.last()].map(|s| s.ok_or("no sample"));
+        let (first, last) = (first?, last?);
+        let moved = last.state.centre[0] - first.state.centre[0];
+        errors.push((scene.cell, moved / exact.distance(last.state.time) - 1.0));
+    }
+    Ok(Outcome {
+        integrator: integrator(&base),
+        scheme: scheme(&base),
+        errors,
+        required_error: 5e-4,
+        required_order: Some([0.6, 1.4]),
+        ..Outcome::default()
+    })
+}
+
+/// The same block on 10 degrees: its base must not have taken any energy, because no node of it has slid.
+fn sticks(friction_angle: f64) -> Result<Outcome, String> {
+    let mut scene = scene("block-on-incline")?;
+    scene.slope_angle = Some(10.0);
+    scene.base = scene.base.map(|b| Base { peak_angle: friction_angle, residual_angle: friction_angle, ..b });
+    let run = finished(&scene)?;
+    let last = run.samples.last().ok_or("no sample")?;
+    // As a share of what the weight would do over the height of the block.
+    let weight = scene.mixture_density() * scene.width * scene.height * scene.gravity.unwrap_or(0.0);
+    let lost = last.ledger.base_friction_j.abs() / (weight * scene.height);
+    Ok(Outcome {
+        integrator: integrator(&scene),
+        scheme: scheme(&scene),
+        errors: vec![(scene.cell, lost)],
+        required_error: 0.0,
+        required_order: None,
+        ..Outcome::default()
+    })
+}
+
+fn scene(name: &str) -> Result<Scene, String> {
+    let mut scene = crate::scenes::built_in(name).ok_or("no such scene")?.map_err(|e| e.to_string())?;
+    scene.history = 0;
+    Ok(scene)
+}
+
+/// The block with so many cells over its height, in the same room.
+fn on_mesh(mut scene: Scene, rows: usize) -> Scene {
+    let room = scene.sideroom_cells as f64 * scene.cell;
+    scene.cell = scene.height / rows as f64;
+    scene.cells = [(scene.width / scene.cell).round() as usize, rows];
+    scene.sideroom_cells = (room / scene.cell).round() as usize;
+    scene
+}
+
+/// Friction that is 5 % too high.
+fn mutant() -> Result<Outcome, String> {
+    way("block-stops", |scene| turn_base(scene, |angle| (1.05 * angle.to_radians().tan()).atan().to_degrees()))
+}
+
+/// Gravity that is tilted by one degree too much.
+fn mutant_of_gravity() -> Result<Outcome, String> {
+    way("block-on-incline", |scene| scene.slope_angle = scene.slope_angle.map(|angle| angle + 1.0))
+}
+
+/// A base that weakens over 5 % less slip.
+fn mutant_of_weakening() -> Result<Outcome, String> {
+    way("block-weakens", |scene| {
+        scene.base = scene.base.map(|b| Base { slip_distance: b.slip_distance.map(|d| 0.95 * d), ..b });
+    })
+}
+
+/// A block that sticks only if its friction is what it should be.
+fn mutant_of_sticking() -> Result<Outcome, String> {
+    sticks(9.5)
+}
+
+fn turn_base(scene: &mut Scene, angle: fn(f64) -> f64) {
+    scene.base =
+        scene.base.map(|b| Base { peak_angle: angle(b.peak_angle), residual_angle: angle(b.residual_angle), ..b });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rungs_hold_and_their_mutants_fall_short() {
+        for rung in [STOPS, SLIDES, WEAKENS, STICKS] {
+            let climb = rung.climb().expect("runs that finish");
+            assert!(climb.step.held(), "{}: {}", rung.name, climb.reason);
+            let spoilt = rung.climb_mutant().expect("a mutant").expect("runs that finish");
+            assert!(!spoilt.step.held(), "{}: {}", rung.name, spoilt.reason);
+        }
+    }
+}
