@@ -52,8 +52,13 @@ fn entered<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
             first_settlement: 0.0,
         },
     );
-    let stage =
-        Stage { name: String::new(), drained: [false, false, false, true], damping: 0.0, until: Until::Time(1.0) };
+    let stage = Stage {
+        name: String::new(),
+        drained: [false, false, false, true],
+        damping: 0.0,
+        clock: crate::scene::Clock::default(),
+        until: Until::Time(1.0),
+    };
     model.enter_stage(&stage, &[1.0]).expect("a stage");
     model
 }
