@@ -6,7 +6,7 @@ use common::{apart, scene};
 use mpm_core::hardware::{Hardware, Width};
 use mpm_core::observe::{Ledger, Observation};
 use mpm_core::run::model_on;
-use mpm_core::scene::{Scene, SolidSide};
+use mpm_core::scene::{Scene, SolidSide, Strength};
 use mpm_core::stability::stable_limit;
 use mpm_core::step::Model;
 
@@ -31,7 +31,7 @@ fn seen(hardware: &Hardware, scene: &Scene, steps: u64) -> (Observation, Ledger)
 }
 
 /// Figures of a ledger that are added up over the steps.
-fn booked(ledger: &Ledger) -> [f64; 9] {
+fn booked(ledger: &Ledger) -> [f64; 10] {
     [
         ledger.water_in_kg,
         ledger.water_out_kg,
@@ -42,6 +42,7 @@ fn booked(ledger: &Ledger) -> [f64; 9] {
         ledger.darcy_dissipation_j,
         ledger.damping_loss_j,
         ledger.water_particles_removed_kg,
+        ledger.plastic_dissipation_j,
     ]
 }
 
@@ -83,6 +84,13 @@ fn heavy(cells: [usize; 2]) -> Scene {
     scene
 }
 
+/// The same scene with soil that yields under hardly any load.
+fn weak(mut scene: Scene, cohesion: f64) -> Scene {
+    let tension_cutoff = Some(cohesion);
+    scene.strength = Some(Strength { cohesion, friction_angle: 15.0, dilation_angle: 5.0, tension_cutoff });
+    scene
+}
+
 /// Scenes small enough for one strip of cells, with the steps to take.
 fn scenes() -> Vec<(&'static str, Scene, u64)> {
     let heavy = ["pressure = 1.5e6", "cell = 0.05", "particles_per_cell = 49"];
@@ -100,6 +108,9 @@ fn scenes() -> Vec<(&'static str, Scene, u64)> {
         ("dry, linear, weight", with(&DRY, &["shape = \"linear\"", "gravity = 9.81"]), 400),
         ("heavy load", with(&heavy, &[]), 3000),
         ("heavy load, linear", with(&heavy, &["shape = \"linear\""]), 1500),
+        ("plastic", weak(wet(&[]), 5.0), 1500),
+        ("plastic, dry, linear, weight", weak(with(&DRY, &["shape = \"linear\"", "gravity = 9.81"]), 5.0), 400),
+        ("plastic, heavy load", weak(with(&heavy, &[]), 50.0), 1500),
         ("flying", flying([3, 6], "centre"), 700),
         ("flying, linear", flying([3, 6], "linear"), 700),
     ]
@@ -111,6 +122,7 @@ fn lanes_give_the_bits_of_the_plain_step() {
         let (state, ledger) = seen(&Hardware::plain(Width::Plain), &scene, steps);
         let crossings = [state.solid_crossings, state.water_crossings];
         println!("{name}: crossings {crossings:?}, {:.1e} kg removed", ledger.water_particles_removed_kg);
+        assert_eq!(name.starts_with("plastic"), ledger.plastic_dissipation_j > 0.0, "{name}");
         assert!(!name.starts_with("heavy") || ledger.water_particles_removed_kg > 0.0);
         assert!(!name.starts_with("flying") || crossings[0] > 100);
         let mut first = None;
@@ -128,8 +140,13 @@ fn lanes_give_the_bits_of_the_plain_step() {
 
 #[test]
 fn threads_and_lanes_do_not_change_bits() {
-    for (scene, steps) in [(flying([30, 40], "centre"), 350), (flying([200, 8], "linear"), 350), (heavy([30, 40]), 300)]
-    {
+    let scenes = [
+        (flying([30, 40], "centre"), 350),
+        (flying([200, 8], "linear"), 350),
+        (heavy([30, 40]), 300),
+        (weak(heavy([30, 40]), 50.0), 300),
+    ];
+    for (scene, steps) in scenes {
         let (state, ledger) = seen(&Hardware::default(), &scene, steps);
         println!("{:?}: {} and {} crossings", scene.cells, state.solid_crossings, state.water_crossings);
         assert!(state.solid_crossings > 0 || ledger.water_particles_removed_kg > 0.0);

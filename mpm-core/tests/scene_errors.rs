@@ -247,6 +247,64 @@ const CASES: &[(&str, Edits)] = &[
     ),
 ];
 
+/// The law of the default scene with a strength, line by line.
+const STRENGTH: &str = "[soil.law.mohr_coulomb]
+youngs_modulus = 2.0e7
+poisson_ratio = 0.30
+cohesion = 500.0
+friction_angle = 30.0
+dilation_angle = 10.0
+tension_cutoff = 100.0
+";
+
+/// What is wrong, and the edits of the default scene with that law that make it so.
+const STRENGTH_CASES: &[(&str, Edits)] = &[
+    ("misspelt key", &[("cohesion", "cohesian")]),
+    ("missing cohesion", &[("cohesion = 500.0\n", "")]),
+    ("missing friction", &[("friction_angle = 30.0\n", "")]),
+    ("two laws", &[("[soil.law.mohr_coulomb]", "[soil.law.linear_elastic]\n[soil.law.mohr_coulomb]")]),
+    ("negative cohesion", &[("cohesion = 500.0", "cohesion = -1.0")]),
+    ("cohesion that is not a number", &[("cohesion = 500.0", "cohesion = nan")]),
+    ("nu = 0.5", &[("poisson_ratio = 0.30", "poisson_ratio = 0.5")]),
+    ("negative stiffness", &[("youngs_modulus = 2.0e7", "youngs_modulus = -2.0e7")]),
+    ("no friction", &[("friction_angle = 30.0", "friction_angle = 0.0")]),
+    ("a right angle of friction", &[("friction_angle = 30.0", "friction_angle = 90.0")]),
+    ("dilation above friction", &[("dilation_angle = 10.0", "dilation_angle = 30.5")]),
+    ("negative dilation", &[("dilation_angle = 10.0", "dilation_angle = -1.0")]),
+    ("cut-off above the apex", &[("tension_cutoff = 100.0", "tension_cutoff = 867.0")]),
+    ("negative cut-off", &[("tension_cutoff = 100.0", "tension_cutoff = -1.0")]),
+    ("cut-off without cohesion", &[("cohesion = 500.0", "cohesion = 0.0")]),
+    (
+        "quasi-static",
+        &[
+            ("integrator = \"explicit\"\nstep = \"auto\"\nsafety = 0.9", "integrator = \"quasi-static\""),
+            ("darcy_inertia = true\nflip = 1.0\n", ""),
+        ],
+    ),
+];
+
+#[test]
+fn every_message_about_strength() {
+    let base = edited(&terzaghi(), &[(LAW, STRENGTH)]);
+    let scene = Scene::parse(&base, "scene.toml").expect("a scene that holds");
+    let strength = scene.strength.expect("a strength");
+    assert_eq!([strength.cohesion, strength.dilation_angle], [500.0, 10.0]);
+    let sparse = edited(&base, &[("dilation_angle = 10.0\ntension_cutoff = 100.0\n", "")]);
+    let strength = Scene::parse(&sparse, "scene.toml").expect("a scene that holds").strength.expect("a strength");
+    assert_eq!((strength.dilation_angle, strength.tension_cutoff), (0.0, None));
+    let mut list = String::new();
+    for (case, edits) in STRENGTH_CASES {
+        let error = refusal(case, &edited(&base, edits));
+        list += &format!("{case}\n    {error}\n");
+    }
+    insta::with_settings!({
+        description => "Guards the words and the line of every refusal of a Mohr-Coulomb soil.",
+        omit_expression => true,
+    }, {
+        insta::assert_snapshot!(list);
+    });
+}
+
 /// A scene file by name.
 fn built_in(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-data/scenes").join(name);
@@ -522,7 +580,7 @@ proptest! {
         plane in any::<bool>(),
         scene in any::<prop::sample::Index>(),
     ) {
-        let scenes = [terzaghi(), built_in("terzaghi-quasi-static"), built_in("mandel"), built_in("strip"), built_in("terzaghi-large-strain")];
+        let scenes = [terzaghi(), built_in("terzaghi-quasi-static"), built_in("mandel"), built_in("strip"), built_in("terzaghi-large-strain"), built_in("oedometer-plastic")];
         let base = &scenes[scene.index(scenes.len())];
         let places = numbers(base);
         prop_assert!(places.len() > 15);

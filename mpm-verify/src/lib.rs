@@ -4,7 +4,7 @@
 //! 1. [`scenes`]: the scene files that the program carries.
 //! 2. [`exact`]: exact solutions, one per file. [`literature`]: published laws where there are none.
 //! 3. [`norms`], [`rates`]: the one definition of error; orders of convergence.
-//! 4. [`cases`]: the verification ladder, one case per file.
+//! 4. [`element`]: one law on prescribed paths. [`cases`]: the verification ladder, one case per file.
 //! 5. [`study`]: refine, run, compare. [`budget`]: which part of an error comes from what. [`claims`]: the paper's
 //!    statements and their verdicts. [`sweeps`]: displaced particles, offsets of the mesh, errors in time.
 //!    [`stability`]: time-step limits, predicted and measured.
@@ -15,6 +15,7 @@ pub mod budget;
 pub mod cases;
 pub mod claims;
 pub mod cost;
+pub mod element;
 pub mod exact;
 pub mod literature;
 pub mod manifest;

@@ -4,7 +4,7 @@ use mpm_core::error::SceneError;
 use mpm_core::scene::Scene;
 
 /// Names and texts of the scenes in `reference-data/scenes`.
-pub const BUILT_IN: [(&str, &str); 26] = [
+pub const BUILT_IN: [(&str, &str); 27] = [
     ("block-on-incline", include_str!("../../reference-data/scenes/block-on-incline.toml")),
     ("block-stops", include_str!("../../reference-data/scenes/block-stops.toml")),
     ("block-weakens", include_str!("../../reference-data/scenes/block-weakens.toml")),
@@ -16,6 +16,7 @@ pub const BUILT_IN: [(&str, &str); 26] = [
     ("infiltration", include_str!("../../reference-data/scenes/infiltration.toml")),
     ("infinite-slope", include_str!("../../reference-data/scenes/infinite-slope.toml")),
     ("mandel", include_str!("../../reference-data/scenes/mandel.toml")),
+    ("oedometer-plastic", include_str!("../../reference-data/scenes/oedometer-plastic.toml")),
     ("rising-front", include_str!("../../reference-data/scenes/rising-front.toml")),
     ("self-weight", include_str!("../../reference-data/scenes/self-weight.toml")),
     ("slope-at-rest", include_str!("../../reference-data/scenes/slope-at-rest.toml")),
@@ -47,6 +48,14 @@ pub fn built_in(name: &str) -> Option<Result<Scene, SceneError>> {
 /// Never: a test reads every built-in scene.
 pub fn terzaghi() -> Scene {
     built_in("terzaghi").and_then(Result::ok).expect("the built-in scene holds")
+}
+
+/// Dry Mohr-Coulomb soil that is compressed beyond yield.
+///
+/// # Panics
+/// Never: a test reads every built-in scene.
+pub fn oedometer() -> Scene {
+    built_in("oedometer-plastic").and_then(Result::ok).expect("the built-in scene holds")
 }
 
 #[cfg(test)]

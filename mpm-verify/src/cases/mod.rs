@@ -10,6 +10,7 @@ mod hydrostatic;
 mod infinite_slope;
 mod large_strain;
 mod mandel;
+mod mohr_coulomb;
 mod outline;
 mod quasi_static;
 mod ramp_load;
@@ -102,6 +103,13 @@ pub const LADDER: &[Rung] = &[
     block::WEAKENS,
     infinite_slope::ASSOCIATED,
     infinite_slope::WITHOUT_DILATION,
+    mohr_coulomb::ASSOCIATED,
+    mohr_coulomb::NOT_ASSOCIATED,
+    mohr_coulomb::PLANE_STRAIN,
+    mohr_coulomb::TRIAXIAL,
+    mohr_coulomb::FROM_K0,
+    mohr_coulomb::ISOTROPIC,
+    mohr_coulomb::OEDOMETER,
 ];
 
 impl Rung {

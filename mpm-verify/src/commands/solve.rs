@@ -77,6 +77,8 @@ struct Row {
     base_friction_j: f64,
     centre_x_m: f64,
     centre_y_m: f64,
+    plastic_dissipation_j: f64,
+    yield_residual_max: Option<f64>,
 }
 
 /// A row of profiles.csv.
@@ -161,6 +163,10 @@ struct Summary<'a> {
     /// What the particles of an outline stand for, beside the outline itself.
     #[serde(flatten)]
     seeded: Option<Seeded>,
+    /// Energy dissipated by plastic flow, J.
+    plastic_dissipation_j: f64,
+    /// How far any stress was outside the yield surface at most, as a share of 2 c cos(phi); `None` under an elastic law.
+    yield_residual_max: Option<f64>,
 }
 
 /// An outline and the particles in it.
@@ -246,7 +252,8 @@ fn summary<'a>(scene: &'a Scene, run: &'a Run, threads: usize, [cpu_s, wall_s]: 
     let finite = |time: f64| Some(time).filter(|time| time.is_finite());
     let last = run.samples.last();
     let drained = scene.stages.last().is_some_and(|stage| stage.drained.contains(&true));
-    let exact = Terzaghi::compressible(scene).filter(|_| drained && scene.gravity.is_none());
+    let exact =
+        Terzaghi::compressible(scene).filter(|_| drained && scene.gravity.is_none() && scene.strength.is_none());
     Summary {
         scene,
         manifest: Manifest::new(scene, threads),
@@ -270,6 +277,8 @@ fn summary<'a>(scene: &'a Scene, run: &'a Run, threads: usize, [cpu_s, wall_s]: 
         threads,
         wall_s,
         seeded: Seeded::of(scene),
+        plastic_dissipation_j: last.map_or(0.0, |s| s.ledger.plastic_dissipation_j),
+        yield_residual_max: last.and_then(|s| s.ledger.yield_residual_max),
     }
 }
 
@@ -310,6 +319,8 @@ fn history(run: &Run) -> Vec<Row> {
             base_friction_j: l.base_friction_j,
             centre_x_m: o.centre[0],
             centre_y_m: o.centre[1],
+            plastic_dissipation_j: l.plastic_dissipation_j,
+            yield_residual_max: l.yield_residual_max,
         }
     };
     run.samples.iter().map(row).collect()

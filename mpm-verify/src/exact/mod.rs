@@ -1,7 +1,7 @@
 //! Exact solutions, one per file, each with its assumptions and its own tests against independent tables.
 //!
 //! Consolidation: [`terzaghi`], [`large_strain`], [`mandel`], [`dynamic`]; on a mesh: [`semidiscrete`]. Seepage with a
-//! free surface: [`wetting_front`], [`dam`], [`boussinesq`]. Stability: [`infinite_slope`]. What they are computed with:
+//! free surface: [`wetting_front`], [`dam`], [`boussinesq`]. Stability: [`infinite_slope`]. Plasticity: [`oedometer`]. What they are computed with:
 //! [`root`], [`quadrature`], [`elliptic`].
 
 pub mod boussinesq;
@@ -11,6 +11,8 @@ pub mod elliptic;
 pub mod infinite_slope;
 pub mod large_strain;
 pub mod mandel;
+pub mod oedometer;
+pub(crate) mod oracle;
 pub mod quadrature;
 pub mod root;
 pub mod semidiscrete;
@@ -18,7 +20,5 @@ pub mod sliding;
 pub mod terzaghi;
 pub mod wetting_front;
 
-#[cfg(test)]
-mod oracle;
 #[cfg(test)]
 mod undrained_wave_test;

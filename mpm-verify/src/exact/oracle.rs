@@ -1,7 +1,5 @@
 //! Reads the tables of `reference-data/exact`, which were computed independently of this code.
 
-use std::path::Path;
-
 /// A table: column names and rows of numbers.
 pub struct Table {
     columns: Vec<String>,
@@ -10,9 +8,17 @@ pub struct Table {
 
 impl Table {
     /// Reads a table by its file name.
+    #[cfg(test)]
     pub fn read(name: &str) -> Self {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-data/exact").join(name);
-        let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-data/exact").join(name);
+        Self::parse(&std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display())))
+    }
+
+    /// Reads the text of a table.
+    ///
+    /// # Panics
+    /// It is none: the program carries those it reads, and tests read all of them.
+    pub fn parse(text: &str) -> Self {
         let header = text.lines().rfind(|line| line.starts_with("# columns: ")).expect("a line of column names");
         let columns = header["# columns: ".len()..].split(',').map(|name| name.trim().to_owned()).collect();
         let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).has_headers(false).from_reader(text.as_bytes());

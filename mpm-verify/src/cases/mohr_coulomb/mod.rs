@@ -1,0 +1,67 @@
+//! The Mohr-Coulomb law: its returns, element tests, and an oedometer made of particles.
+
+mod oedometer;
+mod plane_strain;
+mod returns;
+mod simple_shear;
+mod triaxial;
+
+pub use oedometer::RUNG as OEDOMETER;
+pub use plane_strain::RUNG as PLANE_STRAIN;
+pub use returns::{ASSOCIATED, NOT_ASSOCIATED};
+pub use simple_shear::{FROM_K0, ISOTROPIC};
+pub use triaxial::RUNG as TRIAXIAL;
+
+use mpm_core::constitutive::MohrCoulomb;
+use mpm_core::scene::{Elastic, Strength};
+
+use super::Outcome;
+
+/// The soil of all tables of family 10.
+const ELASTIC: Elastic = Elastic { youngs_modulus: 2.0e7, poisson_ratio: 0.3 };
+const STRENGTH: Strength =
+    Strength { cohesion: 500.0, friction_angle: 30.0, dilation_angle: 0.0, tension_cutoff: None };
+/// Isotropic pressure that the element tests start from, Pa.
+const CELL_PRESSURE: f64 = 1.0e4;
+
+fn law(strength: &Strength) -> MohrCoulomb<4> {
+    MohrCoulomb::plane_strain(&ELASTIC, strength)
+}
+
+/// What a check without particles found.
+fn outcome(what: &str, errors: Vec<(f64, f64)>, required_error: f64, required_order: Option<[f64; 2]>) -> Outcome {
+    Outcome {
+        integrator: what.to_owned(),
+        scheme: "mohr-coulomb".to_owned(),
+        errors,
+        required_error,
+        required_order,
+        refined_by: ("step, share of the path", "-"),
+        ..Outcome::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RUNGS: [crate::cases::Rung; 7] =
+        [ASSOCIATED, NOT_ASSOCIATED, PLANE_STRAIN, TRIAXIAL, FROM_K0, ISOTROPIC, OEDOMETER];
+
+    #[test]
+    fn every_mutant_falls_short() {
+        for rung in RUNGS {
+            let climb = rung.climb_mutant().expect("a mutant").expect(rung.name);
+            assert_eq!(climb.step.verdict, "fell short", "{}: {}", rung.name, climb.reason);
+        }
+    }
+
+    #[test]
+    fn every_rung_holds() {
+        for rung in RUNGS {
+            let step = rung.climb().expect(rung.name).step;
+            println!("{}: {:.1e}, order {:?}", step.rung, step.error, step.order);
+            assert!(step.held(), "{step:?}");
+        }
+    }
+}
