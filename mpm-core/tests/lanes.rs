@@ -108,9 +108,9 @@ fn scenes() -> Vec<(&'static str, Scene, u64)> {
         ("dry, linear, weight", with(&DRY, &["shape = \"linear\"", "gravity = 9.81"]), 400),
         ("heavy load", with(&heavy, &[]), 3000),
         ("heavy load, linear", with(&heavy, &["shape = \"linear\""]), 1500),
-        ("plastic", weak(wet(&[]), 5.0), 1500),
+        ("plastic", weak(wet(&[]), 5.0), 800),
         ("plastic, dry, linear, weight", weak(with(&DRY, &["shape = \"linear\"", "gravity = 9.81"]), 5.0), 400),
-        ("plastic, heavy load", weak(with(&heavy, &[]), 50.0), 1500),
+        ("plastic, heavy load", weak(with(&heavy, &[]), 50.0), 600),
         ("flying", flying([3, 6], "centre"), 700),
         ("flying, linear", flying([3, 6], "linear"), 700),
     ]

@@ -192,9 +192,10 @@ fn plastic_flow_is_booked() {
                 );
                 assert!(flowed > 0.01, "{flowed}");
                 assert!((-1e-12..1e-9).contains(&outside), "{outside:e}");
-                // As without flow: the explicit step closes within 2e-3, backward Euler of the water only loses energy.
-                let most = if integrator == "explicit" { 2e-3 } else { 4e-3 };
-                assert!(share.abs() < most && less.abs() < most, "{whole:?}");
+                // First order in the step: flow is booked with the stress of the end of a step. Large steps of the
+                // semi-implicit kind lose the wave besides, as without flow.
+                let [most, of_tenth] = if integrator == "explicit" { [2e-3, 5e-4] } else { [6e-3, 2.5e-3] };
+                assert!(share.abs() < most && less.abs() < of_tenth, "{whole:?}");
             }
         }
     }
