@@ -162,6 +162,15 @@ mod tests {
         fn like(self, constant: f64) -> Self {
             Self(constant)
         }
+        fn root(self) -> Self {
+            Self(self.0.sqrt())
+        }
+        fn larger(self, other: Self) -> Self {
+            Self(self.0.larger(other.0))
+        }
+        fn smaller(self, other: Self) -> Self {
+            Self(self.0.smaller(other.0))
+        }
     }
 
     /// Multiplications and additions of a formula as it is written.
