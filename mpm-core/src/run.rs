@@ -21,7 +21,7 @@ use crate::stencil::{Basis, Bspline2, Functions, Gimp};
 use crate::step::quasi_static::{QuasiStatic, Seeding};
 use crate::step::{Explicit, ExplicitLanes, ExplicitWide, Model, Parts, SemiImplicit, TwoClocks, Wetting};
 use crate::water::free_surface::{FreeSurface, Medium, SoilMap, Surroundings, WaterLayer};
-use crate::water::{DarcyOperator, Dry, Face, Nodal, Resident, Saturated, Water};
+use crate::water::{DarcyOperator, Dry, Face, Nodal, Ragged, Resident, Saturated, Water};
 use pulp::{Arch, Scalar128b, Scalar256b, Scalar512b, Simd};
 
 /// Why a scene could not be run.
@@ -211,6 +211,11 @@ fn water<K: Kinematics<D, S>, Sh: Shape, L: Law<S>, const D: usize, const S: usi
 ) -> Result<Box<dyn Model>, RunError> {
     match (scene.water, scene.darcy) {
         (None, _) => Ok(seed.explicit::<K, Sh, L, Dry>(scene, law, Dry)),
+        // Soil with room to run out comes apart at its edge.
+        (Some(properties), DarcyChoice::Face) if scene.sideroom_cells > 0 => {
+            let water = Ragged::new(seed.saturated::<Face<D>>(scene, properties)?);
+            Ok(seed.explicit::<K, Sh, L, _>(scene, law, water))
+        }
         (Some(properties), DarcyChoice::Face) => {
             let water = seed.saturated::<Face<D>>(scene, properties)?;
             Ok(seed.explicit::<K, Sh, L, _>(scene, law, water))

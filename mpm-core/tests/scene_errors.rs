@@ -476,7 +476,12 @@ fn bad_ground_is_refused() {
         (
             "implicit",
             "slope-at-rest",
-            &[("\"explicit\"", "\"quasi-static\""), ("safety = 0.5\n", ""), (FLIP, ""), ("damping = 40.0", "damping = 0.0")],
+            &[
+                ("\"explicit\"", "\"quasi-static\""),
+                ("safety = 0.5\n", ""),
+                (FLIP, ""),
+                ("damping = 40.0", "damping = 0.0"),
+            ],
             "explicit",
         ),
         ("splines", "slope-at-rest", &[("\"centre\"", "\"bspline2\"")], "\"linear\""),

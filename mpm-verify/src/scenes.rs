@@ -4,11 +4,13 @@ use mpm_core::error::SceneError;
 use mpm_core::scene::Scene;
 
 /// Names and texts of the scenes in `reference-data/scenes`.
-pub const BUILT_IN: [(&str, &str); 27] = [
+pub const BUILT_IN: [(&str, &str); 29] = [
     ("block-on-incline", include_str!("../../reference-data/scenes/block-on-incline.toml")),
     ("block-stops", include_str!("../../reference-data/scenes/block-stops.toml")),
     ("block-weakens", include_str!("../../reference-data/scenes/block-weakens.toml")),
     ("boussinesq", include_str!("../../reference-data/scenes/boussinesq.toml")),
+    ("collapse-dry", include_str!("../../reference-data/scenes/collapse-dry.toml")),
+    ("collapse-saturated", include_str!("../../reference-data/scenes/collapse-saturated.toml")),
     ("dam", include_str!("../../reference-data/scenes/dam.toml")),
     ("dry-bar", include_str!("../../reference-data/scenes/dry-bar.toml")),
     ("dynamic-column", include_str!("../../reference-data/scenes/dynamic-column.toml")),

@@ -146,6 +146,12 @@ pub struct Ledger {
 }
 
 impl Ledger {
+    /// The same where water leaves with its particles.
+    pub fn with_removed_as_outflow(self) -> Self {
+        let removed = self.water_particles_removed_kg;
+        Self { water_out_kg: removed, water_closing_kg: self.water_closing_kg + removed, ..self }
+    }
+
     /// The same with the work (J) of pressures that are held.
     pub fn with_held_pressure(self, work: f64) -> Self {
         Self { pressure_work_j: work, energy_closing_j: self.energy_closing_j - work, ..self }

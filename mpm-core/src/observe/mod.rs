@@ -58,6 +58,8 @@ pub struct Observation {
     pub max_speed: f64,
     /// Centre of mass of the soil, m: x (zero in a column) and y.
     pub centre: [f64; 2],
+    /// Where the soil ends, m: x beyond which lies one in 200 of its mass, and the height above which it does.
+    pub reach: [f64; 2],
     /// Smallest volume of a particle of either layer, m3.
     pub least_volume: f64,
     /// Difference of pore pressure between neighbouring cells that alternates in sign: mean |p_c - average of the
@@ -225,6 +227,7 @@ pub fn observe<const D: usize, const S: usize>(
         base_pressure: profile.first().map_or(0.0, |row| row.pressure_pa),
         max_speed: solid.points.iter().map(speed).fold(0.0, f64::max),
         centre: centre(solid),
+        reach: reach(&solid.points),
         least_volume: volumes.chain(of_water).fold(f64::INFINITY, f64::min),
         checkerboard: checkerboard(cells),
         solid_crossings: solid.crossings,
@@ -240,6 +243,30 @@ fn centre<const D: usize, const S: usize>(solid: &Layer<SolidPoint<D, S>, D>) ->
     let mass: f64 = solid.points.iter().map(|p| p.mass).sum();
     let along = |d: usize| solid.points.iter().map(|p| p.mass * p.x[d]).sum::<f64>() / mass;
     [if D == 2 { along(0) } else { 0.0 }, along(D - 1)]
+}
+
+/// Share of the soil that may have flown ahead of where it ends.
+const AHEAD: f64 = 0.005;
+
+/// Where the soil ends: x (zero in a column) and y, m.
+pub(crate) fn reach<const D: usize, const S: usize>(points: &[SolidPoint<D, S>]) -> [f64; 2] {
+    let total: f64 = points.iter().map(|p| p.mass).sum();
+    let mut list: Vec<(f64, f64)> = Vec::with_capacity(points.len());
+    std::array::from_fn(|axis| {
+        if axis + D < 2 {
+            return 0.0;
+        }
+        let d = axis + D - 2;
+        list.clear();
+        list.extend(points.iter().map(|p| (p.x[d], p.mass)));
+        list.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut beyond = 0.0;
+        let end = list.iter().find(|(_, mass)| {
+            beyond += mass;
+            beyond >= AHEAD * total
+        });
+        end.map_or(0.0, |(x, _)| *x)
+    })
 }
 
 /// Averages over rows of cells, weighted by volume.

@@ -96,7 +96,8 @@ impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
         W: Water<K, D, S>,
     {
         let ledger = totals.ledger(&self.cell_values::<K>(), self.water.density(), self.water.removed_mass());
-        ledger.with_held_pressure(self.water.held_work())
+        let ledger = ledger.with_held_pressure(self.water.held_work());
+        if self.water.leaves_as_particles() { ledger.with_removed_as_outflow() } else { ledger }
     }
 
     /// Pore pressure averaged over the soil, and its smallest and largest cell value, Pa.

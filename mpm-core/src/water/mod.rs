@@ -9,6 +9,7 @@ pub mod free_surface;
 mod frozen;
 mod implicit;
 mod nodal;
+mod ragged;
 mod resident;
 mod saturated;
 
@@ -18,6 +19,7 @@ pub use face::Face;
 pub(crate) use face::{DRAINED_SURFACE, LEAST_FILLING};
 pub use frozen::Frozen;
 pub use nodal::Nodal;
+pub use ragged::Ragged;
 pub use resident::{FaceFlow, Resident};
 pub use saturated::{DarcyOperator, Saturated, WaterCell};
 
@@ -123,6 +125,11 @@ pub trait Water<K: Kinematics<D, S>, const D: usize, const S: usize>: Send {
     /// Mass of the water particles that were removed because they left the soil, kg.
     fn removed_mass(&self) -> f64 {
         0.0
+    }
+
+    /// Whether water leaves with its particles, and not through faces.
+    fn leaves_as_particles(&self) -> bool {
+        false
     }
 
     /// Work that pressures which are held have done on the soil, J.

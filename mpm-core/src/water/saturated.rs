@@ -65,7 +65,7 @@ pub struct Saturated<O, const D: usize> {
     pub(super) properties: WaterProperties,
     /// Volume of the grains per mass, m3/kg.
     pub(super) grain_inverse: f64,
-    solid_order: u64,
+    pub(super) solid_order: u64,
     pub(super) moved: bool,
     pub(super) removed_mass: f64,
 }
@@ -100,14 +100,23 @@ impl<O: DarcyOperator<D>, const D: usize> Saturated<O, D> {
     }
 
     fn rebuild<const S: usize>(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>) {
-        let soil = |cell: usize| !solid.range(cell).is_empty();
+        self.rebuild_where(grid, solid, |cell| !solid.range(cell).is_empty());
+    }
+
+    /// Finds the faces of the cells for which `soil` holds.
+    pub(super) fn rebuild_where<const S: usize>(
+        &mut self,
+        grid: &Grid<D>,
+        solid: &Layer<SolidPoint<D, S>, D>,
+        soil: impl Fn(usize) -> bool,
+    ) {
         for (cell, water) in self.cells.iter_mut().enumerate() {
             if !soil(cell) {
                 *water = WaterCell::default();
             }
         }
-        self.exposed.rebuild(grid, soil);
-        self.operator.rebuild(grid, soil, &self.exposed);
+        self.exposed.rebuild(grid, &soil);
+        self.operator.rebuild(grid, &soil, &self.exposed);
         self.solid_order = solid.order;
     }
 }

@@ -77,6 +77,8 @@ struct Row {
     base_friction_j: f64,
     centre_x_m: f64,
     centre_y_m: f64,
+    reach_x_m: f64,
+    reach_y_m: f64,
     plastic_dissipation_j: f64,
     yield_residual_max: Option<f64>,
 }
@@ -319,6 +321,8 @@ fn history(run: &Run) -> Vec<Row> {
             base_friction_j: l.base_friction_j,
             centre_x_m: o.centre[0],
             centre_y_m: o.centre[1],
+            reach_x_m: o.reach[0],
+            reach_y_m: o.reach[1],
             plastic_dissipation_j: l.plastic_dissipation_j,
             yield_residual_max: l.yield_residual_max,
         }

@@ -21,6 +21,7 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
             base_pressure: rows.first().map_or(0.0, |row| row.pressure_pa),
             max_speed: 0.0,
             centre: self.centre(),
+            reach: crate::observe::reach(&self.points),
             least_volume: cells.iter().map(|c| c.volume).fold(f64::INFINITY, f64::min),
             checkerboard: checkerboard(&cells),
             solid_crossings: self.crossings(),
