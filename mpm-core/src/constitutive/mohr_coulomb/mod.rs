@@ -112,7 +112,7 @@ macro_rules! law {
             fn flow_back_lanes(&self, packed: &mut Packed<$components>, lanes: usize) {
                 for lane in 0..lanes.min(MOST_LANES) {
                     if packed.flow[1][lane] > 0.0 {
-                        let mut of_one = packed.stress.map(|values| values[lane]);
+                        let mut of_one = std::array::from_fn(|s| packed.stress[s][lane]);
                         let flow = self.flow_back(&mut of_one);
                         for s in 0..$components {
                             packed.stress[s][lane] = of_one[s];
