@@ -47,7 +47,7 @@ impl Sliding {
         let speed = |t: f64| peak / rate * (rate * t).sinh() + self.velocity * (rate * t).cosh();
         let stands = peak <= 0.0 && self.velocity == 0.0;
         // A block that starts too slowly to get over the peak comes to rest where its speed is zero.
-        let turns = (-self.velocity * rate / peak).atanh();
+        let turns = (-self.velocity * rate / peak).atanh() / rate;
         if stands {
             return 0.0;
         }
