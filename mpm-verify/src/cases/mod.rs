@@ -2,6 +2,7 @@
 
 mod block;
 mod boussinesq;
+mod collapse;
 mod dam;
 mod double_drainage;
 mod dry_bar;
@@ -103,6 +104,8 @@ pub const LADDER: &[Rung] = &[
     block::WEAKENS,
     infinite_slope::ASSOCIATED,
     infinite_slope::WITHOUT_DILATION,
+    collapse::DRY,
+    collapse::SATURATED,
     mohr_coulomb::ASSOCIATED,
     mohr_coulomb::NOT_ASSOCIATED,
     mohr_coulomb::PLANE_STRAIN,
