@@ -263,7 +263,7 @@ fn flags_pass_the_same_checks_and_are_named_in_their_refusal() {
     assert_eq!((scene.integrator, scene.shape), (Integrator::QuasiStatic, ShapeChoice::Bspline2));
     assert_eq!(scene.tolerance, 1e-6);
     let message = |flags: &Flags| Scene::parse_with(&text, "scene.toml", flags).expect_err("a bad flag").to_string();
-    let words = "expected one of \"explicit\", \"semi-implicit\", \"quasi-static\", found \"implicit\"";
+    let words = "expected one of \"explicit\", \"semi-implicit\", \"quasi-static\", \"two-clocks\", found \"implicit\"";
     assert_eq!(message(&flags("implicit", "linear", 1e-4)), format!("--integrator: {words}"));
     let words = "expected one of \"centre\", \"linear\", \"gimp\", \"bspline2\", found \"cubic\"";
     assert_eq!(message(&flags("quasi-static", "cubic", 1e-4)), format!("--scheme: {words}"));
