@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::error::RunError;
-use crate::observe::{Ledger, Observation};
+use crate::observe::{Ledger, Observation, Places};
 use crate::scene::{Clock, Integrator, Scene, Until};
 use crate::stability::stable_limit;
 use crate::step::{Fault, Model, Work};
@@ -53,6 +53,8 @@ pub struct Run {
     pub solid_particles: usize,
     /// Bytes held by particles and mesh.
     pub bytes: usize,
+    /// Where the particles were at the end.
+    pub places: Places,
     /// Why the run ended early, if it did.
     pub failure: Option<RunError>,
 }
@@ -86,6 +88,7 @@ pub fn drive(scene: &Scene, model: &mut dyn Model, dt: f64, progress: &mut dyn F
         work: Work::default(),
         solid_particles: model.solid_count(),
         bytes: model.bytes(),
+        places: Places::default(),
         failure: None,
     };
     for (number, stage) in scene.stages.iter().enumerate() {
@@ -129,6 +132,7 @@ pub fn drive(scene: &Scene, model: &mut dyn Model, dt: f64, progress: &mut dyn F
             break;
         }
     }
+    run.places = model.places();
     run
 }
 

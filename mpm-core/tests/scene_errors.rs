@@ -464,6 +464,65 @@ fn survives(what: &str, text: &str) {
 const FLIP: &str =
     "flip = 0.99 # takes the motions of particles that no node sees; at rest there are none, and nothing is lost\n";
 
+/// Edits of scenes with a free surface and what each must name.
+#[test]
+fn bad_water_is_refused() {
+    const FEED: &str = "left = { head = 1.0 }";
+    const TABLE: &str = "[water.free_surface.feed]\nleft = { head = 1.0 }";
+    let cases: [(&str, &str, Edits, &str); 20] = [
+        ("head below the base", "dam", &[(FEED, "left = { head = -0.5 }")], "where the soil at the side begins"),
+        ("head at the base", "dam", &[(FEED, "left = { head = 0.0 }")], "above 0 m"),
+        ("pond below the top", "infiltration", &[("head = 1.25", "head = 0.9")], "the top of the soil"),
+        ("no pressure head", "wetting-front", &[("head = 0.25", "head = 0.0")], "pressure head above 0"),
+        (
+            "feed on a wall with no soil",
+            "dam",
+            &[(FEED, "right = { head = 1.0 }"), ("cell = 0.05", "cell = 0.05\nsideroom_cells = 2")],
+            "wall with no soil",
+        ),
+        (
+            "feed under a soil that is not there",
+            "dam",
+            &[(FEED, "top = { head = 1.5 }"), ("cell = 0.05", "cell = 0.05\nheadroom_cells = 2")],
+            "wall with no soil",
+        ),
+        (
+            "water outside the soil",
+            "dam",
+            &[(TABLE, "[water.free_surface]\nwet = [[0.0, 0.0], [1.2, 0.0], [0.0, 1.0]]")],
+            "outside its outline",
+        ),
+        ("a level above the soil", "dam", &[(TABLE, "[water.free_surface]\nlevel = 1.1")], "0 < level <= 1 m"),
+        (
+            "two first states",
+            "dam",
+            &[(TABLE, "[water.free_surface]\nlevel = 0.5\nwet = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]")],
+            "not both",
+        ),
+        (
+            "a line of water",
+            "dam",
+            &[(TABLE, "[water.free_surface]\nwet = [[0.0, 0.0], [1.0, 0.0]]")],
+            "at least 3 points",
+        ),
+        ("full before any front", "dam", &[(TABLE, "[water.free_surface]\nsaturation = 1.0")], "0 <= saturation < 1"),
+        ("head and velocity", "dam", &[(FEED, "left = { head = 1.0, velocity = 1e-5 }")], "exactly one"),
+        ("neither", "dam", &[(FEED, "left = {}")], "exactly one"),
+        ("a height beside a head", "dam", &[(FEED, "left = { head = 1.0, height = 1.0 }")], "which is one"),
+        ("a feed that takes", "dam", &[(FEED, "left = { velocity = -1e-5 }")], "above 0"),
+        ("a feed beside a column", "infiltration", &[("top = {", "left = {")], "bottom or the top"),
+        ("one clock", "dam", &[("\"two-clocks\"", "\"explicit\"")], "two-clocks"),
+        ("no free surface", "dam", &[(TABLE, "")], "[water.free_surface] beside it"),
+        ("an unknown clock", "dam", &[("drained = [", "clock = \"sun\"\ndrained = [")], "\"seepage\""),
+        ("a clock without two", "hydrostatic", &[("drained = [", "clock = \"soil\"\ndrained = [")], "two-clocks"),
+    ];
+    for (case, scene, edits, names) in cases {
+        let error = refusal(case, &edited(&built_in(scene), edits));
+        println!("{case}\n    {error}");
+        assert!(error.to_string().contains(names), "{case}: {error}");
+    }
+}
+
 /// Edits of the scene of a slope (or of a block) and what each must name.
 #[test]
 fn bad_ground_is_refused() {

@@ -129,6 +129,29 @@ pub struct WaterState {
     pub unsettled: u64,
 }
 
+/// Where the particles of both layers are in the plane, for pictures.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Places {
+    /// Solid particles: x, y (m) and mean effective stress (Pa, tension positive).
+    pub solid: Vec<[f64; 3]>,
+    /// Water particles: x, y (m) and pore pressure (Pa).
+    pub water: Vec<[f64; 3]>,
+}
+
+impl Places {
+    /// Those of some particles; nothing in a column.
+    pub(crate) fn of<const D: usize, const S: usize>(solid: &[SolidPoint<D, S>], water: &[WaterPoint<D>]) -> Self {
+        if D == 1 {
+            return Self::default();
+        }
+        let mean = |stress: &[f64; S]| stress[..3.min(S)].iter().sum::<f64>() / 3.0;
+        Self {
+            solid: solid.iter().map(|p| [p.x[0], p.x[D - 1], mean(&p.stress)]).collect(),
+            water: water.iter().map(|p| [p.x[0], p.x[D - 1], p.pressure]).collect(),
+        }
+    }
+}
+
 /// One cell of soil.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CellValues<const D: usize> {

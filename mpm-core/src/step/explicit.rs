@@ -6,7 +6,8 @@ use crate::constitutive::Law;
 use crate::dimension::{Kinematics, basis, coefficients, gradient, shares, to_corners, trace, value};
 use crate::grid::Grid;
 use crate::nodes::{NodeMotion, NodeSums};
-use crate::observe::{Flowed, Ledger, Observation, Totals};
+use crate::observe::{Flowed, Ledger, Observation, Places, Totals};
+use crate::particles::SolidPoint;
 use crate::scene::Stage;
 use crate::shape::Shape;
 use crate::water::{Place, SoilCell, StressSums, Water};
@@ -65,6 +66,11 @@ where
     /// The mesh.
     pub(super) fn grid(&self) -> &Grid<D> {
         &self.parts.grid
+    }
+
+    /// Solid particles.
+    pub(super) fn solid_points(&self) -> &[SolidPoint<D, S>] {
+        &self.parts.solid.points
     }
 
     /// Books water (m3) that another model has let in and out, and the time (s) it took.
@@ -371,6 +377,11 @@ where
 
     fn solid_count(&self) -> usize {
         self.parts.solid.points.len()
+    }
+
+    fn places(&self) -> Places {
+        let water = self.parts.water.layer().map_or(&[][..], |layer| &layer.points);
+        Places::of(&self.parts.solid.points, water)
     }
 
     fn stages(&self) -> &'static [&'static str] {

@@ -19,7 +19,7 @@ pub use two_clocks::{TwoClocks, Wetting};
 
 use serde::Serialize;
 
-use crate::observe::{Ledger, Observation};
+use crate::observe::{Ledger, Observation, Places};
 use crate::scene::Stage;
 
 /// Something went wrong inside a step.
@@ -77,6 +77,10 @@ pub trait Model: Send {
     fn bytes(&self) -> usize;
     /// Solid particles.
     fn solid_count(&self) -> usize;
+    /// Where the particles are; nothing from models that do not show them.
+    fn places(&self) -> Places {
+        Places::default()
+    }
     /// Stages of a step that can be done alone; none unless the step is made of stages.
     fn stages(&self) -> &'static [&'static str] {
         &[]

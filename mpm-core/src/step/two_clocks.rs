@@ -8,7 +8,7 @@ use super::{Explicit, Fault, Model, Work};
 use crate::constitutive::Law;
 use crate::dimension::Kinematics;
 use crate::grid::Grid;
-use crate::observe::{FieldPoint, Ledger, Observation, WaterState};
+use crate::observe::{FieldPoint, Ledger, Observation, Places, WaterState};
 use crate::scene::{Clock, Feed, Stage};
 use crate::shape::Shape;
 use crate::water::Frozen;
@@ -267,5 +267,9 @@ where
 
     fn solid_count(&self) -> usize {
         self.soil.solid_count()
+    }
+
+    fn places(&self) -> Places {
+        Places::of(self.soil.solid_points(), &self.wetting.layer.points)
     }
 }

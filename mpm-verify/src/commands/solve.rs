@@ -14,6 +14,7 @@ use mpm_core::step::Work;
 use mpm_verify::exact::terzaghi::Terzaghi;
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
+use mpm_verify::report::maps;
 use serde::Serialize;
 
 use super::{Failure, print_json, say, writable, write_csv, write_json};
@@ -222,6 +223,9 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let water = water(&run);
     if !water.is_empty() {
         write_csv(&folder.join("water.csv"), &water)?;
+    }
+    if maps::shows(&scene) {
+        maps::write_all(&scene, &run, &folder).map_err(|e| Failure::RunFailed(e.to_string()))?;
     }
     let summary = summary(&scene, &run, hardware.thread_count(), times);
     write_json(&folder.join("summary.json"), &summary)?;

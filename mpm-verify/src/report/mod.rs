@@ -5,13 +5,14 @@
 //! 2. [`orders`]: orders of convergence per group. [`tables`]: the CSV files.
 //! 3. [`plots`]: one file per picture; [`plots::figure`] is what a picture is made of.
 //! 4. [`content`]: what the pages say, once. [`html`], [`markdown`]: how they say it.
-//! 5. [`ladder`]: the page of the verification ladder.
+//! 5. [`ladder`]: the page of the verification ladder. [`maps`]: the soil and the water of one run.
 //!
 //! Every picture has its numbers in a CSV beside it, written from the same [`plots::figure::Figure`].
 
 pub mod content;
 pub mod html;
 pub mod ladder;
+pub mod maps;
 pub mod markdown;
 pub mod numbers;
 pub mod orders;

@@ -153,6 +153,7 @@ fn nothing(scene: &Scene, failure: mpm_core::error::RunError) -> Run {
         work: Work::default(),
         solid_particles: scene.solid_particles(),
         bytes: 0,
+        places: mpm_core::observe::Places::default(),
         failure: Some(failure),
     }
 }

@@ -1,0 +1,79 @@
+//! Maps of a finished run in the plane: the soil, and the water in it.
+
+use std::path::Path;
+
+use mpm_core::drive::Run;
+use mpm_core::scene::Scene;
+
+use super::ReportError;
+use super::plots::field::{Field, Line, OUTLINE, SURFACE, write};
+
+/// Whether a scene is worth a map: soil with an outline or room to run out, or water with a surface.
+pub fn shows(scene: &Scene) -> bool {
+    scene.outline.is_some() || scene.sideroom_cells > 0 || scene.free_surface.is_some()
+}
+
+/// Writes `map-soil` and, where there is water, `map-water`: SVG, PNG and CSV. Returns the names of the maps.
+///
+/// # Errors
+/// A file that cannot be written or drawn.
+pub fn write_all(scene: &Scene, run: &Run, folder: &Path) -> Result<Vec<&'static str>, ReportError> {
+    let mut names = Vec::new();
+    let time = run.samples.last().map_or(0.0, |s| s.state.time);
+    let mut corners: Vec<(f64, f64)> = scene.outline_or_box().iter().map(|x| (x[0], x[1])).collect();
+    corners.extend(corners.first().copied());
+    let mut lines = vec![Line { label: "soil at t = 0".to_owned(), look: OUTLINE, points: corners }];
+    let surface = surface(scene, run);
+    if !surface.is_empty() {
+        lines.push(Line { label: "water level".to_owned(), look: SURFACE, points: surface });
+    }
+    let kilo = |points: &[[f64; 3]], sign: f64| points.iter().map(|p| [p[0], p[1], sign * p[2] / 1e3]).collect();
+    let places = &run.places;
+    let mut map = |field: Field| -> Result<(), ReportError> {
+        if field.points.is_empty() {
+            return Ok(());
+        }
+        write(&field, folder)?;
+        names.push(field.name);
+        Ok(())
+    };
+    map(Field {
+        name: "map-soil",
+        title: format!("{}: soil at t = {time:.4} s", scene.name),
+        caption: "Every solid particle, coloured by its mean effective stress, compression positive.".to_owned(),
+        quantity: "mean effective stress (kPa)".to_owned(),
+        column: "mean_effective_stress_kpa",
+        range: None,
+        spacing: scene.spacing(),
+        points: kilo(&places.solid, -1.0),
+        lines: lines.clone(),
+    })?;
+    map(Field {
+        name: "map-water",
+        title: format!("{}: water at t = {time:.4} s", scene.name),
+        caption: "Every water particle, coloured by its pore pressure.".to_owned(),
+        quantity: "pore pressure (kPa)".to_owned(),
+        column: "pore_pressure_kpa",
+        range: None,
+        spacing: scene.spacing(),
+        points: kilo(&places.water, 1.0),
+        lines,
+    })?;
+    Ok(names)
+}
+
+/// Level of the water that stands in each column of cells, m; nothing without a free surface or without gravity.
+fn surface(scene: &Scene, run: &Run) -> Vec<(f64, f64)> {
+    let Some(last) = run.samples.last().filter(|_| scene.free_surface.is_some() && scene.gravity.is_some()) else {
+        return Vec::new();
+    };
+    let columns = scene.cells[0] + scene.sideroom_cells;
+    let mut levels = vec![0.0; columns];
+    for point in last.state.field.iter().filter(|p| p.pressure_pa > 0.0) {
+        let column = ((point.x_m / scene.cell) as usize).min(columns - 1);
+        let wet = (point.saturation * point.soil).clamp(0.0, 1.0);
+        levels[column] = f64::max(levels[column], point.y_m + (wet - 0.5) * scene.cell);
+    }
+    let places = levels.iter().enumerate().filter(|(_, level)| **level > 0.0);
+    places.map(|(i, level)| ((i as f64 + 0.5) * scene.cell, *level)).collect()
+}
