@@ -433,6 +433,7 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
             surcharge: scene.surcharge,
             gravity,
             flip: scene.flip,
+            apart: scene.separation.map_or(0.0, |strain| scene.dry_density() / (1.0 + strain)),
             seed: self.seed,
             first_settlement: first_settlement(scene),
         }

@@ -19,6 +19,8 @@ pub struct Joined<const D: usize> {
     held: Vec<u8>,
     /// Followers and leaders of this step, for their mass.
     light: Vec<[u32; 2]>,
+    /// Whom each node follows, itself if none; empty if no node follows for its mass.
+    leader_of: Vec<u32>,
     /// Nodes along each axis.
     along: [usize; D],
 }
@@ -35,7 +37,8 @@ impl<const D: usize> Joined<D> {
                 held[node] |= 1 << d;
             }
         }
-        Self { across: (0..rows).map(end).collect(), least_mass, held, light: Vec::new(), along }
+        let leader_of = (0..held.len() as u32).collect();
+        Self { across: (0..rows).map(end).collect(), least_mass, held, light: Vec::new(), leader_of, along }
     }
 
     /// Gives the sums of the followers to their leaders.
@@ -52,6 +55,18 @@ impl<const D: usize> Joined<D> {
                     self.light.extend(leader.map(|leader| [node as u32, leader as u32]));
                 }
             }
+            // A leader that is light itself may follow another: every one of its followers then does.
+            for &[follower, leader] in &self.light {
+                self.leader_of[follower as usize] = leader;
+            }
+            for pair in &mut self.light {
+                while self.leader_of[pair[1] as usize] != pair[1] {
+                    pair[1] = self.leader_of[pair[1] as usize];
+                }
+            }
+            for &[follower, _] in &self.light {
+                self.leader_of[follower as usize] = follower;
+            }
             for &[follower, leader] in &self.light {
                 give(nodes, follower, leader);
             }
@@ -63,23 +78,24 @@ impl<const D: usize> Joined<D> {
         self.across.iter().chain(&self.light).map(|pair| pair.map(|node| node as usize))
     }
 
-    /// The heaviest neighbour that is not light itself, and is held wherever the node is.
+    /// The heaviest neighbour that is held wherever the node is: one that is not light itself, or else, around a particle
+    /// that flies alone, one that is heavier than the node. Such a particle then moves as a whole, which cannot strain it.
     fn leader(&self, node: usize, nodes: &[NodeSums<D>]) -> Option<usize> {
         let (width, count) = (self.along[0] as isize, nodes.len() as isize);
-        let (x, mut best) = (node as isize % width, None);
+        let (x, mut best) = (node as isize % width, node);
+        // Of equals the one with the lower number leads.
+        let weight = |node: usize| (nodes[node].solid_mass, std::cmp::Reverse(node));
         for [i, j] in (0..9_isize).map(|k| [k % 3 - 1, k / 3 - 1]) {
             let neighbour = node as isize + i + j * width;
             if !(0..width).contains(&(x + i)) || !(0..count).contains(&neighbour) {
                 continue;
             }
             let (neighbour, held) = (neighbour as usize, self.held[node]);
-            let mass = nodes[neighbour].solid_mass;
-            let heavier = best.is_none_or(|best: usize| mass > nodes[best].solid_mass);
-            if mass >= self.least_mass && self.held[neighbour] & held == held && heavier {
-                best = Some(neighbour);
+            if self.held[neighbour] & held == held && weight(neighbour) > weight(best) {
+                best = neighbour;
             }
         }
-        best
+        (best != node).then_some(best)
     }
 
     /// Gives the motion of the leaders to their followers.

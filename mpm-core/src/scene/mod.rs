@@ -387,6 +387,9 @@ pub struct Scene {
     pub elastic: Elastic,
     /// Its strength, where the law is Mohr-Coulomb; an elastic skeleton has no limit.
     pub strength: Option<Strength>,
+    /// Gain of volume beyond which soil has come apart and carries no stress until it has closed again; `None` if it always does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub separation: Option<f64>,
     /// Density of the grains, kg/m3.
     pub grain_density: f64,
     /// Porosity n.

@@ -78,6 +78,7 @@ pub(super) struct RawSoil {
     pub grain_density: Option<Number>,
     pub bulk_density: Option<Number>,
     pub porosity: Number,
+    pub separation: Option<Number>,
     pub strain: Option<Word>,
 }
 

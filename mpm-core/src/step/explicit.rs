@@ -275,8 +275,8 @@ where
 
     /// Strains, stresses, pressures, velocities and positions of both layers. True if a particle left its cell.
     fn mesh_to_particles<const ALONE: bool>(&mut self, dt: f64) -> bool {
-        let Parts { grid, solid, water, law, flip, .. } = &mut self.parts;
-        let (flip, law) = (*flip, *law);
+        let Parts { grid, solid, water, law, flip, apart, .. } = &mut self.parts;
+        let (flip, law, apart) = (*flip, *law, *apart);
         let mut inside = true;
         let mut flowed = Flowed::NOTHING;
         for (cell, position) in grid.walk() {
@@ -304,6 +304,11 @@ where
                     law.update(&mut point.stress, &strain);
                 }
                 point.volume *= 1.0 + dt * trace(&gradient);
+                if L::PLASTIC && point.volume * apart > point.mass {
+                    // Come apart: no stress until the gap is closed, or every recompression would push too early.
+                    flowed.dissipation += point.volume * law.energy(&point.stress);
+                    point.stress = [0.0; S];
+                }
                 let dv = value::<D, D, _>(&change, &phi);
                 let v = value::<D, D, _>(&velocity, &phi);
                 for d in 0..D {

@@ -411,6 +411,7 @@ mod tests {
             surcharge: None,
             gravity: None,
             flip: 1.0,
+            apart: 0.0,
             seed: Seed { per_row: 6, spacing: 0.25, heights: Vec::new() },
             first_settlement: 0.0,
         };

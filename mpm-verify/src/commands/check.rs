@@ -31,7 +31,7 @@ pub fn climb(names: &[String], common: &Common, folder: &Path) -> Result<Vec<Ste
     writable(folder)?;
     let quiet = common.quiet || common.json;
     say(quiet, &format!("{:<22} {:>10} {:>10}  {:<26} verdict", "rung", "error", "required", "order"));
-    let climbs = each(&rungs, common, |rung| {
+    let (climbs, failed) = each(&rungs, common, |rung| {
         let climb = rung.climb()?;
         say(quiet, &line(&climb.step));
         Ok(climb)
@@ -40,6 +40,7 @@ pub fn climb(names: &[String], common: &Common, folder: &Path) -> Result<Vec<Ste
     write_csv(&folder.join("ladder.csv"), &steps)?;
     let manifest = Manifest::new(&mpm_verify::scenes::terzaghi(), jobs(common.jobs));
     report::ladder::write(&climbs, &manifest, folder).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    unfinished(&failed)?;
     Ok(steps)
 }
 
@@ -71,7 +72,7 @@ fn catch(names: &[String], common: &Common, folder: &Path) -> Result<(), Failure
     let quiet = common.quiet || common.json;
     say(quiet, &format!("{:<22} {:>10} {:>10}  {:<44} caught", "rung", "error", "required", "mutant"));
     let rungs: Vec<&Rung> = rungs.into_iter().filter(|rung| rung.mutant.is_some()).collect();
-    let rows = each(&rungs, common, |rung| {
+    let (rows, failed) = each(&rungs, common, |rung| {
         let what = rung.mutant.map_or("", |mutant| mutant.what);
         let climb = rung.climb_mutant().unwrap_or_else(|| Err(format!("{}: no mutant", rung.name)))?;
         let row = Caught::new(&climb, what);
@@ -86,6 +87,7 @@ fn catch(names: &[String], common: &Common, folder: &Path) -> Result<(), Failure
     if common.json {
         print_json(&rows);
     }
+    unfinished(&failed)?;
     let missed: Vec<&str> = rows.iter().filter(|row| !row.caught).map(|row| row.rung).collect();
     if missed.is_empty() { Ok(()) } else { Err(Failure::FellShort(format!("not caught: {}", missed.join(", ")))) }
 }
@@ -100,19 +102,32 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Rung>, Failure> {
     Ok(LADDER.iter().filter(chosen).collect())
 }
 
-/// Does something with every rung, several at a time; the results in the order of the ladder.
+/// Does something with every rung, several at a time; the results in the order of the ladder, and the messages of the rungs that
+/// could not be finished: one that fails takes no other down.
 fn each<T: Send>(
     rungs: &[&Rung],
     common: &Common,
     work: impl Fn(&Rung) -> Result<T, String> + Sync,
-) -> Result<Vec<T>, Failure> {
+) -> Result<(Vec<T>, Vec<String>), Failure> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(jobs(common.jobs))
         .build()
         .map_err(|e| Failure::BadInput(e.to_string()))?;
-    let results: Result<Vec<T>, String> =
+    let results: Vec<Result<T, String>> =
         pool.install(|| rungs.par_iter().with_max_len(1).map(|rung| work(rung)).collect());
-    results.map_err(Failure::RunFailed)
+    let (mut done, mut failed) = (Vec::new(), Vec::new());
+    for result in results {
+        match result {
+            Ok(value) => done.push(value),
+            Err(message) => failed.push(message),
+        }
+    }
+    Ok((done, failed))
+}
+
+/// Runs that could not be finished, once all others are written.
+fn unfinished(failed: &[String]) -> Result<(), Failure> {
+    if failed.is_empty() { Ok(()) } else { Err(Failure::RunFailed(failed.join("; "))) }
 }
 
 fn line(step: &Step) -> String {

@@ -304,6 +304,9 @@ impl Reader<'_> {
             let scheme = raw.scheme.as_ref().and_then(|s| s.get_ref().shape.as_ref());
             self.corners(&scheme.map_or(mesh.cell.span(), Spanned::span), "scheme.shape", scene)?;
         }
+        if let Some(value) = &raw.soil.get_ref().separation {
+            self.corners(&value.span(), "soil.separation", scene)?;
+        }
         for (raw, stage) in raw.stages.get_ref().iter().map(Spanned::get_ref).zip(&scene.stages) {
             if let (Some(rest), Until::Rest { .. }) = (&raw.until.get_ref().rest, stage.until) {
                 self.corners(&rest.span(), "stages.until.rest", scene)?;

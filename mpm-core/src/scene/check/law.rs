@@ -53,6 +53,22 @@ impl Reader<'_> {
         Ok(Strength { tension_cutoff, ..strength })
     }
 
+    /// Soil that dilates gains volume without coming apart.
+    pub(super) fn separation(&self, soil: &RawSoil, strength: Option<&Strength>) -> Checked<Option<f64>> {
+        let Some(value) = &soil.separation else { return Ok(None) };
+        let key = "soil.separation";
+        match strength {
+            Some(Strength { dilation_angle: 0.0, .. }) => {}
+            found => {
+                let expected = "mohr_coulomb without dilation beside it";
+                let found =
+                    found.map_or("linear_elastic".to_owned(), |s| format!("dilation_angle = {}", s.dilation_angle));
+                return self.refuse(&value.span(), key, expected, found);
+            }
+        }
+        Ok(Some(self.within(value, key, "0 < strain <= 0.1 (gain of volume)", |e| e > 0.0 && e <= 0.1)?))
+    }
+
     /// Quasi-static systems are symmetric; the tangent of a flow that is not associated is not, and at the apex it is zero.
     pub(super) fn flow_is_dynamic(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
         if scene.integrator != Integrator::QuasiStatic || scene.strength.is_none() {

@@ -192,6 +192,7 @@ impl Reader<'_> {
             displaced,
             strain: self.strain(raw.soil.get_ref())?,
             elastic,
+            separation: self.separation(raw.soil.get_ref(), strength.as_ref())?,
             strength,
             grain_density,
             porosity,
