@@ -159,6 +159,7 @@ fn point_source<O: DarcyOperator<2> + 'static>() -> f64 {
         surcharge: None,
         gravity: None,
         flip: 0.0,
+        apart: 0.0,
         seed: Seed { per_row: BLOCK, spacing: grid.size, heights: Vec::new() },
         first_settlement: 0.0,
         grid,
