@@ -183,6 +183,7 @@ pub fn saturated<O: DarcyOperator<D>, L, const D: usize, const S: usize>(
         surcharge: scene.surcharge,
         gravity: differently.gravity.map(|g| std::array::from_fn(|d| if d == D - 1 { -g } else { 0.0 })),
         flip: scene.flip,
+        apart: 0.0,
         seed: Seed { per_row: seeded.len() - top, spacing, heights: Vec::new() },
         first_settlement: 0.0,
     };
