@@ -57,6 +57,32 @@ impl<const D: usize> Face<D> {
     }
 }
 
+impl<const D: usize> Face<D> {
+    /// Stops what flows in through drained faces: outside is air, which has no water to give. Returns what was booked for it.
+    pub(super) fn stop_inflow(
+        &mut self,
+        motion: &[NodeMotion<D>],
+        gravity: &[f64; D],
+        exposed: &Exposed,
+        drained: &[bool; 4],
+    ) -> FlowRates {
+        let mut stopped = FlowRates::default();
+        for face in exposed.faces.iter().filter(|face| drained[face.side as usize]) {
+            let axis = face.axis as usize;
+            let flux = &mut self.flux[axis][face.face as usize];
+            let outwards = if face.upper { *flux } else { -*flux };
+            if outwards >= 0.0 {
+                continue;
+            }
+            let flux = std::mem::take(flux);
+            let (a, b) = (&motion[face.nodes[0] as usize], &motion[face.nodes[1] as usize]);
+            stopped.dissipation += self.area * flux * flux / (DRAINED_SURFACE * self.conductance);
+            stopped.body_work += self.area * flux * self.body(axis, gravity, a, b) / DRAINED_SURFACE;
+        }
+        stopped
+    }
+}
+
 impl<const D: usize> DarcyOperator<D> for Face<D> {
     const GATHERS: bool = false;
 

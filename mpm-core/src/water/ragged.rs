@@ -7,7 +7,7 @@
 //! pressure then counts on below zero as a measure of the gap, -Q times the opening, and pushes again once the gap is closed.
 
 use super::saturated::{DarcyOperator, Saturated, WaterCell};
-use super::{FlowRates, Place, SoilCell, StressSums, Water};
+use super::{Face, FlowRates, Place, SoilCell, StressSums, Water};
 use crate::dimension::{Kinematics, shares, value};
 use crate::grid::Grid;
 use crate::nodes::NodeMotion;
@@ -19,17 +19,17 @@ const LEAST_FULL: f64 = 0.5;
 
 /// Water of a saturated soil whose edge comes apart.
 #[derive(Debug, Clone)]
-pub struct Ragged<O, const D: usize> {
-    inner: Saturated<O, D>,
+pub struct Ragged<const D: usize> {
+    inner: Saturated<Face<D>, D>,
     /// Cells whose water has a pressure.
     full: Vec<bool>,
     /// Whether those have changed.
     changed: bool,
 }
 
-impl<O: DarcyOperator<D>, const D: usize> Ragged<O, D> {
+impl<const D: usize> Ragged<D> {
     /// The water of a soil that is saturated at first.
-    pub fn new(inner: Saturated<O, D>) -> Self {
+    pub fn new(inner: Saturated<Face<D>, D>) -> Self {
         let cells = inner.cells.len();
         Self { inner, full: vec![true; cells], changed: false }
     }
@@ -39,7 +39,7 @@ impl<O: DarcyOperator<D>, const D: usize> Ragged<O, D> {
     }
 }
 
-impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> Water<K, D, S> for Ragged<O, D> {
+impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Ragged<D> {
     const WET: bool = true;
 
     #[inline(always)]
@@ -86,7 +86,14 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
     fn flow(&mut self, grid: &Grid<D>, motion: &[NodeMotion<D>], gravity: &[f64; D]) -> FlowRates {
         // What passes a face between two layers is in the particles; only those that are taken away have left.
         let rates = Water::<K, D, S>::flow(&mut self.inner, grid, motion, gravity);
-        FlowRates { outflow: 0.0, inflow: 0.0, ..rates }
+        let Saturated { operator, exposed, drained, .. } = &mut self.inner;
+        let stopped = operator.stop_inflow(motion, gravity, exposed, drained);
+        FlowRates {
+            dissipation: rates.dissipation - stopped.dissipation,
+            body_work: rates.body_work - stopped.body_work,
+            outflow: 0.0,
+            inflow: 0.0,
+        }
     }
 
     #[inline(always)]
