@@ -123,7 +123,7 @@ pub fn drive(scene: &Scene, model: &mut dyn Model, dt: f64, progress: &mut dyn F
         if let Some(fault) = fault {
             let time = run.stages.iter().map(|s| s.duration_s).sum();
             let limit = stable_limit(scene);
-            let hint = if dt > limit {
+            let hint = if dt.is_finite() && dt > limit {
                 format!("; the step {dt:.3e} s is above its limit {limit:.3e} s")
             } else {
                 String::new()

@@ -184,8 +184,8 @@ where
 
     /// Mixture momentum: rho a_s = div(sigma') - grad p + rho g; new nodal velocities.
     fn equation_of_motion<const ALONE: bool>(&mut self, dt: f64) {
-        if let Some(edges) = &mut self.edges {
-            edges.joined.join(&mut self.nodes);
+        if self.edges.is_some() {
+            self.join();
         }
         let flip = self.parts.flip;
         for (node, motion) in self.nodes.iter().zip(&mut self.motion) {
@@ -207,11 +207,8 @@ where
         if self.damping > 0.0 {
             self.damp(dt); // after the supports: a held node has no speed to lose
         }
-        if let Some(edges) = &mut self.edges {
-            edges.joined.follow(&mut self.motion);
-            if let Some(base) = &mut edges.base {
-                base.slide(&self.parts.grid, &self.parts.solid, &edges.joined, &self.motion, dt);
-            }
+        if self.edges.is_some() {
+            self.follow(dt);
         }
         let pressure = self.pressure();
         for d in 0..D {
@@ -227,8 +224,30 @@ where
         }
     }
 
+    /// Sums of nodes that move with others go to these.
+    #[cold]
+    #[inline(never)]
+    fn join(&mut self) {
+        if let Some(edges) = &mut self.edges {
+            edges.joined.join(&mut self.nodes);
+        }
+    }
+
+    /// Nodes that move with others get their motion; the base notes its slip.
+    #[cold]
+    #[inline(never)]
+    fn follow(&mut self, dt: f64) {
+        if let Some(edges) = &mut self.edges {
+            edges.joined.follow(&mut self.motion);
+            if let Some(base) = &mut edges.base {
+                base.slide(&self.parts.grid, &self.parts.solid, &edges.joined, &self.motion, dt);
+            }
+        }
+    }
+
     /// Friction on the base, where the scene has it.
     #[cold]
+    #[inline(never)]
     fn rub(&mut self, dt: f64) {
         let Some(Edges { joined, base: Some(base), .. }) = self.edges.as_deref_mut() else { return };
         let Parts { grid, solid, water, .. } = &self.parts;

@@ -90,7 +90,7 @@ where
         Self { soil, wetting, clock: Clock::Seepage, moved: false, next: 0.0, work: Work::default() }
     }
 
-    /// Takes the soil as it stands now. Water of cells that the soil has left is booked as outflow.
+    /// Takes the soil as it stands now. Water that it has left behind or squeezed out is booked as outflow.
     fn look_at_soil(&mut self, around: &Surroundings) -> Result<(), Fault> {
         let parts = self.soil.parts();
         let old = &self.wetting.water;
@@ -99,9 +99,9 @@ where
         let mut content = old.content.clone();
         let mut lost = 0.0;
         for (cell, content) in content.iter_mut().enumerate() {
-            if !map.is_soil(cell) {
-                lost += std::mem::take(content);
-            }
+            let pores = if map.is_soil(cell) { old.medium.porosity * map.share[cell] * cell_volume } else { 0.0 };
+            lost += (*content - pores).max(0.0);
+            *content = content.min(pores);
         }
         let (inflow, outflow, unsettled) = (old.inflow, old.outflow + lost, old.unsettled);
         let mut water = FreeSurface::new(&parts.grid, old.medium, map, around).map_err(|e| everywhere(&e))?;

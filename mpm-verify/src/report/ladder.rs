@@ -75,7 +75,7 @@ fn summary(climbs: &[Climb]) -> String {
     let held = climbs.iter().filter(|c| c.step.held()).count();
     let time: f64 = climbs.iter().map(|c| c.step.cpu_s).sum();
     format!(
-        "{held} of {} rungs held, in {} s of CPU time. Each compares runs with an exact solution: the error at the \
+        "{held} of {} rungs held, in {} s of CPU time. Each compares runs with an exact solution (collapsing columns with published laws): the error at the \
          smallest parameter must be small enough and, where it is refined, fall with the order that it should.",
         climbs.len(),
         short(time, 3)

@@ -6,6 +6,7 @@ use mpm_core::drive::Run;
 use mpm_core::scene::Scene;
 
 use super::ReportError;
+use super::numbers::brief;
 use super::plots::field::{Field, Line, OUTLINE, SURFACE, write};
 
 /// Whether a scene is worth a map: soil with an outline or room to run out, or water with a surface.
@@ -39,7 +40,7 @@ pub fn write_all(scene: &Scene, run: &Run, folder: &Path) -> Result<Vec<&'static
     };
     map(Field {
         name: "map-soil",
-        title: format!("{}: soil at t = {time:.4} s", scene.name),
+        title: format!("{}: soil at t = {} s", scene.name, brief(time, 4)),
         caption: "Every solid particle, coloured by its mean effective stress, compression positive.".to_owned(),
         quantity: "mean effective stress (kPa)".to_owned(),
         column: "mean_effective_stress_kpa",
@@ -50,7 +51,7 @@ pub fn write_all(scene: &Scene, run: &Run, folder: &Path) -> Result<Vec<&'static
     })?;
     map(Field {
         name: "map-water",
-        title: format!("{}: water at t = {time:.4} s", scene.name),
+        title: format!("{}: water at t = {} s", scene.name, brief(time, 4)),
         caption: "Every water particle, coloured by its pore pressure.".to_owned(),
         quantity: "pore pressure (kPa)".to_owned(),
         column: "pore_pressure_kpa",
