@@ -254,7 +254,7 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         let particle_volume = face_area * scene.cell / (per_direction as f64).powi(D as i32);
         let ratio = scene.lateral_ratio();
         let point = |x: [f64; D], volume: f64| {
-            let (vertical, _) = match &scene.outline {
+            let (vertical, pressure) = match &scene.outline {
                 Some(outline) => {
                     let at = [x[0], x[D - 1]];
                     state_at_depth(scene, &at, seeding::depth(outline, &at))
@@ -263,7 +263,7 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
             };
             let mut stress = stress(vertical, ratio * vertical);
             if scene.slope_angle.is_some() {
-                stress[S - 1] = first_shear(scene, vertical);
+                stress[S - 1] = first_shear(scene, vertical - pressure);
             }
             SolidPoint { x, v: first_velocity(scene), stress, mass: scene.dry_density() * volume, volume }
         };
@@ -533,7 +533,7 @@ fn wet_area<const D: usize>(scene: &Scene, position: &[usize; D]) -> f64 {
     free.level.map_or(0.0, |level| ((level - low[D - 1]) / scene.cell).clamp(0.0, 1.0))
 }
 
-/// Shear stress (Pa) on planes along a tilted base beside a normal stress on them, of an infinite slope:
+/// Shear stress (Pa) on planes along a tilted base beside a total normal stress on them, of an infinite slope:
 /// `rho g sin(angle) d` beside `-rho g cos(angle) d`.
 fn first_shear(scene: &Scene, normal: f64) -> f64 {
     -normal * scene.slope_angle.unwrap_or(0.0).to_radians().tan()

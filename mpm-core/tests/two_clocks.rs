@@ -2,7 +2,7 @@
 
 use mpm_core::drive::Run;
 use mpm_core::run::run;
-use mpm_core::scene::{Clock, Scene, Until};
+use mpm_core::scene::{Clock, FreeSurfaceWater, Integrator, NormalStress, Scene, Until, WaterProperties};
 
 fn scene(name: &str) -> Scene {
     let path = format!("{}/../reference-data/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
@@ -87,8 +87,43 @@ fn a_pressure_that_is_held_works_on_soil_that_gains_volume() {
     scene.observe_times = vec![0.02];
     let run = finished(&scene);
     let ledger = run.samples.last().unwrap().ledger;
-    // Dilating soil under p: without that work a fifth of the energy would come from nowhere.
-    assert!(ledger.pressure_work_j > 0.0, "{ledger:?}");
+    // Dilating soil under p: without that work most of the energy would come from nowhere. What is left is the return of the
+    // first stress, which lies far outside the surface: one large step.
     let moved = ledger.gravity_work_j.abs() + ledger.pressure_work_j + ledger.plastic_dissipation_j;
-    assert!(ledger.energy_closing_j.abs() < 0.02 * moved, "{ledger:?}");
+    assert!(ledger.pressure_work_j > 0.5 * moved, "{ledger:?}");
+    assert!(ledger.energy_closing_j.abs() < 0.15 * moved, "{ledger:?}");
+}
+
+/// The infinite slope of 20 degrees on a base of 30 degrees, full of water, let go for 0.2 s: its acceleration, m/s2, from
+/// how far its middle has come.
+fn wet_slope(normal_stress: NormalStress) -> f64 {
+    let mut scene = scene("infinite-slope");
+    scene.integrator = Integrator::TwoClocks;
+    scene.water = Some(WaterProperties {
+        hydraulic_conductivity: 1e-4,
+        bulk_modulus: f64::INFINITY,
+        unit_weight: 9810.0,
+        density: 1000.0,
+    });
+    scene.free_surface =
+        Some(FreeSurfaceWater { saturation: 0.0, level: Some(scene.height), wet: None, feeds: [None; 4] });
+    scene.base.as_mut().unwrap().normal_stress = normal_stress;
+    let mut slide = scene.stages[0].clone();
+    scene.stages[0].until = Until::Time(1.0);
+    (slide.clock, slide.until) = (Clock::Soil, Until::Time(0.2));
+    scene.stages.push(slide);
+    (scene.observe_times, scene.history) = (vec![0.2], 0);
+    let run = finished(&scene);
+    let middle = |sample: &mpm_core::drive::Sample| sample.state.centre[0];
+    2.0 * (middle(run.samples.last().unwrap()) - middle(&run.samples[0])) / 0.2_f64.powi(2)
+}
+
+#[test]
+fn a_wet_base_holds_by_effective_stress() {
+    // tau/sigma = tan 20 is below tan 30, tau/sigma' = tan 20 rho/(rho - rho_w) above it.
+    assert!(wet_slope(NormalStress::Total) < 1e-9);
+    let (angle, density) = (20_f64.to_radians(), 0.7 * 2700.0 + 300.0);
+    let acceleration = 9.81 * (angle.sin() - angle.cos() * 30_f64.to_radians().tan() * (density - 1000.0) / density);
+    let found = wet_slope(NormalStress::Effective);
+    assert!((found / acceleration - 1.0).abs() < 0.05, "{found} m/s2, expected {acceleration}");
 }

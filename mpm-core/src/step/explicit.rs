@@ -251,11 +251,14 @@ where
     fn rub(&mut self, dt: f64) {
         let Some(Edges { joined, base: Some(base), .. }) = self.edges.as_deref_mut() else { return };
         let Parts { grid, solid, water, .. } = &self.parts;
+        let rise = grid.size * water.density() * self.parts.gravity.map_or(0.0, |g| -g[D - 1]);
         let pressure = |cell: usize| {
             let place = Place { cell, position: grid.cell_position(cell), corners: [0; 4] };
             let points = &solid.points[solid.range(cell)];
             let (mass, volume) = points.iter().fold((0.0, 0.0), |(m, v), p| (m + p.mass, v + p.volume));
-            water.cell_state(&SoilCell { place, mass, volume }).0
+            // From the mean over the cell down to the base: under water that fills it, or stands in it up to a level.
+            let mean = water.cell_state(&SoilCell { place, mass, volume }).0;
+            if mean >= 0.5 * rise { mean + 0.5 * rise } else { (2.0 * rise * mean.max(0.0)).sqrt() }
         };
         base.gather(grid, solid, joined, pressure);
         let rubbed = base.rub(&self.nodes, &mut self.motion, dt);

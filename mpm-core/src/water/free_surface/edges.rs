@@ -137,7 +137,7 @@ fn fed<const D: usize>(
 }
 
 impl<const D: usize> Medium<D> {
-    /// The flow out through an edge during a step of `dt` (s); in [`Linear::low`] the factor of the cell's pressure.
+    /// The flow out through an edge during a step of `dt` (s); the lower factor is that of the cell's pressure.
     ///
     /// `stands` says whether a full cell has its level at its own upper edge.
     pub fn leak(&self, edge: &Edge, now: Now, share: &[f64], stands: bool, start: f64, dt: f64) -> Linear {
