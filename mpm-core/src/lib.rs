@@ -5,14 +5,15 @@
 //!
 //! # Reading order
 //! 1. [`scene`]: what to simulate, from TOML to a checked [`scene::Scene`].
-//! 2. [`grid`], [`nodes`], [`particles`]: the mesh and the two layers.
+//! 2. [`grid`], [`nodes`], [`particles`], [`seeding`]: the mesh and the two layers, also in an outline.
 //! 3. [`real`], [`dimension`], [`shape`], [`stencil`]: one number or many at once; one dimension and plane strain; where
 //!    linear functions are evaluated, and wider ones.
-//! 4. [`constitutive`], [`water`], [`boundary`]: the physics.
-//! 5. [`sparse`]: symmetric systems. [`space`]: function spaces and particle weights of the quasi-static integrator.
+//! 4. [`sparse`]: symmetric systems. [`constitutive`], [`water`], [`boundary`]: the physics; `water/free_surface` is
+//!    water that wets dry soil.
+//! 5. [`space`]: function spaces and particle weights of the quasi-static integrator.
 //! 6. [`step`]: one time step. `step/explicit.rs` is the paper's Figure 1, `step/lanes` the same with many cells at once
 //!    and on several threads, `step/skeleton.rs` over stencils, `step/semi_implicit.rs` with the pressure implicit;
-//!    [`step::quasi_static`] leaves inertia out.
+//!    [`step::quasi_static`] leaves inertia out; `step/two_clocks.rs` lets water seep for hours and soil move for seconds.
 //! 7. [`stability`], [`drive`]: how long a step may be; stages and times.
 //! 8. [`observe`]: what is read from a run, and its ledgers.
 //! 9. [`hardware`], [`run`]: what a run may use of the machine; the switchboard from words to types.

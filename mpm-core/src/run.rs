@@ -321,12 +321,9 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         scene: &Scene,
         law: L,
     ) -> Result<Box<dyn Model>, RunError> {
-        let wetting = self.wetting(scene).map_err(|what| RunError {
-            step: 0,
-            time: 0.0,
-            place: "the water".into(),
-            what: what.to_string(),
-        })?;
+        let refused = |what: String| RunError { step: 0, time: 0.0, place: "the water".into(), what };
+        let water = scene.water.ok_or_else(|| refused("two clocks without water".into()))?;
+        let wetting = self.wetting(scene, water).map_err(|what| refused(what.to_string()))?;
         let supports = Supports::new(&self.grid, &scene.solid_sides);
         let full_mass = scene.dry_density() * self.face_area * scene.cell;
         let edges = Edges::of(scene, &self.grid, &supports, self.solid.points.len(), full_mass);
@@ -336,13 +333,7 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
     }
 
     /// The water of a scene with a free surface at t = 0.
-    fn wetting(&self, scene: &Scene) -> Result<Wetting<D>, Unsolved> {
-        let water = scene.water.unwrap_or(WaterProperties {
-            hydraulic_conductivity: 0.0,
-            bulk_modulus: f64::INFINITY,
-            unit_weight: 1.0,
-            density: 0.0,
-        });
+    fn wetting(&self, scene: &Scene, water: WaterProperties) -> Result<Wetting<D>, Unsolved> {
         let (weight, size) = (scene.water_weight(), scene.cell);
         let medium = Medium {
             conductance: water.mobility() * self.face_area / size,

@@ -1,4 +1,5 @@
-//! The water layer: none at all, or water that fills the pores (saturated).
+//! The water layer: none at all, water that fills the pores (saturated), also of soil that runs out (ragged), water with a
+//! free surface, and the pressures it leaves to the soil (frozen).
 //!
 //! A dry scene has no water arrays and calls nothing of this room: [`Dry`] is a type without data.
 
