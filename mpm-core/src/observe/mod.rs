@@ -1,9 +1,11 @@
 //! What is read from a run: settlement, profiles, and the ledgers of mass, water, momentum and energy.
 
 mod flowed;
+mod frame;
 mod ledger;
 
 pub use flowed::Flowed;
+pub use frame::{CellState, Frame, SolidState, WaterParticle};
 pub use ledger::{Ledger, Totals};
 use serde::Serialize;
 
