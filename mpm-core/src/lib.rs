@@ -8,7 +8,7 @@
 //! 2. [`grid`], [`nodes`], [`particles`], [`seeding`]: the mesh and the two layers, also in an outline.
 //! 3. [`real`], [`dimension`], [`shape`], [`stencil`]: one number or many at once; one dimension and plane strain; where
 //!    linear functions are evaluated, and wider ones.
-//! 4. [`sparse`]: symmetric systems. [`constitutive`], [`water`], [`boundary`]: the physics; `water/free_surface` is
+//! 4. [`sparse`], [`envelope`]: symmetric systems. [`constitutive`], [`water`], [`boundary`]: the physics; `water/free_surface` is
 //!    water that wets dry soil.
 //! 5. [`space`]: function spaces and particle weights of the quasi-static integrator.
 //! 6. [`step`]: one time step. `step/explicit.rs` is the paper's Figure 1, `step/lanes` the same with many cells at once
@@ -38,9 +38,12 @@ pub mod boundary;
 pub mod constitutive;
 pub mod dimension;
 pub mod drive;
+pub mod envelope;
 pub mod error;
+pub mod failure;
 pub mod grid;
 pub mod hardware;
+pub mod keep;
 pub mod nodes;
 pub mod observe;
 pub mod particles;

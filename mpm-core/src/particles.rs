@@ -3,6 +3,7 @@
 //! A particle is one compact record, because every pass over the particles uses all of it.
 
 use crate::grid::Grid;
+use crate::keep::Keeper;
 use crate::scene::Displaced;
 
 /// A particle of the solid layer. D: dimensions, S: stress components.
@@ -20,6 +21,20 @@ pub struct SolidPoint<const D: usize, const S: usize> {
     pub volume: f64,
 }
 
+impl<const D: usize, const S: usize> SolidPoint<D, S> {
+    /// A particle of nothing.
+    pub const NONE: Self = Self { x: [0.0; D], v: [0.0; D], stress: [0.0; S], mass: 0.0, volume: 0.0 };
+
+    /// Writes or reads the particle.
+    pub fn keep(&mut self, keeper: &mut Keeper) {
+        keeper.f64s(&mut self.x);
+        keeper.f64s(&mut self.v);
+        keeper.f64s(&mut self.stress);
+        keeper.f64(&mut self.mass);
+        keeper.f64(&mut self.volume);
+    }
+}
+
 /// A particle of the water layer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WaterPoint<const D: usize> {
@@ -33,6 +48,20 @@ pub struct WaterPoint<const D: usize> {
     pub volume: f64,
     /// Pore pressure, Pa, compression positive.
     pub pressure: f64,
+}
+
+impl<const D: usize> WaterPoint<D> {
+    /// A particle of nothing.
+    pub const NONE: Self = Self { x: [0.0; D], v: [0.0; D], mass: 0.0, volume: 0.0, pressure: 0.0 };
+
+    /// Writes or reads the particle.
+    pub fn keep(&mut self, keeper: &mut Keeper) {
+        keeper.f64s(&mut self.x);
+        keeper.f64s(&mut self.v);
+        keeper.f64(&mut self.mass);
+        keeper.f64(&mut self.volume);
+        keeper.f64(&mut self.pressure);
+    }
 }
 
 /// Anything with a position.
@@ -183,6 +212,16 @@ impl<P: Point<D>, const D: usize> Layer<P, D> {
         self.sort(grid)?;
         self.crossings = crossings;
         Ok(())
+    }
+
+    /// Writes or reads the layer; `each` does so with a particle, of which `none` is an empty one.
+    pub fn keep(&mut self, keeper: &mut Keeper, none: &P, each: impl FnMut(&mut P, &mut Keeper)) {
+        keeper.list(&mut self.points, none, each);
+        keeper.list(&mut self.ids, &0, |id, keeper| keeper.u32(id));
+        keeper.list(&mut self.cell_start, &0, |start, keeper| keeper.u32(start));
+        self.cell_of.resize(self.points.len(), 0);
+        keeper.u64(&mut self.crossings);
+        keeper.u64(&mut self.order);
     }
 
     /// Bytes held for this layer.

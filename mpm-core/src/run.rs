@@ -13,15 +13,13 @@ use crate::scene::{
     DarcyChoice, Dimension, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, Start, WaterProperties,
 };
 use crate::seeding::{self, Part};
-use crate::shape::{Centre, Linear, Shape};
+use crate::shape::{Centre, Centroid, Linear, Shape};
 use crate::space::Deformation;
-use crate::sparse::Unsolved;
 use crate::stability::{StepTooLarge, choose_step};
 use crate::stencil::{Basis, Bspline2, Functions, Gimp};
 use crate::step::quasi_static::{QuasiStatic, Seeding};
-use crate::step::{Explicit, ExplicitLanes, ExplicitWide, Model, Parts, SemiImplicit, TwoClocks, Wetting};
-use crate::water::free_surface::{FreeSurface, Medium, SoilMap, Surroundings, WaterLayer};
-use crate::water::{DarcyOperator, Dry, Face, Nodal, Ragged, Resident, Saturated, Water};
+use crate::step::{Failing, Explicit, ExplicitLanes, ExplicitWide, Model, Parts, SemiImplicit, TwoClocks};
+use crate::water::{Carried, DarcyOperator, Dry, Face, Nodal, Ragged, Resident, Saturated, Water};
 use pulp::{Arch, Scalar128b, Scalar256b, Scalar512b, Simd};
 
 /// Why a scene could not be run.
@@ -96,6 +94,26 @@ pub fn model_on(hardware: &Hardware, scene: &Scene) -> Result<Box<dyn Model>, Ru
             plane_strain(hardware, scene, MohrCoulomb::plane_strain(&scene.elastic, &strength))
         }
     }
+}
+
+/// The model of a scene whose soil may fail, at t = 0.
+///
+/// # Errors
+/// Particles outside the mesh.
+pub fn failing(scene: &Scene) -> Result<Box<dyn Failing>, RunError> {
+    match scene.strength {
+        Some(strength) => failing_with(scene, MohrCoulomb::plane_strain(&scene.elastic, &strength)),
+        None => failing_with(scene, LinearElastic::plane_strain(&scene.elastic)),
+    }
+}
+
+fn failing_with<L: Law<4>>(scene: &Scene, law: L) -> Result<Box<dyn Failing>, RunError> {
+    let seed = Seeded::new(scene, scene.cells, scene.cell, in_plane)?;
+    Ok(match scene.shape {
+        ShapeChoice::Linear => Box::new(seed.two_clocks::<PlaneStrain, Linear, L>(scene, law)?),
+        ShapeChoice::Centroid => Box::new(seed.two_clocks::<PlaneStrain, Centroid, L>(scene, law)?),
+        _ => Box::new(seed.two_clocks::<PlaneStrain, Centre, L>(scene, law)?),
+    })
 }
 
 /// The stress of a column from its vertical and its lateral one.
@@ -193,11 +211,14 @@ fn shape<K: Kinematics<D, S>, L: Law<S>, const D: usize, const S: usize>(
     let seed = Seeded::new(scene, soil_cells, face_area, stress)?;
     let per_direction = scene.particles_per_direction();
     match (scene.integrator, scene.shape) {
+        (_, ShapeChoice::Linear) if scene.free_surface.is_some() => Ok(Box::new(seed.two_clocks::<K, Linear, L>(scene, law)?)),
+        (_, ShapeChoice::Centroid) if scene.free_surface.is_some() => Ok(Box::new(seed.two_clocks::<K, Centroid, L>(scene, law)?)),
+        (_, _) if scene.free_surface.is_some() => Ok(Box::new(seed.two_clocks::<K, Centre, L>(scene, law)?)),
+        (Integrator::Explicit, ShapeChoice::Centroid) => water::<K, Centroid, L, D, S>(scene, seed, law),
         (Integrator::Explicit, ShapeChoice::Centre) => water::<K, Centre, L, D, S>(scene, seed, law),
         (Integrator::Explicit, ShapeChoice::Linear) => water::<K, Linear, L, D, S>(scene, seed, law),
-        (Integrator::TwoClocks, ShapeChoice::Linear) => seed.two_clocks::<K, Linear, L>(scene, law),
-        (Integrator::TwoClocks, _) => seed.two_clocks::<K, Centre, L>(scene, law),
-        (_, ShapeChoice::Centre) => seed.wide::<K, _, L>(scene, law, Centre),
+        // A full column has its centroid at the centre; scenes with others are refused.
+        (_, ShapeChoice::Centre | ShapeChoice::Centroid) => seed.wide::<K, _, L>(scene, law, Centre),
         (_, ShapeChoice::Linear) => seed.wide::<K, _, L>(scene, law, Linear),
         (_, ShapeChoice::Gimp) => seed.wide::<K, _, L>(scene, law, Gimp::new(per_direction)),
         (_, ShapeChoice::Bspline2) => seed.wide::<K, _, L>(scene, law, Bspline2),
@@ -320,56 +341,16 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         self,
         scene: &Scene,
         law: L,
-    ) -> Result<Box<dyn Model>, RunError> {
+    ) -> Result<TwoClocks<K, Sh, L, D, S>, RunError> {
         let refused = |what: String| RunError { step: 0, time: 0.0, place: "the water".into(), what };
         let water = scene.water.ok_or_else(|| refused("two clocks without water".into()))?;
-        let wetting = self.wetting(scene, water).map_err(|what| refused(what.to_string()))?;
+        let carried = Carried::new(scene, water, &self.grid, &self.solid, self.face_area);
+        let carried = carried.map_err(|what| refused(what.to_string()))?;
         let supports = Supports::new(&self.grid, &scene.solid_sides);
         let full_mass = scene.dry_density() * self.face_area * scene.cell;
         let edges = Edges::of(scene, &self.grid, &supports, self.solid.points.len(), full_mass);
-        let parts = self.parts(scene, law, wetting.frozen(), supports);
-        let soil = Explicit::<K, Sh, L, _, D, S>::with_edges(parts, edges);
-        Ok(Box::new(TwoClocks::new(soil, wetting)))
-    }
-
-    /// The water of a scene with a free surface at t = 0.
-    fn wetting(&self, scene: &Scene, water: WaterProperties) -> Result<Wetting<D>, Unsolved> {
-        let (weight, size) = (scene.water_weight(), scene.cell);
-        let medium = Medium {
-            conductance: water.mobility() * self.face_area / size,
-            size,
-            cell_volume: self.face_area * size,
-            weight: std::array::from_fn(|d| weight[d + 2 - D]),
-            unit_weight: water.unit_weight,
-            porosity: scene.mobile_porosity(),
-        };
-        let per_direction = scene.particles_per_direction();
-        let soil = SoilMap::new(&self.grid, &self.solid, self.face_area, per_direction);
-        let feeds = scene.free_surface.as_ref().map_or([None; 4], |free| free.feeds);
-        let around = Surroundings { open: [false; 4], feeds, periodic: scene.periodic };
-        let mut water_cells = FreeSurface::new(&self.grid, medium, soil, &around)?;
-        let content: Vec<f64> = self
-            .grid
-            .walk()
-            .map(|(cell, position)| {
-                let share = water_cells.soil.share[cell];
-                if water_cells.soil.is_soil(cell) {
-                    water_cells.pores(cell) * (wet_area(scene, &position) / share).min(1.0)
-                } else {
-                    0.0
-                }
-            })
-            .collect();
-        water_cells.fill(&content);
-        Ok(Wetting {
-            layer: WaterLayer::new(&self.grid, &water_cells, per_direction, water.density),
-            water: water_cells,
-            feeds,
-            periodic: scene.periodic,
-            moisture: water.density * (scene.porosity - scene.mobile_porosity()),
-            per_direction,
-            density: water.density,
-        })
+        let parts = self.parts(scene, law, carried, supports);
+        Ok(TwoClocks::new(Explicit::<K, Sh, L, _, D, S>::with_edges(parts, edges)))
     }
 
     /// The kernels over stencils: their water flows through cell faces, and a dry scene has no pressure to solve for.
@@ -510,18 +491,6 @@ fn state_at_depth(scene: &Scene, place: &[f64; 2], depth: f64) -> (f64, f64) {
     let weight = (scene.dry_density() + density * moist) * depth + density * scene.mobile_porosity() * wet;
     let pressure = density * g * wet;
     (-(g * weight - pressure), pressure)
-}
-
-/// Share of a cell that is wet at t = 0.
-fn wet_area<const D: usize>(scene: &Scene, position: &[usize; D]) -> f64 {
-    let Some(free) = &scene.free_surface else { return 0.0 };
-    let low = position.map(|i| i as f64 * scene.cell);
-    if let Some(wet) = &free.wet {
-        let row = seeding::between(wet, 1, low[D - 1], low[D - 1] + scene.cell);
-        let part = seeding::between(&row, 0, low[0], low[0] + scene.cell);
-        return (seeding::area(&part) / (scene.cell * scene.cell)).max(0.0);
-    }
-    free.level.map_or(0.0, |level| ((level - low[D - 1]) / scene.cell).clamp(0.0, 1.0))
 }
 
 /// Shear stress (Pa) on planes along a tilted base beside a total normal stress on them, of an infinite slope:

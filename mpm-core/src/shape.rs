@@ -9,6 +9,8 @@ use crate::real::Real;
 pub trait Shape: Copy + Send + Sync + 'static {
     /// Whether all particles of a cell share the point.
     const AT_CENTRE: bool;
+    /// Whether that point is the centroid of the soil in the cell, and not the centre of the cell.
+    const AT_CENTROID: bool = false;
 
     /// The point, in cell coordinates in [0, 1], for a particle at `xi`.
     #[inline(always)]
@@ -23,6 +25,16 @@ pub struct Centre;
 
 impl Shape for Centre {
     const AT_CENTRE: bool = true;
+}
+
+/// Values at the centroid of the soil in the cell: the same where a cell is full. Along a slope, where cells are filled in
+/// part, the gradients are then those of the soil that is there, and the force of a uniform stress on it is exact.
+#[derive(Debug, Clone, Copy)]
+pub struct Centroid;
+
+impl Shape for Centroid {
+    const AT_CENTRE: bool = true;
+    const AT_CENTROID: bool = true;
 }
 
 /// The standard linear scheme: G_i at the particle.

@@ -281,7 +281,7 @@ pub fn stable_limit(scene: &Scene) -> f64 {
         Integrator::SemiImplicit => semi_implicit_limit(scene),
         Integrator::QuasiStatic => f64::INFINITY,
         // The water keeps its pressures while the soil moves: the skeleton is alone, and lightest where it is dry.
-        Integrator::TwoClocks => {
+        Integrator::TwoClocks | Integrator::Coupled => {
             stable_limit(&Scene { water: None, integrator: Integrator::Explicit, ..scene.clone() })
         }
     }

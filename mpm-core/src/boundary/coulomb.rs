@@ -15,6 +15,7 @@
 
 use super::Joined;
 use crate::grid::Grid;
+use crate::keep::Keeper;
 use crate::nodes::{NodeMotion, NodeSums};
 use crate::particles::{Layer, SolidPoint};
 use crate::scene::{Base, NormalStress};
@@ -35,6 +36,8 @@ pub struct Coulomb {
     /// tan of the peak and the residual angle.
     peak: f64,
     residual: f64,
+    /// Shear strength without normal stress, Pa.
+    adhesion: f64,
     /// Nodes that did not move along the base in the last step.
     stuck: Vec<bool>,
     /// Nodes that something else holds along the base.
@@ -49,6 +52,8 @@ pub struct Coulomb {
     /// Normal stress on the nodes of the base in this step, Pa.
     stress: Vec<f64>,
     wet: bool,
+    /// Whether nothing slides, whatever its strength.
+    glued: bool,
 }
 
 /// What a node of the base has of the soil above it.
@@ -96,6 +101,7 @@ impl Coulomb {
         let shared = weakens || wet || base.adhesion > 0.0 || base.memory > 0.0;
         Self {
             base,
+            adhesion: base.adhesion,
             peak: base.peak_angle.to_radians().tan(),
             residual: base.residual_angle.to_radians().tan(),
             stuck: vec![false; count],
@@ -105,6 +111,7 @@ impl Coulomb {
             shares: vec![Shares::default(); if shared { count } else { 0 }],
             stress: vec![0.0; count],
             wet,
+            glued: false,
         }
     }
 
@@ -173,7 +180,8 @@ impl Coulomb {
             let now = -mass * m.change[D - 1] - soil.water * dt;
             let normal = if soil.known > 0.0 { soil.remembered * soil.area / soil.known * dt } else { now };
             self.stress[node] = if soil.area > 0.0 { now / (soil.area * dt) } else { 0.0 };
-            let limit = self.friction(slip) * normal.max(0.0) + self.base.adhesion * soil.area * dt;
+            let strength = self.friction(slip) * normal.max(0.0) + self.adhesion * soil.area * dt;
+            let limit = if self.glued { f64::INFINITY } else { strength };
             // Soil that stands still has not slid before the first step either.
             let stood = self.stuck[node] || nodes[node].momentum[0] == 0.0;
             if stood && mass * m.change[0].abs() <= limit {
@@ -226,6 +234,37 @@ impl Coulomb {
                 }
             }
         }
+    }
+
+    /// Nodes that did not slide in the last step.
+    pub fn stuck(&self) -> impl Iterator<Item = usize> {
+        self.stuck.iter().enumerate().filter(|(_, stuck)| **stuck).map(|(node, _)| node)
+    }
+
+    /// Lets nothing slide, or friction decide.
+    pub fn glue(&mut self, glued: bool) {
+        self.glued = glued;
+    }
+
+    /// Its strength is that of the scene divided by a factor.
+    pub fn weaken(&mut self, factor: f64) {
+        let tangent = |angle: f64| angle.to_radians().tan() / factor;
+        (self.peak, self.residual) = (tangent(self.base.peak_angle), tangent(self.base.residual_angle));
+        self.adhesion = self.base.adhesion / factor;
+    }
+
+    /// Forgets all slip.
+    pub fn forget_slip(&mut self) {
+        self.slip.fill(0.0);
+    }
+
+    /// Writes or reads the state.
+    pub fn keep(&mut self, keeper: &mut Keeper) {
+        keeper.list(&mut self.stuck, &false, |stuck, keeper| keeper.bool(stuck));
+        keeper.numbers(&mut self.slip);
+        keeper.numbers(&mut self.remembered);
+        keeper.numbers(&mut self.stress);
+        keeper.bool(&mut self.glued);
     }
 
     /// Bytes held.

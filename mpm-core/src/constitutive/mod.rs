@@ -69,6 +69,10 @@ pub trait Law<const S: usize>: Copy + Send + Sync + 'static {
         }
         flow
     }
+    /// The same law with its strength divided by a factor: c, tan phi and tan psi.
+    fn weakened(&self, _factor: f64) -> Self {
+        *self
+    }
     /// How far a stress is outside the yield surface, as a share of the strength under no stress, which the law states;
     /// negative inside, negative infinity if there is no surface.
     fn yield_residual(&self, _stress: &[f64; S]) -> f64 {

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::{CellValues, Flowed};
+use crate::keep::Keeper;
 use crate::nodes::{NodeMotion, NodeSums};
 use crate::water::FlowRates;
 
@@ -172,6 +173,39 @@ impl<const D: usize> Totals<D> {
                 self.gravity_impulse[d] += impulse;
                 self.gravity_work += impulse * (motion.velocity[d] - 0.5 * dt * motion.acceleration[d]);
             }
+        }
+    }
+
+    /// Writes or reads the sums.
+    pub fn keep(&mut self, keeper: &mut Keeper) {
+        for value in [
+            &mut self.external_work,
+            &mut self.load_impulse,
+            &mut self.gravity_work,
+            &mut self.damping_loss,
+            &mut self.darcy_dissipation,
+            &mut self.base_friction,
+            &mut self.flow_body_work,
+            &mut self.water_out,
+            &mut self.water_in,
+            &mut self.flowed.dissipation,
+            &mut self.flowed.residual,
+            &mut self.first.solid,
+            &mut self.first.water,
+            &mut self.first.kinetic,
+            &mut self.first.strain,
+            &mut self.first.pressure,
+            &mut self.first.volume,
+        ] {
+            keeper.f64(value);
+        }
+        for values in [
+            &mut self.support_impulse,
+            &mut self.gravity_impulse,
+            &mut self.damping_impulse,
+            &mut self.first.momentum,
+        ] {
+            keeper.f64s(values);
         }
     }
 

@@ -131,6 +131,28 @@ pub struct WaterState {
     pub unsettled: u64,
 }
 
+impl WaterState {
+    /// No water.
+    pub(crate) const NONE: Self = Self {
+        mobile_m3: 0.0,
+        mobile_porosity: 0.0,
+        particles_m3: 0.0,
+        pending_m3: 0.0,
+        inflow_m3_s: 0.0,
+        outflow_m3_s: 0.0,
+        in_m3: 0.0,
+        out_m3: 0.0,
+        front_x_m: 0.0,
+        front_y_m: 0.0,
+        particles: 0,
+        spawned: 0,
+        removed: 0,
+        packing_mean: 0.0,
+        packing_max: 0.0,
+        unsettled: 0,
+    };
+}
+
 /// Where the particles of both layers are in the plane, for pictures.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Places {

@@ -41,6 +41,8 @@ pub enum Clock {
     Seepage,
     /// The soil; the water keeps its pressures.
     Soil,
+    /// Both, each by its own clock or together: the soil may fail.
+    Both,
 }
 
 impl Clock {

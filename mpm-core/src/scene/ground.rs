@@ -88,6 +88,11 @@ impl Scene {
     /// Whether only the plain explicit step knows the scene.
     pub(crate) fn needs_plain_step(&self) -> bool {
         let rests = self.stages.iter().any(|stage| matches!(stage.until, super::Until::Rest { .. }));
-        self.light_nodes > 0.0 || self.periodic || self.base.is_some() || self.separation.is_some() || rests
+        self.shape == super::ShapeChoice::Centroid
+            || self.light_nodes > 0.0
+            || self.periodic
+            || self.base.is_some()
+            || self.separation.is_some()
+            || rests
     }
 }

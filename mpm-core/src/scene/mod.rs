@@ -2,6 +2,7 @@
 //! what was understood and found possible. Every default, unit and bound of the program is in this room.
 
 mod check;
+mod failure;
 mod flags;
 mod free_surface;
 mod ground;
@@ -12,6 +13,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+pub use failure::Failure;
 pub use flags::Flags;
 pub use free_surface::{Clock, Feed, FreeSurfaceWater};
 pub use ground::{Base, NormalStress, SeedingChoice};
@@ -52,6 +54,8 @@ pub enum Integrator {
     QuasiStatic,
     /// Water with a free surface in soil at rest, in steps of its own, and explicit soil under the pressures it leaves.
     TwoClocks,
+    /// The same water and soil in steps of the soil, with the pressures of their end.
+    Coupled,
 }
 
 /// Shape functions, and where they are evaluated for stress, pore pressure and strain.
@@ -60,6 +64,8 @@ pub enum Integrator {
 pub enum ShapeChoice {
     /// Linear, gradients at the centre of the cell: the paper's stabilisation, section 2.2.
     Centre,
+    /// Linear, gradients at the centroid of the soil in the cell: the centre where the cell is full.
+    Centroid,
     /// Linear, gradients at the particle: the standard linear MPM.
     Linear,
     /// uGIMP: linear functions averaged over the first size of the particle.
@@ -399,6 +405,9 @@ pub struct Scene {
     /// Where the water is, if it has a free surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub free_surface: Option<FreeSurfaceWater>,
+    /// How a stage in which water may make the soil fail is followed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub failure: Option<Failure>,
     /// Constraint of the solid on each side: left, right, bottom, top.
     pub solid_sides: [SolidSide; 4],
     /// What leaves the mesh at one side comes in at the other.

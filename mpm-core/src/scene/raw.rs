@@ -28,6 +28,7 @@ pub(super) struct RawScene {
     pub scheme: Option<Spanned<RawScheme>>,
     pub time: Option<Spanned<RawTime>>,
     pub stages: Spanned<Vec<Spanned<RawStage>>>,
+    pub failure: Option<Spanned<RawFailure>>,
     pub observe: Option<Spanned<RawObserve>>,
 }
 
@@ -231,6 +232,15 @@ pub(super) struct RawUntil {
 pub(super) struct RawRest {
     pub speed: Number,
     pub at_most: Number,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawFailure {
+    pub starts_at: Option<Number>,
+    pub goes_on: Option<bool>,
+    pub levels: Option<Spanned<Vec<Number>>>,
+    pub points: Option<Spanned<Vec<Spanned<[f64; 2]>>>>,
 }
 
 #[derive(Debug, Deserialize)]

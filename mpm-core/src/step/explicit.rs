@@ -1,5 +1,6 @@
 //! The paper's explicit step (Figure 1): particles to mesh, equation of motion, Darcy flow, mesh to particles.
 
+use super::track::Track;
 use super::{Fault, Model, Parts};
 use crate::boundary::{Coulomb, Edges};
 use crate::constitutive::Law;
@@ -10,7 +11,8 @@ use crate::observe::{Flowed, Ledger, Observation, Places, Totals};
 use crate::particles::SolidPoint;
 use crate::scene::Stage;
 use crate::shape::Shape;
-use crate::water::{Place, SoilCell, StressSums, Water};
+use crate::keep::Keeper;
+use crate::water::{Place, Pushed, SoilCell, StressSums, Water};
 use std::marker::PhantomData;
 
 /// The explicit integrator. K: dimension, Sh: shape, L: law, W: water.
@@ -19,6 +21,11 @@ pub struct Explicit<K, Sh, L, W, const D: usize, const S: usize> {
     parts: Parts<L, W, D, S>,
     /// Periodic sides, light nodes, friction on the base: few scenes have any.
     edges: Option<Box<Edges<D>>>,
+    /// What particles are followed by, where someone asks.
+    pub(super) track: Option<Box<Track<D, S>>>,
+    /// Of a water whose pressures push: inverse masses, and whom each node follows.
+    inverse: Vec<[f64; D]>,
+    leader: Vec<u32>,
     nodes: Vec<NodeSums<D>>,
     motion: Vec<NodeMotion<D>>,
     damping: f64,
@@ -43,9 +50,13 @@ where
     pub fn with_edges(mut parts: Parts<L, W, D, S>, edges: Option<Box<Edges<D>>>) -> Self {
         parts.surface.follow(&parts.solid);
         let count = parts.grid.node_count();
+        let pushed = if W::PRESSES { count } else { 0 };
         let mut run = Self {
             parts,
             edges,
+            track: None,
+            inverse: vec![[0.0; D]; pushed],
+            leader: vec![0; pushed],
             nodes: vec![NodeSums::ZERO; count],
             motion: vec![NodeMotion::REST; count],
             damping: 0.0,
@@ -73,19 +84,82 @@ where
         &self.parts.solid.points
     }
 
-    /// Books water (m3) that another model has let in and out, and the time (s) it took.
-    pub(super) fn book_flow(&mut self, rates: [f64; 2], time: f64) {
-        self.totals.water_in += rates[0];
-        self.totals.water_out += rates[1];
+    /// Friction on the base, if there is any.
+    pub(super) fn base(&mut self) -> Option<&mut Coulomb> {
+        self.edges.as_mut().and_then(|edges| edges.base.as_mut())
+    }
+
+    /// Damping from now on, 1/s.
+    pub(super) fn damp_by(&mut self, rate: f64) {
+        self.damping = rate;
+    }
+
+    /// All particles stop.
+    pub(super) fn stop(&mut self) {
+        for point in &mut self.parts.solid.points {
+            point.v = [0.0; D];
+        }
+    }
+
+    /// Nodes as they were in the last step.
+    pub(super) fn nodes(&self) -> (&[NodeSums<D>], &[NodeMotion<D>]) {
+        (&self.nodes, &self.motion)
+    }
+
+    /// Sums of the steps.
+    pub(super) fn totals(&mut self) -> &mut Totals<D> {
+        &mut self.totals
+    }
+
+    /// Begins the ledgers anew with the state as it is.
+    pub(super) fn begin_ledgers(&mut self) {
+        self.totals = Totals::default();
+        self.totals.start(&self.parts.cell_values::<K>());
+        self.totals.flowed = self.parts.flowed_at_first();
+        self.time = 0.0;
+    }
+
+    /// Writes or reads the state, all but that of the water.
+    pub(super) fn keep(&mut self, keeper: &mut Keeper) {
+        self.parts.solid.keep(keeper, &SolidPoint::NONE, SolidPoint::keep);
+        for motion in &mut self.motion {
+            keeper.f64s(&mut motion.velocity);
+        }
+        keeper.f64(&mut self.damping);
+        keeper.f64(&mut self.time);
+        self.totals.keep(keeper);
+        if let Some(base) = self.base() {
+            base.keep(keeper);
+        }
+        if let Some(track) = &mut self.track {
+            track.keep(keeper);
+        }
+    }
+
+    /// Time (s) passes without a step of the soil.
+    pub(super) fn pass(&mut self, time: f64) {
         self.time += time;
+    }
+
+    /// The water.
+    pub(super) fn water(&self) -> &W {
+        &self.parts.water
+    }
+
+    /// Solid particles and their numbers.
+    pub(super) fn solid_and_ids(&self) -> (&[SolidPoint<D, S>], &[u32]) {
+        (&self.parts.solid.points, &self.parts.solid.ids)
     }
 
     /// One step of Figure 1. ALONE gives [`Model::do_stage`] copies of the stages, so that those of a step remain one piece.
     fn step(&mut self, dt: f64) -> Result<(), Fault> {
         self.particles_to_mesh::<false>();
         self.load::<false>();
-        self.equation_of_motion::<false>(dt);
+        self.equation_of_motion::<false>(dt)?;
         self.darcy_flow::<false>(dt);
+        if self.track.is_some() {
+            self.follow_particles(dt);
+        }
         if self.mesh_to_particles::<false>(dt) {
             let solid = &mut self.parts.solid;
             if let Some(edges) = &self.edges {
@@ -139,14 +213,15 @@ where
                     }
                 }
             }
+            let at = if Sh::AT_CENTROID { centroid(grid, &position, &solid.points[solid.range(cell)]) } else { [0.5; D] };
             if Sh::AT_CENTRE {
                 // Section 2.2: G_i(x_c) for every particle of the cell.
                 for d in 0..D {
-                    stress.first[d] = stress.mean.map(|s| 0.5 * s);
+                    stress.first[d] = stress.mean.map(|s| at[d] * s);
                 }
             }
             let corners = grid.corners_from(grid.first_corner(cell, &position));
-            let soil = SoilCell { place: Place { cell, position, corners }, mass, volume };
+            let soil = SoilCell { place: Place { cell, position, corners }, mass, volume, at };
             let water_mass = water.cell_to_grid::<Sh>(grid, &soil, &mut stress);
             // div(sigma') - grad p, weak: f_i = - sum_p V sigma G_i
             let internal = to_corners::<D, D, _>(&K::internal_force(&stress.mean, &stress.first, grid.inverse_size));
@@ -183,7 +258,7 @@ where
     }
 
     /// Mixture momentum: rho a_s = div(sigma') - grad p + rho g; new nodal velocities.
-    fn equation_of_motion<const ALONE: bool>(&mut self, dt: f64) {
+    fn equation_of_motion<const ALONE: bool>(&mut self, dt: f64) -> Result<(), Fault> {
         if self.edges.is_some() {
             self.join();
         }
@@ -207,6 +282,9 @@ where
         if self.damping > 0.0 {
             self.damp(dt); // after the supports: a held node has no speed to lose
         }
+        if W::PRESSES {
+            self.press(dt)?;
+        }
         if self.edges.is_some() {
             self.follow(dt);
         }
@@ -221,6 +299,56 @@ where
         }
         if let Some(gravity) = self.parts.gravity {
             self.totals.weigh(&self.nodes, &self.motion, &gravity, dt);
+        }
+        Ok(())
+    }
+
+    /// Pressures that follow the motion within the step push the soil.
+    #[inline(never)]
+    fn press(&mut self, dt: f64) -> Result<(), Fault> {
+        let keep = 1.0 / (1.0 + self.damping * dt);
+        for (node, (inverse, leader)) in self.inverse.iter_mut().zip(&mut self.leader).enumerate() {
+            let mass = self.nodes[node].mixture_mass;
+            *inverse = [if mass > 0.0 { keep / mass } else { 0.0 }; D];
+            *leader = node as u32;
+        }
+        self.parts.supports.hold(&mut self.inverse);
+        if let Some(edges) = &self.edges {
+            for [follower, leader] in edges.joined.pairs() {
+                self.leader[follower] = leader as u32;
+            }
+            if let Some(base) = &edges.base {
+                base.stuck().for_each(|node| self.inverse[node][0] = 0.0);
+            }
+        }
+        let Parts { water, grid, .. } = &mut self.parts;
+        let pushed = Pushed { grid, inverse: &self.inverse, leader: &self.leader };
+        water.press(grid, &pushed, &mut self.motion, dt).map_err(|(place, what)| Fault { place, what })
+    }
+
+    /// Displacements, strains and work of those who ask.
+    #[inline(never)]
+    fn follow_particles(&mut self, dt: f64) {
+        let Some(track) = &mut self.track else { return };
+        track.work(&self.nodes, &self.motion, dt);
+        let Parts { grid, solid, .. } = &self.parts;
+        for (cell, position) in grid.walk() {
+            let range = solid.range(cell);
+            if range.is_empty() {
+                continue;
+            }
+            let corners = grid.corners_from(grid.first_corner(cell, &position));
+            let velocity = coefficients::<D, D, _>(&corners.map(|node| self.motion[node].velocity));
+            let at = if Sh::AT_CENTROID { centroid(grid, &position, &solid.points[range.clone()]) } else { [0.5; D] };
+            let mut gradient = gradient(&velocity, &at, grid.inverse_size);
+            for index in range {
+                if !Sh::AT_CENTRE {
+                    let x = solid.points[index].x;
+                    let xi = std::array::from_fn(|d| x[d] * grid.inverse_size - position[d] as f64);
+                    gradient = crate::dimension::gradient(&velocity, &xi, grid.inverse_size);
+                }
+                track.stretch::<K>(solid.ids[index], &gradient, dt);
+            }
         }
     }
 
@@ -257,7 +385,7 @@ where
             let points = &solid.points[solid.range(cell)];
             let (mass, volume) = points.iter().fold((0.0, 0.0), |(m, v), p| (m + p.mass, v + p.volume));
             // From the mean over the cell down to the base: under water that fills it, or stands in it up to a level.
-            let mean = water.cell_state(&SoilCell { place, mass, volume }).0;
+            let mean = water.cell_state(&SoilCell { place, mass, volume, at: [0.5; D] }).0;
             if mean >= 0.5 * rise { mean + 0.5 * rise } else { (2.0 * rise * mean.max(0.0)).sqrt() }
         };
         base.gather(grid, solid, joined, pressure);
@@ -314,10 +442,12 @@ where
             }
             let velocity = coefficients::<D, D, _>(&velocity);
             let change = coefficients::<D, D, _>(&change);
+            let at = if Sh::AT_CENTROID { centroid(grid, &position, &solid.points[range.clone()]) } else { [0.5; D] };
             for point in &mut solid.points[range] {
                 let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - position[d] as f64);
                 let phi = basis(&xi);
-                let gradient = gradient(&velocity, &Sh::point(&xi), grid.inverse_size);
+                let here = if Sh::AT_CENTROID { at } else { Sh::point(&xi) };
+                let gradient = gradient(&velocity, &here, grid.inverse_size);
                 K::rotate(&mut point.stress, &gradient, dt);
                 let strain = K::strain_increment(&gradient, dt);
                 if L::PLASTIC {
@@ -349,6 +479,23 @@ where
         }
         !inside
     }
+}
+
+/// Centroid of the soil of a cell, in cell coordinates.
+#[inline(always)]
+fn centroid<const D: usize, const S: usize>(
+    grid: &Grid<D>,
+    position: &[usize; D],
+    points: &[SolidPoint<D, S>],
+) -> [f64; D] {
+    let (mut volume, mut moment) = (0.0, [0.0; D]);
+    for point in points {
+        volume += point.volume;
+        for d in 0..D {
+            moment[d] += point.volume * point.x[d];
+        }
+    }
+    std::array::from_fn(|d| moment[d] / volume * grid.inverse_size - position[d] as f64)
 }
 
 impl<K, Sh, L, W, const D: usize, const S: usize> Model for Explicit<K, Sh, L, W, D, S>
@@ -419,7 +566,7 @@ where
         match stage {
             0 => self.particles_to_mesh::<true>(),
             1 => self.load::<true>(),
-            2 => self.equation_of_motion::<true>(dt),
+            2 => _ = self.equation_of_motion::<true>(dt),
             3 => self.darcy_flow::<true>(dt),
             _ => _ = self.mesh_to_particles::<true>(dt),
         }

@@ -1,6 +1,7 @@
 //! One time step. An integrator reads as its algorithm; the choices it is made of are types, fixed for a run.
 
 mod explicit;
+mod failing;
 mod explicit_wide;
 mod lanes;
 mod parts;
@@ -8,14 +9,16 @@ mod pressure;
 pub mod quasi_static;
 mod semi_implicit;
 mod skeleton;
+mod track;
 mod two_clocks;
 
 pub use explicit::Explicit;
+pub use failing::{Failing, Pace};
 pub use explicit_wide::ExplicitWide;
 pub use lanes::ExplicitLanes;
 pub use parts::Parts;
 pub use semi_implicit::SemiImplicit;
-pub use two_clocks::{TwoClocks, Wetting};
+pub use two_clocks::TwoClocks;
 
 use serde::Serialize;
 

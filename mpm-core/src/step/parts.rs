@@ -59,7 +59,7 @@ impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
                 values.add_solid(point, self.seed.height_of(solid.ids[index]), law.energy(&point.stress));
             }
             let place = Place { cell, position, corners };
-            let soil = SoilCell { place, mass: values.solid_mass, volume: values.volume };
+            let soil = SoilCell { place, mass: values.solid_mass, volume: values.volume, at: [0.5; D] };
             (values.pressure, values.water_energy) = water.cell_state(&soil);
             values.water_mass = water.cell_mass(&soil);
             values.row = position[D - 1];
@@ -115,7 +115,7 @@ impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
                 continue;
             }
             let (v, mass) = solid.points[range].iter().fold((0.0, 0.0), |(v, m), p| (v + p.volume, m + p.mass));
-            let soil = SoilCell { place: Place { cell, position, corners: [0; 4] }, mass, volume: v };
+            let soil = SoilCell { place: Place { cell, position, corners: [0; 4] }, mass, volume: v, at: [0.5; D] };
             let (pressure, _) = water.cell_state(&soil);
             sum += pressure * v;
             volume += v;

@@ -94,7 +94,7 @@ where
             let points = &solid.points[range];
             let (mass, volume) = points.iter().fold((0.0, 0.0), |(m, v), p| (m + p.mass, v + p.volume));
             let place = Place { cell, position, corners: grid.corners_from(grid.first_corner(cell, &position)) };
-            let pressure = water.note(&SoilCell { place, mass, volume });
+            let pressure = water.note(&SoilCell { place, mass, volume, at: [0.5; D] });
             for point in points {
                 let stencil = self.functions.around(&position, &inside(grid, &position, &point.x));
                 let mut stress = point.stress;

@@ -4,76 +4,32 @@
 //! A stage runs by one of them. By the clock of the seepage the water takes implicit steps of its own length
 //! ([`FreeSurface`]); by that of the soil the explicit step of Figure 1 runs with the pressures held.
 
-use super::{Explicit, Fault, Model, Work};
+use super::{Explicit, Failing, Fault, Model, Pace, Work};
 use crate::constitutive::Law;
 use crate::dimension::Kinematics;
 use crate::grid::Grid;
-use crate::observe::{FieldPoint, Ledger, Observation, Places, WaterState};
-use crate::scene::{Clock, Feed, Stage};
+use crate::keep::Keeper;
+use crate::observe::{CellState, FieldPoint, Frame, Ledger, Observation, Places, SolidState, WaterParticle, WaterState};
+use crate::scene::{Clock, Stage};
 use crate::shape::Shape;
-use crate::water::Frozen;
-use crate::water::free_surface::{FreeSurface, Kind, Medium, SoilMap, Surroundings, WaterLayer};
+use crate::step::track::Track;
+use crate::water::free_surface::Kind;
+use crate::water::Carried;
 
 /// First step of a seepage stage as a share of its length.
 const FIRST_STEP: f64 = 1e-4;
-
-/// The water of a scene with two clocks.
-#[derive(Debug)]
-pub struct Wetting<const D: usize> {
-    /// Water in the cells.
-    pub water: FreeSurface<D>,
-    /// Its particles.
-    pub layer: WaterLayer<D>,
-    /// Sides that are fed.
-    pub feeds: [Option<Feed>; 4],
-    /// Whether left and right are the same place.
-    pub periodic: bool,
-    /// Water per volume of soil that is there before any front comes, kg/m3.
-    pub moisture: f64,
-    /// Particles per cell along one direction.
-    pub per_direction: usize,
-    /// Density of the water, kg/m3.
-    pub density: f64,
-}
-
-impl<const D: usize> Wetting<D> {
-    /// What the soil feels of the water.
-    pub fn frozen(&self) -> Frozen {
-        let water = &self.water;
-        let cells = water.content.len();
-        let mut frozen = Frozen {
-            pressure: (0..cells).map(|cell| water.mean_pressure(cell)).collect(),
-            per_volume: vec![0.0; cells],
-            middle: vec![0.5; cells],
-            density: self.density,
-            work: 0.0,
-            volume: vec![0.0; cells],
-        };
-        for cell in 0..cells {
-            if water.soil.is_soil(cell) {
-                let soil = water.soil.share[cell] * water.medium.cell_volume;
-                frozen.per_volume[cell] = self.density * water.content[cell] / soil + self.moisture;
-                if water.kind[cell] == Kind::Standing {
-                    frozen.middle[cell] = 0.5 * water.soil.share[cell] * water.wet_share(cell).clamp(0.0, 1.0);
-                }
-            }
-        }
-        frozen
-    }
-
-    fn around(&self, open: [bool; 4]) -> Surroundings {
-        Surroundings { open, feeds: self.feeds, periodic: self.periodic }
-    }
-}
+/// Motion slower than this (m/s) is none to speak of.
+const STILL: f64 = 1e-3;
+/// Soil that has moved less than this takes no water along, in cells.
+const NEAR: f64 = 1e-3;
 
 /// The model with two clocks. K: dimension, Sh: shape, L: law.
 #[derive(Debug)]
 pub struct TwoClocks<K, Sh, L, const D: usize, const S: usize> {
-    soil: Explicit<K, Sh, L, Frozen, D, S>,
-    wetting: Wetting<D>,
+    soil: Explicit<K, Sh, L, Carried<D>, D, S>,
+    /// The law of the scene.
+    law: L,
     clock: Clock,
-    /// Whether the soil has moved since the water last looked at it.
-    moved: bool,
     /// Length of the next seepage step, s.
     next: f64,
     work: Work,
@@ -86,36 +42,31 @@ where
     L: Law<S>,
 {
     /// A run at t = 0.
-    pub fn new(soil: Explicit<K, Sh, L, Frozen, D, S>, wetting: Wetting<D>) -> Self {
-        Self { soil, wetting, clock: Clock::Seepage, moved: false, next: 0.0, work: Work::default() }
+    pub fn new(mut soil: Explicit<K, Sh, L, Carried<D>, D, S>) -> Self {
+        Self { law: soil.parts().law, soil, clock: Clock::Seepage, next: 0.0, work: Work::default() }
     }
 
-    /// Takes the soil as it stands now. Water that it has left behind or squeezed out is booked as outflow.
-    fn look_at_soil(&mut self, around: &Surroundings) -> Result<(), Fault> {
+    /// Takes the water along to where the soil stands now.
+    fn look_at_soil(&mut self) {
         let parts = self.soil.parts();
-        let old = &self.wetting.water;
-        let Medium { cell_volume, size, .. } = old.medium;
-        let map = SoilMap::new(&parts.grid, &parts.solid, cell_volume / size, self.wetting.per_direction);
-        let mut content = old.content.clone();
-        let mut lost = 0.0;
-        for (cell, content) in content.iter_mut().enumerate() {
-            let pores = if map.is_soil(cell) { old.medium.porosity * map.share[cell] * cell_volume } else { 0.0 };
-            lost += (*content - pores).max(0.0);
-            *content = content.min(pores);
+        if parts.water.way(&parts.grid) > NEAR {
+            parts.water.carry(&parts.grid, &parts.solid);
         }
-        let (inflow, outflow, unsettled) = (old.inflow, old.outflow + lost, old.unsettled);
-        let mut water = FreeSurface::new(&parts.grid, old.medium, map, around).map_err(|e| everywhere(&e))?;
-        water.fill(&content);
-        (water.inflow, water.outflow, water.unsettled) = (inflow, outflow, unsettled);
-        self.wetting.water = water;
-        self.soil.book_flow([0.0, lost], 0.0);
-        Ok(())
+        self.book();
     }
 
-    fn seep(&mut self, span: f64, done: &mut u64) -> Result<(), Fault> {
-        let (mut time, mut count) = (0.0, 0);
-        let Wetting { water, layer, periodic, .. } = &mut self.wetting;
-        let (first_in, first_out) = (water.inflow, water.outflow);
+    /// Books what has flowed by the clock of the soil.
+    fn book(&mut self) {
+        let water = &self.soil.parts().water.water;
+        let flowed = [water.inflow, water.outflow];
+        let totals = self.soil.totals();
+        [totals.water_in, totals.water_out] = flowed;
+    }
+
+    fn seep_for(&mut self, span: f64, done: &mut u64) -> Result<(), Fault> {
+        let mut time = 0.0;
+        let parts = self.soil.parts();
+        let Carried { water, layer, around, .. } = &mut parts.water;
         let mut outcome = Ok(());
         while time < span {
             let left = span - time;
@@ -125,9 +76,10 @@ where
                 Ok((step, next)) => {
                     // A step that was only cut to end at a time says nothing of the next.
                     self.next = if step < asked || asked >= self.next { next } else { self.next.max(next) };
-                    layer.follow(&self.soil.parts().grid, water, step, *periodic);
+                    layer.follow(&parts.grid, water, step, around.periodic);
                     time = if step >= left { span } else { time + step };
-                    count += 1;
+                    self.work.accepted += 1;
+                    *done += 1;
                 }
                 Err(e) => {
                     outcome = Err(everywhere(&e));
@@ -135,22 +87,15 @@ where
                 }
             }
         }
-        let flowed = [water.inflow - first_in, water.outflow - first_out];
-        self.work.accepted += count;
-        *done += count;
-        self.soil.book_flow(flowed, time);
-        self.hold();
+        parts.water.returns(time);
+        parts.water.show();
+        self.soil.pass(time);
+        self.book();
         outcome
     }
 
-    /// Hands the water as it is to the soil.
-    fn hold(&mut self) {
-        let held = &mut self.soil.parts().water;
-        *held = Frozen { work: held.work, ..self.wetting.frozen() };
-    }
-
     fn water_state(&self, grid: &Grid<D>) -> WaterState {
-        let Wetting { water, layer, .. } = &self.wetting;
+        let Carried { water, layer, .. } = self.soil.water();
         let mut front = [0.0; 2];
         for (cell, position) in grid.walk() {
             let wet = water.wet_share(cell).clamp(0.0, 1.0);
@@ -162,7 +107,7 @@ where
             }
         }
         WaterState {
-            mobile_m3: water.stored(),
+            mobile_m3: self.soil.water().stored(),
             mobile_porosity: water.medium.porosity,
             particles_m3: layer.stored(),
             pending_m3: layer.pending(),
@@ -194,29 +139,22 @@ where
 {
     fn advance(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault> {
         match self.clock {
-            Clock::Seepage => self.seep(dt * steps as f64, done),
-            Clock::Soil => {
-                self.moved = true;
-                self.soil.advance(dt, steps, done)
-            }
+            Clock::Seepage => self.seep_for(dt * steps as f64, done),
+            Clock::Soil | Clock::Both => self.soil.advance(dt, steps, done),
         }
     }
 
     fn enter_stage(&mut self, stage: &Stage, times: &[f64]) -> Result<(), Fault> {
         self.clock = stage.clock;
-        let around = self.wetting.around(stage.drained);
         if self.clock == Clock::Soil {
-            self.hold();
+            self.soil.parts().water.show();
             return self.soil.enter_stage(stage, times);
         }
         self.next = FIRST_STEP * times.first().copied().unwrap_or(1.0);
-        if std::mem::take(&mut self.moved) {
-            self.look_at_soil(&around)
-        } else {
-            let grid = &self.soil.parts().grid;
-            self.wetting.water.surround(grid, &around);
-            Ok(())
-        }
+        self.look_at_soil();
+        let parts = self.soil.parts();
+        parts.water.open(&parts.grid, stage.drained);
+        Ok(())
     }
 
     fn time(&self) -> f64 {
@@ -230,7 +168,7 @@ where
     fn observe(&self) -> Observation {
         let mut state = self.soil.observe();
         let grid = self.soil.grid();
-        let water = &self.wetting.water;
+        let water = &self.soil.water().water;
         state.field = grid
             .walk()
             .filter(|(cell, _)| water.soil.is_soil(*cell))
@@ -262,7 +200,7 @@ where
     }
 
     fn bytes(&self) -> usize {
-        self.soil.bytes() + self.wetting.water.bytes()
+        self.soil.bytes()
     }
 
     fn solid_count(&self) -> usize {
@@ -270,6 +208,204 @@ where
     }
 
     fn places(&self) -> Places {
-        Places::of(self.soil.solid_points(), &self.wetting.layer.points)
+        Places::of(self.soil.solid_points(), &self.soil.water().layer.points)
+    }
+}
+
+impl<K, Sh, L, const S: usize> Failing for TwoClocks<K, Sh, L, 2, S>
+where
+    K: Kinematics<2, S>,
+    Sh: Shape,
+    L: Law<S>,
+{
+    fn move_soil(&mut self, pace: &Pace, done: &mut u64) -> Result<(), Fault> {
+        self.soil.damp_by(pace.damping);
+        let parts = self.soil.parts();
+        if parts.water.pressures != pace.pressures {
+            parts.water.pressures = pace.pressures;
+            parts.water.show();
+        }
+        let outcome = self.soil.advance(pace.dt, pace.steps, done);
+        self.book();
+        outcome
+    }
+
+    fn seep(&mut self, span: f64, done: &mut u64) -> Result<(), Fault> {
+        if self.next == 0.0 {
+            self.next = FIRST_STEP * span;
+        }
+        self.look_at_soil();
+        self.seep_for(span, done)
+    }
+
+    fn feel(&mut self, share: f64) {
+        self.soil.parts().water.feel(share);
+    }
+
+    fn glue(&mut self, glued: bool) {
+        if let Some(base) = self.soil.base() {
+            base.glue(glued);
+        }
+    }
+
+    fn stop(&mut self) {
+        self.soil.stop();
+    }
+
+    fn count_from_here(&mut self) {
+        let solid = &self.soil.parts().solid;
+        self.soil.track = Some(Box::new(Track::new(solid)));
+        self.soil.parts().water.work = 0.0;
+        self.soil.begin_ledgers();
+        self.book();
+    }
+
+    fn forget_slip(&mut self) {
+        if let Some(base) = self.soil.base() {
+            base.forget_slip();
+        }
+    }
+
+    fn weaken(&mut self, factor: f64) {
+        let parts = self.soil.parts();
+        parts.law = self.law.weakened(factor);
+        if let Some(base) = self.soil.base() {
+            base.weaken(factor);
+        }
+    }
+
+    fn unbalanced(&self) -> f64 {
+        let (nodes, motion) = self.soil.nodes();
+        let (mut left, mut whole) = (0.0, 0.0);
+        for (node, m) in nodes.iter().zip(motion) {
+            let force = |a: [f64; 2]| (a[0] * a[0] + a[1] * a[1]).sqrt();
+            left += node.mixture_mass * force(m.acceleration);
+            whole += force(node.force);
+        }
+        if whole > 0.0 { left / whole } else { 0.0 }
+    }
+
+    fn each(&self, visit: &mut dyn FnMut(&SolidState)) {
+        let (points, ids) = self.soil.solid_and_ids();
+        let (grid, water) = (self.soil.grid(), self.soil.water());
+        for (point, id) in points.iter().zip(ids) {
+            let track = self.soil.track.as_deref();
+            let from = track.map_or(point.x, |track| track.origin[*id as usize]);
+            let mut stress = [0.0; 4];
+            stress[..S.min(4)].copy_from_slice(&point.stress[..S.min(4)]);
+            visit(&SolidState {
+                id: *id,
+                x: point.x,
+                displacement: [point.x[0] - from[0], point.x[1] - from[1]],
+                velocity: point.v,
+                stress,
+                pore_pressure: grid.cell_at(&point.x).map_or(0.0, |cell| water.felt(cell)),
+                deviator_strain: track.map_or(0.0, |track| track.deviator(*id)),
+                volume: point.volume,
+                mass: point.mass,
+            });
+        }
+    }
+
+    fn frame(&self, time_s: f64, step: u64) -> Frame {
+        let (grid, water) = (self.soil.grid(), self.soil.water());
+        let mut solid = Vec::with_capacity(self.soil.solid_count());
+        self.each(&mut |state| solid.push(*state));
+        solid.sort_by_key(|state| state.id);
+        Frame {
+            time_s,
+            step,
+            cells: grid.cells,
+            size: grid.size,
+            solid,
+            water: water
+                .layer
+                .points
+                .iter()
+                .map(|p| WaterParticle { x: p.x, velocity: p.v, pressure: p.pressure, volume: p.volume })
+                .collect(),
+            cell: (0..grid.cell_count())
+                .map(|cell| CellState {
+                    soil: water.water.soil.share[cell],
+                    saturation: water.water.wet_share(cell).clamp(0.0, 1.0),
+                    pressure: water.felt(cell),
+                })
+                .collect(),
+        }
+    }
+
+    fn level(&self, x: f64) -> f64 {
+        self.soil.water().water.level(self.soil.grid(), x)
+    }
+
+    fn front(&self) -> f64 {
+        let (grid, water) = (self.soil.grid(), &self.soil.water().water);
+        let mut front: f64 = 0.0;
+        for cell in 0..grid.cells[0] {
+            let wet = water.wet_share(cell).clamp(0.0, 1.0);
+            if wet > 1e-6 {
+                // The soil of a toe ends before its cell does.
+                let soil = water.soil.cover[1][cell][1].max(water.soil.share[cell]);
+                front = front.max((cell as f64 + soil * wet) * grid.size);
+            }
+        }
+        front
+    }
+
+    fn unevenness(&self) -> [f64; 2] {
+        let (grid, water) = (self.soil.grid(), &self.soil.water().water);
+        let full = |cell: usize| water.kind[cell] == Kind::Full;
+        let (mut uneven, mut blocks, mut mean, mut cells) = (0.0, 0u32, 0.0, 0u32);
+        let across = grid.cells[0];
+        for (cell, position) in grid.walk().filter(|(cell, _)| full(*cell)) {
+            mean += water.pressure[cell].abs();
+            cells += 1;
+            if position[0] + 1 < across && position[1] + 1 < grid.cells[1] {
+                let block = [cell, cell + 1, cell + across, cell + across + 1];
+                if block.iter().all(|cell| full(*cell)) {
+                    let [a, b, c, d] = block.map(|cell| water.pressure[cell]);
+                    uneven += 0.25 * (a - b - c + d).abs();
+                    blocks += 1;
+                }
+            }
+        }
+        let checkerboard =
+            if blocks > 0 && mean > 0.0 { uneven / f64::from(blocks) / (mean / f64::from(cells)) } else { 0.0 };
+        let (_, motion) = self.soil.nodes();
+        let (mut hourglass, mut whole) = (0.0, 0.0);
+        for (cell, position) in grid.walk() {
+            let soil = water.soil.share[cell];
+            if soil > 0.0 {
+                let corners = grid.corners_from(grid.first_corner(cell, &position)).map(|node| motion[node].velocity);
+                for d in 0..2 {
+                    let [a, b, c, e] = corners.map(|v| v[d]);
+                    hourglass += soil * (0.25 * (a - b - c + e)).powi(2);
+                    whole += soil * 0.25 * (a * a + b * b + c * c + e * e);
+                }
+                whole += soil * STILL * STILL;
+            }
+        }
+        [checkerboard, if whole > 0.0 { (hourglass / whole).sqrt() } else { 0.0 }]
+    }
+
+    fn node_work(&self) -> f64 {
+        self.soil.track.as_ref().map_or(0.0, |track| track.node_work)
+    }
+
+    fn keep(&mut self, keeper: &mut Keeper) {
+        let mut tracked = self.soil.track.is_some();
+        keeper.bool(&mut tracked);
+        if tracked && self.soil.track.is_none() {
+            let solid = &self.soil.parts().solid;
+            self.soil.track = Some(Box::new(Track::new(solid)));
+        }
+        if !tracked {
+            self.soil.track = None;
+        }
+        self.soil.keep(keeper);
+        let parts = self.soil.parts();
+        parts.water.keep(keeper, &parts.grid);
+        keeper.f64(&mut self.next);
+        keeper.u64(&mut self.work.accepted);
     }
 }

@@ -1,24 +1,24 @@
 //! The water layer: none at all, water that fills the pores (saturated), also of soil that runs out (ragged), water with a
-//! free surface, and the pressures it leaves to the soil (frozen).
+//! free surface, in soil that may move (carried).
 //!
 //! A dry scene has no water arrays and calls nothing of this room: [`Dry`] is a type without data.
 
+mod carried;
 mod cellwise;
 mod exposed;
 mod face;
 pub mod free_surface;
-mod frozen;
 mod implicit;
 mod nodal;
 mod ragged;
 mod resident;
 mod saturated;
 
+pub use carried::{Carried, Pressures};
 pub use cellwise::{CellChange, Cellwise};
 pub use exposed::{Exposed, ExposedFace};
 pub use face::Face;
 pub(crate) use face::{DRAINED_SURFACE, LEAST_FILLING};
-pub use frozen::Frozen;
 pub use nodal::Nodal;
 pub use ragged::Ragged;
 pub use resident::{FaceFlow, Resident};
@@ -72,6 +72,8 @@ pub struct SoilCell<const D: usize> {
     pub mass: f64,
     /// Volume of soil in it, m3.
     pub volume: f64,
+    /// Where in the cell its stress and pressure act if its particles share a point, in cell coordinates.
+    pub at: [f64; D],
 }
 
 /// Stress sums of a cell: `sum V sigma`, and the same times each cell coordinate.
@@ -81,6 +83,27 @@ pub struct StressSums<const D: usize, const S: usize> {
     pub mean: [f64; S],
     /// `sum V sigma xi_d`, N m; not used by schemes that evaluate at the centre.
     pub first: [[f64; S]; D],
+}
+
+/// How the nodes of the soil can be pushed.
+#[derive(Debug, Clone, Copy)]
+pub struct Pushed<'a, const D: usize> {
+    /// The mesh.
+    pub grid: &'a Grid<D>,
+    /// 1/kg of each node and direction; zero where something holds it.
+    pub inverse: &'a [[f64; D]],
+    /// The node that each node moves with, itself if none.
+    pub leader: &'a [u32],
+}
+
+impl<const D: usize> Pushed<'_, D> {
+    /// The node that moves a corner of a cell.
+    #[inline(always)]
+    pub fn node(&self, cell: usize, corner: usize) -> usize {
+        let row = if D == 2 { cell / self.grid.cells[0] } else { 0 };
+        let up = if corner & 2 == 2 { self.grid.cells[0] + 1 } else { 0 };
+        self.leader[cell + row + (corner & 1) + up] as usize
+    }
 }
 
 /// What the step asks of the water.
@@ -101,6 +124,23 @@ pub trait Water<K: Kinematics<D, S>, const D: usize, const S: usize>: Send {
 
     /// Darcy flow from pressures and accelerations: the paper's Eq. (1).
     fn flow(&mut self, grid: &Grid<D>, motion: &[NodeMotion<D>], gravity: &[f64; D]) -> FlowRates;
+
+    /// Whether pressures of the end of the step push the soil.
+    const PRESSES: bool = false;
+
+    /// Lets them push: forces, friction, supports and damping have acted.
+    ///
+    /// # Errors
+    /// A place and what was found there.
+    fn press(
+        &mut self,
+        _: &Grid<D>,
+        _: &Pushed<D>,
+        _: &mut [NodeMotion<D>],
+        _: f64,
+    ) -> Result<(), (String, String)> {
+        Ok(())
+    }
 
     /// Updates pressure, volume, velocity and position of the water of one cell: the paper's Eqs. (5)-(7).
     fn cell_to_points<Sh: Shape>(&mut self, grid: &Grid<D>, place: &Place<D>, velocity: &[[f64; D]; 4], dt: f64);

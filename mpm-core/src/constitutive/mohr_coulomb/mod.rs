@@ -193,6 +193,10 @@ macro_rules! law {
             fn yield_residual(&self, stress: &[f64; $components]) -> f64 {
                 self.excess(stress)
             }
+
+            fn weakened(&self, factor: f64) -> Self {
+                Self { elastic: self.elastic, surface: self.surface.weakened(factor) }
+            }
         }
     };
 }

@@ -76,6 +76,20 @@ impl Surface {
         }
     }
 
+    /// The surface of the same soil with c, tan(phi) and tan(psi) divided by a factor; the cut-off stays.
+    pub fn weakened(&self, factor: f64) -> Self {
+        let elastic = Elastic { youngs_modulus: self.youngs_modulus, poisson_ratio: self.poisson_ratio };
+        let reduced = |sine: f64| (sine.asin().tan() / factor).atan().to_degrees();
+        let sine = self.normal[0] - 1.0;
+        let strength = Strength {
+            cohesion: self.strength / (2.0 * (1.0 - sine * sine).sqrt()) / factor,
+            friction_angle: reduced(sine),
+            dilation_angle: reduced(self.along[0] - 1.0),
+            tension_cutoff: Some(self.cutoff).filter(|stress| stress.is_finite()),
+        };
+        Self::new(&elastic, &strength)
+    }
+
     /// f of the planes through the stresses `high` and `low` (Pa), Pa.
     #[inline(always)]
     pub fn over(&self, high: f64, low: f64) -> f64 {

@@ -9,7 +9,7 @@ use crate::seeding::{self, Fault};
 
 impl Reader<'_> {
     pub(super) fn clock(&self, stage: &RawStage) -> Checked<Clock> {
-        let words = [("seepage", Clock::Seepage), ("soil", Clock::Soil)];
+        let words = [("seepage", Clock::Seepage), ("soil", Clock::Soil), ("both", Clock::Both)];
         self.word(stage.clock.as_ref(), "stages.clock", &words, Clock::Seepage)
     }
 
@@ -145,7 +145,10 @@ impl Reader<'_> {
     /// A free surface needs the integrator with two clocks, and the other way round.
     pub(super) fn two_clocks(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
         let integrator = raw.time.as_ref().and_then(|time| time.get_ref().integrator.as_ref());
-        let two = scene.integrator == Integrator::TwoClocks;
+        self.driver(raw, scene)?;
+        // Soil that may fail runs by either clock, or in one step with its water.
+        let together = matches!(scene.integrator, Integrator::Coupled | Integrator::Explicit) && scene.may_fail();
+        let two = scene.integrator == Integrator::TwoClocks || together;
         let table = raw.water.as_ref().and_then(|water| water.get_ref().free_surface.as_ref());
         if let (Some(table), false) = (table, two) {
             let expected = "integrator = \"two-clocks\" beside it: the others know saturated soil";
@@ -171,8 +174,8 @@ impl Reader<'_> {
             let expected = "[water.free_surface] beside it, or integrator = \"explicit\"";
             return self.refuse(&span, key, expected, "\"two-clocks\"");
         }
-        if !matches!(scene.shape, ShapeChoice::Centre | ShapeChoice::Linear) {
-            let expected = "shape = \"centre\" or \"linear\" beside it";
+        if !matches!(scene.shape, ShapeChoice::Centre | ShapeChoice::Centroid | ShapeChoice::Linear) {
+            let expected = "shape = \"centre\", \"centroid\" or \"linear\" beside it";
             return self.refuse(&span, key, expected, "another shape");
         }
         if let Some(surcharge) = &raw.surcharge {

@@ -297,6 +297,10 @@ impl Reader<'_> {
             self.plane_strain(&table.span(), "base", scene)?;
             self.corners(&table.span(), "base", scene)?;
         }
+        let shape = raw.scheme.as_ref().and_then(|scheme| scheme.get_ref().shape.as_ref());
+        if let (Some(word), ShapeChoice::Centroid) = (shape, scene.shape) {
+            self.explicit(&word.span(), "scheme.shape", scene)?;
+        }
         if let Some(value) = raw.scheme.as_ref().and_then(|s| s.get_ref().light_nodes.as_ref()) {
             self.plane_strain(&value.span(), "scheme.light_nodes", scene)?;
             self.corners(&value.span(), "scheme.light_nodes", scene)?;
@@ -318,16 +322,16 @@ impl Reader<'_> {
     /// The plain explicit step: linear functions, at the centre of the cell or at the particle.
     fn corners(&self, span: &Range<usize>, key: &str, scene: &Scene) -> Checked<()> {
         self.explicit(span, key, scene)?;
-        if matches!(scene.shape, ShapeChoice::Centre | ShapeChoice::Linear) {
+        if matches!(scene.shape, ShapeChoice::Centre | ShapeChoice::Centroid | ShapeChoice::Linear) {
             return Ok(());
         }
         let found = if scene.shape == ShapeChoice::Gimp { "\"gimp\"" } else { "\"bspline2\"" };
-        self.refuse(span, key, "shape = \"centre\" or \"linear\" beside it", found)
+        self.refuse(span, key, "shape = \"centre\", \"centroid\" or \"linear\" beside it", found)
     }
 
     fn explicit(&self, span: &Range<usize>, key: &str, scene: &Scene) -> Checked<()> {
         let found = match scene.integrator {
-            Integrator::Explicit | Integrator::TwoClocks => return Ok(()),
+            Integrator::Explicit | Integrator::TwoClocks | Integrator::Coupled => return Ok(()),
             Integrator::SemiImplicit => "\"semi-implicit\"",
             Integrator::QuasiStatic => "\"quasi-static\"",
         };

@@ -42,6 +42,7 @@ impl Reader<'_> {
     pub(super) fn scheme(&self, raw: Option<&RawScheme>, wet: bool, dimension: Dimension) -> Checked<Scheme> {
         let shapes = [
             ("centre", ShapeChoice::Centre),
+            ("centroid", ShapeChoice::Centroid),
             ("linear", ShapeChoice::Linear),
             ("gimp", ShapeChoice::Gimp),
             ("bspline2", ShapeChoice::Bspline2),
@@ -113,6 +114,7 @@ impl Reader<'_> {
             ("semi-implicit", Integrator::SemiImplicit),
             ("quasi-static", Integrator::QuasiStatic),
             ("two-clocks", Integrator::TwoClocks),
+            ("coupled", Integrator::Coupled),
         ];
         checked.integrator =
             self.word(time.integrator.as_ref(), "time.integrator", &integrators, Integrator::Explicit)?;

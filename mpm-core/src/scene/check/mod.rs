@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use toml::{Spanned, Value};
 
+mod failure;
 mod free_surface;
 mod ground;
 mod law;
@@ -198,6 +199,7 @@ impl Reader<'_> {
             porosity,
             water,
             free_surface: None,
+            failure: None,
             solid_sides,
             periodic: self.periodic(raw)?,
             base: None,
@@ -225,6 +227,7 @@ impl Reader<'_> {
         let wave = (scene.oedometer_modulus() / scene.mixture_density()).sqrt();
         scene.base = self.base(raw, 4.0 * height / wave)?;
         self.stages(raw, &mut scene)?;
+        scene.failure = self.failure(raw, &scene)?;
         self.observe(raw.observe.as_ref(), &mut scene)?;
         self.fits_together(raw, &scene)?;
         self.on_the_ground(raw, &scene)?;

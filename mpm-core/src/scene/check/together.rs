@@ -36,7 +36,7 @@ impl Reader<'_> {
             let expected = "a [water] table beside it: a dry scene has no pressure to solve for";
             return self.refuse(&value.span(), "time.integrator", expected, quoted(value.get_ref()));
         }
-        let corners = matches!(scene.shape, ShapeChoice::Centre | ShapeChoice::Linear);
+        let corners = matches!(scene.shape, ShapeChoice::Centre | ShapeChoice::Centroid | ShapeChoice::Linear);
         let darcy = raw.scheme.as_ref().and_then(|scheme| scheme.get_ref().darcy.as_ref());
         if let (Some(value), DarcyChoice::Nodal, true) = (darcy, scene.darcy, semi || !corners) {
             let expected = "\"face\", or integrator = \"explicit\" and shape = \"centre\" or \"linear\" beside it";
@@ -69,7 +69,7 @@ impl Reader<'_> {
         let Some(table) = &raw.water else { return Ok(()) };
         let value = &table.get_ref().bulk_modulus;
         // Under a free surface no water is closed in.
-        if value.get_ref().is_finite() || scene.integrator == Integrator::TwoClocks {
+        if value.get_ref().is_finite() || scene.free_surface.is_some() {
             return Ok(());
         }
         if scene.integrator == Integrator::Explicit {
@@ -121,6 +121,7 @@ impl Reader<'_> {
             Integrator::SemiImplicit => "\"semi-implicit\"",
             Integrator::QuasiStatic => "\"quasi-static\"",
             Integrator::TwoClocks => "\"two-clocks\"",
+            Integrator::Coupled => "\"coupled\"",
         };
         self.refuse(span, key, "integrator = \"quasi-static\" beside it", found)
     }

@@ -43,7 +43,7 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
     fn axes(&self, least: f64) -> [Axis; D] {
         let scene = self.scene;
         let basis = match scene.shape {
-            ShapeChoice::Centre | ShapeChoice::Linear => Basis::Linear,
+            ShapeChoice::Centre | ShapeChoice::Centroid | ShapeChoice::Linear => Basis::Linear,
             ShapeChoice::Gimp => Basis::Gimp { half: 0.5 * self.spacing() },
             ShapeChoice::Bspline2 => Basis::Spline2,
         };
@@ -163,7 +163,7 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
     }
 
     fn solid(&self, axes: &[Axis; D], weights: &[f64]) -> Vec<SolidPart<D, S>> {
-        let centre = self.scene.shape == ShapeChoice::Centre;
+        let centre = matches!(self.scene.shape, ShapeChoice::Centre | ShapeChoice::Centroid);
         let part = |(i, point): (usize, &SolidPoint<D, S>)| {
             let mut stencil = Stencil::at(axes, &point.x);
             if centre {

@@ -27,6 +27,8 @@ pub struct Edge {
     pub upper: bool,
     /// Share of a whole face.
     pub open: f64,
+    /// Where a face to the side begins, above the bottom of the cell, in cells.
+    pub from: f64,
     /// Distance from the centre of the cell to the outside, in cells.
     pub distance: f64,
     /// What is there.
@@ -68,11 +70,14 @@ pub fn edges<const D: usize>(
                 let here = own[usize::from(upper)];
                 let other = own[usize::from(!upper)];
                 let side = 2 * (axis + 2 - D) + usize::from(upper);
-                let edge = |open, distance, outside| Edge {
+                let vertical = axis == D - 1;
+                let edge = |open, from: f64, distance, outside| Edge {
                     cell: cell as u32,
                     axis: axis as u8,
                     upper,
                     open,
+                    // Soil lies at the bottom of its cell: what is open to the side lies above what is not.
+                    from: if vertical { 0.0 } else { from },
                     distance,
                     outside,
                 };
@@ -85,14 +90,14 @@ pub fn edges<const D: usize>(
                     if let Some(feed) = feeds[side].filter(|_| here > 0.0)
                         && let Some(outside) = fed(medium, &feed, (axis, upper), &position, here, face_area)
                     {
-                        list.push(edge(here, 0.5, outside));
+                        list.push(edge(here, 0.0, 0.5, outside));
                         continue;
                     }
                     if sides[side] && here > 0.0 {
-                        list.push(edge(here, 0.5, Outside::Air));
+                        list.push(edge(here, 0.0, 0.5, Outside::Air));
                     }
                     if slope > 0.0 {
-                        list.push(edge(slope, to_outline(soil.share[cell], 0.0), Outside::Air));
+                        list.push(edge(slope, here, to_outline(soil.share[cell], 0.0), Outside::Air));
                     }
                     continue;
                 }
@@ -102,7 +107,7 @@ pub fn edges<const D: usize>(
                 let open = here - through + slope;
                 if open > 1e-9 {
                     let distance = to_outline(soil.share[cell], soil.share[next]);
-                    list.push(edge(open, distance, Outside::Air));
+                    list.push(edge(open, through, distance, Outside::Air));
                 }
             }
             stride *= grid.cells[axis];
@@ -140,7 +145,7 @@ impl<const D: usize> Medium<D> {
     /// The flow out through an edge during a step of `dt` (s); the lower factor is that of the cell's pressure.
     ///
     /// `stands` says whether a full cell has its level at its own upper edge.
-    pub fn leak(&self, edge: &Edge, now: Now, share: &[f64], stands: bool, start: f64, dt: f64) -> Linear {
+    pub fn leak(&self, edge: &Edge, now: Now, soil: &SoilMap<D>, stands: bool, start: f64, dt: f64) -> Linear {
         let cell = edge.cell as usize;
         let kind = now.kind[cell];
         let up = edge.axis as usize == D - 1 && self.rise() > 0.0;
@@ -157,7 +162,7 @@ impl<const D: usize> Medium<D> {
             }
             Outside::Air if up && edge.upper => {
                 // Out through the surface of a full cell, once its pressure is above that of a level there.
-                let top = if stands { self.standing_pressure(1.0, share[cell]) } else { half };
+                let top = if stands { self.standing_pressure(1.0, soil.share[cell]) } else { half };
                 if kind == Kind::Full && p > top {
                     Linear { low: t * edge.open, fixed: -t * edge.open * top, high: 0.0 }
                 } else {
@@ -172,9 +177,11 @@ impl<const D: usize> Medium<D> {
                 }
             }
             Outside::Air => {
-                let wet = if half > 0.0 { self.secant(p + half, 0.0, edge.open) } else { edge.open };
-                if p + half > 0.0 {
-                    Linear { low: t * wet, fixed: t * wet * half, high: 0.0 }
+                // Pressure at the lower end of what is open.
+                let foot = half - 2.0 * half * edge.from;
+                let wet = if half > 0.0 { self.secant(p + foot, 0.0, edge.open) } else { edge.open };
+                if p + foot > 0.0 {
+                    Linear { low: t * wet, fixed: t * wet * foot, high: 0.0 }
                 } else {
                     Linear::default()
                 }
@@ -191,7 +198,7 @@ impl<const D: usize> Medium<D> {
             Outside::Pond(outside) => {
                 // A front in its first cell, x^2 growing with k p/(gamma_w n): exact from any start.
                 let mean = if up { outside } else { self.mean_pressure(outside, edge.open) };
-                let pores = self.porosity * share[cell] * self.cell_volume;
+                let pores = soil.pores[cell];
                 let reach = 2.0 * self.conductance * edge.open * mean * dt / pores;
                 let enters = ((start * start + reach).sqrt() - start) * pores / dt;
                 let along = -outwards * self.weight[edge.axis as usize] * self.size;

@@ -18,7 +18,8 @@
 //! Charny's, k (H1^2 - H2^2)/(2 l), on any mesh.
 
 use super::edges::Edge;
-use crate::sparse::{Factor, Symmetric, Unsolved};
+use super::soil::SoilMap;
+use crate::sparse::{Factor, Ordering, Signs, Symmetric, Unsolved};
 
 /// What a cell is in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,8 +71,10 @@ pub struct Medium<const D: usize> {
     pub weight: [f64; D],
     /// Unit weight of water gamma_w, N/m3: what a head is a pressure by where there is no gravity.
     pub unit_weight: f64,
-    /// Porosity that the water can fill, n (1 - S_0).
+    /// Porosity that the water can fill at t = 0, n (1 - S_0).
     pub porosity: f64,
+    /// Volume of grains and of water that stays where it is, per dry mass, m3/kg.
+    pub bound: f64,
 }
 
 impl<const D: usize> Medium<D> {
@@ -262,8 +265,8 @@ pub struct Terms<'a, const D: usize> {
     pub leaks: &'a [Linear],
     /// Kinds of the cells.
     pub kind: &'a [Kind],
-    /// Share of each cell that is soil.
-    pub share: &'a [f64],
+    /// The soil.
+    pub soil: &'a SoilMap<D>,
     /// Water in each cell at the start of the step, m3.
     pub content: &'a [f64],
     /// Length of the step, s.
@@ -271,12 +274,22 @@ pub struct Terms<'a, const D: usize> {
 }
 
 impl System {
+    /// A system over so many cells that are joined by links.
+    ///
+    /// # Errors
+    /// Out of memory.
+    pub fn new(cells: usize, links: &[Link]) -> Result<Self, Unsolved> {
+        let matrix = Symmetric::new(cells, links.iter().map(|link| (link.low as usize, link.high as usize)));
+        let factor = Factor::new(&matrix, Signs::Definite, Ordering::MinimumDegree)?;
+        Ok(Self { matrix, factor, load: vec![0.0; cells], pressure: vec![0.0; cells] })
+    }
+
     /// Pressures at the end of a step, in [`System::pressure`], which holds the last ones before; zero where there is no unknown.
     ///
     /// # Errors
     /// The system could not be solved.
     pub fn solve<const D: usize>(&mut self, terms: &Terms<D>) -> Result<(), Unsolved> {
-        let Terms { medium, links, flows, edges, leaks, kind, share, content, dt } = *terms;
+        let Terms { medium, links, flows, edges, leaks, kind, soil, content, dt } = *terms;
         self.matrix.values.fill(0.0);
         self.load.fill(0.0);
         let scale = medium.conductance;
@@ -302,7 +315,7 @@ impl System {
             }
         }
         for cell in 0..kind.len() {
-            let pores = medium.porosity * share[cell] * medium.cell_volume;
+            let pores = soil.pores[cell];
             match kind[cell] {
                 Kind::Full => {
                     self.matrix.add(cell, cell, TIE * scale);
@@ -310,7 +323,7 @@ impl System {
                 }
                 Kind::Standing => {
                     // dW/dt with W = pores S(p), S = (p/(G h) + 1/2)/phi
-                    let per_pressure = pores / (medium.rise() * medium.size * share[cell]) / dt;
+                    let per_pressure = pores / (medium.rise() * medium.size * soil.share[cell]) / dt;
                     self.matrix.add(cell, cell, per_pressure);
                     self.load[cell] += content[cell] / dt - per_pressure * 0.5 * medium.rise() * medium.size;
                 }
@@ -333,6 +346,7 @@ mod tests {
         weight: [0.0, -10.0],
         unit_weight: 10.0,
         porosity: 0.3,
+        bound: 0.0,
     };
 
     #[test]

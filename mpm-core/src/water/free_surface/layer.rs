@@ -7,7 +7,9 @@
 use super::flow::Kind;
 use super::soil::{along, spread};
 use super::{FreeSurface, Outside};
+use crate::dimension::shares;
 use crate::grid::Grid;
+use crate::keep::Keeper;
 use crate::particles::WaterPoint;
 
 /// Share of a surplus that is shifted in a step; a quarter is the limit of stability in two dimensions.
@@ -86,6 +88,16 @@ impl<const D: usize> WaterLayer<D> {
         layer
     }
 
+    /// Writes or reads the state.
+    pub fn keep(&mut self, keeper: &mut Keeper) {
+        keeper.list(&mut self.points, &WaterPoint::NONE, WaterPoint::keep);
+        for count in [&mut self.first, &mut self.spawned, &mut self.removed, &mut self.turn] {
+            keeper.u64(count);
+        }
+        keeper.numbers(&mut self.pending);
+        keeper.numbers(&mut self.gathered);
+    }
+
     /// Water that has entered or left but is no particle yet, m3.
     pub fn pending(&self) -> f64 {
         self.pending.iter().sum()
@@ -126,6 +138,31 @@ impl<const D: usize> WaterLayer<D> {
                 along(middle - 0.5 * self.edge, middle + 0.5 * self.edge, grid.cells[d])
             });
             spread(grid, &spans, |cell, _, overlap| self.gathered[cell] += per_volume * overlap);
+        }
+    }
+
+    /// Takes note of water (m3) that has left through an edge of a cell.
+    pub fn book(&mut self, cell: usize, out: f64) {
+        self.pending[cell] -= out;
+    }
+
+    /// Moves with the soil, whose nodes have moved by `swept` (m).
+    pub fn ride(&mut self, grid: &Grid<D>, swept: &[[f64; D]], periodic: bool) {
+        let top: [f64; D] = grid.cells.map(|n| n as f64 * grid.size);
+        for point in &mut self.points {
+            let Some(cell) = grid.cell_at(&point.x) else { continue };
+            let position = grid.cell_position(cell);
+            let corners = grid.corners_from(grid.first_corner(cell, &position));
+            let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - position[d] as f64);
+            let weight = shares(1.0, &xi);
+            for d in 0..D {
+                let moved: f64 = (0..Grid::<D>::CORNERS).map(|a| weight[a] * swept[corners[a]][d]).sum();
+                point.x[d] += moved;
+                if periodic && d == 0 {
+                    point.x[d] = point.x[d].rem_euclid(top[d]);
+                }
+                point.x[d] = point.x[d].clamp(1e-9 * top[d], top[d] * (1.0 - 1e-9));
+            }
         }
     }
 

@@ -5,19 +5,24 @@
 //! particles follow. A soil that is moist from the start has a part S_0 of its pores filled with water that stays: a front
 //! has only n (1 - S_0) to fill.
 
+mod carry;
 mod edges;
 mod flow;
 mod layer;
+mod moving;
 mod soil;
 
+pub use carry::{Square, squares};
 pub use edges::{Edge, Outside};
 pub use flow::{Kind, Link, Medium};
 pub use layer::WaterLayer;
+pub use moving::{Filling, MovingStep, Pressed, Squeeze};
 pub use soil::{LEAST_SHARE, SoilMap};
 
 use crate::grid::Grid;
+use crate::keep::Keeper;
 use crate::scene::Feed;
-use crate::sparse::{Factor, Ordering, Signs, Symmetric, Unsolved};
+use crate::sparse::Unsolved;
 use flow::{Linear, Now, System, Terms};
 
 /// Largest change of the wet share of a cell that a step aims at, and the largest it may have.
@@ -63,6 +68,8 @@ pub struct FreeSurface<const D: usize> {
     flows: Vec<Linear>,
     leaks: Vec<Linear>,
     system: System,
+    /// Whether the system is not that of the links.
+    stale: bool,
     above: Vec<Neighbour>,
     below: Vec<Neighbour>,
     trial: Vec<f64>,
@@ -112,10 +119,6 @@ impl<const D: usize> FreeSurface<D> {
     /// Out of memory.
     pub fn new(grid: &Grid<D>, medium: Medium<D>, soil: SoilMap<D>, around: &Surroundings) -> Result<Self, Unsolved> {
         let cells = grid.cell_count();
-        let links = links(grid, &soil, around.periodic);
-        let pairs = links.iter().map(|link| (link.low as usize, link.high as usize));
-        let matrix = Symmetric::new(cells, pairs);
-        let factor = Factor::new(&matrix, Signs::Definite, Ordering::MinimumDegree)?;
         let mut water = Self {
             medium,
             content: vec![0.0; cells],
@@ -128,11 +131,12 @@ impl<const D: usize> FreeSurface<D> {
             unsettled: 0,
             full: vec![false; cells],
             before: vec![false; cells],
-            flows: vec![Linear::default(); links.len()],
-            links,
+            flows: Vec::new(),
+            links: Vec::new(),
             edges: Vec::new(),
             leaks: Vec::new(),
-            system: System { matrix, factor, load: vec![0.0; cells], pressure: vec![0.0; cells] },
+            system: System::new(cells, &[])?,
+            stale: true,
             above: Vec::new(),
             below: Vec::new(),
             trial: vec![0.0; cells],
@@ -140,8 +144,17 @@ impl<const D: usize> FreeSurface<D> {
             flips: vec![0; cells],
             soil,
         };
-        water.surround(grid, around);
+        water.lay(grid, around);
         Ok(water)
+    }
+
+    /// Finds the faces of the soil as it is in the map now.
+    pub fn lay(&mut self, grid: &Grid<D>, around: &Surroundings) {
+        self.links = links(grid, &self.soil, around.periodic);
+        self.flows.clear();
+        self.flows.resize(self.links.len(), Linear::default());
+        self.stale = true;
+        self.surround(grid, around);
     }
 
     /// Changes what surrounds the soil.
@@ -149,44 +162,37 @@ impl<const D: usize> FreeSurface<D> {
         let face_area = self.medium.cell_volume / self.medium.size;
         self.edges =
             edges::edges(grid, &self.soil, &self.medium, &around.open, &around.feeds, face_area, around.periodic);
-        self.leaks = vec![Linear::default(); self.edges.len()];
-        let stride: usize = grid.cells[..D - 1].iter().product();
-        let beyond = |cell: usize, row: usize, upper: bool| {
-            let pond = self.edges.iter().any(|e| {
-                e.cell as usize == cell
-                    && e.axis as usize == D - 1
-                    && e.upper == upper
-                    && !matches!(e.outside, Outside::Air)
-            });
-            let air =
-                self.edges.iter().any(|e| e.cell as usize == cell && e.axis as usize == D - 1 && e.upper == upper);
-            let at_side = if upper { row + 1 == grid.cells[D - 1] } else { row == 0 };
-            let next = if at_side {
-                None
-            } else {
-                Some(if upper { cell + stride } else { cell - stride }).filter(|c| self.soil.is_soil(*c))
-            };
-            match next {
-                Some(next) => Neighbour::Cell(next as u32),
-                None if pond => Neighbour::Pond,
-                None if air => Neighbour::Air,
-                None => Neighbour::Tight,
-            }
-        };
-        let mut pairs = vec![[Neighbour::Tight; 2]; grid.cell_count()];
-        for (cell, position) in grid.walk() {
-            if self.soil.is_soil(cell) {
-                pairs[cell] = [false, true].map(|upper| beyond(cell, position[D - 1], upper));
+        self.leaks.clear();
+        self.leaks.resize(self.edges.len(), Linear::default());
+        let cells = grid.cell_count();
+        let mut beyond = vec![[Neighbour::Tight; 2]; cells];
+        for edge in self.edges.iter().filter(|edge| edge.axis as usize == D - 1) {
+            let side = &mut beyond[edge.cell as usize][usize::from(edge.upper)];
+            let air = matches!(edge.outside, Outside::Air);
+            if !air || *side == Neighbour::Tight {
+                *side = if air { Neighbour::Air } else { Neighbour::Pond };
             }
         }
-        self.below = pairs.iter().map(|p| p[0]).collect();
-        self.above = pairs.iter().map(|p| p[1]).collect();
+        let stride: usize = grid.cells[..D - 1].iter().product();
+        for (cell, position) in grid.walk().filter(|(cell, _)| self.soil.is_soil(*cell)) {
+            for upper in [false, true] {
+                let at_side = if upper { position[D - 1] + 1 == grid.cells[D - 1] } else { position[D - 1] == 0 };
+                let next = if upper { cell + stride } else { cell.wrapping_sub(stride) };
+                if !at_side && self.soil.is_soil(next) {
+                    beyond[cell][usize::from(upper)] = Neighbour::Cell(next as u32);
+                }
+            }
+        }
+        self.below.clear();
+        self.below.extend(beyond.iter().map(|pair| pair[0]));
+        self.above.clear();
+        self.above.extend(beyond.iter().map(|pair| pair[1]));
     }
 
     /// Pores of a cell that mobile water can fill, m3.
     #[inline]
     pub fn pores(&self, cell: usize) -> f64 {
-        self.medium.porosity * self.soil.share[cell] * self.medium.cell_volume
+        self.soil.pores[cell]
     }
 
     /// Share of the mobile pores of a cell that is wet.
@@ -285,7 +291,7 @@ impl<const D: usize> FreeSurface<D> {
             }
             self.assemble(dt);
             let Self { medium, links, flows, edges, leaks, kind, content, soil, system, .. } = self;
-            system.solve(&Terms { medium, links, flows, edges, leaks, kind, share: &soil.share, content, dt })?;
+            system.solve(&Terms { medium, links, flows, edges, leaks, kind, soil, content, dt })?;
             self.contents(dt);
             if round == 0 {
                 fills = self.first_filled();
@@ -338,7 +344,7 @@ impl<const D: usize> FreeSurface<D> {
             let cell = edge.cell as usize;
             let stands = self.stands(cell, &self.full);
             let start = self.wet_share(cell).clamp(0.0, 1.0);
-            self.leaks[i] = self.medium.leak(edge, now, &self.soil.share, stands, start, dt);
+            self.leaks[i] = self.medium.leak(edge, now, &self.soil, stands, start, dt);
         }
     }
 
@@ -369,12 +375,7 @@ impl<const D: usize> FreeSurface<D> {
             let level = self.medium.standing_pressure(1.0, self.soil.share[cell]);
             let flip = match self.kind[cell] {
                 Kind::Void => false,
-                Kind::Full => {
-                    let covered = matches!(self.above[cell], Neighbour::Cell(above)
-                        if self.trial[above as usize] > FILM * self.pores(above as usize));
-                    let least = if self.stands(cell, &self.full) && !covered { level } else { 0.0 };
-                    p < least - slack
-                }
+                Kind::Full => p < self.least_pressure(cell, level) - slack,
                 Kind::Standing => p > level + slack,
                 Kind::Hanging | Kind::Loose => self.trial[cell] > self.pores(cell) * (1.0 + ROUND),
             };
@@ -389,11 +390,21 @@ impl<const D: usize> FreeSurface<D> {
         settled
     }
 
+    /// Least pressure at which a full cell stays so, Pa; `level` is that of water up to the top of its own soil.
+    fn least_pressure(&self, cell: usize, level: f64) -> f64 {
+        let covered = matches!(self.above[cell], Neighbour::Cell(above)
+            if self.trial[above as usize] > FILM * self.pores(above as usize));
+        if self.stands(cell, &self.full) && !covered { level } else { 0.0 }
+    }
+
     /// Makes a step of at most `dt` (s). Returns its length and the length to try next, s.
     ///
     /// # Errors
     /// The flow could not be found.
     pub fn step(&mut self, dt: f64) -> Result<(f64, f64), NoFlow> {
+        if std::mem::take(&mut self.stale) {
+            self.system = System::new(self.content.len(), &self.links)?;
+        }
         // Water that falls at k passes half a cell at most.
         let speed = self.medium.conductance * self.medium.rise() * self.medium.size / self.medium.porosity;
         let fall = 0.5 * self.medium.cell_volume / speed;
@@ -442,6 +453,57 @@ impl<const D: usize> FreeSurface<D> {
     /// Edges with their flow out of the soil in the last step, m3/s.
     pub fn leaks(&self) -> impl Iterator<Item = (&Edge, f64)> {
         self.edges.iter().zip(&self.leaks).map(|(edge, leak)| (edge, leak.at(self.pressure[edge.cell as usize], 0.0)))
+    }
+
+    /// Height of the free surface at x (m), m: that of the highest water that stands in the column of cells there, between the
+    /// columns on either side.
+    pub fn level(&self, grid: &Grid<D>, x: f64) -> f64 {
+        let at = x * grid.inverse_size - 0.5;
+        let last = (grid.cells[0] - 1) as f64;
+        let left = at.floor().clamp(0.0, last);
+        let share = (at - left).clamp(0.0, 1.0);
+        let [a, b] = [left, (left + 1.0).min(last)].map(|column| self.level_in(grid, column as usize));
+        a + share * (b - a)
+    }
+
+    /// The same in a column of cells: from the pressure of the highest cell that has one.
+    fn level_in(&self, grid: &Grid<D>, column: usize) -> f64 {
+        let rise = self.medium.rise() * self.medium.size;
+        if D == 1 || rise == 0.0 {
+            return 0.0;
+        }
+        let mut level: f64 = 0.0;
+        for row in 0..grid.cells[D - 1] {
+            let cell = column + row * grid.cells[0];
+            if self.kind[cell].unknown() && self.wet_share(cell) > 1e-6 {
+                let above = self.pressure[cell] / rise + 0.5;
+                level = level.max((row as f64 + above.max(0.0)) * grid.size);
+            } else if row == 0 || level > 0.0 {
+                break;
+            }
+        }
+        level
+    }
+
+    /// Writes or reads the state.
+    pub fn keep(&mut self, keeper: &mut Keeper, grid: &Grid<D>, around: &Surroundings) {
+        for list in [&mut self.content, &mut self.pressure, &mut self.soil.share, &mut self.soil.pores] {
+            keeper.numbers(list);
+        }
+        for cover in &mut self.soil.cover {
+            keeper.list(cover, &[0.0; 2], |pair, keeper| keeper.f64s(pair));
+        }
+        for flux in &mut self.flux {
+            keeper.numbers(flux);
+        }
+        keeper.list(&mut self.full, &false, |full, keeper| keeper.bool(full));
+        for value in [&mut self.inflow, &mut self.outflow] {
+            keeper.f64(value);
+        }
+        keeper.f64s(&mut self.rates);
+        keeper.u64(&mut self.unsettled);
+        self.lay(grid, around);
+        self.classify();
     }
 
     /// Bytes held.

@@ -8,11 +8,16 @@ use crate::particles::{Layer, SolidPoint};
 /// Less soil than this share of a cell holds no water.
 pub const LEAST_SHARE: f64 = 1e-3;
 
+/// Least share of a particle that is open to water, however dense it is.
+const LEAST_OPEN: f64 = 0.02;
+
 /// The soil as the water sees it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SoilMap<const D: usize> {
     /// Share of each cell that is soil, 0 to 1.
     pub share: Vec<f64>,
+    /// Pores of each cell that mobile water can fill, m3.
+    pub pores: Vec<f64>,
     /// For each axis and face the share that is soil just below it and just above it, 0 to 1.
     pub cover: [Vec<[f64; 2]>; D],
 }
@@ -21,15 +26,18 @@ pub struct SoilMap<const D: usize> {
 type Along = (usize, [f64; 3]);
 
 impl<const D: usize> SoilMap<D> {
-    /// The map of a layer; `face_area` is that of a whole face, m2, `per_direction` the particles per cell and direction.
+    /// The map of a layer; `face_area` is that of a whole face, m2, `per_direction` the particles per cell and direction,
+    /// `bound` the volume of grains and of water that stays, per dry mass, m3/kg.
     pub fn new<const S: usize>(
         grid: &Grid<D>,
         solid: &Layer<SolidPoint<D, S>, D>,
         face_area: f64,
         per_direction: usize,
+        bound: f64,
     ) -> Self {
         let mut map = Self {
             share: vec![0.0; grid.cell_count()],
+            pores: vec![0.0; grid.cell_count()],
             cover: std::array::from_fn(|axis| vec![[0.0; 2]; grid.face_count(axis)]),
         };
         let cell_volume = face_area * grid.size;
@@ -38,9 +46,12 @@ impl<const D: usize> SoilMap<D> {
         for point in &solid.points {
             let half = 0.5 * (point.volume / cell_volume).powf(1.0 / D as f64);
             let middle = point.x.map(|x| x * grid.inverse_size);
-            map.add(grid, &middle, half, strip);
+            let open = (1.0 - bound * point.mass / point.volume).max(LEAST_OPEN);
+            map.add(grid, &middle, half, strip, open * cell_volume);
         }
-        for share in &mut map.share {
+        for (share, pores) in map.share.iter_mut().zip(&mut map.pores) {
+            // Boxes that overlap fill no more than their cell.
+            *pores /= share.max(1.0);
             *share = share.min(1.0);
         }
         for cover in map.cover.iter_mut().flatten().flatten() {
@@ -49,10 +60,13 @@ impl<const D: usize> SoilMap<D> {
         map
     }
 
-    /// Adds a box around `middle`, of `half` its edge, all in cells.
-    fn add(&mut self, grid: &Grid<D>, middle: &[f64; D], half: f64, strip: f64) {
+    /// Adds a box around `middle`, of `half` its edge, all in cells; a whole cell of it has `pores`, m3.
+    fn add(&mut self, grid: &Grid<D>, middle: &[f64; D], half: f64, strip: f64, pores: f64) {
         let whole: [Along; D] = std::array::from_fn(|d| along(middle[d] - half, middle[d] + half, grid.cells[d]));
-        spread(grid, &whole, |cell, _, volume| self.share[cell] += volume);
+        spread(grid, &whole, |cell, _, volume| {
+            self.share[cell] += volume;
+            self.pores[cell] += pores * volume;
+        });
         for axis in 0..D {
             // A strip below and one above each face that the box may touch.
             let (low, high) = (middle[axis] - half, middle[axis] + half);
@@ -73,6 +87,30 @@ impl<const D: usize> SoilMap<D> {
                         cover[grid.face(axis, &position)][side] += length * share;
                     });
                 }
+            }
+        }
+    }
+
+    /// Closes gaps amid soil: boxes that stay square while the soil shears leave some, and no air is there.
+    pub fn close(&mut self, grid: &Grid<D>) {
+        let mostly: Vec<bool> = self.share.iter().map(|share| *share >= 0.5).collect();
+        for (cell, position) in grid.walk() {
+            let mut stride = 1;
+            let mut amid = mostly[cell];
+            for d in 0..D {
+                amid &= position[d] == 0 || mostly[cell - stride];
+                amid &= position[d] + 1 == grid.cells[d] || mostly[cell + stride];
+                stride *= grid.cells[d];
+            }
+            if !amid {
+                continue;
+            }
+            self.share[cell] = 1.0;
+            for axis in 0..D {
+                let mut at = position;
+                self.cover[axis][grid.face(axis, &at)][1] = 1.0;
+                at[axis] += 1;
+                self.cover[axis][grid.face(axis, &at)][0] = 1.0;
             }
         }
     }
@@ -145,7 +183,7 @@ mod tests {
     fn a_block_on_the_mesh_fills_its_cells_and_faces() {
         let grid = Grid::new([4, 3], 1.0);
         let solid = Layer::new(block([2, 2], 2, [0.0; 2]), &grid).unwrap();
-        let map = SoilMap::new(&grid, &solid, 1.0, 2);
+        let map = SoilMap::new(&grid, &solid, 1.0, 2, 0.0);
         for (cell, position) in grid.walk() {
             let inside = position[0] < 2 && position[1] < 2;
             assert!((map.share[cell] - f64::from(u8::from(inside))).abs() < 1e-12);
@@ -161,7 +199,7 @@ mod tests {
         for step in 0..20 {
             let shift = [0.1 * f64::from(step), 0.05 * f64::from(step)];
             let solid = Layer::new(block([2, 2], 3, shift), &grid).unwrap();
-            let map = SoilMap::new(&grid, &solid, 1.0, 3);
+            let map = SoilMap::new(&grid, &solid, 1.0, 3, 0.0);
             assert!((map.share.iter().sum::<f64>() - 4.0).abs() < 1e-12, "{shift:?}");
         }
     }

@@ -18,9 +18,10 @@ fn block(cells: [usize; 2], h: f64, weight: [f64; 2], around: &Surroundings) -> 
         volume: 0.25 * h * h,
     };
     let solid = Layer::new(even_positions(cells, 2).map(at).collect(), &grid).unwrap();
-    let soil = SoilMap::new(&grid, &solid, h, 2);
-    let medium =
-        Medium { conductance: K / GAMMA, size: h, cell_volume: h * h, weight, unit_weight: GAMMA, porosity: N };
+    let bound = (1.0 - N) * 0.25 * h * h;
+    let soil = SoilMap::new(&grid, &solid, h, 2, bound);
+    let (conductance, cell_volume) = (K / GAMMA, h * h);
+    let medium = Medium { conductance, size: h, cell_volume, weight, unit_weight: GAMMA, porosity: N, bound };
     let water = FreeSurface::new(&grid, medium, soil, around).unwrap();
     (grid, water)
 }

@@ -1,0 +1,438 @@
+//! Soil that water makes fail: gravity, the first water, hours of seepage, seconds of failure, and the shape that is left.
+//!
+//! By two clocks, water seeps through soil at rest, then the soil is brought to rest under the pressures (`settle`). If it
+//! does not come to rest it fails: it moves without damping, with pressures that follow, until it rests again. The
+//! other drivers run soil and water in the same steps all the time.
+
+mod record;
+mod settle;
+mod strength;
+mod watch;
+
+pub use record::{Events, PathPoint, Row};
+pub use settle::{Patience, Settled, settle};
+pub use strength::{Bracket, bracket};
+pub use watch::{First, Moved};
+
+use serde::Serialize;
+
+use crate::error::RunError;
+use crate::keep::{Keeper, Unfit};
+use crate::observe::Frame;
+use crate::run::{StartError, failing};
+use crate::scene::{Failure, Integrator, Scene, Until};
+use crate::stability::choose_step;
+use crate::step::{Failing, Fault, Pace};
+use crate::water::Pressures;
+
+/// Longest and shortest time of seepage between two looks at the soil, s.
+const SEEPAGE: [f64; 2] = [20.0, 600.0];
+/// First one, s.
+const FIRST_SEEPAGE: f64 = 60.0;
+/// Steps within which soil settles easily, and above which the next look comes sooner.
+const EASY: [u64; 2] = [200, 800];
+/// Soil that takes longer to settle has begun to fail, in periods of its first swing.
+const NEVER: f64 = 60.0;
+/// Longest time that gravity alone may need, in the same periods.
+const GRAVITY: f64 = 400.0;
+/// Parts in which the first water comes.
+const RAMP: u32 = 10;
+/// While soil fails it is looked at every so often, s.
+const LOOK: f64 = 0.05;
+/// It rests when no node is faster than this, m/s, for so long, s.
+const REST: (f64, f64) = (2e-3, 0.5);
+/// A failure that goes on for longer is left to the next seepage, s.
+const LONGEST: f64 = 900.0;
+
+/// What is going on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Phase {
+    /// Gravity and the first water come.
+    Gravity,
+    /// Water seeps, soil rests.
+    Seepage,
+    /// Soil comes to rest under new pressures.
+    Relaxing,
+    /// Soil moves.
+    Failing,
+    /// Soil and water run together.
+    Together,
+    /// It is over.
+    Ended,
+}
+
+impl Phase {
+    fn numbered(number: u32) -> Self {
+        [Self::Gravity, Self::Seepage, Self::Relaxing, Self::Failing, Self::Together, Self::Ended]
+            [(number as usize).min(5)]
+    }
+}
+
+/// Why a run is over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum End {
+    /// It collapsed and came to rest.
+    Collapsed,
+    /// The time of the scene was over.
+    TimeOver,
+}
+
+/// Steps of each kind.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct Steps {
+    /// Of the water.
+    pub seepage: u64,
+    /// Of soil that comes to rest.
+    pub relaxing: u64,
+    /// Of soil that moves with its water.
+    pub moving: u64,
+}
+
+impl Steps {
+    /// All of them.
+    pub fn all(&self) -> u64 {
+        self.seepage + self.relaxing + self.moving
+    }
+}
+
+/// A run.
+pub struct Driver<'a> {
+    scene: &'a Scene,
+    failure: Failure,
+    model: Box<dyn Failing>,
+    outline: Vec<[f64; 2]>,
+    first: First,
+    /// Step of the soil, s.
+    pub dt: f64,
+    /// Time since the water began to seep, s.
+    pub time: f64,
+    /// What is going on.
+    pub phase: Phase,
+    /// Why it is over.
+    pub end: Option<End>,
+    /// Steps so far.
+    pub steps: Steps,
+    /// Events so far.
+    pub events: Events,
+    /// The history.
+    pub rows: Vec<Row>,
+    /// Stresses at the observed places.
+    pub paths: Vec<PathPoint>,
+    /// Next time of seepage, s.
+    seepage: f64,
+    /// Since when soil moves, and since when it has been slow, s.
+    moves_since: f64,
+    slow_since: f64,
+    integrator: Integrator,
+    /// Kinetic energy (J) and water (m3) when counting began.
+    began: [f64; 2],
+}
+
+impl std::fmt::Debug for Driver<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Driver").field("time", &self.time).field("phase", &self.phase).finish_non_exhaustive()
+    }
+}
+
+impl<'a> Driver<'a> {
+    /// A run before its first step.
+    ///
+    /// # Errors
+    /// A step above the stability limit, particles outside the mesh, or a scene without a stage with `clock = "both"`.
+    pub fn new(scene: &'a Scene) -> Result<Self, StartError> {
+        let Some(failure) = scene.failure.clone() else {
+            return Err(StartError::Place(RunError {
+                step: 0,
+                time: 0.0,
+                place: "the scene".into(),
+                what: "no stage with clock = \"both\"".into(),
+            }));
+        };
+        let dt = choose_step(scene)?;
+        let mut model = failing(scene)?;
+        let fault = |f: Fault| StartError::Place(RunError { step: 0, time: 0.0, place: f.place, what: f.what });
+        model.enter_stage(&scene.stages[0], &[]).map_err(fault)?;
+        let outline = scene.outline_or_box();
+        let first = First::of(model.as_ref(), &outline, &failure.points);
+        Ok(Self {
+            scene,
+            failure,
+            model,
+            outline,
+            first,
+            dt,
+            time: 0.0,
+            phase: Phase::Gravity,
+            end: None,
+            steps: Steps::default(),
+            events: Events::default(),
+            rows: Vec::new(),
+            paths: Vec::new(),
+            seepage: FIRST_SEEPAGE,
+            moves_since: 0.0,
+            slow_since: 0.0,
+            integrator: scene.integrator,
+            began: [0.0; 2],
+        })
+    }
+
+    /// Period of the first swing of the soil in shear, s.
+    fn period(&self) -> f64 {
+        4.0 * self.scene.height / (self.scene.elastic.shear_modulus() / self.scene.mixture_density()).sqrt()
+    }
+
+    fn patience(&self, periods: f64) -> Patience {
+        // Critical for the first swing.
+        let damping = 4.0 * std::f64::consts::PI / self.period();
+        let steps = (periods * self.period() / self.dt) as u64;
+        Patience { dt: self.dt, damping: 0.5 * damping, steps, event: 2 }
+    }
+
+    fn failed(&self, fault: Fault) -> RunError {
+        RunError { step: self.steps.all(), time: self.time, place: fault.place, what: fault.what }
+    }
+
+    /// What the clock shows, h.
+    pub fn hours(&self) -> f64 {
+        (self.failure.starts_at + self.time) / 3600.0
+    }
+
+    /// Time at which the scene ends, s.
+    pub fn ends_at(&self) -> f64 {
+        match self.scene.stages[0].until {
+            Until::Time(time) => time,
+            Until::PorePressure { at_most, .. } | Until::Rest { at_most, .. } => at_most,
+        }
+    }
+
+    /// Gravity and the first water, on a base that holds; then the base is left to its friction. Whether the soil stands.
+    ///
+    /// # Errors
+    /// Where and what went wrong in a step, or soil that does not come to rest even on a base that holds it.
+    pub fn load(&mut self) -> Result<Settled, RunError> {
+        let patience = Patience { event: 3, ..self.patience(GRAVITY) };
+        self.model.glue(true);
+        self.model.count_from_here();
+        self.first = First::of(self.model.as_ref(), &self.outline, &self.failure.points);
+        for part in 0..=RAMP {
+            self.model.feel(f64::from(part) / f64::from(RAMP));
+            let settled = settle(self.model.as_mut(), &self.first, &patience).map_err(|e| self.failed(e))?;
+            self.steps.relaxing += settled.steps;
+            if !settled.at_rest && !self.failure.goes_on {
+                let what = format!(
+                    "{} on a base that holds it, soil does not come to rest: the largest displacement is {:.3} m, at {:.2?} m",
+                    if part == 0 { "under its own weight" } else { "under its weight and the first water" },
+                    settled.moved.most_m,
+                    settled.moved.most_at_m
+                );
+                return Err(self.failed(Fault { place: "the slope".into(), what }));
+            }
+        }
+        self.model.forget_slip();
+        self.model.glue(false);
+        self.model.stop();
+        self.model.count_from_here();
+        self.first = First::of(self.model.as_ref(), &self.outline, &self.failure.points);
+        let water = self.model.observe().water.map_or(0.0, |w| w.mobile_m3 - w.in_m3 + w.out_m3);
+        self.began = [self.model.ledger().kinetic_j, water];
+        let patience = self.patience(NEVER);
+        let settled = settle(self.model.as_mut(), &self.first, &patience).map_err(|e| self.failed(e))?;
+        self.steps.relaxing += settled.steps;
+        if !settled.at_rest && !self.failure.goes_on {
+            return Ok(settled);
+        }
+        self.begin(settled.at_rest);
+        Ok(settled)
+    }
+
+    fn first_kinetic(&self) -> f64 {
+        self.began[0]
+    }
+
+    fn first_water(&self) -> f64 {
+        self.began[1]
+    }
+
+    /// Starts the clock.
+    fn begin(&mut self, at_rest: bool) {
+        self.phase = match (self.integrator, at_rest) {
+            (Integrator::TwoClocks, true) => Phase::Seepage,
+            (Integrator::TwoClocks, false) => Phase::Failing,
+            _ => Phase::Together,
+        };
+        self.look();
+    }
+
+    /// Goes on with another driver.
+    pub fn drive_by(&mut self, integrator: Integrator, dt: f64) {
+        self.integrator = integrator;
+        self.dt = dt;
+        if self.end.is_none() {
+            self.phase = if integrator == Integrator::TwoClocks { Phase::Seepage } else { Phase::Together };
+        }
+        (self.moves_since, self.slow_since) = (self.time, self.time);
+    }
+
+    /// Goes on for one look: some time of seepage, or a moment of failure.
+    ///
+    /// # Errors
+    /// Where and what went wrong; what was recorded so far stays.
+    pub fn advance(&mut self, until: f64) -> Result<(), RunError> {
+        match self.phase {
+            Phase::Gravity => _ = self.load()?,
+            Phase::Ended => {}
+            Phase::Seepage | Phase::Relaxing => self.seep(until)?,
+            Phase::Failing | Phase::Together => self.run_soil(until)?,
+        }
+        Ok(())
+    }
+
+    fn seep(&mut self, until: f64) -> Result<(), RunError> {
+        let until = until.min(self.ends_at());
+        let left = until - self.time;
+        let span = if self.seepage > 0.75 * left { left } else { self.seepage };
+        let mut done = 0;
+        let outcome = self.model.seep(span, &mut done);
+        self.steps.seepage += done;
+        outcome.map_err(|e| self.failed(e))?;
+        self.time = if span == left { until } else { self.time + span };
+        self.phase = Phase::Relaxing;
+        let patience = self.patience(NEVER);
+        let settled = settle(self.model.as_mut(), &self.first, &patience).map_err(|e| self.failed(e))?;
+        self.steps.relaxing += settled.steps;
+        if settled.at_rest {
+            self.model.stop();
+            let factor = if settled.steps <= EASY[0] {
+                1.5
+            } else if settled.steps <= EASY[1] {
+                1.0
+            } else {
+                0.5
+            };
+            self.seepage = (self.seepage * factor).clamp(SEEPAGE[0], SEEPAGE[1]);
+            self.phase = Phase::Seepage;
+        } else {
+            self.phase = Phase::Failing;
+            (self.moves_since, self.slow_since) = (self.time, self.time);
+            self.events.unsettled(self.hours());
+        }
+        self.look();
+        if self.time >= self.ends_at() && self.phase == Phase::Seepage {
+            self.finish(End::TimeOver);
+        }
+        Ok(())
+    }
+
+    fn run_soil(&mut self, until: f64) -> Result<(), RunError> {
+        let until = until.min(self.ends_at().max(self.time));
+        let span = LOOK.min(until - self.time);
+        let steps = ((span / self.dt).round() as u64).max(1);
+        let pressures = if self.integrator == Integrator::Explicit { Pressures::Explicit } else { Pressures::Implicit };
+        let pace = Pace { dt: self.dt, steps, damping: 0.0, pressures };
+        let mut done = 0;
+        let outcome = self.model.move_soil(&pace, &mut done);
+        self.steps.moving += done;
+        self.time += done as f64 * self.dt;
+        outcome.map_err(|e| self.failed(e))?;
+        let speed = self.model.grid_speed();
+        if speed.is_nan() {
+            let what = "a velocity that is not a number".to_owned();
+            return Err(self.failed(Fault { place: "the whole soil".into(), what }));
+        }
+        if speed > REST.0 {
+            self.slow_since = self.time;
+        }
+        self.look();
+        let rests = self.time - self.slow_since >= REST.1;
+        let collapsed = self.events.collapse_h.is_some();
+        if rests && collapsed {
+            self.finish(End::Collapsed);
+        } else if self.phase == Phase::Failing && (rests || self.time - self.moves_since > LONGEST) {
+            self.phase = Phase::Seepage;
+            self.seepage = SEEPAGE[0];
+            self.model.stop();
+        }
+        if self.time >= self.ends_at() && self.end.is_none() {
+            self.finish(End::TimeOver);
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, end: End) {
+        self.end = Some(end);
+        self.phase = Phase::Ended;
+        if let Some(row) = self.rows.last_mut() {
+            row.phase = Phase::Ended;
+        }
+    }
+
+    /// Records the state.
+    fn look(&mut self) {
+        let moved = self.first.moved(self.model.as_ref());
+        let row = Row::of(self, &moved);
+        self.events.note(&row, &moved, self.scene.width);
+        self.rows.push(row);
+        record::paths(self.model.as_ref(), &self.first, self.hours(), &mut self.paths);
+    }
+
+    /// All there is to see.
+    pub fn frame(&self) -> Frame {
+        self.model.frame(self.failure.starts_at + self.time, self.steps.all())
+    }
+
+    /// Brackets the factor of safety of the state now; the run is left as it was.
+    ///
+    /// # Errors
+    /// Where and what went wrong in a step.
+    pub fn safety(&mut self, within: f64, progress: &mut dyn FnMut(&Bracket)) -> Result<Bracket, RunError> {
+        let patience = self.patience(GRAVITY);
+        let found = bracket(self.model.as_mut(), &self.outline, &patience, within, progress);
+        found.map_err(|e| self.failed(e))
+    }
+
+    /// The state, to be taken up again.
+    pub fn kept(&mut self) -> Vec<u8> {
+        let mut keeper = Keeper::writes();
+        self.keep(&mut keeper);
+        keeper.into_bytes()
+    }
+
+    /// Takes up a kept state of the same scene.
+    ///
+    /// # Errors
+    /// The bytes are not those of such a state.
+    pub fn take_up(&mut self, bytes: Vec<u8>) -> Result<(), Unfit> {
+        let mut keeper = Keeper::reads(bytes);
+        self.keep(&mut keeper);
+        keeper.finish()
+    }
+
+    fn keep(&mut self, keeper: &mut Keeper) {
+        self.first.keep(keeper);
+        self.model.keep(keeper);
+        for value in
+            [&mut self.dt, &mut self.time, &mut self.seepage, &mut self.moves_since, &mut self.slow_since]
+        {
+            keeper.f64(value);
+        }
+        keeper.f64s(&mut self.began);
+        let mut phase = self.phase as u32;
+        keeper.u32(&mut phase);
+        self.phase = Phase::numbered(phase);
+        let mut end = match self.end {
+            None => 0,
+            Some(End::Collapsed) => 1,
+            Some(End::TimeOver) => 2,
+        };
+        keeper.u32(&mut end);
+        self.end = [None, Some(End::Collapsed), Some(End::TimeOver)][(end as usize).min(2)];
+        for count in [&mut self.steps.seepage, &mut self.steps.relaxing, &mut self.steps.moving] {
+            keeper.u64(count);
+        }
+        self.events.keep(keeper);
+        keeper.list(&mut self.rows, &Row::none(), Row::keep);
+        keeper.list(&mut self.paths, &PathPoint::default(), PathPoint::keep);
+    }
+}

@@ -1,0 +1,356 @@
+//! What a run leaves: its history, its events, and the stresses at the observed places.
+
+use serde::Serialize;
+
+use super::watch::{First, Moved};
+use super::{Driver, Phase};
+use crate::keep::Keeper;
+use crate::step::Failing;
+
+/// Water is at the toe when it is no further than this from it, m.
+const AT_TOE: f64 = 0.05;
+/// Less water than this (m3) is no outflow.
+const FIRST_DROPS: f64 = 1e-4;
+
+/// When something happened first, h on the clock of the run.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Events {
+    /// Water reached the toe.
+    pub front_at_toe_h: Option<f64>,
+    /// Water left the slope.
+    pub first_outflow_h: Option<f64>,
+    /// Soil did not come to rest under the pressures of the moment.
+    pub unsettled_h: Option<f64>,
+    /// E1: raveling at the toe.
+    pub raveling_h: Option<f64>,
+    /// E2: failure.
+    pub failure_h: Option<f64>,
+    /// E3: collapse.
+    pub collapse_h: Option<f64>,
+    /// Mean x of the soil that had moved more than 5 cm at E2, m.
+    pub failure_at_m: Option<f64>,
+    /// Largest displacement before water reached the toe, m.
+    pub displacement_before_toe_m: f64,
+    /// Largest displacement before E2, m.
+    pub displacement_before_failure_m: f64,
+}
+
+impl Events {
+    /// Soil has not come to rest.
+    pub fn unsettled(&mut self, hours: f64) {
+        self.unsettled_h.get_or_insert(hours);
+    }
+
+    /// Takes note of a state.
+    pub fn note(&mut self, row: &Row, moved: &Moved, toe: f64) {
+        let hours = row.time_h;
+        let first = |event: &mut Option<f64>, is: bool| {
+            if is {
+                event.get_or_insert(hours);
+            }
+        };
+        let failed = self.failure_h.is_none();
+        let [raveling, failure, collapse] = moved.events();
+        first(&mut self.front_at_toe_h, row.front_x_m >= toe - AT_TOE);
+        first(&mut self.first_outflow_h, row.water_out_m3 > FIRST_DROPS);
+        first(&mut self.raveling_h, raveling || self.unsettled_h.is_some());
+        first(&mut self.failure_h, failure);
+        first(&mut self.collapse_h, collapse);
+        if self.front_at_toe_h.is_none() {
+            self.displacement_before_toe_m = self.displacement_before_toe_m.max(moved.most_m);
+        }
+        if self.failure_h.is_none() {
+            self.displacement_before_failure_m = self.displacement_before_failure_m.max(moved.most_m);
+        } else if failed {
+            self.failure_at_m = Some(moved.failed_at_m);
+        }
+    }
+
+    /// Writes or reads the events.
+    pub fn keep(&mut self, keeper: &mut Keeper) {
+        for event in [
+            &mut self.front_at_toe_h,
+            &mut self.first_outflow_h,
+            &mut self.unsettled_h,
+            &mut self.raveling_h,
+            &mut self.failure_h,
+            &mut self.collapse_h,
+            &mut self.failure_at_m,
+        ] {
+            let (mut is, mut value) = (event.is_some(), event.unwrap_or(0.0));
+            keeper.bool(&mut is);
+            keeper.f64(&mut value);
+            *event = is.then_some(value);
+        }
+        keeper.f64(&mut self.displacement_before_toe_m);
+        keeper.f64(&mut self.displacement_before_failure_m);
+    }
+}
+
+/// The state at one time.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// Time on the clock of the run, h.
+    pub time_h: f64,
+    /// What is going on.
+    pub phase: Phase,
+    /// Largest x of water in the lowest row of cells, m.
+    pub front_x_m: f64,
+    /// x beyond which a thousandth of the soil lies, m.
+    pub toe_x_m: f64,
+    /// Mean settlement of the crest, m.
+    pub crest_settlement_m: f64,
+    /// Largest displacement, m.
+    pub max_displacement_m: f64,
+    /// Shares of the section: moved more than 1 cm; deep and moved more than 5 cm; moved more than 0.5 m.
+    pub raveled: f64,
+    /// See `raveled`.
+    pub failed: f64,
+    /// See `raveled`.
+    pub collapsed: f64,
+    /// Largest deviator strain.
+    pub deviator_strain: f64,
+    /// Fastest particle, m/s.
+    pub speed_m_s: f64,
+    /// Unbalanced share of the forces on the nodes.
+    pub unbalanced: f64,
+    /// Mobile water in the soil, m3.
+    pub water_m3: f64,
+    /// Water that has come in since the start, m3.
+    pub water_in_m3: f64,
+    /// Water that has left since the start, m3.
+    pub water_out_m3: f64,
+    /// Stored - first stored - in + out, m3.
+    pub water_closing_m3: f64,
+    /// Change of the dry mass, kg.
+    pub solid_closing_kg: f64,
+    /// Kinetic energy, J.
+    pub kinetic_j: f64,
+    /// Strain energy of the skeleton, J.
+    pub strain_j: f64,
+    /// Work of gravity, J.
+    pub gravity_work_j: f64,
+    /// Work of the pore pressures on the soil, J.
+    pub pressure_work_j: f64,
+    /// Energy lost to plastic flow, J.
+    pub plastic_j: f64,
+    /// Energy lost to friction on the base, J.
+    pub friction_j: f64,
+    /// Energy taken by damping while soil came to rest, J.
+    pub damping_j: f64,
+    /// Energy that particles did not get from the nodes or lost to them, J.
+    pub mapping_j: f64,
+    /// What no entry explains, J.
+    pub energy_closing_j: f64,
+    /// The same as a share of the works and losses booked.
+    pub energy_error: f64,
+    /// How far any stress was outside the yield surface so far, as a share of the strength.
+    pub yield_residual: f64,
+    /// Checkerboard index of the pore pressure.
+    pub checkerboard: f64,
+    /// Share of the motion in hourglass modes.
+    pub hourglass: f64,
+    /// Particles of water.
+    pub water_particles: u64,
+    /// Steps so far.
+    pub steps: u64,
+    /// Height of the free surface at the places of the scene, m.
+    #[serde(skip)]
+    pub levels: Vec<f64>,
+}
+
+impl Row {
+    pub(super) fn of(driver: &Driver, moved: &Moved) -> Self {
+        let model = driver.model.as_ref();
+        let (ledger, state) = (model.ledger(), model.observe());
+        let water = state.water.unwrap_or(crate::observe::WaterState::NONE);
+        let [checkerboard, hourglass] = model.unevenness();
+        // What the nodes got and the particles have.
+        let mapping_j = model.node_work() - (ledger.kinetic_j - driver.first_kinetic());
+        let energy_closing_j = ledger.energy_closing_j + mapping_j;
+        let booked = [
+            ledger.gravity_work_j,
+            ledger.pressure_work_j,
+            ledger.plastic_dissipation_j,
+            ledger.base_friction_j,
+            ledger.damping_loss_j,
+            ledger.kinetic_j,
+        ];
+        let scale = booked.iter().fold(0.0, |most: f64, part| most.max(part.abs()));
+        let first_water = driver.first_water();
+        Self {
+            time_h: driver.hours(),
+            phase: driver.phase,
+            front_x_m: model.front(),
+            toe_x_m: moved.toe_x_m,
+            crest_settlement_m: moved.crest_settlement_m,
+            max_displacement_m: moved.most_m,
+            raveled: moved.raveled,
+            failed: moved.failed,
+            collapsed: moved.collapsed,
+            deviator_strain: moved.deviator_strain,
+            speed_m_s: moved.speed_m_s,
+            unbalanced: model.unbalanced(),
+            water_m3: water.mobile_m3,
+            water_in_m3: water.in_m3,
+            water_out_m3: water.out_m3,
+            water_closing_m3: water.mobile_m3 - first_water - water.in_m3 + water.out_m3,
+            solid_closing_kg: ledger.solid_closing_kg,
+            kinetic_j: ledger.kinetic_j,
+            strain_j: ledger.strain_j,
+            gravity_work_j: ledger.gravity_work_j,
+            pressure_work_j: ledger.pressure_work_j,
+            plastic_j: ledger.plastic_dissipation_j,
+            friction_j: ledger.base_friction_j,
+            damping_j: ledger.damping_loss_j,
+            mapping_j,
+            energy_closing_j,
+            energy_error: if scale > 0.0 { energy_closing_j.abs() / scale } else { 0.0 },
+            yield_residual: ledger.yield_residual_max.unwrap_or(0.0),
+            checkerboard,
+            hourglass,
+            water_particles: water.particles,
+            steps: driver.steps.all(),
+            levels: driver.failure.levels.iter().map(|x| model.level(*x)).collect(),
+        }
+    }
+
+    /// A row of nothing.
+    pub(super) fn none() -> Self {
+        Self {
+            time_h: 0.0,
+            phase: Phase::Gravity,
+            front_x_m: 0.0,
+            toe_x_m: 0.0,
+            crest_settlement_m: 0.0,
+            max_displacement_m: 0.0,
+            raveled: 0.0,
+            failed: 0.0,
+            collapsed: 0.0,
+            deviator_strain: 0.0,
+            speed_m_s: 0.0,
+            unbalanced: 0.0,
+            water_m3: 0.0,
+            water_in_m3: 0.0,
+            water_out_m3: 0.0,
+            water_closing_m3: 0.0,
+            solid_closing_kg: 0.0,
+            kinetic_j: 0.0,
+            strain_j: 0.0,
+            gravity_work_j: 0.0,
+            pressure_work_j: 0.0,
+            plastic_j: 0.0,
+            friction_j: 0.0,
+            damping_j: 0.0,
+            mapping_j: 0.0,
+            energy_closing_j: 0.0,
+            energy_error: 0.0,
+            yield_residual: 0.0,
+            checkerboard: 0.0,
+            hourglass: 0.0,
+            water_particles: 0,
+            steps: 0,
+            levels: Vec::new(),
+        }
+    }
+
+    pub(super) fn keep(&mut self, keeper: &mut Keeper) {
+        let mut phase = self.phase as u32;
+        keeper.u32(&mut phase);
+        self.phase = Phase::numbered(phase);
+        for value in [
+            &mut self.time_h,
+            &mut self.front_x_m,
+            &mut self.toe_x_m,
+            &mut self.crest_settlement_m,
+            &mut self.max_displacement_m,
+            &mut self.raveled,
+            &mut self.failed,
+            &mut self.collapsed,
+            &mut self.deviator_strain,
+            &mut self.speed_m_s,
+            &mut self.unbalanced,
+            &mut self.water_m3,
+            &mut self.water_in_m3,
+            &mut self.water_out_m3,
+            &mut self.water_closing_m3,
+            &mut self.solid_closing_kg,
+            &mut self.kinetic_j,
+            &mut self.strain_j,
+            &mut self.gravity_work_j,
+            &mut self.pressure_work_j,
+            &mut self.plastic_j,
+            &mut self.friction_j,
+            &mut self.damping_j,
+            &mut self.mapping_j,
+            &mut self.energy_closing_j,
+            &mut self.energy_error,
+            &mut self.yield_residual,
+            &mut self.checkerboard,
+            &mut self.hourglass,
+        ] {
+            keeper.f64(value);
+        }
+        keeper.u64(&mut self.water_particles);
+        keeper.u64(&mut self.steps);
+        keeper.numbers(&mut self.levels);
+    }
+}
+
+/// The effective stress of an observed particle at one time.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct PathPoint {
+    /// Time on the clock of the run, h.
+    pub time_h: f64,
+    /// Which of the observed places, from 1.
+    pub point: u32,
+    /// Where it is, m.
+    pub x_m: f64,
+    /// Its height, m.
+    pub y_m: f64,
+    /// -(xx + yy)/2, compression positive, Pa.
+    pub mean_pa: f64,
+    /// Radius of Mohr's circle in the plane, Pa.
+    pub shear_pa: f64,
+    /// Pore pressure, Pa.
+    pub pore_pa: f64,
+}
+
+impl PathPoint {
+    pub(super) fn keep(&mut self, keeper: &mut Keeper) {
+        keeper.u32(&mut self.point);
+        for value in [
+            &mut self.time_h,
+            &mut self.x_m,
+            &mut self.y_m,
+            &mut self.mean_pa,
+            &mut self.shear_pa,
+            &mut self.pore_pa,
+        ] {
+            keeper.f64(value);
+        }
+    }
+}
+
+/// Records the observed places.
+pub(super) fn paths(model: &dyn Failing, first: &First, hours: f64, into: &mut Vec<PathPoint>) {
+    if first.points.is_empty() {
+        return;
+    }
+    let start = into.len();
+    model.each(&mut |s| {
+        for (point, _) in first.points.iter().enumerate().filter(|(_, id)| **id == s.id) {
+            let [xx, yy, _, xy] = s.stress;
+            into.push(PathPoint {
+                time_h: hours,
+                point: point as u32 + 1,
+                x_m: s.x[0],
+                y_m: s.x[1],
+                mean_pa: -0.5 * (xx + yy),
+                shear_pa: (0.5 * (xx - yy)).hypot(xy),
+                pore_pa: s.pore_pressure,
+            });
+        }
+    });
+    into[start..].sort_by_key(|p| p.point);
+}

@@ -1,0 +1,68 @@
+//! Bringing the soil to rest under pressures that are held: damped steps until the forces balance, or until they never will.
+
+use super::watch::{First, Moved};
+use crate::step::{Failing, Fault, Pace};
+use crate::water::Pressures;
+
+/// Balanced: what is left of the forces on the nodes, as a share of them.
+const BALANCED: f64 = 3e-4;
+/// At rest: no node faster than this, m/s, once it has had time.
+const SLOW: f64 = 5e-4;
+/// Steps between two looks.
+const STEPS: u64 = 50;
+/// A soil is at rest when so many looks in a row find it balanced.
+const LOOKS: u32 = 2;
+
+/// How long to wait.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Patience {
+    /// Length of a step, s.
+    pub dt: f64,
+    /// Damping, 1/s.
+    pub damping: f64,
+    /// Give up after so many steps.
+    pub steps: u64,
+    /// Give up once this event has come: 1 for E1, 2 for E2, 3 for E3.
+    pub event: usize,
+}
+
+/// How it went.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settled {
+    /// Whether the soil came to rest.
+    pub at_rest: bool,
+    /// Steps it took.
+    pub steps: u64,
+    /// What had moved at the end.
+    pub moved: Moved,
+}
+
+/// Lets the soil come to rest.
+///
+/// # Errors
+/// Where and what went wrong in a step.
+pub fn settle(model: &mut dyn Failing, first: &First, patience: &Patience) -> Result<Settled, Fault> {
+    let mut steps = 0;
+    let mut looks = 0;
+    let pace = Pace { dt: patience.dt, steps: STEPS, damping: patience.damping, pressures: Pressures::Held };
+    loop {
+        let mut done = 0;
+        let outcome = model.move_soil(&pace, &mut done);
+        steps += done;
+        outcome?;
+        let (unbalanced, speed) = (model.unbalanced(), model.grid_speed());
+        if speed.is_nan() {
+            return Err(Fault { place: "the whole soil".into(), what: "a velocity that is not a number".into() });
+        }
+        let calm = unbalanced < BALANCED || (speed < SLOW && steps >= 10 * STEPS);
+        looks = if calm { looks + 1 } else { 0 };
+        let late = steps >= patience.steps;
+        if looks >= LOOKS || late || (steps / STEPS).is_multiple_of(8) {
+            let moved = first.moved(model);
+            let at_rest = looks >= LOOKS;
+            if at_rest || late || moved.events()[patience.event - 1] {
+                return Ok(Settled { at_rest, steps, moved });
+            }
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! The factor of safety by strength reduction: the strength divided by a factor, until the deep slide starts.
+//!
+//! Water is frozen. Whether a slope stands with a strength is found by damped steps from the same state; the factor between
+//! standing and sliding is bracketed by bisection (Matsui & San 1992, doi:10.3208/sandf1972.32.59; Griffiths & Lane 1999,
+//! doi:10.1680/geot.1999.49.3.387).
+
+use super::settle::{Patience, settle};
+use super::watch::First;
+use crate::keep::Keeper;
+use crate::step::{Failing, Fault};
+
+/// The factor between two others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bracket {
+    /// It stands with its strength divided by this.
+    pub low: f64,
+    /// It slides with its strength divided by this.
+    pub high: f64,
+    /// Trials that it took.
+    pub trials: u32,
+    /// Steps that they took.
+    pub steps: u64,
+}
+
+/// Factors that are looked at.
+const RANGE: [f64; 2] = [0.3, 4.0];
+
+/// Brackets the factor of safety of the state of a model to `within`. The model is left as it was.
+///
+/// # Errors
+/// Where and what went wrong in a step.
+pub fn bracket(
+    model: &mut dyn Failing,
+    outline: &[[f64; 2]],
+    patience: &Patience,
+    within: f64,
+    progress: &mut dyn FnMut(&Bracket),
+) -> Result<Bracket, Fault> {
+    let mut keeper = Keeper::writes();
+    model.keep(&mut keeper);
+    let state = keeper.into_bytes();
+    let mut bracket = Bracket { low: RANGE[0], high: RANGE[1], trials: 0, steps: 0 };
+    let mut factor: f64 = 1.0;
+    let mut stride: f64 = 0.08;
+    let (mut has_low, mut has_high) = (false, false);
+    while bracket.high - bracket.low > within * (1.0 + 1e-9) {
+        let stands = stands(model, &state, outline, patience, factor, &mut bracket.steps)?;
+        bracket.trials += 1;
+        if stands {
+            (bracket.low, has_low) = (factor, true);
+        } else {
+            (bracket.high, has_high) = (factor, true);
+        }
+        progress(&bracket);
+        factor = match (has_low, has_high) {
+            (true, true) => 0.5 * (bracket.low + bracket.high),
+            // Looks for the other end in strides that grow.
+            (true, false) => (bracket.low + stride).min(bracket.high),
+            _ => (bracket.high - stride).max(bracket.low),
+        };
+        if !(has_low && has_high) {
+            stride *= 2.0;
+        }
+    }
+    restore(model, &state)?;
+    model.weaken(1.0);
+    Ok(bracket)
+}
+
+fn restore(model: &mut dyn Failing, state: &[u8]) -> Result<(), Fault> {
+    let mut keeper = Keeper::reads(state.to_vec());
+    model.keep(&mut keeper);
+    keeper.finish().map_err(|e| Fault { place: "a kept state".into(), what: e.to_string() })
+}
+
+/// Whether the soil comes to rest before the deep slide, with its strength divided by a factor.
+fn stands(
+    model: &mut dyn Failing,
+    state: &[u8],
+    outline: &[[f64; 2]],
+    patience: &Patience,
+    factor: f64,
+    steps: &mut u64,
+) -> Result<bool, Fault> {
+    restore(model, state)?;
+    // Slip stays: a base that has weakened is weak.
+    model.count_from_here();
+    let first = First::of(model, outline, &[]);
+    model.weaken(factor);
+    let settled = settle(model, &first, &Patience { event: 2, ..*patience })?;
+    *steps += settled.steps;
+    Ok(!settled.moved.events()[1])
+}

@@ -1,0 +1,149 @@
+//! What is looked at while a slope may fail: how much of it has moved how far, and what of that is an event.
+//!
+//! Three events that every mesh agrees on, by displaced area: E1, raveling at the toe; E2, failure; E3, collapse.
+
+use serde::Serialize;
+
+use crate::keep::Keeper;
+use crate::observe::SolidState;
+use crate::seeding;
+use crate::step::Failing;
+
+/// E1: this share of the section has moved further than that, m.
+const RAVELING: [f64; 2] = [0.005, 0.01];
+/// E2: the same of the soil that lay deeper than [`DEEP`].
+const FAILURE: [f64; 2] = [0.01, 0.05];
+/// E3: the same of all soil.
+const COLLAPSE: [f64; 2] = [0.05, 0.5];
+/// Depth below the first surface, m.
+const DEEP: f64 = 0.3;
+/// The crest is the soil no deeper than this below the highest point, m.
+const CREST: f64 = 0.3;
+/// Share of the section that may lie beyond the toe: what rolls ahead.
+const AHEAD: f64 = 1e-3;
+
+/// The soil as it was when counting began, by the numbers of its particles.
+#[derive(Debug, Clone)]
+pub struct First {
+    /// Area that each particle stands for, m2.
+    area: Vec<f64>,
+    deep: Vec<bool>,
+    crest: Vec<bool>,
+    whole: f64,
+    /// Particles nearest to the observed places.
+    pub points: Vec<u32>,
+}
+
+/// What has moved.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Moved {
+    /// Largest displacement of a particle, m.
+    pub most_m: f64,
+    /// x and y where that particle was, m.
+    pub most_at_m: [f64; 2],
+    /// Share of the section that has moved more than 1 cm.
+    pub raveled: f64,
+    /// Share of the section that lay deeper than 0.3 m and has moved more than 5 cm.
+    pub failed: f64,
+    /// Share of the section that has moved more than 0.5 m.
+    pub collapsed: f64,
+    /// Mean x where the soil that has moved more than 5 cm was, m; not a number if there is none.
+    pub failed_at_m: f64,
+    /// Mean settlement of the crest, m.
+    pub crest_settlement_m: f64,
+    /// x beyond which a thousandth of the soil lies, m.
+    pub toe_x_m: f64,
+    /// Largest deviator strain.
+    pub deviator_strain: f64,
+    /// Fastest particle, m/s.
+    pub speed_m_s: f64,
+}
+
+impl Moved {
+    /// Whether this is E1, E2, E3.
+    pub fn events(&self) -> [bool; 3] {
+        [self.raveled >= RAVELING[0], self.failed >= FAILURE[0], self.collapsed >= COLLAPSE[0]]
+    }
+}
+
+impl First {
+    /// The soil of a model now, inside an `outline` (m); `points` (m) are to be observed.
+    pub fn of(model: &dyn Failing, outline: &[[f64; 2]], points: &[[f64; 2]]) -> Self {
+        let top = outline.iter().map(|x| x[1]).fold(0.0, f64::max);
+        let mut states: Vec<SolidState> = Vec::new();
+        model.each(&mut |state| states.push(*state));
+        states.sort_by_key(|state| state.id);
+        let nearest = |at: &[f64; 2]| {
+            let distance = |s: &SolidState| (s.x[0] - at[0]).powi(2) + (s.x[1] - at[1]).powi(2);
+            states.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).map_or(0, |state| state.id)
+        };
+        Self {
+            points: points.iter().map(nearest).collect(),
+            area: states.iter().map(|s| s.volume).collect(),
+            deep: states.iter().map(|s| seeding::depth(outline, &s.x) > DEEP).collect(),
+            crest: states.iter().map(|s| s.x[1] > top - CREST).collect(),
+            whole: states.iter().map(|s| s.volume).sum(),
+        }
+    }
+
+    /// Writes or reads what is remembered.
+    pub fn keep(&mut self, keeper: &mut Keeper) {
+        keeper.numbers(&mut self.area);
+        for list in [&mut self.deep, &mut self.crest] {
+            keeper.list(list, &false, |is, keeper| keeper.bool(is));
+        }
+        keeper.f64(&mut self.whole);
+        keeper.list(&mut self.points, &0, |id, keeper| keeper.u32(id));
+    }
+
+    /// What has moved since.
+    pub fn moved(&self, model: &dyn Failing) -> Moved {
+        let mut moved = Moved::default();
+        let (mut crest, mut crest_area) = (0.0, 0.0);
+        let (mut failed_x, mut failed_area) = (0.0, 0.0);
+        let mut ahead: Vec<(f64, f64)> = Vec::with_capacity(self.area.len());
+        model.each(&mut |s| {
+            let id = s.id as usize;
+            let (area, way) = (self.area[id], s.displacement[0].hypot(s.displacement[1]));
+            if way > moved.most_m {
+                moved.most_m = way;
+                moved.most_at_m = [s.x[0] - s.displacement[0], s.x[1] - s.displacement[1]];
+            }
+            if way > RAVELING[1] {
+                moved.raveled += area;
+            }
+            if way > FAILURE[1] {
+                if self.deep[id] {
+                    moved.failed += area;
+                }
+                failed_x += area * (s.x[0] - s.displacement[0]);
+                failed_area += area;
+            }
+            if way > COLLAPSE[1] {
+                moved.collapsed += area;
+            }
+            if self.crest[id] {
+                crest -= area * s.displacement[1];
+                crest_area += area;
+            }
+            moved.deviator_strain = moved.deviator_strain.max(s.deviator_strain);
+            moved.speed_m_s = moved.speed_m_s.max(s.velocity[0].hypot(s.velocity[1]));
+            ahead.push((s.x[0] + 0.5 * s.volume.sqrt(), area));
+        });
+        for share in [&mut moved.raveled, &mut moved.failed, &mut moved.collapsed] {
+            *share /= self.whole;
+        }
+        moved.failed_at_m = failed_x / failed_area;
+        moved.crest_settlement_m = if crest_area > 0.0 { crest / crest_area } else { 0.0 };
+        ahead.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut beyond = 0.0;
+        moved.toe_x_m = ahead
+            .iter()
+            .find(|(_, area)| {
+                beyond += area;
+                beyond > AHEAD * self.whole
+            })
+            .map_or(0.0, |(x, _)| *x);
+        moved
+    }
+}

@@ -1,0 +1,134 @@
+//! State that can be kept and taken up again to the last bit: checkpoints, and states that are gone back to.
+//!
+//! Every room names its fields once, in one function that both writes and reads, so that the two cannot differ.
+
+/// Writes fields one after the other, or reads them back.
+#[derive(Debug)]
+pub struct Keeper {
+    bytes: Vec<u8>,
+    at: usize,
+    reads: bool,
+    broken: bool,
+}
+
+/// Kept bytes that are not those of this state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("a kept state that does not fit: it is cut short, or that of another scene or version")]
+pub struct Unfit;
+
+impl Keeper {
+    /// A keeper that writes.
+    pub fn writes() -> Self {
+        Self { bytes: Vec::new(), at: 0, reads: false, broken: false }
+    }
+
+    /// A keeper that reads what another has written.
+    pub fn reads(bytes: Vec<u8>) -> Self {
+        Self { bytes, at: 0, reads: true, broken: false }
+    }
+
+    /// What was written.
+    pub fn into_bytes(self) -> Vec<u8> {
+        self.bytes
+    }
+
+    /// Whether all was read and fitted.
+    ///
+    /// # Errors
+    /// The bytes ended too early or too late.
+    pub fn finish(self) -> Result<(), Unfit> {
+        if self.reads && (self.broken || self.at != self.bytes.len()) { Err(Unfit) } else { Ok(()) }
+    }
+
+    fn raw<const N: usize>(&mut self, value: [u8; N]) -> [u8; N] {
+        if !self.reads {
+            self.bytes.extend_from_slice(&value);
+            return value;
+        }
+        match self.bytes.get(self.at..self.at + N).and_then(|bytes| bytes.try_into().ok()) {
+            Some(bytes) => {
+                self.at += N;
+                bytes
+            }
+            None => {
+                self.broken = true;
+                value
+            }
+        }
+    }
+
+    /// A number.
+    pub fn f64(&mut self, value: &mut f64) {
+        *value = f64::from_le_bytes(self.raw(value.to_le_bytes()));
+    }
+
+    /// Some numbers.
+    pub fn f64s(&mut self, values: &mut [f64]) {
+        for value in values {
+            self.f64(value);
+        }
+    }
+
+    /// A count.
+    pub fn u64(&mut self, value: &mut u64) {
+        *value = u64::from_le_bytes(self.raw(value.to_le_bytes()));
+    }
+
+    /// A small count.
+    pub fn u32(&mut self, value: &mut u32) {
+        *value = u32::from_le_bytes(self.raw(value.to_le_bytes()));
+    }
+
+    /// Yes or no.
+    pub fn bool(&mut self, value: &mut bool) {
+        *value = self.raw([u8::from(*value)])[0] != 0;
+    }
+
+    /// A list of any length. `empty` is what new entries are made of.
+    pub fn list<T: Clone>(&mut self, list: &mut Vec<T>, empty: &T, mut each: impl FnMut(&mut T, &mut Self)) {
+        let mut count = list.len() as u64;
+        self.u64(&mut count);
+        // Every entry has a byte at least: a count beyond that is no count.
+        if self.reads && count as usize > self.bytes.len() - self.at.min(self.bytes.len()) {
+            self.broken = true;
+            return;
+        }
+        list.resize(count as usize, empty.clone());
+        for entry in list.iter_mut() {
+            each(entry, self);
+        }
+    }
+
+    /// A list of numbers.
+    pub fn numbers(&mut self, list: &mut Vec<f64>) {
+        self.list(list, &0.0, |x, keeper| keeper.f64(x));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fields(keeper: &mut Keeper, a: &mut f64, list: &mut Vec<u32>, yes: &mut bool) {
+        keeper.f64(a);
+        keeper.list(list, &0, |x, keeper| keeper.u32(x));
+        keeper.bool(yes);
+    }
+
+    #[test]
+    fn what_was_kept_comes_back() {
+        let mut keeper = Keeper::writes();
+        fields(&mut keeper, &mut f64::NAN.copysign(-1.0), &mut vec![3, 1, 4], &mut true);
+        let bytes = keeper.into_bytes();
+        let (mut a, mut list, mut yes) = (0.0, vec![], false);
+        let mut keeper = Keeper::reads(bytes.clone());
+        fields(&mut keeper, &mut a, &mut list, &mut yes);
+        assert_eq!(keeper.finish(), Ok(()));
+        assert_eq!((a.to_bits(), list, yes), (f64::NAN.copysign(-1.0).to_bits(), vec![3, 1, 4], true));
+        for cut in 0..bytes.len() {
+            let mut keeper = Keeper::reads(bytes[..cut].to_vec());
+            fields(&mut keeper, &mut 0.0, &mut vec![], &mut false);
+            assert_eq!(keeper.finish(), Err(Unfit), "{cut} bytes");
+        }
+    }
+}

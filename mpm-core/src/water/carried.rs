@@ -1,0 +1,342 @@
+//! Water with a free surface in soil that may move: what soil and water are to each other in a step of the soil.
+//!
+//! The soil feels the pressures of the cells (`free_surface`), on the soil of each cell: carried back to particles, a thin wet layer
+//! would push too hard. They are held while the soil comes to rest, or follow its motion, implicitly or explicitly.
+
+use super::free_surface::{
+    Filling, FreeSurface, Kind, Medium, MovingStep, SoilMap, Square, Squeeze, Surroundings, WaterLayer, squares,
+};
+use super::{FlowRates, Place, Pushed, SoilCell, StressSums, Water};
+use crate::dimension::{Kinematics, shares};
+use crate::grid::Grid;
+use crate::keep::Keeper;
+use crate::nodes::NodeMotion;
+use crate::particles::{Layer, SolidPoint, WaterPoint};
+use crate::scene::{Scene, WaterProperties};
+use crate::seeding;
+use crate::shape::Shape;
+use crate::sparse::Unsolved;
+
+/// Soil that has moved this far takes its water along before it moves on, in cells.
+const FAR: f64 = 0.02;
+
+/// What the pressures do while the soil moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pressures {
+    /// They are held.
+    Held,
+    /// They follow, with those of the end of the step.
+    Implicit,
+    /// They follow from the start of the step.
+    Explicit,
+}
+
+/// The water of a scene with a free surface.
+#[derive(Debug)]
+pub struct Carried<const D: usize> {
+    /// Water in the cells.
+    pub water: FreeSurface<D>,
+    /// Its particles.
+    pub layer: WaterLayer<D>,
+    /// What surrounds the soil.
+    pub around: Surroundings,
+    /// What the pressures do while the soil moves.
+    pub pressures: Pressures,
+    /// Work of the pressures on the soil, J.
+    pub work: f64,
+    /// Water that moving soil has left behind, m3.
+    pub left_behind: f64,
+    /// Pressures and cells in a step of the soil.
+    pub squeeze: Squeeze<D>,
+    /// Water per volume of soil that is there before any front comes, kg/m3.
+    moisture: f64,
+    /// Particles per cell along one direction.
+    per_direction: usize,
+    properties: WaterProperties,
+    /// Mean over the soil of a cell of the pressure where it is positive, Pa.
+    felt: Vec<f64>,
+    /// Water per volume of soil, kg/m3.
+    per_volume: Vec<f64>,
+    /// Height of the middle of the water above the bottom of the cell, in cells.
+    middle: Vec<f64>,
+    /// Soil of the cells in this step.
+    soil: Vec<Filling<D>>,
+    /// Boxes of the particles when the soil was last looked at.
+    boxes: Vec<Square<D>>,
+    /// How the nodes have moved since, m, and how far any may have.
+    swept: Vec<[f64; D]>,
+    way: f64,
+}
+
+impl<const D: usize> Carried<D> {
+    /// The water of a scene at t = 0; `face_area` in m2.
+    ///
+    /// # Errors
+    /// Out of memory.
+    pub fn new<const S: usize>(
+        scene: &Scene,
+        properties: WaterProperties,
+        grid: &Grid<D>,
+        solid: &Layer<SolidPoint<D, S>, D>,
+        face_area: f64,
+    ) -> Result<Self, Unsolved> {
+        let (weight, size) = (scene.water_weight(), scene.cell);
+        let medium = Medium {
+            conductance: properties.mobility() * face_area / size,
+            size,
+            cell_volume: face_area * size,
+            weight: std::array::from_fn(|d| weight[d + 2 - D]),
+            unit_weight: properties.unit_weight,
+            porosity: scene.mobile_porosity(),
+            bound: (1.0 - scene.mobile_porosity()) / scene.dry_density(),
+        };
+        let per_direction = scene.particles_per_direction();
+        let map = SoilMap::new(grid, solid, face_area, per_direction, medium.bound);
+        let feeds = scene.free_surface.as_ref().map_or([None; 4], |free| free.feeds);
+        let around = Surroundings { open: [false; 4], feeds, periodic: scene.periodic };
+        let mut water = FreeSurface::new(grid, medium, map, &around)?;
+        let content: Vec<f64> = grid
+            .walk()
+            .map(|(cell, position)| {
+                if water.soil.is_soil(cell) {
+                    water.pores(cell) * (wet_area(scene, &position) / water.soil.share[cell]).min(1.0)
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        water.fill(&content);
+        let cells = grid.cell_count();
+        let mut boxes = Vec::new();
+        squares(solid, medium.cell_volume, &mut boxes);
+        let mut squeeze = Squeeze::default();
+        squeeze.lay(grid, &water);
+        let mut carried = Self {
+            layer: WaterLayer::new(grid, &water, per_direction, properties.density),
+            water,
+            around,
+            pressures: Pressures::Held,
+            work: 0.0,
+            left_behind: 0.0,
+            squeeze,
+            moisture: properties.density * (scene.porosity - scene.mobile_porosity()),
+            per_direction,
+            properties,
+            felt: vec![0.0; cells],
+            per_volume: vec![0.0; cells],
+            middle: vec![0.5; cells],
+            soil: vec![Filling { volume: 0.0, at: [0.5; D] }; cells],
+            boxes,
+            swept: vec![[0.0; D]; grid.node_count()],
+            way: 0.0,
+        };
+        carried.show();
+        Ok(carried)
+    }
+
+    /// Lets the soil feel the water as it is.
+    pub fn show(&mut self) {
+        self.feel(1.0);
+        let Self { water, .. } = self;
+        for cell in 0..water.content.len() {
+            (self.per_volume[cell], self.middle[cell]) = (0.0, 0.5);
+            if water.soil.is_soil(cell) {
+                let soil = water.soil.share[cell] * water.medium.cell_volume;
+                let held = water.content[cell] + self.squeeze.surplus[cell];
+                self.per_volume[cell] = self.properties.density * held.max(0.0) / soil + self.moisture;
+                if water.kind[cell] == Kind::Standing {
+                    self.middle[cell] = 0.5 * water.soil.share[cell] * water.wet_share(cell).clamp(0.0, 1.0);
+                }
+            }
+        }
+    }
+
+    /// Lets the soil feel a share of the pressures.
+    pub fn feel(&mut self, share: f64) {
+        for (cell, felt) in self.felt.iter_mut().enumerate() {
+            *felt = share * self.water.mean_pressure(cell);
+        }
+    }
+
+    /// Changes which sides let water out.
+    pub fn open(&mut self, grid: &Grid<D>, open: [bool; 4]) {
+        if self.around.open != open {
+            self.around.open = open;
+            self.water.surround(grid, &self.around);
+        }
+    }
+
+    /// How far the soil may have moved since the water was last carried along, in cells.
+    pub fn way(&self, grid: &Grid<D>) -> f64 {
+        self.way * grid.inverse_size
+    }
+
+    /// Takes the water along to where the soil is now.
+    pub fn carry<const S: usize>(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>) {
+        let Self { water, squeeze, boxes, around, layer, swept, .. } = self;
+        layer.ride(grid, swept, around.periodic);
+        self.left_behind += water.carry(grid, solid, boxes, &mut squeeze.surplus, (around, self.per_direction));
+        squeeze.lay(grid, water);
+        self.swept.fill([0.0; D]);
+        self.way = 0.0;
+        self.show();
+    }
+
+    /// Gives back for a time (s) what cells hold beyond their pores.
+    pub fn returns(&mut self, time: f64) {
+        self.squeeze.give_back(&mut self.water, time);
+    }
+
+    /// Pressure that the soil of a cell feels, Pa.
+    pub fn felt(&self, cell: usize) -> f64 {
+        self.felt[cell]
+    }
+
+    /// Writes or reads the state.
+    pub fn keep(&mut self, keeper: &mut Keeper, grid: &Grid<D>) {
+        for open in &mut self.around.open {
+            keeper.bool(open);
+        }
+        let mut pressures = self.pressures as u32;
+        keeper.u32(&mut pressures);
+        self.pressures = [Pressures::Held, Pressures::Implicit, Pressures::Explicit][pressures.min(2) as usize];
+        self.water.keep(keeper, grid, &self.around);
+        self.layer.keep(keeper);
+        keeper.f64(&mut self.work);
+        keeper.f64(&mut self.left_behind);
+        keeper.numbers(&mut self.squeeze.surplus);
+        for list in [&mut self.felt, &mut self.per_volume, &mut self.middle] {
+            keeper.numbers(list);
+        }
+        keeper.list(&mut self.boxes, &Square { x: [0.0; D], half: 0.0 }, |square, keeper| {
+            keeper.f64s(&mut square.x);
+            keeper.f64(&mut square.half);
+        });
+        keeper.list(&mut self.swept, &[0.0; D], |swept, keeper| keeper.f64s(swept));
+        keeper.f64(&mut self.way);
+        self.squeeze.lay(grid, &self.water);
+    }
+
+    /// Water in cells and waiting, m3.
+    pub fn stored(&self) -> f64 {
+        self.water.stored() + self.squeeze.surplus.iter().sum::<f64>()
+    }
+}
+
+/// Share of a cell that is wet at t = 0.
+fn wet_area<const D: usize>(scene: &Scene, position: &[usize; D]) -> f64 {
+    let Some(free) = &scene.free_surface else { return 0.0 };
+    let low = position.map(|i| i as f64 * scene.cell);
+    if let Some(wet) = &free.wet {
+        let row = seeding::between(wet, 1, low[D - 1], low[D - 1] + scene.cell);
+        let part = seeding::between(&row, 0, low[0], low[0] + scene.cell);
+        return (seeding::area(&part) / (scene.cell * scene.cell)).max(0.0);
+    }
+    free.level.map_or(0.0, |level| ((level - low[D - 1]) / scene.cell).clamp(0.0, 1.0))
+}
+
+impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Carried<D> {
+    const WET: bool = true;
+    const PRESSES: bool = true;
+
+    #[inline(always)]
+    fn clear(&mut self) {
+        for soil in &mut self.soil {
+            soil.volume = 0.0;
+        }
+    }
+
+    #[inline(always)]
+    fn cell_to_grid<Sh: Shape>(&mut self, _: &Grid<D>, soil: &SoilCell<D>, stress: &mut StressSums<D, S>) -> [f64; 4] {
+        let cell = soil.place.cell;
+        self.soil[cell] = Filling { volume: soil.volume, at: soil.at };
+        let pushed = self.felt[cell] * soil.volume;
+        for s in 0..S {
+            stress.mean[s] += pushed * K::UNIT_PRESSURE[s];
+            for d in 0..D {
+                stress.first[d][s] += soil.at[d] * pushed * K::UNIT_PRESSURE[s];
+            }
+        }
+        let mut middle = [0.5; D];
+        middle[D - 1] = self.middle[cell];
+        shares(self.per_volume[cell] * soil.volume, &middle)
+    }
+
+    #[inline(always)]
+    fn flow(&mut self, _: &Grid<D>, _: &[NodeMotion<D>], _: &[f64; D]) -> FlowRates {
+        FlowRates::default()
+    }
+
+    fn press(
+        &mut self,
+        grid: &Grid<D>,
+        pushed: &Pushed<D>,
+        motion: &mut [NodeMotion<D>],
+        dt: f64,
+    ) -> Result<(), (String, String)> {
+        let bulk_modulus = self.properties.bulk_modulus;
+        if self.pressures == Pressures::Held {
+            self.work += self.squeeze.work_of(&self.felt, &self.soil, grid, pushed, motion, dt);
+        } else {
+            let step = MovingStep { dt, implicit: self.pressures == Pressures::Implicit, bulk_modulus };
+            let Self { squeeze, water, soil, .. } = self;
+            let pressed = squeeze.press(water, soil, pushed, motion, &step).map_err(|cell| {
+                let place = grid.cell_position(cell).map(|i| (i as f64 + 0.5) * grid.size);
+                (format!("the cell at {place:?} m"), "no pressure keeps its water in balance".to_owned())
+            })?;
+            self.work += pressed.work;
+            for (edge, out) in self.water.leaks() {
+                self.layer.book(edge.cell as usize, dt * out);
+            }
+            self.feel(1.0);
+        }
+        let mut fastest: f64 = 0.0;
+        for (swept, m) in self.swept.iter_mut().zip(motion.iter()) {
+            for d in 0..D {
+                swept[d] += dt * m.velocity[d];
+                fastest = fastest.max(m.velocity[d].abs());
+            }
+        }
+        self.way += dt * fastest;
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn cell_to_points<Sh: Shape>(&mut self, _: &Grid<D>, _: &Place<D>, _: &[[f64; D]; 4], _: f64) {}
+
+    fn settle(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>) -> Result<(), (String, String)> {
+        if self.pressures != Pressures::Held && self.way(grid) > FAR {
+            self.carry(grid, solid);
+        }
+        Ok(())
+    }
+
+    fn set_drained(&mut self, grid: &Grid<D>, _: &Layer<SolidPoint<D, S>, D>, drained: [bool; 4]) {
+        self.open(grid, drained);
+    }
+
+    fn layer(&self) -> Option<&Layer<WaterPoint<D>, D>> {
+        None
+    }
+
+    fn cell_state(&self, soil: &SoilCell<D>) -> (f64, f64) {
+        (self.felt[soil.place.cell], 0.0)
+    }
+
+    fn cell_mass(&self, soil: &SoilCell<D>) -> f64 {
+        self.per_volume[soil.place.cell] * soil.volume
+    }
+
+    fn held_work(&self) -> f64 {
+        self.work
+    }
+
+    fn density(&self) -> f64 {
+        self.properties.density
+    }
+
+    fn bytes(&self) -> usize {
+        let floats = [&self.felt, &self.per_volume, &self.middle].iter().map(|v| v.capacity()).sum::<usize>();
+        self.water.bytes() + floats * size_of::<f64>() + self.soil.capacity() * size_of::<Filling<D>>()
+    }
+}

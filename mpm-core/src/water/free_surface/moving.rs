@@ -1,0 +1,425 @@
+//! Water while its soil moves: pressures that resist a change of the pores.
+//!
+//! A full cell whose soil gains volume at the rate D(v) draws water in or loses pressure:
+//!
+//! ```text
+//! D_c(v) + Q_c(p) + (pores/K_w) dp_c/dt = r_c,      D_c(v) = V_c sum_i G_i(x_c) . v_i
+//! ```
+//!
+//! with Q the outflow of the cell and r what it takes from its surplus. By the implicit step v and p are those of its end,
+//! `v = v* + dt m^-1 D^T (p - p_n)`: a symmetric positive definite system over the wet cells. The explicit one takes Q from the
+//! start. A cell that would need suction to stay full lets air in: coarse soil holds none.
+
+use super::flow::Kind;
+use super::{FreeSurface, ROUND};
+use crate::envelope::Envelope;
+use crate::grid::Grid;
+use crate::nodes::NodeMotion;
+use crate::water::Pushed;
+
+/// Time in which a cell gives back what it holds too much, s. At once it would give tens of kPa.
+const RETURNS: f64 = 1000.0;
+/// What no cell has for a number.
+const NONE: u32 = u32::MAX;
+
+/// Soil of a cell in a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Filling<const D: usize> {
+    /// Volume of soil, m3.
+    pub volume: f64,
+    /// Where its pressure acts, in cell coordinates.
+    pub at: [f64; D],
+}
+
+/// Room for the pressures of a step.
+#[derive(Debug, Clone, Default)]
+pub struct Squeeze<const D: usize> {
+    /// Water that a cell holds beyond its pores, or lacks, m3: what was carried in does not fit to the last drop.
+    pub surplus: Vec<f64>,
+    /// Cells of soil by columns, which keeps the band narrow.
+    order: Vec<u32>,
+    /// Cells with an unknown pressure.
+    unknown: Vec<u32>,
+    /// Their places, [`NONE`] for others.
+    number: Vec<u32>,
+    /// V G_i of each at its corners, m2.
+    weights: Vec<[[f64; D]; 4]>,
+    /// First entry of each node in `around`.
+    start: Vec<u32>,
+    /// Unknowns around each node with their corners.
+    around: Vec<(u32, u8)>,
+    first: Vec<usize>,
+    matrix: Envelope,
+    solution: Vec<f64>,
+    outflow: Vec<f64>,
+}
+
+/// What pressures did in a step.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Pressed {
+    /// Work on the soil, J.
+    pub work: f64,
+}
+
+/// V G_i(x_c) at the corners, m2.
+fn weights<const D: usize>(soil: &Filling<D>, inverse_size: f64) -> [[f64; D]; 4] {
+    let factor = soil.volume * inverse_size;
+    let mut weights = [[0.0; D]; 4];
+    if D == 1 {
+        (weights[0][0], weights[1][0]) = (-factor, factor);
+        return weights;
+    }
+    let [x, y] = [soil.at[0], soil.at[D - 1]];
+    for (corner, weight) in weights.iter_mut().enumerate() {
+        let (right, upper) = (corner & 1 == 1, corner & 2 == 2);
+        let along_y = if upper { y } else { 1.0 - y };
+        let along_x = if right { x } else { 1.0 - x };
+        weight[0] = if right { factor } else { -factor } * along_y;
+        weight[D - 1] = if upper { factor } else { -factor } * along_x;
+    }
+    weights
+}
+
+/// Rate at which the soil of a cell gains volume, m3/s, a time `before` the end of the step.
+fn opening<const D: usize>(
+    weights: &[[f64; D]; 4],
+    cell: usize,
+    pushed: &Pushed<D>,
+    motion: &[NodeMotion<D>],
+    before: f64,
+) -> f64 {
+    let mut rate = 0.0;
+    for (corner, weight) in weights.iter().enumerate().take(1 << D) {
+        let m = &motion[pushed.node(cell, corner)];
+        for d in 0..D {
+            rate += weight[d] * (m.velocity[d] - before * m.acceleration[d]);
+        }
+    }
+    rate
+}
+
+impl<const D: usize> Squeeze<D> {
+    /// Takes note of the cells of soil.
+    pub fn lay(&mut self, grid: &Grid<D>, water: &FreeSurface<D>) {
+        let count = grid.cell_count();
+        self.surplus.resize(count, 0.0);
+        self.number.clear();
+        self.number.resize(count, NONE);
+        self.outflow.resize(count, 0.0);
+        self.order.clear();
+        self.order.extend((0..count as u32).filter(|cell| water.soil.is_soil(*cell as usize)));
+        let across = grid.cells[0] as u32;
+        if D == 2 {
+            self.order.sort_by_key(|cell| (cell % across, cell / across));
+        }
+    }
+
+    /// Lets the pressures of a step act: on the velocities, if they are implicit, and on the water.
+    ///
+    /// # Errors
+    /// A row of the system that is not positive.
+    pub fn press(
+        &mut self,
+        water: &mut FreeSurface<D>,
+        soil: &[Filling<D>],
+        pushed: &Pushed<D>,
+        motion: &mut [NodeMotion<D>],
+        step: &MovingStep,
+    ) -> Result<Pressed, usize> {
+        water.before_motion(step.dt);
+        self.collect(water, soil, pushed);
+        if step.implicit {
+            self.assemble(water, pushed, motion, step);
+            let Self { matrix, solution, .. } = self;
+            matrix.solve(solution)?;
+            for (i, cell) in self.unknown.iter().enumerate() {
+                let cell = *cell as usize;
+                if water.kind[cell] == Kind::Full {
+                    let rise = self.solution[i] - water.pressure[cell];
+                    for (corner, weight) in self.weights[i].iter().enumerate().take(1 << D) {
+                        let node = pushed.node(cell, corner);
+                        let m = &mut motion[node];
+                        for d in 0..D {
+                            let more = pushed.inverse[node][d] * weight[d] * rise;
+                            m.acceleration[d] += more;
+                            m.velocity[d] += step.dt * more;
+                            m.change[d] += step.dt * more;
+                        }
+                    }
+                }
+                water.system.pressure[cell] = self.solution[i];
+            }
+        }
+        let mut pressed = Pressed::default();
+        self.take_in(water, soil, pushed, motion, step, &mut pressed);
+        water.after_motion(step.dt);
+        Ok(pressed)
+    }
+
+    /// Work (J) that pressures which are held (Pa) do in a step.
+    pub fn work_of(
+        &self,
+        pressure: &[f64],
+        soil: &[Filling<D>],
+        grid: &Grid<D>,
+        pushed: &Pushed<D>,
+        motion: &[NodeMotion<D>],
+        dt: f64,
+    ) -> f64 {
+        let mut power = 0.0;
+        for &cell in &self.order {
+            let cell = cell as usize;
+            if pressure[cell] != 0.0 && soil[cell].volume > 0.0 {
+                power += pressure[cell] * opening(&weights(&soil[cell], grid.inverse_size), cell, pushed, motion, 0.5 * dt);
+            }
+        }
+        dt * power
+    }
+
+    /// Cells that are not full take what waits, and all others a little of it, for a time (s).
+    pub fn give_back(&mut self, water: &mut FreeSurface<D>, time: f64) {
+        let share = 1.0 - (-time / RETURNS).exp();
+        for &cell in &self.order {
+            let cell = cell as usize;
+            let surplus = &mut self.surplus[cell];
+            if *surplus == 0.0 {
+                continue;
+            }
+            // A full cell passes it on in the next steps: what is beyond its pores enters the balance of a step.
+            let most = if water.kind[cell] == Kind::Full { share * surplus.abs() } else { f64::INFINITY };
+            let room = (-water.content[cell], (water.pores(cell) - water.content[cell]).max(0.0));
+            let given = if water.kind[cell] == Kind::Full { *surplus } else { surplus.clamp(room.0, room.1) };
+            let given = given.clamp(-most, most);
+            water.content[cell] += given;
+            *surplus -= given;
+        }
+    }
+
+    /// Finds the unknowns and what surrounds the nodes.
+    fn collect(&mut self, water: &FreeSurface<D>, soil: &[Filling<D>], pushed: &Pushed<D>) {
+        for cell in &self.unknown {
+            self.number[*cell as usize] = NONE;
+        }
+        self.unknown.clear();
+        self.weights.clear();
+        self.start.clear();
+        self.start.resize(pushed.inverse.len() + 1, 0);
+        for &cell in &self.order {
+            if water.kind[cell as usize].unknown() {
+                self.number[cell as usize] = self.unknown.len() as u32;
+                self.unknown.push(cell);
+                self.weights.push(weights(&soil[cell as usize], 1.0 / water.medium.size));
+            }
+        }
+        let corners = 1 << D;
+        for &cell in &self.unknown {
+            for corner in 0..corners {
+                self.start[pushed.node(cell as usize, corner) + 1] += 1;
+            }
+        }
+        for node in 0..pushed.inverse.len() {
+            self.start[node + 1] += self.start[node];
+        }
+        self.around.clear();
+        self.around.resize(corners * self.unknown.len(), (0, 0));
+        for (i, &cell) in self.unknown.iter().enumerate() {
+            for corner in 0..corners {
+                let place = &mut self.start[pushed.node(cell as usize, corner)];
+                self.around[*place as usize] = (i as u32, corner as u8);
+                *place += 1;
+            }
+        }
+        for node in (0..pushed.inverse.len()).rev() {
+            self.start[node + 1] = self.start[node];
+        }
+        self.start[0] = 0;
+    }
+
+    fn assemble(
+        &mut self,
+        water: &FreeSurface<D>,
+        pushed: &Pushed<D>,
+        motion: &[NodeMotion<D>],
+        step: &MovingStep,
+    ) {
+        let Self { unknown, number, weights, start, around, first, matrix, solution, surplus, .. } = self;
+        let is_full = |i: u32| water.kind[unknown[i as usize] as usize] == Kind::Full;
+        let nodes = pushed.inverse.len();
+        let of = |node: usize| &around[start[node] as usize..start[node + 1] as usize];
+        first.clear();
+        first.extend(0..unknown.len());
+        for node in 0..nodes {
+            let least = of(node).iter().map(|(i, _)| *i).filter(|i| is_full(*i)).min().unwrap_or(NONE) as usize;
+            for (i, _) in of(node).iter().filter(|(i, _)| is_full(*i)) {
+                first[*i as usize] = first[*i as usize].min(least);
+            }
+        }
+        for link in &water.links {
+            let (a, b) = (number[link.low as usize], number[link.high as usize]);
+            if a != NONE && b != NONE {
+                let (low, high) = (a.min(b) as usize, a.max(b) as usize);
+                first[high] = first[high].min(low);
+            }
+        }
+        matrix.clear(unknown.len(), |row| first[row]);
+        solution.clear();
+        solution.resize(unknown.len(), 0.0);
+        for node in 0..nodes {
+            for (k, &(i, corner)) in of(node).iter().enumerate().filter(|(_, (i, _))| is_full(*i)) {
+                let own = weights[i as usize][corner as usize];
+                let inverse = pushed.inverse[node];
+                for d in 0..D {
+                    // The velocity that the pressure of the start has made.
+                    solution[i as usize] -= own[d] * motion[node].velocity[d];
+                }
+                for &(j, other) in of(node)[..=k].iter().filter(|(j, _)| is_full(*j)) {
+                    let beside = weights[j as usize][other as usize];
+                    let coupling: f64 = (0..D).map(|d| inverse[d] * own[d] * beside[d]).sum();
+                    // A cell may meet itself twice at a node that others follow.
+                    let twice = if i == j && corner != other { 2.0 } else { 1.0 };
+                    matrix.add(i as usize, j as usize, step.dt * coupling * twice);
+                    let (from_i, from_j) =
+                        (water.pressure[unknown[i as usize] as usize], water.pressure[unknown[j as usize] as usize]);
+                    solution[i as usize] += step.dt * coupling * from_j;
+                    if i != j || corner != other {
+                        solution[j as usize] += step.dt * coupling * from_i;
+                    }
+                }
+            }
+        }
+        for (i, &cell) in unknown.iter().enumerate() {
+            let cell = cell as usize;
+            let pores = water.pores(cell);
+            if water.kind[cell] == Kind::Full {
+                let storage = pores / (step.bulk_modulus * step.dt);
+                matrix.add(i, i, storage);
+                let over = water.content[cell] - pores * (1.0 + water.pressure[cell] / step.bulk_modulus);
+                solution[i] += storage * water.pressure[cell] + (surplus[cell] + over) / RETURNS;
+            } else {
+                let full_rise = water.medium.rise() * water.medium.size;
+                let per_pressure = pores / (full_rise * water.soil.share[cell]) / step.dt;
+                matrix.add(i, i, per_pressure);
+                solution[i] += water.content[cell] / step.dt - per_pressure * 0.5 * full_rise;
+            }
+        }
+        for (link, flow) in water.links.iter().zip(&water.flows) {
+            let (a, b) = (number[link.low as usize], number[link.high as usize]);
+            if a != NONE {
+                matrix.add(a as usize, a as usize, flow.low);
+                solution[a as usize] -= flow.fixed;
+            }
+            if b != NONE {
+                matrix.add(b as usize, b as usize, flow.high);
+                solution[b as usize] += flow.fixed;
+            }
+            if a != NONE && b != NONE {
+                matrix.add(a as usize, b as usize, -flow.low);
+            }
+        }
+        for (edge, leak) in water.edges.iter().zip(&water.leaks) {
+            let i = number[edge.cell as usize];
+            if i != NONE {
+                matrix.add(i as usize, i as usize, leak.low);
+                solution[i as usize] -= leak.fixed;
+            }
+        }
+    }
+
+    /// Pores follow the soil, contents the flow; explicit pressures follow both.
+    fn take_in(
+        &mut self,
+        water: &mut FreeSurface<D>,
+        soil: &[Filling<D>],
+        pushed: &Pushed<D>,
+        motion: &[NodeMotion<D>],
+        step: &MovingStep,
+        pressed: &mut Pressed,
+    ) {
+        water.contents(step.dt);
+        for &cell in &self.order {
+            let cell = cell as usize;
+            let full = water.kind[cell] == Kind::Full;
+            if water.content[cell] <= 0.0 && water.trial[cell] <= 0.0 && self.surplus[cell] == 0.0 {
+                continue;
+            }
+            let weights = weights(&soil[cell], 1.0 / water.medium.size);
+            let rate = opening(&weights, cell, pushed, motion, 0.0);
+            let middle = opening(&weights, cell, pushed, motion, 0.5 * step.dt);
+            let outflow = (water.content[cell] - water.trial[cell]) / step.dt;
+            let returned = self.surplus[cell] / RETURNS;
+            if full && !step.implicit {
+                let over = water.content[cell] - water.pores(cell) * (1.0 + water.pressure[cell] / step.bulk_modulus);
+                let unbalanced = returned + over / RETURNS - rate - outflow;
+                water.system.pressure[cell] =
+                    water.pressure[cell] + unbalanced * step.dt * step.bulk_modulus / water.pores(cell);
+            }
+            // What the soil felt in this step: with explicit pressures that of its start.
+            let felt = if full && step.implicit {
+                water.system.pressure[cell] - water.pressure[cell] + water.mean_pressure(cell)
+            } else {
+                water.mean_pressure(cell)
+            };
+            pressed.work += step.dt * felt * middle;
+            water.soil.pores[cell] += step.dt * rate;
+            water.trial[cell] += step.dt * returned;
+            self.surplus[cell] -= step.dt * returned;
+            if water.trial[cell] < 0.0 {
+                self.surplus[cell] += water.trial[cell];
+                water.trial[cell] = 0.0;
+            }
+        }
+    }
+}
+
+/// A step of the soil, as its water sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MovingStep {
+    /// Its length, s.
+    pub dt: f64,
+    /// Whether the pressures are those of its end.
+    pub implicit: bool,
+    /// Bulk modulus of the water K_w, Pa.
+    pub bulk_modulus: f64,
+}
+
+impl<const D: usize> FreeSurface<D> {
+    /// Flows from the state at the start of a step.
+    fn before_motion(&mut self, dt: f64) {
+        self.classify();
+        for cell in 0..self.kind.len() {
+            self.wet[cell] = self.wet_share(cell).clamp(0.0, 1.0);
+            self.pressure[cell] = match self.kind[cell] {
+                Kind::Full => self.pressure[cell],
+                Kind::Standing => self.medium.standing_pressure(self.wet[cell], self.soil.share[cell]),
+                _ => 0.0,
+            };
+        }
+        self.system.pressure.copy_from_slice(&self.pressure);
+        self.assemble(dt);
+    }
+
+    /// Takes the trial as the new state and finds which cells are full from now on.
+    fn after_motion(&mut self, dt: f64) {
+        for cell in 0..self.kind.len() {
+            if !self.soil.is_soil(cell) {
+                continue;
+            }
+            let level = self.medium.standing_pressure(1.0, self.soil.share[cell]);
+            match self.kind[cell] {
+                Kind::Full => {
+                    if self.system.pressure[cell] < self.least_pressure(cell, level) - 1e-6 {
+                        self.full[cell] = false;
+                    }
+                }
+                _ => {
+                    if self.trial[cell] >= self.pores(cell) * (1.0 - ROUND) {
+                        self.full[cell] = true;
+                        self.system.pressure[cell] = self.system.pressure[cell].max(0.0);
+                    }
+                }
+            }
+        }
+        self.accept(dt);
+        self.classify();
+    }
+}
