@@ -1,8 +1,8 @@
 //! Exact solutions, one per file, each with its assumptions and its own tests against independent tables.
 //!
-//! Consolidation: [`terzaghi`], [`large_strain`], [`mandel`], [`dynamic`]; on a mesh: [`semidiscrete`]. Seepage with a
-//! free surface: [`wetting_front`], [`dam`], [`boussinesq`]. Stability: [`infinite_slope`]. Plasticity: [`oedometer`]. What they are computed with:
-//! [`root`], [`quadrature`], [`elliptic`].
+//! Consolidation: [`terzaghi`], [`large_strain`], [`mandel`], [`dynamic`]; on a mesh: [`semidiscrete`]. Seepage with
+//! a free surface: [`wetting_front`], [`dam`], [`boussinesq`]. Stability: [`infinite_slope`].
+//! Plasticity: [`oedometer`]. What they are computed with: [`root`], [`simplex`], [`quadrature`], [`elliptic`].
 
 pub mod boussinesq;
 pub mod dam;
@@ -16,6 +16,7 @@ pub(crate) mod oracle;
 pub mod quadrature;
 pub mod root;
 pub mod semidiscrete;
+pub mod simplex;
 pub mod sliding;
 pub mod terzaghi;
 pub mod wetting_front;
