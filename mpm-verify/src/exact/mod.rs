@@ -1,7 +1,7 @@
 //! Exact solutions, one per file, each with its assumptions and its own tests against independent tables.
 //!
 //! Consolidation: [`terzaghi`], [`large_strain`], [`mandel`], [`dynamic`]; on a mesh: [`semidiscrete`]. Seepage with
-//! a free surface: [`wetting_front`], [`dam`], [`boussinesq`]. Stability: [`infinite_slope`].
+//! a free surface: [`wetting_front`], [`dam`], [`boussinesq`]. Stability: [`infinite_slope`], [`slip_circle`].
 //! Plasticity: [`oedometer`]. What they are computed with: [`root`], [`simplex`], [`quadrature`], [`elliptic`].
 
 pub mod boussinesq;
@@ -18,6 +18,7 @@ pub mod root;
 pub mod semidiscrete;
 pub mod simplex;
 pub mod sliding;
+pub mod slip_circle;
 pub mod terzaghi;
 pub mod wetting_front;
 
