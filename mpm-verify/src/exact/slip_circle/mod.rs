@@ -19,18 +19,22 @@
 //! Spencer's method meets all balances and depends on no centre: it is the one to trust on a cut circle.
 //!
 //! [`Section::slide`] cuts a circle into slices, [`Slide::bishop`], [`Slide::spencer`] and [`Slide::ordinary`] give
-//! its factor, [`Section::critical`] searches the least one. [`water`]: pore pressure of a phreatic line.
+//! its factor, [`Section::critical`] searches the least one. [`water`]: pore pressure of a phreatic line. [`levee`]:
+//! the paper's levee.
 //!
 //! Sources: Bishop 1955, Geotechnique 5(1), doi:10.1680/geot.1955.5.1.7; Fredlund & Krahn 1977, Canadian Geotechnical
 //! Journal 14(3), doi:10.1139/t77-045; Fellenius 1936, Trans. 2nd Congress on Large Dams 4.
 
 pub mod factor;
+pub mod levee;
 pub mod search;
 pub mod slices;
 pub mod water;
 
 #[cfg(test)]
 mod composite_test;
+#[cfg(test)]
+mod levee_test;
 #[cfg(test)]
 mod published_test;
 #[cfg(test)]
