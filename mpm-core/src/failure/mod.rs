@@ -10,8 +10,8 @@ mod strength;
 mod watch;
 
 pub use record::{Events, PathPoint, Row};
-pub use settle::{Patience, Settled, settle};
-pub use strength::{Bracket, bracket};
+pub use settle::{GivesUp, Patience, Settled, settle};
+pub use strength::{Bracket, bracket, with_strength};
 pub use watch::{First, Moved};
 
 use serde::Serialize;
@@ -33,6 +33,8 @@ const FIRST_SEEPAGE: f64 = 60.0;
 const EASY: [u64; 2] = [200, 800];
 /// Soil that takes longer to settle has begun to fail, in periods of its first swing.
 const NEVER: f64 = 60.0;
+/// So has soil of which some has moved so far on the way, m.
+const NOT_AT_REST: f64 = 0.01;
 /// Longest time that gravity alone may need, in the same periods.
 const GRAVITY: f64 = 400.0;
 /// Parts in which the first water comes.
@@ -187,7 +189,7 @@ impl<'a> Driver<'a> {
         // Critical for the first swing.
         let damping = 4.0 * std::f64::consts::PI / self.period();
         let steps = (periods * self.period() / self.dt) as u64;
-        Patience { dt: self.dt, damping: 0.5 * damping, steps, event: 2 }
+        Patience { dt: self.dt, damping: 0.5 * damping, steps, until: GivesUp::Moved(NOT_AT_REST) }
     }
 
     fn failed(&self, fault: Fault) -> RunError {
@@ -212,7 +214,7 @@ impl<'a> Driver<'a> {
     /// # Errors
     /// Where and what went wrong in a step, or soil that does not come to rest even on a base that holds it.
     pub fn load(&mut self) -> Result<Settled, RunError> {
-        let patience = Patience { event: 3, ..self.patience(GRAVITY) };
+        let patience = Patience { until: GivesUp::Never, ..self.patience(GRAVITY) };
         self.model.glue(true);
         self.model.count_from_here();
         self.first = First::of(self.model.as_ref(), &self.outline, &self.failure.points);
@@ -389,6 +391,16 @@ impl<'a> Driver<'a> {
     pub fn safety(&mut self, within: f64, progress: &mut dyn FnMut(&Bracket)) -> Result<Bracket, RunError> {
         let patience = self.patience(GRAVITY);
         let found = bracket(self.model.as_mut(), &self.outline, &patience, within, progress);
+        found.map_err(|e| self.failed(e))
+    }
+
+    /// Lets the soil come to rest, or slide, with its strength divided by a factor. Displacements then count from here.
+    ///
+    /// # Errors
+    /// Where and what went wrong in a step.
+    pub fn weakened(&mut self, factor: f64) -> Result<Settled, RunError> {
+        let patience = self.patience(GRAVITY);
+        let found = with_strength(self.model.as_mut(), &self.outline, &patience, factor);
         found.map_err(|e| self.failed(e))
     }
 

@@ -22,8 +22,19 @@ pub struct Patience {
     pub damping: f64,
     /// Give up after so many steps.
     pub steps: u64,
-    /// Give up once this event has come: 1 for E1, 2 for E2, 3 for E3.
-    pub event: usize,
+    /// Give up once this has happened.
+    pub until: GivesUp,
+}
+
+/// What tells that a soil will not come to rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum GivesUp {
+    /// A particle has moved so far, m.
+    Moved(f64),
+    /// The deep slide: E2.
+    Failed,
+    /// Nothing but its patience.
+    Never,
 }
 
 /// How it went.
@@ -44,6 +55,7 @@ pub struct Settled {
 pub fn settle(model: &mut dyn Failing, first: &First, patience: &Patience) -> Result<Settled, Fault> {
     let mut steps = 0;
     let mut looks = 0;
+    let start = first.moved(model).most_m;
     let pace = Pace { dt: patience.dt, steps: STEPS, damping: patience.damping, pressures: Pressures::Held };
     loop {
         let mut done = 0;
@@ -60,7 +72,12 @@ pub fn settle(model: &mut dyn Failing, first: &First, patience: &Patience) -> Re
         if looks >= LOOKS || late || (steps / STEPS).is_multiple_of(8) {
             let moved = first.moved(model);
             let at_rest = looks >= LOOKS;
-            if at_rest || late || moved.events()[patience.event - 1] {
+            let gives_up = match patience.until {
+                GivesUp::Moved(most) => moved.most_m - start > most,
+                GivesUp::Failed => moved.events()[1],
+                GivesUp::Never => false,
+            };
+            if at_rest || late || gives_up {
                 return Ok(Settled { at_rest, steps, moved });
             }
         }

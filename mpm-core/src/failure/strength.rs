@@ -4,7 +4,7 @@
 //! standing and sliding is bracketed by bisection (Matsui & San 1992, doi:10.3208/sandf1972.32.59; Griffiths & Lane 1999,
 //! doi:10.1680/geot.1999.49.3.387).
 
-use super::settle::{Patience, settle};
+use super::settle::{GivesUp, Patience, Settled, settle};
 use super::watch::First;
 use crate::keep::Keeper;
 use crate::step::{Failing, Fault};
@@ -44,9 +44,11 @@ pub fn bracket(
     let mut stride: f64 = 0.08;
     let (mut has_low, mut has_high) = (false, false);
     while bracket.high - bracket.low > within * (1.0 + 1e-9) {
-        let stands = stands(model, &state, outline, patience, factor, &mut bracket.steps)?;
+        restore(model, &state)?;
+        let settled = with_strength(model, outline, patience, factor)?;
+        bracket.steps += settled.steps;
         bracket.trials += 1;
-        if stands {
+        if !settled.moved.events()[1] {
             (bracket.low, has_low) = (factor, true);
         } else {
             (bracket.high, has_high) = (factor, true);
@@ -73,21 +75,19 @@ fn restore(model: &mut dyn Failing, state: &[u8]) -> Result<(), Fault> {
     keeper.finish().map_err(|e| Fault { place: "a kept state".into(), what: e.to_string() })
 }
 
-/// Whether the soil comes to rest before the deep slide, with its strength divided by a factor.
-fn stands(
+/// Lets the soil come to rest with its strength divided by a factor, or slide.
+///
+/// # Errors
+/// Where and what went wrong in a step.
+pub fn with_strength(
     model: &mut dyn Failing,
-    state: &[u8],
     outline: &[[f64; 2]],
     patience: &Patience,
     factor: f64,
-    steps: &mut u64,
-) -> Result<bool, Fault> {
-    restore(model, state)?;
+) -> Result<Settled, Fault> {
     // Slip stays: a base that has weakened is weak.
     model.count_from_here();
     let first = First::of(model, outline, &[]);
     model.weaken(factor);
-    let settled = settle(model, &first, &Patience { event: 2, ..*patience })?;
-    *steps += settled.steps;
-    Ok(!settled.moved.events()[1])
+    settle(model, &first, &Patience { until: GivesUp::Failed, ..*patience })
 }

@@ -52,7 +52,8 @@ pub trait Failing: Model {
     fn level(&self, x: f64) -> f64;
     /// Largest x (m) that water has reached in the lowest row of cells.
     fn front(&self) -> f64;
-    /// How uneven pressures and motion are: checkerboard index of the pressures, share of the motion in hourglass modes.
+    /// How uneven pressures and motion are: mean |p_00 - p_10 - p_01 + p_11|/4 over blocks of full cells by mean |p|, and the
+    /// share of the kinetic energy that is in hourglass modes (velocities of the corners of a cell that alternate).
     fn unevenness(&self) -> [f64; 2];
     /// Work of all forces on the nodes since counting began, J.
     fn node_work(&self) -> f64;

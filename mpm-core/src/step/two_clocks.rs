@@ -19,7 +19,7 @@ use crate::water::Carried;
 /// First step of a seepage stage as a share of its length.
 const FIRST_STEP: f64 = 1e-4;
 /// Motion slower than this (m/s) is none to speak of.
-const STILL: f64 = 1e-3;
+const STILL: f64 = 1e-2;
 /// Soil that has moved less than this takes no water along, in cells.
 const NEAR: f64 = 1e-3;
 
@@ -341,12 +341,16 @@ where
     fn front(&self) -> f64 {
         let (grid, water) = (self.soil.grid(), &self.soil.water().water);
         let mut front: f64 = 0.0;
+        let seeps = |cell: usize| water.leaks().any(|(edge, out)| edge.cell as usize == cell && out > 0.0);
         for cell in 0..grid.cells[0] {
             let wet = water.wet_share(cell).clamp(0.0, 1.0);
             if wet > 1e-6 {
                 // The soil of a toe ends before its cell does.
                 let soil = water.soil.cover[1][cell][1].max(water.soil.share[cell]);
-                front = front.max((cell as f64 + soil * wet) * grid.size);
+                // The last cell lets out what would fill it.
+                let last = cell + 1 == grid.cells[0] || !water.soil.is_soil(cell + 1);
+                let reached = if last && seeps(cell) { 1.0 } else { wet };
+                front = front.max((cell as f64 + soil * reached) * grid.size);
             }
         }
         front
@@ -385,7 +389,7 @@ where
                 whole += soil * STILL * STILL;
             }
         }
-        [checkerboard, if whole > 0.0 { (hourglass / whole).sqrt() } else { 0.0 }]
+        [checkerboard, if whole > 0.0 { hourglass / whole } else { 0.0 }]
     }
 
     fn node_work(&self) -> f64 {

@@ -20,6 +20,9 @@ use crate::sparse::Unsolved;
 /// Soil that has moved this far takes its water along before it moves on, in cells.
 const FAR: f64 = 0.02;
 
+/// Exchange between full cells as a share of what shear would make of the same pressures, 1/(2 G).
+const SMOOTHING: f64 = 0.25;
+
 /// What the pressures do while the soil moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pressures {
@@ -53,6 +56,8 @@ pub struct Carried<const D: usize> {
     /// Particles per cell along one direction.
     per_direction: usize,
     properties: WaterProperties,
+    /// Water that full cells exchange where their pressures part, per volume and pressure, 1/Pa.
+    smoothing: f64,
     /// Mean over the soil of a cell of the pressure where it is positive, Pa.
     felt: Vec<f64>,
     /// Water per volume of soil, kg/m3.
@@ -122,6 +127,7 @@ impl<const D: usize> Carried<D> {
             moisture: properties.density * (scene.porosity - scene.mobile_porosity()),
             per_direction,
             properties,
+            smoothing: SMOOTHING / (2.0 * scene.elastic.shear_modulus()),
             felt: vec![0.0; cells],
             per_volume: vec![0.0; cells],
             middle: vec![0.5; cells],
@@ -278,7 +284,7 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Car
         if self.pressures == Pressures::Held {
             self.work += self.squeeze.work_of(&self.felt, &self.soil, grid, pushed, motion, dt);
         } else {
-            let step = MovingStep { dt, implicit: self.pressures == Pressures::Implicit, bulk_modulus };
+            let step = MovingStep { dt, implicit: self.pressures == Pressures::Implicit, bulk_modulus, smoothing: self.smoothing };
             let Self { squeeze, water, soil, .. } = self;
             let pressed = squeeze.press(water, soil, pushed, motion, &step).map_err(|cell| {
                 let place = grid.cell_position(cell).map(|i| (i as f64 + 0.5) * grid.size);

@@ -67,6 +67,8 @@ pub struct FreeSurface<const D: usize> {
     edges: Vec<Edge>,
     flows: Vec<Linear>,
     leaks: Vec<Linear>,
+    /// What left through each edge in the last step, m3/s.
+    left: Vec<f64>,
     system: System,
     /// Whether the system is not that of the links.
     stale: bool,
@@ -135,6 +137,7 @@ impl<const D: usize> FreeSurface<D> {
             links: Vec::new(),
             edges: Vec::new(),
             leaks: Vec::new(),
+            left: Vec::new(),
             system: System::new(cells, &[])?,
             stale: true,
             above: Vec::new(),
@@ -164,6 +167,8 @@ impl<const D: usize> FreeSurface<D> {
             edges::edges(grid, &self.soil, &self.medium, &around.open, &around.feeds, face_area, around.periodic);
         self.leaks.clear();
         self.leaks.resize(self.edges.len(), Linear::default());
+        self.left.clear();
+        self.left.resize(self.edges.len(), 0.0);
         let cells = grid.cell_count();
         let mut beyond = vec![[Neighbour::Tight; 2]; cells];
         for edge in self.edges.iter().filter(|edge| edge.axis as usize == D - 1) {
@@ -375,7 +380,7 @@ impl<const D: usize> FreeSurface<D> {
             let level = self.medium.standing_pressure(1.0, self.soil.share[cell]);
             let flip = match self.kind[cell] {
                 Kind::Void => false,
-                Kind::Full => p < self.least_pressure(cell, level) - slack,
+                Kind::Full => p < self.least_pressure(cell, level, &self.trial) - slack,
                 Kind::Standing => p > level + slack,
                 Kind::Hanging | Kind::Loose => self.trial[cell] > self.pores(cell) * (1.0 + ROUND),
             };
@@ -391,9 +396,9 @@ impl<const D: usize> FreeSurface<D> {
     }
 
     /// Least pressure at which a full cell stays so, Pa; `level` is that of water up to the top of its own soil.
-    fn least_pressure(&self, cell: usize, level: f64) -> f64 {
+    fn least_pressure(&self, cell: usize, level: f64, content: &[f64]) -> f64 {
         let covered = matches!(self.above[cell], Neighbour::Cell(above)
-            if self.trial[above as usize] > FILM * self.pores(above as usize));
+            if content[above as usize] > FILM * self.pores(above as usize));
         if self.stands(cell, &self.full) && !covered { level } else { 0.0 }
     }
 
@@ -442,8 +447,9 @@ impl<const D: usize> FreeSurface<D> {
             self.flux[link.axis as usize][link.face as usize] = flow.at(p[link.low as usize], p[link.high as usize]);
         }
         self.rates = [0.0; 2];
-        for (edge, leak) in self.edges.iter().zip(&self.leaks) {
+        for ((edge, leak), left) in self.edges.iter().zip(&self.leaks).zip(&mut self.left) {
             let out = leak.at(p[edge.cell as usize], 0.0);
+            *left = out;
             self.rates[usize::from(out > 0.0)] += out.abs();
         }
         self.inflow += dt * self.rates[0];
@@ -452,7 +458,7 @@ impl<const D: usize> FreeSurface<D> {
 
     /// Edges with their flow out of the soil in the last step, m3/s.
     pub fn leaks(&self) -> impl Iterator<Item = (&Edge, f64)> {
-        self.edges.iter().zip(&self.leaks).map(|(edge, leak)| (edge, leak.at(self.pressure[edge.cell as usize], 0.0)))
+        self.edges.iter().zip(self.left.iter().copied())
     }
 
     /// Height of the free surface at x (m), m: that of the highest water that stands in the column of cells there, between the
