@@ -127,8 +127,19 @@ impl<'a, DB: DrawingBackend> Canvas<'a, DB> {
             Marker::Up => polygon(&[(0.0, -1.15), (1.05, 0.8), (-1.05, 0.8)]),
             Marker::Down => polygon(&[(0.0, 1.15), (1.05, -0.8), (-1.05, -0.8)]),
             Marker::Diamond => polygon(&[(0.0, -1.25), (1.1, 0.0), (0.0, 1.25), (-1.1, 0.0)]),
+            Marker::Right => polygon(&[(1.15, 0.0), (-0.8, 1.05), (-0.8, -1.05)]),
             Marker::Star => polygon(&star()),
+            Marker::Box => {
+                let corners = [self.at((spot.0 - r, spot.1 - r)), self.at((spot.0 + r, spot.1 + r))];
+                self.area.draw(&Rectangle::new(corners, look.colour.filled())).map_err(|e| e.to_string())
+            }
         }
+    }
+
+    /// A filled polygon.
+    pub fn area(&self, corners: &[Spot], colour: RGBColor) -> Drawn {
+        let path: Vec<_> = corners.iter().map(|c| self.at(*c)).collect();
+        self.area.draw(&Polygon::new(path, colour.filled())).map_err(|e| e.to_string())
     }
 
     /// A bar with its pattern and a thin edge; a flat bar without them, or its colour would not be seen.

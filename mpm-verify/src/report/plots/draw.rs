@@ -1,4 +1,4 @@
-//! Draws a [`Figure`] on any backend: title, panels with frames and ticks, legend below, where it hides nothing.
+//! Draws a [`Figure`] on any backend: title, rows of panels with frames and ticks, legend below, where it hides nothing.
 
 use plotters::prelude::{DrawingBackend, RGBColor};
 
@@ -19,11 +19,49 @@ const NOTE: f64 = 11.5;
 const ABOVE: f64 = 58.0;
 /// Room below the panels for ticks and the name of the axis.
 const BELOW: f64 = 46.0;
+/// The same where the axis has no name.
+const TICKS: f64 = 28.0;
+/// Further room for the titles of a row that is not the first.
+const TITLED: f64 = 22.0;
 const MARGIN: f64 = 12.0;
 
 /// Height of a picture, px.
 pub fn height(figure: &Figure) -> f64 {
-    ABOVE + figure.height + BELOW + legend::height(&legend::entries(figure)) + MARGIN
+    let rows = rows(figure);
+    let end = rows.last().map_or(ABOVE + figure.height, Row::bottom);
+    end + BELOW + legend::height(&legend::entries(figure)) + MARGIN
+}
+
+/// Panels side by side.
+struct Row<'a> {
+    /// Upper edge of the frames, px.
+    top: f64,
+    /// Height of the highest frame, px.
+    height: f64,
+    panels: Vec<&'a Panel>,
+}
+
+impl Row<'_> {
+    fn bottom(&self) -> f64 {
+        self.top + self.height
+    }
+}
+
+/// The rows, each with room for what stands below the one above it and for its own titles.
+fn rows(figure: &Figure) -> Vec<Row<'_>> {
+    let mut rows: Vec<Row> = Vec::new();
+    let count = figure.panels.iter().map(|p| p.row + 1).max().unwrap_or(0);
+    for number in 0..count {
+        let panels: Vec<&Panel> = figure.panels.iter().filter(|p| p.row == number).collect();
+        let height = panels.iter().map(|p| p.height.unwrap_or(figure.height)).fold(0.0, f64::max);
+        let top = rows.last().map_or(ABOVE, |above| {
+            let named = above.panels.iter().any(|p| !p.x.label.is_empty());
+            let titled = panels.iter().any(|p| !p.title.is_empty());
+            above.bottom() + if named { BELOW } else { TICKS } + if titled { TITLED } else { 0.0 }
+        });
+        rows.push(Row { top, height, panels });
+    }
+    rows
 }
 
 /// Draws everything.
@@ -32,23 +70,41 @@ pub fn height(figure: &Figure) -> f64 {
 /// What the backend says.
 pub fn figure<DB: DrawingBackend>(figure: &Figure, canvas: &Canvas<DB>) -> Drawn {
     canvas.text(&figure.title, (WIDTH / 2.0, 17.0), TITLE, BLACK, MIDDLE, false)?;
-    let shares: f64 = figure.panels.iter().map(|p| p.share).sum();
-    let gap = 14.0;
-    let whole = WIDTH - 2.0 * MARGIN - gap * (figure.panels.len() as f64 - 1.0);
-    let mut left = MARGIN;
-    for panel in &figure.panels {
-        let width = whole * panel.share / shares;
-        let room = Rect { left, top: ABOVE, right: left + width, bottom: ABOVE + figure.height };
-        draw_panel(canvas, &panel.clone().fitted(), room)?;
-        left += width + gap;
+    let rows = rows(figure);
+    // Frames below each other begin at the same place: room is made for the widest tick of the column.
+    let mut widest: Vec<f64> = Vec::new();
+    for (column, panel) in rows.iter().flat_map(|row| row.panels.iter().enumerate()) {
+        let own = ticks_width(&(*panel).clone().fitted());
+        match widest.get_mut(column) {
+            Some(known) => *known = known.max(own),
+            None => widest.push(own),
+        }
+    }
+    for row in &rows {
+        let shares: f64 = row.panels.iter().map(|p| p.share).sum();
+        let gap = 14.0;
+        let whole = WIDTH - 2.0 * MARGIN - gap * (row.panels.len() as f64 - 1.0);
+        let mut left = MARGIN;
+        for (panel, ticks) in row.panels.iter().zip(&widest) {
+            let width = whole * panel.share / shares;
+            let bottom = row.top + panel.height.unwrap_or(figure.height);
+            let room = Rect { left, top: row.top, right: left + width, bottom };
+            draw_panel(canvas, &(*panel).clone().fitted(), room, *ticks)?;
+            left += width + gap;
+        }
     }
     let entries: Vec<Entry> = legend::entries(figure);
-    legend::draw(canvas, &entries, ABOVE + figure.height + BELOW)
+    legend::draw(canvas, &entries, rows.last().map_or(ABOVE + figure.height, Row::bottom) + BELOW)
 }
 
-/// One panel with what stands around it. `room` is as wide as everything and as high as the frame.
-fn draw_panel<DB: DrawingBackend>(canvas: &Canvas<DB>, panel: &Panel, room: Rect) -> Drawn {
-    let widest = panel.y.ticks().iter().map(|(_, t)| text_width(t, TEXT)).fold(0.0, f64::max);
+/// Width of the widest text at the vertical axis, px.
+fn ticks_width(panel: &Panel) -> f64 {
+    panel.y.ticks().iter().map(|(_, t)| text_width(t, TEXT)).fold(0.0, f64::max)
+}
+
+/// One panel with what stands around it. `room` is as wide as everything and as high as the frame; `widest` is the
+/// width of the texts at the vertical axis.
+fn draw_panel<DB: DrawingBackend>(canvas: &Canvas<DB>, panel: &Panel, room: Rect, widest: f64) -> Drawn {
     let mut frame = Rect { left: room.left + widest + 34.0, right: room.right - 10.0, ..room };
     if panel.equal {
         frame = equal_units(panel, frame);
@@ -141,13 +197,18 @@ impl View<'_> {
         if matches!(series.mark, Mark::Line | Mark::LinePoints) {
             self.polyline(canvas, series)?;
         }
+        if series.mark == Mark::Area {
+            let corners: Vec<Spot> = series.points.iter().filter_map(|p| self.spot(p)).collect();
+            canvas.area(&corners, look.colour)?;
+        }
         for point in &series.points {
             let Some(spot) = self.spot(point) else { continue };
             match series.mark {
                 Mark::Points | Mark::LinePoints => canvas.marker(spot, look, point.open)?,
                 Mark::Bars => self.bar(canvas, point, spot, look)?,
                 Mark::Arrows => arrow(canvas, (spot.0, self.down(point.from)), spot, look)?,
-                Mark::Line | Mark::Text => {}
+                Mark::Range => range(canvas, spot, self.down(point.from), look)?,
+                Mark::Line | Mark::Area | Mark::Text | Mark::Middle => {}
             }
         }
         Ok(())
@@ -191,8 +252,9 @@ impl View<'_> {
         for series in &self.panel.series {
             for point in series.points.iter().filter(|p| !p.note.is_empty()) {
                 let Some(spot) = self.spot(point) else { continue };
-                if series.mark == Mark::Text {
-                    canvas.text(&point.note, spot, TEXT, series.look.colour, LEFT, false)?;
+                if matches!(series.mark, Mark::Text | Mark::Middle) {
+                    let hold = if series.mark == Mark::Text { LEFT } else { MIDDLE };
+                    canvas.text(&point.note, spot, TEXT, series.look.colour, hold, false)?;
                     continue;
                 }
                 let room = self.free_room(spot, text_width(&point.note, NOTE), &taken);
@@ -237,6 +299,14 @@ impl View<'_> {
 /// A thin unbroken line.
 fn thin(colour: RGBColor, width: f64) -> Look {
     Look::new(colour, Marker::Dot).width(width).dash(Dash::Solid)
+}
+
+/// An upright bar with ends.
+pub(super) fn range<DB: DrawingBackend>(canvas: &Canvas<DB>, spot: Spot, other: f64, look: Look) -> Drawn {
+    let end = |y: f64| [(spot.0 - look.radius, y), (spot.0 + look.radius, y)];
+    canvas.line(&[spot, (spot.0, other)], look)?;
+    canvas.line(&end(spot.1), look)?;
+    canvas.line(&end(other), look)
 }
 
 /// An arrow from one spot down to another.

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::axis::Axis;
 use super::figure::{Figure, Mark, Panel, Point, Series};
 use super::look::{BLACK, BLUE, Dash, Look, Marker, RED};
-use super::{colours, draw, write_png, write_svg};
+use super::{colours, draw, write_drawn};
 use crate::report::numbers::exact;
 use crate::report::{ReportError, tables};
 
@@ -76,15 +76,10 @@ pub fn figure(field: &Field) -> Figure {
     let height = (width * (y.1 - y.0) / (x.1 - x.0)).clamp(HEIGHTS.0, HEIGHTS.1);
     let unit = (width / (x.1 - x.0)).min(height / (y.1 - y.0));
     // A square marker is 0.9 of its radius high on either side; a little more, so that neighbours touch.
-    let look = |place: f64| Look::new(colours::at(place), Marker::Square).radius((half * unit / 0.86).max(0.8));
+    let look = Look::new(BLACK, Marker::Square).radius((half * unit / 0.86).max(0.8));
     let (across, up) = (Axis::linear("x (m)", "x_m").range(x.0, x.1), Axis::linear("y (m)", "y_m").range(y.0, y.1));
     let mut map = Panel { share: SHARES[0], equal: true, ..Panel::new("", across, up) };
-    let shade = |value: f64| (((value - low) / (high - low)).clamp(0.0, 1.0) * SHADES as f64).min(SHADES as f64 - 1.0);
-    for number in 0..SHADES {
-        let own = |p: &&[f64; 3]| p[2].is_finite() && shade(p[2]) as usize == number;
-        let points = field.points.iter().filter(own).map(|p| Point::new(p[0], p[1]));
-        map.add(Series::new("", look(middle(number)), Mark::Points, points).unlisted());
-    }
+    cloud(&mut map, &field.points, (low, high), look);
     for line in &field.lines {
         map.add(Series::line(line.label.clone(), line.look, line.points.iter().copied()));
     }
@@ -104,10 +99,8 @@ pub fn figure(field: &Field) -> Figure {
 /// A file that cannot be written or drawn.
 pub fn write(field: &Field, folder: &Path) -> Result<String, ReportError> {
     let figure = figure(field);
-    let text = write_svg(&figure, folder)?;
+    let text = write_drawn(&figure, folder)?;
     let path = |ending: &str| folder.join(format!("{}{ending}", field.name));
-    let png = path(".png");
-    write_png(&figure, &png).map_err(|cause| ReportError::Draw { path: png, cause })?;
     let header = format!("x_m,y_m,{}", field.column);
     tables::table(&path(".csv"), &header, field.points.iter().map(|p| p.map(exact).to_vec()))?;
     let lines = field
@@ -116,6 +109,18 @@ pub fn write(field: &Field, folder: &Path) -> Result<String, ReportError> {
         .flat_map(|line| line.points.iter().map(|(x, y)| vec![line.label.clone(), exact(*x), exact(*y)]));
     tables::table(&path("_lines.csv"), "line,x_m,y_m", lines)?;
     Ok(text)
+}
+
+/// Adds particles (x, y in m, value) in the colours of their values, a series per shade; those whose value is not a
+/// number are left out. The look's colour does not matter.
+pub fn cloud(map: &mut Panel, particles: &[[f64; 3]], (low, high): (f64, f64), look: Look) {
+    let shade = |value: f64| (((value - low) / (high - low)).clamp(0.0, 1.0) * SHADES as f64).min(SHADES as f64 - 1.0);
+    for number in 0..SHADES {
+        let own = |p: &&[f64; 3]| p[2].is_finite() && shade(p[2]) as usize == number;
+        let points = particles.iter().filter(own).map(|p| Point::new(p[0], p[1]));
+        let look = Look { colour: colours::at(middle(number)), ..look };
+        map.add(Series::new("", look, Mark::Points, points).unlisted());
+    }
 }
 
 /// Middle of a shade between 0 and 1.

@@ -15,7 +15,7 @@ pub struct Figure {
     pub caption: String,
     /// Height of the panels, px of a picture that is 900 px wide.
     pub height: f64,
-    /// Panels from left to right.
+    /// Panels from left to right, row by row from the top.
     pub panels: Vec<Panel>,
     /// Data that should be in the picture and are not.
     pub missing: Vec<String>,
@@ -36,6 +36,10 @@ pub struct Panel {
     pub share: f64,
     /// Whether one unit is equally long on both axes.
     pub equal: bool,
+    /// Row it stands in, 0 at the top.
+    pub row: usize,
+    /// Height of its frame, px; that of the picture if not given.
+    pub height: Option<f64>,
 }
 
 /// How points are drawn.
@@ -51,8 +55,14 @@ pub enum Mark {
     Bars,
     /// Arrows down from `from` to `y`.
     Arrows,
-    /// The points' notes and nothing else.
+    /// Upright bars with ends from `from` to `y`: where a value may be.
+    Range,
+    /// The polygon between them, filled.
+    Area,
+    /// The points' notes and nothing else, from the point on.
     Text,
+    /// The same with their middle at the point.
+    Middle,
 }
 
 /// Points that belong together.
@@ -135,7 +145,7 @@ impl Series {
 impl Panel {
     /// A panel without series.
     pub fn new(title: &str, x: Axis, y: Axis) -> Self {
-        Self { title: title.to_owned(), x, y, series: Vec::new(), share: 1.0, equal: false }
+        Self { title: title.to_owned(), x, y, series: Vec::new(), share: 1.0, equal: false, row: 0, height: None }
     }
 
     /// With one more series, unless it has no points.
@@ -169,7 +179,9 @@ impl Panel {
 
     /// Places on the vertical axis, with the beginnings of bars and arrows.
     pub fn all_y(&self) -> Vec<f64> {
-        self.places(|s, p| if matches!(s.mark, Mark::Bars | Mark::Arrows) { [p.from, p.y] } else { [p.y; 2] })
+        self.places(
+            |s, p| if matches!(s.mark, Mark::Bars | Mark::Arrows | Mark::Range) { [p.from, p.y] } else { [p.y; 2] },
+        )
     }
 
     /// With ranges found for the axes that have none.

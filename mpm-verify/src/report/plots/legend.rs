@@ -3,7 +3,7 @@
 use plotters::prelude::DrawingBackend;
 
 use super::canvas::{Canvas, Drawn, LEFT, Rect, text_width};
-use super::draw::{TEXT, WIDTH};
+use super::draw::{self, TEXT, WIDTH};
 use super::figure::{Figure, Mark, Series};
 use super::look::{BLACK, Look};
 
@@ -24,8 +24,7 @@ const GAP: f64 = 20.0;
 /// The entries of a picture, each label once.
 pub fn entries(figure: &Figure) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
-    let listed =
-        |s: &&Series| s.in_legend && matches!(s.mark, Mark::Line | Mark::LinePoints | Mark::Points | Mark::Bars);
+    let listed = |s: &&Series| s.in_legend && !matches!(s.mark, Mark::Arrows | Mark::Text | Mark::Middle);
     for series in figure.panels.iter().flat_map(|p| &p.series).filter(listed) {
         if let Some(known) = entries.iter_mut().find(|e| e.label == series.label) {
             known.look.radius = known.look.radius.max(series.look.radius);
@@ -83,6 +82,12 @@ pub fn draw<DB: DrawingBackend>(canvas: &Canvas<DB>, entries: &[Entry], top: f64
                 Mark::Bars => {
                     canvas.bar(Rect { left: x + 6.0, top: y - 7.0, right: end.0, bottom: y + 7.0 }, entry.look)?;
                 }
+                Mark::Area => {
+                    let (top, bottom) = (y - 6.0, y + 6.0);
+                    canvas
+                        .area(&[(x + 4.0, top), (end.0, top), (end.0, bottom), (x + 4.0, bottom)], entry.look.colour)?;
+                }
+                Mark::Range => draw::range(canvas, (middle.0, y - 7.0), y + 7.0, entry.look)?,
                 _ => {}
             }
             canvas.text(&entry.label, (end.0 + 6.0, y), TEXT, BLACK, LEFT, false)?;

@@ -24,6 +24,11 @@ pub const ORANGE: RGBColor = RGBColor(230, 159, 0);
 /// Sky blue.
 pub const SKY: RGBColor = RGBColor(86, 180, 233);
 
+/// For soil that carries no colour of its own.
+pub const SAND: RGBColor = RGBColor(221, 200, 158);
+/// For standing water.
+pub const POOL: RGBColor = RGBColor(198, 224, 243);
+
 /// How a line is broken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dash {
@@ -60,6 +65,9 @@ pub enum Marker {
     Down,
     Star,
     Dot,
+    Right,
+    /// A square without an edge, for clouds of thousands.
+    Box,
 }
 
 /// How the inside of a bar is drawn over its colour.

@@ -111,11 +111,19 @@ fn ready() -> bool {
 /// # Errors
 /// A file that cannot be written or drawn.
 pub fn write(figure: &Figure, folder: &Path) -> Result<String, ReportError> {
-    let path = |ending: &str| folder.join(format!("{}.{ending}", figure.name));
+    let text = write_drawn(figure, folder)?;
+    numbers(figure, &folder.join(format!("{}.csv", figure.name)))?;
+    Ok(text)
+}
+
+/// Writes a picture as SVG and PNG: its numbers are the caller's. Returns the text of the SVG.
+///
+/// # Errors
+/// A file that cannot be written or drawn.
+pub fn write_drawn(figure: &Figure, folder: &Path) -> Result<String, ReportError> {
     let text = write_svg(figure, folder)?;
-    let png = path("png");
+    let png = folder.join(format!("{}.png", figure.name));
     write_png(figure, &png).map_err(|cause| ReportError::Draw { path: png, cause })?;
-    numbers(figure, &path("csv"))?;
     Ok(text)
 }
 
