@@ -8,7 +8,8 @@
 //! 5. [`study`]: refine, run, compare. [`budget`]: which part of an error comes from what. [`claims`]: the paper's
 //!    statements and their verdicts. [`sweeps`]: displaced particles, offsets of the mesh, errors in time.
 //!    [`stability`]: time-step limits, predicted and measured.
-//! 6. [`report`]: tables, plots, pages. [`manifest`]: under which conditions. [`baseline`]: accepted values.
+//! 6. [`report`]: tables, plots, pages. [`frames`]: stored frames of a run, to make its pictures again. [`manifest`]:
+//!    under which conditions. [`baseline`]: accepted values.
 
 pub mod baseline;
 pub mod budget;
@@ -17,6 +18,7 @@ pub mod claims;
 pub mod cost;
 pub mod element;
 pub mod exact;
+pub mod frames;
 pub mod literature;
 pub mod manifest;
 pub mod norms;
