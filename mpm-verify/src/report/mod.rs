@@ -5,7 +5,8 @@
 //! 2. [`orders`]: orders of convergence per group. [`tables`]: the CSV files.
 //! 3. [`plots`]: one file per picture; [`plots::figure`] is what a picture is made of.
 //! 4. [`content`]: what the pages say, once. [`html`], [`markdown`]: how they say it.
-//! 5. [`ladder`]: the page of the verification ladder. [`maps`]: the soil and the water of one run.
+//! 5. [`ladder`]: the page of the verification ladder. [`maps`]: the soil and the water of one run. [`vtk`]: frames of a
+//!    run for ParaView.
 //!
 //! Every picture has its numbers in a CSV beside it, written from the same [`plots::figure::Figure`].
 
@@ -21,6 +22,7 @@ pub mod select;
 pub mod tables;
 #[cfg(test)]
 mod tests;
+pub mod vtk;
 
 use std::fs;
 use std::io;
