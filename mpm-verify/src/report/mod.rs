@@ -2,7 +2,7 @@
 //!
 //! # Reading order
 //! 1. [`select`]: which cases tables and pictures are about. [`numbers`]: how numbers are written.
-//! 2. [`orders`]: orders of convergence per group. [`tables`]: the CSV files.
+//! 2. [`orders`]: orders of convergence per group. [`tables`]: the CSV files. [`quantity`]: of the soil, for maps.
 //! 3. [`plots`]: one file per picture; [`plots::figure`] is what a picture is made of.
 //! 4. [`content`]: what the pages say, once. [`html`], [`markdown`]: how they say it.
 //! 5. [`ladder`]: the page of the verification ladder. [`maps`]: the soil and the water of one run. [`vtk`]: frames of a
@@ -18,6 +18,7 @@ pub mod markdown;
 pub mod numbers;
 pub mod orders;
 pub mod plots;
+pub mod quantity;
 pub mod select;
 pub mod tables;
 #[cfg(test)]

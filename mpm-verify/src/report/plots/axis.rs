@@ -24,6 +24,8 @@ pub struct Axis {
     pub range: Option<(f64, f64)>,
     /// Places and texts of ticks; found from the range if not given.
     pub named: Option<Vec<(f64, String)>>,
+    /// Whether its ticks go without texts: those of a panel below hold for it too.
+    pub quiet: bool,
 }
 
 /// A tick: where, and its text; an empty text for a minor one.
@@ -32,7 +34,7 @@ pub type Tick = (f64, String);
 impl Axis {
     /// A linear axis.
     pub fn linear(label: &str, column: &'static str) -> Self {
-        Self { label: label.to_owned(), column, scale: Scale::Linear, range: None, named: None }
+        Self { label: label.to_owned(), column, scale: Scale::Linear, range: None, named: None, quiet: false }
     }
 
     /// A logarithmic axis.
@@ -48,6 +50,11 @@ impl Axis {
     /// With given ticks.
     pub fn named(self, ticks: Vec<Tick>) -> Self {
         Self { named: Some(ticks), ..self }
+    }
+
+    /// Without name and texts of ticks.
+    pub fn quiet(self) -> Self {
+        Self { label: String::new(), quiet: true, ..self }
     }
 
     /// A value as the CSV has it: the text of a given tick at its place, otherwise the number.
@@ -115,11 +122,14 @@ fn linear_ticks(low: f64, high: f64) -> Vec<Tick> {
     (first..=last).map(|k| k as f64 * step).map(|v| (v, text(v))).collect()
 }
 
-/// Powers of ten with text, and 2 and 5 times those on a short axis; the multiples between without text.
+/// Powers of ten with text, and 2 and 5 times those on a short axis; the multiples between without text. On a long
+/// axis every second power or fewer, and nothing between.
 fn log_ticks(low: f64, high: f64) -> Vec<Tick> {
     let decades = (high / low).log10();
+    let sparse = (decades / 7.0).ceil().max(1.0) as i32;
     let text = |multiple: i32, power: i32| {
-        let shown = multiple == 1 || (decades < 2.6 && [2, 5].contains(&multiple)) || decades < 0.7;
+        let shown =
+            (multiple == 1 && power % sparse == 0) || (decades < 2.6 && [2, 5].contains(&multiple)) || decades < 0.7;
         match (shown, multiple) {
             (true, 1) if !(-3..=3).contains(&power) => power_of_ten(power),
             (true, _) => short(f64::from(multiple) * 10f64.powi(power), 1),
@@ -128,7 +138,7 @@ fn log_ticks(low: f64, high: f64) -> Vec<Tick> {
     };
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
     (first..=last)
-        .flat_map(|power| (1..10).map(move |multiple| (multiple, power)))
+        .flat_map(|power| (1..if sparse > 1 { 2 } else { 10 }).map(move |multiple| (multiple, power)))
         .map(|(multiple, power)| (f64::from(multiple) * 10f64.powi(power), text(multiple, power)))
         .collect()
 }
@@ -145,6 +155,7 @@ mod tests {
     fn ticks_are_round_numbers() {
         assert_eq!(texts(&Axis::linear("", "").range(-0.02, 1.02)), ["0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
         assert_eq!(texts(&Axis::log("", "").range(0.009, 0.11)), ["0.01", "0.02", "0.05", "0.1"]);
+        assert_eq!(texts(&Axis::log("", "").range(1e-8, 1e3)), ["10⁻⁸", "10⁻⁶", "10⁻⁴", "0.01", "1", "100"]);
         assert_eq!(texts(&Axis::log("", "").range(1e-6, 1e-2)), ["10⁻⁶", "10⁻⁵", "10⁻⁴", "0.001", "0.01"]);
     }
 

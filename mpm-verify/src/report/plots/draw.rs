@@ -21,8 +21,10 @@ const ABOVE: f64 = 58.0;
 const BELOW: f64 = 46.0;
 /// The same where the axis has no name.
 const TICKS: f64 = 28.0;
+/// The same where its ticks have no texts.
+const QUIET: f64 = 9.0;
 /// Further room for the titles of a row that is not the first.
-const TITLED: f64 = 22.0;
+const TITLED: f64 = 27.0;
 const MARGIN: f64 = 12.0;
 
 /// Height of a picture, px.
@@ -55,9 +57,13 @@ fn rows(figure: &Figure) -> Vec<Row<'_>> {
         let panels: Vec<&Panel> = figure.panels.iter().filter(|p| p.row == number).collect();
         let height = panels.iter().map(|p| p.height.unwrap_or(figure.height)).fold(0.0, f64::max);
         let top = rows.last().map_or(ABOVE, |above| {
-            let named = above.panels.iter().any(|p| !p.x.label.is_empty());
+            let below = match above.panels.iter().filter(|p| !p.blank).collect::<Vec<_>>() {
+                all if all.iter().any(|p| !p.x.label.is_empty()) => BELOW,
+                all if all.iter().any(|p| !p.x.quiet) => TICKS,
+                _ => QUIET,
+            };
             let titled = panels.iter().any(|p| !p.title.is_empty());
-            above.bottom() + if named { BELOW } else { TICKS } + if titled { TITLED } else { 0.0 }
+            above.bottom() + below + if titled { TITLED } else { 0.0 }
         });
         rows.push(Row { top, height, panels });
     }
@@ -89,7 +95,9 @@ pub fn figure<DB: DrawingBackend>(figure: &Figure, canvas: &Canvas<DB>) -> Drawn
             let width = whole * panel.share / shares;
             let bottom = row.top + panel.height.unwrap_or(figure.height);
             let room = Rect { left, top: row.top, right: left + width, bottom };
-            draw_panel(canvas, &(*panel).clone().fitted(), room, *ticks)?;
+            if !panel.blank {
+                draw_panel(canvas, &(*panel).clone().fitted(), room, *ticks)?;
+            }
             left += width + gap;
         }
     }
@@ -166,7 +174,7 @@ impl View<'_> {
             if !text.is_empty() && !self.panel.equal {
                 canvas.line(&[(x, frame.top), (x, frame.bottom)], fine)?;
             }
-            if !text.is_empty() {
+            if !text.is_empty() && !self.panel.x.quiet {
                 canvas.text(&text, (x, frame.bottom + 14.0), TEXT, BLACK, MIDDLE, false)?;
             }
             let length = if text.is_empty() { 3.0 } else { 6.0 };

@@ -40,6 +40,8 @@ pub struct Panel {
     pub row: usize,
     /// Height of its frame, px; that of the picture if not given.
     pub height: Option<f64>,
+    /// Whether it only keeps its place free.
+    pub blank: bool,
 }
 
 /// How points are drawn.
@@ -145,7 +147,22 @@ impl Series {
 impl Panel {
     /// A panel without series.
     pub fn new(title: &str, x: Axis, y: Axis) -> Self {
-        Self { title: title.to_owned(), x, y, series: Vec::new(), share: 1.0, equal: false, row: 0, height: None }
+        Self {
+            title: title.to_owned(),
+            x,
+            y,
+            series: Vec::new(),
+            share: 1.0,
+            equal: false,
+            row: 0,
+            height: None,
+            blank: false,
+        }
+    }
+
+    /// A place kept free.
+    pub fn blank() -> Self {
+        Self { blank: true, ..Self::new("", Axis::linear("", ""), Axis::linear("", "")) }
     }
 
     /// With one more series, unless it has no points.

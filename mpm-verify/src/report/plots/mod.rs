@@ -6,7 +6,8 @@
 //! 3. The pictures: [`mesh`], [`isochrones`], [`consolidation`], [`error_against_time`], [`error_against_mesh`],
 //!    [`error_budget`], [`energy`], [`crossings`]; of all integrators [`schemes`], [`spline_profiles`], [`places`],
 //!    [`steps`]; of a rung of the ladder [`rung`].
-//! 4. [`field`]: a map of particles coloured by a quantity, with lines over it; [`colours`] for it.
+//! 4. [`field`]: a map of particles coloured by a quantity, with lines over it; [`colours`] for it. [`levee`]: the
+//!    pictures of a levee that fails.
 
 pub mod axis;
 pub mod canvas;
@@ -22,6 +23,7 @@ pub mod field;
 pub mod figure;
 pub mod isochrones;
 pub mod legend;
+pub mod levee;
 pub mod look;
 pub mod mesh;
 pub mod places;

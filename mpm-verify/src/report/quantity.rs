@@ -1,0 +1,113 @@
+//! Quantities of the soil that pictures colour it by.
+
+use mpm_core::observe::SolidState;
+
+use crate::frames::{Shot, mean_stress};
+
+/// A quantity of a solid particle.
+#[derive(Debug, Clone, Copy)]
+pub struct Quantity {
+    /// Short name: `strain`.
+    pub name: &'static str,
+    /// Name of its maps of a levee, without ending.
+    pub picture: &'static str,
+    /// Name and unit, for readers: `pore pressure (kPa)`.
+    pub label: &'static str,
+    /// The same as a column of a CSV: `pore_pressure_kpa`.
+    pub column: &'static str,
+    /// Its value in that unit.
+    pub of: fn(&SolidState) -> f64,
+}
+
+/// Deviator strain since counting began, without unit.
+pub const STRAIN: Quantity = Quantity {
+    name: "strain",
+    picture: "levee-strain",
+    label: "deviator strain",
+    column: "deviator_strain",
+    of: |p| p.deviator_strain,
+};
+
+/// Pore pressure, kPa.
+pub const PRESSURE: Quantity = Quantity {
+    name: "pressure",
+    picture: "levee-pressure",
+    label: "pore pressure (kPa)",
+    column: "pore_pressure_kpa",
+    of: |p| p.pore_pressure / 1e3,
+};
+
+/// Length of the displacement since counting began, m.
+pub const DISPLACEMENT: Quantity = Quantity {
+    name: "displacement",
+    picture: "levee-displacement",
+    label: "displacement (m)",
+    column: "displacement_m",
+    of: |p| p.displacement[0].hypot(p.displacement[1]),
+};
+
+/// Mean effective stress, kPa, compression positive.
+pub const MEAN_STRESS: Quantity = Quantity {
+    name: "mean-stress",
+    picture: "levee-mean-stress",
+    label: "mean effective stress (kPa)",
+    column: "mean_effective_stress_kpa",
+    of: |p| mean_stress(p) / 1e3,
+};
+
+/// All of them.
+pub const ALL: [Quantity; 4] = [STRAIN, PRESSURE, DISPLACEMENT, MEAN_STRESS];
+
+/// Share of the particles of a frame that a range holds: a few odd ones must not take the colours from all others.
+const HELD: f64 = 0.995;
+
+/// Functions have no identity to compare: columns have.
+impl PartialEq for Quantity {
+    fn eq(&self, other: &Self) -> bool {
+        self.column == other.column
+    }
+}
+
+impl Quantity {
+    /// Values for the ends of a colour bar, one for all frames: from zero to what holds nearly all of every frame.
+    pub fn range<'a>(&self, shots: impl IntoIterator<Item = &'a Shot>) -> (f64, f64) {
+        let top = shots.into_iter().map(|shot| {
+            let values = shot.frame.solid.iter().map(self.of).filter(|v| v.is_finite());
+            let mut values: Vec<f64> = values.collect();
+            values.sort_by(f64::total_cmp);
+            let last = values.len().saturating_sub(1);
+            values.get((HELD * last as f64).ceil() as usize).copied().unwrap_or(0.0)
+        });
+        let top = top.fold(0.0, f64::max);
+        (0.0, if top > 0.0 { top } else { 1.0 })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frames::made_up;
+
+    #[test]
+    fn a_range_is_that_of_all_frames_without_the_odd_ones() {
+        let mut shots = made_up::shots(1, 2);
+        let (low, high) = DISPLACEMENT.range(&shots);
+        assert!(low == 0.0 && (1.5..2.1).contains(&high), "{high}");
+        shots[2].frame.solid[0].displacement = [1e3, 0.0];
+        shots[2].frame.solid[1].displacement = [f64::NAN, 0.0];
+        assert!(DISPLACEMENT.range(&shots).1 < 2.1);
+        assert_eq!(STRAIN.range(&[]), (0.0, 1.0));
+    }
+
+    #[test]
+    fn values_are_in_the_unit_of_the_label() {
+        let soil = SolidState {
+            stress: [-1e3, -2e3, -3e3, 5e2],
+            pore_pressure: 4e3,
+            displacement: [3.0, -4.0],
+            ..SolidState::default()
+        };
+        assert_eq!(ALL.map(|q| (q.of)(&soil)), [0.0, 4.0, 5.0, 2.0]);
+        assert!(ALL.iter().all(|q| q.label.contains("kPa") == q.column.ends_with("_kpa")));
+    }
+}
