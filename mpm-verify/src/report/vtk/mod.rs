@@ -2,8 +2,8 @@
 //! that knows the times.
 //!
 //! # Reading order
-//! 1. [`write`]: the folder. [`layers`]: which numbers of a particle or a cell are in the files, with their units.
-//! 2. [`data`]: points, squares and their numbers as the data sets of the crate `vtkio`.
+//! 1. [`write()`]: the folder. `layers`: which numbers of a particle or a cell are in the files, with their units.
+//! 2. `data`: points, squares and their numbers as the data sets of the crate `vtkio`.
 
 mod data;
 mod layers;
@@ -38,12 +38,21 @@ pub fn write(shots: &[Shot], folder: &Path) -> Result<(), ReportError> {
         for (number, shot) in shots.iter().enumerate() {
             let file = format!("{part}/{part}-{number:04}.{ending}");
             let path = folder.join(&file);
-            data(&shot.frame).export(&path).map_err(|e| unwritable(&path, std::io::Error::other(e.to_string())))?;
+            let text = text(data(&shot.frame)).map_err(|e| unwritable(&path, std::io::Error::other(e.to_string())))?;
+            save(&path, text)?;
             files.push((shot.time_s, file));
         }
         save(&folder.join(format!("{part}.pvd")), collection(&files))?;
     }
     Ok(())
+}
+
+/// A data set as XML. The crate leaves out counts that are zero, without which ParaView refuses a file.
+fn text(data: Vtk) -> Result<String, vtkio::Error> {
+    let mut bytes = Vec::new();
+    data.write_xml(&mut bytes)?;
+    let text = String::from_utf8_lossy(&bytes);
+    Ok(text.replacen("<Piece>", "<Piece NumberOfPoints=\"0\" NumberOfVerts=\"0\">", 1))
 }
 
 /// A collection: times in s and files beside it.
