@@ -6,10 +6,11 @@
 //! 3. [`plots`]: one file per picture; [`plots::figure`] is what a picture is made of.
 //! 4. [`content`]: what the pages say, once. [`html`], [`markdown`]: how they say it.
 //! 5. [`ladder`]: the page of the verification ladder. [`maps`]: the soil and the water of one run. [`vtk`]: frames of a
-//!    run for ParaView.
+//!    run for ParaView. [`animation`]: frames as a page that plays them.
 //!
 //! Every picture has its numbers in a CSV beside it, written from the same [`plots::figure::Figure`].
 
+pub mod animation;
 pub mod content;
 pub mod html;
 pub mod ladder;

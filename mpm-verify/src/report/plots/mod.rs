@@ -156,7 +156,11 @@ fn size(figure: &Figure, scale: u32) -> (u32, u32) {
     (draw::WIDTH as u32 * scale, draw::height(figure).ceil() as u32 * scale)
 }
 
-fn svg_text(figure: &Figure) -> Result<String, String> {
+/// The text of a picture's SVG.
+///
+/// # Errors
+/// What the backend says.
+pub fn svg_text(figure: &Figure) -> Result<String, String> {
     let (width, height) = size(figure, 1);
     let (wide, high) = size(figure, SVG_SCALE);
     let mut text = String::new();

@@ -37,6 +37,11 @@ impl Window {
         Self { x: (low[0] - ROOM, high[0] + ROOM), y: (low[1] - ROOM, high[1] + ROOM) }
     }
 
+    /// Its left, lower, right and upper end, m.
+    pub fn ends(&self) -> [f64; 4] {
+        [self.x.0, self.y.0, self.x.1, self.y.1]
+    }
+
     /// Height of a map among `columns` side by side, px.
     pub fn height(&self, columns: usize) -> f64 {
         (self.y.1 - self.y.0) * self.unit(columns)
@@ -56,17 +61,22 @@ impl Window {
     }
 }
 
-/// Half the edge of a solid particle, m: the middle one of all, squares of its volume would touch.
-fn half(frame: &Frame) -> f64 {
-    let mut volumes: Vec<f64> = frame.solid.iter().map(|p| p.volume).collect();
+/// Edge of a solid particle, m: of the middle one of all, so that squares touch. Zero without particles.
+pub fn edge(frame: Option<&Frame>) -> f64 {
+    let mut volumes: Vec<f64> = frame.iter().flat_map(|f| &f.solid).map(|p| p.volume).collect();
     volumes.sort_by(f64::total_cmp);
-    0.5 * volumes.get(volumes.len() / 2).copied().unwrap_or(0.0).max(0.0).sqrt()
+    volumes.get(volumes.len() / 2).copied().unwrap_or(0.0).max(0.0).sqrt()
+}
+
+/// Radius of a box that covers a particle, px; a little more, or seams would be seen.
+fn radius(frame: &Frame, unit: f64) -> f64 {
+    0.5 * edge(Some(frame)) * unit + 0.35
 }
 
 /// Soil in one colour, water particles on it. `unit` is the length of 1 m, px.
 pub fn layers(panel: &mut Panel, frame: &Frame, unit: f64) {
-    let radius = (half(frame) * unit).max(0.8);
-    let soil = Look::new(SAND, Marker::Box).radius(1.04 * radius);
+    let radius = radius(frame, unit);
+    let soil = Look::new(SAND, Marker::Box).radius(radius);
     let water = Look::new(BLUE, Marker::Dot).radius((0.45 * radius).max(0.6));
     let at = |x: [f64; 2]| Point::new(x[0], x[1]);
     panel.add(Series::new("soil", soil, Mark::Points, frame.solid.iter().map(|p| at(p.x))));
@@ -75,7 +85,7 @@ pub fn layers(panel: &mut Panel, frame: &Frame, unit: f64) {
 
 /// Soil in the colours of a quantity. `unit` is the length of 1 m, px.
 pub fn coloured(panel: &mut Panel, frame: &Frame, quantity: Quantity, range: (f64, f64), unit: f64) {
-    let look = Look::new(BLACK, Marker::Box).radius((1.04 * half(frame) * unit).max(0.8));
+    let look = Look::new(BLACK, Marker::Box).radius(radius(frame, unit));
     let points: Vec<[f64; 3]> = frame.solid.iter().map(|p| [p.x[0], p.x[1], (quantity.of)(p)]).collect();
     cloud(panel, &points, range, look);
 }
@@ -108,7 +118,8 @@ pub fn bar(quantity: Quantity, (low, high): (f64, f64), row: usize) -> Panel {
     let mut bar = Panel { row, height: Some(13.0), ..Panel::new(quantity.label, scale, bare(0.0, 1.0)) };
     for number in 0..STEPS {
         let at = |k: usize| k as f64 / STEPS as f64;
-        let [start, end] = [number, number + 1].map(|k| low + at(k) * (high - low));
+        // Each reaches under the next, or seams would be seen.
+        let [start, end] = [number, (number + 2).min(STEPS)].map(|k| low + at(k) * (high - low));
         let look = Look::new(colours::at(at(number) + 0.5 / STEPS as f64), Marker::Dot);
         let corners = [(start, 0.0), (end, 0.0), (end, 1.0), (start, 1.0)].map(|(x, y)| Point::new(x, y));
         bar.add(Series::new("", look, Mark::Area, corners).unlisted());
