@@ -18,7 +18,7 @@ use crate::space::Deformation;
 use crate::stability::{StepTooLarge, choose_step};
 use crate::stencil::{Basis, Bspline2, Functions, Gimp};
 use crate::step::quasi_static::{QuasiStatic, Seeding};
-use crate::step::{Failing, Explicit, ExplicitLanes, ExplicitWide, Model, Parts, SemiImplicit, TwoClocks};
+use crate::step::{Explicit, ExplicitLanes, ExplicitWide, Failing, Model, Parts, SemiImplicit, TwoClocks};
 use crate::water::{Carried, DarcyOperator, Dry, Face, Nodal, Ragged, Resident, Saturated, Water};
 use pulp::{Arch, Scalar128b, Scalar256b, Scalar512b, Simd};
 
@@ -211,8 +211,12 @@ fn shape<K: Kinematics<D, S>, L: Law<S>, const D: usize, const S: usize>(
     let seed = Seeded::new(scene, soil_cells, face_area, stress)?;
     let per_direction = scene.particles_per_direction();
     match (scene.integrator, scene.shape) {
-        (_, ShapeChoice::Linear) if scene.free_surface.is_some() => Ok(Box::new(seed.two_clocks::<K, Linear, L>(scene, law)?)),
-        (_, ShapeChoice::Centroid) if scene.free_surface.is_some() => Ok(Box::new(seed.two_clocks::<K, Centroid, L>(scene, law)?)),
+        (_, ShapeChoice::Linear) if scene.free_surface.is_some() => {
+            Ok(Box::new(seed.two_clocks::<K, Linear, L>(scene, law)?))
+        }
+        (_, ShapeChoice::Centroid) if scene.free_surface.is_some() => {
+            Ok(Box::new(seed.two_clocks::<K, Centroid, L>(scene, law)?))
+        }
         (_, _) if scene.free_surface.is_some() => Ok(Box::new(seed.two_clocks::<K, Centre, L>(scene, law)?)),
         (Integrator::Explicit, ShapeChoice::Centroid) => water::<K, Centroid, L, D, S>(scene, seed, law),
         (Integrator::Explicit, ShapeChoice::Centre) => water::<K, Centre, L, D, S>(scene, seed, law),

@@ -257,15 +257,16 @@ fn flags_pass_the_same_checks_and_are_named_in_their_refusal() {
         integrator: Some(integrator.to_owned()),
         scheme: Some(scheme.to_owned()),
         tolerance: Some(tolerance),
+        ..Flags::default()
     };
     let text = edited(&base(true), &[("[time]\nintegrator = \"quasi-static\"\n", "")]);
     let scene = Scene::parse_with(&text, "scene.toml", &flags("quasi-static", "bspline2", 1e-6)).expect("a scene");
     assert_eq!((scene.integrator, scene.shape), (Integrator::QuasiStatic, ShapeChoice::Bspline2));
     assert_eq!(scene.tolerance, 1e-6);
     let message = |flags: &Flags| Scene::parse_with(&text, "scene.toml", flags).expect_err("a bad flag").to_string();
-    let words = "expected one of \"explicit\", \"semi-implicit\", \"quasi-static\", \"two-clocks\", found \"implicit\"";
+    let words = "expected one of \"explicit\", \"semi-implicit\", \"quasi-static\", \"two-clocks\", \"coupled\", found \"implicit\"";
     assert_eq!(message(&flags("implicit", "linear", 1e-4)), format!("--integrator: {words}"));
-    let words = "expected one of \"centre\", \"linear\", \"gimp\", \"bspline2\", found \"cubic\"";
+    let words = "expected one of \"centre\", \"centroid\", \"linear\", \"gimp\", \"bspline2\", found \"cubic\"";
     assert_eq!(message(&flags("quasi-static", "cubic", 1e-4)), format!("--scheme: {words}"));
     let words = "expected 1e-10 <= tolerance <= 0.1 (-), found 0.5";
     assert_eq!(message(&flags("quasi-static", "linear", 0.5)), format!("--tolerance: {words}"));

@@ -4,7 +4,7 @@ use mpm_core::error::SceneError;
 use mpm_core::scene::Scene;
 
 /// Names and texts of the scenes in `reference-data/scenes`.
-pub const BUILT_IN: [(&str, &str); 29] = [
+pub const BUILT_IN: [(&str, &str); 31] = [
     ("block-on-incline", include_str!("../../reference-data/scenes/block-on-incline.toml")),
     ("block-stops", include_str!("../../reference-data/scenes/block-stops.toml")),
     ("block-weakens", include_str!("../../reference-data/scenes/block-weakens.toml")),
@@ -17,6 +17,8 @@ pub const BUILT_IN: [(&str, &str); 29] = [
     ("hydrostatic", include_str!("../../reference-data/scenes/hydrostatic.toml")),
     ("infiltration", include_str!("../../reference-data/scenes/infiltration.toml")),
     ("infinite-slope", include_str!("../../reference-data/scenes/infinite-slope.toml")),
+    ("levee", include_str!("../../reference-data/scenes/levee.toml")),
+    ("levee-paper", include_str!("../../reference-data/scenes/levee-paper.toml")),
     ("mandel", include_str!("../../reference-data/scenes/mandel.toml")),
     ("oedometer-plastic", include_str!("../../reference-data/scenes/oedometer-plastic.toml")),
     ("rising-front", include_str!("../../reference-data/scenes/rising-front.toml")),

@@ -424,9 +424,7 @@ impl<'a> Driver<'a> {
     fn keep(&mut self, keeper: &mut Keeper) {
         self.first.keep(keeper);
         self.model.keep(keeper);
-        for value in
-            [&mut self.dt, &mut self.time, &mut self.seepage, &mut self.moves_since, &mut self.slow_since]
-        {
+        for value in [&mut self.dt, &mut self.time, &mut self.seepage, &mut self.moves_since, &mut self.slow_since] {
             keeper.f64(value);
         }
         keeper.f64s(&mut self.began);

@@ -319,14 +319,9 @@ pub struct PathPoint {
 impl PathPoint {
     pub(super) fn keep(&mut self, keeper: &mut Keeper) {
         keeper.u32(&mut self.point);
-        for value in [
-            &mut self.time_h,
-            &mut self.x_m,
-            &mut self.y_m,
-            &mut self.mean_pa,
-            &mut self.shear_pa,
-            &mut self.pore_pa,
-        ] {
+        for value in
+            [&mut self.time_h, &mut self.x_m, &mut self.y_m, &mut self.mean_pa, &mut self.shear_pa, &mut self.pore_pa]
+        {
             keeper.f64(value);
         }
     }

@@ -199,12 +199,9 @@ impl<const D: usize> Totals<D> {
         ] {
             keeper.f64(value);
         }
-        for values in [
-            &mut self.support_impulse,
-            &mut self.gravity_impulse,
-            &mut self.damping_impulse,
-            &mut self.first.momentum,
-        ] {
+        for values in
+            [&mut self.support_impulse, &mut self.gravity_impulse, &mut self.damping_impulse, &mut self.first.momentum]
+        {
             keeper.f64s(values);
         }
     }

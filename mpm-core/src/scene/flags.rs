@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use super::raw::{RawScene, RawScheme, RawTime};
+use super::raw::{RawMesh, RawScene, RawScheme, RawTime};
 
 /// Replacements for keys of a scene file; `None` leaves the file's own value.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -15,9 +15,17 @@ pub struct Flags {
     pub scheme: Option<String>,
     /// `--tolerance`: `time.tolerance`, -.
     pub tolerance: Option<f64>,
+    /// `--driver`: a word of `time.integrator`, of a scene whose soil may fail.
+    pub driver: Option<String>,
+    /// `--mesh`: `mesh.cell`, m. Room beside and above the soil stays as large as it is.
+    pub cell: Option<f64>,
+    /// `--ppc`: `mesh.particles_per_cell`.
+    pub particles_per_cell: Option<i64>,
+    /// `--go-on`: `failure.goes_on`.
+    pub goes_on: bool,
 }
 
-const NAMES: [&str; 3] = ["--integrator", "--scheme", "--tolerance"];
+const NAMES: [&str; 6] = ["--integrator", "--scheme", "--tolerance", "--driver", "--mesh", "--ppc"];
 
 /// A place that no file has: counted down from the largest number, so that a refusal can name the flag.
 fn place(flag: usize) -> Range<usize> {
@@ -46,11 +54,35 @@ impl Flags {
             let table = raw.scheme.get_or_insert_with(|| Spanned::new(place(1), RawScheme::default()));
             table.get_mut().shape = Some(word(value, 1));
         }
+        if let Some(value) = &self.driver {
+            time(raw, 3).integrator = Some(word(value, 3));
+        }
+        if let Some(value) = self.cell {
+            refine(raw.mesh.get_mut(), value);
+        }
+        if let Some(value) = self.particles_per_cell {
+            raw.mesh.get_mut().particles_per_cell = Spanned::new(place(5), value);
+        }
+        if let (Some(failure), true) = (raw.failure.as_mut(), self.goes_on) {
+            failure.get_mut().goes_on = Some(true);
+        }
         if let Some(value) = self.tolerance {
             time(raw, 2).tolerance = Some(Spanned::new(place(2), value));
         }
         left_out
     }
+}
+
+/// Another cell (m); as many cells of empty room as it takes to keep the room.
+fn refine(mesh: &mut RawMesh, cell: f64) {
+    let ratio = *mesh.cell.get_ref() / cell;
+    if ratio.is_finite() && ratio > 0.0 {
+        for room in [&mut mesh.headroom_cells, &mut mesh.sideroom_cells].into_iter().flatten() {
+            let count = (*room.get_ref() as f64 * ratio - 1e-9).ceil().min(1e9);
+            *room.get_mut() = count as i64;
+        }
+    }
+    mesh.cell = Spanned::new(place(4), cell);
 }
 
 /// Takes out the keys that say how another integrator computes; what is computed stays.

@@ -6,12 +6,12 @@ use crate::boundary::{Coulomb, Edges};
 use crate::constitutive::Law;
 use crate::dimension::{Kinematics, basis, coefficients, gradient, shares, to_corners, trace, value};
 use crate::grid::Grid;
+use crate::keep::Keeper;
 use crate::nodes::{NodeMotion, NodeSums};
 use crate::observe::{Flowed, Ledger, Observation, Places, Totals};
 use crate::particles::SolidPoint;
 use crate::scene::Stage;
 use crate::shape::Shape;
-use crate::keep::Keeper;
 use crate::water::{Place, Pushed, SoilCell, StressSums, Water};
 use std::marker::PhantomData;
 
@@ -213,7 +213,8 @@ where
                     }
                 }
             }
-            let at = if Sh::AT_CENTROID { centroid(grid, &position, &solid.points[solid.range(cell)]) } else { [0.5; D] };
+            let at =
+                if Sh::AT_CENTROID { centroid(grid, &position, &solid.points[solid.range(cell)]) } else { [0.5; D] };
             if Sh::AT_CENTRE {
                 // Section 2.2: G_i(x_c) for every particle of the cell.
                 for d in 0..D {

@@ -1,8 +1,8 @@
 //! One time step. An integrator reads as its algorithm; the choices it is made of are types, fixed for a run.
 
 mod explicit;
-mod failing;
 mod explicit_wide;
+mod failing;
 mod lanes;
 mod parts;
 mod pressure;
@@ -13,8 +13,8 @@ mod track;
 mod two_clocks;
 
 pub use explicit::Explicit;
-pub use failing::{Failing, Pace};
 pub use explicit_wide::ExplicitWide;
+pub use failing::{Failing, Pace};
 pub use lanes::ExplicitLanes;
 pub use parts::Parts;
 pub use semi_implicit::SemiImplicit;

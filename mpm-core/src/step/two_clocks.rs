@@ -9,12 +9,14 @@ use crate::constitutive::Law;
 use crate::dimension::Kinematics;
 use crate::grid::Grid;
 use crate::keep::Keeper;
-use crate::observe::{CellState, FieldPoint, Frame, Ledger, Observation, Places, SolidState, WaterParticle, WaterState};
+use crate::observe::{
+    CellState, FieldPoint, Frame, Ledger, Observation, Places, SolidState, WaterParticle, WaterState,
+};
 use crate::scene::{Clock, Stage};
 use crate::shape::Shape;
 use crate::step::track::Track;
-use crate::water::free_surface::Kind;
 use crate::water::Carried;
+use crate::water::free_surface::Kind;
 
 /// First step of a seepage stage as a share of its length.
 const FIRST_STEP: f64 = 1e-4;

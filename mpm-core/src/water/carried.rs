@@ -284,7 +284,12 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Car
         if self.pressures == Pressures::Held {
             self.work += self.squeeze.work_of(&self.felt, &self.soil, grid, pushed, motion, dt);
         } else {
-            let step = MovingStep { dt, implicit: self.pressures == Pressures::Implicit, bulk_modulus, smoothing: self.smoothing };
+            let step = MovingStep {
+                dt,
+                implicit: self.pressures == Pressures::Implicit,
+                bulk_modulus,
+                smoothing: self.smoothing,
+            };
             let Self { squeeze, water, soil, .. } = self;
             let pressed = squeeze.press(water, soil, pushed, motion, &step).map_err(|cell| {
                 let place = grid.cell_position(cell).map(|i| (i as f64 + 0.5) * grid.size);

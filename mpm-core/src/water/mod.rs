@@ -132,13 +132,7 @@ pub trait Water<K: Kinematics<D, S>, const D: usize, const S: usize>: Send {
     ///
     /// # Errors
     /// A place and what was found there.
-    fn press(
-        &mut self,
-        _: &Grid<D>,
-        _: &Pushed<D>,
-        _: &mut [NodeMotion<D>],
-        _: f64,
-    ) -> Result<(), (String, String)> {
+    fn press(&mut self, _: &Grid<D>, _: &Pushed<D>, _: &mut [NodeMotion<D>], _: f64) -> Result<(), (String, String)> {
         Ok(())
     }
 

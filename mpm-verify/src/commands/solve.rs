@@ -192,8 +192,12 @@ impl Seeded {
 
 /// Solves a scene.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
-    let flags =
-        Flags { integrator: options.integrator.clone(), scheme: options.scheme.clone(), tolerance: options.tolerance };
+    let flags = Flags {
+        integrator: options.integrator.clone(),
+        scheme: options.scheme.clone(),
+        tolerance: options.tolerance,
+        ..Flags::default()
+    };
     let mut scene = Scene::load_with(&options.scene, &flags).map_err(|e| Failure::BadInput(e.to_string()))?;
     scene.force = options.force;
     if let (Some(integrator), false) = (&options.integrator, scene.left_out.is_empty()) {

@@ -41,7 +41,10 @@ impl Reader<'_> {
         }
         let cells = scene.height / scene.cell;
         if cells < LEAST_CELLS {
-            let expected = format!("a cell of at most {} m: a slope needs {LEAST_CELLS} cells over its height", scene.height / LEAST_CELLS);
+            let expected = format!(
+                "a cell of at most {} m: a slope needs {LEAST_CELLS} cells over its height",
+                scene.height / LEAST_CELLS
+            );
             return self.refuse(&raw.mesh.get_ref().cell.span(), "mesh.cell", &expected, scene.cell);
         }
         let Some(table) = &raw.failure else { return Ok(Some(Failure::default())) };

@@ -21,7 +21,11 @@ pub struct Square<const D: usize> {
 }
 
 /// The boxes of a layer by the numbers of its particles.
-pub fn squares<const D: usize, const S: usize>(solid: &Layer<SolidPoint<D, S>, D>, cell_volume: f64, into: &mut Vec<Square<D>>) {
+pub fn squares<const D: usize, const S: usize>(
+    solid: &Layer<SolidPoint<D, S>, D>,
+    cell_volume: f64,
+    into: &mut Vec<Square<D>>,
+) {
     into.resize(solid.points.len(), Square { x: [0.0; D], half: 0.0 });
     for (point, id) in solid.points.iter().zip(&solid.ids) {
         let half = 0.5 * (point.volume / cell_volume).powf(1.0 / D as f64);

@@ -178,7 +178,8 @@ impl<const D: usize> Squeeze<D> {
         for &cell in &self.order {
             let cell = cell as usize;
             if pressure[cell] != 0.0 && soil[cell].volume > 0.0 {
-                power += pressure[cell] * opening(&weights(&soil[cell], grid.inverse_size), cell, pushed, motion, 0.5 * dt);
+                power +=
+                    pressure[cell] * opening(&weights(&soil[cell], grid.inverse_size), cell, pushed, motion, 0.5 * dt);
             }
         }
         dt * power
@@ -260,13 +261,7 @@ impl<const D: usize> Squeeze<D> {
         }
     }
 
-    fn assemble(
-        &mut self,
-        water: &FreeSurface<D>,
-        pushed: &Pushed<D>,
-        motion: &[NodeMotion<D>],
-        step: &MovingStep,
-    ) {
+    fn assemble(&mut self, water: &FreeSurface<D>, pushed: &Pushed<D>, motion: &[NodeMotion<D>], step: &MovingStep) {
         let Self { unknown, number, weights, start, around, first, matrix, solution, surplus, .. } = self;
         let is_full = |i: u32| water.kind[unknown[i as usize] as usize] == Kind::Full;
         let nodes = pushed.inverse.len();
@@ -375,8 +370,7 @@ impl<const D: usize> Squeeze<D> {
             if full && !step.implicit {
                 let over = water.content[cell] - water.pores(cell) * (1.0 + water.pressure[cell] / step.bulk_modulus);
                 let unbalanced = returned + over / RETURNS - rate - outflow;
-                self.next[cell] =
-                    water.pressure[cell] + unbalanced * step.dt * step.bulk_modulus / water.pores(cell);
+                self.next[cell] = water.pressure[cell] + unbalanced * step.dt * step.bulk_modulus / water.pores(cell);
             }
             // What the soil felt in this step: with explicit pressures that of its start.
             let felt = if full && step.implicit {
