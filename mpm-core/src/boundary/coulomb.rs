@@ -123,28 +123,37 @@ impl Coulomb {
         }
     }
 
-    /// Gathers what the nodes of the base need of the soil above; `pressure` is that of the pore water in a cell, Pa.
+    /// Gathers what the nodes of the base need of the soil above; `water` gives the pressure of the pore water of a cell on the
+    /// base (Pa), and the share of its bottom that is under soil.
     pub fn gather<const D: usize, const S: usize>(
         &mut self,
         grid: &Grid<D>,
         solid: &Layer<SolidPoint<D, S>, D>,
         joined: &Joined<D>,
-        pressure: impl Fn(usize) -> f64,
+        water: impl Fn(usize) -> (f64, Option<f64>),
     ) {
         if self.shares.is_empty() {
             return;
         }
         self.shares.fill(Shares::default());
         for cell in 0..grid.cells[0] {
-            let load = if self.wet && !solid.range(cell).is_empty() { pressure(cell) } else { 0.0 };
+            if solid.range(cell).is_empty() {
+                continue;
+            }
+            let (load, cover) = if self.wet { water(cell) } else { (0.0, None) };
+            let volume: f64 = solid.points[solid.range(cell)].iter().map(|point| point.volume).sum();
+            // A full cell has the area below it; where the bottom is known, soil of any height has its part of that.
+            let per_volume = match cover {
+                Some(cover) => cover * grid.size.powi(D as i32 - 1) / volume,
+                None => grid.inverse_size,
+            };
             for index in solid.range(cell) {
                 let point = &solid.points[index];
                 let right = point.x[0] * grid.inverse_size - cell as f64;
                 let id = solid.ids[index] as usize;
                 let slip = self.slip.get(id).copied().unwrap_or(0.0);
                 let remembered = self.remembered.get(id).copied().filter(|stress| !stress.is_nan());
-                // A full cell has the area below it.
-                let area = point.volume * grid.inverse_size;
+                let area = point.volume * per_volume;
                 for (node, share) in [(cell, 1.0 - right), (cell + 1, right)] {
                     let sums = &mut self.shares[node];
                     sums.mass += share * point.mass;

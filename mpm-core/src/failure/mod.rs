@@ -291,6 +291,19 @@ impl<'a> Driver<'a> {
         Ok(())
     }
 
+    /// Lets water seep until a time (s) while the soil is held: what a factor of safety at that time is asked of, whether or
+    /// not the slope stands until then.
+    ///
+    /// # Errors
+    /// Where and what went wrong.
+    pub fn seep_only(&mut self, until: f64) -> Result<(), RunError> {
+        let mut done = 0;
+        let outcome = self.model.seep(until - self.time, &mut done);
+        self.steps.seepage += done;
+        self.time = until;
+        outcome.map_err(|e| self.failed(e))
+    }
+
     fn seep(&mut self, until: f64) -> Result<(), RunError> {
         let until = until.min(self.ends_at());
         let left = until - self.time;

@@ -385,9 +385,7 @@ where
             let place = Place { cell, position: grid.cell_position(cell), corners: [0; 4] };
             let points = &solid.points[solid.range(cell)];
             let (mass, volume) = points.iter().fold((0.0, 0.0), |(m, v), p| (m + p.mass, v + p.volume));
-            // From the mean over the cell down to the base: under water that fills it, or stands in it up to a level.
-            let mean = water.cell_state(&SoilCell { place, mass, volume, at: [0.5; D] }).0;
-            if mean >= 0.5 * rise { mean + 0.5 * rise } else { (2.0 * rise * mean.max(0.0)).sqrt() }
+            water.on_base(&SoilCell { place, mass, volume, at: [0.5; D] }, rise)
         };
         base.gather(grid, solid, joined, pressure);
         let rubbed = base.rub(&self.nodes, &mut self.motion, dt);

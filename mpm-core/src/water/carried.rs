@@ -20,6 +20,8 @@ use crate::sparse::Unsolved;
 /// Soil that has moved this far takes its water along before it moves on, in cells.
 const FAR: f64 = 0.02;
 
+/// Least share of the bottom of a cell that its soil stands on.
+const LEAST_COVER: f64 = 0.02;
 /// Exchange between full cells as a share of what shear would make of the same pressures, 1/(2 G).
 const SMOOTHING: f64 = 0.25;
 
@@ -58,6 +60,8 @@ pub struct Carried<const D: usize> {
     properties: WaterProperties,
     /// Water that full cells exchange where their pressures part, per volume and pressure, 1/Pa.
     smoothing: f64,
+    /// Share of the pressures that the soil feels.
+    share: f64,
     /// Mean over the soil of a cell of the pressure where it is positive, Pa.
     felt: Vec<f64>,
     /// Water per volume of soil, kg/m3.
@@ -128,6 +132,7 @@ impl<const D: usize> Carried<D> {
             per_direction,
             properties,
             smoothing: SMOOTHING / (2.0 * scene.elastic.shear_modulus()),
+            share: 1.0,
             felt: vec![0.0; cells],
             per_volume: vec![0.0; cells],
             middle: vec![0.5; cells],
@@ -159,6 +164,7 @@ impl<const D: usize> Carried<D> {
 
     /// Lets the soil feel a share of the pressures.
     pub fn feel(&mut self, share: f64) {
+        self.share = share;
         for (cell, felt) in self.felt.iter_mut().enumerate() {
             *felt = share * self.water.mean_pressure(cell);
         }
@@ -220,6 +226,7 @@ impl<const D: usize> Carried<D> {
         });
         keeper.list(&mut self.swept, &[0.0; D], |swept, keeper| keeper.f64s(swept));
         keeper.f64(&mut self.way);
+        keeper.f64(&mut self.share);
         self.squeeze.lay(grid, &self.water);
     }
 
@@ -332,6 +339,14 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Car
 
     fn cell_state(&self, soil: &SoilCell<D>) -> (f64, f64) {
         (self.felt[soil.place.cell], 0.0)
+    }
+
+    fn on_base(&self, soil: &SoilCell<D>, _: f64) -> (f64, Option<f64>) {
+        let (water, cell) = (&self.water, soil.place.cell);
+        let half = 0.5 * water.medium.rise() * water.medium.size;
+        let pressure = if water.kind[cell].unknown() { (water.pressure[cell] + half).max(0.0) } else { 0.0 };
+        // In the lowest row the faces below the cells have their numbers.
+        (self.share * pressure, Some(water.soil.cover[D - 1][cell][1].max(LEAST_COVER)))
     }
 
     fn cell_mass(&self, soil: &SoilCell<D>) -> f64 {

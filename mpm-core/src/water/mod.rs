@@ -154,6 +154,14 @@ pub trait Water<K: Kinematics<D, S>, const D: usize, const S: usize>: Send {
     /// Pressure (Pa) and stored energy (J) of the water in a cell of soil.
     fn cell_state(&self, soil: &SoilCell<D>) -> (f64, f64);
 
+    /// What a cell of the lowest row puts on the base: pressure there (Pa), and the share of its bottom that is under soil, if
+    /// that is known. `rise` is the weight of a cell's height of water, Pa.
+    fn on_base(&self, soil: &SoilCell<D>, rise: f64) -> (f64, Option<f64>) {
+        // From the mean over the cell down to the base: under water that fills it, or stands in it up to a level.
+        let mean = self.cell_state(soil).0;
+        (if mean >= 0.5 * rise { mean + 0.5 * rise } else { (2.0 * rise * mean.max(0.0)).sqrt() }, None)
+    }
+
     /// Mass of water in the pores of a cell of soil, rho_w n V (1 + p/K_w), kg.
     fn cell_mass(&self, soil: &SoilCell<D>) -> f64;
 
