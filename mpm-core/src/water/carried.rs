@@ -64,6 +64,8 @@ pub struct Carried<const D: usize> {
     share: f64,
     /// Mean over the soil of a cell of the pressure where it is positive, Pa.
     felt: Vec<f64>,
+    /// Height where the pressure acts, as a share of that of the soil's centroid: water presses more the deeper it stands.
+    lower: Vec<f64>,
     /// Water per volume of soil, kg/m3.
     per_volume: Vec<f64>,
     /// Height of the middle of the water above the bottom of the cell, in cells.
@@ -134,6 +136,7 @@ impl<const D: usize> Carried<D> {
             smoothing: SMOOTHING / (2.0 * scene.elastic.shear_modulus()),
             share: 1.0,
             felt: vec![0.0; cells],
+            lower: vec![1.0; cells],
             per_volume: vec![0.0; cells],
             middle: vec![0.5; cells],
             soil: vec![Filling { volume: 0.0, at: [0.5; D] }; cells],
@@ -167,6 +170,7 @@ impl<const D: usize> Carried<D> {
         self.share = share;
         for (cell, felt) in self.felt.iter_mut().enumerate() {
             *felt = share * self.water.mean_pressure(cell);
+            self.lower[cell] = self.water.lower(cell);
         }
     }
 
@@ -217,7 +221,7 @@ impl<const D: usize> Carried<D> {
         keeper.f64(&mut self.work);
         keeper.f64(&mut self.left_behind);
         keeper.numbers(&mut self.squeeze.surplus);
-        for list in [&mut self.felt, &mut self.per_volume, &mut self.middle] {
+        for list in [&mut self.felt, &mut self.lower, &mut self.per_volume, &mut self.middle] {
             keeper.numbers(list);
         }
         keeper.list(&mut self.boxes, &Square { x: [0.0; D], half: 0.0 }, |square, keeper| {
@@ -262,12 +266,16 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Car
     #[inline(always)]
     fn cell_to_grid<Sh: Shape>(&mut self, _: &Grid<D>, soil: &SoilCell<D>, stress: &mut StressSums<D, S>) -> [f64; 4] {
         let cell = soil.place.cell;
-        self.soil[cell] = Filling { volume: soil.volume, at: soil.at };
+        let mut at = soil.at;
+        if Sh::AT_CENTROID {
+            at[D - 1] *= self.lower[cell];
+        }
+        self.soil[cell] = Filling { volume: soil.volume, at };
         let pushed = self.felt[cell] * soil.volume;
         for s in 0..S {
             stress.mean[s] += pushed * K::UNIT_PRESSURE[s];
             for d in 0..D {
-                stress.first[d][s] += soil.at[d] * pushed * K::UNIT_PRESSURE[s];
+                stress.first[d][s] += at[d] * pushed * K::UNIT_PRESSURE[s];
             }
         }
         let mut middle = [0.5; D];

@@ -218,6 +218,22 @@ impl<const D: usize> FreeSurface<D> {
         }
     }
 
+    /// Height at which the positive pressure of a cell acts, as a share of half the height of its soil.
+    pub fn lower(&self, cell: usize) -> f64 {
+        let (rise, share) = (self.medium.rise() * self.medium.size, self.soil.share[cell]);
+        let bottom = self.pressure[cell] + 0.5 * rise;
+        if !self.kind[cell].unknown() || rise == 0.0 || bottom <= 0.0 || share <= 0.0 {
+            return 1.0;
+        }
+        // First moment of a triangle, or of a trapezium, by its area.
+        let height = if bottom <= rise * share {
+            bottom / rise / 3.0
+        } else {
+            share * (bottom / 2.0 - rise * share / 3.0) / (bottom - rise * share / 2.0)
+        };
+        2.0 * height / share
+    }
+
     /// Mobile water in all cells, m3.
     pub fn stored(&self) -> f64 {
         self.content.iter().sum()
