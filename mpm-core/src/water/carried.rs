@@ -139,7 +139,7 @@ impl<const D: usize> Carried<D> {
             lower: vec![1.0; cells],
             per_volume: vec![0.0; cells],
             middle: vec![0.5; cells],
-            soil: vec![Filling { volume: 0.0, at: [0.5; D] }; cells],
+            soil: vec![Filling { volume: 0.0, at: [0.5; D], pressed: [0.5; D] }; cells],
             boxes,
             swept: vec![[0.0; D]; grid.node_count()],
             way: 0.0,
@@ -270,7 +270,7 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Car
         if Sh::AT_CENTROID {
             at[D - 1] *= self.lower[cell];
         }
-        self.soil[cell] = Filling { volume: soil.volume, at };
+        self.soil[cell] = Filling { volume: soil.volume, at: soil.at, pressed: at };
         let pushed = self.felt[cell] * soil.volume;
         for s in 0..S {
             stress.mean[s] += pushed * K::UNIT_PRESSURE[s];

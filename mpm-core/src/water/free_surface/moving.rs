@@ -27,8 +27,10 @@ const NONE: u32 = u32::MAX;
 pub struct Filling<const D: usize> {
     /// Volume of soil, m3.
     pub volume: f64,
-    /// Where its pressure acts, in cell coordinates.
+    /// Its centroid, in cell coordinates: where its change of volume is measured.
     pub at: [f64; D],
+    /// Where the pressure of the start of the step presses.
+    pub pressed: [f64; D],
 }
 
 /// Room for the pressures of a step.
@@ -62,15 +64,15 @@ pub struct Pressed {
     pub work: f64,
 }
 
-/// V G_i(x_c) at the corners, m2.
-fn weights<const D: usize>(soil: &Filling<D>, inverse_size: f64) -> [[f64; D]; 4] {
-    let factor = soil.volume * inverse_size;
+/// V G_i at a place of the cell, at the corners, m2.
+fn weights<const D: usize>(volume: f64, at: &[f64; D], inverse_size: f64) -> [[f64; D]; 4] {
+    let factor = volume * inverse_size;
     let mut weights = [[0.0; D]; 4];
     if D == 1 {
         (weights[0][0], weights[1][0]) = (-factor, factor);
         return weights;
     }
-    let [x, y] = [soil.at[0], soil.at[D - 1]];
+    let [x, y] = [at[0], at[D - 1]];
     for (corner, weight) in weights.iter_mut().enumerate() {
         let (right, upper) = (corner & 1 == 1, corner & 2 == 2);
         let along_y = if upper { y } else { 1.0 - y };
@@ -178,8 +180,8 @@ impl<const D: usize> Squeeze<D> {
         for &cell in &self.order {
             let cell = cell as usize;
             if pressure[cell] != 0.0 && soil[cell].volume > 0.0 {
-                power +=
-                    pressure[cell] * opening(&weights(&soil[cell], grid.inverse_size), cell, pushed, motion, 0.5 * dt);
+                let weights = weights(soil[cell].volume, &soil[cell].pressed, grid.inverse_size);
+                power += pressure[cell] * opening(&weights, cell, pushed, motion, 0.5 * dt);
             }
         }
         dt * power
@@ -217,7 +219,8 @@ impl<const D: usize> Squeeze<D> {
             if water.kind[cell as usize].unknown() {
                 self.number[cell as usize] = self.unknown.len() as u32;
                 self.unknown.push(cell);
-                self.weights.push(weights(&soil[cell as usize], 1.0 / water.medium.size));
+                let soil = &soil[cell as usize];
+                self.weights.push(weights(soil.volume, &soil.at, 1.0 / water.medium.size));
             }
         }
         let corners = 1 << D;
@@ -362,9 +365,12 @@ impl<const D: usize> Squeeze<D> {
             if water.content[cell] <= 0.0 && water.trial[cell] <= 0.0 && self.surplus[cell] == 0.0 {
                 continue;
             }
-            let weights = weights(&soil[cell], 1.0 / water.medium.size);
-            let rate = opening(&weights, cell, pushed, motion, 0.0);
-            let middle = opening(&weights, cell, pushed, motion, 0.5 * step.dt);
+            let (soil, inverse_size) = (&soil[cell], 1.0 / water.medium.size);
+            let whole = weights(soil.volume, &soil.at, inverse_size);
+            let pressed_at = weights(soil.volume, &soil.pressed, inverse_size);
+            let rate = opening(&whole, cell, pushed, motion, 0.0);
+            let middle = opening(&whole, cell, pushed, motion, 0.5 * step.dt);
+            let middle_pressed = opening(&pressed_at, cell, pushed, motion, 0.5 * step.dt);
             let outflow = (water.content[cell] - water.trial[cell]) / step.dt;
             let returned = self.surplus[cell] / RETURNS;
             if full && !step.implicit {
@@ -373,12 +379,9 @@ impl<const D: usize> Squeeze<D> {
                 self.next[cell] = water.pressure[cell] + unbalanced * step.dt * step.bulk_modulus / water.pores(cell);
             }
             // What the soil felt in this step: with explicit pressures that of its start.
-            let felt = if full && step.implicit {
-                water.system.pressure[cell] - water.pressure[cell] + water.mean_pressure(cell)
-            } else {
-                water.mean_pressure(cell)
-            };
-            pressed.work += step.dt * felt * middle;
+            let rise =
+                if full && step.implicit { water.system.pressure[cell] - water.pressure[cell] } else { 0.0 };
+            pressed.work += step.dt * (water.mean_pressure(cell) * middle_pressed + rise * middle);
             water.soil.pores[cell] += step.dt * rate;
             water.trial[cell] += step.dt * returned;
             self.surplus[cell] -= step.dt * returned;
