@@ -22,8 +22,10 @@ const FAR: f64 = 0.02;
 
 /// Least share of the bottom of a cell that its soil stands on.
 const LEAST_COVER: f64 = 0.02;
-/// Exchange between full cells as a share of what shear would make of the same pressures, 1/(2 G).
-const SMOOTHING: f64 = 0.25;
+/// Exchange between full cells, in parts of what elastic shear would make of the same pressures, 1/(2 G). Of the elastic soil a
+/// quarter would do; soil that flows resists less. On the levee's slide the checkerboard index is at most 10 % without, 4 % with
+/// a quarter, 0.6 % with 8; the run-out changes by 2 %.
+const SMOOTHING: f64 = 8.0;
 
 /// What the pressures do while the soil moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
