@@ -105,9 +105,59 @@ impl Keeper {
     }
 }
 
+/// First bytes of what is sealed; the last one counts versions.
+const SEAL: [u8; 8] = *b"mpmkept1";
+/// Seal, what it is of, check sum.
+const AROUND: usize = 24;
+
+/// Check sum of bytes: FNV-1a.
+pub fn check_sum(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |sum, byte| (sum ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+/// Kept bytes with what they are `of` and a check sum: what is not whole must be known before any of it is taken up, since lists
+/// of wrong lengths would not stop at being wrong.
+pub fn sealed(bytes: &[u8], of: u64) -> Vec<u8> {
+    let mut all = Vec::with_capacity(bytes.len() + AROUND);
+    all.extend_from_slice(&SEAL);
+    all.extend_from_slice(&of.to_le_bytes());
+    all.extend_from_slice(bytes);
+    all.extend_from_slice(&check_sum(&all).to_le_bytes());
+    all
+}
+
+/// What [`sealed`] was given.
+///
+/// # Errors
+/// The bytes are not whole, or not `of` this.
+pub fn unsealed(mut all: Vec<u8>, of: u64) -> Result<Vec<u8>, Unfit> {
+    if all.len() < AROUND {
+        return Err(Unfit);
+    }
+    let sum = all.split_off(all.len() - 8);
+    if sum != check_sum(&all).to_le_bytes() || all[..8] != SEAL || all[8..16] != of.to_le_bytes() {
+        return Err(Unfit);
+    }
+    all.drain(..16);
+    Ok(all)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_seal_is_broken_by_any_change() {
+        let all = sealed(&[1, 2, 3], 7);
+        assert_eq!(unsealed(all.clone(), 7), Ok(vec![1, 2, 3]));
+        assert_eq!(unsealed(all.clone(), 8), Err(Unfit));
+        for at in 0..all.len() {
+            let mut other = all.clone();
+            other[at] ^= 16;
+            assert_eq!(unsealed(other, 7), Err(Unfit), "byte {at}");
+            assert_eq!(unsealed(all[..at].to_vec(), 7), Err(Unfit), "{at} bytes");
+        }
+    }
 
     fn fields(keeper: &mut Keeper, a: &mut f64, list: &mut Vec<u32>, yes: &mut bool) {
         keeper.f64(a);

@@ -17,10 +17,10 @@ pub use watch::{First, Moved};
 use serde::Serialize;
 
 use crate::error::RunError;
-use crate::keep::{Keeper, Unfit};
+use crate::keep::{Keeper, Unfit, check_sum, sealed, unsealed};
 use crate::observe::Frame;
 use crate::run::{StartError, failing};
-use crate::scene::{Failure, Integrator, Scene, Until};
+use crate::scene::{Failure, Integrator, Scene, StepChoice, Until};
 use crate::stability::choose_step;
 use crate::step::{Failing, Fault, Pace};
 use crate::water::Pressures;
@@ -43,6 +43,8 @@ const RAMP: u32 = 10;
 const LOOK: f64 = 0.05;
 /// It rests when no node is faster than this, m/s, for so long, s.
 const REST: (f64, f64) = (2e-3, 0.5);
+/// Who can drive a run.
+const DRIVERS: [Integrator; 3] = [Integrator::TwoClocks, Integrator::Coupled, Integrator::Explicit];
 /// A failure that goes on for longer is left to the next seepage, s.
 const LONGEST: f64 = 900.0;
 
@@ -280,10 +282,20 @@ impl<'a> Driver<'a> {
     /// Goes on for one look: some time of seepage, or a moment of failure.
     ///
     /// # Errors
-    /// Where and what went wrong; what was recorded so far stays.
+    /// Where and what went wrong, or soil that does not stand at the start; what was recorded so far stays.
     pub fn advance(&mut self, until: f64) -> Result<(), RunError> {
         match self.phase {
-            Phase::Gravity => _ = self.load()?,
+            Phase::Gravity => {
+                let settled = self.load()?;
+                if self.phase == Phase::Gravity {
+                    let what = format!(
+                        "on its own base the soil does not stand under its weight and the first water: the largest displacement \
+                         is {:.3} m, at {:.2?} m",
+                        settled.moved.most_m, settled.moved.most_at_m
+                    );
+                    return Err(self.failed(Fault { place: "the slope".into(), what }));
+                }
+            }
             Phase::Ended => {}
             Phase::Seepage | Phase::Relaxing => self.seep(until)?,
             Phase::Failing | Phase::Together => self.run_soil(until)?,
@@ -305,7 +317,8 @@ impl<'a> Driver<'a> {
     }
 
     fn seep(&mut self, until: f64) -> Result<(), RunError> {
-        let until = until.min(self.ends_at());
+        // Time does not go back.
+        let until = until.min(self.ends_at()).max(self.time);
         let left = until - self.time;
         let span = if self.seepage > 0.75 * left { left } else { self.seepage };
         let mut done = 0;
@@ -419,19 +432,51 @@ impl<'a> Driver<'a> {
 
     /// The state, to be taken up again.
     pub fn kept(&mut self) -> Vec<u8> {
+        sealed(&self.bare(), self.fingerprint())
+    }
+
+    /// Takes up a kept state of the same scene; the end of its stage, its integrator and its step may be others. It goes on by the
+    /// driver it was kept with ([`Self::drive_by`] changes that).
+    ///
+    /// # Errors
+    /// The bytes are not those of such a state. The run is then left as it was.
+    pub fn take_up(&mut self, bytes: Vec<u8>) -> Result<(), Unfit> {
+        let state = unsealed(bytes, self.fingerprint())?;
+        let before = self.bare();
+        let taken = self.read(state);
+        if taken.is_err() {
+            // Bytes that are whole and of this scene fit, unless another version wrote them.
+            self.read(before)?;
+        }
+        taken
+    }
+
+    fn bare(&mut self) -> Vec<u8> {
         let mut keeper = Keeper::writes();
         self.keep(&mut keeper);
         keeper.into_bytes()
     }
 
-    /// Takes up a kept state of the same scene.
-    ///
-    /// # Errors
-    /// The bytes are not those of such a state.
-    pub fn take_up(&mut self, bytes: Vec<u8>) -> Result<(), Unfit> {
-        let mut keeper = Keeper::reads(bytes);
+    fn read(&mut self, state: Vec<u8>) -> Result<(), Unfit> {
+        let mut keeper = Keeper::reads(state);
         self.keep(&mut keeper);
         keeper.finish()
+    }
+
+    /// Of all in the scene that a state depends on.
+    fn fingerprint(&self) -> u64 {
+        let mut scene = self.scene.clone();
+        (scene.integrator, scene.step, scene.safety, scene.force) =
+            (Integrator::TwoClocks, StepChoice::Auto, 1.0, false);
+        (scene.observe_times, scene.history, scene.profiles) = (Vec::new(), 0, true);
+        scene.left_out.clear();
+        for stage in &mut scene.stages {
+            stage.until = Until::Time(0.0);
+        }
+        if let Some(failure) = &mut scene.failure {
+            failure.goes_on = false;
+        }
+        check_sum(format!("{scene:?}").as_bytes())
     }
 
     fn keep(&mut self, keeper: &mut Keeper) {
@@ -444,6 +489,9 @@ impl<'a> Driver<'a> {
         let mut phase = self.phase as u32;
         keeper.u32(&mut phase);
         self.phase = Phase::numbered(phase);
+        let mut integrator = DRIVERS.iter().position(|driver| *driver == self.integrator).unwrap_or(0) as u32;
+        keeper.u32(&mut integrator);
+        self.integrator = DRIVERS[(integrator as usize).min(2)];
         let mut end = match self.end {
             None => 0,
             Some(End::Collapsed) => 1,

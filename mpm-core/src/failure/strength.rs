@@ -12,9 +12,9 @@ use crate::step::{Failing, Fault};
 /// The factor between two others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bracket {
-    /// It stands with its strength divided by this.
+    /// It stands with its strength divided by this; zero if it slides with any that is looked at.
     pub low: f64,
-    /// It slides with its strength divided by this.
+    /// It slides with its strength divided by this; infinite if it stands with any that is looked at.
     pub high: f64,
     /// Trials that it took.
     pub trials: u32,
@@ -24,6 +24,8 @@ pub struct Bracket {
 
 /// Factors that are looked at.
 const RANGE: [f64; 2] = [0.3, 4.0];
+/// Narrowest bracket.
+const NARROW: f64 = 1e-4;
 
 /// Brackets the factor of safety of the state of a model to `within`. The model is left as it was.
 ///
@@ -39,12 +41,27 @@ pub fn bracket(
     let mut keeper = Keeper::writes();
     model.keep(&mut keeper);
     let state = keeper.into_bytes();
+    // Trials that went wrong leave a wreck, which must not stay either.
+    let found = search(model, &state, outline, patience, within.max(NARROW), progress);
+    model.weaken(1.0);
+    restore(model, &state)?;
+    found
+}
+
+fn search(
+    model: &mut dyn Failing,
+    state: &[u8],
+    outline: &[[f64; 2]],
+    patience: &Patience,
+    within: f64,
+    progress: &mut dyn FnMut(&Bracket),
+) -> Result<Bracket, Fault> {
     let mut bracket = Bracket { low: RANGE[0], high: RANGE[1], trials: 0, steps: 0 };
     let mut factor: f64 = 1.0;
     let mut stride: f64 = 0.08;
     let (mut has_low, mut has_high) = (false, false);
-    while bracket.high - bracket.low > within * (1.0 + 1e-9) {
-        restore(model, &state)?;
+    while !(has_low && has_high) || bracket.high - bracket.low > within * (1.0 + 1e-9) {
+        restore(model, state)?;
         let settled = with_strength(model, outline, patience, factor)?;
         bracket.steps += settled.steps;
         bracket.trials += 1;
@@ -53,7 +70,16 @@ pub fn bracket(
         } else {
             (bracket.high, has_high) = (factor, true);
         }
+        // Nothing is looked at beyond the ends of the range.
+        if !has_high && factor >= RANGE[1] {
+            (bracket.high, has_high) = (f64::INFINITY, true);
+        } else if !has_low && factor <= RANGE[0] {
+            (bracket.low, has_low) = (0.0, true);
+        }
         progress(&bracket);
+        if bracket.low == 0.0 || bracket.high == f64::INFINITY {
+            break;
+        }
         factor = match (has_low, has_high) {
             (true, true) => 0.5 * (bracket.low + bracket.high),
             // Looks for the other end in strides that grow.
@@ -64,8 +90,6 @@ pub fn bracket(
             stride *= 2.0;
         }
     }
-    restore(model, &state)?;
-    model.weaken(1.0);
     Ok(bracket)
 }
 
