@@ -6,7 +6,7 @@ use std::path::Path;
 
 use common::refusal::{Edits, SURCHARGE, TIME_FACTORS, WATER, refusal};
 use common::{edited, terzaghi};
-use mpm_core::scene::Scene;
+use mpm_core::scene::{Flags, Scene};
 use proptest::prelude::*;
 
 const STAGE: &str = "[[stages]]
@@ -520,6 +520,145 @@ fn bad_water_is_refused() {
         let error = refusal(case, &edited(&built_in(scene), edits));
         println!("{case}\n    {error}");
         assert!(error.to_string().contains(names), "{case}: {error}");
+    }
+}
+
+/// Edits of the scene of a levee, or of one that is not for failure, and what each must name.
+#[test]
+fn bad_failure_is_refused() {
+    const HEAD: &str = "feed.left = { head = 2.3 }";
+    const WET: &str = "wet = [[0.0, 0.0], [8.35, 0.0], [0.0, 2.3]]";
+    const DRIVER: &str = "integrator = \"two-clocks\"";
+    const BASE: &str = "peak_angle = 30.0\nresidual_angle = 8.5\nslip_distance = 0.02";
+    const OUTLINE: &str = "[[0.0, 0.0], [9.0, 0.0], [3.0, 3.0], [0.0, 3.0]]";
+    let cases: [(&str, &str, Edits, &str); 35] = [
+        ("head above the crest", "levee", &[(HEAD, "feed.left = { head = 3.1 }")], "at most 3 m, the top of the soil"),
+        ("a feed above the crest", "levee", &[(HEAD, "feed.left = { velocity = 1e-5, height = 3.5 }")], "at most 3 m"),
+        ("head at the base", "levee", &[(HEAD, "feed.left = { head = 0.0 }")], "above 0 m"),
+        ("head that is not a number", "levee", &[(HEAD, "feed.left = { head = nan }")], "above 0 m"),
+        ("feed on a missing wall", "levee", &[(HEAD, "feed.right = { head = 1.0 }")], "a wall with no soil"),
+        (
+            "feed on a side the soil meets in a point",
+            "levee",
+            &[(HEAD, "feed.right = { head = 1.0 }"), ("sideroom_cells = 14\n", "")],
+            "a wall with no soil",
+        ),
+        ("feed in the air", "levee", &[(HEAD, "feed.top = { velocity = 1e-5 }")], "a wall with no soil"),
+        (
+            "a pond on the crest",
+            "levee",
+            &[(HEAD, "feed.top = { head = 3.5 }"), ("headroom_cells = 2\n", "")],
+            "no pond stands",
+        ),
+        ("an unknown side", "levee", &[(HEAD, "feed.front = { head = 1.0 }")], "left"),
+        (
+            "water above the slope",
+            "levee",
+            &[(WET, "wet = [[0.0, 0.0], [9.0, 0.0], [6.0, 2.0]]")],
+            "outside its outline",
+        ),
+        (
+            "water above the crest",
+            "levee",
+            &[(WET, "wet = [[0.0, 0.0], [2.0, 0.0], [0.0, 3.2]]")],
+            "outside its outline",
+        ),
+        ("a level above the crest", "levee", &[(WET, "level = 3.2")], "0 < level <= 3 m"),
+        ("soil without friction", "levee", &[("\nfriction_angle = 30.0", "\nfriction_angle = 0.0")], "0 < phi < 90"),
+        ("friction of 90", "levee", &[("\nfriction_angle = 30.0", "\nfriction_angle = 90.0")], "0 < phi < 90"),
+        ("a smooth base", "levee", &[(BASE, "friction_angle = 0.0")], "or an adhesion"),
+        (
+            "a base that peaks at 0",
+            "levee",
+            &[("peak_angle = 30.0\nresidual_angle = 8.5", "peak_angle = 0.0\nresidual_angle = 0.0")],
+            "or an adhesion",
+        ),
+        ("a base of 90", "levee", &[("peak_angle = 30.0", "peak_angle = 90.0")], "0 <= angle < 90"),
+        ("a coarse mesh", "levee", &[("cell = 0.4 ", "cell = 0.8 ")], "a cell of at most 0.75 m"),
+        (
+            "a flat slope on a coarse mesh",
+            "levee",
+            &[
+                ("[3.0, 3.0], [0.0, 3.0]", "[3.0, 1.5], [0.0, 1.5]"),
+                (WET, "level = 1.0"),
+                (HEAD, "feed.left = { head = 1.0 }"),
+            ],
+            "at most 0.375 m",
+        ),
+        ("failure and no stage for it", "levee", &[("clock = \"both\"\n", "")], "a stage with clock = \"both\""),
+        (
+            "two stages",
+            "levee",
+            &[("[[stages]]\n", "[[stages]]\nclock = \"both\"\ndrained = \"none\"\nuntil.time = 1.0\n[[stages]]\n")],
+            "one stage with clock = \"both\"",
+        ),
+        (
+            "until it rests",
+            "levee",
+            &[("until.time = 64800.0 # to 24 h", "until.rest = { speed = 1e-3, at_most = 1.0 }")],
+            "a time (s)",
+        ),
+        ("no time at all", "levee", &[("until.time = 64800.0", "until.time = 0.0")], "above 0"),
+        ("an unknown driver", "levee", &[(DRIVER, "integrator = \"three-clocks\"")], "\"coupled\""),
+        ("another driver", "levee", &[(DRIVER, "integrator = \"semi-implicit\"")], "\"coupled\" or \"explicit\""),
+        (
+            "explicit and incompressible",
+            "levee",
+            &[(DRIVER, "integrator = \"explicit\""), ("bulk_modulus = 2.2e9", "bulk_modulus = inf")],
+            "finite bulk modulus",
+        ),
+        (
+            "together without a stage for it",
+            "dam",
+            &[(DRIVER, "integrator = \"coupled\"")],
+            "clock = \"both\" beside it",
+        ),
+        ("a point in the air", "levee", &[("[5.5, 1.2]]", "[5.5, 2.2]]")], "a place in the soil"),
+        ("a point that is not a number", "levee", &[("[5.5, 1.2]]", "[nan, 1.2]]")], "a place in the soil"),
+        ("a point on a line", "levee", &[("[5.5, 1.2]]", "[5.5]]")], "2"),
+        ("a level beyond the toe", "levee", &[("7.0, 8.0]", "7.0, 9.5]")], "0 <= x <= 9 m"),
+        ("a level that is not a number", "levee", &[("7.0, 8.0]", "7.0, nan]")], "0 <= x <= 9 m"),
+        ("a clock before its time", "levee", &[("starts_at = 21600.0", "starts_at = -1.0")], "0 or more (s)"),
+        ("an unknown key", "levee", &[("starts_at = 21600.0", "start_at = 21600.0")], "starts_at"),
+        ("soil above the mesh", "levee", &[(OUTLINE, "[[0.0, 0.0], [9.0, 0.0], [3.0, -3.0]]")], "y >= 0"),
+    ];
+    for (case, scene, edits, names) in cases {
+        let error = refusal(case, &edited(&built_in(scene), edits));
+        println!("{case}\n    {error}");
+        assert!(error.to_string().contains(names), "{case}: {error}");
+        assert!(!error.to_string().contains('\n'), "{case}: one line\n{error}");
+    }
+    // What is sound beside them: water up to the crest, a base that is held by adhesion alone, pressure from below.
+    for edits in [
+        &[(HEAD, "feed.left = { head = 3.0 }")][..],
+        &[(BASE, "friction_angle = 0.0\nadhesion = 1000.0")],
+        &[(HEAD, "feed.bottom = { head = 4.0 }")],
+        &[(WET, "level = 3.0")],
+        &[(HEAD, "feed.left = { velocity = 2e-5 }")],
+    ] {
+        let text = edited(&built_in("levee"), edits);
+        if let Err(error) = Scene::parse(&text, "scene.toml") {
+            panic!("{edits:?}: {error}");
+        }
+    }
+}
+
+/// The drivers of a levee from the command line.
+#[test]
+fn bad_flags_of_a_levee_are_named() {
+    let text = built_in("levee");
+    let message = |flags: Flags| Scene::parse_with(&text, "scene.toml", &flags).expect_err("a bad flag").to_string();
+    let driver = |word: &str| Flags { driver: Some(word.to_owned()), ..Flags::default() };
+    let unknown = message(driver("clockwork"));
+    assert!(unknown.starts_with("--driver: expected one of") && unknown.contains("\"two-clocks\""), "{unknown}");
+    let coarse = message(Flags { cell: Some(1.0), ..Flags::default() });
+    assert!(coarse.starts_with("--mesh: expected a cell of at most 0.75 m"), "{coarse}");
+    let zero = message(Flags { cell: Some(0.0), ..Flags::default() });
+    assert!(zero.starts_with("--mesh: "), "{zero}");
+    let odd = message(Flags { particles_per_cell: Some(5), ..Flags::default() });
+    assert!(odd.starts_with("--ppc: "), "{odd}");
+    for word in ["two-clocks", "coupled", "explicit"] {
+        Scene::parse_with(&text, "scene.toml", &driver(word)).unwrap();
     }
 }
 

@@ -3,11 +3,12 @@
 use toml::Spanned;
 
 use super::super::raw::RawScene;
-use super::super::{Clock, Dimension, Failure, Integrator, Scene, SolidSide, Until};
+use super::super::{Clock, Dimension, Failure, Integrator, Scene, Side, SolidSide, Until};
+use super::free_surface::touching;
 use super::{Checked, Reader, quoted};
 use crate::seeding;
 
-/// Fewest cells over the height of soil that may fail, and fewest along the foot of its slope per cell of height.
+/// Fewest cells over the height of soil that may fail.
 const LEAST_CELLS: f64 = 4.0;
 
 impl Reader<'_> {
@@ -47,6 +48,8 @@ impl Reader<'_> {
             );
             return self.refuse(&raw.mesh.get_ref().cell.span(), "mesh.cell", &expected, scene.cell);
         }
+        self.dry_crest(raw, scene)?;
+        self.base_that_holds(raw, scene)?;
         let Some(table) = &raw.failure else { return Ok(Some(Failure::default())) };
         let table = table.get_ref();
         let starts_at = match &table.starts_at {
@@ -69,6 +72,57 @@ impl Reader<'_> {
             levels.push(self.within(x, "failure.levels", &expected, |x| (0.0..=scene.width).contains(&x))?);
         }
         Ok(Some(Failure { levels, starts_at, goes_on: table.goes_on.unwrap_or(false), points }))
+    }
+
+    /// Water stays below the crest: what would flow over it, or stand on it, no step knows.
+    fn dry_crest(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
+        let feeds = raw.water.as_ref().and_then(|water| water.get_ref().free_surface.as_ref());
+        let Some(feeds) = feeds.and_then(|table| table.get_ref().feed.as_ref()).map(Spanned::get_ref) else {
+            return Ok(());
+        };
+        let soil = scene.outline_or_box();
+        for (side, feed) in [
+            (Side::Left, &feeds.left),
+            (Side::Right, &feeds.right),
+            (Side::Bottom, &feeds.bottom),
+            (Side::Top, &feeds.top),
+        ] {
+            let Some(feed) = feed else { continue };
+            let Some([_, high]) = touching(&soil, side, scene) else { continue };
+            let key = format!("water.free_surface.feed.{side}");
+            let given = [("head", &feed.get_ref().head), ("height", &feed.get_ref().height)];
+            for (word, value) in given {
+                let Some(value) = value else { continue };
+                if side == Side::Top && word == "head" {
+                    let expected = "a velocity (m/s) beside clock = \"both\": no pond stands on soil that may fail";
+                    return self.refuse(&value.span(), &format!("{key}.{word}"), expected, value.get_ref());
+                }
+                // What presses from below may stand higher.
+                if side != Side::Bottom && *value.get_ref() > high * (1.0 + 1e-9) {
+                    let expected = format!(
+                        "at most {high} m, the top of the soil at this side: more would flow over soil that may fail"
+                    );
+                    return self.refuse(&value.span(), &format!("{key}.{word}"), &expected, value.get_ref());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// On a base with no strength at all no slope stands.
+    fn base_that_holds(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
+        let (Some(table), Some(base)) = (&raw.base, scene.base) else { return Ok(()) };
+        if base.peak_angle > 0.0 || base.adhesion > 0.0 {
+            return Ok(());
+        }
+        let (key, value) = match (&table.get_ref().friction_angle, &table.get_ref().peak_angle) {
+            (Some(value), _) => ("base.friction_angle", value),
+            (None, Some(value)) => ("base.peak_angle", value),
+            (None, None) => return Ok(()),
+        };
+        let expected =
+            "0 < angle < 90 (degrees), or an adhesion, beside clock = \"both\": no slope stands on a smooth base";
+        self.refuse(&value.span(), key, expected, value.get_ref())
     }
 
     /// A stage that may fail is the only one in which soil and water run in the same steps.

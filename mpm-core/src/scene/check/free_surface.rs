@@ -151,7 +151,11 @@ impl Reader<'_> {
         let two = scene.integrator == Integrator::TwoClocks || together;
         let table = raw.water.as_ref().and_then(|water| water.get_ref().free_surface.as_ref());
         if let (Some(table), false) = (table, two) {
-            let expected = "integrator = \"two-clocks\" beside it: the others know saturated soil";
+            let expected = if scene.may_fail() {
+                "integrator = \"two-clocks\", \"coupled\" or \"explicit\" beside it"
+            } else {
+                "integrator = \"two-clocks\" beside it: the others know saturated soil"
+            };
             let found = integrator.map_or("\"explicit\"".to_owned(), |word| quoted(word.get_ref()));
             return self.refuse(&table.span(), "water.free_surface", expected, found);
         }
@@ -171,8 +175,13 @@ impl Reader<'_> {
         let span = integrator.map_or(0..0, Spanned::span);
         let key = "time.integrator";
         if table.is_none() {
+            if let (true, Some(table)) = (scene.may_fail(), raw.water.as_ref()) {
+                let expected = "free_surface beside clock = \"both\": which soil is wet, and what feeds it";
+                return self.refuse(&table.span(), "water.free_surface", expected, "none");
+            }
             let expected = "[water.free_surface] beside it, or integrator = \"explicit\"";
-            return self.refuse(&span, key, expected, "\"two-clocks\"");
+            let found = integrator.map_or("\"explicit\"".to_owned(), |word| quoted(word.get_ref()));
+            return self.refuse(&span, key, expected, found);
         }
         if !matches!(scene.shape, ShapeChoice::Centre | ShapeChoice::Centroid | ShapeChoice::Linear) {
             let expected = "shape = \"centre\", \"centroid\" or \"linear\" beside it";
@@ -187,7 +196,7 @@ impl Reader<'_> {
 }
 
 /// From where to where the soil touches a side of the mesh, m above the base (left, right) or along it; `None` if it does not.
-fn touching(soil: &[[f64; 2]], side: Side, scene: &Scene) -> Option<[f64; 2]> {
+pub(super) fn touching(soil: &[[f64; 2]], side: Side, scene: &Scene) -> Option<[f64; 2]> {
     let (axis, at) = match side {
         Side::Left => (0, 0.0),
         Side::Right => (0, scene.width),

@@ -68,8 +68,9 @@ impl Reader<'_> {
     fn incompressible_water(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
         let Some(table) = &raw.water else { return Ok(()) };
         let value = &table.get_ref().bulk_modulus;
-        // Under a free surface no water is closed in.
-        if value.get_ref().is_finite() || scene.free_surface.is_some() {
+        // Under a free surface no water is closed in, but an explicit pressure needs its stiffness all the same.
+        let free = scene.free_surface.is_some() && scene.integrator != Integrator::Explicit;
+        if value.get_ref().is_finite() || free {
             return Ok(());
         }
         if scene.integrator == Integrator::Explicit {
