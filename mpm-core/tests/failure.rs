@@ -406,3 +406,14 @@ fn twice_the_strength_is_twice_as_safe() {
     // The brackets of both, on one scale, meet.
     assert!(twice.low <= 2.0 * once.high + 0.04 && 2.0 * once.low <= twice.high + 0.04, "{once:?} {twice:?}");
 }
+
+#[test]
+fn a_slope_that_stands_with_any_strength_has_no_upper_bound() {
+    let scene =
+        coarse(&[("cohesion = 500.0", "cohesion = 50000.0"), ("residual_angle = 8.5", "residual_angle = 30.0")]);
+    let mut driver = Driver::new(&scene).unwrap();
+    driver.load().unwrap();
+    let found = driver.safety(0.04, &mut |_| ()).unwrap();
+    // 4 is the last factor that is looked at; that it slides there nobody has seen.
+    assert_eq!((found.low, found.high), (4.0, f64::INFINITY));
+}
