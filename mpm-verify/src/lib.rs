@@ -8,7 +8,8 @@
 //! 5. [`study`]: refine, run, compare. [`budget`]: which part of an error comes from what. [`claims`]: the paper's
 //!    statements and their verdicts. [`sweeps`]: displaced particles, offsets of the mesh, errors in time.
 //!    [`stability`]: time-step limits, predicted and measured.
-//! 6. [`report`]: tables, plots, pages. [`frames`]: stored frames of a run, to make its pictures again. [`manifest`]:
+//! 6. [`levee`]: the levee that seepage makes fail: its run, checkpoints, claims, sensitivity.
+//! 7. [`report`]: tables, plots, pages. [`frames`]: stored frames of a run, to make its pictures again. [`manifest`]:
 //!    under which conditions. [`baseline`]: accepted values.
 
 pub mod baseline;
@@ -19,6 +20,7 @@ pub mod cost;
 pub mod element;
 pub mod exact;
 pub mod frames;
+pub mod levee;
 pub mod literature;
 pub mod manifest;
 pub mod norms;

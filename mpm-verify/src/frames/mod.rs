@@ -97,13 +97,7 @@ const FORMAT: &str = "frames of two layers, 1";
 pub fn write(shots: &[Shot], path: &Path) -> Result<(), FramesError> {
     let written = || {
         let mut file = BufWriter::new(File::create(path)?);
-        serde_json::to_writer(&mut file, &header(shots))?;
-        file.write_all(b"\n")?;
-        for Shot { frame, .. } in shots {
-            put(&frame.solid, &mut file)?;
-            put(&frame.water, &mut file)?;
-            put(&frame.cell, &mut file)?;
-        }
+        write_to(shots, &mut file)?;
         file.flush()
     };
     written().map_err(|cause| FramesError::Write { path: path.to_owned(), cause })
@@ -114,18 +108,48 @@ pub fn write(shots: &[Shot], path: &Path) -> Result<(), FramesError> {
 /// # Errors
 /// A file that cannot be read, is of another format, or is too short or too long.
 pub fn read(path: &Path) -> Result<Vec<Shot>, FramesError> {
-    let taken = || {
-        let mut file = BufReader::new(File::open(path)?);
-        let mut line = Vec::new();
-        file.read_until(b'\n', &mut line)?;
-        let header: Header = serde_json::from_slice(&line)?;
-        expect(FORMAT, &header.format)?;
-        expect([names::<SolidState>(), names::<WaterParticle>(), names::<CellState>()], &header.columns)?;
-        let shots = header.frames.into_iter().map(|entry| shot(entry, &mut file)).collect::<io::Result<_>>()?;
-        let over = file.bytes().count();
-        if over > 0 { Err(odd(format!("expected its end, found {over} more bytes"))) } else { Ok(shots) }
-    };
+    let taken = || read_from(&mut BufReader::new(File::open(path)?));
     taken().map_err(|cause| FramesError::Read { path: path.to_owned(), cause })
+}
+
+/// Writes frames to where bytes go.
+///
+/// # Errors
+/// What the place says.
+pub fn write_to(shots: &[Shot], file: &mut impl Write) -> io::Result<()> {
+    serde_json::to_writer(&mut *file, &header(shots))?;
+    file.write_all(b"\n")?;
+    for Shot { frame, .. } in shots {
+        put(&frame.solid, file)?;
+        put(&frame.water, file)?;
+        put(&frame.cell, file)?;
+    }
+    Ok(())
+}
+
+/// Reads frames from where bytes come from.
+///
+/// # Errors
+/// Bytes of another format, too few or too many.
+pub fn read_from(file: &mut impl BufRead) -> io::Result<Vec<Shot>> {
+    let mut line = Vec::new();
+    file.read_until(b'\n', &mut line)?;
+    let header: Header = serde_json::from_slice(&line)?;
+    expect(FORMAT, &header.format)?;
+    expect([names::<SolidState>(), names::<WaterParticle>(), names::<CellState>()], &header.columns)?;
+    let shots = header.frames.into_iter().map(|entry| shot(entry, file)).collect::<io::Result<_>>()?;
+    let over = file.bytes().count();
+    if over > 0 { Err(odd(format!("expected its end, found {over} more bytes"))) } else { Ok(shots) }
+}
+
+/// A frame as a file gives it back: pictures of a run and those made again from its file are the same.
+pub fn rounded(frame: &Frame) -> Frame {
+    Frame {
+        solid: frame.solid.iter().map(|p| Record::from_words(&p.words())).collect(),
+        water: frame.water.iter().map(|p| Record::from_words(&p.words())).collect(),
+        cell: frame.cell.iter().map(|c| Record::from_words(&c.words())).collect(),
+        ..frame.clone()
+    }
 }
 
 fn header(shots: &[Shot]) -> Header {

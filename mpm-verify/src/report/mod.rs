@@ -95,12 +95,12 @@ pub enum ReportError {
 }
 
 /// A file or folder that cannot be written.
-fn unwritable(path: &Path, cause: impl Into<io::Error>) -> ReportError {
+pub(crate) fn unwritable(path: &Path, cause: impl Into<io::Error>) -> ReportError {
     ReportError::Write { path: path.to_owned(), cause: cause.into() }
 }
 
 /// Writes a text file.
-fn save(path: &Path, text: impl AsRef<[u8]>) -> Result<(), ReportError> {
+pub(crate) fn save(path: &Path, text: impl AsRef<[u8]>) -> Result<(), ReportError> {
     fs::write(path, text).map_err(|e| unwritable(path, e))
 }
 

@@ -1,0 +1,1 @@
+//! Verdicts follow the numbers.

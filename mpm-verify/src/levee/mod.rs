@@ -1,0 +1,17 @@
+//! A levee through which water seeps until it fails: the paper's section 4, from the scene to the page.
+//!
+//! # Reading order
+//! 1. [`plan`]: which scene, by which driver, from when to when. [`variants`]: the scene with one input changed.
+//! 2. [`run`]: follows it. [`moments`]: when frames are taken. [`checkpoint`]: a state on disk, to go on from.
+//! 3. [`tables`], [`summary`]: what it came to. [`claims`]: the paper's statements, judged by rules.
+//! 4. [`safety`]: the factor of safety over time. [`sensitivity`]: all variants.
+//! 5. [`figures`], [`page`]: what is shown.
+
+pub mod checkpoint;
+pub mod claims;
+pub mod moments;
+pub mod plan;
+pub mod run;
+pub mod summary;
+pub mod tables;
+pub mod variants;

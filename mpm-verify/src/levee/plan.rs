@@ -1,0 +1,129 @@
+//! Which levee is followed, by which driver, from when to when.
+
+use std::path::Path;
+
+use mpm_core::scene::{Failure, Flags, Integrator, Scene};
+use sha2::{Digest, Sha256};
+
+use super::variants::{Change, Variant};
+use crate::scenes::BUILT_IN;
+
+/// What a run is made of; all of it decides on its numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// The scene; its integrator is the driver.
+    pub scene: Scene,
+    /// Two clocks up to here, then the driver of the scene; time on the reader's clock, h.
+    pub from_h: Option<f64>,
+    /// Where to end before the scene does, h on the same clock.
+    pub until_h: Option<f64>,
+    /// Whether frames are kept.
+    pub frames: bool,
+}
+
+/// A word of `--driver`: the same as of `time.integrator`.
+pub fn driver_word(integrator: Integrator) -> &'static str {
+    match integrator {
+        Integrator::Explicit => "explicit",
+        Integrator::SemiImplicit => "semi-implicit",
+        Integrator::QuasiStatic => "quasi-static",
+        Integrator::TwoClocks => "two-clocks",
+        Integrator::Coupled => "coupled",
+    }
+}
+
+/// Reads a scene, a file or a built-in name, with flags and the change of a variant.
+///
+/// # Errors
+/// What was expected and found.
+pub fn scene(source: &str, flags: &Flags, variant: Option<&Variant>) -> Result<Scene, String> {
+    let mut flags = flags.clone();
+    match variant.map(|v| v.change) {
+        Some(Change::Mesh(cell)) => flags.cell = Some(cell),
+        Some(Change::Particles(count)) => flags.particles_per_cell = Some(count),
+        _ => {}
+    }
+    let built_in = BUILT_IN.iter().find(|(name, _)| *name == source);
+    let mut scene = match built_in {
+        Some((name, text)) if !Path::new(source).is_file() => {
+            Scene::parse_with(text, name, &flags).map_err(|e| e.to_string())
+        }
+        _ => Scene::load_with(Path::new(source), &flags).map_err(|e| e.to_string()),
+    }?;
+    if let Some(Change::Edit(edit)) = variant.map(|v| v.change) {
+        edit(&mut scene);
+    }
+    if scene.failure.is_none() {
+        return Err(format!(
+            "{source}: expected a scene whose soil may fail, with a stage of clock = \"both\", found none"
+        ));
+    }
+    Ok(scene)
+}
+
+impl Plan {
+    /// A plan, if it is possible.
+    ///
+    /// # Errors
+    /// What was expected and found.
+    pub fn new(scene: Scene, from_h: Option<f64>, until_h: Option<f64>, frames: bool) -> Result<Self, String> {
+        let plan = Self { scene, from_h, until_h, frames };
+        let (start, end) = (plan.starts_h(), plan.scene_ends_h());
+        if from_h.is_some() && plan.scene.integrator == Integrator::TwoClocks {
+            return Err("--from: expected --driver coupled or explicit, found two-clocks all the time".to_owned());
+        }
+        for (flag, time) in [("--from", from_h), ("--until", until_h)] {
+            if let Some(time) = time.filter(|t| !(*t > start && *t <= end)) {
+                return Err(format!(
+                    "{flag}: expected hours on the clock of the scene, above {start} and up to {end}, found {time}"
+                ));
+            }
+        }
+        Ok(plan)
+    }
+
+    fn failure(&self) -> &Failure {
+        // `scene` lets no other through.
+        self.scene.failure.as_ref().expect("a scene whose soil may fail")
+    }
+
+    /// What the clock shows when water begins to seep, h.
+    pub fn starts_h(&self) -> f64 {
+        self.failure().starts_at / 3600.0
+    }
+
+    fn scene_ends_h(&self) -> f64 {
+        use mpm_core::scene::Until;
+        let time = match self.scene.stages[0].until {
+            Until::Time(time) => time,
+            Until::PorePressure { at_most, .. } | Until::Rest { at_most, .. } => at_most,
+        };
+        self.starts_h() + time / 3600.0
+    }
+
+    /// What it shows at the latest end of the run, h.
+    pub fn ends_h(&self) -> f64 {
+        self.until_h.unwrap_or_else(|| self.scene_ends_h())
+    }
+
+    /// Time since water began to seep (s) at a time on the clock (h).
+    pub fn seconds(&self, hours: f64) -> f64 {
+        hours * 3600.0 - self.failure().starts_at
+    }
+
+    /// Observed places, m.
+    pub fn points(&self) -> &[[f64; 2]] {
+        &self.failure().points
+    }
+
+    /// Places x (m) whose level of water is recorded.
+    pub fn levels(&self) -> &[f64] {
+        &self.failure().levels
+    }
+
+    /// Tells plans apart whose states do not fit together. The end may be moved: a run can go on for longer.
+    pub fn fingerprint(&self) -> [u8; 32] {
+        let scene = serde_json::to_string(&self.scene).unwrap_or_default();
+        Sha256::digest(format!("{scene}\nfrom {:?}\nframes {}", self.from_h, self.frames).as_bytes()).into()
+    }
+}

@@ -1,0 +1,146 @@
+//! What a run came to, in numbers: `summary.json`.
+
+use mpm_core::failure::Row;
+use serde::{Deserialize, Serialize};
+
+use super::plan::{Plan, driver_word};
+use super::run::Followed;
+use crate::manifest::Manifest;
+
+/// The summary. A number that there is not is `null`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// E2: when the failure starts, h on the clock of the run.
+    pub failure_start_h: Option<f64>,
+    /// E3: when the rapid failure starts, h.
+    pub rapid_failure_h: Option<f64>,
+    /// When the run ended, h.
+    pub end_h: Option<f64>,
+    /// x beyond which a thousandth of the soil lies at the end, m.
+    pub toe_x_m: Option<f64>,
+    /// Mean settlement of the crest at the end, m.
+    pub crest_settlement_m: Option<f64>,
+    /// Largest displacement before water reached the toe, m.
+    pub max_displacement_before_failure_m: Option<f64>,
+    /// Largest displacement before E2, m.
+    pub displacement_before_failure_m: Option<f64>,
+    /// When water reached the toe, h.
+    pub front_at_toe_h: Option<f64>,
+    /// When water left the slope, h.
+    pub first_outflow_h: Option<f64>,
+    /// E1: when the toe raveled, h.
+    pub raveling_h: Option<f64>,
+    /// When soil first did not come to rest, h.
+    pub unsettled_h: Option<f64>,
+    /// Mean x of the soil that had moved at E2, m.
+    pub failure_at_m: Option<f64>,
+    /// From E2 to the end, s.
+    pub failure_lasts_s: Option<f64>,
+    /// From E3 to the end, s.
+    pub rapid_failure_lasts_s: Option<f64>,
+    /// Largest deviator strain.
+    pub max_deviator_strain: Option<f64>,
+    /// How far any stress was outside the yield surface, as a share of the strength.
+    pub yield_residual_max: Option<f64>,
+    /// Largest checkerboard index of the pore pressure.
+    pub checkerboard_index_max: Option<f64>,
+    /// Largest share of the motion in hourglass modes.
+    pub hourglass_ratio_max: Option<f64>,
+    /// Largest change of the dry mass, as a share of it.
+    pub solid_mass_error: Option<f64>,
+    /// Largest gap in the ledger of the water, as a share of what was there at the start.
+    pub water_ledger_error: Option<f64>,
+    /// Largest gap in the ledger of energies, as a share of the works and losses booked.
+    pub energy_error: Option<f64>,
+    /// All steps.
+    pub steps: u64,
+    /// Steps of the water.
+    pub steps_seepage: u64,
+    /// Steps of soil that comes to rest.
+    pub steps_relaxing: u64,
+    /// Steps of soil that moves.
+    pub steps_moving: u64,
+    /// CPU time, s.
+    pub cpu_s: f64,
+    /// How it ended: `collapsed`, `time-over`, `stopped`, `does-not-stand`, `run-failed`.
+    pub ended: String,
+    /// What went wrong, if something did.
+    pub trouble: Option<String>,
+    /// Name of the scene.
+    pub scene: String,
+    /// Who drove.
+    pub driver: String,
+    /// Name of the variant, if it was one.
+    pub variant: Option<String>,
+    /// Edge of a cell, m.
+    pub mesh_m: f64,
+    /// Particles per cell.
+    pub ppc: usize,
+    /// Step of the soil, s.
+    pub dt_s: f64,
+    /// Particles of the soil.
+    pub solid_particles: usize,
+    /// Particles of the water at the start.
+    pub water_particles: usize,
+    /// Frames taken.
+    pub frames: usize,
+    /// Under which conditions.
+    pub manifest: Manifest,
+}
+
+impl Summary {
+    /// The summary of a run.
+    pub fn of(plan: &Plan, run: &Followed, variant: Option<&str>, manifest: Manifest) -> Self {
+        let (events, rows) = (&run.events, &run.rows);
+        let last = rows.last();
+        let most = |of: fn(&Row) -> f64| {
+            let values = rows.iter().map(of).filter(|v| v.is_finite());
+            values.fold(None, |most: Option<f64>, v| Some(most.map_or(v, |m| m.max(v))))
+        };
+        let water = rows.first().map(|r| r.water_m3);
+        let share = |gap: Option<f64>, whole: f64| gap.filter(|_| whole > 0.0).map(|gap| gap / whole);
+        let end_h = last.map(|r| r.time_h);
+        let lasts = |from: Option<f64>| from.zip(end_h).map(|(from, end)| 3600.0 * (end - from));
+        let there = |value: f64| last.map(|_| value);
+        Self {
+            failure_start_h: events.failure_h,
+            rapid_failure_h: events.collapse_h,
+            end_h,
+            toe_x_m: last.map(|r| r.toe_x_m),
+            crest_settlement_m: last.map(|r| r.crest_settlement_m),
+            max_displacement_before_failure_m: there(events.displacement_before_toe_m),
+            displacement_before_failure_m: there(events.displacement_before_failure_m),
+            front_at_toe_h: events.front_at_toe_h,
+            first_outflow_h: events.first_outflow_h,
+            raveling_h: events.raveling_h,
+            unsettled_h: events.unsettled_h,
+            failure_at_m: events.failure_at_m,
+            failure_lasts_s: lasts(events.failure_h),
+            rapid_failure_lasts_s: lasts(events.collapse_h),
+            max_deviator_strain: most(|r| r.deviator_strain),
+            yield_residual_max: most(|r| r.yield_residual),
+            checkerboard_index_max: most(|r| r.checkerboard),
+            hourglass_ratio_max: most(|r| r.hourglass),
+            solid_mass_error: share(most(|r| r.solid_closing_kg.abs()), run.mass_kg),
+            water_ledger_error: share(most(|r| r.water_closing_m3.abs()), water.unwrap_or(0.0)),
+            energy_error: most(|r| r.energy_error),
+            steps: run.steps.all(),
+            steps_seepage: run.steps.seepage,
+            steps_relaxing: run.steps.relaxing,
+            steps_moving: run.steps.moving,
+            cpu_s: run.cpu_s,
+            ended: run.ended.words().to_owned(),
+            trouble: run.ended.trouble().map(str::to_owned),
+            scene: plan.scene.name.clone(),
+            driver: driver_word(plan.scene.integrator).to_owned(),
+            variant: variant.map(str::to_owned),
+            mesh_m: plan.scene.cell,
+            ppc: plan.scene.particles_per_cell,
+            dt_s: run.dt_s,
+            solid_particles: run.particles[0],
+            water_particles: run.particles[1],
+            frames: run.shots.len(),
+            manifest,
+        }
+    }
+}

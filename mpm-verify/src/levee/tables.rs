@@ -1,0 +1,62 @@
+//! The tables of a run: history, stress paths, events.
+
+use std::path::Path;
+
+use mpm_core::failure::{Events, PathPoint, Row};
+
+use super::moments::{EVENTS, times};
+use crate::report::numbers::exact;
+use crate::report::{ReportError, save, tables, unwritable};
+
+/// Writes `history.csv`, with the levels of water at the places x (m) as columns after all others, `paths.csv` and
+/// `events.csv`.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(
+    rows: &[Row],
+    paths: &[PathPoint],
+    events: &Events,
+    levels: &[f64],
+    folder: &Path,
+) -> Result<(), ReportError> {
+    let path = folder.join("history.csv");
+    let names: Vec<String> = levels.iter().map(|x| format!("level_x{x}_m")).collect();
+    save(&path, history(rows, &names).map_err(|e| unwritable(&path, e))?)?;
+    let path = folder.join("paths.csv");
+    let mut writer = csv::Writer::from_path(&path).map_err(|e| unwritable(&path, e))?;
+    for point in paths {
+        writer.serialize(point).map_err(|e| unwritable(&path, e))?;
+    }
+    writer.flush().map_err(|e| unwritable(&path, e))?;
+    tables::table(&folder.join("events.csv"), "event,time_h,what", happened(events))
+}
+
+/// The rows as CSV. The writer of CSV takes no lists inside a row: they are joined on afterwards.
+fn history(rows: &[Row], levels: &[String]) -> Result<Vec<u8>, csv::Error> {
+    let mut plain = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        plain.serialize(row)?;
+    }
+    let plain = plain.into_inner().map_err(|e| std::io::Error::other(e.to_string()))?;
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(plain.as_slice());
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for (number, record) in reader.records().enumerate() {
+        let record = record?;
+        let more: Vec<String> = match number.checked_sub(1) {
+            None => levels.to_vec(),
+            Some(row) => rows[row].levels.iter().map(|level| exact(*level)).collect(),
+        };
+        writer.write_record(record.iter().chain(more.iter().map(String::as_str)))?;
+    }
+    writer.into_inner().map_err(|e| std::io::Error::other(e.to_string()).into())
+}
+
+/// What happened, in the order of time.
+fn happened(events: &Events) -> Vec<Vec<String>> {
+    let named = EVENTS.iter().zip(times(events)).map(|((name, words), time)| (*name, *words, time));
+    let unsettled = ("unsettled", "soil does not come to rest under the pressures", events.unsettled_h);
+    let mut all: Vec<_> = named.chain([unsettled]).filter_map(|(n, w, t)| Some((t?, n, w))).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all.into_iter().map(|(time, name, words)| vec![name.to_owned(), exact(time), words.to_owned()]).collect()
+}
