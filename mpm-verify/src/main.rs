@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
-use commands::{Failure, check, list, nightly, report, solve, stability, study};
+use commands::{Failure, check, levee, list, nightly, report, solve, stability, study};
 
 /// Verification of the two-layer material point method against exact solutions.
 ///
@@ -55,6 +55,13 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
+    /// The levee of the paper's section 4: seepage and failure, claims, pictures, sensitivity
+    Levee {
+        #[command(flatten)]
+        options: levee::Options,
+        #[command(flatten)]
+        common: Common,
+    },
     /// The verification ladder: every case, or those named; exit code 1 when one falls short
     Check {
         /// Cases to run; all without a name
@@ -96,6 +103,7 @@ fn main() -> ExitCode {
         None => study::run(&cli.study, &cli.common),
         Some(Command::Study { options, common }) => study::run(&options, &common),
         Some(Command::Solve { options, common }) => solve::run(&options, &common),
+        Some(Command::Levee { options, common }) => levee::run(&options, &common),
         Some(Command::Check { cases, mutants, common }) => check::run(&cases, mutants, &common),
         Some(Command::Stability { common }) => stability::run(&common),
         Some(Command::Nightly { common }) => nightly::run(&common),

@@ -44,6 +44,20 @@ impl Progress {
         }
     }
 
+    /// What is going on, beside the bar.
+    pub fn note(&self, text: &str) {
+        if let Some(bar) = &self.bar {
+            bar.set_message(text.to_owned());
+        }
+    }
+
+    /// A line where there is no bar to see it from.
+    pub fn piped_line(&self, text: &str) {
+        if self.bar.is_none() {
+            self.line(text);
+        }
+    }
+
     /// The job is done.
     pub fn finish(&self) {
         if let Some(bar) = &self.bar {

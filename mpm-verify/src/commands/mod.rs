@@ -1,6 +1,7 @@
 //! One command per file.
 
 pub mod check;
+pub mod levee;
 pub mod list;
 pub mod nightly;
 pub mod report;

@@ -9,9 +9,13 @@
 
 pub mod checkpoint;
 pub mod claims;
+pub mod figures;
 pub mod moments;
+pub mod page;
 pub mod plan;
 pub mod run;
 pub mod summary;
 pub mod tables;
+pub mod ticker;
 pub mod variants;
+pub mod written;

@@ -143,4 +143,20 @@ impl Summary {
             manifest,
         }
     }
+
+    /// The main numbers, for a terminal.
+    pub fn lines(&self) -> Vec<String> {
+        let hours = |time: Option<f64>| time.map_or_else(|| "did not happen".to_owned(), |h| format!("{h:.4} h"));
+        let metres = |x: Option<f64>| x.map_or_else(|| "none".to_owned(), |x| format!("{x:.3} m"));
+        vec![
+            format!("water at the toe  {}", hours(self.front_at_toe_h)),
+            format!("first outflow     {}", hours(self.first_outflow_h)),
+            format!("toe ravels (E1)   {}", hours(self.raveling_h)),
+            format!("failure (E2)      {}", hours(self.failure_start_h)),
+            format!("rapid (E3)        {}", hours(self.rapid_failure_h)),
+            format!("end               {}, {}", hours(self.end_h), self.ended),
+            format!("toe               {}", metres(self.toe_x_m)),
+            format!("crest settlement  {}", metres(self.crest_settlement_m)),
+        ]
+    }
 }

@@ -107,12 +107,19 @@ pub fn at_one_time(site: &Site, shot: &Shot, all: &[Shot]) -> Figure {
 /// # Errors
 /// A file that cannot be written or drawn.
 pub fn write(site: &Site, shots: &[&Shot], shown: Shown, folder: &Path) -> Result<String, ReportError> {
-    let figure = figure(site, shots, shown);
+    write_figure(&figure(site, shots, shown), shots, shown, folder)
+}
+
+/// Writes [`figure`], or what was made of it, with the places and values of all particles. Returns the text of the SVG.
+///
+/// # Errors
+/// A file that cannot be written or drawn.
+pub fn write_figure(figure: &Figure, shots: &[&Shot], shown: Shown, folder: &Path) -> Result<String, ReportError> {
     let path = folder.join(format!("{}.csv", figure.name));
     let rows = shots.iter().flat_map(|shot| rows(shot, shown));
     let last = if let Shown::Of(quantity) = shown { quantity.column } else { "layer" };
     tables::table(&path, &format!("time_s,x_m,y_m,{last}"), rows)?;
-    write_drawn(&figure, folder)
+    write_drawn(figure, folder)
 }
 
 /// Writes [`at_one_time`] with the places and values of all particles. Returns the text of the SVG.

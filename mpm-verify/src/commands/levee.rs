@@ -1,0 +1,146 @@
+//! `levee`: a levee through which water seeps until it fails, with its page.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use clap::Args;
+use mpm_core::scene::Flags;
+use mpm_verify::levee::checkpoint::Checkpoint;
+use mpm_verify::levee::plan::{self, Plan};
+use mpm_verify::levee::run::{Ended, FollowError, Hooks, follow};
+use mpm_verify::levee::summary::Summary;
+use mpm_verify::levee::variants::{self, Variant};
+use mpm_verify::levee::{ticker, written};
+use mpm_verify::manifest::Manifest;
+
+use super::{Failure, print_json, say, writable};
+use crate::Common;
+
+/// Wall time between checkpoints.
+const EVERY: Duration = Duration::from_secs(60);
+
+/// What to follow.
+#[derive(Debug, Clone, Args)]
+pub struct Options {
+    /// A scene file, or the name of a built-in scene
+    #[arg(long, value_name = "FILE", default_value = "levee")]
+    scene: String,
+    /// In place of the scene's driver: two-clocks, coupled or explicit
+    #[arg(long, value_name = "WORD")]
+    driver: Option<String>,
+    /// In place of the scene's edge of a cell, m
+    #[arg(long, value_name = "L")]
+    mesh: Option<f64>,
+    /// In place of the scene's particles per cell: 1, 4, 9, ...
+    #[arg(long, value_name = "N")]
+    ppc: Option<i64>,
+    /// Go on with a levee that does not stand under its own weight and the first water
+    #[arg(long)]
+    go_on: bool,
+    /// The scene with one input changed: a name of `mpm-verify list`
+    #[arg(long, value_name = "NAME")]
+    variant: Option<String>,
+    /// End here, h on the clock of the scene
+    #[arg(long, value_name = "H")]
+    until: Option<f64>,
+    /// Two clocks up to here, h; then the driver
+    #[arg(long, value_name = "H")]
+    from: Option<f64>,
+    /// Go on from the checkpoint of a run that was stopped
+    #[arg(long)]
+    resume: bool,
+    /// Write no files for ParaView
+    #[arg(long)]
+    no_vtk: bool,
+}
+
+impl Options {
+    fn flags(&self) -> Flags {
+        Flags {
+            driver: self.driver.clone(),
+            cell: self.mesh,
+            particles_per_cell: self.ppc,
+            goes_on: self.go_on,
+            ..Flags::default()
+        }
+    }
+
+    fn variant(&self) -> Result<Option<&'static Variant>, Failure> {
+        let Some(name) = &self.variant else { return Ok(None) };
+        let known = || variants::VARIANTS.map(|v| v.name).join(", ");
+        variants::named(name)
+            .map(Some)
+            .ok_or_else(|| Failure::BadInput(format!("--variant: expected one of {}, found {name}", known())))
+    }
+}
+
+/// Follows a levee and writes everything about it.
+pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
+    let variant = options.variant()?;
+    let scene = plan::scene(&options.scene, &options.flags(), variant).map_err(Failure::BadInput)?;
+    let plan = Plan::new(scene, options.from, options.until, true).map_err(Failure::BadInput)?;
+    let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/levee"));
+    writable(&folder)?;
+    one(options, common, &plan, &folder)
+}
+
+fn one(options: &Options, common: &Common, plan: &Plan, folder: &Path) -> Result<(), Failure> {
+    let refused = |e: FollowError| Failure::BadInput(e.to_string());
+    let resume = match options.resume {
+        true => Some(Checkpoint::read(&plan.fingerprint(), folder).map_err(|e| refused(e.into()))?),
+        false => None,
+    };
+    let mut ticker = ticker::Ticker::new(plan, common.quiet);
+    let stopped = interrupts();
+    let mut hooks = Hooks {
+        progress: &mut |driver| ticker.tick(driver),
+        stop: &mut |_| stopped.load(Ordering::Relaxed),
+        folder: Some(folder.to_owned()),
+        every: EVERY,
+    };
+    let run = follow(plan, &mut hooks, resume).map_err(refused)?;
+    ticker.finish();
+    let go_on = || {
+        let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--resume").collect();
+        format!("mpm-verify {} --resume", arguments.join(" "))
+    };
+    if run.ended == Ended::Stopped {
+        let at = run.rows.last().map_or(0.0, |row| row.time_h);
+        return Err(Failure::RunFailed(format!("stopped at {at:.4} h; to go on: {}", go_on())));
+    }
+    let summary = Summary::of(plan, &run, options.variant.as_deref(), Manifest::new(&plan.scene, 1));
+    written::write(plan, &run, &summary, !options.no_vtk, folder).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    if common.json {
+        print_json(&summary);
+    } else {
+        for line in summary.lines() {
+            say(common.quiet, &line);
+        }
+        say(common.quiet, &format!("page: {}", folder.join("index.html").display()));
+    }
+    match &run.ended {
+        Ended::DoesNotStand(what) => Err(Failure::RunFailed(format!(
+            "{}: {what}; no water has seeped yet. To follow what it does all the same: --go-on",
+            plan.scene.name
+        ))),
+        Ended::Failed(what) => Err(Failure::RunFailed(format!("{what}; what was computed is in {}", folder.display()))),
+        Ended::Collapsed | Ended::TimeOver | Ended::Stopped => Ok(()),
+    }
+}
+
+/// Set by the first Ctrl-C; a second one ends at once.
+fn interrupts() -> Arc<AtomicBool> {
+    let stopped = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stopped);
+    let set = ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(3);
+        }
+        eprintln!("stopping after this look at the soil; once more to stop at once");
+    });
+    // Without a handler Ctrl-C ends the run, as it does everywhere: the checkpoints of every minute remain.
+    drop(set);
+    stopped
+}

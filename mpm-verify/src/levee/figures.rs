@@ -1,0 +1,165 @@
+//! The pictures of a run, each with its numbers beside it.
+
+use std::path::Path;
+
+use mpm_core::failure::{Events, PathPoint, Row};
+use mpm_core::scene::{Feed, Scene};
+
+use super::moments::{self, EVENTS, times};
+use super::plan::Plan;
+use super::run::Followed;
+use crate::frames::Shot;
+use crate::report::ReportError;
+use crate::report::plots::figure::Figure;
+use crate::report::plots::levee::changes::{self, Shown};
+use crate::report::plots::levee::histories::{self, Trace, Track, Zoom};
+use crate::report::plots::levee::paths::{self, Strength, StressPath};
+use crate::report::plots::levee::{Event, Site, initial, points};
+use crate::report::quantity::{PRESSURE, STRAIN};
+
+/// A picture with the text of its SVG.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    /// What it is made of.
+    pub figure: Figure,
+    /// The text.
+    pub svg: String,
+}
+
+/// Seconds shown before the rapid failure, and the most after it.
+const ZOOM: (f64, f64) = (15.0, 120.0);
+
+/// What all pictures share.
+pub fn site(scene: &Scene) -> Site {
+    let feed = scene.free_surface.as_ref().and_then(|water| water.feeds[0]);
+    let tank_m = feed.map_or(0.0, |feed| match feed {
+        Feed::Head(head) => head,
+        Feed::Velocity { height, .. } => height,
+    });
+    Site { outline: scene.outline_or_box(), tank_m }
+}
+
+/// Strength of the soil, if it has a limit.
+pub fn strength(scene: &Scene) -> Option<Strength> {
+    let strength = scene.strength?;
+    Some(Strength { cohesion_kpa: 1e-3 * strength.cohesion, friction_deg: strength.friction_angle })
+}
+
+/// The events that happened, in the order of time.
+pub fn events(events: &Events) -> Vec<Event> {
+    let all = EVENTS.iter().zip(times(events)).filter_map(|((name, words), time)| {
+        Some(Event { name: (*name).to_owned(), words: (*words).to_owned(), time_s: 3600.0 * time? })
+    });
+    let mut all: Vec<Event> = all.collect();
+    all.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    all
+}
+
+/// Writes all pictures into a folder.
+///
+/// # Errors
+/// A file that cannot be written or drawn.
+pub fn write(plan: &Plan, run: &Followed, folder: &Path) -> Result<Vec<Picture>, ReportError> {
+    let site = site(&plan.scene);
+    let mut all = Vec::new();
+    let Some(first) = run.shots.first() else { return Ok(all) };
+    let svg = initial::write(&site, &first.frame, folder)?;
+    all.push(Picture { figure: initial::figure(&site, &first.frame), svg });
+    let own = own(&run.shots);
+    for (shots, papers) in [(own, false), (at_papers_times(&run.shots), true)] {
+        if shots.len() < 2 {
+            continue;
+        }
+        for shown in [Shown::Shape, Shown::Of(STRAIN), Shown::Of(PRESSURE)] {
+            let mut figure = changes::figure(&site, &shots, shown);
+            if papers {
+                figure.name = papers_name(shown);
+                figure.title.push_str(", at the paper's times");
+            }
+            let svg = changes::write_figure(&figure, &shots, shown, folder)?;
+            all.push(Picture { figure, svg });
+        }
+    }
+    let observed = points::numbered(plan.points());
+    if !observed.is_empty() {
+        let svg = points::write(&site, &first.frame, &observed, folder)?;
+        all.push(Picture { figure: points::figure(&site, &first.frame, &observed), svg });
+    }
+    if let (Some(strength), false) = (strength(&plan.scene), run.paths.is_empty()) {
+        let paths = stress_paths(&run.paths);
+        let failure_s = run.events.failure_h.map(|h| 3600.0 * h);
+        let drawn = paths::write(&paths, strength, failure_s, folder)?;
+        let figures = [paths::figure(&paths, strength, failure_s), paths::each(&paths, strength, failure_s)];
+        all.extend(figures.into_iter().zip(drawn).map(|(figure, svg)| Picture { figure, svg }));
+    }
+    if run.rows.len() > 1 {
+        let (tracks, events) = (tracks(&run.rows, plan.levels()), events(&run.events));
+        let zoom = zoom(run);
+        let svg = histories::write(&tracks, &events, zoom, folder)?;
+        all.push(Picture { figure: histories::figure(&tracks, &events, zoom), svg });
+    }
+    Ok(all)
+}
+
+/// Frames at the start, at events and at the end.
+fn own(shots: &[Shot]) -> Vec<&Shot> {
+    let happened = |shot: &Shot| EVENTS.iter().any(|(name, _)| shot.phase.split(", ").any(|word| word == *name));
+    let last = shots.len().saturating_sub(1);
+    shots.iter().enumerate().filter(|(k, shot)| *k == 0 || *k == last || happened(shot)).map(|(_, shot)| shot).collect()
+}
+
+fn at_papers_times(shots: &[Shot]) -> Vec<&Shot> {
+    let at = |hours: f64| shots.iter().find(|shot| (shot.time_s - 3600.0 * hours).abs() < 0.05);
+    moments::PAPER.into_iter().filter_map(at).collect()
+}
+
+fn papers_name(shown: Shown) -> &'static str {
+    match shown {
+        Shown::Shape => "levee-shape-papers-times",
+        Shown::Of(quantity) if quantity == STRAIN => "levee-strain-papers-times",
+        Shown::Of(_) => "levee-pressure-papers-times",
+    }
+}
+
+/// Paths by their places. Their pictures show mean and shear stress: any tensor of these will do.
+fn stress_paths(all: &[PathPoint]) -> Vec<StressPath> {
+    let count = all.iter().map(|p| p.point).max().unwrap_or(0);
+    let path = |number: u32| {
+        let own = all.iter().filter(|p| p.point == number);
+        let stress = |p: &PathPoint| [p.shear_pa - p.mean_pa, -p.shear_pa - p.mean_pa, 0.0, 0.0];
+        let points = own.map(|p| (3600.0 * p.time_h, stress(p))).collect();
+        StressPath { name: format!("S{number}"), points }
+    };
+    (1..=count).map(path).collect()
+}
+
+fn tracks(rows: &[Row], levels: &[f64]) -> Vec<Track> {
+    let trace = |name: &str, of: &dyn Fn(&Row) -> f64| Trace {
+        name: name.to_owned(),
+        points: rows.iter().map(|row| (3600.0 * row.time_h, of(row))).collect(),
+    };
+    let track = |label: &str, log: bool, lines: Vec<Trace>| Track { label: label.to_owned(), log, lines };
+    // Nothing has no place on a logarithmic axis.
+    let above = |least: f64, of: fn(&Row) -> f64| move |row: &Row| of(row).max(least);
+    let level = |(k, x): (usize, &f64)| trace(&format!("x = {x} m"), &|row| row.levels[k]);
+    let mut all = vec![
+        track("front, toe (m)", false, vec![trace("water", &|r| r.front_x_m), trace("toe", &|r| r.toe_x_m)]),
+        track("level (m)", false, levels.iter().enumerate().map(level).collect()),
+        track("water (m³)", false, vec![trace("came in", &|r| r.water_in_m3), trace("left", &|r| r.water_out_m3)]),
+        track("moved (m)", true, vec![trace("largest displacement", &above(1e-5, |r| r.max_displacement_m))]),
+        track("crest down (m)", false, vec![trace("settlement of the crest", &|r| r.crest_settlement_m)]),
+        track("strain", false, vec![trace("largest deviator strain", &|r| r.deviator_strain)]),
+        track("speed (m/s)", true, vec![trace("fastest particle", &above(1e-6, |r| r.speed_m_s))]),
+    ];
+    all.retain(|track| !track.lines.is_empty());
+    all
+}
+
+/// The rapid failure, or the failure where it is not rapid.
+fn zoom(run: &Followed) -> Option<Zoom> {
+    let start = 3600.0 * run.events.collapse_h.or(run.events.failure_h)?;
+    let end = 3600.0 * run.rows.last()?.time_h;
+    let first = 3600.0 * run.rows.first()?.time_h;
+    let (before_s, after_s) = (ZOOM.0.min(start - first).max(1.0), (end - start).clamp(1.0, ZOOM.1));
+    Some(Zoom { start_s: start, before_s, after_s })
+}

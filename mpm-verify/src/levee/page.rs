@@ -1,0 +1,266 @@
+//! The page of a run: headline numbers, claims, pictures, assumptions, how to run it again.
+
+use std::path::Path;
+
+use mpm_core::scene::{Feed, NormalStress, Scene};
+use serde::Serialize;
+use serde_json::json;
+
+use super::claims::{Claim, Verdict};
+use super::figures::Picture;
+use super::plan::Plan;
+use super::run::{Ended, Followed};
+use super::summary::Summary;
+use crate::report::content;
+use crate::report::content::table::{Cell, Table, table};
+use crate::report::html::render;
+use crate::report::numbers::{brief, short};
+use crate::report::plots::figure::Figure;
+use crate::report::plots::levee::clock;
+use crate::report::{ReportError, save};
+
+const TEMPLATE: &str = include_str!("page.html");
+
+#[derive(Debug, Serialize)]
+struct Page {
+    title: String,
+    summary: String,
+    troubles: Vec<String>,
+    numbers: Vec<Table>,
+    claims: Vec<Table>,
+    further: Vec<Table>,
+    assumptions: Vec<(&'static str, String)>,
+    manifest: Vec<(&'static str, String)>,
+    files: Vec<&'static str>,
+    animation: bool,
+}
+
+/// Files that the page links to where they are there.
+const FILES: [&str; 9] = [
+    "summary.json",
+    "history.csv",
+    "events.csv",
+    "paths.csv",
+    "claims.csv",
+    "safety_factor.csv",
+    "sensitivity.csv",
+    "frames.bin",
+    "vtk/solid.pvd",
+];
+
+/// What a page is made of.
+#[derive(Debug)]
+pub struct Parts<'a> {
+    /// The plan.
+    pub plan: &'a Plan,
+    /// The run.
+    pub run: &'a Followed,
+    /// Its numbers.
+    pub summary: &'a Summary,
+    /// Judged claims.
+    pub claims: &'a [Claim],
+    /// Pictures in their order.
+    pub pictures: &'a [Picture],
+    /// Further tables: factors of safety, variants.
+    pub further: Vec<Table>,
+}
+
+/// Writes `index.html`.
+///
+/// # Errors
+/// A file that cannot be written, or a template that does not fit.
+pub fn write(parts: Parts, folder: &Path) -> Result<(), ReportError> {
+    let Parts { plan, run, summary, claims, pictures, further } = parts;
+    let page = Page {
+        title: title(plan, summary),
+        summary: words(summary, claims),
+        troubles: run.ended.trouble().map(str::to_owned).into_iter().collect(),
+        numbers: numbers(summary),
+        claims: vec![judged(claims)],
+        further,
+        assumptions: assumptions(&plan.scene, summary),
+        manifest: summary.manifest.entries().to_vec(),
+        files: FILES.into_iter().filter(|file| folder.join(file).exists()).collect(),
+        animation: folder.join("failure.html").exists(),
+    };
+    let figures: Vec<Figure> = pictures.iter().map(|p| p.figure.clone()).collect();
+    let drawn: Vec<String> = pictures.iter().map(|p| p.svg.clone()).collect();
+    let path = folder.join("index.html");
+    let html = render(TEMPLATE, json!(page), &content::Picture::all(&figures), (&figures, &drawn), ".");
+    save(&path, html.map_err(|cause| ReportError::Page { path: path.clone(), cause })?)
+}
+
+fn title(plan: &Plan, summary: &Summary) -> String {
+    let variant = summary.variant.as_ref().map_or_else(String::new, |name| format!(", variant {name}"));
+    format!("Seepage failure of a levee: {}{variant}", plan.scene.name)
+}
+
+fn words(s: &Summary, claims: &[Claim]) -> String {
+    let at = |time: Option<f64>| time.map(|h| clock(3600.0 * h));
+    let count = |verdict: Verdict| claims.iter().filter(|c| c.verdict == verdict).count();
+    let judged = format!(
+        "Of {} statements of the paper and the experiment {} hold, {} differ, {} cannot be compared.",
+        claims.len(),
+        count(Verdict::Holds),
+        count(Verdict::Differs),
+        count(Verdict::NotComparable)
+    );
+    let story = match (at(s.failure_start_h), at(s.rapid_failure_h)) {
+        (Some(failure), Some(rapid)) => format!(
+            "Failure starts at {failure}, rapid failure at {rapid}; soil rests again {} s later with its toe at {} m.",
+            s.rapid_failure_lasts_s.map_or_else(|| "–".to_owned(), |t| short(t, 3)),
+            s.toe_x_m.map_or_else(|| "–".to_owned(), |x| short(x, 4))
+        ),
+        (Some(failure), None) => format!("Failure starts at {failure}; it does not become rapid."),
+        (None, _) => match at(s.end_h) {
+            Some(end) => format!("The levee has not failed when the run ends at {end}."),
+            None => "The levee does not stand before any water seeps.".to_owned(),
+        },
+    };
+    format!("{story} {judged}")
+}
+
+fn numbers(s: &Summary) -> Vec<Table> {
+    let time = |name: &str, value: Option<f64>| {
+        let small = value.map_or_else(String::new, |h| clock(3600.0 * h));
+        vec![
+            Cell::new(name),
+            Cell::new(value.map_or_else(|| "did not happen".to_owned(), |h| short(h, 6))).marked(small, ""),
+            Cell::new("h"),
+        ]
+    };
+    let other = |name: &str, value: Option<f64>, unit: &str| {
+        vec![Cell::new(name), Cell::new(value.map_or_else(|| "–".to_owned(), |v| short(v, 4))), Cell::new(unit)]
+    };
+    let head = ["", "value", "unit"];
+    let happened = vec![
+        time("water reaches the toe", s.front_at_toe_h),
+        time("water leaves the slope", s.first_outflow_h),
+        time("E1: the toe ravels", s.raveling_h),
+        time("E2: failure starts", s.failure_start_h),
+        time("E3: rapid failure", s.rapid_failure_h),
+        time("the end", s.end_h),
+        other("from E3 to the end", s.rapid_failure_lasts_s, "s"),
+        other("where failure starts, x", s.failure_at_m, "m"),
+        other("toe at the end, x", s.toe_x_m, "m"),
+        other("settlement of the crest", s.crest_settlement_m, "m"),
+        other("largest displacement before water is at the toe", s.max_displacement_before_failure_m, "m"),
+        other("largest displacement before failure starts", s.displacement_before_failure_m, "m"),
+        other("largest deviator strain", s.max_deviator_strain, "–"),
+    ];
+    let sound = vec![
+        other("dry mass: largest error", s.solid_mass_error, "share"),
+        other("ledger of the water: largest gap", s.water_ledger_error, "share"),
+        other("ledger of energies: largest gap", s.energy_error, "share"),
+        other("stress outside the yield surface", s.yield_residual_max, "share"),
+        other("checkerboard index of the pore pressure", s.checkerboard_index_max, "–"),
+        other("motion in hourglass modes", s.hourglass_ratio_max, "share"),
+        other("steps of the water", Some(s.steps_seepage as f64), ""),
+        other("steps of soil that comes to rest", Some(s.steps_relaxing as f64), ""),
+        other("steps of soil that moves", Some(s.steps_moving as f64), ""),
+        other("CPU time", Some(s.cpu_s), "s"),
+    ];
+    let events = "E1: 0.5 % of the section has moved more than 1 cm, or soil does not come to rest. E2: 1 % of the section, deeper \
+                  than 0.3 m, has moved more than 5 cm. E3: 5 % has moved more than 0.5 m.";
+    vec![
+        table("What happened".to_owned(), &head, happened, events),
+        table("How sound it is".to_owned(), &head, sound, "Largest over the whole run."),
+    ]
+}
+
+fn judged(claims: &[Claim]) -> Table {
+    let row = |c: &Claim| {
+        let mark = match c.verdict {
+            Verdict::Holds => "good",
+            Verdict::Differs => "bad",
+            Verdict::NotComparable => "",
+        };
+        vec![
+            Cell::new(c.paper.clone()).marked(c.rule.clone(), ""),
+            Cell::new(c.value.clone()),
+            Cell::new(c.verdict.words()).marked("", mark),
+        ]
+    };
+    let note = "In small letters: the rule that the verdict follows.";
+    table(
+        "Statements of the paper and the experiment".to_owned(),
+        &["said", "this run", "verdict"],
+        claims.iter().map(row).collect(),
+        note,
+    )
+}
+
+/// What the paper does not say, or what is not as it says, in words.
+fn assumptions(scene: &Scene, s: &Summary) -> Vec<(&'static str, String)> {
+    let mut all = vec![
+        ("driver", s.driver.clone()),
+        (
+            "mesh",
+            format!(
+                "cells of {} m, {} particles per cell and layer: {} of soil, {} of water at the start",
+                brief(scene.cell, 3),
+                scene.particles_per_cell,
+                s.solid_particles,
+                s.water_particles
+            ),
+        ),
+        ("step of the soil", format!("{} s", short(s.dt_s, 3))),
+    ];
+    if let Some(base) = scene.base {
+        let stress = match base.normal_stress {
+            NormalStress::Effective => "effective",
+            NormalStress::Total => "total",
+        };
+        let law = match base.slip_distance {
+            Some(distance) => format!(
+                "{}° that falls to {}° over {} m of slip",
+                brief(base.peak_angle, 3),
+                brief(base.residual_angle, 3),
+                brief(distance, 3)
+            ),
+            None => format!("{}° at any slip", brief(base.peak_angle, 3)),
+        };
+        all.push(("friction of the base", format!("{law}, on the {stress} stress")));
+    }
+    if let Some(water) = &scene.free_surface {
+        all.push(("saturation ahead of the front", brief(water.saturation, 3)));
+        if let Some(wet) = &water.wet {
+            let corners: Vec<String> =
+                wet.iter().map(|x| format!("({}, {})", brief(x[0], 3), brief(x[1], 3))).collect();
+            let shown = if corners.len() > 5 { format!("{} corners", corners.len()) } else { corners.join(", ") };
+            let area = mpm_core::seeding::area(wet);
+            all.push(("water at the start", format!("{} m² of soil within {shown} m", short(area, 3))));
+        }
+        if let Some(feed) = water.feeds[0] {
+            all.push((
+                "feed",
+                match feed {
+                    Feed::Head(head) => format!("water at rest {} m high against the wall", brief(head, 3)),
+                    Feed::Velocity { speed, height } => {
+                        format!("a flux of {} m/s up to {} m", brief(speed, 2), brief(height, 3))
+                    }
+                },
+            ));
+        }
+    }
+    if let Some(water) = scene.water {
+        all.push(("conductivity", format!("{} m/s", brief(water.hydraulic_conductivity, 3))));
+    }
+    if let Some(strength) = scene.strength {
+        all.push((
+            "strength",
+            format!(
+                "c = {} kPa, phi = {}°, psi = {}°",
+                brief(1e-3 * strength.cohesion, 3),
+                brief(strength.friction_angle, 3),
+                brief(strength.dilation_angle, 3)
+            ),
+        ));
+    }
+    all
+}
+
+/// Whether a run has anything to show beside its trouble.
+pub fn is_whole(ended: &Ended) -> bool {
+    ended.trouble().is_none() && *ended != Ended::Stopped
+}

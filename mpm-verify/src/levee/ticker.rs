@@ -1,0 +1,69 @@
+//! How far a run has come: hours, phase and the time that is left.
+
+use std::time::{Duration, Instant};
+
+use mpm_core::failure::{Driver, Phase};
+
+use super::plan::Plan;
+use crate::progress::Progress;
+
+/// Wall time between lines where there is no terminal.
+const LINES: Duration = Duration::from_secs(10);
+
+/// Shows a run as it goes on.
+#[derive(Debug)]
+pub struct Ticker {
+    progress: Progress,
+    title: String,
+    ends_h: f64,
+    starts_h: f64,
+    began: Option<(Instant, f64)>,
+    said: Option<(Instant, Phase)>,
+}
+
+impl Ticker {
+    /// For a plan; silent if quiet.
+    pub fn new(plan: &Plan, quiet: bool) -> Self {
+        let title = plan.scene.name.clone();
+        let progress = Progress::new(&title, quiet);
+        progress.note(&format!("{title}: {}", words(Phase::Gravity)));
+        Self { progress, title, ends_h: plan.ends_h(), starts_h: plan.starts_h(), began: None, said: None }
+    }
+
+    /// After a look at the soil.
+    pub fn tick(&mut self, driver: &Driver) {
+        let hours = driver.hours();
+        let (began, from) = *self.began.get_or_insert((Instant::now(), hours));
+        let share = (hours - self.starts_h) / (self.ends_h - self.starts_h);
+        self.progress.set((1e6 * share.clamp(0.0, 1.0)) as u64);
+        let phase = driver.phase;
+        let changed = self.said.is_none_or(|(_, last)| last != phase && phase != Phase::Relaxing);
+        let late = self.said.is_none_or(|(at, _)| at.elapsed() >= LINES);
+        let left = (hours > from).then(|| began.elapsed().mul_f64(((self.ends_h - hours) / (hours - from)).max(0.0)));
+        // Soil that moves takes longer than water that seeps: the time left is that of the hours to come at most.
+        let left = left.filter(|left| *left < Duration::from_secs(100 * 3600));
+        let left = left.map_or_else(String::new, |left| format!(", about {} s to {} h", left.as_secs(), self.ends_h));
+        let text = format!("{}: {hours:.4} h, {}{left}", self.title, words(phase));
+        self.progress.note(&text);
+        if changed || late {
+            self.progress.piped_line(&text);
+            self.said = Some((Instant::now(), phase));
+        }
+    }
+
+    /// It is over.
+    pub fn finish(&self) {
+        self.progress.finish();
+    }
+}
+
+fn words(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Gravity => "gravity",
+        Phase::Seepage => "seepage",
+        Phase::Relaxing => "relaxing",
+        Phase::Failing => "failing",
+        Phase::Together => "soil and water together",
+        Phase::Ended => "the end",
+    }
+}

@@ -1,0 +1,46 @@
+//! Everything that a run leaves in its folder.
+
+use std::fs;
+use std::path::Path;
+
+use super::claims::{self, Evidence};
+use super::page::{self, Parts};
+use super::plan::Plan;
+use super::run::Followed;
+use super::summary::Summary;
+use super::{figures, tables};
+use crate::frames;
+use crate::report::{ReportError, animation, save, unwritable, vtk};
+
+/// Writes tables, summary, claims, frames, pictures, animation and page; files for ParaView if asked for.
+///
+/// # Errors
+/// A file that cannot be written or drawn.
+pub fn write(plan: &Plan, run: &Followed, summary: &Summary, with_vtk: bool, folder: &Path) -> Result<(), ReportError> {
+    tables::write(&run.rows, &run.paths, &run.events, plan.levels(), folder)?;
+    let path = folder.join("summary.json");
+    let text = serde_json::to_string_pretty(summary).map_err(|e| unwritable(&path, e))?;
+    save(&path, text + "\n")?;
+    let scene = &plan.scene;
+    let claims = claims::judge(&Evidence {
+        ended: &run.ended,
+        rows: &run.rows,
+        paths: &run.paths,
+        events: &run.events,
+        shots: &run.shots,
+        strength: figures::strength(scene),
+        toe_m: scene.width,
+    });
+    claims::write(&claims, folder)?;
+    let path = folder.join("frames.bin");
+    frames::write(&run.shots, &path).map_err(|e| unwritable(&path, std::io::Error::other(e)))?;
+    let plots = folder.join("plots");
+    fs::create_dir_all(&plots).map_err(|e| unwritable(&plots, e))?;
+    let pictures = figures::write(plan, run, &plots)?;
+    let site = figures::site(scene);
+    animation::write(&format!("The levee fails: {}", scene.name), &site, &run.shots, &folder.join("failure.html"))?;
+    if with_vtk {
+        vtk::write(&run.shots, &folder.join("vtk"))?;
+    }
+    page::write(Parts { plan, run, summary, claims: &claims, pictures: &pictures, further: Vec::new() }, folder)
+}
