@@ -12,8 +12,10 @@ use mpm_verify::levee::plan::{self, Plan};
 use mpm_verify::levee::run::{Ended, FollowError, Hooks, follow};
 use mpm_verify::levee::summary::Summary;
 use mpm_verify::levee::variants::{self, Variant};
-use mpm_verify::levee::{ticker, written};
+use mpm_verify::levee::{safety, sensitivity, ticker, written};
 use mpm_verify::manifest::Manifest;
+use mpm_verify::progress::Progress;
+use mpm_verify::report::ReportError;
 
 use super::{Failure, print_json, say, writable};
 use crate::Common;
@@ -51,6 +53,18 @@ pub struct Options {
     /// Go on from the checkpoint of a run that was stopped
     #[arg(long)]
     resume: bool,
+    /// Factor of safety at these times, h on the clock of the scene: strength reduction and limit equilibrium
+    #[arg(long, value_name = "T", value_delimiter = ',')]
+    safety_factor: Vec<f64>,
+    /// Run every variant of the scene as well
+    #[arg(long)]
+    sensitivity: bool,
+    /// With --sensitivity: those that take long, too
+    #[arg(long, requires = "sensitivity")]
+    full: bool,
+    /// Only what --safety-factor and --sensitivity ask for: no run, no page
+    #[arg(long)]
+    no_run: bool,
     /// Write no files for ParaView
     #[arg(long)]
     no_vtk: bool,
@@ -83,7 +97,53 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let plan = Plan::new(scene, options.from, options.until, true).map_err(Failure::BadInput)?;
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/levee"));
     writable(&folder)?;
-    one(options, common, &plan, &folder)
+    if !options.safety_factor.is_empty() {
+        factors(options, common, &plan, &folder)?;
+    }
+    if options.sensitivity {
+        vary(options, common, &folder)?;
+    }
+    if options.no_run { Ok(()) } else { one(options, common, &plan, &folder) }
+}
+
+fn lost(error: ReportError) -> Failure {
+    Failure::RunFailed(error.to_string())
+}
+
+/// Factors of safety.
+fn factors(options: &Options, common: &Common, plan: &Plan, folder: &Path) -> Result<(), Failure> {
+    for time in &options.safety_factor {
+        let (start, end) = (plan.starts_h(), plan.ends_h());
+        if !(*time >= start && *time <= end) {
+            let expected = format!("hours from {start} to {end}");
+            return Err(Failure::BadInput(format!("--safety-factor: expected {expected}, found {time}")));
+        }
+    }
+    let progress = Progress::new("factor of safety", common.quiet);
+    let told = safety::compute(plan, &options.safety_factor, &mut |text| progress.line(text));
+    let lines = told.map_err(Failure::RunFailed)?;
+    safety::write(&lines, folder).map_err(lost)?;
+    for line in &lines {
+        let text = format!("factor of safety at {} h: {:.3} to {:.3}", line.time_h, line.fs_low, line.fs_high);
+        say(common.quiet || common.json, &text);
+    }
+    if options.no_run {
+        safety::picture(&lines, None, folder).map_err(lost)?;
+    }
+    Ok(())
+}
+
+/// All variants.
+fn vary(options: &Options, common: &Common, folder: &Path) -> Result<(), Failure> {
+    let flags = options.flags();
+    let base = sensitivity::Base { source: &options.scene, flags: &flags, until_h: options.until, full: options.full };
+    let progress = Progress::new("variants", common.quiet);
+    let lines = sensitivity::compute(&base, super::jobs(common.jobs), &|text| progress.line(text));
+    sensitivity::write(&lines, folder).map_err(lost)?;
+    if options.no_run {
+        sensitivity::picture(&lines, folder).map_err(lost)?;
+    }
+    Ok(())
 }
 
 fn one(options: &Options, common: &Common, plan: &Plan, folder: &Path) -> Result<(), Failure> {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use mpm_verify::cases::LADDER;
+use mpm_verify::levee::variants::VARIANTS;
 use mpm_verify::scenes::BUILT_IN;
 use mpm_verify::study::MESHES;
 
@@ -11,6 +12,8 @@ use crate::Common;
 
 /// Words of `time.integrator`.
 const INTEGRATORS: [&str; 3] = ["explicit", "semi-implicit", "quasi-static"];
+/// Words of `levee --driver`.
+const DRIVERS: [&str; 3] = ["two-clocks", "coupled", "explicit"];
 /// Words of `scheme.shape`.
 const SCHEMES: [&str; 4] = ["centre", "linear", "gimp", "bspline2"];
 
@@ -28,6 +31,8 @@ pub fn run(common: &Common) -> Result<(), Failure> {
             "mutants": mutants().collect::<BTreeMap<_, _>>(),
             "scenes": names(BUILT_IN.iter().map(|(name, _)| *name).collect()),
             "integrators": names(INTEGRATORS.to_vec()),
+            "variants": names(VARIANTS.iter().map(|v| v.name).collect()),
+            "drivers": names(DRIVERS.to_vec()),
             "schemes": names(SCHEMES.to_vec()),
             "darcy": names(vec!["face", "nodal"]),
             "meshes_m": MESHES,
@@ -47,6 +52,11 @@ pub fn run(common: &Common) -> Result<(), Failure> {
         let about = text.lines().next().unwrap_or("").trim_start_matches(['#', ' ']);
         say(false, &format!("  {name:<22} {about}"));
     }
+    say(false, "variants of the levee (mpm-verify levee --variant NAME)");
+    for variant in &VARIANTS {
+        say(false, &format!("  {:<22} {}: {}", variant.name, variant.what, variant.label));
+    }
+    say(false, &format!("drivers           {}", DRIVERS.join(", ")));
     say(false, &format!("integrators       {}", INTEGRATORS.join(", ")));
     say(false, &format!("schemes           {}", SCHEMES.join(", ")));
     say(false, "darcy operators   face, nodal");

@@ -4,16 +4,19 @@
 //! 1. [`plan`]: which scene, by which driver, from when to when. [`variants`]: the scene with one input changed.
 //! 2. [`run`]: follows it. [`moments`]: when frames are taken. [`checkpoint`]: a state on disk, to go on from.
 //! 3. [`tables`], [`summary`]: what it came to. [`claims`]: the paper's statements, judged by rules.
-//! 4. [`safety`]: the factor of safety over time. [`sensitivity`]: all variants.
-//! 5. [`figures`], [`page`]: what is shown.
+//! 4. [`safety`]: the factor of safety over time, beside [`equilibrium`] with the same water. [`sensitivity`]: all variants.
+//! 5. [`figures`], [`page`], [`written`]: what is left in a folder. [`ticker`]: what is said on the way.
 
 pub mod checkpoint;
 pub mod claims;
+pub mod equilibrium;
 pub mod figures;
 pub mod moments;
 pub mod page;
 pub mod plan;
 pub mod run;
+pub mod safety;
+pub mod sensitivity;
 pub mod summary;
 pub mod tables;
 pub mod ticker;

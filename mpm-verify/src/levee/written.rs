@@ -8,11 +8,12 @@ use super::page::{self, Parts};
 use super::plan::Plan;
 use super::run::Followed;
 use super::summary::Summary;
-use super::{figures, tables};
+use super::{figures, safety, sensitivity, tables};
 use crate::frames;
 use crate::report::{ReportError, animation, save, unwritable, vtk};
 
-/// Writes tables, summary, claims, frames, pictures, animation and page; files for ParaView if asked for.
+/// Writes tables, summary, claims, frames, pictures, animation and page; files for ParaView if asked for. Factors of
+/// safety and variants whose tables are in the folder are shown too.
 ///
 /// # Errors
 /// A file that cannot be written or drawn.
@@ -36,11 +37,21 @@ pub fn write(plan: &Plan, run: &Followed, summary: &Summary, with_vtk: bool, fol
     frames::write(&run.shots, &path).map_err(|e| unwritable(&path, std::io::Error::other(e)))?;
     let plots = folder.join("plots");
     fs::create_dir_all(&plots).map_err(|e| unwritable(&plots, e))?;
-    let pictures = figures::write(plan, run, &plots)?;
+    let mut pictures = figures::write(plan, run, &plots)?;
+    let (factors, variants) = (safety::read(folder), sensitivity::read(folder));
+    let mut further = Vec::new();
+    if !factors.is_empty() {
+        pictures.push(safety::picture(&factors, Some(&run.events), &plots)?);
+        further.push(safety::shown(&factors));
+    }
+    if !variants.is_empty() {
+        pictures.push(sensitivity::picture(&variants, &plots)?);
+        further.push(sensitivity::shown(&variants));
+    }
     let site = figures::site(scene);
     animation::write(&format!("The levee fails: {}", scene.name), &site, &run.shots, &folder.join("failure.html"))?;
     if with_vtk {
         vtk::write(&run.shots, &folder.join("vtk"))?;
     }
-    page::write(Parts { plan, run, summary, claims: &claims, pictures: &pictures, further: Vec::new() }, folder)
+    page::write(Parts { plan, run, summary, claims: &claims, pictures: &pictures, further }, folder)
 }

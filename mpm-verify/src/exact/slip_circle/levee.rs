@@ -130,7 +130,7 @@ impl Levee {
     }
 
     /// The slope without end that the levee is like at its toe, full of water that leaves it horizontally.
-    fn toe(&self, strength: Strength) -> InfiniteSlope {
+    pub fn toe(&self, strength: Strength) -> InfiniteSlope {
         let slope = InfiniteSlope {
             angle: (self.height / self.run).atan(),
             dry_weight: self.dry_weight,

@@ -8,7 +8,7 @@ use crate::report::plots::axis::Axis;
 use crate::report::plots::canvas::text_width;
 use crate::report::plots::draw::TEXT;
 use crate::report::plots::figure::{Figure, Mark, Panel, Point, Series};
-use crate::report::plots::look::{BLUE, Dash, GREEN, GREY, Look, Marker, RED};
+use crate::report::plots::look::{BLUE, Dash, GREEN, GREY, Look, Marker, PURPLE, RED};
 use crate::report::plots::write_drawn;
 use crate::report::{ReportError, tables};
 
@@ -32,6 +32,8 @@ pub struct Safety {
     pub infinite_slope: Vec<(f64, f64)>,
     /// By Bishop's method of slices: time in h and factor.
     pub bishop: Vec<(f64, f64)>,
+    /// By Spencer's: time in h and factor.
+    pub spencer: Vec<(f64, f64)>,
 }
 
 /// Width (an estimate, for the names of events alone) and height of the frame, px.
@@ -49,6 +51,7 @@ pub fn figure(safety: &Safety, events: &[Event]) -> Figure {
     };
     panel.add(line("infinite slope", GREEN, Dash::Dashed, &safety.infinite_slope));
     panel.add(line("Bishop", RED, Dash::DashDot, &safety.bishop));
+    panel.add(line("Spencer", PURPLE, Dash::Dotted, &safety.spencer));
     let both = |b: &&Bracket| b.low.is_finite() && b.high.is_finite();
     let ranges = safety.brackets.iter().filter(both).map(|b| Point::new(b.time_h, b.high).from(b.low));
     panel.add(Series::new("stands below, fails above", COMPUTED, Mark::Range, ranges));
@@ -107,8 +110,9 @@ pub fn write(safety: &Safety, events: &[Event], folder: &Path) -> Result<String,
     let brackets = safety.brackets.iter().map(|b| row("computed", b.time_h, b.low, b.high));
     let infinite = safety.infinite_slope.iter().map(|(t, fs)| row("infinite slope", *t, *fs, *fs));
     let bishop = safety.bishop.iter().map(|(t, fs)| row("Bishop", *t, *fs, *fs));
+    let spencer = safety.spencer.iter().map(|(t, fs)| row("Spencer", *t, *fs, *fs));
     let path = folder.join(format!("{}.csv", figure.name));
-    tables::table(&path, "method,time_h,fs_low,fs_high", brackets.chain(infinite).chain(bishop))?;
+    tables::table(&path, "method,time_h,fs_low,fs_high", brackets.chain(infinite).chain(bishop).chain(spencer))?;
     write_drawn(&figure, folder)
 }
 
@@ -132,6 +136,7 @@ mod tests {
             ],
             infinite_slope: line(1.25, 0.13).collect(),
             bishop: line(1.45, 0.15).collect(),
+            spencer: line(1.5, 0.15).collect(),
         }
     }
 

@@ -1,0 +1,182 @@
+//! The factor of safety over time: strength reduction on the state of a run, beside limit equilibrium with its water.
+//!
+//! Water seeps to a time, then the strength is divided by factors until the deep slide starts; the state is as before
+//! afterwards, and water goes on from it to the next time.
+
+use std::path::Path;
+
+use mpm_core::failure::{Driver, Phase, Row};
+use serde::{Deserialize, Serialize};
+
+use super::equilibrium::{self, Factors};
+use super::figures::{Picture, events};
+use super::plan::Plan;
+use crate::report::content::table::{Cell, Table, table};
+use crate::report::numbers::short;
+use crate::report::plots::levee::safety::{self as plot, Bracket, Safety};
+use crate::report::{ReportError, unwritable};
+
+/// Name of the table in the folder of a run.
+pub const NAME: &str = "safety_factor.csv";
+/// Width of the bracket.
+const WITHIN: f64 = 0.01;
+
+/// The factors at one time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Line {
+    /// Time on the clock of the run, h.
+    pub time_h: f64,
+    /// It stands with its strength divided by this; not a number where none was found.
+    pub fs_low: f64,
+    /// It slides with its strength divided by this.
+    pub fs_high: f64,
+    /// Of the infinite slope with water that leaves it horizontally; from when water is at the toe.
+    pub infinite_slope: Option<f64>,
+    /// The same with Davis' reduced strength.
+    pub infinite_slope_davis: Option<f64>,
+    /// By Bishop's method.
+    pub bishop: Option<f64>,
+    /// The same with Davis' reduced strength.
+    pub bishop_davis: Option<f64>,
+    /// By Spencer's method.
+    pub spencer: Option<f64>,
+    /// The same with Davis' reduced strength.
+    pub spencer_davis: Option<f64>,
+    /// Trials.
+    pub trials: u32,
+    /// Steps of all trials.
+    pub steps: u64,
+}
+
+/// Factors at some times (h), in their order in time.
+///
+/// # Errors
+/// What was expected of a time and found, or what went wrong in a step.
+pub fn compute(plan: &Plan, times_h: &[f64], progress: &mut dyn FnMut(&str)) -> Result<Vec<Line>, String> {
+    let mut times = times_h.to_vec();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let mut driver = Driver::new(&plan.scene).map_err(|e| format!("{e:?}"))?;
+    driver.load().map_err(|e| e.to_string())?;
+    let mut lines = Vec::new();
+    for time in times {
+        seep_to(&mut driver, plan.seconds(time)).map_err(|e| e.to_string())?;
+        let Some(row) = driver.rows.last().cloned() else {
+            return Err("the levee does not stand before water seeps: it has no factor of safety".to_owned());
+        };
+        let factors = equilibrium::factors(plan, &row);
+        if driver.phase != Phase::Seepage && driver.phase != Phase::Ended {
+            progress(&format!("{time} h: soil moves since {:.4} h, no factor", row.time_h));
+            lines.push(line(time, [f64::NAN; 2], factors, (0, 0)));
+            continue;
+        }
+        let mut tell =
+            |b: &mpm_core::failure::Bracket| progress(&format!("{time} h: between {:.3} and {:.3}", b.low, b.high));
+        let found = driver.safety(WITHIN, &mut tell).map_err(|e| e.to_string())?;
+        lines.push(line(time, [found.low, found.high], factors, (found.trials, found.steps)));
+    }
+    Ok(lines)
+}
+
+/// Lets water seep to a time (s) in soil that rests.
+fn seep_to(driver: &mut Driver, until: f64) -> Result<(), mpm_core::error::RunError> {
+    while driver.time < until - 1e-9 && driver.end.is_none() && driver.phase == Phase::Seepage {
+        driver.advance(until)?;
+    }
+    Ok(())
+}
+
+fn line(time_h: f64, [fs_low, fs_high]: [f64; 2], factors: [Factors; 2], (trials, steps): (u32, u64)) -> Line {
+    let [full, davis] = factors;
+    Line {
+        time_h,
+        fs_low,
+        fs_high,
+        infinite_slope: full.infinite_slope,
+        infinite_slope_davis: davis.infinite_slope,
+        bishop: full.bishop,
+        bishop_davis: davis.bishop,
+        spencer: full.spencer,
+        spencer_davis: davis.spencer,
+        trials,
+        steps,
+    }
+}
+
+/// Writes the table.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(lines: &[Line], folder: &Path) -> Result<(), ReportError> {
+    let path = folder.join(NAME);
+    let mut writer = csv::Writer::from_path(&path).map_err(|e| unwritable(&path, e))?;
+    for line in lines {
+        writer.serialize(line).map_err(|e| unwritable(&path, e))?;
+    }
+    writer.flush().map_err(|e| unwritable(&path, e))
+}
+
+/// The table of a folder; empty if there is none.
+pub fn read(folder: &Path) -> Vec<Line> {
+    let reader = csv::Reader::from_path(folder.join(NAME));
+    reader.map(|mut reader| reader.deserialize().filter_map(Result::ok).collect()).unwrap_or_default()
+}
+
+/// Draws them, with the events of the run.
+///
+/// # Errors
+/// A file that cannot be written or drawn.
+pub fn picture(
+    lines: &[Line],
+    happened: Option<&mpm_core::failure::Events>,
+    folder: &Path,
+) -> Result<Picture, ReportError> {
+    let curve = |of: fn(&Line) -> Option<f64>| lines.iter().filter_map(|l| Some((l.time_h, of(l)?))).collect();
+    let found = lines.iter().filter(|l| l.fs_low.is_finite() || l.fs_high.is_finite());
+    let safety = Safety {
+        brackets: found.map(|l| Bracket { time_h: l.time_h, low: l.fs_low, high: l.fs_high }).collect(),
+        infinite_slope: curve(|l| l.infinite_slope),
+        bishop: curve(|l| l.bishop),
+        spencer: curve(|l| l.spencer),
+    };
+    let events = happened.map(events).unwrap_or_default();
+    let svg = plot::write(&safety, &events, folder)?;
+    Ok(Picture { figure: plot::figure(&safety, &events), svg })
+}
+
+/// A table for the page.
+pub fn shown(lines: &[Line]) -> Table {
+    let head = ["time (h)", "strength reduction", "infinite slope", "Bishop", "Spencer"];
+    let pair = |full: Option<f64>, davis: Option<f64>| {
+        let text = |v: Option<f64>| v.map_or_else(|| "–".to_owned(), |v| short(v, 3));
+        Cell::new(text(full)).marked(format!("Davis {}", text(davis)), "")
+    };
+    let row = |l: &Line| {
+        let found = match l.fs_low.is_finite() {
+            true => format!("{} to {}", short(l.fs_low, 4), short(l.fs_high, 4)),
+            false => "soil moves".to_owned(),
+        };
+        vec![
+            Cell::new(short(l.time_h, 4)),
+            Cell::new(found).marked(format!("{} trials, {} steps", l.trials, l.steps), ""),
+            pair(l.infinite_slope, l.infinite_slope_davis),
+            pair(l.bishop, l.bishop_davis),
+            pair(l.spencer, l.spencer_davis),
+        ]
+    };
+    let note = "Slides at least 0.3 m deep; limit equilibrium with the run's level of water, hydrostatic below it, and the \
+                peak friction of the base. Davis: with his reduced strength for a soil without dilation. The infinite slope is \
+                that at the toe, from when water is there.";
+    table("Factor of safety".to_owned(), &head, lines.iter().map(row).collect(), note)
+}
+
+/// Level of the water as a line (x, y), m: the tank, the places of the scene, the front.
+pub fn phreatic(plan: &Plan, row: &Row, tank_m: f64) -> Vec<[f64; 2]> {
+    let inner = plan.levels().iter().zip(&row.levels).map(|(x, y)| [*x, *y]);
+    let inner = inner.filter(|p| p[0] > 0.0 && p[0] < row.front_x_m && p[1].is_finite() && p[1] > 0.0);
+    let mut line: Vec<[f64; 2]> = std::iter::once([0.0, tank_m]).chain(inner).collect();
+    line.push([row.front_x_m, 0.0]);
+    line.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    line.dedup_by(|a, b| a[0] - b[0] < 1e-6);
+    line
+}

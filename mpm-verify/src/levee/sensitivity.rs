@@ -1,0 +1,244 @@
+//! What changes the result: the scene and all its variants, one run each.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+use mpm_core::scene::{Flags, Scene};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::figures::Picture;
+use super::plan::{self, Plan};
+use super::run::{Ended, Followed, Hooks, follow};
+use super::variants::{VARIANTS, Variant};
+use crate::report::content::table::{Cell, Table, table};
+use crate::report::numbers::short;
+use crate::report::plots::levee::tornado::{self, Outcome, Varied};
+use crate::report::plots::write_drawn;
+use crate::report::{ReportError, unwritable};
+
+/// Name of the table in the folder of a run.
+pub const NAME: &str = "sensitivity.csv";
+
+/// What a variant came to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Line {
+    /// Its name; `base` for the scene itself.
+    pub variant: String,
+    /// What is changed.
+    pub what: String,
+    /// The changed value.
+    pub label: String,
+    /// E2, h.
+    pub failure_start_h: Option<f64>,
+    /// E3, h.
+    pub rapid_failure_h: Option<f64>,
+    /// Toe at the end, m.
+    pub toe_x_m: Option<f64>,
+    /// Settlement of the crest at the end, m.
+    pub crest_settlement_m: Option<f64>,
+    /// `failed`, `did-not-fail`, `does-not-stand` or `run-failed`.
+    pub verdict: String,
+    /// Why, where it is not plain.
+    pub why: String,
+    /// E1, h.
+    pub raveling_h: Option<f64>,
+    /// When water reached the toe, h.
+    pub front_at_toe_h: Option<f64>,
+    /// When water left the slope, h.
+    pub first_outflow_h: Option<f64>,
+    /// Largest displacement before water reached the toe, m.
+    pub max_displacement_before_failure_m: Option<f64>,
+    /// CPU time, s.
+    pub cpu_s: f64,
+}
+
+impl Line {
+    fn named(variant: &str, what: &str, label: &str) -> Self {
+        Self {
+            variant: variant.to_owned(),
+            what: what.to_owned(),
+            label: label.to_owned(),
+            failure_start_h: None,
+            rapid_failure_h: None,
+            toe_x_m: None,
+            crest_settlement_m: None,
+            verdict: "run-failed".to_owned(),
+            why: String::new(),
+            raveling_h: None,
+            front_at_toe_h: None,
+            first_outflow_h: None,
+            max_displacement_before_failure_m: None,
+            cpu_s: 0.0,
+        }
+    }
+
+    fn with(self, run: &Followed) -> Self {
+        let (events, last) = (&run.events, run.rows.last());
+        let verdict = match (&run.ended, events.failure_h) {
+            (Ended::DoesNotStand(_), _) => "does-not-stand",
+            (Ended::Failed(_), _) => "run-failed",
+            (_, Some(_)) => "failed",
+            (_, None) => "did-not-fail",
+        };
+        Self {
+            failure_start_h: events.failure_h,
+            rapid_failure_h: events.collapse_h,
+            toe_x_m: last.map(|r| r.toe_x_m),
+            crest_settlement_m: last.map(|r| r.crest_settlement_m),
+            verdict: verdict.to_owned(),
+            why: run.ended.trouble().unwrap_or_default().to_owned(),
+            raveling_h: events.raveling_h,
+            front_at_toe_h: events.front_at_toe_h,
+            first_outflow_h: events.first_outflow_h,
+            max_displacement_before_failure_m: last.map(|_| events.displacement_before_toe_m),
+            cpu_s: run.cpu_s,
+            ..self
+        }
+    }
+
+    fn outcome(&self) -> Outcome {
+        Outcome {
+            failure_h: self.failure_start_h,
+            rapid_h: self.rapid_failure_h,
+            toe_m: self.toe_x_m,
+            crest_m: self.crest_settlement_m,
+        }
+    }
+
+    /// Whether it can be compared with others: it ran through.
+    fn is_comparable(&self) -> bool {
+        matches!(self.verdict.as_str(), "failed" | "did-not-fail")
+    }
+}
+
+/// What is varied.
+#[derive(Debug, Clone)]
+pub struct Base<'a> {
+    /// Name or file of the scene.
+    pub source: &'a str,
+    /// Its flags.
+    pub flags: &'a Flags,
+    /// Where to end, h.
+    pub until_h: Option<f64>,
+    /// Long variants too.
+    pub full: bool,
+}
+
+/// Runs the scene and every variant that differs from it, `jobs` at a time; the scene first. None takes another down.
+pub fn compute(base: &Base, jobs: usize, tell: &(dyn Fn(&str) + Sync)) -> Vec<Line> {
+    let usual = plan::scene(base.source, base.flags, None);
+    let asked = |v: &&Variant| base.full || !v.long;
+    let mut all: Vec<(Line, Result<Scene, String>)> = vec![(Line::named("base", "", ""), usual.clone())];
+    for v in VARIANTS.iter().filter(asked) {
+        let scene = plan::scene(base.source, base.flags, Some(v));
+        if scene != usual {
+            all.push((Line::named(v.name, v.what, v.label), scene));
+        }
+    }
+    let (count, done) = (all.len(), AtomicUsize::new(0));
+    let one = |(line, scene): &(Line, Result<Scene, String>)| {
+        let line = match scene {
+            Ok(scene) => run(line.clone(), scene, base.until_h),
+            Err(why) => Line { why: why.clone(), ..line.clone() },
+        };
+        let number = done.fetch_add(1, Ordering::Relaxed) + 1;
+        let failure = line.failure_start_h.map_or_else(|| line.verdict.clone(), |h| format!("failure at {h:.3} h"));
+        tell(&format!("{number}/{count} {}: {failure} ({:.0} s)", line.variant, line.cpu_s));
+        line
+    };
+    match rayon::ThreadPoolBuilder::new().num_threads(jobs).build() {
+        Ok(pool) => pool.install(|| all.par_iter().map(one).collect()),
+        // No threads to be had: one after the other.
+        Err(_) => all.iter().map(one).collect(),
+    }
+}
+
+fn run(line: Line, scene: &Scene, until_h: Option<f64>) -> Line {
+    let mut hooks = Hooks { progress: &mut |_| (), stop: &mut |_| false, folder: None, every: Duration::MAX };
+    let followed = Plan::new(scene.clone(), None, until_h, false)
+        .and_then(|plan| follow(&plan, &mut hooks, None).map_err(|e| e.to_string()));
+    match followed {
+        Ok(followed) => line.with(&followed),
+        Err(why) => Line { why, ..line },
+    }
+}
+
+/// Writes the table.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(lines: &[Line], folder: &Path) -> Result<(), ReportError> {
+    let path = folder.join(NAME);
+    let mut writer = csv::Writer::from_path(&path).map_err(|e| unwritable(&path, e))?;
+    for line in lines {
+        writer.serialize(line).map_err(|e| unwritable(&path, e))?;
+    }
+    writer.flush().map_err(|e| unwritable(&path, e))
+}
+
+/// The table of a folder; empty if there is none.
+pub fn read(folder: &Path) -> Vec<Line> {
+    let reader = csv::Reader::from_path(folder.join(NAME));
+    reader.map(|mut reader| reader.deserialize().filter_map(Result::ok).collect()).unwrap_or_default()
+}
+
+/// Draws them: two variants of an input per row.
+///
+/// # Errors
+/// A file that cannot be written or drawn.
+pub fn picture(lines: &[Line], folder: &Path) -> Result<Picture, ReportError> {
+    let base = lines.first().map(Line::outcome).unwrap_or_default();
+    let rows = rows(lines);
+    tornado::write(&base, &rows, folder)?;
+    let mut figure = tornado::figure(&base, &rows);
+    let left_out: Vec<String> = lines
+        .iter()
+        .skip(1)
+        .filter(|l| !l.is_comparable())
+        .map(|l| format!("{} {} ({})", l.what, l.label, l.verdict.replace('-', " ")))
+        .collect();
+    if !left_out.is_empty() {
+        figure.caption.push_str(&format!(" Not shown: {}.", left_out.join("; ")));
+    }
+    let svg = write_drawn(&figure, folder)?;
+    Ok(Picture { figure, svg })
+}
+
+fn rows(lines: &[Line]) -> Vec<Varied> {
+    let compared: Vec<&Line> = lines.iter().skip(1).filter(|l| l.is_comparable()).collect();
+    let variant = |l: &Line| tornado::Variant { label: l.label.clone(), outcome: l.outcome() };
+    let same = compared.chunk_by(|a, b| a.what == b.what);
+    same.flat_map(|group| group.chunks(2))
+        .map(|pair| Varied {
+            what: pair[0].what.clone(),
+            low: pair.first().map(|l| variant(l)),
+            high: pair.get(1).map(|l| variant(l)),
+        })
+        .collect()
+}
+
+/// A table for the page.
+pub fn shown(lines: &[Line]) -> Table {
+    let head =
+        ["changed", "value", "front at toe (h)", "E1 (h)", "E2 (h)", "E3 (h)", "toe (m)", "crest (m)", "verdict"];
+    let number = |v: Option<f64>| Cell::new(v.map_or_else(|| "–".to_owned(), |v| short(v, 4)));
+    let row = |l: &Line| {
+        let what = if l.what.is_empty() { "nothing" } else { &l.what };
+        let mark = if l.is_comparable() { "" } else { "bad" };
+        vec![
+            Cell::new(what).marked(l.variant.clone(), ""),
+            Cell::new(l.label.clone()),
+            number(l.front_at_toe_h),
+            number(l.raveling_h),
+            number(l.failure_start_h),
+            number(l.rapid_failure_h),
+            number(l.toe_x_m),
+            number(l.crest_settlement_m),
+            Cell::new(l.verdict.replace('-', " ")).marked("", mark),
+        ]
+    };
+    let note = "One input changed at a time; in small letters the name for mpm-verify levee --variant.";
+    table("Sensitivity".to_owned(), &head, lines.iter().map(row).collect(), note)
+}
