@@ -141,11 +141,19 @@ fn tracks(rows: &[Row], levels: &[f64]) -> Vec<Track> {
     let track = |label: &str, log: bool, lines: Vec<Trace>| Track { label: label.to_owned(), log, lines };
     // Nothing has no place on a logarithmic axis.
     let above = |least: f64, of: fn(&Row) -> f64| move |row: &Row| of(row).max(least);
-    let level = |(k, x): (usize, &f64)| trace(&format!("x = {x} m"), &|row| row.levels[k]);
+    let level = |(k, x): (usize, &f64)| trace(&format!("level at x = {x} m"), &|row| row.levels[k]);
     let mut all = vec![
-        track("front, toe (m)", false, vec![trace("water", &|r| r.front_x_m), trace("toe", &|r| r.toe_x_m)]),
+        track(
+            "front, toe (m)",
+            false,
+            vec![trace("front of the water", &|r| r.front_x_m), trace("toe of the soil", &|r| r.toe_x_m)],
+        ),
         track("level (m)", false, levels.iter().enumerate().map(level).collect()),
-        track("water (m³)", false, vec![trace("came in", &|r| r.water_in_m3), trace("left", &|r| r.water_out_m3)]),
+        track(
+            "water (m³)",
+            false,
+            vec![trace("water that came in", &|r| r.water_in_m3), trace("water that left", &|r| r.water_out_m3)],
+        ),
         track("moved (m)", true, vec![trace("largest displacement", &above(1e-5, |r| r.max_displacement_m))]),
         track("crest down (m)", false, vec![trace("settlement of the crest", &|r| r.crest_settlement_m)]),
         track("strain", false, vec![trace("largest deviator strain", &|r| r.deviator_strain)]),

@@ -9,7 +9,7 @@ use serde_json::json;
 use super::claims::{Claim, Verdict};
 use super::figures::Picture;
 use super::plan::Plan;
-use super::run::{Ended, Followed};
+use super::run::Followed;
 use super::summary::Summary;
 use crate::report::content;
 use crate::report::content::table::{Cell, Table, table};
@@ -132,6 +132,7 @@ fn numbers(s: &Summary) -> Vec<Table> {
     let other = |name: &str, value: Option<f64>, unit: &str| {
         vec![Cell::new(name), Cell::new(value.map_or_else(|| "–".to_owned(), |v| short(v, 4))), Cell::new(unit)]
     };
+    let count = |name: &str, value: u64| vec![Cell::new(name), Cell::new(value.to_string()), Cell::new("")];
     let head = ["", "value", "unit"];
     let happened = vec![
         time("water reaches the toe", s.front_at_toe_h),
@@ -155,9 +156,9 @@ fn numbers(s: &Summary) -> Vec<Table> {
         other("stress outside the yield surface", s.yield_residual_max, "share"),
         other("checkerboard index of the pore pressure", s.checkerboard_index_max, "–"),
         other("motion in hourglass modes", s.hourglass_ratio_max, "share"),
-        other("steps of the water", Some(s.steps_seepage as f64), ""),
-        other("steps of soil that comes to rest", Some(s.steps_relaxing as f64), ""),
-        other("steps of soil that moves", Some(s.steps_moving as f64), ""),
+        count("steps of the water", s.steps_seepage),
+        count("steps of soil that comes to rest", s.steps_relaxing),
+        count("steps of soil that moves", s.steps_moving),
         other("CPU time", Some(s.cpu_s), "s"),
     ];
     let events = "E1: 0.5 % of the section has moved more than 1 cm, or soil does not come to rest. E2: 1 % of the section, deeper \
@@ -258,9 +259,4 @@ fn assumptions(scene: &Scene, s: &Summary) -> Vec<(&'static str, String)> {
         ));
     }
     all
-}
-
-/// Whether a run has anything to show beside its trouble.
-pub fn is_whole(ended: &Ended) -> bool {
-    ended.trouble().is_none() && *ended != Ended::Stopped
 }

@@ -235,7 +235,9 @@ impl View<'_> {
                 canvas.line(&std::mem::take(&mut run), series.look)?;
                 continue;
             };
-            if run.last() != Some(&a) {
+            // Where a line turns back, a mitred corner would reach far beyond it.
+            let turns_back = run.len() > 1 && is_sharp(run[run.len() - 2], a, b);
+            if run.last() != Some(&a) || turns_back {
                 canvas.line(&std::mem::take(&mut run), series.look)?;
                 run.push(a);
             }
@@ -302,6 +304,11 @@ impl View<'_> {
         };
         rooms.into_iter().min_by_key(crossed).unwrap_or(frame)
     }
+}
+
+/// Whether the way from `a` over `b` to `c` turns by more than a right angle.
+fn is_sharp(a: Spot, b: Spot, c: Spot) -> bool {
+    (b.0 - a.0) * (c.0 - b.0) + (b.1 - a.1) * (c.1 - b.1) < 0.0
 }
 
 /// A thin unbroken line.
