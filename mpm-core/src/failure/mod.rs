@@ -27,6 +27,9 @@ use crate::water::Pressures;
 
 /// Longest and shortest time of seepage between two looks at the soil, s.
 const SEEPAGE: [f64; 2] = [20.0, 600.0];
+/// Failure is found to within this time, s; if it comes within a longer one, that is taken back and a share of it tried.
+const SOON: f64 = 60.0;
+const SOONER: f64 = 0.25;
 /// First one, s.
 const FIRST_SEEPAGE: f64 = 60.0;
 /// Steps within which soil settles easily, and above which the next look comes sooner.
@@ -320,17 +323,17 @@ impl<'a> Driver<'a> {
         // Time does not go back.
         let until = until.min(self.ends_at()).max(self.time);
         let left = until - self.time;
-        let span = if self.seepage > 0.75 * left { left } else { self.seepage };
-        let mut done = 0;
-        let outcome = self.model.seep(span, &mut done);
-        self.steps.seepage += done;
-        outcome.map_err(|e| self.failed(e))?;
+        let mut span = if self.seepage > 0.75 * left { left } else { self.seepage };
+        let mut settled = self.seep_and_settle(span, span > SOON)?;
+        while settled.is_none() {
+            // It fails somewhere on the way: not so far at once.
+            span = (SOONER * span).max(0.5 * SOON);
+            self.seepage = span;
+            settled = self.seep_and_settle(span, span > SOON)?;
+        }
         self.time = if span == left { until } else { self.time + span };
-        self.phase = Phase::Relaxing;
-        let patience = self.patience(NEVER);
-        let settled = settle(self.model.as_mut(), &self.first, &patience).map_err(|e| self.failed(e))?;
-        self.steps.relaxing += settled.steps;
-        if settled.at_rest {
+        let settled = settled.filter(|settled| settled.at_rest);
+        if let Some(settled) = settled {
             self.model.stop();
             let factor = if settled.steps <= EASY[0] {
                 1.5
@@ -351,6 +354,32 @@ impl<'a> Driver<'a> {
             self.finish(End::TimeOver);
         }
         Ok(())
+    }
+
+    /// Some time of seepage (s), and the rest that the soil comes to. If it does not and that may be `undone`, the state is as it
+    /// was, and there is nothing to tell.
+    fn seep_and_settle(&mut self, span: f64, undone: bool) -> Result<Option<Settled>, RunError> {
+        let mut before = undone.then(|| {
+            let mut keeper = Keeper::writes();
+            self.model.keep(&mut keeper);
+            Keeper::reads(keeper.into_bytes())
+        });
+        self.phase = Phase::Seepage;
+        let mut done = 0;
+        let outcome = self.model.seep(span, &mut done);
+        self.steps.seepage += done;
+        outcome.map_err(|e| self.failed(e))?;
+        self.phase = Phase::Relaxing;
+        let patience = self.patience(NEVER);
+        let settled = settle(self.model.as_mut(), &self.first, &patience).map_err(|e| self.failed(e))?;
+        self.steps.relaxing += settled.steps;
+        match before.take().filter(|_| !settled.at_rest) {
+            Some(mut before) => {
+                self.model.keep(&mut before);
+                Ok(None)
+            }
+            None => Ok(Some(settled)),
+        }
     }
 
     fn run_soil(&mut self, until: f64) -> Result<(), RunError> {
