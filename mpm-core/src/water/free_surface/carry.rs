@@ -54,6 +54,13 @@ impl<const D: usize> FreeSurface<D> {
         surplus: &mut [f64],
         (around, per_direction): (&Surroundings, usize),
     ) -> f64 {
+        let cell_volume = self.medium.cell_volume;
+        let mut moved = Vec::new();
+        squares(solid, cell_volume, &mut moved);
+        if moved == *boxes {
+            // Shares that are put together again would differ in their last bits.
+            return 0.0;
+        }
         let mut covered = vec![0.0; grid.cell_count()];
         for old in boxes.iter() {
             pieces(grid, old, |cell, _, volume| covered[cell] += volume);
@@ -80,10 +87,9 @@ impl<const D: usize> FreeSurface<D> {
                 });
             });
         }
-        let (cell_volume, size) = (self.medium.cell_volume, self.medium.size);
-        self.soil = SoilMap::new(grid, solid, cell_volume / size, per_direction, self.medium.bound);
+        self.soil = SoilMap::new(grid, solid, cell_volume / self.medium.size, per_direction, self.medium.bound);
         self.soil.close(grid);
-        squares(solid, cell_volume, boxes);
+        *boxes = moved;
         let mut lost = 0.0;
         for (cell, load) in loads.iter().enumerate() {
             if self.soil.share[cell] < LEAST_SHARE {
