@@ -100,7 +100,8 @@ impl<const D: usize> FreeSurface<D> {
             let pores = self.soil.pores[cell];
             let full = load.full >= 0.5 * load.water && load.water >= (1.0 - HOLE) * pores && load.full > 0.0;
             let all = load.water + load.surplus;
-            self.content[cell] = if full { pores } else { all.clamp(0.0, pores) };
+            // No clamp: pores of soil that has run away may be no number, which a step of the soil reports.
+            self.content[cell] = if full { pores } else { all.max(0.0).min(pores) };
             surplus[cell] = all - self.content[cell];
             self.full[cell] = full;
             self.pressure[cell] = if full { load.pressure / load.full } else { 0.0 };

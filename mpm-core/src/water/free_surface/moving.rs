@@ -199,8 +199,9 @@ impl<const D: usize> Squeeze<D> {
             // A full cell passes it on in the next steps: what is beyond its pores enters the balance of a step.
             let most = if water.kind[cell] == Kind::Full { share * surplus.abs() } else { f64::INFINITY };
             let room = (-water.content[cell], (water.pores(cell) - water.content[cell]).max(0.0));
-            let given = if water.kind[cell] == Kind::Full { *surplus } else { surplus.clamp(room.0, room.1) };
-            let given = given.clamp(-most, most);
+            let given = if water.kind[cell] == Kind::Full { *surplus } else { surplus.max(room.0).min(room.1) };
+            // No clamp, which panics beside pores that are no number: a step of the soil reports them.
+            let given = given.max(-most).min(most);
             water.content[cell] += given;
             *surplus -= given;
         }
