@@ -213,3 +213,88 @@ impl<const D: usize> Medium<D> {
         if self.rise() > 0.0 { self.wet_integral(bottom, open) / open } else { bottom }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::particles::{Layer, SolidPoint, even_positions};
+
+    const H: f64 = 0.5;
+    const G: f64 = 10.0;
+    const MEDIUM: Medium<2> = Medium {
+        conductance: 2.0,
+        size: H,
+        cell_volume: H * H,
+        weight: [0.0, -G],
+        unit_weight: G,
+        porosity: 0.3,
+        bound: 0.0,
+    };
+
+    /// Flow out of a cell that is soil all over, with its level so high above its bottom (cells), through an edge that is
+    /// open from `from` (cells) up.
+    fn seeps(from: f64, level: f64) -> f64 {
+        let grid = Grid::new([2, 1], H);
+        let at = |x: [f64; 2]| SolidPoint::<2, 4> {
+            x: x.map(|x| x * H),
+            v: [0.0; 2],
+            stress: [0.0; 4],
+            mass: 1.0,
+            volume: 0.25 * H * H,
+        };
+        let solid = Layer::new(even_positions([1, 1], 2).map(at).collect(), &grid).unwrap();
+        let soil = SoilMap::new(&grid, &solid, H, 2, 0.0);
+        let edge = Edge { cell: 0, axis: 0, upper: true, open: 1.0 - from, from, distance: 0.5, outside: Outside::Air };
+        let wet = level.min(1.0);
+        let kind = if level < 1.0 { Kind::Standing } else { Kind::Full };
+        let pressure = [MEDIUM.standing_pressure(1.0, 1.0) + G * H * (level - 1.0), 0.0];
+        let now = Now { kind: &[kind, Kind::Void], pressure: &pressure, wet: &[wet, 0.0] };
+        MEDIUM.leak(&edge, now, &soil, true, wet, 1.0).at(pressure[0], 0.0)
+    }
+
+    #[test]
+    fn an_opening_above_the_bottom_lets_out_what_stands_above_its_foot() {
+        for from in [0.0, 0.25, 0.5, 0.75] {
+            for level in [0.0, 0.2, 0.5, 0.7, 0.9, 1.0, 1.3] {
+                let out = seeps(from, level);
+                if level <= from {
+                    assert_eq!(out, 0.0, "from {from}, level {level}");
+                } else {
+                    // Half a cell away: the pressure head above the foot, over the part of the opening that is wet.
+                    let (above, open) = (level - from, 1.0 - from);
+                    let integral = if above < open { 0.5 * above * above } else { open * (above - 0.5 * open) };
+                    let flow = MEDIUM.conductance / 0.5 * G * H * integral;
+                    assert!((out / flow - 1.0).abs() < 1e-12, "from {from}, level {level}: {out}, expected {flow}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_step_of_the_soil_is_open_from_its_own_top_up() {
+        // Two cells side by side, the right one half as high: the left one is open to the side from half its height on.
+        let grid = Grid::new([3, 2], H);
+        let at = |x: [f64; 2]| SolidPoint::<2, 4> {
+            x: x.map(|x| x * H),
+            v: [0.0; 2],
+            stress: [0.0; 4],
+            mass: 1.0,
+            volume: 0.25 * H * H,
+        };
+        let points = even_positions([2, 1], 2).filter(|x| x[0] < 1.0 || x[1] < 0.5).map(at).collect();
+        let solid = Layer::new(points, &grid).unwrap();
+        let soil = SoilMap::new(&grid, &solid, H, 2, 0.0);
+        let list = edges(&grid, &soil, &MEDIUM, &[false; 4], &[None; 4], H, false);
+        let sideways: Vec<_> = list.iter().filter(|e| e.axis == 0).map(|e| (e.cell, e.upper, e.open, e.from)).collect();
+        assert_eq!(sideways, [(0, true, 0.5, 0.5), (1, true, 0.5, 0.0)]);
+        // A feed on the wall meets soil only, and nothing above its level.
+        let fed = |head: f64| {
+            let feeds = [Some(Feed::Head(head)), None, None, None];
+            edges(&grid, &soil, &MEDIUM, &[false; 4], &feeds, H, false)
+                .iter()
+                .filter(|e| e.outside != Outside::Air)
+                .count()
+        };
+        assert_eq!([fed(0.3), fed(5.0), fed(-0.1)], [1, 1, 0]);
+    }
+}

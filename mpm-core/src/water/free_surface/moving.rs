@@ -447,3 +447,181 @@ impl<const D: usize> FreeSurface<D> {
         self.classify();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Medium, SoilMap, Surroundings};
+    use super::*;
+    use crate::dimension::{Kinematics, PlaneStrain};
+    use crate::particles::{Layer, SolidPoint, even_positions};
+
+    const H: f64 = 0.5;
+    const N: f64 = 0.3;
+    const CELLS: [usize; 2] = [4, 3];
+    const KW: f64 = 2e8;
+
+    /// Numbers between -1 and 1 that look like chance.
+    fn chance(seed: usize) -> f64 {
+        (((seed as f64 + 1.0) * 12.989_8).sin() * 43_758.545_3).fract()
+    }
+
+    /// A closed block that is full of water at rest.
+    fn full(conductance: f64) -> (Grid<2>, FreeSurface<2>, Squeeze<2>, Vec<Filling<2>>) {
+        let grid = Grid::new(CELLS, H);
+        let volume = 0.25 * H * H;
+        let at = |x: [f64; 2]| SolidPoint::<2, 4> {
+            x: x.map(|x| x * H),
+            v: [0.0; 2],
+            stress: [0.0; 4],
+            mass: volume,
+            volume,
+        };
+        let solid = Layer::new(even_positions(CELLS, 2).map(at).collect(), &grid).unwrap();
+        let weight = [0.0, -9810.0];
+        let medium = Medium {
+            conductance,
+            size: H,
+            cell_volume: H * H,
+            weight,
+            unit_weight: 9810.0,
+            porosity: N,
+            bound: 1.0 - N,
+        };
+        let soil = SoilMap::new(&grid, &solid, H, 2, 1.0 - N);
+        let around = Surroundings { open: [false; 4], feeds: [None; 4], periodic: false };
+        let mut water = FreeSurface::new(&grid, medium, soil, &around).unwrap();
+        let content: Vec<f64> = (0..12).map(|cell| water.pores(cell)).collect();
+        water.fill(&content);
+        let mut squeeze = Squeeze::default();
+        squeeze.lay(&grid, &water);
+        (grid, water, squeeze, vec![Filling { volume: H * H, at: [0.5; 2] }; 12])
+    }
+
+    #[test]
+    fn pressures_push_as_they_work() {
+        for case in 0..50 {
+            let [a, b, c, p] = [0, 1, 2, 3].map(|i| chance(4 * case + i));
+            let soil = Filling { volume: 0.2 * (1.5 + a), at: [0.5 + 0.5 * b, 0.5 + 0.5 * c] };
+            let found = weights(&soil, 1.0 / H);
+            // What the step makes of the stress -p 1 in the soil of a cell.
+            let mean = PlaneStrain::UNIT_PRESSURE.map(|s| s * p * soil.volume);
+            let first = soil.at.map(|x| mean.map(|s| x * s));
+            let force = crate::dimension::to_corners::<2, 2, _>(&PlaneStrain::internal_force(&mean, &first, 1.0 / H));
+            for corner in 0..4 {
+                for d in 0..2 {
+                    let (push, weight) = (-force[corner][d], p * found[corner][d]);
+                    assert!((push - weight).abs() < 1e-15, "case {case}: {push} {weight}");
+                }
+            }
+        }
+    }
+
+    /// Nodes with random velocities and masses; rollers hold some of them, and one follows another.
+    fn nodes(grid: &Grid<2>) -> (Vec<[f64; 2]>, Vec<u32>, Vec<NodeMotion<2>>) {
+        let count = grid.node_count();
+        let mut inverse: Vec<[f64; 2]> = (0..count).map(|i| [1e-3 * (1.5 + chance(i)); 2]).collect();
+        let mut motion = vec![NodeMotion::REST; count];
+        let mut leader: Vec<u32> = (0..count as u32).collect();
+        for (node, m) in motion.iter_mut().enumerate() {
+            m.velocity = [0, 1].map(|d| 1e-3 * chance(100 + 2 * node + d));
+            let (x, y) = (node % (CELLS[0] + 1), node / (CELLS[0] + 1));
+            if x == 0 || x == CELLS[0] {
+                (m.velocity[0], inverse[node][0]) = (0.0, 0.0);
+            }
+            if y == 0 {
+                (m.velocity[1], inverse[node][1]) = (0.0, 0.0);
+            }
+        }
+        leader[count - 1] = count as u32 - 2;
+        (inverse, leader, motion)
+    }
+
+    #[test]
+    fn implicit_pressures_do_the_work_that_the_nodes_get() {
+        let (grid, mut water, mut squeeze, soil) = full(1e-9);
+        let (inverse, leader, mut motion) = nodes(&grid);
+        let pushed = Pushed { grid: &grid, inverse: &inverse, leader: &leader };
+        let before = (motion.clone(), water.pressure.clone());
+        let dt = 1e-3;
+        let step = MovingStep { dt, implicit: true, bulk_modulus: KW, smoothing: 1e-9 };
+        let pores: Vec<f64> = (0..12).map(|cell| water.pores(cell)).collect();
+        squeeze.press(&mut water, &soil, &pushed, &mut motion, &step).unwrap();
+        // Kinetic energy that nodes gained by the rise of the pressures, at the middle of the step.
+        let mut gained = 0.0;
+        for (node, (now, was)) in motion.iter().zip(&before.0).enumerate() {
+            for d in 0..2 {
+                let change = now.velocity[d] - was.velocity[d];
+                if inverse[node][d] > 0.0 {
+                    gained += change * (now.velocity[d] - 0.5 * change) / inverse[node][d];
+                } else {
+                    assert_eq!(change, 0.0, "a node that is held");
+                }
+            }
+        }
+        let mut work = 0.0;
+        for cell in 0..12 {
+            let rise = water.pressure[cell] - before.1[cell];
+            let halfway: Vec<_> = motion
+                .iter()
+                .zip(&before.0)
+                .map(|(a, b)| {
+                    let mut m = NodeMotion::REST;
+                    m.velocity = [0, 1].map(|d| 0.5 * (a.velocity[d] + b.velocity[d]));
+                    m
+                })
+                .collect();
+            work += dt * rise * opening(&weights(&soil[cell], 1.0 / H), cell, &pushed, &halfway, 0.0);
+        }
+        assert!(gained.abs() > 1e-6 && (work / gained - 1.0).abs() < 1e-10, "{work:e} {gained:e}");
+        // Pores follow the motion of the end of the step, and pressures what is left: the balance of every cell closes.
+        let mut worst: f64 = 0.0;
+        for cell in 0..12 {
+            let opened = dt * opening(&weights(&soil[cell], 1.0 / H), cell, &pushed, &motion, 0.0);
+            assert!((water.pores(cell) - pores[cell] - opened).abs() < 1e-16);
+            let stored = water.content[cell] - pores[cell];
+            let pressed = pores[cell] / KW * (water.pressure[cell] - before.1[cell]);
+            // Water at rest was not yet compressed; that comes by and by.
+            let lacks = pores[cell] * before.1[cell] / KW * dt / RETURNS;
+            worst = worst.max((stored - opened - pressed - lacks).abs() / opened.abs().max(1e-12));
+        }
+        assert!(worst < 1e-8, "{worst:e}");
+        assert!((water.stored() - pores.iter().sum::<f64>()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn smoothing_moves_water_and_makes_none() {
+        let (grid, mut water, mut squeeze, soil) = full(1e-14);
+        // Soil that cannot move: nothing but the exchange acts on pressures.
+        let inverse = vec![[0.0; 2]; grid.node_count()];
+        let leader: Vec<u32> = (0..grid.node_count() as u32).collect();
+        let pushed = Pushed { grid: &grid, inverse: &inverse, leader: &leader };
+        let still = |smoothing: f64, water: &mut FreeSurface<2>, squeeze: &mut Squeeze<2>| {
+            let mut motion = vec![NodeMotion::REST; grid.node_count()];
+            let step = MovingStep { dt: 1e-3, implicit: true, bulk_modulus: KW, smoothing };
+            squeeze.press(water, &soil, &pushed, &mut motion, &step).unwrap();
+        };
+        // Pressures at rest stay, whatever they are: smoothing acts on their change.
+        let first = water.pressure.clone();
+        still(1e-6, &mut water, &mut squeeze);
+        for (now, was) in water.pressure.iter().zip(&first) {
+            assert!((now - was).abs() < 1e-5 * 9810.0, "{now} {was}");
+        }
+        // A checkerboard of surplus: its pressures are evened out, and all water is still there.
+        let uneven = |smoothing: f64| {
+            let (_, mut water, mut squeeze, _) = full(1e-14);
+            for cell in 0..12 {
+                let black = (cell % 4 + cell / 4) % 2 == 0;
+                squeeze.surplus[cell] = if black { 1e-3 } else { -1e-3 };
+            }
+            let all =
+                |water: &FreeSurface<2>, squeeze: &Squeeze<2>| water.stored() + squeeze.surplus.iter().sum::<f64>();
+            let first = (all(&water, &squeeze), water.pressure.clone());
+            still(smoothing, &mut water, &mut squeeze);
+            assert!((all(&water, &squeeze) - first.0).abs() < 1e-15, "{:e}", all(&water, &squeeze) - first.0);
+            let rise: Vec<f64> = water.pressure.iter().zip(&first.1).map(|(a, b)| a - b).collect();
+            rise.iter().map(|x| x.abs()).sum::<f64>() / 12.0
+        };
+        let (without, with) = (uneven(0.0), uneven(1e-8));
+        assert!(without > 1.0 && with < 0.5 * without, "{without} {with}");
+    }
+}

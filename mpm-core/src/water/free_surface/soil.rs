@@ -203,4 +203,39 @@ mod tests {
             assert!((map.share.iter().sum::<f64>() - 4.0).abs() < 1e-12, "{shift:?}");
         }
     }
+
+    #[test]
+    fn gaps_amid_soil_close_and_the_outline_stays() {
+        let grid = Grid::new([7, 7], 1.0);
+        // A particle is missing amid the block, one at its upper edge, and one at the lower edge of the mesh.
+        let missing = [[3.25, 2.25], [3.25, 4.75], [2.25, 0.25]];
+        let points: Vec<_> = block([5, 5], 2, [1.0, 0.0]).into_iter().filter(|p| !missing.contains(&p.x)).collect();
+        let solid = Layer::new(points, &grid).unwrap();
+        let mut map = SoilMap::new(&grid, &solid, 1.0, 2, 0.0);
+        let open = map.clone();
+        map.close(&grid);
+        let (amid, edge, foot) = (3 + 2 * 7, 3 + 4 * 7, 2);
+        assert_eq!([open.share[amid], open.share[edge], open.share[foot]], [0.75; 3]);
+        // The mesh ends below the foot: it is amid soil too.
+        assert_eq!([map.share[amid], map.share[edge], map.share[foot]], [1.0, 0.75, 1.0]);
+        for axis in 0..2 {
+            for (face, pair) in map.cover[axis].iter().enumerate() {
+                let before = open.cover[axis][face];
+                assert!(pair[0] >= before[0] && pair[1] >= before[1]);
+            }
+            let mut at = [3, 2];
+            assert_eq!(map.cover[axis][grid.face(axis, &at)], [1.0, 1.0]);
+            at[axis] += 1;
+            assert_eq!(map.cover[axis][grid.face(axis, &at)], [1.0, 1.0]);
+        }
+        // The upper edge of the block is where it was, and no cell beside it became soil.
+        assert_eq!(map.cover[1][grid.face(1, &[3, 5])], open.cover[1][grid.face(1, &[3, 5])]);
+        for (cell, [x, y]) in grid.walk() {
+            assert_eq!(map.is_soil(cell), (1..6).contains(&x) && y < 5);
+            assert_eq!(map.pores[cell], open.pores[cell], "what is not there holds no water");
+        }
+        let once = map.clone();
+        map.close(&grid);
+        assert_eq!(map, once);
+    }
 }
