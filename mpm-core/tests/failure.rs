@@ -218,6 +218,10 @@ fn a_levee_ravels_fails_and_collapses_in_this_order() {
     let [raveling, failure, collapse] =
         [events.raveling_h, events.failure_h, events.collapse_h].map(|event| event.expect("an event"));
     assert!(raveling <= failure && failure <= collapse && collapse <= driver.hours(), "{events:?}");
+    // Water is at the toe before it leaves, and until then nothing has moved.
+    let toe = events.front_at_toe_h.expect("water at the toe");
+    assert!(toe <= events.first_outflow_h.expect("outflow") && toe < failure, "{events:?}");
+    assert!(events.displacement_before_toe_m < 0.01, "{events:?}");
     assert!(driver.rows.windows(2).all(|pair| pair[0].time_h <= pair[1].time_h));
     driver.rows.iter().for_each(closes);
     let worst = driver.rows.iter().map(|row| row.energy_error).fold(0.0, f64::max);
@@ -241,6 +245,7 @@ fn a_strong_levee_stands() {
     assert_eq!(driver.end, Some(End::TimeOver));
     assert!((driver.time - driver.ends_at()).abs() < 1e-9);
     assert_eq!((driver.events.raveling_h, driver.events.failure_h, driver.events.collapse_h), (None, None, None));
+    assert!(driver.events.front_at_toe_h.is_some() && last.water_out_m3 > 0.1, "{:?}", driver.events);
     assert!(last.max_displacement_m < 1e-3, "{last:?}");
     driver.rows.iter().for_each(closes);
     // It is over: nothing happens any more.

@@ -429,7 +429,7 @@ impl<'a> Driver<'a> {
     fn look(&mut self) {
         let moved = self.first.moved(self.model.as_ref());
         let row = Row::of(self, &moved);
-        self.events.note(&row, &moved, self.scene.width);
+        self.events.note(&row, &moved, self.scene.width, self.scene.cell);
         self.rows.push(row);
         record::paths(self.model.as_ref(), &self.first, self.hours(), &mut self.paths);
     }

@@ -7,8 +7,9 @@ use super::{Driver, Phase};
 use crate::keep::Keeper;
 use crate::step::Failing;
 
-/// Water is at the toe when it is no further than this from it, m.
-const AT_TOE: f64 = 0.05;
+/// Water is at the toe when it is no further than this from it, m, or than this share of a cell: the soil of the last cell tapers
+/// off, and on a coarse mesh its water comes no nearer however much of it leaves.
+const AT_TOE: [f64; 2] = [0.05, 0.5];
 /// Less water than this (m3) is no outflow.
 const FIRST_DROPS: f64 = 1e-4;
 
@@ -41,8 +42,8 @@ impl Events {
         self.unsettled_h.get_or_insert(hours);
     }
 
-    /// Takes note of a state.
-    pub fn note(&mut self, row: &Row, moved: &Moved, toe: f64) {
+    /// Takes note of a state; the toe (m) is that of the start, on a mesh with such cells (m).
+    pub fn note(&mut self, row: &Row, moved: &Moved, toe: f64, cell: f64) {
         let hours = row.time_h;
         let first = |event: &mut Option<f64>, is: bool| {
             if is {
@@ -51,7 +52,8 @@ impl Events {
         };
         let failed = self.failure_h.is_none();
         let [raveling, failure, collapse] = moved.events();
-        first(&mut self.front_at_toe_h, row.front_x_m >= toe - AT_TOE);
+        let near = AT_TOE[0].max(AT_TOE[1] * cell);
+        first(&mut self.front_at_toe_h, row.front_x_m >= toe - near);
         first(&mut self.first_outflow_h, row.water_out_m3 > FIRST_DROPS);
         first(&mut self.raveling_h, raveling || self.unsettled_h.is_some());
         first(&mut self.failure_h, failure);
