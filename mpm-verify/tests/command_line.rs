@@ -211,3 +211,47 @@ fn study_and_report_write_the_same_page() {
     let again = std::fs::read_to_string(folder.path().join("reports/accuracy/errors.csv")).expect("errors");
     assert_eq!(again, errors);
 }
+
+#[test]
+fn a_levee_is_followed_to_its_page_and_what_cannot_be_run_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("levee").display().to_string();
+    let levee = |more: &[&str]| {
+        let output = verify(folder.path(), &[&["levee", "--out", &out], more].concat());
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        (output.status.code().unwrap_or(-1), said, stderr(&output))
+    };
+    let refusals: [(&[&str], &str); 6] = [
+        (&["--scene", "terzaghi"], "clock = \"both\""),
+        (&["--variant", "no-such"], "--variant: expected one of profile-line"),
+        (&["--until", "5"], "--until: expected hours"),
+        (&["--from", "8"], "--from: expected --driver coupled or explicit"),
+        (&["--safety-factor", "30"], "--safety-factor: expected hours from 6 to 24"),
+        (&["--resume"], "checkpoint.bin"),
+    ];
+    for (flags, words) in refusals {
+        let (code, _, error) = levee(flags);
+        assert_eq!(code, 2, "{flags:?}: {error}");
+        assert!(error.contains(words), "{flags:?}: {error}");
+    }
+    let (code, _, error) = levee(&["--variant", "base-8.5", "--no-vtk"]);
+    assert_eq!(code, 3, "{error}");
+    assert!(error.contains("the largest displacement is 0.") && error.contains("--go-on"), "{error}");
+    let (code, said, error) = levee(&["--ppc", "4", "--variant", "saturation-0.7", "--safety-factor", "7"]);
+    assert_eq!(code, 0, "{error}");
+    assert!(said.contains("factor of safety at 7 h: 1.") && error.contains("seepage"), "{said}{error}");
+    let read = |name: &str| std::fs::read_to_string(folder.path().join("levee").join(name)).expect(name);
+    assert!(read("history.csv").starts_with("time_h,"));
+    assert!(read("safety_factor.csv").starts_with("time_h,fs_low,fs_high,"));
+    assert!(read("claims.csv").starts_with("claim,paper,value,verdict,rule\n"));
+    let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).expect("JSON");
+    for key in ["failure_start_h", "rapid_failure_h", "toe_x_m", "water_ledger_error", "energy_error", "cpu_s"] {
+        assert!(summary[key].is_f64(), "{key}: {}", summary[key]);
+    }
+    let page = read("index.html");
+    for part in ["Play the failure", "Run it again", "saturation ahead of the front", "levee-safety.png"] {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(read("vtk/solid.pvd").contains("timestep=\"21600.0\"") && read("failure.html").contains("<noscript>"));
+    assert!(!folder.path().join("levee/checkpoint.bin").exists());
+}

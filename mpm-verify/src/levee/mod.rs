@@ -5,8 +5,9 @@
 //! 2. [`run`]: follows it. [`moments`]: when frames are taken. [`checkpoint`]: a state on disk, to go on from.
 //! 3. [`tables`], [`summary`]: what it came to. [`claims`]: the paper's statements, judged by rules.
 //! 4. [`safety`]: the factor of safety over time, beside [`equilibrium`] with the same water. [`sensitivity`]: all variants.
-//! 5. [`figures`], [`page`], [`written`]: what is left in a folder. [`ticker`]: what is said on the way.
+//! 5. [`figures`], [`assumptions`], [`page`], [`written`]: what is left in a folder. [`ticker`]: what is said on the way.
 
+pub mod assumptions;
 pub mod checkpoint;
 pub mod claims;
 pub mod equilibrium;

@@ -138,6 +138,7 @@ pub fn picture(
         infinite_slope: curve(|l| l.infinite_slope),
         bishop: curve(|l| l.bishop),
         spencer: curve(|l| l.spencer),
+        spencer_davis: curve(|l| l.spencer_davis),
     };
     let events = happened.map(events).unwrap_or_default();
     let svg = plot::write(&safety, &events, folder)?;

@@ -207,15 +207,18 @@ pub fn picture(lines: &[Line], folder: &Path) -> Result<Picture, ReportError> {
 }
 
 fn rows(lines: &[Line]) -> Vec<Varied> {
-    let compared: Vec<&Line> = lines.iter().skip(1).filter(|l| l.is_comparable()).collect();
-    let variant = |l: &Line| tornado::Variant { label: l.label.clone(), outcome: l.outcome() };
-    let same = compared.chunk_by(|a, b| a.what == b.what);
+    let found = |v: &Variant| {
+        let line = lines.iter().find(|l| l.variant == v.name && l.is_comparable())?;
+        Some(tornado::Variant { label: line.label.clone(), outcome: line.outcome() })
+    };
+    let same = VARIANTS.chunk_by(|a, b| a.what == b.what);
     same.flat_map(|group| group.chunks(2))
         .map(|pair| Varied {
-            what: pair[0].what.clone(),
-            low: pair.first().map(|l| variant(l)),
-            high: pair.get(1).map(|l| variant(l)),
+            what: pair[0].what.to_owned(),
+            low: pair.first().and_then(found),
+            high: pair.get(1).and_then(found),
         })
+        .filter(|row| row.low.is_some() || row.high.is_some())
         .collect()
 }
 

@@ -40,8 +40,8 @@ impl Ticker {
         let changed = self.said.is_none_or(|(_, last)| last != phase && phase != Phase::Relaxing);
         let late = self.said.is_none_or(|(at, _)| at.elapsed() >= LINES);
         let left = (hours > from).then(|| began.elapsed().mul_f64(((self.ends_h - hours) / (hours - from)).max(0.0)));
-        // Soil that moves takes longer than water that seeps: the time left is that of the hours to come at most.
-        let left = left.filter(|left| *left < Duration::from_secs(100 * 3600));
+        // Only water seeps at a pace that tells when the end comes.
+        let left = left.filter(|_| matches!(phase, Phase::Seepage | Phase::Relaxing));
         let left = left.map_or_else(String::new, |left| format!(", about {} s to {} h", left.as_secs(), self.ends_h));
         let text = format!("{}: {hours:.4} h, {}{left}", self.title, words(phase));
         self.progress.note(&text);

@@ -42,7 +42,7 @@ const MOISTURE: &str = "saturation at the start";
 const MESH: &str = "edge of a cell";
 const PPC: &str = "particles per cell";
 
-/// All of them. Neighbours with the same `what` are the two bars of one input, the smaller value first.
+/// All of them. Two and two with the same `what` are the bars of one input, the smaller value first.
 pub const VARIANTS: [Variant; 23] = [
     variant("profile-line", PROFILE, "line", Change::Edit(|s| wet(s, &line()))),
     variant("profile-parabola", PROFILE, "parabola", Change::Edit(|s| wet(s, &parabola()))),
@@ -63,9 +63,9 @@ pub const VARIANTS: [Variant; 23] = [
     variant("saturation-0.3", MOISTURE, "0.3", Change::Edit(|s| moist(s, 0.3))),
     variant("saturation-0.5", MOISTURE, "0.5", Change::Edit(|s| moist(s, 0.5))),
     variant("saturation-0.7", MOISTURE, "0.7", Change::Edit(|s| moist(s, 0.7))),
-    Variant { long: true, ..variant("mesh-0.1", MESH, "0.1 m", Change::Mesh(0.1)) },
     variant("mesh-0.2", MESH, "0.2 m", Change::Mesh(0.2)),
     variant("mesh-0.4", MESH, "0.4 m", Change::Mesh(0.4)),
+    Variant { long: true, ..variant("mesh-0.1", MESH, "0.1 m", Change::Mesh(0.1)) },
     variant("ppc-4", PPC, "4", Change::Particles(4)),
 ];
 

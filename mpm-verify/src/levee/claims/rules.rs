@@ -4,6 +4,7 @@ use mpm_core::observe::SolidState;
 
 use super::super::run::Ended;
 use super::{Evidence, Judged, Rule};
+use crate::frames::Shot;
 use crate::report::numbers::{brief, short};
 
 /// Movement below which a shape is unchanged, m.
@@ -21,6 +22,8 @@ const EXPERIMENT_CLOSE: f64 = 0.5;
 const NEAR_TOE: f64 = 3.0;
 /// Pore pressure at the toe is that of the soil so far from it, m.
 const AT_TOE: f64 = 0.5;
+/// Pore pressure that is more than that of drops, Pa.
+const FELT: f64 = 100.0;
 /// Same time, h.
 const SAME: f64 = 1e-6;
 
@@ -59,7 +62,7 @@ pub const RULES: [Rule; 13] = [
     (
         "pressure-at-toe",
         "failure when the pore water pressure reaches the toe",
-        "water is at the toe before failure starts, and soil within 0.5 m of the toe has pore pressure then",
+        "the front, or 0.1 kPa in a frame, is within 0.5 m of the toe before failure starts, and there is pore pressure then",
         at_toe,
     ),
     (
@@ -166,14 +169,17 @@ fn lasts(e: &Evidence) -> Judged {
 
 fn at_toe(e: &Evidence) -> Judged {
     let failure = e.events.failure_h?;
-    let shot = e.shots.iter().find(|s| (s.hours() - failure).abs() < SAME)?;
     let near = |p: &&SolidState| p.x[0] - p.displacement[0] > e.toe_m - AT_TOE;
-    let pressure = shot.frame.solid.iter().filter(near).map(|p| p.pore_pressure).fold(0.0, f64::max);
-    let (delay, wet) = match e.events.front_at_toe_h {
-        Some(front) => (format!("failure {} h after water is at the toe", short(failure - front, 3)), front <= failure),
-        None => ("water is not at the toe".to_owned(), false),
+    let pressure = |shot: &Shot| shot.frame.solid.iter().filter(near).map(|p| p.pore_pressure).fold(0.0, f64::max);
+    let then = pressure(e.shots.iter().find(|s| (s.hours() - failure).abs() < SAME)?);
+    // The front is a matter of one particle: soil that feels water tells the same.
+    let felt = e.shots.iter().find(|s| pressure(s) > FELT).map(Shot::hours);
+    let first = [felt, e.events.front_at_toe_h].into_iter().flatten().reduce(f64::min);
+    let (delay, wet) = match first {
+        Some(first) if first <= failure => (format!("failure {} h after it", short(failure - first, 3)), true),
+        _ => ("failure before it".to_owned(), false),
     };
-    Some((format!("{delay}, pore pressure there {} kPa", short(pressure / 1e3, 3)), wet && pressure > 0.0))
+    Some((format!("{delay}; pore pressure there then {} kPa", short(then / 1e3, 3)), wet && then > 0.0))
 }
 
 fn starts_at_toe(e: &Evidence) -> Judged {

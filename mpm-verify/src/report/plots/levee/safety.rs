@@ -34,6 +34,8 @@ pub struct Safety {
     pub bishop: Vec<(f64, f64)>,
     /// By Spencer's: time in h and factor.
     pub spencer: Vec<(f64, f64)>,
+    /// The same with Davis' reduced strength.
+    pub spencer_davis: Vec<(f64, f64)>,
 }
 
 /// Width (an estimate, for the names of events alone) and height of the frame, px.
@@ -52,6 +54,7 @@ pub fn figure(safety: &Safety, events: &[Event]) -> Figure {
     panel.add(line("infinite slope", GREEN, Dash::Dashed, &safety.infinite_slope));
     panel.add(line("Bishop", RED, Dash::DashDot, &safety.bishop));
     panel.add(line("Spencer", PURPLE, Dash::Dotted, &safety.spencer));
+    panel.add(line("Spencer, strength reduced after Davis", PURPLE, Dash::Dashed, &safety.spencer_davis));
     let both = |b: &&Bracket| b.low.is_finite() && b.high.is_finite();
     let ranges = safety.brackets.iter().filter(both).map(|b| Point::new(b.time_h, b.high).from(b.low));
     panel.add(Series::new("stands below, fails above", COMPUTED, Mark::Range, ranges));
@@ -111,8 +114,10 @@ pub fn write(safety: &Safety, events: &[Event], folder: &Path) -> Result<String,
     let infinite = safety.infinite_slope.iter().map(|(t, fs)| row("infinite slope", *t, *fs, *fs));
     let bishop = safety.bishop.iter().map(|(t, fs)| row("Bishop", *t, *fs, *fs));
     let spencer = safety.spencer.iter().map(|(t, fs)| row("Spencer", *t, *fs, *fs));
+    let davis = safety.spencer_davis.iter().map(|(t, fs)| row("Spencer, Davis", *t, *fs, *fs));
     let path = folder.join(format!("{}.csv", figure.name));
-    tables::table(&path, "method,time_h,fs_low,fs_high", brackets.chain(infinite).chain(bishop).chain(spencer))?;
+    let all = brackets.chain(infinite).chain(bishop).chain(spencer).chain(davis);
+    tables::table(&path, "method,time_h,fs_low,fs_high", all)?;
     write_drawn(&figure, folder)
 }
 
@@ -137,6 +142,7 @@ mod tests {
             infinite_slope: line(1.25, 0.13).collect(),
             bishop: line(1.45, 0.15).collect(),
             spencer: line(1.5, 0.15).collect(),
+            spencer_davis: line(1.3, 0.15).collect(),
         }
     }
 
