@@ -201,7 +201,7 @@ fn stress_paths(e: &Evidence) -> Judged {
     let count = e.paths.iter().map(|p| p.point).max()?;
     let used = (1..=count).filter_map(|number| {
         let path = || e.paths.iter().filter(move |p| p.point == number);
-        let (first, last) = (path().next()?, path().last()?);
+        let (first, last) = (path().next()?, path().next_back()?);
         let moved = (last.x_m - first.x_m).hypot(last.y_m - first.y_m) > MOVED;
         let later = path().filter(|p| p.time_h >= failure - SAME);
         let share = |t: f64, s: f64| {
