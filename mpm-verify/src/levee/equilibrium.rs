@@ -15,6 +15,8 @@ use crate::exact::slip_circle::water::Equipotentials;
 const DEPTH: f64 = 0.3;
 /// Water is at the toe when it is no further than this from it, m.
 const AT_TOE: f64 = 0.05;
+/// Less water than this (m3) is no outflow.
+const DROPS: f64 = 1e-4;
 
 /// Factors of safety with one strength of the soil.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -59,7 +61,8 @@ pub fn levee(plan: &Plan) -> Option<Levee> {
 pub fn factors(plan: &Plan, row: &Row) -> [Factors; 2] {
     let Some(levee) = levee(plan) else { return [Factors::default(); 2] };
     let line = phreatic(plan, row, site(&plan.scene).tank_m);
-    let at_toe = row.front_x_m >= plan.scene.width - AT_TOE;
+    // Water that leaves the slope does so from the toe up.
+    let at_toe = row.front_x_m >= plan.scene.width - AT_TOE || row.water_out_m3 > DROPS;
     let of = |strength: Strength| {
         let critical = |method| {
             let limits = levee.limits(DEPTH, method);
