@@ -85,8 +85,9 @@ fn flags_of_solve_change_the_scene_and_are_checked_with_it() {
     for count in ["accepted_steps", "rejected_steps", "factorisations", "solves"] {
         assert!(plain[count].is_u64(), "{count}: {}", plain[count]);
     }
-    let integrators =
-        "expected one of \"explicit\", \"semi-implicit\", \"quasi-static\", \"two-clocks\", found \"implicit\"";
+    let words =
+        ["explicit", "semi-implicit", "quasi-static", "two-clocks", "coupled"].map(|w| format!("{w:?}")).join(", ");
+    let integrators = format!("expected one of {words}, found \"implicit\"");
     let beside = "expected integrator = \"quasi-static\" beside it, found";
     for (flags, message) in [
         (vec!["--integrator", "implicit"], format!("--integrator: {integrators}")),
