@@ -312,11 +312,16 @@ impl<'a> Driver<'a> {
     /// # Errors
     /// Where and what went wrong.
     pub fn seep_only(&mut self, until: f64) -> Result<(), RunError> {
+        if until <= self.time {
+            return Ok(());
+        }
         let mut done = 0;
         let outcome = self.model.seep(until - self.time, &mut done);
         self.steps.seepage += done;
+        outcome.map_err(|e| self.failed(e))?;
         self.time = until;
-        outcome.map_err(|e| self.failed(e))
+        self.look();
+        Ok(())
     }
 
     fn seep(&mut self, until: f64) -> Result<(), RunError> {

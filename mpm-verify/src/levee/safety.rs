@@ -1,11 +1,11 @@
 //! The factor of safety over time: strength reduction on the state of a run, beside limit equilibrium with its water.
 //!
-//! Water seeps to a time, then the strength is divided by factors until the deep slide starts; the state is as before
+//! Water seeps to a time in soil that is held, whether or not it would stand; then the strength is divided by factors until the deep slide starts; the state is as before
 //! afterwards, and water goes on from it to the next time.
 
 use std::path::Path;
 
-use mpm_core::failure::{Driver, Phase, Row};
+use mpm_core::failure::{Driver, Row};
 use serde::{Deserialize, Serialize};
 
 use super::equilibrium::{self, Factors};
@@ -60,30 +60,17 @@ pub fn compute(plan: &Plan, times_h: &[f64], progress: &mut dyn FnMut(&str)) -> 
     driver.load().map_err(|e| e.to_string())?;
     let mut lines = Vec::new();
     for time in times {
-        seep_to(&mut driver, plan.seconds(time)).map_err(|e| e.to_string())?;
+        driver.seep_only(plan.seconds(time)).map_err(|e| e.to_string())?;
         let Some(row) = driver.rows.last().cloned() else {
             return Err("the levee does not stand before water seeps: it has no factor of safety".to_owned());
         };
         let factors = equilibrium::factors(plan, &row);
-        if driver.phase != Phase::Seepage && driver.phase != Phase::Ended {
-            progress(&format!("{time} h: soil moves since {:.4} h, no factor", row.time_h));
-            lines.push(line(time, [f64::NAN; 2], factors, (0, 0)));
-            continue;
-        }
         let mut tell =
             |b: &mpm_core::failure::Bracket| progress(&format!("{time} h: between {:.3} and {:.3}", b.low, b.high));
         let found = driver.safety(WITHIN, &mut tell).map_err(|e| e.to_string())?;
         lines.push(line(time, [found.low, found.high], factors, (found.trials, found.steps)));
     }
     Ok(lines)
-}
-
-/// Lets water seep to a time (s) in soil that rests.
-fn seep_to(driver: &mut Driver, until: f64) -> Result<(), mpm_core::error::RunError> {
-    while driver.time < until - 1e-9 && driver.end.is_none() && driver.phase == Phase::Seepage {
-        driver.advance(until)?;
-    }
-    Ok(())
 }
 
 fn line(time_h: f64, [fs_low, fs_high]: [f64; 2], factors: [Factors; 2], (trials, steps): (u32, u64)) -> Line {
@@ -155,7 +142,7 @@ pub fn shown(lines: &[Line]) -> Table {
     let row = |l: &Line| {
         let found = match l.fs_low.is_finite() {
             true => format!("{} to {}", short(l.fs_low, 4), short(l.fs_high, 4)),
-            false => "soil moves".to_owned(),
+            false => "none found".to_owned(),
         };
         vec![
             Cell::new(short(l.time_h, 4)),
