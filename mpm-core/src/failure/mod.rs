@@ -244,7 +244,8 @@ impl<'a> Driver<'a> {
         self.first = First::of(self.model.as_ref(), &self.outline, &self.failure.points);
         let water = self.model.observe().water.map_or(0.0, |w| w.mobile_m3 - w.in_m3 + w.out_m3);
         self.began = [self.model.ledger().kinetic_j, water];
-        let patience = self.patience(NEVER);
+        // A toe may give way a little and hold: what does not stand slides.
+        let patience = Patience { until: GivesUp::Failed, ..self.patience(GRAVITY) };
         let settled = settle(self.model.as_mut(), &self.first, &patience).map_err(|e| self.failed(e))?;
         self.steps.relaxing += settled.steps;
         if !settled.at_rest && !self.failure.goes_on {
@@ -269,6 +270,9 @@ impl<'a> Driver<'a> {
             (Integrator::TwoClocks, false) => Phase::Failing,
             _ => Phase::Together,
         };
+        if !at_rest {
+            self.events.unsettled(self.hours());
+        }
         self.look();
     }
 
