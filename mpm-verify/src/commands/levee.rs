@@ -12,7 +12,7 @@ use mpm_verify::levee::plan::{self, Plan};
 use mpm_verify::levee::run::{Ended, FollowError, Hooks, follow};
 use mpm_verify::levee::summary::Summary;
 use mpm_verify::levee::variants::{self, Variant};
-use mpm_verify::levee::{safety, sensitivity, ticker, written};
+use mpm_verify::levee::{drivers, safety, sensitivity, ticker, written};
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 use mpm_verify::report::ReportError;
@@ -59,10 +59,13 @@ pub struct Options {
     /// Run every variant of the scene as well
     #[arg(long)]
     sensitivity: bool,
+    /// Compare the drivers as well, from a common state shortly before the failure: what they predict, what they cost
+    #[arg(long)]
+    compare_drivers: bool,
     /// With --sensitivity: those that take long, too
     #[arg(long, requires = "sensitivity")]
     full: bool,
-    /// Only what --safety-factor and --sensitivity ask for: no run, no page
+    /// Only what --safety-factor, --sensitivity and --compare-drivers ask for: no run, no page
     #[arg(long)]
     no_run: bool,
     /// Write no files for ParaView
@@ -102,6 +105,11 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     }
     if options.sensitivity {
         vary(options, common, &folder)?;
+    }
+    if options.compare_drivers {
+        let progress = Progress::new("drivers", common.quiet);
+        let lines = drivers::compute(&plan, &mut |text| progress.line(text)).map_err(Failure::RunFailed)?;
+        drivers::write(&lines, &folder).map_err(lost)?;
     }
     if options.no_run { Ok(()) } else { one(options, common, &plan, &folder) }
 }

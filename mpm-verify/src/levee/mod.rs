@@ -10,6 +10,7 @@
 pub mod assumptions;
 pub mod checkpoint;
 pub mod claims;
+pub mod drivers;
 pub mod equilibrium;
 pub mod figures;
 pub mod moments;

@@ -36,7 +36,7 @@ struct Page {
 }
 
 /// Files that the page links to where they are there.
-const FILES: [&str; 9] = [
+const FILES: [&str; 10] = [
     "summary.json",
     "history.csv",
     "events.csv",
@@ -44,6 +44,7 @@ const FILES: [&str; 9] = [
     "claims.csv",
     "safety_factor.csv",
     "sensitivity.csv",
+    "drivers.csv",
     "frames.bin",
     "vtk/solid.pvd",
 ];

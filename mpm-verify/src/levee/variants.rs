@@ -39,11 +39,12 @@ const SLIP: &str = "slip distance of the base";
 const NORMAL: &str = "stress on the base";
 const K: &str = "conductivity";
 const MOISTURE: &str = "saturation at the start";
+const DILATION: &str = "angle of dilation";
 const MESH: &str = "edge of a cell";
 const PPC: &str = "particles per cell";
 
 /// All of them. Two and two with the same `what` are the bars of one input, the smaller value first.
-pub const VARIANTS: [Variant; 23] = [
+pub const VARIANTS: [Variant; 26] = [
     variant("profile-line", PROFILE, "line", Change::Edit(|s| wet(s, &line()))),
     variant("profile-parabola", PROFILE, "parabola", Change::Edit(|s| wet(s, &parabola()))),
     variant("feed-6e-6", FEED, "6e-6 m/s", Change::Edit(|s| velocity(s, 6.0e-6))),
@@ -59,15 +60,24 @@ pub const VARIANTS: [Variant; 23] = [
     variant("normal-total", NORMAL, "total", Change::Edit(|s| pressed(s, NormalStress::Total))),
     variant("k-3.0e-5", K, "3e-5 m/s", Change::Edit(|s| conducts(s, 3.0e-5))),
     variant("k-1.5e-4", K, "1.5e-4 m/s", Change::Edit(|s| conducts(s, 1.5e-4))),
+    variant("saturation-0", MOISTURE, "0", Change::Edit(|s| moist(s, 0.0))),
     variant("saturation-0.15", MOISTURE, "0.15", Change::Edit(|s| moist(s, 0.15))),
     variant("saturation-0.3", MOISTURE, "0.3", Change::Edit(|s| moist(s, 0.3))),
     variant("saturation-0.5", MOISTURE, "0.5", Change::Edit(|s| moist(s, 0.5))),
     variant("saturation-0.7", MOISTURE, "0.7", Change::Edit(|s| moist(s, 0.7))),
+    variant("dilation-15", DILATION, "15°", Change::Edit(|s| dilates(s, 15.0))),
+    variant("dilation-30", DILATION, "30°", Change::Edit(|s| dilates(s, 30.0))),
     variant("mesh-0.2", MESH, "0.2 m", Change::Mesh(0.2)),
     variant("mesh-0.4", MESH, "0.4 m", Change::Mesh(0.4)),
     Variant { long: true, ..variant("mesh-0.1", MESH, "0.1 m", Change::Mesh(0.1)) },
     variant("ppc-4", PPC, "4", Change::Particles(4)),
 ];
+
+fn dilates(scene: &mut Scene, angle: f64) {
+    if let Some(strength) = &mut scene.strength {
+        strength.dilation_angle = angle;
+    }
+}
 
 /// A variant by name.
 pub fn named(name: &str) -> Option<&'static Variant> {

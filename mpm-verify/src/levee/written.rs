@@ -8,7 +8,7 @@ use super::page::{self, Parts};
 use super::plan::Plan;
 use super::run::Followed;
 use super::summary::Summary;
-use super::{figures, safety, sensitivity, tables};
+use super::{drivers, figures, safety, sensitivity, tables};
 use crate::frames;
 use crate::report::{ReportError, animation, save, unwritable, vtk};
 
@@ -52,6 +52,10 @@ pub fn write(plan: &Plan, run: &Followed, summary: &Summary, with_vtk: bool, fol
     animation::write(&format!("The levee fails: {}", scene.name), &site, &run.shots, &folder.join("failure.html"))?;
     if with_vtk {
         vtk::write(&run.shots, &folder.join("vtk"))?;
+    }
+    let drivers = drivers::read(folder);
+    if !drivers.is_empty() {
+        further.push(drivers::shown(&drivers));
     }
     page::write(Parts { plan, run, summary, claims: &claims, pictures: &pictures, further }, folder)
 }

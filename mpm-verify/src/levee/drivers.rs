@@ -1,0 +1,183 @@
+//! The drivers side by side: from a common state shortly before failure, what each predicts and what its steps cost.
+//!
+//! Two clocks run to a time before the failure; from there each driver goes on by itself until the soil rests. The cost of a whole
+//! run by the paper's explicit step is that of its own steps here times the number a whole run takes: extrapolated, not run.
+
+use std::path::Path;
+
+use cpu_time::ThreadTime;
+use mpm_core::failure::Driver;
+use mpm_core::scene::{Integrator, Scene};
+use mpm_core::stability::stable_limit;
+use serde::{Deserialize, Serialize};
+
+use super::plan::{Plan, driver_word};
+use crate::report::content::table::{Cell, Table, table};
+use crate::report::numbers::short;
+use crate::report::{ReportError, unwritable};
+
+/// Name of the table in the folder of a run.
+pub const NAME: &str = "drivers.csv";
+/// The paper's time increment for the levee (Table 3), s.
+const PAPER_STEP: f64 = 1.0e-4;
+/// Share of the limit that it keeps to on finer meshes.
+const SAFETY: f64 = 0.5;
+/// The common state is so long before the failure that two clocks find, h.
+const BEFORE: f64 = 0.01;
+/// A driver that has not seen failure so long after is given up, h.
+const AFTER: f64 = 0.2;
+
+/// What a driver came to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Line {
+    /// Its word.
+    pub driver: String,
+    /// Time of the common state, h.
+    pub from_h: f64,
+    /// Step of the soil, s.
+    pub dt_s: f64,
+    /// E2, h.
+    pub failure_start_h: Option<f64>,
+    /// E3, h.
+    pub rapid_failure_h: Option<f64>,
+    /// Toe at the end, m.
+    pub toe_x_m: f64,
+    /// Settlement of the crest at the end, m.
+    pub crest_settlement_m: f64,
+    /// Steps of soil and water from the common state on.
+    pub steps: u64,
+    /// CPU time of these, s.
+    pub cpu_s: f64,
+    /// CPU time of a step, s.
+    pub cpu_per_step_s: f64,
+    /// CPU time from the start of the scene to the end, s: measured by two clocks, steps times cost of a step for the others.
+    pub whole_cpu_s: f64,
+    /// That over the one of two clocks.
+    pub times_two_clocks: f64,
+    /// Why it ended early, if it did.
+    pub trouble: String,
+}
+
+/// Runs the drivers one after the other.
+///
+/// # Errors
+/// A scene that does not stand or does not fail, or what went wrong before the common state.
+pub fn compute(plan: &Plan, tell: &mut dyn FnMut(&str)) -> Result<Vec<Line>, String> {
+    let scene = Scene { integrator: Integrator::TwoClocks, ..plan.scene.clone() };
+    let mut driver = Driver::new(&scene).map_err(|e| e.to_string())?;
+    let clock = ThreadTime::now();
+    driver.load().map_err(|e| e.to_string())?;
+    if driver.rows.is_empty() {
+        return Err("the levee does not stand before water seeps: there is no state to compare drivers from".to_owned());
+    }
+    while driver.end.is_none() {
+        driver.advance(f64::INFINITY).map_err(|e| e.to_string())?;
+    }
+    let whole = clock.elapsed().as_secs_f64();
+    let Some(first) = driver.events.unsettled_h.or(driver.events.failure_h) else {
+        return Err(format!("the levee has not failed at {:.2} h: there is no failure to compare", driver.hours()));
+    };
+    let ended = driver.time;
+    tell(&format!("two clocks: soil moves from {first:.4} h"));
+    let from_h = first - BEFORE;
+    let mut driver = Driver::new(&scene).map_err(|e| e.to_string())?;
+    driver.load().map_err(|e| e.to_string())?;
+    let from = plan.seconds(from_h);
+    while driver.time < from {
+        driver.advance(from).map_err(|e| e.to_string())?;
+    }
+    let state = driver.kept();
+    let mut lines = Vec::new();
+    for integrator in [Integrator::TwoClocks, Integrator::Coupled, Integrator::Explicit] {
+        driver.take_up(state.clone()).map_err(|e| e.to_string())?;
+        let dt = if integrator == Integrator::Explicit {
+            PAPER_STEP.min(SAFETY * stable_limit(&Scene { integrator, ..scene.clone() }))
+        } else {
+            driver.dt
+        };
+        driver.drive_by(integrator, dt);
+        lines.push(one(&mut driver, integrator, plan.seconds(from_h + AFTER), from_h));
+        let line = &lines[lines.len() - 1];
+        tell(&format!("{}: failure at {:?} h, {:.1} s", line.driver, line.failure_start_h, line.cpu_s));
+    }
+    for line in &mut lines {
+        let two = line.driver == driver_word(Integrator::TwoClocks);
+        line.whole_cpu_s = if two { whole } else { ended / line.dt_s * line.cpu_per_step_s };
+        line.times_two_clocks = line.whole_cpu_s / whole;
+    }
+    Ok(lines)
+}
+
+fn one(driver: &mut Driver, integrator: Integrator, until: f64, from_h: f64) -> Line {
+    let (clock, first) = (ThreadTime::now(), driver.steps.all());
+    let mut trouble = String::new();
+    while driver.end.is_none() && driver.time < until {
+        if let Err(e) = driver.advance(f64::INFINITY) {
+            trouble = e.to_string();
+            break;
+        }
+    }
+    let (cpu_s, steps) = (clock.elapsed().as_secs_f64(), driver.steps.all() - first);
+    let last = driver.rows.last();
+    Line {
+        driver: driver_word(integrator).to_owned(),
+        from_h,
+        dt_s: driver.dt,
+        failure_start_h: driver.events.failure_h,
+        rapid_failure_h: driver.events.collapse_h,
+        toe_x_m: last.map_or(f64::NAN, |row| row.toe_x_m),
+        crest_settlement_m: last.map_or(f64::NAN, |row| row.crest_settlement_m),
+        steps,
+        cpu_s,
+        cpu_per_step_s: cpu_s / steps.max(1) as f64,
+        whole_cpu_s: 0.0,
+        times_two_clocks: 0.0,
+        trouble,
+    }
+}
+
+/// Writes the table.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(lines: &[Line], folder: &Path) -> Result<(), ReportError> {
+    let path = folder.join(NAME);
+    let mut writer = csv::Writer::from_path(&path).map_err(|e| unwritable(&path, e))?;
+    for line in lines {
+        writer.serialize(line).map_err(|e| unwritable(&path, e))?;
+    }
+    writer.flush().map_err(|e| unwritable(&path, e))
+}
+
+/// The table of a folder; empty if there is none.
+pub fn read(folder: &Path) -> Vec<Line> {
+    let reader = csv::Reader::from_path(folder.join(NAME));
+    reader.map(|mut reader| reader.deserialize().filter_map(Result::ok).collect()).unwrap_or_default()
+}
+
+/// A table for the page.
+pub fn shown(lines: &[Line]) -> Table {
+    let head =
+        ["driver", "failure (h)", "rapid (h)", "toe (m)", "crest (m)", "per step (µs)", "whole run (s)", "times"];
+    let hours = |time: Option<f64>| time.map_or_else(|| "–".to_owned(), |h| short(h, 6));
+    let row = |l: &Line| {
+        vec![
+            Cell::new(l.driver.clone()).marked(format!("steps of {} s", short(l.dt_s, 3)), ""),
+            Cell::new(hours(l.failure_start_h)),
+            Cell::new(hours(l.rapid_failure_h)),
+            Cell::new(short(l.toe_x_m, 4)),
+            Cell::new(short(l.crest_settlement_m, 3)),
+            Cell::new(short(1e6 * l.cpu_per_step_s, 3)),
+            Cell::new(short(l.whole_cpu_s, 3)),
+            Cell::new(short(l.times_two_clocks, 3)),
+        ]
+    };
+    let from = lines.first().map_or(0.0, |l| l.from_h);
+    let note = format!(
+        "From a common state at {} h, {} h before two clocks see the soil move. CPU time; that of a whole run is measured for two \
+         clocks, and for the others the cost of a step here times the steps that a whole run would take: extrapolated.",
+        short(from, 6),
+        BEFORE
+    );
+    table("Drivers".to_owned(), &head, lines.iter().map(row).collect(), &note)
+}
