@@ -9,7 +9,7 @@ use crate::step::Failing;
 
 /// Water is at the toe when it is no further than this from it, m, or than this share of a cell: the soil of the last cell tapers
 /// off, and on a coarse mesh its water comes no nearer however much of it leaves.
-const AT_TOE: [f64; 2] = [0.05, 0.5];
+const AT_TOE: [f64; 2] = [0.05, 0.375];
 /// Less water than this (m3) is no outflow.
 const FIRST_DROPS: f64 = 1e-4;
 

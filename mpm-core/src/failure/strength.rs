@@ -89,6 +89,8 @@ fn search(
         if !(has_low && has_high) {
             stride *= 2.0;
         }
+        // Sums of strides that print as they are meant.
+        factor = (1e9 * factor).round() / 1e9;
     }
     Ok(bracket)
 }
