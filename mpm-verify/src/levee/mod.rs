@@ -5,7 +5,8 @@
 //! 2. [`run`]: follows it. [`moments`]: when frames are taken. [`checkpoint`]: a state on disk, to go on from.
 //! 3. [`tables`], [`summary`]: what it came to. [`claims`]: the paper's statements, judged by rules.
 //! 4. [`safety`]: the factor of safety over time, beside [`equilibrium`] with the same water. [`sensitivity`]: all variants.
-//! 5. [`figures`], [`assumptions`], [`page`], [`written`]: what is left in a folder. [`ticker`]: what is said on the way.
+//! 5. [`operators`]: the paper's Darcy operator beside the default, on the levee's own full cells.
+//! 6. [`figures`], [`assumptions`], [`page`], [`written`]: what is left in a folder. [`ticker`]: what is said on the way.
 
 pub mod assumptions;
 pub mod checkpoint;
@@ -14,6 +15,7 @@ pub mod drivers;
 pub mod equilibrium;
 pub mod figures;
 pub mod moments;
+pub mod operators;
 pub mod page;
 pub mod plan;
 pub mod run;
