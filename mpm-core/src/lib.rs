@@ -9,12 +9,14 @@
 //! 3. [`real`], [`dimension`], [`shape`], [`stencil`]: one number or many at once; one dimension and plane strain; where
 //!    linear functions are evaluated, and wider ones.
 //! 4. [`sparse`], [`envelope`]: symmetric systems. [`constitutive`], [`water`], [`boundary`]: the physics; `water/free_surface` is
-//!    water that wets dry soil.
+//!    water that wets dry soil. In soil that moves, `water/carried.rs` is what the two are to each other in a step,
+//!    `water/free_surface/moving.rs` the pressures that follow, `water/free_surface/carry.rs` the water that goes with its soil.
 //! 5. [`space`]: function spaces and particle weights of the quasi-static integrator.
 //! 6. [`step`]: one time step. `step/explicit.rs` is the paper's Figure 1, `step/lanes` the same with many cells at once
 //!    and on several threads, `step/skeleton.rs` over stencils, `step/semi_implicit.rs` with the pressure implicit;
 //!    [`step::quasi_static`] leaves inertia out; `step/two_clocks.rs` lets water seep for hours and soil move for seconds.
-//! 7. [`stability`], [`drive`]: how long a step may be; stages and times.
+//! 7. [`stability`], [`drive`]: how long a step may be; stages and times. [`failure`]: soil that water makes fail, from gravity
+//!    to the shape that is left, with its events and factors of safety. [`keep`]: state that is taken up again to the last bit.
 //! 8. [`observe`]: what is read from a run, and its ledgers.
 //! 9. [`hardware`], [`run`]: what a run may use of the machine; the switchboard from words to types.
 //!

@@ -29,7 +29,7 @@ pub struct Options {
     /// A scene file, or the name of a built-in scene
     #[arg(long, value_name = "FILE", default_value = "levee")]
     scene: String,
-    /// In place of the scene's driver: two-clocks, coupled or explicit
+    /// How soil and water are driven, in place of the scene's integrator: two-clocks, coupled or explicit
     #[arg(long, value_name = "WORD")]
     driver: Option<String>,
     /// In place of the scene's edge of a cell, m
@@ -47,7 +47,7 @@ pub struct Options {
     /// End here, h on the clock of the scene
     #[arg(long, value_name = "H")]
     until: Option<f64>,
-    /// Two clocks up to here, h; then the driver
+    /// Two clocks up to here, h on the clock of the scene; then coupled or explicit, as --driver says
     #[arg(long, value_name = "H")]
     from: Option<f64>,
     /// Go on from the checkpoint of a run that was stopped
@@ -56,7 +56,7 @@ pub struct Options {
     /// Factor of safety at these times, h on the clock of the scene: strength reduction and limit equilibrium
     #[arg(long, value_name = "T", value_delimiter = ',')]
     safety_factor: Vec<f64>,
-    /// Run every variant of the scene as well
+    /// Run every variant of the scene as well: sensitivity.csv, and bars on the page
     #[arg(long)]
     sensitivity: bool,
     /// Compare the drivers as well, from a common state shortly before the failure: what they predict, what they cost
