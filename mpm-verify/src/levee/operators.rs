@@ -312,8 +312,7 @@ pub fn compare(shot: &Shot, unit_weight: f64) -> Option<Compared> {
     let frame = &shot.frame;
     let region = Region::of(frame);
     let source = region.innermost()?;
-    let rise: Vec<f64> =
-        (0..frame.cell.len()).map(|cell| unit_weight * frame.size * region.middle(cell)[1]).collect();
+    let rise: Vec<f64> = (0..frame.cell.len()).map(|cell| unit_weight * frame.size * region.middle(cell)[1]).collect();
     let given: Vec<f64> = frame.cell.iter().zip(&rise).map(|(cell, rise)| cell.pressure + rise).collect();
     let nothing = vec![0.0; given.len()];
     let one = region.solve(Operator::Face, &nothing, Some((source, 1.0)))?[source];
