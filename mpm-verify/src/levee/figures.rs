@@ -6,15 +6,18 @@ use mpm_core::failure::{Events, PathPoint, Row};
 use mpm_core::scene::{Feed, Scene};
 
 use super::moments::{self, EVENTS, times};
+use super::operators::{self as both, Compared};
 use super::plan::Plan;
 use super::run::Followed;
 use crate::frames::Shot;
 use crate::report::ReportError;
+use crate::report::numbers::{percent, short};
 use crate::report::plots::figure::Figure;
 use crate::report::plots::levee::changes::{self, Shown};
 use crate::report::plots::levee::histories::{self, Trace, Track, Zoom};
+use crate::report::plots::levee::operators::{self, FullCell, Responses};
 use crate::report::plots::levee::paths::{self, Strength, StressPath};
-use crate::report::plots::levee::{Event, Site, initial, points};
+use crate::report::plots::levee::{Event, Site, clock, initial, points};
 use crate::report::quantity::{PRESSURE, STRAIN};
 
 /// A picture with the text of its SVG.
@@ -92,6 +95,12 @@ pub fn write(plan: &Plan, run: &Followed, folder: &Path) -> Result<Vec<Picture>,
         let figures = [paths::figure(&paths, strength, failure_s), paths::each(&paths, strength, failure_s)];
         all.extend(figures.into_iter().zip(drawn).map(|(figure, svg)| Picture { figure, svg }));
     }
+    if let Some(compared) = both::of(&plan.scene, run) {
+        let shown = responses(&compared);
+        let figure = operators::figure(&site, &shown);
+        let svg = operators::write(&figure, &shown, folder)?;
+        all.push(Picture { figure, svg });
+    }
     if run.rows.len() > 1 {
         let (tracks, events) = (tracks(&run.rows, plan.levels()), events(&run.events));
         let zoom = zoom(run);
@@ -133,6 +142,59 @@ fn stress_paths(all: &[PathPoint]) -> Vec<StressPath> {
     (1..=count).map(path).collect()
 }
 
+/// Both responses to a point source, with what was found.
+fn responses(compared: &Compared) -> Responses {
+    let Compared { numbers, region, size, response } = compared;
+    let cell = |cell: usize| FullCell {
+        x: region.middle(cell).map(|x| x * size),
+        known: region.known[cell],
+        response: [0, 1].map(|k| 1e-3 * response[k][cell]),
+    };
+    let [alone, with] = [numbers.index_of_response, numbers.index_with_source].map(|pair| pair.map(percent));
+    let modes = match (numbers.checkerboard_modes, numbers.least_resistance) {
+        (Some(modes), Some(least)) => format!(
+            " Of its {} modes the nodal operator resists {modes} by less than {} % of what the face operator does, \
+             the weakest by {} %.",
+            numbers.unknown_cells,
+            percent(both::WEAK),
+            percent(least)
+        ),
+        _ => String::new(),
+    };
+    let finer: String = numbers
+        .finer
+        .iter()
+        .map(|finer| {
+            let [face, nodal] = finer.index_of_response.map(percent);
+            format!(" In the same outline with cells of {} m: {face} % and {nodal} %.", short(finer.cell_m, 2))
+        })
+        .collect();
+    let caption = format!(
+        "The {} full cells at {}, the last frame before failure; the head is known in those beside the tank and beside cells \
+         that are not full, and the base is tight. Steady flow with a source that adds {} kPa to its own cell under the face \
+         operator. Checkerboard index of what it adds: {} % under the face operator, {} % under the nodal one; of the whole \
+         pore pressure: {} % and {} %. The nodal operator ties a cell to its diagonal \
+         neighbours alone, and along the base to those beside it.{modes}{finer}",
+        numbers.full_cells,
+        clock(3600.0 * numbers.time_h),
+        1e-3 * both::LIFT,
+        alone[0],
+        alone[1],
+        with[0],
+        with[1]
+    );
+    Responses {
+        cells: region.all().map(cell).collect(),
+        size: *size,
+        source: numbers.source_m,
+        index: numbers.index_of_response,
+        caption,
+    }
+}
+
+/// What the checkerboard index and the share of motion in hourglass modes should stay below.
+const LIMITS: [f64; 2] = [0.01, 0.05];
+
 fn tracks(rows: &[Row], levels: &[f64]) -> Vec<Track> {
     let trace = |name: &str, of: &dyn Fn(&Row) -> f64| Trace {
         name: name.to_owned(),
@@ -159,6 +221,23 @@ fn tracks(rows: &[Row], levels: &[f64]) -> Vec<Track> {
         track("strain", false, vec![trace("largest deviator strain", &|r| r.deviator_strain)]),
         track("speed (m/s)", true, vec![trace("fastest particle", &above(1e-6, |r| r.speed_m_s))]),
     ];
+    let ends = [rows.first(), rows.last()].into_iter().flatten().map(|row| 3600.0 * row.time_h);
+    let limit = |share: f64| Trace {
+        name: format!("limit {} %", 100.0 * share),
+        points: ends.clone().map(|time| (time, 100.0 * share)).collect(),
+    };
+    // In percent.
+    let least = 1e-4;
+    all.push(track(
+        "checkerboard (%)",
+        true,
+        vec![trace("checkerboard index", &|r| (100.0 * r.checkerboard).max(least)), limit(LIMITS[0])],
+    ));
+    all.push(track(
+        "hourglass (%)",
+        true,
+        vec![trace("motion in hourglass modes", &|r| (100.0 * r.hourglass).max(least)), limit(LIMITS[1])],
+    ));
     all.retain(|track| !track.lines.is_empty());
     all
 }

@@ -32,7 +32,9 @@ pub const LIFT: f64 = 1000.0;
 /// A mode is a checkerboard mode if the nodal operator resists it by less than this share of what the face operator does.
 pub const WEAK: f64 = 0.1;
 /// Modes of more cells are not counted: the work grows with the third power.
-const MOST: usize = 1200;
+const MOST: usize = 400;
+/// Into how many cells along each side those of the run are split, to see what a finer mesh does.
+const SPLITS: [usize; 2] = [2, 4];
 
 /// How Darcy's law couples cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,6 +93,29 @@ impl Region {
     /// That of a frame, its left side fed.
     pub fn of(frame: &Frame) -> Self {
         Self::new(frame.cells, frame.cell.iter().map(|c| c.soil > FULL && c.saturation > FULL).collect(), true)
+    }
+
+    /// The same outline with every cell split into `n` by `n`.
+    pub fn split(&self, n: usize, fed: bool) -> Self {
+        let cells = self.cells.map(|k| n * k);
+        let full = |cell: usize| self.full[cell / cells[0] / n * self.cells[0] + cell % cells[0] / n];
+        Self::new(cells, (0..cells[0] * cells[1]).map(full).collect(), fed)
+    }
+
+    /// What a source in the innermost cell adds under both operators, Pa: [`LIFT`] there under the face operator.
+    fn responses(&self) -> Option<(usize, [Vec<f64>; 2])> {
+        let source = self.innermost()?;
+        let nothing = vec![0.0; self.full.len()];
+        let one = self.solve(Operator::Face, &nothing, Some((source, 1.0)))?[source];
+        let response = |operator| self.solve(operator, &nothing, Some((source, LIFT / one)));
+        Some((source, [response(Operator::Face)?, response(Operator::Nodal)?]))
+    }
+
+    /// How many modes the nodal operator hardly resists, and the least resistance of all.
+    fn weak(&self) -> (Option<usize>, Option<f64>) {
+        let all = self.resistances();
+        let count = all.as_ref().map(|all| all.iter().filter(|r| **r < WEAK).count());
+        (count, all.and_then(|all| all.first().copied()))
     }
 
     /// The full cells.
@@ -245,12 +270,13 @@ impl Region {
         if blocks > 0 && mean > 0.0 { uneven / f64::from(blocks) / (mean / f64::from(cells)) } else { 0.0 }
     }
 
-    /// The unknown cell furthest from the known ones, in steps over faces; the first of several.
+    /// The unknown cell furthest from the known ones and from walls, in steps over faces; the first of several.
     pub fn innermost(&self) -> Option<usize> {
         let far = |cell: &usize| {
             let [x, y] = self.middle(*cell);
             let known = self.all().filter(|c| self.known[*c]).map(|c| self.middle(c));
-            known.map(|k| ((k[0] - x).abs() + (k[1] - y).abs()) as usize).min()
+            let walls = [x, y, self.cells[0] as f64 - x, self.cells[1] as f64 - y].map(|d| (d + 0.5) as usize);
+            known.map(|k| ((k[0] - x).abs() + (k[1] - y).abs()).round() as usize).chain(walls).min()
         };
         self.unknown.iter().copied().min_by_key(|cell| std::cmp::Reverse(far(cell)))
     }
@@ -280,6 +306,23 @@ pub struct Numbers {
     /// Modes that the nodal operator resists by less than a tenth of what the face operator does.
     pub checkerboard_modes: Option<usize>,
     /// The least such resistance, as a share.
+    pub least_resistance: Option<f64>,
+    /// The same outline with cells of a half and a quarter of the size, with a source in the innermost of them.
+    pub finer: Vec<Finer>,
+}
+
+/// The same outline with smaller cells. Pairs: face operator, nodal operator.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Finer {
+    /// Edge of a cell, m.
+    pub cell_m: f64,
+    /// Cells without a given head.
+    pub unknown_cells: usize,
+    /// Checkerboard index of what a source adds.
+    pub index_of_response: [f64; 2],
+    /// As in [`Numbers`]; not counted on too many cells.
+    pub checkerboard_modes: Option<usize>,
+    /// As in [`Numbers`].
     pub least_resistance: Option<f64>,
 }
 
@@ -311,35 +354,45 @@ pub fn of(scene: &Scene, run: &Followed) -> Option<Compared> {
 pub fn compare(shot: &Shot, unit_weight: f64) -> Option<Compared> {
     let frame = &shot.frame;
     let region = Region::of(frame);
-    let source = region.innermost()?;
     let rise: Vec<f64> = (0..frame.cell.len()).map(|cell| unit_weight * frame.size * region.middle(cell)[1]).collect();
     let given: Vec<f64> = frame.cell.iter().zip(&rise).map(|(cell, rise)| cell.pressure + rise).collect();
-    let nothing = vec![0.0; given.len()];
-    let one = region.solve(Operator::Face, &nothing, Some((source, 1.0)))?[source];
-    let solved = |operator| {
-        let response = region.solve(operator, &nothing, Some((source, LIFT / one)))?;
+    let (source, responses) = region.responses()?;
+    let solved = |operator, response: &[f64]| {
         let head = region.solve(operator, &given, None)?;
         let steady: Vec<f64> = head.iter().zip(&rise).map(|(head, rise)| head - rise).collect();
-        let lifted: Vec<f64> = steady.iter().zip(&response).map(|(a, b)| a + b).collect();
-        Some((response, steady, lifted))
+        let lifted: Vec<f64> = steady.iter().zip(response).map(|(a, b)| a + b).collect();
+        Some((steady, lifted))
     };
-    let both = [solved(Operator::Face)?, solved(Operator::Nodal)?];
+    let both = [solved(Operator::Face, &responses[0])?, solved(Operator::Nodal, &responses[1])?];
     let own: Vec<f64> = frame.cell.iter().map(|cell| cell.pressure).collect();
-    let resistances = region.resistances();
+    let (checkerboard_modes, least_resistance) = region.weak();
+    let finer = |n: usize| {
+        let split = region.split(n, true);
+        let (_, responses) = split.responses()?;
+        let (checkerboard_modes, least_resistance) = split.weak();
+        Some(Finer {
+            cell_m: frame.size / n as f64,
+            unknown_cells: split.unknown(),
+            index_of_response: responses.each_ref().map(|response| split.index(response)),
+            checkerboard_modes,
+            least_resistance,
+        })
+    };
     let numbers = Numbers {
         time_h: shot.hours(),
         full_cells: region.all().count(),
         unknown_cells: region.unknown(),
         source_m: region.middle(source).map(|x| x * frame.size),
         index_of_the_run: region.index(&own),
-        index_without_source: both.each_ref().map(|(_, steady, _)| region.index(steady)),
-        index_with_source: both.each_ref().map(|(_, _, lifted)| region.index(lifted)),
-        index_of_response: both.each_ref().map(|(response, _, _)| region.index(response)),
-        response_kpa: both.each_ref().map(|(response, _, _)| 1e-3 * response.iter().copied().fold(0.0, f64::max)),
-        checkerboard_modes: resistances.as_ref().map(|all| all.iter().filter(|r| **r < WEAK).count()),
-        least_resistance: resistances.and_then(|all| all.first().copied()),
+        index_without_source: both.each_ref().map(|(steady, _)| region.index(steady)),
+        index_with_source: both.each_ref().map(|(_, lifted)| region.index(lifted)),
+        index_of_response: responses.each_ref().map(|response| region.index(response)),
+        response_kpa: responses.each_ref().map(|response| 1e-3 * response.iter().copied().fold(0.0, f64::max)),
+        checkerboard_modes,
+        least_resistance,
+        finer: SPLITS.into_iter().filter_map(finer).collect(),
     };
-    Some(Compared { numbers, size: frame.size, region, response: both.map(|(response, _, _)| response) })
+    Some(Compared { numbers, size: frame.size, region, response: responses })
 }
 
 #[cfg(test)]

@@ -156,6 +156,8 @@ fn numbers(s: &Summary) -> Vec<Table> {
         other("ledger of energies: largest gap", s.energy_error, "share"),
         other("stress outside the yield surface", s.yield_residual_max, "share"),
         other("checkerboard index of the pore pressure", s.checkerboard_index_max, "–"),
+        other("the same, steady with a point source, faces (default)", s.checkerboard_face_operator, "–"),
+        other("the same, the paper's nodal operator", s.checkerboard_nodal_operator, "–"),
         other("motion in hourglass modes", s.hourglass_ratio_max, "share"),
         count("steps of the water", s.steps_seepage),
         count("steps of soil that comes to rest", s.steps_relaxing),
@@ -166,7 +168,12 @@ fn numbers(s: &Summary) -> Vec<Table> {
                   than 0.3 m, has moved more than 5 cm. E3: 5 % has moved more than 0.5 m.";
     vec![
         table("What happened".to_owned(), &head, happened, events),
-        table("How sound it is".to_owned(), &head, sound, "Largest over the whole run."),
+        table(
+            "How sound it is".to_owned(),
+            &head,
+            sound,
+            "Largest over the whole run; the two of a point source on the last frame before failure.",
+        ),
     ]
 }
 

@@ -3,6 +3,7 @@
 use mpm_core::failure::Row;
 use serde::{Deserialize, Serialize};
 
+use super::operators::{self, Numbers};
 use super::plan::{Plan, driver_word};
 use super::run::Followed;
 use crate::manifest::Manifest;
@@ -44,6 +45,13 @@ pub struct Summary {
     pub yield_residual_max: Option<f64>,
     /// Largest checkerboard index of the pore pressure.
     pub checkerboard_index_max: Option<f64>,
+    /// Checkerboard index of the steady pore pressure with a point source under the paper's nodal operator, on the full
+    /// cells of the last frame before failure.
+    pub checkerboard_nodal_operator: Option<f64>,
+    /// The same under the operator of the run, through faces.
+    pub checkerboard_face_operator: Option<f64>,
+    /// All that was found about both operators there.
+    pub operators: Option<Numbers>,
     /// Largest share of the motion in hourglass modes.
     pub hourglass_ratio_max: Option<f64>,
     /// Largest change of the dry mass, as a share of it.
@@ -101,6 +109,7 @@ impl Summary {
         let share = |gap: Option<f64>, whole: f64| gap.filter(|_| whole > 0.0).map(|gap| gap / whole);
         let end_h = last.map(|r| r.time_h);
         let lasts = |from: Option<f64>| from.zip(end_h).map(|(from, end)| 3600.0 * (end - from));
+        let operators = operators::of(&plan.scene, run).map(|compared| compared.numbers);
         let there = |value: f64| last.map(|_| value);
         Self {
             failure_start_h: events.failure_h,
@@ -120,6 +129,9 @@ impl Summary {
             max_deviator_strain: most(|r| r.deviator_strain),
             yield_residual_max: most(|r| r.yield_residual),
             checkerboard_index_max: most(|r| r.checkerboard),
+            checkerboard_nodal_operator: operators.as_ref().map(|o| o.index_with_source[1]),
+            checkerboard_face_operator: operators.as_ref().map(|o| o.index_with_source[0]),
+            operators,
             hourglass_ratio_max: most(|r| r.hourglass),
             solid_mass_error: share(most(|r| r.solid_closing_kg.abs()), run.mass_kg),
             water_ledger_error: share(most(|r| r.water_closing_m3.abs()), water.unwrap_or(0.0)),

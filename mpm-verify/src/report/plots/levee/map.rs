@@ -113,9 +113,14 @@ pub fn level(frame: &Frame) -> Vec<(f64, f64)> {
 }
 
 /// The colour bar of a quantity, to stand in a row of its own.
-pub fn bar(quantity: Quantity, (low, high): (f64, f64), row: usize) -> Panel {
-    let scale = Axis::linear("", quantity.column).range(low, high);
-    let mut bar = Panel { row, height: Some(13.0), ..Panel::new(quantity.label, scale, bare(0.0, 1.0)) };
+pub fn bar(quantity: Quantity, range: (f64, f64), row: usize) -> Panel {
+    scale(quantity.label, quantity.column, range, row)
+}
+
+/// A colour bar with its words, to stand in a row of its own.
+pub fn scale(label: &str, column: &'static str, (low, high): (f64, f64), row: usize) -> Panel {
+    let axis = Axis::linear("", column).range(low, high);
+    let mut bar = Panel { row, height: Some(13.0), ..Panel::new(label, axis, bare(0.0, 1.0)) };
     for number in 0..STEPS {
         let at = |k: usize| k as f64 / STEPS as f64;
         // Each reaches under the next, or seams would be seen.

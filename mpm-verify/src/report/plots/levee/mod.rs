@@ -4,7 +4,8 @@
 //! # Reading order
 //! 1. [`Site`]: what all pictures share. [`map`]: soil, water, outline and colour bar of one frame.
 //! 2. Of frames: [`initial`] (the paper's Fig. 6), [`changes`] (Fig. 7), [`points`] (Fig. 8).
-//! 3. Of histories: [`paths`] (Fig. 9), [`histories`]; of other tables: [`safety`], [`tornado`].
+//! 3. Of histories: [`paths`] (Fig. 9), [`histories`]; of other tables: [`safety`], [`tornado`]; of
+//!    two ways to solve the same problem: [`operators`].
 //!
 //! Every room has a `figure` and a `write`, which returns the text of the SVG and leaves SVG, PNG and CSV in a folder.
 
@@ -12,6 +13,7 @@ pub mod changes;
 pub mod histories;
 pub mod initial;
 pub mod map;
+pub mod operators;
 pub mod paths;
 pub mod points;
 pub mod safety;
