@@ -83,7 +83,8 @@ mod tests {
 
     #[test]
     fn the_scene_s_levee_is_the_paper_s() {
-        let plan = Plan::new(scene("levee", &Flags::default(), None).expect("a scene"), None, None, false);
+        let dry = super::super::variants::named("saturation-0");
+        let plan = Plan::new(scene("levee", &Flags::default(), dry).expect("a scene"), None, None, false);
         let found = levee(&plan.expect("a plan")).expect("a levee");
         let strength = Strength { cohesion: 0.0, friction: 30.0_f64.to_radians() };
         let base = FirmBase { height: 0.0, strength, normal_stress: NormalStress::Effective };

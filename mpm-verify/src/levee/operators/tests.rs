@@ -23,7 +23,7 @@ fn values(region: &Region, of: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
 }
 
 fn alternating(region: &Region) -> Vec<f64> {
-    values(region, |x| if (x[0] + x[1]) as usize % 2 == 0 { -1.0 } else { 1.0 })
+    values(region, |x| if ((x[0] + x[1]) as usize).is_multiple_of(2) { -1.0 } else { 1.0 })
 }
 
 /// `H K H` of a head.
