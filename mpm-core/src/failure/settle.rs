@@ -6,8 +6,8 @@ use crate::water::Pressures;
 
 /// Balanced: what is left of the forces on the nodes, as a share of them.
 const BALANCED: f64 = 3e-4;
-/// At rest: no node faster than this, m/s, once it has had time.
-const SLOW: f64 = 5e-4;
+/// At rest: no node faster than this, m/s. Balanced forces alone let a toe pass that creeps and would fail without damping.
+const SLOW: f64 = 1e-4;
 /// Steps between two looks.
 const STEPS: u64 = 50;
 /// A soil is at rest when so many looks in a row find it balanced.
@@ -66,7 +66,7 @@ pub fn settle(model: &mut dyn Failing, first: &First, patience: &Patience) -> Re
         if speed.is_nan() {
             return Err(Fault { place: "the whole soil".into(), what: "a velocity that is not a number".into() });
         }
-        let calm = unbalanced < BALANCED || (speed < SLOW && steps >= 10 * STEPS);
+        let calm = unbalanced < BALANCED && speed < SLOW;
         looks = if calm { looks + 1 } else { 0 };
         let late = steps >= patience.steps;
         if looks >= LOOKS || late || (steps / STEPS).is_multiple_of(8) {
