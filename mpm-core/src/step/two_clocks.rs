@@ -20,6 +20,8 @@ use crate::water::free_surface::Kind;
 
 /// First step of a seepage stage as a share of its length.
 const FIRST_STEP: f64 = 1e-4;
+/// Wet share from which on the last cell of a slope is wet.
+const TOE_WET: f64 = 0.25;
 /// Motion slower than this (m/s) is none to speak of.
 const STILL: f64 = 1e-2;
 /// Soil that has moved less than this takes no water along, in cells.
@@ -343,15 +345,14 @@ where
     fn front(&self) -> f64 {
         let (grid, water) = (self.soil.grid(), &self.soil.water().water);
         let mut front: f64 = 0.0;
-        let seeps = |cell: usize| water.leaks().any(|(edge, out)| edge.cell as usize == cell && out > 0.0);
         for cell in 0..grid.cells[0] {
             let wet = water.wet_share(cell).clamp(0.0, 1.0);
             if wet > 1e-6 {
                 // The soil of a toe ends before its cell does.
                 let soil = water.soil.cover[1][cell][1].max(water.soil.share[cell]);
-                // The last cell lets out what would fill it.
+                // The last cell lets out what would fill it: it is wet when a part of it is.
                 let last = cell + 1 == grid.cells[0] || !water.soil.is_soil(cell + 1);
-                let reached = if last && seeps(cell) { 1.0 } else { wet };
+                let reached = if last && wet >= TOE_WET { 1.0 } else { wet };
                 front = front.max((cell as f64 + soil * reached) * grid.size);
             }
         }

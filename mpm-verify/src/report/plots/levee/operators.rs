@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn both_maps_have_the_same_cells_and_colours() {
         let spot = |k: usize| [0.2 + 0.4 * (k % 12) as f64, 0.2 + 0.4 * (k / 12) as f64];
-        let response = |k: usize| [0.5, if (k % 12 + k / 12) % 2 == 0 { 1.0 } else { 0.0 }];
+        let response = |k: usize| [0.5, if (k % 12 + k / 12).is_multiple_of(2) { 1.0 } else { 0.0 }];
         let cells = (0..36).map(|k| FullCell { x: spot(k), known: k % 12 == 0, response: response(k) }).collect();
         let shown = Responses { cells, size: 0.4, source: spot(18), index: [0.0, 1.0], caption: String::new() };
         let (folder, _own) = folder();
