@@ -31,12 +31,16 @@ pub enum StartError {
     /// The particles could not be placed.
     #[error(transparent)]
     Place(#[from] RunError),
+    /// Its soil may fail, which stages alone do not follow.
+    #[error("stages.clock: expected \"seepage\" or \"soil\" in a scene that is solved stage by stage, found \"both\"")]
+    MayFail,
 }
 
 /// Runs a scene to its end, or to where it fails: [`Run::failure`] then says why.
 ///
 /// # Errors
-/// A step above the stability limit, or particles outside the mesh: nothing was run.
+/// A step above the stability limit, particles outside the mesh, or soil that may fail, which has a driver of its own
+/// ([`crate::failure::Driver`]): nothing was run.
 pub fn run(scene: &Scene, progress: &mut dyn FnMut(f64)) -> Result<Run, StartError> {
     run_on(&Hardware::default(), scene, progress)
 }
@@ -46,6 +50,9 @@ pub fn run(scene: &Scene, progress: &mut dyn FnMut(f64)) -> Result<Run, StartErr
 /// # Errors
 /// As [`run`].
 pub fn run_on(hardware: &Hardware, scene: &Scene, progress: &mut dyn FnMut(f64)) -> Result<Run, StartError> {
+    if scene.may_fail() {
+        return Err(StartError::MayFail);
+    }
     let dt = choose_step(scene)?;
     let mut model = model_on(hardware, scene)?;
     Ok(drive(scene, model.as_mut(), dt, progress))

@@ -235,6 +235,10 @@ fn a_levee_is_followed_to_its_page_and_what_cannot_be_run_is_refused() {
         assert_eq!(code, 2, "{flags:?}: {error}");
         assert!(error.contains(words), "{flags:?}: {error}");
     }
+    // What `solve` cannot follow is not followed for ever.
+    let output = verify(folder.path(), &["solve", &scene("levee.toml").display().to_string()]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("followed by: mpm-verify levee --scene"), "{}", stderr(&output));
     let (code, _, error) = levee(&["--variant", "base-8.5", "--no-vtk"]);
     assert_eq!(code, 3, "{error}");
     assert!(error.contains("the largest displacement is 0.") && error.contains("--go-on"), "{error}");
@@ -255,4 +259,12 @@ fn a_levee_is_followed_to_its_page_and_what_cannot_be_run_is_refused() {
     }
     assert!(read("vtk/solid.pvd").contains("timestep=\"21600.0\"") && read("failure.html").contains("<noscript>"));
     assert!(!folder.path().join("levee/checkpoint.bin").exists());
+    // Its factors of safety are not those of another levee, and a table that was cut is not one of none.
+    let stays = ["--variant", "base-8.5", "--no-vtk"];
+    levee(&stays);
+    let page = read("index.html");
+    assert!(page.contains("safety_factor.csv is of another scene") && !page.contains("levee-safety.png"));
+    std::fs::write(folder.path().join("levee/safety_factor.csv"), "time_h,fs_low\n7.0,much\n").expect("a file");
+    let (code, _, error) = levee(&stays);
+    assert!(code == 3 && error.contains("safety_factor.csv: expected a table that this program wrote"), "{error}");
 }

@@ -52,10 +52,11 @@ const DRIVERS: [Integrator; 3] = [Integrator::TwoClocks, Integrator::Coupled, In
 const LONGEST: f64 = 900.0;
 
 /// What is going on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Phase {
     /// Gravity and the first water come.
+    #[default]
     Gravity,
     /// Water seeps, soil rests.
     Seepage,
@@ -541,7 +542,7 @@ impl<'a> Driver<'a> {
             keeper.u64(count);
         }
         self.events.keep(keeper);
-        keeper.list(&mut self.rows, &Row::none(), Row::keep);
+        keeper.list(&mut self.rows, &Row::default(), Row::keep);
         keeper.list(&mut self.paths, &PathPoint::default(), PathPoint::keep);
     }
 }

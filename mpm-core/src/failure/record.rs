@@ -90,7 +90,7 @@ impl Events {
 }
 
 /// The state at one time.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Row {
     /// Time on the clock of the run, h.
     pub time_h: f64,
@@ -165,7 +165,7 @@ impl Row {
     pub(super) fn of(driver: &Driver, moved: &Moved) -> Self {
         let model = driver.model.as_ref();
         let (ledger, state) = (model.ledger(), model.observe());
-        let water = state.water.unwrap_or(crate::observe::WaterState::NONE);
+        let water = state.water.unwrap_or_default();
         let [checkerboard, hourglass] = model.unevenness();
         // What the nodes got and the particles have.
         let mapping_j = model.node_work() - (ledger.kinetic_j - driver.first_kinetic());
@@ -214,45 +214,6 @@ impl Row {
             water_particles: water.particles,
             steps: driver.steps.all(),
             levels: driver.failure.levels.iter().map(|x| model.level(*x)).collect(),
-        }
-    }
-
-    /// A row of nothing.
-    pub(super) fn none() -> Self {
-        Self {
-            time_h: 0.0,
-            phase: Phase::Gravity,
-            front_x_m: 0.0,
-            toe_x_m: 0.0,
-            crest_settlement_m: 0.0,
-            max_displacement_m: 0.0,
-            raveled: 0.0,
-            failed: 0.0,
-            collapsed: 0.0,
-            deviator_strain: 0.0,
-            speed_m_s: 0.0,
-            unbalanced: 0.0,
-            water_m3: 0.0,
-            water_in_m3: 0.0,
-            water_out_m3: 0.0,
-            water_closing_m3: 0.0,
-            solid_closing_kg: 0.0,
-            kinetic_j: 0.0,
-            strain_j: 0.0,
-            gravity_work_j: 0.0,
-            pressure_work_j: 0.0,
-            plastic_j: 0.0,
-            friction_j: 0.0,
-            damping_j: 0.0,
-            mapping_j: 0.0,
-            energy_closing_j: 0.0,
-            energy_error: 0.0,
-            yield_residual: 0.0,
-            checkerboard: 0.0,
-            hourglass: 0.0,
-            water_particles: 0,
-            steps: 0,
-            levels: Vec::new(),
         }
     }
 

@@ -95,7 +95,7 @@ pub struct FieldPoint {
 }
 
 /// Water with a free surface.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct WaterState {
     /// Mobile water in the cells, m3.
     pub mobile_m3: f64,
@@ -129,28 +129,6 @@ pub struct WaterState {
     pub packing_max: f64,
     /// Steps in which some cell was left as it was.
     pub unsettled: u64,
-}
-
-impl WaterState {
-    /// No water.
-    pub(crate) const NONE: Self = Self {
-        mobile_m3: 0.0,
-        mobile_porosity: 0.0,
-        particles_m3: 0.0,
-        pending_m3: 0.0,
-        inflow_m3_s: 0.0,
-        outflow_m3_s: 0.0,
-        in_m3: 0.0,
-        out_m3: 0.0,
-        front_x_m: 0.0,
-        front_y_m: 0.0,
-        particles: 0,
-        spawned: 0,
-        removed: 0,
-        packing_mean: 0.0,
-        packing_max: 0.0,
-        unsettled: 0,
-    };
 }
 
 /// Where the particles of both layers are in the plane, for pictures.

@@ -12,7 +12,7 @@ use mpm_verify::levee::plan::{self, Plan};
 use mpm_verify::levee::run::{Ended, FollowError, Hooks, follow};
 use mpm_verify::levee::summary::Summary;
 use mpm_verify::levee::variants::{self, Variant};
-use mpm_verify::levee::{drivers, safety, sensitivity, ticker, written};
+use mpm_verify::levee::{drivers, safety, sensitivity, tables, ticker, written};
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 use mpm_verify::report::ReportError;
@@ -109,7 +109,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     if options.compare_drivers {
         let progress = Progress::new("drivers", common.quiet);
         let lines = drivers::compute(&plan, &mut |text| progress.line(text)).map_err(Failure::RunFailed)?;
-        drivers::write(&lines, &folder).map_err(lost)?;
+        tables::lines(&lines, &folder.join(drivers::NAME)).map_err(lost)?;
     }
     if options.no_run { Ok(()) } else { one(options, common, &plan, &folder) }
 }
@@ -130,7 +130,7 @@ fn factors(options: &Options, common: &Common, plan: &Plan, folder: &Path) -> Re
     let progress = Progress::new("factor of safety", common.quiet);
     let told = safety::compute(plan, &options.safety_factor, &mut |text| progress.line(text));
     let lines = told.map_err(Failure::RunFailed)?;
-    safety::write(&lines, folder).map_err(lost)?;
+    tables::lines(&lines, &folder.join(safety::NAME)).map_err(lost)?;
     for line in &lines {
         let text = format!("factor of safety at {} h: {:.3} to {:.3}", line.time_h, line.fs_low, line.fs_high);
         say(common.quiet || common.json, &text);
@@ -147,7 +147,7 @@ fn vary(options: &Options, common: &Common, folder: &Path) -> Result<(), Failure
     let base = sensitivity::Base { source: &options.scene, flags: &flags, until_h: options.until, full: options.full };
     let progress = Progress::new("variants", common.quiet);
     let lines = sensitivity::compute(&base, super::jobs(common.jobs), &|text| progress.line(text));
-    sensitivity::write(&lines, folder).map_err(lost)?;
+    tables::lines(&lines, &folder.join(sensitivity::NAME)).map_err(lost)?;
     if options.no_run {
         sensitivity::picture(&lines, folder).map_err(lost)?;
     }

@@ -211,6 +211,12 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let run = run_on(&hardware, &scene, &mut |share| progress.set((share * 1e6) as u64)).map_err(|e| match e {
         StartError::Step(e) => Failure::BadInput(format!("{}: {e}", options.scene.display())),
         StartError::Place(e) => Failure::BadInput(format!("{}: {e}", options.scene.display())),
+        StartError::MayFail => {
+            let scene = options.scene.display();
+            Failure::BadInput(format!(
+                "{scene}: {e}; a slope that may fail is followed by: mpm-verify levee --scene {scene}"
+            ))
+        }
     })?;
     // The thread that draws the progress bar is no part of the run.
     let cpu = if hardware.thread_count() == 1 { own.elapsed() } else { all.elapsed() };

@@ -3,8 +3,6 @@
 //! Two clocks run to a time before the failure; from there each driver goes on by itself until the soil rests. The cost of a whole
 //! run by the paper's explicit step is that of its own steps here times the number a whole run takes: extrapolated, not run.
 
-use std::path::Path;
-
 use cpu_time::ThreadTime;
 use mpm_core::failure::Driver;
 use mpm_core::scene::{Integrator, Scene};
@@ -12,9 +10,9 @@ use mpm_core::stability::stable_limit;
 use serde::{Deserialize, Serialize};
 
 use super::plan::{Plan, driver_word};
+use super::tables::OfScene;
 use crate::report::content::table::{Cell, Table, table};
 use crate::report::numbers::short;
-use crate::report::{ReportError, unwritable};
 
 /// Name of the table in the folder of a run.
 pub const NAME: &str = "drivers.csv";
@@ -56,6 +54,14 @@ pub struct Line {
     pub times_two_clocks: f64,
     /// Why it ended early, if it did.
     pub trouble: String,
+    /// Of which scene: [`Plan::scene_word`].
+    pub scene: String,
+}
+
+impl OfScene for Line {
+    fn scene(&self) -> &str {
+        &self.scene
+    }
 }
 
 /// Runs the drivers one after the other.
@@ -104,6 +110,7 @@ pub fn compute(plan: &Plan, tell: &mut dyn FnMut(&str)) -> Result<Vec<Line>, Str
         let two = line.driver == driver_word(Integrator::TwoClocks);
         line.whole_cpu_s = if two { whole } else { ended / line.dt_s * line.cpu_per_step_s };
         line.times_two_clocks = line.whole_cpu_s / whole;
+        line.scene = plan.scene_word();
     }
     Ok(lines)
 }
@@ -133,26 +140,8 @@ fn one(driver: &mut Driver, integrator: Integrator, until: f64, from_h: f64) -> 
         whole_cpu_s: 0.0,
         times_two_clocks: 0.0,
         trouble,
+        scene: String::new(),
     }
-}
-
-/// Writes the table.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write(lines: &[Line], folder: &Path) -> Result<(), ReportError> {
-    let path = folder.join(NAME);
-    let mut writer = csv::Writer::from_path(&path).map_err(|e| unwritable(&path, e))?;
-    for line in lines {
-        writer.serialize(line).map_err(|e| unwritable(&path, e))?;
-    }
-    writer.flush().map_err(|e| unwritable(&path, e))
-}
-
-/// The table of a folder; empty if there is none.
-pub fn read(folder: &Path) -> Vec<Line> {
-    let reader = csv::Reader::from_path(folder.join(NAME));
-    reader.map(|mut reader| reader.deserialize().filter_map(Result::ok).collect()).unwrap_or_default()
 }
 
 /// A table for the page.

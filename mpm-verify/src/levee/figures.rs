@@ -14,7 +14,7 @@ use crate::report::ReportError;
 use crate::report::numbers::{percent, short};
 use crate::report::plots::figure::Figure;
 use crate::report::plots::levee::changes::{self, Shown};
-use crate::report::plots::levee::histories::{self, Trace, Track, Zoom};
+use crate::report::plots::levee::histories::{self, Named, Trace, Track, Zoom};
 use crate::report::plots::levee::operators::{self, FullCell, Responses};
 use crate::report::plots::levee::paths::{self, Strength, StressPath};
 use crate::report::plots::levee::{Event, Site, clock, initial, points};
@@ -102,10 +102,11 @@ pub fn write(plan: &Plan, run: &Followed, folder: &Path) -> Result<Vec<Picture>,
         all.push(Picture { figure, svg });
     }
     if run.rows.len() > 1 {
-        let (tracks, events) = (tracks(&run.rows, plan.levels()), events(&run.events));
-        let zoom = zoom(run);
-        let svg = histories::write(&tracks, &events, zoom, folder)?;
-        all.push(Picture { figure: histories::figure(&tracks, &events, zoom), svg });
+        let (events, zoom) = (events(&run.events), zoom(run));
+        for (named, tracks) in [(HAPPENED, happened(&run.rows, plan.levels())), (SOUND, sound(&run.rows))] {
+            let svg = histories::write(named, &tracks, &events, zoom, folder)?;
+            all.push(Picture { figure: histories::figure(named, &tracks, &events, zoom), svg });
+        }
     }
     Ok(all)
 }
@@ -192,17 +193,27 @@ fn responses(compared: &Compared) -> Responses {
     }
 }
 
-/// What the checkerboard index and the share of motion in hourglass modes should stay below.
-const LIMITS: [f64; 2] = [0.01, 0.05];
+const HAPPENED: Named = ("levee-histories", "What happened over time");
+const SOUND: Named = ("levee-ledgers", "Energies, and how sound the run is, over time");
+/// What the gap of the energies, the checkerboard index and the share of motion in hourglass modes should stay below.
+const LIMITS: [f64; 3] = [0.02, 0.01, 0.05];
 
-fn tracks(rows: &[Row], levels: &[f64]) -> Vec<Track> {
-    let trace = |name: &str, of: &dyn Fn(&Row) -> f64| Trace {
-        name: name.to_owned(),
-        points: rows.iter().map(|row| (3600.0 * row.time_h, of(row))).collect(),
-    };
-    let track = |label: &str, log: bool, lines: Vec<Trace>| Track { label: label.to_owned(), log, lines };
-    // Nothing has no place on a logarithmic axis.
-    let above = |least: f64, of: fn(&Row) -> f64| move |row: &Row| of(row).max(least);
+fn trace(rows: &[Row], name: &str, of: &dyn Fn(&Row) -> f64) -> Trace {
+    Trace { name: name.to_owned(), points: rows.iter().map(|row| (3600.0 * row.time_h, of(row))).collect() }
+}
+
+fn track(label: &str, log: bool, lines: Vec<Trace>) -> Track {
+    Track { label: label.to_owned(), log, lines, limit: None }
+}
+
+/// Nothing has no place on a logarithmic axis.
+fn above(least: f64, of: fn(&Row) -> f64) -> impl Fn(&Row) -> f64 {
+    move |row| of(row).max(least)
+}
+
+/// Water and soil.
+fn happened(rows: &[Row], levels: &[f64]) -> Vec<Track> {
+    let trace = |name: &str, of: &dyn Fn(&Row) -> f64| trace(rows, name, of);
     let level = |(k, x): (usize, &f64)| trace(&format!("level at x = {x} m"), &|row| row.levels[k]);
     let mut all = vec![
         track(
@@ -221,25 +232,50 @@ fn tracks(rows: &[Row], levels: &[f64]) -> Vec<Track> {
         track("strain", false, vec![trace("largest deviator strain", &|r| r.deviator_strain)]),
         track("speed (m/s)", true, vec![trace("fastest particle", &above(1e-6, |r| r.speed_m_s))]),
     ];
-    let ends = [rows.first(), rows.last()].into_iter().flatten().map(|row| 3600.0 * row.time_h);
-    let limit = |share: f64| Trace {
-        name: format!("limit {} %", 100.0 * share),
-        points: ends.clone().map(|time| (time, 100.0 * share)).collect(),
-    };
-    // In percent.
-    let least = 1e-4;
-    all.push(track(
-        "checkerboard (%)",
-        true,
-        vec![trace("checkerboard index", &|r| (100.0 * r.checkerboard).max(least)), limit(LIMITS[0])],
-    ));
-    all.push(track(
-        "hourglass (%)",
-        true,
-        vec![trace("motion in hourglass modes", &|r| (100.0 * r.hourglass).max(least)), limit(LIMITS[1])],
-    ));
     all.retain(|track| !track.lines.is_empty());
     all
+}
+
+/// Energies, ledgers and measures of the fields.
+fn sound(rows: &[Row]) -> Vec<Track> {
+    let trace = |name: &str, of: &dyn Fn(&Row) -> f64| trace(rows, name, of);
+    // In percent of what they are measured by.
+    let percents = |label: &str, name: &str, of: fn(&Row) -> f64, limit: f64| Track {
+        limit: Some(100.0 * limit),
+        ..track(label, true, vec![trace(name, &|r| (100.0 * of(r)).max(1e-4))])
+    };
+    // Below any round-off.
+    let least = 1e-18;
+    vec![
+        track(
+            "energy (kJ)",
+            false,
+            vec![
+                trace("work of gravity", &|r| 1e-3 * r.gravity_work_j),
+                trace("work of pore pressure", &|r| 1e-3 * r.pressure_work_j),
+                trace("plastic dissipation", &|r| 1e-3 * r.plastic_j),
+                trace("friction on the base", &|r| 1e-3 * r.friction_j),
+                trace("loss in damping and mapping", &|r| 1e-3 * (r.damping_j + r.mapping_j)),
+            ],
+        ),
+        track(
+            "energy (J)",
+            true,
+            vec![
+                trace("elastic energy", &above(1e-3, |r| r.strain_j)),
+                trace("kinetic energy", &above(1e-3, |r| r.kinetic_j)),
+            ],
+        ),
+        percents("energy gap (%)", "gap of the ledger of energies", |r| r.energy_error, LIMITS[0]),
+        track(
+            "water gap",
+            true,
+            vec![trace("gap of the water", &|r| (r.water_closing_m3 / r.water_m3).abs().max(least))],
+        ),
+        track("yield residual", true, vec![trace("stress beyond yield", &above(least, |r| r.yield_residual))]),
+        percents("checkerboard (%)", "checkerboard index", |r| r.checkerboard, LIMITS[1]),
+        percents("hourglass (%)", "motion in hourglass modes", |r| r.hourglass, LIMITS[2]),
+    ]
 }
 
 /// The rapid failure, or the failure where it is not rapid.

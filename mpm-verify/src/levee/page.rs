@@ -64,6 +64,8 @@ pub struct Parts<'a> {
     pub pictures: &'a [Picture],
     /// Further tables: factors of safety, variants.
     pub further: Vec<Table>,
+    /// Tables in the folder that are of other scenes.
+    pub others: Vec<String>,
 }
 
 /// Writes `index.html`.
@@ -71,11 +73,11 @@ pub struct Parts<'a> {
 /// # Errors
 /// A file that cannot be written, or a template that does not fit.
 pub fn write(parts: Parts, folder: &Path) -> Result<(), ReportError> {
-    let Parts { plan, run, summary, claims, pictures, further } = parts;
+    let Parts { plan, run, summary, claims, pictures, further, others } = parts;
     let page = Page {
         title: title(plan, summary),
         summary: words(summary, claims),
-        troubles: run.ended.trouble().map(str::to_owned).into_iter().collect(),
+        troubles: run.ended.trouble().map(str::to_owned).into_iter().chain(others).collect(),
         numbers: numbers(summary),
         claims: vec![judged(claims)],
         further,

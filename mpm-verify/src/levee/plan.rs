@@ -6,6 +6,7 @@ use mpm_core::scene::{Failure, Flags, Integrator, Scene};
 use sha2::{Digest, Sha256};
 
 use super::variants::{Change, Variant};
+use crate::manifest::scene_hash;
 use crate::scenes::BUILT_IN;
 
 /// What a run is made of; all of it decides on its numbers.
@@ -119,6 +120,11 @@ impl Plan {
     /// Places x (m) whose level of water is recorded.
     pub fn levels(&self) -> &[f64] {
         &self.failure().levels
+    }
+
+    /// Tells scenes apart, whichever driver runs them.
+    pub fn scene_word(&self) -> String {
+        scene_hash(&Scene { integrator: Integrator::TwoClocks, ..self.scene.clone() })
     }
 
     /// Tells plans apart whose states do not fit together. The end may be moved: a run can go on for longer.

@@ -144,6 +144,7 @@ fn start(error: StartError) -> FollowError {
     FollowError::Start(match error {
         StartError::Step(e) => e.to_string(),
         StartError::Place(e) => e.to_string(),
+        StartError::MayFail => error.to_string(),
     })
 }
 

@@ -1,7 +1,7 @@
 //! The factor of safety over time: strength reduction on the state of a run, beside limit equilibrium with its water.
 //!
-//! Water seeps to a time in soil that is held, whether or not it would stand; then the strength is divided by factors until the deep slide starts; the state is as before
-//! afterwards, and water goes on from it to the next time.
+//! Water seeps to a time in soil that is held, whether or not it would stand; then the strength is divided by factors until the
+//! deep slide starts; the state is as before afterwards, and water goes on from it to the next time.
 
 use std::path::Path;
 
@@ -11,10 +11,11 @@ use serde::{Deserialize, Serialize};
 use super::equilibrium::{self, Factors};
 use super::figures::{Picture, events};
 use super::plan::Plan;
+use super::tables::OfScene;
+use crate::report::ReportError;
 use crate::report::content::table::{Cell, Table, table};
 use crate::report::numbers::short;
 use crate::report::plots::levee::safety::{self as plot, Bracket, Safety};
-use crate::report::{ReportError, unwritable};
 
 /// Name of the table in the folder of a run.
 pub const NAME: &str = "safety_factor.csv";
@@ -22,7 +23,7 @@ pub const NAME: &str = "safety_factor.csv";
 const WITHIN: f64 = 0.01;
 
 /// The factors at one time.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Line {
     /// Time on the clock of the run, h.
     pub time_h: f64,
@@ -46,6 +47,14 @@ pub struct Line {
     pub trials: u32,
     /// Steps of all trials.
     pub steps: u64,
+    /// Of which scene: [`Plan::scene_word`].
+    pub scene: String,
+}
+
+impl OfScene for Line {
+    fn scene(&self) -> &str {
+        &self.scene
+    }
 }
 
 /// Factors at some times (h), in their order in time.
@@ -68,7 +77,10 @@ pub fn compute(plan: &Plan, times_h: &[f64], progress: &mut dyn FnMut(&str)) -> 
         let mut tell =
             |b: &mpm_core::failure::Bracket| progress(&format!("{time} h: between {:.3} and {:.3}", b.low, b.high));
         let found = driver.safety(WITHIN, &mut tell).map_err(|e| e.to_string())?;
-        lines.push(line(time, [found.low, found.high], factors, (found.trials, found.steps)));
+        lines.push(Line {
+            scene: plan.scene_word(),
+            ..line(time, [found.low, found.high], factors, (found.trials, found.steps))
+        });
     }
     Ok(lines)
 }
@@ -87,26 +99,8 @@ fn line(time_h: f64, [fs_low, fs_high]: [f64; 2], factors: [Factors; 2], (trials
         spencer_davis: davis.spencer,
         trials,
         steps,
+        scene: String::new(),
     }
-}
-
-/// Writes the table.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write(lines: &[Line], folder: &Path) -> Result<(), ReportError> {
-    let path = folder.join(NAME);
-    let mut writer = csv::Writer::from_path(&path).map_err(|e| unwritable(&path, e))?;
-    for line in lines {
-        writer.serialize(line).map_err(|e| unwritable(&path, e))?;
-    }
-    writer.flush().map_err(|e| unwritable(&path, e))
-}
-
-/// The table of a folder; empty if there is none.
-pub fn read(folder: &Path) -> Vec<Line> {
-    let reader = csv::Reader::from_path(folder.join(NAME));
-    reader.map(|mut reader| reader.deserialize().filter_map(Result::ok).collect()).unwrap_or_default()
 }
 
 /// Draws them, with the events of the run.

@@ -11,12 +11,13 @@ use serde::{Deserialize, Serialize};
 use super::figures::Picture;
 use super::plan::{self, Plan};
 use super::run::{Ended, Followed, Hooks, follow};
+use super::tables::OfScene;
 use super::variants::{VARIANTS, Variant};
+use crate::report::ReportError;
 use crate::report::content::table::{Cell, Table, table};
 use crate::report::numbers::short;
 use crate::report::plots::levee::tornado::{self, Outcome, Varied};
 use crate::report::plots::write_drawn;
-use crate::report::{ReportError, unwritable};
 
 /// Name of the table in the folder of a run.
 pub const NAME: &str = "sensitivity.csv";
@@ -52,6 +53,14 @@ pub struct Line {
     pub max_displacement_before_failure_m: Option<f64>,
     /// CPU time, s.
     pub cpu_s: f64,
+    /// Of which scene it is a variant: [`Plan::scene_word`].
+    pub scene: String,
+}
+
+impl OfScene for Line {
+    fn scene(&self) -> &str {
+        &self.scene
+    }
 }
 
 impl Line {
@@ -71,6 +80,7 @@ impl Line {
             first_outflow_h: None,
             max_displacement_before_failure_m: None,
             cpu_s: 0.0,
+            scene: String::new(),
         }
     }
 
@@ -137,6 +147,11 @@ pub fn compute(base: &Base, jobs: usize, tell: &(dyn Fn(&str) + Sync)) -> Vec<Li
             all.push((Line::named(v.name, v.what, v.label), scene));
         }
     }
+    let word =
+        usual.and_then(|scene| Plan::new(scene, None, None, false)).map(|plan| plan.scene_word()).unwrap_or_default();
+    for (line, _) in &mut all {
+        line.scene.clone_from(&word);
+    }
     let (count, done) = (all.len(), AtomicUsize::new(0));
     let one = |(line, scene): &(Line, Result<Scene, String>)| {
         let line = match scene {
@@ -163,25 +178,6 @@ fn run(line: Line, scene: &Scene, until_h: Option<f64>) -> Line {
         Ok(followed) => line.with(&followed),
         Err(why) => Line { why, ..line },
     }
-}
-
-/// Writes the table.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write(lines: &[Line], folder: &Path) -> Result<(), ReportError> {
-    let path = folder.join(NAME);
-    let mut writer = csv::Writer::from_path(&path).map_err(|e| unwritable(&path, e))?;
-    for line in lines {
-        writer.serialize(line).map_err(|e| unwritable(&path, e))?;
-    }
-    writer.flush().map_err(|e| unwritable(&path, e))
-}
-
-/// The table of a folder; empty if there is none.
-pub fn read(folder: &Path) -> Vec<Line> {
-    let reader = csv::Reader::from_path(folder.join(NAME));
-    reader.map(|mut reader| reader.deserialize().filter_map(Result::ok).collect()).unwrap_or_default()
 }
 
 /// Draws them: two variants of an input per row.

@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use mpm_core::failure::{Events, PathPoint, Row};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use super::moments::{EVENTS, times};
 use crate::report::numbers::exact;
@@ -23,13 +25,48 @@ pub fn write(
     let path = folder.join("history.csv");
     let names: Vec<String> = levels.iter().map(|x| format!("level_x{x}_m")).collect();
     save(&path, history(rows, &names).map_err(|e| unwritable(&path, e))?)?;
-    let path = folder.join("paths.csv");
-    let mut writer = csv::Writer::from_path(&path).map_err(|e| unwritable(&path, e))?;
-    for point in paths {
-        writer.serialize(point).map_err(|e| unwritable(&path, e))?;
-    }
-    writer.flush().map_err(|e| unwritable(&path, e))?;
+    lines(paths, &folder.join("paths.csv"))?;
     tables::table(&folder.join("events.csv"), "event,time_h,what", happened(events))
+}
+
+/// Writes a table of lines.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn lines<T: Serialize>(lines: &[T], path: &Path) -> Result<(), ReportError> {
+    let mut writer = csv::Writer::from_path(path).map_err(|e| unwritable(path, e))?;
+    for line in lines {
+        writer.serialize(line).map_err(|e| unwritable(path, e))?;
+    }
+    writer.flush().map_err(|e| unwritable(path, e))
+}
+
+/// A line of a table that stays in a folder and may be found there by the run of another scene.
+pub trait OfScene {
+    /// [`super::plan::Plan::scene_word`] of its scene.
+    fn scene(&self) -> &str;
+}
+
+/// Reads a table back; no lines if there is no such file. One of another scene is named in `others` and gives no lines.
+///
+/// # Errors
+/// A file that is not such a table.
+pub fn stored<T: DeserializeOwned + OfScene>(
+    path: &Path,
+    scene: &str,
+    others: &mut Vec<String>,
+) -> Result<Vec<T>, ReportError> {
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let wrong = |cause| ReportError::Read { path: path.to_owned(), cause };
+    let mut reader = csv::Reader::from_path(path).map_err(wrong)?;
+    let lines: Vec<T> = reader.deserialize().collect::<Result<_, _>>().map_err(wrong)?;
+    if lines.iter().all(|line| line.scene() == scene) {
+        return Ok(lines);
+    }
+    others.push(format!("{} is of another scene: it is not shown", path.display()));
+    Ok(Vec::new())
 }
 
 /// The rows as CSV. The writer of CSV takes no lists inside a row: they are joined on afterwards.

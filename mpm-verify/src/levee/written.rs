@@ -38,7 +38,10 @@ pub fn write(plan: &Plan, run: &Followed, summary: &Summary, with_vtk: bool, fol
     let plots = folder.join("plots");
     fs::create_dir_all(&plots).map_err(|e| unwritable(&plots, e))?;
     let mut pictures = figures::write(plan, run, &plots)?;
-    let (factors, variants) = (safety::read(folder), sensitivity::read(folder));
+    let (word, mut others) = (plan.scene_word(), Vec::new());
+    let factors: Vec<safety::Line> = tables::stored(&folder.join(safety::NAME), &word, &mut others)?;
+    let variants: Vec<sensitivity::Line> = tables::stored(&folder.join(sensitivity::NAME), &word, &mut others)?;
+    let drivers: Vec<drivers::Line> = tables::stored(&folder.join(drivers::NAME), &word, &mut others)?;
     let mut further = Vec::new();
     if !factors.is_empty() {
         pictures.push(safety::picture(&factors, Some(&run.events), &plots)?);
@@ -53,9 +56,8 @@ pub fn write(plan: &Plan, run: &Followed, summary: &Summary, with_vtk: bool, fol
     if with_vtk {
         vtk::write(&run.shots, &folder.join("vtk"))?;
     }
-    let drivers = drivers::read(folder);
     if !drivers.is_empty() {
         further.push(drivers::shown(&drivers));
     }
-    page::write(Parts { plan, run, summary, claims: &claims, pictures: &pictures, further }, folder)
+    page::write(Parts { plan, run, summary, claims: &claims, pictures: &pictures, further, others }, folder)
 }

@@ -75,6 +75,15 @@ pub enum ReportError {
         #[source]
         cause: io::Error,
     },
+    /// A stored table is not what it should be.
+    #[error("{}: expected a table that this program wrote, found: {cause}", path.display())]
+    Read {
+        /// Which.
+        path: PathBuf,
+        /// What is wrong.
+        #[source]
+        cause: csv::Error,
+    },
     /// A picture cannot be drawn.
     #[error("{}: cannot be drawn: {cause}", path.display())]
     Draw {

@@ -175,9 +175,10 @@ impl Reader<'_> {
         let span = integrator.map_or(0..0, Spanned::span);
         let key = "time.integrator";
         if table.is_none() {
-            if let (true, Some(table)) = (scene.may_fail(), raw.water.as_ref()) {
+            if scene.may_fail() {
                 let expected = "free_surface beside clock = \"both\": which soil is wet, and what feeds it";
-                return self.refuse(&table.span(), "water.free_surface", expected, "none");
+                let table = raw.water.as_ref().map_or(raw.stages.span(), Spanned::span);
+                return self.refuse(&table, "water.free_surface", expected, "none");
             }
             let expected = "[water.free_surface] beside it, or integrator = \"explicit\"";
             let found = integrator.map_or("\"explicit\"".to_owned(), |word| quoted(word.get_ref()));

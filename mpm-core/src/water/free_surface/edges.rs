@@ -231,17 +231,15 @@ mod tests {
         bound: 0.0,
     };
 
+    /// A quarter of a cell of soil around a place in cells.
+    fn at(x: [f64; 2]) -> SolidPoint<2, 4> {
+        SolidPoint { x: x.map(|x| x * H), mass: 1.0, volume: 0.25 * H * H, ..SolidPoint::NONE }
+    }
+
     /// Flow out of a cell that is soil all over, with its level so high above its bottom (cells), through an edge that is
     /// open from `from` (cells) up.
     fn seeps(from: f64, level: f64) -> f64 {
         let grid = Grid::new([2, 1], H);
-        let at = |x: [f64; 2]| SolidPoint::<2, 4> {
-            x: x.map(|x| x * H),
-            v: [0.0; 2],
-            stress: [0.0; 4],
-            mass: 1.0,
-            volume: 0.25 * H * H,
-        };
         let solid = Layer::new(even_positions([1, 1], 2).map(at).collect(), &grid).unwrap();
         let soil = SoilMap::new(&grid, &solid, H, 2, 0.0);
         let edge = Edge { cell: 0, axis: 0, upper: true, open: 1.0 - from, from, distance: 0.5, outside: Outside::Air };
@@ -274,13 +272,6 @@ mod tests {
     fn a_step_of_the_soil_is_open_from_its_own_top_up() {
         // Two cells side by side, the right one half as high: the left one is open to the side from half its height on.
         let grid = Grid::new([3, 2], H);
-        let at = |x: [f64; 2]| SolidPoint::<2, 4> {
-            x: x.map(|x| x * H),
-            v: [0.0; 2],
-            stress: [0.0; 4],
-            mass: 1.0,
-            volume: 0.25 * H * H,
-        };
         let points = even_positions([2, 1], 2).filter(|x| x[0] < 1.0 || x[1] < 0.5).map(at).collect();
         let solid = Layer::new(points, &grid).unwrap();
         let soil = SoilMap::new(&grid, &solid, H, 2, 0.0);

@@ -22,6 +22,8 @@ const EXPERIMENT_CLOSE: f64 = 0.5;
 const NEAR_TOE: f64 = 3.0;
 /// Pore pressure at the toe is that of the soil so far from it, m.
 const AT_TOE: f64 = 0.5;
+/// Water reaches the toe when failure starts if that is no longer ago, h.
+const JUST: f64 = 0.5;
 /// Pore pressure that is more than that of drops, Pa.
 const FELT: f64 = 100.0;
 /// Same time, h.
@@ -62,7 +64,7 @@ pub const RULES: [Rule; 13] = [
     (
         "pressure-at-toe",
         "failure when the pore water pressure reaches the toe",
-        "the front, or 0.1 kPa in a frame, is within 0.5 m of the toe before failure starts, and there is pore pressure then",
+        "failure starts within 0.5 h of when the front, or 0.1 kPa in a frame, comes within 0.5 m of the toe, where none was at the start, and there is pore pressure then",
         at_toe,
     ),
     (
@@ -175,11 +177,15 @@ fn at_toe(e: &Evidence) -> Judged {
     // The front is a matter of one particle: soil that feels water tells the same.
     let felt = e.shots.iter().find(|s| pressure(s) > FELT).map(Shot::hours);
     let first = [felt, e.events.front_at_toe_h].into_iter().flatten().reduce(f64::min);
-    let (delay, wet) = match first {
-        Some(first) if first <= failure => (format!("failure {} h after it", short(failure - first, 3)), true),
+    let start = e.rows.first()?.time_h;
+    let (delay, just) = match first {
+        Some(first) if first <= start + SAME => ("there from the start".to_owned(), false),
+        Some(first) if first <= failure => {
+            (format!("failure {} h after it", short(failure - first, 3)), failure - first <= JUST)
+        }
         _ => ("failure before it".to_owned(), false),
     };
-    Some((format!("{delay}; pore pressure there then {} kPa", short(then / 1e3, 3)), wet && then > 0.0))
+    Some((format!("{delay}; pore pressure there then {} kPa", short(then / 1e3, 3)), just && then > 0.0))
 }
 
 fn starts_at_toe(e: &Evidence) -> Judged {

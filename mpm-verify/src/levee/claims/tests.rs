@@ -11,35 +11,11 @@ fn row(time_h: f64, moved: f64) -> Row {
         phase: Phase::Seepage,
         front_x_m: 9.0,
         toe_x_m: 9.0,
-        crest_settlement_m: 0.0,
         max_displacement_m: moved,
-        raveled: 0.0,
-        failed: 0.0,
-        collapsed: 0.0,
-        deviator_strain: 0.0,
-        speed_m_s: 0.0,
-        unbalanced: 0.0,
         water_m3: 2.9,
-        water_in_m3: 0.0,
-        water_out_m3: 0.0,
-        water_closing_m3: 0.0,
-        solid_closing_kg: 0.0,
-        kinetic_j: 0.0,
-        strain_j: 0.0,
-        gravity_work_j: 0.0,
-        pressure_work_j: 0.0,
-        plastic_j: 0.0,
-        friction_j: 0.0,
-        damping_j: 0.0,
-        mapping_j: 0.0,
-        energy_closing_j: 0.0,
-        energy_error: 0.0,
-        yield_residual: 0.0,
-        checkerboard: 0.0,
-        hourglass: 0.0,
         water_particles: 540,
         steps: 1,
-        levels: Vec::new(),
+        ..Row::default()
     }
 }
 
@@ -63,10 +39,15 @@ impl Run {
             mass: 1.0,
             ..SolidState::default()
         };
-        let shot = |hours: f64, moved: f64| Shot {
-            phase: String::new(),
-            time_s: 3600.0 * hours,
-            frame: Frame { solid: vec![soil(8.8, moved, moved), soil(1.0, 0.0, 0.0)], ..Frame::default() },
+        let shot = |hours: f64, moved: f64| {
+            let mut toe = soil(8.8, moved, moved);
+            // Water is not there at the start.
+            toe.pore_pressure *= f64::from(u8::from(hours > 8.0));
+            Shot {
+                phase: String::new(),
+                time_s: 3600.0 * hours,
+                frame: Frame { solid: vec![toe, soil(1.0, 0.0, 0.0)], ..Frame::default() },
+            }
         };
         let point = |time_h: f64, x_m: f64, shear_pa: f64| PathPoint {
             time_h,
@@ -140,7 +121,7 @@ fn a_run_like_the_paper_s_or_the_experiment_s_holds() {
 #[test]
 fn one_number_turns_every_verdict() {
     type Change = fn(&mut Run);
-    let changes: [(&str, Change); 15] = [
+    let changes: [(&str, Change); 17] = [
         ("stands", |r| r.rows[0].phase = Phase::Failing),
         ("stands", |r| r.ended = Ended::DoesNotStand("it slides".to_owned())),
         ("unchanged-until-8.4-h", |r| r.rows[1].max_displacement_m = 0.011),
@@ -153,6 +134,8 @@ fn one_number_turns_every_verdict() {
             r.shots.iter_mut().take(2).for_each(|s| s.frame.solid[0].pore_pressure = 50.0);
         }),
         ("pressure-at-toe", |r| r.shots[1].frame.solid[0].pore_pressure = 0.0),
+        ("pressure-at-toe", |r| r.events.front_at_toe_h = Some(8.1)),
+        ("pressure-at-toe", |r| r.shots[0].frame.solid[0].pore_pressure = 150.0),
         ("starts-at-toe", |r| r.events.failure_at_m = Some(5.9)),
         ("large-strain", |r| r.shots[2].frame.solid[0].deviator_strain = 0.04),
         // Only from the start of failure on.

@@ -31,6 +31,8 @@ pub struct Track {
     pub log: bool,
     /// The lines of the panel.
     pub lines: Vec<Trace>,
+    /// What they should stay below.
+    pub limit: Option<f64>,
 }
 
 /// Values of one thing over time.
@@ -53,8 +55,11 @@ pub struct Zoom {
     pub after_s: f64,
 }
 
+/// Which picture: the name of its files and its title.
+pub type Named = (&'static str, &'static str);
+
 /// The picture; without the panels in seconds where there is no zoom.
-pub fn figure(tracks: &[Track], events: &[Event], zoom: Option<Zoom>) -> Figure {
+pub fn figure((name, title): Named, tracks: &[Track], events: &[Event], zoom: Option<Zoom>) -> Figure {
     let times = tracks.iter().flat_map(|t| t.lines.iter().flat_map(|l| l.points.iter().map(|p| p.0)));
     let (first, last) =
         times.filter(|t| t.is_finite()).fold((f64::INFINITY, 0.0_f64), |(a, b), t| (a.min(t), b.max(t)));
@@ -75,8 +80,10 @@ pub fn figure(tracks: &[Track], events: &[Event], zoom: Option<Zoom>) -> Figure 
     for (column, span) in spans.iter().enumerate() {
         let share = if zoom.is_some() { SHARES[column] } else { 1.0 };
         panels.push(Panel { share, ..names(&places[column], span, lines, width(column)) });
+        let mut listed = 0;
         for (row, track) in tracks.iter().enumerate() {
-            let mut panel = Panel { share, row: row + 1, ..filled(track, events, span) };
+            let mut panel = Panel { share, row: row + 1, ..filled(track, listed, events, span) };
+            listed += if track.lines.len() > 1 { track.lines.len() } else { 0 };
             if row + 1 < tracks.len() {
                 panel.x = panel.x.quiet();
             }
@@ -87,9 +94,13 @@ pub fn figure(tracks: &[Track], events: &[Event], zoom: Option<Zoom>) -> Figure 
         }
     }
     Figure {
-        name: "levee-histories",
-        title: "What happened over time".to_owned(),
-        caption: format!("{}.", said(events)),
+        name,
+        title: title.to_owned(),
+        caption: format!(
+            "{}.{}",
+            said(events),
+            if tracks.iter().any(|t| t.limit.is_some()) { " Dotted: what a curve should stay below." } else { "" }
+        ),
         height: HEIGHTS.0,
         panels,
         missing: Vec::new(),
@@ -100,8 +111,14 @@ pub fn figure(tracks: &[Track], events: &[Event], zoom: Option<Zoom>) -> Figure 
 ///
 /// # Errors
 /// A file that cannot be written or drawn.
-pub fn write(tracks: &[Track], events: &[Event], zoom: Option<Zoom>, folder: &Path) -> Result<String, ReportError> {
-    let figure = figure(tracks, events, zoom);
+pub fn write(
+    named: Named,
+    tracks: &[Track],
+    events: &[Event],
+    zoom: Option<Zoom>,
+    folder: &Path,
+) -> Result<String, ReportError> {
+    let figure = figure(named, tracks, events, zoom);
     let row = |quantity: &str, name: &str, time: f64, value: f64| {
         vec![quantity.to_owned(), name.to_owned(), exact(time), exact(value)]
     };
@@ -161,14 +178,19 @@ fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     kept.collect()
 }
 
-fn filled(track: &Track, events: &[Event], span: &Span) -> Panel {
+/// The panel of a track; `listed` lines stand in the legend before its own, which look like none of those.
+fn filled(track: &Track, listed: usize, events: &[Event], span: &Span) -> Panel {
     let y = if track.log { Axis::log(&track.label, "value") } else { Axis::linear(&track.label, "value") };
     let mut panel = Panel::new("", span.axis(), y);
     let several = track.lines.len() > 1;
     for (place, line) in track.lines.iter().enumerate() {
-        let dash = [Dash::Solid, Dash::Dashed, Dash::DashDot, Dash::Dotted][place % 4];
-        let series = Series::line(line.name.clone(), look::nth(place).dash(dash), span.points(&line.points));
+        let look = if several { distinct(listed + place) } else { look::nth(0) };
+        let series = Series::line(line.name.clone(), look, span.points(&line.points));
         panel.add(if several { series } else { series.unlisted() });
+    }
+    if let Some(limit) = track.limit {
+        let ends = [span.ends.0, span.ends.1].map(|time| (span.at(time), limit));
+        panel.add(Series::line("", Look::new(look::BLACK, Marker::Dot).dash(Dash::Dotted), ends).unlisted());
     }
     let values = panel.all_y();
     panel.y.fit(values.into_iter());
@@ -181,6 +203,12 @@ fn filled(track: &Track, events: &[Event], span: &Span) -> Panel {
         panel.add(Series::line("", ACROSS, [(x, low), (x, high)]).unlisted().guide());
     }
     panel
+}
+
+/// Colour and dash that no other line of the legend has, up to 24.
+fn distinct(place: usize) -> Look {
+    let dashes = [Dash::Solid, Dash::Dashed, Dash::DashDot, Dash::Dotted];
+    look::nth(place % 6).dash(dashes[(place + place / 12) % 4])
 }
 
 /// At least a decade, so that there are ticks to read.
@@ -251,7 +279,7 @@ mod tests {
     }
 
     fn track(label: &str, log: bool, lines: Vec<Trace>) -> Track {
-        Track { label: label.to_owned(), log, lines }
+        Track { label: label.to_owned(), log, lines, limit: None }
     }
 
     /// What a run that fails may leave.
@@ -269,7 +297,10 @@ mod tests {
                 true,
                 vec![trace("kinetic energy", kinetic), trace("work of weight", move |t| 1.0 + 9e3 * slid(t))],
             ),
-            track("residual (kPa)", true, vec![trace("residual", |t| 1e-9 * (2.0 + (t * 0.7).sin()))]),
+            Track {
+                limit: Some(1e-6),
+                ..track("residual (kPa)", true, vec![trace("residual", |t| 1e-9 * (2.0 + (t * 0.7).sin()))])
+            },
             track("FS", false, vec![trace("factor of safety", move |t| 1.10 - (t - 21_600.0) / 9_576.0 * 0.11)]),
         ]
     }
@@ -278,15 +309,23 @@ mod tests {
     fn tracks_stand_below_each_other_with_events_across() {
         let (folder, _own) = folder();
         let zoom = Zoom { start_s: FAILURE_S, before_s: 5.0, after_s: 40.0 };
-        let svg = write(&tracks(), &events(), Some(zoom), &folder).expect("a picture");
+        let named = ("levee-histories", "What happened over time");
+        let svg = write(named, &tracks(), &events(), Some(zoom), &folder).expect("a picture");
         for part in ["front at toe", "E1", "time (h)", "time after 8 h 39 min 36 s (s)", "kinetic energy"] {
             assert!(svg.contains(part), "{part}");
         }
-        let figure = figure(&tracks(), &events(), None);
+        let figure = figure(named, &tracks(), &events(), None);
         assert!(figure.panels.iter().all(|p| p.share == 1.0) && figure.panels.len() == 8);
         let table = std::fs::read_to_string(folder.join("levee-histories.csv")).expect("a table");
         assert!(table.contains("event,E1: the toe ravels,31046.0,NaN"));
         assert!(table.contains("outflow (m³),outflow,21600.0,0.0"));
+    }
+
+    #[test]
+    fn no_two_lines_of_a_legend_look_alike() {
+        let looks: Vec<Look> = (0..24).map(distinct).collect();
+        let alike = |a: &Look, b: &Look| a.colour == b.colour && a.dash == b.dash;
+        assert!((0..24).all(|k| looks[k + 1..].iter().all(|other| !alike(&looks[k], other))));
     }
 
     #[test]
