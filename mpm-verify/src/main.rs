@@ -77,7 +77,7 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// Study, ladder and stability, compared with the accepted baselines; exit code 1 on a drift
+    /// Study, ladder, stability and levee, compared with the accepted baselines; exit code 1 on a drift
     Nightly {
         #[command(flatten)]
         common: Common,

@@ -12,7 +12,7 @@ use mpm_verify::levee::plan::{self, Plan};
 use mpm_verify::levee::run::{Ended, FollowError, Hooks, follow};
 use mpm_verify::levee::summary::Summary;
 use mpm_verify::levee::variants::{self, Variant};
-use mpm_verify::levee::{drivers, safety, sensitivity, tables, ticker, written};
+use mpm_verify::levee::{convergence, drivers, limits, safety, sensitivity, tables, ticker, written};
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 use mpm_verify::report::ReportError;
@@ -62,10 +62,13 @@ pub struct Options {
     /// Compare the drivers as well, from a common state shortly before the failure: what they predict, what they cost
     #[arg(long)]
     compare_drivers: bool,
-    /// With --sensitivity: those that take long, too
-    #[arg(long, requires = "sensitivity")]
+    /// Run the scene on meshes of whole and half cells as well, with 4 and 9 particles per cell: what converges
+    #[arg(long)]
+    convergence: bool,
+    /// With --sensitivity and --convergence: a quarter of a cell, too, which takes long
+    #[arg(long)]
     full: bool,
-    /// Only what --safety-factor, --sensitivity and --compare-drivers ask for: no run, no page
+    /// Only what --safety-factor, --sensitivity, --convergence and --compare-drivers ask for: no run, no page
     #[arg(long)]
     no_run: bool,
     /// Write no files for ParaView
@@ -99,12 +102,22 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let scene = plan::scene(&options.scene, &options.flags(), variant).map_err(Failure::BadInput)?;
     let plan = Plan::new(scene, options.from, options.until, true).map_err(Failure::BadInput)?;
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/levee"));
+    if options.full && !(options.sensitivity || options.convergence) {
+        return Err(Failure::BadInput("--full: expected --sensitivity or --convergence beside it".to_owned()));
+    }
     writable(&folder)?;
     if !options.safety_factor.is_empty() {
         factors(options, common, &plan, &folder)?;
     }
     if options.sensitivity {
         vary(options, common, &folder)?;
+    }
+    if options.convergence {
+        let progress = Progress::new("meshes", common.quiet);
+        let (flags, jobs) = (options.flags(), super::jobs(common.jobs));
+        let found =
+            convergence::compute((&options.scene, variant), &flags, options.full, jobs, &|text| progress.line(text));
+        tables::lines(&found.map_err(Failure::BadInput)?, &folder.join(convergence::NAME)).map_err(lost)?;
     }
     if options.compare_drivers {
         let progress = Progress::new("drivers", common.quiet);
@@ -133,6 +146,9 @@ fn factors(options: &Options, common: &Common, plan: &Plan, folder: &Path) -> Re
     tables::lines(&lines, &folder.join(safety::NAME)).map_err(lost)?;
     for line in &lines {
         let text = format!("factor of safety at {} h: {:.3} to {:.3}", line.time_h, line.fs_low, line.fs_high);
+        say(common.quiet || common.json, &text);
+    }
+    if let Some(text) = safety::implied(&lines) {
         say(common.quiet || common.json, &text);
     }
     if options.no_run {
@@ -186,6 +202,9 @@ fn one(options: &Options, common: &Common, plan: &Plan, folder: &Path) -> Result
         for line in summary.lines() {
             say(common.quiet, &line);
         }
+        for limit in limits::of(&summary).iter().filter(|limit| !limit.held()) {
+            say(common.quiet, &format!("not held: {}", limit.said()));
+        }
         say(common.quiet, &format!("page: {}", folder.join("index.html").display()));
     }
     match &run.ended {
@@ -196,6 +215,18 @@ fn one(options: &Options, common: &Common, plan: &Plan, folder: &Path) -> Result
         Ended::Failed(what) => Err(Failure::RunFailed(format!("{what}; what was computed is in {}", folder.display()))),
         Ended::Collapsed | Ended::TimeOver | Ended::Stopped => Ok(()),
     }
+}
+
+/// The built-in levee with its page, for the night.
+pub fn night(folder: &Path) -> Result<Summary, Failure> {
+    let scene = plan::scene("levee", &Flags::default(), None).map_err(Failure::RunFailed)?;
+    let plan = Plan::new(scene, None, None, true).map_err(Failure::RunFailed)?;
+    writable(folder)?;
+    let mut hooks = Hooks { progress: &mut |_| (), stop: &mut |_| false, folder: None, every: EVERY };
+    let run = follow(&plan, &mut hooks, None).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    let summary = Summary::of(&plan, &run, None, Manifest::new(&plan.scene, 1));
+    written::write(&plan, &run, &summary, false, folder).map_err(lost)?;
+    Ok(summary)
 }
 
 /// Set by the first Ctrl-C; a second one ends at once.

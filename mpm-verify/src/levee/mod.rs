@@ -3,17 +3,20 @@
 //! # Reading order
 //! 1. [`plan`]: which scene, by which driver, from when to when. [`variants`]: the scene with one input changed.
 //! 2. [`run`]: follows it. [`moments`]: when frames are taken. [`checkpoint`]: a state on disk, to go on from.
-//! 3. [`tables`], [`summary`]: what it came to. [`claims`]: the paper's statements, judged by rules.
+//! 3. [`tables`], [`summary`], [`limits`]: what it came to, and what it must keep to. [`claims`]: the paper's statements, judged by rules.
 //! 4. [`safety`]: the factor of safety over time, beside [`equilibrium`] with the same water. [`sensitivity`]: all variants.
-//! 5. [`operators`]: the paper's Darcy operator beside the default, on the levee's own full cells.
+//! 5. [`convergence`]: what does not depend on the mesh, and what does. [`drivers`]: whoever drives, and what it costs.
+//!    [`operators`]: the paper's Darcy operator beside the default, on the levee's own full cells.
 //! 6. [`figures`], [`assumptions`], [`page`], [`written`]: what is left in a folder. [`ticker`]: what is said on the way.
 
 pub mod assumptions;
 pub mod checkpoint;
 pub mod claims;
+pub mod convergence;
 pub mod drivers;
 pub mod equilibrium;
 pub mod figures;
+pub mod limits;
 pub mod moments;
 pub mod operators;
 pub mod page;

@@ -49,6 +49,9 @@ pub struct Line {
     pub steps: u64,
     /// Of which scene: [`Plan::scene_word`].
     pub scene: String,
+    /// Levels of the water at the places of the scene, m; not in the table.
+    #[serde(skip)]
+    pub levels_m: Vec<f64>,
 }
 
 impl OfScene for Line {
@@ -79,6 +82,7 @@ pub fn compute(plan: &Plan, times_h: &[f64], progress: &mut dyn FnMut(&str)) -> 
         let found = driver.safety(WITHIN, &mut tell).map_err(|e| e.to_string())?;
         lines.push(Line {
             scene: plan.scene_word(),
+            levels_m: row.levels.clone(),
             ..line(time, [found.low, found.high], factors, (found.trials, found.steps))
         });
     }
@@ -100,7 +104,33 @@ fn line(time_h: f64, [fs_low, fs_high]: [f64; 2], factors: [Factors; 2], (trials
         trials,
         steps,
         scene: String::new(),
+        levels_m: Vec::new(),
     }
+}
+
+/// What factors of different meshes may differ by.
+const ERROR: f64 = 0.05;
+
+/// When the factor falls through a value, h, between the times of two lines.
+fn falls_through(lines: &[Line], factor: f64) -> Option<f64> {
+    let points = lines.iter().map(|l| (l.time_h, 0.5 * (l.fs_low + l.fs_high))).filter(|p| p.1.is_finite());
+    let points: Vec<(f64, f64)> = points.collect();
+    let pair = points.windows(2).find(|pair| pair[0].1 >= factor && pair[1].1 < factor)?;
+    let ((t0, f0), (t1, f1)) = (pair[0], pair[1]);
+    Some(t0 + (f0 - factor) / (f0 - f1) * (t1 - t0))
+}
+
+/// The time of failure that the factors imply, in words.
+pub fn implied(lines: &[Line]) -> Option<String> {
+    let fails = falls_through(lines, 1.0)?;
+    let text = |time: Option<f64>, none: &str| time.map_or_else(|| none.to_owned(), |h| format!("{} h", short(h, 4)));
+    let (first, last) = (falls_through(lines, 1.0 + ERROR), falls_through(lines, 1.0 - ERROR));
+    Some(format!(
+        "The factor is 1 at {}; with an error of {ERROR} it implies failure from {} to {}",
+        text(Some(fails), ""),
+        text(first, "before the first time"),
+        text(last, "after the last time")
+    ))
 }
 
 /// Draws them, with the events of the run.
@@ -146,10 +176,11 @@ pub fn shown(lines: &[Line]) -> Table {
             pair(l.spencer, l.spencer_davis),
         ]
     };
+    let implied = implied(lines).map_or_else(String::new, |text| format!(" {text}."));
     let note = "Slides at least 0.3 m deep; limit equilibrium with the run's level of water, hydrostatic below it, and the \
                 peak friction of the base. Davis: with his reduced strength for a soil without dilation. The infinite slope is \
                 that at the toe, from when water is there.";
-    table("Factor of safety".to_owned(), &head, lines.iter().map(row).collect(), note)
+    table("Factor of safety".to_owned(), &head, lines.iter().map(row).collect(), &format!("{note}{implied}"))
 }
 
 /// Level of the water as a line (x, y), m: the tank, the places of the scene, the front.
@@ -161,4 +192,23 @@ pub fn phreatic(plan: &Plan, row: &Row, tank_m: f64) -> Vec<[f64; 2]> {
     line.sort_by(|a, b| a[0].total_cmp(&b[0]));
     line.dedup_by(|a, b| a[0] - b[0] < 1e-6);
     line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_factors_imply_a_time_and_how_uncertain_it_is() {
+        let at = |time_h: f64, fs: f64| line(time_h, [fs - 0.005, fs + 0.005], Default::default(), (0, 0));
+        let lines = [at(10.0, 1.10), at(14.0, 0.98), at(18.0, 0.90)];
+        let text = implied(&lines).expect("a time");
+        assert_eq!(
+            text,
+            "The factor is 1 at 13.33 h; with an error of 0.05 it implies failure from 11.67 h to 15.50 h"
+        );
+        let late = implied(&lines[..2]).expect("a time");
+        assert!(late.ends_with("from 11.67 h to after the last time"), "{late}");
+        assert_eq!(implied(&lines[1..]), None);
+    }
 }

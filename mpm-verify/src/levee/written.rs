@@ -8,12 +8,12 @@ use super::page::{self, Parts};
 use super::plan::Plan;
 use super::run::Followed;
 use super::summary::Summary;
-use super::{drivers, figures, safety, sensitivity, tables};
+use super::{convergence, drivers, figures, safety, sensitivity, tables};
 use crate::frames;
 use crate::report::{ReportError, animation, save, unwritable, vtk};
 
 /// Writes tables, summary, claims, frames, pictures, animation and page; files for ParaView if asked for. Factors of
-/// safety and variants whose tables are in the folder are shown too.
+/// safety, variants, meshes and drivers of this scene whose tables are in the folder are shown too.
 ///
 /// # Errors
 /// A file that cannot be written or drawn.
@@ -42,6 +42,7 @@ pub fn write(plan: &Plan, run: &Followed, summary: &Summary, with_vtk: bool, fol
     let factors: Vec<safety::Line> = tables::stored(&folder.join(safety::NAME), &word, &mut others)?;
     let variants: Vec<sensitivity::Line> = tables::stored(&folder.join(sensitivity::NAME), &word, &mut others)?;
     let drivers: Vec<drivers::Line> = tables::stored(&folder.join(drivers::NAME), &word, &mut others)?;
+    let meshes: Vec<convergence::Line> = tables::stored(&folder.join(convergence::NAME), &word, &mut others)?;
     let mut further = Vec::new();
     if !factors.is_empty() {
         pictures.push(safety::picture(&factors, Some(&run.events), &plots)?);
@@ -55,6 +56,9 @@ pub fn write(plan: &Plan, run: &Followed, summary: &Summary, with_vtk: bool, fol
     animation::write(&format!("The levee fails: {}", scene.name), &site, &run.shots, &folder.join("failure.html"))?;
     if with_vtk {
         vtk::write(&run.shots, &folder.join("vtk"))?;
+    }
+    if !meshes.is_empty() {
+        further.extend(convergence::shown(&meshes));
     }
     if !drivers.is_empty() {
         further.push(drivers::shown(&drivers));
