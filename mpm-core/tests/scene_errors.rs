@@ -531,7 +531,7 @@ fn bad_failure_is_refused() {
     const DRIVER: &str = "integrator = \"two-clocks\"";
     const BASE: &str = "peak_angle = 30.0\nresidual_angle = 8.5\nslip_distance = 0.02";
     const OUTLINE: &str = "[[0.0, 0.0], [9.0, 0.0], [3.0, 3.0], [0.0, 3.0]]";
-    let cases: [(&str, &str, Edits, &str); 35] = [
+    let cases: [(&str, &str, Edits, &str); 37] = [
         ("head above the crest", "levee", &[(HEAD, "feed.left = { head = 3.1 }")], "at most 3 m, the top of the soil"),
         ("a feed above the crest", "levee", &[(HEAD, "feed.left = { velocity = 1e-5, height = 3.5 }")], "at most 3 m"),
         ("head at the base", "levee", &[(HEAD, "feed.left = { head = 0.0 }")], "above 0 m"),
@@ -542,6 +542,13 @@ fn bad_failure_is_refused() {
             "levee",
             &[(HEAD, "feed.right = { head = 1.0 }"), ("sideroom_cells = 14\n", "")],
             "a wall with no soil",
+        ),
+        ("a tank and no wall", "levee", &[("left = \"roller\"", "left = \"free\"")], "boundaries.left = \"roller\""),
+        (
+            "failure in dry soil",
+            "collapse-dry",
+            &[("[[stages]]\n", "[[stages]]\nclock = \"both\"\n")],
+            "free_surface beside clock = \"both\"",
         ),
         ("feed in the air", "levee", &[(HEAD, "feed.top = { velocity = 1e-5 }")], "a wall with no soil"),
         (

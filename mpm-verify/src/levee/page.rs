@@ -119,6 +119,7 @@ fn words(s: &Summary, claims: &[Claim]) -> String {
         (Some(failure), None) => format!("Failure starts at {failure}; it does not become rapid."),
         (None, _) => match at(s.end_h) {
             Some(end) => format!("The levee has not failed when the run ends at {end}."),
+            None if s.ended == "run-failed" => "The run failed before any water seeped.".to_owned(),
             None => "The levee does not stand before any water seeps.".to_owned(),
         },
     };

@@ -175,7 +175,7 @@ impl<'a> Running<'a> {
     /// Gravity and the first water.
     fn load(&mut self) -> Option<Ended> {
         match self.driver.load() {
-            Err(error) => Some(Ended::DoesNotStand(error.what)),
+            Err(error) => Some(Ended::Failed(format!("under its own weight and the first water: {error}"))),
             Ok(_) if !self.driver.rows.is_empty() => {
                 self.look(&self.driver.events.clone(), true);
                 None

@@ -208,11 +208,17 @@ fn rows(lines: &[Line]) -> Vec<Varied> {
         Some(tornado::Variant { label: line.label.clone(), outcome: line.outcome() })
     };
     let same = VARIANTS.chunk_by(|a, b| a.what == b.what);
-    same.flat_map(|group| group.chunks(2))
+    let pairs = same.flat_map(|group| {
+        // Of many values, those that were run stand together; of two, each has its place.
+        let ran = |v: &&Variant| group.len() <= 2 || lines.iter().any(|line| line.variant == v.name);
+        let ran: Vec<&Variant> = group.iter().filter(ran).collect();
+        ran.chunks(2).map(<[&Variant]>::to_vec).collect::<Vec<_>>()
+    });
+    pairs
         .map(|pair| Varied {
             what: pair[0].what.to_owned(),
-            low: pair.first().and_then(found),
-            high: pair.get(1).and_then(found),
+            low: pair.first().and_then(|v| found(v)),
+            high: pair.get(1).and_then(|v| found(v)),
         })
         .filter(|row| row.low.is_some() || row.high.is_some())
         .collect()

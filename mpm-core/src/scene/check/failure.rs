@@ -90,6 +90,11 @@ impl Reader<'_> {
             let Some(feed) = feed else { continue };
             let Some([_, high]) = touching(&soil, side, scene) else { continue };
             let key = format!("water.free_surface.feed.{side}");
+            if side != Side::Top && scene.solid_sides[side as usize] == SolidSide::Free {
+                let expected =
+                    format!("boundaries.{side} = \"roller\" or \"fixed\" beside it: soil that may fail is held there");
+                return self.refuse(&feed.span(), &key, &expected, quoted("free"));
+            }
             let given = [("head", &feed.get_ref().head), ("height", &feed.get_ref().height)];
             for (word, value) in given {
                 let Some(value) = value else { continue };
