@@ -51,8 +51,8 @@ impl OfScene for Line {
     }
 }
 
-/// Runs the scene, or a variant of it, on meshes of its own cells and of halves (and with `full` of quarters) of them, `jobs` at a time: held for the
-/// levels and the factors of safety, free for the rest. None takes another down.
+/// Runs the scene, or a variant of it, on meshes of its own cells and of halves (and with `full` of quarters) of them, `jobs` at a
+/// time: held for the levels and the factors of safety, free for the rest. None takes another down.
 ///
 /// # Errors
 /// What was expected of the scene and found.
