@@ -67,9 +67,9 @@ pub const VARIANTS: [Variant; 26] = [
     variant("saturation-0.7", MOISTURE, "0.7", Change::Edit(|s| moist(s, 0.7))),
     variant("dilation-15", DILATION, "15°", Change::Edit(|s| dilates(s, 15.0))),
     variant("dilation-30", DILATION, "30°", Change::Edit(|s| dilates(s, 30.0))),
+    Variant { long: true, ..variant("mesh-0.1", MESH, "0.1 m", Change::Mesh(0.1)) },
     variant("mesh-0.2", MESH, "0.2 m", Change::Mesh(0.2)),
     variant("mesh-0.4", MESH, "0.4 m", Change::Mesh(0.4)),
-    Variant { long: true, ..variant("mesh-0.1", MESH, "0.1 m", Change::Mesh(0.1)) },
     variant("ppc-4", PPC, "4", Change::Particles(4)),
 ];
 
