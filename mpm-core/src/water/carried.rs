@@ -25,8 +25,9 @@ const LEAST_COVER: f64 = 0.02;
 /// Exchange between blocks of full cells, in parts of what elastic shear would make of the same pressures, 1/(2 G). Elastic soil
 /// would do with a quarter; soil that flows resists less. On the levee's slide (0.4 m, 9 particles per cell) the checkerboard
 /// index is at most 10 % without and 4.6 % with a quarter. Over nine runs whose cohesion or conductivity differ by less than 0.5 % it
-/// is 0.8 to 1.0 % with 32, the crest settling by 0.15 to 0.27 m, and 0.7 to 0.9 % with 128, by 0.15 to 0.20 m. At 0.2 m it is
-/// 3.4 % without and 0.3 % with 128.
+/// is 0.8 to 1.0 % with 32, the crest settling by 0.15 to 0.27 m, and 0.7 to 0.9 % with 128, by 0.15 to 0.20 m. With the stops of
+/// `mpm-verify levee` it is 1.03 % with 32 and 0.84 % with 128. At 0.2 m it is 3.4 % without and 0.3 % with 128. No help everywhere:
+/// with 4 particles per cell it is about 2 % with either, and on the levee of Table 3 1.5 % with 32, 2.8 % with 128.
 const SMOOTHING: f64 = 128.0;
 
 /// What the pressures do while the soil moves.

@@ -25,6 +25,7 @@ struct Night {
     limits_fallen: usize,
     levee_failure_h: Option<f64>,
     levee_toe_m: Option<f64>,
+    levee_ended: String,
     levee_limits: usize,
     levee_limits_fallen: usize,
 }
@@ -62,6 +63,7 @@ pub fn run(common: &Common) -> Result<(), Failure> {
         limits_fallen,
         levee_failure_h: levee.failure_start_h,
         levee_toe_m: levee.toe_x_m,
+        levee_ended: levee.ended.clone(),
         levee_limits: kept.len(),
         levee_limits_fallen: kept.iter().filter(|limit| !limit.held()).count(),
     };
@@ -80,7 +82,11 @@ pub fn run(common: &Common) -> Result<(), Failure> {
         say(common.quiet, &format!("levee: {}", limit.said()));
     }
     stability::verdict(&steps_measured)?;
-    if fallen + drifted + limits_fallen + night.levee_limits_fallen > 0 {
+    let unfinished = limits::unfinished(&levee.ended, levee.trouble.as_deref());
+    if let Some(how) = &unfinished {
+        say(common.quiet, &format!("levee: {how}"));
+    }
+    if unfinished.is_some() || fallen + drifted + limits_fallen + night.levee_limits_fallen > 0 {
         Err(Failure::FellShort(line))
     } else {
         Ok(())
@@ -91,7 +97,7 @@ pub fn run(common: &Common) -> Result<(), Failure> {
 fn append(path: &std::path::Path, night: &Night) -> Result<(), Failure> {
     let lost = |e: String| Failure::RunFailed(format!("{}: {e}", path.display()));
     let known = fs::read_to_string(path).unwrap_or_default();
-    let new = !known.lines().any(|line| line.ends_with("levee_limits,levee_limits_fallen"));
+    let new = !known.lines().any(|line| line.ends_with("levee_ended,levee_limits,levee_limits_fallen"));
     let file = fs::OpenOptions::new().create(true).append(true).open(path).map_err(|e| lost(e.to_string()))?;
     let mut writer = csv::WriterBuilder::new().has_headers(new).from_writer(file);
     writer.serialize(night).map_err(|e| lost(e.to_string()))?;

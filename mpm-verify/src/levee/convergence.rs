@@ -1,5 +1,5 @@
 //! What converges with the mesh and the particles: levels of water, factor of safety, run-out, settlement of the crest; and the
-//! time of the failure, which cannot (a percent of strength is minutes of seepage).
+//! time of the failure, which moves by the error of the factor over its fall in time.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
@@ -209,7 +209,7 @@ pub fn shown(lines: &[Line]) -> Vec<Table> {
         .collect();
     let note = format!(
         "Edge of a cell and particles per cell. Levels and factors of safety: soil held until then. The time of the failure is \
-         shown but not judged: it moves by hours with a percent of strength.{}",
+         shown but not judged: it moves by the error of the factor over its fall in time.{}",
         troubles.concat()
     );
     let coarsest = lines.iter().map(|l| l.cell_m).fold(0.0, f64::max);

@@ -2,6 +2,7 @@
 
 use crate::report::numbers::short;
 
+use super::run::Ended;
 use super::summary::Summary;
 
 /// A number of a run beside what it may be.
@@ -44,9 +45,23 @@ pub fn of(s: &Summary) -> [Limit; 7] {
     ]
 }
 
+/// What is wrong with how a levee that must fail has ended. Half a run keeps to every limit.
+pub fn unfinished(ended: &str, trouble: Option<&str>) -> Option<String> {
+    let why = trouble.map_or_else(String::new, |why| format!(": {why}"));
+    (ended != Ended::Collapsed.words()).then(|| format!("ended as {ended}, collapsed expected{why}"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_levee_that_does_not_collapse_is_told() {
+        assert_eq!(unfinished(Ended::Collapsed.words(), None), None);
+        assert!(unfinished(Ended::TimeOver.words(), None).is_some());
+        let told = unfinished(Ended::Failed(String::new()).words(), Some("step 7")).expect("told");
+        assert_eq!(told, "ended as run-failed, collapsed expected: step 7");
+    }
 
     #[test]
     fn what_was_not_found_or_is_no_number_does_not_hold() {
