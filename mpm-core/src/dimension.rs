@@ -21,6 +21,10 @@ pub trait Kinematics<const D: usize, const S: usize>: Copy + Send + Sync + 'stat
     fn internal_force<R: Real>(mean: &[R; S], first: &[[R; S]; D], inverse_size: f64) -> [[R; D]; 4];
     /// Stress times a vector: sigma . G, Pa times the unit of G.
     fn traction(stress: &[f64; S], vector: &[f64; D]) -> [f64; D];
+    /// The stress as xx, yy, zz, xy, Pa.
+    fn in_space(stress: &[f64; S]) -> [f64; 4];
+    /// Mean of the three normal stresses, Pa.
+    fn mean_stress<R: Real>(stress: &[R; S]) -> R;
     /// The stress of an isotropic pressure of 1 Pa (compression), for the pore water.
     const UNIT_PRESSURE: [f64; S];
 }
@@ -49,6 +53,15 @@ impl Kinematics<1, 2> for Column {
     #[inline(always)]
     fn traction(stress: &[f64; 2], vector: &[f64; 1]) -> [f64; 1] {
         [stress[0] * vector[0]]
+    }
+
+    fn in_space(&[vertical, lateral]: &[f64; 2]) -> [f64; 4] {
+        [lateral, vertical, lateral, 0.0]
+    }
+
+    #[inline(always)]
+    fn mean_stress<R: Real>(stress: &[R; 2]) -> R {
+        (stress[0] + stress[1] * 2.0) * (1.0 / 3.0)
     }
 }
 
@@ -86,6 +99,15 @@ impl Kinematics<2, 4> for PlaneStrain {
     fn traction(stress: &[f64; 4], vector: &[f64; 2]) -> [f64; 2] {
         let [xx, yy, _, xy] = *stress;
         [xx * vector[0] + xy * vector[1], xy * vector[0] + yy * vector[1]]
+    }
+
+    fn in_space(stress: &[f64; 4]) -> [f64; 4] {
+        *stress
+    }
+
+    #[inline(always)]
+    fn mean_stress<R: Real>(stress: &[R; 4]) -> R {
+        (stress[0] + stress[1] + stress[2]) * (1.0 / 3.0)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The one switchboard: the words of a scene become concrete types. Nothing else matches on them.
 
-use crate::boundary::{Edges, Strip, Supports, SurfaceLoad};
+use crate::boundary::{BodyForce, Edges, Given, Plate, Strip, Supports, SurfaceLoad};
 use crate::constitutive::{Law, LinearElastic, MohrCoulomb};
 use crate::dimension::{Column, Kinematics, PlaneStrain};
 use crate::drive::{Run, drive};
@@ -13,7 +13,7 @@ use crate::scene::{
     DarcyChoice, Dimension, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, Start, WaterProperties,
 };
 use crate::seeding::{self, Part};
-use crate::shape::{Centre, Centroid, Linear, Shape};
+use crate::shape::{BBar, Centre, Centroid, Linear, Shape};
 use crate::space::Deformation;
 use crate::stability::{StepTooLarge, choose_step};
 use crate::stencil::{Basis, Bspline2, Functions, Gimp};
@@ -58,6 +58,16 @@ pub fn run_on(hardware: &Hardware, scene: &Scene, progress: &mut dyn FnMut(f64))
     Ok(drive(scene, model.as_mut(), dt, progress))
 }
 
+/// [`run`] with fields that scenes have no words for. The step is that of the scene.
+///
+/// # Errors
+/// As [`run`], and as [`model_given`].
+pub fn run_given(scene: &Scene, given: &Given, progress: &mut dyn FnMut(f64)) -> Result<Run, StartError> {
+    let dt = choose_step(scene)?;
+    let mut model = model_given(&Hardware::default(), scene, given)?;
+    Ok(drive(scene, model.as_mut(), dt, progress))
+}
+
 /// The model of a scene at t = 0, its first stage not yet entered.
 ///
 /// # Errors
@@ -71,34 +81,43 @@ pub fn model(scene: &Scene) -> Result<Box<dyn Model>, RunError> {
 /// # Errors
 /// As [`model`].
 pub fn model_on(hardware: &Hardware, scene: &Scene) -> Result<Box<dyn Model>, RunError> {
+    model_given(hardware, scene, &Given::default())
+}
+
+/// [`model_on`] with fields that scenes have no words for.
+///
+/// # Errors
+/// Particles outside the mesh; fields for an integrator that takes none.
+pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<Box<dyn Model>, RunError> {
+    let explicit = matches!(scene.integrator, Integrator::Explicit | Integrator::SemiImplicit);
+    if !given.is_nothing() && (!explicit || scene.free_surface.is_some()) {
+        return Err(refused("given fields are for the explicit and the semi-implicit integrator"));
+    }
     let quasi_static = scene.integrator == Integrator::QuasiStatic;
     match (scene.dimension, scene.strength) {
-        (_, Some(_)) if quasi_static => Err(RunError {
-            step: 0,
-            time: 0.0,
-            place: "the scene".into(),
-            what: "the quasi-static integrator knows linear elastic soil only".into(),
-        }),
+        (_, Some(_)) if quasi_static => Err(refused("the quasi-static integrator knows linear elastic soil only")),
         (Dimension::Column, None) => {
             let law = LinearElastic::column(&scene.elastic);
             if quasi_static {
                 return Ok(implicit::<Column, _, 1, 2>(scene, [scene.cells[1]], scene.width, along_column, law));
             }
-            shape::<Column, _, 1, 2>(scene, [scene.cells[1]], scene.width, along_column, law)
+            let seed = Seeded::new(scene, given, [scene.cells[1]], scene.width, along_column)?;
+            shape::<Column, _, 1, 2>(scene, seed, law)
         }
         (Dimension::Column, Some(strength)) => {
             let law = MohrCoulomb::column(&scene.elastic, &strength);
-            shape::<Column, _, 1, 2>(scene, [scene.cells[1]], scene.width, along_column, law)
+            let seed = Seeded::new(scene, given, [scene.cells[1]], scene.width, along_column)?;
+            shape::<Column, _, 1, 2>(scene, seed, law)
         }
         (Dimension::PlaneStrain, None) => {
             let law = LinearElastic::plane_strain(&scene.elastic);
             if quasi_static {
                 return Ok(implicit::<PlaneStrain, _, 2, 4>(scene, scene.cells, 1.0, in_plane, law));
             }
-            plane_strain(hardware, scene, law)
+            plane_strain(hardware, scene, given, law)
         }
         (Dimension::PlaneStrain, Some(strength)) => {
-            plane_strain(hardware, scene, MohrCoulomb::plane_strain(&scene.elastic, &strength))
+            plane_strain(hardware, scene, given, MohrCoulomb::plane_strain(&scene.elastic, &strength))
         }
     }
 }
@@ -115,7 +134,7 @@ pub fn failing(scene: &Scene) -> Result<Box<dyn Failing>, RunError> {
 }
 
 fn failing_with<L: Law<4>>(scene: &Scene, law: L) -> Result<Box<dyn Failing>, RunError> {
-    let seed = Seeded::new(scene, scene.cells, scene.cell, in_plane)?;
+    let seed = Seeded::new(scene, &Given::default(), scene.cells, scene.cell, in_plane)?;
     Ok(match scene.shape {
         ShapeChoice::Linear => Box::new(seed.two_clocks::<PlaneStrain, Linear, L>(scene, law)?),
         ShapeChoice::Centroid => Box::new(seed.two_clocks::<PlaneStrain, Centroid, L>(scene, law)?),
@@ -134,15 +153,20 @@ fn in_plane(vertical: f64, lateral: f64) -> [f64; 4] {
 }
 
 /// A step in plane strain that is not quasi-static, over lanes where that is known.
-fn plane_strain<L: Law<4>>(hardware: &Hardware, scene: &Scene, law: L) -> Result<Box<dyn Model>, RunError> {
-    if over_lanes(hardware.width, scene) {
-        let seed = Seeded::new(scene, scene.cells, scene.cell, in_plane)?;
+fn plane_strain<L: Law<4>>(
+    hardware: &Hardware,
+    scene: &Scene,
+    given: &Given,
+    law: L,
+) -> Result<Box<dyn Model>, RunError> {
+    let seed = Seeded::new(scene, given, scene.cells, scene.cell, in_plane)?;
+    if given.is_nothing() && over_lanes(hardware.width, scene) {
         return match scene.shape {
             ShapeChoice::Centre => seed.lanes::<Centre, _>(hardware, scene, law),
             _ => seed.lanes::<Linear, _>(hardware, scene, law),
         };
     }
-    shape::<PlaneStrain, _, 2, 4>(scene, scene.cells, scene.cell, in_plane, law)
+    shape::<PlaneStrain, _, 2, 4>(scene, seed, law)
 }
 
 /// Whether the step over lanes knows a scene.
@@ -200,22 +224,20 @@ fn implicit<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
 
 /// Settlement of the state a run starts from, counted from the unloaded one, m.
 fn first_settlement(scene: &Scene) -> f64 {
-    match (scene.start, scene.surcharge) {
-        (Start::UndrainedEquilibrium, Some(load)) => {
-            (load.pressure - scene.undrained_pressure()) * scene.height / scene.oedometer_modulus()
-        }
-        _ => 0.0,
+    if scene.start != Start::UndrainedEquilibrium {
+        return 0.0;
     }
+    // The skeleton's share of the load, and of the weight above, which is half of all on average.
+    let weight = scene.gravity.unwrap_or(0.0) * scene.mixture_density() * scene.height;
+    let mean = scene.surcharge.map_or(0.0, |s| s.pressure) + 0.5 * weight;
+    (1.0 - scene.undrained_share()) * mean * scene.height / scene.oedometer_modulus()
 }
 
 fn shape<K: Kinematics<D, S>, L: Law<S>, const D: usize, const S: usize>(
     scene: &Scene,
-    soil_cells: [usize; D],
-    face_area: f64,
-    stress: fn(f64, f64) -> [f64; S],
+    seed: Seeded<D, S>,
     law: L,
 ) -> Result<Box<dyn Model>, RunError> {
-    let seed = Seeded::new(scene, soil_cells, face_area, stress)?;
     let per_direction = scene.particles_per_direction();
     match (scene.integrator, scene.shape) {
         (_, ShapeChoice::Linear) if scene.free_surface.is_some() => {
@@ -227,6 +249,8 @@ fn shape<K: Kinematics<D, S>, L: Law<S>, const D: usize, const S: usize>(
         (_, _) if scene.free_surface.is_some() => Ok(Box::new(seed.two_clocks::<K, Centre, L>(scene, law)?)),
         (Integrator::Explicit, ShapeChoice::Centroid) => water::<K, Centroid, L, D, S>(scene, seed, law),
         (Integrator::Explicit, ShapeChoice::Centre) => water::<K, Centre, L, D, S>(scene, seed, law),
+        (Integrator::Explicit, ShapeChoice::BBar) => water::<K, BBar, L, D, S>(scene, seed, law),
+        (_, ShapeChoice::BBar) => seed.wide::<K, _, L>(scene, law, BBar),
         (Integrator::Explicit, ShapeChoice::Linear) => water::<K, Linear, L, D, S>(scene, seed, law),
         // A full column has its centroid at the centre; scenes with others are refused.
         (_, ShapeChoice::Centre | ShapeChoice::Centroid) => seed.wide::<K, _, L>(scene, law, Centre),
@@ -267,11 +291,13 @@ struct Seeded<const D: usize, const S: usize> {
     face_area: f64,
     particle_volume: f64,
     seed: Seed,
+    given: Given,
 }
 
 impl<const D: usize, const S: usize> Seeded<D, S> {
     fn new(
         scene: &Scene,
+        given: &Given,
         soil_cells: [usize; D],
         face_area: f64,
         stress: fn(f64, f64) -> [f64; S],
@@ -297,7 +323,18 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
             if scene.slope_angle.is_some() {
                 stress[S - 1] = first_shear(scene, vertical - pressure);
             }
-            SolidPoint { x, v: first_velocity(scene), stress, mass: scene.dry_density() * volume, volume }
+            let mut v = first_velocity(scene);
+            if let Some(start) = &given.start {
+                let state = start(in_two(&x));
+                let [xx, yy, ..] = state.stress;
+                stress = if D == 1 {
+                    std::array::from_fn(|s| [yy, xx][s])
+                } else {
+                    std::array::from_fn(|s| state.stress[s])
+                };
+                v = std::array::from_fn(|d| state.velocity[d + 2 - D]);
+            }
+            SolidPoint { x, v, stress, mass: scene.dry_density() * volume, volume }
         };
         let (points, seed) = match outline_parts(scene) {
             Some(parts) => {
@@ -313,7 +350,7 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
             }
         };
         let solid = Layer::new(points, &grid).map_err(|e| outside("solid", e.index, &e.x))?;
-        Ok(Self { grid, soil_cells, solid, face_area, particle_volume, seed })
+        Ok(Self { grid, soil_cells, solid, face_area, particle_volume, seed, given: given.clone() })
     }
 
     fn saturated<O: DarcyOperator<D>>(
@@ -322,12 +359,14 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         properties: WaterProperties,
     ) -> Result<Saturated<O, D>, RunError> {
         let points = positions(scene, self.soil_cells)
-            .map(|x| WaterPoint {
-                x,
-                v: first_velocity(scene),
-                mass: scene.porosity * properties.density * self.particle_volume,
-                volume: self.particle_volume,
-                pressure: first_state(scene, x[D - 1]).1,
+            .map(|x| {
+                let (mut v, mut pressure) = (first_velocity(scene), first_state(scene, x[D - 1]).1);
+                if let Some(start) = &self.given.start {
+                    let state = start(in_two(&x));
+                    (v, pressure) = (std::array::from_fn(|d| state.velocity[d + 2 - D]), state.pressure);
+                }
+                let mass = scene.porosity * properties.density * self.particle_volume;
+                WaterPoint { x, v, mass, volume: self.particle_volume, pressure }
             })
             .collect();
         let layer = Layer::new(points, &self.grid).map_err(|e| outside("water", e.index, &e.x))?;
@@ -407,6 +446,7 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         // A column has the last component, which is the vertical one.
         let gravity = scene.gravity_vector().map(|g| std::array::from_fn(|d| g[d + 2 - D]));
         Parts {
+            plate: (on == LoadOn::Plate).then(|| Plate::new(supports.counts())),
             supports,
             grid: self.grid,
             solid: self.solid,
@@ -415,6 +455,7 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
             surface,
             surcharge: scene.surcharge,
             gravity,
+            force: self.given.force.map(|field| Box::new(BodyForce::new(field))),
             flip: scene.flip,
             apart: scene.separation.map_or(0.0, |strain| scene.dry_density() / (1.0 + strain)),
             seed: self.seed,
@@ -478,8 +519,9 @@ fn first_state(scene: &Scene, height: f64) -> (f64, f64) {
         Start::Unloaded => (0.0, 0.0),
         Start::UndrainedEquilibrium => {
             let load = scene.surcharge.map_or(0.0, |s| s.pressure);
-            let pressure = scene.undrained_pressure();
-            (-(load - pressure), pressure)
+            let weight = scene.gravity.unwrap_or(0.0) * scene.mixture_density() * (scene.height - height);
+            let pressure = scene.undrained_share() * (load + weight);
+            (pressure - (load + weight), pressure)
         }
         Start::Geostatic => state_at_depth(scene, &[0.5 * scene.width, height], scene.height - height),
     }
@@ -523,6 +565,15 @@ pub fn outline_parts(scene: &Scene) -> Option<Vec<Part>> {
         SeedingChoice::Clipped => seeding::parts(outline, scene.spacing()),
         SeedingChoice::Whole => seeding::whole(outline, scene.spacing()),
     })
+}
+
+/// A place in two dimensions, m; a column stands at x = 0.
+fn in_two<const D: usize>(x: &[f64; D]) -> [f64; 2] {
+    [if D == 2 { x[0] } else { 0.0 }, x[D - 1]]
+}
+
+fn refused(what: &str) -> RunError {
+    RunError { step: 0, time: 0.0, place: "the scene".into(), what: what.into() }
 }
 
 fn outside<const D: usize>(layer: &str, index: usize, x: &[f64; D]) -> RunError {

@@ -213,6 +213,8 @@ fn flight<Sh: Shape>(steps: usize, corner: f64, shear: f64) -> ([f64; 4], u64) {
         surface: SurfaceLoad::new(Vec::new(), 0.0, LoadOn::Surface),
         surcharge: None,
         gravity: None,
+        force: None,
+        plate: None,
         flip: 1.0,
         apart: 0.0,
         seed: Seed { per_row: 6, spacing: 0.05, heights: Vec::new() },

@@ -164,7 +164,7 @@ const CASES: &[(&str, Edits)] = &[
     // start
     ("equilibrium without a load", &[(SURCHARGE, "")]),
     ("equilibrium with a ramp", &[("pressure = 1.0e4", "pressure = 1.0e4\nramp_time = 0.1")]),
-    ("equilibrium under gravity", &[("dimension =", "gravity = 9.81\ndimension =")]),
+    ("equilibrium on a slope", &[("dimension =", "gravity = 9.81\nslope_angle = 10.0\ndimension =")]),
     ("geostatic without gravity", &[("\"undrained-equilibrium\"", "\"geostatic\"")]),
     // until
     ("no until", &[("until.time_factor = 1.0\n", "")]),

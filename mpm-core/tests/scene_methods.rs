@@ -31,7 +31,10 @@ const EXPLICIT_CASES: &[(&str, Edits)] = &[
     ("unknown strain", &[("porosity = 0.30", "porosity = 0.30\nstrain = \"tiny\"")]),
     ("a shift", &[("cell = 0.02", "cell = 0.02\nshift = 0.5")]),
     ("displaced particles", &[("cell = 0.02", "cell = 0.02\ndisplaced.smooth = 0.1")]),
-    ("a plate", &[("on = \"surface\"", "on = \"plate\"")]),
+    (
+        "a plate in a mesh with room",
+        &[("on = \"surface\"", "on = \"plate\""), ("cell = 0.02", "cell = 0.02\nheadroom_cells = 2")],
+    ),
     ("nodal Darcy with gimp", &[("shape = \"centre\"\ndarcy = \"face\"", "shape = \"gimp\"\ndarcy = \"nodal\"")]),
     ("incompressible water", &[("bulk_modulus = 2.2e9", "bulk_modulus = inf")]),
     ("quadrature of another shape", &[("flip = 1.0", "flip = 1.0\nquadrature = \"fitted\"")]),
@@ -70,8 +73,12 @@ const EXPLICIT_CASES: &[(&str, Edits)] = &[
         ],
     ),
     (
-        "semi-implicit: a plate",
-        &[("integrator = \"explicit\"", "integrator = \"semi-implicit\""), ("on = \"surface\"", "on = \"plate\"")],
+        "semi-implicit: a plate in a mesh with room",
+        &[
+            ("integrator = \"explicit\"", "integrator = \"semi-implicit\""),
+            ("on = \"surface\"", "on = \"plate\""),
+            ("cell = 0.02", "cell = 0.02\nheadroom_cells = 2"),
+        ],
     ),
     (
         "semi-implicit: displaced particles",
@@ -266,7 +273,8 @@ fn flags_pass_the_same_checks_and_are_named_in_their_refusal() {
     let message = |flags: &Flags| Scene::parse_with(&text, "scene.toml", flags).expect_err("a bad flag").to_string();
     let words = "expected one of \"explicit\", \"semi-implicit\", \"quasi-static\", \"two-clocks\", \"coupled\", found \"implicit\"";
     assert_eq!(message(&flags("implicit", "linear", 1e-4)), format!("--integrator: {words}"));
-    let words = "expected one of \"centre\", \"centroid\", \"linear\", \"gimp\", \"bspline2\", found \"cubic\"";
+    let words =
+        "expected one of \"centre\", \"centroid\", \"linear\", \"b-bar\", \"gimp\", \"bspline2\", found \"cubic\"";
     assert_eq!(message(&flags("quasi-static", "cubic", 1e-4)), format!("--scheme: {words}"));
     let words = "expected 1e-10 <= tolerance <= 0.1 (-), found 0.5";
     assert_eq!(message(&flags("quasi-static", "linear", 0.5)), format!("--tolerance: {words}"));

@@ -4,7 +4,7 @@ use mpm_core::error::SceneError;
 use mpm_core::scene::Scene;
 
 /// Names and texts of the scenes in `reference-data/scenes`.
-pub const BUILT_IN: [(&str, &str); 31] = [
+pub const BUILT_IN: [(&str, &str); 32] = [
     ("block-on-incline", include_str!("../../reference-data/scenes/block-on-incline.toml")),
     ("block-stops", include_str!("../../reference-data/scenes/block-stops.toml")),
     ("block-weakens", include_str!("../../reference-data/scenes/block-weakens.toml")),
@@ -22,6 +22,7 @@ pub const BUILT_IN: [(&str, &str); 31] = [
     ("mandel", include_str!("../../reference-data/scenes/mandel.toml")),
     ("oedometer-plastic", include_str!("../../reference-data/scenes/oedometer-plastic.toml")),
     ("rising-front", include_str!("../../reference-data/scenes/rising-front.toml")),
+    ("self-weight-consolidation", include_str!("../../reference-data/scenes/self-weight-consolidation.toml")),
     ("self-weight", include_str!("../../reference-data/scenes/self-weight.toml")),
     ("slope-at-rest", include_str!("../../reference-data/scenes/slope-at-rest.toml")),
     ("slope-seepage", include_str!("../../reference-data/scenes/slope-seepage.toml")),

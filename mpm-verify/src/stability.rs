@@ -158,6 +158,8 @@ fn point_source<O: DarcyOperator<2> + 'static>() -> f64 {
         surface: SurfaceLoad::new(Vec::new(), 0.0, LoadOn::Surface),
         surcharge: None,
         gravity: None,
+        force: None,
+        plate: None,
         flip: 0.0,
         apart: 0.0,
         seed: Seed { per_row: BLOCK, spacing: grid.size, heights: Vec::new() },

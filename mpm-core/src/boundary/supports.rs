@@ -7,6 +7,7 @@ use crate::scene::SolidSide;
 /// Nodes held in each direction.
 #[derive(Debug, Clone)]
 pub struct Supports<const D: usize> {
+    along: [usize; D],
     held: [Vec<u32>; D],
 }
 
@@ -37,7 +38,12 @@ impl<const D: usize> Supports<D> {
                 }
             }
         }
-        Self { held }
+        Self { along: *along, held }
+    }
+
+    /// Nodes or coefficients in each direction.
+    pub fn counts(&self) -> &[usize; D] {
+        &self.along
     }
 
     /// Nodes held in a direction.

@@ -84,9 +84,14 @@ impl<const D: usize> SurfaceLoad<D> {
             position[d] = (scaled.max(0.0) as usize).min(grid.cells[d] - 1);
             xi[d] = scaled - position[d] as f64;
         }
-        if self.on == LoadOn::Surface {
-            let s = &self.strips[strip];
-            xi[D - 1] += s.offset * (volume / s.volume) * grid.inverse_size;
+        match self.on {
+            LoadOn::Particles => {}
+            LoadOn::Surface => {
+                let s = &self.strips[strip];
+                xi[D - 1] += s.offset * (volume / s.volume) * grid.inverse_size;
+            }
+            // The plate is the top row of nodes.
+            LoadOn::Plate => (position[D - 1], xi[D - 1]) = (grid.cells[D - 1] - 1, 1.0),
         }
         (position, xi)
     }

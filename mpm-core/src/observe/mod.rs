@@ -73,7 +73,7 @@ pub struct Observation {
     pub water_crossings: u64,
     /// Values per row of cells, from the base up.
     pub profile: Vec<ProfileRow>,
-    /// Pore pressure at the middle of every cell of a quasi-static scene in plane strain, or one with two clocks; else empty.
+    /// Pore pressure at the middle of every cell with soil, in plane strain; in a column or a dry scene empty.
     pub field: Vec<FieldPoint>,
     /// Water with a free surface, if the scene has it.
     pub water: Option<WaterState>,
@@ -159,6 +159,8 @@ impl Places {
 pub struct CellValues<const D: usize> {
     /// Row of the cell from the base up.
     pub row: usize,
+    /// Middle of the cell, m: x (zero in a column) and y.
+    pub middle: [f64; 2],
     /// Dry mass, kg.
     pub solid_mass: f64,
     /// Volume of soil, m3.
@@ -187,6 +189,7 @@ impl<const D: usize> Default for CellValues<D> {
     fn default() -> Self {
         Self {
             row: 0,
+            middle: [0.0; 2],
             solid_mass: 0.0,
             volume: 0.0,
             water_mass: 0.0,

@@ -93,6 +93,7 @@ impl Scene {
             || self.periodic
             || self.base.is_some()
             || self.separation.is_some()
+            || self.surcharge.is_some_and(|load| load.on == super::LoadOn::Plate)
             || rests
     }
 }

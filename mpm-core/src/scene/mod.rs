@@ -36,7 +36,7 @@ pub enum Dimension {
 pub enum Start {
     /// No stress, no pore pressure: the load is applied in the first stage (the paper).
     Unloaded,
-    /// Load carried without drainage: `p_0 = q Q/(M + Q)`, effective stress `q - p_0`, at rest.
+    /// Load and weight carried without drainage: of the total stress s the water has `p_0 = s Q/(M + Q)`, the soil the rest.
     UndrainedEquilibrium,
     /// At rest under gravity: hydrostatic pore pressure, effective stress from the buoyant weight.
     Geostatic,
@@ -68,6 +68,8 @@ pub enum ShapeChoice {
     Centroid,
     /// Linear, gradients at the particle: the standard linear MPM.
     Linear,
+    /// Linear, what changes volumes at the centre of the cell, the rest at the particle (B-bar).
+    BBar,
     /// uGIMP: linear functions averaged over the first size of the particle.
     Gimp,
     /// Quadratic B-splines on knots that are open at the boundary.
@@ -512,11 +514,15 @@ impl Scene {
         self.water.map_or(0.0, |w| w.bulk_modulus / self.porosity)
     }
 
+    /// Share of a vertical load that the water carries undrained, Q/(M + Q).
+    pub fn undrained_share(&self) -> f64 {
+        let (m, q) = (self.oedometer_modulus(), self.pore_stiffness());
+        if q.is_finite() { q / (m + q) } else { 1.0 }
+    }
+
     /// Undrained pore pressure under the surcharge, p_0 = q Q/(M + Q), Pa.
     pub fn undrained_pressure(&self) -> f64 {
-        let (m, q) = (self.oedometer_modulus(), self.pore_stiffness());
-        let share = if q.is_finite() { q / (m + q) } else { 1.0 };
-        self.surcharge.map_or(0.0, |s| s.pressure * share)
+        self.surcharge.map_or(0.0, |s| s.pressure * self.undrained_share())
     }
 
     /// Undrained pore pressure averaged over the column, Pa.

@@ -9,6 +9,7 @@ impl<Sh: Shape> Basis for Sh {
     const REACH: usize = 2;
     const BEFORE: usize = 0;
     const AT_CENTRE: bool = Sh::AT_CENTRE;
+    const SPLIT: bool = Sh::SPLIT;
     const NODAL: bool = true;
 
     #[inline(always)]

@@ -40,6 +40,8 @@ pub trait Basis: Copy + Send + Sync + 'static {
     const BEFORE: usize;
     /// Whether gradients are those at the centre of the cell (the paper, section 2.2).
     const AT_CENTRE: bool = false;
+    /// Whether what changes volumes is taken at the centre of the cell all the same (B-bar).
+    const SPLIT: bool = false;
     /// Whether the functions are the linear ones: then a coefficient is the value at a node of the mesh.
     const NODAL: bool = false;
 
@@ -114,6 +116,12 @@ impl<B: Basis, const D: usize> Functions<B, D> {
         } else {
             self.product(&lines)
         }
+    }
+
+    /// At the centre of a cell, for bases whose functions are those of one cell.
+    #[inline(always)]
+    pub fn centre(&self, position: &[usize; D]) -> Stencil<D> {
+        self.product(&std::array::from_fn(|d| self.basis.around(position[d], 0.5, self.cells[d])))
     }
 
     /// At a point of the surface above the cell at `position`.

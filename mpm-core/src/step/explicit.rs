@@ -8,7 +8,7 @@ use crate::dimension::{Kinematics, basis, coefficients, gradient, shares, to_cor
 use crate::grid::Grid;
 use crate::keep::Keeper;
 use crate::nodes::{NodeMotion, NodeSums};
-use crate::observe::{Flowed, Ledger, Observation, Places, Totals};
+use crate::observe::{Flowed, Ledger, Observation, Places, SolidState, Totals};
 use crate::particles::SolidPoint;
 use crate::scene::Stage;
 use crate::shape::Shape;
@@ -205,7 +205,15 @@ where
                 for s in 0..S {
                     stress.mean[s] += point.volume * point.stress[s];
                 }
-                if !Sh::AT_CENTRE {
+                if Sh::SPLIT {
+                    let mean = K::mean_stress(&point.stress);
+                    for d in 0..D {
+                        for s in 0..S {
+                            let mean = -mean * K::UNIT_PRESSURE[s];
+                            stress.first[d][s] += point.volume * ((point.stress[s] - mean) * xi[d] + 0.5 * mean);
+                        }
+                    }
+                } else if !Sh::AT_CENTRE {
                     for d in 0..D {
                         for s in 0..S {
                             stress.first[d][s] += point.volume * point.stress[s] * xi[d];
@@ -223,7 +231,7 @@ where
             }
             let corners = grid.corners_from(grid.first_corner(cell, &position));
             let soil = SoilCell { place: Place { cell, position, corners }, mass, volume, at };
-            let water_mass = water.cell_to_grid::<Sh>(grid, &soil, &mut stress);
+            let water_mass = water.cell_to_grid::<Sh::Pore>(grid, &soil, &mut stress);
             // div(sigma') - grad p, weak: f_i = - sum_p V sigma G_i
             let internal = to_corners::<D, D, _>(&K::internal_force(&stress.mean, &stress.first, grid.inverse_size));
             for a in 0..Grid::<D>::CORNERS {
@@ -256,6 +264,31 @@ where
                 }
             }
         }
+        if self.parts.force.is_some() {
+            self.force();
+        }
+        if let Some(plate) = &self.parts.plate {
+            plate.level(&mut self.nodes);
+        }
+    }
+
+    /// The given force on the soil.
+    #[cold]
+    #[inline(never)]
+    fn force(&mut self) {
+        let Parts { grid, solid, force: Some(force), .. } = &mut self.parts else { return };
+        force.clear(self.nodes.len());
+        for (cell, position) in grid.walk() {
+            let corners = grid.corners_from(grid.first_corner(cell, &position));
+            for point in &solid.points[solid.range(cell)] {
+                let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - position[d] as f64);
+                let (share, on) = (shares(1.0, &xi), force.on(point.mass, &point.x, self.time));
+                for a in 0..Grid::<D>::CORNERS {
+                    force.add(corners[a], share[a], &on);
+                }
+            }
+        }
+        force.push(&mut self.nodes);
     }
 
     /// Mixture momentum: rho a_s = div(sigma') - grad p + rho g; new nodal velocities.
@@ -300,6 +333,9 @@ where
         }
         if let Some(gravity) = self.parts.gravity {
             self.totals.weigh(&self.nodes, &self.motion, &gravity, dt);
+        }
+        if let Some(force) = &self.parts.force {
+            force.book(&mut self.totals, &self.motion, dt, 0.5 * dt);
         }
         Ok(())
     }
@@ -442,19 +478,29 @@ where
             let velocity = coefficients::<D, D, _>(&velocity);
             let change = coefficients::<D, D, _>(&change);
             let at = if Sh::AT_CENTROID { centroid(grid, &position, &solid.points[range.clone()]) } else { [0.5; D] };
+            // B-bar: what changes volumes is that of the centre.
+            let middle = if Sh::SPLIT { trace(&gradient(&velocity, &[0.5; D], grid.inverse_size)) } else { 0.0 };
             for point in &mut solid.points[range] {
                 let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - position[d] as f64);
                 let phi = basis(&xi);
                 let here = if Sh::AT_CENTROID { at } else { Sh::point(&xi) };
                 let gradient = gradient(&velocity, &here, grid.inverse_size);
                 K::rotate(&mut point.stress, &gradient, dt);
-                let strain = K::strain_increment(&gradient, dt);
+                let mut strain = K::strain_increment(&gradient, dt);
+                let mut rate = trace(&gradient);
+                if Sh::SPLIT {
+                    let more = (middle - rate) * dt / 3.0;
+                    for s in 0..S {
+                        strain[s] -= more * K::UNIT_PRESSURE[s];
+                    }
+                    rate = middle;
+                }
                 if L::PLASTIC {
                     flowed.add(point.volume, &law.flow(&mut point.stress, &strain));
                 } else {
                     law.update(&mut point.stress, &strain);
                 }
-                point.volume *= 1.0 + dt * trace(&gradient);
+                point.volume *= 1.0 + dt * rate;
                 if L::PLASTIC && point.volume * apart > point.mass {
                     // Come apart: no stress until the gap is closed, or every recompression would push too early.
                     flowed.dissipation += point.volume * law.energy(&point.stress);
@@ -470,7 +516,7 @@ where
                 }
             }
             if W::WET {
-                water.cell_to_points::<Sh>(grid, &Place { cell, position, corners }, &velocity, dt);
+                water.cell_to_points::<Sh::Pore>(grid, &Place { cell, position, corners }, &velocity, dt);
             }
         }
         if L::PLASTIC {
@@ -550,6 +596,10 @@ where
 
     fn solid_count(&self) -> usize {
         self.parts.solid.points.len()
+    }
+
+    fn particles(&self) -> Vec<SolidState> {
+        self.parts.particles::<K>()
     }
 
     fn places(&self) -> Places {

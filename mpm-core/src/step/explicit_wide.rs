@@ -4,7 +4,7 @@ use super::skeleton::Skeleton;
 use super::{Fault, Model, Parts};
 use crate::constitutive::Law;
 use crate::dimension::Kinematics;
-use crate::observe::{Ledger, Observation};
+use crate::observe::{Ledger, Observation, SolidState};
 use crate::scene::Stage;
 use crate::stencil::Basis;
 use crate::water::Cellwise;
@@ -94,6 +94,10 @@ where
 
     fn pore_pressure(&self) -> [f64; 3] {
         self.skeleton.parts.pore_pressure::<K>()
+    }
+
+    fn particles(&self) -> Vec<SolidState> {
+        self.skeleton.parts.particles::<K>()
     }
 
     fn bytes(&self) -> usize {

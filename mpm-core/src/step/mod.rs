@@ -22,7 +22,7 @@ pub use two_clocks::TwoClocks;
 
 use serde::Serialize;
 
-use crate::observe::{Ledger, Observation, Places};
+use crate::observe::{Ledger, Observation, Places, SolidState};
 use crate::scene::Stage;
 
 /// Something went wrong inside a step.
@@ -80,6 +80,11 @@ pub trait Model: Send {
     fn bytes(&self) -> usize;
     /// Solid particles.
     fn solid_count(&self) -> usize;
+    /// The particles of the solid layer, without displacement and strain, in no order; nothing from models that keep them to
+    /// themselves.
+    fn particles(&self) -> Vec<SolidState> {
+        Vec::new()
+    }
     /// Where the particles are; nothing from models that do not show them.
     fn places(&self) -> Places {
         Places::default()

@@ -1,10 +1,10 @@
 //! What a run is made of, and what is read from it between steps.
 
-use crate::boundary::{Supports, SurfaceLoad};
+use crate::boundary::{BodyForce, Plate, Supports, SurfaceLoad};
 use crate::constitutive::{Flow, Law};
 use crate::dimension::Kinematics;
 use crate::grid::Grid;
-use crate::observe::{CellValues, Flowed, Ledger, Observation, Seed, Totals, observe};
+use crate::observe::{CellValues, FieldPoint, Flowed, Ledger, Observation, Seed, SolidState, Totals, observe};
 use crate::particles::{Layer, SolidPoint};
 use crate::scene::Surcharge;
 use crate::water::{Place, SoilCell, Water};
@@ -28,6 +28,10 @@ pub struct Parts<L, W, const D: usize, const S: usize> {
     pub surcharge: Option<Surcharge>,
     /// Gravity, m/s2, as a vector; `None` leaves the term out.
     pub gravity: Option<[f64; D]>,
+    /// A given force on the soil; few runs have one.
+    pub force: Option<Box<BodyForce<D>>>,
+    /// A rigid plate on the top, which moves as one.
+    pub plate: Option<Plate>,
     /// FLIP share of the velocity update.
     pub flip: f64,
     /// Soil less dense than this (dry, kg/m3) has come apart and carries no stress; 0 if it always does.
@@ -63,6 +67,8 @@ impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
             (values.pressure, values.water_energy) = water.cell_state(&soil);
             values.water_mass = water.cell_mass(&soil);
             values.row = position[D - 1];
+            let middle = |d: usize| (position[d] as f64 + 0.5) * grid.size;
+            values.middle = [if D == 2 { middle(0) } else { 0.0 }, middle(D - 1)];
             values.finish();
             cells.push(values);
         }
@@ -88,7 +94,51 @@ impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
         W: Water<K, D, S>,
     {
         let settlement = self.first_settlement + self.surface.settlement(&self.solid);
-        observe(&self.solid, self.water.layer(), &self.cell_values::<K>(), settlement, time)
+        let cells = self.cell_values::<K>();
+        let mut state = observe(&self.solid, self.water.layer(), &cells, settlement, time);
+        if D == 2 && W::WET {
+            let full = self.grid.size * self.grid.size;
+            let point = |cell: &CellValues<D>| FieldPoint {
+                x_m: cell.middle[0],
+                y_m: cell.middle[1],
+                pressure_pa: cell.pressure,
+                saturation: 1.0,
+                soil: cell.volume / full,
+            };
+            state.field = cells.iter().map(point).collect();
+        }
+        state
+    }
+
+    /// The particles of the solid layer.
+    pub fn particles<K: Kinematics<D, S>>(&self) -> Vec<SolidState>
+    where
+        W: Water<K, D, S>,
+    {
+        let Self { grid, solid, water, .. } = self;
+        let two = |v: &[f64; D]| [if D == 2 { v[0] } else { 0.0 }, v[D - 1]];
+        let mut states = Vec::with_capacity(solid.points.len());
+        for (cell, position) in grid.walk() {
+            let range = solid.range(cell);
+            let points = &solid.points[range.clone()];
+            let (mass, volume) = points.iter().fold((0.0, 0.0), |(m, v), p| (m + p.mass, v + p.volume));
+            if points.is_empty() {
+                continue;
+            }
+            let soil = SoilCell { place: Place { cell, position, corners: [0; 4] }, mass, volume, at: [0.5; D] };
+            let (pore_pressure, _) = water.cell_state(&soil);
+            states.extend(range.zip(points).map(|(index, point)| SolidState {
+                id: solid.ids[index],
+                x: two(&point.x),
+                velocity: two(&point.v),
+                stress: K::in_space(&point.stress),
+                pore_pressure,
+                volume: point.volume,
+                mass: point.mass,
+                ..SolidState::default()
+            }));
+        }
+        states
     }
 
     /// The balances from the sums of the steps.

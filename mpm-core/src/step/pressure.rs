@@ -36,9 +36,22 @@ pub struct PressureSystem<const D: usize> {
     before: Vec<f64>,
     right: Vec<f64>,
     pressure: Vec<f64>,
+    /// Under a rigid plate: what the pressures push it with, `w`, and the system solved for that.
+    plate: Option<Pushes>,
     /// Rise of the pressure in a step, by cells, Pa.
     rise: Vec<f64>,
     order: u64,
+}
+
+/// The force of unit pressures on a rigid plate, m2, and the solution for it. The plate adds `dt^2 w w^t / m` to the
+/// matrix, a full block of rank one, which is left out of it and put into the solution: Sherman & Morrison (1950),
+/// doi:10.1214/aoms/1177729893.
+#[derive(Debug, Default)]
+struct Pushes {
+    w: Vec<f64>,
+    solution: Vec<f64>,
+    /// `dt^2/m` times what damping keeps, s2/kg.
+    factor: f64,
 }
 
 /// An entry of the upper triangle.
@@ -63,6 +76,7 @@ impl<const D: usize> PressureSystem<D> {
             before: Vec::new(),
             right: Vec::new(),
             pressure: Vec::new(),
+            plate: None,
             rise: vec![0.0; grid.cell_count()],
             order: 0,
         }
@@ -104,6 +118,12 @@ impl<const D: usize> PressureSystem<D> {
         if let Some((matrix, factor)) = &mut self.system {
             factor.refresh(matrix).map_err(fault)?;
             factor.solve(matrix, &self.right, &mut self.pressure).map_err(fault)?;
+            if let Some(Pushes { w, solution, factor: share }) = &mut self.plate {
+                factor.solve(matrix, w, solution).map_err(fault)?;
+                let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+                let less = *share * dot(w, &self.pressure) / (1.0 + *share * dot(w, solution));
+                self.pressure.iter_mut().zip(solution).for_each(|(p, s)| *p -= less * *s);
+            }
         }
         for (row, &cell) in self.cells.iter().enumerate() {
             self.rise[cell as usize] = self.pressure[row] - self.before[row];
@@ -187,6 +207,7 @@ impl<const D: usize> PressureSystem<D> {
             *inverse = [if node.solid_mass > 0.0 { keep * dt / node.mixture_mass } else { 0.0 }; D];
         }
         skeleton.parts.supports.hold(&mut self.inverse_mass);
+        self.lean_on_plate(skeleton, keep * dt * dt);
         let reached = Functions::<B, D>::REACHED;
         for &cell in &self.cells {
             let position = skeleton.parts.grid.cell_position(cell as usize);
@@ -197,6 +218,39 @@ impl<const D: usize> PressureSystem<D> {
                     for d in 0..D {
                         self.response[at][d] = self.inverse_mass[function][d] * skeleton.coupling[at][d];
                     }
+                }
+            }
+        }
+    }
+
+    /// The plate's part of the matrix; without it its nodes are held.
+    fn lean_on_plate<K, B, L, const S: usize>(
+        &mut self,
+        skeleton: &Skeleton<K, B, L, Saturated<Face<D>, D>, D, S>,
+        kept: f64,
+    ) where
+        K: Kinematics<D, S>,
+        B: Basis,
+        L: Law<S>,
+        Saturated<Face<D>, D>: Cellwise<K, D, S>,
+    {
+        let Some(plate) = &skeleton.parts.plate else { return };
+        let reached = Functions::<B, D>::REACHED;
+        let pushes = self.plate.get_or_insert_with(Pushes::default);
+        pushes.factor = kept / plate.mass(&skeleton.nodes);
+        for values in [&mut pushes.w, &mut pushes.solution] {
+            values.clear();
+            values.resize(self.cells.len(), 0.0);
+        }
+        for node in plate.nodes() {
+            self.inverse_mass[node][D - 1] = 0.0;
+        }
+        for (row, &cell) in self.cells.iter().enumerate() {
+            let position = skeleton.parts.grid.cell_position(cell as usize);
+            for k in 0..reached {
+                let function = skeleton.functions.at_place(&position, k);
+                if function.is_some_and(|function| plate.holds(function)) {
+                    pushes.w[row] += skeleton.coupling[cell as usize * reached + k][D - 1];
                 }
             }
         }

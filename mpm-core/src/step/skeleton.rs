@@ -91,6 +91,7 @@ where
             if range.is_empty() {
                 continue;
             }
+            let middle = if B::SPLIT { Some(self.functions.centre(&position)) } else { None };
             let points = &solid.points[range];
             let (mass, volume) = points.iter().fold((0.0, 0.0), |(m, v), p| (m + p.mass, v + p.volume));
             let place = Place { cell, position, corners: grid.corners_from(grid.first_corner(cell, &position)) };
@@ -105,7 +106,10 @@ where
                 }
                 for a in 0..Functions::<B, D>::COUNT {
                     // div(sigma') - grad p, weak: f_i = - sum_p V sigma G_i
-                    let internal = K::traction(&stress, &stencil.gradient[a]);
+                    let internal = match &middle {
+                        Some(middle) => split_traction::<K, D, S>(&stress, &stencil.gradient[a], &middle.gradient[a]),
+                        None => K::traction(&stress, &stencil.gradient[a]),
+                    };
                     let share = point.mass * stencil.value[a];
                     let node = &mut self.nodes[stencil.node[a]];
                     node.solid_mass += share;
@@ -118,7 +122,7 @@ where
                         let reached = Functions::<B, D>::reached(&position, &stencil, a);
                         let c = &mut self.coupling[cell * Functions::<B, D>::REACHED + reached];
                         for d in 0..D {
-                            c[d] += point.volume * stencil.gradient[a][d];
+                            c[d] += point.volume * middle.as_ref().unwrap_or(&stencil).gradient[a][d];
                         }
                     }
                 }
@@ -158,10 +162,34 @@ where
                 }
             }
         }
+        if self.parts.force.is_some() {
+            self.force();
+        }
+    }
+
+    /// The given force on the soil.
+    #[cold]
+    #[inline(never)]
+    fn force(&mut self) {
+        let Parts { grid, solid, force: Some(force), .. } = &mut self.parts else { return };
+        force.clear(self.nodes.len());
+        for (cell, position) in grid.walk() {
+            for point in &solid.points[solid.range(cell)] {
+                let stencil = self.functions.around(&position, &inside(grid, &position, &point.x));
+                let on = force.on(point.mass, &point.x, self.time);
+                for a in 0..Functions::<B, D>::COUNT {
+                    force.add(stencil.node[a], stencil.value[a], &on);
+                }
+            }
+        }
+        force.push(&mut self.nodes);
     }
 
     /// Velocities at the end of the step under the forces gathered so far, supports and damping included.
     pub fn accelerate(&mut self, dt: f64) -> Taken<D> {
+        if let Some(plate) = &self.parts.plate {
+            plate.level(&mut self.nodes);
+        }
         let flip = self.parts.flip;
         for (node, motion) in self.nodes.iter().zip(&mut self.motion) {
             let with_mass = node.solid_mass > 0.0;
@@ -235,6 +263,9 @@ where
                 }
             }
         }
+        if let Some(force) = &self.parts.force {
+            force.book(&mut self.totals, &self.motion, dt, before);
+        }
     }
 
     /// Acceleration at the nodes of the mesh, from the coefficients: the mean over the mass around a node.
@@ -285,17 +316,29 @@ where
                 continue;
             }
             let (mut volume, mut gained) = (0.0, 0.0);
+            let middle = if B::SPLIT {
+                let (gradient, ..) = field::<B, D>(&self.functions.centre(&position), &self.motion);
+                Some(trace(&gradient))
+            } else {
+                None
+            };
             for point in &mut solid.points[range] {
                 let stencil = self.functions.around(&position, &inside(grid, &position, &point.x));
                 let (gradient, v, dv) = field::<B, D>(&stencil, &self.motion);
                 K::rotate(&mut point.stress, &gradient, dt);
-                let strain = K::strain_increment(&gradient, dt);
+                let mut strain = K::strain_increment(&gradient, dt);
+                let mut rate = trace(&gradient);
+                if let Some(middle) = middle {
+                    for s in 0..S {
+                        strain[s] -= (middle - rate) * dt / 3.0 * K::UNIT_PRESSURE[s];
+                    }
+                    rate = middle;
+                }
                 if L::PLASTIC {
                     flowed.add(point.volume, &law.flow(&mut point.stress, &strain));
                 } else {
                     law.update(&mut point.stress, &strain);
                 }
-                let rate = trace(&gradient);
                 volume += point.volume;
                 gained += point.volume * rate; // C^T v
                 point.volume *= 1.0 + dt * rate;
@@ -347,6 +390,19 @@ where
     }
 }
 
+/// The force of a stress where its mean acts at the centre of the cell (B-bar): `s : G_i(x_p) + sigma_m G_i(x_c)`.
+#[inline(always)]
+fn split_traction<K: Kinematics<D, S>, const D: usize, const S: usize>(
+    stress: &[f64; S],
+    at_particle: &[f64; D],
+    at_centre: &[f64; D],
+) -> [f64; D] {
+    let mean = K::mean_stress(stress);
+    let deviator = std::array::from_fn(|s| stress[s] + mean * K::UNIT_PRESSURE[s]);
+    let shear = K::traction(&deviator, at_particle);
+    std::array::from_fn(|d| shear[d] + mean * at_centre[d])
+}
+
 /// Cell coordinates of a place (m).
 #[inline(always)]
 fn inside<const D: usize>(grid: &Grid<D>, position: &[usize; D], x: &[f64; D]) -> [f64; D] {
@@ -382,7 +438,7 @@ mod tests {
     use crate::observe::Seed;
     use crate::particles::{Layer, SolidPoint, even_positions};
     use crate::scene::{Elastic, LoadOn};
-    use crate::shape::{Centre, Linear};
+    use crate::shape::{BBar, Centre, Linear};
     use crate::stencil::{Bspline2, Gimp};
     use crate::water::Dry;
 
@@ -410,6 +466,8 @@ mod tests {
             surface: SurfaceLoad::new(Vec::new(), 0.0, LoadOn::Surface),
             surcharge: None,
             gravity: None,
+            force: None,
+            plate: None,
             flip: 1.0,
             apart: 0.0,
             seed: Seed { per_row: 6, spacing: 0.25, heights: Vec::new() },
@@ -440,7 +498,8 @@ mod tests {
             let by_strain: f64 = parts.solid.points[parts.solid.range(cell)]
                 .iter()
                 .map(|p| {
-                    let stencil = functions.around(&position, &inside(&parts.grid, &position, &p.x));
+                    let around = functions.around(&position, &inside(&parts.grid, &position, &p.x));
+                    let stencil = if B::SPLIT { functions.centre(&position) } else { around };
                     p.volume * trace(&field::<B, 2>(&stencil, motion).0)
                 })
                 .sum();
@@ -452,6 +511,7 @@ mod tests {
     #[test]
     fn the_force_of_a_pressure_is_the_adjoint_of_the_rate_of_volume() {
         let off = [
+            off_adjoint(BBar, 0.0),
             off_adjoint(Centre, 0.0),
             off_adjoint(Linear, 0.0),
             off_adjoint(Gimp::new(2), 0.0),

@@ -1,8 +1,10 @@
 //! The verification ladder: one case per file, each with its scene, its exact solution, its norm, what it must show.
 
+mod bar;
 mod block;
 mod boussinesq;
 mod collapse;
+mod coupled_field;
 mod dam;
 mod double_drainage;
 mod dry_bar;
@@ -10,22 +12,28 @@ mod dynamic_column;
 mod hydrostatic;
 mod infinite_slope;
 mod large_strain;
+mod large_strain_30;
 mod mandel;
+mod mandel_inertia;
 mod mohr_coulomb;
 mod outline;
 mod quasi_static;
 mod ramp_load;
 mod rest;
+mod self_weight;
 mod semi_implicit;
 mod strip;
 mod terzaghi;
 mod undrained;
+mod undrained_wave;
 mod verdict;
+mod vortex;
 mod wetting;
 
 use cpu_time::ThreadTime;
-use mpm_core::drive::Sample;
-use mpm_core::run::run;
+use mpm_core::boundary::Given;
+use mpm_core::drive::{Run, Sample};
+use mpm_core::run::{StartError, run, run_given};
 use mpm_core::scene::Scene;
 
 pub use self::verdict::{Climb, Step};
@@ -60,6 +68,8 @@ pub const LADDER: &[Rung] = &[
     hydrostatic::RUNG,
     undrained::RUNG,
     dry_bar::RUNG,
+    undrained_wave::ARRIVAL,
+    undrained_wave::AMPLITUDE,
     dynamic_column::WITH_INERTIA,
     dynamic_column::WITHOUT_INERTIA,
     terzaghi::SURFACE,
@@ -81,9 +91,24 @@ pub const LADDER: &[Rung] = &[
     quasi_static::SHIFTED,
     large_strain::SPLINES,
     large_strain::LINEAR,
+    large_strain_30::SPLINES,
+    self_weight::EXPLICIT,
+    self_weight::SEMI_IMPLICIT,
+    self_weight::QUASI_STATIC,
     mandel::SPLINES,
     mandel::CENTRE,
+    mandel_inertia::SEMI_IMPLICIT,
+    mandel_inertia::EXPLICIT,
     strip::RUNG,
+    bar::PERIOD,
+    bar::ENERGY,
+    bar::PIC,
+    vortex::SPLINES,
+    vortex::GIMP,
+    coupled_field::EXPLICIT,
+    coupled_field::LINEAR,
+    coupled_field::SEMI_IMPLICIT,
+    coupled_field::STEPS,
     mohr_coulomb::ASSOCIATED,
     mohr_coulomb::NOT_ASSOCIATED,
     mohr_coulomb::PLANE_STRAIN,
@@ -152,6 +177,13 @@ fn faster(scene: &mut Scene) {
     }
 }
 
+/// Lets the water of a scene pass more slowly, by a factor.
+fn slower(scene: &mut Scene, factor: f64) {
+    if let Some(water) = &mut scene.water {
+        water.hydraulic_conductivity /= factor;
+    }
+}
+
 /// `centre/face` and the like.
 fn scheme(scene: &Scene) -> String {
     let shape = word(scene.shape);
@@ -180,8 +212,18 @@ fn refine(base: &Scene, rows: &[usize], error: impl Fn(&Sample) -> f64) -> Resul
 }
 
 /// Runs a scene to its end.
-fn finished(scene: &Scene) -> Result<mpm_core::drive::Run, String> {
-    let run = run(scene, &mut |_| {}).map_err(|e| e.to_string())?;
+fn finished(scene: &Scene) -> Result<Run, String> {
+    whole(run(scene, &mut |_| {}))
+}
+
+/// The same with fields that scenes have no words for.
+fn finished_given(scene: &Scene, given: &Given) -> Result<Run, String> {
+    whole(run_given(scene, given, &mut |_| {}))
+}
+
+/// A run that has come to its end.
+fn whole(run: Result<Run, StartError>) -> Result<Run, String> {
+    let run = run.map_err(|e| e.to_string())?;
     match &run.failure {
         Some(failure) => Err(failure.to_string()),
         None => Ok(run),

@@ -5,6 +5,7 @@
 //! Plasticity: [`oedometer`]. What they are computed with: [`root`], [`simplex`], [`quadrature`], [`elliptic`].
 
 pub mod boussinesq;
+pub mod coupled_field;
 pub mod dam;
 pub mod dynamic;
 pub mod elliptic;
@@ -15,11 +16,14 @@ pub mod oedometer;
 pub(crate) mod oracle;
 pub mod quadrature;
 pub mod root;
+pub mod self_weight;
 pub mod semidiscrete;
 pub mod simplex;
 pub mod sliding;
 pub mod slip_circle;
 pub mod terzaghi;
+pub mod undrained_wave;
+pub mod vortex;
 pub mod wetting_front;
 
 #[cfg(test)]

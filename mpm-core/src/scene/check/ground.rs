@@ -322,11 +322,11 @@ impl Reader<'_> {
     /// The plain explicit step: linear functions, at the centre of the cell or at the particle.
     fn corners(&self, span: &Range<usize>, key: &str, scene: &Scene) -> Checked<()> {
         self.explicit(span, key, scene)?;
-        if matches!(scene.shape, ShapeChoice::Centre | ShapeChoice::Centroid | ShapeChoice::Linear) {
+        if !matches!(scene.shape, ShapeChoice::Gimp | ShapeChoice::Bspline2) {
             return Ok(());
         }
         let found = if scene.shape == ShapeChoice::Gimp { "\"gimp\"" } else { "\"bspline2\"" };
-        self.refuse(span, key, "shape = \"centre\", \"centroid\" or \"linear\" beside it", found)
+        self.refuse(span, key, "shape = \"centre\", \"centroid\", \"linear\" or \"b-bar\" beside it", found)
     }
 
     fn explicit(&self, span: &Range<usize>, key: &str, scene: &Scene) -> Checked<()> {

@@ -44,6 +44,7 @@ impl Reader<'_> {
             ("centre", ShapeChoice::Centre),
             ("centroid", ShapeChoice::Centroid),
             ("linear", ShapeChoice::Linear),
+            ("b-bar", ShapeChoice::BBar),
             ("gimp", ShapeChoice::Gimp),
             ("bspline2", ShapeChoice::Bspline2),
         ];

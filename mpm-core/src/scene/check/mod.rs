@@ -12,7 +12,7 @@ mod method;
 mod together;
 
 use super::flags::{self, Flags};
-use super::raw::{RawMesh, RawObserve, RawScene, RawSoil, RawStage, RawStrip, RawUntil, RawWater};
+use super::raw::{RawGeometry, RawMesh, RawObserve, RawScene, RawSoil, RawStage, RawStrip, RawUntil, RawWater};
 use super::{
     Dimension, Integrator, LoadOn, LoadedStrip, PAPER_STEP, Scene, Side, SolidSide, Stage, Start, StepChoice,
     Surcharge, Until, WaterProperties,
@@ -437,18 +437,22 @@ impl Reader<'_> {
         ];
         let start = self.word(raw.start.as_ref(), "start", &words, Start::Unloaded)?;
         let span = raw.start.as_ref().map_or(0..0, Spanned::span);
+        let column = matches!(raw.geometry.get_ref(), RawGeometry::Column(_));
+        let full = raw.water.as_ref().is_some_and(|water| water.get_ref().free_surface.is_none());
+        let level = column && full && raw.slope_angle.is_none();
         match start {
-            Start::UndrainedEquilibrium if surcharge.is_none_or(|s| s.ramp_time > 0.0) => self.refuse(
+            Start::UndrainedEquilibrium if surcharge.map_or(gravity.is_none(), |s| s.ramp_time > 0.0) => self.refuse(
                 &span,
                 "start",
-                "a surcharge without ramp to be in equilibrium with",
+                "gravity, or a surcharge without ramp, to be in equilibrium with",
                 "\"undrained-equilibrium\"",
             ),
             Start::UndrainedEquilibrium if raw.water.is_none() => {
                 self.refuse(&span, "start", "[water] to carry the load undrained", "a dry scene")
             }
-            Start::UndrainedEquilibrium if gravity.is_some() => {
-                self.refuse(&span, "start", "\"geostatic\" or \"unloaded\" under gravity", "\"undrained-equilibrium\"")
+            Start::UndrainedEquilibrium if gravity.is_some() && !level => {
+                let expected = "\"geostatic\" or \"unloaded\" under gravity, but in a level column full of water";
+                self.refuse(&span, "start", expected, "\"undrained-equilibrium\"")
             }
             Start::Geostatic if gravity.is_none() => {
                 self.refuse(&span, "start", "the key gravity beside a geostatic start", "no gravity")

@@ -36,7 +36,7 @@ impl Reader<'_> {
             let expected = "a [water] table beside it: a dry scene has no pressure to solve for";
             return self.refuse(&value.span(), "time.integrator", expected, quoted(value.get_ref()));
         }
-        let corners = matches!(scene.shape, ShapeChoice::Centre | ShapeChoice::Centroid | ShapeChoice::Linear);
+        let corners = !matches!(scene.shape, ShapeChoice::Gimp | ShapeChoice::Bspline2);
         let darcy = raw.scheme.as_ref().and_then(|scheme| scheme.get_ref().darcy.as_ref());
         if let (Some(value), DarcyChoice::Nodal, true) = (darcy, scene.darcy, semi || !corners) {
             let expected = "\"face\", or integrator = \"explicit\" and shape = \"centre\" or \"linear\" beside it";
@@ -109,8 +109,11 @@ impl Reader<'_> {
             return self.beside_quasi_static(&value.span(), "scheme.quadrature", scene.integrator);
         }
         let Some(load) = raw.surcharge.as_ref().map(Spanned::get_ref) else { return Ok(()) };
-        if let (Some(on), Some(LoadOn::Plate)) = (&load.on, scene.surcharge.map(|s| s.on)) {
-            let expected = "\"surface\" or \"particles\", or integrator = \"quasi-static\"";
+        let room = scene.headroom_cells > 0 || scene.sideroom_cells > 0;
+        let plate = scene.surcharge.is_some_and(|s| s.on == LoadOn::Plate);
+        if let (Some(on), true) = (&load.on, plate && (room || scene.free_surface.is_some())) {
+            let expected =
+                "\"surface\" or \"particles\" in a mesh with room to move: the plate is its top row of nodes";
             return self.refuse(&on.span(), "surcharge.on", expected, quoted(on.get_ref()));
         }
         Ok(())
@@ -130,6 +133,10 @@ impl Reader<'_> {
     /// Space: no inertia, face flow, points enough.
     fn quasi_static_scheme(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
         if let Some(scheme) = raw.scheme.as_ref().map(Spanned::get_ref) {
+            if let (Some(value), ShapeChoice::BBar) = (&scheme.shape, scene.shape) {
+                let expected = "\"bspline2\", \"centre\", \"linear\" or \"gimp\" beside quasi-static";
+                return self.refuse(&value.span(), "scheme.shape", expected, quoted(value.get_ref()));
+            }
             if let (Some(value), DarcyChoice::Nodal) = (&scheme.darcy, scene.darcy) {
                 let expected = "\"face\" beside quasi-static: the nodal flow is a velocity of an explicit step";
                 return self.refuse(&value.span(), "scheme.darcy", expected, quoted(value.get_ref()));

@@ -43,7 +43,7 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
     fn axes(&self, least: f64) -> [Axis; D] {
         let scene = self.scene;
         let basis = match scene.shape {
-            ShapeChoice::Centre | ShapeChoice::Centroid | ShapeChoice::Linear => Basis::Linear,
+            ShapeChoice::Centre | ShapeChoice::Centroid | ShapeChoice::Linear | ShapeChoice::BBar => Basis::Linear,
             ShapeChoice::Gimp => Basis::Gimp { half: 0.5 * self.spacing() },
             ShapeChoice::Bspline2 => Basis::Spline2,
         };

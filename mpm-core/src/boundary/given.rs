@@ -1,0 +1,48 @@
+//! Fields that a scene file has no words for: a force on the soil, and the state at t = 0, as functions of the place.
+//!
+//! They are for solutions that are made up first, and forced afterwards (the method of manufactured solutions).
+
+use std::fmt;
+use std::sync::Arc;
+
+/// Acceleration (m/s2) that a force gives to dry soil at a place (m) and a time since the start of the run (s): x, y. A
+/// column has y alone.
+pub type ForceField = Arc<dyn Fn([f64; 2], f64) -> [f64; 2] + Send + Sync>;
+
+/// State of soil and water at a place (m) at t = 0.
+pub type FirstField = Arc<dyn Fn([f64; 2]) -> FirstState + Send + Sync>;
+
+/// State at a place at t = 0.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FirstState {
+    /// Velocity of soil and water, m/s: x, y.
+    pub velocity: [f64; 2],
+    /// Effective stress, Pa: xx, yy, zz, xy.
+    pub stress: [f64; 4],
+    /// Pore pressure, Pa.
+    pub pressure: f64,
+}
+
+/// What a run is given beside its scene. Nothing by default.
+#[derive(Clone, Default)]
+pub struct Given {
+    /// A force on the soil. Unlike gravity it does not drive the water through the pores.
+    pub force: Option<ForceField>,
+    /// The state at t = 0, in place of the scene's own.
+    pub start: Option<FirstField>,
+}
+
+impl Given {
+    /// Whether the scene is all there is.
+    pub fn is_nothing(&self) -> bool {
+        self.force.is_none() && self.start.is_none()
+    }
+}
+
+impl fmt::Debug for Given {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let field = |is_some: bool| if is_some { "a field" } else { "none" };
+        let (force, start) = (field(self.force.is_some()), field(self.start.is_some()));
+        f.debug_struct("Given").field("force", &force).field("start", &start).finish()
+    }
+}

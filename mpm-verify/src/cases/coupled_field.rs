@@ -1,0 +1,134 @@
+//! A made-up field of soil and pore water in a closed square, moved by a body force, against its closed form: u-p model in
+//! plane strain with inertia, storage, coupling and drainage of the same size.
+
+use std::sync::Arc;
+
+use mpm_core::boundary::Given;
+use mpm_core::drive::{Run, Sample};
+use mpm_core::scene::{Integrator, Scene, ShapeChoice, SolidSide, StepChoice, StrainChoice, Until};
+
+use super::{Mutant, Outcome, Rung, finished_given, integrator, scheme};
+use crate::exact::coupled_field::CoupledField;
+
+/// The paper's scheme.
+pub const EXPLICIT: Rung = Rung {
+    name: "coupled-field",
+    about: "made-up u-p field in a closed square, the paper's scheme: pressure, order 2",
+    climb: || refined(Integrator::Explicit, ShapeChoice::Centre, 1.0),
+    mutant: Some(Mutant { what: NO_FORCE, climb: || refined(Integrator::Explicit, ShapeChoice::Centre, 0.0) }),
+};
+
+/// Gradients at the particle.
+pub const LINEAR: Rung = Rung {
+    name: "coupled-field-linear",
+    about: "the same with the standard linear scheme",
+    climb: || refined(Integrator::Explicit, ShapeChoice::Linear, 1.0),
+    mutant: Some(Mutant { what: NO_FORCE, climb: || refined(Integrator::Explicit, ShapeChoice::Linear, 0.0) }),
+};
+
+/// Implicit pressure.
+pub const SEMI_IMPLICIT: Rung = Rung {
+    name: "coupled-field-implicit",
+    about: "the same with implicit pressure, steps that fall with L^2: order 2",
+    climb: || refined(Integrator::SemiImplicit, ShapeChoice::Centre, 1.0),
+    mutant: Some(Mutant { what: NO_FORCE, climb: || refined(Integrator::SemiImplicit, ShapeChoice::Centre, 0.0) }),
+};
+
+/// Implicit pressure, steps alone.
+pub const STEPS: Rung = Rung {
+    name: "coupled-field-steps",
+    about: "the same on one mesh, against its solution in small steps: order 1 in the step",
+    climb: || steps(1.0),
+    mutant: Some(Mutant { what: NO_FORCE, climb: || steps(0.0) }),
+};
+
+const NO_FORCE: &str = "no body force";
+/// Amplitude of the displacement, m: strains of 3e-6.
+const AMPLITUDE: f64 = 1e-6;
+/// Swings per second, rad/s.
+const FREQUENCY: f64 = 300.0;
+/// Steps over the square of the cell, s/m2: first-order errors in time then fall like those in space.
+const STEP: f64 = 1.2e-2;
+const EXPLICIT_STEP: f64 = 2e-3;
+
+/// The closed square; water that seeps a hundredth as fast as in Table 1 drains in about a swing.
+fn square() -> Result<Scene, String> {
+    let mut scene = crate::scenes::built_in("mandel").ok_or("no such scene")?.map_err(|e| e.to_string())?;
+    super::slower(&mut scene, 100.0);
+    (scene.surcharge, scene.solid_sides, scene.strain) = (None, [SolidSide::Roller; 4], StrainChoice::Large);
+    (scene.particles_per_cell, scene.history) = (4, 0);
+    let period = std::f64::consts::TAU / FREQUENCY;
+    scene.observe_times = [0.25, 0.5, 0.75, 1.0].map(|share| share * period).to_vec();
+    (scene.stages[0].drained, scene.stages[0].until) = ([false; 4], Until::Time(period));
+    Ok(scene)
+}
+
+/// The run of a mesh with `side` cells, its step s; the force is a share of the right one.
+fn run(mut scene: Scene, side: usize, dt: f64, share: f64) -> Result<(CoupledField, Run), String> {
+    (scene.cell, scene.cells, scene.step) = (scene.width / side as f64, [side; 2], StepChoice::Fixed(dt));
+    let exact = CoupledField::new(&scene, AMPLITUDE, FREQUENCY).ok_or("not a square of saturated soil")?;
+    let given = Given {
+        force: Some(Arc::new(move |x, t| exact.body_force(x, t).map(|b| share * b))),
+        start: Some(Arc::new(move |x| exact.start(x, dt))),
+    };
+    Ok((exact, finished_given(&scene, &given)?))
+}
+
+fn refined(integrate: Integrator, shape: ShapeChoice, share: f64) -> Result<Outcome, String> {
+    let mut base = square()?;
+    (base.integrator, base.shape) = (integrate, shape);
+    let on = |side: &usize| {
+        let cell = base.width / *side as f64;
+        let implicit = integrate == Integrator::SemiImplicit;
+        let step = if implicit { STEP } else { EXPLICIT_STEP };
+        let (exact, run) = run(base.clone(), *side, step * cell * cell, share)?;
+        let off = |s: &Sample| {
+            let square =
+                |x: [f64; 2], p: f64| ((p - exact.pressure(x, s.stage_time)) / exact.largest_pressure()).powi(2);
+            let sum: f64 = s.state.field.iter().map(|f| square([f.x_m, f.y_m], f.pressure_pa)).sum();
+            (sum / s.state.field.len() as f64).sqrt()
+        };
+        Ok((cell, run.observed().map(off).fold(0.0, f64::max)))
+    };
+    let errors = [8, 16, 32].iter().map(on).collect::<Result<_, String>>()?;
+    Ok(Outcome {
+        integrator: integrator(&base),
+        scheme: scheme(&base),
+        errors,
+        required_error: 5e-3,
+        // The paper's scheme comes to 2 from below: 1.59 and 1.73 between these meshes, with the smallest errors of all.
+        required_order: Some([1.5, 2.3]),
+        ..Outcome::default()
+    })
+}
+
+/// Differences from the run with a step 16 times smaller than the smallest, on the same mesh. Without the force there is
+/// nothing of the field left to differ, and the errors are those against the closed form.
+fn steps(share: f64) -> Result<Outcome, String> {
+    const SIDE: usize = 12;
+    let mut base = square()?;
+    (base.integrator, base.shape) = (Integrator::SemiImplicit, ShapeChoice::Centre);
+    let largest = STEP / 64.0;
+    let fields = |dt: f64, share: f64| {
+        let (exact, run) = run(base.clone(), SIDE, dt, share)?;
+        let pressures = |s: &Sample| s.state.field.iter().map(|f| f.pressure_pa).collect::<Vec<_>>();
+        Ok::<_, String>((exact.largest_pressure(), run.observed().map(pressures).collect::<Vec<_>>()))
+    };
+    let (size, finest) = fields(largest / 64.0, 1.0)?;
+    let off = |number: i32| {
+        let dt = largest / 2.0_f64.powi(number);
+        let (_, fields) = fields(dt, share)?;
+        let both = fields.iter().flatten().zip(finest.iter().flatten());
+        let squares: Vec<f64> = both.map(|(a, b)| ((a - b) / size).powi(2)).collect();
+        Ok((dt, (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()))
+    };
+    Ok(Outcome {
+        integrator: integrator(&base),
+        scheme: scheme(&base),
+        errors: (0..3).map(off).collect::<Result<_, String>>()?,
+        required_error: 1e-2,
+        required_order: Some([0.9, 1.2]),
+        refined_by: ("step", "s"),
+        ..Outcome::default()
+    })
+}
