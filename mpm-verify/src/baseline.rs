@@ -1,6 +1,9 @@
 //! Accepted errors of the study: regression values, against ourselves, not against truth.
 //!
-//! The truth is checked by the ladder. This says whether a change of the code has moved a number.
+//! The truth is checked by the ladder. This says whether a change of the code has moved a number. [`ladder`] does the
+//! same for the ladder's own errors.
+
+pub mod ladder;
 
 use serde::{Deserialize, Serialize};
 

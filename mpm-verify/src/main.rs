@@ -62,13 +62,10 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// The verification ladder: every case, or those named; exit code 1 when one falls short
+    /// The verification ladder: every case, or those named, or a scene of your own; exit code 1 when one falls short
     Check {
-        /// Cases to run; all without a name
-        cases: Vec<String>,
-        /// Run the mutants instead: the same checks with a planted fault; exit code 1 when one is not caught
-        #[arg(long)]
-        mutants: bool,
+        #[command(flatten)]
+        options: check::Options,
         #[command(flatten)]
         common: Common,
     },
@@ -104,7 +101,7 @@ fn main() -> ExitCode {
         Some(Command::Study { options, common }) => study::run(&options, &common),
         Some(Command::Solve { options, common }) => solve::run(&options, &common),
         Some(Command::Levee { options, common }) => levee::run(&options, &common),
-        Some(Command::Check { cases, mutants, common }) => check::run(&cases, mutants, &common),
+        Some(Command::Check { options, common }) => check::run(&options, &common),
         Some(Command::Stability { common }) => stability::run(&common),
         Some(Command::Nightly { common }) => nightly::run(&common),
         Some(Command::Report { folder, common }) => report::run(&folder, &common),

@@ -22,6 +22,11 @@ pub fn largest(errors: impl Iterator<Item = f64>) -> f64 {
     errors.fold(0.0, |a: f64, e| if e.is_nan() || e.abs() > a { e.abs() } else { a })
 }
 
+/// The value of the largest size, with its sign; NaN if one is.
+pub fn worst(errors: impl Iterator<Item = f64>) -> f64 {
+    errors.fold(0.0, |a: f64, e| if e.is_nan() || e.abs() > a.abs() { e } else { a })
+}
+
 /// Root mean square of p - p_exact over the rows of a profile, over p_0. The exact solution is taken at the height
 /// that the soil of each row had at t = 0, the coordinate of a small-strain solution.
 pub fn profile_error(rows: &[ProfileRow], exact: &Terzaghi, time: f64) -> f64 {
@@ -37,5 +42,7 @@ mod tests {
     fn the_largest_error_keeps_a_nan() {
         assert_eq!(largest([0.1, -0.3, 0.2].into_iter()), 0.3);
         assert!(largest([0.1, f64::NAN].into_iter()).is_nan());
+        assert_eq!(worst([0.1, -0.3, 0.2].into_iter()), -0.3);
+        assert!(worst([f64::NAN, 0.1].into_iter()).is_nan() && worst([0.1, f64::NAN].into_iter()).is_nan());
     }
 }

@@ -50,6 +50,10 @@ fn bad_input_ends_with_two_before_the_first_step() {
         vec!["solve", "none.toml"],
         vec!["check", "nonsense"],
         vec!["check", "--mutants", "nonsense"],
+        vec!["check", "--scene", "none.toml"],
+        vec!["check", "--scene", "scene.toml"],
+        vec!["check", "--rows", "10,20,40"],
+        vec!["check", "dry-bar", "--scene", "scene.toml"],
         vec!["study", "--mesh", "0.3"],
         vec!["study", "--ppc", "5"],
         vec!["study", "--dt", "fast"],
@@ -155,12 +159,25 @@ fn check_ends_with_zero_when_every_case_holds() {
     let output = verify(folder.path(), &["check", "hydrostatic", "undrained", "dry-bar"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let ladder = std::fs::read_to_string(folder.path().join("reports/ladder/ladder.csv")).expect("a ladder");
-    let header = "rung,integrator,scheme,error,required_error,order,order_low,order_high,required_order,verdict,cpu_s";
+    let header = "rung,integrator,scheme,error,required_error,order,order_low,order_high,required_order,verdict,cpu_s,\
+                  reason,asymptotic,baseline,baseline_kind,change";
     assert_eq!(ladder.lines().next(), Some(header));
     assert_eq!(ladder.lines().count(), 4);
-    for file in ["index.html", "manifest.json", "hydrostatic.svg", "hydrostatic.csv", "undrained.svg", "dry-bar.csv"] {
+    for file in ["index.html", "manifest.json", "hydrostatic.svg", "hydrostatic.csv", "undrained.svg", "dry-bar.csv", "accepted.csv"] {
         assert!(folder.path().join("reports/ladder").join(file).exists(), "{file}");
     }
+    let read = |name: &str| {
+        std::fs::read_to_string(folder.path().join("reports/ladder").join(name)).expect(name)
+    };
+    let samples = "rung,quantity,time_s,time_factor,computed,exact,error,unit,counts";
+    assert_eq!(read("ladder_samples.csv").lines().next(), Some(samples));
+    let refinements = "rung,by,parameter,unit,error,order,order_low,order_high,asymptotic,required_order,against";
+    assert_eq!(read("ladder_refinements.csv").lines().next(), Some(refinements));
+    // Every rung has a baseline, and what would be accepted is what is.
+    assert!(ladder.lines().skip(1).all(|line| line.contains(",verified,")), "{ladder}");
+    assert!(!String::from_utf8_lossy(&output.stdout).contains("without a baseline"));
+    let accepted = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-data/baselines/ladder.csv");
+    assert_eq!(read("accepted.csv").lines().count(), std::fs::read_to_string(accepted).expect("baselines").lines().count());
     // A study made beside it links to its page, and the other way round.
     let study = "study --mesh 0.1 --ppc 1 --quiet --no-cost --no-sweeps";
     assert!(verify(folder.path(), &study.split(' ').collect::<Vec<_>>()).status.success());
@@ -169,6 +186,46 @@ fn check_ends_with_zero_when_every_case_holds() {
     assert!(verify(folder.path(), &["check", "dry-bar", "--quiet"]).status.success());
     let page = std::fs::read_to_string(folder.path().join("reports/ladder/index.html")).expect("a page");
     assert!(page.contains("<a href=\"../index.html\">"));
+}
+
+#[test]
+fn a_scene_of_ones_own_is_checked_or_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = scene("terzaghi-quasi-static.toml").display().to_string();
+    let check = |path: &str, more: &[&str]| verify(folder.path(), &[&["check", "--scene", path], more].concat());
+    let output = check(&path, &["--rows", "5,8,10", "--out", "own"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(said.contains("Terzaghi's series with compressible water on 5, 8, 10 rows"), "{said}");
+    let read = |name: &str| std::fs::read_to_string(folder.path().join("own").join(name)).expect(name);
+    assert!(read("ladder.csv").lines().count() == 2 && read("ladder.csv").contains("\nterzaghi-quasi-static,"));
+    assert!(read("ladder_samples.csv").lines().count() == 10 && read("index.html").contains("Refinements"));
+    assert_eq!(read("ladder_refinements.csv").lines().count(), 4);
+    // Another material from the command line, and the row as JSON.
+    let text = std::fs::read_to_string(scene("terzaghi-quasi-static.toml")).expect("the scene");
+    let other = text.replace("poisson_ratio = 0.30", "poisson_ratio = 0.45").replace("height = 1.0", "height = 5.0");
+    std::fs::write(folder.path().join("other.toml"), other.replace("cell = 0.1", "cell = 0.5")).expect("a scene");
+    let output = check("other.toml", &["--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let rows: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON on standard output");
+    assert_eq!((&rows[0]["verdict"], &rows[0]["asymptotic"]), (&"held".into(), &true.into()));
+    for (path, more, words) in [
+        (path.as_str(), &["--rows", "5,10"][..], "--rows: expected three numbers of rows or more"),
+        (&scene("dry-bar.toml").display().to_string(), &[], "dry-bar.toml: [water]: expected pore water"),
+        (&scene("terzaghi.toml").display().to_string(), &["--scheme", "cubic"], "--scheme: expected one of"),
+        (&scene("dam.toml").display().to_string(), &[], "expected"),
+        ("missing.toml", &[], "missing.toml: expected a readable scene file"),
+    ] {
+        let output = check(path, more);
+        assert_eq!(output.status.code(), Some(2), "{path} {more:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(words), "{path} {more:?}: {}", stderr(&output));
+    }
+    // B-splines with too few particles for their integrals lose their order, and the check says so.
+    let thin = text.replace("shape = \"bspline2\"", "shape = \"bspline2\"\nquadrature = \"volumes\"");
+    std::fs::write(folder.path().join("thin.toml"), thin).expect("a scene");
+    let output = check("thin.toml", &["--quiet", "--rows", "8,10,16,20"]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("fell short: error"), "{}", stderr(&output));
 }
 
 #[test]

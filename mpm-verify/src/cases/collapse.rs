@@ -6,6 +6,7 @@
 use mpm_core::scene::Scene;
 
 use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound};
+use crate::baseline::ladder::Kind as Baseline;
 use crate::literature::{Kind, run_out};
 
 /// Dry columns.
@@ -73,6 +74,7 @@ fn climb(name: &str, meshes: &[f64], aspects: &[f64], kind: Kind, fault: fn(&mut
         errors,
         required_error: 1.0,
         notes,
+        kind: Baseline::Regression,
         ..Outcome::default()
     })
 }

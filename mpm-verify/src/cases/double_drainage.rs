@@ -4,10 +4,12 @@
 //! one shrinks, and its inertia delays the settlement by 30 % at Tv = 0.01: physics that the series leaves out.
 
 use mpm_core::scene::Scene;
+use mpm_core::stability::stable_limit;
 
-use super::{Mutant, Outcome, Rung, integrator, refine, scheme, sound};
+use super::degree::Degree;
+use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
+use super::{Mutant, Outcome, Rung, integrator, scheme, sound, with_rows};
 use crate::exact::terzaghi::Terzaghi;
-use crate::norms::relative;
 
 /// The rung.
 pub const RUNG: Rung = Rung {
@@ -34,8 +36,11 @@ fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
     base.observe_times = crate::norms::SAMPLE_TV.map(|tv| tv * slow).to_vec();
     base.stages[0].until = mpm_core::scene::Until::Time(slow);
     let exact = Terzaghi::compressible(&base).ok_or("the scene is dry")?;
+    let settlement = |time| exact.settlement(time);
+    let degree = Degree::relative(&base, &settlement);
     fault(&mut base);
-    let errors = refine(&base, &[20, 40], |s| relative(s.state.settlement, exact.settlement(s.stage_time)))?;
+    let (errors, samples) = degree.refine(&base, &[14, 20, 28, 40])?;
+    let coarse = with_rows(base.clone(), 10);
     // Half the drainage path on the same mesh: four times the spatial error of the single-drainage case.
     Ok(Outcome {
         integrator: integrator(&base),
@@ -43,6 +48,11 @@ fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
         errors,
         required_error: 2.0e-2,
         required_order: Some([1.7, 2.2]),
+        samples,
+        refinements: vec![
+            degree.in_time(&coarse, 0.9 * stable_limit(&coarse), HALVINGS, FIRST_ORDER)?,
+            degree.in_particles(&coarse, &PARTICLE_COUNTS, 0.4)?,
+        ],
         ..Outcome::default()
     })
 }

@@ -1,8 +1,11 @@
 //! A dry bar under a step load: its top moves at q/(rho c) until the wave comes back (d'Alembert).
 
 use mpm_core::scene::{Scene, Start, Until};
+use mpm_core::stability::stable_limit;
 
-use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound, with_rows};
+use super::degree::Degree;
+use super::terzaghi::{HALVINGS, PARTICLE_COUNTS};
+use super::{Mutant, Outcome, Rung, integrator, scheme, sound, with_rows};
 
 /// The rung.
 pub const RUNG: Rung = Rung {
@@ -23,23 +26,25 @@ fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
     let speed = (base.oedometer_modulus() / base.mixture_density()).sqrt();
     let there_and_back = 2.0 * base.height / speed;
     base.stages[0].until = Until::Time(there_and_back);
-    base.observe_times = vec![there_and_back];
+    base.observe_times = [0.25, 0.5, 0.75, 1.0].map(|share| share * there_and_back).to_vec();
     // u = q t/(rho c) up to 2 H/c: there twice the static settlement.
-    let expected = 2.0 * 1.0e4 * base.height / base.oedometer_modulus();
+    let whole = 1.0e4 * base.height / base.oedometer_modulus();
+    let settlement = |time| 2.0 * whole * time / there_and_back;
+    let degree = Degree::relative(&base, &settlement).from(there_and_back);
     fault(&mut base);
-    let mut errors = Vec::new();
-    for rows in [40, 80, 160] {
-        let scene = with_rows(base.clone(), rows);
-        let run = finished(&scene)?;
-        let last = run.samples.last().ok_or("no sample")?;
-        errors.push((scene.cell, last.state.settlement / expected - 1.0));
-    }
+    let (errors, samples) = degree.refine(&base, &[40, 56, 80, 112, 160])?;
+    let coarse = with_rows(base.clone(), 40);
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),
         errors,
         required_error: 1.0e-2,
         required_order: Some([0.5, 1.5]),
+        samples,
+        refinements: vec![
+            degree.in_time(&coarse, 0.9 * stable_limit(&coarse), HALVINGS, None)?,
+            degree.in_particles(&coarse, &PARTICLE_COUNTS, 0.1)?,
+        ],
         ..Outcome::default()
     })
 }

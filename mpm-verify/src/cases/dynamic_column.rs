@@ -1,9 +1,11 @@
 //! The column with inertia under a fast ramp, against the exact u-p model with the same Darcy law.
 
-use mpm_core::drive::Sample;
 use mpm_core::scene::{Scene, Start, Surcharge, Until};
+use mpm_core::stability::stable_limit;
 
-use super::{Mutant, Outcome, Rung, integrator, refine, scheme, sound};
+use super::degree::Degree;
+use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
+use super::{Mutant, Outcome, Rung, integrator, scheme, sound, with_rows};
 use crate::exact::dynamic::DynamicColumn;
 
 /// Darcy's law with `rho_w a_s`.
@@ -35,10 +37,11 @@ fn climb(change: fn(&mut Scene), fault: fn(&mut Scene)) -> Result<Outcome, Strin
     base.observe_times = (1..=40).map(|i| end * f64::from(i) / 40.0).collect();
     change(&mut base);
     let exact = DynamicColumn::new(&base).ok_or("the scene is dry")?;
-    let whole = 1.0e4 * base.height / base.oedometer_modulus();
+    let settlement = |time| exact.settlement(time);
+    let degree = Degree::relative(&base, &settlement).absolute();
     fault(&mut base);
-    let error = |s: &Sample| (s.state.settlement - exact.settlement(s.stage_time)) / whole;
-    let errors = refine(&base, &[20, 40, 80], error)?;
+    let (errors, samples) = degree.refine(&base, &[20, 28, 40, 56, 80])?;
+    let coarse = with_rows(base.clone(), 10);
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),
@@ -46,6 +49,11 @@ fn climb(change: fn(&mut Scene), fault: fn(&mut Scene)) -> Result<Outcome, Strin
         // With the other Darcy law the errors end at 2.4e-4 and 2.9e-4: less than that tells the two apart.
         required_error: 2.0e-4,
         required_order: Some([1.8, 2.2]),
+        samples,
+        refinements: vec![
+            degree.in_time(&coarse, 0.9 * stable_limit(&coarse), HALVINGS, FIRST_ORDER)?,
+            degree.in_particles(&coarse, &PARTICLE_COUNTS, 0.1)?,
+        ],
         ..Outcome::default()
     })
 }

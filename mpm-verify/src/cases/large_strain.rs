@@ -1,11 +1,11 @@
 //! Consolidation to a final strain of 20 %, against converged numbers for Cauchy stress and constant conductivity.
 
-use mpm_core::drive::Sample;
 use mpm_core::scene::{Scene, ShapeChoice};
 
-use super::{FASTER, Mutant, Outcome, Rung, faster, integrator, refine, scheme, sound};
+use super::degree::Degree;
+use super::terzaghi::PARTICLE_COUNTS;
+use super::{FASTER, Mutant, Outcome, Rung, faster, integrator, scheme, sound, with_rows};
 use crate::exact::large_strain::LargeStrain;
-use crate::norms::relative;
 
 /// Quadratic B-splines.
 pub const SPLINES: Rung = Rung {
@@ -36,11 +36,24 @@ fn climb(shape: ShapeChoice, required_error: f64, order: [f64; 2], fault: fn(&mu
         crate::scenes::built_in("terzaghi-large-strain").ok_or("no such scene")?.map_err(|e| e.to_string())?;
     (base.shape, base.history) = (shape, 0);
     let exact = LargeStrain::new(&base).ok_or("not the column of the table")?;
-    let error = |s: &Sample| {
-        exact.settlement(s.stage_time).map_or(f64::NAN, |settlement| relative(s.state.settlement, settlement))
-    };
+    // Between the rows of the table there is no number.
+    let settlement = |time| exact.settlement(time).unwrap_or(f64::NAN);
+    let degree = Degree::relative(&base, &settlement);
     fault(&mut base);
-    let errors = refine(&base, &[10, 20, 40], error)?;
-    let (integrator, scheme) = (integrator(&base), scheme(&base));
-    Ok(Outcome { integrator, scheme, errors, required_error, required_order: Some(order), ..Outcome::default() })
+    let (errors, samples) = degree.refine(&base, &[10, 14, 20, 28, 40])?;
+    let coarse = with_rows(base.clone(), 10);
+    let counts = if shape == ShapeChoice::Bspline2 { &PARTICLE_COUNTS[1..] } else { &PARTICLE_COUNTS };
+    Ok(Outcome {
+        integrator: integrator(&base),
+        scheme: scheme(&base),
+        errors,
+        required_error,
+        required_order: Some(order),
+        samples,
+        refinements: vec![
+            degree.in_tolerance(&coarse, &[1e-3, 1e-4, 1e-5, 1e-6], 1.0)?,
+            degree.in_particles(&coarse, counts, 0.2)?,
+        ],
+        ..Outcome::default()
+    })
 }

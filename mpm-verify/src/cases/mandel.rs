@@ -1,11 +1,14 @@
 //! Mandel's problem: pore pressure over the half width at T = 0.1, where it first rises above its undrained value.
 
 use mpm_core::drive::Sample;
+use mpm_core::observe::FieldPoint;
 use mpm_core::scene::{Scene, ShapeChoice};
 
+use super::degree::Errors;
+use super::evidence::Sampled;
 use super::{FASTER, Mutant, Outcome, Rung, faster, finished, integrator, scheme, sound};
 use crate::exact::mandel::Mandel;
-use crate::norms::largest;
+use crate::norms::worst;
 
 /// Quadratic B-splines, eight cells per side on the finest mesh.
 pub const SPLINES: Rung = Rung {
@@ -23,8 +26,13 @@ pub const CENTRE: Rung = Rung {
     mutant: Some(Mutant { what: FASTER, climb: || centre(faster) }),
 };
 
-/// The times T = c t/a^2 looked at.
-const TIME_FACTOR: f64 = 0.1;
+/// Times T = c t/a^2 from this one on count: before, the zone that drains is thinner than the cells.
+pub(super) const TIME_FACTOR: f64 = 0.1;
+
+/// Whether a time (s) counts.
+pub(super) fn counts(exact: &Mandel, time: f64) -> bool {
+    exact.time_factor(time) >= TIME_FACTOR * (1.0 - 1e-6)
+}
 
 fn splines(fault: fn(&mut Scene)) -> Result<Outcome, String> {
     climb(ShapeChoice::Bspline2, &[2, 4, 8], 1e-4, [3.0, 6.0], fault)
@@ -44,19 +52,51 @@ fn climb(
     let mut base = crate::scenes::built_in("mandel").ok_or("no such scene")?.map_err(|e| e.to_string())?;
     (base.shape, base.history, base.tolerance) = (shape, 0, 1e-7);
     let exact = Mandel::new(&base).ok_or("not Mandel's problem")?;
-    let error = |s: &Sample| {
-        if (exact.time_factor(s.stage_time) / TIME_FACTOR - 1.0).abs() > 1e-6 {
-            return 0.0;
-        }
-        largest(s.state.field.iter().map(|f| (f.pressure_pa - exact.pressure(f.x_m, s.stage_time)) / exact.undrained))
-    };
     fault(&mut base);
-    let on = |side: &usize| {
-        let cell = base.width / *side as f64;
-        let scene = Scene { cell, cells: [*side; 2], ..base.clone() };
-        Ok((cell, largest(finished(&scene)?.observed().map(error))))
-    };
-    let errors = sides.iter().map(on).collect::<Result<_, String>>()?;
+    let scenes: Vec<Scene> = sides.iter().map(|side| on(&base, *side)).collect();
+    let (errors, samples) = refined(&scenes, &exact)?;
     let (integrator, scheme) = (integrator(&base), scheme(&base));
-    Ok(Outcome { integrator, scheme, errors, required_error, required_order: Some(order), ..Outcome::default() })
+    Ok(Outcome {
+        integrator,
+        scheme,
+        errors,
+        required_error,
+        required_order: Some(order),
+        samples,
+        ..Outcome::default()
+    })
+}
+
+/// The block with so many cells per side.
+fn on(base: &Scene, side: usize) -> Scene {
+    Scene { cell: base.width / side as f64, cells: [side; 2], ..base.clone() }
+}
+
+/// Errors on meshes, and the finest at every sample time: the pressure where it is furthest off, over p_0.
+pub(super) fn refined(scenes: &[Scene], exact: &Mandel) -> Result<(Errors, Vec<Sampled>), String> {
+    let (mut errors, mut samples) = (Vec::new(), Vec::new());
+    for scene in scenes {
+        samples = finished(scene)?.observed().filter_map(|s| furthest(s, exact)).collect();
+        errors.push((scene.cell, worst(samples.iter().filter(|s| s.counts).map(|s| s.error))));
+    }
+    Ok((errors, samples))
+}
+
+/// The pressure where it is furthest off.
+fn furthest(sample: &Sample, exact: &Mandel) -> Option<Sampled> {
+    let time = sample.stage_time;
+    let off = |point: &FieldPoint| (point.pressure_pa - exact.pressure(point.x_m, time)) / exact.undrained;
+    // A number that is not one is the furthest off.
+    let size = |point: &FieldPoint| off(point).abs();
+    let point = sample.state.field.iter().max_by(|a, b| size(a).total_cmp(&size(b)))?;
+    Some(Sampled {
+        quantity: format!("p/p_0 at x = {:.4} m, where it is furthest off", point.x_m),
+        unit: "-".to_owned(),
+        time,
+        factor: Some(exact.time_factor(time)),
+        computed: point.pressure_pa / exact.undrained,
+        exact: exact.pressure(point.x_m, time) / exact.undrained,
+        error: off(point),
+        counts: counts(exact, time),
+    })
 }

@@ -6,9 +6,12 @@ mod boussinesq;
 mod collapse;
 mod coupled_field;
 mod dam;
+mod degree;
 mod double_drainage;
 mod dry_bar;
 mod dynamic_column;
+mod elsewhere;
+mod evidence;
 mod hydrostatic;
 mod infinite_slope;
 mod large_strain;
@@ -17,6 +20,7 @@ mod mandel;
 mod mandel_inertia;
 mod mohr_coulomb;
 mod outline;
+pub mod own;
 mod quasi_static;
 mod ramp_load;
 mod rest;
@@ -36,8 +40,10 @@ use mpm_core::drive::{Run, Sample};
 use mpm_core::run::{StartError, run, run_given};
 use mpm_core::scene::Scene;
 
+pub use self::evidence::{Refinement, RefinementRow, SampleRow, Sampled, words};
 pub use self::verdict::{Climb, Step};
 use self::verdict::{Outcome, judge};
+use crate::baseline;
 use crate::norms::largest;
 use crate::study::word;
 
@@ -89,6 +95,18 @@ pub const LADDER: &[Rung] = &[
     quasi_static::STEPS,
     quasi_static::DISPLACED,
     quasi_static::SHIFTED,
+    elsewhere::RUNGS[0],
+    elsewhere::RUNGS[1],
+    elsewhere::RUNGS[2],
+    elsewhere::RUNGS[3],
+    elsewhere::RUNGS[4],
+    elsewhere::RUNGS[5],
+    elsewhere::RUNGS[6],
+    elsewhere::RUNGS[7],
+    elsewhere::RUNGS[8],
+    elsewhere::RUNGS[9],
+    elsewhere::RUNGS[10],
+    elsewhere::RUNGS[11],
     large_strain::SPLINES,
     large_strain::LINEAR,
     large_strain_30::SPLINES,
@@ -141,15 +159,17 @@ pub const LADDER: &[Rung] = &[
 ];
 
 impl Rung {
-    /// Runs and judges the rung.
+    /// Runs and judges the rung, and holds its error against the accepted one.
     ///
     /// # Errors
     /// A run of it could not be finished.
     pub fn climb(&self) -> Result<Climb, String> {
-        self.judged(self.climb)
+        let mut climb = self.judged(self.climb)?;
+        baseline::ladder::compare(&mut climb);
+        Ok(climb)
     }
 
-    /// Runs and judges its mutant; `None` if it has none.
+    /// Runs and judges its mutant; `None` if it has none. Its baseline is left out: the check itself must find the fault.
     ///
     /// # Errors
     /// A run of it could not be finished: a fault must be found by the check, not by a run that stops.

@@ -4,6 +4,8 @@
 use mpm_core::drive::Sample;
 use mpm_core::scene::{Displaced, Scene, ShapeChoice, TimeMethod};
 
+use super::degree::Degree;
+use super::terzaghi::PARTICLE_COUNTS;
 use super::{Mutant, Outcome, Rung, finished, integrator, refine, scheme, with_rows};
 use crate::exact::terzaghi::Terzaghi;
 use crate::norms::{largest, profile_error, relative};
@@ -108,8 +110,16 @@ fn climb(
 ) -> Result<Outcome, String> {
     let (mut base, exact) = base(reference)?;
     base.shape = shape;
-    let errors = refine(&base, rows, |s| relative(s.state.settlement, exact.settlement(s.stage_time)))?;
-    Ok(outcome(&base, errors, required, Some(order)))
+    let settlement = |time| exact.settlement(time);
+    let degree = Degree::relative(&base, &settlement);
+    let (errors, samples) = degree.refine(&base, rows)?;
+    let coarse = with_rows(base.clone(), 10);
+    let counts = if shape == ShapeChoice::Bspline2 { &PARTICLE_COUNTS[1..] } else { &PARTICLE_COUNTS };
+    let refinements = vec![
+        degree.in_tolerance(&coarse, &[1e-3, 1e-4, 1e-5, 1e-6, 1e-7], 1.0)?,
+        degree.in_particles(&coarse, counts, 0.1)?,
+    ];
+    Ok(Outcome { samples, refinements, ..outcome(&base, errors, required, Some(order)) })
 }
 
 fn profile(reference: Reference) -> Result<Outcome, String> {
@@ -123,12 +133,22 @@ fn profile(reference: Reference) -> Result<Outcome, String> {
     Ok(outcome(&base, errors, 1e-6, Some([3.0, 6.0])))
 }
 
+/// First of the given steps of SDIRK4(3), s.
+const SDIRK_STEP: f64 = 5e-4;
+
 fn steps(reference: Reference) -> Result<Outcome, String> {
     let (mut base, exact) = base(reference)?;
     (base.method, base.tolerance) = (TimeMethod::Sdirk, 1e-5);
-    let errors = refine(&base, &[20], |s| relative(s.state.settlement, exact.settlement(s.stage_time)))?;
+    let settlement = |time| exact.settlement(time);
+    let degree = Degree::relative(&base, &settlement);
+    let (errors, samples) = degree.refine(&base, &[20])?;
+    let coarse = with_rows(base.clone(), 10);
+    let refinements = vec![
+        degree.in_tolerance(&coarse, &[1e-3, 1e-4, 1e-5, 1e-6], 1.0)?,
+        degree.in_time(&coarse, SDIRK_STEP, 4, Some([3.5, 4.5]))?,
+    ];
     // The tolerance is the error in time; the mesh adds 3e-7.
-    Ok(outcome(&base, errors, 1e-5, None))
+    Ok(Outcome { samples, refinements, ..outcome(&base, errors, 1e-5, None) })
 }
 
 fn worst(scenes: impl Iterator<Item = Scene>, exact: &Terzaghi) -> Result<f64, String> {

@@ -1,9 +1,11 @@
 //! A load that grows over Tc = 0.2, from an unloaded column, against Olson's series with compressible water.
 
-use mpm_core::drive::Sample;
 use mpm_core::scene::{Scene, Start, Surcharge};
+use mpm_core::stability::stable_limit;
 
-use super::{Mutant, Outcome, Rung, integrator, refine, scheme, sound};
+use super::degree::Degree;
+use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
+use super::{Mutant, Outcome, Rung, integrator, scheme, sound, with_rows};
 use crate::exact::terzaghi::Terzaghi;
 
 /// The rung.
@@ -24,17 +26,23 @@ fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
     let ramp_time = 0.2 * base.time_per_factor().ok_or("the scene is dry")?;
     base.surcharge = base.surcharge.map(|s| Surcharge { ramp_time, ..s });
     let exact = Terzaghi::compressible(&base).ok_or("the scene is dry")?;
-    let whole = exact.load * exact.height / exact.modulus;
-    // U itself, not relative to its exact value: the first settlements of a ramp are nearly zero.
-    let error = |s: &Sample| (s.state.settlement - exact.settlement(s.stage_time)) / whole;
+    let settlement = |time| exact.settlement(time);
+    let degree = Degree::relative(&base, &settlement).absolute();
     fault(&mut base);
-    let errors = refine(&base, &[20, 40], error)?;
+    let (errors, samples) = degree.refine(&base, &[14, 20, 28, 40])?;
+    let coarse = with_rows(base.clone(), 10);
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),
         errors,
         required_error: 1.0e-3,
+        // The series leaves out inertia and finite strain, which stay on fine meshes: no order is expected.
         required_order: None,
+        samples,
+        refinements: vec![
+            degree.in_time(&coarse, 0.9 * stable_limit(&coarse), HALVINGS, FIRST_ORDER)?,
+            degree.in_particles(&coarse, &PARTICLE_COUNTS, 1e-2)?,
+        ],
         ..Outcome::default()
     })
 }

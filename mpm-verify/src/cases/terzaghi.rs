@@ -4,10 +4,11 @@
 //! hundredth of the load. What is left is the scheme alone. (The study compares with Terzaghi's assumptions.)
 
 use mpm_core::scene::{DarcyChoice, Scene, ShapeChoice, Surcharge};
+use mpm_core::stability::stable_limit;
 
-use super::{FASTER, Mutant, Outcome, Rung, faster, integrator, refine, scheme, sound};
+use super::degree::Degree;
+use super::{FASTER, Mutant, Outcome, Rung, faster, integrator, scheme, sound, with_rows};
 use crate::exact::dynamic::DynamicColumn;
-use crate::norms::relative;
 
 /// The paper's scheme with the default operator.
 pub const SURFACE: Rung = Rung {
@@ -81,17 +82,36 @@ fn refined(
     let mut base = lightly_loaded();
     change(&mut base);
     let exact = DynamicColumn::new(&base).ok_or("the scene is dry")?;
+    let settlement = |time| exact.settlement(time);
+    let degree = Degree::relative(&base, &settlement);
     fault(&mut base);
-    let errors = refine(&base, rows, |s| relative(s.state.settlement, exact.settlement(s.stage_time)))?;
+    let (errors, samples) = degree.refine(&base, rows)?;
+    let coarse = with_rows(base.clone(), COARSE);
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),
         errors,
         required_error,
         required_order: Some(order),
+        samples,
+        refinements: vec![
+            degree.in_time(&coarse, 0.9 * stable_limit(&coarse), HALVINGS, FIRST_ORDER)?,
+            degree.in_particles(&coarse, &PARTICLE_COUNTS, PARTICLES_LEAVE)?,
+        ],
         ..Outcome::default()
     })
 }
+
+/// Rows of the mesh on which steps and particles are refined: what they change does not need a fine one.
+const COARSE: usize = 10;
+/// Differences between runs of half the step.
+pub(super) const HALVINGS: u32 = 4;
+/// The explicit step takes stress and pressure of its start: an error of first order in the step.
+pub(super) const FIRST_ORDER: Option<[f64; 2]> = Some([0.9, 1.1]);
+/// Particles per cell in two dimensions; a column has the square root.
+pub(super) const PARTICLE_COUNTS: [usize; 4] = [1, 4, 9, 16];
+/// Largest error with any of them on ten rows of cells.
+const PARTICLES_LEAVE: f64 = 0.2;
 
 /// The column under a hundredth of its load: strains too small to matter.
 pub(super) fn lightly_loaded() -> Scene {

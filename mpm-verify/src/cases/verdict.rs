@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::Rung;
+use super::evidence::{MESH, Parameter, Refinement, RefinementRow, SampleRow, Sampled, interval, spacings, words};
+use crate::baseline::ladder::Kind;
 use crate::rates::{Fit, fit};
 use crate::report::numbers::{brief, short};
 
@@ -20,12 +22,18 @@ pub(super) struct Outcome {
     /// Largest error allowed at every parameter, as a share of the parameter.
     pub required_everywhere: Option<f64>,
     /// What the refinement parameter is, with its unit.
-    pub refined_by: (&'static str, &'static str),
+    pub refined_by: Parameter,
     /// Further numbers of the finest run: quantity, value, unit (`-` if it has none). Reported, not judged.
     pub notes: Vec<(String, f64, String)>,
+    /// The finest run at every sample time.
+    pub samples: Vec<Sampled>,
+    /// Refinements by anything else; judged as each of them says.
+    pub refinements: Vec<Refinement>,
+    /// What the errors are errors against, which is what their baseline is worth.
+    pub kind: Kind,
 }
 
-/// Refined by the mesh, without notes: what most rungs leave as it is.
+/// Refined by the mesh, against truth, without notes: what most rungs leave as it is.
 impl Default for Outcome {
     fn default() -> Self {
         Self {
@@ -35,8 +43,11 @@ impl Default for Outcome {
             required_error: f64::NAN,
             required_order: None,
             required_everywhere: None,
-            refined_by: ("mesh L", "m"),
+            refined_by: MESH,
             notes: Vec::new(),
+            samples: Vec::new(),
+            refinements: Vec::new(),
+            kind: Kind::Verified,
         }
     }
 }
@@ -66,6 +77,16 @@ pub struct Step {
     pub verdict: String,
     /// CPU time of the rung, s.
     pub cpu_s: f64,
+    /// Why the verdict is what it is, with numbers.
+    pub reason: String,
+    /// Whether the errors fall as in an asymptotic range; nothing where there is no order.
+    pub asymptotic: Option<bool>,
+    /// Accepted error; nothing where none was accepted.
+    pub baseline: Option<f64>,
+    /// What the baseline is worth.
+    pub baseline_kind: Kind,
+    /// Error over the accepted one.
+    pub change: Option<f64>,
 }
 
 impl Step {
@@ -90,16 +111,78 @@ pub struct Climb {
     pub everywhere: Option<f64>,
     /// The fitted order; `None` where there is none to fit or none is required.
     pub fit: Option<Fit>,
+    /// Allowed interval of the order.
+    pub required_order: Option<[f64; 2]>,
     /// What the refinement parameter is, with its unit.
-    pub refined_by: (&'static str, &'static str),
+    pub refined_by: Parameter,
     /// Further numbers: quantity, value, unit.
     pub notes: Vec<(String, f64, String)>,
+    /// The finest run at every sample time.
+    pub samples: Vec<Sampled>,
+    /// Refinements by anything else.
+    pub refinements: Vec<Refinement>,
+    /// Whether the rung's own rule holds, whatever its baseline says.
+    pub sound: bool,
 }
 
-/// The one rule: the finest error is small enough, and the order is in its interval.
+impl Climb {
+    /// The rows of `ladder_samples.csv`.
+    pub fn sample_rows(&self) -> impl Iterator<Item = SampleRow> {
+        self.samples.iter().map(|s| SampleRow {
+            rung: self.step.rung.clone(),
+            quantity: s.quantity.clone(),
+            time_s: s.time,
+            time_factor: s.factor,
+            computed: s.computed,
+            exact: s.exact,
+            error: s.error,
+            unit: s.unit.clone(),
+            counts: s.counts,
+        })
+    }
+
+    /// All refinements, that of the rung's own errors first.
+    pub fn all_refinements(&self) -> Vec<Refinement> {
+        let own = Refinement::new(self.refined_by, self.errors.clone(), "the error of the rung");
+        let own = Refinement { required_order: self.required_order, ..own };
+        std::iter::once(own).filter(|own| own.errors.len() > 1).chain(self.refinements.iter().cloned()).collect()
+    }
+
+    /// The rows of `ladder_refinements.csv`.
+    pub fn refinement_rows(&self) -> Vec<RefinementRow> {
+        let mut rows = Vec::new();
+        for refinement in self.all_refinements() {
+            let fit = refinement.fit();
+            let ends = fit.as_ref().and_then(interval);
+            rows.extend(refinement.errors.iter().map(|(parameter, error)| RefinementRow {
+                rung: self.step.rung.clone(),
+                by: refinement.by.0.to_owned(),
+                parameter: *parameter,
+                unit: refinement.by.1.to_owned(),
+                error: *error,
+                order: fit.as_ref().map(|f| f.order),
+                order_low: ends.map(|[low, _]| low),
+                order_high: ends.map(|[_, high]| high),
+                asymptotic: fit.as_ref().map(|f| f.asymptotic),
+                required_order: words(refinement.required_order),
+                against: refinement.against.clone(),
+            }));
+        }
+        rows
+    }
+
+    /// Marks the rung as fallen for a reason that its own rule does not know.
+    pub(crate) fn fall(&mut self, why: &str) {
+        "fell short".clone_into(&mut self.step.verdict);
+        self.reason = format!("{}; {why}", self.reason);
+        self.step.reason.clone_from(&self.reason);
+    }
+}
+
+/// The one rule: the finest error is small enough, the order is in its interval, and so are those of all refinements.
 pub(super) fn judge(rung: Rung, outcome: Outcome, cpu_s: f64) -> Climb {
     let finest = outcome.errors.iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(f64::NAN, |(_, e)| e.abs());
-    let fit: Option<Fit> = fit(&outcome.errors);
+    let fit: Option<Fit> = fit(&spacings(outcome.refined_by, &outcome.errors));
     let order_holds = match (outcome.required_order, &fit) {
         (None, _) => true,
         (Some([low, high]), Some(fit)) => (low..=high).contains(&fit.order),
@@ -108,9 +191,10 @@ pub(super) fn judge(rung: Rung, outcome: Outcome, cpu_s: f64) -> Climb {
     // A number that is not one must not pass.
     let too_large = |share: f64| outcome.errors.iter().find(|(h, e)| e.is_nan() || e.abs() > share * h).copied();
     let exceeded = outcome.required_everywhere.and_then(|share| Some((share, too_large(share)?)));
-    let holds = finest <= outcome.required_error && order_holds && exceeded.is_none();
+    let fallen: Vec<String> = outcome.refinements.iter().filter_map(Refinement::fallen).collect();
+    let holds = finest <= outcome.required_error && order_holds && exceeded.is_none() && fallen.is_empty();
     let fit = fit.filter(|_| outcome.required_order.is_some());
-    let step = Step {
+    let mut step = Step {
         rung: rung.name.to_owned(),
         integrator: outcome.integrator,
         scheme: outcome.scheme,
@@ -119,19 +203,30 @@ pub(super) fn judge(rung: Rung, outcome: Outcome, cpu_s: f64) -> Climb {
         order: fit.as_ref().map(|f| f.order),
         order_low: fit.as_ref().map(|f| f.order - f.half_width),
         order_high: fit.as_ref().map(|f| f.order + f.half_width),
-        required_order: outcome.required_order.map_or(String::new(), |[low, high]| format!("{low} to {high}")),
+        required_order: words(outcome.required_order),
         verdict: if holds { "held" } else { "fell short" }.to_owned(),
         cpu_s,
+        reason: String::new(),
+        asymptotic: fit.as_ref().map(|f| f.asymptotic),
+        baseline: None,
+        baseline_kind: outcome.kind,
+        change: None,
     };
+    let own = reason(&step, order_holds, exceeded);
+    step.reason = std::iter::once(own).chain(fallen).collect::<Vec<_>>().join("; ");
     Climb {
-        reason: reason(&step, order_holds, exceeded),
+        reason: step.reason.clone(),
         rung,
         step,
         errors: outcome.errors,
         everywhere: outcome.required_everywhere,
         fit,
+        required_order: outcome.required_order,
         refined_by: outcome.refined_by,
         notes: outcome.notes,
+        samples: outcome.samples,
+        refinements: outcome.refinements,
+        sound: holds,
     }
 }
 
@@ -178,8 +273,13 @@ mod tests {
         assert!(!everywhere.step.held() && everywhere.reason == "error 0.0100 above 0.00800 at 0.1");
         let everywhere = judged(Outcome { required_everywhere: Some(0.11), ..good.clone() });
         assert!(everywhere.step.held());
-        let nothing = Outcome { errors: vec![(0.1, f64::NAN)], ..good };
+        let nothing = Outcome { errors: vec![(0.1, f64::NAN)], ..good.clone() };
         assert!(!judged(nothing.clone()).step.held() && judged(nothing.clone()).reason.contains("no order"));
+        let flat = Refinement::new(crate::cases::evidence::STEP, vec![(2e-6, 1e-3), (1e-6, 1e-3)], "");
+        let step = Refinement { required_order: Some([0.9, 1.1]), ..flat };
+        let refined = judged(Outcome { refinements: vec![step], ..good.clone() });
+        assert!(!refined.step.held() && refined.reason.ends_with("refined by time step: order 0.00 outside of 0.9 to 1.1"));
+        assert_eq!((refined.step.reason.as_str(), refined.refinement_rows().len()), (refined.reason.as_str(), 5));
         let not_a_number = judged(Outcome { required_order: None, ..nothing });
         assert!(!not_a_number.step.held() && not_a_number.reason.starts_with("the error is not a number"));
     }

@@ -1,7 +1,11 @@
-//! `check`: the verification ladder, and its mutants.
+//! `check`: the verification ladder, its mutants, and a scene of one's own.
 
 use std::path::{Path, PathBuf};
 
+use clap::Args;
+use mpm_core::scene::{Flags, Scene};
+use mpm_verify::baseline;
+use mpm_verify::cases::own::OwnScene;
 use mpm_verify::cases::{Climb, LADDER, Rung, Step};
 use mpm_verify::manifest::Manifest;
 use mpm_verify::report;
@@ -11,13 +15,38 @@ use serde::Serialize;
 use super::{Failure, jobs, print_json, say, writable, write_csv};
 use crate::Common;
 
-/// Runs the named rungs, or all; with `mutants` those with a fault planted.
-pub fn run(names: &[String], mutants: bool, common: &Common) -> Result<(), Failure> {
-    let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/ladder"));
-    if mutants {
-        return catch(names, common, &folder);
+/// What to check.
+#[derive(Debug, Clone, Args)]
+pub struct Options {
+    /// Cases to run; all without a name
+    cases: Vec<String>,
+    /// Run the mutants instead: the same checks with a planted fault; exit code 1 when one is not caught
+    #[arg(long)]
+    mutants: bool,
+    /// Check this scene instead, refined in space, against the exact solution that applies to it
+    #[arg(long, value_name = "SCENE.toml", conflicts_with_all = ["cases", "mutants"])]
+    scene: Option<PathBuf>,
+    /// Rows of cells over the height, three or more; the scene's own L, L/2 and L/4 without it
+    #[arg(long, value_delimiter = ',', value_name = "N,N,N", requires = "scene")]
+    rows: Vec<usize>,
+    /// In place of the scene's time.integrator: explicit, semi-implicit or quasi-static
+    #[arg(long, value_name = "WORD", requires = "scene")]
+    integrator: Option<String>,
+    /// In place of the scene's scheme.shape: centre, linear, gimp or bspline2
+    #[arg(long, value_name = "WORD", requires = "scene")]
+    scheme: Option<String>,
+}
+
+/// Runs the named rungs, or all; with `mutants` those with a fault planted; with a scene that one.
+pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
+    if let Some(path) = &options.scene {
+        return own(path, options, common);
     }
-    let steps = climb(names, common, &folder)?;
+    let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/ladder"));
+    if options.mutants {
+        return catch(&options.cases, common, &folder);
+    }
+    let steps = climb(&options.cases, common, &folder)?;
     if common.json {
         print_json(&steps);
     }
@@ -25,22 +54,64 @@ pub fn run(names: &[String], mutants: bool, common: &Common) -> Result<(), Failu
     if fallen.is_empty() { Ok(()) } else { Err(Failure::FellShort(format!("fell short: {}", fallen.join(", ")))) }
 }
 
-/// Climbs the ladder and writes `ladder.csv`, a picture of every rung and `index.html`.
+/// Checks a scene of the user's own and writes the files of the ladder with its one row.
+fn own(path: &Path, options: &Options, common: &Common) -> Result<(), Failure> {
+    let flags =
+        Flags { integrator: options.integrator.clone(), scheme: options.scheme.clone(), ..Flags::default() };
+    let scene = Scene::load_with(path, &flags).map_err(|e| Failure::BadInput(e.to_string()))?;
+    // What is wrong with a flag is said of the flag, all else of the file.
+    let refused = |e: String| match e.starts_with("--") {
+        true => Failure::BadInput(e),
+        false => Failure::BadInput(format!("{}: {e}", path.display())),
+    };
+    let own = OwnScene::new(&scene, &options.rows).map_err(refused)?;
+    let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/check-scene"));
+    writable(&folder)?;
+    let quiet = common.quiet || common.json;
+    say(quiet, &format!("{}: {}", scene.name, own.about()));
+    let climb = own.climb().map_err(Failure::RunFailed)?;
+    say(quiet, &header());
+    say(quiet, &line(&climb.step));
+    say(quiet, &climb.reason);
+    let steps = write(&[climb], &scene, common, &folder)?;
+    if common.json {
+        print_json(&steps);
+    }
+    match steps.iter().find(|step| !step.held()) {
+        Some(step) => Err(Failure::FellShort(format!("{}: fell short: {}", step.rung, step.reason))),
+        None => Ok(()),
+    }
+}
+
+/// Climbs the ladder and writes its tables, a picture of every rung and `index.html`; `accepted.csv` holds the baselines
+/// as they would be with these errors.
 pub fn climb(names: &[String], common: &Common, folder: &Path) -> Result<Vec<Step>, Failure> {
     let rungs = chosen(names)?;
     writable(folder)?;
     let quiet = common.quiet || common.json;
-    say(quiet, &format!("{:<22} {:>10} {:>10}  {:<26} verdict", "rung", "error", "required", "order"));
+    say(quiet, &header());
     let (climbs, failed) = each(&rungs, common, |rung| {
         let climb = rung.climb()?;
         say(quiet, &line(&climb.step));
         Ok(climb)
     })?;
+    let steps = write(&climbs, &mpm_verify::scenes::terzaghi(), common, folder)?;
+    let (path, rows) = (folder.join("accepted.csv"), baseline::ladder::accepted(&climbs));
+    std::fs::write(&path, rows).map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))?;
+    let without: Vec<&str> = steps.iter().filter(|s| s.baseline.is_none()).map(|s| s.rung.as_str()).collect();
+    if !without.is_empty() {
+        say(quiet, &format!("without a baseline: {}", without.join(", ")));
+    }
+    unfinished(&failed)?;
+    Ok(steps)
+}
+
+/// Writes `ladder.csv`, `ladder_samples.csv`, `ladder_refinements.csv` and the page with its pictures.
+fn write(climbs: &[Climb], scene: &Scene, common: &Common, folder: &Path) -> Result<Vec<Step>, Failure> {
     let steps: Vec<Step> = climbs.iter().map(|climb| climb.step.clone()).collect();
     write_csv(&folder.join("ladder.csv"), &steps)?;
-    let manifest = Manifest::new(&mpm_verify::scenes::terzaghi(), jobs(common.jobs));
-    report::ladder::write(&climbs, &manifest, folder).map_err(|e| Failure::RunFailed(e.to_string()))?;
-    unfinished(&failed)?;
+    let manifest = Manifest::new(scene, jobs(common.jobs));
+    report::ladder::write(climbs, &manifest, folder).map_err(|e| Failure::RunFailed(e.to_string()))?;
     Ok(steps)
 }
 
@@ -128,6 +199,10 @@ fn each<T: Send>(
 /// Runs that could not be finished, once all others are written.
 fn unfinished(failed: &[String]) -> Result<(), Failure> {
     if failed.is_empty() { Ok(()) } else { Err(Failure::RunFailed(failed.join("; "))) }
+}
+
+fn header() -> String {
+    format!("{:<22} {:>10} {:>10}  {:<26} verdict", "rung", "error", "required", "order")
 }
 
 fn line(step: &Step) -> String {

@@ -12,13 +12,20 @@ use super::plots::figure::Figure;
 use super::plots::{self, rung};
 use super::tables;
 use super::{ReportError, save};
-use crate::cases::Climb;
+use crate::baseline::ladder::Kind;
+use crate::cases::{Climb, Refinement, RefinementRow, SampleRow, words};
 use crate::manifest::Manifest;
+use crate::rates::Fit;
 
 const TEMPLATE: &str = include_str!("ladder.html");
 
 /// Columns of `notes.csv`.
 pub const NOTES: &str = "rung,quantity,value,unit";
+/// Columns of `ladder_samples.csv`.
+pub const SAMPLES: &str = "rung,quantity,time_s,time_factor,computed,exact,error,unit,counts";
+/// Columns of `ladder_refinements.csv`.
+pub const REFINEMENTS: &str =
+    "rung,by,parameter,unit,error,order,order_low,order_high,asymptotic,required_order,against";
 
 #[derive(Debug, Serialize)]
 struct Page {
@@ -26,6 +33,7 @@ struct Page {
     summary: String,
     fallen: Vec<String>,
     rungs: Vec<Table>,
+    orders: Vec<Table>,
     mutants: Vec<Table>,
     notes: Vec<Table>,
     manifest: Vec<(&'static str, String)>,
@@ -33,7 +41,8 @@ struct Page {
     study: bool,
 }
 
-/// Writes `<rung>.svg` and `<rung>.csv` (refinement parameter, signed error) for every rung, `notes.csv` if there are notes, `manifest.json` and `index.html`.
+/// Writes `ladder_samples.csv` (the finest run of a rung at every sample time), `ladder_refinements.csv` (every run of
+/// every refinement), `<rung>.svg` and `<rung>.csv` (refinement parameter, signed error) for every rung, `notes.csv` if there are notes, `manifest.json` and `index.html`.
 ///
 /// # Errors
 /// A file that cannot be written or drawn.
@@ -52,6 +61,8 @@ pub fn write(climbs: &[Climb], manifest: &Manifest, folder: &Path) -> Result<(),
         };
         tables::table(&folder.join("notes.csv"), NOTES, notes().map(row))?;
     }
+    samples(climbs, folder)?;
+    refinements(climbs, folder)?;
     let conditions = folder.join("manifest.json");
     let json = serde_json::to_string_pretty(manifest).map_err(|e| super::unwritable(&conditions, e))?;
     save(&conditions, json)?;
@@ -60,6 +71,7 @@ pub fn write(climbs: &[Climb], manifest: &Manifest, folder: &Path) -> Result<(),
         summary: summary(climbs),
         fallen: climbs.iter().filter(|c| !c.step.held()).map(|c| format!("{}: {}", c.rung.name, c.reason)).collect(),
         rungs: vec![rungs(climbs)],
+        orders: vec![orders(climbs)],
         mutants: vec![mutants(climbs)],
         notes: notes().next().map(|_| further(climbs)).into_iter().collect(),
         // The scenes are those of the rungs, not one of them.
@@ -69,6 +81,28 @@ pub fn write(climbs: &[Climb], manifest: &Manifest, folder: &Path) -> Result<(),
     let path = folder.join("index.html");
     let html = render(TEMPLATE, serde_json::json!(page), &Picture::all(&figures), (&figures, &drawn), ".");
     save(&path, html.map_err(|cause| ReportError::Page { path: path.clone(), cause })?)
+}
+
+fn samples(climbs: &[Climb], folder: &Path) -> Result<(), ReportError> {
+    let row = |s: SampleRow| {
+        let factor = s.time_factor.map_or(String::new(), exact);
+        let numbers = [s.computed, s.exact, s.error].map(exact);
+        [vec![s.rung, s.quantity, exact(s.time_s), factor], numbers.to_vec(), vec![s.unit, s.counts.to_string()]].concat()
+    };
+    let rows = climbs.iter().flat_map(Climb::sample_rows).map(row);
+    tables::table(&folder.join("ladder_samples.csv"), SAMPLES, rows)
+}
+
+fn refinements(climbs: &[Climb], folder: &Path) -> Result<(), ReportError> {
+    let or_nothing = |value: Option<f64>| value.map_or(String::new(), exact);
+    let row = |r: RefinementRow| {
+        let order = [r.order, r.order_low, r.order_high].map(or_nothing);
+        let asymptotic = r.asymptotic.map_or(String::new(), |a| a.to_string());
+        let head = vec![r.rung, r.by, exact(r.parameter), r.unit, exact(r.error)];
+        [head, order.to_vec(), vec![asymptotic, r.required_order, r.against]].concat()
+    };
+    let rows = climbs.iter().flat_map(Climb::refinement_rows).map(row);
+    tables::table(&folder.join("ladder_refinements.csv"), REFINEMENTS, rows)
 }
 
 fn summary(climbs: &[Climb]) -> String {
@@ -96,13 +130,72 @@ fn rungs(climbs: &[Climb]) -> Table {
             Cell::new(brief(c.step.required_error, 3)),
             Cell::new(order).marked(width, ""),
             Cell::new(c.step.required_order.clone()),
+            baseline(c),
             Cell::new(c.step.integrator.clone()).marked(c.step.scheme.clone(), ""),
             Cell::new(short(c.step.cpu_s, 2)),
         ]
     };
-    let head = ["rung", "verdict", "error", "allowed", "order", "required", "scheme", "CPU time (s)"];
-    let note = "Error at the smallest refinement parameter. Order: fitted, with its 95 % interval.";
+    let head = ["rung", "verdict", "error", "allowed", "order", "required", "baseline", "scheme", "CPU time (s)"];
+    let note = "Error at the smallest refinement parameter. Order: fitted, with its 95 % interval. Baseline: error over the \
+                accepted one, which a rung may not exceed by more than 2 %; verified against an exact solution, or a \
+                regression value against this code itself or a band of published laws.";
     table("Verdicts".to_owned(), &head, climbs.iter().map(row).collect(), note)
+}
+
+/// Error over the accepted one, and what that is worth.
+fn baseline(climb: &Climb) -> Cell {
+    let kind = match climb.step.baseline_kind {
+        Kind::Verified => "verified",
+        Kind::Regression => "regression",
+    };
+    let grown = climb.sound && !climb.step.held();
+    match (climb.step.baseline, climb.step.change) {
+        (None, _) => Cell::new("–").marked("none accepted", "warn"),
+        (Some(_), Some(change)) => Cell::new(short(change, 3)).marked(kind, if grown { "bad" } else { "" }),
+        (Some(_), None) => Cell::new("was 0").marked(kind, if grown { "bad" } else { "" }),
+    }
+}
+
+/// The order of every refinement, with its confidence and whether its range is asymptotic.
+fn orders(climbs: &[Climb]) -> Table {
+    let row = |climb: &Climb, refinement: &Refinement| {
+        let fit = refinement.fit();
+        let (_, unit) = refinement.by;
+        let ends = [refinement.errors.first(), refinement.errors.last()];
+        let [first, last] = ends.map(|end| end.copied().unwrap_or((f64::NAN, f64::NAN)));
+        let span = format!("{} to {}", brief(first.0, 3), brief(last.0, 3));
+        let unit = if unit == "-" { String::new() } else { format!(" {unit}") };
+        let fallen = refinement.fallen();
+        vec![
+            Cell::new(climb.step.rung.clone()),
+            Cell::new(refinement.by.0).marked(format!("{span}{unit}"), ""),
+            Cell::new(refinement.errors.len().to_string()),
+            Cell::new(format!("{} to {}", short(first.1, 2), short(last.1, 2))),
+            order_cell(fit.as_ref(), refinement.required_order.is_some()),
+            Cell::new(words(refinement.required_order)),
+            Cell::new(if fallen.is_some() { "fell short" } else { "held" })
+                .marked("", if fallen.is_some() { "bad" } else { "good" }),
+            Cell::new(refinement.against.clone()),
+        ]
+    };
+    let of = |climb: &Climb| climb.all_refinements().iter().map(|r| row(climb, r)).collect::<Vec<_>>();
+    let head = ["rung", "refined by", "runs", "error", "order", "required", "verdict", "error against"];
+    let note = "Errors from the first parameter to the last, signed. Order: slope of log |error| with its 95 % interval (three \
+                runs or more; Student's t makes that of three wide); asymptotic: every pairwise order within 0.3 of it, one \
+                sign, and surely above zero. That of particles is counted in their spacing. Where the order is not required \
+                the last column says why.";
+    table("Refinements".to_owned(), &head, climbs.iter().flat_map(of).collect(), note)
+}
+
+/// An order as the table of refinements shows it: a wanting one stands out only where one is required.
+fn order_cell(fit: Option<&Fit>, required: bool) -> Cell {
+    let Some(fit) = fit else { return Cell::new("–") };
+    let width = if fit.half_width.is_finite() { format!(" ± {}", short(fit.half_width, 2)) } else { String::new() };
+    let (words, mark) = match fit.asymptotic {
+        true => ("asymptotic", "good"),
+        false => ("not asymptotic", if required { "warn" } else { "" }),
+    };
+    Cell::new(format!("{}{width}", short(fit.order, 3))).marked(words, mark)
 }
 
 /// What each check is shown to find.
@@ -153,6 +246,12 @@ mod tests {
         for part in ["1 of 2 rungs held", "warning\">quasi-static-centre: error 0.0009", "0.9995", "does not compress"]
         {
             assert!(page.contains(part), "{part}");
+        }
+        assert!(page.contains("asymptotic") && page.contains("a hundredth of the smallest tolerance"));
+        assert!(read("ladder_samples.csv").starts_with(&format!("{SAMPLES}\nquasi-static-steps,U,")));
+        let refined = read("ladder_refinements.csv");
+        for by in ["quasi-static-steps,time step,0.0005,s,", "quasi-static-centre,mesh L,0.0125,m,", ",1.9 to 2.1,the error"] {
+            assert!(refined.contains(by), "{by}: {refined}");
         }
         assert!(!page.contains("scene hash") && !page.contains("../index.html"));
     }

@@ -1,0 +1,145 @@
+//! Accepted errors of the ladder's rungs. A rung that still holds, but whose error has grown, has lost something.
+//!
+//! `verified`: the error is against an exact solution, so that the baseline is a measured distance from the truth.
+//! `regression`: it is against this code itself or a scatter of published laws, and the baseline says only what was.
+
+use serde::{Deserialize, Serialize};
+
+use crate::cases::Climb;
+
+/// `reference-data/baselines/ladder.csv`.
+const ACCEPTED: &str = include_str!("../../../reference-data/baselines/ladder.csv");
+/// Errors may grow to this share of the accepted one: what other processors and compilers round differently is far less.
+pub const GROWTH: f64 = 1.02;
+/// Absolute change of an error that is the round-off of linear solves.
+const SOLVED: f64 = 1e-9;
+
+/// What an error is measured against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// The truth: an exact solution or law.
+    Verified,
+    /// This code itself, on a finer mesh or at another time, or a band of published laws.
+    Regression,
+}
+
+/// A row of the baselines.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Accepted {
+    /// Name of the rung.
+    pub rung: String,
+    /// What the error is measured against.
+    pub kind: Kind,
+    /// Accepted error.
+    pub error: f64,
+    /// Its fitted order; for the record, the interval of the rung judges it.
+    pub order: Option<f64>,
+    /// A change up to this is round-off, whatever its share.
+    pub floor: f64,
+}
+
+/// The accepted errors.
+///
+/// # Panics
+/// Never: a test reads the baselines.
+fn baselines() -> Vec<Accepted> {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(ACCEPTED.as_bytes());
+    reader.deserialize().map(|row| row.expect("the baselines hold")).collect()
+}
+
+/// Holds a rung's error against the accepted one: notes both, and lets the rung fall if its error has grown.
+pub fn compare(climb: &mut Climb) {
+    compare_with(&baselines(), climb);
+}
+
+fn compare_with(accepted: &[Accepted], climb: &mut Climb) {
+    let Some(row) = accepted.iter().find(|row| row.rung == climb.step.rung) else { return };
+    let error = climb.step.error;
+    climb.step.baseline = Some(row.error);
+    climb.step.change = Some(if error == row.error { 1.0 } else { error / row.error }).filter(|c| c.is_finite());
+    if error > GROWTH * row.error && error - row.error > row.floor {
+        climb.fall(&format!("it was {:.3e} (baseline) and may grow by {:.0} %", row.error, 100.0 * (GROWTH - 1.0)));
+    }
+}
+
+/// First lines of the baselines.
+const LABEL: &str = "\
+# Accepted errors of the rungs of the ladder (`mpm-verify check`), which writes this file anew as accepted.csv.
+# verified: against an exact solution. regression: against this code itself or a band of published laws.
+rung,kind,error,order,floor
+";
+
+/// The baselines as they would be with these rungs, all others as they are: to be put in place of the old ones once a
+/// change is accepted. Rungs that fell short of more than their baseline keep their old row.
+pub fn accepted(climbs: &[Climb]) -> String {
+    let known = baselines();
+    let mut text = LABEL.to_owned();
+    for rung in crate::cases::LADDER {
+        let old = known.iter().find(|row| row.rung == rung.name);
+        let new = climbs.iter().find(|climb| climb.step.rung == rung.name && climb.sound).map(|climb| row(climb, old));
+        if let Some(row) = new.as_ref().or(old) {
+            let kind = if row.kind == Kind::Verified { "verified" } else { "regression" };
+            let order = row.order.map_or(String::new(), |order| format!("{order:.3}"));
+            text.push_str(&format!("{},{kind},{:?},{order},{:?}\n", row.rung, row.error, row.floor));
+        }
+    }
+    text
+}
+
+/// The row of a rung. A floor that someone has widened by hand stays.
+fn row(climb: &Climb, old: Option<&Accepted>) -> Accepted {
+    let step = &climb.step;
+    let floor = floor(step.error, step.required_error).max(old.map_or(0.0, |row| row.floor));
+    Accepted { rung: step.rung.clone(), kind: step.baseline_kind, error: step.error, order: step.order, floor }
+}
+
+/// An error below what solves leave open is round-off itself, and may be anything that the rung allows.
+fn floor(error: f64, required: f64) -> f64 {
+    if error <= SOLVED { required.max(SOLVED) } else { SOLVED }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cases::LADDER;
+
+    #[test]
+    fn every_baseline_is_that_of_a_rung() {
+        for row in baselines() {
+            assert!(LADDER.iter().any(|rung| rung.name == row.rung), "{} is no rung", row.rung);
+            assert!(row.error >= 0.0 && row.floor > 0.0, "{row:?}");
+        }
+    }
+
+    #[test]
+    fn an_error_that_has_grown_lets_its_rung_fall() {
+        let rung = LADDER.iter().find(|rung| rung.name == "hydrostatic").expect("a rung");
+        let climb = rung.climb().expect("runs that finish");
+        assert!(climb.step.held(), "{}", climb.reason);
+        let error = climb.step.error;
+        let with = |accepted: f64, floor: f64| {
+            let mut climb = climb.clone();
+            let row = Accepted { rung: rung.name.to_owned(), kind: Kind::Verified, error: accepted, order: None, floor };
+            compare_with(&[row], &mut climb);
+            climb
+        };
+        assert!(with(error, 0.0).step.held() && with(1.5 * error, 0.0).step.held());
+        assert!(with(error / 1.01, 0.0).step.held() && with(error / 2.0, error).step.held());
+        let grown = with(error / 1.03, 0.0);
+        assert!(!grown.step.held() && grown.reason.contains("(baseline) and may grow by 2 %"), "{}", grown.reason);
+        assert_eq!(grown.reason, grown.step.reason);
+        assert!(grown.step.change.is_some_and(|change| (change - 1.03).abs() < 1e-9));
+    }
+
+    #[test]
+    fn what_is_accepted_keeps_the_rows_of_rungs_that_were_not_run() {
+        let text = accepted(&[]);
+        assert_eq!(text, ACCEPTED, "put in place what `mpm-verify check` writes as accepted.csv");
+    }
+
+    #[test]
+    fn round_off_may_be_anything_that_is_allowed() {
+        assert_eq!((floor(1e-3, 1e-2), floor(1e-12, 1e-10), floor(1e-12, 1e-8)), (SOLVED, SOLVED, 1e-8));
+    }
+}

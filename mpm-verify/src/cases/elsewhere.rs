@@ -1,0 +1,109 @@
+//! Columns that nothing here was tuned on: other heights, stiffnesses, porosities, softer water, Poisson's ratio 0 and 0.45.
+//!
+//! Each goes through the very check of `mpm-verify check --scene`: the exact solution that applies to it, the orders of
+//! Table 1's column, and at most twice its error on cells of the same resolution.
+
+use mpm_core::scene::{Integrator, Scene, ShapeChoice, StrainChoice, Until};
+
+use super::own::OwnScene;
+use super::{FASTER, Mutant, Outcome, Rung, faster, sound};
+use crate::norms::SAMPLE_TV;
+
+/// How the column differs from Table 1's.
+type Change = fn(&mut Scene);
+
+/// A rung of one column and one integrator.
+macro_rules! rung {
+    ($name:literal, $about:literal, $change:ident, $integrator:ident, $rows:expr) => {
+        Rung {
+            name: $name,
+            about: $about,
+            climb: || climb($change, Integrator::$integrator, &$rows, sound),
+            mutant: Some(Mutant {
+                what: FASTER,
+                climb: || climb($change, Integrator::$integrator, &$rows, faster),
+            }),
+        }
+    };
+}
+
+/// All of them: four columns, three integrators. An explicit run needs 2 (H/L)^2 (M + Q)/M steps per unit of Tv, which is why
+/// the soft tall column and Poisson's ratio 0 end at coarser meshes.
+pub const RUNGS: [Rung; 12] = [
+    rung!("tall-explicit", "H = 5 m, E = 2 MPa, n = 0.45: explicit", tall, Explicit, [10, 12, 14, 17, 20]),
+    rung!("tall-semi-implicit", "the same semi-implicit", tall, SemiImplicit, [20, 28, 40, 56]),
+    rung!("tall-quasi-static", "the same without inertia, B-splines", tall, QuasiStatic, [10, 12, 14, 17, 20]),
+    rung!("soft-water-explicit", "K_w so low that p_0 = q/2: explicit", soft_water, Explicit, [20, 28, 40, 56, 80]),
+    rung!("soft-water-semi-implicit", "the same semi-implicit", soft_water, SemiImplicit, [20, 28, 40, 56]),
+    rung!("soft-water-quasi-static", "the same without inertia, B-splines", soft_water, QuasiStatic, [10, 12, 14, 17, 20]),
+    rung!("poisson-0-explicit", "Poisson's ratio 0: explicit", uncoupled, Explicit, [14, 17, 20, 24, 28]),
+    rung!("poisson-0-semi-implicit", "the same semi-implicit", uncoupled, SemiImplicit, [20, 28, 40, 56]),
+    rung!("poisson-0-quasi-static", "the same without inertia, B-splines", uncoupled, QuasiStatic, [10, 12, 14, 17, 20]),
+    rung!("poisson-45-explicit", "Poisson's ratio 0.45: explicit", stiff, Explicit, [14, 20, 28, 40]),
+    rung!("poisson-45-semi-implicit", "the same semi-implicit", stiff, SemiImplicit, [20, 28, 40, 56]),
+    rung!("poisson-45-quasi-static", "the same without inertia, B-splines", stiff, QuasiStatic, [10, 12, 14, 17, 20]),
+];
+
+fn tall(scene: &mut Scene) {
+    (scene.height, scene.porosity, scene.elastic.youngs_modulus) = (5.0, 0.45, 2.0e6);
+}
+
+/// p_0 = q Q/(M + Q) is half of q where Q = K_w/n is M.
+fn soft_water(scene: &mut Scene) {
+    let bulk_modulus = scene.porosity * scene.oedometer_modulus();
+    scene.water = scene.water.map(|water| mpm_core::scene::WaterProperties { bulk_modulus, ..water });
+}
+
+fn uncoupled(scene: &mut Scene) {
+    scene.elastic.poisson_ratio = 0.0;
+}
+
+fn stiff(scene: &mut Scene) {
+    scene.elastic.poisson_ratio = 0.45;
+}
+
+fn climb(change: Change, integrator: Integrator, rows: &[usize], fault: fn(&mut Scene)) -> Result<Outcome, String> {
+    OwnScene::new(&column(change, integrator), rows)?.outcome(fault)
+}
+
+/// Table 1's column with a change, at the nine time factors of its own.
+fn column(change: Change, integrator: Integrator) -> Scene {
+    let mut scene = crate::scenes::terzaghi();
+    change(&mut scene);
+    let one = scene.time_per_factor().unwrap_or(f64::NAN);
+    scene.observe_times = SAMPLE_TV.map(|tv| tv * one).to_vec();
+    scene.stages[0].until = Until::Time(one);
+    scene.integrator = integrator;
+    if integrator == Integrator::QuasiStatic {
+        (scene.shape, scene.strain, scene.particles_per_cell) = (ShapeChoice::Bspline2, StrainChoice::Small, 9);
+        scene.darcy_inertia = false;
+    }
+    scene
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_columns_are_what_they_are_called() {
+        let share = |change: Change| {
+            let scene = column(change, Integrator::Explicit);
+            scene.undrained_pressure() / scene.surcharge.map_or(f64::NAN, |load| load.pressure)
+        };
+        assert!((share(soft_water) - 0.5).abs() < 1e-12 && share(tall) > 0.999);
+        let poisson = |change: Change| column(change, Integrator::Explicit).elastic.poisson_ratio;
+        assert_eq!((poisson(uncoupled), poisson(stiff), poisson(tall)), (0.0, 0.45, 0.30));
+    }
+
+    #[test]
+    fn quick_ones_hold_and_their_mutants_fall_short() {
+        let quick = RUNGS.iter().filter(|r| r.name.ends_with("quasi-static") || r.name == "poisson-45-semi-implicit");
+        for rung in quick {
+            let climb = rung.climb().expect("runs that finish");
+            assert!(climb.step.held(), "{}: {}", rung.name, climb.reason);
+            let spoilt = rung.climb_mutant().expect("a mutant").expect("runs that finish");
+            assert!(!spoilt.step.held(), "{}: {}", rung.name, spoilt.reason);
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! What a rung shows beside its one error: the values at every sample time, and what else was refined.
+
+use serde::{Deserialize, Serialize};
+
+use crate::rates::{Fit, fit};
+
+/// A refinement parameter: its name and its unit (`-` if it has none).
+pub type Parameter = (&'static str, &'static str);
+
+/// Refined by the edge of the cells.
+pub const MESH: Parameter = ("mesh L", "m");
+/// By the time step.
+pub const STEP: Parameter = ("time step", "s");
+/// By the tolerance of error-controlled time.
+pub const TOLERANCE: Parameter = ("tolerance", "-");
+/// By the number of particles. Its order is counted in their spacing, L/sqrt(N).
+pub const PARTICLES: Parameter = ("particles per cell", "-");
+
+/// A value of the finest run at a sample time, beside the exact one: a row of `ladder_samples.csv`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sampled {
+    /// What it is: `U`, `p/p_0`, ...
+    pub quantity: String,
+    /// Its unit; `-` if it has none.
+    pub unit: String,
+    /// Time since the start of the stage, s.
+    pub time: f64,
+    /// The same as a time factor, where the case has one.
+    pub factor: Option<f64>,
+    /// What the run shows.
+    pub computed: f64,
+    /// What it should show.
+    pub exact: f64,
+    /// The error as the rung counts it, signed.
+    pub error: f64,
+    /// Whether it counts: some rungs look at late times only.
+    pub counts: bool,
+}
+
+/// A refinement by something else than what the rung's own errors are refined by.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refinement {
+    /// What was refined.
+    pub by: Parameter,
+    /// (parameter, signed error).
+    pub errors: Vec<(f64, f64)>,
+    /// What the error is measured against, and which order follows from that.
+    pub against: String,
+    /// Allowed interval of the fitted order; `None` where none is expected.
+    pub required_order: Option<[f64; 2]>,
+    /// Largest error allowed at every parameter; `None` where that is not judged.
+    pub required_error: Option<f64>,
+    /// The same as a share of the parameter.
+    pub required_share: Option<f64>,
+}
+
+impl Refinement {
+    /// A refinement of which nothing is required.
+    pub fn new(by: Parameter, errors: Vec<(f64, f64)>, against: impl Into<String>) -> Self {
+        Self { by, errors, against: against.into(), required_order: None, required_error: None, required_share: None }
+    }
+
+    /// The order that the errors show, with its confidence.
+    pub fn fit(&self) -> Option<Fit> {
+        fit(&spacings(self.by, &self.errors))
+    }
+
+    /// The verdict in numbers if the refinement falls short.
+    pub fn fallen(&self) -> Option<String> {
+        let by = self.by.0;
+        let most = |at: f64| {
+            let share = self.required_share.map_or(f64::INFINITY, |share| share * at);
+            share.min(self.required_error.unwrap_or(f64::INFINITY))
+        };
+        if let Some((at, error)) = self.errors.iter().find(|(at, error)| error.is_nan() || error.abs() > most(*at)) {
+            return Some(format!("refined by {by}: error {:.2e} above {:.1e} at {at}", error.abs(), most(*at)));
+        }
+        let [low, high] = self.required_order?;
+        match self.fit() {
+            Some(fit) if (low..=high).contains(&fit.order) => None,
+            Some(fit) => Some(format!("refined by {by}: order {:.2} outside of {low} to {high}", fit.order)),
+            None => Some(format!("refined by {by}: no order can be fitted, {low} to {high} required")),
+        }
+    }
+}
+
+/// What an order is fitted over: the parameter itself, or the spacing of so many particles in cells.
+pub fn spacings(by: Parameter, errors: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let length = |x: f64| if by == PARTICLES { 1.0 / x.sqrt() } else { x };
+    errors.iter().map(|(parameter, error)| (length(*parameter), *error)).collect()
+}
+
+/// A row of `ladder_refinements.csv`: one run of a refinement, beside the order of all of them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RefinementRow {
+    /// Name of the rung.
+    pub rung: String,
+    /// What was refined.
+    pub by: String,
+    /// Its value.
+    pub parameter: f64,
+    /// Its unit.
+    pub unit: String,
+    /// Signed error.
+    pub error: f64,
+    /// Fitted order.
+    pub order: Option<f64>,
+    /// Lower end of its 95 % interval; nothing for fewer than three runs.
+    pub order_low: Option<f64>,
+    /// Upper end.
+    pub order_high: Option<f64>,
+    /// Whether the range is asymptotic.
+    pub asymptotic: Option<bool>,
+    /// What the order must be; empty where none is required.
+    pub required_order: String,
+    /// What the error is measured against.
+    pub against: String,
+}
+
+/// A row of `ladder_samples.csv`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SampleRow {
+    /// Name of the rung.
+    pub rung: String,
+    /// What was compared.
+    pub quantity: String,
+    /// Time since the start of the stage, s.
+    pub time_s: f64,
+    /// The same as a time factor.
+    pub time_factor: Option<f64>,
+    /// What the finest run shows.
+    pub computed: f64,
+    /// What it should show.
+    pub exact: f64,
+    /// The error as the rung counts it, signed.
+    pub error: f64,
+    /// Unit of the values.
+    pub unit: String,
+    /// Whether the time counts for the error of the rung.
+    pub counts: bool,
+}
+
+/// Both ends of a 95 % interval, if there is one.
+pub(super) fn interval(fit: &Fit) -> Option<[f64; 2]> {
+    fit.half_width.is_finite().then(|| [fit.order - fit.half_width, fit.order + fit.half_width])
+}
+
+/// An interval as it stands in a table.
+pub fn words(required: Option<[f64; 2]>) -> String {
+    required.map_or(String::new(), |[low, high]| format!("{low} to {high}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_of_refinement_can_fall_short() {
+        let errors = vec![(4e-6, 4e-3), (2e-6, 2e-3), (1e-6, 1e-3)];
+        let free = Refinement::new(STEP, errors, "");
+        let good = Refinement { required_order: Some([0.9, 1.1]), required_error: Some(5e-3), ..free.clone() };
+        assert_eq!(good.fallen(), None);
+        let steep = Refinement { required_order: Some([1.9, 2.1]), ..good.clone() };
+        assert!(steep.fallen().is_some_and(|why| why.contains("order 1.00 outside of 1.9 to 2.1")));
+        let large = Refinement { required_error: Some(3e-3), ..good.clone() };
+        assert!(large.fallen().is_some_and(|why| why.contains("4.00e-3 above 3.0e-3 at 0.000004")));
+        let share = Refinement { required_share: Some(500.0), ..good.clone() };
+        assert!(share.fallen().is_some_and(|why| why.contains("above 2.0e-3 at 0.000004")));
+        assert_eq!((free.fallen(), Refinement { required_share: Some(1001.0), ..free }.fallen()), (None, None));
+        let lost = Refinement { errors: vec![(4e-6, f64::NAN)], ..good.clone() };
+        assert!(lost.fallen().is_some());
+        let nothing = Refinement { errors: vec![(4e-6, 0.0)], required_error: None, ..good };
+        assert!(nothing.fallen().is_some_and(|why| why.contains("no order can be fitted")));
+    }
+
+    #[test]
+    fn the_order_in_particles_is_that_in_their_spacing() {
+        let errors = [1.0_f64, 4.0, 9.0, 16.0].map(|n| (n, 0.1 / n)).to_vec();
+        let fit = Refinement::new(PARTICLES, errors, "").fit().expect("errors");
+        assert!((fit.order - 2.0).abs() < 1e-9 && fit.asymptotic, "{fit:?}");
+    }
+}

@@ -1,0 +1,177 @@
+//! A scene of one's own against the exact solution that applies to it: refined in space, judged as Table 1's column is.
+//!
+//! # Reading order
+//! 1. [`applies`]: which exact solution, or why none. 2. [`expected`]: what a scheme must show. 3. This file: refine, run,
+//!    compare.
+
+pub mod applies;
+mod expected;
+
+use cpu_time::ThreadTime;
+use mpm_core::scene::{Dimension, Integrator, LoadOn, Scene, StepChoice, StrainChoice, Surcharge};
+use mpm_core::stability::choose_step;
+
+use self::applies::Solution;
+use self::expected::Expected;
+use super::degree::Degree;
+use super::verdict::{Climb, Outcome, judge};
+use super::{Rung, integrator, mandel, scheme, with_rows};
+use crate::norms::LATE_TV;
+
+/// Small-strain solutions are met by runs of finite strain only if strains are small: q/M of the load they are run under.
+const LIGHT: f64 = 1e-6;
+/// Tolerance of error-controlled time where space is refined.
+const TOLERANCE: f64 = 1e-8;
+/// Fewer meshes have no confidence interval.
+const LEAST_MESHES: usize = 3;
+
+/// A scene, the exact solution that applies to it, and the meshes it is run on.
+#[derive(Debug, Clone)]
+pub struct OwnScene {
+    /// The scene as it is run: lightly loaded where strains are finite.
+    scene: Scene,
+    /// Exact solution of that scene.
+    solution: Solution,
+    /// Rows of cells over the height, coarse to fine.
+    rows: Vec<usize>,
+    /// What it must show.
+    expected: Expected,
+    /// What was changed of the scene, for the user.
+    changed: Vec<String>,
+}
+
+impl OwnScene {
+    /// The scene on meshes of `rows` cells over its height; without them its own L, L/2 and L/4.
+    ///
+    /// # Errors
+    /// No exact solution applies, or a mesh does not fit: message for the user.
+    pub fn new(scene: &Scene, rows: &[usize]) -> Result<Self, String> {
+        let (light, mut changed) = lightly_loaded(scene);
+        let solution = applies::solution(&light, scene)?;
+        let rows = meshes(scene, rows)?;
+        let mut scene = light;
+        if scene.integrator == Integrator::QuasiStatic && scene.tolerance > TOLERANCE {
+            scene.tolerance = if scene.strain == StrainChoice::Small { TOLERANCE } else { 1e-2 * scene.tolerance };
+            changed.push(format!("tolerance {:e}: the error of time must not hide that of space", scene.tolerance));
+        }
+        scene.history = 0;
+        let expected = Expected::of(&scene, &solution)?;
+        Ok(Self { scene, solution, rows, expected, changed })
+    }
+
+    /// What is compared, in words.
+    pub fn about(&self) -> String {
+        let rows: Vec<String> = self.rows.iter().map(ToString::to_string).collect();
+        let changes = self.changed.iter().map(|change| format!("; {change}"));
+        format!("{} on {} rows of cells{}", self.solution.words(), rows.join(", "), changes.collect::<String>())
+    }
+
+    /// Runs and judges the scene.
+    ///
+    /// # Errors
+    /// A run could not be finished.
+    pub fn climb(&self) -> Result<Climb, String> {
+        let clock = ThreadTime::now();
+        let outcome = self.outcome(super::sound).map_err(|e| format!("{}: {e}", self.scene.name))?;
+        let rung = Rung { name: "scene", about: "a scene of one's own", climb: || Err(String::new()), mutant: None };
+        let mut climb = judge(rung, outcome, clock.elapsed().as_secs_f64());
+        climb.step.rung.clone_from(&self.scene.name);
+        Ok(climb)
+    }
+
+    /// Runs the scene, with a fault planted behind the exact solution's back.
+    pub(super) fn outcome(&self, fault: fn(&mut Scene)) -> Result<Outcome, String> {
+        let scenes = self.on_meshes(fault)?;
+        let (errors, samples) = match &self.solution {
+            Solution::Block(exact) => mandel::refined(&scenes, exact)?,
+            solution => {
+                let exact = |time| solution.settlement(time);
+                let degree = Degree::relative(&self.scene, &exact);
+                let degree = if self.expected.late { degree.from(self.late()) } else { degree };
+                let degree = if solution.ramps() { degree.absolute() } else { degree };
+                degree.on_meshes(scenes.into_iter())?
+            }
+        };
+        let fine = self.scene.height / self.rows[self.rows.len() - 1] as f64;
+        let words = format!("largest error allowed at L = {fine:.4} m, from Table 1's column");
+        let allowed = self.expected.error(&self.solution, &self.scene, fine);
+        Ok(Outcome {
+            integrator: integrator(&self.scene),
+            scheme: scheme(&self.scene),
+            required_error: allowed,
+            required_order: self.expected.order_of(&errors),
+            errors,
+            samples,
+            notes: vec![(words, allowed, "-".to_owned())],
+            ..Outcome::default()
+        })
+    }
+
+    /// Seconds from which a scheme that damps the first wave is compared.
+    fn late(&self) -> f64 {
+        LATE_TV * self.scene.time_per_factor().unwrap_or(0.0)
+    }
+
+    /// The scene on its meshes. Steps fall with L^2 from what the coarsest takes: a scheme of first order in the step then
+    /// shows its order in space, and no step is above its limit, which falls no faster.
+    fn on_meshes(&self, fault: fn(&mut Scene)) -> Result<Vec<Scene>, String> {
+        let mut scenes: Vec<Scene> = self.rows.iter().map(|rows| on(&self.scene, *rows)).collect();
+        let coarse = scenes[0].cell;
+        let first = choose_step(&scenes[0]).map_err(|e| e.to_string())?;
+        for scene in &mut scenes {
+            if first.is_finite() {
+                scene.step = StepChoice::Fixed(first * (scene.cell / coarse).powi(2));
+            }
+            fault(scene);
+        }
+        Ok(scenes)
+    }
+}
+
+/// The scene on a mesh of `rows` cells over its height, and as many over its width as fit.
+fn on(scene: &Scene, rows: usize) -> Scene {
+    let mut scene = with_rows(scene.clone(), rows);
+    if scene.dimension == Dimension::PlaneStrain {
+        scene.cells[0] = (scene.width / scene.cell).round() as usize;
+    }
+    scene
+}
+
+/// The scene under so little load that strains of finite size do not show, and what that changed.
+fn lightly_loaded(scene: &Scene) -> (Scene, Vec<String>) {
+    let mut light = scene.clone();
+    let Some(load) = scene.surcharge else { return (light, Vec::new()) };
+    let ratio = load.pressure / scene.oedometer_modulus();
+    let linear = scene.strain == StrainChoice::Small || load.on == LoadOn::Plate;
+    if linear || ratio <= LIGHT || ratio > applies::SMALL {
+        return (light, Vec::new());
+    }
+    let pressure = LIGHT * scene.oedometer_modulus();
+    light.surcharge = Some(Surcharge { pressure, ..load });
+    let why = format!("load {pressure:.3} Pa, q/M = {LIGHT:e}: the exact solution is that of small strains");
+    (light, vec![why])
+}
+
+/// Rows of cells to run.
+fn meshes(scene: &Scene, asked: &[usize]) -> Result<Vec<usize>, String> {
+    let own = scene.cells[1];
+    let rows = if asked.is_empty() { vec![own, 2 * own, 4 * own] } else { asked.to_vec() };
+    let words = rows.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
+    if rows.len() < LEAST_MESHES || rows[0] < 2 || rows.windows(2).any(|pair| pair[0] >= pair[1]) {
+        let expected = "three numbers of rows or more, each larger than the one before, from 2 on";
+        return Err(format!("--rows: expected {expected}, found {words}"));
+    }
+    if scene.dimension == Dimension::PlaneStrain {
+        for rows in &rows {
+            let across = scene.width / scene.height * *rows as f64;
+            if (across - across.round()).abs() > 1e-9 * across {
+                let expected = format!("square cells that divide the width {} m as well", scene.width);
+                return Err(format!("--rows: expected {expected}, found {rows} rows over {} m", scene.height));
+            }
+        }
+    }
+    Ok(rows)
+}
+
+#[cfg(test)]
+mod tests;
