@@ -163,12 +163,18 @@ fn check_ends_with_zero_when_every_case_holds() {
                   reason,asymptotic,baseline,baseline_kind,change";
     assert_eq!(ladder.lines().next(), Some(header));
     assert_eq!(ladder.lines().count(), 4);
-    for file in ["index.html", "manifest.json", "hydrostatic.svg", "hydrostatic.csv", "undrained.svg", "dry-bar.csv", "accepted.csv"] {
+    for file in [
+        "index.html",
+        "manifest.json",
+        "hydrostatic.svg",
+        "hydrostatic.csv",
+        "undrained.svg",
+        "dry-bar.csv",
+        "accepted.csv",
+    ] {
         assert!(folder.path().join("reports/ladder").join(file).exists(), "{file}");
     }
-    let read = |name: &str| {
-        std::fs::read_to_string(folder.path().join("reports/ladder").join(name)).expect(name)
-    };
+    let read = |name: &str| std::fs::read_to_string(folder.path().join("reports/ladder").join(name)).expect(name);
     let samples = "rung,quantity,time_s,time_factor,computed,exact,error,unit,counts";
     assert_eq!(read("ladder_samples.csv").lines().next(), Some(samples));
     let refinements = "rung,by,parameter,unit,error,order,order_low,order_high,asymptotic,required_order,against";
@@ -177,7 +183,10 @@ fn check_ends_with_zero_when_every_case_holds() {
     assert!(ladder.lines().skip(1).all(|line| line.contains(",verified,")), "{ladder}");
     assert!(!String::from_utf8_lossy(&output.stdout).contains("without a baseline"));
     let accepted = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-data/baselines/ladder.csv");
-    assert_eq!(read("accepted.csv").lines().count(), std::fs::read_to_string(accepted).expect("baselines").lines().count());
+    assert_eq!(
+        read("accepted.csv").lines().count(),
+        std::fs::read_to_string(accepted).expect("baselines").lines().count()
+    );
     // A study made beside it links to its page, and the other way round.
     let study = "study --mesh 0.1 --ppc 1 --quiet --no-cost --no-sweeps";
     assert!(verify(folder.path(), &study.split(' ').collect::<Vec<_>>()).status.success());

@@ -120,7 +120,8 @@ mod tests {
         let error = climb.step.error;
         let with = |accepted: f64, floor: f64| {
             let mut climb = climb.clone();
-            let row = Accepted { rung: rung.name.to_owned(), kind: Kind::Verified, error: accepted, order: None, floor };
+            let row =
+                Accepted { rung: rung.name.to_owned(), kind: Kind::Verified, error: accepted, order: None, floor };
             compare_with(&[row], &mut climb);
             climb
         };

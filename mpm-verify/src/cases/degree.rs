@@ -134,7 +134,8 @@ impl<'a> Degree<'a> {
             Ok((*count as f64, self.error(&run)))
         };
         let errors = counts.iter().map(with).collect::<Result<_, String>>()?;
-        let against = format!("the exact solution, L = {} m: the error of the mesh stays, no order is expected", base.cell);
+        let against =
+            format!("the exact solution, L = {} m: the error of the mesh stays, no order is expected", base.cell);
         Ok(Refinement { required_error: Some(most), ..Refinement::new(PARTICLES, errors, against) })
     }
 }

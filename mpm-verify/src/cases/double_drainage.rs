@@ -7,7 +7,7 @@ use mpm_core::scene::Scene;
 use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
-use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
+use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
 use super::{Mutant, Outcome, Rung, integrator, scheme, sound, with_rows};
 use crate::exact::terzaghi::Terzaghi;
 
@@ -39,7 +39,7 @@ fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&base, &settlement);
     fault(&mut base);
-    let (errors, samples) = degree.refine(&base, &[14, 20, 28, 40])?;
+    let (errors, samples) = degree.refine(&base, &[20, 28, 40])?;
     let coarse = with_rows(base.clone(), 10);
     // Half the drainage path on the same mesh: four times the spatial error of the single-drainage case.
     Ok(Outcome {
@@ -50,8 +50,8 @@ fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
         required_order: Some([1.7, 2.2]),
         samples,
         refinements: vec![
-            degree.in_time(&coarse, 0.9 * stable_limit(&coarse), HALVINGS, FIRST_ORDER)?,
-            degree.in_particles(&coarse, &PARTICLE_COUNTS, 0.4)?,
+            degree.in_time(&coarse, 0.9 * stable_limit(&coarse), 3, FIRST_ORDER)?,
+            degree.in_particles(&coarse, &PARTICLE_COUNTS[..3], 0.3)?,
         ],
         ..Outcome::default()
     })

@@ -52,7 +52,7 @@ fn climb(change: fn(&mut Scene), fault: fn(&mut Scene)) -> Result<Outcome, Strin
         samples,
         refinements: vec![
             degree.in_time(&coarse, 0.9 * stable_limit(&coarse), HALVINGS, FIRST_ORDER)?,
-            degree.in_particles(&coarse, &PARTICLE_COUNTS, 0.1)?,
+            degree.in_particles(&coarse, &PARTICLE_COUNTS, 0.02)?,
         ],
         ..Outcome::default()
     })

@@ -19,10 +19,7 @@ macro_rules! rung {
             name: $name,
             about: $about,
             climb: || climb($change, Integrator::$integrator, &$rows, sound),
-            mutant: Some(Mutant {
-                what: FASTER,
-                climb: || climb($change, Integrator::$integrator, &$rows, faster),
-            }),
+            mutant: Some(Mutant { what: FASTER, climb: || climb($change, Integrator::$integrator, &$rows, faster) }),
         }
     };
 }
@@ -32,24 +29,26 @@ macro_rules! rung {
 pub const RUNGS: [Rung; 12] = [
     rung!("tall-explicit", "H = 5 m, E = 2 MPa, n = 0.45: explicit", tall, Explicit, [10, 12, 14, 17, 20]),
     rung!("tall-semi-implicit", "the same semi-implicit", tall, SemiImplicit, [20, 28, 40, 56]),
-    rung!("tall-quasi-static", "the same without inertia, B-splines", tall, QuasiStatic, [10, 12, 14, 17, 20]),
+    rung!("tall-quasi-static", "the same without inertia, B-splines", tall, QuasiStatic, [14, 17, 20, 24]),
     rung!("soft-water-explicit", "K_w so low that p_0 = q/2: explicit", soft_water, Explicit, [20, 28, 40, 56, 80]),
     rung!("soft-water-semi-implicit", "the same semi-implicit", soft_water, SemiImplicit, [20, 28, 40, 56]),
-    rung!("soft-water-quasi-static", "the same without inertia, B-splines", soft_water, QuasiStatic, [10, 12, 14, 17, 20]),
+    rung!("soft-water-quasi-static", "the same without inertia, B-splines", soft_water, QuasiStatic, [14, 17, 20, 24]),
     rung!("poisson-0-explicit", "Poisson's ratio 0: explicit", uncoupled, Explicit, [14, 17, 20, 24, 28]),
     rung!("poisson-0-semi-implicit", "the same semi-implicit", uncoupled, SemiImplicit, [20, 28, 40, 56]),
-    rung!("poisson-0-quasi-static", "the same without inertia, B-splines", uncoupled, QuasiStatic, [10, 12, 14, 17, 20]),
+    rung!("poisson-0-quasi-static", "the same without inertia, B-splines", uncoupled, QuasiStatic, [14, 17, 20, 24]),
     rung!("poisson-45-explicit", "Poisson's ratio 0.45: explicit", stiff, Explicit, [14, 20, 28, 40]),
     rung!("poisson-45-semi-implicit", "the same semi-implicit", stiff, SemiImplicit, [20, 28, 40, 56]),
-    rung!("poisson-45-quasi-static", "the same without inertia, B-splines", stiff, QuasiStatic, [10, 12, 14, 17, 20]),
+    rung!("poisson-45-quasi-static", "the same without inertia, B-splines", stiff, QuasiStatic, [14, 17, 20, 24]),
 ];
 
 fn tall(scene: &mut Scene) {
     (scene.height, scene.porosity, scene.elastic.youngs_modulus) = (5.0, 0.45, 2.0e6);
 }
 
-/// p_0 = q Q/(M + Q) is half of q where Q = K_w/n is M.
+/// p_0 = q Q/(M + Q) is half of q where Q = K_w/n is M. Without inertia in Darcy's law, which would make waves grow here
+/// (`exact::dynamic`), and in steps that follow the first wave: it hardly decays in such water.
 fn soft_water(scene: &mut Scene) {
+    (scene.darcy_inertia, scene.safety) = (false, 0.1);
     let bulk_modulus = scene.porosity * scene.oedometer_modulus();
     scene.water = scene.water.map(|water| mpm_core::scene::WaterProperties { bulk_modulus, ..water });
 }

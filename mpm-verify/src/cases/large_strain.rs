@@ -52,7 +52,7 @@ fn climb(shape: ShapeChoice, required_error: f64, order: [f64; 2], fault: fn(&mu
         samples,
         refinements: vec![
             degree.in_tolerance(&coarse, &[1e-3, 1e-4, 1e-5, 1e-6], 1.0)?,
-            degree.in_particles(&coarse, counts, 0.2)?,
+            degree.in_particles(&coarse, counts, 0.08)?,
         ],
         ..Outcome::default()
     })

@@ -4,8 +4,9 @@ use mpm_core::drive::Sample;
 use mpm_core::observe::FieldPoint;
 use mpm_core::scene::{Scene, ShapeChoice};
 
-use super::degree::Errors;
+use super::degree::{Degree, Errors};
 use super::evidence::Sampled;
+use super::terzaghi::PARTICLE_COUNTS;
 use super::{FASTER, Mutant, Outcome, Rung, faster, finished, integrator, scheme, sound};
 use crate::exact::mandel::Mandel;
 use crate::norms::worst;
@@ -55,6 +56,14 @@ fn climb(
     fault(&mut base);
     let scenes: Vec<Scene> = sides.iter().map(|side| on(&base, *side)).collect();
     let (errors, samples) = refined(&scenes, &exact)?;
+    let settlement = |time| exact.settlement(time);
+    let degree = Degree::relative(&base, &settlement);
+    let coarse = on(&base, sides[1]);
+    let counts = if shape == ShapeChoice::Bspline2 { &PARTICLE_COUNTS[1..] } else { &PARTICLE_COUNTS[..3] };
+    let refinements = vec![
+        degree.in_tolerance(&coarse, &[1e-3, 1e-4, 1e-5, 1e-6], 1.0)?,
+        degree.in_particles(&coarse, counts, 2e-2)?,
+    ];
     let (integrator, scheme) = (integrator(&base), scheme(&base));
     Ok(Outcome {
         integrator,
@@ -63,6 +72,7 @@ fn climb(
         required_error,
         required_order: Some(order),
         samples,
+        refinements,
         ..Outcome::default()
     })
 }

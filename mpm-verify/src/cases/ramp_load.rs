@@ -41,7 +41,7 @@ fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
         samples,
         refinements: vec![
             degree.in_time(&coarse, 0.9 * stable_limit(&coarse), HALVINGS, FIRST_ORDER)?,
-            degree.in_particles(&coarse, &PARTICLE_COUNTS, 1e-2)?,
+            degree.in_particles(&coarse, &PARTICLE_COUNTS, 4e-3)?,
         ],
         ..Outcome::default()
     })

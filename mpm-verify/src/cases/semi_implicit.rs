@@ -101,4 +101,4 @@ fn order(shape: ShapeChoice, required_error: f64, fault: fn(&mut Scene)) -> Resu
 }
 
 /// Largest error with any number of particles on twenty rows of cells.
-const PARTICLES_LEAVE: f64 = 0.02;
+const PARTICLES_LEAVE: f64 = 0.01;

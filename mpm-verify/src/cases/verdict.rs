@@ -278,7 +278,9 @@ mod tests {
         let flat = Refinement::new(crate::cases::evidence::STEP, vec![(2e-6, 1e-3), (1e-6, 1e-3)], "");
         let step = Refinement { required_order: Some([0.9, 1.1]), ..flat };
         let refined = judged(Outcome { refinements: vec![step], ..good.clone() });
-        assert!(!refined.step.held() && refined.reason.ends_with("refined by time step: order 0.00 outside of 0.9 to 1.1"));
+        assert!(
+            !refined.step.held() && refined.reason.ends_with("refined by time step: order 0.00 outside of 0.9 to 1.1")
+        );
         assert_eq!((refined.step.reason.as_str(), refined.refinement_rows().len()), (refined.reason.as_str(), 5));
         let not_a_number = judged(Outcome { required_order: None, ..nothing });
         assert!(!not_a_number.step.held() && not_a_number.reason.starts_with("the error is not a number"));

@@ -56,8 +56,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
 
 /// Checks a scene of the user's own and writes the files of the ladder with its one row.
 fn own(path: &Path, options: &Options, common: &Common) -> Result<(), Failure> {
-    let flags =
-        Flags { integrator: options.integrator.clone(), scheme: options.scheme.clone(), ..Flags::default() };
+    let flags = Flags { integrator: options.integrator.clone(), scheme: options.scheme.clone(), ..Flags::default() };
     let scene = Scene::load_with(path, &flags).map_err(|e| Failure::BadInput(e.to_string()))?;
     // What is wrong with a flag is said of the flag, all else of the file.
     let refused = |e: String| match e.starts_with("--") {

@@ -5,6 +5,11 @@
 //! `u = sum U_j sin(k_j y)`, `p = sum P_j cos(k_j y)`, k_j = (j - 1/2) pi/H, each mode obeys
 //! `rho U'' = -M k^2 U + k P - 2 q s_j/H` and `P'/Q = -k U' - (k_h/gamma_w)(k^2 P - rho_w k U'')`, s_j = sin(k_j H).
 //!
+//! The characteristic polynomial of a mode is `s^3 + D k^2 (1 - rho_w/rho) s^2 + k^2 (M + Q)/rho s + M D k^4/rho` with
+//! D = k_h Q/gamma_w (rho_w = 0 there without inertia in Darcy's law). By Routh's criterion every wave grows if
+//! `Q/(M + Q) < rho_w/rho`: with `rho_w a_s` in Darcy's law the model itself is unstable in water so soft that it carries
+//! less than that share of a load (p_0/q). [`DynamicColumn::decay`] is negative then.
+//!
 //! Sources: Biot 1956; Zienkiewicz, Chang & Bettess 1980, Geotechnique 30(4); modal form derived here.
 
 use mpm_core::scene::{Scene, Start};
@@ -70,6 +75,12 @@ impl DynamicColumn {
             })
             .collect();
         Some(Self { height: h, modulus: m, load: load.pressure, ramp: load.ramp_time, modes })
+    }
+
+    /// How fast the slowest of its waves decays, 1/s; negative if one grows, infinite if none swings.
+    pub fn decay(&self) -> f64 {
+        let waves = self.modes.iter().flat_map(|mode| mode.rates).filter(|rate| rate.im.abs() > rate.re.abs());
+        waves.map(|rate| -rate.re).fold(f64::INFINITY, f64::min)
     }
 
     /// Settlement of the surface from the unloaded state at a time (s), m.
@@ -163,6 +174,19 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn waves_grow_in_soft_water_under_a_darcy_law_with_inertia() {
+        // rho_w/rho = 1000/1560 = 0.641.
+        let decay = |share: f64, inertia: bool| {
+            let mut scene = scene(true, inertia, 0.0);
+            let bulk_modulus = scene.porosity * scene.oedometer_modulus() * share / (1.0 - share);
+            scene.water = scene.water.map(|water| mpm_core::scene::WaterProperties { bulk_modulus, ..water });
+            DynamicColumn::new(&scene).expect("wet").decay()
+        };
+        assert!(decay(0.63, true) < 0.0 && decay(0.65, true) > 0.0);
+        assert!(decay(0.5, true) < 0.0 && decay(0.5, false) > 0.0);
     }
 
     #[test]

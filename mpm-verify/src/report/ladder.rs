@@ -87,7 +87,8 @@ fn samples(climbs: &[Climb], folder: &Path) -> Result<(), ReportError> {
     let row = |s: SampleRow| {
         let factor = s.time_factor.map_or(String::new(), exact);
         let numbers = [s.computed, s.exact, s.error].map(exact);
-        [vec![s.rung, s.quantity, exact(s.time_s), factor], numbers.to_vec(), vec![s.unit, s.counts.to_string()]].concat()
+        [vec![s.rung, s.quantity, exact(s.time_s), factor], numbers.to_vec(), vec![s.unit, s.counts.to_string()]]
+            .concat()
     };
     let rows = climbs.iter().flat_map(Climb::sample_rows).map(row);
     tables::table(&folder.join("ladder_samples.csv"), SAMPLES, rows)
@@ -250,7 +251,9 @@ mod tests {
         assert!(page.contains("asymptotic") && page.contains("a hundredth of the smallest tolerance"));
         assert!(read("ladder_samples.csv").starts_with(&format!("{SAMPLES}\nquasi-static-steps,U,")));
         let refined = read("ladder_refinements.csv");
-        for by in ["quasi-static-steps,time step,0.0005,s,", "quasi-static-centre,mesh L,0.0125,m,", ",1.9 to 2.1,the error"] {
+        for by in
+            ["quasi-static-steps,time step,0.0005,s,", "quasi-static-centre,mesh L,0.0125,m,", ",1.9 to 2.1,the error"]
+        {
             assert!(refined.contains(by), "{by}: {refined}");
         }
         assert!(!page.contains("scene hash") && !page.contains("../index.html"));

@@ -2,6 +2,7 @@
 
 use mpm_core::scene::{Integrator, LoadOn, Scene, Side, Start, StrainChoice, Until};
 
+use crate::cases::mandel;
 use crate::exact::dynamic::DynamicColumn;
 use crate::exact::large_strain::LargeStrain;
 use crate::exact::mandel::Mandel;
@@ -156,7 +157,8 @@ fn integrator(scene: &Scene) -> Result<(), String> {
 
 fn stages(scene: &Scene) -> Result<(), String> {
     let [stage] = scene.stages.as_slice() else {
-        let expected = "one: what came before it is in no exact solution (start = \"undrained-equilibrium\" stands for it)";
+        let expected =
+            "one: what came before it is in no exact solution (start = \"undrained-equilibrium\" stands for it)";
         return Err(refusal("[[stages]]", expected, &scene.stages.len().to_string()));
     };
     if stage.damping > 0.0 {
@@ -177,9 +179,9 @@ fn block(scene: &Scene) -> Result<Solution, String> {
     if scene.strain != StrainChoice::Small {
         return Err(refusal("soil.strain", "\"small\": Mandel's solution is that of small strains", "\"large\""));
     }
-    let late = scene.observe_times.iter().any(|time| super::mandel::counts(&exact, *time));
+    let late = scene.observe_times.iter().any(|time| mandel::counts(&exact, *time));
     if !late {
-        let expected = format!("a time from T = c t/a^2 = {} on", super::mandel::TIME_FACTOR);
+        let expected = format!("a time from T = c t/a^2 = {} on", mandel::TIME_FACTOR);
         return Err(refusal("[observe]", &expected, "none"));
     }
     Ok(Solution::Block(exact))
@@ -224,6 +226,11 @@ fn load_words(scene: &Scene) -> String {
     format!("{pressure} Pa = {:.4} M", pressure / scene.oedometer_modulus())
 }
 
+/// rho_w/rho.
+fn water_share(scene: &Scene) -> f64 {
+    scene.water.map_or(0.0, |water| water.density) / scene.mixture_density()
+}
+
 /// What the waves of a dynamic scene may do to a solution without them.
 fn waves(scene: &Scene, series: &Terzaghi) -> Result<(), String> {
     let period = scene.height * (scene.mixture_density() / (scene.oedometer_modulus() + scene.pore_stiffness())).sqrt();
@@ -233,6 +240,14 @@ fn waves(scene: &Scene, series: &Terzaghi) -> Result<(), String> {
              carries the shock of a sudden load"
         );
         return Err(refusal("surcharge.ramp_time", &expected, &format!("{} s", series.ramp)));
+    }
+    let (carried, weight) = (series.undrained / series.load, water_share(scene));
+    if scene.darcy_inertia && carried < weight {
+        let expected = format!(
+            "false where the water carries a smaller share of a load, Q/(M + Q) = {carried:.3}, than of the weight, rho_w/rho = \
+             {weight:.3}: with rho_w a_s in Darcy's law every wave then grows by itself"
+        );
+        return Err(refusal("scheme.darcy_inertia", &expected, "true"));
     }
     if !series.double {
         return Ok(());

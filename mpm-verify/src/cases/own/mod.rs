@@ -16,7 +16,6 @@ use self::expected::Expected;
 use super::degree::Degree;
 use super::verdict::{Climb, Outcome, judge};
 use super::{Rung, integrator, mandel, scheme, with_rows};
-use crate::norms::LATE_TV;
 
 /// Small-strain solutions are met by runs of finite strain only if strains are small: q/M of the load they are run under.
 const LIGHT: f64 = 1e-6;
@@ -34,7 +33,7 @@ pub struct OwnScene {
     solution: Solution,
     /// Rows of cells over the height, coarse to fine.
     rows: Vec<usize>,
-    /// What it must show.
+    /// What it must show on them.
     expected: Expected,
     /// What was changed of the scene, for the user.
     changed: Vec<String>,
@@ -52,10 +51,10 @@ impl OwnScene {
         let mut scene = light;
         if scene.integrator == Integrator::QuasiStatic && scene.tolerance > TOLERANCE {
             scene.tolerance = if scene.strain == StrainChoice::Small { TOLERANCE } else { 1e-2 * scene.tolerance };
-            changed.push(format!("tolerance {:e}: the error of time must not hide that of space", scene.tolerance));
+            changed.push(format!("tolerance {:.0e}: the error of time must not hide that of space", scene.tolerance));
         }
         scene.history = 0;
-        let expected = Expected::of(&scene, &solution)?;
+        let expected = Expected::of(&scene, &solution, scene.height / rows[0] as f64)?;
         Ok(Self { scene, solution, rows, expected, changed })
     }
 
@@ -82,19 +81,18 @@ impl OwnScene {
     /// Runs the scene, with a fault planted behind the exact solution's back.
     pub(super) fn outcome(&self, fault: fn(&mut Scene)) -> Result<Outcome, String> {
         let scenes = self.on_meshes(fault)?;
+        let (fine, step) = scenes.last().map_or((f64::NAN, f64::NAN), |scene| (scene.cell, given(scene)));
         let (errors, samples) = match &self.solution {
             Solution::Block(exact) => mandel::refined(&scenes, exact)?,
             solution => {
                 let exact = |time| solution.settlement(time);
                 let degree = Degree::relative(&self.scene, &exact);
-                let degree = if self.expected.late { degree.from(self.late()) } else { degree };
+                let degree = degree.from(self.expected.from);
                 let degree = if solution.ramps() { degree.absolute() } else { degree };
                 degree.on_meshes(scenes.into_iter())?
             }
         };
-        let fine = self.scene.height / self.rows[self.rows.len() - 1] as f64;
-        let words = format!("largest error allowed at L = {fine:.4} m, from Table 1's column");
-        let allowed = self.expected.error(&self.solution, &self.scene, fine);
+        let allowed = self.expected.error(fine, step);
         Ok(Outcome {
             integrator: integrator(&self.scene),
             scheme: scheme(&self.scene),
@@ -102,14 +100,8 @@ impl OwnScene {
             required_order: self.expected.order_of(&errors),
             errors,
             samples,
-            notes: vec![(words, allowed, "-".to_owned())],
             ..Outcome::default()
         })
-    }
-
-    /// Seconds from which a scheme that damps the first wave is compared.
-    fn late(&self) -> f64 {
-        LATE_TV * self.scene.time_per_factor().unwrap_or(0.0)
     }
 
     /// The scene on its meshes. Steps fall with L^2 from what the coarsest takes: a scheme of first order in the step then
@@ -137,6 +129,14 @@ fn on(scene: &Scene, rows: usize) -> Scene {
     scene
 }
 
+/// The step that a scene is given, s; infinite where its integrator chooses.
+fn given(scene: &Scene) -> f64 {
+    match scene.step {
+        StepChoice::Fixed(step) => step,
+        StepChoice::Auto | StepChoice::Paper => f64::INFINITY,
+    }
+}
+
 /// The scene under so little load that strains of finite size do not show, and what that changed.
 fn lightly_loaded(scene: &Scene) -> (Scene, Vec<String>) {
     let mut light = scene.clone();
@@ -148,7 +148,7 @@ fn lightly_loaded(scene: &Scene) -> (Scene, Vec<String>) {
     }
     let pressure = LIGHT * scene.oedometer_modulus();
     light.surcharge = Some(Surcharge { pressure, ..load });
-    let why = format!("load {pressure:.3} Pa, q/M = {LIGHT:e}: the exact solution is that of small strains");
+    let why = format!("load {pressure:.3} Pa, q/M = {LIGHT:.0e}: the exact solution is that of small strains");
     (light, vec![why])
 }
 

@@ -43,6 +43,11 @@ fn what_has_no_exact_solution_is_refused_in_words() {
     refused(|s| s.stages[0].drained = [false; 4], "found none");
     refused(|s| s.stages[0].drained = [false, false, true, false], "found [\"bottom\"]");
     refused(|s| s.stages[0].drained[2] = true, "no exact solution has both ends drained and inertia");
+    let soft = |s: &mut Scene| {
+        let bulk_modulus = s.porosity * s.oedometer_modulus();
+        s.water = s.water.map(|water| mpm_core::scene::WaterProperties { bulk_modulus, ..water });
+    };
+    refused(soft, "Q/(M + Q) = 0.500, than of the weight, rho_w/rho = 0.641");
     refused(|s| s.stages.push(s.stages[0].clone()), "[[stages]]: expected one");
     refused(|s| s.start = mpm_core::scene::Start::Unloaded, "surcharge.ramp_time: expected at least");
     refused(|s| s.solid_sides[1] = mpm_core::scene::SolidSide::Free, "between rollers");
