@@ -142,7 +142,7 @@ pub struct SampleRow {
 
 /// Both ends of a 95 % interval, if there is one.
 pub(super) fn interval(fit: &Fit) -> Option<[f64; 2]> {
-    fit.half_width.is_finite().then(|| [fit.order - fit.half_width, fit.order + fit.half_width])
+    fit.half_width.is_finite().then_some([fit.order - fit.half_width, fit.order + fit.half_width])
 }
 
 /// An interval as it stands in a table.

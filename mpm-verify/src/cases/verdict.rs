@@ -143,7 +143,7 @@ impl Climb {
 
     /// All refinements, that of the rung's own errors first.
     pub fn all_refinements(&self) -> Vec<Refinement> {
-        let own = Refinement::new(self.refined_by, self.errors.clone(), "the error of the rung");
+        let own = Refinement::new(self.refined_by, self.errors.clone(), "what the rung compares with");
         let own = Refinement { required_order: self.required_order, ..own };
         std::iter::once(own).filter(|own| own.errors.len() > 1).chain(self.refinements.iter().cloned()).collect()
     }

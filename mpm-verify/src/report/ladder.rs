@@ -123,7 +123,10 @@ fn rungs(climbs: &[Climb]) -> Table {
         let mark = if c.step.held() { "good" } else { "bad" };
         let order = c.fit.as_ref().map_or_else(|| "–".to_owned(), |fit| short(fit.order, 3));
         let width = c.fit.as_ref().filter(|f| f.half_width.is_finite());
-        let width = width.map_or_else(String::new, |f| format!("± {}", short(f.half_width, 2)));
+        let width = width.map_or_else(String::new, |f| {
+            let range = if f.asymptotic { "asymptotic" } else { "not asymptotic" };
+            format!("± {}\n{range}", short(f.half_width, 2))
+        });
         vec![
             Cell::new(c.rung.name).marked(c.rung.about, ""),
             Cell::new(c.step.verdict.clone()).marked("", mark),
@@ -168,7 +171,7 @@ fn orders(climbs: &[Climb]) -> Table {
         let unit = if unit == "-" { String::new() } else { format!(" {unit}") };
         let fallen = refinement.fallen();
         vec![
-            Cell::new(climb.step.rung.clone()),
+            Cell::new(climb.step.rung.clone()).marked(format!("against {}", refinement.against), ""),
             Cell::new(refinement.by.0).marked(format!("{span}{unit}"), ""),
             Cell::new(refinement.errors.len().to_string()),
             Cell::new(format!("{} to {}", short(first.1, 2), short(last.1, 2))),
@@ -176,15 +179,14 @@ fn orders(climbs: &[Climb]) -> Table {
             Cell::new(words(refinement.required_order)),
             Cell::new(if fallen.is_some() { "fell short" } else { "held" })
                 .marked("", if fallen.is_some() { "bad" } else { "good" }),
-            Cell::new(refinement.against.clone()),
         ]
     };
     let of = |climb: &Climb| climb.all_refinements().iter().map(|r| row(climb, r)).collect::<Vec<_>>();
-    let head = ["rung", "refined by", "runs", "error", "order", "required", "verdict", "error against"];
+    let head = ["rung", "refined by", "runs", "error", "order", "required", "verdict"];
     let note = "Errors from the first parameter to the last, signed. Order: slope of log |error| with its 95 % interval (three \
                 runs or more; Student's t makes that of three wide); asymptotic: every pairwise order within 0.3 of it, one \
-                sign, and surely above zero. That of particles is counted in their spacing. Where the order is not required \
-                the last column says why.";
+                sign, and surely above zero. That of particles is counted in their spacing. What the \
+                error is measured against says why an order is expected, or not.";
     table("Refinements".to_owned(), &head, climbs.iter().flat_map(of).collect(), note)
 }
 
@@ -251,9 +253,11 @@ mod tests {
         assert!(page.contains("asymptotic") && page.contains("a hundredth of the smallest tolerance"));
         assert!(read("ladder_samples.csv").starts_with(&format!("{SAMPLES}\nquasi-static-steps,U,")));
         let refined = read("ladder_refinements.csv");
-        for by in
-            ["quasi-static-steps,time step,0.0005,s,", "quasi-static-centre,mesh L,0.0125,m,", ",1.9 to 2.1,the error"]
-        {
+        for by in [
+            "quasi-static-steps,time step,0.0005,s,",
+            "quasi-static-centre,mesh L,0.0125,m,",
+            ",1.9 to 2.1,what the rung",
+        ] {
             assert!(refined.contains(by), "{by}: {refined}");
         }
         assert!(!page.contains("scene hash") && !page.contains("../index.html"));
