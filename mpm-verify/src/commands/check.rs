@@ -72,6 +72,9 @@ fn own(path: &Path, options: &Options, common: &Common) -> Result<(), Failure> {
     say(quiet, &header());
     say(quiet, &line(&climb.step));
     say(quiet, &climb.reason);
+    for (what, value, _) in &climb.notes {
+        say(quiet, &format!("{what} ({value:.0e})"));
+    }
     let steps = write(&[climb], &scene, common, &folder)?;
     if common.json {
         print_json(&steps);

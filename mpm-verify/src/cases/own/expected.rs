@@ -29,7 +29,7 @@ pub struct Expected {
     /// Error of the step over `dt/t_1`.
     time: f64,
     /// Errors below this are those of error-controlled time, which have no order in space.
-    floor: f64,
+    pub floor: f64,
     /// First time that counts, s.
     pub from: f64,
     /// t_1, s.

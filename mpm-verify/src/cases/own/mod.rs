@@ -93,11 +93,15 @@ impl OwnScene {
             }
         };
         let allowed = self.expected.error(fine, step);
+        let required_order = self.expected.order_of(&errors);
+        let unjudged = ("no order is required: errors reach what error-controlled time leaves", self.expected.floor);
+        let notes = required_order.is_none().then_some(unjudged);
         Ok(Outcome {
             integrator: integrator(&self.scene),
             scheme: scheme(&self.scene),
             required_error: allowed,
-            required_order: self.expected.order_of(&errors),
+            required_order,
+            notes: notes.map(|(what, value)| (what.to_owned(), value, "-".to_owned())).into_iter().collect(),
             errors,
             samples,
             ..Outcome::default()

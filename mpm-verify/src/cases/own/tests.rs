@@ -57,7 +57,7 @@ fn what_has_no_exact_solution_is_refused_in_words() {
             s.integrator = Integrator::SemiImplicit;
             s.observe_times.truncate(2);
         },
-        "a time from Tv = 0.1 on",
+        "where semi-implicit runs are compared",
     );
     for name in ["levee", "dam", "oedometer-plastic", "self-weight", "strip", "block-stops", "terzaghi-paper"] {
         let message = OwnScene::new(&built_in(name), &[]).err().unwrap_or_default();
