@@ -15,6 +15,11 @@
 //! The semi-implicit scheme takes the pressure of the end of the step, and an eigenvalue -1 needs
 //! `rho = c K_u dt^2 (M/2 - Q/(2 + D_p K_p dt))`: the water only helps. But it helps against changes of volume of whole
 //! cells alone. Shear waves, and strains that vary over a cell about a mean of zero, have the limit of the dry skeleton.
+//!
+//! With `rho_w a_s` of the step before in Darcy's law it has a further limit. In soil that lets its water through, the
+//! pressure is what that inertia asks for: a force `rho_w a_s`, a step late. A force that is late by dt feeds a wave with
+//! `omega^2 dt/2` per second while the drag of the water, `gamma_w/k`, takes a share that does not depend on dt. So waves
+//! grow, slowly and with an eigenvalue far from -1, above a step that falls with k: [`Medium::lagged_inertia_column`].
 
 use crate::scene::{DarcyChoice, Dimension, Integrator, PAPER_STEP, Scene, ShapeChoice, SolidSide, StepChoice};
 
@@ -138,6 +143,83 @@ impl Medium {
         low
     }
 
+    /// Whether a semi-implicit step with the inertia of the step before lets a wave of `[K_u, K_p, S]` grow.
+    ///
+    /// With z the eigenvalue, `a = (f + P)/rho` the acceleration, f and P the forces of skeleton and water, and r = flip +
+    /// (1 - flip) S what a velocity keeps of itself, the step is `w = dt a (z - r + S)/(z - r)`, `(z - 1) f = -dt M K_u w`
+    /// and `P [(1 - 1/z)/Q + dt k/gamma_w K_p] = -dt K_u (w - k/gamma_w chi rho_w a/z)`. Without w, f and P that is a
+    /// cubic in s = z - 1. Its roots lie in the unit circle of z if, as a cubic in y with s = 2y/(1 - y), it meets the
+    /// conditions of Routh and Hurwitz.
+    fn inertia_grows(&self, dt: f64, [k_u, k_p, transfer]: [f64; 3]) -> bool {
+        let rho = self.density;
+        let lost = (1.0 - self.flip) * (1.0 - transfer); // 1 - r
+        let gain = lost + transfer;
+        let flow = dt * self.mobility * k_p;
+        let held = 1.0 / self.pore_stiffness + flow;
+        let (skeleton, water) = (dt * dt * self.modulus * k_u, dt * dt * k_u);
+        let late = dt * self.mobility * k_u * self.flow_inertia;
+        let a0 = skeleton * gain * flow;
+        let a1 = rho * lost * flow + skeleton * (flow + held * gain) + water * gain - late * lost;
+        let a2 = rho * (flow + held * lost) + skeleton * held + water * (1.0 + gain) - late;
+        let a3 = rho * held + water;
+        let (b1, b2) = (2.0 * a1 - 3.0 * a0, 4.0 * a2 - 4.0 * a1 + 3.0 * a0);
+        let b3 = 8.0 * a3 - 4.0 * a2 + 2.0 * a1 - a0;
+        !(b1 > 0.0 && b2 > 0.0 && b3 > 0.0 && b1 * b2 > b3 * a0)
+    }
+
+    /// Smallest semi-implicit step (s) below `limit` (s) from which a wave of `[K_u, K_p, S]` grows by its late inertia, or
+    /// the limit.
+    fn lagged_inertia_of(&self, limit: f64, wave: [f64; 3]) -> f64 {
+        if self.flow_inertia == 0.0 || self.pore_stiffness == 0.0 || !limit.is_finite() {
+            return limit;
+        }
+        let (steps, decades) = (300, 12.0);
+        let step = 10.0_f64.powf(decades / f64::from(steps));
+        let mut low = limit * 10.0_f64.powf(-decades);
+        let Some(mut high) = (0..=steps).find_map(|_| {
+            let high = low * step;
+            let grows = self.inertia_grows(high, wave);
+            low = if grows { low } else { high };
+            grows.then_some(high)
+        }) else {
+            return limit;
+        };
+        for _ in 0..50 {
+            let middle = (low * high).sqrt();
+            if self.inertia_grows(middle, wave) { high = middle } else { low = middle }
+        }
+        low.min(limit)
+    }
+
+    /// The part of a semi-implicit `limit` (s) in one dimension that inertia of the step before in Darcy's law leaves, s.
+    pub fn lagged_inertia_column(&self, limit: f64) -> f64 {
+        let scale = 4.0 / (self.cell * self.cell);
+        (1..=WAVES)
+            .map(wave)
+            .fold(limit, |limit, s| self.lagged_inertia_of(limit, [scale * s, scale * s, self.transfer(s)]))
+    }
+
+    /// The same in plane strain, over plane waves of all directions and lengths.
+    pub fn lagged_inertia_plane_strain(&self, limit: f64) -> f64 {
+        let scale = 4.0 / (self.cell * self.cell);
+        let all = (1..=WAVES).flat_map(|i| (0..=i).map(move |j| (wave(i), wave(j))));
+        all.fold(limit, |limit, (sx, sy)| {
+            let k_u = sx * (1.0 - sy) + sy * (1.0 - sx);
+            let symbols = [scale * k_u, scale * (sx + sy), self.transfer(sx) * self.transfer(sy)];
+            if k_u > 1e-9 { self.lagged_inertia_of(limit, symbols) } else { limit }
+        })
+    }
+
+    /// Largest explicit step of quadratic B-splines with one particle per cell, s: `limit_column` at the stiffest wave of
+    /// a free end with c = 1, and the Laplacian of an endless mesh.
+    ///
+    /// A cell's one particle feels all of its strain, so that the water is as stiff there as the skeleton: the end is
+    /// that of `dry_splines` with M + Q. With more particles a pressure per cell feels a mean and is softer.
+    pub fn lone_splines(&self, dimension: Dimension) -> f64 {
+        let (scale, axes) = (1.0 / (self.cell * self.cell), if dimension == Dimension::Column { 1.0 } else { 2.0 });
+        self.limit_of(axes * LONE_SPLINE * scale, axes * 4.0 * scale, 1.0)
+    }
+
     /// Largest stable semi-implicit step in one dimension, s.
     pub fn semi_implicit_column(&self) -> f64 {
         let scale = 4.0 / (self.cell * self.cell);
@@ -219,6 +301,9 @@ impl Medium {
 /// the mesh it is 1.5.
 const STIFFEST_SPLINE: f64 = 5.4;
 
+/// The same with one particle per cell.
+const LONE_SPLINE: f64 = 4.64;
+
 /// Wave lengths looked at along each axis.
 const WAVES: u32 = 16;
 
@@ -252,7 +337,9 @@ pub fn explicit_limit(scene: &Scene) -> f64 {
             Dimension::Column => medium.limit_column(),
             Dimension::PlaneStrain => medium.limit_plane_strain(scene.darcy),
         };
-        return limit.min(medium.dry_splines(scene.dimension));
+        let limit = limit.min(medium.dry_splines(scene.dimension));
+        let alone = scene.particles_per_direction() == 1 && scene.water.is_some();
+        return if alone { limit.min(medium.lone_splines(scene.dimension)) } else { limit };
     }
     match scene.dimension {
         Dimension::Column => medium.limit_column(),
@@ -262,8 +349,22 @@ pub fn explicit_limit(scene: &Scene) -> f64 {
 
 /// Largest stable semi-implicit step of a scene, s.
 ///
-/// `rho_w a_s` in Darcy's law is that of the step before, which can only raise the limit: it is not counted on.
+/// `rho_w a_s` in Darcy's law is that of the step before. It raises the step at which an eigenvalue is -1, which is not
+/// counted on, and makes waves grow slowly above a step of its own. B-splines are softer inside the mesh than linear
+/// functions and held to the same.
 pub fn semi_implicit_limit(scene: &Scene) -> f64 {
+    let limit = semi_implicit_without_inertia(scene);
+    // Inertia is in the flow between cells even where the soil at a drained side is held.
+    let flow_inertia = scene.water.filter(|_| scene.darcy_inertia).map_or(0.0, |w| w.density);
+    let medium = Medium { flow_inertia, ..Medium::of(scene) };
+    match scene.dimension {
+        Dimension::Column => medium.lagged_inertia_column(limit),
+        Dimension::PlaneStrain => medium.lagged_inertia_plane_strain(limit),
+    }
+}
+
+/// The same with Darcy's law free of inertia.
+fn semi_implicit_without_inertia(scene: &Scene) -> f64 {
     let medium = Medium { flow_inertia: 0.0, ..Medium::of(scene) };
     let shear = scene.elastic.shear_modulus();
     match (scene.shape, scene.dimension) {

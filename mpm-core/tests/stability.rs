@@ -188,11 +188,51 @@ fn semi_implicit_columns_hold_below_their_limit_and_fail_above() {
                 let without = semi_implicit(shape, cell, per_cell, &["darcy_inertia = false"]);
                 let held = [0.98, 1.03].map(|factor| bounded(&without, factor));
                 assert_eq!(held, [true, false], "{shape}, {cell}, {per_cell} per cell");
-                // rho_w a_s of the step before only raises the limit.
+                // At this conductivity rho_w a_s of the step before only raises the limit.
                 let with = semi_implicit(shape, cell, per_cell, &[]);
                 assert!(bounded(&with, 0.98), "{shape}, {cell}, {per_cell} per cell, with inertia");
                 assert!(!bounded(&with, 1.25), "{shape}, {cell}, {per_cell} per cell, with inertia");
             }
+        }
+    }
+}
+
+#[test]
+fn inertia_of_the_step_before_lowers_the_limit_of_soil_that_lets_its_water_through() {
+    let limit = |conductivity: f64, inertia: bool, shape: &str| {
+        let change = [&format!("hydraulic_conductivity = {conductivity:e}"), &format!("darcy_inertia = {inertia}")];
+        stable_limit(&semi_implicit(shape, "cell = 0.01", 4, &change.map(String::as_str)))
+    };
+    for shape in ["centre", "linear", "gimp", "bspline2"] {
+        assert_eq!(limit(5e-4, true, shape), limit(5e-4, false, shape), "{shape}");
+        assert!(limit(1e-2, true, shape) < 0.2 * limit(1e-2, false, shape), "{shape}");
+    }
+    // The roots of the cubic, from an independent script: 2 particles per direction, growth 1e-6.
+    let medium = Medium {
+        flow_inertia: 1000.0,
+        pore_stiffness: 2e9 / 0.3,
+        mobility: 1e-2 / UNIT_WEIGHT,
+        diffusivity: 1e-2 / UNIT_WEIGHT * 2e9 / 0.3,
+        shortest_transfer: 0.25,
+        ..mesh(1560.0, 0.1, 0.0)
+    };
+    let found = medium.lagged_inertia_column(1e-2);
+    assert!(apart(found, 3.137_662_8e-4) < 1e-5, "{found:e}");
+    assert_eq!(Medium { flow_inertia: 0.0, ..medium }.lagged_inertia_column(1e-2), 1e-2);
+}
+
+#[test]
+fn one_particle_per_cell_holds_explicit_splines_to_the_free_end() {
+    for conductivity in ["1.0e-5", "1.0e-9"] {
+        for modulus in ["2.0e7", "2.0e11"] {
+            let scene = consolidation(&[
+                "shape = \"bspline2\"",
+                "cell = 0.1",
+                "particles_per_cell = 1",
+                &format!("hydraulic_conductivity = {conductivity}"),
+                &format!("bulk_modulus = {modulus}"),
+            ]);
+            assert!(bounded(&scene, 0.98) && !bounded(&scene, 1.1), "k = {conductivity}, K_w = {modulus}");
         }
     }
 }

@@ -72,6 +72,8 @@ enum Command {
     /// Time-step limits, predicted and measured, and the checkerboard index of both Darcy operators
     Stability {
         #[command(flatten)]
+        options: stability::Options,
+        #[command(flatten)]
         common: Common,
     },
     /// Study, ladder, stability and levee, compared with the accepted baselines; exit code 1 on a drift
@@ -102,7 +104,7 @@ fn main() -> ExitCode {
         Some(Command::Solve { options, common }) => solve::run(&options, &common),
         Some(Command::Levee { options, common }) => levee::run(&options, &common),
         Some(Command::Check { options, common }) => check::run(&options, &common),
-        Some(Command::Stability { common }) => stability::run(&common),
+        Some(Command::Stability { options, common }) => stability::run(&options, &common),
         Some(Command::Nightly { common }) => nightly::run(&common),
         Some(Command::Report { folder, common }) => report::run(&folder, &common),
         Some(Command::List { common }) => list::run(&common),

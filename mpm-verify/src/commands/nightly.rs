@@ -41,7 +41,7 @@ pub fn run(common: &Common) -> Result<(), Failure> {
     let steps = check::climb(&[], common, &folder.join("ladder"));
     report::write(&study, &accuracy).map_err(|e| Failure::RunFailed(e.to_string()))?;
     let steps = steps?;
-    let steps_measured = stability::measure(common, &folder.join("stability"))?;
+    let steps_measured = stability::measure(&stability::Options::default(), common, &folder.join("stability"))?;
     let levee = levee::night(&folder.join("levee"))?;
     let drifts = baseline::compare(&study.results);
     write_csv(&folder.join("drift.csv"), &drifts)?;

@@ -6,6 +6,7 @@
 //! 3. The pictures: [`mesh`], [`isochrones`], [`consolidation`], [`error_against_time`], [`error_against_mesh`],
 //!    [`error_budget`], [`energy`], [`crossings`]; of all integrators [`schemes`], [`spline_profiles`], [`places`],
 //!    [`steps`]; of a rung of the ladder [`rung`].
+//!    [`stability_map`]: largest stable steps, measured and in theory.
 //! 4. [`field`]: a map of particles coloured by a quantity, with lines over it; [`colours`] for it. [`levee`]: the
 //!    pictures of a levee that fails.
 
@@ -30,6 +31,7 @@ pub mod places;
 pub mod rung;
 pub mod schemes;
 pub mod spline_profiles;
+pub mod stability_map;
 pub mod steps;
 
 use std::path::Path;

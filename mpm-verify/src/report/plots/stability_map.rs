@@ -1,0 +1,189 @@
+//! The stability map: limits over the mesh with their theory, and how far apart measured, theory and `auto` are.
+
+use super::axis::Axis;
+use super::figure::{Figure, Mark, Panel, Point, Series, share_x, share_y};
+use super::look::{self, BLACK, Dash, GREY, Look, Marker};
+use crate::report::numbers::power_of_ten;
+use crate::stability::map::{AGREEMENT, INTEGRATORS, Row, SHAPES};
+use crate::study::word;
+
+/// Conductivities of the picture of limits, m/s.
+const CONDUCTIVITIES: [f64; 4] = [1e-2, 1e-4, 1e-6, 1e-8];
+/// Bulk moduli of the picture of `auto`, Pa.
+const BULK_MODULI: [f64; 3] = [2e7, 2e9, 2e11];
+/// Particles per cell and bulk modulus (Pa) of the picture of limits: those of the study, nearly.
+const PPC: usize = 4;
+const BULK_MODULUS: f64 = 2e9;
+
+/// All pictures of the map.
+pub fn figures(rows: &[Row]) -> Vec<Figure> {
+    vec![limits(rows), ratios(rows), auto(rows)]
+}
+
+/// Rows of the column with the flow through faces and no inertia in Darcy's law: those that are there for all schemes.
+fn usual(row: &&Row) -> bool {
+    row.dimension == "column" && row.darcy == "face" && !row.darcy_inertia
+}
+
+/// Limits over the cell edge: theory as lines, measured as points.
+pub fn limits(rows: &[Row]) -> Figure {
+    let panels = panels("stability-map", rows, |panel, own| {
+        for (place, k) in CONDUCTIVITIES.into_iter().enumerate() {
+            let mut own: Vec<&Row> = own.iter().copied().filter(|r| shown(r) && r.k == k).collect();
+            own.sort_by(|a, b| a.mesh_m.total_cmp(&b.mesh_m));
+            let (theory, measured) = looks(place);
+            let label = format!("k = {} m/s", power(k));
+            panel.add(Series::line(format!("{label}, theory"), theory, own.iter().map(|r| (r.mesh_m, r.dt_theory_s))));
+            let points = own.iter().map(|r| Point::new(r.mesh_m, r.dt_measured_s));
+            panel.add(Series::new(format!("{label}, measured"), measured, Mark::Points, points));
+        }
+        panel.x = Axis::log("L (m)", "mesh_m").named(edges());
+        panel.y = Axis::log("limit (s)", "dt_s");
+    });
+    Figure {
+        name: "stability-map",
+        title: "Largest stable step over the cell edge".to_owned(),
+        caption: format!(
+            "Columns with {PPC} particles per cell, K_w = 2·{} Pa, no inertia in Darcy's law. Lines: theory; points: \
+             largest step at which a run does not grow, by bisection. Semi-implicit steps have no limit of the water's: \
+             the less permeable the soil, the more the water stiffens it, but only where its pressure sees the strain.",
+            power_of_ten(9)
+        ),
+        height: 210.0,
+        panels: panels.0,
+        missing: panels.1,
+    }
+}
+
+/// Measured over theory for every row.
+pub fn ratios(rows: &[Row]) -> Figure {
+    let (mut panels, missing) = panels("stability-map-ratio", rows, |panel, _| {
+        panel.x = Axis::log("k (m/s)", "k_m_s");
+        panel.y = Axis::linear("measured / theory", "ratio");
+    });
+    let kinds: [(&str, fn(&Row) -> bool, Look); 3] = [
+        ("column", |r| r.dimension == "column" && !r.darcy_inertia, Look::new(look::BLUE, Marker::Circle).radius(2.6)),
+        (
+            "column, inertia in Darcy's law",
+            |r| r.dimension == "column" && r.darcy_inertia,
+            Look::new(look::RED, Marker::Up).radius(2.6),
+        ),
+        ("plane strain", |r| r.dimension != "column", Look::new(look::GREEN, Marker::Square).radius(2.6)),
+    ];
+    for (panel, (integrator, shape)) in panels.iter_mut().zip(schemes()) {
+        for (place, (label, kind, look)) in kinds.into_iter().enumerate() {
+            let own = rows.iter().filter(|r| r.integrator == integrator && r.shape == shape && kind(r));
+            // Beside each other, so that none hides another.
+            let aside = [0.75, 1.0, 1.33][place];
+            let points = own.map(|r| Point::new(r.k * aside, r.ratio));
+            panel.add(Series::new(label, look, Mark::Points, points));
+        }
+    }
+    share_x(&mut panels);
+    for panel in &mut panels {
+        let range = panel.all_y().into_iter().filter(|r| r.is_finite()).map(|r| (r - 1.0).abs());
+        let most = range.fold(1.5 * AGREEMENT, f64::max) * 1.1;
+        panel.y.range = Some((1.0 - most, 1.0 + most));
+        let ends = panel.x.range.map_or([1e-9, 1e-2], |(low, high)| [low, high]);
+        for bound in [1.0 - AGREEMENT, 1.0 + AGREEMENT] {
+            let line = ends.map(|x| (x, bound));
+            panel.add(Series::line("allowed: 2 %", Look::new(GREY, Marker::Dot).dash(Dash::Dashed), line).guide());
+        }
+    }
+    Figure {
+        name: "stability-map-ratio",
+        title: "Measured limit over theory, all rows".to_owned(),
+        caption: "Theory is that of a plane wave in columns of linear functions and uGIMP, and the spectral radius of the \
+                  assembled step elsewhere. Markers stand a little beside their conductivity so that none hides another."
+            .to_owned(),
+        height: 190.0,
+        panels,
+        missing,
+    }
+}
+
+/// Measured over the limit of `auto`.
+pub fn auto(rows: &[Row]) -> Figure {
+    let panels = panels("stability-map-auto", rows, |panel, own| {
+        for (place, modulus) in BULK_MODULI.into_iter().enumerate() {
+            for (mesh, dash) in [(0.1, Dash::Solid), (0.01, Dash::Dashed)] {
+                let mut own: Vec<&&Row> =
+                    own.iter().filter(|r| r.ppc == PPC && r.k_w == modulus && r.mesh_m == mesh).collect();
+                own.sort_by(|a, b| a.k.total_cmp(&b.k));
+                let look = look::nth(place).dash(dash).radius(2.8);
+                let label = format!("K_w = {} Pa, L = {mesh} m", twice(modulus));
+                let points = own.iter().map(|r| Point::new(r.k, 1.0 / r.limit_ratio).open(mesh < 0.1));
+                panel.add(Series::new(label, look, Mark::LinePoints, points));
+            }
+        }
+        panel.x = Axis::log("k (m/s)", "k_m_s");
+        panel.y = Axis::log("measured / auto", "measured_over_auto");
+    });
+    Figure {
+        name: "stability-map-auto",
+        title: "Measured limit over the one that auto keeps below".to_owned(),
+        caption: format!(
+            "Columns with {PPC} particles per cell, no inertia in Darcy's law. One: auto gives nothing away. Below one: \
+             auto would not be safe."
+        ),
+        height: 190.0,
+        panels: panels.0,
+        missing: panels.1,
+    }
+}
+
+/// Whether a row is in the picture of limits.
+fn shown(row: &Row) -> bool {
+    row.ppc == PPC && row.k_w == BULK_MODULUS
+}
+
+/// One panel per integrator and shape, integrators below each other, and what is missing. `fill` gets the usual rows.
+fn panels(name: &str, rows: &[Row], fill: impl Fn(&mut Panel, &[&Row])) -> (Vec<Panel>, Vec<String>) {
+    let (mut panels, mut missing) = (Vec::new(), Vec::new());
+    for (place, (integrator, shape)) in schemes().enumerate() {
+        let own: Vec<&Row> =
+            rows.iter().filter(usual).filter(|r| r.integrator == integrator && r.shape == shape).collect();
+        if own.is_empty() {
+            missing.push(format!("{name}: no {integrator} {shape} row"));
+        }
+        let mut panel = Panel::new(&format!("{integrator}, {shape}"), Axis::log("", ""), Axis::log("", ""));
+        fill(&mut panel, &own);
+        panel.row = place / SHAPES.len();
+        if place % SHAPES.len() > 0 {
+            panel.y.label = String::new();
+        }
+        if panel.row == 0 {
+            panel.x = panel.x.quiet();
+        }
+        panels.push(panel);
+    }
+    share_x(&mut panels);
+    let (above, below) = panels.split_at_mut(SHAPES.len());
+    share_y(above);
+    share_y(below);
+    (panels, missing)
+}
+
+fn schemes() -> impl Iterator<Item = (String, String)> {
+    INTEGRATORS.into_iter().flat_map(|integrator| SHAPES.into_iter().map(move |shape| (word(integrator), word(shape))))
+}
+
+/// Looks of theory and of what is measured.
+fn looks(place: usize) -> (Look, Look) {
+    let look = look::nth(place);
+    (look.width(1.4), Look { colour: if place == 3 { BLACK } else { look.colour }, ..look.radius(3.0) })
+}
+
+/// Ticks at the cell edges of the study.
+fn edges() -> Vec<(f64, String)> {
+    crate::stability::map::MESHES.map(|mesh| (mesh, format!("{mesh}"))).to_vec()
+}
+
+fn power(value: f64) -> String {
+    power_of_ten(value.log10().round() as i32)
+}
+
+/// `2·10⁹`.
+fn twice(value: f64) -> String {
+    format!("2·{}", power(0.5 * value))
+}
