@@ -49,8 +49,9 @@ pub struct Assembled {
 /// Steps of the two powers that are compared are `2^DOUBLINGS` and half of it: what grows with the number of steps, and
 /// not with its exponential, looks as if it grew by `2^(1/4096)` per step.
 const DOUBLINGS: u32 = 13;
-/// Growth per step from which a step is unstable: just above what doubles in 4096 steps, 1.00017.
-pub const NEUTRAL: f64 = 1.0005;
+/// Growth per step from which a step is unstable: well above what doubles in 4096 steps, 1.00017, and so much that a run
+/// can show it.
+pub const NEUTRAL: f64 = 1.001;
 
 impl Assembled {
     /// The mesh of a saturated scene; nothing for other scenes and for integrators without a limit.

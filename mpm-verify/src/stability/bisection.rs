@@ -11,8 +11,8 @@ pub struct Bracket {
 
 /// First distance from a guess, relative.
 const FIRST: f64 = 0.01;
-/// A guess may be off by this factor to either side.
-const FURTHEST: f64 = 1e4;
+/// A guess may be off by this factor to either side: what is held to the dry skeleton may have a limit of its water's.
+const FURTHEST: f64 = 1e9;
 
 /// Narrows a bracket around the first limit near a `guess` (s) down to a relative `width`. `grows` says whether a step is
 /// unstable. The guess only saves work: from there the search goes up and down in strides that double.

@@ -21,7 +21,7 @@ const LOAD: f64 = 1e-3;
 const BLOCK: u64 = 64;
 const LOOK: u64 = 8;
 /// Fewest and most blocks of a run.
-const BLOCKS: [usize; 2] = [16, 256];
+const BLOCKS: [usize; 2] = [16, 320];
 /// Share of the whole that a wave is stirred by at least. Under a strip on stiff water the whole is what the load would
 /// store drained, of which the first state has `M/Q` (4e-5 at 2e11 Pa), and a wave a hundredth of that amplitude.
 const STIRRED: f64 = 5e-5;

@@ -228,8 +228,9 @@ pub fn settings(extent: Extent) -> Vec<Setting> {
         add(column, false, whole);
         add(column, true, Ranges { meshes: &[0.1, 0.02], particles: &[1, 4], bulk_moduli: &[2e7, 2e9, 2e11], ..whole });
         let few = Ranges { meshes: &[0.1], particles: &[1, 4, 9], conductivities: &[1e-3, 1e-5, 1e-8], ..whole };
-        add(plane, false, Ranges { bulk_moduli: &[2e7, 2e9, 2e11], ..few });
-        add(plane, true, Ranges { bulk_moduli: &[2e9], ..few });
+        for inertia in [false, true] {
+            add(plane, inertia, Ranges { bulk_moduli: &[2e7, 2e9, 2e11], ..few });
+        }
     }
     all
 }
