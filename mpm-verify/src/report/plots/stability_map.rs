@@ -187,3 +187,52 @@ fn power(value: f64) -> String {
 fn twice(value: f64) -> String {
     format!("2·{}", power(0.5 * value))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stability::map::{Extent, Setting, settings};
+
+    fn made_up(setting: &Setting) -> Row {
+        let limit = setting.mesh * setting.mesh / setting.conductivity;
+        Row {
+            scheme: format!("{}-{}", word(setting.integrator), word(setting.shape)),
+            darcy: word(setting.darcy),
+            mesh_m: setting.mesh,
+            ppc: setting.ppc,
+            k: setting.conductivity,
+            k_w: setting.bulk_modulus,
+            dt_measured_s: limit,
+            dt_theory_s: limit,
+            ratio: 1.0,
+            integrator: word(setting.integrator),
+            shape: word(setting.shape),
+            dimension: word(setting.dimension),
+            darcy_inertia: setting.inertia,
+            theory: "plane wave".to_owned(),
+            dt_grows_s: limit,
+            growth_below: 1.0,
+            growth_above: 1.01,
+            dt_auto_s: 0.9 * limit,
+            auto_ratio: 0.9,
+            auto_growth: 1.0,
+            auto_unstable: false,
+            dt_limit_s: limit,
+            limit_ratio: 1.0,
+            gap: String::new(),
+        }
+    }
+
+    #[test]
+    fn every_scheme_has_its_panel() {
+        let rows: Vec<Row> = settings(Extent::Whole).iter().map(made_up).collect();
+        let figures = figures(&rows);
+        for figure in &figures {
+            assert_eq!((figure.panels.len(), figure.missing.len()), (8, 0), "{}", figure.name);
+            assert!(figure.panels.iter().all(|panel| !panel.is_empty()), "{}", figure.name);
+        }
+        // A scheme without rows is named.
+        let rows: Vec<Row> = rows.into_iter().filter(|r| r.shape != "gimp").collect();
+        assert_eq!(limits(&rows).missing.len(), 2);
+    }
+}
