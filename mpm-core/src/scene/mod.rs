@@ -520,6 +520,16 @@ impl Scene {
         if q.is_finite() { q / (m + q) } else { 1.0 }
     }
 
+    /// Whether `rho_w a_s` in Darcy's law makes every wave grow by itself: where the water carries a smaller share of a load,
+    /// Q/(M + Q), than of the weight, rho_w/rho.
+    ///
+    /// With D = k Q/gamma_w a wave of the u-p model has `s^3 + D k^2 (1 - rho_w/rho) s^2 + k^2 (M + Q)/rho s + M D k^4/rho`; by
+    /// Routh's criterion it decays if `(1 - rho_w/rho) (M + Q) > M`. It is the model that grows, on any mesh and with any step.
+    pub fn inertia_feeds_waves(&self) -> bool {
+        let share = self.water.map_or(0.0, |w| w.density / self.mixture_density());
+        self.water.is_some() && self.free_surface.is_none() && self.undrained_share() < share
+    }
+
     /// Undrained pore pressure under the surcharge, p_0 = q Q/(M + Q), Pa.
     pub fn undrained_pressure(&self) -> f64 {
         self.surcharge.map_or(0.0, |s| s.pressure * self.undrained_share())

@@ -62,7 +62,9 @@ impl Assembled {
         let per_direction = scene.particles_per_direction();
         match scene.shape {
             ShapeChoice::Centre | ShapeChoice::Centroid => Self::with(scene, Centre),
-            ShapeChoice::Linear => Self::with(scene, Linear),
+            // One gradient per cell of a column: B-bar is the linear scheme there. In plane strain it is not.
+            ShapeChoice::BBar if scene.dimension == Dimension::PlaneStrain => None,
+            ShapeChoice::Linear | ShapeChoice::BBar => Self::with(scene, Linear),
             ShapeChoice::Gimp => Self::with(scene, Gimp::new(per_direction)),
             ShapeChoice::Bspline2 => Self::with(scene, Bspline2),
         }

@@ -2,9 +2,9 @@
 
 use toml::{Spanned, Value};
 
-use super::super::raw::{RawMesh, RawScheme, RawSoil, RawTime};
+use super::super::raw::{RawMesh, RawScene, RawScheme, RawSoil, RawTime};
 use super::super::{
-    DarcyChoice, Dimension, Displaced, Integrator, Quadrature, ShapeChoice, StepChoice, StrainChoice, TimeMethod,
+    DarcyChoice, Dimension, Displaced, Integrator, Quadrature, Scene, ShapeChoice, StepChoice, StrainChoice, TimeMethod,
 };
 use super::{Checked, Reader, quoted};
 
@@ -82,6 +82,22 @@ impl Reader<'_> {
         scheme.darcy = self.word(raw.darcy.as_ref(), "scheme.darcy", &operators, scheme.darcy)?;
         scheme.darcy_inertia = raw.darcy_inertia.as_ref().is_none_or(|inertia| *inertia.get_ref());
         Ok(scheme)
+    }
+
+    /// Whether Darcy's law keeps `rho_w a_s`: not where the model would then be unstable, unless the scene insists.
+    pub(super) fn soft_water(&self, raw: &RawScene, scene: &Scene) -> Checked<bool> {
+        if !(scene.darcy_inertia && scene.inertia_feeds_waves()) {
+            return Ok(scene.darcy_inertia);
+        }
+        let written = raw.scheme.as_ref().and_then(|scheme| scheme.get_ref().darcy_inertia.as_ref());
+        let Some(value) = written else { return Ok(false) };
+        let (carried, weight) = (scene.undrained_share(), scene.water.map_or(0.0, |w| w.density));
+        let expected = format!(
+            "false where the water carries a smaller share of a load, Q/(M + Q) = {carried:.3}, than of the weight, \
+             rho_w/rho = {:.3}: every wave then grows by itself",
+            weight / scene.mixture_density()
+        );
+        self.refuse(&value.span(), "scheme.darcy_inertia", &expected, value.get_ref())
     }
 
     /// Keys that concern water.

@@ -224,6 +224,7 @@ impl Reader<'_> {
             left_out: Vec::new(),
         };
         scene.free_surface = self.free_surface(raw, &scene)?;
+        scene.darcy_inertia = self.soft_water(raw, &scene)?;
         let wave = (scene.oedometer_modulus() / scene.mixture_density()).sqrt();
         scene.base = self.base(raw, 4.0 * height / wave)?;
         self.stages(raw, &mut scene)?;
