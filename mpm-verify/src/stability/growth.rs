@@ -20,7 +20,8 @@ const LOAD: f64 = 1e-6;
 /// pi - sqrt(8 e) per step at a share e below, lasts `2 pi/(2 sqrt(8 e))`: 36 steps at 0.1 %. A block has one of them.
 const BLOCK: u64 = 64;
 const LOOK: u64 = 8;
-/// Fewest and most blocks of a run.
+/// Fewest and most blocks of a run. A bounded beat, of a factor of two in energy between blocks, feigns a growth of
+/// `2^(1/1024) = 1.0007` per step in half of the shortest run, which is below what counts: [`NEUTRAL`].
 const BLOCKS: [usize; 2] = [16, 320];
 /// Share of the whole that a wave is stirred by at least. Under a strip on stiff water the whole is what the load would
 /// store drained, of which the first state has `M/Q` (4e-5 at 2e11 Pa), and a wave a hundredth of that amplitude.
@@ -28,12 +29,6 @@ const STIRRED: f64 = 5e-5;
 /// Growth of the energy that ends a run. Below its limit a wave swings by at most the square root of 1/(2 e) more than
 /// it was stirred by: 1e3 in energy at 0.1 %. In the longest run what grows by no more than counts as none comes to 1e18.
 const BURST: f64 = 1e18;
-/// Growth per step from which a step is unstable: that of the theory, and what a bounded beat, a factor of two between
-/// blocks, may feign in half a run.
-fn neutral(half: u64) -> f64 {
-    NEUTRAL * 2.0_f64.powf(0.5 / half as f64)
-}
-
 /// Blocks of a run that is to show a growth per step: until what was stirred least has become as large as the whole,
 /// `ln(1/5e-5)` over the logarithm of the growth, and as long again to see it grow. At 1 % above its limit a flow that
 /// turns round in every step grows by 1.02: 1024 steps. Waves are steeper, by `1 + sqrt(8 e)` at a share e; only where
@@ -107,7 +102,7 @@ pub fn growth(scene: &Scene, dt: f64, blocks: usize) -> Result<Growth, String> {
     }
     let steps = half as u64 * BLOCK;
     let per_step = (last / middle).powf(0.5 / steps as f64);
-    Ok(Growth { per_step, unstable: per_step > neutral(steps) })
+    Ok(Growth { per_step, unstable: per_step > NEUTRAL })
 }
 
 /// Energy that is stored, J.
