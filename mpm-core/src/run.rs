@@ -10,7 +10,8 @@ use crate::hardware::{Hardware, Width};
 use crate::observe::Seed;
 use crate::particles::{Layer, SolidPoint, WaterPoint, displace, even_positions};
 use crate::scene::{
-    DarcyChoice, Dimension, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, Start, WaterProperties,
+    DarcyChoice, Dimension, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, Start, TransferChoice, UpdateChoice,
+    WaterProperties,
 };
 use crate::seeding::{self, Part};
 use crate::shape::{BBar, Centre, Centroid, Linear, Shape};
@@ -18,7 +19,7 @@ use crate::space::Deformation;
 use crate::stability::{StepTooLarge, choose_step};
 use crate::stencil::{Basis, Bspline2, Functions, Gimp};
 use crate::step::quasi_static::{QuasiStatic, Seeding};
-use crate::step::{Explicit, ExplicitLanes, ExplicitWide, Failing, Model, Parts, SemiImplicit, TwoClocks};
+use crate::step::{Explicit, ExplicitLanes, ExplicitWide, Failing, Model, Parts, SemiImplicit, Transfer, TwoClocks};
 use crate::water::{Carried, DarcyOperator, Dry, Face, Nodal, Ragged, Resident, Saturated, Water};
 use pulp::{Arch, Scalar128b, Scalar256b, Scalar512b, Simd};
 
@@ -446,6 +447,12 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         // A column has the last component, which is the vertical one.
         let gravity = scene.gravity_vector().map(|g| std::array::from_fn(|d| g[d + 2 - D]));
         Parts {
+            transfer: Transfer::new(
+                scene.transfer == TransferChoice::Affine,
+                scene.update == UpdateChoice::Musl,
+                self.solid.points.len(),
+                supports.counts().iter().product(),
+            ),
             plate: (on == LoadOn::Plate).then(|| Plate::new(supports.counts())),
             supports,
             grid: self.grid,

@@ -215,6 +215,7 @@ fn flight<Sh: Shape>(steps: usize, corner: f64, shear: f64) -> ([f64; 4], u64) {
         gravity: None,
         force: None,
         plate: None,
+        transfer: None,
         flip: 1.0,
         apart: 0.0,
         seed: Seed { per_row: 6, spacing: 0.05, heights: Vec::new() },

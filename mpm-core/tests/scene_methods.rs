@@ -35,6 +35,21 @@ const EXPLICIT_CASES: &[(&str, Edits)] = &[
         "a plate in a mesh with room",
         &[("on = \"surface\"", "on = \"plate\""), ("cell = 0.02", "cell = 0.02\nheadroom_cells = 2")],
     ),
+    (
+        "affine velocities with an implicit pressure",
+        &[
+            ("integrator = \"explicit\"", "integrator = \"semi-implicit\""),
+            ("flip = 1.0", "flip = 1.0\ntransfer = \"affine\""),
+        ],
+    ),
+    (
+        "an update of another integrator",
+        &[
+            ("integrator = \"explicit\"", "integrator = \"semi-implicit\""),
+            ("flip = 1.0", "flip = 1.0\nupdate = \"musl\""),
+        ],
+    ),
+    ("an unknown transfer", &[("flip = 1.0", "flip = 1.0\ntransfer = \"apic\"")]),
     ("inertia in soft water", &[("bulk_modulus = 2.2e9", "bulk_modulus = 8.0e6")]),
     ("nodal Darcy with gimp", &[("shape = \"centre\"\ndarcy = \"face\"", "shape = \"gimp\"\ndarcy = \"nodal\"")]),
     ("incompressible water", &[("bulk_modulus = 2.2e9", "bulk_modulus = inf")]),

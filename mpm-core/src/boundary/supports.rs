@@ -60,6 +60,15 @@ impl<const D: usize> Supports<D> {
         }
     }
 
+    /// Stops the held components of velocities alone.
+    pub fn stop(&self, motion: &mut [NodeMotion<D>]) {
+        for d in 0..D {
+            for &node in &self.held[d] {
+                motion[node as usize].velocity[d] = 0.0;
+            }
+        }
+    }
+
     /// Stops the held components. Returns the impulse of the supports on the soil in this step, N s.
     #[inline(always)]
     pub fn apply(&self, nodes: &[NodeSums<D>], motion: &mut [NodeMotion<D>]) -> [f64; D] {

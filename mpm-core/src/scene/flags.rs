@@ -98,6 +98,8 @@ fn leave_out(raw: &mut RawScene, integrator: &str) -> Vec<String> {
         if quasi_static {
             drop(scheme.flip.take().is_some(), "scheme.flip");
             drop(scheme.darcy_inertia.take().is_some(), "scheme.darcy_inertia");
+            drop(scheme.transfer.take().is_some(), "scheme.transfer");
+            drop(scheme.update.take().is_some(), "scheme.update");
         } else {
             drop(scheme.jump_penalty.take().is_some(), "scheme.jump_penalty");
             drop(scheme.quadrature.take().is_some(), "scheme.quadrature");

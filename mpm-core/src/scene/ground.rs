@@ -93,6 +93,8 @@ impl Scene {
             || self.periodic
             || self.base.is_some()
             || self.separation.is_some()
+            || !self.transfer.is_default()
+            || !self.update.is_default()
             || self.surcharge.is_some_and(|load| load.on == super::LoadOn::Plate)
             || rests
     }

@@ -154,6 +154,40 @@ pub enum DarcyChoice {
     Nodal,
 }
 
+/// What a particle gives to a node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TransferChoice {
+    /// Its velocity.
+    Plain,
+    /// Its velocity at the place of the node, by its velocity gradient.
+    Affine,
+}
+
+impl TransferChoice {
+    /// The usual choice stays out of the record of a scene.
+    pub fn is_default(&self) -> bool {
+        *self == Self::Plain
+    }
+}
+
+/// Which velocities strain the soil.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum UpdateChoice {
+    /// Those of the nodes at the end of the step (update stress last).
+    Usl,
+    /// Those that the particles of the end of the step give back to the nodes (modified update stress last).
+    Musl,
+}
+
+impl UpdateChoice {
+    /// The usual choice stays out of the record of a scene.
+    pub fn is_default(&self) -> bool {
+        *self == Self::Usl
+    }
+}
+
 /// What carries the surcharge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -438,6 +472,12 @@ pub struct Scene {
     pub darcy_inertia: bool,
     /// FLIP share of the velocity update: 1 is FLIP, 0 is PIC.
     pub flip: f64,
+    /// What a particle gives to a node.
+    #[serde(skip_serializing_if = "TransferChoice::is_default")]
+    pub transfer: TransferChoice,
+    /// Which velocities strain the soil.
+    #[serde(skip_serializing_if = "UpdateChoice::is_default")]
+    pub update: UpdateChoice,
     /// Nodes with less than this share of a full node's mass move with a heavier neighbour; 0 for none.
     #[serde(skip_serializing_if = "f64_is_zero")]
     pub light_nodes: f64,

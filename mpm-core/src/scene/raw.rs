@@ -192,6 +192,8 @@ pub(super) struct RawScheme {
     pub darcy_inertia: Option<Spanned<bool>>,
     pub flip: Option<Number>,
     pub light_nodes: Option<Number>,
+    pub transfer: Option<Word>,
+    pub update: Option<Word>,
     pub quadrature: Option<Word>,
     pub jump_penalty: Option<Number>,
 }

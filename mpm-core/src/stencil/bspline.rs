@@ -25,6 +25,10 @@ impl Basis for Bspline2 {
         Line { first: cell, value: [low, 1.0 - low - high, high], slope: [fall, -fall - rise, rise] }
     }
 
+    fn stands_at(&self, function: usize, cells: usize) -> f64 {
+        greville(function, cells)
+    }
+
     /// Shares of the coefficients in the mean around a node: linear functions at the places where they stand (Greville).
     #[inline(always)]
     fn at_node(&self, node: usize, cells: usize) -> Line {
@@ -38,7 +42,6 @@ impl Basis for Bspline2 {
 }
 
 /// Where a coefficient stands (Greville): mean of the inner knots of its function, in cells.
-#[cfg(test)]
 pub(super) fn greville(function: usize, cells: usize) -> f64 {
     let knot = |i: usize| i.clamp(2, cells + 2) as f64 - 2.0;
     0.5 * (knot(function + 1) + knot(function + 2))

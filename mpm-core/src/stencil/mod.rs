@@ -48,6 +48,11 @@ pub trait Basis: Copy + Send + Sync + 'static {
     /// Functions around a particle in a row of `cells` cells.
     fn around(&self, cell: usize, xi: f64, cells: usize) -> Line;
 
+    /// Where a function of a row of `cells` cells stands, in cells: `sum_i N_i x_i = x`.
+    fn stands_at(&self, function: usize, _cells: usize) -> f64 {
+        function as f64
+    }
+
     /// Functions at a point of the surface; `xi` may lie a little outside the cell that the surface belongs to.
     #[inline(always)]
     fn at_surface(&self, cell: usize, xi: f64, cells: usize) -> Line {
@@ -116,6 +121,21 @@ impl<B: Basis, const D: usize> Functions<B, D> {
         } else {
             self.product(&lines)
         }
+    }
+
+    /// The same with gradients at the particle, wherever the basis takes them.
+    #[inline(always)]
+    pub fn at_particle(&self, position: &[usize; D], xi: &[f64; D]) -> Stencil<D> {
+        self.product(&std::array::from_fn(|d| self.basis.around(position[d], xi[d], self.cells[d])))
+    }
+
+    /// From a place (m) to where function `a` of a stencil stands, m.
+    #[inline(always)]
+    pub fn away(&self, stencil: &Stencil<D>, a: usize, x: &[f64; D]) -> [f64; D] {
+        std::array::from_fn(|d| {
+            let along = stencil.first[d] + if d == 0 { a % B::WIDTH } else { a / B::WIDTH };
+            self.basis.stands_at(along, self.cells[d]) / self.inverse_size - x[d]
+        })
     }
 
     /// At the centre of a cell, for bases whose functions are those of one cell.

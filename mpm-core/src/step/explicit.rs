@@ -1,7 +1,7 @@
 //! The paper's explicit step (Figure 1): particles to mesh, equation of motion, Darcy flow, mesh to particles.
 
 use super::track::Track;
-use super::{Fault, Model, Parts};
+use super::{Fault, Model, Parts, Transfer};
 use crate::boundary::{Coulomb, Edges};
 use crate::constitutive::Law;
 use crate::dimension::{Kinematics, basis, coefficients, gradient, shares, to_corners, trace, value};
@@ -154,11 +154,17 @@ where
     /// One step of Figure 1. ALONE gives [`Model::do_stage`] copies of the stages, so that those of a step remain one piece.
     fn step(&mut self, dt: f64) -> Result<(), Fault> {
         self.particles_to_mesh::<false>();
+        if self.parts.transfer.is_some() {
+            self.give_beyond();
+        }
         self.load::<false>();
         self.equation_of_motion::<false>(dt)?;
         self.darcy_flow::<false>(dt);
         if self.track.is_some() {
             self.follow_particles(dt);
+        }
+        if self.parts.transfer.is_some() {
+            self.map_back();
         }
         if self.mesh_to_particles::<false>(dt) {
             let solid = &mut self.parts.solid;
@@ -363,6 +369,79 @@ where
         water.press(grid, &pushed, &mut self.motion, dt).map_err(|(place, what)| Fault { place, what })
     }
 
+    /// Momenta that particles give to nodes because these are not where they are.
+    #[cold]
+    #[inline(never)]
+    fn give_beyond(&mut self) {
+        let Parts { grid, solid, transfer: Some(transfer), .. } = &self.parts else { return };
+        let Some(affine) = &transfer.affine else { return };
+        for (cell, position) in grid.walk() {
+            let corners = grid.corners_from(grid.first_corner(cell, &position));
+            for index in solid.range(cell) {
+                let point = &solid.points[index];
+                let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - position[d] as f64);
+                let share = shares(point.mass, &xi);
+                for a in 0..Grid::<D>::CORNERS {
+                    let away = to_corner(grid, &xi, a);
+                    let more = Transfer::beyond(&affine[solid.ids[index] as usize], &away);
+                    for d in 0..D {
+                        self.nodes[corners[a]].momentum[d] += share[a] * more[d];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Velocity gradients for the next step, and the velocities that strain the soil in this one.
+    #[cold]
+    #[inline(never)]
+    fn map_back(&mut self) {
+        let Parts { grid, solid, transfer: Some(transfer), supports, flip, .. } = &mut self.parts else { return };
+        let Transfer { affine, mapped } = &mut **transfer;
+        if let Some(mapped) = mapped {
+            mapped.fill(NodeMotion::REST);
+        }
+        for (cell, position) in grid.walk() {
+            let range = solid.range(cell);
+            if range.is_empty() {
+                continue;
+            }
+            let corners = grid.corners_from(grid.first_corner(cell, &position));
+            let velocity = coefficients::<D, D, _>(&corners.map(|node| self.motion[node].velocity));
+            let change = coefficients::<D, D, _>(&corners.map(|node| self.motion[node].change));
+            for index in range {
+                let point = &solid.points[index];
+                let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - position[d] as f64);
+                let own = affine.as_mut().map(|affine| {
+                    let own = &mut affine[solid.ids[index] as usize];
+                    *own = gradient(&velocity, &xi, grid.inverse_size);
+                    *own
+                });
+                let Some(mapped) = mapped else { continue };
+                let dv = value::<D, D, _>(&change, &basis(&xi));
+                let share = shares(point.mass, &xi);
+                for a in 0..Grid::<D>::CORNERS {
+                    let away = to_corner(grid, &xi, a);
+                    let more = own.map_or([0.0; D], |own| Transfer::beyond(&own, &away));
+                    for d in 0..D {
+                        mapped[corners[a]].velocity[d] += share[a] * (*flip * point.v[d] + dv[d] + more[d]);
+                    }
+                }
+            }
+        }
+        let Some(mapped) = mapped else { return };
+        let pairs = || self.edges.iter().flat_map(|edges| edges.joined.pairs());
+        for [follower, leader] in pairs() {
+            for d in 0..D {
+                mapped[leader].velocity[d] += mapped[follower].velocity[d];
+            }
+        }
+        Transfer::settle(mapped, &self.nodes, supports);
+        for [follower, leader] in pairs() {
+            mapped[follower] = mapped[leader];
+        }
+    }
+
     /// Displacements, strains and work of those who ask.
     #[inline(never)]
     fn follow_particles(&mut self, dt: f64) {
@@ -460,7 +539,8 @@ where
 
     /// Strains, stresses, pressures, velocities and positions of both layers. True if a particle left its cell.
     fn mesh_to_particles<const ALONE: bool>(&mut self, dt: f64) -> bool {
-        let Parts { grid, solid, water, law, flip, apart, .. } = &mut self.parts;
+        let Parts { grid, solid, water, law, flip, apart, transfer, .. } = &mut self.parts;
+        let mapped = transfer.as_ref().and_then(|transfer| transfer.mapped.as_ref());
         let (flip, law, apart) = (*flip, *law, *apart);
         let mut inside = true;
         let mut flowed = Flowed::NOTHING;
@@ -477,14 +557,18 @@ where
             }
             let velocity = coefficients::<D, D, _>(&velocity);
             let change = coefficients::<D, D, _>(&change);
+            let strains = match mapped {
+                Some(mapped) => coefficients::<D, D, _>(&corners.map(|node| mapped[node].velocity)),
+                None => velocity,
+            };
             let at = if Sh::AT_CENTROID { centroid(grid, &position, &solid.points[range.clone()]) } else { [0.5; D] };
             // B-bar: what changes volumes is that of the centre.
-            let middle = if Sh::SPLIT { trace(&gradient(&velocity, &[0.5; D], grid.inverse_size)) } else { 0.0 };
+            let middle = if Sh::SPLIT { trace(&gradient(&strains, &[0.5; D], grid.inverse_size)) } else { 0.0 };
             for point in &mut solid.points[range] {
                 let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - position[d] as f64);
                 let phi = basis(&xi);
                 let here = if Sh::AT_CENTROID { at } else { Sh::point(&xi) };
-                let gradient = gradient(&velocity, &here, grid.inverse_size);
+                let gradient = gradient(&strains, &here, grid.inverse_size);
                 K::rotate(&mut point.stress, &gradient, dt);
                 let mut strain = K::strain_increment(&gradient, dt);
                 let mut rate = trace(&gradient);
@@ -516,7 +600,7 @@ where
                 }
             }
             if W::WET {
-                water.cell_to_points::<Sh::Pore>(grid, &Place { cell, position, corners }, &velocity, dt);
+                water.cell_to_points::<Sh::Pore>(grid, &Place { cell, position, corners }, &strains, dt);
             }
         }
         if L::PLASTIC {
@@ -524,6 +608,12 @@ where
         }
         !inside
     }
+}
+
+/// From a point of a cell to one of its corners, m.
+#[inline(always)]
+fn to_corner<const D: usize>(grid: &Grid<D>, xi: &[f64; D], corner: usize) -> [f64; D] {
+    std::array::from_fn(|d| (((corner >> d) & 1) as f64 - xi[d]) * grid.size)
 }
 
 /// Centroid of the soil of a cell, in cell coordinates.
@@ -592,6 +682,7 @@ where
             + self.nodes.capacity() * size_of::<NodeSums<D>>()
             + self.motion.capacity() * size_of::<NodeMotion<D>>()
             + self.edges.as_ref().and_then(|edges| edges.base.as_ref()).map_or(0, Coulomb::bytes)
+            + self.parts.transfer.as_ref().map_or(0, |transfer| transfer.bytes())
     }
 
     fn solid_count(&self) -> usize {

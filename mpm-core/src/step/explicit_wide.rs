@@ -31,9 +31,15 @@ where
     fn step(&mut self, dt: f64) -> Result<(), Fault> {
         let skeleton = &mut self.skeleton;
         skeleton.particles_to_mesh::<false, false>();
+        if skeleton.parts.transfer.is_some() {
+            skeleton.give_beyond();
+        }
         skeleton.load();
         skeleton.equation_of_motion(dt);
         skeleton.darcy_flow(dt);
+        if skeleton.parts.transfer.is_some() {
+            skeleton.map_back();
+        }
         let left =
             skeleton.mesh_to_particles::<false>(dt, |water, grid, place, rate| water.change(grid, place, rate, dt));
         skeleton.settle(left, dt)

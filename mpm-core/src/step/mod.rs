@@ -10,6 +10,7 @@ pub mod quasi_static;
 mod semi_implicit;
 mod skeleton;
 mod track;
+mod transfer;
 mod two_clocks;
 
 pub use explicit::Explicit;
@@ -18,6 +19,7 @@ pub use failing::{Failing, Pace};
 pub use lanes::ExplicitLanes;
 pub use parts::Parts;
 pub use semi_implicit::SemiImplicit;
+pub use transfer::Transfer;
 pub use two_clocks::TwoClocks;
 
 use serde::Serialize;

@@ -1,5 +1,6 @@
 //! What a run is made of, and what is read from it between steps.
 
+use super::Transfer;
 use crate::boundary::{BodyForce, Plate, Supports, SurfaceLoad};
 use crate::constitutive::{Flow, Law};
 use crate::dimension::Kinematics;
@@ -32,6 +33,8 @@ pub struct Parts<L, W, const D: usize, const S: usize> {
     pub force: Option<Box<BodyForce<D>>>,
     /// A rigid plate on the top, which moves as one.
     pub plate: Option<Plate>,
+    /// Velocities carried in a way that few scenes ask for.
+    pub transfer: Option<Box<Transfer<D>>>,
     /// FLIP share of the velocity update.
     pub flip: f64,
     /// Soil less dense than this (dry, kg/m3) has come apart and carries no stress; 0 if it always does.

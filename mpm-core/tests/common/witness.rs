@@ -184,6 +184,7 @@ pub fn saturated<O: DarcyOperator<D>, L, const D: usize, const S: usize>(
         gravity: differently.gravity.map(|g| std::array::from_fn(|d| if d == D - 1 { -g } else { 0.0 })),
         force: None,
         plate: None,
+        transfer: None,
         flip: scene.flip,
         apart: 0.0,
         seed: Seed { per_row: seeded.len() - top, spacing, heights: Vec::new() },

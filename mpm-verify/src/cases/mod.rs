@@ -26,6 +26,7 @@ mod ramp_load;
 mod rest;
 mod self_weight;
 mod semi_implicit;
+mod spin;
 mod strip;
 mod terzaghi;
 mod undrained;
@@ -118,6 +119,8 @@ pub const LADDER: &[Rung] = &[
     mandel_inertia::SEMI_IMPLICIT,
     mandel_inertia::EXPLICIT,
     strip::RUNG,
+    spin::SPLINES,
+    spin::GIMP,
     bar::PERIOD,
     bar::ENERGY,
     bar::PIC,

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use mpm_core::boundary::{FirstState, Given};
 use mpm_core::hardware::Hardware;
 use mpm_core::run::model_given;
-use mpm_core::scene::{Scene, SeedingChoice, ShapeChoice, SolidSide};
+use mpm_core::scene::{Dimension, Scene, SeedingChoice, ShapeChoice, SolidSide, TransferChoice};
 use mpm_core::stability::stable_limit;
 
 use super::{Mutant, Outcome, Rung, integrator, scheme};
@@ -20,16 +20,16 @@ use crate::exact::vortex::Vortex;
 pub const SPLINES: Rung = Rung {
     name: "vortex",
     about: "a disc sheared and turned by a body force, B-splines: places of the particles, order 2",
-    climb: || climb(ShapeChoice::Bspline2, 5e-2, [1.5, 2.5], 1.0),
-    mutant: Some(Mutant { what: NO_FORCE, climb: || climb(ShapeChoice::Bspline2, 5e-2, [1.5, 2.5], 0.0) }),
+    climb: || climb(ShapeChoice::Bspline2, 2e-2, [1.8, 2.4], 1.0),
+    mutant: Some(Mutant { what: NO_FORCE, climb: || climb(ShapeChoice::Bspline2, 2e-2, [1.8, 2.4], 0.0) }),
 };
 
-/// uGIMP.
+/// uGIMP, whose particles keep their first shape: its order falls on fine meshes.
 pub const GIMP: Rung = Rung {
     name: "vortex-gimp",
     about: "the same with uGIMP",
-    climb: || climb(ShapeChoice::Gimp, 5e-2, [1.5, 2.5], 1.0),
-    mutant: Some(Mutant { what: NO_FORCE, climb: || climb(ShapeChoice::Gimp, 5e-2, [1.5, 2.5], 0.0) }),
+    climb: || climb(ShapeChoice::Gimp, 5e-2, [1.2, 2.4], 1.0),
+    mutant: Some(Mutant { what: NO_FORCE, climb: || climb(ShapeChoice::Gimp, 5e-2, [1.2, 2.4], 0.0) }),
 };
 
 const NO_FORCE: &str = "no body force";
@@ -60,11 +60,12 @@ fn disc(cells: usize, shape: ShapeChoice) -> Scene {
     };
     scene.outline = Some((0..128).map(corner).collect());
     (scene.seeding, scene.solid_sides) = (SeedingChoice::Clipped, [SolidSide::Free; 4]);
-    (scene.dimension, scene.shape) = (mpm_core::scene::Dimension::PlaneStrain, shape);
+    (scene.dimension, scene.shape) = (Dimension::PlaneStrain, shape);
     (scene.cell, scene.particles_per_cell, scene.headroom_cells) = (1.0 / cells as f64, 9, 0);
     (scene.width, scene.height) = (2.4, 2.4);
     scene.cells = [(2.4 * cells as f64).round() as usize; 2];
     (scene.surcharge, scene.gravity, scene.stages[0].damping) = (None, None, 0.0);
+    scene.transfer = TransferChoice::Affine;
     scene.elastic.youngs_modulus = 1e6;
     scene.grain_density = 1000.0 / (1.0 - scene.porosity);
     scene

@@ -56,6 +56,7 @@ fn point_source<O: DarcyOperator<2> + 'static>() -> f64 {
         gravity: None,
         force: None,
         plate: None,
+        transfer: None,
         flip: 0.0,
         apart: 0.0,
         seed: Seed { per_row: BLOCK, spacing: grid.size, heights: Vec::new() },

@@ -4,7 +4,8 @@ use toml::{Spanned, Value};
 
 use super::super::raw::{RawMesh, RawScene, RawScheme, RawSoil, RawTime};
 use super::super::{
-    DarcyChoice, Dimension, Displaced, Integrator, Quadrature, Scene, ShapeChoice, StepChoice, StrainChoice, TimeMethod,
+    DarcyChoice, Dimension, Displaced, Integrator, Quadrature, Scene, ShapeChoice, StepChoice, StrainChoice,
+    TimeMethod, TransferChoice, UpdateChoice,
 };
 use super::{Checked, Reader, quoted};
 
@@ -14,6 +15,8 @@ pub(super) struct Scheme {
     pub darcy: DarcyChoice,
     pub darcy_inertia: bool,
     pub flip: f64,
+    pub transfer: TransferChoice,
+    pub update: UpdateChoice,
     pub quadrature: Quadrature,
     pub jump_penalty: f64,
 }
@@ -55,6 +58,8 @@ impl Reader<'_> {
             darcy: DarcyChoice::Face,
             darcy_inertia: true,
             flip: 1.0,
+            transfer: TransferChoice::Plain,
+            update: UpdateChoice::Usl,
             quadrature: Quadrature::Fitted,
             jump_penalty: if dimension == Dimension::Column { JUMP_PENALTY_COLUMN } else { JUMP_PENALTY },
         };
@@ -65,6 +70,10 @@ impl Reader<'_> {
         if let Some(value) = &raw.flip {
             scheme.flip = self.within(value, "scheme.flip", "0 <= flip <= 1", |f| (0.0..=1.0).contains(&f))?;
         }
+        let transfers = [("plain", TransferChoice::Plain), ("affine", TransferChoice::Affine)];
+        let updates = [("usl", UpdateChoice::Usl), ("musl", UpdateChoice::Musl)];
+        scheme.transfer = self.word(raw.transfer.as_ref(), "scheme.transfer", &transfers, scheme.transfer)?;
+        scheme.update = self.word(raw.update.as_ref(), "scheme.update", &updates, scheme.update)?;
         scheme.shape = self.word(raw.shape.as_ref(), "scheme.shape", &shapes, scheme.shape)?;
         if let (Some(value), false) = (&raw.quadrature, scheme.shape == ShapeChoice::Bspline2) {
             let expected = "shape = \"bspline2\" beside it: other shapes use the particles' volumes";

@@ -214,6 +214,8 @@ impl Reader<'_> {
             // A quasi-static soil has no acceleration that could enter Darcy's law.
             darcy_inertia: scheme.darcy_inertia && time.integrator != Integrator::QuasiStatic,
             flip: scheme.flip,
+            transfer: scheme.transfer,
+            update: scheme.update,
             step: time.step,
             safety: time.safety,
             force: false,

@@ -18,6 +18,7 @@ impl Reader<'_> {
         self.incompressible_water(raw, scene)?;
         self.two_clocks(raw, scene)?;
         self.flow_is_dynamic(raw, scene)?;
+        self.transfers(raw, scene)?;
         if scene.integrator == Integrator::QuasiStatic {
             self.quasi_static_scheme(raw, scene)?;
             self.quasi_static_time(raw, scene)?;
@@ -41,6 +42,27 @@ impl Reader<'_> {
         if let (Some(value), DarcyChoice::Nodal, true) = (darcy, scene.darcy, semi || !corners) {
             let expected = "\"face\", or integrator = \"explicit\" and shape = \"centre\" or \"linear\" beside it";
             return self.refuse(&value.span(), "scheme.darcy", expected, quoted(value.get_ref()));
+        }
+        Ok(())
+    }
+
+    /// Ways to carry velocities that the explicit step alone knows.
+    fn transfers(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
+        let Some(scheme) = raw.scheme.as_ref().map(Spanned::get_ref) else { return Ok(()) };
+        if let (Some(word), Some(base), false) = (&scheme.update, &raw.base, scene.update.is_default()) {
+            let expected =
+                format!("\"usl\" beside [base] (line {}): friction is with the nodes", self.line(&base.span()));
+            return self.refuse(&word.span(), "scheme.update", &expected, quoted(word.get_ref()));
+        }
+        if scene.integrator == Integrator::Explicit && scene.free_surface.is_none() {
+            return Ok(());
+        }
+        let expected = "integrator = \"explicit\" beside it, in a scene without a free surface of water";
+        if let (Some(word), false) = (&scheme.transfer, scene.transfer.is_default()) {
+            return self.refuse(&word.span(), "scheme.transfer", expected, quoted(word.get_ref()));
+        }
+        if let (Some(word), false) = (&scheme.update, scene.update.is_default()) {
+            return self.refuse(&word.span(), "scheme.update", expected, quoted(word.get_ref()));
         }
         Ok(())
     }

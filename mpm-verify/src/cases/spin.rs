@@ -1,0 +1,128 @@
+//! A free elastic square that turns once through the mesh: its angular momentum, under every way to carry velocities.
+//!
+//! It is stiff enough to turn nearly as a rigid body, and no force acts on it. Particles with affine velocities keep the
+//! angular momentum to a part in 1e4 and better; with velocities alone a node at an edge has that of particles on one side
+//! of it, FLIP loses some percent of the spin in a turn and PIC all of it. The error is the change of the angular momentum.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use mpm_core::boundary::{FirstState, Given};
+use mpm_core::hardware::Hardware;
+use mpm_core::observe::SolidState;
+use mpm_core::run::model_given;
+use mpm_core::scene::{Dimension, Scene, ShapeChoice, SolidSide, TransferChoice};
+use mpm_core::stability::stable_limit;
+
+use super::evidence::Sampled;
+use super::{Mutant, Outcome, Rung, integrator, scheme};
+
+/// Quadratic B-splines.
+pub const SPLINES: Rung = Rung {
+    name: "spin",
+    about: "a free square turns once, affine velocities, B-splines: change of the angular momentum",
+    climb: || climb(ShapeChoice::Bspline2, TransferChoice::Affine),
+    mutant: Some(Mutant { what: PLAIN, climb: || climb(ShapeChoice::Bspline2, TransferChoice::Plain) }),
+};
+
+/// uGIMP.
+pub const GIMP: Rung = Rung {
+    name: "spin-gimp",
+    about: "the same with uGIMP",
+    climb: || climb(ShapeChoice::Gimp, TransferChoice::Affine),
+    mutant: Some(Mutant { what: PLAIN, climb: || climb(ShapeChoice::Gimp, TransferChoice::Plain) }),
+};
+
+const PLAIN: &str = "velocities that are not affine";
+/// Speed of a side's middle over that of shear waves.
+const SLOW: f64 = 0.05;
+/// Middle of the square of 1 m in a mesh of 1.6 m, m.
+const MIDDLE: f64 = 0.8;
+/// Looks at the square during a turn.
+const LOOKS: u32 = 16;
+/// Step as a share of the stable one.
+const SHARE: f64 = 0.4;
+
+/// What carries velocities beside the rung's own choice, for the curves: name, affine or not, share of FLIP.
+const OTHERS: [(&str, TransferChoice, f64); 4] = [
+    ("FLIP", TransferChoice::Plain, 1.0),
+    ("PIC", TransferChoice::Plain, 0.0),
+    ("affine FLIP", TransferChoice::Affine, 1.0),
+    ("affine PIC", TransferChoice::Affine, 0.0),
+];
+
+fn square(cells: usize, shape: ShapeChoice) -> Result<Scene, String> {
+    let mut scene = crate::scenes::built_in("dry-bar").ok_or("no such scene")?.map_err(|e| e.to_string())?;
+    scene.outline = Some([[0.3, 0.3], [1.3, 0.3], [1.3, 1.3], [0.3, 1.3]].to_vec());
+    (scene.dimension, scene.shape, scene.solid_sides) = (Dimension::PlaneStrain, shape, [SolidSide::Free; 4]);
+    (scene.cell, scene.particles_per_cell, scene.headroom_cells) = (1.0 / cells as f64, 4, 0);
+    (scene.width, scene.height) = (2.0 * MIDDLE, 2.0 * MIDDLE);
+    scene.cells = [(2.0 * MIDDLE * cells as f64).round() as usize; 2];
+    (scene.surcharge, scene.gravity, scene.stages[0].damping) = (None, None, 0.0);
+    Ok(scene)
+}
+
+fn climb(shape: ShapeChoice, transfer: TransferChoice) -> Result<Outcome, String> {
+    let mut notes = Vec::new();
+    let mut samples = Vec::new();
+    for (name, transfer, flip) in OTHERS {
+        let history = turn(&Scene { transfer, flip, ..square(10, shape)? })?;
+        let last = history.last().ok_or("no look")?;
+        notes.push((format!("{name}, 10 cells: angular momentum after a turn, of the first"), last[1], "-".to_owned()));
+        notes.push((format!("{name}, 10 cells: energy after a turn, of the first"), last[2], "-".to_owned()));
+        for (quantity, at) in [("angular momentum", 1), ("energy", 2)] {
+            samples.extend(history.iter().map(|look| Sampled {
+                quantity: format!("{quantity}, {name}"),
+                unit: "-".to_owned(),
+                time: look[0],
+                factor: None,
+                computed: look[at],
+                exact: 1.0,
+                error: look[at] - 1.0,
+                counts: false,
+            }));
+        }
+    }
+    let change = |cells: &usize| {
+        let history = turn(&Scene { transfer, ..square(*cells, shape)? })?;
+        Ok((1.0 / *cells as f64, history.last().ok_or("no look")?[1] - 1.0))
+    };
+    let base = square(10, shape)?;
+    Ok(Outcome {
+        integrator: integrator(&base),
+        scheme: scheme(&base),
+        errors: [5, 10, 15].iter().map(change).collect::<Result<_, String>>()?,
+        required_error: 2e-4,
+        notes,
+        samples,
+        ..Outcome::default()
+    })
+}
+
+/// Time (s), angular momentum and energy over their first values during a turn.
+fn turn(scene: &Scene) -> Result<Vec<[f64; 3]>, String> {
+    let rate = 2.0 * SLOW * (scene.elastic.shear_modulus() / scene.dry_density()).sqrt();
+    let first = move |[x, y]: [f64; 2]| FirstState {
+        velocity: [rate * (MIDDLE - y), rate * (x - MIDDLE)],
+        ..FirstState::default()
+    };
+    let given = Given { start: Some(Arc::new(first)), force: None };
+    let mut model = model_given(&Hardware::default(), scene, &given).map_err(|e| e.to_string())?;
+    let end = TAU / rate;
+    let each = (end / f64::from(LOOKS) / (SHARE * stable_limit(scene))).ceil();
+    let dt = end / f64::from(LOOKS) / each;
+    let stopped = |f: mpm_core::step::Fault| format!("{}: {}", f.place, f.what);
+    model.enter_stage(&scene.stages[0], &[end]).map_err(stopped)?;
+    let moment = |p: &SolidState| p.mass * ((p.x[0] - MIDDLE) * p.velocity[1] - (p.x[1] - MIDDLE) * p.velocity[0]);
+    let mut looks = Vec::new();
+    for look in 0..=LOOKS {
+        if look > 0 {
+            model.advance(dt, each as u64, &mut 0).map_err(stopped)?;
+        }
+        let ledger = model.ledger();
+        let momentum: f64 = model.particles().iter().map(moment).sum();
+        looks.push([f64::from(look) * each * dt, momentum, ledger.kinetic_j + ledger.strain_j]);
+    }
+    let [_, momentum, energy] = looks[0];
+    Ok(looks.iter().map(|l| [l[0], l[1] / momentum, l[2] / energy]).collect())
+}
