@@ -212,7 +212,9 @@ fn sane(scene: &Scene, sample: &Sample) -> Result<(), Fault> {
     // What load and weight would store drained; round-off of a soil that nothing moves is far below.
     let stress = scene.surcharge.map_or(0.0, |s| s.pressure.abs())
         + scene.gravity.unwrap_or(0.0) * scene.mixture_density() * scene.height;
-    let whole = stress * stress / scene.oedometer_modulus() * scene.height * scene.width;
+    let softest = scene.layers.iter().map(|layer| layer.elastic.oedometer_modulus());
+    let modulus = softest.fold(scene.oedometer_modulus(), f64::min);
+    let whole = stress * stress / modulus * scene.height * scene.width;
     if l.energy_closing_j > FROM_NOWHERE * (stored - l.energy_closing_j).abs().max(booked).max(ROUND_OFF * whole) {
         return fault(format!("{:.3e} J that no work explains, {stored:.3e} J in all", l.energy_closing_j));
     }

@@ -1,7 +1,7 @@
 //! The one switchboard: the words of a scene become concrete types. Nothing else matches on them.
 
 use crate::boundary::{BodyForce, Edges, Given, Plate, Strip, Supports, SurfaceLoad};
-use crate::constitutive::{Law, LinearElastic, MohrCoulomb};
+use crate::constitutive::{Law, Laws, Layered, LinearElastic, MohrCoulomb, Stratum};
 use crate::dimension::{Column, Kinematics, PlaneStrain};
 use crate::drive::{Run, drive};
 use crate::error::RunError;
@@ -10,8 +10,8 @@ use crate::hardware::{Hardware, Width};
 use crate::observe::Seed;
 use crate::particles::{Layer, SolidPoint, WaterPoint, displace, even_positions};
 use crate::scene::{
-    DarcyChoice, Dimension, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, Start, TransferChoice, UpdateChoice,
-    WaterProperties,
+    DarcyChoice, Dimension, Elastic, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, SoilLayer, Start,
+    TransferChoice, UpdateChoice, WaterProperties,
 };
 use crate::seeding::{self, Part};
 use crate::shape::{BBar, Centre, Centroid, Linear, Shape};
@@ -96,6 +96,18 @@ pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<
     }
     let quasi_static = scene.integrator == Integrator::QuasiStatic;
     match (scene.dimension, scene.strength) {
+        (Dimension::Column, None) if !scene.layers.is_empty() => {
+            let cells = [scene.cells[1]];
+            layered::<Column, 1, 2>(scene, given, cells, [scene.width; 2], along_column, LinearElastic::column)
+        }
+        (Dimension::PlaneStrain, None) if !scene.layers.is_empty() => layered::<PlaneStrain, 2, 4>(
+            scene,
+            given,
+            scene.cells,
+            [1.0, scene.cell],
+            in_plane,
+            LinearElastic::plane_strain,
+        ),
         (_, Some(_)) if quasi_static => Err(refused("the quasi-static integrator knows linear elastic soil only")),
         (Dimension::Column, None) => {
             let law = LinearElastic::column(&scene.elastic);
@@ -181,7 +193,7 @@ pub(crate) fn over_lanes(width: Width, scene: &Scene) -> bool {
 }
 
 /// The quasi-static model: one layer of particles and a mesh that is laid over them.
-fn implicit<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
+fn implicit<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
     scene: &Scene,
     soil_cells: [usize; D],
     thickness: f64,
@@ -190,7 +202,6 @@ fn implicit<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
 ) -> Box<dyn Model> {
     let spacing = scene.cell / scene.particles_per_direction() as f64;
     let volume = thickness * spacing.powi(D as i32);
-    let ratio = scene.lateral_ratio();
     let lengths: [f64; D] = std::array::from_fn(|d| if d == D - 1 { scene.height } else { scene.width });
     let mut places: Vec<([f64; D], bool)> =
         positions(scene, soil_cells).map(|x| (x, x[D - 1] > scene.height - spacing)).collect();
@@ -202,6 +213,7 @@ fn implicit<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
     places.sort_by_key(|(x, _)| std::array::from_fn::<i64, D, _>(|d| cell(x)[D - 1 - d]));
     let point = |(x, _): &([f64; D], bool)| {
         let (vertical, _) = first_state(scene, x[D - 1]);
+        let ratio = scene.lateral_ratio_at(x[D - 1]);
         SolidPoint {
             x: *x,
             v: [0.0; D],
@@ -218,20 +230,53 @@ fn implicit<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
             top: places.iter().enumerate().filter(|(_, (_, top))| *top).map(|(i, _)| i).collect(),
             thickness,
             first_pressure: |scene, height| first_state(scene, height).1,
-            first_settlement: first_settlement(scene),
+            first_settlement: scene.first_settlement(),
         },
     ))
 }
 
-/// Settlement of the state a run starts from, counted from the unloaded one, m.
-fn first_settlement(scene: &Scene) -> f64 {
-    if scene.start != Start::UndrainedEquilibrium {
-        return 0.0;
+/// A scene with layers: a law and a conductivity each. `across` is the thickness and the area of a face of a cell.
+fn layered<K, const D: usize, const S: usize>(
+    scene: &Scene,
+    given: &Given,
+    soil_cells: [usize; D],
+    across: [f64; 2],
+    stress: fn(f64, f64) -> [f64; S],
+    elastic: fn(&Elastic) -> LinearElastic<S>,
+) -> Result<Box<dyn Model>, RunError>
+where
+    K: Kinematics<D, S> + Deformation<D, S>,
+    LinearElastic<S>: Law<S>,
+{
+    let per_row =
+        (soil_cells[..D - 1].iter().product::<usize>() * scene.particles_per_direction().pow(D as u32 - 1)) as f64;
+    let reference = scene.water.map_or(1.0, |water| water.hydraulic_conductivity);
+    let stratum = |layer: &SoilLayer| Stratum {
+        law: elastic(&layer.elastic),
+        conductivity: layer.hydraulic_conductivity / reference,
+        top: layer.up_to,
+        end: ((layer.up_to / scene.spacing()).round() * per_row) as u32,
+    };
+    let strata: Vec<Stratum<S>> = scene.layers.iter().map(stratum).collect();
+    let Some(laws) = Layered::new(&strata) else {
+        return Err(refused("no layers"));
+    };
+    if scene.integrator == Integrator::QuasiStatic {
+        return Ok(implicit::<K, _, D, S>(scene, soil_cells, across[0], stress, laws));
     }
-    // The skeleton's share of the load, and of the weight above, which is half of all on average.
-    let weight = scene.gravity.unwrap_or(0.0) * scene.mixture_density() * scene.height;
-    let mean = scene.surcharge.map_or(0.0, |s| s.pressure) + 0.5 * weight;
-    (1.0 - scene.undrained_share()) * mean * scene.height / scene.oedometer_modulus()
+    let seed = Seeded::new(scene, given, soil_cells, across[1], stress)?;
+    match (scene.integrator, scene.shape) {
+        (Integrator::Explicit, ShapeChoice::Centre | ShapeChoice::Centroid) => {
+            seed.layered_explicit::<K, Centre, _>(scene, laws)
+        }
+        (Integrator::Explicit, ShapeChoice::Linear) => seed.layered_explicit::<K, Linear, _>(scene, laws),
+        (Integrator::Explicit, ShapeChoice::BBar) => seed.layered_explicit::<K, BBar, _>(scene, laws),
+        (_, ShapeChoice::BBar) => seed.wide::<K, _, _, true>(scene, laws, BBar),
+        (_, ShapeChoice::Centre | ShapeChoice::Centroid) => seed.wide::<K, _, _, true>(scene, laws, Centre),
+        (_, ShapeChoice::Linear) => seed.wide::<K, _, _, true>(scene, laws, Linear),
+        (_, ShapeChoice::Gimp) => seed.wide::<K, _, _, true>(scene, laws, Gimp::new(scene.particles_per_direction())),
+        (_, ShapeChoice::Bspline2) => seed.wide::<K, _, _, true>(scene, laws, Bspline2),
+    }
 }
 
 fn shape<K: Kinematics<D, S>, L: Law<S>, const D: usize, const S: usize>(
@@ -251,13 +296,13 @@ fn shape<K: Kinematics<D, S>, L: Law<S>, const D: usize, const S: usize>(
         (Integrator::Explicit, ShapeChoice::Centroid) => water::<K, Centroid, L, D, S>(scene, seed, law),
         (Integrator::Explicit, ShapeChoice::Centre) => water::<K, Centre, L, D, S>(scene, seed, law),
         (Integrator::Explicit, ShapeChoice::BBar) => water::<K, BBar, L, D, S>(scene, seed, law),
-        (_, ShapeChoice::BBar) => seed.wide::<K, _, L>(scene, law, BBar),
+        (_, ShapeChoice::BBar) => seed.wide::<K, _, L, false>(scene, law, BBar),
         (Integrator::Explicit, ShapeChoice::Linear) => water::<K, Linear, L, D, S>(scene, seed, law),
         // A full column has its centroid at the centre; scenes with others are refused.
-        (_, ShapeChoice::Centre | ShapeChoice::Centroid) => seed.wide::<K, _, L>(scene, law, Centre),
-        (_, ShapeChoice::Linear) => seed.wide::<K, _, L>(scene, law, Linear),
-        (_, ShapeChoice::Gimp) => seed.wide::<K, _, L>(scene, law, Gimp::new(per_direction)),
-        (_, ShapeChoice::Bspline2) => seed.wide::<K, _, L>(scene, law, Bspline2),
+        (_, ShapeChoice::Centre | ShapeChoice::Centroid) => seed.wide::<K, _, L, false>(scene, law, Centre),
+        (_, ShapeChoice::Linear) => seed.wide::<K, _, L, false>(scene, law, Linear),
+        (_, ShapeChoice::Gimp) => seed.wide::<K, _, L, false>(scene, law, Gimp::new(per_direction)),
+        (_, ShapeChoice::Bspline2) => seed.wide::<K, _, L, false>(scene, law, Bspline2),
     }
 }
 
@@ -311,8 +356,8 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         let grid = Grid::new(cells, scene.cell);
         let per_direction = scene.particles_per_direction();
         let particle_volume = face_area * scene.cell / (per_direction as f64).powi(D as i32);
-        let ratio = scene.lateral_ratio();
         let point = |x: [f64; D], volume: f64| {
+            let ratio = scene.lateral_ratio_at(x[D - 1]);
             let (vertical, pressure) = match &scene.outline {
                 Some(outline) => {
                     let at = [x[0], x[D - 1]];
@@ -371,11 +416,16 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
             })
             .collect();
         let layer = Layer::new(points, &self.grid).map_err(|e| outside("water", e.index, &e.x))?;
-        let operator = O::new(&self.grid, &properties, self.face_area, scene.darcy_inertia);
+        let mut operator = O::new(&self.grid, &properties, self.face_area, scene.darcy_inertia);
+        let of_row = |row: usize| {
+            let height = (row as f64 + 0.5) * scene.cell;
+            scene.layer_at(height).map(|layer| layer.hydraulic_conductivity / properties.hydraulic_conductivity)
+        };
+        operator.lay((0..self.grid.cells[D - 1]).filter_map(of_row).collect());
         Ok(Saturated::new(layer, &self.grid, properties, scene.grain_density, operator))
     }
 
-    fn explicit<K: Kinematics<D, S>, Sh: Shape, L: Law<S>, W: Water<K, D, S> + 'static>(
+    fn explicit<K: Kinematics<D, S>, Sh: Shape, L: Laws<S>, W: Water<K, D, S> + 'static>(
         self,
         scene: &Scene,
         law: L,
@@ -385,6 +435,17 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         let full_mass = scene.dry_density() * self.face_area * scene.cell;
         let edges = Edges::of(scene, &self.grid, &supports, self.solid.points.len(), full_mass);
         Box::new(Explicit::<K, Sh, L, W, D, S>::with_edges(self.parts(scene, law, water, supports), edges))
+    }
+
+    /// The explicit step in layers, for linear functions.
+    fn layered_explicit<K: Kinematics<D, S>, Sh: Shape, L: Laws<S>>(
+        self,
+        scene: &Scene,
+        laws: L,
+    ) -> Result<Box<dyn Model>, RunError> {
+        let Some(properties) = scene.water else { return Ok(self.explicit::<K, Sh, L, Dry>(scene, laws, Dry)) };
+        let water = self.saturated::<Face<D, true>>(scene, properties)?;
+        Ok(self.explicit::<K, Sh, L, _>(scene, laws, water))
     }
 
     /// Soil and water that run by their own clocks.
@@ -405,7 +466,7 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
     }
 
     /// The kernels over stencils: their water flows through cell faces, and a dry scene has no pressure to solve for.
-    fn wide<K: Kinematics<D, S>, B: Basis, L: Law<S>>(
+    fn wide<K: Kinematics<D, S>, B: Basis, L: Laws<S>, const LAYERED: bool>(
         self,
         scene: &Scene,
         law: L,
@@ -416,10 +477,10 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
             let parts = self.parts(scene, law, Dry, supports);
             return Ok(Box::new(ExplicitWide::<K, B, L, Dry, D, S>::new(parts, basis)));
         };
-        let water = self.saturated::<Face<D>>(scene, properties)?;
+        let water = self.saturated::<Face<D, LAYERED>>(scene, properties)?;
         let parts = self.parts(scene, law, water, supports);
         Ok(match scene.integrator {
-            Integrator::SemiImplicit => Box::new(SemiImplicit::<K, B, L, D, S>::new(parts, basis)),
+            Integrator::SemiImplicit => Box::new(SemiImplicit::<K, B, L, LAYERED, D, S>::new(parts, basis)),
             _ => Box::new(ExplicitWide::<K, B, L, _, D, S>::new(parts, basis)),
         })
     }
@@ -466,7 +527,7 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
             flip: scene.flip,
             apart: scene.separation.map_or(0.0, |strain| scene.dry_density() / (1.0 + strain)),
             seed: self.seed,
-            first_settlement: first_settlement(scene),
+            first_settlement: scene.first_settlement(),
         }
     }
 }
@@ -525,10 +586,8 @@ fn first_state(scene: &Scene, height: f64) -> (f64, f64) {
     match scene.start {
         Start::Unloaded => (0.0, 0.0),
         Start::UndrainedEquilibrium => {
-            let load = scene.surcharge.map_or(0.0, |s| s.pressure);
-            let weight = scene.gravity.unwrap_or(0.0) * scene.mixture_density() * (scene.height - height);
-            let pressure = scene.undrained_share() * (load + weight);
-            (pressure - (load + weight), pressure)
+            let pressure = scene.undrained_pressure_at(height);
+            (pressure - scene.total_stress_at(height), pressure)
         }
         Start::Geostatic => state_at_depth(scene, &[0.5 * scene.width, height], scene.height - height),
     }

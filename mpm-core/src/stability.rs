@@ -333,6 +333,10 @@ fn flow_passes_held_soil(scene: &Scene) -> bool {
 /// but at a free end, and are held to the limit without inertia in Darcy's law (they run up to 1.010 to 1.177 times it
 /// with inertia): the lumped mass of their last coefficient is smaller than that which the relief counts on.
 pub fn explicit_limit(scene: &Scene) -> f64 {
+    worst_layer(scene, explicit_limit_of)
+}
+
+fn explicit_limit_of(scene: &Scene) -> f64 {
     let medium = Medium::of(scene);
     if scene.shape == ShapeChoice::Bspline2 {
         let medium = Medium { flow_inertia: 0.0, ..medium };
@@ -356,6 +360,10 @@ pub fn explicit_limit(scene: &Scene) -> f64 {
 /// counted on, and makes waves grow slowly above a step of its own. B-splines are softer inside the mesh than linear
 /// functions and held to the same.
 pub fn semi_implicit_limit(scene: &Scene) -> f64 {
+    worst_layer(scene, semi_implicit_limit_of)
+}
+
+fn semi_implicit_limit_of(scene: &Scene) -> f64 {
     let limit = semi_implicit_without_inertia(scene);
     // Inertia is in the flow between cells even where the soil at a drained side is held.
     let flow_inertia = scene.water.filter(|_| scene.darcy_inertia).map_or(0.0, |w| w.density);
@@ -376,6 +384,17 @@ fn semi_implicit_without_inertia(scene: &Scene) -> f64 {
         (ShapeChoice::Centre, _) => medium.semi_implicit_plane_strain(scene.darcy).min(medium.shear_waves(shear)),
         _ => medium.semi_implicit_plane_strain(scene.darcy).min(medium.linear_element(shear)),
     }
+}
+
+/// The smallest limit of the layers of a scene, each as if its soil were all there is.
+///
+/// No eigenvalue of a mesh is larger than the largest one of its cells, and the flow between two cells of different
+/// conductivity, the harmonic mean, is at most that between two of the better one.
+fn worst_layer(scene: &Scene, limit: impl Fn(&Scene) -> f64) -> f64 {
+    if scene.layers.is_empty() {
+        return limit(scene);
+    }
+    scene.by_layer().iter().map(|(_, soil)| limit(soil)).fold(f64::INFINITY, f64::min)
 }
 
 /// Largest stable step of a scene with its own integrator, s; infinite where there is none.

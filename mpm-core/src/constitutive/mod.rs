@@ -3,9 +3,11 @@
 #[cfg(test)]
 #[macro_use]
 mod checks;
+mod layered;
 mod linear_elastic;
 mod mohr_coulomb;
 
+pub use layered::{Laws, Layered, MOST_LAYERS, Stratum};
 pub use linear_elastic::LinearElastic;
 pub use mohr_coulomb::{MohrCoulomb, Region};
 use nalgebra::SMatrix;

@@ -59,9 +59,10 @@ impl Scene {
         }))
     }
 
-    /// Lateral over vertical effective stress at t = 0.
-    pub fn lateral_ratio(&self) -> f64 {
-        self.start_k0.unwrap_or_else(|| self.elastic.lame() / self.oedometer_modulus())
+    /// Lateral over vertical effective stress at t = 0 at a height above the base, m.
+    pub fn lateral_ratio_at(&self, height: f64) -> f64 {
+        let elastic = self.elastic_at(height);
+        self.start_k0.unwrap_or_else(|| elastic.lame() / elastic.oedometer_modulus())
     }
 
     /// Corners of the soil, m, anticlockwise: the outline, or the box of a column.
@@ -96,6 +97,7 @@ impl Scene {
             || !self.transfer.is_default()
             || !self.update.is_default()
             || self.surcharge.is_some_and(|load| load.on == super::LoadOn::Plate)
+            || !self.layers.is_empty()
             || rests
     }
 }

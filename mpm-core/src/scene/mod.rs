@@ -6,6 +6,7 @@ mod failure;
 mod flags;
 mod free_surface;
 mod ground;
+mod layers;
 mod raw;
 
 use std::fmt;
@@ -17,6 +18,7 @@ pub use failure::Failure;
 pub use flags::Flags;
 pub use free_surface::{Clock, Feed, FreeSurfaceWater};
 pub use ground::{Base, NormalStress, SeedingChoice};
+pub use layers::SoilLayer;
 
 use crate::error::{LoadError, SceneError};
 
@@ -425,8 +427,11 @@ pub struct Scene {
     pub displaced: Option<Displaced>,
     /// Whether the geometry follows the deformation.
     pub strain: StrainChoice,
-    /// Elasticity of the skeleton.
+    /// Elasticity of the skeleton; layers may have their own.
     pub elastic: Elastic,
+    /// Layers from the base up, the last one up to the height; empty where the soil is the same all over.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub layers: Vec<SoilLayer>,
     /// Its strength, where the law is Mohr-Coulomb; an elastic skeleton has no limit.
     pub strength: Option<Strength>,
     /// Gain of volume beyond which soil has come apart and carries no stress until it has closed again; `None` if it always does.
@@ -544,7 +549,7 @@ impl Scene {
         self.dry_density() + self.water.map_or(0.0, |w| self.porosity * w.density)
     }
 
-    /// Oedometer modulus M, Pa.
+    /// Oedometer modulus M of the soil of the scene, Pa.
     pub fn oedometer_modulus(&self) -> f64 {
         self.elastic.oedometer_modulus()
     }
@@ -554,9 +559,14 @@ impl Scene {
         self.water.map_or(0.0, |w| w.bulk_modulus / self.porosity)
     }
 
-    /// Share of a vertical load that the water carries undrained, Q/(M + Q).
+    /// Share of a vertical load that the water carries undrained in the soil of the scene, Q/(M + Q).
     pub fn undrained_share(&self) -> f64 {
-        let (m, q) = (self.oedometer_modulus(), self.pore_stiffness());
+        self.undrained_share_in(&self.elastic)
+    }
+
+    /// The same in soil of a given elasticity.
+    fn undrained_share_in(&self, elastic: &Elastic) -> f64 {
+        let (m, q) = (elastic.oedometer_modulus(), self.pore_stiffness());
         if q.is_finite() { q / (m + q) } else { 1.0 }
     }
 
@@ -570,7 +580,7 @@ impl Scene {
         self.water.is_some() && self.free_surface.is_none() && self.undrained_share() < share
     }
 
-    /// Undrained pore pressure under the surcharge, p_0 = q Q/(M + Q), Pa.
+    /// Undrained pore pressure under the surcharge in the soil of the scene, p_0 = q Q/(M + Q), Pa.
     pub fn undrained_pressure(&self) -> f64 {
         self.surcharge.map_or(0.0, |s| s.pressure * self.undrained_share())
     }
@@ -608,7 +618,8 @@ impl Scene {
         smooth && tight && self.surcharge.is_none_or(|s| s.strip.is_none())
     }
 
-    /// Seconds per unit of the time factor Tv = c_v t / H_d^2 with c_v = k M / gamma_w (incompressible water).
+    /// Seconds per unit of the time factor Tv = c_v t / H_d^2 with c_v = k M / gamma_w (incompressible water) of the
+    /// soil and the water of the scene, whatever its layers are.
     pub fn time_per_factor(&self) -> Option<f64> {
         let water = self.water?;
         let c_v = water.mobility() * self.oedometer_modulus();

@@ -21,6 +21,7 @@ pub(super) struct RawScene {
     pub geometry: Spanned<RawGeometry>,
     pub mesh: Spanned<RawMesh>,
     pub soil: Spanned<RawSoil>,
+    pub layers: Option<Spanned<Vec<Spanned<RawLayer>>>>,
     pub water: Option<Spanned<RawWater>>,
     pub boundaries: Option<Spanned<RawBoundaries>>,
     pub base: Option<Spanned<RawBase>>,
@@ -106,6 +107,15 @@ pub(super) struct RawMohrCoulomb {
     pub friction_angle: Number,
     pub dilation_angle: Option<Number>,
     pub tension_cutoff: Option<Number>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawLayer {
+    pub up_to: Number,
+    pub youngs_modulus: Option<Number>,
+    pub poisson_ratio: Option<Number>,
+    pub hydraulic_conductivity: Option<Number>,
 }
 
 #[derive(Debug, Deserialize)]

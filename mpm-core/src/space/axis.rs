@@ -10,7 +10,8 @@ pub enum Basis {
         /// Half the size of a particle, m.
         half: f64,
     },
-    /// Quadratic B-splines on open knots: cells + 2 functions, the first and the last are the boundary values.
+    /// Quadratic B-splines on open knots: cells + 2 functions, the first and the last are the boundary values. One more
+    /// for every break, where its value is that of one function.
     Spline2,
 }
 
@@ -25,6 +26,8 @@ pub struct Axis {
     pub size: f64,
     /// First inner line, m: the others follow at equal distances.
     origin: f64,
+    /// Knots that B-splines have twice, ascending: slopes may jump there.
+    breaks: Vec<usize>,
 }
 
 /// Up to three functions that do not vanish at a point, and their derivatives.
@@ -56,7 +59,38 @@ impl Axis {
             knots.remove(end - 1);
         }
         let origin = if knots.len() > 2 { knots[1] } else { high };
-        Self { knots, basis, size, origin }
+        Self { knots, basis, size, origin, breaks: Vec::new() }
+    }
+
+    /// The axis with B-splines that are only continuous at some of its knots (m), the interfaces of layers. Linear
+    /// functions have no slope there anyway.
+    pub fn broken_at(mut self, places: impl Iterator<Item = f64>) -> Self {
+        if self.basis == Basis::Spline2 {
+            let knot = |place: f64| self.knots.iter().position(|k| (k - place).abs() < 1e-6 * self.size);
+            let inner = 1..self.knots.len() - 1;
+            self.breaks = places.filter_map(knot).filter(|knot| inner.contains(knot)).collect();
+        }
+        self
+    }
+
+    /// Whether a knot is a break.
+    pub fn is_break(&self, knot: usize) -> bool {
+        self.breaks.contains(&knot)
+    }
+
+    /// Breaks below the middle of a cell.
+    pub fn breaks_below(&self, cell: usize) -> usize {
+        self.breaks.iter().filter(|knot| **knot <= cell).count()
+    }
+
+    /// First function of a cell.
+    pub fn first(&self, cell: usize) -> usize {
+        cell + self.breaks_below(cell)
+    }
+
+    /// Knot with a number when breaks are counted twice; so also the cell with a first function.
+    pub fn knot_of(&self, number: usize) -> usize {
+        number - self.breaks.iter().enumerate().filter(|(i, knot)| number > **knot + i).count()
     }
 
     /// Cells.
@@ -68,7 +102,7 @@ impl Axis {
     pub fn functions(&self) -> usize {
         match self.basis {
             Basis::Linear | Basis::Gimp { .. } => self.knots.len(),
-            Basis::Spline2 => self.knots.len() + 1,
+            Basis::Spline2 => self.knots.len() + 1 + self.breaks.len(),
         }
     }
 
@@ -164,7 +198,7 @@ impl Axis {
         let (first, last) = ((right - x).powi(2) * down, (x - left).powi(2) * up);
         let (first_slope, last_slope) = (-2.0 * (right - x) * down, 2.0 * (x - left) * up);
         Local {
-            first: cell,
+            first: self.first(cell),
             value: [first, 1.0 - first - last, last],
             slope: [first_slope, -first_slope - last_slope, last_slope],
         }
@@ -179,7 +213,14 @@ impl Axis {
 
     fn around(&self, cell: usize) -> [f64; 4] {
         let k = &self.knots;
-        [k[cell.max(1) - 1], k[cell], k[cell + 1], k[(cell + 2).min(k.len() - 1)]]
+        let mut around = [k[cell.max(1) - 1], k[cell], k[cell + 1], k[(cell + 2).min(k.len() - 1)]];
+        if self.is_break(cell) {
+            around[0] = around[1];
+        }
+        if self.is_break(cell + 1) {
+            around[3] = around[2];
+        }
+        around
     }
 
     /// Coefficients of a field `a + b x`: its values at the knots, or at the Greville points of the B-splines.
@@ -187,8 +228,8 @@ impl Axis {
         match self.basis {
             Basis::Linear | Basis::Gimp { .. } => self.knots[function],
             Basis::Spline2 => {
-                let k = &self.knots;
-                0.5 * (k[function.max(1) - 1] + k[function.min(k.len() - 1)])
+                let k = |number: usize| self.knots[self.knot_of(number)];
+                0.5 * (k(function.max(1) - 1) + k(function.min(self.knots.len() + self.breaks.len() - 1)))
             }
         }
     }
@@ -203,7 +244,11 @@ mod tests {
         for basis in [Basis::Linear, Basis::Gimp { half: 0.05 }, Basis::Spline2] {
             for offset in [0.0, -0.03, -0.05, -0.099, 0.02] {
                 for high in [1.0, 0.913, 0.3, 0.1] {
-                    all.push(Axis::new(0.0, high, 0.1, offset, 0.5, basis));
+                    let axis = Axis::new(0.0, high, 0.1, offset, 0.5, basis);
+                    let inner = axis.knots.clone();
+                    let breaks = [inner[inner.len() / 3], inner[inner.len() / 2]];
+                    all.push(axis.clone().broken_at(breaks.into_iter()));
+                    all.push(axis);
                 }
             }
         }
@@ -251,6 +296,19 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn at_a_break_one_function_is_one_and_slopes_jump() {
+        let axis = Axis::new(0.0, 1.0, 0.1, 0.0, 0.5, Basis::Spline2).broken_at([0.3, 0.7, 0.75].into_iter());
+        assert_eq!(axis.functions(), 14);
+        for knot in [3, 7] {
+            let (below, above) = (axis.spline2(knot - 1, axis.knots[knot]), axis.spline2(knot, axis.knots[knot]));
+            assert_eq!(below.first + 2, above.first);
+            assert!((below.value[2] - 1.0).abs() < 1e-14 && (above.value[0] - 1.0).abs() < 1e-14);
+            assert!(below.slope[2] > 10.0 && above.slope[0] < -10.0, "{below:?} {above:?}");
+        }
+        assert!((0..10).all(|cell| axis.knot_of(axis.first(cell)) == cell));
     }
 
     #[test]

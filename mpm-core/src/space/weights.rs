@@ -3,7 +3,8 @@
 //! Products of slopes of quadratic B-splines are continuous piecewise quadratics. The weights are those nearest to the
 //! particles' volumes, `min sum (w - V)^2`, that integrate every such function on the cells exactly: the basis then keeps
 //! its order, also when particles have moved. A weight is never less than a twentieth of its volume: those that would
-//! be are held there and the rest is fitted again.
+//! be are held there and the rest is fitted again. Where B-splines have a break, products of slopes jump, and so do the
+//! functions that are integrated.
 
 use super::Axis;
 use crate::sparse::{Factor, Ordering, Signs, Symmetric};
@@ -53,7 +54,7 @@ struct Moments {
 
 impl Moments {
     fn new<const D: usize>(axes: &[Axis; D], thickness: f64, points: &[[f64; D]], degree: usize) -> Self {
-        let counts: [usize; D] = std::array::from_fn(|d| degree * axes[d].cells() + 1);
+        let counts: [usize; D] = std::array::from_fn(|d| functions(&axes[d], degree));
         let total: usize = counts.iter().product();
         let along: [Vec<f64>; D] = std::array::from_fn(|d| integrals(&axes[d], degree));
         let target = (0..total)
@@ -71,11 +72,11 @@ impl Moments {
             (Vec::with_capacity(points.len() * support), Vec::with_capacity(points.len() * support));
         for x in points {
             let mut first = [0; D];
-            let mut functions = [[0.0; 3]; D];
+            let mut along = [[0.0; 3]; D];
             for d in 0..D {
                 let cell = axes[d].cell(x[d]);
-                first[d] = degree * cell;
-                functions[d] = lagrange((x[d] - axes[d].knots[cell]) / axes[d].length(cell), degree);
+                first[d] = degree * cell + axes[d].breaks_below(cell);
+                along[d] = lagrange((x[d] - axes[d].knots[cell]) / axes[d].length(cell), degree);
             }
             for local in 0..support {
                 let (mut rest, mut index, mut stride, mut product) = (local, 0, 1, 1.0);
@@ -84,7 +85,7 @@ impl Moments {
                     rest /= degree + 1;
                     index += (first[d] + i) * stride;
                     stride *= counts[d];
-                    product *= functions[d][i];
+                    product *= along[d][i];
                 }
                 number.push(index as u32);
                 value.push(product);
@@ -190,14 +191,19 @@ fn lagrange(xi: f64, degree: usize) -> [f64; 3] {
     }
 }
 
+/// How many there are along an axis: one per node, two at a break.
+fn functions(axis: &Axis, degree: usize) -> usize {
+    degree * axis.cells() + 1 + axis.breaks_below(axis.cells())
+}
+
 /// Their integrals along an axis, m.
 fn integrals(axis: &Axis, degree: usize) -> Vec<f64> {
-    let mut sums = vec![0.0; degree * axis.cells() + 1];
+    let mut sums = vec![0.0; functions(axis, degree)];
     for cell in 0..axis.cells() {
         let length = axis.length(cell);
         let shares: &[f64] = if degree == 1 { &[0.5, 0.5] } else { &[1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0] };
         for (i, share) in shares.iter().enumerate() {
-            sums[degree * cell + i] += share * length;
+            sums[degree * cell + axis.breaks_below(cell) + i] += share * length;
         }
     }
     sums

@@ -3,7 +3,7 @@
 use super::track::Track;
 use super::{Fault, Model, Parts, Transfer};
 use crate::boundary::{Coulomb, Edges};
-use crate::constitutive::Law;
+use crate::constitutive::{Law, Laws};
 use crate::dimension::{Kinematics, basis, coefficients, gradient, shares, to_corners, trace, value};
 use crate::grid::Grid;
 use crate::keep::Keeper;
@@ -38,7 +38,7 @@ impl<K, Sh, L, W, const D: usize, const S: usize> Explicit<K, Sh, L, W, D, S>
 where
     K: Kinematics<D, S>,
     Sh: Shape,
-    L: Law<S>,
+    L: Laws<S>,
     W: Water<K, D, S>,
 {
     /// A run at t = 0.
@@ -541,7 +541,7 @@ where
     fn mesh_to_particles<const ALONE: bool>(&mut self, dt: f64) -> bool {
         let Parts { grid, solid, water, law, flip, apart, transfer, .. } = &mut self.parts;
         let mapped = transfer.as_ref().and_then(|transfer| transfer.mapped.as_ref());
-        let (flip, law, apart) = (*flip, *law, *apart);
+        let (flip, laws, apart) = (*flip, *law, *apart);
         let mut inside = true;
         let mut flowed = Flowed::NOTHING;
         for (cell, position) in grid.walk() {
@@ -564,7 +564,10 @@ where
             let at = if Sh::AT_CENTROID { centroid(grid, &position, &solid.points[range.clone()]) } else { [0.5; D] };
             // B-bar: what changes volumes is that of the centre.
             let middle = if Sh::SPLIT { trace(&gradient(&strains, &[0.5; D], grid.inverse_size)) } else { 0.0 };
+            let mut number = range.start;
             for point in &mut solid.points[range] {
+                let law = laws.law(laws.mark_of(if L::LAYERED { solid.ids[number] } else { 0 }));
+                number += 1;
                 let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - position[d] as f64);
                 let phi = basis(&xi);
                 let here = if Sh::AT_CENTROID { at } else { Sh::point(&xi) };
@@ -579,13 +582,13 @@ where
                     }
                     rate = middle;
                 }
-                if L::PLASTIC {
+                if L::One::PLASTIC {
                     flowed.add(point.volume, &law.flow(&mut point.stress, &strain));
                 } else {
                     law.update(&mut point.stress, &strain);
                 }
                 point.volume *= 1.0 + dt * rate;
-                if L::PLASTIC && point.volume * apart > point.mass {
+                if L::One::PLASTIC && point.volume * apart > point.mass {
                     // Come apart: no stress until the gap is closed, or every recompression would push too early.
                     flowed.dissipation += point.volume * law.energy(&point.stress);
                     point.stress = [0.0; S];
@@ -603,7 +606,7 @@ where
                 water.cell_to_points::<Sh::Pore>(grid, &Place { cell, position, corners }, &strains, dt);
             }
         }
-        if L::PLASTIC {
+        if L::One::PLASTIC {
             self.totals.flowed.join(&flowed);
         }
         !inside
@@ -637,7 +640,7 @@ impl<K, Sh, L, W, const D: usize, const S: usize> Model for Explicit<K, Sh, L, W
 where
     K: Kinematics<D, S>,
     Sh: Shape,
-    L: Law<S>,
+    L: Laws<S>,
     W: Water<K, D, S>,
 {
     fn advance(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault> {

@@ -2,7 +2,7 @@
 
 use super::skeleton::Skeleton;
 use super::{Fault, Model, Parts};
-use crate::constitutive::Law;
+use crate::constitutive::Laws;
 use crate::dimension::Kinematics;
 use crate::observe::{Ledger, Observation, SolidState};
 use crate::scene::Stage;
@@ -19,7 +19,7 @@ impl<K, B, L, W, const D: usize, const S: usize> ExplicitWide<K, B, L, W, D, S>
 where
     K: Kinematics<D, S>,
     B: Basis,
-    L: Law<S>,
+    L: Laws<S>,
     W: Cellwise<K, D, S>,
 {
     /// A run at t = 0; the supports of `parts` hold coefficients of the basis.
@@ -50,7 +50,7 @@ impl<K, B, L, W, const D: usize, const S: usize> Skeleton<K, B, L, W, D, S>
 where
     K: Kinematics<D, S>,
     B: Basis,
-    L: Law<S>,
+    L: Laws<S>,
     W: Cellwise<K, D, S>,
 {
     /// Eq. (1): relative velocity of the water.
@@ -68,7 +68,7 @@ impl<K, B, L, W, const D: usize, const S: usize> Model for ExplicitWide<K, B, L,
 where
     K: Kinematics<D, S>,
     B: Basis,
-    L: Law<S>,
+    L: Laws<S>,
     W: Cellwise<K, D, S>,
 {
     fn advance(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault> {

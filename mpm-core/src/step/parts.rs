@@ -2,7 +2,7 @@
 
 use super::Transfer;
 use crate::boundary::{BodyForce, Plate, Supports, SurfaceLoad};
-use crate::constitutive::{Flow, Law};
+use crate::constitutive::{Flow, Law, Laws};
 use crate::dimension::Kinematics;
 use crate::grid::Grid;
 use crate::observe::{CellValues, FieldPoint, Flowed, Ledger, Observation, Seed, SolidState, Totals, observe};
@@ -19,7 +19,7 @@ pub struct Parts<L, W, const D: usize, const S: usize> {
     pub solid: Layer<SolidPoint<D, S>, D>,
     /// Water layer, or [`crate::water::Dry`].
     pub water: W,
-    /// Constitutive law of the skeleton.
+    /// Constitutive law of the skeleton, or those of its layers.
     pub law: L,
     /// Held sides.
     pub supports: Supports<D>,
@@ -49,7 +49,7 @@ impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
     /// Every cell with soil: its place, soil and water.
     pub fn cell_values<K: Kinematics<D, S>>(&self) -> Vec<CellValues<D>>
     where
-        L: Law<S>,
+        L: Laws<S>,
         W: Water<K, D, S>,
     {
         let Parts { grid, solid, water, law, .. } = self;
@@ -63,7 +63,9 @@ impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
             let corners = grid.corners(&position);
             for index in range {
                 let point = &solid.points[index];
-                values.add_solid(point, self.seed.height_of(solid.ids[index]), law.energy(&point.stress));
+                let id = solid.ids[index];
+                let energy = law.law(law.mark_of(id)).energy(&point.stress);
+                values.add_solid(point, self.seed.height_of(id), energy);
             }
             let place = Place { cell, position, corners };
             let soil = SoilCell { place, mass: values.solid_mass, volume: values.volume, at: [0.5; D] };
@@ -81,11 +83,12 @@ impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
     /// Nothing dissipated yet, and how near the first stresses are to yield.
     pub fn flowed_at_first(&self) -> Flowed
     where
-        L: Law<S>,
+        L: Laws<S>,
     {
         let mut flowed = Flowed::NOTHING;
-        for point in self.solid.points.iter().filter(|_| L::PLASTIC) {
-            flowed.add(point.volume, &Flow { dissipation: 0.0, residual: self.law.yield_residual(&point.stress) });
+        for (point, id) in self.solid.points.iter().zip(&self.solid.ids).filter(|_| L::One::PLASTIC) {
+            let residual = self.law.law(self.law.mark_of(*id)).yield_residual(&point.stress);
+            flowed.add(point.volume, &Flow { dissipation: 0.0, residual });
         }
         flowed
     }
@@ -93,7 +96,7 @@ impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
     /// The state at a time (s).
     pub fn observe<K: Kinematics<D, S>>(&self, time: f64) -> Observation
     where
-        L: Law<S>,
+        L: Laws<S>,
         W: Water<K, D, S>,
     {
         let settlement = self.first_settlement + self.surface.settlement(&self.solid);
@@ -147,7 +150,7 @@ impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
     /// The balances from the sums of the steps.
     pub fn ledger<K: Kinematics<D, S>>(&self, totals: &Totals<D>) -> Ledger
     where
-        L: Law<S>,
+        L: Laws<S>,
         W: Water<K, D, S>,
     {
         let ledger = totals.ledger(&self.cell_values::<K>(), self.water.density(), self.water.removed_mass());

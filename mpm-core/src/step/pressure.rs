@@ -9,7 +9,7 @@
 
 use super::Fault;
 use super::skeleton::Skeleton;
-use crate::constitutive::Law;
+use crate::constitutive::Laws;
 use crate::dimension::Kinematics;
 use crate::grid::Grid;
 use crate::particles::{Layer, Point};
@@ -26,7 +26,7 @@ pub struct PressureSystem<const D: usize> {
     system: Option<(Symmetric, Factor)>,
     /// The entries of the matrix in its order.
     entries: Vec<Entry<D>>,
-    /// H over the conductance between neighbours, in the same order.
+    /// H over the conductance between neighbours of the water's own conductivity, in the same order.
     laplacian: Vec<f64>,
     /// m^-1 C dt of every cell, m2 s/kg.
     response: Vec<[f64; D]>,
@@ -96,24 +96,24 @@ impl<const D: usize> PressureSystem<D> {
     ///
     /// # Errors
     /// A singular system, with what shows it.
-    pub fn solve<K, B, L, const S: usize>(
+    pub fn solve<K, B, L, const LAYERED: bool, const S: usize>(
         &mut self,
-        skeleton: &mut Skeleton<K, B, L, Saturated<Face<D>, D>, D, S>,
+        skeleton: &mut Skeleton<K, B, L, Saturated<Face<D, LAYERED>, D>, D, S>,
         dt: f64,
     ) -> Result<(), Fault>
     where
         K: Kinematics<D, S>,
         B: Basis,
-        L: Law<S>,
-        Saturated<Face<D>, D>: Cellwise<K, D, S>,
+        L: Laws<S>,
+        Saturated<Face<D, LAYERED>, D>: Cellwise<K, D, S>,
     {
         let fault = |e: Unsolved| Fault { place: "the pore pressure".to_owned(), what: e.to_string() };
         let parts = &skeleton.parts;
         if self.system.is_none() || self.order != parts.solid.order {
-            self.follow::<B, _>(&parts.grid, &parts.solid, &parts.water).map_err(fault)?;
+            self.follow::<B, _, LAYERED>(&parts.grid, &parts.solid, &parts.water).map_err(fault)?;
         }
         self.respond(skeleton, dt);
-        self.fill::<B>(&skeleton.coupling, &skeleton.parts.water, dt);
+        self.fill::<B, LAYERED>(&skeleton.coupling, &skeleton.parts.water, dt);
         self.right_side(skeleton, dt);
         if let Some((matrix, factor)) = &mut self.system {
             factor.refresh(matrix).map_err(fault)?;
@@ -133,11 +133,11 @@ impl<const D: usize> PressureSystem<D> {
     }
 
     /// The pattern, where the cells with soil are others than before: cells whose particles reach a common function.
-    fn follow<B: Basis, P: Point<D>>(
+    fn follow<B: Basis, P: Point<D>, const LAYERED: bool>(
         &mut self,
         grid: &Grid<D>,
         solid: &Layer<P, D>,
-        water: &Saturated<Face<D>, D>,
+        water: &Saturated<Face<D, LAYERED>, D>,
     ) -> Result<(), Unsolved> {
         self.order = solid.order;
         let soil = |cell: usize| !solid.range(cell).is_empty();
@@ -168,7 +168,8 @@ impl<const D: usize> PressureSystem<D> {
                 if row as usize <= column {
                     let neighbours = shift.iter().map(|s| s.abs()).sum::<i32>() == 1;
                     self.entries.push(Entry { row, column: column as u32, shift });
-                    self.laplacian.push(if neighbours { -1.0 } else { 0.0 });
+                    let between = || water.conductance_between(grid, [other, cell as usize]);
+                    self.laplacian.push(if neighbours { -between() } else { 0.0 });
                 }
             }
             diagonal[column] = self.entries.len() - 1; // rows ascend: the diagonal closes its column
@@ -176,11 +177,12 @@ impl<const D: usize> PressureSystem<D> {
         for k in 0..self.entries.len() {
             if self.laplacian[k] < 0.0 {
                 let Entry { row, column, .. } = self.entries[k];
-                self.laplacian[diagonal[row as usize]] += 1.0;
-                self.laplacian[diagonal[column as usize]] += 1.0;
+                let between = -self.laplacian[k];
+                self.laplacian[diagonal[row as usize]] += between;
+                self.laplacian[diagonal[column as usize]] += between;
             }
         }
-        for (cell, conductance) in water.outlets() {
+        for (cell, conductance) in water.outlets(grid) {
             self.laplacian[diagonal[row_of[cell] as usize]] += conductance;
         }
         let matrix = Symmetric::new(count, self.entries.iter().map(|e| (e.row as usize, e.column as usize)));
@@ -195,12 +197,15 @@ impl<const D: usize> PressureSystem<D> {
     }
 
     /// `dt m^-1 C`: the velocities that a unit pressure in a cell makes, without the held coefficients.
-    fn respond<K, B, L, const S: usize>(&mut self, skeleton: &Skeleton<K, B, L, Saturated<Face<D>, D>, D, S>, dt: f64)
-    where
+    fn respond<K, B, L, const LAYERED: bool, const S: usize>(
+        &mut self,
+        skeleton: &Skeleton<K, B, L, Saturated<Face<D, LAYERED>, D>, D, S>,
+        dt: f64,
+    ) where
         K: Kinematics<D, S>,
         B: Basis,
-        L: Law<S>,
-        Saturated<Face<D>, D>: Cellwise<K, D, S>,
+        L: Laws<S>,
+        Saturated<Face<D, LAYERED>, D>: Cellwise<K, D, S>,
     {
         let keep = skeleton.kept(dt);
         for (inverse, node) in self.inverse_mass.iter_mut().zip(&skeleton.nodes) {
@@ -224,15 +229,15 @@ impl<const D: usize> PressureSystem<D> {
     }
 
     /// The plate's part of the matrix; without it its nodes are held.
-    fn lean_on_plate<K, B, L, const S: usize>(
+    fn lean_on_plate<K, B, L, const LAYERED: bool, const S: usize>(
         &mut self,
-        skeleton: &Skeleton<K, B, L, Saturated<Face<D>, D>, D, S>,
+        skeleton: &Skeleton<K, B, L, Saturated<Face<D, LAYERED>, D>, D, S>,
         kept: f64,
     ) where
         K: Kinematics<D, S>,
         B: Basis,
-        L: Law<S>,
-        Saturated<Face<D>, D>: Cellwise<K, D, S>,
+        L: Laws<S>,
+        Saturated<Face<D, LAYERED>, D>: Cellwise<K, D, S>,
     {
         let Some(plate) = &skeleton.parts.plate else { return };
         let reached = Functions::<B, D>::REACHED;
@@ -257,7 +262,12 @@ impl<const D: usize> PressureSystem<D> {
     }
 
     /// `S + dt H + dt^2 C^T m^-1 C`.
-    fn fill<B: Basis>(&mut self, coupling: &[[f64; D]], water: &Saturated<Face<D>, D>, dt: f64) {
+    fn fill<B: Basis, const LAYERED: bool>(
+        &mut self,
+        coupling: &[[f64; D]],
+        water: &Saturated<Face<D, LAYERED>, D>,
+        dt: f64,
+    ) {
         let Some((matrix, _)) = &mut self.system else { return };
         let flow = dt * water.transmissibility();
         let reached = Functions::<B, D>::REACHED;
@@ -274,15 +284,15 @@ impl<const D: usize> PressureSystem<D> {
     }
 
     /// `S p^n - dt C^T v* + dt b`.
-    fn right_side<K, B, L, const S: usize>(
+    fn right_side<K, B, L, const LAYERED: bool, const S: usize>(
         &mut self,
-        skeleton: &mut Skeleton<K, B, L, Saturated<Face<D>, D>, D, S>,
+        skeleton: &mut Skeleton<K, B, L, Saturated<Face<D, LAYERED>, D>, D, S>,
         dt: f64,
     ) where
         K: Kinematics<D, S>,
         B: Basis,
-        L: Law<S>,
-        Saturated<Face<D>, D>: Cellwise<K, D, S>,
+        L: Laws<S>,
+        Saturated<Face<D, LAYERED>, D>: Cellwise<K, D, S>,
     {
         let crate::step::Parts { water, grid, gravity, .. } = &mut skeleton.parts;
         for (row, &cell) in self.cells.iter().enumerate() {
@@ -310,12 +320,14 @@ impl<const D: usize> PressureSystem<D> {
     }
 
     /// Adds the force `C p^{n+1}` to the nodes.
-    pub fn push<K, B, L, const S: usize>(&self, skeleton: &mut Skeleton<K, B, L, Saturated<Face<D>, D>, D, S>)
-    where
+    pub fn push<K, B, L, const LAYERED: bool, const S: usize>(
+        &self,
+        skeleton: &mut Skeleton<K, B, L, Saturated<Face<D, LAYERED>, D>, D, S>,
+    ) where
         K: Kinematics<D, S>,
         B: Basis,
-        L: Law<S>,
-        Saturated<Face<D>, D>: Cellwise<K, D, S>,
+        L: Laws<S>,
+        Saturated<Face<D, LAYERED>, D>: Cellwise<K, D, S>,
     {
         let reached = Functions::<B, D>::REACHED;
         for (row, &cell) in self.cells.iter().enumerate() {

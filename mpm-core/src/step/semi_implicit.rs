@@ -11,30 +11,30 @@
 use super::pressure::PressureSystem;
 use super::skeleton::Skeleton;
 use super::{Fault, Model, Parts, Work};
-use crate::constitutive::Law;
+use crate::constitutive::Laws;
 use crate::dimension::Kinematics;
 use crate::observe::{Ledger, Observation, SolidState};
 use crate::scene::Stage;
 use crate::stencil::Basis;
 use crate::water::{Cellwise, Face, Saturated, Water};
 
-/// The semi-implicit integrator. K: dimension, B: basis, L: law.
+/// The semi-implicit integrator. K: dimension, B: basis, L: law, LAYERED: conductivity by layers.
 #[derive(Debug)]
-pub struct SemiImplicit<K, B, L, const D: usize, const S: usize> {
-    skeleton: Skeleton<K, B, L, Saturated<Face<D>, D>, D, S>,
+pub struct SemiImplicit<K, B, L, const LAYERED: bool, const D: usize, const S: usize> {
+    skeleton: Skeleton<K, B, L, Saturated<Face<D, LAYERED>, D>, D, S>,
     pressure: PressureSystem<D>,
     work: Work,
 }
 
-impl<K, B, L, const D: usize, const S: usize> SemiImplicit<K, B, L, D, S>
+impl<K, B, L, const LAYERED: bool, const D: usize, const S: usize> SemiImplicit<K, B, L, LAYERED, D, S>
 where
     K: Kinematics<D, S>,
     B: Basis,
-    L: Law<S>,
-    Saturated<Face<D>, D>: Cellwise<K, D, S>,
+    L: Laws<S>,
+    Saturated<Face<D, LAYERED>, D>: Cellwise<K, D, S>,
 {
     /// A run at t = 0; the supports of `parts` hold coefficients of the basis.
-    pub fn new(parts: Parts<L, Saturated<Face<D>, D>, D, S>, basis: B) -> Self {
+    pub fn new(parts: Parts<L, Saturated<Face<D, LAYERED>, D>, D, S>, basis: B) -> Self {
         let functions = crate::stencil::Functions::new(basis, &parts.grid);
         let pressure = PressureSystem::new::<B>(&parts.grid, functions.count());
         Self { skeleton: Skeleton::new(parts, basis, true), pressure, work: Work::default() }
@@ -64,12 +64,12 @@ where
     }
 }
 
-impl<K, B, L, const D: usize, const S: usize> Model for SemiImplicit<K, B, L, D, S>
+impl<K, B, L, const LAYERED: bool, const D: usize, const S: usize> Model for SemiImplicit<K, B, L, LAYERED, D, S>
 where
     K: Kinematics<D, S>,
     B: Basis,
-    L: Law<S>,
-    Saturated<Face<D>, D>: Cellwise<K, D, S>,
+    L: Laws<S>,
+    Saturated<Face<D, LAYERED>, D>: Cellwise<K, D, S>,
 {
     fn advance(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault> {
         for _ in 0..steps {

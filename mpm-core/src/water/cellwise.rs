@@ -61,7 +61,7 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Cellwise<K, D, S> for 
     }
 }
 
-impl<const D: usize> Saturated<Face<D>, D> {
+impl<const D: usize, const LAYERED: bool> Saturated<Face<D, LAYERED>, D> {
     /// div v* of a cell full of soil, 1/s.
     #[inline(always)]
     pub(super) fn divergence(&self, grid: &Grid<D>, place: &Place<D>) -> f64 {
@@ -70,7 +70,9 @@ impl<const D: usize> Saturated<Face<D>, D> {
     }
 }
 
-impl<K: Kinematics<D, S>, const D: usize, const S: usize> Cellwise<K, D, S> for Saturated<Face<D>, D> {
+impl<K: Kinematics<D, S>, const LAYERED: bool, const D: usize, const S: usize> Cellwise<K, D, S>
+    for Saturated<Face<D, LAYERED>, D>
+{
     #[inline(always)]
     fn note(&mut self, soil: &SoilCell<D>) -> f64 {
         let cell = soil.place.cell;

@@ -2,6 +2,9 @@
 //!
 //! In one dimension it is the paper's Eq. (1) but for a cell that is not full of soil; in two it couples cells that share a face, where the paper's nodal
 //! velocity couples only diagonal neighbours (`mpm-verify stability` measures what that does).
+//!
+//! Between cells of different conductivity the flux is that through two half cells in series: k is the harmonic mean
+//! 2 k_1 k_2/(k_1 + k_2), and the pressure on the face is the one at which both halves carry the same.
 
 use super::exposed::Exposed;
 use super::saturated::{DarcyOperator, WaterCell};
@@ -16,12 +19,15 @@ pub(crate) const DRAINED_SURFACE: f64 = 2.0;
 /// the same stability limit as a full cell inside, (1 + 2)/0.75 = 4. The water this miscounts shows in the ledger.
 pub(crate) const LEAST_FILLING: f64 = 0.75;
 
-/// Fluxes normal to the faces of each axis, m/s (Darcy velocity q = n v*).
+/// Fluxes normal to the faces of each axis, m/s (Darcy velocity q = n v*). LAYERED: soil whose conductivity differs
+/// from row to row of the cells.
 #[derive(Debug, Clone)]
-pub struct Face<const D: usize> {
+pub struct Face<const D: usize, const LAYERED: bool = false> {
     flux: [Vec<f64>; D],
-    /// 1 between two cells of soil, else 0.
+    /// 1 between two cells of soil, else 0; in layers the conductivity of the face over that of the water.
     open: [Vec<f64>; D],
+    /// Conductivity of each row of cells over that of the water; only in layers.
+    rows: Vec<f64>,
     /// k / (gamma_w L): flux per pressure drop, m/(s Pa).
     conductance: f64,
     /// rho_w L: pressure drop per m/s2.
@@ -31,10 +37,23 @@ pub struct Face<const D: usize> {
     cell_volume: f64,
 }
 
-impl<const D: usize> Face<D> {
-    /// Flow per pressure drop between two cells of soil, A k/(gamma_w L), m3/(s Pa).
+impl<const D: usize, const LAYERED: bool> Face<D, LAYERED> {
+    /// Flow per pressure drop between two cells of soil, A k/(gamma_w L) with the water's own k, m3/(s Pa).
     pub(super) fn transmissibility(&self) -> f64 {
         self.area * self.conductance
+    }
+
+    /// Conductivity of a cell over that of the water.
+    #[inline(always)]
+    pub(super) fn of_cell(&self, grid: &Grid<D>, cell: usize) -> f64 {
+        if LAYERED { self.rows[grid.cell_position(cell)[D - 1]] } else { 1.0 }
+    }
+
+    /// Conductivity of the face between two cells of soil over that of the water: the harmonic mean.
+    #[inline(always)]
+    pub(super) fn between(&self, grid: &Grid<D>, cells: [usize; 2]) -> f64 {
+        let [a, b] = cells.map(|cell| self.of_cell(grid, cell));
+        if LAYERED { 2.0 * a * b / (a + b) } else { 1.0 }
     }
 
     /// The law of a face; K_w in Pa, volume of the grains per mass in m3/kg.
@@ -83,7 +102,7 @@ impl<const D: usize> Face<D> {
     }
 }
 
-impl<const D: usize> DarcyOperator<D> for Face<D> {
+impl<const D: usize, const LAYERED: bool> DarcyOperator<D> for Face<D, LAYERED> {
     const GATHERS: bool = false;
 
     fn new(grid: &Grid<D>, water: &WaterProperties, area: f64, inertia: bool) -> Self {
@@ -91,12 +110,17 @@ impl<const D: usize> DarcyOperator<D> for Face<D> {
         Self {
             flux: std::array::from_fn(faces),
             open: std::array::from_fn(faces),
+            rows: Vec::new(),
             conductance: water.mobility() * grid.inverse_size,
             weight: water.density * grid.size,
             inertia: if inertia { 1.0 } else { 0.0 },
             area,
             cell_volume: area * grid.size,
         }
+    }
+
+    fn lay(&mut self, rows: Vec<f64>) {
+        self.rows = rows;
     }
 
     fn rebuild(&mut self, grid: &Grid<D>, soil: impl Fn(usize) -> bool, _: &Exposed) {
@@ -106,7 +130,7 @@ impl<const D: usize> DarcyOperator<D> for Face<D> {
             let stride: usize = grid.cells[..axis].iter().product();
             for (cell, position) in grid.walk() {
                 if position[axis] > 0 && soil(cell) && soil(cell - stride) {
-                    self.open[axis][grid.face(axis, &position)] = 1.0;
+                    self.open[axis][grid.face(axis, &position)] = self.between(grid, [cell - stride, cell]);
                 }
             }
         }
@@ -148,8 +172,10 @@ impl<const D: usize> DarcyOperator<D> for Face<D> {
                 for i in 0..along {
                     let body = self.body(axis, gravity, &first[i], &second[i]);
                     // Eq. (1) on a face: pressure drop plus rho_w (g - a_s).
-                    let head = open[i] * (lower_cells[i].pressure - upper_cells[i].pressure + body);
-                    let flux = self.conductance * head;
+                    let drop = lower_cells[i].pressure - upper_cells[i].pressure + body;
+                    let driven = open[i] * drop;
+                    let flux = self.conductance * driven;
+                    let head = if LAYERED { drop } else { driven };
                     self.flux[axis][face + i] = flux;
                     rates.dissipation += flux * head;
                     rates.body_work += flux * body;
@@ -165,7 +191,10 @@ impl<const D: usize> DarcyOperator<D> for Face<D> {
             let body = self.body(axis, gravity, a, b) / DRAINED_SURFACE;
             let outwards = if face.upper { 1.0 } else { -1.0 };
             let head = outwards * cells[face.cell as usize].pressure + body; // p = 0 outside
-            let flux = DRAINED_SURFACE * self.conductance * head;
+            let mut flux = DRAINED_SURFACE * self.conductance * head;
+            if LAYERED {
+                flux *= self.of_cell(grid, face.cell as usize);
+            }
             self.flux[axis][face.face as usize] = flux;
             rates.dissipation += flux * head;
             rates.body_work += flux * body;

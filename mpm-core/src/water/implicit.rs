@@ -9,7 +9,7 @@ use super::{CellChange, Face, FlowRates, Place, Saturated, WaterCell};
 use crate::grid::Grid;
 use crate::nodes::NodeMotion;
 
-impl<const D: usize> Saturated<Face<D>, D> {
+impl<const D: usize, const LAYERED: bool> Saturated<Face<D, LAYERED>, D> {
     /// A cell as it was noted at the start of the step.
     #[inline(always)]
     pub fn cell(&self, cell: usize) -> &WaterCell {
@@ -23,15 +23,20 @@ impl<const D: usize> Saturated<Face<D>, D> {
         porosity / (inverse_volume * self.properties.bulk_modulus)
     }
 
-    /// Flow per pressure drop between neighbours, m3/(s Pa).
+    /// Flow per pressure drop between neighbours of the water's own conductivity, m3/(s Pa).
     pub fn transmissibility(&self) -> f64 {
         self.operator.transmissibility()
     }
 
+    /// Conductance between two neighbours over that: 1 but for layers.
+    pub fn conductance_between(&self, grid: &Grid<D>, cells: [usize; 2]) -> f64 {
+        self.operator.between(grid, cells)
+    }
+
     /// Drained faces: their cell, and their conductance over that between neighbours.
-    pub fn outlets(&self) -> impl Iterator<Item = (usize, f64)> {
+    pub fn outlets(&self, grid: &Grid<D>) -> impl Iterator<Item = (usize, f64)> {
         let drained = self.exposed.faces.iter().filter(|face| self.drained[face.side as usize]);
-        drained.map(|face| (face.cell as usize, DRAINED_SURFACE))
+        drained.map(|face| (face.cell as usize, DRAINED_SURFACE * self.operator.of_cell(grid, face.cell as usize)))
     }
 
     /// Sets the pressure (Pa) of a cell for the flow.

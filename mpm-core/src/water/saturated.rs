@@ -29,6 +29,8 @@ pub struct WaterCell {
 pub trait DarcyOperator<const D: usize>: Send + Sized {
     /// Arrays for a mesh; `area` is that of a cell face, m2; `inertia` keeps `rho_w a_s` in Darcy's law.
     fn new(grid: &Grid<D>, water: &WaterProperties, area: f64, inertia: bool) -> Self;
+    /// Soil in layers: conductivity of each row of cells over that of the water; empty where it is the same all over.
+    fn lay(&mut self, _rows: Vec<f64>) {}
     /// The cells with soil, their exposed faces or the drainage have changed.
     fn rebuild(&mut self, grid: &Grid<D>, soil: impl Fn(usize) -> bool, exposed: &Exposed);
     /// Before the particles are gathered.

@@ -8,6 +8,7 @@ mod failure;
 mod free_surface;
 mod ground;
 mod law;
+mod layers;
 mod method;
 mod together;
 
@@ -193,6 +194,7 @@ impl Reader<'_> {
             displaced,
             strain: self.strain(raw.soil.get_ref())?,
             elastic,
+            layers: Vec::new(),
             separation: self.separation(raw.soil.get_ref(), strength.as_ref())?,
             strength,
             grain_density,
@@ -232,6 +234,7 @@ impl Reader<'_> {
         self.stages(raw, &mut scene)?;
         scene.failure = self.failure(raw, &scene)?;
         self.observe(raw.observe.as_ref(), &mut scene)?;
+        scene.layers = self.layers(raw, &scene)?;
         self.fits_together(raw, &scene)?;
         self.on_the_ground(raw, &scene)?;
         self.number_of_steps(raw, &scene)?;

@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use super::newton::{Stage, Workspace};
 use super::soil::{HELD, Soil};
 use super::tangent::Stuck;
-use crate::constitutive::Law;
+use crate::constitutive::Laws;
 use crate::space::Deformation;
 
 /// Most basis vectors.
@@ -87,7 +87,7 @@ fn gap_integral(mu: f64, tau: f64) -> f64 {
 impl Krylov {
     /// Builds a basis that holds the state at all `times` (s since the start of the stage); `content` is the water
     /// content before the load, m3. [`Self::estimate`] says whether the goal was reached.
-    pub fn new<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
+    pub fn new<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
         soil: &mut Soil<K, L, D, S>,
         content: &[f64],
         times: &[f64],
@@ -124,7 +124,7 @@ impl Krylov {
     }
 
     /// Lanczos with full orthogonalisation, until the state at every time stands still.
-    fn build<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
+    fn build<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
         &mut self,
         soil: &mut Soil<K, L, D, S>,
         mut direction: Vec<f64>,

@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::soil::{FacePart, Fluid, HELD, PorePart, Soil, SolidPart, Values};
 use super::tangent::System;
-use crate::constitutive::Law;
+use crate::constitutive::Laws;
 use crate::particles::SolidPoint;
 use crate::scene::{LoadOn, Quadrature, Scene, ShapeChoice, Side, SolidSide};
 use crate::space::{Axis, Basis, Deformation, GAUSS3, Local, Stencil, fit, gauss};
@@ -49,7 +49,10 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
         };
         std::array::from_fn(|d| {
             let high = if d == D - 1 { scene.height - self.settled } else { scene.width };
-            Axis::new(0.0, high, scene.cell, -scene.shift * scene.cell, least, basis)
+            let axis = Axis::new(0.0, high, scene.cell, -scene.shift * scene.cell, least, basis);
+            // Strain and gradient of the pressure jump between layers: B-splines must bend there.
+            let tops = scene.layers.iter().filter(|_| d == D - 1).map(|layer| layer.up_to);
+            if scene.layers.is_empty() { axis } else { axis.broken_at(tops) }
         })
     }
 
@@ -100,7 +103,7 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
     }
 
     /// Lays the mesh.
-    pub fn lay<K: Deformation<D, S>, L: Law<S>>(&self, law: L) -> Result<Soil<K, L, D, S>, Unsolved> {
+    pub fn lay<K: Deformation<D, S>, L: Laws<S>>(&self, law: L) -> Result<Soil<K, L, D, S>, Unsolved> {
         let scene = self.scene;
         let (axes, weights) = self.axes_and_weights();
         let smooth = smooth(scene.shape);
@@ -114,9 +117,9 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
         } else {
             cells
         };
-        let solid = self.solid(&axes, &weights);
-        let pore = if wet || scene.gravity.is_some() { self.pore(&axes, &solid) } else { Vec::new() };
-        let faces = if wet && !smooth { self.faces(&axes) } else { Vec::new() };
+        let solid = self.solid(&law, &axes, &weights);
+        let pore = if wet || scene.gravity.is_some() { self.pore(&law, &axes, &solid) } else { Vec::new() };
+        let faces = if wet && !smooth { self.faces(&law, &axes) } else { Vec::new() };
         let (soil_map, water_map, size) = self.unknowns(&axes, pressures);
         let jumps = if wet && smooth { self.jumps(&axes) } else { Vec::new() };
         let maps = (soil_map.as_slice(), water_map.as_slice());
@@ -162,7 +165,7 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
         })
     }
 
-    fn solid(&self, axes: &[Axis; D], weights: &[f64]) -> Vec<SolidPart<D, S>> {
+    fn solid<L: Laws<S>>(&self, law: &L, axes: &[Axis; D], weights: &[f64]) -> Vec<SolidPart<L::Mark, D, S>> {
         let centre = matches!(self.scene.shape, ShapeChoice::Centre | ShapeChoice::Centroid);
         let part = |(i, point): (usize, &SolidPoint<D, S>)| {
             let mut stencil = Stencil::at(axes, &point.x);
@@ -170,12 +173,18 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
                 // Section 2.2: gradients at the centre of the cell.
                 stencil.slope = Stencil::at(axes, &middle(axes, &cell_of(axes, &point.x))).slope;
             }
-            SolidPart { stencil, weight: weights[i], stress: point.stress, strain: self.strains[i] }
+            let mark = law.mark_at(point.x[D - 1]);
+            SolidPart { stencil, weight: weights[i], stress: point.stress, strain: self.strains[i], mark }
         };
         self.points.iter().enumerate().map(part).collect()
     }
 
-    fn pore(&self, axes: &[Axis; D], solid: &[SolidPart<D, S>]) -> Vec<PorePart<D>> {
+    fn pore<L: Laws<S>>(
+        &self,
+        law: &L,
+        axes: &[Axis; D],
+        solid: &[SolidPart<L::Mark, D, S>],
+    ) -> Vec<PorePart<L::Mark, D>> {
         let wet = self.scene.water.is_some();
         let mut room = vec![[0.0; 2]; axes.iter().map(Axis::cells).product()];
         let place = |point: &SolidPoint<D, S>| number(axes, &cell_of(axes, &point.x));
@@ -194,8 +203,8 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
                 let cell = place(point);
                 let mut water = Stencil::single(cell);
                 water.count = usize::from(wet);
-                let (soil, weight) = (solid[i].stencil, solid[i].weight);
-                PorePart { soil, water, weight, porosity: porosity(cell) }
+                let SolidPart { stencil: soil, weight, mark, .. } = solid[i];
+                PorePart { soil, water, weight, porosity: porosity(cell), mark }
             };
             return self.points.iter().enumerate().map(part).collect();
         }
@@ -216,17 +225,19 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
                 let soil = Stencil::at(axes, &x);
                 let mut water = soil;
                 water.count *= usize::from(wet);
-                parts.push(PorePart { soil, water, weight, porosity });
+                parts.push(PorePart { soil, water, weight, porosity, mark: law.mark_at(x[D - 1]) });
             }
         }
         parts
     }
 
-    fn faces(&self, axes: &[Axis; D]) -> Vec<FacePart> {
+    fn faces<L: Laws<S>>(&self, law: &L, axes: &[Axis; D]) -> Vec<FacePart<L::Mark>> {
         let cells: usize = axes.iter().map(Axis::cells).product();
         let mut faces = Vec::new();
         for cell in 0..cells {
             let position = position(axes, cell);
+            let mark = |row: usize| law.mark_at(axes[D - 1].middle(row));
+            let own = mark(position[D - 1]);
             let mut stride = 1;
             for axis in 0..D {
                 let half = |i: usize| 0.5 * axes[axis].length(i);
@@ -237,13 +248,14 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
                 let side = 2 * (axis + 2 - D);
                 let here = cell as u32;
                 if at == 0 && self.drained[side] {
-                    faces.push(FacePart { cells: [HELD, here], axis, area, reach: [0.0, half(at)] });
+                    faces.push(FacePart { cells: [HELD, here], axis, area, reach: [0.0, half(at)], marks: [own; 2] });
                 }
                 if at < last {
                     let above = (cell + stride) as u32;
-                    faces.push(FacePart { cells: [here, above], axis, area, reach: [half(at), half(at + 1)] });
+                    let marks = [own, if axis == D - 1 { mark(at + 1) } else { own }];
+                    faces.push(FacePart { cells: [here, above], axis, area, reach: [half(at), half(at + 1)], marks });
                 } else if self.drained[side + 1] {
-                    faces.push(FacePart { cells: [here, HELD], axis, area, reach: [half(at), 0.0] });
+                    faces.push(FacePart { cells: [here, HELD], axis, area, reach: [half(at), 0.0], marks: [own; 2] });
                 }
                 stride *= axes[axis].cells();
             }
@@ -300,7 +312,7 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
     }
 
     /// Force of the full load, N per displacement function and direction.
-    fn load(&self, axes: &[Axis; D], solid: &[SolidPart<D, S>]) -> Vec<f64> {
+    fn load<M>(&self, axes: &[Axis; D], solid: &[SolidPart<M, D, S>]) -> Vec<f64> {
         let functions: usize = axes.iter().map(Axis::functions).product();
         let mut load = vec![0.0; functions * D];
         let Some(surcharge) = self.scene.surcharge else { return load };
@@ -329,20 +341,26 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
         if gamma == 0.0 {
             return Vec::new();
         }
-        let factor = gamma * self.scene.cell.powi(5) / (2.0 * self.scene.elastic.shear_modulus()) * self.thickness;
+        let shear = self.scene.elastic.shear_modulus();
+        let factor = gamma * self.scene.cell.powi(5) / (2.0 * shear) * self.thickness;
+        // 1/G at a height over that of the scene's soil: 1 but for layers.
+        let softer = |height: f64| shear / self.scene.elastic_at(height).shear_modulus();
         let mut jumps = Vec::new();
         for axis in 0..D {
             let along = &axes[axis];
-            for knot in 1..along.cells() {
-                // Functions knot - 1 to knot + 2: the cell below has the first three, the cell above the last three.
+            for knot in (1..along.cells()).filter(|knot| !along.is_break(*knot)) {
+                // Four functions: the cell below has the first three, the cell above the last three.
+                let first = along.first(knot - 1);
+                let here = if axis == D - 1 { softer(along.knots[knot]) } else { 1.0 };
+                let beside = |height: f64| if axis == D - 1 { 1.0 } else { softer(height) };
                 let (below, above) = (along.curvature(knot - 1), along.curvature(knot));
                 let jump = [-below[0], above[0] - below[1], above[1] - below[2], above[2]];
                 for (a, ja) in jump.iter().enumerate() {
                     for (b, jb) in jump.iter().enumerate() {
-                        across(axes, axis, |i, j, mass, strides| {
+                        across(axes, axis, beside, |i, j, mass, strides| {
                             let number = |f: usize, other: usize| (f * strides[0] + other * strides[1]) as u32;
-                            let pair = (number(knot - 1 + a, i), number(knot - 1 + b, j));
-                            jumps.push((pair.0, pair.1, factor * ja * jb * mass));
+                            let pair = (number(first + a, i), number(first + b, j));
+                            jumps.push((pair.0, pair.1, here * factor * ja * jb * mass));
                         });
                     }
                 }
@@ -370,8 +388,14 @@ pub(super) fn top_integrals<const D: usize>(axes: &[Axis; D], share: impl Fn(f64
     sums
 }
 
-/// Pairs of functions across an axis with the integral of their product, and the strides of (axis, other axis).
-fn across<const D: usize>(axes: &[Axis; D], axis: usize, mut f: impl FnMut(usize, usize, f64, [usize; 2])) {
+/// Pairs of functions across an axis with the integral of their product times a weight of each cell, at its middle (m), and
+/// the strides of (axis, other axis).
+fn across<const D: usize>(
+    axes: &[Axis; D],
+    axis: usize,
+    weight: impl Fn(f64) -> f64,
+    mut f: impl FnMut(usize, usize, f64, [usize; 2]),
+) {
     if D == 1 {
         return f(0, 0, 1.0, [1, 0]);
     }
@@ -379,13 +403,15 @@ fn across<const D: usize>(axes: &[Axis; D], axis: usize, mut f: impl FnMut(usize
     let strides = if axis == 0 { [1, axes[0].functions()] } else { [axes[0].functions(), 1] };
     for i in 0..other.functions() {
         for j in i.saturating_sub(2)..(i + 3).min(other.functions()) {
-            let cells = i.max(j).saturating_sub(2)..(i.min(j) + 1).min(other.cells());
+            let breaks = other.breaks_below(other.cells());
+            let cells = i.max(j).saturating_sub(2 + breaks)..(i.min(j) + 1).min(other.cells());
             let product = |x: f64| {
                 let local = other.at(x);
                 let value = |n: usize| n.checked_sub(local.first).and_then(|a| local.value.get(a)).copied();
                 value(i).unwrap_or(0.0) * value(j).unwrap_or(0.0)
             };
-            let mass: f64 = cells.map(|c| gauss(other.knots[c], other.knots[c + 1], 1, product)).sum();
+            let of = |c: usize| weight(other.middle(c)) * gauss(other.knots[c], other.knots[c + 1], 1, product);
+            let mass: f64 = cells.map(of).sum();
             f(i, j, mass, strides);
         }
     }

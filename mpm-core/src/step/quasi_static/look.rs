@@ -4,11 +4,11 @@ use super::lay::smooth;
 use super::march::work_of;
 use super::soil::{InsideOut, PorePart, PoreState};
 use super::{Method, QuasiStatic, lay};
-use crate::constitutive::Law;
+use crate::constitutive::{Law, Laws};
 use crate::observe::{CellValues, FieldPoint, Observation, checkerboard, profile};
 use crate::space::{Deformation, Stencil};
 
-impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
+impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
     /// The state now.
     pub(super) fn look(&self) -> Observation {
         let cells = self.cell_values();
@@ -93,7 +93,7 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
             let values = &mut cells[cell];
             values.solid_mass += point.mass;
             values.effective_stress += volume * K::turned(&stress, &push.rotation)[D - 1];
-            values.strain_energy += volume * soil.law.energy(&stress);
+            values.strain_energy += volume * soil.law.law(part.mark).energy(&stress);
             values.volume += volume;
             shift[cell] += volume * self.carried[i][D - 1];
         }
@@ -129,18 +129,18 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
         cells
     }
 
-    fn cell_of_pore(&self, part: &PorePart<D>) -> usize {
+    fn cell_of_pore(&self, part: &PorePart<L::Mark, D>) -> usize {
         let Some(soil) = &self.soil else { return 0 };
         if !smooth(self.scene.shape) {
             return part.water.number[0] as usize;
         }
-        // The first function of a B-spline stencil has the number of its cell along each axis.
+        // The first function of a B-spline stencil belongs to one cell along each axis.
         let mut rest = part.water.number[0] as usize;
         let position = std::array::from_fn(|d| {
             let functions = soil.axes[d].functions();
             let at = rest % functions;
             rest /= functions;
-            at
+            soil.axes[d].knot_of(at)
         });
         lay::number(&soil.axes, &position)
     }

@@ -7,8 +7,8 @@ use super::soil::{HELD, Soil};
 use super::tangent::Stuck;
 use super::trouble::{describe, inside_out, nothing};
 use super::{KrylovStage, Method, QuasiStatic};
-use crate::constitutive::Law;
-use crate::scene::{StepChoice, StrainChoice, TimeMethod};
+use crate::constitutive::{Law, Laws};
+use crate::scene::{Scene, StepChoice, StrainChoice, TimeMethod};
 use crate::space::Deformation;
 use crate::step::Fault;
 
@@ -27,10 +27,10 @@ const POLE: f64 = 0.1;
 /// Changes of the step between these factors are not worth another factorisation of a linear scene.
 const STEADY: std::ops::Range<f64> = 0.9..1.6;
 
-impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
+impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
     /// Whether the Krylov method can take a stage: linear, constant load, no weight, water that can flow.
     pub(super) fn krylov_holds(&self) -> bool {
-        let linear = self.scene.strain == StrainChoice::Small && L::LINEAR;
+        let linear = self.scene.strain == StrainChoice::Small && L::One::LINEAR;
         let constant = self.time >= self.scene.surcharge.map_or(0.0, |s| s.ramp_time);
         linear && constant && self.scene.gravity.is_none() && self.scene.water.is_some()
     }
@@ -41,13 +41,12 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
         let already = self.seeding.first_settlement + self.settled;
         let pressure = self.pressure_size();
         let volume = self.seeding.thickness * self.scene.height * if D == 2 { self.scene.width } else { 1.0 };
-        let storage = 1.0 / self.scene.oedometer_modulus() + 1.0 / self.scene.pore_stiffness();
         let goal = Goal {
             pole: POLE * end,
             tolerance: self.scene.tolerance,
             weights: self.settle.clone(),
             already,
-            pressure_norm: pressure * (volume * storage).sqrt(),
+            pressure_norm: pressure * (volume * self.scene.storage()).sqrt(),
         };
         let held = self.soil.as_ref().map_or(0.0, |soil| soil.held(&self.content));
         let totals = &self.totals;
@@ -83,9 +82,13 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
     /// The first step of a stage, s.
     pub(super) fn first_step(&self, times: &[f64]) -> f64 {
         let end = times.last().copied().unwrap_or(f64::INFINITY);
-        let drained = self.scene.water.map_or(f64::INFINITY, |w| {
-            FIRST_STEP * self.scene.cell.powi(2) / (w.mobility() * self.scene.oedometer_modulus())
-        });
+        // Of layers the fastest: its neighbours are drained as suddenly as the surface is.
+        let of = |scene: &Scene| {
+            scene
+                .water
+                .map_or(f64::INFINITY, |w| FIRST_STEP * scene.cell.powi(2) / (w.mobility() * scene.oedometer_modulus()))
+        };
+        let drained = self.scene.by_layer().iter().map(|(_, soil)| of(soil)).fold(f64::INFINITY, f64::min);
         match self.scene.step {
             StepChoice::Fixed(step) => step,
             _ => drained.min(end),

@@ -29,7 +29,7 @@ use soil::Soil;
 use trouble::{inside_out, nothing};
 
 use super::{Fault, Model, Work};
-use crate::constitutive::Law;
+use crate::constitutive::Laws;
 use crate::observe::{Ledger, Observation, Totals};
 use crate::particles::SolidPoint;
 use crate::scene::{Scene, Stage, StepChoice, TimeMethod};
@@ -40,7 +40,7 @@ use crate::space::Deformation;
 pub struct Seeding<L, const D: usize, const S: usize> {
     /// Solid particles at t = 0, row by row from the base up.
     pub points: Vec<SolidPoint<D, S>>,
-    /// Law of the skeleton.
+    /// Law of the skeleton, or those of its layers.
     pub law: L,
     /// Numbers of the particles of the top row.
     pub top: Vec<usize>,
@@ -54,7 +54,7 @@ pub struct Seeding<L, const D: usize, const S: usize> {
 
 /// A quasi-static run. K: dimension, L: law.
 #[derive(Debug)]
-pub struct QuasiStatic<K, L, const D: usize, const S: usize> {
+pub struct QuasiStatic<K, L: Laws<S>, const D: usize, const S: usize> {
     scene: Scene,
     seeding: Seeding<L, D, S>,
     /// Particles where they were when the mesh was laid, with the stress they had.
@@ -104,7 +104,7 @@ struct KrylovStage {
     dissipation_before: f64,
 }
 
-impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
+impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
     /// A run at t = 0, its first stage not yet entered.
     pub fn new(scene: &Scene, seeding: Seeding<L, D, S>) -> Self {
         let count = seeding.points.len();
@@ -169,7 +169,7 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
     }
 }
 
-impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Model for QuasiStatic<K, L, D, S> {
+impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Model for QuasiStatic<K, L, D, S> {
     fn advance(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault> {
         let end = self.stage_time + dt * steps as f64;
         match &mut self.method {

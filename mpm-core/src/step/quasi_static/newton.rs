@@ -4,7 +4,7 @@
 
 use super::soil::{HELD, Soil};
 use super::tangent::Stuck;
-use crate::constitutive::Law;
+use crate::constitutive::Laws;
 use crate::space::Deformation;
 
 /// Most iterations.
@@ -47,7 +47,7 @@ impl Workspace {
     }
 }
 
-impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Soil<K, L, D, S> {
+impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L, D, S> {
     /// Out-of-balance of a stage at the last evaluation, scaled as the matrix.
     fn out_of_balance(&self, stage: &Stage, residual: &mut [f64]) {
         let [length, pressure] = self.scales;

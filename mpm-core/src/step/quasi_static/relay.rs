@@ -5,7 +5,7 @@ use super::newton::Workspace;
 use super::soil::{HELD, Soil};
 use super::trouble::{inside_out, unsolved};
 use super::{QuasiStatic, lay};
-use crate::constitutive::Law;
+use crate::constitutive::Laws;
 use crate::particles::SolidPoint;
 use crate::scene::{SolidSide, StrainChoice};
 use crate::space::{Deformation, Stencil};
@@ -16,7 +16,7 @@ use crate::step::Fault;
 /// L = 0.1 m the late settlement of `bspline2` is off by 1e-4 with 0.05, by 1e-6 without.
 pub(super) const RELAY: f64 = 0.5;
 
-impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
+impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
     /// Lays a mesh over the soil as it is; its pressures go over.
     pub(super) fn lay(&mut self, drained: [bool; 4]) -> Result<(), Fault> {
         let pressures = self.soil.is_some().then(|| self.carry());
@@ -76,8 +76,27 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
         }
         soil.evaluate_fields().map_err(|e| inside_out(&self.points, e.point))?;
         self.content.clone_from(&soil.values.content);
+        if L::LAYERED && smooth && carried.is_none() {
+            self.first_content(soil);
+        }
         self.y = y;
         Ok(())
+    }
+
+    /// Water content of the first pressures where these jump from layer to layer, which B-splines cannot: integrated
+    /// as they are.
+    fn first_content(&mut self, soil: &Soil<K, L, D, S>) {
+        let below: usize = soil.axes[..D - 1].iter().map(|a| a.functions()).product();
+        self.content.fill(0.0);
+        for part in &soil.pore {
+            let of = |a: usize| part.soil.value[a] * soil.axes[D - 1].greville(part.soil.number[a] as usize / below);
+            let height = (0..part.soil.count).map(of).sum();
+            let pressure = (self.seeding.first_pressure)(&self.scene, height);
+            let content = part.weight * part.porosity * pressure * soil.fluid.compressibility;
+            for b in 0..part.water.count {
+                self.content[part.water.number[b] as usize] += content * part.water.value[b];
+            }
+        }
     }
 
     /// The state of the mesh goes to the particles: stress, place, volume. Returns their pressures.
@@ -125,7 +144,7 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStati
 }
 
 /// Pressures of the functions from those of particles: weighted least squares, or the mean of a cell.
-pub(super) fn project<K, L, const D: usize, const S: usize>(
+pub(super) fn project<K, L: Laws<S>, const D: usize, const S: usize>(
     soil: &mut Soil<K, L, D, S>,
     points: &[SolidPoint<D, S>],
     pressures: &[f64],

@@ -8,7 +8,7 @@
 use super::newton::{Stage, Workspace};
 use super::soil::{HELD, Soil};
 use super::tangent::Stuck;
-use crate::constitutive::Law;
+use crate::constitutive::Laws;
 use crate::space::Deformation;
 
 /// gamma.
@@ -62,7 +62,7 @@ impl Sdirk {
 
     /// One step of `h` (s) from unknowns `start` with a water content; `share` is the load at a share of the step. The
     /// result is in [`Self::end`], its error in [`Self::error`]. The factors must be those for `GAMMA h`.
-    pub fn step<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
+    pub fn step<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
         &mut self,
         soil: &mut Soil<K, L, D, S>,
         (start, content): (&[f64], &[f64]),
@@ -92,7 +92,7 @@ impl Sdirk {
     }
 
     /// `(S + gamma h H) error = h sum e_i flow_i`, at equilibrium.
-    fn estimate<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
+    fn estimate<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
         &mut self,
         soil: &mut Soil<K, L, D, S>,
         h: f64,

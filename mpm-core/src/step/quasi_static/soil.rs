@@ -12,15 +12,15 @@
 //! (pressures that are constant in a cell).
 
 use super::tangent::System;
-use crate::constitutive::Law;
+use crate::constitutive::{Law, Laws};
 use crate::space::{Axis, Deformation, Stencil};
 
 /// No unknown: a held displacement, or a pressure that is zero.
 pub(super) const HELD: u32 = u32::MAX;
 
-/// A solid particle in the integrals.
+/// A solid particle in the integrals. M: [`Laws::Mark`].
 #[derive(Debug, Clone, Copy)]
-pub(super) struct SolidPart<const D: usize, const S: usize> {
+pub(super) struct SolidPart<M, const D: usize, const S: usize> {
     /// Functions and gradients that strain it.
     pub stencil: Stencil<D>,
     /// Volume it stands for, m3.
@@ -29,11 +29,13 @@ pub(super) struct SolidPart<const D: usize, const S: usize> {
     pub stress: [f64; S],
     /// Strain since the mesh was laid, at the last step.
     pub strain: [f64; S],
+    /// Its layer.
+    pub mark: M,
 }
 
 /// A point of the pore space in the integrals.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PorePart<const D: usize> {
+pub(super) struct PorePart<M, const D: usize> {
     /// Functions of the displacement.
     pub soil: Stencil<D>,
     /// Functions of the pressure.
@@ -42,11 +44,13 @@ pub(super) struct PorePart<const D: usize> {
     pub weight: f64,
     /// Porosity n when the mesh was laid.
     pub porosity: f64,
+    /// Its layer.
+    pub mark: M,
 }
 
 /// A face between two cells of constant pressure, or between a cell and a drained side.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct FacePart {
+pub(super) struct FacePart<M> {
     /// Cell below, cell above; [`HELD`] outside.
     pub cells: [u32; 2],
     /// Axis it is normal to.
@@ -55,6 +59,8 @@ pub(super) struct FacePart {
     pub area: f64,
     /// Distance to the middle of each cell, m.
     pub reach: [f64; 2],
+    /// Layer of each cell.
+    pub marks: [M; 2],
 }
 
 /// Constants of the water and of the weight.
@@ -98,13 +104,13 @@ pub(super) struct InsideOut<const D: usize> {
 
 /// The soil on its mesh.
 #[derive(Debug)]
-pub(super) struct Soil<K, L, const D: usize, const S: usize> {
+pub(super) struct Soil<K, L: Laws<S>, const D: usize, const S: usize> {
     pub axes: [Axis; D],
     pub law: L,
     pub small: bool,
-    pub solid: Vec<SolidPart<D, S>>,
-    pub pore: Vec<PorePart<D>>,
-    pub faces: Vec<FacePart>,
+    pub solid: Vec<SolidPart<L::Mark, D, S>>,
+    pub pore: Vec<PorePart<L::Mark, D>>,
+    pub faces: Vec<FacePart<L::Mark>>,
     pub fluid: Fluid<D>,
     /// Jump penalty on dp/dt: (function, function, value), both triangles.
     pub jumps: Vec<(u32, u32, f64)>,
@@ -126,7 +132,7 @@ pub(super) struct Soil<K, L, const D: usize, const S: usize> {
     pub kind: std::marker::PhantomData<K>,
 }
 
-impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Soil<K, L, D, S> {
+impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L, D, S> {
     /// Number of unknowns.
     pub fn unknowns(&self) -> usize {
         self.system.matrix.size()
@@ -134,7 +140,7 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Soil<K, L,
 
     /// Whether forces, content and flow are linear in the unknowns.
     pub fn linear(&self) -> bool {
-        self.small && L::LINEAR
+        self.small && L::One::LINEAR
     }
 
     /// Sum over the pressure functions that are held at zero.
@@ -143,14 +149,14 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Soil<K, L,
     }
 
     /// Mass of soil and water per volume of a pore part whose pores are a share of its first volume, kg/m3.
-    fn mass_of(&self, part: &PorePart<D>, pores: f64) -> f64 {
+    fn mass_of(&self, part: &PorePart<L::Mark, D>, pores: f64) -> f64 {
         (1.0 - part.porosity) * self.fluid.grain_density + pores * self.fluid.density
     }
 
     /// Work of gravity on the displacements in [`Self::u`] with the water of the start, J.
     pub fn weight_work(&self) -> f64 {
         let Some(g) = self.fluid.gravity else { return 0.0 };
-        let work = |part: &PorePart<D>| {
+        let work = |part: &PorePart<L::Mark, D>| {
             let u = part.soil.vector(&self.u);
             part.weight * self.mass_of(part, part.porosity) * (0..D).map(|d| g[d] * u[d]).sum::<f64>()
         };
@@ -201,7 +207,7 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Soil<K, L,
                 let slope = part.water.slope_of(&self.p);
                 for b in 0..part.water.count {
                     let along: f64 = (0..D).map(|d| slope[d] * part.water.slope[b][d]).sum();
-                    self.values.flow[part.water.number[b] as usize] += part.weight * self.fluid.mobility * along;
+                    self.values.flow[part.water.number[b] as usize] += part.weight * self.mobility(part) * along;
                 }
             }
         }
@@ -209,7 +215,7 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Soil<K, L,
     }
 
     /// First Piola-Kirchhoff stress of a solid part, and what was needed on the way: strain and stress before rotation.
-    pub fn stress_of(&self, part: &SolidPart<D, S>) -> Option<(Push<D>, [f64; S], [f64; S])> {
+    pub fn stress_of(&self, part: &SolidPart<L::Mark, D, S>) -> Option<(Push<D>, [f64; S], [f64; S])> {
         let gradient = part.stencil.gradient(&self.u);
         if self.small {
             let mut strain = [0.0; S];
@@ -243,9 +249,9 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Soil<K, L,
         Some((Push { piola, inverse: stretch.inverse, rotation: stretch.rotation }, stretch.strain, stress))
     }
 
-    fn updated(&self, part: &SolidPart<D, S>, strain: &[f64; S]) -> [f64; S] {
+    fn updated(&self, part: &SolidPart<L::Mark, D, S>, strain: &[f64; S]) -> [f64; S] {
         let mut stress = part.stress;
-        self.law.update(&mut stress, &std::array::from_fn(|s| strain[s] - part.strain[s]));
+        self.law.law(part.mark).update(&mut stress, &std::array::from_fn(|s| strain[s] - part.strain[s]));
         stress
     }
 
@@ -265,7 +271,7 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Soil<K, L,
     }
 
     /// The stretch of a pore point; `None` if it is turned inside out.
-    pub fn pore_state(&self, part: &PorePart<D>) -> Option<PoreState<D>> {
+    pub fn pore_state(&self, part: &PorePart<L::Mark, D>) -> Option<PoreState<D>> {
         let gradient = part.soil.gradient(&self.u);
         if self.small {
             let change = (0..D).map(|d| gradient[d][d]).sum();
@@ -281,6 +287,12 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Soil<K, L,
         Some(PoreState { change, cofactor, gradient })
     }
 
+    /// k/gamma_w at a pore part, m4/(N s).
+    #[inline(always)]
+    pub fn mobility(&self, part: &PorePart<L::Mark, D>) -> f64 {
+        self.fluid.mobility * self.law.conductivity(part.mark)
+    }
+
     fn pores(&mut self) -> Result<(), InsideOut<D>> {
         let by_cells = !self.faces.is_empty();
         if by_cells && !self.small {
@@ -290,7 +302,8 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Soil<K, L,
             let part = &self.pore[point];
             let PoreState { change, cofactor, gradient } = self.pore_state(part).ok_or(InsideOut { point })?;
             let pressure = part.water.scalar(&self.p);
-            let Fluid { compressibility, density, gravity, mobility, .. } = self.fluid;
+            let Fluid { compressibility, density, gravity, .. } = self.fluid;
+            let mobility = self.mobility(part);
             let pores = if self.small { part.porosity } else { change + part.porosity };
             let content = change + pores * pressure * compressibility;
             let body = gravity.map_or([0.0; D], |g| {
@@ -344,10 +357,10 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Soil<K, L,
     }
 
     /// Conductance of a face, m3/(s Pa), and the drop of rho_w g across it, Pa.
-    pub fn face_state(&self, face: &FacePart) -> Option<(f64, f64)> {
+    pub fn face_state(&self, face: &FacePart<L::Mark>) -> Option<(f64, f64)> {
         let (mut resistance, mut weight) = (0.0, 0.0);
         let gravity = self.fluid.gravity.map_or(0.0, |g| g[face.axis]);
-        for (cell, reach) in face.cells.iter().zip(face.reach) {
+        for ((cell, reach), mark) in face.cells.iter().zip(face.reach).zip(face.marks) {
             if reach == 0.0 {
                 continue; // outside
             }
@@ -360,7 +373,7 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Soil<K, L,
                 normal = conductivity(&cofactor, found.volume - 1.0, 1.0)[face.axis][face.axis];
                 stretch = 1.0 + gradient[face.axis][face.axis];
             }
-            resistance += reach / normal;
+            resistance += reach / (normal * self.law.conductivity(mark));
             weight += self.fluid.density * gravity * stretch * reach;
         }
         Some((self.fluid.mobility * face.area / resistance, weight))

@@ -10,7 +10,7 @@
 //! and the iteration converges at that rate.
 
 use super::soil::{FacePart, HELD, InsideOut, PorePart, PoreState, Soil, SolidPart, conductivity};
-use crate::constitutive::Law;
+use crate::constitutive::{Law, Laws};
 use crate::space::{Deformation, MOST, Stencil};
 use crate::sparse::{Factor, Ordering, Signs, Symmetric, Unsolved};
 
@@ -32,9 +32,9 @@ struct Rows {
 
 impl System {
     /// The pattern of a mesh.
-    pub fn new<const D: usize, const S: usize>(
+    pub fn new<M, const D: usize, const S: usize>(
         size: usize,
-        parts: (&[SolidPart<D, S>], &[PorePart<D>], &[FacePart]),
+        parts: (&[SolidPart<M, D, S>], &[PorePart<M, D>], &[FacePart<M>]),
         jumps: &[(u32, u32, f64)],
         maps: (&[[u32; D]], &[u32]),
     ) -> Result<Self, Unsolved> {
@@ -84,7 +84,7 @@ impl System {
     }
 }
 
-impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Soil<K, L, D, S> {
+impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L, D, S> {
     /// Assembles and factorises the matrix at the unknowns of the last evaluation, for `a` = gamma dt (s).
     pub fn refresh(&mut self, a: f64) -> Result<(), Stuck<D>> {
         self.assemble(a).map_err(Stuck::InsideOut)?;
@@ -103,7 +103,7 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Soil<K, L,
             block.turn_to(&rows, &mut self.system.matrix);
             let (push, strain, stress) = self.stress_of(part).ok_or(InsideOut { point })?;
             let increment = std::array::from_fn(|s| strain[s] - part.strain[s]);
-            let tangent = self.law.tangent(&stress, &increment);
+            let tangent = self.law.law(part.mark).tangent(&stress, &increment);
             // Strain modes in the frame before rotation, with gradients of the deformed soil turned back.
             let mut modes = [[0.0; S]; 2 * MOST];
             let mut volume = part.weight * length * length;
@@ -137,7 +137,7 @@ impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> Soil<K, L,
             let first = part.soil.count * D;
             let pores = if self.small { part.porosity } else { change + part.porosity };
             let storage = part.weight * pores * self.fluid.compressibility * pressure * pressure;
-            let flow = conductivity(&cofactor, if self.small { 0.0 } else { change }, self.fluid.mobility);
+            let flow = conductivity(&cofactor, if self.small { 0.0 } else { change }, self.mobility(part));
             let factor = a * part.weight * pressure * pressure;
             for b in 0..part.water.count {
                 let value = part.water.value[b];

@@ -2,7 +2,7 @@
 
 use super::soil::{HELD, Soil};
 use super::{QuasiStatic, Seeding};
-use crate::constitutive::{Law, LinearElastic};
+use crate::constitutive::{Laws, LinearElastic};
 use crate::dimension::{Column, PlaneStrain};
 use crate::particles::{SolidPoint, even_positions};
 use crate::scene::{Dimension, Elastic, Integrator, Scene, ShapeChoice, SolidSide, Stage, StrainChoice, Until};
@@ -24,7 +24,7 @@ fn scene(dimension: Dimension, shape: ShapeChoice, strain: StrainChoice) -> Scen
     scene
 }
 
-fn entered<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
+fn entered<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
     scene: &Scene,
     law: L,
 ) -> QuasiStatic<K, L, D, S> {
@@ -64,7 +64,7 @@ fn entered<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
 }
 
 /// Forces, then minus the water content with `a` times the flow, in the scale of the matrix.
-fn residual<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
+fn residual<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
     soil: &mut Soil<K, L, D, S>,
     y: &[f64],
     a: f64,
@@ -88,7 +88,7 @@ fn residual<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
 }
 
 /// The largest difference between a column of the matrix and a finite difference, as a share of its largest entry.
-fn departure<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize>(
+fn departure<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
     model: &mut QuasiStatic<K, L, D, S>,
     size: f64,
 ) -> f64 {

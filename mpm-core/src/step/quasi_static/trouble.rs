@@ -2,13 +2,13 @@
 
 use super::QuasiStatic;
 use super::tangent::Stuck;
-use crate::constitutive::Law;
+use crate::constitutive::Laws;
 use crate::particles::SolidPoint;
 use crate::space::Deformation;
 use crate::sparse::Unsolved;
 use crate::step::Fault;
 
-impl<K: Deformation<D, S>, L: Law<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
+impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
     pub(super) fn fault(&self, stuck: &Stuck<D>, step: Option<f64>) -> Fault {
         let mut what = describe(stuck, &self.points);
         if let Some(h) = step {

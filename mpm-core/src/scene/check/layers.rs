@@ -1,0 +1,137 @@
+//! Soil in layers: their bounds, and what they do not go together with.
+
+use std::ops::Range;
+
+use toml::Spanned;
+
+use super::super::raw::{RawGeometry, RawLaw, RawLayer, RawScene};
+use super::super::{DarcyChoice, Elastic, Integrator, Scene, ShapeChoice, SoilLayer, StrainChoice, Until};
+use super::{Checked, Reader, quoted};
+use crate::constitutive::MOST_LAYERS;
+
+/// How far from a face of a cell the top of a layer may be, as a share of a cell.
+const ON_A_FACE: f64 = 1e-6;
+
+impl Reader<'_> {
+    /// The checked `[[layers]]`, of a scene that has all else.
+    pub(super) fn layers(&self, raw: &RawScene, scene: &Scene) -> Checked<Vec<SoilLayer>> {
+        let Some(list) = &raw.layers else { return Ok(Vec::new()) };
+        let table = match list.get_ref().first() {
+            Some(first) => first.span(),
+            None => return self.refuse(&list.span(), "layers", "at least one [[layers]], or no such table", "none"),
+        };
+        if list.get_ref().len() > MOST_LAYERS {
+            let expected = format!("at most {MOST_LAYERS} layers");
+            return self.refuse(&table, "layers", &expected, list.get_ref().len());
+        }
+        self.soil_of_layers(raw, scene, &table)?;
+        self.steps_with_layers(raw, scene, &table)?;
+        let mut layers: Vec<SoilLayer> = Vec::new();
+        for layer in list.get_ref() {
+            let below = layers.last().map_or(0.0, |layer| layer.up_to);
+            layers.push(self.layer(layer.get_ref(), scene, below)?);
+        }
+        if let (Some(layer), Some(last)) = (layers.last_mut(), list.get_ref().last()) {
+            if (layer.up_to - scene.height).abs() > ON_A_FACE * scene.cell {
+                let expected = format!("{} m, the height, as the top of the last layer", scene.height);
+                return self.refuse(&last.get_ref().up_to.span(), "layers.up_to", &expected, layer.up_to);
+            }
+            layer.up_to = scene.height;
+        }
+        Ok(layers)
+    }
+
+    /// One layer above a height (m).
+    fn layer(&self, raw: &RawLayer, scene: &Scene, below: f64) -> Checked<SoilLayer> {
+        let expected = format!("{below} m < up_to <= {} m, from the layer below to the height", scene.height);
+        let most = scene.height + ON_A_FACE * scene.cell;
+        let up_to = self.within(&raw.up_to, "layers.up_to", &expected, |y| y > below && y <= most)?;
+        let rows = up_to / scene.cell;
+        if (rows - rows.round()).abs() > ON_A_FACE {
+            let expected = format!("a whole number of cells of {} m: a layer ends at the face of a cell", scene.cell);
+            let found = format!("{up_to} m ({rows} cells)");
+            return self.refuse(&raw.up_to.span(), "layers.up_to", &expected, found);
+        }
+        let youngs_modulus = match &raw.youngs_modulus {
+            Some(value) => self.positive(value, "layers.youngs_modulus", "Pa")?,
+            None => scene.elastic.youngs_modulus,
+        };
+        let poisson_ratio = match &raw.poisson_ratio {
+            Some(value) => self.within(value, "layers.poisson_ratio", "-1 < nu < 0.5", |nu| nu > -1.0 && nu < 0.5)?,
+            None => scene.elastic.poisson_ratio,
+        };
+        let hydraulic_conductivity = match (&raw.hydraulic_conductivity, &scene.water) {
+            (Some(value), Some(_)) => self.positive(value, "layers.hydraulic_conductivity", "m/s")?,
+            (Some(value), None) => {
+                let expected = "[water] beside it: a dry scene conducts none";
+                return self.refuse(&value.span(), "layers.hydraulic_conductivity", expected, value.get_ref());
+            }
+            (None, water) => water.map_or(0.0, |w| w.hydraulic_conductivity),
+        };
+        Ok(SoilLayer { up_to, elastic: Elastic { youngs_modulus, poisson_ratio }, hydraulic_conductivity })
+    }
+
+    /// Soil that layers are made of: a level, linear elastic column that is dry or full of water.
+    fn soil_of_layers(&self, raw: &RawScene, scene: &Scene, table: &Range<usize>) -> Checked<()> {
+        if let RawLaw::MohrCoulomb(_) = raw.soil.get_ref().law.get_ref() {
+            let expected = "linear_elastic soil beside it: layers differ in elasticity and conductivity alone";
+            return self.refuse(table, "layers", expected, "mohr_coulomb");
+        }
+        if let RawGeometry::Outline(_) = raw.geometry.get_ref() {
+            let expected = "[geometry.column] beside it: in an outline the faces of cells follow no layer";
+            return self.refuse(table, "layers", expected, "[geometry.outline]");
+        }
+        let found = if scene.free_surface.is_some() {
+            "[water.free_surface]"
+        } else if scene.sideroom_cells > 0 {
+            "mesh.sideroom_cells"
+        } else if scene.slope_angle.is_some() {
+            "slope_angle"
+        } else if scene.periodic {
+            "\"periodic\" sides"
+        } else if scene.base.is_some() {
+            "a \"coulomb\" base"
+        } else {
+            return Ok(());
+        };
+        let expected = "a level column beside it, full of water or dry, with nothing periodic, sliding or running out";
+        self.refuse(table, "layers", expected, found)
+    }
+
+    /// Integrators and schemes that know them.
+    fn steps_with_layers(&self, raw: &RawScene, scene: &Scene, table: &Range<usize>) -> Checked<()> {
+        if let Integrator::TwoClocks | Integrator::Coupled = scene.integrator {
+            let expected = "integrator = \"explicit\", \"semi-implicit\" or \"quasi-static\" beside it";
+            return self.refuse(table, "layers", expected, "soil that may fail");
+        }
+        let scheme = raw.scheme.as_ref().map(Spanned::get_ref);
+        if let (Some(word), DarcyChoice::Nodal, Some(_)) =
+            (scheme.and_then(|s| s.darcy.as_ref()), scene.darcy, scene.water)
+        {
+            let expected =
+                "\"face\" beside [[layers]]: a velocity at the nodes of an interface has no one conductivity";
+            return self.refuse(&word.span(), "scheme.darcy", expected, quoted(word.get_ref()));
+        }
+        if let (Some(word), ShapeChoice::Centroid) = (scheme.and_then(|s| s.shape.as_ref()), scene.shape) {
+            let expected = "\"centre\" beside [[layers]], whose cells are full: their centroid is the centre";
+            return self.refuse(&word.span(), "scheme.shape", expected, quoted(word.get_ref()));
+        }
+        if let (Some(value), true) = (&raw.mesh.get_ref().shift, scene.shift > 0.0) {
+            let expected = "0 beside [[layers]], which end at faces of the mesh";
+            return self.refuse(&value.span(), "mesh.shift", expected, value.get_ref());
+        }
+        if scene.integrator == Integrator::QuasiStatic && scene.strain == StrainChoice::Large {
+            let expected = "\"small\" beside [[layers]] and quasi-static: a mesh laid over moved soil cuts its layers";
+            let span = raw.soil.get_ref().strain.as_ref().map_or(table.clone(), Spanned::span);
+            return self.refuse(&span, "soil.strain", expected, "\"large\"");
+        }
+        for (raw, stage) in raw.stages.get_ref().iter().zip(&scene.stages) {
+            if let Until::PorePressure { .. } = stage.until {
+                let expected = "time or time_factor: layers have an undrained pressure each, not one to wait for";
+                let span = raw.get_ref().until.span();
+                return self.refuse(&span, "stages.until", expected, "pore_pressure_within");
+            }
+        }
+        Ok(())
+    }
+}
