@@ -29,12 +29,13 @@ pub struct Soil {
 }
 
 impl Soil {
-    /// The soil of a scene; `None` for one that is dry, unloaded, not one-dimensional or not drained at the top alone.
+    /// The soil of a scene; `None` for one that is dry, unloaded, in layers, not one-dimensional or not drained at the top alone.
     pub fn of(scene: &Scene) -> Option<Self> {
         let (water, load) = (scene.water?, scene.surcharge?);
         let drained = scene.stages.last()?.drained;
         let top_alone = Side::ALL.iter().all(|side| drained[*side as usize] == (*side == Side::Top));
-        if !(scene.is_one_dimensional() && top_alone && load.ramp_time == 0.0) {
+        let uniform = scene.is_one_dimensional() && scene.layers.is_empty();
+        if !(uniform && top_alone && load.ramp_time == 0.0) {
             return None;
         }
         let storage = 1.0 / scene.oedometer_modulus() + 1.0 / scene.pore_stiffness();

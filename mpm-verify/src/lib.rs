@@ -7,7 +7,7 @@
 //! 4. [`element`]: one law on prescribed paths. [`cases`]: the verification ladder, one case per file.
 //! 5. [`study`]: refine, run, compare. [`budget`]: which part of an error comes from what. [`claims`]: the paper's
 //!    statements and their verdicts. [`sweeps`]: displaced particles, offsets of the mesh, errors in time.
-//!    [`stability`]: time-step limits, predicted and measured.
+//!    [`stability`]: time-step limits, predicted and measured. [`hard`]: where assumptions are pushed.
 //! 6. [`levee`]: the levee that seepage makes fail: its run, checkpoints, claims, sensitivity.
 //! 7. [`report`]: tables, plots, pages. [`frames`]: stored frames of a run, to make its pictures again. [`manifest`]:
 //!    under which conditions. [`baseline`]: accepted values.
@@ -20,6 +20,7 @@ pub mod cost;
 pub mod element;
 pub mod exact;
 pub mod frames;
+pub mod hard;
 pub mod levee;
 pub mod literature;
 pub mod manifest;

@@ -17,6 +17,7 @@ pub const BUILT_IN: [(&str, &str); 32] = [
     ("hydrostatic", include_str!("../../reference-data/scenes/hydrostatic.toml")),
     ("infiltration", include_str!("../../reference-data/scenes/infiltration.toml")),
     ("infinite-slope", include_str!("../../reference-data/scenes/infinite-slope.toml")),
+    ("layers", include_str!("../../reference-data/scenes/layers.toml")),
     ("levee", include_str!("../../reference-data/scenes/levee.toml")),
     ("levee-paper", include_str!("../../reference-data/scenes/levee-paper.toml")),
     ("mandel", include_str!("../../reference-data/scenes/mandel.toml")),

@@ -4,6 +4,7 @@ mod bar;
 mod block;
 mod boussinesq;
 mod collapse;
+mod contrast;
 mod coupled_field;
 mod dam;
 mod degree;
@@ -108,6 +109,16 @@ pub const LADDER: &[Rung] = &[
     elsewhere::RUNGS[9],
     elsewhere::RUNGS[10],
     elsewhere::RUNGS[11],
+    contrast::CONDUCTIVITY,
+    contrast::CONDUCTIVITY_PROFILE,
+    contrast::CONDUCTIVITY_CENTRE,
+    contrast::CONDUCTIVITY_SEMI,
+    contrast::CONDUCTIVITY_EXPLICIT,
+    contrast::STIFFNESS,
+    contrast::STIFFNESS_PROFILE,
+    contrast::STIFFNESS_CENTRE,
+    contrast::STIFFNESS_SEMI,
+    contrast::STIFFNESS_EXPLICIT,
     large_strain::SPLINES,
     large_strain::LINEAR,
     large_strain_30::SPLINES,

@@ -11,6 +11,7 @@ use mpm_core::scene::{Flags, Integrator, Scene};
 use mpm_core::seeding;
 use mpm_core::stability::stable_limit;
 use mpm_core::step::Work;
+use mpm_verify::exact::layered::Layered;
 use mpm_verify::exact::terzaghi::Terzaghi;
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
@@ -270,6 +271,7 @@ fn summary<'a>(scene: &'a Scene, run: &'a Run, threads: usize, [cpu_s, wall_s]: 
     let drained = scene.stages.last().is_some_and(|stage| stage.drained.contains(&true));
     let exact =
         Terzaghi::compressible(scene).filter(|_| drained && scene.gravity.is_none() && scene.strength.is_none());
+    let layered = Layered::of(scene).filter(|_| !scene.layers.is_empty() && scene.gravity.is_none());
     Summary {
         scene,
         manifest: Manifest::new(scene, threads),
@@ -283,7 +285,10 @@ fn summary<'a>(scene: &'a Scene, run: &'a Run, threads: usize, [cpu_s, wall_s]: 
         cpu_s,
         ns_per_point_step: cpu_s * 1e9 / (run.steps.max(1) as f64 * run.solid_particles as f64),
         settlement_final_m: last.map_or(f64::NAN, |s| s.state.settlement),
-        settlement_compressible_m: exact.zip(last).map(|(exact, s)| exact.settlement(s.stage_time)),
+        settlement_compressible_m: match exact {
+            Some(exact) => last.map(|s| exact.settlement(s.stage_time)),
+            None => layered.zip(last).map(|(exact, s)| exact.settlement(s.stage_time)),
+        },
         failure: run.failure.as_ref().map(ToString::to_string),
         integrator: scene.integrator,
         accepted_steps: run.work.accepted,

@@ -43,11 +43,11 @@ struct Mode {
 }
 
 impl DynamicColumn {
-    /// The column of a scene; `None` if it is dry, unloaded or not drained at the top alone.
+    /// The column of a scene; `None` if it is dry, unloaded, in layers or not drained at the top alone.
     pub fn new(scene: &Scene) -> Option<Self> {
         let (water, load) = (scene.water?, scene.surcharge?);
         let drained = scene.stages[scene.stages.len() - 1].drained;
-        if drained != [false, false, false, true] {
+        if drained != [false, false, false, true] || !scene.layers.is_empty() {
             return None;
         }
         let (m, q, rho, h) = (scene.oedometer_modulus(), scene.pore_stiffness(), scene.mixture_density(), scene.height);

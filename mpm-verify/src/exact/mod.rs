@@ -1,6 +1,6 @@
 //! Exact solutions, one per file, each with its assumptions and its own tests against independent tables.
 //!
-//! Consolidation: [`terzaghi`], [`large_strain`], [`mandel`], [`dynamic`]; on a mesh: [`semidiscrete`]. Seepage with
+//! Consolidation: [`terzaghi`], [`layered`], [`large_strain`], [`mandel`], [`dynamic`]; on a mesh: [`semidiscrete`]. Seepage with
 //! a free surface: [`wetting_front`], [`dam`], [`boussinesq`]. Stability: [`infinite_slope`], [`slip_circle`].
 //! Plasticity: [`oedometer`]. What they are computed with: [`root`], [`simplex`], [`quadrature`], [`elliptic`].
 
@@ -11,6 +11,7 @@ pub mod dynamic;
 pub mod elliptic;
 pub mod infinite_slope;
 pub mod large_strain;
+pub mod layered;
 pub mod mandel;
 pub mod oedometer;
 pub(crate) mod oracle;

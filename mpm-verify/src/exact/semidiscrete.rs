@@ -21,10 +21,11 @@ pub struct SemiDiscrete {
 }
 
 impl SemiDiscrete {
-    /// The column of a scene drained at its top; `None` if it is dry, unloaded or drained otherwise.
+    /// The column of a scene drained at its top; `None` if it is dry, unloaded, in layers or drained otherwise.
     pub fn new(scene: &Scene) -> Option<Self> {
         let (water, load) = (scene.water?, scene.surcharge?);
-        if scene.stages[scene.stages.len() - 1].drained != [false, false, false, true] || load.ramp_time > 0.0 {
+        let drained = scene.stages[scene.stages.len() - 1].drained;
+        if drained != [false, false, false, true] || load.ramp_time > 0.0 || !scene.layers.is_empty() {
             return None;
         }
         let n = scene.cells[1];

@@ -41,8 +41,8 @@ pub struct Terzaghi {
 }
 
 impl Terzaghi {
-    /// Terzaghi's own assumption: water that does not compress. `None` for a scene that is dry, unloaded or moves in
-    /// two dimensions.
+    /// Terzaghi's own assumption: water that does not compress. `None` for a scene that is dry, unloaded, in layers
+    /// or moves in two dimensions.
     pub fn incompressible(scene: &Scene) -> Option<Self> {
         let (water, load) = one_dimensional(scene)?;
         let modulus = scene.oedometer_modulus();
@@ -119,7 +119,7 @@ impl Terzaghi {
 
 /// Water and load of a scene that moves in one dimension.
 fn one_dimensional(scene: &Scene) -> Option<(WaterProperties, Surcharge)> {
-    Some((scene.water?, scene.surcharge?)).filter(|_| scene.is_one_dimensional())
+    Some((scene.water?, scene.surcharge?)).filter(|_| scene.is_one_dimensional() && scene.layers.is_empty())
 }
 
 /// Sum of a series over m = (2j+1) pi/2 until its terms no longer count.

@@ -1,0 +1,200 @@
+//! Two layers, in conductivity or in stiffness orders of magnitude apart, against the eigenfunctions of the column.
+
+use mpm_core::scene::{Integrator, Scene, ShapeChoice};
+
+use super::{Mutant, Outcome, Rung, integrator, scheme};
+use crate::exact::layered::Layered;
+use crate::hard::contrast::{Contrast, Found, conductivity, measured, scene, stiffness};
+
+/// Conductivity, B-splines.
+pub const CONDUCTIVITY: Rung = Rung {
+    name: "contrast-k",
+    about: "two layers, k x 10 to 1e6 both ways, B-splines: settlement, order 3 or more",
+    climb: || splines(CONDUCTIVITIES, SETTLEMENT, 1e-6, SOUND),
+    mutant: Some(Mutant { what: TIGHT, climb: || splines(CONDUCTIVITIES, SETTLEMENT, 1e-6, SLOWER) }),
+};
+
+/// Its pressures.
+pub const CONDUCTIVITY_PROFILE: Rung = Rung {
+    name: "contrast-k-profile",
+    about: "the same: pore pressure, order 3 or more",
+    climb: || splines(CONDUCTIVITIES, PROFILE, 3e-5, SOUND),
+    mutant: Some(Mutant { what: TIGHT, climb: || splines(CONDUCTIVITIES, PROFILE, 3e-5, SLOWER) }),
+};
+
+/// Conductivity, the paper's scheme.
+pub const CONDUCTIVITY_CENTRE: Rung = Rung {
+    name: "contrast-k-centre",
+    about: "the same with centre values and the harmonic mean at the interface: order 2",
+    climb: || centre(CONDUCTIVITIES, SOUND),
+    mutant: Some(Mutant { what: TIGHT, climb: || centre(CONDUCTIVITIES, SLOWER) }),
+};
+
+/// Conductivity with an implicit pressure: a jump of 1e6 takes 2e7 steps on 20 cells.
+pub const CONDUCTIVITY_SEMI: Rung = Rung {
+    name: "contrast-k-semi",
+    about: "two layers, k x 10 and 1e3 both ways, implicit pressure: settlement, order 2",
+    climb: || implicit_pressure(DYNAMIC_CONDUCTIVITIES, SOUND),
+    mutant: Some(Mutant { what: TIGHT, climb: || implicit_pressure(DYNAMIC_CONDUCTIVITIES, SLOWER) }),
+};
+
+/// Conductivity with the paper's step, whose limit is that of the faster layer: a jump of 1e6 takes 1e9 steps on ten cells.
+pub const CONDUCTIVITY_EXPLICIT: Rung = Rung {
+    name: "contrast-k-explicit",
+    about: "two layers, k x 10 both ways, explicit: settlement, order 2",
+    climb: || explicit(&[conductivity(10.0), conductivity(0.1)], SOUND),
+    mutant: Some(Mutant { what: TIGHT, climb: || explicit(&[conductivity(10.0), conductivity(0.1)], SLOWER) }),
+};
+
+/// Stiffness, B-splines.
+pub const STIFFNESS: Rung = Rung {
+    name: "contrast-e",
+    about: "two layers, E x 10 to 1e4 both ways, B-splines: settlement, order 3 or more",
+    climb: || splines(STIFFNESSES, SETTLEMENT, 1e-6, SOUND),
+    mutant: Some(Mutant { what: TIGHT, climb: || splines(STIFFNESSES, SETTLEMENT, 1e-6, SLOWER) }),
+};
+
+/// Its pressures.
+pub const STIFFNESS_PROFILE: Rung = Rung {
+    name: "contrast-e-profile",
+    about: "the same: pore pressure, order 3 or more",
+    climb: || splines(STIFFNESSES, PROFILE, 3e-5, SOUND),
+    mutant: Some(Mutant { what: TIGHT, climb: || splines(STIFFNESSES, PROFILE, 3e-5, SLOWER) }),
+};
+
+/// Stiffness, the paper's scheme.
+pub const STIFFNESS_CENTRE: Rung = Rung {
+    name: "contrast-e-centre",
+    about: "the same with centre values: order 2",
+    climb: || centre(STIFFNESSES, SOUND),
+    mutant: Some(Mutant { what: TIGHT, climb: || centre(STIFFNESSES, SLOWER) }),
+};
+
+/// Stiffness with an implicit pressure: a jump of 1e4 takes 2e5 steps on 20 cells.
+pub const STIFFNESS_SEMI: Rung = Rung {
+    name: "contrast-e-semi",
+    about: "two layers, E x 10 and 100 both ways, implicit pressure: settlement, order 2",
+    climb: || implicit_pressure(DYNAMIC_STIFFNESSES, SOUND),
+    mutant: Some(Mutant { what: TIGHT, climb: || implicit_pressure(DYNAMIC_STIFFNESSES, SLOWER) }),
+};
+
+/// Stiffness with the paper's step: a jump of 1e4 takes 9e6 steps on ten cells.
+pub const STIFFNESS_EXPLICIT: Rung = Rung {
+    name: "contrast-e-explicit",
+    about: "two layers, E x 10 both ways, explicit: settlement, order 2",
+    climb: || explicit(&[stiffness(10.0), stiffness(0.1)], SOUND),
+    mutant: Some(Mutant { what: TIGHT, climb: || explicit(&[stiffness(10.0), stiffness(0.1)], SLOWER) }),
+};
+
+const CONDUCTIVITIES: &[Contrast] = &[
+    conductivity(10.0),
+    conductivity(1e3),
+    conductivity(1e6),
+    conductivity(1e-1),
+    conductivity(1e-3),
+    conductivity(1e-6),
+];
+const STIFFNESSES: &[Contrast] =
+    &[stiffness(10.0), stiffness(1e2), stiffness(1e4), stiffness(1e-1), stiffness(1e-2), stiffness(1e-4)];
+
+const DYNAMIC_CONDUCTIVITIES: &[Contrast] =
+    &[conductivity(10.0), conductivity(1e3), conductivity(1e-1), conductivity(1e-3)];
+const DYNAMIC_STIFFNESSES: &[Contrast] = &[stiffness(10.0), stiffness(1e2), stiffness(1e-1), stiffness(1e-2)];
+/// Share of the passage until which steps that have a limit are followed.
+const DYNAMIC_UNTIL: f64 = 0.1;
+
+/// A number of a run that is looked at.
+type Number = fn(&Found) -> f64;
+const SETTLEMENT: Number = |found| found.settlement_error;
+const PROFILE: Number = |found| found.pressure_error;
+
+/// What is planted: a factor on the conductivity of the slower or softer layer.
+const SOUND: f64 = 1.0;
+const SLOWER: f64 = 0.95;
+/// The fault in words.
+const TIGHT: &str = "conductivity of the slower layer 5 % too low";
+
+fn splines(contrasts: &[Contrast], number: Number, required: f64, fault: f64) -> Result<Outcome, String> {
+    let by = (Integrator::QuasiStatic, ShapeChoice::Bspline2);
+    refined(by, contrasts, &[10, 20, 40], 1.0, number, (required, [3.0, 7.0]), fault)
+}
+
+/// The slower layer fills half of the column and drains a quarter as fast as the whole would: the error of U at the first
+/// time is that of a column on half as many cells.
+fn centre(contrasts: &[Contrast], fault: f64) -> Result<Outcome, String> {
+    let by = (Integrator::QuasiStatic, ShapeChoice::Centre);
+    refined(by, contrasts, &[20, 40, 80], 1.0, SETTLEMENT, (5e-3, [1.9, 2.2]), fault)
+}
+
+fn implicit_pressure(contrasts: &[Contrast], fault: f64) -> Result<Outcome, String> {
+    let by = (Integrator::SemiImplicit, ShapeChoice::Centre);
+    refined(by, contrasts, &[10, 20, 40], DYNAMIC_UNTIL, SETTLEMENT, (2e-2, [1.8, 2.4]), fault)
+}
+
+fn explicit(contrasts: &[Contrast], fault: f64) -> Result<Outcome, String> {
+    let by = (Integrator::Explicit, ShapeChoice::Centre);
+    refined(by, contrasts, &[10, 20, 40], DYNAMIC_UNTIL, SETTLEMENT, (2e-2, [1.8, 2.4]), fault)
+}
+
+/// The worst of several contrasts on each mesh.
+fn refined(
+    (by, shape): (Integrator, ShapeChoice),
+    contrasts: &[Contrast],
+    rows: &[usize],
+    until: f64,
+    number: Number,
+    (required_error, order): (f64, [f64; 2]),
+    fault: f64,
+) -> Result<Outcome, String> {
+    let mut errors = Vec::with_capacity(rows.len());
+    let mut notes = Vec::new();
+    let mut outcome = Outcome { required_error, required_order: Some(order), ..Outcome::default() };
+    for rows in rows {
+        let (mut worst, mut cell) = (0.0_f64, 0.0);
+        let mut outside = 0.0_f64;
+        for contrast in contrasts {
+            let mut scene = scene(by, shape, *contrast, *rows, until)?;
+            let exact = Layered::of(&scene).ok_or("not a column of layers")?;
+            plant(&mut scene, fault);
+            let found = measured(&scene, &exact, *contrast, until)?;
+            let error = number(&found);
+            // A NaN must not be lost in a maximum.
+            worst = if error.is_nan() { f64::NAN } else { worst.max(error) };
+            outside = outside.max(found.outside);
+            cell = scene.cell;
+            (outcome.integrator, outcome.scheme) = (integrator(&scene), scheme(&scene));
+        }
+        errors.push((cell, worst));
+        notes = vec![(
+            "pressure outside of the exact range at the interface, share of p_0".to_owned(),
+            outside,
+            "-".to_owned(),
+        )];
+    }
+    Ok(Outcome { errors, notes, ..outcome })
+}
+
+/// Plants a factor on the conductivity of the layer that takes the longest.
+fn plant(scene: &mut Scene, factor: f64) {
+    let slowness =
+        |layer: &mpm_core::scene::SoilLayer| 1.0 / (layer.hydraulic_conductivity * layer.elastic.oedometer_modulus());
+    if let Some(layer) = scene.layers.iter_mut().max_by(|a, b| slowness(a).total_cmp(&slowness(b))) {
+        layer.hydraulic_conductivity *= factor;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::LADDER;
+
+    #[test]
+    fn contrasts_hold_and_a_fault_in_a_layer_is_found() {
+        for rung in LADDER.iter().filter(|rung| rung.name.starts_with("contrast-")) {
+            let climb = rung.climb().expect("runs that finish");
+            println!("{}: {} {:?}", rung.name, climb.reason, climb.errors);
+            assert!(climb.step.held(), "{}: {}", rung.name, climb.reason);
+            let mutant = rung.climb_mutant().expect("a mutant").expect("runs that finish");
+            assert!(!mutant.step.held(), "{}: {}", rung.name, mutant.reason);
+        }
+    }
+}
