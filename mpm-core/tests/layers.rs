@@ -1,0 +1,148 @@
+//! Soil in layers: the same bits where all layers are alike, ledgers that close where they are not, one dimension and
+//! plane strain alike, and the worst layer decides the step.
+
+mod common;
+
+use common::{apart, completed, scene};
+use mpm_core::drive::Run;
+use mpm_core::run::run;
+use mpm_core::scene::{
+    Dimension, Integrator, Scene, ShapeChoice, SoilLayer, StepChoice, StrainChoice, Surcharge, Until,
+};
+use mpm_core::stability::stable_limit;
+
+const DYNAMIC: [ShapeChoice; 4] = [ShapeChoice::Centre, ShapeChoice::Linear, ShapeChoice::Gimp, ShapeChoice::Bspline2];
+
+/// A short consolidation in cells of 10 cm; the upper and the lower half with so much of E and k.
+fn halves(integrator: Integrator, shape: ShapeChoice, shares: [[f64; 2]; 2]) -> Scene {
+    let mut scene = scene(&["cell = 0.1", "particles_per_cell = 9", "until.time_factor = 0.2", "-time_factors"]);
+    (scene.integrator, scene.shape) = (integrator, shape);
+    if integrator == Integrator::QuasiStatic {
+        (scene.strain, scene.darcy_inertia, scene.tolerance) = (StrainChoice::Small, false, 1e-6);
+    }
+    let water = scene.water.expect("a wet scene");
+    let soil = |up_to: f64, [stiffer, faster]: [f64; 2]| {
+        let mut elastic = scene.elastic;
+        elastic.youngs_modulus *= stiffer;
+        SoilLayer { up_to, elastic, hydraulic_conductivity: faster * water.hydraulic_conductivity }
+    };
+    scene.layers = vec![soil(0.5, shares[1]), soil(1.0, shares[0])];
+    scene
+}
+
+fn alike(integrator: Integrator, shape: ShapeChoice) -> Scene {
+    halves(integrator, shape, [[1.0; 2]; 2])
+}
+
+fn without_layers(scene: &Scene) -> Scene {
+    Scene { layers: Vec::new(), ..scene.clone() }
+}
+
+/// Settlements and pressures of all samples.
+fn figures(run: &Run) -> Vec<f64> {
+    let of = |s: &mpm_core::drive::Sample| {
+        let pressures: Vec<f64> = s.state.profile.iter().map(|row| row.pressure_pa).collect();
+        std::iter::once(s.state.settlement).chain(pressures)
+    };
+    run.samples.iter().flat_map(of).collect()
+}
+
+#[test]
+fn layers_that_are_alike_are_one_soil_to_the_bit() {
+    let shapes = |integrator| DYNAMIC.map(move |shape| (integrator, shape));
+    let explicit = shapes(Integrator::Explicit).into_iter().chain(shapes(Integrator::SemiImplicit));
+    let static_ones = [ShapeChoice::Centre, ShapeChoice::Linear, ShapeChoice::Gimp];
+    for (integrator, shape) in explicit.chain(static_ones.map(|shape| (Integrator::QuasiStatic, shape))) {
+        let layered = alike(integrator, shape);
+        let (a, b) = (completed(&layered), completed(&without_layers(&layered)));
+        assert_eq!(figures(&a), figures(&b), "{integrator:?} {shape:?}");
+        let other = completed(&halves(integrator, shape, [[1.0, 1.0], [1.0, 1.0 - 1e-9]]));
+        assert_ne!(figures(&a), figures(&other), "{integrator:?} {shape:?}: the check cannot fail");
+    }
+}
+
+#[test]
+fn b_splines_that_may_bend_are_as_good() {
+    let layered = alike(Integrator::QuasiStatic, ShapeChoice::Bspline2);
+    let (a, b) = (completed(&layered), completed(&without_layers(&layered)));
+    let last = |run: &Run| run.samples.last().expect("samples").state.settlement;
+    assert!(apart(last(&a), last(&b)) < 1e-5, "{} {}", last(&a), last(&b));
+}
+
+#[test]
+fn ledgers_close() {
+    let shares = [[1.0, 1.0], [0.2, 0.01]];
+    for (integrator, allowed) in [(Integrator::Explicit, 5e-3), (Integrator::SemiImplicit, 5e-2)] {
+        for shape in DYNAMIC {
+            let run = completed(&halves(integrator, shape, shares));
+            let ledger = &run.samples.last().expect("samples").ledger;
+            let energy = (ledger.energy_closing_j / ledger.external_work_j).abs();
+            let water = (ledger.water_closing_kg / ledger.water_out_kg).abs();
+            println!("{integrator:?} {shape:?}: energy {energy:.1e}, water {water:.1e}");
+            assert!(energy < allowed && water < 1e-4, "{integrator:?} {shape:?}: {energy:e} {water:e}");
+            assert!(ledger.darcy_dissipation_j > 10.0 * allowed * ledger.external_work_j, "nothing to miss");
+        }
+    }
+    for shape in DYNAMIC {
+        let run = completed(&halves(Integrator::QuasiStatic, shape, shares));
+        let ledger = &run.samples.last().expect("samples").ledger;
+        let water = (ledger.water_closing_kg / ledger.water_out_kg).abs();
+        assert!(water < 1e-6, "{shape:?}: {water:e}");
+    }
+}
+
+#[test]
+fn a_column_and_plane_strain_agree() {
+    let shares = [[1.0, 1.0], [0.2, 0.01]];
+    let cases = [
+        (Integrator::Explicit, ShapeChoice::Centre),
+        (Integrator::SemiImplicit, ShapeChoice::Linear),
+        (Integrator::QuasiStatic, ShapeChoice::Centre),
+        (Integrator::QuasiStatic, ShapeChoice::Bspline2),
+    ];
+    for (integrator, shape) in cases {
+        let column = halves(integrator, shape, shares);
+        let mut plane = column.clone();
+        (plane.dimension, plane.width, plane.cells[0]) = (Dimension::PlaneStrain, 0.2, 2);
+        plane.step = StepChoice::Fixed(0.5 * stable_limit(&plane).min(stable_limit(&column)).min(1.0));
+        let column = Scene { step: plane.step, ..column };
+        let scenes = [column, plane].map(|scene| match integrator {
+            Integrator::QuasiStatic => Scene { step: StepChoice::Auto, ..scene },
+            _ => scene,
+        });
+        let [a, b] = scenes.map(|scene| completed(&scene).samples.last().expect("samples").state.clone());
+        assert!(apart(a.settlement, b.settlement) < 1e-7, "{integrator:?} {shape:?}");
+        let rows = a.profile.iter().zip(&b.profile);
+        let off = rows.map(|(a, b)| (a.pressure_pa - b.pressure_pa).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-2, "{integrator:?} {shape:?}: {off} Pa");
+    }
+}
+
+/// Largest speed of a particle after 4000 steps, m/s; infinite for a run that stopped.
+fn speed_after(scene: &Scene, step: f64) -> f64 {
+    let mut scene = Scene { step: StepChoice::Fixed(step), force: true, ..scene.clone() };
+    let end = 4000.0 * step;
+    scene.observe_times = vec![end];
+    scene.stages[0].until = Until::Time(end);
+    let run = run(&scene, &mut |_| {}).expect("a forced step");
+    if run.failure.is_some() { f64::INFINITY } else { run.samples.last().expect("samples").state.max_speed }
+}
+
+#[test]
+fn the_worst_layer_decides_the_step() {
+    let (soil, stiff, soft, fast) = ([1.0, 1.0], [100.0, 1.0], [0.01, 1.0], [1.0, 100.0]);
+    let pairs = [[soil, fast], [soil, stiff], [soil, soft], [stiff, fast], [soft, [0.01, 100.0]]];
+    for integrator in [Integrator::Explicit, Integrator::SemiImplicit] {
+        for pair in pairs.into_iter().flat_map(|[a, b]| [[a, b], [b, a]]) {
+            let mut layered = halves(integrator, ShapeChoice::Centre, pair);
+            // The limit counts on no inertia in Darcy's law, and the load hardly strains the softest soil.
+            layered.darcy_inertia = false;
+            layered.surcharge = layered.surcharge.map(|s| Surcharge { pressure: 1e-3 * s.pressure, ..s });
+            let limit = stable_limit(&layered);
+            let alone = layered.by_layer().iter().map(|(_, soil)| stable_limit(soil)).fold(f64::INFINITY, f64::min);
+            assert_eq!(limit, alone);
+            let [below, above] = [0.99, 1.5].map(|share| speed_after(&layered, share * limit));
+            assert!(below < 1e-2 && above > 1.0, "{integrator:?} {pair:?}: {below} and {above} m/s");
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! Guards soil in layers: what is read from a scene, and every message about what is refused.
+
+mod common;
+
+use common::refusal::{Edits, TIME_FACTORS, WATER, refusal};
+use common::{edited, terzaghi};
+use mpm_core::scene::Scene;
+
+/// The law of the default scene.
+const LAW: &str = "[soil.law.linear_elastic]
+youngs_modulus = 2.0e7
+poisson_ratio = 0.30
+";
+
+/// The default scene in two layers.
+const LAYERS: &str = "[soil.law.linear_elastic]
+youngs_modulus = 2.0e7
+poisson_ratio = 0.30
+
+[[layers]]
+up_to = 0.5
+hydraulic_conductivity = 5.0e-7
+
+[[layers]]
+up_to = 1.0
+youngs_modulus = 2.0e8
+";
+
+/// What is wrong with layers, and the edits of the default scene in two layers that make it so.
+const LAYER_CASES: &[(&str, Edits)] = &[
+    ("misspelt key", &[("up_to = 0.5", "up_too = 0.5")]),
+    ("missing top", &[("up_to = 0.5\n", "")]),
+    (
+        "no layers",
+        &[
+            ("name = \"terzaghi\"", "name = \"terzaghi\"\nlayers = []"),
+            (
+                "[[layers]]\nup_to = 0.5\nhydraulic_conductivity = 5.0e-7\n\n[[layers]]\nup_to = 1.0\nyoungs_modulus = 2.0e8\n",
+                "",
+            ),
+        ],
+    ),
+    (
+        "a single table",
+        &[(
+            "[[layers]]\nup_to = 0.5\nhydraulic_conductivity = 5.0e-7\n\n[[layers]]\nup_to = 1.0",
+            "[layers]\nup_to = 1.0",
+        )],
+    ),
+    (
+        "nine layers",
+        &[(
+            "[[layers]]\nup_to = 0.5\n",
+            "[[layers]]\nup_to = 0.02\n[[layers]]\nup_to = 0.04\n[[layers]]\nup_to = 0.06\n[[layers]]\nup_to = 0.08\n[[layers]]\nup_to = 0.1\n[[layers]]\nup_to = 0.12\n[[layers]]\nup_to = 0.14\n[[layers]]\nup_to = 0.5\n",
+        )],
+    ),
+    ("tops that do not ascend", &[("up_to = 0.5", "up_to = 1.0")]),
+    ("a layer of no thickness", &[("up_to = 0.5", "up_to = 0.0")]),
+    ("a layer above the soil", &[("up_to = 1.0", "up_to = 1.5")]),
+    ("soil above the last layer", &[("up_to = 1.0", "up_to = 0.9")]),
+    ("an interface inside a cell", &[("up_to = 0.5", "up_to = 0.51")]),
+    ("a layer thinner than a cell", &[("up_to = 0.5", "up_to = 0.01")]),
+    ("a top that is not a number", &[("up_to = 0.5", "up_to = nan")]),
+    ("a layer without stiffness", &[("youngs_modulus = 2.0e8", "youngs_modulus = 0.0")]),
+    ("a layer with nu = 0.5", &[("youngs_modulus = 2.0e8", "poisson_ratio = 0.5")]),
+    ("a tight layer", &[("hydraulic_conductivity = 5.0e-7", "hydraulic_conductivity = 0.0")]),
+    (
+        "conductivity of a dry layer",
+        &[
+            (WATER, ""),
+            ("start = \"undrained-equilibrium\"", "start = \"unloaded\""),
+            ("drained = [\"top\"]\n", ""),
+            ("until.time_factor = 1.0", "until.time = 1.0"),
+            (TIME_FACTORS, ""),
+            ("darcy = \"face\"\ndarcy_inertia = true\n", ""),
+        ],
+    ),
+    (
+        "strength",
+        &[(
+            "[soil.law.linear_elastic]\nyoungs_modulus = 2.0e7\npoisson_ratio = 0.30",
+            "[soil.law.mohr_coulomb]\nyoungs_modulus = 2.0e7\npoisson_ratio = 0.30\ncohesion = 1.0e3\nfriction_angle = 30.0",
+        )],
+    ),
+    ("nodal velocities", &[("darcy = \"face\"", "darcy = \"nodal\"")]),
+    ("centroids", &[("shape = \"centre\"", "shape = \"centroid\"")]),
+    (
+        "room beside",
+        &[("\"column\"", "\"plane-strain\""), ("particles_per_cell = 4", "particles_per_cell = 4\nsideroom_cells = 2")],
+    ),
+    (
+        "waiting for a pressure",
+        &[("until.time_factor = 1.0", "until.pore_pressure_within = 0.01"), (TIME_FACTORS, ""), ("history = 60\n", "")],
+    ),
+    (
+        "a mesh that is laid anew",
+        &[
+            ("integrator = \"explicit\"\nstep = \"auto\"\nsafety = 0.9", "integrator = \"quasi-static\""),
+            ("flip = 1.0\n", ""),
+            ("darcy_inertia = true\n", ""),
+        ],
+    ),
+    (
+        "a shifted mesh",
+        &[
+            ("integrator = \"explicit\"\nstep = \"auto\"\nsafety = 0.9", "integrator = \"quasi-static\""),
+            ("flip = 1.0\n", ""),
+            ("darcy_inertia = true\n", ""),
+            ("porosity = 0.30", "porosity = 0.30\nstrain = \"small\""),
+            ("particles_per_cell = 4", "particles_per_cell = 4\nshift = 0.3"),
+        ],
+    ),
+    ("two clocks", &[("integrator = \"explicit\"\nstep = \"auto\"\nsafety = 0.9", "integrator = \"two-clocks\"")]),
+];
+
+#[test]
+fn layers_take_from_soil_and_water_what_they_do_not_say() {
+    let text = edited(&terzaghi(), &[(LAW, LAYERS)]);
+    let scene = Scene::parse(&text, "scene.toml").expect("a scene that holds");
+    assert_eq!(scene.layers.len(), 2);
+    assert_eq!((scene.elastic_at(0.3).youngs_modulus, scene.elastic_at(0.7).youngs_modulus), (2.0e7, 2.0e8));
+    assert_eq!(scene.layers.iter().map(|l| l.hydraulic_conductivity).collect::<Vec<_>>(), [5.0e-7, 5.0e-4]);
+    // Every layer has its own undrained pressure, and settles by itself.
+    let share = |m: f64| 2.2e9 / 0.3 / (2.2e9 / 0.3 + m);
+    let (soft, stiff) = (scene.oedometer_modulus(), 10.0 * scene.oedometer_modulus());
+    assert!((scene.undrained_pressure_at(0.2) / (1e4 * share(soft)) - 1.0).abs() < 1e-14);
+    assert!((scene.undrained_pressure_at(0.8) / (1e4 * share(stiff)) - 1.0).abs() < 1e-14);
+    let settled = 1e4 * 0.5 * ((1.0 - share(soft)) / soft + (1.0 - share(stiff)) / stiff);
+    assert!((scene.first_settlement() / settled - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn every_message_about_layers() {
+    let base = edited(&terzaghi(), &[(LAW, LAYERS)]);
+    let mut list = String::new();
+    for (case, edits) in LAYER_CASES {
+        let error = refusal(case, &edited(&base, edits));
+        list += &format!("{case}\n    {error}\n");
+    }
+    insta::with_settings!({
+        description => "Guards the words and the line of every refusal of soil in layers.",
+        omit_expression => true,
+    }, {
+        insta::assert_snapshot!(list);
+    });
+}
