@@ -564,10 +564,8 @@ where
             let at = if Sh::AT_CENTROID { centroid(grid, &position, &solid.points[range.clone()]) } else { [0.5; D] };
             // B-bar: what changes volumes is that of the centre.
             let middle = if Sh::SPLIT { trace(&gradient(&strains, &[0.5; D], grid.inverse_size)) } else { 0.0 };
-            let mut number = range.start;
-            for point in &mut solid.points[range] {
+            for (number, point) in (range.start..).zip(&mut solid.points[range]) {
                 let law = laws.law(laws.mark_of(if L::LAYERED { solid.ids[number] } else { 0 }));
-                number += 1;
                 let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - position[d] as f64);
                 let phi = basis(&xi);
                 let here = if Sh::AT_CENTROID { at } else { Sh::point(&xi) };

@@ -381,10 +381,8 @@ where
             } else {
                 None
             };
-            let mut number = range.start;
-            for point in &mut solid.points[range] {
+            for (number, point) in (range.start..).zip(&mut solid.points[range]) {
                 let law = laws.law(laws.mark_of(if L::LAYERED { solid.ids[number] } else { 0 }));
-                number += 1;
                 let stencil = self.functions.around(&position, &inside(grid, &position, &point.x));
                 let (mut gradient, v, dv) = field::<B, D>(&stencil, &self.motion);
                 if mapped.is_some() {

@@ -276,7 +276,8 @@ impl Ranges<'_> {
 /// All of a range, or its ends and, where it has one, its middle.
 fn some<T>(range: &[T], extent: Extent) -> impl Iterator<Item = &T> {
     let last = range.len() - 1;
-    let keep = move |i: usize| extent == Extent::Whole || i == 0 || i == last || (last % 2 == 0 && 2 * i == last);
+    let keep =
+        move |i: usize| extent == Extent::Whole || i == 0 || i == last || (last.is_multiple_of(2) && 2 * i == last);
     range.iter().enumerate().filter(move |(i, _)| keep(*i)).map(|(_, value)| value)
 }
 
@@ -290,7 +291,7 @@ pub fn rows(settings: &[Setting], jobs: usize, progress: &Progress) -> Result<Ve
         let row = row(setting);
         let count = done.fetch_add(1, Ordering::Relaxed) + 1;
         progress.set((count * 1_000_000 / settings.len()) as u64);
-        if count % SPOKEN == 0 {
+        if count.is_multiple_of(SPOKEN) {
             progress.piped_line(&format!("stability map: {count} of {} rows", settings.len()));
         }
         row

@@ -30,11 +30,15 @@ struct Rows {
     unknown: [u32; 3 * MOST],
 }
 
+/// Where the soil, the water and its flow are integrated.
+type Places<'a, M, const D: usize, const S: usize> =
+    (&'a [SolidPart<M, D, S>], &'a [PorePart<M, D>], &'a [FacePart<M>]);
+
 impl System {
     /// The pattern of a mesh.
     pub fn new<M, const D: usize, const S: usize>(
         size: usize,
-        parts: (&[SolidPart<M, D, S>], &[PorePart<M, D>], &[FacePart<M>]),
+        parts: Places<M, D, S>,
         jumps: &[(u32, u32, f64)],
         maps: (&[[u32; D]], &[u32]),
     ) -> Result<Self, Unsolved> {

@@ -55,13 +55,16 @@ pub fn limits(rows: &[Row]) -> Figure {
     }
 }
 
+/// Rows that share a marker: their label, which they are, and how they look.
+type Kind = (&'static str, fn(&Row) -> bool, Look);
+
 /// Measured over theory for every row.
 pub fn ratios(rows: &[Row]) -> Figure {
     let (mut panels, missing) = panels("stability-map-ratio", rows, |panel, _| {
         panel.x = Axis::log("k (m/s)", "k_m_s");
         panel.y = Axis::linear("measured / theory", "ratio");
     });
-    let kinds: [(&str, fn(&Row) -> bool, Look); 3] = [
+    let kinds: [Kind; 3] = [
         ("column", |r| r.dimension == "column" && !r.darcy_inertia, Look::new(look::BLUE, Marker::Circle).radius(2.6)),
         (
             "column, inertia in Darcy's law",
