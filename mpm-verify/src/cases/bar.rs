@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use mpm_core::boundary::{FirstState, Given};
 use mpm_core::drive::Sample;
-use mpm_core::scene::{Scene, ShapeChoice, Until};
+use mpm_core::scene::{Scene, ShapeChoice, TransferChoice, Until};
 use mpm_core::stability::{choose_step, shortest_transfer};
 
+use super::evidence::Sampled;
 use super::{Mutant, Outcome, Rung, finished_given, integrator, scheme, with_rows};
 use crate::norms::largest;
 
@@ -38,6 +39,13 @@ pub const PIC: Rung = Rung {
 /// Swings over which energy is kept, and looks at each.
 const SWINGS: u32 = 50;
 const EACH: u32 = 16;
+/// What carries velocities, for the curves: name, affine or not, share of FLIP.
+const KEPT: [(&str, TransferChoice, f64); 4] = [
+    ("FLIP", TransferChoice::Plain, 1.0),
+    ("99 % FLIP", TransferChoice::Plain, 0.99),
+    ("PIC", TransferChoice::Plain, 0.0),
+    ("affine FLIP", TransferChoice::Affine, 1.0),
+];
 /// Largest speed, m/s: strains of 1e-5.
 const SPEED: f64 = 1e-3;
 
@@ -97,6 +105,12 @@ fn energies(scene: &Scene, frequency: f64) -> Result<Vec<f64>, String> {
     Ok(run.samples.iter().map(|s| s.ledger.kinetic_j + s.ledger.strain_j).collect())
 }
 
+/// Sums of the energies over every swing. Velocities are half a step ahead of the stresses, so that the energy itself swings
+/// twice a period, and its means do not.
+fn by_swing(scene: &Scene, frequency: f64) -> Result<Vec<f64>, String> {
+    Ok(energies(scene, frequency)?[1..].chunks(EACH as usize).map(|swing| swing.iter().sum()).collect())
+}
+
 /// Particles keep the whole change of velocity of a node, whose own velocity then changes by the share S of it (see [`pic`]):
 /// soil is strained by `(1 - S) dt a` more than it moves, which is a viscosity. The mode loses energy at the rate
 /// `(1 - S) w^2 dt`, a share of 1e-5 to 1e-4 in a swing.
@@ -107,9 +121,7 @@ fn energy(flip: f64) -> Result<Outcome, String> {
     let mut notes = Vec::new();
     let mut lost = |shape: ShapeChoice, rows: usize| {
         let scene = Scene { shape, ..with_rows(base.clone(), rows) };
-        // Velocities are half a step ahead of the stresses, so that the sum swings twice a period: means over swings do not.
-        let swings: Vec<f64> =
-            energies(&scene, frequency)?[1..].chunks(EACH as usize).map(|swing| swing.iter().sum()).collect();
+        let swings = by_swing(&scene, frequency)?;
         let (first, last) = (swings[0], swings[swings.len() - 1]);
         let time = f64::from(SWINGS - 1) * 2.0 * PI / frequency;
         notes.push((
@@ -124,12 +136,28 @@ fn energy(flip: f64) -> Result<Outcome, String> {
     for shape in [ShapeChoice::Linear, ShapeChoice::Gimp, ShapeChoice::Bspline2] {
         lost(shape, 20)?;
     }
+    let mut samples = Vec::new();
+    for (name, transfer, flip) in KEPT {
+        let scene = Scene { transfer, flip, ..with_rows(base.clone(), 20) };
+        let swings = by_swing(&scene, frequency)?;
+        samples.extend(swings.iter().enumerate().map(|(swing, energy)| Sampled {
+            quantity: format!("energy, {name}"),
+            unit: "-".to_owned(),
+            time: (swing as f64 + 0.5) * 2.0 * PI / frequency,
+            factor: None,
+            computed: energy / swings[0],
+            exact: 1.0,
+            error: energy / swings[0] - 1.0,
+            counts: false,
+        }));
+    }
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),
         errors,
         required_error: 5e-2,
         notes,
+        samples,
         ..Outcome::default()
     })
 }

@@ -9,7 +9,7 @@ use super::content::table::{Cell, Table, table};
 use super::html::render;
 use super::numbers::{brief, exact, short};
 use super::plots::figure::Figure;
-use super::plots::{self, rung};
+use super::plots::{self, curves, rung};
 use super::tables;
 use super::{ReportError, save};
 use crate::baseline::ladder::Kind;
@@ -47,7 +47,8 @@ struct Page {
 /// # Errors
 /// A file that cannot be written or drawn.
 pub fn write(climbs: &[Climb], manifest: &Manifest, folder: &Path) -> Result<(), ReportError> {
-    let figures: Vec<Figure> = climbs.iter().map(rung::figure).collect();
+    let of_one = |climb| std::iter::once(rung::figure(climb)).chain(curves::figure(climb));
+    let figures: Vec<Figure> = climbs.iter().flat_map(of_one).collect();
     let drawn = figures.iter().map(|f| plots::write_svg(f, folder)).collect::<Result<Vec<_>, _>>()?;
     for climb in climbs {
         let rows = climb.errors.iter().map(|(h, e)| vec![exact(*h), exact(*e)]);

@@ -15,6 +15,7 @@ pub mod canvas;
 pub mod colours;
 pub mod consolidation;
 pub mod crossings;
+pub mod curves;
 pub mod draw;
 pub mod energy;
 pub mod error_against_mesh;
