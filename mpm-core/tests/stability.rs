@@ -207,7 +207,7 @@ fn inertia_of_the_step_before_lowers_the_limit_of_soil_that_lets_its_water_throu
         assert_eq!(limit(5e-4, true, shape), limit(5e-4, false, shape), "{shape}");
         assert!(limit(1e-2, true, shape) < 0.2 * limit(1e-2, false, shape), "{shape}");
     }
-    // The roots of the cubic, from an independent script: 2 particles per direction, growth 1e-6.
+    // The roots of the cubic, from an independent script: 2 particles per direction.
     let medium = Medium {
         flow_inertia: 1000.0,
         pore_stiffness: 2e9 / 0.3,
@@ -217,21 +217,23 @@ fn inertia_of_the_step_before_lowers_the_limit_of_soil_that_lets_its_water_throu
         ..mesh(1560.0, 0.1, 0.0)
     };
     let found = medium.lagged_inertia_column(1e-2);
-    assert!(apart(found, 3.137_662_8e-4) < 1e-5, "{found:e}");
+    assert!(apart(found, 3.137_552_653_330_5e-4) < 1e-9, "{found:e}");
     assert_eq!(Medium { flow_inertia: 0.0, ..medium }.lagged_inertia_column(1e-2), 1e-2);
 }
 
 #[test]
 fn one_particle_per_cell_holds_explicit_splines_to_the_free_end() {
     for conductivity in ["1.0e-5", "1.0e-9"] {
-        for modulus in ["2.0e7", "2.0e11"] {
-            let scene = consolidation(&[
+        for modulus in ["2.0e7", "2.0e9"] {
+            let mut scene = consolidation(&[
                 "shape = \"bspline2\"",
                 "cell = 0.1",
                 "particles_per_cell = 1",
                 &format!("hydraulic_conductivity = {conductivity}"),
                 &format!("bulk_modulus = {modulus}"),
             ]);
+            // Steps are counted, not hours of consolidation.
+            scene.observe_times.clear();
             assert!(bounded(&scene, 0.98) && !bounded(&scene, 1.1), "k = {conductivity}, K_w = {modulus}");
         }
     }

@@ -159,7 +159,7 @@ fn gap(setting: &Setting, ratio: f64) -> &'static str {
             "late inertia raises the step of an eigenvalue -1, which is not counted on, and feeds waves by less per step \
              than counts as growth here"
         }
-        Dimension::Column if splines => "splines are held to linear functions and to a free end with c = 1",
+        _ if splines => "splines are held to linear functions and to a free end with c = 1",
         Dimension::PlaneStrain if semi => "bilinear cells are held to their stiffest deformation with c = 1",
         Dimension::PlaneStrain if ratio > 1.0 => {
             "at a drained edge a row of cells drains faster than in any plane wave that strains it as much; the safety factor \
@@ -491,6 +491,26 @@ mod tests {
             let closed = over(&scene);
             assert!(drained < 0.985 && closed > drained + 0.015, "{inertia}: {drained}, {closed}");
         }
+    }
+
+    #[test]
+    fn limits_come_nearer_to_those_of_an_endless_mesh_on_more_cells() {
+        let setting = Setting {
+            dimension: Dimension::PlaneStrain,
+            mesh: 0.1,
+            ppc: 1,
+            conductivity: 1e-3,
+            ..column(Integrator::Explicit, ShapeChoice::Centre)
+        };
+        let mut scene = setting.scene();
+        let limit = stable_limit(&scene);
+        let over = [PLANE, [6, 7]].map(|cells| {
+            scene.cells = cells;
+            (scene.width, scene.height) = (cells[0] as f64 * scene.cell, cells[1] as f64 * scene.cell);
+            let assembled = Assembled::of(&scene).expect("a block");
+            largest_stable(limit, 0.003, |dt| assembled.growth(dt) > assembled::NEUTRAL).stable / limit
+        });
+        assert!(over[0] > 1.05 && over[1] > 1.0 && over[1] - 1.0 < 0.7 * (over[0] - 1.0), "{over:?}");
     }
 
     #[test]
