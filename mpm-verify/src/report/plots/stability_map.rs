@@ -55,7 +55,7 @@ pub fn limits(rows: &[Row]) -> Figure {
     }
 }
 
-/// Rows that share a marker: their label, which they are, and how they look.
+/// Rows that are drawn alike: their name, which they are, their look.
 type Kind = (&'static str, fn(&Row) -> bool, Look);
 
 /// Measured over theory for every row.
