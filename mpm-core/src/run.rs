@@ -265,17 +265,15 @@ where
         return Ok(implicit::<K, _, D, S>(scene, soil_cells, across[0], stress, laws));
     }
     let seed = Seeded::new(scene, given, soil_cells, across[1], stress)?;
-    match (scene.integrator, scene.shape) {
-        (Integrator::Explicit, ShapeChoice::Centre | ShapeChoice::Centroid) => {
-            seed.layered_explicit::<K, Centre, _>(scene, laws)
-        }
-        (Integrator::Explicit, ShapeChoice::Linear) => seed.layered_explicit::<K, Linear, _>(scene, laws),
-        (Integrator::Explicit, ShapeChoice::BBar) => seed.layered_explicit::<K, BBar, _>(scene, laws),
-        (_, ShapeChoice::BBar) => seed.wide::<K, _, _, true>(scene, laws, BBar),
-        (_, ShapeChoice::Centre | ShapeChoice::Centroid) => seed.wide::<K, _, _, true>(scene, laws, Centre),
-        (_, ShapeChoice::Linear) => seed.wide::<K, _, _, true>(scene, laws, Linear),
-        (_, ShapeChoice::Gimp) => seed.wide::<K, _, _, true>(scene, laws, Gimp::new(scene.particles_per_direction())),
-        (_, ShapeChoice::Bspline2) => seed.wide::<K, _, _, true>(scene, laws, Bspline2),
+    if scene.integrator == Integrator::SemiImplicit && scene.water.is_some() {
+        return seed.semi_implicit_over::<K, _, true>(scene, laws);
+    }
+    match scene.shape {
+        ShapeChoice::Centre | ShapeChoice::Centroid => seed.layered_explicit::<K, Centre, _>(scene, laws),
+        ShapeChoice::Linear => seed.layered_explicit::<K, Linear, _>(scene, laws),
+        ShapeChoice::BBar => seed.layered_explicit::<K, BBar, _>(scene, laws),
+        ShapeChoice::Gimp => seed.wide::<K, _, _, true>(scene, laws, Gimp::new(scene.particles_per_direction())),
+        ShapeChoice::Bspline2 => seed.wide::<K, _, _, true>(scene, laws, Bspline2),
     }
 }
 
@@ -284,25 +282,23 @@ fn shape<K: Kinematics<D, S>, L: Law<S>, const D: usize, const S: usize>(
     seed: Seeded<D, S>,
     law: L,
 ) -> Result<Box<dyn Model>, RunError> {
-    let per_direction = scene.particles_per_direction();
-    match (scene.integrator, scene.shape) {
-        (_, ShapeChoice::Linear) if scene.free_surface.is_some() => {
-            Ok(Box::new(seed.two_clocks::<K, Linear, L>(scene, law)?))
-        }
-        (_, ShapeChoice::Centroid) if scene.free_surface.is_some() => {
-            Ok(Box::new(seed.two_clocks::<K, Centroid, L>(scene, law)?))
-        }
-        (_, _) if scene.free_surface.is_some() => Ok(Box::new(seed.two_clocks::<K, Centre, L>(scene, law)?)),
-        (Integrator::Explicit, ShapeChoice::Centroid) => water::<K, Centroid, L, D, S>(scene, seed, law),
-        (Integrator::Explicit, ShapeChoice::Centre) => water::<K, Centre, L, D, S>(scene, seed, law),
-        (Integrator::Explicit, ShapeChoice::BBar) => water::<K, BBar, L, D, S>(scene, seed, law),
-        (_, ShapeChoice::BBar) => seed.wide::<K, _, L, false>(scene, law, BBar),
-        (Integrator::Explicit, ShapeChoice::Linear) => water::<K, Linear, L, D, S>(scene, seed, law),
-        // A full column has its centroid at the centre; scenes with others are refused.
-        (_, ShapeChoice::Centre | ShapeChoice::Centroid) => seed.wide::<K, _, L, false>(scene, law, Centre),
-        (_, ShapeChoice::Linear) => seed.wide::<K, _, L, false>(scene, law, Linear),
-        (_, ShapeChoice::Gimp) => seed.wide::<K, _, L, false>(scene, law, Gimp::new(per_direction)),
-        (_, ShapeChoice::Bspline2) => seed.wide::<K, _, L, false>(scene, law, Bspline2),
+    if scene.free_surface.is_some() {
+        return Ok(match scene.shape {
+            ShapeChoice::Linear => Box::new(seed.two_clocks::<K, Linear, L>(scene, law)?),
+            ShapeChoice::Centroid => Box::new(seed.two_clocks::<K, Centroid, L>(scene, law)?),
+            _ => Box::new(seed.two_clocks::<K, Centre, L>(scene, law)?),
+        });
+    }
+    if scene.integrator == Integrator::SemiImplicit && scene.water.is_some() {
+        return seed.semi_implicit_over::<K, L, false>(scene, law);
+    }
+    match scene.shape {
+        ShapeChoice::Centroid => water::<K, Centroid, L, D, S>(scene, seed, law),
+        ShapeChoice::Centre => water::<K, Centre, L, D, S>(scene, seed, law),
+        ShapeChoice::BBar => water::<K, BBar, L, D, S>(scene, seed, law),
+        ShapeChoice::Linear => water::<K, Linear, L, D, S>(scene, seed, law),
+        ShapeChoice::Gimp => seed.wide::<K, _, L, false>(scene, law, Gimp::new(scene.particles_per_direction())),
+        ShapeChoice::Bspline2 => seed.wide::<K, _, L, false>(scene, law, Bspline2),
     }
 }
 
@@ -465,7 +461,7 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         Ok(TwoClocks::new(Explicit::<K, Sh, L, _, D, S>::with_edges(parts, edges)))
     }
 
-    /// The kernels over stencils: their water flows through cell faces, and a dry scene has no pressure to solve for.
+    /// The explicit step over stencils, whose water flows through cell faces.
     fn wide<K: Kinematics<D, S>, B: Basis, L: Laws<S>, const LAYERED: bool>(
         self,
         scene: &Scene,
@@ -479,10 +475,41 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         };
         let water = self.saturated::<Face<D, LAYERED>>(scene, properties)?;
         let parts = self.parts(scene, law, water, supports);
-        Ok(match scene.integrator {
-            Integrator::SemiImplicit => Box::new(SemiImplicit::<K, B, L, LAYERED, D, S>::new(parts, basis)),
-            _ => Box::new(ExplicitWide::<K, B, L, _, D, S>::new(parts, basis)),
-        })
+        Ok(Box::new(ExplicitWide::<K, B, L, _, D, S>::new(parts, basis)))
+    }
+
+    /// The semi-implicit step; a dry scene has no pressure to solve for, and takes the explicit one.
+    fn semi_implicit_over<K: Kinematics<D, S>, L: Laws<S>, const LAYERED: bool>(
+        self,
+        scene: &Scene,
+        law: L,
+    ) -> Result<Box<dyn Model>, RunError> {
+        match scene.shape {
+            ShapeChoice::BBar => self.semi_implicit::<K, _, L, LAYERED>(scene, law, BBar),
+            // A full column has its centroid at the centre; scenes with others are refused.
+            ShapeChoice::Centre | ShapeChoice::Centroid => self.semi_implicit::<K, _, L, LAYERED>(scene, law, Centre),
+            ShapeChoice::Linear => self.semi_implicit::<K, _, L, LAYERED>(scene, law, Linear),
+            ShapeChoice::Gimp => {
+                let gimp = Gimp::new(scene.particles_per_direction());
+                self.semi_implicit::<K, _, L, LAYERED>(scene, law, gimp)
+            }
+            ShapeChoice::Bspline2 => self.semi_implicit::<K, _, L, LAYERED>(scene, law, Bspline2),
+        }
+    }
+
+    fn semi_implicit<K: Kinematics<D, S>, B: Basis, L: Laws<S>, const LAYERED: bool>(
+        self,
+        scene: &Scene,
+        law: L,
+        basis: B,
+    ) -> Result<Box<dyn Model>, RunError> {
+        let supports = Supports::along(&Functions::new(basis, &self.grid).along, &scene.solid_sides);
+        let Some(properties) = scene.water else {
+            return Err(refused("the semi-implicit step without water"));
+        };
+        let water = self.saturated::<Face<D, LAYERED>>(scene, properties)?;
+        let parts = self.parts(scene, law, water, supports);
+        Ok(Box::new(SemiImplicit::<K, B, L, LAYERED, D, S>::new(parts, basis)))
     }
 
     fn parts<L, W>(self, scene: &Scene, law: L, water: W, supports: Supports<D>) -> Parts<L, W, D, S> {
