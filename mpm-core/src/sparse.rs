@@ -20,6 +20,8 @@ pub const RESIDUAL: f64 = 1e-8;
 /// Rows of very different size, as those of layers, leave more of a small right-hand side: a solution is good that solves a
 /// system with entries off by no more than this share (Oettli & Prager 1964, Numer. Math. 6, 405-409).
 const BACKWARD: f64 = 1e-14;
+/// What such a solution still changes by, as a share of itself, when its residual is solved for.
+const SETTLED: f64 = 1e-4;
 /// Residuals above this are lowered by putting them on the right-hand side once more.
 const REFINE: f64 = 1e-13;
 /// A solution this much larger than `||b||/||A||` means a singular matrix: nothing but round-off holds it.
@@ -269,12 +271,16 @@ impl Factor {
         Ok(())
     }
 
-    /// Whether the residual at hand is no more than entries off by [`BACKWARD`] explain, row by row.
+    /// Whether the residual at hand is no more than entries off by [`BACKWARD`] explain, row by row, and solving for it
+    /// would hardly change the solution: of a singular system it would change all.
     #[cold]
-    fn holds_backward(&self, matrix: &Symmetric, b: &[f64], x: &[f64]) -> bool {
+    fn holds_backward(&mut self, matrix: &Symmetric, b: &[f64], x: &[f64]) -> bool {
         let mut scale: Vec<f64> = b.iter().map(|b| b.abs()).collect(); // once in a while: kept by nobody
         matrix.add_sizes(x, &mut scale);
+        let mut correction = self.residual.clone();
+        self.substitute(&mut correction);
         self.residual.iter().zip(&scale).all(|(r, size)| r.abs() <= BACKWARD * size)
+            && largest(&correction) <= SETTLED * largest(x)
     }
 
     /// `b - A x` into [`Self::residual`], and its largest entry.
