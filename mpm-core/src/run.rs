@@ -94,6 +94,9 @@ pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<
     if !given.is_nothing() && (!explicit || scene.free_surface.is_some()) {
         return Err(refused("given fields are for the explicit and the semi-implicit integrator"));
     }
+    if scene.outline.is_some() && given.moved != [0.0; 2] {
+        return Err(refused("soil with an outline stands where its outline is"));
+    }
     let quasi_static = scene.integrator == Integrator::QuasiStatic;
     match (scene.dimension, scene.strength) {
         (Dimension::Column, None) if !scene.layers.is_empty() => {
@@ -204,7 +207,7 @@ fn implicit<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
     let volume = thickness * spacing.powi(D as i32);
     let lengths: [f64; D] = std::array::from_fn(|d| if d == D - 1 { scene.height } else { scene.width });
     let mut places: Vec<([f64; D], bool)> =
-        positions(scene, soil_cells).map(|x| (x, x[D - 1] > scene.height - spacing)).collect();
+        positions(scene, &Given::default(), soil_cells).map(|x| (x, x[D - 1] > scene.height - spacing)).collect();
     if let Some(displaced) = scene.displaced {
         displace(places.iter_mut().map(|(x, _)| x), &lengths, spacing, &displaced);
     }
@@ -386,7 +389,7 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
                 (points, Seed { per_row: 0, spacing: scene.spacing(), heights })
             }
             None => {
-                let points = positions(scene, soil_cells).map(|x| point(x, particle_volume)).collect();
+                let points = positions(scene, given, soil_cells).map(|x| point(x, particle_volume)).collect();
                 let per_row = soil_cells[..D - 1].iter().product::<usize>() * per_direction.pow(D as u32 - 1);
                 (points, Seed { per_row, spacing: scene.spacing(), heights: Vec::new() })
             }
@@ -400,7 +403,7 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         scene: &Scene,
         properties: WaterProperties,
     ) -> Result<Saturated<O, D>, RunError> {
-        let points = positions(scene, self.soil_cells)
+        let points = positions(scene, &self.given, self.soil_cells)
             .map(|x| {
                 let (mut v, mut pressure) = (first_velocity(scene), first_state(scene, x[D - 1]).1);
                 if let Some(start) = &self.given.start {
@@ -603,9 +606,10 @@ fn lanes<Sh: Shape, L: Law<4>, W: Resident, const WET: bool>(
 }
 
 /// Positions of the particles of either layer, m.
-fn positions<const D: usize>(scene: &Scene, soil_cells: [usize; D]) -> impl Iterator<Item = [f64; D]> {
-    let cell = scene.cell;
-    even_positions(soil_cells, scene.particles_per_direction()).map(move |x| x.map(|x| x * cell))
+fn positions<const D: usize>(scene: &Scene, given: &Given, soil_cells: [usize; D]) -> impl Iterator<Item = [f64; D]> {
+    let (cell, moved) = (scene.cell, given.moved);
+    even_positions(soil_cells, scene.particles_per_direction())
+        .map(move |x| std::array::from_fn(|d| x[d] * cell + moved[d + 2 - D]))
 }
 
 /// Vertical effective stress (tension positive) and pore pressure at a height at t = 0, Pa.

@@ -355,7 +355,7 @@ fn a_closed_block_of_incompressible_water_is_singular() {
         "drained = \"none\"",
         "until.time_factor -> until.time = 1.0",
         "time_factors -> times = [1.0]",
-        "hydraulic_conductivity = 1e-14",
+        "hydraulic_conductivity = 1e-30",
         "shape -> shape = \"bspline2\"\njump_penalty = 0.0",
         "on -> strip = { from = 0.0, to = 0.3, taper = 0.2 }",
     ]);

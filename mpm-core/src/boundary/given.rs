@@ -28,14 +28,16 @@ pub struct FirstState {
 pub struct Given {
     /// A force on the soil. Unlike gravity it does not drive the water through the pores.
     pub force: Option<ForceField>,
-    /// The state at t = 0, in place of the scene's own.
+    /// The state at t = 0, in place of the scene's own; the place is that of the moved particle.
     pub start: Option<FirstField>,
+    /// How far from their places in the scene the particles of both layers stand, m: x, y. Sides of the mesh stay.
+    pub moved: [f64; 2],
 }
 
 impl Given {
     /// Whether the scene is all there is.
     pub fn is_nothing(&self) -> bool {
-        self.force.is_none() && self.start.is_none()
+        self.force.is_none() && self.start.is_none() && self.moved == [0.0; 2]
     }
 }
 
@@ -43,6 +45,6 @@ impl fmt::Debug for Given {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let field = |is_some: bool| if is_some { "a field" } else { "none" };
         let (force, start) = (field(self.force.is_some()), field(self.start.is_some()));
-        f.debug_struct("Given").field("force", &force).field("start", &start).finish()
+        f.debug_struct("Given").field("force", &force).field("start", &start).field("moved", &self.moved).finish()
     }
 }

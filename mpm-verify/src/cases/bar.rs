@@ -71,7 +71,7 @@ fn mode(height: f64, frequency: f64, dt: f64) -> Given {
         velocity: [0.0, speed * (FRAC_PI_2 * y / height).sin()],
         ..FirstState::default()
     };
-    Given { start: Some(Arc::new(at)), force: None }
+    Given { start: Some(Arc::new(at)), ..Given::default() }
 }
 
 fn step(scene: &Scene) -> Result<f64, String> {

@@ -70,6 +70,7 @@ fn run(mut scene: Scene, side: usize, dt: f64, share: f64) -> Result<(CoupledFie
     let given = Given {
         force: Some(Arc::new(move |x, t| exact.body_force(x, t).map(|b| share * b))),
         start: Some(Arc::new(move |x| exact.start(x, dt))),
+        ..Given::default()
     };
     Ok((exact, finished_given(&scene, &given)?))
 }

@@ -60,7 +60,7 @@ fn climb(
     let start = START * per_factor;
     base.observe_times = TIMES.map(|t| t * per_factor - start).to_vec();
     base.stages[0].until = Until::Time(per_factor - start);
-    let given = Given { start: Some(state(&exact, start)), force: None };
+    let given = Given { start: Some(state(&exact, start)), ..Given::default() };
     let error = |s: &Sample| {
         let off = |x: f64, p: f64| (p - exact.pressure(x, s.stage_time + start)) / exact.undrained;
         largest(s.state.field.iter().map(|f| off(f.x_m, f.pressure_pa)))

@@ -106,7 +106,7 @@ fn turn(scene: &Scene) -> Result<Vec<[f64; 3]>, String> {
         velocity: [rate * (MIDDLE - y), rate * (x - MIDDLE)],
         ..FirstState::default()
     };
-    let given = Given { start: Some(Arc::new(first)), force: None };
+    let given = Given { start: Some(Arc::new(first)), ..Given::default() };
     let mut model = model_given(&Hardware::default(), scene, &given).map_err(|e| e.to_string())?;
     let end = TAU / rate;
     let each = (end / f64::from(LOOKS) / (SHARE * stable_limit(scene))).ceil();

@@ -92,7 +92,7 @@ fn error(scene: &Scene, share: f64) -> Result<f64, String> {
     // Velocities are those of half a step before.
     let first = move |x: [f64; 2]| FirstState { velocity: exact.point(x, -0.5 * dt).velocity, ..FirstState::default() };
     let push = move |x: [f64; 2], t: f64| exact.body_force(x, t).map(|b| share * b);
-    let given = Given { force: Some(Arc::new(push)), start: Some(Arc::new(first)) };
+    let given = Given { force: Some(Arc::new(push)), start: Some(Arc::new(first)), ..Given::default() };
     let mut model = model_given(&Hardware::default(), scene, &given).map_err(|e| e.to_string())?;
     let mut starts: Vec<_> = model.particles().iter().map(|p| (p.id, p.x)).collect();
     starts.sort_by_key(|(id, _)| *id);
