@@ -398,6 +398,11 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         Ok(Self { grid, soil_cells, solid, face_area, particle_volume, seed, given: given.clone() })
     }
 
+    /// Whether soil may fill cells in part.
+    fn moves(&self, scene: &Scene) -> bool {
+        scene.moves_through_cells() || self.given.moved != [0.0; 2]
+    }
+
     fn saturated<O: DarcyOperator<D>>(
         &self,
         scene: &Scene,
@@ -421,7 +426,8 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
             scene.layer_at(height).map(|layer| layer.hydraulic_conductivity / properties.hydraulic_conductivity)
         };
         operator.lay((0..self.grid.cells[D - 1]).filter_map(of_row).collect());
-        Ok(Saturated::new(layer, &self.grid, properties, scene.grain_density, operator))
+        let water = Saturated::new(layer, &self.grid, properties, scene.grain_density, operator);
+        Ok(water.with_open_edges(self.moves(scene)))
     }
 
     fn explicit<K: Kinematics<D, S>, Sh: Shape, L: Laws<S>, W: Water<K, D, S> + 'static>(
@@ -510,9 +516,10 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         let Some(properties) = scene.water else {
             return Err(refused("the semi-implicit step without water"));
         };
+        let moves = self.moves(scene);
         let water = self.saturated::<Face<D, LAYERED>>(scene, properties)?;
         let parts = self.parts(scene, law, water, supports);
-        Ok(Box::new(SemiImplicit::<K, B, L, LAYERED, D, S>::new(parts, basis)))
+        Ok(Box::new(SemiImplicit::<K, B, L, LAYERED, D, S>::new(parts, basis, moves)))
     }
 
     fn parts<L, W>(self, scene: &Scene, law: L, water: W, supports: Supports<D>) -> Parts<L, W, D, S> {
@@ -537,6 +544,7 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         let surface = SurfaceLoad::new((0..per_row).map(strip).collect(), scene.height, on);
         // A column has the last component, which is the vertical one.
         let gravity = scene.gravity_vector().map(|g| std::array::from_fn(|d| g[d + 2 - D]));
+        let particles = self.solid.points.len() as u64;
         Parts {
             transfer: Transfer::new(
                 scene.transfer == TransferChoice::Affine,
@@ -555,6 +563,7 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
             gravity,
             force: self.given.force.map(|field| Box::new(BodyForce::new(field))),
             flip: scene.flip,
+            most_crossings: scene.most_crossings().saturating_mul(particles),
             apart: scene.separation.map_or(0.0, |strain| scene.dry_density() / (1.0 + strain)),
             seed: self.seed,
             first_settlement: scene.first_settlement(),

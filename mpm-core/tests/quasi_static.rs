@@ -105,7 +105,7 @@ fn one_dimension_is_two_with_one_cell_across() {
                     &format!("dimension = \"{dimension}\""),
                 ]);
                 scene.jump_penalty = both.jump_penalty;
-                Scene { jump_penalty: 1e-3, ..both }
+                Scene { jump_penalty: Some(1e-3), ..both }
             };
             let (one, two) = (completed(&changes("column")), completed(&changes("plane-strain")));
             let difference = largest_difference(&one, &two);

@@ -218,6 +218,7 @@ fn flight<Sh: Shape>(steps: usize, corner: f64, shear: f64) -> ([f64; 4], u64) {
         transfer: None,
         flip: 1.0,
         apart: 0.0,
+        most_crossings: u64::MAX,
         seed: Seed { per_row: 6, spacing: 0.05, heights: Vec::new() },
         first_settlement: 0.0,
     });

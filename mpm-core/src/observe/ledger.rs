@@ -20,6 +20,8 @@ pub struct Totals<const D: usize> {
     pub gravity_impulse: [f64; D],
     /// Impulse of damping, N s.
     pub damping_impulse: [f64; D],
+    /// Impulse that nodes too light for the step did not get, N s.
+    pub cut_off_impulse: [f64; D],
     /// Work of gravity on the mixture, J.
     pub gravity_work: f64,
     /// Energy taken by damping, J.
@@ -80,6 +82,7 @@ impl<const D: usize> Default for Totals<D> {
             support_impulse: [0.0; D],
             gravity_impulse: [0.0; D],
             damping_impulse: [0.0; D],
+            cut_off_impulse: [0.0; D],
             gravity_work: 0.0,
             damping_loss: 0.0,
             darcy_dissipation: 0.0,
@@ -110,8 +113,10 @@ pub struct Ledger {
     pub water_closing_kg: f64,
     /// Vertical momentum of the mixture, N s.
     pub momentum_n_s: f64,
-    /// Impulse of load, gravity, supports and damping, vertical, N s.
+    /// Impulse of load, gravity, supports and damping, vertical, less what was cut off, N s.
     pub impulse_n_s: f64,
+    /// Impulse that nodes too light for the step did not get, vertical, N s.
+    pub cut_off_n_s: f64,
     /// Momentum - first momentum - impulse, N s.
     pub momentum_closing_n_s: f64,
     /// Kinetic energy of the mixture, J.
@@ -199,9 +204,13 @@ impl<const D: usize> Totals<D> {
         ] {
             keeper.f64(value);
         }
-        for values in
-            [&mut self.support_impulse, &mut self.gravity_impulse, &mut self.damping_impulse, &mut self.first.momentum]
-        {
+        for values in [
+            &mut self.support_impulse,
+            &mut self.gravity_impulse,
+            &mut self.damping_impulse,
+            &mut self.cut_off_impulse,
+            &mut self.first.momentum,
+        ] {
             keeper.f64s(values);
         }
     }
@@ -218,8 +227,8 @@ impl<const D: usize> Totals<D> {
     pub fn ledger(&self, cells: &[CellValues<D>], density: f64, removed: f64) -> Ledger {
         let (now, first, up) = (Stored::of(cells), &self.first, D - 1);
         let (water_in_kg, water_out_kg) = (density * self.water_in, density * self.water_out);
-        let impulse_n_s =
-            self.load_impulse + self.support_impulse[up] + self.gravity_impulse[up] + self.damping_impulse[up];
+        let vectors = [self.support_impulse, self.gravity_impulse, self.damping_impulse, self.cut_off_impulse];
+        let impulse_n_s = vectors.iter().fold(self.load_impulse, |sum, impulse| sum + impulse[up]);
         let stored = now.kinetic + now.strain + now.pressure - first.kinetic - first.strain - first.pressure;
         let work = self.external_work + self.gravity_work + self.flow_body_work;
         Ledger {
@@ -231,6 +240,7 @@ impl<const D: usize> Totals<D> {
             water_closing_kg: now.water - first.water - water_in_kg + water_out_kg,
             momentum_n_s: now.momentum[up],
             impulse_n_s,
+            cut_off_n_s: self.cut_off_impulse[up],
             momentum_closing_n_s: now.momentum[up] - first.momentum[up] - impulse_n_s,
             kinetic_j: now.kinetic,
             strain_j: now.strain,

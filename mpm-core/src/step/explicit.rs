@@ -176,6 +176,7 @@ where
                 what: "outside the mesh".to_owned(),
             })?;
             self.parts.surface.follow(&self.parts.solid);
+            self.look_at_crossings()?;
         }
         let Parts { water, grid, solid, .. } = &mut self.parts;
         water.settle(grid, solid).map_err(|(place, what)| Fault { place, what })?;
@@ -466,6 +467,21 @@ where
                 track.stretch::<K>(solid.ids[index], &gradient, dt);
             }
         }
+    }
+
+    /// Stops before the noise of crossings is as large as the stress.
+    #[cold]
+    fn look_at_crossings(&self) -> Result<(), Fault> {
+        let Parts { solid, most_crossings, .. } = &self.parts;
+        if self.damping > 0.0 || solid.crossings <= *most_crossings {
+            return Ok(());
+        }
+        let each = solid.crossings / solid.points.len() as u64;
+        let what = format!(
+            "its particles have crossed {each} cells each: the stress of linear functions is then noise by a tenth or more \
+             and grows; \"bspline2\", \"gimp\", damping or flip < 1 keeps it down, --force goes on"
+        );
+        Err(Fault { place: "the soil".to_owned(), what })
     }
 
     /// Sums of nodes that move with others go to these.

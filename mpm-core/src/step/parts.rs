@@ -39,6 +39,8 @@ pub struct Parts<L, W, const D: usize, const S: usize> {
     pub flip: f64,
     /// Soil less dense than this (dry, kg/m3) has come apart and carries no stress; 0 if it always does.
     pub apart: f64,
+    /// Cells that all particles together may cross in a stage without damping; `u64::MAX` for any number.
+    pub most_crossings: u64,
     /// Where the particles were at t = 0.
     pub seed: Seed,
     /// Settlement at t = 0, m: that of the state the run starts from, counted from the unloaded one.

@@ -40,7 +40,7 @@ pub struct PressureSystem<const D: usize> {
     plate: Option<Pushes>,
     /// Rise of the pressure in a step, by cells, Pa.
     rise: Vec<f64>,
-    order: u64,
+    order: [u64; 2],
 }
 
 /// The force of unit pressures on a rigid plate, m2, and the solution for it. The plate adds `dt^2 w w^t / m` to the
@@ -78,7 +78,7 @@ impl<const D: usize> PressureSystem<D> {
             pressure: Vec::new(),
             plate: None,
             rise: vec![0.0; grid.cell_count()],
-            order: 0,
+            order: [0; 2],
         }
     }
 
@@ -109,7 +109,7 @@ impl<const D: usize> PressureSystem<D> {
     {
         let fault = |e: Unsolved| Fault { place: "the pore pressure".to_owned(), what: e.to_string() };
         let parts = &skeleton.parts;
-        if self.system.is_none() || self.order != parts.solid.order {
+        if self.system.is_none() || self.order != [parts.solid.order, parts.water.layout()] {
             self.follow::<B, _, LAYERED>(&parts.grid, &parts.solid, &parts.water).map_err(fault)?;
         }
         self.respond(skeleton, dt);
@@ -139,8 +139,8 @@ impl<const D: usize> PressureSystem<D> {
         solid: &Layer<P, D>,
         water: &Saturated<Face<D, LAYERED>, D>,
     ) -> Result<(), Unsolved> {
-        self.order = solid.order;
-        let soil = |cell: usize| !solid.range(cell).is_empty();
+        self.order = [solid.order, water.layout()];
+        let soil = |cell: usize| !solid.range(cell).is_empty() && water.is_wet(cell);
         let same = self.cells.iter().map(|c| *c as usize).eq((0..grid.cell_count()).filter(|c| soil(*c)));
         if self.system.is_some() && same {
             return Ok(());

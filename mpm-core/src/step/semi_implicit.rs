@@ -11,6 +11,7 @@
 use super::pressure::PressureSystem;
 use super::skeleton::Skeleton;
 use super::{Fault, Model, Parts, Work};
+use crate::boundary::Lifted;
 use crate::constitutive::Laws;
 use crate::dimension::Kinematics;
 use crate::observe::{Ledger, Observation, SolidState};
@@ -34,10 +35,13 @@ where
     Saturated<Face<D, LAYERED>, D>: Cellwise<K, D, S>,
 {
     /// A run at t = 0; the supports of `parts` hold coefficients of the basis.
-    pub fn new(parts: Parts<L, Saturated<Face<D, LAYERED>, D>, D, S>, basis: B) -> Self {
+    /// `moves`: soil may come to fill cells in part.
+    pub fn new(parts: Parts<L, Saturated<Face<D, LAYERED>, D>, D, S>, basis: B, moves: bool) -> Self {
         let functions = crate::stencil::Functions::new(basis, &parts.grid);
         let pressure = PressureSystem::new::<B>(&parts.grid, functions.count());
-        Self { skeleton: Skeleton::new(parts, basis, true), pressure, work: Work::default() }
+        let mut skeleton = Skeleton::new(parts, basis, true);
+        skeleton.lifted = moves.then(|| Box::new(Lifted::new(functions.count())));
+        Self { skeleton, pressure, work: Work::default() }
     }
 
     /// One step.
@@ -45,6 +49,7 @@ where
         let Self { skeleton, pressure, work } = self;
         skeleton.particles_to_mesh::<true, false>();
         skeleton.load();
+        skeleton.lift();
         skeleton.accelerate(dt); // v*
         pressure.solve(skeleton, dt)?; // p^{n+1}
         work.factorisations += 1;

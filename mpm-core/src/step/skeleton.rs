@@ -3,6 +3,7 @@
 //! The order of a step is that of the paper's Figure 1; `step/explicit.rs` is the same for linear functions, faster.
 
 use super::{Fault, Parts, Transfer};
+use crate::boundary::Lifted;
 use crate::constitutive::{Law, Laws};
 use crate::dimension::{Gradient, Kinematics, trace};
 use crate::grid::Grid;
@@ -30,6 +31,8 @@ pub struct Skeleton<K, B, L, W, const D: usize, const S: usize> {
     pub coupling: Vec<[f64; D]>,
     /// Where in a step the work of the loads is taken: 1/2 for the velocity of its middle, 1 for that of its end.
     pub work_at: f64,
+    /// Inertia lent to nodes too light for the step; none where soil stays in its cells.
+    pub lifted: Option<Box<Lifted<D>>>,
     /// Mass-proportional damping, 1/s.
     pub damping: f64,
     /// Time since the start of the run, s.
@@ -65,6 +68,7 @@ where
             mesh: vec![NodeMotion::REST; parts.grid.node_count()],
             coupling: vec![[0.0; D]; entries],
             work_at: if coupled { 1.0 } else { 0.5 },
+            lifted: None,
             damping: 0.0,
             time: 0.0,
             totals: Totals::default(),
@@ -167,6 +171,24 @@ where
         }
     }
 
+    /// Lends inertia to nodes too light for the step, if the soil has such.
+    pub fn lift(&mut self) {
+        let Some(lifted) = &mut self.lifted else { return };
+        lifted.clear();
+        let Parts { grid, solid, .. } = &self.parts;
+        for (cell, position) in grid.walk() {
+            for point in &solid.points[solid.range(cell)] {
+                let stencil = self.functions.around(&position, &inside(grid, &position, &point.x));
+                for a in 0..Functions::<B, D>::COUNT {
+                    if stencil.value[a] > 0.0 {
+                        lifted.touch(stencil.node[a], point.mass);
+                    }
+                }
+            }
+        }
+        lifted.lift(&mut self.nodes);
+    }
+
     /// The given force on the soil.
     #[cold]
     #[inline(never)]
@@ -235,6 +257,9 @@ where
     /// Mixture momentum: rho a_s = div(sigma') - grad p + rho g; new velocities, and what acted in the ledgers.
     pub fn equation_of_motion(&mut self, dt: f64) {
         let taken = self.accelerate(dt);
+        if let Some(lifted) = &mut self.lifted {
+            lifted.lower(&mut self.nodes, &self.motion, dt, &mut self.totals);
+        }
         let pressure = self.pressure();
         for d in 0..D {
             self.totals.support_impulse[d] += taken.support_impulse[d];
@@ -535,6 +560,7 @@ mod tests {
             transfer: None,
             flip: 1.0,
             apart: 0.0,
+            most_crossings: u64::MAX,
             seed: Seed { per_row: 6, spacing: 0.25, heights: Vec::new() },
             first_settlement: 0.0,
         };

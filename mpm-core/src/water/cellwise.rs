@@ -81,7 +81,9 @@ impl<K: Kinematics<D, S>, const LAYERED: bool, const D: usize, const S: usize> C
             weighted += point.volume * point.pressure;
             volume += point.volume;
         }
-        let (pressure, porosity) = (weighted / volume, self.porosity(soil));
+        // Nothing in a cell at the edge whose water is in its neighbours.
+        let pressure = if volume > 0.0 { weighted / volume } else { 0.0 };
+        let porosity = self.porosity(soil);
         self.cells[cell] =
             WaterCell { pressure, porosity, inverse_porosity: 1.0 / porosity, inverse_volume: 1.0 / soil.volume };
         pressure

@@ -70,6 +70,13 @@ pub struct Saturated<O, const D: usize> {
     pub(super) solid_order: u64,
     pub(super) moved: bool,
     pub(super) removed_mass: f64,
+    /// Whether a cell at the edge of the soil may be without water particles: those of soil that moves through cells come
+    /// and go beside its own. It counts as open to the outside until some arrive.
+    open_edges: bool,
+    /// Cells that are.
+    bare: Vec<u32>,
+    /// Changes whenever other cells carry a pressure.
+    layout: u64,
 }
 
 impl<O: DarcyOperator<D>, const D: usize> Saturated<O, D> {
@@ -92,7 +99,71 @@ impl<O: DarcyOperator<D>, const D: usize> Saturated<O, D> {
             solid_order: 0,
             moved: false,
             removed_mass: 0.0,
+            open_edges: false,
+            bare: Vec::new(),
+            layout: 0,
         }
+    }
+
+    /// The same in soil that moves through cells.
+    pub fn with_open_edges(self, open_edges: bool) -> Self {
+        Self { open_edges, ..self }
+    }
+
+    /// Whether a cell with soil has water of its own.
+    pub(crate) fn is_wet(&self, cell: usize) -> bool {
+        !self.points.range(cell).is_empty()
+    }
+
+    /// Number of times that other cells have come to carry a pressure.
+    pub(crate) fn layout(&self) -> u64 {
+        self.layout
+    }
+
+    /// A cell at the edge whose water is in its neighbours: no pressure.
+    #[cold]
+    fn bare_cell(&mut self, soil: &SoilCell<D>) -> [f64; 4] {
+        let porosity = self.porosity(soil);
+        let (inverse_porosity, inverse_volume) = (1.0 / porosity, 1.0 / soil.volume);
+        self.cells[soil.place.cell] = WaterCell { pressure: 0.0, porosity, inverse_porosity, inverse_volume };
+        [0.0; 4]
+    }
+
+    /// Looks for cells of soil without water.
+    ///
+    /// # Errors
+    /// One inside, or in soil that stays in its cells: its place and what is wrong.
+    fn look_for_bare<const S: usize>(
+        &mut self,
+        grid: &Grid<D>,
+        solid: &Layer<SolidPoint<D, S>, D>,
+    ) -> Result<bool, (String, String)> {
+        let soil = |cell: usize| !solid.range(cell).is_empty();
+        let bare = |cell: &usize| soil(*cell) && self.points.range(*cell).is_empty();
+        let at_edge = |cell: usize| {
+            let (position, mut stride) = (grid.cell_position(cell), 1);
+            let beside = |d: usize, stride: usize| {
+                let (first, last) = (position[d] == 0, position[d] + 1 == grid.cells[d]);
+                first || last || !soil(cell - stride) || !soil(cell + stride)
+            };
+            (0..D).any(|d| {
+                let edge = beside(d, stride);
+                stride *= grid.cells[d];
+                edge
+            })
+        };
+        let found = (0..grid.cell_count()).filter(bare).map(|cell| cell as u32);
+        if found.clone().eq(self.bare.iter().copied()) {
+            return Ok(false);
+        }
+        let found: Vec<u32> = found.collect();
+        if let Some(cell) = found.iter().find(|cell| !(self.open_edges && at_edge(**cell as usize))) {
+            let middle = grid.cell_position(*cell as usize).map(|i| (i as f64 + 0.5) * grid.size);
+            let place = format!("cell around {middle:.4?} m");
+            return Err((place, "soil without a water particle in a saturated scene".into()));
+        }
+        self.bare = found;
+        Ok(true)
     }
 
     /// Porosity from the volume of grains, which do not compress.
@@ -102,7 +173,11 @@ impl<O: DarcyOperator<D>, const D: usize> Saturated<O, D> {
     }
 
     fn rebuild<const S: usize>(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>) {
-        self.rebuild_where(grid, solid, |cell| !solid.range(cell).is_empty());
+        let bare = std::mem::take(&mut self.bare);
+        self.rebuild_where(grid, solid, |cell| {
+            !solid.range(cell).is_empty() && bare.binary_search(&(cell as u32)).is_err()
+        });
+        self.bare = bare;
     }
 
     /// Finds the faces of the cells for which `soil` holds.
@@ -117,6 +192,7 @@ impl<O: DarcyOperator<D>, const D: usize> Saturated<O, D> {
                 *water = WaterCell::default();
             }
         }
+        self.layout += 1;
         self.exposed.rebuild(grid, &soil);
         self.operator.rebuild(grid, &soil, &self.exposed);
         self.solid_order = solid.order;
@@ -138,6 +214,9 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
         soil: &SoilCell<D>,
         stress: &mut StressSums<D, S>,
     ) -> [f64; 4] {
+        if self.points.range(soil.place.cell).is_empty() {
+            return self.bare_cell(soil);
+        }
         let mut mass = [0.0; 4];
         let mut weighted = [[0.0; 1]; 4]; // moments of V p
         let mut volumes = [[0.0; 1]; 4]; // moments of V
@@ -266,12 +345,8 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
                 .sort(grid)
                 .map_err(|e| (format!("water particle at {:?} m", e.x), "outside the mesh".into()))?;
         }
-        for cell in 0..grid.cell_count() {
-            if !solid.range(cell).is_empty() && self.points.range(cell).is_empty() {
-                let middle = grid.cell_position(cell).map(|i| (i as f64 + 0.5) * grid.size);
-                let place = format!("cell around {middle:.4?} m");
-                return Err((place, "soil without a water particle in a saturated scene".into()));
-            }
+        if self.look_for_bare(grid, solid)? {
+            self.rebuild(grid, solid);
         }
         Ok(())
     }
@@ -289,7 +364,7 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
         let (sum, volume) = self.points.points[self.points.range(soil.place.cell)]
             .iter()
             .fold((0.0, 0.0), |(s, v), p| (s + p.volume * p.pressure, v + p.volume));
-        let pressure = sum / volume;
+        let pressure = if volume > 0.0 { sum / volume } else { 0.0 };
         let stored = 0.5 * self.porosity(soil) * soil.volume * pressure * pressure / self.properties.bulk_modulus;
         (pressure, stored)
     }

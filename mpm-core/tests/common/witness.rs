@@ -187,6 +187,7 @@ pub fn saturated<O: DarcyOperator<D>, L, const D: usize, const S: usize>(
         transfer: None,
         flip: scene.flip,
         apart: 0.0,
+        most_crossings: u64::MAX,
         seed: Seed { per_row: seeded.len() - top, spacing, heights: Vec::new() },
         first_settlement: 0.0,
     };

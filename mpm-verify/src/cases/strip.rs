@@ -26,7 +26,7 @@ fn climb(penalty: Option<f64>) -> Result<Outcome, String> {
     let fine = field(&base, FINE)?;
     let mut errors = Vec::new();
     for side in SIDES {
-        let scene = Scene { jump_penalty: penalty.unwrap_or(base.jump_penalty), ..base.clone() };
+        let scene = Scene { jump_penalty: penalty.or(base.jump_penalty), ..base.clone() };
         let coarse = field(&scene, side)?;
         let ratio = FINE / side;
         let place = |i: usize| ratio * i + ratio / 2;

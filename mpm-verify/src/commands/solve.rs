@@ -83,6 +83,7 @@ struct Row {
     reach_y_m: f64,
     plastic_dissipation_j: f64,
     yield_residual_max: Option<f64>,
+    cut_off_n_s: f64,
 }
 
 /// A row of profiles.csv.
@@ -344,6 +345,7 @@ fn history(run: &Run) -> Vec<Row> {
             reach_y_m: o.reach[1],
             plastic_dissipation_j: l.plastic_dissipation_j,
             yield_residual_max: l.yield_residual_max,
+            cut_off_n_s: l.cut_off_n_s,
         }
     };
     run.samples.iter().map(row).collect()

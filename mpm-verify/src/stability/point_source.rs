@@ -59,6 +59,7 @@ fn point_source<O: DarcyOperator<2> + 'static>() -> f64 {
         transfer: None,
         flip: 0.0,
         apart: 0.0,
+        most_crossings: u64::MAX,
         seed: Seed { per_row: BLOCK, spacing: grid.size, heights: Vec::new() },
         first_settlement: 0.0,
         grid,

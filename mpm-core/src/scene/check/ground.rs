@@ -13,8 +13,6 @@ use crate::seeding::{self, Fault};
 
 /// Columns of empty cells that can be asked for.
 const MOST_SIDEROOM: i64 = 1_000_000;
-/// Share of a full node's mass below which nodes move with a neighbour, where soil may fill a cell in part.
-const LIGHT_NODES: f64 = 0.1;
 
 /// The checked geometry with its mesh.
 pub(super) struct Geometry {
@@ -162,14 +160,12 @@ impl Reader<'_> {
         Ok(Ground { start_velocity, start_k0, slope_angle })
     }
 
-    pub(super) fn light_nodes(&self, raw: &RawScene, partly_filled: bool) -> Checked<f64> {
-        match raw.scheme.as_ref().and_then(|scheme| scheme.get_ref().light_nodes.as_ref()) {
-            Some(value) => {
-                let expected = "0 <= share <= 0.5 (of a full node's mass)";
-                self.within(value, "scheme.light_nodes", expected, |s| (0.0..=0.5).contains(&s))
-            }
-            None => Ok(if partly_filled { LIGHT_NODES } else { 0.0 }),
-        }
+    /// What the scene says; `None` for the usual.
+    pub(super) fn light_nodes(&self, raw: &RawScene) -> Checked<Option<f64>> {
+        let written = raw.scheme.as_ref().and_then(|scheme| scheme.get_ref().light_nodes.as_ref());
+        let expected = "0 <= share <= 0.5 (of a full node's mass)";
+        let share = |value| self.within(value, "scheme.light_nodes", expected, |s| (0.0..=0.5).contains(&s));
+        written.map(share).transpose()
     }
 
     /// Both sides or neither.
@@ -302,7 +298,6 @@ impl Reader<'_> {
             self.explicit(&word.span(), "scheme.shape", scene)?;
         }
         if let Some(value) = raw.scheme.as_ref().and_then(|s| s.get_ref().light_nodes.as_ref()) {
-            self.plane_strain(&value.span(), "scheme.light_nodes", scene)?;
             self.corners(&value.span(), "scheme.light_nodes", scene)?;
         } else if scene.light_nodes > 0.0 {
             let scheme = raw.scheme.as_ref().and_then(|s| s.get_ref().shape.as_ref());

@@ -11,14 +11,14 @@ use super::{Checked, Reader, quoted};
 
 /// The checked `[scheme]`.
 pub(super) struct Scheme {
-    pub shape: ShapeChoice,
+    pub shape: Option<ShapeChoice>,
     pub darcy: DarcyChoice,
     pub darcy_inertia: bool,
     pub flip: f64,
     pub transfer: TransferChoice,
     pub update: UpdateChoice,
     pub quadrature: Quadrature,
-    pub jump_penalty: f64,
+    pub jump_penalty: Option<f64>,
 }
 
 /// The checked `[time]`.
@@ -30,19 +30,22 @@ pub(super) struct Time {
     pub tolerance: f64,
 }
 
-/// gamma of the jump penalty in plane strain: the undrained limit is stable on any mesh, and Mandel's problem loses
-/// nothing.
-const JUMP_PENALTY: f64 = 1e-3;
-/// In a column only a closed one has a pressure that no displacement feels; a tenth of the penalty is enough for it, and
-/// costs 3e-7 of the settlement at Tv = 0.01 and L = 0.05 m, where the whole would cost 4e-6.
-const JUMP_PENALTY_COLUMN: f64 = 1e-4;
 /// Default tolerance of error-controlled time.
 const TOLERANCE: f64 = 1e-4;
 /// Tolerances that can be asked for: below, round-off of the linear solves decides.
 const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-10..=0.1;
 
+/// Shape functions of a scene that does not name any: gradients at the centre of the cell, the paper's, where no hourglass can
+/// be; in plane strain B-bar, which is as soft to changes of volume and stiff to hourglasses. Water with a free surface and
+/// the quasi-static integrator know only the former.
+pub(super) fn usual_shape(raw: &RawScene, dimension: Dimension, integrator: Integrator) -> ShapeChoice {
+    let steps = matches!(integrator, Integrator::Explicit | Integrator::SemiImplicit);
+    let free = raw.water.as_ref().is_some_and(|water| water.get_ref().free_surface.is_some());
+    if dimension == Dimension::PlaneStrain && steps && !free { ShapeChoice::BBar } else { ShapeChoice::Centre }
+}
+
 impl Reader<'_> {
-    pub(super) fn scheme(&self, raw: Option<&RawScheme>, wet: bool, dimension: Dimension) -> Checked<Scheme> {
+    pub(super) fn scheme(&self, raw: Option<&RawScheme>, wet: bool) -> Checked<Scheme> {
         let shapes = [
             ("centre", ShapeChoice::Centre),
             ("centroid", ShapeChoice::Centroid),
@@ -54,14 +57,14 @@ impl Reader<'_> {
         let operators = [("face", DarcyChoice::Face), ("nodal", DarcyChoice::Nodal)];
         let quadratures = [("fitted", Quadrature::Fitted), ("volumes", Quadrature::Volumes)];
         let mut scheme = Scheme {
-            shape: ShapeChoice::Centre,
+            shape: None,
             darcy: DarcyChoice::Face,
             darcy_inertia: true,
             flip: 1.0,
             transfer: TransferChoice::Plain,
             update: UpdateChoice::Usl,
             quadrature: Quadrature::Fitted,
-            jump_penalty: if dimension == Dimension::Column { JUMP_PENALTY_COLUMN } else { JUMP_PENALTY },
+            jump_penalty: None,
         };
         let Some(raw) = raw else { return Ok(scheme) };
         if !wet {
@@ -74,19 +77,23 @@ impl Reader<'_> {
         let updates = [("usl", UpdateChoice::Usl), ("musl", UpdateChoice::Musl)];
         scheme.transfer = self.word(raw.transfer.as_ref(), "scheme.transfer", &transfers, scheme.transfer)?;
         scheme.update = self.word(raw.update.as_ref(), "scheme.update", &updates, scheme.update)?;
-        scheme.shape = self.word(raw.shape.as_ref(), "scheme.shape", &shapes, scheme.shape)?;
-        if let (Some(value), false) = (&raw.quadrature, scheme.shape == ShapeChoice::Bspline2) {
+        if raw.shape.is_some() {
+            scheme.shape = Some(self.word(raw.shape.as_ref(), "scheme.shape", &shapes, ShapeChoice::Centre)?);
+        }
+        let splines = scheme.shape == Some(ShapeChoice::Bspline2);
+        if let (Some(value), false) = (&raw.quadrature, splines) {
             let expected = "shape = \"bspline2\" beside it: other shapes use the particles' volumes";
             return self.refuse(&value.span(), "scheme.quadrature", expected, quoted(value.get_ref()));
         }
-        if let (Some(value), false) = (&raw.jump_penalty, scheme.shape == ShapeChoice::Bspline2) {
+        if let (Some(value), false) = (&raw.jump_penalty, splines) {
             let expected = "shape = \"bspline2\" beside it: other shapes have no jump penalty";
             return self.refuse(&value.span(), "scheme.jump_penalty", expected, value.get_ref());
         }
         scheme.quadrature = self.word(raw.quadrature.as_ref(), "scheme.quadrature", &quadratures, scheme.quadrature)?;
         if let Some(value) = &raw.jump_penalty {
             let expected = "a factor from 0 to 1 (-)";
-            scheme.jump_penalty = self.within(value, "scheme.jump_penalty", expected, |g| (0.0..=1.0).contains(&g))?;
+            let factor = self.within(value, "scheme.jump_penalty", expected, |g| (0.0..=1.0).contains(&g))?;
+            scheme.jump_penalty = Some(factor);
         }
         scheme.darcy = self.word(raw.darcy.as_ref(), "scheme.darcy", &operators, scheme.darcy)?;
         scheme.darcy_inertia = raw.darcy_inertia.as_ref().is_none_or(|inertia| *inertia.get_ref());
@@ -95,11 +102,17 @@ impl Reader<'_> {
 
     /// Whether Darcy's law keeps `rho_w a_s`: not where the model would then be unstable, unless the scene insists.
     pub(super) fn soft_water(&self, raw: &RawScene, scene: &Scene) -> Checked<bool> {
-        if !(scene.darcy_inertia && scene.inertia_feeds_waves()) {
+        let (soft, light) = (scene.inertia_feeds_waves(), scene.inertia_shakes_light_nodes());
+        if !(scene.darcy_inertia && (soft || light)) {
             return Ok(scene.darcy_inertia);
         }
         let written = raw.scheme.as_ref().and_then(|scheme| scheme.get_ref().darcy_inertia.as_ref());
         let Some(value) = written else { return Ok(false) };
+        if !soft {
+            let expected = "false, or shape = \"bspline2\" or integrator = \"semi-implicit\" beside it: soil that comes to \
+                            fill cells in part has nodes so light that their acceleration turns the flow round";
+            return self.refuse(&value.span(), "scheme.darcy_inertia", expected, value.get_ref());
+        }
         let (carried, weight) = (scene.undrained_share(), scene.water.map_or(0.0, |w| w.density));
         let expected = format!(
             "false where the water carries a smaller share of a load, Q/(M + Q) = {carried:.3}, than of the weight, \

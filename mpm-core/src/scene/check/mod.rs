@@ -168,8 +168,9 @@ impl Reader<'_> {
         let solid_sides = self.solid_sides(raw, dimension)?;
         let surcharge = self.surcharge(raw, solid_sides[Side::Top as usize], width)?;
         let start = self.start(raw, gravity, surcharge.as_ref())?;
-        let scheme = self.scheme(raw.scheme.as_ref().map(Spanned::get_ref), water.is_some(), dimension)?;
+        let scheme = self.scheme(raw.scheme.as_ref().map(Spanned::get_ref), water.is_some())?;
         let time = self.time(raw.time.as_ref().map(Spanned::get_ref))?;
+        let shape = scheme.shape.unwrap_or_else(|| method::usual_shape(raw, dimension, time.integrator));
         let (shift, displaced) = self.places(mesh)?;
         let ground = self.ground(raw)?;
         let mut scene = Scene {
@@ -182,7 +183,7 @@ impl Reader<'_> {
             slope_angle: ground.slope_angle,
             height,
             width,
-            light_nodes: self.light_nodes(raw, outline.is_some() || sideroom_cells > 0)?,
+            light_nodes: self.light_nodes(raw)?.unwrap_or(0.0),
             outline,
             seeding: self.seeding(mesh)?,
             cell,
@@ -211,7 +212,7 @@ impl Reader<'_> {
             tolerance: time.tolerance,
             quadrature: scheme.quadrature,
             jump_penalty: scheme.jump_penalty,
-            shape: scheme.shape,
+            shape,
             darcy: scheme.darcy,
             // A quasi-static soil has no acceleration that could enter Darcy's law.
             darcy_inertia: scheme.darcy_inertia && time.integrator != Integrator::QuasiStatic,
@@ -235,6 +236,9 @@ impl Reader<'_> {
         scene.failure = self.failure(raw, &scene)?;
         self.observe(raw.observe.as_ref(), &mut scene)?;
         scene.layers = self.layers(raw, &scene)?;
+        if self.light_nodes(raw)?.is_none() {
+            scene.light_nodes = scene.usual_light_nodes();
+        }
         self.fits_together(raw, &scene)?;
         self.on_the_ground(raw, &scene)?;
         self.number_of_steps(raw, &scene)?;

@@ -337,7 +337,7 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
 
     /// `gamma L^5/(2G) sum over inner knots [d2p/dn2][d2q/dn2]`, integrated along the knot.
     fn jumps(&self, axes: &[Axis; D]) -> Vec<(u32, u32, f64)> {
-        let gamma = self.scene.jump_penalty;
+        let gamma = self.scene.jump_penalty.unwrap_or_else(|| self.scene.usual_jump_penalty());
         if gamma == 0.0 {
             return Vec::new();
         }

@@ -20,7 +20,7 @@ fn scene(dimension: Dimension, shape: ShapeChoice, strain: StrainChoice) -> Scen
     scene.cells = if dimension == Dimension::Column { [1, 4] } else { [3, 4] };
     scene.solid_sides[1] = SolidSide::Free;
     scene.gravity = Some(9.81);
-    scene.jump_penalty = 1e-3;
+    scene.jump_penalty = Some(1e-3);
     scene
 }
 

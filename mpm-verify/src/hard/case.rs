@@ -1,0 +1,133 @@
+//! What a hard case is: a parameter that makes it harder and harder, a number that says how well a scheme does, and two
+//! bounds that make a verdict of it.
+
+use mpm_core::scene::Dimension;
+use serde::{Deserialize, Serialize};
+
+use super::scheme::Scheme;
+
+/// A hard case.
+#[derive(Debug, Clone, Copy)]
+pub struct Case {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// What is done, and what it is compared with.
+    pub about: &'static str,
+    /// What makes it harder, with its unit.
+    pub parameter: &'static str,
+    /// The same as a column: `k_m_s`.
+    pub column: &'static str,
+    /// In one dimension or two.
+    pub dimension: Dimension,
+    /// What is measured; the smaller the better.
+    pub measures: &'static str,
+    /// Largest value with which a scheme holds.
+    pub holds: f64,
+    /// Largest value with which it only degrades.
+    pub breaks: f64,
+    /// Schemes that can be asked.
+    pub schemes: &'static [Scheme],
+    /// Runs a scheme, from the easiest parameter to the hardest.
+    pub run: fn(&Scheme) -> Vec<Point>,
+}
+
+/// What became of a scheme at one parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Point {
+    /// The parameter.
+    pub at: f64,
+    /// What was measured, or why nothing could be.
+    pub found: Result<f64, String>,
+}
+
+/// How a scheme bears a case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Within the bound at every parameter.
+    Holds,
+    /// Beyond it, but of use: degrades to the value given.
+    Degrades,
+    /// The program stops, or does not start, at the parameter given and says why, or a run would need more steps than any
+    /// has time for; until there it is of use.
+    Refuses,
+    /// Of no use from the parameter given on, a value beyond the second bound, and nothing says so.
+    Breaks,
+}
+
+/// A verdict with where it was made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Judged {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The largest value; where it breaks, the value there. `None` if nothing could be measured there.
+    pub value: Option<f64>,
+    /// The parameter there.
+    pub at: f64,
+    /// Why the run stopped, if it did.
+    pub reason: String,
+}
+
+impl Case {
+    /// The verdict on a scheme's points.
+    pub fn judge(&self, points: &[Point]) -> Judged {
+        let useless = |p: &&Point| p.found.as_ref().map_or(true, |value| value.is_nan() || *value > self.breaks);
+        if let Some(point) = points.iter().find(useless) {
+            let value = point.found.as_ref().ok().copied().filter(|v| v.is_finite());
+            let (verdict, reason) = match &point.found {
+                Ok(_) => (Verdict::Breaks, String::new()),
+                Err(reason) => (Verdict::Refuses, reason.clone()),
+            };
+            return Judged { verdict, value, at: point.at, reason };
+        }
+        let values = points.iter().filter_map(|p| Some((p.at, *p.found.as_ref().ok()?)));
+        let worst = values.fold(None, |worst: Option<(f64, f64)>, (at, value)| match worst {
+            Some((_, largest)) if largest >= value => worst,
+            _ => Some((at, value)),
+        });
+        let Some((at, value)) = worst else {
+            let reason = "nothing was measured".to_owned();
+            return Judged { verdict: Verdict::Breaks, value: None, at: f64::NAN, reason };
+        };
+        let verdict = if value <= self.holds { Verdict::Holds } else { Verdict::Degrades };
+        Judged { verdict, value: Some(value), at, reason: String::new() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CASE: Case = Case {
+        name: "",
+        about: "",
+        parameter: "",
+        column: "",
+        dimension: Dimension::Column,
+        measures: "",
+        holds: 0.01,
+        breaks: 0.2,
+        schemes: &[],
+        run: |_| Vec::new(),
+    };
+
+    fn points(values: &[Result<f64, String>]) -> Vec<Point> {
+        values.iter().enumerate().map(|(i, found)| Point { at: i as f64, found: found.clone() }).collect()
+    }
+
+    #[test]
+    fn verdicts_follow_the_worst_point() {
+        let judged = |values: &[Result<f64, String>]| {
+            let Judged { verdict, value, at, .. } = CASE.judge(&points(values));
+            (verdict, value, at)
+        };
+        assert_eq!(judged(&[Ok(1e-3), Ok(9e-3), Ok(2e-3)]), (Verdict::Holds, Some(9e-3), 1.0));
+        assert_eq!(judged(&[Ok(1e-3), Ok(0.1), Ok(2e-3)]), (Verdict::Degrades, Some(0.1), 1.0));
+        assert_eq!(judged(&[Ok(0.1), Ok(0.3), Ok(0.5)]), (Verdict::Breaks, Some(0.3), 1.0));
+        assert_eq!(judged(&[Ok(0.0), Err("stopped".to_owned()), Ok(0.3)]), (Verdict::Refuses, None, 1.0));
+        assert_eq!(judged(&[Ok(0.3), Err("stopped".to_owned())]), (Verdict::Breaks, Some(0.3), 0.0));
+        assert_eq!(judged(&[Ok(f64::NAN)]), (Verdict::Breaks, None, 0.0));
+        assert_eq!(judged(&[]).0, Verdict::Breaks);
+        assert_eq!(CASE.judge(&points(&[Err("stopped".to_owned())])).reason, "stopped");
+    }
+}
