@@ -300,6 +300,13 @@ impl Medium {
         (1..=WAVES).map(|i| limit(wave(i))).fold(f64::INFINITY, f64::min)
     }
 
+    /// The part of an explicit `limit` (s) in plane strain that a drained edge leaves, s: a wave along it strains cells by
+    /// `K_u = 4/L^2`, while their water flows to both neighbours and out, `K_p = (4 + 3)/L^2`. No plane wave has both.
+    pub fn drained_edge(&self, limit: f64) -> f64 {
+        let scale = 1.0 / (self.cell * self.cell);
+        limit.min(self.limit_of(4.0 * scale, 7.0 * scale, self.memory(self.transfer(1.0))))
+    }
+
     /// Largest stable step in plane strain, s, over all directions and lengths of a plane wave.
     pub fn limit_plane_strain(&self, darcy: DarcyChoice) -> f64 {
         let scale = 4.0 / (self.cell * self.cell);
@@ -371,7 +378,11 @@ fn explicit_limit_of(scene: &Scene) -> f64 {
     }
     match scene.dimension {
         Dimension::Column => medium.limit_column(),
-        Dimension::PlaneStrain => medium.limit_plane_strain(scene.darcy),
+        Dimension::PlaneStrain => {
+            let limit = medium.limit_plane_strain(scene.darcy);
+            let drains = scene.stages.iter().any(|stage| stage.drained.contains(&true));
+            if drains && scene.darcy == DarcyChoice::Face { medium.drained_edge(limit) } else { limit }
+        }
     }
 }
 
@@ -431,7 +442,7 @@ pub fn stable_limit(scene: &Scene) -> f64 {
         Integrator::QuasiStatic => f64::INFINITY,
         // The water keeps its pressures while the soil moves: the skeleton is alone, and lightest where it is dry.
         Integrator::TwoClocks | Integrator::Coupled => {
-            stable_limit(&Scene { water: None, integrator: Integrator::Explicit, ..scene.clone() })
+            worst_layer(&Scene { water: None, ..scene.clone() }, explicit_limit_of)
         }
     }
 }

@@ -149,6 +149,7 @@ fn crossing_cells_allocates_nothing() {
                 "pressure = 1.5e6",
                 "cell = 0.05",
                 "particles_per_cell = 49",
+                "darcy_inertia = false",
             ]);
             let (calls, crossings) = calls(&scene, 8.0e-3);
             println!("{dimension} {darcy}: {crossings} crossings");

@@ -1,22 +1,29 @@
-//! `stability`: time-step limits and the checkerboard index.
+//! `stability`: time-step limits, the checkerboard index, and hard cases.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use mpm_verify::hard::{self, CASES, Case, Found, MatrixRow};
+use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
-use mpm_verify::report::plots;
+use mpm_verify::report::plots::figure::Figure;
 use mpm_verify::report::plots::stability_map::figures;
+use mpm_verify::report::{self, plots};
 use mpm_verify::stability::map::{self, Extent, Row, Summary};
 use mpm_verify::stability::{Limit, checkerboard, limits};
+use mpm_verify::study::word;
 use serde::Serialize;
 
 use super::{Failure, jobs, print_json, say, writable, write_csv, write_json};
 use crate::Common;
 
 /// What is measured.
-#[derive(Debug, Clone, Copy, Default, Args)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct Options {
-    /// Measure the ends and the middle of every range of the map only
+    /// Hard cases to run, and no map; without any all of them, and the map
+    #[arg(value_name = "CASE")]
+    cases: Vec<String>,
+    /// Measure the ends and the middle of every range of the map only, and what a scene gets that names no scheme
     #[arg(long)]
     quick: bool,
 }
@@ -29,13 +36,15 @@ pub struct Findings {
     checkerboard_nodal: f64,
     map: Vec<Summary>,
     map_troubles: Vec<String>,
+    matrix: Vec<MatrixRow>,
+    broken_defaults: Vec<String>,
 }
 
 /// The measured limit may be this far from the predicted one.
 const AGREEMENT: [f64; 2] = [0.95, 1.25];
 
-/// Measures and writes `stability.csv`, `stability_map.csv` and its pictures, and `stability.json`; falls short if `auto`
-/// would not be safe or a measured limit is not that of the theory.
+/// Measures and writes `stability.csv`, `stability_map.csv`, `matrix.csv`, `hard_cases.csv`, the page with its pictures, and
+/// `stability.json`; falls short if `auto` would not be safe, a measured limit is not that of the theory, or a default breaks.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/stability"));
     let findings = measure(options, common, &folder)?;
@@ -47,29 +56,90 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
 
 /// Measures, writes and prints.
 pub fn measure(options: &Options, common: &Common, folder: &Path) -> Result<Findings, Failure> {
-    writable(folder)?;
+    let cases = chosen(&options.cases)?;
+    writable(&folder.join("plots"))?;
     let quiet = common.quiet || common.json;
-    let limits = limits();
-    let [checkerboard_face, checkerboard_nodal] = checkerboard();
+    let mut findings = Findings {
+        limits: Vec::new(),
+        checkerboard_face: f64::NAN,
+        checkerboard_nodal: f64::NAN,
+        map: Vec::new(),
+        map_troubles: Vec::new(),
+        matrix: Vec::new(),
+        broken_defaults: Vec::new(),
+    };
+    let mut pictures = Vec::new();
+    if options.cases.is_empty() {
+        pictures = steps(options, common, folder, &mut findings)?;
+    }
+    let found = hard(&cases, options, common, folder)?;
+    findings.matrix = found.iter().map(|f| f.row(&cases)).collect();
+    findings.broken_defaults = report::hard::broken_defaults(&cases, &found);
+    for row in &findings.matrix {
+        let value = row.value.map_or_else(|| "-".to_owned(), |v| format!("{v:.1e}"));
+        let verdict = word(row.verdict);
+        let scheme = format!("{} {}", row.integrator, row.scheme);
+        say(
+            quiet,
+            &format!("{:<22} {scheme:<26} {verdict:<8} {value:<8} at {} {:.1e}", row.case, row.parameter, row.at),
+        );
+    }
+    let manifest = Manifest::new(&mpm_verify::scenes::terzaghi(), jobs(common.jobs));
+    let page = report::hard::write((&cases, &found), (&pictures, &findings.map), &manifest, folder);
+    page.map_err(|e| Failure::RunFailed(e.to_string()))?;
+    write_json(&folder.join("stability.json"), &findings)?;
+    say(quiet, &format!("{}", folder.join("index.html").display()));
+    Ok(findings)
+}
+
+/// The cases that were named, or all.
+fn chosen(names: &[String]) -> Result<Vec<Case>, Failure> {
+    if names.is_empty() {
+        return Ok(CASES.to_vec());
+    }
+    let known = || CASES.iter().map(|case| case.name).collect::<Vec<_>>().join(", ");
+    let find = |name: &String| {
+        let case = CASES.iter().find(|case| case.name == *name).copied();
+        case.ok_or_else(|| Failure::BadInput(format!("CASE: expected one of {}, found {name}", known())))
+    };
+    names.iter().map(find).collect()
+}
+
+/// Every scheme in every case, or the defaults alone.
+fn hard(cases: &[Case], options: &Options, common: &Common, folder: &Path) -> Result<Vec<Found>, Failure> {
+    let progress = Progress::new("hard cases", common.quiet || common.json);
+    let asked = |case: &Case, scheme: &hard::Scheme| !options.quick || scheme.is_default(case.dimension);
+    let found = hard::matrix(cases, asked, jobs(common.jobs), &progress).map_err(Failure::RunFailed)?;
+    progress.finish();
+    write_csv(&folder.join("matrix.csv"), &found.iter().map(|f| f.row(cases)).collect::<Vec<_>>())?;
+    let points: Vec<_> = found.iter().flat_map(|f| f.point_rows(cases)).collect();
+    write_csv(&folder.join("hard_cases.csv"), &points)?;
+    Ok(found)
+}
+
+/// Limits of the step and checkerboards.
+fn steps(options: &Options, common: &Common, folder: &Path, findings: &mut Findings) -> Result<Vec<Figure>, Failure> {
+    let quiet = common.quiet || common.json;
+    findings.limits = limits();
+    [findings.checkerboard_face, findings.checkerboard_nodal] = checkerboard();
     say(quiet, "dimension     darcy  inertia  L (m)  ppc  predicted (s)  measured/predicted");
-    for l in &limits {
+    for l in &findings.limits {
         let row = format!("{:<13} {:<6} {:<8} {:<6} {:<4}", l.dimension, l.darcy, l.darcy_inertia, l.mesh_m, l.ppc);
         say(quiet, &format!("{row} {:<14.4e} {:.3}", l.predicted_s, l.ratio));
     }
-    say(quiet, &format!("checkerboard index: face {checkerboard_face:.4}, nodal {checkerboard_nodal:.4}"));
-    write_csv(&folder.join("stability.csv"), &limits)?;
+    let [face, nodal] = [findings.checkerboard_face, findings.checkerboard_nodal];
+    say(quiet, &format!("checkerboard index: face {face:.4}, nodal {nodal:.4}"));
+    write_csv(&folder.join("stability.csv"), &findings.limits)?;
     let rows = map(options, common, folder)?;
-    let map = map::summaries(&rows);
+    findings.map = map::summaries(&rows);
     say(quiet, "scheme                   dimension     darcy  rows   measured/theory   auto/measured");
-    for s in &map {
+    for s in &findings.map {
         let row = format!("{:<24} {:<13} {:<6} {:<6}", s.scheme, s.dimension, s.darcy, s.rows);
         let [low, high] = s.ratio;
         say(quiet, &format!("{row} {low:.3} to {high:.3}    {:.3e} to {:.3}", s.auto[0], s.auto[1]));
     }
-    let map_troubles = rows.iter().filter_map(Row::trouble).collect();
-    let findings = Findings { limits, checkerboard_face, checkerboard_nodal, map, map_troubles };
-    write_json(&folder.join("stability.json"), &findings)?;
-    Ok(findings)
+    findings.map_troubles = rows.iter().filter_map(Row::trouble).collect();
+    Ok(figures(&rows))
 }
 
 /// The map, its table and its pictures.
@@ -79,19 +149,20 @@ fn map(options: &Options, common: &Common, folder: &Path) -> Result<Vec<Row>, Fa
     let rows = map::rows(&map::settings(extent), jobs(common.jobs), &progress).map_err(Failure::RunFailed)?;
     progress.finish();
     write_csv(&folder.join("stability_map.csv"), &rows)?;
-    let pictures = folder.join("plots");
-    writable(&pictures)?;
     for figure in figures(&rows) {
-        plots::write(&figure, &pictures).map_err(|e| Failure::RunFailed(e.to_string()))?;
+        plots::write(&figure, &folder.join("plots")).map_err(|e| Failure::RunFailed(e.to_string()))?;
     }
     Ok(rows)
 }
 
-/// Whether every measured limit agrees with the predicted one.
+/// Whether every measured limit agrees with the predicted one, and no default breaks.
 pub fn verdict(findings: &Findings) -> Result<(), Failure> {
     if let Some(first) = findings.map_troubles.first() {
         let count = findings.map_troubles.len();
         return Err(Failure::FellShort(format!("stability map, {count} rows: {first}")));
+    }
+    if !findings.broken_defaults.is_empty() {
+        return Err(Failure::FellShort(findings.broken_defaults.join("; ")));
     }
     let off = |l: &&Limit| !(AGREEMENT[0]..=AGREEMENT[1]).contains(&l.ratio);
     match findings.limits.iter().find(off) {

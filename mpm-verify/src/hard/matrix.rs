@@ -128,13 +128,18 @@ impl Found {
     }
 }
 
-/// Runs every scheme in every case on so many threads (0 for all); in the order of cases and schemes.
+/// Runs every scheme that is `asked` in every case on so many threads (0 for all); in the order of cases and schemes.
 ///
 /// # Errors
 /// Threads that cannot be started.
-pub fn matrix(cases: &[Case], jobs: usize, progress: &Progress) -> Result<Vec<Found>, String> {
-    let tasks: Vec<(usize, Scheme)> =
-        cases.iter().enumerate().flat_map(|(i, case)| case.schemes.iter().map(move |scheme| (i, *scheme))).collect();
+pub fn matrix(
+    cases: &[Case],
+    asked: impl Fn(&Case, &Scheme) -> bool,
+    jobs: usize,
+    progress: &Progress,
+) -> Result<Vec<Found>, String> {
+    let all = cases.iter().enumerate().flat_map(|(i, case)| case.schemes.iter().map(move |scheme| (i, *scheme)));
+    let tasks: Vec<(usize, Scheme)> = all.filter(|(i, scheme)| asked(&cases[*i], scheme)).collect();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build().map_err(|e| e.to_string())?;
     let done = std::sync::atomic::AtomicUsize::new(0);
     let find = |(case, scheme): &(usize, Scheme)| {

@@ -12,6 +12,7 @@
 
 pub mod animation;
 pub mod content;
+pub mod hard;
 pub mod html;
 pub mod ladder;
 pub mod maps;

@@ -161,11 +161,9 @@ fn gap(setting: &Setting, ratio: f64) -> &'static str {
         }
         _ if splines => "splines are held to linear functions and to a free end with c = 1",
         Dimension::PlaneStrain if semi => "bilinear cells are held to their stiffest deformation with c = 1",
-        Dimension::PlaneStrain if ratio > 1.0 => {
-            "at a drained edge a row of cells drains faster than in any plane wave that strains it as much; the safety factor \
-             of auto covers it"
+        _ => {
+            "the strain and the flow that bind, at a drained edge or in an endless mesh, do not fit into a few cells together"
         }
-        _ => "the waves of an endless mesh that bind do not fit into a few cells between rollers",
     }
 }
 

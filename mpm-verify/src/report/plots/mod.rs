@@ -6,7 +6,7 @@
 //! 3. The pictures: [`mesh`], [`isochrones`], [`consolidation`], [`error_against_time`], [`error_against_mesh`],
 //!    [`error_budget`], [`energy`], [`crossings`]; of all integrators [`schemes`], [`spline_profiles`], [`places`],
 //!    [`steps`]; of a rung of the ladder [`rung`].
-//!    [`stability_map`]: largest stable steps, measured and in theory.
+//!    [`stability_map`]: largest stable steps, measured and in theory; [`hard_case`]: where schemes hold and break.
 //! 4. [`field`]: a map of particles coloured by a quantity, with lines over it; [`colours`] for it. [`levee`]: the
 //!    pictures of a levee that fails.
 
@@ -23,6 +23,7 @@ pub mod error_against_time;
 pub mod error_budget;
 pub mod field;
 pub mod figure;
+pub mod hard_case;
 pub mod isochrones;
 pub mod legend;
 pub mod levee;
