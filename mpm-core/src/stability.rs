@@ -392,12 +392,20 @@ fn explicit_limit_of(scene: &Scene) -> f64 {
 /// counted on, and makes waves grow slowly above a step of its own. B-splines are softer inside the mesh than linear
 /// functions and held to the same.
 pub fn semi_implicit_limit(scene: &Scene) -> f64 {
-    worst_layer(scene, semi_implicit_limit_of)
+    worst_layer(scene, |soil| semi_implicit_limit_of(soil).min(Medium::of(soil).round_off()))
+}
+
+/// [`stable_limit`] without what round-off takes: that of exact numbers, s.
+pub fn limit_of_exact_numbers(scene: &Scene) -> f64 {
+    match scene.integrator {
+        Integrator::SemiImplicit => worst_layer(scene, semi_implicit_limit_of),
+        _ => stable_limit(scene),
+    }
 }
 
 fn semi_implicit_limit_of(scene: &Scene) -> f64 {
     let medium = Medium { flow_inertia: 0.0, ..Medium::of(scene) };
-    let mut limit = semi_implicit_without_inertia(scene, &medium).min(medium.round_off());
+    let mut limit = semi_implicit_without_inertia(scene, &medium);
     if scene.moves_through_cells() {
         // A cell that is filled in part has less water to lean on.
         let drained = Medium { pore_stiffness: 0.0, diffusivity: 0.0, ..medium };

@@ -111,6 +111,7 @@ const EXPLICIT_CASES: &[(&str, Edits)] = &[
             ("until.time_factor = 1.0", "until.pore_pressure_within = 0.1"),
         ],
     ),
+    ("inertia in Darcy's law of soil that moves through cells", &[("pressure = 1.0e4", "pressure = 1.0e6")]),
     ("a column drained at its left", &[("drained = [\"top\"]", "drained = [\"left\"]")]),
 ];
 

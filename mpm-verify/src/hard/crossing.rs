@@ -147,3 +147,29 @@ fn noise(scene: &Scene, share: f64, points: &mut Vec<Point>) -> Result<(), Strin
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mpm_core::scene::{Integrator, ShapeChoice};
+
+    #[test]
+    fn a_force_that_does_not_balance_is_seen() {
+        let scheme = Scheme::new(Integrator::Explicit, ShapeChoice::Bspline2);
+        let noise = |share: f64| {
+            let points = fly(&scheme, Dimension::Column, share);
+            points.iter().take(3).map(|p| p.found.clone().expect("a flight")).fold(0.0, f64::max)
+        };
+        let (right, wrong) = (noise(1.0), noise(0.7));
+        assert!(right < 0.2 * COLUMN.holds && wrong > COLUMN.holds, "{right} {wrong}");
+    }
+
+    #[test]
+    fn linear_functions_are_stopped_before_the_noise_is_as_large_as_the_stress() {
+        let points = fly(&Scheme::new(Integrator::Explicit, ShapeChoice::Centre), Dimension::Column, 1.0);
+        let stopped = points.last().expect("points").found.clone().expect_err("a reason");
+        assert!(stopped.contains("have crossed 100 cells each"), "{stopped}");
+        let until = points.iter().filter_map(|p| p.found.as_ref().ok());
+        assert!(until.fold(0.0, |worst: f64, v| worst.max(*v)) < COLUMN.breaks);
+    }
+}

@@ -96,3 +96,16 @@ fn follow(scheme: &Scheme, share: f64, points: &mut Vec<Point>) -> Result<(), St
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::case::Verdict;
+    use super::*;
+    use mpm_core::scene::{Integrator, ShapeChoice};
+
+    #[test]
+    fn reduced_integration_drifts_and_b_bar_does_not() {
+        let verdict = |shape: ShapeChoice| CASE.judge(&drift(&Scheme::new(Integrator::Explicit, shape), 1.0)).verdict;
+        assert_eq!([ShapeChoice::Centre, ShapeChoice::BBar].map(verdict), [Verdict::Breaks, Verdict::Holds]);
+    }
+}

@@ -51,6 +51,11 @@ const STRAIN: f64 = 1e-5;
 const DECAYS: f64 = 1.0;
 
 fn error(scheme: &Scheme, shift: f64, cells: f64) -> Result<f64, String> {
+    error_with(scheme, shift, cells, 1.0)
+}
+
+/// The same beside a decay that is `faster` by a factor.
+fn error_with(scheme: &Scheme, shift: f64, cells: f64, faster: f64) -> Result<f64, String> {
     let mut scene = crate::scenes::terzaghi();
     (scene.cell, scene.cells) = (scene.height / ROWS as f64, [1, ROWS]);
     scene.headroom_cells = cells.ceil() as usize + 3;
@@ -77,6 +82,21 @@ fn error(scheme: &Scheme, shift: f64, cells: f64) -> Result<f64, String> {
         return Err(failure.to_string());
     }
     let first = 2.0 / PI * most;
-    let off = |s: &Sample| s.state.mean_pressure / first - (-rate * s.stage_time).exp();
+    let off = |s: &Sample| s.state.mean_pressure / first - (-faster * rate * s.stage_time).exp();
     Ok(largest(run.observed().map(off)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mpm_core::scene::{Integrator, ShapeChoice};
+
+    #[test]
+    fn a_flight_changes_little_and_another_decay_much() {
+        let scheme = Scheme::new(Integrator::SemiImplicit, ShapeChoice::Centre);
+        let [rest, flight] = [0.0, 10.0].map(|cells| error(&scheme, 0.3, cells).expect("a run"));
+        assert!(rest < 0.05 && flight < 0.05, "{rest} {flight}");
+        let wrong = error_with(&scheme, 0.0, 0.0, 1.2).expect("a run");
+        assert!(wrong > 0.05, "{wrong}");
+    }
 }

@@ -76,3 +76,19 @@ fn error(scheme: &Scheme, poisson_ratio: f64, curved: f64) -> Result<f64, String
     }
     Ok(worst)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mpm_core::scene::{Integrator, ShapeChoice};
+
+    #[test]
+    fn b_bar_passes_and_a_curved_field_does_not() {
+        for less in LESS {
+            let off = |curved: f64| {
+                error(&Scheme::new(Integrator::Explicit, ShapeChoice::BBar), 0.5 - less, curved).expect("a step")
+            };
+            assert!(off(0.0) <= CASE.holds && off(0.1) > 100.0 * CASE.holds, "{} {}", off(0.0), off(0.1));
+        }
+    }
+}

@@ -99,3 +99,33 @@ fn error(scene: &Scene) -> Result<f64, String> {
     let board = field.iter().map(|f| sign(f) * off(f)).sum::<f64>().abs() / count;
     Ok(rms.max(board) / mean)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_exact_pressure_is_that_of_an_elastic_square() {
+        // Harmonic, free of flow through walls and base, and of the mean that the load makes without strain sideways.
+        let scene = square(&Scheme::new(Integrator::QuasiStatic, ShapeChoice::Linear), 2e9);
+        let (h, at) = (1e-3, |x: f64, y: f64| pressure(&scene, x, y));
+        let laplacian = |x: f64, y: f64| at(x + h, y) + at(x - h, y) + at(x, y + h) + at(x, y - h) - 4.0 * at(x, y);
+        assert!(laplacian(0.3, 0.4).abs() / h / h < 1e-3 * at(0.3, 0.4).abs());
+        assert!((at(h, 0.4) - at(-h, 0.4)).abs() < 1e-9 && (at(0.3, h) - at(0.3, -h)).abs() < 1e-9);
+        let load = scene.surcharge.expect("a load").pressure;
+        let mean: f64 = (0..100).map(|i| at((f64::from(i) + 0.5) / 100.0, 0.7)).sum::<f64>() / 100.0;
+        assert!((mean - 0.5 * load * scene.undrained_share()).abs() < 1e-9 * load);
+    }
+
+    #[test]
+    fn drained_soil_is_seen() {
+        let scheme = Scheme::new(Integrator::SemiImplicit, ShapeChoice::Centre);
+        let mut scene = square(&scheme, 2e9);
+        (scene.cell, scene.cells) = (0.125, [8; 2]);
+        assert!(error(&scene).expect("a run") < CASE.holds);
+        scene.stages[0].drained[3] = true;
+        let leaks = |w: WaterProperties| WaterProperties { hydraulic_conductivity: 1e-6, ..w };
+        scene.water = scene.water.map(leaks);
+        assert!(error(&scene).expect("a run") > CASE.holds);
+    }
+}

@@ -7,7 +7,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use mpm_core::scene::{DarcyChoice, Dimension, Integrator, Scene, ShapeChoice};
-use mpm_core::stability::stable_limit;
+use mpm_core::stability::{limit_of_exact_numbers, stable_limit};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -147,6 +147,9 @@ pub struct Row {
     /// Why this limit is further from the measured one than the agreement asked for; else empty.
     pub gap: String,
 }
+
+/// Why the limit is far below the measured one in soil that hardly drains.
+const ROUND_OFF: &str = "a longer step is stable but leaves more than 1e-7 of the drained strain to round-off";
 
 /// Why the limit of which `auto` takes its share is not the measured one; empty where it is, to the agreement asked for.
 fn gap(setting: &Setting, ratio: f64) -> &'static str {
@@ -310,10 +313,10 @@ pub fn row(setting: &Setting) -> Result<Row, String> {
     let auto = scene.safety * limit;
     let assembled = Assembled::of(&scene).ok_or("a scene whose step is no matrix")?;
     let (theory, from) = if setting.has_formula() {
-        (limit, "plane wave")
+        (limit_of_exact_numbers(&scene), "plane wave")
     } else {
         let grows = |dt: f64| assembled.growth(dt) > assembled::NEUTRAL;
-        (largest_stable(limit, THEORY_WIDTH, grows).stable, "step matrix")
+        (largest_stable(limit_of_exact_numbers(&scene), THEORY_WIDTH, grows).stable, "step matrix")
     };
     let blocks = blocks_for(assembled.growth_above(theory));
     let stirred = stirred(&scene);
@@ -359,7 +362,11 @@ pub fn row(setting: &Setting) -> Result<Row, String> {
         auto_unstable: at_auto.unstable,
         dt_limit_s: limit,
         limit_ratio: limit / measured.stable,
-        gap: gap(setting, limit / measured.stable).to_owned(),
+        gap: if limit < limit_of_exact_numbers(&scene) {
+            ROUND_OFF.to_owned()
+        } else {
+            gap(setting, limit / measured.stable).to_owned()
+        },
     })
 }
 
@@ -455,7 +462,7 @@ mod tests {
             for (ppc, conductivity) in [(1, 1e-9), (4, 1e-4), (16, 1e-2)] {
                 let scene = Setting { ppc, conductivity, ..column(integrator, ShapeChoice::Linear) }.scene();
                 let assembled = Assembled::of(&scene).expect("a column");
-                let formula = stable_limit(&scene);
+                let formula = limit_of_exact_numbers(&scene);
                 let found = largest_stable(formula, 1e-3, |dt| assembled.growth(dt) > assembled::NEUTRAL).stable;
                 assert!((found / formula - 1.0).abs() < 0.01, "{integrator:?}, {ppc}: {found:e}, {formula:e}");
             }
@@ -486,7 +493,8 @@ mod tests {
             let drained = over(&scene);
             scene.stages.iter_mut().for_each(|stage| stage.drained = [false; 4]);
             let closed = over(&scene);
-            assert!(drained < 0.985 && closed > drained + 0.015, "{inertia}: {drained}, {closed}");
+            // The limit takes strain and flow of the edge together, which no state of it has: it is safe, by up to an eighth.
+            assert!((1.0..1.15).contains(&drained) && closed > drained + 0.015, "{inertia}: {drained}, {closed}");
         }
     }
 
