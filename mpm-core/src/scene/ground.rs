@@ -88,14 +88,15 @@ impl Scene {
     }
 
     /// Cells that a particle may cross, on average, before linear functions have made too much noise; `u64::MAX` where nothing
-    /// limits them: other functions, PIC, soil with a strength, or a scene that is forced.
+    /// limits them: other functions, PIC, soil with a strength or with water, whose drag damps it, or a scene that is forced.
     ///
     /// A particle that crosses a face jumps from one gradient to another. What that stirs does not die out without damping or
     /// PIC: in the hard case `crossing-column` the stress is off by a tenth after 100 cells, by six tenths after 300, and by
     /// more than itself after 1000; with MUSL a tenth is reached after 10.
     pub fn most_crossings(&self) -> u64 {
         let linear = !matches!(self.shape, ShapeChoice::Gimp | ShapeChoice::Bspline2);
-        let noisy = self.integrator == Integrator::Explicit && linear && self.flip == 1.0 && self.strength.is_none();
+        let noisy = self.integrator == Integrator::Explicit && linear && self.flip == 1.0;
+        let noisy = noisy && self.strength.is_none() && self.water.is_none();
         match (noisy && !self.force, self.update) {
             (false, _) => u64::MAX,
             (true, UpdateChoice::Usl) => 100,

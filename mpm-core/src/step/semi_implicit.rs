@@ -6,7 +6,8 @@
 //!
 //! `rho_w a_s` in Darcy's law is that of the step before. With the acceleration of this step the system would not be
 //! symmetric, and its limit lower: at the eigenvalue -1 the term of Eq. (1) then takes `2 k/g` from dt in the
-//! pressure that a strain builds up, where the lagged one adds it.
+//! pressure that a strain builds up, where the lagged one adds it. Being late it feeds waves in permeable soil, above a step
+//! that `stability` knows.
 
 use super::pressure::PressureSystem;
 use super::skeleton::Skeleton;
