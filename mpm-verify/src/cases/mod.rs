@@ -16,7 +16,7 @@ mod evidence;
 mod hydrostatic;
 mod infinite_slope;
 mod large_strain;
-mod large_strain_30;
+mod looks;
 mod mandel;
 mod mandel_inertia;
 mod mohr_coulomb;
@@ -121,7 +121,7 @@ pub const LADDER: &[Rung] = &[
     contrast::STIFFNESS_EXPLICIT,
     large_strain::SPLINES,
     large_strain::LINEAR,
-    large_strain_30::SPLINES,
+    large_strain::SPLINES_30,
     self_weight::EXPLICIT,
     self_weight::SEMI_IMPLICIT,
     self_weight::QUASI_STATIC,

@@ -191,18 +191,28 @@ pub fn measure(
 
 /// [`measure`] with what it is compared with.
 pub(crate) fn measured(scene: &Scene, exact: &Layered, contrast: Contrast, until: f64) -> Result<Found, String> {
+    Ok(found(&executed(scene)?, scene, exact, contrast, until))
+}
+
+/// Runs the scene of a contrast.
+pub(crate) fn executed(scene: &Scene) -> Result<Run, String> {
     let steps = scene.observe_times.last().copied().unwrap_or(0.0) / (scene.safety * stable_limit(scene));
     if steps > MOST_STEPS {
         return Err(format!("{steps:.1e} steps"));
     }
     let run = run(scene, &mut |_| {}).map_err(|e| e.to_string())?;
-    if let Some(failure) = &run.failure {
-        return Err(failure.to_string());
+    match &run.failure {
+        Some(failure) => Err(failure.to_string()),
+        None => Ok(run),
     }
+}
+
+/// What a run made of a contrast.
+pub(crate) fn found(run: &Run, scene: &Scene, exact: &Layered, contrast: Contrast, until: f64) -> Found {
     let settlement = |s: &Sample| relative(s.state.settlement, exact.settlement(s.stage_time)).abs();
     let profile = |s: &Sample| profile_error(&s.state.profile, exact, s.stage_time);
     let outside = |s: &Sample| outside(&s.state.profile, exact, s.stage_time, scene.cell);
-    Ok(Found {
+    Found {
         integrator: word(scene.integrator),
         scheme: word(scene.shape),
         contrast,
@@ -211,8 +221,8 @@ pub(crate) fn measured(scene: &Scene, exact: &Layered, contrast: Contrast, until
         settlement_error: largest(run.observed().map(settlement)),
         pressure_error: largest(run.observed().map(profile)),
         outside: largest(run.observed().map(outside)),
-        steps: steps_of(&run),
-    })
+        steps: steps_of(run),
+    }
 }
 
 fn steps_of(run: &Run) -> u64 {
