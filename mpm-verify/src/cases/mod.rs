@@ -19,6 +19,7 @@ mod large_strain;
 mod looks;
 mod mandel;
 mod mandel_inertia;
+mod mandel_rise;
 mod mohr_coulomb;
 mod outline;
 pub mod own;
@@ -127,8 +128,12 @@ pub const LADDER: &[Rung] = &[
     self_weight::QUASI_STATIC,
     mandel::SPLINES,
     mandel::CENTRE,
+    mandel::PROFILE,
+    mandel_rise::SPLINES,
     mandel_inertia::SEMI_IMPLICIT,
     mandel_inertia::EXPLICIT,
+    mandel_rise::SEMI_IMPLICIT,
+    mandel_rise::EXPLICIT,
     strip::RUNG,
     spin::SPLINES,
     spin::GIMP,
