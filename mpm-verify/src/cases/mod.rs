@@ -11,6 +11,7 @@ mod degree;
 mod double_drainage;
 mod dry_bar;
 mod dynamic_column;
+mod dynamic_energy;
 mod elsewhere;
 mod evidence;
 mod hydrostatic;
@@ -81,6 +82,8 @@ pub const LADDER: &[Rung] = &[
     undrained_wave::AMPLITUDE,
     dynamic_column::WITH_INERTIA,
     dynamic_column::WITHOUT_INERTIA,
+    dynamic_energy::EXPLICIT,
+    dynamic_energy::SEMI_IMPLICIT,
     terzaghi::SURFACE,
     terzaghi::LINEAR,
     terzaghi::NODAL,
