@@ -17,6 +17,7 @@ mod evidence;
 mod hydrostatic;
 mod infinite_slope;
 mod large_strain;
+mod large_strain_moving;
 mod looks;
 mod mandel;
 mod mandel_inertia;
@@ -126,6 +127,8 @@ pub const LADDER: &[Rung] = &[
     large_strain::SPLINES,
     large_strain::LINEAR,
     large_strain::SPLINES_30,
+    large_strain_moving::TO_20,
+    large_strain_moving::TO_30,
     self_weight::EXPLICIT,
     self_weight::SEMI_IMPLICIT,
     self_weight::QUASI_STATIC,
