@@ -2,10 +2,10 @@
 //! under a surface that comes down through it.
 //!
 //! It is of first order in L only: to 30 % the settlement is 8.8, 5.2 and 2.3 % too small on 10, 20 and 40 cells;
-//! another step or more particles change a tenth of that. The likely cause is the drained surface, which lies anywhere
-//! in its cell while the pressure of that cell is one number. (`large-strain` has a mesh that goes along, and is of
-//! second order.) A soil of porosity 0.6 keeps half of its pores; with 0.3 hardly any water would be left in them at
-//! the end.
+//! smaller steps or more particles change less than a tenth. The likely cause is the drained surface, which lies
+//! anywhere in its cell while the pressure of that cell is one number. (`large-strain` has a mesh that goes along, and
+//! is of second order.) A soil of porosity 0.6 keeps half of its pores; with 0.3 hardly any water would be left in them
+//! at the end.
 
 use mpm_core::scene::{Integrator, Scene, ShapeChoice, StepChoice, TimeMethod};
 use mpm_core::stability::stable_limit;
@@ -32,8 +32,7 @@ pub const TO_30: Rung = Rung {
     mutant: Some(Mutant { what: FASTER, climb: || climb(0.7, 3e-2, faster) }),
 };
 
-/// Rows of cells over the first height. Water that drains 5 % faster makes up for what the finest misses: the order finds
-/// it.
+/// Rows of cells over the first height. Water 5 % faster makes up for what the finest misses: the order finds it.
 const ROWS: [usize; 3] = [10, 20, 40];
 /// Step as a share of the stable one.
 const SAFETY: f64 = 0.1;
