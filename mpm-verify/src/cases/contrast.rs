@@ -1,10 +1,16 @@
 //! Two layers, in conductivity or in stiffness orders of magnitude apart, against the eigenfunctions of the column.
 
-use mpm_core::scene::{Integrator, Scene, ShapeChoice};
+use mpm_core::drive::{Run, Sample};
+use mpm_core::observe::ProfileRow;
+use mpm_core::scene::{Integrator, Scene, ShapeChoice, StepChoice};
+use mpm_core::stability::stable_limit;
 
+use super::evidence::{Refinement, TOLERANCE};
+use super::looks::{Look, Looks, Norm, in_particles, in_time};
+use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use super::{Mutant, Outcome, Rung, integrator, scheme};
 use crate::exact::layered::Layered;
-use crate::hard::contrast::{Contrast, Found, conductivity, measured, scene, stiffness};
+use crate::hard::contrast::{Contrast, Quantity, conductivity, executed, found, scene, stiffness};
 
 /// Conductivity, B-splines.
 pub const CONDUCTIVITY: Rung = Rung {
@@ -38,7 +44,8 @@ pub const CONDUCTIVITY_SEMI: Rung = Rung {
     mutant: Some(Mutant { what: TIGHT, climb: || implicit_pressure(DYNAMIC_CONDUCTIVITIES, SLOWER) }),
 };
 
-/// Conductivity with the paper's step, whose limit is that of the faster layer: a jump of 1e6 takes 1e9 steps on ten cells.
+/// Conductivity with the paper's step, whose limit is that of the faster layer: a jump of 1e6 takes 1e9 steps on ten
+/// cells.
 pub const CONDUCTIVITY_EXPLICIT: Rung = Rung {
     name: "contrast-k-explicit",
     about: "two layers, k x 10 both ways, explicit: settlement, order 2",
@@ -103,10 +110,49 @@ const DYNAMIC_STIFFNESSES: &[Contrast] = &[stiffness(10.0), stiffness(1e2), stif
 /// Share of the passage until which steps that have a limit are followed.
 const DYNAMIC_UNTIL: f64 = 0.1;
 
-/// A number of a run that is looked at.
-type Number = fn(&Found) -> f64;
-const SETTLEMENT: Number = |found| found.settlement_error;
-const PROFILE: Number = |found| found.pressure_error;
+/// What of a run is looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Number {
+    /// S over the exact S.
+    Settlement,
+    /// Pressures in the rows over the largest p_0: RMS.
+    Pressure,
+}
+const SETTLEMENT: Number = Number::Settlement;
+const PROFILE: Number = Number::Pressure;
+
+impl Number {
+    /// The same of a run, at its sample times.
+    fn looks(self, run: &Run, exact: &Layered, contrast: Contrast) -> Looks {
+        let what = match contrast.quantity {
+            Quantity::Conductivity => format!("k x {}", contrast.ratio),
+            Quantity::Stiffness => format!("E x {}", contrast.ratio),
+        };
+        let settlement = |s: &Sample| Look::one(s.stage_time, s.state.settlement / exact.settlement(s.stage_time), 1.0);
+        let pressures = |s: &Sample| {
+            let of = |pressure: &dyn Fn(&ProfileRow) -> f64| {
+                s.state.profile.iter().map(|row| pressure(row) / exact.largest_undrained()).collect()
+            };
+            Look {
+                time: s.stage_time,
+                factor: None,
+                computed: of(&|row| row.pressure_pa),
+                exact: of(&|row| exact.pressure(row.material_height_m, s.stage_time)),
+                counts: true,
+            }
+        };
+        match self {
+            Self::Settlement => {
+                Looks::worst(format!("S over the exact S; {what}"), run.observed().map(settlement).collect())
+            }
+            Self::Pressure => {
+                let looks =
+                    Looks::worst(format!("p over the largest p_0; {what}"), run.observed().map(pressures).collect());
+                Looks { over_places: Norm::Rms, ..looks }
+            }
+        }
+    }
+}
 
 /// What is planted: a factor on the conductivity of the slower or softer layer.
 const SOUND: f64 = 1.0;
@@ -119,8 +165,8 @@ fn splines(contrasts: &[Contrast], number: Number, required: f64, fault: f64) ->
     refined(by, contrasts, &[10, 20, 40], 1.0, number, (required, [3.0, 7.0]), fault)
 }
 
-/// The slower layer fills half of the column and drains a quarter as fast as the whole would: the error of U at the first
-/// time is that of a column on half as many cells.
+/// The slower layer fills half of the column and drains a quarter as fast as the whole would: the error of U at the
+/// first time is that of a column on half as many cells.
 fn centre(contrasts: &[Contrast], fault: f64) -> Result<Outcome, String> {
     let by = (Integrator::QuasiStatic, ShapeChoice::Centre);
     refined(by, contrasts, &[20, 40, 80], 1.0, SETTLEMENT, (5e-3, [1.9, 2.2]), fault)
@@ -147,20 +193,23 @@ fn refined(
     fault: f64,
 ) -> Result<Outcome, String> {
     let mut errors = Vec::with_capacity(rows.len());
-    let mut notes = Vec::new();
+    let (mut notes, mut samples) = (Vec::new(), Vec::new());
     let mut outcome = Outcome { required_error, required_order: Some(order), ..Outcome::default() };
     for rows in rows {
         let (mut worst, mut cell) = (0.0_f64, 0.0);
         let mut outside = 0.0_f64;
+        samples = Vec::new();
         for contrast in contrasts {
             let mut scene = scene(by, shape, *contrast, *rows, until)?;
             let exact = Layered::of(&scene).ok_or("not a column of layers")?;
             plant(&mut scene, fault);
-            let found = measured(&scene, &exact, *contrast, until)?;
-            let error = number(&found);
+            let run = executed(&scene)?;
+            let looks = number.looks(&run, &exact, *contrast);
+            let error = looks.error().abs();
+            samples.extend(looks.samples());
             // A NaN must not be lost in a maximum.
             worst = if error.is_nan() { f64::NAN } else { worst.max(error) };
-            outside = outside.max(found.outside);
+            outside = outside.max(found(&run, &scene, &exact, *contrast, until).outside);
             cell = scene.cell;
             (outcome.integrator, outcome.scheme) = (integrator(&scene), scheme(&scene));
         }
@@ -171,7 +220,41 @@ fn refined(
             "-".to_owned(),
         )];
     }
-    Ok(Outcome { errors, notes, ..outcome })
+    let coarse = errors.first().map_or(f64::NAN, |(_, error)| *error);
+    let first = contrasts.first().ok_or("no contrast")?;
+    let refinements = refinements((by, shape), *first, (rows[0], until), number, coarse, fault)?;
+    Ok(Outcome { errors, notes, samples, refinements, ..outcome })
+}
+
+/// The first contrast on the coarsest mesh: in steps or under tolerances, and with particles, whose errors may be twice
+/// what the mesh leaves of the worst contrast.
+fn refinements(
+    (by, shape): (Integrator, ShapeChoice),
+    contrast: Contrast,
+    (rows, until): (usize, f64),
+    number: Number,
+    coarse: f64,
+    fault: f64,
+) -> Result<Vec<Refinement>, String> {
+    let mut base = scene(by, shape, contrast, rows, until)?;
+    let exact = Layered::of(&base).ok_or("not a column of layers")?;
+    plant(&mut base, fault);
+    let looks = |scene: &Scene| Ok::<_, String>(number.looks(&executed(scene)?, &exact, contrast));
+    let quasi_static = by == Integrator::QuasiStatic;
+    let in_time = if quasi_static {
+        let finest = looks(&Scene { tolerance: 1e-9, ..base.clone() })?;
+        let error = |tolerance: f64| Ok((tolerance, looks(&Scene { tolerance, ..base.clone() })?.difference(&finest)));
+        let errors = [1e-3, 1e-4, 1e-5, 1e-6].into_iter().map(error).collect::<Result<_, String>>()?;
+        let against = format!("the same run under a tolerance of 1e-9, L = {} m", base.cell);
+        Refinement { required_share: Some(1.0), ..Refinement::new(TOLERANCE, errors, against) }
+    } else {
+        let step = |dt| looks(&Scene { step: StepChoice::Fixed(dt), ..base.clone() });
+        in_time(step, base.cell, 0.9 * stable_limit(&base), HALVINGS, FIRST_ORDER)?
+    };
+    // Four points per cell do not integrate B-splines to their order.
+    let counts = if shape == ShapeChoice::Bspline2 { &PARTICLE_COUNTS[2..] } else { &PARTICLE_COUNTS[..] };
+    let with = |count| looks(&Scene { particles_per_cell: count, ..base.clone() });
+    Ok(vec![in_time, in_particles(with, base.cell, counts, 2.0 * coarse)?])
 }
 
 /// Plants a factor on the conductivity of the layer that takes the longest.

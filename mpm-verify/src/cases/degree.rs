@@ -11,7 +11,7 @@ use crate::norms::worst;
 pub(super) struct Degree<'a> {
     /// Exact settlement at a time (s), m.
     exact: &'a dyn Fn(f64) -> f64,
-    /// q H/M, m.
+    /// q H/M or what else the settlement ends at, m.
     whole: f64,
     /// Seconds per unit of the time factor.
     per_factor: Option<f64>,
@@ -25,7 +25,11 @@ impl<'a> Degree<'a> {
     /// The error relative to U, at all times, of a scene that is not spoilt.
     pub fn relative(scene: &Scene, exact: &'a dyn Fn(f64) -> f64) -> Self {
         let load = scene.surcharge.map_or(f64::NAN, |s| s.pressure);
-        let whole = load * scene.height / scene.oedometer_modulus();
+        Self::of_whole(scene, load * scene.height / scene.oedometer_modulus(), exact)
+    }
+
+    /// The same for a scene whose final settlement is `whole` (m).
+    pub fn of_whole(scene: &Scene, whole: f64, exact: &'a dyn Fn(f64) -> f64) -> Self {
         Self { exact, whole, per_factor: scene.time_per_factor(), from: 0.0, relative: true }
     }
 

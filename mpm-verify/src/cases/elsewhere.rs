@@ -1,7 +1,7 @@
 //! Columns that nothing here was tuned on: other heights, stiffnesses, porosities, softer water, Poisson's ratio 0 and 0.45.
 //!
 //! Each goes through the very check of `mpm-verify check --scene`: the exact solution that applies to it, the orders of
-//! Table 1's column, and at most twice its error on cells of the same resolution.
+//! Table 1's column, and at most 1.5 times its error on cells of the same resolution.
 
 use mpm_core::scene::{Integrator, Scene, ShapeChoice, StrainChoice, Until};
 

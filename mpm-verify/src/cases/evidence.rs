@@ -52,12 +52,22 @@ pub struct Refinement {
     pub required_error: Option<f64>,
     /// The same as a share of the parameter.
     pub required_share: Option<f64>,
+    /// Largest error allowed at the smallest step or on the finest mesh.
+    pub required_finest: Option<f64>,
 }
 
 impl Refinement {
     /// A refinement of which nothing is required.
     pub fn new(by: Parameter, errors: Vec<(f64, f64)>, against: impl Into<String>) -> Self {
-        Self { by, errors, against: against.into(), required_order: None, required_error: None, required_share: None }
+        Self {
+            by,
+            errors,
+            against: against.into(),
+            required_order: None,
+            required_error: None,
+            required_share: None,
+            required_finest: None,
+        }
     }
 
     /// The order that the errors show, with its confidence.
@@ -74,6 +84,11 @@ impl Refinement {
         };
         if let Some((at, error)) = self.errors.iter().find(|(at, error)| error.is_nan() || error.abs() > most(*at)) {
             return Some(format!("refined by {by}: error {:.2e} above {:.1e} at {at}", error.abs(), most(*at)));
+        }
+        let finest = spacings(self.by, &self.errors).into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        let finest = finest.map_or(f64::NAN, |(_, error)| error.abs());
+        if let Some(most) = self.required_finest.filter(|most| finest.is_nan() || finest > *most) {
+            return Some(format!("refined by {by}: finest error {finest:.2e} above {most:.1e}"));
         }
         let [low, high] = self.required_order?;
         match self.fit() {
@@ -166,9 +181,15 @@ mod tests {
         assert!(large.fallen().is_some_and(|why| why.contains("4.00e-3 above 3.0e-3 at 0.000004")));
         let share = Refinement { required_share: Some(500.0), ..good.clone() };
         assert!(share.fallen().is_some_and(|why| why.contains("above 2.0e-3 at 0.000004")));
-        assert_eq!((free.fallen(), Refinement { required_share: Some(1001.0), ..free }.fallen()), (None, None));
+        assert_eq!((free.fallen(), Refinement { required_share: Some(1001.0), ..free.clone() }.fallen()), (None, None));
+        let finest = Refinement { required_finest: Some(1.1e-3), ..free.clone() };
+        assert_eq!(finest.fallen(), None);
+        let finest = Refinement { required_finest: Some(0.9e-3), ..free.clone() };
+        assert!(finest.fallen().is_some_and(|why| why.contains("finest error 1.00e-3 above 9.0e-4")));
         let lost = Refinement { errors: vec![(4e-6, f64::NAN)], ..good.clone() };
         assert!(lost.fallen().is_some());
+        let nothing = Refinement { errors: Vec::new(), ..finest };
+        assert!(nothing.fallen().is_some_and(|why| why.contains("NaN")));
         let nothing = Refinement { errors: vec![(4e-6, 0.0)], required_error: None, ..good };
         assert!(nothing.fallen().is_some_and(|why| why.contains("no order can be fitted")));
     }

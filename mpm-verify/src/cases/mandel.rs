@@ -1,11 +1,13 @@
-//! Mandel's problem: pore pressure over the half width at T = 0.1, where it first rises above its undrained value.
+//! Mandel's problem: pore pressure over the half width, where it first rises above its undrained value, at single times
+//! and as profiles.
 
-use mpm_core::drive::Sample;
+use mpm_core::drive::{Run, Sample};
 use mpm_core::observe::FieldPoint;
-use mpm_core::scene::{Scene, ShapeChoice};
+use mpm_core::scene::{Scene, ShapeChoice, StepChoice, TimeMethod, Until};
 
 use super::degree::{Degree, Errors};
 use super::evidence::Sampled;
+use super::looks::{Look, Looks, in_particles, in_time};
 use super::terzaghi::PARTICLE_COUNTS;
 use super::{FASTER, Mutant, Outcome, Rung, faster, finished, integrator, scheme, sound};
 use crate::exact::mandel::Mandel;
@@ -27,8 +29,26 @@ pub const CENTRE: Rung = Rung {
     mutant: Some(Mutant { what: FASTER, climb: || centre(faster) }),
 };
 
+/// Profiles from early to late.
+pub const PROFILE: Rung = Rung {
+    name: "mandel-profile",
+    about: "the same, B-splines: profiles of p from T = 0.02 to 2, largest error of all",
+    climb: || profiles(sound),
+    mutant: Some(Mutant { what: FASTER, climb: || profiles(faster) }),
+};
+
+/// Times T = c t/a^2 of the profiles: the zone that drains is as thick as two cells of the finest mesh at the first.
+const PROFILE_TIMES: [f64; 8] = [0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0, 2.0];
+
 /// Times T = c t/a^2 from this one on count: before, the zone that drains is thinner than the cells.
 pub(super) const TIME_FACTOR: f64 = 0.1;
+
+/// First of the given steps of SDIRK4(3), s: forty to T = 0.1.
+const SDIRK_STEP: f64 = 1.8e-3;
+/// Times T at which steps are compared.
+const STEPPED: [f64; 3] = [0.1, 0.2, 0.3];
+/// Its order: of the jump at t = 0 nothing is left then that these steps do not follow.
+const FOURTH_ORDER: Option<[f64; 2]> = Some([3.5, 4.5]);
 
 /// Whether a time (s) counts.
 pub(super) fn counts(exact: &Mandel, time: f64) -> bool {
@@ -50,9 +70,7 @@ fn climb(
     order: [f64; 2],
     fault: fn(&mut Scene),
 ) -> Result<Outcome, String> {
-    let mut base = crate::scenes::built_in("mandel").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    (base.shape, base.history, base.tolerance) = (shape, 0, 1e-7);
-    let exact = Mandel::new(&base).ok_or("not Mandel's problem")?;
+    let (mut base, exact) = block(shape)?;
     fault(&mut base);
     let scenes: Vec<Scene> = sides.iter().map(|side| on(&base, *side)).collect();
     let (errors, samples) = refined(&scenes, &exact)?;
@@ -60,8 +78,15 @@ fn climb(
     let degree = Degree::relative(&base, &settlement);
     let coarse = on(&base, sides[1]);
     let counts = if shape == ShapeChoice::Bspline2 { &PARTICLE_COUNTS[1..] } else { &PARTICLE_COUNTS[..3] };
+    let smallest = on(&base, sides[0].max(4));
+    let until = Until::Time(STEPPED[STEPPED.len() - 1] / exact.time_factor(1.0));
+    let mut stepped = Scene { method: TimeMethod::Sdirk, ..smallest };
+    stepped.observe_times = STEPPED.map(|t| t / exact.time_factor(1.0)).to_vec();
+    stepped.stages[0].until = until;
+    let step = |dt| Ok(looks(&finished(&Scene { step: StepChoice::Fixed(dt), ..stepped.clone() })?, &exact, 0.0));
     let refinements = vec![
-        degree.in_tolerance(&coarse, &[1e-3, 1e-4, 1e-5, 1e-6], 1.0)?,
+        degree.in_tolerance(&stepped, &[1e-3, 1e-4, 1e-5, 1e-6], 1.0)?,
+        in_time(step, stepped.cell, SDIRK_STEP, 3, FOURTH_ORDER)?,
         degree.in_particles(&coarse, counts, 2e-2)?,
     ];
     let (integrator, scheme) = (integrator(&base), scheme(&base));
@@ -77,8 +102,92 @@ fn climb(
     })
 }
 
+/// The scene without inertia, all but exact in time.
+pub(super) fn block(shape: ShapeChoice) -> Result<(Scene, Mandel), String> {
+    let mut base = crate::scenes::built_in("mandel").ok_or("no such scene")?.map_err(|e| e.to_string())?;
+    (base.shape, base.history, base.tolerance) = (shape, 0, 1e-7);
+    let exact = Mandel::new(&base).ok_or("not Mandel's problem")?;
+    Ok((base, exact))
+}
+
+fn profiles(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+    let (mut base, exact) = block(ShapeChoice::Bspline2)?;
+    let one = 1.0 / exact.time_factor(1.0);
+    base.observe_times = PROFILE_TIMES.map(|t| t * one).to_vec();
+    base.stages[0].until = Until::Time(PROFILE_TIMES[PROFILE_TIMES.len() - 1] * one);
+    fault(&mut base);
+    let (mut errors, mut samples) = (Vec::new(), Vec::new());
+    for side in [4, 8, 16] {
+        let scene = on(&base, side);
+        let run = finished(&scene)?;
+        errors.push((scene.cell, looks(&run, &exact, 0.0).error()));
+        samples = profile(&run, &exact, 0.0);
+    }
+    let coarse = on(&base, 8);
+    let with = |count| {
+        let scene = Scene { particles_per_cell: count, ..coarse.clone() };
+        Ok(looks(&finished(&scene)?, &exact, 0.0))
+    };
+    let (integrator, scheme) = (integrator(&base), scheme(&base));
+    Ok(Outcome {
+        integrator,
+        scheme,
+        errors,
+        required_error: 1e-4,
+        required_order: Some([3.0, 6.0]),
+        samples,
+        // Four points per cell do not integrate B-splines to their order.
+        refinements: vec![in_particles(with, coarse.cell, &PARTICLE_COUNTS[1..], 1e-2)?],
+        ..Outcome::default()
+    })
+}
+
+/// Pressure over p_0 in every cell at the sample times of a run that begins at a time `start` (s) of the exact
+/// solution.
+pub(super) fn looks(run: &Run, exact: &Mandel, start: f64) -> Looks {
+    let look = |s: &Sample| {
+        let time = s.stage_time + start;
+        let of = |pressure: &dyn Fn(&FieldPoint) -> f64| {
+            s.state.field.iter().map(|point| pressure(point) / exact.undrained).collect()
+        };
+        Look {
+            time: s.stage_time,
+            factor: Some(exact.time_factor(time)),
+            computed: of(&|point| point.pressure_pa),
+            exact: of(&|point| exact.pressure(point.x_m, time)),
+            counts: true,
+        }
+    };
+    Looks::worst("p/p_0", run.observed().map(look).collect())
+}
+
+/// The profiles of such a run: the lowest row of cells, from the middle to the drained side.
+pub(super) fn profile(run: &Run, exact: &Mandel, start: f64) -> Vec<Sampled> {
+    let mut samples = Vec::new();
+    for s in run.observed() {
+        let time = s.stage_time + start;
+        let lowest = s.state.field.iter().map(|point| point.y_m).fold(f64::INFINITY, f64::min);
+        let row = s.state.field.iter().filter(|point| point.y_m <= lowest);
+        samples.extend(row.map(|point| {
+            let [computed, exact_there] =
+                [point.pressure_pa, exact.pressure(point.x_m, time)].map(|p| p / exact.undrained);
+            Sampled {
+                quantity: format!("p/p_0 at x = {:.4} m", point.x_m),
+                unit: "-".to_owned(),
+                time: s.stage_time,
+                factor: Some(exact.time_factor(time)),
+                computed,
+                exact: exact_there,
+                error: computed - exact_there,
+                counts: true,
+            }
+        }));
+    }
+    samples
+}
+
 /// The block with so many cells per side.
-fn on(base: &Scene, side: usize) -> Scene {
+pub(super) fn on(base: &Scene, side: usize) -> Scene {
     Scene { cell: base.width / side as f64, cells: [side; 2], ..base.clone() }
 }
 

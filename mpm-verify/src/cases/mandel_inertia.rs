@@ -1,17 +1,20 @@
 //! Mandel's problem with the integrators that carry inertia: the plate is a constraint on a row of nodes there.
 //!
-//! The run starts from the exact state at T = 0.02: the jump at t = 0 would send waves through soil that has no damping,
-//! and the exact solution has none. A hundredth of the scene's load keeps strains from mattering.
+//! The run starts from the exact state at T = 0.02: the jump at t = 0 would send waves through soil that has no
+//! damping, and the exact solution has none. A hundredth of the scene's load keeps strains from mattering.
 
 use std::sync::Arc;
 
 use mpm_core::boundary::{FirstField, FirstState, Given};
-use mpm_core::drive::Sample;
+use mpm_core::drive::Run;
 use mpm_core::scene::{Integrator, Scene, ShapeChoice, StepChoice, StrainChoice, Surcharge, Until};
+use mpm_core::stability::stable_limit;
 
-use super::{FASTER, Mutant, Outcome, Rung, faster, finished_given, integrator, scheme, slower, sound};
+use super::evidence::Refinement;
+use super::looks::{Looks, in_particles, in_time};
+use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
+use super::{FASTER, Mutant, Outcome, Rung, faster, finished_given, integrator, mandel, scheme, slower, sound};
 use crate::exact::mandel::Mandel;
-use crate::norms::largest;
 
 /// Implicit pressure.
 pub const SEMI_IMPLICIT: Rung = Rung {
@@ -34,46 +37,119 @@ const START: f64 = 0.02;
 /// Times looked at.
 const TIMES: [f64; 5] = [0.1, 0.2, 0.3, 0.5, 1.0];
 
+/// A way to run the block.
+pub(super) struct Way {
+    pub integrate: Integrator,
+    /// Conductivity is lower by this: what inertia does to a consolidation falls with its speed.
+    pub slow: f64,
+    pub sides: [usize; 3],
+    /// Step as a share of the stable one.
+    safety: f64,
+    /// The same two for a refinement of the step, whose error must stand above what is left of the first waves: these
+    /// fall with the mesh, and the error of the step grows with the speed of the consolidation.
+    stepped: (f64, usize),
+    /// First step of it as a share of the stable one.
+    share: f64,
+}
+
+impl Way {
+    /// Refines the step of what is looked at in the block at times T.
+    pub fn in_time(
+        &self,
+        times: &[f64],
+        fault: fn(&mut Scene),
+        looks: impl Fn(&Run, &Block) -> Result<Looks, String>,
+    ) -> Result<Refinement, String> {
+        let (slow, side) = self.stepped;
+        let mut block = Block::new(&Self { slow, ..*self }, times)?;
+        fault(&mut block.scene);
+        let scene = mandel::on(&block.scene, side);
+        let step = |dt| looks(&block.run(&Scene { step: StepChoice::Fixed(dt), ..scene.clone() })?, &block);
+        in_time(step, scene.cell, self.share * stable_limit(&scene), HALVINGS, FIRST_ORDER)
+    }
+}
+
+/// Implicit pressure.
+pub(super) const IMPLICIT_PRESSURE: Way = Way {
+    integrate: Integrator::SemiImplicit,
+    slow: 8.0,
+    sides: [6, 12, 24],
+    safety: 0.9,
+    stepped: (1.0, 12),
+    share: 0.1,
+};
+/// The paper's step. At 0.9 of the limit a wave grows on eight cells per side if the conductivity is 5 % higher.
+pub(super) const PAPER: Way =
+    Way { integrate: Integrator::Explicit, slow: 4.0, sides: [4, 8, 16], safety: 0.8, stepped: (1.0, 8), share: 0.9 };
+
+/// The block with the exact state at T = START.
+pub(super) struct Block {
+    pub scene: Scene,
+    pub exact: Mandel,
+    /// Time of the exact solution at which the run starts, s.
+    pub start: f64,
+    given: Given,
+}
+
+impl Block {
+    /// Observed at times T, the last of them its end.
+    pub fn new(way: &Way, times: &[f64]) -> Result<Self, String> {
+        let mut scene = crate::scenes::built_in("mandel").ok_or("no such scene")?.map_err(|e| e.to_string())?;
+        scene.surcharge = scene.surcharge.map(|s| Surcharge { pressure: 0.01 * s.pressure, ..s });
+        (scene.integrator, scene.shape, scene.strain) = (way.integrate, ShapeChoice::Centre, StrainChoice::Large);
+        (scene.step, scene.particles_per_cell, scene.history) = (StepChoice::Auto, 4, 0);
+        scene.safety = way.safety;
+        slower(&mut scene, way.slow);
+        let exact = Mandel::new(&scene).ok_or("not Mandel's problem")?;
+        let one = 1.0 / exact.time_factor(1.0);
+        let start = START * one;
+        scene.observe_times = times.iter().map(|t| t * one - start).collect();
+        scene.stages[0].until = Until::Time(*scene.observe_times.last().ok_or("no time to look at")?);
+        let given = Given { start: Some(state(&exact, start)), ..Given::default() };
+        Ok(Self { scene, exact, start, given })
+    }
+
+    /// Runs a scene of the block.
+    pub fn run(&self, scene: &Scene) -> Result<Run, String> {
+        finished_given(scene, &self.given)
+    }
+}
+
 fn semi_implicit(fault: fn(&mut Scene)) -> Result<Outcome, String> {
-    climb(Integrator::SemiImplicit, 8.0, &[6, 12, 24], 5e-4, fault)
+    climb(&IMPLICIT_PRESSURE, 5e-4, fault)
 }
 
 fn explicit(fault: fn(&mut Scene)) -> Result<Outcome, String> {
-    climb(Integrator::Explicit, 4.0, &[4, 8, 16], 1e-3, fault)
+    climb(&PAPER, 1e-3, fault)
 }
 
-/// With a conductivity lower by `slow`: what inertia does to a consolidation falls with its speed.
-fn climb(
-    integrate: Integrator,
-    slow: f64,
-    sides: &[usize],
-    required_error: f64,
-    fault: fn(&mut Scene),
-) -> Result<Outcome, String> {
-    let mut base = crate::scenes::built_in("mandel").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    base.surcharge = base.surcharge.map(|s| Surcharge { pressure: 0.01 * s.pressure, ..s });
-    (base.integrator, base.shape, base.strain) = (integrate, ShapeChoice::Centre, StrainChoice::Large);
-    (base.step, base.particles_per_cell, base.history) = (StepChoice::Auto, 4, 0);
-    slower(&mut base, slow);
-    let exact = Mandel::new(&base).ok_or("not Mandel's problem")?;
-    let per_factor = 1.0 / exact.time_factor(1.0);
-    let start = START * per_factor;
-    base.observe_times = TIMES.map(|t| t * per_factor - start).to_vec();
-    base.stages[0].until = Until::Time(per_factor - start);
-    let given = Given { start: Some(state(&exact, start)), ..Given::default() };
-    let error = |s: &Sample| {
-        let off = |x: f64, p: f64| (p - exact.pressure(x, s.stage_time + start)) / exact.undrained;
-        largest(s.state.field.iter().map(|f| off(f.x_m, f.pressure_pa)))
-    };
-    fault(&mut base);
-    let on = |side: &usize| {
-        let cell = base.width / *side as f64;
-        let scene = Scene { cell, cells: [*side; 2], ..base.clone() };
-        Ok((cell, largest(finished_given(&scene, &given)?.observed().map(error))))
-    };
-    let errors = sides.iter().map(on).collect::<Result<_, String>>()?;
-    let (integrator, scheme) = (integrator(&base), scheme(&base));
-    Ok(Outcome { integrator, scheme, errors, required_error, required_order: Some([1.7, 2.3]), ..Outcome::default() })
+fn climb(way: &Way, required_error: f64, fault: fn(&mut Scene)) -> Result<Outcome, String> {
+    let mut block = Block::new(way, &TIMES)?;
+    fault(&mut block.scene);
+    let looks = |scene: &Scene| Ok::<_, String>(mandel::looks(&block.run(scene)?, &block.exact, block.start));
+    let (mut errors, mut samples) = (Vec::new(), Vec::new());
+    for side in way.sides {
+        let scene = mandel::on(&block.scene, side);
+        let run = block.run(&scene)?;
+        errors.push((scene.cell, mandel::looks(&run, &block.exact, block.start).error()));
+        samples = mandel::profile(&run, &block.exact, block.start);
+    }
+    let coarse = mandel::on(&block.scene, way.sides[0]);
+    let with = |count| looks(&Scene { particles_per_cell: count, ..coarse.clone() });
+    let (integrator, scheme) = (integrator(&block.scene), scheme(&block.scene));
+    Ok(Outcome {
+        integrator,
+        scheme,
+        errors,
+        required_error,
+        required_order: Some([1.7, 2.3]),
+        samples,
+        refinements: vec![
+            way.in_time(&TIMES[..3], fault, |run, block| Ok(mandel::looks(run, &block.exact, block.start)))?,
+            in_particles(with, coarse.cell, &PARTICLE_COUNTS[1..], 2e-2)?,
+        ],
+        ..Outcome::default()
+    })
 }
 
 /// The exact state at a time (s), with the velocities of its displacements.

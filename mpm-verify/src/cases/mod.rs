@@ -11,14 +11,17 @@ mod degree;
 mod double_drainage;
 mod dry_bar;
 mod dynamic_column;
+mod dynamic_energy;
 mod elsewhere;
 mod evidence;
 mod hydrostatic;
 mod infinite_slope;
 mod large_strain;
-mod large_strain_30;
+mod large_strain_moving;
+mod looks;
 mod mandel;
 mod mandel_inertia;
+mod mandel_rise;
 mod mohr_coulomb;
 mod outline;
 pub mod own;
@@ -80,6 +83,8 @@ pub const LADDER: &[Rung] = &[
     undrained_wave::AMPLITUDE,
     dynamic_column::WITH_INERTIA,
     dynamic_column::WITHOUT_INERTIA,
+    dynamic_energy::EXPLICIT,
+    dynamic_energy::SEMI_IMPLICIT,
     terzaghi::SURFACE,
     terzaghi::LINEAR,
     terzaghi::NODAL,
@@ -121,14 +126,20 @@ pub const LADDER: &[Rung] = &[
     contrast::STIFFNESS_EXPLICIT,
     large_strain::SPLINES,
     large_strain::LINEAR,
-    large_strain_30::SPLINES,
+    large_strain::SPLINES_30,
+    large_strain_moving::TO_20,
+    large_strain_moving::TO_30,
     self_weight::EXPLICIT,
     self_weight::SEMI_IMPLICIT,
     self_weight::QUASI_STATIC,
     mandel::SPLINES,
     mandel::CENTRE,
+    mandel::PROFILE,
+    mandel_rise::SPLINES,
     mandel_inertia::SEMI_IMPLICIT,
     mandel_inertia::EXPLICIT,
+    mandel_rise::SEMI_IMPLICIT,
+    mandel_rise::EXPLICIT,
     strip::RUNG,
     spin::SPLINES,
     spin::GIMP,

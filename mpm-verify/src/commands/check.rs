@@ -143,7 +143,7 @@ fn catch(names: &[String], common: &Common, folder: &Path) -> Result<(), Failure
     }
     writable(folder)?;
     let quiet = common.quiet || common.json;
-    say(quiet, &format!("{:<22} {:>10} {:>10}  {:<44} caught", "rung", "error", "required", "mutant"));
+    say(quiet, &format!("{:<29} {:>10} {:>10}  {:<44} caught", "rung", "error", "required", "mutant"));
     let rungs: Vec<&Rung> = rungs.into_iter().filter(|rung| rung.mutant.is_some()).collect();
     let (rows, failed) = each(&rungs, common, |rung| {
         let what = rung.mutant.map_or("", |mutant| mutant.what);
@@ -152,7 +152,7 @@ fn catch(names: &[String], common: &Common, folder: &Path) -> Result<(), Failure
         let caught = if row.caught { "yes" } else { "no" };
         say(
             quiet,
-            &format!("{:<22} {:>10.2e} {:>10.1e}  {what:<44} {caught}", row.rung, row.error, row.required_error),
+            &format!("{:<29} {:>10.2e} {:>10.1e}  {what:<44} {caught}", row.rung, row.error, row.required_error),
         );
         Ok(row)
     })?;
@@ -204,7 +204,7 @@ fn unfinished(failed: &[String]) -> Result<(), Failure> {
 }
 
 fn header() -> String {
-    format!("{:<22} {:>10} {:>10}  {:<26} verdict", "rung", "error", "required", "order")
+    format!("{:<29} {:>10} {:>10}  {:<26} verdict", "rung", "error", "required", "order")
 }
 
 fn line(step: &Step) -> String {
@@ -214,5 +214,5 @@ fn line(step: &Step) -> String {
         }
         _ => String::new(),
     };
-    format!("{:<22} {:>10.2e} {:>10.1e}  {order:<26} {}", step.rung, step.error, step.required_error, step.verdict)
+    format!("{:<29} {:>10.2e} {:>10.1e}  {order:<26} {}", step.rung, step.error, step.required_error, step.verdict)
 }

@@ -70,6 +70,11 @@ impl SelfWeight {
         (0.5 * self.buoyant - left) * self.height * self.height / self.modulus
     }
 
+    /// Settlement once the excess has drained, m.
+    pub fn final_settlement(&self) -> f64 {
+        0.5 * self.buoyant * self.height * self.height / self.modulus
+    }
+
     /// Pore pressure at a height above the base (m) and a time (s), Pa.
     pub fn pressure(&self, height: f64, time: f64) -> f64 {
         let depth = self.height - height;

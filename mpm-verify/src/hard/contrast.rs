@@ -52,7 +52,7 @@ pub const fn stiffness(ratio: f64) -> Contrast {
 /// Shares of the passage of the pressure at which a run is looked at.
 pub const SHARES: [f64; 9] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0];
 /// Steps beyond which a run is not tried.
-pub const MOST_STEPS: f64 = 5e5;
+pub const MOST_STEPS: f64 = 4e6;
 /// Rows beside an interface that belong to it, in cells.
 const BESIDE: f64 = 3.5;
 /// Points of the exact solution from which its range in a row and its neighbours is taken.
@@ -131,6 +131,8 @@ const LAYERED: [Scheme; 12] = [
 
 /// Cells over the height.
 const ROWS: usize = 20;
+/// Steps that a run of the matrix has.
+const REACH: f64 = 5e5;
 
 /// The worse of both ways up for every ratio.
 fn points(scheme: &Scheme, quantity: Quantity, ratios: &[f64]) -> Vec<Point> {
@@ -139,8 +141,8 @@ fn points(scheme: &Scheme, quantity: Quantity, ratios: &[f64]) -> Vec<Point> {
             let contrast = Contrast { quantity, ratio };
             let mut scene = scene(scheme.integrator, scheme.shape, contrast, ROWS, 1.0)?;
             // As far as the steps reach.
-            let far = MOST_STEPS * scene.safety * stable_limit(&scene);
-            let needed = scene.observe_times.first().map_or(0.0, |first| MOST_STEPS * first / far);
+            let far = REACH * scene.safety * stable_limit(&scene);
+            let needed = scene.observe_times.first().map_or(0.0, |first| REACH * first / far);
             scene.observe_times.retain(|time| *time <= far);
             let end = scene.observe_times.last().copied();
             let end = end.ok_or_else(|| format!("out of reach: {needed:.0e} steps for a hundredth of the time"))?;
@@ -219,18 +221,28 @@ pub fn measure(
 
 /// [`measure`] with what it is compared with.
 pub(crate) fn measured(scene: &Scene, exact: &Layered, contrast: Contrast, until: f64) -> Result<Found, String> {
+    Ok(found(&executed(scene)?, scene, exact, contrast, until))
+}
+
+/// Runs the scene of a contrast.
+pub(crate) fn executed(scene: &Scene) -> Result<Run, String> {
     let steps = steps(scene);
-    if steps > 1.01 * MOST_STEPS {
+    if steps > MOST_STEPS {
         return Err(format!("{steps:.1e} steps"));
     }
     let run = run(scene, &mut |_| {}).map_err(|e| e.to_string())?;
-    if let Some(failure) = &run.failure {
-        return Err(failure.to_string());
+    match &run.failure {
+        Some(failure) => Err(failure.to_string()),
+        None => Ok(run),
     }
+}
+
+/// What a run made of a contrast.
+pub(crate) fn found(run: &Run, scene: &Scene, exact: &Layered, contrast: Contrast, until: f64) -> Found {
     let settlement = |s: &Sample| relative(s.state.settlement, exact.settlement(s.stage_time)).abs();
     let profile = |s: &Sample| profile_error(&s.state.profile, exact, s.stage_time);
     let outside = |s: &Sample| outside(&s.state.profile, exact, s.stage_time, scene.cell);
-    Ok(Found {
+    Found {
         integrator: word(scene.integrator),
         scheme: word(scene.shape),
         contrast,
@@ -239,8 +251,8 @@ pub(crate) fn measured(scene: &Scene, exact: &Layered, contrast: Contrast, until
         settlement_error: largest(run.observed().map(settlement)),
         pressure_error: largest(run.observed().map(profile)),
         outside: largest(run.observed().map(outside)),
-        steps: steps_of(&run),
-    })
+        steps: steps_of(run),
+    }
 }
 
 /// Steps that a scene takes.

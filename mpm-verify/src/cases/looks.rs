@@ -1,0 +1,204 @@
+//! Numbers of a run at its sample times beside exact ones, one at each time or a whole field, and how far runs differ.
+
+use super::evidence::{PARTICLES, Refinement, STEP, Sampled};
+use crate::norms::worst;
+
+/// How differences become one number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Norm {
+    /// The largest, with its sign.
+    Largest,
+    /// Their root mean square.
+    Rms,
+}
+
+impl Norm {
+    /// Of these differences; NaN if one is.
+    fn of(self, differences: &[f64]) -> f64 {
+        match self {
+            Self::Largest => worst(differences.iter().copied()),
+            Self::Rms => (differences.iter().map(|d| d * d).sum::<f64>() / differences.len() as f64).sqrt(),
+        }
+    }
+}
+
+/// What a run shows at one time, in units of a size that the rung chooses.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Look {
+    /// Time since the start of the stage, s.
+    pub time: f64,
+    /// The same as a time factor, where the case has one.
+    pub factor: Option<f64>,
+    /// Numbers of the run: one, or one per place.
+    pub computed: Vec<f64>,
+    /// What they should be.
+    pub exact: Vec<f64>,
+    /// Whether the time counts.
+    pub counts: bool,
+}
+
+impl Look {
+    /// One number at a time that counts.
+    pub fn one(time: f64, computed: f64, exact: f64) -> Self {
+        Self { time, factor: None, computed: vec![computed], exact: vec![exact], counts: true }
+    }
+}
+
+/// The looks at a run.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Looks {
+    /// What is looked at, with the size it is measured in.
+    pub quantity: String,
+    /// Over the places of a look.
+    pub over_places: Norm,
+    /// Over the times.
+    pub over_times: Norm,
+    /// Times, in order.
+    pub rows: Vec<Look>,
+}
+
+impl Looks {
+    /// One number at each time, of which the worst counts.
+    pub fn worst(quantity: impl Into<String>, rows: Vec<Look>) -> Self {
+        Self { quantity: quantity.into(), over_places: Norm::Largest, over_times: Norm::Largest, rows }
+    }
+
+    /// How far a look is off.
+    fn off(&self, look: &Look) -> f64 {
+        self.apart(&look.computed, &look.exact)
+    }
+
+    fn apart(&self, these: &[f64], those: &[f64]) -> f64 {
+        // Numbers that one of the two lacks must not pass for equal ones.
+        if these.len() != those.len() {
+            return f64::NAN;
+        }
+        let differences: Vec<f64> = these.iter().zip(those).map(|(a, b)| a - b).collect();
+        self.over_places.of(&differences)
+    }
+
+    /// The error over the times that count.
+    pub fn error(&self) -> f64 {
+        let off: Vec<f64> = self.rows.iter().filter(|look| look.counts).map(|look| self.off(look)).collect();
+        if off.is_empty() { f64::NAN } else { self.over_times.of(&off) }
+    }
+
+    /// The difference to another run with the same times and places, as the error is counted.
+    pub fn difference(&self, other: &Self) -> f64 {
+        if self.rows.len() != other.rows.len() {
+            return f64::NAN;
+        }
+        let both = self.rows.iter().zip(&other.rows).filter(|(look, _)| look.counts);
+        let apart: Vec<f64> = both.map(|(look, other)| self.apart(&look.computed, &other.computed)).collect();
+        self.over_times.of(&apart)
+    }
+
+    /// Every time: the number itself, or of a field the place that is furthest off and the error of all.
+    pub fn samples(&self) -> Vec<Sampled> {
+        let sampled = |look: &Look| {
+            let far = |i: &usize| (look.computed[*i] - look.exact[*i]).abs();
+            let place = (0..look.computed.len()).max_by(|a, b| far(a).total_cmp(&far(b)));
+            let of = |values: &[f64]| place.map_or(f64::NAN, |place| values[place]);
+            let where_it_is = if look.computed.len() > 1 { ", where it is furthest off" } else { "" };
+            Sampled {
+                quantity: format!("{}{where_it_is}", self.quantity),
+                unit: "-".to_owned(),
+                time: look.time,
+                factor: look.factor,
+                computed: of(&look.computed),
+                exact: of(&look.exact),
+                error: self.off(look),
+                counts: look.counts,
+            }
+        };
+        self.rows.iter().map(sampled).collect()
+    }
+}
+
+/// Runs in steps `first`, `first`/2, ... (s) on cells of edge `cell` (m): the difference of each to that with half its
+/// step, so that the error of the mesh, which both have, drops out and a power of the step shows as it is.
+pub(super) fn in_time(
+    run: impl Fn(f64) -> Result<Looks, String>,
+    cell: f64,
+    first: f64,
+    count: u32,
+    required_order: Option<[f64; 2]>,
+) -> Result<Refinement, String> {
+    let stepped = |halvings| {
+        let step = first / 2.0_f64.powi(halvings);
+        Ok::<_, String>((step, run(step)?))
+    };
+    let runs = (0..=count as i32).map(stepped).collect::<Result<Vec<_>, _>>()?;
+    let errors = runs.windows(2).map(|pair| (pair[0].0, pair[0].1.difference(&pair[1].1))).collect();
+    let against = format!("the same run at half the step, L = {cell} m: the error of the mesh drops out");
+    Ok(Refinement { required_order, ..Refinement::new(STEP, errors, against) })
+}
+
+/// Runs with several numbers of particles per cell, on cells of edge `cell` (m), against the exact solution. The mesh
+/// leaves an error that no particles take away, so that no order is expected; `most` bounds every error.
+pub(super) fn in_particles(
+    run: impl Fn(usize) -> Result<Looks, String>,
+    cell: f64,
+    counts: &[usize],
+    most: f64,
+) -> Result<Refinement, String> {
+    let errors = counts.iter().map(|count| Ok((*count as f64, run(*count)?.error()))).collect::<Result<_, String>>()?;
+    let against = format!("the exact solution, L = {cell} m: the error of the mesh stays, no order is expected");
+    Ok(Refinement { required_error: Some(most), ..Refinement::new(PARTICLES, errors, against) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn field(times: [f64; 2], computed: [[f64; 2]; 2]) -> Looks {
+        let look = |i: usize| Look {
+            time: times[i],
+            factor: None,
+            computed: computed[i].to_vec(),
+            exact: vec![1.0, 1.0],
+            counts: true,
+        };
+        Looks { over_places: Norm::Rms, ..Looks::worst("p", vec![look(0), look(1)]) }
+    }
+
+    #[test]
+    fn errors_and_differences_are_those_of_the_norms() {
+        let looks = field([1.0, 2.0], [[1.3, 0.6], [1.0, 1.1]]);
+        assert!((looks.error() - (0.125_f64).sqrt()).abs() < 1e-15);
+        let mean = Looks { over_times: Norm::Rms, ..looks.clone() };
+        assert!((mean.error() - (0.065_f64).sqrt()).abs() < 1e-15);
+        let signed = Looks { over_places: Norm::Largest, ..looks.clone() };
+        assert!((signed.error() + 0.4).abs() < 1e-15);
+        assert_eq!(looks.difference(&looks), 0.0);
+        let samples = looks.samples();
+        assert_eq!((samples[0].computed, samples[0].exact, samples[1].computed), (0.6, 1.0, 1.1));
+        assert!(samples[0].quantity.ends_with("furthest off") && samples[0].error == looks.error());
+        let early = Look { counts: false, ..looks.rows[0].clone() };
+        let late = Looks { rows: vec![early, looks.rows[1].clone()], ..looks };
+        assert!((late.error() - (0.005_f64).sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn what_is_missing_is_no_agreement() {
+        let looks = Looks::worst("p", vec![Look::one(1.0, 1.0, 1.0)]);
+        assert!(looks.difference(&Looks { rows: Vec::new(), ..looks.clone() }).is_nan());
+        assert!(Looks { rows: Vec::new(), ..looks.clone() }.error().is_nan());
+        let short = Look { computed: Vec::new(), ..looks.rows[0].clone() };
+        assert!(Looks { rows: vec![short], ..looks.clone() }.error().is_nan());
+        let lost = Looks { rows: vec![Look::one(1.0, f64::NAN, 1.0)], ..looks };
+        assert!(lost.error().is_nan() && lost.samples()[0].error.is_nan());
+    }
+
+    #[test]
+    fn an_order_in_the_step_is_found_whatever_the_mesh_leaves() {
+        let run = |dt: f64| Ok(Looks::worst("u", vec![Look::one(1.0, 1.3 + 5.0 * dt, 1.0)]));
+        let refined = in_time(run, 0.1, 0.01, 4, Some([0.99, 1.01])).expect("runs");
+        assert_eq!((refined.fallen(), refined.errors.len()), (None, 4));
+        let refined = in_time(run, 0.1, 0.01, 4, Some([1.9, 2.1])).expect("runs");
+        assert!(refined.fallen().is_some());
+        let with = |count: usize| Ok(Looks::worst("u", vec![Look::one(1.0, 1.0 + 0.1 / count as f64, 1.0)]));
+        assert!(in_particles(with, 0.1, &[1, 4], 0.11).expect("runs").fallen().is_none());
+        assert!(in_particles(with, 0.1, &[1, 4], 0.09).expect("runs").fallen().is_some());
+    }
+}
