@@ -1,7 +1,7 @@
 //! Consolidation to final strains of 20 and 30 % by particles that move through a mesh that stays, cell after cell,
 //! under a surface that comes down through it.
 //!
-//! It is of first order in L only: to 30 % the settlement is 8.8, 5.2 and 2.3 % too small on 10, 20 and 40 cells;
+//! It is of first order in L only: to 30 % the settlement is 8.2, 5.0 and 2.2 % too small on 10, 20 and 40 cells;
 //! smaller steps or more particles change less than a tenth. The likely cause is the drained surface, which lies
 //! anywhere in its cell while the pressure of that cell is one number. (`large-strain` has a mesh that goes along, and
 //! is of second order.) A soil of porosity 0.6 keeps half of its pores; with 0.3 hardly any water would be left in them
@@ -12,7 +12,7 @@ use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::large_strain::column;
-use super::{FASTER, Mutant, Outcome, Rung, faster, finished, integrator, scheme, sound, with_rows};
+use super::{Mutant, Outcome, Rung, finished, integrator, scheme, slower, sound, with_rows};
 use crate::exact::large_strain::LargeStrain;
 use crate::norms::LATE_TV;
 
@@ -21,7 +21,7 @@ pub const TO_20: Rung = Rung {
     name: "large-strain-moving",
     about: "consolidation to 20 % strain, particles cross cells, implicit pressure: settlement from T = 0.1, order 1",
     climb: || climb(0.8, 3e-2, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || climb(0.8, 3e-2, faster) }),
+    mutant: Some(Mutant { what: TIGHTER, climb: || climb(0.8, 3e-2, tighter) }),
 };
 
 /// 30 %.
@@ -29,10 +29,17 @@ pub const TO_30: Rung = Rung {
     name: "large-strain-moving-30",
     about: "the same to 30 %",
     climb: || climb(0.7, 3e-2, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || climb(0.7, 3e-2, faster) }),
+    mutant: Some(Mutant { what: TIGHTER, climb: || climb(0.7, 3e-2, tighter) }),
 };
 
-/// Rows of cells over the first height. Water 5 % faster makes up for what the finest misses: the order finds it.
+/// The errors are of soil that settles too slowly, so that a conductivity too high would mend them.
+const TIGHTER: &str = "conductivity a tenth too low";
+
+fn tighter(scene: &mut Scene) {
+    slower(scene, 1.0 / 0.9);
+}
+
+/// Rows of cells over the first height.
 const ROWS: [usize; 3] = [10, 20, 40];
 /// Step as a share of the stable one.
 const SAFETY: f64 = 0.1;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use mpm_verify::cases::LADDER;
+use mpm_verify::hard::CASES;
 use mpm_verify::levee::variants::VARIANTS;
 use mpm_verify::scenes::BUILT_IN;
 use mpm_verify::study::MESHES;
@@ -15,7 +16,7 @@ const INTEGRATORS: [&str; 3] = ["explicit", "semi-implicit", "quasi-static"];
 /// Words of `levee --driver`.
 const DRIVERS: [&str; 3] = ["two-clocks", "coupled", "explicit"];
 /// Words of `scheme.shape`.
-const SCHEMES: [&str; 4] = ["centre", "linear", "gimp", "bspline2"];
+const SCHEMES: [&str; 6] = ["centre", "centroid", "linear", "b-bar", "gimp", "bspline2"];
 
 /// Names of the rungs that have a mutant, and its fault.
 fn mutants() -> impl Iterator<Item = (&'static str, &'static str)> {
@@ -29,6 +30,7 @@ pub fn run(common: &Common) -> Result<(), Failure> {
         print_json(&serde_json::json!({
             "cases": names(LADDER.iter().map(|rung| rung.name).collect()),
             "mutants": mutants().collect::<BTreeMap<_, _>>(),
+            "hard_cases": names(CASES.iter().map(|case| case.name).collect()),
             "scenes": names(BUILT_IN.iter().map(|(name, _)| *name).collect()),
             "integrators": names(INTEGRATORS.to_vec()),
             "variants": names(VARIANTS.iter().map(|v| v.name).collect()),
@@ -46,6 +48,10 @@ pub fn run(common: &Common) -> Result<(), Failure> {
     say(false, "mutants (mpm-verify check --mutants [CASE..]): the same checks with a fault that they must find");
     for (name, what) in mutants() {
         say(false, &format!("  {name:<22} {what}"));
+    }
+    say(false, "hard cases (mpm-verify stability [CASE..])");
+    for case in &CASES {
+        say(false, &format!("  {:<22} {}", case.name, case.measures));
     }
     say(false, "scenes (reference-data/scenes, mpm-verify solve SCENE.toml)");
     for (name, text) in BUILT_IN {

@@ -13,6 +13,8 @@ pub struct Case {
     pub name: &'static str,
     /// What is done, and what it is compared with.
     pub about: &'static str,
+    /// What decides how a scheme bears it, and what helps.
+    pub why: &'static str,
     /// What makes it harder, with its unit.
     pub parameter: &'static str,
     /// The same as a column: `k_m_s`.
@@ -101,6 +103,7 @@ mod tests {
     const CASE: Case = Case {
         name: "",
         about: "",
+        why: "",
         parameter: "",
         column: "",
         dimension: Dimension::Column,

@@ -94,6 +94,9 @@ pub const CONDUCTIVITY: Case = Case {
     name: "contrast-k",
     about: "two layers whose k differs by up to a million, either on top, 20 cells: settlement, pressures, and pressures near \
             the interface outside of the exact range, beside the exact solution",
+    why: "A jump at a face is met by the harmonic mean of both cells. Large errors are of early looks, when the \
+          pressure has not passed a cell of the slow layer. Explicit steps follow the fast layer and never reach the \
+          end of the slow one.",
     parameter: "k ratio",
     column: "ratio",
     dimension: Dimension::Column,

@@ -22,6 +22,8 @@ pub const CASE: Case = Case {
     name: "hourglass",
     about: "a dry block of 6 by 6 cells starts with the velocities of its hourglass mode: how far the mode goes over how far \
             a fully integrated cell lets it go, the largest so far",
+    why: "Gradients at the centre of a cell do not see the mode. B-bar takes the mean of the change of volume only, \
+          and resists it by shear: the usual shape in plane strain.",
     parameter: "time (swings)",
     column: "swings",
     dimension: Dimension::PlaneStrain,

@@ -22,6 +22,9 @@ pub const SHIFTED: Case = Case {
     name: "shifted-consolidation",
     about: "a free column of 20 cells, drained at both ends, consolidates from a sine of pressure; its ends stand on the mesh \
             or inside of cells",
+    why: "The drained end lies on a face of the mesh, up to a cell from that of the soil: first order in L. Light \
+          nodes at the ends are what broke explicit and semi-implicit steps before they followed a neighbour, or \
+          were lent inertia, in steps of sqrt(3/4).",
     parameter: "shift (cells)",
     column: "shift_cells",
     dimension: Dimension::Column,

@@ -48,6 +48,11 @@ impl Scheme {
         *self == Self::new(self.integrator, if splits { ShapeChoice::BBar } else { ShapeChoice::Centre })
     }
 
+    /// Whether it carries velocities in a way that is not the usual one.
+    pub fn has_option(&self) -> bool {
+        self.transfer != TransferChoice::Plain || self.update != UpdateChoice::Usl
+    }
+
     /// Its name: shape functions and options, `centre nodal`, `linear musl`.
     pub fn name(&self) -> String {
         let mut name = word(self.shape);

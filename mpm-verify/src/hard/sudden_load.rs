@@ -23,6 +23,8 @@ pub const CASE: Case = Case {
     name: "sudden-load",
     about: "a load that varies along an undrained square, K_w from 2e7 to 2e11 Pa, 16 cells along a side: pressure beside the \
             exact elastic solution, and the share of the difference that alternates from cell to cell",
+    why: "A pressure at every particle (explicit, linear) is one constraint too many per cell: the soil locks as the \
+          water stiffens. One pressure per cell does not, whatever carries the displacement.",
     parameter: "K_w (Pa)",
     column: "k_w_pa",
     dimension: Dimension::PlaneStrain,

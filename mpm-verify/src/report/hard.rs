@@ -111,11 +111,16 @@ fn tables(cases: &[Case], found: &[Found]) -> Vec<Table> {
             integrators.push(name);
         }
     }
-    integrators.iter().map(|integrator| of_integrator(integrator, cases, found)).collect()
+    let both = integrators.iter().flat_map(|integrator| [false, true].map(|option| (integrator, option)));
+    both.map(|(integrator, option)| of_integrator(integrator, option, cases, found))
+        .filter(|t| !t.rows.is_empty())
+        .collect()
 }
 
-fn of_integrator(integrator: &str, cases: &[Case], found: &[Found]) -> Table {
-    let own: Vec<&Found> = found.iter().filter(|f| word(f.scheme.integrator) == integrator).collect();
+/// The schemes of an integrator that carry velocities as usual, or with an option.
+fn of_integrator(integrator: &str, option: bool, cases: &[Case], found: &[Found]) -> Table {
+    let asked = |f: &&Found| word(f.scheme.integrator) == integrator && f.scheme.has_option() == option;
+    let own: Vec<&Found> = found.iter().filter(asked).collect();
     let mut schemes: Vec<String> = Vec::new();
     for f in &own {
         if !schemes.contains(&f.scheme.name()) {
@@ -129,14 +134,15 @@ fn of_integrator(integrator: &str, cases: &[Case], found: &[Found]) -> Table {
             let found = own.iter().find(|f| f.case == number && f.scheme.name() == *scheme);
             found.map_or_else(|| Cell::new(""), |f| verdict(case, f))
         };
-        let holds = format!("holds to {}", brief(case.holds, 2));
+        let holds = format!("{}; holds to {}", case.parameter, brief(case.holds, 2));
         std::iter::once(Cell::new(case.name).marked(holds, "")).chain(schemes.iter().map(cell)).collect()
     };
     let head: Vec<&str> = std::iter::once("case").chain(schemes.iter().map(String::as_str)).collect();
     let rows = (0..cases.len()).filter(asked).map(row).collect();
     let note = "Small: the largest value that was measured; where a scheme breaks or the program stops, the parameter there. \
                 In capitals: what a scene gets that names no scheme. Empty: not asked.";
-    table(integrator.to_owned(), &head, rows, note)
+    let title = if option { format!("{integrator}, velocities carried in another way") } else { integrator.to_owned() };
+    table(title, &head, rows, note)
 }
 
 fn verdict(case: &Case, found: &Found) -> Cell {
@@ -144,8 +150,8 @@ fn verdict(case: &Case, found: &Found) -> Cell {
     let (word, small, mark) = match found.judged.verdict {
         Verdict::Holds => ("holds", value(found), "good"),
         Verdict::Degrades => ("degrades", format!("to {}", value(found)), "warn"),
-        Verdict::Refuses => ("stops", format!("at {}", at(case, found)), "warn"),
-        Verdict::Breaks => ("breaks", format!("at {}", at(case, found)), "bad"),
+        Verdict::Refuses => ("stops", format!("at {}", short(found.judged.at, 2)), "warn"),
+        Verdict::Breaks => ("breaks", format!("at {}", short(found.judged.at, 2)), "bad"),
     };
     let word = if default { word.to_uppercase() } else { word.to_owned() };
     Cell::new(word).marked(small, mark)

@@ -64,9 +64,9 @@ pub fn figure(case: &Case, found: &[&Found]) -> Figure {
         name: case.name,
         title: format!("{}: {}", case.name, case.measures),
         caption: format!(
-            "{}. Value: {}. Dashed: up to here a scheme holds; solid: beyond, it breaks. Stars: the program stopped with a \
-             reason, or the run is out of reach.",
-            case.about, case.measures
+            "{}. {} Dashed: up to here a scheme holds; solid: beyond, it breaks. Stars: the program stopped with a reason, or \
+             the run is out of reach.",
+            case.about, case.why
         ),
         height: 190.0,
         panels,
