@@ -145,7 +145,7 @@ fn noise(scene: &Scene, share: f64, points: &mut Vec<Point>) -> Result<(), Strin
         }
         points.push(Point { at: cells, found: Ok(worst) });
         // Beyond any use: there is no need to see it grow on.
-        if !(worst <= 10.0) {
+        if worst.is_nan() || worst > 10.0 {
             break;
         }
     }

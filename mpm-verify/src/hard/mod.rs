@@ -1,7 +1,7 @@
 //! Hard cases: where every scheme holds, degrades and breaks.
 //!
 //! # Reading order
-//! 1. [`scheme`]: what is compared. [`case`]: what a case is, its points and its verdict. [`matrix`]: all of it at once.
+//! 1. [`scheme`]: what is compared. [`case`]: what a case is, its points and its verdict. [`mod@matrix`]: all of it at once.
 //! 2. Water that cannot leave and soil that keeps its volume: [`low_permeability`], [`stiff_water`], [`sudden_load`],
 //!    [`incompressible`].
 //! 3. Bodies that move through the mesh: [`crossing`], [`moving_consolidation`].

@@ -102,7 +102,7 @@ fn swing(scheme: &Scheme, ratio: f64, damping: f64) -> Result<f64, String> {
         before = now;
         let change = (energy(model.as_ref()) / first - 1.0).abs();
         worst = if change.is_nan() { f64::NAN } else { worst.max(change) };
-        if !(worst < 1e3) {
+        if worst.is_nan() || worst > 1e3 {
             return Ok(worst);
         }
     }

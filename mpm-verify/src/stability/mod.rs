@@ -5,7 +5,7 @@
 //! 2. [`assembled`]: the same step as a matrix, put together again from the equations: its growth is the theory where
 //!    no formula of a plane wave holds.
 //! 3. [`map`]: the limits of all schemes over meshes, particles, conductivities and bulk moduli, measured and in theory.
-//! 4. [`limits`]: a few settings over whole runs. [`point_source`]: the checkerboard that the nodal operator leaves.
+//! 4. [`mod@limits`]: a few settings over whole runs. [`point_source`]: the checkerboard that the nodal operator leaves.
 
 pub mod assembled;
 pub mod bisection;

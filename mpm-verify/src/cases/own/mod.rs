@@ -1,7 +1,7 @@
 //! A scene of one's own against the exact solution that applies to it: refined in space, judged as Table 1's column is.
 //!
 //! # Reading order
-//! 1. [`applies`]: which exact solution, or why none. 2. [`expected`]: what a scheme must show. 3. This file: refine, run,
+//! 1. [`applies`]: which exact solution, or why none. 2. `expected`: what a scheme must show. 3. This file: refine, run,
 //!    compare.
 
 pub mod applies;

@@ -29,7 +29,7 @@ pub fn figure(case: &Case, found: &[&Found]) -> Figure {
     let (low, high) = (all().fold(f64::INFINITY, f64::min) / ROOM, all().fold(0.0, f64::max) * ROOM);
     let at = || found.iter().flat_map(|f| &f.points).map(|p| p.at);
     let from_zero = at().any(|at| at == 0.0);
-    let (first, last) = (at().next().unwrap_or(0.0), at().last().unwrap_or(1.0));
+    let (first, last) = (at().next().unwrap_or(0.0), at().next_back().unwrap_or(1.0));
     let (least, most) = (at().fold(f64::INFINITY, f64::min), at().fold(0.0, f64::max));
     let spare = if from_zero { 0.05 * most } else { (most / least).powf(0.05) };
     let ends = if from_zero { [-spare, most + spare] } else { [least / spare, most * spare] };
