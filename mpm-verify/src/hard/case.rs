@@ -2,6 +2,7 @@
 //! bounds that make a verdict of it.
 
 use mpm_core::scene::Dimension;
+use mpm_core::step::Fault;
 use serde::{Deserialize, Serialize};
 
 use super::scheme::Scheme;
@@ -68,6 +69,23 @@ pub struct Judged {
     pub at: f64,
     /// Why the run stopped, if it did.
     pub reason: String,
+}
+
+impl Point {
+    /// The points of a run that passes all `parameters` one after the other: those that it noted, and where it stopped.
+    pub fn along(parameters: &[f64], run: impl FnOnce(&mut Vec<Self>) -> Result<(), String>) -> Vec<Self> {
+        let mut points = Vec::new();
+        if let Err(reason) = run(&mut points) {
+            let at = parameters.get(points.len()).or(parameters.last()).copied().unwrap_or(f64::NAN);
+            points.push(Self { at, found: Err(reason) });
+        }
+        points
+    }
+}
+
+/// A fault in a step as a reason.
+pub fn stopped(fault: Fault) -> String {
+    format!("{}: {}", fault.place, fault.what)
 }
 
 impl Case {

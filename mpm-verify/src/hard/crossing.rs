@@ -14,7 +14,7 @@ use mpm_core::run::model_given;
 use mpm_core::scene::{Dimension, Scene, SolidSide, Start};
 use mpm_core::stability::stable_limit;
 
-use super::case::{Case, Point};
+use super::case::{Case, Point, stopped};
 use super::scheme::{DRY, Scheme};
 
 /// One dimension.
@@ -80,16 +80,8 @@ fn flight(scene: &Scene) -> [f64; 2] {
 
 /// Points of a flight under `share` of the force that balances it.
 fn fly(scheme: &Scheme, dimension: Dimension, share: f64) -> Vec<Point> {
-    let mut points = Vec::new();
-    let failed = |e: String, points: &mut Vec<Point>| {
-        let at = CELLS[points.len().min(CELLS.len() - 1)];
-        points.push(Point { at, found: Err(e) });
-    };
-    match body(scheme, dimension).and_then(|scene| noise(&scene, share, &mut points)) {
-        Ok(()) => {}
-        Err(e) => failed(e, &mut points),
-    }
-    points
+    let flight = |points: &mut Vec<Point>| noise(&body(scheme, dimension)?, share, points);
+    Point::along(&CELLS, flight)
 }
 
 fn noise(scene: &Scene, share: f64, points: &mut Vec<Point>) -> Result<(), String> {
@@ -121,7 +113,6 @@ fn noise(scene: &Scene, share: f64, points: &mut Vec<Point>) -> Result<(), Strin
     };
     let given = Given { start: Some(Arc::new(first)), force: Some(force), moved };
     let mut model = model_given(&Hardware::default(), scene, &given).map_err(|e| e.to_string())?;
-    let stopped = |f: mpm_core::step::Fault| format!("{}: {}", f.place, f.what);
     model.enter_stage(&scene.stages[0], &[f64::MAX]).map_err(stopped)?;
     let fast = if bar { velocity[1] } else { velocity[0] };
     let pause = EDGE / fast / LOOKS;

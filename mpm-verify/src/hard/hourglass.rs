@@ -14,7 +14,7 @@ use mpm_core::run::model_given;
 use mpm_core::scene::{Dimension, Scene, SolidSide};
 use mpm_core::stability::stable_limit;
 
-use super::case::{Case, Point};
+use super::case::{Case, Point, stopped};
 use super::scheme::{DRY, Scheme};
 
 /// The case.
@@ -42,11 +42,7 @@ const SWINGS: [f64; 6] = [0.25, 1.0, 3.0, 10.0, 30.0, 100.0];
 const SMALL: f64 = 1e-5;
 
 fn drift(scheme: &Scheme, share: f64) -> Vec<Point> {
-    let mut points = Vec::new();
-    if let Err(e) = follow(scheme, share, &mut points) {
-        points.push(Point { at: SWINGS[points.len().min(SWINGS.len() - 1)], found: Err(e) });
-    }
-    points
+    Point::along(&SWINGS, |points| follow(scheme, share, points))
 }
 
 /// A zigzag of period two cells: 1 at even nodes, -1 at odd ones.
@@ -74,7 +70,6 @@ fn follow(scheme: &Scheme, share: f64, points: &mut Vec<Point>) -> Result<(), St
     let first = move |x: [f64; 2]| FirstState { velocity: [share * speed * mode(x), 0.0], ..FirstState::default() };
     let given = Given { start: Some(Arc::new(first)), ..Given::default() };
     let mut model = model_given(&Hardware::default(), &scene, &given).map_err(|e| e.to_string())?;
-    let stopped = |f: mpm_core::step::Fault| format!("{}: {}", f.place, f.what);
     model.enter_stage(&scene.stages[0], &[f64::MAX]).map_err(stopped)?;
     let mut start: Vec<SolidState> = model.particles();
     start.sort_by_key(|p| p.id);

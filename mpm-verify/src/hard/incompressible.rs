@@ -15,7 +15,7 @@ use mpm_core::run::model_given;
 use mpm_core::scene::{Dimension, Elastic, Scene, SolidSide, WaterProperties};
 use mpm_core::stability::stable_limit;
 
-use super::case::{Case, Point};
+use super::case::{Case, Point, stopped};
 use super::scheme::{MOVING, Scheme};
 
 /// The case.
@@ -74,7 +74,6 @@ fn error(scheme: &Scheme, poisson_ratio: f64, factor: f64) -> Result<f64, String
     let first = move |x: [f64; 2]| FirstState { velocity: shape(x).map(|v| SLOW * speed * v), ..FirstState::default() };
     let given = Given { start: Some(Arc::new(first)), ..Given::default() };
     let mut model = model_given(&Hardware::default(), &scene, &given).map_err(|e| e.to_string())?;
-    let stopped = |f: mpm_core::step::Fault| format!("{}: {}", f.place, f.what);
     model.enter_stage(&scene.stages[0], &[f64::MAX]).map_err(stopped)?;
     let amplitude = |points: &[SolidState]| -> f64 {
         points.iter().map(|p| p.mass * (p.velocity[0] * shape(p.x)[0] + p.velocity[1] * shape(p.x)[1])).sum()

@@ -11,7 +11,7 @@ use mpm_core::run::model_given;
 use mpm_core::scene::{Dimension, Elastic, Scene, SolidSide};
 use mpm_core::stability::stable_limit;
 
-use super::case::{Case, Point};
+use super::case::{Case, Point, stopped};
 use super::scheme::{DRY, Scheme};
 
 /// The case.
@@ -59,7 +59,6 @@ fn error(scheme: &Scheme, poisson_ratio: f64, curved: f64) -> Result<f64, String
     let moved = [0.3 * EDGE, 0.45 * EDGE];
     let given = Given { start: Some(Arc::new(first)), moved, ..Given::default() };
     let mut model = model_given(&Hardware::default(), &scene, &given).map_err(|e| e.to_string())?;
-    let stopped = |f: mpm_core::step::Fault| format!("{}: {}", f.place, f.what);
     model.enter_stage(&scene.stages[0], &[f64::MAX]).map_err(stopped)?;
     model.advance(dt, 1, &mut 0).map_err(stopped)?;
     let [[xx, xy], [yx, yy]] = GRADIENT;

@@ -10,7 +10,7 @@ use mpm_core::run::model_given;
 use mpm_core::scene::{Dimension, Scene, SolidSide};
 use mpm_core::stability::stable_limit;
 
-use super::case::{Case, Point};
+use super::case::{Case, Point, stopped};
 use super::scheme::{DRY, Scheme};
 
 /// A bar that ends beside a face.
@@ -78,7 +78,6 @@ fn swing(scheme: &Scheme, ratio: f64, damping: f64) -> Result<f64, String> {
     };
     let given = Given { start: Some(Arc::new(start)), moved: [0.0, moved], ..Given::default() };
     let mut model = model_given(&Hardware::default(), &scene, &given).map_err(|e| e.to_string())?;
-    let stopped = |f: mpm_core::step::Fault| format!("{}: {}", f.place, f.what);
     model.enter_stage(&scene.stages[0], &[f64::MAX]).map_err(stopped)?;
     let energy = |model: &dyn mpm_core::step::Model| {
         let ledger = model.ledger();
@@ -114,11 +113,7 @@ fn swing(scheme: &Scheme, ratio: f64, damping: f64) -> Result<f64, String> {
 const CELLS: [f64; 3] = [1.0, 10.0, 50.0];
 
 fn alone(scheme: &Scheme) -> Vec<Point> {
-    let mut points = Vec::new();
-    if let Err(e) = fly(scheme, &mut points) {
-        points.push(Point { at: CELLS[points.len().min(CELLS.len() - 1)], found: Err(e) });
-    }
-    points
+    Point::along(&CELLS, |points| fly(scheme, points))
 }
 
 fn fly(scheme: &Scheme, points: &mut Vec<Point>) -> Result<(), String> {
@@ -137,7 +132,6 @@ fn fly(scheme: &Scheme, points: &mut Vec<Point>) -> Result<(), String> {
     let moved = [0.6 * edge, 0.3 * edge];
     let given = Given { start: Some(Arc::new(start)), moved, ..Given::default() };
     let mut model = model_given(&Hardware::default(), &scene, &given).map_err(|e| e.to_string())?;
-    let stopped = |f: mpm_core::step::Fault| format!("{}: {}", f.place, f.what);
     model.enter_stage(&scene.stages[0], &[f64::MAX]).map_err(stopped)?;
     let pause = edge / velocity[0] / 3.3;
     let each = (pause / (scene.safety * stable_limit(&scene))).ceil();
