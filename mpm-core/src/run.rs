@@ -11,7 +11,7 @@ use crate::observe::Seed;
 use crate::particles::{Layer, SolidPoint, WaterPoint, displace, even_positions};
 use crate::scene::{
     DarcyChoice, Dimension, Elastic, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, SoilLayer, Start,
-    TransferChoice, UpdateChoice, WaterProperties,
+    TransferChoice, UnfitLoad, UpdateChoice, WaterProperties,
 };
 use crate::seeding::{self, Part};
 use crate::shape::{BBar, Centre, Centroid, Linear, Shape};
@@ -29,6 +29,9 @@ pub enum StartError {
     /// The time step is above the stability limit.
     #[error(transparent)]
     Step(#[from] StepTooLarge),
+    /// No run gives a useful answer to the load.
+    #[error(transparent)]
+    Load(#[from] UnfitLoad),
     /// The particles could not be placed.
     #[error(transparent)]
     Place(#[from] RunError),
@@ -40,8 +43,8 @@ pub enum StartError {
 /// Runs a scene to its end, or to where it fails: [`Run::failure`] then says why.
 ///
 /// # Errors
-/// A step above the stability limit, particles outside the mesh, or soil that may fail, which has a driver of its own
-/// ([`crate::failure::Driver`]): nothing was run.
+/// A step above the stability limit, a load that the scheme does not bear, particles outside the mesh, or soil that may fail,
+/// which has a driver of its own ([`crate::failure::Driver`]): nothing was run.
 pub fn run(scene: &Scene, progress: &mut dyn FnMut(f64)) -> Result<Run, StartError> {
     run_on(&Hardware::default(), scene, progress)
 }
@@ -54,6 +57,7 @@ pub fn run_on(hardware: &Hardware, scene: &Scene, progress: &mut dyn FnMut(f64))
     if scene.may_fail() {
         return Err(StartError::MayFail);
     }
+    scene.bears_its_load()?;
     let dt = choose_step(scene)?;
     let mut model = model_on(hardware, scene)?;
     Ok(drive(scene, model.as_mut(), dt, progress))
@@ -64,6 +68,7 @@ pub fn run_on(hardware: &Hardware, scene: &Scene, progress: &mut dyn FnMut(f64))
 /// # Errors
 /// As [`run`], and as [`model_given`].
 pub fn run_given(scene: &Scene, given: &Given, progress: &mut dyn FnMut(f64)) -> Result<Run, StartError> {
+    scene.bears_its_load()?;
     let dt = choose_step(scene)?;
     let mut model = model_given(&Hardware::default(), scene, given)?;
     Ok(drive(scene, model.as_mut(), dt, progress))

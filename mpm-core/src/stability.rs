@@ -360,8 +360,13 @@ fn flow_passes_held_soil(scene: &Scene) -> bool {
 /// but at a free end, and are held to the limit without inertia in Darcy's law (they run up to 1.010 to 1.177 times it
 /// with inertia): the lumped mass of their last coefficient is smaller than that which the relief counts on.
 pub fn explicit_limit(scene: &Scene) -> f64 {
-    let limit = worst_layer(scene, explicit_limit_of);
-    if scene.moves_through_cells() { PARTLY_FILLED.sqrt() * limit } else { limit }
+    if !scene.moves_through_cells() {
+        return worst_layer(scene, explicit_limit_of);
+    }
+    // Water is stiffer, K_w/n, in the pores that a load leaves.
+    let porosity = scene.compressed_porosity();
+    let porosity = if porosity > 0.0 { porosity } else { scene.porosity };
+    PARTLY_FILLED.sqrt() * worst_layer(&Scene { porosity, ..scene.clone() }, explicit_limit_of)
 }
 
 fn explicit_limit_of(scene: &Scene) -> f64 {

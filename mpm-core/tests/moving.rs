@@ -7,8 +7,8 @@ use std::sync::Arc;
 use common::{completed, scene};
 use mpm_core::boundary::{FirstState, Given};
 use mpm_core::drive::Run;
-use mpm_core::run::run_given;
-use mpm_core::scene::{Integrator, Scene, ShapeChoice, SolidSide, Start, Until};
+use mpm_core::run::{run, run_given};
+use mpm_core::scene::{Integrator, Scene, ShapeChoice, SolidSide, Start, Surcharge, Until};
 use mpm_core::stability::{explicit_limit, semi_implicit_limit, stable_limit};
 
 /// A free saturated column of ten cells, drained at both ends, under a small pressure that its skeleton holds.
@@ -86,9 +86,13 @@ fn soil_that_stays_in_its_cells_pays_nothing() {
     let splines = Scene { shape: ShapeChoice::Bspline2, ..heavy.clone() };
     assert_eq!(splines.usual_light_nodes(), 0.0);
     assert_eq!(Scene { shape: ShapeChoice::Bspline2, ..dry }.most_crossings(), u64::MAX);
-    // Cells filled in part leave sqrt(3/4) of the step.
+    // Cells filled in part leave sqrt(3/4) of the step of the soil that the load has compressed.
     let light = scene(&["darcy_inertia = false"]);
-    assert!((explicit_limit(&heavy) / explicit_limit(&light) - 0.75_f64.sqrt()).abs() < 1e-12);
+    let porosity = 1.0 - 0.7 * f64::exp(1.0e6 / light.oedometer_modulus());
+    let dense = Scene { porosity, ..light.clone() };
+    let limits = [explicit_limit(&dense), explicit_limit(&light)];
+    assert!((0.25..0.3).contains(&porosity) && limits[0] < limits[1], "{porosity} {limits:?}");
+    assert!((explicit_limit(&heavy) / explicit_limit(&dense) - 0.75_f64.sqrt()).abs() < 1e-12);
     assert!(semi_implicit_limit(&heavy) < semi_implicit_limit(&light));
 }
 
@@ -131,4 +135,37 @@ fn clay_of_any_tightness_is_stepped_as_far_as_round_off_lets() {
     let settled = completed(&short).samples.last().expect("samples").state.settlement;
     let at_once = 1e4 * (1.0 - tight.undrained_share()) / common::MODULUS;
     assert!((settled / at_once - 1.0).abs() < 0.05, "{settled} {at_once}");
+}
+
+#[test]
+fn loads_that_a_scheme_does_not_bear_are_refused_unless_forced() {
+    let settling = |cells: f64, shape: ShapeChoice| {
+        let mut scene = scene(&["darcy_inertia = false"]);
+        let strain = cells * scene.cell / scene.height;
+        let pressure = -scene.oedometer_modulus() * f64::ln_1p(-strain);
+        scene.surcharge = scene.surcharge.map(|load| Surcharge { pressure, ..load });
+        (scene.integrator, scene.shape) = (Integrator::SemiImplicit, shape);
+        scene.stages[0].until = Until::Time(1e-3);
+        scene.observe_times = vec![1e-3];
+        scene
+    };
+    let refused = |scene: &Scene| run(scene, &mut |_| {}).err().map(|e| e.to_string());
+    for shape in [ShapeChoice::Centre, ShapeChoice::Linear, ShapeChoice::BBar] {
+        assert_eq!(refused(&settling(0.49, shape)), None);
+        let words = refused(&settling(0.51, shape)).expect("a refusal");
+        assert!(words.starts_with("surcharge.pressure: expected shape") && words.contains("0.51 cells"), "{words}");
+    }
+    let splines = settling(0.51, ShapeChoice::Bspline2);
+    assert_eq!(refused(&splines), None);
+    let still = Scene { integrator: Integrator::QuasiStatic, ..settling(0.51, ShapeChoice::Centre) };
+    assert_eq!(still.bears_its_load(), Ok(()));
+    let forced = Scene { force: true, ..settling(0.51, ShapeChoice::Centre) };
+    assert_eq!(refused(&forced), None);
+    // 0.28 of the height is more than the pores.
+    let drained = Scene { porosity: 0.25, ..settling(14.0, ShapeChoice::Bspline2) };
+    let words = refused(&drained).expect("a refusal");
+    assert!(
+        words.contains("keeps water in its pores") && words.contains("porosity 0.25 by 0.280 of its height"),
+        "{words}"
+    );
 }

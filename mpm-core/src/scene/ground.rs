@@ -2,10 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Dimension, Integrator, Scene, ShapeChoice, Side, SolidSide, UpdateChoice};
-
-/// The usual share of a full node's mass below which nodes move with a neighbour.
-const LIGHT_NODES: f64 = 0.1;
+use super::{Scene, ShapeChoice};
 
 /// How the particles of an outline are cut.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize)]
@@ -72,48 +69,6 @@ impl Scene {
     pub fn outline_or_box(&self) -> Vec<[f64; 2]> {
         let (w, h) = (self.width, self.height);
         self.outline.clone().unwrap_or_else(|| vec![[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]])
-    }
-
-    /// Whether soil may come to fill cells in part: it has an outline or room beside it, nothing holds its base, or its load
-    /// and weight would settle its surface by more than a fifth of a cell.
-    pub fn moves_through_cells(&self) -> bool {
-        let load = self.surcharge.map_or(0.0, |s| s.pressure.abs());
-        let weight = self.gravity.unwrap_or(0.0) * self.mixture_density() * self.height;
-        let softest = self.layers.iter().map(|layer| layer.elastic.oedometer_modulus());
-        let settled = (load + 0.5 * weight) / softest.fold(self.oedometer_modulus(), f64::min) * self.height;
-        self.outline.is_some()
-            || self.sideroom_cells > 0
-            || self.solid_sides[Side::Bottom as usize] == SolidSide::Free
-            || settled > 0.2 * self.cell
-    }
-
-    /// Cells that a particle may cross, on average, before linear functions have made too much noise; `u64::MAX` where nothing
-    /// limits them: other functions, PIC, soil with a strength or with water, whose drag damps it, or a scene that is forced.
-    ///
-    /// A particle that crosses a face jumps from one gradient to another. What that stirs does not die out without damping or
-    /// PIC: in the hard case `crossing-column` the stress is off by a tenth after 100 cells, by six tenths after 300, and by
-    /// more than itself after 1000; with MUSL a tenth is reached after 10.
-    pub fn most_crossings(&self) -> u64 {
-        let linear = !matches!(self.shape, ShapeChoice::Gimp | ShapeChoice::Bspline2);
-        let noisy = self.integrator == Integrator::Explicit && linear && self.flip == 1.0;
-        let noisy = noisy && self.strength.is_none() && self.water.is_none();
-        match (noisy && !self.force, self.update) {
-            (false, _) => u64::MAX,
-            (true, UpdateChoice::Usl) => 100,
-            (true, UpdateChoice::Musl) => 10,
-        }
-    }
-
-    /// Share of a full node's mass below which nodes move with a neighbour where the scene does not say it: the explicit step
-    /// of linear functions has no stable length for a node of no mass.
-    pub fn usual_light_nodes(&self) -> f64 {
-        let linear = !matches!(self.shape, ShapeChoice::Gimp | ShapeChoice::Bspline2);
-        let room = self.outline.is_some() || self.sideroom_cells > 0;
-        let alone = self.integrator == Integrator::Explicit && linear && self.moves_through_cells();
-        // Of a particle that is alone, nodes with less than a quarter of it.
-        let one = 0.25 * self.spacing().powi(if self.dimension == Dimension::Column { 1 } else { 2 });
-        let full = self.cell.powi(if self.dimension == Dimension::Column { 1 } else { 2 });
-        if room || alone { LIGHT_NODES.max(one / full) } else { 0.0 }
     }
 
     /// Edge of the square that a particle stands for, m.

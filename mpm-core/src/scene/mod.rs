@@ -7,6 +7,7 @@ mod flags;
 mod free_surface;
 mod ground;
 mod layers;
+mod moving;
 mod raw;
 
 use std::fmt;
@@ -19,6 +20,7 @@ pub use flags::Flags;
 pub use free_surface::{Clock, Feed, FreeSurfaceWater};
 pub use ground::{Base, NormalStress, SeedingChoice};
 pub use layers::SoilLayer;
+pub use moving::UnfitLoad;
 
 use crate::error::{LoadError, SceneError};
 

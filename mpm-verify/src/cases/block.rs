@@ -4,8 +4,11 @@
 //! The error is that of the way its centre has come, relative; it is of first order in the time step, which goes with the
 //! mesh.
 
-use mpm_core::scene::{Base, Scene};
+use mpm_core::drive::{Run, Sample};
+use mpm_core::scene::{Base, Scene, StepChoice};
+use mpm_core::stability::choose_step;
 
+use super::looks::{Look, Looks, in_particles, in_time};
 use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound};
 use crate::exact::sliding::Sliding;
 
@@ -47,24 +50,50 @@ const ROWS: [usize; 3] = [1, 2, 4];
 fn way(name: &str, spoil: fn(&mut Scene)) -> Result<Outcome, String> {
     let base = scene(name)?;
     let exact = Sliding::new(&base).ok_or("no block on a base")?;
-    let mut errors = Vec::new();
-    for rows in ROWS {
-        let mut scene = on_mesh(base.clone(), rows);
+    let looks_at = |mut scene: Scene| {
         spoil(&mut scene);
-        let run = finished(&scene)?;
-        let [first, last] = [run.samples.first(), run.samples.last()].map(|s| s.ok_or("no sample"));
-        let (first, last) = (first?, last?);
-        let moved = last.state.centre[0] - first.state.centre[0];
-        errors.push((scene.cell, moved / exact.distance(last.state.time) - 1.0));
+        looks(&finished(&scene)?, &exact)
+    };
+    let (mut errors, mut samples) = (Vec::new(), Vec::new());
+    for rows in ROWS {
+        let scene = on_mesh(base.clone(), rows);
+        let (cell, looks) = (scene.cell, looks_at(scene)?);
+        errors.push((cell, looks.error()));
+        samples = looks.samples();
     }
+    let coarse = on_mesh(base.clone(), ROWS[0]);
+    let step = choose_step(&coarse).map_err(|e| e.to_string())?;
+    let stepped = |step| looks_at(Scene { step: StepChoice::Fixed(step), ..coarse.clone() });
+    let with = |particles_per_cell| looks_at(Scene { particles_per_cell, ..coarse.clone() });
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),
         errors,
         required_error: 5e-4,
         required_order: Some([0.6, 1.4]),
+        samples,
+        refinements: vec![
+            in_time(stepped, coarse.cell, step, 3, Some([0.8, 1.2]))?,
+            in_particles(with, coarse.cell, &[1, 4, 9, 16], 2e-3)?,
+        ],
         ..Outcome::default()
     })
+}
+
+/// The way of the centre over the whole one; the end counts.
+fn looks(run: &Run, exact: &Sliding) -> Result<Looks, String> {
+    let [first, last] = [run.samples.first(), run.samples.last()].map(|s| s.ok_or("no sample"));
+    let (first, last) = (first?, last?);
+    let whole = exact.distance(last.state.time);
+    let look = |s: &Sample| Look {
+        counts: s.state.time == last.state.time,
+        ..Look::one(
+            s.state.time,
+            (s.state.centre[0] - first.state.centre[0]) / whole,
+            exact.distance(s.state.time) / whole,
+        )
+    };
+    Ok(Looks::worst("way of the block over the whole one", run.samples[1..].iter().map(look).collect()))
 }
 
 /// The same block on 10 degrees: its base must not have taken any energy, because no node of it has slid.

@@ -1,8 +1,10 @@
 //! A tongue of water that wets a dry aquifer on a tight base: its tip against the similarity solution of Boussinesq.
 
+use mpm_core::drive::Run;
 use mpm_core::observe::FieldPoint;
 use mpm_core::scene::Scene;
 
+use super::looks::{Look, Looks, in_particles};
 use super::{FASTER, Mutant, Outcome, Rung, faster, finished, integrator, sound};
 use crate::exact::boussinesq::Wetting;
 
@@ -14,29 +16,34 @@ pub const RUNG: Rung = Rung {
     mutant: Some(Mutant { what: FASTER, climb: || climb(faster) }),
 };
 
+/// Rows of cells over the height.
+const ROWS: [usize; 3] = [5, 10, 20];
+
 fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
     let base = crate::scenes::built_in("boussinesq").and_then(Result::ok).expect("the built-in scene holds");
     let water = base.water.ok_or("the scene is dry")?;
     let exact = Wetting::new(water.hydraulic_conductivity, base.porosity, 1.0);
-    let (mut errors, mut notes) = (Vec::new(), Vec::new());
-    for rows in [5, 10, 20] {
-        let mut scene = base.clone();
-        scene.cell = scene.height / rows as f64;
-        scene.cells = [(scene.width / scene.cell).round() as usize, rows];
+    let (mut errors, mut notes, mut samples) = (Vec::new(), Vec::new(), Vec::new());
+    for rows in ROWS {
+        let mut scene = on(&base, rows);
         fault(&mut scene);
         let run = finished(&scene)?;
-        let mut worst: f64 = 0.0;
-        for sample in run.observed() {
-            let tip = tip(&levels(&scene, &sample.state.field), scene.cell).ok_or("no tongue of water")?;
-            worst = worst.max((tip - exact.front(sample.stage_time)).abs());
-            if let (Some(state), 20) = (sample.state.water, rows) {
-                let off = state.mobile_m3 / exact.stored(sample.stage_time) - 1.0;
-                let what = format!("stored water over Dupuit's - 1 at x_f = {:.0} m", exact.front(sample.stage_time));
-                notes.push((what, off, "-".to_owned()));
-            }
+        let tips = tips(&scene, &run, &exact)?;
+        errors.push((scene.cell, tips.error().abs()));
+        samples = tips.samples();
+        for sample in run.observed().filter(|_| rows == ROWS[2]) {
+            let Some(state) = sample.state.water else { continue };
+            let off = state.mobile_m3 / exact.stored(sample.stage_time) - 1.0;
+            let what = format!("stored water over Dupuit's - 1 at x_f = {:.0} m", exact.front(sample.stage_time));
+            notes.push((what, off, "-".to_owned()));
         }
-        errors.push((scene.cell, worst));
     }
+    let coarse = on(&base, ROWS[0]);
+    let with = |particles_per_cell| {
+        let mut scene = Scene { particles_per_cell, ..coarse.clone() };
+        fault(&mut scene);
+        tips(&scene, &finished(&scene)?, &exact)
+    };
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: "free surface".to_owned(),
@@ -45,8 +52,28 @@ fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
         required_order: Some([0.9, 4.0]),
         required_everywhere: Some(0.5),
         notes,
+        samples,
+        refinements: vec![in_particles(with, coarse.cell, &[1, 4, 9], 0.5 * coarse.cell)?],
         ..Outcome::default()
     })
+}
+
+/// The scene on a mesh of `rows` cells over its height.
+fn on(base: &Scene, rows: usize) -> Scene {
+    let mut scene = base.clone();
+    scene.cell = scene.height / rows as f64;
+    scene.cells = [(scene.width / scene.cell).round() as usize, rows];
+    scene
+}
+
+/// Where the tip stands.
+fn tips(scene: &Scene, run: &Run, exact: &Wetting) -> Result<Looks, String> {
+    let mut rows = Vec::new();
+    for sample in run.observed() {
+        let tip = tip(&levels(scene, &sample.state.field), scene.cell).ok_or("no tongue of water")?;
+        rows.push(Look::one(sample.stage_time, tip, exact.front(sample.stage_time)));
+    }
+    Ok(Looks { unit: "m", ..Looks::worst("tip of the water", rows) })
 }
 
 /// Height of the water in each column of cells, m.

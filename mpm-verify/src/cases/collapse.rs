@@ -5,9 +5,11 @@
 
 use mpm_core::scene::Scene;
 
+use super::evidence::{PARTICLES, Refinement};
 use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound};
 use crate::baseline::ladder::Kind as Baseline;
 use crate::literature::{Kind, run_out};
+use crate::norms::worst;
 
 /// Dry columns.
 pub const DRY: Rung = Rung {
@@ -37,25 +39,39 @@ fn rough(scene: &mut Scene) {
     }
 }
 
+/// Particles per cell: one per cell would leave holes in what has spread.
+const COUNTS: [usize; 2] = [4, 9];
+
+/// A column of an aspect ratio on a mesh (m).
+fn column(base: &Scene, aspect: f64, cell: f64) -> Scene {
+    let mut scene = base.clone();
+    scene.height = aspect * scene.width;
+    scene.cell = cell;
+    scene.cells = [scene.width, scene.height].map(|length| (length / cell).round() as usize);
+    scene.sideroom_cells = (8.0 / cell).round() as usize;
+    scene
+}
+
+/// Distance from the middle of a band, in half widths of it.
+fn in_band(found: f64, (low, high): (f64, f64)) -> f64 {
+    (found - 0.5 * (low + high)) / (0.5 * (high - low))
+}
+
 fn climb(name: &str, meshes: &[f64], aspects: &[f64], kind: Kind, fault: fn(&mut Scene)) -> Result<Outcome, String> {
     let base = crate::scenes::built_in(name).and_then(Result::ok).expect("the built-in scene holds");
     let (mut errors, mut notes) = (Vec::new(), Vec::new());
     for &cell in meshes {
-        let mut worst: f64 = 0.0;
+        let mut offs = Vec::new();
         for &aspect in aspects {
-            let mut scene = base.clone();
-            scene.height = aspect * scene.width;
-            scene.cell = cell;
-            scene.cells = [scene.width, scene.height].map(|length| (length / cell).round() as usize);
-            scene.sideroom_cells = (8.0 / cell).round() as usize;
+            let mut scene = column(&base, aspect, cell);
             fault(&mut scene);
             let run = finished(&scene)?;
             let last = run.samples.last().ok_or("no sample")?;
             let reach = last.state.reach;
             let found = (reach[0] - scene.width) / scene.width;
             let (low, high) = run_out(kind, aspect).ok_or("no law for this aspect ratio")?;
-            let off = (found - 0.5 * (low + high)) / (0.5 * (high - low));
-            worst = if off.abs() > worst.abs() { off } else { worst };
+            let off = in_band(found, (low, high));
+            offs.push(off);
             let of = format!("H_0/L_0 = {aspect}, L = {cell} m");
             let mut note =
                 |what: &str, value, unit: &str| notes.push((format!("{what}, {of}"), value, unit.to_owned()));
@@ -66,14 +82,25 @@ fn climb(name: &str, meshes: &[f64], aspects: &[f64], kind: Kind, fault: fn(&mut
             note("energy closing over work of gravity", last.ledger.energy_closing_j / last.ledger.gravity_work_j, "-");
             note("water closing", last.ledger.water_closing_kg, "kg");
         }
-        errors.push((cell, worst));
+        errors.push((cell, worst(offs.into_iter())));
     }
+    let with = |count: &usize| {
+        let mut scene = Scene { particles_per_cell: *count, ..column(&base, aspects[0], meshes[0]) };
+        fault(&mut scene);
+        let run = finished(&scene)?;
+        let reach = run.samples.last().ok_or("no sample")?.state.reach[0];
+        let band = run_out(kind, aspects[0]).ok_or("no law for this aspect ratio")?;
+        Ok((*count as f64, in_band((reach - scene.width) / scene.width, band)))
+    };
+    let counted = COUNTS.iter().map(with).collect::<Result<_, String>>()?;
+    let against = format!("the band of published laws, H_0/L_0 = {}, L = {} m", aspects[0], meshes[0]);
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),
         errors,
         required_error: 1.0,
         notes,
+        refinements: vec![Refinement { required_error: Some(1.0), ..Refinement::new(PARTICLES, counted, against) }],
         kind: Baseline::Regression,
         ..Outcome::default()
     })

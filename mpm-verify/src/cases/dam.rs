@@ -1,9 +1,10 @@
 //! A rectangular dam: discharge, exit point, free surface and stored water once the flow is steady.
 
-use mpm_core::drive::Run;
+use mpm_core::drive::Sample;
 use mpm_core::observe::{FieldPoint, WaterState};
 use mpm_core::scene::{Feed, Scene};
 
+use super::looks::{Look, Looks, in_particles};
 use super::{FASTER, Mutant, Outcome, Rung, faster, finished, integrator, sound};
 use crate::exact::dam::Dam;
 use crate::norms::largest;
@@ -37,19 +38,16 @@ pub const TAIL_WATER: Rung = Rung {
 pub const EXIT: Rung = Rung {
     name: "dam-exit",
     about: "height of the exit point above the base, to half a cell on every mesh",
-    climb: || heights(|water| vec![water.exit() - water.exact.exit_height()], sound),
-    mutant: Some(Mutant {
-        what: "a dam 10 % longer",
-        climb: || heights(|water| vec![water.exit() - water.exact.exit_height()], longer),
-    }),
+    climb: || heights(EXIT_HEIGHT, Computed::exit, sound),
+    mutant: Some(Mutant { what: "a dam 10 % longer", climb: || heights(EXIT_HEIGHT, Computed::exit, longer) }),
 };
 
 /// Where its surface is.
 pub const SURFACE: Rung = Rung {
     name: "dam-surface",
     about: "the free surface over nine tenths of the length, to half a cell on every mesh",
-    climb: || heights(|water| water.surface_off(), sound),
-    mutant: Some(Mutant { what: "a dam 10 % longer", climb: || heights(|water| water.surface_off(), longer) }),
+    climb: || heights(LEVEL, Computed::surface, sound),
+    mutant: Some(Mutant { what: "a dam 10 % longer", climb: || heights(LEVEL, Computed::surface, longer) }),
 };
 
 /// What it holds.
@@ -66,6 +64,14 @@ pub const STORED: Rung = Rung {
         },
     }),
 };
+
+const EXIT_HEIGHT: &str = "height of the exit point";
+const LEVEL: &str = "height of the free surface";
+
+/// Rows of cells over the height.
+const ROWS: [usize; 3] = [10, 20, 40];
+/// Particles per cell.
+const COUNTS: [usize; 3] = [1, 4, 9];
 
 fn longer(scene: &mut Scene) {
     let columns = (1.1 * scene.width / scene.cell).round();
@@ -94,12 +100,11 @@ struct Computed {
 }
 
 impl Computed {
-    fn new(scene: &Scene, run: &Run) -> Result<Self, String> {
-        let last = run.samples.last().ok_or("no sample")?;
+    fn new(scene: &Scene, sample: &Sample) -> Result<Self, String> {
         let columns = scene.cells[0];
         let mut levels = vec![0.0; columns];
         let standing = |p: &&FieldPoint| p.pressure_pa > 0.0;
-        for point in last.state.field.iter().filter(standing) {
+        for point in sample.state.field.iter().filter(standing) {
             let column = (point.x_m / scene.cell) as usize;
             let level = point.y_m - 0.5 * scene.cell + point.saturation.min(1.0) * scene.cell;
             levels[column] = f64::max(levels[column], level);
@@ -109,41 +114,62 @@ impl Computed {
             cell: scene.cell,
             levels,
             width: scene.width,
-            water: last.state.water.ok_or("no free surface")?,
+            water: sample.state.water.ok_or("no free surface")?,
         })
     }
 
-    /// Height up to which water stands in the last column of cells, m.
-    fn exit(&self) -> f64 {
-        self.levels[self.levels.len() - 1]
+    /// Height up to which water stands in the last column of cells and what it should be, m.
+    fn exit(&self) -> (Vec<f64>, Vec<f64>) {
+        (vec![self.levels[self.levels.len() - 1]], vec![self.exact.exit_height()])
     }
 
-    /// Level less exact surface at the middles of the columns, m.
-    fn surface_off(&self) -> Vec<f64> {
+    /// Level and exact surface at the middles of the columns over nine tenths of the length, m.
+    fn surface(&self) -> (Vec<f64>, Vec<f64>) {
         let places = (0..self.levels.len()).map(|i| (i as f64 + 0.5) * self.cell);
-        places
-            .zip(&self.levels)
-            .filter(|(x, _)| *x <= 0.9 * self.width)
-            .map(|(x, level)| level - self.exact.surface(x))
-            .collect()
+        let pairs = places.zip(&self.levels).filter(|(x, _)| *x <= 0.9 * self.width);
+        pairs.map(|(x, level)| (*level, self.exact.surface(x))).unzip()
     }
+}
+
+/// What a dam shows at the times of its scene; the end, when the flow is steady, counts.
+fn followed(
+    scene: &Scene,
+    (quantity, unit): (&str, &'static str),
+    shown: impl Fn(&Computed) -> (Vec<f64>, Vec<f64>),
+) -> Result<(Looks, WaterState), String> {
+    let run = finished(scene)?;
+    let last = run.samples.last().ok_or("no sample")?;
+    let mut rows = Vec::new();
+    for sample in run.observed().chain([last]) {
+        let (computed, exact) = shown(&Computed::new(scene, sample)?);
+        let counts = sample.stage_time == last.stage_time;
+        rows.push(Look { time: sample.stage_time, factor: None, computed, exact, counts });
+    }
+    Ok((Looks { unit, ..Looks::worst(quantity, rows) }, last.state.water.ok_or("no free surface")?))
 }
 
 fn discharge(tail: f64, fault: fn(&mut Scene)) -> Result<Outcome, String> {
     let exact = Dam::new(1.0, tail, 1.0).ok_or("no such dam")?;
-    let (mut errors, mut steady, mut name) = (Vec::new(), 0.0, String::new());
-    for rows in [10, 20, 40] {
-        let mut scene = scene(rows, tail);
+    let flow = |mut scene: Scene| {
         let sought = exact.discharge(scene.water.ok_or("the scene is dry")?.hydraulic_conductivity);
         fault(&mut scene);
-        name = integrator(&scene);
-        let run = finished(&scene)?;
-        let water = Computed::new(&scene, &run)?.water;
-        errors.push((scene.cell, water.outflow_m3_s / sought - 1.0));
+        followed(&scene, ("outflow over the discharge of the steady flow", "-"), |dam| {
+            (vec![dam.water.outflow_m3_s / sought], vec![1.0])
+        })
+    };
+    let (mut errors, mut steady, mut samples) = (Vec::new(), 0.0, Vec::new());
+    for rows in ROWS {
+        let scene = scene(rows, tail);
+        let cell = scene.cell;
+        let (looks, water) = flow(scene)?;
+        errors.push((cell, looks.error()));
         steady = f64::max(steady, (water.inflow_m3_s / water.outflow_m3_s - 1.0).abs());
+        samples = looks.samples();
     }
+    let coarse = scene(ROWS[0], tail);
+    let with = |particles_per_cell| Ok(flow(Scene { particles_per_cell, ..coarse.clone() })?.0);
     Ok(Outcome {
-        integrator: name,
+        integrator: integrator(&coarse),
         scheme: "free surface".to_owned(),
         errors,
         required_error: 3e-3,
@@ -151,62 +177,77 @@ fn discharge(tail: f64, fault: fn(&mut Scene)) -> Result<Outcome, String> {
         // 1 % at L = 0.05 m.
         required_everywhere: Some(0.2),
         notes: vec![("inflow over outflow - 1, largest".to_owned(), steady, "-".to_owned())],
+        samples,
+        refinements: vec![in_particles(with, coarse.cell, &COUNTS, 0.2 * coarse.cell)?],
         ..Outcome::default()
     })
 }
 
-fn heights(off: fn(&Computed) -> Vec<f64>, fault: fn(&mut Scene)) -> Result<Outcome, String> {
-    let (mut errors, mut name) = (Vec::new(), String::new());
-    for rows in [10, 20, 40] {
-        let mut scene = scene(rows, 0.0);
+fn heights(
+    quantity: &str,
+    shown: fn(&Computed) -> (Vec<f64>, Vec<f64>),
+    fault: fn(&mut Scene),
+) -> Result<Outcome, String> {
+    let seen = |mut scene: Scene| {
         fault(&mut scene);
-        name = integrator(&scene);
-        let run = finished(&scene)?;
-        let worst = largest(off(&Computed::new(&scene, &run)?).into_iter().map(f64::abs));
-        errors.push((scene.cell, worst));
+        Ok::<_, String>(followed(&scene, (quantity, "m"), shown)?.0)
+    };
+    let (mut errors, mut samples) = (Vec::new(), Vec::new());
+    for rows in ROWS {
+        let scene = scene(rows, 0.0);
+        let cell = scene.cell;
+        let looks = seen(scene)?;
+        errors.push((cell, looks.error().abs()));
+        samples = looks.samples();
     }
+    let coarse = scene(ROWS[0], 0.0);
+    let with = |particles_per_cell| seen(Scene { particles_per_cell, ..coarse.clone() });
     Ok(Outcome {
-        integrator: name,
+        integrator: integrator(&coarse),
         scheme: "free surface".to_owned(),
         required_error: 0.5 * errors[errors.len() - 1].0,
         errors,
         required_everywhere: Some(0.5),
+        samples,
+        refinements: vec![in_particles(with, coarse.cell, &COUNTS, 0.5 * coarse.cell)?],
         ..Outcome::default()
     })
 }
 
 fn stored(fault: fn(&mut Scene)) -> Result<Outcome, String> {
-    let (mut errors, mut notes, mut name) = (Vec::new(), Vec::new(), String::new());
+    let (mut errors, mut notes, mut samples) = (Vec::new(), Vec::new(), Vec::new());
     for rows in [20, 40] {
         for per_cell in [4, 9] {
             let mut scene = scene(rows, 0.0);
             scene.particles_per_cell = per_cell;
             let porosity = scene.porosity;
             fault(&mut scene);
-            name = integrator(&scene);
-            let run = finished(&scene)?;
-            let computed = Computed::new(&scene, &run)?;
-            let geometric = computed.exact.stored(porosity);
-            let [cells, layer] =
-                [computed.water.mobile_m3, computed.water.particles_m3].map(|stored| stored / geometric - 1.0);
-            errors.push((scene.cell / (per_cell as f64).sqrt(), if cells.abs() > layer.abs() { cells } else { layer }));
+            let what = ("water in cells and in particles over n times the area under the steady surface", "-");
+            let (looks, water) = followed(&scene, what, |dam| {
+                let geometric = dam.exact.stored(porosity);
+                (vec![dam.water.mobile_m3 / geometric, dam.water.particles_m3 / geometric], vec![1.0; 2])
+            })?;
+            errors.push((scene.cell / (per_cell as f64).sqrt(), looks.error()));
             let of = format!("L = {} m, {per_cell} per cell", scene.cell);
+            let [cells, layer] = [0, 1].map(|i| looks.rows.last().map_or(f64::NAN, |row| row.computed[i] - 1.0));
             notes.push((format!("water in cells over geometric - 1, {of}"), cells, "-".to_owned()));
             notes.push((format!("water in particles over geometric - 1, {of}"), layer, "-".to_owned()));
-            let packing = computed.water.packing_mean;
+            let packing = water.packing_mean;
             notes.push((format!("particles in a cell off by, root mean square, {of}"), packing, "-".to_owned()));
+            samples = looks.samples();
         }
     }
     // The worst of all four is judged.
     let worst = largest(errors.iter().map(|(_, error): &(f64, f64)| error.abs()));
     let finest = errors.iter().map(|(h, _)| *h).fold(f64::INFINITY, f64::min);
     Ok(Outcome {
-        integrator: name,
+        integrator: integrator(&scene(ROWS[0], 0.0)),
         scheme: "free surface".to_owned(),
         errors: vec![(finest, worst)],
         required_error: 1e-2,
         refined_by: ("particle spacing", "m"),
         notes,
+        samples,
         ..Outcome::default()
     })
 }

@@ -12,8 +12,10 @@ use std::f64::consts::FRAC_PI_6;
 use mpm_core::run::run;
 use mpm_core::scene::{Clock, Feed, Scene, Until};
 
+use super::evidence::{PARTICLES, Refinement};
 use super::{Mutant, Outcome, Rung, integrator, sound};
 use crate::exact::infinite_slope::{InfiniteSlope, Seepage, Strength};
+use crate::norms::worst;
 
 /// With the flow rule that limit equilibrium stands for.
 pub const ASSOCIATED: Rung = Rung {
@@ -175,31 +177,34 @@ fn exact(scene: &Scene, depth: f64, seepage: Seepage, psi: f64) -> Result<f64, S
 fn climb(psi: f64, fault: fn(&mut Scene)) -> Result<Outcome, String> {
     let (mut errors, mut notes) = (Vec::new(), Vec::new());
     let slopes = if psi > 0.0 { &SLOPES[..] } else { &WITHOUT_DILATION_SLOPES };
-    let found_on = |mesh: (usize, usize), depth, seepage, guess| {
+    let found_with = |particles_per_cell, mesh: (usize, usize), depth, seepage, guess| {
         factor(guess, |factor| {
-            let mut scene = slope(mesh, depth, seepage, psi, factor)?;
+            let mut scene = Scene { particles_per_cell, ..slope(mesh, depth, seepage, psi, factor)? };
             fault(&mut scene);
             stands(&scene)
         })
     };
+    let found_on = |mesh, depth, seepage, guess| found_with(base().particles_per_cell, mesh, depth, seepage, guess);
     for rows in [10, 20, 40] {
-        let mut worst: f64 = 0.0;
-        let mut cell = 0.0;
+        let mut offs = Vec::new();
         for &(depth, seepage) in slopes {
             let exact = exact(&base(), depth, seepage, psi)?;
             let found = found_on((1, rows), depth, seepage, exact)?;
-            cell = 1.0 / rows as f64;
             let off = found / exact - 1.0;
-            worst = if off.abs() > worst.abs() { off } else { worst };
+            offs.push(off);
             if rows == 40 {
                 notes.push((format!("factor found, d = {depth} m, {}", words(seepage)), found, "-".to_owned()));
                 notes.push((format!("factor exact, d = {depth} m, {}", words(seepage)), exact, "-".to_owned()));
             }
         }
-        errors.push((cell, worst));
+        errors.push((1.0 / rows as f64, worst(offs.into_iter())));
     }
     let (depth, seepage) = slopes[0];
-    let wide = found_on((4, 20), depth, seepage, exact(&base(), depth, seepage, psi)?)?;
+    let dry = exact(&base(), depth, seepage, psi)?;
+    let wide = found_on((4, 20), depth, seepage, dry)?;
+    let counted = |count: &usize| Ok((*count as f64, found_with(*count, (1, 10), depth, seepage, dry)? / dry - 1.0));
+    let counted = [1, 4, 9].iter().map(counted).collect::<Result<_, String>>()?;
+    let against = format!("the exact factor, 10 cells over the depth, {}", words(seepage));
     notes.push((format!("factor found with 4 columns of 20 cells, {}", words(seepage)), wide, "-".to_owned()));
     Ok(Outcome {
         integrator: integrator(&base()),
@@ -208,6 +213,7 @@ fn climb(psi: f64, fault: fn(&mut Scene)) -> Result<Outcome, String> {
         required_error: 0.05,
         refined_by: ("mesh L over the depth", "-"),
         notes,
+        refinements: vec![Refinement { required_error: Some(0.05), ..Refinement::new(PARTICLES, counted, against) }],
         ..Outcome::default()
     })
 }

@@ -49,6 +49,8 @@ impl Look {
 pub(super) struct Looks {
     /// What is looked at, with the size it is measured in.
     pub quantity: String,
+    /// Unit of the numbers; `-` if they are shares of that size.
+    pub unit: &'static str,
     /// Over the places of a look.
     pub over_places: Norm,
     /// Over the times.
@@ -60,7 +62,7 @@ pub(super) struct Looks {
 impl Looks {
     /// One number at each time, of which the worst counts.
     pub fn worst(quantity: impl Into<String>, rows: Vec<Look>) -> Self {
-        Self { quantity: quantity.into(), over_places: Norm::Largest, over_times: Norm::Largest, rows }
+        Self { quantity: quantity.into(), unit: "-", over_places: Norm::Largest, over_times: Norm::Largest, rows }
     }
 
     /// How far a look is off.
@@ -102,7 +104,7 @@ impl Looks {
             let where_it_is = if look.computed.len() > 1 { ", where it is furthest off" } else { "" };
             Sampled {
                 quantity: format!("{}{where_it_is}", self.quantity),
-                unit: "-".to_owned(),
+                unit: self.unit.to_owned(),
                 time: look.time,
                 factor: look.factor,
                 computed: of(&look.computed),

@@ -5,6 +5,7 @@ use mpm_core::scene::{Scene, SeedingChoice};
 use mpm_core::seeding;
 
 use super::{Mutant, Outcome, Rung, integrator};
+use crate::norms::largest;
 use crate::rates::fit;
 
 /// The rung.
@@ -25,7 +26,7 @@ fn climb(judged: SeedingChoice) -> Result<Outcome, String> {
     let (first, last) = (whole[0].1, whole[whole.len() - 1].1);
     let order = fit(&whole).map_or(f64::NAN, |fit| fit.order);
     // Of all meshes: round-off does not converge.
-    let worst = errors.iter().map(|(_, error)| *error).fold(0.0, f64::max);
+    let worst = largest(errors.iter().map(|(_, error)| *error));
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: "clipped".to_owned(),
@@ -48,7 +49,7 @@ fn errors(base: &Scene, seeding: SeedingChoice) -> Result<Vec<(f64, f64)>, Strin
         let scene = Scene { cell, seeding, ..base.clone() };
         let (area, centre) = seeding::total(&outline_parts(&scene).ok_or("no outline")?);
         let off = (0..2).map(|d| (centre[d] - middle[d]).abs() / base.height);
-        Ok((cell, off.fold((area / exact - 1.0).abs(), f64::max)))
+        Ok((cell, largest(off.chain([area / exact - 1.0]))))
     };
     CELLS.into_iter().map(on).collect()
 }

@@ -5,26 +5,33 @@ use mpm_core::drive::Sample;
 use mpm_core::scene::{Base, Scene, Until};
 use mpm_core::stability::choose_step;
 
-use super::{Mutant, Outcome, Rung, finished, integrator, sound};
+use super::evidence::{PARTICLES, Refinement, Sampled};
+use super::looks::{Look, Looks};
+use super::{Mutant, Outcome, Rung, finished, sound};
+use crate::norms::largest;
 
 /// Nothing moves.
 pub const SPEED: Rung = Rung {
     name: "rest-speed",
     about: "columns and slopes under gravity at rest for 1e5 steps: largest speed of a particle, m/s",
-    climb: || climb(STEPS, speed, 1e-8, sound),
-    mutant: Some(Mutant { what: STEEPER, climb: || climb(FEW, speed, 1e-8, steeper) }),
+    climb: || climb(STEPS, SPEEDS, 1e-8, sound),
+    mutant: Some(Mutant { what: STEEPER, climb: || climb(FEW, SPEEDS, 1e-8, steeper) }),
 };
 
 /// No energy comes or goes.
 pub const ENERGY: Rung = Rung {
     name: "rest-energy",
     about: "the same: change of the energy ledger's closing error, of the energy stored",
-    climb: || climb(STEPS, energy, 1e-10, sound),
-    mutant: Some(Mutant { what: STEEPER, climb: || climb(FEW, energy, 1e-10, steeper) }),
+    climb: || climb(STEPS, ENERGIES, 1e-10, sound),
+    mutant: Some(Mutant { what: STEEPER, climb: || climb(FEW, ENERGIES, 1e-10, steeper) }),
 };
 
 const STEPS: u32 = 100_000;
 const SCENES: [&str; 4] = ["self-weight", "hydrostatic", "infinite-slope", "slope-at-rest"];
+
+const SPEEDS: Watched = ("largest speed", "m/s", speed);
+const ENERGIES: Watched = ("change of the closing error over the energy stored", "-", energy);
+const COUNTS: [usize; 3] = [1, 4, 9];
 
 fn speed(_: &Sample, last: &Sample) -> f64 {
     last.state.max_speed
@@ -35,36 +42,55 @@ fn energy(first: &Sample, last: &Sample) -> f64 {
     ((last.ledger.energy_closing_j - first.ledger.energy_closing_j) / stored).abs()
 }
 
-/// The largest `figure` of all scenes, from the first and the last sample of their last stage of so many steps.
-fn climb(
+/// The largest `figure` of all scenes, and that of fewer steps with other numbers of particles.
+fn climb(steps: u32, watched: Watched, required_error: f64, spoil: fn(&mut Scene)) -> Result<Outcome, String> {
+    let (worst, samples) = followed(steps, watched, spoil)?;
+    let with = |count: &usize| {
+        let counted = |scene: &mut Scene| {
+            spoil(scene);
+            scene.particles_per_cell = *count;
+        };
+        Ok((*count as f64, followed(FEW, watched, counted)?.0))
+    };
+    let counted = COUNTS.iter().map(with).collect::<Result<_, String>>()?;
+    let counted = Refinement::new(PARTICLES, counted, format!("nothing moves, over {FEW} steps"));
+    Ok(Outcome {
+        integrator: "explicit".to_owned(),
+        scheme: "centre and linear".to_owned(),
+        errors: vec![(0.5, worst)],
+        required_error,
+        required_order: None,
+        samples,
+        refinements: vec![Refinement { required_error: Some(required_error), ..counted }],
+        ..Outcome::default()
+    })
+}
+
+/// What is looked at and its unit, from the first and another sample of the last stage.
+type Watched = (&'static str, &'static str, fn(&Sample, &Sample) -> f64);
+
+/// The largest figure at the end of so many steps of the last stage of all scenes, and all of its times.
+fn followed(
     steps: u32,
-    figure: fn(&Sample, &Sample) -> f64,
-    required_error: f64,
-    spoil: fn(&mut Scene),
-) -> Result<Outcome, String> {
-    let mut worst: f64 = 0.0;
-    let mut name = String::new();
-    for scene in SCENES {
-        let mut scene = crate::scenes::built_in(scene).ok_or("no such scene")?.map_err(|e| e.to_string())?;
+    (what, unit, figure): Watched,
+    spoil: impl Fn(&mut Scene),
+) -> Result<(f64, Vec<Sampled>), String> {
+    let (mut ends, mut samples) = (Vec::new(), Vec::new());
+    for name in SCENES {
+        let mut scene = crate::scenes::built_in(name).ok_or("no such scene")?.map_err(|e| e.to_string())?;
         spoil(&mut scene);
         let end = f64::from(steps) * choose_step(&scene).map_err(|e| e.to_string())?;
         let stage = scene.stages.len() - 1;
         scene.stages[stage].until = Until::Time(end);
-        (scene.observe_times, scene.history) = (vec![end], 0);
+        (scene.observe_times, scene.history) = ([0.25, 0.5, 0.75, 1.0].map(|share| share * end).to_vec(), 0);
         let run = finished(&scene)?;
         let first = run.samples.iter().find(|s| s.stage == stage).ok_or("no sample")?;
-        worst = worst.max(figure(first, run.samples.last().ok_or("no sample")?));
-        name = integrator(&scene);
+        let look = |s: &Sample| Look::one(s.stage_time, figure(first, s), 0.0);
+        let looks = Looks { unit, ..Looks::worst(format!("{what}, {name}"), run.observed().map(look).collect()) };
+        ends.push(looks.rows.last().map_or(f64::NAN, |row| row.computed[0]));
+        samples.extend(looks.samples());
     }
-    let scheme = "centre and linear".to_owned();
-    Ok(Outcome {
-        integrator: name,
-        scheme,
-        errors: vec![(0.5, worst)],
-        required_error,
-        required_order: None,
-        ..Outcome::default()
-    })
+    Ok((largest(ends.into_iter()), samples))
 }
 
 /// A fault that both checks find within a few steps.
@@ -83,7 +109,7 @@ mod tests {
 
     #[test]
     fn soil_rests_and_a_slope_above_its_friction_does_not() {
-        for (figure, required) in [(speed as fn(&Sample, &Sample) -> f64, 1e-8), (energy, 1e-10)] {
+        for (figure, required) in [(SPEEDS, 1e-8), (ENERGIES, 1e-10)] {
             let sound = climb(2 * FEW, figure, required, sound).expect("runs that finish");
             assert!(sound.errors[0].1 <= required, "{sound:?}");
         }

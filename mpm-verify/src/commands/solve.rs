@@ -212,6 +212,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let (own, all, watch) = (cpu_time::ThreadTime::now(), cpu_time::ProcessTime::now(), Instant::now());
     let run = run_on(&hardware, &scene, &mut |share| progress.set((share * 1e6) as u64)).map_err(|e| match e {
         StartError::Step(e) => Failure::BadInput(format!("{}: {e}", options.scene.display())),
+        StartError::Load(e) => Failure::BadInput(format!("{}: {e}", options.scene.display())),
         StartError::Place(e) => Failure::BadInput(format!("{}: {e}", options.scene.display())),
         StartError::MayFail => {
             let scene = options.scene.display();

@@ -6,14 +6,14 @@ use serde::{Deserialize, Serialize};
 use super::case::{Case, Judged, Point, Verdict};
 use super::scheme::Scheme;
 use super::{
-    contrast, crossing, hourglass, incompressible, low_permeability, moving_consolidation, patch, small_nodes,
-    stiff_water, sudden_load, too_fine,
+    contrast, crossing, hourglass, incompressible, loaded_surface, low_permeability, moving_consolidation, patch,
+    small_nodes, stiff_water, sudden_load, too_fine,
 };
 use crate::progress::Progress;
 use crate::study::word;
 
 /// All cases, in the order of the page.
-pub const CASES: [Case; 15] = [
+pub const CASES: [Case; 16] = [
     low_permeability::CASE,
     stiff_water::CASE,
     sudden_load::CASE,
@@ -22,6 +22,7 @@ pub const CASES: [Case; 15] = [
     crossing::BLOCK,
     moving_consolidation::SHIFTED,
     moving_consolidation::MOVING_CASE,
+    loaded_surface::CASE,
     hourglass::CASE,
     patch::CASE,
     too_fine::CASE,

@@ -143,6 +143,7 @@ struct Running<'a> {
 fn start(error: StartError) -> FollowError {
     FollowError::Start(match error {
         StartError::Step(e) => e.to_string(),
+        StartError::Load(e) => e.to_string(),
         StartError::Place(e) => e.to_string(),
         StartError::MayFail => error.to_string(),
     })

@@ -41,10 +41,11 @@ impl Plan {
     /// variant.
     ///
     /// # Errors
-    /// A step above the stability limit or a mesh that does not fit, before anything is run.
+    /// A step above the stability limit, a load that a scheme does not bear, or a mesh that does not fit, before anything is run.
     pub fn run(&self, progress: &Progress) -> Result<Vec<CaseResult>, String> {
         let cases = self.cases()?;
         for case in &cases {
+            case.scene.bears_its_load().map_err(|e| format!("{}: {e}", case.name))?;
             choose_step(&case.scene).map_err(|e| format!("{}: {e}", case.name))?;
         }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.jobs).build().map_err(|e| e.to_string())?;

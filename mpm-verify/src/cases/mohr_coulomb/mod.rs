@@ -16,6 +16,7 @@ use mpm_core::constitutive::MohrCoulomb;
 use mpm_core::scene::{Elastic, Strength};
 
 use super::Outcome;
+use super::evidence::{Refinement, Sampled};
 
 /// The soil of all tables of family 10.
 const ELASTIC: Elastic = Elastic { youngs_modulus: 2.0e7, poisson_ratio: 0.3 };
@@ -28,6 +29,31 @@ fn law(strength: &Strength) -> MohrCoulomb<4> {
     MohrCoulomb::plane_strain(&ELASTIC, strength)
 }
 
+/// An element test has no mesh and no particles: what can be refined is the path.
+const PATH: super::evidence::Parameter = ("step, share of the path", "-");
+
+/// A value of an element test at a row of its table, over a `scale` (Pa or -); the time is the share of the path.
+fn at_row(quantity: &str, share: f64, [computed, exact]: [f64; 2], scale: f64) -> Sampled {
+    Sampled {
+        quantity: format!("{quantity}; the time is the share of the path"),
+        unit: "-".to_owned(),
+        time: share,
+        factor: None,
+        computed: computed / scale,
+        exact: exact / scale,
+        error: (computed - exact) / scale,
+        counts: true,
+    }
+}
+
+/// A path from row to row of a table in more and more steps: a law that is exact is so however it gets there.
+fn in_parts(rows: usize, run: impl Fn(u32) -> Result<f64, String>, most: f64) -> Result<Refinement, String> {
+    let error = |parts: u32| Ok((1.0 / (rows as f64 * f64::from(parts)), run(parts)?));
+    let errors = [1, 2, 4, 8].into_iter().map(error).collect::<Result<_, String>>()?;
+    let against = "the table, each of its rows reached in 1, 2, 4 and 8 steps: exact in every one";
+    Ok(Refinement { required_error: Some(most), ..Refinement::new(PATH, errors, against) })
+}
+
 /// What a check without particles found.
 fn outcome(what: &str, errors: Vec<(f64, f64)>, required_error: f64, required_order: Option<[f64; 2]>) -> Outcome {
     Outcome {
@@ -36,7 +62,7 @@ fn outcome(what: &str, errors: Vec<(f64, f64)>, required_error: f64, required_or
         errors,
         required_error,
         required_order,
-        refined_by: ("step, share of the path", "-"),
+        refined_by: PATH,
         ..Outcome::default()
     }
 }

@@ -1,9 +1,13 @@
 //! An oedometer made of particles: dry soil that yields along the edge s1 = s2 under a load that grows slowly.
 
+use mpm_core::drive::{Run, Sample};
 use mpm_core::scene::{Dimension, Scene, ShapeChoice};
 
-use super::super::{Mutant, Outcome, Rung, finished, integrator, scheme};
+use super::super::evidence::{MESH, Refinement};
+use super::super::looks::{Look, Looks, in_particles};
+use super::super::{Mutant, Outcome, Rung, finished, integrator, scheme, with_rows};
 use crate::exact::oedometer::Oedometer;
+use crate::norms::largest;
 
 /// The rung.
 pub const RUNG: Rung = Rung {
@@ -22,31 +26,57 @@ fn mutant() -> Result<Outcome, String> {
     })
 }
 
-/// The largest error of the settlement at rest over columns and blocks. Strains of q/M = 5e-4 change volumes by as much.
+/// The settlement at rest of columns and blocks. Strains of q/M = 5e-4 change volumes by as much.
 fn settles(change: impl Fn(&mut Scene)) -> Result<Outcome, String> {
     let base = crate::scenes::oedometer();
-    let exact = Oedometer::new(&base).ok_or("soil without strength")?;
-    let load = base.surcharge.ok_or("no load")?.pressure;
-    let expected = base.height * exact.strain(load);
-    let mut worst = 0.0_f64;
+    let looks_at = |mut scene: Scene| {
+        let exact = Oedometer::new(&scene).ok_or("soil without strength")?;
+        change(&mut scene);
+        looks(&finished(&scene)?, &scene, &exact)
+    };
+    let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for dimension in [Dimension::Column, Dimension::PlaneStrain] {
         for shape in [ShapeChoice::Centre, ShapeChoice::Bspline2] {
             let mut scene = Scene { dimension, shape, ..base.clone() };
             if dimension == Dimension::PlaneStrain {
                 scene.cells[0] = (scene.width / scene.cell).round() as usize;
             }
-            change(&mut scene);
-            let run = finished(&scene)?;
-            let last = run.samples.last().ok_or("no sample")?;
-            worst = worst.max((last.state.settlement / expected - 1.0).abs());
+            let looks = looks_at(scene)?;
+            errors.push(looks.error());
+            samples = looks.samples();
         }
     }
+    let meshed = |rows: &usize| {
+        let scene = with_rows(base.clone(), *rows);
+        Ok((scene.cell, looks_at(scene)?.error()))
+    };
+    let meshes = [5, 10, 20, 40].iter().map(meshed).collect::<Result<_, String>>()?;
+    let against = "the exact solution, a column of centre values: a uniform strain has no error of the mesh";
+    let with = |particles_per_cell| looks_at(Scene { particles_per_cell, ..base.clone() });
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: format!("{} and bspline2", scheme(&base)),
-        errors: vec![(base.cell, worst)],
+        errors: vec![(base.cell, largest(errors.into_iter()))],
         required_error: 1e-3,
         required_order: None,
+        samples,
+        refinements: vec![
+            Refinement { required_error: Some(1e-3), ..Refinement::new(MESH, meshes, against) },
+            in_particles(with, base.cell, &[1, 4, 9, 16], 1e-3)?,
+        ],
         ..Outcome::default()
     })
+}
+
+/// The settlement over the last one, under the load of the time; the end, at rest, counts.
+fn looks(run: &Run, scene: &Scene, exact: &Oedometer) -> Result<Looks, String> {
+    let load = scene.surcharge.ok_or("no load")?;
+    let last = run.samples.last().ok_or("no sample")?;
+    let whole = scene.height * exact.strain(load.pressure);
+    let look = |s: &Sample| {
+        let expected = scene.height * exact.strain(load.at(s.stage_time));
+        let counts = s.stage_time == last.stage_time;
+        Look { counts, ..Look::one(s.stage_time, s.state.settlement / whole, expected / whole) }
+    };
+    Ok(Looks::worst("settlement over the last one", run.observed().chain([last]).map(look).collect()))
 }

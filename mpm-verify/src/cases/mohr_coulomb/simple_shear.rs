@@ -3,10 +3,12 @@
 
 use mpm_core::scene::Strength;
 
+use super::super::evidence::Sampled;
 use super::super::{Mutant, Outcome, Rung};
-use super::{CELL_PRESSURE, STRENGTH, law, outcome};
+use super::{CELL_PRESSURE, STRENGTH, at_row, in_parts, law, outcome};
 use crate::element::Element;
 use crate::exact::oracle::Table;
+use crate::norms::largest;
 
 /// From the stress of K_0 = nu/(1 - nu).
 pub const FROM_K0: Rung = Rung {
@@ -37,29 +39,49 @@ fn isotropic_mutant() -> Result<Outcome, String> {
 }
 
 fn from_k0(strength: &Strength) -> Result<Outcome, String> {
-    let errors = [1, 2, 4, 8].into_iter().map(|parts| shear(K0, strength, parts)).collect::<Result<_, _>>()?;
-    Ok(outcome("element test", errors, 2e-4, Some([0.95, 1.05])))
+    let rows = rows(K0);
+    let mut errors = Vec::new();
+    let mut samples = Vec::new();
+    for parts in [1, 2, 4, 8] {
+        samples = shear(&rows, strength, parts)?;
+        let steps = (rows.len() - 1) as f64 * f64::from(parts);
+        errors.push((1.0 / steps, largest(samples.iter().map(|s| s.error))));
+    }
+    Ok(Outcome { samples, ..outcome("element test", errors, 2e-4, Some([0.95, 1.05])) })
 }
 
 fn isotropic(strength: &Strength) -> Result<Outcome, String> {
-    let table = include_str!("../../../../reference-data/exact/10_mc_simple_shear_iso.csv");
-    Ok(outcome("element test", vec![shear(table, strength, 1)?], 1e-9, None))
+    let rows = rows(include_str!("../../../../reference-data/exact/10_mc_simple_shear_iso.csv"));
+    let samples = shear(&rows, strength, 1)?;
+    let steps = rows.len() - 1;
+    let finer = in_parts(steps, |parts| Ok(largest(shear(&rows, strength, parts)?.iter().map(|s| s.error))), EXACT)?;
+    let error = largest(samples.iter().map(|s| s.error));
+    let found = outcome("element test", vec![(1.0 / steps as f64, error)], EXACT, None);
+    Ok(Outcome { samples, refinements: vec![finer], ..found })
 }
 
-/// One step as a share of the path, and the largest difference of the shear stress at the rows of a table, as a share of
-/// its largest; from row to row in so many steps.
-fn shear(table: &str, strength: &Strength, parts: u32) -> Result<(f64, f64), String> {
-    let rows = Table::parse(table).rows(["gamma", "tau_Pa", "sxx_Pa", "szz_Pa"]);
-    let ([_, _, xx, zz], [_, most, ..]) = (rows.first().ok_or("an empty table")?, rows.last().ok_or("an empty table")?);
+/// Round-off and the digits of the table.
+const EXACT: f64 = 1e-9;
+
+/// Shear strain, shear stress and the two normal stresses along the path.
+fn rows(table: &str) -> Vec<[f64; 4]> {
+    Table::parse(table).rows(["gamma", "tau_Pa", "sxx_Pa", "szz_Pa"])
+}
+
+/// The shear stress at the rows of a table, as a share of its largest; from row to row in so many steps.
+fn shear(rows: &[[f64; 4]], strength: &Strength, parts: u32) -> Result<Vec<Sampled>, String> {
+    let ends = (rows.first().ok_or("an empty table")?, rows.last().ok_or("an empty table")?);
+    let ([_, _, xx, zz], [farthest, most, ..]) = ends;
     let mut element = Element::new(law(strength), [*xx, -CELL_PRESSURE, *zz, 0.0]);
-    let (mut worst, mut before) = (0.0_f64, 0.0);
-    for [gamma, tau, ..] in &rows {
+    let (mut samples, mut before) = (Vec::new(), 0.0);
+    for [gamma, tau, ..] in rows {
         let driven = [0.0, 0.0, 0.0, (gamma - before) / f64::from(parts)];
         before = *gamma;
         for _ in 0..parts {
             element.step(&driven, &[[0.0, 1.0, 0.0, 0.0]], &[0.0, -CELL_PRESSURE, 0.0, 0.0])?;
         }
-        worst = worst.max((element.stress[3] - tau).abs() / most);
+        let stress = [element.stress[3], *tau];
+        samples.push(at_row("shear stress over the largest", gamma / farthest, stress, *most));
     }
-    Ok((1.0 / ((rows.len() - 1) as f64 * f64::from(parts)), worst))
+    Ok(samples)
 }

@@ -8,19 +8,26 @@ pub mod applies;
 mod expected;
 
 use cpu_time::ThreadTime;
-use mpm_core::scene::{Dimension, Integrator, LoadOn, Scene, StepChoice, StrainChoice, Surcharge};
+use mpm_core::scene::{Dimension, Integrator, LoadOn, Scene, ShapeChoice, StepChoice, StrainChoice, Surcharge};
 use mpm_core::stability::choose_step;
 
 use self::applies::Solution;
 use self::expected::Expected;
 use super::degree::Degree;
+use super::evidence::Refinement;
+use super::looks::in_particles;
 use super::verdict::{Climb, Outcome, judge};
-use super::{Rung, integrator, mandel, scheme, with_rows};
+use super::{Rung, finished, integrator, mandel, scheme, with_rows};
+use crate::exact::mandel::Mandel;
 
 /// Small-strain solutions are met by runs of finite strain only if strains are small: q/M of the load they are run under.
 const LIGHT: f64 = 1e-6;
 /// Tolerance of error-controlled time where space is refined.
 const TOLERANCE: f64 = 1e-8;
+/// Tolerances of the refinement in time.
+const TOLERANCES: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
+/// Halved steps of the same.
+const HALVINGS: u32 = 2;
 /// Fewer meshes have no confidence interval.
 const LEAST_MESHES: usize = 3;
 
@@ -82,14 +89,19 @@ impl OwnScene {
     pub(super) fn outcome(&self, fault: fn(&mut Scene)) -> Result<Outcome, String> {
         let scenes = self.on_meshes(fault)?;
         let (fine, step) = scenes.last().map_or((f64::NAN, f64::NAN), |scene| (scene.cell, given(scene)));
-        let (errors, samples) = match &self.solution {
-            Solution::Block(exact) => mandel::refined(&scenes, exact)?,
+        let coarse = scenes[0].clone();
+        let (errors, samples, refinements) = match &self.solution {
+            Solution::Block(exact) => {
+                let (errors, samples) = mandel::refined(&scenes, exact)?;
+                (errors, samples, vec![self.block_in_particles(&coarse, exact)?])
+            }
             solution => {
                 let exact = |time| solution.settlement(time);
                 let degree = Degree::relative(&self.scene, &exact);
                 let degree = degree.from(self.expected.from);
                 let degree = if solution.ramps() { degree.absolute() } else { degree };
-                degree.on_meshes(scenes.into_iter())?
+                let (errors, samples) = degree.on_meshes(scenes.into_iter())?;
+                (errors, samples, self.on_the_coarsest(&coarse, &degree)?)
             }
         };
         let allowed = self.expected.error(fine, step);
@@ -104,8 +116,32 @@ impl OwnScene {
             notes: notes.map(|(what, value)| (what.to_owned(), value, "-".to_owned())).into_iter().collect(),
             errors,
             samples,
+            refinements,
             ..Outcome::default()
         })
+    }
+
+    /// The coarsest mesh in smaller steps, or under smaller tolerances, and with other numbers of particles.
+    fn on_the_coarsest(&self, coarse: &Scene, degree: &Degree) -> Result<Vec<Refinement>, String> {
+        let in_time = match coarse.step {
+            StepChoice::Fixed(step) => degree.in_time(coarse, step, HALVINGS, None)?,
+            _ => degree.in_tolerance(coarse, &TOLERANCES, 1.0)?,
+        };
+        let most = self.expected.error(coarse.cell, given(coarse));
+        Ok(vec![in_time, degree.in_particles(coarse, counts(coarse), most)?])
+    }
+
+    /// The same of Mandel's block, whose pressures are compared.
+    fn block_in_particles(&self, coarse: &Scene, exact: &Mandel) -> Result<Refinement, String> {
+        let with = |particles_per_cell| {
+            let scene = Scene { particles_per_cell, ..coarse.clone() };
+            let mut looks = mandel::looks(&finished(&scene)?, exact, 0.0);
+            for look in &mut looks.rows {
+                look.counts = mandel::counts(exact, look.time);
+            }
+            Ok(looks)
+        };
+        in_particles(with, coarse.cell, counts(coarse), self.expected.error(coarse.cell, f64::INFINITY))
     }
 
     /// The scene on its meshes. Steps fall with L^2 from what the coarsest takes: a scheme of first order in the step then
@@ -131,6 +167,16 @@ fn on(scene: &Scene, rows: usize) -> Scene {
         scene.cells[0] = (scene.width / scene.cell).round() as usize;
     }
     scene
+}
+
+/// Numbers of particles per cell that a scheme should not mind: one is too few for B-splines, and what errors of the fourth
+/// order in L are asked for needs as many as integrate them.
+fn counts(scene: &Scene) -> &'static [usize] {
+    match (scene.shape, scene.integrator) {
+        (ShapeChoice::Bspline2, Integrator::QuasiStatic) if scene.particles_per_cell >= 9 => &[9, 16],
+        (ShapeChoice::Bspline2, _) => &[4, 9, 16],
+        _ => &[1, 4, 9],
+    }
 }
 
 /// The step that a scene is given, s; infinite where its integrator chooses.
