@@ -40,9 +40,9 @@ fn tighter(scene: &mut Scene) {
 }
 
 /// Rows of cells over the first height.
-const ROWS: [usize; 3] = [10, 20, 40];
+const ROWS: [usize; 5] = [10, 14, 20, 28, 40];
 /// Step as a share of the stable one.
-const SAFETY: f64 = 0.1;
+const SAFETY: f64 = 0.3;
 
 fn climb(left: f64, required_error: f64, fault: fn(&mut Scene)) -> Result<Outcome, String> {
     let mut base = column(left)?;
@@ -68,7 +68,7 @@ fn climb(left: f64, required_error: f64, fault: fn(&mut Scene)) -> Result<Outcom
             "-".to_owned(),
         ));
     }
-    let coarse = with_rows(base.clone(), ROWS[1]);
+    let coarse = with_rows(base.clone(), ROWS[2]);
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),
@@ -78,7 +78,7 @@ fn climb(left: f64, required_error: f64, fault: fn(&mut Scene)) -> Result<Outcom
         samples,
         notes,
         refinements: vec![
-            degree.in_time(&coarse, 4.0 * SAFETY * stable_limit(&coarse), 2, None)?,
+            degree.in_time(&coarse, SAFETY * stable_limit(&coarse), 2, None)?,
             degree.in_particles(&with_rows(base.clone(), ROWS[0]), &[9, 16], 0.12)?,
         ],
         ..Outcome::default()

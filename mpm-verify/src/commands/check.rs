@@ -186,10 +186,13 @@ fn each<T: Send>(
         .num_threads(jobs(common.jobs))
         .build()
         .map_err(|e| Failure::BadInput(e.to_string()))?;
-    let results: Vec<Result<T, String>> =
-        pool.install(|| rungs.par_iter().with_max_len(1).map(|rung| work(rung)).collect());
+    // The last rungs take longest: started first, they leave no thread idle at the end.
+    let from_the_last = rungs.iter().enumerate().rev().par_bridge();
+    let mut results: Vec<(usize, Result<T, String>)> =
+        pool.install(|| from_the_last.map(|(i, rung)| (i, work(rung))).collect());
+    results.sort_by_key(|(i, _)| *i);
     let (mut done, mut failed) = (Vec::new(), Vec::new());
-    for result in results {
+    for (_, result) in results {
         match result {
             Ok(value) => done.push(value),
             Err(message) => failed.push(message),

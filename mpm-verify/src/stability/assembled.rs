@@ -5,7 +5,7 @@
 //!
 //! - `a = m^-1 (f + C p)`, `w = v + dt a`: the velocity that strains the mesh;
 //! - `v' = flip v + S (flip dt a + (1 - flip) w)`, `S = m_s^-1 sum_p m_p N N^t`: what particles take and give back;
-//! - `f' = f - dt K w`, `K = sum_p V_p G^t D G`; `V n/K_w (p' - p) = -dt (C^t w + H p - B a)`, `C = sum_p V_p G`.
+//! - `f' = f - dt K w`, `K = sum_p V_p G^t D G`, for B-bar with the change of volume of the middle of the cell; `V n/K_w (p' - p) = -dt (C^t w + H p - B a)`, `C = sum_p V_p G`.
 //!
 //! H is the flow that pressures drive, B the one that `rho_w a_s` holds back. The semi-implicit step has p' for p in `a`
 //! and in the flow, and the acceleration of the step before in B. The largest growth of any state is the spectral
@@ -14,7 +14,7 @@
 use mpm_core::grid::Grid;
 use mpm_core::particles::even_positions;
 use mpm_core::scene::{DarcyChoice, Dimension, Integrator, Scene, ShapeChoice, SolidSide};
-use mpm_core::shape::{Centre, Linear};
+use mpm_core::shape::{BBar, Centre, Linear};
 use mpm_core::stencil::{Basis, Bspline2, Functions, Gimp, Stencil};
 use nalgebra::{DMatrix, DVector};
 
@@ -62,9 +62,8 @@ impl Assembled {
         let per_direction = scene.particles_per_direction();
         match scene.shape {
             ShapeChoice::Centre | ShapeChoice::Centroid => Self::with(scene, Centre),
-            // One gradient per cell of a column: B-bar is the linear scheme there. In plane strain it is not.
-            ShapeChoice::BBar if scene.dimension == Dimension::PlaneStrain => None,
-            ShapeChoice::Linear | ShapeChoice::BBar => Self::with(scene, Linear),
+            ShapeChoice::Linear => Self::with(scene, Linear),
+            ShapeChoice::BBar => Self::with(scene, BBar),
             ShapeChoice::Gimp => Self::with(scene, Gimp::new(per_direction)),
             ShapeChoice::Bspline2 => Self::with(scene, Bspline2),
         }
@@ -172,6 +171,8 @@ fn range_of(matrix: &DMatrix<f64>) -> DMatrix<f64> {
 struct Point<const D: usize> {
     cell: usize,
     stencil: Stencil<D>,
+    /// Where the volume changes: at the particle, or for B-bar in the middle of its cell.
+    volumetric: Stencil<D>,
 }
 
 /// What the matrices are gathered from.
@@ -201,7 +202,8 @@ impl<B: Basis, const D: usize> Builder<B, D> {
             let position = x.map(|x| x as usize);
             let xi = std::array::from_fn(|d| x[d] - position[d] as f64);
             let cell = (0..D).rev().fold(0, |cell, d| cell * soil_cells[d] + position[d]);
-            Point { cell, stencil: functions.around(&position, &xi) }
+            let stencil = functions.around(&position, &xi);
+            Point { cell, stencil, volumetric: if B::SPLIT { functions.centre(&position) } else { stencil } }
         });
         let water = scene.water?;
         let mut builder = Self {
@@ -262,14 +264,17 @@ impl<B: Basis, const D: usize> Builder<B, D> {
                 for b in 0..count {
                     shared[(node[a], node[b])] += value[a] * value[b];
                     let (ga, gb) = (gradient[a], gradient[b]);
+                    let (ca, cb) = (point.volumetric.gradient[a], point.volumetric.gradient[b]);
                     let dot: f64 = (0..D).map(|d| ga[d] * gb[d]).sum();
                     for (i, j) in (0..D).flat_map(|i| (0..D).map(move |j| (i, j))) {
                         let (Some(row), Some(column)) = (self.rows[node[a]][i], self.rows[node[b]][j]) else {
                             continue;
                         };
                         let same = if i == j { dot } else { 0.0 };
+                        // B-bar adds (c - g)/3 to every normal strain: lambda tr tr + 2 mu eps : eps of that.
+                        let normal = 2.0 / 3.0 * (ca[i] * cb[j] - ga[i] * gb[j]);
                         stiffness[(row, column)] +=
-                            self.volume * (lame * ga[i] * gb[j] + shear * (ga[j] * gb[i] + same));
+                            self.volume * (lame * ca[i] * cb[j] + shear * (ga[j] * gb[i] + same + normal));
                     }
                 }
             }
@@ -348,7 +353,7 @@ impl<B: Basis, const D: usize> Builder<B, D> {
             for a in 0..Functions::<B, D>::COUNT {
                 for d in 0..D {
                     if let Some(row) = self.rows[point.stencil.node[a]][d] {
-                        coupling[(row, column)] += self.volume * point.stencil.gradient[a][d];
+                        coupling[(row, column)] += self.volume * point.volumetric.gradient[a][d];
                     }
                 }
             }

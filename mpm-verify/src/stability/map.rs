@@ -30,8 +30,8 @@ pub const CONDUCTIVITIES: [f64; 8] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 
 /// Bulk moduli of the water, Pa.
 pub const BULK_MODULI: [f64; 5] = [2e7, 2e8, 2e9, 2e10, 2e11];
 /// Shapes that have a limit of their own; `centroid` is `centre` in full cells.
-pub const SHAPES: [ShapeChoice; 4] =
-    [ShapeChoice::Centre, ShapeChoice::Linear, ShapeChoice::Gimp, ShapeChoice::Bspline2];
+pub const SHAPES: [ShapeChoice; 5] =
+    [ShapeChoice::Centre, ShapeChoice::Linear, ShapeChoice::BBar, ShapeChoice::Gimp, ShapeChoice::Bspline2];
 /// Integrators with a limit of their own.
 pub const INTEGRATORS: [Integrator; 2] = [Integrator::Explicit, Integrator::SemiImplicit];
 
@@ -441,7 +441,7 @@ mod tests {
             assert!(row.growth_below <= 1.0015 && row.growth_above > 1.0, "{row:?}");
         }
         assert_eq!(found, rows(1));
-        assert_eq!(summaries(&found).len(), 8);
+        assert_eq!(summaries(&found).len(), 10);
     }
 
     #[test]
@@ -522,7 +522,7 @@ mod tests {
     fn the_map_covers_what_it_says() {
         let whole = settings(Extent::Whole);
         let part = |s: &&Setting| s.dimension == Dimension::Column && !s.inertia;
-        assert_eq!(whole.iter().filter(part).count(), 10 * 4 * 4 * 8 * 5);
+        assert_eq!(whole.iter().filter(part).count(), 12 * 4 * 4 * 8 * 5);
         let thin = settings(Extent::Thin);
         assert!(5 * thin.len() < whole.len() && thin.iter().all(|s| whole.contains(s)));
     }
