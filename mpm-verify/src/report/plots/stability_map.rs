@@ -1,5 +1,7 @@
 //! The stability map: limits over the mesh with their theory, and how far apart measured, theory and `auto` are.
 
+use mpm_core::scene::ShapeChoice;
+
 use super::axis::Axis;
 use super::figure::{Figure, Mark, Panel, Point, Series, share_x, share_y};
 use super::look::{self, Dash, GREY, Look, Marker};
@@ -11,6 +13,9 @@ use crate::study::word;
 const CONDUCTIVITIES: [f64; 4] = [1e-2, 1e-4, 1e-6, 1e-8];
 /// Bulk moduli of the picture of `auto`, Pa.
 const BULK_MODULI: [f64; 3] = [2e7, 2e9, 2e11];
+/// Shapes of the pictures of columns: B-bar is the linear scheme there.
+const IN_COLUMNS: [ShapeChoice; 4] =
+    [ShapeChoice::Centre, ShapeChoice::Linear, ShapeChoice::Gimp, ShapeChoice::Bspline2];
 /// Particles per cell and bulk modulus (Pa) of the picture of limits: those of the study, nearly.
 const PPC: usize = 4;
 const BULK_MODULUS: f64 = 2e9;
@@ -27,9 +32,11 @@ fn usual(row: &&Row) -> bool {
 
 /// Limits over the cell edge: theory as lines, measured as points.
 pub fn limits(rows: &[Row]) -> Figure {
-    let panels = panels("stability-map", rows, |panel, own| {
-        for (place, k) in CONDUCTIVITIES.into_iter().enumerate() {
-            let mut own: Vec<&Row> = own.iter().copied().filter(|r| shown(r) && r.k == k).collect();
+    let (ppc, conductivities) = (particles(rows), conductivities(rows));
+    let panels = panels("stability-map", rows, &IN_COLUMNS, |panel, own| {
+        for (place, k) in conductivities.iter().copied().enumerate() {
+            let shown = |r: &&Row| r.ppc == ppc && r.k_w == BULK_MODULUS && r.k == k;
+            let mut own: Vec<&Row> = own.iter().copied().filter(shown).collect();
             own.sort_by(|a, b| a.mesh_m.total_cmp(&b.mesh_m));
             let (theory, measured) = looks(place);
             let label = format!("k = {} m/s", power(k));
@@ -44,7 +51,7 @@ pub fn limits(rows: &[Row]) -> Figure {
         name: "stability-map",
         title: "Largest stable step over the cell edge".to_owned(),
         caption: format!(
-            "Columns with {PPC} particles per cell, K_w = 2·{} Pa, no inertia in Darcy's law. Lines: theory; points: \
+            "Columns with {ppc} particles per cell, K_w = 2·{} Pa, no inertia in Darcy's law. Lines: theory; points: \
              largest step at which a run does not grow, by bisection. Semi-implicit steps have no limit of the water's: \
              the less permeable the soil, the more the water stiffens it, but only where its pressure sees the strain.",
             power_of_ten(9)
@@ -60,8 +67,8 @@ type Kind = (&'static str, fn(&Row) -> bool, Look);
 
 /// Measured over theory for every row.
 pub fn ratios(rows: &[Row]) -> Figure {
-    let (mut panels, missing) = panels("stability-map-ratio", rows, |panel, _| {
-        panel.x = Axis::log("k (m/s)", "k_m_s");
+    let (mut panels, missing) = panels("stability-map-ratio", rows, &SHAPES, |panel, _| {
+        panel.x = Axis::log("k (m/s)", "k_m_s").named(powers());
         panel.y = Axis::linear("measured / theory", "ratio");
     });
     let kinds: [Kind; 3] = [
@@ -73,7 +80,7 @@ pub fn ratios(rows: &[Row]) -> Figure {
         ),
         ("plane strain", |r| r.dimension != "column", Look::new(look::GREEN, Marker::Square).radius(2.6)),
     ];
-    for (panel, (integrator, shape)) in panels.iter_mut().zip(schemes()) {
+    for (panel, (integrator, shape)) in panels.iter_mut().zip(schemes(&SHAPES)) {
         for (place, (label, kind, look)) in kinds.into_iter().enumerate() {
             let own = rows.iter().filter(|r| r.integrator == integrator && r.shape == shape && kind(r));
             // Beside each other, so that none hides another.
@@ -111,11 +118,12 @@ pub fn ratios(rows: &[Row]) -> Figure {
 
 /// Measured over the limit of `auto`.
 pub fn auto(rows: &[Row]) -> Figure {
-    let panels = panels("stability-map-auto", rows, |panel, own| {
+    let ppc = particles(rows);
+    let panels = panels("stability-map-auto", rows, &IN_COLUMNS, |panel, own| {
         for (place, modulus) in BULK_MODULI.into_iter().enumerate() {
             for (mesh, dash) in [(0.1, Dash::Solid), (0.01, Dash::Dashed)] {
                 let mut own: Vec<&&Row> =
-                    own.iter().filter(|r| r.ppc == PPC && r.k_w == modulus && r.mesh_m == mesh).collect();
+                    own.iter().filter(|r| r.ppc == ppc && r.k_w == modulus && r.mesh_m == mesh).collect();
                 own.sort_by(|a, b| a.k.total_cmp(&b.k));
                 let look = look::nth(place).dash(dash).radius(2.8);
                 let label = format!("K_w = {} Pa, L = {mesh} m", twice(modulus));
@@ -123,14 +131,14 @@ pub fn auto(rows: &[Row]) -> Figure {
                 panel.add(Series::new(label, look, Mark::LinePoints, points));
             }
         }
-        panel.x = Axis::log("k (m/s)", "k_m_s");
+        panel.x = Axis::log("k (m/s)", "k_m_s").named(powers());
         panel.y = Axis::log("measured / limit", "measured_over_limit");
     });
     Figure {
         name: "stability-map-auto",
         title: "Measured limit over the limit of which auto takes its share".to_owned(),
         caption: format!(
-            "Columns with {PPC} particles per cell, no inertia in Darcy's law. One: the limit is sharp, and auto takes 0.9 \
+            "Columns with {ppc} particles per cell, no inertia in Darcy's law. One: the limit is sharp, and auto takes 0.9 \
              of it. Below one: only that share would keep auto safe."
         ),
         height: 190.0,
@@ -139,40 +147,54 @@ pub fn auto(rows: &[Row]) -> Figure {
     }
 }
 
-/// Whether a row is in the picture of limits.
-fn shown(row: &Row) -> bool {
-    row.ppc == PPC && row.k_w == BULK_MODULUS
+/// Particles per cell of the pictures: a map that was thinned has only the ends of every range.
+fn particles(rows: &[Row]) -> usize {
+    let counts = || rows.iter().map(|r| r.ppc);
+    if counts().any(|ppc| ppc == PPC) { PPC } else { counts().max().unwrap_or(PPC) }
+}
+
+/// Conductivities of the picture of limits, m/s.
+fn conductivities(rows: &[Row]) -> Vec<f64> {
+    let mut all: Vec<f64> = rows.iter().filter(usual).map(|r| r.k).collect();
+    all.sort_by(|a, b| b.total_cmp(a));
+    all.dedup();
+    if all.len() > CONDUCTIVITIES.len() { CONDUCTIVITIES.to_vec() } else { all }
 }
 
 /// One panel per integrator and shape, integrators below each other, and what is missing. `fill` gets the usual rows.
-fn panels(name: &str, rows: &[Row], fill: impl Fn(&mut Panel, &[&Row])) -> (Vec<Panel>, Vec<String>) {
+fn panels(
+    name: &str,
+    rows: &[Row],
+    shapes: &[ShapeChoice],
+    fill: impl Fn(&mut Panel, &[&Row]),
+) -> (Vec<Panel>, Vec<String>) {
     let (mut panels, mut missing) = (Vec::new(), Vec::new());
-    for (place, (integrator, shape)) in schemes().enumerate() {
+    for (place, (integrator, shape)) in schemes(shapes).enumerate() {
         let own: Vec<&Row> =
             rows.iter().filter(usual).filter(|r| r.integrator == integrator && r.shape == shape).collect();
         if own.is_empty() {
             missing.push(format!("{name}: no {integrator} {shape} row"));
         }
-        let mut panel = Panel::new(&format!("{integrator}, {shape}"), Axis::log("", ""), Axis::log("", ""));
+        let mut panel = Panel::new(&shape, Axis::log("", ""), Axis::log("", ""));
         fill(&mut panel, &own);
-        panel.row = place / SHAPES.len();
-        if place % SHAPES.len() > 0 {
-            panel.y.label = String::new();
-        }
+        panel.row = place / shapes.len();
+        panel.y.label =
+            if place % shapes.len() == 0 { format!("{integrator}: {}", panel.y.label) } else { String::new() };
         if panel.row == 0 {
             panel.x = panel.x.quiet();
         }
         panels.push(panel);
     }
     share_x(&mut panels);
-    let (above, below) = panels.split_at_mut(SHAPES.len());
+    let (above, below) = panels.split_at_mut(shapes.len());
     share_y(above);
     share_y(below);
     (panels, missing)
 }
 
-fn schemes() -> impl Iterator<Item = (String, String)> {
-    INTEGRATORS.into_iter().flat_map(|integrator| SHAPES.into_iter().map(move |shape| (word(integrator), word(shape))))
+fn schemes(shapes: &[ShapeChoice]) -> impl Iterator<Item = (String, String)> {
+    let of = |integrator| shapes.iter().map(move |shape| (word(integrator), word(*shape)));
+    INTEGRATORS.into_iter().flat_map(of)
 }
 
 /// Looks of theory and of what is measured. Points that coincide are seen inside one another.
@@ -184,6 +206,11 @@ fn looks(place: usize) -> (Look, Look) {
 /// Ticks at the cell edges of the study.
 fn edges() -> Vec<(f64, String)> {
     crate::stability::map::MESHES.map(|mesh| (mesh, format!("{mesh}"))).to_vec()
+}
+
+/// Ticks at some of the conductivities, few enough for five panels side by side.
+fn powers() -> Vec<(f64, String)> {
+    [1e-8, 1e-5, 1e-2].map(|k| (k, power(k))).to_vec()
 }
 
 fn power(value: f64) -> String {
@@ -244,8 +271,13 @@ mod tests {
     fn every_scheme_has_its_panel() {
         let rows: Vec<Row> = settings(Extent::Whole).iter().map(made_up).collect();
         let figures = figures(&rows);
-        for figure in &figures {
-            assert_eq!((figure.panels.len(), figure.missing.len()), (8, 0), "{}", figure.name);
+        for (figure, panels) in figures.iter().zip([8, 10, 8]) {
+            assert_eq!((figure.panels.len(), figure.missing.len()), (panels, 0), "{}", figure.name);
+            assert!(figure.panels.iter().all(|panel| !panel.is_empty()), "{}", figure.name);
+        }
+        // A thinned map fills them as well.
+        let thin: Vec<Row> = settings(Extent::Thin).iter().map(made_up).collect();
+        for figure in super::figures(&thin) {
             assert!(figure.panels.iter().all(|panel| !panel.is_empty()), "{}", figure.name);
         }
         // A scheme without rows is named.
