@@ -83,7 +83,7 @@ impl Scene {
     }
 
     /// Every layer with its thickness, m.
-    fn thicknesses(&self) -> impl Iterator<Item = (&SoilLayer, f64)> {
+    pub(super) fn thicknesses(&self) -> impl Iterator<Item = (&SoilLayer, f64)> {
         let bases = std::iter::once(0.0).chain(self.layers.iter().map(|layer| layer.up_to));
         self.layers.iter().zip(bases).map(|(layer, base)| (layer, layer.up_to - base))
     }

@@ -1,6 +1,6 @@
 //! Soil that moves through the cells of its mesh: when it does, what that asks of a scheme, and what no scheme bears.
 
-use super::{Dimension, Integrator, LoadOn, Scene, ShapeChoice, Side, SolidSide, UpdateChoice};
+use super::{Dimension, Elastic, Integrator, LoadOn, Scene, ShapeChoice, Side, SolidSide, UpdateChoice};
 
 /// The usual share of a full node's mass below which nodes move with a neighbour.
 const LIGHT_NODES: f64 = 0.1;
@@ -64,16 +64,30 @@ impl Scene {
         !matches!(self.shape, ShapeChoice::Gimp | ShapeChoice::Bspline2)
     }
 
-    /// Strain (shortening positive) that a surcharge leaves behind, with the oedometer modulus for Cauchy stress: the
-    /// softest layer at `q/M`, log(h_0/h).
-    fn load_strain(&self) -> f64 {
-        let softest = self.layers.iter().map(|layer| layer.elastic.oedometer_modulus());
-        self.surcharge.map_or(0.0, |s| s.pressure) / softest.fold(self.oedometer_modulus(), f64::min)
+    /// What a surcharge leaves behind: settlement (m), and the smallest porosity of any layer (not above the first).
+    ///
+    /// Cauchy stress q and a constant modulus make each layer `exp(-q/M)` times as thick, with M + Q in place of M in soil
+    /// that nothing drains.
+    fn under_load(&self) -> (f64, f64) {
+        let closed = self.water.is_some() && self.free_surface.is_none();
+        let closed = closed && !self.stages.iter().any(|stage| stage.drained.contains(&true));
+        let water = if closed { self.pore_stiffness() } else { 0.0 };
+        let load = self.surcharge.map_or(0.0, |s| s.pressure);
+        let of = |elastic: &Elastic, thickness: f64| {
+            let strain = load / (elastic.oedometer_modulus() + water);
+            let porosity = self.porosity - (1.0 - self.porosity) * strain.max(0.0).exp_m1();
+            (-(-strain).exp_m1() * thickness, porosity)
+        };
+        if self.layers.is_empty() {
+            return of(&self.elastic, self.height);
+        }
+        let each = self.thicknesses().map(|(layer, thickness)| of(&layer.elastic, thickness));
+        each.fold((0.0, self.porosity), |(settled, least), (s, n)| (settled + s, least.min(n)))
     }
 
-    /// Porosity of the soil that a surcharge has compressed, `1 - (1 - n) h_0/h`, -; not above the first.
+    /// Porosity of the soil that a surcharge has compressed most, `1 - (1 - n) h_0/h`, -; not above the first.
     pub(crate) fn compressed_porosity(&self) -> f64 {
-        self.porosity - (1.0 - self.porosity) * self.load_strain().max(0.0).exp_m1()
+        self.under_load().1
     }
 
     /// Refuses a load that pushes a surface down through its cells under linear functions, or squeezes out more water than
@@ -89,7 +103,7 @@ impl Scene {
         let steps = matches!(self.integrator, Integrator::Explicit | Integrator::SemiImplicit);
         let load = self.surcharge.filter(|load| load.on != LoadOn::Plate && steps && !self.force);
         let Some(load) = load else { return Ok(()) };
-        let settled = -(-self.load_strain()).exp_m1() * self.height;
+        let (settled, porosity) = self.under_load();
         if self.has_jumping_gradients() && settled.abs() > MOST_SETTLED * self.cell {
             let expected = "shape = \"bspline2\" or \"gimp\", or integrator = \"quasi-static\", under a load that moves the \
                             surface by more than half a cell: linear functions are wrong there";
@@ -97,14 +111,10 @@ impl Scene {
                 format!("{:.4e} Pa, which would move it by {:.2} cells", load.pressure, settled.abs() / self.cell);
             return Err(UnfitLoad { expected, found });
         }
-        if self.water.is_some() && self.compressed_porosity() <= 0.0 {
+        if self.water.is_some() && porosity <= 0.0 {
             let expected = "a load under which the soil keeps water in its pores";
-            let share = settled / self.height;
-            let porosity = self.porosity;
-            let found = format!(
-                "{:.4e} Pa, which would shorten soil of porosity {porosity} by {share:.3} of its height",
-                load.pressure
-            );
+            let (share, first) = (settled / self.height, self.porosity);
+            let found = format!("{:.4e} Pa, which would shorten soil of porosity {first} by {share:.3}", load.pressure);
             return Err(UnfitLoad { expected, found });
         }
         Ok(())
