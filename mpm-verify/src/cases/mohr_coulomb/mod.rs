@@ -1,5 +1,6 @@
 //! The Mohr-Coulomb law: its returns, element tests, and an oedometer made of particles.
 
+mod compression;
 mod oedometer;
 mod plane_strain;
 mod returns;
@@ -17,11 +18,14 @@ use mpm_core::scene::{Elastic, Strength};
 
 use super::Outcome;
 use super::evidence::{Refinement, Sampled};
+use crate::norms::largest;
 
 /// The soil of all tables of family 10.
 const ELASTIC: Elastic = Elastic { youngs_modulus: 2.0e7, poisson_ratio: 0.3 };
 const STRENGTH: Strength =
     Strength { cohesion: 500.0, friction_angle: 30.0, dilation_angle: 0.0, tension_cutoff: None };
+/// Round-off and the digits of the tables.
+const EXACT: f64 = 1e-9;
 /// Isotropic pressure that the element tests start from, Pa.
 const CELL_PRESSURE: f64 = 1.0e4;
 
@@ -46,12 +50,17 @@ fn at_row(quantity: &str, share: f64, [computed, exact]: [f64; 2], scale: f64) -
     }
 }
 
-/// A path from row to row of a table in more and more steps: a law that is exact is so however it gets there.
-fn in_parts(rows: usize, run: impl Fn(u32) -> Result<f64, String>, most: f64) -> Result<Refinement, String> {
-    let error = |parts: u32| Ok((1.0 / (rows as f64 * f64::from(parts)), run(parts)?));
-    let errors = [1, 2, 4, 8].into_iter().map(error).collect::<Result<_, String>>()?;
+/// What an element test found whose law is exact however it gets from row to row of its table; `path` takes so many steps
+/// between `rows` rows.
+fn exact_on_paths(rows: usize, path: impl Fn(u32) -> Result<Vec<Sampled>, String>) -> Result<Outcome, String> {
+    let samples = path(1)?;
+    let step = |parts: u32| 1.0 / (rows as f64 * f64::from(parts));
+    let error = |parts: u32| Ok((step(parts), largest(path(parts)?.iter().map(|s| s.error))));
+    let errors = [1, 2, 4, 8].into_iter().map(error).collect::<Result<Vec<_>, String>>()?;
+    let found = outcome("element test", errors[..1].to_vec(), EXACT, None);
     let against = "the table, each of its rows reached in 1, 2, 4 and 8 steps: exact in every one";
-    Ok(Refinement { required_error: Some(most), ..Refinement::new(PATH, errors, against) })
+    let finer = Refinement { required_error: Some(EXACT), ..Refinement::new(PATH, errors, against) };
+    Ok(Outcome { samples, refinements: vec![finer], ..found })
 }
 
 /// What a check without particles found.

@@ -5,7 +5,7 @@ use mpm_core::scene::Strength;
 
 use super::super::evidence::Sampled;
 use super::super::{Mutant, Outcome, Rung};
-use super::{CELL_PRESSURE, STRENGTH, at_row, in_parts, law, outcome};
+use super::{CELL_PRESSURE, STRENGTH, at_row, exact_on_paths, law, outcome};
 use crate::element::Element;
 use crate::exact::oracle::Table;
 use crate::norms::largest;
@@ -52,16 +52,8 @@ fn from_k0(strength: &Strength) -> Result<Outcome, String> {
 
 fn isotropic(strength: &Strength) -> Result<Outcome, String> {
     let rows = rows(include_str!("../../../../reference-data/exact/10_mc_simple_shear_iso.csv"));
-    let samples = shear(&rows, strength, 1)?;
-    let steps = rows.len() - 1;
-    let finer = in_parts(steps, |parts| Ok(largest(shear(&rows, strength, parts)?.iter().map(|s| s.error))), EXACT)?;
-    let error = largest(samples.iter().map(|s| s.error));
-    let found = outcome("element test", vec![(1.0 / steps as f64, error)], EXACT, None);
-    Ok(Outcome { samples, refinements: vec![finer], ..found })
+    exact_on_paths(rows.len() - 1, |parts| shear(&rows, strength, parts))
 }
-
-/// Round-off and the digits of the table.
-const EXACT: f64 = 1e-9;
 
 /// Shear strain, shear stress and the two normal stresses along the path.
 fn rows(table: &str) -> Vec<[f64; 4]> {
