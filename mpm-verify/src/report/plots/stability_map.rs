@@ -149,7 +149,7 @@ pub fn auto(rows: &[Row]) -> Figure {
 
 /// Particles per cell of the pictures: a map that was thinned has only the ends of every range.
 fn particles(rows: &[Row]) -> usize {
-    let counts = || rows.iter().map(|r| r.ppc);
+    let counts = || rows.iter().filter(usual).map(|r| r.ppc);
     if counts().any(|ppc| ppc == PPC) { PPC } else { counts().max().unwrap_or(PPC) }
 }
 
