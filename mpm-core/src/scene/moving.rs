@@ -95,7 +95,7 @@ impl Scene {
     ///
     /// With linear functions the stress of a top cell that is filled in part to f is `q` times the load's share of the upper
     /// node over f: anything from q/2 to 3 q/2 as the surface comes down, and the soil below follows. In the hard case
-    /// `loaded-surface` the settlement is 6 % too large after 0.3 cells, 15 % after half a cell, 36 % after one.
+    /// `loaded-surface` semi-implicit settlements are off by 6 % after 0.3 cells, 15 % after half a cell, 36 % after one.
     ///
     /// # Errors
     /// What is refused, and why.

@@ -499,6 +499,24 @@ mod tests {
     }
 
     #[test]
+    fn b_bar_has_a_limit_of_its_own_in_plane_strain() {
+        let of = |shape| Setting {
+            dimension: Dimension::PlaneStrain,
+            mesh: 0.1,
+            conductivity: 1e-5,
+            ..column(Integrator::SemiImplicit, shape)
+        };
+        let b_bar = row(&of(ShapeChoice::BBar)).expect("a row");
+        assert_eq!(b_bar.trouble(), None);
+        // With the theory of another shape the row would be in trouble.
+        for other in [ShapeChoice::Centre, ShapeChoice::Linear] {
+            let dt_theory_s = row(&of(other)).expect("a row").dt_theory_s;
+            let wrong = Row { dt_theory_s, ratio: b_bar.dt_measured_s / dt_theory_s, ..b_bar.clone() };
+            assert!(wrong.trouble().is_some(), "{other:?}: {dt_theory_s:e} for {:e}", b_bar.dt_measured_s);
+        }
+    }
+
+    #[test]
     fn limits_come_nearer_to_those_of_an_endless_mesh_on_more_cells() {
         let setting = Setting {
             dimension: Dimension::PlaneStrain,
