@@ -48,6 +48,7 @@ pub struct Times {
 }
 
 /// What a solver gives back.
+#[expect(clippy::large_enum_variant, reason = "there is one at a time, and a box would be timed with it")]
 enum Outcome {
     Points(Result<Run, StartError>),
     Volumes(Vec<f64>),

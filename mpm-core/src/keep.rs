@@ -40,17 +40,27 @@ impl Keeper {
         if self.reads && (self.broken || self.at != self.bytes.len()) { Err(Unfit) } else { Ok(()) }
     }
 
+    /// Whether it reads, and all has fitted so far: only then may anything be built from what was read.
+    pub fn is_reading(&self) -> bool {
+        self.reads && !self.broken
+    }
+
+    /// What was read cannot be: nothing more is read.
+    pub fn refuse(&mut self) {
+        self.broken = true;
+    }
+
     fn raw<const N: usize>(&mut self, value: [u8; N]) -> [u8; N] {
         if !self.reads {
             self.bytes.extend_from_slice(&value);
             return value;
         }
         match self.bytes.get(self.at..self.at + N).and_then(|bytes| bytes.try_into().ok()) {
-            Some(bytes) => {
+            Some(bytes) if !self.broken => {
                 self.at += N;
                 bytes
             }
-            None => {
+            _ => {
                 self.broken = true;
                 value
             }
@@ -102,6 +112,45 @@ impl Keeper {
     /// A list of numbers.
     pub fn numbers(&mut self, list: &mut Vec<f64>) {
         self.list(list, &0.0, |x, keeper| keeper.f64(x));
+    }
+
+    /// Entries whose number does not change during a run.
+    pub fn entries<T>(&mut self, entries: &mut [T], mut each: impl FnMut(&mut T, &mut Self)) {
+        let mut count = entries.len() as u64;
+        self.u64(&mut count);
+        if self.reads && count as usize != entries.len() {
+            self.broken = true;
+            return;
+        }
+        for entry in entries {
+            each(entry, self);
+        }
+    }
+
+    /// Numbers whose count does not change during a run.
+    pub fn all(&mut self, values: &mut [f64]) {
+        self.entries(values, |x, keeper| keeper.f64(x));
+    }
+
+    /// Something that may not be there; `empty` is what it is made of.
+    pub fn maybe<T: Clone>(&mut self, value: &mut Option<T>, empty: &T, each: impl FnOnce(&mut T, &mut Self)) {
+        let mut is = value.is_some();
+        self.bool(&mut is);
+        if is {
+            each(value.get_or_insert_with(|| empty.clone()), self);
+        } else {
+            *value = None;
+        }
+    }
+
+    /// A text.
+    pub fn text(&mut self, text: &mut String) {
+        let mut bytes = std::mem::take(text).into_bytes();
+        self.list(&mut bytes, &0, |byte, keeper| *byte = keeper.raw([*byte])[0]);
+        match String::from_utf8(bytes) {
+            Ok(read) => *text = read,
+            Err(_) => self.broken = true,
+        }
     }
 }
 

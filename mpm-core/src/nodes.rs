@@ -1,5 +1,7 @@
 //! What lives on the nodes of the mesh during one step.
 
+use crate::keep::Keeper;
+
 /// Sums gathered from the particles around a node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeSums<const D: usize> {
@@ -32,4 +34,12 @@ pub struct NodeMotion<const D: usize> {
 impl<const D: usize> NodeMotion<D> {
     /// At rest.
     pub const REST: Self = Self { velocity: [0.0; D], change: [0.0; D], acceleration: [0.0; D] };
+
+    /// Writes or reads the motion.
+    pub fn keep(&mut self, keeper: &mut Keeper) {
+        let Self { velocity, change, acceleration } = self;
+        for part in [velocity, change, acceleration] {
+            keeper.f64s(part);
+        }
+    }
 }

@@ -104,6 +104,8 @@ pub struct Layer<P, const D: usize> {
     pub crossings: u64,
     /// Goes up whenever the order changes, so that holders of indices know.
     pub order: u64,
+    /// How many were seeded: all [`Self::ids`] are below.
+    numbers: usize,
     cell_of: Vec<u32>,
 }
 
@@ -120,6 +122,7 @@ impl<P: Point<D>, const D: usize> Layer<P, D> {
             cell_start: vec![0; grid.cell_count() + 1],
             crossings: 0,
             order: 0,
+            numbers: count,
             cell_of: vec![0; count],
         };
         layer.sort(grid)?;
@@ -130,7 +133,7 @@ impl<P: Point<D>, const D: usize> Layer<P, D> {
     /// A layer like `like` of particles that stand in its order already, `cell_start` of them before each cell.
     pub fn in_order<Q>(like: &Layer<Q, D>, points: Vec<P>, ids: Vec<u32>, cell_start: Vec<u32>) -> Self {
         let cell_of = vec![0; points.len()];
-        Self { points, ids, cell_start, crossings: like.crossings, order: like.order, cell_of }
+        Self { points, ids, cell_start, crossings: like.crossings, order: like.order, numbers: like.numbers, cell_of }
     }
 
     /// The cells and counts of a layer whose particles are elsewhere.
@@ -216,12 +219,31 @@ impl<P: Point<D>, const D: usize> Layer<P, D> {
 
     /// Writes or reads the layer; `each` does so with a particle, of which `none` is an empty one.
     pub fn keep(&mut self, keeper: &mut Keeper, none: &P, each: impl FnMut(&mut P, &mut Keeper)) {
+        let cells = self.cell_start.len().saturating_sub(1);
         keeper.list(&mut self.points, none, each);
         keeper.list(&mut self.ids, &0, |id, keeper| keeper.u32(id));
         keeper.list(&mut self.cell_start, &0, |start, keeper| keeper.u32(start));
-        self.cell_of.resize(self.points.len(), 0);
         keeper.u64(&mut self.crossings);
         keeper.u64(&mut self.order);
+        if keeper.is_reading() {
+            if self.is_whole(cells) {
+                self.cell_of.resize(self.points.len(), 0);
+            } else {
+                keeper.refuse();
+            }
+        }
+    }
+
+    /// Whether every particle has a place in one of so many cells, and a number of its own.
+    fn is_whole(&self, cells: usize) -> bool {
+        let (starts, count) = (&self.cell_start, self.points.len());
+        let mut seen = vec![false; self.ids.iter().max().map_or(0, |id| *id as usize + 1).min(self.numbers)];
+        starts.len() == cells + 1
+            && starts.first() == Some(&0)
+            && starts.last().is_some_and(|last| *last as usize == count)
+            && starts.windows(2).all(|pair| pair[0] <= pair[1])
+            && self.ids.len() == count
+            && self.ids.iter().all(|id| seen.get_mut(*id as usize).is_some_and(|seen| !std::mem::replace(seen, true)))
     }
 
     /// Bytes held for this layer.
@@ -234,7 +256,7 @@ impl<P: Point<D>, const D: usize> Layer<P, D> {
 impl<P, const D: usize> Default for Layer<P, D> {
     fn default() -> Self {
         let (points, ids, cell_start, cell_of) = Default::default();
-        Self { points, ids, cell_start, crossings: 0, order: 0, cell_of }
+        Self { points, ids, cell_start, crossings: 0, order: 0, numbers: 0, cell_of }
     }
 }
 

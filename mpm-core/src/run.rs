@@ -3,10 +3,11 @@
 use crate::boundary::{BodyForce, Edges, Given, Plate, Strip, Supports, SurfaceLoad};
 use crate::constitutive::{Law, Laws, Layered, LinearElastic, MohrCoulomb, Stratum};
 use crate::dimension::{Column, Kinematics, PlaneStrain};
-use crate::drive::{Run, drive};
+use crate::drive::{Attend, Drive, Run, drive};
 use crate::error::RunError;
 use crate::grid::Grid;
 use crate::hardware::{Hardware, Width};
+use crate::keep::Unfit;
 use crate::observe::Seed;
 use crate::particles::{Layer, SolidPoint, WaterPoint, displace, even_positions};
 use crate::scene::{
@@ -35,6 +36,9 @@ pub enum StartError {
     /// The particles could not be placed.
     #[error(transparent)]
     Place(#[from] RunError),
+    /// The state to go on from is none of this scene.
+    #[error(transparent)]
+    State(#[from] Unfit),
     /// Its soil may fail, which stages alone do not follow.
     #[error("stages.clock: expected \"seepage\" or \"soil\" in a scene that is solved stage by stage, found \"both\"")]
     MayFail,
@@ -61,6 +65,29 @@ pub fn run_on(hardware: &Hardware, scene: &Scene, progress: &mut dyn FnMut(f64))
     let dt = choose_step(scene)?;
     let mut model = model_on(hardware, scene)?;
     Ok(drive(scene, model.as_mut(), dt, progress))
+}
+
+/// [`run_on`] for someone who attends to the run, from a kept state on if there is one.
+///
+/// # Errors
+/// As [`run`]; a state that is not one of this scene.
+pub fn run_attended(
+    hardware: &Hardware,
+    scene: &Scene,
+    state: Option<Vec<u8>>,
+    attend: &mut dyn Attend,
+) -> Result<Run, StartError> {
+    if scene.may_fail() {
+        return Err(StartError::MayFail);
+    }
+    scene.bears_its_load()?;
+    let dt = choose_step(scene)?;
+    let mut model = model_on(hardware, scene)?;
+    let mut drive = Drive::new(scene, model.as_mut(), dt);
+    if let Some(state) = state {
+        drive.take_up(state)?;
+    }
+    Ok(drive.go(attend))
 }
 
 /// [`run`] with fields that scenes have no words for. The step is that of the scene.

@@ -145,6 +145,10 @@ impl<const D: usize> DarcyOperator<D> for Printed<D> {
     fn filling(&self, inverse_volume: f64) -> f64 {
         self.0.filling(inverse_volume)
     }
+    fn keep(&mut self, keeper: &mut mpm_core::keep::Keeper) {
+        self.0.keep(keeper);
+    }
+
     fn bytes(&self) -> usize {
         self.0.bytes()
     }

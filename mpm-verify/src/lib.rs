@@ -11,19 +11,29 @@
 //! 6. [`levee`]: the levee that seepage makes fail: its run, checkpoints, claims, sensitivity.
 //! 7. [`report`]: tables, plots, pages. [`frames`]: stored frames of a run, to make its pictures again. [`manifest`]:
 //!    under which conditions. [`baseline`]: accepted values.
+//!    [`nightly`]: everything measured every night, compared and remembered.
+//!    [`mutants`]: planted faults, and who finds them.
+//! 8. [`files`]: files that are whole or not there. [`checkpoint`], [`keeping`]: states to
+//!    go on from.
 
 pub mod baseline;
 pub mod budget;
 pub mod cases;
+pub mod checkpoint;
 pub mod claims;
 pub mod cost;
 pub mod element;
 pub mod exact;
+pub mod files;
 pub mod frames;
+pub mod guides;
 pub mod hard;
+pub mod keeping;
 pub mod levee;
 pub mod literature;
 pub mod manifest;
+pub mod mutants;
+pub mod nightly;
 pub mod norms;
 pub mod progress;
 pub mod rates;

@@ -1,12 +1,14 @@
 //! The command line. `mpm-verify` alone is the main job: the accuracy study with its report.
 
 mod commands;
+#[cfg(test)]
+mod promised;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
-use commands::{Failure, check, levee, list, nightly, report, solve, stability, study};
+use commands::{Failure, check, gate, levee, list, merge, mutants, nightly, report, solve, stability, study};
 
 /// Verification of the two-layer material point method against exact solutions.
 ///
@@ -48,6 +50,14 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
+    /// The report of a study whose shares were run apart, by `study --shard`
+    Merge {
+        /// Folders of the shares
+        #[arg(required = true, value_name = "DIR")]
+        folders: Vec<PathBuf>,
+        #[command(flatten)]
+        common: Common,
+    },
     /// Run one scene file
     Solve {
         #[command(flatten)]
@@ -76,8 +86,18 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// Study, ladder, stability and levee, compared with the accepted baselines; exit code 1 on a drift
+    /// Study, ladder, stability, levee and work, compared with the accepted baselines and remembered; exit code 1 when
+    /// something moved
     Nightly {
+        #[command(flatten)]
+        options: nightly::Options,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Plant known faults in a copy of the source, and show which check catches each; exit code 1 if one is not caught
+    Mutants {
+        #[command(flatten)]
+        options: mutants::Options,
         #[command(flatten)]
         common: Common,
     },
@@ -88,6 +108,12 @@ enum Command {
         folder: PathBuf,
         #[command(flatten)]
         common: Common,
+    },
+    /// One run of a gate of the work, to be counted by others
+    #[command(hide = true)]
+    Gate {
+        /// Its name
+        name: String,
     },
     /// What there is: cases, scenes, schemes
     List {
@@ -101,11 +127,14 @@ fn main() -> ExitCode {
     let outcome = match cli.command {
         None => study::run(&cli.study, &cli.common),
         Some(Command::Study { options, common }) => study::run(&options, &common),
+        Some(Command::Merge { folders, common }) => merge::run(&folders, &common),
         Some(Command::Solve { options, common }) => solve::run(&options, &common),
         Some(Command::Levee { options, common }) => levee::run(&options, &common),
         Some(Command::Check { options, common }) => check::run(&options, &common),
         Some(Command::Stability { options, common }) => stability::run(&options, &common),
-        Some(Command::Nightly { common }) => nightly::run(&common),
+        Some(Command::Nightly { options, common }) => nightly::run(&options, &common),
+        Some(Command::Mutants { options, common }) => mutants::run(&options, &common),
+        Some(Command::Gate { name }) => gate::run(&name),
         Some(Command::Report { folder, common }) => report::run(&folder, &common),
         Some(Command::List { common }) => list::run(&common),
     };

@@ -295,8 +295,10 @@ fn a_levee_is_followed_to_its_page_and_what_cannot_be_run_is_refused() {
         (&["--until", "5"], "--until: expected hours"),
         (&["--from", "8"], "--from: expected --driver coupled or explicit"),
         (&["--safety-factor", "30"], "--safety-factor: expected hours from 6 to 24"),
-        (&["--resume"], "checkpoint.bin"),
+        (&["--resume"], "checkpoint.bin: expected a checkpoint of a levee, found something else"),
     ];
+    std::fs::create_dir_all(&out).expect("a folder");
+    std::fs::write(folder.path().join("levee/checkpoint.bin"), "something").expect("a file");
     for (flags, words) in refusals {
         let (code, _, error) = levee(flags);
         assert_eq!(code, 2, "{flags:?}: {error}");

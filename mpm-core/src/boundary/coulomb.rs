@@ -269,10 +269,10 @@ impl Coulomb {
 
     /// Writes or reads the state.
     pub fn keep(&mut self, keeper: &mut Keeper) {
-        keeper.list(&mut self.stuck, &false, |stuck, keeper| keeper.bool(stuck));
-        keeper.numbers(&mut self.slip);
-        keeper.numbers(&mut self.remembered);
-        keeper.numbers(&mut self.stress);
+        keeper.entries(&mut self.stuck, |stuck, keeper| keeper.bool(stuck));
+        keeper.all(&mut self.slip);
+        keeper.all(&mut self.remembered);
+        keeper.all(&mut self.stress);
         keeper.bool(&mut self.glued);
     }
 

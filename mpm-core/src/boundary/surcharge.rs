@@ -54,6 +54,12 @@ impl<const D: usize> SurfaceLoad<D> {
         }
     }
 
+    /// The same for particles that have been read from a kept state.
+    pub fn find<const S: usize>(&mut self, solid: &Layer<SolidPoint<D, S>, D>) {
+        self.order = u64::MAX;
+        self.follow(solid);
+    }
+
     /// The particle of each strip, by its place in the layer when [`Self::follow`] last saw it.
     #[inline(always)]
     fn carrier<'a, const S: usize>(

@@ -2,6 +2,7 @@
 
 mod flowed;
 mod frame;
+mod kept;
 mod ledger;
 
 pub use flowed::Flowed;

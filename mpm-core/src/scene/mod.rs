@@ -11,6 +11,8 @@ mod moving;
 mod raw;
 
 use std::fmt;
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::Path;
 
 use serde::Serialize;
@@ -527,8 +529,7 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`]; a refused flag is named in place of file, line and key.
     pub fn load_with(path: &Path, flags: &Flags) -> Result<Self, LoadError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| LoadError::Unreadable { path: path.to_path_buf(), source })?;
+        let text = read(path).map_err(|source| LoadError::Unreadable { path: path.to_path_buf(), source })?;
         Ok(Self::parse_with(&text, &path.display().to_string(), flags)?)
     }
 
@@ -692,4 +693,17 @@ impl fmt::Display for Side {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.word())
     }
+}
+
+/// No scene file is larger, bytes: a device that never ends is none.
+const LARGEST_FILE: u64 = 4 << 20;
+
+/// The text of a file of a reasonable size.
+fn read(path: &Path) -> io::Result<String> {
+    let mut text = String::new();
+    File::open(path)?.take(LARGEST_FILE + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > LARGEST_FILE {
+        return Err(io::Error::other(format!("more than {LARGEST_FILE} bytes")));
+    }
+    Ok(text)
 }

@@ -119,23 +119,6 @@ where
         self.time = 0.0;
     }
 
-    /// Writes or reads the state, all but that of the water.
-    pub(super) fn keep(&mut self, keeper: &mut Keeper) {
-        self.parts.solid.keep(keeper, &SolidPoint::NONE, SolidPoint::keep);
-        for motion in &mut self.motion {
-            keeper.f64s(&mut motion.velocity);
-        }
-        keeper.f64(&mut self.damping);
-        keeper.f64(&mut self.time);
-        self.totals.keep(keeper);
-        if let Some(base) = self.base() {
-            base.keep(keeper);
-        }
-        if let Some(track) = &mut self.track {
-            track.keep(keeper);
-        }
-    }
-
     /// Time (s) passes without a step of the soil.
     pub(super) fn pass(&mut self, time: f64) {
         self.time += time;
@@ -713,6 +696,20 @@ where
     fn places(&self) -> Places {
         let water = self.parts.water.layer().map_or(&[][..], |layer| &layer.points);
         Places::of(&self.parts.solid.points, water)
+    }
+
+    fn keep(&mut self, keeper: &mut Keeper) {
+        self.parts.keep::<K>(keeper);
+        keeper.entries(&mut self.motion, NodeMotion::keep);
+        keeper.f64(&mut self.damping);
+        keeper.f64(&mut self.time);
+        self.totals.keep(keeper);
+        if let Some(base) = self.base() {
+            base.keep(keeper);
+        }
+        if let Some(track) = &mut self.track {
+            track.keep(keeper);
+        }
     }
 
     fn stages(&self) -> &'static [&'static str] {

@@ -4,6 +4,7 @@ use super::skeleton::Skeleton;
 use super::{Fault, Model, Parts};
 use crate::constitutive::Laws;
 use crate::dimension::Kinematics;
+use crate::keep::Keeper;
 use crate::observe::{Ledger, Observation, SolidState};
 use crate::scene::Stage;
 use crate::stencil::Basis;
@@ -112,6 +113,10 @@ where
 
     fn solid_count(&self) -> usize {
         self.skeleton.parts.solid.points.len()
+    }
+
+    fn keep(&mut self, keeper: &mut Keeper) {
+        self.skeleton.keep(keeper);
     }
 
     fn stages(&self) -> &'static [&'static str] {

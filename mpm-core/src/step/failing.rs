@@ -1,7 +1,6 @@
 //! What one asks of soil that water may make fail, beside what any model does.
 
 use super::{Fault, Model};
-use crate::keep::Keeper;
 use crate::observe::{Frame, SolidState};
 use crate::water::Pressures;
 
@@ -57,6 +56,4 @@ pub trait Failing: Model {
     fn unevenness(&self) -> [f64; 2];
     /// Work of all forces on the nodes since counting began, J.
     fn node_work(&self) -> f64;
-    /// Writes or reads the state.
-    fn keep(&mut self, keeper: &mut Keeper);
 }

@@ -24,6 +24,7 @@ pub use two_clocks::TwoClocks;
 
 use serde::Serialize;
 
+use crate::keep::Keeper;
 use crate::observe::{Ledger, Observation, Places, SolidState};
 use crate::scene::Stage;
 
@@ -47,6 +48,16 @@ pub struct Work {
     pub factorisations: u64,
     /// Solves with a factorised matrix.
     pub solves: u64,
+}
+
+impl Work {
+    /// Writes or reads the counts.
+    pub fn keep(&mut self, keeper: &mut Keeper) {
+        let Self { accepted, rejected, factorisations, solves } = self;
+        for count in [accepted, rejected, factorisations, solves] {
+            keeper.u64(count);
+        }
+    }
 }
 
 /// A model that can be advanced and looked at, whatever its dimension, shape, water and law.
@@ -91,6 +102,8 @@ pub trait Model: Send {
     fn places(&self) -> Places {
         Places::default()
     }
+    /// Writes or reads all that the steps to come depend on; the model that reads is one of the same scene.
+    fn keep(&mut self, keeper: &mut Keeper);
     /// Stages of a step that can be done alone; none unless the step is made of stages.
     fn stages(&self) -> &'static [&'static str] {
         &[]

@@ -5,6 +5,7 @@ use crate::boundary::{BodyForce, Plate, Supports, SurfaceLoad};
 use crate::constitutive::{Flow, Law, Laws};
 use crate::dimension::Kinematics;
 use crate::grid::Grid;
+use crate::keep::Keeper;
 use crate::observe::{CellValues, FieldPoint, Flowed, Ledger, Observation, Seed, SolidState, Totals, observe};
 use crate::particles::{Layer, SolidPoint};
 use crate::scene::Surcharge;
@@ -48,6 +49,22 @@ pub struct Parts<L, W, const D: usize, const S: usize> {
 }
 
 impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
+    /// Writes or reads what changes during a run.
+    pub fn keep<K: Kinematics<D, S>>(&mut self, keeper: &mut Keeper)
+    where
+        W: Water<K, D, S>,
+    {
+        let Self { grid, solid, water, surface, transfer, .. } = self;
+        solid.keep(keeper, &SolidPoint::NONE, SolidPoint::keep);
+        water.keep(keeper, grid);
+        if let Some(transfer) = transfer {
+            transfer.keep(keeper);
+        }
+        if keeper.is_reading() {
+            surface.find(solid);
+        }
+    }
+
     /// Every cell with soil: its place, soil and water.
     pub fn cell_values<K: Kinematics<D, S>>(&self) -> Vec<CellValues<D>>
     where

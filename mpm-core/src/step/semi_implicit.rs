@@ -15,6 +15,7 @@ use super::{Fault, Model, Parts, Work};
 use crate::boundary::Lifted;
 use crate::constitutive::Laws;
 use crate::dimension::Kinematics;
+use crate::keep::Keeper;
 use crate::observe::{Ledger, Observation, SolidState};
 use crate::scene::Stage;
 use crate::stencil::Basis;
@@ -119,6 +120,14 @@ where
 
     fn bytes(&self) -> usize {
         self.skeleton.bytes() + self.pressure.bytes()
+    }
+
+    fn keep(&mut self, keeper: &mut Keeper) {
+        self.skeleton.keep(keeper);
+        self.work.keep(keeper);
+        if keeper.is_reading() {
+            self.pressure.forget();
+        }
     }
 
     fn solid_count(&self) -> usize {

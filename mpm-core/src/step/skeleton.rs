@@ -7,6 +7,7 @@ use crate::boundary::Lifted;
 use crate::constitutive::{Law, Laws};
 use crate::dimension::{Gradient, Kinematics, trace};
 use crate::grid::Grid;
+use crate::keep::Keeper;
 use crate::nodes::{NodeMotion, NodeSums};
 use crate::observe::{Flowed, Totals};
 use crate::stencil::{Basis, Functions, Stencil};
@@ -466,6 +467,16 @@ where
         water.settle(grid, solid).map_err(|(place, what)| Fault { place, what })?;
         self.time += dt;
         Ok(())
+    }
+
+    /// Writes or reads what steps to come depend on.
+    pub fn keep(&mut self, keeper: &mut Keeper) {
+        self.parts.keep::<K>(keeper);
+        keeper.entries(&mut self.motion, NodeMotion::keep);
+        keeper.entries(&mut self.mesh, NodeMotion::keep);
+        keeper.f64(&mut self.damping);
+        keeper.f64(&mut self.time);
+        self.totals.keep(keeper);
     }
 
     /// Bytes held.

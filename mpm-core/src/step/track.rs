@@ -60,8 +60,8 @@ impl<const D: usize, const S: usize> Track<D, S> {
 
     /// Writes or reads the state.
     pub fn keep(&mut self, keeper: &mut Keeper) {
-        keeper.list(&mut self.origin, &[0.0; D], |x, keeper| keeper.f64s(x));
-        keeper.list(&mut self.strain, &[0.0; S], |e, keeper| keeper.f64s(e));
+        keeper.entries(&mut self.origin, |x, keeper| keeper.f64s(x));
+        keeper.entries(&mut self.strain, |e, keeper| keeper.f64s(e));
         keeper.f64(&mut self.node_work);
     }
 }

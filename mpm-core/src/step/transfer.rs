@@ -12,6 +12,7 @@
 
 use crate::boundary::Supports;
 use crate::dimension::Gradient;
+use crate::keep::Keeper;
 use crate::nodes::{NodeMotion, NodeSums};
 
 /// How velocities are carried, and what that keeps.
@@ -47,6 +48,13 @@ impl<const D: usize> Transfer<D> {
             motion.velocity = motion.velocity.map(|momentum| momentum * inverse);
         }
         supports.stop(mapped);
+    }
+
+    /// Writes or reads what steps to come depend on.
+    pub fn keep(&mut self, keeper: &mut Keeper) {
+        if let Some(affine) = &mut self.affine {
+            keeper.entries(affine, |gradient, keeper| gradient.iter_mut().for_each(|row| keeper.f64s(row)));
+        }
     }
 
     /// Bytes held.

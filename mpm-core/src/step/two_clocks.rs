@@ -214,6 +214,24 @@ where
     fn places(&self) -> Places {
         Places::of(self.soil.solid_points(), &self.soil.water().layer.points)
     }
+
+    fn keep(&mut self, keeper: &mut Keeper) {
+        let mut tracked = self.soil.track.is_some();
+        keeper.bool(&mut tracked);
+        if tracked && self.soil.track.is_none() {
+            let solid = &self.soil.parts().solid;
+            self.soil.track = Some(Box::new(Track::new(solid)));
+        }
+        if !tracked {
+            self.soil.track = None;
+        }
+        self.soil.keep(keeper);
+        let mut clock = self.clock as u32;
+        keeper.u32(&mut clock);
+        self.clock = [Clock::Seepage, Clock::Soil, Clock::Both][clock.min(2) as usize];
+        keeper.f64(&mut self.next);
+        self.work.keep(keeper);
+    }
 }
 
 impl<K, Sh, L, const S: usize> Failing for TwoClocks<K, Sh, L, 2, S>
@@ -397,22 +415,5 @@ where
 
     fn node_work(&self) -> f64 {
         self.soil.track.as_ref().map_or(0.0, |track| track.node_work)
-    }
-
-    fn keep(&mut self, keeper: &mut Keeper) {
-        let mut tracked = self.soil.track.is_some();
-        keeper.bool(&mut tracked);
-        if tracked && self.soil.track.is_none() {
-            let solid = &self.soil.parts().solid;
-            self.soil.track = Some(Box::new(Track::new(solid)));
-        }
-        if !tracked {
-            self.soil.track = None;
-        }
-        self.soil.keep(keeper);
-        let parts = self.soil.parts();
-        parts.water.keep(keeper, &parts.grid);
-        keeper.f64(&mut self.next);
-        keeper.u64(&mut self.work.accepted);
     }
 }

@@ -213,32 +213,6 @@ impl<const D: usize> Carried<D> {
         self.felt[cell]
     }
 
-    /// Writes or reads the state.
-    pub fn keep(&mut self, keeper: &mut Keeper, grid: &Grid<D>) {
-        for open in &mut self.around.open {
-            keeper.bool(open);
-        }
-        let mut pressures = self.pressures as u32;
-        keeper.u32(&mut pressures);
-        self.pressures = [Pressures::Held, Pressures::Implicit, Pressures::Explicit][pressures.min(2) as usize];
-        self.water.keep(keeper, grid, &self.around);
-        self.layer.keep(keeper);
-        keeper.f64(&mut self.work);
-        keeper.f64(&mut self.left_behind);
-        keeper.numbers(&mut self.squeeze.surplus);
-        for list in [&mut self.felt, &mut self.lower, &mut self.per_volume, &mut self.middle] {
-            keeper.numbers(list);
-        }
-        keeper.list(&mut self.boxes, &Square { x: [0.0; D], half: 0.0 }, |square, keeper| {
-            keeper.f64s(&mut square.x);
-            keeper.f64(&mut square.half);
-        });
-        keeper.list(&mut self.swept, &[0.0; D], |swept, keeper| keeper.f64s(swept));
-        keeper.f64(&mut self.way);
-        keeper.f64(&mut self.share);
-        self.squeeze.lay(grid, &self.water);
-    }
-
     /// Water in cells and waiting, m3.
     pub fn stored(&self) -> f64 {
         self.water.stored() + self.squeeze.surplus.iter().sum::<f64>()
@@ -368,6 +342,33 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Car
 
     fn held_work(&self) -> f64 {
         self.work
+    }
+
+    fn keep(&mut self, keeper: &mut Keeper, grid: &Grid<D>) {
+        for open in &mut self.around.open {
+            keeper.bool(open);
+        }
+        let mut pressures = self.pressures as u32;
+        keeper.u32(&mut pressures);
+        self.pressures = [Pressures::Held, Pressures::Implicit, Pressures::Explicit][pressures.min(2) as usize];
+        self.water.keep(keeper, grid, &self.around);
+        self.layer.keep(keeper);
+        keeper.f64(&mut self.work);
+        keeper.f64(&mut self.left_behind);
+        keeper.all(&mut self.squeeze.surplus);
+        for list in [&mut self.felt, &mut self.lower, &mut self.per_volume, &mut self.middle] {
+            keeper.all(list);
+        }
+        keeper.entries(&mut self.boxes, |square, keeper| {
+            keeper.f64s(&mut square.x);
+            keeper.f64(&mut square.half);
+        });
+        keeper.entries(&mut self.swept, |swept, keeper| keeper.f64s(swept));
+        keeper.f64(&mut self.way);
+        keeper.f64(&mut self.share);
+        if keeper.is_reading() {
+            self.squeeze.lay(grid, &self.water);
+        }
     }
 
     fn density(&self) -> f64 {

@@ -1,6 +1,7 @@
 //! Faces of the soil that touch no other soil: the sides of the domain and the free surface.
 
 use crate::grid::Grid;
+use crate::keep::Keeper;
 
 /// A face between a cell of soil and nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,7 +27,39 @@ pub struct Exposed {
     pub faces: Vec<ExposedFace>,
 }
 
+impl ExposedFace {
+    const NONE: Self = Self { cell: 0, face: 0, axis: 0, upper: false, side: 0, nodes: [0; 2] };
+
+    fn keep(&mut self, keeper: &mut Keeper) {
+        let Self { cell, face, axis, upper, side, nodes: [first, second] } = self;
+        for number in [cell, face, first, second] {
+            keeper.u32(number);
+        }
+        let mut sides = [u32::from(*axis), u32::from(*side)];
+        sides.iter_mut().for_each(|number| keeper.u32(number));
+        [*axis, *side] = sides.map(|number| number.min(255) as u8);
+        keeper.bool(upper);
+    }
+
+    fn is_of<const D: usize>(&self, grid: &Grid<D>) -> bool {
+        let Self { cell, face, axis, side, nodes, .. } = *self;
+        (cell as usize) < grid.cell_count()
+            && (axis as usize) < D
+            && (face as usize) < grid.face_count(axis as usize)
+            && side < 4
+            && nodes.iter().all(|node| (*node as usize) < grid.node_count())
+    }
+}
+
 impl Exposed {
+    /// Writes or reads the faces.
+    pub fn keep<const D: usize>(&mut self, keeper: &mut Keeper, grid: &Grid<D>) {
+        keeper.list(&mut self.faces, &ExposedFace::NONE, ExposedFace::keep);
+        if keeper.is_reading() && !self.faces.iter().all(|face| face.is_of(grid)) {
+            keeper.refuse();
+        }
+    }
+
     /// Finds the exposed faces of the cells for which `soil` holds.
     pub fn rebuild<const D: usize>(&mut self, grid: &Grid<D>, soil: impl Fn(usize) -> bool) {
         self.faces.clear();

@@ -10,6 +10,7 @@ use super::exposed::Exposed;
 use super::saturated::{DarcyOperator, WaterCell};
 use super::{FaceFlow, FlowRates, Place};
 use crate::grid::Grid;
+use crate::keep::Keeper;
 use crate::nodes::NodeMotion;
 use crate::scene::WaterProperties;
 
@@ -137,6 +138,12 @@ impl<const D: usize, const LAYERED: bool> DarcyOperator<D> for Face<D, LAYERED> 
     }
 
     fn clear(&mut self) {}
+
+    fn keep(&mut self, keeper: &mut Keeper) {
+        for faces in self.flux.iter_mut().chain(&mut self.open) {
+            keeper.all(faces);
+        }
+    }
 
     fn gather(&mut self, _: &[usize; 4], _: &WaterCell, _: &[[f64; D]; 4], _: &[[f64; 1]; 4]) {}
 

@@ -26,6 +26,7 @@ pub use saturated::{DarcyOperator, Saturated, WaterCell};
 
 use crate::dimension::Kinematics;
 use crate::grid::Grid;
+use crate::keep::Keeper;
 use crate::nodes::NodeMotion;
 use crate::particles::{Layer, SolidPoint, WaterPoint};
 use crate::shape::Shape;
@@ -183,6 +184,9 @@ pub trait Water<K: Kinematics<D, S>, const D: usize, const S: usize>: Send {
     /// Density of the water, kg/m3.
     fn density(&self) -> f64;
 
+    /// Writes or reads what steps to come depend on.
+    fn keep(&mut self, keeper: &mut Keeper, grid: &Grid<D>);
+
     /// Bytes held.
     fn bytes(&self) -> usize;
 }
@@ -232,6 +236,8 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Dry
     fn density(&self) -> f64 {
         0.0
     }
+
+    fn keep(&mut self, _: &mut Keeper, _: &Grid<D>) {}
 
     fn bytes(&self) -> usize {
         0

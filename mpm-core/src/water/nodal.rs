@@ -7,6 +7,7 @@ use super::exposed::Exposed;
 use super::saturated::{DarcyOperator, WaterCell, cell_coefficients};
 use super::{FlowRates, Place};
 use crate::grid::Grid;
+use crate::keep::Keeper;
 use crate::nodes::NodeMotion;
 use crate::scene::WaterProperties;
 
@@ -123,6 +124,9 @@ impl<const D: usize> DarcyOperator<D> for Nodal<D> {
     fn filling(&self, _: f64) -> f64 {
         1.0
     }
+
+    /// Nothing: all of it is gathered anew in every step.
+    fn keep(&mut self, _: &mut Keeper) {}
 
     fn bytes(&self) -> usize {
         let vectors = self.gradient.capacity() + self.relative.capacity();

@@ -10,6 +10,7 @@ use super::saturated::{DarcyOperator, Saturated, WaterCell};
 use super::{Face, FlowRates, Place, SoilCell, StressSums, Water};
 use crate::dimension::{Kinematics, shares, value};
 use crate::grid::Grid;
+use crate::keep::Keeper;
 use crate::nodes::NodeMotion;
 use crate::particles::{Layer, SolidPoint, WaterPoint};
 use crate::shape::Shape;
@@ -175,6 +176,12 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Rag
 
     fn leaves_as_particles(&self) -> bool {
         true
+    }
+
+    fn keep(&mut self, keeper: &mut Keeper, grid: &Grid<D>) {
+        self.inner.keep_state(keeper, grid);
+        keeper.entries(&mut self.full, |full, keeper| keeper.bool(full));
+        keeper.bool(&mut self.changed);
     }
 
     fn density(&self) -> f64 {

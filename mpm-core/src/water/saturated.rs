@@ -7,6 +7,7 @@ use super::exposed::Exposed;
 use super::{FlowRates, Place, SoilCell, StressSums, Water};
 use crate::dimension::{Kinematics, basis, coefficients, gradient, shares, to_corners, trace, value};
 use crate::grid::Grid;
+use crate::keep::Keeper;
 use crate::nodes::NodeMotion;
 use crate::particles::{Layer, SolidPoint, WaterPoint};
 use crate::scene::WaterProperties;
@@ -23,6 +24,15 @@ pub struct WaterCell {
     pub inverse_porosity: f64,
     /// 1/V of the soil in the cell, 1/m3.
     pub inverse_volume: f64,
+}
+
+impl WaterCell {
+    fn keep(&mut self, keeper: &mut Keeper) {
+        let Self { pressure, porosity, inverse_porosity, inverse_volume } = self;
+        for value in [pressure, porosity, inverse_porosity, inverse_volume] {
+            keeper.f64(value);
+        }
+    }
 }
 
 /// A way to compute the flow between cells.
@@ -52,6 +62,8 @@ pub trait DarcyOperator<const D: usize>: Send + Sized {
     fn relative(&self, grid: &Grid<D>, place: &Place<D>, cell: &WaterCell) -> [[f64; D]; 4];
     /// Factor on the divergence of the flow in a cell that is not full of soil; 1/V of the soil in 1/m3.
     fn filling(&self, inverse_volume: f64) -> f64;
+    /// Writes or reads what steps to come depend on.
+    fn keep(&mut self, keeper: &mut Keeper);
     /// Bytes held.
     fn bytes(&self) -> usize;
 }
@@ -113,6 +125,20 @@ impl<O: DarcyOperator<D>, const D: usize> Saturated<O, D> {
     /// Whether a cell with soil has water of its own.
     pub(crate) fn is_wet(&self, cell: usize) -> bool {
         !self.points.range(cell).is_empty()
+    }
+
+    /// Writes or reads the state.
+    pub(super) fn keep_state(&mut self, keeper: &mut Keeper, grid: &Grid<D>) {
+        self.points.keep(keeper, &WaterPoint::NONE, WaterPoint::keep);
+        keeper.entries(&mut self.cells, WaterCell::keep);
+        self.operator.keep(keeper);
+        self.exposed.keep(keeper, grid);
+        self.drained.iter_mut().for_each(|drained| keeper.bool(drained));
+        keeper.u64(&mut self.solid_order);
+        keeper.bool(&mut self.moved);
+        keeper.f64(&mut self.removed_mass);
+        keeper.list(&mut self.bare, &0, |cell, keeper| keeper.u32(cell));
+        keeper.u64(&mut self.layout);
     }
 
     /// Number of times that other cells have come to carry a pressure.
@@ -381,6 +407,10 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
 
     fn density(&self) -> f64 {
         self.properties.density
+    }
+
+    fn keep(&mut self, keeper: &mut Keeper, grid: &Grid<D>) {
+        self.keep_state(keeper, grid);
     }
 
     fn bytes(&self) -> usize {

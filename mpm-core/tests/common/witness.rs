@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex};
 use mpm_core::boundary::{Strip, Supports, SurfaceLoad};
 use mpm_core::dimension::Kinematics;
 use mpm_core::grid::Grid;
+use mpm_core::keep::Keeper;
 use mpm_core::nodes::NodeMotion;
 use mpm_core::observe::Seed;
 use mpm_core::particles::{Layer, SolidPoint, WaterPoint, even_positions};
@@ -99,6 +100,10 @@ where
 
     fn density(&self) -> f64 {
         self.inner.density()
+    }
+
+    fn keep(&mut self, keeper: &mut Keeper, grid: &Grid<D>) {
+        self.inner.keep(keeper, grid);
     }
 
     fn bytes(&self) -> usize {

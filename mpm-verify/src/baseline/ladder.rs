@@ -48,6 +48,11 @@ fn baselines() -> Vec<Accepted> {
     reader.deserialize().map(|row| row.expect("the baselines hold")).collect()
 }
 
+/// Absolute change of a rung's error that is round-off, if it has a baseline.
+pub fn floor_of(rung: &str) -> Option<f64> {
+    baselines().into_iter().find(|row| row.rung == rung).map(|row| row.floor)
+}
+
 /// Holds a rung's error against the accepted one: notes both, and lets the rung fall if its error has grown.
 pub fn compare(climb: &mut Climb) {
     compare_with(&baselines(), climb);

@@ -15,6 +15,8 @@ pub const STEP: Parameter = ("time step", "s");
 pub const TOLERANCE: Parameter = ("tolerance", "-");
 /// By the number of particles. Its order is counted in their spacing, L/sqrt(N).
 pub const PARTICLES: Parameter = ("particles per cell", "-");
+/// Not refined: so many runs were compared.
+pub const RUNS: Parameter = ("runs", "-");
 
 /// A value of the finest run at a sample time, beside the exact one: a row of `ladder_samples.csv`.
 #[derive(Debug, Clone, PartialEq)]

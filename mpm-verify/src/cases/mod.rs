@@ -1,6 +1,7 @@
 //! The verification ladder: one case per file, each with its scene, its exact solution, its norm, what it must show.
 
 mod bar;
+mod bits;
 mod block;
 mod boussinesq;
 mod collapse;
@@ -181,6 +182,9 @@ pub const LADDER: &[Rung] = &[
     infinite_slope::WITHOUT_DILATION,
     collapse::DRY,
     collapse::SATURATED,
+    bits::THREADS,
+    bits::AGAIN,
+    bits::RESUMED,
 ];
 
 impl Rung {

@@ -7,12 +7,13 @@ use mpm_core::scene::{Flags, Scene};
 use mpm_verify::baseline;
 use mpm_verify::cases::own::OwnScene;
 use mpm_verify::cases::{Climb, LADDER, Rung, Step};
+use mpm_verify::files::Folder;
 use mpm_verify::manifest::Manifest;
 use mpm_verify::report;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Failure, jobs, print_json, say, writable, write_csv};
+use super::{Failure, inside, into_folder, jobs, print_json, say, write_csv};
 use crate::Common;
 
 /// What to check.
@@ -44,12 +45,22 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     }
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/ladder"));
     if options.mutants {
-        return catch(&options.cases, common, &folder);
+        let (rows, failed) = into_folder(&folder, |folder| catch(&options.cases, common, folder.stage()))?;
+        unfinished(&failed)?;
+        let missed: Vec<&str> = rows.iter().filter(|row| !row.caught).map(|row| row.rung).collect();
+        return if missed.is_empty() {
+            Ok(())
+        } else {
+            Err(Failure::FellShort(format!("not caught: {}", missed.join(", "))))
+        };
     }
-    let steps = climb(&options.cases, common, &folder)?;
+    let study = folder.parent().is_some_and(|above| above.join("accuracy").is_dir());
+    let Climbed { steps, failed } =
+        into_folder(&folder, |folder| climb(&options.cases, common, study, folder.stage()))?;
     if common.json {
         print_json(&steps);
     }
+    unfinished(&failed)?;
     let fallen: Vec<&str> = steps.iter().filter(|s| !s.held()).map(|s| s.rung.as_str()).collect();
     if fallen.is_empty() { Ok(()) } else { Err(Failure::FellShort(format!("fell short: {}", fallen.join(", ")))) }
 }
@@ -65,17 +76,7 @@ fn own(path: &Path, options: &Options, common: &Common) -> Result<(), Failure> {
     };
     let own = OwnScene::new(&scene, &options.rows).map_err(refused)?;
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/check-scene"));
-    writable(&folder)?;
-    let quiet = common.quiet || common.json;
-    say(quiet, &format!("{}: {}", scene.name, own.about()));
-    let climb = own.climb().map_err(Failure::RunFailed)?;
-    say(quiet, &header());
-    say(quiet, &line(&climb.step));
-    say(quiet, &climb.reason);
-    for (what, value, _) in &climb.notes {
-        say(quiet, &format!("{what} ({value:.0e})"));
-    }
-    let steps = write(&[climb], &scene, common, &folder)?;
+    let steps = into_folder(&folder, |folder| measured(&own, &scene, common, folder))?;
     if common.json {
         print_json(&steps);
     }
@@ -85,11 +86,33 @@ fn own(path: &Path, options: &Options, common: &Common) -> Result<(), Failure> {
     }
 }
 
+/// Checks it and writes what was found.
+fn measured(own: &OwnScene, scene: &Scene, common: &Common, folder: &Folder) -> Result<Vec<Step>, Failure> {
+    let quiet = common.quiet || common.json;
+    say(quiet, &format!("{}: {}", scene.name, own.about()));
+    let climb = own.climb().map_err(Failure::RunFailed)?;
+    say(quiet, &header());
+    say(quiet, &line(&climb.step));
+    say(quiet, &climb.reason);
+    for (what, value, _) in &climb.notes {
+        say(quiet, &format!("{what} ({value:.0e})"));
+    }
+    write(&[climb], scene, common, (false, folder.stage()))
+}
+
+/// The rungs that were climbed, and why others could not be finished.
+pub struct Climbed {
+    /// What was found.
+    pub steps: Vec<Step>,
+    /// Messages of the rungs that failed.
+    pub failed: Vec<String>,
+}
+
 /// Climbs the ladder and writes its tables, a picture of every rung and `index.html`; `accepted.csv` holds the baselines
 /// as they would be with these errors.
-pub fn climb(names: &[String], common: &Common, folder: &Path) -> Result<Vec<Step>, Failure> {
+pub fn climb(names: &[String], common: &Common, study: bool, folder: &Path) -> Result<Climbed, Failure> {
     let rungs = chosen(names)?;
-    writable(folder)?;
+    inside(folder)?;
     let quiet = common.quiet || common.json;
     say(quiet, &header());
     let (climbs, failed) = each(&rungs, common, |rung| {
@@ -97,23 +120,27 @@ pub fn climb(names: &[String], common: &Common, folder: &Path) -> Result<Vec<Ste
         say(quiet, &line(&climb.step));
         Ok(climb)
     })?;
-    let steps = write(&climbs, &mpm_verify::scenes::terzaghi(), common, folder)?;
+    let steps = write(&climbs, &mpm_verify::scenes::terzaghi(), common, (study, folder))?;
     let (path, rows) = (folder.join("accepted.csv"), baseline::ladder::accepted(&climbs));
     std::fs::write(&path, rows).map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))?;
     let without: Vec<&str> = steps.iter().filter(|s| s.baseline.is_none()).map(|s| s.rung.as_str()).collect();
     if !without.is_empty() {
         say(quiet, &format!("without a baseline: {}", without.join(", ")));
     }
-    unfinished(&failed)?;
-    Ok(steps)
+    Ok(Climbed { steps, failed })
 }
 
 /// Writes `ladder.csv`, `ladder_samples.csv`, `ladder_refinements.csv` and the page with its pictures.
-fn write(climbs: &[Climb], scene: &Scene, common: &Common, folder: &Path) -> Result<Vec<Step>, Failure> {
+fn write(
+    climbs: &[Climb],
+    scene: &Scene,
+    common: &Common,
+    (study, folder): (bool, &Path),
+) -> Result<Vec<Step>, Failure> {
     let steps: Vec<Step> = climbs.iter().map(|climb| climb.step.clone()).collect();
     write_csv(&folder.join("ladder.csv"), &steps)?;
     let manifest = Manifest::new(scene, jobs(common.jobs));
-    report::ladder::write(climbs, &manifest, folder).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    report::ladder::write(climbs, &manifest, study, folder).map_err(|e| Failure::RunFailed(e.to_string()))?;
     Ok(steps)
 }
 
@@ -135,13 +162,12 @@ impl Caught {
 }
 
 /// Runs mutants and writes `mutants.csv`; each must fall short.
-fn catch(names: &[String], common: &Common, folder: &Path) -> Result<(), Failure> {
+fn catch(names: &[String], common: &Common, folder: &Path) -> Result<(Vec<Caught>, Vec<String>), Failure> {
     let rungs = chosen(names)?;
     let without: Vec<&str> = rungs.iter().filter(|rung| rung.mutant.is_none()).map(|rung| rung.name).collect();
     if !(names.is_empty() || without.is_empty()) {
         return Err(Failure::BadInput(format!("check: expected cases with a mutant, found {}", without.join(", "))));
     }
-    writable(folder)?;
     let quiet = common.quiet || common.json;
     say(quiet, &format!("{:<29} {:>10} {:>10}  {:<44} caught", "rung", "error", "required", "mutant"));
     let rungs: Vec<&Rung> = rungs.into_iter().filter(|rung| rung.mutant.is_some()).collect();
@@ -160,9 +186,7 @@ fn catch(names: &[String], common: &Common, folder: &Path) -> Result<(), Failure
     if common.json {
         print_json(&rows);
     }
-    unfinished(&failed)?;
-    let missed: Vec<&str> = rows.iter().filter(|row| !row.caught).map(|row| row.rung).collect();
-    if missed.is_empty() { Ok(()) } else { Err(Failure::FellShort(format!("not caught: {}", missed.join(", ")))) }
+    Ok((rows, failed))
 }
 
 /// The named rungs, or all.
@@ -202,7 +226,7 @@ fn each<T: Send>(
 }
 
 /// Runs that could not be finished, once all others are written.
-fn unfinished(failed: &[String]) -> Result<(), Failure> {
+pub fn unfinished(failed: &[String]) -> Result<(), Failure> {
     if failed.is_empty() { Ok(()) } else { Err(Failure::RunFailed(failed.join("; "))) }
 }
 

@@ -1,12 +1,13 @@
 //! `levee`: a levee through which water seeps until it fails, with its page.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use clap::Args;
 use mpm_core::scene::Flags;
+use mpm_verify::checkpoint;
+use mpm_verify::files::Folder;
 use mpm_verify::levee::checkpoint::Checkpoint;
 use mpm_verify::levee::plan::{self, Plan};
 use mpm_verify::levee::run::{Ended, FollowError, Hooks, follow};
@@ -17,11 +18,8 @@ use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 use mpm_verify::report::ReportError;
 
-use super::{Failure, print_json, say, writable};
+use super::{Failure, again_with, inside, interrupts, into_folder, print_json, say};
 use crate::Common;
-
-/// Wall time between checkpoints.
-const EVERY: Duration = Duration::from_secs(60);
 
 /// What to follow.
 #[derive(Debug, Clone, Args)]
@@ -50,9 +48,12 @@ pub struct Options {
     /// Two clocks up to here, h on the clock of the scene; then coupled or explicit, as --driver says
     #[arg(long, value_name = "H")]
     from: Option<f64>,
-    /// Go on from the checkpoint of a run that was stopped
+    /// Go on from the checkpoint of a run that was stopped or killed; from the start if there is none
     #[arg(long)]
     resume: bool,
+    /// Seconds between checkpoints
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = super::seconds)]
+    checkpoint_every: f64,
     /// Factor of safety at these times, h on the clock of the scene: strength reduction and limit equilibrium
     #[arg(long, value_name = "T", value_delimiter = ',')]
     safety_factor: Vec<f64>,
@@ -101,30 +102,44 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let variant = options.variant()?;
     let scene = plan::scene(&options.scene, &options.flags(), variant).map_err(Failure::BadInput)?;
     let plan = Plan::new(scene, options.from, options.until, true).map_err(Failure::BadInput)?;
-    let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/levee"));
+    let path = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/levee"));
     if options.full && !(options.sensitivity || options.convergence) {
         return Err(Failure::BadInput("--full: expected --sensitivity or --convergence beside it".to_owned()));
     }
-    writable(&folder)?;
+    into_folder(&path, |folder| all(options, common, (&plan, variant), folder))
+}
+
+/// All that was asked for.
+fn all(
+    options: &Options,
+    common: &Common,
+    (plan, variant): (&Plan, Option<&'static Variant>),
+    folder: &Folder,
+) -> Result<(), Failure> {
+    let published = |result: Result<(), Failure>| {
+        result?;
+        folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))
+    };
     if !options.safety_factor.is_empty() {
-        factors(options, common, &plan, &folder)?;
+        published(factors(options, common, plan, folder.stage()))?;
     }
     if options.sensitivity {
-        vary(options, common, &folder)?;
+        published(vary(options, common, folder.stage()))?;
     }
     if options.convergence {
         let progress = Progress::new("meshes", common.quiet);
         let (flags, jobs) = (options.flags(), super::jobs(common.jobs));
         let found =
             convergence::compute((&options.scene, variant), &flags, options.full, jobs, &|text| progress.line(text));
-        tables::lines(&found.map_err(Failure::BadInput)?, &folder.join(convergence::NAME)).map_err(lost)?;
+        let found = found.map_err(Failure::BadInput)?;
+        published(tables::lines(&found, &folder.stage().join(convergence::NAME)).map_err(lost))?;
     }
     if options.compare_drivers {
         let progress = Progress::new("drivers", common.quiet);
-        let lines = drivers::compute(&plan, &mut |text| progress.line(text)).map_err(Failure::RunFailed)?;
-        tables::lines(&lines, &folder.join(drivers::NAME)).map_err(lost)?;
+        let lines = drivers::compute(plan, &mut |text| progress.line(text)).map_err(Failure::RunFailed)?;
+        published(tables::lines(&lines, &folder.stage().join(drivers::NAME)).map_err(lost))?;
     }
-    if options.no_run { Ok(()) } else { one(options, common, &plan, &folder) }
+    if options.no_run { Ok(()) } else { one(options, common, plan, folder) }
 }
 
 fn lost(error: ReportError) -> Failure {
@@ -170,10 +185,10 @@ fn vary(options: &Options, common: &Common, folder: &Path) -> Result<(), Failure
     Ok(())
 }
 
-fn one(options: &Options, common: &Common, plan: &Plan, folder: &Path) -> Result<(), Failure> {
+fn one(options: &Options, common: &Common, plan: &Plan, folder: &Folder) -> Result<(), Failure> {
     let refused = |e: FollowError| Failure::BadInput(e.to_string());
     let resume = match options.resume {
-        true => Some(Checkpoint::read(&plan.fingerprint(), folder).map_err(|e| refused(e.into()))?),
+        true => Checkpoint::read(&plan.fingerprint(), folder.path()).map_err(|e| refused(e.into()))?,
         false => None,
     };
     let mut ticker = ticker::Ticker::new(plan, common.quiet);
@@ -181,21 +196,22 @@ fn one(options: &Options, common: &Common, plan: &Plan, folder: &Path) -> Result
     let mut hooks = Hooks {
         progress: &mut |driver| ticker.tick(driver),
         stop: &mut |_| stopped.load(Ordering::Relaxed),
-        folder: Some(folder.to_owned()),
-        every: EVERY,
+        folder: Some(folder.path().to_owned()),
+        every: Duration::from_secs_f64(options.checkpoint_every),
+        trouble: &mut |e| eprintln!("a checkpoint could not be written: {e}"),
     };
     let run = follow(plan, &mut hooks, resume).map_err(refused)?;
     ticker.finish();
-    let go_on = || {
-        let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--resume").collect();
-        format!("mpm-verify {} --resume", arguments.join(" "))
-    };
     if run.ended == Ended::Stopped {
         let at = run.rows.last().map_or(0.0, |row| row.time_h);
-        return Err(Failure::RunFailed(format!("stopped at {at:.4} h; to go on: {}", go_on())));
+        return Err(Failure::RunFailed(format!("stopped at {at:.4} h; to go on: {}", again_with("--resume"))));
     }
     let summary = Summary::of(plan, &run, options.variant.as_deref(), Manifest::new(&plan.scene, 1));
-    written::write(plan, &run, &summary, !options.no_vtk, folder).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    let written = written::write(plan, &run, &summary, !options.no_vtk, (folder.path(), folder.stage()));
+    written.map_err(|e| Failure::RunFailed(e.to_string()))?;
+    // Only once all is written is there nothing to go on from.
+    folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))?;
+    checkpoint::remove(folder.path());
     if common.json {
         print_json(&summary);
     } else {
@@ -205,14 +221,16 @@ fn one(options: &Options, common: &Common, plan: &Plan, folder: &Path) -> Result
         for limit in limits::of(&summary).iter().filter(|limit| !limit.held()) {
             say(common.quiet, &format!("not held: {}", limit.said()));
         }
-        say(common.quiet, &format!("page: {}", folder.join("index.html").display()));
+        say(common.quiet, &format!("page: {}", folder.path().join("index.html").display()));
     }
     match &run.ended {
         Ended::DoesNotStand(what) => Err(Failure::RunFailed(format!(
             "{}: {what}; no water has seeped yet. To follow what it does all the same: --go-on",
             plan.scene.name
         ))),
-        Ended::Failed(what) => Err(Failure::RunFailed(format!("{what}; what was computed is in {}", folder.display()))),
+        Ended::Failed(what) => {
+            Err(Failure::RunFailed(format!("{what}; what was computed is in {}", folder.path().display())))
+        }
         Ended::Collapsed | Ended::TimeOver | Ended::Stopped => Ok(()),
     }
 }
@@ -221,25 +239,11 @@ fn one(options: &Options, common: &Common, plan: &Plan, folder: &Path) -> Result
 pub fn night(folder: &Path) -> Result<Summary, Failure> {
     let scene = plan::scene("levee", &Flags::default(), None).map_err(Failure::RunFailed)?;
     let plan = Plan::new(scene, None, None, true).map_err(Failure::RunFailed)?;
-    writable(folder)?;
-    let mut hooks = Hooks { progress: &mut |_| (), stop: &mut |_| false, folder: None, every: EVERY };
+    inside(folder)?;
+    let mut hooks =
+        Hooks { progress: &mut |_| (), stop: &mut |_| false, folder: None, every: Duration::MAX, trouble: &mut |_| () };
     let run = follow(&plan, &mut hooks, None).map_err(|e| Failure::RunFailed(e.to_string()))?;
     let summary = Summary::of(&plan, &run, None, Manifest::new(&plan.scene, 1));
-    written::write(&plan, &run, &summary, false, folder).map_err(lost)?;
+    written::write(&plan, &run, &summary, false, (folder, folder)).map_err(lost)?;
     Ok(summary)
-}
-
-/// Set by the first Ctrl-C; a second one ends at once.
-fn interrupts() -> Arc<AtomicBool> {
-    let stopped = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stopped);
-    let set = ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(3);
-        }
-        eprintln!("stopping after this look at the soil; once more to stop at once");
-    });
-    // Without a handler Ctrl-C ends the run, as it does everywhere: the checkpoints of every minute remain.
-    drop(set);
-    stopped
 }

@@ -1,8 +1,11 @@
 //! One command per file.
 
 pub mod check;
+pub mod gate;
 pub mod levee;
 pub mod list;
+pub mod merge;
+pub mod mutants;
 pub mod nightly;
 pub mod report;
 pub mod solve;
@@ -12,7 +15,10 @@ pub mod study;
 use std::fs;
 use std::io::Write;
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
+use mpm_verify::files::Folder;
 use serde::Serialize;
 
 /// Why a command did not succeed. The exit codes are 1, 2 and 3.
@@ -29,15 +35,39 @@ pub enum Failure {
     RunFailed(String),
 }
 
-/// Makes a folder and proves that it can be written to, before anything is run.
-fn writable(folder: &Path) -> Result<(), Failure> {
-    let refused = |e: std::io::Error| {
-        Failure::BadInput(format!("--out: expected a folder that can be written to, found {}: {e}", folder.display()))
-    };
-    fs::create_dir_all(folder).map_err(refused)?;
-    let probe = folder.join(".mpm-verify-probe");
-    fs::write(&probe, b"").map_err(refused)?;
-    fs::remove_file(&probe).map_err(refused)
+/// Takes a folder for this process before anything is run, lets `work` write into its stage, and publishes what it wrote if it
+/// succeeds. What could not be written whole is not published.
+fn into_folder<T>(path: &Path, work: impl FnOnce(&Folder) -> Result<T, Failure>) -> Result<T, Failure> {
+    let folder = Folder::take(path).map_err(|e| Failure::BadInput(format!("--out: {e}")))?;
+    let result = work(&folder)?;
+    folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))?;
+    Ok(result)
+}
+
+/// Makes a folder inside one that is taken.
+fn inside(folder: &Path) -> Result<(), Failure> {
+    fs::create_dir_all(folder).map_err(|e| Failure::RunFailed(format!("{}: {e}", folder.display())))
+}
+
+/// Set by the first Ctrl-C; a second one ends at once.
+fn interrupts() -> Arc<AtomicBool> {
+    let stopped = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stopped);
+    let set = ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(3);
+        }
+        eprintln!("stopping at the next look; once more to stop at once");
+    });
+    // Without a handler Ctrl-C ends the run, as it does everywhere: what was kept so far remains.
+    drop(set);
+    stopped
+}
+
+/// The command as it was given, with a flag more.
+fn again_with(flag: &str) -> String {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != flag).collect();
+    format!("mpm-verify {} {flag}", arguments.join(" "))
 }
 
 /// Writes rows as CSV with a header.
@@ -73,4 +103,12 @@ fn print_json<T: Serialize>(value: &T) {
 /// Threads to use.
 fn jobs(asked: usize) -> usize {
     if asked > 0 { asked } else { std::thread::available_parallelism().map_or(1, usize::from) }
+}
+
+/// Parses a time.
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if (0.0..=1e6).contains(&seconds) => Ok(seconds),
+        _ => Err("expected 0 to 1e6 s".to_owned()),
+    }
 }

@@ -1,105 +1,298 @@
-//! `nightly`: everything, compared with the accepted baselines.
+//! `nightly`: everything, compared with the accepted baselines and remembered.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
 
-use mpm_verify::baseline;
+use clap::Args;
+use cpu_time::ProcessTime;
+use mpm_verify::files::{self, Folder};
 use mpm_verify::levee::limits;
-use mpm_verify::report;
-use serde::Serialize;
+use mpm_verify::manifest::Manifest;
+use mpm_verify::nightly::accepted::{self, Accepted};
+use mpm_verify::nightly::history::{self, ENTRY, History};
+use mpm_verify::nightly::measure::{Label, Measure, Tolerance};
+use mpm_verify::nightly::report::{Night, Part, VALUES, stored};
+use mpm_verify::nightly::{collect, moved, nights, report, trends, work};
+use mpm_verify::progress::Progress;
+use mpm_verify::report::ReportError;
+use mpm_verify::study::Runner;
 
-use super::{Failure, check, levee, say, stability, study, writable, write_csv};
+use super::{Failure, check, inside, into_folder, jobs, levee, print_json, say, stability, study};
 use crate::Common;
 
-/// A line of `nightly.csv`.
-#[derive(Debug, Serialize)]
-struct Night {
-    date: String,
-    commit: String,
-    rungs: usize,
-    fallen: usize,
-    drifts: usize,
-    largest_drift: f64,
-    study_cpu_s: f64,
-    limits: usize,
-    limits_fallen: usize,
-    levee_failure_h: Option<f64>,
-    levee_toe_m: Option<f64>,
-    levee_ended: String,
-    levee_limits: usize,
-    levee_limits_fallen: usize,
+/// What a night does.
+#[derive(Debug, Clone, Args)]
+pub struct Options {
+    /// Make what was measured the baselines, for this reason
+    #[arg(long, value_name = "WHY")]
+    accept: Option<String>,
+    /// With --accept: what this night measured, without running anything
+    #[arg(long, value_name = "DIR", requires = "accept")]
+    from: Option<PathBuf>,
+    /// Folder of the baselines, if it is not reference-data/baselines
+    #[arg(long, value_name = "DIR")]
+    baselines: Option<PathBuf>,
+    /// Count no instructions, even where callgrind is installed
+    #[arg(long)]
+    no_instructions: bool,
+    /// Only these parts, as a try: study, ladder, stability, levee, work. Nothing is remembered
+    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', value_parser = ["study", "ladder", "stability", "levee", "work"])]
+    only: Vec<String>,
 }
 
-/// Runs study, ladder, stability and levee; appends a line to `nightly.csv` and writes `accepted.csv`, the baselines as they
-/// would be with these results.
-pub fn run(common: &Common) -> Result<(), Failure> {
-    let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports"));
-    writable(&folder)?;
-    let accuracy = folder.join("accuracy");
-    let study = study::compute(&study::Options::paper(), common, &accuracy)?;
-    // The study's page links to that of the ladder, but does not wait for one that fails.
-    let steps = check::climb(&[], common, &folder.join("ladder"));
-    report::write(&study, &accuracy).map_err(|e| Failure::RunFailed(e.to_string()))?;
-    let steps = steps?;
-    let steps_measured = stability::measure(&stability::Options::default(), common, &folder.join("stability"))?;
-    let levee = levee::night(&folder.join("levee"))?;
-    let drifts = baseline::compare(&study.results);
-    write_csv(&folder.join("drift.csv"), &drifts)?;
-    let (path, rows) = (folder.join("accepted.csv"), baseline::accepted(&study.results));
-    fs::write(&path, rows).map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))?;
-    let (limits, limits_fallen) = study.sweeps.limits();
-    let fallen = steps.iter().filter(|s| !s.held()).count();
-    let drifted = drifts.iter().filter(|d| !d.held()).count();
-    let kept = limits::of(&levee);
-    let night = Night {
-        date: study.manifest.date.clone(),
-        commit: study.manifest.commit.clone(),
-        rungs: steps.len(),
-        fallen,
-        drifts: drifted,
-        largest_drift: drifts.iter().map(|d| d.relative_change).fold(0.0, f64::max),
-        study_cpu_s: study.results.iter().map(|r| r.cpu_s).sum(),
-        limits,
-        limits_fallen,
-        levee_failure_h: levee.failure_start_h,
-        levee_toe_m: levee.toe_x_m,
-        levee_ended: levee.ended.clone(),
-        levee_limits: kept.len(),
-        levee_limits_fallen: kept.iter().filter(|limit| !limit.held()).count(),
-    };
-    append(&folder.join("nightly.csv"), &night)?;
-    let line = format!(
-        "{} of {} rungs held, {drifted} of {} errors drifted, {limits_fallen} of {limits} sweeps fell short, {} of {} limits of \
-         the levee not held",
-        steps.len() - fallen,
-        steps.len(),
-        drifts.len(),
-        night.levee_limits_fallen,
-        night.levee_limits
-    );
-    say(common.quiet, &line);
-    for limit in kept.iter().filter(|limit| !limit.held()) {
-        say(common.quiet, &format!("levee: {}", limit.said()));
+/// Runs the night; or renews the baselines by one that was run.
+pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
+    if options.accept.as_ref().is_some_and(|why| why.trim().is_empty()) {
+        return Err(Failure::BadInput("--accept: expected why, found nothing".to_owned()));
     }
-    stability::verdict(&steps_measured)?;
-    let unfinished = limits::unfinished(&levee.ended, levee.trouble.as_deref());
-    if let Some(how) = &unfinished {
-        say(common.quiet, &format!("levee: {how}"));
+    let (known, file) = accepted::read(options.baselines.as_deref()).map_err(Failure::BadInput)?;
+    if let (Some(why), Some(from)) = (&options.accept, &options.from) {
+        let measures = stored(&from.join(VALUES)).map_err(Failure::BadInput)?;
+        let text =
+            fs::read(from.join("summary.json")).map_err(|e| Failure::BadInput(format!("{}: {e}", from.display())))?;
+        let night: Night =
+            serde_json::from_slice(&text).map_err(|e| Failure::BadInput(format!("{}: {e}", from.display())))?;
+        return accept((&known, file), &measures, (&night.date, &night.commit), (why, from), common);
     }
-    if unfinished.is_some() || fallen + drifted + limits_fallen + night.levee_limits_fallen > 0 {
-        Err(Failure::FellShort(line))
+    let path = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/nightly"));
+    let (night, measures, folder) =
+        into_folder(&path, |folder| whole(options, common, (&known, file.as_deref()), folder))?;
+    if common.json {
+        print_json(&night);
     } else {
-        Ok(())
+        say(common.quiet, &night.markdown());
+        say(common.quiet, &format!("page: {}", folder.join("index.html").display()));
+    }
+    if let Some(why) = &options.accept {
+        return accept((&known, file), &measures, (&night.date, &night.commit), (why, &folder), common);
+    }
+    if night.is_green() {
+        return Ok(());
+    }
+    let mut lines = vec![night.headline()];
+    lines.extend(night.fell.iter().map(|what| format!("fell short: {what}")));
+    lines.extend(night.moved.iter().map(moved::Moved::line));
+    Err(Failure::FellShort(lines.join("\n")))
+}
+
+/// What the parts of a night have found so far.
+struct Findings<'a> {
+    common: &'a Common,
+    folder: &'a Path,
+    only: &'a [String],
+    measures: Vec<Measure>,
+    fell: Vec<String>,
+    parts: Vec<Part>,
+    notes: Vec<String>,
+}
+
+impl Findings<'_> {
+    /// Does a part; what goes wrong in it is told, and takes no other down.
+    fn part(&mut self, name: &str, work: impl FnOnce(&mut Self) -> Result<String, Failure>) {
+        if !self.only.is_empty() && !self.only.iter().any(|only| only == name) {
+            return;
+        }
+        let (cpu, wall) = (ProcessTime::now(), Instant::now());
+        say(self.common.quiet || self.common.json, &format!("{name} ..."));
+        let line = work(self).unwrap_or_else(|failure| {
+            self.fell.push(format!("{name}: {failure}"));
+            "could not be finished".to_owned()
+        });
+        let (cpu_s, wall_s) = (cpu.elapsed().as_secs_f64(), wall.elapsed().as_secs_f64());
+        say(self.common.quiet || self.common.json, &format!("{name}: {line}, {wall_s:.0} s"));
+        self.parts.push(Part { name: name.to_owned(), line, cpu_s, wall_s });
+    }
+
+    fn study(&mut self) -> Result<String, Failure> {
+        let progress = Progress::new("accuracy study", true);
+        let mut runner = Runner::whole(jobs(self.common.jobs), &progress);
+        let study = study::complete(&study::Options::paper(), self.common, &mut runner, &String::new)?;
+        let folder = self.folder.join("accuracy");
+        inside(&folder)?;
+        let page = mpm_verify::report::write(&study, &folder, &folder).map_err(wrong)?;
+        page.save_as(&self.folder.join("index-of-the-study.html")).map_err(wrong)?;
+        self.measures.extend(collect::study(&study.results, &study.sweeps));
+        let (limits, fallen) = study.sweeps.limits();
+        let failed: Vec<&str> = study.results.iter().filter(|r| r.failure.is_some()).map(|r| r.case.as_str()).collect();
+        self.fell.extend(failed.iter().map(|case| format!("study: {case} failed")));
+        if fallen > 0 {
+            self.fell.push(format!("study: {fallen} of {limits} sweeps fell short"));
+        }
+        Ok(format!("{} cases, {} failed; {fallen} of {limits} sweeps fell short", study.results.len(), failed.len()))
+    }
+
+    fn ladder(&mut self) -> Result<String, Failure> {
+        let common = Common { quiet: true, ..self.common.clone() };
+        let climbed = check::climb(&[], &common, false, &self.folder.join("ladder"))?;
+        self.fell.extend(climbed.failed.iter().map(|message| format!("ladder: {message}")));
+        let fallen: Vec<String> =
+            climbed.steps.iter().filter(|s| !s.held()).map(|s| format!("ladder: {}: {}", s.rung, s.reason)).collect();
+        let all = climbed.steps.len() + climbed.failed.len();
+        let line = format!("{} of {all} rungs held", climbed.steps.len() - fallen.len());
+        self.fell.extend(fallen);
+        self.measures.extend(collect::ladder(&climbed.steps));
+        Ok(line)
+    }
+
+    fn stability(&mut self) -> Result<String, Failure> {
+        let common = Common { quiet: true, ..self.common.clone() };
+        let found = stability::measure(&stability::Options::default(), &common, &self.folder.join("stability"))?;
+        if let Err(failure) = stability::verdict(&found) {
+            self.fell.push(failure.to_string());
+        }
+        self.measures.extend(collect::stability(found.matrix(), found.summaries()));
+        Ok(format!("{} schemes in hard cases, {} kinds of limits", found.matrix().len(), found.summaries().len()))
+    }
+
+    fn levee(&mut self) -> Result<String, Failure> {
+        let summary = levee::night(&self.folder.join("levee"))?;
+        let kept = limits::of(&summary);
+        let fallen: Vec<String> = kept.iter().filter(|l| !l.held()).map(|l| format!("levee: {}", l.said())).collect();
+        let line = format!(
+            "{} of {} limits held, failure at {:.3} h",
+            kept.len() - fallen.len(),
+            kept.len(),
+            summary.failure_start_h.unwrap_or(f64::NAN)
+        );
+        self.fell.extend(fallen);
+        if let Some(how) = limits::unfinished(&summary.ended, summary.trouble.as_deref()) {
+            self.fell.push(format!("levee: {how}"));
+        }
+        self.measures.extend(collect::levee(&summary));
+        Ok(line)
+    }
+
+    fn work(&mut self, instructions: bool) -> Result<String, Failure> {
+        let program = std::env::current_exe().ok().filter(|_| instructions);
+        let (measures, notes) = work::counts(program.as_deref()).map_err(Failure::RunFailed)?;
+        let line = format!("{} counts of {} gates", measures.len(), work::GATES.len());
+        self.measures.extend(measures);
+        self.notes.extend(notes);
+        Ok(line)
     }
 }
 
-/// Appends a row, with a header if the file is new or has another one.
-fn append(path: &std::path::Path, night: &Night) -> Result<(), Failure> {
-    let lost = |e: String| Failure::RunFailed(format!("{}: {e}", path.display()));
-    let known = fs::read_to_string(path).unwrap_or_default();
-    let new = !known.lines().any(|line| line.ends_with("levee_ended,levee_limits,levee_limits_fallen"));
-    let file = fs::OpenOptions::new().create(true).append(true).open(path).map_err(|e| lost(e.to_string()))?;
-    let mut writer = csv::WriterBuilder::new().has_headers(new).from_writer(file);
-    writer.serialize(night).map_err(|e| lost(e.to_string()))?;
-    writer.flush().map_err(|e| lost(e.to_string()))
+fn wrong(error: ReportError) -> Failure {
+    Failure::RunFailed(error.to_string())
+}
+
+/// Runs all parts, compares, remembers. Returns the folder of the night, too.
+fn whole(
+    options: &Options,
+    common: &Common,
+    (known, file): (&[Accepted], Option<&Path>),
+    folder: &Folder,
+) -> Result<(Night, Vec<Measure>, PathBuf), Failure> {
+    let (cpu, wall) = (ProcessTime::now(), Instant::now());
+    let manifest = Manifest::new(&mpm_verify::scenes::terzaghi(), jobs(common.jobs));
+    let day = manifest.date.split('T').next().unwrap_or_default().to_owned();
+    let name = (1..).map(|n| if n == 1 { day.clone() } else { format!("{day}-{n}") });
+    let name = name.into_iter().find(|name| !folder.path().join(name).exists()).unwrap_or(day);
+    let own = folder.stage().join(&name);
+    inside(&own)?;
+    let history_path = folder.path().join(history::NAME);
+    let mut history = History::read(&history_path).map_err(Failure::BadInput)?;
+    let mut found = Findings {
+        common,
+        folder: &own,
+        only: &options.only,
+        measures: Vec::new(),
+        fell: Vec::new(),
+        parts: Vec::new(),
+        notes: Vec::new(),
+    };
+    found.part("study", Findings::study);
+    found.part("ladder", Findings::ladder);
+    found.part("stability", Findings::stability);
+    found.part("levee", Findings::levee);
+    found.part("work", |found| found.work(!options.no_instructions));
+    let Findings { mut measures, fell, parts, mut notes, .. } = found;
+    let entry = format!("{} {}", manifest.date, manifest.commit);
+    let known = comparable(known, &measures, options, &mut notes);
+    let moved = moved::moved(&known, &measures, &history, &entry);
+    if file.is_none() {
+        notes.push("The accepted numbers are those that the program was built with.".to_owned());
+    }
+    let judged = measures.iter().filter(|m| m.label != Label::Time);
+    let mut night = Night {
+        verdict: String::new(),
+        compared: judged.clone().count(),
+        counts: judged.filter(|m| m.label == Label::Count).count(),
+        moved,
+        fell,
+        cpu_s: cpu.elapsed().as_secs_f64(),
+        wall_s: wall.elapsed().as_secs_f64(),
+        date: manifest.date.clone(),
+        commit: manifest.commit.clone(),
+        baselines: file.map_or_else(|| "built in".to_owned(), |file| file.display().to_string()),
+        parts,
+        notes,
+        manifest,
+    };
+    (if night.is_green() { "green" } else { "red" }).clone_into(&mut night.verdict);
+    report::write(&night, &measures, &own).map_err(wrong)?;
+    if options.only.is_empty() {
+        let off = night.moved.len() as f64;
+        measures.push(Measure::new(ENTRY.0, ENTRY.1, Label::Count, off, Tolerance::relative(0.0)));
+        history.note(&entry, &measures);
+        measures.pop();
+        let text = history.text(&history_path).map_err(Failure::RunFailed)?;
+        let path = folder.stage().join(history::NAME);
+        fs::write(&path, text).map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))?;
+        let pages = folder.stage().join("trends");
+        inside(&pages)?;
+        trends::write(&history, &pages).map_err(wrong)?;
+        nights::write(folder.path(), (&name, &night), folder.stage()).map_err(wrong)?;
+    }
+    Ok((night, measures, folder.path().join(name)))
+}
+
+/// The accepted numbers that this night can be held to: those of parts that were run, instructions of the same compiler.
+fn comparable(known: &[Accepted], measures: &[Measure], options: &Options, notes: &mut Vec<String>) -> Vec<Accepted> {
+    let is_count = mpm_verify::nightly::instructions::is_count;
+    let counted = |row: &Accepted| measures.iter().any(|m| m.is_of(&row.case, &row.quantity));
+    let (counts, mut others): (Vec<Accepted>, Vec<Accepted>) =
+        known.iter().cloned().partition(|row| is_count(&row.quantity));
+    let (same, other): (Vec<Accepted>, Vec<Accepted>) = counts.into_iter().partition(counted);
+    if let Some(row) = other.first() {
+        notes.push(format!("{} accepted {} are not compared: not counted in this night.", other.len(), row.quantity));
+    }
+    others.extend(same);
+    if !options.only.is_empty() {
+        others.retain(counted);
+    }
+    others
+}
+
+/// Renews the baselines.
+fn accept(
+    (known, file): (&[Accepted], Option<PathBuf>),
+    measures: &[Measure],
+    (date, commit): (&str, &str),
+    (why, night): (&str, &Path),
+    common: &Common,
+) -> Result<(), Failure> {
+    let Some(file) = file else {
+        let folder = accepted::FOLDER;
+        return Err(Failure::BadInput(format!("--accept: expected {folder} here, or --baselines DIR, found neither")));
+    };
+    let (mut rows, new) = accepted::renewed(known, measures, (date, commit), why);
+    // What this night could not count, another may.
+    let is_count = mpm_verify::nightly::instructions::is_count;
+    let elsewhere =
+        known.iter().filter(|row| is_count(&row.quantity) && !rows.iter().any(|r| r.quantity == row.quantity));
+    let elsewhere: Vec<Accepted> = elsewhere.cloned().collect();
+    rows.extend(elsewhere);
+    let gone = known.iter().filter(|row| !rows.iter().any(|r| (&r.case, &r.quantity) == (&row.case, &row.quantity)));
+    let gone = gone.count();
+    accepted::write(&rows, &file).map_err(Failure::RunFailed)?;
+    let ladder = night.join("ladder/accepted.csv");
+    if let (Ok(text), Some(folder)) = (fs::read(&ladder), file.parent()) {
+        let path = folder.join("ladder.csv");
+        files::write(&path, &text).map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))?;
+    }
+    let line = format!("{new} new or moved numbers accepted, {gone} gone, {} in all: {}", rows.len(), file.display());
+    say(common.quiet, &line);
+    Ok(())
 }

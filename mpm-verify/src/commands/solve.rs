@@ -1,24 +1,27 @@
 //! `solve`: one scene file, its history and summary.
 
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use mpm_core::drive::{Run, Sample};
 use mpm_core::hardware::Hardware;
-use mpm_core::run::{StartError, outline_parts, run_on};
+use mpm_core::run::{StartError, outline_parts, run_attended};
 use mpm_core::scene::{Flags, Integrator, Scene};
 use mpm_core::seeding;
 use mpm_core::stability::stable_limit;
 use mpm_core::step::Work;
+use mpm_verify::checkpoint;
 use mpm_verify::exact::layered::Layered;
 use mpm_verify::exact::terzaghi::Terzaghi;
+use mpm_verify::files::Folder;
+use mpm_verify::keeping::{self, Keeping, Notes};
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 use mpm_verify::report::maps;
 use serde::Serialize;
 
-use super::{Failure, print_json, say, writable, write_csv, write_json};
+use super::{Failure, again_with, interrupts, into_folder, print_json, say, write_csv, write_json};
 use crate::Common;
 
 /// What to solve.
@@ -41,6 +44,12 @@ pub struct Options {
     /// Threads of an explicit run in plane strain; without it all, if the scene is large enough for them to pay
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
     threads: Option<u16>,
+    /// Go on from the checkpoint of a run that was stopped or killed; from the start if there is none
+    #[arg(long)]
+    resume: bool,
+    /// Seconds between checkpoints
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = super::seconds)]
+    checkpoint_every: f64,
 }
 
 /// A row of history.csv.
@@ -206,11 +215,61 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         say(common.quiet || common.json, &format!("--integrator {integrator}: left out {}", scene.left_out.join(", ")));
     }
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports").join(&scene.name));
-    writable(&folder)?;
-    let progress = Progress::new(&scene.name, common.quiet);
     let hardware = Hardware::suiting(&scene, options.threads.map(usize::from)).map_err(Failure::BadInput)?;
+    let solved = into_folder(&folder, |folder| solve(options, common, (&scene, &hardware), folder))?;
+    match (&solved.failure, solved.stopped) {
+        (Some(failure), _) => Err(Failure::RunFailed(format!("{}: {failure}", scene.name))),
+        (None, true) => {
+            Err(Failure::RunFailed(format!("{}: stopped; to go on: {}", scene.name, again_with("--resume"))))
+        }
+        (None, false) => Ok(()),
+    }
+}
+
+/// How a run ended.
+struct Solved {
+    stopped: bool,
+    failure: Option<String>,
+}
+
+/// Runs the scene, and writes what it came to.
+fn solve(
+    options: &Options,
+    common: &Common,
+    (scene, hardware): (&Scene, &Hardware),
+    folder: &Folder,
+) -> Result<Solved, Failure> {
+    let kept = keeping::kept(scene, folder.path());
+    let kept = match (options.resume, kept) {
+        (true, kept) => kept.map_err(|e| Failure::BadInput(e.to_string()))?,
+        (false, Ok(None)) => None,
+        (false, _) => {
+            let note = "found the checkpoint of an earlier run; --resume would go on from it";
+            say(common.quiet || common.json, &format!("{}: {note}", scene.name));
+            None
+        }
+    };
+    let before = kept.as_ref().map_or(Notes::default(), |kept| kept.notes);
+    let progress = Progress::new(&scene.name, common.quiet);
     let (own, all, watch) = (cpu_time::ThreadTime::now(), cpu_time::ProcessTime::now(), Instant::now());
-    let run = run_on(&hardware, &scene, &mut |share| progress.set((share * 1e6) as u64)).map_err(|e| match e {
+    let used = || {
+        // The thread that draws the progress bar is no part of the run.
+        let cpu = if hardware.thread_count() == 1 { own.elapsed() } else { all.elapsed() };
+        Notes { cpu_s: before.cpu_s + cpu.as_secs_f64(), wall_s: before.wall_s + watch.elapsed().as_secs_f64() }
+    };
+    let mut attend = Keeping {
+        scene,
+        folder: folder.path().to_owned(),
+        every: Duration::from_secs_f64(options.checkpoint_every),
+        progress: &mut |share| progress.set((share * 1e6) as u64),
+        stop: interrupts(),
+        used: &used,
+        last: Instant::now(),
+        trouble: None,
+    };
+    let state = kept.map(|kept| kept.state);
+    let run = run_attended(hardware, scene, state, &mut attend).map_err(|e| match e {
+        StartError::State(e) => Failure::BadInput(format!("{}: {e}", folder.path().join(checkpoint::NAME).display())),
         StartError::Step(e) => Failure::BadInput(format!("{}: {e}", options.scene.display())),
         StartError::Load(e) => Failure::BadInput(format!("{}: {e}", options.scene.display())),
         StartError::Place(e) => Failure::BadInput(format!("{}: {e}", options.scene.display())),
@@ -221,26 +280,50 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
             ))
         }
     })?;
-    // The thread that draws the progress bar is no part of the run.
-    let cpu = if hardware.thread_count() == 1 { own.elapsed() } else { all.elapsed() };
-    let times = [cpu, watch.elapsed()].map(|time| time.as_secs_f64());
+    let Notes { cpu_s, wall_s } = used();
     progress.finish();
-    write_csv(&folder.join("history.csv"), &history(&run))?;
-    if scene.profiles {
-        write_csv(&folder.join("profiles.csv"), &profiles(&run))?;
+    if let Some(trouble) = &attend.trouble {
+        if run.stopped {
+            return Err(Failure::RunFailed(format!(
+                "{}: stopped, and the state could not be kept: {trouble}",
+                scene.name
+            )));
+        }
+        eprintln!("the last checkpoint could not be written: {trouble}");
     }
-    let field = field(&run);
+    if run.stopped {
+        return Ok(Solved { stopped: true, failure: None });
+    }
+    write(common, (scene, &run, hardware.thread_count(), [cpu_s, wall_s]), folder)?;
+    // Only once all is written is there nothing to go on from.
+    folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))?;
+    checkpoint::remove(folder.path());
+    Ok(Solved { stopped: false, failure: run.failure.as_ref().map(ToString::to_string) })
+}
+
+/// Writes the files of a run, and says what it came to.
+fn write(
+    common: &Common,
+    (scene, run, threads, times): (&Scene, &Run, usize, [f64; 2]),
+    published: &Folder,
+) -> Result<(), Failure> {
+    let folder = published.stage();
+    write_csv(&folder.join("history.csv"), &history(run))?;
+    if scene.profiles {
+        write_csv(&folder.join("profiles.csv"), &profiles(run))?;
+    }
+    let field = field(run);
     if !field.is_empty() {
         write_csv(&folder.join("field.csv"), &field)?;
     }
-    let water = water(&run);
+    let water = water(run);
     if !water.is_empty() {
         write_csv(&folder.join("water.csv"), &water)?;
     }
-    if maps::shows(&scene) {
-        maps::write_all(&scene, &run, &folder).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    if maps::shows(scene) {
+        maps::write_all(scene, run, folder).map_err(|e| Failure::RunFailed(e.to_string()))?;
     }
-    let summary = summary(&scene, &run, hardware.thread_count(), times);
+    let summary = summary(scene, run, threads, times);
     write_json(&folder.join("summary.json"), &summary)?;
     if common.json {
         print_json(&summary);
@@ -255,15 +338,12 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
             ),
         };
         let end = format!("{work}, settlement {:.6e} m", summary.settlement_final_m);
-        say(common.quiet, &format!("{}: {end}, written to {}", scene.name, folder.display()));
+        say(common.quiet, &format!("{}: {end}, written to {}", scene.name, published.path().display()));
         if let (true, Some(limit)) = (summary.forced, summary.limit_s) {
             say(common.quiet, &format!("forced: step {:.3e} s above the limit {limit:.3e} s", run.dt));
         }
     }
-    match &run.failure {
-        Some(failure) => Err(Failure::RunFailed(format!("{}: {failure}", scene.name))),
-        None => Ok(()),
-    }
+    Ok(())
 }
 
 fn summary<'a>(scene: &'a Scene, run: &'a Run, threads: usize, [cpu_s, wall_s]: [f64; 2]) -> Summary<'a> {

@@ -14,7 +14,7 @@ use mpm_verify::stability::{Limit, checkerboard, limits};
 use mpm_verify::study::word;
 use serde::Serialize;
 
-use super::{Failure, jobs, print_json, say, writable, write_csv, write_json};
+use super::{Failure, inside, into_folder, jobs, print_json, say, write_csv, write_json};
 use crate::Common;
 
 /// What is measured.
@@ -40,6 +40,18 @@ pub struct Findings {
     broken_defaults: Vec<String>,
 }
 
+impl Findings {
+    /// Every scheme in every hard case.
+    pub fn matrix(&self) -> &[MatrixRow] {
+        &self.matrix
+    }
+
+    /// The map, in short.
+    pub fn summaries(&self) -> &[Summary] {
+        &self.map
+    }
+}
+
 /// The measured limit may be this far from the predicted one.
 const AGREEMENT: [f64; 2] = [0.95, 1.25];
 
@@ -47,7 +59,7 @@ const AGREEMENT: [f64; 2] = [0.95, 1.25];
 /// `stability.json`; falls short if `auto` would not be safe, a measured limit is not that of the theory, or a default breaks.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/stability"));
-    let findings = measure(options, common, &folder)?;
+    let findings = into_folder(&folder, |folder| measure(options, common, folder.stage()))?;
     if common.json {
         print_json(&findings);
     }
@@ -57,7 +69,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
 /// Measures, writes and prints.
 pub fn measure(options: &Options, common: &Common, folder: &Path) -> Result<Findings, Failure> {
     let cases = chosen(&options.cases)?;
-    writable(&folder.join("plots"))?;
+    inside(&folder.join("plots"))?;
     let quiet = common.quiet || common.json;
     let mut findings = Findings {
         limits: Vec::new(),

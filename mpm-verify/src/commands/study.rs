@@ -1,23 +1,29 @@
 //! `study`, the main job.
 
+use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use mpm_core::scene::{DarcyChoice, Dimension, Integrator, LoadOn, Scene, ShapeChoice, StepChoice};
 use mpm_verify::budget::budgets;
+use mpm_verify::checkpoint::BUILD;
 use mpm_verify::claims::{judge, judge_others};
 use mpm_verify::cost::measure;
+use mpm_verify::files::Folder;
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 use mpm_verify::report::{self, Study};
-use mpm_verify::study::{CaseResult, Family, INTEGRATORS, MESHES, Plan, TOLERANCE, Variant};
+use mpm_verify::study::{CaseResult, Family, INTEGRATORS, MESHES, Plan, Runner, Share, Store, TOLERANCE, Variant};
 use mpm_verify::sweeps::Sweeps;
 
-use super::{Failure, jobs, print_json, say, writable};
+use serde::{Deserialize, Serialize};
+
+use super::{Failure, again_with, interrupts, into_folder, jobs, print_json, say, write_json};
 use crate::Common;
 
 /// What the study varies.
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct Options {
     /// Scene file to start from; the paper's Table 1 without one
     #[arg(long, value_name = "SCENE.toml")]
@@ -48,6 +54,7 @@ pub struct Options {
     width: Width,
     /// Time step of explicit and semi-implicit runs: `auto`, `paper` (1e-7 s) or seconds
     #[arg(long, value_parser = step, value_name = "STEP")]
+    #[serde(skip)]
     dt: Option<StepChoice>,
     /// Run steps above the stability limit all the same
     #[arg(long)]
@@ -61,15 +68,37 @@ pub struct Options {
     /// Leave out the timing of steps along several paths
     #[arg(long)]
     no_cost: bool,
+    /// Leave out all that differs from run to run: times, date, processor, threads. The report then depends on the program
+    /// and on what is varied alone
+    #[arg(long)]
+    pub no_times: bool,
+    /// Go on with a study that was stopped or killed: what is done is taken over
+    #[arg(long)]
+    #[serde(skip)]
+    resume: bool,
+    /// Only list the cases, as JSON with --json
+    #[arg(long)]
+    #[serde(skip)]
+    list_cases: bool,
+    /// Only every N-th case from the I-th on, without a report: `mpm-verify merge` makes it of all shares
+    #[arg(long, value_name = "I/N", value_parser = share)]
+    #[serde(skip)]
+    shard: Option<Share>,
+    /// Text of the scene, where it is known without its file.
+    #[arg(skip)]
+    #[serde(skip)]
+    text: Option<String>,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum Load {
     Particles,
     Surface,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum Clock {
     Explicit,
     SemiImplicit,
@@ -86,7 +115,8 @@ impl From<Clock> for Integrator {
     }
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum Scheme {
     Centre,
     Linear,
@@ -105,13 +135,15 @@ impl From<Scheme> for ShapeChoice {
     }
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum Darcy {
     Face,
     Nodal,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum Width {
     Column,
     Full,
@@ -125,6 +157,14 @@ fn step(text: &str) -> Result<StepChoice, String> {
             Ok(dt) if dt.is_finite() && dt > 0.0 => Ok(StepChoice::Fixed(dt)),
             _ => Err("expected auto, paper or a step above 0 s".to_owned()),
         },
+    }
+}
+
+fn share(text: &str) -> Result<Share, String> {
+    let numbers = text.split_once('/').and_then(|(which, of)| Some((which.parse().ok()?, of.parse().ok()?)));
+    match numbers {
+        Some((which, of)) if (1..=of).contains(&which) && of <= 1_000_000 => Ok(Share::Part { which, of }),
+        _ => Err("expected I/N with 1 <= I <= N <= 1000000, as in 3/8".to_owned()),
     }
 }
 
@@ -158,13 +198,33 @@ impl Options {
             no_budget: false,
             no_sweeps: false,
             no_cost: false,
+            no_times: false,
+            resume: false,
+            list_cases: false,
+            shard: None,
+            text: None,
         }
     }
 
     fn plan(&self, common: &Common) -> Result<Plan, Failure> {
-        let mut base = match &self.scene {
-            Some(path) => load_scene(path)?,
-            None => mpm_verify::scenes::terzaghi(),
+        self.plan_for(jobs(common.jobs))
+    }
+
+    /// The options of a recipe.
+    pub fn of(recipe: &Recipe) -> Result<Self, Failure> {
+        let dt = recipe.step.as_deref().map(step).transpose().map_err(Failure::BadInput)?;
+        Ok(Self { dt, text: recipe.scene.clone(), ..recipe.options.clone() })
+    }
+
+    fn plan_for(&self, jobs: usize) -> Result<Plan, Failure> {
+        let mut base = match (&self.text, &self.scene) {
+            (Some(text), path) => {
+                // A scene of the user's own, wherever its file is now.
+                let name = path.as_ref().map_or("scene".into(), |path| path.to_string_lossy());
+                Scene::parse(text, &name).map_err(|e| Failure::BadInput(e.to_string()))?
+            }
+            (None, Some(path)) => load_scene(path)?,
+            (None, None) => mpm_verify::scenes::terzaghi(),
         };
         if let Width::Full = self.width {
             base.dimension = Dimension::PlaneStrain;
@@ -189,7 +249,7 @@ impl Options {
             loads: loads.collect(),
             tolerance: self.tolerance,
             budget: !self.no_budget && self.load.iter().any(|l| matches!(l, Load::Surface)),
-            jobs: jobs(common.jobs),
+            jobs,
         })
     }
 }
@@ -212,16 +272,46 @@ impl Options {
     }
 }
 
-/// Runs the study and writes its report.
+/// Runs the study and writes its report; or lists its cases, or runs a share of them.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
-    let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/accuracy"));
-    let study = compute(options, common, &folder)?;
-    let write = |e: report::ReportError| Failure::RunFailed(e.to_string());
-    report::write(&study, &folder).map_err(write)?;
+    let path = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/accuracy"));
+    if options.list_cases {
+        return list(options, common);
+    }
+    let study = into_folder(&path, |folder| {
+        let store = open(options, folder.path())?;
+        let progress = Progress::new("accuracy study", common.quiet);
+        let mut runner = Runner {
+            store: Some(store),
+            stop: interrupts(),
+            share: options.shard.unwrap_or(Share::All),
+            times: !options.no_times,
+            ..Runner::whole(jobs(common.jobs), &progress)
+        };
+        if options.shard.is_some() {
+            return shard(options, common, &mut runner, folder).map(|()| None);
+        }
+        let study = complete(options, common, &mut runner, &|| again_with("--resume"))?;
+        let page = report::write(&study, folder.stage(), folder.path()).map_err(wrong)?;
+        folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))?;
+        page.save(folder.path()).map_err(wrong)?;
+        // The report holds all of it.
+        let _ = fs::remove_dir_all(folder.path().join(CASES));
+        Ok(Some(study))
+    })?;
+    study.map_or(Ok(()), |study| told(&study, common, &path))
+}
+
+fn wrong(error: report::ReportError) -> Failure {
+    Failure::RunFailed(error.to_string())
+}
+
+/// Says what a study has come to.
+pub fn told(study: &Study, common: &Common, folder: &Path) -> Result<(), Failure> {
     if common.json {
         print_json(&study.results.iter().filter(|r| r.variant == Variant::Base).collect::<Vec<_>>());
     } else {
-        summary(&study, &folder, common.quiet);
+        summary(study, folder, common.quiet);
     }
     match study.results.iter().find_map(|r| r.failure.as_ref().map(|f| format!("{}: {f}", r.case))) {
         Some(failure) => Err(Failure::RunFailed(failure)),
@@ -229,21 +319,148 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     }
 }
 
-/// Runs the study; checks the folder before the first step.
-pub fn compute(options: &Options, common: &Common, folder: &Path) -> Result<Study, Failure> {
-    let plan = options.plan(common)?;
-    writable(folder)?;
-    let progress = Progress::new("accuracy study", common.quiet);
+/// Folder of the finished cases.
+pub const CASES: &str = "cases";
+
+/// The finished cases of a folder; none of them unless a study is to be resumed.
+fn open(options: &Options, folder: &Path) -> Result<Store, Failure> {
+    let cases = folder.join(CASES);
+    if !options.resume {
+        let gone = fs::remove_dir_all(&cases);
+        if let Err(e) = gone.or_else(|e| if e.kind() == ErrorKind::NotFound { Ok(()) } else { Err(e) }) {
+            return Err(Failure::BadInput(format!("{}: {e}", cases.display())));
+        }
+    }
+    Store::open(&[&cases]).map_err(|e| Failure::BadInput(format!("{}: {e}", cases.display())))
+}
+
+/// Lists the cases.
+fn list(options: &Options, common: &Common) -> Result<(), Failure> {
+    let quiet = Progress::new("", true);
+    let mut runner = Runner { lists: true, ..Runner::whole(1, &quiet) };
+    ran(options, &mut runner)?;
+    if common.json {
+        print_json(&runner.listed);
+    } else {
+        for one in &runner.listed {
+            say(false, &one.case);
+        }
+    }
+    Ok(())
+}
+
+/// Runs a share of the cases, and says in `shard.json` that it is done.
+fn shard(options: &Options, common: &Common, runner: &mut Runner, folder: &Folder) -> Result<(), Failure> {
     let start = std::time::Instant::now();
-    let results = plan.run(&progress).map_err(Failure::BadInput)?;
-    progress.finish();
+    let (results, _) = ran(options, runner)?;
+    let (Share::Part { which, of }, listed) = (runner.share, &runner.listed) else { return Ok(()) };
+    let own: Vec<&str> = listed.iter().skip(which - 1).step_by(of).map(|one| one.case.as_str()).collect();
+    let missing: Vec<&str> = own.iter().filter(|own| runner.missing.iter().any(|m| m == *own)).copied().collect();
+    whole(&missing, own.len(), runner, &|| again_with("--resume"))?;
+    let failed: Vec<String> = results.iter().filter(|r| r.failure.is_some()).map(|r| r.case.clone()).collect();
+    let done = Shard {
+        shard: which,
+        of,
+        cases: own.len(),
+        taken_over: runner.taken_over,
+        failed,
+        wall_s: start.elapsed().as_secs_f64(),
+        recipe: Recipe::new(options)?,
+    };
+    write_json(&folder.stage().join(SHARD), &done)?;
+    let text = format!("{} of {} cases, share {which} of {of}: {}", own.len(), listed.len(), folder.path().display());
+    say(common.quiet || common.json, &text);
+    if common.json {
+        print_json(&done);
+    }
+    Ok(())
+}
+
+/// Name of the file that says that a share is done.
+pub const SHARD: &str = "shard.json";
+
+/// A share that is done.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Shard {
+    /// Number of the share, from 1.
+    pub shard: usize,
+    /// Shares.
+    pub of: usize,
+    /// Its cases.
+    pub cases: usize,
+    /// Those that were done before.
+    pub taken_over: usize,
+    /// Its cases that failed.
+    pub failed: Vec<String>,
+    /// Time on the clock, s.
+    pub wall_s: f64,
+    /// What the study varies.
+    pub recipe: Recipe,
+}
+
+/// All that a study depends on, for whoever puts its shares together.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Recipe {
+    /// The program.
+    pub build: String,
+    /// What is varied.
+    pub options: Options,
+    /// `--dt` in words.
+    pub step: Option<String>,
+    /// Text of the scene, if it is one of the user's own.
+    pub scene: Option<String>,
+}
+
+impl Recipe {
+    fn new(options: &Options) -> Result<Self, Failure> {
+        let read = |path: &PathBuf| {
+            fs::read_to_string(path).map_err(|e| Failure::BadInput(format!("{}: {e}", path.display())))
+        };
+        Ok(Self {
+            build: BUILD.to_owned(),
+            // The name of its file alone: it may stand elsewhere on another machine.
+            options: Options {
+                scene: options.scene.as_ref().and_then(|path| path.file_name()).map(PathBuf::from),
+                ..options.clone()
+            },
+            step: options.dt.map(|step| match step {
+                StepChoice::Auto => "auto".to_owned(),
+                StepChoice::Paper => "paper".to_owned(),
+                StepChoice::Fixed(step) => format!("{step:?}"),
+            }),
+            scene: options.scene.as_ref().map(read).transpose()?,
+        })
+    }
+}
+
+/// Runs or takes over every case, and puts the study together.
+///
+/// # Errors
+/// Cases that are missing, with the command that goes `on`.
+pub fn complete(
+    options: &Options,
+    common: &Common,
+    runner: &mut Runner,
+    on: &dyn Fn() -> String,
+) -> Result<Study, Failure> {
+    let start = std::time::Instant::now();
+    let (results, sweeps) = ran(options, runner)?;
+    runner.progress.finish();
+    let missing: Vec<&str> = runner.missing.iter().map(String::as_str).collect();
+    whole(&missing, runner.listed.len(), runner, on)?;
+    let plan = options.plan(common)?;
+    let times = !options.no_times;
     let wall = start.elapsed().as_secs_f64();
-    let cpu: f64 = results.iter().map(|r| r.cpu_s).sum();
-    let mut notes = vec![format!("{} runs, {cpu:.1} s of CPU time, {wall:.1} s on the clock.", results.len())];
-    for integrator in ["explicit", "semi-implicit", "quasi-static"] {
-        let own: Vec<f64> = results.iter().filter(|r| r.integrator == integrator).map(|r| r.cpu_s).collect();
-        if !own.is_empty() {
-            notes.push(format!("{integrator}: {} runs, {:.3} s of CPU time.", own.len(), own.iter().sum::<f64>()));
+    let mut notes = vec![told_of(&results, times, wall)];
+    if runner.taken_over > 0 && times {
+        notes.push(format!("{} cases were done before and taken over.", runner.taken_over));
+    }
+    if times {
+        for integrator in ["explicit", "semi-implicit", "quasi-static"] {
+            let own: Vec<f64> = results.iter().filter(|r| r.integrator == integrator).map(|r| r.cpu_s).collect();
+            if !own.is_empty() {
+                notes.push(format!("{integrator}: {} runs, {:.3} s of CPU time.", own.len(), own.iter().sum::<f64>()));
+            }
         }
     }
     let forced = results.iter().filter(|r| r.forced).count();
@@ -251,23 +468,62 @@ pub fn compute(options: &Options, common: &Common, folder: &Path) -> Result<Stud
         notes.push(format!("{forced} runs were forced above their stability limit."));
     }
     notes.extend(plan.left_out());
-    let quasi_static = plan.families.iter().any(|f| f.integrator == Integrator::QuasiStatic);
-    let sweeps = if options.no_sweeps || !quasi_static { Sweeps::default() } else { swept(&plan, common, &mut notes) };
+    if sweeps.count() > 0 {
+        let cpu = if times { format!(", {:.1} s of CPU time", sweeps.cpu_s) } else { String::new() };
+        notes.push(format!("Sweeps: {} runs{cpu}.", sweeps.count()));
+    }
     let (budgets, claims, other_claims) = (budgets(&results), judge(&results), judge_others(&results));
-    let costs = if options.no_cost { Vec::new() } else { measure() };
+    let costs = if options.no_cost || !times { Vec::new() } else { measure() };
     let manifest = Manifest::new(&plan.base, plan.jobs);
+    let manifest = if times { manifest } else { manifest.without_times("study --no-times") };
     Ok(Study { manifest, results, budgets, claims, other_claims, sweeps, costs, notes })
 }
 
-/// Runs the sweeps and notes their time.
-fn swept(plan: &Plan, common: &Common, notes: &mut Vec<String>) -> Sweeps {
-    let start = std::time::Instant::now();
-    let progress = Progress::new("sweeps", common.quiet);
-    let sweeps = Sweeps::run(&plan.base, plan.jobs, &progress);
-    progress.finish();
-    let (count, wall) = (sweeps.count(), start.elapsed().as_secs_f64());
-    notes.push(format!("Sweeps: {count} runs, {:.1} s of CPU time, {wall:.1} s on the clock.", sweeps.cpu_s));
-    sweeps
+fn told_of(results: &[CaseResult], times: bool, wall: f64) -> String {
+    if !times {
+        return format!("{} runs; times are left out.", results.len());
+    }
+    let cpu: f64 = results.iter().map(|r| r.cpu_s).sum();
+    format!("{} runs, {cpu:.1} s of CPU time, {wall:.1} s on the clock.", results.len())
+}
+
+/// Runs the cases of the study and of its sweeps that a runner is to run.
+fn ran(options: &Options, runner: &mut Runner) -> Result<(Vec<CaseResult>, Sweeps), Failure> {
+    let plan = options.plan_for(runner.jobs)?;
+    let results = plan.run_by(runner).map_err(Failure::BadInput)?;
+    let quasi_static = plan.families.iter().any(|f| f.integrator == Integrator::QuasiStatic);
+    let sweeps = if options.no_sweeps || !quasi_static {
+        Sweeps::default()
+    } else {
+        Sweeps::run(&plan.base, runner).map_err(Failure::BadInput)?
+    };
+    Ok((results, sweeps))
+}
+
+/// Names that a message lists before it only counts.
+const LISTED: usize = 12;
+
+/// Whether nothing is missing, and all could be kept.
+fn whole(missing: &[&str], all: usize, runner: &Runner, on: &dyn Fn() -> String) -> Result<(), Failure> {
+    if missing.is_empty() {
+        for unkept in &runner.unkept {
+            eprintln!("could not be kept, in case the study is stopped: {unkept}");
+        }
+        return Ok(());
+    }
+    let more = missing.len().saturating_sub(LISTED);
+    let names = missing.iter().take(LISTED).copied().collect::<Vec<_>>().join(", ");
+    let names = if more > 0 { format!("{names} and {more} more") } else { names };
+    let lost = if runner.unkept.is_empty() {
+        String::new()
+    } else {
+        format!("; {} could not be kept: {}", runner.unkept.len(), runner.unkept[0])
+    };
+    Err(Failure::RunFailed(format!(
+        "{} of {all} cases are done{lost}; missing: {names}; to go on: {}",
+        all - missing.len(),
+        on()
+    )))
 }
 
 fn summary(study: &Study, folder: &Path, quiet: bool) {

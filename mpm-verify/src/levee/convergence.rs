@@ -121,7 +121,8 @@ fn of(plan: &Plan, scene: &str) -> Vec<Line> {
         }
         Err(why) => lines.push(trouble(why)),
     }
-    let mut hooks = Hooks { progress: &mut |_| (), stop: &mut |_| false, folder: None, every: Duration::MAX };
+    let mut hooks =
+        Hooks { progress: &mut |_| (), stop: &mut |_| false, folder: None, every: Duration::MAX, trouble: &mut |_| () };
     match follow(plan, &mut hooks, None) {
         Ok(run) => {
             let ends = run.rows.first().zip(run.rows.last()).filter(|_| run.events.collapse_h.is_some());

@@ -74,7 +74,7 @@ pub struct Parts<'a> {
 ///
 /// # Errors
 /// A file that cannot be written, or a template that does not fit.
-pub fn write(parts: Parts, folder: &Path) -> Result<(), ReportError> {
+pub fn write(parts: Parts, (known, folder): (&Path, &Path)) -> Result<(), ReportError> {
     let Parts { plan, run, summary, claims, pictures, further, others } = parts;
     let page = Page {
         title: title(plan, summary),
@@ -85,7 +85,7 @@ pub fn write(parts: Parts, folder: &Path) -> Result<(), ReportError> {
         further,
         assumptions: assumptions::of(&plan.scene, summary),
         manifest: summary.manifest.entries().to_vec(),
-        files: FILES.into_iter().filter(|file| folder.join(file).exists()).collect(),
+        files: FILES.into_iter().filter(|file| folder.join(file).exists() || known.join(file).exists()).collect(),
         animation: folder.join("failure.html").exists(),
     };
     let figures: Vec<Figure> = pictures.iter().map(|p| p.figure.clone()).collect();

@@ -9,9 +9,10 @@ use mpm_core::run::StartError;
 use mpm_core::scene::{Integrator, Scene};
 use mpm_core::stability::choose_step;
 
-use super::checkpoint::{self, Checkpoint, CheckpointError, Notes};
+use super::checkpoint::{Checkpoint, Notes};
 use super::moments::{Album, fixed};
 use super::plan::Plan;
+use crate::checkpoint::CheckpointError;
 use crate::frames::Shot;
 
 /// What is asked and told while a run goes on.
@@ -24,6 +25,8 @@ pub struct Hooks<'a> {
     pub folder: Option<PathBuf>,
     /// Wall time between checkpoints.
     pub every: Duration,
+    /// Called when one could not be written: the run goes on without it.
+    pub trouble: &'a mut dyn FnMut(&CheckpointError),
 }
 
 /// How a run ended.
@@ -110,9 +113,6 @@ pub fn follow(plan: &Plan, hooks: &mut Hooks, resume: Option<Checkpoint>) -> Res
         None => run.go_on(hooks)?,
     };
     let Running { driver, album, cpu_before_s, clock, particles, mass_kg, .. } = run;
-    if let (Some(folder), false) = (&hooks.folder, ended == Ended::Stopped) {
-        checkpoint::remove(folder);
-    }
     Ok(Followed {
         ended,
         events: driver.events,
@@ -145,7 +145,7 @@ fn start(error: StartError) -> FollowError {
         StartError::Step(e) => e.to_string(),
         StartError::Load(e) => e.to_string(),
         StartError::Place(e) => e.to_string(),
-        StartError::MayFail => error.to_string(),
+        StartError::State(_) | StartError::MayFail => error.to_string(),
     })
 }
 
@@ -220,7 +220,11 @@ impl<'a> Running<'a> {
             if let Some(folder) = hooks.folder.clone() {
                 let stop = (hooks.stop)(&self.driver);
                 if stop || saved.elapsed() >= hooks.every {
-                    self.save(&folder)?;
+                    match self.save(&folder) {
+                        Err(e) if stop => return Err(e.into()),
+                        Err(e) => (hooks.trouble)(&e),
+                        Ok(()) => {}
+                    }
                     saved = Instant::now();
                 }
                 if stop {
@@ -236,10 +240,10 @@ impl<'a> Running<'a> {
         }
     }
 
-    fn save(&mut self, folder: &Path) -> Result<(), FollowError> {
+    fn save(&mut self, folder: &Path) -> Result<(), CheckpointError> {
         let cpu_s = self.cpu_before_s + self.clock.elapsed().as_secs_f64();
         let notes = Notes { cpu_s, switched: self.switched, ..Notes::default() };
         let kept = Checkpoint { notes, album: self.album.clone(), state: self.driver.kept() };
-        Ok(kept.write(&self.plan.fingerprint(), folder)?)
+        kept.write(&self.plan.fingerprint(), folder)
     }
 }

@@ -171,7 +171,8 @@ pub fn compute(base: &Base, jobs: usize, tell: &(dyn Fn(&str) + Sync)) -> Vec<Li
 }
 
 fn run(line: Line, scene: &Scene, until_h: Option<f64>) -> Line {
-    let mut hooks = Hooks { progress: &mut |_| (), stop: &mut |_| false, folder: None, every: Duration::MAX };
+    let mut hooks =
+        Hooks { progress: &mut |_| (), stop: &mut |_| false, folder: None, every: Duration::MAX, trouble: &mut |_| () };
     let followed = Plan::new(scene.clone(), None, until_h, false)
         .and_then(|plan| follow(&plan, &mut hooks, None).map_err(|e| e.to_string()));
     match followed {

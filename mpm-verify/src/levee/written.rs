@@ -13,11 +13,17 @@ use crate::frames;
 use crate::report::{ReportError, animation, save, unwritable, vtk};
 
 /// Writes tables, summary, claims, frames, pictures, animation and page; files for ParaView if asked for. Factors of
-/// safety, variants, meshes and drivers of this scene whose tables are in the folder are shown too.
+/// safety, variants, meshes and drivers of this scene whose tables are in the folder `known` are shown too.
 ///
 /// # Errors
 /// A file that cannot be written or drawn.
-pub fn write(plan: &Plan, run: &Followed, summary: &Summary, with_vtk: bool, folder: &Path) -> Result<(), ReportError> {
+pub fn write(
+    plan: &Plan,
+    run: &Followed,
+    summary: &Summary,
+    with_vtk: bool,
+    (known, folder): (&Path, &Path),
+) -> Result<(), ReportError> {
     tables::write(&run.rows, &run.paths, &run.events, plan.levels(), folder)?;
     let path = folder.join("summary.json");
     let text = serde_json::to_string_pretty(summary).map_err(|e| unwritable(&path, e))?;
@@ -39,10 +45,10 @@ pub fn write(plan: &Plan, run: &Followed, summary: &Summary, with_vtk: bool, fol
     fs::create_dir_all(&plots).map_err(|e| unwritable(&plots, e))?;
     let mut pictures = figures::write(plan, run, &plots)?;
     let (word, mut others) = (plan.scene_word(), Vec::new());
-    let factors: Vec<safety::Line> = tables::stored(&folder.join(safety::NAME), &word, &mut others)?;
-    let variants: Vec<sensitivity::Line> = tables::stored(&folder.join(sensitivity::NAME), &word, &mut others)?;
-    let drivers: Vec<drivers::Line> = tables::stored(&folder.join(drivers::NAME), &word, &mut others)?;
-    let meshes: Vec<convergence::Line> = tables::stored(&folder.join(convergence::NAME), &word, &mut others)?;
+    let factors: Vec<safety::Line> = tables::stored(&known.join(safety::NAME), &word, &mut others)?;
+    let variants: Vec<sensitivity::Line> = tables::stored(&known.join(sensitivity::NAME), &word, &mut others)?;
+    let drivers: Vec<drivers::Line> = tables::stored(&known.join(drivers::NAME), &word, &mut others)?;
+    let meshes: Vec<convergence::Line> = tables::stored(&known.join(convergence::NAME), &word, &mut others)?;
     let mut further = Vec::new();
     if !factors.is_empty() {
         pictures.push(safety::picture(&factors, Some(&run.events), &plots)?);
@@ -63,5 +69,5 @@ pub fn write(plan: &Plan, run: &Followed, summary: &Summary, with_vtk: bool, fol
     if !drivers.is_empty() {
         further.push(drivers::shown(&drivers));
     }
-    page::write(Parts { plan, run, summary, claims: &claims, pictures: &pictures, further, others }, folder)
+    page::write(Parts { plan, run, summary, claims: &claims, pictures: &pictures, further, others }, (known, folder))
 }

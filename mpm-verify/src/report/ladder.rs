@@ -42,11 +42,11 @@ struct Page {
 }
 
 /// Writes `ladder_samples.csv` (the finest run of a rung at every sample time), `ladder_refinements.csv` (every run of
-/// every refinement), `<rung>.svg` and `<rung>.csv` (refinement parameter, signed error) for every rung, `notes.csv` if there are notes, `manifest.json` and `index.html`.
+/// every refinement), `<rung>.svg` and `<rung>.csv` (refinement parameter, signed error) for every rung, `notes.csv` if there are notes, `manifest.json` and `index.html`, which links to a `study`'s page above if there is one.
 ///
 /// # Errors
 /// A file that cannot be written or drawn.
-pub fn write(climbs: &[Climb], manifest: &Manifest, folder: &Path) -> Result<(), ReportError> {
+pub fn write(climbs: &[Climb], manifest: &Manifest, study: bool, folder: &Path) -> Result<(), ReportError> {
     let of_one = |climb| std::iter::once(rung::figure(climb)).chain(curves::figure(climb));
     let figures: Vec<Figure> = climbs.iter().flat_map(of_one).collect();
     let drawn = figures.iter().map(|f| plots::write_svg(f, folder)).collect::<Result<Vec<_>, _>>()?;
@@ -77,7 +77,7 @@ pub fn write(climbs: &[Climb], manifest: &Manifest, folder: &Path) -> Result<(),
         notes: notes().next().map(|_| further(climbs)).into_iter().collect(),
         // The scenes are those of the rungs, not one of them.
         manifest: manifest.entries().into_iter().filter(|(name, _)| *name != "scene hash").collect(),
-        study: folder.parent().is_some_and(|above| above.join("accuracy").is_dir()),
+        study,
     };
     let path = folder.join("index.html");
     let html = render(TEMPLATE, serde_json::json!(page), &Picture::all(&figures), (&figures, &drawn), ".");
@@ -239,7 +239,7 @@ mod tests {
         fallen.step.verdict = "fell short".to_owned();
         let folder = tempfile::tempdir().expect("a folder");
         let manifest = Manifest::new(&crate::scenes::terzaghi(), 1);
-        write(&[single, fallen], &manifest, folder.path()).expect("a page");
+        write(&[single, fallen], &manifest, false, folder.path()).expect("a page");
         let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect(name);
         assert!(read("quasi-static-steps.csv").starts_with("mesh_m,error\n0.05,"));
         assert_eq!(read("quasi-static-centre.csv").lines().count(), 4);

@@ -36,6 +36,7 @@ use serde::{Deserialize, Serialize};
 use crate::budget::Budget;
 use crate::claims::{Claim, Judgement};
 use crate::cost::Cost;
+use crate::files;
 use crate::manifest::Manifest;
 use crate::study::CaseResult;
 use crate::sweeps::Sweeps;
@@ -114,12 +115,34 @@ pub(crate) fn save(path: &Path, text: impl AsRef<[u8]>) -> Result<(), ReportErro
     fs::write(path, text).map_err(|e| unwritable(path, e))
 }
 
-/// Writes tables, plots, `report.md`, `study.json` into `folder` (e.g. `reports/accuracy`) and `index.html` into its
-/// parent.
+/// The page of a study, for the folder above that of its report.
+#[derive(Debug)]
+pub struct Page(String);
+
+impl Page {
+    /// Writes `index.html` into the parent of the folder that the report is in.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn save(&self, folder: &Path) -> Result<(), ReportError> {
+        self.save_as(&folder.parent().unwrap_or(folder).join("index.html"))
+    }
+
+    /// Writes it under a name.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn save_as(&self, path: &Path) -> Result<(), ReportError> {
+        files::write(path, self.0.as_bytes()).map_err(|e| unwritable(path, e))
+    }
+}
+
+/// Writes tables, plots, `report.md`, `study.json` into a folder, for a report that will stand in `published` (e.g.
+/// `reports/accuracy`). The page for its parent comes back, to be written when all that it shows is there.
 ///
 /// # Errors
 /// A file that cannot be written or drawn, with its path.
-pub fn write(study: &Study, folder: &Path) -> Result<(), ReportError> {
+pub fn write(study: &Study, folder: &Path, published: &Path) -> Result<Page, ReportError> {
     let pictures = folder.join("plots");
     fs::create_dir_all(&pictures).map_err(|e| unwritable(&pictures, e))?;
     let stored = folder.join("study.json");
@@ -129,12 +152,12 @@ pub fn write(study: &Study, folder: &Path) -> Result<(), ReportError> {
     tables::write(study, folder)?;
     let figures = plots::figures(study);
     let drawn = figures.iter().map(|f| plots::write(f, &pictures)).collect::<Result<Vec<_>, _>>()?;
-    let above = folder.parent().unwrap_or(folder);
+    let above = published.parent().unwrap_or(published);
     let ladder = above.join("ladder/index.html").exists();
     let content = content::Content { ladder, ..content::Content::new(study, &figures) };
     save(&folder.join("report.md"), markdown::page(&content))?;
-    let name = folder.file_name().map_or_else(|| ".".to_owned(), |n| n.to_string_lossy().into_owned());
-    let page = above.join("index.html");
+    let name = published.file_name().map_or_else(|| ".".to_owned(), |n| n.to_string_lossy().into_owned());
     let html = html::page(&content, &figures, &drawn, &name);
-    save(&page, html.map_err(|cause| ReportError::Page { path: page.clone(), cause })?)
+    let page = above.join("index.html");
+    html.map(Page).map_err(|cause| ReportError::Page { path: page, cause })
 }

@@ -170,7 +170,8 @@ fn with_other_integrators() -> Vec<CaseResult> {
 /// Writes a study into a fresh folder; returns the folder, the page and the text of a file in it.
 fn written(results: Vec<CaseResult>) -> (tempfile::TempDir, String) {
     let place = tempfile::tempdir().expect("a folder for a test");
-    write(&study(results), &place.path().join("accuracy")).expect("a report");
+    let folder = place.path().join("accuracy");
+    write(&study(results), &folder, &folder).and_then(|page| page.save(&folder)).expect("a report");
     let page = fs::read_to_string(place.path().join("index.html")).expect("a page");
     (place, page)
 }
@@ -306,7 +307,8 @@ fn a_stored_study_reads_back_with_what_is_not_a_number() {
     let again: Study = serde_json::from_str(&text(&place, "study.json")).expect("a stored study reads back");
     assert!(again.results[0].max_error_terzaghi.is_nan());
     let other = tempfile::tempdir().expect("a folder for a test");
-    write(&again, &other.path().join("accuracy")).expect("a report");
+    let folder = other.path().join("accuracy");
+    write(&again, &folder, &folder).and_then(|page| page.save(&folder)).expect("a report");
     assert_eq!(fs::read_to_string(other.path().join("index.html")).expect("a page"), page);
 }
 
@@ -326,6 +328,7 @@ fn a_folder_that_cannot_be_written_is_named() {
     let place = tempfile::tempdir().expect("a folder for a test");
     let blocked = place.path().join("file");
     fs::write(&blocked, "no folder").expect("a file");
-    let error = write(&study(Vec::new()), &blocked.join("accuracy")).expect_err("a file is no folder");
+    let error = write(&study(Vec::new()), &blocked.join("accuracy"), &blocked.join("accuracy"))
+        .expect_err("a file is no folder");
     assert!(error.to_string().contains("accuracy/plots: cannot be written"), "{error}");
 }

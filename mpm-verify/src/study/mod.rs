@@ -2,27 +2,32 @@
 //! exact solutions of its own model.
 //!
 //! # Reading order
-//! 1. [`plan`]: which cases. 2. This file: run them and compare. 3. [`result`]: what is kept of a case.
+//! 1. [`plan`]: which cases. 2. This file: run one and compare. 3. [`result`]: what is kept of a case. 4. [`runner`]: run many,
+//!    or a share of them. [`store`]: those that are done.
 
 pub mod plan;
 pub mod result;
+pub mod runner;
+pub mod store;
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use cpu_time::ThreadTime;
-use mpm_core::drive::{Run, Sample};
+use mpm_core::drive::{Attend, Run, Sample, Wish};
+use mpm_core::hardware::Hardware;
 use mpm_core::observe::{Ledger, ProfileRow};
-use mpm_core::run::{StartError, run};
+use mpm_core::run::{StartError, run, run_attended};
 use mpm_core::scene::{Integrator, Scene, ShapeChoice};
 use mpm_core::stability::{choose_step, stable_limit};
 use mpm_core::step::Work;
-use rayon::prelude::*;
 use serde::Serialize;
 
 pub use plan::{Case, Extent, Family, INTEGRATORS, MESHES, Plan, SHAPES, TOLERANCE, case_name};
 pub use result::{
     CaseResult, Degree, HistoryPoint, PAPER_FAMILY, Profile, ProfilePoint, Variant, or_nan, shown_family,
 };
+pub use runner::{Listed, Runner, Share, Task};
+pub use store::Store;
 
 use crate::exact::dynamic::DynamicColumn;
 use crate::exact::semidiscrete::SemiDiscrete;
@@ -43,36 +48,15 @@ impl Plan {
     /// # Errors
     /// A step above the stability limit, a load that a scheme does not bear, or a mesh that does not fit, before anything is run.
     pub fn run(&self, progress: &Progress) -> Result<Vec<CaseResult>, String> {
-        let cases = self.cases()?;
-        for case in &cases {
-            case.scene.bears_its_load().map_err(|e| format!("{}: {e}", case.name))?;
-            choose_step(&case.scene).map_err(|e| format!("{}: {e}", case.name))?;
-        }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.jobs).build().map_err(|e| e.to_string())?;
-        let total: f64 = cases.iter().map(|c| plan::work(&c.scene)).sum();
-        let done = AtomicU64::new(0);
-        let mut results: Vec<CaseResult> = pool.install(|| {
-            // One case at a time per thread, in the given order: the long ones first.
-            cases
-                .par_iter()
-                .with_max_len(1)
-                .map(|case| {
-                    let own = plan::work(&case.scene);
-                    let mut before = 0.0;
-                    let result = case.run(&mut |share| {
-                        let more = ((share - before) * own / total * 1e6) as u64;
-                        if more > 0 {
-                            before = share;
-                            progress.set(done.fetch_add(more, Ordering::Relaxed) + more);
-                        }
-                    });
-                    if let Ok(result) = &result {
-                        progress.line(&result.line());
-                    }
-                    result
-                })
-                .collect::<Result<_, _>>()
-        })?;
+        self.run_by(&mut Runner::whole(self.jobs, progress))
+    }
+
+    /// The same by a runner, which may leave cases out.
+    ///
+    /// # Errors
+    /// As [`Plan::run`].
+    pub fn run_by(&self, runner: &mut Runner) -> Result<Vec<CaseResult>, String> {
+        let mut results: Vec<CaseResult> = runner.run(&self.tasks()?)?.into_iter().flatten().collect();
         let place = |r: &CaseResult| {
             let family = |f: &Family| word(f.integrator) == r.integrator && word(f.shape) == r.scheme;
             self.families.iter().position(family)
@@ -84,6 +68,24 @@ impl Plan {
         });
         Ok(results)
     }
+
+    /// All cases as tasks, the longest first.
+    ///
+    /// # Errors
+    /// As [`Plan::run`].
+    pub fn tasks(&self) -> Result<Vec<Task>, String> {
+        let cases = self.cases()?;
+        for case in &cases {
+            case.scene.bears_its_load().map_err(|e| format!("{}: {e}", case.name))?;
+            choose_step(&case.scene).map_err(|e| format!("{}: {e}", case.name))?;
+            comparable(case)?;
+        }
+        let key = |case: &Case| match case.variant {
+            Variant::Base => case.name.clone(),
+            variant => format!("{}-{}", case.name, word(variant)),
+        };
+        Ok(cases.into_iter().map(|case| Task { key: key(&case), case, again: true }).collect())
+    }
 }
 
 /// A case that takes less than this is run again for its time, s.
@@ -94,25 +96,15 @@ const REPETITIONS: usize = 20;
 const PATIENCE: f64 = 0.02;
 
 impl Case {
-    /// Runs the case and compares it with the exact solutions. A case that cannot be started is one that failed.
+    /// Runs the case, a quick one at most some times for its time, and compares it with the exact solutions. A case that
+    /// cannot be started is one that failed; `None` for one that was stopped.
     ///
     /// # Errors
     /// A step above the stability limit, or a scene without water or load.
-    pub fn run(&self, progress: &mut dyn FnMut(f64)) -> Result<CaseResult, String> {
-        self.repeated(REPETITIONS, progress)
-    }
-
-    /// The same with a rough time: a quick case is not run again.
-    ///
-    /// # Errors
-    /// As [`Case::run`].
-    pub fn run_once(&self) -> Result<CaseResult, String> {
-        self.repeated(1, &mut |_| {})
-    }
-
-    fn repeated(&self, at_most: usize, progress: &mut dyn FnMut(f64)) -> Result<CaseResult, String> {
-        let (run, cpu_s) = timed(&self.scene, at_most, progress).map_err(|e| format!("{}: {e}", self.name))?;
-        self.compare(&run, cpu_s)
+    fn watched(&self, at_most: usize, watched: &mut Watched) -> Result<Option<CaseResult>, String> {
+        let ran = timed(&self.scene, at_most, watched).map_err(|e| format!("{}: {e}", self.name))?;
+        let Some((run, cpu_s)) = ran else { return Ok(None) };
+        self.compare(&run, cpu_s).map(Some)
     }
 
     /// Compares a run of the case that took some CPU time (s) with the exact solutions.
@@ -124,16 +116,35 @@ impl Case {
     }
 }
 
-/// Runs a scene and takes its CPU time, s: of a quick one the median of at most some runs.
+/// Tells how far a run has come, and stops it.
+struct Watched<'a> {
+    told: &'a mut dyn FnMut(f64),
+    stop: &'a AtomicBool,
+}
+
+impl Attend for Watched<'_> {
+    fn look(&mut self, share: f64) -> Wish {
+        (self.told)(share);
+        if self.stop.load(Ordering::Relaxed) { Wish::Stop } else { Wish::GoOn }
+    }
+
+    /// A case of a study is done or not.
+    fn keep(&mut self, _: Vec<u8>) {}
+}
+
+/// Runs a scene and takes its CPU time, s: of a quick one the median of at most some runs. `None` if it was stopped.
 ///
 /// # Errors
 /// A step above the stability limit.
-fn timed(scene: &Scene, at_most: usize, progress: &mut dyn FnMut(f64)) -> Result<(Run, f64), StartError> {
+fn timed(scene: &Scene, at_most: usize, watched: &mut Watched) -> Result<Option<(Run, f64)>, StartError> {
     let clock = ThreadTime::now();
-    let first = match run(scene, progress) {
-        Err(StartError::Place(failure)) => return Ok((nothing(scene, failure), clock.elapsed().as_secs_f64())),
+    let first = match run_attended(&Hardware::default(), scene, None, watched) {
+        Err(StartError::Place(failure)) => return Ok(Some((nothing(scene, failure), clock.elapsed().as_secs_f64()))),
         other => other?,
     };
+    if first.stopped {
+        return Ok(None);
+    }
     let mut times = vec![clock.elapsed().as_secs_f64()];
     while times[0] < QUICK && times.len() < at_most && times.iter().sum::<f64>() < PATIENCE {
         let clock = ThreadTime::now();
@@ -141,7 +152,7 @@ fn timed(scene: &Scene, at_most: usize, progress: &mut dyn FnMut(f64)) -> Result
         times.push(clock.elapsed().as_secs_f64());
     }
     times.sort_by(f64::total_cmp);
-    Ok((first, times[times.len() / 2]))
+    Ok(Some((first, times[times.len() / 2])))
 }
 
 /// A run that ended before its first step.
@@ -156,15 +167,21 @@ fn nothing(scene: &Scene, failure: mpm_core::error::RunError) -> Run {
         bytes: 0,
         places: mpm_core::observe::Places::default(),
         failure: Some(failure),
+        stopped: false,
     }
+}
+
+/// Terzaghi's solutions of a case, with incompressible and with compressible water.
+fn comparable(case: &Case) -> Result<[Terzaghi; 2], String> {
+    let missing = || format!("{}: the study needs water, a surcharge on the whole top, tight roller sides", case.name);
+    let incompressible = Terzaghi::incompressible(&case.scene).ok_or_else(missing)?;
+    Ok([incompressible, Terzaghi::compressible(&case.scene).ok_or_else(missing)?])
 }
 
 /// Compares a finished run with the exact solutions of its scene.
 fn compare(case: &Case, run: &Run, cpu_s: f64) -> Result<CaseResult, String> {
     let scene = &case.scene;
-    let missing = || format!("{}: the study needs water, a surcharge on the whole top, tight roller sides", case.name);
-    let terzaghi = Terzaghi::incompressible(scene).ok_or_else(missing)?;
-    let compressible = Terzaghi::compressible(scene).ok_or_else(missing)?;
+    let [terzaghi, compressible] = comparable(case)?;
     // Solutions of a model with inertia, and of cells with one pressure each: only for runs of that model.
     let own_steps = scene.integrator == Integrator::QuasiStatic;
     let dynamic = if own_steps { None } else { DynamicColumn::new(scene) };

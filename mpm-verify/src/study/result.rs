@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::word;
+use super::{Case, word};
+use crate::manifest::scene_hash;
 
 /// How a case differs from the study's own setting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -196,6 +197,49 @@ pub struct CaseResult {
 }
 
 impl CaseResult {
+    /// A case that has no result, and why.
+    pub(super) fn failed(case: &Case, failure: String) -> Self {
+        let scene = &case.scene;
+        let none = f64::NAN;
+        Self {
+            case: case.name.clone(),
+            variant: case.variant,
+            integrator: word(scene.integrator),
+            scheme: word(scene.shape),
+            load: word(scene.surcharge.map(|s| s.on)),
+            mesh_m: scene.cell,
+            ppc: scene.particles_per_cell,
+            particles: scene.solid_particles(),
+            dt_s: none,
+            steps: 0,
+            max_error_terzaghi: none,
+            late_error_terzaghi: none,
+            max_error_compressible: none,
+            late_error_compressible: none,
+            profile_error_compressible: none,
+            profile_error_terzaghi: none,
+            settlement_final_m: none,
+            cell_crossings: 0,
+            cpu_s: 0.0,
+            ns_per_point_step: none,
+            limit_s: none,
+            forced: false,
+            bytes_per_point: 0,
+            dimension: word(scene.dimension),
+            scene_hash: scene_hash(scene),
+            failure: Some(failure),
+            accepted_steps: 0,
+            rejected_steps: 0,
+            factorisations: 0,
+            solves: 0,
+            tolerance: None,
+            strain: word(scene.strain),
+            degrees: Vec::new(),
+            profiles: Vec::new(),
+            history: Vec::new(),
+        }
+    }
+
     /// Integrator and shape functions: `explicit-centre`.
     pub fn family(&self) -> String {
         format!("{}-{}", self.integrator, self.scheme)

@@ -8,17 +8,13 @@
 pub mod places;
 pub mod time;
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
 use mpm_core::scene::{Integrator, LoadOn, Scene, ShapeChoice, Surcharge};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use self::places::{Displacement, Shift};
 use self::time::TimeError;
-use crate::progress::Progress;
 use crate::study::plan::{remesh, set_family};
-use crate::study::{Case, CaseResult, Family, Variant};
+use crate::study::{Case, CaseResult, Family, Runner, Task, Variant};
 
 /// Cell edges of the sweeps, m.
 pub const MESHES: [f64; 2] = [0.10, 0.05];
@@ -43,16 +39,16 @@ pub struct Sweeps {
 }
 
 impl Sweeps {
-    /// Runs all sweeps on the column of a scene with `jobs` threads. Runs that fail are rows without errors.
-    pub fn run(base: &Scene, jobs: usize, progress: &Progress) -> Self {
-        let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(jobs).build() else { return Self::default() };
-        pool.install(|| {
-            let mut cpu_s = 0.0;
-            let time = time::sweep(base, progress, &mut cpu_s);
-            let displaced = places::displaced(base, progress, &mut cpu_s);
-            let shifted = places::shifted(base, progress, &mut cpu_s);
-            Self { displaced, shifted, time, cpu_s }
-        })
+    /// Runs all sweeps on the column of a scene. Runs that fail are rows without errors.
+    ///
+    /// # Errors
+    /// No threads.
+    pub fn run(base: &Scene, runner: &mut Runner) -> Result<Self, String> {
+        let mut cpu_s = 0.0;
+        let time = time::sweep(base, runner, &mut cpu_s)?;
+        let displaced = places::displaced(base, runner, &mut cpu_s)?;
+        let shifted = places::shifted(base, runner, &mut cpu_s)?;
+        Ok(Self { displaced, shifted, time, cpu_s })
     }
 
     /// Rows that must hold a limit, and those of them that fall short.
@@ -76,19 +72,22 @@ fn column(base: &Scene, integrator: Integrator, shape: ShapeChoice, mesh: f64) -
     Ok(scene)
 }
 
-/// Runs scenes in parallel, several times where the time is to be told, and keeps their order.
-fn run_all(scenes: &[Result<Scene, String>], again: bool, progress: &Progress) -> Vec<Result<CaseResult, String>> {
-    let done = AtomicU64::new(0);
-    scenes
-        .par_iter()
-        .with_max_len(1)
-        .map(|scene| {
-            let case = Case { name: "sweep".to_owned(), variant: Variant::Base, scene: scene.clone()? };
-            let result = if again { case.run(&mut |_| {}) } else { case.run_once() };
-            progress.set((done.fetch_add(1, Ordering::Relaxed) + 1) * 1_000_000 / scenes.len() as u64);
-            result
-        })
-        .collect()
+/// Runs scenes, several times where the time is to be told, and keeps their order; `kind` and number are the names.
+fn run_all(
+    scenes: &[Result<Scene, String>],
+    (kind, again): (&str, bool),
+    runner: &mut Runner,
+) -> Result<Vec<Result<CaseResult, String>>, String> {
+    let task = |(number, scene): (usize, &Result<Scene, String>)| {
+        let key = format!("{kind}-{number:03}");
+        let scene = scene.clone()?;
+        Ok(Task { case: Case { name: key.clone(), variant: Variant::Base, scene }, key, again })
+    };
+    let tasks: Vec<Result<Task, String>> = scenes.iter().enumerate().map(task).collect();
+    let ready: Vec<Task> = tasks.iter().flatten().cloned().collect();
+    let mut results = runner.run(&ready)?.into_iter();
+    let missing = || "not run".to_owned();
+    Ok(tasks.into_iter().map(|task| task.and_then(|_| results.next().flatten().ok_or_else(missing))).collect())
 }
 
 /// What a row keeps of a run: largest error, late one, that of the profile, and why there are none.

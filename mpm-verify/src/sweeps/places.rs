@@ -4,8 +4,7 @@ use mpm_core::scene::{Displaced, Integrator, Quadrature, Scene, ShapeChoice};
 use serde::{Deserialize, Serialize};
 
 use super::{MESHES, PARTICLES, REQUIRED, column, errors, run_all};
-use crate::progress::Progress;
-use crate::study::{or_nan, word};
+use crate::study::{Runner, or_nan, word};
 
 /// Amplitudes of smooth displacements, in particle spacings.
 pub const SMOOTH: [f64; 5] = [0.0, 0.125, 0.25, 0.375, 0.5];
@@ -106,7 +105,10 @@ fn required(shape: ShapeChoice, quadrature: Quadrature, mesh: f64) -> Option<f64
 }
 
 /// Runs every displacement with every scheme on both meshes.
-pub fn displaced(base: &Scene, progress: &Progress, cpu_s: &mut f64) -> Vec<Displacement> {
+///
+/// # Errors
+/// No threads.
+pub fn displaced(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec<Displacement>, String> {
     let mut cases = Vec::new();
     for mesh in MESHES {
         for (shape, quadrature) in SCHEMES {
@@ -121,7 +123,7 @@ pub fn displaced(base: &Scene, progress: &Progress, cpu_s: &mut f64) -> Vec<Disp
         Ok(scene)
     };
     let scenes: Vec<Result<Scene, String>> = cases.iter().map(scene).collect();
-    let results = run_all(&scenes, false, progress);
+    let results = run_all(&scenes, ("displaced", false), runner)?;
     *cpu_s += results.iter().flatten().map(|r| r.cpu_s).sum::<f64>();
     let row = |((mesh, shape, quadrature, kind, d), result): (&(f64, _, _, &str, Displaced), _)| {
         let (max, late, profile, failure) = errors(result);
@@ -143,11 +145,14 @@ pub fn displaced(base: &Scene, progress: &Progress, cpu_s: &mut f64) -> Vec<Disp
             failure,
         }
     };
-    cases.iter().zip(&results).map(row).collect()
+    Ok(cases.iter().zip(&results).map(row).collect())
 }
 
 /// Runs every offset of the mesh with `bspline2`, fitted weights, on both meshes.
-pub fn shifted(base: &Scene, progress: &Progress, cpu_s: &mut f64) -> Vec<Shift> {
+///
+/// # Errors
+/// No threads.
+pub fn shifted(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec<Shift>, String> {
     let (shape, quadrature) = SCHEMES[0];
     let cases: Vec<(f64, f64)> = MESHES.iter().flat_map(|mesh| SHIFTS.map(|shift| (*mesh, shift))).collect();
     let scene = |(mesh, shift): &(f64, f64)| {
@@ -156,7 +161,7 @@ pub fn shifted(base: &Scene, progress: &Progress, cpu_s: &mut f64) -> Vec<Shift>
         Ok(scene)
     };
     let scenes: Vec<Result<Scene, String>> = cases.iter().map(scene).collect();
-    let results = run_all(&scenes, false, progress);
+    let results = run_all(&scenes, ("shifted", false), runner)?;
     *cpu_s += results.iter().flatten().map(|r| r.cpu_s).sum::<f64>();
     let row = |((mesh, shift), result): (&(f64, f64), _)| {
         let (max, late, profile, failure) = errors(result);
@@ -175,7 +180,7 @@ pub fn shifted(base: &Scene, progress: &Progress, cpu_s: &mut f64) -> Vec<Shift>
             failure,
         }
     };
-    cases.iter().zip(&results).map(row).collect()
+    Ok(cases.iter().zip(&results).map(row).collect())
 }
 
 #[cfg(test)]

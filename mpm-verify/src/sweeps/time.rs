@@ -11,8 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{MESHES, PARTICLES, column, errors, run_all};
 use crate::norms::{largest, relative};
-use crate::progress::Progress;
-use crate::study::{CaseResult, or_nan, word};
+use crate::study::{CaseResult, Runner, or_nan, word};
 
 /// Tolerances, loose first.
 pub const TOLERANCES: [f64; 7] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
@@ -78,10 +77,13 @@ impl TimeError {
 }
 
 /// Runs all tolerances and steps.
-pub fn sweep(base: &Scene, progress: &Progress, cpu_s: &mut f64) -> Vec<TimeError> {
-    let mut rows = chosen_steps(base, progress, cpu_s);
-    rows.extend(given_steps(base, progress, cpu_s));
-    rows
+///
+/// # Errors
+/// No threads.
+pub fn sweep(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec<TimeError>, String> {
+    let mut rows = chosen_steps(base, runner, cpu_s)?;
+    rows.extend(given_steps(base, runner, cpu_s)?);
+    Ok(rows)
 }
 
 /// The sample values of U; empty for a run that failed.
@@ -129,7 +131,7 @@ fn row(scene: &Result<Scene, String>, result: &Result<CaseResult, String>, refer
 }
 
 /// Quasi-static runs over tolerances.
-fn chosen_steps(base: &Scene, progress: &Progress, cpu_s: &mut f64) -> Vec<TimeError> {
+fn chosen_steps(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec<TimeError>, String> {
     let scene = |mesh: f64, method: TimeMethod, tolerance: f64| {
         let mut scene = column(base, Integrator::QuasiStatic, ShapeChoice::Bspline2, mesh)?;
         (scene.method, scene.tolerance) = (method, tolerance);
@@ -141,16 +143,16 @@ fn chosen_steps(base: &Scene, progress: &Progress, cpu_s: &mut f64) -> Vec<TimeE
         for method in METHODS {
             scenes.extend(TOLERANCES.map(|tolerance| scene(mesh, method, tolerance)));
         }
-        let results = run_all(&scenes, true, progress);
+        let results = run_all(&scenes, (&format!("tolerance-L{mesh}"), true), runner)?;
         *cpu_s += results.iter().flatten().map(|r| r.cpu_s).sum::<f64>();
         let reference = degrees(&results[0]);
         rows.extend(scenes.iter().zip(&results).skip(1).filter_map(|(scene, result)| row(scene, result, &reference)));
     }
-    rows
+    Ok(rows)
 }
 
 /// Explicit and semi-implicit runs over steps.
-fn given_steps(base: &Scene, progress: &Progress, cpu_s: &mut f64) -> Vec<TimeError> {
+fn given_steps(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec<TimeError>, String> {
     let scene = |(integrator, shape): (Integrator, ShapeChoice), share: f64| {
         let mut scene = column(base, integrator, shape, GIVEN_MESH)?;
         scene.step = StepChoice::Fixed(share * stable_limit(&scene));
@@ -158,7 +160,7 @@ fn given_steps(base: &Scene, progress: &Progress, cpu_s: &mut f64) -> Vec<TimeEr
     };
     let scenes: Vec<Result<Scene, String>> =
         GIVEN.iter().flat_map(|family| SHARES.map(|share| scene(*family, share))).collect();
-    let results = run_all(&scenes, true, progress);
+    let results = run_all(&scenes, ("step", true), runner)?;
     *cpu_s += results.iter().flatten().map(|r| r.cpu_s).sum::<f64>();
     let mut rows = Vec::new();
     for (scenes, results) in scenes.chunks(SHARES.len()).zip(results.chunks(SHARES.len())) {
@@ -166,12 +168,14 @@ fn given_steps(base: &Scene, progress: &Progress, cpu_s: &mut f64) -> Vec<TimeEr
         let reference: Vec<f64> = long.iter().zip(&short).map(|(long, short)| 2.0 * short - long).collect();
         rows.extend(scenes.iter().zip(results).filter_map(|(scene, result)| row(scene, result, &reference)));
     }
-    rows
+    Ok(rows)
 }
 
 #[cfg(test)]
 mod tests {
     use mpm_core::scene::Until;
+
+    use crate::progress::Progress;
 
     use super::*;
 
@@ -182,7 +186,7 @@ mod tests {
         base.observe_times.truncate(2);
         let last = base.stages.len() - 1;
         base.stages[last].until = Until::Time(base.observe_times[1]);
-        let rows = given_steps(&base, &Progress::new("", true), &mut 0.0);
+        let rows = given_steps(&base, &mut Runner::whole(1, &Progress::new("", true)), &mut 0.0).expect("threads");
         let explicit: Vec<&TimeError> =
             rows.iter().filter(|r| (r.integrator.as_str(), r.scheme.as_str()) == ("explicit", "centre")).collect();
         assert_eq!(explicit.len(), SHARES.len());

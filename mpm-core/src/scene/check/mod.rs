@@ -21,6 +21,10 @@ use super::{
 use crate::error::SceneError;
 use crate::stability::stable_limit;
 
+/// Longest name of a scene, characters.
+const LONGEST_NAME: usize = 64;
+/// Longest part of what was found that a message repeats, characters.
+const LONGEST_FOUND: usize = 200;
 /// Memory that one soil point and one cell take at most, bytes: rounded up from what
 /// `tests/allocation.rs` measures for both together.
 const BYTES_PER_SOIL_POINT: f64 = 160.0;
@@ -69,7 +73,7 @@ impl Reader<'_> {
             line,
             key: key.to_owned(),
             expected: expected.to_owned(),
-            found: found.to_string(),
+            found: clipped(found.to_string()),
         })
     }
 
@@ -114,6 +118,18 @@ impl Reader<'_> {
     fn within(&self, value: &Spanned<f64>, key: &str, expected: &str, holds: impl Fn(f64) -> bool) -> Checked<f64> {
         let number = *value.get_ref();
         if number.is_finite() && holds(number) { Ok(number) } else { self.refuse(&value.span(), key, expected, number) }
+    }
+
+    /// A name may be that of a folder: it leads nowhere else.
+    fn name(&self, value: &Spanned<String>) -> Checked<String> {
+        let name = value.get_ref();
+        let plain = |c: char| c.is_alphanumeric() || " -_.+".contains(c);
+        let holds = (1..=LONGEST_NAME).contains(&name.chars().count())
+            && name.chars().all(plain)
+            && !name.starts_with(['.', ' '])
+            && !name.ends_with(['.', ' ']);
+        let expected = "a name of 1 to 64 letters, digits, spaces and - _ . +, with no dot or space at its ends";
+        if holds { Ok(name.clone()) } else { self.refuse(&value.span(), "name", expected, quoted(name)) }
     }
 
     fn positive(&self, value: &Spanned<f64>, key: &str, unit: &str) -> Checked<f64> {
@@ -174,7 +190,7 @@ impl Reader<'_> {
         let (shift, displaced) = self.places(mesh)?;
         let ground = self.ground(raw)?;
         let mut scene = Scene {
-            name: raw.name.get_ref().clone(),
+            name: self.name(&raw.name)?,
             dimension,
             start,
             start_velocity: ground.start_velocity,
@@ -640,6 +656,16 @@ impl Reader<'_> {
         times.dedup_by(|b, a| (*b - *a).abs() <= 1e-12 * end);
         scene.observe_times = times;
         Ok(())
+    }
+}
+
+/// What was found, as far as a message repeats it: no more lines, and nothing that a terminal obeys.
+fn clipped(found: String) -> String {
+    let found: String =
+        found.chars().flat_map(|c| if c.is_control() { c.escape_debug().collect() } else { vec![c] }).collect();
+    match found.char_indices().nth(LONGEST_FOUND) {
+        Some((end, _)) => format!("{} ... ({} bytes in all)", &found[..end], found.len()),
+        None => found,
     }
 }
 

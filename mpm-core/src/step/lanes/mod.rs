@@ -24,6 +24,7 @@ use rayon::prelude::*;
 use super::{Fault, Model, Parts};
 use crate::constitutive::Law;
 use crate::dimension::PlaneStrain;
+use crate::keep::Keeper;
 use crate::observe::{Ledger, Observation, Totals};
 use crate::particles::Layer;
 use crate::scene::Stage;
@@ -521,6 +522,19 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> Model for Expl
 
     fn solid_count(&self) -> usize {
         self.solid_count
+    }
+
+    fn keep(&mut self, keeper: &mut Keeper) {
+        let mut whole = self.whole();
+        whole.keep::<PlaneStrain>(keeper);
+        keeper.f64(&mut self.damping);
+        keeper.f64(&mut self.time);
+        self.totals.keep(keeper);
+        if keeper.is_reading() {
+            self.solid_count = whole.solid.points.len();
+            self.parts = whole;
+            self.settle_in();
+        }
     }
 
     fn stages(&self) -> &'static [&'static str] {

@@ -18,6 +18,7 @@ use super::newton::{Stage, Workspace};
 use super::soil::{HELD, Soil};
 use super::tangent::Stuck;
 use crate::constitutive::Laws;
+use crate::keep::Keeper;
 use crate::space::Deformation;
 
 /// Most basis vectors.
@@ -121,6 +122,32 @@ impl Krylov {
         };
         krylov.build(soil, direction, product, times, goal)?;
         Ok(krylov)
+    }
+
+    /// One to be read from a kept state.
+    pub fn empty(unknowns: usize) -> Self {
+        let ritz = Ritz { values: Vec::new(), vectors: DMatrix::zeros(0, 0) };
+        Self { first: vec![0.0; unknowns], basis: Vec::new(), size: 0.0, gamma: 0.0, ritz, estimate: 0.0 }
+    }
+
+    /// Writes or reads it.
+    pub fn keep(&mut self, keeper: &mut Keeper) {
+        let Self { first, basis, size, gamma, ritz: Ritz { values, vectors }, estimate } = self;
+        keeper.all(first);
+        let empty = vec![0.0; first.len()];
+        keeper.list(basis, &empty, |vector, keeper| keeper.all(vector));
+        for value in [size, gamma, estimate] {
+            keeper.f64(value);
+        }
+        keeper.numbers(values);
+        if keeper.is_reading() {
+            if values.len() != basis.len() || basis.len() > MOST {
+                keeper.refuse();
+                return;
+            }
+            *vectors = DMatrix::zeros(values.len(), values.len());
+        }
+        keeper.all(vectors.as_mut_slice());
     }
 
     /// Lanczos with full orthogonalisation, until the state at every time stands still.

@@ -176,9 +176,11 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
         if *factored == h && soil.linear() {
             return Ok(());
         }
-        soil.evaluate(&self.y).map_err(|e| inside_out(&self.points, e.point))?;
         *factored = f64::NAN;
-        if let Err(stuck) = soil.refresh(GAMMA * h) {
+        if let Err(stuck) = factors(soil, &self.y, h) {
+            if let Stuck::InsideOut(e) = stuck {
+                return Err(inside_out(&self.points, e.point));
+            }
             let mut fault = self.fault(&stuck, Some(h));
             if let Some(trouble) = &self.trouble {
                 fault.what = format!("{}; before: {trouble}", fault.what);
@@ -237,6 +239,16 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
         }
         strained
     }
+}
+
+/// Factors for a step of `h` (s) at unknowns `y`.
+pub(super) fn factors<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
+    soil: &mut Soil<K, L, D, S>,
+    y: &[f64],
+    h: f64,
+) -> Result<(), Stuck<D>> {
+    soil.evaluate(y).map_err(Stuck::InsideOut)?;
+    soil.refresh(GAMMA * h)
 }
 
 /// How a step went.

@@ -4,11 +4,12 @@
 //! 1. `soil.rs`: the balance laws at given unknowns. `tangent.rs`: their matrix. `lay.rs`: mesh, unknowns, points.
 //! 2. `newton.rs`: equilibrium. `sdirk.rs`: one step in time. `krylov.rs`: all times of a linear stage at once.
 //! 3. `march.rs`: through a stage. `relay.rs`: from one mesh to the next. `look.rs`: what is read from the state.
-//! 4. `trouble.rs`: what is said when a run cannot go on.
+//! 4. `trouble.rs`: what is said when a run cannot go on. `kept.rs`: what a run that goes on elsewhere needs.
 //!
 //! A mesh is laid over the soil and moves with it (total Lagrangian). Its state goes to the particles, and a new mesh
 //! is laid, when a stage begins and when a particle was strained by more than `RELAY` on it.
 
+mod kept;
 mod krylov;
 mod lay;
 mod look;
@@ -30,6 +31,7 @@ use trouble::{inside_out, nothing};
 
 use super::{Fault, Model, Work};
 use crate::constitutive::Laws;
+use crate::keep::Keeper;
 use crate::observe::{Ledger, Observation, Totals};
 use crate::particles::SolidPoint;
 use crate::scene::{Scene, Stage, StepChoice, TimeMethod};
@@ -255,6 +257,10 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Model for
                 + s.system.factor.bytes()
         });
         self.points.capacity() * size_of::<SolidPoint<D, S>>() + soil
+    }
+
+    fn keep(&mut self, keeper: &mut Keeper) {
+        self.keep_all(keeper);
     }
 
     fn solid_count(&self) -> usize {

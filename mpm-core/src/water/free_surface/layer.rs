@@ -94,8 +94,8 @@ impl<const D: usize> WaterLayer<D> {
         for count in [&mut self.first, &mut self.spawned, &mut self.removed, &mut self.turn] {
             keeper.u64(count);
         }
-        keeper.numbers(&mut self.pending);
-        keeper.numbers(&mut self.gathered);
+        keeper.all(&mut self.pending);
+        keeper.all(&mut self.gathered);
     }
 
     /// Water that has entered or left but is no particle yet, m3.

@@ -510,22 +510,24 @@ impl<const D: usize> FreeSurface<D> {
     /// Writes or reads the state.
     pub fn keep(&mut self, keeper: &mut Keeper, grid: &Grid<D>, around: &Surroundings) {
         for list in [&mut self.content, &mut self.pressure, &mut self.soil.share, &mut self.soil.pores] {
-            keeper.numbers(list);
+            keeper.all(list);
         }
         for cover in &mut self.soil.cover {
-            keeper.list(cover, &[0.0; 2], |pair, keeper| keeper.f64s(pair));
+            keeper.entries(cover, |pair, keeper| keeper.f64s(pair));
         }
         for flux in &mut self.flux {
-            keeper.numbers(flux);
+            keeper.all(flux);
         }
-        keeper.list(&mut self.full, &false, |full, keeper| keeper.bool(full));
+        keeper.entries(&mut self.full, |full, keeper| keeper.bool(full));
         for value in [&mut self.inflow, &mut self.outflow] {
             keeper.f64(value);
         }
         keeper.f64s(&mut self.rates);
         keeper.u64(&mut self.unsettled);
-        self.lay(grid, around);
-        self.classify();
+        if keeper.is_reading() {
+            self.lay(grid, around);
+            self.classify();
+        }
     }
 
     /// Bytes held.

@@ -36,17 +36,24 @@ pub struct Cell {
     pub small: String,
     /// How it looks: empty, `good`, `warn`, `bad` or `paper`.
     pub mark: &'static str,
+    /// Where it leads to; empty for nowhere.
+    pub link: String,
 }
 
 impl Cell {
     /// A plain cell.
     pub fn new(text: impl Into<String>) -> Self {
-        Self { text: text.into(), small: String::new(), mark: "" }
+        Self { text: text.into(), small: String::new(), mark: "", link: String::new() }
     }
 
     /// With small letters and a look.
     pub fn marked(self, small: impl Into<String>, mark: &'static str) -> Self {
         Self { small: small.into(), mark, ..self }
+    }
+
+    /// With a link.
+    pub fn linked(self, link: &str) -> Self {
+        Self { link: link.to_owned(), ..self }
     }
 }
 

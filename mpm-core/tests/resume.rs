@@ -1,0 +1,201 @@
+//! A run that is stopped and taken up elsewhere, again and again, ends with the same bits: every scene, every integrator and
+//! shape, several widths.
+
+mod common;
+
+use std::path::PathBuf;
+
+use mpm_core::drive::{Attend, Run, Wish};
+use mpm_core::hardware::{Hardware, Width};
+use mpm_core::keep::{sealed, unsealed};
+use mpm_core::run::{StartError, run_attended, run_on};
+use mpm_core::scene::{Flags, Scene, Until};
+
+/// Stops a run at every so many looks.
+struct Stops {
+    every: usize,
+    looks: usize,
+    state: Option<Vec<u8>>,
+}
+
+impl Attend for Stops {
+    fn look(&mut self, _: f64) -> Wish {
+        self.looks += 1;
+        if self.looks == self.every { Wish::Stop } else { Wish::GoOn }
+    }
+
+    fn keep(&mut self, state: Vec<u8>) {
+        self.state = Some(state);
+    }
+}
+
+/// Runs a scene in pieces, each by a model of its own; and how many there were.
+fn in_pieces(hardware: &Hardware, scene: &Scene, every: usize) -> (Run, usize) {
+    let (mut state, mut pieces) = (None, 0);
+    loop {
+        let mut stops = Stops { every, looks: 0, state: None };
+        let run = run_attended(hardware, scene, state, &mut stops).expect("a run");
+        pieces += 1;
+        if !run.stopped {
+            return (run, pieces);
+        }
+        state = stops.state;
+        assert!(state.is_some() && pieces < 5000);
+    }
+}
+
+fn scenes() -> Vec<PathBuf> {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../reference-data/scenes");
+    let files = std::fs::read_dir(folder).expect("scenes").map(|entry| entry.expect("an entry").path());
+    let mut scenes: Vec<PathBuf> = files.filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();
+    scenes.sort();
+    scenes
+}
+
+/// The first part of a scene, so that a test can afford it.
+fn shortened(mut scene: Scene) -> Scene {
+    // A step of so many particles costs some 50 ns each.
+    let dt = mpm_core::stability::choose_step(&scene).unwrap_or(f64::INFINITY);
+    if dt.is_finite() {
+        let most = 1e6 / scene.solid_particles() as f64 * dt;
+        let last = scene.stages.len() - 1;
+        if let Until::Time(end) = scene.stages[last].until {
+            let end = end.min(most.max(40.0 * dt));
+            scene.stages[last].until = Until::Time(end);
+            scene.observe_times.retain(|time| *time < end);
+            scene.observe_times.push(end);
+        }
+    }
+    scene
+}
+
+/// Some sixty pieces, or as many as there are looks.
+fn same(hardware: &Hardware, scene: &Scene, name: &str) -> usize {
+    let mut goes_on = Stops { every: 0, looks: 0, state: None };
+    let whole = run_attended(hardware, scene, None, &mut goes_on).expect("a run");
+    let (pieced, pieces) = in_pieces(hardware, scene, (goes_on.looks / 60).max(1));
+    the_same(&whole, &pieced, name);
+    pieces
+}
+
+fn the_same(whole: &Run, pieced: &Run, name: &str) {
+    // Written out with all digits and signs; what lists have in reserve is no result.
+    let text = |run: &Run| format!("{:?}", Run { bytes: 0, ..run.clone() });
+    let (a, b) = (text(whole), text(pieced));
+    if a != b {
+        let at = a.bytes().zip(b.bytes()).take_while(|(a, b)| a == b).count();
+        let part = |text: &str| text[at.saturating_sub(200)..(at + 60).min(text.len())].to_owned();
+        panic!("{name}:\n{}\n{}", part(&a), part(&b));
+    }
+}
+
+#[test]
+fn every_scene() {
+    let mut ran = 0;
+    for path in scenes() {
+        let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
+        let scene = shortened(Scene::load(&path).expect("a scene"));
+        if scene.may_fail() {
+            continue; // the levees have a driver and checkpoints of their own
+        }
+        let clock = std::time::Instant::now();
+        let pieces = same(&Hardware::default(), &scene, &name);
+        println!("{name}: {pieces} pieces, {:.2} s", clock.elapsed().as_secs_f64());
+        assert!(pieces > 1, "{name}");
+        ran += 1;
+    }
+    assert!(ran >= 30);
+}
+
+#[test]
+fn every_integrator_and_shape() {
+    let mut ran = 0;
+    for name in ["terzaghi", "mandel", "self-weight", "dynamic-column", "layers", "terzaghi-large-strain"] {
+        for integrator in ["explicit", "semi-implicit", "quasi-static"] {
+            for scheme in ["centre", "linear", "b-bar", "gimp", "bspline2"] {
+                let (integrator, scheme) = (Some(integrator.to_owned()), Some(scheme.to_owned()));
+                let flags = Flags { integrator: integrator.clone(), scheme: scheme.clone(), ..Flags::default() };
+                let path = format!("{}/../reference-data/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+                let Ok(scene) = Scene::load_with(path.as_ref(), &flags) else { continue };
+                let scene = shortened(scene);
+                let name = format!("{name} {integrator:?} {scheme:?}");
+                match run_on(&Hardware::default(), &scene, &mut |_| {}) {
+                    Err(StartError::Load(_)) => continue,
+                    other => drop(other.expect("a run")),
+                }
+                same(&Hardware::default(), &scene, &name);
+                ran += 1;
+            }
+        }
+    }
+    println!("{ran} combinations");
+    assert!(ran >= 50);
+}
+
+#[test]
+fn a_state_with_another_bit_ends_otherwise() {
+    let scene = common::scene(&["cell = 0.1", "until.time_factor = 0.01", "-time_factors", "history = 20"]);
+    let hardware = Hardware::default();
+    let whole = run_on(&hardware, &scene, &mut |_| {}).expect("a run");
+    let mut stops = Stops { every: 12, looks: 0, state: None };
+    run_attended(&hardware, &scene, None, &mut stops).expect("a run");
+    let state = stops.state.expect("a state");
+    let of = u64::from_le_bytes(state[8..16].try_into().expect("eight bytes"));
+    let mut inside = unsealed(state, of).expect("a whole state");
+    // The last bit of every number that may be a pressure, wherever it stands.
+    let mut at = 0;
+    while at + 8 <= inside.len() {
+        let number = f64::from_le_bytes(inside[at..at + 8].try_into().expect("eight bytes"));
+        let changed = (1e3..2e4).contains(&number);
+        inside[at] ^= u8::from(changed);
+        at += if changed { 8 } else { 1 };
+    }
+    let mut on = Stops { every: 0, looks: 0, state: None };
+    let other = run_attended(&hardware, &scene, Some(sealed(&inside, of)), &mut on).expect("a run");
+    let end = |run: &Run| format!("{:?}", run.samples.last().map(|sample| &sample.state));
+    assert_ne!(end(&whole), end(&other));
+}
+
+#[test]
+fn a_state_of_another_scene_is_refused() {
+    let scene = common::scene(&["cell = 0.1", "until.time_factor = 0.01", "-time_factors", "history = 20"]);
+    let mut stops = Stops { every: 3, looks: 0, state: None };
+    let hardware = Hardware::default();
+    run_attended(&hardware, &scene, None, &mut stops).expect("a run");
+    let state = stops.state.expect("a state");
+    let mut other = scene.clone();
+    other.porosity += 1e-9;
+    let mut none = Stops { every: 0, looks: 0, state: None };
+    let refused = run_attended(&hardware, &other, Some(state.clone()), &mut none);
+    assert!(matches!(refused, Err(StartError::State(_))));
+    for at in (0..state.len()).step_by(101) {
+        let mut damaged = state.clone();
+        damaged[at] ^= 1;
+        let refused = run_attended(&hardware, &scene, Some(damaged), &mut none);
+        assert!(matches!(refused, Err(StartError::State(_))), "byte {at}");
+    }
+}
+
+#[test]
+fn a_state_goes_over_to_other_lanes_and_threads() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../reference-data/scenes/terzaghi.toml");
+    let mut scene = Scene::load(path.as_ref()).expect("a scene");
+    scene.dimension = mpm_core::scene::Dimension::PlaneStrain;
+    let scene = shortened(scene);
+    let whole = run_on(&Hardware::default(), &scene, &mut |_| {}).expect("a run");
+    let widths = [Width::Widest, Width::Four, Width::Two, Width::Eight];
+    let (mut state, mut pieces) = (None, 0);
+    let last = loop {
+        let mut stops = Stops { every: 6, looks: 0, state: None };
+        let threads = Hardware::threads(1 + pieces % 3).expect("threads");
+        let hardware = Hardware { width: widths[pieces % widths.len()], ..threads };
+        let run = run_attended(&hardware, &scene, state, &mut stops).expect("a run");
+        pieces += 1;
+        if !run.stopped {
+            break run;
+        }
+        state = stops.state;
+    };
+    assert!(pieces > 4, "{pieces}");
+    the_same(&whole, &last, "lanes and threads");
+}

@@ -1,0 +1,175 @@
+//! Runs give the same bits whatever the threads and the lanes, run again, and stopped and taken up elsewhere.
+
+use std::collections::hash_map::DefaultHasher;
+use std::hash::{Hash, Hasher};
+
+use mpm_core::drive::{Attend, Run, Wish};
+use mpm_core::hardware::{Hardware, Width};
+use mpm_core::run::{run_attended, run_on};
+use mpm_core::scene::{Dimension, Scene, ShapeChoice, Until};
+use mpm_core::stability::choose_step;
+
+use super::evidence::RUNS;
+use super::{Mutant, Outcome, Rung, whole};
+use crate::nightly::work::GATES;
+
+/// Threads, and vectors of any width.
+pub const THREADS: Rung = Rung {
+    name: "same-bits-threads",
+    about: "a block in plane strain on 1, 2, 3 and 8 threads, with lanes of every width: numbers that differ",
+    climb: || threads(0.0),
+    mutant: Some(Mutant { what: "a load larger by 1e-14 on three threads", climb: || threads(1e-14) }),
+};
+
+/// Every path through the solver, run again.
+pub const AGAIN: Rung = Rung {
+    name: "same-bits-again",
+    about: "every integrator and shape run twice, on two threads side by side: runs that differ",
+    climb: || again(0.0),
+    mutant: Some(Mutant { what: "a porosity larger by 1e-14 the second time", climb: || again(1e-14) }),
+};
+
+/// Every path, in pieces.
+pub const RESUMED: Rung = Rung {
+    name: "same-bits-resumed",
+    about: "every integrator and shape stopped at every look and taken up by another model: runs that differ",
+    climb: || resumed(false),
+    mutant: Some(Mutant { what: "the last look is not taken up", climb: || resumed(true) }),
+};
+
+/// All that a run says, as one number. What lists have in reserve is no result.
+fn said(run: &Run) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    format!("{:?}", Run { bytes: 0, ..run.clone() }).hash(&mut hasher);
+    hasher.finish()
+}
+
+/// A block wide enough to give every thread its strips, under a load that pushes particles through cells.
+fn block() -> Scene {
+    let mut scene = crate::scenes::terzaghi();
+    (scene.dimension, scene.shape) = (Dimension::PlaneStrain, ShapeChoice::Centre);
+    (scene.cells, scene.width, scene.height) = ([40, 100], 40.0 * scene.cell, 100.0 * scene.cell);
+    let dt = choose_step(&scene).unwrap_or(1e-6);
+    let last = scene.stages.len() - 1;
+    scene.stages[last].until = Until::Time(120.0 * dt);
+    scene.observe_times = vec![60.0 * dt, 120.0 * dt];
+    (scene.history, scene.profiles) = (0, true);
+    scene
+}
+
+fn threads(off: f64) -> Result<Outcome, String> {
+    let scene = block();
+    let reference = said(&whole(run_on(&Hardware::plain(Width::Two), &scene, &mut |_| {}))?);
+    let mut different = Vec::new();
+    for threads in [1, 2, 3, 8] {
+        for width in [Width::Widest, Width::Two, Width::Four, Width::Eight] {
+            let mut own = scene.clone();
+            if let (Some(load), 3) = (&mut own.surcharge, threads) {
+                load.pressure *= 1.0 + off;
+            }
+            let hardware = Hardware { width, ..Hardware::threads(threads)? };
+            let run = whole(run_on(&hardware, &own, &mut |_| {}))?;
+            different.push(f64::from(said(&run) != reference));
+        }
+    }
+    Ok(outcome("explicit", &different))
+}
+
+/// Every gate of the work: one of each path through the solver.
+fn scenes() -> Result<Vec<Scene>, String> {
+    GATES.iter().map(|gate| gate.scene().map(quick)).collect()
+}
+
+/// A part of it, with some samples on the way.
+fn quick(mut scene: Scene) -> Scene {
+    let last = scene.stages.len() - 1;
+    if let (Until::Time(end), true) = (scene.stages[last].until, scene.observe_times.len() == 1) {
+        let end = 0.1 * end;
+        scene.stages[last].until = Until::Time(end);
+        scene.observe_times = vec![0.3 * end, 0.7 * end, end];
+    }
+    scene.profiles = true;
+    scene
+}
+
+fn again(off: f64) -> Result<Outcome, String> {
+    let mut different = Vec::new();
+    for scene in scenes()? {
+        let changed = Scene { porosity: scene.porosity * (1.0 + off), ..scene.clone() };
+        let both = std::thread::scope(|scope| {
+            let one = scope.spawn(|| whole(run_on(&Hardware::default(), &scene, &mut |_| {})));
+            let other = whole(run_on(&Hardware::default(), &changed, &mut |_| {}));
+            let one = one.join().map_err(|_| "a run that panicked".to_owned())?;
+            Ok::<_, String>([said(&one?), said(&other?)])
+        })?;
+        different.push(f64::from(both[0] != both[1]));
+    }
+    Ok(outcome("all", &different))
+}
+
+/// Stops a run at its next look.
+#[derive(Default)]
+struct Stop(Option<Vec<u8>>);
+
+impl Attend for Stop {
+    fn look(&mut self, _: f64) -> Wish {
+        Wish::Stop
+    }
+
+    fn keep(&mut self, state: Vec<u8>) {
+        self.0 = Some(state);
+    }
+}
+
+fn resumed(loses: bool) -> Result<Outcome, String> {
+    let mut different = Vec::new();
+    for scene in scenes()? {
+        let one = whole(run_on(&Hardware::default(), &scene, &mut |_| {}))?;
+        let (mut state, mut states) = (None, Vec::new());
+        let mut last = loop {
+            let mut stop = Stop::default();
+            let run = run_attended(&Hardware::default(), &scene, state, &mut stop).map_err(|e| e.to_string())?;
+            if !run.stopped {
+                break run;
+            }
+            state = stop.0;
+            states.extend(state.clone());
+            if states.len() > 1000 {
+                return Err("a run that does not end".to_owned());
+            }
+        };
+        if loses {
+            last.samples.pop();
+        }
+        different.push(f64::from(said(&last) != said(&one)));
+    }
+    Ok(outcome("all", &different))
+}
+
+/// The share of runs that differ.
+fn outcome(integrator: &str, different: &[f64]) -> Outcome {
+    let share = different.iter().sum::<f64>() / different.len() as f64;
+    Outcome {
+        integrator: integrator.to_owned(),
+        scheme: "all".to_owned(),
+        errors: vec![(different.len() as f64, share)],
+        required_error: 0.0,
+        refined_by: RUNS,
+        ..Outcome::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_are_the_same_and_another_bit_is_found() {
+        for rung in [THREADS, AGAIN, RESUMED] {
+            let climb = rung.climb().expect("runs that finish");
+            assert!(climb.step.held(), "{}: {}", rung.name, climb.reason);
+            let spoilt = rung.climb_mutant().expect("a mutant").expect("runs that finish");
+            assert!(!spoilt.step.held(), "{}: {}", rung.name, spoilt.reason);
+        }
+    }
+}

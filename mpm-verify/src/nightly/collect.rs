@@ -1,0 +1,226 @@
+//! The numbers of a night out of what its parts have found, each with how far it may move.
+//!
+//! An explicit run follows from its scene to the last bit but for the elementary functions of the system's library; where
+//! systems are solved, or a path is chaotic (soil that slides), more may move without anyone having changed the program.
+
+use crate::baseline::ladder::{self, Kind};
+use crate::cases::Step;
+use crate::hard::{MatrixRow, Verdict};
+use crate::levee::summary::Summary as LeveeSummary;
+use crate::report::orders;
+use crate::stability::map;
+use crate::study::{CaseResult, Variant};
+use crate::sweeps::Sweeps;
+
+use super::measure::{Label, Measure, Tolerance};
+
+/// Elementary functions of another library.
+const LAST_DIGITS: f64 = 1e-6;
+/// Differences of numbers that linear solves leave uncertain.
+const SOLVED: f64 = 1e-9;
+/// What an order may move by.
+const ORDER: Tolerance = Tolerance { relative: 0.0, absolute: 0.01 };
+/// Limits of steps by bisection.
+const BISECTED: Tolerance = Tolerance { relative: 1e-3, absolute: 1e-6 };
+/// Values of hard cases, some of them noise.
+const HARD: Tolerance = Tolerance { relative: 0.05, absolute: 1e-9 };
+
+/// Errors, work and orders of the study, errors of its sweeps, and what accuracy costs in counts.
+pub fn study(results: &[CaseResult], sweeps: &Sweeps) -> Vec<Measure> {
+    let mut measures = Vec::new();
+    for r in results.iter().filter(|r| r.variant == Variant::Base) {
+        let explicit = r.integrator == "explicit";
+        let tolerance = Tolerance { relative: LAST_DIGITS, absolute: if explicit { 0.0 } else { SOLVED } };
+        let error = |quantity, value| Measure::new(&r.case, quantity, Label::Verified, value, tolerance);
+        measures.push(error("max_error_terzaghi", r.max_error_terzaghi));
+        measures.push(error("max_error_compressible", r.max_error_compressible));
+        let counted = Tolerance::relative(if explicit { 0.0 } else { 0.02 });
+        let count = |quantity, value: u64| Measure::new(&r.case, quantity, Label::Count, value as f64, counted);
+        measures.push(count("steps", r.steps));
+        if !explicit {
+            measures.push(count("solves", r.solves));
+            measures.push(count("factorisations", r.factorisations));
+        }
+    }
+    for group in orders::groups(results) {
+        for (norm, fit) in group.fits {
+            // Two meshes have an order, but nothing says how good it is.
+            if let (Some(fit), true) = (fit, norm.ends_with("compressible") && group.meshes.len() > 2) {
+                measures.push(Measure::new(&group.name, &format!("{norm}_order"), Label::Verified, fit.order, ORDER));
+            }
+        }
+    }
+    measures.extend(swept(sweeps));
+    measures.extend(costs(results));
+    measures
+}
+
+/// Largest errors of the sweeps, per scheme and mesh.
+fn swept(sweeps: &Sweeps) -> Vec<Measure> {
+    let mut measures: Vec<Measure> = Vec::new();
+    let mut add = |case: String, value: f64| {
+        let known = measures.iter_mut().find(|m| m.case == case);
+        match known {
+            // A NaN stays.
+            Some(m) if value > m.value || value.is_nan() => m.value = value,
+            Some(_) => {}
+            None => {
+                let tolerance = Tolerance { relative: LAST_DIGITS, absolute: SOLVED };
+                measures.push(Measure::new(&case, "largest_error", Label::Verified, value, tolerance));
+            }
+        }
+    };
+    for row in &sweeps.displaced {
+        let name = format!("displaced-{}-{}-{}-L{}", row.kind, row.scheme, row.quadrature, row.mesh_m);
+        add(name, row.max_error_compressible);
+    }
+    for row in &sweeps.shifted {
+        add(format!("shifted-{}-{}-L{}", row.scheme, row.quadrature, row.mesh_m), row.max_error_compressible);
+    }
+    for row in &sweeps.time {
+        let of = row.tolerance.map(|t| format!("tolerance{t}")).or(row.step_share.map(|s| format!("share{s:.3}")));
+        let name = format!("time-{}-L{}-{}", row.label().replace(' ', "-"), row.mesh_m, of.unwrap_or_default());
+        add(name, row.time_error);
+    }
+    measures
+}
+
+/// Errors that are asked for.
+pub const WANTED: [f64; 4] = [1e-2, 3e-3, 1e-3, 2e-4];
+
+/// What the cheapest case of each family costs that is accurate enough, in point-steps, or solves times particles.
+fn costs(results: &[CaseResult]) -> Vec<Measure> {
+    let mut families: Vec<String> = Vec::new();
+    for r in results.iter().filter(|r| r.variant == Variant::Base && r.load == "surface") {
+        let family = r.family();
+        if !families.contains(&family) {
+            families.push(family);
+        }
+    }
+    let cost = |r: &CaseResult| {
+        let work = if r.integrator == "quasi-static" { r.solves } else { r.steps };
+        work as f64 * r.particles as f64
+    };
+    let cheapest = |family: &str, wanted: f64| {
+        let good = results.iter().filter(|r| {
+            r.variant == Variant::Base
+                && r.load == "surface"
+                && r.family() == family
+                && r.max_error_compressible <= wanted
+        });
+        good.map(cost).fold(f64::INFINITY, f64::min)
+    };
+    let mut measures = Vec::new();
+    for family in &families {
+        for wanted in WANTED {
+            let value = cheapest(family, wanted);
+            if value.is_finite() {
+                let name = format!("cost_for_{wanted:e}");
+                let counted = Tolerance::relative(0.02);
+                measures.push(Measure::new(&format!("speed-{family}"), &name, Label::Count, value, counted));
+            }
+        }
+    }
+    measures
+}
+
+/// Errors and orders of the ladder.
+pub fn ladder(steps: &[Step]) -> Vec<Measure> {
+    let mut measures = Vec::new();
+    for step in steps {
+        let label = if step.baseline_kind == Kind::Verified { Label::Verified } else { Label::Regression };
+        // What runs out of a slope or a column hangs on the last digit; all else as in the rung's own baseline.
+        let relative = if chaotic(&step.rung) { 0.02 } else { LAST_DIGITS };
+        let absolute = ladder::floor_of(&step.rung).unwrap_or(SOLVED);
+        measures.push(Measure::new(&step.rung, "error", label, step.error, Tolerance { relative, absolute }));
+        if let Some(order) = step.order {
+            measures.push(Measure::new(&step.rung, "order", label, order, ORDER));
+        }
+    }
+    measures
+}
+
+/// Whether a rung follows soil that flows.
+fn chaotic(rung: &str) -> bool {
+    ["collapse", "slope", "strip", "block"].iter().any(|start| rung.starts_with(start))
+}
+
+/// Verdicts and values of the hard cases, limits of steps over theory and of `auto` over what was measured.
+pub fn stability(matrix: &[MatrixRow], summaries: &[map::Summary]) -> Vec<Measure> {
+    let mut measures = Vec::new();
+    for row in matrix {
+        let case = format!("hard-{}-{}-{}", row.case, row.integrator, row.scheme).replace(' ', "-");
+        let grade = match row.verdict {
+            Verdict::Holds => 0.0,
+            Verdict::Degrades => 1.0,
+            Verdict::Refuses => 2.0,
+            Verdict::Breaks => 3.0,
+        };
+        measures.push(Measure::new(&case, "verdict", Label::Regression, grade, Tolerance::relative(0.0)));
+        if let Some(value) = row.value.filter(|v| v.is_finite()) {
+            measures.push(Measure::new(&case, "value", Label::Regression, value, HARD));
+        }
+    }
+    for s in summaries {
+        let case = format!("limit-{}-{}-{}", s.scheme, s.dimension, s.darcy).replace(' ', "-");
+        let four = [
+            ("theory_low", s.ratio[0]),
+            ("theory_high", s.ratio[1]),
+            ("auto_low", s.auto[0]),
+            ("auto_high", s.auto[1]),
+        ];
+        measures.extend(four.map(|(name, value)| Measure::new(&case, name, Label::Regression, value, BISECTED)));
+    }
+    measures
+}
+
+/// Snapshot values of the levee. Its failure hangs on the last digit: what differs is by how much such runs differ from one
+/// another where they are stopped for a look at other times.
+pub fn levee(summary: &LeveeSummary) -> Vec<Measure> {
+    let rows: [(&str, Option<f64>, Tolerance); 11] = [
+        ("front_at_toe_h", summary.front_at_toe_h, Tolerance::relative(1e-3)),
+        ("first_outflow_h", summary.first_outflow_h, Tolerance::relative(1e-3)),
+        ("raveling_h", summary.raveling_h, Tolerance::relative(0.03)),
+        ("failure_start_h", summary.failure_start_h, Tolerance::relative(0.03)),
+        ("end_h", summary.end_h, Tolerance::relative(0.03)),
+        ("toe_m", summary.toe_x_m, Tolerance::relative(0.05)),
+        ("crest_settlement_m", summary.crest_settlement_m, Tolerance::relative(0.5)),
+        ("failure_at_m", summary.failure_at_m, Tolerance::relative(0.1)),
+        ("energy_error", summary.energy_error, Tolerance { relative: 0.0, absolute: 0.01 }),
+        ("water_ledger_error", summary.water_ledger_error, Tolerance { relative: 0.0, absolute: 1e-12 }),
+        ("steps", Some(summary.steps as f64), Tolerance::relative(0.2)),
+    ];
+    rows.into_iter()
+        .map(|(name, value, tolerance)| {
+            let label = if name == "steps" { Label::Count } else { Label::Regression };
+            Measure::new("levee", name, label, value.unwrap_or(f64::NAN), tolerance)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::tests::result;
+
+    #[test]
+    fn the_cheapest_that_is_accurate_enough_is_told() {
+        let with = |mesh: f64, error: f64, steps: u64, particles: usize| {
+            let mut r = result(mesh, 4, "surface");
+            (r.max_error_compressible, r.steps, r.particles) = (error, steps, particles);
+            r
+        };
+        let results = [with(0.1, 5e-2, 10, 10), with(0.05, 5e-3, 20, 20), with(0.02, 2e-3, 40, 50)];
+        let told: Vec<(String, f64)> = costs(&results).into_iter().map(|m| (m.quantity, m.value)).collect();
+        assert_eq!(told, [("cost_for_1e-2".to_owned(), 400.0), ("cost_for_3e-3".to_owned(), 2000.0)]);
+    }
+
+    #[test]
+    fn names_are_not_given_twice() {
+        let results = [result(0.1, 4, "surface"), result(0.05, 4, "surface"), result(0.1, 1, "surface")];
+        let measures = study(&results, &Sweeps::default());
+        for (place, one) in measures.iter().enumerate() {
+            assert!(!measures[..place].iter().any(|m| m.is_of(&one.case, &one.quantity)), "{one:?}");
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Instructions of a run, counted by callgrind (Weidendorfer, Kowarschik & Trinitis 2004, doi:10.1007/978-3-540-24688-6_58)
+//! where it is installed: a count that no load on the machine changes, but compiler and library do.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use super::measure::{Label, Measure, Tolerance};
+
+/// Share by which a count may move: what another library makes of the same compiler's code.
+const TOLERANCE: Tolerance = Tolerance::relative(0.01);
+
+/// Counts the instructions of gates.
+#[derive(Debug)]
+pub struct Counter {
+    program: PathBuf,
+    folder: PathBuf,
+    /// What counted, and the compiler of what was counted: counts of others are not comparable.
+    pub with: String,
+    /// Instructions of a run of nothing.
+    nothing: u64,
+}
+
+/// A counter of the gates of a program.
+///
+/// # Errors
+/// Why there is none.
+pub fn counter(program: &Path) -> Result<Counter, String> {
+    if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+        return Err("only Linux on x86-64 has baselines".to_owned());
+    }
+    let version = Command::new("valgrind").arg("--version").output().map_err(|e| format!("valgrind: {e}"))?;
+    let version = String::from_utf8_lossy(&version.stdout).trim().to_owned();
+    let with =
+        format!("{version}, {}, {}", env!("MPM_COMPILER"), if cfg!(debug_assertions) { "debug" } else { "release" });
+    let folder = std::env::temp_dir();
+    let mut counter = Counter { program: program.to_owned(), folder, with, nothing: 0 };
+    counter.nothing = counter.count(NOTHING)?;
+    Ok(counter)
+}
+
+/// Name of the run of nothing.
+pub const NOTHING: &str = "nothing";
+
+impl Counter {
+    /// The instructions of a gate. The name of the quantity says what they are of, so that others are another number.
+    ///
+    /// # Errors
+    /// The gate cannot be run.
+    pub fn measure(&self, gate: &str) -> Result<Measure, String> {
+        let count = self.count(gate)?.saturating_sub(self.nothing);
+        Ok(Measure::new(gate, &quantity(&self.with), Label::Count, count as f64, TOLERANCE))
+    }
+
+    fn count(&self, gate: &str) -> Result<u64, String> {
+        let out = self.folder.join(format!("mpm-verify-{}-{gate}.callgrind", std::process::id()));
+        let status = Command::new("valgrind")
+            .args(["--tool=callgrind", "--quiet"])
+            .arg(format!("--callgrind-out-file={}", out.display()))
+            .arg(&self.program)
+            .args(["gate", gate])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .status()
+            .map_err(|e| format!("valgrind: {e}"))?;
+        let text = fs::read_to_string(&out);
+        let _ = fs::remove_file(&out);
+        if !status.success() {
+            return Err(format!("valgrind of {gate}: {status}"));
+        }
+        let text = text.map_err(|e| format!("{}: {e}", out.display()))?;
+        total(&text).ok_or_else(|| format!("{}: expected a line of totals", out.display()))
+    }
+}
+
+/// The name of the quantity: counts of another compiler or counter are another quantity.
+fn quantity(with: &str) -> String {
+    format!("instructions ({with})")
+}
+
+/// Whether a quantity is a count of instructions.
+pub fn is_count(quantity: &str) -> bool {
+    quantity.starts_with("instructions (")
+}
+
+/// The total in a file of callgrind.
+fn total(text: &str) -> Option<u64> {
+    let of = |start: &str| text.lines().find_map(|line| line.strip_prefix(start)).and_then(|n| n.trim().parse().ok());
+    of("totals:").or_else(|| of("summary:"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_total_is_found() {
+        assert_eq!(total("version: 1\nsummary: 123\nfn=(0)\n1 2\ntotals: 456\n"), Some(456));
+        assert_eq!(total("version: 1\nsummary: 123\n"), Some(123));
+        assert_eq!(total("version: 1\n"), None);
+        assert!(is_count(&quantity("valgrind-3")) && !is_count("steps"));
+    }
+}

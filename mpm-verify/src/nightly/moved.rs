@@ -1,0 +1,142 @@
+//! What is not where it was.
+
+use serde::{Deserialize, Serialize};
+
+use super::accepted::Accepted;
+use super::history::History;
+use super::measure::{Better, Label, Measure, Tolerance};
+
+/// A number that has moved further than it may, or is gone, or is new.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Moved {
+    /// Of what.
+    pub case: String,
+    /// Which number.
+    pub quantity: String,
+    /// What was accepted; nothing for a number without a baseline.
+    pub was: Option<f64>,
+    /// What it is; nothing for one that is gone.
+    pub is: Option<f64>,
+    /// How far it may move, in its own unit.
+    pub tolerance: f64,
+    /// The entry of the history at which it has been off for the first time: date and commit.
+    pub since: String,
+    /// What it is held against.
+    pub label: Label,
+    /// `worse`, `better`, `up`, `down`, `gone` or `new`.
+    pub direction: String,
+}
+
+impl Moved {
+    /// In one line.
+    pub fn line(&self) -> String {
+        let number = |value: Option<f64>| value.map_or_else(|| "nothing".to_owned(), |v| format!("{v:.6e}"));
+        let share = match (self.was, self.is) {
+            (Some(was), Some(is)) if was != 0.0 => format!(", {:+.3} %", 100.0 * (is / was - 1.0)),
+            _ => String::new(),
+        };
+        format!(
+            "{} {} {}: was {}, is {}{share} (may move by {:.1e}), since {}",
+            self.case,
+            self.quantity,
+            self.direction,
+            number(self.was),
+            number(self.is),
+            self.tolerance,
+            self.since
+        )
+    }
+}
+
+/// Numbers of a night that are not where they were. `now` is the entry of this night.
+pub fn moved(accepted: &[Accepted], measures: &[Measure], history: &History, now: &str) -> Vec<Moved> {
+    let number = |value: f64| Some(value).filter(|v| !v.is_nan());
+    let judged = measures.iter().filter(|m| m.label != Label::Time);
+    let off = judged.filter_map(|m| {
+        let row = accepted.iter().find(|row| m.is_of(&row.case, &row.quantity));
+        let Some(row) = row else {
+            return Some(Moved {
+                case: m.case.clone(),
+                quantity: m.quantity.clone(),
+                was: None,
+                is: number(m.value),
+                tolerance: 0.0,
+                since: now.to_owned(),
+                label: m.label,
+                direction: "new".to_owned(),
+            });
+        };
+        (!row.tolerance().holds(row.value, m.value)).then(|| of(row, m.value, history, now))
+    });
+    let gone = accepted.iter().filter(|row| !measures.iter().any(|m| m.is_of(&row.case, &row.quantity)));
+    off.chain(gone.map(|row| of(row, f64::NAN, history, now))).collect()
+}
+
+fn of(row: &Accepted, is: f64, history: &History, now: &str) -> Moved {
+    let Tolerance { relative, absolute } = row.tolerance();
+    let since = history.off_since(&row.case, &row.quantity, &|value| row.tolerance().holds(row.value, value));
+    Moved {
+        case: row.case.clone(),
+        quantity: row.quantity.clone(),
+        was: Some(row.value),
+        is: Some(is).filter(|v| !v.is_nan()),
+        tolerance: (relative * row.value.abs()).max(absolute),
+        since: since.unwrap_or_else(|| now.to_owned()),
+        label: row.label,
+        direction: Better::of(&row.quantity).word(row.value, is).to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn measure(case: &str, value: f64) -> Measure {
+        Measure::new(case, "error", Label::Verified, value, Tolerance::relative(0.01))
+    }
+
+    fn row(case: &str, value: f64) -> Accepted {
+        Accepted {
+            case: case.to_owned(),
+            quantity: "error".to_owned(),
+            label: Label::Verified,
+            value,
+            relative: 0.01,
+            absolute: 0.0,
+            since: "d c".to_owned(),
+            why: "a test".to_owned(),
+        }
+    }
+
+    #[test]
+    fn what_stays_is_not_told_and_all_else_is() {
+        let accepted = [row("stays", 1.0), row("worse", 1.0), row("better", 1.0), row("gone", 1.0), row("broken", 1.0)];
+        let mut time = measure("slow", 99.0);
+        time.label = Label::Time;
+        let night = [
+            measure("stays", 1.009),
+            measure("worse", 1.1),
+            measure("better", 0.9),
+            measure("new", 5.0),
+            measure("broken", f64::NAN),
+            time,
+        ];
+        let mut history = History::default();
+        for (entry, value) in [("d1 c1", 1.0), ("d2 c2", 1.2), ("d3 c3", 1.15)] {
+            history.note(entry, &[measure("worse", value)]);
+        }
+        let told = moved(&accepted, &night, &history, "d4 c4");
+        let short: Vec<(&str, &str, &str)> =
+            told.iter().map(|m| (m.case.as_str(), m.direction.as_str(), m.since.as_str())).collect();
+        let expected = [
+            ("worse", "worse", "d2 c2"),
+            ("better", "better", "d4 c4"),
+            ("new", "new", "d4 c4"),
+            ("broken", "gone", "d4 c4"),
+            ("gone", "gone", "d4 c4"),
+        ];
+        assert_eq!(short, expected);
+        let line = told[0].line();
+        assert!(line.contains("worse error worse: was 1.0") && line.contains("+10.000 %"), "{line}");
+    }
+}

@@ -1,0 +1,362 @@
+//! What a night leaves: `summary.json`, `summary.md` and `index.html` on one page, `values.csv`, `moved.csv`.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::measure::{Label, Measure};
+use super::moved::Moved;
+use crate::manifest::Manifest;
+use crate::report::content::Picture;
+use crate::report::content::table::{Cell, Table, table};
+use crate::report::html::render;
+use crate::report::numbers::short;
+use crate::report::{ReportError, save, unwritable};
+
+const TEMPLATE: &str = include_str!("night.html");
+/// Moved numbers that a page for reading lists; `moved.csv` has all.
+const LISTED: usize = 60;
+
+/// A part of the night.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    /// Its name.
+    pub name: String,
+    /// What came out, in a line.
+    pub line: String,
+    /// CPU time, s.
+    pub cpu_s: f64,
+    /// Time on the clock, s.
+    pub wall_s: f64,
+}
+
+/// `summary.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Night {
+    /// `green`: everything held and is where it was. `red`: something does not, or is not.
+    pub verdict: String,
+    /// Numbers that have moved.
+    pub moved: Vec<Moved>,
+    /// Checks that fell short, in words.
+    pub fell: Vec<String>,
+    /// CPU time, s.
+    pub cpu_s: f64,
+    /// Time on the clock, s.
+    pub wall_s: f64,
+    /// Numbers that were compared.
+    pub compared: usize,
+    /// Of them counts of work.
+    pub counts: usize,
+    /// When, UTC.
+    pub date: String,
+    /// Commit.
+    pub commit: String,
+    /// Where the accepted numbers came from.
+    pub baselines: String,
+    /// The parts.
+    pub parts: Vec<Part>,
+    /// What else a reader should know.
+    pub notes: Vec<String>,
+    /// Under which conditions.
+    pub manifest: Manifest,
+}
+
+impl Night {
+    /// Whether nothing fell and nothing moved.
+    pub fn is_green(&self) -> bool {
+        self.moved.is_empty() && self.fell.is_empty()
+    }
+
+    /// The night in one line.
+    pub fn headline(&self) -> String {
+        let Self { verdict, compared, moved, fell, date, commit, .. } = self;
+        format!(
+            "{}: {} of {compared} numbers moved, {} checks fell short ({date}, {commit})",
+            verdict.to_uppercase(),
+            moved.len(),
+            fell.len()
+        )
+    }
+
+    /// One page in Markdown, for a job summary or a mail.
+    pub fn markdown(&self) -> String {
+        let mut lines = vec![format!("# Nightly: {}", self.headline()), String::new()];
+        for what in &self.fell {
+            lines.push(format!("- fell short: {what}"));
+        }
+        if !self.moved.is_empty() {
+            lines.push(String::new());
+            lines.push("| case | quantity | | was | is | may move by | since |".to_owned());
+            lines.push("|---|---|---|---|---|---|---|".to_owned());
+            for m in self.moved.iter().take(LISTED) {
+                let number = |value: Option<f64>| value.map_or_else(|| "nothing".to_owned(), |v| format!("{v:.6e}"));
+                let [was, is] = [m.was, m.is].map(number);
+                let Moved { case, quantity, direction, tolerance, since, .. } = m;
+                lines.push(format!(
+                    "| `{case}` | {quantity} | {direction} | {was} | {is} | {tolerance:.1e} | {since} |"
+                ));
+            }
+            if self.moved.len() > LISTED {
+                lines.push(format!("\nand {} more in `moved.csv`", self.moved.len() - LISTED));
+            }
+            lines.push(String::new());
+            lines.push(
+                "If this is as it should be: `cargo run --release -- nightly --accept \"why\" --from` this night's folder."
+                    .to_owned(),
+            );
+        }
+        lines.push(String::new());
+        lines.push("| part | | CPU (s) | clock (s) |".to_owned());
+        lines.push("|---|---|---|---|".to_owned());
+        for part in &self.parts {
+            lines.push(format!("| {} | {} | {:.0} | {:.0} |", part.name, part.line, part.cpu_s, part.wall_s));
+        }
+        lines.push(String::new());
+        lines.push(format!(
+            "{} numbers compared, {} of them counts of work; accepted numbers: {}.",
+            self.compared, self.counts, self.baselines
+        ));
+        lines.extend(self.notes.iter().map(|note| format!("\n{note}")));
+        lines.join("\n") + "\n"
+    }
+}
+
+#[derive(Debug, Serialize)]
+struct Page<'a> {
+    title: String,
+    night: &'a Night,
+    headline: String,
+    moved: Vec<Table>,
+    parts: Vec<Table>,
+    work: Vec<Table>,
+    manifest: Vec<(&'static str, String)>,
+}
+
+/// Writes everything into the folder of the night.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(night: &Night, measures: &[Measure], folder: &Path) -> Result<(), ReportError> {
+    let path = folder.join("summary.json");
+    let text = serde_json::to_string_pretty(night).map_err(|e| unwritable(&path, e))?;
+    save(&path, text + "\n")?;
+    save(&folder.join("summary.md"), night.markdown())?;
+    rows(measures, &folder.join(VALUES))?;
+    rows(&night.moved, &folder.join("moved.csv"))?;
+    let page = Page {
+        title: format!("Night of {}", night.date),
+        headline: night.headline(),
+        moved: (!night.moved.is_empty()).then(|| moved(night)).into_iter().collect(),
+        parts: vec![parts(night)],
+        work: work(measures).into_iter().collect(),
+        manifest: night.manifest.entries().into_iter().filter(|(name, _)| *name != "scene hash").collect(),
+        night,
+    };
+    let path = folder.join("index.html");
+    let html = render(TEMPLATE, serde_json::json!(page), &Picture::all(&[]), (&[], &[]), ".");
+    save(&path, html.map_err(|cause| ReportError::Page { path: path.clone(), cause })?)
+}
+
+/// Name of the table of all numbers.
+pub const VALUES: &str = "values.csv";
+
+/// A row of `values.csv`.
+#[derive(Debug, Serialize, Deserialize)]
+struct Value {
+    case: String,
+    quantity: String,
+    label: Label,
+    value: Option<f64>,
+    relative: f64,
+    absolute: f64,
+}
+
+fn rows<T: Row>(rows: &[T], path: &Path) -> Result<(), ReportError> {
+    let mut writer = csv::Writer::from_path(path).map_err(|e| unwritable(path, e))?;
+    if rows.is_empty() {
+        writer.write_record(T::HEADER.split(',')).map_err(|e| unwritable(path, e))?;
+    }
+    for row in rows {
+        writer.serialize(row.flat()).map_err(|e| unwritable(path, e))?;
+    }
+    writer.flush().map_err(|e| unwritable(path, e))
+}
+
+/// What is a row of a table without nesting.
+trait Row {
+    const HEADER: &str;
+    fn flat(&self) -> impl Serialize;
+}
+
+impl Row for Measure {
+    const HEADER: &str = "case,quantity,label,value,relative,absolute";
+    fn flat(&self) -> impl Serialize {
+        Value {
+            case: self.case.clone(),
+            quantity: self.quantity.clone(),
+            label: self.label,
+            value: Some(self.value).filter(|v| !v.is_nan()),
+            relative: self.tolerance.relative,
+            absolute: self.tolerance.absolute,
+        }
+    }
+}
+
+impl Row for Moved {
+    const HEADER: &str = "case,quantity,was,is,tolerance,since,label,direction";
+    fn flat(&self) -> impl Serialize {
+        self
+    }
+}
+
+/// Reads `values.csv` of a night.
+///
+/// # Errors
+/// A file that is not such a table: file, line, expected and found.
+pub fn stored(path: &Path) -> Result<Vec<Measure>, String> {
+    let mut reader = csv::Reader::from_path(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    reader
+        .deserialize()
+        .map(|row: Result<Value, csv::Error>| {
+            let row = row.map_err(|e| {
+                let line = e.position().map_or(0, csv::Position::line);
+                format!("{}:{line}: expected {}, found: {e}", path.display(), Measure::HEADER)
+            })?;
+            let tolerance = super::measure::Tolerance { relative: row.relative, absolute: row.absolute };
+            Ok(Measure::new(&row.case, &row.quantity, row.label, row.value.unwrap_or(f64::NAN), tolerance))
+        })
+        .collect()
+}
+
+fn moved(night: &Night) -> Table {
+    let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |v| short(v, 7));
+    let row = |m: &Moved| {
+        let mark = match m.direction.as_str() {
+            "worse" | "gone" => "bad",
+            "better" => "good",
+            _ => "",
+        };
+        vec![
+            Cell::new(m.case.clone()),
+            Cell::new(m.quantity.clone()),
+            Cell::new(m.direction.clone()).marked("", mark),
+            Cell::new(number(m.was)),
+            Cell::new(number(m.is)),
+            Cell::new(format!("{:.1e}", m.tolerance)),
+            Cell::new(m.since.clone()),
+        ]
+    };
+    let rows = night.moved.iter().take(LISTED).map(row).collect();
+    table(String::new(), &["case", "quantity", "", "was", "is", "may move by", "since"], rows, "")
+}
+
+fn parts(night: &Night) -> Table {
+    let row = |p: &Part| {
+        vec![
+            Cell::new(p.name.clone()),
+            Cell::new(p.line.clone()),
+            Cell::new(format!("{:.0}", p.cpu_s)),
+            Cell::new(format!("{:.0}", p.wall_s)),
+        ]
+    };
+    table(String::new(), &["part", "what came out", "CPU (s)", "clock (s)"], night.parts.iter().map(row).collect(), "")
+}
+
+/// Counts of the gates.
+fn work(measures: &[Measure]) -> Option<Table> {
+    let gates: Vec<&str> = super::work::GATES.iter().map(|gate| gate.name).collect();
+    let of = |gate: &str, wanted: &dyn Fn(&str) -> bool| {
+        measures.iter().find(|m| m.case == gate && wanted(&m.quantity)).map_or_else(
+            || "–".to_owned(),
+            |m| {
+                if m.value.abs() < 100.0 && m.value.fract() != 0.0 {
+                    short(m.value, 3)
+                } else {
+                    format!("{:.0}", m.value)
+                }
+            },
+        )
+    };
+    if !measures.iter().any(|m| gates.contains(&m.case.as_str())) {
+        return None;
+    }
+    let row = |gate: &&str| {
+        let counts = ["point_steps", "solves", "factorisations", "allocations"];
+        let mut cells = vec![Cell::new((*gate).to_owned())];
+        cells.extend(counts.map(|name| Cell::new(of(gate, &|q| q == name))));
+        cells.push(Cell::new(of(gate, &super::instructions::is_count)));
+        cells.push(Cell::new(of(gate, &|q| q == "time_ratio")));
+        cells
+    };
+    let head = ["gate", "point-steps", "solves", "factorisations", "allocations", "instructions", "time / kernel"];
+    Some(table(String::new(), &head, gates.iter().map(row).collect(), ""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::nightly::measure::Tolerance;
+
+    fn night(moved: Vec<Moved>) -> Night {
+        Night {
+            verdict: if moved.is_empty() { "green" } else { "red" }.to_owned(),
+            moved,
+            fell: Vec::new(),
+            cpu_s: 1.5,
+            wall_s: 1.0,
+            compared: 3,
+            counts: 1,
+            date: "2026-01-01".to_owned(),
+            commit: "abc".to_owned(),
+            baselines: "built in".to_owned(),
+            parts: vec![Part { name: "study".to_owned(), line: "all held".to_owned(), cpu_s: 1.0, wall_s: 0.5 }],
+            notes: Vec::new(),
+            manifest: Manifest::new(&crate::scenes::terzaghi(), 1),
+        }
+    }
+
+    fn one_moved() -> Moved {
+        Moved {
+            case: "terzaghi".to_owned(),
+            quantity: "error".to_owned(),
+            was: Some(1e-3),
+            is: Some(2e-3),
+            tolerance: 1e-9,
+            since: "2026-01-01 abc".to_owned(),
+            label: Label::Verified,
+            direction: "worse".to_owned(),
+        }
+    }
+
+    #[test]
+    fn a_red_night_names_the_case_everywhere() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let measures = [
+            Measure::new("terzaghi", "error", Label::Verified, 2e-3, Tolerance::relative(1e-6)),
+            Measure::new("gone", "error", Label::Verified, f64::NAN, Tolerance::relative(1e-6)),
+        ];
+        write(&night(vec![one_moved()]), &measures, folder.path()).expect("written");
+        for name in ["summary.json", "summary.md", "index.html", "moved.csv", VALUES] {
+            let text = std::fs::read_to_string(folder.path().join(name)).expect("a file");
+            assert!(text.contains("terzaghi"), "{name}");
+        }
+        let back = stored(&folder.path().join(VALUES)).expect("values");
+        assert_eq!(format!("{back:?}"), format!("{measures:?}"));
+        let json: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(folder.path().join("summary.json")).expect("a file")).expect("JSON");
+        assert_eq!(json["verdict"], "red");
+        for key in ["case", "quantity", "was", "is", "tolerance", "since"] {
+            assert!(!json["moved"][0][key].is_null(), "{key}");
+        }
+        assert_eq!(json["cpu_s"], 1.5);
+        let page = night(vec![one_moved(); 100]).markdown();
+        assert!(page.contains("and 40 more in `moved.csv`") && page.lines().count() < 90, "one page");
+    }
+
+    #[test]
+    fn a_green_night_says_so() {
+        let night = night(Vec::new());
+        assert!(night.is_green() && night.headline().starts_with("GREEN: 0 of 3 numbers moved"));
+        assert!(!night.markdown().contains("--accept"));
+    }
+}

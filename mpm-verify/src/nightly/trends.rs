@@ -1,0 +1,215 @@
+//! Trend pages: every error, order and cost over the entries of the history, and the commit that moved it.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::history::{ENTRY, History};
+use super::instructions;
+use super::measure::Better;
+use crate::report::content::Picture;
+use crate::report::html::render;
+use crate::report::numbers::short;
+use crate::report::{ReportError, save, unwritable};
+
+const TEMPLATE: &str = include_str!("trends.html");
+/// Width and height of a line, in its own units.
+const SIZE: [f64; 2] = [160.0, 28.0];
+
+/// A page: file, title, and which quantities it shows.
+type Shown = (&'static str, &'static str, fn(&str) -> bool);
+
+/// All pages.
+const PAGES: [Shown; 3] = [
+    ("errors", "Errors", |q| !is_order(q) && !is_cost(q)),
+    ("orders", "Orders of convergence", is_order),
+    ("cost", "Cost in counts, and time over the calibration kernel", is_cost),
+];
+
+fn is_order(quantity: &str) -> bool {
+    quantity == "order" || quantity.ends_with("_order")
+}
+
+fn is_cost(quantity: &str) -> bool {
+    let counts =
+        ["steps", "point_steps", "factorisations", "solves", "rejected", "allocations", "peak_bytes", "time_ratio"];
+    counts.contains(&quantity) || quantity.starts_with("cost_for") || instructions::is_count(quantity)
+}
+
+/// A number over the entries.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Trend {
+    /// Of what.
+    pub case: String,
+    /// Which number.
+    pub quantity: String,
+    /// First value.
+    pub first: String,
+    /// Value now.
+    pub now: String,
+    /// Last change, in words and in share; empty if there was none.
+    pub change: String,
+    /// The entry of the last change; empty if there was none.
+    pub moved_at: String,
+    /// `good`, `bad` or nothing.
+    pub mark: String,
+    /// Points of the line.
+    pub line: String,
+    /// Where it changed: places of marks.
+    pub marks: Vec<[String; 2]>,
+    #[serde(skip)]
+    last: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct Page {
+    title: &'static str,
+    this: &'static str,
+    entries: usize,
+    first: String,
+    last: String,
+    moved: Vec<Trend>,
+    still: Vec<Trend>,
+    width: f64,
+    height: f64,
+    red: Vec<(String, String)>,
+}
+
+/// Writes `errors.html`, `orders.html`, `cost.html` and a CSV beside each.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(history: &History, folder: &Path) -> Result<(), ReportError> {
+    for (name, title, shows) in PAGES {
+        let mut trends: Vec<Trend> = history
+            .numbers()
+            .into_iter()
+            .filter(|(case, quantity)| (*case, *quantity) != ENTRY && shows(quantity))
+            .filter_map(|(case, quantity)| trend(history, case, quantity))
+            .collect();
+        // What moved last comes first.
+        trends.sort_by(|a, b| b.last.cmp(&a.last).then_with(|| (&a.case, &a.quantity).cmp(&(&b.case, &b.quantity))));
+        table(history, &trends, &folder.join(format!("{name}.csv")))?;
+        let (moved, still) = trends.into_iter().partition(|t| !t.moved_at.is_empty());
+        let entry = |entry: Option<&String>| entry.cloned().unwrap_or_default();
+        let page = Page {
+            title,
+            this: name,
+            entries: history.entries.len(),
+            first: entry(history.entries.first()),
+            last: entry(history.entries.last()),
+            moved,
+            still,
+            width: SIZE[0],
+            height: SIZE[1],
+            red: red(history),
+        };
+        let path = folder.join(format!("{name}.html"));
+        let html = render(TEMPLATE, serde_json::json!(page), &Picture::all(&[]), (&[], &[]), ".");
+        save(&path, html.map_err(|cause| ReportError::Page { path: path.clone(), cause })?)?;
+    }
+    Ok(())
+}
+
+/// Entries at which numbers were off, the last ones first.
+fn red(history: &History) -> Vec<(String, String)> {
+    let off = history.steps(ENTRY.0, ENTRY.1).iter().rev().filter(|(_, moved)| *moved > 0.0).take(12);
+    off.map(|(entry, moved)| (history.entries[*entry].clone(), format!("{moved:.0}"))).collect()
+}
+
+/// Every change of the numbers of a page.
+fn table(history: &History, trends: &[Trend], path: &Path) -> Result<(), ReportError> {
+    let mut writer = csv::Writer::from_path(path).map_err(|e| unwritable(path, e))?;
+    writer.write_record(["case", "quantity", "entry", "value"]).map_err(|e| unwritable(path, e))?;
+    for t in trends {
+        for (entry, value) in history.steps(&t.case, &t.quantity) {
+            let value = if value.is_nan() { String::new() } else { format!("{value:?}") };
+            let row = [&t.case, &t.quantity, &history.entries[*entry], &value];
+            writer.write_record(row).map_err(|e| unwritable(path, e))?;
+        }
+    }
+    writer.flush().map_err(|e| unwritable(path, e))
+}
+
+fn trend(history: &History, case: &str, quantity: &str) -> Option<Trend> {
+    let steps = history.steps(case, quantity);
+    let (first, last) = (steps.first()?, steps.last()?);
+    let shown = |value: f64| if value.is_nan() { "–".to_owned() } else { short(value, 4) };
+    let (mut change, mut moved_at, mut mark) = (String::new(), String::new(), "");
+    if let [.., (_, was), (entry, is)] = steps {
+        let word = Better::of(quantity).word(*was, *is);
+        mark = match word {
+            "worse" | "gone" => "bad",
+            "better" => "good",
+            _ => "",
+        };
+        change = if was.is_finite() && is.is_finite() && *was != 0.0 {
+            format!("{word}, {:+.2} %", 100.0 * (is / was - 1.0))
+        } else {
+            word.to_owned()
+        };
+        moved_at.clone_from(&history.entries[*entry]);
+    }
+    let (line, marks) = line(steps, history.entries.len());
+    Some(Trend {
+        case: case.to_owned(),
+        quantity: quantity.to_owned(),
+        first: shown(first.1),
+        now: shown(last.1),
+        change,
+        moved_at,
+        mark: mark.to_owned(),
+        line,
+        marks,
+        last: last.0,
+    })
+}
+
+/// The steps of a number as points of a line, and the places where it changed.
+fn line(steps: &[(usize, f64)], entries: usize) -> (String, Vec<[String; 2]>) {
+    let finite = || steps.iter().map(|(_, v)| *v).filter(|v| v.is_finite());
+    let (low, high) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    let [width, height] = SIZE;
+    let x = |entry: usize| 3.0 + (width - 6.0) * entry as f64 / (entries.max(2) - 1) as f64;
+    let y = |value: f64| {
+        let share = if high > low { (value - low) / (high - low) } else { 0.5 };
+        height - 4.0 - (height - 8.0) * share
+    };
+    let (mut points, mut marks) = (String::new(), Vec::new());
+    for (at, (entry, value)) in steps.iter().enumerate().filter(|(_, (_, value))| value.is_finite()) {
+        let until = steps.get(at + 1).map_or(entries.saturating_sub(1), |next| next.0);
+        let _ = write!(points, "{:.1},{:.1} {:.1},{:.1} ", x(*entry), y(*value), x(until), y(*value));
+        if at > 0 {
+            marks.push([format!("{:.1}", x(*entry)), format!("{:.1}", y(*value))]);
+        }
+    }
+    (points.trim_end().to_owned(), marks)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::nightly::measure::{Label, Measure, Tolerance};
+
+    #[test]
+    fn the_commit_that_moved_a_number_is_named() {
+        let mut history = History::default();
+        for (number, value) in [1.0, 1.0, 3.0, 3.0].into_iter().enumerate() {
+            let tolerance = Tolerance::relative(0.0);
+            let m = |case: &str, quantity: &str, value| Measure::new(case, quantity, Label::Verified, value, tolerance);
+            let all = [m("a", "error", value), m("b", "error", 5.0), m("b", "order", 2.0), m("b", "solves", value)];
+            history.note(&format!("2026-01-0{} commit{number}", number + 1), &all);
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        write(&history, folder.path()).expect("written");
+        let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("a file");
+        let errors = text("errors.html");
+        assert!(errors.contains("2026-01-03 commit2") && errors.contains("worse, +200.00 %"));
+        assert!(text("errors.csv").contains("a,error,2026-01-03 commit2,3.0"));
+        assert!(!text("orders.html").contains("commit2") && text("cost.html").contains("solves"));
+        let (points, marks) = line(history.steps("a", "error"), 4);
+        assert_eq!(points, "3.0,24.0 105.7,24.0 105.7,4.0 157.0,4.0");
+        assert_eq!(marks, [["105.7".to_owned(), "4.0".to_owned()]]);
+    }
+}

@@ -1,0 +1,225 @@
+//! What README, guides and workflows promise exists: every command in them parses, every file they name is there.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::{CommandFactory, Parser};
+use saphyr::{LoadableYamlNode, Yaml};
+
+use crate::Cli;
+
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+
+fn text(path: &str) -> String {
+    fs::read_to_string(format!("{ROOT}/{path}")).unwrap_or_else(|e| panic!("{path}: {e}"))
+}
+
+fn files(folder: &str, ending: &str) -> Vec<String> {
+    let entries = fs::read_dir(format!("{ROOT}/{folder}")).unwrap_or_else(|e| panic!("{folder}: {e}"));
+    let names = entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned());
+    let mut files: Vec<String> = names.filter(|n| n.ends_with(ending)).map(|n| format!("{folder}/{n}")).collect();
+    files.sort();
+    files
+}
+
+/// Words of a line of a shell, quotes taken off.
+fn words(line: &str) -> Vec<String> {
+    let (mut words, mut word, mut quote, mut open) = (Vec::new(), String::new(), None, false);
+    for c in line.chars() {
+        match (quote, c) {
+            (None, '"' | '\'') => (quote, open) = (Some(c), true),
+            (Some(q), c) if q == c => quote = None,
+            (None, '#') if !open => break,
+            (None, c) if c.is_whitespace() => {
+                if open {
+                    words.push(std::mem::take(&mut word));
+                }
+                open = false;
+            }
+            (_, c) => {
+                word.push(c);
+                open = true;
+            }
+        }
+    }
+    if open {
+        words.push(word);
+    }
+    words
+}
+
+/// Whether a command line is one of this program; why not, if it is not.
+fn parses(arguments: &[String]) -> Result<(), String> {
+    // What stands for something of the reader's own.
+    let own = |word: &String| match word.as_str() {
+        "SCENE" | "SCENE.toml" => "scene.toml".to_owned(),
+        "DIR" => "folder".to_owned(),
+        "..." => String::new(),
+        other => other.to_owned(),
+    };
+    let arguments = arguments.iter().map(own).filter(|word| !word.is_empty());
+    Cli::try_parse_from(std::iter::once("mpm-verify".to_owned()).chain(arguments)).map(drop).map_err(|e| e.to_string())
+}
+
+/// Checks a command line of any kind. Returns whether it is one of this program.
+fn check(place: &str, line: &str) -> bool {
+    let words = words(line);
+    let of: Vec<&str> = words.iter().map(String::as_str).collect();
+    match of.as_slice() {
+        ["cargo", "run", "--release"] => true,
+        ["cargo", "run", "--release", "--", ..] => {
+            parses(&words[4..]).unwrap_or_else(|e| panic!("{place}: {line}: {e}"));
+            true
+        }
+        ["cargo", "run", "--release", "-p", "mpm-bench", ..] => false,
+        ["cargo", "test" | "bench" | "build" | "fmt" | "clippy" | "doc", ..] => {
+            for pair in of.windows(2).filter(|pair| pair[0] == "-p") {
+                assert!(Path::new(&format!("{ROOT}/{}", pair[1])).is_dir(), "{place}: {line}");
+            }
+            for pair in of.windows(2).filter(|pair| pair[0] == "--test") {
+                let of = |of| Path::new(&format!("{ROOT}/{of}/tests/{}.rs", pair[1])).is_file();
+                assert!(["mpm-core", "mpm-verify", "mpm-bench"].into_iter().any(of), "{place}: {line}");
+            }
+            false
+        }
+        _ => panic!("{place}: expected a command that the README explains, found {line}"),
+    }
+}
+
+/// Commands in the text of a page: lines of its shell blocks, and what stands between backquotes.
+fn commands(page: &str) -> Vec<String> {
+    let mut commands = Vec::new();
+    let mut block = None;
+    for line in page.lines() {
+        match (line.strip_prefix("```"), block) {
+            (Some(kind), None) => block = Some(kind.starts_with("sh") || kind == "text"),
+            (Some(_), Some(_)) => block = None,
+            (None, Some(true)) if line.starts_with("cargo ") => commands.push(line.to_owned()),
+            (None, Some(_)) => {}
+            (None, None) => {
+                commands
+                    .extend(line.split('`').skip(1).step_by(2).filter(|c| c.starts_with("cargo ")).map(str::to_owned));
+            }
+        }
+    }
+    commands
+}
+
+#[test]
+fn commands_of_the_pages_parse() {
+    let mut pages = vec!["README.md".to_owned()];
+    pages.extend(files("mpm-verify/docs", ".md"));
+    let mut own = 0;
+    for page in &pages {
+        for command in commands(&text(page)) {
+            own += usize::from(check(page, &command));
+        }
+    }
+    assert!(own > 20, "{own} commands");
+}
+
+#[test]
+fn commands_that_the_readme_lists_exist() {
+    let readme = text("README.md");
+    let mut known: Vec<String> =
+        Cli::command().get_subcommands().filter(|c| !c.is_hide_set()).map(|c| c.get_name().to_owned()).collect();
+    known.sort();
+    for name in &known {
+        assert!(readme.contains(&format!("`mpm-verify {name}")), "the README does not say what {name} does");
+    }
+    for part in readme.split("`mpm-verify ").skip(1) {
+        let line = part.split('`').next().unwrap_or_default();
+        let name = line.split_whitespace().next().unwrap_or_default().to_owned();
+        assert!(name == "..." || known.contains(&name), "README: mpm-verify {line}");
+    }
+}
+
+/// Steps of a job.
+fn steps<'a>(job: &'a Yaml<'a>, place: &str) -> Vec<&'a Yaml<'a>> {
+    let steps = job.as_mapping_get("steps").and_then(Yaml::as_sequence);
+    steps.unwrap_or_else(|| panic!("{place}: no steps")).iter().collect()
+}
+
+#[test]
+fn workflows_parse_and_call_nothing_that_does_not_exist() {
+    let found = files(".github/workflows", ".yml");
+    assert_eq!(found.len(), 3, "{found:?}");
+    let (mut own, mut tests) = (0, 0);
+    for path in &found {
+        let text = text(path);
+        let all = Yaml::load_from_str(&text).unwrap_or_else(|e| panic!("{path}: {e}"));
+        let top = all.first().unwrap_or_else(|| panic!("{path}: empty"));
+        assert!(top.as_mapping_get("on").is_some(), "{path}: never");
+        let jobs = top.as_mapping_get("jobs").and_then(Yaml::as_mapping).unwrap_or_else(|| panic!("{path}: no jobs"));
+        for (name, job) in jobs {
+            let place = format!("{path}, {}", name.as_str().unwrap_or_default());
+            assert!(job.as_mapping_get("runs-on").is_some(), "{place}: runs nowhere");
+            for step in steps(job, &place) {
+                let of = |key: &str| step.as_mapping_get(key).and_then(Yaml::as_str);
+                match (of("uses"), of("run")) {
+                    (Some(uses), None) => {
+                        assert!(uses.starts_with("actions/") && uses.contains("@v"), "{place}: {uses}")
+                    }
+                    (None, Some(run)) => {
+                        for line in run.lines().filter(|line| line.starts_with("cargo ")) {
+                            own += usize::from(check(&place, line));
+                            tests += usize::from(line == "cargo test --workspace");
+                        }
+                        let other = run.lines().filter(|line| !line.starts_with("cargo "));
+                        for line in other {
+                            let first = line.split_whitespace().next().unwrap_or_default();
+                            assert!(["rustup", "sudo", "cat"].contains(&first), "{place}: {line}");
+                        }
+                    }
+                    _ => panic!("{place}: expected a step that uses or runs something"),
+                }
+            }
+        }
+        for entry in top
+            .as_mapping_get("on")
+            .and_then(|on| on.as_mapping_get("schedule"))
+            .and_then(Yaml::as_sequence)
+            .into_iter()
+            .flatten()
+        {
+            let cron = entry.as_mapping_get("cron").and_then(Yaml::as_str).unwrap_or_default();
+            assert_eq!(cron.split_whitespace().count(), 5, "{path}: {cron}");
+        }
+    }
+    assert!(own >= 2 && tests == 1, "{own} commands of this program, {tests} times the tests");
+    let readme = text("README.md");
+    assert!(readme.contains("cargo test --workspace") && text(".ci/run").contains("cargo test --workspace"));
+}
+
+#[test]
+fn a_command_that_does_not_exist_is_found() {
+    for line in ["nightly --frobnicate", "nigthly", "study --mesh", "check --scene a.toml --mutants"] {
+        assert!(parses(&words(line)).is_err(), "{line}");
+    }
+    assert_eq!(words("a \"b c\" --d 'e'  # f"), ["a", "b c", "--d", "e"]);
+    assert_eq!(
+        commands("x `cargo run` y\n```sh\ncargo test\nls\n```\n```rust\ncargo doc\n```\n"),
+        ["cargo run", "cargo test"]
+    );
+}
+
+/// Files between round brackets of a page's links.
+#[test]
+fn links_of_the_pages_lead_somewhere() {
+    let mut pages = vec![
+        "README.md".to_owned(),
+        "reference-data/README.md".to_owned(),
+        "reference-data/scenes/README.md".to_owned(),
+    ];
+    pages.extend(files("mpm-verify/docs", ".md"));
+    for page in &pages {
+        let folder = PathBuf::from(format!("{ROOT}/{page}")).parent().expect("a folder").to_owned();
+        for part in text(page).split("](").skip(1) {
+            let target = part.split([')', '#']).next().unwrap_or_default();
+            if target.is_empty() || target.contains("://") || target.contains(' ') {
+                continue;
+            }
+            assert!(folder.join(target).exists(), "{page}: {target}");
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! The night from the command line: a part of it as a try, accepted baselines, what moved, and what cannot be.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn nightly(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_mpm-verify"));
+    command.arg("nightly").args(arguments).current_dir(folder).output().expect("a run")
+}
+
+fn error(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn summary(night: &Path) -> serde_json::Value {
+    serde_json::from_slice(&fs::read(night.join("summary.json")).expect("a summary")).expect("JSON")
+}
+
+/// The only night in a folder.
+fn night(folder: &Path) -> std::path::PathBuf {
+    let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+    let mut nights: Vec<_> = entries.filter(|path| path.join("summary.json").exists()).collect();
+    nights.sort();
+    nights.pop().expect("a night")
+}
+
+#[test]
+fn a_night_is_accepted_and_what_moves_then_is_told() {
+    let root = tempfile::tempdir().expect("a folder");
+    let baselines = root.path().join("reference-data/baselines");
+    fs::create_dir_all(&baselines).expect("a folder");
+    let file = baselines.join("nightly.csv");
+    fs::write(&file, "case,quantity,label,value,relative,absolute,since,why\n").expect("written");
+    let work = ["--only", "work", "--no-instructions", "--quiet", "--out", "one"];
+    // Without baselines every number is new.
+    let first = nightly(root.path(), &work);
+    assert_eq!(first.status.code(), Some(1), "{}", error(&first));
+    assert!(
+        error(&first).starts_with("RED: ") && error(&first).contains("work-krylov solves new"),
+        "{}",
+        error(&first)
+    );
+    let one = night(&root.path().join("one"));
+    assert!(!root.path().join("one/history.csv").exists(), "a try is not remembered");
+    let from = one.to_string_lossy().into_owned();
+    let accepted = nightly(root.path(), &["--accept", "a test", "--from", &from]);
+    assert!(accepted.status.success(), "{}", error(&accepted));
+    let text = fs::read_to_string(&file).expect("a table");
+    assert!(text.starts_with("# What `mpm-verify nightly`") && text.contains(",a test\n"), "{text}");
+    let second = nightly(root.path(), &[&work[..5], &["two"]].concat());
+    assert!(second.status.success(), "an unchanged program is green: {}", error(&second));
+    assert_eq!(summary(&night(&root.path().join("two")))["verdict"], "green");
+    // A count that is off by one, and one that no one counts any more.
+    let line = text.lines().find(|line| line.starts_with("work-explicit-column,steps,")).expect("a count");
+    let value = line.split(',').nth(3).expect("a value");
+    let more = format!("{:?}", value.parse::<f64>().expect("a number") + 1.0);
+    let other = text.replace(line, &line.replacen(value, &more, 1)) + "work-gone,steps,count,1.0,0.0,0.0,d c,w\n";
+    fs::write(&file, other).expect("written");
+    let third = nightly(root.path(), &[&work[..5], &["three"]].concat());
+    assert_eq!(third.status.code(), Some(1));
+    let moved = summary(&night(&root.path().join("three")))["moved"].clone();
+    let names: Vec<&str> = moved.as_array().expect("a list").iter().filter_map(|m| m["case"].as_str()).collect();
+    assert_eq!(names, ["work-explicit-column"], "what is not part of a try is not gone");
+    assert_eq!(moved[0]["direction"], "better");
+    assert!(error(&third).contains("work-explicit-column steps better: was"), "{}", error(&third));
+}
+
+#[test]
+fn what_cannot_be_accepted_is_refused() {
+    let root = tempfile::tempdir().expect("a folder");
+    for (arguments, words) in [
+        (&["--accept", " "][..], "--accept: expected why"),
+        (&["--accept", "why", "--from", "nowhere"], "nowhere"),
+        (&["--from", "nowhere"], "--accept <WHY>"),
+        (&["--only", "nothing"], "possible values: study, ladder, stability, levee, work"),
+        (&["--baselines", "nowhere"], "nowhere"),
+    ] {
+        let output = nightly(root.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", error(&output));
+        assert!(error(&output).contains(words), "{arguments:?}: {}", error(&output));
+    }
+    fs::write(root.path().join("nightly.csv"), "case,quantity\na,b\n").expect("written");
+    let output = nightly(root.path(), &["--baselines", "."]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(error(&output).contains("nightly.csv:2: expected case,quantity,label"), "{}", error(&output));
+}
