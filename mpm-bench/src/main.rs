@@ -1,6 +1,5 @@
 //! The command line: `mpm-bench` sweeps the settings and writes the report.
 
-use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -14,6 +13,7 @@ use mpm_bench::report::Findings;
 use mpm_bench::report::answers::answers;
 use mpm_bench::store::Store;
 use mpm_bench::sweep::{SweepError, build, sweep};
+use mpm_verify::files::Folder;
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 
@@ -76,6 +76,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
     }
     let peers = peers().map_err(|e| Failure::BadInput(format!("peers/terzaghi.csv: {e}")))?;
     let manifest = Manifest { command: command(), ..Manifest::new(&base, 1) };
+    let folder = Folder::take(&cli.out).map_err(|e| Failure::BadInput(format!("--out: {e}")))?;
     let mut store = open(&cli.out, &build(&manifest), cli.fresh)?;
     let mut notes = store.opened.notes();
     let quiet = cli.quiet || cli.json;
@@ -96,7 +97,8 @@ fn run(cli: &Cli) -> Result<(), Failure> {
     }
     let mut findings = Findings::new(manifest, rows, peers, plan.left_out, notes);
     findings.kernel = Some(kernel);
-    findings.write(&cli.out).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    findings.write(folder.stage()).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))?;
     if cli.json {
         print_json(&findings);
     }
@@ -109,12 +111,11 @@ fn run(cli: &Cli) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Proves that the folder can be written to, and opens its store.
+/// Opens the store of a folder.
 fn open(folder: &Path, build: &str, fresh: bool) -> Result<Store, Failure> {
     let refused = |e: std::io::Error| {
         Failure::BadInput(format!("--out: expected a folder that can be written to, found {}: {e}", folder.display()))
     };
-    fs::create_dir_all(folder).map_err(refused)?;
     Store::open(&folder.join("store.jsonl"), build, fresh).map_err(refused)
 }
 

@@ -4,6 +4,7 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
+use mpm_verify::files;
 use serde::{Deserialize, Serialize};
 
 use super::{Kernel, measure};
@@ -26,7 +27,7 @@ fn kept(folder: &Path, build: &str, quick: bool) -> Option<Kernel> {
 }
 
 fn keep(folder: &Path, kept: &Kept) -> io::Result<()> {
-    fs::write(folder.join(NAME), serde_json::to_string(kept)?)
+    files::write(&folder.join(NAME), serde_json::to_string(kept)?.as_bytes())
 }
 
 /// What was kept in a folder, or what is measured now and kept there.

@@ -229,8 +229,9 @@ pub fn stored(path: &Path) -> Result<Vec<Measure>, String> {
 }
 
 fn moved(night: &Night) -> Table {
-    let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |v| short(v, 7));
+    let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), shown);
     let row = |m: &Moved| {
+        let (date, commit) = m.since.split_once(' ').unwrap_or((&m.since, ""));
         let mark = match m.direction.as_str() {
             "worse" | "gone" => "bad",
             "better" => "good",
@@ -243,11 +244,16 @@ fn moved(night: &Night) -> Table {
             Cell::new(number(m.was)),
             Cell::new(number(m.is)),
             Cell::new(format!("{:.1e}", m.tolerance)),
-            Cell::new(m.since.clone()),
+            Cell::new(date.replace('T', " ").trim_end_matches('Z')).marked(commit, ""),
         ]
     };
     let rows = night.moved.iter().take(LISTED).map(row).collect();
     table(String::new(), &["case", "quantity", "", "was", "is", "may move by", "since"], rows, "")
+}
+
+/// A number: a count without a point.
+fn shown(value: f64) -> String {
+    if value.fract() == 0.0 && value.abs() < 1e15 { format!("{value:.0}") } else { short(value, 7) }
 }
 
 fn parts(night: &Night) -> Table {

@@ -50,8 +50,10 @@ pub struct Trend {
     pub now: String,
     /// Last change, in words and in share; empty if there was none.
     pub change: String,
-    /// The entry of the last change; empty if there was none.
+    /// Date of the entry of the last change; empty if there was none.
     pub moved_at: String,
+    /// Its commit.
+    pub commit: String,
     /// `good`, `bad` or nothing.
     pub mark: String,
     /// Points of the line.
@@ -135,8 +137,12 @@ fn table(history: &History, trends: &[Trend], path: &Path) -> Result<(), ReportE
 fn trend(history: &History, case: &str, quantity: &str) -> Option<Trend> {
     let steps = history.steps(case, quantity);
     let (first, last) = (steps.first()?, steps.last()?);
-    let shown = |value: f64| if value.is_nan() { "–".to_owned() } else { short(value, 4) };
-    let (mut change, mut moved_at, mut mark) = (String::new(), String::new(), "");
+    let shown = |value: f64| match value {
+        v if v.is_nan() => "–".to_owned(),
+        v if v.fract() == 0.0 && v.abs() < 1e15 => format!("{v:.0}"),
+        v => short(v, 4),
+    };
+    let (mut change, mut moved_at, mut commit, mut mark) = (String::new(), String::new(), String::new(), "");
     if let [.., (_, was), (entry, is)] = steps {
         let word = Better::of(quantity).word(*was, *is);
         mark = match word {
@@ -149,7 +155,9 @@ fn trend(history: &History, case: &str, quantity: &str) -> Option<Trend> {
         } else {
             word.to_owned()
         };
-        moved_at.clone_from(&history.entries[*entry]);
+        let (date, of) = history.entries[*entry].split_once(' ').unwrap_or_default();
+        date.replace('T', " ").trim_end_matches('Z').clone_into(&mut moved_at);
+        of.clone_into(&mut commit);
     }
     let (line, marks) = line(steps, history.entries.len());
     Some(Trend {
@@ -159,6 +167,7 @@ fn trend(history: &History, case: &str, quantity: &str) -> Option<Trend> {
         now: shown(last.1),
         change,
         moved_at,
+        commit,
         mark: mark.to_owned(),
         line,
         marks,
@@ -205,7 +214,7 @@ mod tests {
         write(&history, folder.path()).expect("written");
         let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("a file");
         let errors = text("errors.html");
-        assert!(errors.contains("2026-01-03 commit2") && errors.contains("worse, +200.00 %"));
+        assert!(errors.contains("2026-01-03<small>commit2</small>") && errors.contains("worse, +200.00 %"));
         assert!(text("errors.csv").contains("a,error,2026-01-03 commit2,3.0"));
         assert!(!text("orders.html").contains("commit2") && text("cost.html").contains("solves"));
         let (points, marks) = line(history.steps("a", "error"), 4);
