@@ -1,6 +1,6 @@
 //! Inputs without sense: whatever stands in a scene, a checkpoint or a table, no reader panics, hangs, or asks for all memory.
 //!
-//! A test tries some thousands of inputs of each kind; `BOLERO_RANDOM_ITERATIONS=4000000 cargo test --release --test fuzz` tries as
+//! A test tries some thousands of inputs of each kind; `BOLERO_RANDOM_ITERATIONS=3400000 cargo test --test fuzz` tries as
 //! many as it is told, and `cargo bolero test` looks for them by the branches they take. Inputs that were of use are in
 //! `__fuzz__`: they are tried every time.
 

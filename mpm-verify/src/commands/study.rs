@@ -1,7 +1,6 @@
 //! `study`, the main job.
 
 use std::fs;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -322,16 +321,11 @@ pub fn told(study: &Study, common: &Common, folder: &Path) -> Result<(), Failure
 /// Folder of the finished cases.
 pub const CASES: &str = "cases";
 
-/// The finished cases of a folder; none of them unless a study is to be resumed.
+/// The finished cases of a folder; none of them is taken over unless a study is to be resumed.
 fn open(options: &Options, folder: &Path) -> Result<Store, Failure> {
     let cases = folder.join(CASES);
-    if !options.resume {
-        let gone = fs::remove_dir_all(&cases);
-        if let Err(e) = gone.or_else(|e| if e.kind() == ErrorKind::NotFound { Ok(()) } else { Err(e) }) {
-            return Err(Failure::BadInput(format!("{}: {e}", cases.display())));
-        }
-    }
-    Store::open(&[&cases]).map_err(|e| Failure::BadInput(format!("{}: {e}", cases.display())))
+    let store = Store::open(&[&cases]).map_err(|e| Failure::BadInput(format!("{}: {e}", cases.display())))?;
+    Ok(if options.resume { store } else { store.anew() })
 }
 
 /// Lists the cases.

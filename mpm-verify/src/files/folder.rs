@@ -107,7 +107,9 @@ impl Folder {
                 fs::create_dir_all(&target).map_err(refused(&target))?;
                 self.move_all(&source, &target)?;
             } else {
-                File::open(&source).and_then(|file| file.sync_all()).or(Ok(())).map_err(refused(&source))?;
+                // Flushing needs the right to write on some systems.
+                let file = OpenOptions::new().append(true).open(&source).map_err(refused(&source))?;
+                file.sync_all().map_err(refused(&source))?;
                 fs::rename(&source, &target).map_err(refused(&target))?;
             }
         }

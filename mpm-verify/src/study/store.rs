@@ -26,6 +26,8 @@ struct Kept<'a> {
 #[derive(Debug, Clone)]
 pub struct Store {
     folders: Vec<PathBuf>,
+    /// Whether nothing is taken over. What is there stays until it is replaced.
+    anew: bool,
 }
 
 impl Store {
@@ -37,13 +39,19 @@ impl Store {
         if let Some(first) = folders.first() {
             fs::create_dir_all(first)?;
         }
-        Ok(Self { folders: folders.iter().map(|folder| (*folder).to_owned()).collect() })
+        Ok(Self { folders: folders.iter().map(|folder| (*folder).to_owned()).collect(), anew: false })
+    }
+
+    /// The same for a study that begins anew.
+    pub fn anew(self) -> Self {
+        Self { anew: true, ..self }
     }
 
     /// The result of a case, if it is done. A file that cannot be read is no result.
     pub fn get(&self, key: &str, scene: &Scene) -> Option<CaseResult> {
         let input = scene_hash(scene);
-        self.folders.iter().find_map(|folder| {
+        let known = if self.anew { &[] } else { self.folders.as_slice() };
+        known.iter().find_map(|folder| {
             let text = fs::read(folder.join(format!("{key}.json"))).ok()?;
             let kept: Kept = serde_json::from_slice(&text).ok()?;
             (kept.build == BUILD && kept.input == input).then(|| kept.result.into_owned())
@@ -78,6 +86,9 @@ mod tests {
         let back = store.get("one", &scene).expect("a result");
         assert_eq!(format!("{back:?}"), format!("{one:?}"), "to the last bit");
         assert!(store.get("two", &scene).is_none());
+        let anew = store.clone().anew();
+        assert!(anew.get("one", &scene).is_none(), "a study that begins anew takes nothing over");
+        assert!(store.get("one", &scene).is_some(), "and takes nothing away");
         let other = Scene { porosity: 0.31, ..scene.clone() };
         assert!(store.get("one", &other).is_none());
         let path = folder.path().join("one.json");

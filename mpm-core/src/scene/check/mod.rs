@@ -171,7 +171,7 @@ impl Reader<'_> {
         let mesh = raw.mesh.get_ref();
         let geometry = self.geometry(raw, dimension)?;
         let ground::Geometry { outline, width, height, cell, cells: [across, rows], sideroom_cells } = geometry;
-        let (particles_per_cell, headroom_cells) = self.particles(raw, rows, across + sideroom_cells, dimension)?;
+        let (particles_per_cell, headroom_cells) = self.particles(raw, rows, across.saturating_add(sideroom_cells), dimension)?;
         let (elastic, strength) = self.law(raw.soil.get_ref())?;
         let porosity =
             self.within(&raw.soil.get_ref().porosity, "soil.porosity", "0 < n < 1", |n| n > 0.0 && n < 1.0)?;
@@ -317,7 +317,7 @@ impl Reader<'_> {
             rows => self.refuse(&h.span(), "mesh.headroom_cells", "between 0 and 1000000 rows of cells", rows),
         })?;
         let points = rows as f64 * across as f64 * per_cell;
-        let cells = (rows + headroom) as f64 * across as f64;
+        let cells = (rows as f64 + headroom as f64) * across as f64;
         let integrator = raw.time.as_ref().and_then(|time| time.get_ref().integrator.as_ref());
         let [per_point, per_cell] = if integrator.is_some_and(|word| word.get_ref() == "quasi-static") {
             [IMPLICIT_BYTES_PER_SOIL_POINT, IMPLICIT_BYTES_PER_CELL[usize::from(dim == Dimension::PlaneStrain)]]

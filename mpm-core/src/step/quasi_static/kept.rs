@@ -29,6 +29,12 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
             return;
         }
         if keeper.is_reading() {
+            // A surface that has gone further than the soil is high would have a mesh without end.
+            let bounded = self.settled.abs() < self.scene.height;
+            if !bounded {
+                keeper.refuse();
+                return;
+            }
             // The mesh that was laid over these particles; what it would start from is read below.
             let done = self.done;
             self.soil = None;

@@ -19,6 +19,10 @@ const REACH: f64 = 0.75;
 /// Longest shift in a step, in cells.
 const LONGEST: f64 = 0.1;
 
+/// With so many times the particles that fill the mesh no more come in. Flow that is followed step by step stays far below;
+/// without it a step that lasts for ever would bring particles without end.
+const CROWDED: f64 = 2.0;
+
 /// The particles of the water.
 #[derive(Debug, Clone)]
 pub struct WaterLayer<const D: usize> {
@@ -182,11 +186,13 @@ impl<const D: usize> WaterLayer<D> {
 
     /// Particles for what came in, and none for what went out.
     fn exchange(&mut self, grid: &Grid<D>, water: &FreeSurface<D>, dt: f64) {
+        let crowded = CROWDED * water.medium.porosity * water.medium.cell_volume * grid.cell_count() as f64;
         for (edge, out) in water.leaks() {
             let cell = edge.cell as usize;
             self.pending[cell] -= dt * out;
             let fed = !matches!(edge.outside, Outside::Air);
-            while self.pending[cell] >= 0.5 * self.volume && fed {
+            // Where all is crowded, the water that comes in waits until there is room for its particles.
+            while self.pending[cell] >= 0.5 * self.volume && fed && self.stored() < crowded {
                 self.pending[cell] -= self.volume;
                 self.spawned += 1;
                 self.turn += 1;

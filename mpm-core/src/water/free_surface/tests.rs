@@ -98,6 +98,23 @@ fn a_dam_discharges_by_charny_and_its_water_is_accounted_for() {
 }
 
 #[test]
+fn a_flood_waits_until_there_is_room() {
+    let cells = [8, 2];
+    let (grid, mut water) = block(cells, 0.125, [0.0, -GAMMA], &fed(0, 0.5));
+    let mut layer = WaterLayer::new(&grid, &water, 2, 1000.0);
+    let (step, _) = water.step(1.0).unwrap();
+    layer.follow(&grid, &water, step, false);
+    let before = layer.stored() + layer.pending();
+    // As much as never was: what is not yet a particle is pending, and none of it is lost.
+    let ages = 1e15;
+    layer.follow(&grid, &water, ages, false);
+    let came: f64 = water.leaks().map(|(_, out)| -out * ages).sum();
+    assert!(layer.points.len() <= 3 * 4 * cells[0] * cells[1], "{}", layer.points.len());
+    let lost = layer.stored() + layer.pending() - before - came;
+    assert!(came > 1e6 && lost.abs() < 1e-9 * came, "{lost:e} of {came:e}");
+}
+
+#[test]
 fn still_water_stays() {
     let (_, mut water) = block([4, 8], 0.125, [0.0, -GAMMA], &CLOSED);
     // A level in the middle of the sixth row.
