@@ -103,6 +103,8 @@ const CASES: &[(&str, Edits)] = &[
     ("nu = -1", &[("poisson_ratio = 0.30", "poisson_ratio = -1.0")]),
     ("negative stiffness", &[("youngs_modulus = 2.0e7", "youngs_modulus = -2.0e7")]),
     ("negative porosity", &[("porosity = 0.30", "porosity = -0.1")]),
+    ("porosity of nothing", &[("porosity = 0.30", "porosity = 1e-320")]),
+    ("height of nothing", &[("height = 1.0", "height = 1e-320")]),
     ("porosity 1", &[("porosity = 0.30", "porosity = 1.0")]),
     ("porosity in percent", &[("porosity = 0.30", "porosity = 30")]),
     ("zero grain density", &[("grain_density = 1800.0", "grain_density = 0.0")]),

@@ -4,6 +4,9 @@
 //! many as it is told, and `cargo bolero test` looks for them by the branches they take. Inputs that were of use are in
 //! `__fuzz__`: they are tried every time.
 
+use std::collections::BTreeMap;
+use std::io::{Write, stderr};
+use std::sync::{Mutex, Once};
 use std::time::{Duration, Instant};
 
 use mpm_core::drive::{Attend, Drive, Wish};
@@ -116,10 +119,33 @@ fn changed(text: &str, dice: &mut Dice) -> Vec<u8> {
     bytes
 }
 
+/// What is being tried, and since when, by thread.
+static TRIED: Mutex<BTreeMap<String, (Instant, String, Vec<u8>)>> = Mutex::new(BTreeMap::new());
+
+/// Does something in time. What never ends is ended, by another thread, with the input that it was given.
 fn in_time(what: &str, input: &[u8], work: impl FnOnce()) {
+    static WATCH: Once = Once::new();
+    WATCH.call_once(|| {
+        std::thread::spawn(|| {
+            loop {
+                std::thread::sleep(PATIENCE);
+                for (start, what, input) in TRIED.lock().expect("no panic in it").values() {
+                    if start.elapsed() > 6 * PATIENCE {
+                        let text = String::from_utf8_lossy(input);
+                        // Not `eprintln!`: what a test prints is lost when its process ends here.
+                        let _ = writeln!(stderr(), "{what}: no end for {} bytes:\n{text}", input.len());
+                        std::process::abort();
+                    }
+                }
+            }
+        });
+    });
+    let thread = format!("{:?}", std::thread::current().id());
     let clock = Instant::now();
+    TRIED.lock().expect("no panic in it").insert(thread.clone(), (clock, what.to_owned(), input.to_vec()));
     work();
     let took = clock.elapsed();
+    TRIED.lock().expect("no panic in it").remove(&thread);
     assert!(took < PATIENCE, "{what}: {took:?} for {} bytes: {:?}", input.len(), String::from_utf8_lossy(input));
 }
 

@@ -258,8 +258,10 @@ impl<'a> Drive<'a> {
                     self.at.left -= done;
                     time - self.at.left as f64 * step
                 } else {
-                    self.at.left = 0;
-                    self.at.now + self.model.time() - before
+                    self.at.step = self.model.left();
+                    self.at.left = u64::from(self.at.step > 0.0);
+                    self.at.now += self.model.time() - before;
+                    self.at.now
                 };
                 result.map_err(|fault| Halt::Fault(here, fault))?;
                 if self.at.left > 0 {

@@ -73,6 +73,11 @@ pub trait Model: Send {
     /// # Errors
     /// The stage cannot be computed.
     fn enter_stage(&mut self, stage: &Stage, times: &[f64]) -> Result<(), Fault>;
+    /// What is left of the time that [`Self::advance`] was last asked for, s: a model with steps of its own choice may pause on
+    /// the way, so that the run can be kept or stopped.
+    fn left(&self) -> f64 {
+        0.0
+    }
     /// Time since the start of the run, s.
     fn time(&self) -> f64;
     /// Work of the linear solver so far; nothing for an explicit model.

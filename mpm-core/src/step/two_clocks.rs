@@ -24,6 +24,10 @@ const FIRST_STEP: f64 = 1e-4;
 const TOE_WET: f64 = 0.25;
 /// Motion slower than this (m/s) is none to speak of.
 const STILL: f64 = 1e-2;
+/// Cells times moves of particles between two looks at whether the run is to be kept or stopped: some tenths of a second.
+const CELL_MOVES_AT_ONCE: usize = 1 << 18;
+/// More moves of particles at one state of the soil are not worth waiting for.
+const MOST_MOVES: u64 = 1 << 20;
 /// Soil that has moved less than this takes no water along, in cells.
 const NEAR: f64 = 1e-3;
 
@@ -36,6 +40,8 @@ pub struct TwoClocks<K, Sh, L, const D: usize, const S: usize> {
     clock: Clock,
     /// Length of the next seepage step, s.
     next: f64,
+    /// What is left of the time that the water was to seep, s: it was asked for at once, and is done in parts.
+    left: f64,
     work: Work,
 }
 
@@ -47,7 +53,7 @@ where
 {
     /// A run at t = 0.
     pub fn new(mut soil: Explicit<K, Sh, L, Carried<D>, D, S>) -> Self {
-        Self { law: soil.parts().law, soil, clock: Clock::Seepage, next: 0.0, work: Work::default() }
+        Self { law: soil.parts().law, soil, clock: Clock::Seepage, next: 0.0, left: 0.0, work: Work::default() }
     }
 
     /// Takes the water along to where the soil stands now.
@@ -67,12 +73,14 @@ where
         [totals.water_in, totals.water_out] = flowed;
     }
 
-    fn seep_for(&mut self, span: f64, done: &mut u64) -> Result<(), Fault> {
+    /// Seeps for a time (s), at most until the particles have been moved so many times; what is left of the time then waits.
+    fn seep_for(&mut self, span: f64, most: u64, done: &mut u64) -> Result<(), Fault> {
         let mut time = 0.0;
+        let mut moves = 0;
         let parts = self.soil.parts();
         let Carried { water, layer, around, .. } = &mut parts.water;
         let mut outcome = Ok(());
-        while time < span {
+        while time < span && moves < most {
             let left = span - time;
             // No sliver of a step before the end.
             let asked = if self.next > 0.75 * left { left } else { self.next };
@@ -80,7 +88,7 @@ where
                 Ok((step, next)) => {
                     // A step that was only cut to end at a time says nothing of the next.
                     self.next = if step < asked || asked >= self.next { next } else { self.next.max(next) };
-                    layer.follow(&parts.grid, water, step, around.periodic);
+                    moves += layer.follow(&parts.grid, water, step, around.periodic);
                     time = if step >= left { span } else { time + step };
                     self.work.accepted += 1;
                     *done += 1;
@@ -91,6 +99,7 @@ where
                 }
             }
         }
+        self.left = span - time;
         parts.water.returns(time);
         parts.water.show();
         self.soil.pass(time);
@@ -143,7 +152,10 @@ where
 {
     fn advance(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault> {
         match self.clock {
-            Clock::Seepage => self.seep_for(dt * steps as f64, done),
+            Clock::Seepage => {
+                let at_once = (CELL_MOVES_AT_ONCE / self.soil.grid().cell_count()).clamp(16, 4096);
+                self.seep_for(dt * steps as f64, at_once as u64, done)
+            }
             Clock::Soil | Clock::Both => self.soil.advance(dt, steps, done),
         }
     }
@@ -159,6 +171,10 @@ where
         let parts = self.soil.parts();
         parts.water.open(&parts.grid, stage.drained);
         Ok(())
+    }
+
+    fn left(&self) -> f64 {
+        if self.clock == Clock::Seepage { self.left } else { 0.0 }
     }
 
     fn time(&self) -> f64 {
@@ -230,6 +246,7 @@ where
         keeper.u32(&mut clock);
         self.clock = [Clock::Seepage, Clock::Soil, Clock::Both][clock.min(2) as usize];
         keeper.f64(&mut self.next);
+        keeper.f64(&mut self.left);
         self.work.keep(keeper);
     }
 }
@@ -257,7 +274,15 @@ where
             self.next = FIRST_STEP * span;
         }
         self.look_at_soil();
-        self.seep_for(span, done)
+        self.seep_for(span, MOST_MOVES, done)?;
+        if self.left > 0.0 {
+            let what = format!(
+                "the water has not come through {span:.3e} s in {MOST_MOVES} moves of its particles: {:.3e} s are left",
+                self.left
+            );
+            return Err(everywhere(&what));
+        }
+        Ok(())
     }
 
     fn feel(&mut self, share: f64) {

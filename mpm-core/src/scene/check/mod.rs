@@ -33,6 +33,10 @@ const BYTES_PER_CELL: f64 = 200.0;
 /// were seen with B-splines, 9 particles and 96 x 96 cells.
 const IMPLICIT_BYTES_PER_SOIL_POINT: f64 = 1100.0;
 const IMPLICIT_BYTES_PER_CELL: [f64; 2] = [3_000.0, 30_000.0];
+/// No length, time, modulus or density of this world is beyond: products of some of them are finite, and not zero.
+const POSITIVE: [f64; 2] = [1e-30, 1e30];
+/// Soil with fewer pores has none to speak of, and water with fewer grains is no soil.
+const LEAST_PORES: f64 = 1e-6;
 /// More steps than this are a mistake in the scene: a century of computing.
 const STEP_LIMIT: f64 = 1e14;
 /// A run that needs more than this is refused before it starts, bytes.
@@ -117,7 +121,10 @@ impl Reader<'_> {
 
     fn within(&self, value: &Spanned<f64>, key: &str, expected: &str, holds: impl Fn(f64) -> bool) -> Checked<f64> {
         let number = *value.get_ref();
-        if number.is_finite() && holds(number) { Ok(number) } else { self.refuse(&value.span(), key, expected, number) }
+        if number.is_finite() && holds(number) {
+            return Ok(number);
+        }
+        self.refuse(&value.span(), key, expected, written(number))
     }
 
     /// A name may be that of a folder: it leads nowhere else.
@@ -133,7 +140,12 @@ impl Reader<'_> {
     }
 
     fn positive(&self, value: &Spanned<f64>, key: &str, unit: &str) -> Checked<f64> {
-        self.within(value, key, &format!("a finite number above 0 ({unit})"), |x| x > 0.0)
+        let number = self.within(value, key, &format!("a finite number above 0 ({unit})"), |x| x > 0.0)?;
+        let [low, high] = POSITIVE;
+        if number >= low && number <= high {
+            return Ok(number);
+        }
+        self.refuse(&value.span(), key, &format!("a number between {low:e} and {high:e} ({unit})"), written(number))
     }
 
     fn word<T: Copy>(&self, value: Option<&Spanned<String>>, key: &str, words: &[(&str, T)], default: T) -> Checked<T> {
@@ -171,10 +183,12 @@ impl Reader<'_> {
         let mesh = raw.mesh.get_ref();
         let geometry = self.geometry(raw, dimension)?;
         let ground::Geometry { outline, width, height, cell, cells: [across, rows], sideroom_cells } = geometry;
-        let (particles_per_cell, headroom_cells) = self.particles(raw, rows, across.saturating_add(sideroom_cells), dimension)?;
+        let (particles_per_cell, headroom_cells) =
+            self.particles(raw, rows, across.saturating_add(sideroom_cells), dimension)?;
         let (elastic, strength) = self.law(raw.soil.get_ref())?;
-        let porosity =
-            self.within(&raw.soil.get_ref().porosity, "soil.porosity", "0 < n < 1", |n| n > 0.0 && n < 1.0)?;
+        let porosity = self.within(&raw.soil.get_ref().porosity, "soil.porosity", "1e-6 <= n <= 0.999999", |n| {
+            (LEAST_PORES..=1.0 - LEAST_PORES).contains(&n)
+        })?;
         let water = match &raw.water {
             Some(water) => Some(self.water(water)?),
             None => None,
@@ -671,6 +685,16 @@ fn clipped(found: String) -> String {
 
 fn quoted(word: &str) -> String {
     format!("\"{word}\"")
+}
+
+/// A number as one would write it: without rows of zeros.
+fn written(number: f64) -> String {
+    let size = number.abs();
+    if size > 0.0 && !(1e-9..1e15).contains(&size) && number.is_finite() {
+        format!("{number:e}")
+    } else {
+        number.to_string()
+    }
 }
 
 fn one_of<'a>(words: impl Iterator<Item = &'a str>) -> String {

@@ -170,8 +170,8 @@ impl<const D: usize> WaterLayer<D> {
         }
     }
 
-    /// Follows a step of `dt` (s) that the water has made.
-    pub fn follow(&mut self, grid: &Grid<D>, water: &FreeSurface<D>, dt: f64, periodic: bool) {
+    /// Follows a step of `dt` (s) that the water has made. Returns how many times the particles were moved for it.
+    pub fn follow(&mut self, grid: &Grid<D>, water: &FreeSurface<D>, dt: f64, periodic: bool) -> u64 {
         // No particle may pass more than half a cell at a time.
         let area = water.medium.porosity * water.medium.cell_volume / grid.size;
         let fastest = water.flux.iter().flatten().fold(0.0, |m: f64, q| m.max(q.abs())) / area;
@@ -182,6 +182,7 @@ impl<const D: usize> WaterLayer<D> {
             self.gather(grid);
             self.shift(grid, water);
         }
+        parts as u64
     }
 
     /// Particles for what came in, and none for what went out.
