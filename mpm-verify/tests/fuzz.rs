@@ -119,8 +119,11 @@ fn changed(text: &str, dice: &mut Dice) -> Vec<u8> {
     bytes
 }
 
-/// What is being tried, and since when, by thread.
-static TRIED: Mutex<BTreeMap<String, (Instant, String, Vec<u8>)>> = Mutex::new(BTreeMap::new());
+/// What is being tried, since when, and its input.
+type Tried = (Instant, String, Vec<u8>);
+
+/// By thread.
+static TRIED: Mutex<BTreeMap<String, Tried>> = Mutex::new(BTreeMap::new());
 
 /// Does something in time. What never ends is ended, by another thread, with the input that it was given.
 fn in_time(what: &str, input: &[u8], work: impl FnOnce()) {
