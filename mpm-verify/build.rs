@@ -1,5 +1,6 @@
 //! Notes the commit and the compiler for the manifest of reports.
 
+use std::path::Path;
 use std::process::Command;
 
 fn first_line(program: &str, arguments: &[&str]) -> Option<String> {
@@ -15,6 +16,11 @@ fn main() {
     let compiler = first_line(&rustc, &["--version"]).unwrap_or_else(|| "unknown".to_owned());
     println!("cargo::rustc-env=MPM_COMMIT={commit}{}", if changed { "-dirty" } else { "" });
     println!("cargo::rustc-env=MPM_COMPILER={compiler}");
+    // Where cargo builds for a profile: target/PROFILE/build/PACKAGE/out.
+    let out = std::env::var("OUT_DIR").unwrap_or_default();
+    let profile =
+        Path::new(&out).ancestors().nth(3).and_then(|folder| folder.file_name()?.to_str()).unwrap_or("unknown");
+    println!("cargo::rustc-env=MPM_PROFILE={profile}");
     println!("cargo::rustc-env=MPM_TARGET={}", std::env::var("TARGET").unwrap_or_default());
     println!("cargo::rerun-if-changed=../.git/HEAD");
     println!("cargo::rerun-if-changed=../.git/index");

@@ -132,6 +132,36 @@ fn every_integrator_and_shape() {
     assert!(ran >= 50);
 }
 
+/// Models with steps of their own choice pause on a long way to the next time, and go on to that very time.
+#[test]
+fn a_pause_between_two_times() {
+    let many_steps = common::scene(&[
+        "integrator = \"quasi-static\"",
+        "cell = 0.1",
+        "step = 3e-7",
+        "-safety",
+        "-flip",
+        "-darcy_inertia",
+        "until.time_factor = 0.01",
+        "-time_factors",
+        "history = 1",
+    ]);
+    let path = format!("{}/../reference-data/scenes/rising-front.toml", env!("CARGO_MANIFEST_DIR"));
+    let mut long = Scene::load(path.as_ref()).expect("a scene");
+    let end = 1e5;
+    long.stages[0].until = Until::Time(end);
+    (long.observe_times, long.history) = (vec![end], 1);
+    for scene in [many_steps, long] {
+        let mut goes_on = Stops { every: 0, looks: 0, state: None };
+        let whole = run_attended(&Hardware::default(), &scene, None, &mut goes_on).expect("a run");
+        let times = whole.samples.len() - 1;
+        assert!(goes_on.looks > times, "{}: {} looks at {times} times", scene.name, goes_on.looks);
+        let (pieced, pieces) = in_pieces(&Hardware::default(), &scene, 1);
+        assert!(pieces > times, "{}", scene.name);
+        the_same(&whole, &pieced, &scene.name);
+    }
+}
+
 #[test]
 fn a_state_with_another_bit_ends_otherwise() {
     let scene = common::scene(&["cell = 0.1", "until.time_factor = 0.01", "-time_factors", "history = 20"]);

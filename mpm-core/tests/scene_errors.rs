@@ -475,9 +475,10 @@ const FLIP: &str =
 fn bad_water_is_refused() {
     const FEED: &str = "left = { head = 1.0 }";
     const TABLE: &str = "[water.free_surface.feed]\nleft = { head = 1.0 }";
-    let cases: [(&str, &str, Edits, &str); 20] = [
+    let cases: [(&str, &str, Edits, &str); 21] = [
         ("head below the base", "dam", &[(FEED, "left = { head = -0.5 }")], "where the soil at the side begins"),
         ("head at the base", "dam", &[(FEED, "left = { head = 0.0 }")], "above 0 m"),
+        ("no room for water", "infiltration", &[("porosity = 0.30", "porosity = 0.01")], "water has to go somewhere"),
         ("pond below the top", "infiltration", &[("head = 1.25", "head = 0.9")], "the top of the soil"),
         ("no pressure head", "wetting-front", &[("head = 0.25", "head = 0.0")], "pressure head above 0"),
         (

@@ -1,8 +1,7 @@
 //! Inputs without sense: whatever stands in a scene, a checkpoint or a table, no reader panics, hangs, or asks for all memory.
 //!
 //! A test tries some thousands of inputs of each kind; `BOLERO_RANDOM_ITERATIONS=3400000 cargo test --test fuzz` tries as
-//! many as it is told, and `cargo bolero test` looks for them by the branches they take. Inputs that were of use are in
-//! `__fuzz__`: they are tried every time.
+//! many as it is told, and `cargo bolero test` looks for them by the branches they take. What was found is tried every time.
 
 use std::collections::BTreeMap;
 use std::io::{Write, stderr};
@@ -217,6 +216,33 @@ fn scenes_are_read_or_refused() {
             }
         });
     });
+}
+
+/// Lines of scenes that were found to panic, to ask for all memory, or to have no end; and the integrator they were run with.
+const FOUND: [(&str, &str, &str, Option<&str>); 6] = [
+    ("rising-front", "hydraulic_conductivity", "4294967296", None),
+    ("slope-seepage", "porosity", "1e-9", None),
+    ("slope-seepage", "porosity", "1e-320", None),
+    ("terzaghi-semi-implicit", "pressure", "1.0e49", Some("quasi-static")),
+    ("collapse-dry", "width", "1e308", None),
+    ("collapse-dry", "cell", "1e-320", None),
+];
+
+#[test]
+fn what_was_found_before_is_read_or_refused_too() {
+    for (name, key, value, integrator) in FOUND {
+        let (_, text) = scenes::BUILT_IN.iter().find(|(built_in, _)| *built_in == name).expect("a scene");
+        let start = format!("{key} = ");
+        let changed = |line: &str| if line.starts_with(&start) { start.clone() + value } else { line.to_owned() };
+        let lines: Vec<String> = text.lines().map(changed).collect();
+        assert_eq!(lines.iter().filter(|line| **line == start.clone() + value).count(), 1, "{name} {key}");
+        let flags = Flags { integrator: integrator.map(str::to_owned), ..Flags::default() };
+        in_time(name, value.as_bytes(), || {
+            if let Ok(scene) = Scene::parse_with(&lines.join("\n"), name, &flags) {
+                begin(&scene, None);
+            }
+        });
+    }
 }
 
 /// Kept states of small scenes, one of each integrator and water.

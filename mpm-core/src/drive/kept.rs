@@ -2,7 +2,6 @@
 
 use super::{At, Drive, Sample, StageRecord};
 use crate::keep::{Keeper, Unfit, check_sum, sealed, unsealed};
-use crate::observe::{Ledger, Observation};
 
 impl Drive<'_> {
     /// The state, to be taken up by [`Self::take_up`].
@@ -33,8 +32,8 @@ impl Drive<'_> {
         let mut bytes = self.run.bytes as u64;
         keeper.u64(&mut bytes);
         self.run.bytes = bytes as usize;
-        keeper.list(&mut self.run.stages, &StageRecord::NONE, StageRecord::keep);
-        keeper.list(&mut self.run.samples, &Sample::NONE, Sample::keep);
+        keeper.list(&mut self.run.stages, &StageRecord::default(), StageRecord::keep);
+        keeper.list(&mut self.run.samples, &Sample::default(), Sample::keep);
         if self.at.stage as usize >= self.scene.stages.len() {
             keeper.refuse();
         }
@@ -57,8 +56,6 @@ impl At {
 }
 
 impl StageRecord {
-    const NONE: Self = Self { name: String::new(), duration_s: 0.0, steps: 0 };
-
     fn keep(&mut self, keeper: &mut Keeper) {
         let Self { name, duration_s, steps } = self;
         keeper.text(name);
@@ -68,9 +65,6 @@ impl StageRecord {
 }
 
 impl Sample {
-    const NONE: Self =
-        Self { stage: 0, stage_time: 0.0, step: 0, observed: false, state: Observation::NONE, ledger: Ledger::NONE };
-
     fn keep(&mut self, keeper: &mut Keeper) {
         let Self { stage, stage_time, step, observed, state, ledger } = self;
         let mut number = *stage as u64;

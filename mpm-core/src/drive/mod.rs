@@ -15,7 +15,7 @@ use crate::stability::stable_limit;
 use crate::step::{Fault, Model, Work};
 
 /// The state at a time that was asked for.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Sample {
     /// Index of the stage.
     pub stage: usize,
@@ -32,7 +32,7 @@ pub struct Sample {
 }
 
 /// How a stage went.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct StageRecord {
     /// Its name.
     pub name: String,

@@ -97,7 +97,7 @@ impl<const D: usize> Default for Totals<D> {
 }
 
 /// The ledgers at one time. Vertical components where a vector is meant; energies from the start of the run.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Ledger {
     /// Dry mass, kg.
     pub solid_mass_kg: f64,

@@ -34,7 +34,7 @@ impl Seed {
 }
 
 /// One row of a profile over the height.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct ProfileRow {
     /// Height of the soil in this row of cells now, m.
     pub height_m: f64,
@@ -47,7 +47,7 @@ pub struct ProfileRow {
 }
 
 /// The state at one time.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Observation {
     /// Time since the start of the run, s.
     pub time: f64,
@@ -81,7 +81,7 @@ pub struct Observation {
 }
 
 /// The pore pressure at a place.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct FieldPoint {
     /// Place at t = 0, m.
     pub x_m: f64,

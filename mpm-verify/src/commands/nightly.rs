@@ -1,5 +1,6 @@
 //! `nightly`: everything, compared with the accepted baselines and remembered.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -10,6 +11,7 @@ use mpm_verify::files::{self, Folder};
 use mpm_verify::levee::limits;
 use mpm_verify::manifest::Manifest;
 use mpm_verify::nightly::accepted::{self, Accepted};
+use mpm_verify::nightly::compiled::counted;
 use mpm_verify::nightly::history::{self, ENTRY, History};
 use mpm_verify::nightly::measure::{Label, Measure, Tolerance};
 use mpm_verify::nightly::report::{Night, Part, VALUES, stored};
@@ -248,21 +250,27 @@ fn whole(
     Ok((night, measures, folder.path().join(name)))
 }
 
-/// The accepted numbers that this night can be held to: those of parts that were run, instructions of the same compiler.
+/// The accepted numbers that this night can be held to: those of parts that were run, counts of the same compiler.
 fn comparable(known: &[Accepted], measures: &[Measure], options: &Options, notes: &mut Vec<String>) -> Vec<Accepted> {
-    let is_count = mpm_verify::nightly::instructions::is_count;
-    let counted = |row: &Accepted| measures.iter().any(|m| m.is_of(&row.case, &row.quantity));
-    let (counts, mut others): (Vec<Accepted>, Vec<Accepted>) =
-        known.iter().cloned().partition(|row| is_count(&row.quantity));
-    let (same, other): (Vec<Accepted>, Vec<Accepted>) = counts.into_iter().partition(counted);
-    if let Some(row) = other.first() {
-        notes.push(format!("{} accepted {} are not compared: not counted in this night.", other.len(), row.quantity));
+    let measured = |row: &&Accepted| measures.iter().any(|m| m.is_of(&row.case, &row.quantity));
+    let mut left_out: BTreeMap<&str, usize> = BTreeMap::new();
+    for row in known.iter().filter(|row| counted(&row.quantity).is_some() && !measured(row)) {
+        *left_out.entry(&row.quantity).or_default() += 1;
     }
-    others.extend(same);
-    if !options.only.is_empty() {
-        others.retain(counted);
+    let unknown =
+        |m: &&Measure| counted(&m.quantity).is_some() && !known.iter().any(|row| m.is_of(&row.case, &row.quantity));
+    let mut not_accepted: BTreeMap<&str, usize> = BTreeMap::new();
+    for measure in measures.iter().filter(unknown) {
+        *not_accepted.entry(&measure.quantity).or_default() += 1;
     }
-    others
+    for (quantity, count) in not_accepted {
+        notes.push(format!("{count} {quantity} are not compared: none of this compiler was accepted."));
+    }
+    for (quantity, count) in left_out {
+        notes.push(format!("{count} accepted {quantity} are not compared: not counted in this night."));
+    }
+    let wanted = |row: &&Accepted| measured(row) || (options.only.is_empty() && counted(&row.quantity).is_none());
+    known.iter().filter(wanted).cloned().collect()
 }
 
 /// Renews the baselines.
@@ -279,9 +287,8 @@ fn accept(
     };
     let (mut rows, new) = accepted::renewed(known, measures, (date, commit), why);
     // What this night could not count, another may.
-    let is_count = mpm_verify::nightly::instructions::is_count;
     let elsewhere =
-        known.iter().filter(|row| is_count(&row.quantity) && !rows.iter().any(|r| r.quantity == row.quantity));
+        known.iter().filter(|row| counted(&row.quantity).is_some() && !rows.iter().any(|r| r.quantity == row.quantity));
     let elsewhere: Vec<Accepted> = elsewhere.cloned().collect();
     rows.extend(elsewhere);
     let gone = known.iter().filter(|row| !rows.iter().any(|r| (&r.case, &r.quantity) == (&row.case, &row.quantity)));

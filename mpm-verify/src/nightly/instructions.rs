@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use super::compiled::{self, COMPILED, INSTRUCTIONS};
 use super::measure::{Label, Measure, Tolerance};
 
 /// Share by which a count may move: what another library makes of the same compiler's code.
@@ -31,8 +32,7 @@ pub fn counter(program: &Path) -> Result<Counter, String> {
     }
     let version = Command::new("valgrind").arg("--version").output().map_err(|e| format!("valgrind: {e}"))?;
     let version = String::from_utf8_lossy(&version.stdout).trim().to_owned();
-    let with =
-        format!("{version}, {}, {}", env!("MPM_COMPILER"), if cfg!(debug_assertions) { "debug" } else { "release" });
+    let with = format!("{version}, {COMPILED}");
     let folder = std::env::temp_dir();
     let mut counter = Counter { program: program.to_owned(), folder, with, nothing: 0 };
     counter.nothing = counter.count(NOTHING)?;
@@ -49,7 +49,7 @@ impl Counter {
     /// The gate cannot be run.
     pub fn measure(&self, gate: &str) -> Result<Measure, String> {
         let count = self.count(gate)?.saturating_sub(self.nothing);
-        Ok(Measure::new(gate, &quantity(&self.with), Label::Count, count as f64, TOLERANCE))
+        Ok(Measure::new(gate, &compiled::quantity(INSTRUCTIONS, &self.with), Label::Count, count as f64, TOLERANCE))
     }
 
     fn count(&self, gate: &str) -> Result<u64, String> {
@@ -73,16 +73,6 @@ impl Counter {
     }
 }
 
-/// The name of the quantity: counts of another compiler or counter are another quantity.
-fn quantity(with: &str) -> String {
-    format!("instructions ({with})")
-}
-
-/// Whether a quantity is a count of instructions.
-pub fn is_count(quantity: &str) -> bool {
-    quantity.starts_with("instructions (")
-}
-
 /// The total in a file of callgrind.
 fn total(text: &str) -> Option<u64> {
     let of = |start: &str| text.lines().find_map(|line| line.strip_prefix(start)).and_then(|n| n.trim().parse().ok());
@@ -98,6 +88,5 @@ mod tests {
         assert_eq!(total("version: 1\nsummary: 123\nfn=(0)\n1 2\ntotals: 456\n"), Some(456));
         assert_eq!(total("version: 1\nsummary: 123\n"), Some(123));
         assert_eq!(total("version: 1\n"), None);
-        assert!(is_count(&quantity("valgrind-3")) && !is_count("steps"));
     }
 }

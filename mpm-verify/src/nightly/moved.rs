@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::accepted::Accepted;
+use super::compiled::counted;
 use super::history::History;
 use super::measure::{Better, Label, Measure, Tolerance};
 
@@ -55,6 +56,10 @@ pub fn moved(accepted: &[Accepted], measures: &[Measure], history: &History, now
     let off = judged.filter_map(|m| {
         let row = accepted.iter().find(|row| m.is_of(&row.case, &row.quantity));
         let Some(row) = row else {
+            // What this compiler makes of the program was never accepted: there is nothing to hold it to.
+            if counted(&m.quantity).is_some() {
+                return None;
+            }
             return Some(Moved {
                 case: m.case.clone(),
                 quantity: m.quantity.clone(),
@@ -120,6 +125,7 @@ mod tests {
             measure("new", 5.0),
             measure("broken", f64::NAN),
             time,
+            Measure::new("not accepted", "allocations (another compiler)", Label::Count, 9.0, Tolerance::relative(0.0)),
         ];
         let mut history = History::default();
         for (entry, value) in [("d1 c1", 1.0), ("d2 c2", 1.2), ("d3 c3", 1.15)] {

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::compiled;
 use super::measure::{Label, Measure};
 use super::moved::Moved;
 use crate::manifest::Manifest;
@@ -287,10 +288,11 @@ fn work(measures: &[Measure]) -> Option<Table> {
         return None;
     }
     let row = |gate: &&str| {
-        let counts = ["point_steps", "solves", "factorisations", "allocations"];
+        let counts = ["point_steps", "solves", "factorisations"];
         let mut cells = vec![Cell::new((*gate).to_owned())];
         cells.extend(counts.map(|name| Cell::new(of(gate, &|q| q == name))));
-        cells.push(Cell::new(of(gate, &super::instructions::is_count)));
+        let compiled = [compiled::ALLOCATIONS, compiled::INSTRUCTIONS];
+        cells.extend(compiled.map(|name| Cell::new(of(gate, &|q| compiled::counted(q) == Some(name)))));
         cells.push(Cell::new(of(gate, &|q| q == "time_ratio")));
         cells
     };

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::compiled;
 use super::history::{ENTRY, History};
-use super::instructions;
 use super::measure::Better;
 use crate::report::content::Picture;
 use crate::report::html::render;
@@ -32,9 +32,8 @@ fn is_order(quantity: &str) -> bool {
 }
 
 fn is_cost(quantity: &str) -> bool {
-    let counts =
-        ["steps", "point_steps", "factorisations", "solves", "rejected", "allocations", "peak_bytes", "time_ratio"];
-    counts.contains(&quantity) || quantity.starts_with("cost_for") || instructions::is_count(quantity)
+    let counts = ["steps", "point_steps", "factorisations", "solves", "rejected", "peak_bytes", "time_ratio"];
+    counts.contains(&quantity) || quantity.starts_with("cost_for") || compiled::counted(quantity).is_some()
 }
 
 /// A number over the entries.

@@ -7,6 +7,7 @@ use mpm_core::drive::Run;
 use mpm_core::run::run;
 use mpm_core::scene::{Dimension, Flags, Integrator, Scene, ShapeChoice, TimeMethod, TransferChoice, Until};
 
+use super::compiled::{self, ALLOCATIONS, COMPILED};
 use super::measure::{Label, Measure, Tolerance};
 use super::{calibration, instructions};
 
@@ -169,7 +170,8 @@ fn counted(gate: &Gate, scene: &Scene, run: &Run, info: &AllocationInfo) -> Vec<
     ];
     // What the standard library asks for differs a little from one version to the next.
     let calls = Tolerance { relative: 0.02, absolute: 8.0 };
-    all.push(Measure::new(gate.name, "allocations", Label::Count, info.count_total as f64, calls));
+    let allocations = compiled::quantity(ALLOCATIONS, COMPILED);
+    all.push(Measure::new(gate.name, &allocations, Label::Count, info.count_total as f64, calls));
     all.push(Measure::new(gate.name, "peak_bytes", Label::Count, info.bytes_max as f64, Tolerance::relative(0.05)));
     all
 }
@@ -210,6 +212,6 @@ mod tests {
             .filter(|(was, is)| !was.tolerance.holds(was.value, is.value))
             .map(|(was, _)| was.quantity.as_str())
             .collect();
-        assert_eq!(moved, ["steps", "point_steps", "allocations"]);
+        assert_eq!(moved, ["steps", "point_steps", &compiled::quantity(ALLOCATIONS, COMPILED)]);
     }
 }

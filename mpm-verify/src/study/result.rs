@@ -158,7 +158,8 @@ pub struct CaseResult {
     pub settlement_final_m: f64,
     /// Times a solid or water particle changed its cell.
     pub cell_crossings: u64,
-    /// CPU time of the run, s.
+    /// CPU time of the run, s; not a number if it was left out.
+    #[serde(deserialize_with = "or_nan")]
     pub cpu_s: f64,
     /// CPU time per solid particle and step, ns.
     #[serde(deserialize_with = "or_nan")]

@@ -171,7 +171,7 @@ impl<'a> Runner<'a> {
                     };
                     let Some(mut result) = task.result(&mut told, stop) else { return (None, None) };
                     if !times {
-                        (result.cpu_s, result.ns_per_point_step) = (0.0, 0.0);
+                        (result.cpu_s, result.ns_per_point_step) = (f64::NAN, f64::NAN);
                     }
                     progress.line(&result.line());
                     let kept = store.map_or(Ok(()), |store| store.keep(&task.key, &task.case.scene, &result));

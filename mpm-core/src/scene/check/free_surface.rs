@@ -4,8 +4,9 @@ use toml::Spanned;
 
 use super::super::raw::{RawFeed, RawFeeds, RawFreeSurface, RawScene, RawStage};
 use super::super::{Clock, Dimension, Feed, FreeSurfaceWater, Integrator, Scene, ShapeChoice, Side, Until};
-use super::{Checked, Reader, quoted};
+use super::{Checked, Reader, quoted, written};
 use crate::seeding::{self, Fault};
+use crate::water::free_surface::LEAST_OPEN;
 
 impl Reader<'_> {
     pub(super) fn clock(&self, stage: &RawStage) -> Checked<Clock> {
@@ -26,6 +27,17 @@ impl Reader<'_> {
             }
             None => 0.0,
         };
+        let mobile = scene.porosity * (1.0 - saturation);
+        if mobile < LEAST_OPEN {
+            let expected = format!(
+                "porosity times what is not water that stays to be {LEAST_OPEN} at least: water has to go somewhere"
+            );
+            let (span, key) = match &raw.saturation {
+                Some(value) => (value.span(), "water.free_surface.saturation"),
+                None => (table.span(), "water.free_surface"),
+            };
+            return self.refuse(&span, key, &expected, written(mobile));
+        }
         if let (Some(wet), Some(_)) = (&raw.wet, &raw.level) {
             let expected = "either level or wet, not both";
             return self.refuse(&wet.span(), "water.free_surface.wet", expected, "both");

@@ -15,7 +15,7 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
         keeper.entries(&mut self.points, SolidPoint::keep);
         keeper.entries(&mut self.carried, |carried, keeper| keeper.f64s(carried));
         self.drained.iter_mut().for_each(|drained| keeper.bool(drained));
-        for value in [&mut self.settled, &mut self.time, &mut self.stage_time, &mut self.stage_end] {
+        for value in [&mut self.settled, &mut self.time, &mut self.stage_time, &mut self.stage_end, &mut self.until] {
             keeper.f64(value);
         }
         keeper.bool(&mut self.counted);

@@ -20,6 +20,8 @@ const FIRST_STEP: f64 = 0.3;
 const CAUTION: f64 = 10.0;
 /// Least step as a share of the stage.
 const LEAST_STEP: f64 = 1e-12;
+/// Unknowns times steps between two looks at whether the run is to be kept or stopped: some tenths of a second.
+const UNKNOWNS_AT_ONCE: usize = 1 << 18;
 /// Residual of a nonlinear stage beside the tolerance.
 const NEWTON: f64 = 1e-3;
 /// The pole of the Krylov method as a share of the last time.
@@ -95,10 +97,16 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
         }
     }
 
-    /// Steps until `end` (s since the start of the stage).
+    /// Steps until `end` (s since the start of the stage), or until so many were tried that the run may be asked for.
     pub(super) fn steps_until(&mut self, end: f64, done: &mut u64) -> Result<(), Fault> {
         let fixed = matches!(self.scene.step, StepChoice::Fixed(_));
+        let mut tries = (UNKNOWNS_AT_ONCE / self.y.len().max(1)).max(1);
+        self.until = end;
         while self.stage_time < end {
+            if tries == 0 {
+                return Ok(());
+            }
+            tries -= 1;
             let Some(Method::Sdirk { step, .. }) = &self.method else { return Err(nothing()) };
             let (wanted, left) = (*step, end - self.stage_time);
             // Equal steps to the next time, so that none of them is tiny.

@@ -79,6 +79,8 @@ pub struct QuasiStatic<K, L: Laws<S>, const D: usize, const S: usize> {
     time: f64,
     stage_time: f64,
     stage_end: f64,
+    /// Where the steps of [`Model::advance`] lead, s since the start of the stage.
+    until: f64,
     done: Work,
     totals: Totals<D>,
     counted: bool,
@@ -127,6 +129,7 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
             time: 0.0,
             stage_time: 0.0,
             stage_end: 0.0,
+            until: 0.0,
             done: Work::default(),
             totals: Totals::default(),
             counted: false,
@@ -173,13 +176,14 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
 
 impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Model for QuasiStatic<K, L, D, S> {
     fn advance(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault> {
-        let end = self.stage_time + dt * steps as f64;
+        // What paused goes on to the very end that it was asked for.
+        let end = if self.left() > 0.0 { self.until } else { self.stage_time + dt * steps as f64 };
         match &mut self.method {
             Some(Method::Krylov(stage)) => {
                 stage.evolution.at(end, &mut self.y);
                 stage.evolution.integral(end, &mut stage.integral);
                 self.time += end - self.stage_time;
-                self.stage_time = end;
+                (self.stage_time, self.until) = (end, end);
                 self.book_krylov().map_err(|e| inside_out(&self.points, e.point))
             }
             Some(Method::Sdirk { .. }) => self.steps_until(end, done),
@@ -191,7 +195,8 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Model for
         self.count_work();
         self.method = None;
         self.lay(stage.drained)?;
-        (self.stage_time, self.stage_end) = (0.0, times.last().copied().unwrap_or(0.0));
+        (self.stage_time, self.until) = (0.0, 0.0);
+        self.stage_end = times.last().copied().unwrap_or(0.0);
         if !self.counted {
             self.counted = true;
             let cells = self.cell_values();
@@ -217,6 +222,10 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Model for
             None => steps()?,
         });
         Ok(())
+    }
+
+    fn left(&self) -> f64 {
+        (self.until - self.stage_time).max(0.0)
     }
 
     fn time(&self) -> f64 {

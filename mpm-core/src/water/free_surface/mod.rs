@@ -17,7 +17,7 @@ pub use edges::{Edge, Outside};
 pub use flow::{Kind, Link, Medium};
 pub use layer::WaterLayer;
 pub use moving::{Filling, MovingStep, Pressed, Squeeze};
-pub use soil::{LEAST_SHARE, SoilMap};
+pub use soil::{LEAST_OPEN, LEAST_SHARE, SoilMap};
 
 use crate::grid::Grid;
 use crate::keep::Keeper;

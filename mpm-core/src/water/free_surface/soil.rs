@@ -9,7 +9,7 @@ use crate::particles::{Layer, SolidPoint};
 pub const LEAST_SHARE: f64 = 1e-3;
 
 /// Least share of a particle that is open to water, however dense it is.
-const LEAST_OPEN: f64 = 0.02;
+pub const LEAST_OPEN: f64 = 0.02;
 
 /// The soil as the water sees it.
 #[derive(Debug, Clone, PartialEq)]
