@@ -64,6 +64,12 @@ fn a_night_is_accepted_and_what_moves_then_is_told() {
     assert_eq!(names, ["work-explicit-column"], "what is not part of a try is not gone");
     assert_eq!(moved[0]["direction"], "better");
     assert!(error(&third).contains("work-explicit-column steps better: was"), "{}", error(&third));
+    // Accepting a part of a night leaves what the other parts would have measured.
+    let from = night(&root.path().join("three")).to_string_lossy().into_owned();
+    let part = nightly(root.path(), &["--accept", "a part", "--from", &from]);
+    assert!(part.status.success(), "{}", error(&part));
+    let text = fs::read_to_string(&file).expect("a table");
+    assert!(text.contains("work-gone,steps,count") && text.matches(",a part\n").count() == 1, "{text}");
 }
 
 #[test]

@@ -23,6 +23,9 @@ use mpm_verify::study::Runner;
 use super::{Failure, check, inside, into_folder, jobs, levee, print_json, say, stability, study};
 use crate::Common;
 
+/// The parts of a night.
+const PARTS: [&str; 5] = ["study", "ladder", "stability", "levee", "work"];
+
 /// What a night does.
 #[derive(Debug, Clone, Args)]
 pub struct Options {
@@ -39,7 +42,7 @@ pub struct Options {
     #[arg(long)]
     no_instructions: bool,
     /// Only these parts, as a try: study, ladder, stability, levee, work. Nothing is remembered
-    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', value_parser = ["study", "ladder", "stability", "levee", "work"])]
+    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', value_parser = PARTS)]
     only: Vec<String>,
 }
 
@@ -55,7 +58,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
             fs::read(from.join("summary.json")).map_err(|e| Failure::BadInput(format!("{}: {e}", from.display())))?;
         let night: Night =
             serde_json::from_slice(&text).map_err(|e| Failure::BadInput(format!("{}: {e}", from.display())))?;
-        return accept((&known, file), &measures, (&night.date, &night.commit), (why, from), common);
+        return accept((&known, file), &measures, &night, (why, from), common);
     }
     let path = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/nightly"));
     let (night, measures, folder) =
@@ -67,7 +70,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         say(common.quiet, &format!("page: {}", folder.join("index.html").display()));
     }
     if let Some(why) = &options.accept {
-        return accept((&known, file), &measures, (&night.date, &night.commit), (why, &folder), common);
+        return accept((&known, file), &measures, &night, (why, &folder), common);
     }
     if night.is_green() {
         return Ok(());
@@ -216,7 +219,8 @@ fn whole(
     if file.is_none() {
         notes.push("The accepted numbers are those that the program was built with.".to_owned());
     }
-    let judged = measures.iter().filter(|m| m.label != Label::Time);
+    let is_known = |m: &Measure| known.iter().any(|row| m.is_of(&row.case, &row.quantity));
+    let judged = measures.iter().filter(|m| m.label != Label::Time && (counted(&m.quantity).is_none() || is_known(m)));
     let mut night = Night {
         verdict: String::new(),
         compared: judged.clone().count(),
@@ -273,33 +277,39 @@ fn comparable(known: &[Accepted], measures: &[Measure], options: &Options, notes
     known.iter().filter(wanted).cloned().collect()
 }
 
-/// Renews the baselines.
+/// Renews the baselines. What fell short is no number, and stays so.
 fn accept(
     (known, file): (&[Accepted], Option<PathBuf>),
     measures: &[Measure],
-    (date, commit): (&str, &str),
-    (why, night): (&str, &Path),
+    night: &Night,
+    (why, folder): (&str, &Path),
     common: &Common,
 ) -> Result<(), Failure> {
     let Some(file) = file else {
-        let folder = accepted::FOLDER;
-        return Err(Failure::BadInput(format!("--accept: expected {folder} here, or --baselines DIR, found neither")));
+        let expected = accepted::FOLDER;
+        return Err(Failure::BadInput(format!(
+            "--accept: expected {expected} here, or --baselines DIR, found neither"
+        )));
     };
-    let (mut rows, new) = accepted::renewed(known, measures, (date, commit), why);
-    // What this night could not count, another may.
-    let elsewhere =
-        known.iter().filter(|row| counted(&row.quantity).is_some() && !rows.iter().any(|r| r.quantity == row.quantity));
-    let elsewhere: Vec<Accepted> = elsewhere.cloned().collect();
-    rows.extend(elsewhere);
-    let gone = known.iter().filter(|row| !rows.iter().any(|r| (&r.case, &r.quantity) == (&row.case, &row.quantity)));
-    let gone = gone.count();
+    let (mut rows, new) = accepted::renewed(known, measures, (&night.date, &night.commit), why);
+    // A number that is not there is gone only if all parts came to their end; and what this night could not count, another may.
+    let whole = night.parts.len() == PARTS.len() && night.fell.is_empty();
+    let (gone, kept): (Vec<&Accepted>, Vec<&Accepted>) = known
+        .iter()
+        .filter(|row| !rows.iter().any(|r| (&r.case, &r.quantity) == (&row.case, &row.quantity)))
+        .partition(|row| whole && counted(&row.quantity).is_none());
+    rows.extend(kept.into_iter().cloned());
+    let gone = gone.len();
     accepted::write(&rows, &file).map_err(Failure::RunFailed)?;
-    let ladder = night.join("ladder/accepted.csv");
+    let ladder = folder.join("ladder/accepted.csv");
     if let (Ok(text), Some(folder)) = (fs::read(&ladder), file.parent()) {
         let path = folder.join("ladder.csv");
         files::write(&path, &text).map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))?;
     }
     let line = format!("{new} new or moved numbers accepted, {gone} gone, {} in all: {}", rows.len(), file.display());
     say(common.quiet, &line);
-    Ok(())
+    if night.fell.is_empty() {
+        return Ok(());
+    }
+    Err(Failure::FellShort(format!("the numbers are accepted; what fell short is not: {}", night.fell.join("; "))))
 }

@@ -1,6 +1,7 @@
 //! The accepted numbers: `reference-data/baselines/nightly.csv`, and how they are renewed.
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -65,7 +66,9 @@ pub fn read(folder: Option<&Path>) -> Result<(Vec<Accepted>, Option<PathBuf>), S
             let text = fs::read_to_string(&own).map_err(|e| format!("{}: {e}", own.display()))?;
             Ok((parse(&text).map_err(|e| format!("{}:{e}", own.display()))?, Some(own)))
         }
-        Err(_) if folder.is_none() => Ok((parse(BUILT_IN).map_err(|e| format!("built-in {NAME}:{e}"))?, None)),
+        Err(e) if folder.is_none() && e.kind() == ErrorKind::NotFound => {
+            Ok((parse(BUILT_IN).map_err(|e| format!("built-in {NAME}:{e}"))?, None))
+        }
         Err(e) => Err(format!("{}: {e}", own.display())),
     }
 }

@@ -32,7 +32,6 @@ pub use store::Store;
 use crate::exact::dynamic::DynamicColumn;
 use crate::exact::semidiscrete::SemiDiscrete;
 use crate::exact::terzaghi::Terzaghi;
-use crate::manifest::scene_hash;
 use crate::norms::{LATE_TV, SAMPLE_TV, largest, profile_error, relative};
 use crate::progress::Progress;
 
@@ -218,13 +217,6 @@ fn compare(case: &Case, run: &Run, cpu_s: f64) -> Result<CaseResult, String> {
     let limit = stable_limit(scene);
     let steps = if own_steps { run.work.accepted } else { run.steps };
     Ok(CaseResult {
-        case: case.name.clone(),
-        variant: case.variant,
-        integrator: word(scene.integrator),
-        scheme: word(scene.shape),
-        load: word(scene.surcharge.map(|s| s.on)),
-        mesh_m: scene.cell,
-        ppc: scene.particles_per_cell,
         particles: run.solid_particles,
         dt_s: step_length(scene, run),
         steps,
@@ -243,18 +235,16 @@ fn compare(case: &Case, run: &Run, cpu_s: f64) -> Result<CaseResult, String> {
         limit_s: Some(limit).filter(|l| l.is_finite()).unwrap_or(f64::NAN),
         forced: scene.force && run.dt > limit,
         bytes_per_point: run.bytes / run.solid_particles,
-        dimension: word(scene.dimension),
-        scene_hash: scene_hash(scene),
         failure: run.failure.as_ref().map(ToString::to_string),
         accepted_steps: steps,
         rejected_steps: run.work.rejected,
         factorisations: run.work.factorisations,
         solves: run.work.solves,
         tolerance: own_steps.then_some(scene.tolerance),
-        strain: word(scene.strain),
         degrees,
         profiles,
         history: history.map(|s| point(s.stage_time, s.state.settlement / whole, &terzaghi, &s.ledger)).collect(),
+        ..CaseResult::of(case)
     })
 }
 

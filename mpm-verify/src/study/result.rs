@@ -200,6 +200,11 @@ pub struct CaseResult {
 impl CaseResult {
     /// A case that has no result, and why.
     pub(super) fn failed(case: &Case, failure: String) -> Self {
+        Self { failure: Some(failure), ..Self::of(case) }
+    }
+
+    /// A case of which nothing is known but what its scene says.
+    pub(super) fn of(case: &Case) -> Self {
         let scene = &case.scene;
         let none = f64::NAN;
         Self {
@@ -228,7 +233,7 @@ impl CaseResult {
             bytes_per_point: 0,
             dimension: word(scene.dimension),
             scene_hash: scene_hash(scene),
-            failure: Some(failure),
+            failure: None,
             accepted_steps: 0,
             rejected_steps: 0,
             factorisations: 0,
