@@ -42,3 +42,4 @@ pub mod scenes;
 pub mod stability;
 pub mod study;
 pub mod sweeps;
+pub mod unpanicked;

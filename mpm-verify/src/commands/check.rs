@@ -10,6 +10,7 @@ use mpm_verify::cases::{Climb, LADDER, Rung, Step};
 use mpm_verify::files::Folder;
 use mpm_verify::manifest::Manifest;
 use mpm_verify::report;
+use mpm_verify::unpanicked::unpanicked;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -212,8 +213,9 @@ fn each<T: Send>(
         .map_err(|e| Failure::BadInput(e.to_string()))?;
     // The last rungs take longest: started first, they leave no thread idle at the end.
     let from_the_last = rungs.iter().enumerate().rev().par_bridge();
+    let one = |rung: &Rung| unpanicked(|| work(rung)).unwrap_or_else(|why| Err(format!("{}: {why}", rung.name)));
     let mut results: Vec<(usize, Result<T, String>)> =
-        pool.install(|| from_the_last.map(|(i, rung)| (i, work(rung))).collect());
+        pool.install(|| from_the_last.map(|(i, rung)| (i, one(rung))).collect());
     results.sort_by_key(|(i, _)| *i);
     let (mut done, mut failed) = (Vec::new(), Vec::new());
     for (_, result) in results {

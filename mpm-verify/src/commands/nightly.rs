@@ -19,6 +19,7 @@ use mpm_verify::nightly::{collect, moved, nights, report, trends, work};
 use mpm_verify::progress::Progress;
 use mpm_verify::report::ReportError;
 use mpm_verify::study::Runner;
+use mpm_verify::unpanicked::unpanicked;
 
 use super::{Failure, check, inside, into_folder, jobs, levee, print_json, say, stability, study};
 use crate::Common;
@@ -100,8 +101,9 @@ impl Findings<'_> {
         }
         let (cpu, wall) = (ProcessTime::now(), Instant::now());
         say(self.common.quiet || self.common.json, &format!("{name} ..."));
-        let line = work(self).unwrap_or_else(|failure| {
-            self.fell.push(format!("{name}: {failure}"));
+        let done = unpanicked(|| work(self).map_err(|failure| failure.to_string())).flatten();
+        let line = done.unwrap_or_else(|why| {
+            self.fell.push(format!("{name}: {why}"));
             "could not be finished".to_owned()
         });
         let (cpu_s, wall_s) = (cpu.elapsed().as_secs_f64(), wall.elapsed().as_secs_f64());

@@ -11,6 +11,7 @@ use super::{
 };
 use crate::progress::Progress;
 use crate::study::word;
+use crate::unpanicked::unpanicked;
 
 /// All cases, in the order of the page.
 pub const CASES: [Case; 16] = [
@@ -144,8 +145,13 @@ pub fn matrix(
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build().map_err(|e| e.to_string())?;
     let done = std::sync::atomic::AtomicUsize::new(0);
     let find = |(case, scheme): &(usize, Scheme)| {
-        let points = (cases[*case].run)(scheme);
-        let judged = cases[*case].judge(&points);
+        let (points, judged) = match unpanicked(|| (cases[*case].run)(scheme)) {
+            Ok(points) => {
+                let judged = cases[*case].judge(&points);
+                (points, judged)
+            }
+            Err(reason) => (Vec::new(), Judged { verdict: Verdict::Breaks, value: None, at: f64::NAN, reason }),
+        };
         let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
         progress.set((1_000_000 * done / tasks.len()) as u64);
         Found { case: *case, scheme: *scheme, points, judged }

@@ -18,6 +18,7 @@ use crate::report::content::table::{Cell, Table, table};
 use crate::report::numbers::short;
 use crate::report::plots::levee::tornado::{self, Outcome, Varied};
 use crate::report::plots::write_drawn;
+use crate::unpanicked::unpanicked;
 
 /// Name of the table in the folder of a run.
 pub const NAME: &str = "sensitivity.csv";
@@ -174,7 +175,7 @@ fn run(line: Line, scene: &Scene, until_h: Option<f64>) -> Line {
     let mut hooks =
         Hooks { progress: &mut |_| (), stop: &mut |_| false, folder: None, every: Duration::MAX, trouble: &mut |_| () };
     let followed = Plan::new(scene.clone(), None, until_h, false)
-        .and_then(|plan| follow(&plan, &mut hooks, None).map_err(|e| e.to_string()));
+        .and_then(|plan| unpanicked(|| follow(&plan, &mut hooks, None).map_err(|e| e.to_string())).flatten());
     match followed {
         Ok(followed) => line.with(&followed),
         Err(why) => Line { why, ..line },

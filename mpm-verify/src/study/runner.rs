@@ -3,7 +3,6 @@
 //! A case that fails is a result with a reason, and takes no other down. A stop lets no new case begin, breaks off those under
 //! way, and says what is missing.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -14,6 +13,7 @@ use super::plan::work;
 use super::store::Store;
 use super::{Case, CaseResult, REPETITIONS, Watched, word};
 use crate::progress::Progress;
+use crate::unpanicked::unpanicked;
 
 /// A case, and how it is run.
 #[derive(Debug, Clone)]
@@ -197,18 +197,8 @@ impl Task {
     fn result(&self, told: &mut dyn FnMut(f64), stop: &AtomicBool) -> Option<CaseResult> {
         let again = if self.again { REPETITIONS } else { 1 };
         let mut watched = Watched { told, stop };
-        // A panic is a fault of the program, and that case has no result; the others do.
-        let ran = catch_unwind(AssertUnwindSafe(|| self.case.watched(again, &mut watched)));
-        let failure = match ran {
-            Ok(Ok(result)) => return result,
-            Ok(Err(why)) => why,
-            Err(panic) => {
-                let text = panic.downcast_ref::<String>().map(String::as_str);
-                let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-                format!("the program panicked: {}", text.unwrap_or("without a word"))
-            }
-        };
-        Some(CaseResult::failed(&self.case, failure))
+        let ran = unpanicked(|| self.case.watched(again, &mut watched)).flatten();
+        ran.unwrap_or_else(|why| Some(CaseResult::failed(&self.case, why)))
     }
 }
 

@@ -1,0 +1,29 @@
+//! A panic is a fault of the program: what panicked has no result, but everything beside it does.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Does some work that nothing else depends on.
+///
+/// # Errors
+/// The words of its panic.
+pub fn unpanicked<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+        format!("the program panicked: {}", text.unwrap_or("without a word"))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_words_of_a_panic_are_kept() {
+        assert_eq!(unpanicked(|| 7), Ok(7));
+        let said = |work: fn()| unpanicked(work).unwrap_err();
+        assert_eq!(said(|| panic!("lost")), "the program panicked: lost");
+        assert_eq!(said(|| panic!("lost {}", 2)), "the program panicked: lost 2");
+        assert_eq!(said(|| std::panic::panic_any(2)), "the program panicked: without a word");
+    }
+}
