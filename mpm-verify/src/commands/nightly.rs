@@ -172,10 +172,12 @@ impl Findings<'_> {
 
     fn work(&mut self, instructions: bool) -> Result<String, Failure> {
         let program = std::env::current_exe().ok().filter(|_| instructions);
-        let (measures, notes) = work::counts(program.as_deref()).map_err(Failure::RunFailed)?;
-        let line = format!("{} counts of {} gates", measures.len(), work::GATES.len());
+        let work::Counted { measures, notes, fell } = work::counts(program.as_deref());
+        let all = work::GATES.len();
+        let line = format!("{} counts of {} of {all} gates", measures.len(), all - fell.len());
         self.measures.extend(measures);
         self.notes.extend(notes);
+        self.fell.extend(fell.iter().map(|what| format!("work: {what}")));
         Ok(line)
     }
 }
@@ -239,7 +241,7 @@ fn whole(
         manifest,
     };
     (if night.is_green() { "green" } else { "red" }).clone_into(&mut night.verdict);
-    report::write(&night, &measures, &own).map_err(wrong)?;
+    report::write(&night, &measures, options.only.is_empty(), &own).map_err(wrong)?;
     if options.only.is_empty() {
         let off = night.moved.len() as f64;
         measures.push(Measure::new(ENTRY.0, ENTRY.1, Label::Count, off, Tolerance::relative(0.0)));

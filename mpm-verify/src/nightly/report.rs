@@ -72,10 +72,11 @@ impl Night {
     pub fn headline(&self) -> String {
         let Self { verdict, compared, moved, fell, date, commit, .. } = self;
         format!(
-            "{}: {} of {compared} numbers moved, {} checks fell short ({date}, {commit})",
+            "{}: {} of {compared} numbers moved, {} {} fell short ({date}, {commit})",
             verdict.to_uppercase(),
             moved.len(),
-            fell.len()
+            fell.len(),
+            if fell.len() == 1 { "check" } else { "checks" }
         )
     }
 
@@ -125,6 +126,7 @@ impl Night {
 #[derive(Debug, Serialize)]
 struct Page<'a> {
     title: String,
+    links: Vec<(&'static str, &'static str)>,
     night: &'a Night,
     headline: String,
     moved: Vec<Table>,
@@ -133,18 +135,29 @@ struct Page<'a> {
     manifest: Vec<(&'static str, String)>,
 }
 
-/// Writes everything into the folder of the night.
+/// Pages of the parts in the folder of a night.
+const PAGES: [(&str, &str); 4] = [
+    ("index-of-the-study.html", "Study"),
+    ("ladder/index.html", "Ladder"),
+    ("stability/index.html", "Stability"),
+    ("levee/index.html", "Levee"),
+];
+
+/// Writes everything into the folder of the night, where the pages of its parts are; a `whole` night is part of a trend.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(night: &Night, measures: &[Measure], folder: &Path) -> Result<(), ReportError> {
+pub fn write(night: &Night, measures: &[Measure], whole: bool, folder: &Path) -> Result<(), ReportError> {
     let path = folder.join("summary.json");
     let text = serde_json::to_string_pretty(night).map_err(|e| unwritable(&path, e))?;
     save(&path, text + "\n")?;
     save(&folder.join("summary.md"), night.markdown())?;
     rows(measures, &folder.join(VALUES))?;
     rows(&night.moved, &folder.join("moved.csv"))?;
+    let mut links: Vec<_> = PAGES.into_iter().filter(|(page, _)| folder.join(page).exists()).collect();
+    links.extend(whole.then_some(("../trends/errors.html", "Trends")));
     let page = Page {
+        links,
         title: format!("Night of {}", night.date),
         headline: night.headline(),
         moved: (!night.moved.is_empty()).then(|| moved(night)).into_iter().collect(),
@@ -337,13 +350,13 @@ mod tests {
     }
 
     #[test]
-    fn a_red_night_names_the_case_everywhere() {
+    fn a_red_night_names_the_case_everywhere_and_links_what_there_is() {
         let folder = tempfile::tempdir().expect("a folder");
         let measures = [
             Measure::new("terzaghi", "error", Label::Verified, 2e-3, Tolerance::relative(1e-6)),
             Measure::new("gone", "error", Label::Verified, f64::NAN, Tolerance::relative(1e-6)),
         ];
-        write(&night(vec![one_moved()]), &measures, folder.path()).expect("written");
+        write(&night(vec![one_moved()]), &measures, false, folder.path()).expect("written");
         for name in ["summary.json", "summary.md", "index.html", "moved.csv", VALUES] {
             let text = std::fs::read_to_string(folder.path().join(name)).expect("a file");
             assert!(text.contains("terzaghi"), "{name}");
@@ -357,6 +370,15 @@ mod tests {
             assert!(!json["moved"][0][key].is_null(), "{key}");
         }
         assert_eq!(json["cpu_s"], 1.5);
+        let links = |whole| {
+            write(&night(Vec::new()), &measures, whole, folder.path()).expect("written");
+            let page = std::fs::read_to_string(folder.path().join("index.html")).expect("a page");
+            ["Study</a>", "Ladder</a>", "Trends</a>"].map(|link| page.contains(link))
+        };
+        assert_eq!(links(false), [false; 3], "no link to a part that was not run");
+        std::fs::create_dir(folder.path().join("ladder")).expect("a folder");
+        std::fs::write(folder.path().join("ladder/index.html"), "").expect("a page");
+        assert_eq!(links(true), [false, true, true]);
         let page = night(vec![one_moved(); 100]).markdown();
         assert!(page.contains("and 40 more in `moved.csv`") && page.lines().count() < 90, "one page");
     }

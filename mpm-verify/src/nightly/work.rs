@@ -10,6 +10,7 @@ use mpm_core::scene::{Dimension, Flags, Integrator, Scene, ShapeChoice, TimeMeth
 use super::compiled::{self, ALLOCATIONS, COMPILED};
 use super::measure::{Label, Measure, Tolerance};
 use super::{calibration, instructions};
+use crate::unpanicked::unpanicked;
 
 /// A run whose cost is counted.
 #[derive(Debug, Clone, Copy)]
@@ -117,42 +118,64 @@ pub fn named(name: &str) -> Option<&'static Gate> {
     GATES.iter().find(|gate| gate.name == name)
 }
 
-/// Runs every gate and counts; with the program's own path also its instructions, if callgrind is installed.
-///
-/// # Errors
-/// A gate that cannot be run.
-pub fn counts(program: Option<&std::path::Path>) -> Result<(Vec<Measure>, Vec<String>), String> {
-    let (mut measures, mut notes) = (Vec::new(), Vec::new());
+/// What the gates have cost.
+#[derive(Debug, Default)]
+pub struct Counted {
+    /// The counts, and the times over that of the kernel.
+    pub measures: Vec<Measure>,
+    /// How instructions were counted, or why they were not.
+    pub notes: Vec<String>,
+    /// Gates that could not be run, and why.
+    pub fell: Vec<String>,
+}
+
+/// Runs every gate and counts; with the program's own path also its instructions, if callgrind is installed. A gate that cannot be
+/// run takes no other down.
+pub fn counts(program: Option<&std::path::Path>) -> Counted {
+    let mut all = Counted::default();
     let kernel = calibration::time();
+    let counter = program.map(instructions::counter);
     for gate in &GATES {
-        let scene = gate.scene()?;
-        let mut outcome = Err(String::new());
-        let info = measure(|| outcome = gate.run());
-        let run = outcome?;
-        measures.extend(counted(gate, &scene, &run, &info));
-        let mut times: Vec<f64> = Vec::new();
-        for _ in 0..3 {
-            let clock = ThreadTime::now();
-            let mut ended = Ok(());
-            opt_out(|| ended = gate.run().map(drop));
-            ended?;
-            times.push(clock.elapsed().as_secs_f64());
-        }
-        times.sort_by(f64::total_cmp);
-        let ratio = Measure::new(gate.name, "time_ratio", Label::Time, times[1] / kernel, Tolerance::relative(0.0));
-        measures.push(ratio);
-    }
-    match program.map(instructions::counter) {
-        None => {}
-        Some(Err(why)) => notes.push(format!("Instructions were not counted: {why}.")),
-        Some(Ok(counter)) => {
-            for gate in &GATES {
+        let counter = counter.as_ref().and_then(|counter| counter.as_ref().ok());
+        let of_gate = || {
+            let mut measures = gate.counts(kernel)?;
+            if let Some(counter) = counter {
                 measures.push(counter.measure(gate.name)?);
             }
-            notes.push(format!("Instructions: {}, without those of a run of nothing.", counter.with));
+            Ok::<_, String>(measures)
+        };
+        match unpanicked(of_gate) {
+            Ok(Ok(measures)) => all.measures.extend(measures),
+            Ok(Err(why)) => all.fell.push(why),
+            Err(why) => all.fell.push(format!("{}: {why}", gate.name)),
         }
     }
-    Ok((measures, notes))
+    all.notes.extend(counter.map(|counter| match counter {
+        Ok(counter) => format!("Instructions: {}, without those of a run of nothing.", counter.with),
+        Err(why) => format!("Instructions were not counted: {why}."),
+    }));
+    all
+}
+
+impl Gate {
+    /// What it costs, and its time over that of the kernel (s).
+    fn counts(&self, kernel: f64) -> Result<Vec<Measure>, String> {
+        let scene = self.scene()?;
+        let mut outcome = Err(String::new());
+        let info = measure(|| outcome = self.run());
+        let mut measures = counted(self, &scene, &outcome?, &info);
+        let mut times = [0.0; 3];
+        for time in &mut times {
+            let clock = ThreadTime::now();
+            let mut ended = Ok(());
+            opt_out(|| ended = self.run().map(drop));
+            ended?;
+            *time = clock.elapsed().as_secs_f64();
+        }
+        times.sort_by(f64::total_cmp);
+        measures.push(Measure::new(self.name, "time_ratio", Label::Time, times[1] / kernel, Tolerance::relative(0.0)));
+        Ok(measures)
+    }
 }
 
 fn counted(gate: &Gate, scene: &Scene, run: &Run, info: &AllocationInfo) -> Vec<Measure> {
