@@ -38,6 +38,7 @@ mod undrained;
 mod undrained_wave;
 mod verdict;
 mod vortex;
+mod water_ledger;
 mod wetting;
 
 use cpu_time::ThreadTime;
@@ -95,6 +96,7 @@ pub const LADDER: &[Rung] = &[
     semi_implicit::CENTRE,
     semi_implicit::SPLINES,
     double_drainage::RUNG,
+    water_ledger::RUNG,
     ramp_load::RUNG,
     quasi_static::SPLINES,
     quasi_static::COARSE,
@@ -182,6 +184,7 @@ pub const LADDER: &[Rung] = &[
     infinite_slope::WITHOUT_DILATION,
     collapse::DRY,
     collapse::SATURATED,
+    bits::PLAIN,
     bits::THREADS,
     bits::AGAIN,
     bits::RESUMED,
