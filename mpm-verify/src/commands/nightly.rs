@@ -10,7 +10,7 @@ use cpu_time::ProcessTime;
 use mpm_verify::files::{self, Folder};
 use mpm_verify::levee::limits;
 use mpm_verify::manifest::Manifest;
-use mpm_verify::nightly::accepted::{self, Accepted};
+use mpm_verify::nightly::accepted::{self, Accepted, Renewed};
 use mpm_verify::nightly::compiled::counted;
 use mpm_verify::nightly::history::{self, ENTRY, History};
 use mpm_verify::nightly::measure::{Label, Measure, Tolerance};
@@ -295,15 +295,10 @@ fn accept(
             "--accept: expected {expected} here, or --baselines DIR, found neither"
         )));
     };
-    let (mut rows, new) = accepted::renewed(known, measures, (&night.date, &night.commit), why);
     // A number that is not there is gone only if all parts came to their end; and what this night could not count, another may.
     let whole = night.parts.len() == PARTS.len() && night.fell.is_empty();
-    let (gone, kept): (Vec<&Accepted>, Vec<&Accepted>) = known
-        .iter()
-        .filter(|row| !rows.iter().any(|r| (&r.case, &r.quantity) == (&row.case, &row.quantity)))
-        .partition(|row| whole && counted(&row.quantity).is_none());
-    rows.extend(kept.into_iter().cloned());
-    let gone = gone.len();
+    let goes = |row: &Accepted| whole && counted(&row.quantity).is_none();
+    let Renewed { rows, new, gone } = accepted::renewed(known, measures, (&night.date, &night.commit), why, goes);
     accepted::write(&rows, &file).map_err(Failure::RunFailed)?;
     let ladder = folder.join("ladder/accepted.csv");
     if let (Ok(text), Some(folder)) = (fs::read(&ladder), file.parent()) {

@@ -99,31 +99,50 @@ pub fn parse(text: &str) -> Result<Vec<Accepted>, String> {
     }
 }
 
-/// The accepted numbers with those of a night in their place, and how many are new. A number that has not moved keeps its
-/// row; a tolerance is that of the program.
+/// What a night makes of the accepted numbers.
+#[derive(Debug, PartialEq)]
+pub struct Renewed {
+    /// The rows, in their order; a new one stands behind that which is measured before it.
+    pub rows: Vec<Accepted>,
+    /// Rows that are new or have moved.
+    pub new: usize,
+    /// Rows that are there no more.
+    pub gone: usize,
+}
+
+/// The accepted numbers with those of a night in their place. A number that has not moved keeps its row; a tolerance is that of the
+/// program; a row that was not measured stays unless it `goes`.
 pub fn renewed(
     known: &[Accepted],
     measures: &[Measure],
     (date, commit): (&str, &str),
     why: &str,
-) -> (Vec<Accepted>, usize) {
-    let mut new = 0;
-    let rows = measures
-        .iter()
-        .filter(|m| m.label != Label::Time && !m.value.is_nan())
-        .map(|m| {
-            let old = known.iter().find(|row| m.is_of(&row.case, &row.quantity));
-            let same = old.filter(|row| row.tolerance().holds(row.value, m.value) && row.label == m.label);
-            let Measure { case, quantity, label, value, tolerance: Tolerance { relative, absolute } } = m.clone();
-            if let Some(row) = same {
-                return Accepted { relative, absolute, ..row.clone() };
-            }
+    goes: impl Fn(&Accepted) -> bool,
+) -> Renewed {
+    let measures = || measures.iter().filter(|m| m.label != Label::Time && !m.value.is_nan());
+    let measured = |row: &Accepted| measures().any(|m| m.is_of(&row.case, &row.quantity));
+    let mut rows: Vec<Accepted> = known.iter().filter(|row| measured(row) || !goes(row)).cloned().collect();
+    let gone = known.len() - rows.len();
+    let (mut new, mut next) = (0, rows.len());
+    for m in measures() {
+        let place = rows.iter().position(|row| m.is_of(&row.case, &row.quantity));
+        let Measure { case, quantity, label, value, tolerance: Tolerance { relative, absolute } } = m.clone();
+        if let Some(row) =
+            place.map(|i| &mut rows[i]).filter(|row| row.tolerance().holds(row.value, value) && row.label == label)
+        {
+            (row.relative, row.absolute) = (relative, absolute);
+        } else {
             new += 1;
             let (since, why) = (format!("{date} {commit}"), why.to_owned());
-            Accepted { case, quantity, label, value, relative, absolute, since, why }
-        })
-        .collect();
-    (rows, new)
+            let row = Accepted { case, quantity, label, value, relative, absolute, since, why };
+            match place {
+                Some(i) => rows[i] = row,
+                None => rows.insert(next, row),
+            }
+        }
+        next = place.unwrap_or(next) + 1;
+    }
+    Renewed { rows, new, gone }
 }
 
 /// Writes the file.
@@ -164,14 +183,27 @@ mod tests {
 
     #[test]
     fn only_what_has_moved_gets_a_new_reason() {
-        let (first, new) = renewed(&[], &[measure("a", 1.0), measure("b", 2.0)], ("d1", "c1"), "the first");
-        assert_eq!(new, 2);
-        let night = [measure("a", 1.0 + 1e-9), measure("b", 2.5), measure("c", 3.0), measure("d", f64::NAN)];
-        let (second, new) = renewed(&first, &night, ("d2", "c2"), "better");
-        assert_eq!((new, second.len()), (2, 3));
-        let told: Vec<(f64, &str, &str)> =
-            second.iter().map(|row| (row.value, row.since.as_str(), row.why.as_str())).collect();
-        assert_eq!(told, [(1.0, "d1 c1", "the first"), (2.5, "d2 c2", "better"), (3.0, "d2 c2", "better")]);
+        let all = |_: &Accepted| true;
+        let Renewed { rows: first, new, .. } =
+            renewed(&[], &[measure("a", 1.0), measure("b", 2.0), measure("e", 4.0)], ("d1", "c1"), "the first", all);
+        assert_eq!(new, 3);
+        let night = [measure("a", 1.0 + 1e-9), measure("c", 3.0), measure("b", 2.5), measure("e", f64::NAN)];
+        let told = |second: &Renewed| {
+            let row = |row: &Accepted| format!("{} {} {} {}", row.case, row.value, row.since, row.why);
+            second.rows.iter().map(row).collect::<Vec<_>>()
+        };
+        let second = renewed(&first, &night, ("d2", "c2"), "better", all);
+        assert_eq!((second.new, second.gone), (2, 1));
+        let three = ["a 1 d1 c1 the first", "c 3 d2 c2 better", "b 2.5 d2 c2 better"];
+        assert_eq!(told(&second), three);
+        let part = renewed(&first, &night[3..], ("d2", "c2"), "better", |row| row.case != "e");
+        assert_eq!(told(&part), ["e 4 d1 c1 the first"]);
+        let part = renewed(&first, &night, ("d2", "c2"), "better", |_| false);
+        assert_eq!(
+            (part.new, part.gone, &told(&part)[..3], part.rows[3].case.as_str()),
+            (2, 0, &three.map(str::to_owned)[..], "e")
+        );
+        let second = second.rows;
         assert_eq!(parse(&text(&second).expect("a text")).expect("it holds"), second);
     }
 
