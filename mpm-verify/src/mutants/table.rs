@@ -87,9 +87,9 @@ pub const MUTANTS: &[Mutant] = &[
     fault(
         "unsorted-sum",
         "energies of strips are summed in the order in which threads finish",
-        "mpm-core/src/step/lanes/mod.rs",
-        "for strip in &self.strips {\n                self.totals.darcy_dissipation += dt * self.parts.water.face_flow().area * strip.rates[0];\n                self.totals.flow_body_work += dt * self.parts.water.face_flow().area * strip.rates[1];\n            }",
-        "let area = self.parts.water.face_flow().area;\n            let sum = std::sync::Mutex::new([0.0; 2]);\n            let add = |strip: &Strip<V>| { let mut sum = sum.lock().unwrap_or_else(|e| e.into_inner()); for k in 0..2 { sum[k] += dt * area * strip.rates[k]; } };\n            self.strips.par_iter().for_each(add);\n            let [one, other] = sum.into_inner().unwrap_or_default();\n            self.totals.darcy_dissipation += one;\n            self.totals.flow_body_work += other;",
+        "mpm-core/src/step/lanes/sweep.rs",
+        "*rate = 0.0;\n                for part in 0..MOST_LANES {\n                    *rate += lanes[part / V::F64_LANES].lane(part % V::F64_LANES);\n                }",
+        "static SUM: std::sync::Mutex<f64> = std::sync::Mutex::new(0.0);\n                *rate = (0..MOST_LANES).map(|part| lanes[part / V::F64_LANES].lane(part % V::F64_LANES)).sum();\n                let mut sum = SUM.lock().unwrap_or_else(|e| e.into_inner());\n                if self.strip.first == 0 { *sum = 0.0; }\n                let before = *sum;\n                *sum += *rate;\n                *rate = *sum - before;",
     ),
     fault(
         "skipped-step",
