@@ -46,7 +46,9 @@ pub fn figure(climb: &Climb) -> Figure {
     }
     let allowed = [left, right].map(|h| (h, climb.step.required_error));
     let look = Look::new(RED, Marker::Dot).dash(Dash::Dashed).width(1.8);
-    panel.add(Series::line(format!("allowed at the smallest {quantity}"), look, allowed).guide());
+    let name =
+        if climb.errors.len() == 1 { "allowed".to_owned() } else { format!("allowed at the smallest {quantity}") };
+    panel.add(Series::line(name, look, allowed).guide());
     Figure {
         name: climb.rung.name,
         title: format!("{}: {}", climb.rung.name, climb.rung.about),
