@@ -87,6 +87,13 @@ fn swept(sweeps: &Sweeps) -> Vec<Measure> {
 
 /// Errors that are asked for.
 pub const WANTED: [f64; 4] = [1e-2, 3e-3, 1e-3, 2e-4];
+/// What the names of cases begin with that hold the cost of a sweep.
+pub const SPEED: &str = "speed-";
+
+/// Name of the least work for an error of U.
+pub fn cost_for(wanted: f64) -> String {
+    format!("cost_for_{wanted:e}")
+}
 
 /// What the cheapest case of each family costs that is accurate enough, in point-steps, or solves times particles.
 fn costs(results: &[CaseResult]) -> Vec<Measure> {
@@ -115,9 +122,8 @@ fn costs(results: &[CaseResult]) -> Vec<Measure> {
         for wanted in WANTED {
             let value = cheapest(family, wanted);
             if value.is_finite() {
-                let name = format!("cost_for_{wanted:e}");
-                let counted = Tolerance::relative(0.02);
-                measures.push(Measure::new(&format!("speed-{family}"), &name, Label::Count, value, counted));
+                let (case, counted) = (format!("{SPEED}{family}"), Tolerance::relative(0.02));
+                measures.push(Measure::new(&case, &cost_for(wanted), Label::Count, value, counted));
             }
         }
     }

@@ -7,7 +7,7 @@
 //!    [`calibration`]: what a time is a ratio to.
 //! 3. [`accepted`]: the baselines, and how they are renewed. [`moved`]: what is not where it was.
 //! 4. [`history`]: every value at every entry, and since when. [`trends`]: pages of it.
-//! 5. [`report`]: `summary.json`, a page fit for a job summary. [`nights`]: the page of all of them.
+//! 5. [`report`]: `summary.json`, a page fit for a job summary. [`tables`]: of its page. [`nights`]: the page of all of them.
 
 pub mod accepted;
 pub mod calibration;
@@ -19,5 +19,6 @@ pub mod measure;
 pub mod moved;
 pub mod nights;
 pub mod report;
+pub mod tables;
 pub mod trends;
 pub mod work;

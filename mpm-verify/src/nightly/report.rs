@@ -4,19 +4,18 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::compiled;
 use super::measure::{Label, Measure};
 use super::moved::Moved;
+use super::tables;
 use crate::manifest::Manifest;
 use crate::report::content::Picture;
-use crate::report::content::table::{Cell, Table, table};
+use crate::report::content::table::Table;
 use crate::report::html::render;
-use crate::report::numbers::short;
 use crate::report::{ReportError, save, unwritable};
 
 const TEMPLATE: &str = include_str!("night.html");
 /// Moved numbers that a page for reading lists; `moved.csv` has all.
-const LISTED: usize = 60;
+pub const LISTED: usize = 60;
 
 /// A part of the night.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -131,6 +130,7 @@ struct Page<'a> {
     headline: String,
     moved: Vec<Table>,
     parts: Vec<Table>,
+    speed: Vec<Table>,
     work: Vec<Table>,
     manifest: Vec<(&'static str, String)>,
 }
@@ -160,9 +160,10 @@ pub fn write(night: &Night, measures: &[Measure], whole: bool, folder: &Path) ->
         links,
         title: format!("Night of {}", night.date),
         headline: night.headline(),
-        moved: (!night.moved.is_empty()).then(|| moved(night)).into_iter().collect(),
-        parts: vec![parts(night)],
-        work: work(measures).into_iter().collect(),
+        moved: (!night.moved.is_empty()).then(|| tables::moved(night)).into_iter().collect(),
+        parts: vec![tables::parts(night)],
+        speed: tables::speed(measures).into_iter().collect(),
+        work: tables::work(measures).into_iter().collect(),
         manifest: night.manifest.entries().into_iter().filter(|(name, _)| *name != "scene hash").collect(),
         night,
     };
@@ -240,77 +241,6 @@ pub fn stored(path: &Path) -> Result<Vec<Measure>, String> {
             Ok(Measure::new(&row.case, &row.quantity, row.label, row.value.unwrap_or(f64::NAN), tolerance))
         })
         .collect()
-}
-
-fn moved(night: &Night) -> Table {
-    let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), shown);
-    let row = |m: &Moved| {
-        let (date, commit) = m.since.split_once(' ').unwrap_or((&m.since, ""));
-        let mark = match m.direction.as_str() {
-            "worse" | "gone" => "bad",
-            "better" => "good",
-            _ => "",
-        };
-        vec![
-            Cell::new(m.case.clone()),
-            Cell::new(m.quantity.clone()),
-            Cell::new(m.direction.clone()).marked("", mark),
-            Cell::new(number(m.was)),
-            Cell::new(number(m.is)),
-            Cell::new(format!("{:.1e}", m.tolerance)),
-            Cell::new(date.replace('T', " ").trim_end_matches('Z')).marked(commit, ""),
-        ]
-    };
-    let rows = night.moved.iter().take(LISTED).map(row).collect();
-    table(String::new(), &["case", "quantity", "", "was", "is", "may move by", "since"], rows, "")
-}
-
-/// A number: a count without a point.
-fn shown(value: f64) -> String {
-    if value.fract() == 0.0 && value.abs() < 1e15 { format!("{value:.0}") } else { short(value, 7) }
-}
-
-fn parts(night: &Night) -> Table {
-    let row = |p: &Part| {
-        vec![
-            Cell::new(p.name.clone()),
-            Cell::new(p.line.clone()),
-            Cell::new(format!("{:.0}", p.cpu_s)),
-            Cell::new(format!("{:.0}", p.wall_s)),
-        ]
-    };
-    table(String::new(), &["part", "what came out", "CPU (s)", "clock (s)"], night.parts.iter().map(row).collect(), "")
-}
-
-/// Counts of the gates.
-fn work(measures: &[Measure]) -> Option<Table> {
-    let gates: Vec<&str> = super::work::GATES.iter().map(|gate| gate.name).collect();
-    let of = |gate: &str, wanted: &dyn Fn(&str) -> bool| {
-        measures.iter().find(|m| m.case == gate && wanted(&m.quantity)).map_or_else(
-            || "–".to_owned(),
-            |m| {
-                if m.value.abs() < 100.0 && m.value.fract() != 0.0 {
-                    short(m.value, 3)
-                } else {
-                    format!("{:.0}", m.value)
-                }
-            },
-        )
-    };
-    if !measures.iter().any(|m| gates.contains(&m.case.as_str())) {
-        return None;
-    }
-    let row = |gate: &&str| {
-        let counts = ["point_steps", "solves", "factorisations"];
-        let mut cells = vec![Cell::new((*gate).to_owned())];
-        cells.extend(counts.map(|name| Cell::new(of(gate, &|q| q == name))));
-        let compiled = [compiled::ALLOCATIONS, compiled::INSTRUCTIONS];
-        cells.extend(compiled.map(|name| Cell::new(of(gate, &|q| compiled::counted(q) == Some(name)))));
-        cells.push(Cell::new(of(gate, &|q| q == "time_ratio")));
-        cells
-    };
-    let head = ["gate", "point-steps", "solves", "factorisations", "allocations", "instructions", "time / kernel"];
-    Some(table(String::new(), &head, gates.iter().map(row).collect(), ""))
 }
 
 #[cfg(test)]
