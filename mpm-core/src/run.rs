@@ -1,9 +1,9 @@
 //! The one switchboard: the words of a scene become concrete types. Nothing else matches on them.
 
-use crate::boundary::{BodyForce, Edges, Given, Plate, Strip, Supports, SurfaceLoad};
+use crate::boundary::{BodyForce, Edges, Filled, Given, Plate, Strip, Supports, SurfaceLoad};
 use crate::constitutive::{Law, Laws, Layered, LinearElastic, MohrCoulomb, Stratum};
 use crate::dimension::{Column, Kinematics, PlaneStrain};
-use crate::drive::{Attend, Drive, Run, drive};
+use crate::drive::{Alone, Attend, Drive, Run, drive};
 use crate::error::RunError;
 use crate::grid::Grid;
 use crate::hardware::{Hardware, Width};
@@ -98,7 +98,9 @@ pub fn run_given(scene: &Scene, given: &Given, progress: &mut dyn FnMut(f64)) ->
     scene.bears_its_load()?;
     let dt = choose_step(scene)?;
     let mut model = model_given(&Hardware::default(), scene, given)?;
-    Ok(drive(scene, model.as_mut(), dt, progress))
+    let run = Drive::new(scene, model.as_mut(), dt);
+    let run = if given.is_nothing() { run } else { run.unwatched() };
+    Ok(run.go(&mut Alone(progress)))
 }
 
 /// The model of a scene at t = 0, its first stage not yet entered.
@@ -556,8 +558,7 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
 
     fn parts<L, W>(self, scene: &Scene, law: L, water: W, supports: Supports<D>) -> Parts<L, W, D, S> {
         let spacing = self.seed.spacing;
-        // The top of an outline is not followed, and carries no load.
-        let per_row = if scene.outline.is_some() { 0 } else { self.seed.per_row };
+        let per_row = self.seed.per_row;
         let first = (scene.cells[1] * scene.particles_per_direction() - 1) * per_row;
         let area = self.particle_volume / spacing;
         // A part of the top may carry the load: a strip has the share at the middle of its particle.
@@ -573,11 +574,28 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
             loaded: area * share(i),
         };
         let on = scene.surcharge.map_or(LoadOn::Surface, |s| s.on);
-        let surface = SurfaceLoad::new((0..per_row).map(strip).collect(), scene.height, on);
+        let strips = match (&scene.outline, outline_parts(scene)) {
+            // The crest of an outline is followed, and carries no load.
+            (Some(outline), Some(parts)) => {
+                let below = |(i, area): (usize, f64)| {
+                    let Part { centroid, area: volume } = parts[i];
+                    Strip { id: i as u32, offset: scene.height - centroid[1], volume, area, loaded: 0.0 }
+                };
+                seeding::below_crest(outline, &parts, spacing).into_iter().map(below).collect()
+            }
+            _ => (0..per_row).map(strip).collect(),
+        };
+        let surface = SurfaceLoad::new(strips, scene.height, on);
         // A column has the last component, which is the vertical one.
         let gravity = scene.gravity_vector().map(|g| std::array::from_fn(|d| g[d + 2 - D]));
         let particles = self.solid.points.len() as u64;
+        let filled = if self.given.moved == [0.0; 2] {
+            Filled::of(scene, &self.grid, self.face_area * scene.cell)
+        } else {
+            Filled::default() // the soil does not stand on the base of the mesh
+        };
         Parts {
+            filled,
             transfer: Transfer::new(
                 scene.transfer == TransferChoice::Affine,
                 scene.update == UpdateChoice::Musl,

@@ -3,7 +3,7 @@
 mod common;
 
 use common::edited;
-use mpm_core::failure::{Bracket, Driver, End, Phase, Row};
+use mpm_core::failure::{Bracket, Driver, End, Outcome, Phase, Row};
 use mpm_core::run::failing;
 use mpm_core::scene::Scene;
 use mpm_core::stability::choose_step;
@@ -421,4 +421,88 @@ fn a_slope_that_stands_with_any_strength_has_no_upper_bound() {
     let found = driver.safety(0.04, &mut |_| ()).unwrap();
     // 4 is the last factor that is looked at; that it slides there nobody has seen.
     assert_eq!((found.low, found.high), (4.0, f64::INFINITY));
+}
+
+/// Example 1 of Griffiths & Lane 1999 (doi:10.1680/geot.1999.49.3.387): a slope 2:1 on a rigid base, phi = 20 degrees,
+/// c/(gamma H) = 0.05, published factor 1.4. Of a height (m) and stiffness (Pa), on a mesh of so many rows, as drawn or mirrored.
+fn griffiths(height: f64, youngs_modulus: f64, rows: u32, mirrored: bool) -> Scene {
+    let (gravity, density) = (9.81, 2000.0);
+    let corners = [[0.0, 0.0], [3.2, 0.0], [1.2, 1.0], [0.0, 1.0]];
+    // Whatever side the toe is on, there is room in front of it.
+    let place = |[x, y]: [f64; 2]| [height * if mirrored { 4.2 - x } else { x }, height * y];
+    let [left, right] = if mirrored { ["free", "roller"] } else { ["roller", "free"] };
+    let (points, cohesion) = (corners.map(place), 0.05 * density * gravity * height);
+    let text = format!(
+        "name = \"griffiths\"
+dimension = \"plane-strain\"
+start = \"geostatic\"
+gravity = {gravity}
+[geometry.outline]
+points = {points:?}
+[mesh]
+cell = {:?}
+particles_per_cell = 4
+headroom_cells = 1
+sideroom_cells = {}
+[soil]
+grain_density = {:?}
+porosity = 0.3
+[soil.law.mohr_coulomb]
+youngs_modulus = {youngs_modulus:?}
+poisson_ratio = 0.3
+cohesion = {cohesion:?}
+friction_angle = 20.0
+dilation_angle = 0.0
+[water]
+hydraulic_conductivity = 1e-5
+bulk_modulus = 2.2e9
+unit_weight = 9810.0
+[water.free_surface]
+saturation = 0.0
+[boundaries]
+left = \"{left}\"
+right = \"{right}\"
+bottom = \"fixed\"
+top = \"free\"
+[scheme]
+shape = \"centroid\"
+flip = 0.99
+[time]
+integrator = \"two-clocks\"
+safety = 0.5
+[[stages]]
+clock = \"both\"
+drained = \"none\"
+until.time = 3600.0
+",
+        height / f64::from(rows),
+        if mirrored { 0 } else { rows },
+        density / 0.7,
+    );
+    Scene::parse(&text, "griffiths.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+fn factor(scene: &Scene, within: f64) -> Bracket {
+    let mut driver = Driver::new(scene).unwrap();
+    assert_eq!(driver.load().unwrap().outcome, Outcome::Stands);
+    let found = driver.safety(within, &mut |_| ()).unwrap();
+    println!("E {:e} Pa, H {} m: {found:?}", scene.elastic.youngs_modulus, scene.height);
+    found
+}
+
+#[test]
+fn the_factor_of_a_slope_does_not_depend_on_its_size_or_stiffness() {
+    let usual = factor(&griffiths(10.0, 1e8, 5, false), 0.02);
+    // The published factor, on a mesh of five rows.
+    assert!(usual.low > 1.3 && usual.high < 1.5 && usual.high - usual.low < 0.021, "{usual:?}");
+    for (height, youngs_modulus) in [(10.0, 1e6), (10.0, 1e9), (0.1, 1e8), (100.0, 1e8), (100.0, 1e6)] {
+        let found = factor(&griffiths(height, youngs_modulus, 5, false), 0.02);
+        assert_eq!((found.low, found.high), (usual.low, usual.high), "E {youngs_modulus:e} Pa, H {height} m");
+    }
+}
+
+#[test]
+fn a_slope_in_a_mirror_is_as_safe() {
+    let [usual, mirrored] = [false, true].map(|mirrored| factor(&griffiths(10.0, 1e8, 5, mirrored), 0.02));
+    assert_eq!((usual.low, usual.high), (mirrored.low, mirrored.high));
 }

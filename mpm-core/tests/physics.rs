@@ -142,8 +142,8 @@ impl<const D: usize> DarcyOperator<D> for Printed<D> {
     fn relative(&self, grid: &Grid<D>, place: &Place<D>, cell: &WaterCell) -> [[f64; D]; 4] {
         self.0.relative(grid, place, cell)
     }
-    fn filling(&self, inverse_volume: f64) -> f64 {
-        self.0.filling(inverse_volume)
+    fn filling(&self, inverse_volume: f64, stiffness: f64) -> (f64, f64) {
+        self.0.filling(inverse_volume, stiffness)
     }
     fn keep(&mut self, keeper: &mut mpm_core::keep::Keeper) {
         self.0.keep(keeper);

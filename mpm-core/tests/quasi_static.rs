@@ -213,6 +213,8 @@ fn a_new_mesh_under_large_strain_keeps_the_soil() {
         "strain = \"large\"".to_owned(),
         "start = \"unloaded\"".to_owned(),
         format!("youngs_modulus = {soft:e}"),
+        // Pores that so much strain leaves.
+        "porosity = 0.8".to_owned(),
         "tolerance = 1e-4".to_owned(),
         "until.time_factor = 8.0".to_owned(),
         "time_factors = [0.1, 1.0, 8.0]".to_owned(),
@@ -300,7 +302,7 @@ fn nonlinear_laws_reach_equilibrium() {
 
 /// A dry column whose load grows to `SURCHARGE` over a second.
 fn dry(step: &str) -> Scene {
-    column(&[
+    let scene = column(&[
         "start = \"unloaded\"",
         "-[water]",
         "-darcy",
@@ -309,7 +311,9 @@ fn dry(step: &str) -> Scene {
         "time_factors -> times = [0.25, 0.5, 1.0]",
         "on -> ramp_time = 1.0",
         step,
-    ])
+    ]);
+    // The laws below store no energy that the balance could find.
+    Scene { force: true, ..scene }
 }
 
 #[test]

@@ -205,6 +205,7 @@ fn flight<Sh: Shape>(steps: usize, corner: f64, shear: f64) -> ([f64; 4], u64) {
     let count = points.len() as f64;
     let (water, seen) = Witness::<Dry, 2, 4>::new(Dry);
     let mut model = Explicit::<PlaneStrain, Sh, _, _, 2, 4>::new(Parts {
+        filled: Default::default(),
         supports: Supports::new(&grid, &[SolidSide::Free; 4]),
         solid: Layer::new(points, &grid).expect("inside"),
         grid,

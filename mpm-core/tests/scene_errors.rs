@@ -475,7 +475,9 @@ const FLIP: &str =
 fn bad_water_is_refused() {
     const FEED: &str = "left = { head = 1.0 }";
     const TABLE: &str = "[water.free_surface.feed]\nleft = { head = 1.0 }";
-    let cases: [(&str, &str, Edits, &str); 21] = [
+    const BLOCK: &str = "[geometry.column]\nheight = 1.0\nwidth = 1.0";
+    const LEVEE: &str = "[geometry.outline]\npoints = [[0.0, 0.0], [3.0, 0.0], [1.0, 1.0], [0.0, 1.0]]";
+    let cases: [(&str, &str, Edits, &str); 22] = [
         ("head below the base", "dam", &[(FEED, "left = { head = -0.5 }")], "where the soil at the side begins"),
         ("head at the base", "dam", &[(FEED, "left = { head = 0.0 }")], "above 0 m"),
         ("no room for water", "infiltration", &[("porosity = 0.30", "porosity = 0.01")], "water has to go somewhere"),
@@ -515,6 +517,7 @@ fn bad_water_is_refused() {
         ("full before any front", "dam", &[(TABLE, "[water.free_surface]\nsaturation = 1.0")], "0 <= saturation < 1"),
         ("head and velocity", "dam", &[(FEED, "left = { head = 1.0, velocity = 1e-5 }")], "exactly one"),
         ("neither", "dam", &[(FEED, "left = {}")], "exactly one"),
+        ("a head above an outline", "dam", &[(BLOCK, LEVEE), ("head = 1.0", "head = 1.1")], "at most 1 m, the top"),
         ("a height beside a head", "dam", &[(FEED, "left = { head = 1.0, height = 1.0 }")], "which is one"),
         ("a feed that takes", "dam", &[(FEED, "left = { velocity = -1e-5 }")], "above 0"),
         ("a feed beside a column", "infiltration", &[("top = {", "left = {")], "bottom or the top"),
@@ -538,7 +541,7 @@ fn bad_failure_is_refused() {
     const DRIVER: &str = "integrator = \"two-clocks\"";
     const BASE: &str = "peak_angle = 30.0\nresidual_angle = 8.5\nslip_distance = 0.02";
     const OUTLINE: &str = "[[0.0, 0.0], [9.0, 0.0], [3.0, 3.0], [0.0, 3.0]]";
-    let cases: [(&str, &str, Edits, &str); 37] = [
+    let cases: [(&str, &str, Edits, &str); 38] = [
         ("head above the crest", "levee", &[(HEAD, "feed.left = { head = 3.1 }")], "at most 3 m, the top of the soil"),
         ("a feed above the crest", "levee", &[(HEAD, "feed.left = { velocity = 1e-5, height = 3.5 }")], "at most 3 m"),
         ("head at the base", "levee", &[(HEAD, "feed.left = { head = 0.0 }")], "above 0 m"),
@@ -557,7 +560,8 @@ fn bad_failure_is_refused() {
             &[("[[stages]]\n", "[[stages]]\nclock = \"both\"\n")],
             "free_surface beside clock = \"both\"",
         ),
-        ("feed in the air", "levee", &[(HEAD, "feed.top = { velocity = 1e-5 }")], "a wall with no soil"),
+        ("feed in the air", "levee", &[(HEAD, "feed.top = { head = 3.1 }")], "a wall with no soil"),
+        ("rain with a height", "levee", &[(HEAD, "feed.top = { velocity = 1e-5, height = 3.5 }")], "it is rain"),
         (
             "a pond on the crest",
             "levee",

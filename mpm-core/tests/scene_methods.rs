@@ -53,9 +53,7 @@ const EXPLICIT_CASES: &[(&str, Edits)] = &[
     ("inertia in soft water", &[("bulk_modulus = 2.2e9", "bulk_modulus = 8.0e6")]),
     ("nodal Darcy with gimp", &[("shape = \"centre\"\ndarcy = \"face\"", "shape = \"gimp\"\ndarcy = \"nodal\"")]),
     ("incompressible water", &[("bulk_modulus = 2.2e9", "bulk_modulus = inf")]),
-    ("quadrature of another shape", &[("flip = 1.0", "flip = 1.0\nquadrature = \"fitted\"")]),
     ("jump penalty of another shape", &[("flip = 1.0", "flip = 1.0\njump_penalty = 1.0e-3")]),
-    ("quadrature without its integrator", &[("shape = \"centre\"", "shape = \"bspline2\"\nquadrature = \"volumes\"")]),
     (
         "quasi-static: more than fits into memory",
         &[
@@ -111,7 +109,6 @@ const EXPLICIT_CASES: &[(&str, Edits)] = &[
             ("until.time_factor = 1.0", "until.pore_pressure_within = 0.1"),
         ],
     ),
-    ("inertia in Darcy's law of soil that moves through cells", &[("pressure = 1.0e4", "pressure = 1.0e6")]),
     ("a column drained at its left", &[("drained = [\"top\"]", "drained = [\"left\"]")]),
 ];
 

@@ -4,7 +4,7 @@
 //! with its length. A file is written whole ([`crate::files::write`]): a stop while writing leaves the one before.
 
 use std::fs;
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
@@ -15,6 +15,8 @@ use crate::files;
 pub const NAME: &str = "checkpoint.bin";
 /// States of other builds may differ in their layout, and their runs in the last bit.
 pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), " ", env!("MPM_COMMIT"));
+/// First bytes of every kind.
+const MAKER: &[u8] = b"MPM";
 /// No state is larger: what claims to be is refused before it is read, bytes.
 const LARGEST: u64 = 16 << 30;
 
@@ -146,10 +148,37 @@ pub fn fingerprint(plan: &str) -> [u8; 32] {
     Sha256::digest(plan.as_bytes()).into()
 }
 
+/// Whether what stands in a folder under the name of a checkpoint, if anything does, is one of this program: it is replaced and removed.
+///
+/// # Errors
+/// It is not, or cannot be read.
+pub fn is_own(folder: &Path) -> Result<(), CheckpointError> {
+    let path = folder.join(NAME);
+    let mut start = Vec::new();
+    match fs::symlink_metadata(&path) {
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(()),
+        Err(cause) => return Err(CheckpointError::File { path, cause }),
+        Ok(there) if there.is_file() => {
+            let read = fs::File::open(&path).and_then(|file| file.take(MAKER.len() as u64).read_to_end(&mut start));
+            read.map_err(|cause| CheckpointError::File { path: path.clone(), cause })?;
+        }
+        Ok(_) => {}
+    }
+    if start == MAKER {
+        return Ok(());
+    }
+    let expected = "no such file, or a checkpoint of this program";
+    Err(CheckpointError::Refused {
+        path,
+        expected: expected.to_owned(),
+        found: "something else, which was left as it is".to_owned(),
+    })
+}
+
 /// Removes the file of a folder, if there is one.
 pub fn remove(folder: &Path) {
     // A file that is not there needs no removal; one that stays is refused or taken up by the next run.
-    let _ = fs::remove_file(folder.join(NAME));
+    let _ = is_own(folder).map(|()| fs::remove_file(folder.join(NAME)));
 }
 
 fn put(into: &mut Vec<u8>, bytes: &[u8]) {
@@ -197,7 +226,7 @@ mod tests {
         let next = KIND.bytes(&plan, &[b"after"]);
         // Power goes while the file is written, and after it was, before it has its name.
         for cut in 0..=next.len() {
-            fs::write(folder.path().join(format!("{NAME}{}", files::PART)), &next[..cut]).expect("written");
+            fs::write(files::part_of(&folder.path().join(NAME)).expect("a name"), &next[..cut]).expect("written");
             let read = KIND.read(&plan, folder.path()).expect("read").expect("a state");
             assert_eq!(read, [b"before".to_vec()]);
         }

@@ -13,7 +13,8 @@
 //!    under which conditions. [`baseline`]: accepted values.
 //!    [`nightly`]: everything measured every night, compared and remembered.
 //!    [`mutants`]: planted faults, and who finds them.
-//! 8. [`files`]: files that are whole or not there. [`checkpoint`], [`keeping`]: states to
+//! 8. [`progress`], [`patience`]: how far a run has come, and how long it will take.
+//! 9. [`files`]: files that are whole or not there. [`checkpoint`], [`keeping`]: states to
 //!    go on from.
 
 pub mod baseline;
@@ -35,6 +36,7 @@ pub mod manifest;
 pub mod mutants;
 pub mod nightly;
 pub mod norms;
+pub mod patience;
 pub mod progress;
 pub mod rates;
 pub mod report;

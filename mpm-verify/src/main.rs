@@ -31,8 +31,8 @@ pub struct Common {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Threads; 0 takes as many as there are cores
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    jobs: usize,
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=256))]
+    jobs: u16,
     /// Say nothing but errors
     #[arg(long)]
     quiet: bool,
@@ -123,6 +123,7 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    commands::hold_back_hang_up();
     let cli = Cli::parse();
     let outcome = match cli.command {
         None => study::run(&cli.study, &cli.common),
@@ -138,7 +139,7 @@ fn main() -> ExitCode {
         Some(Command::Report { folder, common }) => report::run(&folder, &common),
         Some(Command::List { common }) => list::run(&common),
     };
-    match outcome {
+    match outcome.and_then(|()| commands::all_printed()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             eprintln!("{failure}");

@@ -191,6 +191,57 @@ fn workflows_parse_and_call_nothing_that_does_not_exist() {
     assert!(readme.contains("cargo test --workspace") && text(".ci/run").contains("cargo test --workspace"));
 }
 
+/// The accepted number of the levee, as `nightly` holds it.
+fn of_the_levee(quantity: &str) -> f64 {
+    let start = format!("levee,{quantity},");
+    let baselines = text("reference-data/baselines/nightly.csv");
+    let row = baselines.lines().find(|line| line.starts_with(&start)).unwrap_or_else(|| panic!("{quantity}"));
+    row.split(',').nth(3).expect("a number").parse().expect("a number")
+}
+
+/// The number that stands between two parts of a page, as it is written.
+fn written<'a>(page: &'a str, start: &str, end: &str) -> &'a str {
+    let (_, rest) = page.split_once(start).unwrap_or_else(|| panic!("{start}"));
+    rest.split_once(end).unwrap_or_else(|| panic!("{start} ... {end}")).0
+}
+
+#[test]
+fn times_of_the_levee_are_the_same_on_every_page() {
+    let (readme, scenes) = (text("README.md"), text("reference-data/scenes/README.md"));
+    let row = scenes.lines().find(|line| line.starts_with("| `levee.toml` |")).expect("a row");
+    for (found, quantity) in [
+        (written(&readme, "E1, the toe ravels | | 12.5 h | ", " h"), "raveling_h"),
+        (written(&readme, "E2, failure starts | 8.66 h | 13.0 h | ", " h"), "failure_start_h"),
+        (written(&readme, "toe at the end (9 m at the start) | | | ", " m"), "toe_m"),
+        (written(&readme, "water leaves the slope | | | by ", " h"), "first_outflow_h"),
+        (written(row, "water leaves at ", " h"), "first_outflow_h"),
+        (written(row, "E1, E2 and E3 at ", " h"), "failure_start_h"),
+        (written(row, "run-out to x = ", " m"), "toe_m"),
+    ] {
+        let digits = found.split_once('.').map_or(0, |(_, digits)| digits.len());
+        assert_eq!(found, format!("{:.digits$}", of_the_levee(quantity)), "{quantity}");
+    }
+}
+
+#[test]
+fn help_names_every_word_of_a_scene() {
+    use mpm_core::scene::{INTEGRATORS, SHAPES};
+    for command in ["solve", "check"] {
+        let mut cli = Cli::command();
+        let command = cli.find_subcommand_mut(command).expect("a command");
+        let help = |flag: &str| {
+            let argument = command.get_arguments().find(|a| a.get_long() == Some(flag)).expect("a flag");
+            argument.get_help().expect("help").to_string()
+        };
+        let listed = |text: &str| -> Vec<String> {
+            let words = text.split_once(": ").expect("words").1.replace(" or ", ", ");
+            words.split(", ").map(str::to_owned).collect()
+        };
+        assert_eq!(listed(&help("scheme")), SHAPES.map(|(word, _)| word));
+        assert_eq!(listed(&help("integrator")), INTEGRATORS.map(|(word, _)| word));
+    }
+}
+
 #[test]
 fn a_command_that_does_not_exist_is_found() {
     for line in ["nightly --frobnicate", "nigthly", "study --mesh", "check --scene a.toml --mutants"] {

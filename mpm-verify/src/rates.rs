@@ -1,5 +1,8 @@
 //! Orders of convergence: pairwise, fitted with a confidence interval, and what a Richardson extrapolation says.
 //!
+//! An order counts only where it is established: the 95 % interval of four meshes or more lies in the range that is
+//! required. Three meshes leave one degree of freedom, for which Student's t is 12.7: whatever their slope is, it says little.
+//!
 //! Sources: Roache, *Verification and Validation in Computational Science and Engineering*, 1998, chapter 5 (order,
 //! Richardson value, grid convergence index); least squares and Student's t from any text on regression.
 
@@ -17,6 +20,45 @@ pub struct Fit {
     /// Whether the range is asymptotic: three meshes or more, an order surely above zero, every pairwise order within
     /// 0.3 of it, no change of sign.
     pub asymptotic: bool,
+}
+
+/// What the fitted order of some errors says about the order that they should have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    /// The 95 % interval of four meshes or more lies in the required range.
+    Established,
+    /// It lies outside of it as a whole: the errors have another order.
+    Another,
+    /// Neither: too few meshes, or too much scatter.
+    NotEstablished,
+}
+
+/// Fewer meshes establish no order.
+pub const LEAST_MESHES: usize = 4;
+
+impl Fit {
+    /// Both ends of the 95 % interval; `None` for fewer than three meshes.
+    pub fn interval(&self) -> Option<[f64; 2]> {
+        self.half_width.is_finite().then_some([self.order - self.half_width, self.order + self.half_width])
+    }
+
+    /// Whether these errors have an order in the range `low..=high`.
+    pub fn shows(&self, [low, high]: [f64; 2]) -> Order {
+        match self.interval().filter(|_| self.pairwise.len() + 1 >= LEAST_MESHES) {
+            Some([from, to]) if low <= from && to <= high => Order::Established,
+            Some([from, to]) if to < low || high < from => Order::Another,
+            _ => Order::NotEstablished,
+        }
+    }
+}
+
+/// The largest error of the two finest meshes: what is judged where no order says how the finest came about. An error that
+/// changes its sign passes through zero, and one mesh that happens to be near it proves nothing.
+pub fn largest_of_last_two(points: &[(f64, f64)]) -> f64 {
+    let mut points = points.to_vec();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let last = points.iter().take(2).map(|(_, error)| error.abs());
+    if points.is_empty() { f64::NAN } else { crate::norms::largest(last) }
 }
 
 /// How far a pairwise order may be from the fitted one in an asymptotic range.
@@ -117,6 +159,29 @@ mod tests {
         assert!(!fit(&[(0.1, 1e-1), (0.05, 2.5e-2)]).unwrap().asymptotic);
         assert!(!fit(&[(0.1, 1.0e-2), (0.05, 0.98e-2), (0.025, 1.01e-2)]).unwrap().asymptotic);
         assert!(richardson((0.1, 1.0), (0.05, 2.0), (0.025, 1.0)).is_none());
+    }
+
+    #[test]
+    fn an_order_is_established_by_the_interval_of_four_meshes() {
+        let second = |scatter: [f64; 4]| {
+            let point = |(i, s): (i32, f64)| (0.1 / 2.0_f64.powi(i), (1.0 + s) * 1e-2 / 4.0_f64.powi(i));
+            (0..).zip(scatter).map(point).collect::<Vec<_>>()
+        };
+        let clean = second([0.0; 4]);
+        assert_eq!(fit(&clean).unwrap().shows([1.8, 2.2]), Order::Established);
+        assert_eq!(fit(&clean).unwrap().shows([2.8, 3.2]), Order::Another);
+        assert_eq!(fit(&clean[1..]).unwrap().shows([1.8, 2.2]), Order::NotEstablished, "three meshes");
+        let wide = fit(&second([0.1, -0.1, 0.1, -0.25])).unwrap();
+        assert!((1.8..2.2).contains(&wide.order), "{wide:?}");
+        assert_eq!((wide.shows([1.8, 2.2]), wide.shows([2.1, 9.0])), (Order::NotEstablished, Order::NotEstablished));
+    }
+
+    #[test]
+    fn one_mesh_near_a_change_of_sign_is_not_the_error() {
+        // Height of a dam's exit point: 5.2e-5 m on the finest mesh is luck.
+        assert_eq!(largest_of_last_two(&[(0.1, 0.0062), (0.05, -0.013), (0.025, 5.2e-5)]), 0.013);
+        assert_eq!(largest_of_last_two(&[(0.1, -2e-3)]), 2e-3);
+        assert!(largest_of_last_two(&[]).is_nan() && largest_of_last_two(&[(0.1, f64::NAN), (0.05, 1.0)]).is_nan());
     }
 
     #[test]

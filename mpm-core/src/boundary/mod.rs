@@ -4,6 +4,7 @@
 mod body_force;
 mod coulomb;
 mod edges;
+mod filled;
 mod given;
 mod joined;
 mod lifted;
@@ -14,6 +15,8 @@ mod surcharge;
 pub use body_force::BodyForce;
 pub use coulomb::{Coulomb, Rubbed};
 pub use edges::Edges;
+pub(crate) use filled::ROUND_OFF;
+pub use filled::{Filled, Top, knows_volumes};
 pub use given::{FirstField, FirstState, ForceField, Given};
 pub use joined::Joined;
 pub use lifted::Lifted;

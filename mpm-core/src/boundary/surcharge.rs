@@ -62,7 +62,7 @@ impl<const D: usize> SurfaceLoad<D> {
 
     /// The particle of each strip, by its place in the layer when [`Self::follow`] last saw it.
     #[inline(always)]
-    fn carrier<'a, const S: usize>(
+    pub(super) fn carrier<'a, const S: usize>(
         &'a self,
         solid: &'a Layer<SolidPoint<D, S>, D>,
     ) -> impl Fn(usize) -> ([f64; D], f64) + 'a {

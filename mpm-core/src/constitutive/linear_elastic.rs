@@ -74,6 +74,13 @@ impl LinearElastic<4> {
     }
 }
 
+impl<const S: usize> LinearElastic<S> {
+    /// The same law with so many times its stiffness.
+    pub(super) fn stiffened(&self, times: f64) -> Self {
+        Self { lame: times * self.lame, shear: times * self.shear, compliance: self.compliance / times }
+    }
+}
+
 impl Law<2> for LinearElastic<2> {
     #[inline(always)]
     fn update(&self, stress: &mut [f64; 2], strain: &[f64; 2]) {
@@ -93,6 +100,14 @@ impl Law<2> for LinearElastic<2> {
 
     fn energy(&self, stress: &[f64; 2]) -> f64 {
         energy(&self.compliance, stress)
+    }
+
+    fn dilation(&self, stress: &[f64; 2]) -> f64 {
+        dilation(&self.compliance, stress)
+    }
+
+    fn altered(&self, _factor: f64, stiffness: f64) -> Self {
+        self.stiffened(stiffness)
     }
 }
 
@@ -116,11 +131,25 @@ impl Law<4> for LinearElastic<4> {
     fn energy(&self, stress: &[f64; 4]) -> f64 {
         energy(&self.compliance, stress)
     }
+
+    fn dilation(&self, stress: &[f64; 4]) -> f64 {
+        dilation(&self.compliance, stress)
+    }
+
+    fn altered(&self, _factor: f64, stiffness: f64) -> Self {
+        self.stiffened(stiffness)
+    }
 }
 
 fn energy<const S: usize>(compliance: &SMatrix<f64, S, S>, stress: &[f64; S]) -> f64 {
     let sigma = SVector::<f64, S>::from(*stress);
     0.5 * (compliance * sigma).dot(&sigma)
+}
+
+/// Strain of volume at a stress: the sum of the normal strains, one in a column, three in plane strain.
+fn dilation<const S: usize>(compliance: &SMatrix<f64, S, S>, stress: &[f64; S]) -> f64 {
+    let strain = compliance * SVector::<f64, S>::from(*stress);
+    if S == 2 { strain[0] } else { strain[0] + strain[1] + strain[2] }
 }
 
 #[cfg(test)]

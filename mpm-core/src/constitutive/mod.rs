@@ -71,8 +71,9 @@ pub trait Law<const S: usize>: Copy + Send + Sync + 'static {
         }
         flow
     }
-    /// The same law with its strength divided by a factor: c, tan phi and tan psi.
-    fn weakened(&self, _factor: f64) -> Self {
+    /// The same law with its strength divided by a factor (c, tan phi and tan psi) and so many times its stiffness.
+    /// The laws of soil that may fail know it; any other stays as it is.
+    fn altered(&self, _factor: f64, _stiffness: f64) -> Self {
         *self
     }
     /// How far a stress is outside the yield surface, as a share of the strength under no stress, which the law states;
@@ -82,6 +83,18 @@ pub trait Law<const S: usize>: Copy + Send + Sync + 'static {
     }
     /// Tangent stiffness at the end of a strain increment from a stress, Pa.
     fn tangent(&self, stress: &[f64; S], strain: &[f64; S]) -> SMatrix<f64, S, S>;
-    /// Elastic energy stored per volume at a stress, J/m3.
+    /// Elastic energy stored per volume at a stress, J/m3, where the volume does not change.
     fn energy(&self, stress: &[f64; S]) -> f64;
+    /// Elastic change of volume at a stress, logarithmic, -.
+    fn dilation(&self, _stress: &[f64; S]) -> f64 {
+        0.0
+    }
+    /// [`Self::energy`] per volume of now, where it has changed with the strain: Cauchy stress times logarithmic strain, summed
+    /// up over volumes `exp(theta)` along a straight path, is `(theta - 1 + exp(-theta))/(theta^2/2)` times that of small strain.
+    fn finite_energy(&self, stress: &[f64; S]) -> f64 {
+        let theta = self.dilation(stress);
+        // The series to theta^4, without cancellation: exact to 1e-9 at 10 %, and to 3e-6 at 50 %.
+        let factor = 1.0 - theta / 3.0 * (1.0 - theta / 4.0 * (1.0 - theta / 5.0 * (1.0 - theta / 6.0)));
+        factor * self.energy(stress)
+    }
 }

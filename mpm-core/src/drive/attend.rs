@@ -19,8 +19,8 @@ pub trait Attend {
     fn keep(&mut self, state: Vec<u8>);
 }
 
-/// A run that no one wants to keep.
-pub(super) struct Alone<'a>(pub &'a mut dyn FnMut(f64));
+/// A run that no one wants to keep; the share of its stage is reported.
+pub struct Alone<'a>(pub &'a mut dyn FnMut(f64));
 
 impl Attend for Alone<'_> {
     fn look(&mut self, share: f64) -> Wish {

@@ -3,13 +3,12 @@
 mod attend;
 mod kept;
 
-pub use attend::{Attend, Wish};
+pub use attend::{Alone, Attend, Wish};
 
-use attend::Alone;
 use serde::Serialize;
 
 use crate::error::RunError;
-use crate::observe::{Ledger, Observation, Places};
+use crate::observe::{Balance, Ledger, Observation, Places, Trust, balances};
 use crate::scene::{Clock, Integrator, Scene, Stage, Until};
 use crate::stability::stable_limit;
 use crate::step::{Fault, Model, Work};
@@ -61,6 +60,8 @@ pub struct Run {
     pub bytes: usize,
     /// Where the particles were at the end.
     pub places: Places,
+    /// Whether the balances closed; nothing before the first sample.
+    pub trust: Option<Trust>,
     /// Why the run ended early, if it did.
     pub failure: Option<RunError>,
     /// Whether it was stopped on its way, because that was wished.
@@ -76,6 +77,8 @@ impl Run {
 
 /// How often the end of a pore-pressure stage, or of one that ends by rest, is looked for, steps.
 const STEPS_BETWEEN_LOOKS: u64 = 8;
+/// Of these looks, how many pass between two at the balances.
+const LOOKS_BETWEEN_BALANCES: u64 = 256;
 /// So many looks in a row must find the soil at rest: a swing that turns is slow only for a moment.
 const LOOKS_AT_REST: u64 = 25;
 /// A run is unstable when this share of its energy comes from nowhere; sound runs stay below a hundredth. The other
@@ -99,6 +102,8 @@ pub struct Drive<'a> {
     model: &'a mut dyn Model,
     run: Run,
     at: At,
+    /// Whether balances that do not close end the run.
+    watched: bool,
 }
 
 /// Where in its stage a run is.
@@ -141,10 +146,11 @@ impl<'a> Drive<'a> {
             solid_particles: model.solid_count(),
             bytes: model.bytes(),
             places: Places::default(),
+            trust: None,
             failure: None,
             stopped: false,
         };
-        Self { scene, model, run, at: At::default() }
+        Self { scene, model, run, at: At::default(), watched: true }
     }
 
     /// Goes on to the end, to a failure, or until it is to stop.
@@ -174,7 +180,34 @@ impl<'a> Drive<'a> {
             self.at = At { stage: self.at.stage + 1, ..At::default() };
         }
         self.run.places = self.model.places();
+        if self.watched {
+            let samples = self.run.samples.iter().map(|s| (s.step, &s.state, &s.ledger));
+            self.run.trust = Trust::of(self.scene, self.run.dt, samples);
+        }
         self.run
+    }
+
+    /// The same without the net of balances: for fields that a scene has no words for, and its bounds do not know.
+    pub fn unwatched(self) -> Self {
+        Self { watched: false, ..self }
+    }
+
+    /// Ends the run where a balance does not close; a scene that is forced goes on.
+    fn watch(&mut self, time: f64) -> Result<(), Halt> {
+        if !self.watched || self.scene.force {
+            return Ok(());
+        }
+        let (state, ledger) = (self.model.observe(), self.model.ledger());
+        let open = balances(self.scene, self.run.dt, self.run.steps, &state, &ledger);
+        let Some(open) = open.iter().find(|balance| !balance.closes()) else { return Ok(()) };
+        // What is there is kept, as the last sample.
+        self.sample(time, false);
+        let Balance { ledger, gap, allowed, unit } = open;
+        let what = format!(
+            "does not close: {gap:.3e} {unit} missing, {allowed:.3e} {unit} allowed; the results from here on are not to be \
+             trusted. A finer mesh, more particles or integrator = \"quasi-static\" may do; --force goes on"
+        );
+        Err(Halt::Fault(time, Fault { place: format!("the balance of {ledger}"), what }))
     }
 
     /// Steps of a stage, s; infinite where the model divides the time itself.
@@ -264,6 +297,7 @@ impl<'a> Drive<'a> {
                     self.at.now
                 };
                 result.map_err(|fault| Halt::Fault(here, fault))?;
+                self.watch(here)?;
                 if self.at.left > 0 {
                     self.attend(here / end, attend)?;
                 }
@@ -284,7 +318,10 @@ impl<'a> Drive<'a> {
         let result = self.model.advance(dt, STEPS_BETWEEN_LOOKS, &mut done);
         self.run.steps += done;
         self.at.time += done as f64 * dt;
-        result.map_err(|fault| Halt::Fault(self.at.time, fault))
+        result.map_err(|fault| Halt::Fault(self.at.time, fault))?;
+        // Few steps lie between two looks: the balances are looked at less often.
+        let looks = self.run.steps / STEPS_BETWEEN_LOOKS;
+        if looks % LOOKS_BETWEEN_BALANCES == 0 { self.watch(self.at.time) } else { Ok(()) }
     }
 
     fn until_pressure(&mut self, goal: &Goal, dt: f64, attend: &mut dyn Attend) -> Result<f64, Halt> {

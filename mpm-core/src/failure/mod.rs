@@ -5,14 +5,16 @@
 //! other drivers run soil and water in the same steps all the time.
 
 mod record;
+mod scales;
 mod settle;
 mod strength;
 mod watch;
 
 pub use record::{Events, PathPoint, Row};
-pub use settle::{GivesUp, Patience, Settled, settle};
-pub use strength::{Bracket, bracket, with_strength};
-pub use watch::{First, Moved};
+pub use scales::Scales;
+pub use settle::{Outcome, Patience, Settled, settle};
+pub use strength::{Bracket, Trials, bracket};
+pub use watch::{First, Moved, Which, towards};
 
 use serde::Serialize;
 
@@ -25,31 +27,14 @@ use crate::stability::choose_step;
 use crate::step::{Failing, Fault, Pace};
 use crate::water::Pressures;
 
-/// Longest and shortest time of seepage between two looks at the soil, s.
-const SEEPAGE: [f64; 2] = [20.0, 600.0];
-/// Failure is found to within this time, s; if it comes within a longer one, that is taken back and a share of it tried.
-const SOON: f64 = 60.0;
+/// If soil fails within a longer time of seepage than the first, that is taken back and a share of it tried.
 const SOONER: f64 = 0.25;
-/// First one, s.
-const FIRST_SEEPAGE: f64 = 60.0;
-/// Steps within which soil settles easily, and above which the next look comes sooner.
-const EASY: [u64; 2] = [200, 800];
-/// Soil that takes longer to settle has begun to fail, in periods of its first swing.
-const NEVER: f64 = 60.0;
-/// So has soil of which some has moved so far on the way, m.
-const NOT_AT_REST: f64 = 0.01;
-/// Longest time that gravity alone may need, in the same periods.
-const GRAVITY: f64 = 400.0;
+/// Periods of its first swing within which soil settles easily, and above which the next look comes sooner.
+const EASY: [f64; 2] = [1.1, 4.4];
 /// Parts in which the first water comes.
 const RAMP: u32 = 10;
-/// While soil fails it is looked at every so often, s.
-const LOOK: f64 = 0.05;
-/// It rests when no node is faster than this, m/s, for so long, s.
-const REST: (f64, f64) = (2e-3, 0.5);
 /// Who can drive a run.
 const DRIVERS: [Integrator; 3] = [Integrator::TwoClocks, Integrator::Coupled, Integrator::Explicit];
-/// A failure that goes on for longer is left to the next seepage, s.
-const LONGEST: f64 = 900.0;
 
 /// What is going on.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
@@ -111,6 +96,7 @@ pub struct Driver<'a> {
     failure: Failure,
     model: Box<dyn Failing>,
     outline: Vec<[f64; 2]>,
+    scales: Scales,
     first: First,
     /// Step of the soil, s.
     pub dt: f64,
@@ -134,8 +120,8 @@ pub struct Driver<'a> {
     moves_since: f64,
     slow_since: f64,
     integrator: Integrator,
-    /// Kinetic energy (J) and water (m3) when counting began.
-    began: [f64; 2],
+    /// Water when counting began, m3.
+    began: f64,
 }
 
 impl std::fmt::Debug for Driver<'_> {
@@ -163,12 +149,14 @@ impl<'a> Driver<'a> {
         let fault = |f: Fault| StartError::Place(RunError { step: 0, time: 0.0, place: f.place, what: f.what });
         model.enter_stage(&scene.stages[0], &[]).map_err(fault)?;
         let outline = scene.outline_or_box();
-        let first = First::of(model.as_ref(), &outline, &failure.points);
+        let scales = Scales::of(scene);
+        let first = First::of(model.as_ref(), &outline, &failure.points, &scales);
         Ok(Self {
             scene,
             failure,
             model,
             outline,
+            scales,
             first,
             dt,
             time: 0.0,
@@ -178,24 +166,25 @@ impl<'a> Driver<'a> {
             events: Events::default(),
             rows: Vec::new(),
             paths: Vec::new(),
-            seepage: FIRST_SEEPAGE,
+            seepage: scales.seepage()[1],
             moves_since: 0.0,
             slow_since: 0.0,
             integrator: scene.integrator,
-            began: [0.0; 2],
+            began: 0.0,
         })
     }
 
-    /// Period of the first swing of the soil in shear, s.
-    fn period(&self) -> f64 {
-        4.0 * self.scene.height / (self.scene.elastic.shear_modulus() / self.scene.mixture_density()).sqrt()
+    /// For soil as it is, of which no more may move than E1 allows.
+    fn patience(&self) -> Patience {
+        let scales = self.scales;
+        Patience { dt: self.dt, scales, slides: (Which::All, scales.elastic), most: scales.events()[0] }
     }
 
-    fn patience(&self, periods: f64) -> Patience {
-        // Critical for the first swing.
-        let damping = 4.0 * std::f64::consts::PI / self.period();
-        let steps = (periods * self.period() / self.dt) as u64;
-        Patience { dt: self.dt, damping: 0.5 * damping, steps, until: GivesUp::Moved(NOT_AT_REST) }
+    /// Begins to count displacements and ledgers with the soil as it is.
+    fn count_from_here(&mut self) {
+        self.model.stop();
+        self.model.count_from_here();
+        self.first = First::of(self.model.as_ref(), &self.outline, &self.failure.points, &self.scales);
     }
 
     fn failed(&self, fault: Fault) -> RunError {
@@ -215,53 +204,46 @@ impl<'a> Driver<'a> {
         }
     }
 
-    /// Gravity and the first water, on a base that holds; then the base is left to its friction. Whether the soil stands.
+    /// Gravity and the first water, on a base that holds; then the base is left to its friction. Whether the soil stands. The soil is
+    /// stiffened meanwhile: its shape under its weight is the one that was drawn.
     ///
     /// # Errors
     /// Where and what went wrong in a step, or soil that does not come to rest even on a base that holds it.
     pub fn load(&mut self) -> Result<Settled, RunError> {
-        let patience = Patience { until: GivesUp::Never, ..self.patience(GRAVITY) };
+        let patience = Patience::stiffened(&self.scales, self.dt);
+        self.model.alter(1.0, self.scales.stiffening());
         self.model.glue(true);
-        self.model.count_from_here();
-        self.first = First::of(self.model.as_ref(), &self.outline, &self.failure.points);
+        self.count_from_here();
         for part in 0..=RAMP {
             self.model.feel(f64::from(part) / f64::from(RAMP));
             let settled = settle(self.model.as_mut(), &self.first, &patience).map_err(|e| self.failed(e))?;
             self.steps.relaxing += settled.steps;
-            if !settled.at_rest && !self.failure.goes_on {
-                let what = format!(
-                    "{} on a base that holds it, soil does not come to rest: the largest displacement is {:.3} m, at {:.2?} m",
-                    if part == 0 { "under its own weight" } else { "under its weight and the first water" },
-                    settled.moved.most_m,
-                    settled.moved.most_at_m
-                );
+            if !settled.at_rest() && !self.failure.goes_on {
+                let under = if part == 0 { "under its own weight" } else { "under its weight and the first water" };
+                let what = format!("{under}, on a base that holds it, the soil {}", settled.said());
                 return Err(self.failed(Fault { place: "the slope".into(), what }));
             }
         }
         self.model.forget_slip();
         self.model.glue(false);
-        self.model.stop();
-        self.model.count_from_here();
-        self.first = First::of(self.model.as_ref(), &self.outline, &self.failure.points);
-        let water = self.model.observe().water.map_or(0.0, |w| w.mobile_m3 - w.in_m3 + w.out_m3);
-        self.began = [self.model.ledger().kinetic_j, water];
+        self.count_from_here();
         // A toe may give way a little and hold: what does not stand slides.
-        let patience = Patience { until: GivesUp::Failed, ..self.patience(GRAVITY) };
         let settled = settle(self.model.as_mut(), &self.first, &patience).map_err(|e| self.failed(e))?;
         self.steps.relaxing += settled.steps;
-        if !settled.at_rest && !self.failure.goes_on {
+        self.model.alter(1.0, 1.0);
+        self.model.forget_slip();
+        self.count_from_here();
+        let water = self.model.observe().water.map_or(0.0, |w| w.mobile_m3 - w.in_m3 + w.out_m3);
+        self.began = water;
+        if !settled.at_rest() && !self.failure.goes_on {
             return Ok(settled);
         }
-        self.begin(settled.at_rest);
+        self.begin(settled.at_rest());
         Ok(settled)
     }
 
-    fn first_kinetic(&self) -> f64 {
-        self.began[0]
-    }
-
     fn first_water(&self) -> f64 {
-        self.began[1]
+        self.began
     }
 
     /// Starts the clock.
@@ -296,10 +278,9 @@ impl<'a> Driver<'a> {
             Phase::Gravity => {
                 let settled = self.load()?;
                 if self.phase == Phase::Gravity {
+                    let said = settled.said();
                     let what = format!(
-                        "on its own base the soil does not stand under its weight and the first water: the largest displacement \
-                         is {:.3} m, at {:.2?} m",
-                        settled.moved.most_m, settled.moved.most_at_m
+                        "on its own base, under its weight and the first water, the soil does not stand: it {said}"
                     );
                     return Err(self.failed(Fault { place: "the slope".into(), what }));
                 }
@@ -334,25 +315,27 @@ impl<'a> Driver<'a> {
         let until = until.min(self.ends_at()).max(self.time);
         let left = until - self.time;
         let mut span = if self.seepage > 0.75 * left { left } else { self.seepage };
-        let mut settled = self.seep_and_settle(span, span > SOON)?;
+        let [shortest, soon, longest] = self.scales.seepage();
+        let mut settled = self.seep_and_settle(span, span > soon)?;
         while settled.is_none() {
             // It fails somewhere on the way: not so far at once.
-            span = (SOONER * span).max(0.5 * SOON);
+            span = (SOONER * span).max(0.5 * soon);
             self.seepage = span;
-            settled = self.seep_and_settle(span, span > SOON)?;
+            settled = self.seep_and_settle(span, span > soon)?;
         }
         self.time = if span == left { until } else { self.time + span };
-        let settled = settled.filter(|settled| settled.at_rest);
+        let settled = settled.filter(Settled::at_rest);
         if let Some(settled) = settled {
             self.model.stop();
-            let factor = if settled.steps <= EASY[0] {
+            let periods = settled.steps as f64 * self.dt / self.scales.period;
+            let factor = if periods <= EASY[0] {
                 1.5
-            } else if settled.steps <= EASY[1] {
+            } else if periods <= EASY[1] {
                 1.0
             } else {
                 0.5
             };
-            self.seepage = (self.seepage * factor).clamp(SEEPAGE[0], SEEPAGE[1]);
+            self.seepage = (self.seepage * factor).clamp(shortest, longest);
             self.phase = Phase::Seepage;
         } else {
             self.phase = Phase::Failing;
@@ -380,10 +363,10 @@ impl<'a> Driver<'a> {
         self.steps.seepage += done;
         outcome.map_err(|e| self.failed(e))?;
         self.phase = Phase::Relaxing;
-        let patience = self.patience(NEVER);
+        let patience = self.patience();
         let settled = settle(self.model.as_mut(), &self.first, &patience).map_err(|e| self.failed(e))?;
         self.steps.relaxing += settled.steps;
-        match before.take().filter(|_| !settled.at_rest) {
+        match before.take().filter(|_| !settled.at_rest()) {
             Some(mut before) => {
                 self.model.keep(&mut before);
                 Ok(None)
@@ -394,7 +377,7 @@ impl<'a> Driver<'a> {
 
     fn run_soil(&mut self, until: f64) -> Result<(), RunError> {
         let until = until.min(self.ends_at().max(self.time));
-        let span = LOOK.min(until - self.time);
+        let span = self.scales.look().min(until - self.time);
         let steps = ((span / self.dt).round() as u64).max(1);
         let pressures = if self.integrator == Integrator::Explicit { Pressures::Explicit } else { Pressures::Implicit };
         let pace = Pace { dt: self.dt, steps, damping: 0.0, pressures };
@@ -408,17 +391,18 @@ impl<'a> Driver<'a> {
             let what = "a velocity that is not a number".to_owned();
             return Err(self.failed(Fault { place: "the whole soil".into(), what }));
         }
-        if speed > REST.0 {
+        let (slow, calm) = self.scales.rest();
+        if speed > slow {
             self.slow_since = self.time;
         }
         self.look();
-        let rests = self.time - self.slow_since >= REST.1;
+        let rests = self.time - self.slow_since >= calm;
         let collapsed = self.events.collapse_h.is_some();
         if rests && collapsed {
             self.finish(End::Collapsed);
-        } else if self.phase == Phase::Failing && (rests || self.time - self.moves_since > LONGEST) {
+        } else if self.phase == Phase::Failing && (rests || self.time - self.moves_since > self.scales.longest()) {
             self.phase = Phase::Seepage;
-            self.seepage = SEEPAGE[0];
+            self.seepage = self.scales.seepage()[0];
             self.model.stop();
         }
         if self.time >= self.ends_at() && self.end.is_none() {
@@ -439,9 +423,23 @@ impl<'a> Driver<'a> {
     fn look(&mut self) {
         let moved = self.first.moved(self.model.as_ref());
         let row = Row::of(self, &moved);
-        self.events.note(&row, &moved, self.scene.width, self.scene.cell);
+        self.events.note(&row, &moved, self.toe(), &self.scales, self.scene.cell);
         self.rows.push(row);
         record::paths(self.model.as_ref(), &self.first, self.hours(), &mut self.paths);
+    }
+
+    /// Where the toe was at the start, x in m, and its side.
+    fn toe(&self) -> [f64; 2] {
+        let side = towards(&self.outline);
+        [self.outline.iter().map(|x| side * x[0]).fold(f64::NEG_INFINITY, f64::max) * side, side]
+    }
+
+    /// The free surface of the water (x, y), m, x increasing: above the middle of each column of cells of the soil.
+    pub fn surface(&self) -> Vec<[f64; 2]> {
+        let cell = self.scene.cell;
+        let columns = (self.scene.width / cell).ceil() as usize;
+        let middles = (0..columns).map(|column| (column as f64 + 0.5) * cell);
+        middles.map(|x| [x, self.model.level(x)]).collect()
     }
 
     /// All there is to see.
@@ -454,18 +452,8 @@ impl<'a> Driver<'a> {
     /// # Errors
     /// Where and what went wrong in a step.
     pub fn safety(&mut self, within: f64, progress: &mut dyn FnMut(&Bracket)) -> Result<Bracket, RunError> {
-        let patience = self.patience(GRAVITY);
-        let found = bracket(self.model.as_mut(), &self.outline, &patience, within, progress);
-        found.map_err(|e| self.failed(e))
-    }
-
-    /// Lets the soil come to rest, or slide, with its strength divided by a factor. Displacements then count from here.
-    ///
-    /// # Errors
-    /// Where and what went wrong in a step.
-    pub fn weakened(&mut self, factor: f64) -> Result<Settled, RunError> {
-        let patience = self.patience(GRAVITY);
-        let found = with_strength(self.model.as_mut(), &self.outline, &patience, factor);
+        let trials = Trials { outline: &self.outline, scales: self.scales, dt: self.dt };
+        let found = bracket(self.model.as_mut(), &trials, within, progress);
         found.map_err(|e| self.failed(e))
     }
 
@@ -524,7 +512,7 @@ impl<'a> Driver<'a> {
         for value in [&mut self.dt, &mut self.time, &mut self.seepage, &mut self.moves_since, &mut self.slow_since] {
             keeper.f64(value);
         }
-        keeper.f64s(&mut self.began);
+        keeper.f64(&mut self.began);
         let mut phase = self.phase as u32;
         keeper.u32(&mut phase);
         self.phase = Phase::numbered(phase);

@@ -2,16 +2,15 @@
 
 use serde::Serialize;
 
+use super::scales::Scales;
 use super::watch::{First, Moved};
 use super::{Driver, Phase};
 use crate::keep::Keeper;
 use crate::step::Failing;
 
-/// Water is at the toe when it is no further than this from it, m, or than this share of a cell: the soil of the last cell tapers
-/// off, and on a coarse mesh its water comes no nearer however much of it leaves.
-const AT_TOE: [f64; 2] = [0.05, 0.375];
-/// Less water than this (m3) is no outflow.
-const FIRST_DROPS: f64 = 1e-4;
+/// On a coarse mesh the soil of the last cell tapers off, and its water comes no nearer to the toe than this share of a cell, however
+/// much of it leaves.
+const AT_TOE: f64 = 0.375;
 
 /// When something happened first, h on the clock of the run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
@@ -28,7 +27,7 @@ pub struct Events {
     pub failure_h: Option<f64>,
     /// E3: collapse.
     pub collapse_h: Option<f64>,
-    /// Mean x of the soil that had moved more than 5 cm at E2, m.
+    /// Mean x of the soil that had moved as far as E2 takes, m.
     pub failure_at_m: Option<f64>,
     /// Largest displacement before water reached the toe, m.
     pub displacement_before_toe_m: f64,
@@ -42,8 +41,8 @@ impl Events {
         self.unsettled_h.get_or_insert(hours);
     }
 
-    /// Takes note of a state; the toe (m) is that of the start, on a mesh with such cells (m).
-    pub fn note(&mut self, row: &Row, moved: &Moved, toe: f64, cell: f64) {
+    /// Takes note of a state; the toe (x in m, and its side) is that of the start, on a mesh with such cells (m).
+    pub fn note(&mut self, row: &Row, moved: &Moved, [toe, side]: [f64; 2], scales: &Scales, cell: f64) {
         let hours = row.time_h;
         let first = |event: &mut Option<f64>, is: bool| {
             if is {
@@ -52,9 +51,9 @@ impl Events {
         };
         let failed = self.failure_h.is_none();
         let [raveling, failure, collapse] = moved.events();
-        let near = AT_TOE[0].max(AT_TOE[1] * cell);
-        first(&mut self.front_at_toe_h, row.front_x_m >= toe - near);
-        first(&mut self.first_outflow_h, row.water_out_m3 > FIRST_DROPS);
+        let near = scales.at_toe().max(AT_TOE * cell);
+        first(&mut self.front_at_toe_h, side * row.front_x_m >= side * toe - near);
+        first(&mut self.first_outflow_h, row.water_out_m3 > scales.drops());
         first(&mut self.raveling_h, raveling || self.unsettled_h.is_some());
         first(&mut self.failure_h, failure);
         first(&mut self.collapse_h, collapse);
@@ -96,15 +95,15 @@ pub struct Row {
     pub time_h: f64,
     /// What is going on.
     pub phase: Phase,
-    /// Largest x of water in the lowest row of cells, m.
+    /// x of the water in the lowest row of cells that is nearest to the toe, m.
     pub front_x_m: f64,
-    /// x beyond which a thousandth of the soil lies, m.
+    /// x beyond which, on the side of the toe, a thousandth of the soil lies, m.
     pub toe_x_m: f64,
     /// Mean settlement of the crest, m.
     pub crest_settlement_m: f64,
     /// Largest displacement, m.
     pub max_displacement_m: f64,
-    /// Shares of the section: moved more than 1 cm; deep and moved more than 5 cm; moved more than 0.5 m.
+    /// Shares of the section that have moved as far as E1, deep soil that has as far as E2, soil that has as far as E3 takes.
     pub raveled: f64,
     /// See `raveled`.
     pub failed: f64,
@@ -167,9 +166,7 @@ impl Row {
         let (ledger, state) = (model.ledger(), model.observe());
         let water = state.water.unwrap_or_default();
         let [checkerboard, hourglass] = model.unevenness();
-        // What the nodes got and the particles have.
-        let mapping_j = model.node_work() - (ledger.kinetic_j - driver.first_kinetic());
-        let energy_closing_j = ledger.energy_closing_j + mapping_j;
+        let (mapping_j, energy_closing_j) = (ledger.transfer_loss_j, ledger.energy_closing_j);
         let booked = [
             ledger.gravity_work_j,
             ledger.pressure_work_j,
@@ -183,7 +180,7 @@ impl Row {
         Self {
             time_h: driver.hours(),
             phase: driver.phase,
-            front_x_m: model.front(),
+            front_x_m: model.front(super::towards(&driver.outline)),
             toe_x_m: moved.toe_x_m,
             crest_settlement_m: moved.crest_settlement_m,
             max_displacement_m: moved.most_m,

@@ -1,51 +1,82 @@
-//! Bringing the soil to rest under pressures that are held: damped steps until the forces balance, or until they never will.
+//! Bringing the soil to rest under pressures that are held: damped steps until the forces balance, or until it is clear that they
+//! never will.
+//!
+//! Nothing is said from patience alone. Soil stands when it has come to rest. It slides when its rate no longer decays: over the
+//! second half of the time it moved nearly as fast as over the quarter before, and in all by more than the elastic displacement.
+//! A rate that falls like 1/t halves from one to the other. What does neither within the patience is undecided.
 
-use super::watch::{First, Moved};
+use super::scales::Scales;
+use super::watch::{First, Moved, Which};
 use crate::step::{Failing, Fault, Pace};
 use crate::water::Pressures;
 
 /// Balanced: what is left of the forces on the nodes, as a share of them.
 const BALANCED: f64 = 3e-4;
-/// At rest: no node faster than this, m/s. Balanced forces alone let a toe pass that creeps and would fail without damping.
-const SLOW: f64 = 1e-4;
 /// Steps between two looks.
 const STEPS: u64 = 50;
 /// A soil is at rest when so many looks in a row find it balanced.
 const LOOKS: u32 = 2;
+/// Rates are first compared after so many periods, then whenever the time has doubled.
+const FIRST_PERIODS: f64 = 16.0;
+/// Times that the time doubles before patience ends, and the periods that this makes.
+const DOUBLINGS: u32 = 5;
+const PERIODS: f64 = 512.0;
+/// A rate decays if it falls at least to this share from a quarter of the time to the half after it.
+const DECAYS: f64 = 0.75;
 
-/// How long to wait.
+/// How the soil is brought to rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Patience {
     /// Length of a step, s.
     pub dt: f64,
-    /// Damping, 1/s.
-    pub damping: f64,
-    /// Give up after so many steps.
-    pub steps: u64,
-    /// Give up once this has happened.
-    pub until: GivesUp,
+    /// Scales of the soil as it is now.
+    pub scales: Scales,
+    /// The soil that is looked at, and how far it has to have moved before it slides, m.
+    pub slides: (Which, f64),
+    /// Soil of which a particle has moved further is not waited for, m.
+    pub most: f64,
 }
 
-/// What tells that a soil will not come to rest.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum GivesUp {
-    /// A particle has moved so far, m.
-    Moved(f64),
-    /// The deep slide: E2.
-    Failed,
-    /// Nothing but its patience.
-    Never,
+/// What became of the soil.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// It came to rest.
+    Stands,
+    /// It slides.
+    Slides,
+    /// It still slows down when patience ends.
+    Undecided,
 }
 
 /// How it went.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settled {
-    /// Whether the soil came to rest.
-    pub at_rest: bool,
+    /// What became of it.
+    pub outcome: Outcome,
     /// Steps it took.
     pub steps: u64,
     /// What had moved at the end.
     pub moved: Moved,
+}
+
+impl Settled {
+    /// Whether the soil came to rest.
+    pub fn at_rest(&self) -> bool {
+        self.outcome == Outcome::Stands
+    }
+
+    /// What it does, in words.
+    pub fn said(&self) -> String {
+        let [x, y] = self.moved.most_at_m;
+        match self.outcome {
+            Outcome::Stands => "comes to rest".to_owned(),
+            Outcome::Slides => format!("slides without slowing down, most at ({x:.3}, {y:.3}) m"),
+            Outcome::Undecided => format!(
+                "still moves after {PERIODS} periods of its first swing, though more and more slowly, most at ({x:.3}, {y:.3}) m: \
+                 whether it stands is undecided"
+            ),
+        }
+    }
 }
 
 /// Lets the soil come to rest.
@@ -53,10 +84,16 @@ pub struct Settled {
 /// # Errors
 /// Where and what went wrong in a step.
 pub fn settle(model: &mut dyn Failing, first: &First, patience: &Patience) -> Result<Settled, Fault> {
-    let mut steps = 0;
-    let mut looks = 0;
+    let Patience { dt, scales, slides: (which, beyond), most } = *patience;
+    let (mut steps, mut looks, mut doublings) = (0, 0, 0);
     let start = first.moved(model).most_m;
-    let pace = Pace { dt: patience.dt, steps: STEPS, damping: patience.damping, pressures: Pressures::Held };
+    let (damping, calm) = (scales.damping(), scales.calm());
+    let pace = Pace { dt, steps: STEPS, damping, pressures: Pressures::Held };
+    // Places at the start, and at the quarter and the half of the time of the next comparison.
+    let places = |model: &dyn Failing| first.places(model);
+    let origin = places(model);
+    let (mut quarter, mut half) = (Vec::new(), Vec::new());
+    let mut until = FIRST_PERIODS * scales.period;
     loop {
         let mut done = 0;
         let outcome = model.move_soil(&pace, &mut done);
@@ -66,20 +103,35 @@ pub fn settle(model: &mut dyn Failing, first: &First, patience: &Patience) -> Re
         if speed.is_nan() {
             return Err(Fault { place: "the whole soil".into(), what: "a velocity that is not a number".into() });
         }
-        let calm = unbalanced < BALANCED && speed < SLOW;
-        looks = if calm { looks + 1 } else { 0 };
-        let late = steps >= patience.steps;
-        if looks >= LOOKS || late || (steps / STEPS).is_multiple_of(8) {
-            let moved = first.moved(model);
-            let at_rest = looks >= LOOKS;
-            let gives_up = match patience.until {
-                GivesUp::Moved(most) => moved.most_m - start > most,
-                GivesUp::Failed => moved.events()[1],
-                GivesUp::Never => false,
-            };
-            if at_rest || late || gives_up {
-                return Ok(Settled { at_rest, steps, moved });
+        looks = if unbalanced < BALANCED && speed < calm { looks + 1 } else { 0 };
+        let time = steps as f64 * dt;
+        let mut ended = (looks >= LOOKS).then_some(Outcome::Stands);
+        if (steps / STEPS).is_multiple_of(8) && first.moved(model).most_m - start > most {
+            ended = ended.or(Some(Outcome::Slides));
+        }
+        if quarter.is_empty() && time >= 0.25 * until {
+            quarter = places(model);
+        }
+        if half.is_empty() && time >= 0.5 * until {
+            half = places(model);
+        }
+        if time >= until && ended.is_none() {
+            let now = places(model);
+            let rate = |from: &[[f64; 2]], to: &[[f64; 2]], span: f64| first.way(which, from, to) / span;
+            let (before, after) = (rate(&quarter, &half, 0.25 * until), rate(&half, &now, 0.5 * until));
+            if after < calm {
+                // The skin may ravel on: what is looked at has come to rest.
+                ended = Some(Outcome::Stands);
+            } else if after > DECAYS * before && first.way(which, &origin, &now) > beyond {
+                ended = Some(Outcome::Slides);
+            } else if doublings == DOUBLINGS {
+                ended = Some(Outcome::Undecided);
             }
+            (doublings, until) = (doublings + 1, 2.0 * until);
+            (quarter, half) = (half, now);
+        }
+        if let Some(outcome) = ended {
+            return Ok(Settled { outcome, steps, moved: first.moved(model) });
         }
     }
 }

@@ -1,31 +1,49 @@
 //! The factor of safety by strength reduction: the strength divided by a factor, until the deep slide starts.
 //!
-//! Water is frozen. Whether a slope stands with a strength is found by damped steps from the same state; the factor between
-//! standing and sliding is bracketed by bisection (Matsui & San 1992, doi:10.3208/sandf1972.32.59; Griffiths & Lane 1999,
-//! doi:10.1680/geot.1999.49.3.387).
+//! Water is frozen, and the soil so stiff that its shape stays as it is ([`Scales::stiffening`]): the limit load of a soil does not
+//! depend on its stiffness, and displacements of a small-strain analysis are what failure is read from. Whether a slope stands
+//! with a strength is found by damped steps from the same state ([`settle`]); the factor between standing and sliding is bracketed
+//! by bisection (Matsui & San 1992, doi:10.3208/sandf1972.32.59; Griffiths & Lane 1999, doi:10.1680/geot.1999.49.3.387). A trial
+//! that is neither decides nothing: the bracket stays as wide as that.
 
-use super::settle::{GivesUp, Patience, Settled, settle};
-use super::watch::First;
+use super::scales::Scales;
+use super::settle::{Outcome, Patience, Settled, settle};
+use super::watch::{First, Which};
 use crate::keep::Keeper;
 use crate::step::{Failing, Fault};
 
 /// The factor between two others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bracket {
-    /// It stands with its strength divided by this; zero if it slides with any that is looked at.
+    /// It stands with its strength divided by this; zero if it stands with none that is looked at.
     pub low: f64,
-    /// It slides with its strength divided by this; infinite if it stands with any that is looked at.
+    /// It slides with its strength divided by this; infinite if it slides with none that is looked at.
     pub high: f64,
     /// Trials that it took.
     pub trials: u32,
     /// Steps that they took.
     pub steps: u64,
+    /// Least and largest factor at which it neither came to rest nor slid within the patience of a trial, if there are such.
+    pub undecided: Option<[f64; 2]>,
 }
 
 /// Factors that are looked at.
 const RANGE: [f64; 2] = [0.3, 4.0];
+/// First stride from a factor of 1.
+const FIRST_STRIDE: f64 = 0.08;
 /// Narrowest bracket.
 const NARROW: f64 = 1e-4;
+
+/// A soil of which trials are made.
+#[derive(Debug, Clone, Copy)]
+pub struct Trials<'a> {
+    /// Outline of the soil, m.
+    pub outline: &'a [[f64; 2]],
+    /// Scales of the scene.
+    pub scales: Scales,
+    /// Length of a step with the stiffness of the scene, s.
+    pub dt: f64,
+}
 
 /// Brackets the factor of safety of the state of a model to `within`. The model is left as it was.
 ///
@@ -33,8 +51,7 @@ const NARROW: f64 = 1e-4;
 /// Where and what went wrong in a step.
 pub fn bracket(
     model: &mut dyn Failing,
-    outline: &[[f64; 2]],
-    patience: &Patience,
+    trials: &Trials,
     within: f64,
     progress: &mut dyn FnMut(&Bracket),
 ) -> Result<Bracket, Fault> {
@@ -42,55 +59,85 @@ pub fn bracket(
     model.keep(&mut keeper);
     let state = keeper.into_bytes();
     // Trials that went wrong leave a wreck, which must not stay either.
-    let found = search(model, &state, outline, patience, within.max(NARROW), progress);
-    model.weaken(1.0);
+    let found = search(within.max(NARROW), progress, &mut |factor| {
+        restore(model, &state)?;
+        trials.with_strength(model, factor)
+    });
+    model.alter(1.0, 1.0);
     restore(model, &state)?;
     found
 }
 
+/// What trials have shown so far.
+#[derive(Debug, Default)]
+struct Shown {
+    stands: Option<f64>,
+    slides: Option<f64>,
+    /// Least and largest factor between the two at which neither was seen.
+    undecided: Option<[f64; 2]>,
+}
+
+impl Shown {
+    fn take(&mut self, factor: f64, outcome: Outcome) {
+        match outcome {
+            Outcome::Stands => self.stands = Some(factor),
+            Outcome::Slides => self.slides = Some(factor),
+            Outcome::Undecided => {
+                let [low, high] = self.undecided.unwrap_or([factor; 2]);
+                self.undecided = Some([low.min(factor), high.max(factor)]);
+            }
+        }
+        // What lies beyond a factor that was decided later says nothing any more.
+        let (stands, slides) = (self.stands.unwrap_or(0.0), self.slides.unwrap_or(f64::INFINITY));
+        self.undecided = self.undecided.filter(|[low, high]| *low > stands && *high < slides);
+    }
+
+    /// The next factor to be tried, with strides (up and down) that grow; `None` once all is known to `within`.
+    fn next(&self, within: f64, stride: &mut f64) -> Option<f64> {
+        let wide = |low: f64, high: f64| high - low > within * (1.0 + 1e-9);
+        let mut strode = || {
+            *stride *= 2.0;
+            0.5 * *stride
+        };
+        match (self.stands, self.slides, self.undecided) {
+            (None, None, None) => Some(1.0),
+            (None, slides, undecided) => {
+                let from = undecided.map(|[low, _]| low).or(slides)?;
+                Some((from - strode()).max(RANGE[0]))
+            }
+            (Some(stands), None, undecided) => {
+                Some((undecided.map_or(stands, |[_, high]| high) + strode()).min(RANGE[1]))
+            }
+            (Some(low), Some(high), None) => wide(low, high).then_some(0.5 * (low + high)),
+            (Some(low), Some(_), Some([from, _])) if wide(low, from) => Some(0.5 * (low + from)),
+            (Some(_), Some(high), Some([_, to])) => wide(to, high).then_some(0.5 * (to + high)),
+        }
+    }
+}
+
 fn search(
-    model: &mut dyn Failing,
-    state: &[u8],
-    outline: &[[f64; 2]],
-    patience: &Patience,
     within: f64,
     progress: &mut dyn FnMut(&Bracket),
+    tried: &mut dyn FnMut(f64) -> Result<Settled, Fault>,
 ) -> Result<Bracket, Fault> {
-    let mut bracket = Bracket { low: RANGE[0], high: RANGE[1], trials: 0, steps: 0 };
-    let mut factor: f64 = 1.0;
-    let mut stride: f64 = 0.08;
-    let (mut has_low, mut has_high) = (false, false);
-    while !(has_low && has_high) || bracket.high - bracket.low > within * (1.0 + 1e-9) {
-        restore(model, state)?;
-        let settled = with_strength(model, outline, patience, factor)?;
+    let mut bracket = Bracket { low: RANGE[0], high: RANGE[1], trials: 0, steps: 0, undecided: None };
+    let (mut shown, mut stride) = (Shown::default(), FIRST_STRIDE);
+    while let Some(factor) = shown.next(within, &mut stride) {
+        // Sums of strides that print as they are meant.
+        let factor = (1e9 * factor).round() / 1e9;
+        let settled = tried(factor)?;
         bracket.steps += settled.steps;
         bracket.trials += 1;
-        if !settled.moved.events()[1] {
-            (bracket.low, has_low) = (factor, true);
-        } else {
-            (bracket.high, has_high) = (factor, true);
-        }
+        shown.take(factor, settled.outcome);
         // Nothing is looked at beyond the ends of the range.
-        if !has_high && factor >= RANGE[1] {
-            (bracket.high, has_high) = (f64::INFINITY, true);
-        } else if !has_low && factor <= RANGE[0] {
-            (bracket.low, has_low) = (0.0, true);
-        }
+        let last = factor >= RANGE[1] && shown.slides.is_none() || factor <= RANGE[0] && shown.stands.is_none();
+        bracket.low = shown.stands.unwrap_or(if last { 0.0 } else { RANGE[0] });
+        bracket.high = shown.slides.unwrap_or(if last { f64::INFINITY } else { RANGE[1] });
+        bracket.undecided = shown.undecided;
         progress(&bracket);
-        if bracket.low == 0.0 || bracket.high == f64::INFINITY {
+        if last {
             break;
         }
-        factor = match (has_low, has_high) {
-            (true, true) => 0.5 * (bracket.low + bracket.high),
-            // Looks for the other end in strides that grow.
-            (true, false) => (bracket.low + stride).min(bracket.high),
-            _ => (bracket.high - stride).max(bracket.low),
-        };
-        if !(has_low && has_high) {
-            stride *= 2.0;
-        }
-        // Sums of strides that print as they are meant.
-        factor = (1e9 * factor).round() / 1e9;
     }
     Ok(bracket)
 }
@@ -101,19 +148,67 @@ fn restore(model: &mut dyn Failing, state: &[u8]) -> Result<(), Fault> {
     keeper.finish().map_err(|e| Fault { place: "a kept state".into(), what: e.to_string() })
 }
 
-/// Lets the soil come to rest with its strength divided by a factor, or slide.
-///
-/// # Errors
-/// Where and what went wrong in a step.
-pub fn with_strength(
-    model: &mut dyn Failing,
-    outline: &[[f64; 2]],
-    patience: &Patience,
-    factor: f64,
-) -> Result<Settled, Fault> {
-    // Slip stays: a base that has weakened is weak.
-    model.count_from_here();
-    let first = First::of(model, outline, &[]);
-    model.weaken(factor);
-    settle(model, &first, &Patience { until: GivesUp::Failed, ..*patience })
+impl Trials<'_> {
+    /// Lets the stiffened soil come to rest with its strength divided by a factor, or slide.
+    ///
+    /// # Errors
+    /// Where and what went wrong in a step.
+    pub fn with_strength(&self, model: &mut dyn Failing, factor: f64) -> Result<Settled, Fault> {
+        // Slip stays: a base that has weakened is weak. None is added to speak of.
+        model.stop();
+        model.count_from_here();
+        let patience = Patience::stiffened(&self.scales, self.dt);
+        let first = First::of(model, self.outline, &[], &patience.scales);
+        model.alter(factor, self.scales.stiffening());
+        settle(model, &first, &patience)
+    }
+}
+
+impl Patience {
+    /// For stiffened soil that stands as long as what is deep does.
+    pub fn stiffened(scales: &Scales, dt: f64) -> Self {
+        let times = scales.stiffening();
+        let scales = scales.stiffened(times);
+        Self { dt: dt / times.sqrt(), scales, slides: (Which::Deep, scales.settlement), most: f64::INFINITY }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::failure::Moved;
+
+    /// What is found of a slope that stands below one factor, slides above another, and is undecided between.
+    fn found(stands: f64, slides: f64) -> Bracket {
+        let mut tried = |factor: f64| {
+            let outcome = match factor {
+                f if f < stands => Outcome::Stands,
+                f if f > slides => Outcome::Slides,
+                _ => Outcome::Undecided,
+            };
+            Ok(Settled { outcome, steps: 1, moved: Moved::default() })
+        };
+        search(0.01, &mut |_| (), &mut tried).expect("a bracket")
+    }
+
+    #[test]
+    fn what_is_undecided_widens_the_bracket_and_is_told() {
+        for factor in [0.35, 0.62, 0.999, 1.0, 1.3777, 3.9] {
+            let Bracket { low, high, undecided, .. } = found(factor, factor);
+            assert!(
+                low < factor && high >= factor && high - low <= 0.0101 || undecided.is_some(),
+                "{factor}: {low} {high}"
+            );
+        }
+        for (stands, slides) in [(1.2, 1.3), (0.9, 1.1), (0.5, 0.53), (1.1, 2.0)] {
+            let Bracket { low, high, undecided, .. } = found(stands, slides);
+            let [from, to] = undecided.expect("trials that decide nothing");
+            assert!(low < stands && high > slides, "{low} {high}");
+            assert!(from >= stands && to <= slides && from - low <= 0.0101 && high - to <= 0.0101, "{from} {to}");
+        }
+        // Nothing that was seen lies beyond the ends of the range.
+        let [weak, strong] = [found(0.1, 0.1), found(9.0, 9.0)];
+        assert_eq!([weak.low, weak.high], [0.0, 0.3]);
+        assert_eq!([strong.low, strong.high], [4.0, f64::INFINITY]);
+    }
 }

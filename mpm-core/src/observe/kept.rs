@@ -36,7 +36,7 @@ impl WaterState {
     fn keep(&mut self, keeper: &mut Keeper) {
         keep_numbers!(keeper, self => WaterState {
             mobile_m3, mobile_porosity, particles_m3, pending_m3, inflow_m3_s, outflow_m3_s, in_m3, out_m3,
-            front_x_m, front_y_m, packing_mean, packing_max;
+            front_x_m, front_y_m, packing_mean, packing_max, pending_allowed_m3, asked_m3, ran_off_m3;
             particles, spawned, removed, unsettled
         });
         for count in [particles, spawned, removed, unsettled] {
@@ -52,7 +52,7 @@ impl Ledger {
             solid_mass_kg, solid_closing_kg, water_stored_kg, water_in_kg, water_out_kg, water_closing_kg,
             momentum_n_s, impulse_n_s, cut_off_n_s, momentum_closing_n_s, kinetic_j, strain_j, water_j,
             external_work_j, gravity_work_j, flow_body_work_j, darcy_dissipation_j, damping_loss_j, energy_closing_j,
-            water_particles_removed_kg, base_friction_j, plastic_dissipation_j, pressure_work_j;
+            water_particles_removed_kg, base_friction_j, plastic_dissipation_j, pressure_work_j, transfer_loss_j, momentum_carried_n_s;
             yield_residual_max
         });
         keeper.maybe(yield_residual_max, &0.0, |value, keeper| keeper.f64(value));

@@ -4,11 +4,13 @@ mod flowed;
 mod frame;
 mod kept;
 mod ledger;
+mod trust;
 
 pub use flowed::Flowed;
 pub use frame::{CellState, Frame, SolidState, WaterParticle};
 pub use ledger::{Ledger, Totals};
 use serde::Serialize;
+pub use trust::{Balance, Trust, balances};
 
 use crate::particles::{Layer, SolidPoint, WaterPoint};
 
@@ -106,6 +108,12 @@ pub struct WaterState {
     pub particles_m3: f64,
     /// Water that has entered, less what has left, but is in no particle yet, m3.
     pub pending_m3: f64,
+    /// Most that may be pending, m3: half a particle for each cell where water has entered or left.
+    pub pending_allowed_m3: f64,
+    /// Water that feeds with a velocity were to bring since the start, m3.
+    pub asked_m3: f64,
+    /// Of the rain, what ran off soil that was full, m3.
+    pub ran_off_m3: f64,
     /// Inflow in the last step, m3/s.
     pub inflow_m3_s: f64,
     /// Outflow in the last step, m3/s.

@@ -102,7 +102,6 @@ fn leave_out(raw: &mut RawScene, integrator: &str) -> Vec<String> {
             drop(scheme.update.take().is_some(), "scheme.update");
         } else {
             drop(scheme.jump_penalty.take().is_some(), "scheme.jump_penalty");
-            drop(scheme.quadrature.take().is_some(), "scheme.quadrature");
         }
     }
     if let Some(time) = raw.time.as_mut().map(Spanned::get_mut) {

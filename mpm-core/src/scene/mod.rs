@@ -17,12 +17,13 @@ use std::path::Path;
 
 use serde::Serialize;
 
+pub use check::{INTEGRATORS, SHAPES};
 pub use failure::Failure;
 pub use flags::Flags;
 pub use free_surface::{Clock, Feed, FreeSurfaceWater};
 pub use ground::{Base, NormalStress, SeedingChoice};
 pub use layers::SoilLayer;
-pub use moving::UnfitLoad;
+pub use moving::{Estimate, UnfitLoad};
 
 use crate::error::{LoadError, SceneError};
 
@@ -104,11 +105,12 @@ pub enum TimeMethod {
     Sdirk,
 }
 
-/// Volumes that particles stand for in the integrals of `bspline2`.
+/// Volumes that particles stand for in integrals over a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quadrature {
-    /// Weights near the volumes that integrate continuous piecewise quadratics exactly.
+    /// Weights that fill the soil: quasi-static `bspline2` integrates continuous piecewise quadratics exactly, explicit and
+    /// semi-implicit particles share the soil of their cell ([`crate::boundary::Filled`]).
     Fitted,
     /// The particles' own volumes.
     Volumes,
@@ -476,7 +478,7 @@ pub struct Scene {
     pub method: TimeMethod,
     /// Largest error in time of settlement and pressure, relative; quasi-static only.
     pub tolerance: f64,
-    /// Volumes that particles stand for in the integrals of `bspline2`.
+    /// Volumes that particles stand for in integrals over a cell.
     pub quadrature: Quadrature,
     /// gamma of the jump penalty on dp/dt, `bspline2` with `quasi-static` only; `None` for [`Scene::usual_jump_penalty`].
     pub jump_penalty: Option<f64>,
@@ -529,7 +531,8 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`]; a refused flag is named in place of file, line and key.
     pub fn load_with(path: &Path, flags: &Flags) -> Result<Self, LoadError> {
-        let text = read(path).map_err(|source| LoadError::Unreadable { path: path.to_path_buf(), source })?;
+        let text = read_text(path, LARGEST_FILE)
+            .map_err(|source| LoadError::Unreadable { path: path.to_path_buf(), source })?;
         Ok(Self::parse_with(&text, &path.display().to_string(), flags)?)
     }
 
@@ -588,18 +591,6 @@ impl Scene {
     pub fn inertia_feeds_waves(&self) -> bool {
         let share = self.water.map_or(0.0, |w| w.density / self.mixture_density());
         self.water.is_some() && self.free_surface.is_none() && self.undrained_share() < share
-    }
-
-    /// Whether `rho_w a_s` in Darcy's law is that of nodes that may be too light for it: an explicit step takes it from the
-    /// nodes beside a face, and one of a cell that is hardly filled is accelerated so much that the flow turns round. B-splines
-    /// take the mean over the mass around; with sideroom the edge is open to the air.
-    pub fn inertia_shakes_light_nodes(&self) -> bool {
-        let nodes = self.integrator == Integrator::Explicit && self.shape != ShapeChoice::Bspline2;
-        nodes
-            && self.water.is_some()
-            && self.sideroom_cells == 0
-            && self.outline.is_none()
-            && self.moves_through_cells()
     }
 
     /// Undrained pore pressure under the surcharge in the soil of the scene, p_0 = q Q/(M + Q), Pa.
@@ -680,6 +671,20 @@ impl Scene {
     }
 }
 
+impl Scene {
+    /// Whether the scene, on a mesh that need not be that of its file, fits into the memory that a run may take.
+    ///
+    /// # Errors
+    /// What was expected, and what was found.
+    pub fn fits_in_memory(&self) -> Result<(), [String; 2]> {
+        let across = if self.dimension == Dimension::Column { 1.0 } else { self.cells[0] as f64 };
+        let (rows, direction) = (self.cells[1] as f64, self.particles_per_direction() as f64);
+        let points = rows * direction * if self.dimension == Dimension::Column { 1.0 } else { across * direction };
+        let cells = (rows + self.headroom_cells as f64) * (across + self.sideroom_cells as f64);
+        check::fits_in_memory(points, cells, self.integrator == Integrator::QuasiStatic, self.dimension)
+    }
+}
+
 /// Keys that most scenes do not have stay out of the record of a scene.
 fn none(count: &usize) -> bool {
     *count == 0
@@ -695,15 +700,21 @@ impl fmt::Display for Side {
     }
 }
 
-/// No scene file is larger, bytes: a device that never ends is none.
-const LARGEST_FILE: u64 = 4 << 20;
+/// No scene file is larger, bytes.
+pub const LARGEST_FILE: u64 = 4 << 20;
 
-/// The text of a file of a reasonable size.
-fn read(path: &Path) -> io::Result<String> {
+/// The text of a file of at most `largest` bytes. A device, a socket or a pipe may never end, or never begin: none is opened.
+///
+/// # Errors
+/// What is there in its place.
+pub fn read_text(path: &Path, largest: u64) -> io::Result<String> {
+    if !path.metadata()?.is_file() {
+        return Err(io::Error::other("no regular file"));
+    }
     let mut text = String::new();
-    File::open(path)?.take(LARGEST_FILE + 1).read_to_string(&mut text)?;
-    if text.len() as u64 > LARGEST_FILE {
-        return Err(io::Error::other(format!("more than {LARGEST_FILE} bytes")));
+    File::open(path)?.take(largest + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > largest {
+        return Err(io::Error::other(format!("more than {largest} bytes")));
     }
     Ok(text)
 }

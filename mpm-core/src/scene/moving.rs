@@ -1,34 +1,51 @@
 //! Soil that moves through the cells of its mesh: when it does, what that asks of a scheme, and what no scheme bears.
 
-use super::{Dimension, Elastic, Integrator, LoadOn, Scene, ShapeChoice, Side, SolidSide, UpdateChoice};
+use super::{Dimension, Integrator, LoadOn, Scene, ShapeChoice, Side, SolidSide, Start, StrainChoice, UpdateChoice};
 
 /// The usual share of a full node's mass below which nodes move with a neighbour.
 const LIGHT_NODES: f64 = 0.1;
-/// Cells that a load may push a surface down through under linear functions.
-const MOST_SETTLED: f64 = 0.5;
+/// Cells that the surface may move through where the volume of soil in a cell is only known from its particles, or where
+/// functions reach beyond a cell: at a tenth of a cell its stress is off by as much.
+const MOST_SETTLED: f64 = 0.1;
+/// The same under a plate, which is the top row of nodes: soil must stay below it.
+const MOST_UNDER_PLATE: f64 = 0.5;
+/// Strain up to which the geometry may be kept as it was: small strain is off by half of it.
+const MOST_SMALL_STRAIN: f64 = 0.1;
+/// Above this a small strain is worth a word: it is off by more than 1 %.
+const NOTABLE_SMALL_STRAIN: f64 = 0.02;
 
-/// A load that no run with the scene's scheme gives a useful answer to.
+/// A load or a weight that no run with the scene's scheme gives a useful answer to.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("surcharge.pressure: expected {expected}, found {found}; --force runs it all the same")]
+#[error("{key}: expected {expected}, found {found}; --force runs it all the same")]
 pub struct UnfitLoad {
+    /// The key to change.
+    pub key: &'static str,
     /// What the scheme bears.
     pub expected: &'static str,
-    /// What the load would do.
+    /// What load and weight would do.
     pub found: String,
 }
 
+/// What load and weight do to level soil in one dimension, without a run: elastic, finite strain, at the end.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Estimate {
+    /// Settlement from the state the run starts from, m; negative for heave.
+    pub settlement_m: f64,
+    /// Largest strain in size, logarithmic, compression positive.
+    pub strain: f64,
+    /// Smallest porosity, -; not above the first.
+    pub porosity: f64,
+}
+
 impl Scene {
-    /// Whether soil may come to fill cells in part: it has an outline or room beside it, nothing holds its base, or its load
-    /// and weight would settle its surface by more than a fifth of a cell.
+    /// Whether soil may come to fill cells in part, so that nodes may be light and steps shorter: it has an outline or room beside
+    /// it, nothing holds its base, or its load and weight would move its surface by more than a fifth of a cell. That is a matter
+    /// of how the same equations are solved; which are solved does not depend on the mesh.
     pub fn moves_through_cells(&self) -> bool {
-        let load = self.surcharge.map_or(0.0, |s| s.pressure.abs());
-        let weight = self.gravity.unwrap_or(0.0) * self.mixture_density() * self.height;
-        let softest = self.layers.iter().map(|layer| layer.elastic.oedometer_modulus());
-        let settled = (load + 0.5 * weight) / softest.fold(self.oedometer_modulus(), f64::min) * self.height;
         self.outline.is_some()
             || self.sideroom_cells > 0
             || self.solid_sides[Side::Bottom as usize] == SolidSide::Free
-            || settled > 0.2 * self.cell
+            || self.estimate().settlement_m.abs() > 0.2 * self.cell
     }
 
     /// Cells that a particle may cross, on average, before linear functions have made too much noise; `u64::MAX` where nothing
@@ -64,58 +81,124 @@ impl Scene {
         !matches!(self.shape, ShapeChoice::Gimp | ShapeChoice::Bspline2)
     }
 
-    /// What a surcharge leaves behind: settlement (m), and the smallest porosity of any layer (not above the first).
-    ///
-    /// Cauchy stress q and a constant modulus make each layer `exp(-q/M)` times as thick, with M + Q in place of M in soil
-    /// that nothing drains.
-    fn under_load(&self) -> (f64, f64) {
-        let closed = self.water.is_some() && self.free_surface.is_none();
-        let closed = closed && !self.stages.iter().any(|stage| stage.drained.contains(&true));
-        let water = if closed { self.pore_stiffness() } else { 0.0 };
+    /// What load and weight do at the end. Cauchy stress s and a constant modulus make soil `exp(-s/M)` times as thick as it
+    /// was unloaded, with M + Q in place of M in soil that nothing drains; what a geostatic start carries has been done before.
+    pub fn estimate(&self) -> Estimate {
+        let wet = self.water.is_some() && self.free_surface.is_none();
+        let closed = wet && !self.stages.iter().any(|stage| stage.drained.contains(&true));
+        let buoyancy = self.water.map_or(0.0, |w| if wet && !closed { w.density } else { 0.0 });
+        let weight = self.gravity.unwrap_or(0.0) * (self.mixture_density() - buoyancy);
         let load = self.surcharge.map_or(0.0, |s| s.pressure);
-        let of = |elastic: &Elastic, thickness: f64| {
-            let strain = load / (elastic.oedometer_modulus() + water);
-            let porosity = self.porosity - (1.0 - self.porosity) * strain.max(0.0).exp_m1();
-            (-(-strain).exp_m1() * thickness, porosity)
+        let stiffness = if closed { self.pore_stiffness() } else { 0.0 };
+        let of = |modulus: f64, base: f64, top: f64| {
+            let modulus = modulus + stiffness;
+            let (least, most) = (weight * (self.height - top), weight * (self.height - base));
+            let thickness = top - base;
+            // Mean of exp(-weight/M) over the layer: (1 - exp(-x))/x exp(-first).
+            let mean = |first: f64, last: f64| {
+                let x = (last - first) / modulus;
+                (-first / modulus).exp() * if x.abs() < 1e-12 { 1.0 } else { -(-x).exp_m1() / x }
+            };
+            let before = if self.start == Start::Geostatic { 1.0 } else { mean(least, most) };
+            let after = (-load / modulus).exp() * before;
+            let from = if self.start == Start::Geostatic { 1.0 } else { mean(0.0, 0.0) };
+            let strain = (load + if self.start == Start::Geostatic { 0.0 } else { most }) / modulus;
+            let other = (load + if self.start == Start::Geostatic { 0.0 } else { least }) / modulus;
+            ((from - after) * thickness, [strain, other])
         };
-        if self.layers.is_empty() {
-            return of(&self.elastic, self.height);
+        let layers: Vec<(f64, [f64; 2])> = if self.layers.is_empty() {
+            vec![of(self.oedometer_modulus(), 0.0, self.height)]
+        } else {
+            let all = self.thicknesses();
+            all.map(|(layer, h)| of(layer.elastic.oedometer_modulus(), layer.up_to - h, layer.up_to)).collect()
+        };
+        let strains = layers.iter().flat_map(|(_, strains)| *strains);
+        let most = strains.clone().fold(0.0, f64::max);
+        Estimate {
+            settlement_m: layers.iter().map(|(settled, _)| settled).sum(),
+            strain: strains.fold(0.0, |worst: f64, e| if e.abs() > worst.abs() { e } else { worst }),
+            porosity: self.porosity - (1.0 - self.porosity) * most.exp_m1(),
         }
-        let each = self.thicknesses().map(|(layer, thickness)| of(&layer.elastic, thickness));
-        each.fold((0.0, self.porosity), |(settled, least), (s, n)| (settled + s, least.min(n)))
     }
 
-    /// Porosity of the soil that a surcharge has compressed most, `1 - (1 - n) h_0/h`, -; not above the first.
+    /// Porosity of the soil that is compressed most at the end, `1 - (1 - n) h_0/h`, -; not above the first.
     pub(crate) fn compressed_porosity(&self) -> f64 {
-        self.under_load().1
+        self.estimate().porosity
     }
 
-    /// Refuses a load that pushes a surface down through its cells under linear functions, or squeezes out more water than
-    /// there is, unless the scene is forced.
-    ///
-    /// With linear functions the stress of a top cell that is filled in part to f is `q` times the load's share of the upper
-    /// node over f: anything from q/2 to 3 q/2 as the surface comes down, and the soil below follows. In the hard case
-    /// `loaded-surface` semi-implicit settlements are off by 6 % after 0.3 cells, 15 % after half a cell, 36 % after one.
+    /// What the scene's own choices cost that they say nothing about; one sentence each.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        let strain = self.estimate().strain.abs();
+        if self.strain == StrainChoice::Small && strain > NOTABLE_SMALL_STRAIN && self.is_level_column() {
+            let off = 50.0 * strain;
+            notes.push(format!(
+                "soil.strain = \"small\" under a strain of {:.1} %: settlements are off by about {off:.1} %",
+                1e2 * strain
+            ));
+        }
+        notes
+    }
+
+    /// Refuses what no run of the scene's scheme gives a useful answer to: soil that moves through its cells where a scheme does
+    /// not follow it, small strain that is not small, more water squeezed out than there is. A scene that is forced goes.
     ///
     /// # Errors
-    /// What is refused, and why.
+    /// What is refused, and what to use.
     pub fn bears_its_load(&self) -> Result<(), UnfitLoad> {
-        let steps = matches!(self.integrator, Integrator::Explicit | Integrator::SemiImplicit);
-        let load = self.surcharge.filter(|load| load.on != LoadOn::Plate && steps && !self.force);
-        let Some(load) = load else { return Ok(()) };
-        let (settled, porosity) = self.under_load();
-        if self.has_jumping_gradients() && settled.abs() > MOST_SETTLED * self.cell {
-            let expected = "shape = \"bspline2\" or \"gimp\", or integrator = \"quasi-static\", under a load that moves the \
-                            surface by more than half a cell: linear functions are wrong there";
-            let found =
-                format!("{:.4e} Pa, which would move it by {:.2} cells", load.pressure, settled.abs() / self.cell);
-            return Err(UnfitLoad { expected, found });
+        if self.force || !self.is_level_column() || self.strength.is_some() {
+            return Ok(());
+        }
+        let Estimate { settlement_m, strain, porosity } = self.estimate();
+        let would = format!(
+            "load and weight that would move the surface by {settlement_m:.4} m, {:.2} cells, at a strain of up to {:.1} %",
+            settlement_m.abs() / self.cell,
+            1e2 * strain.abs()
+        );
+        let refuse = |key, expected| Err(UnfitLoad { key, expected, found: would.clone() });
+        if self.strain == StrainChoice::Small && strain.abs() > MOST_SMALL_STRAIN {
+            return refuse("soil.strain", "\"large\" where strains are: small strain is off by half of them");
         }
         if self.water.is_some() && porosity <= 0.0 {
-            let expected = "a load under which the soil keeps water in its pores";
-            let (share, first) = (settled / self.height, self.porosity);
-            let found = format!("{:.4e} Pa, which would shorten soil of porosity {first} by {share:.3}", load.pressure);
-            return Err(UnfitLoad { expected, found });
+            return refuse("surcharge.pressure", "a load under which the soil keeps water in its pores");
+        }
+        if self.integrator == Integrator::QuasiStatic {
+            return Ok(());
+        }
+        let moved = settlement_m.abs() / self.cell;
+        if self.surcharge.is_some_and(|load| load.on == LoadOn::Plate) {
+            return if moved <= MOST_UNDER_PLATE {
+                Ok(())
+            } else {
+                refuse(
+                    "surcharge.on",
+                    "integrator = \"quasi-static\" beside a plate that moves by more than half a cell",
+                )
+            };
+        }
+        if !self.has_jumping_gradients() && moved > MOST_SETTLED {
+            return refuse(
+                "scheme.shape",
+                "\"centre\", \"linear\" or \"b-bar\", or integrator = \"quasi-static\", where the surface moves by more than a \
+                 tenth of a cell: wider functions do not see where it is",
+            );
+        }
+        let known = crate::boundary::knows_volumes(self);
+        if !known && moved > MOST_SETTLED {
+            return refuse(
+                "scheme.quadrature",
+                "\"fitted\" between rollers, or integrator = \"quasi-static\", where the surface moves by more than a tenth of a cell: \
+                 particles' volumes do not say how much of a cell is soil",
+            );
+        }
+        if settlement_m < 0.0 && moved > 0.5 && (self.headroom_cells as f64) < moved {
+            return refuse("mesh.headroom_cells", "as many rows of empty cells as the surface rises by");
+        }
+        if strain < -1e-3 && self.particles_per_direction() == 1 {
+            return refuse(
+                "mesh.particles_per_cell",
+                "4 or more in soil that swells: single particles leave cells empty",
+            );
         }
         Ok(())
     }

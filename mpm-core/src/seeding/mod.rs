@@ -5,10 +5,11 @@
 //! polygon, on every mesh. Whole ([`whole`]), a square counts if its middle lies inside: an error of first order.
 
 mod clip;
+mod crossing;
 mod polygon;
 
 pub use clip::between;
-pub use polygon::{Fault, area, centroid, check, depth, inside, near};
+pub use polygon::{Fault, area, centroid, check, depth, inside, length_along, near};
 
 use std::collections::BTreeMap;
 
@@ -62,6 +63,46 @@ pub fn total(parts: &[Part]) -> (f64, [f64; 2]) {
     let area: f64 = parts.iter().map(|part| part.area).sum();
     let moment = |d: usize| parts.iter().map(|part| part.area * part.centroid[d]).sum::<f64>();
     (area, [moment(0) / area, moment(1) / area])
+}
+
+/// Which parts lie below the crest of a polygon (m), its highest level edges or else its highest point, and how much of it each
+/// has above it, m; in the order of the parts.
+pub fn below_crest(polygon: &[[f64; 2]], parts: &[Part], spacing: f64) -> Vec<(usize, f64)> {
+    let top = polygon.iter().fold(0.0, |top: f64, x| top.max(x[1]));
+    let highest = |x: &[f64; 2]| x[1] >= top * (1.0 - 1e-9);
+    let mut level: Vec<[f64; 2]> = Vec::new();
+    for (i, a) in polygon.iter().enumerate() {
+        let b = &polygon[(i + 1) % polygon.len()];
+        if highest(a) && highest(b) {
+            level.push([a[0].min(b[0]), a[0].max(b[0])]);
+        }
+    }
+    // In each column of squares the uppermost part.
+    let mut uppermost: BTreeMap<i64, usize> = BTreeMap::new();
+    for (i, part) in parts.iter().enumerate() {
+        let best = uppermost.entry((part.centroid[0] / spacing).floor() as i64).or_insert(i);
+        if part.centroid[1] > parts[*best].centroid[1] {
+            *best = i;
+        }
+    }
+    let mut below: Vec<(usize, f64)> = Vec::new();
+    for (column, i) in &uppermost {
+        let from = *column as f64 * spacing;
+        let width = |[a, b]: &[f64; 2]| (b.min(from + spacing) - a.max(from)).max(0.0);
+        let width: f64 = level.iter().map(width).sum();
+        // A sliver says little of its edge, and its part may lie below a slope.
+        if width > SLIVER * spacing {
+            below.push((*i, width));
+        }
+    }
+    if below.is_empty() {
+        let peak = polygon.iter().find(|x| highest(x)).copied().unwrap_or_default();
+        let distance = |part: &Part| (part.centroid[0] - peak[0]).hypot(part.centroid[1] - peak[1]);
+        let nearest = parts.iter().enumerate().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
+        below.extend(nearest.map(|(i, _)| (i, spacing)));
+    }
+    below.sort_by_key(|(i, _)| *i);
+    below
 }
 
 /// First square that a polygon may touch along an axis, and the one after the last.

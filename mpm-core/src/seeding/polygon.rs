@@ -1,5 +1,7 @@
 //! Simple polygons: area, centre, what lies inside, and what is wrong with one.
 
+use super::crossing;
+
 /// Why points are no outline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fault {
@@ -69,6 +71,26 @@ pub fn depth(polygon: &[[f64; 2]], point: &[f64; 2]) -> f64 {
     if above.is_finite() { above - point[1] } else { 0.0 }
 }
 
+/// Length (m) of a simple polygon along a side (left, right, bottom, top of a box of this `width`, m) between two places along
+/// it (m): what lies on the side; of the top, what of the polygon the sky is above, however high.
+pub fn length_along(polygon: &[[f64; 2]], side: usize, [low, high]: [f64; 2], width: f64) -> f64 {
+    let axis = usize::from(side < 2);
+    let place = if side == 1 { width } else { 0.0 };
+    let on = |x: &[f64; 2]| side == 3 || (x[1 - axis] - place).abs() <= 1e-9 * width;
+    let edges = polygon.iter().enumerate().map(|(i, a)| [a, &polygon[(i + 1) % polygon.len()]]);
+    let ends =
+        edges.filter(|edge| edge.iter().all(|x| on(x))).map(|[a, b]| [a[axis].min(b[axis]), a[axis].max(b[axis])]);
+    let mut spans: Vec<[f64; 2]> = ends.map(|[a, b]| [a.max(low), b.min(high)]).filter(|[a, b]| a < b).collect();
+    spans.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut reached = low;
+    let mut length = 0.0;
+    for [a, b] in spans {
+        length += (b - a.max(reached)).max(0.0);
+        reached = reached.max(b);
+    }
+    length
+}
+
 /// Whether points (m) are the corners of a simple polygon in the positive quadrant.
 ///
 /// # Errors
@@ -83,31 +105,30 @@ pub fn check(points: &[[f64; 2]]) -> Result<(), Fault> {
         return Err(Fault::Outside(i));
     }
     let edge = |i: usize| [points[i], points[(i + 1) % count]];
-    for i in 0..count {
-        for j in i + 1..count {
-            let next = j == i + 1 || (i == 0 && j == count - 1);
-            if if next { folds(&edge(i), &edge(j)) } else { touch(&edge(i), &edge(j)) } {
-                return Err(Fault::Crossing(i, j));
-            }
-        }
+    if let Some(i) = (0..count).find(|i| folds(&edge(*i), &edge((i + 1) % count))) {
+        let j = (i + 1) % count;
+        return Err(Fault::Crossing(i.min(j), i.max(j)));
     }
-    Ok(())
+    match crossing::find(count, &edge) {
+        Some((i, j)) => Err(Fault::Crossing(i.min(j), i.max(j))),
+        None => Ok(()),
+    }
 }
 
 /// Twice the area of the triangle a, b, c, m2.
-fn turn(a: &[f64; 2], b: &[f64; 2], c: &[f64; 2]) -> f64 {
+pub(super) fn turn(a: &[f64; 2], b: &[f64; 2], c: &[f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
 /// Whether two edges that share a corner lie on each other, or one has no length.
-fn folds([a, b]: &[[f64; 2]; 2], [c, d]: &[[f64; 2]; 2]) -> bool {
+pub(super) fn folds([a, b]: &[[f64; 2]; 2], [c, d]: &[[f64; 2]; 2]) -> bool {
     let (shared, first, second) = if b == c { (b, a, d) } else { (a, b, c) };
     let along = |d: usize| (first[d] - shared[d]) * (second[d] - shared[d]);
     a == b || c == d || (turn(shared, first, second) == 0.0 && along(0) + along(1) > 0.0)
 }
 
 /// Whether two edges have a point in common.
-fn touch([a, b]: &[[f64; 2]; 2], [c, d]: &[[f64; 2]; 2]) -> bool {
+pub(super) fn touch([a, b]: &[[f64; 2]; 2], [c, d]: &[[f64; 2]; 2]) -> bool {
     let overlap = |k: usize| a[k].max(b[k]) >= c[k].min(d[k]) && c[k].max(d[k]) >= a[k].min(b[k]);
     let sides = |[a, b]: [&[f64; 2]; 2], c, d| turn(a, b, c) * turn(a, b, d) <= 0.0;
     overlap(0) && overlap(1) && sides([a, b], c, d) && sides([c, d], a, b)

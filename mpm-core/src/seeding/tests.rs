@@ -96,3 +96,98 @@ proptest! {
         prop_assert!(parts.iter().all(|p| p.area > 0.0));
     }
 }
+
+#[test]
+fn the_crest_is_what_is_highest_and_level_or_else_the_peak() {
+    let below = |polygon: &[[f64; 2]], spacing: f64| {
+        let parts = parts(polygon, spacing);
+        let crest = below_crest(polygon, &parts, spacing);
+        let width: f64 = crest.iter().map(|(_, width)| width).sum();
+        let places: Vec<[f64; 2]> = crest.iter().map(|(i, _)| parts[*i].centroid).collect();
+        (width, places)
+    };
+    for spacing in [0.2, 0.07, 1.0 / 3.0] {
+        let (width, places) = below(&LEVEE, spacing);
+        // A sliver of the crest may be left out.
+        assert!((width - 3.0).abs() <= SLIVER * spacing + 1e-12, "{spacing}: {width}");
+        assert!(places.iter().all(|[x, y]| *x < 3.0 + spacing && *y > 3.0 - 1.5 * spacing), "{spacing}: {places:?}");
+        let peak = [[0.0, 0.0], [4.0, 0.0], [1.3, 2.0]];
+        let (_, places) = below(&peak, spacing);
+        assert!(places.len() == 1 && (places[0][0] - 1.3).hypot(places[0][1] - 2.0) < 1.5 * spacing, "{places:?}");
+    }
+}
+
+#[test]
+fn lengths_along_sides_are_those_of_the_outline() {
+    let all = [0.0, f64::INFINITY];
+    for (polygon, sides) in [(&LEVEE[..], [3.0, 0.0, 9.0, 9.0]), (&BRIDGE[..], [3.0, 3.0, 2.0, 3.0])] {
+        let width = polygon.iter().fold(0.0, |w: f64, x| w.max(x[0]));
+        for (side, length) in sides.into_iter().enumerate() {
+            let mirrored: Vec<[f64; 2]> = polygon.iter().map(|[x, y]| [width - x, *y]).collect();
+            let other = [1, 0, 2, 3][side];
+            let found = [length_along(polygon, side, all, width), length_along(&mirrored, other, all, width)];
+            assert!(found.iter().all(|l| (l - length).abs() < 1e-12), "side {side}: {found:?}, expected {length}");
+        }
+    }
+    assert!((length_along(&LEVEE, 3, [8.8, 9.2], 9.0) - 0.2).abs() < 1e-12);
+    assert!((length_along(&BRIDGE, 2, [0.5, 2.5], 3.0) - 1.0).abs() < 1e-12);
+}
+
+/// Whether any two edges of a polygon meet: every pair is asked.
+fn meets(points: &[[f64; 2]]) -> bool {
+    let count = points.len();
+    let edge = |i: usize| [points[i], points[(i + 1) % count]];
+    (0..count).any(|i| {
+        (i + 1..count).any(|j| {
+            let next = j == i + 1 || (i == 0 && j == count - 1);
+            if next { polygon::folds(&edge(i), &edge(j)) } else { polygon::touch(&edge(i), &edge(j)) }
+        })
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_sweep_finds_what_all_pairs_find(
+        // Few places: corners on edges, edges on edges and edges of no length abound.
+        places in prop::collection::vec((0..5_u8, 0..5_u8), 3..9),
+        anywhere in prop::collection::vec((0.0..1.0_f64, 0.0..1.0_f64), 3..7),
+        star in polygons(),
+        at in any::<prop::sample::Index>(),
+        put in (0.0..10.0_f64, 0.0..10.0_f64),
+    ) {
+        let places: Vec<[f64; 2]> = places.iter().map(|(x, y)| [f64::from(*x), f64::from(*y)]).collect();
+        let anywhere: Vec<[f64; 2]> = anywhere.iter().map(|(x, y)| [*x, *y]).collect();
+        let mut moved = star.clone();
+        moved[at.index(star.len())] = [put.0, put.1];
+        for points in [places, anywhere, star, moved] {
+            prop_assert_eq!(check(&points).is_err(), meets(&points), "{:?}", points);
+        }
+    }
+}
+
+#[test]
+fn outlines_of_a_hundred_thousand_corners_are_checked_in_a_second() {
+    const CORNERS: usize = 100_000;
+    let star = |i: usize| {
+        let (angle, radius) = (TAU * i as f64 / CORNERS as f64, if i % 2 == 0 { 4.9 } else { 0.5 });
+        [5.0 + radius * angle.cos(), 5.0 + radius * angle.sin()]
+    };
+    let comb = |i: usize| [2.0 * (i as f64 / 4.0).floor() + [0.0, 0.0, 1.0, 1.0][i % 4], [1.0, 9.0, 9.0, 1.0][i % 4]];
+    let shapes: [Vec<[f64; 2]>; 2] = [
+        (0..CORNERS).map(star).collect(),
+        [[1e6, 0.0], [0.0, 0.0]].into_iter().chain((0..CORNERS).map(comb)).collect(),
+    ];
+    for mut points in shapes {
+        let clock = std::time::Instant::now();
+        assert_eq!(check(&points), Ok(()));
+        // The last corner lies beyond thousands of the others.
+        points[CORNERS - 1] = [5.0, 9.95];
+        assert!(check(&points).is_err());
+        let took = clock.elapsed().as_secs_f64();
+        println!("{} corners twice: {took:.2} s", points.len());
+        // Ten times what it takes; all pairs take minutes.
+        assert!(took < 5.0, "{took:.1} s");
+    }
+}

@@ -48,7 +48,7 @@ where
 
     /// A run at t = 0 of a mesh with edges.
     pub fn with_edges(mut parts: Parts<L, W, D, S>, edges: Option<Box<Edges<D>>>) -> Self {
-        parts.surface.follow(&parts.solid);
+        parts.follow_surface::<K>();
         let count = parts.grid.node_count();
         let pushed = if W::PRESSES { count } else { 0 };
         let mut run = Self {
@@ -72,6 +72,11 @@ where
     /// What the run is made of.
     pub(super) fn parts(&mut self) -> &mut Parts<L, W, D, S> {
         &mut self.parts
+    }
+
+    /// Gravity, m/s2.
+    pub(super) fn gravity(&self) -> Option<[f64; D]> {
+        self.parts.gravity
     }
 
     /// The mesh.
@@ -158,9 +163,9 @@ where
                 place: format!("solid particle {} at {:?} m", solid.ids[e.index], e.x),
                 what: "outside the mesh".to_owned(),
             })?;
-            self.parts.surface.follow(&self.parts.solid);
             self.look_at_crossings()?;
         }
+        self.parts.follow_surface::<K>();
         let Parts { water, grid, solid, .. } = &mut self.parts;
         water.settle(grid, solid).map_err(|(place, what)| Fault { place, what })?;
         self.time += dt;
@@ -170,7 +175,7 @@ where
     /// Masses, momenta and stresses of both layers to the nodes.
     fn particles_to_mesh<const ALONE: bool>(&mut self) {
         self.nodes.fill(NodeSums::ZERO);
-        let Parts { grid, solid, water, .. } = &mut self.parts;
+        let Parts { grid, solid, water, filled, .. } = &mut self.parts;
         water.clear();
         for (cell, position) in grid.walk() {
             let range = solid.range(cell);
@@ -213,6 +218,10 @@ where
             }
             let at =
                 if Sh::AT_CENTROID { centroid(grid, &position, &solid.points[solid.range(cell)]) } else { [0.5; D] };
+            let soil_volume = filled.volume(cell, volume);
+            if filled.is_known() {
+                stress.scale(soil_volume / volume);
+            }
             if Sh::AT_CENTRE {
                 // Section 2.2: G_i(x_c) for every particle of the cell.
                 for d in 0..D {
@@ -220,8 +229,9 @@ where
                 }
             }
             let corners = grid.corners_from(grid.first_corner(cell, &position));
-            let soil = SoilCell { place: Place { cell, position, corners }, mass, volume, at };
-            let water_mass = water.cell_to_grid::<Sh::Pore>(grid, &soil, &mut stress);
+            let place = Place { cell, position, corners };
+            let soil = SoilCell { place, mass, volume, filled: soil_volume, at };
+            let water_mass = water.cell_to_grid::<Sh::Pore>(grid, &soil, &solid_mass, &mut stress);
             // div(sigma') - grad p, weak: f_i = - sum_p V sigma G_i
             let internal = to_corners::<D, D, _>(&K::internal_force(&stress.mean, &stress.first, grid.inverse_size));
             for a in 0..Grid::<D>::CORNERS {
@@ -312,6 +322,7 @@ where
         if self.edges.is_some() {
             self.follow(dt);
         }
+        self.totals.accelerate(&self.nodes, &self.motion, self.parts.flip, dt);
         let pressure = self.pressure();
         for d in 0..D {
             self.totals.support_impulse[d] += impulse[d];
@@ -430,7 +441,6 @@ where
     #[inline(never)]
     fn follow_particles(&mut self, dt: f64) {
         let Some(track) = &mut self.track else { return };
-        track.work(&self.nodes, &self.motion, dt);
         let Parts { grid, solid, .. } = &self.parts;
         for (cell, position) in grid.walk() {
             let range = solid.range(cell);
@@ -499,7 +509,7 @@ where
             let place = Place { cell, position: grid.cell_position(cell), corners: [0; 4] };
             let points = &solid.points[solid.range(cell)];
             let (mass, volume) = points.iter().fold((0.0, 0.0), |(m, v), p| (m + p.mass, v + p.volume));
-            water.on_base(&SoilCell { place, mass, volume, at: [0.5; D] }, rise)
+            water.on_base(&SoilCell { place, mass, volume, filled: volume, at: [0.5; D] }, rise)
         };
         base.gather(grid, solid, joined, pressure);
         let rubbed = base.rub(&self.nodes, &mut self.motion, dt);
@@ -528,6 +538,13 @@ where
     fn darcy_flow<const ALONE: bool>(&mut self, dt: f64) {
         if W::WET {
             let gravity = self.parts.gravity.unwrap_or([0.0; D]);
+            let motion = &mut self.motion;
+            self.parts.filled.calm(&self.parts.grid, |lower, upper, share| {
+                for d in 0..D {
+                    let below = motion[lower].acceleration[d];
+                    motion[upper].acceleration[d] = below + share * (motion[upper].acceleration[d] - below);
+                }
+            });
             let rates = self.parts.water.flow(&self.parts.grid, &self.motion, &gravity);
             self.totals.darcy_dissipation += dt * rates.dissipation;
             self.totals.flow_body_work += dt * rates.body_work;

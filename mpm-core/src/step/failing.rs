@@ -39,8 +39,8 @@ pub trait Failing: Model {
     fn count_from_here(&mut self);
     /// Forgets the slip on the base.
     fn forget_slip(&mut self);
-    /// The strength of soil and base is that of the scene divided by a factor: c, tan phi, tan psi.
-    fn weaken(&mut self, factor: f64);
+    /// The strength of soil and base is that of the scene divided by a factor: c, tan phi, tan psi; the soil is so many times as stiff.
+    fn alter(&mut self, factor: f64, stiffness: f64);
     /// What is left of the forces on the nodes, as a share of them.
     fn unbalanced(&self) -> f64;
     /// Visits every particle of soil.
@@ -49,11 +49,9 @@ pub trait Failing: Model {
     fn frame(&self, time_s: f64, step: u64) -> Frame;
     /// Height of the free surface above the base at x (m), m.
     fn level(&self, x: f64) -> f64;
-    /// Largest x (m) that water has reached in the lowest row of cells.
-    fn front(&self) -> f64;
+    /// How far water has come in the lowest row of cells, x in m, towards +x (1) or towards -x (-1).
+    fn front(&self, towards: f64) -> f64;
     /// How uneven pressures and motion are: mean |p_00 - p_10 - p_01 + p_11|/4 over blocks of full cells by mean |p|, and the
     /// share of the kinetic energy that is in hourglass modes (velocities of the corners of a cell that alternate).
     fn unevenness(&self) -> [f64; 2];
-    /// Work of all forces on the nodes since counting began, J.
-    fn node_work(&self) -> f64;
 }

@@ -1,7 +1,7 @@
 //! What a run is made of, and what is read from it between steps.
 
 use super::Transfer;
-use crate::boundary::{BodyForce, Plate, Supports, SurfaceLoad};
+use crate::boundary::{BodyForce, Filled, Plate, Supports, SurfaceLoad};
 use crate::constitutive::{Flow, Law, Laws};
 use crate::dimension::Kinematics;
 use crate::grid::Grid;
@@ -26,6 +26,8 @@ pub struct Parts<L, W, const D: usize, const S: usize> {
     pub supports: Supports<D>,
     /// Top surface.
     pub surface: SurfaceLoad<D>,
+    /// How much of each cell is soil.
+    pub filled: Filled<D>,
     /// Load on it.
     pub surcharge: Option<Surcharge>,
     /// Gravity, m/s2, as a vector; `None` leaves the term out.
@@ -54,14 +56,30 @@ impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
     where
         W: Water<K, D, S>,
     {
-        let Self { grid, solid, water, surface, transfer, .. } = self;
+        let Self { grid, solid, water, surface, transfer, filled, .. } = self;
         solid.keep(keeper, &SolidPoint::NONE, SolidPoint::keep);
+        filled.keep(keeper);
         water.keep(keeper, grid);
         if let Some(transfer) = transfer {
             transfer.keep(keeper);
         }
         if keeper.is_reading() {
             surface.find(solid);
+            water.under_surface(filled);
+        }
+    }
+
+    /// Finds the surface after particles have moved.
+    #[inline(always)]
+    pub fn follow_surface<K: Kinematics<D, S>>(&mut self)
+    where
+        W: Water<K, D, S>,
+    {
+        let Self { grid, solid, water, surface, filled, .. } = self;
+        surface.follow(solid);
+        if filled.is_known() {
+            filled.follow_layer(grid, surface, solid);
+            water.under_surface(filled);
         }
     }
 
@@ -83,11 +101,13 @@ impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
             for index in range {
                 let point = &solid.points[index];
                 let id = solid.ids[index];
-                let energy = law.law(law.mark_of(id)).energy(&point.stress);
+                let energy = law.law(law.mark_of(id)).finite_energy(&point.stress);
                 values.add_solid(point, self.seed.height_of(id), energy);
             }
             let place = Place { cell, position, corners };
-            let soil = SoilCell { place, mass: values.solid_mass, volume: values.volume, at: [0.5; D] };
+            let filled = self.filled.volume(cell, values.volume);
+            values.strain_energy *= filled / values.volume;
+            let soil = SoilCell { place, mass: values.solid_mass, volume: values.volume, filled, at: [0.5; D] };
             (values.pressure, values.water_energy) = water.cell_state(&soil);
             values.water_mass = water.cell_mass(&soil);
             values.row = position[D - 1];
@@ -150,7 +170,13 @@ impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
             if points.is_empty() {
                 continue;
             }
-            let soil = SoilCell { place: Place { cell, position, corners: [0; 4] }, mass, volume, at: [0.5; D] };
+            let soil = SoilCell {
+                place: Place { cell, position, corners: [0; 4] },
+                mass,
+                volume,
+                filled: volume,
+                at: [0.5; D],
+            };
             let (pore_pressure, _) = water.cell_state(&soil);
             states.extend(range.zip(points).map(|(index, point)| SolidState {
                 id: solid.ids[index],
@@ -190,7 +216,8 @@ impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
                 continue;
             }
             let (v, mass) = solid.points[range].iter().fold((0.0, 0.0), |(v, m), p| (v + p.volume, m + p.mass));
-            let soil = SoilCell { place: Place { cell, position, corners: [0; 4] }, mass, volume: v, at: [0.5; D] };
+            let place = Place { cell, position, corners: [0; 4] };
+            let soil = SoilCell { place, mass, volume: v, filled: v, at: [0.5; D] };
             let (pressure, _) = water.cell_state(&soil);
             sum += pressure * v;
             volume += v;

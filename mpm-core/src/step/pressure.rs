@@ -28,6 +28,9 @@ pub struct PressureSystem<const D: usize> {
     entries: Vec<Entry<D>>,
     /// H over the conductance between neighbours of the water's own conductivity, in the same order.
     laplacian: Vec<f64>,
+    /// Row of each cell, and the entry of the diagonal of each row.
+    row_of: Vec<u32>,
+    diagonal: Vec<usize>,
     /// m^-1 C dt of every cell, m2 s/kg.
     response: Vec<[f64; D]>,
     /// 1/m of the coefficients that are free to move, 1/kg.
@@ -71,6 +74,8 @@ impl<const D: usize> PressureSystem<D> {
             system: None,
             entries: Vec::new(),
             laplacian: Vec::new(),
+            row_of: Vec::new(),
+            diagonal: Vec::new(),
             response: vec![[0.0; D]; grid.cell_count() * Functions::<B, D>::REACHED],
             inverse_mass: vec![[0.0; D]; count],
             before: Vec::new(),
@@ -112,6 +117,9 @@ impl<const D: usize> PressureSystem<D> {
         if self.system.is_none() || self.order != [parts.solid.order, parts.water.layout()] {
             self.follow::<B, _, LAYERED>(&parts.grid, &parts.solid, &parts.water).map_err(fault)?;
         }
+        if parts.water.has_surface() {
+            self.conduct(&parts.grid, &parts.water);
+        }
         self.respond(skeleton, dt);
         self.fill::<B, LAYERED>(&skeleton.coupling, &skeleton.parts.water, dt);
         self.right_side(skeleton, dt);
@@ -148,14 +156,14 @@ impl<const D: usize> PressureSystem<D> {
         self.cells.clear();
         self.cells.extend((0..grid.cell_count() as u32).filter(|c| soil(*c as usize)));
         let count = self.cells.len();
-        let mut row_of = vec![u32::MAX; grid.cell_count()];
+        self.row_of.clear();
+        self.row_of.resize(grid.cell_count(), u32::MAX);
         for (row, cell) in self.cells.iter().enumerate() {
-            row_of[*cell as usize] = row as u32;
+            self.row_of[*cell as usize] = row as u32;
         }
         self.entries.clear();
-        self.laplacian.clear();
         let reach = B::REACH as i32 - 1;
-        let mut diagonal = vec![0; count];
+        self.diagonal.clear();
         for (column, &cell) in self.cells.iter().enumerate() {
             let position = grid.cell_position(cell as usize);
             for shift in window::<D>(reach) {
@@ -164,27 +172,14 @@ impl<const D: usize> PressureSystem<D> {
                     continue;
                 }
                 let other = (0..D).rev().fold(0, |cell, d| cell * grid.cells[d] + other[d] as usize);
-                let row = row_of[other];
+                let row = self.row_of[other];
                 if row as usize <= column {
-                    let neighbours = shift.iter().map(|s| s.abs()).sum::<i32>() == 1;
                     self.entries.push(Entry { row, column: column as u32, shift });
-                    let between = || water.conductance_between(grid, [other, cell as usize]);
-                    self.laplacian.push(if neighbours { -between() } else { 0.0 });
                 }
             }
-            diagonal[column] = self.entries.len() - 1; // rows ascend: the diagonal closes its column
+            self.diagonal.push(self.entries.len() - 1); // rows ascend: the diagonal closes its column
         }
-        for k in 0..self.entries.len() {
-            if self.laplacian[k] < 0.0 {
-                let Entry { row, column, .. } = self.entries[k];
-                let between = -self.laplacian[k];
-                self.laplacian[diagonal[row as usize]] += between;
-                self.laplacian[diagonal[column as usize]] += between;
-            }
-        }
-        for (cell, conductance) in water.outlets(grid) {
-            self.laplacian[diagonal[row_of[cell] as usize]] += conductance;
-        }
+        self.conduct(grid, water);
         let matrix = Symmetric::new(count, self.entries.iter().map(|e| (e.row as usize, e.column as usize)));
         let ordering = if D == 1 { Ordering::AsNumbered } else { Ordering::MinimumDegree };
         let factor = Factor::new(&matrix, Signs::Definite, ordering)?;
@@ -194,6 +189,24 @@ impl<const D: usize> PressureSystem<D> {
             values.resize(count, 0.0);
         }
         Ok(())
+    }
+
+    /// H from the conductances of the faces.
+    fn conduct<const LAYERED: bool>(&mut self, grid: &Grid<D>, water: &Saturated<Face<D, LAYERED>, D>) {
+        self.laplacian.clear();
+        self.laplacian.resize(self.entries.len(), 0.0);
+        for (k, Entry { row, column, shift }) in self.entries.iter().enumerate() {
+            if shift.iter().map(|s| s.abs()).sum::<i32>() == 1 {
+                let cells = [*row, *column].map(|row| self.cells[row as usize] as usize);
+                let between = water.conductance_between(grid, cells);
+                self.laplacian[k] -= between;
+                self.laplacian[self.diagonal[*row as usize]] += between;
+                self.laplacian[self.diagonal[*column as usize]] += between;
+            }
+        }
+        for (cell, conductance) in water.outlets(grid) {
+            self.laplacian[self.diagonal[self.row_of[cell] as usize]] += conductance;
+        }
     }
 
     /// `dt m^-1 C`: the velocities that a unit pressure in a cell makes, without the held coefficients.

@@ -60,7 +60,7 @@ where
 {
     /// A run at t = 0; `coupled` keeps C.
     pub fn new(mut parts: Parts<L, W, D, S>, basis: B, coupled: bool) -> Self {
-        parts.surface.follow(&parts.solid);
+        parts.follow_surface::<K>();
         let functions = Functions::new(basis, &parts.grid);
         let entries = if coupled { parts.grid.cell_count() * Functions::<B, D>::REACHED } else { 0 };
         let mut skeleton = Self {
@@ -89,7 +89,7 @@ where
         if COUPLED {
             self.coupling.fill([0.0; D]);
         }
-        let Parts { grid, solid, water, .. } = &mut self.parts;
+        let Parts { grid, solid, water, filled, .. } = &mut self.parts;
         water.clear();
         for (cell, position) in grid.walk() {
             let range = solid.range(cell);
@@ -100,9 +100,12 @@ where
             let points = &solid.points[range];
             let (mass, volume) = points.iter().fold((0.0, 0.0), |(m, v), p| (m + p.mass, v + p.volume));
             let place = Place { cell, position, corners: grid.corners_from(grid.first_corner(cell, &position)) };
-            let pressure = water.note(&SoilCell { place, mass, volume, at: [0.5; D] });
+            let soil = SoilCell { place, mass, volume, filled: filled.volume(cell, volume), at: [0.5; D] };
+            let (pressure, share, water_ratio) = (water.note(&soil), soil.filled / volume, water.ratio(&soil));
+            let mixture = 1.0 + water_ratio.unwrap_or(0.0);
             for point in points {
                 let stencil = self.functions.around(&position, &inside(grid, &position, &point.x));
+                let weight = share * point.volume;
                 let mut stress = point.stress;
                 if !COUPLED {
                     for s in 0..S {
@@ -115,24 +118,24 @@ where
                         Some(middle) => split_traction::<K, D, S>(&stress, &stencil.gradient[a], &middle.gradient[a]),
                         None => K::traction(&stress, &stencil.gradient[a]),
                     };
-                    let share = point.mass * stencil.value[a];
+                    let mass = point.mass * stencil.value[a];
                     let node = &mut self.nodes[stencil.node[a]];
-                    node.solid_mass += share;
-                    node.mixture_mass += share;
+                    node.solid_mass += mass;
+                    node.mixture_mass += mixture * mass;
                     for d in 0..D {
-                        node.momentum[d] += share * point.v[d];
-                        node.force[d] -= point.volume * internal[d];
+                        node.momentum[d] += mass * point.v[d];
+                        node.force[d] -= weight * internal[d];
                     }
                     if COUPLED {
                         let reached = Functions::<B, D>::reached(&position, &stencil, a);
                         let c = &mut self.coupling[cell * Functions::<B, D>::REACHED + reached];
                         for d in 0..D {
-                            c[d] += point.volume * middle.as_ref().unwrap_or(&stencil).gradient[a][d];
+                            c[d] += weight * middle.as_ref().unwrap_or(&stencil).gradient[a][d];
                         }
                     }
                 }
             }
-            if let Some(layer) = water.layer() {
+            if let Some(layer) = water.layer().filter(|_| water_ratio.is_none()) {
                 for point in &layer.points[layer.range(cell)] {
                     let stencil = self.functions.around(&position, &inside(grid, &position, &point.x));
                     for a in 0..Functions::<B, D>::COUNT {
@@ -261,6 +264,7 @@ where
         if let Some(lifted) = &mut self.lifted {
             lifted.lower(&mut self.nodes, &self.motion, dt, &mut self.totals);
         }
+        self.totals.accelerate(&self.nodes, &self.motion, self.parts.flip, dt);
         let pressure = self.pressure();
         for d in 0..D {
             self.totals.support_impulse[d] += taken.support_impulse[d];
@@ -456,14 +460,15 @@ where
     /// # Errors
     /// A particle outside the mesh, or soil without water.
     pub fn settle(&mut self, left: bool, dt: f64) -> Result<(), Fault> {
-        let Parts { water, grid, solid, surface, .. } = &mut self.parts;
         if left {
+            let Parts { grid, solid, .. } = &mut self.parts;
             solid.sort(grid).map_err(|e| Fault {
                 place: format!("solid particle {} at {:?} m", solid.ids[e.index], e.x),
                 what: "outside the mesh".to_owned(),
             })?;
-            surface.follow(solid);
         }
+        self.parts.follow_surface::<K>();
+        let Parts { water, grid, solid, .. } = &mut self.parts;
         water.settle(grid, solid).map_err(|(place, what)| Fault { place, what })?;
         self.time += dt;
         Ok(())
@@ -564,6 +569,7 @@ mod tests {
             water: Dry,
             law: LinearElastic::plane_strain(&Elastic { youngs_modulus: 1.0, poisson_ratio: 0.3 }),
             surface: SurfaceLoad::new(Vec::new(), 0.0, LoadOn::Surface),
+            filled: Default::default(),
             surcharge: None,
             gravity: None,
             force: None,

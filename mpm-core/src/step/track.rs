@@ -1,8 +1,7 @@
-//! What failing soil is followed by: displacement, deviator strain, and the energy that its particles do not get from the mesh.
+//! What failing soil is followed by: displacement and deviator strain.
 
 use crate::dimension::{Gradient, Kinematics};
 use crate::keep::Keeper;
-use crate::nodes::{NodeMotion, NodeSums};
 use crate::particles::{Layer, SolidPoint};
 
 /// Particles by their numbers, since counting began.
@@ -12,8 +11,6 @@ pub struct Track<const D: usize, const S: usize> {
     pub origin: Vec<[f64; D]>,
     /// Strain (tensor components in the order of the stress, turned with the soil).
     pub strain: Vec<[f64; S]>,
-    /// Work of all forces on the nodes, J.
-    pub node_work: f64,
 }
 
 impl<const D: usize, const S: usize> Track<D, S> {
@@ -23,7 +20,7 @@ impl<const D: usize, const S: usize> Track<D, S> {
         for (point, id) in solid.points.iter().zip(&solid.ids) {
             origin[*id as usize] = point.x;
         }
-        Self { strain: vec![[0.0; S]; origin.len()], origin, node_work: 0.0 }
+        Self { strain: vec![[0.0; S]; origin.len()], origin }
     }
 
     /// Adds the strain of a particle in a step.
@@ -35,16 +32,6 @@ impl<const D: usize, const S: usize> Track<D, S> {
         for s in 0..S {
             // Engineering shear is twice the component of the tensor.
             strain[s] += if s >= 3 { 0.5 * more[s] } else { more[s] };
-        }
-    }
-
-    /// Adds the work on the nodes in a step.
-    pub fn work(&mut self, nodes: &[NodeSums<D>], motion: &[NodeMotion<D>], dt: f64) {
-        for (node, m) in nodes.iter().zip(motion) {
-            for d in 0..D {
-                self.node_work +=
-                    dt * node.mixture_mass * m.acceleration[d] * (m.velocity[d] - 0.5 * dt * m.acceleration[d]);
-            }
         }
     }
 
@@ -62,6 +49,5 @@ impl<const D: usize, const S: usize> Track<D, S> {
     pub fn keep(&mut self, keeper: &mut Keeper) {
         keeper.entries(&mut self.origin, |x, keeper| keeper.f64s(x));
         keeper.entries(&mut self.strain, |e, keeper| keeper.f64s(e));
-        keeper.f64(&mut self.node_work);
     }
 }

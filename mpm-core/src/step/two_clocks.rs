@@ -22,8 +22,8 @@ use crate::water::free_surface::Kind;
 const FIRST_STEP: f64 = 1e-4;
 /// Wet share from which on the last cell of a slope is wet.
 const TOE_WET: f64 = 0.25;
-/// Motion slower than this (m/s) is none to speak of.
-const STILL: f64 = 1e-2;
+/// Motion slower than this is none to speak of, in sqrt(g times the height of the mesh).
+const STILL: f64 = 2e-3;
 /// Cells times moves of particles between two looks at whether the run is to be kept or stopped: some tenths of a second.
 const CELL_MOVES_AT_ONCE: usize = 1 << 18;
 /// More moves of particles at one state of the soil are not worth waiting for.
@@ -73,6 +73,12 @@ where
         [totals.water_in, totals.water_out] = flowed;
     }
 
+    /// Whether the water particles are those of the water in the cells.
+    fn balanced(&self) -> Result<(), Fault> {
+        let what = self.soil.water().unbalanced();
+        what.map_or(Ok(()), |what| Err(Fault { place: "the water".to_owned(), what }))
+    }
+
     /// Seeps for a time (s), at most until the particles have been moved so many times; what is left of the time then waits.
     fn seep_for(&mut self, span: f64, most: u64, done: &mut u64) -> Result<(), Fault> {
         let mut time = 0.0;
@@ -104,11 +110,12 @@ where
         parts.water.show();
         self.soil.pass(time);
         self.book();
-        outcome
+        outcome.and_then(|()| self.balanced())
     }
 
     fn water_state(&self, grid: &Grid<D>) -> WaterState {
         let Carried { water, layer, .. } = self.soil.water();
+        let rounding = layer.rounding();
         let mut front = [0.0; 2];
         for (cell, position) in grid.walk() {
             let wet = water.wet_share(cell).clamp(0.0, 1.0);
@@ -124,6 +131,9 @@ where
             mobile_porosity: water.medium.porosity,
             particles_m3: layer.stored(),
             pending_m3: layer.pending(),
+            pending_allowed_m3: rounding.pending,
+            asked_m3: water.asked,
+            ran_off_m3: water.ran_off,
             inflow_m3_s: water.rates[0],
             outflow_m3_s: water.rates[1],
             in_m3: water.inflow,
@@ -156,7 +166,7 @@ where
                 let at_once = (CELL_MOVES_AT_ONCE / self.soil.grid().cell_count()).clamp(16, 4096);
                 self.seep_for(dt * steps as f64, at_once as u64, done)
             }
-            Clock::Soil | Clock::Both => self.soil.advance(dt, steps, done),
+            Clock::Soil | Clock::Both => self.soil.advance(dt, steps, done).and_then(|()| self.balanced()),
         }
     }
 
@@ -266,7 +276,7 @@ where
         }
         let outcome = self.soil.advance(pace.dt, pace.steps, done);
         self.book();
-        outcome
+        outcome.and_then(|()| self.balanced())
     }
 
     fn seep(&mut self, span: f64, done: &mut u64) -> Result<(), Fault> {
@@ -313,9 +323,11 @@ where
         }
     }
 
-    fn weaken(&mut self, factor: f64) {
+    fn alter(&mut self, factor: f64, stiffness: f64) {
         let parts = self.soil.parts();
-        parts.law = self.law.weakened(factor);
+        // The law of the scene to its last bit: a run that is resumed has no other.
+        let unaltered = factor == 1.0 && stiffness == 1.0;
+        parts.law = if unaltered { self.law } else { self.law.altered(factor, stiffness) };
         if let Some(base) = self.soil.base() {
             base.weaken(factor);
         }
@@ -385,18 +397,27 @@ where
         self.soil.water().water.level(self.soil.grid(), x)
     }
 
-    fn front(&self) -> f64 {
+    fn front(&self, towards: f64) -> f64 {
         let (grid, water) = (self.soil.grid(), &self.soil.water().water);
-        let mut front: f64 = 0.0;
+        let right = towards > 0.0;
+        let last_soil = (0..grid.cells[0]).rfind(|cell| water.soil.is_soil(*cell)).map_or(0, |cell| cell + 1);
+        // Before any has come: the side that the toe looks away from.
+        let mut front: f64 = if right { 0.0 } else { last_soil as f64 * grid.size };
         for cell in 0..grid.cells[0] {
             let wet = water.wet_share(cell).clamp(0.0, 1.0);
             if wet > 1e-6 {
                 // The soil of a toe ends before its cell does.
                 let soil = water.soil.cover[1][cell][1].max(water.soil.share[cell]);
                 // The last cell lets out what would fill it: it is wet when a part of it is.
-                let last = cell + 1 == grid.cells[0] || !water.soil.is_soil(cell + 1);
-                let reached = if last && wet >= TOE_WET { 1.0 } else { wet };
-                front = front.max((cell as f64 + soil * reached) * grid.size);
+                let next =
+                    if right { Some(cell + 1).filter(|cell| *cell < grid.cells[0]) } else { cell.checked_sub(1) };
+                let last = next.is_none_or(|next| !water.soil.is_soil(next));
+                let reached = soil * if last && wet >= TOE_WET { 1.0 } else { wet };
+                front = if right {
+                    front.max((cell as f64 + reached) * grid.size)
+                } else {
+                    front.min(((cell + 1) as f64 - reached) * grid.size)
+                };
             }
         }
         front
@@ -422,6 +443,8 @@ where
         let checkerboard =
             if blocks > 0 && mean > 0.0 { uneven / f64::from(blocks) / (mean / f64::from(cells)) } else { 0.0 };
         let (_, motion) = self.soil.nodes();
+        let gravity = self.soil.gravity().map_or(0.0, |[x, y]| x.hypot(y));
+        let still = STILL * STILL * gravity * grid.cells[1] as f64 * grid.size;
         let (mut hourglass, mut whole) = (0.0, 0.0);
         for (cell, position) in grid.walk() {
             let soil = water.soil.share[cell];
@@ -432,13 +455,9 @@ where
                     hourglass += soil * (0.25 * (a - b - c + e)).powi(2);
                     whole += soil * 0.25 * (a * a + b * b + c * c + e * e);
                 }
-                whole += soil * STILL * STILL;
+                whole += soil * still;
             }
         }
         [checkerboard, if whole > 0.0 { hourglass / whole } else { 0.0 }]
-    }
-
-    fn node_work(&self) -> f64 {
-        self.soil.track.as_ref().map_or(0.0, |track| track.node_work)
     }
 }

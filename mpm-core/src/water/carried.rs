@@ -4,7 +4,8 @@
 //! would push too hard. They are held while the soil comes to rest, or follow its motion, implicitly or explicitly.
 
 use super::free_surface::{
-    Filling, FreeSurface, Kind, Medium, MovingStep, SoilMap, Square, Squeeze, Surroundings, WaterLayer, squares,
+    Along, Filling, FreeSurface, Kind, Medium, MovingStep, Rounding, SoilMap, Square, Squeeze, Surroundings,
+    WaterLayer, squares,
 };
 use super::{FlowRates, Place, Pushed, SoilCell, StressSums, Water};
 use crate::dimension::{Kinematics, shares};
@@ -12,7 +13,7 @@ use crate::grid::Grid;
 use crate::keep::Keeper;
 use crate::nodes::NodeMotion;
 use crate::particles::{Layer, SolidPoint, WaterPoint};
-use crate::scene::{Scene, WaterProperties};
+use crate::scene::{Feed, Scene, WaterProperties};
 use crate::seeding;
 use crate::shape::Shape;
 use crate::sparse::Unsolved;
@@ -82,6 +83,8 @@ pub struct Carried<const D: usize> {
     /// How the nodes have moved since, m, and how far any may have.
     swept: Vec<[f64; D]>,
     way: f64,
+    /// Time since the water particles last followed water that flows while the soil moves, s.
+    waits: f64,
 }
 
 impl<const D: usize> Carried<D> {
@@ -148,7 +151,10 @@ impl<const D: usize> Carried<D> {
             boxes,
             swept: vec![[0.0; D]; grid.node_count()],
             way: 0.0,
+            waits: 0.0,
         };
+        let Self { water, around, .. } = &mut carried;
+        water.feed_exactly(grid, around, fed_along(scene, grid.cells));
         carried.show();
         Ok(carried)
     }
@@ -196,7 +202,9 @@ impl<const D: usize> Carried<D> {
     pub fn carry<const S: usize>(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>) {
         let Self { water, squeeze, boxes, around, layer, swept, .. } = self;
         layer.ride(grid, swept, around.periodic);
-        self.left_behind += water.carry(grid, solid, boxes, &mut squeeze.surplus, (around, self.per_direction));
+        let lost = water.carry(grid, solid, boxes, &mut squeeze.surplus, (around, self.per_direction));
+        self.left_behind += lost.iter().map(|(_, lost)| lost).sum::<f64>();
+        layer.book_lost(grid, water, &lost);
         squeeze.lay(grid, water);
         self.swept.fill([0.0; D]);
         self.way = 0.0;
@@ -213,10 +221,46 @@ impl<const D: usize> Carried<D> {
         self.felt[cell]
     }
 
+    /// What is wrong where the particles are not those of the water in the cells: more than half a particle is missing, or too
+    /// many, for each cell where water has entered or left, or some of it was never booked.
+    pub fn unbalanced(&self) -> Option<String> {
+        /// Roundings of a cell in a booking: of its content and of what is pending, one for each face and some more.
+        const EACH: f64 = 16.0;
+        let (cells, particles, pending) = (self.stored(), self.layer.stored(), self.layer.pending());
+        let Rounding { pending: most, bookings } = self.layer.rounding();
+        let flowed = cells.abs() + particles + self.water.inflow + self.water.outflow;
+        let round_off = EACH * f64::EPSILON * (bookings + 1) as f64 * flowed;
+        let lost = cells - particles - pending;
+        let wrong = lost.abs() > round_off || pending.abs() > most + round_off;
+        (wrong || lost.is_nan()).then(|| {
+            format!(
+                "the cells hold {cells:.6e} m3 and the particles {particles:.6e} m3: {pending:.3e} m3 is pending, of at most \
+                 {most:.3e}, and {lost:.3e} m3 was never booked, of at most {round_off:.1e}"
+            )
+        })
+    }
+
     /// Water in cells and waiting, m3.
     pub fn stored(&self) -> f64 {
         self.water.stored() + self.squeeze.surplus.iter().sum::<f64>()
     }
+}
+
+/// What feeds with a velocity meet of the soil at t = 0, in cells along their sides: rain what lies under the open sky, in
+/// proportion to its width, the others their side up to where they end. `mesh` counts the cells.
+fn fed_along<const D: usize>(scene: &Scene, mesh: [usize; D]) -> Along {
+    let feeds = scene.free_surface.as_ref().map_or([None; 4], |free| free.feeds);
+    let soil = scene.outline_or_box();
+    std::array::from_fn(|side| match feeds[side] {
+        Some(Feed::Velocity { height, .. }) if D == 2 => {
+            let axis = usize::from(side < 2);
+            let cell = |i: usize| [i as f64 * scene.cell, (i + 1) as f64 * scene.cell];
+            let top = if side < 2 { height } else { f64::INFINITY };
+            let length = |[low, high]: [f64; 2]| seeding::length_along(&soil, side, [low, high.min(top)], scene.width);
+            (0..mesh[axis]).map(|i| length(cell(i)) / scene.cell).collect()
+        }
+        _ => Vec::new(),
+    })
 }
 
 /// Share of a cell that is wet at t = 0.
@@ -243,7 +287,13 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Car
     }
 
     #[inline(always)]
-    fn cell_to_grid<Sh: Shape>(&mut self, _: &Grid<D>, soil: &SoilCell<D>, stress: &mut StressSums<D, S>) -> [f64; 4] {
+    fn cell_to_grid<Sh: Shape>(
+        &mut self,
+        _: &Grid<D>,
+        soil: &SoilCell<D>,
+        _: &[f64; 4],
+        stress: &mut StressSums<D, S>,
+    ) -> [f64; 4] {
         let cell = soil.place.cell;
         let mut at = soil.at;
         if Sh::AT_CENTROID {
@@ -290,8 +340,10 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Car
                 (format!("the cell at {place:?} m"), "no pressure keeps its water in balance".to_owned())
             })?;
             self.work += pressed.work;
-            for (edge, out) in self.water.leaks() {
-                self.layer.book(edge.cell as usize, dt * out);
+            self.waits += dt;
+            if self.layer.book(&self.water, dt) {
+                self.layer.move_by(grid, &self.water, self.waits, self.around.periodic);
+                self.waits = 0.0;
             }
             self.feel(1.0);
         }
@@ -365,6 +417,7 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Car
         });
         keeper.entries(&mut self.swept, |swept, keeper| keeper.f64s(swept));
         keeper.f64(&mut self.way);
+        keeper.f64(&mut self.waits);
         keeper.f64(&mut self.share);
         if keeper.is_reading() {
             self.squeeze.lay(grid, &self.water);

@@ -24,6 +24,10 @@ pub trait Cellwise<K: Kinematics<D, S>, const D: usize, const S: usize>: Water<K
     /// Notes a cell at the start of a step; returns its pressure, Pa.
     fn note(&mut self, soil: &SoilCell<D>) -> f64;
 
+    /// Mass of the water over that of the grains in a cell, whose water moves with its soil; nothing where that of the water
+    /// particles counts.
+    fn ratio(&self, soil: &SoilCell<D>) -> Option<f64>;
+
     /// Change of a cell whose soil gains volume at a rate (1/s), by the mass balance of the start of the step.
     fn change(&self, grid: &Grid<D>, place: &Place<D>, volume_rate: f64, dt: f64) -> CellChange;
 
@@ -42,6 +46,11 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Cellwise<K, D, S> for 
     #[inline(always)]
     fn note(&mut self, _: &SoilCell<D>) -> f64 {
         0.0
+    }
+
+    #[inline(always)]
+    fn ratio(&self, _: &SoilCell<D>) -> Option<f64> {
+        None
     }
 
     #[inline(always)]
@@ -85,16 +94,23 @@ impl<K: Kinematics<D, S>, const LAYERED: bool, const D: usize, const S: usize> C
         let pressure = if volume > 0.0 { weighted / volume } else { 0.0 };
         let porosity = self.porosity(soil);
         self.cells[cell] =
-            WaterCell { pressure, porosity, inverse_porosity: 1.0 / porosity, inverse_volume: 1.0 / soil.volume };
+            WaterCell { pressure, porosity, inverse_porosity: 1.0 / porosity, inverse_volume: 1.0 / soil.filled };
         pressure
+    }
+
+    #[inline(always)]
+    fn ratio(&self, soil: &SoilCell<D>) -> Option<f64> {
+        self.operator.knows_volumes().then(|| self.water_ratio(soil))
     }
 
     #[inline(always)]
     fn change(&self, grid: &Grid<D>, place: &Place<D>, volume_rate: f64, dt: f64) -> CellChange {
         let cell = &self.cells[place.cell];
-        let flow = self.operator.filling(cell.inverse_volume) * self.divergence(grid, place);
-        // Eq. (5), mended: dp = -(K_w/n) [ tr(d eps_s) + n tr(d eps*_w) ]
         let stiffness = self.properties.bulk_modulus * cell.inverse_porosity;
+        let (filling, softer) = self.operator.filling(cell.inverse_volume, stiffness * dt);
+        let flow = filling * self.divergence(grid, place);
+        // Eq. (5), mended: dp = -(K_w/n) [ tr(d eps_s) + n tr(d eps*_w) ]
+        let stiffness = softer * stiffness;
         CellChange { rise: -dt * stiffness * (volume_rate + cell.porosity * flow), swelling: volume_rate + flow }
     }
 

@@ -9,10 +9,11 @@
 use super::exposed::Exposed;
 use super::saturated::{DarcyOperator, WaterCell};
 use super::{FaceFlow, FlowRates, Place};
+use crate::boundary::{Filled, Top};
 use crate::grid::Grid;
 use crate::keep::Keeper;
 use crate::nodes::NodeMotion;
-use crate::scene::WaterProperties;
+use crate::scene::{Side, WaterProperties};
 
 /// A face between two cells of soil conducts fully, a drained surface lies half a cell from the centre.
 pub(crate) const DRAINED_SURFACE: f64 = 2.0;
@@ -36,9 +37,94 @@ pub struct Face<const D: usize, const LAYERED: bool = false> {
     inertia: f64,
     area: f64,
     cell_volume: f64,
+    /// k/(gamma_w L^2), 1/(Pa s): `D_p/L^2` per K_w/n.
+    diffusion: f64,
+    /// Whether the volume of soil in each cell is known.
+    known: bool,
+    /// Cells that hold the surface; none where it is not known, or held.
+    tops: Vec<Top>,
+    /// Faces between them and the cells below.
+    below_tops: Vec<FaceBelow>,
+}
+
+/// The face between a cell that holds the surface and the one below.
+#[derive(Debug, Clone, Copy)]
+struct FaceBelow {
+    /// Cell that holds the surface, cell below.
+    cells: [u32; 2],
+    face: u32,
+    nodes: [u32; 2],
+    /// Conductivity over that of the water.
+    open: f64,
+}
+
+impl FaceBelow {
+    const NONE: Self = Self { cells: [0; 2], face: 0, nodes: [0; 2], open: 0.0 };
+
+    fn keep(&mut self, keeper: &mut Keeper) {
+        let Self { cells: [top, below], face, nodes: [first, second], open } = self;
+        for number in [top, below, face, first, second] {
+            keeper.u32(number);
+        }
+        keeper.f64(open);
+    }
+}
+
+/// What is left of the stiffness of the water in a cell that is filled to 1/`over_fill` under a drained surface, so that an
+/// explicit step is as stable there as in a full one: its flow to the surface and to the cell below, `2/f + 2/(1 + f)`, over what
+/// it stores is at most that of a full cell, 2 + 1. Where a step is far from the limit of the flow, `diffusion` = `D_p dt/L^2` below
+/// 1/2, as much less is asked: water that hardly flows is as stiff as ever.
+#[inline(always)]
+pub(crate) fn softer(over_fill: f64, diffusion: f64) -> f64 {
+    let fill = 1.0 / over_fill;
+    let share = 1.5 * fill * fill * (1.0 + fill) / (1.0 + 2.0 * fill);
+    (share * (0.5 / diffusion).max(1.0)).min(1.0)
 }
 
 impl<const D: usize, const LAYERED: bool> Face<D, LAYERED> {
+    /// The part of a cell below the surface that is soil: 1 but for one that holds it.
+    #[inline(always)]
+    fn fill_of(&self, cell: usize) -> f64 {
+        match self.tops.get(cell % self.tops.len().max(1)) {
+            Some(top) if top.cell as usize == cell => top.fill,
+            _ => 1.0,
+        }
+    }
+
+    /// Distance of the middles of two cells, the lower one first, over that of full ones.
+    #[inline(always)]
+    pub(super) fn reach(&self, [lower, upper]: [usize; 2]) -> f64 {
+        let above = upper == lower + self.tops.len();
+        if above { 0.5 * (1.0 + self.fill_of(upper)) } else { 1.0 }
+    }
+
+    /// Distance of a drained surface from the middle of its cell, over the edge of a cell.
+    #[inline(always)]
+    pub(super) fn reach_of_surface(&self, cell: usize, side: u8) -> f64 {
+        if side == Side::Top as u8 { self.fill_of(cell) / DRAINED_SURFACE } else { 1.0 / DRAINED_SURFACE }
+    }
+
+    /// Flow between the cells that hold the surface and those below.
+    fn flow_below_surface(
+        &mut self,
+        cells: &[WaterCell],
+        motion: &[NodeMotion<D>],
+        gravity: &[f64; D],
+        rates: &mut FlowRates,
+    ) {
+        for i in 0..self.below_tops.len() {
+            let FaceBelow { cells: [top, below], face, nodes, open } = self.below_tops[i];
+            let conducts = 1.0 / self.reach([below as usize, top as usize]);
+            let [a, b] = nodes.map(|node| &motion[node as usize]);
+            let body = self.body(D - 1, gravity, a, b) / conducts;
+            let drop = cells[below as usize].pressure - cells[top as usize].pressure + body;
+            let flux = conducts * open * drop * self.conductance;
+            self.flux[D - 1][face as usize] = flux;
+            rates.dissipation += flux * drop;
+            rates.body_work += flux * body;
+        }
+    }
+
     /// Flow per pressure drop between two cells of soil, A k/(gamma_w L) with the water's own k, m3/(s Pa).
     pub(super) fn transmissibility(&self) -> f64 {
         self.area * self.conductance
@@ -57,10 +143,11 @@ impl<const D: usize, const LAYERED: bool> Face<D, LAYERED> {
         if LAYERED { 2.0 * a * b / (a + b) } else { 1.0 }
     }
 
-    /// The law of a face; K_w in Pa, volume of the grains per mass in m3/kg.
-    pub(super) fn flow_law(&self, bulk_modulus: f64, grain_inverse: f64) -> FaceFlow {
-        let Self { conductance, weight, inertia, area, cell_volume, .. } = *self;
-        FaceFlow { conductance, weight, inertia, area, cell_volume, bulk_modulus, grain_inverse }
+    /// The law of a face; volume of the grains per mass in m3/kg.
+    pub(super) fn flow_law(&self, water: &WaterProperties, grain_inverse: f64) -> FaceFlow {
+        let Self { conductance, weight, inertia, area, cell_volume, diffusion, .. } = *self;
+        let WaterProperties { bulk_modulus, density, .. } = *water;
+        FaceFlow { conductance, weight, inertia, area, cell_volume, diffusion, bulk_modulus, grain_inverse, density }
     }
 
     /// Volume of a cell full of soil, m3.
@@ -117,6 +204,10 @@ impl<const D: usize, const LAYERED: bool> DarcyOperator<D> for Face<D, LAYERED> 
             inertia: if inertia { 1.0 } else { 0.0 },
             area,
             cell_volume: area * grid.size,
+            diffusion: water.mobility() * grid.inverse_size * grid.inverse_size,
+            known: false,
+            tops: Vec::new(),
+            below_tops: Vec::new(),
         }
     }
 
@@ -135,6 +226,18 @@ impl<const D: usize, const LAYERED: bool> DarcyOperator<D> for Face<D, LAYERED> 
                 }
             }
         }
+        self.below_tops.clear();
+        for top in &self.tops {
+            let position = grid.cell_position(top.cell as usize);
+            let face = grid.face(D - 1, &position);
+            let open = std::mem::take(&mut self.open[D - 1][face]);
+            if open > 0.0 {
+                let below = top.cell - self.tops.len() as u32;
+                let [a, b, ..] = grid.corners(&position).map(|node| node as u32);
+                let nodes = if D == 1 { [a; 2] } else { [a, b] };
+                self.below_tops.push(FaceBelow { cells: [top.cell, below], face: face as u32, nodes, open });
+            }
+        }
     }
 
     fn clear(&mut self) {}
@@ -142,6 +245,14 @@ impl<const D: usize, const LAYERED: bool> DarcyOperator<D> for Face<D, LAYERED> 
     fn keep(&mut self, keeper: &mut Keeper) {
         for faces in self.flux.iter_mut().chain(&mut self.open) {
             keeper.all(faces);
+        }
+        keeper.list(&mut self.below_tops, &FaceBelow::NONE, FaceBelow::keep);
+        let (faces, cells) = (self.flux[D - 1].len(), self.flux.iter().map(Vec::len).max().unwrap_or(0));
+        let fits = |below: &FaceBelow| {
+            (below.face as usize) < faces && below.cells.into_iter().chain(below.nodes).all(|i| (i as usize) < cells)
+        };
+        if keeper.is_reading() && !self.below_tops.iter().all(fits) {
+            keeper.refuse();
         }
     }
 
@@ -189,16 +300,18 @@ impl<const D: usize, const LAYERED: bool> DarcyOperator<D> for Face<D, LAYERED> 
                 }
             }
         }
+        self.flow_below_surface(cells, motion, gravity, &mut rates);
         for face in &exposed.faces {
             let axis = face.axis as usize;
             if !drained[face.side as usize] {
                 continue; // stays zero: the undrained condition
             }
             let (a, b) = (&motion[face.nodes[0] as usize], &motion[face.nodes[1] as usize]);
-            let body = self.body(axis, gravity, a, b) / DRAINED_SURFACE;
+            let conducts = 1.0 / self.reach_of_surface(face.cell as usize, face.side);
+            let body = self.body(axis, gravity, a, b) / conducts;
             let outwards = if face.upper { 1.0 } else { -1.0 };
             let head = outwards * cells[face.cell as usize].pressure + body; // p = 0 outside
-            let mut flux = DRAINED_SURFACE * self.conductance * head;
+            let mut flux = conducts * head * self.conductance;
             if LAYERED {
                 flux *= self.of_cell(grid, face.cell as usize);
             }
@@ -232,8 +345,23 @@ impl<const D: usize, const LAYERED: bool> DarcyOperator<D> for Face<D, LAYERED> 
     }
 
     #[inline(always)]
-    fn filling(&self, inverse_volume: f64) -> f64 {
-        (self.cell_volume * inverse_volume).min(1.0 / LEAST_FILLING)
+    fn filling(&self, inverse_volume: f64, stiffness: f64) -> (f64, f64) {
+        let over_fill = self.cell_volume * inverse_volume;
+        if !self.known {
+            (over_fill.min(1.0 / LEAST_FILLING), 1.0)
+        } else {
+            (over_fill, softer(over_fill, stiffness * self.diffusion))
+        }
+    }
+
+    fn knows_volumes(&self) -> bool {
+        self.known
+    }
+
+    fn under_surface(&mut self, filled: &Filled<D>) {
+        self.known = filled.is_known();
+        self.tops.clear();
+        self.tops.extend_from_slice(filled.tops());
     }
 
     fn bytes(&self) -> usize {

@@ -3,7 +3,6 @@
 //! Every flow is that of the explicit operator, [`Face`]. Its rule for cells that are hardly filled is not needed here:
 //! it keeps an explicit step stable, and without it the system is symmetric and no water is lost.
 
-use super::face::DRAINED_SURFACE;
 use super::saturated::DarcyOperator;
 use super::{CellChange, Face, FlowRates, Place, Saturated, WaterCell};
 use crate::grid::Grid;
@@ -28,15 +27,23 @@ impl<const D: usize, const LAYERED: bool> Saturated<Face<D, LAYERED>, D> {
         self.operator.transmissibility()
     }
 
-    /// Conductance between two neighbours over that: 1 but for layers.
+    /// Whether conductances change with the place of the surface.
+    pub fn has_surface(&self) -> bool {
+        self.operator.knows_volumes()
+    }
+
+    /// Conductance between two neighbours over that, the lower one first: 1 but for layers and at the surface.
     pub fn conductance_between(&self, grid: &Grid<D>, cells: [usize; 2]) -> f64 {
-        self.operator.between(grid, cells)
+        self.operator.between(grid, cells) / self.operator.reach(cells)
     }
 
     /// Drained faces: their cell, and their conductance over that between neighbours.
     pub fn outlets(&self, grid: &Grid<D>) -> impl Iterator<Item = (usize, f64)> {
         let drained = self.exposed.faces.iter().filter(|face| self.drained[face.side as usize]);
-        drained.map(|face| (face.cell as usize, DRAINED_SURFACE * self.operator.of_cell(grid, face.cell as usize)))
+        drained.map(|face| {
+            let cell = face.cell as usize;
+            (cell, self.operator.of_cell(grid, cell) / self.operator.reach_of_surface(cell, face.side))
+        })
     }
 
     /// Sets the pressure (Pa) of a cell for the flow.

@@ -24,12 +24,27 @@ pub use ragged::Ragged;
 pub use resident::{FaceFlow, Resident};
 pub use saturated::{DarcyOperator, Saturated, WaterCell};
 
+use crate::boundary::Filled;
 use crate::dimension::Kinematics;
 use crate::grid::Grid;
 use crate::keep::Keeper;
 use crate::nodes::NodeMotion;
 use crate::particles::{Layer, SolidPoint, WaterPoint};
 use crate::shape::Shape;
+
+/// Density of water under a pressure (Pa) over that under none: `p = K_w ln(rho/rho_0)`, the law of every integrator at large
+/// strain. It is what `dp = K_w drho/rho` adds up to, so that no water is made or lost however much it is compressed.
+pub fn density_ratio(pressure: f64, bulk_modulus: f64) -> f64 {
+    (pressure / bulk_modulus).exp()
+}
+
+/// Energy stored in water under a pressure (Pa) per volume that it fills, J/m3: `K_w (r - 1 - ln r)` with `r = rho/rho_0`, whose
+/// derivative by the volume of a given mass is -p.
+pub fn stored_energy(pressure: f64, bulk_modulus: f64) -> f64 {
+    let x = pressure / bulk_modulus;
+    // The series of exp(x) - 1 - x, without cancellation.
+    0.5 * pressure * x * (1.0 + x / 3.0 * (1.0 + x / 4.0 * (1.0 + x / 5.0)))
+}
 
 /// Rates of the flow during one step.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -71,8 +86,10 @@ pub struct SoilCell<const D: usize> {
     pub place: Place<D>,
     /// Dry mass in it, kg.
     pub mass: f64,
-    /// Volume of soil in it, m3.
+    /// Volume of the particles in it, m3: with their mass it says how dense the soil is.
     pub volume: f64,
+    /// Volume of soil in it, m3: that of its particles where the outline of the soil is not known.
+    pub filled: f64,
     /// Where in the cell its stress and pressure act if its particles share a point, in cell coordinates.
     pub at: [f64; D],
 }
@@ -84,6 +101,19 @@ pub struct StressSums<const D: usize, const S: usize> {
     pub mean: [f64; S],
     /// `sum V sigma xi_d`, N m; not used by schemes that evaluate at the centre.
     pub first: [[f64; S]; D],
+}
+
+impl<const D: usize, const S: usize> StressSums<D, S> {
+    /// Multiplies all sums.
+    #[inline(always)]
+    pub fn scale(&mut self, factor: f64) {
+        for s in 0..S {
+            self.mean[s] *= factor;
+            for d in 0..D {
+                self.first[d][s] *= factor;
+            }
+        }
+    }
 }
 
 /// How the nodes of the soil can be pushed.
@@ -115,11 +145,14 @@ pub trait Water<K: Kinematics<D, S>, const D: usize, const S: usize>: Send {
     /// Before the particles are gathered.
     fn clear(&mut self);
 
-    /// Gathers the water of one cell: adds the pore pressure to the stress, returns water mass at the corners, kg.
+    /// Gathers the water of one cell: adds the pore pressure to the stress, returns water mass at the corners, kg. Where the
+    /// geometry of the soil is known that is the water in its pores, which moves with the soil (u-p model), from `solid`, the dry
+    /// mass at the corners (kg); else that of the water particles.
     fn cell_to_grid<Sh: Shape>(
         &mut self,
         grid: &Grid<D>,
         soil: &SoilCell<D>,
+        solid: &[f64; 4],
         stress: &mut StressSums<D, S>,
     ) -> [f64; 4];
 
@@ -146,6 +179,9 @@ pub trait Water<K: Kinematics<D, S>, const D: usize, const S: usize>: Send {
     /// A place and what was found there.
     fn settle(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>) -> Result<(), (String, String)>;
 
+    /// The surface of the soil has moved; called before [`Self::settle`].
+    fn under_surface(&mut self, _: &Filled<D>) {}
+
     /// Which sides let water out from now on.
     fn set_drained(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>, drained: [bool; 4]);
 
@@ -163,7 +199,7 @@ pub trait Water<K: Kinematics<D, S>, const D: usize, const S: usize>: Send {
         (if mean >= 0.5 * rise { mean + 0.5 * rise } else { (2.0 * rise * mean.max(0.0)).sqrt() }, None)
     }
 
-    /// Mass of water in the pores of a cell of soil, rho_w n V (1 + p/K_w), kg.
+    /// Mass of water in the pores of a cell of soil, `rho_w n V exp(p/K_w)`, kg.
     fn cell_mass(&self, soil: &SoilCell<D>) -> f64;
 
     /// Mass of the water particles that were removed because they left the soil, kg.
@@ -202,7 +238,13 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Dry
     fn clear(&mut self) {}
 
     #[inline(always)]
-    fn cell_to_grid<Sh: Shape>(&mut self, _: &Grid<D>, _: &SoilCell<D>, _: &mut StressSums<D, S>) -> [f64; 4] {
+    fn cell_to_grid<Sh: Shape>(
+        &mut self,
+        _: &Grid<D>,
+        _: &SoilCell<D>,
+        _: &[f64; 4],
+        _: &mut StressSums<D, S>,
+    ) -> [f64; 4] {
         [0.0; 4]
     }
 

@@ -121,8 +121,8 @@ impl<const D: usize> DarcyOperator<D> for Nodal<D> {
     }
 
     #[inline(always)]
-    fn filling(&self, _: f64) -> f64 {
-        1.0
+    fn filling(&self, _: f64, _: f64) -> (f64, f64) {
+        (1.0, 1.0)
     }
 
     /// Nothing: all of it is gathered anew in every step.

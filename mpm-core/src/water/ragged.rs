@@ -53,6 +53,7 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Rag
         &mut self,
         grid: &Grid<D>,
         soil: &SoilCell<D>,
+        solid: &[f64; 4],
         stress: &mut StressSums<D, S>,
     ) -> [f64; 4] {
         let cell = soil.place.cell;
@@ -63,7 +64,7 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Rag
         self.full[cell] = full;
         let mean = self.inner.points.points[range.clone()].iter().fold(0.0, |sum, p| sum + p.volume * p.pressure);
         if full && mean >= 0.0 {
-            return Water::<K, D, S>::cell_to_grid::<Sh>(&mut self.inner, grid, soil, stress);
+            return Water::<K, D, S>::cell_to_grid::<Sh>(&mut self.inner, grid, soil, solid, stress);
         }
         let mut mass = [0.0; 4];
         for point in &mut self.inner.points.points[range] {

@@ -17,10 +17,14 @@ pub struct FaceFlow {
     pub area: f64,
     /// Volume of a cell full of soil, m3.
     pub cell_volume: f64,
+    /// k/(gamma_w L^2), 1/(Pa s).
+    pub diffusion: f64,
     /// K_w, Pa.
     pub bulk_modulus: f64,
     /// Volume of the grains per mass, m3/kg.
     pub grain_inverse: f64,
+    /// rho_w, kg/m3.
+    pub density: f64,
 }
 
 /// Water that lends its particles to a step that keeps them in its own order.
@@ -72,7 +76,7 @@ impl Resident for Saturated<Face<2>, 2> {
     }
 
     fn face_flow(&self) -> FaceFlow {
-        self.operator.flow_law(self.properties.bulk_modulus, self.grain_inverse)
+        self.operator.flow_law(&self.properties, self.grain_inverse)
     }
 
     fn outline(&self) -> (&[super::ExposedFace], [bool; 4]) {

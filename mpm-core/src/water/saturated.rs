@@ -4,7 +4,8 @@
 //! `dp = -(K_w/n) [ tr(d eps_s) + div(n v*) dt ]`.
 
 use super::exposed::Exposed;
-use super::{FlowRates, Place, SoilCell, StressSums, Water};
+use super::{FlowRates, Place, SoilCell, StressSums, Water, density_ratio, stored_energy};
+use crate::boundary::Filled;
 use crate::dimension::{Kinematics, basis, coefficients, gradient, shares, to_corners, trace, value};
 use crate::grid::Grid;
 use crate::keep::Keeper;
@@ -60,8 +61,15 @@ pub trait DarcyOperator<const D: usize>: Send + Sized {
     ) -> FlowRates;
     /// Relative velocity v* in a cell, as coefficients of the basis, m/s.
     fn relative(&self, grid: &Grid<D>, place: &Place<D>, cell: &WaterCell) -> [[f64; D]; 4];
-    /// Factor on the divergence of the flow in a cell that is not full of soil; 1/V of the soil in 1/m3.
-    fn filling(&self, inverse_volume: f64) -> f64;
+    /// Factors on the divergence of the flow and on the stiffness of the water in a cell that is not full of soil, in a step dt:
+    /// 1/V of the soil in 1/m3, `K_w dt/n` in Pa s.
+    fn filling(&self, inverse_volume: f64, stiffness: f64) -> (f64, f64);
+    /// The surface of the soil has moved.
+    fn under_surface(&mut self, _: &Filled<D>) {}
+    /// Whether the volume of soil in each cell is known from where the surface is.
+    fn knows_volumes(&self) -> bool {
+        false
+    }
     /// Writes or reads what steps to come depend on.
     fn keep(&mut self, keeper: &mut Keeper);
     /// Bytes held.
@@ -148,11 +156,25 @@ impl<O: DarcyOperator<D>, const D: usize> Saturated<O, D> {
 
     /// A cell at the edge whose water is in its neighbours: no pressure.
     #[cold]
-    fn bare_cell(&mut self, soil: &SoilCell<D>) -> [f64; 4] {
+    fn bare_cell(&mut self, soil: &SoilCell<D>, solid: &[f64; 4]) -> [f64; 4] {
         let porosity = self.porosity(soil);
-        let (inverse_porosity, inverse_volume) = (1.0 / porosity, 1.0 / soil.volume);
+        let (inverse_porosity, inverse_volume) = (1.0 / porosity, 1.0 / soil.filled);
         self.cells[soil.place.cell] = WaterCell { pressure: 0.0, porosity, inverse_porosity, inverse_volume };
-        [0.0; 4]
+        if self.operator.knows_volumes() { self.moving_with(soil, solid) } else { [0.0; 4] }
+    }
+
+    /// Water in the pores of a cell of known volume at its corners (kg), which have a dry mass (kg).
+    #[inline(always)]
+    fn moving_with(&self, soil: &SoilCell<D>, solid: &[f64; 4]) -> [f64; 4] {
+        let ratio = self.water_ratio(soil);
+        solid.map(|mass| ratio * mass)
+    }
+
+    /// Mass of the water over that of the grains in soil as dense as that of a cell, -. The water weighs what it does under no
+    /// pressure: still water keeps `p = rho_w g d`.
+    #[inline(always)]
+    pub(super) fn water_ratio(&self, soil: &SoilCell<D>) -> f64 {
+        self.porosity(soil) * soil.volume * self.properties.density / soil.mass
     }
 
     /// Looks for cells of soil without water.
@@ -238,19 +260,23 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
         &mut self,
         grid: &Grid<D>,
         soil: &SoilCell<D>,
+        solid: &[f64; 4],
         stress: &mut StressSums<D, S>,
     ) -> [f64; 4] {
         if self.points.range(soil.place.cell).is_empty() {
-            return self.bare_cell(soil);
+            return self.bare_cell(soil, solid);
         }
+        let in_pores = self.operator.knows_volumes();
         let mut mass = [0.0; 4];
         let mut weighted = [[0.0; 1]; 4]; // moments of V p
         let mut volumes = [[0.0; 1]; 4]; // moments of V
         for point in &self.points.points[self.points.range(soil.place.cell)] {
             let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - soil.place.position[d] as f64);
-            let share = shares(point.mass, &xi);
-            for a in 0..Grid::<D>::CORNERS {
-                mass[a] += share[a];
+            if !in_pores {
+                let share = shares(point.mass, &xi);
+                for a in 0..Grid::<D>::CORNERS {
+                    mass[a] += share[a];
+                }
             }
             weighted[0][0] += point.volume * point.pressure;
             volumes[0][0] += point.volume;
@@ -263,16 +289,26 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
             }
         }
         let pressure = weighted[0][0] / volumes[0][0];
-        let inverse_volume = 1.0 / soil.volume;
-        let porosity = 1.0 - soil.mass * self.grain_inverse * inverse_volume;
+        let inverse_volume = 1.0 / soil.filled;
+        let porosity = self.porosity(soil);
         self.cells[soil.place.cell] =
             WaterCell { pressure, porosity, inverse_porosity: 1.0 / porosity, inverse_volume };
+        if in_pores {
+            mass = self.moving_with(soil, solid);
+        }
         if Sh::AT_CENTRE {
             // Section 2.2: the pressure acts at the centre of the cell, on the soil that the water fills.
             let centre = basis(&[0.5; D]);
             for k in 0..Grid::<D>::CORNERS {
-                weighted[k][0] = pressure * soil.volume * centre[k];
-                volumes[k][0] = soil.volume * centre[k];
+                weighted[k][0] = pressure * soil.filled * centre[k];
+                volumes[k][0] = soil.filled * centre[k];
+            }
+        } else {
+            // The water particles share the volume as those of the soil do.
+            let share = soil.filled / volumes[0][0];
+            for k in 0..Grid::<D>::CORNERS {
+                weighted[k][0] *= share;
+                volumes[k][0] *= share;
             }
         }
         for s in 0..S {
@@ -313,7 +349,8 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
             }
         }
         let stiffness = self.properties.bulk_modulus * cell.inverse_porosity;
-        let filling = self.operator.filling(cell.inverse_volume);
+        let (filling, softer) = self.operator.filling(cell.inverse_volume, stiffness * dt);
+        let stiffness = softer * stiffness;
         // Rates of pressure and of water volume at a point of the cell.
         let rates_at = |at: &[f64; D]| {
             let solid = trace(&gradient(velocity, at, grid.inverse_size)); // Eq. (7a)
@@ -338,6 +375,10 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
             }
         }
         self.moved |= !inside;
+    }
+
+    fn under_surface(&mut self, filled: &Filled<D>) {
+        self.operator.under_surface(filled);
     }
 
     fn settle(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>) -> Result<(), (String, String)> {
@@ -391,14 +432,16 @@ impl<K: Kinematics<D, S>, O: DarcyOperator<D>, const D: usize, const S: usize> W
             .iter()
             .fold((0.0, 0.0), |(s, v), p| (s + p.volume * p.pressure, v + p.volume));
         let pressure = if volume > 0.0 { sum / volume } else { 0.0 };
-        let stored = 0.5 * self.porosity(soil) * soil.volume * pressure * pressure / self.properties.bulk_modulus;
-        (pressure, stored)
+        let pores = self.porosity(soil) * soil.filled;
+        (pressure, pores * stored_energy(pressure, self.properties.bulk_modulus))
     }
 
     fn cell_mass(&self, soil: &SoilCell<D>) -> f64 {
         let (pressure, _) = Water::<K, D, S>::cell_state(self, soil);
-        let pores = self.porosity(soil) * soil.volume;
-        self.properties.density * pores * (1.0 + pressure / self.properties.bulk_modulus)
+        let pores = self.porosity(soil) * soil.filled;
+        let denser = density_ratio(pressure, self.properties.bulk_modulus) - 1.0;
+        // What the grains leave, so that the sum over the cells is that of the soil wherever its particles are counted.
+        self.properties.density * (soil.filled - soil.mass * self.grain_inverse + pores * denser)
     }
 
     fn removed_mass(&self) -> f64 {

@@ -58,9 +58,10 @@ where
         &mut self,
         grid: &Grid<D>,
         soil: &SoilCell<D>,
+        solid: &[f64; 4],
         stress: &mut StressSums<D, S>,
     ) -> [f64; 4] {
-        self.inner.cell_to_grid::<Sh>(grid, soil, stress)
+        self.inner.cell_to_grid::<Sh>(grid, soil, solid, stress)
     }
 
     fn flow(&mut self, grid: &Grid<D>, motion: &[NodeMotion<D>], gravity: &[f64; D]) -> FlowRates {
@@ -179,6 +180,7 @@ pub fn saturated<O: DarcyOperator<D>, L, const D: usize, const S: usize>(
     let surface =
         SurfaceLoad::new(strips.collect(), scene.height, scene.surcharge.map_or(LoadOn::Surface, |load| load.on));
     let parts = Parts {
+        filled: Default::default(),
         supports: Supports::new(&grid, &scene.solid_sides),
         solid: Layer::new(solid, &grid).expect("inside"),
         grid,

@@ -3,9 +3,14 @@
 //! `verified`: the error is against an exact solution, so that the baseline is a measured distance from the truth.
 //! `regression`: it is against this code itself or a scatter of published laws, and the baseline says only what was.
 
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use mpm_core::scene::read_text;
 use serde::{Deserialize, Serialize};
 
 use crate::cases::Climb;
+use crate::nightly::accepted::FOLDER;
 
 /// `reference-data/baselines/ladder.csv`.
 const ACCEPTED: &str = include_str!("../../../reference-data/baselines/ladder.csv");
@@ -39,13 +44,39 @@ pub struct Accepted {
     pub floor: f64,
 }
 
+/// Name of the file.
+const NAME: &str = "ladder.csv";
+/// No such file is larger, bytes.
+const LARGEST: u64 = 16 << 20;
+/// The errors of a file, in place of those that were built in.
+static READ: OnceLock<Vec<Accepted>> = OnceLock::new();
+
+/// Holds all rungs of this process against the errors in a folder; without one, against those of the source tree where there are any, or
+/// else those that were built in, as `nightly` does. Returns the file, if there is one.
+///
+/// # Errors
+/// A folder without such a file, or a file that is no such table.
+pub fn hold_against(folder: Option<&Path>) -> Result<Option<PathBuf>, String> {
+    let path = folder.unwrap_or(Path::new(FOLDER)).join(NAME);
+    if folder.is_none() && !path.exists() {
+        return Ok(None);
+    }
+    let text = read_text(&path, LARGEST).map_err(|e| format!("{}: {e}", path.display()))?;
+    let rows = parse(&text).map_err(|e| format!("{}: {e}", path.display()))?;
+    READ.get_or_init(|| rows);
+    Ok(Some(path))
+}
+
+fn parse(text: &str) -> Result<Vec<Accepted>, csv::Error> {
+    csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes()).deserialize().collect()
+}
+
 /// The accepted errors.
 ///
 /// # Panics
-/// Never: a test reads the baselines.
+/// Never: a test reads the baselines that are built in.
 fn baselines() -> Vec<Accepted> {
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(ACCEPTED.as_bytes());
-    reader.deserialize().map(|row| row.expect("the baselines hold")).collect()
+    READ.get().cloned().unwrap_or_else(|| parse(ACCEPTED).expect("the baselines hold"))
 }
 
 /// Absolute change of a rung's error that is round-off, if it has a baseline.

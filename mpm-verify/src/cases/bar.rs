@@ -105,7 +105,7 @@ fn period(stiffer: f64) -> Result<Outcome, String> {
         Ok::<_, String>(Looks::worst("settlement over the amplitude", run.observed().map(look).collect()))
     };
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
-    for rows in [10, 20, 40] {
+    for rows in [10, 14, 20, 28, 40] {
         let scene = with_rows(base.clone(), rows);
         let found = looks(&scene)?;
         errors.push((scene.cell, found.error()));
@@ -169,7 +169,8 @@ fn energy(flip: f64) -> Result<Outcome, String> {
         }
         Ok::<_, String>((scene.cell, rate(&swings) / theory - 1.0))
     };
-    let errors = [10, 20, 40].map(|rows| lost(ShapeChoice::Centre, rows)).into_iter().collect::<Result<_, _>>()?;
+    let errors =
+        [10, 14, 20, 28, 40].map(|rows| lost(ShapeChoice::Centre, rows)).into_iter().collect::<Result<_, _>>()?;
     for shape in [ShapeChoice::Linear, ShapeChoice::Gimp, ShapeChoice::Bspline2] {
         lost(shape, 20)?;
     }
@@ -255,7 +256,7 @@ fn pic(flip: f64) -> Result<Outcome, String> {
         Ok::<_, String>((measured / theory - 1.0, Looks::worst("energy of the first", looks)))
     };
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
-    for rows in [10, 20, 40] {
+    for rows in [10, 14, 20, 28, 40] {
         let scene = with_rows(base.clone(), rows);
         let (error, looks) = on(&scene)?;
         errors.push((scene.cell, error));

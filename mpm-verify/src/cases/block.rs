@@ -44,7 +44,7 @@ pub const STICKS: Rung = Rung {
     mutant: Some(Mutant { what: "a friction angle half a degree below the slope", climb: mutant_of_sticking }),
 };
 
-const ROWS: [usize; 3] = [1, 2, 4];
+const ROWS: [usize; 4] = [1, 2, 3, 4];
 
 /// The way of the block in a scene, whose base or gravity `spoil` may change behind the exact solution's back.
 fn way(name: &str, spoil: fn(&mut Scene)) -> Result<Outcome, String> {
@@ -73,7 +73,7 @@ fn way(name: &str, spoil: fn(&mut Scene)) -> Result<Outcome, String> {
         required_order: Some([0.6, 1.4]),
         samples,
         refinements: vec![
-            in_time(stepped, coarse.cell, step, 3, Some([0.8, 1.2]))?,
+            in_time(stepped, coarse.cell, step, 4, Some([0.8, 1.2]))?,
             in_particles(with, coarse.cell, &[1, 4, 9, 16], 2e-3)?,
         ],
         ..Outcome::default()
@@ -81,7 +81,7 @@ fn way(name: &str, spoil: fn(&mut Scene)) -> Result<Outcome, String> {
 }
 
 /// The way of the centre over the whole one; the end counts.
-fn looks(run: &Run, exact: &Sliding) -> Result<Looks, String> {
+pub(super) fn looks(run: &Run, exact: &Sliding) -> Result<Looks, String> {
     let [first, last] = [run.samples.first(), run.samples.last()].map(|s| s.ok_or("no sample"));
     let (first, last) = (first?, last?);
     let whole = exact.distance(last.state.time);

@@ -17,7 +17,7 @@ pub const RUNG: Rung = Rung {
 };
 
 /// Rows of cells over the height.
-const ROWS: [usize; 3] = [5, 10, 20];
+const ROWS: [usize; 4] = [5, 10, 15, 20];
 
 fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
     let base = crate::scenes::built_in("boussinesq").and_then(Result::ok).expect("the built-in scene holds");
@@ -31,7 +31,7 @@ fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
         let tips = tips(&scene, &run, &exact)?;
         errors.push((scene.cell, tips.error().abs()));
         samples = tips.samples();
-        for sample in run.observed().filter(|_| rows == ROWS[2]) {
+        for sample in run.observed().filter(|_| rows == ROWS[ROWS.len() - 1]) {
             let Some(state) = sample.state.water else { continue };
             let off = state.mobile_m3 / exact.stored(sample.stage_time) - 1.0;
             let what = format!("stored water over Dupuit's - 1 at x_f = {:.0} m", exact.front(sample.stage_time));
@@ -67,7 +67,7 @@ fn on(base: &Scene, rows: usize) -> Scene {
 }
 
 /// Where the tip stands.
-fn tips(scene: &Scene, run: &Run, exact: &Wetting) -> Result<Looks, String> {
+pub(super) fn tips(scene: &Scene, run: &Run, exact: &Wetting) -> Result<Looks, String> {
     let mut rows = Vec::new();
     for sample in run.observed() {
         let tip = tip(&levels(scene, &sample.state.field), scene.cell).ok_or("no tongue of water")?;

@@ -162,24 +162,24 @@ const TIGHT: &str = "conductivity of the slower layer 5 % too low";
 
 fn splines(contrasts: &[Contrast], number: Number, required: f64, fault: f64) -> Result<Outcome, String> {
     let by = (Integrator::QuasiStatic, ShapeChoice::Bspline2);
-    refined(by, contrasts, &[10, 20, 40], 1.0, number, (required, [3.0, 7.0]), fault)
+    refined(by, contrasts, &[14, 20, 28, 40, 56], 1.0, number, (required, [3.0, 7.0]), fault)
 }
 
 /// The slower layer fills half of the column and drains a quarter as fast as the whole would: the error of U at the
 /// first time is that of a column on half as many cells.
 fn centre(contrasts: &[Contrast], fault: f64) -> Result<Outcome, String> {
     let by = (Integrator::QuasiStatic, ShapeChoice::Centre);
-    refined(by, contrasts, &[20, 40, 80], 1.0, SETTLEMENT, (5e-3, [1.9, 2.2]), fault)
+    refined(by, contrasts, &[20, 28, 40, 56, 80], 1.0, SETTLEMENT, (5e-3, [1.9, 2.2]), fault)
 }
 
 fn implicit_pressure(contrasts: &[Contrast], fault: f64) -> Result<Outcome, String> {
     let by = (Integrator::SemiImplicit, ShapeChoice::Centre);
-    refined(by, contrasts, &[10, 20, 40], DYNAMIC_UNTIL, SETTLEMENT, (2e-2, [1.8, 2.4]), fault)
+    refined(by, contrasts, &[10, 14, 20, 28, 40], DYNAMIC_UNTIL, SETTLEMENT, (2e-2, [1.8, 2.4]), fault)
 }
 
 fn explicit(contrasts: &[Contrast], fault: f64) -> Result<Outcome, String> {
     let by = (Integrator::Explicit, ShapeChoice::Centre);
-    refined(by, contrasts, &[10, 20, 40], DYNAMIC_UNTIL, SETTLEMENT, (2e-2, [1.8, 2.4]), fault)
+    refined(by, contrasts, &[10, 14, 20, 28, 40], DYNAMIC_UNTIL, SETTLEMENT, (2e-2, [1.8, 2.4]), fault)
 }
 
 /// The worst of several contrasts on each mesh.

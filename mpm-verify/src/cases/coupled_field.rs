@@ -48,7 +48,7 @@ pub const STEPS: Rung = Rung {
 
 const NO_FORCE: &str = "no body force";
 /// Cells per side.
-const SIDES: [usize; 3] = [8, 16, 32];
+const SIDES: [usize; 5] = [8, 12, 16, 24, 32];
 /// Amplitude of the displacement, m: strains of 3e-6.
 const AMPLITUDE: f64 = 1e-6;
 /// Swings per second, rad/s.
@@ -126,7 +126,7 @@ fn refined(integrate: Integrator, shape: ShapeChoice, share: f64) -> Result<Outc
         required_order: Some([1.5, 2.3]),
         samples,
         refinements: vec![
-            in_time(|dt| with(&base, SIDES[0], dt), coarse, 0.25 * step(coarse), 3, FIRST_ORDER)?,
+            in_time(|dt| with(&base, SIDES[0], dt), coarse, 0.25 * step(coarse), 4, FIRST_ORDER)?,
             in_particles(counted, coarse, &PARTICLE_COUNTS[1..], 5e-2)?,
         ],
         ..Outcome::default()
@@ -146,7 +146,7 @@ fn steps(share: f64) -> Result<Outcome, String> {
     };
     let finest = found(largest / 64.0, 1.0)?;
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
-    for halvings in 0..3 {
+    for halvings in 0..4 {
         let dt = largest / 2.0_f64.powi(halvings);
         let mut own = found(dt, share)?;
         for (look, fine) in own.rows.iter_mut().zip(&finest.rows) {

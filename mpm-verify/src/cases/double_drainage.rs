@@ -39,7 +39,7 @@ fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&base, &settlement);
     fault(&mut base);
-    let (errors, samples) = degree.refine(&base, &[20, 28, 40])?;
+    let (errors, samples) = degree.refine(&base, &[24, 28, 34, 40, 48])?;
     let coarse = with_rows(base.clone(), 10);
     // Half the drainage path on the same mesh: four times the spatial error of the single-drainage case.
     Ok(Outcome {
@@ -50,7 +50,7 @@ fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
         required_order: Some([1.7, 2.2]),
         samples,
         refinements: vec![
-            degree.in_time(&coarse, 0.9 * stable_limit(&coarse), 3, FIRST_ORDER)?,
+            degree.in_time(&coarse, 0.9 * stable_limit(&coarse), 4, FIRST_ORDER)?,
             degree.in_particles(&coarse, &PARTICLE_COUNTS[..3], 0.3)?,
         ],
         ..Outcome::default()

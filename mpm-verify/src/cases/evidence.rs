@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::rates::{Fit, fit};
+use crate::rates::{Fit, LEAST_MESHES, Order, fit, largest_of_last_two};
 
 /// A refinement parameter: its name and its unit (`-` if it has none).
 pub type Parameter = (&'static str, &'static str);
@@ -77,7 +77,20 @@ impl Refinement {
         fit(&spacings(self.by, &self.errors))
     }
 
-    /// The verdict in numbers if the refinement falls short.
+    /// What its order says; `None` where none is required.
+    pub fn order(&self) -> Option<Order> {
+        let range = self.required_order?;
+        Some(self.fit().map_or(Order::NotEstablished, |fit| fit.shows(range)))
+    }
+
+    /// What is said of an order that is not established; `None` where one is, or none is required.
+    pub fn open(&self) -> Option<String> {
+        let order = self.order().filter(|order| *order == Order::NotEstablished);
+        order
+            .map(|_| format!("refined by {}: {}", self.by.0, not_established(self.fit().as_ref(), self.required_order)))
+    }
+
+    /// The verdict in numbers if the refinement failed.
     pub fn fallen(&self) -> Option<String> {
         let by = self.by.0;
         let most = |at: f64| {
@@ -87,18 +100,46 @@ impl Refinement {
         if let Some((at, error)) = self.errors.iter().find(|(at, error)| error.is_nan() || error.abs() > most(*at)) {
             return Some(format!("refined by {by}: error {:.2e} above {:.1e} at {at}", error.abs(), most(*at)));
         }
-        let finest = spacings(self.by, &self.errors).into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        let finest = finest.map_or(f64::NAN, |(_, error)| error.abs());
+        let lengths = spacings(self.by, &self.errors);
+        let finest = match self.order() {
+            Some(Order::NotEstablished) => largest_of_last_two(&lengths),
+            _ => {
+                let finest = lengths.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+                finest.map_or(f64::NAN, |(_, error)| error.abs())
+            }
+        };
         if let Some(most) = self.required_finest.filter(|most| finest.is_nan() || finest > *most) {
             return Some(format!("refined by {by}: finest error {finest:.2e} above {most:.1e}"));
         }
-        let [low, high] = self.required_order?;
-        match self.fit() {
-            Some(fit) if (low..=high).contains(&fit.order) => None,
-            Some(fit) => Some(format!("refined by {by}: order {:.2} outside of {low} to {high}", fit.order)),
-            None => Some(format!("refined by {by}: no order can be fitted, {low} to {high} required")),
+        // Errors of zero or that are no numbers have no order at all: nothing was refined.
+        let ([low, high], fit) = (self.required_order?, self.fit());
+        match (fit, self.order()) {
+            (None, _) => Some(format!("refined by {by}: no order can be fitted, {low} to {high} required")),
+            (Some(fit), Some(Order::Another)) => {
+                Some(format!("refined by {by}: order {} outside of {low} to {high}", order_words(&fit)))
+            }
+            _ => None,
         }
     }
+}
+
+/// A fitted order with its 95 % interval, as a message shows it.
+pub(super) fn order_words(fit: &Fit) -> String {
+    match fit.interval() {
+        Some(_) => format!("{:.2} +- {:.2}", fit.order, fit.half_width),
+        None => format!("{:.2}", fit.order),
+    }
+}
+
+/// Why an order is not established.
+pub(super) fn not_established(fit: Option<&Fit>, required: Option<[f64; 2]>) -> String {
+    let meshes = |fit: &Fit| fit.pairwise.len() + 1;
+    let found = match fit {
+        None => "none can be fitted".to_owned(),
+        Some(fit) if meshes(fit) < LEAST_MESHES => format!("{:.2} from only {} runs", fit.order, meshes(fit)),
+        Some(fit) => order_words(fit),
+    };
+    format!("order not established ({found}; {} required)", words(required))
 }
 
 /// What an order is fitted over: the parameter itself, or the spacing of so many particles in cells.
@@ -157,11 +198,6 @@ pub struct SampleRow {
     pub counts: bool,
 }
 
-/// Both ends of a 95 % interval, if there is one.
-pub(super) fn interval(fit: &Fit) -> Option<[f64; 2]> {
-    fit.half_width.is_finite().then_some([fit.order - fit.half_width, fit.order + fit.half_width])
-}
-
 /// An interval as it stands in a table.
 pub fn words(required: Option<[f64; 2]>) -> String {
     required.map_or(String::new(), |[low, high]| format!("{low} to {high}"))
@@ -172,22 +208,32 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_kind_of_refinement_can_fall_short() {
-        let errors = vec![(4e-6, 4e-3), (2e-6, 2e-3), (1e-6, 1e-3)];
+    fn every_kind_of_refinement_can_fail() {
+        let errors = vec![(8e-6, 8e-3), (4e-6, 4e-3), (2e-6, 2e-3), (1e-6, 1e-3)];
         let free = Refinement::new(STEP, errors, "");
-        let good = Refinement { required_order: Some([0.9, 1.1]), required_error: Some(5e-3), ..free.clone() };
-        assert_eq!(good.fallen(), None);
+        let good = Refinement { required_order: Some([0.9, 1.1]), required_error: Some(9e-3), ..free.clone() };
+        assert_eq!((good.fallen(), good.open()), (None, None));
         let steep = Refinement { required_order: Some([1.9, 2.1]), ..good.clone() };
-        assert!(steep.fallen().is_some_and(|why| why.contains("order 1.00 outside of 1.9 to 2.1")));
+        assert!(steep.fallen().is_some_and(|why| why.contains("order 1.00 +- 0.00 outside of 1.9 to 2.1")));
         let large = Refinement { required_error: Some(3e-3), ..good.clone() };
-        assert!(large.fallen().is_some_and(|why| why.contains("4.00e-3 above 3.0e-3 at 0.000004")));
+        assert!(large.fallen().is_some_and(|why| why.contains("8.00e-3 above 3.0e-3 at 0.000008")));
         let share = Refinement { required_share: Some(500.0), ..good.clone() };
-        assert!(share.fallen().is_some_and(|why| why.contains("above 2.0e-3 at 0.000004")));
+        assert!(share.fallen().is_some_and(|why| why.contains("above 4.0e-3 at 0.000008")));
         assert_eq!((free.fallen(), Refinement { required_share: Some(1001.0), ..free.clone() }.fallen()), (None, None));
         let finest = Refinement { required_finest: Some(1.1e-3), ..free.clone() };
         assert_eq!(finest.fallen(), None);
         let finest = Refinement { required_finest: Some(0.9e-3), ..free.clone() };
         assert!(finest.fallen().is_some_and(|why| why.contains("finest error 1.00e-3 above 9.0e-4")));
+        let few = Refinement { errors: good.errors[1..].to_vec(), required_finest: Some(1.1e-3), ..good.clone() };
+        assert!(
+            few.fallen().is_some_and(|why| why.contains("finest error 2.00e-3 above")),
+            "no order, so the last two"
+        );
+        let few = Refinement { required_finest: Some(2.1e-3), ..few };
+        assert_eq!(few.fallen(), None);
+        assert!(
+            few.open().is_some_and(|why| why.contains("not established (1.00 from only 3 runs; 0.9 to 1.1 required)"))
+        );
         let lost = Refinement { errors: vec![(4e-6, f64::NAN)], ..good.clone() };
         assert!(lost.fallen().is_some());
         let nothing = Refinement { errors: Vec::new(), ..finest };

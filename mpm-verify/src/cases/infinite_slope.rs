@@ -9,6 +9,7 @@
 
 use std::f64::consts::FRAC_PI_6;
 
+use mpm_core::failure::Scales;
 use mpm_core::run::run;
 use mpm_core::scene::{Clock, Feed, Scene, Until};
 
@@ -50,8 +51,9 @@ const WITHOUT_DILATION_SLOPES: [(f64, Seepage); 3] = [
 
 /// Where the bracket of a factor of safety is narrow enough, relative.
 const NARROW: f64 = 4e-3;
-/// Slower than this a slope rests, m/s: particles keep a little of what the mesh does not see.
-const AT_REST: f64 = 1e-6;
+/// Slower than this a slope rests, as a share of the speed at which it would slide without any strength, g/damping. Its speed is what
+/// damping takes from: particles keep motion that the mesh does not see, the softer the soil the more.
+const AT_REST: f64 = 1e-5;
 /// How long it is watched, in passages of the shear wave over its height. Close to its limit a slope takes hundreds to rest.
 const PASSAGES: f64 = 400.0;
 
@@ -73,13 +75,14 @@ fn base() -> Scene {
 
 /// A slope on a mesh, with the strength (at an angle of dilation psi, rad) divided by a factor.
 fn slope(
+    base: &Scene,
     (columns, rows): (usize, usize),
     depth: f64,
     seepage: Seepage,
     psi: f64,
     factor: f64,
 ) -> Result<Scene, String> {
-    let mut scene = base();
+    let mut scene = base.clone();
     let angle = scene.slope_angle.ok_or("no slope")?.to_radians();
     scene.height = depth * angle.cos();
     scene.cell = scene.height / rows as f64;
@@ -99,6 +102,8 @@ fn slope(
     strength.cohesion /= factor;
     strength.friction_angle = reduced(strength.friction_angle, factor);
     strength.dilation_angle = if psi > 0.0 { strength.friction_angle } else { 0.0 };
+    // As in strength reduction: the strength that is needed is no matter of stiffness, and so the layer keeps its depth.
+    scene.elastic.youngs_modulus *= Scales::of(&scene).stiffening();
     // Shear waves pass the slope a few times in every period of damping.
     let speed = (scene.elastic.shear_modulus() / scene.mixture_density()).sqrt();
     let passage = scene.height / speed;
@@ -107,7 +112,7 @@ fn slope(
     stages[1].damping = 1.0 / passage;
     let end = PASSAGES * passage;
     stages[1].until = Until::Time(end);
-    (scene.observe_times, scene.history) = (vec![2.0 / 3.0 * end, end], 0);
+    (scene.observe_times, scene.history) = (vec![1.0 / 3.0 * end, 2.0 / 3.0 * end, end], 0);
     Ok(scene)
 }
 
@@ -124,9 +129,14 @@ fn stands(scene: &Scene) -> Result<bool, String> {
         Some(failure) => return Err(failure.to_string()),
         None => {}
     }
-    let speeds: Vec<f64> = run.observed().map(|s| s.state.max_speed).collect();
-    let [before, end] = speeds[..] else { return Err("two speeds expected".to_owned()) };
-    Ok(end < AT_REST || end < 0.5 * before)
+    let losses: Vec<f64> = run.observed().map(|s| s.ledger.damping_loss_j).collect();
+    let [first, second, last] = losses[..] else { return Err("three losses in damping expected".to_owned()) };
+    let (Some(stage), Some(gravity)) = (scene.stages.last(), scene.gravity) else { return Err("no slope".to_owned()) };
+    let Until::Time(end) = stage.until else { return Err("no time".to_owned()) };
+    let mass = scene.mixture_density() * scene.height * scene.width;
+    let [before, after] =
+        [second - first, last - second].map(|loss| (loss / (stage.damping * mass * end / 3.0)).sqrt());
+    Ok(after < AT_REST * gravity / stage.damping || after < 0.5 * before)
 }
 
 /// The factor by which the strength can be divided before a slope slides, bracketed about a guess.
@@ -143,6 +153,24 @@ fn factor(guess: f64, stands: impl Fn(f64) -> Result<bool, String>) -> Result<f6
         if stands(middle)? { low = middle } else { high = middle }
     }
     Ok(0.5 * (low + high))
+}
+
+/// The factor of a scene of one's own on so many rows of cells, over the exact one, and that one. Its flow rule is associated or without
+/// dilation.
+pub(super) fn own(
+    scene: &Scene,
+    (depth, seepage): (f64, Seepage),
+    rows: usize,
+    fault: fn(&mut Scene),
+) -> Result<(f64, f64), String> {
+    let psi = scene.strength.map_or(0.0, |strength| strength.dilation_angle).to_radians();
+    let exact = exact(scene, depth, seepage, psi)?;
+    let found = factor(exact, |factor| {
+        let mut scene = slope(scene, (1, rows), depth, seepage, psi, factor)?;
+        fault(&mut scene);
+        stands(&scene)
+    })?;
+    Ok((found / exact, exact))
 }
 
 /// What limit equilibrium says of a slope.
@@ -179,7 +207,7 @@ fn climb(psi: f64, fault: fn(&mut Scene)) -> Result<Outcome, String> {
     let slopes = if psi > 0.0 { &SLOPES[..] } else { &WITHOUT_DILATION_SLOPES };
     let found_with = |particles_per_cell, mesh: (usize, usize), depth, seepage, guess| {
         factor(guess, |factor| {
-            let mut scene = Scene { particles_per_cell, ..slope(mesh, depth, seepage, psi, factor)? };
+            let mut scene = Scene { particles_per_cell, ..slope(&base(), mesh, depth, seepage, psi, factor)? };
             fault(&mut scene);
             stands(&scene)
         })
@@ -222,5 +250,32 @@ fn words(seepage: Seepage) -> String {
     match seepage {
         Seepage::Parallel { share } => format!("water along it, {share} of the depth"),
         Seepage::Leaving { angle } => format!("water leaving at {:.1} degrees", angle.to_degrees()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_factor_does_not_depend_on_stiffness_or_size() {
+        for (depth, seepage) in [SLOPES[0], SLOPES[2]] {
+            let guess = exact(&base(), depth, seepage, FRAC_PI_6).expect("a factor");
+            // The same slope: as it is, soft, and of another size with as much cohesion per depth.
+            let found = [(1.0, 1.0), (1e-2, 1.0), (1.0, 20.0)].map(|(stiffness, size)| {
+                let found = factor(guess, |factor| {
+                    let mut scene = base();
+                    scene.elastic.youngs_modulus *= stiffness;
+                    if let Some(strength) = &mut scene.strength {
+                        strength.cohesion *= size;
+                    }
+                    stands(&slope(&scene, (1, 10), size * depth, seepage, FRAC_PI_6, factor)?)
+                });
+                found.expect("a factor")
+            });
+            let [usual, soft, large] = found;
+            println!("{}: {found:?}, exact {guess}", words(seepage));
+            assert!((soft / usual - 1.0).abs() < 0.05 && (large / usual - 1.0).abs() < 2.0 * NARROW, "{found:?}");
+        }
     }
 }

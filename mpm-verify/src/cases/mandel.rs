@@ -56,11 +56,11 @@ pub(super) fn counts(exact: &Mandel, time: f64) -> bool {
 }
 
 fn splines(fault: fn(&mut Scene)) -> Result<Outcome, String> {
-    climb(ShapeChoice::Bspline2, &[2, 4, 8], 1e-4, [3.0, 6.0], fault)
+    climb(ShapeChoice::Bspline2, &[2, 4, 6, 8], 1e-4, [3.0, 6.0], fault)
 }
 
 fn centre(fault: fn(&mut Scene)) -> Result<Outcome, String> {
-    climb(ShapeChoice::Centre, &[8, 16, 32], 1e-3, [1.7, 2.3], fault)
+    climb(ShapeChoice::Centre, &[8, 12, 16, 24, 32], 1e-3, [1.7, 2.3], fault)
 }
 
 fn climb(
@@ -86,7 +86,7 @@ fn climb(
     let step = |dt| Ok(looks(&finished(&Scene { step: StepChoice::Fixed(dt), ..stepped.clone() })?, &exact, 0.0));
     let refinements = vec![
         degree.in_tolerance(&stepped, &[1e-3, 1e-4, 1e-5, 1e-6], 1.0)?,
-        in_time(step, stepped.cell, SDIRK_STEP, 3, FOURTH_ORDER)?,
+        in_time(step, stepped.cell, SDIRK_STEP, 4, FOURTH_ORDER)?,
         degree.in_particles(&coarse, counts, 2e-2)?,
     ];
     let (integrator, scheme) = (integrator(&base), scheme(&base));
@@ -117,7 +117,7 @@ fn profiles(fault: fn(&mut Scene)) -> Result<Outcome, String> {
     base.stages[0].until = Until::Time(PROFILE_TIMES[PROFILE_TIMES.len() - 1] * one);
     fault(&mut base);
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
-    for side in [4, 8, 16] {
+    for side in [4, 8, 12, 16] {
         let scene = on(&base, side);
         let run = finished(&scene)?;
         errors.push((scene.cell, looks(&run, &exact, 0.0).error()));

@@ -42,7 +42,7 @@ pub(super) struct Way {
     pub integrate: Integrator,
     /// Conductivity is lower by this: what inertia does to a consolidation falls with its speed.
     pub slow: f64,
-    pub sides: [usize; 3],
+    pub sides: [usize; 4],
     /// Step as a share of the stable one.
     safety: f64,
     /// The same two for a refinement of the step, whose error must stand above what is left of the first waves: these
@@ -73,14 +73,20 @@ impl Way {
 pub(super) const IMPLICIT_PRESSURE: Way = Way {
     integrate: Integrator::SemiImplicit,
     slow: 8.0,
-    sides: [6, 12, 24],
+    sides: [6, 12, 18, 24],
     safety: 0.9,
     stepped: (1.0, 12),
     share: 0.1,
 };
 /// The paper's step.
-pub(super) const PAPER: Way =
-    Way { integrate: Integrator::Explicit, slow: 4.0, sides: [4, 8, 16], safety: 0.9, stepped: (1.0, 8), share: 0.9 };
+pub(super) const PAPER: Way = Way {
+    integrate: Integrator::Explicit,
+    slow: 4.0,
+    sides: [4, 8, 12, 16],
+    safety: 0.9,
+    stepped: (1.0, 8),
+    share: 0.9,
+};
 
 /// The block with the exact state at T = START.
 pub(super) struct Block {

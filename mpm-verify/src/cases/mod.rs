@@ -29,6 +29,7 @@ pub mod own;
 mod quasi_static;
 mod ramp_load;
 mod rest;
+mod seepage;
 mod self_weight;
 mod semi_implicit;
 mod spin;
@@ -180,6 +181,8 @@ pub const LADDER: &[Rung] = &[
     dam::EXIT,
     dam::SURFACE,
     dam::STORED,
+    seepage::DRAINS,
+    seepage::RAIN,
     infinite_slope::ASSOCIATED,
     infinite_slope::WITHOUT_DILATION,
     collapse::DRY,

@@ -22,7 +22,7 @@ pub const SPLINES: Rung = Rung {
 /// The same on ten cells.
 pub const COARSE: Rung = Rung {
     name: "quasi-static-coarse",
-    about: "the same at L = 0.10",
+    about: "the same on 6 to 12 cells",
     climb: || coarse(COMPRESSIBLE),
     mutant: Some(Mutant { what: STIFF, climb: || coarse(INCOMPRESSIBLE) }),
 };
@@ -91,15 +91,15 @@ fn outcome(base: &Scene, errors: Vec<(f64, f64)>, required_error: f64, order: Op
 }
 
 fn fine(reference: Reference) -> Result<Outcome, String> {
-    climb(ShapeChoice::Bspline2, &[5, 8, 10, 16, 20], 2e-6, [3.0, 7.0], reference)
+    climb(ShapeChoice::Bspline2, &[8, 10, 14, 16, 20], 2e-6, [3.0, 7.0], reference)
 }
 
 fn coarse(reference: Reference) -> Result<Outcome, String> {
-    climb(ShapeChoice::Bspline2, &[4, 5, 8, 10], 2e-5, [3.0, 8.0], reference)
+    climb(ShapeChoice::Bspline2, &[6, 8, 10, 12], 2e-5, [3.0, 8.0], reference)
 }
 
 fn centre(reference: Reference) -> Result<Outcome, String> {
-    climb(ShapeChoice::Centre, &[20, 40, 80], 1.2e-3, [1.9, 2.1], reference)
+    climb(ShapeChoice::Centre, &[20, 28, 40, 56, 80], 1.2e-3, [1.9, 2.1], reference)
 }
 
 fn climb(

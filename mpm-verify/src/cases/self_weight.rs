@@ -48,7 +48,7 @@ struct Way {
 const WITH_INERTIA: Way = Way {
     change: explicit,
     from: LATE_TV,
-    rows: &[10, 20, 40],
+    rows: &[10, 14, 20, 28, 40],
     required_error: 5e-4,
     order: [1.7, 2.3],
     particles_leave: 2e-3,
@@ -56,7 +56,7 @@ const WITH_INERTIA: Way = Way {
 const IMPLICIT_PRESSURE: Way = Way {
     change: semi_implicit,
     from: 0.01,
-    rows: &[10, 20, 40],
+    rows: &[10, 14, 20, 28, 40],
     required_error: 3e-4,
     order: [1.7, 2.3],
     particles_leave: 3e-3,

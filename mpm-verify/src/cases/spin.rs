@@ -91,7 +91,7 @@ fn climb(shape: ShapeChoice, transfer: TransferChoice) -> Result<Outcome, String
         Ok::<_, String>(Looks::worst("angular momentum of the first", looks))
     };
     let mut errors = Vec::new();
-    for cells in [5, 10, 15] {
+    for cells in [5, 10, 13, 15] {
         let scene = Scene { transfer, ..square(cells, shape)? };
         let history = momentum(&scene, SHARE)?;
         errors.push((scene.cell, history.error()));

@@ -60,7 +60,7 @@ fn nodal(scene: &mut Scene) {
 
 fn climb(change: fn(&mut Scene), fault: fn(&mut Scene)) -> Result<Outcome, String> {
     // Cells of this size alone, exactly in time, make 9.8e-4 at L = 0.0125.
-    refined(&[20, 40, 80], 1.5e-3, [1.8, 2.2], change, fault)
+    refined(&[20, 28, 40, 80], 1.5e-3, [1.8, 2.2], change, fault)
 }
 
 fn gimp(fault: fn(&mut Scene)) -> Result<Outcome, String> {
@@ -68,7 +68,7 @@ fn gimp(fault: fn(&mut Scene)) -> Result<Outcome, String> {
 }
 
 fn splines(fault: fn(&mut Scene)) -> Result<Outcome, String> {
-    refined(&[14, 20, 28, 40], 7e-3, [1.8, 2.4], |scene| scene.shape = ShapeChoice::Bspline2, fault)
+    refined(&[20, 28, 40, 56], 7e-3, [1.8, 2.4], |scene| scene.shape = ShapeChoice::Bspline2, fault)
 }
 
 /// Errors of U on meshes of `rows` cells, with what is required of the finest and of the order.

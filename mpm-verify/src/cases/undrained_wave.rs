@@ -68,7 +68,7 @@ fn climb(asked: &Asked, fault: fn(&mut Scene)) -> Result<Outcome, String> {
         (asked.looks)(&run, &exact, undrained).ok_or_else(|| "the wave has not arrived".to_owned())
     };
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
-    for rows in [50, 100, 200] {
+    for rows in [70, 100, 140, 200] {
         let scene = with_rows(base.clone(), rows);
         let found = looks(&scene)?;
         errors.push((scene.cell, found.error()));

@@ -3,9 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::Rung;
-use super::evidence::{MESH, Parameter, Refinement, RefinementRow, SampleRow, Sampled, interval, spacings, words};
+use super::evidence::{
+    MESH, Parameter, RUNS, Refinement, RefinementRow, SampleRow, Sampled, not_established, order_words, spacings, words,
+};
 use crate::baseline::ladder::Kind;
-use crate::rates::{Fit, fit};
+use crate::rates::{Fit, Order, fit, largest_of_last_two};
 use crate::report::numbers::{brief, short};
 
 /// What a rung found, before it is judged.
@@ -19,6 +21,8 @@ pub(super) struct Outcome {
     pub required_error: f64,
     /// Allowed interval of the fitted order, if the case converges.
     pub required_order: Option<[f64; 2]>,
+    /// Whether an order that is surely another one fails the case by itself. A scene of one's own is judged by its errors.
+    pub order_decides: bool,
     /// Largest error allowed at every parameter, as a share of the parameter.
     pub required_everywhere: Option<f64>,
     /// What the refinement parameter is, with its unit.
@@ -42,6 +46,7 @@ impl Default for Outcome {
             errors: Vec::new(),
             required_error: f64::NAN,
             required_order: None,
+            order_decides: true,
             required_everywhere: None,
             refined_by: MESH,
             notes: Vec::new(),
@@ -52,6 +57,11 @@ impl Default for Outcome {
     }
 }
 
+/// The three verdicts.
+const PASSED: &str = "passed";
+const OPEN: &str = "order not established";
+const FAILED: &str = "failed";
+
 /// A judged rung: a row of `ladder.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Step {
@@ -61,7 +71,7 @@ pub struct Step {
     pub integrator: String,
     /// Shape scheme and Darcy operator.
     pub scheme: String,
-    /// Error on the finest mesh.
+    /// Error on the finest mesh where the order is established; else the largest of the last two meshes.
     pub error: f64,
     /// Largest error allowed.
     pub required_error: f64,
@@ -73,7 +83,7 @@ pub struct Step {
     pub order_high: Option<f64>,
     /// What the order must be.
     pub required_order: String,
-    /// `held` or `fell short`.
+    /// `passed`, `order not established` (the errors are small enough) or `failed`.
     pub verdict: String,
     /// CPU time of the rung, s.
     pub cpu_s: f64,
@@ -90,9 +100,14 @@ pub struct Step {
 }
 
 impl Step {
-    /// Whether the rung holds.
+    /// Whether the case did not fail: it passed, or its errors are small enough and its order is not established.
     pub fn held(&self) -> bool {
-        self.verdict == "held"
+        self.verdict != FAILED
+    }
+
+    /// Whether its errors are small enough, but do not say that they fall with the order that they should.
+    pub fn open(&self) -> bool {
+        self.verdict == OPEN
     }
 }
 
@@ -153,7 +168,7 @@ impl Climb {
         let mut rows = Vec::new();
         for refinement in self.all_refinements() {
             let fit = refinement.fit();
-            let ends = fit.as_ref().and_then(interval);
+            let ends = fit.as_ref().and_then(Fit::interval);
             rows.extend(refinement.errors.iter().map(|(parameter, error)| RefinementRow {
                 rung: self.step.rung.clone(),
                 by: refinement.by.0.to_owned(),
@@ -171,40 +186,51 @@ impl Climb {
         rows
     }
 
-    /// Marks the rung as fallen for a reason that its own rule does not know.
+    /// Marks the case as failed for a reason that its own rule does not know.
     pub(crate) fn fall(&mut self, why: &str) {
-        "fell short".clone_into(&mut self.step.verdict);
+        FAILED.clone_into(&mut self.step.verdict);
         self.reason = format!("{}; {why}", self.reason);
         self.step.reason.clone_from(&self.reason);
     }
 }
 
-/// The one rule: the finest error is small enough, the order is in its interval, and so are those of all refinements.
+/// The one rule. The error is small enough: that of the finest mesh where the order is established, else the largest of the
+/// last two. No order is surely another one than it should be. The same holds for all refinements.
 pub(super) fn judge(rung: Rung, outcome: Outcome, cpu_s: f64) -> Climb {
-    let finest = outcome.errors.iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(f64::NAN, |(_, e)| e.abs());
-    let fit: Option<Fit> = fit(&spacings(outcome.refined_by, &outcome.errors));
-    let order_holds = match (outcome.required_order, &fit) {
-        (None, _) => true,
-        (Some([low, high]), Some(fit)) => (low..=high).contains(&fit.order),
-        (Some(_), None) => false,
-    };
+    let lengths = spacings(outcome.refined_by, &outcome.errors);
+    let fit: Option<Fit> = fit(&lengths);
+    let order = outcome.required_order.map(|range| fit.as_ref().map_or(Order::NotEstablished, |fit| fit.shows(range)));
+    let (error, required_error) = judged_error(&outcome, order);
+    // Errors of zero or that are no numbers have no order at all: nothing was refined.
+    let unfit = order.is_some() && fit.is_none() && outcome.order_decides;
+    let another = order == Some(Order::Another) && outcome.order_decides;
     // A number that is not one must not pass.
     let too_large = |share: f64| outcome.errors.iter().find(|(h, e)| e.is_nan() || e.abs() > share * h).copied();
     let exceeded = outcome.required_everywhere.and_then(|share| Some((share, too_large(share)?)));
     let fallen: Vec<String> = outcome.refinements.iter().filter_map(Refinement::fallen).collect();
-    let holds = finest <= outcome.required_error && order_holds && exceeded.is_none() && fallen.is_empty();
+    let open: Vec<String> = outcome.refinements.iter().filter_map(Refinement::open).collect();
+    let holds = error <= required_error && !unfit && !another && exceeded.is_none() && fallen.is_empty();
+    let established = !matches!(order, Some(Order::NotEstablished | Order::Another)) && open.is_empty();
     let fit = fit.filter(|_| outcome.required_order.is_some());
+    let ends = fit.as_ref().and_then(Fit::interval);
     let mut step = Step {
         rung: rung.name.to_owned(),
         integrator: outcome.integrator,
         scheme: outcome.scheme,
-        error: finest,
-        required_error: outcome.required_error,
+        error,
+        required_error,
         order: fit.as_ref().map(|f| f.order),
-        order_low: fit.as_ref().map(|f| f.order - f.half_width),
-        order_high: fit.as_ref().map(|f| f.order + f.half_width),
+        order_low: ends.map(|[low, _]| low),
+        order_high: ends.map(|[_, high]| high),
         required_order: words(outcome.required_order),
-        verdict: if holds { "held" } else { "fell short" }.to_owned(),
+        verdict: if !holds {
+            FAILED
+        } else if established {
+            PASSED
+        } else {
+            OPEN
+        }
+        .to_owned(),
         cpu_s,
         reason: String::new(),
         asymptotic: fit.as_ref().map(|f| f.asymptotic),
@@ -212,8 +238,8 @@ pub(super) fn judge(rung: Rung, outcome: Outcome, cpu_s: f64) -> Climb {
         baseline_kind: outcome.kind,
         change: None,
     };
-    let own = reason(&step, order_holds, exceeded);
-    step.reason = std::iter::once(own).chain(fallen).collect::<Vec<_>>().join("; ");
+    let own = reason(&step, order, (fit.as_ref(), outcome.required_order), exceeded);
+    step.reason = std::iter::once(own).chain(fallen).chain(open).collect::<Vec<_>>().join("; ");
     Climb {
         reason: step.reason.clone(),
         rung,
@@ -230,23 +256,49 @@ pub(super) fn judge(rung: Rung, outcome: Outcome, cpu_s: f64) -> Climb {
     }
 }
 
+/// The error that is judged and the largest that is allowed: on the finest mesh where the order is established, or where
+/// nothing was refined; else on the one of the last two that is further off, with what is allowed there.
+fn judged_error(outcome: &Outcome, order: Option<Order>) -> (f64, f64) {
+    let lengths = spacings(outcome.refined_by, &outcome.errors);
+    let finest = lengths.iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or((f64::NAN, f64::NAN), |(h, e)| (*h, e.abs()));
+    if order == Some(Order::Established) || outcome.refined_by == RUNS {
+        return (finest.1, outcome.required_error);
+    }
+    let error = largest_of_last_two(&lengths);
+    let coarser = lengths.iter().find(|(h, e)| e.abs() == error && *h > finest.0);
+    let allowed = coarser.and_then(|(h, _)| Some(outcome.required_everywhere? * h));
+    (error, allowed.map_or(outcome.required_error, |allowed| allowed.max(outcome.required_error)))
+}
+
 /// The verdict in numbers.
-fn reason(step: &Step, order_holds: bool, exceeded: Option<(f64, (f64, f64))>) -> String {
+fn reason(
+    step: &Step,
+    order: Option<Order>,
+    (fit, required): (Option<&Fit>, Option<[f64; 2]>),
+    exceeded: Option<(f64, (f64, f64))>,
+) -> String {
     if let Some((share, (parameter, error))) = exceeded {
         let [error, allowed] = [error.abs(), share * parameter].map(|x| short(x, 3));
         return format!("error {error} above {allowed} at {}", brief(parameter, 3));
     }
-    let (error, required) = (short(step.error, 3), brief(step.required_error, 3));
+    let (found, most) = (short(step.error, 3), brief(step.required_error, 3));
     let error = match step.error <= step.required_error {
-        true => format!("error {error}, at most {required}"),
-        false if step.error.is_nan() => format!("the error is not a number; at most {required}"),
-        false => format!("error {error} above {required}"),
+        true => format!("error {found}, at most {most}"),
+        false if step.error.is_nan() => format!("the error is not a number; at most {most}"),
+        false => format!("error {found} above {most}"),
     };
-    match (step.order, order_holds) {
-        _ if step.required_order.is_empty() => error,
-        (Some(order), true) => format!("{error}; order {}, {}", short(order, 3), step.required_order),
-        (Some(order), false) => format!("{error}; order {} outside of {}", short(order, 3), step.required_order),
+    match (fit, order) {
+        (_, None) => error,
         (None, _) => format!("{error}; no order can be fitted, {} required", step.required_order),
+        (Some(fit), Some(Order::Established)) => {
+            format!("{error}; order {}, {}", order_words(fit), step.required_order)
+        }
+        (Some(fit), Some(Order::Another)) => {
+            format!("{error}; order {} outside of {}", order_words(fit), step.required_order)
+        }
+        (Some(_), Some(Order::NotEstablished)) => {
+            format!("{error} on the last two meshes; {}", not_established(fit, required))
+        }
     }
 }
 
@@ -261,28 +313,71 @@ mod tests {
 
     #[test]
     fn every_kind_of_check_can_fail() {
-        let errors = vec![(0.1, 1e-2), (0.05, 2.5e-3), (0.025, 6.25e-4)];
+        let errors = vec![(0.2, 4e-2), (0.1, 1e-2), (0.05, 2.5e-3), (0.025, 6.25e-4)];
         let good = Outcome { errors, required_error: 1e-3, required_order: Some([1.8, 2.2]), ..Outcome::default() };
         let held = judged(good.clone());
-        assert!(held.step.held() && held.reason == "error 0.000625, at most 0.001; order 2.00, 1.8 to 2.2");
+        assert!(held.step.held() && held.reason == "error 0.000625, at most 0.001; order 2.00 +- 0.00, 1.8 to 2.2");
+        assert_eq!(held.step.verdict, "passed");
         let too_large = judged(Outcome { required_error: 5e-4, ..good.clone() });
         assert!(!too_large.step.held() && too_large.reason.starts_with("error 0.000625 above 0.0005"));
         let wrong_order = judged(Outcome { required_order: Some([2.8, 3.2]), ..good.clone() });
-        assert!(!wrong_order.step.held() && wrong_order.reason.ends_with("order 2.00 outside of 2.8 to 3.2"));
+        let own = judged(Outcome { required_order: Some([2.8, 3.2]), order_decides: false, ..good.clone() });
+        assert!(!wrong_order.step.held() && wrong_order.reason.ends_with("order 2.00 +- 0.00 outside of 2.8 to 3.2"));
+        assert!(
+            !own.step.held() && own.reason.starts_with("error 0.00250 above 0.001"),
+            "the last two: {}",
+            own.reason
+        );
         let everywhere = judged(Outcome { required_everywhere: Some(0.08), ..good.clone() });
-        assert!(!everywhere.step.held() && everywhere.reason == "error 0.0100 above 0.00800 at 0.1");
-        let everywhere = judged(Outcome { required_everywhere: Some(0.11), ..good.clone() });
+        assert!(!everywhere.step.held() && everywhere.reason == "error 0.0400 above 0.0160 at 0.2");
+        let everywhere = judged(Outcome { required_everywhere: Some(0.21), ..good.clone() });
         assert!(everywhere.step.held());
         let nothing = Outcome { errors: vec![(0.1, f64::NAN)], ..good.clone() };
         assert!(!judged(nothing.clone()).step.held() && judged(nothing.clone()).reason.contains("no order"));
-        let flat = Refinement::new(crate::cases::evidence::STEP, vec![(2e-6, 1e-3), (1e-6, 1e-3)], "");
+        let flat = [8e-6, 4e-6, 2e-6, 1e-6].map(|step| (step, 1e-3)).to_vec();
+        let flat = Refinement::new(crate::cases::evidence::STEP, flat, "");
         let step = Refinement { required_order: Some([0.9, 1.1]), ..flat };
         let refined = judged(Outcome { refinements: vec![step], ..good.clone() });
-        assert!(
-            !refined.step.held() && refined.reason.ends_with("refined by time step: order 0.00 outside of 0.9 to 1.1")
-        );
-        assert_eq!((refined.step.reason.as_str(), refined.refinement_rows().len()), (refined.reason.as_str(), 5));
+        assert!(!refined.step.held(), "{}", refined.reason);
+        assert!(refined.reason.ends_with("refined by time step: order 0.00 +- 0.00 outside of 0.9 to 1.1"));
+        assert_eq!((refined.step.reason.as_str(), refined.refinement_rows().len()), (refined.reason.as_str(), 8));
         let not_a_number = judged(Outcome { required_order: None, ..nothing });
         assert!(!not_a_number.step.held() && not_a_number.reason.starts_with("the error is not a number"));
+    }
+
+    #[test]
+    fn an_order_that_is_not_established_is_neither_passed_nor_failed() {
+        // `contrast-k` as it was: 5.7 +- 19 for "3 to 7" from three meshes.
+        let errors = vec![(0.1, 3e-4), (0.05, 2e-7), (0.025, 1.1e-7)];
+        let three = Outcome { errors, required_error: 1e-6, required_order: Some([3.0, 7.0]), ..Outcome::default() };
+        let climb = judged(three.clone());
+        assert_eq!((climb.step.verdict.as_str(), climb.step.held(), climb.step.open()), (OPEN, true, true));
+        assert_eq!(climb.step.error, 2e-7);
+        assert!(
+            climb.reason.contains("order not established (5.71 from only 3 runs; 3 to 7 required)"),
+            "{}",
+            climb.reason
+        );
+        // The error that is judged is the larger one of the last two.
+        let climb = judged(Outcome { required_error: 1.5e-7, ..three });
+        assert_eq!((climb.step.verdict.as_str(), climb.step.error), (FAILED, 2e-7));
+        // Without an order at all as well: a mesh near a change of sign is luck.
+        let errors = vec![(0.1, 0.0062), (0.05, 0.013), (0.025, 5.2e-5)];
+        let exit = Outcome { errors, required_error: 0.0125, required_everywhere: Some(0.5), ..Outcome::default() };
+        let climb = judged(exit.clone());
+        assert_eq!((climb.step.error, climb.step.required_error, climb.step.verdict.as_str()), (0.013, 0.025, PASSED));
+        assert!(!judged(Outcome { required_everywhere: None, ..exit }).step.held());
+        // A refinement whose order is open leaves the case open.
+        let errors = vec![(4e-6, 4e-3), (2e-6, 2e-3), (1e-6, 1e-3)];
+        let step = Refinement::new(crate::cases::evidence::STEP, errors, "");
+        let step = Refinement { required_order: Some([0.9, 1.1]), ..step };
+        let one =
+            Outcome { errors: vec![(0.1, 1e-3)], required_error: 2e-3, refinements: vec![step], ..Outcome::default() };
+        let climb = judged(one);
+        assert!(
+            climb.step.open() && climb.reason.contains("refined by time step: order not established"),
+            "{}",
+            climb.reason
+        );
     }
 }

@@ -102,7 +102,7 @@ fn climb(shape: ShapeChoice, required_error: f64, order: [f64; 2], force: f64) -
         required_order: Some(order),
         samples,
         refinements: vec![
-            in_time(step, base.cell, half / steps(&base), 3, FIRST_ORDER)?,
+            in_time(step, base.cell, half / steps(&base), 4, FIRST_ORDER)?,
             // Four per cell are too few for a disc cut out of the mesh. More than the nine of the rung must not do
             // worse.
             Refinement { required_finest: Some(nine), ..Refinement::new(PARTICLES, counted, against) },

@@ -150,7 +150,7 @@ fn wet<'a>(scene: &Scene, run: &'a Run) -> impl Iterator<Item = (f64, WaterState
 }
 
 /// Where the front stands.
-fn looks(scene: &Scene, run: &Run, way: Way, exact: &WettingFront) -> Looks {
+pub(super) fn looks(scene: &Scene, run: &Run, way: Way, exact: &WettingFront) -> Looks {
     let look =
         |(time, water): (f64, WaterState)| Look::one(time, place(&water, section(scene, way)), exact.position(time));
     Looks { unit: "m", ..Looks::worst("place of the front", wet(scene, run).map(look).collect()) }

@@ -1,9 +1,10 @@
-//! `check`: the verification ladder, its mutants, and a scene of one's own.
+//! `check`: the verification suite, its mutants, and a scene of one's own.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mpm_core::scene::{Flags, Scene};
+use mpm_core::hardware::Hardware;
+use mpm_core::scene::{Flags, INTEGRATORS, SHAPES, Scene};
 use mpm_verify::baseline;
 use mpm_verify::cases::own::OwnScene;
 use mpm_verify::cases::{Climb, LADDER, Rung, Step};
@@ -14,7 +15,7 @@ use mpm_verify::unpanicked::unpanicked;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Failure, inside, into_folder, jobs, print_json, say, write_csv};
+use super::{Failure, inside, into_folder, jobs, print_json, say, warn_if_long, write_csv};
 use crate::Common;
 
 /// What to check.
@@ -28,25 +29,33 @@ pub struct Options {
     /// Check this scene instead, refined in space, against the exact solution that applies to it
     #[arg(long, value_name = "SCENE.toml", conflicts_with_all = ["cases", "mutants"])]
     scene: Option<PathBuf>,
-    /// Rows of cells over the height, three or more; the scene's own L, L/2 and L/4 without it
+    /// Rows of cells over the height, three or more (four establish an order); without it the scene's own cells and three finer meshes
     #[arg(long, value_delimiter = ',', value_name = "N,N,N", requires = "scene")]
     rows: Vec<usize>,
-    /// In place of the scene's time.integrator: explicit, semi-implicit or quasi-static
-    #[arg(long, value_name = "WORD", requires = "scene")]
+    /// Folder of the accepted errors, if it is not reference-data/baselines; without either those that were built in
+    #[arg(long, value_name = "DIR", conflicts_with = "scene")]
+    baselines: Option<PathBuf>,
+    #[arg(long, value_name = "WORD", requires = "scene", help = super::words("time.integrator", &INTEGRATORS))]
     integrator: Option<String>,
-    /// In place of the scene's scheme.shape: centre, linear, gimp or bspline2
-    #[arg(long, value_name = "WORD", requires = "scene")]
+    #[arg(long, value_name = "WORD", requires = "scene", help = super::words("scheme.shape", &SHAPES))]
     scheme: Option<String>,
 }
+
+/// Results that others ask for by name.
+const NAMES: [&str; 3] = ["index.html", "ladder.csv", "manifest.json"];
 
 /// Runs the named rungs, or all; with `mutants` those with a fault planted; with a scene that one.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     if let Some(path) = &options.scene {
         return own(path, options, common);
     }
+    let file = baseline::ladder::hold_against(options.baselines.as_deref()).map_err(Failure::BadInput)?;
+    let file = file.map_or_else(|| "built in".to_owned(), |file| file.display().to_string());
+    say(common.quiet || common.json, &format!("accepted errors: {file}"));
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/ladder"));
     if options.mutants {
-        let (rows, failed) = into_folder(&folder, |folder| catch(&options.cases, common, folder.stage()))?;
+        let (rows, failed) =
+            into_folder(&folder, &["mutants.csv"], |folder| catch(&options.cases, common, folder.stage()))?;
         unfinished(&failed)?;
         let missed: Vec<&str> = rows.iter().filter(|row| !row.caught).map(|row| row.rung).collect();
         return if missed.is_empty() {
@@ -57,13 +66,20 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     }
     let study = folder.parent().is_some_and(|above| above.join("accuracy").is_dir());
     let Climbed { steps, failed } =
-        into_folder(&folder, |folder| climb(&options.cases, common, study, folder.stage()))?;
+        into_folder(&folder, &NAMES, |folder| climb(&options.cases, common, study, folder.stage()))?;
     if common.json {
         print_json(&steps);
     }
     unfinished(&failed)?;
-    let fallen: Vec<&str> = steps.iter().filter(|s| !s.held()).map(|s| s.rung.as_str()).collect();
-    if fallen.is_empty() { Ok(()) } else { Err(Failure::FellShort(format!("fell short: {}", fallen.join(", ")))) }
+    let named = |which: fn(&Step) -> bool| {
+        let names: Vec<&str> = steps.iter().filter(|s| which(s)).map(|s| s.rung.as_str()).collect();
+        names.join(", ")
+    };
+    let (open, failed) = (named(Step::open), named(|step| !step.held()));
+    if !open.is_empty() {
+        say(common.quiet || common.json, &format!("order not established: {open}"));
+    }
+    if failed.is_empty() { Ok(()) } else { Err(Failure::FellShort(format!("failed: {failed}"))) }
 }
 
 /// Checks a scene of the user's own and writes the files of the ladder with its one row.
@@ -76,13 +92,19 @@ fn own(path: &Path, options: &Options, common: &Common) -> Result<(), Failure> {
         false => Failure::BadInput(format!("{}: {e}", path.display())),
     };
     let own = OwnScene::new(&scene, &options.rows).map_err(refused)?;
+    let other = |word: &str| {
+        let flags = Flags { integrator: Some(word.to_owned()), ..flags.clone() };
+        OwnScene::new(&Scene::load_with(path, &flags).ok()?, &options.rows).ok()?.runs().ok()
+    };
+    let runs = own.runs().map_err(refused)?;
+    warn_if_long(common, (&scene.name, "--integrator"), &runs, &Hardware::default(), &other);
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/check-scene"));
-    let steps = into_folder(&folder, |folder| measured(&own, &scene, common, folder))?;
+    let steps = into_folder(&folder, &NAMES, |folder| measured(&own, &scene, common, folder))?;
     if common.json {
         print_json(&steps);
     }
     match steps.iter().find(|step| !step.held()) {
-        Some(step) => Err(Failure::FellShort(format!("{}: fell short: {}", step.rung, step.reason))),
+        Some(step) => Err(Failure::FellShort(format!("{}: failed: {}", step.rung, step.reason))),
         None => Ok(()),
     }
 }
@@ -91,12 +113,15 @@ fn own(path: &Path, options: &Options, common: &Common) -> Result<(), Failure> {
 fn measured(own: &OwnScene, scene: &Scene, common: &Common, folder: &Folder) -> Result<Vec<Step>, Failure> {
     let quiet = common.quiet || common.json;
     say(quiet, &format!("{}: {}", scene.name, own.about()));
+    for what in own.beside() {
+        say(quiet, &format!("  {what}"));
+    }
     let climb = own.climb().map_err(Failure::RunFailed)?;
     say(quiet, &header());
     say(quiet, &line(&climb.step));
     say(quiet, &climb.reason);
     for (what, value, _) in &climb.notes {
-        say(quiet, &format!("{what} ({value:.0e})"));
+        say(quiet, &format!("{what}: {value:.1e}"));
     }
     write(&[climb], scene, common, (false, folder.stage()))
 }
@@ -241,6 +266,7 @@ fn line(step: &Step) -> String {
         (Some(order), Some(high)) => {
             format!("{order:.2} +- {:.2} ({})", high - order, step.required_order)
         }
+        (Some(order), None) => format!("{order:.2} ({})", step.required_order),
         _ => String::new(),
     };
     format!("{:<29} {:>10.2e} {:>10.1e}  {order:<26} {}", step.rung, step.error, step.required_error, step.verdict)

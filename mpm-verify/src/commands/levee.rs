@@ -5,6 +5,7 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use clap::Args;
+use mpm_core::hardware::Hardware;
 use mpm_core::scene::Flags;
 use mpm_verify::checkpoint;
 use mpm_verify::files::Folder;
@@ -18,7 +19,7 @@ use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 use mpm_verify::report::ReportError;
 
-use super::{Failure, again_with, inside, interrupts, into_folder, print_json, say};
+use super::{Failure, again_with, inside, interrupts, into_folder, print_json, say, warn_if_long};
 use crate::Common;
 
 /// What to follow.
@@ -39,7 +40,7 @@ pub struct Options {
     /// Go on with a levee that does not stand under its own weight and the first water
     #[arg(long)]
     go_on: bool,
-    /// The scene with one input changed: a name of `mpm-verify list`
+    /// The paper's levee with one input changed: a name of `mpm-verify list`
     #[arg(long, value_name = "NAME")]
     variant: Option<String>,
     /// End here, h on the clock of the scene
@@ -57,7 +58,7 @@ pub struct Options {
     /// Factor of safety at these times, h on the clock of the scene: strength reduction and limit equilibrium
     #[arg(long, value_name = "T", value_delimiter = ',')]
     safety_factor: Vec<f64>,
-    /// Run every variant of the scene as well: sensitivity.csv, and bars on the page
+    /// Run every variant of the paper's levee as well: sensitivity.csv, and bars on the page
     #[arg(long)]
     sensitivity: bool,
     /// Compare the drivers as well, from a common state shortly before the failure: what they predict, what they cost
@@ -88,6 +89,17 @@ impl Options {
         }
     }
 
+    /// Results that are written, by name.
+    fn names(&self) -> Vec<&'static str> {
+        let asked = [!self.safety_factor.is_empty(), self.sensitivity, self.convergence, self.compare_drivers];
+        let mut names: Vec<&str> =
+            TABLES.into_iter().zip(asked).filter_map(|(name, asked)| asked.then_some(name)).collect();
+        if !self.no_run {
+            names.extend(["history.csv", "index.html", "summary.json"]);
+        }
+        names
+    }
+
     fn variant(&self) -> Result<Option<&'static Variant>, Failure> {
         let Some(name) = &self.variant else { return Ok(None) };
         let known = || variants::VARIANTS.map(|v| v.name).join(", ");
@@ -103,10 +115,17 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let scene = plan::scene(&options.scene, &options.flags(), variant).map_err(Failure::BadInput)?;
     let plan = Plan::new(scene, options.from, options.until, true).map_err(Failure::BadInput)?;
     let path = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/levee"));
+    // The variants are other readings of that levee.
+    for (asked, flag) in [(options.sensitivity, "--sensitivity"), (variant.is_some(), "--variant")] {
+        if let (true, Some(why)) = (asked, plan.not_papers()) {
+            return Err(Failure::BadInput(format!("{flag}: {why}")));
+        }
+    }
     if options.full && !(options.sensitivity || options.convergence) {
         return Err(Failure::BadInput("--full: expected --sensitivity or --convergence beside it".to_owned()));
     }
-    into_folder(&path, |folder| all(options, common, (&plan, variant), folder))
+    let names = options.names();
+    into_folder(&path, &names, |folder| all(options, common, (&plan, variant), folder))
 }
 
 /// All that was asked for.
@@ -118,7 +137,8 @@ fn all(
 ) -> Result<(), Failure> {
     let published = |result: Result<(), Failure>| {
         result?;
-        folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))
+        // A table more about the same levee.
+        folder.publish_beside(&kind(plan), &|_| true).map_err(|e| Failure::RunFailed(e.to_string()))
     };
     if !options.safety_factor.is_empty() {
         published(factors(options, common, plan, folder.stage()))?;
@@ -142,6 +162,14 @@ fn all(
     if options.no_run { Ok(()) } else { one(options, common, plan, folder) }
 }
 
+/// Tables about a levee that its run shows on its page.
+const TABLES: [&str; 4] = [safety::NAME, sensitivity::NAME, convergence::NAME, drivers::NAME];
+
+/// What results belong together: those of one scene.
+fn kind(plan: &Plan) -> String {
+    format!("levee {}", plan.scene_word())
+}
+
 fn lost(error: ReportError) -> Failure {
     Failure::RunFailed(error.to_string())
 }
@@ -160,8 +188,7 @@ fn factors(options: &Options, common: &Common, plan: &Plan, folder: &Path) -> Re
     let lines = told.map_err(Failure::RunFailed)?;
     tables::lines(&lines, &folder.join(safety::NAME)).map_err(lost)?;
     for line in &lines {
-        let text = format!("factor of safety at {} h: {:.3} to {:.3}", line.time_h, line.fs_low, line.fs_high);
-        say(common.quiet || common.json, &text);
+        say(common.quiet || common.json, &line.said());
     }
     if let Some(text) = safety::implied(&lines) {
         say(common.quiet || common.json, &text);
@@ -189,8 +216,16 @@ fn one(options: &Options, common: &Common, plan: &Plan, folder: &Folder) -> Resu
     let refused = |e: FollowError| Failure::BadInput(e.to_string());
     let resume = match options.resume {
         true => Checkpoint::read(&plan.fingerprint(), folder.path()).map_err(|e| refused(e.into()))?,
-        false => None,
+        false => checkpoint::is_own(folder.path()).map(|()| None).map_err(|e| refused(e.into()))?,
     };
+    let other = |word: &str| {
+        let flags = Flags { driver: Some(word.to_owned()), ..options.flags() };
+        plan::scene(&options.scene, &flags, options.variant().ok().flatten()).ok().map(|scene| vec![scene])
+    };
+    if resume.is_none() && options.from.is_none() {
+        let scene = std::slice::from_ref(&plan.scene);
+        warn_if_long(common, (&plan.scene.name, "--driver"), scene, &Hardware::default(), &other);
+    }
     let mut ticker = ticker::Ticker::new(plan, common.quiet);
     let stopped = interrupts();
     let mut hooks = Hooks {
@@ -210,7 +245,8 @@ fn one(options: &Options, common: &Common, plan: &Plan, folder: &Folder) -> Resu
     let written = written::write(plan, &run, &summary, !options.no_vtk, (folder.path(), folder.stage()));
     written.map_err(|e| Failure::RunFailed(e.to_string()))?;
     // Only once all is written is there nothing to go on from.
-    folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))?;
+    let stays = |file: &Path| TABLES.iter().any(|table| file == Path::new(table));
+    folder.publish_beside(&kind(plan), &stays).map_err(|e| Failure::RunFailed(e.to_string()))?;
     checkpoint::remove(folder.path());
     if common.json {
         print_json(&summary);

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use mpm_core::scene::{INTEGRATORS, SHAPES};
 use mpm_verify::cases::LADDER;
 use mpm_verify::hard::CASES;
 use mpm_verify::levee::variants::VARIANTS;
@@ -11,12 +12,8 @@ use mpm_verify::study::MESHES;
 use super::{Failure, print_json, say};
 use crate::Common;
 
-/// Words of `time.integrator`.
-const INTEGRATORS: [&str; 3] = ["explicit", "semi-implicit", "quasi-static"];
 /// Words of `levee --driver`.
 const DRIVERS: [&str; 3] = ["two-clocks", "coupled", "explicit"];
-/// Words of `scheme.shape`.
-const SCHEMES: [&str; 6] = ["centre", "centroid", "linear", "b-bar", "gimp", "bspline2"];
 
 /// Names of the rungs that have a mutant, and its fault.
 fn mutants() -> impl Iterator<Item = (&'static str, &'static str)> {
@@ -32,10 +29,10 @@ pub fn run(common: &Common) -> Result<(), Failure> {
             "mutants": mutants().collect::<BTreeMap<_, _>>(),
             "hard_cases": names(CASES.iter().map(|case| case.name).collect()),
             "scenes": names(BUILT_IN.iter().map(|(name, _)| *name).collect()),
-            "integrators": names(INTEGRATORS.to_vec()),
+            "integrators": names(INTEGRATORS.map(|(word, _)| word).to_vec()),
             "variants": names(VARIANTS.iter().map(|v| v.name).collect()),
             "drivers": names(DRIVERS.to_vec()),
-            "schemes": names(SCHEMES.to_vec()),
+            "schemes": names(SHAPES.map(|(word, _)| word).to_vec()),
             "darcy": names(vec!["face", "nodal"]),
             "meshes_m": MESHES,
         }));
@@ -63,8 +60,8 @@ pub fn run(common: &Common) -> Result<(), Failure> {
         say(false, &format!("  {:<22} {}: {}", variant.name, variant.what, variant.label));
     }
     say(false, &format!("drivers           {}", DRIVERS.join(", ")));
-    say(false, &format!("integrators       {}", INTEGRATORS.join(", ")));
-    say(false, &format!("schemes           {}", SCHEMES.join(", ")));
+    say(false, &format!("integrators       {}", INTEGRATORS.map(|(word, _)| word).join(", ")));
+    say(false, &format!("schemes           {}", SHAPES.map(|(word, _)| word).join(", ")));
     say(false, "darcy operators   face, nodal");
     say(false, &format!("meshes (m)        {}", MESHES.map(|m| m.to_string()).join(", ")));
     Ok(())

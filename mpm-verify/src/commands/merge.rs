@@ -1,8 +1,8 @@
 //! `merge`: the report of a study whose shares were run apart.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
+use mpm_core::scene::read_text;
 use mpm_verify::checkpoint::BUILD;
 use mpm_verify::progress::Progress;
 use mpm_verify::report;
@@ -25,7 +25,8 @@ pub fn run(folders: &[PathBuf], common: &Common) -> Result<(), Failure> {
         }
     }
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/accuracy"));
-    let study = into_folder(&out, |published| {
+    report::page_path(&out).map_err(|e| Failure::BadInput(format!("--out: {e}")))?;
+    let study = into_folder(&out, &super::study::NAMES, |published| {
         let options = Options::of(&first.recipe)?;
         let cases: Vec<PathBuf> = folders.iter().map(|folder| folder.join(CASES)).collect();
         let paths: Vec<&Path> = cases.iter().map(PathBuf::as_path).collect();
@@ -55,6 +56,9 @@ pub fn run(folders: &[PathBuf], common: &Common) -> Result<(), Failure> {
     told(&study, common, &out)
 }
 
+/// No file of a share is larger, bytes.
+const LARGEST: u64 = 64 << 20;
+
 fn read(folder: &Path) -> Result<Shard, Failure> {
     let path = folder.join(SHARD);
     let refused = |found: String| {
@@ -63,8 +67,8 @@ fn read(folder: &Path) -> Result<Shard, Failure> {
             path.display()
         ))
     };
-    let text = fs::read(&path).map_err(|e| refused(e.to_string()))?;
-    let shard: Shard = serde_json::from_slice(&text).map_err(|e| refused(e.to_string()))?;
+    let text = read_text(&path, LARGEST).map_err(|e| refused(e.to_string()))?;
+    let shard: Shard = serde_json::from_str(&text).map_err(|e| refused(e.to_string()))?;
     if shard.recipe.build != BUILD {
         return Err(refused(format!("one of another build, {}; this is {BUILD}", shard.recipe.build)));
     }

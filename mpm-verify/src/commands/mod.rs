@@ -15,11 +15,17 @@ pub mod study;
 use std::fs;
 use std::io::Write;
 use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 
-use mpm_verify::files::Folder;
+use mpm_core::hardware::Hardware;
+use mpm_core::scene::Scene;
+use mpm_verify::files::{Folder, FolderError};
+use mpm_verify::patience::{Estimate, LONG, estimate};
+use mpm_verify::progress::time;
 use serde::Serialize;
+
+use crate::Common;
 
 /// Why a command did not succeed. The exit codes are 1, 2 and 3.
 #[derive(Debug, thiserror::Error)]
@@ -35,10 +41,12 @@ pub enum Failure {
     RunFailed(String),
 }
 
-/// Takes a folder for this process before anything is run, lets `work` write into its stage, and publishes what it wrote if it
-/// succeeds. What could not be written whole is not published.
-fn into_folder<T>(path: &Path, work: impl FnOnce(&Folder) -> Result<T, Failure>) -> Result<T, Failure> {
-    let folder = Folder::take(path).map_err(|e| Failure::BadInput(format!("--out: {e}")))?;
+/// Takes a folder for this process before anything is run, with room for results of some names, lets `work` write into its stage, and
+/// publishes what it wrote if it succeeds. What could not be written whole is not published.
+fn into_folder<T>(path: &Path, names: &[&str], work: impl FnOnce(&Folder) -> Result<T, Failure>) -> Result<T, Failure> {
+    let bad = |e: FolderError| Failure::BadInput(format!("--out: {e}"));
+    let folder = Folder::take(path).map_err(bad)?;
+    folder.has_room_for(names).map_err(bad)?;
     let result = work(&folder)?;
     folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))?;
     Ok(result)
@@ -49,7 +57,22 @@ fn inside(folder: &Path) -> Result<(), Failure> {
     fs::create_dir_all(folder).map_err(|e| Failure::RunFailed(format!("{}: {e}", folder.display())))
 }
 
-/// Set by the first Ctrl-C; a second one ends at once.
+/// Under `nohup` a hang-up ends no run: it is held back from all threads, if this is called before there are others. Only Linux
+/// tells what a program was started with.
+pub fn hold_back_hang_up() {
+    #[cfg(unix)]
+    {
+        let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+        let ignored =
+            status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
+        if ignored.is_some_and(|mask| mask & 1 == 1) {
+            // If that fails the run ends as if Ctrl-C were pressed, and can be taken up again.
+            let _ = nix::sys::signal::SigSet::from(nix::sys::signal::Signal::SIGHUP).thread_block();
+        }
+    }
+}
+
+/// Set by the first Ctrl-C, request to terminate or hang-up; a second one ends at once.
 fn interrupts() -> Arc<AtomicBool> {
     let stopped = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stopped);
@@ -62,6 +85,52 @@ fn interrupts() -> Arc<AtomicBool> {
     // Without a handler Ctrl-C ends the run, as it does everywhere: what was kept so far remains.
     drop(set);
     stopped
+}
+
+/// Integrators that may be quicker than an explicit one, in the order of how much of its model they keep.
+const QUICKER: [&str; 4] = ["semi-implicit", "two-clocks", "coupled", "quasi-static"];
+
+/// Says of runs that will take more than an hour that they do, and `flag` with which integrator they would not. `other` are the same runs
+/// with another integrator, if it fits them.
+fn warn_if_long(
+    common: &Common,
+    (name, flag): (&str, &str),
+    scenes: &[Scene],
+    hardware: &Hardware,
+    other: &dyn Fn(&str) -> Option<Vec<Scene>>,
+) {
+    if common.quiet {
+        return;
+    }
+    let all = |scenes: &[Scene]| scenes.iter().filter_map(|scene| estimate(scene, hardware)).collect::<Vec<_>>();
+    let wall = |estimates: &[Estimate]| estimates.iter().map(|e| e.wall_s).sum::<f64>();
+    let own = all(scenes);
+    let Some(longest) = own.iter().max_by(|a, b| a.steps.total_cmp(&b.steps)).filter(|_| wall(&own) > LONG) else {
+        return;
+    };
+    let what = format!(
+        "{name}: this will take about {}: up to {:.1e} steps of {:.1e} s, timed here at {:.1e} s each",
+        time(wall(&own)),
+        longest.steps,
+        longest.step_s,
+        longest.wall_s / longest.steps
+    );
+    let quicker = QUICKER.iter().find_map(|word| {
+        let estimates = all(&other(word)?);
+        let wall = wall(&estimates);
+        (wall <= LONG).then(|| match estimates.is_empty() {
+            true => format!("; {flag} {word} would take less than an hour"),
+            false => format!("; {flag} {word} would take about {}", time(wall)),
+        })
+    });
+    eprintln!("{what}{}", quicker.unwrap_or_else(|| "; no other integrator is quicker for it".to_owned()));
+}
+
+/// What a flag stands in for, with its words.
+fn words<T>(key: &str, words: &[(&str, T)]) -> String {
+    let names: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
+    let (last, others) = names.split_last().map_or(("", &[][..]), |(last, others)| (*last, others));
+    format!("In place of the scene's {key}: {} or {last}", others.join(", "))
 }
 
 /// The command as it was given, with a flag more.
@@ -86,23 +155,38 @@ fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), Failure> {
     fs::write(path, text + "\n").map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))
 }
 
-/// Prints a line unless quiet. A closed pipe is no error.
+/// Why standard output did not take all that was printed.
+static LOST: OnceLock<std::io::Error> = OnceLock::new();
+
+/// Prints a line unless quiet.
 fn say(quiet: bool, line: &str) {
-    if !quiet {
-        let _ = writeln!(std::io::stdout(), "{line}");
+    if quiet {
+        return;
+    }
+    let mut out = std::io::stdout().lock();
+    match writeln!(out, "{line}").and_then(|()| out.flush()) {
+        // Who reads no further wants no more.
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => drop(LOST.set(e)),
+        _ => {}
     }
 }
 
 /// Prints a value as JSON on standard output.
 fn print_json<T: Serialize>(value: &T) {
-    if let Ok(text) = serde_json::to_string_pretty(value) {
-        let _ = writeln!(std::io::stdout(), "{text}");
+    match serde_json::to_string_pretty(value) {
+        Ok(text) => say(false, &text),
+        Err(e) => drop(LOST.set(e.into())),
     }
 }
 
+/// Whether all that was printed has arrived.
+pub fn all_printed() -> Result<(), Failure> {
+    LOST.get().map_or(Ok(()), |e| Err(Failure::RunFailed(format!("standard output: {e}"))))
+}
+
 /// Threads to use.
-fn jobs(asked: usize) -> usize {
-    if asked > 0 { asked } else { std::thread::available_parallelism().map_or(1, usize::from) }
+fn jobs(asked: u16) -> usize {
+    if asked > 0 { asked.into() } else { std::thread::available_parallelism().map_or(1, usize::from) }
 }
 
 /// Parses a time.

@@ -42,7 +42,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     }
     let quiet = common.quiet || common.json;
     let path = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/mutants"));
-    let rows = into_folder(&path, |folder| {
+    let rows = into_folder(&path, &["mutants.csv"], |folder| {
         let wrong = |e: String| Failure::RunFailed(e);
         fs::create_dir_all(&options.scratch).map_err(|e| wrong(format!("{}: {e}", options.scratch.display())))?;
         let scratch = options.scratch.canonicalize().map_err(|e| wrong(e.to_string()))?;

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use clap::Args;
 use cpu_time::ProcessTime;
+use mpm_verify::baseline;
 use mpm_verify::files::{self, Folder};
 use mpm_verify::levee::limits;
 use mpm_verify::manifest::Manifest;
@@ -53,6 +54,9 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         return Err(Failure::BadInput("--accept: expected why, found nothing".to_owned()));
     }
     let (known, file) = accepted::read(options.baselines.as_deref()).map_err(Failure::BadInput)?;
+    // A folder of one's own need not hold the errors of the ladder.
+    let ladder = options.baselines.as_deref().filter(|folder| folder.join("ladder.csv").exists());
+    baseline::ladder::hold_against(ladder).map_err(Failure::BadInput)?;
     if let (Some(why), Some(from)) = (&options.accept, &options.from) {
         let measures = stored(&from.join(VALUES)).map_err(Failure::BadInput)?;
         let text =
@@ -62,8 +66,9 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         return accept((&known, file), &measures, &night, (why, from), common);
     }
     let path = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/nightly"));
-    let (night, measures, folder) =
-        into_folder(&path, |folder| whole(options, common, (&known, file.as_deref()), folder))?;
+    let (night, measures, folder) = into_folder(&path, &["index.html", history::NAME], |folder| {
+        whole(options, common, (&known, file.as_deref()), folder)
+    })?;
     if common.json {
         print_json(&night);
     } else {
@@ -255,6 +260,8 @@ fn whole(
         trends::write(&history, &pages).map_err(wrong)?;
         nights::write(folder.path(), (&name, &night), folder.stage()).map_err(wrong)?;
     }
+    // Nights stand beside each other.
+    folder.publish_beside("nightly", &|_| true).map_err(|e| Failure::RunFailed(e.to_string()))?;
     Ok((night, measures, folder.path().join(name)))
 }
 

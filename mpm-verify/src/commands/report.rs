@@ -1,22 +1,26 @@
 //! `report`: rebuild the report from a stored study.
 
-use std::fs;
 use std::path::Path;
 
+use mpm_core::scene::read_text;
 use mpm_verify::report::{self, Study};
 
 use super::{Failure, into_folder, say};
 use crate::Common;
 
+/// No stored study is larger, bytes.
+const LARGEST: u64 = 1 << 30;
+
 /// Reads `study.json` in a folder and writes the report beside it, or into `--out`.
 pub fn run(folder: &Path, common: &Common) -> Result<(), Failure> {
     let path = folder.join("study.json");
     let refused = |e: String| Failure::BadInput(format!("{}: expected a stored study, found: {e}", path.display()));
-    let text = fs::read_to_string(&path).map_err(|e| refused(e.to_string()))?;
+    let text = read_text(&path, LARGEST).map_err(|e| refused(e.to_string()))?;
     let study: Study = serde_json::from_str(&text).map_err(|e| refused(e.to_string()))?;
     let out = common.out.as_deref().unwrap_or(folder);
     let wrong = |e: report::ReportError| Failure::RunFailed(e.to_string());
-    into_folder(out, |folder| {
+    report::page_path(out).map_err(|e| Failure::BadInput(format!("--out: {e}")))?;
+    into_folder(out, &super::study::NAMES, |folder| {
         let page = report::write(&study, folder.stage(), out).map_err(wrong)?;
         folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))?;
         page.save(out).map_err(wrong)

@@ -1,15 +1,16 @@
 //! `solve`: one scene file, its history and summary.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
 use mpm_core::drive::{Run, Sample};
 use mpm_core::hardware::Hardware;
+use mpm_core::observe::{Trust, WaterState};
 use mpm_core::run::{StartError, outline_parts, run_attended};
-use mpm_core::scene::{Flags, Integrator, Scene};
+use mpm_core::scene::{Estimate, Flags, INTEGRATORS, Integrator, SHAPES, Scene};
 use mpm_core::seeding;
-use mpm_core::stability::stable_limit;
+use mpm_core::stability::{choose_step, stable_limit};
 use mpm_core::step::Work;
 use mpm_verify::checkpoint;
 use mpm_verify::exact::layered::Layered;
@@ -21,7 +22,7 @@ use mpm_verify::progress::Progress;
 use mpm_verify::report::maps;
 use serde::Serialize;
 
-use super::{Failure, again_with, interrupts, into_folder, print_json, say, write_csv, write_json};
+use super::{Failure, again_with, interrupts, into_folder, print_json, say, warn_if_long, write_csv, write_json};
 use crate::Common;
 
 /// What to solve.
@@ -32,11 +33,9 @@ pub struct Options {
     /// Run a step above the stability limit all the same
     #[arg(long)]
     force: bool,
-    /// In place of the scene's time.integrator: explicit, semi-implicit or quasi-static
-    #[arg(long, value_name = "WORD")]
+    #[arg(long, value_name = "WORD", help = super::words("time.integrator", &INTEGRATORS))]
     integrator: Option<String>,
-    /// In place of the scene's scheme.shape: centre, linear, gimp or bspline2
-    #[arg(long, value_name = "WORD")]
+    #[arg(long, value_name = "WORD", help = super::words("scheme.shape", &SHAPES))]
     scheme: Option<String>,
     /// In place of the scene's time.tolerance, the largest relative error in time of quasi-static steps
     #[arg(long, value_name = "SHARE")]
@@ -93,6 +92,8 @@ struct Row {
     plastic_dissipation_j: f64,
     yield_residual_max: Option<f64>,
     cut_off_n_s: f64,
+    transfer_loss_j: f64,
+    momentum_carried_n_s: f64,
 }
 
 /// A row of profiles.csv.
@@ -143,6 +144,9 @@ struct WaterLine {
     packing_mean: f64,
     packing_max: f64,
     unsettled: u64,
+    pending_allowed_m3: f64,
+    asked_m3: f64,
+    ran_off_m3: f64,
 }
 
 /// summary.json.
@@ -181,6 +185,14 @@ struct Summary<'a> {
     plastic_dissipation_j: f64,
     /// How far any stress was outside the yield surface at most, as a share of 2 c cos(phi); `None` under an elastic law.
     yield_residual_max: Option<f64>,
+    /// Whether the balances closed, and how near to its bound the worst came.
+    trust: Option<Trust>,
+    /// What load and weight do to level soil at the end, estimated before the run.
+    estimate: Option<Estimate>,
+    /// What the scene's choices cost that it says nothing about.
+    notes: Vec<String>,
+    /// Water with a free surface at the end: what the cells hold and what the particles do, and what feeds brought.
+    water: Option<WaterState>,
 }
 
 /// An outline and the particles in it.
@@ -216,7 +228,15 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     }
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports").join(&scene.name));
     let hardware = Hardware::suiting(&scene, options.threads.map(usize::from)).map_err(Failure::BadInput)?;
-    let solved = into_folder(&folder, |folder| solve(options, common, (&scene, &hardware), folder))?;
+    let other = |word: &str| {
+        let flags = Flags { integrator: Some(word.to_owned()), ..flags.clone() };
+        let other = Scene::load_with(&options.scene, &flags).ok();
+        other.filter(|scene| scene.bears_its_load().is_ok() && choose_step(scene).is_ok()).map(|scene| vec![scene])
+    };
+    if !(options.resume || scene.may_fail()) {
+        warn_if_long(common, (&scene.name, "--integrator"), std::slice::from_ref(&scene), &hardware, &other);
+    }
+    let solved = into_folder(&folder, &names(&scene), |folder| solve(options, common, (&scene, &hardware), folder))?;
     match (&solved.failure, solved.stopped) {
         (Some(failure), _) => Err(Failure::RunFailed(format!("{}: {failure}", scene.name))),
         (None, true) => {
@@ -224,6 +244,13 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         }
         (None, false) => Ok(()),
     }
+}
+
+/// Results that every run of a scene writes, by name.
+fn names(scene: &Scene) -> Vec<&'static str> {
+    let some = [("profiles.csv", scene.profiles), ("water.csv", scene.free_surface.is_some())];
+    let some = some.into_iter().filter_map(|(name, there)| there.then_some(name));
+    ["history.csv", "summary.json"].into_iter().chain(some).collect()
 }
 
 /// How a run ended.
@@ -239,6 +266,9 @@ fn solve(
     (scene, hardware): (&Scene, &Hardware),
     folder: &Folder,
 ) -> Result<Solved, Failure> {
+    if !options.resume {
+        checkpoint::is_own(folder.path()).map_err(|e| Failure::BadInput(e.to_string()))?;
+    }
     let kept = keeping::kept(scene, folder.path());
     let kept = match (options.resume, kept) {
         (true, kept) => kept.map_err(|e| Failure::BadInput(e.to_string()))?,
@@ -294,20 +324,17 @@ fn solve(
     if run.stopped {
         return Ok(Solved { stopped: true, failure: None });
     }
-    write(common, (scene, &run, hardware.thread_count(), [cpu_s, wall_s]), folder)?;
+    let summary = summary(scene, &run, hardware.thread_count(), [cpu_s, wall_s]);
+    write((scene, &run, &summary), folder.stage())?;
     // Only once all is written is there nothing to go on from.
     folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))?;
     checkpoint::remove(folder.path());
+    told(common, (scene, &run, &summary), folder.path());
     Ok(Solved { stopped: false, failure: run.failure.as_ref().map(ToString::to_string) })
 }
 
-/// Writes the files of a run, and says what it came to.
-fn write(
-    common: &Common,
-    (scene, run, threads, times): (&Scene, &Run, usize, [f64; 2]),
-    published: &Folder,
-) -> Result<(), Failure> {
-    let folder = published.stage();
+/// Writes the files of a run.
+fn write((scene, run, summary): (&Scene, &Run, &Summary), folder: &Path) -> Result<(), Failure> {
     write_csv(&folder.join("history.csv"), &history(run))?;
     if scene.profiles {
         write_csv(&folder.join("profiles.csv"), &profiles(run))?;
@@ -323,10 +350,13 @@ fn write(
     if maps::shows(scene) {
         maps::write_all(scene, run, folder).map_err(|e| Failure::RunFailed(e.to_string()))?;
     }
-    let summary = summary(scene, run, threads, times);
-    write_json(&folder.join("summary.json"), &summary)?;
+    write_json(&folder.join("summary.json"), summary)
+}
+
+/// Says what a run came to.
+fn told(common: &Common, (scene, run, summary): (&Scene, &Run, &Summary), folder: &Path) {
     if common.json {
-        print_json(&summary);
+        print_json(summary);
     } else {
         let work = match run.work {
             Work { solves: 0, .. } => format!("{} steps", run.steps),
@@ -338,12 +368,32 @@ fn write(
             ),
         };
         let end = format!("{work}, settlement {:.6e} m", summary.settlement_final_m);
-        say(common.quiet, &format!("{}: {end}, written to {}", scene.name, published.path().display()));
+        say(common.quiet, &format!("{}: {end}, written to {}", scene.name, folder.display()));
+        for note in &summary.notes {
+            say(common.quiet, &format!("note: {note}"));
+        }
+        if let Some(Trust { verdict, ledger, gap, allowed, unit, .. }) = &summary.trust {
+            let worst =
+                format!("nearest to its bound {ledger}, {gap:.2e} {unit} missing of {allowed:.2e} {unit} allowed");
+            say(common.quiet, &format!("balances {verdict}: {worst}"));
+        }
+        if let Some(water) = &summary.water {
+            say(common.quiet, &format!("{}: {}", scene.name, balance(water)));
+        }
         if let (true, Some(limit)) = (summary.forced, summary.limit_s) {
             say(common.quiet, &format!("forced: step {:.3e} s above the limit {limit:.3e} s", run.dt));
         }
     }
-    Ok(())
+}
+
+/// The balance of water with a free surface in words.
+fn balance(water: &WaterState) -> String {
+    let WaterState { mobile_m3, particles_m3, pending_m3, pending_allowed_m3, asked_m3, ran_off_m3, .. } = water;
+    let held = format!(
+        "water {mobile_m3:.6e} m3 in cells, {particles_m3:.6e} m3 in particles, {pending_m3:.1e} m3 pending (at most {pending_allowed_m3:.1e})"
+    );
+    let fed = format!(", {asked_m3:.6e} m3 to enter at a velocity, of which {ran_off_m3:.6e} m3 ran off");
+    if *asked_m3 > 0.0 { held + &fed } else { held }
 }
 
 fn summary<'a>(scene: &'a Scene, run: &'a Run, threads: usize, [cpu_s, wall_s]: [f64; 2]) -> Summary<'a> {
@@ -382,6 +432,10 @@ fn summary<'a>(scene: &'a Scene, run: &'a Run, threads: usize, [cpu_s, wall_s]: 
         seeded: Seeded::of(scene),
         plastic_dissipation_j: last.map_or(0.0, |s| s.ledger.plastic_dissipation_j),
         yield_residual_max: last.and_then(|s| s.ledger.yield_residual_max),
+        trust: run.trust,
+        estimate: scene.is_one_dimensional().then(|| scene.estimate()),
+        notes: scene.notes(),
+        water: last.and_then(|s| s.state.water),
     }
 }
 
@@ -427,6 +481,8 @@ fn history(run: &Run) -> Vec<Row> {
             plastic_dissipation_j: l.plastic_dissipation_j,
             yield_residual_max: l.yield_residual_max,
             cut_off_n_s: l.cut_off_n_s,
+            transfer_loss_j: l.transfer_loss_j,
+            momentum_carried_n_s: l.momentum_carried_n_s,
         }
     };
     run.samples.iter().map(row).collect()
@@ -454,6 +510,9 @@ fn water(run: &Run) -> Vec<WaterLine> {
             packing_mean: w.packing_mean,
             packing_max: w.packing_max,
             unsettled: w.unsettled,
+            pending_allowed_m3: w.pending_allowed_m3,
+            asked_m3: w.asked_m3,
+            ran_off_m3: w.ran_off_m3,
         })
     };
     run.samples.iter().filter_map(line).collect()

@@ -59,7 +59,8 @@ const AGREEMENT: [f64; 2] = [0.95, 1.25];
 /// `stability.json`; falls short if `auto` would not be safe, a measured limit is not that of the theory, or a default breaks.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/stability"));
-    let findings = into_folder(&folder, |folder| measure(options, common, folder.stage()))?;
+    let findings =
+        into_folder(&folder, &["index.html", "stability.json"], |folder| measure(options, common, folder.stage()))?;
     if common.json {
         print_json(&findings);
     }

@@ -1,10 +1,11 @@
 //! `study`, the main job.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use mpm_core::scene::{DarcyChoice, Dimension, Integrator, LoadOn, Scene, ShapeChoice, StepChoice};
+use mpm_core::scene::{
+    DarcyChoice, Dimension, Integrator, LARGEST_FILE, LoadOn, Scene, ShapeChoice, StepChoice, read_text,
+};
 use mpm_verify::budget::budgets;
 use mpm_verify::checkpoint::BUILD;
 use mpm_verify::claims::{judge, judge_others};
@@ -277,7 +278,11 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     if options.list_cases {
         return list(options, common);
     }
-    let study = into_folder(&path, |folder| {
+    let names: &[&str] = if options.shard.is_some() { &[SHARD] } else { &NAMES };
+    if options.shard.is_none() {
+        report::page_path(&path).map_err(|e| Failure::BadInput(format!("--out: {e}")))?;
+    }
+    let study = into_folder(&path, names, |folder| {
         let store = open(options, folder.path())?;
         let progress = Progress::new("accuracy study", common.quiet);
         let mut runner = Runner {
@@ -295,7 +300,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))?;
         page.save(folder.path()).map_err(wrong)?;
         // The report holds all of it.
-        let _ = fs::remove_dir_all(folder.path().join(CASES));
+        runner.store.iter().for_each(Store::remove);
         Ok(Some(study))
     })?;
     study.map_or(Ok(()), |study| told(&study, common, &path))
@@ -317,6 +322,9 @@ pub fn told(study: &Study, common: &Common, folder: &Path) -> Result<(), Failure
         None => Ok(()),
     }
 }
+
+/// Results of a study that others ask for by name.
+pub const NAMES: [&str; 4] = ["errors.csv", "manifest.json", "report.md", "study.json"];
 
 /// Folder of the finished cases.
 pub const CASES: &str = "cases";
@@ -408,7 +416,7 @@ pub struct Recipe {
 impl Recipe {
     fn new(options: &Options) -> Result<Self, Failure> {
         let read = |path: &PathBuf| {
-            fs::read_to_string(path).map_err(|e| Failure::BadInput(format!("{}: {e}", path.display())))
+            read_text(path, LARGEST_FILE).map_err(|e| Failure::BadInput(format!("{}: {e}", path.display())))
         };
         Ok(Self {
             build: BUILD.to_owned(),

@@ -10,9 +10,12 @@
 //! `Q/(M + Q) < rho_w/rho`: with `rho_w a_s` in Darcy's law the model itself is unstable in water so soft that it carries
 //! less than that share of a load (p_0/q). [`DynamicColumn::decay`] is negative then.
 //!
+//! Weight is one more load: in the excess over the hydrostatic pressure the same equations hold, with the buoyant weight
+//! (rho - rho_w) g in place of the load, whose modes are 2/(k_j H).
+//!
 //! Sources: Biot 1956; Zienkiewicz, Chang & Bettess 1980, Geotechnique 30(4); modal form derived here.
 
-use mpm_core::scene::{Scene, Start};
+use mpm_core::scene::{LoadOn, Scene, Start, Surcharge};
 use nalgebra::{Complex, Matrix3, Vector3};
 use std::f64::consts::PI;
 
@@ -26,6 +29,8 @@ pub struct DynamicColumn {
     modulus: f64,
     load: f64,
     ramp: f64,
+    /// Buoyant weight and weight of the water, N/m3.
+    weights: [f64; 2],
     modes: Vec<Mode>,
 }
 
@@ -43,11 +48,15 @@ struct Mode {
 }
 
 impl DynamicColumn {
-    /// The column of a scene; `None` if it is dry, unloaded, in layers or not drained at the top alone.
+    /// The column of a scene; `None` if it is dry, neither loaded nor heavy, in layers or not drained at the top alone, or if weight
+    /// and a load that grows come together.
     pub fn new(scene: &Scene) -> Option<Self> {
-        let (water, load) = (scene.water?, scene.surcharge?);
+        let (water, gravity) = (scene.water?, scene.gravity.unwrap_or(0.0));
+        let load =
+            scene.surcharge.unwrap_or(Surcharge { pressure: 0.0, on: LoadOn::Surface, ramp_time: 0.0, strip: None });
         let drained = scene.stages[scene.stages.len() - 1].drained;
-        if drained != [false, false, false, true] || !scene.layers.is_empty() {
+        if drained != [false, false, false, true] || !scene.layers.is_empty() || (gravity > 0.0 && load.ramp_time > 0.0)
+        {
             return None;
         }
         let (m, q, rho, h) = (scene.oedometer_modulus(), scene.pore_stiffness(), scene.mixture_density(), scene.height);
@@ -59,6 +68,13 @@ impl DynamicColumn {
         };
         // The load that the skeleton carries at t = 0; an unloaded start carries nothing.
         let carried = if scene.start == Start::UndrainedEquilibrium { load.pressure - undrained } else { 0.0 };
+        // Of the weight the water has a share at t = 0 as of the load, and above the hydrostatic pressure A z.
+        let held = if scene.start == Start::UndrainedEquilibrium { scene.undrained_share() } else { 0.0 };
+        let weights = [(rho - water.density) * gravity, water.density * gravity];
+        let geostatic = scene.start == Start::Geostatic;
+        let excess = if geostatic { 0.0 } else { held * rho * gravity - weights[1] };
+        let missing =
+            if geostatic { 0.0 } else { weights[0] - (1.0 - held) * f64::from(u8::from(held > 0.0)) * rho * gravity };
         let modes = (1..=MODES)
             .map(|j| {
                 let k = (j as f64 - 0.5) * PI / h;
@@ -70,11 +86,16 @@ impl DynamicColumn {
                     0.0, 1.0, 0.0, motion[0], motion[1], motion[2], flow[0], flow[1], flow[2],
                 ]);
                 let shape = 2.0 * sign / (h * k * k);
-                let first = Vector3::new(shape * (load.pressure - carried) / m, 0.0, shape * k * undrained);
+                let heavy = 2.0 / (h * k * k);
+                let first = Vector3::new(
+                    shape * (load.pressure - carried) / m + heavy * missing / (k * m),
+                    0.0,
+                    shape * k * undrained + heavy * excess,
+                );
                 Mode::new(k, sign, &matrix, &first, m * k * k, rho)
             })
             .collect();
-        Some(Self { height: h, modulus: m, load: load.pressure, ramp: load.ramp_time, modes })
+        Some(Self { height: h, modulus: m, load: load.pressure, ramp: load.ramp_time, weights, modes })
     }
 
     /// How fast the slowest of its waves decays, 1/s; negative if one grows, infinite if none swings.
@@ -86,12 +107,19 @@ impl DynamicColumn {
     /// Settlement of the surface from the unloaded state at a time (s), m.
     pub fn settlement(&self, time: f64) -> f64 {
         let late: f64 = self.modes.iter().map(|m| m.sign * self.response(time, |t, i| m.displacement(t, i))).sum();
-        self.share(time) * self.load * self.height / self.modulus - late
+        let heavy = 0.5 * self.weights[0] * self.height * self.height / self.modulus;
+        self.share(time) * self.load * self.height / self.modulus + heavy - late
+    }
+
+    /// Pore pressure at a height above the base (m), Pa.
+    pub fn pressure(&self, height: f64, time: f64) -> f64 {
+        let of = |mode: &Mode| (mode.wave * height).cos() * self.response(time, |t, i| mode.pressure(t, i));
+        self.modes.iter().map(of).sum::<f64>() + self.weights[1] * (self.height - height)
     }
 
     /// Pore pressure at the base, Pa.
     pub fn base_pressure(&self, time: f64) -> f64 {
-        self.modes.iter().map(|m| self.response(time, |t, i| m.pressure(t, i))).sum()
+        self.pressure(0.0, time)
     }
 
     fn share(&self, time: f64) -> f64 {
@@ -150,7 +178,6 @@ mod tests {
     use super::super::oracle::Table;
     use super::super::terzaghi::Terzaghi;
     use super::*;
-    use mpm_core::scene::Surcharge;
 
     fn scene(grain: bool, inertia: bool, ramp: f64) -> Scene {
         let mut scene = crate::scenes::terzaghi();
@@ -172,6 +199,25 @@ mod tests {
                     assert!((s - u).abs() < 2e-9, "{name} {density} t = {t}: {s} {u}");
                     assert!((exact.base_pressure(t) - p).abs() < 1e-3, "{name} {density} t = {t}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn weight_without_inertia_is_its_series() {
+        let mut light = crate::scenes::built_in("self-weight-consolidation").and_then(Result::ok).expect("the scene");
+        // Slow water: what inertia does to a consolidation falls with the square of its speed.
+        light.water = light
+            .water
+            .map(|w| mpm_core::scene::WaterProperties { hydraulic_conductivity: 1e-3 * w.hydraulic_conductivity, ..w });
+        let dynamic = DynamicColumn::new(&light).expect("heavy");
+        let series = super::super::self_weight::SelfWeight::new(&light).expect("heavy");
+        for t in [0.1, 0.3, 1.0] {
+            let time = t / series.time_factor(1.0);
+            assert!((dynamic.settlement(time) / series.settlement(time) - 1.0).abs() < 1e-5, "{t}");
+            for height in [0.0, 0.4, 0.9] {
+                let apart = dynamic.pressure(height, time) / series.pressure(height, time) - 1.0;
+                assert!(apart.abs() < 1e-5, "{t} {height}: {apart:e}");
             }
         }
     }

@@ -1,10 +1,12 @@
 //! Exact solutions, one per file, each with its assumptions and its own tests against independent tables.
 //!
-//! Consolidation: [`terzaghi`], [`layered`], [`large_strain`], [`mandel`], [`dynamic`]; on a mesh: [`semidiscrete`]. Seepage with
+//! Consolidation: [`column`] (all of it in one dimension, to 1e-6), in closed form [`terzaghi`], [`layered`], [`large_strain`], [`mandel`], [`dynamic`]; on a mesh: [`semidiscrete`]. Seepage with
 //! a free surface: [`wetting_front`], [`dam`], [`boussinesq`]. Stability: [`infinite_slope`], [`slip_circle`].
 //! Plasticity: [`oedometer`]. What they are computed with: [`root`], [`simplex`], [`quadrature`], [`elliptic`].
 
+pub mod bar;
 pub mod boussinesq;
+pub mod column;
 pub mod coupled_field;
 pub mod dam;
 pub mod dynamic;

@@ -8,19 +8,22 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-pub use folder::{Folder, FolderError};
+pub use folder::{Folder, FolderError, RECORD};
 
-/// Ending of the names under which files are written.
-pub const PART: &str = ".part";
+/// Beginning and end of the names under which files are written: no other program's.
+const PART: [&str; 2] = [".mpm-verify.", ".part"];
 
 /// Writes a file whole: whatever happens meanwhile, its name stands for the old bytes or the new ones.
 ///
 /// A link of that name is replaced, not followed. Two processes must not write one file at once ([`Folder`] sees to that).
 ///
 /// # Errors
-/// What the system says; the file is then as it was.
+/// What the system says, or what stands there in place of a file; it is then as it was.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let part = part_of(path)?;
+    if fs::symlink_metadata(path).is_ok_and(|there| !there.is_file() && !there.is_symlink()) {
+        return Err(io::Error::other("no regular file"));
+    }
     // One that is left over may be a link to somewhere: it is taken away, never opened.
     match fs::remove_file(&part) {
         Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
@@ -41,11 +44,12 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 }
 
 /// The name under which a file is written.
-fn part_of(path: &Path) -> io::Result<PathBuf> {
+pub fn part_of(path: &Path) -> io::Result<PathBuf> {
     let name = path.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "no name of a file"))?;
-    let mut name = name.to_owned();
-    name.push(PART);
-    Ok(path.with_file_name(name))
+    let mut part = std::ffi::OsString::from(PART[0]);
+    part.push(name);
+    part.push(PART[1]);
+    Ok(path.with_file_name(part))
 }
 
 /// Brings a new name to the disk: that is done once its folder is. Not every system opens folders.

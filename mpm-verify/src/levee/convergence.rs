@@ -18,7 +18,7 @@ use crate::report::numbers::short;
 
 /// Name of the table in the folder of a run.
 pub const NAME: &str = "convergence.csv";
-/// Times at which states are compared, h on the clock of the scene.
+/// Times at which states of the paper's levee are compared, h on the clock of the scene; other scenes halfway and at their end.
 const HOURS: [f64; 2] = [14.0, 18.0];
 /// Edges of cells as shares of the scene's; the last only where long runs are asked for.
 const CELLS: [f64; 3] = [1.0, 0.5, 0.25];
@@ -67,7 +67,8 @@ pub fn compute(
         return Err(format!("--convergence: expected no variant of the mesh beside it, found {}", variant.name));
     }
     let base = Plan::new(plan::scene(source, flags, variant)?, None, None, false)?;
-    if let Some(late) = HOURS.into_iter().find(|hour| !(*hour >= base.starts_h() && *hour <= base.ends_h())) {
+    let times = if base.papers() { HOURS } else { [0.5 * (base.starts_h() + base.ends_h()), base.ends_h()] };
+    if let Some(late) = times.into_iter().find(|hour| !(*hour >= base.starts_h() && *hour <= base.ends_h())) {
         let clock = format!("a scene from {} to {} h", base.starts_h(), base.ends_h());
         return Err(format!("--convergence: expected a scene that includes {late} h on its clock, found {clock}"));
     }
@@ -83,7 +84,7 @@ pub fn compute(
     }
     let (count, done) = (plans.len(), AtomicUsize::new(0));
     let one = |plan: &Plan| {
-        let found = of(plan, &word);
+        let found = of(plan, &times, &word);
         let number = done.fetch_add(1, Ordering::Relaxed) + 1;
         tell(&format!("{number}/{count} cells of {} m, {} per cell", plan.scene.cell, plan.scene.particles_per_cell));
         found
@@ -96,7 +97,7 @@ pub fn compute(
     Ok(found.into_iter().rev().flatten().collect())
 }
 
-fn of(plan: &Plan, scene: &str) -> Vec<Line> {
+fn of(plan: &Plan, times: &[f64; 2], scene: &str) -> Vec<Line> {
     let line = |quantity: &str, time_h: Option<f64>, x_m: Option<f64>, value: Option<f64>| Line {
         quantity: quantity.to_owned(),
         time_h,
@@ -109,7 +110,7 @@ fn of(plan: &Plan, scene: &str) -> Vec<Line> {
     };
     let trouble = |why: String| Line { why, ..line("trouble", None, None, None) };
     let mut lines = Vec::new();
-    match safety::compute(plan, &HOURS, &mut |_| ()) {
+    match safety::compute(plan, times, &mut |_| ()) {
         Ok(factors) => {
             for found in &factors {
                 for (x, level) in plan.levels().iter().zip(&found.levels_m) {

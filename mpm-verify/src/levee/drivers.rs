@@ -97,7 +97,8 @@ pub fn compute(plan: &Plan, tell: &mut dyn FnMut(&str)) -> Result<Vec<Line>, Str
     for integrator in [Integrator::TwoClocks, Integrator::Coupled, Integrator::Explicit] {
         driver.take_up(state.clone()).map_err(|e| e.to_string())?;
         let dt = if integrator == Integrator::Explicit {
-            PAPER_STEP.min(SAFETY * stable_limit(&Scene { integrator, ..scene.clone() }))
+            let own = SAFETY * stable_limit(&Scene { integrator, ..scene.clone() });
+            if plan.papers() { PAPER_STEP.min(own) } else { own }
         } else {
             driver.dt
         };

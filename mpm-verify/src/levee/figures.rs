@@ -66,11 +66,15 @@ pub fn write(plan: &Plan, run: &Followed, folder: &Path) -> Result<Vec<Picture>,
     let site = site(&plan.scene);
     let mut all = Vec::new();
     let Some(first) = run.shots.first() else { return Ok(all) };
-    let svg = initial::write(&site, &first.frame, folder)?;
-    all.push(Picture { figure: initial::figure(&site, &first.frame), svg });
+    let papers_levee = plan.papers();
+    if papers_levee {
+        // It draws the tank and the wall of the experiment.
+        let svg = initial::write(&site, &first.frame, folder)?;
+        all.push(Picture { figure: initial::figure(&site, &first.frame), svg });
+    }
     let own = own(&run.shots);
     for (shots, papers) in [(own, false), (at_papers_times(&run.shots), true)] {
-        if shots.len() < 2 {
+        if shots.len() < 2 || papers && !papers_levee {
             continue;
         }
         for shown in [Shown::Shape, Shown::Of(STRAIN), Shown::Of(PRESSURE)] {
@@ -95,7 +99,7 @@ pub fn write(plan: &Plan, run: &Followed, folder: &Path) -> Result<Vec<Picture>,
         let figures = [paths::figure(&paths, strength, failure_s), paths::each(&paths, strength, failure_s)];
         all.extend(figures.into_iter().zip(drawn).map(|(figure, svg)| Picture { figure, svg }));
     }
-    if let Some(compared) = both::of(&plan.scene, run) {
+    if let Some(compared) = both::of(&plan.scene, run).filter(|_| papers_levee) {
         let shown = responses(&compared);
         let figure = operators::figure(&site, &shown);
         let svg = operators::write(&figure, &shown, folder)?;

@@ -41,7 +41,12 @@ pub fn of(s: &Summary) -> [Limit; 7] {
         limit("stress outside the yield surface", s.yield_residual_max, 1e-9, "share"),
         limit("checkerboard index of the pore pressure", s.checkerboard_index_max, 0.01, "share"),
         limit("motion in hourglass modes", s.hourglass_ratio_max, 0.05, "share"),
-        limit("largest displacement before water is at the toe", s.max_displacement_before_failure_m, 1e-3, "m"),
+        limit(
+            "largest displacement before water is at the toe",
+            s.max_displacement_before_failure_m,
+            s.displacement_allowed_m,
+            "m",
+        ),
     ]
 }
 

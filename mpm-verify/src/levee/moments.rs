@@ -36,7 +36,8 @@ pub fn times(events: &Events) -> [Option<f64>; 5] {
 pub fn fixed(plan: &Plan) -> Vec<f64> {
     let (start, end) = (plan.starts_h(), plan.ends_h());
     let hours = (0..).map(|k| start.floor() + f64::from(k)).take_while(|h| *h < end);
-    let named = PAPER.into_iter().chain(EXPERIMENT).chain(plan.from_h);
+    let papers = PAPER.into_iter().chain(EXPERIMENT).filter(|_| plan.papers());
+    let named = papers.chain(plan.from_h);
     let mut all: Vec<f64> = hours.chain(named).filter(|h| *h > start && *h < end).collect();
     all.push(end);
     all.sort_by(f64::total_cmp);

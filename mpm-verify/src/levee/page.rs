@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use mpm_core::failure::Scales;
 use serde::Serialize;
 use serde_json::json;
 
@@ -29,6 +30,7 @@ struct Page {
     troubles: Vec<String>,
     numbers: Vec<Table>,
     claims: Vec<Table>,
+    papers: bool,
     further: Vec<Table>,
     assumptions: Vec<(&'static str, String)>,
     manifest: Vec<(&'static str, String)>,
@@ -60,8 +62,8 @@ pub struct Parts<'a> {
     pub run: &'a Followed,
     /// Its numbers.
     pub summary: &'a Summary,
-    /// Judged claims.
-    pub claims: &'a [Claim],
+    /// Judged claims of the paper, of its levee.
+    pub claims: Option<&'a [Claim]>,
     /// Pictures in their order.
     pub pictures: &'a [Picture],
     /// Further tables: factors of safety, variants.
@@ -79,13 +81,18 @@ pub fn write(parts: Parts, (known, folder): (&Path, &Path)) -> Result<(), Report
     let page = Page {
         title: title(plan, summary),
         summary: words(summary, claims),
+        papers: claims.is_some(),
         troubles: run.ended.trouble().map(str::to_owned).into_iter().chain(others).collect(),
-        numbers: numbers(summary),
-        claims: vec![judged(claims)],
+        numbers: numbers(summary, &plan.scales(), claims.is_some()),
+        claims: claims.map(judged).into_iter().collect(),
         further,
         assumptions: assumptions::of(&plan.scene, summary),
         manifest: summary.manifest.entries().to_vec(),
-        files: FILES.into_iter().filter(|file| folder.join(file).exists() || known.join(file).exists()).collect(),
+        files: FILES
+            .into_iter()
+            .filter(|file| folder.join(file).exists() || known.join(file).exists())
+            .filter(|file| claims.is_some() || *file != "claims.csv")
+            .collect(),
         animation: folder.join("failure.html").exists(),
     };
     let figures: Vec<Figure> = pictures.iter().map(|p| p.figure.clone()).collect();
@@ -97,19 +104,23 @@ pub fn write(parts: Parts, (known, folder): (&Path, &Path)) -> Result<(), Report
 
 fn title(plan: &Plan, summary: &Summary) -> String {
     let variant = summary.variant.as_ref().map_or_else(String::new, |name| format!(", variant {name}"));
-    format!("Seepage failure of a levee: {}{variant}", plan.scene.name)
+    let subject = if plan.papers() { "Seepage failure of a levee" } else { "Seepage and stability of a slope" };
+    format!("{subject}: {}{variant}", plan.scene.name)
 }
 
-fn words(s: &Summary, claims: &[Claim]) -> String {
+fn words(s: &Summary, claims: Option<&[Claim]>) -> String {
     let at = |time: Option<f64>| time.map(|h| clock(3600.0 * h));
-    let count = |verdict: Verdict| claims.iter().filter(|c| c.verdict == verdict).count();
-    let judged = format!(
-        "Of {} statements of the paper and the experiment {} hold, {} differ, {} cannot be compared.",
-        claims.len(),
-        count(Verdict::Holds),
-        count(Verdict::Differs),
-        count(Verdict::NotComparable)
-    );
+    let subject = if claims.is_some() { "levee" } else { "slope" };
+    let judged = claims.map_or_else(String::new, |claims| {
+        let count = |verdict: Verdict| claims.iter().filter(|c| c.verdict == verdict).count();
+        format!(
+            " Of {} statements of the paper and the experiment {} hold, {} differ, {} cannot be compared.",
+            claims.len(),
+            count(Verdict::Holds),
+            count(Verdict::Differs),
+            count(Verdict::NotComparable)
+        )
+    });
     let story = match (at(s.failure_start_h), at(s.rapid_failure_h)) {
         (Some(failure), Some(rapid)) => format!(
             "Failure starts at {failure}, rapid failure at {rapid}; soil rests again {} s later with its toe at {} m.",
@@ -118,15 +129,15 @@ fn words(s: &Summary, claims: &[Claim]) -> String {
         ),
         (Some(failure), None) => format!("Failure starts at {failure}; it does not become rapid."),
         (None, _) => match at(s.end_h) {
-            Some(end) => format!("The levee has not failed when the run ends at {end}."),
+            Some(end) => format!("The {subject} has not failed when the run ends at {end}."),
             None if s.ended == "run-failed" => "The run failed before any water seeped.".to_owned(),
-            None => "The levee does not stand before any water seeps.".to_owned(),
+            None => format!("The {subject} does not stand before any water seeps."),
         },
     };
-    format!("{story} {judged}")
+    format!("{story}{judged}")
 }
 
-fn numbers(s: &Summary) -> Vec<Table> {
+fn numbers(s: &Summary, scales: &Scales, papers: bool) -> Vec<Table> {
     let time = |name: &str, value: Option<f64>| {
         let small = value.map_or_else(String::new, |h| clock(3600.0 * h));
         vec![
@@ -154,14 +165,21 @@ fn numbers(s: &Summary) -> Vec<Table> {
         other("largest displacement before failure starts", s.displacement_before_failure_m, "m"),
         other("largest deviator strain", s.max_deviator_strain, "–"),
     ];
-    let took = vec![
+    let operators = [
         other("checkerboard index, steady with a point source, faces (default)", s.checkerboard_face_operator, "–"),
         other("the same, the paper's nodal operator", s.checkerboard_nodal_operator, "–"),
+    ];
+    let mut took = vec![
         count("steps of the water", s.steps_seepage),
         count("steps of soil that comes to rest", s.steps_relaxing),
         count("steps of soil that moves", s.steps_moving),
         other("CPU time", Some(s.cpu_s), "s"),
     ];
+    let mut about = "";
+    if papers {
+        took.splice(0..0, operators);
+        about = "Both indices of a point source are those of the last frame before failure.";
+    }
     let kept = |limit: Limit| {
         let (verdict, mark) = if limit.held() { ("held", "good") } else { ("not held", "bad") };
         vec![
@@ -172,22 +190,22 @@ fn numbers(s: &Summary) -> Vec<Table> {
             Cell::new(verdict).marked("", mark),
         ]
     };
-    let events = "E1: 0.5 % of the section has moved more than 1 cm, or soil does not come to rest. E2: 1 % of the section, deeper \
-                  than 0.3 m, has moved more than 5 cm. E3: 5 % has moved more than 0.5 m.";
+    let [e1, e2, e3] = scales.events().map(|way| short(way, 2));
+    let events = format!(
+        "E1: 0.5 % of the section has moved more than {e1} m, or soil does not come to rest. E2: 1 % of the section, deeper than {} m, \
+         has moved more than {e2} m. E3: 5 % has moved more than {e3} m. All are shares of the height, beyond what the water can move \
+         the soil elastically.",
+        short(scales.depth(), 2)
+    );
     vec![
-        table("What happened".to_owned(), &head, happened, events),
+        table("What happened".to_owned(), &head, happened, &events),
         table(
             "How sound it is".to_owned(),
             &["largest over the run", "value", "at most", "unit", ""],
             limits::of(s).into_iter().map(kept).collect(),
             "Gaps as shares of the water in the soil and of the works and losses booked.",
         ),
-        table(
-            "What it took".to_owned(),
-            &head,
-            took,
-            "Both indices of a point source are those of the last frame before failure.",
-        ),
+        table("What it took".to_owned(), &head, took, about),
     ]
 }
 

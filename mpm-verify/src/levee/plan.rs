@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use mpm_core::failure::Scales;
 use mpm_core::scene::{Failure, Flags, Integrator, Scene};
 use sha2::{Digest, Sha256};
 
@@ -81,6 +82,38 @@ impl Plan {
             }
         }
         Ok(plan)
+    }
+
+    /// Why what is said of the paper's levee alone says nothing of this scene; `None` if it is that levee, whatever is changed in it
+    /// that the paper leaves open.
+    pub fn not_papers(&self) -> Option<String> {
+        let (name, text) = BUILT_IN.iter().find(|(name, _)| *name == "levee")?;
+        let (own, papers) = (&self.scene, Scene::parse(text, name).ok()?);
+        let strength = |scene: &Scene| scene.strength.map(|s| (s.cohesion, s.friction_angle));
+        let other = if own.outline != papers.outline {
+            "outline"
+        } else if (own.grain_density, own.porosity, own.elastic)
+            != (papers.grain_density, papers.porosity, papers.elastic)
+        {
+            "soil"
+        } else if strength(own) != strength(&papers) {
+            "strength"
+        } else if own.gravity != papers.gravity || self.starts_h() != 6.0 {
+            "gravity or start of the clock"
+        } else {
+            return None;
+        };
+        Some(format!("expected the levee of the paper's Table 3, found {}, with another {other}", own.name))
+    }
+
+    /// Whether it is the paper's levee.
+    pub fn papers(&self) -> bool {
+        self.not_papers().is_none()
+    }
+
+    /// Scales of the scene.
+    pub fn scales(&self) -> Scales {
+        Scales::of(&self.scene)
     }
 
     fn failure(&self) -> &Failure {

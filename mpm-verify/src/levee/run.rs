@@ -184,9 +184,8 @@ impl<'a> Running<'a> {
             Ok(settled) => {
                 self.look(&self.driver.events.clone(), true);
                 Some(Ended::DoesNotStand(format!(
-                    "under its own weight and the first water, soil does not come to rest: the largest displacement \
-                     is {:.3} m, at {:.2?} m",
-                    settled.moved.most_m, settled.moved.most_at_m
+                    "under its own weight and the first water the soil {}",
+                    settled.said()
                 )))
             }
         }

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use mpm_core::failure::{Driver, Row};
+use mpm_core::failure::{Bracket as Found, Driver};
 use serde::{Deserialize, Serialize};
 
 use super::equilibrium::{self, Factors};
@@ -49,6 +49,15 @@ pub struct Line {
     pub steps: u64,
     /// Of which scene: [`Plan::scene_word`].
     pub scene: String,
+    /// Least and largest factor between the two at which a trial neither came to rest nor slid.
+    #[serde(default)]
+    pub undecided_low: Option<f64>,
+    /// See `undecided_low`.
+    #[serde(default)]
+    pub undecided_high: Option<f64>,
+    /// Why limit equilibrium has no factors, where it has none.
+    #[serde(default)]
+    pub no_limit_equilibrium: String,
     /// Levels of the water at the places of the scene, m; not in the table.
     #[serde(skip)]
     pub levels_m: Vec<f64>,
@@ -74,37 +83,57 @@ pub fn compute(plan: &Plan, times_h: &[f64], progress: &mut dyn FnMut(&str)) -> 
     for time in times {
         driver.seep_only(plan.seconds(time)).map_err(|e| e.to_string())?;
         let Some(row) = driver.rows.last().cloned() else {
-            return Err("the levee does not stand before water seeps: it has no factor of safety".to_owned());
+            return Err("the slope does not stand before water seeps: it has no factor of safety".to_owned());
         };
-        let factors = equilibrium::factors(plan, &row);
-        let mut tell =
-            |b: &mpm_core::failure::Bracket| progress(&format!("{time} h: between {:.3} and {:.3}", b.low, b.high));
+        let (factors, why) = match equilibrium::factors(&plan.scene, &row, &driver.surface()) {
+            Ok(factors) => (factors, String::new()),
+            Err(why) => ([Factors::default(); 2], why),
+        };
+        let mut tell = |b: &Found| progress(&format!("{time} h: between {:.3} and {:.3}", b.low, b.high));
         let found = driver.safety(WITHIN, &mut tell).map_err(|e| e.to_string())?;
         lines.push(Line {
             scene: plan.scene_word(),
             levels_m: row.levels.clone(),
-            ..line(time, [found.low, found.high], factors, (found.trials, found.steps))
+            no_limit_equilibrium: why,
+            ..line(time, &found, factors)
         });
     }
     Ok(lines)
 }
 
-fn line(time_h: f64, [fs_low, fs_high]: [f64; 2], factors: [Factors; 2], (trials, steps): (u32, u64)) -> Line {
+fn line(time_h: f64, found: &Found, factors: [Factors; 2]) -> Line {
     let [full, davis] = factors;
     Line {
         time_h,
-        fs_low,
-        fs_high,
+        fs_low: found.low,
+        fs_high: found.high,
         infinite_slope: full.infinite_slope,
         infinite_slope_davis: davis.infinite_slope,
         bishop: full.bishop,
         bishop_davis: davis.bishop,
         spencer: full.spencer,
         spencer_davis: davis.spencer,
-        trials,
-        steps,
+        trials: found.trials,
+        steps: found.steps,
+        undecided_low: found.undecided.map(|[low, _]| low),
+        undecided_high: found.undecided.map(|[_, high]| high),
+        no_limit_equilibrium: String::new(),
         scene: String::new(),
         levels_m: Vec::new(),
+    }
+}
+
+impl Line {
+    /// In one sentence, with what is missing and why.
+    pub fn said(&self) -> String {
+        let undecided = self.undecided_low.zip(self.undecided_high).map_or_else(String::new, |(low, high)| {
+            format!("; from {low:.3} to {high:.3} trials neither came to rest nor slid: undecided")
+        });
+        let slices = match self.no_limit_equilibrium.as_str() {
+            "" => String::new(),
+            why => format!("; no limit equilibrium beside it: {why}"),
+        };
+        format!("factor of safety at {} h: {:.3} to {:.3}{undecided}{slices}", self.time_h, self.fs_low, self.fs_high)
     }
 }
 
@@ -177,21 +206,20 @@ pub fn shown(lines: &[Line]) -> Table {
         ]
     };
     let implied = implied(lines).map_or_else(String::new, |text| format!(" {text}."));
-    let note = "Slides at least 0.3 m deep; limit equilibrium with the run's level of water, hydrostatic below it, and the \
+    let note = "Slides at least a tenth of the height deep; limit equilibrium with the run's level of water, hydrostatic below it, and the \
                 peak friction of the base. Davis: with his reduced strength for a soil without dilation. The infinite slope is \
                 that at the toe, from when water is there.";
-    table("Factor of safety".to_owned(), &head, lines.iter().map(row).collect(), &format!("{note}{implied}"))
-}
-
-/// Level of the water as a line (x, y), m: the tank, the places of the scene, the front.
-pub fn phreatic(plan: &Plan, row: &Row, tank_m: f64) -> Vec<[f64; 2]> {
-    let inner = plan.levels().iter().zip(&row.levels).map(|(x, y)| [*x, *y]);
-    let inner = inner.filter(|p| p[0] > 0.0 && p[0] < row.front_x_m && p[1].is_finite() && p[1] > 0.0);
-    let mut line: Vec<[f64; 2]> = std::iter::once([0.0, tank_m]).chain(inner).collect();
-    line.push([row.front_x_m, 0.0]);
-    line.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    line.dedup_by(|a, b| a[0] - b[0] < 1e-6);
-    line
+    let mut whys: Vec<&str> =
+        lines.iter().map(|l| l.no_limit_equilibrium.as_str()).filter(|why| !why.is_empty()).collect();
+    whys.dedup();
+    let missing: String = whys.iter().map(|why| format!(" No limit equilibrium: {why}.")).collect();
+    let undecided = if lines.iter().any(|l| l.undecided_low.is_some()) {
+        " Wider brackets: trials between neither came to rest nor slid within their time."
+    } else {
+        ""
+    };
+    let note = format!("{note}{undecided}{missing}{implied}");
+    table("Factor of safety".to_owned(), &head, lines.iter().map(row).collect(), &note)
 }
 
 #[cfg(test)]
@@ -200,7 +228,10 @@ mod tests {
 
     #[test]
     fn the_factors_imply_a_time_and_how_uncertain_it_is() {
-        let at = |time_h: f64, fs: f64| line(time_h, [fs - 0.005, fs + 0.005], Default::default(), (0, 0));
+        let at = |time_h: f64, fs: f64| {
+            let found = Found { low: fs - 0.005, high: fs + 0.005, trials: 0, steps: 0, undecided: None };
+            line(time_h, &found, Default::default())
+        };
         let lines = [at(10.0, 1.10), at(14.0, 0.98), at(18.0, 0.90)];
         let text = implied(&lines).expect("a time");
         assert_eq!(

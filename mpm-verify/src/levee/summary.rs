@@ -92,6 +92,8 @@ pub struct Summary {
     pub water_particles: usize,
     /// Frames taken.
     pub frames: usize,
+    /// What soil that water does not yet reach may move at most: the elastic displacement under all that water can add, m.
+    pub displacement_allowed_m: f64,
     /// Under which conditions.
     pub manifest: Manifest,
 }
@@ -105,7 +107,7 @@ impl Summary {
             let values = rows.iter().map(of).filter(|v| v.is_finite());
             values.fold(None, |most: Option<f64>, v| Some(most.map_or(v, |m| m.max(v))))
         };
-        let water = rows.first().map(|r| r.water_m3);
+        let water = rows.first().zip(last).map(|(first, last)| first.water_m3.max(last.water_in_m3));
         let share = |gap: Option<f64>, whole: f64| gap.filter(|_| whole > 0.0).map(|gap| gap / whole);
         let end_h = last.map(|r| r.time_h);
         let lasts = |from: Option<f64>| from.zip(end_h).map(|(from, end)| 3600.0 * (end - from));
@@ -134,7 +136,11 @@ impl Summary {
             operators,
             hourglass_ratio_max: most(|r| r.hourglass),
             solid_mass_error: share(most(|r| r.solid_closing_kg.abs()), run.mass_kg),
-            water_ledger_error: share(most(|r| r.water_closing_m3.abs()), water.unwrap_or(0.0)),
+            // A slope without any water has lost none.
+            water_ledger_error: match water {
+                Some(0.0) => most(|r| r.water_closing_m3.abs()),
+                _ => share(most(|r| r.water_closing_m3.abs()), water.unwrap_or(0.0)),
+            },
             energy_error: most(|r| r.energy_error),
             steps: run.steps.all(),
             steps_seepage: run.steps.seepage,
@@ -152,6 +158,7 @@ impl Summary {
             solid_particles: run.particles[0],
             water_particles: run.particles[1],
             frames: run.shots.len(),
+            displacement_allowed_m: plan.scales().elastic,
             manifest,
         }
     }

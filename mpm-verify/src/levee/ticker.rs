@@ -1,14 +1,11 @@
 //! How far a run has come: hours, phase and the time that is left.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use mpm_core::failure::{Driver, Phase};
 
 use super::plan::Plan;
-use crate::progress::Progress;
-
-/// Wall time between lines where there is no terminal.
-const LINES: Duration = Duration::from_secs(10);
+use crate::progress::{Pace, Progress, time};
 
 /// Shows a run as it goes on.
 #[derive(Debug)]
@@ -18,7 +15,8 @@ pub struct Ticker {
     ends_h: f64,
     starts_h: f64,
     began: Option<(Instant, f64)>,
-    said: Option<(Instant, Phase)>,
+    said: Option<Phase>,
+    pace: Pace,
 }
 
 impl Ticker {
@@ -27,7 +25,15 @@ impl Ticker {
         let title = plan.scene.name.clone();
         let progress = Progress::new(&title, quiet);
         progress.note(&format!("{title}: {}", words(Phase::Gravity)));
-        Self { progress, title, ends_h: plan.ends_h(), starts_h: plan.starts_h(), began: None, said: None }
+        Self {
+            progress,
+            title,
+            ends_h: plan.ends_h(),
+            starts_h: plan.starts_h(),
+            began: None,
+            said: None,
+            pace: Pace::new(),
+        }
     }
 
     /// After a look at the soil.
@@ -35,19 +41,21 @@ impl Ticker {
         let hours = driver.hours();
         let (began, from) = *self.began.get_or_insert((Instant::now(), hours));
         let share = (hours - self.starts_h) / (self.ends_h - self.starts_h);
-        self.progress.set((1e6 * share.clamp(0.0, 1.0)) as u64);
+        self.progress.set_bar((1e6 * share.clamp(0.0, 1.0)) as u64);
         let phase = driver.phase;
-        let changed = self.said.is_none_or(|(_, last)| last != phase && phase != Phase::Relaxing);
-        let late = self.said.is_none_or(|(at, _)| at.elapsed() >= LINES);
+        let changed = self.said.is_none_or(|last| last != phase && phase != Phase::Relaxing);
+        let late = self.pace.due().is_some();
         let left = (hours > from).then(|| began.elapsed().mul_f64(((self.ends_h - hours) / (hours - from)).max(0.0)));
         // Only water seeps at a pace that tells when the end comes.
         let left = left.filter(|_| matches!(phase, Phase::Seepage | Phase::Relaxing));
-        let left = left.map_or_else(String::new, |left| format!(", about {} s to {} h", left.as_secs(), self.ends_h));
+        let left =
+            left.map_or_else(String::new, |left| format!(", about {} to {} h", time(left.as_secs_f64()), self.ends_h));
         let text = format!("{}: {hours:.4} h, {}{left}", self.title, words(phase));
         self.progress.note(&text);
         if changed || late {
             self.progress.piped_line(&text);
-            self.said = Some((Instant::now(), phase));
+            self.said = Some(phase);
+            self.pace.said();
         }
     }
 

@@ -29,16 +29,21 @@ pub fn write(
     let text = serde_json::to_string_pretty(summary).map_err(|e| unwritable(&path, e))?;
     save(&path, text + "\n")?;
     let scene = &plan.scene;
-    let claims = claims::judge(&Evidence {
-        ended: &run.ended,
-        rows: &run.rows,
-        paths: &run.paths,
-        events: &run.events,
-        shots: &run.shots,
-        strength: figures::strength(scene),
-        toe_m: scene.width,
+    // The paper and the experiment speak of their levee alone.
+    let claims = plan.papers().then(|| {
+        claims::judge(&Evidence {
+            ended: &run.ended,
+            rows: &run.rows,
+            paths: &run.paths,
+            events: &run.events,
+            shots: &run.shots,
+            strength: figures::strength(scene),
+            toe_m: scene.width,
+        })
     });
-    claims::write(&claims, folder)?;
+    if let Some(claims) = &claims {
+        claims::write(claims, folder)?;
+    }
     let path = folder.join("frames.bin");
     frames::write(&run.shots, &path).map_err(|e| unwritable(&path, std::io::Error::other(e)))?;
     let plots = folder.join("plots");
@@ -59,7 +64,8 @@ pub fn write(
         further.push(sensitivity::shown(&variants));
     }
     let site = figures::site(scene);
-    animation::write(&format!("The levee fails: {}", scene.name), &site, &run.shots, &folder.join("failure.html"))?;
+    let subject = if plan.papers() { "The levee fails" } else { "The slope" };
+    animation::write(&format!("{subject}: {}", scene.name), &site, &run.shots, &folder.join("failure.html"))?;
     if with_vtk {
         vtk::write(&run.shots, &folder.join("vtk"))?;
     }
@@ -69,5 +75,8 @@ pub fn write(
     if !drivers.is_empty() {
         further.push(drivers::shown(&drivers));
     }
-    page::write(Parts { plan, run, summary, claims: &claims, pictures: &pictures, further, others }, (known, folder))
+    page::write(
+        Parts { plan, run, summary, claims: claims.as_deref(), pictures: &pictures, further, others },
+        (known, folder),
+    )
 }

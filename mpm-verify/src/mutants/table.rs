@@ -45,7 +45,7 @@ pub const MUTANTS: &[Mutant] = &[
         "drained-surface",
         "the drained surface lies a whole cell from the centre of the last one",
         "mpm-core/src/water/face.rs",
-        "let mut flux = DRAINED_SURFACE * self.conductance * head;",
+        "let mut flux = conducts * head * self.conductance;",
         "let mut flux = self.conductance * head;",
     ),
     fault(
@@ -202,6 +202,27 @@ pub const MUTANTS: &[Mutant] = &[
         "mpm-core/src/water/free_surface/flow.rs",
         "0.5 * bottom * bottom / g",
         "bottom * bottom / g",
+    ),
+    fault(
+        "seepage-lets-in",
+        "suction draws water in through the surface of the soil",
+        "mpm-core/src/water/free_surface/edges.rs",
+        "kind == Kind::Full && p > top",
+        "kind.unknown()",
+    ),
+    fault(
+        "forgotten-outflow",
+        "particles stay when their water leaves through a side that is fed",
+        "mpm-core/src/water/free_surface/layer.rs",
+        "*pending -= dt * out;",
+        "*pending -= if edge.outside == super::Outside::Air { dt * out } else { dt * out.min(0.0) };",
+    ),
+    fault(
+        "rain-on-boxes",
+        "rain falls on the boxes of the particles, not on the outline",
+        "mpm-core/src/water/free_surface/edges.rs",
+        "*width = right;",
+        "*width += 0.0 * right;",
     ),
     fault(
         "forgotten-slip",

@@ -4,6 +4,7 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use mpm_core::scene::read_text;
 use serde::{Deserialize, Serialize};
 
 use super::measure::{Label, Measure, Tolerance};
@@ -59,11 +60,8 @@ const HEAD: &str = "\
 pub fn read(folder: Option<&Path>) -> Result<(Vec<Accepted>, Option<PathBuf>), String> {
     let own = folder.unwrap_or(Path::new(FOLDER)).join(NAME);
     match fs::metadata(&own) {
-        Ok(file) if file.len() > LARGEST => {
-            Err(format!("{}: expected less than {LARGEST} bytes, found {}", own.display(), file.len()))
-        }
         Ok(_) => {
-            let text = fs::read_to_string(&own).map_err(|e| format!("{}: {e}", own.display()))?;
+            let text = read_text(&own, LARGEST).map_err(|e| format!("{}: {e}", own.display()))?;
             Ok((parse(&text).map_err(|e| format!("{}:{e}", own.display()))?, Some(own)))
         }
         Err(e) if folder.is_none() && e.kind() == ErrorKind::NotFound => {

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
 
+use mpm_core::scene::read_text;
 use serde::{Deserialize, Serialize};
 
 use super::measure::Measure;
@@ -51,12 +52,9 @@ impl History {
         match fs::metadata(path) {
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Self::default()),
             Err(e) => return Err(format!("{}: {e}", path.display())),
-            Ok(file) if file.len() > LARGEST => {
-                return Err(format!("{}: expected less than {LARGEST} bytes, found {}", path.display(), file.len()));
-            }
             Ok(_) => {}
         }
-        let text = fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
+        let text = read_text(path, LARGEST).map_err(|e| format!("{}: {e}", path.display()))?;
         Self::parse(&text).map_err(|e| format!("{}:{e}", path.display()))
     }
 

@@ -108,11 +108,15 @@ fn refinements(climbs: &[Climb], folder: &Path) -> Result<(), ReportError> {
 }
 
 fn summary(climbs: &[Climb]) -> String {
-    let held = climbs.iter().filter(|c| c.step.held()).count();
+    let count = |which: fn(&Climb) -> bool| climbs.iter().filter(|c| which(c)).count();
+    let (open, failed) = (count(|c| c.step.open()), count(|c| !c.step.held()));
     let time: f64 = climbs.iter().map(|c| c.step.cpu_s).sum();
     format!(
-        "{held} of {} rungs held, in {} s of CPU time. Each compares runs with an exact solution (collapsing columns with published laws): the error at the \
-         smallest parameter must be small enough and, where it is refined, fall with the order that it should.",
+        "{} of {} cases passed, of {open} the order is not established, {failed} failed, in {} s of CPU time. Each compares \
+         runs with an exact solution (collapsing columns with published laws): the error must be small enough and, where it \
+         is refined, fall with the order that it should. An order is established by the 95 % interval of four meshes or \
+         more; where it is not, the error is the largest of the last two meshes.",
+        climbs.len() - open - failed,
         climbs.len(),
         short(time, 3)
     )
@@ -121,7 +125,13 @@ fn summary(climbs: &[Climb]) -> String {
 /// Verdict, numbers and reason of every rung.
 fn rungs(climbs: &[Climb]) -> Table {
     let row = |c: &Climb| {
-        let mark = if c.step.held() { "good" } else { "bad" };
+        let mark = if c.step.open() {
+            "warn"
+        } else if c.step.held() {
+            "good"
+        } else {
+            "bad"
+        };
         let order = c.fit.as_ref().map_or_else(|| "–".to_owned(), |fit| short(fit.order, 3));
         let width = c.fit.as_ref().filter(|f| f.half_width.is_finite());
         let width = width.map_or_else(String::new, |f| {
@@ -141,7 +151,7 @@ fn rungs(climbs: &[Climb]) -> Table {
         ]
     };
     let head = ["rung", "verdict", "error", "allowed", "order", "required", "baseline", "scheme", "CPU time (s)"];
-    let note = "Error at the smallest refinement parameter. Order: fitted, with its 95 % interval. Baseline: error over the \
+    let note = "Error at the smallest refinement parameter, or the largest of the last two where no order is established. Order: fitted, with its 95 % interval. Baseline: error over the \
                 accepted one, which a rung may not exceed by more than 2 %; verified against an exact solution, or a \
                 regression value against this code itself or a band of published laws.";
     table("Verdicts".to_owned(), &head, climbs.iter().map(row).collect(), note)
@@ -170,7 +180,11 @@ fn orders(climbs: &[Climb]) -> Table {
         let [first, last] = ends.map(|end| end.copied().unwrap_or((f64::NAN, f64::NAN)));
         let span = format!("{} to {}", brief(first.0, 3), brief(last.0, 3));
         let unit = if unit == "-" { String::new() } else { format!(" {unit}") };
-        let fallen = refinement.fallen();
+        let (words_of, mark) = match (refinement.fallen(), refinement.open()) {
+            (Some(_), _) => ("failed", "bad"),
+            (None, Some(_)) => ("order not established", "warn"),
+            (None, None) => ("passed", "good"),
+        };
         vec![
             Cell::new(climb.step.rung.clone()).marked(format!("against {}", refinement.against), ""),
             Cell::new(refinement.by.0).marked(format!("{span}{unit}"), ""),
@@ -178,8 +192,7 @@ fn orders(climbs: &[Climb]) -> Table {
             Cell::new(format!("{} to {}", short(first.1, 2), short(last.1, 2))),
             order_cell(fit.as_ref(), refinement.required_order.is_some()),
             Cell::new(words(refinement.required_order)),
-            Cell::new(if fallen.is_some() { "fell short" } else { "held" })
-                .marked("", if fallen.is_some() { "bad" } else { "good" }),
+            Cell::new(words_of).marked("", mark),
         ]
     };
     let of = |climb: &Climb| climb.all_refinements().iter().map(|r| row(climb, r)).collect::<Vec<_>>();
@@ -236,18 +249,19 @@ mod tests {
         };
         let (mut single, mut fallen) = (climb("quasi-static-steps"), climb("quasi-static-centre"));
         single.notes = vec![("stored over geometric water".to_owned(), 0.9995, "-".to_owned())];
-        fallen.step.verdict = "fell short".to_owned();
+        fallen.step.verdict = "failed".to_owned();
         let folder = tempfile::tempdir().expect("a folder");
         let manifest = Manifest::new(&crate::scenes::terzaghi(), 1);
         write(&[single, fallen], &manifest, false, folder.path()).expect("a page");
         let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect(name);
         assert!(read("quasi-static-steps.csv").starts_with("mesh_m,error\n0.05,"));
-        assert_eq!(read("quasi-static-centre.csv").lines().count(), 4);
+        assert_eq!(read("quasi-static-centre.csv").lines().count(), 6);
         assert!(read("quasi-static-centre.svg").contains("order 2.02"));
         assert!(read("quasi-static-steps.svg").contains("of what is allowed"));
         assert_eq!(read("notes.csv"), format!("{NOTES}\nquasi-static-steps,stored over geometric water,0.9995,-\n"));
         let page = read("index.html");
-        for part in ["1 of 2 rungs held", "warning\">quasi-static-centre: error 0.0009", "0.9995", "does not compress"]
+        for part in
+            ["1 of 2 cases passed", "warning\">quasi-static-centre: error 0.0009", "0.9995", "does not compress"]
         {
             assert!(page.contains(part), "{part}");
         }

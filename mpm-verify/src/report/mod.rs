@@ -115,6 +115,33 @@ pub(crate) fn save(path: &Path, text: impl AsRef<[u8]>) -> Result<(), ReportErro
     fs::write(path, text).map_err(|e| unwritable(path, e))
 }
 
+/// What every page of this program has in its head.
+const MADE_BY: &str = "<meta name=\"generator\" content=\"mpm-verify\">";
+/// The same of versions before that.
+const MADE_BY_EARLIER: &str = ":root { color-scheme: light dark; --text: #1b1f24;";
+
+/// Where the page of a study stands: `index.html` in the folder above that of its report (itself, at the root).
+///
+/// # Errors
+/// A page of someone else's stands there.
+pub fn page_path(folder: &Path) -> Result<PathBuf, ReportError> {
+    // `out` alone stands in the folder where the program runs.
+    let above = folder.parent().unwrap_or(folder);
+    let path = above.join("index.html");
+    let free = match fs::symlink_metadata(&path) {
+        Err(e) => e.kind() == io::ErrorKind::NotFound,
+        Ok(there) => {
+            there.is_file()
+                && fs::read_to_string(&path).is_ok_and(|t| t.contains(MADE_BY) || t.contains(MADE_BY_EARLIER))
+        }
+    };
+    if free {
+        return Ok(path);
+    }
+    let cause = "expected none, or a page of this program, found another, which was left as it is";
+    Err(unwritable(&path, io::Error::other(cause)))
+}
+
 /// The page of a study, for the folder above that of its report.
 #[derive(Debug)]
 pub struct Page(String);
@@ -125,7 +152,7 @@ impl Page {
     /// # Errors
     /// A file that cannot be written.
     pub fn save(&self, folder: &Path) -> Result<(), ReportError> {
-        self.save_as(&folder.parent().unwrap_or(folder).join("index.html"))
+        self.save_as(&page_path(folder)?)
     }
 
     /// Writes it under a name.

@@ -52,6 +52,7 @@ fn point_source<O: DarcyOperator<2> + 'static>() -> f64 {
         water: Saturated::new(water, &grid, properties, scene.grain_density, operator),
         law: LinearElastic::plane_strain(&stiff),
         surface: SurfaceLoad::new(Vec::new(), 0.0, LoadOn::Surface),
+        filled: Default::default(),
         surcharge: None,
         gravity: None,
         force: None,

@@ -165,6 +165,7 @@ fn nothing(scene: &Scene, failure: mpm_core::error::RunError) -> Run {
         solid_particles: scene.solid_particles(),
         bytes: 0,
         places: mpm_core::observe::Places::default(),
+        trust: None,
         failure: Some(failure),
         stopped: false,
     }

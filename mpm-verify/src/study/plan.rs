@@ -227,6 +227,9 @@ pub fn remesh(base: &Scene, mesh: f64, ppc: usize) -> Result<Scene, String> {
         return Err(format!("ppc: expected a square number of particles per cell, found {ppc}"));
     }
     scene.particles_per_cell = ppc;
+    scene
+        .fits_in_memory()
+        .map_err(|[expected, found]| format!("mesh: expected {expected}, found {mesh} m: {found}"))?;
     Ok(scene)
 }
 

@@ -3,7 +3,7 @@
 //! A file belongs to a build and to the scene of its case: one of another build or scene is not taken over.
 
 use std::fs;
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use mpm_core::scene::Scene;
@@ -67,6 +67,32 @@ impl Store {
         let kept = Kept { build: BUILD.into(), input: scene_hash(scene), result: std::borrow::Cow::Borrowed(result) };
         files::write(&folder.join(format!("{key}.json")), &serde_json::to_vec(&kept)?)
     }
+}
+
+/// How every file of a finished case begins.
+const BEGINNING: &[u8] = b"{\"build\":";
+
+impl Store {
+    /// Removes the finished cases of the first folder, and the folder if nothing else is in it.
+    pub fn remove(&self) {
+        let Some(folder) = self.folders.first() else { return };
+        for path in fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()) {
+            // What cannot be removed is replaced by the next study.
+            if path.extension().is_some_and(|e| e == "json") && begins(&path).is_ok_and(|start| start == BEGINNING) {
+                let _ = fs::remove_file(&path);
+            }
+        }
+        let _ = fs::remove_dir(folder);
+    }
+}
+
+/// The first bytes of a regular file.
+fn begins(path: &Path) -> io::Result<Vec<u8>> {
+    let mut start = Vec::new();
+    if fs::symlink_metadata(path)?.is_file() {
+        fs::File::open(path)?.take(BEGINNING.len() as u64).read_to_end(&mut start)?;
+    }
+    Ok(start)
 }
 
 #[cfg(test)]

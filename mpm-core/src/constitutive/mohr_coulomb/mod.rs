@@ -194,8 +194,8 @@ macro_rules! law {
                 self.excess(stress)
             }
 
-            fn weakened(&self, factor: f64) -> Self {
-                Self { elastic: self.elastic, surface: self.surface.weakened(factor) }
+            fn altered(&self, factor: f64, stiffness: f64) -> Self {
+                Self { elastic: self.elastic.stiffened(stiffness), surface: self.surface.altered(factor, stiffness) }
             }
         }
     };

@@ -76,9 +76,10 @@ impl Surface {
         }
     }
 
-    /// The surface of the same soil with c, tan(phi) and tan(psi) divided by a factor; the cut-off stays.
-    pub fn weakened(&self, factor: f64) -> Self {
-        let elastic = Elastic { youngs_modulus: self.youngs_modulus, poisson_ratio: self.poisson_ratio };
+    /// The surface of the same soil with c, tan(phi) and tan(psi) divided by a factor and so many times its stiffness; the cut-off
+    /// stays.
+    pub fn altered(&self, factor: f64, stiffness: f64) -> Self {
+        let elastic = Elastic { youngs_modulus: stiffness * self.youngs_modulus, poisson_ratio: self.poisson_ratio };
         let reduced = |sine: f64| (sine.asin().tan() / factor).atan().to_degrees();
         let sine = self.normal[0] - 1.0;
         let strength = Strength {

@@ -120,6 +120,15 @@ impl Reader<'_> {
         if scene.dimension == Dimension::Column && matches!(side, Side::Left | Side::Right) {
             return self.refuse(&span, &key, "a feed at the bottom or the top of a column", side);
         }
+        if let (Side::Top, Some(value), None) = (side, &feed.velocity, &feed.head) {
+            // Rain, which falls on all soil under the sky.
+            let speed = self.positive(value, &format!("{key}.velocity"), "m/s into the soil")?;
+            if let Some(height) = &feed.height {
+                let expected = "no height beside a velocity at the top: it is rain, which falls on all that looks up";
+                return self.refuse(&height.span(), &format!("{key}.height"), expected, height.get_ref());
+            }
+            return Ok(Feed::Velocity { speed, height: scene.height });
+        }
         // Where the soil touches the side, from its lowest to its highest point, m.
         let Some([low, high]) = touching(&scene.outline_or_box(), side, scene) else {
             return self.refuse(&span, &key, "soil along the side that is fed", "a wall with no soil");
@@ -151,7 +160,13 @@ impl Reader<'_> {
             Side::Top => format!("a level above {least} m, the top of the soil"),
             _ => format!("a head above {least} m, where the soil at the side begins"),
         };
-        Ok(Feed::Head(self.within(value, &format!("{key}.head"), &expected, |h| h > least)?))
+        let head = self.within(value, &format!("{key}.head"), &expected, |h| h > least)?;
+        let walled = scene.outline.is_some() && scene.gravity.is_some() && matches!(side, Side::Left | Side::Right);
+        if walled && head > high * (1.0 + 1e-9) {
+            let expected = format!("at most {high} m, the top of the soil at this side: more would flow over it");
+            return self.refuse(&value.span(), &format!("{key}.head"), &expected, head);
+        }
+        Ok(Feed::Head(head))
     }
 
     /// A free surface needs the integrator with two clocks, and the other way round.

@@ -30,6 +30,23 @@ pub(super) struct Time {
     pub tolerance: f64,
 }
 
+/// Words of `scheme.shape`.
+pub const SHAPES: [(&str, ShapeChoice); 6] = [
+    ("centre", ShapeChoice::Centre),
+    ("centroid", ShapeChoice::Centroid),
+    ("linear", ShapeChoice::Linear),
+    ("b-bar", ShapeChoice::BBar),
+    ("gimp", ShapeChoice::Gimp),
+    ("bspline2", ShapeChoice::Bspline2),
+];
+/// Words of `time.integrator`.
+pub const INTEGRATORS: [(&str, Integrator); 5] = [
+    ("explicit", Integrator::Explicit),
+    ("semi-implicit", Integrator::SemiImplicit),
+    ("quasi-static", Integrator::QuasiStatic),
+    ("two-clocks", Integrator::TwoClocks),
+    ("coupled", Integrator::Coupled),
+];
 /// Default tolerance of error-controlled time.
 const TOLERANCE: f64 = 1e-4;
 /// Tolerances that can be asked for: below, round-off of the linear solves decides.
@@ -46,14 +63,6 @@ pub(super) fn usual_shape(raw: &RawScene, dimension: Dimension, integrator: Inte
 
 impl Reader<'_> {
     pub(super) fn scheme(&self, raw: Option<&RawScheme>, wet: bool) -> Checked<Scheme> {
-        let shapes = [
-            ("centre", ShapeChoice::Centre),
-            ("centroid", ShapeChoice::Centroid),
-            ("linear", ShapeChoice::Linear),
-            ("b-bar", ShapeChoice::BBar),
-            ("gimp", ShapeChoice::Gimp),
-            ("bspline2", ShapeChoice::Bspline2),
-        ];
         let operators = [("face", DarcyChoice::Face), ("nodal", DarcyChoice::Nodal)];
         let quadratures = [("fitted", Quadrature::Fitted), ("volumes", Quadrature::Volumes)];
         let mut scheme = Scheme {
@@ -78,13 +87,9 @@ impl Reader<'_> {
         scheme.transfer = self.word(raw.transfer.as_ref(), "scheme.transfer", &transfers, scheme.transfer)?;
         scheme.update = self.word(raw.update.as_ref(), "scheme.update", &updates, scheme.update)?;
         if raw.shape.is_some() {
-            scheme.shape = Some(self.word(raw.shape.as_ref(), "scheme.shape", &shapes, ShapeChoice::Centre)?);
+            scheme.shape = Some(self.word(raw.shape.as_ref(), "scheme.shape", &SHAPES, ShapeChoice::Centre)?);
         }
         let splines = scheme.shape == Some(ShapeChoice::Bspline2);
-        if let (Some(value), false) = (&raw.quadrature, splines) {
-            let expected = "shape = \"bspline2\" beside it: other shapes use the particles' volumes";
-            return self.refuse(&value.span(), "scheme.quadrature", expected, quoted(value.get_ref()));
-        }
         if let (Some(value), false) = (&raw.jump_penalty, splines) {
             let expected = "shape = \"bspline2\" beside it: other shapes have no jump penalty";
             return self.refuse(&value.span(), "scheme.jump_penalty", expected, value.get_ref());
@@ -102,17 +107,11 @@ impl Reader<'_> {
 
     /// Whether Darcy's law keeps `rho_w a_s`: not where the model would then be unstable, unless the scene insists.
     pub(super) fn soft_water(&self, raw: &RawScene, scene: &Scene) -> Checked<bool> {
-        let (soft, light) = (scene.inertia_feeds_waves(), scene.inertia_shakes_light_nodes());
-        if !(scene.darcy_inertia && (soft || light)) {
+        if !(scene.darcy_inertia && scene.inertia_feeds_waves()) {
             return Ok(scene.darcy_inertia);
         }
         let written = raw.scheme.as_ref().and_then(|scheme| scheme.get_ref().darcy_inertia.as_ref());
         let Some(value) = written else { return Ok(false) };
-        if !soft {
-            let expected = "false, or shape = \"bspline2\" or integrator = \"semi-implicit\" beside it: soil that comes to \
-                            fill cells in part has nodes so light that their acceleration turns the flow round";
-            return self.refuse(&value.span(), "scheme.darcy_inertia", expected, value.get_ref());
-        }
         let (carried, weight) = (scene.undrained_share(), scene.water.map_or(0.0, |w| w.density));
         let expected = format!(
             "false where the water carries a smaller share of a load, Q/(M + Q) = {carried:.3}, than of the weight, \
@@ -148,15 +147,8 @@ impl Reader<'_> {
             tolerance: TOLERANCE,
         };
         let Some(time) = raw else { return Ok(checked) };
-        let integrators = [
-            ("explicit", Integrator::Explicit),
-            ("semi-implicit", Integrator::SemiImplicit),
-            ("quasi-static", Integrator::QuasiStatic),
-            ("two-clocks", Integrator::TwoClocks),
-            ("coupled", Integrator::Coupled),
-        ];
         checked.integrator =
-            self.word(time.integrator.as_ref(), "time.integrator", &integrators, Integrator::Explicit)?;
+            self.word(time.integrator.as_ref(), "time.integrator", &INTEGRATORS, Integrator::Explicit)?;
         if checked.integrator == Integrator::QuasiStatic {
             self.own_steps(time, &mut checked)?;
         } else {

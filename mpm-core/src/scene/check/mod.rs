@@ -10,6 +10,7 @@ mod ground;
 mod law;
 mod layers;
 mod method;
+pub use method::{INTEGRATORS, SHAPES};
 mod together;
 
 use super::flags::{self, Flags};
@@ -46,6 +47,21 @@ const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
 const STANDARD_GRAVITY: f64 = 9.81;
 
 type Checked<T> = Result<T, SceneError>;
+
+/// Whether so many soil points and cells fit into the memory that a run may take; what was expected and found, if not.
+pub(super) fn fits_in_memory(points: f64, cells: f64, implicit: bool, dim: Dimension) -> Result<(), [String; 2]> {
+    let [per_point, per_cell] = if implicit {
+        [IMPLICIT_BYTES_PER_SOIL_POINT, IMPLICIT_BYTES_PER_CELL[usize::from(dim == Dimension::PlaneStrain)]]
+    } else {
+        [BYTES_PER_SOIL_POINT, BYTES_PER_CELL]
+    };
+    let bytes = points * per_point + cells * per_cell;
+    if bytes <= MEMORY_LIMIT {
+        return Ok(());
+    }
+    let expected = format!("a scene that fits into {:.0} GiB", MEMORY_LIMIT / GIB);
+    Err([expected, format!("{points:.3e} particles in {cells:.3e} cells, which need {:.0} GiB", bytes / GIB)])
+}
 
 struct Reader<'a> {
     text: &'a str,
@@ -333,15 +349,8 @@ impl Reader<'_> {
         let points = rows as f64 * across as f64 * per_cell;
         let cells = (rows as f64 + headroom as f64) * across as f64;
         let integrator = raw.time.as_ref().and_then(|time| time.get_ref().integrator.as_ref());
-        let [per_point, per_cell] = if integrator.is_some_and(|word| word.get_ref() == "quasi-static") {
-            [IMPLICIT_BYTES_PER_SOIL_POINT, IMPLICIT_BYTES_PER_CELL[usize::from(dim == Dimension::PlaneStrain)]]
-        } else {
-            [BYTES_PER_SOIL_POINT, BYTES_PER_CELL]
-        };
-        let bytes = points * per_point + cells * per_cell;
-        if bytes > MEMORY_LIMIT {
-            let expected = format!("a scene that fits into {:.0} GiB", MEMORY_LIMIT / GIB);
-            let found = format!("{points:.3e} particles in {cells:.3e} cells, which need {:.0} GiB", bytes / GIB);
+        let implicit = integrator.is_some_and(|word| word.get_ref() == "quasi-static");
+        if let Err([expected, found]) = fits_in_memory(points, cells, implicit, dim) {
             return self.refuse(&value.span(), "mesh.particles_per_cell", &expected, found);
         }
         Ok((count as usize, headroom))

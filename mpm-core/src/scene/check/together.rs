@@ -127,9 +127,6 @@ impl Reader<'_> {
         if let Some(value) = raw.scheme.as_ref().and_then(|s| s.get_ref().jump_penalty.as_ref()) {
             return self.beside_quasi_static(&value.span(), "scheme.jump_penalty", scene.integrator);
         }
-        if let Some(value) = raw.scheme.as_ref().and_then(|s| s.get_ref().quadrature.as_ref()) {
-            return self.beside_quasi_static(&value.span(), "scheme.quadrature", scene.integrator);
-        }
         let Some(load) = raw.surcharge.as_ref().map(Spanned::get_ref) else { return Ok(()) };
         let room = scene.headroom_cells > 0 || scene.sideroom_cells > 0;
         let plate = scene.surcharge.is_some_and(|s| s.on == LoadOn::Plate);
@@ -158,6 +155,11 @@ impl Reader<'_> {
             if let (Some(value), ShapeChoice::BBar) = (&scheme.shape, scene.shape) {
                 let expected = "\"bspline2\", \"centre\", \"linear\" or \"gimp\" beside quasi-static";
                 return self.refuse(&value.span(), "scheme.shape", expected, quoted(value.get_ref()));
+            }
+            if let (Some(value), false) = (&scheme.quadrature, scene.shape == ShapeChoice::Bspline2) {
+                let expected =
+                    "shape = \"bspline2\" beside it and quasi-static: other shapes use the particles' volumes there";
+                return self.refuse(&value.span(), "scheme.quadrature", expected, quoted(value.get_ref()));
             }
             if let (Some(value), DarcyChoice::Nodal) = (&scheme.darcy, scene.darcy) {
                 let expected = "\"face\" beside quasi-static: the nodal flow is a velocity of an explicit step";

@@ -1,7 +1,9 @@
 //! The paper's explicit step (Figure 1) in plane strain, so many cells at once as the machine has lanes, on as many
 //! threads as it is given.
 //!
-//! `step/explicit.rs` is the same step written plainly; both give the same bits, and a test compares them. Here cells lie
+//! `step/explicit.rs` is the same step written plainly. Particles get the same bits from both on a mesh of one strip; where strips meet, the
+//! sums at their nodes have another order, and settlements and pressures may differ by 1e-7 of themselves once particles have crossed
+//! cells; balances, which are sums over all cells, differ by round-off on any mesh. `tests/lanes.rs` holds both. Here cells lie
 //! side by side in vectors ([`frame`]), a layer is kept in blocks of one particle of each cell ([`blocks`]), and one
 //! [`sweep`] per step takes every particle from one grid to the next. The unit of work is a [`strip`] of cells, whose
 //! size does not depend on the threads: nor do the bits.
@@ -23,7 +25,7 @@ use rayon::prelude::*;
 
 use super::{Fault, Model, Parts};
 use crate::constitutive::Law;
-use crate::dimension::PlaneStrain;
+use crate::dimension::{PlaneStrain, basis, coefficients, gradient, trace, value};
 use crate::keep::Keeper;
 use crate::observe::{Ledger, Observation, Totals};
 use crate::particles::Layer;
@@ -33,7 +35,7 @@ use crate::water::{DRAINED_SURFACE, Resident};
 use blocks::{Mover, SOLID, WATER, WATER_MASS};
 use frame::{Frame, MOST_LANES, Motion};
 use motion::EquationOfMotion;
-use strip::{FORCE, MIXTURE_MASS, SUMS, Strip, Tail, no_tail};
+use strip::{FORCE, MIXTURE_MASS, MOMENTUM, SOLID_MASS, SUMS, Strip, Tail, no_tail};
 use sweep::{Common, Sweep};
 
 /// A face that lets water out.
@@ -69,6 +71,10 @@ pub struct ExplicitLanes<V: Simd, Sh, L, W, const WET: bool> {
     pushes: Vec<(usize, [f64; 4])>,
     /// Drained faces.
     drained: Vec<DrainedFace>,
+    /// See [`Common::soil`].
+    soil: Vec<f64>,
+    /// Place (m) and volume (m3) at the end of the step of the particles below the surface.
+    ahead: Vec<([f64; 2], f64)>,
     /// Particles on their way to another cell.
     movers: (Vec<Mover<SOLID>>, Vec<Mover<WATER>>),
     solid_count: usize,
@@ -100,6 +106,8 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
             tops: vec![[0; 3]; parts.surface.strips().len()],
             pushes: vec![(0, [0.0; 4]); parts.surface.strips().len()],
             drained: Vec::new(),
+            soil: vec![0.0; frame.count() + MOST_LANES],
+            ahead: vec![([0.0; 2], 0.0); parts.surface.strips().len()],
             movers: (Vec::with_capacity(parts.solid.points.len() / MOVERS), Vec::new()),
             solid_count: parts.solid.points.len(),
             parts,
@@ -133,7 +141,75 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
         for cell in 0..self.frame.count() {
             self.follow(cell);
         }
+        self.find_surface();
         self.pass::<false>(0.0);
+    }
+
+    /// Finds the surface from the particles where they are.
+    fn find_surface(&mut self) {
+        let Self { parts, strips, tops, .. } = self;
+        if parts.filled.is_known() {
+            parts.filled.follow(&parts.grid, &parts.surface, |top| carrier(strips, tops, top));
+            self.note_soil(true);
+            self.note_reach();
+        }
+    }
+
+    /// Finds it where the particles will be at the end of a step, as [`sweep`] moves them.
+    fn find_surface_ahead(&mut self, dt: f64) {
+        let Self { parts, frame, strips, tops, motion, ahead, .. } = self;
+        if !parts.filled.is_known() {
+            return;
+        }
+        for (top, ahead) in ahead.iter_mut().enumerate() {
+            let [strip, cell, _] = tops[top].map(|i| i as usize);
+            let (mut x, mut volume) = carrier(strips, tops, top);
+            let number = strips[strip].first + cell;
+            let position = frame.position(number).map(|i| i as f64);
+            let xi: [f64; 2] = std::array::from_fn(|d| x[d] * frame.inverse_size - position[d]);
+            let nodal = corners(frame, number).map(|node| std::array::from_fn(|d| motion.velocity[d][node]));
+            let velocity = coefficients::<2, 2, _>(&nodal);
+            let v = value::<2, 2, f64>(&velocity, &basis(&xi));
+            volume *= 1.0 + dt * trace(&gradient(&velocity, &Sh::point(&xi), frame.inverse_size));
+            for d in 0..2 {
+                x[d] += dt * v[d];
+            }
+            *ahead = (x, volume);
+        }
+        let moved = parts.filled.follow(&parts.grid, &parts.surface, |top| ahead[top]);
+        self.note_soil(moved);
+    }
+
+    /// Volumes of soil by the numbers of the frame: of all cells, or of those that hold the surface.
+    fn note_soil(&mut self, all: bool) {
+        let Self { parts, frame, soil, .. } = self;
+        for (column, top) in parts.filled.tops().iter().enumerate().filter(|_| !all) {
+            let number = frame.number(&[column, top.cell as usize / frame.cells[0]]);
+            soil[number] = parts.filled.volumes()[top.cell as usize];
+        }
+        if !all {
+            return;
+        }
+        for (row, volumes) in parts.filled.volumes().chunks(frame.cells[0]).enumerate() {
+            soil[row * frame.row..][..volumes.len()].copy_from_slice(volumes);
+        }
+    }
+
+    /// Distances between the cells that hold the surface, it, and the cells below.
+    fn note_reach(&mut self) {
+        let Self { parts, frame, conducts, drained, .. } = self;
+        for (column, top) in parts.filled.tops().iter().enumerate() {
+            let number = frame.number(&[column, top.cell as usize / frame.cells[0]]);
+            if conducts[1][number] > 0.0 {
+                conducts[1][number] = 2.0 / (1.0 + top.fill);
+            }
+        }
+        for face in drained.iter().filter(|face| face.axis == 1 && face.outwards > 0.0) {
+            let top = parts.filled.tops().get(face.cell % frame.row);
+            if let Some(top) = top.filter(|top| top.cell as usize / frame.cells[0] == face.cell / frame.row) {
+                conducts[1][face.cell + frame.row] = DRAINED_SURFACE / top.fill;
+            }
+        }
     }
 
     /// Notes where the particles below the surface are, of those in a cell.
@@ -200,12 +276,13 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
 
     /// One pass over all particles, on one thread or several.
     fn pass<const MOVE: bool>(&mut self, dt: f64) {
-        let Self { simd, parts, frame, strips, tails, motion, pressure: [old, new], conducts, pool, .. } = self;
+        let Self { simd, parts, frame, strips, tails, motion, pressure: [old, new], conducts, soil, pool, .. } = self;
         let common = &Common {
             frame,
             motion,
             pressure: old,
             conducts,
+            soil,
             law: parts.law,
             flow: parts.water.face_flow(),
             gravity: parts.gravity.unwrap_or([0.0; 2]),
@@ -230,8 +307,20 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
     fn step(&mut self, dt: f64) -> Result<(), Fault> {
         self.load();
         self.equation_of_motion(dt);
+        if WET {
+            let [x, y] = &mut self.motion.acceleration;
+            self.parts.filled.calm(&self.parts.grid, |lower, upper, share| {
+                for a in [&mut *x, &mut *y] {
+                    a[upper] = a[lower] + share * (a[upper] - a[lower]);
+                }
+            });
+        }
         self.through_drained_faces(dt);
+        self.find_surface_ahead(dt);
         self.pass::<true>(dt);
+        if self.parts.filled.is_known() {
+            self.note_reach();
+        }
         if WET {
             for strip in &self.strips {
                 self.totals.darcy_dissipation += dt * self.parts.water.face_flow().area * strip.rates[0];
@@ -272,6 +361,7 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
                 self.follow(mover.from);
                 mover.to.into_iter().for_each(|to| self.follow(to));
             }
+            self.find_surface();
             self.pass::<false>(0.0);
             return Ok(());
         }
@@ -353,6 +443,7 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
         if self.damping > 0.0 {
             self.damp(dt); // after the supports: a held node has no speed to lose
         }
+        self.accelerated(dt);
         if self.parts.surcharge.is_some() {
             let (frame, motion) = (&self.frame, &self.motion);
             let moving = |node: usize| motion.velocity[1][node] - 0.5 * dt * motion.acceleration[1][node];
@@ -407,6 +498,41 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
         }
     }
 
+    /// Books the kinetic energy that the nodes have gained, in as many parts as a machine may have lanes.
+    fn accelerated(&mut self, dt: f64) {
+        let Self { parts, frame, strips, motion, totals, .. } = self;
+        for d in 0..2 {
+            let (mut power, mut force) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
+            for strip in strips.iter() {
+                let nodes = strip.first..strip.first + frame.strip;
+                let (masses, _) = strip.sums[MIXTURE_MASS][..frame.strip].as_chunks::<MOST_LANES>();
+                let (velocities, _) = motion.velocity[d][nodes.clone()].as_chunks::<MOST_LANES>();
+                let (accelerations, _) = motion.acceleration[d][nodes].as_chunks::<MOST_LANES>();
+                for ((mass, velocity), acceleration) in masses.iter().zip(velocities).zip(accelerations) {
+                    for lane in 0..MOST_LANES {
+                        let middle = velocity[lane] - 0.5 * dt * acceleration[lane];
+                        power[lane] += mass[lane] * acceleration[lane] * middle;
+                        force[lane] += mass[lane] * acceleration[lane];
+                    }
+                }
+            }
+            totals.kinetic_gain += dt * power.iter().sum::<f64>();
+            totals.momentum_gain[d] += dt * force.iter().sum::<f64>();
+            let flip = parts.flip;
+            if flip < 1.0 {
+                // As `Totals::accelerate`: what held nodes do not give.
+                for strip in strips.iter() {
+                    for i in (0..frame.strip).filter(|i| strip.sums[SOLID_MASS][*i] > 0.0) {
+                        let (node, mass) = (strip.first + i, strip.sums[MIXTURE_MASS][i]);
+                        let before = strip.sums[MOMENTUM + d][i] / strip.sums[SOLID_MASS][i];
+                        let got = motion.change[d][node] - (1.0 - flip) * before;
+                        totals.momentum_gain[d] += mass * (got - dt * motion.acceleration[d][node]);
+                    }
+                }
+            }
+        }
+    }
+
     /// Books a step under gravity (m/s2), in as many parts as a machine may have lanes.
     fn weigh(&mut self, gravity: &[f64; 2], dt: f64) {
         let Self { frame, strips, motion, totals, .. } = self;
@@ -432,14 +558,16 @@ impl<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool> ExplicitLanes<
 
     /// Books the water that leaves and enters through drained faces.
     fn through_drained_faces(&mut self, dt: f64) {
-        let Self { parts, frame, motion, pressure, totals, drained, .. } = self;
+        let Self { parts, frame, motion, pressure, totals, drained, conducts, .. } = self;
         let flow = parts.water.face_flow();
         let gravity = parts.gravity.unwrap_or([0.0; 2]);
         for &DrainedFace { cell, axis, outwards, nodes: [a, b] } in drained.iter() {
             let acceleration = 0.5 * (motion.acceleration[axis][a] + motion.acceleration[axis][b]);
-            let body = flow.weight * (gravity[axis] - flow.inertia * acceleration) / DRAINED_SURFACE;
+            let face = if outwards < 0.0 { cell } else { cell + [1, frame.row][axis] };
+            let conducts = conducts[axis][face];
+            let body = flow.weight * (gravity[axis] - flow.inertia * acceleration) / conducts;
             let head = outwards * pressure[0][frame.row + cell] + body;
-            let through = dt * flow.area * outwards * DRAINED_SURFACE * flow.conductance * head;
+            let through = dt * flow.area * outwards * conducts * flow.conductance * head;
             totals.water_out += through.max(0.0);
             totals.water_in -= through.min(0.0);
         }

@@ -33,6 +33,10 @@ pub struct CellLanes<V: Simd> {
     pub porosity: V::f64s,
     /// 1/n.
     pub inverse_porosity: V::f64s,
+    /// Factor on the divergence of the flow where the cell is not full of soil.
+    pub filling: V::f64s,
+    /// The part of the cell that is soil; much more than all of it where that is not known.
+    pub fill: V::f64s,
 }
 
 /// A strip of cells with its particles.
@@ -67,7 +71,9 @@ impl<V: Simd> Strip<V> {
                 volume: none,
                 inverse_volume: none,
                 porosity: none,
-                inverse_porosity: none
+                inverse_porosity: none,
+                filling: none,
+                fill: none
             };
             groups
         ];

@@ -1,8 +1,8 @@
 //! One pass over the particles of a strip: Darcy flow and mesh to particles of this step, particles to mesh of the next.
 //!
 //! Between the two passes over a particle in the paper's Figure 1 nothing happens to it, so they are one: each number is
-//! read and written once per step. The formulas are those of `step/explicit.rs`, in the same order, so both give the
-//! same bits.
+//! read and written once per step. The formulas are those of `step/explicit.rs`, in the same order, so both give a particle
+//! the same bits wherever its nodes belong to one strip.
 
 use pulp::{Simd, WithSimd};
 
@@ -10,6 +10,7 @@ use super::ahead::ask_for;
 use super::blocks::Block;
 use super::frame::{Frame, MOST_LANES, Motion};
 use super::strip::{CellLanes, SUMS, Strip, Tail};
+use crate::boundary::ROUND_OFF;
 use crate::constitutive::{Flow, Law};
 use crate::dimension::{Kinematics, PlaneStrain, basis, coefficients, gradient, shares, to_corners, trace, value};
 use crate::observe::Flowed;
@@ -26,8 +27,11 @@ pub struct Common<'a, L> {
     pub motion: &'a Motion,
     /// Pore pressure of the cells at its start, Pa; from [`Frame::row`] on.
     pub pressure: &'a [f64],
-    /// How faces conduct: 0 closed, 1 between two cells of soil, 2 at a drained surface, half a cell away.
+    /// How faces conduct: 0 closed, 1 between two full cells of soil, 2 at a drained side, half a cell away; else the edge of
+    /// a cell over the distance.
     pub conducts: &'a [Vec<f64>; 2],
+    /// Volume of soil in the cells at the end of the pass, m3, where it is known; else zero.
+    pub soil: &'a [f64],
     /// Law of the skeleton.
     pub law: L,
     /// Darcy's law on a face.
@@ -56,6 +60,8 @@ pub struct Sweep<'a, V: Simd, Sh, L, const WET: bool, const MOVE: bool> {
     pub shape: std::marker::PhantomData<Sh>,
 }
 
+/// The fill of a cell whose soil is not known: its water is as stiff as in a full one.
+const NOT_KNOWN: f64 = 1e60;
 /// How many blocks of particles to ask for in advance.
 const BLOCKS_AHEAD: usize = 12;
 /// How many groups of cells to ask for in advance.
@@ -270,8 +276,8 @@ impl<V: Simd, Sh: Shape, L: Law<4>, const WET: bool, const MOVE: bool> Sweep<'_,
         let Common { flow, gravity, .. } = self.common;
         let mean = (a + b) * 0.5;
         let body = (mean.like(gravity[axis]) - mean * flow.inertia) * flow.weight;
-        // A drained surface lies half a cell from the centre.
-        let body = (body * 0.5).or(mean.like(1.0).below(conducts), body);
+        // Over the distance that the pressure drops along.
+        let body = body / conducts.or(mean.like(0.0).below(conducts), mean.like(1.0));
         let head = low - high + body;
         [conducts * head * flow.conductance, head, body]
     }
@@ -403,7 +409,7 @@ impl<V: Simd, Sh: Shape, L: Law<4>, const WET: bool, const MOVE: bool> Sweep<'_,
                 both[0][d] += relative[0][d];
                 both[1 + d][d] += relative[1 + d][d];
             }
-            centre = rates_at(simd, (velocity, relative), cell, flow, &[none.like(0.5); 2], inverse);
+            centre = rates_at(simd, (velocity, relative), cell, (flow, *dt), &[none.like(0.5); 2], inverse);
         }
         for index in range {
             ask_for(&self.strip.water.blocks, index + BLOCKS_AHEAD);
@@ -412,8 +418,11 @@ impl<V: Simd, Sh: Shape, L: Law<4>, const WET: bool, const MOVE: bool> Sweep<'_,
             let (mut x, mut volume, mut pressure) = ([x, y], volume, pressure);
             let mut xi = [x[0] * inverse - position[0], x[1] * inverse - position[1]];
             if let Some((velocity, relative, cell)) = motion {
-                let [pressure_rate, volume_rate] =
-                    if Sh::AT_CENTRE { centre } else { rates_at(simd, (velocity, relative), cell, flow, &xi, inverse) };
+                let [pressure_rate, volume_rate] = if Sh::AT_CENTRE {
+                    centre
+                } else {
+                    rates_at(simd, (velocity, relative), cell, (flow, *dt), &xi, inverse)
+                };
                 let v = value::<2, 2, _>(&both, &basis(&xi));
                 pressure += pressure_rate * *dt;
                 volume = volume * (volume.like(1.0) + volume_rate * *dt);
@@ -447,24 +456,46 @@ impl<V: Simd, Sh: Shape, L: Law<4>, const WET: bool, const MOVE: bool> Sweep<'_,
         let Common { frame, flow, .. } = self.common;
         let none = Lanes::splat(self.simd, 0.0);
         let one = none.like(1.0);
+        let full = |volume: Lanes<V>| volume.or(none.below(volume), one);
+        let known = Lanes::load(self.simd, &self.common.soil[self.strip.first + group * V::F64_LANES..]);
+        let is_known = none.below(known);
+        // As `Filled::volume`: round-off is no difference.
+        let off = (known - sum.volume).larger(sum.volume - known);
+        let filled = known.or((known * ROUND_OFF).below(off), sum.volume).or(is_known, sum.volume);
+        let share = filled / full(sum.volume);
+        sum.mean = sum.mean.map(|s| s * share);
+        if !Sh::AT_CENTRE {
+            sum.first = sum.first.map(|first| first.map(|s| s * share));
+        }
         if Sh::AT_CENTRE {
             // Section 2.2: G_i(x_c) for every particle of the cell.
             sum.first = [sum.mean.map(|s| s * 0.5); 2];
         }
         if WET {
             // Cells without soil have no pressure; they must not turn into NaN beside cells that have.
-            let full = |volume: Lanes<V>| volume.or(none.below(volume), one);
             let pressure = sum.weighted[0][0] / full(sum.volumes[0][0]);
-            let inverse_volume = one / full(sum.volume);
-            let porosity = one - sum.mass * flow.grain_inverse * inverse_volume;
+            let inverse_volume = one / full(filled);
+            let porosity = one - sum.mass * flow.grain_inverse / full(sum.volume);
+            // Water in pores of known volume moves with its soil.
+            let ratio = porosity * sum.volume * flow.density / full(sum.mass);
+            for a in 0..4 {
+                sum.water_mass[a] = (ratio * sum.solid_mass[a]).or(is_known, sum.water_mass[a]);
+            }
+            let over_fill = inverse_volume * flow.cell_volume;
+            let fill = one / over_fill;
             let cell = &mut self.strip.cells[group];
+            cell.filling = over_fill.or(is_known, over_fill.lesser(one.like(1.0 / LEAST_FILLING))).value;
+            cell.fill = fill.or(is_known, one.like(NOT_KNOWN)).value;
             (cell.volume, cell.inverse_volume) = (sum.volume.value, inverse_volume.value);
             (cell.porosity, cell.inverse_porosity) = (porosity.value, (one / porosity).value);
             pressure.store(&mut self.pressure[group * V::F64_LANES..]);
             if Sh::AT_CENTRE {
                 // Section 2.2: the pressure acts at the centre of the cell, on the soil that the water fills.
-                let acting = pressure * sum.volume;
+                let acting = pressure * filled;
                 sum.weighted = [[acting], [acting * 0.5], [acting * 0.5], [acting * 0.25]];
+            } else {
+                let share = filled / full(sum.volumes[0][0]);
+                sum.weighted = sum.weighted.map(|[moment]| [moment * share]);
             }
             for s in 0..3 {
                 sum.mean[s] -= sum.weighted[0][0];
@@ -522,16 +553,20 @@ fn rates_at<V: Simd>(
     simd: V,
     (velocity, relative): (&Field<V>, &Field<V>),
     cell: &CellLanes<V>,
-    flow: &FaceFlow,
+    (flow, dt): (&FaceFlow, f64),
     at: &[Lanes<V>; 2],
     inverse_size: f64,
 ) -> [Lanes<V>; 2] {
     let of = |value| Lanes { simd, value };
-    let inverse_volume = of(cell.inverse_volume);
-    let filling = (inverse_volume * flow.cell_volume).lesser(inverse_volume.like(1.0 / LEAST_FILLING));
     let solid = trace(&gradient(velocity, at, inverse_size)); // Eq. (7a)
-    let through = filling * trace(&gradient(relative, at, inverse_size)); // Eq. (6a)
+    let through = of(cell.filling) * trace(&gradient(relative, at, inverse_size)); // Eq. (6a)
+    // As `water::face::softer`.
     let stiffness = of(cell.inverse_porosity) * flow.bulk_modulus;
+    let (fill, diffusion) = (of(cell.fill), stiffness * dt * flow.diffusion);
+    let one = fill.like(1.0);
+    let share = fill * 1.5 * fill * (one + fill) / (one + fill * 2.0);
+    let softer = (share * (one.like(0.5) / diffusion).larger(one)).lesser(one);
+    let stiffness = softer * stiffness;
     // Eq. (5), mended: dp = -(K_w/n) [ tr(d eps_s) + n tr(d eps*_w) ]
     [-stiffness * (solid + of(cell.porosity) * through), solid + through]
 }

@@ -7,6 +7,7 @@ use super::{Method, QuasiStatic, lay};
 use crate::constitutive::{Law, Laws};
 use crate::observe::{CellValues, FieldPoint, Observation, checkerboard, profile};
 use crate::space::{Deformation, Stencil};
+use crate::water::stored_energy;
 
 impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
     /// The state now.
@@ -93,7 +94,8 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
             let values = &mut cells[cell];
             values.solid_mass += point.mass;
             values.effective_stress += volume * K::turned(&stress, &push.rotation)[D - 1];
-            values.strain_energy += volume * soil.law.law(part.mark).energy(&stress);
+            let law = soil.law.law(part.mark);
+            values.strain_energy += volume * if soil.small { law.energy(&stress) } else { law.finite_energy(&stress) };
             values.volume += volume;
             shift[cell] += volume * self.carried[i][D - 1];
         }
@@ -118,9 +120,14 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
             let pores = if soil.small { part.porosity } else { change + part.porosity };
             let fluid = &soil.fluid;
             // Pores change with the soil even where the geometry stays.
-            let water = part.porosity + spent + change + pores * pressure * fluid.compressibility;
+            let water = part.porosity + spent + change + pores * soil.denser(pressure);
             cells[cell].water_mass += part.weight * fluid.density * water;
-            cells[cell].water_energy += 0.5 * part.weight * pores * pressure * pressure * fluid.compressibility;
+            let energy = if soil.small {
+                0.5 * pressure * pressure * fluid.compressibility
+            } else {
+                stored_energy(pressure, 1.0 / fluid.compressibility)
+            };
+            cells[cell].water_energy += part.weight * pores * energy;
         }
         for &(a, b, value) in &soil.jumps {
             let stored = 0.5 * value * soil.p[a as usize] * soil.p[b as usize];

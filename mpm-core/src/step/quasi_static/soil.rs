@@ -4,10 +4,11 @@
 //!
 //! ```text
 //! sum_p w P : grad N_i - int p J F^-T grad N_i - int rho g N_i - load = 0      momentum, no inertia
-//! d/dt [ int q (J - 1 + (J - 1 + n) p/K_w) + jumps ] + int grad q . K (grad p - rho_w F^T g) = 0      water
+//! d/dt [ int q ((J - 1 + n) r - n) + jumps ] + int grad q . r K (grad p - rho_w F^T g) = 0      water
 //! ```
 //!
-//! with F = I + grad u, J = det F and K = (k/gamma_w) J F^-1 F^-T. Small strain puts F = I, J - 1 = div u. Stress and
+//! with F = I + grad u, J = det F, K = (k/gamma_w) J F^-1 F^-T and r = rho/rho_0 = exp(p/K_w). Small strain puts F = I, J - 1 =
+//! div u, and is linear in the pressure as well: n p/K_w in place of n (r - 1), r = 1 in the flow. Stress and
 //! stiffness are integrated with the particles' weights; the rest with Gauss points (`bspline2`) or with the particles
 //! (pressures that are constant in a cell).
 
@@ -287,6 +288,13 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L
         Some(PoreState { change, cofactor, gradient })
     }
 
+    /// rho/rho_0 - 1 of the water at a pressure (Pa).
+    #[inline(always)]
+    pub fn denser(&self, pressure: f64) -> f64 {
+        let strain = pressure * self.fluid.compressibility;
+        if self.small { strain } else { strain.exp_m1() }
+    }
+
     /// k/gamma_w at a pore part, m4/(N s).
     #[inline(always)]
     pub fn mobility(&self, part: &PorePart<L::Mark, D>) -> f64 {
@@ -302,10 +310,11 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L
             let part = &self.pore[point];
             let PoreState { change, cofactor, gradient } = self.pore_state(part).ok_or(InsideOut { point })?;
             let pressure = part.water.scalar(&self.p);
-            let Fluid { compressibility, density, gravity, .. } = self.fluid;
+            let Fluid { density, gravity, .. } = self.fluid;
             let mobility = self.mobility(part);
             let pores = if self.small { part.porosity } else { change + part.porosity };
-            let content = change + pores * pressure * compressibility;
+            let more = self.denser(pressure);
+            let content = change + pores * more;
             let body = gravity.map_or([0.0; D], |g| {
                 let mass = self.mass_of(part, pores);
                 g.map(|g| mass * g)
@@ -348,9 +357,10 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L
                 values.dissipation += part.weight * flux[d] * (slope[d] - weight[d]);
                 values.body_work -= part.weight * flux[d] * weight[d];
             }
+            let ratio = if self.small { 1.0 } else { 1.0 + more };
             for b in 0..part.water.count {
                 let along: f64 = (0..D).map(|d| flux[d] * part.water.slope[b][d]).sum();
-                values.flow[part.water.number[b] as usize] += part.weight * along;
+                values.flow[part.water.number[b] as usize] += ratio * part.weight * along;
             }
         }
         Ok(())
@@ -389,6 +399,13 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L
             let flux = conductance * head;
             self.values.dissipation += flux * head;
             self.values.body_work += flux * weight;
+            // Water between two cells has the mean of their densities, and that under no pressure at a drained side.
+            let ratio = match face.cells {
+                [HELD, _] | [_, HELD] => 1.0,
+                _ if self.small => 1.0,
+                [a, b] => 1.0 + 0.5 * (self.denser(pressure(a)) + self.denser(pressure(b))),
+            };
+            let flux = ratio * flux;
             for (cell, sign) in face.cells.into_iter().zip([1.0, -1.0]) {
                 if cell == HELD {
                     self.values.outflow -= sign * flux;

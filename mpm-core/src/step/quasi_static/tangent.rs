@@ -140,7 +140,8 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L
             let PoreState { change, cofactor, .. } = self.pore_state(part).ok_or(InsideOut { point })?;
             let first = part.soil.count * D;
             let pores = if self.small { part.porosity } else { change + part.porosity };
-            let storage = part.weight * pores * self.fluid.compressibility * pressure * pressure;
+            let ratio = if self.small { 1.0 } else { 1.0 + self.denser(part.water.scalar(&self.p)) };
+            let storage = part.weight * pores * ratio * self.fluid.compressibility * pressure * pressure;
             let flow = conductivity(&cofactor, if self.small { 0.0 } else { change }, self.mobility(part));
             let factor = a * part.weight * pressure * pressure;
             for b in 0..part.water.count {

@@ -45,7 +45,7 @@ struct Load {
 
 impl<const D: usize> FreeSurface<D> {
     /// Carries water and `surplus` (m3) from where the boxes were to where they are now. Returns the water that no soil
-    /// holds any more, m3: it has left.
+    /// holds any more, m3, with the cells it was in: it has left.
     pub fn carry<const S: usize>(
         &mut self,
         grid: &Grid<D>,
@@ -53,13 +53,13 @@ impl<const D: usize> FreeSurface<D> {
         boxes: &mut Vec<Square<D>>,
         surplus: &mut [f64],
         (around, per_direction): (&Surroundings, usize),
-    ) -> f64 {
+    ) -> Vec<(usize, f64)> {
         let cell_volume = self.medium.cell_volume;
         let mut moved = Vec::new();
         squares(solid, cell_volume, &mut moved);
         if moved == *boxes {
             // Shares that are put together again would differ in their last bits.
-            return 0.0;
+            return Vec::new();
         }
         let mut covered = vec![0.0; grid.cell_count()];
         for old in boxes.iter() {
@@ -90,10 +90,13 @@ impl<const D: usize> FreeSurface<D> {
         self.soil = SoilMap::new(grid, solid, cell_volume / self.medium.size, per_direction, self.medium.bound);
         self.soil.close(grid);
         *boxes = moved;
-        let mut lost = 0.0;
+        let mut lost = Vec::new();
         for (cell, load) in loads.iter().enumerate() {
             if self.soil.share[cell] < LEAST_SHARE {
-                lost += load.water + load.surplus;
+                let all = load.water + load.surplus;
+                if all != 0.0 {
+                    lost.push((cell, all));
+                }
                 (self.content[cell], surplus[cell], self.full[cell], self.pressure[cell]) = (0.0, 0.0, false, 0.0);
                 continue;
             }
@@ -113,7 +116,7 @@ impl<const D: usize> FreeSurface<D> {
                 self.pressure[cell] = self.medium.standing_pressure(self.wet_share(cell), self.soil.share[cell]);
             }
         }
-        self.outflow += lost;
+        self.outflow += lost.iter().map(|(_, lost)| lost).sum::<f64>();
         lost
     }
 }
@@ -204,7 +207,8 @@ mod tests {
             }
             self.solid.sort(&self.grid).unwrap();
             let Self { grid, solid, water, boxes, surplus, per_direction, lost } = self;
-            *lost += water.carry(grid, solid, boxes, surplus, (&CLOSED, *per_direction));
+            let gone = water.carry(grid, solid, boxes, surplus, (&CLOSED, *per_direction));
+            *lost += gone.iter().map(|(_, gone)| gone).sum::<f64>();
         }
 
         /// In cells, waiting, and lost, m3.

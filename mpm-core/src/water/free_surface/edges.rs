@@ -1,5 +1,6 @@
 //! Where water meets the outside: sides that are fed, and the outline of the soil where it seeps out.
 
+use super::Surroundings;
 use super::flow::{Kind, Linear, Medium, Now};
 use super::soil::SoilMap;
 use crate::grid::Grid;
@@ -35,23 +36,79 @@ pub struct Edge {
     pub outside: Outside,
 }
 
+/// Less of a face than this is round-off: a level at the very edge of its cell.
+const LEAST_FED: f64 = 1e-9;
+
+/// A face that rain falls on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rained {
+    /// Number of the edge through which water comes out there.
+    pub way_out: u32,
+    /// Number of the edge through which rain comes in.
+    pub way_in: u32,
+    /// What runs off whatever the soil holds, m3/s: water that nothing presses enters at k at most.
+    pub excess: f64,
+}
+
+/// A number for each side (left, right, bottom, top) and each cell along it; no list for a side that has none.
+pub type Along = [Vec<f64>; 4];
+
+impl Edge {
+    /// The side of the mesh that its outside lies towards: left, right, bottom, top.
+    pub fn side(&self, dimensions: usize) -> usize {
+        2 * (self.axis as usize + 2 - dimensions) + usize::from(self.upper)
+    }
+
+    /// Of a flow that would pass it outwards, what does: a seepage face lets none in, whatever draws it.
+    #[inline]
+    pub fn lets_out(&self, flow: f64) -> f64 {
+        if self.outside == Outside::Air { flow.max(0.0) } else { flow }
+    }
+}
+
+/// The place of an edge along its side of the mesh.
+pub fn along_side<const D: usize>(grid: &Grid<D>, edge: &Edge) -> usize {
+    let position = grid.cell_position(edge.cell as usize);
+    (0..D).filter(|d| *d != edge.axis as usize).map(|d| position[d]).sum()
+}
+
+/// What to add to lengths that were found, so that they are the exact ones; where nothing was found, its neighbour has it.
+pub fn beyond(found: &[f64], exact: &[f64]) -> Vec<f64> {
+    /// A length below this is round-off, in cells.
+    const NOTHING: f64 = 1e-12;
+    let mut beyond = vec![0.0; found.len()];
+    for (i, (f, e)) in found.iter().zip(exact).enumerate() {
+        let nearest = (0..found.len()).filter(|j| found[*j] > 0.0).min_by_key(|j| i.abs_diff(*j));
+        if let Some(j) = nearest.filter(|_| (e - f).abs() > NOTHING) {
+            beyond[j] += e - f;
+        }
+    }
+    beyond
+}
+
 /// Distance from the centre of a cell to the outline, in cells: half a cell from a full one to a void, less where the
 /// cells beside the outline are filled in part.
 fn to_outline(share: f64, beyond: f64) -> f64 {
     (share + beyond - 0.5).clamp(0.25, 1.0)
 }
 
-/// All edges of the soil. `sides` says which sides of the mesh let water out, `feeds` which are fed, `periodic` whether left and
-/// right are the same place; `face_area` in m2.
+/// All edges of the soil, and which of them rain falls on. `face_area` in m2;
+/// `beyond` is what feeds with a velocity meet beyond what the map shows, in cells.
 pub fn edges<const D: usize>(
     grid: &Grid<D>,
     soil: &SoilMap<D>,
     medium: &Medium<D>,
-    sides: &[bool; 4],
-    feeds: &[Option<Feed>; 4],
+    around: &Surroundings,
     face_area: f64,
-    periodic: bool,
-) -> Vec<Edge> {
+    beyond: &Along,
+) -> (Vec<Edge>, Vec<Rained>) {
+    let Surroundings { open: sides, mut feeds, periodic } = *around;
+    // Rain falls on all that looks up; so does no other feed.
+    let rain = match feeds[3] {
+        Some(Feed::Velocity { speed, .. }) => feeds[3].take().map(|_| speed),
+        _ => None,
+    };
+    let more = |side: usize, along: usize| beyond[side].get(along).copied().unwrap_or(0.0);
     let mut list = Vec::new();
     for (cell, position) in grid.walk() {
         if !soil.is_soil(cell) {
@@ -87,13 +144,20 @@ pub fn edges<const D: usize>(
                     if periodic && axis == 0 && D == 2 {
                         continue;
                     }
-                    if let Some(feed) = feeds[side].filter(|_| here > 0.0)
-                        && let Some(outside) = fed(medium, &feed, (axis, upper), &position, here, face_area)
-                    {
-                        list.push(edge(here, 0.0, 0.5, outside));
+                    let along: usize = (0..D).filter(|d| *d != axis).map(|d| position[d]).sum();
+                    let opens = here > 0.0 && (sides[side] || (side == 3 && rain.is_some()));
+                    let fed = feeds[side].filter(|_| here > 0.0).and_then(|feed| {
+                        fed(medium, &feed, (axis, upper), &position, (here, more(side, along)), face_area)
+                    });
+                    if let Some((outside, open)) = fed {
+                        list.push(edge(open, 0.0, 0.5, outside));
+                        // Water at rest stands against the lower part of its last face.
+                        if opens && here - open > LEAST_FED && matches!(outside, Outside::Pond(_)) {
+                            list.push(edge(here - open, open, 0.5, Outside::Air));
+                        }
                         continue;
                     }
-                    if sides[side] && here > 0.0 {
+                    if opens {
                         list.push(edge(here, 0.0, 0.5, Outside::Air));
                     }
                     if slope > 0.0 {
@@ -113,30 +177,78 @@ pub fn edges<const D: usize>(
             stride *= grid.cells[axis];
         }
     }
-    list
+    let rained = rain.map_or(Vec::new(), |speed| {
+        // Without gravity nothing draws it in: it is pressed in.
+        let most = if medium.rise() > 0.0 { medium.conductance * medium.rise() * medium.size } else { f64::INFINITY };
+        rain_on(grid, &mut list, (speed * face_area, most), |x| more(3, x))
+    });
+    (list, rained)
 }
 
-/// What a feed puts outside a face; nothing above its level.
+/// Lets rain fall on the faces that look up: `whole` (m3/s) on a whole face, of which `most` may enter. `more` is what the width
+/// of a column of cells is beyond what the faces show, in cells.
+fn rain_on<const D: usize>(
+    grid: &Grid<D>,
+    list: &mut Vec<Edge>,
+    (whole, most): (f64, f64),
+    more: impl Fn(usize) -> f64,
+) -> Vec<Rained> {
+    let columns = grid.cell_count() / grid.cells[D - 1];
+    let column = |edge: &Edge| edge.cell as usize % columns;
+    let looks_up = |edge: &Edge| edge.axis as usize == D - 1 && edge.upper && edge.outside == Outside::Air;
+    let mut faces: Vec<u32> = (0..list.len() as u32).filter(|i| looks_up(&list[*i as usize])).collect();
+    faces.sort_by_key(|i| (column(&list[*i as usize]), std::cmp::Reverse(list[*i as usize].cell)));
+    let mut rained = Vec::new();
+    let mut feeds = Vec::new();
+    for faces in faces.chunk_by(|a, b| column(&list[*a as usize]) == column(&list[*b as usize])) {
+        // From the top down: soil that hangs over other soil keeps the rain off it.
+        let mut room: f64 = 1.0;
+        let mut widths: Vec<f64> = Vec::new();
+        for face in faces {
+            widths.push(list[*face as usize].open.min(room));
+            room -= widths[widths.len() - 1];
+        }
+        // What the boxes of the particles have wrong is put right at the foot of the column.
+        let mut rest = more(column(&list[faces[0] as usize]));
+        for width in widths.iter_mut().rev() {
+            let right = (*width + rest).max(0.0);
+            rest -= right - *width;
+            *width = right;
+        }
+        for (face, open) in faces.iter().zip(widths).filter(|(_, open)| *open > 0.0) {
+            let way_in = (list.len() + feeds.len()) as u32;
+            rained.push(Rained { way_out: *face, way_in, excess: (whole - most).max(0.0) * open });
+            feeds.push(Edge { outside: Outside::Inflow(whole.min(most) * open), open, ..list[*face as usize] });
+        }
+    }
+    list.extend(feeds);
+    rained
+}
+
+/// What a feed puts outside a face of which `here` is soil, and `more` beyond what the map shows, and the share of the face
+/// that it meets; nothing above its level.
 fn fed<const D: usize>(
     medium: &Medium<D>,
     feed: &Feed,
     (axis, upper): (usize, bool),
     position: &[usize; D],
-    open: f64,
+    (here, more): (f64, f64),
     face_area: f64,
-) -> Option<Outside> {
+) -> Option<(Outside, f64)> {
     let vertical = axis == D - 1;
     let lattice = position[D - 1] + usize::from(vertical && upper);
     let height = lattice as f64 * medium.size;
+    let below = |level: f64| if vertical { 1.0 } else { ((level - height) / medium.size).min(1.0) };
     match *feed {
         Feed::Head(head) => {
             let g = medium.rise();
             let pressure = if g > 0.0 { g * (head - height) } else { medium.unit_weight * head };
-            (pressure > 0.0).then_some(Outside::Pond(pressure))
+            let open = if g > 0.0 { below(head).min(here) } else { here };
+            (open > LEAST_FED).then_some((Outside::Pond(pressure), open)).filter(|_| pressure > 0.0)
         }
-        Feed::Velocity { speed, height: top } => {
-            let share = if vertical { 1.0 } else { ((top - height) / medium.size).clamp(0.0, 1.0).min(open) / open };
-            (share > 0.0).then_some(Outside::Inflow(speed * face_area * open * share))
+        Feed::Velocity { speed, height } => {
+            let open = (below(height).min(here) + more).max(0.0);
+            (open > LEAST_FED).then_some((Outside::Inflow(speed * face_area * open), open))
         }
     }
 }
@@ -275,13 +387,15 @@ mod tests {
         let points = even_positions([2, 1], 2).filter(|x| x[0] < 1.0 || x[1] < 0.5).map(at).collect();
         let solid = Layer::new(points, &grid).unwrap();
         let soil = SoilMap::new(&grid, &solid, H, 2, 0.0);
-        let list = edges(&grid, &soil, &MEDIUM, &[false; 4], &[None; 4], H, false);
+        let around = |feeds| Surroundings { open: [false; 4], feeds, periodic: false };
+        let (list, _) = edges(&grid, &soil, &MEDIUM, &around([None; 4]), H, &Along::default());
         let sideways: Vec<_> = list.iter().filter(|e| e.axis == 0).map(|e| (e.cell, e.upper, e.open, e.from)).collect();
         assert_eq!(sideways, [(0, true, 0.5, 0.5), (1, true, 0.5, 0.0)]);
         // A feed on the wall meets soil only, and nothing above its level.
         let fed = |head: f64| {
             let feeds = [Some(Feed::Head(head)), None, None, None];
-            edges(&grid, &soil, &MEDIUM, &[false; 4], &feeds, H, false)
+            edges(&grid, &soil, &MEDIUM, &around(feeds), H, &Along::default())
+                .0
                 .iter()
                 .filter(|e| e.outside != Outside::Air)
                 .count()

@@ -4,9 +4,9 @@
 //! faces of their cell, and are shifted a little from cells that hold more particles than water to those that hold fewer
 //! (Fickian shifting; Lind et al. 2012, J. Comput. Phys. 231, 1499-1523), so that the layer neither clots nor tears.
 
+use super::FreeSurface;
 use super::flow::Kind;
 use super::soil::{along, spread};
-use super::{FreeSurface, Outside};
 use crate::dimension::shares;
 use crate::grid::Grid;
 use crate::keep::Keeper;
@@ -14,8 +14,6 @@ use crate::particles::WaterPoint;
 
 /// Share of a surplus that is shifted in a step; a quarter is the limit of stability in two dimensions.
 const SHIFT: f64 = 0.2;
-/// Particles further than this from where water leaves are not taken, in cells.
-const REACH: f64 = 0.75;
 /// Longest shift in a step, in cells.
 const LONGEST: f64 = 0.1;
 
@@ -30,6 +28,8 @@ pub struct WaterLayer<const D: usize> {
     pub points: Vec<WaterPoint<D>>,
     /// Water of one particle, m3.
     pub volume: f64,
+    /// Density of the water, kg/m3.
+    density: f64,
     /// Particles that were there at the start.
     pub first: u64,
     /// Particles that have come in through feeds.
@@ -44,6 +44,17 @@ pub struct WaterLayer<const D: usize> {
     edge: f64,
     /// Places taken in turn by new particles.
     turn: u64,
+    /// How often water was booked: each time rounds.
+    bookings: u64,
+}
+
+/// What the particles of a layer hold beside what the cells do.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Rounding {
+    /// Most that may be pending, m3: half a particle in each cell where water has entered or left.
+    pub pending: f64,
+    /// Bookings so far.
+    pub bookings: u64,
 }
 
 impl<const D: usize> WaterLayer<D> {
@@ -54,6 +65,7 @@ impl<const D: usize> WaterLayer<D> {
         let mut layer = Self {
             points: Vec::new(),
             volume,
+            density,
             first: 0,
             spawned: 0,
             removed: 0,
@@ -61,13 +73,15 @@ impl<const D: usize> WaterLayer<D> {
             gathered: vec![0.0; grid.cell_count()],
             edge: 1.0 / per_direction as f64,
             turn: 0,
+            bookings: 0,
         };
-        let mut left = 0.0;
+        let (mut left, mut last) = (0.0, 0);
         for (cell, position) in grid.walk() {
             // Whole particles; the rest goes on to the next cell.
             left += water.content[cell] / volume;
             let count = (left + 0.5).floor().max(0.0) as usize;
             left -= count as f64;
+            last = if water.content[cell] > 0.0 { cell } else { last };
             let wet = (water.wet_share(cell) * water.soil.share[cell]).clamp(0.0, 1.0);
             for i in 0..count {
                 let columns = if D == 2 { per_direction } else { 1 };
@@ -87,6 +101,7 @@ impl<const D: usize> WaterLayer<D> {
                 });
             }
         }
+        layer.pending[last] = left * volume;
         layer.first = layer.points.len() as u64;
         layer.gather(grid);
         layer
@@ -95,7 +110,7 @@ impl<const D: usize> WaterLayer<D> {
     /// Writes or reads the state.
     pub fn keep(&mut self, keeper: &mut Keeper) {
         keeper.list(&mut self.points, &WaterPoint::NONE, WaterPoint::keep);
-        for count in [&mut self.first, &mut self.spawned, &mut self.removed, &mut self.turn] {
+        for count in [&mut self.first, &mut self.spawned, &mut self.removed, &mut self.turn, &mut self.bookings] {
             keeper.u64(count);
         }
         keeper.all(&mut self.pending);
@@ -105,6 +120,12 @@ impl<const D: usize> WaterLayer<D> {
     /// Water that has entered or left but is no particle yet, m3.
     pub fn pending(&self) -> f64 {
         self.pending.iter().sum()
+    }
+
+    /// What rounding to whole particles, and of sums, may come to.
+    pub fn rounding(&self) -> Rounding {
+        let cells = self.pending.iter().filter(|pending| **pending != 0.0).count();
+        Rounding { pending: 0.5 * self.volume * cells as f64, bookings: self.bookings }
     }
 
     /// Water in the particles, m3.
@@ -145,9 +166,26 @@ impl<const D: usize> WaterLayer<D> {
         }
     }
 
-    /// Takes note of water (m3) that has left through an edge of a cell.
-    pub fn book(&mut self, cell: usize, out: f64) {
-        self.pending[cell] -= out;
+    /// Books a step of `dt` (s) that the water has made. Returns whether particles are due for it.
+    pub fn book(&mut self, water: &FreeSurface<D>, dt: f64) -> bool {
+        self.bookings += 1;
+        let mut due = false;
+        for (edge, out) in water.leaks() {
+            let pending = &mut self.pending[edge.cell as usize];
+            *pending -= dt * out;
+            due |= pending.abs() >= 0.5 * self.volume;
+        }
+        due
+    }
+
+    /// Books water (m3) that has left cells whose soil has gone.
+    pub fn book_lost(&mut self, grid: &Grid<D>, water: &FreeSurface<D>, lost: &[(usize, f64)]) {
+        for (cell, lost) in lost {
+            self.pending[*cell] -= lost;
+        }
+        if !lost.is_empty() {
+            self.exchange(grid, water);
+        }
     }
 
     /// Moves with the soil, whose nodes have moved by `swept` (m).
@@ -177,68 +215,84 @@ impl<const D: usize> WaterLayer<D> {
         let fastest = water.flux.iter().flatten().fold(0.0, |m: f64, q| m.max(q.abs())) / area;
         let parts = (2.0 * fastest * dt * grid.inverse_size).ceil().clamp(1.0, 1000.0);
         for _ in 0..parts as usize {
-            self.exchange(grid, water, dt / parts);
-            self.carry(grid, water, dt / parts, periodic);
-            self.gather(grid);
-            self.shift(grid, water);
+            self.book(water, dt / parts);
+            self.move_by(grid, water, dt / parts, periodic);
         }
         parts as u64
     }
 
-    /// Particles for what came in, and none for what went out.
-    fn exchange(&mut self, grid: &Grid<D>, water: &FreeSurface<D>, dt: f64) {
+    /// Moves with the flow for a time (s) in which no particle passes more than half a cell, and evens out what is pending.
+    pub fn move_by(&mut self, grid: &Grid<D>, water: &FreeSurface<D>, dt: f64, periodic: bool) {
+        self.exchange(grid, water);
+        self.carry(grid, water, dt, periodic);
+        self.gather(grid);
+        self.shift(grid, water);
+    }
+
+    /// Particles for what came in, and none for what went out, whatever face it was: water enters and leaves through a side
+    /// that is fed, as its level wants.
+    fn exchange(&mut self, grid: &Grid<D>, water: &FreeSurface<D>) {
         let crowded = CROWDED * water.medium.porosity * water.medium.cell_volume * grid.cell_count() as f64;
         for (edge, out) in water.leaks() {
             let cell = edge.cell as usize;
-            self.pending[cell] -= dt * out;
-            let fed = !matches!(edge.outside, Outside::Air);
+            let (axis, outwards) = (edge.axis as usize, if edge.upper { 1.0 } else { -1.0 });
             // Where all is crowded, the water that comes in waits until there is room for its particles.
-            while self.pending[cell] >= 0.5 * self.volume && fed && self.stored() < crowded {
-                self.pending[cell] -= self.volume;
-                self.spawned += 1;
-                self.turn += 1;
-                let position = grid.cell_position(cell);
-                let axis = edge.axis as usize;
-                let from_edge = 0.5 * self.edge;
-                // The golden ratio spreads places evenly whatever their number.
-                let spot = (self.turn as f64 * 0.618_033_988_749_894_9).fract();
-                let wet = water.wet_share(cell).clamp(0.05, 1.0);
-                let x = std::array::from_fn(|d| {
-                    let inside = if d == axis {
-                        if edge.upper { 1.0 - from_edge } else { from_edge }
-                    } else if d == D - 1 && water.kind[cell] == Kind::Standing {
-                        spot * wet
-                    } else {
-                        spot
-                    };
-                    (position[d] as f64 + inside) * grid.size
-                });
-                self.points.push(WaterPoint {
-                    x,
-                    v: [0.0; D],
-                    mass: self.points.first().map_or(0.0, |p| p.mass),
-                    volume: self.volume / water.medium.porosity,
-                    pressure: water.pressure[cell].max(0.0),
-                });
+            while out <= 0.0 && self.pending[cell] >= 0.5 * self.volume && self.stored() < crowded {
+                self.spawn(grid, water, cell, (axis, edge.upper));
             }
-            while self.pending[cell] <= -0.5 * self.volume && !fed {
-                let middle: [f64; D] = grid.cell_position(cell).map(|i| (i as f64 + 0.5) * grid.size);
-                let axis = edge.axis as usize;
-                let outwards = if edge.upper { 1.0 } else { -1.0 };
-                let mut exit = middle;
+            if out >= 0.0 {
+                let mut exit = grid.cell_position(cell).map(|i| (i as f64 + 0.5) * grid.size);
                 exit[axis] += 0.5 * outwards * grid.size;
-                let distance = |p: &WaterPoint<D>| (0..D).map(|d| (p.x[d] - exit[d]).powi(2)).sum::<f64>();
-                let reach = (REACH * grid.size).powi(2);
-                let nearest = (0..self.points.len())
-                    .map(|i| (distance(&self.points[i]), i))
-                    .filter(|(d, _)| *d <= reach)
-                    .min_by(|a, b| a.0.total_cmp(&b.0));
-                // Where none is near, the water that leaves waits for one.
-                let Some((_, nearest)) = nearest else { break };
-                self.points.swap_remove(nearest);
-                self.pending[cell] += self.volume;
-                self.removed += 1;
+                self.take(cell, &exit);
             }
+        }
+        for cell in 0..self.pending.len() {
+            let middle = grid.cell_position(cell).map(|i| (i as f64 + 0.5) * grid.size);
+            self.take(cell, &middle);
+            while self.pending[cell] >= 0.5 * self.volume && self.stored() < crowded {
+                self.spawn(grid, water, cell, (D - 1, true));
+            }
+        }
+    }
+
+    /// Makes a particle behind a face of a cell.
+    fn spawn(&mut self, grid: &Grid<D>, water: &FreeSurface<D>, cell: usize, (axis, upper): (usize, bool)) {
+        self.pending[cell] -= self.volume;
+        self.spawned += 1;
+        self.turn += 1;
+        let position = grid.cell_position(cell);
+        let from_edge = 0.5 * self.edge;
+        // The golden ratio spreads places evenly whatever their number.
+        let spot = (self.turn as f64 * 0.618_033_988_749_894_9).fract();
+        let wet = water.wet_share(cell).clamp(0.05, 1.0);
+        let x = std::array::from_fn(|d| {
+            let inside = if d == axis {
+                if upper { 1.0 - from_edge } else { from_edge }
+            } else if d == D - 1 && water.kind[cell] == Kind::Standing {
+                spot * wet
+            } else {
+                spot
+            };
+            (position[d] as f64 + inside) * grid.size
+        });
+        self.points.push(WaterPoint {
+            x,
+            v: [0.0; D],
+            mass: self.density * self.volume,
+            volume: self.volume / water.medium.porosity,
+            pressure: water.pressure[cell].max(0.0),
+        });
+    }
+
+    /// Takes the particles nearest to a place (m) for what has left a cell.
+    fn take(&mut self, cell: usize, exit: &[f64; D]) {
+        while self.pending[cell] <= -0.5 * self.volume {
+            let distance = |p: &WaterPoint<D>| (0..D).map(|d| (p.x[d] - exit[d]).powi(2)).sum::<f64>();
+            let all = self.points.iter().map(distance).enumerate();
+            let Some((nearest, _)) = all.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+            self.points.swap_remove(nearest);
+            self.pending[cell] += self.volume;
+            self.removed += 1;
         }
     }
 

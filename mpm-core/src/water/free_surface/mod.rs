@@ -13,9 +13,9 @@ mod moving;
 mod soil;
 
 pub use carry::{Square, squares};
-pub use edges::{Edge, Outside};
+pub use edges::{Along, Edge, Outside, Rained};
 pub use flow::{Kind, Link, Medium};
-pub use layer::WaterLayer;
+pub use layer::{Rounding, WaterLayer};
 pub use moving::{Filling, MovingStep, Pressed, Squeeze};
 pub use soil::{LEAST_OPEN, LEAST_SHARE, SoilMap};
 
@@ -56,6 +56,10 @@ pub struct FreeSurface<const D: usize> {
     pub inflow: f64,
     /// Water that has left, m3.
     pub outflow: f64,
+    /// Water that feeds with a velocity were to bring, m3, and what of the rain ran off soil that was full.
+    pub asked: f64,
+    /// See [`Self::asked`].
+    pub ran_off: f64,
     /// Inflow and outflow in the last step, m3/s.
     pub rates: [f64; 2],
     /// Steps of which some cells had to be left as they were.
@@ -69,6 +73,10 @@ pub struct FreeSurface<const D: usize> {
     leaks: Vec<Linear>,
     /// What left through each edge in the last step, m3/s.
     left: Vec<f64>,
+    /// What feeds with a velocity meet beyond what the map shows, per side and cell along it, in cells.
+    beyond: Along,
+    /// Faces that rain falls on.
+    rained: Vec<Rained>,
     system: System,
     /// Whether the system is not that of the links.
     stale: bool,
@@ -129,6 +137,8 @@ impl<const D: usize> FreeSurface<D> {
             flux: std::array::from_fn(|axis| vec![0.0; grid.face_count(axis)]),
             inflow: 0.0,
             outflow: 0.0,
+            asked: 0.0,
+            ran_off: 0.0,
             rates: [0.0; 2],
             unsettled: 0,
             full: vec![false; cells],
@@ -138,6 +148,8 @@ impl<const D: usize> FreeSurface<D> {
             edges: Vec::new(),
             leaks: Vec::new(),
             left: Vec::new(),
+            beyond: Along::default(),
+            rained: Vec::new(),
             system: System::new(cells, &[])?,
             stale: true,
             above: Vec::new(),
@@ -160,11 +172,28 @@ impl<const D: usize> FreeSurface<D> {
         self.surround(grid, around);
     }
 
+    /// Says what feeds with a velocity meet exactly, per side and cell along it, in cells: the map of the soil is of boxes.
+    pub fn feed_exactly(&mut self, grid: &Grid<D>, around: &Surroundings, exact: Along) {
+        self.beyond = Along::default();
+        self.surround(grid, around);
+        for side in 0..4 {
+            if let (Some(Feed::Velocity { .. }), false) = (around.feeds[side], exact[side].is_empty()) {
+                let mut found = vec![0.0; exact[side].len()];
+                for edge in &self.edges {
+                    if let (Outside::Inflow(_), true) = (edge.outside, edge.side(D) == side) {
+                        found[edges::along_side(grid, edge)] += edge.open;
+                    }
+                }
+                self.beyond[side] = edges::beyond(&found, &exact[side]);
+            }
+        }
+        self.surround(grid, around);
+    }
+
     /// Changes what surrounds the soil.
     pub fn surround(&mut self, grid: &Grid<D>, around: &Surroundings) {
         let face_area = self.medium.cell_volume / self.medium.size;
-        self.edges =
-            edges::edges(grid, &self.soil, &self.medium, &around.open, &around.feeds, face_area, around.periodic);
+        (self.edges, self.rained) = edges::edges(grid, &self.soil, &self.medium, around, face_area, &self.beyond);
         self.leaks.clear();
         self.leaks.resize(self.edges.len(), Linear::default());
         self.left.clear();
@@ -173,7 +202,12 @@ impl<const D: usize> FreeSurface<D> {
         let mut beyond = vec![[Neighbour::Tight; 2]; cells];
         for edge in self.edges.iter().filter(|edge| edge.axis as usize == D - 1) {
             let side = &mut beyond[edge.cell as usize][usize::from(edge.upper)];
-            let air = matches!(edge.outside, Outside::Air);
+            let air = match edge.outside {
+                Outside::Air => true,
+                // Rain falls through air.
+                Outside::Inflow(_) => edge.upper,
+                Outside::Pond(_) => false,
+            };
             if !air || *side == Neighbour::Tight {
                 *side = if air { Neighbour::Air } else { Neighbour::Pond };
             }
@@ -317,7 +351,7 @@ impl<const D: usize> FreeSurface<D> {
             if round == 0 {
                 fills = self.first_filled();
             }
-            let settled = self.compare(round);
+            let settled = self.compare(round) && !self.sucks();
             let mut moved: f64 = 0.0;
             for cell in 0..self.wet.len() {
                 if self.soil.is_soil(cell) {
@@ -381,8 +415,15 @@ impl<const D: usize> FreeSurface<D> {
         }
         for (edge, leak) in self.edges.iter().zip(&self.leaks) {
             let cell = edge.cell as usize;
-            self.trial[cell] -= dt * leak.at(p[cell], 0.0);
+            self.trial[cell] -= dt * edge.lets_out(leak.at(p[cell], 0.0));
         }
+    }
+
+    /// Whether the pressures of the trial would draw water in from the air, which none lets in.
+    fn sucks(&self) -> bool {
+        let least = ROUND * self.medium.conductance * self.medium.unit_weight * self.medium.size;
+        let mut leaks = self.edges.iter().zip(&self.leaks).filter(|(edge, _)| edge.outside == Outside::Air);
+        leaks.any(|(edge, leak)| leak.at(self.system.pressure[edge.cell as usize], 0.0) < -least)
     }
 
     /// Finds the cells whose kind does not go with what came out. True if there are none.
@@ -462,11 +503,24 @@ impl<const D: usize> FreeSurface<D> {
         for (link, flow) in self.links.iter().zip(&self.flows) {
             self.flux[link.axis as usize][link.face as usize] = flow.at(p[link.low as usize], p[link.high as usize]);
         }
-        self.rates = [0.0; 2];
         for ((edge, leak), left) in self.edges.iter().zip(&self.leaks).zip(&mut self.left) {
-            let out = leak.at(p[edge.cell as usize], 0.0);
-            *left = out;
-            self.rates[usize::from(out > 0.0)] += out.abs();
+            *left = edge.lets_out(leak.at(p[edge.cell as usize], 0.0));
+            if let Outside::Inflow(flow) = edge.outside {
+                self.asked += dt * flow;
+            }
+        }
+        // Rain that comes out where it falls has never been in.
+        for rained in &self.rained {
+            let (way_out, way_in) = (rained.way_out as usize, rained.way_in as usize);
+            let off = self.left[way_out].min(-self.left[way_in]).max(0.0);
+            self.left[way_out] -= off;
+            self.left[way_in] += off;
+            self.ran_off += dt * (off + rained.excess);
+            self.asked += dt * rained.excess;
+        }
+        self.rates = [0.0; 2];
+        for left in &self.left {
+            self.rates[usize::from(*left > 0.0)] += left.abs();
         }
         self.inflow += dt * self.rates[0];
         self.outflow += dt * self.rates[1];
@@ -519,7 +573,7 @@ impl<const D: usize> FreeSurface<D> {
             keeper.all(flux);
         }
         keeper.entries(&mut self.full, |full, keeper| keeper.bool(full));
-        for value in [&mut self.inflow, &mut self.outflow] {
+        for value in [&mut self.inflow, &mut self.outflow, &mut self.asked, &mut self.ran_off] {
             keeper.f64(value);
         }
         keeper.f64s(&mut self.rates);

@@ -634,6 +634,31 @@ mod tests {
     }
 
     #[test]
+    fn soil_that_opens_draws_no_water_in_through_a_seepage_face() {
+        for implicit in [true, false] {
+            let (grid, mut water, mut squeeze, soil) = full(1e-9);
+            let around = Surroundings { open: [true; 4], feeds: [None; 4], periodic: false };
+            water.surround(&grid, &around);
+            let inverse = vec![[0.0; 2]; grid.node_count()];
+            let leader: Vec<u32> = (0..grid.node_count() as u32).collect();
+            let pushed = Pushed { grid: &grid, inverse: &inverse, leader: &leader };
+            let step = MovingStep { dt: 1e-3, implicit, bulk_modulus: KW, smoothing: 0.0 };
+            let mut lowest: f64 = 0.0;
+            for _ in 0..20 {
+                // All nodes move apart.
+                let mut motion = vec![NodeMotion::REST; grid.node_count()];
+                for (node, m) in motion.iter_mut().enumerate() {
+                    m.velocity = [node % (CELLS[0] + 1), node / (CELLS[0] + 1)].map(|i| 1e-2 * i as f64);
+                }
+                squeeze.press(&mut water, &soil, &pushed, &mut motion, &step).unwrap();
+                lowest = water.pressure.iter().fold(lowest, |low, p| low.min(*p));
+                assert_eq!((water.inflow, water.rates[0]), (0.0, 0.0), "implicit: {implicit}");
+            }
+            assert!(lowest < 0.0, "suction was to be tried: {lowest} Pa");
+        }
+    }
+
+    #[test]
     fn smoothing_moves_water_and_makes_none() {
         let (grid, mut water, mut squeeze, soil) = full(1e-14);
         // Soil that cannot move: nothing but the exchange acts on pressures.

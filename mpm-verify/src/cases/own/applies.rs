@@ -1,146 +1,130 @@
 //! Which exact solution applies to a scene, or what it lacks.
 
-use mpm_core::scene::{Integrator, LoadOn, Scene, Side, Start, StrainChoice, Until};
+use mpm_core::scene::{Clock, Dimension, Feed, Integrator, LoadOn, Scene, Side, SolidSide, Start, StrainChoice, Until};
 
+use super::columns::{Consolidation, DryColumn, INERTIA};
 use crate::cases::mandel;
-use crate::exact::dynamic::DynamicColumn;
-use crate::exact::large_strain::LargeStrain;
+use crate::exact::boussinesq::Wetting;
+use crate::exact::dam::Dam;
+use crate::exact::infinite_slope::Seepage;
 use crate::exact::mandel::Mandel;
-use crate::exact::terzaghi::Terzaghi;
-
-/// q/M up to which a column of finite strain is compared, under a lighter load, with a solution of small strains.
-pub const SMALL: f64 = 0.02;
-/// Share of the load that the inertia of a column drained at both ends may take at the first sample time. At ten times
-/// Table 1's slowness it takes 1e-3 and changes the settlement by less than 0.01 %; at Table 1's own 11 %, and 31 %.
-const INERTIA: f64 = 2e-3;
+use crate::exact::sliding::Sliding;
+use crate::exact::wetting_front::{Way, WettingFront};
 
 /// An exact solution.
 #[derive(Debug, Clone)]
 pub enum Solution {
-    /// Terzaghi's series with compressible water; Olson's under a ramp.
-    Series(Terzaghi),
-    /// The column with inertia, and whether its load grows over a ramp.
-    Dynamic(DynamicColumn, Terzaghi),
-    /// The column of large strain.
-    Large(LargeStrain, Terzaghi),
+    /// A column that consolidates, of any strain, weight, drainage and layers.
+    Wet(Box<Consolidation>),
+    /// A dry column.
+    Dry(DryColumn),
     /// Mandel's block.
     Block(Mandel),
+    /// A front that wets dry soil.
+    Front(WettingFront),
+    /// Steady seepage through a rectangular dam.
+    Dam(Dam),
+    /// Water that spreads on a level base.
+    Mound(Wetting),
+    /// A block on a base with friction.
+    Sliding(Sliding),
+    /// An infinite slope whose strength is reduced until it slides: vertical depth (m) and seepage.
+    Slope(f64, Seepage),
 }
 
 impl Solution {
-    /// Settlement at a time (s), m; NaN where a table has no row.
-    pub fn settlement(&self, time: f64) -> f64 {
-        match self {
-            Self::Series(exact) => exact.settlement(time),
-            Self::Dynamic(exact, _) => exact.settlement(time),
-            Self::Large(exact, _) => exact.settlement(time).unwrap_or(f64::NAN),
-            Self::Block(exact) => exact.settlement(time),
-        }
-    }
-
-    /// Whether the load grows over a ramp.
-    pub fn ramps(&self) -> bool {
-        match self {
-            Self::Series(exact) | Self::Dynamic(_, exact) | Self::Large(_, exact) => exact.ramp > 0.0,
-            Self::Block(_) => false,
-        }
-    }
-
-    /// Time factor c t/H_d^2 of a time (s).
-    pub fn time_factor(&self, time: f64) -> f64 {
-        match self {
-            Self::Series(exact) | Self::Dynamic(_, exact) | Self::Large(_, exact) => exact.time_factor(time),
-            Self::Block(exact) => exact.time_factor(time),
-        }
-    }
-
-    /// Drainage path H_d, m.
-    pub fn path(&self) -> f64 {
-        match self {
-            Self::Series(exact) | Self::Dynamic(_, exact) | Self::Large(_, exact) => exact.path,
-            Self::Block(exact) => exact.half_width,
-        }
-    }
-
-    /// In words.
+    /// What it is called, with its assumptions.
     pub fn words(&self) -> String {
-        let words = match self {
-            Self::Series(exact) if exact.ramp > 0.0 => "Olson's series for a load that grows, compressible water",
-            Self::Series(exact) if exact.double => "Terzaghi's series with compressible water, both ends drained",
-            Self::Series(_) => "Terzaghi's series with compressible water",
-            Self::Dynamic(..) => "the exact u-p column with inertia",
-            Self::Large(..) => "the converged column of large strain",
-            Self::Block(_) => "Mandel's problem",
-        };
-        words.to_owned()
+        match self {
+            Self::Wet(column) => column.words(),
+            Self::Dry(column) => column.words(),
+            Self::Block(_) => "Mandel's problem (small strain, no inertia, no weight, rigid plate without friction)".to_owned(),
+            Self::Front(front) => {
+                let way = match front.way {
+                    Way::Horizontal => "level",
+                    Way::Down => "downwards",
+                    Way::Up => "upwards",
+                };
+                format!("the sharp front of Green and Ampt, {way} (soil at rest, no capillarity, no inertia of the water)")
+            }
+            Self::Dam(_) => {
+                "steady seepage through a rectangular dam (soil at rest, no capillarity; discharge of Charny)".to_owned()
+            }
+            Self::Mound(_) => {
+                "Boussinesq's wetting of a dry aquifer (hydrostatic over the height, soil at rest, from four heights on)".to_owned()
+            }
+            Self::Sliding(_) => "a rigid block with Coulomb friction (no rotation, no strain)".to_owned(),
+            Self::Slope(depth, _) => format!(
+                "limit equilibrium of an infinite slope, plane at the depth {depth} m (strength reduced until it slides)"
+            ),
+        }
+    }
+
+    /// What else the scene carries beside the solution, one sentence each.
+    pub fn beside(&self, scene: &Scene) -> Vec<String> {
+        match self {
+            Self::Wet(column) => column.beside(scene),
+            Self::Dry(column) => column.beside(scene),
+            Self::Block(_) => vec!["inertia and large strain: none".to_owned()],
+            Self::Front(_) | Self::Dam(_) | Self::Mound(_) => {
+                vec!["strain of the soil: not judged, the water moves in soil at rest".to_owned()]
+            }
+            Self::Sliding(_) => {
+                let strain = scene.mixture_density() * scene.gravity.unwrap_or(0.0) * scene.height
+                    / scene.elastic.youngs_modulus;
+                vec![format!("strain of the block under its weight: {strain:.1e}, not in the solution")]
+            }
+            Self::Slope(..) => vec!["elasticity: moves the slope before it slides, not in the solution".to_owned()],
+        }
     }
 }
 
-/// The solution of a scene that is run as `light`; messages speak of the scene as it was written.
+/// The solution of a scene.
 ///
 /// # Errors
 /// Key, what was expected and what was found.
-pub fn solution(light: &Scene, scene: &Scene) -> Result<Solution, String> {
-    soil_and_water(scene)?;
-    integrator(scene)?;
+pub fn solution(scene: &Scene) -> Result<Solution, String> {
+    even(scene)?;
+    if scene.periodic {
+        return slope(scene);
+    }
     stages(scene)?;
+    if scene.free_surface.is_some() {
+        return seepage(scene);
+    }
+    if scene.base.is_some() {
+        return sliding(scene);
+    }
     if scene.surcharge.is_some_and(|load| load.on == LoadOn::Plate) {
         return block(scene);
     }
     column(scene)?;
-    let series = Terzaghi::compressible(light).ok_or_else(|| refusal("[water]", "a loaded wet column", "another"))?;
-    if strain(scene)? {
-        let large = LargeStrain::new(scene).ok_or_else(|| {
-            let expected = format!(
-                "a load of at most {SMALL} M = {:.4e} Pa, soil.strain = \"small\", or q/M = -ln 0.8 with water that does \
-                 not compress, drained at the top, start = \"unloaded\"",
-                SMALL * scene.oedometer_modulus()
-            );
-            refusal("surcharge.pressure", &expected, &load_words(scene))
-        })?;
-        if let Some(time) = scene.observe_times.iter().find(|time| large.settlement(**time).is_none()) {
-            let expected = "times of the table reference-data/exact/05_large_strain_S_A.csv";
-            return Err(refusal("observe.times", expected, &format!("{time} s")));
-        }
-        return Ok(Solution::Large(large, series));
+    if scene.water.is_none() {
+        return DryColumn::new(scene).map(Solution::Dry);
     }
-    if scene.integrator == Integrator::QuasiStatic {
-        return Ok(Solution::Series(series));
+    integrator(scene)?;
+    if scene.integrator != Integrator::QuasiStatic {
+        waves(scene)?;
     }
-    waves(scene, &series)?;
-    match DynamicColumn::new(light) {
-        Some(dynamic) => Ok(Solution::Dynamic(dynamic, series)),
-        None => Ok(Solution::Series(series)),
-    }
+    Consolidation::new(scene).map(|column| Solution::Wet(Box::new(column)))
 }
 
 /// `key: expected ..., found ...`.
-fn refusal(key: &str, expected: &str, found: &str) -> String {
+pub(super) fn refusal(key: &str, expected: &str, found: &str) -> String {
     format!("{key}: expected {expected}, found {found}")
 }
 
-fn soil_and_water(scene: &Scene) -> Result<(), String> {
-    let refuse = |key: &str, expected: &str, found: &str| Err(refusal(key, expected, found));
-    if scene.strength.is_some() {
-        return refuse("soil.law", "linear_elastic: the exact solutions are elastic", "mohr_coulomb");
-    }
-    if scene.water.is_none() {
-        return refuse("[water]", "pore water: the exact solutions are those of consolidation", "a dry scene");
-    }
-    if scene.free_surface.is_some() {
-        return refuse("water.free_surface", "no such table: the soil is saturated", "a free surface");
-    }
-    if let Some(gravity) = scene.gravity {
-        return refuse("gravity", "no such key: the exact solutions have no weight", &format!("{gravity} m/s2"));
-    }
-    if scene.surcharge.is_none() {
-        return refuse("[surcharge]", "a load that the soil consolidates under", "none");
-    }
+fn even(scene: &Scene) -> Result<(), String> {
     if scene.displaced.is_some() || scene.shift > 0.0 {
-        return refuse("mesh", "particles and cells in their even places", "displaced ones: their error has no order");
+        let (expected, found) =
+            ("particles and cells in their even places", "displaced ones: their error has no order");
+        return Err(refusal("mesh", expected, found));
+    }
+    if scene.outline.is_some() {
+        return Err(refusal("[geometry]", "a column or a block: no exact solution has an outline", "an outline"));
     }
     if scene.observe_times.is_empty() {
-        return refuse("[observe]", "times or time factors to compare at", "none");
+        return Err(refusal("[observe]", "times or time factors to compare at", "none"));
     }
     Ok(())
 }
@@ -161,7 +145,7 @@ fn stages(scene: &Scene) -> Result<(), String> {
             "one: what came before it is in no exact solution (start = \"undrained-equilibrium\" stands for it)";
         return Err(refusal("[[stages]]", expected, &scene.stages.len().to_string()));
     };
-    if stage.damping > 0.0 {
+    if stage.damping > 0.0 && scene.water.is_some() {
         return Err(refusal("stages.damping", "none", &format!("{} 1/s", stage.damping)));
     }
     if !matches!(stage.until, Until::Time(_)) {
@@ -199,70 +183,149 @@ fn column(scene: &Scene) -> Result<(), String> {
                         first order in L";
         return Err(refusal("surcharge.on", expected, "\"particles\""));
     }
-    let drained = scene.stages[0].drained;
-    if drained != [false, false, false, true] && drained != [false, false, true, true] {
-        let sides: Vec<&str> = Side::ALL.into_iter().filter(|side| drained[*side as usize]).map(Side::word).collect();
-        let found = if sides.is_empty() { "none".to_owned() } else { format!("{sides:?}") };
-        return Err(refusal("stages.drained", "[\"top\"] or [\"top\", \"bottom\"]", &found));
+    if scene.surcharge.is_none() && scene.gravity.is_none() {
+        return Err(refusal("[surcharge]", "a load or gravity that the soil settles under", "neither"));
+    }
+    let load = scene.surcharge.map_or(0.0, |load| load.pressure);
+    if load < 0.0 && (scene.strength.is_some() || scene.separation.is_some()) {
+        let expected = "compression: soil with a strength or a tension gap has no exact solution in extension";
+        return Err(refusal("surcharge.pressure", expected, &format!("{load} Pa")));
+    }
+    if scene.strength.is_some() && (!scene.layers.is_empty() || scene.start == Start::Geostatic) {
+        let expected = "one soil that is loaded from no stress where it may yield";
+        return Err(refusal("soil.law", expected, "layers or start = \"geostatic\""));
     }
     Ok(())
 }
 
-/// Whether the strains are large.
-fn strain(scene: &Scene) -> Result<bool, String> {
-    let ratio = scene.surcharge.map_or(0.0, |load| load.pressure) / scene.oedometer_modulus();
-    if scene.strain == StrainChoice::Small || ratio <= SMALL {
-        return Ok(false);
-    }
-    if scene.integrator == Integrator::QuasiStatic {
-        return Ok(true);
-    }
-    let expected = format!("at most {SMALL} M = {:.4e} Pa", SMALL * scene.oedometer_modulus());
-    Err(refusal("surcharge.pressure", &expected, &load_words(scene)))
-}
-
-fn load_words(scene: &Scene) -> String {
-    let pressure = scene.surcharge.map_or(0.0, |load| load.pressure);
-    format!("{pressure} Pa = {:.4} M", pressure / scene.oedometer_modulus())
-}
-
-/// rho_w/rho.
-fn water_share(scene: &Scene) -> f64 {
-    scene.water.map_or(0.0, |water| water.density) / scene.mixture_density()
-}
-
-/// What the waves of a dynamic scene may do to a solution without them.
-fn waves(scene: &Scene, series: &Terzaghi) -> Result<(), String> {
+/// What the waves of a dynamic wet column may do to a solution without them.
+fn waves(scene: &Scene) -> Result<(), String> {
     let period = scene.height * (scene.mixture_density() / (scene.oedometer_modulus() + scene.pore_stiffness())).sqrt();
-    if scene.start == Start::Unloaded && series.ramp < period {
+    let (ramp, weight) = (scene.surcharge.map_or(0.0, |s| s.ramp_time), scene.gravity.is_some());
+    if scene.start == Start::Unloaded && (ramp < period || weight) {
         let expected = format!(
-            "at least {period:.3e} s, in which a wave passes the height (or start = \"undrained-equilibrium\"): no mesh \
-             carries the shock of a sudden load"
+            "at least {period:.3e} s and no weight, in which a wave passes the height (or start = \
+             \"undrained-equilibrium\"): no mesh carries the shock of a sudden load"
         );
-        return Err(refusal("surcharge.ramp_time", &expected, &format!("{} s", series.ramp)));
+        let found = if weight { "gravity that acts at once".to_owned() } else { format!("{ramp} s") };
+        return Err(refusal("surcharge.ramp_time", &expected, &found));
     }
-    let (carried, weight) = (series.undrained / series.load, water_share(scene));
-    if scene.darcy_inertia && carried < weight {
+    if scene.darcy_inertia && scene.inertia_feeds_waves() {
         let expected = format!(
-            "false where the water carries a smaller share of a load, Q/(M + Q) = {carried:.3}, than of the weight, rho_w/rho = \
-             {weight:.3}: with rho_w a_s in Darcy's law every wave then grows by itself"
+            "false where the water carries a smaller share of a load, Q/(M + Q) = {:.3}, than of the weight, rho_w/rho = \
+             {:.3}: with rho_w a_s in Darcy's law every wave then grows by itself",
+            scene.undrained_share(),
+            scene.water.map_or(0.0, |water| water.density) / scene.mixture_density()
         );
         return Err(refusal("scheme.darcy_inertia", &expected, "true"));
     }
-    if !series.double {
-        return Ok(());
-    }
-    // The soil above the drained base falls as a half space consolidates, by (q/M) sqrt(c t): what its mass needs, over q.
-    let first = scene.observe_times.iter().copied().find(|time| *time > 0.0).unwrap_or(f64::NAN);
-    let mass = scene.mixture_density() * 0.5 * scene.height;
-    let share = 0.25 * mass * series.coefficient.sqrt() / (series.modulus * first.powf(1.5));
-    if share <= INERTIA {
-        return Ok(());
-    }
+    Ok(())
+}
+
+/// Refuses a column drained in another way whose inertia shows at every time.
+pub(super) fn inertia_shows(share: f64, time: f64) -> String {
     let expected = format!(
-        "a soil slow enough (water.hydraulic_conductivity), or times late enough, that inertia takes at most {INERTIA} of \
-         the load at the first of them: no exact solution has both ends drained and inertia (or integrator = \
+        "a soil slow enough (water.hydraulic_conductivity), or times late enough, that inertia takes at most {INERTIA} of the \
+         load at one of them: no exact solution with inertia has both ends drained, layers or no drainage (or integrator = \
          \"quasi-static\")"
     );
-    Err(refusal("stages.drained", &expected, &format!("{share:.2e} at {first:.3e} s")))
+    refusal("stages.drained", &expected, &format!("{share:.2e} at {time:.3e} s"))
+}
+
+/// Water that moves through soil at rest.
+fn seepage(scene: &Scene) -> Result<Solution, String> {
+    let (free, water) = (scene.free_surface.as_ref(), scene.water);
+    let (Some(free), Some(water)) = (free, water) else {
+        return Err(refusal("[water]", "water with a free surface", "none"));
+    };
+    let moved = scene.stages[0].clock != Clock::Seepage || !scene.layers.is_empty();
+    if moved || free.wet.is_some() || free.level.is_some_and(|level| level > 0.0) {
+        let expected = "dry or moist soil of one kind at rest, fed from t = 0";
+        return Err(refusal("water.free_surface", expected, "soil that moves, layers, or water at t = 0"));
+    }
+    let head = |side: Side| match free.feeds[side as usize] {
+        Some(Feed::Head(head)) => Some(head),
+        _ => None,
+    };
+    let fed: Vec<Side> = Side::ALL.into_iter().filter(|side| free.feeds[*side as usize].is_some()).collect();
+    let drained: Vec<Side> = Side::ALL.into_iter().filter(|side| scene.stages[0].drained[*side as usize]).collect();
+    let found = format!("fed at {fed:?}, drained at {drained:?}");
+    let front = |way, head| {
+        let (conductivity, porosity) = (water.hydraulic_conductivity, scene.porosity);
+        Ok(Solution::Front(WettingFront { way, conductivity, head, porosity, initial_saturation: free.saturation }))
+    };
+    let flat = scene.dimension == Dimension::PlaneStrain;
+    match (fed.as_slice(), drained.as_slice(), scene.gravity) {
+        ([Side::Left], [], None) if flat => front(Way::Horizontal, head(Side::Left).unwrap_or(f64::NAN)),
+        ([Side::Top], [], Some(_)) => front(Way::Down, head(Side::Top).unwrap_or(f64::NAN) - scene.height),
+        ([Side::Bottom], [], Some(_)) => front(Way::Up, head(Side::Bottom).unwrap_or(f64::NAN)),
+        ([Side::Left], [], Some(_)) if flat && free.saturation == 0.0 => mound(scene, head(Side::Left)),
+        ([Side::Left], [Side::Right], Some(_)) | ([Side::Left, Side::Right], _, Some(_)) if flat => {
+            let tail = head(Side::Right).unwrap_or(0.0);
+            let dam = head(Side::Left).filter(|up| *up <= scene.height).and_then(|up| Dam::new(up, tail, scene.width));
+            let expected = "heads H1 > H2 >= 0 within the height of the dam";
+            dam.map(Solution::Dam).ok_or_else(|| refusal("water.free_surface.feed", expected, &found))
+        }
+        _ => {
+            let expected =
+                "a head at the left, top or bottom alone (fronts), or at the left of a dam that drains at the right";
+            Err(refusal("water.free_surface.feed", expected, &found))
+        }
+    }
+    .and_then(|solution| match &solution {
+        Solution::Front(front) if !(front.head.is_finite() && front.head > 0.0) => {
+            Err(refusal("water.free_surface.feed", "a head above zero at the fed side", &found))
+        }
+        _ => Ok(solution),
+    })
+}
+
+fn mound(scene: &Scene, head: Option<f64>) -> Result<Solution, String> {
+    let (Some(head), Some(water)) = (head, scene.water) else {
+        return Err(refusal("water.free_surface.feed", "a head", "a velocity"));
+    };
+    let exact = Wetting::new(water.hydraulic_conductivity, scene.porosity, head);
+    let within = |time: &&f64| (4.0 * head..scene.width).contains(&exact.front(**time));
+    if scene.observe_times.iter().find(within).is_none() {
+        let expected = "a time at which the tip of the water is between four heights and the end of the soil";
+        return Err(refusal("[observe]", expected, "none"));
+    }
+    Ok(Solution::Mound(exact))
+}
+
+fn sliding(scene: &Scene) -> Result<Solution, String> {
+    let free =
+        [Side::Left, Side::Right, Side::Top].iter().all(|side| scene.solid_sides[*side as usize] == SolidSide::Free);
+    let stiff = scene.strength.is_none() && scene.water.is_none() && scene.surcharge.is_none();
+    let exact = Sliding::new(scene).filter(|_| free && stiff && scene.dimension == Dimension::PlaneStrain);
+    let exact = exact.ok_or_else(|| {
+        let expected = "a dry elastic block with free sides under gravity alone";
+        refusal("[base]", expected, "friction under another scene")
+    })?;
+    if exact.distance(*scene.observe_times.last().unwrap_or(&0.0)) <= 0.0 {
+        return Err(refusal("[base]", "a block that slides", "one that stays where it is"));
+    }
+    Ok(Solution::Sliding(exact))
+}
+
+fn slope(scene: &Scene) -> Result<Solution, String> {
+    let strength = scene.strength.filter(|_| scene.slope_angle.is_some() && scene.free_surface.is_some());
+    let (Some(_), Some(free), [Clock::Seepage, Clock::Soil]) =
+        (strength, &scene.free_surface, scene.stages.iter().map(|stage| stage.clock).collect::<Vec<_>>().as_slice())
+    else {
+        let expected = "a periodic slope with a strength and a free surface, and two stages: seepage, then the soil";
+        return Err(refusal("boundaries", expected, "another periodic scene"));
+    };
+    let [psi, phi] = strength.map_or([0.0; 2], |s| [s.dilation_angle, s.friction_angle]);
+    if psi > 0.0 && psi != phi {
+        let expected = format!("0 or {phi} degrees: between them the strength of a slope is not unique");
+        return Err(refusal("soil.law.dilation_angle", &expected, &format!("{psi}")));
+    }
+    let depth = scene.height / scene.slope_angle.unwrap_or(0.0).to_radians().cos();
+    let share = free.level.unwrap_or(0.0) / scene.height;
+    if free.feeds.iter().any(Option::is_some) || !(0.0..=1.0).contains(&share) {
+        let expected = "a level within the slope and no feed: water that flows along it";
+        return Err(refusal("water.free_surface", expected, "another seepage"));
+    }
+    Ok(Solution::Slope(depth, Seepage::Parallel { share }))
 }

@@ -1,8 +1,7 @@
-//! The levee of the paper in limit equilibrium: half of it, between the wall of the tank and the toe.
+//! A slope on a level firm base in limit equilibrium, seen so that it falls towards +x; the paper's half levee is one.
 //!
-//! The crest is level, the slope straight, the base level and firm; it goes on beyond the toe, so that a slide along
-//! the base comes out there. The wall takes no part: no slide starts at it below the crest. The soil above the water is
-//! dry.
+//! Any ground that does not overhang. Beyond a toe on the base the base goes on, so that a slide along it comes out
+//! there. Walls take no part: no slide starts or ends at one below the ground.
 //!
 //! Without dilation a soil does not reach its strength on every plane: [`LeveeFactors`] hold those of the strength
 //! itself and of Davis' reduced one; a calculation with a non-associated law is expected between them. For psi = 0 the
@@ -13,15 +12,13 @@ use super::water::{Equipotentials, Phreatic};
 use super::{Critical, FirmBase, Limits, Section};
 use crate::exact::infinite_slope::{InfiniteSlope, Seepage, Strength};
 
-/// Half a levee.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A slope.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Levee {
-    /// Width of the crest from the wall at x = 0, m.
-    pub crest: f64,
-    /// Height above the base at y = 0, m.
-    pub height: f64,
-    /// Run of the slope from crest to toe, m.
-    pub run: f64,
+    /// Corners (x, y) of its surface, and of the base beyond a toe on it, m; x increases.
+    pub ground: Vec<[f64; 2]>,
+    /// Where the soil ends, x in m.
+    pub end: f64,
     /// Strength of the soil.
     pub strength: Strength,
     /// Dilation angle psi, rad.
@@ -68,9 +65,8 @@ impl Levee {
         let (gravity, porosity) = (9.81, 0.3);
         let (dry_weight, water_weight) = (2700.0 * (1.0 - porosity) * gravity, 1000.0 * gravity);
         Self {
-            crest: 3.0,
-            height: 3.0,
-            run: 6.0,
+            ground: vec![[0.0, 3.0], [3.0, 3.0], [9.0, 0.0], [15.0, 0.0]],
+            end: 9.0,
             strength: Strength { cohesion: 500.0, friction: 30.0_f64.to_radians() },
             dilation: 0.0,
             dry_weight,
@@ -80,16 +76,15 @@ impl Levee {
         }
     }
 
-    /// Surface (x, y), m, and as much of the base beyond the toe as the slope is long.
-    pub fn ground(&self) -> [[f64; 2]; 4] {
-        let toe = self.crest + self.run;
-        [[0.0, self.height], [self.crest, self.height], [toe, 0.0], [toe + self.run, 0.0]]
+    /// Slides of at least a vertical depth (m) that start on the soil, in 120 slices.
+    pub fn limits(&self, least_depth: f64, method: Method) -> Limits {
+        let [start, last] = [self.ground[0][0], self.ground[self.ground.len() - 1][0]];
+        Limits { least_depth, least_area: 0.0, starts: [start, self.end], ends: [start, last], slices: 120, method }
     }
 
-    /// Slides of at least a vertical depth (m) that start on crest or slope, in 120 slices.
-    pub fn limits(&self, least_depth: f64, method: Method) -> Limits {
-        let toe = self.crest + self.run;
-        Limits { least_depth, least_area: 0.0, starts: [0.0, toe], ends: [0.0, toe + self.run], slices: 120, method }
+    /// The lowest part of the surface that falls, from its top to its foot (x, y), m.
+    pub fn lowest_face(&self) -> Option<[[f64; 2]; 2]> {
+        self.ground.windows(2).map(|pair| [pair[0], pair[1]]).rfind(|[top, foot]| foot[1] < top[1])
     }
 
     /// Factors of safety without water and with the water below a line (x, y), m, x increasing.
@@ -98,8 +93,8 @@ impl Levee {
             let toe = self.toe(strength);
             Factors {
                 strength,
-                toe: toe.factor(limits.least_depth),
-                toe_depth: toe.critical_depth(),
+                toe: toe.and_then(|toe| toe.factor(limits.least_depth)),
+                toe_depth: toe.and_then(|toe| toe.critical_depth()),
                 dry: self.critical(strength, &[], equipotentials, limits),
                 wet: self.critical(strength, line, equipotentials, limits),
             }
@@ -115,10 +110,10 @@ impl Levee {
         equipotentials: Equipotentials,
         limits: &Limits,
     ) -> Option<Critical> {
-        let ground = self.ground();
-        let water = Phreatic { line, ground: &ground, water_weight: self.water_weight };
+        let ground = &self.ground;
+        let water = Phreatic { line, ground, water_weight: self.water_weight };
         let section = Section {
-            ground: &ground,
+            ground,
             base: Some(self.base),
             strength,
             dry_weight: self.dry_weight,
@@ -129,16 +124,17 @@ impl Levee {
         section.critical(limits)
     }
 
-    /// The slope without end that the levee is like at its toe, full of water that leaves it horizontally.
-    pub fn toe(&self, strength: Strength) -> InfiniteSlope {
+    /// The slope without end that it is like at its toe, full of water that leaves it horizontally.
+    pub fn toe(&self, strength: Strength) -> Option<InfiniteSlope> {
+        let [top, foot] = self.lowest_face()?;
         let slope = InfiniteSlope {
-            angle: (self.height / self.run).atan(),
+            angle: ((top[1] - foot[1]) / (foot[0] - top[0])).atan(),
             dry_weight: self.dry_weight,
             saturated_weight: self.saturated_weight,
             water_weight: self.water_weight,
             strength,
             seepage: Seepage::Parallel { share: 1.0 },
         };
-        slope.horizontal()
+        Some(slope.horizontal())
     }
 }

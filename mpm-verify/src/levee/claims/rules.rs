@@ -43,12 +43,7 @@ pub const RULES: [Rule; 13] = [
         "up to 8.4 h the largest displacement, the way of the toe and the settlement of the crest are below 1 cm",
         unchanged,
     ),
-    (
-        "failure-time",
-        "progressive failure at 8.66 h",
-        "failure (1 % of the section, deeper than 0.3 m, moved more than 5 cm) starts within 0.1 h of 8.66 h",
-        failure_time,
-    ),
+    ("failure-time", "progressive failure at 8.66 h", "failure (E2) starts within 0.1 h of 8.66 h", failure_time),
     (
         "final-shape-time",
         "final shape at 8.68 h",
@@ -70,7 +65,7 @@ pub const RULES: [Rule; 13] = [
     (
         "starts-at-toe",
         "failure starts at the toe of the slope",
-        "mean place of the soil that has moved more than 5 cm at the start of failure no further than 3 m from the toe",
+        "mean place of the soil that has moved as far as E2 takes at the start of failure no further than 3 m from the toe",
         starts_at_toe,
     ),
     (

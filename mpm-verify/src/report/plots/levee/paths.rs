@@ -57,7 +57,7 @@ pub fn figure(paths: &[StressPath], strength: Strength, failure_s: Option<f64>) 
         marks(&mut panel, path, failure_s);
     }
     let panels = finished(vec![panel], strength);
-    let title = "Effective stress paths (the paper's Fig. 9)".to_owned();
+    let title = "Effective stress paths".to_owned();
     Figure {
         name: "levee-paths",
         title,

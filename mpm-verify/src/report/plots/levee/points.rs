@@ -43,7 +43,7 @@ pub fn figure(site: &Site, frame: &Frame, observed: &[Observed]) -> Figure {
     panel.add(Series::new("name", look, Mark::Middle, names).unlisted());
     Figure {
         name: "levee-points",
-        title: "Points where stress paths are observed (the paper's Fig. 8)".to_owned(),
+        title: "Points where stress paths are observed".to_owned(),
         caption: "Places at the start; every point moves with its particle.".to_owned(),
         height: window.height(1),
         panels: vec![panel],

@@ -1,0 +1,637 @@
+//! One-dimensional consolidation in general: layers, weight, large strain of either sign, any drainage, loads that grow.
+//!
+//! Assumptions: no inertia; Cauchy stress `sigma' = sigma'_0 - M ln J` with the stretch J = dy/da of the soil that was at the height
+//! a (small strain: `sigma'_0 - M (J - 1)` on the first geometry), or Mohr-Coulomb's bilinear law of the oedometer; k, M,
+//! K_w and gravity constant; the total stress is the load and the weight of the soil and the water above. With the pore space
+//! `m = J - 1 + n` and the flow `w = -(k/gamma_w) (p_y + rho_w g)`
+//!
+//! `m d/dt [ln m + p/K_w] = -dw/da`,   `p = q + int_a^H [(1 - n) rho_s + rho_w m] g da - sigma'`
+//!
+//! (small strain: `d/dt [J + n p/K_w] = -dw/da`). There is no closed form; finite volumes on a mesh that is fine at all ends
+//! and interfaces, SDIRK4(3) with error control, and Richardson's extrapolation from two meshes give it to 1e-6, which
+//! [`Column::uncertainty`] measures. Where closed forms exist the tests compare with them: Terzaghi, layers, weight, the tables of large strain.
+//! What remains in the end is closed: where only the top drains sigma' is the load and the buoyant weight of the grains above, and
+//! `S = int (1 - exp(-sigma'/M)) da`.
+//!
+//! Sources: Gibson, England & Hussey 1967, Geotechnique 17(3); Gibson, Schiffman & Cargill 1981, Can. Geotech. J. 18(2);
+//! time: Hairer & Wanner, *Solving Ordinary Differential Equations II*, table IV.6.5.
+
+use mpm_core::scene::{Scene, Side, Start, StrainChoice};
+
+use super::oedometer::Oedometer;
+
+/// Cells of the two meshes per layer.
+const CELLS: [usize; 2] = [240, 480];
+/// Error of a step in z, whose size is a strain, over the largest strain.
+const TOLERANCE: f64 = 1e-8;
+/// Cells of the coarser mesh in the zone that has drained at the first time.
+const IN_ZONE: f64 = 12.0;
+
+/// A column at its sample times.
+#[derive(Debug, Clone)]
+pub struct Column {
+    /// Height H, m.
+    pub height: f64,
+    times: Vec<f64>,
+    meshes: Vec<Solved>,
+    /// Largest excess pressure under the whole load before anything drains, Pa; that of still water at the base where there is none.
+    pub largest_excess: f64,
+}
+
+/// What one mesh gives.
+#[derive(Debug, Clone)]
+struct Solved {
+    /// Settlement at every time, m.
+    settlements: Vec<f64>,
+    /// First height of the cells' middles with the layer of each.
+    places: Vec<(f64, usize)>,
+    /// Pressures of the cells at every time, Pa.
+    pressures: Vec<Vec<f64>>,
+    drained: [bool; 2],
+}
+
+impl Column {
+    /// The column of a scene at its observed times. `None` for one that is dry, that moves in two dimensions, or where the
+    /// soil runs out of pores or the equations find no solution.
+    pub fn of(scene: &Scene) -> Option<Self> {
+        scene.water?;
+        if !scene.is_one_dimensional() || scene.stages.len() != 1 || scene.observe_times.is_empty() {
+            return None;
+        }
+        let meshes: Vec<Solved> =
+            CELLS.iter().map(|cells| Mesh::new(scene, *cells)?.solve(scene)).collect::<Option<_>>()?;
+        let mesh = Mesh::new(scene, CELLS[0])?;
+        // Undrained under the whole load, whenever it comes.
+        let first = mesh.pressures(&mesh.first(scene, mesh.ramp)?, mesh.ramp);
+        let still = |middle: f64| mesh.water_weight * (scene.height - middle);
+        let excess = mesh.cells.iter().zip(&first).map(|(cell, p)| (p - still(cell.middle)).abs()).fold(0.0, f64::max);
+        // Water at rest has none: what round-off leaves of it is measured in the pressure that stands still.
+        let still = still(0.0);
+        Some(Self {
+            height: scene.height,
+            times: scene.observe_times.clone(),
+            meshes,
+            largest_excess: if excess > 1e-6 * still { excess } else { still },
+        })
+    }
+
+    /// Number of a sample time.
+    fn number(&self, time: f64) -> Option<usize> {
+        self.times.iter().position(|own| (own - time).abs() <= 1e-9 * own.abs())
+    }
+
+    /// Settlement of the surface from the unloaded state at a sample time (s), m; NaN at another.
+    pub fn settlement(&self, time: f64) -> f64 {
+        self.number(time).map_or(f64::NAN, |i| extrapolated(|mesh| self.meshes[mesh].settlements[i]))
+    }
+
+    /// Pore pressure at a sample time (s) in the soil that was at a height (m) at t = 0, Pa.
+    pub fn pressure(&self, height: f64, time: f64) -> f64 {
+        self.number(time).map_or(f64::NAN, |i| extrapolated(|mesh| self.meshes[mesh].pressure(height, i, self.height)))
+    }
+
+    /// How far the two meshes are apart after the extrapolation, a bound of its error: (settlement, pressure), as shares of the
+    /// largest settlement and the largest excess pressure.
+    pub fn uncertainty(&self) -> (f64, f64) {
+        let [coarse, fine] = [&self.meshes[0], &self.meshes[1]];
+        let largest = fine.settlements.iter().fold(f64::MIN_POSITIVE, |a: f64, s| a.max(s.abs()));
+        let apart = |a: &f64, b: &f64| (a - b).abs() / largest;
+        let settled = coarse.settlements.iter().zip(&fine.settlements).map(|(a, b)| apart(a, b)).fold(0.0, f64::max);
+        let mut pressed = 0.0_f64;
+        for i in 0..self.times.len() {
+            for share in [0.1, 0.3, 0.5, 0.7, 0.9] {
+                let at = |mesh: &Solved| mesh.pressure(share * self.height, i, self.height);
+                pressed = pressed.max((at(coarse) - at(fine)).abs() / self.largest_excess.max(f64::MIN_POSITIVE));
+            }
+        }
+        // The extrapolation takes the leading third of the difference; a tenth of it is left at most.
+        (0.1 * settled, 0.1 * pressed)
+    }
+}
+
+/// Settlement of a column once everything has drained at the top alone, counted from the unloaded state, m: each piece of soil
+/// under `load` (Pa) and the buoyant weight above it, `exp(-sigma'/M)` as long where strains are large. Dry soil carries all its weight.
+pub fn final_settlement(scene: &Scene, load: f64) -> f64 {
+    let submerged = scene.water.map_or(0.0, |water| (1.0 - scene.porosity) * water.density);
+    let buoyant = scene.gravity.unwrap_or(0.0) * (scene.dry_density() - submerged);
+    let parts = 4000;
+    let (mut top, mut settled) = (scene.height, 0.0);
+    for (thickness, soil) in scene.by_layer().iter().rev() {
+        let law = Law::of(soil);
+        for i in 0..parts {
+            let depth = scene.height - top + (i as f64 + 0.5) / parts as f64 * thickness;
+            settled += law.shortening(load + buoyant * depth, scene.strain) * thickness / parts as f64;
+        }
+        top -= thickness;
+    }
+    settled
+}
+
+/// From two meshes of second order, the finer one twice as fine.
+fn extrapolated(value: impl Fn(usize) -> f64) -> f64 {
+    let (coarse, fine) = (value(0), value(1));
+    fine + (fine - coarse) / 3.0
+}
+
+impl Solved {
+    /// By a cubic through four places of the same layer, or the drained end beside it.
+    fn pressure(&self, height: f64, time: usize, whole: f64) -> f64 {
+        let layer =
+            self.places.iter().min_by(|a, b| (a.0 - height).abs().total_cmp(&(b.0 - height).abs())).map_or(0, |p| p.1);
+        let own = self.places.iter().zip(&self.pressures[time]).filter(|((_, of), _)| *of == layer);
+        let mut points: Vec<(f64, f64)> = own.map(|((place, _), p)| (*place, *p)).collect();
+        let top = self.places.last().map_or(0, |place| place.1);
+        if self.drained[1] && layer == top {
+            points.push((whole, 0.0));
+        }
+        if self.drained[0] && layer == 0 {
+            points.insert(0, (0.0, 0.0));
+        }
+        let after = points.partition_point(|(place, _)| *place < height);
+        let from = after.saturating_sub(2).min(points.len().saturating_sub(4));
+        let four = &points[from..points.len().min(from + 4)];
+        let weight = |i: usize| {
+            let others = four.iter().enumerate().filter(|(j, _)| *j != i);
+            others.map(|(_, (place, _))| (height - place) / (four[i].0 - place)).product::<f64>()
+        };
+        (0..four.len()).map(|i| weight(i) * four[i].1).sum()
+    }
+}
+
+/// Effective vertical stress over the strain.
+#[derive(Debug, Clone, Copy)]
+enum Law {
+    Elastic { modulus: f64 },
+    Plastic { yields: f64, modulus: f64, beyond: f64 },
+}
+
+impl Law {
+    fn of(soil: &Scene) -> Self {
+        let modulus = soil.oedometer_modulus();
+        match Oedometer::new(soil) {
+            Some(law) if law.yield_pressure.is_finite() => {
+                Self::Plastic { yields: law.yield_pressure, modulus, beyond: law.plastic_modulus }
+            }
+            _ => Self::Elastic { modulus },
+        }
+    }
+
+    /// Stress (Pa, compression positive) after a compressive strain from a first stress, and its derivative.
+    fn stress(&self, first: f64, strain: f64) -> (f64, f64) {
+        match *self {
+            Self::Elastic { modulus } => (first + modulus * strain, modulus),
+            Self::Plastic { yields, modulus, beyond } => {
+                let elastic = first + modulus * strain;
+                if elastic <= yields {
+                    (elastic, modulus)
+                } else {
+                    (yields + beyond / modulus * (elastic - yields), beyond)
+                }
+            }
+        }
+    }
+
+    /// 1 - J under a stress (Pa) from none.
+    fn shortening(&self, stress: f64, strain: StrainChoice) -> f64 {
+        let compressed = match *self {
+            Self::Plastic { yields, modulus, beyond } if stress > yields => {
+                yields / modulus + (stress - yields) / beyond
+            }
+            Self::Elastic { modulus } | Self::Plastic { modulus, .. } => stress / modulus,
+        };
+        if strain == StrainChoice::Large { -(-compressed).exp_m1() } else { compressed }
+    }
+}
+
+/// A cell of soil.
+#[derive(Debug, Clone, Copy)]
+struct Cell {
+    /// First height of its middle, and its first size, m.
+    middle: f64,
+    size: f64,
+    layer: usize,
+    law: Law,
+    /// k/gamma_w, m4/(N s).
+    mobility: f64,
+    /// sigma'_0, Pa.
+    first: f64,
+}
+
+/// Cells from the base up, and what acts on them.
+struct Mesh {
+    cells: Vec<Cell>,
+    drained: [bool; 2],
+    porosity: f64,
+    /// 1/K_w, 1/Pa.
+    compressibility: f64,
+    /// Weight of the grains in a first volume, (1 - n) rho_s g, and of water, rho_w g, N/m3.
+    grains: f64,
+    water_weight: f64,
+    large: bool,
+    load: f64,
+    ramp: f64,
+}
+
+/// Stages of SDIRK4(3).
+const GAMMA: f64 = 0.25;
+const STAGES: [&[f64]; 5] = [
+    &[],
+    &[0.5],
+    &[17.0 / 50.0, -1.0 / 25.0],
+    &[371.0 / 1360.0, -137.0 / 2720.0, 15.0 / 544.0],
+    &[25.0 / 24.0, -49.0 / 48.0, 125.0 / 16.0, -85.0 / 12.0],
+];
+const AT: [f64; 5] = [0.25, 0.75, 0.55, 0.5, 1.0];
+/// Weights less those of the embedded formula.
+const ERROR: [f64; 5] =
+    [25.0 / 24.0 - 59.0 / 48.0, -49.0 / 48.0 + 17.0 / 96.0, 125.0 / 16.0 - 225.0 / 32.0, 0.0, GAMMA];
+
+impl Mesh {
+    fn new(scene: &Scene, count: usize) -> Option<Self> {
+        let water = scene.water?;
+        let drained = scene.stages[0].drained;
+        let earliest = scene.observe_times.iter().copied().find(|t| *t > 0.0).unwrap_or(1.0);
+        let (mut cells, mut base) = (Vec::new(), 0.0);
+        for (layer, (thickness, soil)) in scene.by_layer().iter().enumerate() {
+            let mobility = soil.water.map_or(0.0, |w| w.mobility());
+            let zone = (mobility * soil.oedometer_modulus() * earliest).sqrt();
+            let stretch = stretch(zone / IN_ZONE / thickness * CELLS[0] as f64);
+            let edge = |i: usize| {
+                let x = 2.0 * i as f64 / count as f64 - 1.0;
+                base + 0.5
+                    * thickness
+                    * if stretch > 0.0 { 1.0 + (stretch * x).tanh() / stretch.tanh() } else { 1.0 + x }
+            };
+            for i in 0..count {
+                let (below, above) = (edge(i), edge(i + 1));
+                let middle = 0.5 * (below + above);
+                let first = match scene.start {
+                    Start::Unloaded => 0.0,
+                    Start::UndrainedEquilibrium => scene.total_stress_at(middle) - scene.undrained_pressure_at(middle),
+                    Start::Geostatic => {
+                        let buoyant = scene.mixture_density() - water.density;
+                        buoyant * scene.gravity.unwrap_or(0.0) * (scene.height - middle)
+                    }
+                };
+                cells.push(Cell { middle, size: above - below, layer, law: Law::of(soil), mobility, first });
+            }
+            base += thickness;
+        }
+        let gravity = scene.gravity.unwrap_or(0.0);
+        Some(Self {
+            cells,
+            drained: [drained[Side::Bottom as usize], drained[Side::Top as usize]],
+            porosity: scene.porosity,
+            compressibility: 1.0 / water.bulk_modulus,
+            grains: scene.dry_density() * gravity,
+            water_weight: water.density * gravity,
+            large: scene.strain == StrainChoice::Large,
+            load: scene.surcharge.map_or(0.0, |s| s.pressure),
+            ramp: scene.surcharge.map_or(0.0, |s| s.ramp_time),
+        })
+    }
+
+    /// Compressive strain of a stretch, and its derivative.
+    fn strain(&self, j: f64) -> (f64, f64) {
+        if self.large { (-j.ln(), -1.0 / j) } else { (1.0 - j, -1.0) }
+    }
+
+    /// Pore pressures of stretches at a time, Pa.
+    fn pressures(&self, j: &[f64], time: f64) -> Vec<f64> {
+        let mut total = if time < self.ramp { self.load * time / self.ramp } else { self.load };
+        let mut pressures = vec![0.0; j.len()];
+        for (i, cell) in self.cells.iter().enumerate().rev() {
+            let pores = if self.large { j[i] - 1.0 + self.porosity } else { self.porosity };
+            let half = 0.5 * cell.size * (self.grains + self.water_weight * pores);
+            pressures[i] = total + half - cell.law.stress(cell.first, self.strain(j[i]).0).0;
+            total += 2.0 * half;
+        }
+        pressures
+    }
+
+    /// z, whose rate is the flow, at a stretch and a pressure; and its derivatives with respect to both.
+    fn content(&self, j: f64, p: f64) -> (f64, f64, f64) {
+        if self.large {
+            let pores = j - 1.0 + self.porosity;
+            (pores.ln() + p * self.compressibility, 1.0 / pores, self.compressibility)
+        } else {
+            (j + self.porosity * p * self.compressibility, 1.0, self.porosity * self.compressibility)
+        }
+    }
+
+    /// Rates of z from stretches and pressures, and, with respect to the stretches of the cell below, of itself and of the one above,
+    /// their derivatives (pressures follow the stretch of their own cell).
+    fn rates(&self, j: &[f64], p: &[f64]) -> (Vec<f64>, Vec<[f64; 3]>) {
+        let count = j.len();
+        let length = |i: usize| self.cells[i].size * if self.large { j[i] } else { 1.0 };
+        let turn = |i: usize| {
+            let (strain, slope) = self.strain(j[i]);
+            -self.cells[i].law.stress(self.cells[i].first, strain).1 * slope
+        };
+        // Flow upwards through the faces with its derivatives by the cell below and the one above.
+        let mut flows = vec![[0.0; 3]; count + 1];
+        for (face, flow) in flows.iter_mut().enumerate() {
+            let below = face.checked_sub(1);
+            let above = (face < count).then_some(face);
+            if (below.is_none() && !self.drained[0]) || (above.is_none() && !self.drained[1]) {
+                continue;
+            }
+            let of = |cell: Option<usize>| {
+                cell.map_or((0.0, 0.0, 0.0), |i| (p[i], 0.5 * length(i), 0.5 * length(i) / self.cells[i].mobility))
+            };
+            let (low, high) = (of(below), of(above));
+            let (drive, resistance) = (low.0 - high.0 - self.water_weight * (low.1 + high.1), low.2 + high.2);
+            let value = drive / resistance;
+            let by = |cell: Option<usize>, sign: f64| {
+                cell.map_or(0.0, |i| {
+                    let (reach, grows) = (0.5 * self.cells[i].size, f64::from(u8::from(self.large)));
+                    let resists = value * grows * reach / self.cells[i].mobility;
+                    (sign * turn(i) - self.water_weight * grows * reach - resists) / resistance
+                })
+            };
+            *flow = [value, by(below, 1.0), by(above, -1.0)];
+        }
+        let (mut rates, mut slopes) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for i in 0..count {
+            let pores = if self.large { j[i] - 1.0 + self.porosity } else { 1.0 };
+            let over = 1.0 / (pores * self.cells[i].size);
+            let rate = (flows[i][0] - flows[i + 1][0]) * over;
+            let own = (flows[i][2] - flows[i + 1][1]) * over - if self.large { rate / pores } else { 0.0 };
+            rates.push(rate);
+            slopes.push([flows[i][1] * over, own, -flows[i + 1][2] * over]);
+        }
+        (rates, slopes)
+    }
+
+    /// Stretches whose z is `known + factor rate`, from a guess; `None` if they are not found.
+    fn stretches(&self, guess: &[f64], known: &[f64], factor: f64, time: f64) -> Option<Vec<f64>> {
+        let mut j = guess.to_vec();
+        let mut last = f64::INFINITY;
+        for _ in 0..60 {
+            let p = self.pressures(&j, time);
+            let (rates, slopes) = self.rates(&j, &p);
+            let mut rows: Vec<[f64; 4]> = Vec::with_capacity(j.len());
+            for i in 0..j.len() {
+                let (z, by_j, by_p) = self.content(j[i], p[i]);
+                let (strain, slope) = self.strain(j[i]);
+                let turn = -self.cells[i].law.stress(self.cells[i].first, strain).1 * slope;
+                let [low, own, high] = slopes[i].map(|s| -factor * s);
+                rows.push([low, by_j + by_p * turn + own, high, known[i] + factor * rates[i] - z]);
+            }
+            let change = tridiagonal(rows)?;
+            let largest = change.iter().fold(0.0_f64, |a, c| if c.is_nan() { f64::NAN } else { a.max(c.abs()) });
+            if largest.is_nan() {
+                return None;
+            }
+            // Pores never close in one iteration.
+            let shrink = j.iter().zip(&change).map(|(j, c)| {
+                let room = if self.large { j - 1.0 + self.porosity.min(1.0) } else { f64::INFINITY };
+                if *c < 0.0 { 0.8 * room / -c } else { f64::INFINITY }
+            });
+            let share = shrink.fold(1.0, f64::min);
+            j.iter_mut().zip(&change).for_each(|(j, c)| *j += share * c);
+            if largest < 1e-14 || (largest < 1e-11 && largest >= last) {
+                return Some(j);
+            }
+            last = largest;
+        }
+        None
+    }
+
+    /// Stretches at t = 0, after whatever of the load of a time comes suddenly and undrained.
+    fn first(&self, scene: &Scene, time: f64) -> Option<Vec<f64>> {
+        let start = vec![1.0; self.cells.len()];
+        let depth = |cell: &Cell| scene.height - cell.middle;
+        let known = self.cells.iter().map(|cell| {
+            let pressure = match scene.start {
+                Start::Unloaded => 0.0,
+                Start::UndrainedEquilibrium => scene.undrained_pressure_at(cell.middle),
+                Start::Geostatic => self.water_weight * depth(cell),
+            };
+            self.content(1.0, pressure).0
+        });
+        let known: Vec<f64> = known.collect();
+        self.stretches(&start, &known, 0.0, time)
+    }
+
+    fn solve(&self, scene: &Scene) -> Option<Solved> {
+        let mut j = self.first(scene, 0.0)?;
+        let end = scene.observe_times.iter().copied().fold(0.0, f64::max);
+        let strain = final_settlement(scene, self.load).abs() / scene.height;
+        let allowed = TOLERANCE * strain.clamp(1e-12, 1.0);
+        let mut stops: Vec<f64> =
+            scene.observe_times.iter().copied().chain([self.ramp]).filter(|t| *t <= end).collect();
+        stops.sort_by(f64::total_cmp);
+        stops.dedup();
+        let (mut now, mut dt) = (0.0, 1e-9 * end);
+        let (mut settlements, mut pressures) = (Vec::new(), Vec::new());
+        for stop in stops {
+            while now < stop * (1.0 - 1e-13) {
+                let step = if now + dt >= stop { stop - now } else { dt.min(0.5 * (stop - now)) };
+                let (next, error) = match self.step(&j, now, step) {
+                    Some(found) => found,
+                    None => (Vec::new(), f64::INFINITY),
+                };
+                if error <= allowed {
+                    (j, now) = (next, if step == stop - now { stop } else { now + step });
+                }
+                let grow = if error.is_finite() {
+                    (0.9 * (allowed / error.max(1e-300)).powf(0.25)).clamp(0.2, 4.0)
+                } else {
+                    0.2
+                };
+                dt = if error <= allowed { (grow * step).max(dt.min(4.0 * step)) } else { grow * step };
+                if dt < 1e-16 * end {
+                    return None;
+                }
+            }
+            if scene.observe_times.iter().any(|time| *time == stop) {
+                let settled: f64 = self.cells.iter().zip(&j).map(|(cell, j)| cell.size * (1.0 - j)).sum();
+                settlements.push(scene.first_settlement() + settled);
+                pressures.push(self.pressures(&j, stop));
+            }
+        }
+        let places = self.cells.iter().map(|cell| (cell.middle, cell.layer)).collect();
+        (settlements.len() == scene.observe_times.len()).then_some(Solved {
+            settlements,
+            places,
+            pressures,
+            drained: self.drained,
+        })
+    }
+
+    /// One step of SDIRK4(3): stretches at its end and the estimated error of z.
+    fn step(&self, j: &[f64], now: f64, dt: f64) -> Option<(Vec<f64>, f64)> {
+        let first = self.pressures(j, now);
+        let z: Vec<f64> = j.iter().zip(&first).map(|(j, p)| self.content(*j, *p).0).collect();
+        let mut rates: Vec<Vec<f64>> = Vec::with_capacity(5);
+        let mut stage = j.to_vec();
+        for (weights, at) in STAGES.iter().zip(AT) {
+            let mut known = z.clone();
+            for (weight, rate) in weights.iter().zip(&rates) {
+                known.iter_mut().zip(rate).for_each(|(known, rate)| *known += dt * weight * rate);
+            }
+            stage = self.stretches(&stage, &known, dt * GAMMA, now + at * dt)?;
+            let p = self.pressures(&stage, now + at * dt);
+            rates.push(self.rates(&stage, &p).0);
+        }
+        let error = (0..j.len()).map(|i| {
+            let scale = if self.large { j[i] - 1.0 + self.porosity } else { 1.0 };
+            (dt * scale * ERROR.iter().zip(&rates).map(|(weight, rate)| weight * rate[i]).sum::<f64>()).abs()
+                * self.cells[i].size
+        });
+        let height: f64 = self.cells.iter().map(|cell| cell.size).sum();
+        Some((stage, error.sum::<f64>() / height))
+    }
+}
+
+/// Stretch of a mesh over a layer whose first cell is `size` even ones, by bisection.
+fn stretch(size: f64) -> f64 {
+    // d/dx of tanh(b x)/tanh(b) at the ends is b/(cosh^2 b tanh b).
+    let end = |b: f64| 2.0 * b / (2.0 * b).sinh();
+    if size >= 1.0 {
+        return 0.0;
+    }
+    let (mut low, mut high) = (1e-3, 5.0);
+    for _ in 0..60 {
+        let b = 0.5 * (low + high);
+        if 2.0 * end(b) > size { low = b } else { high = b }
+    }
+    low
+}
+
+/// Solves rows of (below, own, above, right side).
+fn tridiagonal(mut rows: Vec<[f64; 4]>) -> Option<Vec<f64>> {
+    let count = rows.len();
+    for i in 1..count {
+        let share = rows[i][0] / rows[i - 1][1];
+        rows[i][1] -= share * rows[i - 1][2];
+        rows[i][3] -= share * rows[i - 1][3];
+    }
+    let mut found = vec![0.0; count];
+    for i in (0..count).rev() {
+        let above = if i + 1 < count { rows[i][2] * found[i + 1] } else { 0.0 };
+        found[i] = (rows[i][3] - above) / rows[i][1];
+    }
+    found.iter().all(|x| x.is_finite()).then_some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use mpm_core::scene::Surcharge;
+
+    use super::super::large_strain::LargeStrain;
+    use super::super::layered::Layered;
+    use super::super::self_weight::SelfWeight;
+    use super::super::terzaghi::Terzaghi;
+    use super::*;
+
+    fn scene(name: &str) -> Scene {
+        let mut scene = crate::scenes::built_in(name).and_then(Result::ok).expect("the built-in scene");
+        scene.history = 0;
+        scene
+    }
+
+    /// Largest differences of settlement and of pressure at five heights from another solution, as shares.
+    fn off(scene: &Scene, settlement: &dyn Fn(f64) -> f64, pressure: &dyn Fn(f64, f64) -> f64) -> [f64; 2] {
+        let column = Column::of(scene).expect("a column");
+        let mut worst = [0.0_f64; 2];
+        for time in &scene.observe_times {
+            worst[0] = worst[0].max((column.settlement(*time) / settlement(*time) - 1.0).abs());
+            for share in [0.03, 0.21, 0.5, 0.77, 0.96] {
+                let height = share * scene.height;
+                let apart = column.pressure(height, *time) - pressure(height, *time);
+                worst[1] = worst[1].max((apart / column.largest_excess).abs());
+            }
+        }
+        println!("{}: {worst:?}, uncertainty {:?}", scene.name, column.uncertainty());
+        worst
+    }
+
+    #[test]
+    fn it_is_the_closed_form_where_there_is_one() {
+        for (name, double) in
+            [("terzaghi-quasi-static", false), ("terzaghi-quasi-static", true), ("terzaghi-ramp", false)]
+        {
+            let mut scene = scene(name);
+            scene.strain = StrainChoice::Small;
+            scene.stages[0].drained[Side::Bottom as usize] |= double;
+            let exact = Terzaghi::compressible(&scene).expect("a column");
+            let worst = off(&scene, &|t| exact.settlement(t), &|y, t| exact.pressure(y, t));
+            assert!(worst[0] < 2e-6 && worst[1] < 5e-6, "{name}: {worst:?}");
+        }
+        let mut scene_of_layers = scene("layers");
+        scene_of_layers.strain = StrainChoice::Small;
+        let exact = Layered::of(&scene_of_layers).expect("layers");
+        let worst = off(&scene_of_layers, &|t| exact.settlement(t), &|y, t| exact.pressure(y, t));
+        assert!(worst[0] < 2e-6 && worst[1] < 1e-5, "layers: {worst:?}");
+        let mut heavy = scene("self-weight-consolidation");
+        heavy.strain = StrainChoice::Small;
+        let exact = SelfWeight::new(&heavy).expect("a heavy column");
+        let worst = off(&heavy, &|t| exact.settlement(t), &|y, t| exact.pressure(y, t));
+        assert!(worst[0] < 2e-6 && worst[1] < 5e-6, "weight: {worst:?}");
+    }
+
+    #[test]
+    fn it_is_the_table_of_large_strain() {
+        for left in [0.8_f64, 0.7] {
+            let mut scene = scene("terzaghi-large-strain");
+            let pressure = -scene.oedometer_modulus() * left.ln();
+            scene.surcharge = scene.surcharge.map(|s| Surcharge { pressure, ..s });
+            // Enough pores for 30 %: they are in no term of the equation where water does not compress.
+            scene.porosity = 0.6;
+            let exact = LargeStrain::new(&scene).expect("the table's column");
+            let column = Column::of(&scene).expect("a column");
+            for time in &scene.observe_times {
+                let off = (column.settlement(*time) - exact.settlement(*time).expect("a row")) / (1.0 - left);
+                assert!(off.abs() < column.uncertainty().0 && off.abs() < 1e-6, "{left}: {off:e} at {time} s");
+            }
+        }
+    }
+
+    /// A soft column that its own weight presses by 3.7 %: exact 0.1333 m.
+    fn soft() -> Scene {
+        let mut soft = scene("self-weight-consolidation");
+        (soft.height, soft.porosity, soft.strain) = (3.7, 0.43, StrainChoice::Large);
+        (soft.grain_density, soft.gravity) = (2650.0, Some(9.81));
+        (soft.elastic.youngs_modulus, soft.elastic.poisson_ratio) = (4.3e5, 0.17);
+        soft.water = soft.water.map(|water| mpm_core::scene::WaterProperties {
+            hydraulic_conductivity: 2.3e-3,
+            bulk_modulus: 3.1e7,
+            ..water
+        });
+        let one = soft.time_per_factor().expect("water");
+        soft.observe_times = [0.05, 0.5, 6.0].map(|tv| tv * one).to_vec();
+        soft
+    }
+
+    #[test]
+    fn what_remains_under_weight_and_large_strain_is_closed() {
+        let soft = soft();
+        let (weight, modulus) = (0.57 * 1650.0 * 9.81, soft.oedometer_modulus());
+        let most = weight * soft.height / modulus;
+        let closed = soft.height * (1.0 + (-most).exp_m1() / most);
+        assert!(
+            (final_settlement(&soft, 0.0) / closed - 1.0).abs() < 1e-6 && (closed - 0.1334).abs() < 1e-4,
+            "{closed}"
+        );
+        let column = Column::of(&soft).expect("a column");
+        let last = *soft.observe_times.last().expect("a time");
+        // The undrained start counts its own strain as a small one, 0.9 % of its stress over M: K_w is soft.
+        let off = column.settlement(last) / closed - 1.0;
+        assert!(off.abs() < 1e-3, "{off:e}");
+        for height in [0.4, 1.9, 3.3] {
+            let still = 9810.0 * (soft.height - height) * 0.96;
+            assert!((column.pressure(height, last) / still - 1.0).abs() < 0.04);
+        }
+        // Suction and unloading: the column swells under a load of the other sign.
+        let mut pulled = scene("terzaghi-quasi-static");
+        pulled.strain = StrainChoice::Large;
+        let pressure = -0.1 * pulled.oedometer_modulus();
+        pulled.surcharge = pulled.surcharge.map(|s| Surcharge { pressure, ..s });
+        pulled.observe_times.push(5.0 * pulled.time_per_factor().expect("water"));
+        let column = Column::of(&pulled).expect("a column");
+        let last = column.settlement(*pulled.observe_times.last().expect("a time"));
+        assert!((last / (1.0 - 0.1_f64.exp()) - 1.0).abs() < 1e-3, "{last}");
+    }
+}
