@@ -1,7 +1,9 @@
 //! Symmetric sparse systems: the pattern once, then refill, factorise, solve and check the residual (faer).
 //!
 //! Sparse Cholesky does not pivot, and a matrix that is singular to working precision may pass it without an error.
-//! So every solution is put back into its equation; a wrong one is refused with its residual.
+//! So every solution is put back into its equation; a wrong one is refused with its residual. The first factors of a definite
+//! matrix also solve for a right-hand side that has a part in any null space: a run whose own right-hand sides have none
+//! there, as in a closed box at rest, would go on with whatever round-off makes of it.
 
 use faer::Conj;
 use faer::Par;
@@ -169,6 +171,7 @@ pub struct Factor {
     buffer: MemBuffer,
     residual: Vec<f64>,
     largest: f64,
+    probed: bool,
 }
 
 impl std::fmt::Debug for Factor {
@@ -200,15 +203,16 @@ impl Factor {
             buffer: MemBuffer::new(StackReq::or(factor, solve)),
             residual: vec![0.0; matrix.size()],
             largest: 0.0,
+            probed: signs == Signs::QuasiDefinite, // blocks of different units: no growth says anything
             symbolic,
             signs,
         })
     }
 
-    /// Numeric factorisation of a matrix with the pattern of [`Self::new`]. No allocation.
+    /// Numeric factorisation of a matrix with the pattern of [`Self::new`]. No allocation after the first.
     ///
     /// # Errors
-    /// A pivot of the wrong sign or zero.
+    /// A pivot of the wrong sign or zero, or a first matrix that only round-off keeps from being singular.
     pub fn refresh(&mut self, matrix: &Symmetric) -> Result<(), Unsolved> {
         let a = SparseColMatRef::new(matrix.pattern(), &matrix.values);
         let stack = MemStack::new(&mut self.buffer);
@@ -240,7 +244,17 @@ impl Factor {
                 )
                 .map(|_| ())
                 .map_err(|e| Unsolved::Factor(format!("{e:?}"))),
-        }
+        }?;
+        if std::mem::replace(&mut self.probed, true) { Ok(()) } else { self.probe(matrix.size()) }
+    }
+
+    /// Solves for a right-hand side that no null space of a mesh is at right angles to.
+    #[cold]
+    fn probe(&mut self, size: usize) -> Result<(), Unsolved> {
+        let mut x: Vec<f64> = (0..size).map(|i| 1.0 + (i as f64).sin()).collect();
+        self.substitute(&mut x);
+        let found = largest(&x) * self.largest / 2.0;
+        if found <= GROWTH { Ok(()) } else { Err(Unsolved::Growth { found }) }
     }
 
     /// Solves `A x = b` with the factors of the last [`Self::refresh`] and checks the residual. No allocation.
@@ -379,6 +393,10 @@ mod tests {
                 assert!(refused.is_err(), "{refused:?}");
             }
         }
+        // Also one that the run asks nothing of.
+        let a = chain(50, false);
+        let mut factor = Factor::new(&a, Signs::Definite, Ordering::AsNumbered).expect("a pattern");
+        assert!(factor.refresh(&a).is_err());
     }
 
     #[test]

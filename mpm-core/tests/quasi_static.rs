@@ -251,8 +251,10 @@ impl Law<2> for Curved {
         SMatrix::from([[MODULUS * (1.0 - stress[0] / self.reference), 0.0], [0.0, 1.0]])
     }
 
-    fn energy(&self, _: &[f64; 2]) -> f64 {
-        0.0
+    /// `int sigma d eps` from rest.
+    fn energy(&self, stress: &[f64; 2]) -> f64 {
+        let share = stress[0] / self.reference;
+        -self.reference * self.reference / MODULUS * (share + (-share).ln_1p())
     }
 }
 

@@ -32,9 +32,10 @@ fn a_saturated_column_loses_water_at_its_edge_and_books_it() {
     // Coarse soil holds no suction.
     assert!(last.state.profile.iter().all(|row| row.pressure_pa >= 0.0), "{:?}", last.state.profile);
     // What no work explains would be an instability, but for a little that cells filled in part miscount while they drain; what is
-    // lost is FLIP's and that of gaps that close.
-    assert!(ledger.energy_closing_j < 0.05 * ledger.gravity_work_j, "{ledger:?}");
-    assert!(ledger.energy_closing_j > -0.25 * ledger.gravity_work_j, "{ledger:?}");
+    // lost is FLIP's, which has an entry of its own, and that of gaps that close.
+    let unexplained = ledger.energy_closing_j - ledger.transfer_loss_j;
+    assert!(unexplained < 0.05 * ledger.gravity_work_j, "{ledger:?}");
+    assert!(unexplained > -0.25 * ledger.gravity_work_j, "{ledger:?}");
 }
 
 #[test]

@@ -1,9 +1,10 @@
-//! What the sides of a mesh may do beyond holding nodes: periodic sides, light nodes, friction on the base.
+//! What the edges of the soil may do beyond holding nodes: periodic sides, light nodes, friction on the base.
 //!
 //! Few scenes have any of it. The explicit step asks once a step whether there is something to do.
 
-use super::{Coulomb, Joined, Supports};
+use super::{Coulomb, Joined, Lifted, Supports};
 use crate::grid::Grid;
+use crate::nodes::NodeSums;
 use crate::particles::{Layer, SolidPoint};
 use crate::scene::Scene;
 
@@ -12,6 +13,8 @@ use crate::scene::Scene;
 pub struct Edges<const D: usize> {
     /// Nodes that move as one.
     pub joined: Joined<D>,
+    /// Inertia lent to nodes of the surface that are too light for the step.
+    pub lifted: Option<Lifted<D>>,
     /// Friction on the base.
     pub base: Option<Coulomb>,
     /// Width of a periodic mesh, m.
@@ -27,15 +30,35 @@ impl<const D: usize> Edges<D> {
         particles: usize,
         full_mass: f64,
     ) -> Option<Box<Self>> {
-        if !(scene.periodic || scene.light_nodes > 0.0 || scene.base.is_some()) {
+        if !(scene.periodic || scene.light_nodes > 0.0 || scene.base.is_some() || scene.lends_inertia()) {
             return None;
         }
         let base = |base| Coulomb::new(base, grid, particles, supports.held(0), scene.water.is_some());
         Some(Box::new(Self {
             joined: Joined::new(grid, supports, scene.periodic, scene.light_nodes * full_mass),
+            lifted: scene.lends_inertia().then(|| Lifted::new(grid.node_count())),
             base: scene.base.map(base),
             period: scene.periodic.then(|| grid.cells[0] as f64 * grid.size),
         }))
+    }
+
+    /// Lends inertia to nodes too light for the step, if the soil may have such.
+    pub fn lift<const S: usize>(
+        &mut self,
+        grid: &Grid<D>,
+        solid: &Layer<SolidPoint<D, S>, D>,
+        nodes: &mut [NodeSums<D>],
+    ) {
+        let Some(lifted) = &mut self.lifted else { return };
+        lifted.clear();
+        for (cell, position) in grid.walk() {
+            let mass: f64 = solid.points[solid.range(cell)].iter().map(|point| point.mass).sum();
+            if mass > 0.0 {
+                let corners = grid.corners_from(grid.first_corner(cell, &position));
+                corners[..Grid::<D>::CORNERS].iter().for_each(|node| lifted.touch(*node, mass));
+            }
+        }
+        lifted.lift(nodes);
     }
 
     /// Lets particles that have left a periodic mesh come in at its other side.

@@ -1,4 +1,4 @@
-//! Nodes too light for the step, in the semi-implicit one: their inertia is lifted to a least share of the particles around.
+//! Nodes too light for the step: their inertia is lifted to a least share of the particles around.
 //!
 //! The wave of a node that carries the share s of the mass of what it touches has `omega^2 = M/(rho L^2)/s` of its cell:
 //! no step is stable for a surface that has just moved into a cell. With a quarter of the mass that touches it along each

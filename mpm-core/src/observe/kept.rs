@@ -15,7 +15,7 @@ impl Observation {
     /// Writes or reads it.
     pub(crate) fn keep(&mut self, keeper: &mut Keeper) {
         keep_numbers!(keeper, self => Observation {
-            time, settlement, mean_pressure, base_pressure, max_speed, least_volume, checkerboard;
+            time, settlement, mean_pressure, base_pressure, max_speed, least_volume, soil_volume, checkerboard;
             centre, reach, solid_crossings, water_crossings, profile, field, water
         });
         keeper.f64s(centre);

@@ -67,6 +67,8 @@ pub struct Observation {
     pub reach: [f64; 2],
     /// Smallest volume of a particle of either layer, m3.
     pub least_volume: f64,
+    /// Volume of all solid particles, m3: what their strains make of the soil, whatever they have moved by.
+    pub soil_volume: f64,
     /// Difference of pore pressure between neighbouring cells that alternates in sign: mean |p_c - average of the
     /// face neighbours| over the soil, divided by the mean |p|; zero when dry.
     pub checkerboard: f64,
@@ -255,7 +257,7 @@ pub fn observe<const D: usize, const S: usize>(
     let profile = profile(cells);
     let volume: f64 = cells.iter().map(|c| c.volume).sum();
     let speed = |p: &SolidPoint<D, S>| p.v.iter().map(|v| v * v).sum::<f64>().sqrt();
-    let volumes = solid.points.iter().map(|p| p.volume);
+    let volumes = || solid.points.iter().map(|p| p.volume);
     let of_water = water.map_or(&[][..], |w| &w.points).iter().map(|p| p.volume);
     Observation {
         time,
@@ -265,7 +267,8 @@ pub fn observe<const D: usize, const S: usize>(
         max_speed: solid.points.iter().map(speed).fold(0.0, f64::max),
         centre: centre(solid),
         reach: reach(&solid.points),
-        least_volume: volumes.chain(of_water).fold(f64::INFINITY, f64::min),
+        least_volume: volumes().chain(of_water).fold(f64::INFINITY, f64::min),
+        soil_volume: volumes().sum(),
         checkerboard: checkerboard(cells),
         solid_crossings: solid.crossings,
         water_crossings: water.map_or(0, |w| w.crossings),

@@ -91,6 +91,7 @@ impl Scene {
         let rests = self.stages.iter().any(|stage| matches!(stage.until, super::Until::Rest { .. }));
         self.shape == ShapeChoice::Centroid
             || self.light_nodes > 0.0
+            || self.lends_inertia()
             || self.periodic
             || self.base.is_some()
             || self.separation.is_some()

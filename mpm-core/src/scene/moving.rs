@@ -69,11 +69,18 @@ impl Scene {
     pub fn usual_light_nodes(&self) -> f64 {
         let room = self.outline.is_some() || self.sideroom_cells > 0;
         let explicit = self.integrator == Integrator::Explicit;
-        let alone = explicit && self.has_jumping_gradients() && self.moves_through_cells();
+        let alone = explicit && self.has_jumping_gradients() && self.moves_through_cells() && !self.lends_inertia();
         // Of a particle that is alone, nodes with less than a quarter of it.
         let one = 0.25 * self.spacing().powi(if self.dimension == Dimension::Column { 1 } else { 2 });
         let full = self.cell.powi(if self.dimension == Dimension::Column { 1 } else { 2 });
         if room || alone { LIGHT_NODES.max(one / full) } else { 0.0 }
+    }
+
+    /// Whether nodes of the surface that are too light for an explicit step are lent inertia: where the geometry says how much
+    /// soil a cell holds, a node that moved with its neighbour would keep that soil from straining with the rest.
+    pub fn lends_inertia(&self) -> bool {
+        let explicit = self.integrator == Integrator::Explicit && self.light_nodes == 0.0;
+        explicit && crate::boundary::knows_volumes(self) && self.moves_through_cells()
     }
 
     /// Whether shape functions are linear in a cell or less, so that gradients jump at its faces.

@@ -477,21 +477,25 @@ where
         Err(Fault { place: "the soil".to_owned(), what })
     }
 
-    /// Sums of nodes that move with others go to these.
+    /// Sums of nodes that move with others go to these, and light ones are lent inertia.
     #[cold]
     #[inline(never)]
     fn join(&mut self) {
         if let Some(edges) = &mut self.edges {
             edges.joined.join(&mut self.nodes);
+            edges.lift(&self.parts.grid, &self.parts.solid, &mut self.nodes);
         }
     }
 
-    /// Nodes that move with others get their motion; the base notes its slip.
+    /// Nodes that move with others get their motion, lent inertia is taken back; the base notes its slip.
     #[cold]
     #[inline(never)]
     fn follow(&mut self, dt: f64) {
         if let Some(edges) = &mut self.edges {
             edges.joined.follow(&mut self.motion);
+            if let Some(lifted) = &mut edges.lifted {
+                lifted.lower(&mut self.nodes, &self.motion, dt, &mut self.totals);
+            }
             if let Some(base) = &mut edges.base {
                 base.slide(&self.parts.grid, &self.parts.solid, &edges.joined, &self.motion, dt);
             }

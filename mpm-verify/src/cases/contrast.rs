@@ -8,7 +8,7 @@ use mpm_core::stability::stable_limit;
 use super::evidence::{Refinement, TOLERANCE};
 use super::looks::{Look, Looks, Norm, in_particles, in_time};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{Mutant, Outcome, Rung, integrator, scheme};
+use super::{Mutant, Outcome, Rung, asked, integrator, scheme};
 use crate::exact::layered::Layered;
 use crate::hard::contrast::{Contrast, Quantity, conductivity, executed, found, scene, stiffness};
 
@@ -212,6 +212,7 @@ fn refined(
             outside = outside.max(found(&run, &scene, &exact, *contrast, until).outside);
             cell = scene.cell;
             (outcome.integrator, outcome.scheme) = (integrator(&scene), scheme(&scene));
+            outcome.tolerance = asked(&scene);
         }
         errors.push((cell, worst));
         notes = vec![(

@@ -5,7 +5,7 @@ use mpm_core::scene::{Scene, ShapeChoice, Surcharge};
 
 use super::degree::Degree;
 use super::terzaghi::PARTICLE_COUNTS;
-use super::{FASTER, Mutant, Outcome, Rung, faster, integrator, scheme, sound, with_rows};
+use super::{FASTER, Mutant, Outcome, Rung, asked, faster, integrator, scheme, sound, with_rows};
 use crate::exact::large_strain::LargeStrain;
 
 /// Quadratic B-splines.
@@ -74,6 +74,7 @@ fn climb(
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),
+        tolerance: asked(&base),
         errors,
         required_error,
         required_order: Some(order),

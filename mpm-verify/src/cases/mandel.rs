@@ -9,7 +9,7 @@ use super::degree::{Degree, Errors};
 use super::evidence::Sampled;
 use super::looks::{Look, Looks, in_particles, in_time};
 use super::terzaghi::PARTICLE_COUNTS;
-use super::{FASTER, Mutant, Outcome, Rung, faster, finished, integrator, scheme, sound};
+use super::{FASTER, Mutant, Outcome, Rung, asked, faster, finished, integrator, scheme, sound};
 use crate::exact::mandel::Mandel;
 use crate::norms::worst;
 
@@ -93,6 +93,7 @@ fn climb(
     Ok(Outcome {
         integrator,
         scheme,
+        tolerance: asked(&base),
         errors,
         required_error,
         required_order: Some(order),
@@ -132,6 +133,7 @@ fn profiles(fault: fn(&mut Scene)) -> Result<Outcome, String> {
     Ok(Outcome {
         integrator,
         scheme,
+        tolerance: asked(&base),
         errors,
         required_error: 1e-4,
         required_order: Some([3.0, 6.0]),

@@ -10,7 +10,7 @@ use mpm_core::scene::{Scene, ShapeChoice, Until};
 use super::evidence::{MESH, Refinement, Sampled, TOLERANCE};
 use super::looks::{Look, Looks};
 use super::mandel_inertia::{Block, IMPLICIT_PRESSURE, PAPER, Way};
-use super::{Mutant, Outcome, Rung, finished, integrator, mandel, scheme, sound};
+use super::{Mutant, Outcome, Rung, asked, finished, integrator, mandel, scheme, sound};
 use crate::exact::mandel::Mandel;
 
 /// B-splines without inertia.
@@ -165,6 +165,7 @@ fn judged(
     Ok(Outcome {
         integrator: integrator(&scenes[0]),
         scheme: scheme(&scenes[0]),
+        tolerance: asked(&scenes[0]),
         errors,
         required_error,
         required_order: Some(required_order),

@@ -46,7 +46,7 @@ use cpu_time::ThreadTime;
 use mpm_core::boundary::Given;
 use mpm_core::drive::{Run, Sample};
 use mpm_core::run::{StartError, run, run_given};
-use mpm_core::scene::Scene;
+use mpm_core::scene::{Integrator, Scene};
 
 pub use self::evidence::{Refinement, RefinementRow, SampleRow, Sampled, words};
 pub use self::verdict::{Climb, Step};
@@ -255,6 +255,11 @@ fn with_rows(mut scene: Scene, rows: usize) -> Scene {
     scene.cell = scene.height / rows as f64;
     scene.cells[1] = rows;
     scene
+}
+
+/// What a quasi-static scene asks of its steps in time, by which its results may move; zero where steps are what they are.
+fn asked(scene: &Scene) -> f64 {
+    if scene.integrator == Integrator::QuasiStatic { scene.tolerance } else { 0.0 }
 }
 
 /// Runs a scene on several meshes: (mesh in m, largest error over the observed samples).

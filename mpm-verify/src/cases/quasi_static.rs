@@ -7,7 +7,7 @@ use mpm_core::scene::{Displaced, Scene, ShapeChoice, TimeMethod};
 use super::degree::Degree;
 use super::evidence::Sampled;
 use super::terzaghi::PARTICLE_COUNTS;
-use super::{Mutant, Outcome, Rung, finished, integrator, refine, scheme, with_rows};
+use super::{Mutant, Outcome, Rung, asked, finished, integrator, refine, scheme, with_rows};
 use crate::exact::terzaghi::Terzaghi;
 use crate::norms::{largest, profile_error, relative};
 
@@ -86,8 +86,8 @@ fn base(reference: Reference) -> Result<(Scene, Terzaghi), String> {
 }
 
 fn outcome(base: &Scene, errors: Vec<(f64, f64)>, required_error: f64, order: Option<[f64; 2]>) -> Outcome {
-    let (integrator, scheme) = (integrator(base), scheme(base));
-    Outcome { integrator, scheme, errors, required_error, required_order: order, ..Outcome::default() }
+    let (integrator, scheme, tolerance) = (integrator(base), scheme(base), asked(base));
+    Outcome { integrator, scheme, tolerance, errors, required_error, required_order: order, ..Outcome::default() }
 }
 
 fn fine(reference: Reference) -> Result<Outcome, String> {

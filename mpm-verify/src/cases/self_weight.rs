@@ -5,7 +5,7 @@ use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{FASTER, Mutant, Outcome, Rung, faster, integrator, scheme, slower, sound, with_rows};
+use super::{FASTER, Mutant, Outcome, Rung, asked, faster, integrator, scheme, slower, sound, with_rows};
 use crate::exact::self_weight::SelfWeight;
 use crate::norms::LATE_TV;
 
@@ -127,6 +127,7 @@ fn climb(way: &Way, fault: fn(&mut Scene)) -> Result<Outcome, String> {
     Ok(Outcome {
         integrator,
         scheme,
+        tolerance: asked(&base),
         errors,
         required_error: way.required_error,
         required_order: Some(way.order),

@@ -6,7 +6,7 @@
 use mpm_core::observe::FieldPoint;
 use mpm_core::scene::Scene;
 
-use super::{Mutant, Outcome, Rung, finished, integrator, scheme};
+use super::{Mutant, Outcome, Rung, asked, finished, integrator, scheme};
 use crate::baseline::ladder::Kind;
 
 /// The rung.
@@ -39,7 +39,15 @@ fn climb(penalty: Option<f64>) -> Result<Outcome, String> {
     }
     let (integrator, scheme) = (integrator(&base), scheme(&base));
     let kind = Kind::Regression;
-    Ok(Outcome { integrator, scheme, errors, required_error: 1e-3, kind, ..Outcome::default() })
+    Ok(Outcome {
+        integrator,
+        scheme,
+        tolerance: asked(&base),
+        errors,
+        required_error: 1e-3,
+        kind,
+        ..Outcome::default()
+    })
 }
 
 /// Pressures at the middles of the cells, row by row.

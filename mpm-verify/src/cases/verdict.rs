@@ -15,6 +15,8 @@ use crate::report::numbers::{brief, short};
 pub(super) struct Outcome {
     pub integrator: String,
     pub scheme: String,
+    /// Tolerance of the runs in time: their results are the same up to that.
+    pub tolerance: f64,
     /// (refinement parameter, signed error), or a single entry where there is nothing to refine.
     pub errors: Vec<(f64, f64)>,
     /// Largest error allowed at the smallest parameter.
@@ -43,6 +45,7 @@ impl Default for Outcome {
         Self {
             integrator: String::new(),
             scheme: String::new(),
+            tolerance: 0.0,
             errors: Vec::new(),
             required_error: f64::NAN,
             required_order: None,
@@ -97,6 +100,8 @@ pub struct Step {
     pub baseline_kind: Kind,
     /// Error over the accepted one.
     pub change: Option<f64>,
+    /// Tolerance of the runs in time, by which the error may move without a change of the program.
+    pub tolerance: f64,
 }
 
 impl Step {
@@ -237,6 +242,7 @@ pub(super) fn judge(rung: Rung, outcome: Outcome, cpu_s: f64) -> Climb {
         baseline: None,
         baseline_kind: outcome.kind,
         change: None,
+        tolerance: outcome.tolerance,
     };
     let own = reason(&step, order, (fit.as_ref(), outcome.required_order), exceeded);
     step.reason = std::iter::once(own).chain(fallen).chain(open).collect::<Vec<_>>().join("; ");

@@ -94,6 +94,7 @@ struct Row {
     cut_off_n_s: f64,
     transfer_loss_j: f64,
     momentum_carried_n_s: f64,
+    soil_volume_m3: f64,
 }
 
 /// A row of profiles.csv.
@@ -483,6 +484,7 @@ fn history(run: &Run) -> Vec<Row> {
             cut_off_n_s: l.cut_off_n_s,
             transfer_loss_j: l.transfer_loss_j,
             momentum_carried_n_s: l.momentum_carried_n_s,
+            soil_volume_m3: o.soil_volume,
         }
     };
     run.samples.iter().map(row).collect()

@@ -30,7 +30,10 @@ pub fn study(results: &[CaseResult], sweeps: &Sweeps) -> Vec<Measure> {
     let mut measures = Vec::new();
     for r in results.iter().filter(|r| r.variant == Variant::Base) {
         let explicit = r.integrator == "explicit";
-        let tolerance = Tolerance { relative: LAST_DIGITS, absolute: if explicit { 0.0 } else { SOLVED } };
+        let tolerance = Tolerance {
+            relative: LAST_DIGITS,
+            absolute: if explicit { 0.0 } else { SOLVED.max(r.tolerance.unwrap_or(0.0)) },
+        };
         let error = |quantity, value| Measure::new(&r.case, quantity, Label::Verified, value, tolerance);
         measures.push(error("max_error_terzaghi", r.max_error_terzaghi));
         measures.push(error("max_error_compressible", r.max_error_compressible));
@@ -137,7 +140,7 @@ pub fn ladder(steps: &[Step]) -> Vec<Measure> {
         let label = if step.baseline_kind == Kind::Verified { Label::Verified } else { Label::Regression };
         // What runs out of a slope or a column hangs on the last digit; all else as in the rung's own baseline.
         let relative = if chaotic(&step.rung) { 0.02 } else { LAST_DIGITS };
-        let absolute = ladder::floor_of(&step.rung).unwrap_or(SOLVED);
+        let absolute = ladder::floor_of(&step.rung).unwrap_or(SOLVED).max(step.tolerance);
         measures.push(Measure::new(&step.rung, "error", label, step.error, Tolerance { relative, absolute }));
         if let Some(order) = step.order {
             measures.push(Measure::new(&step.rung, "order", label, order, ORDER));

@@ -24,6 +24,7 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
             centre: self.centre(),
             reach: crate::observe::reach(&self.points),
             least_volume: cells.iter().map(|c| c.volume).fold(f64::INFINITY, f64::min),
+            soil_volume: volume,
             checkerboard: checkerboard(&cells),
             solid_crossings: self.crossings(),
             water_crossings: 0,
