@@ -188,7 +188,7 @@ fn levee(goes_on: bool) -> Result<Outcome, String> {
     let scene = super::reduced_strength::levee(&[
         ("hydraulic_conductivity = 4.5e-5", "hydraulic_conductivity = 9.0e-4"),
         ("until.time = 64800.0", "until.time = 6480.0"),
-        ("slip_distance = 0.02", "slip_distance = 0.2\nmemory = 0.05"),
+        ("slip_distance = 0.02", "slip_distance = 0.02\nmemory = 0.05"),
     ])?;
     let new = || Driver::new(&scene).map_err(|e| e.to_string());
     let on = |driver: &mut Driver, looks: usize| {

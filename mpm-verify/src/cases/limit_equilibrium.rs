@@ -41,7 +41,7 @@ fn climb(stronger: f64) -> Result<Outcome, String> {
             slices: 400,
             method: Method::Bishop,
         };
-        let critical = section.critical(&limits).map_err(|e| e.to_string())?;
+        let critical = section.critical(&limits).ok_or("no circle")?;
         off.push(critical.factor * number - 1.0);
     }
     let angle = 20.0_f64.to_radians();
