@@ -102,7 +102,9 @@ fn compare_with(accepted: &[Accepted], climb: &mut Climb) {
     }
     if GROWTH * error < row.error && row.error - error > row.floor {
         let was = row.error;
-        climb.fall(&format!("it was {was:.3e} (baseline) and may fall by {most:.0} %; accept what it is now if you know why"));
+        climb.fall(&format!(
+            "it was {was:.3e} (baseline) and may fall by {most:.0} %; accept what it is now if you know why"
+        ));
     }
 }
 

@@ -93,8 +93,7 @@ fn climb(off: f64) -> Result<Outcome, String> {
         let own = slide(&weaker(&scene, factor)?, 1.0, dt)?;
         let way = |s: &SolidState| s.displacement[0].hypot(s.displacement[1]);
         let furthest = largest(own.iter().map(way));
-        let between =
-            |(a, b): (&SolidState, &SolidState)| (a.x[0] - b.x[0]).hypot(a.x[1] - b.x[1]) / furthest;
+        let between = |(a, b): (&SolidState, &SolidState)| (a.x[0] - b.x[0]).hypot(a.x[1] - b.x[1]) / furthest;
         apart.push(largest(reduced.iter().zip(&own).map(between)));
         notes.push((format!("furthest a particle has come with the strength over {factor}"), furthest, "m".to_owned()));
     }

@@ -198,12 +198,12 @@ fn soft(fault: fn(&mut Scene)) -> Result<Outcome, String> {
     let (splines, centre): (Result<Vec<_>, String>, Result<Vec<_>, String>) =
         (on(ShapeChoice::Bspline2), on(ShapeChoice::Centre));
     let of_centre = Refinement {
-        required_finest: Some(1e-3),
+        required_finest: Some(1e-4),
         ..Refinement::new(MESH, centre?, "the drained column, values at the centre and flow through faces")
     };
     let (integrator, scheme) = (integrator(&base), scheme(&base));
     let refinements = vec![of_centre];
-    Ok(Outcome { integrator, scheme, errors: splines?, required_error: 1e-4, refinements, ..Outcome::default() })
+    Ok(Outcome { integrator, scheme, errors: splines?, required_error: 1e-5, refinements, ..Outcome::default() })
 }
 
 const ROWS: [usize; 4] = [10, 14, 20, 28];

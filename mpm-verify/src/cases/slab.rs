@@ -115,11 +115,7 @@ fn looks(run: &Run, scene: &Scene, exact: &Slab, end: f64) -> Looks {
     Looks::worst("velocity over the last one", run.observed().map(look).collect())
 }
 
-fn climb(
-    scene: fn() -> Result<Scene, String>,
-    (rows, end): Slide,
-    fault: fn(&mut Scene),
-) -> Result<Outcome, String> {
+fn climb(scene: fn() -> Result<Scene, String>, (rows, end): Slide, fault: fn(&mut Scene)) -> Result<Outcome, String> {
     let base = scene()?;
     let exact = Slab::new(&base).ok_or("no slab on a base")?;
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
@@ -134,8 +130,8 @@ fn climb(
         integrator: integrator(&base),
         scheme: scheme(&base),
         errors,
-        required_error: 1e-3,
-        required_everywhere: Some(0.1),
+        required_error: 5e-4,
+        required_everywhere: Some(0.01),
         samples,
         ..Outcome::default()
     })

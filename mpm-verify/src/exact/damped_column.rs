@@ -73,12 +73,19 @@ mod tests {
     #[test]
     fn it_begins_at_rest_and_ends_under_the_load() {
         let column = DampedColumn { whole: 1.0, frequency: 3.0, damping: 150.0 };
-        assert!(column.settlement(0.0).abs() < 2e-4 && (column.settlement(30.0 * column.slowness()) - 1.0).abs() < 1e-9);
+        assert!(
+            column.settlement(0.0).abs() < 2e-4 && (column.settlement(30.0 * column.slowness()) - 1.0).abs() < 1e-9
+        );
         // Nearly a diffusion: Terzaghi's series at T = 0.1.
         let time = 0.1 * PI * PI / 4.0 * column.slowness();
         let waves = (0..200).map(|j| (f64::from(j) + 0.5) * PI);
         let series: f64 = waves.map(|m| 2.0 / (m * m) * (-m * m * 0.1).exp()).sum();
-        assert!((column.settlement(time) - (1.0 - series)).abs() < 2e-3, "{} {}", column.settlement(time), 1.0 - series);
+        assert!(
+            (column.settlement(time) - (1.0 - series)).abs() < 2e-3,
+            "{} {}",
+            column.settlement(time),
+            1.0 - series
+        );
     }
 
     #[test]
