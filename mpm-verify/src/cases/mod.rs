@@ -241,7 +241,7 @@ impl Rung {
             outcome.notes.push(("momentum that is missing, over what may be".to_owned(), missing, "-".to_owned()));
         }
         let mut climb = judge(*self, outcome, clock.elapsed().as_secs_f64());
-        if let Some(missing) = momentum.filter(|missing| !(*missing <= 1.0)) {
+        if let Some(missing) = momentum.filter(|missing| missing.is_nan() || *missing > 1.0) {
             climb.sound = false;
             climb.fall(&format!("momentum does not close: {missing:.3e} times what may be missing"));
         }
