@@ -161,9 +161,10 @@ where
 
 #[test]
 fn the_order_of_the_particles_does_not_matter() {
-    let scene = |dimension| {
+    let scene = |dimension, darcy| {
         scene(&[
             &format!("dimension = \"{dimension}\""),
+            &format!("darcy = \"{darcy}\""),
             "start = \"unloaded\"\ngravity = 9.81",
             "cell = 0.1",
             "particles_per_cell = 9",
@@ -172,7 +173,7 @@ fn the_order_of_the_particles_does_not_matter() {
             "history = 8",
         ])
     };
-    let (one, two) = (scene("column"), scene("plane-strain"));
+    let (one, two) = (scene("column", "face"), scene("plane-strain", "nodal"));
     let column = |order| in_order::<Column, Face<1>, 1, 2>(&one, LinearElastic::column(&one.elastic), order);
     let plane = |order| in_order::<PlaneStrain, Nodal<2>, 2, 4>(&two, LinearElastic::plane_strain(&two.elastic), order);
     let apart =

@@ -82,6 +82,7 @@ fn check(place: &str, line: &str) -> bool {
             }
             false
         }
+        ["cargo", "install", "cargo-mutants", "--locked"] => false,
         _ => panic!("{place}: expected a command that the README explains, found {line}"),
     }
 }
@@ -168,7 +169,8 @@ fn workflows_parse_and_call_nothing_that_does_not_exist() {
                         let other = run.lines().filter(|line| !line.starts_with("cargo "));
                         for line in other {
                             let first = line.split_whitespace().next().unwrap_or_default();
-                            assert!(["rustup", "sudo", "cat"].contains(&first), "{place}: {line}");
+                            let script = first.starts_with(".ci/") && Path::new(&format!("{ROOT}/{first}")).is_file();
+                            assert!(script || ["rustup", "sudo", "cat"].contains(&first), "{place}: {line}");
                         }
                     }
                     _ => panic!("{place}: expected a step that uses or runs something"),

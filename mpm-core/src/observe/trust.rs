@@ -6,7 +6,7 @@
 //! | balance | may be missing |
 //! |---|---|
 //! | dry mass | round-off of a sum over the particles |
-//! | water | round-off; the energy that Darcy's law dissipates over K_w, as mass: flow carries volumes between cells of different density; the second order of a step, `dt/2` times the square of the rate of strain along each direction; one step of it at most; quasi-static the tolerance, and under large strain half a row of particles times the strain |
+//! | water | round-off; the energy that Darcy's law dissipates over K_w, as mass: flow carries volumes between cells of different density; the strain times what has moved, where soil strains sideways; the second order of a step, `dt/2` times the square of the rate of strain along each direction; one step of it at most; quasi-static the tolerance, and under large strain half a row of particles times the strain |
 //! | momentum | round-off of as many steps; what water that is taken away falls with |
 //! | energy | `omega dt (1 + ln rows)` of what may swing, the first order of a step over the waves that a load excites, omega being the lowest frequency of the column (their energies fall as 1/omega^2): of all work in dry soil, of what is stored undrained in wet soil; `dt` times the power of the stress on the fastest particle; `c dt/2` of what a damping c has taken; what the cell at a sudden drain holds; the energy stored undrained, where a sudden load is not followed in time (semi-implicit, quasi-static); p/K_w; half a row of particles as above; the tolerance of a quasi-static run |
 //! | stress | vertical total stress against load and weight above, in level soil between rollers: half a cell's weight, the stress of a wave of the fastest particle, the strain times the stress; two rows of particles where they have crossed; judged once a drained wave has passed the soil four times |
@@ -176,6 +176,10 @@ impl<'a> Bounds<'a> {
             // what Darcy's law dissipates there, less the work of weight and inertia.
             let on_the_way = ledger.darcy_dissipation_j.abs() + ledger.flow_body_work_j.abs();
             allowed += water.density * on_the_way / water.bulk_modulus;
+            if !self.scene.is_one_dimensional() {
+                // Faces of cells stay where they are while soil strains sideways.
+                allowed += self.strain * moved;
+            }
             allowed += water.density * soil * second_order / self.scene.porosity;
             allowed += water.density * soil * self.compression * self.compression;
             if !knows_volumes(self.scene) {

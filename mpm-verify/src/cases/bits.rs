@@ -4,10 +4,11 @@ use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
 
 use mpm_core::drive::{Attend, Run, Sample, Wish};
+use mpm_core::failure::{Driver, Phase};
 use mpm_core::hardware::{Hardware, Width};
 use mpm_core::observe::Observation;
 use mpm_core::run::{run_attended, run_on};
-use mpm_core::scene::{Dimension, LoadedStrip, Scene, ShapeChoice, Surcharge, Until};
+use mpm_core::scene::{Base, Dimension, LoadedStrip, Scene, ShapeChoice, Surcharge, Until};
 use mpm_core::stability::choose_step;
 
 use super::evidence::RUNS;
@@ -44,6 +45,14 @@ pub const RESUMED: Rung = Rung {
     about: "every integrator and shape stopped at every look and taken up by another model: runs that differ",
     climb: || resumed(false),
     mutant: Some(Mutant { what: "the last look is not taken up", climb: || resumed(true) }),
+};
+
+/// A levee, in pieces.
+pub const LEVEE: Rung = Rung {
+    name: "same-bits-levee",
+    about: "a levee that slides, stopped and taken up by another driver: parts of its state that differ",
+    climb: || levee(false),
+    mutant: Some(Mutant { what: "a look more", climb: || levee(true) }),
 };
 
 /// All that a run says, as one number. What lists have in reserve is no result.
@@ -162,9 +171,53 @@ impl Attend for Stop {
     }
 }
 
+/// A block on a base that weakens with slip and remembers the normal stress.
+fn sliding() -> Result<Scene, String> {
+    let mut scene = crate::scenes::built_in("block-weakens").ok_or("no such scene")?.map_err(|e| e.to_string())?;
+    scene.base = scene.base.map(|base| Base { memory: 0.02, ..base });
+    let end = 0.2;
+    scene.stages[0].until = Until::Time(end);
+    (scene.observe_times, scene.history) = ([0.2, 0.4, 0.6, 0.8, 1.0].map(|share| share * end).to_vec(), 0);
+    Ok(scene)
+}
+
+/// Looks of a levee from where it begins to slide, and after it was taken up.
+const LOOKS: usize = 6;
+
+fn levee(goes_on: bool) -> Result<Outcome, String> {
+    let scene = super::reduced_strength::levee(&[
+        ("hydraulic_conductivity = 4.5e-5", "hydraulic_conductivity = 9.0e-4"),
+        ("until.time = 64800.0", "until.time = 6480.0"),
+        ("slip_distance = 0.02", "slip_distance = 0.02\nmemory = 0.05"),
+    ])?;
+    let new = || Driver::new(&scene).map_err(|e| e.to_string());
+    let on = |driver: &mut Driver, looks: usize| {
+        (0..looks).try_for_each(|_| driver.advance(f64::INFINITY).map_err(|e| e.to_string()))
+    };
+    let mut whole = new()?;
+    while whole.phase != Phase::Failing {
+        if whole.end.is_some() {
+            return Err("a levee that does not fail".to_owned());
+        }
+        on(&mut whole, 1)?;
+    }
+    let mut states = vec![whole.kept()];
+    on(&mut whole, LOOKS)?;
+    states.push(whole.kept());
+    on(&mut whole, LOOKS)?;
+    let mut different = Vec::new();
+    for (number, state) in states.into_iter().enumerate() {
+        let mut other = new()?;
+        other.take_up(state).map_err(|e| e.to_string())?;
+        on(&mut other, (2 - number) * LOOKS + usize::from(goes_on))?;
+        different.push(f64::from(other.kept() != whole.kept()));
+    }
+    Ok(outcome("two-clocks", &different))
+}
+
 fn resumed(loses: bool) -> Result<Outcome, String> {
     let mut different = Vec::new();
-    for scene in scenes()? {
+    for scene in scenes()?.into_iter().chain([sliding()?]) {
         let one = whole(run_on(&Hardware::default(), &scene, &mut |_| {}))?;
         let (mut state, mut states) = (None, Vec::new());
         let mut last = loop {
@@ -206,7 +259,7 @@ mod tests {
 
     #[test]
     fn bits_are_the_same_and_another_bit_is_found() {
-        for rung in [PLAIN, THREADS, AGAIN, RESUMED] {
+        for rung in [PLAIN, THREADS, AGAIN, RESUMED, LEVEE] {
             let climb = rung.climb().expect("runs that finish");
             assert!(climb.step.held(), "{}: {}", rung.name, climb.reason);
             let spoilt = rung.climb_mutant().expect("a mutant").expect("runs that finish");

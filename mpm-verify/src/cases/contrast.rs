@@ -5,12 +5,13 @@ use mpm_core::observe::ProfileRow;
 use mpm_core::scene::{Integrator, Scene, ShapeChoice, StepChoice};
 use mpm_core::stability::stable_limit;
 
-use super::evidence::{Refinement, TOLERANCE};
+use super::evidence::{MESH, Refinement, TOLERANCE};
 use super::looks::{Look, Looks, Norm, in_particles, in_time};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use super::{Mutant, Outcome, Rung, asked, integrator, scheme};
 use crate::exact::layered::Layered;
 use crate::hard::contrast::{Contrast, Quantity, conductivity, executed, found, scene, stiffness};
+use crate::norms::largest;
 
 /// Conductivity, B-splines.
 pub const CONDUCTIVITY: Rung = Rung {
@@ -179,8 +180,39 @@ fn implicit_pressure(contrasts: &[Contrast], fault: f64) -> Result<Outcome, Stri
 
 fn explicit(contrasts: &[Contrast], fault: f64) -> Result<Outcome, String> {
     let by = (Integrator::Explicit, ShapeChoice::Centre);
-    refined(by, contrasts, &[10, 14, 20, 28, 40], DYNAMIC_UNTIL, SETTLEMENT, (2e-2, [1.8, 2.4]), fault)
+    let rows = [10, 14, 20, 28, 40];
+    let mut outcome = refined(by, contrasts, &rows, DYNAMIC_UNTIL, SETTLEMENT, (2e-2, [1.8, 2.4]), fault)?;
+    outcome.refinements.push(late(by, contrasts, &rows, fault)?);
+    Ok(outcome)
 }
+
+/// The settlement of the last time alone: what the largest error, that of the first time, does not know of the interface.
+fn late(
+    (by, shape): (Integrator, ShapeChoice),
+    contrasts: &[Contrast],
+    rows: &[usize],
+    fault: f64,
+) -> Result<Refinement, String> {
+    let mut errors = Vec::with_capacity(rows.len());
+    for rows in rows {
+        let (mut off, mut cell) = (Vec::new(), 0.0);
+        for contrast in contrasts {
+            let mut scene = scene(by, shape, *contrast, *rows, DYNAMIC_UNTIL)?;
+            let exact = Layered::of(&scene).ok_or("not a column of layers")?;
+            plant(&mut scene, fault);
+            let looks = SETTLEMENT.looks(&executed(&scene)?, &exact, *contrast);
+            let last = looks.rows.last().ok_or("no sample")?;
+            off.push(last.computed[0] - last.exact[0]);
+            cell = scene.cell;
+        }
+        errors.push((cell, largest(off.into_iter())));
+    }
+    let late = Refinement::new(MESH, errors, "the exact settlement of the last time");
+    Ok(Refinement { required_finest: Some(LATE), ..late })
+}
+
+/// Largest error of the last settlement on the finest mesh.
+const LATE: f64 = 1e-3;
 
 /// The worst of several contrasts on each mesh.
 fn refined(

@@ -1,6 +1,6 @@
 //! A load that grows over Tc = 0.2, from an unloaded column, against Olson's series with compressible water.
 
-use mpm_core::scene::{Scene, Start, Surcharge};
+use mpm_core::scene::{Integrator, Scene, ShapeChoice, Start, StepChoice, Surcharge, TimeMethod};
 use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
@@ -14,6 +14,14 @@ pub const RUNG: Rung = Rung {
     about: "a load that grows linearly, from rest",
     climb: || climb(sound),
     mutant: Some(Mutant { what: "load 5 % too slow", climb: || climb(slower) }),
+};
+
+/// Without inertia, by steps.
+pub const QUASI_STATIC: Rung = Rung {
+    name: "ramp-load-quasi-static",
+    about: "the same without inertia, B-splines and error-controlled steps: the load of every stage of a step",
+    climb: || without_inertia(sound),
+    mutant: Some(Mutant { what: "load 5 % too slow", climb: || without_inertia(slower) }),
 };
 
 fn slower(scene: &mut Scene) {
@@ -42,6 +50,39 @@ fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
         refinements: vec![
             degree.in_time(&coarse, 0.9 * stable_limit(&coarse), HALVINGS, FIRST_ORDER)?,
             degree.in_particles(&coarse, &PARTICLE_COUNTS, 4e-3)?,
+        ],
+        ..Outcome::default()
+    })
+}
+
+/// The ramp ends at a sample time, so that no step goes over its end.
+fn without_inertia(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+    let mut base =
+        crate::scenes::built_in("terzaghi-quasi-static").ok_or("no such scene")?.map_err(|e| e.to_string())?;
+    (base.history, base.start, base.method) = (0, Start::Unloaded, TimeMethod::Sdirk);
+    (base.integrator, base.shape, base.tolerance) = (Integrator::QuasiStatic, ShapeChoice::Bspline2, 1e-7);
+    let ramp_time = 0.2 * base.time_per_factor().ok_or("the scene is dry")?;
+    base.surcharge = base.surcharge.map(|s| Surcharge { ramp_time, ..s });
+    let exact = Terzaghi::compressible(&base).ok_or("the scene is dry")?;
+    let settlement = |time| exact.settlement(time);
+    let degree = Degree::relative(&base, &settlement).absolute();
+    fault(&mut base);
+    let (errors, samples) = degree.refine(&base, &[8, 10, 14, 20])?;
+    let coarse = with_rows(base.clone(), 10);
+    let stepped = Scene { step: StepChoice::Auto, ..coarse.clone() };
+    // SDIRK4(3): four, or what is left of that while the settlement goes with the time to the power of 3/2.
+    let in_time = degree.in_time(&stepped, 0.05 * ramp_time, 4, Some([3.0, 6.0]))?;
+    Ok(Outcome {
+        integrator: integrator(&base),
+        scheme: scheme(&base),
+        errors,
+        required_error: 1e-5,
+        required_order: None,
+        samples,
+        refinements: vec![
+            in_time,
+            degree.in_tolerance(&coarse, &[1e-3, 1e-4, 1e-5, 1e-6], 1.0)?,
+            degree.in_particles(&coarse, &PARTICLE_COUNTS[1..], 1e-3)?,
         ],
         ..Outcome::default()
     })

@@ -1,11 +1,12 @@
 //! Consolidation under the own weight, from the undrained state of it, against its series.
 
-use mpm_core::scene::{Integrator, Scene, ShapeChoice, StepChoice, TimeMethod, Until};
+use mpm_core::scene::{Integrator, Quadrature, Scene, ShapeChoice, StepChoice, StrainChoice, TimeMethod, Until};
 use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
+use super::evidence::{MESH, Refinement};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{FASTER, Mutant, Outcome, Rung, asked, faster, integrator, scheme, slower, sound, with_rows};
+use super::{FASTER, Mutant, Outcome, Rung, asked, faster, finished, integrator, scheme, slower, sound, with_rows};
 use crate::exact::self_weight::SelfWeight;
 use crate::norms::LATE_TV;
 
@@ -31,6 +32,22 @@ pub const QUASI_STATIC: Rung = Rung {
     about: "the same without inertia, B-splines",
     climb: || climb(&WITHOUT_INERTIA, sound),
     mutant: Some(Mutant { what: FASTER, climb: || climb(&WITHOUT_INERTIA, faster) }),
+};
+
+/// Without inertia, the paper's scheme.
+pub const CENTRE: Rung = Rung {
+    name: "self-weight-centre",
+    about: "the same without inertia, values at the centre and flow through faces: order 2",
+    climb: || climb(&WITH_FACES, sound),
+    mutant: Some(Mutant { what: FASTER, climb: || climb(&WITH_FACES, faster) }),
+};
+
+/// Much strain.
+pub const SOFT: Rung = Rung {
+    name: "self-weight-soft",
+    about: "soft soil under its own weight, B-splines and centre values, drained: settlement at 10 % strain",
+    climb: || soft(sound),
+    mutant: Some(Mutant { what: "grains 1 % too light", climb: || soft(lighter) }),
 };
 
 /// A way to run the column, and what it must show.
@@ -70,7 +87,21 @@ const WITHOUT_INERTIA: Way = Way {
     particles_leave: 5e-4,
 };
 
+const WITH_FACES: Way = Way {
+    change: with_faces,
+    from: 0.01,
+    rows: &[20, 28, 40, 56],
+    required_error: 1e-3,
+    order: [1.7, 2.3],
+    particles_leave: 5e-3,
+};
+
 fn explicit(_: &mut Scene) {}
+
+fn with_faces(scene: &mut Scene) {
+    quasi_static(scene);
+    scene.shape = ShapeChoice::Centre;
+}
 
 fn semi_implicit(scene: &mut Scene) {
     scene.integrator = Integrator::SemiImplicit;
@@ -136,3 +167,44 @@ fn climb(way: &Way, fault: fn(&mut Scene)) -> Result<Outcome, String> {
         ..Outcome::default()
     })
 }
+
+/// Time factors (small strain) until the column has drained.
+const DRAINED: f64 = 12.0;
+
+fn lighter(scene: &mut Scene) {
+    scene.grain_density *= 0.99;
+}
+
+/// The drained column: each of its grains bears what lies above it, less its buoyancy, `sigma = -a Z` with a = (1 - n) (rho_s -
+/// rho_w) g at the first depth Z, and is compressed by `exp(-a Z/M)`: what is left of the height is `M/a (1 - exp(-a H/M))`.
+fn soft(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+    let mut base =
+        crate::scenes::built_in("self-weight-consolidation").ok_or("no such scene")?.map_err(|e| e.to_string())?;
+    quasi_static(&mut base);
+    (base.history, base.strain, base.quadrature) = (0, StrainChoice::Large, Quadrature::Fitted);
+    let (water, gravity) = (base.water.ok_or("the scene is dry")?, base.gravity.ok_or("no weight")?);
+    let buoyant = (1.0 - base.porosity) * (base.grain_density - water.density) * gravity;
+    base.elastic.youngs_modulus *= 5.0 * buoyant * base.height / base.oedometer_modulus();
+    let modulus = base.oedometer_modulus();
+    let exact = base.height + modulus / buoyant * (-buoyant * base.height / modulus).exp_m1();
+    let end = DRAINED * base.time_per_factor().ok_or("the scene is dry")?;
+    (base.observe_times, base.stages[0].until) = (vec![end], Until::Time(end));
+    fault(&mut base);
+    let found = |shape: ShapeChoice, rows: usize| {
+        let run = finished(&with_rows(Scene { shape, ..base.clone() }, rows))?;
+        let last = run.observed().last().ok_or("no sample")?;
+        Ok::<_, String>(last.state.settlement / exact - 1.0)
+    };
+    let on = |shape| ROWS.iter().map(|rows| Ok((base.height / *rows as f64, found(shape, *rows)?))).collect();
+    let (splines, centre): (Result<Vec<_>, String>, Result<Vec<_>, String>) =
+        (on(ShapeChoice::Bspline2), on(ShapeChoice::Centre));
+    let of_centre = Refinement {
+        required_finest: Some(1e-4),
+        ..Refinement::new(MESH, centre?, "the drained column, values at the centre and flow through faces")
+    };
+    let (integrator, scheme) = (integrator(&base), scheme(&base));
+    let refinements = vec![of_centre];
+    Ok(Outcome { integrator, scheme, errors: splines?, required_error: 1e-5, refinements, ..Outcome::default() })
+}
+
+const ROWS: [usize; 4] = [10, 14, 20, 28];

@@ -1,13 +1,14 @@
 //! A strip load on an undrained block: equal-order pressures would oscillate without the jump penalty.
 //!
-//! Compared with a run on 45 cells per side, whose cells have the middles of the coarse ones among theirs. The error is
-//! the RMS over the block, as a share of the load.
+//! Compared with a run on 45 cells per side, whose cells have the middles of the coarse ones among theirs, and with the exact
+//! sum of cosines. The error is the RMS over the block, as a share of the load.
 
 use mpm_core::observe::FieldPoint;
 use mpm_core::scene::Scene;
 
 use super::{Mutant, Outcome, Rung, asked, finished, integrator, scheme};
 use crate::baseline::ladder::Kind;
+use crate::exact::strip::StripLoad;
 
 /// The rung.
 pub const RUNG: Rung = Rung {
@@ -15,6 +16,14 @@ pub const RUNG: Rung = Rung {
     about: "undrained block under a strip load, B-splines: no oscillation of the pressure",
     climb: || climb(None),
     mutant: Some(Mutant { what: "no jump penalty", climb: || climb(Some(0.0)) }),
+};
+
+/// Against the sum.
+pub const SUM: Rung = Rung {
+    name: "strip-sum",
+    about: "the same against the sum of cosines: pore pressure, order 2 or more",
+    climb: || against_sum(1.0),
+    mutant: Some(Mutant { what: "load 2 % too large", climb: || against_sum(1.02) }),
 };
 
 const FINE: usize = 45;
@@ -48,6 +57,26 @@ fn climb(penalty: Option<f64>) -> Result<Outcome, String> {
         kind,
         ..Outcome::default()
     })
+}
+
+/// The load is wrong by a factor.
+fn against_sum(factor: f64) -> Result<Outcome, String> {
+    let mut base = crate::scenes::built_in("strip").ok_or("no such scene")?.map_err(|e| e.to_string())?;
+    let load = base.surcharge.ok_or("no load")?.pressure;
+    let exact = StripLoad::new(&base).ok_or("no strip")?;
+    if let Some(surcharge) = &mut base.surcharge {
+        surcharge.pressure *= factor;
+    }
+    let mut errors = Vec::new();
+    for side in [10, 14, 20, 28, 40] {
+        let field = field(&base, side)?;
+        let square = |p: &FieldPoint| ((p.pressure_pa - exact.pressure(p.x_m, p.y_m)) / load).powi(2);
+        let mean = field.iter().map(square).sum::<f64>() / field.len() as f64;
+        errors.push((base.width / side as f64, mean.sqrt()));
+    }
+    let (integrator, scheme) = (integrator(&base), scheme(&base));
+    let required_order = Some([2.0, 3.2]);
+    Ok(Outcome { integrator, scheme, errors, required_error: 1e-4, required_order, ..Outcome::default() })
 }
 
 /// Pressures at the middles of the cells, row by row.

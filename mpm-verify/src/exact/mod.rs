@@ -1,7 +1,7 @@
 //! Exact solutions, one per file, each with its assumptions and its own tests against independent tables.
 //!
-//! Consolidation: [`column`] (all of it in one dimension, to 1e-6), in closed form [`terzaghi`], [`layered`], [`large_strain`], [`mandel`], [`dynamic`]; on a mesh: [`semidiscrete`]. Seepage with
-//! a free surface: [`wetting_front`], [`dam`], [`boussinesq`]. Stability: [`infinite_slope`], [`slip_circle`].
+//! Consolidation: [`column`] (all of it in one dimension, to 1e-6), in closed form [`terzaghi`], [`layered`], [`large_strain`], [`mandel`], [`strip`], [`dynamic`], [`damped_column`]; on a mesh: [`semidiscrete`]. Seepage with
+//! a free surface: [`wetting_front`], [`dam`], [`boussinesq`]. Stability: [`infinite_slope`], [`slip_circle`]; sliding: [`sliding`], [`slab`].
 //! Plasticity: [`oedometer`]. What they are computed with: [`root`], [`simplex`], [`quadrature`], [`elliptic`].
 
 pub mod bar;
@@ -9,6 +9,7 @@ pub mod boussinesq;
 pub mod column;
 pub mod coupled_field;
 pub mod dam;
+pub mod damped_column;
 pub mod dynamic;
 pub mod elliptic;
 pub mod infinite_slope;
@@ -22,8 +23,10 @@ pub mod root;
 pub mod self_weight;
 pub mod semidiscrete;
 pub mod simplex;
+pub mod slab;
 pub mod sliding;
 pub mod slip_circle;
+pub mod strip;
 pub mod terzaghi;
 pub mod undrained_wave;
 pub mod vortex;

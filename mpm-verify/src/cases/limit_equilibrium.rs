@@ -1,0 +1,98 @@
+//! Slip circles, by which strength reduction is held against limit equilibrium, against what they must be: Taylor's critical toe
+//! circles in clay, and a flat circle in a long slope, which is an infinite slope without and with water that flows along it.
+
+use super::evidence::RUNS;
+use super::{Mutant, Outcome, Rung};
+use crate::exact::infinite_slope::{InfiniteSlope, Seepage, Strength};
+use crate::exact::slip_circle::factor::Method;
+use crate::exact::slip_circle::water::Phreatic;
+use crate::exact::slip_circle::{Circle, Limits, Section};
+use crate::norms::largest;
+
+/// The rung.
+pub const RUNG: Rung = Rung {
+    name: "limit-equilibrium",
+    about: "slip circles (Bishop, Spencer) against Taylor's stability numbers and infinite slopes with seepage: factors",
+    climb: || climb(1.0),
+    mutant: Some(Mutant { what: "cohesion 0.1 % too large", climb: || climb(1.001) }),
+};
+
+/// Angle of a slope in clay (degrees) and the least `c/(F gamma H)` of toe circles, from the closed form of one circle minimised over
+/// both of its angles.
+const TAYLOR: [(f64, f64); 3] = [(53.0, 0.180_314_78), (60.0, 0.190_572_08), (75.0, 0.219_080_28)];
+const DRY_WEIGHT: f64 = 17e3;
+const SATURATED_WEIGHT: f64 = 20e3;
+const WATER_WEIGHT: f64 = 9.81e3;
+/// Half of the chord of a circle that is 1 m deep in a slope of 1000 m.
+const HALF: f64 = 400.0;
+
+/// Relative errors of the factors; the soil of the circles has its cohesion times a factor.
+fn climb(stronger: f64) -> Result<Outcome, String> {
+    let mut off = Vec::new();
+    for (angle, number) in TAYLOR {
+        let toe = 1.0 / angle.to_radians().tan();
+        let ground = [[-3.0, 1.0], [0.0, 1.0], [toe, 0.0], [toe + 3.0, 0.0]];
+        let section = dry(&ground, Strength { cohesion: stronger, friction: 0.0 }, 1.0);
+        let limits = Limits {
+            least_depth: 0.0,
+            least_area: 0.0,
+            starts: [-3.0, 0.0],
+            ends: [toe, toe],
+            slices: 400,
+            method: Method::Bishop,
+        };
+        let critical = section.critical(&limits).ok_or("no circle")?;
+        off.push(critical.factor * number - 1.0);
+    }
+    let angle = 20.0_f64.to_radians();
+    let ground = [[0.0, 1000.0 * angle.tan()], [1000.0, 0.0]];
+    let friction = 30.0_f64.to_radians();
+    for share in [0.0, 1.0] {
+        let line: &[[f64; 2]] = if share > 0.0 { &ground } else { &[] };
+        let water = Phreatic { line, ground: &ground, water_weight: WATER_WEIGHT };
+        let section = Section {
+            saturated_weight: SATURATED_WEIGHT,
+            level: &|x| water.level(x),
+            pressure: &|x, y| water.parallel(x, y),
+            ..dry(&ground, Strength { cohesion: stronger * 2e3, friction }, DRY_WEIGHT)
+        };
+        let at = |x: f64| [x, (1000.0 - x) * angle.tan()];
+        let half_angle = 2.0 * (angle.cos() * angle.cos() / HALF).atan();
+        let circle = Circle::through(at(500.0 - HALF), at(500.0 + HALF), half_angle);
+        let slide = section.slide(circle, 2000).map_err(|e| e.to_string())?;
+        let slope = InfiniteSlope {
+            angle,
+            dry_weight: DRY_WEIGHT,
+            saturated_weight: SATURATED_WEIGHT,
+            water_weight: WATER_WEIGHT,
+            strength: Strength { cohesion: 2e3, friction },
+            seepage: Seepage::Parallel { share },
+        };
+        // The factor is linear in 1/depth: that of the mean depth counts.
+        let exact = slope.factor(slide.area / (2.0 * HALF)).ok_or("no factor")?;
+        let bishop = slide.bishop().map_err(|e| e.to_string())?;
+        let [spencer, _] = slide.spencer().map_err(|e| e.to_string())?;
+        off.extend([bishop / exact - 1.0, spencer / exact - 1.0]);
+    }
+    Ok(Outcome {
+        integrator: "none".to_owned(),
+        scheme: "slices".to_owned(),
+        errors: vec![(off.len() as f64, largest(off.into_iter()))],
+        required_error: 2e-4,
+        refined_by: RUNS,
+        ..Outcome::default()
+    })
+}
+
+/// Dry soil without a base.
+fn dry(ground: &[[f64; 2]], strength: Strength, weight: f64) -> Section<'_> {
+    Section {
+        ground,
+        base: None,
+        strength,
+        dry_weight: weight,
+        saturated_weight: weight,
+        level: &|_| f64::NEG_INFINITY,
+        pressure: &|_, _| 0.0,
+    }
+}

@@ -1,0 +1,138 @@
+//! A slab without ends on a tilted base: adhesion, a normal load that grows and is remembered, and water under it.
+//!
+//! What the slab has of velocity is read from its kinetic energy, which the shear wave of the start hardly changes: its
+//! particles come in again at the other side. Water that fills its cells does not: its slab slides for less than half a cell.
+
+use mpm_core::drive::{Run, Sample};
+use mpm_core::scene::{Base, Clock, Integrator, LoadOn, NormalStress, Scene, Side, SolidSide, Surcharge, Until};
+
+use super::looks::{Look, Looks};
+use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound};
+use crate::exact::slab::Slab;
+
+/// A dry one under a load that grows.
+pub const REMEMBERS: Rung = Rung {
+    name: "slab-remembers",
+    about: "a dry slab with adhesion under a normal load that grows, friction that lags behind it: velocity",
+    climb: || climb(loaded, FAR, sound),
+    mutant: Some(Mutant { what: "a tenth more memory", climb: || climb(loaded, FAR, forgetting) }),
+};
+
+/// A full one.
+pub const SATURATED: Rung = Rung {
+    name: "slab-on-water",
+    about: "a slab with adhesion that is full of water, whose pressure on the base takes from its friction: velocity",
+    climb: || climb(saturated, NEAR, sound),
+    mutant: Some(Mutant { what: STICKIER, climb: || climb(saturated, NEAR, stickier) }),
+};
+
+/// The same whose water has a free surface.
+pub const FREE_SURFACE: Rung = Rung {
+    name: "slab-on-free-water",
+    about: "the same with a free surface and pressures that are held",
+    climb: || climb(seeping, FAR, sound),
+    mutant: Some(Mutant { what: STICKIER, climb: || climb(seeping, FAR, stickier) }),
+};
+
+/// Cells over the height, and how long the slab slides, s.
+type Slide = ([usize; 3], f64);
+const FAR: Slide = ([4, 8, 16], 0.3);
+const NEAR: Slide = ([2, 4, 8], 0.15);
+const STICKIER: &str = "a tenth more adhesion";
+
+fn forgetting(scene: &mut Scene) {
+    scene.base = scene.base.map(|base| Base { memory: 1.1 * base.memory, ..base });
+}
+
+fn stickier(scene: &mut Scene) {
+    scene.base = scene.base.map(|base| Base { adhesion: 1.1 * base.adhesion, ..base });
+}
+
+fn built_in(name: &str) -> Result<Scene, String> {
+    crate::scenes::built_in(name).ok_or("no such scene")?.map_err(|e| e.to_string())
+}
+
+/// The slope of a scene, thinner and stiffer, on a base that it slides on.
+fn slab(mut scene: Scene, memory: f64, end: f64) -> Scene {
+    (scene.height, scene.elastic.youngs_modulus) = (0.4, 1e9);
+    scene.base = Some(Base {
+        peak_angle: 15.0,
+        residual_angle: 15.0,
+        slip_distance: None,
+        adhesion: 300.0,
+        memory,
+        normal_stress: NormalStress::Effective,
+    });
+    scene.solid_sides[Side::Bottom as usize] = SolidSide::Roller;
+    let last = scene.stages.len() - 1;
+    scene.stages[last].until = Until::Time(end);
+    scene.observe_times = [0.25, 0.5, 0.75, 1.0].map(|share| share * end).to_vec();
+    (scene.history, scene.safety) = (0, 0.9);
+    scene
+}
+
+/// Thrown, so that it slides under the whole load.
+fn loaded() -> Result<Scene, String> {
+    let mut scene = slab(built_in("infinite-slope")?, 0.05, FAR.1);
+    scene.start_velocity = Some([1.0, 0.0]);
+    scene.surcharge = Some(Surcharge { pressure: 1e4, on: LoadOn::Surface, ramp_time: FAR.1, strip: None });
+    Ok(scene)
+}
+
+fn saturated() -> Result<Scene, String> {
+    let mut scene = slab(built_in("infinite-slope")?, 0.0, NEAR.1);
+    (scene.water, scene.particles_per_cell) = (crate::scenes::terzaghi().water, 1);
+    if let Some(water) = &mut scene.water {
+        // Nothing drains within a second.
+        water.hydraulic_conductivity = 1e-12;
+    }
+    Ok(scene)
+}
+
+fn seeping() -> Result<Scene, String> {
+    let mut scene = slab(built_in("slope-seepage")?, 0.0, FAR.1);
+    (scene.strength, scene.integrator) = (None, Integrator::TwoClocks);
+    scene.free_surface.as_mut().ok_or("no free surface")?.level = Some(scene.height);
+    let soil = scene.stages.last_mut().ok_or("no stage")?;
+    (soil.damping, soil.clock) = (0.0, Clock::Soil);
+    Ok(scene)
+}
+
+/// The slab on a mesh of so many cells over its height, four wide.
+fn on_mesh(mut scene: Scene, rows: usize) -> Scene {
+    scene.cell = scene.height / rows as f64;
+    (scene.cells, scene.width) = ([4, rows], 4.0 * scene.cell);
+    scene
+}
+
+/// The velocity over the exact one at the end.
+fn looks(run: &Run, scene: &Scene, exact: &Slab, end: f64) -> Looks {
+    let mass = exact.mass * scene.width;
+    let whole = exact.speed(end);
+    let look = |s: &Sample| {
+        Look::one(s.stage_time, (2.0 * s.ledger.kinetic_j / mass).sqrt() / whole, exact.speed(s.stage_time) / whole)
+    };
+    Looks::worst("velocity over the last one", run.observed().map(look).collect())
+}
+
+fn climb(scene: fn() -> Result<Scene, String>, (rows, end): Slide, fault: fn(&mut Scene)) -> Result<Outcome, String> {
+    let base = scene()?;
+    let exact = Slab::new(&base).ok_or("no slab on a base")?;
+    let (mut errors, mut samples) = (Vec::new(), Vec::new());
+    for rows in rows {
+        let mut scene = on_mesh(base.clone(), rows);
+        fault(&mut scene);
+        let looks = looks(&finished(&scene)?, &scene, &exact, end);
+        errors.push((scene.cell, looks.error()));
+        samples = looks.samples();
+    }
+    Ok(Outcome {
+        integrator: integrator(&base),
+        scheme: scheme(&base),
+        errors,
+        required_error: 5e-4,
+        required_everywhere: Some(0.01),
+        samples,
+        ..Outcome::default()
+    })
+}
