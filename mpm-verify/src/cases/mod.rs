@@ -24,6 +24,7 @@ mod mandel;
 mod mandel_inertia;
 mod mandel_rise;
 mod mohr_coulomb;
+mod others;
 mod outline;
 pub mod own;
 mod quasi_static;
@@ -191,6 +192,7 @@ pub const LADDER: &[Rung] = &[
     bits::THREADS,
     bits::AGAIN,
     bits::RESUMED,
+    others::RUNG,
 ];
 
 impl Rung {

@@ -245,6 +245,20 @@ pub const MUTANTS: &[Mutant] = &[
         "let share = from / (from - to);",
         "let share = 0.5 + 0.0 * (from / (from - to));",
     ),
+    fault(
+        "balances-always-close",
+        "every balance of a run closes, whatever is missing",
+        "mpm-core/src/observe/trust.rs",
+        "self.gap.abs() <= self.allowed",
+        "self.gap.abs() <= self.allowed + f64::INFINITY",
+    ),
+    fault(
+        "estimate-off",
+        "no load is refused, whatever the scheme",
+        "mpm-core/src/scene/moving.rs",
+        "self.force || !self.is_level_column() || self.strength.is_some()",
+        "self.force || self.height > 0.0",
+    ),
 ];
 
 #[cfg(test)]
