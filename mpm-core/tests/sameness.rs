@@ -93,7 +93,8 @@ fn wide(dimension: &str, integrator: &str, shape: &str, per_cell: usize, step: &
         "-time_factors",
         "history = 20",
     ]);
-    scene.headroom_cells = 1;
+    // Empty cells below wide functions are refused otherwise: here both dimensions have to be wrong alike.
+    (scene.headroom_cells, scene.force) = (1, true);
     scene
 }
 

@@ -160,7 +160,7 @@ impl<'a> Bounds<'a> {
             return None;
         }
         let gap = ledger.water_closing_kg;
-        let moved = ledger.water_in_kg + ledger.water_out_kg;
+        let moved = ledger.water_in_kg.abs() + ledger.water_out_kg.abs();
         let exchanged = moved + (ledger.water_stored_kg - (gap + ledger.water_in_kg - ledger.water_out_kg)).abs();
         let mut allowed = self.round_off * (exchanged + ledger.water_stored_kg);
         if self.scene.free_surface.is_none() {

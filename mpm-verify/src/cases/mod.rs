@@ -27,6 +27,7 @@ mod mandel;
 mod mandel_inertia;
 mod mandel_rise;
 mod mohr_coulomb;
+mod others;
 mod outline;
 pub mod own;
 mod quasi_static;
@@ -211,6 +212,7 @@ pub const LADDER: &[Rung] = &[
     bits::AGAIN,
     bits::RESUMED,
     bits::LEVEE,
+    others::RUNG,
 ];
 
 impl Rung {

@@ -37,6 +37,8 @@ pub(super) struct Outcome {
     pub refinements: Vec<Refinement>,
     /// What the errors are errors against, which is what their baseline is worth.
     pub kind: Kind,
+    /// What is said of an error beside its number; part of the reason.
+    pub remarks: Vec<String>,
 }
 
 /// Refined by the mesh, against truth, without notes: what most rungs leave as it is.
@@ -56,6 +58,7 @@ impl Default for Outcome {
             samples: Vec::new(),
             refinements: Vec::new(),
             kind: Kind::Verified,
+            remarks: Vec::new(),
         }
     }
 }
@@ -245,7 +248,7 @@ pub(super) fn judge(rung: Rung, outcome: Outcome, cpu_s: f64) -> Climb {
         tolerance: outcome.tolerance,
     };
     let own = reason(&step, order, (fit.as_ref(), outcome.required_order), exceeded);
-    step.reason = std::iter::once(own).chain(fallen).chain(open).collect::<Vec<_>>().join("; ");
+    step.reason = std::iter::once(own).chain(fallen).chain(open).chain(outcome.remarks).collect::<Vec<_>>().join("; ");
     Climb {
         reason: step.reason.clone(),
         rung,

@@ -538,6 +538,18 @@ pub const MUTANTS: &[Mutant] = &[
         "mpm-verify/src/exact/slip_circle/factor.rs",
         "(self.weight * cos - self.pore * length) * tan",
         "(self.weight * cos - 0.0 * self.pore * length) * tan",
+        "balances-always-close",
+        "every balance of a run closes, whatever is missing",
+        "mpm-core/src/observe/trust.rs",
+        "self.gap.abs() <= self.allowed",
+        "self.gap.abs() <= self.allowed + f64::INFINITY",
+    ),
+    fault(
+        "estimate-off",
+        "no load is refused, whatever the scheme",
+        "mpm-core/src/scene/moving.rs",
+        "self.force || !self.is_level_column() || self.strength.is_some()",
+        "self.force || self.height > 0.0",
     ),
 ];
 

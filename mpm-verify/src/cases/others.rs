@@ -1,0 +1,269 @@
+//! Scenes of others: published set-ups and everyday ones, each right to a stated figure, refused, or ended with the reason.
+//!
+//! `reference-data/others/others.csv` says of every scene beside it what must come of it. A run that goes to its end and is off by
+//! more than its tolerance would be wrong with exit code 0: the one thing that must not happen.
+
+use std::collections::BTreeMap;
+
+use mpm_core::drive::{Alone, Drive, Run, Sample};
+use mpm_core::observe::FieldPoint;
+use mpm_core::run::{model, run};
+use mpm_core::scene::Scene;
+use mpm_core::stability::choose_step;
+use serde::Deserialize;
+
+use super::evidence::{RUNS, Sampled};
+use super::{FASTER, Mutant, Outcome, Rung, faster, sound};
+
+/// The rung.
+pub const RUNG: Rung = Rung {
+    name: "others",
+    about: "scenes of others: right to a stated figure, refused, or ended with the reason; the share that is none of these",
+    climb: || climb(|_| true, sound),
+    mutant: Some(Mutant { what: FASTER, climb: || climb(|_| true, faster) }),
+};
+
+/// The table.
+const TABLE: &str = include_str!("../../../reference-data/others/others.csv");
+
+/// Names and texts of the scenes of `reference-data/others`.
+macro_rules! texts {
+    ($($name:literal)*) => {
+        [$(($name, include_str!(concat!("../../../reference-data/others/", $name, ".toml")))),*]
+    };
+}
+
+/// All of them, by name.
+const SCENES: &[(&str, &str)] = &texts! {
+    "abaqus" "abe-soga" "anura3d" "b-bar" "bandara-soga" "basin" "block-slides" "block-sticks" "cam-clay" "cb-geo"
+    "charny" "clay-t90" "coarse-gravel" "compaction" "compaction-large" "cox" "crossing" "cryer" "dense-gravel"
+    "displaced" "dry-at-rest" "dry-bar-gimp" "dry-bar-splines" "dry-bar-wave" "dry-volumes" "flac" "flip-99"
+    "gibson-clay" "gibson-semi" "gibson-splines" "gimp-headroom" "gimp-headroom-nine" "gimp-headroom-semi"
+    "gimp-over-a-cell" "grains-as-bulk" "gravel-drain" "green-ampt" "griffiths-lane-falls" "griffiths-lane-stands"
+    "heave" "heave-one-particle" "hydrostatic-100" "hydrostatic-5cm" "hydrostatic-lake" "incompressible-explicit"
+    "jassim" "kilonewtons" "kularathna" "layers-volumes" "level-front" "london-clay" "mandel" "mandel-linear"
+    "misspelt" "muskat" "musl" "never-undrained" "odd-cells" "oedometer-t50" "olson-ramp" "olson-ramp-semi" "peat"
+    "pic-semi" "pic-short-steps" "plate-1e9" "plate-moves" "plaxis" "plaxis-base" "prandtl" "runs-out"
+    "sand-over-clay" "sandstone" "schiffman-double" "schiffman-gibson" "self-weight-explicit" "self-weight-semi"
+    "side-drains" "simon-wave" "skempton-gas" "skempton-rock" "skempton-stiff" "slope-stays" "slurry" "soft-clay"
+    "soft-water-explicit" "soft-water-inertia" "soga-review" "splines-one-particle" "splines-over-a-cell"
+    "sudden-gravity" "sudden-gravity-100" "swelling-clay" "swelling-explicit" "tailings" "thin-seam" "too-long-a-step"
+    "tresca" "two-sands-semi" "unit-mistaken" "verruijt" "verruijt-base" "volumes-over-a-cell" "xie-leo"
+    "yamaguchi-2020" "yamaguchi-2023" "zheng-gimp" "zheng-splines" "zienkiewicz"
+};
+
+/// A row of `others.csv`.
+#[derive(Debug, Clone, Deserialize)]
+struct Row {
+    /// Name of the scene.
+    scene: String,
+    /// Where the set-up or the figure is from.
+    source: String,
+    /// A column of `history.csv` or `water.csv`, or `corner_pressure_pa`; empty where nothing is measured.
+    quantity: String,
+    /// Time since the start of the last stage, s; the end where there is none.
+    at_s: Option<f64>,
+    /// A number, or a piece of the message.
+    expected: String,
+    /// Share of the number, or in its unit where that is zero.
+    tolerance: Option<f64>,
+    outcome: End,
+    how: How,
+    /// The formula, or why it must not run.
+    why: String,
+}
+
+/// How a scene ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum End {
+    /// At its end, within the tolerance: exit code 0.
+    Right,
+    /// Before the first step: exit code 2.
+    Refused,
+    /// On its way: exit code 3.
+    Ended,
+}
+
+/// What a scene is run with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+enum How {
+    /// As it is.
+    #[serde(rename = "")]
+    Plain,
+    /// Without the estimate and the limit of the step that would refuse it, so that the balances are all that is left.
+    #[serde(rename = "past the estimate")]
+    PastTheEstimate,
+}
+
+/// What became of a scene.
+enum Found {
+    Refused(String),
+    Ended(String),
+    Finished(Box<Run>),
+}
+
+/// Runs a scene as `solve` does.
+fn found(name: &str, how: How, fault: fn(&mut Scene)) -> Found {
+    let text = SCENES.iter().find(|(own, _)| *own == name).map_or("", |(_, text)| text);
+    let mut scene = match Scene::parse(text, &format!("{name}.toml")) {
+        Ok(scene) => scene,
+        Err(error) => return Found::Refused(error.to_string()),
+    };
+    fault(&mut scene);
+    let run = match how {
+        How::Plain => run(&scene, &mut |_| {}).map_err(|e| e.to_string()),
+        How::PastTheEstimate => past_the_estimate(&scene),
+    };
+    match run {
+        Err(refused) => Found::Refused(refused),
+        Ok(Run { failure: Some(failure), .. }) => Found::Ended(failure.to_string()),
+        Ok(run) => Found::Finished(Box::new(run)),
+    }
+}
+
+/// A run that nothing refuses, but that its balances still end.
+fn past_the_estimate(scene: &Scene) -> Result<Run, String> {
+    let forced = Scene { force: true, ..scene.clone() };
+    let dt = choose_step(&forced).map_err(|e| e.to_string())?;
+    let mut model = model(scene).map_err(|e| e.to_string())?;
+    Ok(Drive::new(scene, model.as_mut(), dt).go(&mut Alone(&mut |_| {})))
+}
+
+/// A number of a run.
+fn measured(run: &Run, row: &Row) -> Option<f64> {
+    let at = |s: &&Sample| row.at_s.is_none_or(|at| (s.stage_time - at).abs() <= 1e-9 * at);
+    let last = run.samples.last()?.stage;
+    let sample = run.samples.iter().rev().filter(|s| s.stage == last).find(at)?;
+    let state = &sample.state;
+    let corner = |a: &FieldPoint, b: &FieldPoint| (a.x_m + a.y_m).total_cmp(&(b.x_m + b.y_m));
+    match row.quantity.as_str() {
+        "settlement_m" => Some(state.settlement),
+        "mean_pressure_pa" => Some(state.mean_pressure),
+        "base_pressure_pa" => Some(state.base_pressure),
+        "max_speed_m_s" => Some(state.max_speed),
+        "centre_x_m" => Some(state.centre[0]),
+        "in_m3" => state.water.map(|water| water.in_m3),
+        "outflow_m3_s" => state.water.map(|water| water.outflow_m3_s),
+        "corner_pressure_pa" => state.field.iter().min_by(|a, b| corner(a, b)).map(|point| point.pressure_pa),
+        _ => None,
+    }
+}
+
+/// What is said of a row: its error as a share of what it may be, or what came in place of what must.
+fn judged(row: &Row, found: &Found) -> Result<Option<Sampled>, String> {
+    match (row.outcome, found) {
+        (End::Right, Found::Finished(run)) => right(row, run).map(Some),
+        (End::Refused, Found::Refused(said)) | (End::Ended, Found::Ended(said)) if said.contains(&row.expected) => {
+            Ok(None)
+        }
+        (_, Found::Refused(said)) => Err(format!("refused: {said}")),
+        (_, Found::Ended(said)) => Err(format!("ended: {said}")),
+        (_, Found::Finished(_)) => Err("went to its end".to_owned()),
+    }
+}
+
+fn right(row: &Row, run: &Run) -> Result<Sampled, String> {
+    let expected: f64 = row.expected.parse().map_err(|_| "expected is no number".to_owned())?;
+    let tolerance = row.tolerance.ok_or("no tolerance")?;
+    let computed = measured(run, row).ok_or("nothing measured")?;
+    let allowed = if expected == 0.0 { tolerance } else { tolerance * expected.abs() };
+    let error = (computed - expected) / allowed;
+    if !(error.abs() <= 1.0) {
+        return Err(format!("wrong: {} {computed:.6e}, expected {expected:.6e} +- {allowed:.1e}", row.quantity));
+    }
+    if let Some(trust) = run.trust.filter(|trust| trust.verdict != "closed") {
+        return Err(format!("right, but its balance of {} does not close", trust.ledger));
+    }
+    Ok(Sampled {
+        quantity: format!("{}: {}", row.scene, row.quantity),
+        unit: "-".to_owned(),
+        time: row.at_s.unwrap_or_else(|| run.samples.last().map_or(f64::NAN, |s| s.stage_time)),
+        factor: None,
+        computed,
+        exact: expected,
+        error,
+        counts: true,
+    })
+}
+
+/// The rows of the table.
+fn rows() -> Result<Vec<Row>, String> {
+    csv::Reader::from_reader(TABLE.as_bytes())
+        .deserialize()
+        .collect::<Result<Vec<Row>, csv::Error>>()
+        .map_err(|e| format!("others.csv: {e}"))
+}
+
+fn climb(of: fn(&Row) -> bool, fault: fn(&mut Scene)) -> Result<Outcome, String> {
+    let rows: Vec<Row> = rows()?.into_iter().filter(of).collect();
+    let mut runs = BTreeMap::new();
+    let (mut wrong, mut samples, mut counts) = (Vec::new(), Vec::new(), BTreeMap::new());
+    for row in &rows {
+        let found = runs.entry((row.scene.as_str(), row.how)).or_insert_with(|| found(&row.scene, row.how, fault));
+        match judged(row, found) {
+            Ok(sampled) => {
+                *counts.entry(format!("{:?}", row.outcome).to_lowercase()).or_insert(0.0) += 1.0;
+                samples.extend(sampled);
+            }
+            Err(said) => wrong.push(format!("{} ({}): {said}; {}", row.scene, row.source, row.why)),
+        }
+    }
+    let share = wrong.len() as f64 / rows.len() as f64;
+    let worst = samples.iter().map(|s: &Sampled| s.error.abs()).fold(0.0, f64::max);
+    let mut notes = vec![("largest error of a figure over its tolerance".to_owned(), worst, "-".to_owned())];
+    notes.extend(counts.into_iter().map(|(word, count)| (format!("rows {word}"), count, "-".to_owned())));
+    Ok(Outcome {
+        integrator: "all".to_owned(),
+        scheme: "all".to_owned(),
+        errors: vec![(rows.len() as f64, share)],
+        required_error: 0.0,
+        refined_by: RUNS,
+        notes,
+        samples,
+        remarks: wrong,
+        ..Outcome::default()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_scene_is_carried_and_has_its_row() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-data/others");
+        let rows = rows().expect("a table");
+        let mut files = 0;
+        for entry in std::fs::read_dir(folder).expect("the scenes") {
+            let path = entry.expect("a file").path();
+            if path.extension().is_some_and(|e| e == "toml") {
+                let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
+                assert!(SCENES.iter().any(|(own, _)| *own == name), "{name} is not carried");
+                assert!(rows.iter().any(|row| row.scene == name), "{name} has no row");
+                files += 1;
+            }
+        }
+        assert!(files >= 60 && SCENES.len() == files);
+        for row in &rows {
+            assert!(SCENES.iter().any(|(own, _)| *own == row.scene), "{} has no scene", row.scene);
+            let figure = row.expected.parse::<f64>().is_ok() && row.tolerance.is_some_and(|t| t <= 0.02);
+            let measured = !row.quantity.is_empty() && figure;
+            assert!(if row.outcome == End::Right { measured } else { row.expected.len() > 3 }, "{}", row.scene);
+        }
+    }
+
+    /// What takes no time: all that is refused, and runs without inertia.
+    fn quick(row: &Row) -> bool {
+        let text = SCENES.iter().find(|(own, _)| *own == row.scene).map_or("", |(_, text)| text);
+        let plain = row.how == How::Plain && !text.contains("free_surface");
+        plain && (row.outcome == End::Refused || text.contains("\"quasi-static\""))
+    }
+
+    #[test]
+    fn quick_rows_hold_and_a_fault_is_found() {
+        let outcome = climb(quick, sound).expect("a table");
+        assert!(outcome.remarks.is_empty() && outcome.errors[0].0 > 50.0, "{:?}", outcome.remarks);
+        assert!(climb(quick, faster).expect("a table").remarks.len() > 5);
+    }
+}
