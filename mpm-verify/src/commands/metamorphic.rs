@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::Args;
 use mpm_verify::manifest::Manifest;
-use mpm_verify::metamorphic::{Found, OfLaw, Outcome, Reason, scenes_of};
+use mpm_verify::metamorphic::{Found, OfLaw, Outcome, Reason, scenes, scenes_of};
 use mpm_verify::progress::{Progress, time};
 use serde::Serialize;
 
@@ -22,7 +22,7 @@ pub struct Options {
     /// Seed of their random numbers
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// This scene of the seed alone
+    /// This scene of the seed alone, which is written as scene.toml
     #[arg(long, value_name = "INDEX", conflicts_with = "scenes")]
     only: Option<u64>,
     /// Seconds after which no further scene is begun
@@ -48,6 +48,11 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let indices: Vec<u64> = options.only.map_or_else(|| (0..options.scenes).collect(), |index| vec![index]);
     let names = ["laws.csv", "summary.json"];
     let found = into_folder(&path, &names, |folder| {
+        if let Some(index) = options.only {
+            let path = folder.stage().join("scene.toml");
+            let text = scenes::scene(options.seed, index).toml();
+            fs::write(&path, text).map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))?;
+        }
         measure((options.seed, &indices, options.time_limit), common, folder.stage())
     })?;
     match found.failures.len() {

@@ -183,7 +183,8 @@ impl Findings<'_> {
         let common = Common { quiet: true, json: false, ..self.common.clone() };
         let indices: Vec<u64> = (0..SCENES).collect();
         let found = metamorphic::measure((seed, &indices, None), &common, &self.folder.join("metamorphic"))?;
-        let failures = found.failures.iter().map(|f| format!("metamorphic: {} of seed {seed}: {}", f.name(), f.found[1]));
+        let failures =
+            found.failures.iter().map(|f| format!("metamorphic: {} of seed {seed}: {}", f.name(), f.found[1]));
         self.fell.extend(failures);
         Ok(format!("{} scenes of seed {seed}, {} relations failed", found.scenes, found.failures.len()))
     }

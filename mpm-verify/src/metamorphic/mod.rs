@@ -144,12 +144,8 @@ pub fn scene(seed: u64, index: u64, fault: fn(&mut Written)) -> Told {
     let kind = written.kind();
     let mut told = Told::default();
     let row = |law, outcome, ratio, why| Row { index, kind: kind.clone(), law, outcome, ratio, why };
-    let panicked = |law: &'static str, why: String| Failure {
-        index,
-        law,
-        found: [why.clone(), why],
-        small: written.toml(),
-    };
+    let panicked =
+        |law: &'static str, why: String| Failure { index, law, found: [why.clone(), why], small: written.toml() };
     let ran = match unpanicked(|| started(&written)) {
         Err(why) => {
             told.rows.push(row("run", Outcome::Failed, None, why.clone()));
@@ -280,7 +276,8 @@ pub struct Reason {
 impl Found {
     /// Counts by relation.
     pub fn laws(&self) -> Vec<OfLaw> {
-        let names = std::iter::once(("run", "the scene itself comes to its end")).chain(LAWS.iter().map(|l| (l.name, l.about)));
+        let names =
+            std::iter::once(("run", "the scene itself comes to its end")).chain(LAWS.iter().map(|l| (l.name, l.about)));
         let of = |(law, about): (&'static str, &'static str)| {
             let rows: Vec<&Row> = self.rows.iter().filter(|row| row.law == law).collect();
             let count = |outcome| rows.iter().filter(|row| row.outcome == outcome).count();

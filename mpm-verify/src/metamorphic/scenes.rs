@@ -137,6 +137,7 @@ fn ground(dice: &mut Dice, wet: bool) -> Written {
         transfer: None,
         update: None,
         quadrature: None,
+        jump_penalty: None,
         integrator: "explicit",
         tolerance: None,
         method: None,

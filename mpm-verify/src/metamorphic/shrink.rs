@@ -5,6 +5,8 @@ use super::written::Written;
 
 /// Changes tried at most.
 const TRIES: usize = 400;
+/// Share of the time of a run that is left at least.
+const SHORTEST: f64 = 0.02;
 
 /// A way to make a scene smaller, or more usual.
 type Smaller = fn(&mut Written);
@@ -76,7 +78,9 @@ pub fn shrunk(written: &Written, fails: impl Fn(&Written) -> bool) -> Written {
         for smaller in WAYS {
             let mut candidate = small.clone();
             smaller(&mut candidate);
-            if candidate != small && tries < TRIES {
+            let length = |w: &Written| w.stages.iter().map(|stage| stage.time).sum::<f64>();
+            let shorter = length(&candidate) < SHORTEST * length(written);
+            if candidate != small && !shorter && tries < TRIES {
                 tries += 1;
                 if fails(&candidate) {
                     small = candidate;

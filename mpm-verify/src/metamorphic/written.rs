@@ -143,6 +143,8 @@ pub struct Written {
     pub update: Option<&'static str>,
     /// `scheme.quadrature`.
     pub quadrature: Option<&'static str>,
+    /// `scheme.jump_penalty`.
+    pub jump_penalty: Option<f64>,
     /// `time.integrator`.
     pub integrator: &'static str,
     /// `time.tolerance`.
@@ -330,6 +332,7 @@ impl Written {
             word(out, "transfer", self.transfer);
             word(out, "update", self.update);
             word(out, "quadrature", self.quadrature);
+            number(out, "jump_penalty", self.jump_penalty);
         });
         table(out, "time", |out| {
             word(out, "integrator", Some(self.integrator));
