@@ -76,7 +76,7 @@ pub fn measure(
     let count = indices.len() as u64;
     let told = |_| progress.set(1_000_000 * (done.fetch_add(1, Ordering::Relaxed) + 1) / count.max(1));
     let limits = (jobs(common.jobs), limit_s.unwrap_or(f64::INFINITY));
-    let found = scenes_of(seed, indices, limits, &told).map_err(Failure::RunFailed)?;
+    let found = scenes_of(seed, indices, limits, &told);
     progress.finish();
     let (laws, reasons) = (found.laws(), found.reasons());
     inside(folder)?;

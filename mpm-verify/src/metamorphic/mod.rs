@@ -11,16 +11,15 @@ pub mod shrink;
 pub mod written;
 
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use mpm_core::drive::Run;
 use mpm_core::hardware::Hardware;
-use mpm_core::run::run_on;
 use mpm_core::scene::Scene;
-use rayon::prelude::*;
 use serde::Serialize;
 
-use self::laws::{Base, LAWS, Law, Verdict};
+use self::laws::{Base, LAWS, Law, Verdict, run_of};
 use self::written::Written;
 use crate::unpanicked::unpanicked;
 
@@ -108,8 +107,9 @@ fn started(written: &Written) -> Started {
         Ok(scene) => scene,
         Err(e) => return Started::Refused(format!("{}: expected {}", e.key, e.expected)),
     };
-    match run_on(&Hardware::default(), &scene, &mut |_| {}) {
-        Err(e) => Started::Refused(e.to_string()),
+    match run_of(&Hardware::default(), &scene) {
+        Err(why) if why.starts_with("refused") => Started::Refused(why),
+        Err(why) => Started::Ended(why),
         Ok(Run { failure: Some(failure), .. }) => Started::Ended(format!("{}: {}", failure.place, failure.what)),
         Ok(run) => match &run.trust {
             Some(trust) if trust.verdict != "closed" => {
@@ -206,33 +206,36 @@ pub struct Found {
     pub wall_s: f64,
 }
 
-/// Runs scenes of a seed on some threads, until there are no more or a time (s) is over; `done` is told how many are.
-///
-/// # Errors
-/// The system gives no threads.
-pub fn scenes_of(
-    seed: u64,
-    indices: &[u64],
-    (jobs, limit_s): (usize, f64),
-    done: &(dyn Fn(u64) + Sync),
-) -> Result<Found, String> {
+/// Runs scenes of a seed on some threads, until there are no more or a time (s) is over; `done` is told of each.
+pub fn scenes_of(seed: u64, indices: &[u64], (jobs, limit_s): (usize, f64), done: &(dyn Fn(u64) + Sync)) -> Found {
     let clock = Instant::now();
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build().map_err(|e| e.to_string())?;
-    let one = |index: &u64| {
-        let late = clock.elapsed().as_secs_f64() > limit_s;
-        let told = (!late).then(|| scene(seed, *index, sound));
-        done(*index);
-        told
+    let next = AtomicUsize::new(0);
+    // Threads of their own: one of a pool that waits for the threads of a run would begin another scene meanwhile.
+    let some = || {
+        let mut mine = Vec::new();
+        loop {
+            let at = next.fetch_add(1, Ordering::Relaxed);
+            let Some(index) = indices.get(at) else { return mine };
+            if clock.elapsed().as_secs_f64() > limit_s {
+                return mine;
+            }
+            mine.push((at, scene(seed, *index, sound)));
+            done(*index);
+        }
     };
-    let told: Vec<Option<Told>> = pool.install(|| indices.par_iter().with_max_len(1).map(one).collect());
+    let mut told: Vec<(usize, Told)> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..jobs.max(1)).map(|_| scope.spawn(some)).collect();
+        threads.into_iter().flat_map(|thread| thread.join().unwrap_or_default()).collect()
+    });
+    told.sort_by_key(|(at, _)| *at);
     let mut found = Found { seed, ..Found::default() };
-    for told in told.into_iter().flatten() {
+    for (_, told) in told {
         found.scenes += 1;
         found.rows.extend(told.rows);
         found.failures.extend(told.failures);
     }
     found.wall_s = clock.elapsed().as_secs_f64();
-    Ok(found)
+    found
 }
 
 /// A row of `laws.csv`.
@@ -325,12 +328,12 @@ mod tests {
     #[test]
     fn relations_hold_for_some_scenes() {
         let indices: Vec<u64> = (0..SOME.1).collect();
-        let found = scenes_of(SOME.0, &indices, (2, f64::INFINITY), &|_| {}).expect("threads");
+        let found = scenes_of(SOME.0, &indices, (2, f64::INFINITY), &|_| {});
         let failures: Vec<String> = found.failures.iter().map(|failure| failure.text(SOME.0)).collect();
         assert!(failures.is_empty(), "{}", failures.join("\n\n"));
         let laws = found.laws();
         assert!(laws[0].passed * 2 > found.scenes, "{:?}", found.reasons());
-        let again = scenes_of(SOME.0, &indices[..10], (1, f64::INFINITY), &|_| {}).expect("threads");
+        let again = scenes_of(SOME.0, &indices[..10], (1, f64::INFINITY), &|_| {});
         assert_eq!(again.rows[..], found.rows[..again.rows.len()], "a scene is a function of seed and number");
     }
 

@@ -59,7 +59,7 @@ pub fn digits(x: f64) -> f64 {
 }
 
 /// Particle steps of a run at most.
-const POINT_STEPS: f64 = 40_000.0;
+const POINT_STEPS: f64 = 20_000.0;
 /// Steps of a run at most, and at least.
 const STEPS: [f64; 2] = [20.0, 2000.0];
 /// Strain under load and weight at most.

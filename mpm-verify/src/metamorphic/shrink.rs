@@ -4,7 +4,7 @@ use super::scenes::digits;
 use super::written::Written;
 
 /// Changes tried at most.
-const TRIES: usize = 400;
+const TRIES: usize = 150;
 /// Share of the time of a run that is left at least.
 const SHORTEST: f64 = 0.02;
 
@@ -44,7 +44,7 @@ const WAYS: [Smaller; 37] = [
     |w| w.plane = false,
     halve_rows,
     |w| w.cells[0] = (w.cells[0] / 2).max(2),
-    halve_times,
+    |w| w.shorten(0.5),
     |w| w.soil.poisson_ratio = 0.0,
     |w| w.soil.porosity = 0.5,
     |w| w.cell = one_digit(w.cell),
@@ -59,11 +59,6 @@ fn halve_rows(w: &mut Written) {
         w.layers.iter_mut().for_each(|layer| layer.rows = (layer.rows / 2).max(1));
         w.cells[1] = w.layers.iter().map(|layer| layer.rows).sum();
     }
-}
-
-fn halve_times(w: &mut Written) {
-    w.stages.iter_mut().for_each(|stage| stage.time *= 0.5);
-    w.observed.iter_mut().for_each(|time| *time *= 0.5);
 }
 
 fn one_digit(x: f64) -> f64 {

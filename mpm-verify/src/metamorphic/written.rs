@@ -361,6 +361,13 @@ impl Written {
         });
     }
 
+    /// Leaves a share of all times.
+    pub fn shorten(&mut self, share: f64) {
+        self.stages.iter_mut().for_each(|stage| stage.time *= share);
+        self.observed.iter_mut().for_each(|time| *time *= share);
+        self.load.iter_mut().for_each(|load| load.ramp *= share);
+    }
+
     /// The same scene in units that are `length`, `mass` and `time` times as small.
     pub fn in_units(&self, [length, mass, time]: [f64; 3]) -> Self {
         let pressure = mass / (length * time * time);
