@@ -12,7 +12,8 @@
 //! 7. [`report`]: tables, plots, pages. [`frames`]: stored frames of a run, to make its pictures again. [`manifest`]:
 //!    under which conditions. [`baseline`]: accepted values.
 //!    [`nightly`]: everything measured every night, compared and remembered.
-//!    [`mutants`]: planted faults, and who finds them.
+//!    [`mutants`]: planted faults, and who finds them. [`metamorphic`]: random scenes, and relations that must hold between
+//!    their runs.
 //! 8. [`progress`], [`patience`]: how far a run has come, and how long it will take.
 //! 9. [`files`]: files that are whole or not there. [`checkpoint`], [`keeping`]: states to
 //!    go on from.
@@ -33,6 +34,7 @@ pub mod keeping;
 pub mod levee;
 pub mod literature;
 pub mod manifest;
+pub mod metamorphic;
 pub mod mutants;
 pub mod nightly;
 pub mod norms;

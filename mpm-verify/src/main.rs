@@ -8,7 +8,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
-use commands::{Failure, check, gate, levee, list, merge, mutants, nightly, report, solve, stability, study};
+use commands::{
+    Failure, check, gate, levee, list, merge, metamorphic, mutants, nightly, report, solve, stability, study,
+};
 
 /// Verification of the two-layer material point method against exact solutions.
 ///
@@ -86,7 +88,7 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// Study, ladder, stability, levee and work, compared with the accepted baselines and remembered; exit code 1 when
+    /// Study, ladder, stability, levee, random scenes and work, compared with the accepted baselines and remembered; exit code 1 when
     /// something moved
     Nightly {
         #[command(flatten)]
@@ -98,6 +100,14 @@ enum Command {
     Mutants {
         #[command(flatten)]
         options: mutants::Options,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Random scenes, and relations that must hold between their runs: mirrored, in other units, resumed, refined; exit code 1
+    /// when one fails
+    Metamorphic {
+        #[command(flatten)]
+        options: metamorphic::Options,
         #[command(flatten)]
         common: Common,
     },
@@ -134,6 +144,7 @@ fn main() -> ExitCode {
         Some(Command::Check { options, common }) => check::run(&options, &common),
         Some(Command::Stability { options, common }) => stability::run(&options, &common),
         Some(Command::Nightly { options, common }) => nightly::run(&options, &common),
+        Some(Command::Metamorphic { options, common }) => metamorphic::run(&options, &common),
         Some(Command::Mutants { options, common }) => mutants::run(&options, &common),
         Some(Command::Gate { name }) => gate::run(&name),
         Some(Command::Report { folder, common }) => report::run(&folder, &common),

@@ -5,6 +5,7 @@ pub mod gate;
 pub mod levee;
 pub mod list;
 pub mod merge;
+pub mod metamorphic;
 pub mod mutants;
 pub mod nightly;
 pub mod report;

@@ -22,11 +22,13 @@ use mpm_verify::report::ReportError;
 use mpm_verify::study::Runner;
 use mpm_verify::unpanicked::unpanicked;
 
-use super::{Failure, check, inside, into_folder, jobs, levee, print_json, say, stability, study};
+use super::{Failure, check, inside, into_folder, jobs, levee, metamorphic, print_json, say, stability, study};
 use crate::Common;
 
 /// The parts of a night.
-const PARTS: [&str; 5] = ["study", "ladder", "stability", "levee", "work"];
+const PARTS: [&str; 6] = ["study", "ladder", "stability", "levee", "metamorphic", "work"];
+/// Random scenes of a night.
+const SCENES: u64 = 2000;
 
 /// What a night does.
 #[derive(Debug, Clone, Args)]
@@ -43,7 +45,7 @@ pub struct Options {
     /// Count no instructions, even where callgrind is installed
     #[arg(long)]
     no_instructions: bool,
-    /// Only these parts, as a try: study, ladder, stability, levee, work. Nothing is remembered
+    /// Only these parts, as a try: study, ladder, stability, levee, metamorphic, work. Nothing is remembered
     #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', value_parser = PARTS)]
     only: Vec<String>,
 }
@@ -175,6 +177,18 @@ impl Findings<'_> {
         Ok(line)
     }
 
+    /// Scenes of a seed that is the date, 20260131 for one: other scenes every night, and the same again by that seed.
+    fn metamorphic(&mut self, day: &str) -> Result<String, Failure> {
+        let seed: u64 = day.chars().filter(char::is_ascii_digit).collect::<String>().parse().unwrap_or(1);
+        let common = Common { quiet: true, json: false, ..self.common.clone() };
+        let indices: Vec<u64> = (0..SCENES).collect();
+        let found = metamorphic::measure((seed, &indices, None), &common, &self.folder.join("metamorphic"))?;
+        let failures =
+            found.failures.iter().map(|f| format!("metamorphic: {} of seed {seed}: {}", f.name(), f.found[1]));
+        self.fell.extend(failures);
+        Ok(format!("{} scenes of seed {seed}, {} relations failed", found.scenes, found.failures.len()))
+    }
+
     fn work(&mut self, instructions: bool) -> Result<String, Failure> {
         let program = std::env::current_exe().ok().filter(|_| instructions);
         let work::Counted { measures, notes, fell } = work::counts(program.as_deref());
@@ -201,6 +215,7 @@ fn whole(
     let (cpu, wall) = (ProcessTime::now(), Instant::now());
     let manifest = Manifest::new(&mpm_verify::scenes::terzaghi(), jobs(common.jobs));
     let day = manifest.date.split('T').next().unwrap_or_default().to_owned();
+    let today = day.clone();
     let name = (1..).map(|n| if n == 1 { day.clone() } else { format!("{day}-{n}") });
     let name = name.into_iter().find(|name| !folder.path().join(name).exists()).unwrap_or(day);
     let own = folder.stage().join(&name);
@@ -220,6 +235,7 @@ fn whole(
     found.part("ladder", Findings::ladder);
     found.part("stability", Findings::stability);
     found.part("levee", Findings::levee);
+    found.part("metamorphic", |found| found.metamorphic(&today));
     found.part("work", |found| found.work(!options.no_instructions));
     let Findings { mut measures, fell, parts, mut notes, .. } = found;
     let entry = format!("{} {}", manifest.date, manifest.commit);

@@ -538,6 +538,8 @@ pub const MUTANTS: &[Mutant] = &[
         "mpm-verify/src/exact/slip_circle/factor.rs",
         "(self.weight * cos - self.pore * length) * tan",
         "(self.weight * cos - 0.0 * self.pore * length) * tan",
+    ),
+    fault(
         "balances-always-close",
         "every balance of a run closes, whatever is missing",
         "mpm-core/src/observe/trust.rs",

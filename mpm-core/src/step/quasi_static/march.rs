@@ -57,6 +57,10 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
         let Some(soil) = &mut self.soil else { return Err(nothing()) };
         let evolution =
             Krylov::new(soil, &self.content, times, &goal, &mut self.work).map_err(|stuck| self.fault(&stuck, None))?;
+        // The basis was built in the fields of the soil, which are those of the start of the stage again.
+        if let Some(soil) = &mut self.soil {
+            soil.expand(&self.y);
+        }
         if evolution.estimate.is_nan() || evolution.estimate > self.scene.tolerance {
             if self.scene.method == TimeMethod::Auto {
                 return Ok(None);

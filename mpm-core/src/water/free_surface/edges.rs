@@ -92,6 +92,10 @@ fn to_outline(share: f64, beyond: f64) -> f64 {
     (share + beyond - 0.5).clamp(0.25, 1.0)
 }
 
+/// Share of a face below which an opening is round-off of what the soil covers: a wall with one would let air in, and no water
+/// would stand on it.
+const LEAST_OPENING: f64 = 1e-9;
+
 /// All edges of the soil, and which of them rain falls on. `face_area` in m2;
 /// `beyond` is what feeds with a velocity meet beyond what the map shows, in cells.
 pub fn edges<const D: usize>(
@@ -160,7 +164,7 @@ pub fn edges<const D: usize>(
                     if opens {
                         list.push(edge(here, 0.0, 0.5, Outside::Air));
                     }
-                    if slope > 0.0 {
+                    if slope > LEAST_OPENING {
                         list.push(edge(slope, here, to_outline(soil.share[cell], 0.0), Outside::Air));
                     }
                     continue;
@@ -169,7 +173,7 @@ pub fn edges<const D: usize>(
                 let beyond = cover(upper)[usize::from(upper)];
                 let through = if soil.is_soil(next) { here.min(beyond) } else { 0.0 };
                 let open = here - through + slope;
-                if open > 1e-9 {
+                if open > LEAST_OPENING {
                     let distance = to_outline(soil.share[cell], soil.share[next]);
                     list.push(edge(open, through, distance, Outside::Air));
                 }
