@@ -80,10 +80,13 @@ fn soil_that_stays_in_its_cells_pays_nothing() {
     assert!(!stays.moves_through_cells() && stays.usual_light_nodes() == 0.0);
     let heavy = scene(&["pressure = 1.0e6", "darcy_inertia = false"]);
     assert!(heavy.moves_through_cells());
-    assert_eq!(heavy.light_nodes, 0.125, "a quarter of one of two particles");
+    assert!(heavy.lends_inertia() && heavy.light_nodes == 0.0, "the geometry says how much of its top cell is soil");
+    let unknown = Scene { sideroom_cells: 2, ..heavy.clone() };
+    assert!(!unknown.lends_inertia());
+    assert_eq!(unknown.usual_light_nodes(), 0.125, "a quarter of one of two particles");
     let dry = Scene { water: None, ..heavy.clone() };
     assert_eq!([heavy.most_crossings(), dry.most_crossings()], [u64::MAX, 100]);
-    let alone = Scene { particles_per_cell: 1, ..heavy.clone() };
+    let alone = Scene { particles_per_cell: 1, ..unknown };
     assert_eq!(alone.usual_light_nodes(), 0.25);
     let splines = Scene { shape: ShapeChoice::Bspline2, ..heavy.clone() };
     assert_eq!(splines.usual_light_nodes(), 0.0);

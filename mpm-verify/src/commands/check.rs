@@ -97,7 +97,7 @@ fn own(path: &Path, options: &Options, common: &Common) -> Result<(), Failure> {
         OwnScene::new(&Scene::load_with(path, &flags).ok()?, &options.rows).ok()?.runs().ok()
     };
     let runs = own.runs().map_err(refused)?;
-    warn_if_long(common, (&scene.name, "--integrator"), &runs, &Hardware::default(), &other);
+    warn_if_long(common, (&scene.name, "--integrator", 1), &runs, &Hardware::default(), &other);
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/check-scene"));
     let steps = into_folder(&folder, &NAMES, |folder| measured(&own, &scene, common, folder))?;
     if common.json {

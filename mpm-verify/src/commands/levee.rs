@@ -14,7 +14,8 @@ use mpm_verify::levee::plan::{self, Plan};
 use mpm_verify::levee::run::{Ended, FollowError, Hooks, follow};
 use mpm_verify::levee::summary::Summary;
 use mpm_verify::levee::variants::{self, Variant};
-use mpm_verify::levee::{convergence, drivers, limits, safety, sensitivity, tables, ticker, written};
+use mpm_verify::levee::limits::{self, Trust};
+use mpm_verify::levee::{convergence, drivers, safety, sensitivity, tables, ticker, written};
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 use mpm_verify::report::ReportError;
@@ -224,7 +225,7 @@ fn one(options: &Options, common: &Common, plan: &Plan, folder: &Folder) -> Resu
     };
     if resume.is_none() && options.from.is_none() {
         let scene = std::slice::from_ref(&plan.scene);
-        warn_if_long(common, (&plan.scene.name, "--driver"), scene, &Hardware::default(), &other);
+        warn_if_long(common, (&plan.scene.name, "--driver", 1), scene, &Hardware::default(), &other);
     }
     let mut ticker = ticker::Ticker::new(plan, common.quiet);
     let stopped = interrupts();
@@ -267,7 +268,12 @@ fn one(options: &Options, common: &Common, plan: &Plan, folder: &Folder) -> Resu
         Ended::Failed(what) => {
             Err(Failure::RunFailed(format!("{what}; what was computed is in {}", folder.path().display())))
         }
-        Ended::Collapsed | Ended::TimeOver | Ended::Stopped => Ok(()),
+        Ended::Collapsed | Ended::TimeOver | Ended::Stopped => match summary.trust.as_ref().and_then(Trust::trouble) {
+            Some(trouble) => {
+                Err(Failure::RunFailed(format!("{trouble}; what was computed is in {}", folder.path().display())))
+            }
+            None => Ok(()),
+        },
     }
 }
 

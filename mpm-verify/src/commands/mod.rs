@@ -91,11 +91,11 @@ fn interrupts() -> Arc<AtomicBool> {
 /// Integrators that may be quicker than an explicit one, in the order of how much of its model they keep.
 const QUICKER: [&str; 4] = ["semi-implicit", "two-clocks", "coupled", "quasi-static"];
 
-/// Says of runs that will take more than an hour that they do, and `flag` with which integrator they would not. `other` are the same runs
-/// with another integrator, if it fits them.
+/// Says of runs, some of them at once, that will take more than an hour that they do, and `flag` with which integrator they would
+/// not. `other` are the same runs with another integrator, if it fits them.
 fn warn_if_long(
     common: &Common,
-    (name, flag): (&str, &str),
+    (name, flag, at_once): (&str, &str, usize),
     scenes: &[Scene],
     hardware: &Hardware,
     other: &dyn Fn(&str) -> Option<Vec<Scene>>,
@@ -104,7 +104,7 @@ fn warn_if_long(
         return;
     }
     let all = |scenes: &[Scene]| scenes.iter().filter_map(|scene| estimate(scene, hardware)).collect::<Vec<_>>();
-    let wall = |estimates: &[Estimate]| estimates.iter().map(|e| e.wall_s).sum::<f64>();
+    let wall = |estimates: &[Estimate]| estimates.iter().map(|e| e.wall_s).sum::<f64>() / at_once.max(1) as f64;
     let own = all(scenes);
     let Some(longest) = own.iter().max_by(|a, b| a.steps.total_cmp(&b.steps)).filter(|_| wall(&own) > LONG) else {
         return;

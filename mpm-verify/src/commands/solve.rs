@@ -235,7 +235,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         other.filter(|scene| scene.bears_its_load().is_ok() && choose_step(scene).is_ok()).map(|scene| vec![scene])
     };
     if !(options.resume || scene.may_fail()) {
-        warn_if_long(common, (&scene.name, "--integrator"), std::slice::from_ref(&scene), &hardware, &other);
+        warn_if_long(common, (&scene.name, "--integrator", 1), std::slice::from_ref(&scene), &hardware, &other);
     }
     let solved = into_folder(&folder, &names(&scene), |folder| solve(options, common, (&scene, &hardware), folder))?;
     match (&solved.failure, solved.stopped) {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use mpm_core::hardware::Hardware;
 use mpm_core::scene::{
     DarcyChoice, Dimension, Integrator, LARGEST_FILE, LoadOn, Scene, ShapeChoice, StepChoice, read_text,
 };
@@ -19,7 +20,7 @@ use mpm_verify::sweeps::Sweeps;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Failure, again_with, interrupts, into_folder, jobs, print_json, say, write_json};
+use super::{Failure, again_with, interrupts, into_folder, jobs, print_json, say, warn_if_long, write_json};
 use crate::Common;
 
 /// What the study varies.
@@ -282,6 +283,16 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     if options.shard.is_none() {
         report::page_path(&path).map_err(|e| Failure::BadInput(format!("--out: {e}")))?;
     }
+    let scenes = |options: &Options| {
+        Some(options.plan(common).ok()?.cases().ok()?.into_iter().map(|case| case.scene).collect::<Vec<_>>())
+    };
+    let other = |word: &str| {
+        let integrator = vec![Clock::from_str(word, false).ok()?];
+        scenes(&Options { integrator, ..options.clone() })
+    };
+    let own = scenes(options).unwrap_or_default();
+    let at_once = jobs(common.jobs);
+    warn_if_long(common, ("accuracy study", "--integrator", at_once), &own, &Hardware::default(), &other);
     let study = into_folder(&path, names, |folder| {
         let store = open(options, folder.path())?;
         let progress = Progress::new("accuracy study", common.quiet);

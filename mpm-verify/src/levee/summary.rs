@@ -3,6 +3,7 @@
 use mpm_core::failure::Row;
 use serde::{Deserialize, Serialize};
 
+use super::limits::Trust;
 use super::operators::{self, Numbers};
 use super::plan::{Plan, driver_word};
 use super::run::Followed;
@@ -94,6 +95,8 @@ pub struct Summary {
     pub frames: usize,
     /// What soil that water does not yet reach may move at most: the elastic displacement under all that water can add, m.
     pub displacement_allowed_m: f64,
+    /// Whether its balances close.
+    pub trust: Option<Trust>,
     /// Under which conditions.
     pub manifest: Manifest,
 }
@@ -159,6 +162,7 @@ impl Summary {
             water_particles: run.particles[1],
             frames: run.shots.len(),
             displacement_allowed_m: plan.scales().elastic,
+            trust: Trust::of(rows, run.mass_kg, water.unwrap_or(0.0)),
             manifest,
         }
     }
