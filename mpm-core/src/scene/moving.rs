@@ -206,7 +206,8 @@ impl Scene {
                 found: self.headroom_cells.to_string(),
             });
         }
-        let (single, on_points) = (self.particles_per_cell == 1, self.surcharge.is_some_and(|s| s.on == LoadOn::Particles));
+        let (single, on_points) =
+            (self.particles_per_cell == 1, self.surcharge.is_some_and(|s| s.on == LoadOn::Particles));
         if self.shape == ShapeChoice::Bspline2 && single && (self.gravity.is_some() || on_points) {
             return Err(UnfitLoad {
                 key: "mesh.particles_per_cell",
