@@ -36,7 +36,7 @@ impl<const D: usize> Edges<D> {
         let base = |base| Coulomb::new(base, grid, particles, supports.held(0), scene.water.is_some());
         Some(Box::new(Self {
             joined: Joined::new(grid, supports, scene.periodic, scene.light_nodes * full_mass),
-            lifted: scene.lends_inertia().then(|| Lifted::new(grid.node_count())),
+            lifted: scene.lends_inertia().then(|| Lifted::new(grid.node_count(), true)),
             base: scene.base.map(base),
             period: scene.periodic.then(|| grid.cells[0] as f64 * grid.size),
         }))

@@ -9,8 +9,10 @@
 use crate::nodes::{NodeMotion, NodeSums};
 use crate::observe::Totals;
 
-/// Least share of the mass that touches a node, along an axis.
+/// Least share of the mass that touches a node, along an axis with a surface.
 const SHARE: f64 = 0.25;
+/// Its share along an axis that is full of soil.
+const FULL: f64 = 0.5;
 
 /// Inertia that is lifted.
 #[derive(Debug, Clone)]
@@ -19,12 +21,15 @@ pub struct Lifted<const D: usize> {
     touching: Vec<f64>,
     /// Nodes and the mass of the mixture (kg) that was added to them.
     added: Vec<(u32, f64)>,
+    /// Least share of the mass that touches a node.
+    share: f64,
 }
 
 impl<const D: usize> Lifted<D> {
-    /// For so many nodes.
-    pub fn new(nodes: usize) -> Self {
-        Self { touching: vec![0.0; nodes], added: Vec::with_capacity(nodes) }
+    /// For so many nodes. `level`: soil between held sides, whose only surface is on top, so that a block is as a column.
+    pub fn new(nodes: usize, level: bool) -> Self {
+        let share = if level { SHARE * FULL.powi(D as i32 - 1) } else { SHARE.powi(D as i32) };
+        Self { touching: vec![0.0; nodes], added: Vec::with_capacity(nodes), share }
     }
 
     /// Before the particles are gathered.
@@ -41,7 +46,7 @@ impl<const D: usize> Lifted<D> {
 
     /// Gives light nodes more inertia.
     pub fn lift(&mut self, nodes: &mut [NodeSums<D>]) {
-        let share = SHARE.powi(D as i32);
+        let share = self.share;
         for (number, (node, touching)) in nodes.iter_mut().zip(&self.touching).enumerate() {
             if node.solid_mass > 0.0 && node.solid_mass < share * touching {
                 let more = (share * touching / node.solid_mass - 1.0) * node.mixture_mass;

@@ -8,7 +8,7 @@
 //! | dry mass | round-off of a sum over the particles |
 //! | water | round-off; the energy that Darcy's law dissipates over K_w, as mass: flow carries volumes between cells of different density; the strain times what has moved, where soil strains sideways; the second order of a step, `dt/2` times the square of the rate of strain along each direction; one step of it at most; quasi-static the tolerance, and under large strain half a row of particles times the strain |
 //! | momentum | round-off of as many steps; what water that is taken away falls with |
-//! | energy | `omega dt (1 + ln rows)` of what may swing, the first order of a step over the waves that a load excites, omega being the lowest frequency of the column (their energies fall as 1/omega^2): of all work in dry soil, of what is stored undrained in wet soil; `dt` times the power of the stress on the fastest particle; `c dt/2` of what a damping c has taken; what the cell at a sudden drain holds; the energy stored undrained, where a sudden load is not followed in time (semi-implicit, quasi-static); p/K_w; half a row of particles as above; the tolerance of a quasi-static run |
+//! | energy | `omega dt (1 + ln rows)` of what may swing, the first order of a step over the waves that a load excites, omega being the lowest frequency of the column (their energies fall as 1/omega^2): of all work in dry soil, of what is stored undrained in wet soil; `dt` times the power of the stress on the fastest particle; `c dt/2` of what a damping c has taken; what the cell at a sudden drain holds; what a sudden load stores undrained (semi-implicit) or half its work (quasi-static), where it is not followed in time; p/K_w; half a row of particles as above; the tolerance of a quasi-static run |
 //! | stress | vertical total stress against load and weight above, in level soil between rollers: half a cell's weight, the stress of a wave of the fastest particle, the strain times the stress; two rows of particles where they have crossed; judged once a drained wave has passed the soil four times |
 //! | settlement | of level soil under large strain, against the sum of the strains of its particles: a hundredth of its largest |
 
@@ -261,11 +261,14 @@ impl<'a> Bounds<'a> {
         if self.scene.water.is_some() {
             sudden += drained / rows;
         }
-        if matches!(self.scene.integrator, Integrator::SemiImplicit | Integrator::QuasiStatic) {
-            sudden += 0.5 * l.external_work_j.abs().min(2.0 * undrained);
-        }
-        if self.scene.integrator == Integrator::QuasiStatic {
-            share += 10.0 * self.scene.tolerance;
+        match self.scene.integrator {
+            Integrator::SemiImplicit => sudden += 0.5 * l.external_work_j.abs().min(2.0 * undrained),
+            Integrator::QuasiStatic => {
+                share += 10.0 * self.scene.tolerance;
+                // What drains before the first time that is asked for, a permeable layer for one, is known only when it has.
+                sudden += 0.5 * l.external_work_j.abs();
+            }
+            _ => {}
         }
         // Water lets no more swing than a load stores before it drains.
         let swings = if self.scene.water.is_some() { 2.0 * undrained + l.kinetic_j } else { all + undrained };

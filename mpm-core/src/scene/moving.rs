@@ -238,13 +238,6 @@ impl Scene {
                  particles' volumes do not say how much of a cell is soil",
             );
         }
-        if settlement_m < 0.0 && self.shape == ShapeChoice::Gimp && self.headroom_cells > 0 {
-            return refuse(
-                "scheme.shape",
-                "\"centre\", \"linear\" or \"b-bar\", or mesh.headroom_cells = 0, where the surface rises: uGIMP particles then \
-                 reach into the cells above, whose nodes have next to no mass",
-            );
-        }
         if settlement_m < 0.0 && moved > 0.5 && (self.headroom_cells as f64) < moved {
             return refuse("mesh.headroom_cells", "as many rows of empty cells as the surface rises by");
         }

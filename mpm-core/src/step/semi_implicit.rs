@@ -42,7 +42,8 @@ where
         let functions = crate::stencil::Functions::new(basis, &parts.grid);
         let pressure = PressureSystem::new::<B>(&parts.grid, functions.count());
         let mut skeleton = Skeleton::new(parts, basis, true);
-        skeleton.lifted = moves.then(|| Box::new(Lifted::new(functions.count())));
+        let level = skeleton.parts.filled.is_known();
+        skeleton.lifted = moves.then(|| Box::new(Lifted::new(functions.count(), level)));
         Self { skeleton, pressure, work: Work::default() }
     }
 
