@@ -303,7 +303,9 @@ impl<'a> Bounds<'a> {
         let damping = scene.stages.iter().fold(0.0, |most: f64, stage| most.max(stage.damping));
         let moving = scene.mixture_density() * (2.0 * self.speed + damping * scene.height) * self.state.max_speed;
         let by_place = weight * (0.5 * scene.cell + 4.0 * self.row);
-        let allowed = by_place + moving + (self.strain + self.round_off) * self.stress;
+        // Particles' own volumes are right while the surface stays within a fifth of a cell.
+        let strain = if knows_volumes(scene) { self.strain } else { self.strain.min(0.2 * scene.cell / scene.height) };
+        let allowed = by_place + moving + (strain + self.round_off) * self.stress;
         Some(Balance { ledger: "stress", gap, allowed, unit: "Pa" })
     }
 
