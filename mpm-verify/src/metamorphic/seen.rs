@@ -212,8 +212,8 @@ impl Sizes {
 ///
 /// A step is off by half a unit in the last place of each sum it makes: over the particles around a node, and of places,
 /// which are known to a share of the whole mesh where a step looks at them in cells. A step within its stability limit
-/// makes no error larger, so that they add up. A semi-implicit step may be longer than the limit of its skeleton: its
-/// pressures take back what they were too large by, but for the last place, `M K dt^2/rho` with `K = 4/L^2`.
+/// makes no error larger, so that they add up. A semi-implicit step may be longer than the limit of its skeleton: pressures
+/// take back what its velocities were too large by, but for the last place, `(M + Q) K dt^2/rho` with `K = 4/L^2`.
 /// Quasi-static steps follow from a tolerance, of which runs are sound to a tenfold.
 pub fn round_off(scene: &Scene, steps: u64, dt: f64) -> f64 {
     if scene.integrator == Integrator::QuasiStatic {
@@ -222,7 +222,8 @@ pub fn round_off(scene: &Scene, steps: u64, dt: f64) -> f64 {
     let cells = scene.cells[0] + scene.cells[1] + scene.headroom_cells + scene.sideroom_cells;
     let terms = (4 * scene.particles_per_cell + cells) as f64;
     let long = if scene.integrator == Integrator::SemiImplicit {
-        let rate = scene.oedometer_modulus() / scene.mixture_density();
+        let water = if scene.pore_stiffness().is_finite() { scene.pore_stiffness() } else { 0.0 };
+        let rate = (scene.oedometer_modulus() + water) / scene.mixture_density();
         1.0 + 4.0 * rate * (dt / scene.cell).powi(2)
     } else {
         1.0

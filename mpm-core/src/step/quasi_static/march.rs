@@ -112,11 +112,15 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
             }
             tries -= 1;
             let Some(Method::Sdirk { step, .. }) = &self.method else { return Err(nothing()) };
-            let (wanted, left) = (*step, end - self.stage_time);
+            // The load has a corner where its ramp ends, which no estimate of an error sees: a step ends there.
+            let ramp = self.scene.surcharge.map_or(0.0, |s| s.ramp_time);
+            let (wanted, to_end, to_corner) = (*step, end - self.stage_time, ramp - self.time);
+            let corner = to_corner > 1e-12 * ramp && to_corner < to_end - 1e-12 * end;
+            let left = if corner { to_corner } else { to_end };
             // Equal steps to the next time, so that none of them is tiny.
             let h = left / (left / wanted - 1e-6).ceil().max(1.0);
             let grown = self.step(h)?;
-            let last = left - h <= 1e-12 * end;
+            let last = !corner && left - h <= 1e-12 * end;
             if grown.accepted {
                 self.stage_time = if last { end } else { self.stage_time + h };
                 *done += 1;
