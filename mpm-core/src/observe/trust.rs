@@ -8,8 +8,8 @@
 //! | dry mass | round-off of a sum over the particles |
 //! | water | round-off; the energy that Darcy's law dissipates over K_w, as mass: flow carries volumes between cells of different density; the strain times what has moved, where soil strains sideways; the second order of a step, `dt/2` times the square of the rate of strain along each direction; one step of it at most; quasi-static the tolerance, and under large strain half a row of particles times the strain |
 //! | momentum | round-off of as many steps; what water that is taken away falls with |
-//! | energy | `omega dt (1 + ln rows)` of what may swing, the first order of a step over the waves that a load excites, omega being the lowest frequency of the column (their energies fall as 1/omega^2): of all work in dry soil, of what is stored undrained in wet soil; `dt` times the power of the stress on the fastest particle; `c dt/2` of what a damping c has taken; what the cell at a sudden drain holds; what a sudden load stores undrained (semi-implicit) or half its work (quasi-static), where it is not followed in time; p/K_w; half a row of particles as above; the tolerance of a quasi-static run |
-//! | stress | vertical total stress against load and weight above, in level soil between rollers: half a cell's weight, the stress of a wave of the fastest particle, the strain times the stress; two rows of particles where they have crossed; judged once a drained wave has passed the soil four times |
+//! | energy | `omega dt (1 + ln rows)` of what may swing, the first order of a step over the waves that a load excites, omega being the lowest frequency of the column (their energies fall as 1/omega^2): of all work in dry soil, of what is stored undrained in wet soil; `dt` times the power of the stress on the fastest particle; `c dt/2` of what a damping c has taken; what a cell at a sudden drain holds, or the squares of the changes of strain in steps near their limit; what a sudden load stores undrained (semi-implicit) or half its work (quasi-static), where it is not followed in time; p/K_w; half a row of particles by which soil has moved, a cell where water fills it in part; the tolerance of a quasi-static run |
+//! | stress | vertical total stress against load and weight above, in level soil between rollers: half a cell's weight, the stress of a wave of the fastest particle, the strain, or half a percent, times the stress; two rows of particles where they have crossed; judged once a drained wave has passed the soil four times |
 //! | settlement | of level soil under large strain, against the sum of the strains of its particles: a hundredth of its largest |
 
 use serde::Serialize;
@@ -20,6 +20,9 @@ use crate::scene::{Clock, Dimension, Integrator, LoadOn, Scene, Side, SolidSide,
 
 /// Settlement may differ from what the strains add up to by this share of its largest: what is promised of a settlement.
 const MOST_APART: f64 = 0.01;
+
+/// Stress may differ by this share of that under load and weight: of a wave that turns no speed tells.
+const TURNING: f64 = 0.005;
 
 /// One balance at one time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -121,6 +124,10 @@ struct Bounds<'a> {
     row: f64,
     /// Undrained wave speed, m/s.
     speed: f64,
+    /// Oedometer modulus of the softest layer, Pa.
+    softest: f64,
+    /// Coefficient of consolidation of the quickest layer, m2/s.
+    quickest: f64,
 }
 
 impl<'a> Bounds<'a> {
@@ -129,6 +136,12 @@ impl<'a> Bounds<'a> {
         let weight = scene.gravity.unwrap_or(0.0) * scene.mixture_density() * scene.height;
         let moved = ledger.external_work_j.abs() / (scene.height * scene.width * scene.oedometer_modulus());
         let (stress, modulus) = (load + weight, scene.oedometer_modulus());
+        let layers = scene.by_layer();
+        let of_layers = layers.iter().map(|(_, soil)| {
+            let modulus = soil.oedometer_modulus();
+            (modulus, soil.water.map_or(0.0, |water| water.mobility() * modulus))
+        });
+        let (softest, quickest) = of_layers.fold((modulus, 0.0_f64), |(m, c), (own, c_v)| (m.min(own), c.max(c_v)));
         let water = scene.pore_stiffness();
         let water = if water.is_finite() { water } else { 0.0 };
         Self {
@@ -138,13 +151,15 @@ impl<'a> Bounds<'a> {
             round_off: f64::EPSILON * (scene.solid_particles() as f64 + 4.0 * steps as f64),
             stress,
             compression: scene.water.map_or(0.0, |w| stress / w.bulk_modulus),
-            strain: (stress / modulus).max(state.settlement.abs() / scene.height).max(moved.sqrt()),
+            strain: (stress / softest).max(state.settlement.abs() / scene.height).max(moved.sqrt()),
             row: (0.5 * scene.spacing()).min(state.settlement.abs().max(if state.solid_crossings > 0 {
                 scene.height
             } else {
                 0.0
             })),
             speed: ((modulus + water) / scene.mixture_density()).sqrt(),
+            softest,
+            quickest,
         }
     }
 
@@ -244,11 +259,14 @@ impl<'a> Bounds<'a> {
         };
         let frequency = 0.5 * std::f64::consts::PI * resolved / self.scene.height;
         let waves = frequency * self.dt * (1.0 + rows.ln());
-        let mut share = self.compression + self.row / self.scene.height + self.round_off;
+        // Water in cells that soil fills in part is counted as if it filled them.
+        let wet = self.scene.water.is_some() && !knows_volumes(self.scene) && self.state.solid_crossings > 0;
+        let row = if wet { self.scene.cell } else { self.row };
+        let mut share = self.compression + row / self.scene.height + self.round_off;
         // What load and weight store in soil that has not drained yet: at first no more has been spent.
         let soil = l.solid_mass_kg / self.scene.dry_density();
         let stored = |modulus: f64| 0.5 * self.stress * self.stress / modulus * soil;
-        let drained = stored(self.scene.oedometer_modulus());
+        let drained = stored(self.softest);
         // Soil that is free sideways shears without draining.
         let confined = self.speed * self.speed * self.scene.mixture_density();
         let shear = 4.0 * self.scene.elastic.shear_modulus();
@@ -259,7 +277,12 @@ impl<'a> Bounds<'a> {
         let moving = (self.stress + l.strain_j.max(0.0) / soil) * soil / self.scene.height * speed;
         let mut sudden = self.dt * moving + 0.5 * damping * self.dt * l.damping_loss_j;
         if self.scene.water.is_some() {
-            sudden += drained / rows;
+            // The soil's own stress is that before the step: `M/2` times the square of every change of strain. After a sudden
+            // drain each mode of the mesh changes by factors 1 - x, and its squares add up to x/(2 - x), x at most 4 c_v dt/L^2.
+            let cell = self.scene.cell;
+            let of_limit = (2.0 * self.quickest * self.dt / (cell * cell)).min(0.99);
+            let front = 0.5 * of_limit * cell / (1.0 - of_limit).sqrt();
+            sudden += drained * cell.max(front) / self.scene.height;
         }
         match self.scene.integrator {
             Integrator::SemiImplicit => sudden += 0.5 * l.external_work_j.abs().min(2.0 * undrained),
@@ -305,7 +328,7 @@ impl<'a> Bounds<'a> {
         let by_place = weight * (0.5 * scene.cell + 4.0 * self.row);
         // Particles' own volumes are right while the surface stays within a fifth of a cell.
         let strain = if knows_volumes(scene) { self.strain } else { self.strain.min(0.2 * scene.cell / scene.height) };
-        let allowed = by_place + moving + (strain + self.round_off) * self.stress;
+        let allowed = by_place + moving + strain.max(TURNING) * self.stress;
         Some(Balance { ledger: "stress", gap, allowed, unit: "Pa" })
     }
 

@@ -16,6 +16,7 @@ use crate::scene::{Clock, Stage};
 use crate::shape::Shape;
 use crate::step::track::Track;
 use crate::water::Carried;
+use crate::water::Water;
 use crate::water::free_surface::Kind;
 
 /// First step of a seepage stage as a share of its length.
@@ -42,6 +43,8 @@ pub struct TwoClocks<K, Sh, L, const D: usize, const S: usize> {
     next: f64,
     /// What is left of the time that the water was to seep, s: it was asked for at once, and is done in parts.
     left: f64,
+    /// Mobile water at t = 0, m3.
+    first: f64,
     work: Work,
 }
 
@@ -53,7 +56,8 @@ where
 {
     /// A run at t = 0.
     pub fn new(mut soil: Explicit<K, Sh, L, Carried<D>, D, S>) -> Self {
-        Self { law: soil.parts().law, soil, clock: Clock::Seepage, next: 0.0, left: 0.0, work: Work::default() }
+        let (law, first) = (soil.parts().law, soil.water().stored());
+        Self { law, soil, clock: Clock::Seepage, next: 0.0, left: 0.0, first, work: Work::default() }
     }
 
     /// Takes the water along to where the soil stands now.
@@ -217,8 +221,11 @@ where
         state
     }
 
+    /// Water is counted in the cells that carry it: the particles of soil clipped by an outline may lie in the next one.
     fn ledger(&self) -> Ledger {
-        self.soil.ledger()
+        let (water, ledger) = (self.soil.water(), self.soil.ledger());
+        let moved = water.stored() - self.first - water.water.inflow + water.water.outflow;
+        Ledger { water_closing_kg: Water::<K, D, S>::density(water) * moved, ..ledger }
     }
 
     fn pore_pressure(&self) -> [f64; 3] {
@@ -257,6 +264,7 @@ where
         self.clock = [Clock::Seepage, Clock::Soil, Clock::Both][clock.min(2) as usize];
         keeper.f64(&mut self.next);
         keeper.f64(&mut self.left);
+        keeper.f64(&mut self.first);
         self.work.keep(keeper);
     }
 }

@@ -47,7 +47,7 @@ const SAFETY: f64 = 0.3;
 fn climb(left: f64, required_error: f64, fault: fn(&mut Scene)) -> Result<Outcome, String> {
     let mut base = column(left)?;
     (base.integrator, base.method, base.step) = (Integrator::SemiImplicit, TimeMethod::Auto, StepChoice::Auto);
-    (base.shape, base.safety) = (ShapeChoice::Bspline2, SAFETY);
+    (base.shape, base.safety) = (ShapeChoice::Centre, SAFETY);
     (base.porosity, base.particles_per_cell) = (0.6, 9);
     let exact = LargeStrain::new(&base).ok_or("not a column of the tables")?;
     let late = LATE_TV * base.time_per_factor().ok_or("the scene is dry")?;

@@ -187,7 +187,7 @@ fn quasi_static(fault: fn(&mut Scene)) -> Result<Outcome, String> {
     base.stages[0].until = Until::Time(WINDOW[1] * one);
     fault(&mut base);
     let rise = |scene: &Scene| Rise::of(&finished(scene)?, &exact, 0.0).ok_or_else(missing);
-    let scenes = [4, 8, 12, 16].map(|side| mandel::on(&base, side));
+    let scenes = [8, 12, 16, 20].map(|side| mandel::on(&base, side));
     let outcome = judged(&scenes, rise, [1e-4, 2e-4], [[3.0, 6.0]; 2])?;
     let under = |tolerance: f64| rise(&Scene { tolerance, ..mandel::on(&base, 8) });
     let finest = under(1e-9)?;
