@@ -25,6 +25,8 @@ use crate::space::Deformation;
 const MOST: usize = 60;
 /// A direction that is this small beside the one it came from is round-off.
 const BREAKDOWN: f64 = 1e-13;
+/// The slowest fall of the changes that is believed.
+const SLOWEST: f64 = 0.9;
 
 /// The evolution of a linear scene under a constant load.
 #[derive(Debug)]
@@ -36,7 +38,7 @@ pub(super) struct Krylov {
     size: f64,
     gamma: f64,
     ritz: Ritz,
-    /// Change of the state by the last basis vector, at the time where it is largest: relative to the settlement, and of
+    /// What further basis vectors would change of the state, at the time where it is largest: relative to the settlement, and of
     /// the pressure in the norm of A.
     pub estimate: f64,
 }
@@ -163,6 +165,7 @@ impl Krylov {
         let mut tridiagonal: Vec<[f64; 2]> = Vec::new();
         let mut settled: Vec<f64> = Vec::new();
         let mut before: Vec<Vec<f64>> = Vec::new();
+        let mut changed = f64::INFINITY;
         let mut length = dot(&direction, &product).max(0.0).sqrt();
         self.size = length;
         let first_settled = goal.settlement(&self.first);
@@ -202,7 +205,7 @@ impl Krylov {
             }
             self.ritz = Ritz::new(&tridiagonal);
             let now: Vec<Vec<f64>> = times.iter().map(|t| self.ritz.apply(|mu| gap(mu, t / self.gamma))).collect();
-            self.estimate = if before.is_empty() {
+            let change = if before.is_empty() {
                 f64::INFINITY
             } else {
                 let change = |(now, before): (&Vec<f64>, &Vec<f64>)| {
@@ -215,6 +218,10 @@ impl Krylov {
                 };
                 now.iter().zip(&before).map(change).fold(0.0, f64::max)
             };
+            // Changes that fall by a factor r at a time add up to r/(1 - r) of the last one: more than that where they fall slowly.
+            let falls = if changed.is_finite() { (change / changed).min(SLOWEST) } else { 0.0 };
+            self.estimate = change * f64::max(1.0, falls / (1.0 - falls));
+            changed = change;
             if self.estimate <= goal.tolerance {
                 break;
             }
