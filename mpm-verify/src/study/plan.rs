@@ -139,19 +139,21 @@ impl Plan {
     pub fn left_out(&self) -> Vec<String> {
         let mut notes = Vec::new();
         for family in &self.families {
-            let whole = family.extent == Extent::Whole;
-            for &load in self.loads.iter().filter(|_| whole) {
-                let few = self.particles_per_cell.iter().filter(|n| !family.takes(**n, load));
-                let few: Vec<String> = few.map(ToString::to_string).collect();
-                if !few.is_empty() {
-                    notes.push(format!(
-                        "{} {} is not run with {} particle per cell under a load on the {}: fewer points than unknowns.",
-                        word(family.integrator),
-                        word(family.shape),
-                        few.join(", "),
-                        word(load)
-                    ));
+            for &ppc in self.particles_per_cell.iter().filter(|_| family.extent == Extent::Whole) {
+                let left: Vec<String> = self.loads.iter().filter(|l| !family.takes(ppc, **l)).map(word).collect();
+                if left.is_empty() {
+                    continue;
                 }
+                let under = if left.len() < self.loads.len() {
+                    format!(" under a load on the {}", left[0])
+                } else {
+                    String::new()
+                };
+                notes.push(format!(
+                    "{} {} is not run with {ppc} particle per cell{under}: fewer points than unknowns.",
+                    word(family.integrator),
+                    word(family.shape),
+                ));
             }
         }
         notes

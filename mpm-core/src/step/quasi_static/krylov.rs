@@ -25,8 +25,6 @@ use crate::space::Deformation;
 const MOST: usize = 60;
 /// A direction that is this small beside the one it came from is round-off.
 const BREAKDOWN: f64 = 1e-13;
-/// The slowest fall of the changes that is believed.
-const SLOWEST: f64 = 0.9;
 
 /// The evolution of a linear scene under a constant load.
 #[derive(Debug)]
@@ -38,8 +36,8 @@ pub(super) struct Krylov {
     size: f64,
     gamma: f64,
     ritz: Ritz,
-    /// What further basis vectors would change of the state, at the time where it is largest: relative to the settlement, and of
-    /// the pressure in the norm of A.
+    /// Change of the state by each of the last two basis vectors, at the time where it is largest: relative to the settlement, and
+    /// of the pressure in the norm of A.
     pub estimate: f64,
 }
 
@@ -218,9 +216,8 @@ impl Krylov {
                 };
                 now.iter().zip(&before).map(change).fold(0.0, f64::max)
             };
-            // Changes that fall by a factor r at a time add up to r/(1 - r) of the last one: more than that where they fall slowly.
-            let falls = if changed.is_finite() { (change / changed).min(SLOWEST) } else { 0.0 };
-            self.estimate = change * f64::max(1.0, falls / (1.0 - falls));
+            // One vector may happen to change little: two in a row must.
+            self.estimate = change.max(changed);
             changed = change;
             if self.estimate <= goal.tolerance {
                 break;
