@@ -6,7 +6,7 @@
 //! | balance | may be missing |
 //! |---|---|
 //! | dry mass | round-off of a sum over the particles |
-//! | water | round-off; the energy that Darcy's law dissipates over K_w, as mass: flow carries volumes between cells of different density; the strain times what has moved, where soil strains sideways; the second order of a step, `dt/2` times the square of the rate of strain along each direction; one step of it at most; quasi-static the tolerance, and under large strain half a row of particles times the strain |
+//! | water | round-off; the energy that Darcy's law dissipates over K_w, as mass: flow carries volumes between cells of different density; the strain times what has moved, where soil strains sideways; the second order of a step, `dt/2` times the square of the rate of strain along each direction; one step of it at most; quasi-static p/K_w of what has moved, the tolerance, and under large strain half a row of particles times the strain |
 //! | momentum | round-off of as many steps; what water that is taken away falls with |
 //! | energy | `omega dt (1 + ln rows)` of what may swing, the first order of a step over the waves that a load excites, omega being the lowest frequency of the column (their energies fall as 1/omega^2): of all work in dry soil, of what is stored undrained in wet soil; `dt` times the power of the stress on the fastest particle; `c dt/2` of what a damping c has taken; what a cell at a sudden drain holds, or the squares of the changes of strain in steps near their limit; what a sudden load stores undrained (semi-implicit) or half its work (quasi-static), where it is not followed in time; p/K_w; half a row of particles by which soil has moved, a cell where water fills it in part; the tolerance of a quasi-static run |
 //! | stress | vertical total stress against load and weight above, in level soil between rollers: half a cell's weight, the stress of a wave of the fastest particle, the strain, or half a percent, times the stress; two rows of particles where they have crossed; judged once a drained wave has passed the soil four times |
@@ -203,6 +203,8 @@ impl<'a> Bounds<'a> {
             }
             if self.scene.integrator == Integrator::QuasiStatic {
                 allowed += self.scene.tolerance * (moved + water.density * soil * self.strain);
+                // Of what drains before the first time that is asked for, the dissipation is not known.
+                allowed += self.compression * moved;
                 if self.scene.strain == StrainChoice::Large {
                     // A new mesh takes its pores from the volumes of particles, each as its middle is strained.
                     allowed += water.density * soil * self.strain * self.row / self.scene.height;

@@ -193,9 +193,9 @@ pub fn scene(
         layer
     };
     scene.layers = vec![soil(below, 0.5 * scene.height), soil(above, scene.height)];
-    // Particles that move compare with a small-strain solution under a load that hardly strains the softest layer.
+    // A load that the softest layer bears; particles that move compare with a small-strain solution under one that hardly strains it.
     let softest = if contrast.quantity == Quantity::Stiffness { below.min(above) } else { 1.0 };
-    let light = if quasi_static { 1.0 } else { 0.01 * softest };
+    let light = if quasi_static { softest } else { 0.01 * softest };
     scene.surcharge = scene.surcharge.map(|s| Surcharge { pressure: light * s.pressure, ..s });
     let passage = Layered::of(&scene).ok_or("not a column of layers")?.passage_time();
     scene.observe_times = SHARES.iter().filter(|share| **share <= until).map(|share| share * passage).collect();
