@@ -321,7 +321,7 @@ impl<'a> Drive<'a> {
         result.map_err(|fault| Halt::Fault(self.at.time, fault))?;
         // Few steps lie between two looks: the balances are looked at less often.
         let looks = self.run.steps / STEPS_BETWEEN_LOOKS;
-        if looks % LOOKS_BETWEEN_BALANCES == 0 { self.watch(self.at.time) } else { Ok(()) }
+        if looks.is_multiple_of(LOOKS_BETWEEN_BALANCES) { self.watch(self.at.time) } else { Ok(()) }
     }
 
     fn until_pressure(&mut self, goal: &Goal, dt: f64, attend: &mut dyn Attend) -> Result<f64, Halt> {

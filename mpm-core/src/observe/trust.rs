@@ -82,7 +82,8 @@ impl Trust {
                 if !balance.closes() {
                     since = since.or(Some(state.time));
                 }
-                let beyond = |worst: Balance| !(balance.ratio() <= worst.ratio());
+                // A ratio that is no number is beyond all others.
+                let beyond = |worst: Balance| balance.ratio().is_nan() || balance.ratio() > worst.ratio();
                 if worst.is_none_or(beyond) {
                     worst = Some(balance);
                 }

@@ -109,6 +109,9 @@ pub(super) fn find(count: usize, edge: &dyn Fn(usize) -> [[f64; 2]; 2]) -> Optio
     None
 }
 
-fn pairs(edges: &[Edge], meet: &dyn Fn(&Edge, &Edge) -> Option<(usize, usize)>) -> Option<(usize, usize)> {
+/// Whether and where two edges meet: their numbers.
+type Meet<'a> = dyn Fn(&Edge, &Edge) -> Option<(usize, usize)> + 'a;
+
+fn pairs(edges: &[Edge], meet: &Meet) -> Option<(usize, usize)> {
     edges.iter().enumerate().find_map(|(i, a)| edges[i + 1..].iter().find_map(|b| meet(a, b)))
 }

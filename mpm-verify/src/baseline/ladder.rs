@@ -140,8 +140,8 @@ fn row(climb: &Climb, old: Option<&Accepted>) -> Accepted {
 }
 
 /// Runs whose steps follow from a tolerance are the same up to that: on a processor with shorter vectors the sums of the linear
-/// solver have another order, and `mandel-profile` moved by a seventh of its tolerance. An error below what is left open is
-/// round-off itself, and may be anything that the rung allows.
+/// solver have another order, and a step or a basis vector more may be taken. An error below what is left open is round-off
+/// itself, and may be anything that the rung allows.
 fn floor(error: f64, required: f64, tolerance: f64) -> f64 {
     let solved = SOLVED.max(tolerance);
     if error <= SOLVED { required.max(solved) } else { solved }

@@ -54,7 +54,7 @@ impl Bar {
         let mode = |j: u32| {
             let number = f64::from(2 * j + 1);
             let wave = 0.5 * number * PI / self.height * self.speed;
-            let sign = if j % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if j.is_multiple_of(2) { 1.0 } else { -1.0 };
             let [load, weight] = [8.0 / (number * PI).powi(2), sign * 32.0 / (number * PI).powi(3)];
             let grown = match self.ramp > 0.0 {
                 true => (self.swung(wave, time, true) - self.swung(wave, time - self.ramp, true)) / self.ramp,

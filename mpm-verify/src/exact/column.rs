@@ -445,7 +445,7 @@ impl Mesh {
                     return None;
                 }
             }
-            if scene.observe_times.iter().any(|time| *time == stop) {
+            if scene.observe_times.contains(&stop) {
                 let settled: f64 = self.cells.iter().zip(&j).map(|(cell, j)| cell.size * (1.0 - j)).sum();
                 settlements.push(scene.first_settlement() + settled);
                 pressures.push(self.pressures(&j, stop));

@@ -42,10 +42,10 @@ impl Trust {
             ];
             for (ledger, gap, allowed) in balances {
                 // A gap that is not a number does not close.
-                if !(gap <= allowed) {
+                if gap.is_nan() || gap > allowed {
                     since = since.or(Some(3600.0 * row.time_h));
                 }
-                if worst.is_none_or(|(_, most, of)| !(gap / allowed <= most / of)) {
+                if worst.is_none_or(|(_, most, of)| gap.is_nan() || gap / allowed > most / of) {
                     worst = Some((ledger, gap, allowed));
                 }
             }

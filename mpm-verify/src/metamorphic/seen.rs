@@ -135,7 +135,7 @@ impl Apart {
 
     /// Whether the two are further apart than allowed; what is not a number is.
     pub fn too_far(&self) -> bool {
-        !(self.ratio <= 1.0)
+        self.ratio.is_nan() || self.ratio > 1.0
     }
 
     /// The larger of two differences.

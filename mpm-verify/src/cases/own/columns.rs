@@ -178,7 +178,7 @@ fn from(scene: &Scene) -> Result<f64, String> {
     let share = |time: f64| 0.25 * 0.5 * scene.height * scene.mixture_density() * fastest / time.powf(1.5);
     let times = || scene.observe_times.iter().copied().filter(|time| *time > 0.0);
     times().find(|time| share(*time) <= INERTIA).ok_or_else(|| {
-        let last = times().last().unwrap_or(f64::NAN);
+        let last = times().next_back().unwrap_or(f64::NAN);
         inertia_shows(share(last), last)
     })
 }

@@ -19,7 +19,7 @@ use self::applies::Solution;
 use super::evidence::{PARTICLES, Refinement, STEP, TOLERANCE};
 use super::looks::{Look, Looks};
 use super::verdict::{Climb, Outcome, judge};
-use super::{Rung, block, boussinesq, finished, infinite_slope, integrator, mandel, scheme, wetting, with_rows};
+use super::{Rung, asked, block, boussinesq, finished, infinite_slope, integrator, mandel, scheme, wetting, with_rows};
 use crate::norms::worst;
 
 /// Largest error where it falls on refinement: 1 % cannot pass.
@@ -120,6 +120,7 @@ impl OwnScene {
         let name = |looks: &Looks| format!("{}, largest error on the finest mesh", looks.quantity);
         Ok(Outcome {
             integrator: integrator(&self.scene),
+            tolerance: asked(&self.scene),
             scheme: scheme(&self.scene),
             required_error: self.allowed(&errors),
             required_order: self.order(&errors),
@@ -144,6 +145,7 @@ impl OwnScene {
         };
         Ok(Outcome {
             integrator: integrator(&self.scene),
+            tolerance: asked(&self.scene),
             scheme: scheme(&self.scene),
             errors: self.rows.iter().map(found).collect::<Result<_, String>>()?,
             required_error: FALLING,

@@ -118,7 +118,8 @@ fn a_sound_scene_passes_and_a_wrong_run_fails() {
 #[test]
 fn an_error_of_one_percent_cannot_pass() {
     let own = OwnScene::new(&built_in("terzaghi-quasi-static"), &[8, 11, 16, 22]).expect("it applies");
-    let faults: [(&str, fn(&mut Scene)); 4] = [
+    type Fault = fn(&mut Scene);
+    let faults: [(&str, Fault); 4] = [
         ("stiffness", |s| s.elastic.youngs_modulus *= 1.01),
         ("load", |s| s.surcharge = s.surcharge.map(|l| Surcharge { pressure: 1.01 * l.pressure, ..l })),
         ("conductivity", |s| {
