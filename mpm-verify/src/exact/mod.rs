@@ -1,6 +1,6 @@
 //! Exact solutions, one per file, each with its assumptions and its own tests against independent tables.
 //!
-//! Consolidation: [`column`] (all of it in one dimension, to 1e-6), in closed form [`terzaghi`], [`layered`], [`large_strain`], [`mandel`], [`strip`], [`dynamic`], [`damped_column`]; on a mesh: [`semidiscrete`]. Seepage with
+//! Consolidation: [`mod@column`] (all of it in one dimension, to 1e-6), in closed form [`terzaghi`], [`layered`], [`large_strain`], [`mandel`], [`strip`], [`dynamic`], [`damped_column`]; on a mesh: [`semidiscrete`]. Seepage with
 //! a free surface: [`wetting_front`], [`dam`], [`boussinesq`]. Stability: [`infinite_slope`], [`slip_circle`]; sliding: [`sliding`], [`slab`].
 //! Plasticity: [`oedometer`]. What they are computed with: [`root`], [`simplex`], [`quadrature`], [`elliptic`].
 
