@@ -160,7 +160,7 @@ fn check_ends_with_zero_when_every_case_holds() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let ladder = std::fs::read_to_string(folder.path().join("reports/ladder/ladder.csv")).expect("a ladder");
     let header = "rung,integrator,scheme,error,required_error,order,order_low,order_high,required_order,verdict,cpu_s,\
-                  reason,asymptotic,baseline,baseline_kind,change";
+                  reason,asymptotic,baseline,baseline_kind,change,tolerance";
     assert_eq!(ladder.lines().next(), Some(header));
     assert_eq!(ladder.lines().count(), 4);
     for file in [
