@@ -10,7 +10,7 @@ use super::evidence::RUNS;
 use super::{Mutant, Outcome, Rung, finished};
 use crate::norms::largest;
 
-/// The rung.
+/// The case.
 pub const RUNG: Rung = Rung {
     name: "automatic-step",
     about: "the automatic explicit step of dry and of closed columns over the limit of the shortest wave times its safety",

@@ -10,7 +10,7 @@ use super::looks::{Look, Looks, in_time};
 use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound, with_rows};
 use crate::exact::damped_column::DampedColumn;
 
-/// The rung.
+/// The case.
 pub const RUNG: Rung = Rung {
     name: "damped-column",
     about: "a closed column that settles against damping, implicit pressure: settlement, order 1 in the step",

@@ -9,7 +9,7 @@ use crate::exact::slip_circle::water::Phreatic;
 use crate::exact::slip_circle::{Circle, Limits, Section};
 use crate::norms::largest;
 
-/// The rung.
+/// The case.
 pub const RUNG: Rung = Rung {
     name: "limit-equilibrium",
     about: "slip circles (Bishop, Spencer) against Taylor's stability numbers and infinite slopes with seepage: factors",

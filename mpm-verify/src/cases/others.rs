@@ -15,7 +15,7 @@ use serde::Deserialize;
 use super::evidence::{RUNS, Sampled};
 use super::{FASTER, Mutant, Outcome, Rung, faster, sound};
 
-/// The rung.
+/// The case.
 pub const RUNG: Rung = Rung {
     name: "others",
     about: "scenes of others: right to a stated figure, refused, or ended with the reason; the share that is none of these",

@@ -14,7 +14,7 @@ use super::evidence::RUNS;
 use super::{Mutant, Outcome, Rung};
 use crate::norms::largest;
 
-/// The rung.
+/// The case.
 pub const RUNG: Rung = Rung {
     name: "reduced-strength",
     about: "strength reduction by 1.5 and 3 against scenes with the reduced strength of soil and base: how apart they slide",
