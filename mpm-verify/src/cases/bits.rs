@@ -159,7 +159,7 @@ fn again(off: f64) -> Result<Outcome, String> {
 
 /// Stops a run at its next look.
 #[derive(Default)]
-struct Stop(Option<Vec<u8>>);
+pub(super) struct Stop(Option<Vec<u8>>);
 
 impl Attend for Stop {
     fn look(&mut self, _: f64) -> Wish {

@@ -6,12 +6,14 @@
 use std::collections::BTreeMap;
 
 use mpm_core::drive::{Alone, Drive, Run, Sample};
+use mpm_core::hardware::Hardware;
 use mpm_core::observe::FieldPoint;
-use mpm_core::run::{model, run};
+use mpm_core::run::{model, run, run_attended};
 use mpm_core::scene::Scene;
 use mpm_core::stability::choose_step;
 use serde::Deserialize;
 
+use super::bits::Stop;
 use super::evidence::{RUNS, Sampled};
 use super::{FASTER, Mutant, Outcome, Rung, faster, sound};
 
@@ -103,8 +105,9 @@ enum Found {
     Finished(Box<Run>),
 }
 
-/// Runs a scene as `solve` does.
-fn found(name: &str, how: How, fault: fn(&mut Scene)) -> Found {
+/// Runs the scene of a row as `solve` does. One that must be refused is not followed if it is not: it may take for ever.
+fn found(row: &Row, fault: fn(&mut Scene)) -> Found {
+    let (name, how) = (row.scene.as_str(), row.how);
     let text = SCENES.iter().find(|(own, _)| *own == name).map_or("", |(_, text)| text);
     let mut scene = match Scene::parse(text, &format!("{name}.toml")) {
         Ok(scene) => scene,
@@ -112,6 +115,9 @@ fn found(name: &str, how: How, fault: fn(&mut Scene)) -> Found {
     };
     fault(&mut scene);
     let run = match how {
+        How::Plain if row.outcome == End::Refused => {
+            run_attended(&Hardware::default(), &scene, None, &mut Stop::default()).map_err(|e| e.to_string())
+        }
         How::Plain => run(&scene, &mut |_| {}).map_err(|e| e.to_string()),
         How::PastTheEstimate => past_the_estimate(&scene),
     };
@@ -159,6 +165,7 @@ fn judged(row: &Row, found: &Found) -> Result<Option<Sampled>, String> {
         }
         (_, Found::Refused(said)) => Err(format!("refused: {said}")),
         (_, Found::Ended(said)) => Err(format!("ended: {said}")),
+        (End::Refused, Found::Finished(_)) => Err("not refused".to_owned()),
         (_, Found::Finished(_)) => Err("went to its end".to_owned()),
     }
 }
@@ -200,7 +207,7 @@ fn climb(of: fn(&Row) -> bool, fault: fn(&mut Scene)) -> Result<Outcome, String>
     let mut runs = BTreeMap::new();
     let (mut wrong, mut samples, mut counts) = (Vec::new(), Vec::new(), BTreeMap::new());
     for row in &rows {
-        let found = runs.entry((row.scene.as_str(), row.how)).or_insert_with(|| found(&row.scene, row.how, fault));
+        let found = runs.entry((row.scene.as_str(), row.how)).or_insert_with(|| found(row, fault));
         match judged(row, found) {
             Ok(sampled) => {
                 *counts.entry(format!("{:?}", row.outcome).to_lowercase()).or_insert(0.0) += 1.0;
