@@ -165,6 +165,10 @@ const QUASI_STATIC_CASES: &[(&str, Edits)] = &[
     ),
     ("strip in a column", &[STRIP]),
     ("strip under a plate", &[PLANE, ("on = \"surface\"", "on = \"plate\"\nstrip = { from = 0.0, to = 0.04 }")]),
+    (
+        "a plate that a fixed side holds",
+        &[PLANE, ("on = \"surface\"", "on = \"plate\""), ("left = \"roller\"", "left = \"fixed\"")],
+    ),
     ("strip in equilibrium", &[PLANE, STRIP]),
     ("strip that starts outside", &[PLANE, ("on = \"surface\"", "strip = { from = 0.1, to = 0.2 }")]),
     ("strip that ends outside", &[PLANE, ("on = \"surface\"", "strip = { from = 0.0, to = 0.2 }")]),

@@ -43,7 +43,7 @@ fn names_are_what_the_page_says() {
 #[test]
 fn a_plate_goes_with_what_the_page_says() {
     let page = bounds("`[surcharge]` (optional)", "on");
-    assert!(page.ends_with("; `\"plate\"` without `strip`, and but for `\"quasi-static\"` without headroom, sideroom and a free surface"), "{page}");
+    assert!(page.ends_with("; `\"plate\"` without `strip`, and but for `\"quasi-static\"` without headroom, sideroom and a free surface; in plane strain between sides that are not fixed"), "{page}");
     let plate = COLUMN.replace("on = \"surface\"", "on = \"plate\"");
     let scene = |text: &str, integrator: &str| {
         let flags = Flags { integrator: Some(integrator.to_owned()), ..Flags::default() };
@@ -53,11 +53,14 @@ fn a_plate_goes_with_what_the_page_says() {
     let plane = plate.replace("dimension = \"column\"", "dimension = \"plane-strain\"");
     let strip = plane.replace("on = \"plate\"", "on = \"plate\"\nstrip = { from = 0.0, to = 0.02 }");
     let strip = strip.replace("\"undrained-equilibrium\"", "\"unloaded\"");
-    assert!(roomy != plate && plane != plate && strip != plane);
+    let fixed = plane.replace("left = \"roller\"", "left = \"fixed\"");
+    assert!(roomy != plate && plane != plate && strip != plane && fixed != plane);
     for integrator in ["explicit", "semi-implicit", "quasi-static"] {
         assert_eq!(scene(&plate, integrator).ok(), Some(LoadOn::Plate), "{integrator}");
         let refused = scene(&strip, integrator).expect_err("refused").to_string();
         assert!(refused.contains("surcharge.strip"), "{integrator}: {refused}");
+        let refused = scene(&fixed, integrator).expect_err("refused").to_string();
+        assert!(refused.contains("surcharge.on"), "{integrator}: {refused}");
         match scene(&roomy, integrator) {
             Ok(on) => assert_eq!((on, integrator), (LoadOn::Plate, "quasi-static")),
             Err(refused) => assert!(refused.to_string().contains("surcharge.on"), "{integrator}: {refused}"),

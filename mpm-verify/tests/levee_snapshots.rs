@@ -28,6 +28,8 @@ const LENGTH: Rounding = (1e-3, 3);
 /// Where soil comes to rest.
 const END: Rounding = (1e-2, 2);
 const VOLUME: Rounding = (1e-4, 4);
+/// The end of a slide that creeps, s.
+const CREEP: Rounding = (1.0, 0);
 /// Displacements of soil that stands, m.
 const SMALL: Rounding = (1e-6, 6);
 const SPEED: Rounding = (1e-2, 2);
@@ -96,7 +98,7 @@ fn values(scene: &Scene) -> Vec<Value> {
     let after = |hours: f64| (hours - e2) * 3600.0;
     note("E2 - E1 (s)".to_owned(), events.raveling_h.map(|e1| -after(e1)), SECOND);
     note("E3 - E2 (s)".to_owned(), events.collapse_h.map(after), SECOND);
-    note("end - E2 (s)".to_owned(), Some(after(last.time_h)), SECOND);
+    note("end - E2 (s)".to_owned(), Some(after(last.time_h)), CREEP);
     for seconds in AFTER {
         let found = at(&driver.rows, e2 + seconds / 3600.0);
         let names = ["largest displacement (m)", "toe (m)", "crest settlement (m)", "fastest (m/s)"];

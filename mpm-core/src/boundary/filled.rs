@@ -26,6 +26,8 @@ pub struct Filled<const D: usize> {
     tops: Vec<Top>,
     /// Whether the surface is held where it was, so that the cells below it are full: under a plate, or a held top.
     held: bool,
+    /// Whether the surface alone says how much soil there is: it is level and free.
+    level: bool,
 }
 
 /// Round-off of a sum over the particles of a cell.
@@ -67,11 +69,13 @@ impl<const D: usize> Filled<D> {
         let top_is_free = scene.solid_sides[Side::Top as usize] == SolidSide::Free;
         let across: usize = grid.cells[..D - 1].iter().product();
         let plate = scene.surcharge.is_some_and(|load| load.on == LoadOn::Plate);
+        let held = plate || !top_is_free;
         Self {
             volumes: vec![0.0; grid.cell_count()],
             full,
             tops: vec![Top::default(); across],
-            held: plate || !top_is_free,
+            held,
+            level: !held && scene.is_one_dimensional(),
         }
     }
 
@@ -99,6 +103,12 @@ impl<const D: usize> Filled<D> {
             Some(&volume) if volume > 0.0 && (volume - of_particles).abs() > ROUND_OFF * volume => volume,
             _ => of_particles,
         }
+    }
+
+    /// Soil in a cell as the balances count it: under a surface that is held, or bends between its particles, their strain alone
+    /// says how much there is.
+    pub fn counted(&self, cell: usize, of_particles: f64) -> f64 {
+        if self.level { self.volume(cell, of_particles) } else { of_particles }
     }
 
     /// Finds the surface again after the particles have moved; `carrier` knows place (m) and volume (m3) of the particle below

@@ -6,10 +6,10 @@
 //! | balance | may be missing |
 //! |---|---|
 //! | dry mass | round-off of a sum over the particles |
-//! | water | round-off; the energy that Darcy's law dissipates over K_w, as mass: flow carries volumes between cells of different density; the strain times what has moved, where soil strains sideways; the second order of a step, `dt/2` times the square of the rate of strain along each direction; one step of it at most; quasi-static p/K_w of what has moved, the tolerance, and under large strain half a row of particles times the strain |
-//! | momentum | round-off of as many steps; what water that is taken away falls with |
+//! | water | round-off; the energy that Darcy's law dissipates over K_w, as mass: flow carries volumes between cells of different density; the strain times what has moved, where soil strains sideways; under a plate the square of the strain; the second order of a step, `dt/2` times the square of the rate of strain along each direction; one step of it at most; what semi-implicit pressures leave of the strain; quasi-static p/K_w of what has moved, the tolerance, and under large strain half a row of particles times the strain |
+//! | momentum | round-off of as many steps and rows; what water that is taken away falls with |
 //! | energy | `omega dt (1 + ln rows)` of what may swing, the first order of a step over the waves that a load excites, omega being the lowest frequency of the column (their energies fall as 1/omega^2): of all work in dry soil, of what is stored undrained in wet soil; `dt` times the power of the stress on the fastest particle; `c dt/2` of what a damping c has taken; what a cell at a sudden drain holds, or the squares of the changes of strain in steps near their limit; what a sudden load stores undrained (semi-implicit) or half its work (quasi-static), where it is not followed in time; p/K_w; half a row of particles by which soil has moved, a cell where water fills it in part; the tolerance of a quasi-static run |
-//! | stress | vertical total stress against load and weight above, in level soil between rollers: half a cell's weight, the stress of a wave of the fastest particle, the strain, or half a percent, times the stress; two rows of particles where they have crossed; judged once a drained wave has passed the soil four times |
+//! | stress | vertical total stress against load and weight above, in level soil between rollers: half a cell's weight, the stress of a wave of the fastest particle, what damping and flow have left of the lowest wave of a sudden load, the strain, or half a percent, times the stress; two rows of particles where they have crossed; judged once a drained wave has passed the soil four times |
 //! | settlement | of level soil under large strain, against the sum of the strains of its particles: a hundredth of its largest |
 
 use serde::Serialize;
@@ -21,7 +21,7 @@ use crate::scene::{Clock, Dimension, Integrator, LoadOn, Scene, Side, SolidSide,
 /// Settlement may differ from what the strains add up to by this share of its largest: what is promised of a settlement.
 const MOST_APART: f64 = 0.01;
 
-/// Stress may differ by this share of that under load and weight: of a wave that turns no speed tells.
+/// Stress may differ by this share of that under load and weight.
 const TURNING: f64 = 0.005;
 
 /// One balance at one time.
@@ -115,6 +115,9 @@ struct Bounds<'a> {
     dt: f64,
     /// Relative round-off of sums over the particles and over the steps.
     round_off: f64,
+    /// What semi-implicit pressures leave of a drained strain, of it: the last digit of what nodes move without them, in every step
+    /// (`stability`).
+    left_by_pressures: f64,
     /// Total stress under load and weight, Pa.
     stress: f64,
     /// p/K_w under it.
@@ -150,6 +153,10 @@ impl<'a> Bounds<'a> {
             state,
             dt: if dt.is_finite() { dt } else { 0.0 },
             round_off: f64::EPSILON * (scene.solid_particles() as f64 + 4.0 * steps as f64),
+            left_by_pressures: f64::EPSILON
+                * (4.0 * modulus / scene.mixture_density())
+                * (dt / scene.cell).powi(2)
+                * (steps + 1) as f64,
             stress,
             compression: scene.water.map_or(0.0, |w| stress / w.bulk_modulus),
             strain: (stress / softest).max(state.settlement.abs() / scene.height).max(moved.sqrt()),
@@ -197,7 +204,14 @@ impl<'a> Bounds<'a> {
                 allowed += self.strain * moved;
             }
             allowed += water.density * soil * second_order / self.scene.porosity;
+            if self.scene.integrator == Integrator::SemiImplicit {
+                allowed += water.density * soil * self.strain * self.left_by_pressures;
+            }
             allowed += water.density * soil * self.compression * self.compression;
+            if self.scene.surcharge.is_some_and(|load| load.on == LoadOn::Plate) {
+                // Cells under a plate are strained as if they stayed as large as they were.
+                allowed += water.density * soil * self.strain * self.strain;
+            }
             if !knows_volumes(self.scene) {
                 // Particles' volumes leave gaps in cells that are full of soil, by the strain.
                 allowed += self.strain * (moved + water.density * soil * self.strain);
@@ -221,7 +235,9 @@ impl<'a> Bounds<'a> {
         }
         let mass = ledger.solid_mass_kg + ledger.water_stored_kg;
         let area = ledger.solid_mass_kg / (self.scene.dry_density() * self.scene.height);
-        let given = self.stress * area * self.state.time + mass * self.velocity();
+        // Every row of nodes takes the stress below it and above.
+        let rows = self.scene.cells[1] as f64;
+        let given = self.stress * area * self.state.time * rows + mass * self.velocity();
         // Water that is taken away goes with the speed of its soil, at most that of a fall.
         let fall = (2.0 * self.scene.gravity.unwrap_or(0.0) * self.scene.height).sqrt() + self.velocity();
         let removed = ledger.water_particles_removed_kg * fall;
@@ -292,7 +308,7 @@ impl<'a> Bounds<'a> {
             Integrator::QuasiStatic => {
                 share += 10.0 * self.scene.tolerance;
                 // What drains before the first time that is asked for, a permeable layer for one, is known only when it has.
-                sudden += 0.5 * l.external_work_j.abs();
+                sudden += 0.5 * (l.external_work_j.abs() + l.gravity_work_j.abs());
             }
             _ => {}
         }
@@ -331,8 +347,30 @@ impl<'a> Bounds<'a> {
         let by_place = weight * (0.5 * scene.cell + 4.0 * self.row);
         // Particles' own volumes are right while the surface stays within a fifth of a cell.
         let strain = if knows_volumes(scene) { self.strain } else { self.strain.min(0.2 * scene.cell / scene.height) };
-        let allowed = by_place + moving + strain.max(TURNING) * self.stress;
+        let allowed = by_place + moving + strain.max(TURNING) * self.stress + self.swings(damping);
         Some(Balance { ledger: "stress", gap, allowed, unit: "Pa" })
+    }
+
+    /// Stress that the lowest wave of a sudden load still has where it turns and no speed tells of it, Pa.
+    ///
+    /// Its frequency is `omega = pi c/(2 H)`. Water that flows a wave length damps it: the modulus `M + Q i omega/(i omega + r)`
+    /// with `Q = K_w/n` and `r = (k/gamma_w) Q (pi/2H)^2` loses `tan delta`, and with it half of `omega tan delta` per second.
+    fn swings(&self, damping: f64) -> f64 {
+        let scene = self.scene;
+        let wave = 0.5 * std::f64::consts::PI / scene.height;
+        let stiffness = scene.pore_stiffness();
+        let loss = match scene.water {
+            Some(water) if stiffness.is_finite() => {
+                let (omega, rate) = (wave * self.speed, water.mobility() * stiffness * wave * wave);
+                let share = stiffness / (omega * omega + rate * rate);
+                0.5 * omega * (share * omega * rate / (self.softest + share * omega * omega))
+            }
+            // Without a stiffness of its own the water leaves as fast as it is pressed.
+            Some(water) => 0.5 / (water.mobility() * scene.mixture_density()),
+            None => 0.0,
+        };
+        let since = self.state.time - scene.surcharge.map_or(0.0, |load| load.ramp_time).min(self.state.time);
+        2.0 * self.stress * (-(0.5 * damping + loss) * since).exp()
     }
 
     /// Settlement of the surface against what the strains of the particles add up to.

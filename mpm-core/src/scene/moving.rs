@@ -7,6 +7,8 @@ const LIGHT_NODES: f64 = 0.1;
 /// Cells that the surface may move through where the volume of soil in a cell is only known from its particles, or where
 /// functions reach beyond a cell: at a tenth of a cell its stress is off by as much.
 const MOST_SETTLED: f64 = 0.1;
+/// A porosity that is 0 but for round-off is that of pores which close at the very end.
+const CLOSED_PORES: f64 = 1e-9;
 /// The same under a plate, which is the top row of nodes: soil must stay below it.
 const MOST_UNDER_PLATE: f64 = 0.5;
 /// Strain up to which the geometry may be kept as it was: small strain is off by half of it.
@@ -179,7 +181,7 @@ impl Scene {
         if self.strain == StrainChoice::Small && strain.abs() > MOST_SMALL_STRAIN {
             return refuse("soil.strain", "\"large\" where strains are: small strain is off by half of them");
         }
-        if self.water.is_some() && porosity <= 0.0 {
+        if self.water.is_some() && porosity < -CLOSED_PORES {
             return refuse("surcharge.pressure", "a load under which the soil keeps water in its pores");
         }
         if self.integrator == Integrator::QuasiStatic {

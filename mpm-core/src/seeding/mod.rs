@@ -26,6 +26,8 @@ pub struct Part {
 const SLIVER: f64 = 0.1;
 /// Areas below this share of a square are round-off: a square whose edge lies on the outline.
 const NOTHING: f64 = 1e-14;
+/// Areas that differ by this share are equal.
+const TIE: f64 = 1e-9;
 
 /// Parts of a simple polygon (m, either way round), one for each square of edge `spacing` (m) that it covers, row by row
 /// from the bottom. Slivers are merged into the largest neighbour; area and first moment are kept.
@@ -120,7 +122,8 @@ fn of_moments(middle: &[f64; 2], [area, x, y]: &[f64; 3]) -> Part {
 /// Gives every part below `least` (m2) to its largest neighbour, the smallest first.
 fn merge(squares: &mut BTreeMap<(usize, usize), Part>, least: f64) {
     let mut slivers: Vec<(usize, usize)> = squares.iter().filter(|(_, p)| p.area < least).map(|(at, _)| *at).collect();
-    slivers.sort_by(|a, b| squares[a].area.total_cmp(&squares[b].area));
+    // Equals from the bottom, which is the same in the mirror.
+    slivers.sort_by_key(|at| ((squares[at].area / (TIE * least)).round() as u64, at.0));
     for at in slivers {
         let sliver = squares[&at];
         if sliver.area >= least {
@@ -150,7 +153,13 @@ fn largest_neighbour(
             if edges { apart == 1 } else { apart == 2 }
         });
         let there = places.filter(|place| squares.contains_key(place));
-        there.max_by(|a, b| squares[a].area.total_cmp(&squares[b].area))
+        // Of equals, as beside a slope of 45 degrees, the one below or above: round-off would choose another one in the mirror.
+        there.reduce(|a, b| {
+            let (one, other) = (squares[&a].area, squares[&b].area);
+            let tie = (one - other).abs() <= TIE * one.max(other);
+            let first = if tie { a.0.abs_diff(row) >= b.0.abs_diff(row) } else { one > other };
+            if first { a } else { b }
+        })
     };
     around(true).or_else(|| around(false))
 }

@@ -32,6 +32,28 @@ fn the_levee_is_kept_on_every_mesh() {
     }
 }
 
+/// Beside a slope of 45 degrees two neighbours of a sliver are alike but for round-off.
+#[test]
+fn the_mirror_image_of_a_slope_has_the_parts_of_its_mirror_image() {
+    let (spacing, cells) = (0.0675, 13.0);
+    let slope = [[0.04968, 0.0], [0.741825, 0.0], [0.54216, 0.377055], [0.426735, 0.377055]];
+    let mirrored = slope.map(|[x, y]| [cells * spacing - x, y]);
+    let sorted = |mut parts: Vec<Part>| {
+        parts.sort_by_key(|part| [1, 0].map(|d| (part.centroid[d] / spacing).floor() as usize));
+        parts
+    };
+    let back = parts(&mirrored, spacing).into_iter().map(|part| {
+        let [x, y] = part.centroid;
+        Part { centroid: [cells * spacing - x, y], ..part }
+    });
+    let (one, other) = (sorted(parts(&slope, spacing)), sorted(back.collect()));
+    assert_eq!(one.len(), other.len());
+    for (a, b) in one.iter().zip(&other) {
+        let off = (a.centroid[0] - b.centroid[0]).hypot(a.centroid[1] - b.centroid[1]);
+        assert!(off < 1e-9 * spacing && (a.area - b.area).abs() < 1e-9 * spacing * spacing, "{a:?} {b:?}");
+    }
+}
+
 #[test]
 fn an_edge_on_the_crest_loses_no_row() {
     // 3.0/0.1 is 30.000000000000004 in binary numbers, 0.3/0.1 is 2.9999999999999996.

@@ -105,7 +105,7 @@ impl<L, W, const D: usize, const S: usize> Parts<L, W, D, S> {
                 values.add_solid(point, self.seed.height_of(id), energy);
             }
             let place = Place { cell, position, corners };
-            let filled = self.filled.volume(cell, values.volume);
+            let filled = self.filled.counted(cell, values.volume);
             values.strain_energy *= filled / values.volume;
             let soil = SoilCell { place, mass: values.solid_mass, volume: values.volume, filled, at: [0.5; D] };
             (values.pressure, values.water_energy) = water.cell_state(&soil);

@@ -10,6 +10,9 @@ pub mod seen;
 pub mod shrink;
 pub mod written;
 
+#[cfg(test)]
+mod found;
+
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -335,64 +338,6 @@ mod tests {
         assert!(laws[0].passed * 2 > found.scenes, "{:?}", found.reasons());
         let again = scenes_of(SOME.0, &indices[..10], (1, f64::INFINITY), &|_| {});
         assert_eq!(again.rows[..], found.rows[..again.rows.len()], "a scene is a function of seed and number");
-    }
-
-    /// A run of a scene that once was wrong.
-    fn small(text: &str) -> Run {
-        let scene = Scene::parse(text, "scene").expect("a scene");
-        run_of(&Hardware::default(), &scene).expect("a run")
-    }
-
-    const COLUMN: &str = "name = \"found\"\ndimension = \"column\"\n[geometry.column]\nheight = 40.0\nwidth = 1.0\n[mesh]\ncell = 20.0\n\
-        particles_per_cell = 1\n[soil]\ngrain_density = 1560.0\nporosity = 0.5\nstrain = \"small\"\n[soil.law.linear_elastic]\n\
-        youngs_modulus = 1.0e4\npoisson_ratio = 0.0\n[water]\nhydraulic_conductivity = 2.49e-3\nbulk_modulus = 9.89e6\n\
-        unit_weight = 11673.9\ndensity = 1190.0\n[scheme]\nshape = \"centre\"\n";
-
-    /// The end of a ramp lay within a step: with a tolerance of 1e-8 the settlement was off by 6e-4.
-    #[test]
-    fn a_quasi_static_step_ends_where_a_ramp_does() {
-        let at = |tolerance: &str| {
-            let end = "[surcharge]\npressure = 1.0\nramp_time = 2427.5\n[[stages]]\ndrained = [\"top\"]\nuntil.time = 7725.0\n\
-                       [observe]\ntimes = [2317.5, 5400.0]\n";
-            let time = format!("[time]\nintegrator = \"quasi-static\"\ntolerance = {tolerance}\n");
-            small(&format!("{COLUMN}{time}{end}")).samples.iter().map(|s| s.state.settlement).collect::<Vec<_>>()
-        };
-        for (loose, tight) in at("1e-6").iter().zip(at("1e-9")) {
-            assert!((loose - tight).abs() <= 1e-5 * tight.abs(), "{loose:e} and {tight:e}");
-        }
-    }
-
-    /// The sample at the start of a stage held a vector of the Krylov basis in place of the state.
-    #[test]
-    fn a_quasi_static_stage_begins_with_the_state_of_the_last_one() {
-        let stage = "[[stages]]\ndrained = [\"top\"]\nuntil.time = 3000.0\n";
-        let run = small(&format!(
-            "{COLUMN}[time]\nintegrator = \"quasi-static\"\n[surcharge]\npressure = 1.0\n{stage}{stage}"
-        ));
-        let at = |stage: usize, time: f64| {
-            let here = run.samples.iter().find(|s| s.stage == stage && s.stage_time == time);
-            here.map(|s| (s.state.mean_pressure, s.ledger.water_stored_kg)).expect("a sample")
-        };
-        let (end, start) = (at(0, 3000.0), at(1, 0.0));
-        assert!((end.0 - start.0).abs() <= 1e-9 * end.0.abs(), "{end:?} and {start:?}");
-        assert!(run.trust.is_some_and(|trust| trust.verdict == "closed"));
-    }
-
-    /// Round-off of what soil covers opened a wall: water stood in a cell on the left, and ran through it on the right.
-    #[test]
-    fn water_enters_from_the_right_as_from_the_left() {
-        let entered = |side: &str| {
-            let run = small(&format!(
-                "name = \"found\"\ndimension = \"plane-strain\"\ngravity = 9.81\n[geometry.column]\nheight = 0.00242\n\
-                 width = 0.00242\n[mesh]\ncell = 0.00121\nparticles_per_cell = 1\n[soil]\ngrain_density = 1890.0\nporosity = 0.5\n\
-                 [soil.law.linear_elastic]\nyoungs_modulus = 5.0e7\npoisson_ratio = 0.0\n[water]\nhydraulic_conductivity = 8e-7\n\
-                 bulk_modulus = 1.87e6\nunit_weight = 11379.6\ndensity = 1160.0\n[water.free_surface.feed]\n{side} = {{ head = 0.002 }}\n\
-                 [time]\nintegrator = \"two-clocks\"\n[[stages]]\ndrained = \"none\"\nuntil.time = 11.0\n"
-            ));
-            run.samples.last().and_then(|s| s.state.water).map(|water| water.in_m3).expect("water")
-        };
-        let (left, right) = (entered("left"), entered("right"));
-        assert!((left - right).abs() <= 1e-9 * left && left > 0.0, "{left:e} and {right:e}");
     }
 
     /// A load, or a weight, that is larger by a share.

@@ -228,8 +228,12 @@ pub fn round_off(scene: &Scene, steps: u64, dt: f64) -> f64 {
     } else {
         1.0
     };
-    f64::EPSILON * terms * (steps + 1) as f64 * long
+    let flow = if scene.free_surface.is_some() { OF_FLOW } else { 0.0 };
+    flow + f64::EPSILON * terms * (steps + 1) as f64 * long
 }
+
+/// Water with a free surface takes pressures as equal that differ by 1e-9 of themselves, and round-off decides between them.
+const OF_FLOW: f64 = 1e-8;
 
 /// Numbers that the tolerance of a quasi-static run is about, and those that are sums of them.
 fn is_controlled(number: &Number) -> bool {

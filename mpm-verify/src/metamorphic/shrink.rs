@@ -75,7 +75,9 @@ pub fn shrunk(written: &Written, fails: impl Fn(&Written) -> bool) -> Written {
             smaller(&mut candidate);
             let length = |w: &Written| w.stages.iter().map(|stage| stage.time).sum::<f64>();
             let shorter = length(&candidate) < SHORTEST * length(written);
-            if candidate != small && !shorter && tries < TRIES {
+            // The cells of an outline cover it, and with others it would not lie in them.
+            let other_mesh = |w: &Written| w.outline.is_some() && (w.cell != small.cell || w.cells != small.cells);
+            if candidate != small && !shorter && !other_mesh(&candidate) && tries < TRIES {
                 tries += 1;
                 if fails(&candidate) {
                     small = candidate;

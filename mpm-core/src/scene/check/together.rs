@@ -6,7 +6,7 @@ use toml::Spanned;
 
 use super::super::raw::RawScene;
 use super::super::{
-    DarcyChoice, Dimension, Integrator, LoadOn, Scene, ShapeChoice, SolidSide, Start, StepChoice, StrainChoice,
+    DarcyChoice, Dimension, Integrator, LoadOn, Scene, ShapeChoice, Side, SolidSide, Start, StepChoice, StrainChoice,
     TimeMethod, Until,
 };
 use super::{Checked, Reader, quoted};
@@ -70,6 +70,19 @@ impl Reader<'_> {
     /// Where the load stands, and what depends on it.
     fn load(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
         let (Some(load), Some(table)) = (scene.surcharge, &raw.surcharge) else { return Ok(()) };
+        let held =
+            [Side::Left, Side::Right].into_iter().find(|side| scene.solid_sides[*side as usize] == SolidSide::Fixed);
+        if let (LoadOn::Plate, Some(side)) = (load.on, held) {
+            let expected = "\"surface\" beside it, or \"roller\" or \"free\" sides: soil that is held at the edge of a plate \
+                            cannot follow it, and its stress grows with every refinement";
+            let span = table.get_ref().on.as_ref().map_or(table.span(), Spanned::span);
+            return self.refuse(
+                &span,
+                "surcharge.on",
+                expected,
+                format!("\"plate\" with boundaries.{side} = \"fixed\""),
+            );
+        }
         let Some(strip) = &table.get_ref().strip else { return Ok(()) };
         if scene.dimension == Dimension::Column {
             let expected = "dimension = \"plane-strain\" beside it: a column is loaded all over";

@@ -23,8 +23,11 @@ use crate::space::Deformation;
 
 /// Most basis vectors.
 const MOST: usize = 60;
-/// A direction that is this small beside the one it came from is round-off.
+/// A direction that can change the state by no more than this share is round-off.
 const BREAKDOWN: f64 = 1e-13;
+/// How far `v^T A B w` may be from `w^T A B v`: round-off, which grows from vector to vector where steps hardly change them. With
+/// more of it the last one is left out.
+const SPOILT: f64 = 0.1;
 
 /// The evolution of a linear scene under a constant load.
 #[derive(Debug)]
@@ -118,7 +121,7 @@ impl Krylov {
             size: 0.0,
             gamma,
             ritz: Ritz { values: Vec::new(), vectors: DMatrix::zeros(0, 0) },
-            estimate: 0.0,
+            estimate: f64::INFINITY,
         };
         krylov.build(soil, direction, product, times, goal)?;
         Ok(krylov)
@@ -167,7 +170,10 @@ impl Krylov {
         let mut length = dot(&direction, &product).max(0.0).sqrt();
         self.size = length;
         let first_settled = goal.settlement(&self.first);
-        while length > BREAKDOWN * self.size.max(goal.pressure_norm) && self.basis.len() < MOST {
+        // The first direction is d itself; later ones are steps B v of vectors of length 1, of which d has |d|.
+        let least = BREAKDOWN * (self.size.max(goal.pressure_norm) / self.size);
+        let mut spent = self.size <= BREAKDOWN * goal.pressure_norm;
+        while !spent && self.basis.len() < MOST {
             for x in direction.iter_mut().chain(&mut product) {
                 *x /= length;
             }
@@ -185,10 +191,11 @@ impl Krylov {
                     product[*map as usize] -= self.gamma * soil.scales[1] * soil.values.flow[function];
                 }
             }
-            let mut diagonal = 0.0;
+            let (mut diagonal, mut spoilt) = (0.0, 0.0_f64);
             for _ in 0..2 {
                 for (k, v) in self.basis.iter().enumerate() {
                     let along = dot(v, &product);
+                    spoilt = spoilt.max((along - dot(&products[k], &direction)).abs());
                     if k + 1 == self.basis.len() {
                         diagonal += along;
                     }
@@ -196,7 +203,12 @@ impl Krylov {
                     add(&mut product, -along, &products[k]);
                 }
             }
+            if spoilt > SPOILT {
+                self.basis.pop();
+                break;
+            }
             length = dot(&direction, &product).max(0.0).sqrt();
+            spent = length <= least;
             tridiagonal.push([diagonal, length]);
             if self.basis.len() < 3 {
                 continue;
@@ -224,7 +236,7 @@ impl Krylov {
             }
             before = now;
         }
-        if length <= BREAKDOWN * self.size.max(goal.pressure_norm) {
+        if spent {
             self.estimate = 0.0; // the space holds the whole solution
         }
         if self.ritz.values.len() != self.basis.len() {

@@ -55,11 +55,13 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
         let (out_before, work_before, dissipation_before) =
             (totals.water_out, totals.external_work, totals.darcy_dissipation);
         let Some(soil) = &mut self.soil else { return Err(nothing()) };
+        let fields = (soil.u.clone(), soil.p.clone());
         let evolution =
             Krylov::new(soil, &self.content, times, &goal, &mut self.work).map_err(|stuck| self.fault(&stuck, None))?;
-        // The basis was built in the fields of the soil, which are those of the start of the stage again.
+        // The basis was built in the fields of the soil, which are those of the start of the stage again: at sides that drain from
+        // now on, too.
         if let Some(soil) = &mut self.soil {
-            soil.expand(&self.y);
+            (soil.u, soil.p) = fields;
         }
         if evolution.estimate.is_nan() || evolution.estimate > self.scene.tolerance {
             if self.scene.method == TimeMethod::Auto {

@@ -84,6 +84,12 @@ impl<const D: usize> Medium<D> {
         (-self.weight[D - 1]).max(0.0)
     }
 
+    /// Time in which water that falls under a `weight` (Pa/m) passes half a cell, s.
+    #[inline]
+    pub fn fall(&self, weight: f64) -> f64 {
+        0.5 * self.cell_volume * self.porosity / (self.conductance * weight * self.size)
+    }
+
     /// Wet part of a face of which `open` is soil: integral of the pressure over its height divided by h, Pa, for a
     /// pressure at the bottom (Pa).
     #[inline]

@@ -428,9 +428,7 @@ impl<const D: usize> FreeSurface<D> {
 
     /// Finds the cells whose kind does not go with what came out. True if there are none.
     fn compare(&mut self, round: usize) -> bool {
-        let rise = self.medium.rise() * self.medium.size;
-        let largest = self.system.pressure.iter().fold(rise, |m, p| f64::max(m, p.abs()));
-        let slack = ROUND * largest;
+        let slack = self.slack(&self.system.pressure);
         let mut settled = true;
         for cell in 0..self.kind.len() {
             let p = self.system.pressure[cell];
@@ -452,6 +450,11 @@ impl<const D: usize> FreeSurface<D> {
         settled
     }
 
+    /// Round-off of pressures (Pa) beside the weight of a cell of water, Pa.
+    fn slack(&self, pressures: &[f64]) -> f64 {
+        ROUND * pressures.iter().fold(self.medium.rise() * self.medium.size, |m, p| f64::max(m, p.abs()))
+    }
+
     /// Least pressure at which a full cell stays so, Pa; `level` is that of water up to the top of its own soil.
     fn least_pressure(&self, cell: usize, level: f64, content: &[f64]) -> f64 {
         let covered = matches!(self.above[cell], Neighbour::Cell(above)
@@ -467,9 +470,8 @@ impl<const D: usize> FreeSurface<D> {
         if std::mem::take(&mut self.stale) {
             self.system = System::new(self.content.len(), &self.links)?;
         }
-        // Water that falls at k passes half a cell at most.
-        let speed = self.medium.conductance * self.medium.rise() * self.medium.size / self.medium.porosity;
-        let fall = 0.5 * self.medium.cell_volume / speed;
+        // Water that falls passes half a cell at most.
+        let fall = self.medium.fall(self.medium.rise());
         let (mut step, mut cut) = (dt.min(fall), false);
         loop {
             let (change, fills) = self.attempt(step)?;
@@ -487,7 +489,7 @@ impl<const D: usize> FreeSurface<D> {
             }
             self.full.copy_from_slice(&self.before);
             step *= if change.is_finite() { (CHANGE[0] / change).clamp(0.1, 0.5) } else { 0.1 };
-            if step < 1e-12 * dt.max(1e-6) {
+            if step < 1e-12 * dt.min(fall) {
                 return Err(NoFlow::TooShort(step));
             }
         }
