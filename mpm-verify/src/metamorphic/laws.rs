@@ -118,13 +118,9 @@ fn strictly(verdict: Verdict) -> Verdict {
     }
 }
 
-/// In soil that moves by half a cell round-off decides when a particle crosses a face and which nodes are light, and grows by that.
-const OF_MOTION: f64 = 1e-8;
-
 /// What round-off allows to the run of a scene.
 fn allowed(base: &Base) -> f64 {
-    let moving = if base.scene.moves_through_cells() { OF_MOTION } else { 0.0 };
-    moving + round_off(base.scene, base.run.steps, base.run.dt)
+    round_off(base.scene, base.run.steps, base.run.dt)
 }
 
 /// The run of a changed scene beside that of the scene itself, to round-off.
