@@ -8,6 +8,11 @@ use crate::nodes::{NodeMotion, NodeSums};
 
 use super::Supports;
 
+/// Neighbours of a node, the nearest first: of those that weigh the same the first one leads, in the mirror, too.
+const AROUND: [[isize; 2]; 8] = [[0, -1], [0, 1], [-1, 0], [1, 0], [-1, -1], [1, -1], [-1, 1], [1, 1]];
+/// Masses that differ by this share are the same.
+const TIE: f64 = 1e-9;
+
 /// Nodes that move with others.
 #[derive(Debug, Clone)]
 pub struct Joined<const D: usize> {
@@ -82,16 +87,19 @@ impl<const D: usize> Joined<D> {
     /// that flies alone, one that is heavier than the node. Such a particle then moves as a whole, which cannot strain it.
     fn leader(&self, node: usize, nodes: &[NodeSums<D>]) -> Option<usize> {
         let (width, count) = (self.along[0] as isize, nodes.len() as isize);
-        let (x, mut best) = (node as isize % width, node);
-        // Of equals the one with the lower number leads.
+        let (x, row, mut best) = (node as isize % width, node as isize / width, node);
+        // Of nodes that weigh the same the one with the lower number leads, so that none leads its own leader.
         let weight = |node: usize| (nodes[node].solid_mass, std::cmp::Reverse(node));
-        for [i, j] in (0..9_isize).map(|k| [k % 3 - 1, k / 3 - 1]) {
-            let neighbour = node as isize + i + j * width;
-            if !(0..width).contains(&(x + i)) || !(0..count).contains(&neighbour) {
+        for [i, j] in AROUND {
+            // Beyond the seam of a periodic mesh is its other side.
+            let column = if self.across.is_empty() { x + i } else { (x + i).rem_euclid(width - 1) };
+            let neighbour = (row + j) * width + column;
+            if !(0..width).contains(&column) || !(0..count).contains(&neighbour) {
                 continue;
             }
             let (neighbour, held) = (neighbour as usize, self.held[node]);
-            if self.held[neighbour] & held == held && weight(neighbour) > weight(best) {
+            let heavier = best == node || nodes[neighbour].solid_mass > (1.0 + TIE) * nodes[best].solid_mass;
+            if self.held[neighbour] & held == held && weight(neighbour) > weight(node) && heavier {
                 best = neighbour;
             }
         }

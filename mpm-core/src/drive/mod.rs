@@ -227,6 +227,10 @@ impl<'a> Drive<'a> {
         entered.map_err(|fault| Halt::Fault(0.0, fault))?;
         self.at.reached = f64::INFINITY;
         self.sample(0.0, false);
+        // A quasi-static run begins before it is in equilibrium.
+        if self.at.stage > 0 {
+            self.watch(0.0)?;
+        }
         self.at.entered = true;
         Ok(())
     }
@@ -334,6 +338,7 @@ impl<'a> Drive<'a> {
             self.at.reached = if worst <= goal.within { time.min(self.at.reached) } else { f64::INFINITY };
             if time - self.at.reached >= goal.period {
                 self.sample(time, false);
+                self.watch(time)?;
                 return Ok(time);
             }
             if time > goal.at_most || worst.is_nan() {
@@ -361,6 +366,7 @@ impl<'a> Drive<'a> {
             self.attend(0.0, attend)?;
         }
         self.sample(self.at.time, false);
+        self.watch(self.at.time)?;
         Ok(self.at.time)
     }
 

@@ -48,7 +48,7 @@ pub fn parts(polygon: &[[f64; 2]], spacing: f64) -> Vec<Part> {
             }
         }
     }
-    merge(&mut squares, SLIVER * spacing * spacing);
+    merge(&mut squares, SLIVER * (1.0 + TIE) * spacing * spacing);
     squares.into_values().collect()
 }
 
@@ -93,7 +93,7 @@ pub fn below_crest(polygon: &[[f64; 2]], parts: &[Part], spacing: f64) -> Vec<(u
         let width = |[a, b]: &[f64; 2]| (b.min(from + spacing) - a.max(from)).max(0.0);
         let width: f64 = level.iter().map(width).sum();
         // A sliver says little of its edge, and its part may lie below a slope.
-        if width > SLIVER * spacing {
+        if width > SLIVER * (1.0 + TIE) * spacing {
             below.push((*i, width));
         }
     }

@@ -140,6 +140,16 @@ fn the_crest_is_what_is_highest_and_level_or_else_the_peak() {
 }
 
 #[test]
+fn a_tenth_of_a_square_of_the_crest_counts_in_the_mirror_as_it_does_here() {
+    // The crest begins at 7.9 squares and ends at 10.94; in the mirror at 15.06 and 18.1.
+    let (spacing, across) = (0.429, 26.0 * 0.429);
+    let slope = [[0.547404, 0.0], [9.058764, 0.0], [4.69326, 4.85628], [3.3891, 4.85628]];
+    let mirrored = slope.map(|[x, y]| [across - x, y]);
+    let count = |slope: &[[f64; 2]]| below_crest(slope, &parts(slope, spacing), spacing).len();
+    assert_eq!(count(&slope), count(&mirrored));
+}
+
+#[test]
 fn lengths_along_sides_are_those_of_the_outline() {
     let all = [0.0, f64::INFINITY];
     for (polygon, sides) in [(&LEVEE[..], [3.0, 0.0, 9.0, 9.0]), (&BRIDGE[..], [3.0, 3.0, 2.0, 3.0])] {

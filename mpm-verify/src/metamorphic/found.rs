@@ -195,3 +195,35 @@ fn right_runs_close() {
         assert_eq!(trust.verdict, "closed", "{text}\n{trust:?}");
     }
 }
+
+/// Light nodes looked for their leader on one side of the seam only.
+#[test]
+fn a_strip_on_periodic_soil_is_the_same_wherever_it_stands() {
+    let at = |from: f64| {
+        let to = from + 0.78;
+        settled(&format!(
+            "name = \"found\"\ndimension = \"plane-strain\"\n[geometry.column]\nheight = 1.8\nwidth = 1.8\n[mesh]\ncell = 0.6\n\
+             particles_per_cell = 1\n[soil]\ngrain_density = 2590.0\nporosity = 0.5\n[soil.law.linear_elastic]\n\
+             youngs_modulus = 4.0e5\npoisson_ratio = 0.0\n[boundaries]\nleft = \"periodic\"\nright = \"periodic\"\n\
+             [surcharge]\npressure = 33200.0\nstrip = {{ from = {from}, to = {to}, taper = 0.19 }}\n[scheme]\nshape = \"centre\"\n\
+             [[stages]]\nuntil.time = 0.2675\n"
+        ))
+    };
+    for (here, beside) in at(0.13).iter().zip(at(0.73)) {
+        assert!((here - beside).abs() <= 1e-10, "{here:e} and {beside:e}");
+    }
+}
+
+/// A cell that stayed as good as full cut every step to where it was: the run did not come to its end.
+#[test]
+fn water_that_seeps_along_a_slope_does_not_stop_the_clock() {
+    let run = small(
+        "name = \"found\"\ndimension = \"plane-strain\"\ngravity = 9.81\n[geometry.column]\nheight = 0.002842\nwidth = 0.000406\n\
+         [mesh]\ncell = 0.000203\nparticles_per_cell = 1\n[soil]\ngrain_density = 1950.0\nporosity = 0.5\n\
+         [soil.law.linear_elastic]\nyoungs_modulus = 1.0e4\npoisson_ratio = 0.0\n[water]\nhydraulic_conductivity = 0.002\n\
+         bulk_modulus = 6.86e8\nunit_weight = 11085.3\ndensity = 1130.0\n[water.free_surface]\nsaturation = 0.3\nlevel = 0.00253\n\
+         [water.free_surface.feed]\nright = { head = 0.00119 }\n[scheme]\nshape = \"centre\"\n[time]\nintegrator = \"two-clocks\"\n\
+         [[stages]]\ndrained = [\"left\"]\nuntil.time = 0.166\n[observe]\ntimes = [0.05, 0.166]\n",
+    );
+    assert!(run.steps < 300, "{} steps", run.steps);
+}

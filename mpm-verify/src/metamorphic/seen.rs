@@ -1,7 +1,7 @@
 //! What two runs say, number by number: units, sizes, and how far apart they may be.
 
 use mpm_core::drive::{Run, Sample};
-use mpm_core::scene::{Integrator, Scene};
+use mpm_core::scene::{Dimension, Elastic, Integrator, Scene, SolidSide};
 
 /// Powers of length, mass and time that a number scales with. A scene is 1 m thick: volumes are areas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -208,12 +208,24 @@ impl Sizes {
     }
 }
 
+/// Least modulus that a load on the surface meets, Pa: that of soil held on both sides, or `E/(1 - nu^2)` beside a free side.
+pub fn least_modulus(scene: &Scene) -> f64 {
+    let beside = scene.dimension == Dimension::PlaneStrain && scene.solid_sides[..2].contains(&SolidSide::Free);
+    let modulus = |(_, soil): &(f64, Scene)| {
+        let Elastic { youngs_modulus, poisson_ratio } = soil.elastic;
+        if beside { youngs_modulus / (1.0 - poisson_ratio * poisson_ratio) } else { soil.oedometer_modulus() }
+    };
+    scene.by_layer().iter().map(modulus).fold(f64::INFINITY, f64::min)
+}
+
 /// Relative round-off that so many steps of a scene may gather.
 ///
 /// A step is off by half a unit in the last place of each sum it makes: over the particles around a node, and of places,
 /// which are known to a share of the whole mesh where a step looks at them in cells. A step within its stability limit
 /// makes no error larger, so that they add up. A semi-implicit step may be longer than the limit of its skeleton: pressures
-/// take back what its velocities were too large by, but for the last place, `(M + Q) K dt^2/rho` with `K = 4/L^2`.
+/// take back what its velocities were too large by, but for the last place, `(M + Q) K dt^2/rho` with `K = 4/L^2`. And where
+/// water flows easily between cells, their mean pressure is known by what is left of that flow, `k rho/(gamma_w dt)` times it.
+/// Soil that may bulge changes its volume by what is left of strains that are `Q/E'` times as large, with the modulus E' of a block.
 /// Quasi-static steps follow from a tolerance, of which runs are sound to a tenfold.
 pub fn round_off(scene: &Scene, steps: u64, dt: f64) -> f64 {
     if scene.integrator == Integrator::QuasiStatic {
@@ -221,19 +233,25 @@ pub fn round_off(scene: &Scene, steps: u64, dt: f64) -> f64 {
     }
     let cells = scene.cells[0] + scene.cells[1] + scene.headroom_cells + scene.sideroom_cells;
     let terms = (4 * scene.particles_per_cell + cells) as f64;
+    let water = if scene.pore_stiffness().is_finite() { scene.pore_stiffness() } else { 0.0 };
+    let bulges = 1.0 + water / least_modulus(scene);
+    let bulges = if scene.solid_sides[..2].contains(&SolidSide::Free) { bulges } else { 1.0 };
     let long = if scene.integrator == Integrator::SemiImplicit {
-        let water = if scene.pore_stiffness().is_finite() { scene.pore_stiffness() } else { 0.0 };
-        let rate = (scene.oedometer_modulus() + water) / scene.mixture_density();
-        1.0 + 4.0 * rate * (dt / scene.cell).powi(2)
+        let soils = scene.by_layer();
+        let most = |of: fn(&Scene) -> f64| soils.iter().map(|(_, soil)| of(soil)).fold(0.0, f64::max);
+        let rate = (most(Scene::oedometer_modulus) + water) / scene.mixture_density();
+        let flow = most(|soil| soil.water.map_or(0.0, |water| water.mobility())) * scene.mixture_density() / dt;
+        (1.0 + 4.0 * rate * (dt / scene.cell).powi(2)) * (1.0 + flow)
     } else {
         1.0
     };
     let flow = if scene.free_surface.is_some() { OF_FLOW } else { 0.0 };
-    flow + f64::EPSILON * terms * (steps + 1) as f64 * long
+    flow + f64::EPSILON * terms * (steps + 1) as f64 * long * bulges
 }
 
-/// Water with a free surface takes pressures as equal that differ by 1e-9 of themselves, and round-off decides between them.
-const OF_FLOW: f64 = 1e-8;
+/// Which of two cells that fill together is full first, round-off decides: steps end 1e-6 of them behind a front, and change half of
+/// the water of a cell at most.
+const OF_FLOW: f64 = 0.5e-6;
 
 /// Numbers that the tolerance of a quasi-static run is about, and those that are sums of them.
 fn is_controlled(number: &Number) -> bool {
@@ -242,9 +260,10 @@ fn is_controlled(number: &Number) -> bool {
         || number.name == "water stored"
 }
 
-/// The largest difference of two runs whose samples are of the same times, relative to the sizes of their numbers. Sums over the
-/// soil of the second are divided by `wider`.
-pub fn apart(scene: &Scene, one: &[Sample], other: &[Sample], wider: f64, relative: f64) -> Apart {
+/// The largest difference of two runs whose samples are of the same times, relative to the sizes of their numbers. Of a column
+/// and a `block`, so many times as wide, sums over the soil of the second are divided by that, and particles are others.
+pub fn apart(scene: &Scene, one: &[Sample], other: &[Sample], block: Option<f64>, relative: f64) -> Apart {
+    let wider = block.unwrap_or(1.0);
     let sizes = Sizes::of(scene, &[one]);
     let implicit = scene.integrator == Integrator::QuasiStatic;
     let mut worst = Apart::new("samples".to_owned(), [one.len() as f64, other.len() as f64], 0.0);
@@ -253,7 +272,7 @@ pub fn apart(scene: &Scene, one: &[Sample], other: &[Sample], wider: f64, relati
         for (x, y) in pairs {
             let value = if y.unit.is_sum() { y.value / wider } else { y.value };
             let value = if y.name.contains("water") && y.unit == Unit::Area { value / wider } else { value };
-            if (x.name == "smallest particle" && wider != 1.0) || (implicit && !is_controlled(&x)) {
+            if (x.name == "smallest particle" && block.is_some()) || (implicit && !is_controlled(&x)) {
                 continue;
             }
             let what = format!("{} at {:.3e} s", x.name, a.state.time);

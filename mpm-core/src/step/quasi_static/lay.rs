@@ -275,9 +275,14 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
             next - 1
         };
         let mut shared = None;
+        // Soil that slides on its base and leans on nothing has its place along x from nowhere: no force moves it.
+        let sides = &self.scene.solid_sides;
+        let slides = D == 2 && !sides.contains(&SolidSide::Fixed) && !sides[..2].contains(&SolidSide::Roller);
+        let pin = slides.then_some(counts[0] / 2);
         let (mut soil_map, mut water_map) = (vec![[HELD; D]; functions], vec![HELD; pressures]);
         for function in 0..functions.max(pressures) {
             let (mut rest, mut held, mut dry, mut top) = (function, [false; D], false, false);
+            held[0] = pin == Some(function);
             for axis in 0..D {
                 let at = rest % counts[axis];
                 rest /= counts[axis];

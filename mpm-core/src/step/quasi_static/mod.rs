@@ -6,8 +6,8 @@
 //! 3. `march.rs`: through a stage. `relay.rs`: from one mesh to the next. `look.rs`: what is read from the state.
 //! 4. `trouble.rs`: what is said when a run cannot go on. `kept.rs`: what a run that goes on elsewhere needs.
 //!
-//! A mesh is laid over the soil and moves with it (total Lagrangian). Its state goes to the particles, and a new mesh
-//! is laid, when a stage begins and when a particle was strained by more than `RELAY` on it.
+//! A mesh is laid over the soil and moves with it (total Lagrangian), from stage to stage. Its state goes to the particles, and
+//! a new mesh is laid, when a particle was strained by more than `RELAY` on it and the surface is still level.
 
 mod kept;
 mod krylov;
@@ -34,7 +34,7 @@ use crate::constitutive::Laws;
 use crate::keep::Keeper;
 use crate::observe::{Ledger, Observation, Totals};
 use crate::particles::SolidPoint;
-use crate::scene::{Scene, Stage, StepChoice, TimeMethod};
+use crate::scene::{Scene, Stage, StepChoice, StrainChoice, TimeMethod};
 use crate::space::Deformation;
 
 /// What a quasi-static run is made of.
@@ -194,7 +194,12 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Model for
     fn enter_stage(&mut self, stage: &Stage, times: &[f64]) -> Result<(), Fault> {
         self.count_work();
         self.method = None;
-        self.lay(stage.drained)?;
+        // Soil that is only strained a little stands where it stood: its stresses go to a mesh with other unknowns.
+        if self.soil.is_some() && self.scene.strain == StrainChoice::Large {
+            self.drain(stage.drained)?;
+        } else {
+            self.lay(stage.drained)?;
+        }
         (self.stage_time, self.until) = (0.0, 0.0);
         self.stage_end = times.last().copied().unwrap_or(0.0);
         if !self.counted {

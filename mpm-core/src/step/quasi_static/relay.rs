@@ -3,7 +3,7 @@
 use super::lay::{Ground, smooth, top_integrals};
 use super::newton::Workspace;
 use super::soil::{HELD, Soil};
-use super::trouble::{inside_out, unsolved};
+use super::trouble::{inside_out, nothing, unsolved};
 use super::{QuasiStatic, lay};
 use crate::constitutive::Laws;
 use crate::particles::SolidPoint;
@@ -20,6 +20,29 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
     /// Lays a mesh over the soil as it is; its pressures go over.
     pub(super) fn lay(&mut self, drained: [bool; 4]) -> Result<(), Fault> {
         let pressures = self.soil.is_some().then(|| self.carry());
+        let mut soil = self.mesh(drained)?;
+        self.start(&mut soil, pressures.as_deref())?;
+        self.take(soil);
+        Ok(())
+    }
+
+    /// Other sides drain from now on: the mesh and what it carries stay.
+    pub(super) fn drain(&mut self, drained: [bool; 4]) -> Result<(), Fault> {
+        let mut soil = self.mesh(drained)?;
+        let Some(old) = &mut self.soil else { return Err(nothing()) };
+        old.expand(&self.y);
+        soil.u.copy_from_slice(&old.u);
+        soil.p.copy_from_slice(&old.p);
+        for (part, before) in soil.solid.iter_mut().zip(&old.solid) {
+            (part.strain, part.stress) = (before.strain, before.stress);
+        }
+        self.y = soil.unknowns_of_fields();
+        self.take(soil);
+        Ok(())
+    }
+
+    /// A mesh over the soil as it was when the last one was laid.
+    fn mesh(&mut self, drained: [bool; 4]) -> Result<Soil<K, L, D, S>, Fault> {
         self.drained = drained;
         let strains = vec![[0.0; S]; self.points.len()];
         let large = self.scene.strain == StrainChoice::Large;
@@ -32,8 +55,10 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
             drained,
             thickness: self.seeding.thickness,
         };
-        let mut soil = ground.lay::<K, L>(self.seeding.law).map_err(|e| unsolved(&e))?;
-        self.start(&mut soil, pressures.as_deref())?;
+        ground.lay::<K, L>(self.seeding.law).map_err(|e| unsolved(&e))
+    }
+
+    fn take(&mut self, soil: Soil<K, L, D, S>) {
         let weights = top_integrals(&soil.axes, |_| 1.0);
         let whole: f64 = weights.iter().sum();
         let row = soil.u.len() - weights.len();
@@ -46,7 +71,6 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
         self.work = Workspace::new(soil.unknowns(), self.reference(&soil));
         self.spent.resize(soil.pore.len(), 0.0);
         self.soil = Some(soil);
-        Ok(())
     }
 
     /// Pressures of a new mesh, from those of the particles or from the scene; the water content that they mean.
@@ -68,12 +92,7 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
             }
             Some(pressures) => project(soil, &self.points, pressures, smooth).map_err(|e| unsolved(&e))?,
         }
-        let mut y = vec![0.0; soil.unknowns()];
-        for (map, p) in soil.water_map.iter().zip(&soil.p) {
-            if *map != HELD {
-                y[*map as usize] = p / soil.scales[1];
-            }
-        }
+        let y = soil.unknowns_of_fields();
         soil.evaluate_fields().map_err(|e| inside_out(&self.points, e.point))?;
         self.content.clone_from(&soil.values.content);
         if L::LAYERED && smooth && carried.is_none() {

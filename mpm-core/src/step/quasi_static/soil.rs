@@ -177,6 +177,21 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L
         }
     }
 
+    /// The unknowns of the displacements and pressures in [`Self::u`] and [`Self::p`]: [`Self::expand`] turned round.
+    pub fn unknowns_of_fields(&self) -> Vec<f64> {
+        let [length, pressure] = self.scales;
+        let mut y = vec![0.0; self.unknowns()];
+        for (u, map) in self.u.iter().zip(&self.soil_map) {
+            for d in (0..D).filter(|d| map[*d] != HELD) {
+                y[map[d] as usize] = u[d] / length;
+            }
+        }
+        for (p, map) in self.p.iter().zip(&self.water_map).filter(|(_, map)| **map != HELD) {
+            y[*map as usize] = p / pressure;
+        }
+        y
+    }
+
     /// Forces, content and flow at the unknowns, into [`Self::values`].
     pub fn evaluate(&mut self, y: &[f64]) -> Result<(), InsideOut<D>> {
         self.expand(y);

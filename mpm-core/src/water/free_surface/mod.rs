@@ -33,6 +33,9 @@ const ROUNDS: usize = 40;
 const FLIPS: u8 = 6;
 /// A cell with less of its pores wet than this does not cover the one below.
 const FILM: f64 = 0.02;
+/// What a front may fill a cell too much, of its pores: a tenth of the change that a step aims at. Cells that stay as good as full
+/// would else cut every step to where they are.
+const SPILL: f64 = 0.1 * CHANGE[0];
 /// Round-off of a wet share.
 const ROUND: f64 = 1e-10;
 
@@ -381,7 +384,7 @@ impl<const D: usize> FreeSurface<D> {
         for cell in 0..self.kind.len() {
             if matches!(self.kind[cell], Kind::Hanging | Kind::Loose) {
                 let (pores, start, end) = (self.pores(cell), self.content[cell], self.trial[cell]);
-                if end > pores && start < pores {
+                if end > (1.0 + SPILL) * pores && start < pores {
                     share = share.min((pores - start) / (end - start));
                 }
             }
