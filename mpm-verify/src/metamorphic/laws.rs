@@ -418,8 +418,11 @@ fn sign(base: &Base) -> Verdict {
                 if !LINEAR.contains(&x.name) {
                     continue;
                 }
-                let (size, turned) =
-                    if x.unit == Unit::Length { (moved, turned) } else { (sizes.size(x.unit), turned.max(waves as f64)) };
+                let (size, turned) = if x.unit == Unit::Length {
+                    (moved, turned)
+                } else {
+                    (sizes.size(x.unit), turned.max(waves as f64))
+                };
                 let relative = 8.0 * strain * (1.0 + turned) + allowed(base);
                 let floor = if x.unit == Unit::Length { allowed(base) * base.scene.height } else { 0.0 };
                 let what = format!("{} at {:.3e} s, opposite", x.name, a.state.time);
