@@ -331,6 +331,12 @@ const LONE_SPLINE: f64 = 4.64;
 /// `(3 - z)/0.75 = 2 - z - 1/z`, z = -0.464, 4.62 in place of 4, which is `4/sqrt(3/4)`.
 const PARTLY_FILLED: f64 = 0.75;
 
+/// Settlement in cells up to which soil is not taken to move through them.
+const MOST_SETTLED: f64 = 0.2;
+
+/// The usual share of the limit: a surface that takes no more than that is left to it.
+const MOST_SAFETY: f64 = 0.9;
+
 /// Round-off that a semi-implicit step may leave, of the drained strain.
 const SOUND: f64 = 1e-7;
 
@@ -416,6 +422,7 @@ fn semi_implicit_limit_of(scene: &Scene) -> f64 {
         let drained = Medium { pore_stiffness: 0.0, diffusivity: 0.0, ..medium };
         limit = limit.min(PARTLY_FILLED.sqrt() * semi_implicit_without_inertia(scene, &drained));
     }
+    limit *= (left_by_surface(scene) / MOST_SAFETY).min(1.0);
     // Inertia is in the flow between cells even where the soil at a drained side is held.
     let flow_inertia = scene.water.filter(|_| scene.darcy_inertia).map_or(0.0, |w| w.density);
     let medium = Medium { flow_inertia, ..medium };
@@ -423,6 +430,14 @@ fn semi_implicit_limit_of(scene: &Scene) -> f64 {
         Dimension::Column => medium.lagged_inertia_column(limit),
         Dimension::PlaneStrain => medium.lagged_inertia_plane_strain(limit),
     }
+}
+
+/// What a surface that comes down within its cell leaves of a semi-implicit step. The step is as long as the water makes the soil
+/// stiff enough by its flow, `Q_dt = C^2/(H dt)` beside M: a cell of which a part f is soil has `f^2/(2/f + 2/(1 + f))` of the one
+/// and f of the other.
+fn left_by_surface(scene: &Scene) -> f64 {
+    let f = 1.0 - (scene.estimate().settlement_m / scene.cell).clamp(0.0, MOST_SETTLED);
+    3.0 * f * f * (1.0 + f) / (2.0 + 4.0 * f)
 }
 
 /// The same of a medium with Darcy's law free of inertia.

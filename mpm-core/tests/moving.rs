@@ -189,8 +189,9 @@ fn loads_that_a_scheme_does_not_bear_are_refused_unless_forced() {
     assert_eq!(halves(1e3), Ok(()));
     assert!(halves(1.0).is_err_and(|found| found.contains("0.19 cells")));
     // A surface that rises needs cells to rise into.
-    let words = refused(&settling(-0.6, ShapeChoice::Centre)).expect("a refusal");
+    let words = refused(&settling(-0.26, ShapeChoice::Centre)).expect("a refusal");
     assert!(words.starts_with("mesh.headroom_cells"), "{words}");
+    assert_eq!(settling(-0.24, ShapeChoice::Centre).bears_its_load(), Ok(()));
     // 0.28 of the height is more than the pores.
     let drained = Scene { porosity: 0.25, ..settling(14.0, ShapeChoice::Centre) };
     let words = refused(&drained).expect("a refusal");

@@ -70,15 +70,19 @@ impl FaceBelow {
     }
 }
 
+/// What flow may change the pressure of a cell by in a step, of it, beside waves that take most of the step: of those with
+/// `(M + Q) K dt^2/rho` up to `4 - 2 FLOW` none grows.
+pub(crate) const FLOW: f64 = 0.5;
+
 /// What is left of the stiffness of the water in a cell that is filled to 1/`over_fill` under a drained surface, so that an
 /// explicit step is as stable there as in a full one: its flow to the surface and to the cell below, `2/f + 2/(1 + f)`, over what
-/// it stores is at most that of a full cell, 2 + 1. Where a step is far from the limit of the flow, `diffusion` = `D_p dt/L^2` below
-/// 1/2, as much less is asked: water that hardly flows is as stiff as ever.
+/// it stores is at most that of a full cell, 2 + 1. Where a step is far from the limit of the flow, `diffusion` = `D_p dt/L^2`, as
+/// much less is asked: water that hardly flows is as stiff as ever.
 #[inline(always)]
 pub(crate) fn softer(over_fill: f64, diffusion: f64) -> f64 {
     let fill = 1.0 / over_fill;
     let share = 1.5 * fill * fill * (1.0 + fill) / (1.0 + 2.0 * fill);
-    (share * (0.5 / diffusion).max(1.0)).min(1.0)
+    (share * (FLOW / 3.0 / diffusion).max(1.0)).min(1.0)
 }
 
 impl<const D: usize, const LAYERED: bool> Face<D, LAYERED> {

@@ -18,7 +18,7 @@ pub use carried::{Carried, Pressures};
 pub use cellwise::{CellChange, Cellwise};
 pub use exposed::{Exposed, ExposedFace};
 pub use face::Face;
-pub(crate) use face::{DRAINED_SURFACE, LEAST_FILLING};
+pub(crate) use face::{DRAINED_SURFACE, FLOW, LEAST_FILLING};
 pub use nodal::Nodal;
 pub use ragged::Ragged;
 pub use resident::{FaceFlow, Resident};

@@ -75,8 +75,7 @@ impl Scheme {
         (scene.integrator, scene.shape, scene.darcy) = (self.integrator, self.shape, self.darcy);
         (scene.transfer, scene.update) = (self.transfer, self.update);
         scene.strain = if quasi_static { StrainChoice::Small } else { StrainChoice::Large };
-        let refused = scene.inertia_feeds_waves();
-        scene.darcy_inertia = !quasi_static && scene.water.is_some() && !refused;
+        scene.darcy_inertia = !quasi_static && scene.water.is_some() && scene.bears_flow_inertia();
         scene.particles_per_cell = if quasi_static { 9 } else { 4 };
         scene.light_nodes = scene.usual_light_nodes();
         scene

@@ -565,7 +565,7 @@ fn rates_at<V: Simd>(
     let (fill, diffusion) = (of(cell.fill), stiffness * dt * flow.diffusion);
     let one = fill.like(1.0);
     let share = fill * 1.5 * fill * (one + fill) / (one + fill * 2.0);
-    let softer = (share * (one.like(0.5) / diffusion).larger(one)).lesser(one);
+    let softer = (share * (one.like(crate::water::FLOW / 3.0) / diffusion).larger(one)).lesser(one);
     let stiffness = softer * stiffness;
     // Eq. (5), mended: dp = -(K_w/n) [ tr(d eps_s) + n tr(d eps*_w) ]
     [-stiffness * (solid + of(cell.porosity) * through), solid + through]
