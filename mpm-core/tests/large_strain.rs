@@ -39,7 +39,7 @@ fn soil_that_its_own_weight_presses_down_settles_by_the_closed_form() {
         let error = settled(&scene) / exact - 1.0;
         assert!(error.abs() < 0.01, "{cell} m: {error:.1e}");
         assert_eq!(
-            scene.notes().iter().any(|note| note.contains("of 10 rows: settlements are off by up to 2 %")),
+            scene.notes().iter().any(|note| note.contains("of 10 rows: settlements are off by up to 2.0 %")),
             cell > 0.2
         );
     }
@@ -74,14 +74,14 @@ fn a_surface_that_comes_down_in_its_cell_leaves_steps_stable() {
     let loaded =
         format!("[surcharge]\npressure = 1e4\n{}{}time_factor = 2.0", soil(0.45, 4.5e5, 0.2), water(2e-4, 3e7));
     let settled = |integrator: &str| column(integrator, 1.0, 8.0, &loaded);
-    assert!((settled("semi-implicit") / settled("quasi-static") - 1.0).abs() < 5e-3);
+    assert!((settled("semi-implicit") / settled("quasi-static") - 1.0).abs() < 1e-2);
     let heavy = format!(
         "gravity = 9.81\nstart = \"undrained-equilibrium\"\n{}{}time = 130.0",
         soil(0.5, 2.4e5, 0.3),
         water(3e-3, 4e7)
     );
     let settled = |integrator: &str| column(integrator, 6.1, 16.0, &heavy);
-    assert!((settled("explicit") / settled("quasi-static") - 1.0).abs() < 0.03);
+    assert!((settled("explicit") / settled("quasi-static") - 1.0).abs() < 1e-2);
 }
 
 #[test]
@@ -160,14 +160,6 @@ fn the_model_does_not_change_with_the_mesh() {
             assert_eq!(physics(cell), coarse, "{integrator} on {cell} m");
         }
     }
-    // rho_w a_s is the scene's own: not where nothing holds the base, unless asked for.
-    let inertia = |more: &str| {
-        let loaded = format!("{more}\n{SOIL}\n{WATER}\n[[stages]]\ndrained = [\"top\"]\nuntil.time = 1.0");
-        soft("explicit", 0.24, "unloaded", &loaded).darcy_inertia
-    };
-    assert!(inertia(""));
-    assert!(!inertia("boundaries.bottom = \"free\""));
-    assert!(inertia("boundaries.bottom = \"free\"\nscheme.darcy_inertia = true"));
 }
 
 #[test]

@@ -593,12 +593,6 @@ impl Scene {
         self.water.is_some() && self.free_surface.is_none() && self.undrained_share() < share
     }
 
-    /// Whether waves decay with `rho_w a_s` in Darcy's law: not in water so soft, nor in soil that nothing holds at its base,
-    /// where nodes at both ends carry next to nothing and their acceleration drives the water.
-    pub fn bears_flow_inertia(&self) -> bool {
-        !self.inertia_feeds_waves() && self.solid_sides[Side::Bottom as usize] != SolidSide::Free
-    }
-
     /// Undrained pore pressure under the surcharge in the soil of the scene, p_0 = q Q/(M + Q), Pa.
     pub fn undrained_pressure(&self) -> f64 {
         self.surcharge.map_or(0.0, |s| s.pressure * self.undrained_share())

@@ -41,8 +41,11 @@ pub struct Estimate {
     pub porosity: f64,
 }
 
-/// Largest error of a settlement through cells, times the rows: particles strain with the cell they are in, and part of each has
-/// gone on. Measured in columns of 5 to 32 rows under loads and their weight, at mean strains of 1 to 15 %: 2.4 % of 8 rows.
+/// Error of a dynamic settlement, of the mean strain, while hardly a particle leaves its cell: particles have the stress and strain
+/// of the middle of a cell from whose middle they have gone. Measured on 4 to 57 rows: +0.4 under a load, -0.65 under weight.
+const OFF_BEFORE: f64 = 0.65;
+
+/// The most that this comes to as particles cross, times the rows: 2.4 % of 8 rows at mean strains of 1 to 15 %.
 const OFF_PER_ROW: f64 = 0.2;
 
 impl Scene {
@@ -152,15 +155,15 @@ impl Scene {
                 1e2 * strain
             ));
         }
-        let rows = self.cells[1] as f64;
-        let moved = self.estimate().settlement_m.abs() / self.cell;
-        let off = OFF_PER_ROW / rows;
+        let (rows, settled) = (self.cells[1] as f64, self.estimate().settlement_m.abs());
+        let off = (OFF_BEFORE * settled / self.height).min(OFF_PER_ROW / rows);
         let dynamic = !matches!(self.integrator, Integrator::QuasiStatic | Integrator::TwoClocks);
-        if dynamic && self.is_level_column() && self.strength.is_none() && moved > 0.2 && off > 0.01 {
+        if dynamic && self.is_level_column() && self.strength.is_none() && off > 0.01 {
             notes.push(format!(
-                "the surface moves by {moved:.2} cells, of {rows} rows: settlements are off by up to {:.0} %; more rows or \
+                "the surface moves by {:.2} cells, of {rows} rows: settlements are off by up to {:.1} %; more rows or \
                  integrator = \"quasi-static\" are nearer",
-                (1e2 * off).ceil()
+                settled / self.cell,
+                1e2 * off
             ));
         }
         notes

@@ -1,7 +1,7 @@
 //! What a user can choose: integrator, shape functions, Darcy operator, what carries velocities.
 
 use mpm_core::scene::{
-    DarcyChoice, Dimension, Integrator, Scene, ShapeChoice, StrainChoice, TransferChoice, UpdateChoice,
+    DarcyChoice, Dimension, Integrator, Scene, ShapeChoice, Side, SolidSide, StrainChoice, TransferChoice, UpdateChoice,
 };
 
 use crate::study::word;
@@ -75,7 +75,9 @@ impl Scheme {
         (scene.integrator, scene.shape, scene.darcy) = (self.integrator, self.shape, self.darcy);
         (scene.transfer, scene.update) = (self.transfer, self.update);
         scene.strain = if quasi_static { StrainChoice::Small } else { StrainChoice::Large };
-        scene.darcy_inertia = !quasi_static && scene.water.is_some() && scene.bears_flow_inertia();
+        // Where nothing holds the base, nodes at both ends carry next to nothing and their acceleration would drive the water.
+        let held = scene.solid_sides[Side::Bottom as usize] != SolidSide::Free;
+        scene.darcy_inertia = !quasi_static && scene.water.is_some() && held && !scene.inertia_feeds_waves();
         scene.particles_per_cell = if quasi_static { 9 } else { 4 };
         scene.light_nodes = scene.usual_light_nodes();
         scene

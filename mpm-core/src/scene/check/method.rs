@@ -105,13 +105,13 @@ impl Reader<'_> {
         Ok(scheme)
     }
 
-    /// Whether Darcy's law keeps `rho_w a_s`: not where waves would then grow, unless the scene insists.
+    /// Whether Darcy's law keeps `rho_w a_s`: not where the model would then be unstable, unless the scene insists.
     pub(super) fn soft_water(&self, raw: &RawScene, scene: &Scene) -> Checked<bool> {
-        let written = raw.scheme.as_ref().and_then(|scheme| scheme.get_ref().darcy_inertia.as_ref());
-        let Some(value) = written else { return Ok(scene.darcy_inertia && scene.bears_flow_inertia()) };
         if !(scene.darcy_inertia && scene.inertia_feeds_waves()) {
             return Ok(scene.darcy_inertia);
         }
+        let written = raw.scheme.as_ref().and_then(|scheme| scheme.get_ref().darcy_inertia.as_ref());
+        let Some(value) = written else { return Ok(false) };
         let (carried, weight) = (scene.undrained_share(), scene.water.map_or(0.0, |w| w.density));
         let expected = format!(
             "false where the water carries a smaller share of a load, Q/(M + Q) = {carried:.3}, than of the weight, \
