@@ -20,7 +20,7 @@ pub struct Options {
     #[arg(long, value_name = "DIR", default_value = ".")]
     source: PathBuf,
     /// Where the copy is built
-    #[arg(long, value_name = "DIR", default_value = "target/mutants")]
+    #[arg(long, value_name = "DIR", default_value = "target/with-faults")]
     scratch: PathBuf,
     /// Only list them
     #[arg(long)]
