@@ -24,7 +24,9 @@
 //! `omega^2 dt/2` per second while the drag of the water, `gamma_w/k`, takes a share that does not depend on dt. So waves
 //! grow, slowly and with an eigenvalue far from -1, above a step that falls with k: [`Medium::lagged_inertia_column`].
 
-use crate::scene::{DarcyChoice, Dimension, Integrator, PAPER_STEP, Scene, ShapeChoice, SolidSide, StepChoice};
+use crate::scene::{
+    DarcyChoice, Dimension, Integrator, PAPER_STEP, Scene, ShapeChoice, SolidSide, StepChoice, THROUGH_CELLS,
+};
 
 /// What the limit depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -331,9 +333,6 @@ const LONE_SPLINE: f64 = 4.64;
 /// `(3 - z)/0.75 = 2 - z - 1/z`, z = -0.464, 4.62 in place of 4, which is `4/sqrt(3/4)`.
 const PARTLY_FILLED: f64 = 0.75;
 
-/// Settlement in cells up to which soil is not taken to move through them.
-const MOST_SETTLED: f64 = 0.2;
-
 /// The usual share of the limit: a surface that takes no more than that is left to it.
 const MOST_SAFETY: f64 = 0.9;
 
@@ -436,7 +435,7 @@ fn semi_implicit_limit_of(scene: &Scene) -> f64 {
 /// stiff enough by its flow, `Q_dt = C^2/(H dt)` beside M: a cell of which a part f is soil has `f^2/(2/f + 2/(1 + f))` of the one
 /// and f of the other.
 fn left_by_surface(scene: &Scene) -> f64 {
-    let f = 1.0 - (scene.estimate().settlement_m / scene.cell).clamp(0.0, MOST_SETTLED);
+    let f = 1.0 - (scene.estimate().settlement_m / scene.cell).clamp(0.0, THROUGH_CELLS);
     3.0 * f * f * (1.0 + f) / (2.0 + 4.0 * f)
 }
 

@@ -23,6 +23,7 @@ pub use flags::Flags;
 pub use free_surface::{Clock, Feed, FreeSurfaceWater};
 pub use ground::{Base, NormalStress, SeedingChoice};
 pub use layers::SoilLayer;
+pub(crate) use moving::THROUGH_CELLS;
 pub use moving::{Estimate, UnfitLoad};
 
 use crate::error::{LoadError, SceneError};
