@@ -29,6 +29,72 @@ pub trait Kinematics<const D: usize, const S: usize>: Copy + Send + Sync + 'stat
     const UNIT_PRESSURE: [f64; S];
 }
 
+/// The stress xx, yy, zz, xy of an isotropic pressure of 1 Pa (compression), for the pore water.
+pub const PRESSURE: [f64; 4] = [-1.0, -1.0, -1.0, 0.0];
+
+/// Strain increment xx, yy, zz, xy (engineering shear) of a velocity gradient over a time dt. The axis of a column is y.
+#[inline(always)]
+pub fn strain_increment<const D: usize, R: Real>(gradient: &Gradient<D, R>, dt: f64) -> [R; 4] {
+    let none = gradient[0][0].like(0.0);
+    if D == 1 {
+        return [none, gradient[0][0] * dt, none, none];
+    }
+    let [x, y] = [0, D - 1];
+    [gradient[x][x] * dt, gradient[y][y] * dt, none, (gradient[x][y] + gradient[y][x]) * dt]
+}
+
+/// Turns a stress by the spin of a velocity gradient over dt (Jaumann rate).
+#[inline(always)]
+pub fn rotate<const D: usize, R: Real>(stress: &mut [R; 4], gradient: &Gradient<D, R>, dt: f64) {
+    if D == 1 {
+        return;
+    }
+    // sigma += (w sigma - sigma w) dt with w_xy = (dv_x/dy - dv_y/dx)/2.
+    let spin = (gradient[0][D - 1] - gradient[D - 1][0]) * 0.5 * dt;
+    let [xx, yy, _, xy] = *stress;
+    stress[0] += spin * 2.0 * xy;
+    stress[1] -= spin * 2.0 * xy;
+    stress[3] += spin * (yy - xx);
+}
+
+/// Force coefficients of a cell from its stress: `F_k,i = sum_p V sigma_ij dphi_k/dx_j`, N m / m.
+///
+/// `mean` is `sum V sigma`, `first[d]` is `sum V sigma xi_d`; `inverse_size` is 1/L.
+#[inline(always)]
+pub fn internal_force<const D: usize, R: Real>(mean: &[R; 4], first: &[[R; 4]; D], inverse_size: f64) -> [[R; D]; 4] {
+    let none = [mean[0].like(0.0); D];
+    let mut force = [none; 4];
+    if D == 1 {
+        force[1][0] = mean[1] * inverse_size;
+        return force;
+    }
+    let (x, y) = (0, D - 1);
+    let (xx, yy, xy) = (mean[0] * inverse_size, mean[1] * inverse_size, mean[3] * inverse_size);
+    (force[1][x], force[1][y]) = (xx, xy);
+    (force[2][x], force[2][y]) = (xy, yy);
+    force[3][x] = (first[y][0] + first[x][3]) * inverse_size;
+    force[3][y] = (first[y][3] + first[x][1]) * inverse_size;
+    force
+}
+
+/// Stress times a vector: sigma . G, Pa times the unit of G.
+#[inline(always)]
+pub fn traction<const D: usize, R: Real>(stress: &[R; 4], vector: &[R; D]) -> [R; D] {
+    let [xx, yy, _, xy] = *stress;
+    let mut force = [yy * vector[0]; D];
+    if D == 2 {
+        force[0] = xx * vector[0] + xy * vector[D - 1];
+        force[D - 1] = xy * vector[0] + yy * vector[D - 1];
+    }
+    force
+}
+
+/// Mean of the three normal stresses, Pa.
+#[inline(always)]
+pub fn mean_stress<R: Real>(stress: &[R; 4]) -> R {
+    (stress[0] + stress[1] + stress[2]) * (1.0 / 3.0)
+}
+
 /// One dimension: the axis is vertical, the stress has a vertical and a lateral component.
 #[derive(Debug, Clone, Copy)]
 pub struct Column;

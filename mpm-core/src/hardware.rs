@@ -14,8 +14,8 @@ pub enum Width {
     /// As many as the machine can, found out when the run starts.
     #[default]
     Widest,
-    /// Two, without special instructions.
-    Two,
+    /// One, without special instructions.
+    One,
     /// Four, with AVX2 where there is some.
     Four,
     /// Eight, with AVX-512 where there is some.
@@ -85,6 +85,6 @@ pub fn instructions() -> &'static str {
         pulp::Arch::V3(_) => "AVX2, 4 lanes",
         #[cfg(target_arch = "aarch64")]
         pulp::Arch::Neon(_) => "NEON, 2 lanes",
-        _ => "none, 2 lanes",
+        _ => "none, 1 lane",
     }
 }

@@ -12,8 +12,8 @@
 //!    water that wets dry soil. In soil that moves, `water/carried.rs` is what the two are to each other in a step,
 //!    `water/free_surface/moving.rs` the pressures that follow, `water/free_surface/carry.rs` the water that goes with its soil.
 //! 5. [`space`]: function spaces and particle weights of the quasi-static integrator.
-//! 6. [`step`]: one time step. `step/explicit.rs` is the paper's Figure 1, `step/lanes` the same with many cells at once
-//!    and on several threads, `step/skeleton.rs` over stencils, `step/semi_implicit.rs` with the pressure implicit, `step/transfer.rs` other ways to carry velocities;
+//! 6. [`step`]: one time step. `step/explicit.rs` is the paper's Figure 1, `step/kernel` the same with many cells at once
+//!    and on several threads, `step/store` what it reads and writes, `step/skeleton.rs` the soil of the semi-implicit step, `step/semi_implicit.rs` with the pressure implicit, `step/transfer.rs` other ways to carry velocities;
 //!    [`step::quasi_static`] leaves inertia out; `step/two_clocks.rs` lets water seep for hours and soil move for seconds.
 //! 7. [`stability`], [`drive`]: how long a step may be; stages and times. [`failure`]: soil that water makes fail, from gravity
 //!    to the shape that is left, with its events and factors of safety. [`keep`]: state that is taken up again to the last bit.

@@ -121,10 +121,10 @@ impl<S: Simd> Lanes<S> {
         numbers_mut(std::slice::from_mut(&mut self.value))[lane] = number;
     }
 
-    /// Every number one lane up, the last one to the first lane.
+    /// Every number so many lanes up, those above the last lane to the first ones.
     #[inline(always)]
-    pub fn turned(self) -> Self {
-        Self { value: self.simd.rotate_right_f64s(self.value, 1), ..self }
+    pub fn turned(self, by: usize) -> Self {
+        Self { value: self.simd.rotate_right_f64s(self.value, by), ..self }
     }
 
     /// This where the mask holds, `other` elsewhere.
@@ -137,6 +137,12 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub fn below(self, other: Self) -> S::m64s {
         self.simd.less_than_f64s(self.value, other.value)
+    }
+
+    /// Where this equals `other`.
+    #[inline(always)]
+    pub fn equals(self, other: Self) -> S::m64s {
+        self.simd.equal_f64s(self.value, other.value)
     }
 
     /// Where this is in [0, 1): not where it is no number.

@@ -1,7 +1,7 @@
 //! The one switchboard: the words of a scene become concrete types. Nothing else matches on them.
 
 use crate::boundary::{BodyForce, Edges, Filled, Given, Plate, Strip, Supports, SurfaceLoad};
-use crate::constitutive::{Law, Laws, Layered, LinearElastic, MohrCoulomb, Stratum};
+use crate::constitutive::{Law, Laws, Layered, LinearElastic, Material, Materials, MohrCoulomb, Stratum};
 use crate::dimension::{Column, Kinematics, PlaneStrain};
 use crate::drive::{Alone, Attend, Drive, Run, drive};
 use crate::error::RunError;
@@ -19,10 +19,16 @@ use crate::shape::{BBar, Centre, Centroid, Linear, Shape};
 use crate::space::Deformation;
 use crate::stability::{StepTooLarge, choose_step};
 use crate::stencil::{Basis, Bspline2, Functions, Gimp};
+use crate::step::kernel::{self, Bspline, OnCell, Over};
 use crate::step::quasi_static::{QuasiStatic, Seeding};
-use crate::step::{Explicit, ExplicitLanes, ExplicitWide, Failing, Model, Parts, SemiImplicit, Transfer, TwoClocks};
-use crate::water::{Carried, DarcyOperator, Dry, Face, Nodal, Ragged, Resident, Saturated, Water};
-use pulp::{Arch, Scalar128b, Scalar256b, Scalar512b, Simd};
+use crate::step::store::Frame;
+use crate::step::{
+    Body, Condition, Damping, Dynamic, Explicit, Failing, GivenForce, Held, Model, Parts, RigidPlate, SemiImplicit,
+    Transfer, TwoClocks,
+};
+use crate::water::pores::Pores;
+use crate::water::{Carried, DarcyOperator, Dry, Face, Nodal, Ragged, Saturated, Water};
+use pulp::{Arch, Scalar, Simd};
 
 /// Why a scene could not be run.
 #[derive(Debug, thiserror::Error)]
@@ -132,6 +138,17 @@ pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<
         return Err(refused("soil with an outline stands where its outline is"));
     }
     let quasi_static = scene.integrator == Integrator::QuasiStatic;
+    if over_lanes(hardware.width, scene) {
+        let materials = materials(scene)?;
+        return match scene.dimension {
+            Dimension::Column => {
+                Seeded::new(scene, given, [scene.cells[1]], scene.width, in_plane)?.dynamic(hardware, scene, materials)
+            }
+            Dimension::PlaneStrain => {
+                Seeded::new(scene, given, scene.cells, scene.cell, in_plane)?.dynamic(hardware, scene, materials)
+            }
+        };
+    }
     match (scene.dimension, scene.strength) {
         (Dimension::Column, None) if !scene.layers.is_empty() => {
             let cells = [scene.cells[1]];
@@ -164,10 +181,10 @@ pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<
             if quasi_static {
                 return Ok(implicit::<PlaneStrain, _, 2, 4>(scene, scene.cells, 1.0, in_plane, law));
             }
-            plane_strain(hardware, scene, given, law)
+            plane_strain(scene, given, law)
         }
         (Dimension::PlaneStrain, Some(strength)) => {
-            plane_strain(hardware, scene, given, MohrCoulomb::plane_strain(&scene.elastic, &strength))
+            plane_strain(scene, given, MohrCoulomb::plane_strain(&scene.elastic, &strength))
         }
     }
 }
@@ -202,31 +219,42 @@ fn in_plane(vertical: f64, lateral: f64) -> [f64; 4] {
     [lateral, vertical, lateral, 0.0]
 }
 
-/// A step in plane strain that is not quasi-static, over lanes where that is known.
-fn plane_strain<L: Law<4>>(
-    hardware: &Hardware,
-    scene: &Scene,
-    given: &Given,
-    law: L,
-) -> Result<Box<dyn Model>, RunError> {
+/// A step in plane strain that is not quasi-static.
+fn plane_strain<L: Law<4>>(scene: &Scene, given: &Given, law: L) -> Result<Box<dyn Model>, RunError> {
     let seed = Seeded::new(scene, given, scene.cells, scene.cell, in_plane)?;
-    if given.is_nothing() && over_lanes(hardware.width, scene) {
-        return match scene.shape {
-            ShapeChoice::Centre => seed.lanes::<Centre, _>(hardware, scene, law),
-            _ => seed.lanes::<Linear, _>(hardware, scene, law),
-        };
-    }
     shape::<PlaneStrain, _, 2, 4>(scene, seed, law)
+}
+
+/// The materials of a scene: that of its soil, or those of its layers.
+fn materials(scene: &Scene) -> Result<Materials, RunError> {
+    if scene.layers.is_empty() {
+        return Ok(Materials::one(match &scene.strength {
+            Some(strength) => Material::MohrCoulomb(MohrCoulomb::plane_strain(&scene.elastic, strength)),
+            None => Material::Elastic(LinearElastic::plane_strain(&scene.elastic)),
+        }));
+    }
+    let in_row = scene.particles_per_direction() * scene.cells[0];
+    let per_row = if scene.dimension == Dimension::Column { 1 } else { in_row };
+    let layer = |layer: &SoilLayer| {
+        let end = (layer.up_to / scene.spacing()).round() as u32 * per_row as u32;
+        (Material::Elastic(LinearElastic::plane_strain(&layer.elastic)), end)
+    };
+    Materials::several(&scene.layers.iter().map(layer).collect::<Vec<_>>()).ok_or_else(|| refused("no layers"))
 }
 
 /// Whether the step over lanes knows a scene.
 pub(crate) fn over_lanes(width: Width, scene: &Scene) -> bool {
-    width != Width::Plain
-        && !scene.needs_plain_step()
-        && scene.dimension == Dimension::PlaneStrain
-        && scene.integrator == Integrator::Explicit
-        && matches!(scene.shape, ShapeChoice::Centre | ShapeChoice::Linear)
-        && (scene.water.is_none() || scene.darcy == DarcyChoice::Face)
+    let explicit = match scene.integrator {
+        Integrator::Explicit => true,
+        // A dry scene has no pressure to solve for.
+        Integrator::SemiImplicit => scene.water.is_none(),
+        _ => false,
+    };
+    let ragged = scene.water.is_some() && scene.sideroom_cells > 0;
+    let by_faces = scene.water.is_none() || scene.darcy == DarcyChoice::Face;
+    let wide = matches!(scene.shape, ShapeChoice::Gimp | ShapeChoice::Bspline2);
+    let usual = width != Width::Plain && by_faces && !ragged && !scene.needs_plain_step();
+    explicit && scene.free_surface.is_none() && (wide || usual)
 }
 
 /// The quasi-static model: one layer of particles and a mesh that is laid over them.
@@ -309,8 +337,7 @@ where
         ShapeChoice::Centre | ShapeChoice::Centroid => seed.layered_explicit::<K, Centre, _>(scene, laws),
         ShapeChoice::Linear => seed.layered_explicit::<K, Linear, _>(scene, laws),
         ShapeChoice::BBar => seed.layered_explicit::<K, BBar, _>(scene, laws),
-        ShapeChoice::Gimp => seed.wide::<K, _, _, true>(scene, laws, Gimp::new(scene.particles_per_direction())),
-        ShapeChoice::Bspline2 => seed.wide::<K, _, _, true>(scene, laws, Bspline2),
+        ShapeChoice::Gimp | ShapeChoice::Bspline2 => Err(refused("wide functions are not for the plain step")),
     }
 }
 
@@ -334,8 +361,7 @@ fn shape<K: Kinematics<D, S>, L: Law<S>, const D: usize, const S: usize>(
         ShapeChoice::Centre => water::<K, Centre, L, D, S>(scene, seed, law),
         ShapeChoice::BBar => water::<K, BBar, L, D, S>(scene, seed, law),
         ShapeChoice::Linear => water::<K, Linear, L, D, S>(scene, seed, law),
-        ShapeChoice::Gimp => seed.wide::<K, _, L, false>(scene, law, Gimp::new(scene.particles_per_direction())),
-        ShapeChoice::Bspline2 => seed.wide::<K, _, L, false>(scene, law, Bspline2),
+        ShapeChoice::Gimp | ShapeChoice::Bspline2 => Err(refused("wide functions are not for the plain step")),
     }
 }
 
@@ -406,7 +432,7 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
             if let Some(start) = &given.start {
                 let state = start(in_two(&x));
                 let [xx, yy, ..] = state.stress;
-                stress = if D == 1 {
+                stress = if S == 2 {
                     std::array::from_fn(|s| [yy, xx][s])
                 } else {
                     std::array::from_fn(|s| state.stress[s])
@@ -437,11 +463,8 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         scene.moves_through_cells() || self.given.moved != [0.0; 2]
     }
 
-    fn saturated<O: DarcyOperator<D>>(
-        &self,
-        scene: &Scene,
-        properties: WaterProperties,
-    ) -> Result<Saturated<O, D>, RunError> {
+    /// The particles of its water.
+    fn drops(&self, scene: &Scene, properties: &WaterProperties) -> Result<Layer<WaterPoint<D>, D>, RunError> {
         let points = positions(scene, &self.given, self.soil_cells)
             .map(|x| {
                 let (mut v, mut pressure) = (first_velocity(scene), first_state(scene, x[D - 1]).1);
@@ -453,7 +476,15 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
                 WaterPoint { x, v, mass, volume: self.particle_volume, pressure }
             })
             .collect();
-        let layer = Layer::new(points, &self.grid).map_err(|e| outside("water", e.index, &e.x))?;
+        Layer::new(points, &self.grid).map_err(|e| outside("water", e.index, &e.x))
+    }
+
+    fn saturated<O: DarcyOperator<D>>(
+        &self,
+        scene: &Scene,
+        properties: WaterProperties,
+    ) -> Result<Saturated<O, D>, RunError> {
+        let layer = self.drops(scene, &properties)?;
         let mut operator = O::new(&self.grid, &properties, self.face_area, scene.darcy_inertia);
         let of_row = |row: usize| {
             let height = (row as f64 + 0.5) * scene.cell;
@@ -502,23 +533,6 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         let edges = Edges::of(scene, &self.grid, &supports, self.solid.points.len(), full_mass);
         let parts = self.parts(scene, law, carried, supports);
         Ok(TwoClocks::new(Explicit::<K, Sh, L, _, D, S>::with_edges(parts, edges)))
-    }
-
-    /// The explicit step over stencils, whose water flows through cell faces.
-    fn wide<K: Kinematics<D, S>, B: Basis, L: Laws<S>, const LAYERED: bool>(
-        self,
-        scene: &Scene,
-        law: L,
-        basis: B,
-    ) -> Result<Box<dyn Model>, RunError> {
-        let supports = Supports::along(&Functions::new(basis, &self.grid).along, &scene.solid_sides);
-        let Some(properties) = scene.water else {
-            let parts = self.parts(scene, law, Dry, supports);
-            return Ok(Box::new(ExplicitWide::<K, B, L, Dry, D, S>::new(parts, basis)));
-        };
-        let water = self.saturated::<Face<D, LAYERED>>(scene, properties)?;
-        let parts = self.parts(scene, law, water, supports);
-        Ok(Box::new(ExplicitWide::<K, B, L, _, D, S>::new(parts, basis)))
     }
 
     /// The semi-implicit step; a dry scene has no pressure to solve for, and takes the explicit one.
@@ -621,46 +635,99 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
     }
 }
 
-impl Seeded<2, 4> {
-    fn lanes<Sh: Shape, L: Law<4>>(
-        self,
-        hardware: &Hardware,
-        scene: &Scene,
-        law: L,
-    ) -> Result<Box<dyn Model>, RunError> {
-        let supports = Supports::new(&self.grid, &scene.solid_sides);
-        let Some(properties) = scene.water else {
-            return Ok(lanes::<Sh, L, Dry, false>(hardware, self.parts(scene, law, Dry, supports)));
-        };
-        let water = self.saturated::<Face<2>>(scene, properties)?;
-        Ok(lanes::<Sh, L, _, true>(hardware, self.parts(scene, law, water, supports)))
+impl<const D: usize> Seeded<D, 4> {
+    /// The explicit step over as many lanes as the machine has.
+    fn dynamic(self, hardware: &Hardware, scene: &Scene, materials: Materials) -> Result<Box<dyn Model>, RunError> {
+        match (hardware.width, Arch::new()) {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            (Width::Widest | Width::Eight, Arch::V4(simd)) => self.over(simd, hardware, scene, materials),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            (Width::Widest | Width::Four, Arch::V3(simd)) => self.over(simd, hardware, scene, materials),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            (Width::Four, Arch::V4(simd)) => self.over(*simd, hardware, scene, materials),
+            #[cfg(target_arch = "aarch64")]
+            (Width::Widest, Arch::Neon(simd)) => self.over(simd, hardware, scene, materials),
+            _ => self.over(Scalar, hardware, scene, materials),
+        }
     }
-}
 
-/// The step over as many lanes as the machine has.
-fn lanes<Sh: Shape, L: Law<4>, W: Resident, const WET: bool>(
-    hardware: &Hardware,
-    parts: Parts<L, W, 2, 4>,
-) -> Box<dyn Model> {
-    fn with<V: Simd, Sh: Shape, L: Law<4>, W: Resident, const WET: bool>(
+    fn over<V: Simd>(
+        self,
         simd: V,
         hardware: &Hardware,
-        parts: Parts<L, W, 2, 4>,
-    ) -> Box<dyn Model> {
-        Box::new(ExplicitLanes::<V, Sh, L, W, WET>::new(simd, parts, hardware.pool.clone()))
+        scene: &Scene,
+        materials: Materials,
+    ) -> Result<Box<dyn Model>, RunError> {
+        let per_direction = scene.particles_per_direction();
+        match scene.shape {
+            ShapeChoice::Centre => self.with(simd, OnCell(Centre), 1, hardware, scene, materials),
+            ShapeChoice::Centroid => self.with(simd, OnCell(Centroid), 1, hardware, scene, materials),
+            ShapeChoice::Linear => self.with(simd, OnCell(Linear), 1, hardware, scene, materials),
+            ShapeChoice::BBar => self.with(simd, OnCell(BBar), 1, hardware, scene, materials),
+            ShapeChoice::Gimp => self.with(simd, Over(kernel::Gimp::new(per_direction)), 1, hardware, scene, materials),
+            ShapeChoice::Bspline2 => self.with(simd, Over(Bspline::<2>), 2, hardware, scene, materials),
+        }
     }
-    match (hardware.width, Arch::new()) {
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        (Width::Widest | Width::Eight, Arch::V4(simd)) => with::<_, Sh, L, W, WET>(simd, hardware, parts),
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        (Width::Widest | Width::Four, Arch::V3(simd)) => with::<_, Sh, L, W, WET>(simd, hardware, parts),
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        (Width::Four, Arch::V4(simd)) => with::<_, Sh, L, W, WET>(*simd, hardware, parts),
-        #[cfg(target_arch = "aarch64")]
-        (Width::Widest, Arch::Neon(simd)) => with::<_, Sh, L, W, WET>(simd, hardware, parts),
-        (Width::Four, _) => with::<_, Sh, L, W, WET>(Scalar256b, hardware, parts),
-        (Width::Eight, _) => with::<_, Sh, L, W, WET>(Scalar512b, hardware, parts),
-        _ => with::<_, Sh, L, W, WET>(Scalar128b, hardware, parts),
+
+    /// With functions of which there are `extra` more along an axis than cells.
+    fn with<V: Simd, F: kernel::Functions<D>>(
+        self,
+        simd: V,
+        functions: F,
+        extra: usize,
+        hardware: &Hardware,
+        scene: &Scene,
+        materials: Materials,
+    ) -> Result<Box<dyn Model>, RunError> {
+        let frame = Frame::new(&self.grid, F::REACH, F::BEFORE);
+        let along = self.grid.cells.map(|cells| cells + extra);
+        let mut conditions: Vec<Box<dyn Condition<D>>> = Vec::new();
+        if let Some(field) = self.given.force.clone() {
+            conditions.push(Box::new(GivenForce::new(field)));
+        }
+        if scene.surcharge.is_some_and(|load| load.on == LoadOn::Plate) {
+            let count: usize = along.iter().product();
+            let top = (count - count / along[D - 1]..count).map(|node| {
+                let place = std::array::from_fn(|d| if D == 1 { node } else { [node % along[0], node / along[0]][d] });
+                frame.function(&place) as u32
+            });
+            conditions.push(Box::new(RigidPlate(top.collect())));
+        }
+        conditions.push(Box::new(Held::new(&along, &scene.solid_sides, |place| frame.function(place))));
+        conditions.push(Box::new(Damping::default()));
+        let body = self.body(scene, materials)?;
+        let transfer = (scene.transfer == TransferChoice::Affine, scene.update == UpdateChoice::Musl);
+        Ok(Box::new(Dynamic::new((simd, hardware.pool.clone()), functions, body, conditions, transfer)))
+    }
+
+    fn body(self, scene: &Scene, materials: Materials) -> Result<Body<D>, RunError> {
+        let water = match scene.water {
+            Some(properties) => {
+                let layer = self.drops(scene, &properties)?;
+                let face_area = self.face_area;
+                Some(Pores::new(scene, layer, &self.grid, &properties, (face_area, self.moves(scene))))
+            }
+            None => None,
+        };
+        let supports = Supports::new(&self.grid, &scene.solid_sides);
+        let Parts { grid, solid, surface, filled, surcharge, gravity, flip, apart, most_crossings, seed, .. } =
+            self.parts(scene, (), (), supports);
+        let first_settlement = scene.first_settlement();
+        Ok(Body {
+            grid,
+            solid,
+            water,
+            materials,
+            surface,
+            filled,
+            surcharge,
+            gravity,
+            flip,
+            apart,
+            most_crossings,
+            seed,
+            first_settlement,
+        })
     }
 }
 

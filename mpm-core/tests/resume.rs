@@ -213,7 +213,7 @@ fn a_state_goes_over_to_other_lanes_and_threads() {
     scene.dimension = mpm_core::scene::Dimension::PlaneStrain;
     let scene = shortened(scene);
     let whole = run_on(&Hardware::default(), &scene, &mut |_| {}).expect("a run");
-    let widths = [Width::Widest, Width::Four, Width::Two, Width::Eight];
+    let widths = [Width::Widest, Width::Four, Width::One, Width::Eight];
     let (mut state, mut pieces) = (None, 0);
     let last = loop {
         let mut stops = Stops { every: 6, looks: 0, state: None };

@@ -82,7 +82,7 @@ impl<const D: usize> SurfaceLoad<D> {
     ///
     /// The cell is that of the particle, so that no force lands on nodes without mass.
     #[inline(always)]
-    fn place(&self, strip: usize, grid: &Grid<D>, (x, volume): ([f64; D], f64)) -> ([usize; D], [f64; D]) {
+    pub(crate) fn place(&self, strip: usize, grid: &Grid<D>, (x, volume): ([f64; D], f64)) -> ([usize; D], [f64; D]) {
         let mut position = [0; D];
         let mut xi = [0.0; D];
         for d in 0..D {

@@ -5,10 +5,12 @@
 mod checks;
 mod layered;
 mod linear_elastic;
+mod material;
 mod mohr_coulomb;
 
 pub use layered::{Laws, Layered, MOST_LAYERS, Stratum};
 pub use linear_elastic::LinearElastic;
+pub use material::{Material, Materials};
 pub use mohr_coulomb::{MohrCoulomb, Region};
 use nalgebra::SMatrix;
 use pulp::Simd;

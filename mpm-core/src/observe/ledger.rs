@@ -5,6 +5,9 @@ use serde::Serialize;
 use super::{CellValues, Flowed};
 use crate::keep::Keeper;
 use crate::nodes::{NodeMotion, NodeSums};
+use crate::real::MOST_LANES;
+use crate::step::store::Nodes;
+use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS};
 use crate::water::FlowRates;
 
 /// Sums kept during the steps of a run.
@@ -265,6 +268,47 @@ impl<const D: usize> Totals<D> {
         }
     }
 
+    /// Books what the nodes have gained in a step, in as many parts as a machine may have lanes. A particle gets `flip dt a + (1 - flip) v`, with
+    /// the velocity v of the end of the step: what held nodes do not give is booked too.
+    pub fn book_motion(&mut self, nodes: &Nodes<D>, flip: f64, dt: f64) {
+        for d in 0..D {
+            let (mut power, mut force) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
+            each_part(nodes, d, |lane, mass, velocity, acceleration| {
+                let middle = velocity - 0.5 * dt * acceleration;
+                power[lane] += mass * acceleration * middle;
+                force[lane] += mass * acceleration;
+            });
+            self.kinetic_gain += dt * power.iter().sum::<f64>();
+            self.momentum_gain[d] += dt * force.iter().sum::<f64>();
+            if flip < 1.0 {
+                for (number, strip) in nodes.sums.iter().enumerate() {
+                    let sums = &strip.0;
+                    for i in (0..nodes.frame.strip).filter(|i| sums[SOLID_MASS][*i] > 0.0) {
+                        let node = number * nodes.frame.strip + i;
+                        let before = sums[MOMENTUM + d][i] / sums[SOLID_MASS][i];
+                        let got = nodes.motion.change[d][node] - (1.0 - flip) * before;
+                        self.momentum_gain[d] +=
+                            sums[MIXTURE_MASS][i] * (got - dt * nodes.motion.acceleration[d][node]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Books a step under gravity (m/s2), in as many parts as a machine may have lanes.
+    pub fn book_weight(&mut self, nodes: &Nodes<D>, gravity: &[f64; D], dt: f64) {
+        for d in (0..D).filter(|d| gravity[*d] != 0.0) {
+            let (mut impulse, mut work) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
+            each_part(nodes, d, |lane, mass, velocity, acceleration| {
+                let given = dt * mass * gravity[d];
+                impulse[lane] += given;
+                work[lane] += given * (velocity - 0.5 * dt * acceleration);
+            });
+            self.gravity_impulse[d] += impulse.iter().sum::<f64>();
+            self.gravity_work += work.iter().sum::<f64>();
+        }
+    }
+
     /// Books the flow of a step.
     pub fn flow(&mut self, rates: &FlowRates, dt: f64) {
         self.darcy_dissipation += dt * rates.dissipation;
@@ -312,6 +356,22 @@ impl<const D: usize> Totals<D> {
             pressure_work_j: 0.0,
             transfer_loss_j: self.kinetic_gain + first.kinetic - now.kinetic,
             momentum_carried_n_s: self.momentum_gain[up] + first.momentum[up] - now.momentum[up],
+        }
+    }
+}
+
+/// Visits the nodes: part of the sum, mass of the mixture (kg), velocity (m/s) and acceleration (m/s2) along an axis.
+#[inline(always)]
+fn each_part<const D: usize>(nodes: &Nodes<D>, axis: usize, mut visit: impl FnMut(usize, f64, f64, f64)) {
+    for (number, strip) in nodes.sums.iter().enumerate() {
+        let own = number * nodes.frame.strip..(number + 1) * nodes.frame.strip;
+        let (masses, _) = strip.0[MIXTURE_MASS][..nodes.frame.strip].as_chunks::<MOST_LANES>();
+        let (velocities, _) = nodes.motion.velocity[axis][own.clone()].as_chunks::<MOST_LANES>();
+        let (accelerations, _) = nodes.motion.acceleration[axis][own].as_chunks::<MOST_LANES>();
+        for ((mass, velocity), acceleration) in masses.iter().zip(velocities).zip(accelerations) {
+            for lane in 0..MOST_LANES {
+                visit(lane, mass[lane], velocity[lane], acceleration[lane]);
+            }
         }
     }
 }

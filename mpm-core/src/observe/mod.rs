@@ -219,8 +219,8 @@ impl<const D: usize> Default for CellValues<D> {
 impl<const D: usize> CellValues<D> {
     /// Adds a solid particle that stood at `first_height` (m) and stores `energy` (J/m3).
     pub fn add_solid<const S: usize>(&mut self, point: &SolidPoint<D, S>, first_height: f64, energy: f64) {
-        // Component order: vertical first in a column, xx before yy in plane strain.
-        let vertical = point.stress[D - 1];
+        // Component order: xx, yy, ...; vertical, lateral in the columns of two.
+        let vertical = point.stress[S / 4];
         self.solid_mass += point.mass;
         self.volume += point.volume;
         self.effective_stress += point.volume * vertical;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Scene, ShapeChoice};
+use super::Scene;
 
 /// How the particles of an outline are cut.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize)]
@@ -88,17 +88,6 @@ impl Scene {
 
     /// Whether only the plain explicit step knows the scene.
     pub(crate) fn needs_plain_step(&self) -> bool {
-        let rests = self.stages.iter().any(|stage| matches!(stage.until, super::Until::Rest { .. }));
-        self.shape == ShapeChoice::Centroid
-            || self.light_nodes > 0.0
-            || self.lends_inertia()
-            || self.periodic
-            || self.base.is_some()
-            || self.separation.is_some()
-            || !self.transfer.is_default()
-            || !self.update.is_default()
-            || self.surcharge.is_some_and(|load| load.on == super::LoadOn::Plate)
-            || !self.layers.is_empty()
-            || rests
+        self.light_nodes > 0.0 || self.lends_inertia() || self.periodic || self.base.is_some()
     }
 }

@@ -1,22 +1,27 @@
 //! One time step. An integrator reads as its algorithm; the choices it is made of are types, fixed for a run.
 
+mod body;
+mod conditions;
+mod dynamic;
 mod explicit;
-mod explicit_wide;
 mod failing;
-mod lanes;
+pub mod kernel;
 mod parts;
 mod pressure;
 pub mod quasi_static;
 mod semi_implicit;
 mod skeleton;
+pub mod store;
+mod surface;
 mod track;
 mod transfer;
 mod two_clocks;
 
+pub use body::Body;
+pub use conditions::{Condition, Damping, GivenForce, Held, RigidPlate};
+pub use dynamic::Dynamic;
 pub use explicit::Explicit;
-pub use explicit_wide::ExplicitWide;
 pub use failing::{Failing, Pace};
-pub use lanes::ExplicitLanes;
 pub use parts::Parts;
 pub use semi_implicit::SemiImplicit;
 pub use transfer::Transfer;

@@ -2,7 +2,7 @@
 //!
 //! The order of a step is that of the paper's Figure 1; `step/explicit.rs` is the same for linear functions, faster.
 
-use super::{Fault, Parts, Transfer};
+use super::{Fault, Parts};
 use crate::boundary::Lifted;
 use crate::constitutive::{Law, Laws};
 use crate::dimension::{Gradient, Kinematics, trace};
@@ -329,63 +329,6 @@ where
         }
     }
 
-    /// Momenta that particles give to functions because these do not stand where they are.
-    #[cold]
-    #[inline(never)]
-    pub fn give_beyond(&mut self) {
-        let Parts { grid, solid, transfer: Some(transfer), .. } = &self.parts else { return };
-        let Some(affine) = &transfer.affine else { return };
-        for (cell, position) in grid.walk() {
-            for index in solid.range(cell) {
-                let point = &solid.points[index];
-                let stencil = self.functions.around(&position, &inside(grid, &position, &point.x));
-                let own = &affine[solid.ids[index] as usize];
-                for a in 0..Functions::<B, D>::COUNT {
-                    let more = Transfer::beyond(own, &self.functions.away(&stencil, a, &point.x));
-                    for d in 0..D {
-                        self.nodes[stencil.node[a]].momentum[d] += point.mass * stencil.value[a] * more[d];
-                    }
-                }
-            }
-        }
-    }
-
-    /// Velocity gradients for the next step, and the velocities that strain the soil in this one.
-    #[cold]
-    #[inline(never)]
-    pub fn map_back(&mut self) {
-        let Parts { grid, solid, transfer: Some(transfer), supports, flip, .. } = &mut self.parts else { return };
-        let Transfer { affine, mapped } = &mut **transfer;
-        if let Some(mapped) = mapped {
-            mapped.fill(NodeMotion::REST);
-        }
-        for (cell, position) in grid.walk() {
-            for index in solid.range(cell) {
-                let point = &solid.points[index];
-                let xi = inside(grid, &position, &point.x);
-                let stencil = self.functions.around(&position, &xi);
-                let (_, _, dv) = field::<B, D>(&stencil, &self.motion);
-                let own = affine.as_mut().map(|affine| {
-                    let own = &mut affine[solid.ids[index] as usize];
-                    (*own, ..) = field::<B, D>(&self.functions.at_particle(&position, &xi), &self.motion);
-                    *own
-                });
-                let Some(mapped) = mapped else { continue };
-                for a in 0..Functions::<B, D>::COUNT {
-                    let away = self.functions.away(&stencil, a, &point.x);
-                    let more = own.map_or([0.0; D], |own| Transfer::beyond(&own, &away));
-                    for d in 0..D {
-                        mapped[stencil.node[a]].velocity[d] +=
-                            point.mass * stencil.value[a] * (*flip * point.v[d] + dv[d] + more[d]);
-                    }
-                }
-            }
-        }
-        if let Some(mapped) = mapped {
-            Transfer::settle(mapped, &self.nodes, supports);
-        }
-    }
-
     /// Strains, stresses, velocities and positions of both layers. `change` gives the change of the water in a cell
     /// from the rate of volume of its soil, 1/s: the adjoint of the pressure force. True if a particle left its cell.
     pub fn mesh_to_particles<const ALONE: bool>(
@@ -614,51 +557,6 @@ mod tests {
             worst = worst.max((by_force - by_strain).abs());
         }
         worst
-    }
-
-    /// Largest difference of the velocities of the nodes from a linear field (m/s) that the particles have; `mapped` asks for
-    /// those mapped back.
-    fn off_linear<B: Basis>(basis: B, affine: bool, mapped: bool) -> f64 {
-        let mut skeleton = skeleton(basis);
-        let at = |x: &[f64; 2]| [1.0 + 2.0 * x[0] - 3.0 * x[1], -2.0 + 3.0 * x[0] + 0.5 * x[1]];
-        let (particles, count) = (skeleton.parts.solid.points.len(), skeleton.functions.count());
-        skeleton.parts.transfer = Transfer::new(affine, mapped, particles, count);
-        for point in &mut skeleton.parts.solid.points {
-            point.v = at(&point.x);
-        }
-        if let Some(gradients) = skeleton.parts.transfer.as_mut().and_then(|transfer| transfer.affine.as_mut()) {
-            gradients.fill([[2.0, -3.0], [3.0, 0.5]]);
-        }
-        skeleton.particles_to_mesh::<true, false>();
-        skeleton.give_beyond();
-        skeleton.accelerate(0.0);
-        skeleton.map_back();
-        let of_transfer = skeleton.parts.transfer.as_ref().and_then(|transfer| transfer.mapped.as_ref());
-        let velocities = if mapped { of_transfer.expect("mapped back") } else { &skeleton.motion };
-        let mut worst = 0.0_f64;
-        for (_, position) in skeleton.parts.grid.walk() {
-            let stencil = skeleton.functions.at_particle(&position, &[0.5; 2]);
-            for a in 0..Functions::<B, 2>::COUNT {
-                let expected = at(&skeleton.functions.away(&stencil, a, &[0.0; 2]));
-                let found = velocities[stencil.node[a]].velocity;
-                let counts = stencil.value[a] > 0.0 && skeleton.nodes[stencil.node[a]].solid_mass > 0.0;
-                (0..2).filter(|_| counts).for_each(|d| worst = worst.max((found[d] - expected[d]).abs()));
-            }
-        }
-        worst
-    }
-
-    #[test]
-    fn affine_velocities_give_nodes_a_linear_field() {
-        let off = [
-            off_linear(Linear, true, false),
-            off_linear(Linear, true, true),
-            off_linear(Gimp::new(2), true, true),
-            off_linear(Bspline2, true, false),
-            off_linear(Bspline2, true, true),
-        ];
-        assert!(off.iter().all(|off| *off < 1e-13), "{off:?}");
-        assert!(off_linear(Linear, false, false) > 0.1 && off_linear(Bspline2, false, true) > 0.1);
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod face;
 pub mod free_surface;
 mod implicit;
 mod nodal;
+pub mod pores;
 mod ragged;
 mod resident;
 mod saturated;

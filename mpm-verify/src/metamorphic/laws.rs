@@ -540,7 +540,7 @@ fn threads(base: &Base) -> Verdict {
         let one = said(base.run);
         let run = |hardware: &Hardware| run_of(hardware, &scene).map_err(Verdict::Unfinished);
         let mut worst = Apart::new("nothing".to_owned(), [0.0; 2], 0.0);
-        for width in [Width::Two, Width::Eight] {
+        for width in [Width::One, Width::Eight] {
             worst = worst.worse(bits(&one, &said(&run(&Hardware::plain(width))?), &format!("width {width:?}")));
         }
         {

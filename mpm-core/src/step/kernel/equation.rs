@@ -2,17 +2,16 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::strip::{FORCE, MIXTURE_MASS, MOMENTUM, SOLID_MASS, SUMS, Tail};
 use crate::real::{Lanes, Real};
+use crate::step::store::StripSums;
+use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS, force};
 
 /// Mixture momentum on the nodes of one strip: rho a_s = div(sigma') - grad p + rho g; new nodal velocities.
-pub struct EquationOfMotion<'a, V: Simd> {
+pub struct EquationOfMotion<'a, V: Simd, const D: usize> {
     /// Leave to use the machine's instructions.
     pub simd: V,
-    /// Sums of the nodes, before what the strip below has given.
-    pub sums: &'a mut [Vec<f64>; SUMS],
-    /// What the strip below has given.
-    pub below: Option<&'a Tail>,
+    /// Sums of the nodes.
+    pub sums: &'a StripSums,
     /// Their velocity at the end of the step, m/s.
     pub velocity: [&'a mut [f64]; 2],
     /// What a particle adds to its velocity, m/s.
@@ -20,34 +19,29 @@ pub struct EquationOfMotion<'a, V: Simd> {
     /// Their acceleration, m/s2.
     pub acceleration: [&'a mut [f64]; 2],
     /// Gravity, m/s2, where the scene has it.
-    pub gravity: Option<[f64; 2]>,
+    pub gravity: Option<[f64; D]>,
     /// FLIP share of the velocity update.
     pub flip: f64,
     /// Time step, s.
     pub dt: f64,
 }
 
-impl<V: Simd> WithSimd for EquationOfMotion<'_, V> {
+impl<V: Simd, const D: usize> WithSimd for EquationOfMotion<'_, V, D> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<T: Simd>(self, _: T) {
-        let Self { simd, sums, below, velocity, change, acceleration, gravity, flip, dt } = self;
-        for (into, from) in sums.iter_mut().zip(below.into_iter().flatten()) {
-            for (sum, more) in into.iter_mut().zip(from) {
-                *sum += more;
-            }
-        }
+        let Self { simd, sums, velocity, change, acceleration, gravity, flip, dt } = self;
         let none = Lanes::splat(simd, 0.0);
         let one = none.like(1.0);
         for node in (0..velocity[0].len()).step_by(V::F64_LANES) {
-            let sum = |q: usize| Lanes::load(simd, &sums[q][node..]);
+            let sum = |q: usize| Lanes::load(simd, &sums.0[q][node..]);
             let (solid, mixture) = (sum(SOLID_MASS), sum(MIXTURE_MASS));
             let with_mass = none.below(solid);
             let of_solid = (one / solid.or(with_mass, one)).or(with_mass, none);
             let of_mixture = (one / mixture.or(with_mass, one)).or(with_mass, none);
-            for d in 0..2 {
-                let mut force = sum(FORCE + d);
+            for d in 0..D {
+                let mut force = sum(force(D) + d);
                 if let Some(gravity) = gravity {
                     force += mixture * gravity[d];
                 }

@@ -1,0 +1,159 @@
+//! Soil and water of a run, and what is read from them between steps.
+
+use crate::boundary::Filled;
+use crate::boundary::SurfaceLoad;
+use crate::constitutive::{Flow, Law, Laws, Materials};
+use crate::grid::Grid;
+use crate::keep::Keeper;
+use crate::observe::{CellValues, FieldPoint, Flowed, Ledger, Observation, Seed, SolidState, Totals, observe};
+use crate::particles::{Layer, SolidPoint};
+use crate::scene::Surcharge;
+use crate::water::pores::{CellSoil, Pores};
+
+/// Soil and water of a run.
+#[derive(Debug, Clone)]
+pub struct Body<const D: usize> {
+    /// The mesh.
+    pub grid: Grid<D>,
+    /// Solid layer; its cells and counts alone while a step has the particles.
+    pub solid: Layer<SolidPoint<D, 4>, D>,
+    /// Water in its pores, if there is any.
+    pub water: Option<Pores<D>>,
+    /// Materials of the skeleton.
+    pub materials: Materials,
+    /// Top surface.
+    pub surface: SurfaceLoad<D>,
+    /// How much of each cell is soil.
+    pub filled: Filled<D>,
+    /// Load on it.
+    pub surcharge: Option<Surcharge>,
+    /// Gravity, m/s2, as a vector; `None` leaves the term out.
+    pub gravity: Option<[f64; D]>,
+    /// FLIP share of the velocity update.
+    pub flip: f64,
+    /// Soil less dense than this (dry, kg/m3) has come apart and carries no stress; 0 if it always does.
+    pub apart: f64,
+    /// Cells that all particles together may cross in a stage without damping; `u64::MAX` for any number.
+    pub most_crossings: u64,
+    /// Where the particles were at t = 0.
+    pub seed: Seed,
+    /// Settlement at t = 0, m: that of the state the run starts from, counted from the unloaded one.
+    pub first_settlement: f64,
+}
+
+impl<const D: usize> Body<D> {
+    /// Writes or reads what changes during a run.
+    pub fn keep(&mut self, keeper: &mut Keeper) {
+        let Self { grid, solid, water, surface, filled, .. } = self;
+        solid.keep(keeper, &SolidPoint::NONE, SolidPoint::keep);
+        filled.keep(keeper);
+        if let Some(water) = water {
+            water.keep(keeper, grid);
+        }
+        if keeper.is_reading() {
+            surface.find(solid);
+        }
+    }
+
+    /// The surcharge at a time (s), Pa.
+    pub fn pressure_at(&self, time: f64) -> f64 {
+        self.surcharge.map_or(0.0, |s| s.at(time))
+    }
+
+    /// Dry mass (kg) and volume (m3) of the particles of each cell with soil.
+    fn cells(&self) -> impl Iterator<Item = (CellSoil, [usize; D])> {
+        let of_cell = |(cell, position): (usize, [usize; D])| {
+            let points = &self.solid.points[self.solid.range(cell)];
+            let (mass, volume) = points.iter().fold((0.0, 0.0), |(m, v), p| (m + p.mass, v + p.volume));
+            (!points.is_empty()).then_some((CellSoil { cell, mass, volume, filled: volume }, position))
+        };
+        self.grid.walk().filter_map(of_cell)
+    }
+
+    /// Pressure (Pa) and stored energy (J) of the water in a cell.
+    fn water_in(&self, soil: &CellSoil) -> (f64, f64) {
+        self.water.as_ref().map_or((0.0, 0.0), |water| water.cell_state(soil))
+    }
+
+    /// Every cell with soil: its place, soil and water.
+    pub fn cell_values(&self) -> Vec<CellValues<D>> {
+        let mut cells = Vec::new();
+        for (mut soil, position) in self.cells() {
+            let mut values = CellValues::default();
+            for index in self.solid.range(soil.cell) {
+                let (point, id) = (&self.solid.points[index], self.solid.ids[index]);
+                let energy = self.materials.law(self.materials.mark_of(id)).finite_energy(&point.stress);
+                values.add_solid(point, self.seed.height_of(id), energy);
+            }
+            soil.filled = self.filled.counted(soil.cell, soil.volume);
+            values.strain_energy *= soil.filled / soil.volume;
+            (values.pressure, values.water_energy) = self.water_in(&soil);
+            values.water_mass = self.water.as_ref().map_or(0.0, |water| water.cell_mass(&soil));
+            values.row = position[D - 1];
+            let middle = |d: usize| (position[d] as f64 + 0.5) * self.grid.size;
+            values.middle = [if D == 2 { middle(0) } else { 0.0 }, middle(D - 1)];
+            values.finish();
+            cells.push(values);
+        }
+        cells
+    }
+
+    /// Nothing dissipated yet, and how near the first stresses are to yield.
+    pub fn flowed_at_first(&self) -> Flowed {
+        let mut flowed = Flowed::NOTHING;
+        for (point, id) in self.solid.points.iter().zip(&self.solid.ids).filter(|_| self.materials.are_plastic()) {
+            let residual = self.materials.law(self.materials.mark_of(*id)).yield_residual(&point.stress);
+            flowed.add(point.volume, &Flow { dissipation: 0.0, residual });
+        }
+        flowed
+    }
+
+    /// The state at a time (s).
+    pub fn observe(&self, time: f64) -> Observation {
+        let settlement = self.first_settlement + self.surface.settlement(&self.solid);
+        let cells = self.cell_values();
+        let layer = self.water.as_ref().map(|water| &water.layer);
+        let mut state = observe(&self.solid, layer, &cells, settlement, time);
+        if D == 2 && self.water.is_some() {
+            let full = self.grid.size * self.grid.size;
+            let point = |cell: &CellValues<D>| FieldPoint {
+                x_m: cell.middle[0],
+                y_m: cell.middle[1],
+                pressure_pa: cell.pressure,
+                saturation: 1.0,
+                soil: cell.volume / full,
+            };
+            state.field = cells.iter().map(point).collect();
+        }
+        state
+    }
+
+    /// The particles of the solid layer.
+    pub fn particles(&self) -> Vec<SolidState> {
+        let two = |v: &[f64; D]| [if D == 2 { v[0] } else { 0.0 }, v[D - 1]];
+        let mut states = Vec::with_capacity(self.solid.points.len());
+        for (soil, _) in self.cells() {
+            let (pore_pressure, _) = self.water_in(&soil);
+            states.extend(self.solid.range(soil.cell).map(|index| {
+                let point = &self.solid.points[index];
+                SolidState {
+                    id: self.solid.ids[index],
+                    x: two(&point.x),
+                    velocity: two(&point.v),
+                    stress: point.stress,
+                    pore_pressure,
+                    volume: point.volume,
+                    mass: point.mass,
+                    ..SolidState::default()
+                }
+            }));
+        }
+        states
+    }
+
+    /// The balances from the sums of the steps.
+    pub fn ledger(&self, totals: &Totals<D>) -> Ledger {
+        let (density, removed) = self.water.as_ref().map_or((0.0, 0.0), |w| (w.flow.density, w.removed_mass));
+        totals.ledger(&self.cell_values(), density, removed)
+    }
+}

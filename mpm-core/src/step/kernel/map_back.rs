@@ -1,0 +1,67 @@
+//! Velocities that particles give back to the nodes once they have theirs of the end of the step, for strains that do not depend on
+//! nodes with next to no mass.
+//!
+//! **Mapped back** (MUSL; Sulsky, Zhou & Schreyer 1995, doi:10.1016/0010-4655(94)00170-7): a node with next to no mass may be
+//! accelerated as it likes: what its particles get is `N_i f_i/m_i`, and finite. With velocities of the nodes (USL) the cell
+//! of such a node is strained by `f_i/m_i`, and a step that is stable inside the soil is not at its edge.
+//!
+//! **Affine** (Nakamura, Matsumura & Mizutani 2023, doi:10.1016/j.cma.2022.115720; Jiang, Schroeder & Teran 2017,
+//! doi:10.1016/j.jcp.2017.02.050): a particle gives a node its velocity at the place of the node, `v_p + L_p (x_i - x_p)`, L_p its
+//! velocity gradient. Without it a node at an edge, whose particles are all on one side of it, gets the
+//! velocity of these, and a body that only turns is strained there by as much as it turns.
+
+use pulp::{Simd, WithSimd};
+
+use super::scatter::Scatter;
+use super::{Affine, Closing, Common, Contribution, Fields, Functions, MOST_REACHED, Moves};
+use crate::real::Lanes;
+use crate::step::store::nodes::{SUMS, StripSums};
+use crate::step::store::{Motion, SolidLanes, Strip};
+
+/// Masses and momenta of the end of the step from the particles of a strip to the nodes.
+pub struct MapBack<'a, V: Simd, F: Functions<D>, const D: usize> {
+    /// Leave to use the machine's instructions.
+    pub simd: V,
+    /// The strip.
+    pub strip: &'a Strip<V, D>,
+    /// What it gives to the nodes.
+    pub sums: &'a mut StripSums,
+    /// What all strips share.
+    pub common: &'a Common<'a, F, D>,
+}
+
+impl<V: Simd, F: Functions<D>, const D: usize> WithSimd for MapBack<'_, V, F, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<T: Simd>(self, _: T) {
+        let Self { simd, strip, sums, common } = self;
+        let Common { frame, functions, motion, flip, kept, .. } = *common;
+        let none = Lanes::splat(simd, 0.0);
+        let mut scatter = Scatter::<V, D>::begin::<F>(simd, sums, frame);
+        for (group, cell) in strip.cells.iter().enumerate() {
+            let position = cell.position.map(|value| Lanes { simd, value });
+            let edges = functions.edges(&position, &frame.cells);
+            let at = strip.first + group * V::F64_LANES;
+            let Motion { velocity, change, .. } = motion;
+            let fields = Fields { simd, velocity, change, mapped: None, frame, at };
+            let motion = functions.motion(&fields, &cell.at.map(|value| Lanes { simd, value }));
+            let mut gathered = functions.nothing(simd);
+            for index in strip.solid.range(group) {
+                let point = SolidLanes::<V, D>::read(simd, strip.solid.block(index));
+                let xi = std::array::from_fn(|d| point.x[d] * frame.inverse_size - position[d]);
+                let Moves { change, .. } = functions.moves(&motion, &edges, &xi, frame.inverse_size);
+                let v = std::array::from_fn(|d| point.v[d] * flip + change[d]);
+                let own = |_| Affine(functions.gradient_at(&motion, &edges, &xi, frame.inverse_size));
+                let affine = kept.affine.map(own);
+                let given = Contribution { xi, mass: point.mass, volume: none, v, stress: [none; 4], affine };
+                functions.add(&mut gathered, &edges, &given, (false, frame.inverse_size));
+            }
+            let mut given = [[none; MOST_REACHED]; SUMS];
+            let closing = Closing::of(none);
+            functions.finish(&mut gathered, &closing, frame.inverse_size, |a, q, value| given[q][a] = value);
+            scatter.add::<F>(sums, group * V::F64_LANES, &given);
+        }
+        scatter.end::<F>(sums, strip.cells.len() * V::F64_LANES);
+    }
+}

@@ -1,0 +1,712 @@
+//! What a cell does in a step, written once: Darcy flow and mesh to particles of this step, particles to mesh of the next.
+//!
+//! Between the two passes over a particle in the paper's Figure 1 nothing happens to it, so they are one. The kernel is generic
+//! over the dimension, over the functions that carry a field ([`Functions`]: those of one cell in [`on_cell`], wider ones in
+//! [`stencil`]), and over how many cells it takes at once: one, or as many as the machine has lanes. Lanes do not mix and
+//! products are not fused with sums, so the bits are the same.
+
+mod bases;
+pub mod equation;
+mod map_back;
+mod on_cell;
+mod scatter;
+mod stencil;
+mod water;
+
+pub use bases::{Basis, Bspline, Gimp};
+pub use map_back::MapBack;
+pub use on_cell::OnCell;
+pub use stencil::Over;
+
+use pulp::{Simd, WithSimd};
+
+use super::store::nodes::{SUMS, StripSums};
+use super::store::{CellLanes, Frame, Motion, Nodes, SolidLanes, Strip, ask_for};
+use crate::boundary::ROUND_OFF;
+use crate::constitutive::{Flow, Materials};
+use crate::dimension::{PRESSURE, rotate, strain_increment, trace};
+use crate::observe::Flowed;
+use crate::real::{Lanes, MOST_LANES, Real};
+use crate::water::FaceFlow;
+use scatter::Scatter;
+
+/// Most functions that the particles of a cell reach along an axis.
+pub const MOST_REACH: usize = 4;
+/// Most that they reach in the plane.
+pub const MOST_REACHED: usize = MOST_REACH * MOST_REACH;
+/// How many blocks of particles to ask for in advance.
+const BLOCKS_AHEAD: usize = 12;
+/// How many groups of cells to ask for in advance.
+const GROUPS_AHEAD: usize = 3;
+/// The fill of a cell whose soil is not known: its water is as stiff as in a full one.
+const NOT_KNOWN: f64 = 1e60;
+
+/// Fields at the functions that a group of cells reaches.
+pub struct Fields<'a, V: Simd, const D: usize> {
+    /// Leave to use the machine's instructions.
+    pub simd: V,
+    /// Velocities of the functions, m/s.
+    pub velocity: &'a [Vec<f64>; 2],
+    /// What a particle adds to its velocity, m/s.
+    pub change: &'a [Vec<f64>; 2],
+    /// Velocities that strain the soil, where they are others.
+    pub mapped: Option<&'a [Vec<f64>; 2]>,
+    /// Numbering.
+    pub frame: &'a Frame<D>,
+    /// Number of the first cell.
+    pub at: usize,
+}
+
+impl<V: Simd, const D: usize> Fields<'_, V, D> {
+    /// A field at function `a` of those that the cells reach.
+    #[inline(always)]
+    pub fn load(&self, field: &[f64], offset: usize) -> Lanes<V> {
+        Lanes::load(self.simd, &field[self.at + offset..])
+    }
+
+    /// A field at the corners of the cells; in a column at both ends, twice.
+    #[inline(always)]
+    pub fn corners(&self, field: &[f64]) -> [Lanes<V>; 4] {
+        let row = self.frame.stride[D - 1];
+        let lower = &field[self.at..][..V::F64_LANES + 1];
+        let [a, b] = [Lanes::load(self.simd, lower), Lanes::load(self.simd, &lower[1..])];
+        if D == 1 {
+            return [a, b, a, b];
+        }
+        let upper = &field[self.at + row..][..V::F64_LANES + 1];
+        [a, b, Lanes::load(self.simd, upper), Lanes::load(self.simd, &upper[1..])]
+    }
+}
+
+/// What the mesh does to a particle.
+pub struct Moves<V: Simd, const D: usize> {
+    /// Velocity gradient that strains it, 1/s.
+    pub gradient: [[Lanes<V>; D]; D],
+    /// Velocity that it moves with, m/s.
+    pub velocity: [Lanes<V>; D],
+    /// What is added to its own, m/s.
+    pub change: [Lanes<V>; D],
+}
+
+/// A velocity gradient that a particle carries, 1/s.
+#[derive(Clone, Copy)]
+pub struct Affine<V: Simd, const D: usize>(pub [[Lanes<V>; D]; D]);
+
+impl<V: Simd, const D: usize> Affine<V, D> {
+    /// Velocity (m/s) of a particle at a place away from it (m).
+    #[inline(always)]
+    pub fn seen_from(&self, v: &[Lanes<V>; D], away: &[Lanes<V>; D]) -> [Lanes<V>; D] {
+        std::array::from_fn(|i| {
+            let mut sum = v[i];
+            for j in 0..D {
+                sum += self.0[i][j] * away[j];
+            }
+            sum
+        })
+    }
+}
+
+/// What a particle gives to the nodes.
+pub struct Contribution<V: Simd, const D: usize> {
+    /// Its place in the cell.
+    pub xi: [Lanes<V>; D],
+    /// Dry mass, kg.
+    pub mass: Lanes<V>,
+    /// Volume, m3.
+    pub volume: Lanes<V>,
+    /// Velocity, m/s.
+    pub v: [Lanes<V>; D],
+    /// Stress, Pa: effective over functions of a cell, which add the pressure once; total over stencils.
+    pub stress: [Lanes<V>; 4],
+    /// Its velocity gradient, where those are carried.
+    pub affine: Option<Affine<V, D>>,
+}
+
+/// What closes the sums of a cell.
+pub struct Closing<V: Simd, const D: usize> {
+    /// Factor on stresses times the volumes of particles: how much soil there is over that.
+    pub share: Lanes<V>,
+    /// Volume of soil, m3.
+    pub filled: Lanes<V>,
+    /// Centroid of the particles, in cell coordinates.
+    pub at: [Lanes<V>; D],
+    /// Pore pressure that pushes, Pa; none in dry soil, or where it is solved for.
+    pub pressure: Option<Lanes<V>>,
+    /// Where it acts.
+    pub pressed_at: [Lanes<V>; D],
+    /// Volume of the water particles, m3, or one.
+    pub full_of_water: Lanes<V>,
+    /// Whether the pressure is one number in the cell.
+    pub of_cell: bool,
+    /// Mass of water over that of the grains, for cells whose water moves with the soil.
+    pub water_ratio: Option<Lanes<V>>,
+    /// Which cells those are.
+    pub moving_with: V::m64s,
+    /// Mass of water (kg) and the place in the cell where it is, where that is given.
+    pub given_water: Option<(Lanes<V>, [Lanes<V>; D])>,
+}
+
+impl<V: Simd, const D: usize> Closing<V, D> {
+    /// Of cells whose soil fills a volume (m3) as its particles do, without water.
+    #[inline(always)]
+    fn of(filled: Lanes<V>) -> Self {
+        let [none, half, one] = [0.0, 0.5, 1.0].map(|number| filled.like(number));
+        Self {
+            share: one,
+            filled,
+            at: [half; D],
+            pressure: None,
+            pressed_at: [half; D],
+            full_of_water: one,
+            of_cell: false,
+            water_ratio: None,
+            moving_with: one.below(none),
+            given_water: None,
+        }
+    }
+}
+
+/// A family of functions that carry fields, written for so many cells at once.
+pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
+    /// Functions that the particles of a cell reach along an axis.
+    const REACH: usize;
+    /// How many of those have a smaller number than the cell.
+    const BEFORE: usize;
+    /// Whether a particle is gathered right after it has moved: the pressure of its cell is added at the end.
+    const FUSED: bool;
+    /// Whether what changes volumes is taken at the centre of the cell (B-bar).
+    const SPLIT: bool = false;
+    /// Whether all particles of a cell are strained alike.
+    const OF_CELL: bool = false;
+    /// Whether pore pressures follow the strains of their own particles.
+    const PRESSURE_AT_PARTICLES: bool = false;
+    /// Whether the functions are numbered as the nodes of the mesh, and have their values there.
+    const NODAL: bool = false;
+    /// What a group of cells has of the sides of the mesh.
+    type Edges<V: Simd>: Copy;
+    /// Motion in a group of cells.
+    type Motion<V: Simd>;
+    /// What its particles give.
+    type Sums<V: Simd>;
+
+    /// For cells at a place on the lattice of so many.
+    fn edges<V: Simd>(&self, position: &[Lanes<V>; D], cells: &[usize; D]) -> Self::Edges<V>;
+    /// Motion of the cells, the particles of which have a centroid (cell coordinates).
+    fn motion<V: Simd>(&self, fields: &Fields<V, D>, centroid: &[Lanes<V>; D]) -> Self::Motion<V>;
+    /// Rate of volume at the centre of the cells, 1/s.
+    fn middle<V: Simd>(&self, motion: &Self::Motion<V>, inverse_size: f64) -> Lanes<V>;
+    /// What the mesh does to particles at a place in their cells.
+    fn moves<V: Simd>(
+        &self,
+        motion: &Self::Motion<V>,
+        edges: &Self::Edges<V>,
+        xi: &[Lanes<V>; D],
+        inverse_size: f64,
+    ) -> Moves<V, D>;
+    /// Gradient of the velocity of the functions at particles, 1/s.
+    fn gradient_at<V: Simd>(
+        &self,
+        motion: &Self::Motion<V>,
+        edges: &Self::Edges<V>,
+        xi: &[Lanes<V>; D],
+        inverse_size: f64,
+    ) -> [[Lanes<V>; D]; D];
+    /// Velocity `v_w = v_s + v*` (m/s) of water particles and, if pressures follow it, the rate of volume (1/s) of the soil there.
+    fn with_water<V: Simd>(
+        &self,
+        motion: &Self::Motion<V>,
+        edges: &Self::Edges<V>,
+        xi: &[Lanes<V>; D],
+        relative: &Relative<V, D>,
+        inverse_size: f64,
+    ) -> ([Lanes<V>; D], Lanes<V>);
+
+    /// Values of the functions that a particle in a cell at a place of so many reaches.
+    fn values(&self, position: &[usize; D], cells: &[usize; D], xi: &[f64; D]) -> [f64; MOST_REACHED];
+    /// Shares of an amount at a point of the surface above the cell at a place of so many.
+    fn at_surface(&self, position: &[usize; D], cells: &[usize; D], xi: &[f64; D], amount: f64) -> [f64; MOST_REACHED];
+    /// Accelerations at the nodes of the mesh, where those of the functions are others.
+    fn accelerations_of_mesh(&self, _: &Nodes<D>, _: &mut [Vec<f64>; 2]) {}
+
+    /// Nothing gathered.
+    fn nothing<V: Simd>(&self, simd: V) -> Self::Sums<V>;
+    /// Adds a particle; `coupled` if the force of a unit pressure is to be known, 1/L in 1/m.
+    fn add<V: Simd>(
+        &self,
+        sums: &mut Self::Sums<V>,
+        edges: &Self::Edges<V>,
+        point: &Contribution<V, D>,
+        how: (bool, f64),
+    );
+    /// Adds mass (kg), volume (m3) and pressure (Pa) of a water particle.
+    fn add_water<V: Simd>(
+        &self,
+        sums: &mut Self::Sums<V>,
+        edges: &Self::Edges<V>,
+        xi: &[Lanes<V>; D],
+        water: [Lanes<V>; 3],
+    );
+    /// Sums of V p and of V over the water particles.
+    fn water_of<V: Simd>(&self, sums: &Self::Sums<V>) -> [Lanes<V>; 2];
+    /// Centroid of the particles, if strains are taken there; from their volume, or one where there are none.
+    fn centroid<V: Simd>(&self, _: &Self::Sums<V>, _: Lanes<V>) -> Option<[Lanes<V>; D]> {
+        None
+    }
+    /// Gives what the cells have gathered: function, which sum, how much.
+    fn finish<V: Simd>(
+        &self,
+        sums: &mut Self::Sums<V>,
+        cell: &Closing<V, D>,
+        inverse_size: f64,
+        give: impl FnMut(usize, usize, Lanes<V>),
+    );
+    /// C: force of a unit pressure in the cells on their functions, m2.
+    fn coupling<V: Simd>(
+        &self,
+        sums: &Self::Sums<V>,
+        cell: &Closing<V, D>,
+        inverse_size: f64,
+    ) -> [[Lanes<V>; D]; MOST_REACHED];
+}
+
+/// What particles keep beside their records, as places in these.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Kept {
+    /// Velocity gradient, row by row.
+    pub affine: Option<usize>,
+    /// Strain that is followed, xx, yy, zz, xy (tensor components).
+    pub strain: Option<usize>,
+}
+
+/// The water of a pass.
+#[derive(Debug, Clone, Copy)]
+pub enum InPores<'a> {
+    /// Dry soil.
+    None,
+    /// Particles that fill the pores; `relative` are velocities v* at the nodes, where flow is not through faces.
+    Particles {
+        /// v*, m/s.
+        relative: Option<&'a [Vec<f64>; 2]>,
+        /// Rise of the pressure of each cell in the step, Pa, where it has been solved for.
+        rise: Option<&'a [f64]>,
+        /// Whether cells may come to be open to the air, which holds no suction.
+        ragged: bool,
+    },
+    /// Pressure (Pa), mass of water per volume of soil (kg/m3), and the heights in the cell where each acts, of every cell.
+    Given {
+        /// Pa.
+        pressure: &'a [f64],
+        /// kg/m3.
+        per_volume: &'a [f64],
+        /// Factor on the height of the centroid.
+        lower: &'a [f64],
+        /// Cell coordinate.
+        middle: &'a [f64],
+    },
+}
+
+/// Everything a pass reads and no strip changes.
+pub struct Common<'a, F, const D: usize> {
+    /// Numbering.
+    pub frame: &'a Frame<D>,
+    /// The functions.
+    pub functions: F,
+    /// Motion of the functions in this step.
+    pub motion: &'a Motion,
+    /// Velocities that strain the soil, where they are others, m/s.
+    pub mapped: Option<&'a [Vec<f64>; 2]>,
+    /// Accelerations of the nodes of the mesh, m/s2.
+    pub acceleration: &'a [Vec<f64>; 2],
+    /// The water.
+    pub water: InPores<'a>,
+    /// Pore pressure of the cells at its start, Pa; from [`Frame::pad`] on.
+    pub pressure: &'a [f64],
+    /// How faces conduct, over the conductivity of the water: 0 closed, 1 between two full cells of soil, 2 at a drained side, half
+    /// a cell away; else the edge of a cell over the distance.
+    pub conducts: &'a [Vec<f64>; 2],
+    /// Their conductivity over that of the water, where it is not one.
+    pub ratio: Option<&'a [Vec<f64>; 2]>,
+    /// Volume of soil in the cells at the end of the pass, m3, where it is known; else zero.
+    pub soil: &'a [f64],
+    /// Materials of the skeleton.
+    pub materials: &'a Materials,
+    /// Whether any of them dissipates.
+    pub plastic: bool,
+    /// Darcy's law on a face.
+    pub flow: FaceFlow,
+    /// Gravity, m/s2.
+    pub gravity: [f64; D],
+    /// FLIP share of the velocity update.
+    pub flip: f64,
+    /// Soil less dense than this (dry, kg/m3) has come apart and carries no stress; 0 if it always does.
+    pub apart: f64,
+    /// What particles keep.
+    pub kept: Kept,
+    /// Whether pressures are solved for, and the force of a unit pressure is wanted.
+    pub coupled: bool,
+    /// Time step, s.
+    pub dt: f64,
+}
+
+/// The pass over one strip. MOVE: with mesh to particles; without, the particles are only gathered.
+pub struct Pass<'a, V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> {
+    /// Leave to use the machine's instructions.
+    pub simd: V,
+    /// The strip.
+    pub strip: &'a mut Strip<V, D>,
+    /// What it gives to the nodes.
+    pub sums: &'a mut StripSums,
+    /// Where the pore pressure of its cells goes, Pa.
+    pub pressure: &'a mut [f64],
+    /// Where the coupling of its cells goes, m2: `[cell][function][axis]` by vectors of cells; empty if no one asks.
+    pub coupling: &'a mut [f64],
+    /// What all strips share.
+    pub common: &'a Common<'a, F, D>,
+}
+
+/// Plastic flow of the particles of a strip, in as many parts as a machine may have lanes: the bits do not depend on how
+/// many it has.
+struct FlowedLanes<V: Simd> {
+    dissipation: [Lanes<V>; MOST_LANES],
+    residual: Lanes<V>,
+}
+
+impl<V: Simd> FlowedLanes<V> {
+    #[inline(always)]
+    fn nothing(simd: V) -> Self {
+        let none = Lanes::splat(simd, 0.0);
+        Self { dissipation: [none; MOST_LANES], residual: none.like(f64::NEG_INFINITY) }
+    }
+
+    /// Adds one particle of each cell of a group, of a volume (m3).
+    #[inline(always)]
+    fn add(&mut self, group: usize, volume: Lanes<V>, flow: &Flow<Lanes<V>>) {
+        self.dissipation[group % (MOST_LANES / V::F64_LANES)] += volume * flow.dissipation;
+        self.residual = flow.residual.larger(self.residual);
+    }
+
+    #[inline(always)]
+    fn added_up(&self) -> Flowed {
+        let mut flowed = Flowed::NOTHING;
+        for part in 0..MOST_LANES {
+            flowed.dissipation += self.dissipation[part / V::F64_LANES].lane(part % V::F64_LANES);
+        }
+        for lane in 0..V::F64_LANES {
+            flowed.residual = flowed.residual.max(self.residual.lane(lane));
+        }
+        flowed
+    }
+}
+
+impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> WithSimd for Pass<'_, V, F, D, MOVE> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<T: Simd>(mut self, _: T) {
+        self.run();
+    }
+}
+
+/// A vector field in a cell that is linear along each axis, as coefficients.
+pub type Relative<V, const D: usize> = [[Lanes<V>; D]; 4];
+
+/// What a pass over a strip adds up.
+struct Running<V: Simd> {
+    rates: [[Lanes<V>; MOST_LANES]; 2],
+    flowed: FlowedLanes<V>,
+    stays: V::m64s,
+}
+
+impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, D, MOVE> {
+    #[inline(always)]
+    fn of(&self, value: V::f64s) -> Lanes<V> {
+        Lanes { simd: self.simd, value }
+    }
+
+    #[inline(always)]
+    fn run(&mut self) {
+        let none = Lanes::splat(self.simd, 0.0);
+        let mut running = Running {
+            rates: [[none; MOST_LANES]; 2],
+            flowed: FlowedLanes::nothing(self.simd),
+            stays: none.in_unit_interval(),
+        };
+        let mut scatter = Scatter::<V, D>::begin::<F>(self.simd, self.sums, self.common.frame);
+        for group in 0..self.strip.cells.len() {
+            let sums = self.group(group, &mut running);
+            scatter.add::<F>(self.sums, group * V::F64_LANES, &sums);
+        }
+        scatter.end::<F>(self.sums, self.strip.cells.len() * V::F64_LANES);
+        self.strip.stays = self.simd.first_true_m64s(self.simd.not_m64s(running.stays)) == V::F64_LANES;
+        if MOVE && self.common.plastic {
+            self.strip.flowed = running.flowed.added_up();
+        }
+        if MOVE && !matches!(self.common.water, InPores::None) {
+            for (rate, lanes) in self.strip.rates.iter_mut().zip(running.rates) {
+                *rate = 0.0;
+                for part in 0..MOST_LANES {
+                    *rate += lanes[part / V::F64_LANES].lane(part % V::F64_LANES);
+                }
+            }
+        }
+    }
+
+    /// A group of cells: Figure 1 from the mesh to the particles and back.
+    #[inline(always)]
+    fn group(&mut self, group: usize, running: &mut Running<V>) -> [[Lanes<V>; MOST_REACHED]; SUMS] {
+        let Common { frame, functions, motion, mapped, water, .. } = *self.common;
+        let none = Lanes::splat(self.simd, 0.0);
+        let at = self.strip.first + group * V::F64_LANES;
+        let cell = self.strip.cells[group];
+        let position = cell.position.map(|p| self.of(p));
+        let edges = functions.edges(&position, &frame.cells);
+        let wet = matches!(water, InPores::Particles { .. });
+        let mut sums = functions.nothing(self.simd);
+        let mut soil = [none; 2]; // mass, volume
+        self.ask_for_cells(group, at);
+        if MOVE {
+            let Motion { velocity, change, .. } = motion;
+            let fields = Fields { simd: self.simd, velocity, change, mapped, frame, at };
+            let motion = functions.motion(&fields, &cell.at.map(|x| self.of(x)));
+            let relative = if wet { self.darcy_flow(at, &cell, running, group) } else { [[none; D]; 4] };
+            let gained = self.solid(group, &position, (&motion, &edges, &cell), (&mut sums, &mut soil), running);
+            if wet {
+                self.water(group, &position, Some((&motion, &relative, &cell, gained)), (&edges, &mut sums), running);
+            }
+        } else if wet {
+            self.water(group, &position, None, (&edges, &mut sums), running);
+        }
+        if !(MOVE && F::FUSED) {
+            let pressure = self.pressure_on_particles(&sums);
+            for index in self.strip.solid.range(group) {
+                let point = SolidLanes::<V, D>::read(self.simd, self.strip.solid.block(index));
+                let xi = std::array::from_fn(|d| point.x[d] * frame.inverse_size - position[d]);
+                self.gather(&point, xi, pressure, index, &edges, (&mut sums, &mut soil));
+            }
+        }
+        self.close(group, at, &soil, &mut sums)
+    }
+
+    /// Asks for cells, upper nodes and faces of a group to come.
+    #[inline(always)]
+    fn ask_for_cells(&self, group: usize, at: usize) {
+        ask_for(&self.strip.cells, group + GROUPS_AHEAD);
+        if MOVE {
+            let Common { frame, motion, pressure, conducts, .. } = self.common;
+            let here = at + GROUPS_AHEAD * V::F64_LANES;
+            for d in 0..D {
+                for field in [&motion.velocity[d], &motion.change[d], &motion.acceleration[d]] {
+                    ask_for(field, here + (F::REACH - 1) * frame.stride[D - 1]);
+                }
+                ask_for(&conducts[d], here + frame.stride[d]);
+            }
+            ask_for(pressure, here + 2 * frame.pad());
+        }
+    }
+
+    /// Solid particles: strains, stresses, velocities and positions. Returns their volume and what it gains in time, m3 and m3/s.
+    #[inline(always)]
+    fn solid(
+        &mut self,
+        group: usize,
+        position: &[Lanes<V>; D],
+        (motion, edges, cell): (&F::Motion<V>, &F::Edges<V>, &CellLanes<V, D>),
+        (sums, soil): (&mut F::Sums<V>, &mut [Lanes<V>; 2]),
+        running: &mut Running<V>,
+    ) -> [Lanes<V>; 2] {
+        let Common { frame, functions, materials, plastic, flip, apart, kept, dt, .. } = *self.common;
+        let (simd, inverse) = (self.simd, frame.inverse_size);
+        let none = Lanes::splat(simd, 0.0);
+        let middle = if F::SPLIT { functions.middle(motion, inverse) } else { none };
+        let pressure = self.of(cell.volume).like(0.0);
+        let mut gained = [none; 2];
+        for index in self.strip.solid.range(group) {
+            self.ask_for_block(index + BLOCKS_AHEAD);
+            let mut point = SolidLanes::<V, D>::read(simd, self.strip.solid.block(index));
+            let mut xi = std::array::from_fn(|d| point.x[d] * inverse - position[d]);
+            let Moves { gradient, velocity, change } = functions.moves(motion, edges, &xi, inverse);
+            rotate(&mut point.stress, &gradient, dt);
+            let mut strain = strain_increment(&gradient, dt);
+            let mut rate = trace(&gradient);
+            if F::SPLIT {
+                let more = (middle - rate) * (dt / 3.0);
+                for s in 0..3 {
+                    strain[s] += more;
+                }
+                rate = middle;
+            }
+            let there = none.below(point.volume);
+            let ids = &self.strip.solid.ids[index * V::F64_LANES..][..V::F64_LANES];
+            let flow = materials.update(&mut point.stress, &strain, there, ids);
+            if plastic {
+                running.flowed.add(group, point.volume, &flow);
+            }
+            if !F::OF_CELL && !F::PRESSURE_AT_PARTICLES && !F::SPLIT || self.common.coupled {
+                gained[0] += point.volume;
+                gained[1] += point.volume * rate; // C^T v
+            }
+            point.volume = point.volume * (none.like(1.0) + rate * dt);
+            if plastic && apart > 0.0 {
+                self.come_apart(&mut point, index, group, running);
+            }
+            if kept.affine.is_some() || kept.strain.is_some() {
+                let own = functions.gradient_at(motion, edges, &xi, inverse);
+                self.note(index, &own, &gradient);
+            }
+            for d in 0..D {
+                point.v[d] = point.v[d] * flip + change[d];
+                point.x[d] += velocity[d] * dt;
+                xi[d] = point.x[d] * inverse - position[d];
+                running.stays = simd.and_m64s(running.stays, xi[d].in_unit_interval());
+            }
+            point.write(self.strip.solid.block_mut(index));
+            if F::FUSED {
+                self.gather(&point, xi, pressure, index, edges, (sums, soil));
+            }
+        }
+        gained
+    }
+
+    /// Asks for a block of solid particles.
+    #[inline(always)]
+    fn ask_for_block(&self, index: usize) {
+        let Strip { solid, .. } = &*self.strip;
+        for i in (0..solid.columns).step_by((MOST_LANES / V::F64_LANES).max(1)) {
+            ask_for(&solid.vectors, index * solid.columns + i);
+        }
+    }
+
+    /// Soil that has come apart has no stress until the gap is closed, or every recompression would push too early.
+    #[inline(always)]
+    fn come_apart(&self, point: &mut SolidLanes<V, D>, index: usize, group: usize, running: &mut Running<V>) {
+        let none = point.volume.like(0.0);
+        let gone = point.mass.below(point.volume * self.common.apart);
+        if self.simd.first_true_m64s(gone) == V::F64_LANES {
+            return;
+        }
+        let mut lost = none;
+        for lane in 0..V::F64_LANES {
+            if point.volume.lane(lane) * self.common.apart > point.mass.lane(lane) {
+                let stress = point.stress.map(|s| s.lane(lane));
+                let id = self.strip.solid.ids[index * V::F64_LANES + lane];
+                lost.set_lane(lane, self.common.materials.energy(id, &stress));
+            }
+        }
+        let flow = Flow { dissipation: lost, residual: none.like(f64::NEG_INFINITY) };
+        running.flowed.add(group, point.volume, &flow);
+        point.stress = point.stress.map(|s| none.or(gone, s));
+    }
+
+    /// Notes what particles keep of the motion: their own velocity gradient, and the strain that is followed.
+    #[cold]
+    #[inline(always)]
+    fn note(&mut self, index: usize, own: &[[Lanes<V>; D]; D], strains: &[[Lanes<V>; D]; D]) {
+        let Common { kept, dt, .. } = *self.common;
+        let simd = self.simd;
+        let block = self.strip.solid.block_mut(index);
+        if let Some(first) = kept.affine {
+            for i in 0..D {
+                for j in 0..D {
+                    block[first + i * D + j] = own[i][j].value;
+                }
+            }
+        }
+        if let Some(first) = kept.strain {
+            let mut strain: [Lanes<V>; 4] = std::array::from_fn(|s| Lanes { simd, value: block[first + s] });
+            rotate(&mut strain, strains, dt);
+            let more = strain_increment(strains, dt);
+            for s in 0..4 {
+                // Engineering shear is twice the component of the tensor.
+                let sum = strain[s] + if s == 3 { more[s] * 0.5 } else { more[s] };
+                block[first + s] = sum.value;
+            }
+        }
+    }
+
+    /// One particle of each cell to the mesh: masses, momenta and stresses.
+    #[inline(always)]
+    fn gather(
+        &self,
+        point: &SolidLanes<V, D>,
+        xi: [Lanes<V>; D],
+        pressure: Lanes<V>,
+        index: usize,
+        edges: &F::Edges<V>,
+        (sums, soil): (&mut F::Sums<V>, &mut [Lanes<V>; 2]),
+    ) {
+        let Common { functions, frame, kept, coupled, .. } = *self.common;
+        let SolidLanes { mass, volume, v, mut stress, .. } = *point;
+        soil[0] += mass;
+        soil[1] += volume;
+        if !F::FUSED {
+            for s in 0..3 {
+                stress[s] += pressure * PRESSURE[s];
+            }
+        }
+        let affine = kept.affine.map(|first| {
+            let block = self.strip.solid.block(index);
+            Affine(std::array::from_fn(|i| std::array::from_fn(|j| self.of(block[first + i * D + j]))))
+        });
+        let point = Contribution { xi, mass, volume, v, stress, affine };
+        functions.add(sums, edges, &point, (coupled, frame.inverse_size));
+    }
+
+    /// The cells' volumes are known: notes them for the next step, and gives the sums at their functions.
+    #[inline(always)]
+    fn close(
+        &mut self,
+        group: usize,
+        at: usize,
+        &[mass, volume]: &[Lanes<V>; 2],
+        sums: &mut F::Sums<V>,
+    ) -> [[Lanes<V>; MOST_REACHED]; SUMS] {
+        let Common { functions, frame, coupled, .. } = *self.common;
+        let none = mass.like(0.0);
+        let one = none.like(1.0);
+        let full = |volume: Lanes<V>| volume.or(none.below(volume), one);
+        let known = Lanes::load(self.simd, &self.common.soil[at..]);
+        let is_known = none.below(known);
+        // As `Filled::volume`: round-off is no difference.
+        let off = (known - volume).larger(volume - known);
+        let filled = known.or((known * ROUND_OFF).below(off), volume).or(is_known, volume);
+        let half = none.like(0.5);
+        let mut closing =
+            Closing { share: filled / full(volume), of_cell: coupled, moving_with: is_known, ..Closing::of(filled) };
+        let cell = &mut self.strip.cells[group];
+        (cell.volume, cell.mass) = (volume.value, mass.value);
+        if let Some(centroid) = functions.centroid(sums, full(volume)) {
+            cell.at = centroid.map(|x| x.value);
+            closing.at = centroid;
+        }
+        match self.common.water {
+            InPores::None => {}
+            InPores::Particles { .. } => self.close_water(group, [mass, volume], sums, &mut closing),
+            InPores::Given { pressure, per_volume, lower, middle } => {
+                let given = |list: &[f64]| Lanes::load(self.simd, &list[at..]);
+                closing.pressed_at = closing.at;
+                if functions.centroid(sums, full(volume)).is_some() {
+                    closing.pressed_at[D - 1] = closing.at[D - 1] * given(lower);
+                }
+                let mut place = [half; D];
+                place[D - 1] = given(middle);
+                closing.pressure = Some(given(pressure));
+                closing.given_water = Some((given(per_volume) * volume, place));
+            }
+        }
+        if coupled {
+            let coupling = functions.coupling(sums, &closing, frame.inverse_size);
+            let reached = F::REACH.pow(D as u32);
+            for a in 0..reached {
+                for d in 0..D {
+                    for lane in 0..V::F64_LANES {
+                        let cell = group * V::F64_LANES + lane;
+                        self.coupling[(cell * reached + a) * D + d] = coupling[a][d].lane(lane);
+                    }
+                }
+            }
+        }
+        let mut given = [[none; MOST_REACHED]; SUMS];
+        functions.finish(sums, &closing, frame.inverse_size, |a, q, value| given[q][a] = value);
+        given
+    }
+}

@@ -1,0 +1,308 @@
+//! Functions of one cell: linear ones, with gradients at the particles, at the centre of the cell, at the centroid of its soil, or
+//! selectively at both ([`crate::shape`]). A field is held by its coefficients in (1, xi, eta, xi eta).
+
+use pulp::Simd;
+
+use super::{Closing, Contribution, Fields, Functions, MOST_REACHED, Moves};
+use crate::dimension::{
+    PRESSURE, basis, coefficients, gradient, internal_force, mean_stress, shares, to_corners, trace, value,
+};
+use crate::real::{Lanes, Real};
+use crate::shape::Shape;
+use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS, force};
+
+/// A vector field in a cell, as coefficients.
+pub type Field<V, const D: usize> = [[Lanes<V>; D]; 4];
+
+/// Motion in a cell.
+#[derive(Clone, Copy)]
+pub struct CellMotion<V: Simd, const D: usize> {
+    /// What strains the soil.
+    strains: Field<V, D>,
+    velocity: Field<V, D>,
+    change: Field<V, D>,
+    /// Where all particles have their strain, unless each has its own.
+    at: [Lanes<V>; D],
+}
+
+/// What the particles of a cell give.
+#[derive(Clone, Copy)]
+pub struct CellSums<V: Simd, const D: usize> {
+    solid_mass: [Lanes<V>; 4],
+    momentum: Field<V, D>,
+    mean: [Lanes<V>; 4],
+    first: [[Lanes<V>; 4]; D],
+    water_mass: [Lanes<V>; 4],
+    /// First moments of the volume of the soil.
+    moment: [Lanes<V>; D],
+    /// Moments of V p.
+    weighted: [[Lanes<V>; 1]; 4],
+    /// Volume of the water.
+    of_water: Lanes<V>,
+}
+
+/// Linear functions with gradients where a shape has them.
+#[derive(Debug, Clone, Copy)]
+pub struct OnCell<Sh>(pub Sh);
+
+impl<Sh: Shape, const D: usize> Functions<D> for OnCell<Sh> {
+    const REACH: usize = 2;
+    const BEFORE: usize = 0;
+    const FUSED: bool = true;
+    const SPLIT: bool = Sh::SPLIT;
+    const OF_CELL: bool = Sh::AT_CENTRE;
+    const PRESSURE_AT_PARTICLES: bool = !<Sh::Pore as Shape>::AT_CENTRE;
+    const NODAL: bool = true;
+    type Edges<V: Simd> = ();
+    type Motion<V: Simd> = CellMotion<V, D>;
+    type Sums<V: Simd> = CellSums<V, D>;
+
+    #[inline(always)]
+    fn edges<V: Simd>(&self, _: &[Lanes<V>; D], _: &[usize; D]) {}
+
+    #[inline(always)]
+    fn motion<V: Simd>(&self, fields: &Fields<V, D>, centroid: &[Lanes<V>; D]) -> CellMotion<V, D> {
+        let load = |field: &[Vec<f64>; 2]| {
+            let none = Lanes::splat(fields.simd, 0.0);
+            let mut nodal = [[none; D]; 4];
+            for (d, field) in field.iter().enumerate().take(D) {
+                for (a, at_corner) in fields.corners(field).into_iter().enumerate().take(1 << D) {
+                    nodal[a][d] = at_corner;
+                }
+            }
+            coefficients::<D, D, _>(&nodal)
+        };
+        let velocity = load(fields.velocity);
+        let strains = fields.mapped.map_or(velocity, load);
+        let at = if Sh::AT_CENTROID { *centroid } else { [velocity[0][0].like(0.5); D] };
+        CellMotion { strains, velocity, change: load(fields.change), at }
+    }
+
+    #[inline(always)]
+    fn middle<V: Simd>(&self, motion: &CellMotion<V, D>, inverse_size: f64) -> Lanes<V> {
+        trace(&gradient(&motion.strains, &[motion.at[0].like(0.5); D], inverse_size))
+    }
+
+    #[inline(always)]
+    fn moves<V: Simd>(&self, motion: &CellMotion<V, D>, (): &(), xi: &[Lanes<V>; D], inverse_size: f64) -> Moves<V, D> {
+        let here = if Sh::AT_CENTRE { &motion.at } else { xi };
+        let phi = basis(xi);
+        Moves {
+            gradient: gradient(&motion.strains, here, inverse_size),
+            velocity: value::<D, D, _>(&motion.velocity, &phi),
+            change: value::<D, D, _>(&motion.change, &phi),
+        }
+    }
+
+    #[inline(always)]
+    fn gradient_at<V: Simd>(
+        &self,
+        motion: &CellMotion<V, D>,
+        (): &(),
+        xi: &[Lanes<V>; D],
+        inverse_size: f64,
+    ) -> [[Lanes<V>; D]; D] {
+        gradient(&motion.velocity, xi, inverse_size)
+    }
+
+    #[inline(always)]
+    fn with_water<V: Simd>(
+        &self,
+        motion: &CellMotion<V, D>,
+        (): &(),
+        xi: &[Lanes<V>; D],
+        relative: &Field<V, D>,
+        inverse_size: f64,
+    ) -> ([Lanes<V>; D], Lanes<V>) {
+        let rate = if <Self as Functions<D>>::PRESSURE_AT_PARTICLES {
+            trace(&gradient(&motion.strains, xi, inverse_size))
+        } else {
+            xi[0].like(0.0)
+        };
+        let mut both = motion.strains;
+        for k in 0..1 << D {
+            for d in 0..D {
+                both[k][d] += relative[k][d];
+            }
+        }
+        (value::<D, D, _>(&both, &basis(xi)), rate)
+    }
+
+    fn values(&self, position: &[usize; D], cells: &[usize; D], xi: &[f64; D]) -> [f64; MOST_REACHED] {
+        self.at_surface(position, cells, xi, 1.0)
+    }
+
+    fn at_surface(&self, _: &[usize; D], _: &[usize; D], xi: &[f64; D], amount: f64) -> [f64; MOST_REACHED] {
+        let corners = shares(amount, xi);
+        std::array::from_fn(|a| corners.get(a).copied().unwrap_or(0.0))
+    }
+
+    #[inline(always)]
+    fn nothing<V: Simd>(&self, simd: V) -> CellSums<V, D> {
+        let none = Lanes::splat(simd, 0.0);
+        CellSums {
+            solid_mass: [none; 4],
+            momentum: [[none; D]; 4],
+            mean: [none; 4],
+            first: [[none; 4]; D],
+            water_mass: [none; 4],
+            moment: [none; D],
+            weighted: [[none; 1]; 4],
+            of_water: none,
+        }
+    }
+
+    #[inline(always)]
+    fn add<V: Simd>(
+        &self,
+        sums: &mut CellSums<V, D>,
+        (): &(),
+        point: &Contribution<V, D>,
+        (coupled, inverse_size): (bool, f64),
+    ) {
+        let Contribution { xi, mass, volume, v, stress, affine, .. } = point;
+        let share = shares(*mass, xi);
+        for a in 0..1 << D {
+            sums.solid_mass[a] += share[a];
+            let v = match affine {
+                Some(affine) => {
+                    let corner = |d: usize| if (a >> d) & 1 == 1 { 1.0 } else { 0.0 };
+                    let away = std::array::from_fn(|d| (xi[d].like(corner(d)) - xi[d]) * (1.0 / inverse_size));
+                    affine.seen_from(v, &away)
+                }
+                None => *v,
+            };
+            for d in 0..D {
+                sums.momentum[a][d] += share[a] * v[d];
+            }
+        }
+        if Sh::AT_CENTROID || (coupled && !<Sh::Pore as Shape>::AT_CENTRE) {
+            for d in 0..D {
+                sums.moment[d] += *volume * xi[d];
+            }
+        }
+        let mean = if Sh::SPLIT { mean_stress(stress) } else { stress[0] };
+        for s in 0..4 {
+            let weighted = *volume * stress[s];
+            sums.mean[s] += weighted;
+            for d in 0..D {
+                if Sh::SPLIT {
+                    let mean = mean * -PRESSURE[s];
+                    sums.first[d][s] += *volume * ((stress[s] - mean) * xi[d] + mean * 0.5);
+                } else if !Sh::AT_CENTRE {
+                    sums.first[d][s] += weighted * xi[d];
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn add_water<V: Simd>(
+        &self,
+        sums: &mut CellSums<V, D>,
+        (): &(),
+        xi: &[Lanes<V>; D],
+        [mass, volume, pressure]: [Lanes<V>; 3],
+    ) {
+        let share = shares(mass, xi);
+        for a in 0..1 << D {
+            sums.water_mass[a] += share[a];
+        }
+        let weighted = volume * pressure;
+        sums.weighted[0][0] += weighted;
+        sums.of_water += volume;
+        if <Self as Functions<D>>::PRESSURE_AT_PARTICLES {
+            let phi = basis(xi);
+            for k in 1..1 << D {
+                sums.weighted[k][0] += weighted * phi[k];
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn water_of<V: Simd>(&self, sums: &CellSums<V, D>) -> [Lanes<V>; 2] {
+        [sums.weighted[0][0], sums.of_water]
+    }
+
+    #[inline(always)]
+    fn centroid<V: Simd>(&self, sums: &CellSums<V, D>, full: Lanes<V>) -> Option<[Lanes<V>; D]> {
+        Sh::AT_CENTROID.then(|| sums.moment.map(|moment| moment / full))
+    }
+
+    #[inline(always)]
+    fn finish<V: Simd>(
+        &self,
+        sums: &mut CellSums<V, D>,
+        cell: &Closing<V, D>,
+        inverse_size: f64,
+        mut give: impl FnMut(usize, usize, Lanes<V>),
+    ) {
+        let none = sums.solid_mass[0].like(0.0);
+        sums.mean = sums.mean.map(|s| s * cell.share);
+        if Sh::AT_CENTRE {
+            // Section 2.2: G_i(x_c) for every particle of the cell.
+            for d in 0..D {
+                sums.first[d] = sums.mean.map(|s| if Sh::AT_CENTROID { s * cell.at[d] } else { s * 0.5 });
+            }
+        } else {
+            sums.first = sums.first.map(|first| first.map(|s| s * cell.share));
+        }
+        if let Some(ratio) = cell.water_ratio {
+            for a in 0..1 << D {
+                let of_particles = sums.water_mass[a];
+                sums.water_mass[a] = (ratio * sums.solid_mass[a]).or(cell.moving_with, of_particles);
+            }
+        }
+        if let Some((mass, at)) = cell.given_water {
+            sums.water_mass = shares(mass, &at);
+        }
+        if let Some(pressure) = cell.pressure {
+            // Where the pressure acts: at the centre (section 2.2), or where its particles are.
+            let moments = if <Self as Functions<D>>::PRESSURE_AT_PARTICLES && !cell.of_cell {
+                let share = cell.filled / cell.full_of_water;
+                sums.weighted.map(|[moment]| moment * share)
+            } else {
+                let acting = pressure * cell.filled;
+                let phi = basis(&cell.pressed_at);
+                [acting, acting * phi[1], acting * phi[2], none]
+            };
+            for s in 0..3 {
+                sums.mean[s] -= moments[0];
+                for d in 0..D {
+                    sums.first[d][s] -= moments[1 + d];
+                }
+            }
+        }
+        // div(sigma') - grad p, weak: f_i = - sum_p V sigma G_i
+        let coefficients = internal_force(&sums.mean, &sums.first, inverse_size);
+        let internal = to_corners::<D, D, _>(&coefficients);
+        for a in 0..1 << D {
+            give(a, SOLID_MASS, sums.solid_mass[a]);
+            give(a, MIXTURE_MASS, sums.solid_mass[a] + sums.water_mass[a]);
+            for d in 0..D {
+                give(a, MOMENTUM + d, sums.momentum[a][d]);
+                give(a, force(D) + d, -internal[a][d]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn coupling<V: Simd>(
+        &self,
+        sums: &CellSums<V, D>,
+        cell: &Closing<V, D>,
+        inverse_size: f64,
+    ) -> [[Lanes<V>; D]; MOST_REACHED] {
+        let none = sums.solid_mass[0].like(0.0);
+        let mut isotropic = [none; 4];
+        isotropic[..3].fill(cell.filled);
+        let first = std::array::from_fn(|d| {
+            let moment = if <Sh::Pore as Shape>::AT_CENTRE { cell.filled * 0.5 } else { sums.moment[d] * cell.share };
+            let mut of_axis = [none; 4];
+            of_axis[..3].fill(moment);
+            of_axis
+        });
+        let at_corners = to_corners::<D, D, _>(&internal_force(&isotropic, &first, inverse_size));
+        std::array::from_fn(|a| if a < 1 << D { at_corners[a] } else { [none; D] })
+    }
+}

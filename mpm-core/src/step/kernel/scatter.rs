@@ -1,0 +1,110 @@
+//! From the cells of a strip to its nodes, so many cells at once: upper nodes are begun, lower ones ended. A node gets what the cells
+//! around it give in the order of the cells, however many are taken at once.
+
+use pulp::Simd;
+
+use super::{Functions, MOST_REACH, MOST_REACHED};
+use crate::real::{Lanes, MOST_LANES};
+use crate::step::store::Frame;
+use crate::step::store::nodes::{SUMS, StripSums, sums};
+
+/// What cells give to nodes beyond their own lanes waits here for the next cells.
+pub struct Scatter<V: Simd, const D: usize> {
+    /// By row of functions, column, sum.
+    carry: [[[Lanes<V>; SUMS]; MOST_REACH]; MOST_REACH],
+    /// Holds in the lanes below a number.
+    below: [V::m64s; MOST_REACH],
+    row: usize,
+}
+
+impl<V: Simd, const D: usize> Scatter<V, D> {
+    /// Whether a vector has a lane for each function of a row.
+    const fn fits<F: Functions<D>>() -> bool {
+        V::F64_LANES + 1 >= F::REACH
+    }
+
+    const fn rows<F: Functions<D>>() -> usize {
+        if D == 1 { 1 } else { F::REACH }
+    }
+
+    /// Clears what the cells of the strip do not begin.
+    #[inline(always)]
+    pub fn begin<F: Functions<D>>(simd: V, to: &mut StripSums, frame: &Frame<D>) -> Self {
+        for q in &mut to.0[..sums(D)] {
+            let first = if Self::fits::<F>() { frame.tail().min(q.len()) } else { q.len() };
+            q[..first].fill(0.0); // the cells below are another strip's
+        }
+        let numbers: [f64; MOST_LANES] = std::array::from_fn(|i| i as f64);
+        let lanes = Lanes::load(simd, &numbers);
+        let none = Lanes::splat(simd, 0.0);
+        Self {
+            carry: [[[none; SUMS]; MOST_REACH]; MOST_REACH],
+            below: std::array::from_fn(|i| lanes.below(Lanes::splat(simd, i as f64 - 0.5))),
+            row: frame.stride[D - 1],
+        }
+    }
+
+    /// Adds what the cells from `cell` of the strip on give to their functions.
+    #[inline(always)]
+    pub fn add<F: Functions<D>>(&mut self, to: &mut StripSums, cell: usize, given: &[[Lanes<V>; MOST_REACHED]; SUMS]) {
+        if !Self::fits::<F>() {
+            return self.add_one_by_one::<F>(to, cell, given);
+        }
+        for q in 0..sums(D) {
+            // The uppermost first: short rows lie within one vector.
+            for j in (0..Self::rows::<F>()).rev() {
+                let to = &mut to.0[q][cell + j * self.row..][..V::F64_LANES];
+                let begun = j + 1 < Self::rows::<F>();
+                let mut sum = if begun { Some(Lanes::load(given[0][0].simd, to)) } else { None };
+                for i in (1..F::REACH).rev() {
+                    let turned = given[q][j * F::REACH + i].turned(i);
+                    let here = self.carry[j][i][q].or(self.below[i], turned);
+                    sum = Some(sum.map_or(here, |sum| sum + here));
+                    self.carry[j][i][q] = turned;
+                }
+                let own = given[q][j * F::REACH];
+                sum.map_or(own, |sum| sum + own).store(to);
+            }
+        }
+    }
+
+    /// The same with fewer lanes than functions.
+    #[inline(always)]
+    fn add_one_by_one<F: Functions<D>>(
+        &self,
+        to: &mut StripSums,
+        cell: usize,
+        given: &[[Lanes<V>; MOST_REACHED]; SUMS],
+    ) {
+        for lane in 0..V::F64_LANES {
+            for q in 0..sums(D) {
+                for j in 0..Self::rows::<F>() {
+                    for i in 0..F::REACH {
+                        to.0[q][cell + lane + i + j * self.row] += given[q][j * F::REACH + i].lane(lane);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Gives what still waits to the nodes beyond the last cell.
+    #[inline(always)]
+    pub fn end<F: Functions<D>>(&self, to: &mut StripSums, length: usize) {
+        if !Self::fits::<F>() {
+            return;
+        }
+        for q in 0..sums(D) {
+            for j in 0..Self::rows::<F>() {
+                let to = &mut to.0[q][length + j * self.row..][..F::REACH - 1];
+                if j + 1 == Self::rows::<F>() {
+                    to.fill(0.0);
+                }
+                for i in (1..F::REACH).rev() {
+                    for lane in 0..i {
+                        to[lane] += self.carry[j][i][q].lane(lane);
+                    }
+                }
+            }
+        }
+    }
+}

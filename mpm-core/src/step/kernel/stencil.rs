@@ -1,0 +1,364 @@
+//! Functions over a stencil of cells: tensor products of a [`Basis`] along each axis, so many cells at once.
+//!
+//! All particles of a cell reach the same functions, so a cell gathers in its own sums. What a particle gives and takes is summed up axis
+//! by axis.
+
+use pulp::{Scalar, Simd};
+
+use super::bases::{Basis, Line};
+use super::{Closing, Contribution, Fields, Functions, MOST_REACHED, Moves, Relative};
+use crate::dimension::{basis, value};
+use crate::real::{Lanes, Real};
+use crate::step::store::Nodes;
+use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS, force};
+
+/// Products of a basis along each axis.
+#[derive(Debug, Clone, Copy)]
+pub struct Over<B>(pub B);
+
+/// Motion of the functions that a group of cells reaches.
+pub struct StencilMotion<V: Simd, const D: usize> {
+    strains: [[Lanes<V>; D]; MOST_REACHED],
+    velocity: [[Lanes<V>; D]; MOST_REACHED],
+    change: [[Lanes<V>; D]; MOST_REACHED],
+    is_mapped: bool,
+}
+
+/// What the particles of a cell give to these functions.
+pub struct StencilSums<V: Simd, const D: usize> {
+    solid_mass: [Lanes<V>; MOST_REACHED],
+    water_mass: [Lanes<V>; MOST_REACHED],
+    momentum: [[Lanes<V>; D]; MOST_REACHED],
+    force: [[Lanes<V>; D]; MOST_REACHED],
+    /// `sum_p V G_i`, m2.
+    coupling: [[Lanes<V>; D]; MOST_REACHED],
+    weighted: Lanes<V>,
+    of_water: Lanes<V>,
+}
+
+impl<B: Basis> Over<B> {
+    #[inline(always)]
+    fn lines<V: Simd, const D: usize>(&self, edges: &[B::Edge<V>; D], xi: &[Lanes<V>; D]) -> [Line<Lanes<V>>; D] {
+        std::array::from_fn(|d| self.0.line(&edges[d], xi[d]))
+    }
+
+    /// Products of the values along each axis, for one point.
+    fn shares<const D: usize>(
+        &self,
+        position: &[usize; D],
+        cells: &[usize; D],
+        xi: &[f64; D],
+        line: impl Fn(&B::Edge<Scalar>, Lanes<Scalar>) -> Line<Lanes<Scalar>>,
+    ) -> [f64; MOST_REACHED] {
+        let along = |d: usize| {
+            let edge = self.0.edge(Lanes::splat(Scalar, position[d] as f64), cells[d]);
+            line(&edge, Lanes::splat(Scalar, xi[d])).value.map(|value| value.lane(0))
+        };
+        let (x, y) = (along(0), along(D - 1));
+        std::array::from_fn(|a| {
+            let (i, j) = (a % B::REACH, a / B::REACH);
+            if j >= B::REACH { 0.0 } else { x[i] * if D == 1 { 1.0 } else { y[j] } }
+        })
+    }
+
+    /// Value and gradient of a vector field at particles.
+    #[inline(always)]
+    fn field<V: Simd, const D: usize>(
+        lines: &[Line<Lanes<V>>; D],
+        nodal: &[[Lanes<V>; D]; MOST_REACHED],
+        inverse_size: f64,
+    ) -> ([Lanes<V>; D], [[Lanes<V>; D]; D]) {
+        let none = lines[0].value[0].like(0.0);
+        let (mut at, mut gradient) = ([none; D], [[none; D]; D]);
+        let x = &lines[0];
+        for j in 0..if D == 1 { 1 } else { B::REACH } {
+            let (mut row, mut slope) = ([none; D], [none; D]);
+            for i in 0..B::REACH {
+                for d in 0..D {
+                    row[d] += nodal[j * B::REACH + i][d] * x.value[i];
+                    slope[d] += nodal[j * B::REACH + i][d] * x.slope[i];
+                }
+            }
+            if D == 1 {
+                at = row;
+                gradient[0] = slope;
+            } else {
+                let y = &lines[D - 1];
+                for d in 0..D {
+                    at[d] += row[d] * y.value[j];
+                    gradient[d][0] += slope[d] * y.value[j];
+                    gradient[d][D - 1] += row[d] * y.slope[j];
+                }
+            }
+        }
+        (at, gradient.map(|g| g.map(|g| g * inverse_size)))
+    }
+
+    /// Value of a vector field at particles.
+    #[inline(always)]
+    fn value<V: Simd, const D: usize>(
+        lines: &[Line<Lanes<V>>; D],
+        nodal: &[[Lanes<V>; D]; MOST_REACHED],
+    ) -> [Lanes<V>; D] {
+        let none = lines[0].value[0].like(0.0);
+        let mut at = [none; D];
+        for j in 0..if D == 1 { 1 } else { B::REACH } {
+            let mut row = [none; D];
+            for i in 0..B::REACH {
+                for d in 0..D {
+                    row[d] += nodal[j * B::REACH + i][d] * lines[0].value[i];
+                }
+            }
+            for d in 0..D {
+                at[d] = if D == 1 { row[d] } else { at[d] + row[d] * lines[D - 1].value[j] };
+            }
+        }
+        at
+    }
+}
+
+impl<B: Basis, const D: usize> Functions<D> for Over<B> {
+    const REACH: usize = B::REACH;
+    const BEFORE: usize = B::BEFORE;
+    const FUSED: bool = false;
+    type Edges<V: Simd> = [B::Edge<V>; D];
+    type Motion<V: Simd> = StencilMotion<V, D>;
+    type Sums<V: Simd> = StencilSums<V, D>;
+
+    #[inline(always)]
+    fn edges<V: Simd>(&self, position: &[Lanes<V>; D], cells: &[usize; D]) -> [B::Edge<V>; D] {
+        std::array::from_fn(|d| self.0.edge(position[d], cells[d]))
+    }
+
+    #[inline(always)]
+    fn motion<V: Simd>(&self, fields: &Fields<V, D>, _: &[Lanes<V>; D]) -> StencilMotion<V, D> {
+        let none = Lanes::splat(fields.simd, 0.0);
+        let load = |field: &[Vec<f64>; 2]| {
+            let mut nodal = [[none; D]; MOST_REACHED];
+            for (a, nodal) in nodal.iter_mut().enumerate().take(B::REACH.pow(D as u32)) {
+                let offset = a % B::REACH + if D == 1 { 0 } else { a / B::REACH * fields.frame.stride[D - 1] };
+                for d in 0..D {
+                    nodal[d] = fields.load(&field[d], offset);
+                }
+            }
+            nodal
+        };
+        let velocity = load(fields.velocity);
+        let strains = fields.mapped.map_or(velocity, load);
+        StencilMotion { strains, velocity, change: load(fields.change), is_mapped: fields.mapped.is_some() }
+    }
+
+    #[inline(always)]
+    fn middle<V: Simd>(&self, motion: &StencilMotion<V, D>, _: f64) -> Lanes<V> {
+        motion.velocity[0][0].like(0.0)
+    }
+
+    #[inline(always)]
+    fn moves<V: Simd>(
+        &self,
+        motion: &StencilMotion<V, D>,
+        edges: &[B::Edge<V>; D],
+        xi: &[Lanes<V>; D],
+        inverse_size: f64,
+    ) -> Moves<V, D> {
+        let lines = self.lines(edges, xi);
+        let (velocity, mut gradient) = Self::field(&lines, &motion.velocity, inverse_size);
+        if motion.is_mapped {
+            (_, gradient) = Self::field(&lines, &motion.strains, inverse_size);
+        }
+        Moves { gradient, velocity, change: Self::value(&lines, &motion.change) }
+    }
+
+    #[inline(always)]
+    fn gradient_at<V: Simd>(
+        &self,
+        motion: &StencilMotion<V, D>,
+        edges: &[B::Edge<V>; D],
+        xi: &[Lanes<V>; D],
+        inverse_size: f64,
+    ) -> [[Lanes<V>; D]; D] {
+        Self::field(&self.lines(edges, xi), &motion.velocity, inverse_size).1
+    }
+
+    #[inline(always)]
+    fn with_water<V: Simd>(
+        &self,
+        motion: &StencilMotion<V, D>,
+        edges: &[B::Edge<V>; D],
+        xi: &[Lanes<V>; D],
+        relative: &Relative<V, D>,
+        _: f64,
+    ) -> ([Lanes<V>; D], Lanes<V>) {
+        let of_soil = Self::value(&self.lines(edges, xi), &motion.strains);
+        let of_flow = value::<D, D, _>(relative, &basis(xi));
+        (std::array::from_fn(|d| of_soil[d] + of_flow[d]), xi[0].like(0.0))
+    }
+
+    fn values(&self, position: &[usize; D], cells: &[usize; D], xi: &[f64; D]) -> [f64; MOST_REACHED] {
+        self.shares(position, cells, xi, |edge, xi| self.0.line(edge, xi))
+    }
+
+    fn at_surface(&self, position: &[usize; D], cells: &[usize; D], xi: &[f64; D], amount: f64) -> [f64; MOST_REACHED] {
+        self.shares(position, cells, xi, |edge, xi| self.0.at_surface(edge, xi)).map(|share| amount * share)
+    }
+
+    /// The mean over the mass around a node.
+    ///
+    /// The value of a B-spline at a free surface is that of its last coefficient, which has a quarter to a third of a
+    /// cell's mass. A pore pressure in the last cell would accelerate it so much that `rho_w a_s` turned the flow round.
+    /// A coefficient has the share of linear functions at the place where it stands.
+    fn accelerations_of_mesh(&self, nodes: &Nodes<D>, to: &mut [Vec<f64>; 2]) {
+        let frame = &nodes.frame;
+        let along = frame.cells.map(|cells| cells + B::EXTRA);
+        let around = |d: usize, node: usize| {
+            let share = move |i: usize| 1.0 - (self.0.stands_at(i, frame.cells[d]) - node as f64).abs();
+            (node..(node + B::REACH).min(along[d])).map(move |i| (i, share(i))).filter(|(_, share)| *share > 0.0)
+        };
+        let rows = if D == 1 { 0 } else { frame.cells[D - 1] };
+        for row in 0..=rows {
+            for column in 0..=frame.cells[0] {
+                let (mut mass, mut sum) = (0.0, [0.0; D]);
+                let mut add = |position: [usize; D], share: f64| {
+                    let function = frame.function(&position);
+                    let share = share * nodes.mixture_mass(function);
+                    mass += share;
+                    for d in 0..D {
+                        sum[d] += share * nodes.motion.acceleration[d][function];
+                    }
+                };
+                if D == 1 {
+                    around(0, column).for_each(|(i, share)| add([i; D], share));
+                } else {
+                    for (j, of_row) in around(D - 1, row) {
+                        for (i, share) in around(0, column) {
+                            add(std::array::from_fn(|d| if d == 0 { i } else { j }), share * of_row);
+                        }
+                    }
+                }
+                let node = frame.number(&std::array::from_fn(|d| if d == 0 { column } else { row }));
+                for d in 0..D {
+                    to[d][node] = if mass > 0.0 { sum[d] / mass } else { 0.0 };
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn nothing<V: Simd>(&self, simd: V) -> StencilSums<V, D> {
+        let none = Lanes::splat(simd, 0.0);
+        StencilSums {
+            solid_mass: [none; MOST_REACHED],
+            water_mass: [none; MOST_REACHED],
+            momentum: [[none; D]; MOST_REACHED],
+            force: [[none; D]; MOST_REACHED],
+            coupling: [[none; D]; MOST_REACHED],
+            weighted: none,
+            of_water: none,
+        }
+    }
+
+    #[inline(always)]
+    fn add<V: Simd>(
+        &self,
+        sums: &mut StencilSums<V, D>,
+        edges: &[B::Edge<V>; D],
+        point: &Contribution<V, D>,
+        (coupled, inverse_size): (bool, f64),
+    ) {
+        let Contribution { xi, mass, volume, v, stress, affine } = point;
+        let lines = self.lines(edges, xi);
+        let [xx, yy, _, xy] = stress.map(|s| s * *volume * inverse_size);
+        let x = &lines[0];
+        for j in 0..if D == 1 { 1 } else { B::REACH } {
+            let (value, slope) =
+                if D == 1 { (mass.like(1.0), mass.like(0.0)) } else { (lines[D - 1].value[j], lines[D - 1].slope[j]) };
+            let mass = *mass * value;
+            let momentum: [Lanes<V>; D] = std::array::from_fn(|d| mass * v[d]);
+            // div(sigma') - grad p, weak: f_i = - sum_p V sigma G_i
+            let two = |a: Lanes<V>, b: Lanes<V>| std::array::from_fn(|d| if d == 0 { a } else { b });
+            let along: [Lanes<V>; D] = if D == 1 { two(yy, yy) } else { two(xx * value, xy * value) };
+            let across: [Lanes<V>; D] = if D == 1 { two(slope, slope) } else { two(xy * slope, yy * slope) };
+            for i in 0..B::REACH {
+                let a = j * B::REACH + i;
+                sums.solid_mass[a] += mass * x.value[i];
+                for d in 0..D {
+                    sums.momentum[a][d] += momentum[d] * x.value[i];
+                    sums.force[a][d] -= along[d] * x.slope[i] + across[d] * x.value[i];
+                }
+                if let Some(affine) = affine {
+                    let away = std::array::from_fn(|d| {
+                        let stands = self.0.stands(&edges[d], if d == 0 { i } else { j });
+                        (stands - xi[d]) * (1.0 / inverse_size)
+                    });
+                    let more = affine.seen_from(&[mass.like(0.0); D], &away);
+                    for d in 0..D {
+                        sums.momentum[a][d] += mass * x.value[i] * more[d];
+                    }
+                }
+                if coupled {
+                    let volume = *volume * inverse_size;
+                    sums.coupling[a][0] += volume * (x.slope[i] * value);
+                    if D == 2 {
+                        sums.coupling[a][D - 1] += volume * (x.value[i] * slope);
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn add_water<V: Simd>(
+        &self,
+        sums: &mut StencilSums<V, D>,
+        edges: &[B::Edge<V>; D],
+        xi: &[Lanes<V>; D],
+        [mass, volume, pressure]: [Lanes<V>; 3],
+    ) {
+        let lines = self.lines(edges, xi);
+        for j in 0..if D == 1 { 1 } else { B::REACH } {
+            let mass = if D == 1 { mass } else { mass * lines[D - 1].value[j] };
+            for i in 0..B::REACH {
+                sums.water_mass[j * B::REACH + i] += mass * lines[0].value[i];
+            }
+        }
+        sums.weighted += volume * pressure;
+        sums.of_water += volume;
+    }
+
+    #[inline(always)]
+    fn water_of<V: Simd>(&self, sums: &StencilSums<V, D>) -> [Lanes<V>; 2] {
+        [sums.weighted, sums.of_water]
+    }
+
+    #[inline(always)]
+    fn finish<V: Simd>(
+        &self,
+        sums: &mut StencilSums<V, D>,
+        cell: &Closing<V, D>,
+        _: f64,
+        mut give: impl FnMut(usize, usize, Lanes<V>),
+    ) {
+        for a in 0..B::REACH.pow(D as u32) {
+            let mut water = sums.water_mass[a];
+            if let Some(ratio) = cell.water_ratio {
+                water = (ratio * sums.solid_mass[a]).or(cell.moving_with, water);
+            }
+            give(a, SOLID_MASS, sums.solid_mass[a]);
+            give(a, MIXTURE_MASS, sums.solid_mass[a] + water);
+            for d in 0..D {
+                give(a, MOMENTUM + d, sums.momentum[a][d]);
+                give(a, force(D) + d, sums.force[a][d] * cell.share);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn coupling<V: Simd>(
+        &self,
+        sums: &StencilSums<V, D>,
+        cell: &Closing<V, D>,
+        _: f64,
+    ) -> [[Lanes<V>; D]; MOST_REACHED] {
+        sums.coupling.map(|c| c.map(|c| c * cell.share))
+    }
+}

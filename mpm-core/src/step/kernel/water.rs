@@ -1,0 +1,202 @@
+//! The water of a cell: Darcy flow through its faces (or with velocities at its nodes), and what that does to pressures, volumes
+//! and places of its particles.
+
+use pulp::Simd;
+
+use super::{Closing, Common, Functions, InPores, Pass, Relative, Running};
+use crate::dimension::{coefficients, gradient, trace};
+use crate::real::{Lanes, MOST_LANES, Real};
+use crate::step::store::{CellLanes, WaterLanes, ask_for};
+use crate::water::{FLOW, LEAST_FILLING};
+
+impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, D, MOVE> {
+    /// Eq. (1) on faces normal to an axis, from one on, between cells of two pressures (Pa) whose nodes accelerate (m/s2): flux
+    /// (m/s), pressure drop and weight along it (Pa).
+    #[inline(always)]
+    fn face(&self, axis: usize, at: usize, [low, high]: [Lanes<V>; 2], [a, b]: [Lanes<V>; 2]) -> [Lanes<V>; 3] {
+        let Common { flow, gravity, conducts, ratio, .. } = self.common;
+        let conducts = Lanes::load(self.simd, &conducts[axis][at..]);
+        let (none, one) = (conducts.like(0.0), conducts.like(1.0));
+        let mean = if D == 1 { a } else { (a + b) * 0.5 };
+        let body = (mean.like(gravity[axis]) - mean * flow.inertia) * flow.weight;
+        // Over the distance that the pressure drops along.
+        let mut reach = conducts.or(none.below(conducts), one);
+        if let Some(ratio) = ratio {
+            let ratio = Lanes::load(self.simd, &ratio[axis][at..]);
+            reach = reach / ratio.or(none.below(ratio), one);
+        }
+        let body = body / reach;
+        let head = low - high + body;
+        [conducts * head * flow.conductance, head, body]
+    }
+
+    /// Eq. (1): relative velocity v* in the cells from `at` on, linear between their faces, as coefficients.
+    #[inline(always)]
+    pub(super) fn darcy_flow(
+        &self,
+        at: usize,
+        cell: &CellLanes<V, D>,
+        running: &mut Running<V>,
+        group: usize,
+    ) -> Relative<V, D> {
+        let Common { frame, acceleration, pressure, water, .. } = self.common;
+        let none = Lanes::splat(self.simd, 0.0);
+        let mut relative = [[none; D]; 4];
+        let load = |field: &[f64], at: usize| Lanes::load(self.simd, &field[at..]);
+        let row = frame.stride[D - 1];
+        if let InPores::Particles { relative: Some(at_nodes), .. } = water {
+            for d in 0..D {
+                for a in 0..1 << D {
+                    relative[a][d] = load(&at_nodes[d], at + (a & 1) + (a >> 1) * row);
+                }
+            }
+            return coefficients::<D, D, _>(&relative);
+        }
+        let inverse_porosity = self.of(cell.inverse_porosity);
+        let part = group % (MOST_LANES / V::F64_LANES);
+        // Pressures begin before the first cell, so that every face has a cell below.
+        let here = load(pressure, at + frame.pad());
+        for axis in 0..D {
+            let stride = frame.stride[axis];
+            let below = load(pressure, at + frame.pad() - stride);
+            let above = load(pressure, at + frame.pad() + stride);
+            // Nodes of the lower face, and of the upper one.
+            let other = if D == 1 { 0 } else { frame.stride[D - 1 - axis] };
+            let nodes = |s: usize| [0, other].map(|o| load(&acceleration[axis], at + s + o));
+            let [low, head, body] = self.face(axis, at, [below, here], nodes(0));
+            let [high, ..] = self.face(axis, at + stride, [here, above], nodes(stride));
+            relative[0][axis] = low * inverse_porosity; // v* = q/n
+            relative[1 + axis][axis] = (high - low) * inverse_porosity;
+            running.rates[0][part] += low * head;
+            running.rates[1][part] += low * body;
+        }
+        relative
+    }
+
+    /// Water particles: pressures, volumes and positions (Eqs. 5 to 7), then masses and pressures.
+    #[inline(always)]
+    pub(super) fn water(
+        &mut self,
+        group: usize,
+        position: &[Lanes<V>; D],
+        motion: Option<(&F::Motion<V>, &Relative<V, D>, &CellLanes<V, D>, [Lanes<V>; 2])>,
+        (edges, sums): (&F::Edges<V>, &mut F::Sums<V>),
+        running: &mut Running<V>,
+    ) {
+        let Common { frame, functions, dt, .. } = *self.common;
+        let (simd, inverse) = (self.simd, frame.inverse_size);
+        let none = Lanes::splat(simd, 0.0);
+        let mut cellwise = [none; 2];
+        if let Some((motion, relative, cell, [volume, gain])) = motion {
+            let of_soil = if F::OF_CELL || F::SPLIT {
+                functions.middle(motion, inverse)
+            } else {
+                gain / volume.or(none.below(volume), none.like(1.0))
+            };
+            let of_soil =
+                if self.common.coupled { gain / volume.or(none.below(volume), none.like(1.0)) } else { of_soil };
+            cellwise = self.rates(group, of_soil, trace(&gradient(relative, &[none.like(0.5); D], inverse)), cell);
+        }
+        for index in self.strip.water.range(group) {
+            for i in (0..self.strip.water.columns).step_by((MOST_LANES / V::F64_LANES).max(1)) {
+                ask_for(&self.strip.water.vectors, (index + super::BLOCKS_AHEAD) * self.strip.water.columns + i);
+            }
+            let mut point = WaterLanes::<V, D>::read(simd, self.strip.water.block(index));
+            let mut xi = std::array::from_fn(|d| point.x[d] * inverse - position[d]);
+            if let Some((motion, relative, cell, _)) = motion {
+                let (v, rate) = functions.with_water(motion, edges, &xi, relative, inverse);
+                let [pressure_rate, volume_rate] = if F::PRESSURE_AT_PARTICLES && !self.common.coupled {
+                    self.rates(group, rate, trace(&gradient(relative, &xi, inverse)), cell)
+                } else {
+                    cellwise
+                };
+                point.pressure += pressure_rate * dt;
+                point.volume = point.volume * (none.like(1.0) + volume_rate * dt);
+                point.v = v;
+                for d in 0..D {
+                    point.x[d] += point.v[d] * dt;
+                    xi[d] = point.x[d] * inverse - position[d];
+                    running.stays = simd.and_m64s(running.stays, xi[d].in_unit_interval());
+                }
+                point.write(self.strip.water.block_mut(index));
+            }
+            functions.add_water(sums, edges, &xi, [point.mass, point.volume, point.pressure]);
+        }
+    }
+
+    /// Rates of pressure (Pa/s) and of water volume (1/s) in cells whose soil gains volume at a rate (1/s), beside the divergence of
+    /// the flow (1/s).
+    #[inline(always)]
+    fn rates(&self, group: usize, of_soil: Lanes<V>, divergence: Lanes<V>, cell: &CellLanes<V, D>) -> [Lanes<V>; 2] {
+        let Common { flow, dt, .. } = self.common;
+        let through = self.of(cell.filling) * divergence; // Eq. (6a)
+        if let InPores::Particles { rise: Some(rise), .. } = self.common.water {
+            let rise = Lanes::load(self.simd, &rise[self.strip.first + group * V::F64_LANES..]);
+            return [rise * (1.0 / dt), of_soil + through];
+        }
+        let stiffness = self.of(cell.inverse_porosity) * flow.bulk_modulus;
+        let softer = softer(self.of(cell.fill), stiffness * *dt * flow.diffusion);
+        let stiffness = softer * stiffness;
+        // Eq. (5), mended: dp = -(K_w/n) [ tr(d eps_s) + n tr(d eps*_w) ]
+        [-stiffness * (of_soil + self.of(cell.porosity) * through), of_soil + through]
+    }
+
+    /// The pressure that acts on each particle of the cells, where it is not added to their sums, Pa.
+    #[inline(always)]
+    pub(super) fn pressure_on_particles(&self, sums: &F::Sums<V>) -> Lanes<V> {
+        let none = Lanes::splat(self.simd, 0.0);
+        if F::FUSED || self.common.coupled || !matches!(self.common.water, InPores::Particles { .. }) {
+            return none;
+        }
+        let [weighted, volume] = self.common.functions.water_of(sums);
+        weighted / volume.or(none.below(volume), none.like(1.0))
+    }
+
+    /// Notes the water of the cells for the next step.
+    #[inline(always)]
+    pub(super) fn close_water(
+        &mut self,
+        group: usize,
+        [mass, volume]: [Lanes<V>; 2],
+        sums: &F::Sums<V>,
+        closing: &mut Closing<V, D>,
+    ) {
+        let Common { functions, flow, coupled, .. } = *self.common;
+        let none = mass.like(0.0);
+        let one = none.like(1.0);
+        let full = |volume: Lanes<V>| volume.or(none.below(volume), one);
+        let [weighted, of_water] = functions.water_of(sums);
+        // Cells without soil have no pressure; they must not turn into NaN beside cells that have.
+        let pressure = weighted / full(of_water);
+        let inverse_volume = one / full(closing.filled);
+        let porosity = one - mass * flow.grain_inverse / full(volume);
+        let over_fill = inverse_volume * flow.cell_volume;
+        let is_known = closing.moving_with;
+        let cell = &mut self.strip.cells[group];
+        let limited = over_fill.lesser(one.like(1.0 / LEAST_FILLING));
+        // A pressure that is solved for needs no limit.
+        cell.filling = over_fill.or(is_known, if coupled { over_fill } else { limited }).value;
+        cell.fill = (one / over_fill).or(is_known, one.like(super::NOT_KNOWN)).value;
+        cell.inverse_volume = inverse_volume.value;
+        (cell.porosity, cell.inverse_porosity) = (porosity.value, (one / porosity).value);
+        pressure.store(&mut self.pressure[group * V::F64_LANES..]);
+        // Water in pores of known volume moves with its soil.
+        closing.water_ratio = Some(porosity * volume * flow.density / full(mass));
+        closing.full_of_water = full(of_water);
+        closing.pressure = if coupled { None } else { Some(pressure) };
+    }
+}
+
+/// What is left of the stiffness of the water in a cell that is filled in part under a drained surface, so that an
+/// explicit step is as stable there as in a full one: its flow to the surface and to the cell below, `2/f + 2/(1 + f)`, over what
+/// it stores is at most that of a full cell, 2 + 1. Where a step is far from the limit of the flow, `diffusion` = `D_p dt/L^2`, as
+/// much less is asked: water that hardly flows is as stiff as ever.
+#[inline(always)]
+fn softer<V: Simd>(fill: Lanes<V>, diffusion: Lanes<V>) -> Lanes<V> {
+    let one = fill.like(1.0);
+    if fill.simd.first_true_m64s(fill.below(one)) == V::F64_LANES {
+        return one;
+    }
+    let share = fill * 1.5 * fill * (one + fill) / (one + fill * 2.0);
+    (share * (one.like(FLOW / 3.0) / diffusion).larger(one)).lesser(one)
+}

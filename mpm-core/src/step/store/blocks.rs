@@ -1,0 +1,448 @@
+//! Particles of a strip of cells, so many cells side by side: a block holds one particle of each.
+//!
+//! A particle is a record of numbers, the first of them its position. What only some scenes keep at their particles (the state of a
+//! material, a velocity gradient, strains that are followed) stands behind the numbers that all have.
+
+use std::ops::Range;
+
+use pulp::Simd;
+use pulp::bytemuck::Zeroable;
+
+use super::frame::Frame;
+use crate::particles::{Layer, SolidPoint, WaterPoint};
+use crate::real::{Lanes, numbers, numbers_mut};
+
+/// One block in so many is kept in reserve.
+const SPARE: usize = 8;
+/// A lane without a particle.
+const EMPTY: u32 = u32::MAX;
+
+/// A particle as numbers, the first of them its position.
+pub trait Record: Copy {
+    /// How many.
+    const COUNT: usize;
+    /// Which of them is its volume, m3.
+    const VOLUME: usize;
+    /// Writes them.
+    fn pack(&self, numbers: &mut [f64]);
+    /// From its numbers.
+    fn unpack(numbers: &[f64]) -> Self;
+}
+
+impl<const D: usize> Record for SolidPoint<D, 4> {
+    const COUNT: usize = 2 * D + 6;
+    const VOLUME: usize = 2 * D + 5;
+
+    fn pack(&self, numbers: &mut [f64]) {
+        numbers[..D].copy_from_slice(&self.x);
+        numbers[D..2 * D].copy_from_slice(&self.v);
+        numbers[2 * D..2 * D + 4].copy_from_slice(&self.stress);
+        (numbers[2 * D + 4], numbers[2 * D + 5]) = (self.mass, self.volume);
+    }
+
+    fn unpack(numbers: &[f64]) -> Self {
+        Self {
+            x: std::array::from_fn(|d| numbers[d]),
+            v: std::array::from_fn(|d| numbers[D + d]),
+            stress: std::array::from_fn(|s| numbers[2 * D + s]),
+            mass: numbers[2 * D + 4],
+            volume: numbers[2 * D + 5],
+        }
+    }
+}
+
+impl<const D: usize> Record for WaterPoint<D> {
+    const COUNT: usize = 2 * D + 3;
+    const VOLUME: usize = 2 * D + 1;
+
+    fn pack(&self, numbers: &mut [f64]) {
+        numbers[..D].copy_from_slice(&self.x);
+        numbers[D..2 * D].copy_from_slice(&self.v);
+        numbers[2 * D..2 * D + 3].copy_from_slice(&[self.mass, self.volume, self.pressure]);
+    }
+
+    fn unpack(numbers: &[f64]) -> Self {
+        Self {
+            x: std::array::from_fn(|d| numbers[d]),
+            v: std::array::from_fn(|d| numbers[D + d]),
+            mass: numbers[2 * D],
+            volume: numbers[2 * D + 1],
+            pressure: numbers[2 * D + 2],
+        }
+    }
+}
+
+/// Solid particles of so many cells, one of each.
+#[derive(Clone, Copy)]
+pub struct SolidLanes<V: Simd, const D: usize> {
+    /// Position, m.
+    pub x: [Lanes<V>; D],
+    /// Velocity, m/s.
+    pub v: [Lanes<V>; D],
+    /// Effective stress xx, yy, zz, xy, Pa.
+    pub stress: [Lanes<V>; 4],
+    /// Dry mass, kg.
+    pub mass: Lanes<V>,
+    /// Volume of soil, m3.
+    pub volume: Lanes<V>,
+}
+
+impl<V: Simd, const D: usize> SolidLanes<V, D> {
+    /// Reads a block.
+    #[inline(always)]
+    pub fn read(simd: V, block: &[V::f64s]) -> Self {
+        let block = &block[..2 * D + 6];
+        let at = |i: usize| Lanes { simd, value: block[i] };
+        Self {
+            x: std::array::from_fn(at),
+            v: std::array::from_fn(|d| at(D + d)),
+            stress: std::array::from_fn(|s| at(2 * D + s)),
+            mass: at(2 * D + 4),
+            volume: at(2 * D + 5),
+        }
+    }
+
+    /// Writes what a step changes.
+    #[inline(always)]
+    pub fn write(&self, block: &mut [V::f64s]) {
+        let block = &mut block[..2 * D + 6];
+        for d in 0..D {
+            (block[d], block[D + d]) = (self.x[d].value, self.v[d].value);
+        }
+        for s in 0..4 {
+            block[2 * D + s] = self.stress[s].value;
+        }
+        block[2 * D + 5] = self.volume.value;
+    }
+}
+
+/// Water particles of so many cells, one of each.
+#[derive(Clone, Copy)]
+pub struct WaterLanes<V: Simd, const D: usize> {
+    /// Position, m.
+    pub x: [Lanes<V>; D],
+    /// Velocity, m/s.
+    pub v: [Lanes<V>; D],
+    /// Mass, kg.
+    pub mass: Lanes<V>,
+    /// Volume of soil that it fills, m3.
+    pub volume: Lanes<V>,
+    /// Pore pressure, Pa.
+    pub pressure: Lanes<V>,
+}
+
+impl<V: Simd, const D: usize> WaterLanes<V, D> {
+    /// Reads a block.
+    #[inline(always)]
+    pub fn read(simd: V, block: &[V::f64s]) -> Self {
+        let block = &block[..2 * D + 3];
+        let at = |i: usize| Lanes { simd, value: block[i] };
+        Self {
+            x: std::array::from_fn(at),
+            v: std::array::from_fn(|d| at(D + d)),
+            mass: at(2 * D),
+            volume: at(2 * D + 1),
+            pressure: at(2 * D + 2),
+        }
+    }
+
+    /// Writes what a step changes.
+    #[inline(always)]
+    pub fn write(&self, block: &mut [V::f64s]) {
+        let block = &mut block[..2 * D + 3];
+        for d in 0..D {
+            (block[d], block[D + d]) = (self.x[d].value, self.v[d].value);
+        }
+        (block[2 * D + 1], block[2 * D + 2]) = (self.volume.value, self.pressure.value);
+    }
+}
+
+/// The particles of one layer in a strip.
+#[derive(Debug, Clone)]
+pub struct Blocks<V: Simd> {
+    /// Numbers of a particle.
+    pub columns: usize,
+    /// Block after block, `columns` vectors each; nothing weighs what an empty lane holds.
+    pub vectors: Vec<V::f64s>,
+    /// First block of each group of cells, and the total at the end.
+    pub start: Vec<u32>,
+    /// Number that each particle was seeded with, lane by lane.
+    pub ids: Vec<u32>,
+}
+
+/// A particle on its way to another cell.
+#[derive(Debug, Clone, Copy)]
+pub struct Mover {
+    /// Cell it leaves.
+    pub from: usize,
+    /// Its place among the particles of that cell.
+    pub slot: usize,
+    /// Cell it enters; none outside the mesh.
+    pub to: Option<usize>,
+    /// Where its numbers start among those of all movers.
+    record: usize,
+    id: u32,
+}
+
+/// Particles on their way to other cells, with their numbers.
+#[derive(Debug, Clone, Default)]
+pub struct Movers {
+    /// Who.
+    pub list: Vec<Mover>,
+    numbers: Vec<f64>,
+    columns: usize,
+}
+
+impl Movers {
+    /// Room for so many with so many numbers each.
+    pub fn new(count: usize, columns: usize) -> Self {
+        Self { list: Vec::with_capacity(count), numbers: Vec::with_capacity(count * columns), columns }
+    }
+
+    /// Nobody.
+    pub fn clear(&mut self) {
+        self.list.clear();
+        self.numbers.clear();
+    }
+
+    /// The numbers of one.
+    pub fn record(&self, mover: &Mover) -> &[f64] {
+        &self.numbers[mover.record..][..self.columns]
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.list.capacity() * size_of::<Mover>() + self.numbers.capacity() * size_of::<f64>()
+    }
+}
+
+impl<V: Simd> Blocks<V> {
+    /// No particles in so many groups.
+    pub fn new(groups: usize, columns: usize) -> Self {
+        Self { columns, vectors: Vec::new(), start: vec![0; groups + 1], ids: Vec::new() }
+    }
+
+    /// Blocks of a group of cells.
+    #[inline(always)]
+    pub fn range(&self, group: usize) -> Range<usize> {
+        self.start[group] as usize..self.start[group + 1] as usize
+    }
+
+    /// One block.
+    #[inline(always)]
+    pub fn block(&self, index: usize) -> &[V::f64s] {
+        &self.vectors[index * self.columns..][..self.columns]
+    }
+
+    /// One block, to be changed.
+    #[inline(always)]
+    pub fn block_mut(&mut self, index: usize) -> &mut [V::f64s] {
+        &mut self.vectors[index * self.columns..][..self.columns]
+    }
+
+    /// Takes the particles of the strip from `first` on out of a layer, in its order, with what is kept beside them: `more`
+    /// numbers of each particle by its number.
+    pub fn fill<P: Record, const D: usize>(
+        &mut self,
+        frame: &Frame<D>,
+        first: usize,
+        layer: &Layer<P, D>,
+        (more, kept): (usize, &[f64]),
+    ) {
+        let lanes = V::F64_LANES;
+        let groups = self.start.len() - 1;
+        let range = |group: usize, lane: usize| range(frame, first + group * lanes + lane, layer);
+        let slots = |group: usize| (0..lanes).map(|lane| range(group, lane).len()).max().unwrap_or(0);
+        let count = (0..groups).map(slots).sum::<usize>();
+        self.columns = P::COUNT + more;
+        self.vectors.clear();
+        self.ids.clear();
+        // Some more for particles that come from other cells.
+        self.vectors.reserve_exact((count + count / SPARE) * self.columns);
+        self.ids.reserve_exact((count + count / SPARE) * lanes);
+        let mut record = vec![0.0; self.columns];
+        for group in 0..groups {
+            self.start[group] = self.count_blocks() as u32;
+            for slot in 0..slots(group) {
+                let block = self.count_blocks();
+                self.insert_block(frame, first + group * lanes, block);
+                for lane in 0..lanes {
+                    if let Some(index) = range(group, lane).nth(slot) {
+                        let id = layer.ids[index];
+                        layer.points[index].pack(&mut record);
+                        record[P::COUNT..].copy_from_slice(&kept[more * id as usize..][..more]);
+                        self.write(block, lane, &record);
+                        self.ids[block * lanes + lane] = id;
+                    }
+                }
+            }
+        }
+        self.start[groups] = self.count_blocks() as u32;
+    }
+
+    /// Appends the particles of a cell, given by its number in the strip.
+    pub fn append<P: Record>(&self, cell: usize, points: &mut Vec<P>, ids: &mut Vec<u32>) {
+        for slot in 0..self.count(cell) {
+            points.push(self.particle(cell, slot));
+            ids.push(self.id(cell, slot));
+        }
+    }
+
+    fn count_blocks(&self) -> usize {
+        self.ids.len() / V::F64_LANES
+    }
+
+    /// Particles of a cell: they fill its lane without gaps.
+    pub fn count(&self, cell: usize) -> usize {
+        (0..self.slots(cell)).take_while(|slot| self.id(cell, *slot) != EMPTY).count()
+    }
+
+    /// One number of a particle.
+    #[inline]
+    pub fn number(&self, cell: usize, slot: usize, number: usize) -> f64 {
+        let (block, lane) = self.place(cell, slot);
+        numbers(self.block(block))[number * V::F64_LANES + lane]
+    }
+
+    /// A particle.
+    pub fn particle<P: Record>(&self, cell: usize, slot: usize) -> P {
+        let mut record = [0.0; 16];
+        for (i, number) in record[..P::COUNT].iter_mut().enumerate() {
+            *number = self.number(cell, slot, i);
+        }
+        P::unpack(&record)
+    }
+
+    /// Position (m) and volume (m3) of a particle.
+    pub fn place_and_volume<P: Record, const D: usize>(&self, cell: usize, slot: usize) -> ([f64; D], f64) {
+        (std::array::from_fn(|d| self.number(cell, slot, d)), self.number(cell, slot, P::VOLUME))
+    }
+
+    /// Number that a particle was seeded with.
+    pub fn id(&self, cell: usize, slot: usize) -> u32 {
+        let (block, lane) = self.place(cell, slot);
+        self.ids[block * V::F64_LANES + lane]
+    }
+
+    /// Particles of the strip that have left their cells, in the order of cells and places, after those in `movers`.
+    pub fn leaving<const D: usize>(&self, frame: &Frame<D>, first: usize, movers: &mut Movers) {
+        movers.columns = self.columns;
+        for cell in 0..(self.start.len() - 1) * V::F64_LANES {
+            for slot in 0..self.count(cell) {
+                let x: [f64; D] = std::array::from_fn(|d| self.number(cell, slot, d));
+                let to = frame.at(&x);
+                if to != Some(first + cell) {
+                    let (record, id) = (movers.numbers.len(), self.id(cell, slot));
+                    movers.list.push(Mover { from: first + cell, slot, to, record, id });
+                    movers.numbers.extend((0..self.columns).map(|i| self.number(cell, slot, i)));
+                }
+            }
+        }
+    }
+
+    /// Takes a particle out of a cell; those above it move down, and a block that is then empty is dropped.
+    pub fn remove<const D: usize>(&mut self, frame: &Frame<D>, first: usize, cell: usize, slot: usize) {
+        let count = self.count(cell);
+        for above in slot + 1..count {
+            self.copy(cell, above, above - 1);
+        }
+        let (block, lane) = self.place(cell, count - 1);
+        self.clear(frame, first + cell, block, lane);
+        let (group, lanes) = (cell / V::F64_LANES, V::F64_LANES);
+        let last = self.start[group + 1] as usize - 1;
+        if self.ids[last * lanes..][..lanes].iter().all(|id| *id == EMPTY) {
+            self.vectors.drain(last * self.columns..(last + 1) * self.columns);
+            self.ids.drain(last * lanes..(last + 1) * lanes);
+            self.start[group + 1..].iter_mut().for_each(|start| *start -= 1);
+        }
+    }
+
+    /// Puts a particle into a cell before the one at `slot`; those from there on move up.
+    pub fn insert<const D: usize>(
+        &mut self,
+        frame: &Frame<D>,
+        first: usize,
+        (cell, slot): (usize, usize),
+        (mover, record): (&Mover, &[f64]),
+    ) {
+        let count = self.count(cell);
+        if count == self.slots(cell) {
+            let (group, lanes) = (cell / V::F64_LANES, V::F64_LANES);
+            let end = self.start[group + 1] as usize;
+            self.insert_block(frame, first + group * lanes, end);
+            self.start[group + 1..].iter_mut().for_each(|start| *start += 1);
+        }
+        for above in (slot..count).rev() {
+            self.copy(cell, above, above + 1);
+        }
+        let (block, lane) = self.place(cell, slot);
+        self.write(block, lane, record);
+        self.ids[block * V::F64_LANES + lane] = mover.id;
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.vectors.capacity() * size_of::<V::f64s>()
+            + (self.start.capacity() + self.ids.capacity()) * size_of::<u32>()
+    }
+
+    fn slots(&self, cell: usize) -> usize {
+        self.range(cell / V::F64_LANES).len()
+    }
+
+    #[inline]
+    fn place(&self, cell: usize, slot: usize) -> (usize, usize) {
+        (self.start[cell / V::F64_LANES] as usize + slot, cell % V::F64_LANES)
+    }
+
+    fn copy(&mut self, cell: usize, from: usize, to: usize) {
+        let ((from, lane), (to, _)) = (self.place(cell, from), self.place(cell, to));
+        for i in 0..self.columns {
+            let number = numbers(self.block(from))[i * V::F64_LANES + lane];
+            numbers_mut(self.block_mut(to))[i * V::F64_LANES + lane] = number;
+        }
+        self.ids[to * V::F64_LANES + lane] = self.ids[from * V::F64_LANES + lane];
+    }
+
+    fn write(&mut self, block: usize, lane: usize, record: &[f64]) {
+        let numbers = numbers_mut(self.block_mut(block));
+        for (i, number) in record.iter().enumerate() {
+            numbers[i * V::F64_LANES + lane] = *number;
+        }
+    }
+
+    /// Makes room for a block without particles, of the cells from `number` on. Without an allocation as long as there is room.
+    fn insert_block<const D: usize>(&mut self, frame: &Frame<D>, number: usize, at: usize) {
+        let (blocks, lanes, columns) = (self.count_blocks(), V::F64_LANES, self.columns);
+        self.vectors.resize((blocks + 1) * columns, V::f64s::zeroed());
+        self.vectors.copy_within(at * columns..blocks * columns, (at + 1) * columns);
+        self.ids.resize((blocks + 1) * lanes, EMPTY);
+        self.ids.copy_within(at * lanes..blocks * lanes, (at + 1) * lanes);
+        for lane in 0..lanes {
+            self.clear(frame, number + lane, at, lane);
+        }
+    }
+
+    /// Empties a lane: it holds nothing, in the middle of its cell.
+    fn clear<const D: usize>(&mut self, frame: &Frame<D>, number: usize, block: usize, lane: usize) {
+        let place = frame.position(number);
+        let numbers = numbers_mut(self.block_mut(block));
+        for i in 0..numbers.len() / V::F64_LANES {
+            numbers[i * V::F64_LANES + lane] = match place.get(i) {
+                Some(place) => (*place as f64 + 0.5) / frame.inverse_size,
+                None => 0.0,
+            };
+        }
+        self.ids[block * V::F64_LANES + lane] = EMPTY;
+    }
+}
+
+/// Particles of a numbered cell in a layer; none in the empty cells that only pad the rows.
+fn range<P, const D: usize>(frame: &Frame<D>, number: usize, layer: &Layer<P, D>) -> Range<usize> {
+    let place = frame.position(number);
+    if !frame.is_cell(&place) {
+        return 0..0;
+    }
+    let cell = (0..D).rev().fold(0, |cell, d| cell * frame.cells[d] + place[d]);
+    layer.cell_start[cell] as usize..layer.cell_start[cell + 1] as usize
+}

@@ -1,0 +1,118 @@
+//! How cells, nodes and faces are numbered so that lanes read and write whole vectors.
+//!
+//! Every row of cells gets empty cells at its end, and there are empty rows above: as many as there are functions more than cells. Then cell c reaches the functions
+//! c, c + 1, ..., its lower faces are faces c, and cell c + 1, node c + 1 and face c + 1 stand beside them whatever the row. A
+//! vector of cells may run over the end of a row without knowing it.
+
+use crate::grid::Grid;
+use crate::real::MOST_LANES;
+
+/// A strip has at least so many cells and rows: its first rows are added up apart.
+const LEAST: [usize; 2] = [512, 4];
+/// Strips of a mesh that is large enough for them: they can be shared out evenly among as many threads.
+const STRIPS: usize = 16;
+/// More cells than this make more strips.
+const MOST: usize = 4096;
+
+/// The numbering of a mesh.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame<const D: usize> {
+    /// Cells of the mesh along each axis.
+    pub cells: [usize; D],
+    /// From a number to that of its neighbour along each axis.
+    pub stride: [usize; D],
+    /// Functions that the particles of a cell reach along an axis.
+    pub reach: usize,
+    /// How many of those along an axis have a smaller number than the cell.
+    pub before: usize,
+    /// Cells of a strip: what one thread works on at a time. The same for any number of threads.
+    pub strip: usize,
+    /// Strips.
+    pub strips: usize,
+    /// 1/L, 1/m.
+    pub inverse_size: f64,
+}
+
+impl<const D: usize> Frame<D> {
+    /// The numbering of a grid whose cells reach so many functions along each axis, `before` of them behind the cell.
+    pub fn new(grid: &Grid<D>, reach: usize, before: usize) -> Self {
+        let row = if D == 1 { 1 } else { grid.cells[0] + reach - 1 };
+        let count = (if D == 1 { 1 } else { row }) * (grid.cells[D - 1] + reach - 1);
+        let least = LEAST[0].max(LEAST[1] * row);
+        let mut strips = 1;
+        while count / (2 * strips) >= least && (strips < STRIPS || count / strips > MOST) {
+            strips *= 2;
+        }
+        let strip = count.div_ceil(strips).next_multiple_of(MOST_LANES);
+        let stride = std::array::from_fn(|d| if d == 0 { 1 } else { row });
+        let strips = count.div_ceil(strip);
+        Self { cells: grid.cells, stride, reach, before, strip, strips, inverse_size: grid.inverse_size }
+    }
+
+    /// Numbers in use, those of empty cells included.
+    pub fn count(&self) -> usize {
+        self.strips * self.strip
+    }
+
+    /// Functions beyond its last cell that a strip reaches.
+    pub fn tail(&self) -> usize {
+        (self.reach - 1) * self.stride.iter().sum::<usize>()
+    }
+
+    /// Numbers before the first cell that its faces look at.
+    pub fn pad(&self) -> usize {
+        self.stride[D - 1]
+    }
+
+    /// Length of an array with a number for each function (or node), those that only pad included.
+    pub fn length(&self) -> usize {
+        self.count() + self.tail().max(self.stride.iter().sum()) + MOST_LANES
+    }
+
+    /// Number of the cell (or node, or lower face) at a place on the lattice.
+    #[inline]
+    pub fn number(&self, position: &[usize; D]) -> usize {
+        if D == 1 { position[0] } else { position[D - 1] * self.stride[D - 1] + position[0] }
+    }
+
+    /// Number of a function from its place, counted from those that reach into the first cell on.
+    #[inline]
+    pub fn function(&self, position: &[usize; D]) -> usize {
+        self.number(&position.map(|i| i + self.before))
+    }
+
+    /// From the number of a cell to that of function `a` of those it reaches.
+    #[inline]
+    pub fn offset(&self, a: usize) -> usize {
+        a % self.reach + if D == 1 { 0 } else { a / self.reach * self.stride[D - 1] }
+    }
+
+    /// Number of the cell that holds a point (m); none outside the mesh (and for a NaN).
+    pub fn at(&self, x: &[f64]) -> Option<usize> {
+        let mut position = [0; D];
+        for d in 0..D {
+            let i = (x[d] * self.inverse_size).floor();
+            if !(i >= 0.0 && i < self.cells[d] as f64) {
+                return None;
+            }
+            position[d] = i as usize;
+        }
+        Some(self.number(&position))
+    }
+
+    /// Place of a number on the lattice.
+    #[inline]
+    pub fn position(&self, number: usize) -> [usize; D] {
+        std::array::from_fn(|d| match (D, d) {
+            (1, _) => number,
+            (_, 0) => number % self.stride[D - 1],
+            _ => number / self.stride[D - 1],
+        })
+    }
+
+    /// Whether a place is a cell of the mesh, and not one that only pads.
+    #[inline]
+    pub fn is_cell(&self, position: &[usize; D]) -> bool {
+        (0..D).all(|d| position[d] < self.cells[d])
+    }
+}

@@ -1,0 +1,15 @@
+//! Particles and nodes as the kernel reads them: cells side by side in vectors ([`frame`]), a layer in blocks of one particle of
+//! each ([`blocks`]), both in [`strip`]s of cells, whose size does not depend on the threads: nor do the bits.
+
+mod ahead;
+pub mod blocks;
+pub mod crossing;
+pub mod frame;
+pub mod nodes;
+pub mod strip;
+
+pub use ahead::ask_for;
+pub use blocks::{Blocks, Movers, Record, SolidLanes, WaterLanes};
+pub use frame::Frame;
+pub use nodes::{Motion, Nodes, StripSums};
+pub use strip::{CellLanes, Strip};

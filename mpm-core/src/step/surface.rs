@@ -1,0 +1,125 @@
+//! Where the particles below the surface are among the blocks, and where they will be at the end of a step.
+
+use pulp::{Scalar, Simd};
+
+use super::kernel::{Fields, Functions, Moves};
+use super::store::{Frame, Motion, Nodes, Record, Strip};
+use crate::boundary::{Filled, SurfaceLoad};
+use crate::dimension::trace;
+use crate::grid::Grid;
+use crate::particles::SolidPoint;
+use crate::real::Lanes;
+
+/// Particles below the strips of the surface.
+#[derive(Debug, Clone)]
+pub struct Tops<const D: usize> {
+    /// Strip of cells, cell in it and place in that of each.
+    places: Vec<[u32; 3]>,
+    /// Position (m) and volume (m3) at the end of the step.
+    ahead: Vec<([f64; D], f64)>,
+}
+
+impl<const D: usize> Tops<D> {
+    /// Room for so many.
+    pub fn new(count: usize) -> Self {
+        Self { places: vec![[0; 3]; count], ahead: vec![([0.0; D], 0.0); count] }
+    }
+
+    /// Position (m) and volume (m3) of one.
+    #[inline]
+    pub fn carrier<V: Simd>(&self, strips: &[Strip<V, D>], top: usize) -> ([f64; D], f64) {
+        let [strip, cell, slot] = self.places[top].map(|i| i as usize);
+        let solid = &strips[strip].solid;
+        let x = std::array::from_fn(|d| solid.number(cell, slot, d));
+        (x, solid.number(cell, slot, SolidPoint::<D, 4>::VOLUME))
+    }
+
+    /// The same at the end of the step.
+    pub fn ahead(&self, top: usize) -> ([f64; D], f64) {
+        self.ahead[top]
+    }
+
+    /// Notes where the particles below the surface are, of those in a cell.
+    pub fn follow<V: Simd>(&mut self, surface: &SurfaceLoad<D>, strips: &[Strip<V, D>], frame: &Frame<D>, cell: usize) {
+        let (strip, inside) = (cell / frame.strip, cell % frame.strip);
+        let solid = &strips[strip].solid;
+        for slot in 0..solid.count(inside) {
+            if let Ok(top) = surface.strips().binary_search_by_key(&solid.id(inside, slot), |s| s.id) {
+                self.places[top] = [strip, inside, slot].map(|i| i as u32);
+            }
+        }
+    }
+
+    /// Finds where they will be, as the kernel moves them.
+    pub fn look_ahead<V: Simd, F: Functions<D>>(
+        &mut self,
+        functions: &F,
+        strips: &[Strip<V, D>],
+        nodes: &Nodes<D>,
+        dt: f64,
+    ) {
+        let Nodes { frame, motion: Motion { velocity, change, .. }, .. } = nodes;
+        for top in 0..self.places.len() {
+            let [strip, cell, _] = self.places[top].map(|i| i as usize);
+            let (mut x, mut volume) = self.carrier(strips, top);
+            let at = strips[strip].first + cell;
+            let fields = Fields { simd: Scalar, velocity, change, mapped: None, frame, at };
+            let lone = |number: f64| Lanes::splat(Scalar, number);
+            let position: [Lanes<Scalar>; D] = frame.position(at).map(|i| lone(i as f64));
+            let edges = functions.edges(&position, &frame.cells);
+            let centroid = strips[strip].centroid(cell).map(lone);
+            let motion = functions.motion(&fields, &centroid);
+            let xi = std::array::from_fn(|d| lone(x[d] * frame.inverse_size) - position[d]);
+            let Moves { gradient, velocity, .. } = functions.moves(&motion, &edges, &xi, frame.inverse_size);
+            let rate = if F::SPLIT {
+                functions.middle(&motion, frame.inverse_size)
+            } else {
+                trace::<D, Lanes<Scalar>>(&gradient)
+            };
+            volume *= 1.0 + dt * rate.lane(0);
+            for d in 0..D {
+                x[d] += dt * velocity[d].lane(0);
+            }
+            self.ahead[top] = (x, volume);
+        }
+    }
+
+    /// Visits the functions that a pressure (Pa, upwards) on the surface pushes, with the force, N.
+    pub fn each_push<V: Simd, F: Functions<D>>(
+        &self,
+        functions: &F,
+        (surface, grid, pressure): (&SurfaceLoad<D>, &Grid<D>, f64),
+        strips: &[Strip<V, D>],
+        frame: &Frame<D>,
+        mut give: impl FnMut(usize, f64),
+    ) {
+        for top in 0..self.places.len() {
+            let (position, xi) = surface.place(top, grid, self.carrier(strips, top));
+            let forces = functions.at_surface(&position, &frame.cells, &xi, pressure * surface.strips()[top].loaded);
+            let first = frame.number(&position);
+            for (a, force) in forces.into_iter().enumerate().take(F::REACH.pow(D as u32)) {
+                give(first + frame.offset(a), force);
+            }
+        }
+    }
+
+    /// Volumes of soil by the numbers of the frame: of all cells, or of those that hold the surface.
+    pub fn note_soil(filled: &Filled<D>, frame: &Frame<D>, soil: &mut [f64], all: bool) {
+        let row = if D == 1 { 1 } else { frame.cells[0] };
+        let number = |cell: usize| cell / row * frame.stride[D - 1] + cell % row;
+        if all {
+            for (cell, volume) in filled.volumes().iter().enumerate() {
+                soil[number(cell)] = *volume;
+            }
+        } else {
+            for top in filled.tops() {
+                soil[number(top.cell as usize)] = filled.volumes()[top.cell as usize];
+            }
+        }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.places.capacity() * size_of::<[u32; 3]>() + self.ahead.capacity() * size_of::<([f64; D], f64)>()
+    }
+}

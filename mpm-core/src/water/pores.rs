@@ -1,0 +1,221 @@
+//! Water that fills the pores: its particles, its outline, and what it is in a cell.
+
+use super::exposed::Exposed;
+use super::face::DRAINED_SURFACE;
+use super::{FaceFlow, density_ratio, stored_energy};
+use crate::grid::Grid;
+use crate::keep::Keeper;
+use crate::particles::{Layer, SolidPoint, WaterPoint};
+use crate::scene::{Scene, WaterProperties};
+
+/// Soil of a cell, as water counts it.
+#[derive(Debug, Clone, Copy)]
+pub struct CellSoil {
+    /// Number of the cell.
+    pub cell: usize,
+    /// Dry mass, kg.
+    pub mass: f64,
+    /// Volume of the particles, m3.
+    pub volume: f64,
+    /// Volume of soil, m3: that of the particles where the outline of the soil is not known.
+    pub filled: f64,
+}
+
+/// A saturated soil's water.
+#[derive(Debug, Clone)]
+pub struct Pores<const D: usize> {
+    /// Its particles; their cells and counts alone while a step has them.
+    pub layer: Layer<WaterPoint<D>, D>,
+    /// Darcy's law on a face, and what the water is.
+    pub flow: FaceFlow,
+    /// Faces that touch no other soil.
+    pub exposed: Exposed,
+    /// Which sides let water out.
+    pub drained: [bool; 4],
+    /// Mass of the particles taken away because they left the soil, kg.
+    pub removed_mass: f64,
+    /// Conductivity of each row of cells over that of the water; empty where it is the same all over.
+    rows: Vec<f64>,
+    /// Whether a cell at the edge of the soil may be without water particles: those of soil that moves through cells come
+    /// and go beside its own. It counts as open to the outside until some arrive.
+    open_edges: bool,
+    /// Cells that are.
+    bare: Vec<u32>,
+}
+
+impl<const D: usize> Pores<D> {
+    /// Water particles in the pores of a scene's soil; `face_area` in m2.
+    pub fn new(
+        scene: &Scene,
+        layer: Layer<WaterPoint<D>, D>,
+        grid: &Grid<D>,
+        properties: &WaterProperties,
+        (face_area, open_edges): (f64, bool),
+    ) -> Self {
+        let mobility = properties.mobility() * grid.inverse_size;
+        let of_row = |row: usize| {
+            let height = (row as f64 + 0.5) * scene.cell;
+            scene.layer_at(height).map(|layer| layer.hydraulic_conductivity / properties.hydraulic_conductivity)
+        };
+        Self {
+            layer,
+            flow: FaceFlow {
+                conductance: mobility,
+                weight: properties.density * grid.size,
+                inertia: if scene.darcy_inertia { 1.0 } else { 0.0 },
+                area: face_area,
+                cell_volume: face_area * grid.size,
+                diffusion: mobility * grid.inverse_size,
+                bulk_modulus: properties.bulk_modulus,
+                grain_inverse: 1.0 / scene.grain_density,
+                density: properties.density,
+            },
+            exposed: Exposed::default(),
+            drained: [false; 4],
+            removed_mass: 0.0,
+            rows: (0..grid.cells[D - 1]).filter_map(of_row).collect(),
+            open_edges,
+            bare: Vec::new(),
+        }
+    }
+
+    /// Whether conductivity differs from row to row of cells.
+    pub fn is_layered(&self) -> bool {
+        !self.rows.is_empty()
+    }
+
+    /// Conductivity of a cell over that of the water.
+    pub fn ratio(&self, position: &[usize; D]) -> f64 {
+        self.rows.get(position[D - 1]).copied().unwrap_or(1.0)
+    }
+
+    /// Whether a cell with soil has water of its own.
+    fn has_water(&self, cell: usize) -> bool {
+        self.bare.binary_search(&(cell as u32)).is_err()
+    }
+
+    /// How every face conducts over the water's own conductivity, and the edge of a cell over the distance of the pressures on
+    /// both sides: axis, place of the cell above it, both. Between two cells of different conductivity the flux is that through two half cells in
+    /// series: k is the harmonic mean 2 k_1 k_2/(k_1 + k_2).
+    pub fn faces<S: Copy>(&self, grid: &Grid<D>, solid: &Layer<S, D>, mut give: impl FnMut(usize, [usize; D], [f64; 2]))
+    where
+        S: crate::particles::Point<D>,
+    {
+        let wet = |cell: usize| !solid.range(cell).is_empty() && self.has_water(cell);
+        for (cell, position) in grid.walk() {
+            let mut stride = 1;
+            for axis in 0..D {
+                if position[axis] > 0 && wet(cell) && wet(cell - stride) {
+                    let [a, b] = [position, grid.cell_position(cell - stride)].map(|place| self.ratio(&place));
+                    give(axis, position, [if a == b { a } else { 2.0 * a * b / (a + b) }, 1.0]);
+                }
+                stride *= grid.cells[axis];
+            }
+        }
+        for face in self.exposed.faces.iter().filter(|f| self.drained[f.side as usize]) {
+            let (axis, mut position) = (face.axis as usize, grid.cell_position(face.cell as usize));
+            let ratio = self.ratio(&position);
+            position[axis] += usize::from(face.upper);
+            give(axis, position, [DRAINED_SURFACE * ratio, DRAINED_SURFACE]);
+        }
+    }
+
+    /// Finds the outline of the cells that have soil and water.
+    pub fn rebuild<const S: usize>(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>) {
+        let Self { exposed, bare, .. } = self;
+        exposed.rebuild(grid, |cell| !solid.range(cell).is_empty() && bare.binary_search(&(cell as u32)).is_err());
+    }
+
+    /// Looks for cells of soil without water.
+    ///
+    /// # Errors
+    /// One inside, or in soil that stays in its cells: its place and what is wrong.
+    fn look_for_bare<const S: usize>(
+        &mut self,
+        grid: &Grid<D>,
+        solid: &Layer<SolidPoint<D, S>, D>,
+    ) -> Result<(), (String, String)> {
+        let soil = |cell: usize| !solid.range(cell).is_empty();
+        let at_edge = |cell: usize| {
+            let (position, mut stride) = (grid.cell_position(cell), 1);
+            (0..D).any(|d| {
+                let (first, last) = (position[d] == 0, position[d] + 1 == grid.cells[d]);
+                let edge = first || last || !soil(cell - stride) || !soil(cell + stride);
+                stride *= grid.cells[d];
+                edge
+            })
+        };
+        let bare = |cell: &usize| soil(*cell) && self.layer.range(*cell).is_empty();
+        self.bare = (0..grid.cell_count()).filter(bare).map(|cell| cell as u32).collect();
+        if let Some(cell) = self.bare.iter().find(|cell| !(self.open_edges && at_edge(**cell as usize))) {
+            let middle = grid.cell_position(*cell as usize).map(|i| (i as f64 + 0.5) * grid.size);
+            let place = format!("cell around {middle:.4?} m");
+            return Err((place, "soil without a water particle in a saturated scene".into()));
+        }
+        Ok(())
+    }
+
+    /// Restores the cell order where water has moved; removes water that has left the soil, and finds its outline.
+    ///
+    /// # Errors
+    /// A place and what was found there.
+    pub fn settle<const S: usize>(
+        &mut self,
+        grid: &Grid<D>,
+        solid: &Layer<SolidPoint<D, S>, D>,
+    ) -> Result<(), (String, String)> {
+        let outside = |p: &WaterPoint<D>| grid.cell_at(&p.x).is_none_or(|cell| solid.range(cell).is_empty());
+        let lost = |x: &[f64; D], what: &str| (format!("water particle at {x:?} m"), what.to_owned());
+        if let Some(point) = self.layer.points.iter().find(|p| outside(p)) {
+            if point.x.iter().any(|x| !x.is_finite()) || !self.drained.contains(&true) {
+                return Err(lost(&point.x, "outside the soil, which is undrained"));
+            }
+            let mut removed = 0.0;
+            let escaped = self.layer.remove(grid, |p| {
+                let leaves = outside(p);
+                removed += if leaves { p.mass } else { 0.0 };
+                leaves
+            });
+            self.removed_mass += removed;
+            escaped.map_err(|e| lost(&e.x, "outside the mesh"))?;
+        } else {
+            self.layer.sort(grid).map_err(|e| lost(&e.x, "outside the mesh"))?;
+        }
+        self.look_for_bare(grid, solid)?;
+        self.rebuild(grid, solid);
+        Ok(())
+    }
+
+    /// Porosity from the volume of grains, which do not compress.
+    pub fn porosity(&self, soil: &CellSoil) -> f64 {
+        1.0 - soil.mass * self.flow.grain_inverse / soil.volume
+    }
+
+    /// Pressure (Pa) and stored energy (J) of the water in a cell of soil.
+    pub fn cell_state(&self, soil: &CellSoil) -> (f64, f64) {
+        let (sum, volume) = self.layer.points[self.layer.range(soil.cell)]
+            .iter()
+            .fold((0.0, 0.0), |(s, v), p| (s + p.volume * p.pressure, v + p.volume));
+        let pressure = if volume > 0.0 { sum / volume } else { 0.0 };
+        let pores = self.porosity(soil) * soil.filled;
+        (pressure, pores * stored_energy(pressure, self.flow.bulk_modulus))
+    }
+
+    /// Mass of water in the pores of a cell of soil, `rho_w n V exp(p/K_w)`, kg.
+    pub fn cell_mass(&self, soil: &CellSoil) -> f64 {
+        let (pressure, _) = self.cell_state(soil);
+        let pores = self.porosity(soil) * soil.filled;
+        let denser = density_ratio(pressure, self.flow.bulk_modulus) - 1.0;
+        // What the grains leave, so that the sum over the cells is that of the soil wherever its particles are counted.
+        self.flow.density * (soil.filled - soil.mass * self.flow.grain_inverse + pores * denser)
+    }
+
+    /// Writes or reads what steps to come depend on.
+    pub fn keep(&mut self, keeper: &mut Keeper, grid: &Grid<D>) {
+        self.layer.keep(keeper, &WaterPoint::NONE, WaterPoint::keep);
+        self.exposed.keep(keeper, grid);
+        self.drained.iter_mut().for_each(|drained| keeper.bool(drained));
+        keeper.f64(&mut self.removed_mass);
+        keeper.list(&mut self.bare, &0, |cell, keeper| keeper.u32(cell));
+    }
+}
