@@ -33,12 +33,15 @@ pub trait Condition<const D: usize>: Debug + Send {
     fn damp_by(&mut self, _: f64) {}
 }
 
+/// Is shown a particle and its shares of functions.
+pub type Visit<'a, const D: usize> = dyn FnMut(&SolidPoint<D, 4>, &[(usize, f64)]) + 'a;
+
 /// The soil, as conditions see it.
 pub trait Soil<const D: usize> {
     /// Time since the start of the run, s.
     fn time(&self) -> f64;
     /// Visits the solid particles: share of each function that it reaches in turn, by their numbers.
-    fn each_share(&self, visit: &mut dyn FnMut(&SolidPoint<D, 4>, &[(usize, f64)]));
+    fn each_share(&self, visit: &mut Visit<D>);
 }
 
 /// A given force on the soil, gathered from its particles: `f_i = sum_p m_p b(x_p, t) N_i(x_p)`.

@@ -15,7 +15,7 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 
 use super::body::Body;
-use super::conditions::{Condition, Soil};
+use super::conditions::{Condition, Soil, Visit};
 use super::kernel::equation::EquationOfMotion;
 use super::kernel::{Common, Functions, InPores, Kept, MOST_REACHED, MapBack, Pass};
 use super::store::blocks::Record;
@@ -93,7 +93,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Soil<D> for Grains<'_, V, F, D> {
         self.time
     }
 
-    fn each_share(&self, visit: &mut dyn FnMut(&SolidPoint<D, 4>, &[(usize, f64)])) {
+    fn each_share(&self, visit: &mut Visit<D>) {
         let reached = F::REACH.pow(D as u32);
         let mut shares = [(0, 0.0); MOST_REACHED];
         for strip in self.strips {

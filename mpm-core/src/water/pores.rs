@@ -5,7 +5,7 @@ use super::face::DRAINED_SURFACE;
 use super::{FaceFlow, density_ratio, stored_energy};
 use crate::grid::Grid;
 use crate::keep::Keeper;
-use crate::particles::{Layer, SolidPoint, WaterPoint};
+use crate::particles::{Layer, Point, SolidPoint, WaterPoint};
 use crate::scene::{Scene, WaterProperties};
 
 /// Soil of a cell, as water counts it.
@@ -97,10 +97,12 @@ impl<const D: usize> Pores<D> {
     /// How every face conducts over the water's own conductivity, and the edge of a cell over the distance of the pressures on
     /// both sides: axis, place of the cell above it, both. Between two cells of different conductivity the flux is that through two half cells in
     /// series: k is the harmonic mean 2 k_1 k_2/(k_1 + k_2).
-    pub fn faces<S: Copy>(&self, grid: &Grid<D>, solid: &Layer<S, D>, mut give: impl FnMut(usize, [usize; D], [f64; 2]))
-    where
-        S: crate::particles::Point<D>,
-    {
+    pub fn faces<S: Point<D>>(
+        &self,
+        grid: &Grid<D>,
+        solid: &Layer<S, D>,
+        mut give: impl FnMut(usize, [usize; D], [f64; 2]),
+    ) {
         let wet = |cell: usize| !solid.range(cell).is_empty() && self.has_water(cell);
         for (cell, position) in grid.walk() {
             let mut stride = 1;

@@ -9,6 +9,10 @@ use crate::real::{Lanes, MOST_LANES, Real};
 use crate::step::store::{CellLanes, WaterLanes, ask_for};
 use crate::water::{FLOW, LEAST_FILLING};
 
+/// Motion of the soil and of the water in it, the cells, and what the soil gains: volume (m3) and its rate (m3/s).
+type Driven<'a, V, F, const D: usize> =
+    (&'a <F as Functions<D>>::Motion<V>, &'a Relative<V, D>, &'a CellLanes<V, D>, [Lanes<V>; 2]);
+
 impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, D, MOVE> {
     /// Eq. (1) on faces normal to an axis, from one on, between cells of two pressures (Pa) whose nodes accelerate (m/s2): flux
     /// (m/s), pressure drop and weight along it (Pa).
@@ -79,7 +83,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         &mut self,
         group: usize,
         position: &[Lanes<V>; D],
-        motion: Option<(&F::Motion<V>, &Relative<V, D>, &CellLanes<V, D>, [Lanes<V>; 2])>,
+        motion: Option<Driven<V, F, D>>,
         (edges, sums): (&F::Edges<V>, &mut F::Sums<V>),
         running: &mut Running<V>,
     ) {
