@@ -250,10 +250,10 @@ pub(crate) fn over_lanes(width: Width, scene: &Scene) -> bool {
         Integrator::SemiImplicit => scene.water.is_none(),
         _ => false,
     };
-    let ragged = scene.water.is_some() && scene.sideroom_cells > 0;
+    let partly_drained = scene.water.is_some() && scene.sideroom_cells > 0;
     let by_faces = scene.water.is_none() || scene.darcy == DarcyChoice::Face;
     let wide = matches!(scene.shape, ShapeChoice::Gimp | ShapeChoice::Bspline2);
-    let usual = width != Width::Plain && by_faces && !ragged && !scene.needs_plain_step();
+    let usual = width != Width::Plain && by_faces && !partly_drained && !scene.needs_plain_step();
     explicit && scene.free_surface.is_none() && (wide || usual)
 }
 

@@ -31,7 +31,7 @@ pub struct Body<const D: usize> {
     pub gravity: Option<[f64; D]>,
     /// FLIP share of the velocity update.
     pub flip: f64,
-    /// Soil less dense than this (dry, kg/m3) has come apart and carries no stress; 0 if it always does.
+    /// Soil less dense than this (dry, kg/m3) is a tension gap and carries no stress; 0 if it always does.
     pub apart: f64,
     /// Cells that all particles together may cross in a stage without damping; `u64::MAX` for any number.
     pub most_crossings: u64,

@@ -255,11 +255,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Dynamic<V, F, D> {
             self;
         let Nodes { frame, sums, motion, .. } = nodes;
         let mapped = self.mapped.as_deref_mut();
-        let water = if body.water.is_some() {
-            InPores::Particles { relative: None, rise: None, ragged: false }
-        } else {
-            InPores::None
-        };
+        let water =
+            if body.water.is_some() { InPores::Particles { relative: None, rise: None } } else { InPores::None };
         let common = &Common {
             frame,
             functions: *functions,

@@ -289,8 +289,6 @@ pub enum InPores<'a> {
         relative: Option<&'a [Vec<f64>; 2]>,
         /// Rise of the pressure of each cell in the step, Pa, where it has been solved for.
         rise: Option<&'a [f64]>,
-        /// Whether cells may come to be open to the air, which holds no suction.
-        ragged: bool,
     },
     /// Pressure (Pa), mass of water per volume of soil (kg/m3), and the heights in the cell where each acts, of every cell.
     Given {
@@ -338,7 +336,7 @@ pub struct Common<'a, F, const D: usize> {
     pub gravity: [f64; D],
     /// FLIP share of the velocity update.
     pub flip: f64,
-    /// Soil less dense than this (dry, kg/m3) has come apart and carries no stress; 0 if it always does.
+    /// Soil less dense than this (dry, kg/m3) is a tension gap and carries no stress; 0 if it always does.
     pub apart: f64,
     /// What particles keep.
     pub kept: Kept,
@@ -547,7 +545,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
             }
             point.volume = point.volume * (none.like(1.0) + rate * dt);
             if plastic && apart > 0.0 {
-                self.come_apart(&mut point, index, group, running);
+                self.open_gap(&mut point, index, group, running);
             }
             if kept.affine.is_some() || kept.strain.is_some() {
                 let own = functions.gradient_at(motion, edges, &xi, inverse);
@@ -576,9 +574,9 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         }
     }
 
-    /// Soil that has come apart has no stress until the gap is closed, or every recompression would push too early.
+    /// Soil in a tension gap has no stress until that is closed, or every recompression would push too early.
     #[inline(always)]
-    fn come_apart(&self, point: &mut SolidLanes<V, D>, index: usize, group: usize, running: &mut Running<V>) {
+    fn open_gap(&self, point: &mut SolidLanes<V, D>, index: usize, group: usize, running: &mut Running<V>) {
         let none = point.volume.like(0.0);
         let gone = point.mass.below(point.volume * self.common.apart);
         if self.simd.first_true_m64s(gone) == V::F64_LANES {

@@ -141,7 +141,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         let stiffness = self.of(cell.inverse_porosity) * flow.bulk_modulus;
         let softer = softer(self.of(cell.fill), stiffness * *dt * flow.diffusion);
         let stiffness = softer * stiffness;
-        // Eq. (5), mended: dp = -(K_w/n) [ tr(d eps_s) + n tr(d eps*_w) ]
+        // Eq. (5), sign corrected: dp = -(K_w/n) [ tr(d eps_s) + n tr(d eps*_w) ]
         [-stiffness * (of_soil + self.of(cell.porosity) * through), of_soil + through]
     }
 
