@@ -1,8 +1,8 @@
 //! What a cell does in a step, written once: Darcy flow and mesh to particles of this step, particles to mesh of the next.
 //!
 //! Between the two passes over a particle in the paper's Figure 1 nothing happens to it, so they are one. The kernel is generic
-//! over the dimension, over the functions that carry a field ([`Functions`]: those of one cell in [`on_cell`], wider ones in
-//! [`stencil`]), and over how many cells it takes at once: one, or as many as the machine has lanes. Lanes do not mix and
+//! over the dimension, over the functions that carry a field ([`Functions`]: those of one cell in `on_cell`, wider ones in
+//! `stencil`), and over how many cells it takes at once: one, or as many as the machine has lanes. Lanes do not mix and
 //! products are not fused with sums, so the bits are the same.
 
 mod bases;
