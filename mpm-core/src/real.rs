@@ -66,6 +66,20 @@ pub fn numbers_mut<V: Pod>(vectors: &mut [V]) -> &mut [f64] {
     bytemuck::cast_slice_mut(vectors)
 }
 
+/// An array `[first; n]` whose entries are then computed one by one.
+///
+/// Unlike `std::array::from_fn` without a closure: what is in one is compiled for a machine that has no lanes, and called.
+macro_rules! array {
+    ([$first:expr; $count:expr], $i:ident => $entry:expr) => {{
+        let mut all = [$first; $count];
+        for $i in 0..$count {
+            all[$i] = $entry;
+        }
+        all
+    }};
+}
+pub(crate) use array;
+
 /// Several numbers that are computed at once; S: what the machine can do.
 #[derive(Debug, Clone, Copy)]
 pub struct Lanes<S: Simd> {
@@ -151,6 +165,12 @@ impl<S: Simd> Lanes<S> {
         let (zero, one) = (self.like(0.0), self.like(1.0));
         let simd = self.simd;
         simd.and_m64s(simd.less_than_or_equal_f64s(zero.value, self.value), simd.less_than_f64s(self.value, one.value))
+    }
+
+    /// This where it is positive, one elsewhere.
+    #[inline(always)]
+    pub fn or_one(self) -> Self {
+        self.or(self.like(0.0).below(self), self.like(1.0))
     }
 
     /// The lesser of each pair.

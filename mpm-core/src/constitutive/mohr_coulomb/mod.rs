@@ -167,8 +167,9 @@ macro_rules! law {
                 for s in 0..$components {
                     stress[s] = Lanes::load(none.simd, &packed.stress[s]);
                 }
-                let [dissipation, residual] = packed.flow.map(|values| Lanes::load(none.simd, &values));
-                Flow { dissipation, residual }
+                let [dissipation, residual] = &packed.flow;
+                let dissipation = Lanes::load(none.simd, dissipation);
+                Flow { dissipation, residual: Lanes::load(none.simd, residual) }
             }
 
             fn tangent(

@@ -148,6 +148,19 @@ pub struct Ends<V: Simd> {
     last: Lanes<V>,
 }
 
+impl<V: Simd> Ends<V> {
+    /// What three nodes have, from the first or the second of four on.
+    #[inline(always)]
+    fn spread(&self, is_left: V::m64s, [first, middle, last]: [Lanes<V>; 3]) -> [Lanes<V>; MOST_REACH] {
+        let none = first.like(0.0);
+        let mut of =
+            [first.or(is_left, none), middle.or(is_left, first), last.or(is_left, middle), none.or(is_left, last)];
+        fold(&mut of, [0, 1, 2], self.first);
+        fold(&mut of, [3, 2, 1], self.last);
+        of
+    }
+}
+
 /// Node `out` outside stands for twice the next one less the one after that.
 #[inline(always)]
 fn fold<V: Simd>(of: &mut [Lanes<V>; MOST_REACH], [out, next, after]: [usize; 3], share: Lanes<V>) {
@@ -166,8 +179,8 @@ impl Basis for Gimp {
     #[inline(always)]
     fn edge<V: Simd>(&self, position: Lanes<V>, cells: usize) -> Ends<V> {
         let (none, one) = (position.like(0.0), position.like(1.0));
-        let at = |place: f64| one.or(position.equals(none.like(place)), none);
-        Ends { first: at(0.0), last: at(cells as f64 - 1.0) }
+        let first = one.or(position.equals(none), none);
+        Ends { first, last: one.or(position.equals(none.like(cells as f64 - 1.0)), none) }
     }
 
     #[inline(always)]
@@ -181,14 +194,8 @@ impl Basis for Gimp {
         let (first, last) = ((a * a - b * b) * (0.5 * per), c * c * (0.5 * per));
         let (fall, rise) = ((b - a) * per, c * per);
         // The middle one is what remains of constant fields.
-        let spread = |[first, middle, last]: [Lanes<V>; 3]| {
-            let or = |left: Lanes<V>, right: Lanes<V>| left.or(is_left, right);
-            let mut of = [or(first, none), or(middle, first), or(last, middle), or(none, last)];
-            fold(&mut of, [0, 1, 2], ends.first);
-            fold(&mut of, [3, 2, 1], ends.last);
-            of
-        };
-        Line { value: spread([first, one - first - last, last]), slope: spread([fall, -fall - rise, rise]) }
+        let value = ends.spread(is_left, [first, one - first - last, last]);
+        Line { value, slope: ends.spread(is_left, [fall, -fall - rise, rise]) }
     }
 
     /// The load acts at a point, which has no size.

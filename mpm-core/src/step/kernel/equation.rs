@@ -35,18 +35,18 @@ impl<V: Simd, const D: usize> WithSimd for EquationOfMotion<'_, V, D> {
         let none = Lanes::splat(simd, 0.0);
         let one = none.like(1.0);
         for node in (0..velocity[0].len()).step_by(V::F64_LANES) {
-            let sum = |q: usize| Lanes::load(simd, &sums.0[q][node..]);
-            let (solid, mixture) = (sum(SOLID_MASS), sum(MIXTURE_MASS));
+            let solid = Lanes::load(simd, &sums.0[SOLID_MASS][node..]);
+            let mixture = Lanes::load(simd, &sums.0[MIXTURE_MASS][node..]);
             let with_mass = none.below(solid);
             let of_solid = (one / solid.or(with_mass, one)).or(with_mass, none);
             let of_mixture = (one / mixture.or(with_mass, one)).or(with_mass, none);
             for d in 0..D {
-                let mut force = sum(force(D) + d);
+                let mut force = Lanes::load(simd, &sums.0[force(D) + d][node..]);
                 if let Some(gravity) = gravity {
                     force += mixture * gravity[d];
                 }
                 let a = force * of_mixture;
-                let v = sum(MOMENTUM + d) * of_solid + a * dt;
+                let v = Lanes::load(simd, &sums.0[MOMENTUM + d][node..]) * of_solid + a * dt;
                 v.store(&mut velocity[d][node..]);
                 (a * (flip * dt) + v * (1.0 - flip)).store(&mut change[d][node..]);
                 a.store(&mut acceleration[d][node..]);

@@ -14,7 +14,7 @@ use pulp::{Simd, WithSimd};
 
 use super::scatter::Scatter;
 use super::{Affine, Closing, Common, Contribution, Fields, Functions, MOST_REACHED, Moves};
-use crate::real::Lanes;
+use crate::real::{Lanes, array};
 use crate::step::store::nodes::{SUMS, StripSums};
 use crate::step::store::{Motion, SolidLanes, Strip};
 
@@ -38,28 +38,31 @@ impl<V: Simd, F: Functions<D>, const D: usize> WithSimd for MapBack<'_, V, F, D>
         let Self { simd, strip, sums, common } = self;
         let Common { frame, functions, motion, flip, kept, .. } = *common;
         let none = Lanes::splat(simd, 0.0);
+        let mut given = [[none; MOST_REACHED]; SUMS];
         let mut scatter = Scatter::<V, D>::begin::<F>(simd, sums, frame);
         for (group, cell) in strip.cells.iter().enumerate() {
-            let position = cell.position.map(|value| Lanes { simd, value });
+            let position = array!([none; D], d => Lanes { simd, value: cell.position[d] });
             let edges = functions.edges(&position, &frame.cells);
             let at = strip.first + group * V::F64_LANES;
             let Motion { velocity, change, .. } = motion;
             let fields = Fields { simd, velocity, change, mapped: None, frame, at };
-            let motion = functions.motion(&fields, &cell.at.map(|value| Lanes { simd, value }));
+            let at = array!([none; D], d => Lanes { simd, value: cell.at[d] });
+            let motion = functions.motion(&fields, &at);
             let mut gathered = functions.nothing(simd);
             for index in strip.solid.range(group) {
                 let point = SolidLanes::<V, D>::read(simd, strip.solid.block(index));
-                let xi = std::array::from_fn(|d| point.x[d] * frame.inverse_size - position[d]);
+                let xi = array!([none; D], d => point.x[d] * frame.inverse_size - position[d]);
                 let Moves { change, .. } = functions.moves(&motion, &edges, &xi, frame.inverse_size);
-                let v = std::array::from_fn(|d| point.v[d] * flip + change[d]);
-                let own = |_| Affine(functions.gradient_at(&motion, &edges, &xi, frame.inverse_size));
-                let affine = kept.affine.map(own);
-                let given = Contribution { xi, mass: point.mass, volume: none, v, stress: [none; 4], affine };
-                functions.add(&mut gathered, &edges, &given, (false, frame.inverse_size));
+                let v = array!([none; D], d => point.v[d] * flip + change[d]);
+                let mut affine = None;
+                if kept.affine.is_some() {
+                    affine = Some(Affine(functions.gradient_at(&motion, &edges, &xi, frame.inverse_size)));
+                }
+                let point = Contribution { xi, mass: point.mass, volume: none, v, stress: [none; 4], affine };
+                functions.add(&mut gathered, &edges, &point, (false, frame.inverse_size));
             }
-            let mut given = [[none; MOST_REACHED]; SUMS];
             let closing = Closing::of(none);
-            functions.finish(&mut gathered, &closing, frame.inverse_size, |a, q, value| given[q][a] = value);
+            functions.finish(&mut gathered, &closing, frame.inverse_size, &mut given);
             scatter.add::<F>(sums, group * V::F64_LANES, &given);
         }
         scatter.end::<F>(sums, strip.cells.len() * V::F64_LANES);

@@ -26,7 +26,7 @@ use crate::boundary::ROUND_OFF;
 use crate::constitutive::{Flow, Materials};
 use crate::dimension::{PRESSURE, rotate, strain_increment, trace};
 use crate::observe::Flowed;
-use crate::real::{Lanes, MOST_LANES, Real};
+use crate::real::{Lanes, MOST_LANES, Real, array};
 use crate::water::FaceFlow;
 use scatter::Scatter;
 
@@ -78,6 +78,9 @@ impl<V: Simd, const D: usize> Fields<'_, V, D> {
     }
 }
 
+/// What a group of cells gives to the functions that it reaches, by sum and function.
+pub type Given<V> = [[Lanes<V>; MOST_REACHED]; SUMS];
+
 /// What the mesh does to a particle.
 pub struct Moves<V: Simd, const D: usize> {
     /// Velocity gradient that strains it, 1/s.
@@ -96,13 +99,13 @@ impl<V: Simd, const D: usize> Affine<V, D> {
     /// Velocity (m/s) of a particle at a place away from it (m).
     #[inline(always)]
     pub fn seen_from(&self, v: &[Lanes<V>; D], away: &[Lanes<V>; D]) -> [Lanes<V>; D] {
-        std::array::from_fn(|i| {
-            let mut sum = v[i];
+        let mut sum = *v;
+        for i in 0..D {
             for j in 0..D {
-                sum += self.0[i][j] * away[j];
+                sum[i] += self.0[i][j] * away[j];
             }
-            sum
-        })
+        }
+        sum
     }
 }
 
@@ -150,7 +153,7 @@ impl<V: Simd, const D: usize> Closing<V, D> {
     /// Of cells whose soil fills a volume (m3) as its particles do, without water.
     #[inline(always)]
     fn of(filled: Lanes<V>) -> Self {
-        let [none, half, one] = [0.0, 0.5, 1.0].map(|number| filled.like(number));
+        let (none, half, one) = (filled.like(0.0), filled.like(0.5), filled.like(1.0));
         Self {
             share: one,
             filled,
@@ -252,14 +255,8 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
     fn centroid<V: Simd>(&self, _: &Self::Sums<V>, _: Lanes<V>) -> Option<[Lanes<V>; D]> {
         None
     }
-    /// Gives what the cells have gathered: function, which sum, how much.
-    fn finish<V: Simd>(
-        &self,
-        sums: &mut Self::Sums<V>,
-        cell: &Closing<V, D>,
-        inverse_size: f64,
-        give: impl FnMut(usize, usize, Lanes<V>),
-    );
+    /// Gives what the cells have gathered.
+    fn finish<V: Simd>(&self, sums: &mut Self::Sums<V>, cell: &Closing<V, D>, inverse_size: f64, given: &mut Given<V>);
     /// C: force of a unit pressure in the cells on their functions, m2.
     fn coupling<V: Simd>(
         &self,
@@ -417,6 +414,11 @@ struct Running<V: Simd> {
 
 impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, D, MOVE> {
     #[inline(always)]
+    fn load(&self, field: &[f64], at: usize) -> Lanes<V> {
+        Lanes::load(self.simd, &field[at..])
+    }
+
+    #[inline(always)]
     fn of(&self, value: V::f64s) -> Lanes<V> {
         Lanes { simd: self.simd, value }
     }
@@ -429,10 +431,11 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
             flowed: FlowedLanes::nothing(self.simd),
             stays: none.in_unit_interval(),
         };
+        let mut given = [[none; MOST_REACHED]; SUMS];
         let mut scatter = Scatter::<V, D>::begin::<F>(self.simd, self.sums, self.common.frame);
         for group in 0..self.strip.cells.len() {
-            let sums = self.group(group, &mut running);
-            scatter.add::<F>(self.sums, group * V::F64_LANES, &sums);
+            self.group(group, &mut running, &mut given);
+            scatter.add::<F>(self.sums, group * V::F64_LANES, &given);
         }
         scatter.end::<F>(self.sums, self.strip.cells.len() * V::F64_LANES);
         self.strip.stays = self.simd.first_true_m64s(self.simd.not_m64s(running.stays)) == V::F64_LANES;
@@ -451,12 +454,12 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
 
     /// A group of cells: Figure 1 from the mesh to the particles and back.
     #[inline(always)]
-    fn group(&mut self, group: usize, running: &mut Running<V>) -> [[Lanes<V>; MOST_REACHED]; SUMS] {
+    fn group(&mut self, group: usize, running: &mut Running<V>, given: &mut Given<V>) {
         let Common { frame, functions, motion, mapped, water, .. } = *self.common;
         let none = Lanes::splat(self.simd, 0.0);
         let at = self.strip.first + group * V::F64_LANES;
         let cell = self.strip.cells[group];
-        let position = cell.position.map(|p| self.of(p));
+        let position = array!([none; D], d => self.of(cell.position[d]));
         let edges = functions.edges(&position, &frame.cells);
         let wet = matches!(water, InPores::Particles { .. });
         let mut sums = functions.nothing(self.simd);
@@ -465,7 +468,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         if MOVE {
             let Motion { velocity, change, .. } = motion;
             let fields = Fields { simd: self.simd, velocity, change, mapped, frame, at };
-            let motion = functions.motion(&fields, &cell.at.map(|x| self.of(x)));
+            let motion = functions.motion(&fields, &array!([none; D], d => self.of(cell.at[d])));
             let relative = if wet { self.darcy_flow(at, &cell, running, group) } else { [[none; D]; 4] };
             let gained = self.solid(group, &position, (&motion, &edges, &cell), (&mut sums, &mut soil), running);
             if wet {
@@ -478,11 +481,11 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
             let pressure = self.pressure_on_particles(&sums);
             for index in self.strip.solid.range(group) {
                 let point = SolidLanes::<V, D>::read(self.simd, self.strip.solid.block(index));
-                let xi = std::array::from_fn(|d| point.x[d] * frame.inverse_size - position[d]);
+                let xi = array!([none; D], d => point.x[d] * frame.inverse_size - position[d]);
                 self.gather(&point, xi, pressure, index, &edges, (&mut sums, &mut soil));
             }
         }
-        self.close(group, at, &soil, &mut sums)
+        self.close(group, at, &soil, &mut sums, given);
     }
 
     /// Asks for cells, upper nodes and faces of a group to come.
@@ -521,7 +524,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         for index in self.strip.solid.range(group) {
             self.ask_for_block(index + BLOCKS_AHEAD);
             let mut point = SolidLanes::<V, D>::read(simd, self.strip.solid.block(index));
-            let mut xi = std::array::from_fn(|d| point.x[d] * inverse - position[d]);
+            let mut xi = array!([none; D], d => point.x[d] * inverse - position[d]);
             let Moves { gradient, velocity, change } = functions.moves(motion, edges, &xi, inverse);
             rotate(&mut point.stress, &gradient, dt);
             let mut strain = strain_increment(&gradient, dt);
@@ -585,14 +588,16 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         let mut lost = none;
         for lane in 0..V::F64_LANES {
             if point.volume.lane(lane) * self.common.apart > point.mass.lane(lane) {
-                let stress = point.stress.map(|s| s.lane(lane));
+                let stress = array!([0.0; 4], s => point.stress[s].lane(lane));
                 let id = self.strip.solid.ids[index * V::F64_LANES + lane];
                 lost.set_lane(lane, self.common.materials.energy(id, &stress));
             }
         }
         let flow = Flow { dissipation: lost, residual: none.like(f64::NEG_INFINITY) };
         running.flowed.add(group, point.volume, &flow);
-        point.stress = point.stress.map(|s| none.or(gone, s));
+        for s in 0..4 {
+            point.stress[s] = none.or(gone, point.stress[s]);
+        }
     }
 
     /// Notes what particles keep of the motion: their own velocity gradient, and the strain that is followed.
@@ -610,7 +615,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
             }
         }
         if let Some(first) = kept.strain {
-            let mut strain: [Lanes<V>; 4] = std::array::from_fn(|s| Lanes { simd, value: block[first + s] });
+            let none = Lanes::splat(simd, 0.0);
+            let mut strain = array!([none; 4], s => Lanes { simd, value: block[first + s] });
             rotate(&mut strain, strains, dt);
             let more = strain_increment(strains, dt);
             for s in 0..4 {
@@ -641,10 +647,17 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
                 stress[s] += pressure * PRESSURE[s];
             }
         }
-        let affine = kept.affine.map(|first| {
+        let mut affine = None;
+        if let Some(first) = kept.affine {
             let block = self.strip.solid.block(index);
-            Affine(std::array::from_fn(|i| std::array::from_fn(|j| self.of(block[first + i * D + j]))))
-        });
+            let mut gradient = [[mass; D]; D];
+            for i in 0..D {
+                for j in 0..D {
+                    gradient[i][j] = self.of(block[first + i * D + j]);
+                }
+            }
+            affine = Some(Affine(gradient));
+        }
         let point = Contribution { xi, mass, volume, v, stress, affine };
         functions.add(sums, edges, &point, (coupled, frame.inverse_size));
     }
@@ -657,11 +670,11 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         at: usize,
         &[mass, volume]: &[Lanes<V>; 2],
         sums: &mut F::Sums<V>,
-    ) -> [[Lanes<V>; MOST_REACHED]; SUMS] {
+        given: &mut Given<V>,
+    ) {
         let Common { functions, frame, coupled, .. } = *self.common;
         let none = mass.like(0.0);
-        let one = none.like(1.0);
-        let full = |volume: Lanes<V>| volume.or(none.below(volume), one);
+        let full = volume.or_one();
         let known = Lanes::load(self.simd, &self.common.soil[at..]);
         let is_known = none.below(known);
         // As `Filled::volume`: round-off is no difference.
@@ -669,26 +682,27 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         let filled = known.or((known * ROUND_OFF).below(off), volume).or(is_known, volume);
         let half = none.like(0.5);
         let mut closing =
-            Closing { share: filled / full(volume), of_cell: coupled, moving_with: is_known, ..Closing::of(filled) };
+            Closing { share: filled / full, of_cell: coupled, moving_with: is_known, ..Closing::of(filled) };
         let cell = &mut self.strip.cells[group];
         (cell.volume, cell.mass) = (volume.value, mass.value);
-        if let Some(centroid) = functions.centroid(sums, full(volume)) {
-            cell.at = centroid.map(|x| x.value);
+        if let Some(centroid) = functions.centroid(sums, full) {
+            for d in 0..D {
+                cell.at[d] = centroid[d].value;
+            }
             closing.at = centroid;
         }
         match self.common.water {
             InPores::None => {}
             InPores::Particles { .. } => self.close_water(group, [mass, volume], sums, &mut closing),
             InPores::Given { pressure, per_volume, lower, middle } => {
-                let given = |list: &[f64]| Lanes::load(self.simd, &list[at..]);
                 closing.pressed_at = closing.at;
-                if functions.centroid(sums, full(volume)).is_some() {
-                    closing.pressed_at[D - 1] = closing.at[D - 1] * given(lower);
+                if functions.centroid(sums, full).is_some() {
+                    closing.pressed_at[D - 1] = closing.at[D - 1] * self.load(lower, at);
                 }
                 let mut place = [half; D];
-                place[D - 1] = given(middle);
-                closing.pressure = Some(given(pressure));
-                closing.given_water = Some((given(per_volume) * volume, place));
+                place[D - 1] = self.load(middle, at);
+                closing.pressure = Some(self.load(pressure, at));
+                closing.given_water = Some((self.load(per_volume, at) * volume, place));
             }
         }
         if coupled {
@@ -703,8 +717,6 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
                 }
             }
         }
-        let mut given = [[none; MOST_REACHED]; SUMS];
-        functions.finish(sums, &closing, frame.inverse_size, |a, q, value| given[q][a] = value);
-        given
+        functions.finish(sums, &closing, frame.inverse_size, given);
     }
 }

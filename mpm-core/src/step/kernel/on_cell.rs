@@ -3,11 +3,11 @@
 
 use pulp::Simd;
 
-use super::{Closing, Contribution, Fields, Functions, MOST_REACHED, Moves};
+use super::{Closing, Contribution, Fields, Functions, Given, MOST_REACHED, Moves};
 use crate::dimension::{
     PRESSURE, basis, coefficients, gradient, internal_force, mean_stress, shares, to_corners, trace, value,
 };
-use crate::real::{Lanes, Real};
+use crate::real::{Lanes, Real, array};
 use crate::shape::Shape;
 use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS, force};
 
@@ -45,6 +45,19 @@ pub struct CellSums<V: Simd, const D: usize> {
 #[derive(Debug, Clone, Copy)]
 pub struct OnCell<Sh>(pub Sh);
 
+/// A field at the nodes, as coefficients.
+#[inline(always)]
+fn in_cell<V: Simd, const D: usize>(fields: &Fields<V, D>, field: &[Vec<f64>; 2]) -> Field<V, D> {
+    let mut nodal = [[Lanes::splat(fields.simd, 0.0); D]; 4];
+    for d in 0..D {
+        let corners = fields.corners(&field[d]);
+        for a in 0..1 << D {
+            nodal[a][d] = corners[a];
+        }
+    }
+    coefficients::<D, D, _>(&nodal)
+}
+
 impl<Sh: Shape, const D: usize> Functions<D> for OnCell<Sh> {
     const REACH: usize = 2;
     const BEFORE: usize = 0;
@@ -62,20 +75,13 @@ impl<Sh: Shape, const D: usize> Functions<D> for OnCell<Sh> {
 
     #[inline(always)]
     fn motion<V: Simd>(&self, fields: &Fields<V, D>, centroid: &[Lanes<V>; D]) -> CellMotion<V, D> {
-        let load = |field: &[Vec<f64>; 2]| {
-            let none = Lanes::splat(fields.simd, 0.0);
-            let mut nodal = [[none; D]; 4];
-            for (d, field) in field.iter().enumerate().take(D) {
-                for (a, at_corner) in fields.corners(field).into_iter().enumerate().take(1 << D) {
-                    nodal[a][d] = at_corner;
-                }
-            }
-            coefficients::<D, D, _>(&nodal)
+        let velocity = in_cell(fields, fields.velocity);
+        let strains = match fields.mapped {
+            Some(mapped) => in_cell(fields, mapped),
+            None => velocity,
         };
-        let velocity = load(fields.velocity);
-        let strains = fields.mapped.map_or(velocity, load);
         let at = if Sh::AT_CENTROID { *centroid } else { [velocity[0][0].like(0.5); D] };
-        CellMotion { strains, velocity, change: load(fields.change), at }
+        CellMotion { strains, velocity, change: in_cell(fields, fields.change), at }
     }
 
     #[inline(always)]
@@ -166,8 +172,10 @@ impl<Sh: Shape, const D: usize> Functions<D> for OnCell<Sh> {
             sums.solid_mass[a] += share[a];
             let v = match affine {
                 Some(affine) => {
-                    let corner = |d: usize| if (a >> d) & 1 == 1 { 1.0 } else { 0.0 };
-                    let away = std::array::from_fn(|d| (xi[d].like(corner(d)) - xi[d]) * (1.0 / inverse_size));
+                    let away = array!([xi[0]; D], d => {
+                        let corner = if (a >> d) & 1 == 1 { 1.0 } else { 0.0 };
+                        (xi[d].like(corner) - xi[d]) * (1.0 / inverse_size)
+                    });
                     affine.seen_from(v, &away)
                 }
                 None => *v,
@@ -226,7 +234,7 @@ impl<Sh: Shape, const D: usize> Functions<D> for OnCell<Sh> {
 
     #[inline(always)]
     fn centroid<V: Simd>(&self, sums: &CellSums<V, D>, full: Lanes<V>) -> Option<[Lanes<V>; D]> {
-        Sh::AT_CENTROID.then(|| sums.moment.map(|moment| moment / full))
+        if Sh::AT_CENTROID { Some(array!([full; D], d => sums.moment[d] / full)) } else { None }
     }
 
     #[inline(always)]
@@ -235,17 +243,26 @@ impl<Sh: Shape, const D: usize> Functions<D> for OnCell<Sh> {
         sums: &mut CellSums<V, D>,
         cell: &Closing<V, D>,
         inverse_size: f64,
-        mut give: impl FnMut(usize, usize, Lanes<V>),
+        given: &mut Given<V>,
     ) {
         let none = sums.solid_mass[0].like(0.0);
-        sums.mean = sums.mean.map(|s| s * cell.share);
+        for s in 0..4 {
+            sums.mean[s] = sums.mean[s] * cell.share;
+        }
         if Sh::AT_CENTRE {
             // Section 2.2: G_i(x_c) for every particle of the cell.
             for d in 0..D {
-                sums.first[d] = sums.mean.map(|s| if Sh::AT_CENTROID { s * cell.at[d] } else { s * 0.5 });
+                for s in 0..4 {
+                    let at = if Sh::AT_CENTROID { cell.at[d] } else { none.like(0.5) };
+                    sums.first[d][s] = sums.mean[s] * at;
+                }
             }
         } else {
-            sums.first = sums.first.map(|first| first.map(|s| s * cell.share));
+            for d in 0..D {
+                for s in 0..4 {
+                    sums.first[d][s] = sums.first[d][s] * cell.share;
+                }
+            }
         }
         if let Some(ratio) = cell.water_ratio {
             for a in 0..1 << D {
@@ -260,7 +277,7 @@ impl<Sh: Shape, const D: usize> Functions<D> for OnCell<Sh> {
             // Where the pressure acts: at the centre (section 2.2), or where its particles are.
             let moments = if <Self as Functions<D>>::PRESSURE_AT_PARTICLES && !cell.of_cell {
                 let share = cell.filled / cell.full_of_water;
-                sums.weighted.map(|[moment]| moment * share)
+                array!([none; 4], k => sums.weighted[k][0] * share)
             } else {
                 let acting = pressure * cell.filled;
                 let phi = basis(&cell.pressed_at);
@@ -277,11 +294,11 @@ impl<Sh: Shape, const D: usize> Functions<D> for OnCell<Sh> {
         let coefficients = internal_force(&sums.mean, &sums.first, inverse_size);
         let internal = to_corners::<D, D, _>(&coefficients);
         for a in 0..1 << D {
-            give(a, SOLID_MASS, sums.solid_mass[a]);
-            give(a, MIXTURE_MASS, sums.solid_mass[a] + sums.water_mass[a]);
+            given[SOLID_MASS][a] = sums.solid_mass[a];
+            given[MIXTURE_MASS][a] = sums.solid_mass[a] + sums.water_mass[a];
             for d in 0..D {
-                give(a, MOMENTUM + d, sums.momentum[a][d]);
-                give(a, force(D) + d, -internal[a][d]);
+                given[MOMENTUM + d][a] = sums.momentum[a][d];
+                given[force(D) + d][a] = -internal[a][d];
             }
         }
     }
@@ -296,13 +313,14 @@ impl<Sh: Shape, const D: usize> Functions<D> for OnCell<Sh> {
         let none = sums.solid_mass[0].like(0.0);
         let mut isotropic = [none; 4];
         isotropic[..3].fill(cell.filled);
-        let first = std::array::from_fn(|d| {
+        let mut first = [[none; 4]; D];
+        for d in 0..D {
             let moment = if <Sh::Pore as Shape>::AT_CENTRE { cell.filled * 0.5 } else { sums.moment[d] * cell.share };
-            let mut of_axis = [none; 4];
-            of_axis[..3].fill(moment);
-            of_axis
-        });
+            first[d] = [moment, moment, moment, none];
+        }
         let at_corners = to_corners::<D, D, _>(&internal_force(&isotropic, &first, inverse_size));
-        std::array::from_fn(|a| if a < 1 << D { at_corners[a] } else { [none; D] })
+        let mut coupling = [[none; D]; MOST_REACHED];
+        coupling[..1 << D].copy_from_slice(&at_corners[..1 << D]);
+        coupling
     }
 }

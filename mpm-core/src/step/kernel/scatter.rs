@@ -3,8 +3,8 @@
 
 use pulp::Simd;
 
-use super::{Functions, MOST_REACH, MOST_REACHED};
-use crate::real::{Lanes, MOST_LANES};
+use super::{Functions, Given, MOST_REACH};
+use crate::real::{Lanes, MOST_LANES, Real, array};
 use crate::step::store::Frame;
 use crate::step::store::nodes::{SUMS, StripSums, sums};
 
@@ -34,19 +34,19 @@ impl<V: Simd, const D: usize> Scatter<V, D> {
             let first = if Self::fits::<F>() { frame.tail().min(q.len()) } else { q.len() };
             q[..first].fill(0.0); // the cells below are another strip's
         }
-        let numbers: [f64; MOST_LANES] = std::array::from_fn(|i| i as f64);
+        let numbers = array!([0.0; MOST_LANES], i => i as f64);
         let lanes = Lanes::load(simd, &numbers);
         let none = Lanes::splat(simd, 0.0);
         Self {
             carry: [[[none; SUMS]; MOST_REACH]; MOST_REACH],
-            below: std::array::from_fn(|i| lanes.below(Lanes::splat(simd, i as f64 - 0.5))),
+            below: array!([none.below(none); MOST_REACH], i => lanes.below(none.like(i as f64 - 0.5))),
             row: frame.stride[D - 1],
         }
     }
 
     /// Adds what the cells from `cell` of the strip on give to their functions.
     #[inline(always)]
-    pub fn add<F: Functions<D>>(&mut self, to: &mut StripSums, cell: usize, given: &[[Lanes<V>; MOST_REACHED]; SUMS]) {
+    pub fn add<F: Functions<D>>(&mut self, to: &mut StripSums, cell: usize, given: &Given<V>) {
         if !Self::fits::<F>() {
             return self.add_one_by_one::<F>(to, cell, given);
         }
@@ -54,28 +54,24 @@ impl<V: Simd, const D: usize> Scatter<V, D> {
             // The uppermost first: short rows lie within one vector.
             for j in (0..Self::rows::<F>()).rev() {
                 let to = &mut to.0[q][cell + j * self.row..][..V::F64_LANES];
-                let begun = j + 1 < Self::rows::<F>();
-                let mut sum = if begun { Some(Lanes::load(given[0][0].simd, to)) } else { None };
+                let mut begun = j + 1 < Self::rows::<F>();
+                let mut sum = if begun { Lanes::load(given[0][0].simd, to) } else { given[q][0] };
                 for i in (1..F::REACH).rev() {
                     let turned = given[q][j * F::REACH + i].turned(i);
                     let here = self.carry[j][i][q].or(self.below[i], turned);
-                    sum = Some(sum.map_or(here, |sum| sum + here));
+                    sum = if begun { sum + here } else { here };
+                    begun = true;
                     self.carry[j][i][q] = turned;
                 }
                 let own = given[q][j * F::REACH];
-                sum.map_or(own, |sum| sum + own).store(to);
+                (if begun { sum + own } else { own }).store(to);
             }
         }
     }
 
     /// The same with fewer lanes than functions.
     #[inline(always)]
-    fn add_one_by_one<F: Functions<D>>(
-        &self,
-        to: &mut StripSums,
-        cell: usize,
-        given: &[[Lanes<V>; MOST_REACHED]; SUMS],
-    ) {
+    fn add_one_by_one<F: Functions<D>>(&self, to: &mut StripSums, cell: usize, given: &Given<V>) {
         for lane in 0..V::F64_LANES {
             for q in 0..sums(D) {
                 for j in 0..Self::rows::<F>() {

@@ -6,9 +6,9 @@
 use pulp::{Scalar, Simd};
 
 use super::bases::{Basis, Line};
-use super::{Closing, Contribution, Fields, Functions, MOST_REACHED, Moves, Relative};
+use super::{Closing, Contribution, Fields, Functions, Given, MOST_REACHED, Moves, Relative};
 use crate::dimension::{basis, value};
-use crate::real::{Lanes, Real};
+use crate::real::{Lanes, Real, array};
 use crate::step::store::Nodes;
 use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS, force};
 
@@ -39,7 +39,25 @@ pub struct StencilSums<V: Simd, const D: usize> {
 impl<B: Basis> Over<B> {
     #[inline(always)]
     fn lines<V: Simd, const D: usize>(&self, edges: &[B::Edge<V>; D], xi: &[Lanes<V>; D]) -> [Line<Lanes<V>>; D] {
-        std::array::from_fn(|d| self.0.line(&edges[d], xi[d]))
+        let mut lines = [self.0.line(&edges[0], xi[0]); D];
+        for d in 1..D {
+            lines[d] = self.0.line(&edges[d], xi[d]);
+        }
+        lines
+    }
+
+    /// A field at the functions that cells reach.
+    #[inline(always)]
+    fn reached<V: Simd, const D: usize>(fields: &Fields<V, D>, field: &[Vec<f64>; 2]) -> [[Lanes<V>; D]; MOST_REACHED] {
+        let mut nodal = [[Lanes::splat(fields.simd, 0.0); D]; MOST_REACHED];
+        for j in 0..if D == 1 { 1 } else { B::REACH } {
+            for i in 0..B::REACH {
+                for d in 0..D {
+                    nodal[j * B::REACH + i][d] = fields.load(&field[d], i + j * fields.frame.stride[D - 1]);
+                }
+            }
+        }
+        nodal
     }
 
     /// Products of the values along each axis, for one point.
@@ -91,7 +109,12 @@ impl<B: Basis> Over<B> {
                 }
             }
         }
-        (at, gradient.map(|g| g.map(|g| g * inverse_size)))
+        for i in 0..D {
+            for j in 0..D {
+                gradient[i][j] = gradient[i][j] * inverse_size;
+            }
+        }
+        (at, gradient)
     }
 
     /// Value of a vector field at particles.
@@ -127,25 +150,22 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
 
     #[inline(always)]
     fn edges<V: Simd>(&self, position: &[Lanes<V>; D], cells: &[usize; D]) -> [B::Edge<V>; D] {
-        std::array::from_fn(|d| self.0.edge(position[d], cells[d]))
+        let mut edges = [self.0.edge(position[0], cells[0]); D];
+        for d in 1..D {
+            edges[d] = self.0.edge(position[d], cells[d]);
+        }
+        edges
     }
 
     #[inline(always)]
     fn motion<V: Simd>(&self, fields: &Fields<V, D>, _: &[Lanes<V>; D]) -> StencilMotion<V, D> {
-        let none = Lanes::splat(fields.simd, 0.0);
-        let load = |field: &[Vec<f64>; 2]| {
-            let mut nodal = [[none; D]; MOST_REACHED];
-            for (a, nodal) in nodal.iter_mut().enumerate().take(B::REACH.pow(D as u32)) {
-                let offset = a % B::REACH + if D == 1 { 0 } else { a / B::REACH * fields.frame.stride[D - 1] };
-                for d in 0..D {
-                    nodal[d] = fields.load(&field[d], offset);
-                }
-            }
-            nodal
+        let velocity = Self::reached(fields, fields.velocity);
+        let strains = match fields.mapped {
+            Some(mapped) => Self::reached(fields, mapped),
+            None => velocity,
         };
-        let velocity = load(fields.velocity);
-        let strains = fields.mapped.map_or(velocity, load);
-        StencilMotion { strains, velocity, change: load(fields.change), is_mapped: fields.mapped.is_some() }
+        let change = Self::reached(fields, fields.change);
+        StencilMotion { strains, velocity, change, is_mapped: fields.mapped.is_some() }
     }
 
     #[inline(always)]
@@ -191,7 +211,7 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
     ) -> ([Lanes<V>; D], Lanes<V>) {
         let of_soil = Self::value(&self.lines(edges, xi), &motion.strains);
         let of_flow = value::<D, D, _>(relative, &basis(xi));
-        (std::array::from_fn(|d| of_soil[d] + of_flow[d]), xi[0].like(0.0))
+        (array!([xi[0]; D], d => of_soil[d] + of_flow[d]), xi[0].like(0.0))
     }
 
     fn values(&self, position: &[usize; D], cells: &[usize; D], xi: &[f64; D]) -> [f64; MOST_REACHED] {
@@ -267,17 +287,20 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
     ) {
         let Contribution { xi, mass, volume, v, stress, affine } = point;
         let lines = self.lines(edges, xi);
-        let [xx, yy, _, xy] = stress.map(|s| s * *volume * inverse_size);
+        let acting = *volume * inverse_size;
+        let (xx, yy, xy) = (stress[0] * acting, stress[1] * acting, stress[3] * acting);
         let x = &lines[0];
         for j in 0..if D == 1 { 1 } else { B::REACH } {
             let (value, slope) =
                 if D == 1 { (mass.like(1.0), mass.like(0.0)) } else { (lines[D - 1].value[j], lines[D - 1].slope[j]) };
             let mass = *mass * value;
-            let momentum: [Lanes<V>; D] = std::array::from_fn(|d| mass * v[d]);
+            let momentum = array!([mass; D], d => mass * v[d]);
             // div(sigma') - grad p, weak: f_i = - sum_p V sigma G_i
-            let two = |a: Lanes<V>, b: Lanes<V>| std::array::from_fn(|d| if d == 0 { a } else { b });
-            let along: [Lanes<V>; D] = if D == 1 { two(yy, yy) } else { two(xx * value, xy * value) };
-            let across: [Lanes<V>; D] = if D == 1 { two(slope, slope) } else { two(xy * slope, yy * slope) };
+            let (mut along, mut across) = ([yy * value; D], [yy * slope; D]);
+            if D == 2 {
+                (along[0], along[D - 1]) = (xx * value, xy * value);
+                across[0] = xy * slope;
+            }
             for i in 0..B::REACH {
                 let a = j * B::REACH + i;
                 sums.solid_mass[a] += mass * x.value[i];
@@ -286,7 +309,7 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
                     sums.force[a][d] -= along[d] * x.slope[i] + across[d] * x.value[i];
                 }
                 if let Some(affine) = affine {
-                    let away = std::array::from_fn(|d| {
+                    let away = array!([mass; D], d => {
                         let stands = self.0.stands(&edges[d], if d == 0 { i } else { j });
                         (stands - xi[d]) * (1.0 / inverse_size)
                     });
@@ -331,23 +354,17 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
     }
 
     #[inline(always)]
-    fn finish<V: Simd>(
-        &self,
-        sums: &mut StencilSums<V, D>,
-        cell: &Closing<V, D>,
-        _: f64,
-        mut give: impl FnMut(usize, usize, Lanes<V>),
-    ) {
+    fn finish<V: Simd>(&self, sums: &mut StencilSums<V, D>, cell: &Closing<V, D>, _: f64, given: &mut Given<V>) {
         for a in 0..B::REACH.pow(D as u32) {
             let mut water = sums.water_mass[a];
             if let Some(ratio) = cell.water_ratio {
                 water = (ratio * sums.solid_mass[a]).or(cell.moving_with, water);
             }
-            give(a, SOLID_MASS, sums.solid_mass[a]);
-            give(a, MIXTURE_MASS, sums.solid_mass[a] + water);
+            given[SOLID_MASS][a] = sums.solid_mass[a];
+            given[MIXTURE_MASS][a] = sums.solid_mass[a] + water;
             for d in 0..D {
-                give(a, MOMENTUM + d, sums.momentum[a][d]);
-                give(a, force(D) + d, sums.force[a][d] * cell.share);
+                given[MOMENTUM + d][a] = sums.momentum[a][d];
+                given[force(D) + d][a] = sums.force[a][d] * cell.share;
             }
         }
     }
@@ -359,6 +376,12 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         cell: &Closing<V, D>,
         _: f64,
     ) -> [[Lanes<V>; D]; MOST_REACHED] {
-        sums.coupling.map(|c| c.map(|c| c * cell.share))
+        let mut coupling = sums.coupling;
+        for of_function in &mut coupling {
+            for d in 0..D {
+                of_function[d] = of_function[d] * cell.share;
+            }
+        }
+        coupling
     }
 }

@@ -5,7 +5,7 @@ use pulp::Simd;
 
 use super::{Closing, Common, Functions, InPores, Pass, Relative, Running};
 use crate::dimension::{coefficients, gradient, trace};
-use crate::real::{Lanes, MOST_LANES, Real};
+use crate::real::{Lanes, MOST_LANES, Real, array};
 use crate::step::store::{CellLanes, WaterLanes, ask_for};
 use crate::water::{FLOW, LEAST_FILLING};
 
@@ -20,14 +20,13 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
     fn face(&self, axis: usize, at: usize, [low, high]: [Lanes<V>; 2], [a, b]: [Lanes<V>; 2]) -> [Lanes<V>; 3] {
         let Common { flow, gravity, conducts, ratio, .. } = self.common;
         let conducts = Lanes::load(self.simd, &conducts[axis][at..]);
-        let (none, one) = (conducts.like(0.0), conducts.like(1.0));
         let mean = if D == 1 { a } else { (a + b) * 0.5 };
         let body = (mean.like(gravity[axis]) - mean * flow.inertia) * flow.weight;
         // Over the distance that the pressure drops along.
-        let mut reach = conducts.or(none.below(conducts), one);
+        let mut reach = conducts.or_one();
         if let Some(ratio) = ratio {
             let ratio = Lanes::load(self.simd, &ratio[axis][at..]);
-            reach = reach / ratio.or(none.below(ratio), one);
+            reach = reach / ratio.or_one();
         }
         let body = body / reach;
         let head = low - high + body;
@@ -46,12 +45,11 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         let Common { frame, acceleration, pressure, water, .. } = self.common;
         let none = Lanes::splat(self.simd, 0.0);
         let mut relative = [[none; D]; 4];
-        let load = |field: &[f64], at: usize| Lanes::load(self.simd, &field[at..]);
         let row = frame.stride[D - 1];
         if let InPores::Particles { relative: Some(at_nodes), .. } = water {
             for d in 0..D {
                 for a in 0..1 << D {
-                    relative[a][d] = load(&at_nodes[d], at + (a & 1) + (a >> 1) * row);
+                    relative[a][d] = self.load(&at_nodes[d], at + (a & 1) + (a >> 1) * row);
                 }
             }
             return coefficients::<D, D, _>(&relative);
@@ -59,16 +57,18 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         let inverse_porosity = self.of(cell.inverse_porosity);
         let part = group % (MOST_LANES / V::F64_LANES);
         // Pressures begin before the first cell, so that every face has a cell below.
-        let here = load(pressure, at + frame.pad());
+        let here = self.load(pressure, at + frame.pad());
         for axis in 0..D {
             let stride = frame.stride[axis];
-            let below = load(pressure, at + frame.pad() - stride);
-            let above = load(pressure, at + frame.pad() + stride);
+            let below = self.load(pressure, at + frame.pad() - stride);
+            let above = self.load(pressure, at + frame.pad() + stride);
             // Nodes of the lower face, and of the upper one.
             let other = if D == 1 { 0 } else { frame.stride[D - 1 - axis] };
-            let nodes = |s: usize| [0, other].map(|o| load(&acceleration[axis], at + s + o));
-            let [low, head, body] = self.face(axis, at, [below, here], nodes(0));
-            let [high, ..] = self.face(axis, at + stride, [here, above], nodes(stride));
+            let [a, b] = [self.load(&acceleration[axis], at), self.load(&acceleration[axis], at + other)];
+            let [low, head, body] = self.face(axis, at, [below, here], [a, b]);
+            let upper = at + stride;
+            let [a, b] = [self.load(&acceleration[axis], upper), self.load(&acceleration[axis], upper + other)];
+            let [high, ..] = self.face(axis, upper, [here, above], [a, b]);
             relative[0][axis] = low * inverse_porosity; // v* = q/n
             relative[1 + axis][axis] = (high - low) * inverse_porosity;
             running.rates[0][part] += low * head;
@@ -92,13 +92,9 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         let none = Lanes::splat(simd, 0.0);
         let mut cellwise = [none; 2];
         if let Some((motion, relative, cell, [volume, gain])) = motion {
-            let of_soil = if F::OF_CELL || F::SPLIT {
-                functions.middle(motion, inverse)
-            } else {
-                gain / volume.or(none.below(volume), none.like(1.0))
-            };
             let of_soil =
-                if self.common.coupled { gain / volume.or(none.below(volume), none.like(1.0)) } else { of_soil };
+                if F::OF_CELL || F::SPLIT { functions.middle(motion, inverse) } else { gain / volume.or_one() };
+            let of_soil = if self.common.coupled { gain / volume.or_one() } else { of_soil };
             cellwise = self.rates(group, of_soil, trace(&gradient(relative, &[none.like(0.5); D], inverse)), cell);
         }
         for index in self.strip.water.range(group) {
@@ -106,7 +102,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
                 ask_for(&self.strip.water.vectors, (index + super::BLOCKS_AHEAD) * self.strip.water.columns + i);
             }
             let mut point = WaterLanes::<V, D>::read(simd, self.strip.water.block(index));
-            let mut xi = std::array::from_fn(|d| point.x[d] * inverse - position[d]);
+            let mut xi = array!([none; D], d => point.x[d] * inverse - position[d]);
             if let Some((motion, relative, cell, _)) = motion {
                 let (v, rate) = functions.with_water(motion, edges, &xi, relative, inverse);
                 let [pressure_rate, volume_rate] = if F::PRESSURE_AT_PARTICLES && !self.common.coupled {
@@ -153,7 +149,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
             return none;
         }
         let [weighted, volume] = self.common.functions.water_of(sums);
-        weighted / volume.or(none.below(volume), none.like(1.0))
+        weighted / volume.or_one()
     }
 
     /// Notes the water of the cells for the next step.
@@ -168,12 +164,11 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         let Common { functions, flow, coupled, .. } = *self.common;
         let none = mass.like(0.0);
         let one = none.like(1.0);
-        let full = |volume: Lanes<V>| volume.or(none.below(volume), one);
         let [weighted, of_water] = functions.water_of(sums);
         // Cells without soil have no pressure; they must not turn into NaN beside cells that have.
-        let pressure = weighted / full(of_water);
-        let inverse_volume = one / full(closing.filled);
-        let porosity = one - mass * flow.grain_inverse / full(volume);
+        let pressure = weighted / of_water.or_one();
+        let inverse_volume = one / closing.filled.or_one();
+        let porosity = one - mass * flow.grain_inverse / volume.or_one();
         let over_fill = inverse_volume * flow.cell_volume;
         let is_known = closing.moving_with;
         let cell = &mut self.strip.cells[group];
@@ -185,8 +180,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         (cell.porosity, cell.inverse_porosity) = (porosity.value, (one / porosity).value);
         pressure.store(&mut self.pressure[group * V::F64_LANES..]);
         // Water in pores of known volume moves with its soil.
-        closing.water_ratio = Some(porosity * volume * flow.density / full(mass));
-        closing.full_of_water = full(of_water);
+        closing.water_ratio = Some(porosity * volume * flow.density / mass.or_one());
+        closing.full_of_water = of_water.or_one();
         closing.pressure = if coupled { None } else { Some(pressure) };
     }
 }

@@ -10,7 +10,7 @@ use pulp::bytemuck::Zeroable;
 
 use super::frame::Frame;
 use crate::particles::{Layer, SolidPoint, WaterPoint};
-use crate::real::{Lanes, numbers, numbers_mut};
+use crate::real::{Lanes, array, numbers, numbers_mut};
 
 /// One block in so many is kept in reserve.
 const SPARE: usize = 8;
@@ -92,13 +92,13 @@ impl<V: Simd, const D: usize> SolidLanes<V, D> {
     #[inline(always)]
     pub fn read(simd: V, block: &[V::f64s]) -> Self {
         let block = &block[..2 * D + 6];
-        let at = |i: usize| Lanes { simd, value: block[i] };
+        let none = Lanes::splat(simd, 0.0);
         Self {
-            x: std::array::from_fn(at),
-            v: std::array::from_fn(|d| at(D + d)),
-            stress: std::array::from_fn(|s| at(2 * D + s)),
-            mass: at(2 * D + 4),
-            volume: at(2 * D + 5),
+            x: array!([none; D], d => Lanes { simd, value: block[d] }),
+            v: array!([none; D], d => Lanes { simd, value: block[D + d] }),
+            stress: array!([none; 4], s => Lanes { simd, value: block[2 * D + s] }),
+            mass: Lanes { simd, value: block[2 * D + 4] },
+            volume: Lanes { simd, value: block[2 * D + 5] },
         }
     }
 
@@ -136,13 +136,13 @@ impl<V: Simd, const D: usize> WaterLanes<V, D> {
     #[inline(always)]
     pub fn read(simd: V, block: &[V::f64s]) -> Self {
         let block = &block[..2 * D + 3];
-        let at = |i: usize| Lanes { simd, value: block[i] };
+        let none = Lanes::splat(simd, 0.0);
         Self {
-            x: std::array::from_fn(at),
-            v: std::array::from_fn(|d| at(D + d)),
-            mass: at(2 * D),
-            volume: at(2 * D + 1),
-            pressure: at(2 * D + 2),
+            x: array!([none; D], d => Lanes { simd, value: block[d] }),
+            v: array!([none; D], d => Lanes { simd, value: block[D + d] }),
+            mass: Lanes { simd, value: block[2 * D] },
+            volume: Lanes { simd, value: block[2 * D + 1] },
+            pressure: Lanes { simd, value: block[2 * D + 2] },
         }
     }
 
