@@ -12,7 +12,7 @@ use mpm_core::run::model_on;
 
 fn stages(c: &mut Criterion) {
     let scene = block([50, 50]);
-    for (kernel, width) in [("plain", Width::Plain), ("lanes", Width::Widest)] {
+    for (kernel, width) in [("plain", Width::One), ("lanes", Width::Widest)] {
         let mut model = model_on(&Hardware::plain(width), &scene).expect("a model");
         model.enter_stage(&scene.stages[0], &[]).expect("a stage");
         let mut group = c.benchmark_group(format!("stages, {kernel}"));

@@ -37,7 +37,7 @@ fn by_size(c: &mut Criterion) {
     let hardware = [
         ("one thread", Hardware::default()),
         ("two threads", Hardware::threads(2).expect("two threads")),
-        ("plain kernel", Hardware::plain(Width::Plain)),
+        ("plain kernel", Hardware::plain(Width::One)),
     ];
     for cells in [[5, 50], [50, 50], [250, 100], [500, 500]] {
         let points = 4 * cells[0] * cells[1];

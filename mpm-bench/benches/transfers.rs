@@ -21,7 +21,7 @@ fn transfers(c: &mut Criterion) {
         scene.shape = shape;
         let mut group = c.benchmark_group(format!("transfers, {name}"));
         group.sample_size(20);
-        for (kernel, width) in [("", Width::Plain), (", lanes", Width::Widest)] {
+        for (kernel, width) in [("", Width::One), (", lanes", Width::Widest)] {
             let mut model = model_on(&Hardware::plain(width), &scene).expect("a model");
             model.enter_stage(&scene.stages[0], &[]).expect("a stage");
             let over_lanes = model.stages().iter().any(|s| s.ends_with("mesh to particles to mesh"));

@@ -4,7 +4,7 @@
 //! on the cell lattice across it. In one dimension the only axis is vertical and faces coincide with nodes.
 
 /// A mesh of square cells in D dimensions; the last axis is vertical.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid<const D: usize> {
     /// Number of cells along each axis.
     pub cells: [usize; D],

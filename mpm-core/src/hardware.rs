@@ -5,8 +5,7 @@ use std::sync::Arc;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::run::over_lanes;
-use crate::scene::Scene;
+use crate::scene::{Integrator, Scene};
 
 /// How many numbers are computed at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -20,8 +19,6 @@ pub enum Width {
     Four,
     /// Eight, with AVX-512 where there is some.
     Eight,
-    /// One: the plain kernel, which other kernels are compared with.
-    Plain,
 }
 
 /// Threads and vectors of a run.
@@ -62,7 +59,7 @@ impl Hardware {
     /// # Errors
     /// As [`Hardware::threads`].
     pub fn suiting(scene: &Scene, threads: Option<usize>) -> Result<Self, String> {
-        if !over_lanes(Width::Widest, scene) {
+        if scene.integrator == Integrator::QuasiStatic {
             return Ok(Self::default());
         }
         let pays = scene.solid_particles() >= THREADS_PAY_FROM;

@@ -5,16 +5,17 @@
 //!
 //! # Reading order
 //! 1. [`scene`]: what to simulate, from TOML to a checked [`scene::Scene`].
-//! 2. [`grid`], [`nodes`], [`particles`], [`seeding`]: the mesh and the two layers, also in an outline.
+//! 2. [`grid`], [`particles`], [`seeding`]: the mesh and the two layers, also in an outline.
 //! 3. [`real`], [`dimension`], [`shape`], [`stencil`]: one number or many at once; one dimension and plane strain; where
 //!    linear functions are evaluated, and wider ones.
 //! 4. [`sparse`], [`envelope`]: symmetric systems. [`constitutive`], [`water`], [`boundary`]: the physics; `water/free_surface` is
 //!    water that wets dry soil. In soil that moves, `water/carried.rs` is what the two are to each other in a step,
 //!    `water/free_surface/moving.rs` the pressures that follow, `water/free_surface/carry.rs` the water that goes with its soil.
 //! 5. [`space`]: function spaces and particle weights of the quasi-static integrator.
-//! 6. [`step`]: one time step. `step/explicit.rs` is the paper's Figure 1, `step/kernel` the same with many cells at once
-//!    and on several threads, `step/store` what it reads and writes, `step/skeleton.rs` the soil of the semi-implicit step, `step/semi_implicit.rs` with the pressure implicit, `step/transfer.rs` other ways to carry velocities;
-//!    [`step::quasi_static`] leaves inertia out; `step/two_clocks.rs` lets water seep for hours and soil move for seconds.
+//! 6. [`step`]: one time step. `step/explicit.rs` is the paper's Figure 1: `step/kernel` what a cell does in it, many cells at once,
+//!    on several threads, `step/store` what that reads and writes, `step/conditions` what acts on the nodes, `step/faces.rs` and `step/nodal.rs`
+//!    Darcy's law, `step/pressure.rs` the pressures of the semi-implicit step; [`step::quasi_static`] leaves inertia out;
+//!    `step/two_clocks.rs` lets water seep for hours and soil move for seconds.
 //! 7. [`stability`], [`drive`]: how long a step may be; stages and times. [`failure`]: soil that water makes fail, from gravity
 //!    to the shape that is left, with its events and factors of safety. [`keep`]: state that is taken up again to the last bit.
 //! 8. [`observe`]: what is read from a run, and its ledgers.
@@ -46,7 +47,6 @@ pub mod failure;
 pub mod grid;
 pub mod hardware;
 pub mod keep;
-pub mod nodes;
 pub mod observe;
 pub mod particles;
 pub mod real;

@@ -1,8 +1,8 @@
 //! The one switchboard: the words of a scene become concrete types. Nothing else matches on them.
 
-use crate::boundary::{BodyForce, Edges, Filled, Given, Plate, Strip, Supports, SurfaceLoad};
-use crate::constitutive::{Law, Laws, Layered, LinearElastic, Material, Materials, MohrCoulomb, Stratum};
-use crate::dimension::{Column, Kinematics, PlaneStrain};
+use crate::boundary::{Filled, Given, Strip, SurfaceLoad};
+use crate::constitutive::{Laws, Layered, LinearElastic, Material, Materials, MohrCoulomb, Stratum};
+use crate::dimension::{Column, PlaneStrain};
 use crate::drive::{Alone, Attend, Drive, Run, drive};
 use crate::error::RunError;
 use crate::grid::Grid;
@@ -15,19 +15,18 @@ use crate::scene::{
     TransferChoice, UnfitLoad, UpdateChoice, WaterProperties,
 };
 use crate::seeding::{self, Part};
-use crate::shape::{BBar, Centre, Centroid, Linear, Shape};
+use crate::shape::{BBar, Centre, Centroid, Linear};
 use crate::space::Deformation;
 use crate::stability::{StepTooLarge, choose_step};
-use crate::stencil::{Basis, Bspline2, Functions, Gimp};
 use crate::step::kernel::{self, Bspline, OnCell, Over};
 use crate::step::quasi_static::{QuasiStatic, Seeding};
 use crate::step::store::Frame;
 use crate::step::{
-    Body, Condition, Damping, Dynamic, Explicit, Failing, GivenForce, Held, Model, Parts, RigidPlate, SemiImplicit,
-    Transfer, TwoClocks,
+    Body, Condition, Damping, Explicit, Failing, Friction, GivenForce, Held, Joined, Lifted, Model, RigidPlate,
+    TwoClocks,
 };
+use crate::water::Carried;
 use crate::water::pores::Pores;
-use crate::water::{Carried, DarcyOperator, Dry, Face, Nodal, Ragged, Saturated, Water};
 use pulp::{Arch, Scalar, Simd};
 
 /// Why a scene could not be run.
@@ -137,54 +136,16 @@ pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<
     if scene.outline.is_some() && given.moved != [0.0; 2] {
         return Err(refused("soil with an outline stands where its outline is"));
     }
-    let quasi_static = scene.integrator == Integrator::QuasiStatic;
-    if over_lanes(hardware.width, scene) {
-        let materials = materials(scene)?;
-        return match scene.dimension {
-            Dimension::Column => {
-                Seeded::new(scene, given, [scene.cells[1]], scene.width, in_plane)?.dynamic(hardware, scene, materials)
-            }
-            Dimension::PlaneStrain => {
-                Seeded::new(scene, given, scene.cells, scene.cell, in_plane)?.dynamic(hardware, scene, materials)
-            }
-        };
+    if scene.integrator == Integrator::QuasiStatic {
+        return quasi_static(scene);
     }
-    match (scene.dimension, scene.strength) {
-        (Dimension::Column, None) if !scene.layers.is_empty() => {
-            let cells = [scene.cells[1]];
-            layered::<Column, 1, 2>(scene, given, cells, [scene.width; 2], along_column, LinearElastic::column)
+    let materials = materials(scene)?;
+    match scene.dimension {
+        Dimension::Column => {
+            Seeded::new(scene, given, [scene.cells[1]], scene.width)?.over_lanes(hardware, scene, materials)
         }
-        (Dimension::PlaneStrain, None) if !scene.layers.is_empty() => layered::<PlaneStrain, 2, 4>(
-            scene,
-            given,
-            scene.cells,
-            [1.0, scene.cell],
-            in_plane,
-            LinearElastic::plane_strain,
-        ),
-        (_, Some(_)) if quasi_static => Err(refused("the quasi-static integrator knows linear elastic soil only")),
-        (Dimension::Column, None) => {
-            let law = LinearElastic::column(&scene.elastic);
-            if quasi_static {
-                return Ok(implicit::<Column, _, 1, 2>(scene, [scene.cells[1]], scene.width, along_column, law));
-            }
-            let seed = Seeded::new(scene, given, [scene.cells[1]], scene.width, along_column)?;
-            shape::<Column, _, 1, 2>(scene, seed, law)
-        }
-        (Dimension::Column, Some(strength)) => {
-            let law = MohrCoulomb::column(&scene.elastic, &strength);
-            let seed = Seeded::new(scene, given, [scene.cells[1]], scene.width, along_column)?;
-            shape::<Column, _, 1, 2>(scene, seed, law)
-        }
-        (Dimension::PlaneStrain, None) => {
-            let law = LinearElastic::plane_strain(&scene.elastic);
-            if quasi_static {
-                return Ok(implicit::<PlaneStrain, _, 2, 4>(scene, scene.cells, 1.0, in_plane, law));
-            }
-            plane_strain(scene, given, law)
-        }
-        (Dimension::PlaneStrain, Some(strength)) => {
-            plane_strain(scene, given, MohrCoulomb::plane_strain(&scene.elastic, &strength))
+        Dimension::PlaneStrain => {
+            Seeded::new(scene, given, scene.cells, scene.cell)?.over_lanes(hardware, scene, materials)
         }
     }
 }
@@ -194,19 +155,9 @@ pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<
 /// # Errors
 /// Particles outside the mesh.
 pub fn failing(scene: &Scene) -> Result<Box<dyn Failing>, RunError> {
-    match scene.strength {
-        Some(strength) => failing_with(scene, MohrCoulomb::plane_strain(&scene.elastic, &strength)),
-        None => failing_with(scene, LinearElastic::plane_strain(&scene.elastic)),
-    }
-}
-
-fn failing_with<L: Law<4>>(scene: &Scene, law: L) -> Result<Box<dyn Failing>, RunError> {
-    let seed = Seeded::new(scene, &Given::default(), scene.cells, scene.cell, in_plane)?;
-    Ok(match scene.shape {
-        ShapeChoice::Linear => Box::new(seed.two_clocks::<PlaneStrain, Linear, L>(scene, law)?),
-        ShapeChoice::Centroid => Box::new(seed.two_clocks::<PlaneStrain, Centroid, L>(scene, law)?),
-        _ => Box::new(seed.two_clocks::<PlaneStrain, Centre, L>(scene, law)?),
-    })
+    let seed = Seeded::new(scene, &Given::default(), scene.cells, scene.cell)?;
+    let model = seed.over_lanes(&Hardware::default(), scene, materials(scene)?)?;
+    model.failing().ok_or_else(|| refused("soil fails under water with a free surface"))
 }
 
 /// The stress of a column from its vertical and its lateral one.
@@ -217,12 +168,6 @@ fn along_column(vertical: f64, lateral: f64) -> [f64; 2] {
 /// The same in plane strain.
 fn in_plane(vertical: f64, lateral: f64) -> [f64; 4] {
     [lateral, vertical, lateral, 0.0]
-}
-
-/// A step in plane strain that is not quasi-static.
-fn plane_strain<L: Law<4>>(scene: &Scene, given: &Given, law: L) -> Result<Box<dyn Model>, RunError> {
-    let seed = Seeded::new(scene, given, scene.cells, scene.cell, in_plane)?;
-    shape::<PlaneStrain, _, 2, 4>(scene, seed, law)
 }
 
 /// The materials of a scene: that of its soil, or those of its layers.
@@ -242,19 +187,47 @@ fn materials(scene: &Scene) -> Result<Materials, RunError> {
     Materials::several(&scene.layers.iter().map(layer).collect::<Vec<_>>()).ok_or_else(|| refused("no layers"))
 }
 
-/// Whether the step over lanes knows a scene.
-pub(crate) fn over_lanes(width: Width, scene: &Scene) -> bool {
-    let explicit = match scene.integrator {
-        Integrator::Explicit => true,
-        // A dry scene has no pressure to solve for.
-        Integrator::SemiImplicit => scene.water.is_none(),
-        _ => false,
+/// The quasi-static model of a scene.
+fn quasi_static(scene: &Scene) -> Result<Box<dyn Model>, RunError> {
+    if scene.strength.is_some() {
+        return Err(refused("the quasi-static integrator knows linear elastic soil only"));
+    }
+    let column = [scene.cells[1]];
+    Ok(match (scene.dimension, scene.layers.is_empty()) {
+        (Dimension::Column, true) => {
+            let law = LinearElastic::column(&scene.elastic);
+            implicit::<Column, _, 1, 2>(scene, column, scene.width, along_column, law)
+        }
+        (Dimension::PlaneStrain, true) => {
+            let law = LinearElastic::plane_strain(&scene.elastic);
+            implicit::<PlaneStrain, _, 2, 4>(scene, scene.cells, 1.0, in_plane, law)
+        }
+        (Dimension::Column, false) => {
+            let laws = layers(scene, 1.0, LinearElastic::column)?;
+            implicit::<Column, _, 1, 2>(scene, column, scene.width, along_column, laws)
+        }
+        (Dimension::PlaneStrain, false) => {
+            let per_row = (scene.cells[0] * scene.particles_per_direction()) as f64;
+            let laws = layers(scene, per_row, LinearElastic::plane_strain)?;
+            implicit::<PlaneStrain, _, 2, 4>(scene, scene.cells, 1.0, in_plane, laws)
+        }
+    })
+}
+
+/// The layers of a quasi-static scene with so many particles in a row.
+fn layers<const S: usize>(
+    scene: &Scene,
+    per_row: f64,
+    elastic: fn(&Elastic) -> LinearElastic<S>,
+) -> Result<Layered<S>, RunError> {
+    let reference = scene.water.map_or(1.0, |water| water.hydraulic_conductivity);
+    let stratum = |layer: &SoilLayer| Stratum {
+        law: elastic(&layer.elastic),
+        conductivity: layer.hydraulic_conductivity / reference,
+        top: layer.up_to,
+        end: ((layer.up_to / scene.spacing()).round() * per_row) as u32,
     };
-    let partly_drained = scene.water.is_some() && scene.sideroom_cells > 0;
-    let by_faces = scene.water.is_none() || scene.darcy == DarcyChoice::Face;
-    let wide = matches!(scene.shape, ShapeChoice::Gimp | ShapeChoice::Bspline2);
-    let usual = width != Width::Plain && by_faces && !partly_drained && !scene.needs_plain_step();
-    explicit && scene.free_surface.is_none() && (wide || usual)
+    Layered::new(&scene.layers.iter().map(stratum).collect::<Vec<_>>()).ok_or_else(|| refused("no layers"))
 }
 
 /// The quasi-static model: one layer of particles and a mesh that is laid over them.
@@ -300,113 +273,19 @@ fn implicit<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
     ))
 }
 
-/// A scene with layers: a law and a conductivity each. `across` is the thickness and the area of a face of a cell.
-fn layered<K, const D: usize, const S: usize>(
-    scene: &Scene,
-    given: &Given,
-    soil_cells: [usize; D],
-    across: [f64; 2],
-    stress: fn(f64, f64) -> [f64; S],
-    elastic: fn(&Elastic) -> LinearElastic<S>,
-) -> Result<Box<dyn Model>, RunError>
-where
-    K: Kinematics<D, S> + Deformation<D, S>,
-    LinearElastic<S>: Law<S>,
-{
-    let per_row =
-        (soil_cells[..D - 1].iter().product::<usize>() * scene.particles_per_direction().pow(D as u32 - 1)) as f64;
-    let reference = scene.water.map_or(1.0, |water| water.hydraulic_conductivity);
-    let stratum = |layer: &SoilLayer| Stratum {
-        law: elastic(&layer.elastic),
-        conductivity: layer.hydraulic_conductivity / reference,
-        top: layer.up_to,
-        end: ((layer.up_to / scene.spacing()).round() * per_row) as u32,
-    };
-    let strata: Vec<Stratum<S>> = scene.layers.iter().map(stratum).collect();
-    let Some(laws) = Layered::new(&strata) else {
-        return Err(refused("no layers"));
-    };
-    if scene.integrator == Integrator::QuasiStatic {
-        return Ok(implicit::<K, _, D, S>(scene, soil_cells, across[0], stress, laws));
-    }
-    let seed = Seeded::new(scene, given, soil_cells, across[1], stress)?;
-    if scene.integrator == Integrator::SemiImplicit && scene.water.is_some() {
-        return seed.semi_implicit_over::<K, _, true>(scene, laws);
-    }
-    match scene.shape {
-        ShapeChoice::Centre | ShapeChoice::Centroid => seed.layered_explicit::<K, Centre, _>(scene, laws),
-        ShapeChoice::Linear => seed.layered_explicit::<K, Linear, _>(scene, laws),
-        ShapeChoice::BBar => seed.layered_explicit::<K, BBar, _>(scene, laws),
-        ShapeChoice::Gimp | ShapeChoice::Bspline2 => Err(refused("wide functions are not for the plain step")),
-    }
-}
-
-fn shape<K: Kinematics<D, S>, L: Law<S>, const D: usize, const S: usize>(
-    scene: &Scene,
-    seed: Seeded<D, S>,
-    law: L,
-) -> Result<Box<dyn Model>, RunError> {
-    if scene.free_surface.is_some() {
-        return Ok(match scene.shape {
-            ShapeChoice::Linear => Box::new(seed.two_clocks::<K, Linear, L>(scene, law)?),
-            ShapeChoice::Centroid => Box::new(seed.two_clocks::<K, Centroid, L>(scene, law)?),
-            _ => Box::new(seed.two_clocks::<K, Centre, L>(scene, law)?),
-        });
-    }
-    if scene.integrator == Integrator::SemiImplicit && scene.water.is_some() {
-        return seed.semi_implicit_over::<K, L, false>(scene, law);
-    }
-    match scene.shape {
-        ShapeChoice::Centroid => water::<K, Centroid, L, D, S>(scene, seed, law),
-        ShapeChoice::Centre => water::<K, Centre, L, D, S>(scene, seed, law),
-        ShapeChoice::BBar => water::<K, BBar, L, D, S>(scene, seed, law),
-        ShapeChoice::Linear => water::<K, Linear, L, D, S>(scene, seed, law),
-        ShapeChoice::Gimp | ShapeChoice::Bspline2 => Err(refused("wide functions are not for the plain step")),
-    }
-}
-
-fn water<K: Kinematics<D, S>, Sh: Shape, L: Law<S>, const D: usize, const S: usize>(
-    scene: &Scene,
-    seed: Seeded<D, S>,
-    law: L,
-) -> Result<Box<dyn Model>, RunError> {
-    match (scene.water, scene.darcy) {
-        (None, _) => Ok(seed.explicit::<K, Sh, L, Dry>(scene, law, Dry)),
-        // Soil with room to run out comes apart at its edge.
-        (Some(properties), DarcyChoice::Face) if scene.sideroom_cells > 0 => {
-            let water = Ragged::new(seed.saturated::<Face<D>>(scene, properties)?);
-            Ok(seed.explicit::<K, Sh, L, _>(scene, law, water))
-        }
-        (Some(properties), DarcyChoice::Face) => {
-            let water = seed.saturated::<Face<D>>(scene, properties)?;
-            Ok(seed.explicit::<K, Sh, L, _>(scene, law, water))
-        }
-        (Some(properties), DarcyChoice::Nodal) => {
-            let water = seed.saturated::<Nodal<D>>(scene, properties)?;
-            Ok(seed.explicit::<K, Sh, L, _>(scene, law, water))
-        }
-    }
-}
-
 /// Mesh and solid particles of a scene.
-struct Seeded<const D: usize, const S: usize> {
+struct Seeded<const D: usize> {
     grid: Grid<D>,
     soil_cells: [usize; D],
-    solid: Layer<SolidPoint<D, S>, D>,
+    solid: Layer<SolidPoint<D, 4>, D>,
     face_area: f64,
     particle_volume: f64,
     seed: Seed,
     given: Given,
 }
 
-impl<const D: usize, const S: usize> Seeded<D, S> {
-    fn new(
-        scene: &Scene,
-        given: &Given,
-        soil_cells: [usize; D],
-        face_area: f64,
-        stress: fn(f64, f64) -> [f64; S],
-    ) -> Result<Self, RunError> {
+impl<const D: usize> Seeded<D> {
+    fn new(scene: &Scene, given: &Given, soil_cells: [usize; D], face_area: f64) -> Result<Self, RunError> {
         let mut cells = soil_cells;
         cells[D - 1] += scene.headroom_cells;
         if D == 2 {
@@ -424,19 +303,14 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
                 }
                 None => first_state(scene, x[D - 1]),
             };
-            let mut stress = stress(vertical, ratio * vertical);
+            let mut stress = in_plane(vertical, ratio * vertical);
             if scene.slope_angle.is_some() {
-                stress[S - 1] = first_shear(scene, vertical - pressure);
+                stress[3] = first_shear(scene, vertical - pressure);
             }
             let mut v = first_velocity(scene);
             if let Some(start) = &given.start {
                 let state = start(in_two(&x));
-                let [xx, yy, ..] = state.stress;
-                stress = if S == 2 {
-                    std::array::from_fn(|s| [yy, xx][s])
-                } else {
-                    std::array::from_fn(|s| state.stress[s])
-                };
+                stress = state.stress;
                 v = std::array::from_fn(|d| state.velocity[d + 2 - D]);
             }
             SolidPoint { x, v, stress, mass: scene.dry_density() * volume, volume }
@@ -463,6 +337,15 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         scene.moves_through_cells() || self.given.moved != [0.0; 2]
     }
 
+    /// How much of each cell is soil, where that is known.
+    fn filled(&self, scene: &Scene) -> Filled<D> {
+        if self.given.moved == [0.0; 2] {
+            Filled::of(scene, &self.grid, self.face_area * scene.cell)
+        } else {
+            Filled::default() // the soil does not stand on the base of the mesh
+        }
+    }
+
     /// The particles of its water.
     fn drops(&self, scene: &Scene, properties: &WaterProperties) -> Result<Layer<WaterPoint<D>, D>, RunError> {
         let points = positions(scene, &self.given, self.soil_cells)
@@ -479,165 +362,8 @@ impl<const D: usize, const S: usize> Seeded<D, S> {
         Layer::new(points, &self.grid).map_err(|e| outside("water", e.index, &e.x))
     }
 
-    fn saturated<O: DarcyOperator<D>>(
-        &self,
-        scene: &Scene,
-        properties: WaterProperties,
-    ) -> Result<Saturated<O, D>, RunError> {
-        let layer = self.drops(scene, &properties)?;
-        let mut operator = O::new(&self.grid, &properties, self.face_area, scene.darcy_inertia);
-        let of_row = |row: usize| {
-            let height = (row as f64 + 0.5) * scene.cell;
-            scene.layer_at(height).map(|layer| layer.hydraulic_conductivity / properties.hydraulic_conductivity)
-        };
-        operator.lay((0..self.grid.cells[D - 1]).filter_map(of_row).collect());
-        let water = Saturated::new(layer, &self.grid, properties, scene.grain_density, operator);
-        Ok(water.with_open_edges(self.moves(scene)))
-    }
-
-    fn explicit<K: Kinematics<D, S>, Sh: Shape, L: Laws<S>, W: Water<K, D, S> + 'static>(
-        self,
-        scene: &Scene,
-        law: L,
-        water: W,
-    ) -> Box<dyn Model> {
-        let supports = Supports::new(&self.grid, &scene.solid_sides);
-        let full_mass = scene.dry_density() * self.face_area * scene.cell;
-        let edges = Edges::of(scene, &self.grid, &supports, self.solid.points.len(), full_mass);
-        Box::new(Explicit::<K, Sh, L, W, D, S>::with_edges(self.parts(scene, law, water, supports), edges))
-    }
-
-    /// The explicit step in layers, for linear functions.
-    fn layered_explicit<K: Kinematics<D, S>, Sh: Shape, L: Laws<S>>(
-        self,
-        scene: &Scene,
-        laws: L,
-    ) -> Result<Box<dyn Model>, RunError> {
-        let Some(properties) = scene.water else { return Ok(self.explicit::<K, Sh, L, Dry>(scene, laws, Dry)) };
-        let water = self.saturated::<Face<D, true>>(scene, properties)?;
-        Ok(self.explicit::<K, Sh, L, _>(scene, laws, water))
-    }
-
-    /// Soil and water that run by their own clocks.
-    fn two_clocks<K: Kinematics<D, S>, Sh: Shape, L: Law<S>>(
-        self,
-        scene: &Scene,
-        law: L,
-    ) -> Result<TwoClocks<K, Sh, L, D, S>, RunError> {
-        let refused = |what: String| RunError { step: 0, time: 0.0, place: "the water".into(), what };
-        let water = scene.water.ok_or_else(|| refused("two clocks without water".into()))?;
-        let carried = Carried::new(scene, water, &self.grid, &self.solid, self.face_area);
-        let carried = carried.map_err(|what| refused(what.to_string()))?;
-        let supports = Supports::new(&self.grid, &scene.solid_sides);
-        let full_mass = scene.dry_density() * self.face_area * scene.cell;
-        let edges = Edges::of(scene, &self.grid, &supports, self.solid.points.len(), full_mass);
-        let parts = self.parts(scene, law, carried, supports);
-        Ok(TwoClocks::new(Explicit::<K, Sh, L, _, D, S>::with_edges(parts, edges)))
-    }
-
-    /// The semi-implicit step; a dry scene has no pressure to solve for, and takes the explicit one.
-    fn semi_implicit_over<K: Kinematics<D, S>, L: Laws<S>, const LAYERED: bool>(
-        self,
-        scene: &Scene,
-        law: L,
-    ) -> Result<Box<dyn Model>, RunError> {
-        match scene.shape {
-            ShapeChoice::BBar => self.semi_implicit::<K, _, L, LAYERED>(scene, law, BBar),
-            // A full column has its centroid at the centre; scenes with others are refused.
-            ShapeChoice::Centre | ShapeChoice::Centroid => self.semi_implicit::<K, _, L, LAYERED>(scene, law, Centre),
-            ShapeChoice::Linear => self.semi_implicit::<K, _, L, LAYERED>(scene, law, Linear),
-            ShapeChoice::Gimp => {
-                let gimp = Gimp::new(scene.particles_per_direction());
-                self.semi_implicit::<K, _, L, LAYERED>(scene, law, gimp)
-            }
-            ShapeChoice::Bspline2 => self.semi_implicit::<K, _, L, LAYERED>(scene, law, Bspline2),
-        }
-    }
-
-    fn semi_implicit<K: Kinematics<D, S>, B: Basis, L: Laws<S>, const LAYERED: bool>(
-        self,
-        scene: &Scene,
-        law: L,
-        basis: B,
-    ) -> Result<Box<dyn Model>, RunError> {
-        let supports = Supports::along(&Functions::new(basis, &self.grid).along, &scene.solid_sides);
-        let Some(properties) = scene.water else {
-            return Err(refused("the semi-implicit step without water"));
-        };
-        let moves = self.moves(scene);
-        let water = self.saturated::<Face<D, LAYERED>>(scene, properties)?;
-        let parts = self.parts(scene, law, water, supports);
-        Ok(Box::new(SemiImplicit::<K, B, L, LAYERED, D, S>::new(parts, basis, moves)))
-    }
-
-    fn parts<L, W>(self, scene: &Scene, law: L, water: W, supports: Supports<D>) -> Parts<L, W, D, S> {
-        let spacing = self.seed.spacing;
-        let per_row = self.seed.per_row;
-        let first = (scene.cells[1] * scene.particles_per_direction() - 1) * per_row;
-        let area = self.particle_volume / spacing;
-        // A part of the top may carry the load: a strip has the share at the middle of its particle.
-        let share = |i: usize| {
-            let x = (i as f64 + 0.5) * spacing;
-            scene.surcharge.and_then(|s| s.strip).map_or(1.0, |strip| strip.share(x))
-        };
-        let strip = |i| Strip {
-            id: (first + i) as u32,
-            offset: 0.5 * spacing,
-            volume: self.particle_volume,
-            area,
-            loaded: area * share(i),
-        };
-        let on = scene.surcharge.map_or(LoadOn::Surface, |s| s.on);
-        let strips = match (&scene.outline, outline_parts(scene)) {
-            // The crest of an outline is followed, and carries no load.
-            (Some(outline), Some(parts)) => {
-                let below = |(i, area): (usize, f64)| {
-                    let Part { centroid, area: volume } = parts[i];
-                    Strip { id: i as u32, offset: scene.height - centroid[1], volume, area, loaded: 0.0 }
-                };
-                seeding::below_crest(outline, &parts, spacing).into_iter().map(below).collect()
-            }
-            _ => (0..per_row).map(strip).collect(),
-        };
-        let surface = SurfaceLoad::new(strips, scene.height, on);
-        // A column has the last component, which is the vertical one.
-        let gravity = scene.gravity_vector().map(|g| std::array::from_fn(|d| g[d + 2 - D]));
-        let particles = self.solid.points.len() as u64;
-        let filled = if self.given.moved == [0.0; 2] {
-            Filled::of(scene, &self.grid, self.face_area * scene.cell)
-        } else {
-            Filled::default() // the soil does not stand on the base of the mesh
-        };
-        Parts {
-            filled,
-            transfer: Transfer::new(
-                scene.transfer == TransferChoice::Affine,
-                scene.update == UpdateChoice::Musl,
-                self.solid.points.len(),
-                supports.counts().iter().product(),
-            ),
-            plate: (on == LoadOn::Plate).then(|| Plate::new(supports.counts())),
-            supports,
-            grid: self.grid,
-            solid: self.solid,
-            water,
-            law,
-            surface,
-            surcharge: scene.surcharge,
-            gravity,
-            force: self.given.force.map(|field| Box::new(BodyForce::new(field))),
-            flip: scene.flip,
-            most_crossings: scene.most_crossings().saturating_mul(particles),
-            apart: scene.separation.map_or(0.0, |strain| scene.dry_density() / (1.0 + strain)),
-            seed: self.seed,
-            first_settlement: scene.first_settlement(),
-        }
-    }
-}
-
-impl<const D: usize> Seeded<D, 4> {
-    /// The explicit step over as many lanes as the machine has.
-    fn dynamic(self, hardware: &Hardware, scene: &Scene, materials: Materials) -> Result<Box<dyn Model>, RunError> {
+    /// The step over as many lanes as the machine has.
+    fn over_lanes(self, hardware: &Hardware, scene: &Scene, materials: Materials) -> Result<Box<dyn Model>, RunError> {
         match (hardware.width, Arch::new()) {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             (Width::Widest | Width::Eight, Arch::V4(simd)) => self.over(simd, hardware, scene, materials),
@@ -659,8 +385,11 @@ impl<const D: usize> Seeded<D, 4> {
         materials: Materials,
     ) -> Result<Box<dyn Model>, RunError> {
         let per_direction = scene.particles_per_direction();
+        let solves = scene.integrator == Integrator::SemiImplicit;
         match scene.shape {
             ShapeChoice::Centre => self.with(simd, OnCell(Centre), 1, hardware, scene, materials),
+            // A full column has its centroid at the centre; scenes with others are refused.
+            ShapeChoice::Centroid if solves => self.with(simd, OnCell(Centre), 1, hardware, scene, materials),
             ShapeChoice::Centroid => self.with(simd, OnCell(Centroid), 1, hardware, scene, materials),
             ShapeChoice::Linear => self.with(simd, OnCell(Linear), 1, hardware, scene, materials),
             ShapeChoice::BBar => self.with(simd, OnCell(BBar), 1, hardware, scene, materials),
@@ -693,40 +422,101 @@ impl<const D: usize> Seeded<D, 4> {
             });
             conditions.push(Box::new(RigidPlate(top.collect())));
         }
-        conditions.push(Box::new(Held::new(&along, &scene.solid_sides, |place| frame.function(place))));
+        let held = Held::new(&along, &scene.solid_sides, |place| frame.function(place));
+        let full_mass = scene.dry_density() * self.face_area * scene.cell;
+        if scene.periodic || scene.light_nodes > 0.0 {
+            let joined = Joined::new(&self.grid, &held, scene.periodic, scene.light_nodes * full_mass);
+            conditions.push(Box::new(joined));
+        }
+        let solves = scene.integrator == Integrator::SemiImplicit && scene.water.is_some();
+        if scene.lends_inertia() || (solves && self.moves(scene)) {
+            let level = !solves || self.filled(scene).is_known();
+            let gravity = scene.gravity_vector().map_or([0.0; D], |g| std::array::from_fn(|d| g[d + 2 - D]));
+            conditions.push(Box::new(Lifted::new(frame.count(), level, gravity)));
+        }
+        if let Some(base) = scene.base {
+            let particles = self.solid.points.len();
+            conditions.push(Box::new(Friction::new(base, self.grid.cells[0], particles, &held, scene.water.is_some())));
+        }
+        conditions.push(Box::new(held));
         conditions.push(Box::new(Damping::default()));
-        let body = self.body(scene, materials)?;
-        let transfer = (scene.transfer == TransferChoice::Affine, scene.update == UpdateChoice::Musl);
-        Ok(Box::new(Dynamic::new((simd, hardware.pool.clone()), functions, body, conditions, transfer)))
-    }
-
-    fn body(self, scene: &Scene, materials: Materials) -> Result<Body<D>, RunError> {
-        let water = match scene.water {
-            Some(properties) => {
-                let layer = self.drops(scene, &properties)?;
-                let face_area = self.face_area;
-                Some(Pores::new(scene, layer, &self.grid, &properties, (face_area, self.moves(scene))))
+        let free = match scene.water.filter(|_| scene.free_surface.is_some()) {
+            Some(water) => {
+                let carried = Carried::new(scene, water, &self.grid, &self.solid, self.face_area);
+                Some(carried.map_err(|e| refused(&format!("the water: {e}")))?)
             }
             None => None,
         };
-        let supports = Supports::new(&self.grid, &scene.solid_sides);
-        let Parts { grid, solid, surface, filled, surcharge, gravity, flip, apart, most_crossings, seed, .. } =
-            self.parts(scene, (), (), supports);
-        let first_settlement = scene.first_settlement();
+        let body = self.body(scene, materials)?;
+        let transfer = (scene.transfer == TransferChoice::Affine, scene.update == UpdateChoice::Musl);
+        let run = Explicit::new((simd, hardware.pool.clone()), functions, body, conditions, transfer);
+        let nodal = scene.water.is_some() && scene.darcy == DarcyChoice::Nodal;
+        Ok(match free {
+            Some(water) => Box::new(TwoClocks::new(run, water)),
+            None if solves => Box::new(run.with_solved_pressures()),
+            None if nodal => Box::new(run.with_nodal_flow()),
+            None => Box::new(run),
+        })
+    }
+
+    /// Soil and water at t = 0.
+    fn body(self, scene: &Scene, materials: Materials) -> Result<Body<D>, RunError> {
+        let filled = self.filled(scene);
+        let spacing = self.seed.spacing;
+        let per_row = self.seed.per_row;
+        let first = (scene.cells[1] * scene.particles_per_direction() - 1) * per_row;
+        let area = self.particle_volume / spacing;
+        // A part of the top may carry the load: a strip has the share at the middle of its particle.
+        let share = |i: usize| {
+            let x = (i as f64 + 0.5) * spacing;
+            scene.surcharge.and_then(|s| s.strip).map_or(1.0, |strip| strip.share(x))
+        };
+        let strip = |i| Strip {
+            id: (first + i) as u32,
+            offset: 0.5 * spacing,
+            volume: self.particle_volume,
+            area,
+            loaded: area * share(i),
+        };
+        let on = scene.surcharge.map_or(LoadOn::Surface, |s| s.on);
+        let strips = match (&scene.outline, outline_parts(scene)) {
+            // The crest of an outline is followed, and carries no load.
+            (Some(outline), Some(parts)) => {
+                let below = |(i, area): (usize, f64)| {
+                    let Part { centroid, area: volume } = parts[i];
+                    Strip { id: i as u32, offset: scene.height - centroid[1], volume, area, loaded: 0.0 }
+                };
+                seeding::below_crest(outline, &parts, spacing).into_iter().map(below).collect()
+            }
+            _ => (0..per_row).map(strip).collect(),
+        };
+        let surface = SurfaceLoad::new(strips, scene.height, on);
+        // A column has the last component, which is the vertical one.
+        let gravity = scene.gravity_vector().map(|g| std::array::from_fn(|d| g[d + 2 - D]));
+        let particles = self.solid.points.len() as u64;
+        let water = match scene.water.filter(|_| scene.free_surface.is_none()) {
+            Some(properties) => {
+                let layer = self.drops(scene, &properties)?;
+                let (area, moves, leaves) = (self.face_area, self.moves(scene), scene.sideroom_cells > 0);
+                Some(Pores::new(scene, layer, &self.grid, &properties, (area, moves, leaves)))
+            }
+            None => None,
+        };
         Ok(Body {
-            grid,
-            solid,
+            grid: self.grid,
+            solid: self.solid,
             water,
             materials,
             surface,
             filled,
-            surcharge,
+            surcharge: scene.surcharge,
             gravity,
-            flip,
-            apart,
-            most_crossings,
-            seed,
-            first_settlement,
+            flip: scene.flip,
+            apart: scene.separation.map_or(0.0, |strain| scene.dry_density() / (1.0 + strain)),
+            most_crossings: scene.most_crossings().saturating_mul(particles),
+            period: scene.periodic.then(|| scene.cells[0] as f64 * scene.cell),
+            seed: self.seed,
+            first_settlement: scene.first_settlement(),
         })
     }
 }

@@ -2,21 +2,14 @@
 
 mod common;
 
-use common::witness::{Differently, saturated};
+use common::by_hand::started;
 use common::{
     CONDUCTIVITY, MODULUS, PORE_STIFFNESS, POROSITY, SURCHARGE, UNIT_WEIGHT, apart, completed, figures, scene,
 };
-use mpm_core::constitutive::{Law, LinearElastic};
-use mpm_core::dimension::{Column, Kinematics, PlaneStrain};
 use mpm_core::drive::{Run, drive};
-use mpm_core::grid::Grid;
-use mpm_core::nodes::NodeMotion;
 use mpm_core::observe::{Ledger, Observation};
-use mpm_core::scene::{Integrator, LoadedStrip, Scene, WaterProperties};
-use mpm_core::shape::Centre;
+use mpm_core::scene::{DarcyChoice, Integrator, LoadedStrip, Scene, WaterProperties};
 use mpm_core::stability::explicit_limit;
-use mpm_core::step::{Explicit, Model};
-use mpm_core::water::{DarcyOperator, Exposed, Face, FlowRates, Nodal, Place, WaterCell};
 
 const GRAVITY: f64 = 9.81;
 
@@ -103,55 +96,14 @@ fn hydrostatic(scene: &Scene, height: f64) -> (f64, f64) {
 fn rest_check_can_fail() {
     let scene = at_rest("column", "face", "centre");
     let under = |gravity| {
-        let law = LinearElastic::column(&scene.elastic);
-        let differently = Differently { gravity: Some(gravity), order: Vec::new() };
-        let (parts, _) = saturated::<Face<1>, _, 1, 2>(&scene, law, hydrostatic, &differently);
-        let mut model = Explicit::<Column, Centre, _, _, 1, 2>::new(parts);
-        drive(&scene, &mut model, 0.9 * explicit_limit(&scene), &mut |_| {})
+        let scene = Scene { gravity: Some(gravity), ..scene.clone() };
+        drive(&scene, started(&scene, hydrostatic).as_mut(), 0.9 * explicit_limit(&scene), &mut |_| {})
     };
     assert!(rests(&scene, &under(GRAVITY)));
     // The standard value instead of the rounded one that the first state was made with.
     let moved = under(9.80665);
     println!("wrong gravity: {}", figures(&unrest(&scene, &moved)));
     assert!(!rests(&scene, &moved));
-}
-
-/// Eq. (2) as printed: `grad p` and `rho_w (g - a_s)` with the same sign. Equal to the mended one with gravity upwards.
-struct Printed<const D: usize>(Face<D>);
-
-impl<const D: usize> DarcyOperator<D> for Printed<D> {
-    const GATHERS: bool = false;
-    fn new(grid: &Grid<D>, water: &WaterProperties, area: f64, _: bool) -> Self {
-        Self(Face::new(grid, water, area, false))
-    }
-    fn rebuild(&mut self, grid: &Grid<D>, soil: impl Fn(usize) -> bool, exposed: &Exposed) {
-        self.0.rebuild(grid, soil, exposed);
-    }
-    fn clear(&mut self) {}
-    fn gather(&mut self, _: &[usize; 4], _: &WaterCell, _: &[[f64; D]; 4], _: &[[f64; 1]; 4]) {}
-    fn flow(
-        &mut self,
-        grid: &Grid<D>,
-        cells: &[WaterCell],
-        motion: &[NodeMotion<D>],
-        gravity: &[f64; D],
-        boundary: (&Exposed, &[bool; 4]),
-    ) -> FlowRates {
-        self.0.flow(grid, cells, motion, &gravity.map(|g| -g), boundary)
-    }
-    fn relative(&self, grid: &Grid<D>, place: &Place<D>, cell: &WaterCell) -> [[f64; D]; 4] {
-        self.0.relative(grid, place, cell)
-    }
-    fn filling(&self, inverse_volume: f64, stiffness: f64) -> (f64, f64) {
-        self.0.filling(inverse_volume, stiffness)
-    }
-    fn keep(&mut self, keeper: &mut mpm_core::keep::Keeper) {
-        self.0.keep(keeper);
-    }
-
-    fn bytes(&self) -> usize {
-        self.0.bytes()
-    }
 }
 
 /// Erratum 1: the Darcy flux in a hydrostatic column, from the two readings of Eq. (2).
@@ -164,21 +116,23 @@ fn the_printed_sign_of_darcys_law_makes_still_water_flow() {
 
     // The same from the solver: relative velocity v* = flux/n of the water away from the ends after one step.
     let scene = at_rest("column", "face", "centre");
-    assert!(first_flow::<Face<1>>(&scene).abs() < 1e-12 * CONDUCTIVITY);
-    assert!(first_flow::<Nodal<1>>(&scene).abs() < 1e-12 * CONDUCTIVITY);
-    assert!(apart(first_flow::<Printed<1>>(&scene), 2.0 * CONDUCTIVITY / POROSITY) < 1e-12);
+    assert!(first_flow(&scene, GRAVITY).abs() < 1e-12 * CONDUCTIVITY);
+    let nodal = Scene { darcy: DarcyChoice::Nodal, ..scene.clone() };
+    assert!(first_flow(&nodal, GRAVITY).abs() < 1e-12 * CONDUCTIVITY);
+    // `grad p` and `rho_w g` with the same sign: the corrected equation under gravity that points upwards.
+    let upwards = Scene { darcy_inertia: false, ..scene };
+    assert!(apart(first_flow(&upwards, -GRAVITY), 2.0 * CONDUCTIVITY / POROSITY) < 1e-12);
 }
 
-/// Velocity of the water at mid height after one step from the hydrostatic state, m/s.
-fn first_flow<O: DarcyOperator<1>>(scene: &Scene) -> f64 {
-    let law = LinearElastic::column(&scene.elastic);
-    let differently = Differently { gravity: Some(GRAVITY), order: Vec::new() };
-    let (parts, seen) = saturated::<O, _, 1, 2>(scene, law, hydrostatic, &differently);
-    let mut model = Explicit::<Column, Centre, _, _, 1, 2>::new(parts);
+/// Velocity of the water beside the soil at mid height after one step from the hydrostatic state under a gravity, m/s.
+fn first_flow(scene: &Scene, gravity: f64) -> f64 {
+    let scene = Scene { gravity: Some(gravity), ..scene.clone() };
+    let first = |scene: &Scene, height| hydrostatic(scene, height);
+    let mut model = started(&scene, first);
     model.enter_stage(&scene.stages[0], &[]).expect("a stage");
     model.advance(1e-6, 1, &mut 0).expect("one step");
-    let seen = seen.lock().expect("one thread");
-    seen.water[seen.water.len() / 2].v[0]
+    let (water, solid) = (model.water_particles(), model.particles());
+    water[water.len() / 2].velocity[1] - solid[solid.len() / 2].velocity[1]
 }
 
 /// Erratum 2: the pressure of a skeleton compressed without drainage, from the two readings of Eq. (5).
@@ -362,32 +316,25 @@ fn settlement_check_can_fail() {
 
 /// Erratum 5: v* is the Darcy flux divided by the porosity. A column that drains downwards at p = 0 under a unit
 /// gradient carries the flux k, and its water moves at k/n.
-fn seeps<K, O, const D: usize, const S: usize>(scene: &Scene, law: LinearElastic<S>)
-where
-    K: Kinematics<D, S>,
-    O: DarcyOperator<D>,
-    LinearElastic<S>: Law<S>,
-{
+fn seeps(scene: &Scene) {
     // The skeleton carries the whole weight, its water included.
     let first = |scene: &Scene, height| (-scene.mixture_density() * GRAVITY * (scene.height - height), 0.0);
-    let differently = Differently { gravity: Some(GRAVITY), order: Vec::new() };
-    let (parts, seen) = saturated::<O, _, D, S>(scene, law, first, &differently);
-    let mut model = Explicit::<K, Centre, _, _, D, S>::new(parts);
-    let run = drive(scene, &mut model, 0.9 * explicit_limit(scene), &mut |_| {});
+    let mut model = started(scene, first);
+    let run = drive(scene, model.as_mut(), 0.9 * explicit_limit(scene), &mut |_| {});
     assert_eq!(run.failure, None);
 
     let speed = CONDUCTIVITY / POROSITY;
-    let seen = seen.lock().expect("one thread");
-    let water = seen.water.iter().map(|p| apart(p.v[D - 1], -speed)).fold(0.0, f64::max);
+    let water = model.water_particles().iter().map(|p| apart(p.velocity[1], -speed)).fold(0.0, f64::max);
     let last = &run.samples[run.samples.len() - 1];
     let solid = last.state.max_speed / speed;
     let through = UNIT_WEIGHT / GRAVITY * CONDUCTIVITY * scene.width * last.stage_time;
     let Ledger { water_in_kg, water_out_kg, water_closing_kg, .. } = last.ledger;
     let booked = [apart(water_in_kg, through), apart(water_out_kg, through), water_closing_kg.abs() / through];
-    println!("{D}-D: water {water:.1e}, solid {solid:.1e}, ledger {}", figures(&booked));
+    let case = format!("{:?} {:?}", scene.dimension, scene.darcy);
+    println!("{case}: water {water:.1e}, solid {solid:.1e}, ledger {}", figures(&booked));
     // Not round-off: the water particles sink through the mesh and take their weight along.
-    assert!(water < 1e-6 && solid < 1e-6, "{D}-D: water {water:.1e}, solid {solid:.1e}");
-    assert!(booked.iter().all(|share| *share < 1e-6), "{D}-D: {}", figures(&booked));
+    assert!(water < 1e-6 && solid < 1e-6, "{case}: water {water:.1e}, solid {solid:.1e}");
+    assert!(booked.iter().all(|share| *share < 1e-6), "{case}: {}", figures(&booked));
 }
 
 fn seepage(dimension: &str) -> Scene {
@@ -405,41 +352,40 @@ fn seepage(dimension: &str) -> Scene {
 
 #[test]
 fn steady_seepage_moves_the_water_at_the_flux_over_the_porosity() {
-    let (one, two) = (seepage("column"), seepage("plane-strain"));
-    seeps::<Column, Face<1>, 1, 2>(&one, LinearElastic::column(&one.elastic));
-    seeps::<Column, Nodal<1>, 1, 2>(&one, LinearElastic::column(&one.elastic));
-    seeps::<PlaneStrain, Face<2>, 2, 4>(&two, LinearElastic::plane_strain(&two.elastic));
-    seeps::<PlaneStrain, Nodal<2>, 2, 4>(&two, LinearElastic::plane_strain(&two.elastic));
+    for dimension in ["column", "plane-strain"] {
+        for darcy in [DarcyChoice::Face, DarcyChoice::Nodal] {
+            seeps(&Scene { darcy, ..seepage(dimension) });
+        }
+    }
 }
 
 /// v_w - v_s and -(k/(n gamma_w)) dp/dz of the two cells at mid height, m/s, late in a consolidation.
-fn consolidation_flow<O: DarcyOperator<1>>() -> [f64; 2] {
+fn consolidation_flow(darcy: DarcyChoice) -> [f64; 2] {
     // So small a load that the particles stay where they were.
     let scene = scene(&["cell = 0.05", "pressure = 1.0", "until.time_factor = 0.3", "-time_factors"]);
+    let scene = Scene { darcy, ..scene };
     let first = |scene: &Scene, _| {
         let pressure = scene.undrained_pressure();
         (pressure - 1.0, pressure)
     };
-    let law = LinearElastic::column(&scene.elastic);
-    let (parts, seen) = saturated::<O, _, 1, 2>(&scene, law, first, &Differently { gravity: None, order: Vec::new() });
-    let mut model = Explicit::<Column, Centre, _, _, 1, 2>::new(parts);
-    let run = drive(&scene, &mut model, 0.9 * explicit_limit(&scene), &mut |_| {});
+    let mut model = started(&scene, first);
+    let run = drive(&scene, model.as_mut(), 0.9 * explicit_limit(&scene), &mut |_| {});
     assert_eq!(run.failure, None);
     // Rows 9 and 10 of 20: their water moves at the mean of the flows through their three faces.
     let pressure: Vec<f64> =
         run.samples[run.samples.len() - 1].state.profile.iter().map(|row| row.pressure_pa).collect();
     let slope = (pressure[11] + pressure[10] - pressure[9] - pressure[8]) / (4.0 * scene.cell);
-    let seen = seen.lock().expect("one thread");
     let middle = |z: f64| (0.45..0.55).contains(&z);
     let mean = |values: Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
-    let water = mean(seen.water.iter().filter(|p| middle(p.x[0])).map(|p| p.v[0]).collect());
-    let solid = mean(seen.solid.iter().filter(|p| middle(p.x[0])).map(|p| p.v[0]).collect());
+    let water = model.water_particles();
+    let water = mean(water.iter().filter(|p| middle(p.x[1])).map(|p| p.velocity[1]).collect());
+    let solid = mean(model.particles().iter().filter(|p| middle(p.x[1])).map(|p| p.velocity[1]).collect());
     [water - solid, -CONDUCTIVITY / (POROSITY * UNIT_WEIGHT) * slope]
 }
 
 #[test]
 fn consolidating_water_follows_darcys_law() {
-    for [relative, darcy] in [consolidation_flow::<Face<1>>(), consolidation_flow::<Nodal<1>>()] {
+    for [relative, darcy] in [DarcyChoice::Face, DarcyChoice::Nodal].map(consolidation_flow) {
         println!("v_w - v_s = {relative:.6e}, Darcy / n = {darcy:.6e} m/s, apart {:.1e}", apart(relative, darcy));
         // Of this, -1.6e-4 is rho_w a_s; the rest the smoothing of v_s on its way to the mesh, of order L^2.
         assert!(apart(relative, darcy) < 1e-3);
@@ -448,7 +394,7 @@ fn consolidating_water_follows_darcys_law() {
 
 #[test]
 fn flow_check_can_fail() {
-    let [relative, darcy] = consolidation_flow::<Face<1>>();
+    let [relative, darcy] = consolidation_flow(DarcyChoice::Face);
     // Reading v* as the Darcy flux itself is off by the porosity.
     assert!(apart(relative, POROSITY * darcy) > 0.5);
 }

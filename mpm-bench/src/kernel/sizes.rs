@@ -180,7 +180,7 @@ pub fn measure(cells: [usize; 2], effort: Effort) -> Result<(Vec<Timing>, Box<dy
 fn hardware(points: usize) -> Result<Vec<(&'static str, String, Hardware)>, String> {
     let widest = instructions().to_owned();
     let mut all =
-        vec![(PLAIN, "none".to_owned(), Hardware::plain(Width::Plain)), (LANES, widest.clone(), Hardware::default())];
+        vec![(PLAIN, "none".to_owned(), Hardware::plain(Width::One)), (LANES, widest.clone(), Hardware::default())];
     if cores() > 1 {
         all.push((LANES, widest.clone(), Hardware::threads(2)?));
     }

@@ -3,9 +3,7 @@
 //! Each particle of the top row carries a strip of the surface. The surface lies above the particle by its first
 //! distance times the stretch of the particle, V/V_0: that is the settlement "extrapolated from the particles below".
 
-use crate::dimension::{basis, coefficients, shares, value};
 use crate::grid::Grid;
-use crate::nodes::{NodeMotion, NodeSums};
 use crate::particles::{Layer, SolidPoint};
 use crate::scene::LoadOn;
 
@@ -100,104 +98,6 @@ impl<const D: usize> SurfaceLoad<D> {
             LoadOn::Plate => (position[D - 1], xi[D - 1]) = (grid.cells[D - 1] - 1, 1.0),
         }
         (position, xi)
-    }
-
-    /// Where the loads act: place of the cell, cell coordinates, loaded area (m2).
-    #[inline(always)]
-    pub fn places<'a, const S: usize>(
-        &'a self,
-        grid: &'a Grid<D>,
-        solid: &'a Layer<SolidPoint<D, S>, D>,
-    ) -> impl Iterator<Item = ([usize; D], [f64; D], f64)> {
-        let carrier = self.carrier(solid);
-        (0..self.strips.len()).map(move |strip| {
-            let (position, xi) = self.place(strip, grid, carrier(strip));
-            (position, xi, self.strips[strip].loaded)
-        })
-    }
-
-    /// Adds a pressure (Pa, downwards) to the nodal forces.
-    #[inline(always)]
-    pub fn apply<const S: usize>(
-        &self,
-        pressure: f64,
-        grid: &Grid<D>,
-        solid: &Layer<SolidPoint<D, S>, D>,
-        nodes: &mut [NodeSums<D>],
-    ) {
-        self.push(pressure, grid, self.carrier(solid), |node, force| nodes[node].force[D - 1] += force);
-    }
-
-    /// Gives the nodes their vertical forces (N) under a pressure (Pa, downwards); `carrier` knows position (m) and volume
-    /// (m3) of the particle below a strip.
-    #[inline(always)]
-    pub fn push(
-        &self,
-        pressure: f64,
-        grid: &Grid<D>,
-        carrier: impl Fn(usize) -> ([f64; D], f64),
-        mut give: impl FnMut(usize, f64),
-    ) {
-        for strip in 0..self.strips.len() {
-            self.push_one(strip, pressure, grid, carrier(strip), &mut give);
-        }
-    }
-
-    /// [`Self::push`] of one strip.
-    #[inline(always)]
-    pub fn push_one(
-        &self,
-        strip: usize,
-        pressure: f64,
-        grid: &Grid<D>,
-        carrier: ([f64; D], f64),
-        mut give: impl FnMut(usize, f64),
-    ) {
-        let (position, xi) = self.place(strip, grid, carrier);
-        let corners = grid.corners(&position);
-        let force = -pressure * self.strips[strip].loaded;
-        let share = shares(force, &xi);
-        for a in 0..Grid::<D>::CORNERS {
-            give(corners[a], share[a]);
-        }
-    }
-
-    /// Power of a pressure (Pa) on the surface at the middle of the step, W.
-    #[inline(always)]
-    pub fn power<const S: usize>(
-        &self,
-        pressure: f64,
-        grid: &Grid<D>,
-        solid: &Layer<SolidPoint<D, S>, D>,
-        motion: &[NodeMotion<D>],
-        dt: f64,
-    ) -> f64 {
-        let moving = |node: usize| motion[node].velocity[D - 1] - 0.5 * dt * motion[node].acceleration[D - 1];
-        self.power_at(pressure, grid, self.carrier(solid), moving)
-    }
-
-    /// Power (W) of a pressure (Pa) on a surface whose nodes move at a vertical velocity (m/s); `carrier` as in
-    /// [`Self::push`].
-    #[inline(always)]
-    pub fn power_at(
-        &self,
-        pressure: f64,
-        grid: &Grid<D>,
-        carrier: impl Fn(usize) -> ([f64; D], f64),
-        moving: impl Fn(usize) -> f64,
-    ) -> f64 {
-        let mut power = 0.0;
-        for strip in 0..self.strips.len() {
-            let (position, xi) = self.place(strip, grid, carrier(strip));
-            let corners = grid.corners(&position);
-            let mut nodal = [[0.0]; 4];
-            for a in 0..Grid::<D>::CORNERS {
-                nodal[a][0] = moving(corners[a]);
-            }
-            let velocity = value::<D, 1, _>(&coefficients::<D, 1, _>(&nodal), &basis(&xi))[0];
-            power -= pressure * self.strips[strip].loaded * velocity;
-        }
-        power
     }
 
     /// Area that carries the load, m2.

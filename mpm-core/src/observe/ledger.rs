@@ -4,11 +4,9 @@ use serde::Serialize;
 
 use super::{CellValues, Flowed};
 use crate::keep::Keeper;
-use crate::nodes::{NodeMotion, NodeSums};
 use crate::real::MOST_LANES;
 use crate::step::store::Nodes;
 use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS};
-use crate::water::FlowRates;
 
 /// Sums kept during the steps of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -184,54 +182,6 @@ impl<const D: usize> Totals<D> {
         self.first = Stored::of(cells);
     }
 
-    /// Books the kinetic energy of the nodes at the end of a step less that at its start, once all forces have acted: with
-    /// `v - a dt` before and v after, `m a dt (v - a dt/2)`.
-    #[inline(always)]
-    pub fn accelerate(&mut self, nodes: &[NodeSums<D>], motion: &[NodeMotion<D>], flip: f64, dt: f64) {
-        let (mut power, mut force) = (0.0, [0.0; D]);
-        for (node, motion) in nodes.iter().zip(motion) {
-            for d in 0..D {
-                let (middle, pushed) = (
-                    motion.velocity[d] - 0.5 * dt * motion.acceleration[d],
-                    node.mixture_mass * motion.acceleration[d],
-                );
-                power += pushed * middle;
-                force[d] += pushed;
-            }
-        }
-        self.kinetic_gain += dt * power;
-        for d in 0..D {
-            self.momentum_gain[d] += dt * force[d];
-        }
-        if flip < 1.0 {
-            self.mix(nodes, motion, flip, dt);
-        }
-    }
-
-    /// What particles that take their velocity from the nodes do not get from those that are held: `(1 - flip) m v`.
-    #[cold]
-    #[inline(never)]
-    fn mix(&mut self, nodes: &[NodeSums<D>], motion: &[NodeMotion<D>], flip: f64, dt: f64) {
-        for (node, motion) in nodes.iter().zip(motion).filter(|(node, _)| node.solid_mass > 0.0) {
-            for d in 0..D {
-                let before = node.momentum[d] / node.solid_mass;
-                let got = motion.change[d] - (1.0 - flip) * before;
-                self.momentum_gain[d] += node.mixture_mass * (got - dt * motion.acceleration[d]);
-            }
-        }
-    }
-
-    /// Books a step under gravity (m/s2).
-    pub fn weigh(&mut self, nodes: &[NodeSums<D>], motion: &[NodeMotion<D>], gravity: &[f64; D], dt: f64) {
-        for (node, motion) in nodes.iter().zip(motion) {
-            for d in 0..D {
-                let impulse = dt * node.mixture_mass * gravity[d];
-                self.gravity_impulse[d] += impulse;
-                self.gravity_work += impulse * (motion.velocity[d] - 0.5 * dt * motion.acceleration[d]);
-            }
-        }
-    }
-
     /// Writes or reads the sums.
     pub fn keep(&mut self, keeper: &mut Keeper) {
         for value in [
@@ -299,22 +249,15 @@ impl<const D: usize> Totals<D> {
     pub fn book_weight(&mut self, nodes: &Nodes<D>, gravity: &[f64; D], dt: f64) {
         for d in (0..D).filter(|d| gravity[*d] != 0.0) {
             let (mut impulse, mut work) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
+            let before = (1.0 - nodes.work_at) * dt;
             each_part(nodes, d, |lane, mass, velocity, acceleration| {
                 let given = dt * mass * gravity[d];
                 impulse[lane] += given;
-                work[lane] += given * (velocity - 0.5 * dt * acceleration);
+                work[lane] += given * (velocity - before * acceleration);
             });
             self.gravity_impulse[d] += impulse.iter().sum::<f64>();
             self.gravity_work += work.iter().sum::<f64>();
         }
-    }
-
-    /// Books the flow of a step.
-    pub fn flow(&mut self, rates: &FlowRates, dt: f64) {
-        self.darcy_dissipation += dt * rates.dissipation;
-        self.flow_body_work += dt * rates.body_work;
-        self.water_out += dt * rates.outflow;
-        self.water_in += dt * rates.inflow;
     }
 
     /// The balances now. `density` is that of the water, kg/m3; `removed` the mass of its lost particles, kg.

@@ -85,9 +85,4 @@ impl Scene {
             && !self.periodic
             && self.base.is_none()
     }
-
-    /// Whether only the plain explicit step knows the scene.
-    pub(crate) fn needs_plain_step(&self) -> bool {
-        self.light_nodes > 0.0 || self.lends_inertia() || self.periodic || self.base.is_some()
-    }
 }

@@ -8,6 +8,7 @@ use crate::keep::Keeper;
 use crate::observe::{CellValues, FieldPoint, Flowed, Ledger, Observation, Seed, SolidState, Totals, observe};
 use crate::particles::{Layer, SolidPoint};
 use crate::scene::Surcharge;
+use crate::water::Carried;
 use crate::water::pores::{CellSoil, Pores};
 
 /// Soil and water of a run.
@@ -35,6 +36,8 @@ pub struct Body<const D: usize> {
     pub apart: f64,
     /// Cells that all particles together may cross in a stage without damping; `u64::MAX` for any number.
     pub most_crossings: u64,
+    /// Width of a mesh that is periodic, m.
+    pub period: Option<f64>,
     /// Where the particles were at t = 0.
     pub seed: Seed,
     /// Settlement at t = 0, m: that of the state the run starts from, counted from the unloaded one.
@@ -71,12 +74,25 @@ impl<const D: usize> Body<D> {
     }
 
     /// Pressure (Pa) and stored energy (J) of the water in a cell.
-    fn water_in(&self, soil: &CellSoil) -> (f64, f64) {
-        self.water.as_ref().map_or((0.0, 0.0), |water| water.cell_state(soil))
+    fn water_in(&self, soil: &CellSoil, free: Option<&Carried<D>>) -> (f64, f64) {
+        match (&self.water, free) {
+            (Some(water), _) => water.cell_state(soil),
+            (None, Some(free)) => (free.felt(soil.cell), 0.0),
+            (None, None) => (0.0, 0.0),
+        }
     }
 
-    /// Every cell with soil: its place, soil and water.
-    pub fn cell_values(&self) -> Vec<CellValues<D>> {
+    /// Mass of the water in a cell, kg.
+    fn water_mass(&self, soil: &CellSoil, free: Option<&Carried<D>>) -> f64 {
+        match (&self.water, free) {
+            (Some(water), _) => water.cell_mass(soil),
+            (None, Some(free)) => free.mass_in(soil.cell, soil.volume),
+            (None, None) => 0.0,
+        }
+    }
+
+    /// Every cell with soil: its place, soil and water, where that has a free surface from `free`.
+    pub fn cell_values(&self, free: Option<&Carried<D>>) -> Vec<CellValues<D>> {
         let mut cells = Vec::new();
         for (mut soil, position) in self.cells() {
             let mut values = CellValues::default();
@@ -87,8 +103,8 @@ impl<const D: usize> Body<D> {
             }
             soil.filled = self.filled.counted(soil.cell, soil.volume);
             values.strain_energy *= soil.filled / soil.volume;
-            (values.pressure, values.water_energy) = self.water_in(&soil);
-            values.water_mass = self.water.as_ref().map_or(0.0, |water| water.cell_mass(&soil));
+            (values.pressure, values.water_energy) = self.water_in(&soil, free);
+            values.water_mass = self.water_mass(&soil, free);
             values.row = position[D - 1];
             let middle = |d: usize| (position[d] as f64 + 0.5) * self.grid.size;
             values.middle = [if D == 2 { middle(0) } else { 0.0 }, middle(D - 1)];
@@ -109,9 +125,9 @@ impl<const D: usize> Body<D> {
     }
 
     /// The state at a time (s).
-    pub fn observe(&self, time: f64) -> Observation {
+    pub fn observe(&self, time: f64, free: Option<&Carried<D>>) -> Observation {
         let settlement = self.first_settlement + self.surface.settlement(&self.solid);
-        let cells = self.cell_values();
+        let cells = self.cell_values(free);
         let layer = self.water.as_ref().map(|water| &water.layer);
         let mut state = observe(&self.solid, layer, &cells, settlement, time);
         if D == 2 && self.water.is_some() {
@@ -129,11 +145,11 @@ impl<const D: usize> Body<D> {
     }
 
     /// The particles of the solid layer.
-    pub fn particles(&self) -> Vec<SolidState> {
+    pub fn particles(&self, free: Option<&Carried<D>>) -> Vec<SolidState> {
         let two = |v: &[f64; D]| [if D == 2 { v[0] } else { 0.0 }, v[D - 1]];
         let mut states = Vec::with_capacity(self.solid.points.len());
         for (soil, _) in self.cells() {
-            let (pore_pressure, _) = self.water_in(&soil);
+            let (pore_pressure, _) = self.water_in(&soil, free);
             states.extend(self.solid.range(soil.cell).map(|index| {
                 let point = &self.solid.points[index];
                 SolidState {
@@ -152,8 +168,11 @@ impl<const D: usize> Body<D> {
     }
 
     /// The balances from the sums of the steps.
-    pub fn ledger(&self, totals: &Totals<D>) -> Ledger {
+    pub fn ledger(&self, totals: &Totals<D>, free: Option<&Carried<D>>) -> Ledger {
         let (density, removed) = self.water.as_ref().map_or((0.0, 0.0), |w| (w.flow.density, w.removed_mass));
-        totals.ledger(&self.cell_values(), density, removed)
+        let density = free.map_or(density, Carried::density);
+        let ledger = totals.ledger(&self.cell_values(free), density, removed);
+        let ledger = ledger.with_held_pressure(free.map_or(0.0, |free| free.work));
+        if self.water.as_ref().is_some_and(|w| w.partly_drained) { ledger.with_removed_as_outflow() } else { ledger }
     }
 }

@@ -2,35 +2,28 @@
 
 mod body;
 mod conditions;
-mod dynamic;
 mod explicit;
+mod faces;
 mod failing;
+mod free_water;
 pub mod kernel;
-mod parts;
+mod nodal;
 mod pressure;
 pub mod quasi_static;
-mod semi_implicit;
-mod skeleton;
 pub mod store;
 mod surface;
-mod track;
-mod transfer;
 mod two_clocks;
 
 pub use body::Body;
-pub use conditions::{Condition, Damping, GivenForce, Held, RigidPlate};
-pub use dynamic::Dynamic;
+pub use conditions::{Condition, Damping, Friction, GivenForce, Held, Joined, Lifted, RigidPlate};
 pub use explicit::Explicit;
 pub use failing::{Failing, Pace};
-pub use parts::Parts;
-pub use semi_implicit::SemiImplicit;
-pub use transfer::Transfer;
 pub use two_clocks::TwoClocks;
 
 use serde::Serialize;
 
 use crate::keep::Keeper;
-use crate::observe::{Ledger, Observation, Places, SolidState};
+use crate::observe::{Ledger, Observation, Places, SolidState, WaterParticle};
 use crate::scene::Stage;
 
 /// Something went wrong inside a step.
@@ -73,6 +66,10 @@ pub trait Model: Send {
     /// # Errors
     /// Where and what went wrong; `done` counts the steps that were completed.
     fn advance(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault>;
+    /// The model as one that soil may fail in, if it is one.
+    fn failing(self: Box<Self>) -> Option<Box<dyn Failing>> {
+        None
+    }
     /// Drainage and damping from now on; `times` are those to stop at, s since the start of the stage.
     ///
     /// # Errors
@@ -106,6 +103,10 @@ pub trait Model: Send {
     /// The particles of the solid layer, without displacement and strain, in no order; nothing from models that keep them to
     /// themselves.
     fn particles(&self) -> Vec<SolidState> {
+        Vec::new()
+    }
+    /// The water particles, in no order; nothing from models that keep them to themselves.
+    fn water_particles(&self) -> Vec<WaterParticle> {
         Vec::new()
     }
     /// Where the particles are; nothing from models that do not show them.

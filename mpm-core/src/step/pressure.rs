@@ -1,25 +1,40 @@
-//! The pressure of the end of a step, from the mass balance of the water in every cell:
+//! The semi-implicit step: pore pressures of the end of the step at the cells, from the mass balance of the water in each.
 //!
 //! `V n/K_w (p^{n+1} - p^n) + dt [ C^T v^{n+1} + H p^{n+1} - b ] = 0` with `v^{n+1} = v* + dt m^-1 C p^{n+1}`, so
 //! `(S + dt H + dt^2 C^T m^-1 C) p^{n+1} = S p^n - dt C^T v* + dt b`.
 //!
 //! C is the force of unit pressures on the nodes and so, transposed, the rate of volume of the cells; H the flow between
 //! neighbours; b what `rho_w (g - a_s)` drives. The matrix is symmetric and positive definite: S, H and the last term
-//! each are, or have only pressures in their null space that another one resists.
+//! each are, or have only pressures in their null space that another one resists. The water neither limits the step by its wave nor
+//! by its flow; what remains is the wave of the skeleton (`stability`).
+//!
+//! Every flow is that of the explicit step. Its rule for cells that are hardly filled is not needed here: it keeps an explicit step
+//! stable, and without it the system is symmetric and no water is lost.
+//!
+//! `rho_w a_s` in Darcy's law is that of the step before. With the acceleration of this step the system would not be
+//! symmetric, and its limit lower: at the eigenvalue -1 the term of Eq. (1) then takes `2 k/g` from dt in the
+//! pressure that a strain builds up, where the lagged one adds it. Being late it feeds waves in permeable soil, above a step
+//! that `stability` knows.
 
-use super::Fault;
-use super::skeleton::Skeleton;
-use crate::constitutive::Laws;
-use crate::dimension::Kinematics;
-use crate::grid::Grid;
-use crate::particles::{Layer, Point};
+use pulp::Simd;
+
+use super::faces::Faces;
+use super::store::nodes::SOLID_MASS;
+use super::store::{Frame, Nodes, Strip};
+use super::{Fault, Work};
 use crate::sparse::{Factor, Ordering, Signs, Symmetric, Unsolved};
-use crate::stencil::{Basis, Functions};
-use crate::water::{Cellwise, Face, Place, Saturated};
+use crate::water::FaceFlow;
 
-/// The pressure system of a mesh.
+/// The pressure system of a mesh. Cells and functions have the numbers of its frame.
 #[derive(Debug)]
 pub struct PressureSystem<const D: usize> {
+    frame: Frame<D>,
+    /// Rise of the pressure of each cell in a step, Pa.
+    pub rise: Vec<f64>,
+    /// What has been solved.
+    pub work: Work,
+    /// Functions that something holds along an axis, in this step.
+    pub held: Vec<(usize, usize)>,
     /// Cells with soil, in order: the rows.
     cells: Vec<u32>,
     /// The matrix and its factors, kept while the cells with soil stay the same.
@@ -31,9 +46,9 @@ pub struct PressureSystem<const D: usize> {
     /// Row of each cell, and the entry of the diagonal of each row.
     row_of: Vec<u32>,
     diagonal: Vec<usize>,
-    /// m^-1 C dt of every cell, m2 s/kg.
-    response: Vec<[f64; D]>,
-    /// 1/m of the coefficients that are free to move, 1/kg.
+    /// m^-1 C dt of every row, m2 s/kg.
+    response: Vec<f64>,
+    /// dt/m of the functions that are free to move, s/kg.
     inverse_mass: Vec<[f64; D]>,
     /// Pressure at the start of the step, by rows, Pa.
     before: Vec<f64>,
@@ -41,9 +56,6 @@ pub struct PressureSystem<const D: usize> {
     pressure: Vec<f64>,
     /// Under a rigid plate: what the pressures push it with, `w`, and the system solved for that.
     plate: Option<Pushes>,
-    /// Rise of the pressure in a step, by cells, Pa.
-    rise: Vec<f64>,
-    order: [u64; 2],
 }
 
 /// The force of unit pressures on a rigid plate, m2, and the solution for it. The plate adds `dt^2 w w^t / m` to the
@@ -67,64 +79,87 @@ struct Entry<const D: usize> {
     shift: [i32; D],
 }
 
+/// What a step gives the system: the flow, gravity and the accelerations of the nodes of the mesh (m/s2) that drive it, what
+/// damping keeps of a velocity, and the length of the step, s.
+pub struct Driving<'a, const D: usize> {
+    /// How faces conduct.
+    pub faces: &'a Faces<D>,
+    /// Darcy's law on them.
+    pub flow: &'a FaceFlow,
+    /// Gravity, m/s2.
+    pub gravity: [f64; D],
+    /// Accelerations of the nodes of the mesh, m/s2.
+    pub acceleration: &'a [Vec<f64>; 2],
+    /// Share of a velocity that damping keeps.
+    pub keeps: f64,
+    /// Time step, s.
+    pub dt: f64,
+    /// Whether distances change with the place of the surface.
+    pub has_surface: bool,
+}
+
 impl<const D: usize> PressureSystem<D> {
-    /// The arrays for a mesh with `count` functions.
-    pub fn new<B: Basis>(grid: &Grid<D>, count: usize) -> Self {
+    /// The arrays of a mesh.
+    pub fn new(frame: Frame<D>) -> Self {
         Self {
+            rise: vec![0.0; frame.count()],
+            work: Work::default(),
+            held: Vec::new(),
             cells: Vec::new(),
             system: None,
             entries: Vec::new(),
             laplacian: Vec::new(),
             row_of: Vec::new(),
             diagonal: Vec::new(),
-            response: vec![[0.0; D]; grid.cell_count() * Functions::<B, D>::REACHED],
-            inverse_mass: vec![[0.0; D]; count],
+            response: Vec::new(),
+            inverse_mass: vec![[0.0; D]; frame.length()],
             before: Vec::new(),
             right: Vec::new(),
             pressure: Vec::new(),
             plate: None,
-            rise: vec![0.0; grid.cell_count()],
-            order: [0; 2],
+            frame,
         }
     }
 
-    /// Drainage has changed.
+    /// Numbers of C that a cell has.
+    fn of_cell(frame: &Frame<D>) -> usize {
+        frame.reach.pow(D as u32) * D
+    }
+
+    /// Numbers of C that a strip has.
+    pub fn of_strip(&self) -> usize {
+        self.frame.strip * Self::of_cell(&self.frame)
+    }
+
+    /// Soil or drainage have changed.
     pub fn forget(&mut self) {
         self.system = None;
     }
 
-    /// Rise of the pressure of a cell in this step, Pa.
-    pub fn rise(&self, cell: usize) -> f64 {
-        self.rise[cell]
-    }
-
-    /// Solves for the pressures of the end of the step and gives them to the water. The skeleton moves with v*.
+    /// Solves for the pressures of the end of the step (Pa, from [`Frame::pad`] on), where those of its start are. The nodes move with
+    /// v*, and those of [`Self::held`] do not; `plate` are those of a rigid plate.
     ///
     /// # Errors
     /// A singular system, with what shows it.
-    pub fn solve<K, B, L, const LAYERED: bool, const S: usize>(
+    pub fn solve<V: Simd>(
         &mut self,
-        skeleton: &mut Skeleton<K, B, L, Saturated<Face<D, LAYERED>, D>, D, S>,
-        dt: f64,
-    ) -> Result<(), Fault>
-    where
-        K: Kinematics<D, S>,
-        B: Basis,
-        L: Laws<S>,
-        Saturated<Face<D, LAYERED>, D>: Cellwise<K, D, S>,
-    {
+        strips: &[Strip<V, D>],
+        nodes: &mut Nodes<D>,
+        pressure: &mut [f64],
+        plate: &[u32],
+        by: &Driving<D>,
+    ) -> Result<(), Fault> {
         let fault = |e: Unsolved| Fault { place: "the pore pressure".to_owned(), what: e.to_string() };
-        let parts = &skeleton.parts;
-        if self.system.is_none() || self.order != [parts.solid.order, parts.water.layout()] {
-            self.follow::<B, _, LAYERED>(&parts.grid, &parts.solid, &parts.water).map_err(fault)?;
+        if self.system.is_none() {
+            self.follow(strips).map_err(fault)?;
+            self.conduct(by.faces);
+        } else if by.has_surface {
+            self.conduct(by.faces);
         }
-        if parts.water.has_surface() {
-            self.conduct(&parts.grid, &parts.water);
-        }
-        self.respond(skeleton, dt);
-        self.fill::<B, LAYERED>(&skeleton.coupling, &skeleton.parts.water, dt);
-        let falls = dt * hold_plate(skeleton); // dt v* of the plate
-        self.right_side(skeleton, dt);
+        self.respond(strips, nodes, plate, by);
+        self.fill(strips, by);
+        let falls = by.dt * by.keeps * hold_plate(nodes, plate); // dt v* of the plate
+        self.right_side(strips, nodes, &pressure[self.frame.pad()..], by);
         if let Some((matrix, factor)) = &mut self.system {
             factor.refresh(matrix).map_err(fault)?;
             factor.solve(matrix, &self.right, &mut self.pressure).map_err(fault)?;
@@ -136,53 +171,46 @@ impl<const D: usize> PressureSystem<D> {
                 self.pressure.iter_mut().zip(solution).for_each(|(p, s)| *p -= moved * *s);
             }
         }
+        self.work.factorisations += 1;
+        self.work.solves += 1;
         for (row, &cell) in self.cells.iter().enumerate() {
             self.rise[cell as usize] = self.pressure[row] - self.before[row];
-            skeleton.parts.water.set_pressure(cell as usize, self.pressure[row]);
+            pressure[self.frame.pad() + cell as usize] = self.pressure[row];
         }
         Ok(())
     }
 
-    /// The pattern, where the cells with soil are others than before: cells whose particles reach a common function.
-    fn follow<B: Basis, P: Point<D>, const LAYERED: bool>(
-        &mut self,
-        grid: &Grid<D>,
-        solid: &Layer<P, D>,
-        water: &Saturated<Face<D, LAYERED>, D>,
-    ) -> Result<(), Unsolved> {
-        self.order = [solid.order, water.layout()];
-        let soil = |cell: usize| !solid.range(cell).is_empty() && water.is_wet(cell);
-        let same = self.cells.iter().map(|c| *c as usize).eq((0..grid.cell_count()).filter(|c| soil(*c)));
-        if self.system.is_some() && same {
-            return Ok(());
-        }
+    /// The pattern: cells whose particles reach a common function.
+    fn follow<V: Simd>(&mut self, strips: &[Strip<V, D>]) -> Result<(), Unsolved> {
+        let frame = self.frame;
+        let wet = |cell: &usize| {
+            let (strip, inside) = (&strips[cell / frame.strip], cell % frame.strip);
+            strip.solid.count(inside) > 0 && strip.water.count(inside) > 0
+        };
         self.cells.clear();
-        self.cells.extend((0..grid.cell_count() as u32).filter(|c| soil(*c as usize)));
+        self.cells.extend((0..frame.count()).filter(wet).map(|cell| cell as u32));
         let count = self.cells.len();
         self.row_of.clear();
-        self.row_of.resize(grid.cell_count(), u32::MAX);
+        self.row_of.resize(frame.length(), u32::MAX);
         for (row, cell) in self.cells.iter().enumerate() {
             self.row_of[*cell as usize] = row as u32;
         }
         self.entries.clear();
-        let reach = B::REACH as i32 - 1;
         self.diagonal.clear();
         for (column, &cell) in self.cells.iter().enumerate() {
-            let position = grid.cell_position(cell as usize);
-            for shift in window::<D>(reach) {
+            let position = frame.position(cell as usize);
+            for shift in window::<D>(frame.reach as i32 - 1) {
                 let other: [i32; D] = std::array::from_fn(|d| position[d] as i32 - shift[d]);
-                if (0..D).any(|d| other[d] < 0 || other[d] >= grid.cells[d] as i32) {
+                if (0..D).any(|d| other[d] < 0 || other[d] >= frame.cells[d] as i32) {
                     continue;
                 }
-                let other = (0..D).rev().fold(0, |cell, d| cell * grid.cells[d] + other[d] as usize);
-                let row = self.row_of[other];
+                let row = self.row_of[frame.number(&other.map(|i| i as usize))];
                 if row as usize <= column {
                     self.entries.push(Entry { row, column: column as u32, shift });
                 }
             }
             self.diagonal.push(self.entries.len() - 1); // rows ascend: the diagonal closes its column
         }
-        self.conduct(grid, water);
         let matrix = Symmetric::new(count, self.entries.iter().map(|e| (e.row as usize, e.column as usize)));
         let ordering = if D == 1 { Ordering::AsNumbered } else { Ordering::MinimumDegree };
         let factor = Factor::new(&matrix, Signs::Definite, ordering)?;
@@ -191,169 +219,137 @@ impl<const D: usize> PressureSystem<D> {
             values.clear();
             values.resize(count, 0.0);
         }
+        self.response.clear();
+        self.response.resize(count * Self::of_cell(&frame), 0.0);
         Ok(())
     }
 
     /// H from the conductances of the faces.
-    fn conduct<const LAYERED: bool>(&mut self, grid: &Grid<D>, water: &Saturated<Face<D, LAYERED>, D>) {
+    fn conduct(&mut self, faces: &Faces<D>) {
         self.laplacian.clear();
         self.laplacian.resize(self.entries.len(), 0.0);
         for (k, Entry { row, column, shift }) in self.entries.iter().enumerate() {
             if shift.iter().map(|s| s.abs()).sum::<i32>() == 1 {
-                let cells = [*row, *column].map(|row| self.cells[row as usize] as usize);
-                let between = water.conductance_between(grid, cells);
+                let axis = shift.iter().position(|s| *s != 0).unwrap_or(0);
+                let upper = self.cells[*column.max(row) as usize] as usize;
+                let between = faces.conducts[axis][upper];
                 self.laplacian[k] -= between;
                 self.laplacian[self.diagonal[*row as usize]] += between;
                 self.laplacian[self.diagonal[*column as usize]] += between;
             }
         }
-        for (cell, conductance) in water.outlets(grid) {
-            self.laplacian[self.diagonal[self.row_of[cell] as usize]] += conductance;
+        for face in &faces.drained {
+            self.laplacian[self.diagonal[self.row_of[face.cell] as usize]] += faces.of_drained(face);
         }
     }
 
-    /// `dt m^-1 C`: the velocities that a unit pressure in a cell makes, without the held coefficients.
-    fn respond<K, B, L, const LAYERED: bool, const S: usize>(
-        &mut self,
-        skeleton: &Skeleton<K, B, L, Saturated<Face<D, LAYERED>, D>, D, S>,
-        dt: f64,
-    ) where
-        K: Kinematics<D, S>,
-        B: Basis,
-        L: Laws<S>,
-        Saturated<Face<D, LAYERED>, D>: Cellwise<K, D, S>,
-    {
-        let keep = skeleton.kept(dt);
-        for (inverse, node) in self.inverse_mass.iter_mut().zip(&skeleton.nodes) {
-            *inverse = [if node.solid_mass > 0.0 { keep * dt / node.mixture_mass } else { 0.0 }; D];
+    /// `dt m^-1 C`: the velocities that a unit pressure in a cell makes, without the held functions.
+    fn respond<V: Simd>(&mut self, strips: &[Strip<V, D>], nodes: &Nodes<D>, plate: &[u32], by: &Driving<D>) {
+        let dt = by.keeps * by.dt;
+        for node in 0..self.frame.count() {
+            let free = nodes.sum(SOLID_MASS, node) > 0.0;
+            self.inverse_mass[node] = [if free { dt / nodes.mixture_mass(node) } else { 0.0 }; D];
         }
-        skeleton.parts.supports.hold(&mut self.inverse_mass);
-        self.lean_on_plate(skeleton, keep * dt * dt);
-        let reached = Functions::<B, D>::REACHED;
-        for &cell in &self.cells {
-            let position = skeleton.parts.grid.cell_position(cell as usize);
-            for k in 0..reached {
-                let at = cell as usize * reached + k;
-                self.response[at] = [0.0; D];
-                if let Some(function) = skeleton.functions.at_place(&position, k) {
-                    for d in 0..D {
-                        self.response[at][d] = self.inverse_mass[function][d] * skeleton.coupling[at][d];
-                    }
+        for (node, axis) in &self.held {
+            self.inverse_mass[*node][*axis] = 0.0;
+        }
+        self.lean_on_plate(strips, nodes, plate, dt * by.dt);
+        let (reached, of_cell) = (self.frame.reach.pow(D as u32), Self::of_cell(&self.frame));
+        for (row, &cell) in self.cells.iter().enumerate() {
+            let cell = cell as usize;
+            let coupling = coupling(strips, &self.frame, cell);
+            for a in 0..reached {
+                let inverse = &self.inverse_mass[cell + self.frame.offset(a)];
+                for d in 0..D {
+                    self.response[row * of_cell + a * D + d] = inverse[d] * coupling[a * D + d];
                 }
             }
         }
     }
 
     /// The plate's part of the matrix; without it its nodes are held.
-    fn lean_on_plate<K, B, L, const LAYERED: bool, const S: usize>(
-        &mut self,
-        skeleton: &Skeleton<K, B, L, Saturated<Face<D, LAYERED>, D>, D, S>,
-        kept: f64,
-    ) where
-        K: Kinematics<D, S>,
-        B: Basis,
-        L: Laws<S>,
-        Saturated<Face<D, LAYERED>, D>: Cellwise<K, D, S>,
-    {
-        let Some(plate) = &skeleton.parts.plate else { return };
-        let reached = Functions::<B, D>::REACHED;
+    fn lean_on_plate<V: Simd>(&mut self, strips: &[Strip<V, D>], nodes: &Nodes<D>, plate: &[u32], kept: f64) {
+        if plate.is_empty() {
+            return;
+        }
+        let of_cell = Self::of_cell(&self.frame);
         let pushes = self.plate.get_or_insert_with(Pushes::default);
-        pushes.factor = kept / plate.mass(&skeleton.nodes);
+        pushes.factor = kept / plate.iter().map(|node| nodes.mixture_mass(*node as usize)).sum::<f64>();
         for values in [&mut pushes.w, &mut pushes.solution] {
             values.clear();
             values.resize(self.cells.len(), 0.0);
         }
-        for node in plate.nodes() {
-            self.inverse_mass[node][D - 1] = 0.0;
+        for node in plate {
+            self.inverse_mass[*node as usize][D - 1] = 0.0;
         }
         for (row, &cell) in self.cells.iter().enumerate() {
-            let position = skeleton.parts.grid.cell_position(cell as usize);
-            for k in 0..reached {
-                let function = skeleton.functions.at_place(&position, k);
-                if function.is_some_and(|function| plate.holds(function)) {
-                    pushes.w[row] += skeleton.coupling[cell as usize * reached + k][D - 1];
+            for a in 0..of_cell / D {
+                let function = (cell as usize + self.frame.offset(a)) as u32;
+                if plate.binary_search(&function).is_ok() {
+                    pushes.w[row] += coupling(strips, &self.frame, cell as usize)[a * D + D - 1];
                 }
             }
         }
     }
 
     /// `S + dt H + dt^2 C^T m^-1 C`.
-    fn fill<B: Basis, const LAYERED: bool>(
-        &mut self,
-        coupling: &[[f64; D]],
-        water: &Saturated<Face<D, LAYERED>, D>,
-        dt: f64,
-    ) {
+    fn fill<V: Simd>(&mut self, strips: &[Strip<V, D>], by: &Driving<D>) {
         let Some((matrix, _)) = &mut self.system else { return };
-        let flow = dt * water.transmissibility();
-        let reached = Functions::<B, D>::REACHED;
-        for (k, entry) in self.entries.iter().enumerate() {
-            let (row, column) = (self.cells[entry.row as usize] as usize, self.cells[entry.column as usize] as usize);
-            let common = in_common::<B, D>(
-                &coupling[row * reached..][..reached],
-                &self.response[column * reached..][..reached],
-                &entry.shift,
-            );
-            let storage = if row == column { water.storage(row) } else { 0.0 };
-            matrix.values[k] = storage + flow * self.laplacian[k] + dt * common;
+        let flow = by.dt * by.flow.area * by.flow.conductance;
+        let (reach, of_cell) = (self.frame.reach, Self::of_cell(&self.frame));
+        for (k, Entry { row, column, shift }) in self.entries.iter().enumerate() {
+            let cell = self.cells[*row as usize] as usize;
+            let a = coupling(strips, &self.frame, cell);
+            let b = &self.response[*column as usize * of_cell..][..of_cell];
+            let common = in_common(a, b, reach, shift);
+            let storage = if row == column { storage(strips, &self.frame, cell, by.flow) } else { 0.0 };
+            matrix.values[k] = storage + flow * self.laplacian[k] + by.dt * common;
         }
     }
 
     /// `S p^n - dt C^T v* + dt b`.
-    fn right_side<K, B, L, const LAYERED: bool, const S: usize>(
+    fn right_side<V: Simd>(
         &mut self,
-        skeleton: &mut Skeleton<K, B, L, Saturated<Face<D, LAYERED>, D>, D, S>,
-        dt: f64,
-    ) where
-        K: Kinematics<D, S>,
-        B: Basis,
-        L: Laws<S>,
-        Saturated<Face<D, LAYERED>, D>: Cellwise<K, D, S>,
-    {
-        let crate::step::Parts { water, grid, gravity, .. } = &mut skeleton.parts;
-        for (row, &cell) in self.cells.iter().enumerate() {
-            self.before[row] = water.cell(cell as usize).pressure;
-            water.set_pressure(cell as usize, 0.0);
-        }
-        // Without pressures the body force alone drives the flow.
-        water.drive(grid, &skeleton.mesh, &gravity.unwrap_or([0.0; D]));
-        let reached = Functions::<B, D>::REACHED;
+        strips: &[Strip<V, D>],
+        nodes: &Nodes<D>,
+        pressure: &[f64],
+        Driving { faces, flow, gravity, acceleration, keeps, dt, .. }: &Driving<D>,
+    ) {
+        let of_cell = Self::of_cell(&self.frame);
         for (row, &cell) in self.cells.iter().enumerate() {
             let cell = cell as usize;
-            let position = grid.cell_position(cell);
-            let place = Place { cell, position, corners: grid.corners_from(grid.first_corner(cell, &position)) };
+            self.before[row] = pressure[cell];
+            let coupling = coupling(strips, &self.frame, cell);
             let mut gained = 0.0; // C^T v*
-            for k in 0..reached {
-                if let Some(function) = skeleton.functions.at_place(&position, k) {
-                    for d in 0..D {
-                        gained += skeleton.coupling[cell * reached + k][d] * skeleton.motion[function].velocity[d];
+            for a in 0..of_cell / D {
+                for d in 0..D {
+                    let v = keeps * nodes.motion.velocity[d][cell + self.frame.offset(a)];
+                    gained += coupling[a * D + d] * v;
+                }
+            }
+            let mut leaving = 0.0; // -b: without pressures the body force alone drives the flow
+            for d in 0..D {
+                for (face, outwards) in [(cell, -1.0), (cell + self.frame.stride[d], 1.0)] {
+                    if faces.conducts[d][face] > 0.0 {
+                        leaving += outwards * faces.flux(flow, (d, face), 0.0, (gravity[d], acceleration));
                     }
                 }
             }
-            let leaving = water.outflow(grid, &place);
-            self.right[row] = water.storage(cell) * self.before[row] - dt * (gained + leaving);
+            let stored = storage(strips, &self.frame, cell, flow) * self.before[row];
+            self.right[row] = stored - dt * (gained + flow.area * leaving);
         }
     }
 
     /// Adds the force `C p^{n+1}` to the nodes.
-    pub fn push<K, B, L, const LAYERED: bool, const S: usize>(
-        &self,
-        skeleton: &mut Skeleton<K, B, L, Saturated<Face<D, LAYERED>, D>, D, S>,
-    ) where
-        K: Kinematics<D, S>,
-        B: Basis,
-        L: Laws<S>,
-        Saturated<Face<D, LAYERED>, D>: Cellwise<K, D, S>,
-    {
-        let reached = Functions::<B, D>::REACHED;
+    pub fn push<V: Simd>(&self, strips: &[Strip<V, D>], nodes: &mut Nodes<D>) {
+        let of_cell = Self::of_cell(&self.frame);
         for (row, &cell) in self.cells.iter().enumerate() {
-            let position = skeleton.parts.grid.cell_position(cell as usize);
-            for k in 0..reached {
-                if let Some(function) = skeleton.functions.at_place(&position, k) {
-                    for d in 0..D {
-                        let force = skeleton.coupling[cell as usize * reached + k][d] * self.pressure[row];
-                        skeleton.nodes[function].force[d] += force;
-                    }
+            let cell = cell as usize;
+            let coupling = coupling(strips, &self.frame, cell);
+            for a in 0..of_cell / D {
+                for d in 0..D {
+                    let force = coupling[a * D + d] * self.pressure[row];
+                    nodes.push(cell + self.frame.offset(a), d, force);
                 }
             }
         }
@@ -361,22 +357,37 @@ impl<const D: usize> PressureSystem<D> {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        let vectors = self.response.capacity() + self.inverse_mass.capacity();
-        let numbers = [&self.laplacian, &self.before, &self.right, &self.pressure, &self.rise];
-        vectors * size_of::<[f64; D]>()
+        let numbers = [&self.laplacian, &self.before, &self.right, &self.pressure, &self.rise, &self.response];
+        self.inverse_mass.capacity() * size_of::<[f64; D]>()
             + numbers.iter().map(|n| n.capacity()).sum::<usize>() * size_of::<f64>()
             + self.entries.capacity() * size_of::<Entry<D>>()
-            + self.cells.capacity() * size_of::<u32>()
+            + (self.cells.capacity() + self.row_of.capacity()) * size_of::<u32>()
             + self.system.as_ref().map_or(0, |(matrix, factor)| matrix.bytes() + factor.bytes())
     }
 }
 
+/// C of a cell: force of a unit pressure on the functions that its particles reach, `sum_p V_p G_i`, m2: `[function][axis]`.
+fn coupling<'a, V: Simd, const D: usize>(strips: &'a [Strip<V, D>], frame: &Frame<D>, cell: usize) -> &'a [f64] {
+    let of_cell = PressureSystem::of_cell(frame);
+    &strips[cell / frame.strip].coupling[cell % frame.strip * of_cell..][..of_cell]
+}
+
+/// Water that a cell stores per pressure, V n/K_w, m3/Pa; zero for incompressible water.
+fn storage<V: Simd, const D: usize>(strips: &[Strip<V, D>], frame: &Frame<D>, cell: usize, flow: &FaceFlow) -> f64 {
+    let [porosity, inverse_volume] = strips[cell / frame.strip].pores(cell % frame.strip);
+    porosity / (inverse_volume * flow.bulk_modulus)
+}
+
 /// Takes the vertical velocity v* (m/s) of a rigid plate from its nodes, which is what it returns: the next equation of motion
 /// gives them theirs.
-fn hold_plate<K, B, L, W, const D: usize, const S: usize>(skeleton: &mut Skeleton<K, B, L, W, D, S>) -> f64 {
-    let Skeleton { parts, nodes, motion, .. } = skeleton;
-    let with_mass = parts.plate.iter().flat_map(|plate| plate.nodes()).filter(|node| nodes[*node].solid_mass > 0.0);
-    with_mass.fold(0.0, |_, node| std::mem::take(&mut motion[node].velocity[D - 1]))
+fn hold_plate<const D: usize>(nodes: &mut Nodes<D>, plate: &[u32]) -> f64 {
+    let mut falls = 0.0;
+    for node in plate.iter().map(|node| *node as usize) {
+        if nodes.sum(SOLID_MASS, node) > 0.0 {
+            falls = std::mem::take(&mut nodes.motion.velocity[D - 1][node]);
+        }
+    }
+    falls
 }
 
 /// Places of a window around a cell, from those of larger to those of smaller cell numbers being subtracted: the cell
@@ -395,10 +406,10 @@ fn window<const D: usize>(reach: i32) -> impl Iterator<Item = [i32; D]> {
 
 /// `sum_i a_i . b_i` over the functions that the particles of two cells both reach.
 #[inline(always)]
-fn in_common<B: Basis, const D: usize>(a: &[[f64; D]], b: &[[f64; D]], shift: &[i32; D]) -> f64 {
+fn in_common<const D: usize>(a: &[f64], b: &[f64], reach: usize, shift: &[i32; D]) -> f64 {
     let range = |d: usize| {
         let low = shift[d].max(0);
-        let high = (B::REACH as i32 + shift[d]).min(B::REACH as i32);
+        let high = (reach as i32 + shift[d]).min(reach as i32);
         low as usize..high as usize
     };
     let mut sum = 0.0;
@@ -406,7 +417,7 @@ fn in_common<B: Basis, const D: usize>(a: &[[f64; D]], b: &[[f64; D]], shift: &[
         for i in range(0) {
             let (at, other) = (offset[0] + i, offset[1] + (i as i32 - shift[0]) as usize);
             for d in 0..D {
-                sum += a[at][d] * b[other][d];
+                sum += a[at * D + d] * b[other * D + d];
             }
         }
     };
@@ -414,7 +425,7 @@ fn in_common<B: Basis, const D: usize>(a: &[[f64; D]], b: &[[f64; D]], shift: &[
         row([0, 0]);
     } else {
         for j in range(D - 1) {
-            row([j * B::REACH, (j as i32 - shift[D - 1]) as usize * B::REACH]);
+            row([j * reach, (j as i32 - shift[D - 1]) as usize * reach]);
         }
     }
     sum

@@ -4,19 +4,20 @@
 //! A stage runs by one of them. By the clock of the seepage the water takes implicit steps of its own length
 //! ([`FreeSurface`]); by that of the soil the explicit step of Figure 1 runs with the pressures held.
 
-use super::{Explicit, Failing, Fault, Model, Pace, Work};
-use crate::constitutive::Law;
-use crate::dimension::Kinematics;
+use pulp::Simd;
+
+use super::explicit::Explicit;
+use super::kernel::Functions;
+use super::store::nodes::force;
+use super::{Failing, Fault, Model, Pace, Work};
+use crate::constitutive::{Law, Material, Materials};
 use crate::grid::Grid;
 use crate::keep::Keeper;
 use crate::observe::{
     CellState, FieldPoint, Frame, Ledger, Observation, Places, SolidState, WaterParticle, WaterState,
 };
 use crate::scene::{Clock, Stage};
-use crate::shape::Shape;
-use crate::step::track::Track;
 use crate::water::Carried;
-use crate::water::Water;
 use crate::water::free_surface::Kind;
 
 /// First step of a seepage stage as a share of its length.
@@ -32,12 +33,11 @@ const MOST_MOVES: u64 = 1 << 20;
 /// Soil that has moved less than this takes no water along, in cells.
 const NEAR: f64 = 1e-3;
 
-/// The model with two clocks. K: dimension, Sh: shape, L: law.
-#[derive(Debug)]
-pub struct TwoClocks<K, Sh, L, const D: usize, const S: usize> {
-    soil: Explicit<K, Sh, L, Carried<D>, D, S>,
-    /// The law of the scene.
-    law: L,
+/// The model with two clocks. V: the machine's lanes, F: functions.
+pub struct TwoClocks<V: Simd, F: Functions<D>, const D: usize> {
+    soil: Explicit<V, F, D>,
+    /// The materials of the scene.
+    materials: Materials,
     clock: Clock,
     /// Length of the next seepage step, s.
     next: f64,
@@ -48,30 +48,33 @@ pub struct TwoClocks<K, Sh, L, const D: usize, const S: usize> {
     work: Work,
 }
 
-impl<K, Sh, L, const D: usize, const S: usize> TwoClocks<K, Sh, L, D, S>
-where
-    K: Kinematics<D, S>,
-    Sh: Shape,
-    L: Law<S>,
-{
-    /// A run at t = 0.
-    pub fn new(mut soil: Explicit<K, Sh, L, Carried<D>, D, S>) -> Self {
-        let (law, first) = (soil.parts().law, soil.water().stored());
-        Self { law, soil, clock: Clock::Seepage, next: 0.0, left: 0.0, first, work: Work::default() }
+impl<V: Simd, F: Functions<D>, const D: usize> TwoClocks<V, F, D> {
+    /// A run at t = 0, of soil without water and that.
+    pub fn new(soil: Explicit<V, F, D>, water: Carried<D>) -> Self {
+        let (materials, first) = (soil.body().materials, water.stored());
+        let soil = soil.with_free_water(water);
+        Self { materials, soil, clock: Clock::Seepage, next: 0.0, left: 0.0, first, work: Work::default() }
+    }
+
+    fn water(&self) -> &Carried<D> {
+        self.soil.carried().expect("given at the start")
+    }
+
+    fn water_mut(&mut self) -> &mut Carried<D> {
+        self.soil.carried_mut().expect("given at the start")
     }
 
     /// Takes the water along to where the soil stands now.
     fn look_at_soil(&mut self) {
-        let parts = self.soil.parts();
-        if parts.water.way(&parts.grid) > NEAR {
-            parts.water.carry(&parts.grid, &parts.solid);
+        if self.water().way(&self.soil.body().grid) > NEAR {
+            self.soil.carry_water();
         }
         self.book();
     }
 
     /// Books what has flowed by the clock of the soil.
     fn book(&mut self) {
-        let water = &self.soil.parts().water.water;
+        let water = &self.water().water;
         let flowed = [water.inflow, water.outflow];
         let totals = self.soil.totals();
         [totals.water_in, totals.water_out] = flowed;
@@ -79,7 +82,7 @@ where
 
     /// Whether the water particles are those of the water in the cells.
     fn balanced(&self) -> Result<(), Fault> {
-        let what = self.soil.water().unbalanced();
+        let what = self.water().unbalanced();
         what.map_or(Ok(()), |what| Err(Fault { place: "the water".to_owned(), what }))
     }
 
@@ -87,21 +90,21 @@ where
     fn seep_for(&mut self, span: f64, most: u64, done: &mut u64) -> Result<(), Fault> {
         let mut time = 0.0;
         let mut moves = 0;
-        let parts = self.soil.parts();
-        let Carried { water, layer, around, .. } = &mut parts.water;
-        let mut outcome = Ok(());
+        let (grid, mut next) = (self.soil.body().grid, self.next);
+        let carried = self.water_mut();
+        let Carried { water, layer, around, .. } = carried;
+        let (mut outcome, mut steps) = (Ok(()), 0);
         while time < span && moves < most {
             let left = span - time;
             // No sliver of a step before the end.
-            let asked = if self.next > 0.75 * left { left } else { self.next };
+            let asked = if next > 0.75 * left { left } else { next };
             match water.step(asked) {
-                Ok((step, next)) => {
+                Ok((step, longer)) => {
                     // A step that was only cut to end at a time says nothing of the next.
-                    self.next = if step < asked || asked >= self.next { next } else { self.next.max(next) };
-                    moves += layer.follow(&parts.grid, water, step, around.periodic);
+                    next = if step < asked || asked >= next { longer } else { next.max(longer) };
+                    moves += layer.follow(&grid, water, step, around.periodic);
                     time = if step >= left { span } else { time + step };
-                    self.work.accepted += 1;
-                    *done += 1;
+                    steps += 1;
                 }
                 Err(e) => {
                     outcome = Err(everywhere(&e));
@@ -109,16 +112,18 @@ where
                 }
             }
         }
-        self.left = span - time;
-        parts.water.returns(time);
-        parts.water.show();
-        self.soil.pass(time);
+        carried.returns(time);
+        carried.show();
+        (self.left, self.next) = (span - time, next);
+        self.work.accepted += steps;
+        *done += steps;
+        self.soil.pass_time(time);
         self.book();
         outcome.and_then(|()| self.balanced())
     }
 
     fn water_state(&self, grid: &Grid<D>) -> WaterState {
-        let Carried { water, layer, .. } = self.soil.water();
+        let Carried { water, layer, .. } = self.water();
         let rounding = layer.rounding();
         let mut front = [0.0; 2];
         for (cell, position) in grid.walk() {
@@ -131,7 +136,7 @@ where
             }
         }
         WaterState {
-            mobile_m3: self.soil.water().stored(),
+            mobile_m3: self.water().stored(),
             mobile_porosity: water.medium.porosity,
             particles_m3: layer.stored(),
             pending_m3: layer.pending(),
@@ -154,20 +159,27 @@ where
     }
 }
 
+/// A vector in two dimensions; that of a column is vertical.
+fn in_two<const D: usize>(v: &[f64; D]) -> [f64; 2] {
+    [if D == 2 { v[0] } else { 0.0 }, v[D - 1]]
+}
+
+/// Deviator strain sqrt(2/3 e:e) of a strain xx, yy, zz, xy (tensor components).
+fn deviator(strain: &[f64; 4]) -> f64 {
+    let mean = strain[..3].iter().sum::<f64>() / 3.0;
+    let sum: f64 = strain[..3].iter().map(|strain| (strain - mean).powi(2)).sum();
+    (2.0 / 3.0 * (sum + 2.0 * strain[3] * strain[3])).sqrt()
+}
+
 fn everywhere(what: &impl ToString) -> Fault {
     Fault { place: "the whole soil".to_owned(), what: what.to_string() }
 }
 
-impl<K, Sh, L, const D: usize, const S: usize> Model for TwoClocks<K, Sh, L, D, S>
-where
-    K: Kinematics<D, S>,
-    Sh: Shape,
-    L: Law<S>,
-{
+impl<V: Simd, F: Functions<D>, const D: usize> Model for TwoClocks<V, F, D> {
     fn advance(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault> {
         match self.clock {
             Clock::Seepage => {
-                let at_once = (CELL_MOVES_AT_ONCE / self.soil.grid().cell_count()).clamp(16, 4096);
+                let at_once = (CELL_MOVES_AT_ONCE / self.soil.body().grid.cell_count()).clamp(16, 4096);
                 self.seep_for(dt * steps as f64, at_once as u64, done)
             }
             Clock::Soil | Clock::Both => self.soil.advance(dt, steps, done).and_then(|()| self.balanced()),
@@ -177,14 +189,18 @@ where
     fn enter_stage(&mut self, stage: &Stage, times: &[f64]) -> Result<(), Fault> {
         self.clock = stage.clock;
         if self.clock == Clock::Soil {
-            self.soil.parts().water.show();
+            self.water_mut().show();
             return self.soil.enter_stage(stage, times);
         }
         self.next = FIRST_STEP * times.first().copied().unwrap_or(1.0);
         self.look_at_soil();
-        let parts = self.soil.parts();
-        parts.water.open(&parts.grid, stage.drained);
+        let grid = self.soil.body().grid;
+        self.water_mut().open(&grid, stage.drained);
         Ok(())
+    }
+
+    fn failing(self: Box<Self>) -> Option<Box<dyn Failing>> {
+        Some(self)
     }
 
     fn left(&self) -> f64 {
@@ -201,8 +217,8 @@ where
 
     fn observe(&self) -> Observation {
         let mut state = self.soil.observe();
-        let grid = self.soil.grid();
-        let water = &self.soil.water().water;
+        let grid = self.soil.body().grid;
+        let water = &self.water().water;
         state.field = grid
             .walk()
             .filter(|(cell, _)| water.soil.is_soil(*cell))
@@ -217,15 +233,15 @@ where
                 }
             })
             .collect();
-        state.water = Some(self.water_state(grid));
+        state.water = Some(self.water_state(&grid));
         state
     }
 
     /// Water is counted in the cells that carry it: the particles of soil clipped by an outline may lie in the next one.
     fn ledger(&self) -> Ledger {
-        let (water, ledger) = (self.soil.water(), self.soil.ledger());
+        let (water, ledger) = (self.water(), self.soil.ledger());
         let moved = water.stored() - self.first - water.water.inflow + water.water.outflow;
-        Ledger { water_closing_kg: Water::<K, D, S>::density(water) * moved, ..ledger }
+        Ledger { water_closing_kg: water.density() * moved, ..ledger }
     }
 
     fn pore_pressure(&self) -> [f64; 3] {
@@ -245,18 +261,14 @@ where
     }
 
     fn places(&self) -> Places {
-        Places::of(self.soil.solid_points(), &self.soil.water().layer.points)
+        self.soil.places()
     }
 
     fn keep(&mut self, keeper: &mut Keeper) {
-        let mut tracked = self.soil.track.is_some();
+        let mut tracked = self.soil.is_tracked();
         keeper.bool(&mut tracked);
-        if tracked && self.soil.track.is_none() {
-            let solid = &self.soil.parts().solid;
-            self.soil.track = Some(Box::new(Track::new(solid)));
-        }
-        if !tracked {
-            self.soil.track = None;
+        if tracked && !self.soil.is_tracked() {
+            self.soil.begin_track();
         }
         self.soil.keep(keeper);
         let mut clock = self.clock as u32;
@@ -269,18 +281,13 @@ where
     }
 }
 
-impl<K, Sh, L, const S: usize> Failing for TwoClocks<K, Sh, L, 2, S>
-where
-    K: Kinematics<2, S>,
-    Sh: Shape,
-    L: Law<S>,
-{
+impl<V: Simd, F: Functions<D>, const D: usize> Failing for TwoClocks<V, F, D> {
     fn move_soil(&mut self, pace: &Pace, done: &mut u64) -> Result<(), Fault> {
         self.soil.damp_by(pace.damping);
-        let parts = self.soil.parts();
-        if parts.water.pressures != pace.pressures {
-            parts.water.pressures = pace.pressures;
-            parts.water.show();
+        if self.water().pressures != pace.pressures {
+            let water = self.water_mut();
+            water.pressures = pace.pressures;
+            water.show();
         }
         let outcome = self.soil.advance(pace.dt, pace.steps, done);
         self.book();
@@ -304,11 +311,11 @@ where
     }
 
     fn feel(&mut self, share: f64) {
-        self.soil.parts().water.feel(share);
+        self.water_mut().feel(share);
     }
 
     fn glue(&mut self, glued: bool) {
-        if let Some(base) = self.soil.base() {
+        if let Some(base) = self.soil.friction() {
             base.glue(glued);
         }
     }
@@ -318,78 +325,78 @@ where
     }
 
     fn count_from_here(&mut self) {
-        let solid = &self.soil.parts().solid;
-        self.soil.track = Some(Box::new(Track::new(solid)));
-        self.soil.parts().water.work = 0.0;
+        self.soil.begin_track();
+        self.water_mut().work = 0.0;
         self.soil.begin_ledgers();
         self.book();
     }
 
     fn forget_slip(&mut self) {
-        if let Some(base) = self.soil.base() {
+        if let Some(base) = self.soil.friction() {
             base.forget_slip();
         }
     }
 
     fn alter(&mut self, factor: f64, stiffness: f64) {
-        let parts = self.soil.parts();
-        // The law of the scene to its last bit: a run that is resumed has no other.
+        // The materials of the scene to their last bit: a run that is resumed has no others.
         let unaltered = factor == 1.0 && stiffness == 1.0;
-        parts.law = if unaltered { self.law } else { self.law.altered(factor, stiffness) };
-        if let Some(base) = self.soil.base() {
+        let altered = |material: &Material| material.altered(factor, stiffness);
+        self.soil.change_materials(if unaltered { self.materials } else { self.materials.map(altered) });
+        if let Some(base) = self.soil.friction() {
             base.weaken(factor);
         }
     }
 
     fn unbalanced(&self) -> f64 {
-        let (nodes, motion) = self.soil.nodes();
+        let (nodes, gravity) = (self.soil.nodes(), self.soil.body().gravity.unwrap_or([0.0; D]));
         let (mut left, mut whole) = (0.0, 0.0);
-        for (node, m) in nodes.iter().zip(motion) {
-            let force = |a: [f64; 2]| (a[0] * a[0] + a[1] * a[1]).sqrt();
-            left += node.mixture_mass * force(m.acceleration);
-            whole += force(node.force);
+        for node in 0..nodes.frame.count() {
+            let mass = nodes.mixture_mass(node);
+            let size = |of: [f64; D]| of.iter().map(|x| x * x).sum::<f64>().sqrt();
+            left += mass * size(std::array::from_fn(|d| nodes.motion.acceleration[d][node]));
+            whole += size(std::array::from_fn(|d| nodes.sum(force(D) + d, node) + mass * gravity[d]));
         }
         if whole > 0.0 { left / whole } else { 0.0 }
     }
 
     fn each(&self, visit: &mut dyn FnMut(&SolidState)) {
-        let (points, ids) = self.soil.solid_and_ids();
-        let (grid, water) = (self.soil.grid(), self.soil.water());
-        for (point, id) in points.iter().zip(ids) {
-            let track = self.soil.track.as_deref();
-            let from = track.map_or(point.x, |track| track.origin[*id as usize]);
-            let mut stress = [0.0; 4];
-            stress[..S.min(4)].copy_from_slice(&point.stress[..S.min(4)]);
+        let (grid, water) = (&self.soil.body().grid, self.water());
+        self.soil.each_particle(|id, point, from, strain| {
             visit(&SolidState {
-                id: *id,
-                x: point.x,
-                displacement: [point.x[0] - from[0], point.x[1] - from[1]],
-                velocity: point.v,
-                stress,
+                id,
+                x: in_two(&point.x),
+                displacement: in_two(&std::array::from_fn::<f64, D, _>(|d| point.x[d] - from[d])),
+                velocity: in_two(&point.v),
+                stress: point.stress,
                 pore_pressure: grid.cell_at(&point.x).map_or(0.0, |cell| water.felt(cell)),
-                deviator_strain: track.map_or(0.0, |track| track.deviator(*id)),
+                deviator_strain: deviator(&strain),
                 volume: point.volume,
                 mass: point.mass,
             });
-        }
+        });
     }
 
     fn frame(&self, time_s: f64, step: u64) -> Frame {
-        let (grid, water) = (self.soil.grid(), self.soil.water());
+        let (grid, water) = (&self.soil.body().grid, self.water());
         let mut solid = Vec::with_capacity(self.soil.solid_count());
         self.each(&mut |state| solid.push(*state));
         solid.sort_by_key(|state| state.id);
         Frame {
             time_s,
             step,
-            cells: grid.cells,
+            cells: [if D == 2 { grid.cells[0] } else { 1 }, grid.cells[D - 1]],
             size: grid.size,
             solid,
             water: water
                 .layer
                 .points
                 .iter()
-                .map(|p| WaterParticle { x: p.x, velocity: p.v, pressure: p.pressure, volume: p.volume })
+                .map(|p| WaterParticle {
+                    x: in_two(&p.x),
+                    velocity: in_two(&p.v),
+                    pressure: p.pressure,
+                    volume: p.volume,
+                })
                 .collect(),
             cell: (0..grid.cell_count())
                 .map(|cell| CellState {
@@ -402,11 +409,11 @@ where
     }
 
     fn level(&self, x: f64) -> f64 {
-        self.soil.water().water.level(self.soil.grid(), x)
+        self.water().water.level(&self.soil.body().grid, x)
     }
 
     fn front(&self, towards: f64) -> f64 {
-        let (grid, water) = (self.soil.grid(), &self.soil.water().water);
+        let (grid, water) = (&self.soil.body().grid, &self.water().water);
         let right = towards > 0.0;
         let last_soil = (0..grid.cells[0]).rfind(|cell| water.soil.is_soil(*cell)).map_or(0, |cell| cell + 1);
         // Before any has come: the side that the toe looks away from.
@@ -432,7 +439,7 @@ where
     }
 
     fn unevenness(&self) -> [f64; 2] {
-        let (grid, water) = (self.soil.grid(), &self.soil.water().water);
+        let (grid, water) = (&self.soil.body().grid, &self.water().water);
         let full = |cell: usize| water.kind[cell] == Kind::Full;
         let (mut uneven, mut blocks, mut mean, mut cells) = (0.0, 0u32, 0.0, 0u32);
         let across = grid.cells[0];
@@ -450,16 +457,16 @@ where
         }
         let checkerboard =
             if blocks > 0 && mean > 0.0 { uneven / f64::from(blocks) / (mean / f64::from(cells)) } else { 0.0 };
-        let (_, motion) = self.soil.nodes();
-        let gravity = self.soil.gravity().map_or(0.0, |[x, y]| x.hypot(y));
+        let velocity = &self.soil.nodes().motion.velocity;
+        let gravity = self.soil.body().gravity.map_or(0.0, |g| g.iter().map(|g| g * g).sum::<f64>().sqrt());
         let still = STILL * STILL * gravity * grid.cells[1] as f64 * grid.size;
         let (mut hourglass, mut whole) = (0.0, 0.0);
         for (cell, position) in grid.walk() {
             let soil = water.soil.share[cell];
             if soil > 0.0 {
-                let corners = grid.corners_from(grid.first_corner(cell, &position)).map(|node| motion[node].velocity);
-                for d in 0..2 {
-                    let [a, b, c, e] = corners.map(|v| v[d]);
+                let corners = grid.corners_from(grid.first_corner(cell, &position));
+                for velocity in velocity {
+                    let [a, b, c, e] = corners.map(|node| velocity[node]);
                     hourglass += soil * (0.25 * (a - b - c + e)).powi(2);
                     whole += soil * 0.25 * (a * a + b * b + c * c + e * e);
                 }

@@ -3,20 +3,18 @@
 //! The soil feels the pressures of the cells (`free_surface`), on the soil of each cell: carried back to particles, a thin wet layer
 //! would push too hard. They are held while the soil comes to rest, or follow its motion, implicitly or explicitly.
 
+use super::Pushed;
 use super::free_surface::{
     Along, Filling, FreeSurface, Kind, Medium, MovingStep, Rounding, SoilMap, Square, Squeeze, Surroundings,
     WaterLayer, squares,
 };
-use super::{FlowRates, Place, Pushed, SoilCell, StressSums, Water};
-use crate::dimension::{Kinematics, shares};
 use crate::grid::Grid;
 use crate::keep::Keeper;
-use crate::nodes::NodeMotion;
-use crate::particles::{Layer, SolidPoint, WaterPoint};
+use crate::particles::{Layer, SolidPoint};
 use crate::scene::{Feed, Scene, WaterProperties};
 use crate::seeding;
-use crate::shape::Shape;
 use crate::sparse::Unsolved;
+use crate::step::store::Motion;
 
 /// Soil that has moved this far takes its water along before it moves on, in cells.
 const FAR: f64 = 0.02;
@@ -275,53 +273,32 @@ fn wet_area<const D: usize>(scene: &Scene, position: &[usize; D]) -> f64 {
     free.level.map_or(0.0, |level| ((level - low[D - 1]) / scene.cell).clamp(0.0, 1.0))
 }
 
-impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Carried<D> {
-    const WET: bool = true;
-    const PRESSES: bool = true;
-
-    #[inline(always)]
-    fn clear(&mut self) {
-        for soil in &mut self.soil {
-            soil.volume = 0.0;
+impl<const D: usize> Carried<D> {
+    /// Notes the soil of a cell in this step: its volume (m3) and centroid (cell coordinates), where that is where its stress acts.
+    pub fn note(&mut self, cell: usize, volume: f64, centroid: Option<[f64; D]>) {
+        let at = centroid.unwrap_or([0.5; D]);
+        let mut pressed = at;
+        if centroid.is_some() {
+            pressed[D - 1] *= self.lower[cell];
         }
+        self.soil[cell] = Filling { volume, at, pressed };
     }
 
-    #[inline(always)]
-    fn cell_to_grid<Sh: Shape>(
-        &mut self,
-        _: &Grid<D>,
-        soil: &SoilCell<D>,
-        _: &[f64; 4],
-        stress: &mut StressSums<D, S>,
-    ) -> [f64; 4] {
-        let cell = soil.place.cell;
-        let mut at = soil.at;
-        if Sh::AT_CENTROID {
-            at[D - 1] *= self.lower[cell];
-        }
-        self.soil[cell] = Filling { volume: soil.volume, at: soil.at, pressed: at };
-        let pushed = self.felt[cell] * soil.volume;
-        for s in 0..S {
-            stress.mean[s] += pushed * K::UNIT_PRESSURE[s];
-            for d in 0..D {
-                stress.first[d][s] += at[d] * pushed * K::UNIT_PRESSURE[s];
-            }
-        }
-        let mut middle = [0.5; D];
-        middle[D - 1] = self.middle[cell];
-        shares(self.per_volume[cell] * soil.volume, &middle)
+    /// What the soil of a cell feels: pressure (Pa), water per volume of soil (kg/m3), factor on the height of the centroid where the
+    /// pressure acts, height of the middle of the water, in cells.
+    pub fn given(&self, cell: usize) -> [f64; 4] {
+        [self.felt[cell], self.per_volume[cell], self.lower[cell], self.middle[cell]]
     }
 
-    #[inline(always)]
-    fn flow(&mut self, _: &Grid<D>, _: &[NodeMotion<D>], _: &[f64; D]) -> FlowRates {
-        FlowRates::default()
-    }
-
-    fn press(
+    /// Lets the pressures of a step dt (s) act on the motion of the nodes, and the water follow it.
+    ///
+    /// # Errors
+    /// Where and what went wrong.
+    pub fn press(
         &mut self,
         grid: &Grid<D>,
         pushed: &Pushed<D>,
-        motion: &mut [NodeMotion<D>],
+        motion: &mut Motion,
         dt: f64,
     ) -> Result<(), (String, String)> {
         let bulk_modulus = self.properties.bulk_modulus;
@@ -348,55 +325,43 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Car
             self.feel(1.0);
         }
         let mut fastest: f64 = 0.0;
-        for (swept, m) in self.swept.iter_mut().zip(motion.iter()) {
+        for (node, swept) in self.swept.iter_mut().enumerate() {
             for d in 0..D {
-                swept[d] += dt * m.velocity[d];
-                fastest = fastest.max(m.velocity[d].abs());
+                let velocity = motion.velocity[d][node];
+                swept[d] += dt * velocity;
+                fastest = fastest.max(velocity.abs());
             }
         }
         self.way += dt * fastest;
         Ok(())
     }
 
-    #[inline(always)]
-    fn cell_to_points<Sh: Shape>(&mut self, _: &Grid<D>, _: &Place<D>, _: &[[f64; D]; 4], _: f64) {}
-
-    fn settle(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>) -> Result<(), (String, String)> {
-        if self.pressures != Pressures::Held && self.way(grid) > FAR {
-            self.carry(grid, solid);
-        }
-        Ok(())
+    /// Whether soil that moves under pressures that follow has left its water too far behind.
+    pub fn is_behind(&self, grid: &Grid<D>) -> bool {
+        self.pressures != Pressures::Held && self.way(grid) > FAR
     }
 
-    fn set_drained(&mut self, grid: &Grid<D>, _: &Layer<SolidPoint<D, S>, D>, drained: [bool; 4]) {
-        self.open(grid, drained);
-    }
-
-    fn layer(&self) -> Option<&Layer<WaterPoint<D>, D>> {
-        None
-    }
-
-    fn cell_state(&self, soil: &SoilCell<D>) -> (f64, f64) {
-        (self.felt[soil.place.cell], 0.0)
-    }
-
-    fn on_base(&self, soil: &SoilCell<D>, _: f64) -> (f64, Option<f64>) {
-        let (water, cell) = (&self.water, soil.place.cell);
+    /// Pressure on the base under a cell of the lowest row (Pa), and the share of its bottom that is under soil.
+    pub fn on_base(&self, cell: usize) -> (f64, f64) {
+        let water = &self.water;
         let half = 0.5 * water.medium.rise() * water.medium.size;
         let pressure = if water.kind[cell].unknown() { (water.pressure[cell] + half).max(0.0) } else { 0.0 };
         // In the lowest row the faces below the cells have their numbers.
-        (self.share * pressure, Some(water.soil.cover[D - 1][cell][1].max(LEAST_COVER)))
+        (self.share * pressure, water.soil.cover[D - 1][cell][1].max(LEAST_COVER))
     }
 
-    fn cell_mass(&self, soil: &SoilCell<D>) -> f64 {
-        self.per_volume[soil.place.cell] * soil.volume
+    /// Mass of water in a volume (m3) of the soil of a cell, kg.
+    pub fn mass_in(&self, cell: usize, volume: f64) -> f64 {
+        self.per_volume[cell] * volume
     }
 
-    fn held_work(&self) -> f64 {
-        self.work
+    /// rho_w, kg/m3.
+    pub fn density(&self) -> f64 {
+        self.properties.density
     }
 
-    fn keep(&mut self, keeper: &mut Keeper, grid: &Grid<D>) {
+    /// Writes or reads what steps to come depend on.
+    pub fn keep(&mut self, keeper: &mut Keeper, grid: &Grid<D>) {
         for open in &mut self.around.open {
             keeper.bool(open);
         }
@@ -424,11 +389,8 @@ impl<K: Kinematics<D, S>, const D: usize, const S: usize> Water<K, D, S> for Car
         }
     }
 
-    fn density(&self) -> f64 {
-        self.properties.density
-    }
-
-    fn bytes(&self) -> usize {
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
         let floats = [&self.felt, &self.per_volume, &self.middle].iter().map(|v| v.capacity()).sum::<usize>();
         self.water.bytes() + floats * size_of::<f64>() + self.soil.capacity() * size_of::<Filling<D>>()
     }

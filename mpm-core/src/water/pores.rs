@@ -1,7 +1,7 @@
 //! Water that fills the pores: its particles, its outline, and what it is in a cell.
 
+use super::darcy::DRAINED_SURFACE;
 use super::exposed::Exposed;
-use super::face::DRAINED_SURFACE;
 use super::{FaceFlow, density_ratio, stored_energy};
 use crate::grid::Grid;
 use crate::keep::Keeper;
@@ -39,9 +39,15 @@ pub struct Pores<const D: usize> {
     /// Whether a cell at the edge of the soil may be without water particles: those of soil that moves through cells come
     /// and go beside its own. It counts as open to the outside until some arrive.
     open_edges: bool,
+    /// Whether water leaves soil that runs out with its particles: a cell whose water fills less than half of its soil is open
+    /// to the air, and its water moves with the soil until soil and water fill it again.
+    pub partly_drained: bool,
     /// Cells that are.
     bare: Vec<u32>,
 }
+
+/// Share of a cell's soil that its water must fill to have a pressure, where soil runs out.
+pub const LEAST_FULL: f64 = 0.5;
 
 impl<const D: usize> Pores<D> {
     /// Water particles in the pores of a scene's soil; `face_area` in m2.
@@ -50,7 +56,7 @@ impl<const D: usize> Pores<D> {
         layer: Layer<WaterPoint<D>, D>,
         grid: &Grid<D>,
         properties: &WaterProperties,
-        (face_area, open_edges): (f64, bool),
+        (face_area, open_edges, partly_drained): (f64, bool, bool),
     ) -> Self {
         let mobility = properties.mobility() * grid.inverse_size;
         let of_row = |row: usize| {
@@ -75,6 +81,7 @@ impl<const D: usize> Pores<D> {
             removed_mass: 0.0,
             rows: (0..grid.cells[D - 1]).filter_map(of_row).collect(),
             open_edges,
+            partly_drained,
             bare: Vec::new(),
         }
     }
@@ -128,6 +135,23 @@ impl<const D: usize> Pores<D> {
         exposed.rebuild(grid, |cell| !solid.range(cell).is_empty() && bare.binary_search(&(cell as u32)).is_err());
     }
 
+    /// Notes which cells of soil hold no water, where it leaves with its particles.
+    pub fn note_open<const S: usize>(
+        &mut self,
+        grid: &Grid<D>,
+        solid: &Layer<SolidPoint<D, S>, D>,
+        is_open: impl Fn(&usize) -> bool,
+    ) {
+        self.bare.clear();
+        self.bare.extend((0..grid.cell_count()).filter(is_open).map(|cell| cell as u32));
+        self.rebuild(grid, solid);
+    }
+
+    /// Whether water may leave the soil.
+    pub fn may_leave(&self) -> bool {
+        self.partly_drained || self.drained.contains(&true)
+    }
+
     /// Looks for cells of soil without water.
     ///
     /// # Errors
@@ -169,7 +193,7 @@ impl<const D: usize> Pores<D> {
         let outside = |p: &WaterPoint<D>| grid.cell_at(&p.x).is_none_or(|cell| solid.range(cell).is_empty());
         let lost = |x: &[f64; D], what: &str| (format!("water particle at {x:?} m"), what.to_owned());
         if let Some(point) = self.layer.points.iter().find(|p| outside(p)) {
-            if point.x.iter().any(|x| !x.is_finite()) || !self.drained.contains(&true) {
+            if point.x.iter().any(|x| !x.is_finite()) || !self.may_leave() {
                 return Err(lost(&point.x, "outside the soil, which is undrained"));
             }
             let mut removed = 0.0;
@@ -183,7 +207,9 @@ impl<const D: usize> Pores<D> {
         } else {
             self.layer.sort(grid).map_err(|e| lost(&e.x, "outside the mesh"))?;
         }
-        self.look_for_bare(grid, solid)?;
+        if !self.partly_drained {
+            self.look_for_bare(grid, solid)?;
+        }
         self.rebuild(grid, solid);
         Ok(())
     }
@@ -198,13 +224,19 @@ impl<const D: usize> Pores<D> {
         let (sum, volume) = self.layer.points[self.layer.range(soil.cell)]
             .iter()
             .fold((0.0, 0.0), |(s, v), p| (s + p.volume * p.pressure, v + p.volume));
-        let pressure = if volume > 0.0 { sum / volume } else { 0.0 };
+        let mut pressure = if volume > 0.0 { sum / volume } else { 0.0 };
+        if self.partly_drained {
+            pressure = if volume < LEAST_FULL * soil.volume { 0.0 } else { pressure.max(0.0) };
+        }
         let pores = self.porosity(soil) * soil.filled;
         (pressure, pores * stored_energy(pressure, self.flow.bulk_modulus))
     }
 
     /// Mass of water in the pores of a cell of soil, `rho_w n V exp(p/K_w)`, kg.
     pub fn cell_mass(&self, soil: &CellSoil) -> f64 {
+        if self.partly_drained {
+            return self.layer.points[self.layer.range(soil.cell)].iter().map(|p| p.mass).sum();
+        }
         let (pressure, _) = self.cell_state(soil);
         let pores = self.porosity(soil) * soil.filled;
         let denser = density_ratio(pressure, self.flow.bulk_modulus) - 1.0;

@@ -1,8 +1,8 @@
 //! Scene texts for the tests (the study's default scene with some of its lines changed), and how close two figures are.
 #![allow(dead_code)] // each test file uses its own part
 
+pub mod by_hand;
 pub mod refusal;
-pub mod witness;
 
 use mpm_core::drive::Run;
 use mpm_core::run::run;

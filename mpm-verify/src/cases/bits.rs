@@ -80,7 +80,7 @@ fn block(cells: [usize; 2], steps: f64) -> Scene {
 /// Strips add up the row between them in another order than the plain step: no more than that may differ.
 fn lanes(off: f64) -> Result<Outcome, String> {
     let scene = block([40, 100], 120.0);
-    let plain = whole(run_on(&Hardware::plain(Width::Plain), &scene, &mut |_| {}))?;
+    let plain = whole(run_on(&Hardware::plain(Width::One), &scene, &mut |_| {}))?;
     let mut own = scene.clone();
     own.surcharge = scene.surcharge.map(|load| Surcharge { pressure: load.pressure * (1.0 + off), ..load });
     let over_lanes = whole(run_on(&Hardware::default(), &own, &mut |_| {}))?;

@@ -548,7 +548,7 @@ fn threads(base: &Base) -> Verdict {
             let hardware = Hardware::threads(threads).map_err(Verdict::Unfinished)?;
             worst = worst.worse(bits(&one, &said(&run(&hardware)?), &format!("{threads} threads")));
         }
-        let plain = run(&Hardware::plain(Width::Plain))?;
+        let plain = run(&Hardware::plain(Width::One))?;
         if let Some(failure) = plain.failure {
             return Err(Verdict::Unfinished(failure.to_string()));
         }

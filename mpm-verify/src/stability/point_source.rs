@@ -1,20 +1,16 @@
 //! What each Darcy operator does to a point source of pressure.
 
-use mpm_core::boundary::{Supports, SurfaceLoad};
-use mpm_core::constitutive::LinearElastic;
-use mpm_core::dimension::PlaneStrain;
-use mpm_core::grid::Grid;
-use mpm_core::observe::Seed;
-use mpm_core::particles::{Layer, SolidPoint, WaterPoint, even_positions};
-use mpm_core::scene::{Clock, Elastic, LoadOn, SolidSide, Stage, Until};
-use mpm_core::shape::Centre;
-use mpm_core::step::{Explicit, Model, Parts};
-use mpm_core::water::{DarcyOperator, Face, Nodal, Saturated};
+use std::sync::Arc;
+
+use mpm_core::boundary::{FirstState, Given};
+use mpm_core::hardware::Hardware;
+use mpm_core::run::model_given;
+use mpm_core::scene::{Clock, DarcyChoice, Dimension, ShapeChoice, SolidSide, Stage, Start, Until};
 
 /// Share of the pore pressure that alternates from cell to cell after a point source in a stiff block has spread
 /// over a few cells: zero for smooth pressure. First the face operator's, then the nodal one's.
 pub fn checkerboard() -> [f64; 2] {
-    [point_source::<Face<2>>(), point_source::<Nodal<2>>()]
+    [DarcyChoice::Face, DarcyChoice::Nodal].map(point_source)
 }
 
 /// Cells along each side of the block.
@@ -22,50 +18,27 @@ const BLOCK: usize = 17;
 /// Cells over which the pressure spreads.
 const SPREAD: f64 = 3.0;
 
-fn point_source<O: DarcyOperator<2> + 'static>() -> f64 {
-    let scene = crate::scenes::terzaghi();
-    let Some(properties) = scene.water else { return f64::NAN };
-    let grid = Grid::new([BLOCK, BLOCK], 0.02);
-    let volume = grid.size * grid.size;
-    let places: Vec<[f64; 2]> = even_positions([BLOCK, BLOCK], 1).map(|x| x.map(|x| x * grid.size)).collect();
-    let solid =
-        |x: &[f64; 2]| SolidPoint { x: *x, v: [0.0; 2], stress: [0.0; 4], mass: scene.dry_density() * volume, volume };
-    let middle = 0.5 * BLOCK as f64 * grid.size;
-    let water = |x: &[f64; 2]| WaterPoint {
-        x: *x,
-        v: [0.0; 2],
-        mass: scene.porosity * properties.density * volume,
-        volume,
-        pressure: if x.iter().all(|x| (x - middle).abs() < 0.5 * grid.size) { 1.0e4 } else { 0.0 },
-    };
-    let layers =
-        (Layer::new(places.iter().map(solid).collect(), &grid), Layer::new(places.iter().map(water).collect(), &grid));
-    let (Ok(solid), Ok(water)) = layers else { return f64::NAN };
+fn point_source(darcy: DarcyChoice) -> f64 {
+    let mut scene = crate::scenes::terzaghi();
+    (scene.dimension, scene.cells, scene.cell) = (Dimension::PlaneStrain, [BLOCK, BLOCK], 0.02);
+    (scene.width, scene.height) = (BLOCK as f64 * scene.cell, BLOCK as f64 * scene.cell);
+    (scene.shape, scene.darcy, scene.darcy_inertia) = (ShapeChoice::Centre, darcy, false);
+    (scene.particles_per_cell, scene.flip) = (1, 0.0);
+    (scene.start, scene.surcharge, scene.gravity) = (Start::Unloaded, None, None);
+    scene.solid_sides = [SolidSide::Roller; 4];
     // A skeleton so stiff that only the water moves.
-    let stiff = Elastic { youngs_modulus: 2.0e12, poisson_ratio: 0.3 };
-    let operator = O::new(&grid, &properties, grid.size, false);
+    scene.elastic.youngs_modulus = 2.0e12;
+    let Some(properties) = scene.water else { return f64::NAN };
+    let (size, middle) = (scene.cell, 0.5 * scene.width);
+    let source = move |x: [f64; 2]| FirstState {
+        pressure: if x.iter().all(|x| (x - middle).abs() < 0.5 * size) { 1.0e4 } else { 0.0 },
+        ..FirstState::default()
+    };
     let diffusivity = properties.mobility() * scene.pore_stiffness();
-    let spread = (SPREAD * grid.size).powi(2) / (2.0 * diffusivity);
-    let dt = 0.1 * volume / diffusivity;
-    let mut model = Explicit::<PlaneStrain, Centre, _, _, 2, 4>::new(Parts {
-        supports: Supports::new(&grid, &[SolidSide::Roller; 4]),
-        water: Saturated::new(water, &grid, properties, scene.grain_density, operator),
-        law: LinearElastic::plane_strain(&stiff),
-        surface: SurfaceLoad::new(Vec::new(), 0.0, LoadOn::Surface),
-        filled: Default::default(),
-        surcharge: None,
-        gravity: None,
-        force: None,
-        plate: None,
-        transfer: None,
-        flip: 0.0,
-        apart: 0.0,
-        most_crossings: u64::MAX,
-        seed: Seed { per_row: BLOCK, spacing: grid.size, heights: Vec::new() },
-        first_settlement: 0.0,
-        grid,
-        solid,
-    });
+    let spread = (SPREAD * size).powi(2) / (2.0 * diffusivity);
+    let dt = 0.1 * size * size / diffusivity;
+    let given = Given { start: Some(Arc::new(source)), ..Given::default() };
+    let Ok(mut model) = model_given(&Hardware::default(), &scene, &given) else { return f64::NAN };
     let closed = Stage {
         name: "spread".to_owned(),
         drained: [false; 4],

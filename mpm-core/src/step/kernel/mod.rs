@@ -181,6 +181,8 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
     const SPLIT: bool = false;
     /// Whether all particles of a cell are strained alike.
     const OF_CELL: bool = false;
+    /// Whether that is as at the centroid of the soil.
+    const AT_CENTROID: bool = false;
     /// Whether pore pressures follow the strains of their own particles.
     const PRESSURE_AT_PARTICLES: bool = false;
     /// Whether the functions are numbered as the nodes of the mesh, and have their values there.
@@ -286,6 +288,8 @@ pub enum InPores<'a> {
         relative: Option<&'a [Vec<f64>; 2]>,
         /// Rise of the pressure of each cell in the step, Pa, where it has been solved for.
         rise: Option<&'a [f64]>,
+        /// Whether water may leave soil that runs out: cells are then filled in part, and a partly drained edge lets some out.
+        partly_drained: bool,
     },
     /// Pressure (Pa), mass of water per volume of soil (kg/m3), and the heights in the cell where each acts, of every cell.
     Given {
@@ -353,8 +357,6 @@ pub struct Pass<'a, V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> 
     pub sums: &'a mut StripSums,
     /// Where the pore pressure of its cells goes, Pa.
     pub pressure: &'a mut [f64],
-    /// Where the coupling of its cells goes, m2: `[cell][function][axis]` by vectors of cells; empty if no one asks.
-    pub coupling: &'a mut [f64],
     /// What all strips share.
     pub common: &'a Common<'a, F, D>,
 }
@@ -469,7 +471,15 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
             let Motion { velocity, change, .. } = motion;
             let fields = Fields { simd: self.simd, velocity, change, mapped, frame, at };
             let motion = functions.motion(&fields, &array!([none; D], d => self.of(cell.at[d])));
-            let relative = if wet { self.darcy_flow(at, &cell, running, group) } else { [[none; D]; 4] };
+            let mut relative = if wet { self.darcy_flow(at, &cell, running, group) } else { [[none; D]; 4] };
+            if let InPores::Particles { partly_drained: true, .. } = water {
+                let holds = none.below(self.of(cell.holds));
+                for k in 0..4 {
+                    for d in 0..D {
+                        relative[k][d] = relative[k][d].or(holds, none);
+                    }
+                }
+            }
             let gained = self.solid(group, &position, (&motion, &edges, &cell), (&mut sums, &mut soil), running);
             if wet {
                 self.water(group, &position, Some((&motion, &relative, &cell, gained)), (&edges, &mut sums), running);
@@ -702,6 +712,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
                 let mut place = [half; D];
                 place[D - 1] = self.load(middle, at);
                 closing.pressure = Some(self.load(pressure, at));
+                closing.of_cell = true;
                 closing.given_water = Some((self.load(per_volume, at) * volume, place));
             }
         }
@@ -712,7 +723,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
                 for d in 0..D {
                     for lane in 0..V::F64_LANES {
                         let cell = group * V::F64_LANES + lane;
-                        self.coupling[(cell * reached + a) * D + d] = coupling[a][d].lane(lane);
+                        self.strip.coupling[(cell * reached + a) * D + d] = coupling[a][d].lane(lane);
                     }
                 }
             }

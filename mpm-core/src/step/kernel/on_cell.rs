@@ -64,6 +64,7 @@ impl<Sh: Shape, const D: usize> Functions<D> for OnCell<Sh> {
     const FUSED: bool = true;
     const SPLIT: bool = Sh::SPLIT;
     const OF_CELL: bool = Sh::AT_CENTRE;
+    const AT_CENTROID: bool = Sh::AT_CENTROID;
     const PRESSURE_AT_PARTICLES: bool = !<Sh::Pore as Shape>::AT_CENTRE;
     const NODAL: bool = true;
     type Edges<V: Simd> = ();

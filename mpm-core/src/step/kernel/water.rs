@@ -7,6 +7,7 @@ use super::{Closing, Common, Functions, InPores, Pass, Relative, Running};
 use crate::dimension::{coefficients, gradient, trace};
 use crate::real::{Lanes, MOST_LANES, Real, array};
 use crate::step::store::{CellLanes, WaterLanes, ask_for};
+use crate::water::pores::LEAST_FULL;
 use crate::water::{FLOW, LEAST_FILLING};
 
 /// Motion of the soil and of the water in it, the cells, and what the soil gains: volume (m3) and its rate (m3/s).
@@ -21,16 +22,13 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         let Common { flow, gravity, conducts, ratio, .. } = self.common;
         let conducts = Lanes::load(self.simd, &conducts[axis][at..]);
         let mean = if D == 1 { a } else { (a + b) * 0.5 };
-        let body = (mean.like(gravity[axis]) - mean * flow.inertia) * flow.weight;
         // Over the distance that the pressure drops along.
         let mut reach = conducts.or_one();
         if let Some(ratio) = ratio {
             let ratio = Lanes::load(self.simd, &ratio[axis][at..]);
             reach = reach / ratio.or_one();
         }
-        let body = body / reach;
-        let head = low - high + body;
-        [conducts * head * flow.conductance, head, body]
+        flow.through([conducts, reach], low - high, gravity[axis], mean)
     }
 
     /// Eq. (1): relative velocity v* in the cells from `at` on, linear between their faces, as coefficients.
@@ -90,6 +88,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         let Common { frame, functions, dt, .. } = *self.common;
         let (simd, inverse) = (self.simd, frame.inverse_size);
         let none = Lanes::splat(simd, 0.0);
+        let partly_drained = matches!(self.common.water, InPores::Particles { partly_drained: true, .. });
         let mut cellwise = [none; 2];
         if let Some((motion, relative, cell, [volume, gain])) = motion {
             let of_soil =
@@ -110,8 +109,16 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
                 } else {
                     cellwise
                 };
-                point.pressure += pressure_rate * dt;
-                point.volume = point.volume * (none.like(1.0) + volume_rate * dt);
+                if partly_drained {
+                    // Open to the air its water moves with the soil. Below zero a pressure counts on as a measure of the gap, -Q times the
+                    // opening, and pushes again once that is closed.
+                    let holds = none.below(self.of(cell.holds));
+                    point.pressure = (point.pressure + pressure_rate * dt).or(holds, point.pressure.lesser(none));
+                    point.volume = (point.volume * (none.like(1.0) + volume_rate * dt)).or(holds, point.volume);
+                } else {
+                    point.pressure += pressure_rate * dt;
+                    point.volume = point.volume * (none.like(1.0) + volume_rate * dt);
+                }
                 point.v = v;
                 for d in 0..D {
                     point.x[d] += point.v[d] * dt;
@@ -166,22 +173,35 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         let one = none.like(1.0);
         let [weighted, of_water] = functions.water_of(sums);
         // Cells without soil have no pressure; they must not turn into NaN beside cells that have.
-        let pressure = weighted / of_water.or_one();
+        let by_faces = matches!(self.common.water, InPores::Particles { relative: None, .. });
+        let mut pressure = weighted / of_water.or_one();
         let inverse_volume = one / closing.filled.or_one();
         let porosity = one - mass * flow.grain_inverse / volume.or_one();
         let over_fill = inverse_volume * flow.cell_volume;
         let is_known = closing.moving_with;
         let cell = &mut self.strip.cells[group];
-        let limited = over_fill.lesser(one.like(1.0 / LEAST_FILLING));
+        let limited = if by_faces { over_fill.lesser(one.like(1.0 / LEAST_FILLING)) } else { one };
         // A pressure that is solved for needs no limit.
         cell.filling = over_fill.or(is_known, if coupled { over_fill } else { limited }).value;
         cell.fill = (one / over_fill).or(is_known, one.like(super::NOT_KNOWN)).value;
         cell.inverse_volume = inverse_volume.value;
         (cell.porosity, cell.inverse_porosity) = (porosity.value, (one / porosity).value);
+        closing.full_of_water = of_water.or_one();
+        if matches!(self.common.water, InPores::Particles { partly_drained: true, .. }) {
+            // Cells whose water fills too little of their soil are open to the air, and coarse soil holds no suction.
+            let full = self.simd.not_m64s(of_water.below(volume * LEAST_FULL));
+            pressure = pressure.larger(none).or(full, none);
+            let holds = one.or(full, none);
+            // Nor does it push where pressures are its particles' own.
+            closing.full_of_water = closing.full_of_water.or(none.below(pressure), none.like(f64::INFINITY));
+            let held = self.of(self.strip.cells[group].holds);
+            let differs = self.simd.or_m64s(held.below(holds), holds.below(held));
+            self.strip.changed |= self.simd.first_true_m64s(differs) < V::F64_LANES;
+            self.strip.cells[group].holds = holds.value;
+        }
         pressure.store(&mut self.pressure[group * V::F64_LANES..]);
         // Water in pores of known volume moves with its soil.
         closing.water_ratio = Some(porosity * volume * flow.density / mass.or_one());
-        closing.full_of_water = of_water.or_one();
         closing.pressure = if coupled { None } else { Some(pressure) };
     }
 }

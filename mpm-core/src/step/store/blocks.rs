@@ -340,6 +340,27 @@ impl<V: Simd> Blocks<V> {
         }
     }
 
+    /// Sets numbers of all particles.
+    pub fn fill_numbers(&mut self, which: Range<usize>, value: f64) {
+        for block in 0..self.count_blocks() {
+            numbers_mut(&mut self.block_mut(block)[which.clone()]).fill(value);
+        }
+    }
+
+    /// Takes particles beyond one side of a mesh that is periodic (m) to its other one.
+    pub fn wrap(&mut self, period: f64) {
+        for block in 0..self.count_blocks() {
+            for x in &mut numbers_mut(self.block_mut(block))[..V::F64_LANES] {
+                if *x < 0.0 {
+                    // A hair left of zero would round to the period itself, which is outside.
+                    *x = (*x + period).min(period.next_down());
+                } else if *x >= period {
+                    *x -= period;
+                }
+            }
+        }
+    }
+
     /// Takes a particle out of a cell; those above it move down, and a block that is then empty is dropped.
     pub fn remove<const D: usize>(&mut self, frame: &Frame<D>, first: usize, cell: usize, slot: usize) {
         let count = self.count(cell);

@@ -64,6 +64,11 @@ impl<const D: usize> Frame<D> {
         self.stride[D - 1]
     }
 
+    /// From the lower face of a cell along an axis, and its first node, to its second node.
+    pub fn beside(&self, axis: usize) -> usize {
+        if D == 1 { 0 } else { self.stride[D - 1 - axis] }
+    }
+
     /// Length of an array with a number for each function (or node), those that only pad included.
     pub fn length(&self) -> usize {
         self.count() + self.tail().max(self.stride.iter().sum()) + MOST_LANES

@@ -36,6 +36,14 @@ pub struct Motion {
     pub acceleration: [Vec<f64>; 2],
 }
 
+impl Motion {
+    /// So many nodes at rest.
+    pub fn at_rest(count: usize) -> Self {
+        let rest = || [(); 2].map(|()| vec![0.0; count]);
+        Self { velocity: rest(), change: rest(), acceleration: rest() }
+    }
+}
+
 /// The nodes of a mesh.
 #[derive(Debug, Clone)]
 pub struct Nodes<const D: usize> {
@@ -45,6 +53,8 @@ pub struct Nodes<const D: usize> {
     pub sums: Vec<StripSums>,
     /// Their motion.
     pub motion: Motion,
+    /// Where in a step the work of loads is taken: 1/2 for the velocity of its middle, 1 for that of its end.
+    pub work_at: f64,
     /// Followers and the node that each moves with, in this step.
     pub pairs: Vec<[u32; 2]>,
 }
@@ -54,10 +64,10 @@ impl<const D: usize> Nodes<D> {
     pub fn new(frame: Frame<D>) -> Self {
         let (of_strip, all) = (frame.strip + frame.length() - frame.count(), frame.length());
         let sum = |q: usize| vec![0.0; if q < sums(D) { of_strip } else { 0 }];
-        let rest = || [(); 2].map(|()| vec![0.0; all]);
         Self {
             sums: (0..frame.strips).map(|_| StripSums(std::array::from_fn(sum))).collect(),
-            motion: Motion { velocity: rest(), change: rest(), acceleration: rest() },
+            motion: Motion::at_rest(all),
+            work_at: 0.5,
             pairs: Vec::new(),
             frame,
         }
@@ -100,10 +110,10 @@ impl<const D: usize> Nodes<D> {
         *self.sum_mut(force(D) + axis, node) += newton;
     }
 
-    /// Velocity of a node along an axis so long (s) before the end of the step, m/s.
+    /// Velocity of a node along an axis that loads do work with in a step dt (s), m/s.
     #[inline(always)]
-    pub fn velocity_before(&self, node: usize, axis: usize, before: f64) -> f64 {
-        self.motion.velocity[axis][node] - before * self.motion.acceleration[axis][node]
+    pub fn working_velocity(&self, node: usize, axis: usize, dt: f64) -> f64 {
+        self.motion.velocity[axis][node] - (1.0 - self.work_at) * dt * self.motion.acceleration[axis][node]
     }
 
     /// Bytes held.

@@ -30,6 +30,8 @@ pub struct CellLanes<V: Simd, const D: usize> {
     pub filling: V::f64s,
     /// The part of the cell that is soil; much more than all of it where that is not known.
     pub fill: V::f64s,
+    /// 1 where its water has a pressure, 0 where it is open to the air: known where water may leave soil that runs out.
+    pub holds: V::f64s,
 }
 
 /// A strip of cells with its particles.
@@ -47,8 +49,12 @@ pub struct Strip<V: Simd, const D: usize> {
     pub rates: [f64; 2],
     /// Plastic flow of its particles in the step.
     pub flowed: Flowed,
+    /// Force of a unit pressure in its cells on the functions they reach, m2: `[cell][function][axis]`; empty if no one asks.
+    pub coupling: Vec<f64>,
     /// Whether all its particles stayed in their cells.
     pub stays: bool,
+    /// Whether other cells have come to hold their water.
+    pub changed: bool,
 }
 
 impl<V: Simd, const D: usize> Strip<V, D> {
@@ -68,7 +74,8 @@ impl<V: Simd, const D: usize> Strip<V, D> {
                 porosity: none,
                 inverse_porosity: none,
                 filling: none,
-                fill: none
+                fill: none,
+                holds: none
             };
             groups
         ];
@@ -87,7 +94,9 @@ impl<V: Simd, const D: usize> Strip<V, D> {
             cells,
             rates: [0.0; 2],
             flowed: Flowed::NOTHING,
+            coupling: Vec::new(),
             stays: true,
+            changed: false,
         }
     }
 
@@ -95,6 +104,18 @@ impl<V: Simd, const D: usize> Strip<V, D> {
     pub fn volume_and_mass(&self, cell: usize) -> [f64; 2] {
         let lanes = &self.cells[cell / V::F64_LANES];
         [lanes.volume, lanes.mass].map(|value| numbers(std::slice::from_ref(&value))[cell % V::F64_LANES])
+    }
+
+    /// Porosity of a cell, and 1/V of its soil, 1/m3.
+    pub fn pores(&self, cell: usize) -> [f64; 2] {
+        let lanes = &self.cells[cell / V::F64_LANES];
+        [lanes.porosity, lanes.inverse_volume].map(|value| numbers(std::slice::from_ref(&value))[cell % V::F64_LANES])
+    }
+
+    /// Whether the water of a cell has a pressure, where it may be open to the air.
+    pub fn holds(&self, cell: usize) -> bool {
+        let lanes = &self.cells[cell / V::F64_LANES].holds;
+        numbers(std::slice::from_ref(lanes))[cell % V::F64_LANES] > 0.0
     }
 
     /// Where its particles have their strain if they share a place, in cell coordinates.
@@ -105,6 +126,7 @@ impl<V: Simd, const D: usize> Strip<V, D> {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.solid.bytes() + self.water.bytes() + self.cells.capacity() * size_of::<CellLanes<V, D>>()
+        let coupling = self.coupling.capacity() * size_of::<f64>();
+        coupling + self.solid.bytes() + self.water.bytes() + self.cells.capacity() * size_of::<CellLanes<V, D>>()
     }
 }

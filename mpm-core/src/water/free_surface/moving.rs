@@ -14,7 +14,7 @@ use super::flow::Kind;
 use super::{FreeSurface, ROUND};
 use crate::envelope::Envelope;
 use crate::grid::Grid;
-use crate::nodes::NodeMotion;
+use crate::step::store::Motion;
 use crate::water::Pushed;
 
 /// Time in which a cell gives back what it holds too much, s: that in which water falls through half of it. Given back at once it
@@ -96,14 +96,14 @@ fn opening<const D: usize>(
     weights: &[[f64; D]; 4],
     cell: usize,
     pushed: &Pushed<D>,
-    motion: &[NodeMotion<D>],
+    motion: &Motion,
     before: f64,
 ) -> f64 {
     let mut rate = 0.0;
     for (corner, weight) in weights.iter().enumerate().take(1 << D) {
-        let m = &motion[pushed.node(cell, corner)];
+        let node = pushed.node(cell, corner);
         for d in 0..D {
-            rate += weight[d] * (m.velocity[d] - before * m.acceleration[d]);
+            rate += weight[d] * (motion.velocity[d][node] - before * motion.acceleration[d][node]);
         }
     }
     rate
@@ -134,7 +134,7 @@ impl<const D: usize> Squeeze<D> {
         water: &mut FreeSurface<D>,
         soil: &[Filling<D>],
         pushed: &Pushed<D>,
-        motion: &mut [NodeMotion<D>],
+        motion: &mut Motion,
         step: &MovingStep,
     ) -> Result<Pressed, usize> {
         water.before_motion(step.dt);
@@ -151,12 +151,11 @@ impl<const D: usize> Squeeze<D> {
                     let rise = self.solution[i] - water.pressure[cell];
                     for (corner, weight) in self.weights[i].iter().enumerate().take(1 << D) {
                         let node = pushed.node(cell, corner);
-                        let m = &mut motion[node];
                         for d in 0..D {
                             let more = pushed.inverse[node][d] * weight[d] * rise;
-                            m.acceleration[d] += more;
-                            m.velocity[d] += step.dt * more;
-                            m.change[d] += step.dt * more;
+                            motion.acceleration[d][node] += more;
+                            motion.velocity[d][node] += step.dt * more;
+                            motion.change[d][node] += step.dt * more;
                         }
                     }
                 }
@@ -182,7 +181,7 @@ impl<const D: usize> Squeeze<D> {
         soil: &[Filling<D>],
         grid: &Grid<D>,
         pushed: &Pushed<D>,
-        motion: &[NodeMotion<D>],
+        motion: &Motion,
         dt: f64,
     ) -> f64 {
         let mut power = 0.0;
@@ -310,7 +309,7 @@ impl<const D: usize> Squeeze<D> {
         }
     }
 
-    fn assemble(&mut self, water: &FreeSurface<D>, pushed: &Pushed<D>, motion: &[NodeMotion<D>], step: &MovingStep) {
+    fn assemble(&mut self, water: &FreeSurface<D>, pushed: &Pushed<D>, motion: &Motion, step: &MovingStep) {
         let Self { unknown, number, weights, start, around, first, matrix, solution, surplus, .. } = self;
         let is_full = |i: u32| water.kind[unknown[i as usize] as usize] == Kind::Full;
         let nodes = pushed.inverse.len();
@@ -339,7 +338,7 @@ impl<const D: usize> Squeeze<D> {
                 let inverse = pushed.inverse[node];
                 for d in 0..D {
                     // The velocity that the pressure of the start has made.
-                    solution[i as usize] -= own[d] * motion[node].velocity[d];
+                    solution[i as usize] -= own[d] * motion.velocity[d][node];
                 }
                 for &(j, other) in of(node)[..=k].iter().filter(|(j, _)| is_full(*j)) {
                     let beside = weights[j as usize][other as usize];
@@ -401,7 +400,7 @@ impl<const D: usize> Squeeze<D> {
         water: &mut FreeSurface<D>,
         soil: &[Filling<D>],
         pushed: &Pushed<D>,
-        motion: &[NodeMotion<D>],
+        motion: &Motion,
         step: &MovingStep,
         pressed: &mut Pressed,
     ) {
@@ -568,19 +567,20 @@ mod tests {
     }
 
     /// Nodes with random velocities and masses; rollers hold some of them, and one follows another.
-    fn nodes(grid: &Grid<2>) -> (Vec<[f64; 2]>, Vec<u32>, Vec<NodeMotion<2>>) {
+    fn nodes(grid: &Grid<2>) -> (Vec<[f64; 2]>, Vec<u32>, Motion) {
         let count = grid.node_count();
         let mut inverse: Vec<[f64; 2]> = (0..count).map(|i| [1e-3 * (1.5 + chance(i)); 2]).collect();
-        let mut motion = vec![NodeMotion::REST; count];
+        let mut motion = Motion::at_rest(count);
         let mut leader: Vec<u32> = (0..count as u32).collect();
-        for (node, m) in motion.iter_mut().enumerate() {
-            m.velocity = [0, 1].map(|d| 1e-3 * chance(100 + 2 * node + d));
+        for node in 0..count {
+            let v = &mut motion.velocity;
+            (0..2).for_each(|d| v[d][node] = 1e-3 * chance(100 + 2 * node + d));
             let (x, y) = (node % (CELLS[0] + 1), node / (CELLS[0] + 1));
             if x == 0 || x == CELLS[0] {
-                (m.velocity[0], inverse[node][0]) = (0.0, 0.0);
+                (v[0][node], inverse[node][0]) = (0.0, 0.0);
             }
             if y == 0 {
-                (m.velocity[1], inverse[node][1]) = (0.0, 0.0);
+                (v[1][node], inverse[node][1]) = (0.0, 0.0);
             }
         }
         leader[count - 1] = count as u32 - 2;
@@ -600,11 +600,12 @@ mod tests {
         squeeze.press(&mut water, &soil, &pushed, &mut motion, &step).unwrap();
         // Kinetic energy that nodes gained by the rise of the pressures, at the middle of the step.
         let mut gained = 0.0;
-        for (node, (now, was)) in motion.iter().zip(&before.0).enumerate() {
+        for node in 0..grid.node_count() {
             for d in 0..2 {
-                let change = now.velocity[d] - was.velocity[d];
+                let now = motion.velocity[d][node];
+                let change = now - before.0.velocity[d][node];
                 if inverse[node][d] > 0.0 {
-                    gained += change * (now.velocity[d] - 0.5 * change) / inverse[node][d];
+                    gained += change * (now - 0.5 * change) / inverse[node][d];
                 } else {
                     assert_eq!(change, 0.0, "a node that is held");
                 }
@@ -613,15 +614,11 @@ mod tests {
         let mut work = 0.0;
         for cell in 0..12 {
             let rise = water.pressure[cell] - before.1[cell];
-            let halfway: Vec<_> = motion
-                .iter()
-                .zip(&before.0)
-                .map(|(a, b)| {
-                    let mut m = NodeMotion::REST;
-                    m.velocity = [0, 1].map(|d| 0.5 * (a.velocity[d] + b.velocity[d]));
-                    m
-                })
-                .collect();
+            let mut halfway = Motion::at_rest(grid.node_count());
+            for (d, half) in halfway.velocity.iter_mut().enumerate() {
+                let both = motion.velocity[d].iter().zip(&before.0.velocity[d]);
+                *half = both.map(|(a, b)| 0.5 * (a + b)).collect();
+            }
             work += dt * rise * opening(&weights(H * H, &soil[cell].at, 1.0 / H), cell, &pushed, &halfway, 0.0);
         }
         assert!(gained.abs() > 1e-6 && (work / gained - 1.0).abs() < 1e-10, "{work:e} {gained:e}");
@@ -653,9 +650,10 @@ mod tests {
             let mut lowest: f64 = 0.0;
             for _ in 0..20 {
                 // All nodes move apart.
-                let mut motion = vec![NodeMotion::REST; grid.node_count()];
-                for (node, m) in motion.iter_mut().enumerate() {
-                    m.velocity = [node % (CELLS[0] + 1), node / (CELLS[0] + 1)].map(|i| 1e-2 * i as f64);
+                let mut motion = Motion::at_rest(grid.node_count());
+                for node in 0..grid.node_count() {
+                    let place = [node % (CELLS[0] + 1), node / (CELLS[0] + 1)];
+                    (0..2).for_each(|d| motion.velocity[d][node] = 1e-2 * place[d] as f64);
                 }
                 squeeze.press(&mut water, &soil, &pushed, &mut motion, &step).unwrap();
                 lowest = water.pressure.iter().fold(lowest, |low, p| low.min(*p));
@@ -673,7 +671,7 @@ mod tests {
         let leader: Vec<u32> = (0..grid.node_count() as u32).collect();
         let pushed = Pushed { grid: &grid, inverse: &inverse, leader: &leader };
         let still = |smoothing: f64, water: &mut FreeSurface<2>, squeeze: &mut Squeeze<2>| {
-            let mut motion = vec![NodeMotion::REST; grid.node_count()];
+            let mut motion = Motion::at_rest(grid.node_count());
             let step = MovingStep { dt: 1e-3, implicit: true, bulk_modulus: KW, smoothing };
             squeeze.press(water, &soil, &pushed, &mut motion, &step).unwrap();
         };

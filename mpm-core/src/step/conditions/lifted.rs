@@ -6,8 +6,10 @@
 //! equilibrium do not change by it: only what an unbalanced force does to so light a node is slowed down, and the momentum
 //! that it does not get is booked.
 
-use crate::nodes::{NodeMotion, NodeSums};
+use super::{Condition, Soil};
 use crate::observe::Totals;
+use crate::step::store::Nodes;
+use crate::step::store::nodes::{MIXTURE_MASS, SOLID_MASS};
 
 /// Least share of the mass that touches a node, along an axis with a surface.
 const SHARE: f64 = 0.25;
@@ -23,51 +25,48 @@ pub struct Lifted<const D: usize> {
     added: Vec<(u32, f64)>,
     /// Least share of the mass that touches a node.
     share: f64,
+    /// Gravity, m/s2: inertia that is lent weighs nothing.
+    gravity: [f64; D],
 }
 
 impl<const D: usize> Lifted<D> {
     /// For so many nodes. `level`: soil between held sides, whose only surface is on top, so that a block is as a column.
-    pub fn new(nodes: usize, level: bool) -> Self {
+    pub fn new(nodes: usize, level: bool, gravity: [f64; D]) -> Self {
         let share = if level { SHARE * FULL.powi(D as i32 - 1) } else { SHARE.powi(D as i32) };
-        Self { touching: vec![0.0; nodes], added: Vec::with_capacity(nodes), share }
+        Self { touching: vec![0.0; nodes], added: Vec::with_capacity(nodes), share, gravity }
     }
+}
 
-    /// Before the particles are gathered.
-    pub fn clear(&mut self) {
+impl<const D: usize> Condition<D> for Lifted<D> {
+    fn gathered(&mut self, nodes: &mut Nodes<D>, soil: &dyn Soil<D>) {
         self.touching.fill(0.0);
-        self.added.clear();
-    }
-
-    /// A particle of this dry mass (kg) reaches a node.
-    #[inline(always)]
-    pub fn touch(&mut self, node: usize, mass: f64) {
-        self.touching[node] += mass;
-    }
-
-    /// Gives light nodes more inertia.
-    pub fn lift(&mut self, nodes: &mut [NodeSums<D>]) {
-        let share = self.share;
-        for (number, (node, touching)) in nodes.iter_mut().zip(&self.touching).enumerate() {
-            if node.solid_mass > 0.0 && node.solid_mass < share * touching {
-                let more = (share * touching / node.solid_mass - 1.0) * node.mixture_mass;
-                node.mixture_mass += more;
-                self.added.push((number as u32, more));
+        soil.each_cell(&mut |mass, functions| functions.for_each(|function| self.touching[function] += mass));
+        for (node, touching) in self.touching.iter().enumerate().filter(|(_, touching)| **touching > 0.0) {
+            let (solid, least) = (nodes.sum(SOLID_MASS, node), self.share * touching);
+            if solid > 0.0 && solid < least {
+                let more = (least / solid - 1.0) * nodes.mixture_mass(node);
+                *nodes.sum_mut(MIXTURE_MASS, node) += more;
+                for d in 0..D {
+                    nodes.push(node, d, -more * self.gravity[d]);
+                }
+                self.added.push((node as u32, more));
             }
         }
     }
 
-    /// Takes it back after a step under `motion`, and books the momentum that was left out.
-    pub fn lower(&mut self, nodes: &mut [NodeSums<D>], motion: &[NodeMotion<D>], dt: f64, totals: &mut Totals<D>) {
+    /// Takes it back, and books the momentum that was left out.
+    fn followed(&mut self, nodes: &mut Nodes<D>, _: &dyn Soil<D>, totals: &mut Totals<D>, dt: f64) {
         for (node, more) in self.added.drain(..) {
-            nodes[node as usize].mixture_mass -= more;
+            let node = node as usize;
+            *nodes.sum_mut(MIXTURE_MASS, node) -= more;
             for d in 0..D {
-                totals.cut_off_impulse[d] -= dt * more * motion[node as usize].acceleration[d];
+                totals.cut_off_impulse[d] -= dt * more * nodes.motion.acceleration[d][node];
+                nodes.push(node, d, more * self.gravity[d]);
             }
         }
     }
 
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
+    fn bytes(&self) -> usize {
         self.touching.capacity() * size_of::<f64>() + self.added.capacity() * size_of::<(u32, f64)>()
     }
 }

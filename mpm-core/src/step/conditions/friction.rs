@@ -1,4 +1,4 @@
-//! Coulomb friction on the base: `|tau| <= adhesion + tan(angle) sigma_n`, with an angle that may fall with slip.
+//! Friction friction on the base: `|tau| <= adhesion + tan(angle) sigma_n`, with an angle that may fall with slip.
 //!
 //! The base holds its nodes up as a roller does; what that takes in a step is the normal impulse N dt. Along the base a
 //! node that stood still stays so while the impulse that holds it is within the limit, as on a fixed base. A node that
@@ -13,25 +13,17 @@
 //! Slip and memory belong to the soil: its particles in the lowest row of cells carry them, slip with its sign, and a node has
 //! the mean of theirs. Swings about a place add nothing to the slip.
 
-use super::Joined;
-use crate::grid::Grid;
+use super::{Condition, Held, Soil};
 use crate::keep::Keeper;
-use crate::nodes::{NodeMotion, NodeSums};
-use crate::particles::{Layer, SolidPoint};
+use crate::observe::Totals;
 use crate::scene::{Base, NormalStress};
-
-/// What the base did in a step.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Rubbed {
-    /// Impulse on the soil along the base, N s.
-    pub impulse: f64,
-    /// Energy lost, J.
-    pub loss: f64,
-}
+use crate::step::Fault;
+use crate::step::store::Nodes;
+use crate::step::store::nodes::MOMENTUM;
 
 /// A base with friction.
 #[derive(Debug, Clone)]
-pub struct Coulomb {
+pub struct Friction {
     base: Base,
     /// tan of the peak and the residual angle.
     peak: f64,
@@ -84,18 +76,12 @@ impl Shares {
     }
 }
 
-impl Coulomb {
+impl Friction {
     /// A base under a mesh with so many particles. `held` are the nodes of the base that cannot slide.
-    pub fn new<const D: usize>(
-        base: Base,
-        grid: &Grid<D>,
-        particles: usize,
-        held: impl Iterator<Item = usize>,
-        wet: bool,
-    ) -> Self {
-        let count = grid.cells[0] + 1;
+    pub fn new<const D: usize>(base: Base, cells: usize, particles: usize, held: &Held<D>, wet: bool) -> Self {
+        let count = cells + 1;
         let mut fixed = vec![false; count];
-        held.filter(|node| *node < count).for_each(|node| fixed[node] = true);
+        held.along(0).filter(|node| *node < count).for_each(|node| fixed[node] = true);
         let wet = wet && base.normal_stress == NormalStress::Effective;
         let weakens = base.slip_distance.is_some();
         let shared = weakens || wet || base.adhesion > 0.0 || base.memory > 0.0;
@@ -116,46 +102,37 @@ impl Coulomb {
     }
 
     /// tan of the friction angle after a slip (m).
-    fn friction(&self, slip: f64) -> f64 {
+    fn tangent(&self, slip: f64) -> f64 {
         match self.base.slip_distance {
             Some(distance) => self.peak - (self.peak - self.residual) * (slip.abs() / distance).min(1.0),
             None => self.peak,
         }
     }
 
-    /// Gathers what the nodes of the base need of the soil above; `water` gives the pressure of the pore water of a cell on the
-    /// base (Pa), and the share of its bottom that is under soil.
-    pub fn gather<const D: usize, const S: usize>(
-        &mut self,
-        grid: &Grid<D>,
-        solid: &Layer<SolidPoint<D, S>, D>,
-        joined: &Joined<D>,
-        water: impl Fn(usize) -> (f64, Option<f64>),
-    ) {
+    /// Gathers what the nodes of the base need of the soil above.
+    fn gather<const D: usize>(&mut self, nodes: &Nodes<D>, soil: &dyn Soil<D>) {
         if self.shares.is_empty() {
             return;
         }
         self.shares.fill(Shares::default());
-        for cell in 0..grid.cells[0] {
-            if solid.range(cell).is_empty() {
-                continue;
-            }
-            let (load, cover) = if self.wet { water(cell) } else { (0.0, None) };
-            let volume: f64 = solid.points[solid.range(cell)].iter().map(|point| point.volume).sum();
+        let (cells, size) = soil.mesh();
+        for cell in 0..cells[0] {
+            let (load, cover) = if self.wet { soil.on_base(cell) } else { (0.0, None) };
+            let mut volume = 0.0;
+            soil.each_in(cell, &mut |_, point| volume += point.volume);
             // A full cell has the area below it; where the bottom is known, soil of any height has its part of that.
             let per_volume = match cover {
-                Some(cover) => cover * grid.size.powi(D as i32 - 1) / volume,
-                None => grid.inverse_size,
+                Some(cover) => cover * size.powi(D as i32 - 1) / volume,
+                None => 1.0 / size,
             };
-            for index in solid.range(cell) {
-                let point = &solid.points[index];
-                let right = point.x[0] * grid.inverse_size - cell as f64;
-                let id = solid.ids[index] as usize;
-                let slip = self.slip.get(id).copied().unwrap_or(0.0);
-                let remembered = self.remembered.get(id).copied().filter(|stress| !stress.is_nan());
+            let Self { shares, slip: slips, remembered: all_remembered, .. } = self;
+            soil.each_in(cell, &mut |id, point| {
+                let (right, id) = (point.x[0] / size - cell as f64, id as usize);
+                let slip = slips.get(id).copied().unwrap_or(0.0);
+                let remembered = all_remembered.get(id).copied().filter(|stress| !stress.is_nan());
                 let area = point.volume * per_volume;
                 for (node, share) in [(cell, 1.0 - right), (cell + 1, right)] {
-                    let sums = &mut self.shares[node];
+                    let sums = &mut shares[node];
                     sums.mass += share * point.mass;
                     sums.slip += share * point.mass * slip;
                     sums.area += share * area;
@@ -165,89 +142,77 @@ impl Coulomb {
                         sums.remembered += share * area * stress;
                     }
                 }
-            }
+            });
         }
-        let count = self.shares.len();
-        for [follower, leader] in joined.pairs().filter(|pair| pair.iter().all(|node| *node < count)) {
+        for [follower, leader] in base_pairs(nodes, self.stuck.len()) {
             let from = std::mem::take(&mut self.shares[follower]);
             self.shares[leader].add(&from);
         }
     }
 
     /// Slows the nodes of the base over a step `dt` (s), after [`Self::gather`] and before the normal support is applied.
-    pub fn rub<const D: usize>(&mut self, nodes: &[NodeSums<D>], motion: &mut [NodeMotion<D>], dt: f64) -> Rubbed {
-        let mut rubbed = Rubbed::default();
+    fn rub<const D: usize>(&mut self, nodes: &mut Nodes<D>, totals: &mut Totals<D>, dt: f64) {
         for node in 0..self.stuck.len() {
-            let (mass, m) = (nodes[node].mixture_mass, &mut motion[node]);
+            let mass = nodes.mixture_mass(node);
             if mass <= 0.0 || self.held[node] {
                 self.stuck[node] = false;
                 continue;
             }
+            let at_rest = nodes.sum(MOMENTUM, node) == 0.0;
+            let (velocity, change, acceleration) =
+                (&mut nodes.motion.velocity, &mut nodes.motion.change, &mut nodes.motion.acceleration);
             let soil = self.shares.get(node).copied().unwrap_or_default();
             let slip = if soil.mass > 0.0 { soil.slip / soil.mass } else { 0.0 };
             // What the support has to take of the skeleton, now and by the memory of the soil.
-            let now = -mass * m.change[D - 1] - soil.water * dt;
+            let now = -mass * change[D - 1][node] - soil.water * dt;
             let normal = if soil.known > 0.0 { soil.remembered * soil.area / soil.known * dt } else { now };
             self.stress[node] = if soil.area > 0.0 { now / (soil.area * dt) } else { 0.0 };
-            let strength = self.friction(slip) * normal.max(0.0) + self.adhesion * soil.area * dt;
+            let strength = self.tangent(slip) * normal.max(0.0) + self.adhesion * soil.area * dt;
             let limit = if self.glued { f64::INFINITY } else { strength };
             // Soil that stands still has not slid before the first step either.
-            let stood = self.stuck[node] || nodes[node].momentum[0] == 0.0;
-            if stood && mass * m.change[0].abs() <= limit {
-                rubbed.impulse -= mass * m.change[0];
-                (m.velocity[0], m.change[0], m.acceleration[0]) = (0.0, 0.0, 0.0);
+            let stood = self.stuck[node] || at_rest;
+            if stood && mass * change[0][node].abs() <= limit {
+                totals.support_impulse[0] -= mass * change[0][node];
+                (velocity[0][node], change[0][node], acceleration[0][node]) = (0.0, 0.0, 0.0);
                 self.stuck[node] = true;
                 continue;
             }
-            let stopping = -mass * m.velocity[0];
+            let stopping = -mass * velocity[0][node];
             let impulse = stopping.clamp(-limit, limit);
             let slower = impulse / mass;
             self.stuck[node] = impulse == stopping;
-            m.velocity[0] = if self.stuck[node] { 0.0 } else { m.velocity[0] + slower };
-            m.change[0] += slower;
-            m.acceleration[0] += slower / dt;
-            rubbed.impulse += impulse;
-            rubbed.loss -= impulse * (m.velocity[0] - 0.5 * dt * m.acceleration[0]);
+            velocity[0][node] = if self.stuck[node] { 0.0 } else { velocity[0][node] + slower };
+            change[0][node] += slower;
+            acceleration[0][node] += slower / dt;
+            totals.support_impulse[0] += impulse;
+            totals.base_friction -= impulse * (velocity[0][node] - 0.5 * dt * acceleration[0][node]);
         }
-        rubbed
     }
 
-    /// Takes slip and normal stress of a step to the particles of the lowest row.
-    pub fn slide<const D: usize, const S: usize>(
-        &mut self,
-        grid: &Grid<D>,
-        solid: &Layer<SolidPoint<D, S>, D>,
-        joined: &Joined<D>,
-        motion: &[NodeMotion<D>],
-        dt: f64,
-    ) {
+    /// Notes slip and stress at the particles of the lowest row.
+    fn slide<const D: usize>(&mut self, nodes: &Nodes<D>, soil: &dyn Soil<D>, dt: f64) {
         if self.slip.is_empty() && self.remembered.is_empty() {
             return;
         }
-        let count = self.stress.len();
-        for [follower, leader] in joined.pairs().filter(|pair| pair.iter().all(|node| *node < count)) {
+        for [follower, leader] in base_pairs(nodes, self.stuck.len()) {
             self.stress[follower] = self.stress[leader];
         }
         let learns = 1.0 - (-dt / self.base.memory).exp();
-        for cell in 0..grid.cells[0] {
-            let [left, right] = [cell, cell + 1].map(|node| [motion[node].velocity[0], self.stress[node]]);
-            for index in solid.range(cell) {
-                let xi = solid.points[index].x[0] * grid.inverse_size - cell as f64;
+        let (cells, size) = soil.mesh();
+        let Self { stress, slip: slips, remembered, .. } = self;
+        for cell in 0..cells[0] {
+            let [left, right] = [cell, cell + 1].map(|node| [nodes.motion.velocity[0][node], stress[node]]);
+            soil.each_in(cell, &mut |id, point| {
+                let xi = point.x[0] / size - cell as f64;
                 let [velocity, stress] = [0, 1].map(|i| left[i] + xi * (right[i] - left[i]));
-                let id = solid.ids[index] as usize;
-                if let Some(slip) = self.slip.get_mut(id) {
+                if let Some(slip) = slips.get_mut(id as usize) {
                     *slip += dt * velocity;
                 }
-                if let Some(old) = self.remembered.get_mut(id) {
+                if let Some(old) = remembered.get_mut(id as usize) {
                     *old = if old.is_nan() { stress } else { *old + learns * (stress - *old) };
                 }
-            }
+            });
         }
-    }
-
-    /// Nodes that did not slide in the last step.
-    pub fn stuck(&self) -> impl Iterator<Item = usize> {
-        self.stuck.iter().enumerate().filter(|(_, stuck)| **stuck).map(|(node, _)| node)
     }
 
     /// Lets nothing slide, or friction decide.
@@ -266,9 +231,41 @@ impl Coulomb {
     pub fn forget_slip(&mut self) {
         self.slip.fill(0.0);
     }
+}
 
-    /// Writes or reads the state.
-    pub fn keep(&mut self, keeper: &mut Keeper) {
+/// Nodes of the base, so many of them, that follow others of it, with these.
+fn base_pairs<const D: usize>(nodes: &Nodes<D>, count: usize) -> impl Iterator<Item = [usize; 2]> {
+    let pairs = nodes.pairs.iter().map(|pair| pair.map(|node| node as usize));
+    pairs.filter(move |pair| pair.iter().all(|node| *node < count))
+}
+
+impl<const D: usize> Condition<D> for Friction {
+    /// Before the supports: it needs what they have to take.
+    fn accelerated(
+        &mut self,
+        nodes: &mut Nodes<D>,
+        soil: &dyn Soil<D>,
+        totals: &mut Totals<D>,
+        dt: f64,
+    ) -> Result<(), Fault> {
+        self.gather(nodes, soil);
+        self.rub(nodes, totals, dt);
+        Ok(())
+    }
+
+    fn followed(&mut self, nodes: &mut Nodes<D>, soil: &dyn Soil<D>, _: &mut Totals<D>, dt: f64) {
+        self.slide(nodes, soil, dt);
+    }
+
+    fn each_held(&self, visit: &mut dyn FnMut(usize, usize)) {
+        self.stuck.iter().enumerate().filter(|(_, stuck)| **stuck).for_each(|(node, _)| visit(node, 0));
+    }
+
+    fn friction(&mut self) -> Option<&mut Friction> {
+        Some(self)
+    }
+
+    fn keep(&mut self, keeper: &mut Keeper) {
         keeper.entries(&mut self.stuck, |stuck, keeper| keeper.bool(stuck));
         keeper.all(&mut self.slip);
         keeper.all(&mut self.remembered);
@@ -276,8 +273,7 @@ impl Coulomb {
         keeper.bool(&mut self.glued);
     }
 
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
+    fn bytes(&self) -> usize {
         (self.slip.capacity() + self.remembered.capacity() + self.stress.capacity()) * size_of::<f64>()
             + self.shares.capacity() * size_of::<Shares>()
     }

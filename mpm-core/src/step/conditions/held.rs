@@ -1,0 +1,81 @@
+//! Rollers and fixed sides.
+
+use super::{Condition, Soil};
+use crate::observe::Totals;
+use crate::scene::SolidSide;
+use crate::step::Fault;
+use crate::step::store::Nodes;
+
+/// Rollers and fixed sides: velocity components of boundary nodes are zero.
+#[derive(Debug, Clone)]
+pub struct Held<const D: usize> {
+    nodes: [Vec<u32>; D],
+}
+
+impl<const D: usize> Held<D> {
+    /// Holds nodes of a mesh with so many functions along each axis on its sides: left, right, bottom, top. `number` gives that of a
+    /// function from its place.
+    pub fn new(along: &[usize; D], sides: &[SolidSide; 4], number: impl Fn(&[usize; D]) -> usize) -> Self {
+        let mut held: [Vec<u32>; D] = std::array::from_fn(|_| Vec::new());
+        for place in 0..along.iter().product() {
+            let position: [usize; D] =
+                std::array::from_fn(|d| if d == 0 { place % along[0] } else { place / along[0] });
+            let node = number(&position) as u32;
+            for axis in 0..D {
+                for upper in [false, true] {
+                    let edge = if upper { along[axis] - 1 } else { 0 };
+                    let side = sides[2 * (axis + 2 - D) + usize::from(upper)];
+                    if position[axis] != edge || side == SolidSide::Free {
+                        continue;
+                    }
+                    for d in 0..D {
+                        let holds = side == SolidSide::Fixed || d == axis;
+                        if holds && held[d].last() != Some(&node) {
+                            held[d].push(node);
+                        }
+                    }
+                }
+            }
+        }
+        Self { nodes: held }
+    }
+
+    /// The nodes held along an axis.
+    pub fn along(&self, axis: usize) -> impl Iterator<Item = usize> {
+        self.nodes[axis].iter().map(|node| *node as usize)
+    }
+}
+
+impl<const D: usize> Condition<D> for Held<D> {
+    fn each_held(&self, visit: &mut dyn FnMut(usize, usize)) {
+        for d in 0..D {
+            self.nodes[d].iter().for_each(|node| visit(*node as usize, d));
+        }
+    }
+
+    fn hold(&self, nodes: &mut Nodes<D>) {
+        for d in 0..D {
+            for node in &self.nodes[d] {
+                nodes.motion.velocity[d][*node as usize] = 0.0;
+            }
+        }
+    }
+
+    fn accelerated(
+        &mut self,
+        nodes: &mut Nodes<D>,
+        _: &dyn Soil<D>,
+        totals: &mut Totals<D>,
+        _: f64,
+    ) -> Result<(), Fault> {
+        for d in 0..D {
+            for node in self.nodes[d].iter().map(|node| *node as usize) {
+                // What the particles would have received from this node.
+                totals.support_impulse[d] -= nodes.mixture_mass(node) * nodes.motion.change[d][node];
+                let motion = &mut nodes.motion;
+                (motion.velocity[d][node], motion.change[d][node], motion.acceleration[d][node]) = (0.0, 0.0, 0.0);
+            }
+        }
+        Ok(())
+    }
+}

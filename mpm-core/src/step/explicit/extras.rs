@@ -1,0 +1,145 @@
+//! What few runs have: other water, pressures that are solved for, a track of displacement and strain.
+
+use super::*;
+
+impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
+    /// The same with velocities of the water at the nodes, in place of flow through faces.
+    pub fn with_nodal_flow(mut self) -> Self {
+        self.nodal = Some(Box::new(NodalFlow::new(&self.nodes, F::PRESSURE_AT_PARTICLES)));
+        self
+    }
+
+    /// The same with pressures that are solved for: those of the end of a step (`step/pressure.rs`).
+    pub fn with_solved_pressures(mut self) -> Self {
+        let solver = PressureSystem::new(self.nodes.frame);
+        for strip in &mut self.strips {
+            strip.coupling = vec![0.0; solver.of_strip()];
+        }
+        self.solver = Some(Box::new(solver));
+        self.nodes.work_at = 1.0;
+        let length = self.nodes.frame.length();
+        self.of_mesh = [(); 2].map(|()| vec![0.0; length]);
+        self.pass::<false>(0.0);
+        self
+    }
+
+    /// The same with water that has a free surface.
+    pub fn with_free_water(mut self, carried: Carried<D>) -> Self {
+        self.free = Some(Box::new(FreeWater::new(carried, &self.body.grid, &self.nodes.frame)));
+        self.begin_ledgers();
+        self.is_stale = true;
+        self
+    }
+
+    /// The water, if it has a free surface.
+    pub(in crate::step) fn carried(&self) -> Option<&Carried<D>> {
+        self.free.as_ref().map(|free| &free.carried)
+    }
+
+    /// The same, to be changed: what the soil feels is looked at again before it moves.
+    pub(in crate::step) fn carried_mut(&mut self) -> Option<&mut Carried<D>> {
+        self.is_stale = true;
+        self.free.as_mut().map(|free| &mut free.carried)
+    }
+
+    /// Takes the water along to where the soil is now.
+    pub(in crate::step) fn carry_water(&mut self) {
+        let whole = self.whole();
+        if let Some(carried) = self.carried_mut() {
+            carried.carry(&whole.grid, &whole.solid);
+        }
+    }
+
+    /// Begins the ledgers anew with the state as it is.
+    pub(in crate::step) fn begin_ledgers(&mut self) {
+        let whole = self.whole();
+        self.totals = Totals::default();
+        self.totals.start(&whole.cell_values(self.carried()));
+        self.totals.flowed = whole.flowed_at_first();
+        self.time = 0.0;
+    }
+
+    /// Begins to count displacement and strain; the velocity gradients that particles keep stay.
+    pub(in crate::step) fn begin_track(&mut self) {
+        let (whole, kept) = (self.whole(), self.kept_now());
+        let mut origin = vec![[0.0; D]; self.solid_count];
+        for (point, id) in whole.solid.points.iter().zip(&whole.solid.ids) {
+            origin[*id as usize] = point.x;
+        }
+        self.origin = Some(origin);
+        let affine = self.places.affine.map_or(0, |_| D * D);
+        let per_particle = affine + 4;
+        let mut more = vec![0.0; per_particle * self.solid_count];
+        for id in (0..self.solid_count).filter(|_| affine > 0) {
+            more[per_particle * id..][..affine].copy_from_slice(&kept[self.kept.0 * id..][..affine]);
+        }
+        self.kept = (per_particle, more);
+        self.places.strain = Some(SolidPoint::<D, 4>::COUNT + affine);
+        self.body = whole;
+        self.settle_in();
+    }
+
+    /// Whether displacement and strain are counted.
+    pub(in crate::step) fn is_tracked(&self) -> bool {
+        self.origin.is_some()
+    }
+
+    /// Visits every particle: its number, itself, where it was when counting began (m), its strain since then.
+    pub(in crate::step) fn each_particle(&self, mut visit: impl FnMut(u32, &SolidPoint<D, 4>, [f64; D], [f64; 4])) {
+        let frame = &self.nodes.frame;
+        for (_, position) in self.body.grid.walk() {
+            let number = frame.number(&position);
+            let (solid, cell) = (&self.strips[number / frame.strip].solid, number % frame.strip);
+            for slot in 0..solid.count(cell) {
+                let (id, point) = (solid.id(cell, slot), solid.particle::<SolidPoint<D, 4>>(cell, slot));
+                let strain = |first: usize| std::array::from_fn(|s| solid.number(cell, slot, first + s));
+                let from = self.origin.as_ref().map_or(point.x, |origin| origin[id as usize]);
+                visit(id, &point, from, self.places.strain.map_or([0.0; 4], strain));
+            }
+        }
+    }
+
+    /// All particles stop.
+    pub(in crate::step) fn stop(&mut self) {
+        for strip in &mut self.strips {
+            strip.solid.fill_numbers(D..2 * D, 0.0);
+        }
+        self.is_stale = true;
+    }
+
+    /// Changes the materials.
+    pub(in crate::step) fn change_materials(&mut self, materials: Materials) {
+        self.body.materials = materials;
+    }
+
+    /// What the run is made of, beside its particles.
+    pub(in crate::step) fn body(&self) -> &Body<D> {
+        &self.body
+    }
+
+    /// Nodes: sums for the next step, motion of the last.
+    pub(in crate::step) fn nodes(&self) -> &Nodes<D> {
+        &self.nodes
+    }
+
+    /// Sums of the steps.
+    pub(in crate::step) fn totals(&mut self) -> &mut Totals<D> {
+        &mut self.totals
+    }
+
+    /// Time (s) passes without a step of the soil.
+    pub(in crate::step) fn pass_time(&mut self, time: f64) {
+        self.time += time;
+    }
+
+    /// Damping from now on, 1/s.
+    pub(in crate::step) fn damp_by(&mut self, rate: f64) {
+        self.damping = rate;
+        self.conditions.iter_mut().for_each(|condition| condition.damp_by(rate));
+    }
+
+    /// Friction on the base, if there is any.
+    pub(in crate::step) fn friction(&mut self) -> Option<&mut Friction> {
+        self.conditions.iter_mut().find_map(|condition| condition.friction())
+    }
+}

@@ -1,0 +1,149 @@
+//! Faces of cells that water passes: how each conducts, and what leaves through those that are drained.
+
+use super::store::Frame;
+use crate::boundary::Filled;
+use crate::grid::Grid;
+use crate::observe::Totals;
+use crate::particles::{Layer, SolidPoint};
+use crate::water::pores::Pores;
+use crate::water::{DRAINED_SURFACE, FaceFlow};
+
+/// A face that lets water out.
+#[derive(Debug, Clone, Copy)]
+pub struct DrainedFace {
+    /// Cell inside.
+    pub cell: usize,
+    axis: usize,
+    outwards: f64,
+    /// The face, numbered by the cell above it.
+    pub face: usize,
+    /// How it conducts when water leaves, as [`Faces::conducts`].
+    conducts: f64,
+}
+
+/// A face at the outline of the soil: whether it lets water out, its axis, outwards (1 or -1), its nodes.
+pub type Outline = (bool, usize, f64, [usize; 2]);
+
+/// Faces, numbered by the cell above each.
+#[derive(Debug, Clone)]
+pub struct Faces<const D: usize> {
+    frame: Frame<D>,
+    /// How faces conduct, over the conductivity of the water: 0 closed, 1 between two full cells of soil, 2 at a drained side, half
+    /// a cell away; else the edge of a cell over the distance.
+    pub conducts: [Vec<f64>; 2],
+    /// Their conductivity over that of the water; empty where it is one.
+    pub ratio: [Vec<f64>; 2],
+    /// Those that let water out.
+    pub drained: Vec<DrainedFace>,
+    /// Those at the outline of the soil.
+    pub outline: Vec<Outline>,
+}
+
+impl<const D: usize> Faces<D> {
+    /// Closed ones; `layered`: of several conductivities.
+    pub fn new(frame: Frame<D>, layered: bool) -> Self {
+        let closed =
+            |wanted: bool| [(); 2].map(|()| vec![0.0; if wanted { frame.length() + 2 * frame.pad() } else { 0 }]);
+        Self { frame, conducts: closed(true), ratio: closed(layered), drained: Vec::new(), outline: Vec::new() }
+    }
+
+    /// Finds which conduct.
+    pub fn open(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, 4>, D>, water: &Pores<D>) {
+        let Self { frame, conducts, ratio, drained, outline } = self;
+        conducts.iter_mut().chain(&mut *ratio).for_each(|faces| faces.fill(0.0));
+        water.faces(grid, solid, |axis, position, [conducted, reach]| {
+            conducts[axis][frame.number(&position)] = conducted;
+            if let Some(ratio) = ratio[axis].get_mut(frame.number(&position)) {
+                *ratio = conducted / reach;
+            }
+        });
+        drained.clear();
+        outline.clear();
+        for of_soil in &water.exposed.faces {
+            let is_drained = water.drained[of_soil.side as usize];
+            let (axis, position) = (of_soil.axis as usize, grid.cell_position(of_soil.cell as usize));
+            let outwards = if of_soil.upper { 1.0 } else { -1.0 };
+            let cell = frame.number(&position);
+            let face = cell + if of_soil.upper { frame.stride[axis] } else { 0 };
+            if is_drained {
+                drained.push(DrainedFace { cell, axis, outwards, face, conducts: conducts[axis][face] });
+            }
+            outline.push((is_drained, axis, outwards, [face, face + frame.beside(axis)]));
+        }
+    }
+
+    /// Distances between the cells that hold the surface, it, and the cells below.
+    pub fn note_reach(&mut self, filled: &Filled<D>, grid: &Grid<D>) {
+        let Self { frame, conducts, ratio, drained, .. } = self;
+        let mut note = |face: usize, reach: f64| {
+            if conducts[D - 1][face] > 0.0 {
+                conducts[D - 1][face] = ratio[D - 1].get(face).map_or(reach, |ratio| ratio * reach);
+            }
+        };
+        for top in filled.tops() {
+            note(frame.number(&grid.cell_position(top.cell as usize)), 2.0 / (1.0 + top.fill));
+        }
+        for face in drained.iter().filter(|face| face.axis + 1 == D && face.outwards > 0.0) {
+            let position = frame.position(face.cell);
+            let top = filled.tops().get(if D == 1 { 0 } else { position[0] });
+            if let Some(top) = top.filter(|top| grid.cell_position(top.cell as usize) == position) {
+                note(face.face, DRAINED_SURFACE / top.fill);
+            }
+        }
+    }
+
+    /// Eq. (1) on a face that a pressure (Pa) drops across, between nodes that accelerate (m/s2): flux, m/s.
+    pub fn flux(
+        &self,
+        flow: &FaceFlow,
+        (axis, face): (usize, usize),
+        drop: f64,
+        (gravity, acceleration): (f64, &[Vec<f64>; 2]),
+    ) -> f64 {
+        let a = &acceleration[axis];
+        let mean = if D == 1 { a[face] } else { 0.5 * (a[face] + a[face + self.frame.beside(axis)]) };
+        let conducts = self.conducts[axis][face];
+        let reach = self.ratio[axis].get(face).map_or(conducts, |ratio| conducts / ratio);
+        let [flux, ..] = flow.through([conducts, reach], drop, gravity, mean);
+        flux
+    }
+
+    /// How a drained face conducts now, as [`Self::conducts`].
+    pub fn of_drained(&self, face: &DrainedFace) -> f64 {
+        self.conducts[face.axis][face.face]
+    }
+
+    /// Books what leaves in a step dt (s) under pressures of the cells (Pa, from [`Frame::pad`] on).
+    pub fn drain(
+        &mut self,
+        water: &Pores<D>,
+        pressure: &[f64],
+        (gravity, acceleration): (&[f64; D], &[Vec<f64>; 2]),
+        totals: &mut Totals<D>,
+        dt: f64,
+    ) {
+        for i in 0..self.drained.len() {
+            let DrainedFace { cell, axis, outwards, face, conducts } = self.drained[i];
+            if water.partly_drained {
+                self.conducts[axis][face] = conducts;
+            }
+            let drop = outwards * pressure[self.frame.pad() + cell];
+            let flux = self.flux(&water.flow, (axis, face), drop, (gravity[axis], acceleration));
+            let through = dt * water.flow.area * outwards * flux;
+            if water.partly_drained {
+                // What passes is in the particles, of which those that are taken away have left; none comes in.
+                self.conducts[axis][face] = if through < 0.0 { 0.0 } else { conducts };
+            } else {
+                totals.water_out += through.max(0.0);
+                totals.water_in -= through.min(0.0);
+            }
+        }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.conducts.iter().chain(&self.ratio).map(Vec::capacity).sum::<usize>() * size_of::<f64>()
+            + self.drained.capacity() * size_of::<DrainedFace>()
+            + self.outline.capacity() * size_of::<Outline>()
+    }
+}
