@@ -9,26 +9,6 @@ use crate::real::Real;
 /// A velocity gradient, `gradient[i][j]` = dv_i/dx_j, 1/s.
 pub type Gradient<const D: usize, R = f64> = [[R; D]; D];
 
-/// Kinematics in D dimensions with S stress components.
-pub trait Kinematics<const D: usize, const S: usize>: Copy + Send + Sync + 'static {
-    /// Strain increment over a time dt, in the component order of the stress (engineering shear).
-    fn strain_increment<R: Real>(gradient: &Gradient<D, R>, dt: f64) -> [R; S];
-    /// Turns a stress by the spin of a gradient over dt (Jaumann rate).
-    fn rotate<R: Real>(stress: &mut [R; S], gradient: &Gradient<D, R>, dt: f64);
-    /// Force coefficients of a cell from its stress: `F_k,i = sum_p V sigma_ij dphi_k/dx_j`, N m / m.
-    ///
-    /// `mean` is `sum V sigma`, `first[d]` is `sum V sigma xi_d`; `inverse_size` is 1/L.
-    fn internal_force<R: Real>(mean: &[R; S], first: &[[R; S]; D], inverse_size: f64) -> [[R; D]; 4];
-    /// Stress times a vector: sigma . G, Pa times the unit of G.
-    fn traction(stress: &[f64; S], vector: &[f64; D]) -> [f64; D];
-    /// The stress as xx, yy, zz, xy, Pa.
-    fn in_space(stress: &[f64; S]) -> [f64; 4];
-    /// Mean of the three normal stresses, Pa.
-    fn mean_stress<R: Real>(stress: &[R; S]) -> R;
-    /// The stress of an isotropic pressure of 1 Pa (compression), for the pore water.
-    const UNIT_PRESSURE: [f64; S];
-}
-
 /// The stress xx, yy, zz, xy of an isotropic pressure of 1 Pa (compression), for the pore water.
 pub const PRESSURE: [f64; 4] = [-1.0, -1.0, -1.0, 0.0];
 
@@ -93,88 +73,6 @@ pub fn traction<const D: usize, R: Real>(stress: &[R; 4], vector: &[R; D]) -> [R
 #[inline(always)]
 pub fn mean_stress<R: Real>(stress: &[R; 4]) -> R {
     (stress[0] + stress[1] + stress[2]) * (1.0 / 3.0)
-}
-
-/// One dimension: the axis is vertical, the stress has a vertical and a lateral component.
-#[derive(Debug, Clone, Copy)]
-pub struct Column;
-
-impl Kinematics<1, 2> for Column {
-    const UNIT_PRESSURE: [f64; 2] = [-1.0, -1.0];
-
-    #[inline(always)]
-    fn strain_increment<R: Real>(gradient: &Gradient<1, R>, dt: f64) -> [R; 2] {
-        [gradient[0][0] * dt, gradient[0][0].like(0.0)]
-    }
-
-    #[inline(always)]
-    fn rotate<R: Real>(_: &mut [R; 2], _: &Gradient<1, R>, _: f64) {}
-
-    #[inline(always)]
-    fn internal_force<R: Real>(mean: &[R; 2], _: &[[R; 2]; 1], inverse_size: f64) -> [[R; 1]; 4] {
-        let none = [mean[0].like(0.0)];
-        [none, [mean[0] * inverse_size], none, none]
-    }
-
-    #[inline(always)]
-    fn traction(stress: &[f64; 2], vector: &[f64; 1]) -> [f64; 1] {
-        [stress[0] * vector[0]]
-    }
-
-    fn in_space(&[vertical, lateral]: &[f64; 2]) -> [f64; 4] {
-        [lateral, vertical, lateral, 0.0]
-    }
-
-    #[inline(always)]
-    fn mean_stress<R: Real>(stress: &[R; 2]) -> R {
-        (stress[0] + stress[1] * 2.0) * (1.0 / 3.0)
-    }
-}
-
-/// Two dimensions: stress components xx, yy, zz, xy.
-#[derive(Debug, Clone, Copy)]
-pub struct PlaneStrain;
-
-impl Kinematics<2, 4> for PlaneStrain {
-    const UNIT_PRESSURE: [f64; 4] = [-1.0, -1.0, -1.0, 0.0];
-
-    #[inline(always)]
-    fn strain_increment<R: Real>(gradient: &Gradient<2, R>, dt: f64) -> [R; 4] {
-        let none = gradient[0][0].like(0.0);
-        [gradient[0][0] * dt, gradient[1][1] * dt, none, (gradient[0][1] + gradient[1][0]) * dt]
-    }
-
-    #[inline(always)]
-    fn rotate<R: Real>(stress: &mut [R; 4], gradient: &Gradient<2, R>, dt: f64) {
-        // sigma += (w sigma - sigma w) dt with w_xy = (dv_x/dy - dv_y/dx)/2.
-        let spin = (gradient[0][1] - gradient[1][0]) * 0.5 * dt;
-        let [xx, yy, _, xy] = *stress;
-        stress[0] += spin * 2.0 * xy;
-        stress[1] -= spin * 2.0 * xy;
-        stress[3] += spin * (yy - xx);
-    }
-
-    #[inline(always)]
-    fn internal_force<R: Real>(mean: &[R; 4], first: &[[R; 4]; 2], inverse_size: f64) -> [[R; 2]; 4] {
-        let (xx, yy, xy) = (mean[0] * inverse_size, mean[1] * inverse_size, mean[3] * inverse_size);
-        let bilinear = [first[1][0] + first[0][3], first[1][3] + first[0][1]];
-        [[xx.like(0.0); 2], [xx, xy], [xy, yy], [bilinear[0] * inverse_size, bilinear[1] * inverse_size]]
-    }
-
-    #[inline(always)]
-    fn traction(stress: &[f64; 4], vector: &[f64; 2]) -> [f64; 2] {
-        let [xx, yy, _, xy] = *stress;
-        [xx * vector[0] + xy * vector[1], xy * vector[0] + yy * vector[1]]
-    }
-
-    fn in_space(stress: &[f64; 4]) -> [f64; 4] {
-        *stress
-    }
-
-    #[inline(always)]
-    fn mean_stress<R: Real>(stress: &[R; 4]) -> R {
-        (stress[0] + stress[1] + stress[2]) * (1.0 / 3.0)
-    }
 }
 
 /// The basis (1, xi, eta, xi eta) at a point of the cell.

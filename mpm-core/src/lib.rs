@@ -6,7 +6,7 @@
 //! # Reading order
 //! 1. [`scene`]: what to simulate, from TOML to a checked [`scene::Scene`].
 //! 2. [`grid`], [`particles`], [`seeding`]: the mesh and the two layers, also in an outline.
-//! 3. [`real`], [`dimension`], [`shape`], [`stencil`]: one number or many at once; one dimension and plane strain; where
+//! 3. [`real`], [`dimension`], [`shape`]: one number or many at once; one dimension and plane strain; where
 //!    linear functions are evaluated, and wider ones.
 //! 4. [`sparse`], [`envelope`]: symmetric systems. [`constitutive`], [`water`], [`boundary`]: the physics; `water/free_surface` is
 //!    water that wets dry soil. In soil that moves, `water/carried.rs` is what the two are to each other in a step,
@@ -57,6 +57,5 @@ pub mod shape;
 pub mod space;
 pub mod sparse;
 pub mod stability;
-pub mod stencil;
 pub mod step;
 pub mod water;

@@ -6,24 +6,24 @@ use crate::grid::Grid;
 use crate::keep::Keeper;
 use crate::scene::Displaced;
 
-/// A particle of the solid layer. D: dimensions, S: stress components.
+/// A particle of the solid layer. D: dimensions.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SolidPoint<const D: usize, const S: usize> {
+pub struct SolidPoint<const D: usize> {
     /// Position, m.
     pub x: [f64; D],
     /// Velocity, m/s.
     pub v: [f64; D],
-    /// Effective stress, Pa, tension positive. Column: vertical, lateral. Plane strain: xx, yy, zz, xy.
-    pub stress: [f64; S],
+    /// Effective stress xx, yy, zz, xy, Pa, tension positive; the axis of a column is y.
+    pub stress: [f64; 4],
     /// Mass of the dry skeleton, kg.
     pub mass: f64,
     /// Volume of soil (grains and pores), m3.
     pub volume: f64,
 }
 
-impl<const D: usize, const S: usize> SolidPoint<D, S> {
+impl<const D: usize> SolidPoint<D> {
     /// A particle of nothing.
-    pub const NONE: Self = Self { x: [0.0; D], v: [0.0; D], stress: [0.0; S], mass: 0.0, volume: 0.0 };
+    pub const NONE: Self = Self { x: [0.0; D], v: [0.0; D], stress: [0.0; 4], mass: 0.0, volume: 0.0 };
 
     /// Writes or reads the particle.
     pub fn keep(&mut self, keeper: &mut Keeper) {
@@ -70,7 +70,7 @@ pub trait Point<const D: usize>: Copy {
     fn position(&self) -> &[f64; D];
 }
 
-impl<const D: usize, const S: usize> Point<D> for SolidPoint<D, S> {
+impl<const D: usize> Point<D> for SolidPoint<D> {
     fn position(&self) -> &[f64; D] {
         &self.x
     }

@@ -1,8 +1,7 @@
 //! The one switchboard: the words of a scene become concrete types. Nothing else matches on them.
 
 use crate::boundary::{Filled, Given, Strip, SurfaceLoad};
-use crate::constitutive::{Laws, Layered, LinearElastic, Material, Materials, MohrCoulomb, Stratum};
-use crate::dimension::{Column, PlaneStrain};
+use crate::constitutive::{LinearElastic, Material, Materials, MohrCoulomb, Part as Stratum};
 use crate::drive::{Alone, Attend, Drive, Run, drive};
 use crate::error::RunError;
 use crate::grid::Grid;
@@ -11,12 +10,11 @@ use crate::keep::Unfit;
 use crate::observe::Seed;
 use crate::particles::{Layer, SolidPoint, WaterPoint, displace, even_positions};
 use crate::scene::{
-    DarcyChoice, Dimension, Elastic, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, SoilLayer, Start,
-    TransferChoice, UnfitLoad, UpdateChoice, WaterProperties,
+    DarcyChoice, Dimension, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, SoilLayer, Start, TransferChoice,
+    UnfitLoad, UpdateChoice, WaterProperties,
 };
 use crate::seeding::{self, Part};
 use crate::shape::{BBar, Centre, Centroid, Linear};
-use crate::space::Deformation;
 use crate::stability::{StepTooLarge, choose_step};
 use crate::step::kernel::{self, Bspline, OnCell, Over};
 use crate::step::quasi_static::{QuasiStatic, Seeding};
@@ -160,12 +158,7 @@ pub fn failing(scene: &Scene) -> Result<Box<dyn Failing>, RunError> {
     model.failing().ok_or_else(|| refused("soil fails under water with a free surface"))
 }
 
-/// The stress of a column from its vertical and its lateral one.
-fn along_column(vertical: f64, lateral: f64) -> [f64; 2] {
-    [vertical, lateral]
-}
-
-/// The same in plane strain.
+/// The stress xx, yy, zz, xy from its vertical and its lateral part.
 fn in_plane(vertical: f64, lateral: f64) -> [f64; 4] {
     [lateral, vertical, lateral, 0.0]
 }
@@ -174,17 +167,20 @@ fn in_plane(vertical: f64, lateral: f64) -> [f64; 4] {
 fn materials(scene: &Scene) -> Result<Materials, RunError> {
     if scene.layers.is_empty() {
         return Ok(Materials::one(match &scene.strength {
-            Some(strength) => Material::MohrCoulomb(MohrCoulomb::plane_strain(&scene.elastic, strength)),
-            None => Material::Elastic(LinearElastic::plane_strain(&scene.elastic)),
+            Some(strength) => Material::MohrCoulomb(MohrCoulomb::new(&scene.elastic, strength)),
+            None => Material::Elastic(LinearElastic::new(&scene.elastic)),
         }));
     }
     let in_row = scene.particles_per_direction() * scene.cells[0];
     let per_row = if scene.dimension == Dimension::Column { 1 } else { in_row };
-    let layer = |layer: &SoilLayer| {
-        let end = (layer.up_to / scene.spacing()).round() as u32 * per_row as u32;
-        (Material::Elastic(LinearElastic::plane_strain(&layer.elastic)), end)
+    let reference = scene.water.map_or(1.0, |water| water.hydraulic_conductivity);
+    let part = |layer: &SoilLayer| Stratum {
+        material: Material::Elastic(LinearElastic::new(&layer.elastic)),
+        conductivity: layer.hydraulic_conductivity / reference,
+        top: layer.up_to,
+        end: (layer.up_to / scene.spacing()).round() as u32 * per_row as u32,
     };
-    Materials::several(&scene.layers.iter().map(layer).collect::<Vec<_>>()).ok_or_else(|| refused("no layers"))
+    Materials::several(&scene.layers.iter().map(part).collect::<Vec<_>>()).ok_or_else(|| refused("no layers"))
 }
 
 /// The quasi-static model of a scene.
@@ -192,52 +188,14 @@ fn quasi_static(scene: &Scene) -> Result<Box<dyn Model>, RunError> {
     if scene.strength.is_some() {
         return Err(refused("the quasi-static integrator knows linear elastic soil only"));
     }
-    let column = [scene.cells[1]];
-    Ok(match (scene.dimension, scene.layers.is_empty()) {
-        (Dimension::Column, true) => {
-            let law = LinearElastic::column(&scene.elastic);
-            implicit::<Column, _, 1, 2>(scene, column, scene.width, along_column, law)
-        }
-        (Dimension::PlaneStrain, true) => {
-            let law = LinearElastic::plane_strain(&scene.elastic);
-            implicit::<PlaneStrain, _, 2, 4>(scene, scene.cells, 1.0, in_plane, law)
-        }
-        (Dimension::Column, false) => {
-            let laws = layers(scene, 1.0, LinearElastic::column)?;
-            implicit::<Column, _, 1, 2>(scene, column, scene.width, along_column, laws)
-        }
-        (Dimension::PlaneStrain, false) => {
-            let per_row = (scene.cells[0] * scene.particles_per_direction()) as f64;
-            let laws = layers(scene, per_row, LinearElastic::plane_strain)?;
-            implicit::<PlaneStrain, _, 2, 4>(scene, scene.cells, 1.0, in_plane, laws)
-        }
+    Ok(match scene.dimension {
+        Dimension::Column => implicit(scene, [scene.cells[1]], scene.width, materials(scene)?),
+        Dimension::PlaneStrain => implicit(scene, scene.cells, 1.0, materials(scene)?),
     })
 }
 
-/// The layers of a quasi-static scene with so many particles in a row.
-fn layers<const S: usize>(
-    scene: &Scene,
-    per_row: f64,
-    elastic: fn(&Elastic) -> LinearElastic<S>,
-) -> Result<Layered<S>, RunError> {
-    let reference = scene.water.map_or(1.0, |water| water.hydraulic_conductivity);
-    let stratum = |layer: &SoilLayer| Stratum {
-        law: elastic(&layer.elastic),
-        conductivity: layer.hydraulic_conductivity / reference,
-        top: layer.up_to,
-        end: ((layer.up_to / scene.spacing()).round() * per_row) as u32,
-    };
-    Layered::new(&scene.layers.iter().map(stratum).collect::<Vec<_>>()).ok_or_else(|| refused("no layers"))
-}
-
 /// The quasi-static model: one layer of particles and a mesh that is laid over them.
-fn implicit<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
-    scene: &Scene,
-    soil_cells: [usize; D],
-    thickness: f64,
-    stress: fn(f64, f64) -> [f64; S],
-    law: L,
-) -> Box<dyn Model> {
+fn implicit<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness: f64, law: Materials) -> Box<dyn Model> {
     let spacing = scene.cell / scene.particles_per_direction() as f64;
     let volume = thickness * spacing.powi(D as i32);
     let lengths: [f64; D] = std::array::from_fn(|d| if d == D - 1 { scene.height } else { scene.width });
@@ -255,12 +213,12 @@ fn implicit<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
         SolidPoint {
             x: *x,
             v: [0.0; D],
-            stress: stress(vertical, ratio * vertical),
+            stress: in_plane(vertical, ratio * vertical),
             mass: scene.dry_density() * volume,
             volume,
         }
     };
-    Box::new(QuasiStatic::<K, L, D, S>::new(
+    Box::new(QuasiStatic::<Material, D>::new(
         scene,
         Seeding {
             points: places.iter().map(point).collect(),
@@ -277,7 +235,7 @@ fn implicit<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
 struct Seeded<const D: usize> {
     grid: Grid<D>,
     soil_cells: [usize; D],
-    solid: Layer<SolidPoint<D, 4>, D>,
+    solid: Layer<SolidPoint<D>, D>,
     face_area: f64,
     particle_volume: f64,
     seed: Seed,

@@ -3,8 +3,6 @@
 //! Mass, momentum and velocity always use N_i at the particle. The choice below is about gradients (and, in
 //! Darcy's law, about N_i): the paper's stabilisation takes them at the centre of the cell.
 
-use crate::real::Real;
-
 /// An evaluation point for gradients.
 pub trait Shape: Copy + Send + Sync + 'static {
     /// Whether all particles of a cell share the point.
@@ -15,12 +13,6 @@ pub trait Shape: Copy + Send + Sync + 'static {
     const SPLIT: bool = false;
     /// Where the pore pressure acts, which changes volumes alone.
     type Pore: Shape;
-
-    /// The point, in cell coordinates in [0, 1], for a particle at `xi`.
-    #[inline(always)]
-    fn point<const D: usize, R: Real>(xi: &[R; D]) -> [R; D] {
-        if Self::AT_CENTRE { [xi[0].like(0.5); D] } else { *xi }
-    }
 }
 
 /// Values at the centre of the cell (the paper, section 2.2): G_i(x_p) is replaced by G_i(x_c).

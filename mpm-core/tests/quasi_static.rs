@@ -4,8 +4,7 @@
 mod common;
 
 use common::{MODULUS, SURCHARGE, apart, completed, scene};
-use mpm_core::constitutive::{Law, LinearElastic};
-use mpm_core::dimension::Column;
+use mpm_core::constitutive::{Law, LinearElastic, Materials};
 use mpm_core::drive::{Run, drive};
 use mpm_core::particles::SolidPoint;
 use mpm_core::run::run;
@@ -239,42 +238,40 @@ struct Curved {
     reference: f64,
 }
 
-impl Law<2> for Curved {
-    const LINEAR: bool = false;
-
-    fn update(&self, stress: &mut [f64; 2], strain: &[f64; 2]) {
+impl Law for Curved {
+    fn update(&self, stress: &mut [f64; 4], strain: &[f64; 4]) {
         let r = self.reference;
-        stress[0] = r - (r - stress[0]) * (-MODULUS * strain[0] / r).exp();
+        stress[1] = r - (r - stress[1]) * (-MODULUS * strain[1] / r).exp();
     }
 
-    fn tangent(&self, stress: &[f64; 2], _: &[f64; 2]) -> SMatrix<f64, 2, 2> {
-        SMatrix::from([[MODULUS * (1.0 - stress[0] / self.reference), 0.0], [0.0, 1.0]])
+    fn tangent(&self, stress: &[f64; 4], _: &[f64; 4]) -> SMatrix<f64, 4, 4> {
+        SMatrix::from_diagonal(&[1.0, MODULUS * (1.0 - stress[1] / self.reference), 1.0, 1.0].into())
     }
 
     /// `int sigma d eps` from rest.
-    fn energy(&self, stress: &[f64; 2]) -> f64 {
-        let share = stress[0] / self.reference;
+    fn energy(&self, stress: &[f64; 4]) -> f64 {
+        let share = stress[1] / self.reference;
         -self.reference * self.reference / MODULUS * (share + (-share).ln_1p())
     }
 }
 
 /// The column with another law.
-fn with_law<L: Law<2>>(scene: &Scene, law: L) -> Run {
+fn with_law<L: Law>(scene: &Scene, law: L) -> Run {
     let count = scene.cells[1] * 3;
     let spacing = 1.0 / count as f64;
     let volume = scene.width * spacing;
     let point = |i: usize| SolidPoint {
         x: [(i as f64 + 0.5) * spacing],
         v: [0.0],
-        stress: [0.0; 2],
+        stress: [0.0; 4],
         mass: scene.dry_density() * volume,
         volume,
     };
-    let mut model = QuasiStatic::<Column, L, 1, 2>::new(
+    let mut model = QuasiStatic::<L, 1>::new(
         scene,
         Seeding {
             points: (0..count).map(point).collect(),
-            law,
+            law: Materials::one(law),
             top: vec![count - 1],
             thickness: scene.width,
             first_pressure: |_, _| 0.0,
@@ -296,9 +293,9 @@ fn nonlinear_laws_reach_equilibrium() {
     assert!(apart(found, expected) < 1e-5, "{found:e} {expected:e}");
     // The linear law through the nonlinear path.
     let elastic = mpm_core::scene::Elastic { youngs_modulus: 2.0e7, poisson_ratio: 0.3 };
-    let linear = with_law(&Scene { method: TimeMethod::Krylov, ..scene.clone() }, LinearElastic::column(&elastic));
+    let linear = with_law(&Scene { method: TimeMethod::Krylov, ..scene.clone() }, LinearElastic::new(&elastic));
     let large = Scene { strain: StrainChoice::Large, ..scene };
-    let finite = with_law(&large, LinearElastic::column(&elastic));
+    let finite = with_law(&large, LinearElastic::new(&elastic));
     assert!(largest_difference(&linear, &finite) < 1e-3);
 }
 

@@ -95,7 +95,7 @@ mod tests {
     use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
     use mpm_core::dimension::{
-        Kinematics, PlaneStrain, basis, coefficients, gradient, shares, to_corners, trace, value,
+        basis, coefficients, gradient, internal_force, rotate, shares, strain_increment, to_corners, trace, value,
     };
     use mpm_core::real::Real;
 
@@ -205,11 +205,11 @@ mod tests {
         let [multiply, add] = counted(|| gradient(&field, &xi, 50.0));
         assert_eq!([multiply - 2, add], table("gradient at the centre", Of::Cell));
         // 2 spin xy stands twice as two products; the spin is the cell's, and so is the strain, which has no zz.
-        let [multiply, add] = counted(|| PlaneStrain::rotate(&mut [one; 4], &slope, 0.1));
-        let strain = counted(|| PlaneStrain::strain_increment(&slope, 0.1));
+        let [multiply, add] = counted(|| rotate::<2, _>(&mut [one; 4], &slope, 0.1));
+        let strain = counted(|| strain_increment::<2, _>(&slope, 0.1));
         let (turned, spin) = (table("stress turned by the spin", Of::Solid), table("spin and strain", Of::Cell));
         assert_eq!([multiply - 2 + strain[0], add + strain[1]], [turned[0] + spin[0], turned[1] + spin[1]]);
-        let force = counted(|| PlaneStrain::internal_force(&[one; 4], &[[one; 4]; 2], 50.0));
+        let force = counted(|| internal_force::<2, _>(&[one; 4], &[[one; 4]; 2], 50.0));
         assert_eq!(force, table("internal force", Of::Cell));
         // eta - both stands twice, and the constant moment is zero; the mixture's mass is four sums more.
         let [none, add] = counted(|| to_corners::<2, 2, _>(&field));

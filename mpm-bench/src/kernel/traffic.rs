@@ -24,7 +24,7 @@ const CELL_WRITTEN: usize = 4 + 6 + 6 + 1;
 
 /// Bytes read and written per point-step, `ppc` points in a cell.
 pub fn per_point(ppc: usize) -> [f64; 2] {
-    let particles = size_of::<SolidPoint<2, 4>>() + size_of::<WaterPoint<2>>();
+    let particles = size_of::<SolidPoint<2>>() + size_of::<WaterPoint<2>>();
     let bytes = |numbers: usize| numbers * size_of::<f64>();
     let per_point = |particles: usize, cell: usize| particles as f64 + bytes(cell) as f64 / ppc as f64;
     [per_point(particles, CELL_READ), per_point(particles - bytes(MASSES), CELL_WRITTEN)]

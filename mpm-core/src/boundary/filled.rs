@@ -165,12 +165,7 @@ impl<const D: usize> Filled<D> {
 
     /// [`Self::follow`] with the particles of a layer.
     #[inline(always)]
-    pub fn follow_layer<const S: usize>(
-        &mut self,
-        grid: &Grid<D>,
-        surface: &SurfaceLoad<D>,
-        solid: &Layer<SolidPoint<D, S>, D>,
-    ) {
+    pub fn follow_layer(&mut self, grid: &Grid<D>, surface: &SurfaceLoad<D>, solid: &Layer<SolidPoint<D>, D>) {
         if self.is_known() {
             self.follow(grid, surface, surface.carrier(solid));
         }

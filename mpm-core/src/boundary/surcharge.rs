@@ -40,7 +40,7 @@ impl<const D: usize> SurfaceLoad<D> {
     }
 
     /// Finds the particles again after their order has changed.
-    pub fn follow<const S: usize>(&mut self, solid: &Layer<SolidPoint<D, S>, D>) {
+    pub fn follow(&mut self, solid: &Layer<SolidPoint<D>, D>) {
         if self.order == solid.order {
             return;
         }
@@ -53,17 +53,14 @@ impl<const D: usize> SurfaceLoad<D> {
     }
 
     /// The same for particles that have been read from a kept state.
-    pub fn find<const S: usize>(&mut self, solid: &Layer<SolidPoint<D, S>, D>) {
+    pub fn find(&mut self, solid: &Layer<SolidPoint<D>, D>) {
         self.order = u64::MAX;
         self.follow(solid);
     }
 
     /// The particle of each strip, by its place in the layer when [`Self::follow`] last saw it.
     #[inline(always)]
-    pub(super) fn carrier<'a, const S: usize>(
-        &'a self,
-        solid: &'a Layer<SolidPoint<D, S>, D>,
-    ) -> impl Fn(usize) -> ([f64; D], f64) + 'a {
+    pub(super) fn carrier<'a>(&'a self, solid: &'a Layer<SolidPoint<D>, D>) -> impl Fn(usize) -> ([f64; D], f64) + 'a {
         |strip| {
             let point = &solid.points[self.index[strip] as usize];
             (point.x, point.volume)
@@ -106,7 +103,7 @@ impl<const D: usize> SurfaceLoad<D> {
     }
 
     /// How far the surface has come down since t = 0, m.
-    pub fn settlement<const S: usize>(&self, solid: &Layer<SolidPoint<D, S>, D>) -> f64 {
+    pub fn settlement(&self, solid: &Layer<SolidPoint<D>, D>) -> f64 {
         if self.strips.is_empty() {
             return 0.0; // no surface is followed
         }

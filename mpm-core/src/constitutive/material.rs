@@ -2,16 +2,16 @@
 
 use pulp::Simd;
 
-use super::{Flow, Law, Laws, LinearElastic, MohrCoulomb};
+use super::{Flow, Law, LinearElastic, MohrCoulomb};
 use crate::real::{Lanes, Real};
 
 /// A material, one of those that are known.
 #[derive(Debug, Clone, Copy)]
 pub enum Material {
     /// Isotropic linear elasticity.
-    Elastic(LinearElastic<4>),
+    Elastic(LinearElastic),
     /// Elastic, perfectly plastic.
-    MohrCoulomb(MohrCoulomb<4>),
+    MohrCoulomb(MohrCoulomb),
 }
 
 impl Material {
@@ -47,9 +47,10 @@ macro_rules! whichever {
     };
 }
 
-impl Law<4> for Material {
-    const LINEAR: bool = false;
-    const PLASTIC: bool = true;
+impl Law for Material {
+    fn is_linear(&self) -> bool {
+        whichever!(self, law => law.is_linear())
+    }
 
     fn update(&self, stress: &mut [f64; 4], strain: &[f64; 4]) {
         whichever!(self, law => law.update(stress, strain));
@@ -84,53 +85,93 @@ impl Law<4> for Material {
 }
 
 /// Most materials of a scene.
-pub const MOST: usize = 8;
+pub const MOST_MATERIALS: usize = 8;
+
+/// A material of a scene and where it is.
+#[derive(Debug, Clone, Copy)]
+pub struct Part<L = Material> {
+    /// The material.
+    pub material: L,
+    /// Its hydraulic conductivity over that of the scene's water.
+    pub conductivity: f64,
+    /// Its top above the base, m.
+    pub top: f64,
+    /// Number of the first particle above it, as they were seeded.
+    pub end: u32,
+}
 
 /// The materials of a scene, and which particle is of which: particles are numbered from the base up, those of a material follow
 /// each other.
 #[derive(Debug, Clone, Copy)]
-pub struct Materials {
-    list: [Material; MOST],
+pub struct Materials<L = Material> {
+    parts: [Part<L>; MOST_MATERIALS],
     count: usize,
-    /// Number of the first particle above those of each.
-    ends: [u32; MOST],
 }
 
-impl Materials {
+impl<L: Law> Materials<L> {
     /// One for all particles.
-    pub fn one(material: Material) -> Self {
-        Self { list: [material; MOST], count: 1, ends: [u32::MAX; MOST] }
+    pub fn one(material: L) -> Self {
+        let everywhere = Part { material, conductivity: 1.0, top: f64::INFINITY, end: u32::MAX };
+        Self { parts: [everywhere; MOST_MATERIALS], count: 1 }
     }
 
-    /// Several, each with the number of the first particle above its own; `None` without any.
-    pub fn several(list: &[(Material, u32)]) -> Option<Self> {
-        let (last, _) = *list.last()?;
-        let mut all = Self { list: [last; MOST], count: list.len(), ends: [u32::MAX; MOST] };
-        for (i, (material, end)) in list.iter().enumerate().take(list.len() - 1) {
-            (all.list[i], all.ends[i]) = (*material, *end);
-        }
+    /// Several from the base up; `None` without any.
+    pub fn several(list: &[Part<L>]) -> Option<Self> {
+        // The last one goes on for ever: soil that swells stays in it.
+        let last = Part { top: f64::INFINITY, end: u32::MAX, ..*list.last()? };
+        let mut all = Self { parts: [last; MOST_MATERIALS], count: list.len().min(MOST_MATERIALS) };
+        all.parts[..all.count - 1].copy_from_slice(&list[..all.count - 1]);
         Some(all)
     }
 
-    /// Whether any dissipates.
-    pub fn are_plastic(&self) -> bool {
-        self.list[..self.count].iter().any(Material::is_plastic)
+    /// Whether the stress of all is a linear function of the strain.
+    pub fn are_linear(&self) -> bool {
+        self.parts[..self.count].iter().all(|part| part.material.is_linear())
+    }
+
+    /// Whether there are several.
+    pub fn are_layered(&self) -> bool {
+        self.count > 1
     }
 
     /// Which material the particle with a number is of.
     #[inline(always)]
-    pub fn of(&self, id: u32) -> usize {
-        self.ends[..self.count - 1].iter().filter(|end| id >= **end).count()
+    pub fn of(&self, id: u32) -> u8 {
+        self.parts[..self.count - 1].iter().filter(|part| id >= part.end).count() as u8
+    }
+
+    /// Which one is at a height above the base, m.
+    pub fn at(&self, height: f64) -> u8 {
+        self.parts[..self.count - 1].iter().filter(|part| height >= part.top).count() as u8
+    }
+
+    /// One of them.
+    #[inline(always)]
+    pub fn law(&self, which: u8) -> &L {
+        &self.parts[usize::from(which)].material
+    }
+
+    /// Its hydraulic conductivity over that of the scene's water.
+    #[inline(always)]
+    pub fn conductivity(&self, which: u8) -> f64 {
+        self.parts[usize::from(which)].conductivity
+    }
+}
+
+impl Materials {
+    /// Whether any dissipates.
+    pub fn are_plastic(&self) -> bool {
+        self.parts[..self.count].iter().any(|part| part.material.is_plastic())
     }
 
     /// Elastic energy per volume (J/m3) of the particle with a number at a stress (Pa).
     pub fn energy(&self, id: u32, stress: &[f64; 4]) -> f64 {
-        self.list[self.of(id)].energy(stress)
+        self.law(self.of(id)).energy(stress)
     }
 
     /// Each of them changed.
     pub fn map(&self, change: impl Fn(&Material) -> Material) -> Self {
-        Self { list: self.list.each_ref().map(change), ..*self }
+        Self { parts: self.parts.map(|part| Part { material: change(&part.material), ..part }), ..*self }
     }
 
     /// Updates the stresses (Pa) of a block of particles with their numbers; lanes that are not `there` hold none.
@@ -142,7 +183,11 @@ impl Materials {
         there: V::m64s,
         ids: &[u32],
     ) -> Flow<Lanes<V>> {
-        if self.count == 1 { self.list[0].update(stress, strain, there) } else { self.each(stress, strain, there, ids) }
+        if self.count == 1 {
+            self.parts[0].material.update(stress, strain, there)
+        } else {
+            self.each(stress, strain, there, ids)
+        }
     }
 
     /// The same where the particles of a block may be of several materials.
@@ -159,7 +204,7 @@ impl Materials {
         let mut present = 0_u32;
         for (lane, id) in ids.iter().enumerate() {
             let material = self.of(*id);
-            which.set_lane(lane, material as f64);
+            which.set_lane(lane, f64::from(material));
             present |= 1 << material;
         }
         let old = *stress;
@@ -167,7 +212,7 @@ impl Materials {
         for material in (0..self.count).filter(|material| present & (1 << material) != 0) {
             let own = none.simd.and_m64s(there, which.equals(none.like(material as f64)));
             let mut found = old;
-            let flow = self.list[material].update(&mut found, strain, own);
+            let flow = self.parts[material].material.update(&mut found, strain, own);
             for s in 0..4 {
                 stress[s] = found[s].or(own, stress[s]);
             }
@@ -175,29 +220,5 @@ impl Materials {
             all.residual = flow.residual.or(own, all.residual);
         }
         all
-    }
-}
-
-impl Laws<4> for Materials {
-    type One = Material;
-    type Mark = u8;
-    const LAYERED: bool = true;
-
-    #[inline(always)]
-    fn mark_of(&self, id: u32) -> u8 {
-        self.of(id) as u8
-    }
-
-    fn mark_at(&self, _: f64) -> u8 {
-        0
-    }
-
-    #[inline(always)]
-    fn law(&self, mark: u8) -> &Material {
-        &self.list[usize::from(mark)]
-    }
-
-    fn conductivity(&self, _: u8) -> f64 {
-        1.0
     }
 }

@@ -153,11 +153,11 @@ pub struct Places {
 
 impl Places {
     /// Those of some particles; nothing in a column.
-    pub(crate) fn of<const D: usize, const S: usize>(solid: &[SolidPoint<D, S>], water: &[WaterPoint<D>]) -> Self {
+    pub(crate) fn of<const D: usize>(solid: &[SolidPoint<D>], water: &[WaterPoint<D>]) -> Self {
         if D == 1 {
             return Self::default();
         }
-        let mean = |stress: &[f64; S]| stress[..3.min(S)].iter().sum::<f64>() / 3.0;
+        let mean = |stress: &[f64; 4]| stress[..3].iter().sum::<f64>() / 3.0;
         Self {
             solid: solid.iter().map(|p| [p.x[0], p.x[D - 1], mean(&p.stress)]).collect(),
             water: water.iter().map(|p| [p.x[0], p.x[D - 1], p.pressure]).collect(),
@@ -218,9 +218,9 @@ impl<const D: usize> Default for CellValues<D> {
 
 impl<const D: usize> CellValues<D> {
     /// Adds a solid particle that stood at `first_height` (m) and stores `energy` (J/m3).
-    pub fn add_solid<const S: usize>(&mut self, point: &SolidPoint<D, S>, first_height: f64, energy: f64) {
+    pub fn add_solid(&mut self, point: &SolidPoint<D>, first_height: f64, energy: f64) {
         // Component order: xx, yy, ...; vertical, lateral in the columns of two.
-        let vertical = point.stress[S / 4];
+        let vertical = point.stress[1];
         self.solid_mass += point.mass;
         self.volume += point.volume;
         self.effective_stress += point.volume * vertical;
@@ -247,8 +247,8 @@ impl<const D: usize> CellValues<D> {
 }
 
 /// Reads the state of a run.
-pub fn observe<const D: usize, const S: usize>(
-    solid: &Layer<SolidPoint<D, S>, D>,
+pub fn observe<const D: usize>(
+    solid: &Layer<SolidPoint<D>, D>,
     water: Option<&Layer<WaterPoint<D>, D>>,
     cells: &[CellValues<D>],
     settlement: f64,
@@ -256,7 +256,7 @@ pub fn observe<const D: usize, const S: usize>(
 ) -> Observation {
     let profile = profile(cells);
     let volume: f64 = cells.iter().map(|c| c.volume).sum();
-    let speed = |p: &SolidPoint<D, S>| p.v.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let speed = |p: &SolidPoint<D>| p.v.iter().map(|v| v * v).sum::<f64>().sqrt();
     let volumes = || solid.points.iter().map(|p| p.volume);
     let of_water = water.map_or(&[][..], |w| &w.points).iter().map(|p| p.volume);
     Observation {
@@ -279,7 +279,7 @@ pub fn observe<const D: usize, const S: usize>(
 }
 
 /// Centre of mass of a layer, m: x (zero in a column) and y.
-fn centre<const D: usize, const S: usize>(solid: &Layer<SolidPoint<D, S>, D>) -> [f64; 2] {
+fn centre<const D: usize>(solid: &Layer<SolidPoint<D>, D>) -> [f64; 2] {
     let mass: f64 = solid.points.iter().map(|p| p.mass).sum();
     let along = |d: usize| solid.points.iter().map(|p| p.mass * p.x[d]).sum::<f64>() / mass;
     [if D == 2 { along(0) } else { 0.0 }, along(D - 1)]
@@ -289,7 +289,7 @@ fn centre<const D: usize, const S: usize>(solid: &Layer<SolidPoint<D, S>, D>) ->
 const AHEAD: f64 = 0.005;
 
 /// Where the soil ends: x (zero in a column) and y, m.
-pub(crate) fn reach<const D: usize, const S: usize>(points: &[SolidPoint<D, S>]) -> [f64; 2] {
+pub(crate) fn reach<const D: usize>(points: &[SolidPoint<D>]) -> [f64; 2] {
     let total: f64 = points.iter().map(|p| p.mass).sum();
     let mut list: Vec<(f64, f64)> = Vec::with_capacity(points.len());
     std::array::from_fn(|axis| {

@@ -3,13 +3,11 @@
 //! The law sees the logarithmic strain `ln U` in the frame before rotation; its stress is the Cauchy stress there,
 //! and turns with R. In one dimension that is `sigma' = M ln J`, whatever the size of a step.
 
-use crate::dimension::{Column, Kinematics, PlaneStrain};
-
 /// A deformation gradient taken apart, `F = R U`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stretch<const D: usize, const S: usize> {
-    /// Logarithmic strain ln U, components as the stress with engineering shear.
-    pub strain: [f64; S],
+pub struct Stretch<const D: usize> {
+    /// Logarithmic strain ln U, xx, yy, zz, xy with engineering shear.
+    pub strain: [f64; 4],
     /// R.
     pub rotation: [[f64; D]; D],
     /// det F.
@@ -18,81 +16,78 @@ pub struct Stretch<const D: usize, const S: usize> {
     pub inverse: [[f64; D]; D],
 }
 
-/// What implicit steps need of a dimension.
-pub trait Deformation<const D: usize, const S: usize>: Kinematics<D, S> {
-    /// Strain of a displacement `direction` times a function with a gradient (1/m).
-    fn strain_mode(slope: &[f64; D], direction: &[f64; D]) -> [f64; S];
-    /// The stress as a tensor, Pa.
-    fn tensor(stress: &[f64; S]) -> [[f64; D]; D];
-    /// A stress turned by a rotation, Pa.
-    fn turned(stress: &[f64; S], rotation: &[[f64; D]; D]) -> [f64; S];
-    /// Takes `I + gradient` apart; `None` if it turns a volume inside out.
-    fn stretch(gradient: &[[f64; D]; D]) -> Option<Stretch<D, S>>;
+/// The components of strain that may differ from zero: those of a column, whose axis is y, or in plane strain.
+#[inline(always)]
+pub fn active<const D: usize>() -> std::ops::Range<usize> {
+    if D == 1 { 1..2 } else { 0..4 }
 }
 
-impl Deformation<1, 2> for Column {
-    fn strain_mode(slope: &[f64; 1], direction: &[f64; 1]) -> [f64; 2] {
-        [slope[0] * direction[0], 0.0]
+/// Strain of a displacement `direction` times a function with a gradient (1/m).
+#[inline(always)]
+pub fn strain_mode<const D: usize>(slope: &[f64; D], direction: &[f64; D]) -> [f64; 4] {
+    let (x, y) = (0, D - 1);
+    if D == 1 {
+        return [0.0, slope[y] * direction[y], 0.0, 0.0];
     }
-
-    fn tensor(stress: &[f64; 2]) -> [[f64; 1]; 1] {
-        [[stress[0]]]
-    }
-
-    fn turned(stress: &[f64; 2], _: &[[f64; 1]; 1]) -> [f64; 2] {
-        *stress
-    }
-
-    fn stretch(gradient: &[[f64; 1]; 1]) -> Option<Stretch<1, 2>> {
-        let volume = 1.0 + gradient[0][0];
-        let strain = [gradient[0][0].ln_1p(), 0.0];
-        (volume > 0.0).then_some(Stretch { strain, rotation: [[1.0]], volume, inverse: [[1.0 / volume]] })
-    }
+    [slope[x] * direction[x], slope[y] * direction[y], 0.0, slope[y] * direction[x] + slope[x] * direction[y]]
 }
 
-impl Deformation<2, 4> for PlaneStrain {
-    fn strain_mode(slope: &[f64; 2], direction: &[f64; 2]) -> [f64; 4] {
-        [slope[0] * direction[0], slope[1] * direction[1], 0.0, slope[1] * direction[0] + slope[0] * direction[1]]
-    }
+/// The stress as a tensor, Pa.
+#[inline(always)]
+pub fn tensor<const D: usize>(stress: &[f64; 4]) -> [[f64; D]; D] {
+    let mut tensor = [[stress[3]; D]; D];
+    tensor[0][0] = stress[0];
+    tensor[D - 1][D - 1] = stress[1];
+    tensor
+}
 
-    fn tensor(stress: &[f64; 4]) -> [[f64; 2]; 2] {
-        [[stress[0], stress[3]], [stress[3], stress[1]]]
+/// A stress turned by a rotation, Pa.
+pub fn turned<const D: usize>(stress: &[f64; 4], rotation: &[[f64; D]; D]) -> [f64; 4] {
+    if D == 1 {
+        return *stress;
     }
+    let (c, s) = (rotation[0][0], rotation[0][D - 1]); // R = [[c, s], [-s, c]]
+    let [xx, yy, zz, xy] = *stress;
+    [
+        c * c * xx + 2.0 * c * s * xy + s * s * yy,
+        s * s * xx - 2.0 * c * s * xy + c * c * yy,
+        zz,
+        c * s * (yy - xx) + (c * c - s * s) * xy,
+    ]
+}
 
-    fn turned(stress: &[f64; 4], rotation: &[[f64; 2]; 2]) -> [f64; 4] {
-        let [[c, s], _] = *rotation; // R = [[c, s], [-s, c]]
-        let [xx, yy, zz, xy] = *stress;
-        [
-            c * c * xx + 2.0 * c * s * xy + s * s * yy,
-            s * s * xx - 2.0 * c * s * xy + c * c * yy,
-            zz,
-            c * s * (yy - xx) + (c * c - s * s) * xy,
-        ]
+/// Takes `I + gradient` apart; `None` if it turns a volume inside out.
+pub fn stretch<const D: usize>(gradient: &[[f64; D]; D]) -> Option<Stretch<D>> {
+    let (x, y) = (0, D - 1);
+    if D == 1 {
+        let volume = 1.0 + gradient[y][y];
+        let strain = [0.0, gradient[y][y].ln_1p(), 0.0, 0.0];
+        let (rotation, inverse) = ([[1.0; D]; D], [[1.0 / volume; D]; D]);
+        return (volume > 0.0).then_some(Stretch { strain, rotation, volume, inverse });
     }
-
-    fn stretch(gradient: &[[f64; 2]; 2]) -> Option<Stretch<2, 4>> {
-        let f = [[1.0 + gradient[0][0], gradient[0][1]], [gradient[1][0], 1.0 + gradient[1][1]]];
-        let volume = f[0][0] * f[1][1] - f[0][1] * f[1][0];
-        if volume.is_nan() || volume <= 0.0 {
-            return None;
-        }
-        // Polar decomposition in the plane: R is the rotation by atan2(F_01 - F_10, F_00 + F_11).
-        let (sum, difference) = (f[0][0] + f[1][1], f[0][1] - f[1][0]);
-        let norm = sum.hypot(difference);
-        let (c, s) = (sum / norm, difference / norm);
-        let rotation = [[c, s], [-s, c]];
-        // U = R^T F, symmetric; its logarithm by principal stretches.
-        let u = [c * f[0][0] - s * f[1][0], s * f[0][1] + c * f[1][1], c * f[0][1] - s * f[1][1]];
-        let (mean, half) = (0.5 * (u[0] + u[1]), 0.5 * (u[0] - u[1]));
-        let radius = half.hypot(u[2]);
-        // ln(mean +- radius) = centre +- spread; spread/radius stays regular where the stretches are equal.
-        let centre = 0.5 * (mean * mean - radius * radius).ln();
-        let ratio = radius / mean;
-        let slope = if ratio < 1e-4 { (1.0 + ratio * ratio / 3.0) / mean } else { ratio.atanh() / radius };
-        let strain = [centre + slope * half, centre - slope * half, 0.0, 2.0 * slope * u[2]];
-        let inverse = [[f[1][1] / volume, -f[0][1] / volume], [-f[1][0] / volume, f[0][0] / volume]];
-        Some(Stretch { strain, rotation, volume, inverse })
+    let f = [[1.0 + gradient[x][x], gradient[x][y]], [gradient[y][x], 1.0 + gradient[y][y]]];
+    let volume = f[0][0] * f[1][1] - f[0][1] * f[1][0];
+    if volume.is_nan() || volume <= 0.0 {
+        return None;
     }
+    // Polar decomposition in the plane: R is the rotation by atan2(F_01 - F_10, F_00 + F_11).
+    let (sum, difference) = (f[0][0] + f[1][1], f[0][1] - f[1][0]);
+    let norm = sum.hypot(difference);
+    let (c, s) = (sum / norm, difference / norm);
+    // U = R^T F, symmetric; its logarithm by principal stretches.
+    let u = [c * f[0][0] - s * f[1][0], s * f[0][1] + c * f[1][1], c * f[0][1] - s * f[1][1]];
+    let (mean, half) = (0.5 * (u[0] + u[1]), 0.5 * (u[0] - u[1]));
+    let radius = half.hypot(u[2]);
+    // ln(mean +- radius) = centre +- spread; spread/radius stays regular where the stretches are equal.
+    let centre = 0.5 * (mean * mean - radius * radius).ln();
+    let ratio = radius / mean;
+    let slope = if ratio < 1e-4 { (1.0 + ratio * ratio / 3.0) / mean } else { ratio.atanh() / radius };
+    let strain = [centre + slope * half, centre - slope * half, 0.0, 2.0 * slope * u[2]];
+    let mut rotation = [[c; D]; D];
+    (rotation[x][y], rotation[y][x]) = (s, -s);
+    let mut inverse = [[f[1][1] / volume; D]; D];
+    (inverse[x][y], inverse[y][x], inverse[y][y]) = (-f[0][1] / volume, -f[1][0] / volume, f[0][0] / volume);
+    Some(Stretch { strain, rotation, volume, inverse })
 }
 
 #[cfg(test)]
@@ -110,7 +105,7 @@ mod tests {
             [c * u[0][0] + s * u[1][0], c * u[0][1] + s * u[1][1]],
             [-s * u[0][0] + c * u[1][0], -s * u[0][1] + c * u[1][1]],
         ];
-        let found = PlaneStrain::stretch(&[[f[0][0] - 1.0, f[0][1]], [f[1][0], f[1][1] - 1.0]]).expect("a stretch");
+        let found = stretch::<2>(&[[f[0][0] - 1.0, f[0][1]], [f[1][0], f[1][1] - 1.0]]).expect("a stretch");
         let expected =
             [a.ln() * k * k + b.ln() * l * l, a.ln() * l * l + b.ln() * k * k, 0.0, 2.0 * (a.ln() - b.ln()) * k * l];
         for i in 0..4 {
@@ -118,13 +113,13 @@ mod tests {
         }
         assert!((found.rotation[0][0] - c).abs() < 1e-14 && (found.rotation[0][1] - s).abs() < 1e-14);
         assert!((found.volume - a * b).abs() < 1e-14);
-        assert!(PlaneStrain::stretch(&[[-2.0, 0.0], [0.0, 0.0]]).is_none());
-        assert!(Column::stretch(&[[-1.0]]).is_none());
-        assert!((Column::stretch(&[[-0.2]]).expect("a stretch").strain[0] - 0.8_f64.ln()).abs() < 1e-15);
+        assert!(stretch::<2>(&[[-2.0, 0.0], [0.0, 0.0]]).is_none());
+        assert!(stretch::<1>(&[[-1.0]]).is_none());
+        assert!((stretch::<1>(&[[-0.2]]).expect("a stretch").strain[1] - 0.8_f64.ln()).abs() < 1e-15);
         // A turned stress does the same work on a turned strain.
         let stress = [1.0, 2.0, 3.0, 0.5];
-        let turned = PlaneStrain::tensor(&PlaneStrain::turned(&stress, &found.rotation));
-        let (r, t) = (found.rotation, PlaneStrain::tensor(&stress));
+        let turned = tensor::<2>(&turned(&stress, &found.rotation));
+        let (r, t) = (found.rotation, tensor::<2>(&stress));
         for i in 0..2 {
             for j in 0..2 {
                 let by_hand: f64 =

@@ -10,7 +10,7 @@ mod stencil;
 mod weights;
 
 pub use axis::{Axis, Basis, Local};
-pub use deformation::{Deformation, Stretch};
+pub use deformation::{Stretch, active, strain_mode, stretch, tensor, turned};
 pub use gauss::{GAUSS3, gauss};
 pub use stencil::{MOST, Stencil};
 pub use weights::{Fit, fit};

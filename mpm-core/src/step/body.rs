@@ -2,7 +2,7 @@
 
 use crate::boundary::Filled;
 use crate::boundary::SurfaceLoad;
-use crate::constitutive::{Flow, Law, Laws, Materials};
+use crate::constitutive::{Flow, Law, Materials};
 use crate::grid::Grid;
 use crate::keep::Keeper;
 use crate::observe::{CellValues, FieldPoint, Flowed, Ledger, Observation, Seed, SolidState, Totals, observe};
@@ -17,7 +17,7 @@ pub struct Body<const D: usize> {
     /// The mesh.
     pub grid: Grid<D>,
     /// Solid layer; its cells and counts alone while a step has the particles.
-    pub solid: Layer<SolidPoint<D, 4>, D>,
+    pub solid: Layer<SolidPoint<D>, D>,
     /// Water in its pores, if there is any.
     pub water: Option<Pores<D>>,
     /// Materials of the skeleton.
@@ -98,7 +98,7 @@ impl<const D: usize> Body<D> {
             let mut values = CellValues::default();
             for index in self.solid.range(soil.cell) {
                 let (point, id) = (&self.solid.points[index], self.solid.ids[index]);
-                let energy = self.materials.law(self.materials.mark_of(id)).finite_energy(&point.stress);
+                let energy = self.materials.law(self.materials.of(id)).finite_energy(&point.stress);
                 values.add_solid(point, self.seed.height_of(id), energy);
             }
             soil.filled = self.filled.counted(soil.cell, soil.volume);
@@ -118,7 +118,7 @@ impl<const D: usize> Body<D> {
     pub fn flowed_at_first(&self) -> Flowed {
         let mut flowed = Flowed::NOTHING;
         for (point, id) in self.solid.points.iter().zip(&self.solid.ids).filter(|_| self.materials.are_plastic()) {
-            let residual = self.materials.law(self.materials.mark_of(*id)).yield_residual(&point.stress);
+            let residual = self.materials.law(self.materials.of(*id)).yield_residual(&point.stress);
             flowed.add(point.volume, &Flow { dissipation: 0.0, residual });
         }
         flowed

@@ -123,7 +123,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             tops: Tops::new(body.surface.strips().len()),
             conditions,
             kept: if affine { (D * D, vec![0.0; D * D * solid_count]) } else { (0, Vec::new()) },
-            places: Kept { affine: affine.then_some(SolidPoint::<D, 4>::COUNT), strain: None },
+            places: Kept { affine: affine.then_some(SolidPoint::<D>::COUNT), strain: None },
             mapped: mapped.then(|| Box::new(Nodes::new(frame))),
             movers,
             solid_count,

@@ -48,7 +48,7 @@ impl<const D: usize> Faces<D> {
     }
 
     /// Finds which conduct.
-    pub fn open(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, 4>, D>, water: &Pores<D>) {
+    pub fn open(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>, water: &Pores<D>) {
         let Self { frame, conducts, ratio, drained, outline } = self;
         conducts.iter_mut().chain(&mut *ratio).for_each(|faces| faces.fill(0.0));
         water.faces(grid, solid, |axis, position, [conducted, reach]| {

@@ -31,7 +31,7 @@ impl<const D: usize> Tops<D> {
         let [strip, cell, slot] = self.places[top].map(|i| i as usize);
         let solid = &strips[strip].solid;
         let x = std::array::from_fn(|d| solid.number(cell, slot, d));
-        (x, solid.number(cell, slot, SolidPoint::<D, 4>::VOLUME))
+        (x, solid.number(cell, slot, SolidPoint::<D>::VOLUME))
     }
 
     /// The same at the end of the step.

@@ -90,11 +90,11 @@ impl<const D: usize> Carried<D> {
     ///
     /// # Errors
     /// Out of memory.
-    pub fn new<const S: usize>(
+    pub fn new(
         scene: &Scene,
         properties: WaterProperties,
         grid: &Grid<D>,
-        solid: &Layer<SolidPoint<D, S>, D>,
+        solid: &Layer<SolidPoint<D>, D>,
         face_area: f64,
     ) -> Result<Self, Unsolved> {
         let (weight, size) = (scene.water_weight(), scene.cell);
@@ -197,7 +197,7 @@ impl<const D: usize> Carried<D> {
     }
 
     /// Takes the water along to where the soil is now.
-    pub fn carry<const S: usize>(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>) {
+    pub fn carry(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>) {
         let Self { water, squeeze, boxes, around, layer, swept, .. } = self;
         layer.ride(grid, swept, around.periodic);
         let lost = water.carry(grid, solid, boxes, &mut squeeze.surplus, (around, self.per_direction));

@@ -130,18 +130,13 @@ impl<const D: usize> Pores<D> {
     }
 
     /// Finds the outline of the cells that have soil and water.
-    pub fn rebuild<const S: usize>(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D, S>, D>) {
+    pub fn rebuild(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>) {
         let Self { exposed, bare, .. } = self;
         exposed.rebuild(grid, |cell| !solid.range(cell).is_empty() && bare.binary_search(&(cell as u32)).is_err());
     }
 
     /// Notes which cells of soil hold no water, where it leaves with its particles.
-    pub fn note_open<const S: usize>(
-        &mut self,
-        grid: &Grid<D>,
-        solid: &Layer<SolidPoint<D, S>, D>,
-        is_open: impl Fn(&usize) -> bool,
-    ) {
+    pub fn note_open(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>, is_open: impl Fn(&usize) -> bool) {
         self.bare.clear();
         self.bare.extend((0..grid.cell_count()).filter(is_open).map(|cell| cell as u32));
         self.rebuild(grid, solid);
@@ -156,11 +151,7 @@ impl<const D: usize> Pores<D> {
     ///
     /// # Errors
     /// One inside, or in soil that stays in its cells: its place and what is wrong.
-    fn look_for_bare<const S: usize>(
-        &mut self,
-        grid: &Grid<D>,
-        solid: &Layer<SolidPoint<D, S>, D>,
-    ) -> Result<(), (String, String)> {
+    fn look_for_bare(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>) -> Result<(), (String, String)> {
         let soil = |cell: usize| !solid.range(cell).is_empty();
         let at_edge = |cell: usize| {
             let (position, mut stride) = (grid.cell_position(cell), 1);
@@ -185,11 +176,7 @@ impl<const D: usize> Pores<D> {
     ///
     /// # Errors
     /// A place and what was found there.
-    pub fn settle<const S: usize>(
-        &mut self,
-        grid: &Grid<D>,
-        solid: &Layer<SolidPoint<D, S>, D>,
-    ) -> Result<(), (String, String)> {
+    pub fn settle(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>) -> Result<(), (String, String)> {
         let outside = |p: &WaterPoint<D>| grid.cell_at(&p.x).is_none_or(|cell| solid.range(cell).is_empty());
         let lost = |x: &[f64; D], what: &str| (format!("water particle at {x:?} m"), what.to_owned());
         if let Some(point) = self.layer.points.iter().find(|p| outside(p)) {

@@ -56,7 +56,7 @@ pub fn in_order<const D: usize>(scene: &Scene, order: &[usize]) -> Body<D> {
         solid: Layer::new(solid.collect(), &grid).expect("inside"),
         water: Some(Pores::new(scene, water, &grid, &properties, (area, false, false))),
         grid,
-        materials: Materials::one(Material::Elastic(LinearElastic::plane_strain(&scene.elastic))),
+        materials: Materials::one(Material::Elastic(LinearElastic::new(&scene.elastic))),
         surface: SurfaceLoad::new(strips.collect(), scene.height, on),
         filled: Default::default(),
         surcharge: scene.surcharge,

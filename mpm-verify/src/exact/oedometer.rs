@@ -68,14 +68,14 @@ mod tests {
         for dilation_angle in [0.0, 10.0, 20.0] {
             let strength = Strength { cohesion: 500.0, friction_angle: 20.0, dilation_angle, tension_cutoff: None };
             let exact = Oedometer::of(&elastic, &strength);
-            let law = MohrCoulomb::column(&elastic, &strength);
+            let law = MohrCoulomb::new(&elastic, &strength);
             for steps in [1, 7] {
-                let mut stress = [0.0; 2];
+                let mut stress = [0.0; 4];
                 for _ in 0..steps {
-                    law.update(&mut stress, &[-exact.strain(1.0e4) / f64::from(steps), 0.0]);
+                    law.update(&mut stress, &[0.0, -exact.strain(1.0e4) / f64::from(steps), 0.0, 0.0]);
                 }
-                assert!((stress[0] + 1.0e4).abs() < 1e-8, "{stress:?}");
-                assert!((stress[1] + exact.lateral(1.0e4)).abs() < 1e-8, "{stress:?}");
+                assert!((stress[1] + 1.0e4).abs() < 1e-8, "{stress:?}");
+                assert!((stress[0] + exact.lateral(1.0e4)).abs() < 1e-8, "{stress:?}");
             }
         }
     }

@@ -298,8 +298,8 @@ pub const MUTANTS: &[Mutant] = &[
         "light-water-on-faces",
         "water between quasi-static cells weighs 1 % less",
         "mpm-core/src/step/quasi_static/soil.rs",
-        "self.fluid.density * gravity * stretch * reach",
-        "0.99 * self.fluid.density * gravity * stretch * reach",
+        "self.fluid.density * gravity * along * reach",
+        "0.99 * self.fluid.density * gravity * along * reach",
     ),
     fault(
         "base-pressure-at-the-centre",
@@ -417,8 +417,8 @@ pub const MUTANTS: &[Mutant] = &[
         "double-strain-energy",
         "strain energy without its half",
         "mpm-core/src/constitutive/linear_elastic.rs",
-        "0.5 * (compliance * sigma).dot(&sigma)",
-        "(compliance * sigma).dot(&sigma)",
+        "0.5 * (self.compliance * sigma).dot(&sigma)",
+        "(self.compliance * sigma).dot(&sigma)",
     ),
     fault(
         "forgotten-load-impulse",

@@ -14,9 +14,10 @@
 use mpm_core::grid::Grid;
 use mpm_core::particles::even_positions;
 use mpm_core::scene::{DarcyChoice, Dimension, Integrator, Scene, ShapeChoice, SolidSide};
-use mpm_core::shape::{BBar, Centre, Linear};
-use mpm_core::stencil::{Basis, Bspline2, Functions, Gimp, Stencil};
+use mpm_core::step::kernel::{Basis, Bspline, Gimp};
 use nalgebra::{DMatrix, DVector};
+
+use super::around::{At, Gradients, Products};
 
 /// A mesh with its particles, as matrices. Rows of `v` and `f` are the components that are free to move.
 #[derive(Debug, Clone)]
@@ -61,18 +62,18 @@ impl Assembled {
         }
         let per_direction = scene.particles_per_direction();
         match scene.shape {
-            ShapeChoice::Centre | ShapeChoice::Centroid => Self::with(scene, Centre),
-            ShapeChoice::Linear => Self::with(scene, Linear),
-            ShapeChoice::BBar => Self::with(scene, BBar),
-            ShapeChoice::Gimp => Self::with(scene, Gimp::new(per_direction)),
-            ShapeChoice::Bspline2 => Self::with(scene, Bspline2),
+            ShapeChoice::Centre | ShapeChoice::Centroid => Self::with(scene, Bspline::<1>, Gradients::AtCentre),
+            ShapeChoice::Linear => Self::with(scene, Bspline::<1>, Gradients::AtParticle),
+            ShapeChoice::BBar => Self::with(scene, Bspline::<1>, Gradients::Split),
+            ShapeChoice::Gimp => Self::with(scene, Gimp::new(per_direction), Gradients::AtParticle),
+            ShapeChoice::Bspline2 => Self::with(scene, Bspline::<2>, Gradients::AtParticle),
         }
     }
 
-    fn with<B: Basis>(scene: &Scene, basis: B) -> Option<Self> {
+    fn with<B: Basis>(scene: &Scene, basis: B, gradients: Gradients) -> Option<Self> {
         match scene.dimension {
-            Dimension::Column => Builder::new(scene, basis, [scene.cells[1]], scene.width)?.build(scene),
-            Dimension::PlaneStrain => Builder::new(scene, basis, scene.cells, scene.cell)?.build(scene),
+            Dimension::Column => Builder::new(scene, (basis, gradients), [scene.cells[1]], scene.width)?.build(scene),
+            Dimension::PlaneStrain => Builder::new(scene, (basis, gradients), scene.cells, scene.cell)?.build(scene),
         }
     }
 
@@ -170,14 +171,21 @@ fn range_of(matrix: &DMatrix<f64>) -> DMatrix<f64> {
 /// A particle with its functions.
 struct Point<const D: usize> {
     cell: usize,
-    stencil: Stencil<D>,
+    functions: Vec<At<D>>,
     /// Where the volume changes: at the particle, or for B-bar in the middle of its cell.
-    volumetric: Stencil<D>,
+    volumetric: Vec<At<D>>,
+}
+
+impl<const D: usize> Point<D> {
+    /// Its functions, and the same where the volume changes.
+    fn both(&self) -> impl Iterator<Item = (&At<D>, &At<D>)> {
+        self.functions.iter().zip(&self.volumetric)
+    }
 }
 
 /// What the matrices are gathered from.
 struct Builder<B, const D: usize> {
-    functions: Functions<B, D>,
+    functions: Products<B, D>,
     grid: Grid<D>,
     points: Vec<Point<D>>,
     /// Volume of a particle, m3, and area of a face, m2.
@@ -194,16 +202,21 @@ struct Builder<B, const D: usize> {
 }
 
 impl<B: Basis, const D: usize> Builder<B, D> {
-    fn new(scene: &Scene, basis: B, soil_cells: [usize; D], area: f64) -> Option<Self> {
+    fn new(scene: &Scene, (basis, gradients): (B, Gradients), soil_cells: [usize; D], area: f64) -> Option<Self> {
         let grid = Grid::new(soil_cells, scene.cell);
-        let functions = Functions::new(basis, &grid);
+        let functions = Products::new(basis, grid.cells, grid.inverse_size);
         let per_direction = scene.particles_per_direction();
         let points = even_positions(soil_cells, per_direction).map(|x: [f64; D]| {
             let position = x.map(|x| x as usize);
             let xi = std::array::from_fn(|d| x[d] - position[d] as f64);
             let cell = (0..D).rev().fold(0, |cell, d| cell * soil_cells[d] + position[d]);
-            let stencil = functions.around(&position, &xi);
-            Point { cell, stencil, volumetric: if B::SPLIT { functions.centre(&position) } else { stencil } }
+            let centre = functions.around(&position, &[0.5; D]);
+            let mut own = functions.around(&position, &xi);
+            if gradients == Gradients::AtCentre {
+                own.iter_mut().zip(&centre).for_each(|(own, centre)| own.gradient = centre.gradient);
+            }
+            let volumetric = if gradients == Gradients::Split { centre } else { own.clone() };
+            Point { cell, functions: own, volumetric }
         });
         let water = scene.water?;
         let mut builder = Self {
@@ -248,7 +261,6 @@ impl<B: Basis, const D: usize> Builder<B, D> {
     }
 
     fn build(self, scene: &Scene) -> Option<Assembled> {
-        let count = Functions::<B, D>::COUNT;
         let functions = self.functions.count();
         let (mut mass, mut volume) = (vec![0.0; functions], vec![0.0; functions]);
         let mut shared = DMatrix::<f64>::zeros(functions, functions);
@@ -257,17 +269,14 @@ impl<B: Basis, const D: usize> Builder<B, D> {
         // A column of soil has the stiffness without lateral strain.
         let (lame, shear) = if D == 1 { (scene.oedometer_modulus(), 0.0) } else { (lame, shear) };
         for point in &self.points {
-            let Stencil { node, value, gradient, .. } = &point.stencil;
-            for a in 0..count {
-                mass[node[a]] += value[a];
-                volume[node[a]] += self.volume * value[a];
-                for b in 0..count {
-                    shared[(node[a], node[b])] += value[a] * value[b];
-                    let (ga, gb) = (gradient[a], gradient[b]);
-                    let (ca, cb) = (point.volumetric.gradient[a], point.volumetric.gradient[b]);
+            for (At { function: a, value, gradient: ga }, At { gradient: ca, .. }) in point.both() {
+                mass[*a] += value;
+                volume[*a] += self.volume * value;
+                for (At { function: b, value: other, gradient: gb }, At { gradient: cb, .. }) in point.both() {
+                    shared[(*a, *b)] += value * other;
                     let dot: f64 = (0..D).map(|d| ga[d] * gb[d]).sum();
                     for (i, j) in (0..D).flat_map(|i| (0..D).map(move |j| (i, j))) {
-                        let (Some(row), Some(column)) = (self.rows[node[a]][i], self.rows[node[b]][j]) else {
+                        let (Some(row), Some(column)) = (self.rows[*a][i], self.rows[*b][j]) else {
                             continue;
                         };
                         let same = if i == j { dot } else { 0.0 };
@@ -350,10 +359,10 @@ impl<B: Basis, const D: usize> Builder<B, D> {
         let mut coupling = DMatrix::zeros(self.free, columns);
         for (index, point) in self.points.iter().enumerate() {
             let column = if pointwise { index } else { point.cell };
-            for a in 0..Functions::<B, D>::COUNT {
+            for At { function, gradient, .. } in &point.volumetric {
                 for d in 0..D {
-                    if let Some(row) = self.rows[point.stencil.node[a]][d] {
-                        coupling[(row, column)] += self.volume * point.volumetric.gradient[a][d];
+                    if let Some(row) = self.rows[*function][d] {
+                        coupling[(row, column)] += self.volume * gradient[d];
                     }
                 }
             }
@@ -412,15 +421,8 @@ impl<B: Basis, const D: usize> Builder<B, D> {
                 (_, 0) => node % across,
                 _ => node / across,
             });
-            let stencil = self.functions.at_node(&place);
-            let mut shares = vec![0.0; self.rows.len()];
-            if B::NODAL {
-                shares[node] = 1.0;
-            } else {
-                for a in 0..Functions::<B, D>::COUNT {
-                    shares[stencil.node[a]] += stencil.value[a] * mass[stencil.node[a]];
-                }
-            }
+            let share = |function: usize| self.functions.at_node(function, &place) * mass[function];
+            let shares: Vec<f64> = (0..self.rows.len()).map(share).collect();
             let whole: f64 = shares.iter().sum();
             for (function, share) in shares.iter().enumerate() {
                 for d in 0..D {

@@ -7,6 +7,7 @@
 //! 3. [`map`]: the limits of all schemes over meshes, particles, conductivities and bulk moduli, measured and in theory.
 //! 4. [`mod@limits`]: a few settings over whole runs. [`point_source`]: the checkerboard that the nodal operator leaves.
 
+mod around;
 pub mod assembled;
 pub mod bisection;
 pub mod growth;

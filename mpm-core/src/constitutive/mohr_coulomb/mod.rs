@@ -27,38 +27,21 @@ use super::linear_elastic::LinearElastic;
 use super::{Flow, Law};
 use crate::real::{Lanes, MOST_LANES, Real};
 use crate::scene::{Elastic, Strength};
-use principal::{Ordered, in_column, in_plane};
+use principal::{Ordered, in_plane};
 pub use returns::Region;
 use surface::Surface;
 
-/// Mohr-Coulomb with S stress components: 2 in a column (vertical, lateral), 4 in plane strain.
+/// Mohr-Coulomb, components xx, yy, zz, xy.
 #[derive(Debug, Clone, Copy)]
-pub struct MohrCoulomb<const S: usize> {
-    elastic: LinearElastic<S>,
+pub struct MohrCoulomb {
+    elastic: LinearElastic,
     surface: Surface,
 }
 
-impl MohrCoulomb<2> {
-    /// The law for a column.
-    pub fn column(elastic: &Elastic, strength: &Strength) -> Self {
-        Self { elastic: LinearElastic::column(elastic), surface: Surface::new(elastic, strength) }
-    }
-
-    /// Largest and smallest principal stress, Pa.
-    #[inline(always)]
-    fn extremes<R: Real>(stress: &[R; 2]) -> [R; 2] {
-        [stress[0].larger(stress[1]), stress[0].smaller(stress[1])]
-    }
-
-    fn ordered(stress: &[f64; 2]) -> Ordered<2> {
-        in_column(stress)
-    }
-}
-
-impl MohrCoulomb<4> {
-    /// The law for plane strain.
-    pub fn plane_strain(elastic: &Elastic, strength: &Strength) -> Self {
-        Self { elastic: LinearElastic::plane_strain(elastic), surface: Surface::new(elastic, strength) }
+impl MohrCoulomb {
+    /// The law of a soil.
+    pub fn new(elastic: &Elastic, strength: &Strength) -> Self {
+        Self { elastic: LinearElastic::new(elastic), surface: Surface::new(elastic, strength) }
     }
 
     /// Largest and smallest principal stress, Pa.
@@ -69,138 +52,124 @@ impl MohrCoulomb<4> {
         [(centre + radius).larger(zz), (centre - radius).smaller(zz)]
     }
 
-    fn ordered(stress: &[f64; 4]) -> Ordered<4> {
+    fn ordered(stress: &[f64; 4]) -> Ordered {
         in_plane(stress)
     }
 }
 
 /// Trial stresses of several particles, component by component, with dissipation and residual of each.
-struct Packed<const S: usize> {
-    stress: [[f64; MOST_LANES]; S],
+struct Packed {
+    stress: [[f64; MOST_LANES]; 4],
     flow: [[f64; MOST_LANES]; 2],
 }
 
-macro_rules! law {
-    ($components:literal) => {
-        impl MohrCoulomb<$components> {
-            /// The part of the surface that a strain increment from a stress (Pa) ends on.
-            pub fn region(&self, stress: &[f64; $components], strain: &[f64; $components]) -> Region {
-                let mut trial = *stress;
-                self.elastic.update(&mut trial, strain);
-                self.surface.back(&Self::ordered(&trial).values).0
-            }
+impl MohrCoulomb {
+    /// The part of the surface that a strain increment from a stress (Pa) ends on.
+    pub fn region(&self, stress: &[f64; 4], strain: &[f64; 4]) -> Region {
+        let mut trial = *stress;
+        self.elastic.update(&mut trial, strain);
+        self.surface.back(&Self::ordered(&trial).values).0
+    }
 
-            /// How far a stress is outside, see [`Law::yield_residual`].
-            #[inline(always)]
-            fn excess<R: Real>(&self, stress: &[R; $components]) -> R {
-                self.surface.excess(Self::extremes(stress))
-            }
+    /// How far a stress is outside, see [`Law::yield_residual`].
+    #[inline(always)]
+    fn excess<R: Real>(&self, stress: &[R; 4]) -> R {
+        self.surface.excess(Self::extremes(stress))
+    }
 
-            /// Brings a trial stress back to the surface.
-            #[inline(never)]
-            fn flow_back(&self, stress: &mut [f64; $components]) -> Flow {
-                let trial = Self::ordered(stress);
-                let (_, found) = self.surface.back(&trial.values);
-                *stress = trial.with(&found);
-                Flow { dissipation: self.surface.dissipation(&trial.values, &found), residual: self.excess(stress) }
-            }
-        }
-
-        impl MohrCoulomb<$components> {
-            /// The same for the lanes whose residual is above zero. Not for every width anew: that is long to compile.
-            #[inline(never)]
-            fn flow_back_lanes(&self, packed: &mut Packed<$components>, lanes: usize) {
-                for lane in 0..lanes.min(MOST_LANES) {
-                    if packed.flow[1][lane] > 0.0 {
-                        let mut of_one = std::array::from_fn(|s| packed.stress[s][lane]);
-                        let flow = self.flow_back(&mut of_one);
-                        for s in 0..$components {
-                            packed.stress[s][lane] = of_one[s];
-                        }
-                        (packed.flow[0][lane], packed.flow[1][lane]) = (flow.dissipation, flow.residual);
-                    }
-                }
-            }
-        }
-
-        impl Law<$components> for MohrCoulomb<$components> {
-            const LINEAR: bool = false;
-            const PLASTIC: bool = true;
-
-            #[inline(always)]
-            fn update(&self, stress: &mut [f64; $components], strain: &[f64; $components]) {
-                self.flow(stress, strain);
-            }
-
-            #[inline(always)]
-            fn flow(&self, stress: &mut [f64; $components], strain: &[f64; $components]) -> Flow {
-                self.elastic.update(stress, strain);
-                let residual = self.excess(stress);
-                if residual > 0.0 { self.flow_back(stress) } else { Flow { dissipation: 0.0, residual } }
-            }
-
-            #[inline(always)]
-            fn update_lanes<V: Simd>(&self, stress: &mut [Lanes<V>; $components], strain: &[Lanes<V>; $components]) {
-                let all = stress[0].like(0.0).below(stress[0].like(1.0));
-                self.flow_lanes(stress, strain, all);
-            }
-
-            #[inline(always)]
-            fn flow_lanes<V: Simd>(
-                &self,
-                stress: &mut [Lanes<V>; $components],
-                strain: &[Lanes<V>; $components],
-                there: V::m64s,
-            ) -> Flow<Lanes<V>> {
-                self.elastic.update_lanes(stress, strain);
-                let none = stress[0].like(0.0);
-                let residual = self.excess(stress).or(there, none.like(f64::NEG_INFINITY));
-                if none.simd.first_true_m64s(none.below(residual)) == V::F64_LANES {
-                    return Flow { dissipation: none, residual };
-                }
-                let mut packed = Packed { stress: [[0.0; MOST_LANES]; $components], flow: [[0.0; MOST_LANES]; 2] };
-                for s in 0..$components {
-                    stress[s].store(&mut packed.stress[s]);
-                }
-                residual.store(&mut packed.flow[1]);
-                self.flow_back_lanes(&mut packed, V::F64_LANES);
-                for s in 0..$components {
-                    stress[s] = Lanes::load(none.simd, &packed.stress[s]);
-                }
-                let [dissipation, residual] = &packed.flow;
-                let dissipation = Lanes::load(none.simd, dissipation);
-                Flow { dissipation, residual: Lanes::load(none.simd, residual) }
-            }
-
-            fn tangent(
-                &self,
-                stress: &[f64; $components],
-                strain: &[f64; $components],
-            ) -> SMatrix<f64, $components, $components> {
-                let mut trial = *stress;
-                self.elastic.update(&mut trial, strain);
-                let trial = Self::ordered(&trial);
-                let (region, found) = self.surface.back(&trial.values);
-                match region {
-                    Region::Elastic => self.elastic.tangent(stress, strain),
-                    _ => trial.tangent(&found, &self.surface.tangent(region), self.surface.shear),
-                }
-            }
-
-            fn energy(&self, stress: &[f64; $components]) -> f64 {
-                self.surface.energy(&Self::ordered(stress).values)
-            }
-
-            fn yield_residual(&self, stress: &[f64; $components]) -> f64 {
-                self.excess(stress)
-            }
-
-            fn altered(&self, factor: f64, stiffness: f64) -> Self {
-                Self { elastic: self.elastic.stiffened(stiffness), surface: self.surface.altered(factor, stiffness) }
-            }
-        }
-    };
+    /// Brings a trial stress back to the surface.
+    #[inline(never)]
+    fn flow_back(&self, stress: &mut [f64; 4]) -> Flow {
+        let trial = Self::ordered(stress);
+        let (_, found) = self.surface.back(&trial.values);
+        *stress = trial.with(&found);
+        Flow { dissipation: self.surface.dissipation(&trial.values, &found), residual: self.excess(stress) }
+    }
 }
 
-law!(2);
-law!(4);
+impl MohrCoulomb {
+    /// The same for the lanes whose residual is above zero. Not for every width anew: that is long to compile.
+    #[inline(never)]
+    fn flow_back_lanes(&self, packed: &mut Packed, lanes: usize) {
+        for lane in 0..lanes.min(MOST_LANES) {
+            if packed.flow[1][lane] > 0.0 {
+                let mut of_one = std::array::from_fn(|s| packed.stress[s][lane]);
+                let flow = self.flow_back(&mut of_one);
+                for s in 0..4 {
+                    packed.stress[s][lane] = of_one[s];
+                }
+                (packed.flow[0][lane], packed.flow[1][lane]) = (flow.dissipation, flow.residual);
+            }
+        }
+    }
+}
+
+impl Law for MohrCoulomb {
+    #[inline(always)]
+    fn update(&self, stress: &mut [f64; 4], strain: &[f64; 4]) {
+        self.flow(stress, strain);
+    }
+
+    #[inline(always)]
+    fn flow(&self, stress: &mut [f64; 4], strain: &[f64; 4]) -> Flow {
+        self.elastic.update(stress, strain);
+        let residual = self.excess(stress);
+        if residual > 0.0 { self.flow_back(stress) } else { Flow { dissipation: 0.0, residual } }
+    }
+
+    #[inline(always)]
+    fn update_lanes<V: Simd>(&self, stress: &mut [Lanes<V>; 4], strain: &[Lanes<V>; 4]) {
+        let all = stress[0].like(0.0).below(stress[0].like(1.0));
+        self.flow_lanes(stress, strain, all);
+    }
+
+    #[inline(always)]
+    fn flow_lanes<V: Simd>(
+        &self,
+        stress: &mut [Lanes<V>; 4],
+        strain: &[Lanes<V>; 4],
+        there: V::m64s,
+    ) -> Flow<Lanes<V>> {
+        self.elastic.update_lanes(stress, strain);
+        let none = stress[0].like(0.0);
+        let residual = self.excess(stress).or(there, none.like(f64::NEG_INFINITY));
+        if none.simd.first_true_m64s(none.below(residual)) == V::F64_LANES {
+            return Flow { dissipation: none, residual };
+        }
+        let mut packed = Packed { stress: [[0.0; MOST_LANES]; 4], flow: [[0.0; MOST_LANES]; 2] };
+        for s in 0..4 {
+            stress[s].store(&mut packed.stress[s]);
+        }
+        residual.store(&mut packed.flow[1]);
+        self.flow_back_lanes(&mut packed, V::F64_LANES);
+        for s in 0..4 {
+            stress[s] = Lanes::load(none.simd, &packed.stress[s]);
+        }
+        let [dissipation, residual] = &packed.flow;
+        let dissipation = Lanes::load(none.simd, dissipation);
+        Flow { dissipation, residual: Lanes::load(none.simd, residual) }
+    }
+
+    fn tangent(&self, stress: &[f64; 4], strain: &[f64; 4]) -> SMatrix<f64, 4, 4> {
+        let mut trial = *stress;
+        self.elastic.update(&mut trial, strain);
+        let trial = Self::ordered(&trial);
+        let (region, found) = self.surface.back(&trial.values);
+        match region {
+            Region::Elastic => self.elastic.tangent(stress, strain),
+            _ => trial.tangent(&found, &self.surface.tangent(region), self.surface.shear),
+        }
+    }
+
+    fn energy(&self, stress: &[f64; 4]) -> f64 {
+        self.surface.energy(&Self::ordered(stress).values)
+    }
+
+    fn yield_residual(&self, stress: &[f64; 4]) -> f64 {
+        self.excess(stress)
+    }
+
+    fn altered(&self, factor: f64, stiffness: f64) -> Self {
+        Self { elastic: self.elastic.stiffened(stiffness), surface: self.surface.altered(factor, stiffness) }
+    }
+}

@@ -1,8 +1,8 @@
 //! Principal stresses in order, and the way back to the components of a dimension.
 
-/// Ordered principal stresses of a state with S components, and what stands where among them.
+/// Ordered principal stresses of a state, and what stands where among them.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Ordered<const S: usize> {
+pub(super) struct Ordered {
     /// s1 >= s2 >= s3, Pa.
     pub values: [f64; 3],
     /// In plane strain the places among them of the larger and the smaller stress in the plane, and of zz; in a column
@@ -12,18 +12,8 @@ pub(super) struct Ordered<const S: usize> {
     pub turn: [f64; 2],
 }
 
-/// The column's stresses: vertical, lateral and lateral.
-pub(super) fn in_column(&[vertical, lateral]: &[f64; 2]) -> Ordered<2> {
-    let turn = [1.0, 0.0];
-    if vertical > lateral {
-        Ordered { values: [vertical, lateral, lateral], place: [0, 1, 2], turn }
-    } else {
-        Ordered { values: [lateral, lateral, vertical], place: [2, 0, 1], turn }
-    }
-}
-
 /// Plane strain: two in the plane, and zz in any place among them.
-pub(super) fn in_plane(&[xx, yy, zz, xy]: &[f64; 4]) -> Ordered<4> {
+pub(super) fn in_plane(&[xx, yy, zz, xy]: &[f64; 4]) -> Ordered {
     let (centre, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
     let radius = (half * half + xy * xy).sqrt();
     let (high, low) = (centre + radius, centre - radius);
@@ -38,15 +28,7 @@ pub(super) fn in_plane(&[xx, yy, zz, xy]: &[f64; 4]) -> Ordered<4> {
     }
 }
 
-impl Ordered<2> {
-    /// The components of other principal stresses (Pa) in the same directions.
-    pub fn with(&self, values: &[f64; 3]) -> [f64; 2] {
-        let [vertical, one, two] = self.place.map(|place| values[place]);
-        [vertical, 0.5 * (one + two)]
-    }
-}
-
-impl Ordered<4> {
+impl Ordered {
     /// The components of other principal stresses (Pa) in the same directions.
     pub fn with(&self, values: &[f64; 3]) -> [f64; 4] {
         let [high, low, zz] = self.place.map(|place| values[place]);

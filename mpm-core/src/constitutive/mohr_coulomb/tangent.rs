@@ -51,16 +51,7 @@ fn two_planes(d: &Matrix3<f64>, [first, second]: [Plane; 2]) -> Matrix3<f64> {
     left - push * (second.0.transpose() * left) / second.0.dot(&push)
 }
 
-impl Ordered<2> {
-    /// In components, from principal values: a lateral strain stands for one of the two, as in the elastic law.
-    pub fn tangent(&self, _: &[f64; 3], principal: &Matrix3<f64>, _: f64) -> SMatrix<f64, 2, 2> {
-        let [v, one, two] = self.place;
-        let lateral = |j: usize| 0.5 * (principal[(one, j)] + principal[(two, j)]);
-        SMatrix::<f64, 2, 2>::new(principal[(v, v)], principal[(v, one)], lateral(v), lateral(one))
-    }
-}
-
-impl Ordered<4> {
+impl Ordered {
     /// In components, from principal values that belong to the stress `found` (Pa) of the end.
     pub fn tangent(&self, found: &[f64; 3], principal: &Matrix3<f64>, shear: f64) -> SMatrix<f64, 4, 4> {
         let [a, b, z] = self.place;

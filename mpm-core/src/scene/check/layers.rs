@@ -7,7 +7,7 @@ use toml::Spanned;
 use super::super::raw::{RawGeometry, RawLaw, RawLayer, RawScene};
 use super::super::{DarcyChoice, Elastic, Integrator, Scene, ShapeChoice, SoilLayer, StrainChoice, Until};
 use super::{Checked, Reader, quoted};
-use crate::constitutive::MOST_LAYERS;
+use crate::constitutive::MOST_MATERIALS;
 
 /// How far from a face of a cell the top of a layer may be, as a share of a cell.
 const ON_A_FACE: f64 = 1e-6;
@@ -20,8 +20,8 @@ impl Reader<'_> {
             Some(first) => first.span(),
             None => return self.refuse(&list.span(), "layers", "at least one [[layers]], or no such table", "none"),
         };
-        if list.get_ref().len() > MOST_LAYERS {
-            let expected = format!("at most {MOST_LAYERS} layers");
+        if list.get_ref().len() > MOST_MATERIALS {
+            let expected = format!("at most {MOST_MATERIALS} layers");
             return self.refuse(&table, "layers", &expected, list.get_ref().len());
         }
         self.soil_of_layers(raw, scene, &table)?;

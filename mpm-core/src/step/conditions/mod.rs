@@ -26,7 +26,7 @@ use crate::observe::Totals;
 use crate::particles::SolidPoint;
 
 /// Is shown a particle and its shares of functions.
-pub type Visit<'a, const D: usize> = dyn FnMut(&SolidPoint<D, 4>, &[(usize, f64)]) + 'a;
+pub type Visit<'a, const D: usize> = dyn FnMut(&SolidPoint<D>, &[(usize, f64)]) + 'a;
 
 /// The soil, as conditions see it.
 pub trait Soil<const D: usize> {
@@ -37,7 +37,7 @@ pub trait Soil<const D: usize> {
     /// Visits the solid particles: number, and the share of each function that one reaches.
     fn each_share(&self, visit: &mut Visit<D>);
     /// Visits the solid particles of a cell with their numbers.
-    fn each_in(&self, cell: usize, visit: &mut dyn FnMut(u32, &SolidPoint<D, 4>));
+    fn each_in(&self, cell: usize, visit: &mut dyn FnMut(u32, &SolidPoint<D>));
     /// Visits the soil, by cells or particles: dry mass (kg), and the functions that it reaches.
     fn each_cell(&self, visit: &mut dyn FnMut(f64, &mut dyn Iterator<Item = usize>));
     /// What a cell of the lowest row puts on the base: pore pressure there (Pa), and the share of its bottom that is under soil, if

@@ -74,7 +74,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             more[per_particle * id..][..affine].copy_from_slice(&kept[self.kept.0 * id..][..affine]);
         }
         self.kept = (per_particle, more);
-        self.places.strain = Some(SolidPoint::<D, 4>::COUNT + affine);
+        self.places.strain = Some(SolidPoint::<D>::COUNT + affine);
         self.body = whole;
         self.settle_in();
     }
@@ -85,13 +85,13 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
     }
 
     /// Visits every particle: its number, itself, where it was when counting began (m), its strain since then.
-    pub(in crate::step) fn each_particle(&self, mut visit: impl FnMut(u32, &SolidPoint<D, 4>, [f64; D], [f64; 4])) {
+    pub(in crate::step) fn each_particle(&self, mut visit: impl FnMut(u32, &SolidPoint<D>, [f64; D], [f64; 4])) {
         let frame = &self.nodes.frame;
         for (_, position) in self.body.grid.walk() {
             let number = frame.number(&position);
             let (solid, cell) = (&self.strips[number / frame.strip].solid, number % frame.strip);
             for slot in 0..solid.count(cell) {
-                let (id, point) = (solid.id(cell, slot), solid.particle::<SolidPoint<D, 4>>(cell, slot));
+                let (id, point) = (solid.id(cell, slot), solid.particle::<SolidPoint<D>>(cell, slot));
                 let strain = |first: usize| std::array::from_fn(|s| solid.number(cell, slot, first + s));
                 let from = self.origin.as_ref().map_or(point.x, |origin| origin[id as usize]);
                 visit(id, &point, from, self.places.strain.map_or([0.0; 4], strain));

@@ -23,7 +23,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Soil<D> for Grains<'_, V, F, D> {
         (self.body.grid.cells, self.body.grid.size)
     }
 
-    fn each_in(&self, cell: usize, visit: &mut dyn FnMut(u32, &SolidPoint<D, 4>)) {
+    fn each_in(&self, cell: usize, visit: &mut dyn FnMut(u32, &SolidPoint<D>)) {
         let number = self.frame.number(&self.body.grid.cell_position(cell));
         let (strip, cell) = (&self.strips[number / self.frame.strip], number % self.frame.strip);
         for slot in 0..strip.solid.count(cell) {
@@ -68,7 +68,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Soil<D> for Grains<'_, V, F, D> {
             for cell in 0..self.frame.strip {
                 let position = self.frame.position(strip.first + cell);
                 for slot in 0..strip.solid.count(cell) {
-                    let point: SolidPoint<D, 4> = strip.solid.particle(cell, slot);
+                    let point: SolidPoint<D> = strip.solid.particle(cell, slot);
                     let xi = std::array::from_fn(|d| point.x[d] * self.frame.inverse_size - position[d] as f64);
                     let values = self.functions.values(&position, &self.frame.cells, &xi);
                     for (a, value) in values.into_iter().enumerate().take(reached) {

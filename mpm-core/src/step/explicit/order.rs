@@ -152,7 +152,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
                 for slot in 0..strip.solid.count(cell) {
                     let first = more * strip.solid.id(cell, slot) as usize;
                     for i in 0..more {
-                        kept[first + i] = strip.solid.number(cell, slot, SolidPoint::<D, 4>::COUNT + i);
+                        kept[first + i] = strip.solid.number(cell, slot, SolidPoint::<D>::COUNT + i);
                     }
                 }
             }

@@ -31,7 +31,7 @@ fn off_linear<F: Functions<2>>(functions: F, affine: bool, mapped: bool, stands:
         let x = [0.5 * (x[0] + 0.2 * noise(i)), 0.5 * (x[1] + 0.2 * noise(7 * i))];
         SolidPoint { x, v: linear(x), stress: [0.0; 4], mass: 1.0, volume: 0.0625 }
     });
-    let law = LinearElastic::plane_strain(&Elastic { youngs_modulus: 1.0, poisson_ratio: 0.3 });
+    let law = LinearElastic::new(&Elastic { youngs_modulus: 1.0, poisson_ratio: 0.3 });
     let body = Body {
         solid: Layer::new(points.collect(), &grid).expect("inside"),
         grid,

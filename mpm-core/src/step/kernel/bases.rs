@@ -1,7 +1,7 @@
 //! Bases along one axis: B-splines of any degree, and linear functions averaged over particles (uGIMP). Every one sums to one and
 //! reproduces linear fields up to the sides of the mesh.
 
-use pulp::Simd;
+use pulp::{Scalar, Simd};
 
 use super::MOST_REACH;
 use crate::real::{Lanes, Real};
@@ -34,6 +34,12 @@ pub trait Basis: Copy + Send + Sync + 'static {
     #[inline(always)]
     fn at_surface<V: Simd>(&self, edge: &Self::Edge<V>, xi: Lanes<V>) -> Line<Lanes<V>> {
         self.line(edge, xi)
+    }
+    /// The functions at a place in one cell of a row of so many.
+    fn at(&self, cell: usize, cells: usize, xi: f64) -> Line<f64> {
+        let edge = self.edge(Lanes::splat(Scalar, cell as f64), cells);
+        let line = self.line(&edge, Lanes::splat(Scalar, xi));
+        Line { value: line.value.map(|value| value.lane(0)), slope: line.slope.map(|slope| slope.lane(0)) }
     }
     /// Where one of the functions stands in these cells: `sum_i N_i x_i = x`.
     fn stands<V: Simd>(&self, edge: &Self::Edge<V>, function: usize) -> Lanes<V>;
@@ -218,7 +224,6 @@ impl Basis for Gimp {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pulp::Scalar;
 
     fn lone(number: f64) -> Lanes<Scalar> {
         Lanes::splat(Scalar, number)

@@ -13,7 +13,7 @@ mod scatter;
 mod stencil;
 mod water;
 
-pub use bases::{Basis, Bspline, Gimp};
+pub use bases::{Basis, Bspline, Gimp, Line};
 pub use map_back::MapBack;
 pub use on_cell::OnCell;
 pub use stencil::Over;

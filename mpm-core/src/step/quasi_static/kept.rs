@@ -4,12 +4,11 @@ use super::krylov::Krylov;
 use super::march::factors;
 use super::sdirk::Sdirk;
 use super::{KrylovStage, Method, QuasiStatic};
-use crate::constitutive::Laws;
+use crate::constitutive::Law;
 use crate::keep::Keeper;
 use crate::particles::SolidPoint;
-use crate::space::Deformation;
 
-impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
+impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// Writes or reads the state.
     pub(super) fn keep_all(&mut self, keeper: &mut Keeper) {
         keeper.entries(&mut self.points, SolidPoint::keep);

@@ -17,9 +17,8 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use super::newton::{Stage, Workspace};
 use super::soil::{HELD, Soil};
 use super::tangent::Stuck;
-use crate::constitutive::Laws;
+use crate::constitutive::Law;
 use crate::keep::Keeper;
-use crate::space::Deformation;
 
 /// Most basis vectors.
 const MOST: usize = 60;
@@ -91,8 +90,8 @@ fn gap_integral(mu: f64, tau: f64) -> f64 {
 impl Krylov {
     /// Builds a basis that holds the state at all `times` (s since the start of the stage); `content` is the water
     /// content before the load, m3. [`Self::estimate`] says whether the goal was reached.
-    pub fn new<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
-        soil: &mut Soil<K, L, D, S>,
+    pub fn new<L: Law, const D: usize>(
+        soil: &mut Soil<L, D>,
         content: &[f64],
         times: &[f64],
         goal: &Goal,
@@ -154,9 +153,9 @@ impl Krylov {
     }
 
     /// Lanczos with full orthogonalisation, until the state at every time stands still.
-    fn build<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
+    fn build<L: Law, const D: usize>(
         &mut self,
-        soil: &mut Soil<K, L, D, S>,
+        soil: &mut Soil<L, D>,
         mut direction: Vec<f64>,
         mut product: Vec<f64>,
         times: &[f64],

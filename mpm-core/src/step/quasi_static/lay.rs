@@ -1,13 +1,11 @@
 //! Laying a mesh over the soil: axes, unknowns, integration points, faces, loads.
 
-use std::marker::PhantomData;
-
 use super::soil::{FacePart, Fluid, HELD, PorePart, Soil, SolidPart, Values};
 use super::tangent::System;
-use crate::constitutive::Laws;
+use crate::constitutive::{Law, Materials};
 use crate::particles::SolidPoint;
 use crate::scene::{LoadOn, Quadrature, Scene, ShapeChoice, Side, SolidSide};
-use crate::space::{Axis, Basis, Deformation, GAUSS3, Local, Stencil, fit, gauss};
+use crate::space::{Axis, Basis, GAUSS3, Local, Stencil, fit, gauss};
 use crate::sparse::Unsolved;
 
 /// Least boundary cell, as a share of a whole one, tried one after the other until the weights can be fitted.
@@ -17,12 +15,12 @@ const LOAD_PIECES: usize = 16;
 
 /// What a mesh is laid over.
 #[derive(Debug)]
-pub(super) struct Ground<'a, const D: usize, const S: usize> {
+pub(super) struct Ground<'a, const D: usize> {
     pub scene: &'a Scene,
     /// Particles where they are now.
-    pub points: &'a [SolidPoint<D, S>],
+    pub points: &'a [SolidPoint<D>],
     /// Strain that the law has seen, per particle.
-    pub strains: &'a [[f64; S]],
+    pub strains: &'a [[f64; 4]],
     /// Numbers of the particles of the top row.
     pub top: &'a [usize],
     /// How far the surface has come down, m.
@@ -38,7 +36,7 @@ pub(super) fn smooth(shape: ShapeChoice) -> bool {
     shape == ShapeChoice::Bspline2
 }
 
-impl<const D: usize, const S: usize> Ground<'_, D, S> {
+impl<const D: usize> Ground<'_, D> {
     /// Axes of the soil with boundary cells of at least a share of a whole one.
     fn axes(&self, least: f64) -> [Axis; D] {
         let scene = self.scene;
@@ -90,7 +88,7 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
     /// and a cell that particles have left or entered would else be too soft or too stiff.
     fn filling(&self, axes: &[Axis; D], mut volumes: Vec<f64>) -> Vec<f64> {
         let mut sums = vec![0.0; axes.iter().map(Axis::cells).product()];
-        let place = |point: &SolidPoint<D, S>| number(axes, &cell_of(axes, &point.x));
+        let place = |point: &SolidPoint<D>| number(axes, &cell_of(axes, &point.x));
         for (point, volume) in self.points.iter().zip(&volumes) {
             sums[place(point)] += volume;
         }
@@ -103,7 +101,7 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
     }
 
     /// Lays the mesh.
-    pub fn lay<K: Deformation<D, S>, L: Laws<S>>(&self, law: L) -> Result<Soil<K, L, D, S>, Unsolved> {
+    pub fn lay<L: Law>(&self, law: Materials<L>) -> Result<Soil<L, D>, Unsolved> {
         let scene = self.scene;
         let (axes, weights) = self.axes_and_weights();
         let smooth = smooth(scene.shape);
@@ -152,7 +150,6 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
             scales: [scene.cell, scene.oedometer_modulus()],
             small: scene.strain == crate::scene::StrainChoice::Small,
             cell_gradient: vec![([[0.0; D]; D], 0.0); if smooth { 0 } else { cells }],
-            kind: PhantomData,
             axes,
             law,
             solid,
@@ -165,29 +162,24 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
         })
     }
 
-    fn solid<L: Laws<S>>(&self, law: &L, axes: &[Axis; D], weights: &[f64]) -> Vec<SolidPart<L::Mark, D, S>> {
+    fn solid<L: Law>(&self, law: &Materials<L>, axes: &[Axis; D], weights: &[f64]) -> Vec<SolidPart<D>> {
         let centre = matches!(self.scene.shape, ShapeChoice::Centre | ShapeChoice::Centroid);
-        let part = |(i, point): (usize, &SolidPoint<D, S>)| {
+        let part = |(i, point): (usize, &SolidPoint<D>)| {
             let mut stencil = Stencil::at(axes, &point.x);
             if centre {
                 // Section 2.2: gradients at the centre of the cell.
                 stencil.slope = Stencil::at(axes, &middle(axes, &cell_of(axes, &point.x))).slope;
             }
-            let mark = law.mark_at(point.x[D - 1]);
+            let mark = law.at(point.x[D - 1]);
             SolidPart { stencil, weight: weights[i], stress: point.stress, strain: self.strains[i], mark }
         };
         self.points.iter().enumerate().map(part).collect()
     }
 
-    fn pore<L: Laws<S>>(
-        &self,
-        law: &L,
-        axes: &[Axis; D],
-        solid: &[SolidPart<L::Mark, D, S>],
-    ) -> Vec<PorePart<L::Mark, D>> {
+    fn pore<L: Law>(&self, law: &Materials<L>, axes: &[Axis; D], solid: &[SolidPart<D>]) -> Vec<PorePart<D>> {
         let wet = self.scene.water.is_some();
         let mut room = vec![[0.0; 2]; axes.iter().map(Axis::cells).product()];
-        let place = |point: &SolidPoint<D, S>| number(axes, &cell_of(axes, &point.x));
+        let place = |point: &SolidPoint<D>| number(axes, &cell_of(axes, &point.x));
         for point in self.points {
             let [volume, mass] = &mut room[place(point)];
             *volume += point.volume;
@@ -199,7 +191,7 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
             _ => self.scene.porosity,
         };
         if !smooth(self.scene.shape) {
-            let part = |(i, point): (usize, &SolidPoint<D, S>)| {
+            let part = |(i, point): (usize, &SolidPoint<D>)| {
                 let cell = place(point);
                 let mut water = Stencil::single(cell);
                 water.count = usize::from(wet);
@@ -225,18 +217,18 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
                 let soil = Stencil::at(axes, &x);
                 let mut water = soil;
                 water.count *= usize::from(wet);
-                parts.push(PorePart { soil, water, weight, porosity, mark: law.mark_at(x[D - 1]) });
+                parts.push(PorePart { soil, water, weight, porosity, mark: law.at(x[D - 1]) });
             }
         }
         parts
     }
 
-    fn faces<L: Laws<S>>(&self, law: &L, axes: &[Axis; D]) -> Vec<FacePart<L::Mark>> {
+    fn faces<L: Law>(&self, law: &Materials<L>, axes: &[Axis; D]) -> Vec<FacePart> {
         let cells: usize = axes.iter().map(Axis::cells).product();
         let mut faces = Vec::new();
         for cell in 0..cells {
             let position = position(axes, cell);
-            let mark = |row: usize| law.mark_at(axes[D - 1].middle(row));
+            let mark = |row: usize| law.at(axes[D - 1].middle(row));
             let own = mark(position[D - 1]);
             let mut stride = 1;
             for axis in 0..D {
@@ -317,7 +309,7 @@ impl<const D: usize, const S: usize> Ground<'_, D, S> {
     }
 
     /// Force of the full load, N per displacement function and direction.
-    fn load<M>(&self, axes: &[Axis; D], solid: &[SolidPart<M, D, S>]) -> Vec<f64> {
+    fn load(&self, axes: &[Axis; D], solid: &[SolidPart<D>]) -> Vec<f64> {
         let functions: usize = axes.iter().map(Axis::functions).product();
         let mut load = vec![0.0; functions * D];
         let Some(surcharge) = self.scene.surcharge else { return load };

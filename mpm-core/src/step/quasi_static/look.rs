@@ -4,12 +4,12 @@ use super::lay::smooth;
 use super::march::work_of;
 use super::soil::{InsideOut, PorePart, PoreState};
 use super::{Method, QuasiStatic, lay};
-use crate::constitutive::{Law, Laws};
+use crate::constitutive::Law;
 use crate::observe::{CellValues, FieldPoint, Observation, checkerboard, profile};
-use crate::space::{Deformation, Stencil};
+use crate::space::{Stencil, stretch, turned};
 use crate::water::stored_energy;
 
-impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
+impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// The state now.
     pub(super) fn look(&self) -> Observation {
         let cells = self.cell_values();
@@ -90,11 +90,11 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
             let cell = lay::number(&soil.axes, &lay::cell_of(&soil.axes, &point.x));
             let Some((push, _, stress)) = soil.stress_of(part) else { continue };
             let stretch =
-                if soil.small { 1.0 } else { K::stretch(&part.stencil.gradient(&soil.u)).map_or(1.0, |s| s.volume) };
+                if soil.small { 1.0 } else { stretch(&part.stencil.gradient(&soil.u)).map_or(1.0, |s| s.volume) };
             let volume = part.weight * stretch;
             let values = &mut cells[cell];
             values.solid_mass += point.mass;
-            values.effective_stress += volume * K::turned(&stress, &push.rotation)[D - 1];
+            values.effective_stress += volume * turned(&stress, &push.rotation)[1];
             let law = soil.law.law(part.mark);
             values.strain_energy += volume * if soil.small { law.energy(&stress) } else { law.finite_energy(&stress) };
             values.volume += volume;
@@ -137,7 +137,7 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
         cells
     }
 
-    fn cell_of_pore(&self, part: &PorePart<L::Mark, D>) -> usize {
+    fn cell_of_pore(&self, part: &PorePart<D>) -> usize {
         let Some(soil) = &self.soil else { return 0 };
         if !smooth(self.scene.shape) {
             return part.water.number[0] as usize;

@@ -7,9 +7,8 @@ use super::soil::{HELD, Soil};
 use super::tangent::Stuck;
 use super::trouble::{describe, inside_out, nothing};
 use super::{KrylovStage, Method, QuasiStatic};
-use crate::constitutive::{Law, Laws};
+use crate::constitutive::Law;
 use crate::scene::{Scene, StepChoice, StrainChoice, TimeMethod};
-use crate::space::Deformation;
 use crate::step::Fault;
 
 /// The first step of a stage as a share of L^2/c_v: shorter ones overshoot where the mesh cannot resolve the drained
@@ -29,10 +28,10 @@ const POLE: f64 = 0.1;
 /// Changes of the step between these factors are not worth another factorisation of a linear scene.
 const STEADY: std::ops::Range<f64> = 0.9..1.6;
 
-impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
+impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// Whether the Krylov method can take a stage: linear, constant load, no weight, water that can flow.
     pub(super) fn krylov_holds(&self) -> bool {
-        let linear = self.scene.strain == StrainChoice::Small && L::One::LINEAR;
+        let linear = self.scene.strain == StrainChoice::Small && self.seeding.law.are_linear();
         let constant = self.time >= self.scene.surcharge.map_or(0.0, |s| s.ramp_time);
         linear && constant && self.scene.gravity.is_none() && self.scene.water.is_some()
     }
@@ -260,11 +259,7 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
 }
 
 /// Factors for a step of `h` (s) at unknowns `y`.
-pub(super) fn factors<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
-    soil: &mut Soil<K, L, D, S>,
-    y: &[f64],
-    h: f64,
-) -> Result<(), Stuck<D>> {
+pub(super) fn factors<L: Law, const D: usize>(soil: &mut Soil<L, D>, y: &[f64], h: f64) -> Result<(), Stuck<D>> {
     soil.evaluate(y).map_err(Stuck::InsideOut)?;
     soil.refresh(GAMMA * h)
 }

@@ -30,20 +30,19 @@ use soil::Soil;
 use trouble::{inside_out, nothing};
 
 use super::{Fault, Model, Work};
-use crate::constitutive::Laws;
+use crate::constitutive::{Law, Materials};
 use crate::keep::Keeper;
 use crate::observe::{Ledger, Observation, Totals};
 use crate::particles::SolidPoint;
 use crate::scene::{Scene, Stage, StepChoice, StrainChoice, TimeMethod};
-use crate::space::Deformation;
 
 /// What a quasi-static run is made of.
 #[derive(Debug)]
-pub struct Seeding<L, const D: usize, const S: usize> {
+pub struct Seeding<L, const D: usize> {
     /// Solid particles at t = 0, row by row from the base up.
-    pub points: Vec<SolidPoint<D, S>>,
+    pub points: Vec<SolidPoint<D>>,
     /// Law of the skeleton, or those of its layers.
-    pub law: L,
+    pub law: Materials<L>,
     /// Numbers of the particles of the top row.
     pub top: Vec<usize>,
     /// Lengths that are not modelled, multiplied: the width of a column or 1 m, m.
@@ -56,16 +55,16 @@ pub struct Seeding<L, const D: usize, const S: usize> {
 
 /// A quasi-static run. K: dimension, L: law.
 #[derive(Debug)]
-pub struct QuasiStatic<K, L: Laws<S>, const D: usize, const S: usize> {
+pub struct QuasiStatic<L: Law, const D: usize> {
     scene: Scene,
-    seeding: Seeding<L, D, S>,
+    seeding: Seeding<L, D>,
     /// Particles where they were when the mesh was laid, with the stress they had.
-    points: Vec<SolidPoint<D, S>>,
+    points: Vec<SolidPoint<D>>,
     /// Their displacement before that, m.
     carried: Vec<[f64; D]>,
     /// Volume change of the pore points before that, per volume; large strain has it in the particles' volumes.
     spent: Vec<f64>,
-    soil: Option<Soil<K, L, D, S>>,
+    soil: Option<Soil<L, D>>,
     /// Unknowns and water content now.
     y: Vec<f64>,
     content: Vec<f64>,
@@ -108,9 +107,9 @@ struct KrylovStage {
     dissipation_before: f64,
 }
 
-impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
+impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// A run at t = 0, its first stage not yet entered.
-    pub fn new(scene: &Scene, seeding: Seeding<L, D, S>) -> Self {
+    pub fn new(scene: &Scene, seeding: Seeding<L, D>) -> Self {
         let count = seeding.points.len();
         Self {
             points: seeding.points.clone(),
@@ -148,7 +147,7 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
     }
 
     /// Size of forces that a residual is compared with.
-    fn reference(&self, soil: &Soil<K, L, D, S>) -> f64 {
+    fn reference(&self, soil: &Soil<L, D>) -> f64 {
         let stress = self.points.iter().flat_map(|p| p.stress).fold(0.0, |m: f64, s| m.max(s.abs()));
         let pressure = largest(&soil.p);
         let face = self.seeding.thickness * self.scene.cell.powi(D as i32 - 1);
@@ -174,7 +173,7 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
     }
 }
 
-impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Model for QuasiStatic<K, L, D, S> {
+impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
     fn advance(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault> {
         // What paused goes on to the very end that it was asked for.
         let end = if self.left() > 0.0 { self.until } else { self.stage_time + dt * steps as f64 };
@@ -270,7 +269,7 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Model for
                 + s.system.matrix.bytes()
                 + s.system.factor.bytes()
         });
-        self.points.capacity() * size_of::<SolidPoint<D, S>>() + soil
+        self.points.capacity() * size_of::<SolidPoint<D>>() + soil
     }
 
     fn keep(&mut self, keeper: &mut Keeper) {

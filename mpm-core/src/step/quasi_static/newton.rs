@@ -4,8 +4,7 @@
 
 use super::soil::{HELD, Soil};
 use super::tangent::Stuck;
-use crate::constitutive::Laws;
-use crate::space::Deformation;
+use crate::constitutive::Law;
 
 /// Most iterations.
 const ITERATIONS: usize = 30;
@@ -47,7 +46,7 @@ impl Workspace {
     }
 }
 
-impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L, D, S> {
+impl<L: Law, const D: usize> Soil<L, D> {
     /// Out-of-balance of a stage at the last evaluation, scaled as the matrix.
     fn out_of_balance(&self, stage: &Stage, residual: &mut [f64]) {
         let [length, pressure] = self.scales;

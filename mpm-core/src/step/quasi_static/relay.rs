@@ -5,10 +5,10 @@ use super::newton::Workspace;
 use super::soil::{HELD, Soil};
 use super::trouble::{inside_out, nothing, unsolved};
 use super::{QuasiStatic, lay};
-use crate::constitutive::Laws;
+use crate::constitutive::Law;
 use crate::particles::SolidPoint;
 use crate::scene::{SolidSide, StrainChoice};
-use crate::space::{Deformation, Stencil};
+use crate::space::{Stencil, stretch, turned};
 use crate::sparse::{Factor, Ordering, Signs, Symmetric, Unsolved};
 use crate::step::Fault;
 
@@ -16,7 +16,7 @@ use crate::step::Fault;
 /// L = 0.1 m the late settlement of `bspline2` is off by 1e-4 with 0.05, by 1e-6 without.
 pub(super) const RELAY: f64 = 0.5;
 
-impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
+impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// Lays a mesh over the soil as it is; its pressures go over.
     pub(super) fn lay(&mut self, drained: [bool; 4]) -> Result<(), Fault> {
         let pressures = self.soil.is_some().then(|| self.carry());
@@ -42,9 +42,9 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
     }
 
     /// A mesh over the soil as it was when the last one was laid.
-    fn mesh(&mut self, drained: [bool; 4]) -> Result<Soil<K, L, D, S>, Fault> {
+    fn mesh(&mut self, drained: [bool; 4]) -> Result<Soil<L, D>, Fault> {
         self.drained = drained;
-        let strains = vec![[0.0; S]; self.points.len()];
+        let strains = vec![[0.0; 4]; self.points.len()];
         let large = self.scene.strain == StrainChoice::Large;
         let ground = Ground {
             scene: &self.scene,
@@ -55,10 +55,10 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
             drained,
             thickness: self.seeding.thickness,
         };
-        ground.lay::<K, L>(self.seeding.law).map_err(|e| unsolved(&e))
+        ground.lay(self.seeding.law).map_err(|e| unsolved(&e))
     }
 
-    fn take(&mut self, soil: Soil<K, L, D, S>) {
+    fn take(&mut self, soil: Soil<L, D>) {
         let weights = top_integrals(&soil.axes, |_| 1.0);
         let whole: f64 = weights.iter().sum();
         let row = soil.u.len() - weights.len();
@@ -74,7 +74,7 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
     }
 
     /// Pressures of a new mesh, from those of the particles or from the scene; the water content that they mean.
-    pub(super) fn start(&mut self, soil: &mut Soil<K, L, D, S>, carried: Option<&[f64]>) -> Result<(), Fault> {
+    pub(super) fn start(&mut self, soil: &mut Soil<L, D>, carried: Option<&[f64]>) -> Result<(), Fault> {
         let smooth = smooth(self.scene.shape);
         soil.u.fill([0.0; D]);
         match carried {
@@ -95,7 +95,7 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
         let y = soil.unknowns_of_fields();
         soil.evaluate_fields().map_err(|e| inside_out(&self.points, e.point))?;
         self.content.clone_from(&soil.values.content);
-        if L::LAYERED && smooth && carried.is_none() {
+        if self.seeding.law.are_layered() && smooth && carried.is_none() {
             self.first_content(soil);
         }
         self.y = y;
@@ -104,7 +104,7 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
 
     /// Water content of the first pressures where these jump from layer to layer, which B-splines cannot: integrated
     /// as they are.
-    fn first_content(&mut self, soil: &Soil<K, L, D, S>) {
+    fn first_content(&mut self, soil: &Soil<L, D>) {
         let below: usize = soil.axes[..D - 1].iter().map(|a| a.functions()).product();
         self.content.fill(0.0);
         for part in &soil.pore {
@@ -135,11 +135,11 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
                 pressures.push(soil.p[lay::number(&soil.axes, &lay::cell_of(&soil.axes, &point.x))]);
             }
             let Some((push, _, stress)) = soil.stress_of(part) else { continue };
-            point.stress = K::turned(&stress, &push.rotation);
+            point.stress = turned(&stress, &push.rotation);
             if large {
                 let moved = part.stencil.vector(&soil.u);
-                let stretch = K::stretch(&part.stencil.gradient(&soil.u));
-                point.volume *= stretch.map_or(1.0, |s| s.volume);
+                let stretched = stretch(&part.stencil.gradient(&soil.u));
+                point.volume *= stretched.map_or(1.0, |s| s.volume);
                 for d in 0..D {
                     point.x[d] += moved[d];
                     self.carried[i][d] += moved[d];
@@ -163,9 +163,9 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStat
 }
 
 /// Pressures of the functions from those of particles: weighted least squares, or the mean of a cell.
-pub(super) fn project<K, L: Laws<S>, const D: usize, const S: usize>(
-    soil: &mut Soil<K, L, D, S>,
-    points: &[SolidPoint<D, S>],
+pub(super) fn project<L: Law, const D: usize>(
+    soil: &mut Soil<L, D>,
+    points: &[SolidPoint<D>],
     pressures: &[f64],
     smooth: bool,
 ) -> Result<(), Unsolved> {

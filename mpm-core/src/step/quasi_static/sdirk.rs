@@ -8,8 +8,7 @@
 use super::newton::{Stage, Workspace};
 use super::soil::{HELD, Soil};
 use super::tangent::Stuck;
-use crate::constitutive::Laws;
-use crate::space::Deformation;
+use crate::constitutive::Law;
 
 /// gamma.
 pub(super) const GAMMA: f64 = 0.25;
@@ -62,9 +61,9 @@ impl Sdirk {
 
     /// One step of `h` (s) from unknowns `start` with a water content; `share` is the load at a share of the step. The
     /// result is in [`Self::end`], its error in [`Self::error`]. The factors must be those for `GAMMA h`.
-    pub fn step<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
+    pub fn step<L: Law, const D: usize>(
         &mut self,
-        soil: &mut Soil<K, L, D, S>,
+        soil: &mut Soil<L, D>,
         (start, content): (&[f64], &[f64]),
         h: f64,
         share: impl Fn(f64) -> f64,
@@ -92,11 +91,7 @@ impl Sdirk {
     }
 
     /// `(S + gamma h H) error = h sum e_i flow_i`, at equilibrium.
-    fn estimate<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize>(
-        &mut self,
-        soil: &mut Soil<K, L, D, S>,
-        h: f64,
-    ) -> Result<(), Stuck<D>> {
+    fn estimate<L: Law, const D: usize>(&mut self, soil: &mut Soil<L, D>, h: f64) -> Result<(), Stuck<D>> {
         self.rhs.fill(0.0);
         for (function, map) in soil.water_map.iter().enumerate() {
             if *map != HELD {

@@ -13,30 +13,30 @@
 //! (pressures that are constant in a cell).
 
 use super::tangent::System;
-use crate::constitutive::{Law, Laws};
-use crate::space::{Axis, Deformation, Stencil};
+use crate::constitutive::{Law, Materials};
+use crate::space::{Axis, Stencil, strain_mode, stretch, tensor, turned};
 
 /// No unknown: a held displacement, or a pressure that is zero.
 pub(super) const HELD: u32 = u32::MAX;
 
-/// A solid particle in the integrals. M: [`Laws::Mark`].
+/// A solid particle in the integrals.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct SolidPart<M, const D: usize, const S: usize> {
+pub(super) struct SolidPart<const D: usize> {
     /// Functions and gradients that strain it.
     pub stencil: Stencil<D>,
     /// Volume it stands for, m3.
     pub weight: f64,
     /// Effective stress at the last step, Pa, before rotation.
-    pub stress: [f64; S],
+    pub stress: [f64; 4],
     /// Strain since the mesh was laid, at the last step.
-    pub strain: [f64; S],
+    pub strain: [f64; 4],
     /// Its layer.
-    pub mark: M,
+    pub mark: u8,
 }
 
 /// A point of the pore space in the integrals.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PorePart<M, const D: usize> {
+pub(super) struct PorePart<const D: usize> {
     /// Functions of the displacement.
     pub soil: Stencil<D>,
     /// Functions of the pressure.
@@ -46,12 +46,12 @@ pub(super) struct PorePart<M, const D: usize> {
     /// Porosity n when the mesh was laid.
     pub porosity: f64,
     /// Its layer.
-    pub mark: M,
+    pub mark: u8,
 }
 
 /// A face between two cells of constant pressure, or between a cell and a drained side.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct FacePart<M> {
+pub(super) struct FacePart {
     /// Cell below, cell above; [`HELD`] outside.
     pub cells: [u32; 2],
     /// Axis it is normal to.
@@ -61,7 +61,7 @@ pub(super) struct FacePart<M> {
     /// Distance to the middle of each cell, m.
     pub reach: [f64; 2],
     /// Layer of each cell.
-    pub marks: [M; 2],
+    pub marks: [u8; 2],
 }
 
 /// Constants of the water and of the weight.
@@ -105,13 +105,13 @@ pub(super) struct InsideOut<const D: usize> {
 
 /// The soil on its mesh.
 #[derive(Debug)]
-pub(super) struct Soil<K, L: Laws<S>, const D: usize, const S: usize> {
+pub(super) struct Soil<L: Law, const D: usize> {
     pub axes: [Axis; D],
-    pub law: L,
+    pub law: Materials<L>,
     pub small: bool,
-    pub solid: Vec<SolidPart<L::Mark, D, S>>,
-    pub pore: Vec<PorePart<L::Mark, D>>,
-    pub faces: Vec<FacePart<L::Mark>>,
+    pub solid: Vec<SolidPart<D>>,
+    pub pore: Vec<PorePart<D>>,
+    pub faces: Vec<FacePart>,
     pub fluid: Fluid<D>,
     /// Jump penalty on dp/dt: (function, function, value), both triangles.
     pub jumps: Vec<(u32, u32, f64)>,
@@ -130,10 +130,9 @@ pub(super) struct Soil<K, L: Laws<S>, const D: usize, const S: usize> {
     pub system: System,
     /// Mean gradient of displacement per cell, for the faces.
     pub cell_gradient: Vec<([[f64; D]; D], f64)>,
-    pub kind: std::marker::PhantomData<K>,
 }
 
-impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L, D, S> {
+impl<L: Law, const D: usize> Soil<L, D> {
     /// Number of unknowns.
     pub fn unknowns(&self) -> usize {
         self.system.matrix.size()
@@ -141,7 +140,7 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L
 
     /// Whether forces, content and flow are linear in the unknowns.
     pub fn linear(&self) -> bool {
-        self.small && L::One::LINEAR
+        self.small && self.law.are_linear()
     }
 
     /// Sum over the pressure functions that are held at zero.
@@ -150,14 +149,14 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L
     }
 
     /// Mass of soil and water per volume of a pore part whose pores are a share of its first volume, kg/m3.
-    fn mass_of(&self, part: &PorePart<L::Mark, D>, pores: f64) -> f64 {
+    fn mass_of(&self, part: &PorePart<D>, pores: f64) -> f64 {
         (1.0 - part.porosity) * self.fluid.grain_density + pores * self.fluid.density
     }
 
     /// Work of gravity on the displacements in [`Self::u`] with the water of the start, J.
     pub fn weight_work(&self) -> f64 {
         let Some(g) = self.fluid.gravity else { return 0.0 };
-        let work = |part: &PorePart<L::Mark, D>| {
+        let work = |part: &PorePart<D>| {
             let u = part.soil.vector(&self.u);
             part.weight * self.mass_of(part, part.porosity) * (0..D).map(|d| g[d] * u[d]).sum::<f64>()
         };
@@ -231,28 +230,24 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L
     }
 
     /// First Piola-Kirchhoff stress of a solid part, and what was needed on the way: strain and stress before rotation.
-    pub fn stress_of(&self, part: &SolidPart<L::Mark, D, S>) -> Option<(Push<D>, [f64; S], [f64; S])> {
+    pub fn stress_of(&self, part: &SolidPart<D>) -> Option<(Push<D>, [f64; 4], [f64; 4])> {
         let gradient = part.stencil.gradient(&self.u);
         if self.small {
-            let mut strain = [0.0; S];
+            let mut strain = [0.0; 4];
             for d in 0..D {
                 let mut direction = [0.0; D];
                 direction[d] = 1.0;
-                let mode = K::strain_mode(&gradient[d], &direction);
-                for s in 0..S {
+                let mode = strain_mode(&gradient[d], &direction);
+                for s in 0..4 {
                     strain[s] += mode[s];
                 }
             }
             let stress = self.updated(part, &strain);
-            return Some((
-                Push { piola: K::tensor(&stress), inverse: identity(), rotation: identity() },
-                strain,
-                stress,
-            ));
+            return Some((Push { piola: tensor(&stress), inverse: identity(), rotation: identity() }, strain, stress));
         }
-        let stretch = K::stretch(&gradient)?;
+        let stretch = stretch(&gradient)?;
         let stress = self.updated(part, &stretch.strain);
-        let sigma = K::tensor(&K::turned(&stress, &stretch.rotation));
+        let sigma = tensor::<D>(&turned(&stress, &stretch.rotation));
         // P = J sigma F^-T
         let mut piola = [[0.0; D]; D];
         for i in 0..D {
@@ -265,7 +260,7 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L
         Some((Push { piola, inverse: stretch.inverse, rotation: stretch.rotation }, stretch.strain, stress))
     }
 
-    fn updated(&self, part: &SolidPart<L::Mark, D, S>, strain: &[f64; S]) -> [f64; S] {
+    fn updated(&self, part: &SolidPart<D>, strain: &[f64; 4]) -> [f64; 4] {
         let mut stress = part.stress;
         self.law.law(part.mark).update(&mut stress, &std::array::from_fn(|s| strain[s] - part.strain[s]));
         stress
@@ -287,13 +282,13 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L
     }
 
     /// The stretch of a pore point; `None` if it is turned inside out.
-    pub fn pore_state(&self, part: &PorePart<L::Mark, D>) -> Option<PoreState<D>> {
+    pub fn pore_state(&self, part: &PorePart<D>) -> Option<PoreState<D>> {
         let gradient = part.soil.gradient(&self.u);
         if self.small {
             let change = (0..D).map(|d| gradient[d][d]).sum();
             return Some(PoreState { change, cofactor: identity(), gradient });
         }
-        let stretch = K::stretch(&gradient)?;
+        let stretch = stretch(&gradient)?;
         // det(I + g) - 1 without cancellation.
         let mut change: f64 = (0..D).map(|d| gradient[d][d]).sum();
         if D == 2 {
@@ -312,7 +307,7 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L
 
     /// k/gamma_w at a pore part, m4/(N s).
     #[inline(always)]
-    pub fn mobility(&self, part: &PorePart<L::Mark, D>) -> f64 {
+    pub fn mobility(&self, part: &PorePart<D>) -> f64 {
         self.fluid.mobility * self.law.conductivity(part.mark)
     }
 
@@ -382,24 +377,24 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L
     }
 
     /// Conductance of a face, m3/(s Pa), and the drop of rho_w g across it, Pa.
-    pub fn face_state(&self, face: &FacePart<L::Mark>) -> Option<(f64, f64)> {
+    pub fn face_state(&self, face: &FacePart) -> Option<(f64, f64)> {
         let (mut resistance, mut weight) = (0.0, 0.0);
         let gravity = self.fluid.gravity.map_or(0.0, |g| g[face.axis]);
         for ((cell, reach), mark) in face.cells.iter().zip(face.reach).zip(face.marks) {
             if reach == 0.0 {
                 continue; // outside
             }
-            let (mut normal, mut stretch) = (1.0, 1.0);
+            let (mut normal, mut along) = (1.0, 1.0);
             if !self.small {
                 let (sum, volume) = &self.cell_gradient[*cell as usize];
                 let gradient = sum.map(|row| row.map(|g| g / volume));
-                let found = K::stretch(&gradient)?;
+                let found = stretch(&gradient)?;
                 let cofactor = found.inverse.map(|row| row.map(|x| x * found.volume));
                 normal = conductivity(&cofactor, found.volume - 1.0, 1.0)[face.axis][face.axis];
-                stretch = 1.0 + gradient[face.axis][face.axis];
+                along = 1.0 + gradient[face.axis][face.axis];
             }
             resistance += reach / (normal * self.law.conductivity(mark));
-            weight += self.fluid.density * gravity * stretch * reach;
+            weight += self.fluid.density * gravity * along * reach;
         }
         Some((self.fluid.mobility * face.area / resistance, weight))
     }

@@ -10,8 +10,8 @@
 //! and the iteration converges at that rate.
 
 use super::soil::{FacePart, HELD, InsideOut, PorePart, PoreState, Soil, SolidPart, conductivity};
-use crate::constitutive::{Law, Laws};
-use crate::space::{Deformation, MOST, Stencil};
+use crate::constitutive::Law;
+use crate::space::{MOST, Stencil, active, strain_mode};
 use crate::sparse::{Factor, Ordering, Signs, Symmetric, Unsolved};
 
 /// A matrix with its factors.
@@ -31,14 +31,13 @@ struct Rows {
 }
 
 /// Where the soil, the water and its flow are integrated.
-type Places<'a, M, const D: usize, const S: usize> =
-    (&'a [SolidPart<M, D, S>], &'a [PorePart<M, D>], &'a [FacePart<M>]);
+type Places<'a, const D: usize> = (&'a [SolidPart<D>], &'a [PorePart<D>], &'a [FacePart]);
 
 impl System {
     /// The pattern of a mesh.
-    pub fn new<M, const D: usize, const S: usize>(
+    pub fn new<const D: usize>(
         size: usize,
-        parts: Places<M, D, S>,
+        parts: Places<D>,
         jumps: &[(u32, u32, f64)],
         maps: (&[[u32; D]], &[u32]),
     ) -> Result<Self, Unsolved> {
@@ -88,7 +87,7 @@ impl System {
     }
 }
 
-impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L, D, S> {
+impl<L: Law, const D: usize> Soil<L, D> {
     /// Assembles and factorises the matrix at the unknowns of the last evaluation, for `a` = gamma dt (s).
     pub fn refresh(&mut self, a: f64) -> Result<(), Stuck<D>> {
         self.assemble(a).map_err(Stuck::InsideOut)?;
@@ -109,14 +108,14 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L
             let increment = std::array::from_fn(|s| strain[s] - part.strain[s]);
             let tangent = self.law.law(part.mark).tangent(&stress, &increment);
             // Strain modes in the frame before rotation, with gradients of the deformed soil turned back.
-            let mut modes = [[0.0; S]; 2 * MOST];
+            let mut modes = [[0.0; 4]; 2 * MOST];
             let mut volume = part.weight * length * length;
             for n in 0..part.stencil.count {
                 let slope = part.stencil.slope[n];
                 let spatial: [f64; D] = std::array::from_fn(|i| (0..D).map(|j| push.inverse[j][i] * slope[j]).sum());
                 let turned = std::array::from_fn(|i| (0..D).map(|j| push.rotation[j][i] * spatial[j]).sum());
                 for d in 0..D {
-                    modes[n * D + d] = K::strain_mode(&turned, &push.rotation[d]);
+                    modes[n * D + d] = strain_mode(&turned, &push.rotation[d]);
                 }
             }
             if !self.small {
@@ -124,10 +123,12 @@ impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> Soil<K, L
             }
             let count = part.stencil.count * D;
             for i in 0..count {
-                let stressed: [f64; S] =
-                    std::array::from_fn(|s| (0..S).map(|t| tangent[(t, s)] * modes[i][t]).sum::<f64>() * volume);
+                let mut stressed = [0.0; 4];
+                for s in active::<D>() {
+                    stressed[s] = active::<D>().map(|t| tangent[(t, s)] * modes[i][t]).sum::<f64>() * volume;
+                }
                 for j in 0..=i {
-                    block.value[i][j] += (0..S).map(|s| stressed[s] * modes[j][s]).sum::<f64>();
+                    block.value[i][j] += active::<D>().map(|s| stressed[s] * modes[j][s]).sum::<f64>();
                 }
             }
         }

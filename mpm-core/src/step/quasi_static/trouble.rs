@@ -2,13 +2,12 @@
 
 use super::QuasiStatic;
 use super::tangent::Stuck;
-use crate::constitutive::Laws;
+use crate::constitutive::Law;
 use crate::particles::SolidPoint;
-use crate::space::Deformation;
 use crate::sparse::Unsolved;
 use crate::step::Fault;
 
-impl<K: Deformation<D, S>, L: Laws<S>, const D: usize, const S: usize> QuasiStatic<K, L, D, S> {
+impl<L: Law, const D: usize> QuasiStatic<L, D> {
     pub(super) fn fault(&self, stuck: &Stuck<D>, step: Option<f64>) -> Fault {
         let mut what = describe(stuck, &self.points);
         if let Some(h) = step {
@@ -46,12 +45,12 @@ pub(super) fn unsolved(e: &Unsolved) -> Fault {
     Fault { place: "the whole soil".to_owned(), what: e.to_string() }
 }
 
-pub(super) fn inside_out<const D: usize, const S: usize>(points: &[SolidPoint<D, S>], point: usize) -> Fault {
+pub(super) fn inside_out<const D: usize>(points: &[SolidPoint<D>], point: usize) -> Fault {
     let x = points.get(point).map_or([f64::NAN; D], |p| p.x);
     Fault { place: format!("point {point} near {x:?} m"), what: "the soil is turned inside out".to_owned() }
 }
 
-pub(super) fn describe<const D: usize, const S: usize>(stuck: &Stuck<D>, points: &[SolidPoint<D, S>]) -> String {
+pub(super) fn describe<const D: usize>(stuck: &Stuck<D>, points: &[SolidPoint<D>]) -> String {
     match stuck {
         Stuck::InsideOut(e) => {
             let fault = inside_out(points, e.point);

@@ -29,7 +29,7 @@ pub trait Record: Copy {
     fn unpack(numbers: &[f64]) -> Self;
 }
 
-impl<const D: usize> Record for SolidPoint<D, 4> {
+impl<const D: usize> Record for SolidPoint<D> {
     const COUNT: usize = 2 * D + 6;
     const VOLUME: usize = 2 * D + 5;
 

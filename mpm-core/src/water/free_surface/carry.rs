@@ -21,11 +21,7 @@ pub struct Square<const D: usize> {
 }
 
 /// The boxes of a layer by the numbers of its particles.
-pub fn squares<const D: usize, const S: usize>(
-    solid: &Layer<SolidPoint<D, S>, D>,
-    cell_volume: f64,
-    into: &mut Vec<Square<D>>,
-) {
+pub fn squares<const D: usize>(solid: &Layer<SolidPoint<D>, D>, cell_volume: f64, into: &mut Vec<Square<D>>) {
     into.resize(solid.points.len(), Square { x: [0.0; D], half: 0.0 });
     for (point, id) in solid.points.iter().zip(&solid.ids) {
         let half = 0.5 * (point.volume / cell_volume).powf(1.0 / D as f64);
@@ -46,10 +42,10 @@ struct Load {
 impl<const D: usize> FreeSurface<D> {
     /// Carries water and `surplus` (m3) from where the boxes were to where they are now. Returns the water that no soil
     /// holds any more, m3, with the cells it was in: it has left.
-    pub fn carry<const S: usize>(
+    pub fn carry(
         &mut self,
         grid: &Grid<D>,
-        solid: &Layer<SolidPoint<D, S>, D>,
+        solid: &Layer<SolidPoint<D>, D>,
         boxes: &mut Vec<Square<D>>,
         surplus: &mut [f64],
         (around, per_direction): (&Surroundings, usize),
@@ -156,7 +152,7 @@ mod tests {
     /// A block of soil of unit cells in a larger mesh, and its water.
     struct Block {
         grid: Grid<2>,
-        solid: Layer<SolidPoint<2, 4>, 2>,
+        solid: Layer<SolidPoint<2>, 2>,
         water: FreeSurface<2>,
         boxes: Vec<Square<2>>,
         surplus: Vec<f64>,
@@ -169,7 +165,7 @@ mod tests {
         fn new(cells: [usize; 2], corner: [f64; 2], per_direction: usize, wet: impl Fn([usize; 2]) -> f64) -> Self {
             let grid = Grid::new([20, 14], 1.0);
             let volume = 1.0 / (per_direction * per_direction) as f64;
-            let at = |x: [f64; 2]| SolidPoint::<2, 4> {
+            let at = |x: [f64; 2]| SolidPoint::<2> {
                 x: [x[0] + corner[0], x[1] + corner[1]],
                 v: [0.0; 2],
                 stress: [0.0; 4],

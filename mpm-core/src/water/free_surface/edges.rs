@@ -348,7 +348,7 @@ mod tests {
     };
 
     /// A quarter of a cell of soil around a place in cells.
-    fn at(x: [f64; 2]) -> SolidPoint<2, 4> {
+    fn at(x: [f64; 2]) -> SolidPoint<2> {
         SolidPoint { x: x.map(|x| x * H), mass: 1.0, volume: 0.25 * H * H, ..SolidPoint::NONE }
     }
 

@@ -501,7 +501,7 @@ impl<const D: usize> FreeSurface<D> {
 mod tests {
     use super::super::{Medium, SoilMap, Surroundings};
     use super::*;
-    use crate::dimension::{Kinematics, PlaneStrain};
+    use crate::dimension::{PRESSURE, internal_force};
     use crate::particles::{Layer, SolidPoint, even_positions};
 
     const H: f64 = 0.5;
@@ -518,13 +518,8 @@ mod tests {
     fn full(conductance: f64) -> (Grid<2>, FreeSurface<2>, Squeeze<2>, Vec<Filling<2>>) {
         let grid = Grid::new(CELLS, H);
         let volume = 0.25 * H * H;
-        let at = |x: [f64; 2]| SolidPoint::<2, 4> {
-            x: x.map(|x| x * H),
-            v: [0.0; 2],
-            stress: [0.0; 4],
-            mass: volume,
-            volume,
-        };
+        let at =
+            |x: [f64; 2]| SolidPoint::<2> { x: x.map(|x| x * H), v: [0.0; 2], stress: [0.0; 4], mass: volume, volume };
         let solid = Layer::new(even_positions(CELLS, 2).map(at).collect(), &grid).unwrap();
         let weight = [0.0, -9810.0];
         let medium = Medium {
@@ -554,9 +549,9 @@ mod tests {
             let soil = Filling { volume: 0.2 * (1.5 + a), at, pressed: at };
             let found = weights(soil.volume, &soil.at, 1.0 / H);
             // What the step makes of the stress -p 1 in the soil of a cell.
-            let mean = PlaneStrain::UNIT_PRESSURE.map(|s| s * p * soil.volume);
+            let mean = PRESSURE.map(|s| s * p * soil.volume);
             let first = soil.at.map(|x| mean.map(|s| x * s));
-            let force = crate::dimension::to_corners::<2, 2, _>(&PlaneStrain::internal_force(&mean, &first, 1.0 / H));
+            let force = crate::dimension::to_corners::<2, 2, _>(&internal_force::<2, f64>(&mean, &first, 1.0 / H));
             for corner in 0..4 {
                 for d in 0..2 {
                     let (push, weight) = (-force[corner][d], p * found[corner][d]);

@@ -28,9 +28,9 @@ type Along = (usize, [f64; 3]);
 impl<const D: usize> SoilMap<D> {
     /// The map of a layer; `face_area` is that of a whole face, m2, `per_direction` the particles per cell and direction,
     /// `bound` the volume of grains and of water that stays, per dry mass, m3/kg.
-    pub fn new<const S: usize>(
+    pub fn new(
         grid: &Grid<D>,
-        solid: &Layer<SolidPoint<D, S>, D>,
+        solid: &Layer<SolidPoint<D>, D>,
         face_area: f64,
         per_direction: usize,
         bound: f64,
@@ -166,7 +166,7 @@ mod tests {
     use super::*;
     use crate::particles::even_positions;
 
-    fn block(cells: [usize; 2], per_direction: usize, shift: [f64; 2]) -> Vec<SolidPoint<2, 4>> {
+    fn block(cells: [usize; 2], per_direction: usize, shift: [f64; 2]) -> Vec<SolidPoint<2>> {
         let volume = 1.0 / (per_direction * per_direction) as f64;
         even_positions(cells, per_direction)
             .map(|x| SolidPoint {

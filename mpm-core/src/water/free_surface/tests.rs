@@ -10,7 +10,7 @@ const CLOSED: Surroundings = Surroundings { open: [false; 4], feeds: [None; 4], 
 
 fn block(cells: [usize; 2], h: f64, weight: [f64; 2], around: &Surroundings) -> (Grid<2>, FreeSurface<2>) {
     let grid = Grid::new(cells, h);
-    let at = |x: [f64; 2]| SolidPoint::<2, 4> {
+    let at = |x: [f64; 2]| SolidPoint::<2> {
         x: x.map(|x| x * h),
         v: [0.0; 2],
         stress: [0.0; 4],

@@ -29,8 +29,8 @@ const EXACT: f64 = 1e-9;
 /// Isotropic pressure that the element tests start from, Pa.
 const CELL_PRESSURE: f64 = 1.0e4;
 
-fn law(strength: &Strength) -> MohrCoulomb<4> {
-    MohrCoulomb::plane_strain(&ELASTIC, strength)
+fn law(strength: &Strength) -> MohrCoulomb {
+    MohrCoulomb::new(&ELASTIC, strength)
 }
 
 /// An element test has no mesh and no particles: what can be refined is the path.
