@@ -53,8 +53,8 @@ impl Hardware {
 pub const THREADS_PAY_FROM: usize = 10_000;
 
 impl Hardware {
-    /// What suits a scene: so many threads, or all of the machine if they pay. Only the explicit step over lanes uses
-    /// more than one.
+    /// What suits a scene: so many threads, or all of the machine if they pay. The quasi-static step
+    /// uses one alone.
     ///
     /// # Errors
     /// As [`Hardware::threads`].

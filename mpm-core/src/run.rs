@@ -140,10 +140,10 @@ pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<
     let materials = materials(scene)?;
     match scene.dimension {
         Dimension::Column => {
-            Seeded::new(scene, given, [scene.cells[1]], scene.width)?.over_lanes(hardware, scene, materials)
+            Seeded::new(scene, given, [scene.cells[1]], scene.width)?.vectorised(hardware, scene, materials)
         }
         Dimension::PlaneStrain => {
-            Seeded::new(scene, given, scene.cells, scene.cell)?.over_lanes(hardware, scene, materials)
+            Seeded::new(scene, given, scene.cells, scene.cell)?.vectorised(hardware, scene, materials)
         }
     }
 }
@@ -154,7 +154,7 @@ pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<
 /// Particles outside the mesh.
 pub fn failing(scene: &Scene) -> Result<Box<dyn Failing>, RunError> {
     let seed = Seeded::new(scene, &Given::default(), scene.cells, scene.cell)?;
-    let model = seed.over_lanes(&Hardware::default(), scene, materials(scene)?)?;
+    let model = seed.vectorised(&Hardware::default(), scene, materials(scene)?)?;
     model.failing().ok_or_else(|| refused("soil fails under water with a free surface"))
 }
 
@@ -320,8 +320,8 @@ impl<const D: usize> Seeded<D> {
         Layer::new(points, &self.grid).map_err(|e| outside("water", e.index, &e.x))
     }
 
-    /// The step over as many lanes as the machine has.
-    fn over_lanes(self, hardware: &Hardware, scene: &Scene, materials: Materials) -> Result<Box<dyn Model>, RunError> {
+    /// The step, vectorised as the machine allows.
+    fn vectorised(self, hardware: &Hardware, scene: &Scene, materials: Materials) -> Result<Box<dyn Model>, RunError> {
         match (hardware.width, Arch::new()) {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             (Width::Widest | Width::Eight, Arch::V4(simd)) => self.over(simd, hardware, scene, materials),

@@ -1,4 +1,4 @@
-//! Guards the step over lanes: the same bits, whatever the vectors and the threads.
+//! Guards the vectorised step: the same bits, whatever the vectors and the threads.
 
 mod common;
 
@@ -6,7 +6,7 @@ use common::scene;
 use mpm_core::hardware::{Hardware, Width};
 use mpm_core::observe::{Ledger, Observation};
 use mpm_core::run::model_on;
-use mpm_core::scene::{Scene, SolidSide, Strength};
+use mpm_core::scene::{DarcyChoice, Integrator, Scene, ShapeChoice, SolidSide, Strength};
 use mpm_core::stability::stable_limit;
 use mpm_core::step::Model;
 
@@ -61,7 +61,7 @@ fn flying(cells: [usize; 2], shape: &str) -> Scene {
     scene
 }
 
-/// What soil that moves through cells needs is not done over lanes.
+/// Without what soil that moves through cells needs.
 const PLAIN: &str = "darcy_inertia -> darcy_inertia = false\nlight_nodes = 0.0";
 
 /// A saturated block of so many cells of 0.05 m under a load so heavy that water particles change their cells.
@@ -155,6 +155,22 @@ fn threads_and_lanes_do_not_change_bits() {
             assert_eq!(seen(&hardware, &scene, steps), (state.clone(), ledger), "{threads} threads");
         }
         assert_eq!(seen(&Hardware::plain(Width::One), &scene, steps), (state.clone(), ledger));
+    }
+}
+
+#[test]
+fn threads_do_not_change_bits_of_other_steps() {
+    let still = |mut scene: Scene| {
+        scene.surcharge.iter_mut().for_each(|load| load.pressure = 1.0e4);
+        scene
+    };
+    let solved = Scene { integrator: Integrator::SemiImplicit, ..still(heavy([30, 40])) };
+    let nodal = Scene { darcy: DarcyChoice::Nodal, ..still(heavy([30, 40])) };
+    let wide = Scene { shape: ShapeChoice::Bspline2, ..still(heavy([30, 40])) };
+    for scene in [solved, nodal, wide] {
+        let one = seen(&Hardware::default(), &scene, 20);
+        let two = seen(&Hardware::threads(2).expect("threads"), &scene, 20);
+        assert_eq!(two, one, "{:?} {:?} {:?}", scene.integrator, scene.darcy, scene.shape);
     }
 }
 

@@ -1,4 +1,4 @@
-//! The paper's Darcy operator: a relative velocity v* at the nodes, Eq. (1) with the sign of the body term mended
+//! The paper's Darcy operator: a relative velocity v* at the nodes, Eq. (1) with the sign of the body term corrected
 //! (`reference-data/paper/errata.md`, 1): `v* = k [ sum V G p + sum rho_w V N (g - a_s) ] / sum n rho_w g V N`.
 //!
 //! v* is the true relative velocity, the Darcy flux divided by n (errata, 5). In two dimensions it couples only diagonal neighbours,
@@ -113,7 +113,7 @@ impl<const D: usize> NodalFlow<D> {
         for node in 0..self.volume.len().min(nodes.motion.velocity[0].len()) {
             let (volume, pores) = (self.volume[node], self.pores[node]);
             for d in 0..D {
-                // Eq. (1), mended
+                // Eq. (1), sign corrected
                 let driven = if volume > 0.0 { self.gradient[node][d] + body(node, d) * volume } else { 0.0 };
                 self.relative[d][node] = if volume > 0.0 { mobility * driven / pores } else { 0.0 };
             }

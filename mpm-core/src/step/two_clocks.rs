@@ -347,6 +347,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Failing for TwoClocks<V, F, D> {
         }
     }
 
+    /// Accelerations are those of the last step, forces those gathered for the next: the same where soil comes to rest.
     fn unbalanced(&self) -> f64 {
         let (nodes, gravity) = (self.soil.nodes(), self.soil.body().gravity.unwrap_or([0.0; D]));
         let (mut left, mut whole) = (0.0, 0.0);
