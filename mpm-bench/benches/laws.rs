@@ -7,7 +7,7 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use mpm_core::constitutive::{Law, LinearElastic, MohrCoulomb, Region};
-use mpm_core::real::Lanes;
+use mpm_core::real::{Lanes, Real};
 use mpm_core::scene::{Elastic, Strength};
 use pulp::{Arch, Simd, WithSimd};
 
@@ -30,7 +30,8 @@ impl<L: Law> WithSimd for OverLanes<'_, L> {
         let strain = self.strain.map(|e| Lanes::splat(simd, e));
         for first in (0..PARTICLES).step_by(V::F64_LANES) {
             let mut stress = std::array::from_fn(|s| Lanes::load(simd, &self.stress[s][first..]));
-            self.law.update_lanes(&mut stress, &strain);
+            let there = strain[0].like(0.0).below(strain[0].like(1.0));
+            self.law.update_lanes(&mut stress, &strain, &mut [strain[0]], there);
             for s in 0..4 {
                 stress[s].store(&mut self.stress[s][first..]);
             }
@@ -47,7 +48,9 @@ fn law<L: Law>(c: &mut Criterion, name: &str, law: L, strain: [f64; 4]) {
         b.iter(|| {
             for sign in [1.0, -1.0] {
                 let strain = black_box(strain.map(|e| sign * e));
-                stress.iter_mut().for_each(|stress| law.update(black_box(stress), &strain));
+                stress.iter_mut().for_each(|stress| {
+                    law.update(black_box(stress), &strain, &mut [0.0]);
+                });
             }
         });
     });
@@ -87,7 +90,7 @@ impl<L: Law> WithSimd for Returns<'_, L> {
         let there = none.below(Lanes::splat(simd, 1.0));
         for first in (0..PARTICLES).step_by(V::F64_LANES) {
             let mut stress = self.trial.map(|s| Lanes::splat(simd, s));
-            black_box(self.law.flow_lanes(&mut stress, &[none; 4], there).dissipation.value);
+            black_box(self.law.update_lanes(&mut stress, &[none; 4], &mut [none], there).dissipation.value);
             for s in 0..4 {
                 stress[s].store(&mut self.stress[s][first..]);
             }
@@ -111,7 +114,7 @@ fn returns(c: &mut Criterion, region: Region, principal: [f64; 3]) {
             let trial = black_box(trial);
             for stress in &mut stress {
                 *stress = trial;
-                black_box(law.flow(stress, &[0.0; 4]));
+                black_box(law.update(stress, &[0.0; 4], &mut [0.0]));
             }
         });
     });

@@ -5,11 +5,11 @@
 //! Displacements form a positive block, pressures a negative one. criterion prints time per unknown.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use mpm_core::sparse::{Factor, Ordering, Signs, Symmetric};
+use mpm_core::sparse::{Factor, Ordering, Signs, Sparse};
 
 /// A consolidation-like system on a lattice, refilled by [`System::fill`].
 struct System {
-    matrix: Symmetric,
+    matrix: Sparse,
     /// Pairs of neighbouring nodes, each once.
     pairs: Vec<(usize, usize)>,
     /// Displacements per node; a node's unknowns follow each other, the pressure last.
@@ -32,7 +32,7 @@ impl System {
         let block = |a: usize, b: usize| (0..per * per).map(move |k| (per * a + k / per, per * b + k % per));
         let own = (0..nodes).flat_map(|a| block(a, a));
         let coupled = pairs.iter().flat_map(|(a, b)| block(*a, *b));
-        let matrix = Symmetric::new(per * nodes, own.chain(coupled));
+        let matrix = Sparse::symmetric(per * nodes, own.chain(coupled));
         Self { matrix, pairs, displacements, nodes }
     }
 

@@ -185,9 +185,6 @@ fn materials(scene: &Scene) -> Result<Materials, RunError> {
 
 /// The quasi-static model of a scene.
 fn quasi_static(scene: &Scene) -> Result<Box<dyn Model>, RunError> {
-    if scene.strength.is_some() {
-        return Err(refused("the quasi-static integrator knows linear elastic soil only"));
-    }
     Ok(match scene.dimension {
         Dimension::Column => implicit(scene, [scene.cells[1]], scene.width, materials(scene)?),
         Dimension::PlaneStrain => implicit(scene, scene.cells, 1.0, materials(scene)?),

@@ -1,4 +1,4 @@
-//! Symmetric sparse systems: the pattern once, then refill, factorise, solve and check the residual (faer).
+//! Sparse systems, symmetric or not: the pattern once, then refill, factorise, solve and check the residual (faer).
 //!
 //! Sparse Cholesky does not pivot, and a matrix that is singular to working precision may pass it without an error.
 //! So every solution is put back into its equation; a wrong one is refused with its residual. The first factors of a definite
@@ -14,6 +14,7 @@ use faer::mat::MatMut;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
 };
+use faer::sparse::linalg::lu::{LuRef, LuSymbolicParams, NumericLu, SymbolicLu, factorize_symbolic_lu};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Side, Spec};
 
@@ -49,20 +50,30 @@ pub enum Unsolved {
     },
 }
 
-/// A symmetric matrix with a fixed pattern, its upper triangle stored by columns.
+/// A square matrix with a fixed pattern, stored by columns; of a symmetric one the upper triangle.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Symmetric {
+pub struct Sparse {
+    symmetric: bool,
     column: Vec<usize>,
     row: Vec<usize>,
     /// Values in the order of the pattern.
     pub values: Vec<f64>,
 }
 
-impl Symmetric {
-    /// A matrix of zeros with `size` rows; `pairs` names its entries in any order, either triangle, repeated or not.
-    /// The diagonal is always there.
-    pub fn new(size: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Self {
-        let mut keys: Vec<u64> = pairs.map(|(a, b)| ((a.max(b) as u64) << 32) | a.min(b) as u64).collect();
+impl Sparse {
+    /// A symmetric matrix of zeros with `size` rows; `pairs` names its entries in any order, either triangle, repeated or
+    /// not. The diagonal is always there.
+    pub fn symmetric(size: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Self {
+        Self::with(true, size, pairs.map(|(a, b)| ((a.max(b) as u64) << 32) | a.min(b) as u64).collect())
+    }
+
+    /// A matrix that may not be symmetric, with entries on both sides of the diagonal for every pair.
+    pub fn general(size: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Self {
+        let both = |(a, b): (usize, usize)| [((a as u64) << 32) | b as u64, ((b as u64) << 32) | a as u64];
+        Self::with(false, size, pairs.flat_map(both).collect())
+    }
+
+    fn with(symmetric: bool, size: usize, mut keys: Vec<u64>) -> Self {
         keys.extend((0..size as u64).map(|i| (i << 32) | i));
         keys.sort_unstable();
         keys.dedup();
@@ -74,7 +85,12 @@ impl Symmetric {
             column[j + 1] += column[j];
         }
         let row: Vec<usize> = keys.iter().map(|key| (key & 0xffff_ffff) as usize).collect();
-        Self { column, values: vec![0.0; row.len()], row }
+        Self { symmetric, column, values: vec![0.0; row.len()], row }
+    }
+
+    /// Whether it is symmetric by its storage.
+    pub fn is_symmetric(&self) -> bool {
+        self.symmetric
     }
 
     /// Rows (and columns).
@@ -88,16 +104,25 @@ impl Symmetric {
     /// The entry is not in the pattern.
     #[inline]
     pub fn place(&self, a: usize, b: usize) -> usize {
-        let (i, j) = (a.min(b), a.max(b));
+        let (i, j) = if self.symmetric { (a.min(b), a.max(b)) } else { (a, b) };
         let (first, last) = (self.column[j], self.column[j + 1]);
         first + self.row[first..last].binary_search(&i).expect("an entry of the pattern")
     }
 
-    /// Adds to an entry; an entry off the diagonal stands for both triangles.
+    /// Adds to an entry; off the diagonal of a symmetric matrix it stands for both triangles.
     #[inline]
     pub fn add(&mut self, a: usize, b: usize, value: f64) {
         let place = self.place(a, b);
         self.values[place] += value;
+    }
+
+    /// Adds to an entry and the one on the other side of the diagonal.
+    #[inline]
+    pub fn add_both(&mut self, a: usize, b: usize, value: f64) {
+        self.add(a, b, value);
+        if !self.symmetric && a != b {
+            self.add(b, a, value);
+        }
     }
 
     /// `y = A x`.
@@ -113,7 +138,7 @@ impl Symmetric {
             for k in self.column[j]..self.column[j + 1] {
                 let (i, value) = (self.row[k], self.values[k]);
                 y[i] += value * xj;
-                if i != j {
+                if self.symmetric && i != j {
                     sum += value * x[i];
                 }
             }
@@ -127,7 +152,7 @@ impl Symmetric {
             for k in self.column[j]..self.column[j + 1] {
                 let (i, value) = (self.row[k], self.values[k].abs());
                 y[i] += value * x[j].abs();
-                if i != j {
+                if self.symmetric && i != j {
                     y[j] += value * x[i].abs();
                 }
             }
@@ -152,22 +177,29 @@ pub enum Signs {
     /// A positive definite block beside a negative definite one: `L D L^T` exists in any order (Vanderbei 1995,
     /// SIAM J. Optim. 5, 100-113).
     QuasiDefinite,
+    /// Nothing: `L U` with rows exchanged for large pivots. For matrices that are not symmetric.
+    Unknown,
 }
 
 /// Order of elimination.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ordering {
-    /// As numbered: right for a narrow band.
+    /// As numbered: right for a narrow band. Not for `L U`, whose columns are always ordered by minimum degree.
     AsNumbered,
     /// Approximate minimum degree.
     MinimumDegree,
 }
 
-/// A Cholesky factorisation whose pattern is kept.
+/// The factors.
+enum Parts {
+    Cholesky { symbolic: SymbolicCholesky<usize>, values: Vec<f64> },
+    Lu { symbolic: SymbolicLu<usize>, numeric: NumericLu<usize, f64> },
+}
+
+/// A factorisation whose pattern is kept.
 pub struct Factor {
-    symbolic: SymbolicCholesky<usize>,
+    parts: Parts,
     signs: Signs,
-    values: Vec<f64>,
     buffer: MemBuffer,
     residual: Vec<f64>,
     largest: f64,
@@ -185,7 +217,10 @@ impl Factor {
     ///
     /// # Errors
     /// Out of memory.
-    pub fn new(matrix: &Symmetric, signs: Signs, ordering: Ordering) -> Result<Self, Unsolved> {
+    pub fn new(matrix: &Sparse, signs: Signs, ordering: Ordering) -> Result<Self, Unsolved> {
+        if signs == Signs::Unknown {
+            return Self::lu(matrix);
+        }
         let order = match ordering {
             Ordering::AsNumbered => SymmetricOrdering::Identity,
             Ordering::MinimumDegree => SymmetricOrdering::Amd,
@@ -195,56 +230,61 @@ impl Factor {
                 .map_err(|e| Unsolved::Factor(format!("{e:?}")))?;
         let factor = match signs {
             Signs::Definite => symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default()),
-            Signs::QuasiDefinite => symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default()),
+            _ => symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default()),
         };
         let solve = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
         Ok(Self {
-            values: vec![0.0; symbolic.len_val()],
+            parts: Parts::Cholesky { values: vec![0.0; symbolic.len_val()], symbolic },
             buffer: MemBuffer::new(StackReq::or(factor, solve)),
             residual: vec![0.0; matrix.size()],
             largest: 0.0,
-            probed: signs == Signs::QuasiDefinite, // blocks of different units: no growth says anything
-            symbolic,
+            probed: signs != Signs::Definite, // blocks of different units: no growth says anything
             signs,
         })
     }
 
-    /// Numeric factorisation of a matrix with the pattern of [`Self::new`]. No allocation after the first.
+    fn lu(matrix: &Sparse) -> Result<Self, Unsolved> {
+        let symbolic = factorize_symbolic_lu(matrix.pattern(), LuSymbolicParams::default())
+            .map_err(|e| Unsolved::Factor(format!("{e:?}")))?;
+        let factor = symbolic.factorize_numeric_lu_scratch::<f64>(Par::Seq, Spec::default());
+        let solve = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
+        Ok(Self {
+            parts: Parts::Lu { symbolic, numeric: NumericLu::new() },
+            buffer: MemBuffer::new(StackReq::or(factor, solve)),
+            residual: vec![0.0; matrix.size()],
+            largest: 0.0,
+            probed: true,
+            signs: Signs::Unknown,
+        })
+    }
+
+    /// Numeric factorisation of a matrix with the pattern of [`Self::new`]. No allocation after the first, but of `L U`,
+    /// whose fill depends on its pivots.
     ///
     /// # Errors
     /// A pivot of the wrong sign or zero, or a first matrix that only round-off keeps from being singular.
-    pub fn refresh(&mut self, matrix: &Symmetric) -> Result<(), Unsolved> {
+    pub fn refresh(&mut self, matrix: &Sparse) -> Result<(), Unsolved> {
         let a = SparseColMatRef::new(matrix.pattern(), &matrix.values);
         let stack = MemStack::new(&mut self.buffer);
         self.largest = matrix.values.iter().fold(0.0, |m, v| f64::max(m, v.abs()));
-        match self.signs {
-            Signs::Definite => self
-                .symbolic
-                .factorize_numeric_llt(
-                    &mut self.values,
-                    a,
-                    Side::Upper,
-                    LltRegularization::default(),
-                    Par::Seq,
-                    stack,
-                    Spec::default(),
-                )
-                .map(|_| ())
-                .map_err(|e| Unsolved::Factor(format!("{e:?}"))),
-            Signs::QuasiDefinite => self
-                .symbolic
-                .factorize_numeric_ldlt(
-                    &mut self.values,
-                    a,
-                    Side::Upper,
-                    LdltRegularization::default(),
-                    Par::Seq,
-                    stack,
-                    Spec::default(),
-                )
-                .map(|_| ())
-                .map_err(|e| Unsolved::Factor(format!("{e:?}"))),
-        }?;
+        let broken = |e: &dyn std::fmt::Debug| Unsolved::Factor(format!("{e:?}"));
+        match &mut self.parts {
+            Parts::Cholesky { symbolic, values } if self.signs == Signs::Definite => {
+                let none = LltRegularization::default();
+                symbolic
+                    .factorize_numeric_llt(values, a, Side::Upper, none, Par::Seq, stack, Spec::default())
+                    .map_err(|e| broken(&e))?;
+            }
+            Parts::Cholesky { symbolic, values } => {
+                let none = LdltRegularization::default();
+                symbolic
+                    .factorize_numeric_ldlt(values, a, Side::Upper, none, Par::Seq, stack, Spec::default())
+                    .map_err(|e| broken(&e))?;
+            }
+            Parts::Lu { symbolic, numeric } => {
+                symbolic.factorize_numeric_lu(numeric, a, Par::Seq, stack, Spec::default()).map_err(|e| broken(&e))?;
+            }
+        }
         if std::mem::replace(&mut self.probed, true) { Ok(()) } else { self.probe(matrix.size()) }
     }
 
@@ -261,7 +301,7 @@ impl Factor {
     ///
     /// # Errors
     /// A residual above [`RESIDUAL`], or a solution that only round-off holds.
-    pub fn solve(&mut self, matrix: &Symmetric, b: &[f64], x: &mut [f64]) -> Result<(), Unsolved> {
+    pub fn solve(&mut self, matrix: &Sparse, b: &[f64], x: &mut [f64]) -> Result<(), Unsolved> {
         x.copy_from_slice(b);
         self.substitute(x);
         let size = largest(b);
@@ -288,7 +328,7 @@ impl Factor {
     /// Whether the residual at hand is no more than entries off by [`BACKWARD`] explain, row by row, and solving for it
     /// would hardly change the solution: of a singular system it would change all.
     #[cold]
-    fn holds_backward(&mut self, matrix: &Symmetric, b: &[f64], x: &[f64]) -> bool {
+    fn holds_backward(&mut self, matrix: &Sparse, b: &[f64], x: &[f64]) -> bool {
         let mut scale: Vec<f64> = b.iter().map(|b| b.abs()).collect(); // once in a while: kept by nobody
         matrix.add_sizes(x, &mut scale);
         let mut correction = self.residual.clone();
@@ -298,7 +338,7 @@ impl Factor {
     }
 
     /// `b - A x` into [`Self::residual`], and its largest entry.
-    fn residual_of(&mut self, matrix: &Symmetric, b: &[f64], x: &[f64]) -> f64 {
+    fn residual_of(&mut self, matrix: &Sparse, b: &[f64], x: &[f64]) -> f64 {
         self.residual.copy_from_slice(b);
         matrix.add_product(-1.0, x, &mut self.residual);
         largest(&self.residual)
@@ -308,30 +348,30 @@ impl Factor {
         let size = x.len();
         let stack = MemStack::new(&mut self.buffer);
         let x = MatMut::from_column_major_slice_mut(x, size, 1);
-        match self.signs {
-            Signs::Definite => LltRef::<usize, f64>::new(&self.symbolic, &self.values).solve_in_place_with_conj(
-                Conj::No,
-                x,
-                Par::Seq,
-                stack,
-            ),
-            Signs::QuasiDefinite => LdltRef::<usize, f64>::new(&self.symbolic, &self.values).solve_in_place_with_conj(
-                Conj::No,
-                x,
-                Par::Seq,
-                stack,
-            ),
+        match &self.parts {
+            Parts::Cholesky { symbolic, values } if self.signs == Signs::Definite => {
+                LltRef::<usize, f64>::new(symbolic, values).solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);
+            }
+            Parts::Cholesky { symbolic, values } => {
+                LdltRef::<usize, f64>::new(symbolic, values).solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);
+            }
+            Parts::Lu { symbolic, numeric } => {
+                LuRef::new_unchecked(symbolic, numeric).solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);
+            }
         }
     }
 
     /// Entries of the factor.
     pub fn fill(&self) -> usize {
-        self.values.len()
+        match &self.parts {
+            Parts::Cholesky { values, .. } => values.len(),
+            Parts::Lu { .. } => 0, // not told
+        }
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        (self.values.capacity() + self.residual.capacity()) * size_of::<f64>()
+        (self.fill() + self.residual.capacity()) * size_of::<f64>()
     }
 }
 
@@ -345,8 +385,8 @@ mod tests {
     use super::*;
 
     /// A chain of springs, held at one end if asked.
-    fn chain(size: usize, held: bool) -> Symmetric {
-        let mut a = Symmetric::new(size, (1..size).map(|i| (i, i - 1)));
+    fn chain(size: usize, held: bool) -> Sparse {
+        let mut a = Sparse::symmetric(size, (1..size).map(|i| (i, i - 1)));
         for i in 1..size {
             a.add(i, i, 1.0);
             a.add(i - 1, i - 1, 1.0);
@@ -358,7 +398,7 @@ mod tests {
         a
     }
 
-    fn solved(a: &Symmetric, signs: Signs, ordering: Ordering) -> Result<f64, Unsolved> {
+    fn solved(a: &Sparse, signs: Signs, ordering: Ordering) -> Result<f64, Unsolved> {
         let b: Vec<f64> = (0..a.size()).map(|i| (i as f64 + 1.0).sin()).collect();
         let mut x = vec![0.0; a.size()];
         let mut factor = Factor::new(a, signs, ordering)?;
@@ -374,7 +414,7 @@ mod tests {
         for ordering in [Ordering::AsNumbered, Ordering::MinimumDegree] {
             assert!(solved(&chain(50, true), Signs::Definite, ordering).expect("a solution") < 1e-10);
             // A saddle: springs beside a negative block, coupled crosswise.
-            let mut saddle = Symmetric::new(40, (0..20).flat_map(|i| [(i, 20 + i), (i, (i + 1) % 20)]));
+            let mut saddle = Sparse::symmetric(40, (0..20).flat_map(|i| [(i, 20 + i), (i, (i + 1) % 20)]));
             for i in 0..20 {
                 saddle.add(i, i, 3.0);
                 saddle.add(i, (i + 1) % 20, -1.0);
@@ -383,6 +423,19 @@ mod tests {
             }
             assert!(solved(&saddle, Signs::QuasiDefinite, ordering).expect("a solution") < 1e-12);
         }
+    }
+
+    #[test]
+    fn systems_that_are_not_symmetric_are_solved() {
+        let mut a = Sparse::general(60, (0..60).flat_map(|i| [(i, (i + 1) % 60), (i, (7 * i) % 60)]));
+        for i in 0..60 {
+            a.add(i, (i + 1) % 60, 2.0);
+            a.add(i, (7 * i) % 60, -0.5);
+            a.add_both(i, (i + 1) % 60, 0.1);
+        }
+        assert!(solved(&a, Signs::Unknown, Ordering::MinimumDegree).expect("a solution") < 1e-11);
+        let nothing = Sparse::general(4, [(0, 1), (1, 2)].into_iter());
+        assert!(solved(&nothing, Signs::Unknown, Ordering::MinimumDegree).is_err());
     }
 
     #[test]

@@ -4,7 +4,7 @@
 mod common;
 
 use common::{MODULUS, SURCHARGE, apart, completed, scene};
-use mpm_core::constitutive::{Law, LinearElastic, Materials};
+use mpm_core::constitutive::{Flow, Law, LinearElastic, Materials, State};
 use mpm_core::drive::{Run, drive};
 use mpm_core::particles::SolidPoint;
 use mpm_core::run::run;
@@ -239,12 +239,15 @@ struct Curved {
 }
 
 impl Law for Curved {
-    fn update(&self, stress: &mut [f64; 4], strain: &[f64; 4]) {
+    fn update(&self, stress: &mut [f64; 4], strain: &[f64; 4], _: &mut State) -> Flow {
         let r = self.reference;
         stress[1] = r - (r - stress[1]) * (-MODULUS * strain[1] / r).exp();
+        Flow::none(0.0)
     }
 
-    fn tangent(&self, stress: &[f64; 4], _: &[f64; 4]) -> SMatrix<f64, 4, 4> {
+    fn tangent(&self, stress: &[f64; 4], strain: &[f64; 4], state: &State) -> SMatrix<f64, 4, 4> {
+        let mut stress = *stress;
+        self.update(&mut stress, strain, &mut state.clone());
         SMatrix::from_diagonal(&[1.0, MODULUS * (1.0 - stress[1] / self.reference), 1.0, 1.0].into())
     }
 

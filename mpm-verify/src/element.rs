@@ -1,6 +1,6 @@
 //! Element tests: one law, one uniform strain, and stresses that are held while the rest is driven.
 
-use mpm_core::constitutive::Law;
+use mpm_core::constitutive::{Law, State};
 use nalgebra::{DMatrix, DVector};
 
 /// Newton steps at most; between planes a handful is enough.
@@ -14,6 +14,8 @@ pub struct Element<L> {
     law: L,
     /// Stress, Pa.
     pub stress: [f64; 4],
+    /// State variables.
+    pub state: State,
     /// Strain since the start.
     pub strain: [f64; 4],
 }
@@ -21,7 +23,7 @@ pub struct Element<L> {
 impl<L: Law> Element<L> {
     /// An element under a first stress (Pa), unstrained.
     pub fn new(law: L, stress: [f64; 4]) -> Self {
-        Self { law, stress, strain: [0.0; 4] }
+        Self { state: law.first_state(&stress), law, stress, strain: [0.0; 4] }
     }
 
     /// One step: the driven strain increment, and as much of each `free` strain as keeps the stress that does work on it:
@@ -35,18 +37,18 @@ impl<L: Law> Element<L> {
         for _ in 0..MOST {
             let strain: [f64; 4] =
                 std::array::from_fn(|s| driven[s] + (0..count).map(|k| amounts[k] * free[k][s]).sum::<f64>());
-            let mut stress = self.stress;
-            self.law.update(&mut stress, &strain);
+            let (mut stress, mut state) = (self.stress, self.state);
+            self.law.update(&mut stress, &strain, &mut state);
             let over = DVector::from_fn(count, |k, _| (0..4).map(|s| free[k][s] * (stress[s] - held[s])).sum::<f64>());
             let scale = stress.iter().chain(held).fold(0.0_f64, |most, s| most.max(s.abs()));
             if over.amax() <= EXACT * scale {
                 for s in 0..4 {
                     self.strain[s] += strain[s];
                 }
-                self.stress = stress;
+                (self.stress, self.state) = (stress, state);
                 return Ok(());
             }
-            let tangent = self.law.tangent(&self.stress, &strain);
+            let tangent = self.law.tangent(&self.stress, &strain, &self.state);
             let along = DMatrix::from_fn(4, count, |s, k| free[k][s]);
             let matrix = along.transpose() * tangent * &along;
             amounts -= matrix.lu().solve(&over).ok_or("the tangent is singular along the free strains")?;

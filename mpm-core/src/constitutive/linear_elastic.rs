@@ -5,7 +5,7 @@
 use nalgebra::{SMatrix, SVector};
 use pulp::Simd;
 
-use super::Law;
+use super::{Flow, Law, State};
 use crate::real::{Lanes, Real};
 use crate::scene::Elastic;
 
@@ -41,8 +41,9 @@ impl LinearElastic {
 }
 
 impl LinearElastic {
+    /// Adds the stress (Pa) of a strain.
     #[inline(always)]
-    fn hooke<R: Real>(&self, stress: &mut [R; 4], strain: &[R; 4]) {
+    pub fn hooke<R: Real>(&self, stress: &mut [R; 4], strain: &[R; 4]) {
         let volumetric = (strain[0] + strain[1] + strain[2]) * self.lame;
         for i in 0..3 {
             stress[i] += volumetric + strain[i] * (2.0 * self.shear);
@@ -60,20 +61,28 @@ impl LinearElastic {
 
 impl Law for LinearElastic {
     #[inline(always)]
-    fn update(&self, stress: &mut [f64; 4], strain: &[f64; 4]) {
+    fn update(&self, stress: &mut [f64; 4], strain: &[f64; 4], _: &mut State) -> Flow {
         self.hooke(stress, strain);
+        Flow::none(0.0)
     }
 
     #[inline(always)]
-    fn update_lanes<V: Simd>(&self, stress: &mut [Lanes<V>; 4], strain: &[Lanes<V>; 4]) {
+    fn update_lanes<V: Simd>(
+        &self,
+        stress: &mut [Lanes<V>; 4],
+        strain: &[Lanes<V>; 4],
+        _: &mut State<Lanes<V>>,
+        _: V::m64s,
+    ) -> Flow<Lanes<V>> {
         self.hooke(stress, strain);
+        Flow::none(stress[0])
     }
 
     fn is_linear(&self) -> bool {
         true
     }
 
-    fn tangent(&self, _: &[f64; 4], _: &[f64; 4]) -> SMatrix<f64, 4, 4> {
+    fn tangent(&self, _: &[f64; 4], _: &[f64; 4], _: &State) -> SMatrix<f64, 4, 4> {
         plane_stiffness(self.lame, self.shear)
     }
 
@@ -111,7 +120,7 @@ mod tests {
     #[test]
     fn oedometer_compression_has_its_modulus() {
         let mut stress = [0.0; 4];
-        LinearElastic::new(&SOIL).update(&mut stress, &[0.0, -1e-3, 0.0, 0.0]);
+        LinearElastic::new(&SOIL).hooke(&mut stress, &[0.0, -1e-3, 0.0, 0.0]);
         assert!((stress[0] - stress[2]).abs() < 1e-9 && (stress[1] + 1e-3 * SOIL.oedometer_modulus()).abs() < 1e-9);
     }
 }

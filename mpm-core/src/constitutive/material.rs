@@ -1,8 +1,8 @@
 //! The materials of a soil: which there are, and which particle is of which.
 
-use pulp::Simd;
+use pulp::{Simd, WithSimd};
 
-use super::{Flow, Law, LinearElastic, MohrCoulomb};
+use super::{Flow, Law, LinearElastic, MohrCoulomb, STATES, State};
 use crate::real::{Lanes, Real};
 
 /// A material, one of those that are known.
@@ -22,19 +22,6 @@ impl Material {
             Self::MohrCoulomb(_) => true,
         }
     }
-
-    /// Updates stresses (Pa) of several particles by strain increments, and says what that did; lanes that are not `there` hold none.
-    #[inline(always)]
-    fn update<V: Simd>(&self, stress: &mut [Lanes<V>; 4], strain: &[Lanes<V>; 4], there: V::m64s) -> Flow<Lanes<V>> {
-        match self {
-            Self::Elastic(law) => {
-                law.update_lanes(stress, strain);
-                let none = stress[0].like(0.0);
-                Flow { dissipation: none, residual: none.like(f64::NEG_INFINITY) }
-            }
-            Self::MohrCoulomb(law) => law.flow_lanes(stress, strain, there),
-        }
-    }
 }
 
 /// Calls the same method of whatever the material is.
@@ -52,12 +39,31 @@ impl Law for Material {
         whichever!(self, law => law.is_linear())
     }
 
-    fn update(&self, stress: &mut [f64; 4], strain: &[f64; 4]) {
-        whichever!(self, law => law.update(stress, strain));
+    fn is_symmetric(&self) -> bool {
+        whichever!(self, law => law.is_symmetric())
     }
 
-    fn flow(&self, stress: &mut [f64; 4], strain: &[f64; 4]) -> Flow {
-        whichever!(self, law => law.flow(stress, strain))
+    fn has_state(&self) -> bool {
+        whichever!(self, law => law.has_state())
+    }
+
+    fn first_state(&self, stress: &[f64; 4]) -> State {
+        whichever!(self, law => law.first_state(stress))
+    }
+
+    fn update(&self, stress: &mut [f64; 4], strain: &[f64; 4], state: &mut State) -> Flow {
+        whichever!(self, law => law.update(stress, strain, state))
+    }
+
+    #[inline(always)]
+    fn update_lanes<V: Simd>(
+        &self,
+        stress: &mut [Lanes<V>; 4],
+        strain: &[Lanes<V>; 4],
+        state: &mut State<Lanes<V>>,
+        there: V::m64s,
+    ) -> Flow<Lanes<V>> {
+        whichever!(self, law => law.update_lanes(stress, strain, state, there))
     }
 
     fn altered(&self, factor: f64, stiffness: f64) -> Self {
@@ -67,12 +73,12 @@ impl Law for Material {
         }
     }
 
-    fn yield_residual(&self, stress: &[f64; 4]) -> f64 {
-        whichever!(self, law => law.yield_residual(stress))
+    fn yield_residual(&self, stress: &[f64; 4], state: &State) -> f64 {
+        whichever!(self, law => law.yield_residual(stress, state))
     }
 
-    fn tangent(&self, stress: &[f64; 4], strain: &[f64; 4]) -> nalgebra::SMatrix<f64, 4, 4> {
-        whichever!(self, law => law.tangent(stress, strain))
+    fn tangent(&self, stress: &[f64; 4], strain: &[f64; 4], state: &State) -> nalgebra::SMatrix<f64, 4, 4> {
+        whichever!(self, law => law.tangent(stress, strain, state))
     }
 
     fn energy(&self, stress: &[f64; 4]) -> f64 {
@@ -129,6 +135,16 @@ impl<L: Law> Materials<L> {
         self.parts[..self.count].iter().all(|part| part.material.is_linear())
     }
 
+    /// Whether the tangents of all are symmetric.
+    pub fn are_symmetric(&self) -> bool {
+        self.parts[..self.count].iter().all(|part| part.material.is_symmetric())
+    }
+
+    /// Whether any remembers more than its stress.
+    pub fn have_state(&self) -> bool {
+        self.parts[..self.count].iter().any(|part| part.material.has_state())
+    }
+
     /// Whether there are several.
     pub fn are_layered(&self) -> bool {
         self.count > 1
@@ -158,7 +174,40 @@ impl<L: Law> Materials<L> {
     }
 }
 
+/// What [`Materials::update`] does.
+struct Update<'a, V: Simd> {
+    materials: &'a Materials,
+    stress: [Lanes<V>; 4],
+    strain: [Lanes<V>; 4],
+    state: State<Lanes<V>>,
+    there: V::m64s,
+    ids: &'a [u32],
+}
+
+impl<V: Simd> WithSimd for Update<'_, V> {
+    type Output = ([Lanes<V>; 4], State<Lanes<V>>, Flow<Lanes<V>>);
+
+    #[inline(always)]
+    fn with_simd<T: Simd>(self, _: T) -> Self::Output {
+        let Self { materials, mut stress, strain, mut state, there, ids } = self;
+        let flow = if materials.count == 1 {
+            materials.parts[0].material.update_lanes(&mut stress, &strain, &mut state, there)
+        } else {
+            materials.each(&mut stress, &strain, &mut state, there, ids)
+        };
+        (stress, state, flow)
+    }
+}
+
 impl Materials {
+    /// The only one, if it is elastic.
+    pub fn elastic(&self) -> Option<&LinearElastic> {
+        match &self.parts[0].material {
+            Material::Elastic(law) if self.count == 1 => Some(law),
+            _ => None,
+        }
+    }
+
     /// Whether any dissipates.
     pub fn are_plastic(&self) -> bool {
         self.parts[..self.count].iter().any(|part| part.material.is_plastic())
@@ -174,20 +223,21 @@ impl Materials {
         Self { parts: self.parts.map(|part| Part { material: change(&part.material), ..part }), ..*self }
     }
 
-    /// Updates the stresses (Pa) of a block of particles with their numbers; lanes that are not `there` hold none.
+    /// Updates stresses (Pa) and states of a block of particles with their numbers; lanes that are not `there` hold none.
     #[inline(always)]
     pub fn update<V: Simd>(
         &self,
         stress: &mut [Lanes<V>; 4],
         strain: &[Lanes<V>; 4],
+        state: &mut State<Lanes<V>>,
         there: V::m64s,
         ids: &[u32],
     ) -> Flow<Lanes<V>> {
-        if self.count == 1 {
-            self.parts[0].material.update(stress, strain, there)
-        } else {
-            self.each(stress, strain, there, ids)
-        }
+        // A function of its own, one for all shapes.
+        let update = Update { materials: self, stress: *stress, strain: *strain, state: *state, there, ids };
+        let flow;
+        (*stress, *state, flow) = stress[0].simd.vectorize(update);
+        flow
     }
 
     /// The same where the particles of a block may be of several materials.
@@ -196,6 +246,7 @@ impl Materials {
         &self,
         stress: &mut [Lanes<V>; 4],
         strain: &[Lanes<V>; 4],
+        state: &mut State<Lanes<V>>,
         there: V::m64s,
         ids: &[u32],
     ) -> Flow<Lanes<V>> {
@@ -207,14 +258,17 @@ impl Materials {
             which.set_lane(lane, f64::from(material));
             present |= 1 << material;
         }
-        let old = *stress;
-        let mut all = Flow { dissipation: none, residual: none.like(f64::NEG_INFINITY) };
+        let (old, memory) = (*stress, *state);
+        let mut all = Flow::none(none);
         for material in (0..self.count).filter(|material| present & (1 << material) != 0) {
             let own = none.simd.and_m64s(there, which.equals(none.like(material as f64)));
-            let mut found = old;
-            let flow = self.parts[material].material.update(&mut found, strain, own);
+            let (mut found, mut after) = (old, memory);
+            let flow = self.parts[material].material.update_lanes(&mut found, strain, &mut after, own);
             for s in 0..4 {
                 stress[s] = found[s].or(own, stress[s]);
+            }
+            for s in 0..STATES {
+                state[s] = after[s].or(own, state[s]);
             }
             all.dissipation = flow.dissipation.or(own, all.dissipation);
             all.residual = flow.residual.or(own, all.residual);

@@ -15,61 +15,73 @@ use pulp::Simd;
 
 use crate::real::{Lanes, Real};
 
-/// What an update of a plastic law did to a particle, or to several.
+/// What an update did to a particle, or to several.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flow<R = f64> {
     /// Energy dissipated per volume, J/m3.
     pub dissipation: R,
-    /// [`Law::yield_residual`] of the new stress; in lanes without a particle negative infinity.
+    /// [`Law::yield_residual`] of the new stress; negative infinity without a surface, and in lanes without a particle.
     pub residual: R,
 }
 
+impl<R: Real> Flow<R> {
+    /// Of a law without a surface; of as many particles as `like` has numbers.
+    #[inline(always)]
+    pub fn none(like: R) -> Self {
+        Self { dissipation: like.like(0.0), residual: like.like(f64::NEG_INFINITY) }
+    }
+}
+
+/// State variables that a law may have.
+pub const STATES: usize = 1;
+/// What the soil of a particle remembers beside its stress; zero for laws without a memory.
+pub type State<R = f64> = [R; STATES];
+
 /// A law of stress and strain, components xx, yy, zz, xy; a column strains along y.
 pub trait Law: Copy + Send + Sync + 'static {
-    /// Adds the effect of a strain increment to a stress (Pa, tension positive).
-    fn update(&self, stress: &mut [f64; 4], strain: &[f64; 4]);
-    /// [`Self::update`] of several particles, one after the other unless the law knows better.
-    #[inline(always)]
-    fn update_lanes<V: Simd>(&self, stress: &mut [Lanes<V>; 4], strain: &[Lanes<V>; 4]) {
-        for lane in 0..Lanes::<V>::COUNT {
-            let mut of_one = stress.map(|s| s.lane(lane));
-            self.update(&mut of_one, &strain.map(|e| e.lane(lane)));
-            for s in 0..4 {
-                stress[s].set_lane(lane, of_one[s]);
-            }
-        }
-    }
-    /// Whether the stress is a linear function of the strain: implicit steps then need no iteration.
-    fn is_linear(&self) -> bool {
+    /// Whether the soil remembers more than its stress.
+    fn has_state(&self) -> bool {
         false
     }
-    /// [`Self::update`], and what it did; asked of plastic laws only.
-    #[inline(always)]
-    fn flow(&self, stress: &mut [f64; 4], strain: &[f64; 4]) -> Flow {
-        self.update(stress, strain);
-        Flow { dissipation: 0.0, residual: self.yield_residual(stress) }
+    /// What it remembers at t = 0 under a stress (Pa).
+    fn first_state(&self, _stress: &[f64; 4]) -> State {
+        [0.0; STATES]
     }
-    /// [`Self::flow`] of several particles; lanes that are not `there` hold none.
+    /// Adds the effect of a strain increment to a stress (Pa, tension positive) and a state, and says what it did.
+    fn update(&self, stress: &mut [f64; 4], strain: &[f64; 4], state: &mut State) -> Flow;
+    /// [`Self::update`] of several particles, one after the other unless the law knows better; lanes that are not `there` hold none.
     #[inline(always)]
-    fn flow_lanes<V: Simd>(
+    fn update_lanes<V: Simd>(
         &self,
         stress: &mut [Lanes<V>; 4],
         strain: &[Lanes<V>; 4],
+        state: &mut State<Lanes<V>>,
         there: V::m64s,
     ) -> Flow<Lanes<V>> {
         let none = stress[0].like(0.0);
         let here = none.like(1.0).or(there, none);
-        let mut flow = Flow { dissipation: none, residual: none.like(f64::NEG_INFINITY) };
+        let mut flow = Flow::none(none);
         for lane in (0..Lanes::<V>::COUNT).filter(|lane| here.lane(*lane) > 0.0) {
-            let mut of_one = stress.map(|s| s.lane(lane));
-            let own = self.flow(&mut of_one, &strain.map(|e| e.lane(lane)));
+            let (mut of_one, mut memory) = (stress.map(|s| s.lane(lane)), state.map(|s| s.lane(lane)));
+            let own = self.update(&mut of_one, &strain.map(|e| e.lane(lane)), &mut memory);
             for s in 0..4 {
                 stress[s].set_lane(lane, of_one[s]);
+            }
+            for s in 0..STATES {
+                state[s].set_lane(lane, memory[s]);
             }
             flow.dissipation.set_lane(lane, own.dissipation);
             flow.residual.set_lane(lane, own.residual);
         }
         flow
+    }
+    /// Whether the stress is a linear function of the strain: implicit steps then need no iteration.
+    fn is_linear(&self) -> bool {
+        false
+    }
+    /// Whether the tangent is symmetric for every strain increment.
+    fn is_symmetric(&self) -> bool {
+        true
     }
     /// The same law with its strength divided by a factor (c, tan phi and tan psi) and so many times its stiffness.
     /// The laws of soil that may fail know it; any other stays as it is.
@@ -78,11 +90,11 @@ pub trait Law: Copy + Send + Sync + 'static {
     }
     /// How far a stress is outside the yield surface, as a share of the strength under no stress, which the law states;
     /// negative inside, negative infinity if there is no surface.
-    fn yield_residual(&self, _stress: &[f64; 4]) -> f64 {
+    fn yield_residual(&self, _stress: &[f64; 4], _state: &State) -> f64 {
         f64::NEG_INFINITY
     }
-    /// Tangent stiffness at the end of a strain increment from a stress, Pa.
-    fn tangent(&self, stress: &[f64; 4], strain: &[f64; 4]) -> SMatrix<f64, 4, 4>;
+    /// Consistent tangent at the end of a strain increment from a stress and a state, Pa.
+    fn tangent(&self, stress: &[f64; 4], strain: &[f64; 4], state: &State) -> SMatrix<f64, 4, 4>;
     /// Elastic energy stored per volume at a stress, J/m3, where the volume does not change.
     fn energy(&self, stress: &[f64; 4]) -> f64;
     /// Elastic change of volume at a stress, logarithmic, -.

@@ -324,7 +324,7 @@ impl<'a> Bounds<'a> {
         let loaded = scene.surcharge.is_none_or(|load| load.on != LoadOn::Particles);
         let free = scene.solid_sides[Side::Top as usize] == SolidSide::Free;
         let passages = 4.0 * scene.height / (scene.oedometer_modulus() / scene.mixture_density()).sqrt();
-        let elastic = scene.strength.is_none() && scene.free_surface.is_none();
+        let elastic = scene.is_elastic() && scene.free_surface.is_none();
         let judged = scene.is_one_dimensional() && loaded && free && elastic;
         if !judged || self.state.time < passages || scene.integrator == Integrator::QuasiStatic {
             return None;

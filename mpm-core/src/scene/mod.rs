@@ -558,6 +558,11 @@ impl Scene {
         (1.0 - self.porosity) * self.grain_density
     }
 
+    /// Whether the soil is linear elastic: it does not yield.
+    pub fn is_elastic(&self) -> bool {
+        self.strength.is_none()
+    }
+
     /// Density of the mixture, kg/m3: (1 - n) rho_s + n rho_w, or the dry density without water.
     pub fn mixture_density(&self) -> f64 {
         self.dry_density() + self.water.map_or(0.0, |w| self.porosity * w.density)

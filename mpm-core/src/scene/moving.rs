@@ -70,7 +70,7 @@ impl Scene {
     /// more than itself after 1000; with MUSL a tenth is reached after 10.
     pub fn most_crossings(&self) -> u64 {
         let noisy = self.integrator == Integrator::Explicit && self.has_jumping_gradients() && self.flip == 1.0;
-        let noisy = noisy && self.strength.is_none() && self.water.is_none();
+        let noisy = noisy && self.is_elastic() && self.water.is_none();
         match (noisy && !self.force, self.update) {
             (false, _) => u64::MAX,
             (true, UpdateChoice::Usl) => 100,
@@ -161,7 +161,7 @@ impl Scene {
         let (rows, settled) = (self.cells[1] as f64, self.estimate().settlement_m.abs());
         let off = (OFF_BEFORE * settled / self.height).min(OFF_PER_ROW / rows);
         let dynamic = !matches!(self.integrator, Integrator::QuasiStatic | Integrator::TwoClocks);
-        if dynamic && self.is_level_column() && self.strength.is_none() && off > 0.01 {
+        if dynamic && self.is_level_column() && self.is_elastic() && off > 0.01 {
             notes.push(format!(
                 "the surface moves by {:.2} cells, of {rows} rows: settlements are off by up to {:.1} %; more rows or \
                  integrator = \"quasi-static\" are nearer",
@@ -189,7 +189,7 @@ impl Scene {
     /// # Errors
     /// What is refused, and what to use.
     pub fn bears_its_load(&self) -> Result<(), UnfitLoad> {
-        if self.force || !self.is_level_column() || self.strength.is_some() {
+        if self.force || !self.is_level_column() || !self.is_elastic() {
             return Ok(());
         }
         let Estimate { settlement_m, strain, porosity } = self.estimate();

@@ -7,7 +7,7 @@
 //! functions that are integrated.
 
 use super::Axis;
-use crate::sparse::{Factor, Ordering, Signs, Symmetric};
+use crate::sparse::{Factor, Ordering, Signs, Sparse};
 
 /// Least weight as a share of the volume.
 const LEAST: f64 = 0.05;
@@ -154,15 +154,15 @@ impl Moments {
         None
     }
 
-    fn pattern(&self, size: usize) -> Symmetric {
+    fn pattern(&self, size: usize) -> Sparse {
         let cliques = cliques(&self.number, self.support);
-        Symmetric::new(
+        Sparse::symmetric(
             size,
             cliques.flat_map(|c| c.iter().flat_map(move |a| c.iter().map(move |b| (*a as usize, *b as usize)))),
         )
     }
 
-    fn add_to(&self, gram: &mut Symmetric, point: usize) {
+    fn add_to(&self, gram: &mut Sparse, point: usize) {
         let range = point * self.support..(point + 1) * self.support;
         for a in range.clone() {
             for b in range.start..=a {

@@ -2,7 +2,7 @@
 
 use crate::boundary::Filled;
 use crate::boundary::SurfaceLoad;
-use crate::constitutive::{Flow, Law, Materials};
+use crate::constitutive::{Flow, Law, Materials, State};
 use crate::grid::Grid;
 use crate::keep::Keeper;
 use crate::observe::{CellValues, FieldPoint, Flowed, Ledger, Observation, Seed, SolidState, Totals, observe};
@@ -115,10 +115,10 @@ impl<const D: usize> Body<D> {
     }
 
     /// Nothing dissipated yet, and how near the first stresses are to yield.
-    pub fn flowed_at_first(&self) -> Flowed {
+    pub fn flowed_at_first(&self, state: impl Fn(u32) -> State) -> Flowed {
         let mut flowed = Flowed::NOTHING;
         for (point, id) in self.solid.points.iter().zip(&self.solid.ids).filter(|_| self.materials.are_plastic()) {
-            let residual = self.materials.law(self.materials.of(*id)).yield_residual(&point.stress);
+            let residual = self.materials.law(self.materials.of(*id)).yield_residual(&point.stress, &state(*id));
             flowed.add(point.volume, &Flow { dissipation: 0.0, residual });
         }
         flowed

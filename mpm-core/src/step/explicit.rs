@@ -30,7 +30,7 @@ use super::store::nodes::{MOMENTUM, SOLID_MASS};
 use super::store::{Frame, Motion, Movers, Nodes, Strip, StripSums, crossing};
 use super::surface::Tops;
 use super::{Fault, Model, Work};
-use crate::constitutive::Materials;
+use crate::constitutive::{Law, Materials, STATES, State};
 use crate::keep::Keeper;
 use crate::observe::{Ledger, Observation, Places, SolidState, Totals, WaterParticle};
 use crate::particles::{Layer, SolidPoint, WaterPoint};
@@ -98,14 +98,15 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         body.filled.follow_layer(&body.grid, &body.surface, &body.solid);
         let mut totals = Totals::default();
         totals.start(&body.cell_values(None));
-        totals.flowed = body.flowed_at_first();
         let frame = Frame::new(&body.grid, F::REACH, F::BEFORE);
         let wet = body.water.is_some();
         let layered = body.water.as_ref().is_some_and(|water| water.is_layered());
         let cells = |wanted: bool| vec![0.0; if wanted { frame.length() + 2 * frame.pad() } else { 0 }];
         let both = |wanted: bool| [(); 2].map(|()| cells(wanted));
         let solid_count = body.solid.points.len();
+        let remembers = body.materials.have_state();
         let movers = [true, wet].map(|any| Movers::new(if any { solid_count / MOVERS } else { 0 }, 16));
+        let kept = order::first_kept(&body, affine);
         let mut run = Self {
             simd,
             functions,
@@ -122,8 +123,12 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             soil: cells(true),
             tops: Tops::new(body.surface.strips().len()),
             conditions,
-            kept: if affine { (D * D, vec![0.0; D * D * solid_count]) } else { (0, Vec::new()) },
-            places: Kept { affine: affine.then_some(SolidPoint::<D>::COUNT), strain: None },
+            kept,
+            places: Kept {
+                affine: affine.then_some(SolidPoint::<D>::COUNT),
+                state: remembers.then_some(SolidPoint::<D>::COUNT + if affine { D * D } else { 0 }),
+                strain: None,
+            },
             mapped: mapped.then(|| Box::new(Nodes::new(frame))),
             movers,
             solid_count,
@@ -133,12 +138,13 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             totals,
             pool,
         };
+        run.totals.flowed = run.body.flowed_at_first(|id| run.state_of(id));
         run.settle_in();
         run
     }
 
     /// One pass over all particles, on one thread or several.
-    fn pass<const MOVE: bool>(&mut self, dt: f64) {
+    fn pass(&mut self, moves: bool, dt: f64) {
         let Self {
             simd, functions, body, strips, nodes, of_mesh, pressure: [old, new], faces, soil, solver, free, ..
         } = self;
@@ -171,6 +177,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             conducts: &faces.conducts,
             ratio: (!faces.ratio[0].is_empty()).then_some(&faces.ratio),
             soil,
+            moves,
+            elastic: body.materials.elastic(),
             materials: &body.materials,
             plastic: body.materials.are_plastic(),
             flow: body.water.as_ref().map_or_else(FaceFlow::default, |water| water.flow),
@@ -182,8 +190,13 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             dt,
         };
         let simd = *simd;
+        let is_lean = common.lean().is_some();
         let sweep = |strip: &mut Strip<V, D>, sums: &mut StripSums, pressure: &mut [f64]| {
-            simd.vectorize(Pass::<V, F, D, MOVE> { simd, strip, sums, pressure, common });
+            if is_lean {
+                simd.vectorize(Pass::<V, F, D, true> { simd, strip, sums, pressure, common });
+            } else {
+                simd.vectorize(Pass::<V, F, D, false> { simd, strip, sums, pressure, common });
+            }
         };
         let cells = &mut new[frame.pad()..][..frame.count()];
         if self.pool.is_some() {
@@ -200,7 +213,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
     /// One step of Figure 1, from the gathered particles to the gathered particles.
     fn step(&mut self, dt: f64) -> Result<(), Fault> {
         if self.is_stale {
-            self.pass::<false>(0.0);
+            self.pass(false, 0.0);
         }
         self.load();
         self.solve_pressures(dt)?;
@@ -210,7 +223,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             self.map_back();
         }
         self.find_surface_ahead(dt);
-        self.pass::<true>(dt);
+        self.pass(true, dt);
         self.note_accelerations();
         self.faces.note_reach(&self.body.filled, &self.body.grid);
         self.book(dt);

@@ -22,7 +22,7 @@ use super::faces::Faces;
 use super::store::nodes::SOLID_MASS;
 use super::store::{Frame, Nodes, Strip};
 use super::{Fault, Work};
-use crate::sparse::{Factor, Ordering, Signs, Symmetric, Unsolved};
+use crate::sparse::{Factor, Ordering, Signs, Sparse, Unsolved};
 use crate::water::FaceFlow;
 
 /// The pressure system of a mesh. Cells and functions have the numbers of its frame.
@@ -38,7 +38,7 @@ pub struct PressureSystem<const D: usize> {
     /// Cells with soil, in order: the rows.
     cells: Vec<u32>,
     /// The matrix and its factors, kept while the cells with soil stay the same.
-    system: Option<(Symmetric, Factor)>,
+    system: Option<(Sparse, Factor)>,
     /// The entries of the matrix in its order.
     entries: Vec<Entry<D>>,
     /// H over the conductance between neighbours of the water's own conductivity, in the same order.
@@ -211,7 +211,7 @@ impl<const D: usize> PressureSystem<D> {
             }
             self.diagonal.push(self.entries.len() - 1); // rows ascend: the diagonal closes its column
         }
-        let matrix = Symmetric::new(count, self.entries.iter().map(|e| (e.row as usize, e.column as usize)));
+        let matrix = Sparse::symmetric(count, self.entries.iter().map(|e| (e.row as usize, e.column as usize)));
         let ordering = if D == 1 { Ordering::AsNumbered } else { Ordering::MinimumDegree };
         let factor = Factor::new(&matrix, Signs::Definite, ordering)?;
         self.system = Some((matrix, factor));

@@ -72,7 +72,7 @@ mod tests {
             for steps in [1, 7] {
                 let mut stress = [0.0; 4];
                 for _ in 0..steps {
-                    law.update(&mut stress, &[0.0, -exact.strain(1.0e4) / f64::from(steps), 0.0, 0.0]);
+                    law.update(&mut stress, &[0.0, -exact.strain(1.0e4) / f64::from(steps), 0.0, 0.0], &mut [0.0]);
                 }
                 assert!((stress[1] + 1.0e4).abs() < 1e-8, "{stress:?}");
                 assert!((stress[0] + exact.lateral(1.0e4)).abs() < 1e-8, "{stress:?}");

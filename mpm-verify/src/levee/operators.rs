@@ -18,7 +18,7 @@
 
 use mpm_core::observe::Frame;
 use mpm_core::scene::Scene;
-use mpm_core::sparse::{Factor, Ordering, Signs, Symmetric};
+use mpm_core::sparse::{Factor, Ordering, Signs, Sparse};
 use nalgebra::{Cholesky, DMatrix, SymmetricEigen};
 use serde::{Deserialize, Serialize};
 
@@ -203,7 +203,7 @@ impl Region {
     /// cell. `None` where it is not determined.
     pub fn solve(&self, operator: Operator, given: &[f64], source: Option<(usize, f64)>) -> Option<Vec<f64>> {
         let entries = self.entries(operator);
-        let mut matrix = Symmetric::new(self.unknown.len(), entries.iter().map(|(a, b, _)| (*a, *b)));
+        let mut matrix = Sparse::symmetric(self.unknown.len(), entries.iter().map(|(a, b, _)| (*a, *b)));
         for (a, b, value) in entries {
             matrix.add(a, b, value);
         }

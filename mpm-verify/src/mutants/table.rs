@@ -536,7 +536,7 @@ pub const MUTANTS: &[Mutant] = &[
         "estimate-off",
         "no load is refused, whatever the scheme",
         "mpm-core/src/scene/moving.rs",
-        "self.force || !self.is_level_column() || self.strength.is_some()",
+        "self.force || !self.is_level_column() || !self.is_elastic()",
         "self.force || self.height > 0.0",
     ),
 ];

@@ -24,7 +24,7 @@ use nalgebra::SMatrix;
 use pulp::Simd;
 
 use super::linear_elastic::LinearElastic;
-use super::{Flow, Law};
+use super::{Flow, Law, State};
 use crate::real::{Lanes, MOST_LANES, Real};
 use crate::scene::{Elastic, Strength};
 use principal::{Ordered, in_plane};
@@ -67,7 +67,7 @@ impl MohrCoulomb {
     /// The part of the surface that a strain increment from a stress (Pa) ends on.
     pub fn region(&self, stress: &[f64; 4], strain: &[f64; 4]) -> Region {
         let mut trial = *stress;
-        self.elastic.update(&mut trial, strain);
+        self.elastic.hooke(&mut trial, strain);
         self.surface.back(&Self::ordered(&trial).values).0
     }
 
@@ -106,31 +106,21 @@ impl MohrCoulomb {
 
 impl Law for MohrCoulomb {
     #[inline(always)]
-    fn update(&self, stress: &mut [f64; 4], strain: &[f64; 4]) {
-        self.flow(stress, strain);
-    }
-
-    #[inline(always)]
-    fn flow(&self, stress: &mut [f64; 4], strain: &[f64; 4]) -> Flow {
-        self.elastic.update(stress, strain);
+    fn update(&self, stress: &mut [f64; 4], strain: &[f64; 4], _: &mut State) -> Flow {
+        self.elastic.hooke(stress, strain);
         let residual = self.excess(stress);
         if residual > 0.0 { self.flow_back(stress) } else { Flow { dissipation: 0.0, residual } }
     }
 
     #[inline(always)]
-    fn update_lanes<V: Simd>(&self, stress: &mut [Lanes<V>; 4], strain: &[Lanes<V>; 4]) {
-        let all = stress[0].like(0.0).below(stress[0].like(1.0));
-        self.flow_lanes(stress, strain, all);
-    }
-
-    #[inline(always)]
-    fn flow_lanes<V: Simd>(
+    fn update_lanes<V: Simd>(
         &self,
         stress: &mut [Lanes<V>; 4],
         strain: &[Lanes<V>; 4],
+        _: &mut State<Lanes<V>>,
         there: V::m64s,
     ) -> Flow<Lanes<V>> {
-        self.elastic.update_lanes(stress, strain);
+        self.elastic.hooke(stress, strain);
         let none = stress[0].like(0.0);
         let residual = self.excess(stress).or(there, none.like(f64::NEG_INFINITY));
         if none.simd.first_true_m64s(none.below(residual)) == V::F64_LANES {
@@ -150,13 +140,17 @@ impl Law for MohrCoulomb {
         Flow { dissipation, residual: Lanes::load(none.simd, residual) }
     }
 
-    fn tangent(&self, stress: &[f64; 4], strain: &[f64; 4]) -> SMatrix<f64, 4, 4> {
+    fn is_symmetric(&self) -> bool {
+        self.surface.normal[0] == self.surface.along[0] // an associated flow rule
+    }
+
+    fn tangent(&self, stress: &[f64; 4], strain: &[f64; 4], state: &State) -> SMatrix<f64, 4, 4> {
         let mut trial = *stress;
-        self.elastic.update(&mut trial, strain);
+        self.elastic.hooke(&mut trial, strain);
         let trial = Self::ordered(&trial);
         let (region, found) = self.surface.back(&trial.values);
         match region {
-            Region::Elastic => self.elastic.tangent(stress, strain),
+            Region::Elastic => self.elastic.tangent(stress, strain, state),
             _ => trial.tangent(&found, &self.surface.tangent(region), self.surface.shear),
         }
     }
@@ -165,7 +159,7 @@ impl Law for MohrCoulomb {
         self.surface.energy(&Self::ordered(stress).values)
     }
 
-    fn yield_residual(&self, stress: &[f64; 4]) -> f64 {
+    fn yield_residual(&self, stress: &[f64; 4], _: &State) -> f64 {
         self.excess(stress)
     }
 

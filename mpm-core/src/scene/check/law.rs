@@ -2,8 +2,8 @@
 
 use toml::Spanned;
 
-use super::super::raw::{RawLaw, RawMohrCoulomb, RawScene, RawSoil};
-use super::super::{Elastic, Integrator, Scene, Strength};
+use super::super::raw::{RawLaw, RawMohrCoulomb, RawSoil};
+use super::super::{Elastic, Strength};
 use super::{Checked, Reader};
 
 impl Reader<'_> {
@@ -31,9 +31,13 @@ impl Reader<'_> {
         let key = |name: &str| format!("soil.law.mohr_coulomb.{name}");
         let expected = "a finite cohesion of 0 or more (Pa)";
         let cohesion = self.within(&law.cohesion, &key("cohesion"), expected, |c| c >= 0.0)?;
-        let expected = "0 < phi < 90 (degrees)";
-        let within = |phi: f64| phi > 0.0 && phi < 90.0;
+        let expected = "0 <= phi < 90 (degrees)";
+        let within = |phi: f64| (0.0..90.0).contains(&phi);
         let friction_angle = self.within(&law.friction_angle, &key("friction_angle"), expected, within)?;
+        if friction_angle == 0.0 && cohesion == 0.0 {
+            let expected = "a cohesion above 0 (Pa) beside an angle of friction of 0";
+            return self.refuse(&law.cohesion.span(), &key("cohesion"), expected, cohesion);
+        }
         let dilation_angle = match &law.dilation_angle {
             Some(value) => {
                 let expected = format!("0 <= psi <= {friction_angle}, the angle of friction (degrees)");
@@ -67,15 +71,5 @@ impl Reader<'_> {
             }
         }
         Ok(Some(self.within(value, key, "0 < strain <= 0.1 (gain of volume)", |e| e > 0.0 && e <= 0.1)?))
-    }
-
-    /// Quasi-static systems are symmetric; the tangent of a flow that is not associated is not, and at the apex it is zero.
-    pub(super) fn flow_is_dynamic(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
-        if scene.integrator != Integrator::QuasiStatic || scene.strength.is_none() {
-            return Ok(());
-        }
-        let expected = "linear_elastic beside quasi-static, whose systems are symmetric and regular \
-                        (or integrator = \"explicit\" or \"semi-implicit\")";
-        self.refuse(&raw.soil.get_ref().law.span(), "soil.law", expected, "mohr_coulomb")
     }
 }

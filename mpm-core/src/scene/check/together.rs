@@ -17,7 +17,6 @@ impl Reader<'_> {
         self.load(raw, scene)?;
         self.incompressible_water(raw, scene)?;
         self.two_clocks(raw, scene)?;
-        self.flow_is_dynamic(raw, scene)?;
         self.transfers(raw, scene)?;
         if scene.integrator == Integrator::QuasiStatic {
             self.quasi_static_scheme(raw, scene)?;
@@ -165,10 +164,6 @@ impl Reader<'_> {
     /// Space: no inertia, face flow, points enough.
     fn quasi_static_scheme(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
         if let Some(scheme) = raw.scheme.as_ref().map(Spanned::get_ref) {
-            if let (Some(value), ShapeChoice::BBar) = (&scheme.shape, scene.shape) {
-                let expected = "\"bspline2\", \"centre\", \"linear\" or \"gimp\" beside quasi-static";
-                return self.refuse(&value.span(), "scheme.shape", expected, quoted(value.get_ref()));
-            }
             if let (Some(value), false) = (&scheme.quadrature, scene.shape == ShapeChoice::Bspline2) {
                 let expected =
                     "shape = \"bspline2\" beside it and quasi-static: other shapes use the particles' volumes there";

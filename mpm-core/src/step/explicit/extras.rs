@@ -19,7 +19,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         self.nodes.work_at = 1.0;
         let length = self.nodes.frame.length();
         self.of_mesh = [(); 2].map(|()| vec![0.0; length]);
-        self.pass::<false>(0.0);
+        self.pass(false, 0.0);
         self
     }
 
@@ -50,12 +50,19 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         }
     }
 
+    /// What the soil of a particle remembered when what is kept was last taken from the strips.
+    pub(super) fn state_of(&self, id: u32) -> State {
+        let first = |place: usize| self.kept.0 * id as usize + place - SolidPoint::<D>::COUNT;
+        std::array::from_fn(|s| self.places.state.map_or(0.0, |place| self.kept.1[first(place) + s]))
+    }
+
     /// Begins the ledgers anew with the state as it is.
     pub(in crate::step) fn begin_ledgers(&mut self) {
+        self.kept.1 = self.kept_now();
         let whole = self.whole();
         self.totals = Totals::default();
         self.totals.start(&whole.cell_values(self.carried()));
-        self.totals.flowed = whole.flowed_at_first();
+        self.totals.flowed = whole.flowed_at_first(|id| self.state_of(id));
         self.time = 0.0;
     }
 
@@ -67,14 +74,14 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             origin[*id as usize] = point.x;
         }
         self.origin = Some(origin);
-        let affine = self.places.affine.map_or(0, |_| D * D);
-        let per_particle = affine + 4;
+        let before = self.kept.0 - self.places.strain.map_or(0, |_| 4);
+        let per_particle = before + 4;
         let mut more = vec![0.0; per_particle * self.solid_count];
-        for id in (0..self.solid_count).filter(|_| affine > 0) {
-            more[per_particle * id..][..affine].copy_from_slice(&kept[self.kept.0 * id..][..affine]);
+        for id in (0..self.solid_count).filter(|_| before > 0) {
+            more[per_particle * id..][..before].copy_from_slice(&kept[self.kept.0 * id..][..before]);
         }
         self.kept = (per_particle, more);
-        self.places.strain = Some(SolidPoint::<D>::COUNT + affine);
+        self.places.strain = Some(SolidPoint::<D>::COUNT + before);
         self.body = whole;
         self.settle_in();
     }

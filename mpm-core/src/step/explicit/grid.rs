@@ -142,6 +142,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             conducts: &motion.acceleration, // no water
             ratio: None,
             soil,
+            moves: false,
+            elastic: None,
             materials: &body.materials,
             plastic: false,
             flow: FaceFlow::default(),

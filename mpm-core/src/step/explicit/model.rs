@@ -161,8 +161,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for Explicit<V, F, D> {
             0 => self.load(),
             1 => _ = self.equation_of_motion(dt),
             2 => self.darcy_flow(dt),
-            3 => self.pass::<false>(dt),
-            _ => self.pass::<true>(dt),
+            3 => self.pass(false, dt),
+            _ => self.pass(true, dt),
         };
         match pool {
             Some(pool) => pool.install(stage),

@@ -23,7 +23,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             self.tops.follow(&self.body.surface, &self.strips, &self.nodes.frame, cell);
         }
         self.find_surface();
-        self.pass::<false>(0.0);
+        self.pass(false, 0.0);
         if self.body.water.as_ref().is_some_and(|water| water.partly_drained) {
             self.note_open_cells();
         }
@@ -104,7 +104,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
                 }
             }
             self.find_surface();
-            self.pass::<false>(0.0);
+            self.pass(false, 0.0);
             return self.look_at_crossings();
         }
         self.sort_all()?;
@@ -181,4 +181,16 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         body.surface.follow(&body.solid);
         body
     }
+}
+
+/// What particles keep beside their records at first, so many numbers by their number: no velocity gradient, the first state.
+pub(super) fn first_kept<const D: usize>(body: &Body<D>, affine: bool) -> (usize, Vec<f64>) {
+    let (before, states) = (if affine { D * D } else { 0 }, if body.materials.have_state() { STATES } else { 0 });
+    let more = before + states;
+    let mut kept = vec![0.0; more * body.solid.points.len()];
+    for (point, id) in body.solid.points.iter().zip(&body.solid.ids).filter(|_| states > 0) {
+        let first = body.materials.law(body.materials.of(*id)).first_state(&point.stress);
+        kept[more * *id as usize + before..][..states].copy_from_slice(&first);
+    }
+    (more, kept)
 }

@@ -23,7 +23,7 @@ use pulp::{Simd, WithSimd};
 use super::store::nodes::{SUMS, StripSums};
 use super::store::{CellLanes, Frame, Motion, Nodes, SolidLanes, Strip, ask_for};
 use crate::boundary::ROUND_OFF;
-use crate::constitutive::{Flow, Materials};
+use crate::constitutive::{Flow, LinearElastic, Materials, STATES, State};
 use crate::dimension::{PRESSURE, rotate, strain_increment, trace};
 use crate::observe::Flowed;
 use crate::real::{Lanes, MOST_LANES, Real, array};
@@ -273,6 +273,8 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
 pub struct Kept {
     /// Velocity gradient, row by row.
     pub affine: Option<usize>,
+    /// State of the material.
+    pub state: Option<usize>,
     /// Strain that is followed, xx, yy, zz, xy (tensor components).
     pub strain: Option<usize>,
 }
@@ -305,6 +307,7 @@ pub enum InPores<'a> {
 }
 
 /// Everything a pass reads and no strip changes.
+#[derive(Clone, Copy)]
 pub struct Common<'a, F, const D: usize> {
     /// Numbering.
     pub frame: &'a Frame<D>,
@@ -327,6 +330,10 @@ pub struct Common<'a, F, const D: usize> {
     pub ratio: Option<&'a [Vec<f64>; 2]>,
     /// Volume of soil in the cells at the end of the pass, m3, where it is known; else zero.
     pub soil: &'a [f64],
+    /// Whether the mesh moves the particles; else they are only gathered.
+    pub moves: bool,
+    /// The only material of the skeleton, if it is elastic.
+    pub elastic: Option<&'a LinearElastic>,
     /// Materials of the skeleton.
     pub materials: &'a Materials,
     /// Whether any of them dissipates.
@@ -347,8 +354,37 @@ pub struct Common<'a, F, const D: usize> {
     pub dt: f64,
 }
 
-/// The pass over one strip. MOVE: with mesh to particles; without, the particles are only gathered.
-pub struct Pass<'a, V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> {
+impl<F: Copy, const D: usize> Common<'_, F, D> {
+    /// The same, if it has none of what few scenes have: plastic or several materials, layers that conduct differently, velocities
+    /// that are mapped back, what particles keep, pressures that are solved for or carried, water that runs out. The kernel is
+    /// compiled a second time without all that, for room in the registers.
+    #[inline(always)]
+    pub fn lean(&self) -> Option<Self> {
+        let elastic = Some(self.elastic?);
+        let water = match self.water {
+            InPores::None => InPores::None,
+            InPores::Particles { relative: None, rise: None, partly_drained: false } => {
+                InPores::Particles { relative: None, rise: None, partly_drained: false }
+            }
+            _ => return None,
+        };
+        let Kept { affine, state, strain } = self.kept;
+        if self.coupled
+            || self.mapped.is_some()
+            || self.ratio.is_some()
+            || affine.is_some()
+            || state.is_some()
+            || strain.is_some()
+        {
+            return None;
+        }
+        let kept = Kept { affine: None, state: None, strain: None };
+        Some(Self { elastic, water, kept, plastic: false, coupled: false, mapped: None, ratio: None, ..*self })
+    }
+}
+
+/// The pass over one strip. LEAN: without what few scenes have ([`Common::lean`]).
+pub struct Pass<'a, V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> {
     /// Leave to use the machine's instructions.
     pub simd: V,
     /// The strip.
@@ -395,13 +431,29 @@ impl<V: Simd> FlowedLanes<V> {
     }
 }
 
-impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> WithSimd for Pass<'_, V, F, D, MOVE> {
+impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> WithSimd for Pass<'_, V, F, D, LEAN> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<T: Simd>(mut self, _: T) {
-        self.run();
+    fn with_simd<T: Simd>(self, _: T) {
+        let Self { simd, strip, sums, pressure, common } = self;
+        if LEAN {
+            let common = &common.lean().expect("a scene without rare parts");
+            Pass::<'_, V, F, D, LEAN> { simd, strip, sums, pressure, common }.run();
+        } else {
+            Self { simd, strip, sums, pressure, common }.run();
+        }
     }
+}
+
+/// Has the stack of the function that it is in aligned to lines of the cache. Vectors that wait there would otherwise lie across two
+/// of these, and some across two pages, which costs as much as a tenth of a step.
+#[inline(always)]
+fn align_stack() {
+    #[repr(align(64))]
+    struct Line(#[expect(dead_code, reason = "takes the place")] [u8; 64]);
+    let mut line = Line([0; 64]);
+    std::hint::black_box(&mut line);
 }
 
 /// A vector field in a cell that is linear along each axis, as coefficients.
@@ -414,7 +466,7 @@ struct Running<V: Simd> {
     stays: V::m64s,
 }
 
-impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, D, MOVE> {
+impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, D, LEAN> {
     #[inline(always)]
     fn load(&self, field: &[f64], at: usize) -> Lanes<V> {
         Lanes::load(self.simd, &field[at..])
@@ -426,7 +478,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
     }
 
     #[inline(always)]
-    fn run(&mut self) {
+    fn run(mut self) {
+        align_stack();
         let none = Lanes::splat(self.simd, 0.0);
         let mut running = Running {
             rates: [[none; MOST_LANES]; 2],
@@ -441,10 +494,10 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         }
         scatter.end::<F>(self.sums, self.strip.cells.len() * V::F64_LANES);
         self.strip.stays = self.simd.first_true_m64s(self.simd.not_m64s(running.stays)) == V::F64_LANES;
-        if MOVE && self.common.plastic {
+        if self.common.moves && self.common.plastic {
             self.strip.flowed = running.flowed.added_up();
         }
-        if MOVE && !matches!(self.common.water, InPores::None) {
+        if self.common.moves && !matches!(self.common.water, InPores::None) {
             for (rate, lanes) in self.strip.rates.iter_mut().zip(running.rates) {
                 *rate = 0.0;
                 for part in 0..MOST_LANES {
@@ -467,7 +520,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         let mut sums = functions.nothing(self.simd);
         let mut soil = [none; 2]; // mass, volume
         self.ask_for_cells(group, at);
-        if MOVE {
+        if self.common.moves {
             let Motion { velocity, change, .. } = motion;
             let fields = Fields { simd: self.simd, velocity, change, mapped, frame, at };
             let motion = functions.motion(&fields, &array!([none; D], d => self.of(cell.at[d])));
@@ -487,7 +540,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         } else if wet {
             self.water(group, &position, None, (&edges, &mut sums), running);
         }
-        if !(MOVE && F::FUSED) {
+        if !(self.common.moves && F::FUSED) {
             let pressure = self.pressure_on_particles(&sums);
             for index in self.strip.solid.range(group) {
                 let point = SolidLanes::<V, D>::read(self.simd, self.strip.solid.block(index));
@@ -502,7 +555,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
     #[inline(always)]
     fn ask_for_cells(&self, group: usize, at: usize) {
         ask_for(&self.strip.cells, group + GROUPS_AHEAD);
-        if MOVE {
+        if self.common.moves {
             let Common { frame, motion, pressure, conducts, .. } = self.common;
             let here = at + GROUPS_AHEAD * V::F64_LANES;
             for d in 0..D {
@@ -525,7 +578,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         (sums, soil): (&mut F::Sums<V>, &mut [Lanes<V>; 2]),
         running: &mut Running<V>,
     ) -> [Lanes<V>; 2] {
-        let Common { frame, functions, materials, plastic, flip, apart, kept, dt, .. } = *self.common;
+        let Common { frame, functions, elastic, materials, plastic, flip, apart, kept, dt, .. } = *self.common;
         let (simd, inverse) = (self.simd, frame.inverse_size);
         let none = Lanes::splat(simd, 0.0);
         let middle = if F::SPLIT { functions.middle(motion, inverse) } else { none };
@@ -548,9 +601,19 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
             }
             let there = none.below(point.volume);
             let ids = &self.strip.solid.ids[index * V::F64_LANES..][..V::F64_LANES];
-            let flow = materials.update(&mut point.stress, &strain, there, ids);
-            if plastic {
-                running.flowed.add(group, point.volume, &flow);
+            if let Some(law) = elastic {
+                law.hooke(&mut point.stress, &strain);
+            } else {
+                let mut state = self.state(index);
+                let flow = materials.update(&mut point.stress, &strain, &mut state, there, ids);
+                if let Some(first) = kept.state {
+                    for s in 0..STATES {
+                        self.strip.solid.block_mut(index)[first + s] = state[s].value;
+                    }
+                }
+                if plastic {
+                    running.flowed.add(group, point.volume, &flow);
+                }
             }
             if !F::OF_CELL && !F::PRESSURE_AT_PARTICLES && !F::SPLIT || self.common.coupled {
                 gained[0] += point.volume;
@@ -578,13 +641,20 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
         gained
     }
 
+    /// What the materials of a block of particles remember.
+    #[inline(always)]
+    fn state(&self, index: usize) -> State<Lanes<V>> {
+        let none = Lanes::splat(self.simd, 0.0);
+        match self.common.kept.state {
+            Some(first) => array!([none; STATES], s => self.of(self.strip.solid.block(index)[first + s])),
+            None => [none; STATES],
+        }
+    }
+
     /// Asks for a block of solid particles.
     #[inline(always)]
     fn ask_for_block(&self, index: usize) {
-        let Strip { solid, .. } = &*self.strip;
-        for i in (0..solid.columns).step_by((MOST_LANES / V::F64_LANES).max(1)) {
-            ask_for(&solid.vectors, index * solid.columns + i);
-        }
+        self.strip.solid.ask_for(index, 2 * D + 6);
     }
 
     /// Soil in a tension gap has no stress until that is closed, or every recompression would push too early.

@@ -171,18 +171,23 @@ impl<Sh: Shape, const D: usize> Functions<D> for OnCell<Sh> {
         let share = shares(*mass, xi);
         for a in 0..1 << D {
             sums.solid_mass[a] += share[a];
-            let v = match affine {
-                Some(affine) => {
-                    let away = array!([xi[0]; D], d => {
-                        let corner = if (a >> d) & 1 == 1 { 1.0 } else { 0.0 };
-                        (xi[d].like(corner) - xi[d]) * (1.0 / inverse_size)
-                    });
-                    affine.seen_from(v, &away)
+        }
+        if let Some(affine) = affine {
+            for a in 0..1 << D {
+                let away = array!([xi[0]; D], d => {
+                    let corner = if (a >> d) & 1 == 1 { 1.0 } else { 0.0 };
+                    (xi[d].like(corner) - xi[d]) * (1.0 / inverse_size)
+                });
+                let v = affine.seen_from(v, &away);
+                for d in 0..D {
+                    sums.momentum[a][d] += share[a] * v[d];
                 }
-                None => *v,
-            };
-            for d in 0..D {
-                sums.momentum[a][d] += share[a] * v[d];
+            }
+        } else {
+            for a in 0..1 << D {
+                for d in 0..D {
+                    sums.momentum[a][d] += share[a] * v[d];
+                }
             }
         }
         if Sh::AT_CENTROID || (coupled && !<Sh::Pore as Shape>::AT_CENTRE) {

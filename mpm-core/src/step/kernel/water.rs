@@ -6,7 +6,7 @@ use pulp::Simd;
 use super::{Closing, Common, Functions, InPores, Pass, Relative, Running};
 use crate::dimension::{coefficients, gradient, trace};
 use crate::real::{Lanes, MOST_LANES, Real, array};
-use crate::step::store::{CellLanes, WaterLanes, ask_for};
+use crate::step::store::{CellLanes, WaterLanes};
 use crate::water::pores::LEAST_FULL;
 use crate::water::{FLOW, LEAST_FILLING};
 
@@ -14,7 +14,7 @@ use crate::water::{FLOW, LEAST_FILLING};
 type Driven<'a, V, F, const D: usize> =
     (&'a <F as Functions<D>>::Motion<V>, &'a Relative<V, D>, &'a CellLanes<V, D>, [Lanes<V>; 2]);
 
-impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, D, MOVE> {
+impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, D, LEAN> {
     /// Eq. (1) on faces normal to an axis, from one on, between cells of two pressures (Pa) whose nodes accelerate (m/s2): flux
     /// (m/s), pressure drop and weight along it (Pa).
     #[inline(always)]
@@ -97,9 +97,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const MOVE: bool> Pass<'_, V, F, 
             cellwise = self.rates(group, of_soil, trace(&gradient(relative, &[none.like(0.5); D], inverse)), cell);
         }
         for index in self.strip.water.range(group) {
-            for i in (0..self.strip.water.columns).step_by((MOST_LANES / V::F64_LANES).max(1)) {
-                ask_for(&self.strip.water.vectors, (index + super::BLOCKS_AHEAD) * self.strip.water.columns + i);
-            }
+            self.strip.water.ask_for(index + super::BLOCKS_AHEAD, 2 * D + 3);
             let mut point = WaterLanes::<V, D>::read(simd, self.strip.water.block(index));
             let mut xi = array!([none; D], d => point.x[d] * inverse - position[d]);
             if let Some((motion, relative, cell, _)) = motion {

@@ -13,6 +13,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     pub(super) fn keep_all(&mut self, keeper: &mut Keeper) {
         keeper.entries(&mut self.points, SolidPoint::keep);
         keeper.entries(&mut self.carried, |carried, keeper| keeper.f64s(carried));
+        keeper.entries(&mut self.states, |state, keeper| keeper.f64s(state));
         self.drained.iter_mut().for_each(|drained| keeper.bool(drained));
         for value in [&mut self.settled, &mut self.time, &mut self.stage_time, &mut self.stage_end, &mut self.until] {
             keeper.f64(value);
@@ -59,6 +60,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             keeper.entries(&mut soil.solid, |part, keeper| {
                 keeper.f64s(&mut part.strain);
                 keeper.f64s(&mut part.stress);
+                keeper.f64s(&mut part.state);
             });
         }
         keeper.all(&mut soil.p);

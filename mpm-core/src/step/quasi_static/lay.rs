@@ -2,7 +2,7 @@
 
 use super::soil::{FacePart, Fluid, HELD, PorePart, Soil, SolidPart, Values};
 use super::tangent::System;
-use crate::constitutive::{Law, Materials};
+use crate::constitutive::{Law, Materials, State};
 use crate::particles::SolidPoint;
 use crate::scene::{LoadOn, Quadrature, Scene, ShapeChoice, Side, SolidSide};
 use crate::space::{Axis, Basis, GAUSS3, Local, Stencil, fit, gauss};
@@ -19,8 +19,8 @@ pub(super) struct Ground<'a, const D: usize> {
     pub scene: &'a Scene,
     /// Particles where they are now.
     pub points: &'a [SolidPoint<D>],
-    /// Strain that the law has seen, per particle.
-    pub strains: &'a [[f64; 4]],
+    /// What their soil remembers.
+    pub states: &'a [State],
     /// Numbers of the particles of the top row.
     pub top: &'a [usize],
     /// How far the surface has come down, m.
@@ -121,7 +121,7 @@ impl<const D: usize> Ground<'_, D> {
         let (soil_map, water_map, size) = self.unknowns(&axes, pressures);
         let jumps = if wet && smooth { self.jumps(&axes) } else { Vec::new() };
         let maps = (soil_map.as_slice(), water_map.as_slice());
-        let system = System::new(size, (&solid, &pore, &faces), &jumps, maps)?;
+        let system = System::new(size, (&solid, &pore, &faces), &jumps, maps, law.are_symmetric())?;
         let water = scene.water.unwrap_or(crate::scene::WaterProperties {
             hydraulic_conductivity: 0.0,
             bulk_modulus: f64::INFINITY,
@@ -164,14 +164,26 @@ impl<const D: usize> Ground<'_, D> {
 
     fn solid<L: Law>(&self, law: &Materials<L>, axes: &[Axis; D], weights: &[f64]) -> Vec<SolidPart<D>> {
         let centre = matches!(self.scene.shape, ShapeChoice::Centre | ShapeChoice::Centroid);
+        // Plastic flow that keeps its volume at every point leaves smooth functions no way to move.
+        let wide = matches!(self.scene.shape, ShapeChoice::Bspline2 | ShapeChoice::Gimp);
+        let split = self.scene.shape == ShapeChoice::BBar || (D == 2 && wide && !law.are_linear());
         let part = |(i, point): (usize, &SolidPoint<D>)| {
             let mut stencil = Stencil::at(axes, &point.x);
+            let at_centre = || Stencil::at(axes, &middle(axes, &cell_of(axes, &point.x))).slope;
             if centre {
-                // Section 2.2: gradients at the centre of the cell.
-                stencil.slope = Stencil::at(axes, &middle(axes, &cell_of(axes, &point.x))).slope;
+                stencil.slope = at_centre(); // section 2.2
             }
+            let dilates = split.then(at_centre);
             let mark = law.at(point.x[D - 1]);
-            SolidPart { stencil, weight: weights[i], stress: point.stress, strain: self.strains[i], mark }
+            SolidPart {
+                stencil,
+                dilates,
+                weight: weights[i],
+                stress: point.stress,
+                strain: [0.0; 4],
+                state: self.states[i],
+                mark,
+            }
         };
         self.points.iter().enumerate().map(part).collect()
     }
@@ -195,7 +207,8 @@ impl<const D: usize> Ground<'_, D> {
                 let cell = place(point);
                 let mut water = Stencil::single(cell);
                 water.count = usize::from(wet);
-                let SolidPart { stencil: soil, weight, mark, .. } = solid[i];
+                let SolidPart { stencil: mut soil, dilates, weight, mark, .. } = solid[i];
+                soil.slope = dilates.unwrap_or(soil.slope);
                 PorePart { soil, water, weight, porosity: porosity(cell), mark }
             };
             return self.points.iter().enumerate().map(part).collect();

@@ -2,7 +2,7 @@
 
 use super::lay::smooth;
 use super::march::work_of;
-use super::soil::{InsideOut, PorePart, PoreState};
+use super::soil::{InsideOut, PorePart, PoreState, Strained};
 use super::{Method, QuasiStatic, lay};
 use crate::constitutive::Law;
 use crate::observe::{CellValues, FieldPoint, Observation, checkerboard, profile};
@@ -88,7 +88,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let mut shift = vec![0.0; count];
         for (i, (point, part)) in self.points.iter().zip(&soil.solid).enumerate() {
             let cell = lay::number(&soil.axes, &lay::cell_of(&soil.axes, &point.x));
-            let Some((push, _, stress)) = soil.stress_of(part) else { continue };
+            let Some(Strained { push, stress, .. }) = soil.strained(part) else { continue };
             let stretch =
                 if soil.small { 1.0 } else { stretch(&part.stencil.gradient(&soil.u)).map_or(1.0, |s| s.volume) };
             let volume = part.weight * stretch;

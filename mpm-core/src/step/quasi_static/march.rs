@@ -3,11 +3,11 @@
 use super::krylov::{Goal, Krylov};
 use super::relay::RELAY;
 use super::sdirk::{GAMMA, Sdirk, StepSums};
-use super::soil::{HELD, Soil};
+use super::soil::{HELD, Soil, Strained};
 use super::tangent::Stuck;
 use super::trouble::{describe, inside_out, nothing};
 use super::{KrylovStage, Method, QuasiStatic};
-use crate::constitutive::Law;
+use crate::constitutive::{Flow, Law};
 use crate::scene::{Scene, StepChoice, StrainChoice, TimeMethod};
 use crate::step::Fault;
 
@@ -250,8 +250,15 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let mut strained: f64 = 0.0;
         for i in 0..soil.solid.len() {
             let part = soil.solid[i];
-            let Some((_, strain, stress)) = soil.stress_of(&part) else { continue };
-            (soil.solid[i].strain, soil.solid[i].stress) = (strain, stress);
+            let Some(Strained { strain, stress, state, flow, .. }) = soil.strained(&part) else { continue };
+            (soil.solid[i].strain, soil.solid[i].stress, soil.solid[i].state) = (strain, stress, state);
+            if flow.residual > f64::NEG_INFINITY {
+                // Of the work done along the step what is not stored.
+                let ((before, from), (after, to)) = (soil.stored(&part), soil.stored(&soil.solid[i]));
+                let work: f64 = (0..4).map(|s| 0.5 * (from[s] + to[s]) * (strain[s] - part.strain[s])).sum();
+                let dissipation = work - (after - before);
+                self.totals.flowed.add(part.weight, &Flow { dissipation, ..flow });
+            }
             strained = strain.iter().fold(strained, |m, e| m.max(e.abs()));
         }
         strained

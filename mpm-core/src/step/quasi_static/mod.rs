@@ -30,7 +30,7 @@ use soil::Soil;
 use trouble::{inside_out, nothing};
 
 use super::{Fault, Model, Work};
-use crate::constitutive::{Law, Materials};
+use crate::constitutive::{Law, Materials, State};
 use crate::keep::Keeper;
 use crate::observe::{Ledger, Observation, Totals};
 use crate::particles::SolidPoint;
@@ -60,6 +60,8 @@ pub struct QuasiStatic<L: Law, const D: usize> {
     seeding: Seeding<L, D>,
     /// Particles where they were when the mesh was laid, with the stress they had.
     points: Vec<SolidPoint<D>>,
+    /// What their soil remembered then.
+    states: Vec<State>,
     /// Their displacement before that, m.
     carried: Vec<[f64; D]>,
     /// Volume change of the pore points before that, per volume; large strain has it in the particles' volumes.
@@ -111,7 +113,9 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// A run at t = 0, its first stage not yet entered.
     pub fn new(scene: &Scene, seeding: Seeding<L, D>) -> Self {
         let count = seeding.points.len();
+        let first = |point: &SolidPoint<D>| seeding.law.law(seeding.law.at(point.x[D - 1])).first_state(&point.stress);
         Self {
+            states: seeding.points.iter().map(first).collect(),
             points: seeding.points.clone(),
             carried: vec![[0.0; D]; count],
             spent: Vec::new(),

@@ -12,6 +12,10 @@ const ITERATIONS: usize = 30;
 const SHORTEST: f64 = 1.0 / 256.0;
 /// Factors are renewed when an iteration leaves more than this share of the residual.
 const SLOW: f64 = 0.3;
+/// The same under a law that is not linear: what a corner of its surface changes no older factors know.
+const SLOW_LAW: f64 = 0.01;
+/// So many iterations may raise the residual there: plastic flow begins in points that the last factors took for elastic.
+const RISING: usize = 10;
 
 /// What a stage has to fulfil.
 #[derive(Debug, Clone, Copy)]
@@ -75,7 +79,8 @@ impl<L: Law, const D: usize> Soil<L, D> {
         let mut size = largest(&work.residual) / work.reference;
         work.history.clear();
         work.history.push(size);
-        for _ in 0..ITERATIONS {
+        let (slow, rising) = if self.law.are_linear() { (SLOW, 0) } else { (SLOW_LAW, RISING) };
+        for iteration in 0..ITERATIONS {
             if size <= stage.tolerance && !self.linear() {
                 return Ok(());
             }
@@ -102,7 +107,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
                     self.out_of_balance(stage, &mut work.residual);
                     size = largest(&work.residual) / work.reference;
                 }
-                if evaluated.is_ok() && (size < before || size <= stage.tolerance) {
+                if evaluated.is_ok() && (size < before || size <= stage.tolerance || iteration < rising) {
                     break;
                 }
                 part *= 0.5;
@@ -113,7 +118,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
             }
             y.copy_from_slice(&work.trial);
             work.history.push(size);
-            if size > SLOW * before && size > stage.tolerance {
+            if size > slow * before && size > stage.tolerance {
                 self.refresh(stage.a).map_err(|_| Stuck::NotConverged(work.history.clone()))?;
             }
         }

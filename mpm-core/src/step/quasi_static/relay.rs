@@ -2,14 +2,14 @@
 
 use super::lay::{Ground, smooth, top_integrals};
 use super::newton::Workspace;
-use super::soil::{HELD, Soil};
+use super::soil::{HELD, Soil, Strained};
 use super::trouble::{inside_out, nothing, unsolved};
 use super::{QuasiStatic, lay};
 use crate::constitutive::Law;
 use crate::particles::SolidPoint;
 use crate::scene::{SolidSide, StrainChoice};
 use crate::space::{Stencil, stretch, turned};
-use crate::sparse::{Factor, Ordering, Signs, Symmetric, Unsolved};
+use crate::sparse::{Factor, Ordering, Signs, Sparse, Unsolved};
 use crate::step::Fault;
 
 /// Strain on one mesh after which a new one is laid. Early relaying costs accuracy: at a final strain of 20 % and
@@ -34,7 +34,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         soil.u.copy_from_slice(&old.u);
         soil.p.copy_from_slice(&old.p);
         for (part, before) in soil.solid.iter_mut().zip(&old.solid) {
-            (part.strain, part.stress) = (before.strain, before.stress);
+            (part.strain, part.stress, part.state) = (before.strain, before.stress, before.state);
         }
         self.y = soil.unknowns_of_fields();
         self.take(soil);
@@ -44,12 +44,11 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// A mesh over the soil as it was when the last one was laid.
     fn mesh(&mut self, drained: [bool; 4]) -> Result<Soil<L, D>, Fault> {
         self.drained = drained;
-        let strains = vec![[0.0; 4]; self.points.len()];
         let large = self.scene.strain == StrainChoice::Large;
         let ground = Ground {
             scene: &self.scene,
             points: &self.points,
-            strains: &strains,
+            states: &self.states,
             top: &self.seeding.top,
             settled: if large { self.settled } else { 0.0 },
             drained,
@@ -134,7 +133,8 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             } else {
                 pressures.push(soil.p[lay::number(&soil.axes, &lay::cell_of(&soil.axes, &point.x))]);
             }
-            let Some((push, _, stress)) = soil.stress_of(part) else { continue };
+            let Some(Strained { push, stress, state, .. }) = soil.strained(part) else { continue };
+            self.states[i] = state;
             point.stress = turned(&stress, &push.rotation);
             if large {
                 let moved = part.stencil.vector(&soil.u);
@@ -190,7 +190,7 @@ pub(super) fn project<L: Law, const D: usize>(
         let numbers = &part.stencil.number[..part.stencil.count];
         numbers.iter().flat_map(|a| numbers.iter().map(|b| (*a as usize, *b as usize)))
     });
-    let mut mass = Symmetric::new(size, pairs);
+    let mut mass = Sparse::symmetric(size, pairs);
     for (part, pressure) in soil.solid.iter().zip(pressures) {
         let s = &part.stencil;
         for a in 0..s.count {

@@ -13,8 +13,8 @@
 //! (pressures that are constant in a cell).
 
 use super::tangent::System;
-use crate::constitutive::{Law, Materials};
-use crate::space::{Axis, Stencil, strain_mode, stretch, tensor, turned};
+use crate::constitutive::{Flow, Law, Materials, State};
+use crate::space::{Axis, MOST, Stencil, strain_mode, stretch, tensor, turned};
 
 /// No unknown: a held displacement, or a pressure that is zero.
 pub(super) const HELD: u32 = u32::MAX;
@@ -24,12 +24,16 @@ pub(super) const HELD: u32 = u32::MAX;
 pub(super) struct SolidPart<const D: usize> {
     /// Functions and gradients that strain it.
     pub stencil: Stencil<D>,
+    /// Gradients at the centre of its cell, where changes of volume are taken there (B-bar), 1/m.
+    pub dilates: Option<[[f64; D]; MOST]>,
     /// Volume it stands for, m3.
     pub weight: f64,
     /// Effective stress at the last step, Pa, before rotation.
     pub stress: [f64; 4],
     /// Strain since the mesh was laid, at the last step.
     pub strain: [f64; 4],
+    /// What its soil remembers, at the last step.
+    pub state: State,
     /// Its layer.
     pub mark: u8,
 }
@@ -138,6 +142,16 @@ impl<L: Law, const D: usize> Soil<L, D> {
         self.system.matrix.size()
     }
 
+    /// Energy stored per volume when the mesh was laid (J/m3), and J times the stress that stores it (Pa), of a part.
+    pub fn stored(&self, part: &SolidPart<D>) -> (f64, [f64; 4]) {
+        let law = self.law.law(part.mark);
+        if self.small {
+            return (law.energy(&part.stress), part.stress);
+        }
+        let volume = (part.strain[0] + part.strain[1] + part.strain[2]).exp();
+        (volume * law.finite_energy(&part.stress), part.stress.map(|s| volume * s))
+    }
+
     /// Whether forces, content and flow are linear in the unknowns.
     pub fn linear(&self) -> bool {
         self.small && self.law.are_linear()
@@ -229,9 +243,11 @@ impl<L: Law, const D: usize> Soil<L, D> {
         self.through_faces()
     }
 
-    /// First Piola-Kirchhoff stress of a solid part, and what was needed on the way: strain and stress before rotation.
-    pub fn stress_of(&self, part: &SolidPart<D>) -> Option<(Push<D>, [f64; 4], [f64; 4])> {
+    /// A solid part at the displacements in [`Self::u`].
+    pub fn strained(&self, part: &SolidPart<D>) -> Option<Strained<D>> {
         let gradient = part.stencil.gradient(&self.u);
+        // B-bar (Hughes 1980, doi:10.1002/nme.1620150914): the change of volume at the centre in place of the particle's.
+        let at_centre = part.dilates.map(|slope| Stencil { slope, ..part.stencil }.gradient(&self.u));
         if self.small {
             let mut strain = [0.0; 4];
             for d in 0..D {
@@ -242,12 +258,30 @@ impl<L: Law, const D: usize> Soil<L, D> {
                     strain[s] += mode[s];
                 }
             }
-            let stress = self.updated(part, &strain);
-            return Some((Push { piola: tensor(&stress), inverse: identity(), rotation: identity() }, strain, stress));
+            if let Some(centre) = &at_centre {
+                let more = (0..D).map(|d| centre[d][d] - gradient[d][d]).sum::<f64>() / 3.0;
+                strain[..3].iter_mut().for_each(|strain| *strain += more);
+            }
+            let (stress, state, flow) = self.updated(part, &strain);
+            let (mean, deviator) = split(&stress, at_centre.is_some());
+            let at_centre = at_centre.map(|_| (mean, identity()));
+            let push = Push { piola: tensor(&deviator), at_centre, inverse: identity(), rotation: identity() };
+            return Some(Strained { push, strain, stress, state, flow });
         }
-        let stretch = stretch(&gradient)?;
-        let stress = self.updated(part, &stretch.strain);
-        let sigma = tensor::<D>(&turned(&stress, &stretch.rotation));
+        let mut own = stretch(&gradient)?;
+        let at_centre = match at_centre {
+            Some(centre) => Some(stretch(&centre)?),
+            None => None,
+        };
+        if let Some(centre) = &at_centre {
+            let more = (centre.volume / own.volume).ln() / 3.0;
+            own.strain[..3].iter_mut().for_each(|strain| *strain += more);
+        }
+        let stretch = own;
+        let (stress, state, flow) = self.updated(part, &stretch.strain);
+        let (mean, deviator) = split(&stress, at_centre.is_some());
+        let at_centre = at_centre.map(|centre| (mean * stretch.volume, centre.inverse));
+        let sigma = tensor::<D>(&turned(&deviator, &stretch.rotation));
         // P = J sigma F^-T
         let mut piola = [[0.0; D]; D];
         for i in 0..D {
@@ -257,23 +291,28 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 }
             }
         }
-        Some((Push { piola, inverse: stretch.inverse, rotation: stretch.rotation }, stretch.strain, stress))
+        let push = Push { piola, at_centre, inverse: stretch.inverse, rotation: stretch.rotation };
+        Some(Strained { push, strain: stretch.strain, stress, state, flow })
     }
 
-    fn updated(&self, part: &SolidPart<D>, strain: &[f64; 4]) -> [f64; 4] {
-        let mut stress = part.stress;
-        self.law.law(part.mark).update(&mut stress, &std::array::from_fn(|s| strain[s] - part.strain[s]));
-        stress
+    fn updated(&self, part: &SolidPart<D>, strain: &[f64; 4]) -> ([f64; 4], State, Flow) {
+        let (mut stress, mut state) = (part.stress, part.state);
+        let more = std::array::from_fn(|s| strain[s] - part.strain[s]);
+        let flow = self.law.law(part.mark).update(&mut stress, &more, &mut state);
+        (stress, state, flow)
     }
 
     fn skeleton(&mut self) -> Result<(), InsideOut<D>> {
         for point in 0..self.solid.len() {
             let part = &self.solid[point];
-            let (push, _, _) = self.stress_of(part).ok_or(InsideOut { point })?;
+            let Strained { push, .. } = self.strained(part).ok_or(InsideOut { point })?;
             for a in 0..part.stencil.count {
                 let at = part.stencil.number[a] as usize * D;
                 for i in 0..D {
-                    let along: f64 = (0..D).map(|j| push.piola[i][j] * part.stencil.slope[a][j]).sum();
+                    let mut along: f64 = (0..D).map(|j| push.piola[i][j] * part.stencil.slope[a][j]).sum();
+                    if let (Some(slope), Some((mean, inverse))) = (&part.dilates, &push.at_centre) {
+                        along += mean * (0..D).map(|j| inverse[j][i] * slope[a][j]).sum::<f64>();
+                    }
                     self.values.force[at + i] += part.weight * along;
                 }
             }
@@ -439,15 +478,34 @@ pub(super) struct PoreState<const D: usize> {
     pub gradient: [[f64; D]; D],
 }
 
+/// A solid part at given displacements: what it pushes with, and strain, stress (Pa) and state before rotation.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Strained<const D: usize> {
+    pub push: Push<D>,
+    pub strain: [f64; 4],
+    pub stress: [f64; 4],
+    pub state: State,
+    pub flow: Flow,
+}
+
 /// What carries a stress back to the mesh.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Push<const D: usize> {
-    /// First Piola-Kirchhoff stress, Pa.
+    /// First Piola-Kirchhoff stress, without the mean stress where that acts at the centre of the cell, Pa.
     pub piola: [[f64; D]; D],
+    /// That mean stress times J (Pa), and F^-1 at the centre.
+    pub at_centre: Option<(f64, [[f64; D]; D])>,
     /// F^-1.
     pub inverse: [[f64; D]; D],
     /// R.
     pub rotation: [[f64; D]; D],
+}
+
+/// Mean stress (Pa) and the rest, where they are wanted apart; else the whole as the rest.
+fn split(stress: &[f64; 4], apart: bool) -> (f64, [f64; 4]) {
+    let [xx, yy, zz, xy] = *stress;
+    let mean = if apart { (xx + yy + zz) / 3.0 } else { 0.0 };
+    (mean, [xx - mean, yy - mean, zz - mean, xy])
 }
 
 /// K = mobility J F^-1 F^-T from J F^-1 and J - 1.

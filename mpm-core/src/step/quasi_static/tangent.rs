@@ -5,19 +5,20 @@
 //! [ -C^T  -(S + a H)] [dp] = [ water volume ]        a = gamma dt
 //! ```
 //!
-//! symmetric and quasi-definite, so that it has an L D L^T factorisation in any order. At large strain the geometric
+//! symmetric and quasi-definite, so that it has an L D L^T factorisation in any order; where a material has a tangent that is not
+//! symmetric (a flow rule that is not associated) the matrix is stored whole and factorised as L U. At large strain the geometric
 //! part of the stiffness and the change of H with the strain are left out: both are of the order of stress/stiffness,
 //! and the iteration converges at that rate.
 
-use super::soil::{FacePart, HELD, InsideOut, PorePart, PoreState, Soil, SolidPart, conductivity};
+use super::soil::{FacePart, HELD, InsideOut, PorePart, PoreState, Soil, SolidPart, Strained, conductivity};
 use crate::constitutive::Law;
 use crate::space::{MOST, Stencil, active, strain_mode};
-use crate::sparse::{Factor, Ordering, Signs, Symmetric, Unsolved};
+use crate::sparse::{Factor, Ordering, Signs, Sparse, Unsolved};
 
 /// A matrix with its factors.
 #[derive(Debug)]
 pub(super) struct System {
-    pub matrix: Symmetric,
+    pub matrix: Sparse,
     pub factor: Factor,
     /// Numeric factorisations and solves so far.
     pub factorisations: u64,
@@ -40,6 +41,7 @@ impl System {
         parts: Places<D>,
         jumps: &[(u32, u32, f64)],
         maps: (&[[u32; D]], &[u32]),
+        symmetric: bool,
     ) -> Result<Self, Unsolved> {
         let (solid, pore, faces) = parts;
         let mut cliques: Vec<Vec<u32>> = Vec::new();
@@ -73,10 +75,14 @@ impl System {
         let pairs = cliques.iter().flat_map(|c| {
             c.iter().enumerate().flat_map(move |(i, a)| c[..=i].iter().map(move |b| (*a as usize, *b as usize)))
         });
-        let matrix = Symmetric::new(size, pairs);
+        let (matrix, signs) = if symmetric {
+            (Sparse::symmetric(size, pairs), Signs::QuasiDefinite)
+        } else {
+            (Sparse::general(size, pairs), Signs::Unknown)
+        };
         // Numbered along the column, the band is narrow already.
         let ordering = if D == 1 { Ordering::AsNumbered } else { Ordering::MinimumDegree };
-        let factor = Factor::new(&matrix, Signs::QuasiDefinite, ordering)?;
+        let factor = Factor::new(&matrix, signs, ordering)?;
         Ok(Self { matrix, factor, factorisations: 0, solves: 0 })
     }
 
@@ -98,15 +104,16 @@ impl<L: Law, const D: usize> Soil<L, D> {
 
     fn assemble(&mut self, a: f64) -> Result<(), InsideOut<D>> {
         self.system.matrix.values.fill(0.0);
+        let symmetric = self.system.matrix.is_symmetric();
         let [length, pressure] = self.scales;
-        let mut block = Block::new();
+        let mut block = Block::new(symmetric);
         for point in 0..self.solid.len() {
             let part = &self.solid[point];
             let rows = self.rows(&part.stencil, None);
             block.turn_to(&rows, &mut self.system.matrix);
-            let (push, strain, stress) = self.stress_of(part).ok_or(InsideOut { point })?;
+            let Strained { push, strain, .. } = self.strained(part).ok_or(InsideOut { point })?;
             let increment = std::array::from_fn(|s| strain[s] - part.strain[s]);
-            let tangent = self.law.law(part.mark).tangent(&stress, &increment);
+            let tangent = self.law.law(part.mark).tangent(&part.stress, &increment, &part.state);
             // Strain modes in the frame before rotation, with gradients of the deformed soil turned back.
             let mut modes = [[0.0; 4]; 2 * MOST];
             let mut volume = part.weight * length * length;
@@ -115,7 +122,13 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 let spatial: [f64; D] = std::array::from_fn(|i| (0..D).map(|j| push.inverse[j][i] * slope[j]).sum());
                 let turned = std::array::from_fn(|i| (0..D).map(|j| push.rotation[j][i] * spatial[j]).sum());
                 for d in 0..D {
-                    modes[n * D + d] = strain_mode(&turned, &push.rotation[d]);
+                    let mode = &mut modes[n * D + d];
+                    *mode = strain_mode(&turned, &push.rotation[d]);
+                    if let (Some(slope), Some((_, inverse))) = (&part.dilates, &push.at_centre) {
+                        let centre: f64 = (0..D).map(|j| inverse[j][d] * slope[n][j]).sum();
+                        let more = (centre - mode[0] - mode[1]) / 3.0;
+                        mode[..3].iter_mut().for_each(|mode| *mode += more);
+                    }
                 }
             }
             if !self.small {
@@ -124,15 +137,17 @@ impl<L: Law, const D: usize> Soil<L, D> {
             let count = part.stencil.count * D;
             for i in 0..count {
                 let mut stressed = [0.0; 4];
-                for s in active::<D>() {
-                    stressed[s] = active::<D>().map(|t| tangent[(t, s)] * modes[i][t]).sum::<f64>() * volume;
+                let active = if part.dilates.is_some() { 0..4 } else { active::<D>() };
+                for s in active.clone() {
+                    stressed[s] = active.clone().map(|t| tangent[(t, s)] * modes[i][t]).sum::<f64>() * volume;
                 }
-                for j in 0..=i {
-                    block.value[i][j] += active::<D>().map(|s| stressed[s] * modes[j][s]).sum::<f64>();
+                for j in 0..if symmetric { i + 1 } else { count } {
+                    block.value[i][j] += active.clone().map(|s| stressed[s] * modes[j][s]).sum::<f64>();
                 }
             }
         }
         block.flush(&mut self.system.matrix);
+        block.lower = true;
         let by_cells = !self.faces.is_empty();
         for point in 0..self.pore.len() {
             let part = &self.pore[point];
@@ -179,12 +194,12 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 }
             }
             if !unknown.contains(&HELD) {
-                matrix.add(unknown[0] as usize, unknown[1] as usize, value);
+                matrix.add_both(unknown[0] as usize, unknown[1] as usize, value);
             }
         }
         for &(j, k, value) in &self.jumps {
             let (row, column) = (self.water_map[j as usize], self.water_map[k as usize]);
-            if row != HELD && column != HELD && row <= column {
+            if row != HELD && column != HELD && (!symmetric || row <= column) {
                 self.system.matrix.add(row as usize, column as usize, -value * pressure * pressure);
             }
         }
@@ -222,33 +237,39 @@ pub(super) enum Stuck<const D: usize> {
 
 /// The part of the matrix that points with the same functions add to, gathered before it goes to the matrix.
 struct Block {
+    /// Whether it is symmetric: its lower triangle stands for both.
+    lower: bool,
     rows: Rows,
     value: [[f64; 3 * MOST]; 3 * MOST],
 }
 
 impl Block {
-    fn new() -> Self {
-        Self { rows: Rows { count: 0, unknown: [HELD; 3 * MOST] }, value: [[0.0; 3 * MOST]; 3 * MOST] }
+    fn new(lower: bool) -> Self {
+        Self { lower, rows: Rows { count: 0, unknown: [HELD; 3 * MOST] }, value: [[0.0; 3 * MOST]; 3 * MOST] }
     }
 
-    fn turn_to(&mut self, rows: &Rows, matrix: &mut Symmetric) {
+    fn turn_to(&mut self, rows: &Rows, matrix: &mut Sparse) {
         if rows.count != self.rows.count || rows.unknown != self.rows.unknown {
             self.flush(matrix);
             self.rows = Rows { count: rows.count, unknown: rows.unknown };
         }
     }
 
-    fn flush(&mut self, matrix: &mut Symmetric) {
+    fn flush(&mut self, matrix: &mut Sparse) {
         for i in 0..self.rows.count {
-            for j in 0..=i {
+            for j in 0..if self.lower { i + 1 } else { self.rows.count } {
                 let value = std::mem::take(&mut self.value[i][j]);
                 let (row, column) = (self.rows.unknown[i], self.rows.unknown[j]);
                 if row == HELD || column == HELD || value == 0.0 {
                     continue;
                 }
+                if !self.lower {
+                    matrix.add(row as usize, column as usize, value);
+                    continue;
+                }
                 // Two functions that share an unknown (a rigid plate) meet on its diagonal, once from either side.
                 let twice = if row == column && i != j { 2.0 } else { 1.0 };
-                matrix.add(row as usize, column as usize, twice * value);
+                matrix.add_both(row as usize, column as usize, twice * value);
             }
         }
         self.rows.count = 0;

@@ -28,11 +28,14 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     }
 
     pub(super) fn too_small(&self, step: f64) -> Fault {
-        let what = format!(
+        let mut what = format!(
             "the step cannot be reduced further: {step:.3e} s in a stage of {:.3e} s; {}",
             self.stage_end,
             self.trouble.as_deref().unwrap_or("every step was accepted")
         );
+        if !self.seeding.law.are_linear() {
+            what += "; the load may be more than the soil can bear";
+        }
         Fault { place: "the whole soil".to_owned(), what }
     }
 }

@@ -8,9 +8,10 @@ use std::ops::Range;
 use pulp::Simd;
 use pulp::bytemuck::Zeroable;
 
+use super::ask_for;
 use super::frame::Frame;
 use crate::particles::{Layer, SolidPoint, WaterPoint};
-use crate::real::{Lanes, array, numbers, numbers_mut};
+use crate::real::{Lanes, MOST_LANES, array, numbers, numbers_mut};
 
 /// One block in so many is kept in reserve.
 const SPARE: usize = 8;
@@ -232,6 +233,16 @@ impl<V: Simd> Blocks<V> {
     #[inline(always)]
     pub fn block(&self, index: usize) -> &[V::f64s] {
         &self.vectors[index * self.columns..][..self.columns]
+    }
+
+    /// Asks the memory for the first `count` numbers of a block.
+    #[inline(always)]
+    pub fn ask_for(&self, index: usize, count: usize) {
+        if let Some(block) = self.vectors.get(index * self.columns..).and_then(|rest| rest.get(..count)) {
+            for i in (0..count).step_by((MOST_LANES / V::F64_LANES).max(1)) {
+                ask_for(block, i);
+            }
+        }
     }
 
     /// One block, to be changed.

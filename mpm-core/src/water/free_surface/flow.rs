@@ -19,7 +19,7 @@
 
 use super::edges::Edge;
 use super::soil::SoilMap;
-use crate::sparse::{Factor, Ordering, Signs, Symmetric, Unsolved};
+use crate::sparse::{Factor, Ordering, Signs, Sparse, Unsolved};
 
 /// What a cell is in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -244,7 +244,7 @@ impl<const D: usize> Medium<D> {
 #[derive(Debug)]
 pub struct System {
     /// Its matrix, over all cells; cells without an unknown have a one on the diagonal.
-    pub matrix: Symmetric,
+    pub matrix: Sparse,
     /// Its factors.
     pub factor: Factor,
     /// Its right-hand side.
@@ -285,7 +285,7 @@ impl System {
     /// # Errors
     /// Out of memory.
     pub fn new(cells: usize, links: &[Link]) -> Result<Self, Unsolved> {
-        let matrix = Symmetric::new(cells, links.iter().map(|link| (link.low as usize, link.high as usize)));
+        let matrix = Sparse::symmetric(cells, links.iter().map(|link| (link.low as usize, link.high as usize)));
         let factor = Factor::new(&matrix, Signs::Definite, Ordering::MinimumDegree)?;
         Ok(Self { matrix, factor, load: vec![0.0; cells], pressure: vec![0.0; cells] })
     }

@@ -63,7 +63,7 @@ fn returns(table: &str, strength: &Strength) -> Result<Outcome, String> {
             if f64::from(law.region(&stress, &[0.0; 4]) as u32) != row[12] {
                 offs.push(1.0);
             }
-            law.update(&mut stress, &[0.0; 4]);
+            law.update(&mut stress, &[0.0; 4], &mut [0.0]);
             let back = [(a, stress[0]), (b, stress[1]), (out, stress[2])];
             let found: Matrix3<f64> = back
                 .iter()

@@ -187,11 +187,11 @@ fn column(scene: &Scene) -> Result<(), String> {
         return Err(refusal("[surcharge]", "a load or gravity that the soil settles under", "neither"));
     }
     let load = scene.surcharge.map_or(0.0, |load| load.pressure);
-    if load < 0.0 && (scene.strength.is_some() || scene.separation.is_some()) {
+    if load < 0.0 && (!scene.is_elastic() || scene.separation.is_some()) {
         let expected = "compression: soil with a strength or a tension gap has no exact solution in extension";
         return Err(refusal("surcharge.pressure", expected, &format!("{load} Pa")));
     }
-    if scene.strength.is_some() && (!scene.layers.is_empty() || scene.start == Start::Geostatic) {
+    if !scene.is_elastic() && (!scene.layers.is_empty() || scene.start == Start::Geostatic) {
         let expected = "one soil that is loaded from no stress where it may yield";
         return Err(refusal("soil.law", expected, "layers or start = \"geostatic\""));
     }
@@ -296,7 +296,7 @@ fn mound(scene: &Scene, head: Option<f64>) -> Result<Solution, String> {
 fn sliding(scene: &Scene) -> Result<Solution, String> {
     let free =
         [Side::Left, Side::Right, Side::Top].iter().all(|side| scene.solid_sides[*side as usize] == SolidSide::Free);
-    let stiff = scene.strength.is_none() && scene.water.is_none() && scene.surcharge.is_none();
+    let stiff = scene.is_elastic() && scene.water.is_none() && scene.surcharge.is_none();
     let exact = Sliding::new(scene).filter(|_| free && stiff && scene.dimension == Dimension::PlaneStrain);
     let exact = exact.ok_or_else(|| {
         let expected = "a dry elastic block with free sides under gravity alone";

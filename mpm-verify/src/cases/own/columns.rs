@@ -55,7 +55,7 @@ impl Consolidation {
         let moves = scene.integrator != Integrator::QuasiStatic;
         let linear = Scene { strain: StrainChoice::Small, ..scene.clone() };
         let inertia = match moves {
-            true => DynamicColumn::new(&linear).zip(Column::of(&linear)).filter(|_| scene.strength.is_none()),
+            true => DynamicColumn::new(&linear).zip(Column::of(&linear)).filter(|_| scene.is_elastic()),
             false => None,
         };
         let (stiffness, density) = (scene.oedometer_modulus() + scene.pore_stiffness(), scene.mixture_density());
@@ -195,7 +195,7 @@ fn facts(scene: &Scene, column: &Column, inertia: Option<&(DynamicColumn, Column
         (true, false) => "drained at the base",
         (false, false) => "undrained",
     };
-    let plain = scene.gravity.is_none() && scene.layers.is_empty() && scene.strength.is_none();
+    let plain = scene.gravity.is_none() && scene.layers.is_empty() && scene.is_elastic();
     let name = match (large, plain, inertia.is_some()) {
         (false, true, true) => "the exact u-p column with inertia",
         (false, true, false) if ramp > 0.0 => "Olson's series for a load that grows",
@@ -246,7 +246,7 @@ fn facts(scene: &Scene, column: &Column, inertia: Option<&(DynamicColumn, Column
         }
         (_, None) => format!("inertia: not in the solution; times count from {from:.3e} s on, where it takes less than {INERTIA} of the load"),
     });
-    if scene.strength.is_some() {
+    if !scene.is_elastic() {
         beside.push("strength: Mohr-Coulomb along one axis, in the solution".to_owned());
     }
     Facts { kind, beside }
@@ -277,7 +277,7 @@ impl DryColumn {
         }
         let bar = Bar::new(scene);
         let small = final_settlement(scene, final_load).abs() / scene.height < SWINGS_SMALL;
-        if bar.is_some() && scene.strength.is_none() && small {
+        if bar.is_some() && scene.is_elastic() && small {
             return Ok(Self { bar, from: 0.0, final_load });
         }
         let still = scene.start == Start::Geostatic && scene.surcharge.is_none();
@@ -287,7 +287,7 @@ impl DryColumn {
         let from = if still { 0.0 } else { ramp + DIED / decay };
         // Soil with a strength keeps what a swing has done to it.
         let period = swing.map_or(0.0, |bar| 4.0 * scene.height / bar.speed);
-        if scene.strength.is_some() && ramp < 10.0 * period {
+        if !scene.is_elastic() && ramp < 10.0 * period {
             let expected = format!("at least {:.3e} s, ten periods: what yields in a swing stays", 10.0 * period);
             return Err(refusal("surcharge.ramp_time", &expected, &format!("{ramp} s")));
         }
