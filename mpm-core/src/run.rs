@@ -1,7 +1,7 @@
 //! The one switchboard: the words of a scene become concrete types. Nothing else matches on them.
 
 use crate::boundary::{Filled, Given, Strip, SurfaceLoad};
-use crate::constitutive::{LinearElastic, Material, Materials, MohrCoulomb, Part as Stratum};
+use crate::constitutive::{LinearElastic, Material, Materials, ModifiedCamClay, MohrCoulomb, Part as Stratum};
 use crate::drive::{Alone, Attend, Drive, Run, drive};
 use crate::error::RunError;
 use crate::grid::Grid;
@@ -166,9 +166,10 @@ fn in_plane(vertical: f64, lateral: f64) -> [f64; 4] {
 /// The materials of a scene: that of its soil, or those of its layers.
 fn materials(scene: &Scene) -> Result<Materials, RunError> {
     if scene.layers.is_empty() {
-        return Ok(Materials::one(match &scene.strength {
-            Some(strength) => Material::MohrCoulomb(MohrCoulomb::new(&scene.elastic, strength)),
-            None => Material::Elastic(LinearElastic::new(&scene.elastic)),
+        return Ok(Materials::one(match (&scene.strength, &scene.cam_clay) {
+            (Some(strength), _) => Material::MohrCoulomb(MohrCoulomb::new(&scene.elastic, strength)),
+            (None, Some(soil)) => Material::CamClay(ModifiedCamClay::new(soil)),
+            (None, None) => Material::Elastic(LinearElastic::new(&scene.elastic)),
         }));
     }
     let in_row = scene.particles_per_direction() * scene.cells[0];

@@ -2,7 +2,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::{Flow, Law, LinearElastic, MohrCoulomb, STATES, State};
+use super::{Flow, Law, LinearElastic, ModifiedCamClay, MohrCoulomb, STATES, State};
 use crate::real::{Lanes, Real};
 
 /// A material, one of those that are known.
@@ -12,6 +12,8 @@ pub enum Material {
     Elastic(LinearElastic),
     /// Elastic, perfectly plastic.
     MohrCoulomb(MohrCoulomb),
+    /// Hardens and softens with its plastic change of volume.
+    CamClay(ModifiedCamClay),
 }
 
 impl Material {
@@ -19,7 +21,7 @@ impl Material {
     pub fn is_plastic(&self) -> bool {
         match self {
             Self::Elastic(_) => false,
-            Self::MohrCoulomb(_) => true,
+            Self::MohrCoulomb(_) | Self::CamClay(_) => true,
         }
     }
 }
@@ -30,6 +32,7 @@ macro_rules! whichever {
         match $self {
             Material::Elastic($law) => $call,
             Material::MohrCoulomb($law) => $call,
+            Material::CamClay($law) => $call,
         }
     };
 }
@@ -70,6 +73,7 @@ impl Law for Material {
         match self {
             Self::Elastic(law) => Self::Elastic(law.altered(factor, stiffness)),
             Self::MohrCoulomb(law) => Self::MohrCoulomb(law.altered(factor, stiffness)),
+            Self::CamClay(law) => Self::CamClay(*law),
         }
     }
 

@@ -5,10 +5,12 @@
 mod checks;
 mod linear_elastic;
 mod material;
+mod modified_cam_clay;
 mod mohr_coulomb;
 
 pub use linear_elastic::LinearElastic;
 pub use material::{MOST_MATERIALS, Material, Materials, Part};
+pub use modified_cam_clay::ModifiedCamClay;
 pub use mohr_coulomb::{MohrCoulomb, Region};
 use nalgebra::SMatrix;
 use pulp::Simd;

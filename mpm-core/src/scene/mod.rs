@@ -290,6 +290,27 @@ impl Strength {
     }
 }
 
+/// A modified Cam-Clay soil ([`crate::constitutive::ModifiedCamClay`]).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CamClay {
+    /// Slope lambda of isotropic compression, logarithmic strain over ln p.
+    pub lambda: f64,
+    /// Slope kappa of swelling.
+    pub kappa: f64,
+    /// Poisson's ratio nu.
+    pub poisson_ratio: f64,
+    /// Bulk modulus, where it is constant, Pa; else p/kappa.
+    pub bulk_modulus: Option<f64>,
+    /// q/p at critical state, M.
+    pub critical_slope: f64,
+    /// Preconsolidation pressure p_c at t = 0, at least, Pa.
+    pub preconsolidation: f64,
+    /// p_c over the one that the stress at t = 0 needs.
+    pub overconsolidation: f64,
+    /// Isotropic tension that cementation bears, Pa.
+    pub attraction: f64,
+}
+
 /// Pore water.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct WaterProperties {
@@ -448,6 +469,9 @@ pub struct Scene {
     pub layers: Vec<SoilLayer>,
     /// Its strength, where the law is Mohr-Coulomb; an elastic skeleton has no limit.
     pub strength: Option<Strength>,
+    /// Its hardening, where the law is modified Cam-Clay; [`Self::elastic`] is then that of the largest pressure expected.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cam_clay: Option<CamClay>,
     /// Gain of volume beyond which soil has come apart and carries no stress until it has closed again; `None` if it always does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub separation: Option<f64>,
@@ -558,9 +582,9 @@ impl Scene {
         (1.0 - self.porosity) * self.grain_density
     }
 
-    /// Whether the soil is linear elastic: it does not yield.
+    /// Whether the soil is linear elastic: it neither yields nor remembers.
     pub fn is_elastic(&self) -> bool {
-        self.strength.is_none()
+        self.strength.is_none() && self.cam_clay.is_none()
     }
 
     /// Density of the mixture, kg/m3: (1 - n) rho_s + n rho_w, or the dry density without water.

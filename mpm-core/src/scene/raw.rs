@@ -89,6 +89,7 @@ pub(super) struct RawSoil {
 pub(super) enum RawLaw {
     LinearElastic(RawLinearElastic),
     MohrCoulomb(RawMohrCoulomb),
+    ModifiedCamClay(RawCamClay),
 }
 
 #[derive(Debug, Deserialize)]
@@ -107,6 +108,19 @@ pub(super) struct RawMohrCoulomb {
     pub friction_angle: Number,
     pub dilation_angle: Option<Number>,
     pub tension_cutoff: Option<Number>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawCamClay {
+    pub lambda: Number,
+    pub kappa: Number,
+    pub poisson_ratio: Number,
+    pub bulk_modulus: Option<Number>,
+    pub critical_slope: Number,
+    pub preconsolidation: Option<Number>,
+    pub overconsolidation: Option<Number>,
+    pub attraction: Option<Number>,
 }
 
 #[derive(Debug, Deserialize)]

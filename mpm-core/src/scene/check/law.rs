@@ -2,21 +2,70 @@
 
 use toml::Spanned;
 
-use super::super::raw::{RawLaw, RawMohrCoulomb, RawSoil};
-use super::super::{Elastic, Strength};
+use super::super::raw::{RawCamClay, RawLaw, RawMohrCoulomb, RawScene, RawSoil};
+use super::super::{CamClay, Elastic, Strength};
 use super::{Checked, Reader};
 
 impl Reader<'_> {
-    pub(super) fn law(&self, soil: &RawSoil) -> Checked<(Elastic, Option<Strength>)> {
-        match soil.law.get_ref() {
+    /// Elasticity, and strength or hardening, of the soil of a scene of a height (m).
+    pub(super) fn law(&self, raw: &RawScene, height: f64) -> Checked<(Elastic, Option<Strength>, Option<CamClay>)> {
+        match raw.soil.get_ref().law.get_ref() {
             RawLaw::LinearElastic(law) => {
-                Ok((self.elastic("linear_elastic", &law.youngs_modulus, &law.poisson_ratio)?, None))
+                Ok((self.elastic("linear_elastic", &law.youngs_modulus, &law.poisson_ratio)?, None, None))
             }
             RawLaw::MohrCoulomb(law) => {
                 let elastic = self.elastic("mohr_coulomb", &law.youngs_modulus, &law.poisson_ratio)?;
-                Ok((elastic, Some(self.strength(law)?)))
+                Ok((elastic, Some(self.strength(law)?), None))
+            }
+            RawLaw::ModifiedCamClay(law) => {
+                let (soil, elastic) = self.cam_clay(law, raw, height)?;
+                Ok((elastic, None, Some(soil)))
             }
         }
+    }
+
+    /// Hardening, and the elasticity at the largest pressure that the scene is to reach: explicit steps are stable up to there.
+    fn cam_clay(&self, law: &RawCamClay, raw: &RawScene, height: f64) -> Checked<(CamClay, Elastic)> {
+        let key = |name: &str| format!("soil.law.modified_cam_clay.{name}");
+        let lambda = self.positive(&law.lambda, &key("lambda"), "strain over ln p")?;
+        let expected = format!("0 < kappa < {lambda}, lambda");
+        let kappa = self.within(&law.kappa, &key("kappa"), &expected, |kappa| kappa > 0.0 && kappa < lambda)?;
+        let expected = "-1 < nu < 0.5";
+        let poisson_ratio =
+            self.within(&law.poisson_ratio, &key("poisson_ratio"), expected, |nu| nu > -1.0 && nu < 0.5)?;
+        let pressure = |value: &Option<Spanned<f64>>, name: &str| match value {
+            Some(value) => self.within(value, &key(name), "a finite pressure of 0 or more (Pa)", |p| p >= 0.0),
+            None => Ok(0.0),
+        };
+        let soil = CamClay {
+            lambda,
+            kappa,
+            poisson_ratio,
+            bulk_modulus: match &law.bulk_modulus {
+                Some(value) => Some(self.positive(value, &key("bulk_modulus"), "Pa")?),
+                None => None,
+            },
+            critical_slope: self.positive(&law.critical_slope, &key("critical_slope"), "q/p")?,
+            preconsolidation: pressure(&law.preconsolidation, "preconsolidation")?,
+            overconsolidation: match &law.overconsolidation {
+                Some(value) => self.within(value, &key("overconsolidation"), "1 or more", |ratio| ratio >= 1.0)?,
+                None => 1.0,
+            },
+            attraction: pressure(&law.attraction, "attraction")?,
+        };
+        let geostatic = raw.start.as_ref().is_some_and(|start| start.get_ref() == "geostatic");
+        let stiff = soil.bulk_modulus.is_some() && soil.preconsolidation > 0.0;
+        if !(geostatic || stiff || soil.attraction > 0.0) {
+            let expected = "an attraction above 0 (Pa), a bulk_modulus with a preconsolidation above 0, or start = \"geostatic\" \
+                            beside it: without stress this soil has neither strength nor stiffness";
+            return self.refuse(&raw.soil.get_ref().law.span(), "soil.law", expected, "none of them");
+        }
+        let load = raw.surcharge.as_ref().map_or(0.0, |load| load.get_ref().pressure.get_ref().abs());
+        let density = raw.soil.get_ref().grain_density.as_ref().map_or(3e3, |density| *density.get_ref());
+        let weight = raw.gravity.as_ref().map_or(0.0, |gravity| gravity.get_ref() * density * height);
+        let largest = soil.preconsolidation.max(load + weight) + soil.attraction;
+        let bulk = soil.bulk_modulus.unwrap_or(largest / kappa);
+        Ok((soil, Elastic { youngs_modulus: 3.0 * bulk * (1.0 - 2.0 * poisson_ratio), poisson_ratio }))
     }
 
     fn elastic(&self, law: &str, modulus: &Spanned<f64>, ratio: &Spanned<f64>) -> Checked<Elastic> {

@@ -201,7 +201,7 @@ impl Reader<'_> {
         let ground::Geometry { outline, width, height, cell, cells: [across, rows], sideroom_cells } = geometry;
         let (particles_per_cell, headroom_cells) =
             self.particles(raw, rows, across.saturating_add(sideroom_cells), dimension)?;
-        let (elastic, strength) = self.law(raw.soil.get_ref())?;
+        let (elastic, strength, cam_clay) = self.law(raw, height)?;
         let porosity = self.within(&raw.soil.get_ref().porosity, "soil.porosity", "1e-6 <= n <= 0.999999", |n| {
             (LEAST_PORES..=1.0 - LEAST_PORES).contains(&n)
         })?;
@@ -244,6 +244,7 @@ impl Reader<'_> {
             layers: Vec::new(),
             separation: self.separation(raw.soil.get_ref(), strength.as_ref())?,
             strength,
+            cam_clay,
             grain_density,
             porosity,
             water,
