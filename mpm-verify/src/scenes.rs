@@ -4,7 +4,7 @@ use mpm_core::error::SceneError;
 use mpm_core::scene::Scene;
 
 /// Names and texts of the scenes in `reference-data/scenes`.
-pub const BUILT_IN: [(&str, &str); 33] = [
+pub const BUILT_IN: [(&str, &str); 34] = [
     ("block-on-incline", include_str!("../../reference-data/scenes/block-on-incline.toml")),
     ("block-stops", include_str!("../../reference-data/scenes/block-stops.toml")),
     ("block-weakens", include_str!("../../reference-data/scenes/block-weakens.toml")),
@@ -27,6 +27,7 @@ pub const BUILT_IN: [(&str, &str); 33] = [
     ("self-weight", include_str!("../../reference-data/scenes/self-weight.toml")),
     ("slope-at-rest", include_str!("../../reference-data/scenes/slope-at-rest.toml")),
     ("slope-seepage", include_str!("../../reference-data/scenes/slope-seepage.toml")),
+    ("soft-layer", include_str!("../../reference-data/scenes/soft-layer.toml")),
     ("strip", include_str!("../../reference-data/scenes/strip.toml")),
     ("terzaghi", include_str!("../../reference-data/scenes/terzaghi.toml")),
     ("terzaghi-double", include_str!("../../reference-data/scenes/terzaghi-double.toml")),

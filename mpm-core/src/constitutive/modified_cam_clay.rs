@@ -104,15 +104,21 @@ impl ModifiedCamClay {
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         for _ in 0..ITERATIONS {
             let (over, slope) = residual(x);
+            if over == 0.0 {
+                return x;
+            }
             if over > 0.0 {
                 high = x
             } else {
                 low = x
             }
-            let step = over / slope;
-            let newton = x - step;
-            let inside = newton > low && newton < high && newton.is_finite();
-            let next = if inside { newton } else { 0.5 * (low.max(-1.0) + high.min(1.0)) };
+            let newton = x - over / slope;
+            let next = match (newton > low && newton < high, (high - low).is_finite()) {
+                (true, _) => newton,
+                (false, true) => 0.5 * (low + high),
+                // Pressures change by a factor e.
+                (false, false) => x - self.soil.kappa.copysign(over),
+            };
             if (next - x).abs() <= 1e-16 + 1e-15 * x.abs() {
                 return next;
             }
@@ -358,6 +364,23 @@ mod tests {
                     assert!(flow.residual < 1e-12, "{strain} {shear} {preconsolidation}: {flow:?}");
                     assert!((flow.residual - law.yield_residual(&stress, &state)).abs() < 1e-12);
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn tiny_steps_of_stiff_soil_are_taken() {
+        let law = ModifiedCamClay::new(&CamClay { lambda: 1e-3, kappa: 2e-4, ..soil(None, 0.0).soil });
+        for size in [1e-3, 1e-6, 1e-9, 1e-12, 1e-15, 0.0] {
+            let mut stress = [-2500.0, -2500.0, -2500.0, 0.0];
+            let mut state = law.first_state(&stress);
+            for step in 0..100 {
+                let strain = if step % 7 < 5 { -size } else { size };
+                let flow = law.update(&mut stress, &[0.0, strain, 0.0, 0.0], &mut state);
+                assert!(
+                    stress.iter().all(|s| s.is_finite()) && flow.residual < 1e-12,
+                    "{size} {step}: {stress:?} {flow:?}"
+                );
             }
         }
     }

@@ -5,6 +5,7 @@ mod bar;
 mod bits;
 mod block;
 mod boussinesq;
+mod cam_clay;
 mod collapse;
 mod contrast;
 mod coupled_field;
@@ -178,6 +179,11 @@ pub const LADDER: &[Rung] = &[
     mohr_coulomb::FROM_K0,
     mohr_coulomb::ISOTROPIC,
     mohr_coulomb::OEDOMETER,
+    cam_clay::DRAINED,
+    cam_clay::UNDRAINED,
+    cam_clay::OEDOMETER,
+    cam_clay::BY_PARTICLES,
+    cam_clay::SOFT_LAYER,
     outline::RUNG,
     rest::SPEED,
     rest::ENERGY,

@@ -6,6 +6,7 @@
 
 pub mod bar;
 pub mod boussinesq;
+pub mod cam_clay;
 pub mod column;
 pub mod coupled_field;
 pub mod dam;

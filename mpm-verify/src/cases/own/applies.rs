@@ -84,6 +84,9 @@ impl Solution {
 /// # Errors
 /// Key, what was expected and what was found.
 pub fn solution(scene: &Scene) -> Result<Solution, String> {
+    if scene.cam_clay.is_some() {
+        return Err(refusal("soil.law", "linear_elastic or mohr_coulomb", "modified_cam_clay"));
+    }
     even(scene)?;
     if scene.periodic {
         return slope(scene);

@@ -1,0 +1,136 @@
+//! One-dimensional compression from an isotropic stress: to K_0, along the curve that ordinary differential equations give.
+
+use mpm_core::constitutive::ModifiedCamClay;
+use mpm_core::scene::{CamClay, Dimension, Elastic, Scene, ShapeChoice};
+
+use super::super::evidence::{Parameter, Sampled};
+use super::super::{Mutant, Outcome, Rung, finished, integrator, with_rows};
+use super::{FLATTER, REQUIRED, SOIL, flatter, own};
+use crate::element::Element;
+use crate::exact::cam_clay::at_rest;
+use crate::exact::oracle::Table;
+use crate::norms::largest;
+
+/// The rung.
+pub const RUNG: Rung = Rung {
+    name: "cc-oedometer",
+    about: "Cam-Clay that does not strain sideways: vertical stress, lateral stress, and K_0 at the end",
+    climb: || climb(own),
+    mutant: Some(Mutant { what: FLATTER, climb: || climb(flatter) }),
+};
+
+/// The same soil as particles.
+pub const BY_PARTICLES: Rung = Rung {
+    name: "cc-oedometer-particles",
+    about: "stiff Cam-Clay compressed slowly by particles with inertia, one and two dimensions: settlement at rest",
+    climb: || by_particles(own),
+    mutant: Some(Mutant { what: FLATTER, climb: || by_particles(flatter) }),
+};
+
+/// Stress at the start, Pa.
+const START: f64 = 5e3;
+/// Steps between the rows of the table.
+const PARTS: [u32; 4] = [64, 128, 256, 512];
+/// What is refined.
+const PART: Parameter = ("step, share of a row", "-");
+
+fn climb(fault: fn(CamClay) -> CamClay) -> Result<Outcome, String> {
+    let table = Table::parse(include_str!("../../../../reference-data/exact/13_cam_clay_oedometer.csv"));
+    let rows = table.rows(["eps", "sigma_v_over_a", "K0"]);
+    let rest = at_rest(&SOIL).ok_or("no K_0")?;
+    let (mut errors, mut samples) = (Vec::new(), Vec::new());
+    for parts in PARTS {
+        samples.clear();
+        let mut element = Element::new(ModifiedCamClay::new(&fault(SOIL)), [-START, -START, -START, 0.0]);
+        let mut from = 0.0;
+        let look = |quantity: &str, time: f64, computed: f64, exact: f64| Sampled {
+            quantity: format!("{quantity}; the time is the strain"),
+            unit: "-".to_owned(),
+            time,
+            factor: None,
+            computed,
+            exact,
+            error: computed / exact - 1.0,
+            counts: true,
+        };
+        for [strain, vertical, ratio] in &rows {
+            for _ in 0..parts {
+                element.step(&[0.0, -(strain - from) / f64::from(parts), 0.0, 0.0], &[], &[0.0; 4])?;
+            }
+            from = *strain;
+            let [x, y, ..] = element.stress;
+            samples.push(look("vertical stress over the first", from, -y / START, *vertical));
+            samples.push(look("lateral over vertical stress", from, x / y, *ratio));
+        }
+        let [x, y, ..] = element.stress;
+        samples.push(look("K_0", from, x / y, rest));
+        errors.push((1.0 / f64::from(parts), largest(samples.iter().map(|s| s.error))));
+    }
+    Ok(Outcome {
+        integrator: "element test".to_owned(),
+        scheme: "modified-cam-clay".to_owned(),
+        errors,
+        required_error: REQUIRED,
+        required_order: Some([0.8, 2.2]),
+        refined_by: PART,
+        samples,
+        ..Outcome::default()
+    })
+}
+
+/// Slopes of the particles' soil over those of the table: strains are so much smaller, stresses the same.
+const STIFF: f64 = 0.01;
+/// Strain of the table under a load of four times the attraction.
+const STRAIN: f64 = 0.149_235_500_269_318_5;
+
+/// The settlement at rest.
+fn by_particles(fault: fn(CamClay) -> CamClay) -> Result<Outcome, String> {
+    let mut base = crate::scenes::oedometer();
+    let load = base.surcharge.ok_or("no load")?.pressure;
+    let attraction = 0.25 * load;
+    let soil = CamClay { lambda: STIFF * SOIL.lambda, kappa: STIFF * SOIL.kappa, attraction, ..SOIL };
+    let bulk = (load + attraction) / soil.kappa;
+    let (nu, youngs_modulus) = (soil.poisson_ratio, 3.0 * bulk * (1.0 - 2.0 * soil.poisson_ratio));
+    (base.strength, base.cam_clay) = (None, Some(fault(soil)));
+    base.elastic = Elastic { youngs_modulus, poisson_ratio: nu };
+    let exact = base.height * -f64::exp_m1(-STIFF * STRAIN);
+    let (mut errors, mut samples) = (Vec::new(), Vec::new());
+    for rows in [5, 10, 20] {
+        let mut worst = 0.0_f64;
+        samples.clear();
+        for (dimension, shape) in [
+            (Dimension::Column, ShapeChoice::Centre),
+            (Dimension::Column, ShapeChoice::Bspline2),
+            (Dimension::PlaneStrain, ShapeChoice::BBar),
+        ] {
+            let mut scene = with_rows(Scene { dimension, shape, ..base.clone() }, rows);
+            if dimension == Dimension::PlaneStrain {
+                scene.cells[0] = (scene.width / scene.cell).round() as usize;
+            }
+            let run = finished(&scene)?;
+            let last = run.samples.last().ok_or("no sample")?;
+            let error = last.state.settlement / exact - 1.0;
+            worst = worst.max(error.abs());
+            samples.push(Sampled {
+                quantity: format!("settlement at rest, {dimension:?} {shape:?}"),
+                unit: "m".to_owned(),
+                time: last.stage_time,
+                factor: None,
+                computed: last.state.settlement,
+                exact,
+                error,
+                counts: true,
+            });
+        }
+        errors.push((base.height / rows as f64, worst));
+    }
+    Ok(Outcome {
+        integrator: integrator(&base),
+        scheme: "centre, bspline2 and b-bar".to_owned(),
+        errors,
+        required_error: 1e-3,
+        required_order: None,
+        samples,
+        ..Outcome::default()
+    })
+}
