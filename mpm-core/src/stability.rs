@@ -13,7 +13,7 @@
 //! for the shortest wave: its Courant limit is lower by the square root of two.
 //!
 //! Affine velocities give a node the share 1 - S that the transfer left out, and soil that is strained by velocities mapped
-//! back is strained by as much as it moves: both make c smaller (1/2, and S/2). The limit of the plain step holds for them.
+//! back is strained by as much as it moves: both make c smaller (1/2, and S/2). The limit of the step without them holds.
 //!
 //! The semi-implicit scheme takes the pressure of the end of the step, and an eigenvalue -1 needs
 //! `rho = c K_u dt^2 (M/2 - Q/(2 + D_p K_p dt))`: the water only helps. But it helps against changes of volume of whole

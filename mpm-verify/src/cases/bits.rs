@@ -3,25 +3,16 @@
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
 
-use mpm_core::drive::{Attend, Run, Sample, Wish};
+use mpm_core::drive::{Attend, Run, Wish};
 use mpm_core::failure::{Driver, Phase};
 use mpm_core::hardware::{Hardware, Width};
-use mpm_core::observe::Observation;
 use mpm_core::run::{run_attended, run_on};
 use mpm_core::scene::{Base, Dimension, LoadedStrip, Scene, ShapeChoice, Surcharge, Until};
 use mpm_core::stability::choose_step;
 
 use super::evidence::RUNS;
-use super::{Mutant, Outcome, Rung, largest, whole};
+use super::{Mutant, Outcome, Rung, whole};
 use crate::nightly::work::GATES;
-
-/// The step over lanes beside the same step written plainly.
-pub const PLAIN: Rung = Rung {
-    name: "lanes-as-plain",
-    about: "a block in plane strain, loaded on one side, over lanes in several strips and by the plain step: largest difference",
-    climb: || lanes(0.0),
-    mutant: Some(Mutant { what: "a load larger by 1e-6 over lanes", climb: || lanes(1e-6) }),
-};
 
 /// Threads, and vectors of any width.
 pub const THREADS: Rung = Rung {
@@ -75,31 +66,6 @@ fn block(cells: [usize; 2], steps: f64) -> Scene {
     scene.observe_times = vec![0.5 * steps * dt, steps * dt];
     (scene.history, scene.profiles) = (0, true);
     scene
-}
-
-/// Strips add up the row between them in another order than the plain step: no more than that may differ.
-fn lanes(off: f64) -> Result<Outcome, String> {
-    let scene = block([40, 100], 120.0);
-    let plain = whole(run_on(&Hardware::plain(Width::One), &scene, &mut |_| {}))?;
-    let mut own = scene.clone();
-    own.surcharge = scene.surcharge.map(|load| Surcharge { pressure: load.pressure * (1.0 + off), ..load });
-    let over_lanes = whole(run_on(&Hardware::default(), &own, &mut |_| {}))?;
-    let seen = |s: &Sample| {
-        let Observation { settlement, mean_pressure, base_pressure, max_speed, centre, checkerboard, .. } = s.state;
-        let ledger = [s.ledger.external_work_j, s.ledger.darcy_dissipation_j, s.ledger.kinetic_j, s.ledger.water_j];
-        [&[settlement, mean_pressure, base_pressure, max_speed, centre[0], centre[1], checkerboard][..], &ledger]
-            .concat()
-    };
-    let [one, other] = [&plain, &over_lanes].map(|run| run.samples.iter().flat_map(seen).collect::<Vec<f64>>());
-    let differences = one.iter().zip(&other).map(|(a, b)| if a == b { 0.0 } else { (a - b) / a.abs().max(b.abs()) });
-    Ok(Outcome {
-        integrator: "explicit".to_owned(),
-        scheme: "centre".to_owned(),
-        errors: vec![(2.0, largest(differences))],
-        required_error: 1e-10,
-        refined_by: RUNS,
-        ..Outcome::default()
-    })
 }
 
 /// A low and closed block: its wave is soon in every strip, and none has all of the flow, as one would under
@@ -259,7 +225,7 @@ mod tests {
 
     #[test]
     fn bits_are_the_same_and_another_bit_is_found() {
-        for rung in [PLAIN, THREADS, AGAIN, RESUMED, LEVEE] {
+        for rung in [THREADS, AGAIN, RESUMED, LEVEE] {
             let climb = rung.climb().expect("runs that finish");
             assert!(climb.step.held(), "{}: {}", rung.name, climb.reason);
             let spoilt = rung.climb_mutant().expect("a mutant").expect("runs that finish");

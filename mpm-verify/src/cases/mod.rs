@@ -213,7 +213,6 @@ pub const LADDER: &[Rung] = &[
     limit_equilibrium::RUNG,
     collapse::DRY,
     collapse::SATURATED,
-    bits::PLAIN,
     bits::THREADS,
     bits::AGAIN,
     bits::RESUMED,

@@ -12,7 +12,7 @@ use super::{Mutant, Outcome, Rung, finished, largest, with_rows};
 /// The rung.
 pub const RUNG: Rung = Rung {
     name: "water-ledger",
-    about: "a block that consolidates, explicit, over lanes and with implicit pressure: water that is not accounted for",
+    about: "a block that consolidates, explicit and with implicit pressure: water that is not accounted for",
     climb: || climb(0.0),
     mutant: Some(Mutant { what: "a thousandth of the outflow not booked", climb: || climb(1e-3) }),
 };
