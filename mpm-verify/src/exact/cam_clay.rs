@@ -11,6 +11,17 @@ use mpm_core::scene::CamClay;
 
 use super::root::root;
 
+/// The soil of the tables 13, remoulded and without attraction.
+pub const SOIL: CamClay = CamClay {
+    lambda: 0.10,
+    kappa: 0.02,
+    poisson_ratio: 0.25,
+    bulk_modulus: None,
+    critical_slope: 1.0,
+    preconsolidation: 0.0,
+    overconsolidation: 1.0,
+    attraction: 0.0,
+};
 /// Triaxial compression from an isotropic stress.
 #[derive(Debug, Clone, Copy)]
 pub struct Triaxial {
@@ -105,17 +116,6 @@ pub fn at_rest(soil: &CamClay) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const SOIL: CamClay = CamClay {
-        lambda: 0.10,
-        kappa: 0.02,
-        poisson_ratio: 0.25,
-        bulk_modulus: None,
-        critical_slope: 1.0,
-        preconsolidation: 0.0,
-        overconsolidation: 1.0,
-        attraction: 0.0,
-    };
 
     /// The plastic deviatoric strain by the flow rule, in small steps of the change of volume.
     fn by_steps(path: &Triaxial, eta: f64) -> f64 {

@@ -10,17 +10,8 @@ pub use triaxial::{DRAINED, UNDRAINED};
 
 use mpm_core::scene::CamClay;
 
-/// The soil of all cases.
-const SOIL: CamClay = CamClay {
-    lambda: 0.10,
-    kappa: 0.02,
-    poisson_ratio: 0.25,
-    bulk_modulus: None,
-    critical_slope: 1.0,
-    preconsolidation: 0.0,
-    overconsolidation: 1.0,
-    attraction: 0.0,
-};
+use crate::exact::cam_clay::SOIL;
+
 /// What the element tests must reach at their shortest step.
 const REQUIRED: f64 = 1e-4;
 

@@ -70,7 +70,6 @@ fn path(
         advance(&mut element, step)?;
         let [p, q, _] = invariants(&element);
         let yielded = element.state[0] != first;
-        // A quantity that yields within a step has no own number before its end.
         let eta = q / p;
         let end = yielded && (eta / m - 1.0).abs() < NEAR;
         let along = -element.strain[1];
