@@ -11,7 +11,7 @@ use crate::exact::oracle::Table;
 /// The rung.
 pub const RUNG: Rung = Rung {
     name: "cc-soft-layer",
-    about: "consolidation of a layer of Cam-Clay to 14 % strain, B-splines without inertia: settlement from tau = 0.005",
+    about: "a layer of Cam-Clay that settles by 14 %, without inertia: settlement",
     climb: || quasi_static(sound),
     mutant: Some(Mutant { what: FASTER, climb: || quasi_static(faster) }),
 };

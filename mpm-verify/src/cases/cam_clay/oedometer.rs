@@ -14,7 +14,7 @@ use crate::norms::largest;
 /// The rung.
 pub const RUNG: Rung = Rung {
     name: "cc-oedometer",
-    about: "Cam-Clay that does not strain sideways: vertical stress, lateral stress, and K_0 at the end",
+    about: "Cam-Clay that does not strain sideways: stresses, and K_0 at the end",
     climb: || climb(own),
     mutant: Some(Mutant { what: FLATTER, climb: || climb(flatter) }),
 };
@@ -22,7 +22,7 @@ pub const RUNG: Rung = Rung {
 /// The same soil as particles.
 pub const BY_PARTICLES: Rung = Rung {
     name: "cc-oedometer-particles",
-    about: "stiff Cam-Clay compressed slowly by particles with inertia, one and two dimensions: settlement at rest",
+    about: "stiff Cam-Clay compressed by particles, explicit: settlement at rest",
     climb: || by_particles(own),
     mutant: Some(Mutant { what: FLATTER, climb: || by_particles(flatter) }),
 };

@@ -13,7 +13,7 @@ use crate::norms::largest;
 /// Lateral stresses are held.
 pub const DRAINED: Rung = Rung {
     name: "cc-drained",
-    about: "Cam-Clay in a drained triaxial cell, p_c/p_0 = 1, 1.5 and 8: stresses over strain, constant and pressure-dependent K",
+    about: "Cam-Clay in a drained triaxial cell: strains at a stress ratio",
     climb: || drained(own),
     mutant: Some(Mutant { what: FLATTER, climb: || drained(flatter) }),
 };
@@ -21,7 +21,7 @@ pub const DRAINED: Rung = Rung {
 /// The volume is held.
 pub const UNDRAINED: Rung = Rung {
     name: "cc-undrained",
-    about: "Cam-Clay in an undrained triaxial cell, p_c/p_0 = 1, 1.5 and 8: stresses over strain",
+    about: "Cam-Clay in an undrained triaxial cell: pressure and strain",
     climb: || undrained(own),
     mutant: Some(Mutant { what: FLATTER, climb: || undrained(flatter) }),
 };
