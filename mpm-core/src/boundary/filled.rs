@@ -13,7 +13,7 @@ use super::SurfaceLoad;
 use crate::grid::Grid;
 use crate::keep::Keeper;
 use crate::particles::{Layer, SolidPoint};
-use crate::scene::{DarcyChoice, LoadOn, Quadrature, Scene, ShapeChoice, Side, SolidSide};
+use crate::scene::{DarcyChoice, LoadOn, Quadrature, Scene, Side, SolidSide};
 
 /// Volume of soil per cell where the outline of the soil is known: a box between rollers under a level or bent surface.
 #[derive(Debug, Clone, Default)]
@@ -39,7 +39,7 @@ pub fn knows_volumes(scene: &Scene) -> bool {
     let free = |side: Side| scene.solid_sides[side as usize] == SolidSide::Free;
     let in_a_box = scene.outline.is_none() && scene.sideroom_cells == 0 && !scene.periodic;
     let held = ![Side::Left, Side::Right, Side::Bottom].into_iter().any(free) && scene.base.is_none();
-    let of_one_cell = !matches!(scene.shape, ShapeChoice::Gimp | ShapeChoice::Bspline2);
+    let of_one_cell = !scene.shape.is_wide();
     // The nodal flow takes every cell for full of soil.
     let by_faces = scene.water.is_none() || scene.darcy == DarcyChoice::Face;
     in_a_box

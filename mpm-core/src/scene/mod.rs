@@ -84,6 +84,18 @@ pub enum ShapeChoice {
     Bspline2,
 }
 
+impl ShapeChoice {
+    /// Degree of B-splines, of which there are this many more along an axis than cells.
+    pub fn spline_degree(self) -> Option<usize> {
+        (self == Self::Bspline2).then_some(2)
+    }
+
+    /// Whether functions reach beyond the cells beside a node, and their gradients do not jump at faces.
+    pub fn is_wide(self) -> bool {
+        self == Self::Gimp || self.spline_degree().is_some()
+    }
+}
+
 /// Whether the geometry follows the deformation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]

@@ -99,7 +99,7 @@ impl Scene {
 
     /// Whether shape functions are linear in a cell or less, so that gradients jump at its faces.
     fn has_jumping_gradients(&self) -> bool {
-        !matches!(self.shape, ShapeChoice::Gimp | ShapeChoice::Bspline2)
+        !self.shape.is_wide()
     }
 
     /// What load and weight do at the end. Cauchy stress s and a constant modulus make soil `exp(-s/M)` times as thick as it
@@ -238,10 +238,10 @@ impl Scene {
         }
         let (single, on_points) =
             (self.particles_per_cell == 1, self.surcharge.is_some_and(|s| s.on == LoadOn::Particles));
-        if self.shape == ShapeChoice::Bspline2 && single && (self.gravity.is_some() || on_points) {
+        if self.shape.spline_degree().is_some() && single && (self.gravity.is_some() || on_points) {
             return Err(UnfitLoad {
                 key: "mesh.particles_per_cell",
-                expected: "4 or more with \"bspline2\" under weight or a load on particles: one per cell is fewer points than unknowns",
+                expected: "4 or more with B-splines under weight or a load on particles: one per cell is fewer points than unknowns",
                 found: "1".to_owned(),
             });
         }

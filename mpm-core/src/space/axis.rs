@@ -1,18 +1,20 @@
-//! A basis along one axis: linear, uGIMP or quadratic B-splines on the lines of the mesh inside the soil.
+//! A basis along one axis: B-splines or uGIMP on the lines of the mesh inside the soil.
+
+use super::splines::{Local, MOST_ALONG, Splines};
 
 /// Functions along an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Basis {
-    /// Linear, one per knot.
-    Linear,
+    /// B-splines of a degree on open knots, the first and the last are the boundary values; degree 1 is linear, one per line.
+    Splines {
+        /// 1 to 3.
+        degree: usize,
+    },
     /// Linear, averaged over `2 half` around the point (Bardenhagen & Kober 2004, CMES 5, 477-495), m.
     Gimp {
         /// Half the size of a particle, m.
         half: f64,
     },
-    /// Quadratic B-splines on open knots: cells + 2 functions, the first and the last are the boundary values. One more
-    /// for every break, where its value is that of one function.
-    Spline2,
 }
 
 /// Lines that cut the soil along one axis, and the basis on them.
@@ -26,19 +28,10 @@ pub struct Axis {
     pub size: f64,
     /// First inner line, m: the others follow at equal distances.
     origin: f64,
-    /// Knots that B-splines have twice, ascending: slopes may jump there.
+    /// Knots where slopes of B-splines may jump, ascending.
     breaks: Vec<usize>,
-}
-
-/// Up to three functions that do not vanish at a point, and their derivatives.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Local {
-    /// Number of the first function.
-    pub first: usize,
-    /// Values.
-    pub value: [f64; 3],
-    /// Derivatives, 1/m.
-    pub slope: [f64; 3],
+    /// The B-splines; for uGIMP the linear functions that it averages.
+    splines: Splines,
 }
 
 impl Axis {
@@ -59,16 +52,19 @@ impl Axis {
             knots.remove(end - 1);
         }
         let origin = if knots.len() > 2 { knots[1] } else { high };
-        Self { knots, basis, size, origin, breaks: Vec::new() }
+        let degree = if let Basis::Splines { degree } = basis { degree } else { 1 };
+        let splines = Splines::new(&knots, degree, |_| 1);
+        Self { knots, basis, size, origin, breaks: Vec::new(), splines }
     }
 
     /// The axis with B-splines that are only continuous at some of its knots (m), the interfaces of layers. Linear
     /// functions have no slope there anyway.
     pub fn broken_at(mut self, places: impl Iterator<Item = f64>) -> Self {
-        if self.basis == Basis::Spline2 {
+        if let Basis::Splines { degree: degree @ 2.. } = self.basis {
             let knot = |place: f64| self.knots.iter().position(|k| (k - place).abs() < 1e-6 * self.size);
             let inner = 1..self.knots.len() - 1;
             self.breaks = places.filter_map(knot).filter(|knot| inner.contains(knot)).collect();
+            self.splines = Splines::new(&self.knots, degree, |knot| if self.is_break(knot) { degree } else { 1 });
         }
         self
     }
@@ -78,19 +74,9 @@ impl Axis {
         self.breaks.contains(&knot)
     }
 
-    /// Breaks below the middle of a cell.
-    pub fn breaks_below(&self, cell: usize) -> usize {
-        self.breaks.iter().filter(|knot| **knot <= cell).count()
-    }
-
-    /// First function of a cell.
-    pub fn first(&self, cell: usize) -> usize {
-        cell + self.breaks_below(cell)
-    }
-
-    /// Knot with a number when breaks are counted twice; so also the cell with a first function.
-    pub fn knot_of(&self, number: usize) -> usize {
-        number - self.breaks.iter().enumerate().filter(|(i, knot)| number > **knot + i).count()
+    /// The B-splines; for uGIMP the linear functions that it averages.
+    pub fn splines(&self) -> &Splines {
+        &self.splines
     }
 
     /// Cells.
@@ -100,18 +86,14 @@ impl Axis {
 
     /// Functions.
     pub fn functions(&self) -> usize {
-        match self.basis {
-            Basis::Linear | Basis::Gimp { .. } => self.knots.len(),
-            Basis::Spline2 => self.knots.len() + 1 + self.breaks.len(),
-        }
+        self.splines.count()
     }
 
     /// Functions that do not vanish in one place, at most.
     pub fn support(&self) -> usize {
         match self.basis {
-            Basis::Linear => 2,
+            Basis::Splines { degree } => degree + 1,
             Basis::Gimp { .. } => 3,
-            Basis::Spline2 => 3,
         }
     }
 
@@ -135,29 +117,14 @@ impl Axis {
     /// The functions at a point.
     pub fn at(&self, x: f64) -> Local {
         match self.basis {
-            Basis::Linear => self.linear(x),
+            Basis::Splines { .. } => self.at_boundary(x),
             Basis::Gimp { half } => self.gimp(x, half),
-            Basis::Spline2 => self.spline2(self.cell(x), x),
         }
     }
 
     /// Values at a point of the boundary: without the averaging of uGIMP, which would reach beyond it.
     pub fn at_boundary(&self, x: f64) -> Local {
-        match self.basis {
-            Basis::Gimp { .. } => self.linear(x),
-            _ => self.at(x),
-        }
-    }
-
-    fn linear(&self, x: f64) -> Local {
-        self.linear_of(self.cell(x), x)
-    }
-
-    /// Linear functions of a cell, going on straight beyond it.
-    fn linear_of(&self, cell: usize, x: f64) -> Local {
-        let inverse = 1.0 / self.length(cell);
-        let right = (x - self.knots[cell]) * inverse;
-        Local { first: cell, value: [1.0 - right, right, 0.0], slope: [-inverse, inverse, 0.0] }
+        self.splines.at(self.cell(x), x)
     }
 
     /// Mean of the linear functions from x - half to x + half. Beyond the boundary they go on straight, so that
@@ -165,10 +132,13 @@ impl Axis {
     fn gimp(&self, x: f64, half: f64) -> Local {
         // A support that ends on a line belongs to one side of it, whatever round-off says.
         let inner = half * (1.0 - 1e-9);
-        let low = self.linear_of(self.cell(x - inner), x - half);
-        let high = self.linear_of(self.cell(x + inner), x + half);
-        let mut local =
-            Local { first: low.first.min(self.functions().saturating_sub(3)), value: [0.0; 3], slope: [0.0; 3] };
+        let low = self.splines.at(self.cell(x - inner), x - half);
+        let high = self.splines.at(self.cell(x + inner), x + half);
+        let mut local = Local {
+            first: low.first.min(self.functions().saturating_sub(3)),
+            value: [0.0; MOST_ALONG],
+            slope: [0.0; MOST_ALONG],
+        };
         let shift = low.first - local.first;
         let width = 1.0 / (2.0 * half);
         if low.first == high.first {
@@ -190,58 +160,17 @@ impl Axis {
         }
         local
     }
-
-    /// Quadratic B-splines of a cell (de Boor 1978, ch. X, with repeated knots at the ends).
-    fn spline2(&self, cell: usize, x: f64) -> Local {
-        let [before, left, right, after] = self.around(cell);
-        let (down, up) = (1.0 / ((right - before) * (right - left)), 1.0 / ((after - left) * (right - left)));
-        let (first, last) = ((right - x).powi(2) * down, (x - left).powi(2) * up);
-        let (first_slope, last_slope) = (-2.0 * (right - x) * down, 2.0 * (x - left) * up);
-        Local {
-            first: self.first(cell),
-            value: [first, 1.0 - first - last, last],
-            slope: [first_slope, -first_slope - last_slope, last_slope],
-        }
-    }
-
-    /// Second derivatives of the three B-splines of a cell, 1/m2.
-    pub fn curvature(&self, cell: usize) -> [f64; 3] {
-        let [before, left, right, after] = self.around(cell);
-        let (first, last) = (2.0 / ((right - before) * (right - left)), 2.0 / ((after - left) * (right - left)));
-        [first, -first - last, last]
-    }
-
-    fn around(&self, cell: usize) -> [f64; 4] {
-        let k = &self.knots;
-        let mut around = [k[cell.max(1) - 1], k[cell], k[cell + 1], k[(cell + 2).min(k.len() - 1)]];
-        if self.is_break(cell) {
-            around[0] = around[1];
-        }
-        if self.is_break(cell + 1) {
-            around[3] = around[2];
-        }
-        around
-    }
-
-    /// Coefficients of a field `a + b x`: its values at the knots, or at the Greville points of the B-splines.
-    pub fn greville(&self, function: usize) -> f64 {
-        match self.basis {
-            Basis::Linear | Basis::Gimp { .. } => self.knots[function],
-            Basis::Spline2 => {
-                let k = |number: usize| self.knots[self.knot_of(number)];
-                0.5 * (k(function.max(1) - 1) + k(function.min(self.knots.len() + self.breaks.len() - 1)))
-            }
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::gauss;
     use super::*;
 
     fn axes() -> Vec<Axis> {
         let mut all = Vec::new();
-        for basis in [Basis::Linear, Basis::Gimp { half: 0.05 }, Basis::Spline2] {
+        let splines = [1, 2, 3].map(|degree| Basis::Splines { degree });
+        for basis in splines.into_iter().chain([Basis::Gimp { half: 0.05 }]) {
             for offset in [0.0, -0.03, -0.05, -0.099, 0.02] {
                 for high in [1.0, 0.913, 0.3, 0.1] {
                     let axis = Axis::new(0.0, high, 0.1, offset, 0.5, basis);
@@ -263,11 +192,11 @@ mod tests {
                 let x = high * f64::from(i) / 200.0;
                 let local = axis.at(x);
                 let (mut one, mut zero, mut line, mut slope) = (0.0, 0.0, 0.0, 0.0);
-                for a in 0..3 {
+                for a in 0..MOST_ALONG {
                     if local.value[a] == 0.0 && local.slope[a] == 0.0 {
                         continue;
                     }
-                    let at = axis.greville(local.first + a);
+                    let at = axis.splines().stands(local.first + a);
                     one += local.value[a];
                     zero += local.slope[a];
                     line += local.value[a] * at;
@@ -290,7 +219,7 @@ mod tests {
                 if a.first != b.first {
                     continue;
                 }
-                for f in 0..3 {
+                for f in 0..axis.support() {
                     let difference = (b.value[f] - a.value[f]) / (2.0 * step);
                     assert!((difference - middle.slope[f]).abs() < 1e-5, "{axis:?} {x} {f}");
                 }
@@ -300,26 +229,64 @@ mod tests {
 
     #[test]
     fn at_a_break_one_function_is_one_and_slopes_jump() {
-        let axis = Axis::new(0.0, 1.0, 0.1, 0.0, 0.5, Basis::Spline2).broken_at([0.3, 0.7, 0.75].into_iter());
-        assert_eq!(axis.functions(), 14);
-        for knot in [3, 7] {
-            let (below, above) = (axis.spline2(knot - 1, axis.knots[knot]), axis.spline2(knot, axis.knots[knot]));
-            assert_eq!(below.first + 2, above.first);
-            assert!((below.value[2] - 1.0).abs() < 1e-14 && (above.value[0] - 1.0).abs() < 1e-14);
-            assert!(below.slope[2] > 10.0 && above.slope[0] < -10.0, "{below:?} {above:?}");
+        for degree in [2, 3] {
+            let axis = Axis::new(0.0, 1.0, 0.1, 0.0, 0.5, Basis::Splines { degree });
+            let axis = axis.broken_at([0.3, 0.7, 0.75].into_iter());
+            assert_eq!(axis.functions(), 10 + degree + 2 * (degree - 1));
+            for knot in [3, 7] {
+                let at = |cell: usize| axis.splines().at(cell, axis.knots[knot]);
+                let (below, above) = (at(knot - 1), at(knot));
+                assert_eq!(below.first + degree, above.first);
+                assert!((below.value[degree] - 1.0).abs() < 1e-14 && (above.value[0] - 1.0).abs() < 1e-14);
+                assert!(below.slope[degree] > 10.0 && above.slope[0] < -10.0, "{below:?} {above:?}");
+            }
+            assert!((0..10).all(|cell| axis.splines().cell_with(axis.splines().first(cell)) == cell));
         }
-        assert!((0..10).all(|cell| axis.knot_of(axis.first(cell)) == cell));
+    }
+
+    #[test]
+    fn the_highest_derivative_is_that_of_the_values() {
+        for axis in axes().into_iter().filter(|axis| matches!(axis.basis, Basis::Splines { .. })) {
+            let degree = axis.support() - 1;
+            for cell in 0..axis.cells() {
+                // Differences of order `degree` of a polynomial of that degree are exact.
+                let step = axis.length(cell) / degree as f64;
+                for (a, highest) in axis.splines().highest(cell).into_iter().take(degree + 1).enumerate() {
+                    let at = |i: usize| axis.splines().at(cell, axis.knots[cell] + i as f64 * step).value[a];
+                    let binomials: &[f64] = [&[-1.0, 1.0][..], &[1.0, -2.0, 1.0], &[-1.0, 3.0, -3.0, 1.0]][degree - 1];
+                    let difference: f64 = binomials.iter().enumerate().map(|(i, b)| b * at(i)).sum();
+                    let scale = step.powi(-(degree as i32));
+                    assert!((difference * scale - highest).abs() < 1e-11 * scale, "{axis:?} {cell} {a}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn integrals_are_those_of_the_values() {
+        for axis in axes().into_iter().filter(|axis| matches!(axis.basis, Basis::Splines { .. })) {
+            let mut sums = vec![0.0; axis.functions()];
+            for cell in 0..axis.cells() {
+                for a in 0..axis.support() {
+                    let value = |x| axis.splines().at(cell, x).value[a];
+                    sums[axis.splines().first(cell) + a] += gauss(axis.knots[cell], axis.knots[cell + 1], 1, value);
+                }
+            }
+            for (function, sum) in sums.iter().enumerate() {
+                assert!((sum - axis.splines().integral(function)).abs() < 1e-14, "{axis:?} {function}");
+            }
+        }
     }
 
     #[test]
     fn small_boundary_cells_are_merged() {
-        let axis = Axis::new(0.0, 1.0, 0.1, -0.07, 0.5, Basis::Linear);
+        let axis = Axis::new(0.0, 1.0, 0.1, -0.07, 0.5, Basis::Splines { degree: 1 });
         assert_eq!(axis.cells(), 10);
         assert!((axis.length(0) - 0.13).abs() < 1e-12 && (axis.length(9) - 0.07).abs() < 1e-12);
         for x in [0.0, 0.129, 0.131, 0.5, 0.92, 0.94, 1.0] {
             let cell = axis.cell(x);
             assert!(axis.knots[cell] <= x && x <= axis.knots[cell + 1], "{x} {cell}");
         }
-        assert_eq!(Axis::new(0.0, 1.0, 0.1, 0.0, 0.5, Basis::Spline2).functions(), 12);
+        assert_eq!(Axis::new(0.0, 1.0, 0.1, 0.0, 0.5, Basis::Splines { degree: 2 }).functions(), 12);
     }
 }

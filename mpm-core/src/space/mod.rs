@@ -6,11 +6,13 @@
 mod axis;
 mod deformation;
 mod gauss;
+mod splines;
 mod stencil;
 mod weights;
 
-pub use axis::{Axis, Basis, Local};
+pub use axis::{Axis, Basis};
 pub use deformation::{Stretch, active, strain_mode, stretch, tensor, turned};
-pub use gauss::{GAUSS3, gauss};
+pub use gauss::{gauss, gauss_points};
+pub use splines::{Local, Splines};
 pub use stencil::{MOST, Stencil};
 pub use weights::{Fit, fit};

@@ -2,8 +2,8 @@
 
 use super::{Axis, Local};
 
-/// Most functions that do not vanish at a point: three along each of two axes.
-pub const MOST: usize = 9;
+/// Most functions that do not vanish at a point: four along each of two axes, those of cubic B-splines.
+pub const MOST: usize = 16;
 
 /// Functions that do not vanish at a point, with their gradients.
 #[derive(Debug, Clone, Copy, PartialEq)]

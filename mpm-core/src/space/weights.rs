@@ -1,12 +1,13 @@
-//! Weights of particles that integrate continuous piecewise polynomials exactly.
+//! Weights of particles that integrate products of slopes exactly.
 //!
-//! Products of slopes of quadratic B-splines are continuous piecewise quadratics. The weights are those nearest to the
-//! particles' volumes, `min sum (w - V)^2`, that integrate every such function on the cells exactly: the basis then keeps
-//! its order, also when particles have moved. A weight is never less than a twentieth of its volume: those that would
-//! be are held there and the rest is fitted again. Where B-splines have a break, products of slopes jump, and so do the
-//! functions that are integrated.
+//! Slopes of B-splines of degree p have p - 2 continuous derivatives, so products of two of them are splines of degree
+//! 2 (p - 1) with as many. The weights are those nearest to the particles' volumes, `min sum (w - V)^2`, that integrate every
+//! such spline on the cells exactly: the basis then keeps its order, also when particles have moved. A weight is never less
+//! than a twentieth of its volume: those that would be are held there and the rest is fitted again. Where B-splines have a
+//! break, products of slopes jump, and so do the functions that are integrated.
 
 use super::Axis;
+use super::splines::{Local, Splines};
 use crate::sparse::{Factor, Ordering, Signs, Sparse};
 
 /// Least weight as a share of the volume.
@@ -21,16 +22,23 @@ const EXACT: f64 = 1e-9;
 pub struct Fit {
     /// One per point, m3.
     pub weights: Vec<f64>,
-    /// Degree of the polynomials: 2, 1, or 0 for the particles' own volumes.
+    /// Degree of the B-splines whose products of slopes are integrated exactly: 1 for what is linear in a cell and continuous,
+    /// 0 for the particles' own volumes.
     pub degree: usize,
     /// Largest error of an integral as a share of a cell's volume.
     pub residual: f64,
 }
 
-/// Fits weights to points (m) with volumes (m3) in the cells of the axes; `thickness` (m^(3-D)) turns lengths into
-/// volumes. Falls back to a lower degree where there are too few points.
-pub fn fit<const D: usize>(axes: &[Axis; D], thickness: f64, points: &[[f64; D]], volumes: &[f64]) -> Fit {
-    for degree in [2, 1] {
+/// Fits weights to points (m) with volumes (m3) in the cells of the axes, for B-splines of a degree; `thickness` (m^(3-D)) turns
+/// lengths into volumes. Falls back to a lower degree where there are too few points.
+pub fn fit<const D: usize>(
+    axes: &[Axis; D],
+    degree: usize,
+    thickness: f64,
+    points: &[[f64; D]],
+    volumes: &[f64],
+) -> Fit {
+    for degree in (1..=degree).rev() {
         if let Some(fit) = Moments::new(axes, thickness, points, degree).fit(volumes)
             && fit.residual <= EXACT
         {
@@ -41,51 +49,53 @@ pub fn fit<const D: usize>(axes: &[Axis; D], thickness: f64, points: &[[f64; D]]
     Fit { weights: volumes.to_vec(), degree: 0, residual }
 }
 
-/// Integrals of Lagrange polynomials: what they should be, and the functions at the points.
+/// Integrals of splines: what they should be, and the functions at the points.
 struct Moments {
     target: Vec<f64>,
+    /// That of the B-splines whose slopes are multiplied.
     degree: usize,
-    /// Functions per point, degree + 1 along each axis.
+    /// Functions per point.
     support: usize,
     number: Vec<u32>,
     value: Vec<f64>,
     cell_volume: f64,
 }
 
+/// Products of slopes of B-splines of a degree. Those of linear functions are constant in a cell; weights for continuous linear
+/// functions serve the loads as well.
+fn products(axis: &Axis, degree: usize) -> Splines {
+    let of = if degree == 1 { 1 } else { 2 * (degree - 1) };
+    Splines::new(&axis.knots, of, |knot| if axis.is_break(knot) { of + 1 } else { degree })
+}
+
 impl Moments {
     fn new<const D: usize>(axes: &[Axis; D], thickness: f64, points: &[[f64; D]], degree: usize) -> Self {
-        let counts: [usize; D] = std::array::from_fn(|d| functions(&axes[d], degree));
-        let total: usize = counts.iter().product();
-        let along: [Vec<f64>; D] = std::array::from_fn(|d| integrals(&axes[d], degree));
+        let splines: [Splines; D] = std::array::from_fn(|d| products(&axes[d], degree));
+        let total: usize = splines.iter().map(Splines::count).product();
         let target = (0..total)
             .map(|index| {
                 let mut rest = index;
-                (0..D).fold(thickness, |product, d| {
-                    let i = rest % counts[d];
-                    rest /= counts[d];
-                    product * along[d][i]
+                splines.iter().fold(thickness, |product, along| {
+                    let i = rest % along.count();
+                    rest /= along.count();
+                    product * along.integral(i)
                 })
             })
             .collect();
-        let support = (degree + 1).pow(D as u32);
+        let along = splines[0].support();
+        let support = along.pow(D as u32);
         let (mut number, mut value) =
             (Vec::with_capacity(points.len() * support), Vec::with_capacity(points.len() * support));
         for x in points {
-            let mut first = [0; D];
-            let mut along = [[0.0; 3]; D];
-            for d in 0..D {
-                let cell = axes[d].cell(x[d]);
-                first[d] = degree * cell + axes[d].breaks_below(cell);
-                along[d] = lagrange((x[d] - axes[d].knots[cell]) / axes[d].length(cell), degree);
-            }
-            for local in 0..support {
-                let (mut rest, mut index, mut stride, mut product) = (local, 0, 1, 1.0);
+            let local: [Local; D] = std::array::from_fn(|d| splines[d].at(axes[d].cell(x[d]), x[d]));
+            for function in 0..support {
+                let (mut rest, mut index, mut stride, mut product) = (function, 0, 1, 1.0);
                 for d in 0..D {
-                    let i = rest % (degree + 1);
-                    rest /= degree + 1;
-                    index += (first[d] + i) * stride;
-                    stride *= counts[d];
-                    product *= along[d][i];
+                    let i = rest % along;
+                    rest /= along;
+                    index += (local[d].first + i) * stride;
+                    stride *= splines[d].count();
+                    product *= local[d].value[i];
                 }
                 number.push(index as u32);
                 value.push(product);
@@ -182,36 +192,9 @@ fn cliques(number: &[u32], support: usize) -> impl Iterator<Item = &[u32]> {
     })
 }
 
-/// Lagrange polynomials on [0, 1] with equal spacing.
-fn lagrange(xi: f64, degree: usize) -> [f64; 3] {
-    if degree == 1 {
-        [1.0 - xi, xi, 0.0]
-    } else {
-        [(1.0 - xi) * (1.0 - 2.0 * xi), 4.0 * xi * (1.0 - xi), xi * (2.0 * xi - 1.0)]
-    }
-}
-
-/// How many there are along an axis: one per node, two at a break.
-fn functions(axis: &Axis, degree: usize) -> usize {
-    degree * axis.cells() + 1 + axis.breaks_below(axis.cells())
-}
-
-/// Their integrals along an axis, m.
-fn integrals(axis: &Axis, degree: usize) -> Vec<f64> {
-    let mut sums = vec![0.0; functions(axis, degree)];
-    for cell in 0..axis.cells() {
-        let length = axis.length(cell);
-        let shares: &[f64] = if degree == 1 { &[0.5, 0.5] } else { &[1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0] };
-        for (i, share) in shares.iter().enumerate() {
-            sums[degree * cell + axis.breaks_below(cell) + i] += share * length;
-        }
-    }
-    sums
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::Basis;
+    use super::super::{Basis, gauss};
     use super::*;
 
     fn points(cells: usize, per_cell: usize, shift: impl Fn(f64) -> f64) -> Vec<[f64; 1]> {
@@ -221,31 +204,34 @@ mod tests {
 
     #[test]
     fn moved_particles_integrate_products_of_slopes_exactly() {
-        let spacing = 1.0 / 30.0;
-        let moved = |x: f64| 0.5 * spacing * (std::f64::consts::TAU * x).sin() + 0.25 * spacing * (517.0 * x).sin();
-        for offset in [0.0, -0.03, -0.05, -0.08] {
-            let x = points(10, 3, moved);
-            let volumes = vec![spacing; 30];
-            let tries = [0.5, 0.75, 1.0].map(|least| {
-                let axis = [Axis::new(0.0, 1.0, 0.1, offset, least, Basis::Spline2)];
-                (fit(&axis, 1.0, &x, &volumes), axis)
-            });
-            let (fitted, axis) = tries.iter().find(|(fit, _)| fit.degree == 2).expect("a fit");
-            let least = fitted.weights.iter().fold(1.0, |m, w| f64::min(m, w / spacing));
-            assert!(least >= LEAST, "{least}");
-            // The stiffness of the basis against Gauss points.
-            let product = |x: f64, a: usize, b: usize| {
-                let local = axis[0].at(x);
-                let slope = |f: usize| f.checked_sub(local.first).filter(|i| *i < 3).map_or(0.0, |i| local.slope[i]);
-                slope(a) * slope(b)
-            };
-            for a in 0..axis[0].functions() {
-                for b in a..(a + 3).min(axis[0].functions()) {
-                    let by_particles: f64 = x.iter().zip(&fitted.weights).map(|(x, w)| w * product(x[0], a, b)).sum();
-                    let exact: f64 = (0..axis[0].cells())
-                        .map(|c| super::super::gauss(axis[0].knots[c], axis[0].knots[c + 1], 1, |x| product(x, a, b)))
-                        .sum();
-                    assert!((by_particles - exact).abs() < 1e-7 * 13.0, "{offset} {a} {b} {by_particles} {exact}");
+        for (degree, per_cell) in [(2, 3), (3, 4)] {
+            let count = 10 * per_cell;
+            let spacing = 1.0 / count as f64;
+            let moved = |x: f64| 0.5 * spacing * (std::f64::consts::TAU * x).sin() + 0.25 * spacing * (517.0 * x).sin();
+            for offset in [0.0, -0.03, -0.05, -0.08] {
+                let x = points(10, per_cell, moved);
+                let volumes = vec![spacing; count];
+                let tries = [0.5, 0.75, 1.0].map(|least| {
+                    let axis = [Axis::new(0.0, 1.0, 0.1, offset, least, Basis::Splines { degree })];
+                    (fit(&axis, degree, 1.0, &x, &volumes), axis)
+                });
+                let (fitted, axis) = tries.iter().find(|(fit, _)| fit.degree == degree).expect("a fit");
+                let least = fitted.weights.iter().fold(1.0, |m, w| f64::min(m, w / spacing));
+                assert!(least >= LEAST, "{least}");
+                // The stiffness of the basis against Gauss points.
+                let product = |x: f64, a: usize, b: usize| {
+                    let local = axis[0].at(x);
+                    let slope = |f: usize| f.checked_sub(local.first).and_then(|i| local.slope.get(i)).copied();
+                    slope(a).unwrap_or(0.0) * slope(b).unwrap_or(0.0)
+                };
+                for a in 0..axis[0].functions() {
+                    for b in a..(a + degree + 1).min(axis[0].functions()) {
+                        let by_particles: f64 =
+                            x.iter().zip(&fitted.weights).map(|(x, w)| w * product(x[0], a, b)).sum();
+                        let of = |c: usize| gauss(axis[0].knots[c], axis[0].knots[c + 1], 1, |x| product(x, a, b));
+                        let exact: f64 = (0..axis[0].cells()).map(of).sum();
+                        assert!((by_particles - exact).abs() < 1e-7 * 13.0, "{offset} {a} {b} {by_particles} {exact}");
+                    }
                 }
             }
         }
@@ -253,8 +239,8 @@ mod tests {
 
     #[test]
     fn too_few_particles_fall_back() {
-        let axis = [Axis::new(0.0, 1.0, 0.1, 0.0, 0.5, Basis::Spline2)];
-        assert_eq!(fit(&axis, 1.0, &points(10, 2, |_| 0.0), &[0.05; 20]).degree, 1);
-        assert_eq!(fit(&axis, 1.0, &points(10, 1, |x| 0.01 * (9.0 * x).sin()), &[0.1; 10]).degree, 0);
+        let axis = [Axis::new(0.0, 1.0, 0.1, 0.0, 0.5, Basis::Splines { degree: 2 })];
+        assert_eq!(fit(&axis, 2, 1.0, &points(10, 2, |_| 0.0), &[0.05; 20]).degree, 1);
+        assert_eq!(fit(&axis, 2, 1.0, &points(10, 1, |x| 0.01 * (9.0 * x).sin()), &[0.1; 10]).degree, 0);
     }
 }

@@ -317,7 +317,7 @@ impl Reader<'_> {
     /// The plain explicit step: linear functions, at the centre of the cell or at the particle.
     fn corners(&self, span: &Range<usize>, key: &str, scene: &Scene) -> Checked<()> {
         self.explicit(span, key, scene)?;
-        if !matches!(scene.shape, ShapeChoice::Gimp | ShapeChoice::Bspline2) {
+        if !scene.shape.is_wide() {
             return Ok(());
         }
         let found = if scene.shape == ShapeChoice::Gimp { "\"gimp\"" } else { "\"bspline2\"" };

@@ -89,7 +89,7 @@ impl Reader<'_> {
         if raw.shape.is_some() {
             scheme.shape = Some(self.word(raw.shape.as_ref(), "scheme.shape", &SHAPES, ShapeChoice::Centre)?);
         }
-        let splines = scheme.shape == Some(ShapeChoice::Bspline2);
+        let splines = scheme.shape.is_some_and(|shape| shape.spline_degree().is_some());
         if let (Some(value), false) = (&raw.jump_penalty, splines) {
             let expected = "shape = \"bspline2\" beside it: other shapes have no jump penalty";
             return self.refuse(&value.span(), "scheme.jump_penalty", expected, value.get_ref());

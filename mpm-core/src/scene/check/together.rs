@@ -6,8 +6,8 @@ use toml::Spanned;
 
 use super::super::raw::RawScene;
 use super::super::{
-    DarcyChoice, Dimension, Integrator, LoadOn, Scene, ShapeChoice, Side, SolidSide, Start, StepChoice, StrainChoice,
-    TimeMethod, Until,
+    DarcyChoice, Dimension, Integrator, LoadOn, Scene, Side, SolidSide, Start, StepChoice, StrainChoice, TimeMethod,
+    Until,
 };
 use super::{Checked, Reader, quoted};
 
@@ -36,7 +36,7 @@ impl Reader<'_> {
             let expected = "a [water] table beside it: a dry scene has no pressure to solve for";
             return self.refuse(&value.span(), "time.integrator", expected, quoted(value.get_ref()));
         }
-        let corners = !matches!(scene.shape, ShapeChoice::Gimp | ShapeChoice::Bspline2);
+        let corners = !scene.shape.is_wide();
         let darcy = raw.scheme.as_ref().and_then(|scheme| scheme.get_ref().darcy.as_ref());
         if let (Some(value), DarcyChoice::Nodal, true) = (darcy, scene.darcy, semi || !corners) {
             let expected = "\"face\", or integrator = \"explicit\" and shape = \"centre\" or \"linear\" beside it";
@@ -164,7 +164,7 @@ impl Reader<'_> {
     /// Space: no inertia, face flow, points enough.
     fn quasi_static_scheme(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
         if let Some(scheme) = raw.scheme.as_ref().map(Spanned::get_ref) {
-            if let (Some(value), false) = (&scheme.quadrature, scene.shape == ShapeChoice::Bspline2) {
+            if let (Some(value), false) = (&scheme.quadrature, scene.shape.spline_degree().is_some()) {
                 let expected =
                     "shape = \"bspline2\" beside it and quasi-static: other shapes use the particles' volumes there";
                 return self.refuse(&value.span(), "scheme.quadrature", expected, quoted(value.get_ref()));
@@ -183,8 +183,8 @@ impl Reader<'_> {
             }
         }
         let value = &raw.mesh.get_ref().particles_per_cell;
-        if scene.shape == ShapeChoice::Bspline2 && scene.particles_per_cell < 4 {
-            let expected = "at least 4 with bspline2 and quasi-static: one per cell is fewer points than unknowns";
+        if scene.shape.spline_degree().is_some() && scene.particles_per_cell < 4 {
+            let expected = "at least 4 with B-splines and quasi-static: one per cell is fewer points than unknowns";
             return self.refuse(&value.span(), "mesh.particles_per_cell", expected, value.get_ref());
         }
         Ok(())

@@ -5,7 +5,7 @@ use super::tangent::System;
 use crate::constitutive::{Law, Materials, State};
 use crate::particles::SolidPoint;
 use crate::scene::{LoadOn, Quadrature, Scene, ShapeChoice, Side, SolidSide};
-use crate::space::{Axis, Basis, GAUSS3, Local, Stencil, fit, gauss};
+use crate::space::{Axis, Basis, Fit, Local, Stencil, fit, gauss, gauss_points};
 use crate::sparse::Unsolved;
 
 /// Least boundary cell, as a share of a whole one, tried one after the other until the weights can be fitted.
@@ -33,7 +33,7 @@ pub(super) struct Ground<'a, const D: usize> {
 
 /// Whether pressures are B-splines; else they are constant in a cell.
 pub(super) fn smooth(shape: ShapeChoice) -> bool {
-    shape == ShapeChoice::Bspline2
+    shape.spline_degree().is_some()
 }
 
 impl<const D: usize> Ground<'_, D> {
@@ -41,9 +41,8 @@ impl<const D: usize> Ground<'_, D> {
     fn axes(&self, least: f64) -> [Axis; D] {
         let scene = self.scene;
         let basis = match scene.shape {
-            ShapeChoice::Centre | ShapeChoice::Centroid | ShapeChoice::Linear | ShapeChoice::BBar => Basis::Linear,
             ShapeChoice::Gimp => Basis::Gimp { half: 0.5 * self.spacing() },
-            ShapeChoice::Bspline2 => Basis::Spline2,
+            shape => Basis::Splines { degree: shape.spline_degree().unwrap_or(1) },
         };
         std::array::from_fn(|d| {
             let high = if d == D - 1 { scene.height - self.settled } else { scene.width };
@@ -64,20 +63,20 @@ impl<const D: usize> Ground<'_, D> {
         if self.scene.quadrature == Quadrature::Volumes || self.scene.shape == ShapeChoice::Gimp {
             return (self.axes(LEAST_CELLS[0]), volumes);
         }
-        if !smooth(self.scene.shape) {
+        let Some(degree) = self.scene.shape.spline_degree() else {
             let axes = self.axes(LEAST_CELLS[0]);
             let weights = self.filling(&axes, volumes);
             return (axes, weights);
-        }
+        };
         let places: Vec<[f64; D]> = self.points.iter().map(|p| p.x).collect();
-        let mut best: Option<([Axis; D], crate::space::Fit)> = None;
+        let mut best: Option<([Axis; D], Fit)> = None;
         for least in LEAST_CELLS {
             let axes = self.axes(least);
-            let fitted = fit(&axes, self.thickness, &places, &volumes);
+            let fitted = fit(&axes, degree, self.thickness, &places, &volumes);
             if best.as_ref().is_none_or(|(_, b)| fitted.degree > b.degree) {
                 best = Some((axes, fitted));
             }
-            if best.as_ref().is_some_and(|(_, b)| b.degree == 2) {
+            if best.as_ref().is_some_and(|(_, b)| b.degree == degree) {
                 break;
             }
         }
@@ -119,7 +118,10 @@ impl<const D: usize> Ground<'_, D> {
         let pore = if wet || scene.gravity.is_some() { self.pore(&law, &axes, &solid) } else { Vec::new() };
         let faces = if wet && !smooth { self.faces(&law, &axes) } else { Vec::new() };
         let (soil_map, water_map, size) = self.unknowns(&axes, pressures);
-        let jumps = if wet && smooth { self.jumps(&axes) } else { Vec::new() };
+        let jumps = match scene.shape.spline_degree() {
+            Some(degree) if wet => self.jumps(&axes, degree),
+            _ => Vec::new(),
+        };
         let maps = (soil_map.as_slice(), water_map.as_slice());
         let system = System::new(size, (&solid, &pore, &faces), &jumps, maps, law.are_symmetric())?;
         let water = scene.water.unwrap_or(crate::scene::WaterProperties {
@@ -165,8 +167,8 @@ impl<const D: usize> Ground<'_, D> {
     fn solid<L: Law>(&self, law: &Materials<L>, axes: &[Axis; D], weights: &[f64]) -> Vec<SolidPart<D>> {
         let centre = matches!(self.scene.shape, ShapeChoice::Centre | ShapeChoice::Centroid);
         // Plastic flow that keeps its volume at every point leaves smooth functions no way to move.
-        let wide = matches!(self.scene.shape, ShapeChoice::Bspline2 | ShapeChoice::Gimp);
-        let split = self.scene.shape == ShapeChoice::BBar || (D == 2 && wide && !law.are_linear());
+        let smooth = self.scene.shape.is_wide() && !law.are_linear();
+        let split = self.scene.shape == ShapeChoice::BBar || (D == 2 && smooth);
         let part = |(i, point): (usize, &SolidPoint<D>)| {
             let mut stencil = Stencil::at(axes, &point.x);
             let at_centre = || Stencil::at(axes, &middle(axes, &cell_of(axes, &point.x))).slope;
@@ -202,7 +204,7 @@ impl<const D: usize> Ground<'_, D> {
             [volume, mass] if volume > 0.0 => 1.0 - mass / (self.scene.grain_density * volume),
             _ => self.scene.porosity,
         };
-        if !smooth(self.scene.shape) {
+        let Some(degree) = self.scene.shape.spline_degree() else {
             let part = |(i, point): (usize, &SolidPoint<D>)| {
                 let cell = place(point);
                 let mut water = Stencil::single(cell);
@@ -212,17 +214,18 @@ impl<const D: usize> Ground<'_, D> {
                 PorePart { soil, water, weight, porosity: porosity(cell), mark }
             };
             return self.points.iter().enumerate().map(part).collect();
-        }
-        let mut parts = Vec::with_capacity(room.len() * 3usize.pow(D as u32));
+        };
+        let rule = gauss_points(degree);
+        let mut parts = Vec::with_capacity(room.len() * rule.len().pow(D as u32));
         for (cell, _) in room.iter().enumerate() {
             let position = position(axes, cell);
             let porosity = porosity(cell);
-            for local in 0..3usize.pow(D as u32) {
+            for local in 0..rule.len().pow(D as u32) {
                 let mut rest = local;
                 let (mut x, mut weight) = ([0.0; D], self.thickness);
                 for d in 0..D {
-                    let (xi, share) = GAUSS3[rest % 3];
-                    rest /= 3;
+                    let (xi, share) = rule[rest % rule.len()];
+                    rest /= rule.len();
                     let length = axes[d].length(position[d]);
                     x[d] = axes[d].knots[position[d]] + xi * length;
                     weight *= share * length;
@@ -345,34 +348,36 @@ impl<const D: usize> Ground<'_, D> {
         load
     }
 
-    /// `gamma L^5/(2G) sum over inner knots [d2p/dn2][d2q/dn2]`, integrated along the knot.
-    fn jumps(&self, axes: &[Axis; D]) -> Vec<(u32, u32, f64)> {
+    /// `gamma L^(2p + 1)/(2G) sum over inner knots [d^p p/dn^p][d^p q/dn^p]` for B-splines of degree p, integrated along the knot.
+    fn jumps(&self, axes: &[Axis; D], degree: usize) -> Vec<(u32, u32, f64)> {
         let gamma = self.scene.jump_penalty.unwrap_or_else(|| self.scene.usual_jump_penalty());
         if gamma == 0.0 {
             return Vec::new();
         }
         let shear = self.scene.elastic.shear_modulus();
-        let factor = gamma * self.scene.cell.powi(5) / (2.0 * shear) * self.thickness;
+        let factor = gamma * self.scene.cell.powi(2 * degree as i32 + 1) / (2.0 * shear) * self.thickness;
         // 1/G at a height over that of the scene's soil: 1 but for layers.
         let softer = |height: f64| shear / self.scene.elastic_at(height).shear_modulus();
         let mut jumps = Vec::new();
         for axis in 0..D {
             let along = &axes[axis];
+            let (splines, vertical) = (along.splines(), axis == D - 1);
+            let beside = |height: f64| if vertical { 1.0 } else { softer(height) };
+            let across = across(axes, axis, degree, beside);
+            let strides = if axis == 0 { [1, axes[0].functions()] } else { [axes[0].functions(), 1] };
             for knot in (1..along.cells()).filter(|knot| !along.is_break(*knot)) {
-                // Four functions: the cell below has the first three, the cell above the last three.
-                let first = along.first(knot - 1);
-                let here = if axis == D - 1 { softer(along.knots[knot]) } else { 1.0 };
-                let beside = |height: f64| if axis == D - 1 { 1.0 } else { softer(height) };
-                let (below, above) = (along.curvature(knot - 1), along.curvature(knot));
-                let jump = [-below[0], above[0] - below[1], above[1] - below[2], above[2]];
-                for (a, ja) in jump.iter().enumerate() {
-                    for (b, jb) in jump.iter().enumerate() {
-                        across(axes, axis, beside, |i, j, mass, strides| {
-                            let number = |f: usize, other: usize| (f * strides[0] + other * strides[1]) as u32;
-                            let pair = (number(first + a, i), number(first + b, j));
-                            jumps.push((pair.0, pair.1, here * factor * ja * jb * mass));
-                        });
-                    }
+                // The cell below has all of these functions but the last, the cell above all but the first.
+                let first = splines.first(knot - 1);
+                let here = if vertical { softer(along.knots[knot]) } else { 1.0 };
+                let (below, above) = (splines.highest(knot - 1), splines.highest(knot));
+                let before = |a: usize| if a > 0 { above[a - 1] } else { 0.0 };
+                let jump = |a: usize| before(a) - if a <= degree { below[a] } else { 0.0 };
+                for (a, b) in (0..degree + 2).flat_map(|a| (0..degree + 2).map(move |b| (a, b))) {
+                    let number = |f: usize, other: usize| (f * strides[0] + other * strides[1]) as u32;
+                    let pair = |&(i, j, mass): &(usize, usize, f64)| {
+                        (number(first + a, i), number(first + b, j), here * factor * jump(a) * jump(b) * mass)
+                    };
+                    jumps.extend(across.iter().map(pair));
                 }
             }
         }
@@ -398,33 +403,32 @@ pub(super) fn top_integrals<const D: usize>(axes: &[Axis; D], share: impl Fn(f64
     sums
 }
 
-/// Pairs of functions across an axis with the integral of their product times a weight of each cell, at its middle (m), and
-/// the strides of (axis, other axis).
+/// Pairs of functions across an axis with the integral of their product times a weight of each cell, at its middle (m).
 fn across<const D: usize>(
     axes: &[Axis; D],
     axis: usize,
+    degree: usize,
     weight: impl Fn(f64) -> f64,
-    mut f: impl FnMut(usize, usize, f64, [usize; 2]),
-) {
+) -> Vec<(usize, usize, f64)> {
     if D == 1 {
-        return f(0, 0, 1.0, [1, 0]);
+        return vec![(0, 0, 1.0)];
     }
     let other = &axes[1 - axis];
-    let strides = if axis == 0 { [1, axes[0].functions()] } else { [axes[0].functions(), 1] };
-    for i in 0..other.functions() {
-        for j in i.saturating_sub(2)..(i + 3).min(other.functions()) {
-            let breaks = other.breaks_below(other.cells());
-            let cells = i.max(j).saturating_sub(2 + breaks)..(i.min(j) + 1).min(other.cells());
+    let count = other.functions();
+    let mut pairs: Vec<(usize, usize, f64)> = (0..count)
+        .flat_map(|i| (i.saturating_sub(degree)..(i + degree + 1).min(count)).map(move |j| (i, j, 0.0)))
+        .collect();
+    for cell in 0..other.cells() {
+        let first = other.splines().first(cell);
+        for (i, j, mass) in pairs.iter_mut().filter(|(i, j, _)| *i.min(j) >= first && *i.max(j) <= first + degree) {
             let product = |x: f64| {
-                let local = other.at(x);
-                let value = |n: usize| n.checked_sub(local.first).and_then(|a| local.value.get(a)).copied();
-                value(i).unwrap_or(0.0) * value(j).unwrap_or(0.0)
+                let value = other.splines().at(cell, x).value;
+                value[*i - first] * value[*j - first]
             };
-            let of = |c: usize| weight(other.middle(c)) * gauss(other.knots[c], other.knots[c + 1], 1, product);
-            let mass: f64 = cells.map(of).sum();
-            f(i, j, mass, strides);
+            *mass += weight(other.middle(cell)) * gauss(other.knots[cell], other.knots[cell + 1], 1, product);
         }
     }
+    pairs
 }
 
 /// Lattice position of the cell that holds a point.

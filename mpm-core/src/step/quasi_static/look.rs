@@ -148,7 +148,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             let functions = soil.axes[d].functions();
             let at = rest % functions;
             rest /= functions;
-            soil.axes[d].knot_of(at)
+            soil.axes[d].splines().cell_with(at)
         });
         lay::number(&soil.axes, &position)
     }

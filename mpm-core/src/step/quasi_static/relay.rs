@@ -82,7 +82,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
                 for function in 0..soil.p.len() {
                     let height = if smooth {
                         let below: usize = soil.axes[..D - 1].iter().map(|a| a.functions()).product();
-                        soil.axes[D - 1].greville(function / below)
+                        soil.axes[D - 1].splines().stands(function / below)
                     } else {
                         lay::middle(&soil.axes, &lay::position(&soil.axes, function))[D - 1]
                     };
@@ -107,7 +107,8 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let below: usize = soil.axes[..D - 1].iter().map(|a| a.functions()).product();
         self.content.fill(0.0);
         for part in &soil.pore {
-            let of = |a: usize| part.soil.value[a] * soil.axes[D - 1].greville(part.soil.number[a] as usize / below);
+            let of =
+                |a: usize| part.soil.value[a] * soil.axes[D - 1].splines().stands(part.soil.number[a] as usize / below);
             let height = (0..part.soil.count).map(of).sum();
             let pressure = (self.seeding.first_pressure)(&self.scene, height);
             let content = part.weight * part.porosity * pressure * soil.fluid.compressibility;
