@@ -149,7 +149,7 @@ fn times(extent: &Extent, integrator: Integrator) -> Vec<Time> {
 
 /// Whether a setting is worth its time; [`left_out`] says why not.
 fn is_run(extent: &Extent, choice: &Choice) -> bool {
-    let wide = matches!(choice.shape, ShapeChoice::Gimp | ShapeChoice::Bspline2);
+    let wide = choice.shape.is_wide();
     let no_finer = |than: f64| choice.mesh >= than * (1.0 - 1e-9);
     match (choice.integrator, choice.time) {
         (Integrator::Explicit, Time::Step(parts)) => {
@@ -158,7 +158,7 @@ fn is_run(extent: &Extent, choice: &Choice) -> bool {
             no_finer(if wide { wide_to } else { narrow_to }) && half
         }
         // Fewer points than unknowns.
-        (Integrator::QuasiStatic, _) if choice.shape == ShapeChoice::Bspline2 => choice.ppc >= 4,
+        (Integrator::QuasiStatic, _) if choice.shape.spline_degree().is_some() => choice.ppc >= 4,
         _ => true,
     }
 }

@@ -215,7 +215,7 @@ fn plane(base: &Base) -> Verdict {
     }
     // In two dimensions fewer than nine particles are not weighed as rows of them are, nor the loads that they carry; and
     // volumes as weights are off by as much along x as along y, the load on the surface is not.
-    let splines = base.scene.integrator == Integrator::QuasiStatic && base.scene.shape == ShapeChoice::Bspline2;
+    let splines = base.scene.integrator == Integrator::QuasiStatic && base.scene.shape.spline_degree().is_some();
     let on_particles = base.written.load.as_ref().is_some_and(|load| load.on == "particles");
     let volumes = base.scene.quadrature == Quadrature::Volumes;
     if splines && (base.written.per_direction < 3 || on_particles || volumes) {
@@ -263,7 +263,7 @@ fn at(run: &Run, times: &[f64]) -> Vec<Sample> {
 
 fn stages(base: &Base) -> Verdict {
     let mut changed = base.written.clone();
-    if base.scene.integrator == Integrator::QuasiStatic && base.scene.shape == ShapeChoice::Bspline2 {
+    if base.scene.integrator == Integrator::QuasiStatic && base.scene.shape.spline_degree().is_some() {
         changed.jump_penalty = changed.water.is_some().then(|| base.scene.usual_jump_penalty()); // that of the first time
     }
     let Some(last) = changed.stages.last_mut() else { return Verdict::Apart };

@@ -90,7 +90,7 @@ impl Setting {
     /// semi-implicit steps with inertia in Darcy's law, which is that of the step before.
     fn has_formula(&self) -> bool {
         self.dimension == Dimension::Column
-            && self.shape != ShapeChoice::Bspline2
+            && self.shape.spline_degree().is_none()
             && !(self.integrator == Integrator::SemiImplicit && self.inertia)
     }
 }
@@ -153,7 +153,7 @@ const ROUND_OFF: &str = "a longer step is stable but leaves more than 1e-7 of th
 
 /// Why the limit of which `auto` takes its share is not the measured one; empty where it is, to the agreement asked for.
 fn gap(setting: &Setting, ratio: f64) -> &'static str {
-    let splines = setting.shape == ShapeChoice::Bspline2;
+    let splines = setting.shape.spline_degree().is_some();
     let semi = setting.integrator == Integrator::SemiImplicit;
     match setting.dimension {
         _ if (ratio - 1.0).abs() <= AGREEMENT => "",

@@ -93,7 +93,7 @@ impl Family {
     /// than unknowns; only beside a load on the surface do explicit and semi-implicit steps not notice.
     fn takes(&self, ppc: usize, load: LoadOn) -> bool {
         let unnoticed = self.integrator != Integrator::QuasiStatic && load == LoadOn::Surface;
-        ppc >= 4 || self.shape != ShapeChoice::Bspline2 || unnoticed
+        ppc >= 4 || self.shape.spline_degree().is_none() || unnoticed
     }
 }
 

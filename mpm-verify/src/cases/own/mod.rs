@@ -208,7 +208,7 @@ impl OwnScene {
     fn order(&self, errors: &[(f64, f64)]) -> Option<[f64; 2]> {
         let quasi_static = self.scene.integrator == Integrator::QuasiStatic;
         let floor = if quasi_static { 10.0 * self.scene.tolerance } else { 1e-12 };
-        let splines = quasi_static && self.scene.shape == ShapeChoice::Bspline2;
+        let splines = quasi_static && self.scene.shape.spline_degree().is_some();
         let order = match self.solution {
             Solution::Front(_) | Solution::Mound(_) | Solution::Dam(_) | Solution::Sliding(_) => [0.6, 4.0],
             // Nine points in two dimensions integrate B-splines to their order, four do not; large strain limits it.
