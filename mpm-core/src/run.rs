@@ -351,6 +351,7 @@ impl<const D: usize> Seeded<D> {
             ShapeChoice::BBar => self.with(simd, OnCell(BBar), 1, hardware, scene, materials),
             ShapeChoice::Gimp => self.with(simd, Over(kernel::Gimp::new(per_direction)), 1, hardware, scene, materials),
             ShapeChoice::Bspline2 => self.with(simd, Over(Bspline::<2>), 2, hardware, scene, materials),
+            ShapeChoice::Bspline3 => Err(refused("cubic B-splines are for quasi-static runs")),
         }
     }
 

@@ -52,6 +52,7 @@ const EXPLICIT_CASES: &[(&str, Edits)] = &[
     ("an unknown transfer", &[("flip = 1.0", "flip = 1.0\ntransfer = \"apic\"")]),
     ("inertia in soft water", &[("bulk_modulus = 2.2e9", "bulk_modulus = 8.0e6")]),
     ("nodal Darcy with gimp", &[("shape = \"centre\"\ndarcy = \"face\"", "shape = \"gimp\"\ndarcy = \"nodal\"")]),
+    ("cubic B-splines in an explicit step", &[("shape = \"centre\"", "shape = \"bspline3\"")]),
     ("incompressible water", &[("bulk_modulus = 2.2e9", "bulk_modulus = inf")]),
     ("jump penalty of another shape", &[("flip = 1.0", "flip = 1.0\njump_penalty = 1.0e-3")]),
     (
@@ -292,7 +293,7 @@ fn flags_pass_the_same_checks_and_are_named_in_their_refusal() {
     let words = "expected one of \"explicit\", \"semi-implicit\", \"quasi-static\", \"two-clocks\", \"coupled\", found \"implicit\"";
     assert_eq!(message(&flags("implicit", "linear", 1e-4)), format!("--integrator: {words}"));
     let words =
-        "expected one of \"centre\", \"centroid\", \"linear\", \"b-bar\", \"gimp\", \"bspline2\", found \"cubic\"";
+        "expected one of \"centre\", \"centroid\", \"linear\", \"b-bar\", \"gimp\", \"bspline2\", \"bspline3\", found \"cubic\"";
     assert_eq!(message(&flags("quasi-static", "cubic", 1e-4)), format!("--scheme: {words}"));
     let words = "expected 1e-10 <= tolerance <= 0.1 (-), found 0.5";
     assert_eq!(message(&flags("quasi-static", "linear", 0.5)), format!("--tolerance: {words}"));

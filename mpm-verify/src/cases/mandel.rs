@@ -29,6 +29,14 @@ pub const CENTRE: Rung = Rung {
     mutant: Some(Mutant { what: FASTER, climb: || centre(faster) }),
 };
 
+/// Cubic B-splines.
+pub const CUBIC: Rung = Rung {
+    name: "mandel-cubic",
+    about: "the same, cubic B-splines: order 4 or more",
+    climb: || cubic(sound),
+    mutant: Some(Mutant { what: FASTER, climb: || cubic(faster) }),
+};
+
 /// Profiles from early to late.
 pub const PROFILE: Rung = Rung {
     name: "mandel-profile",
@@ -59,6 +67,10 @@ fn splines(fault: fn(&mut Scene)) -> Result<Outcome, String> {
     climb(ShapeChoice::Bspline2, &[2, 4, 6, 8], 1e-4, [3.0, 6.0], fault)
 }
 
+fn cubic(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+    climb(ShapeChoice::Bspline3, &[4, 6, 8, 10, 12], 1e-5, [4.0, 8.0], fault)
+}
+
 fn centre(fault: fn(&mut Scene)) -> Result<Outcome, String> {
     climb(ShapeChoice::Centre, &[8, 12, 16, 24, 32], 1e-3, [1.7, 2.3], fault)
 }
@@ -72,12 +84,14 @@ fn climb(
 ) -> Result<Outcome, String> {
     let (mut base, exact) = block(shape)?;
     fault(&mut base);
+    // Products of slopes of cubic B-splines are splines of degree 4.
+    base.particles_per_cell = if shape == ShapeChoice::Bspline3 { 16 } else { base.particles_per_cell };
     let scenes: Vec<Scene> = sides.iter().map(|side| on(&base, *side)).collect();
     let (errors, samples) = refined(&scenes, &exact)?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&base, &settlement);
     let coarse = on(&base, sides[1]);
-    let counts = if shape == ShapeChoice::Bspline2 { &PARTICLE_COUNTS[1..] } else { &PARTICLE_COUNTS[..3] };
+    let counts = if shape.spline_degree().is_some() { &PARTICLE_COUNTS[1..] } else { &PARTICLE_COUNTS[..3] };
     let smallest = on(&base, sides[0].max(4));
     let until = Until::Time(STEPPED[STEPPED.len() - 1] / exact.time_factor(1.0));
     let mut stepped = Scene { method: TimeMethod::Sdirk, ..smallest };

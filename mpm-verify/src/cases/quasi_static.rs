@@ -39,9 +39,22 @@ pub const CENTRE: Rung = Rung {
 pub const PROFILE: Rung = Rung {
     name: "quasi-static-profile",
     about: "pore pressure at Tv = 0.1, B-splines: order 3 or more",
-    climb: || profile(COMPRESSIBLE),
-    mutant: Some(Mutant { what: STIFF, climb: || profile(INCOMPRESSIBLE) }),
+    climb: || profile(QUADRATIC, COMPRESSIBLE),
+    mutant: Some(Mutant { what: STIFF, climb: || profile(QUADRATIC, INCOMPRESSIBLE) }),
 };
+
+/// Cubic B-splines.
+pub const CUBIC: Rung = Rung {
+    name: "quasi-static-cubic",
+    about: "the same with cubic B-splines: order 4 or more",
+    climb: || profile(CUBIC_SPLINES, COMPRESSIBLE),
+    mutant: Some(Mutant { what: STIFF, climb: || profile(CUBIC_SPLINES, INCOMPRESSIBLE) }),
+};
+
+/// Functions, the particles that integrate products of their slopes, and the error and the orders asked for.
+type Splines = (ShapeChoice, usize, f64, [f64; 2]);
+const QUADRATIC: Splines = (ShapeChoice::Bspline2, 9, 1e-6, [3.0, 6.0]);
+const CUBIC_SPLINES: Splines = (ShapeChoice::Bspline3, 16, 1e-6, [4.0, 8.0]);
 
 /// Steps of SDIRK4(3) instead of the Krylov method.
 pub const STEPS: Rung = Rung {
@@ -124,8 +137,10 @@ fn climb(
     Ok(Outcome { samples, refinements, ..outcome(&base, errors, required, Some(order)) })
 }
 
-fn profile(reference: Reference) -> Result<Outcome, String> {
-    let (base, exact) = base(reference)?;
+fn profile(splines: Splines, reference: Reference) -> Result<Outcome, String> {
+    let (mut base, exact) = base(reference)?;
+    let (required, order);
+    (base.shape, base.particles_per_cell, required, order) = splines;
     let at = 0.1 * base.time_per_factor().ok_or("the scene is dry")?;
     let error = |s: &Sample| {
         let now = (s.stage_time / at - 1.0).abs() < 1e-9;
@@ -147,7 +162,7 @@ fn profile(reference: Reference) -> Result<Outcome, String> {
         }
     };
     let samples = finished(&with_rows(base.clone(), 20))?.observed().map(sampled).collect();
-    Ok(Outcome { samples, ..outcome(&base, errors, 1e-6, Some([3.0, 6.0])) })
+    Ok(Outcome { samples, ..outcome(&base, errors, required, Some(order)) })
 }
 
 /// First of the given steps of SDIRK4(3), s.

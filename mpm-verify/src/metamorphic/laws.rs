@@ -167,12 +167,10 @@ fn shifted(base: &Base) -> Verdict {
 fn room(base: &Base) -> Verdict {
     let mut changed = base.written.clone();
     let plate = changed.load.as_ref().is_some_and(|load| load.on == "plate");
-    // Quadratic functions reach two cells, and are others at the end of the mesh; uGIMP has another surface with room above.
-    let wide = match base.scene.shape {
-        ShapeChoice::Bspline2 => changed.headroom < 2,
-        ShapeChoice::Gimp => changed.headroom < 1,
-        _ => false,
-    };
+    // B-splines reach as many cells as their degree, and are others at the end of the mesh; uGIMP has another surface with room
+    // above.
+    let gimp = usize::from(base.scene.shape == ShapeChoice::Gimp);
+    let wide = changed.headroom < base.scene.shape.spline_degree().unwrap_or(gimp);
     // Above water with a free surface there is a side of the mesh, or air.
     let air = base.scene.free_surface.is_some() && changed.headroom == 0;
     if plate || wide || air || changed.sides[3] != "free" {
@@ -207,7 +205,7 @@ const MOST_STEPS: f64 = 2000.0;
 fn plane(base: &Base) -> Verdict {
     // A share of a full node's mass is another one at a side, where nodes have half of it: there soil is not one-dimensional. Nor
     // where splines at a side are so light that they are lent inertia.
-    let lent = base.scene.shape == ShapeChoice::Bspline2
+    let lent = base.scene.shape.spline_degree().is_some()
         && base.scene.integrator != Integrator::QuasiStatic
         && base.scene.moves_through_cells();
     if base.written.plane || base.written.integrator == "two-clocks" || base.scene.light_nodes > 0.0 || lent {
@@ -223,9 +221,9 @@ fn plane(base: &Base) -> Verdict {
     }
     let compared = || {
         let mut column = base.written.clone();
-        column.shape = Some(shape_word(base.scene));
+        column.shape = Some(base.scene.shape.word());
         if base.scene.integrator == Integrator::QuasiStatic
-            && shape_word(base.scene) == "bspline2"
+            && base.scene.shape.spline_degree().is_some()
             && column.water.is_some()
         {
             column.jump_penalty = Some(base.scene.usual_jump_penalty());
@@ -246,10 +244,6 @@ fn plane(base: &Base) -> Verdict {
         Ok(apart(&scene, &one.samples, &other.samples, Some(block.width() / column.width()), relative))
     };
     verdict(compared())
-}
-
-fn shape_word(scene: &Scene) -> &'static str {
-    mpm_core::scene::SHAPES.iter().find(|(_, shape)| *shape == scene.shape).map_or("centre", |(word, _)| *word)
 }
 
 /// Samples of the end of a run, and at its first observed time, wherever they stand.
@@ -437,7 +431,7 @@ fn sign(base: &Base) -> Verdict {
 /// Everything that has two words for it.
 fn words(base: &Base) -> Verdict {
     let mut changed = base.written.clone();
-    changed.shape = Some(shape_word(base.scene));
+    changed.shape = Some(base.scene.shape.word());
     changed.soil.by_bulk_density = true;
     if let Some(water) = &mut changed.water {
         water.viscosity = Some(1.003e-3);

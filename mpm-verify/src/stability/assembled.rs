@@ -67,6 +67,7 @@ impl Assembled {
             ShapeChoice::BBar => Self::with(scene, Bspline::<1>, Gradients::Split),
             ShapeChoice::Gimp => Self::with(scene, Gimp::new(per_direction), Gradients::AtParticle),
             ShapeChoice::Bspline2 => Self::with(scene, Bspline::<2>, Gradients::AtParticle),
+            ShapeChoice::Bspline3 => None,
         }
     }
 

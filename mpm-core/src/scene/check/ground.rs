@@ -320,8 +320,8 @@ impl Reader<'_> {
         if !scene.shape.is_wide() {
             return Ok(());
         }
-        let found = if scene.shape == ShapeChoice::Gimp { "\"gimp\"" } else { "\"bspline2\"" };
-        self.refuse(span, key, "shape = \"centre\", \"centroid\", \"linear\" or \"b-bar\" beside it", found)
+        let expected = "shape = \"centre\", \"centroid\", \"linear\" or \"b-bar\" beside it";
+        self.refuse(span, key, expected, quoted(scene.shape.word()))
     }
 
     fn explicit(&self, span: &Range<usize>, key: &str, scene: &Scene) -> Checked<()> {

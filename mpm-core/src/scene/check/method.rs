@@ -31,13 +31,14 @@ pub(super) struct Time {
 }
 
 /// Words of `scheme.shape`.
-pub const SHAPES: [(&str, ShapeChoice); 6] = [
+pub const SHAPES: [(&str, ShapeChoice); 7] = [
     ("centre", ShapeChoice::Centre),
     ("centroid", ShapeChoice::Centroid),
     ("linear", ShapeChoice::Linear),
     ("b-bar", ShapeChoice::BBar),
     ("gimp", ShapeChoice::Gimp),
     ("bspline2", ShapeChoice::Bspline2),
+    ("bspline3", ShapeChoice::Bspline3),
 ];
 /// Words of `time.integrator`.
 pub const INTEGRATORS: [(&str, Integrator); 5] = [
@@ -91,7 +92,7 @@ impl Reader<'_> {
         }
         let splines = scheme.shape.is_some_and(|shape| shape.spline_degree().is_some());
         if let (Some(value), false) = (&raw.jump_penalty, splines) {
-            let expected = "shape = \"bspline2\" beside it: other shapes have no jump penalty";
+            let expected = "shape = \"bspline2\" or \"bspline3\" beside it: other shapes have no jump penalty";
             return self.refuse(&value.span(), "scheme.jump_penalty", expected, value.get_ref());
         }
         scheme.quadrature = self.word(raw.quadrature.as_ref(), "scheme.quadrature", &quadratures, scheme.quadrature)?;

@@ -12,7 +12,7 @@ mod columns;
 
 use cpu_time::ThreadTime;
 use mpm_core::drive::Run;
-use mpm_core::scene::{Dimension, Integrator, Scene, ShapeChoice, StepChoice, StrainChoice, Until};
+use mpm_core::scene::{Dimension, Integrator, Scene, StepChoice, StrainChoice, Until};
 use mpm_core::stability::choose_step;
 
 use self::applies::Solution;
@@ -305,10 +305,12 @@ fn on(scene: &Scene, rows: usize) -> Scene {
 /// Numbers of particles per cell that a scheme should not mind: one is too few for B-splines, and what errors of the fourth
 /// order in L are asked for needs as many as integrate them.
 fn counts(scene: &Scene) -> &'static [usize] {
-    match (scene.shape, scene.integrator) {
-        (ShapeChoice::Bspline2, Integrator::QuasiStatic) if scene.particles_per_cell >= 9 => &[9, 16],
-        (ShapeChoice::Bspline2, _) => &[4, 9, 16],
-        _ => &[1, 4, 9],
+    match (scene.shape.spline_degree(), scene.integrator) {
+        (None, _) => &[1, 4, 9],
+        // Products of the slopes of cubic B-splines are splines of degree 4.
+        (Some(3), Integrator::QuasiStatic) if scene.particles_per_cell >= 16 => &[16, 25],
+        (Some(2), Integrator::QuasiStatic) if scene.particles_per_cell >= 9 => &[9, 16],
+        _ => &[4, 9, 16],
     }
 }
 

@@ -87,6 +87,7 @@ fn look(scheme: &Scheme) -> Look {
         ShapeChoice::BBar => (ORANGE, Marker::Down),
         ShapeChoice::Gimp => (GREEN, Marker::Up),
         ShapeChoice::Bspline2 => (PURPLE, Marker::Diamond),
+        ShapeChoice::Bspline3 => (GREY, Marker::Diamond),
     };
     let dash = match (scheme.darcy, scheme.transfer, scheme.update) {
         (DarcyChoice::Nodal, ..) => Dash::Dotted,
