@@ -1,6 +1,6 @@
 //! What is accepted, what is refused and in which words, and that a wrong run fails.
 
-use mpm_core::scene::{DarcyChoice, LoadOn, Start, Surcharge, WaterProperties};
+use mpm_core::scene::{DarcyChoice, LoadOn, ShapeChoice, Start, Surcharge, WaterProperties};
 
 use super::super::faster;
 use super::*;
