@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::{Ledger, Observation};
 use crate::boundary::knows_volumes;
-use crate::scene::{Clock, Dimension, Integrator, LoadOn, Scene, Side, SolidSide, StrainChoice};
+use crate::scene::{Clock, Dimension, Integrator, LoadOn, Scene, Side, SolidSide, StrainChoice, UpdateChoice};
 
 /// Settlement may differ from what the strains add up to by this share of its largest: what is promised of a settlement.
 const MOST_APART: f64 = 0.01;
@@ -211,6 +211,11 @@ impl<'a> Bounds<'a> {
             if self.scene.surcharge.is_some_and(|load| load.on == LoadOn::Plate) {
                 // Cells under a plate are strained as if they stayed as large as they were.
                 allowed += water.density * soil * self.strain * self.strain;
+            }
+            if self.scene.update == UpdateChoice::Musl {
+                // The velocities that strain the soil are those of the surface smoothed over a cell, u + L^2/8 u'': beside a
+                // front of strain e they differ by L e/8.
+                allowed += water.density * soil * self.strain * self.scene.cell / (8.0 * self.scene.height);
             }
             if !knows_volumes(self.scene) {
                 // Particles' volumes leave gaps in cells that are full of soil, by the strain.

@@ -1,6 +1,7 @@
 //! What to simulate. A scene file is read in two types: `raw` holds what the user wrote and where, [`Scene`]
 //! what was understood and found possible. Every default, unit and bound of the program is in this room.
 
+pub mod capabilities;
 mod check;
 mod failure;
 mod flags;

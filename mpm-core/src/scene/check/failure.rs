@@ -3,7 +3,7 @@
 use toml::Spanned;
 
 use super::super::raw::RawScene;
-use super::super::{Clock, Dimension, Failure, Integrator, Scene, Side, SolidSide, Until};
+use super::super::{Clock, Failure, Scene, Side, SolidSide};
 use super::free_surface::touching;
 use super::{Checked, Reader, quoted};
 use crate::seeding;
@@ -16,7 +16,7 @@ impl Reader<'_> {
     pub(super) fn failure(&self, raw: &RawScene, scene: &Scene) -> Checked<Option<Failure>> {
         let stages = raw.stages.get_ref();
         let both = stages.iter().zip(&scene.stages).find(|(_, stage)| stage.clock == Clock::Both);
-        let Some((stage, checked)) = both else {
+        let Some((stage, _)) = both else {
             if let Some(table) = &raw.failure {
                 let expected = "a stage with clock = \"both\" beside it";
                 return self.refuse(&table.span(), "failure", expected, "none");
@@ -27,18 +27,6 @@ impl Reader<'_> {
         if stages.len() != 1 {
             let expected = "one stage with clock = \"both\": gravity and the first water are part of it";
             return self.refuse(&word, "stages.clock", expected, format!("{} stages", stages.len()));
-        }
-        if !matches!(checked.until, Until::Time(_)) {
-            let expected = "a time (s) beside clock = \"both\"";
-            return self.refuse(&stage.get_ref().until.span(), "stages.until", expected, "another end");
-        }
-        if scene.dimension != Dimension::PlaneStrain || scene.gravity.is_none() || scene.slope_angle.is_some() {
-            let expected = "dimension = \"plane-strain\" and gravity, with a level base, beside clock = \"both\"";
-            return self.refuse(&word, "stages.clock", expected, "another scene");
-        }
-        if scene.solid_sides[3] != SolidSide::Free {
-            let expected = "boundaries.top = \"free\" beside clock = \"both\"";
-            return self.refuse(&word, "stages.clock", expected, "a held top");
         }
         let cells = scene.height / scene.cell;
         if cells < LEAST_CELLS {
@@ -128,15 +116,5 @@ impl Reader<'_> {
         let expected =
             "0 < angle < 90 (degrees), or an adhesion, beside clock = \"both\": no slope stands on a smooth base";
         self.refuse(&value.span(), key, expected, value.get_ref())
-    }
-
-    /// A stage that may fail is the only one in which soil and water run in the same steps.
-    pub(super) fn driver(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
-        let word = raw.time.as_ref().and_then(|time| time.get_ref().integrator.as_ref());
-        if let (Some(word), Integrator::Coupled, false) = (word, scene.integrator, scene.may_fail()) {
-            let expected = "a stage with clock = \"both\" beside it";
-            return self.refuse(&word.span(), "time.integrator", expected, quoted(word.get_ref()));
-        }
-        Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use toml::Spanned;
 
 use super::super::raw::{RawFeed, RawFeeds, RawFreeSurface, RawScene, RawStage};
-use super::super::{Clock, Dimension, Feed, FreeSurfaceWater, Integrator, Scene, ShapeChoice, Side, Until};
+use super::super::{Clock, Dimension, Feed, FreeSurfaceWater, Integrator, Scene, Side, Until};
 use super::{Checked, Reader, quoted, written};
 use crate::seeding::{self, Fault};
 use crate::water::free_surface::LEAST_OPEN;
@@ -169,23 +169,23 @@ impl Reader<'_> {
         Ok(Feed::Head(head))
     }
 
-    /// A free surface needs the integrator with two clocks, and the other way round.
-    pub(super) fn two_clocks(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
+    /// Which stages move what, and by which step.
+    pub(super) fn free_water(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
         let integrator = raw.time.as_ref().and_then(|time| time.get_ref().integrator.as_ref());
-        self.driver(raw, scene)?;
-        // Soil that may fail runs by either clock, or in one step with its water.
-        let together = matches!(scene.integrator, Integrator::Coupled | Integrator::Explicit) && scene.may_fail();
-        let two = scene.integrator == Integrator::TwoClocks || together;
-        let table = raw.water.as_ref().and_then(|water| water.get_ref().free_surface.as_ref());
-        if let (Some(table), false) = (table, two) {
-            let expected = if scene.may_fail() {
-                "integrator = \"two-clocks\", \"coupled\" or \"explicit\" beside it"
-            } else {
-                "integrator = \"two-clocks\" beside it: the others know saturated soil"
-            };
-            let found = integrator.map_or("\"explicit\"".to_owned(), |word| quoted(word.get_ref()));
-            return self.refuse(&table.span(), "water.free_surface", expected, found);
+        if let (Some(word), Integrator::Coupled, false) = (integrator, scene.integrator, scene.may_fail()) {
+            let expected = "a stage with clock = \"both\" beside it";
+            return self.refuse(&word.span(), "time.integrator", expected, quoted(word.get_ref()));
         }
+        // Soil that may fail runs by either clock, or in one step with its water.
+        let two = scene.integrator != Integrator::Explicit || scene.may_fail();
+        let table = raw.water.as_ref().and_then(|water| water.get_ref().free_surface.as_ref());
+        let two = match table {
+            Some(table) if !two => {
+                let expected = "integrator = \"two-clocks\" beside it: the others know saturated soil";
+                return self.refuse(&table.span(), "water.free_surface", expected, "\"explicit\"");
+            }
+            table => table.is_some(),
+        };
         for (raw, stage) in raw.stages.get_ref().iter().map(Spanned::get_ref).zip(&scene.stages) {
             if let (Some(word), false) = (&raw.clock, two) {
                 let expected = "integrator = \"two-clocks\" beside it";
@@ -195,29 +195,6 @@ impl Reader<'_> {
                 let expected = "a time, or clock = \"soil\": while water seeps the soil rests";
                 return self.refuse(&raw.until.span(), "stages.until", expected, "another end");
             }
-        }
-        if !two {
-            return Ok(());
-        }
-        let span = integrator.map_or(0..0, Spanned::span);
-        let key = "time.integrator";
-        if table.is_none() {
-            if scene.may_fail() {
-                let expected = "free_surface beside clock = \"both\": which soil is wet, and what feeds it";
-                let table = raw.water.as_ref().map_or(raw.stages.span(), Spanned::span);
-                return self.refuse(&table, "water.free_surface", expected, "none");
-            }
-            let expected = "[water.free_surface] beside it, or integrator = \"explicit\"";
-            let found = integrator.map_or("\"explicit\"".to_owned(), |word| quoted(word.get_ref()));
-            return self.refuse(&span, key, expected, found);
-        }
-        if !matches!(scene.shape, ShapeChoice::Centre | ShapeChoice::Centroid | ShapeChoice::Linear) {
-            let expected = "shape = \"centre\", \"centroid\" or \"linear\" beside it";
-            return self.refuse(&span, key, expected, "another shape");
-        }
-        if let Some(surcharge) = &raw.surcharge {
-            let expected = "no [surcharge] beside \"two-clocks\" yet";
-            return self.refuse(&surcharge.span(), "surcharge", expected, "one");
         }
         Ok(())
     }

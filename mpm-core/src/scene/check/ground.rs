@@ -5,9 +5,7 @@ use std::ops::Range;
 use toml::Spanned;
 
 use super::super::raw::{RawGeometry, RawMesh, RawOutline, RawRest, RawScene, RawUntil};
-use super::super::{
-    Base, Dimension, Integrator, NormalStress, Scene, SeedingChoice, ShapeChoice, Side, SolidSide, Until,
-};
+use super::super::{Base, Dimension, NormalStress, SeedingChoice, Side, SolidSide, Until};
 use super::{Checked, Reader, quoted};
 use crate::seeding::{self, Fault};
 
@@ -44,13 +42,9 @@ pub(super) fn own_words(side: Side) -> &'static [(&'static str, SolidSide)] {
 impl Reader<'_> {
     pub(super) fn geometry(&self, raw: &RawScene, dimension: Dimension) -> Checked<Geometry> {
         let mesh = raw.mesh.get_ref();
-        let sideroom_cells = self.sideroom(mesh, dimension)?;
+        let sideroom_cells = self.sideroom(mesh)?;
         let column = match raw.geometry.get_ref() {
             RawGeometry::Column(column) => column,
-            RawGeometry::Outline(outline) if dimension == Dimension::Column => {
-                let expected = "dimension = \"plane-strain\" beside it: an outline is an area";
-                return self.refuse(&outline.points.span(), "geometry.outline", expected, "\"column\"");
-            }
             RawGeometry::Outline(outline) => {
                 let points = self.outline(outline)?;
                 let cell = self.positive(&mesh.cell, "mesh.cell", "m")?;
@@ -117,13 +111,9 @@ impl Reader<'_> {
         self.refuse(&mesh.cell.span(), "mesh.cell", &expected, format!("{cell} m, {count:.1e} cells"))
     }
 
-    fn sideroom(&self, mesh: &RawMesh, dimension: Dimension) -> Checked<usize> {
+    fn sideroom(&self, mesh: &RawMesh) -> Checked<usize> {
         let Some(value) = &mesh.sideroom_cells else { return Ok(0) };
         let key = "mesh.sideroom_cells";
-        if dimension == Dimension::Column {
-            let expected = "dimension = \"plane-strain\" beside it: a column cannot move sideways";
-            return self.refuse(&value.span(), key, expected, "\"column\"");
-        }
         match *value.get_ref() {
             columns @ 0..=MOST_SIDEROOM => Ok(columns as usize),
             columns => self.refuse(&value.span(), key, "between 0 and 1000000 columns of cells", columns),
@@ -244,106 +234,5 @@ impl Reader<'_> {
             speed: self.positive(&rest.speed, "stages.until.rest.speed", "m/s")?,
             at_most: self.positive(&rest.at_most, "stages.until.rest.at_most", "s")?,
         })
-    }
-
-    /// Refuses what the steps do not know on slopes, in outlines and on a base with friction.
-    pub(super) fn on_the_ground(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
-        let mesh = raw.mesh.get_ref();
-        let root = 0..0;
-        if let (RawGeometry::Outline(outline), Some(_)) = (raw.geometry.get_ref(), &scene.outline) {
-            let (span, key) = (outline.points.span(), "geometry.outline");
-            self.explicit(&span, key, scene)?;
-            self.dry(&span, key, scene)?;
-            if let Some(table) = &raw.surcharge {
-                let expected = "[geometry.column] beside it: an outline carries no surcharge yet";
-                return self.refuse(&table.span(), "surcharge", expected, "[geometry.outline]");
-            }
-        }
-        if let (Some(value), true) = (&mesh.sideroom_cells, scene.sideroom_cells > 0) {
-            self.explicit(&value.span(), "mesh.sideroom_cells", scene)?;
-        }
-        if let Some(value) = &raw.slope_angle {
-            let key = "slope_angle";
-            self.plane_strain(&value.span(), key, scene)?;
-            if scene.gravity.is_none() {
-                return self.refuse(&value.span(), key, "the key gravity beside it, which it turns", "no gravity");
-            }
-            self.explicit(&value.span(), key, scene)?;
-            self.dry(&value.span(), key, scene)?;
-        }
-        if let Some(value) = &raw.start_velocity {
-            self.plane_strain(&value.span(), "start_velocity", scene)?;
-            self.explicit(&value.span(), "start_velocity", scene)?;
-        }
-        if let (Some(value), true) = (&raw.start_k0, scene.start != super::super::Start::Geostatic) {
-            let found = raw.start.as_ref().map_or("none".to_owned(), |word| quoted(word.get_ref()));
-            return self.refuse(&value.span(), "start_k0", "start = \"geostatic\" beside it", found);
-        }
-        if let (Some(table), true) = (&raw.boundaries, scene.periodic) {
-            let (span, key) = (table.get_ref().left.as_ref().map_or(root, Spanned::span), "boundaries.left");
-            self.plane_strain(&span, key, scene)?;
-            self.corners(&span, key, scene)?;
-            self.dry(&span, key, scene)?;
-            if scene.outline.is_some() || scene.sideroom_cells > 0 {
-                let expected = "[geometry.column] without sideroom beside \"periodic\": the soil fills the width";
-                return self.refuse(&span, key, expected, "\"periodic\"");
-            }
-        }
-        if let Some(table) = &raw.base {
-            self.plane_strain(&table.span(), "base", scene)?;
-            self.corners(&table.span(), "base", scene)?;
-        }
-        let shape = raw.scheme.as_ref().and_then(|scheme| scheme.get_ref().shape.as_ref());
-        if let (Some(word), ShapeChoice::Centroid) = (shape, scene.shape) {
-            self.explicit(&word.span(), "scheme.shape", scene)?;
-        }
-        if let Some(value) = raw.scheme.as_ref().and_then(|s| s.get_ref().light_nodes.as_ref()) {
-            self.corners(&value.span(), "scheme.light_nodes", scene)?;
-        } else if scene.light_nodes > 0.0 {
-            let scheme = raw.scheme.as_ref().and_then(|s| s.get_ref().shape.as_ref());
-            self.corners(&scheme.map_or(mesh.cell.span(), Spanned::span), "scheme.shape", scene)?;
-        }
-        if let Some(value) = &raw.soil.get_ref().separation {
-            self.corners(&value.span(), "soil.separation", scene)?;
-        }
-        for (raw, stage) in raw.stages.get_ref().iter().map(Spanned::get_ref).zip(&scene.stages) {
-            if let (Some(rest), Until::Rest { .. }) = (&raw.until.get_ref().rest, stage.until) {
-                self.corners(&rest.span(), "stages.until.rest", scene)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// The plain explicit step: linear functions, at the centre of the cell or at the particle.
-    fn corners(&self, span: &Range<usize>, key: &str, scene: &Scene) -> Checked<()> {
-        self.explicit(span, key, scene)?;
-        if !scene.shape.is_wide() {
-            return Ok(());
-        }
-        let expected = "shape = \"centre\", \"centroid\", \"linear\" or \"b-bar\" beside it";
-        self.refuse(span, key, expected, quoted(scene.shape.word()))
-    }
-
-    fn explicit(&self, span: &Range<usize>, key: &str, scene: &Scene) -> Checked<()> {
-        let found = match scene.integrator {
-            Integrator::Explicit | Integrator::TwoClocks | Integrator::Coupled => return Ok(()),
-            Integrator::SemiImplicit => "\"semi-implicit\"",
-            Integrator::QuasiStatic => "\"quasi-static\"",
-        };
-        self.refuse(span, key, "integrator = \"explicit\" beside it", found)
-    }
-
-    fn plane_strain(&self, span: &Range<usize>, key: &str, scene: &Scene) -> Checked<()> {
-        if scene.dimension == Dimension::PlaneStrain {
-            return Ok(());
-        }
-        self.refuse(span, key, "dimension = \"plane-strain\" beside it", "\"column\"")
-    }
-
-    fn dry(&self, span: &Range<usize>, key: &str, scene: &Scene) -> Checked<()> {
-        if scene.water.is_none() || scene.free_surface.is_some() {
-            return Ok(());
-        }
-        self.refuse(span, key, "a dry scene: no water layer follows it yet", "[water]")
     }
 }

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use super::super::raw::{RawGeometry, RawLaw, RawLayer, RawScene};
-use super::super::{DarcyChoice, Elastic, Integrator, Scene, ShapeChoice, SoilLayer, StrainChoice, Until};
-use super::{Checked, Reader, quoted};
+use super::super::raw::{RawLayer, RawScene};
+use super::super::{Elastic, Integrator, Scene, SoilLayer, StrainChoice};
+use super::{Checked, Reader};
 use crate::constitutive::MOST_MATERIALS;
 
 /// How far from a face of a cell the top of a layer may be, as a share of a cell.
@@ -24,7 +24,6 @@ impl Reader<'_> {
             let expected = format!("at most {MOST_MATERIALS} layers");
             return self.refuse(&table, "layers", &expected, list.get_ref().len());
         }
-        self.soil_of_layers(raw, scene, &table)?;
         self.steps_with_layers(raw, scene, &table)?;
         let mut layers: Vec<SoilLayer> = Vec::new();
         for layer in list.get_ref() {
@@ -71,66 +70,12 @@ impl Reader<'_> {
         Ok(SoilLayer { up_to, elastic: Elastic { youngs_modulus, poisson_ratio }, hydraulic_conductivity })
     }
 
-    /// Soil that layers are made of: a level, linear elastic column that is dry or full of water.
-    fn soil_of_layers(&self, raw: &RawScene, scene: &Scene, table: &Range<usize>) -> Checked<()> {
-        if let RawLaw::MohrCoulomb(_) = raw.soil.get_ref().law.get_ref() {
-            let expected = "linear_elastic soil beside it: layers differ in elasticity and conductivity alone";
-            return self.refuse(table, "layers", expected, "mohr_coulomb");
-        }
-        if let RawGeometry::Outline(_) = raw.geometry.get_ref() {
-            let expected = "[geometry.column] beside it: in an outline the faces of cells follow no layer";
-            return self.refuse(table, "layers", expected, "[geometry.outline]");
-        }
-        let found = if scene.free_surface.is_some() {
-            "[water.free_surface]"
-        } else if scene.sideroom_cells > 0 {
-            "mesh.sideroom_cells"
-        } else if scene.slope_angle.is_some() {
-            "slope_angle"
-        } else if scene.periodic {
-            "\"periodic\" sides"
-        } else if scene.base.is_some() {
-            "a \"coulomb\" base"
-        } else {
-            return Ok(());
-        };
-        let expected = "a level column beside it, full of water or dry, with nothing periodic, sliding or running out";
-        self.refuse(table, "layers", expected, found)
-    }
-
-    /// Integrators and schemes that know them.
+    /// A mesh that goes along with its soil.
     fn steps_with_layers(&self, raw: &RawScene, scene: &Scene, table: &Range<usize>) -> Checked<()> {
-        if let Integrator::TwoClocks | Integrator::Coupled = scene.integrator {
-            let expected = "integrator = \"explicit\", \"semi-implicit\" or \"quasi-static\" beside it";
-            return self.refuse(table, "layers", expected, "soil that may fail");
-        }
-        let scheme = raw.scheme.as_ref().map(Spanned::get_ref);
-        if let (Some(word), DarcyChoice::Nodal, Some(_)) =
-            (scheme.and_then(|s| s.darcy.as_ref()), scene.darcy, scene.water)
-        {
-            let expected =
-                "\"face\" beside [[layers]]: a velocity at the nodes of an interface has no one conductivity";
-            return self.refuse(&word.span(), "scheme.darcy", expected, quoted(word.get_ref()));
-        }
-        if let (Some(word), ShapeChoice::Centroid) = (scheme.and_then(|s| s.shape.as_ref()), scene.shape) {
-            let expected = "\"centre\" beside [[layers]], whose cells are full: their centroid is the centre";
-            return self.refuse(&word.span(), "scheme.shape", expected, quoted(word.get_ref()));
-        }
-        if let (Some(value), true) = (&raw.mesh.get_ref().shift, scene.shift > 0.0) {
-            let expected = "0 beside [[layers]], which end at faces of the mesh";
-            return self.refuse(&value.span(), "mesh.shift", expected, value.get_ref());
-        }
         if scene.integrator == Integrator::QuasiStatic && scene.strain == StrainChoice::Large {
             let expected = "\"small\" beside [[layers]] and quasi-static: a mesh laid over moved soil cuts its layers";
             let span = raw.soil.get_ref().strain.as_ref().map_or(table.clone(), Spanned::span);
             return self.refuse(&span, "soil.strain", expected, "\"large\"");
-        }
-        for (raw, stage) in raw.stages.get_ref().iter().zip(&scene.stages) {
-            if let Until::PorePressure { .. } = stage.until {
-                let expected = "time or time_factor: layers have an undrained pressure each, not one to wait for";
-                let span = raw.get_ref().until.span();
-                return self.refuse(&span, "stages.until", expected, "pore_pressure_within");
-            }
         }
         Ok(())
     }

@@ -7,7 +7,7 @@ use super::super::{
     DarcyChoice, Dimension, Displaced, Integrator, Quadrature, Scene, ShapeChoice, StepChoice, StrainChoice,
     TimeMethod, TransferChoice, UpdateChoice,
 };
-use super::{Checked, Reader, quoted};
+use super::{Checked, Reader};
 
 /// The checked `[scheme]`.
 pub(super) struct Scheme {
@@ -63,7 +63,7 @@ pub(super) fn usual_shape(raw: &RawScene, dimension: Dimension, integrator: Inte
 }
 
 impl Reader<'_> {
-    pub(super) fn scheme(&self, raw: Option<&RawScheme>, wet: bool) -> Checked<Scheme> {
+    pub(super) fn scheme(&self, raw: Option<&RawScheme>) -> Checked<Scheme> {
         let operators = [("face", DarcyChoice::Face), ("nodal", DarcyChoice::Nodal)];
         let quadratures = [("fitted", Quadrature::Fitted), ("volumes", Quadrature::Volumes)];
         let mut scheme = Scheme {
@@ -77,9 +77,6 @@ impl Reader<'_> {
             jump_penalty: None,
         };
         let Some(raw) = raw else { return Ok(scheme) };
-        if !wet {
-            self.dry_scheme(raw)?;
-        }
         if let Some(value) = &raw.flip {
             scheme.flip = self.within(value, "scheme.flip", "0 <= flip <= 1", |f| (0.0..=1.0).contains(&f))?;
         }
@@ -89,11 +86,6 @@ impl Reader<'_> {
         scheme.update = self.word(raw.update.as_ref(), "scheme.update", &updates, scheme.update)?;
         if raw.shape.is_some() {
             scheme.shape = Some(self.word(raw.shape.as_ref(), "scheme.shape", &SHAPES, ShapeChoice::Centre)?);
-        }
-        let splines = scheme.shape.is_some_and(|shape| shape.spline_degree().is_some());
-        if let (Some(value), false) = (&raw.jump_penalty, splines) {
-            let expected = "shape = \"bspline2\" or \"bspline3\" beside it: other shapes have no jump penalty";
-            return self.refuse(&value.span(), "scheme.jump_penalty", expected, value.get_ref());
         }
         scheme.quadrature = self.word(raw.quadrature.as_ref(), "scheme.quadrature", &quadratures, scheme.quadrature)?;
         if let Some(value) = &raw.jump_penalty {
@@ -122,23 +114,6 @@ impl Reader<'_> {
         self.refuse(&value.span(), "scheme.darcy_inertia", &expected, value.get_ref())
     }
 
-    /// Keys that concern water.
-    fn dry_scheme(&self, raw: &RawScheme) -> Checked<()> {
-        if let Some(value) = &raw.darcy {
-            let expected = "no Darcy operator in a dry scene";
-            return self.refuse(&value.span(), "scheme.darcy", expected, quoted(value.get_ref()));
-        }
-        if let Some(value) = &raw.darcy_inertia {
-            let expected = "no inertia in Darcy's law in a dry scene";
-            return self.refuse(&value.span(), "scheme.darcy_inertia", expected, value.get_ref());
-        }
-        if let Some(value) = &raw.jump_penalty {
-            let expected = "no jump penalty in a dry scene: it acts on the pore pressure";
-            return self.refuse(&value.span(), "scheme.jump_penalty", expected, value.get_ref());
-        }
-        Ok(())
-    }
-
     pub(super) fn time(&self, raw: Option<&RawTime>) -> Checked<Time> {
         let mut checked = Time {
             integrator: Integrator::Explicit,
@@ -156,29 +131,11 @@ impl Reader<'_> {
             self.limited_steps(time, &mut checked)?;
         }
         checked.step = self.step(time)?;
-        if checked.step == StepChoice::Auto {
-            return Ok(checked);
-        }
-        let found = "a given step";
-        if let Some(value) = &time.safety {
-            return self.refuse(&value.span(), "time.safety", "step = \"auto\" beside a safety factor", found);
-        }
-        if let Some(value) = &time.tolerance {
-            return self.refuse(&value.span(), "time.tolerance", "step = \"auto\" beside a tolerance", found);
-        }
-        if let (Some(value), TimeMethod::Krylov) = (&time.step, checked.method) {
-            let expected = "step = \"auto\": the Krylov method has no steps";
-            return self.refuse(&value.span(), "time.step", expected, found);
-        }
         Ok(checked)
     }
 
     /// Steps that follow from a tolerance.
     fn own_steps(&self, time: &RawTime, checked: &mut Time) -> Checked<()> {
-        if let Some(value) = &time.safety {
-            let expected = "no safety factor beside quasi-static, whose steps have no stability limit";
-            return self.refuse(&value.span(), "time.safety", expected, value.get_ref());
-        }
         let methods = [("auto", TimeMethod::Auto), ("krylov", TimeMethod::Krylov), ("sdirk", TimeMethod::Sdirk)];
         checked.method = self.word(time.method.as_ref(), "time.method", &methods, TimeMethod::Auto)?;
         if let Some(value) = &time.tolerance {
@@ -190,12 +147,6 @@ impl Reader<'_> {
 
     /// Steps that are a share of the stability limit.
     fn limited_steps(&self, time: &RawTime, checked: &mut Time) -> Checked<()> {
-        if let Some(value) = &time.method {
-            return self.beside_quasi_static(&value.span(), "time.method", checked.integrator);
-        }
-        if let Some(value) = &time.tolerance {
-            return self.beside_quasi_static(&value.span(), "time.tolerance", checked.integrator);
-        }
         if let Some(value) = &time.safety {
             checked.safety = self.within(value, "time.safety", "0 < safety <= 1", |s| s > 0.0 && s <= 1.0)?;
         }

@@ -5,6 +5,7 @@ use std::ops::Range;
 use toml::{Spanned, Value};
 
 mod failure;
+mod features;
 mod free_surface;
 mod ground;
 mod law;
@@ -14,7 +15,7 @@ pub use method::{INTEGRATORS, SHAPES};
 mod together;
 
 use super::flags::{self, Flags};
-use super::raw::{RawGeometry, RawMesh, RawObserve, RawScene, RawSoil, RawStage, RawStrip, RawUntil, RawWater};
+use super::raw::{RawMesh, RawObserve, RawScene, RawSoil, RawStage, RawStrip, RawUntil, RawWater};
 use super::{
     Dimension, Integrator, LoadOn, LoadedStrip, PAPER_STEP, Scene, Side, SolidSide, Stage, Start, StepChoice,
     Surcharge, Until, WaterProperties,
@@ -190,6 +191,7 @@ impl Reader<'_> {
     }
 
     fn scene(&self, raw: &RawScene) -> Checked<Scene> {
+        self.goes_together(raw)?;
         let dimensions = [("column", Dimension::Column), ("plane-strain", Dimension::PlaneStrain)];
         let dimension = self.word(raw.dimension.as_ref(), "dimension", &dimensions, Dimension::Column)?;
         let gravity = match &raw.gravity {
@@ -212,9 +214,9 @@ impl Reader<'_> {
         let grain_density = self.grain_density(&raw.soil, porosity, water.as_ref())?;
         self.weight_of_water(raw, gravity, water.as_ref())?;
         let solid_sides = self.solid_sides(raw, dimension)?;
-        let surcharge = self.surcharge(raw, solid_sides[Side::Top as usize], width)?;
+        let surcharge = self.surcharge(raw, width)?;
         let start = self.start(raw, gravity, surcharge.as_ref())?;
-        let scheme = self.scheme(raw.scheme.as_ref().map(Spanned::get_ref), water.is_some())?;
+        let scheme = self.scheme(raw.scheme.as_ref().map(Spanned::get_ref))?;
         let time = self.time(raw.time.as_ref().map(Spanned::get_ref))?;
         let shape = scheme.shape.unwrap_or_else(|| method::usual_shape(raw, dimension, time.integrator));
         let (shift, displaced) = self.places(mesh)?;
@@ -287,7 +289,6 @@ impl Reader<'_> {
             scene.light_nodes = scene.usual_light_nodes();
         }
         self.fits_together(raw, &scene)?;
-        self.on_the_ground(raw, &scene)?;
         self.number_of_steps(raw, &scene)?;
         Ok(scene)
     }
@@ -439,13 +440,9 @@ impl Reader<'_> {
         Ok(sides)
     }
 
-    fn surcharge(&self, raw: &RawScene, top: SolidSide, width: f64) -> Checked<Option<Surcharge>> {
+    fn surcharge(&self, raw: &RawScene, width: f64) -> Checked<Option<Surcharge>> {
         let Some(table) = &raw.surcharge else { return Ok(None) };
         let load = table.get_ref();
-        if top != SolidSide::Free {
-            let expected = "boundaries.top = \"free\" under a surcharge (a held surface carries no load)";
-            return self.refuse(&table.span(), "surcharge", expected, format!("{top:?}").to_lowercase());
-        }
         let words = [("surface", LoadOn::Surface), ("particles", LoadOn::Particles), ("plate", LoadOn::Plate)];
         let ramp_time = match &load.ramp_time {
             Some(value) => self.within(value, "surcharge.ramp_time", "a time of 0 or more (s)", |t| t >= 0.0)?,
@@ -487,9 +484,6 @@ impl Reader<'_> {
         ];
         let start = self.word(raw.start.as_ref(), "start", &words, Start::Unloaded)?;
         let span = raw.start.as_ref().map_or(0..0, Spanned::span);
-        let column = matches!(raw.geometry.get_ref(), RawGeometry::Column(_));
-        let full = raw.water.as_ref().is_some_and(|water| water.get_ref().free_surface.is_none());
-        let level = column && full && raw.slope_angle.is_none();
         match start {
             Start::UndrainedEquilibrium if surcharge.map_or(gravity.is_none(), |s| s.ramp_time > 0.0) => self.refuse(
                 &span,
@@ -497,16 +491,6 @@ impl Reader<'_> {
                 "gravity, or a surcharge without ramp, to be in equilibrium with",
                 "\"undrained-equilibrium\"",
             ),
-            Start::UndrainedEquilibrium if raw.water.is_none() => {
-                self.refuse(&span, "start", "[water] to carry the load undrained", "a dry scene")
-            }
-            Start::UndrainedEquilibrium if gravity.is_some() && !level => {
-                let expected = "\"geostatic\" or \"unloaded\" under gravity, but in a level column full of water";
-                self.refuse(&span, "start", expected, "\"undrained-equilibrium\"")
-            }
-            Start::Geostatic if gravity.is_none() => {
-                self.refuse(&span, "start", "the key gravity beside a geostatic start", "no gravity")
-            }
             start => Ok(start),
         }
     }
@@ -544,9 +528,6 @@ impl Reader<'_> {
                 self.refuse(&stage.span(), "stages.drained", expected, "none given")
             };
         };
-        if scene.water.is_none() {
-            return self.refuse(&value.span(), "stages.drained", "no drained side in a dry scene", "one");
-        }
         let refuse = |expected: &str, found: String| self.refuse(&value.span(), "stages.drained", expected, found);
         let list = match value.get_ref() {
             Value::String(word) if word == "none" => return Ok(drained),
@@ -603,10 +584,6 @@ impl Reader<'_> {
                 }
                 let expected = "0 < tolerance < 1";
                 let key = "stages.until.pore_pressure_within";
-                if scene.pore_stiffness().is_infinite() {
-                    let expected = "a finite water.bulk_modulus: the pressure must hold for a period of its wave";
-                    return self.refuse(&within.span(), key, expected, "inf");
-                }
                 let within = self.within(within, key, expected, |t| t > 0.0 && t < 1.0)?;
                 // Long enough for many passages of the undrained wave through any column.
                 let passage = scene.height / (scene.pore_stiffness() / scene.mixture_density()).sqrt();

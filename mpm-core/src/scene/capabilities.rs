@@ -1,0 +1,378 @@
+//! What goes together: the one table from which the checker refuses, the program lists, and the page of scene keys is made.
+//!
+//! Most of what a scene may have goes with everything else. A [`Rule`] says what does not, and what to do about it. What depends
+//! on numbers, or on three things at once, is said by the room that knows it.
+
+use Feature::{
+    Affine, AnyShape, BBar, Bspline2, Bspline3, CamClay, Centroid, Column, CoulombBase, Coupled, Damping, DarcyInertia,
+    DarcyOperator, Displaced, Drained, Dry, Explicit, Fails, FixedSide, Flip, FreeSurface, Geostatic, Gimp, GivenStep,
+    Gravity, HeldTop, Incompressible, InertiaKept, JumpPenalty, Krylov, LargeStrain, Layers, LightNodes, LinearElastic,
+    Load, MohrCoulomb, Musl, NoGravity, Nodal, Outline, PaperStep, Periodic, Plate, PressureEnd, QuasiStatic, RestEnd,
+    Safety, Saturated, SemiImplicit, Separation, Shift, Sideroom, SlopeAngle, SmallStrain, StartK0, StartVelocity,
+    Strip, TimeMethod, Tolerance, TwoClocks, UndrainedStart, Unloaded,
+};
+
+/// Something that a scene has, and that not everything goes with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[allow(missing_docs, reason = "`Feature::key` and `Feature::word` are what a scene file says")]
+pub enum Feature {
+    Column,
+    Outline,
+    Explicit,
+    SemiImplicit,
+    QuasiStatic,
+    TwoClocks,
+    Coupled,
+    Centroid,
+    BBar,
+    Gimp,
+    Bspline2,
+    Bspline3,
+    AnyShape,
+    Dry,
+    Saturated,
+    FreeSurface,
+    Incompressible,
+    LinearElastic,
+    MohrCoulomb,
+    CamClay,
+    Layers,
+    Separation,
+    LargeStrain,
+    SmallStrain,
+    NoGravity,
+    Gravity,
+    SlopeAngle,
+    Unloaded,
+    UndrainedStart,
+    Geostatic,
+    StartK0,
+    StartVelocity,
+    Shift,
+    Displaced,
+    Sideroom,
+    Periodic,
+    FixedSide,
+    HeldTop,
+    CoulombBase,
+    Load,
+    Plate,
+    Strip,
+    DarcyOperator,
+    Nodal,
+    DarcyInertia,
+    InertiaKept,
+    Flip,
+    Affine,
+    Musl,
+    LightNodes,
+    JumpPenalty,
+    TimeMethod,
+    Krylov,
+    Tolerance,
+    Safety,
+    GivenStep,
+    PaperStep,
+    Drained,
+    Damping,
+    Fails,
+    RestEnd,
+    PressureEnd,
+}
+
+/// Every feature with the key that asks for it and what a scene file says there.
+pub const FEATURES: [(Feature, &str, &str); 62] = [
+    (Column, "dimension", "\"column\""),
+    (Outline, "geometry.outline", "[geometry.outline]"),
+    (Explicit, "time.integrator", "\"explicit\""),
+    (SemiImplicit, "time.integrator", "\"semi-implicit\""),
+    (QuasiStatic, "time.integrator", "\"quasi-static\""),
+    (TwoClocks, "time.integrator", "\"two-clocks\""),
+    (Coupled, "time.integrator", "\"coupled\""),
+    (Centroid, "scheme.shape", "\"centroid\""),
+    (BBar, "scheme.shape", "\"b-bar\""),
+    (Gimp, "scheme.shape", "\"gimp\""),
+    (Bspline2, "scheme.shape", "\"bspline2\""),
+    (Bspline3, "scheme.shape", "\"bspline3\""),
+    (AnyShape, "scheme.shape", "a shape without penalty"),
+    (Dry, "water", "a dry scene"),
+    (Saturated, "water", "soil full of water"),
+    (FreeSurface, "water.free_surface", "[water.free_surface]"),
+    (Incompressible, "water.bulk_modulus", "inf"),
+    (LinearElastic, "soil.law", "linear_elastic"),
+    (MohrCoulomb, "soil.law", "mohr_coulomb"),
+    (CamClay, "soil.law", "modified_cam_clay"),
+    (Layers, "layers", "[[layers]]"),
+    (Separation, "soil.separation", "soil.separation"),
+    (LargeStrain, "soil.strain", "\"large\""),
+    (SmallStrain, "soil.strain", "\"small\""),
+    (NoGravity, "gravity", "no gravity"),
+    (Gravity, "gravity", "gravity"),
+    (SlopeAngle, "slope_angle", "slope_angle"),
+    (Unloaded, "start", "\"unloaded\""),
+    (UndrainedStart, "start", "\"undrained-equilibrium\""),
+    (Geostatic, "start", "\"geostatic\""),
+    (StartK0, "start_k0", "start_k0"),
+    (StartVelocity, "start_velocity", "start_velocity"),
+    (Shift, "mesh.shift", "mesh.shift"),
+    (Displaced, "mesh.displaced", "mesh.displaced"),
+    (Sideroom, "mesh.sideroom_cells", "mesh.sideroom_cells"),
+    (Periodic, "boundaries.left", "\"periodic\""),
+    (FixedSide, "boundaries.left", "a \"fixed\" side"),
+    (HeldTop, "boundaries.top", "a held top"),
+    (CoulombBase, "base", "[base]"),
+    (Load, "surcharge", "[surcharge]"),
+    (Plate, "surcharge.on", "\"plate\""),
+    (Strip, "surcharge.strip", "surcharge.strip"),
+    (DarcyOperator, "scheme.darcy", "scheme.darcy"),
+    (Nodal, "scheme.darcy", "\"nodal\""),
+    (DarcyInertia, "scheme.darcy_inertia", "scheme.darcy_inertia"),
+    (InertiaKept, "scheme.darcy_inertia", "true"),
+    (Flip, "scheme.flip", "scheme.flip"),
+    (Affine, "scheme.transfer", "\"affine\""),
+    (Musl, "scheme.update", "\"musl\""),
+    (LightNodes, "scheme.light_nodes", "scheme.light_nodes"),
+    (JumpPenalty, "scheme.jump_penalty", "scheme.jump_penalty"),
+    (TimeMethod, "time.method", "time.method"),
+    (Krylov, "time.method", "\"krylov\""),
+    (Tolerance, "time.tolerance", "time.tolerance"),
+    (Safety, "time.safety", "time.safety"),
+    (GivenStep, "time.step", "a given step"),
+    (PaperStep, "time.step", "\"paper\""),
+    (Drained, "stages.drained", "stages.drained"),
+    (Damping, "stages.damping", "stages.damping"),
+    (Fails, "stages.clock", "\"both\""),
+    (RestEnd, "stages.until.rest", "stages.until.rest"),
+    (PressureEnd, "stages.until", "pore_pressure_within"),
+];
+
+impl Feature {
+    /// The key of a scene file that asks for it.
+    pub fn key(self) -> &'static str {
+        self.entry().1
+    }
+
+    /// What a scene file says there, or a word for what it leaves out.
+    pub fn word(self) -> &'static str {
+        self.entry().2
+    }
+
+    fn entry(self) -> &'static (Feature, &'static str, &'static str) {
+        &FEATURES[self as usize]
+    }
+}
+
+/// A feature that does not go with some others.
+#[derive(Debug, Clone, Copy)]
+pub struct Rule {
+    /// What is refused.
+    pub of: Feature,
+    /// Beside any of these.
+    pub beside: &'static [Feature],
+    /// What is expected in its place, and why.
+    pub expected: &'static str,
+}
+
+const fn rule(of: Feature, beside: &'static [Feature], expected: &'static str) -> Rule {
+    Rule { of, beside, expected }
+}
+
+/// Integrators but the quasi-static one.
+const STEPPED: &[Feature] = &[Explicit, SemiImplicit, TwoClocks, Coupled];
+/// Integrators whose pressures or displacements are implicit: no accelerations of single nodes are at hand.
+const IMPLICIT: &[Feature] = &[SemiImplicit, QuasiStatic];
+/// Those, and functions that reach beyond a cell.
+const NOT_CORNERS: &[Feature] = &[SemiImplicit, QuasiStatic, Gimp, Bspline2, Bspline3];
+const NOT_PLAIN: &[Feature] = &[SemiImplicit, QuasiStatic, TwoClocks, Coupled, FreeSurface];
+
+const PLANE: &str = "dimension = \"plane-strain\" beside it";
+const BY_QUASI_STATIC: &str = "integrator = \"quasi-static\" beside it";
+const BY_EXPLICIT: &str = "integrator = \"explicit\" beside it";
+const BY_CORNERS: &str =
+    "integrator = \"explicit\" and shape = \"centre\", \"centroid\", \"linear\" or \"b-bar\" beside it";
+const BY_PLAIN: &str = "integrator = \"explicit\" beside it, in a scene without a free surface of water";
+const NO_WATER_LAYER: &str = "a dry scene or [water.free_surface]: no water layer follows it yet";
+const AUTO_STEP: &str = "step = \"auto\" beside it";
+
+/// The table, in the order in which a scene is held against it.
+pub const RULES: &[Rule] = &[
+    rule(Outline, &[Column], "dimension = \"plane-strain\" beside it: an outline is an area"),
+    rule(Sideroom, &[Column], "dimension = \"plane-strain\" beside it: a column cannot move sideways"),
+    rule(SlopeAngle, &[Column], PLANE),
+    rule(StartVelocity, &[Column], PLANE),
+    rule(Periodic, &[Column], PLANE),
+    rule(CoulombBase, &[Column], PLANE),
+    rule(Strip, &[Column], "dimension = \"plane-strain\" beside it: a column is loaded all over"),
+    rule(FixedSide, &[Column], "\"roller\" in a column, which cannot move sideways (or dimension = \"plane-strain\")"),
+    rule(
+        Fails,
+        &[Column, NoGravity, SlopeAngle, HeldTop],
+        "plane strain under gravity, with a level base and a free top, beside clock = \"both\"",
+    ),
+    rule(
+        Fails,
+        &[Dry, Saturated],
+        "[water.free_surface] beside clock = \"both\": which soil is wet, and what feeds it",
+    ),
+    rule(Fails, &[RestEnd, PressureEnd], "a time (s) beside clock = \"both\""),
+    rule(SlopeAngle, &[NoGravity], "the key gravity beside it, which it turns"),
+    rule(Geostatic, &[NoGravity], "the key gravity beside a geostatic start"),
+    rule(StartK0, &[Unloaded, UndrainedStart], "start = \"geostatic\" beside it"),
+    rule(UndrainedStart, &[Dry], "[water] to carry the load undrained"),
+    rule(UndrainedStart, &[FreeSurface], "\"geostatic\" or \"unloaded\" beside it: its soil is not full of water"),
+    rule(UndrainedStart, &[Strip], "\"unloaded\" under a strip: undrained equilibrium is that of a load all over"),
+    rule(Load, &[HeldTop], "boundaries.top = \"free\" under a surcharge (a held surface carries no load)"),
+    rule(
+        Plate,
+        &[FixedSide],
+        "\"surface\" beside it, or \"roller\" or \"free\" sides: soil that is held at the edge of a plate cannot follow it, \
+         and its stress grows with every refinement",
+    ),
+    rule(
+        Plate,
+        &[Sideroom],
+        "\"surface\" or \"particles\" in a mesh with room to move: the plate is its top row of nodes",
+    ),
+    rule(Strip, &[Plate], "on = \"surface\" or \"particles\" beside it: a plate spreads its load itself"),
+    // Water.
+    rule(DarcyOperator, &[Dry], "no Darcy operator in a dry scene"),
+    rule(DarcyInertia, &[Dry], "no inertia in Darcy's law in a dry scene"),
+    rule(JumpPenalty, &[Dry], "no jump penalty in a dry scene: it acts on the pore pressure"),
+    rule(Drained, &[Dry], "no drained side in a dry scene"),
+    rule(PressureEnd, &[Dry], "[surcharge] and [water]"),
+    rule(
+        PressureEnd,
+        &[Gravity],
+        "time or time_factor under gravity: the pressure waited for is that of the load alone",
+    ),
+    rule(SemiImplicit, &[Dry], "a [water] table beside it: a dry scene has no pressure to solve for"),
+    rule(Incompressible, &[Explicit], "a finite bulk modulus (Pa): the explicit step follows its pressure wave"),
+    rule(Incompressible, &[PressureEnd], "a finite bulk modulus (Pa): the pressure must hold for a period of its wave"),
+    rule(
+        FreeSurface,
+        IMPLICIT,
+        "integrator = \"two-clocks\" beside it, or \"coupled\" or \"explicit\" with clock = \"both\": the others know \
+         saturated soil",
+    ),
+    rule(TwoClocks, &[Dry, Saturated], "[water.free_surface] beside it, or integrator = \"explicit\""),
+    rule(
+        Coupled,
+        &[Dry, Saturated],
+        "[water.free_surface] and clock = \"both\" beside it, or integrator = \"explicit\"",
+    ),
+    rule(
+        FreeSurface,
+        &[BBar, Gimp, Bspline2, Bspline3],
+        "shape = \"centre\", \"centroid\" or \"linear\" beside it: its forces are those of whole cells",
+    ),
+    rule(PaperStep, &[FreeSurface], "\"auto\" or a step (s): the paper's 1e-7 s is that of its consolidation column"),
+    rule(FreeSurface, &[Load], "no [surcharge] beside it yet"),
+    rule(Outline, &[Saturated], NO_WATER_LAYER),
+    rule(SlopeAngle, &[Saturated], NO_WATER_LAYER),
+    rule(Periodic, &[Saturated], NO_WATER_LAYER),
+    // Functions.
+    rule(
+        Bspline3,
+        STEPPED,
+        "integrator = \"quasi-static\" beside it, which fits weights: particles of equal volumes do not balance a uniform \
+         stress at the ends of cubic B-splines, and \"bspline2\" is nearer",
+    ),
+    rule(Centroid, IMPLICIT, BY_EXPLICIT),
+    rule(JumpPenalty, &[AnyShape], "shape = \"bspline2\" or \"bspline3\" beside it: other shapes have no jump penalty"),
+    rule(JumpPenalty, STEPPED, BY_QUASI_STATIC),
+    rule(
+        Nodal,
+        &[SemiImplicit, Gimp, Bspline2, Bspline3],
+        "\"face\", or integrator = \"explicit\" and shape = \"centre\" or \"linear\" beside it",
+    ),
+    rule(Nodal, &[QuasiStatic], "\"face\" beside quasi-static: the nodal flow is a velocity of an explicit step"),
+    rule(
+        Nodal,
+        &[Layers],
+        "\"face\" beside [[layers]]: a velocity at the nodes of an interface has no one conductivity",
+    ),
+    rule(LightNodes, NOT_CORNERS, BY_CORNERS),
+    // Explicit steps alone.
+    rule(Outline, IMPLICIT, BY_EXPLICIT),
+    rule(Outline, &[Gimp, Bspline2, Bspline3], BY_CORNERS),
+    rule(Outline, &[Load], "[geometry.column] beside it: an outline carries no surcharge yet"),
+    rule(Sideroom, IMPLICIT, BY_EXPLICIT),
+    rule(Sideroom, &[Gimp, Bspline2, Bspline3], BY_CORNERS),
+    rule(SlopeAngle, IMPLICIT, BY_EXPLICIT),
+    rule(StartVelocity, IMPLICIT, BY_EXPLICIT),
+    rule(Periodic, NOT_CORNERS, BY_CORNERS),
+    rule(
+        Periodic,
+        &[Outline, Sideroom],
+        "[geometry.column] without sideroom beside \"periodic\": the soil fills the width",
+    ),
+    rule(CoulombBase, NOT_CORNERS, BY_CORNERS),
+    rule(Separation, &[LinearElastic, CamClay], "mohr_coulomb without dilation beside it"),
+    rule(Separation, NOT_CORNERS, BY_CORNERS),
+    rule(RestEnd, NOT_CORNERS, BY_CORNERS),
+    rule(Affine, NOT_PLAIN, BY_PLAIN),
+    rule(Musl, NOT_PLAIN, BY_PLAIN),
+    rule(Musl, &[CoulombBase], "\"usl\" beside [base]: friction is with the nodes"),
+    // Quasi-static alone, and what it has no use for.
+    rule(Shift, STEPPED, BY_QUASI_STATIC),
+    rule(Displaced, STEPPED, BY_QUASI_STATIC),
+    rule(SmallStrain, STEPPED, "\"large\", or integrator = \"quasi-static\": the others move their particles"),
+    rule(TimeMethod, STEPPED, BY_QUASI_STATIC),
+    rule(Tolerance, STEPPED, BY_QUASI_STATIC),
+    rule(Krylov, &[LargeStrain], "soil.strain = \"small\" beside it: the Krylov method is for linear scenes"),
+    rule(Krylov, &[MohrCoulomb, CamClay], "linear_elastic soil beside it: the Krylov method is for linear scenes"),
+    rule(Krylov, &[Gravity], "no gravity beside it: the Krylov method is for linear scenes"),
+    rule(Krylov, &[Dry], "[water] beside it: the Krylov method follows what drains"),
+    rule(Krylov, &[GivenStep, PaperStep], "step = \"auto\": the Krylov method has no steps"),
+    rule(InertiaKept, &[QuasiStatic], "false, or no such key: quasi-static has no inertia"),
+    rule(Flip, &[QuasiStatic], "no such key beside quasi-static, which carries no velocities"),
+    rule(Damping, &[QuasiStatic], "no damping beside quasi-static, which has no inertia"),
+    rule(PressureEnd, &[QuasiStatic], "time or time_factor: quasi-static carries a load undrained at once"),
+    rule(Safety, &[QuasiStatic], "no safety factor beside quasi-static, whose steps have no stability limit"),
+    rule(PaperStep, &[QuasiStatic], "\"auto\" or a step above 0 (s)"),
+    rule(Safety, &[GivenStep, PaperStep], AUTO_STEP),
+    rule(Tolerance, &[GivenStep, PaperStep], AUTO_STEP),
+    // Layers.
+    rule(
+        Layers,
+        &[MohrCoulomb, CamClay],
+        "linear_elastic soil beside it: layers differ in elasticity and conductivity alone",
+    ),
+    rule(Layers, &[Outline], "[geometry.column] beside it: in an outline the faces of cells follow no layer"),
+    rule(
+        Layers,
+        &[FreeSurface, Sideroom, SlopeAngle, Periodic, CoulombBase],
+        "a level column beside it, full of water or dry, with nothing periodic, sliding or running out",
+    ),
+    rule(Layers, &[TwoClocks, Coupled], "integrator = \"explicit\", \"semi-implicit\" or \"quasi-static\" beside it"),
+    rule(Centroid, &[Layers], "\"centre\" beside [[layers]], whose cells are full: their centroid is the centre"),
+    rule(Shift, &[Layers], "0 beside [[layers]], which end at faces of the mesh"),
+    rule(PressureEnd, &[Layers], "time or time_factor: layers have an undrained pressure each, not one to wait for"),
+];
+
+/// The rule by which two features do not go together, if there is one.
+pub fn conflict(a: Feature, b: Feature) -> Option<&'static Rule> {
+    RULES.iter().find(|rule| (rule.of == a && rule.beside.contains(&b)) || (rule.of == b && rule.beside.contains(&a)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn features_stand_at_their_numbers() {
+        assert!(FEATURES.iter().enumerate().all(|(i, (feature, ..))| *feature as usize == i));
+    }
+
+    #[test]
+    fn no_rule_is_said_twice() {
+        let mut all = Vec::new();
+        for Rule { of, beside, .. } in RULES {
+            all.extend(beside.iter().map(|other| (*of.min(other), *of.max(other))));
+        }
+        let count = all.len();
+        all.sort();
+        all.dedup();
+        assert_eq!(all.len(), count);
+    }
+}

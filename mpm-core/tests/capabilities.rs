@@ -1,0 +1,255 @@
+//! Guards the table of what goes together: every pair that it allows has a scene that runs, every pair that it forbids is
+//! refused with the table's words.
+
+use std::collections::BTreeSet;
+
+use mpm_core::failure::Driver;
+use mpm_core::scene::Scene;
+use mpm_core::scene::capabilities::{FEATURES, Feature, RULES, conflict};
+
+type Set = BTreeSet<Feature>;
+
+/// Features of which a scene has one at most; the first is that of a scene that says nothing. An empty place is one that has no
+/// name because everything goes with it.
+const GROUPS: [&[Option<Feature>]; 13] = {
+    use Feature::*;
+    [
+        &[None, Some(Column)],
+        &[Some(Explicit), Some(SemiImplicit), Some(QuasiStatic), Some(TwoClocks), Some(Coupled)],
+        &[None, Some(Centroid), Some(BBar), Some(Gimp), Some(Bspline2), Some(Bspline3)],
+        &[Some(Dry), Some(Saturated), Some(FreeSurface)],
+        &[Some(LinearElastic), Some(MohrCoulomb), Some(CamClay)],
+        &[Some(LargeStrain), Some(SmallStrain)],
+        &[Some(NoGravity), Some(Gravity)],
+        &[Some(Unloaded), Some(Geostatic), Some(UndrainedStart)],
+        &[None, Some(Fails)],
+        &[None, Some(Load)],
+        &[None, Some(RestEnd), Some(PressureEnd)],
+        &[None, Some(GivenStep), Some(PaperStep)],
+        &[None, Some(Periodic), Some(FixedSide)],
+    ]
+};
+
+/// What a scene has as well when it has a feature.
+const IMPLIED: [(Feature, Feature); 10] = {
+    use Feature::*;
+    [
+        (Plate, Load),
+        (Strip, Load),
+        (PressureEnd, Load),
+        (Nodal, DarcyOperator),
+        (InertiaKept, DarcyInertia),
+        (Krylov, TimeMethod),
+        (Separation, MohrCoulomb),
+        (Coupled, Fails),
+        (Fails, FreeSurface),
+        (Incompressible, Drained),
+    ]
+};
+
+/// A scene file with these features and no others.
+fn written(has: &Set) -> String {
+    use Feature::*;
+    let is = |feature: Feature| has.contains(&feature);
+    let word = |group: usize, usual: &'static str| {
+        let named = GROUPS[group].iter().flatten().find(|feature| is(**feature));
+        named.map_or(usual, |feature| feature.word())
+    };
+    let mut text = String::from("name = \"pair\"\n");
+    let mut line = |on: bool, what: &str| {
+        if on {
+            text.push_str(what);
+            text.push('\n');
+        }
+    };
+    line(!is(Column), "dimension = \"plane-strain\"");
+    line(true, &format!("start = {}", word(7, "")));
+    line(!is(NoGravity), "gravity = 9.81");
+    line(is(SlopeAngle), "slope_angle = 5.0");
+    line(is(StartK0), "start_k0 = 0.6");
+    line(is(StartVelocity), "start_velocity = [0.0, 1e-4]");
+    line(is(Outline), "geometry.outline = { points = [[0, 0], [2, 0], [2, 0.5], [1, 1], [0, 1]] }");
+    line(!is(Outline), "geometry.column = { height = 1.0, width = 1.0 }");
+    line(true, "[mesh]\ncell = 0.25\nparticles_per_cell = 4");
+    line(is(Shift), "shift = 0.3");
+    line(is(Displaced), "displaced = { jitter = 0.1 }");
+    line(is(Sideroom), "sideroom_cells = 2");
+    line(true, "[soil]\ngrain_density = 2650\nporosity = 0.4");
+    line(is(SmallStrain), "strain = \"small\"");
+    line(is(Separation), "separation = 0.01");
+    let elastic = "youngs_modulus = 1e7, poisson_ratio = 0.3";
+    line(is(LinearElastic), &format!("law.linear_elastic = {{ {elastic} }}"));
+    line(is(MohrCoulomb), &format!("law.mohr_coulomb = {{ {elastic}, cohesion = 1e5, friction_angle = 30 }}"));
+    line(
+        is(CamClay),
+        "law.modified_cam_clay = { lambda = 0.1, kappa = 0.02, bulk_modulus = 1e7, poisson_ratio = 0.3, critical_slope = 1.0, attraction = 1e5 }",
+    );
+    line(is(Layers), "[[layers]]\nup_to = 0.5\n[[layers]]\nup_to = 1.0\nyoungs_modulus = 2e7");
+    let stiffness = if is(Incompressible) { "inf" } else { "2e8" };
+    line(!is(Dry), &format!("[water]\nhydraulic_conductivity = 1e-3\nbulk_modulus = {stiffness}\nunit_weight = 9810"));
+    line(is(FreeSurface), "free_surface = { level = 0.5 }");
+    line(true, "[boundaries]");
+    line(is(Periodic), "left = \"periodic\"\nright = \"periodic\"");
+    line(is(FixedSide), "right = \"fixed\"");
+    line(is(HeldTop), "top = \"roller\"");
+    line(is(CoulombBase), "bottom = \"coulomb\"\n[base]\nfriction_angle = 40");
+    line(is(Load), "[surcharge]\npressure = 1e3");
+    line(is(Plate), "on = \"plate\"");
+    line(is(Strip), "strip = { from = 0.0, to = 0.5 }");
+    line(true, "[scheme]");
+    line(true, &format!("shape = {}", word(2, "\"centre\"")));
+    line(is(Nodal), "darcy = \"nodal\"");
+    line(is(DarcyOperator) && !is(Nodal), "darcy = \"face\"");
+    line(is(DarcyInertia), if is(InertiaKept) { "darcy_inertia = true" } else { "darcy_inertia = false" });
+    line(is(Flip), "flip = 1.0");
+    line(is(Affine), "transfer = \"affine\"");
+    line(is(Musl), "update = \"musl\"");
+    line(is(LightNodes), "light_nodes = 0.1");
+    line(is(JumpPenalty), "jump_penalty = 1e-3");
+    line(true, &format!("[time]\nintegrator = {}", word(1, "")));
+    line(is(Krylov), "method = \"krylov\"");
+    line(is(TimeMethod) && !is(Krylov), "method = \"sdirk\"");
+    line(is(Tolerance), "tolerance = 1e-3");
+    line(is(Safety), "safety = 0.5");
+    line(is(GivenStep), "step = 1e-5");
+    line(is(PaperStep), "step = \"paper\"");
+    line(true, "[[stages]]");
+    line(is(Drained), "drained = [\"top\"]");
+    line(!is(Dry) && !is(Drained), "drained = \"none\"");
+    line(is(Damping), "damping = 1.0");
+    line(is(Fails), "clock = \"both\"");
+    let seeps = is(FreeSurface) && !is(Fails);
+    line(seeps && (is(RestEnd) || is(PressureEnd)), "clock = \"soil\"");
+    line(is(RestEnd), "until.rest = { speed = 1e3, at_most = 10.0 }");
+    line(is(PressureEnd), "until = { pore_pressure_within = 0.9, at_most = 1.0 }");
+    line(!is(RestEnd) && !is(PressureEnd), "until.time = 1e-4");
+    text
+}
+
+/// Sets with two features and whatever else makes a scene of them, the most usual first, in which no other pair is forbidden.
+fn sets(a: Feature, b: Feature) -> Vec<Set> {
+    let mut first = Set::from([a, b]);
+    for (feature, implied) in IMPLIED {
+        let group = GROUPS.iter().find(|group| group.contains(&Some(implied)));
+        let is_chosen = group.is_some_and(|group| group.iter().flatten().any(|other| first.contains(other)));
+        if first.contains(&feature) && !is_chosen {
+            first.insert(implied);
+        }
+    }
+    let mut sets = vec![first];
+    // Water that is not there has no stiffness.
+    let conflict =
+        |x, y| conflict(x, y).is_some() || [(x, y), (y, x)].contains(&(Feature::Incompressible, Feature::Dry));
+    let forbidden =
+        |set: &Set, new: Feature| set.iter().any(|old| conflict(*old, new) && ![(a, b), (b, a)].contains(&(*old, new)));
+    for group in GROUPS {
+        let mut next = Vec::new();
+        for set in sets {
+            let own: Vec<_> = group.iter().flatten().filter(|feature| set.contains(feature)).collect();
+            match own.as_slice() {
+                [] => {
+                    let choices = group.iter().filter(|choice| !choice.is_some_and(|new| forbidden(&set, new)));
+                    next.extend(choices.map(|choice| set.iter().copied().chain(*choice).collect::<Set>()));
+                }
+                [_] => next.push(set),
+                _ => {}
+            }
+        }
+        sets = next;
+    }
+    let plain = |set: &Set| !set.contains(&Feature::Bspline2) && !set.contains(&Feature::Bspline3);
+    let any_shape = [a, b].contains(&Feature::AnyShape);
+    sets.retain(|set| {
+        let pairs = || set.iter().flat_map(|x| set.iter().map(move |y| (*x, *y)));
+        let sound = pairs().all(|(x, y)| !conflict(x, y) || [(a, b), (b, a)].contains(&(x, y)));
+        let shapeless = !plain(set)
+            || !set.iter().any(|x| {
+                conflict(*x, Feature::AnyShape)
+                    && (*x, Feature::AnyShape) != (a, b)
+                    && (Feature::AnyShape, *x) != (a, b)
+            });
+        sound && shapeless && (!any_shape || plain(set))
+    });
+    sets
+}
+
+/// Two features, and of every group that neither is of the most usual.
+fn usual(a: Feature, b: Feature) -> Set {
+    let mut set = Set::from([a, b]);
+    for group in GROUPS {
+        if !group.iter().flatten().any(|feature| set.contains(feature)) {
+            set.extend(group[0]);
+        }
+    }
+    set
+}
+
+/// Pairs of features that are not of one group.
+fn pairs() -> impl Iterator<Item = (Feature, Feature)> {
+    let one_group =
+        |a: Feature, b: Feature| GROUPS.iter().any(|group| group.contains(&Some(a)) && group.contains(&Some(b)));
+    let names = FEATURES.map(|(feature, ..)| feature);
+    (0..names.len())
+        .flat_map(move |i| (i + 1..names.len()).map(move |j| (names[i], names[j])))
+        .filter(move |(a, b)| !one_group(*a, *b))
+}
+
+/// Runs a scene to its end; what went wrong.
+fn trouble(scene: &Scene) -> Option<String> {
+    if scene.may_fail() {
+        let advanced = Driver::new(scene).map_err(|e| e.to_string());
+        return advanced.and_then(|mut run| run.advance(1e-4).map_err(|e| e.to_string())).err();
+    }
+    match mpm_core::run::run(scene, &mut |_| {}) {
+        Ok(run) => run.failure.map(|failure| failure.to_string()),
+        Err(e) => Some(e.to_string()),
+    }
+}
+
+#[test]
+fn every_pair_that_the_table_allows_runs() {
+    let (mut wrong, mut ran) = (Vec::new(), 0);
+    for (a, b) in pairs().filter(|(a, b)| conflict(*a, *b).is_none()) {
+        // Some pairs are forbidden by what each of them needs: one is explicit, the other quasi-static.
+        let sets = sets(a, b);
+        let Some(last) = sets.last() else { continue };
+        let scene = sets.iter().find_map(|set| Scene::parse(&written(set), "pair.toml").ok());
+        let trouble = match scene {
+            Some(scene) => trouble(&scene).map(|trouble| format!("{trouble}\n{scene:?}")),
+            None => Scene::parse(&written(last), "pair.toml").err().map(|e| format!("{e}\n{}", written(last))),
+        };
+        ran += 1;
+        wrong.extend(trouble.map(|trouble| format!("{a:?} {b:?}: {trouble}")));
+    }
+    assert!(wrong.is_empty(), "{} pairs:\n{}", wrong.len(), wrong.join("\n"));
+    assert!(ran > 1000, "{ran} pairs ran");
+}
+
+#[test]
+fn every_pair_that_the_table_forbids_is_refused_in_its_words() {
+    let mut wrong = Vec::new();
+    let is_reason = |expected: &str| RULES.iter().any(|rule| rule.expected == expected);
+    for rule in RULES {
+        for other in rule.beside {
+            // Where each of the two forbids what the other needs, the scene is refused for that.
+            let alone = sets(rule.of, *other).into_iter().next();
+            let own = alone.is_some();
+            let set = alone.unwrap_or_else(|| usual(rule.of, *other));
+            match Scene::parse(&written(&set), "pair.toml") {
+                Err(e) if e.expected == rule.expected || (!own && is_reason(&e.expected)) => {}
+                Err(e) => wrong.push(format!("{:?} {other:?}: {e}", rule.of)),
+                Ok(_) => wrong.push(format!("{:?} {other:?} is accepted:\n{}", rule.of, written(&set))),
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} pairs:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn a_feature_is_found_in_a_scene_that_has_it() {
+    // Each is part of a rule, so that a feature that was never found would leave its rules without effect.
+    for (feature, ..) in FEATURES {
+        let of = |rule: &&mpm_core::scene::capabilities::Rule| rule.of == feature || rule.beside.contains(&feature);
+        assert!(RULES.iter().any(|rule| of(&rule)), "{feature:?} is in no rule");
+    }
+}
