@@ -127,6 +127,9 @@ enum Command {
     },
     /// What there is: cases, scenes, schemes
     List {
+        /// What scenes can have beside what: the table that scenes are checked against
+        #[arg(long)]
+        capabilities: bool,
         #[command(flatten)]
         common: Common,
     },
@@ -148,7 +151,8 @@ fn main() -> ExitCode {
         Some(Command::Mutants { options, common }) => mutants::run(&options, &common),
         Some(Command::Gate { name }) => gate::run(&name),
         Some(Command::Report { folder, common }) => report::run(&folder, &common),
-        Some(Command::List { common }) => list::run(&common),
+        Some(Command::List { capabilities: true, common }) => list::capabilities(&common),
+        Some(Command::List { common, .. }) => list::run(&common),
     };
     match outcome.and_then(|()| commands::all_printed()) {
         Ok(()) => ExitCode::SUCCESS,

@@ -157,6 +157,16 @@ impl Feature {
         self.entry().2
     }
 
+    /// Key and word as a scene file has them, `scheme.shape = "gimp"`; one of them where it says all.
+    pub fn name(self) -> String {
+        let (_, key, word) = self.entry();
+        if word.starts_with('"') || *word == "inf" || *word == "true" {
+            format!("{key} = {word}")
+        } else {
+            (*word).to_owned()
+        }
+    }
+
     fn entry(self) -> &'static (Feature, &'static str, &'static str) {
         &FEATURES[self as usize]
     }
@@ -353,6 +363,15 @@ pub const RULES: &[Rule] = &[
 /// The rule by which two features do not go together, if there is one.
 pub fn conflict(a: Feature, b: Feature) -> Option<&'static Rule> {
     RULES.iter().find(|rule| (rule.of == a && rule.beside.contains(&b)) || (rule.of == b && rule.beside.contains(&a)))
+}
+
+/// The table as a page shows it: a line of Markdown for each rule.
+pub fn table() -> String {
+    let names =
+        |list: &[Feature]| list.iter().map(|other| format!("`{}`", other.name())).collect::<Vec<_>>().join(", ");
+    let row = |rule: &Rule| format!("| `{}` | {} | {} |\n", rule.of.name(), names(rule.beside), rule.expected);
+    let rows: String = RULES.iter().map(row).collect();
+    format!("| what | not beside | expected in its place |\n|---|---|---|\n{rows}")
 }
 
 #[cfg(test)]

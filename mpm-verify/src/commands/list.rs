@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use mpm_core::scene::capabilities::{FEATURES, RULES, conflict};
 use mpm_core::scene::{INTEGRATORS, SHAPES};
 use mpm_verify::cases::LADDER;
 use mpm_verify::hard::CASES;
@@ -18,6 +19,39 @@ const DRIVERS: [&str; 3] = ["two-clocks", "coupled", "explicit"];
 /// Names of the rungs that have a mutant, and its fault.
 fn mutants() -> impl Iterator<Item = (&'static str, &'static str)> {
     LADDER.iter().filter_map(|rung| Some((rung.name, rung.mutant?.what)))
+}
+
+/// Prints which features of scenes do not go together, and what is expected in their place.
+pub fn capabilities(common: &Common) -> Result<(), Failure> {
+    if common.json {
+        let rule = |rule: &mpm_core::scene::capabilities::Rule| {
+            let beside: Vec<String> = rule.beside.iter().map(|other| other.name()).collect();
+            serde_json::json!({ "what": rule.of.name(), "not_beside": beside, "expected": rule.expected })
+        };
+        print_json(&serde_json::json!({
+            "features": FEATURES.map(|(feature, ..)| feature.name()).to_vec(),
+            "rules": RULES.iter().map(rule).collect::<Vec<_>>(),
+        }));
+        return Ok(());
+    }
+    let names = FEATURES.map(|(feature, ..)| feature);
+    let pairs = || names.iter().enumerate().flat_map(|(i, a)| names[..i].iter().map(move |b| (*a, *b)));
+    let refused = pairs().filter(|(a, b)| conflict(*a, *b).is_some()).count();
+    say(
+        false,
+        &format!(
+            "{} features, {} pairs of them, {refused} refused; all others go together.",
+            names.len(),
+            pairs().count()
+        ),
+    );
+    for rule in RULES {
+        let beside: Vec<String> = rule.beside.iter().map(|other| other.name()).collect();
+        say(false, &format!("  {}", rule.of.name()));
+        say(false, &format!("      not beside {}", beside.join(", ")));
+        say(false, &format!("      expected   {}", rule.expected));
+    }
+    Ok(())
 }
 
 /// Prints cases, mutants, scenes and schemes.
