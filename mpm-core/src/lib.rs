@@ -6,8 +6,7 @@
 //! # Reading order
 //! 1. [`scene`]: what to simulate, from TOML to a checked [`scene::Scene`].
 //! 2. [`grid`], [`particles`], [`seeding`]: the mesh and the two layers, also in an outline.
-//! 3. [`real`], [`dimension`], [`shape`]: one number or many at once; one dimension and plane strain; where
-//!    linear functions are evaluated, and wider ones.
+//! 3. [`real`], [`dimension`]: one number or many at once; one dimension and plane strain.
 //! 4. [`sparse`], [`envelope`]: symmetric systems. [`constitutive`], [`water`], [`boundary`]: the physics; `water/free_surface` is
 //!    water that wets dry soil. In soil that moves, `water/carried.rs` is what the two are to each other in a step,
 //!    `water/free_surface/moving.rs` the pressures that follow, `water/free_surface/carry.rs` the water that goes with its soil.
@@ -53,7 +52,6 @@ pub mod real;
 pub mod run;
 pub mod scene;
 pub mod seeding;
-pub mod shape;
 pub mod space;
 pub mod sparse;
 pub mod stability;

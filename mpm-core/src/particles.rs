@@ -64,21 +64,68 @@ impl<const D: usize> WaterPoint<D> {
     }
 }
 
-/// Anything with a position.
+/// A particle, and its numbers, the first of them its position.
 pub trait Point<const D: usize>: Copy {
+    /// How many numbers it is.
+    const COUNT: usize;
+    /// Which of them is its volume, m3.
+    const VOLUME: usize;
     /// Position, m.
     fn position(&self) -> &[f64; D];
+    /// Writes its numbers.
+    fn pack(&self, numbers: &mut [f64]);
+    /// From its numbers.
+    fn unpack(numbers: &[f64]) -> Self;
 }
 
 impl<const D: usize> Point<D> for SolidPoint<D> {
+    const COUNT: usize = 2 * D + 6;
+    const VOLUME: usize = 2 * D + 5;
+
     fn position(&self) -> &[f64; D] {
         &self.x
+    }
+
+    fn pack(&self, numbers: &mut [f64]) {
+        numbers[..D].copy_from_slice(&self.x);
+        numbers[D..2 * D].copy_from_slice(&self.v);
+        numbers[2 * D..2 * D + 4].copy_from_slice(&self.stress);
+        (numbers[2 * D + 4], numbers[2 * D + 5]) = (self.mass, self.volume);
+    }
+
+    fn unpack(numbers: &[f64]) -> Self {
+        Self {
+            x: std::array::from_fn(|d| numbers[d]),
+            v: std::array::from_fn(|d| numbers[D + d]),
+            stress: std::array::from_fn(|s| numbers[2 * D + s]),
+            mass: numbers[2 * D + 4],
+            volume: numbers[2 * D + 5],
+        }
     }
 }
 
 impl<const D: usize> Point<D> for WaterPoint<D> {
+    const COUNT: usize = 2 * D + 3;
+    const VOLUME: usize = 2 * D + 1;
+
     fn position(&self) -> &[f64; D] {
         &self.x
+    }
+
+    fn pack(&self, numbers: &mut [f64]) {
+        numbers[..D].copy_from_slice(&self.x);
+        numbers[D..2 * D].copy_from_slice(&self.v);
+        numbers[2 * D..2 * D + 3].copy_from_slice(&[self.mass, self.volume, self.pressure]);
+    }
+
+    fn unpack(numbers: &[f64]) -> Self {
+        Self {
+            x: std::array::from_fn(|d| numbers[d]),
+            v: std::array::from_fn(|d| numbers[D + d]),
+            mass: numbers[2 * D],
+            volume: numbers[2 * D + 1],
+            pressure: numbers[2 * D + 2],
+        }
     }
 }
 
@@ -302,33 +349,26 @@ pub fn displace<'a, const D: usize>(
 mod tests {
     use super::*;
 
-    #[derive(Debug, Clone, Copy)]
-    struct Bare([f64; 2]);
-    impl Point<2> for Bare {
-        fn position(&self) -> &[f64; 2] {
-            &self.0
-        }
-    }
-
     #[test]
     fn sorting_keeps_every_particle_and_counts_crossings() {
         let grid = Grid::new([3, 2], 1.0);
-        let points: Vec<Bare> = even_positions([3, 2], 2).map(Bare).collect();
+        let point = |x| WaterPoint { x, ..WaterPoint::NONE };
+        let points: Vec<WaterPoint<2>> = even_positions([3, 2], 2).map(point).collect();
         let mut layer = Layer::new(points.clone(), &grid).unwrap();
         assert_eq!(layer.crossings, 0);
         for cell in 0..6 {
             assert_eq!(layer.range(cell).len(), 4);
             for i in layer.range(cell) {
-                assert_eq!(grid.cell_at(&layer.points[i].0), Some(cell));
-                assert_eq!(layer.points[i].0, points[layer.ids[i] as usize].0);
+                assert_eq!(grid.cell_at(&layer.points[i].x), Some(cell));
+                assert_eq!(layer.points[i].x, points[layer.ids[i] as usize].x);
             }
         }
         let moved = layer.range(0).start;
-        layer.points[moved].0[0] += 1.0;
+        layer.points[moved].x[0] += 1.0;
         layer.sort(&grid).unwrap();
         assert_eq!(layer.crossings, 1);
         assert_eq!((layer.range(0).len(), layer.range(1).len()), (3, 5));
-        layer.points[0].0[1] = f64::NAN;
+        layer.points[0].x[1] = f64::NAN;
         assert_eq!(layer.sort(&grid).unwrap_err().index, 0);
     }
 }

@@ -14,9 +14,8 @@ use crate::scene::{
     UnfitLoad, UpdateChoice, WaterProperties,
 };
 use crate::seeding::{self, Part};
-use crate::shape::{BBar, Centre, Centroid, Linear};
 use crate::stability::{StepTooLarge, choose_step};
-use crate::step::kernel::{self, Bspline, OnCell, Over};
+use crate::step::kernel::{self, Bspline, Over};
 use crate::step::quasi_static::{QuasiStatic, Seeding};
 use crate::step::store::Frame;
 use crate::step::{
@@ -343,12 +342,12 @@ impl<const D: usize> Seeded<D> {
         let per_direction = scene.particles_per_direction();
         let solves = scene.integrator == Integrator::SemiImplicit;
         match scene.shape {
-            ShapeChoice::Centre => self.with(simd, OnCell(Centre), 1, hardware, scene, materials),
+            ShapeChoice::Centre => self.with(simd, kernel::CENTRE, 1, hardware, scene, materials),
             // A full column has its centroid at the centre; scenes with others are refused.
-            ShapeChoice::Centroid if solves => self.with(simd, OnCell(Centre), 1, hardware, scene, materials),
-            ShapeChoice::Centroid => self.with(simd, OnCell(Centroid), 1, hardware, scene, materials),
-            ShapeChoice::Linear => self.with(simd, OnCell(Linear), 1, hardware, scene, materials),
-            ShapeChoice::BBar => self.with(simd, OnCell(BBar), 1, hardware, scene, materials),
+            ShapeChoice::Centroid if solves => self.with(simd, kernel::CENTRE, 1, hardware, scene, materials),
+            ShapeChoice::Centroid => self.with(simd, kernel::CENTROID, 1, hardware, scene, materials),
+            ShapeChoice::Linear => self.with(simd, kernel::LINEAR, 1, hardware, scene, materials),
+            ShapeChoice::BBar => self.with(simd, kernel::B_BAR, 1, hardware, scene, materials),
             ShapeChoice::Gimp => self.with(simd, Over(kernel::Gimp::new(per_direction)), 1, hardware, scene, materials),
             ShapeChoice::Bspline2 => self.with(simd, Over(Bspline::<2>), 2, hardware, scene, materials),
             ShapeChoice::Bspline3 => Err(refused("cubic B-splines are for quasi-static runs")),

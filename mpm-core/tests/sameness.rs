@@ -11,9 +11,8 @@ use mpm_core::hardware::Hardware;
 use mpm_core::observe::ProfileRow;
 use mpm_core::run::model_given;
 use mpm_core::scene::{DarcyChoice, Scene, ShapeChoice, SolidSide};
-use mpm_core::shape::Centre;
 use mpm_core::stability::explicit_limit;
-use mpm_core::step::kernel::OnCell;
+use mpm_core::step::kernel::CENTRE;
 use mpm_core::step::store::Frame;
 use mpm_core::step::{Condition, Damping, Explicit, Held};
 use pulp::Scalar;
@@ -153,7 +152,7 @@ fn in_order<const D: usize>(scene: &Scene, order: Vec<usize>) -> Run {
     let frame = Frame::new(&body.grid, 2, 0);
     let held = Held::new(&body.grid.cells.map(|cells| cells + 1), &scene.solid_sides, |place| frame.number(place));
     let conditions: Vec<Box<dyn Condition<D>>> = vec![Box::new(held), Box::new(Damping::default())];
-    let mut model = Explicit::new((Scalar, None), OnCell(Centre), body, conditions, (false, false));
+    let mut model = Explicit::new((Scalar, None), CENTRE, body, conditions, (false, false));
     if scene.darcy == DarcyChoice::Nodal {
         model = model.with_nodal_flow();
     }

@@ -9,6 +9,7 @@ mod grains;
 mod grid;
 mod model;
 mod order;
+mod pass;
 
 use std::sync::Arc;
 
@@ -22,10 +23,9 @@ use super::conditions::{Condition, Friction, Soil, Visit};
 use super::faces::Faces;
 use super::free_water::FreeWater;
 use super::kernel::equation::EquationOfMotion;
-use super::kernel::{Common, Functions, InPores, Kept, MOST_REACHED, MapBack, Pass};
+use super::kernel::{Common, Functions, InPores, Kept, MOST_REACHED, MapBack};
 use super::nodal::NodalFlow;
 use super::pressure::{Driving, PressureSystem};
-use super::store::blocks::Record;
 use super::store::nodes::{MOMENTUM, SOLID_MASS};
 use super::store::{Frame, Motion, Movers, Nodes, Strip, StripSums, crossing};
 use super::surface::Tops;
@@ -33,7 +33,7 @@ use super::{Fault, Model, Work};
 use crate::constitutive::{Law, Materials, STATES, State};
 use crate::keep::Keeper;
 use crate::observe::{Ledger, Observation, Places, SolidState, Totals, WaterParticle};
-use crate::particles::{Layer, SolidPoint, WaterPoint};
+use crate::particles::{Layer, Point, SolidPoint, WaterPoint};
 use crate::scene::Stage;
 use crate::water::pores::Pores;
 use crate::water::{Carried, FaceFlow};
@@ -141,73 +141,6 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         run.totals.flowed = run.body.flowed_at_first(|id| run.state_of(id));
         run.settle_in();
         run
-    }
-
-    /// One pass over all particles, on one thread or several.
-    fn pass(&mut self, moves: bool, dt: f64) {
-        let Self {
-            simd, functions, body, strips, nodes, of_mesh, pressure: [old, new], faces, soil, solver, free, ..
-        } = self;
-        self.is_stale = false;
-        let Nodes { frame, sums, motion, .. } = nodes;
-        let coupled = solver.is_some();
-        let mapped = self.mapped.as_deref_mut();
-        if let Some(free) = free {
-            free.tell(&body.grid, frame);
-        }
-        let water = if let Some(free) = free {
-            free.given()
-        } else if body.water.is_some() {
-            InPores::Particles {
-                relative: self.nodal.as_ref().map(|nodal| &nodal.relative),
-                rise: solver.as_ref().map(|solver| &solver.rise[..]),
-                partly_drained: body.water.as_ref().is_some_and(|water| water.partly_drained),
-            }
-        } else {
-            InPores::None
-        };
-        let common = &Common {
-            frame,
-            functions: *functions,
-            motion,
-            mapped: mapped.as_ref().map(|mapped| &mapped.motion.velocity),
-            acceleration: if coupled || !F::NODAL { of_mesh } else { &motion.acceleration },
-            water,
-            pressure: old,
-            conducts: &faces.conducts,
-            ratio: (!faces.ratio[0].is_empty()).then_some(&faces.ratio),
-            soil,
-            moves,
-            elastic: body.materials.elastic(),
-            materials: &body.materials,
-            plastic: body.materials.are_plastic(),
-            flow: body.water.as_ref().map_or_else(FaceFlow::default, |water| water.flow),
-            gravity: body.gravity.unwrap_or([0.0; D]),
-            flip: body.flip,
-            apart: body.apart,
-            kept: self.places,
-            coupled,
-            dt,
-        };
-        let simd = *simd;
-        let is_lean = common.lean().is_some();
-        let sweep = |strip: &mut Strip<V, D>, sums: &mut StripSums, pressure: &mut [f64]| {
-            if is_lean {
-                simd.vectorize(Pass::<V, F, D, true> { simd, strip, sums, pressure, common });
-            } else {
-                simd.vectorize(Pass::<V, F, D, false> { simd, strip, sums, pressure, common });
-            }
-        };
-        let cells = &mut new[frame.pad()..][..frame.count()];
-        if self.pool.is_some() {
-            let cells = cells.par_chunks_mut(frame.strip);
-            strips.par_iter_mut().zip(sums).zip(cells).for_each(|((strip, sums), cells)| sweep(strip, sums, cells));
-        } else {
-            let cells = cells.chunks_mut(frame.strip);
-            strips.iter_mut().zip(sums).zip(cells).for_each(|((strip, sums), cells)| sweep(strip, sums, cells));
-        }
-        self.pressure.swap(0, 1);
-        self.nodes.merge();
     }
 
     /// One step of Figure 1, from the gathered particles to the gathered particles.

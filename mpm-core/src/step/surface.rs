@@ -3,11 +3,11 @@
 use pulp::{Scalar, Simd};
 
 use super::kernel::{Fields, Functions, Moves};
-use super::store::{Frame, Motion, Nodes, Record, Strip};
+use super::store::{Frame, Motion, Nodes, Strip};
 use crate::boundary::{Filled, SurfaceLoad};
 use crate::dimension::trace;
 use crate::grid::Grid;
-use crate::particles::SolidPoint;
+use crate::particles::{Point, SolidPoint};
 use crate::real::Lanes;
 
 /// Particles below the strips of the surface.

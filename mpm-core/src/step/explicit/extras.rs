@@ -98,7 +98,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             let number = frame.number(&position);
             let (solid, cell) = (&self.strips[number / frame.strip].solid, number % frame.strip);
             for slot in 0..solid.count(cell) {
-                let (id, point) = (solid.id(cell, slot), solid.particle::<SolidPoint<D>>(cell, slot));
+                let (id, point) = (solid.id(cell, slot), solid.particle::<SolidPoint<D>, D>(cell, slot));
                 let strain = |first: usize| std::array::from_fn(|s| solid.number(cell, slot, first + s));
                 let from = self.origin.as_ref().map_or(point.x, |origin| origin[id as usize]);
                 visit(id, &point, from, self.places.strain.map_or([0.0; 4], strain));

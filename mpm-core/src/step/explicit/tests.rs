@@ -9,8 +9,7 @@ use crate::grid::Grid;
 use crate::observe::Seed;
 use crate::particles::even_positions;
 use crate::scene::{Elastic, LoadOn};
-use crate::shape::Linear;
-use crate::step::kernel::{Basis, Bspline, Gimp, OnCell, Over};
+use crate::step::kernel::{Basis, Bspline, Gimp, LINEAR, Over};
 
 /// A number in [-1, 1] without system.
 fn noise(i: usize) -> f64 {
@@ -70,14 +69,14 @@ fn affine_velocities_give_nodes_a_linear_field() {
     let spline = |i: usize| Bspline::<2>.stands_at(i, 3);
     let cubic = |i: usize| Bspline::<3>.stands_at(i, 3);
     let off = [
-        off_linear(OnCell(Linear), true, false, node),
-        off_linear(OnCell(Linear), true, true, node),
+        off_linear(LINEAR, true, false, node),
+        off_linear(LINEAR, true, true, node),
         off_linear(Over(Gimp::new(2)), true, true, node),
         off_linear(Over(Bspline::<2>), true, false, spline),
         off_linear(Over(Bspline::<2>), true, true, spline),
         off_linear(Over(Bspline::<3>), true, true, cubic),
     ];
     assert!(off.iter().all(|off| *off < 1e-12), "{off:?}");
-    assert!(off_linear(OnCell(Linear), false, false, node) > 0.1);
+    assert!(off_linear(LINEAR, false, false, node) > 0.1);
     assert!(off_linear(Over(Bspline::<2>), false, true, spline) > 0.1);
 }

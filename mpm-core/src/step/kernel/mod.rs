@@ -15,7 +15,7 @@ mod water;
 
 pub use bases::{Basis, Bspline, Gimp, Line};
 pub use map_back::MapBack;
-pub use on_cell::OnCell;
+pub use on_cell::{B_BAR, CENTRE, CENTROID, LINEAR};
 pub use stencil::Over;
 
 use pulp::{Simd, WithSimd};

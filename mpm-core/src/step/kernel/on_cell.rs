@@ -1,5 +1,6 @@
 //! Functions of one cell: linear ones, with gradients at the particles, at the centre of the cell, at the centroid of its soil, or
-//! selectively at both ([`crate::shape`]). A field is held by its coefficients in (1, xi, eta, xi eta).
+//! selectively at both. Mass, momentum and velocity always use N_i at the particle. A field is held by its coefficients in
+//! (1, xi, eta, xi eta).
 
 use pulp::Simd;
 
@@ -8,7 +9,6 @@ use crate::dimension::{
     PRESSURE, basis, coefficients, gradient, internal_force, mean_stress, shares, to_corners, trace, value,
 };
 use crate::real::{Lanes, Real, array};
-use crate::shape::Shape;
 use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS, force};
 
 /// A vector field in a cell, as coefficients.
@@ -41,9 +41,28 @@ pub struct CellSums<V: Simd, const D: usize> {
     of_water: Lanes<V>,
 }
 
-/// Linear functions with gradients where a shape has them.
+/// Linear functions with gradients at one of four places.
 #[derive(Debug, Clone, Copy)]
-pub struct OnCell<Sh>(pub Sh);
+pub struct OnCell<const PLACE: u8>;
+
+/// Gradients at the centre of the cell (the paper, section 2.2): G_i(x_p) is replaced by G_i(x_c).
+pub const CENTRE: OnCell<AT_CENTRE> = OnCell;
+/// Gradients at the centroid of the soil in the cell: the same where a cell is full. Along a slope, where cells are filled in
+/// part, they are then those of the soil that is there, and the force of a uniform stress on it is exact.
+pub const CENTROID: OnCell<AT_CENTROID> = OnCell;
+/// The standard linear scheme: G_i at the particle.
+pub const LINEAR: OnCell<AT_PARTICLE> = OnCell;
+/// Selective integration, B-bar (Hughes 1980, doi:10.1002/nme.1620150914): the mean stress and the change of volume at the
+/// centre of the cell, the rest at the particle. `sigma : grad N_i` becomes `s : G_i(x_p) + sigma_m div N_i(x_c)`.
+///
+/// Cells keep their volume without locking, as at the centre alone, and their hourglass modes, which the centre does not
+/// see, are held by the shear of the particles. Fields that are linear over the mesh are the same at all four.
+pub const B_BAR: OnCell<AT_BOTH> = OnCell;
+
+const AT_CENTRE: u8 = 0;
+const AT_CENTROID: u8 = 1;
+const AT_PARTICLE: u8 = 2;
+const AT_BOTH: u8 = 3;
 
 /// A field at the nodes, as coefficients.
 #[inline(always)]
@@ -58,14 +77,14 @@ fn in_cell<V: Simd, const D: usize>(fields: &Fields<V, D>, field: &[Vec<f64>; 2]
     coefficients::<D, D, _>(&nodal)
 }
 
-impl<Sh: Shape, const D: usize> Functions<D> for OnCell<Sh> {
+impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
     const REACH: usize = 2;
     const BEFORE: usize = 0;
     const FUSED: bool = true;
-    const SPLIT: bool = Sh::SPLIT;
-    const OF_CELL: bool = Sh::AT_CENTRE;
-    const AT_CENTROID: bool = Sh::AT_CENTROID;
-    const PRESSURE_AT_PARTICLES: bool = !<Sh::Pore as Shape>::AT_CENTRE;
+    const SPLIT: bool = PLACE == AT_BOTH;
+    const OF_CELL: bool = PLACE == AT_CENTRE || PLACE == AT_CENTROID;
+    const AT_CENTROID: bool = PLACE == AT_CENTROID;
+    const PRESSURE_AT_PARTICLES: bool = PLACE == AT_PARTICLE;
     const NODAL: bool = true;
     type Edges<V: Simd> = ();
     type Motion<V: Simd> = CellMotion<V, D>;
@@ -81,7 +100,7 @@ impl<Sh: Shape, const D: usize> Functions<D> for OnCell<Sh> {
             Some(mapped) => in_cell(fields, mapped),
             None => velocity,
         };
-        let at = if Sh::AT_CENTROID { *centroid } else { [velocity[0][0].like(0.5); D] };
+        let at = if <Self as Functions<D>>::AT_CENTROID { *centroid } else { [velocity[0][0].like(0.5); D] };
         CellMotion { strains, velocity, change: in_cell(fields, fields.change), at }
     }
 
@@ -92,7 +111,7 @@ impl<Sh: Shape, const D: usize> Functions<D> for OnCell<Sh> {
 
     #[inline(always)]
     fn moves<V: Simd>(&self, motion: &CellMotion<V, D>, (): &(), xi: &[Lanes<V>; D], inverse_size: f64) -> Moves<V, D> {
-        let here = if Sh::AT_CENTRE { &motion.at } else { xi };
+        let here = if <Self as Functions<D>>::OF_CELL { &motion.at } else { xi };
         let phi = basis(xi);
         Moves {
             gradient: gradient(&motion.strains, here, inverse_size),
@@ -190,20 +209,20 @@ impl<Sh: Shape, const D: usize> Functions<D> for OnCell<Sh> {
                 }
             }
         }
-        if Sh::AT_CENTROID || (coupled && !<Sh::Pore as Shape>::AT_CENTRE) {
+        if <Self as Functions<D>>::AT_CENTROID || (coupled && <Self as Functions<D>>::PRESSURE_AT_PARTICLES) {
             for d in 0..D {
                 sums.moment[d] += *volume * xi[d];
             }
         }
-        let mean = if Sh::SPLIT { mean_stress(stress) } else { stress[0] };
+        let mean = if <Self as Functions<D>>::SPLIT { mean_stress(stress) } else { stress[0] };
         for s in 0..4 {
             let weighted = *volume * stress[s];
             sums.mean[s] += weighted;
             for d in 0..D {
-                if Sh::SPLIT {
+                if <Self as Functions<D>>::SPLIT {
                     let mean = mean * -PRESSURE[s];
                     sums.first[d][s] += *volume * ((stress[s] - mean) * xi[d] + mean * 0.5);
-                } else if !Sh::AT_CENTRE {
+                } else if !<Self as Functions<D>>::OF_CELL {
                     sums.first[d][s] += weighted * xi[d];
                 }
             }
@@ -240,7 +259,7 @@ impl<Sh: Shape, const D: usize> Functions<D> for OnCell<Sh> {
 
     #[inline(always)]
     fn centroid<V: Simd>(&self, sums: &CellSums<V, D>, full: Lanes<V>) -> Option<[Lanes<V>; D]> {
-        if Sh::AT_CENTROID { Some(array!([full; D], d => sums.moment[d] / full)) } else { None }
+        if <Self as Functions<D>>::AT_CENTROID { Some(array!([full; D], d => sums.moment[d] / full)) } else { None }
     }
 
     #[inline(always)]
@@ -255,11 +274,11 @@ impl<Sh: Shape, const D: usize> Functions<D> for OnCell<Sh> {
         for s in 0..4 {
             sums.mean[s] = sums.mean[s] * cell.share;
         }
-        if Sh::AT_CENTRE {
+        if <Self as Functions<D>>::OF_CELL {
             // Section 2.2: G_i(x_c) for every particle of the cell.
             for d in 0..D {
                 for s in 0..4 {
-                    let at = if Sh::AT_CENTROID { cell.at[d] } else { none.like(0.5) };
+                    let at = if <Self as Functions<D>>::AT_CENTROID { cell.at[d] } else { none.like(0.5) };
                     sums.first[d][s] = sums.mean[s] * at;
                 }
             }
@@ -321,7 +340,7 @@ impl<Sh: Shape, const D: usize> Functions<D> for OnCell<Sh> {
         isotropic[..3].fill(cell.filled);
         let mut first = [[none; 4]; D];
         for d in 0..D {
-            let moment = if <Sh::Pore as Shape>::AT_CENTRE { cell.filled * 0.5 } else { sums.moment[d] * cell.share };
+            let moment = if !<Self as Functions<D>>::PRESSURE_AT_PARTICLES { cell.filled * 0.5 } else { sums.moment[d] * cell.share };
             first[d] = [moment, moment, moment, none];
         }
         let at_corners = to_corners::<D, D, _>(&internal_force(&isotropic, &first, inverse_size));

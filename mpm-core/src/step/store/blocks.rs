@@ -1,6 +1,6 @@
 //! Particles of a strip of cells, so many cells side by side: a block holds one particle of each.
 //!
-//! A particle is a record of numbers, the first of them its position. What only some scenes keep at their particles (the state of a
+//! A particle is a row of numbers, the first of them its position ([`Point`]). What only some scenes keep at their particles (the state of a
 //! material, a velocity gradient, strains that are followed) stands behind the numbers that all have.
 
 use std::ops::Range;
@@ -10,68 +10,13 @@ use pulp::bytemuck::Zeroable;
 
 use super::ask_for;
 use super::frame::Frame;
-use crate::particles::{Layer, SolidPoint, WaterPoint};
+use crate::particles::{Layer, Point};
 use crate::real::{Lanes, MOST_LANES, array, numbers, numbers_mut};
 
 /// One block in so many is kept in reserve.
 const SPARE: usize = 8;
 /// A lane without a particle.
 const EMPTY: u32 = u32::MAX;
-
-/// A particle as numbers, the first of them its position.
-pub trait Record: Copy {
-    /// How many.
-    const COUNT: usize;
-    /// Which of them is its volume, m3.
-    const VOLUME: usize;
-    /// Writes them.
-    fn pack(&self, numbers: &mut [f64]);
-    /// From its numbers.
-    fn unpack(numbers: &[f64]) -> Self;
-}
-
-impl<const D: usize> Record for SolidPoint<D> {
-    const COUNT: usize = 2 * D + 6;
-    const VOLUME: usize = 2 * D + 5;
-
-    fn pack(&self, numbers: &mut [f64]) {
-        numbers[..D].copy_from_slice(&self.x);
-        numbers[D..2 * D].copy_from_slice(&self.v);
-        numbers[2 * D..2 * D + 4].copy_from_slice(&self.stress);
-        (numbers[2 * D + 4], numbers[2 * D + 5]) = (self.mass, self.volume);
-    }
-
-    fn unpack(numbers: &[f64]) -> Self {
-        Self {
-            x: std::array::from_fn(|d| numbers[d]),
-            v: std::array::from_fn(|d| numbers[D + d]),
-            stress: std::array::from_fn(|s| numbers[2 * D + s]),
-            mass: numbers[2 * D + 4],
-            volume: numbers[2 * D + 5],
-        }
-    }
-}
-
-impl<const D: usize> Record for WaterPoint<D> {
-    const COUNT: usize = 2 * D + 3;
-    const VOLUME: usize = 2 * D + 1;
-
-    fn pack(&self, numbers: &mut [f64]) {
-        numbers[..D].copy_from_slice(&self.x);
-        numbers[D..2 * D].copy_from_slice(&self.v);
-        numbers[2 * D..2 * D + 3].copy_from_slice(&[self.mass, self.volume, self.pressure]);
-    }
-
-    fn unpack(numbers: &[f64]) -> Self {
-        Self {
-            x: std::array::from_fn(|d| numbers[d]),
-            v: std::array::from_fn(|d| numbers[D + d]),
-            mass: numbers[2 * D],
-            volume: numbers[2 * D + 1],
-            pressure: numbers[2 * D + 2],
-        }
-    }
-}
 
 /// Solid particles of so many cells, one of each.
 #[derive(Clone, Copy)]
@@ -253,7 +198,7 @@ impl<V: Simd> Blocks<V> {
 
     /// Takes the particles of the strip from `first` on out of a layer, in its order, with what is kept beside them: `more`
     /// numbers of each particle by its number.
-    pub fn fill<P: Record, const D: usize>(
+    pub fn fill<P: Point<D>, const D: usize>(
         &mut self,
         frame: &Frame<D>,
         first: usize,
@@ -292,7 +237,7 @@ impl<V: Simd> Blocks<V> {
     }
 
     /// Appends the particles of a cell, given by its number in the strip.
-    pub fn append<P: Record>(&self, cell: usize, points: &mut Vec<P>, ids: &mut Vec<u32>) {
+    pub fn append<P: Point<D>, const D: usize>(&self, cell: usize, points: &mut Vec<P>, ids: &mut Vec<u32>) {
         for slot in 0..self.count(cell) {
             points.push(self.particle(cell, slot));
             ids.push(self.id(cell, slot));
@@ -316,7 +261,7 @@ impl<V: Simd> Blocks<V> {
     }
 
     /// A particle.
-    pub fn particle<P: Record>(&self, cell: usize, slot: usize) -> P {
+    pub fn particle<P: Point<D>, const D: usize>(&self, cell: usize, slot: usize) -> P {
         let mut record = [0.0; 16];
         for (i, number) in record[..P::COUNT].iter_mut().enumerate() {
             *number = self.number(cell, slot, i);
@@ -325,7 +270,7 @@ impl<V: Simd> Blocks<V> {
     }
 
     /// Position (m) and volume (m3) of a particle.
-    pub fn place_and_volume<P: Record, const D: usize>(&self, cell: usize, slot: usize) -> ([f64; D], f64) {
+    pub fn place_and_volume<P: Point<D>, const D: usize>(&self, cell: usize, slot: usize) -> ([f64; D], f64) {
         (std::array::from_fn(|d| self.number(cell, slot, d)), self.number(cell, slot, P::VOLUME))
     }
 

@@ -9,7 +9,7 @@ pub mod nodes;
 pub mod strip;
 
 pub use ahead::ask_for;
-pub use blocks::{Blocks, Movers, Record, SolidLanes, WaterLanes};
+pub use blocks::{Blocks, Movers, SolidLanes, WaterLanes};
 pub use frame::Frame;
 pub use nodes::{Motion, Nodes, StripSums};
 pub use strip::{CellLanes, Strip};
