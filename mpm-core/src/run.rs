@@ -10,8 +10,8 @@ use crate::keep::Unfit;
 use crate::observe::Seed;
 use crate::particles::{Layer, SolidPoint, WaterPoint, displace, even_positions};
 use crate::scene::{
-    DarcyChoice, Dimension, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, SoilLayer, Start, TransferChoice,
-    UnfitLoad, UpdateChoice, WaterProperties,
+    CamClay, DarcyChoice, Dimension, Elastic, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, SoilLayer, Start,
+    Strength, TransferChoice, UnfitLoad, UpdateChoice, WaterProperties,
 };
 use crate::seeding::{self, Part};
 use crate::stability::{StepTooLarge, choose_step};
@@ -162,20 +162,25 @@ fn in_plane(vertical: f64, lateral: f64) -> [f64; 4] {
     [lateral, vertical, lateral, 0.0]
 }
 
+/// The material that a scene says.
+fn material(elastic: &Elastic, strength: Option<&Strength>, cam_clay: Option<&CamClay>) -> Material {
+    match (strength, cam_clay) {
+        (Some(strength), _) => Material::MohrCoulomb(MohrCoulomb::new(elastic, strength)),
+        (None, Some(soil)) => Material::CamClay(ModifiedCamClay::new(soil)),
+        (None, None) => Material::Elastic(LinearElastic::new(elastic)),
+    }
+}
+
 /// The materials of a scene: that of its soil, or those of its layers.
 fn materials(scene: &Scene) -> Result<Materials, RunError> {
     if scene.layers.is_empty() {
-        return Ok(Materials::one(match (&scene.strength, &scene.cam_clay) {
-            (Some(strength), _) => Material::MohrCoulomb(MohrCoulomb::new(&scene.elastic, strength)),
-            (None, Some(soil)) => Material::CamClay(ModifiedCamClay::new(soil)),
-            (None, None) => Material::Elastic(LinearElastic::new(&scene.elastic)),
-        }));
+        return Ok(Materials::one(material(&scene.elastic, scene.strength.as_ref(), scene.cam_clay.as_ref())));
     }
     let in_row = scene.particles_per_direction() * scene.cells[0];
     let per_row = if scene.dimension == Dimension::Column { 1 } else { in_row };
     let reference = scene.water.map_or(1.0, |water| water.hydraulic_conductivity);
     let part = |layer: &SoilLayer| Stratum {
-        material: Material::Elastic(LinearElastic::new(&layer.elastic)),
+        material: material(&layer.elastic, layer.strength.as_ref(), layer.cam_clay.as_ref()),
         conductivity: layer.hydraulic_conductivity / reference,
         top: layer.up_to,
         end: (layer.up_to / scene.spacing()).round() as u32 * per_row as u32,

@@ -84,7 +84,10 @@ fn written(has: &Set) -> String {
         is(CamClay),
         "law.modified_cam_clay = { lambda = 0.1, kappa = 0.02, bulk_modulus = 1e7, poisson_ratio = 0.3, critical_slope = 1.0, attraction = 1e5 }",
     );
-    line(is(Layers), "[[layers]]\nup_to = 0.5\n[[layers]]\nup_to = 1.0\nyoungs_modulus = 2e7");
+    line(
+        is(Layers),
+        "[[layers]]\nup_to = 0.5\n[[layers]]\nup_to = 1.0\nlaw.linear_elastic = { youngs_modulus = 2e7, poisson_ratio = 0.3 }",
+    );
     let stiffness = if is(Incompressible) { "inf" } else { "2e8" };
     line(!is(Dry), &format!("[water]\nhydraulic_conductivity = 1e-3\nbulk_modulus = {stiffness}\nunit_weight = 9810"));
     line(is(FreeSurface), "free_surface = { level = 0.5 }");

@@ -24,7 +24,13 @@ fn halves(integrator: Integrator, shape: ShapeChoice, shares: [[f64; 2]; 2]) -> 
     let soil = |up_to: f64, [stiffer, faster]: [f64; 2]| {
         let mut elastic = scene.elastic;
         elastic.youngs_modulus *= stiffer;
-        SoilLayer { up_to, elastic, hydraulic_conductivity: faster * water.hydraulic_conductivity }
+        SoilLayer {
+            up_to,
+            elastic,
+            strength: None,
+            cam_clay: None,
+            hydraulic_conductivity: faster * water.hydraulic_conductivity,
+        }
     };
     scene.layers = vec![soil(0.5, shares[1]), soil(1.0, shares[0])];
     scene
@@ -145,5 +151,51 @@ fn the_worst_layer_decides_the_step() {
             let [below, above] = [0.99, 1.5].map(|share| speed_after(&layered, share * limit));
             assert!(below < 1e-2 && above > 1.0, "{integrator:?} {pair:?}: {below} and {above} m/s");
         }
+    }
+}
+
+/// A dry column under a load, with a law, and what may stand behind it.
+fn dry_column(integrator: &str, law: &str, layers: &str) -> Scene {
+    let text = format!(
+        "name = \"laws\"\ngeometry.column = {{ height = 1.0, width = 0.1 }}\nmesh = {{ cell = 0.1, particles_per_cell = 4 }}\n\
+         {integrator}\nsurcharge = {{ pressure = 1e4 }}\n{layers}\n\
+         [[stages]]\nuntil.time = 1.0\ndamping = 0.0\n[soil]\ngrain_density = 2650\nporosity = 0.4\n{law}"
+    );
+    let text = if integrator.contains("quasi-static") {
+        text.replace("porosity", "strain = \"small\"\nporosity")
+    } else {
+        text
+    };
+    Scene::parse(&text, "laws.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+const CLAY: &str = "law.modified_cam_clay = { lambda = 0.1, kappa = 0.02, bulk_modulus = 1e7, poisson_ratio = 0.3, \
+                    critical_slope = 1.0, preconsolidation = 2e3, attraction = 1e3 }";
+const SAND: &str =
+    "law.mohr_coulomb = { youngs_modulus = 1e7, poisson_ratio = 0.25, cohesion = 500.0, friction_angle = 20.0 }";
+const ROCK: &str = "law.linear_elastic = { youngs_modulus = 1e8, poisson_ratio = 0.2 }";
+const STATIC: &str = "time = { integrator = \"quasi-static\", tolerance = 1e-8 }";
+
+#[test]
+fn layers_of_different_laws_settle_by_the_sum_of_what_each_would_alone() {
+    let settled = |scene: &Scene| completed(scene).samples.last().expect("a sample").state.settlement;
+    let alone = [CLAY, SAND, ROCK].map(|law| settled(&dry_column(STATIC, law, "")));
+    let layers =
+        format!("[[layers]]\nup_to = 0.3\n{CLAY}\n[[layers]]\nup_to = 0.7\n{SAND}\n[[layers]]\nup_to = 1.0\n{ROCK}");
+    let sum = 0.3 * alone[0] + 0.4 * alone[1] + 0.3 * alone[2];
+    for base in [CLAY, SAND, ROCK] {
+        let layered = settled(&dry_column(STATIC, base, &layers));
+        assert!((layered / sum - 1.0).abs() < 1e-6, "{layered} for {sum}: {alone:?}");
+    }
+    // Each of them counts: soil and sand yield, rock does not.
+    assert!(alone[0] > 3.0 * alone[2] && alone[1] > 3.0 * alone[2], "{alone:?}");
+}
+
+#[test]
+fn layers_of_one_plastic_law_are_one_soil_to_the_bit() {
+    for law in [CLAY, SAND] {
+        let layers = ["", "[[layers]]\nup_to = 0.5\n[[layers]]\nup_to = 1.0"];
+        let [one, two] = layers.map(|layers| figures(&completed(&dry_column("", law, layers))));
+        assert_eq!(one, two, "{law}");
     }
 }

@@ -182,7 +182,8 @@ fn loads_that_a_scheme_does_not_bear_are_refused_unless_forced() {
     let halves = |upper: f64| {
         let mut scene = settling(0.19, ShapeChoice::Bspline2);
         let stiff = Elastic { youngs_modulus: upper * scene.elastic.youngs_modulus, ..scene.elastic };
-        let layer = |up_to, elastic| SoilLayer { up_to, elastic, hydraulic_conductivity: 1e-4 };
+        let layer =
+            |up_to, elastic| SoilLayer { up_to, elastic, strength: None, cam_clay: None, hydraulic_conductivity: 1e-4 };
         scene.layers = vec![layer(0.5 * scene.height, scene.elastic), layer(scene.height, stiff)];
         scene.bears_its_load().map_err(|e| e.found)
     };

@@ -343,11 +343,6 @@ pub const RULES: &[Rule] = &[
     rule(Safety, &[GivenStep, PaperStep], AUTO_STEP),
     rule(Tolerance, &[GivenStep, PaperStep], AUTO_STEP),
     // Layers.
-    rule(
-        Layers,
-        &[MohrCoulomb, CamClay],
-        "linear_elastic soil beside it: layers differ in elasticity and conductivity alone",
-    ),
     rule(Layers, &[Outline], "[geometry.column] beside it: in an outline the faces of cells follow no layer"),
     rule(
         Layers,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Elastic, Scene, Start};
+use super::{CamClay, Elastic, Scene, Start, Strength};
 
 /// A layer of soil, from the top of the one below it to its own top.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -11,6 +11,12 @@ pub struct SoilLayer {
     pub up_to: f64,
     /// Elasticity of its skeleton.
     pub elastic: Elastic,
+    /// Its strength, where its law is Mohr-Coulomb.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strength: Option<Strength>,
+    /// Its hardening, where its law is modified Cam-Clay.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cam_clay: Option<CamClay>,
     /// Hydraulic conductivity k, m/s; that of no water is 0.
     pub hydraulic_conductivity: f64,
 }
@@ -32,7 +38,8 @@ impl Scene {
 
     /// The scene with the soil of one layer all over.
     fn with_soil_of(&self, layer: &SoilLayer) -> Self {
-        let mut scene = Self { layers: Vec::new(), elastic: layer.elastic, ..self.clone() };
+        let SoilLayer { elastic, strength, cam_clay, .. } = *layer;
+        let mut scene = Self { layers: Vec::new(), elastic, strength, cam_clay, ..self.clone() };
         if let Some(water) = &mut scene.water {
             water.hydraulic_conductivity = layer.hydraulic_conductivity;
         }

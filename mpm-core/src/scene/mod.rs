@@ -608,7 +608,8 @@ impl Scene {
 
     /// Whether the soil is linear elastic: it neither yields nor remembers.
     pub fn is_elastic(&self) -> bool {
-        self.strength.is_none() && self.cam_clay.is_none()
+        let of_layers = self.layers.iter().all(|layer| layer.strength.is_none() && layer.cam_clay.is_none());
+        self.strength.is_none() && self.cam_clay.is_none() && of_layers
     }
 
     /// Density of the mixture, kg/m3: (1 - n) rho_s + n rho_w, or the dry density without water.

@@ -127,6 +127,7 @@ pub(super) struct RawCamClay {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawLayer {
     pub up_to: Number,
+    pub law: Option<Spanned<RawLaw>>,
     pub youngs_modulus: Option<Number>,
     pub poisson_ratio: Option<Number>,
     pub hydraulic_conductivity: Option<Number>,

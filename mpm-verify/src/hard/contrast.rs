@@ -184,6 +184,8 @@ pub fn scene(
         let mut layer = SoilLayer {
             up_to,
             elastic: scene.elastic,
+            strength: None,
+            cam_clay: None,
             hydraulic_conductivity: scene.water.map_or(0.0, |w| w.hydraulic_conductivity),
         };
         match contrast.quantity {

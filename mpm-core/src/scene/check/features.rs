@@ -37,6 +37,9 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
     let boundaries = raw.boundaries.as_ref().map(Spanned::get_ref);
     let surcharge = raw.surcharge.as_ref().map(Spanned::get_ref);
     let (mesh, soil, law) = (raw.mesh.get_ref(), raw.soil.get_ref(), raw.soil.get_ref().law.get_ref());
+    let layers = || raw.layers.iter().flat_map(|layers| layers.get_ref());
+    let laws =
+        || std::iter::once(law).chain(layers().filter_map(|layer| Some(layer.get_ref().law.as_ref()?.get_ref())));
     let stages = || raw.stages.get_ref().iter().map(Spanned::get_ref);
     let free = raw.water.as_ref().is_some_and(|water| water.get_ref().free_surface.is_some());
     let integrator = |wanted: &str| match time.and_then(|time| time.integrator.as_ref()) {
@@ -75,8 +78,8 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
             raw.water.as_ref().is_some_and(|water| *water.get_ref().bulk_modulus.get_ref() == f64::INFINITY)
         }
         Feature::LinearElastic => matches!(law, RawLaw::LinearElastic(_)),
-        Feature::MohrCoulomb => matches!(law, RawLaw::MohrCoulomb(_)),
-        Feature::CamClay => matches!(law, RawLaw::ModifiedCamClay(_)),
+        Feature::MohrCoulomb => laws().any(|law| matches!(law, RawLaw::MohrCoulomb(_))),
+        Feature::CamClay => laws().any(|law| matches!(law, RawLaw::ModifiedCamClay(_))),
         Feature::Layers => raw.layers.is_some(),
         Feature::Separation => soil.separation.is_some(),
         Feature::LargeStrain => !is(soil.strain.as_ref(), "small"),

@@ -1,32 +1,46 @@
 //! The law of the skeleton: its elasticity, and its strength if it has one.
 
+use std::ops::Range;
+
 use toml::Spanned;
 
 use super::super::raw::{RawCamClay, RawLaw, RawMohrCoulomb, RawScene, RawSoil};
 use super::super::{CamClay, Elastic, Strength};
 use super::{Checked, Reader};
 
+/// Elasticity, and strength or hardening.
+pub(super) type Law = (Elastic, Option<Strength>, Option<CamClay>);
+
 impl Reader<'_> {
-    /// Elasticity, and strength or hardening, of the soil of a scene of a height (m).
-    pub(super) fn law(&self, raw: &RawScene, height: f64) -> Checked<(Elastic, Option<Strength>, Option<CamClay>)> {
-        match raw.soil.get_ref().law.get_ref() {
-            RawLaw::LinearElastic(law) => {
-                Ok((self.elastic("linear_elastic", &law.youngs_modulus, &law.poisson_ratio)?, None, None))
-            }
+    /// A law at a key, of a scene of a height (m).
+    pub(super) fn law(&self, key: &str, law: &Spanned<RawLaw>, raw: &RawScene, height: f64) -> Checked<Law> {
+        match law.get_ref() {
+            RawLaw::LinearElastic(law) => Ok((
+                self.elastic(&format!("{key}.linear_elastic"), &law.youngs_modulus, &law.poisson_ratio)?,
+                None,
+                None,
+            )),
             RawLaw::MohrCoulomb(law) => {
-                let elastic = self.elastic("mohr_coulomb", &law.youngs_modulus, &law.poisson_ratio)?;
-                Ok((elastic, Some(self.strength(law)?), None))
+                let key = format!("{key}.mohr_coulomb");
+                let elastic = self.elastic(&key, &law.youngs_modulus, &law.poisson_ratio)?;
+                Ok((elastic, Some(self.strength(&key, law)?), None))
             }
-            RawLaw::ModifiedCamClay(law) => {
-                let (soil, elastic) = self.cam_clay(law, raw, height)?;
+            RawLaw::ModifiedCamClay(clay) => {
+                let (soil, elastic) = self.cam_clay((key, law.span()), clay, raw, height)?;
                 Ok((elastic, None, Some(soil)))
             }
         }
     }
 
     /// Hardening, and the elasticity at the largest pressure that the scene is to reach: explicit steps are stable up to there.
-    fn cam_clay(&self, law: &RawCamClay, raw: &RawScene, height: f64) -> Checked<(CamClay, Elastic)> {
-        let key = |name: &str| format!("soil.law.modified_cam_clay.{name}");
+    fn cam_clay(
+        &self,
+        (place, span): (&str, Range<usize>),
+        law: &RawCamClay,
+        raw: &RawScene,
+        height: f64,
+    ) -> Checked<(CamClay, Elastic)> {
+        let key = |name: &str| format!("{place}.modified_cam_clay.{name}");
         let lambda = self.positive(&law.lambda, &key("lambda"), "strain over ln p")?;
         let expected = format!("0 < kappa < {lambda}, lambda");
         let kappa = self.within(&law.kappa, &key("kappa"), &expected, |kappa| kappa > 0.0 && kappa < lambda)?;
@@ -58,7 +72,7 @@ impl Reader<'_> {
         if !(geostatic || stiff || soil.attraction > 0.0) {
             let expected = "an attraction above 0 (Pa), a bulk_modulus with a preconsolidation above 0, or start = \"geostatic\" \
                             beside it: without stress this soil has neither strength nor stiffness";
-            return self.refuse(&raw.soil.get_ref().law.span(), "soil.law", expected, "none of them");
+            return self.refuse(&span, place, expected, "none of them");
         }
         let load = raw.surcharge.as_ref().map_or(0.0, |load| load.get_ref().pressure.get_ref().abs());
         let density = raw.soil.get_ref().grain_density.as_ref().map_or(3e3, |density| *density.get_ref());
@@ -69,15 +83,15 @@ impl Reader<'_> {
     }
 
     fn elastic(&self, law: &str, modulus: &Spanned<f64>, ratio: &Spanned<f64>) -> Checked<Elastic> {
-        let key = |name: &str| format!("soil.law.{law}.{name}");
+        let key = |name: &str| format!("{law}.{name}");
         Ok(Elastic {
             youngs_modulus: self.positive(modulus, &key("youngs_modulus"), "Pa")?,
             poisson_ratio: self.within(ratio, &key("poisson_ratio"), "-1 < nu < 0.5", |nu| nu > -1.0 && nu < 0.5)?,
         })
     }
 
-    fn strength(&self, law: &RawMohrCoulomb) -> Checked<Strength> {
-        let key = |name: &str| format!("soil.law.mohr_coulomb.{name}");
+    fn strength(&self, place: &str, law: &RawMohrCoulomb) -> Checked<Strength> {
+        let key = |name: &str| format!("{place}.{name}");
         let expected = "a finite cohesion of 0 or more (Pa)";
         let cohesion = self.within(&law.cohesion, &key("cohesion"), expected, |c| c >= 0.0)?;
         let expected = "0 <= phi < 90 (degrees)";

@@ -5,7 +5,7 @@ use std::ops::Range;
 use toml::Spanned;
 
 use super::super::raw::{RawLayer, RawScene};
-use super::super::{Elastic, Integrator, Scene, SoilLayer, StrainChoice};
+use super::super::{Integrator, Scene, SoilLayer, StrainChoice};
 use super::{Checked, Reader};
 use crate::constitutive::MOST_MATERIALS;
 
@@ -28,7 +28,7 @@ impl Reader<'_> {
         let mut layers: Vec<SoilLayer> = Vec::new();
         for layer in list.get_ref() {
             let below = layers.last().map_or(0.0, |layer| layer.up_to);
-            layers.push(self.layer(layer.get_ref(), scene, below)?);
+            layers.push(self.layer(layer.get_ref(), (raw, scene), below)?);
         }
         if let (Some(layer), Some(last)) = (layers.last_mut(), list.get_ref().last()) {
             if (layer.up_to - scene.height).abs() > ON_A_FACE * scene.cell {
@@ -41,7 +41,7 @@ impl Reader<'_> {
     }
 
     /// One layer above a height (m).
-    fn layer(&self, raw: &RawLayer, scene: &Scene, below: f64) -> Checked<SoilLayer> {
+    fn layer(&self, raw: &RawLayer, (whole, scene): (&RawScene, &Scene), below: f64) -> Checked<SoilLayer> {
         let expected = format!("{below} m < up_to <= {} m, from the layer below to the height", scene.height);
         let most = scene.height + ON_A_FACE * scene.cell;
         let up_to = self.within(&raw.up_to, "layers.up_to", &expected, |y| y > below && y <= most)?;
@@ -51,14 +51,24 @@ impl Reader<'_> {
             let found = format!("{up_to} m ({rows} cells)");
             return self.refuse(&raw.up_to.span(), "layers.up_to", &expected, found);
         }
-        let youngs_modulus = match &raw.youngs_modulus {
-            Some(value) => self.positive(value, "layers.youngs_modulus", "Pa")?,
-            None => scene.elastic.youngs_modulus,
+        let (mut elastic, strength, cam_clay) = match &raw.law {
+            Some(law) => self.law("layers.law", law, whole, scene.height)?,
+            None => (scene.elastic, scene.strength, scene.cam_clay),
         };
-        let poisson_ratio = match &raw.poisson_ratio {
-            Some(value) => self.within(value, "layers.poisson_ratio", "-1 < nu < 0.5", |nu| nu > -1.0 && nu < 0.5)?,
-            None => scene.elastic.poisson_ratio,
-        };
+        let own = [("layers.youngs_modulus", &raw.youngs_modulus), ("layers.poisson_ratio", &raw.poisson_ratio)];
+        for (key, value) in own {
+            if let (Some(value), true) = (value, raw.law.is_some() || cam_clay.is_some()) {
+                let expected = "that of its law, or the elasticity of [soil] where a layer has no law of its own";
+                return self.refuse(&value.span(), key, expected, value.get_ref());
+            }
+        }
+        if let Some(value) = &raw.youngs_modulus {
+            elastic.youngs_modulus = self.positive(value, "layers.youngs_modulus", "Pa")?;
+        }
+        if let Some(value) = &raw.poisson_ratio {
+            let bounds = |nu| nu > -1.0 && nu < 0.5;
+            elastic.poisson_ratio = self.within(value, "layers.poisson_ratio", "-1 < nu < 0.5", bounds)?;
+        }
         let hydraulic_conductivity = match (&raw.hydraulic_conductivity, &scene.water) {
             (Some(value), Some(_)) => self.positive(value, "layers.hydraulic_conductivity", "m/s")?,
             (Some(value), None) => {
@@ -67,7 +77,7 @@ impl Reader<'_> {
             }
             (None, water) => water.map_or(0.0, |w| w.hydraulic_conductivity),
         };
-        Ok(SoilLayer { up_to, elastic: Elastic { youngs_modulus, poisson_ratio }, hydraulic_conductivity })
+        Ok(SoilLayer { up_to, elastic, strength, cam_clay, hydraulic_conductivity })
     }
 
     /// A mesh that goes along with its soil.

@@ -203,7 +203,7 @@ impl Reader<'_> {
         let ground::Geometry { outline, width, height, cell, cells: [across, rows], sideroom_cells } = geometry;
         let (particles_per_cell, headroom_cells) =
             self.particles(raw, rows, across.saturating_add(sideroom_cells), dimension)?;
-        let (elastic, strength, cam_clay) = self.law(raw, height)?;
+        let (elastic, strength, cam_clay) = self.law("soil.law", &raw.soil.get_ref().law, raw, height)?;
         let porosity = self.within(&raw.soil.get_ref().porosity, "soil.porosity", "1e-6 <= n <= 0.999999", |n| {
             (LEAST_PORES..=1.0 - LEAST_PORES).contains(&n)
         })?;

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use super::Explicit;
 use crate::step::kernel::{Common, Functions, InPores, Pass};
-use crate::step::store::{Strip, StripSums};
 use crate::step::store::Nodes;
+use crate::step::store::{Strip, StripSums};
 use crate::water::FaceFlow;
 
 impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {

@@ -340,7 +340,11 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
         isotropic[..3].fill(cell.filled);
         let mut first = [[none; 4]; D];
         for d in 0..D {
-            let moment = if !<Self as Functions<D>>::PRESSURE_AT_PARTICLES { cell.filled * 0.5 } else { sums.moment[d] * cell.share };
+            let moment = if !<Self as Functions<D>>::PRESSURE_AT_PARTICLES {
+                cell.filled * 0.5
+            } else {
+                sums.moment[d] * cell.share
+            };
             first[d] = [moment, moment, moment, none];
         }
         let at_corners = to_corners::<D, D, _>(&internal_force(&isotropic, &first, inverse_size));
