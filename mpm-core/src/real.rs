@@ -231,7 +231,8 @@ impl<S: Simd> Neg for Lanes<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self { value: self.simd.neg_f64s(self.value), ..self }
+        // Not `neg_f64s`, which is compiled for a machine without lanes, and called.
+        self.like(-0.0) - self
     }
 }
 

@@ -8,7 +8,7 @@ use crate::boundary::{Filled, SurfaceLoad};
 use crate::dimension::trace;
 use crate::grid::Grid;
 use crate::particles::{Point, SolidPoint};
-use crate::real::Lanes;
+use crate::real::{Lanes, array};
 
 /// Particles below the strips of the surface.
 #[derive(Debug, Clone)]
@@ -28,9 +28,9 @@ impl<const D: usize> Tops<D> {
     /// Position (m) and volume (m3) of one.
     #[inline]
     pub fn carrier<V: Simd>(&self, strips: &[Strip<V, D>], top: usize) -> ([f64; D], f64) {
-        let [strip, cell, slot] = self.places[top].map(|i| i as usize);
-        let solid = &strips[strip].solid;
-        let x = std::array::from_fn(|d| solid.number(cell, slot, d));
+        let [strip, cell, slot] = self.places[top];
+        let (solid, cell, slot) = (&strips[strip as usize].solid, cell as usize, slot as usize);
+        let x = array!([0.0; D], d => solid.number(cell, slot, d));
         (x, solid.number(cell, slot, SolidPoint::<D>::VOLUME))
     }
 
@@ -60,16 +60,18 @@ impl<const D: usize> Tops<D> {
     ) {
         let Nodes { frame, motion: Motion { velocity, change, .. }, .. } = nodes;
         for top in 0..self.places.len() {
-            let [strip, cell, _] = self.places[top].map(|i| i as usize);
+            let (strip, cell) = (self.places[top][0] as usize, self.places[top][1] as usize);
             let (mut x, mut volume) = self.carrier(strips, top);
             let at = strips[strip].first + cell;
             let fields = Fields { simd: Scalar, velocity, change, mapped: None, frame, at };
             let lone = |number: f64| Lanes::splat(Scalar, number);
-            let position: [Lanes<Scalar>; D] = frame.position(at).map(|i| lone(i as f64));
+            let position = frame.position(at);
+            let position = array!([lone(0.0); D], d => lone(position[d] as f64));
             let edges = functions.edges(&position, &frame.cells);
-            let centroid = strips[strip].centroid(cell).map(lone);
+            let centroid = strips[strip].centroid(cell);
+            let centroid = array!([lone(0.0); D], d => lone(centroid[d]));
             let motion = functions.motion(&fields, &centroid);
-            let xi = std::array::from_fn(|d| lone(x[d] * frame.inverse_size) - position[d]);
+            let xi = array!([lone(0.0); D], d => lone(x[d] * frame.inverse_size) - position[d]);
             let Moves { gradient, velocity, .. } = functions.moves(&motion, &edges, &xi, frame.inverse_size);
             let rate = if F::SPLIT {
                 functions.middle(&motion, frame.inverse_size)

@@ -152,6 +152,8 @@ impl Gimp {
 pub struct Ends<V: Simd> {
     first: Lanes<V>,
     last: Lanes<V>,
+    /// Whether any is.
+    is_outer: bool,
 }
 
 impl<V: Simd> Ends<V> {
@@ -161,8 +163,10 @@ impl<V: Simd> Ends<V> {
         let none = first.like(0.0);
         let mut of =
             [first.or(is_left, none), middle.or(is_left, first), last.or(is_left, middle), none.or(is_left, last)];
-        fold(&mut of, [0, 1, 2], self.first);
-        fold(&mut of, [3, 2, 1], self.last);
+        if self.is_outer {
+            fold(&mut of, [0, 1, 2], self.first);
+            fold(&mut of, [3, 2, 1], self.last);
+        }
         of
     }
 }
@@ -185,8 +189,14 @@ impl Basis for Gimp {
     #[inline(always)]
     fn edge<V: Simd>(&self, position: Lanes<V>, cells: usize) -> Ends<V> {
         let (none, one) = (position.like(0.0), position.like(1.0));
+        let end = cells as f64 - 1.0;
+        let mut is_outer = false;
+        for lane in 0..Lanes::<V>::COUNT {
+            let at = position.lane(lane);
+            is_outer |= at <= 0.0 || at >= end;
+        }
         let first = one.or(position.equals(none), none);
-        Ends { first, last: one.or(position.equals(none.like(cells as f64 - 1.0)), none) }
+        Ends { first, last: one.or(position.equals(none.like(end)), none), is_outer }
     }
 
     #[inline(always)]

@@ -6,7 +6,7 @@
 use pulp::{Scalar, Simd};
 
 use super::bases::{Basis, Line};
-use super::{Closing, Contribution, Fields, Functions, Given, MOST_REACHED, Moves, Relative};
+use super::{Closing, Contribution, Fields, Functions, Given, MOST_REACH, MOST_REACHED, Moves, Relative};
 use crate::dimension::{basis, value};
 use crate::real::{Lanes, Real, array};
 use crate::step::store::Nodes;
@@ -70,13 +70,16 @@ impl<B: Basis> Over<B> {
     ) -> [f64; MOST_REACHED] {
         let along = |d: usize| {
             let edge = self.0.edge(Lanes::splat(Scalar, position[d] as f64), cells[d]);
-            line(&edge, Lanes::splat(Scalar, xi[d])).value.map(|value| value.lane(0))
+            line(&edge, Lanes::splat(Scalar, xi[d])).value
         };
         let (x, y) = (along(0), along(D - 1));
-        std::array::from_fn(|a| {
-            let (i, j) = (a % B::REACH, a / B::REACH);
-            if j >= B::REACH { 0.0 } else { x[i] * if D == 1 { 1.0 } else { y[j] } }
-        })
+        let mut shares = [0.0; MOST_REACHED];
+        for j in 0..if D == 1 { 1 } else { B::REACH } {
+            for i in 0..B::REACH {
+                shares[j * B::REACH + i] = x[i].lane(0) * if D == 1 { 1.0 } else { y[j].lane(0) };
+            }
+        }
+        shares
     }
 
     /// Value and gradient of a vector field at particles.
@@ -229,29 +232,31 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
     /// A coefficient has the share of linear functions at the place where it stands.
     fn accelerations_of_mesh(&self, nodes: &Nodes<D>, to: &mut [Vec<f64>; 2]) {
         let frame = &nodes.frame;
-        let along = frame.cells.map(|cells| cells + B::EXTRA);
+        // The share that a node has of each function from its own number on, none of those beyond the mesh.
         let around = |d: usize, node: usize| {
-            let share = move |i: usize| 1.0 - (self.0.stands_at(i, frame.cells[d]) - node as f64).abs();
-            (node..(node + B::REACH).min(along[d])).map(move |i| (i, share(i))).filter(|(_, share)| *share > 0.0)
+            let mut shares = [0.0; MOST_REACH];
+            for (k, share) in shares.iter_mut().enumerate().take((frame.cells[d] + B::EXTRA - node).min(B::REACH)) {
+                *share = (1.0 - (self.0.stands_at(node + k, frame.cells[d]) - node as f64).abs()).max(0.0);
+            }
+            shares
         };
         let rows = if D == 1 { 0 } else { frame.cells[D - 1] };
         for row in 0..=rows {
+            let of_rows = if D == 1 { [1.0, 0.0, 0.0, 0.0] } else { around(D - 1, row) };
             for column in 0..=frame.cells[0] {
+                let of_columns = around(0, column);
                 let (mut mass, mut sum) = (0.0, [0.0; D]);
-                let mut add = |position: [usize; D], share: f64| {
-                    let function = frame.function(&position);
-                    let share = share * nodes.mixture_mass(function);
-                    mass += share;
-                    for d in 0..D {
-                        sum[d] += share * nodes.motion.acceleration[d][function];
-                    }
-                };
-                if D == 1 {
-                    around(0, column).for_each(|(i, share)| add([i; D], share));
-                } else {
-                    for (j, of_row) in around(D - 1, row) {
-                        for (i, share) in around(0, column) {
-                            add(std::array::from_fn(|d| if d == 0 { i } else { j }), share * of_row);
+                for j in (0..MOST_REACH).filter(|j| of_rows[*j] > 0.0) {
+                    for i in (0..MOST_REACH).filter(|i| of_columns[*i] > 0.0) {
+                        let mut position = [column + i; D];
+                        if D == 2 {
+                            position[D - 1] = row + j;
+                        }
+                        let function = frame.function(&position);
+                        let share = of_columns[i] * of_rows[j] * nodes.mixture_mass(function);
+                        mass += share;
+                        for d in 0..D {
+                            sum[d] += share * nodes.motion.acceleration[d][function];
                         }
                     }
                 }

@@ -5,7 +5,7 @@
 //! vector of cells may run over the end of a row without knowing it.
 
 use crate::grid::Grid;
-use crate::real::MOST_LANES;
+use crate::real::{MOST_LANES, array};
 
 /// A strip has at least so many cells and rows: its first rows are added up apart.
 const LEAST: [usize; 2] = [512, 4];
@@ -83,7 +83,7 @@ impl<const D: usize> Frame<D> {
     /// Number of a function from its place, counted from those that reach into the first cell on.
     #[inline]
     pub fn function(&self, position: &[usize; D]) -> usize {
-        self.number(&position.map(|i| i + self.before))
+        self.number(&array!([0; D], d => position[d] + self.before))
     }
 
     /// From the number of a cell to that of function `a` of those it reaches.
@@ -108,11 +108,12 @@ impl<const D: usize> Frame<D> {
     /// Place of a number on the lattice.
     #[inline]
     pub fn position(&self, number: usize) -> [usize; D] {
-        std::array::from_fn(|d| match (D, d) {
-            (1, _) => number,
-            (_, 0) => number % self.stride[D - 1],
-            _ => number / self.stride[D - 1],
-        })
+        let mut position = [number; D];
+        if D == 2 {
+            position[0] = number % self.stride[D - 1];
+            position[D - 1] = number / self.stride[D - 1];
+        }
+        position
     }
 
     /// Whether a place is a cell of the mesh, and not one that only pads.

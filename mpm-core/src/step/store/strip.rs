@@ -6,7 +6,7 @@ use pulp::bytemuck::Zeroable;
 use super::blocks::Blocks;
 use super::frame::Frame;
 use crate::observe::Flowed;
-use crate::real::{numbers, numbers_mut};
+use crate::real::{array, numbers, numbers_mut};
 
 /// Soil and water of so many cells side by side, as they are at the start of a step.
 #[derive(Debug, Clone, Copy)]
@@ -121,7 +121,7 @@ impl<V: Simd, const D: usize> Strip<V, D> {
     /// Where its particles have their strain if they share a place, in cell coordinates.
     pub fn centroid(&self, cell: usize) -> [f64; D] {
         let at = &self.cells[cell / V::F64_LANES].at;
-        std::array::from_fn(|d| numbers(&at[d..=d])[cell % V::F64_LANES])
+        array!([0.0; D], d => numbers(&at[d..=d])[cell % V::F64_LANES])
     }
 
     /// Bytes held.
