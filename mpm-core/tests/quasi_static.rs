@@ -324,11 +324,10 @@ fn a_load_that_no_stress_can_carry_ends_with_its_residuals() {
     let run = with_law(&dry("tolerance = 1e-4"), Curved { reference: -0.6 * SURCHARGE });
     let failure = run.failure.clone().expect("a failure");
     let text = failure.to_string();
-    assert!(
-        text.contains("cannot be reduced further") && text.contains("Newton's iteration did not converge; residuals"),
-        "{text}"
-    );
-    assert!((0.55..0.61).contains(&failure.time), "{text}");
+    assert!(text.contains("Newton's iteration did not converge; residuals"), "{text}");
+    assert!(text.contains("the load may be more than the soil can bear"), "{text}");
+    // Dry soil: to 1e-5 of the ramp, and short of it by what residuals may leave.
+    assert!((0.599..0.6001).contains(&failure.time), "{text}");
     // What was reached before is kept: half the load, r/M ln(1 - q/r).
     let expected = 0.6 * SURCHARGE / MODULUS * -(1.0 - 0.5 / 0.6_f64).ln();
     let found = run.observed().nth(1).expect("a sample").state.settlement;

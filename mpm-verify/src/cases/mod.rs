@@ -18,6 +18,7 @@ mod dynamic_column;
 mod dynamic_energy;
 mod elsewhere;
 mod evidence;
+mod footing;
 mod hydrostatic;
 mod infinite_slope;
 mod large_strain;
@@ -182,6 +183,9 @@ pub const LADDER: &[Rung] = &[
     mohr_coulomb::FROM_K0,
     mohr_coulomb::ISOTROPIC,
     mohr_coulomb::OEDOMETER,
+    footing::UNDRAINED,
+    footing::PHI_20,
+    footing::PHI_30,
     cam_clay::DRAINED,
     cam_clay::UNDRAINED,
     cam_clay::OEDOMETER,

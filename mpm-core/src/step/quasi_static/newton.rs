@@ -1,6 +1,7 @@
 //! Equilibrium and water balance at the end of a stage: Newton's iteration with a line search.
 //!
-//! A linear scene is solved by one solve. Otherwise factors are kept as long as they reduce the residual well.
+//! A linear scene is solved by one solve. At large strain, where the matrix leaves parts out, factors are kept as long as they reduce
+//! the residual well. At small strain they are renewed in every iteration: with consistent tangents it converges quadratically.
 
 use super::soil::{HELD, Soil};
 use super::tangent::Stuck;
@@ -14,7 +15,8 @@ const SHORTEST: f64 = 1.0 / 256.0;
 const SLOW: f64 = 0.3;
 /// The same under a law that is not linear: what a corner of its surface changes no older factors know.
 const SLOW_LAW: f64 = 0.01;
-/// So many iterations may raise the residual there: plastic flow begins in points that the last factors took for elastic.
+/// So many iterations may raise the residual under a law that is not linear: plastic flow begins in points that the last factors
+/// took for elastic.
 const RISING: usize = 10;
 
 /// What a stage has to fulfil.
@@ -48,6 +50,11 @@ impl Workspace {
         let history = Vec::with_capacity(ITERATIONS + 2);
         Self { residual: zeros(), correction: zeros(), trial: zeros(), history, reference }
     }
+
+    /// Iterations of the last stage that is not linear.
+    pub fn iterations(&self) -> usize {
+        self.history.len().saturating_sub(1)
+    }
 }
 
 impl<L: Law, const D: usize> Soil<L, D> {
@@ -72,6 +79,15 @@ impl<L: Law, const D: usize> Soil<L, D> {
         }
     }
 
+    /// Whether a correction would move soil that is strained a little by more than its own extent: its matrix is all but singular,
+    /// and what balances out there is no state of the soil.
+    fn flung(&self, correction: &[f64]) -> bool {
+        // Displacements are counted in cells.
+        let extent = self.axes.iter().map(|axis| axis.cells()).max().unwrap_or(0) as f64;
+        let mut moved = self.soil_map.iter().flatten().filter(|map| **map != HELD);
+        self.small && moved.any(|map| correction[*map as usize].abs() > extent)
+    }
+
     /// Moves `y` to where the stage is fulfilled, and evaluates there. The factors must be those for `stage.a`.
     pub fn fulfil(&mut self, stage: &Stage, y: &mut [f64], work: &mut Workspace) -> Result<(), Stuck<D>> {
         self.evaluate(y).map_err(Stuck::InsideOut)?;
@@ -79,7 +95,11 @@ impl<L: Law, const D: usize> Soil<L, D> {
         let mut size = largest(&work.residual) / work.reference;
         work.history.clear();
         work.history.push(size);
-        let (slow, rising) = if self.law.are_linear() { (SLOW, 0) } else { (SLOW_LAW, RISING) };
+        let (slow, rising) = match (self.law.are_linear(), self.small) {
+            (true, _) => (SLOW, 0),
+            (false, true) => (0.0, RISING),
+            (false, false) => (SLOW_LAW, RISING),
+        };
         for iteration in 0..ITERATIONS {
             if size <= stage.tolerance && !self.linear() {
                 return Ok(());
@@ -93,7 +113,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 return self.evaluate(y).map_err(Stuck::InsideOut);
             }
             // A law that has lost its stiffness on the way asks for a shorter step, not for another system.
-            if solved.is_err() {
+            if solved.is_err() || self.flung(&work.correction) {
                 return Err(Stuck::NotConverged(work.history.clone()));
             }
             let before = size;

@@ -71,7 +71,9 @@ impl Sdirk {
     ) -> Result<StepSums, Stuck<D>> {
         let mut sums = StepSums::default();
         self.end.copy_from_slice(start);
-        for i in 0..STAGES {
+        // Without water nothing flows: only the equilibrium at the end of the step is left, which the last stage is.
+        let dry = soil.p.is_empty();
+        for i in if dry { STAGES - 1..STAGES } else { 0..STAGES } {
             self.target.copy_from_slice(content);
             for j in 0..i {
                 for (target, flow) in self.target.iter_mut().zip(&self.flow[j]) {
@@ -86,7 +88,9 @@ impl Sdirk {
             sums.dissipation += weight * soil.values.dissipation;
             sums.body_work += weight * soil.values.body_work;
         }
-        self.estimate(soil, h)?;
+        if !dry {
+            self.estimate(soil, h)?;
+        }
         Ok(sums)
     }
 

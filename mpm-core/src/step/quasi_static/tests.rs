@@ -1,10 +1,14 @@
 //! The matrix of a step against finite differences of what it is the derivative of.
 
+use super::newton::{Stage as Balance, Workspace, largest};
 use super::soil::{HELD, Soil};
+use super::tangent::Stuck;
 use super::{QuasiStatic, Seeding};
-use crate::constitutive::{Law, LinearElastic, Materials};
+use crate::constitutive::{Law, LinearElastic, Materials, MohrCoulomb};
 use crate::particles::{SolidPoint, even_positions};
-use crate::scene::{Dimension, Elastic, Integrator, Scene, ShapeChoice, SolidSide, Stage, StrainChoice, Until};
+use crate::scene::{
+    Dimension, Elastic, Integrator, LoadedStrip, Scene, ShapeChoice, SolidSide, Stage, StrainChoice, Strength, Until,
+};
 use crate::step::Model;
 
 const SOIL: Elastic = Elastic { youngs_modulus: 2.0e7, poisson_ratio: 0.3 };
@@ -119,6 +123,48 @@ fn the_matrix_is_the_derivative_of_the_balances() {
             assert!(column < allowed && plane < allowed, "{shape:?} {strain:?} {column:.1e} {plane:.1e}");
         }
     }
+}
+
+/// Residuals of Newton's iteration for a strip load on soil that yields beneath it: down to round-off, as none meets a tolerance of
+/// zero.
+fn residuals_of_yielding(dilation_angle: f64) -> Vec<f64> {
+    let mut scene = scene(Dimension::PlaneStrain, ShapeChoice::Centre, StrainChoice::Small);
+    (scene.water, scene.gravity) = (None, None);
+    scene.solid_sides[1] = SolidSide::Roller;
+    let load = scene.surcharge.as_mut().expect("a load");
+    load.strip = Some(LoadedStrip { from: 0.0, to: 0.25, taper: 0.0 });
+    let strength =
+        Strength { cohesion: 0.2 * load.pressure, friction_angle: 20.0, dilation_angle, tension_cutoff: None };
+    let mut model = entered::<_, 2>(&scene, MohrCoulomb::new(&SOIL, &strength));
+    model.points.iter_mut().for_each(|point| point.stress = [0.0; 4]);
+    model.lay([false; 4]).expect("a mesh");
+    let soil = model.soil.as_mut().expect("a mesh");
+    let mut y = vec![0.0; soil.unknowns()];
+    let mut work = Workspace::new(y.len(), soil.scales[0] * largest(&soil.load));
+    soil.evaluate(&y).expect("a sound state");
+    soil.refresh(0.0).expect("factors");
+    let balance = Balance { share: 1.0, a: 0.0, target: &[], tolerance: 0.0 };
+    match soil.fulfil(&balance, &mut y, &mut work) {
+        Err(Stuck::NotConverged(residuals)) => residuals,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Whether residuals fall quadratically down to round-off: r' <= 10 r^2 in the last three iterations.
+fn fall_quadratically(residuals: &[f64]) -> bool {
+    let round_off = 1e-12;
+    let Some(end) = residuals.iter().position(|r| *r < round_off) else { return false };
+    residuals[..=end].windows(2).rev().take(3).all(|pair| pair[1] <= (10.0 * pair[0] * pair[0]).max(round_off))
+}
+
+#[test]
+fn newtons_iteration_converges_quadratically_where_soil_yields() {
+    for dilation_angle in [20.0, 0.0] {
+        let residuals = residuals_of_yielding(dilation_angle);
+        assert!(fall_quadratically(&residuals), "{residuals:?}");
+    }
+    // Each a hundredth of the one before.
+    assert!(!fall_quadratically(&std::array::from_fn::<_, 8, _>(|k| 1e-2_f64.powi(k as i32))));
 }
 
 #[test]

@@ -16,6 +16,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         if matches!(stuck, Stuck::Unsolved(_)) {
             what += &self.singular_hint();
         }
+        what += self.limit_hint();
         Fault { place: "the whole soil".to_owned(), what }
     }
 
@@ -33,10 +34,13 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             self.stage_end,
             self.trouble.as_deref().unwrap_or("every step was accepted")
         );
-        if !self.seeding.law.are_linear() {
-            what += "; the load may be more than the soil can bear";
-        }
+        what += self.limit_hint();
         Fault { place: "the whole soil".to_owned(), what }
+    }
+
+    /// What strength may have to do with it.
+    fn limit_hint(&self) -> &'static str {
+        if self.seeding.law.are_linear() { "" } else { "; the load may be more than the soil can bear" }
     }
 }
 
