@@ -35,12 +35,8 @@ mod tests {
 
     #[test]
     fn no_point_of_the_front_is_beaten_and_every_other_is() {
-        // A cloud from a linear congruence.
-        let mut seed = 1_u64;
-        let mut next = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 40) as f64
-        };
+        let mut random = mpm_core::random::Random(1);
+        let mut next = || (random.bits() >> 40) as f64;
         let points: Vec<(f64, f64)> = (0..300).map(|_| (next(), next())).collect();
         let beats = |a: &(f64, f64), b: &(f64, f64)| a != b && a.0 <= b.0 && a.1 <= b.1;
         for (point, on) in points.iter().zip(front(&points)) {

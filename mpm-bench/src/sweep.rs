@@ -3,8 +3,9 @@
 //! Another load on the machine comes and goes. Settings are visited in an order without rhyme, a different one each
 //! time, so that it falls on no integrator more than on another, and the median over visits far apart forgets it.
 
+use mpm_core::hash::sha256;
 use mpm_core::scene::Scene;
-use mpm_verify::manifest::{Manifest, hash};
+use mpm_verify::manifest::{Manifest, short_hash};
 use mpm_verify::progress::Progress;
 use mpm_verify::study::plan::work;
 
@@ -40,7 +41,7 @@ pub fn sweep(plan: &Plan, base: &Scene, store: &mut Store, progress: &Progress) 
     let (mut done, mut said) = (0.0, 0);
     for visit in 0..plan.visits {
         let mut order: Vec<&Setting> = plan.settings.iter().collect();
-        order.sort_by_key(|s| mixed(hash(format!("{visit} {}", s.case).as_bytes())));
+        order.sort_by_key(|s| sha256(format!("{visit} {}", s.case).as_bytes()));
         for setting in order {
             setting.visit(visit, base, store)?;
             done += setting.weight();
@@ -55,19 +56,11 @@ pub fn sweep(plan: &Plan, base: &Scene, store: &mut Store, progress: &Progress) 
     Ok(plan.settings.iter().filter_map(|s| store.row(&s.case)).collect())
 }
 
-/// Spreads the bits of a hash: names that differ in their last letter alone have hashes that lie close together
-/// (finaliser of splitmix64; Steele, Lea and Flood 2014).
-fn mixed(hash: u64) -> u64 {
-    let z = (hash ^ (hash >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
-}
-
 /// Which program measures: version, commit, and the bytes of the program itself, because a commit does not tell what
 /// was changed since.
 pub fn build(manifest: &Manifest) -> String {
     let bytes = std::env::current_exe().and_then(std::fs::read).unwrap_or_default();
-    format!("{} {} {} {:016x}", manifest.version, manifest.commit, manifest.cpu, hash(&bytes))
+    format!("{} {} {} {}", manifest.version, manifest.commit, manifest.cpu, short_hash(&bytes))
 }
 
 impl Setting {
@@ -88,7 +81,7 @@ impl Setting {
 
     /// Hash of all that the setting is made of.
     fn input(&self) -> String {
-        format!("{:016x}", hash(format!("{:?}", self.solver).as_bytes()))
+        short_hash(format!("{:?}", self.solver).as_bytes())
     }
 
     /// Rough time of a visit, s.

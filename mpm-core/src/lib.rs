@@ -16,9 +16,11 @@
 //!    Darcy's law, `step/pressure.rs` the pressures of the semi-implicit step; [`step::quasi_static`] leaves inertia out;
 //!    `step/two_clocks.rs` lets water seep for hours and soil move for seconds.
 //! 7. [`stability`], [`drive`]: how long a step may be; stages and times. [`failure`]: soil that water makes fail, from gravity
-//!    to the shape that is left, with its events and factors of safety. [`keep`]: state that is taken up again to the last bit.
+//!    to the shape that is left, with its events and factors of safety. [`checkpoint`]: state that is
+//!    restored to the last bit.
 //! 8. [`observe`]: what is read from a run, and its ledgers.
-//! 9. [`hardware`], [`run`]: what a run may use of the machine; the switchboard from words to types.
+//! 9. [`hardware`], [`run`]: what a run may use of the machine; the switchboard from words to types. [`hash`], [`random`]: the one hash, and the one
+//!    generator of random numbers.
 //!
 //! # Symbols
 //! | symbol | meaning | unit |
@@ -37,6 +39,7 @@
 //! | p, sigma' | pore pressure, effective stress | Pa |
 
 pub mod boundary;
+pub mod checkpoint;
 pub mod constitutive;
 pub mod dimension;
 pub mod drive;
@@ -45,9 +48,10 @@ pub mod error;
 pub mod failure;
 pub mod grid;
 pub mod hardware;
-pub mod keep;
+pub mod hash;
 pub mod observe;
 pub mod particles;
+pub mod random;
 pub mod real;
 pub mod run;
 pub mod scene;

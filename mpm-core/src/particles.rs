@@ -2,16 +2,23 @@
 //!
 //! A particle is one compact record, because every pass over the particles uses all of it.
 
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_big_array::BigArray;
+
+use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::grid::Grid;
-use crate::keep::Keeper;
+use crate::random::Random;
 use crate::scene::Displaced;
 
 /// A particle of the solid layer. D: dimensions.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SolidPoint<const D: usize> {
     /// Position, m.
+    #[serde(with = "BigArray")]
     pub x: [f64; D],
     /// Velocity, m/s.
+    #[serde(with = "BigArray")]
     pub v: [f64; D],
     /// Effective stress xx, yy, zz, xy, Pa, tension positive; the axis of a column is y.
     pub stress: [f64; 4],
@@ -21,26 +28,14 @@ pub struct SolidPoint<const D: usize> {
     pub volume: f64,
 }
 
-impl<const D: usize> SolidPoint<D> {
-    /// A particle of nothing.
-    pub const NONE: Self = Self { x: [0.0; D], v: [0.0; D], stress: [0.0; 4], mass: 0.0, volume: 0.0 };
-
-    /// Writes or reads the particle.
-    pub fn keep(&mut self, keeper: &mut Keeper) {
-        keeper.f64s(&mut self.x);
-        keeper.f64s(&mut self.v);
-        keeper.f64s(&mut self.stress);
-        keeper.f64(&mut self.mass);
-        keeper.f64(&mut self.volume);
-    }
-}
-
 /// A particle of the water layer.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct WaterPoint<const D: usize> {
     /// Position, m.
+    #[serde(with = "BigArray")]
     pub x: [f64; D],
     /// Velocity, m/s: that of the soil plus the relative velocity v*.
+    #[serde(with = "BigArray")]
     pub v: [f64; D],
     /// Mass, kg; constant.
     pub mass: f64,
@@ -48,20 +43,6 @@ pub struct WaterPoint<const D: usize> {
     pub volume: f64,
     /// Pore pressure, Pa, compression positive.
     pub pressure: f64,
-}
-
-impl<const D: usize> WaterPoint<D> {
-    /// A particle of nothing.
-    pub const NONE: Self = Self { x: [0.0; D], v: [0.0; D], mass: 0.0, volume: 0.0, pressure: 0.0 };
-
-    /// Writes or reads the particle.
-    pub fn keep(&mut self, keeper: &mut Keeper) {
-        keeper.f64s(&mut self.x);
-        keeper.f64s(&mut self.v);
-        keeper.f64(&mut self.mass);
-        keeper.f64(&mut self.volume);
-        keeper.f64(&mut self.pressure);
-    }
 }
 
 /// A particle, and its numbers, the first of them its position.
@@ -264,21 +245,18 @@ impl<P: Point<D>, const D: usize> Layer<P, D> {
         Ok(())
     }
 
-    /// Writes or reads the layer; `each` does so with a particle, of which `none` is an empty one.
-    pub fn keep(&mut self, keeper: &mut Keeper, none: &P, each: impl FnMut(&mut P, &mut Keeper)) {
+    /// Saves or restores the layer.
+    pub(crate) fn save_or_restore(&mut self, archive: &mut Archive) -> Result<(), RestoreError>
+    where
+        P: Serialize + DeserializeOwned,
+    {
         let cells = self.cell_start.len().saturating_sub(1);
-        keeper.list(&mut self.points, none, each);
-        keeper.list(&mut self.ids, &0, |id, keeper| keeper.u32(id));
-        keeper.list(&mut self.cell_start, &0, |start, keeper| keeper.u32(start));
-        keeper.u64(&mut self.crossings);
-        keeper.u64(&mut self.order);
-        if keeper.is_reading() {
-            if self.is_whole(cells) {
-                self.cell_of.resize(self.points.len(), 0);
-            } else {
-                keeper.refuse();
-            }
+        archive!(archive.value: self.points, self.ids, self.cell_start, self.crossings, self.order);
+        if archive.restores() && !self.is_whole(cells) {
+            return Err(RestoreError);
         }
+        self.cell_of.resize(self.points.len(), 0);
+        Ok(())
     }
 
     /// Whether every particle has a place in one of so many cells, and a number of its own.
@@ -330,15 +308,10 @@ pub fn displace<'a, const D: usize>(
     spacing: f64,
     displaced: &Displaced,
 ) {
-    let mut random = displaced.seed;
+    let mut random = Random(displaced.seed);
     for x in places {
         for d in 0..D {
-            // SplitMix64 (Steele, Lea & Flood 2014, OOPSLA).
-            random = random.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let mut z = random;
-            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            let uniform = ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
+            let uniform = random.unit();
             let wave = f64::sin(2.0 * std::f64::consts::PI * x[d] / lengths[d]);
             x[d] += spacing * (displaced.smooth * wave + displaced.jitter * (2.0 * uniform - 1.0));
         }
@@ -352,7 +325,7 @@ mod tests {
     #[test]
     fn sorting_keeps_every_particle_and_counts_crossings() {
         let grid = Grid::new([3, 2], 1.0);
-        let point = |x| WaterPoint { x, ..WaterPoint::NONE };
+        let point = |x| WaterPoint { x, v: [0.0; 2], mass: 1.0, volume: 1.0, pressure: 0.0 };
         let points: Vec<WaterPoint<2>> = even_positions([3, 2], 2).map(point).collect();
         let mut layer = Layer::new(points.clone(), &grid).unwrap();
         assert_eq!(layer.crossings, 0);

@@ -1,12 +1,12 @@
 //! The one switchboard: the words of a scene become concrete types. Nothing else matches on them.
 
 use crate::boundary::{Filled, Given, Strip, SurfaceLoad};
+use crate::checkpoint::RestoreError;
 use crate::constitutive::{LinearElastic, Material, Materials, ModifiedCamClay, MohrCoulomb, Part as Stratum};
 use crate::drive::{Alone, Attend, Drive, Run, drive};
 use crate::error::RunError;
 use crate::grid::Grid;
 use crate::hardware::{Hardware, Width};
-use crate::keep::Unfit;
 use crate::observe::Seed;
 use crate::particles::{Layer, SolidPoint, WaterPoint, displace, even_positions};
 use crate::scene::{
@@ -38,9 +38,9 @@ pub enum StartError {
     /// The particles could not be placed.
     #[error(transparent)]
     Place(#[from] RunError),
-    /// The state to go on from is none of this scene.
+    /// The checkpoint to resume from is none of this scene.
     #[error(transparent)]
-    State(#[from] Unfit),
+    Checkpoint(#[from] RestoreError),
     /// Its soil may fail, which stages alone do not follow.
     #[error("stages.clock: expected \"seepage\" or \"soil\" in a scene that is solved stage by stage, found \"both\"")]
     MayFail,
@@ -69,14 +69,14 @@ pub fn run_on(hardware: &Hardware, scene: &Scene, progress: &mut dyn FnMut(f64))
     Ok(drive(scene, model.as_mut(), dt, progress))
 }
 
-/// [`run_on`] for someone who attends to the run, from a kept state on if there is one.
+/// [`run_on`] for someone who attends to the run, from a checkpoint on if there is one.
 ///
 /// # Errors
-/// As [`run`]; a state that is not one of this scene.
+/// As [`run`]; a checkpoint that is not one of this scene.
 pub fn run_attended(
     hardware: &Hardware,
     scene: &Scene,
-    state: Option<Vec<u8>>,
+    checkpoint: Option<&[u8]>,
     attend: &mut dyn Attend,
 ) -> Result<Run, StartError> {
     if scene.may_fail() {
@@ -86,8 +86,8 @@ pub fn run_attended(
     let dt = choose_step(scene)?;
     let mut model = model_on(hardware, scene)?;
     let mut drive = Drive::new(scene, model.as_mut(), dt);
-    if let Some(state) = state {
-        drive.take_up(state)?;
+    if let Some(checkpoint) = checkpoint {
+        drive.restore(checkpoint)?;
     }
     Ok(drive.go(attend))
 }

@@ -249,9 +249,9 @@ fn a_strong_levee_stands() {
     assert!(last.max_displacement_m < 1e-3, "{last:?}");
     driver.rows.iter().for_each(closes);
     // It is over: nothing happens any more.
-    let kept = driver.kept();
+    let before = driver.checkpoint();
     driver.advance(f64::INFINITY).unwrap();
-    assert_eq!(driver.kept(), kept);
+    assert_eq!(driver.checkpoint(), before);
 }
 
 #[test]
@@ -263,26 +263,26 @@ fn a_levee_that_does_not_stand_says_so() {
     assert_eq!(driver.time, 0.0);
 }
 
-/// What a run keeps after so many looks.
+/// The state of a run after so many looks.
 fn after(driver: &mut Driver, looks: usize) -> Vec<u8> {
     for _ in 0..looks {
         driver.advance(f64::INFINITY).unwrap();
     }
-    driver.kept()
+    driver.checkpoint()
 }
 
 #[test]
-fn a_run_that_is_taken_up_goes_on_to_the_same_bits() {
+fn a_run_that_is_resumed_goes_on_to_the_same_bits() {
     let scene = coarse(&[]);
     // At the start, while water seeps, as soon as soil moves, and while it slides.
     let mut whole = Driver::new(&scene).unwrap();
-    let mut states = vec![(Phase::Gravity, whole.kept())];
+    let mut states = vec![(Phase::Gravity, whole.checkpoint())];
     after(&mut whole, 3);
-    states.push((whole.phase, whole.kept()));
+    states.push((whole.phase, whole.checkpoint()));
     while whole.phase != Phase::Failing {
         whole.advance(f64::INFINITY).unwrap();
     }
-    states.push((whole.phase, whole.kept()));
+    states.push((whole.phase, whole.checkpoint()));
     states.push((whole.phase, after(&mut whole, 5)));
     let end = after(&mut whole, 5);
     let looks = whole.rows.len();
@@ -290,23 +290,23 @@ fn a_run_that_is_taken_up_goes_on_to_the_same_bits() {
     assert_eq!(phases, [Phase::Gravity, Phase::Seepage, Phase::Failing, Phase::Failing]);
     for (phase, state) in states {
         let mut other = Driver::new(&scene).unwrap();
-        other.take_up(state.clone()).unwrap();
-        assert!(other.kept() == state, "{phase:?}: what was taken up is what was kept");
+        other.restore(&state).unwrap();
+        assert!(other.checkpoint() == state, "{phase:?}: what was restored is what was saved");
         while other.rows.len() < looks {
             other.advance(f64::INFINITY).unwrap();
         }
-        assert!(other.kept() == end, "{phase:?}: {:?} {:?}", other.rows.last(), whole.rows.last());
+        assert!(other.checkpoint() == end, "{phase:?}: {:?} {:?}", other.rows.last(), whole.rows.last());
     }
     // Determinism: the run once more, from its start and without any stop.
     let mut again = Driver::new(&scene).unwrap();
     while again.rows.len() < looks {
         again.advance(f64::INFINITY).unwrap();
     }
-    assert!(again.kept() == end);
+    assert!(again.checkpoint() == end);
 }
 
 #[test]
-fn soil_and_water_together_are_taken_up_to_the_same_bits() {
+fn soil_and_water_together_are_resumed_to_the_same_bits() {
     for driver in ["coupled", "explicit"] {
         let word = format!("integrator = \"{driver}\"");
         let scene =
@@ -316,7 +316,7 @@ fn soil_and_water_together_are_taken_up_to_the_same_bits() {
         assert_eq!(whole.phase, Phase::Together);
         let end = after(&mut whole, 4);
         let mut other = Driver::new(&scene).unwrap();
-        other.take_up(state).unwrap();
+        other.restore(&state).unwrap();
         assert!(after(&mut other, 4) == end, "{driver}");
         let row = whole.rows.last().unwrap();
         closes(row);
@@ -325,7 +325,7 @@ fn soil_and_water_together_are_taken_up_to_the_same_bits() {
 }
 
 #[test]
-fn a_run_goes_on_with_the_driver_it_was_kept_with() {
+fn a_run_goes_on_with_the_driver_it_was_saved_with() {
     let scene = coarse(&[]);
     let mut driver = Driver::new(&scene).unwrap();
     after(&mut driver, 3);
@@ -333,7 +333,7 @@ fn a_run_goes_on_with_the_driver_it_was_kept_with() {
     let state = after(&mut driver, 2);
     let end = after(&mut driver, 2);
     let mut other = Driver::new(&scene).unwrap();
-    other.take_up(state).unwrap();
+    other.restore(&state).unwrap();
     assert!(after(&mut other, 2) == end);
 }
 
@@ -343,18 +343,18 @@ fn bytes_that_do_not_fit_are_refused_and_change_nothing() {
     let mut driver = Driver::new(&scene).unwrap();
     let state = after(&mut driver, 2);
     let mut other = Driver::new(&scene).unwrap();
-    let first = other.kept();
+    let first = other.checkpoint();
     for cut in (0..state.len()).step_by(997).chain(state.len() - 40..state.len()) {
-        assert!(other.take_up(state[..cut].to_vec()).is_err(), "{cut} bytes");
+        assert!(other.restore(&state[..cut]).is_err(), "{cut} bytes");
     }
     for at in (0..state.len()).step_by(1499) {
         let mut bytes = state.clone();
         bytes[at] ^= 0x40;
-        assert!(other.take_up(bytes).is_err(), "byte {at}");
+        assert!(other.restore(&bytes).is_err(), "byte {at}");
     }
     let mut longer = state.clone();
     longer.push(0);
-    assert!(other.take_up(longer).is_err());
+    assert!(other.restore(&longer).is_err());
     // Of another mesh, another soil, another feed.
     for edit in [
         ("cell = 0.75 #", "cell = 0.6 #"),
@@ -364,15 +364,15 @@ fn bytes_that_do_not_fit_are_refused_and_change_nothing() {
     ] {
         let scene = coarse(&[edit]);
         let mut other = Driver::new(&scene).unwrap();
-        let first = other.kept();
-        assert!(other.take_up(state.clone()).is_err(), "{edit:?}");
-        assert!(other.kept() == first, "{edit:?}");
+        let first = other.checkpoint();
+        assert!(other.restore(&state).is_err(), "{edit:?}");
+        assert!(other.checkpoint() == first, "{edit:?}");
     }
-    assert!(other.kept() == first, "what was refused changed nothing");
+    assert!(other.checkpoint() == first, "what was refused changed nothing");
     // The end and the driver may be others.
     let longer = coarse(&[("until.time = 6480.0", "until.time = 9000.0"), ("\"two-clocks\"", "\"coupled\"")]);
     let mut other = Driver::new(&longer).unwrap();
-    other.take_up(state).unwrap();
+    other.restore(&state).unwrap();
     assert_eq!((other.phase, other.time), (driver.phase, driver.time));
 }
 
@@ -390,10 +390,10 @@ fn safety(cohesion: f64, tangent: f64) -> Bracket {
     let mut driver = Driver::new(&scene).unwrap();
     driver.load().unwrap();
     assert_eq!(driver.phase, Phase::Seepage);
-    let kept = driver.kept();
+    let before = driver.checkpoint();
     let mut looks = 0;
     let found = driver.safety(0.04, &mut |_| looks += 1).unwrap();
-    assert!(driver.kept() == kept, "the run was not left as it was");
+    assert!(driver.checkpoint() == before, "the run was not left as it was");
     println!("c {cohesion}, phi {angle:.1}: {found:?}");
     assert!(looks == found.trials && found.high - found.low <= 0.04 * 1.0001, "{found:?}");
     // The strength is back too: soil that was at rest stays there.

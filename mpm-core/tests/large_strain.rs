@@ -4,8 +4,8 @@
 mod common;
 
 use common::completed;
+use mpm_core::checkpoint::{Archive, RestoreError};
 use mpm_core::drive::drive;
-use mpm_core::keep::Keeper;
 use mpm_core::observe::{Ledger, Observation, Trust, balances};
 use mpm_core::run::{model, run};
 use mpm_core::scene::{Scene, ShapeChoice, Stage};
@@ -261,8 +261,8 @@ impl Model for Loses {
         self.inner.solid_count()
     }
 
-    fn keep(&mut self, keeper: &mut Keeper) {
-        self.inner.keep(keeper);
+    fn save_or_restore(&mut self, archive: &mut Archive) -> Result<(), RestoreError> {
+        self.inner.save_or_restore(archive)
     }
 }
 

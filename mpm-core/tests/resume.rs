@@ -1,13 +1,13 @@
-//! A run that is stopped and taken up elsewhere, again and again, ends with the same bits: every scene, every integrator and
+//! A run that is stopped and resumed elsewhere, again and again, ends with the same bits: every scene, every integrator and
 //! shape, several widths.
 
 mod common;
 
 use std::path::PathBuf;
 
+use mpm_core::checkpoint::{sealed, unsealed};
 use mpm_core::drive::{Attend, Run, Wish};
 use mpm_core::hardware::{Hardware, Width};
-use mpm_core::keep::{sealed, unsealed};
 use mpm_core::run::{StartError, run_attended, run_on};
 use mpm_core::scene::{Flags, Scene, Until};
 
@@ -24,7 +24,7 @@ impl Attend for Stops {
         if self.looks == self.every { Wish::Stop } else { Wish::GoOn }
     }
 
-    fn keep(&mut self, state: Vec<u8>) {
+    fn save(&mut self, state: Vec<u8>) {
         self.state = Some(state);
     }
 }
@@ -34,7 +34,7 @@ fn in_pieces(hardware: &Hardware, scene: &Scene, every: usize) -> (Run, usize) {
     let (mut state, mut pieces) = (None, 0);
     loop {
         let mut stops = Stops { every, looks: 0, state: None };
-        let run = run_attended(hardware, scene, state, &mut stops).expect("a run");
+        let run = run_attended(hardware, scene, state.as_deref(), &mut stops).expect("a run");
         pieces += 1;
         if !run.stopped {
             return (run, pieces);
@@ -170,8 +170,8 @@ fn a_state_with_another_bit_ends_otherwise() {
     let mut stops = Stops { every: 12, looks: 0, state: None };
     run_attended(&hardware, &scene, None, &mut stops).expect("a run");
     let state = stops.state.expect("a state");
-    let of = u64::from_le_bytes(state[8..16].try_into().expect("eight bytes"));
-    let mut inside = unsealed(state, of).expect("a whole state");
+    let of = state[8..40].try_into().expect("a hash");
+    let mut inside = unsealed(&state, &of).expect("a whole state").to_vec();
     // The last bit of every number that may be a pressure, wherever it stands.
     let mut at = 0;
     while at + 8 <= inside.len() {
@@ -181,7 +181,7 @@ fn a_state_with_another_bit_ends_otherwise() {
         at += if changed { 8 } else { 1 };
     }
     let mut on = Stops { every: 0, looks: 0, state: None };
-    let other = run_attended(&hardware, &scene, Some(sealed(&inside, of)), &mut on).expect("a run");
+    let other = run_attended(&hardware, &scene, Some(&sealed(&inside, &of)), &mut on).expect("a run");
     let end = |run: &Run| format!("{:?}", run.samples.last().map(|sample| &sample.state));
     assert_ne!(end(&whole), end(&other));
 }
@@ -196,13 +196,13 @@ fn a_state_of_another_scene_is_refused() {
     let mut other = scene.clone();
     other.porosity += 1e-9;
     let mut none = Stops { every: 0, looks: 0, state: None };
-    let refused = run_attended(&hardware, &other, Some(state.clone()), &mut none);
-    assert!(matches!(refused, Err(StartError::State(_))));
+    let refused = run_attended(&hardware, &other, Some(&state), &mut none);
+    assert!(matches!(refused, Err(StartError::Checkpoint(_))));
     for at in (0..state.len()).step_by(101) {
         let mut damaged = state.clone();
         damaged[at] ^= 1;
-        let refused = run_attended(&hardware, &scene, Some(damaged), &mut none);
-        assert!(matches!(refused, Err(StartError::State(_))), "byte {at}");
+        let refused = run_attended(&hardware, &scene, Some(&damaged), &mut none);
+        assert!(matches!(refused, Err(StartError::Checkpoint(_))), "byte {at}");
     }
 }
 
@@ -219,7 +219,7 @@ fn a_state_goes_over_to_other_lanes_and_threads() {
         let mut stops = Stops { every: 6, looks: 0, state: None };
         let threads = Hardware::threads(1 + pieces % 3).expect("threads");
         let hardware = Hardware { width: widths[pieces % widths.len()], ..threads };
-        let run = run_attended(&hardware, &scene, state, &mut stops).expect("a run");
+        let run = run_attended(&hardware, &scene, state.as_deref(), &mut stops).expect("a run");
         pieces += 1;
         if !run.stopped {
             break run;

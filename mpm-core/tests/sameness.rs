@@ -137,11 +137,9 @@ fn the_same_scene_gives_the_same_bits() {
 /// Numbers below `count` in an order without system.
 fn shuffled(count: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..count).collect();
-    let mut state = 1_u64;
+    let mut random = mpm_core::random::Random(1);
     for i in (1..count).rev() {
-        // Knuth's linear congruential generator, MMIX.
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        order.swap(i, (state >> 33) as usize % (i + 1));
+        order.swap(i, random.bits() as usize % (i + 1));
     }
     order
 }

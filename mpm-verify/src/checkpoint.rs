@@ -7,7 +7,7 @@ use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use sha2::{Digest, Sha256};
+use mpm_core::hash::{Digest, sha256};
 
 use crate::files;
 
@@ -60,7 +60,7 @@ impl Kind {
     ///
     /// # Errors
     /// A file that cannot be written; the one before is then still there.
-    pub fn write(&self, plan: &[u8; 32], parts: &[&[u8]], folder: &Path) -> Result<(), CheckpointError> {
+    pub fn write(&self, plan: &Digest, parts: &[&[u8]], folder: &Path) -> Result<(), CheckpointError> {
         let path = folder.join(NAME);
         files::write(&path, &self.bytes(plan, parts)).map_err(|cause| CheckpointError::File { path, cause })
     }
@@ -69,11 +69,7 @@ impl Kind {
     ///
     /// # Errors
     /// A file that cannot be read, is damaged, or of another plan or build.
-    pub fn read<const N: usize>(
-        &self,
-        plan: &[u8; 32],
-        folder: &Path,
-    ) -> Result<Option<[Vec<u8>; N]>, CheckpointError> {
+    pub fn read<const N: usize>(&self, plan: &Digest, folder: &Path) -> Result<Option<[Vec<u8>; N]>, CheckpointError> {
         let path = folder.join(NAME);
         let unreadable = |cause| CheckpointError::File { path: path.clone(), cause };
         let refused = |[expected, found]: [String; 2]| CheckpointError::Refused { path: path.clone(), expected, found };
@@ -90,7 +86,7 @@ impl Kind {
     }
 
     /// The bytes of a file.
-    pub fn bytes(&self, plan: &[u8; 32], parts: &[&[u8]]) -> Vec<u8> {
+    pub fn bytes(&self, plan: &Digest, parts: &[&[u8]]) -> Vec<u8> {
         let mut payload = Vec::with_capacity(parts.iter().map(|part| part.len() + 8).sum());
         for part in parts {
             put(&mut payload, part);
@@ -99,7 +95,7 @@ impl Kind {
         all.extend(self.version.to_le_bytes());
         put(&mut all, BUILD.as_bytes());
         all.extend(plan);
-        all.extend(Sha256::digest(&payload));
+        all.extend(sha256(&payload));
         put(&mut all, &payload);
         all
     }
@@ -108,7 +104,7 @@ impl Kind {
     ///
     /// # Errors
     /// What was expected and what was found.
-    pub fn parts<const N: usize>(&self, bytes: &[u8], plan: &[u8; 32]) -> Result<[Vec<u8>; N], [String; 2]> {
+    pub fn parts<const N: usize>(&self, bytes: &[u8], plan: &Digest) -> Result<[Vec<u8>; N], [String; 2]> {
         let refused = |expected: &str, found: &str| [expected.to_owned(), found.to_owned()];
         let damaged = || refused("a whole checkpoint", "one that is damaged or cut short");
         let mut rest = bytes;
@@ -131,7 +127,7 @@ impl Kind {
         }
         let sum = take(&mut rest, 32).ok_or_else(damaged)?;
         let payload = part(&mut rest).filter(|_| rest.is_empty()).ok_or_else(damaged)?;
-        if sum != Sha256::digest(payload).as_slice() {
+        if sum != sha256(payload) {
             return Err(damaged());
         }
         let mut rest = payload;
@@ -141,11 +137,6 @@ impl Kind {
         }
         if rest.is_empty() { Ok(parts) } else { Err(damaged()) }
     }
-}
-
-/// Fingerprint of a text that says all of a plan.
-pub fn fingerprint(plan: &str) -> [u8; 32] {
-    Sha256::digest(plan.as_bytes()).into()
 }
 
 /// Whether what stands in a folder under the name of a checkpoint, if anything does, is one of this program: it is replaced and removed.

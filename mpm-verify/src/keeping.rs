@@ -6,10 +6,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use mpm_core::drive::{Attend, Wish};
+use mpm_core::hash::{Digest, sha256};
 use mpm_core::scene::Scene;
 use serde::{Deserialize, Serialize};
 
-use crate::checkpoint::{CheckpointError, Kind, fingerprint};
+use crate::checkpoint::{CheckpointError, Kind};
 
 const KIND: Kind = Kind { magic: b"MPMSCENE", version: 1, of: "a scene" };
 
@@ -18,7 +19,7 @@ const KIND: Kind = Kind { magic: b"MPMSCENE", version: 1, of: "a scene" };
 pub struct Kept {
     /// What is not the run's own.
     pub notes: Notes,
-    /// The run's own bytes: [`mpm_core::run::run_attended`] takes them up.
+    /// The run's own bytes: [`mpm_core::run::run_attended`] goes on from them.
     pub state: Vec<u8>,
 }
 
@@ -46,8 +47,8 @@ pub fn kept(scene: &Scene, folder: &Path) -> Result<Option<Kept>, CheckpointErro
 }
 
 /// All of a scene that its run depends on.
-fn plan(scene: &Scene) -> [u8; 32] {
-    fingerprint(&format!("{scene:?}"))
+fn plan(scene: &Scene) -> Digest {
+    sha256(format!("{scene:?}").as_bytes())
 }
 
 /// Keeps the states of a run.
@@ -76,13 +77,13 @@ impl Attend for Keeping<'_> {
         if self.stop.load(Ordering::Relaxed) {
             Wish::Stop
         } else if self.last.elapsed() >= self.every {
-            Wish::Keep
+            Wish::Save
         } else {
             Wish::GoOn
         }
     }
 
-    fn keep(&mut self, state: Vec<u8>) {
+    fn save(&mut self, state: Vec<u8>) {
         let notes = serde_json::to_vec(&(self.used)()).unwrap_or_default();
         let written = KIND.write(&plan(self.scene), &[&notes, &state], &self.folder);
         // A disk that is full now may have room later, and the run itself needs none.

@@ -1,5 +1,6 @@
 //! Under which conditions numbers were obtained: every report carries this.
 
+use mpm_core::hash::{hex, sha256};
 use mpm_core::scene::Scene;
 use serde::{Deserialize, Serialize};
 use time::OffsetDateTime;
@@ -97,10 +98,10 @@ fn cpu() -> String {
 /// Hash of a scene as JSON: tells scenes apart, nothing more.
 pub fn scene_hash(scene: &Scene) -> String {
     let text = serde_json::to_string(scene).unwrap_or_default();
-    format!("{:016x}", hash(text.as_bytes()))
+    short_hash(text.as_bytes())
 }
 
-/// FNV-1a hash (Fowler, Noll, Vo; 64 bit).
-pub fn hash(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3))
+/// First 16 hexadecimal digits of a hash: enough to tell apart what one folder holds.
+pub fn short_hash(bytes: &[u8]) -> String {
+    hex(&sha256(bytes)[..8])
 }

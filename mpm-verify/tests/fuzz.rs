@@ -8,9 +8,9 @@ use std::io::{Write, stderr};
 use std::sync::{Mutex, Once};
 use std::time::{Duration, Instant};
 
+use mpm_core::checkpoint::{sealed, unsealed};
 use mpm_core::drive::{Attend, Drive, Wish};
 use mpm_core::hardware::Hardware;
-use mpm_core::keep::{sealed, unsealed};
 use mpm_core::run::{model, run_attended};
 use mpm_core::scene::{Flags, Scene, Until};
 use mpm_core::stability::choose_step;
@@ -157,7 +157,7 @@ fn is_small(scene: &Scene) -> bool {
     cells <= 400 && scene.solid_particles() <= 1000 && !scene.may_fail()
 }
 
-/// Ends a run after some looks, and keeps its state.
+/// Ends a run after some looks, and saves its state.
 struct Short {
     looks: usize,
     state: Option<Vec<u8>>,
@@ -169,13 +169,13 @@ impl Attend for Short {
         if self.looks == 0 { Wish::Stop } else { Wish::GoOn }
     }
 
-    fn keep(&mut self, state: Vec<u8>) {
+    fn save(&mut self, state: Vec<u8>) {
         self.state = Some(state);
     }
 }
 
 /// The first steps of a scene.
-fn begin(scene: &Scene, state: Option<Vec<u8>>) -> Option<Vec<u8>> {
+fn begin(scene: &Scene, state: Option<&[u8]>) -> Option<Vec<u8>> {
     let mut scene = scene.clone();
     let dt = choose_step(&scene).ok()?;
     for stage in &mut scene.stages {
@@ -245,7 +245,7 @@ fn what_was_found_before_is_read_or_refused_too() {
     }
 }
 
-/// Kept states of small scenes, one of each integrator and water.
+/// States of small scenes, one of each integrator and water.
 fn states() -> Vec<(Scene, Vec<u8>)> {
     let names = [
         "terzaghi-semi-implicit",
@@ -267,7 +267,7 @@ fn states() -> Vec<(Scene, Vec<u8>)> {
 }
 
 #[test]
-fn states_are_taken_up_or_refused() {
+fn states_are_restored_or_refused() {
     const KIND: Kind = Kind { magic: b"MPMSCENE", version: 1, of: "a scene" };
     let states = states();
     let plan = [7; 32];
@@ -284,8 +284,8 @@ fn states_are_taken_up_or_refused() {
         }
         in_time("a file", &file, || assert!(KIND.parts::<2>(&file, &plan).is_err() || input.is_empty()));
         // What a state holds, changed by someone who knows how to seal it.
-        let of = u64::from_le_bytes(state[8..16].try_into().expect("eight bytes"));
-        let mut inside = unsealed(state.clone(), of).expect("a whole state");
+        let of = state[8..40].try_into().expect("a hash");
+        let mut inside = unsealed(state, &of).expect("a whole state").to_vec();
         for _ in 0..=dice.byte() % 3 {
             let at = dice.below(inside.len());
             match dice.byte() % 5 {
@@ -306,29 +306,26 @@ fn states_are_taken_up_or_refused() {
         let dt = choose_step(scene).expect("a step");
         in_time("a state", input, || {
             let mut model = model(scene).expect("a model");
-            let _ = Drive::new(scene, model.as_mut(), dt).take_up(sealed(&inside, of));
+            let _ = Drive::new(scene, model.as_mut(), dt).restore(&sealed(&inside, &of));
         });
     });
 }
 
 #[test]
 fn a_run_with_nonsense_in_its_state_ends_with_a_word() {
-    let mut random = 7_u64;
-    let mut dice = || {
-        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (random >> 33) as usize
-    };
+    let mut random = mpm_core::random::Random(7);
+    let mut dice = || random.bits() as usize;
     for (scene, state) in states() {
-        let of = u64::from_le_bytes(state[8..16].try_into().expect("eight bytes"));
+        let of = state[8..40].try_into().expect("a hash");
         for _ in 0..12 {
-            let mut inside = unsealed(state.clone(), of).expect("a whole state");
+            let mut inside = unsealed(&state, &of).expect("a whole state").to_vec();
             // In the part of the model: numbers that are none, or far away.
             let at = inside.len() / 2 + dice() % (inside.len() / 2 - 8);
             let number = [f64::NAN, f64::INFINITY, -1e300, 1e9][dice() % 4].to_le_bytes();
             inside[at..at + 8].copy_from_slice(&number);
             let mut short = Short { looks: 1, state: None };
             in_time(&scene.name, &[], || {
-                let _ = run_attended(&Hardware::default(), &scene, Some(sealed(&inside, of)), &mut short);
+                let _ = run_attended(&Hardware::default(), &scene, Some(&sealed(&inside, &of)), &mut short);
             });
         }
     }

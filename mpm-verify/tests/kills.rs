@@ -1,10 +1,12 @@
-//! Runs that are killed at any moment and taken up again end with the same bits: more than two hundred kills, at times without
+//! Runs that are killed at any moment and resumed end with the same bits: more than two hundred kills, at times without
 //! rhyme, while states are written as fast as the disk takes them.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
+
+use mpm_core::random::Random;
 
 /// Kills in all, unless [`ASKED`] asks for another number.
 const KILLS: usize = 210;
@@ -75,21 +77,8 @@ fn files(job: &Job, out: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     job.compared.iter().map(|name| (PathBuf::from(name), fs::read(out.join(name)).expect("a file"))).collect()
 }
 
-/// Numbers without rhyme (SplitMix64).
-struct Dice(u64);
-
-impl Dice {
-    fn share(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
 /// Runs a job to its end, killing it some times on the way. Returns the kills that met it alive.
-fn kill_and_resume(job: &Job, out: &Path, kills: usize, whole: Duration, dice: &mut Dice) -> usize {
+fn kill_and_resume(job: &Job, out: &Path, kills: usize, whole: Duration, dice: &mut Random) -> usize {
     let (mut met, mut more) = (0, vec!["--checkpoint-every", "0"]);
     loop {
         let mut child = start(job, out, &more);
@@ -98,7 +87,7 @@ fn kill_and_resume(job: &Job, out: &Path, kills: usize, whole: Duration, dice: &
             assert!(output.status.success(), "{}: {}", job.name, String::from_utf8_lossy(&output.stderr));
             return met;
         }
-        std::thread::sleep(whole.mul_f64(0.02 + 0.4 * dice.share()));
+        std::thread::sleep(whole.mul_f64(0.02 + 0.4 * dice.unit()));
         if let Some(status) = child.try_wait().expect("a process") {
             assert!(status.success(), "{}", job.name);
             return met;
@@ -161,7 +150,7 @@ fn killed_runs_lose_nothing_and_end_with_the_same_bits() {
     }
     let asked = std::env::var(ASKED).ok();
     let wanted = asked.map_or(KILLS, |text| text.parse().unwrap_or_else(|e| panic!("{ASKED}={text}: {e}")));
-    let (mut dice, mut kills, mut runs) = (Dice(8), 0, 0);
+    let (mut dice, mut kills, mut runs) = (Random(8), 0, 0);
     while kills < wanted {
         // The last three take seconds: one of them in turn after eleven others.
         let quick = jobs.len() - 3;

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use mpm_core::hash::{hex, sha256};
+
 #[test]
 fn every_exact_table_has_its_checksum() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-data");
@@ -10,12 +12,6 @@ fn every_exact_table_has_its_checksum() {
         let name = format!("exact/{}", entry.expect("a table").file_name().to_string_lossy());
         let line = sums.lines().find(|line| line.ends_with(&name)).unwrap_or_else(|| panic!("{name} has no checksum"));
         let bytes = std::fs::read(folder.join(&name)).expect("a table");
-        assert_eq!(line.split_whitespace().next(), Some(sha256(&bytes).as_str()), "{name}");
+        assert_eq!(line.split_whitespace().next(), Some(hex(&sha256(&bytes)).as_str()), "{name}");
     }
-}
-
-/// SHA-256 as hexadecimal digits.
-fn sha256(bytes: &[u8]) -> String {
-    use sha2::{Digest, Sha256};
-    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
 }

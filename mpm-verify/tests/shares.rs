@@ -116,8 +116,11 @@ fn a_study_that_is_interrupted_keeps_what_is_done_and_goes_on() {
     let at = |name: &str| root.path().join(name);
     succeeds(&at("whole/accuracy"), &STUDY);
     let one_by_one = [&STUDY[..], &["--jobs", "1"]].concat();
-    let child = start(&at("in-two/accuracy"), &one_by_one);
-    std::thread::sleep(Duration::from_millis(400));
+    let mut child = start(&at("in-two/accuracy"), &one_by_one);
+    while std::fs::read_dir(at("in-two/accuracy/cases")).map_or(0, |files| files.flatten().count()) == 0 {
+        assert!(child.try_wait().expect("a process").is_none());
+        std::thread::sleep(Duration::from_millis(5));
+    }
     let id = child.id().to_string();
     assert!(Command::new("kill").args(["-INT", &id]).status().expect("a signal").success());
     let output = child.wait_with_output().expect("an end");

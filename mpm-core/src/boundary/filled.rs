@@ -9,9 +9,11 @@
 //! (mixed integration, Al-Kafaji 2013, *Formulation of a dynamic material point method*, section 4.2; here also for partly
 //! filled cells).
 
+use serde::{Deserialize, Serialize};
+
 use super::SurfaceLoad;
+use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::grid::Grid;
-use crate::keep::Keeper;
 use crate::particles::{Layer, SolidPoint};
 use crate::scene::{DarcyChoice, LoadOn, Quadrature, Scene, Side, SolidSide};
 
@@ -51,7 +53,7 @@ pub fn knows_volumes(scene: &Scene) -> bool {
 }
 
 /// The cell that holds the surface.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Top {
     /// Its number.
     pub cell: u32,
@@ -193,13 +195,10 @@ impl<const D: usize> Filled<D> {
         }
     }
 
-    /// Writes or reads what is not found again from the particles.
-    pub fn keep(&mut self, keeper: &mut Keeper) {
-        for top in &mut self.tops {
-            keeper.u32(&mut top.cell);
-            keeper.f64(&mut top.fill);
-        }
-        keeper.all(&mut self.volumes);
+    /// Saves or restores what is not found again from the particles.
+    pub(crate) fn save_or_restore(&mut self, archive: &mut Archive) -> Result<(), RestoreError> {
+        archive!(archive.slice: self.tops, self.volumes);
+        Ok(())
     }
 
     /// Bytes held.

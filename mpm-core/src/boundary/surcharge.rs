@@ -52,7 +52,7 @@ impl<const D: usize> SurfaceLoad<D> {
         }
     }
 
-    /// The same for particles that have been read from a kept state.
+    /// The same for particles that have been restored from a checkpoint.
     pub fn find(&mut self, solid: &Layer<SolidPoint<D>, D>) {
         self.order = u64::MAX;
         self.follow(solid);

@@ -6,7 +6,7 @@ pub enum Wish {
     /// To go on.
     GoOn,
     /// To give its state, and go on.
-    Keep,
+    Save,
     /// To give its state, and stop.
     Stop,
 }
@@ -15,11 +15,11 @@ pub enum Wish {
 pub trait Attend {
     /// Says what is wished of a run that has come to a share (0 to 1) of its stage. It is asked some times a second.
     fn look(&mut self, share: f64) -> Wish;
-    /// Takes the state that was wished for: the bytes that [`super::Drive::take_up`] reads.
-    fn keep(&mut self, state: Vec<u8>);
+    /// Takes the state that was wished for: the bytes that [`super::Drive::restore`] goes on from.
+    fn save(&mut self, checkpoint: Vec<u8>);
 }
 
-/// A run that no one wants to keep; the share of its stage is reported.
+/// A run that no one wants to save; the share of its stage is reported.
 pub struct Alone<'a>(pub &'a mut dyn FnMut(f64));
 
 impl Attend for Alone<'_> {
@@ -28,5 +28,5 @@ impl Attend for Alone<'_> {
         Wish::GoOn
     }
 
-    fn keep(&mut self, _: Vec<u8>) {}
+    fn save(&mut self, _: Vec<u8>) {}
 }

@@ -1,11 +1,11 @@
 //! Time: stages one after the other, steps that end exactly at the times to observe; states to go on from.
 
 mod attend;
-mod kept;
+mod checkpoint;
 
 pub use attend::{Alone, Attend, Wish};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::error::RunError;
 use crate::observe::{Balance, Ledger, Observation, Places, Trust, balances};
@@ -14,7 +14,7 @@ use crate::stability::stable_limit;
 use crate::step::{Fault, Model, Work};
 
 /// The state at a time that was asked for.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     /// Index of the stage.
     pub stage: usize,
@@ -31,7 +31,7 @@ pub struct Sample {
 }
 
 /// How a stage went.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct StageRecord {
     /// Its name.
     pub name: String,
@@ -86,7 +86,7 @@ const LOOKS_AT_REST: u64 = 25;
 const FROM_NOWHERE: f64 = 0.5;
 /// Energy below this share of what the loads would store is round-off.
 const ROUND_OFF: f64 = 1e-9;
-/// Particle steps between two looks at whether the run is to be kept or stopped: some hundredths of a second.
+/// Particle steps between two looks at whether the run is to be saved or stopped: some hundredths of a second.
 const POINT_STEPS_AT_ONCE: usize = 1 << 22;
 /// Shortest history time as a share of the whole, for the logarithmic spacing.
 const FIRST_HISTORY: f64 = 1e-4;
@@ -107,7 +107,7 @@ pub struct Drive<'a> {
 }
 
 /// Where in its stage a run is.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 struct At {
     /// Number of the stage, and whether it was entered.
     stage: u64,
@@ -265,12 +265,12 @@ impl<'a> Drive<'a> {
     fn attend(&mut self, share: f64, attend: &mut dyn Attend) -> Result<(), Halt> {
         match attend.look(share) {
             Wish::GoOn => Ok(()),
-            Wish::Keep => {
-                attend.keep(self.kept());
+            Wish::Save => {
+                attend.save(self.checkpoint());
                 Ok(())
             }
             Wish::Stop => {
-                attend.keep(self.kept());
+                attend.save(self.checkpoint());
                 Err(Halt::Wished)
             }
         }

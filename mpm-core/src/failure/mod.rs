@@ -13,13 +13,15 @@ mod watch;
 pub use record::{Events, PathPoint, Row};
 pub use scales::Scales;
 pub use settle::{Outcome, Patience, Settled, settle};
+use strength::go_back;
 pub use strength::{Bracket, Trials, bracket};
 pub use watch::{First, Moved, Which, towards};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
+use crate::checkpoint::{Archive, RestoreError, archive, restore, save, sealed, unsealed};
 use crate::error::RunError;
-use crate::keep::{Keeper, Unfit, check_sum, sealed, unsealed};
+use crate::hash::{Digest, sha256};
 use crate::observe::Frame;
 use crate::run::{StartError, failing};
 use crate::scene::{Failure, Integrator, Scene, StepChoice, Until};
@@ -37,7 +39,7 @@ const RAMP: u32 = 10;
 const DRIVERS: [Integrator; 3] = [Integrator::TwoClocks, Integrator::Coupled, Integrator::Explicit];
 
 /// What is going on.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Phase {
     /// Gravity and the first water come.
@@ -55,15 +57,8 @@ pub enum Phase {
     Ended,
 }
 
-impl Phase {
-    fn numbered(number: u32) -> Self {
-        [Self::Gravity, Self::Seepage, Self::Relaxing, Self::Failing, Self::Together, Self::Ended]
-            [(number as usize).min(5)]
-    }
-}
-
 /// Why a run is over.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum End {
     /// It collapsed and came to rest.
@@ -73,7 +68,7 @@ pub enum End {
 }
 
 /// Steps of each kind.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Steps {
     /// Of the water.
     pub seepage: u64,
@@ -352,11 +347,7 @@ impl<'a> Driver<'a> {
     /// Some time of seepage (s), and the rest that the soil comes to. If it does not and that may be `undone`, the state is as it
     /// was, and there is nothing to tell.
     fn seep_and_settle(&mut self, span: f64, undone: bool) -> Result<Option<Settled>, RunError> {
-        let mut before = undone.then(|| {
-            let mut keeper = Keeper::writes();
-            self.model.keep(&mut keeper);
-            Keeper::reads(keeper.into_bytes())
-        });
+        let before = undone.then(|| save(|archive| self.model.save_or_restore(archive)));
         self.phase = Phase::Seepage;
         let mut done = 0;
         let outcome = self.model.seep(span, &mut done);
@@ -366,11 +357,8 @@ impl<'a> Driver<'a> {
         let patience = self.patience();
         let settled = settle(self.model.as_mut(), &self.first, &patience).map_err(|e| self.failed(e))?;
         self.steps.relaxing += settled.steps;
-        match before.take().filter(|_| !settled.at_rest()) {
-            Some(mut before) => {
-                self.model.keep(&mut before);
-                Ok(None)
-            }
+        match before.filter(|_| !settled.at_rest()) {
+            Some(before) => go_back(self.model.as_mut(), &before).map_err(|e| self.failed(e)).map(|()| None),
             None => Ok(Some(settled)),
         }
     }
@@ -457,41 +445,29 @@ impl<'a> Driver<'a> {
         found.map_err(|e| self.failed(e))
     }
 
-    /// The state, to be taken up again.
-    pub fn kept(&mut self) -> Vec<u8> {
-        sealed(&self.bare(), self.fingerprint())
+    /// The state, from which [`Self::restore`] goes on.
+    pub fn checkpoint(&mut self) -> Vec<u8> {
+        sealed(&save(|archive| self.save_or_restore(archive)), &self.fingerprint())
     }
 
-    /// Takes up a kept state of the same scene; the end of its stage, its integrator and its step may be others. It goes on by the
-    /// driver it was kept with ([`Self::drive_by`] changes that).
+    /// Restores a state of the same scene; the end of its stage, its integrator and its step may be others. It goes on by the
+    /// driver it was saved with ([`Self::drive_by`] changes that).
     ///
     /// # Errors
     /// The bytes are not those of such a state. The run is then left as it was.
-    pub fn take_up(&mut self, bytes: Vec<u8>) -> Result<(), Unfit> {
-        let state = unsealed(bytes, self.fingerprint())?;
-        let before = self.bare();
-        let taken = self.read(state);
-        if taken.is_err() {
+    pub fn restore(&mut self, checkpoint: &[u8]) -> Result<(), RestoreError> {
+        let state = unsealed(checkpoint, &self.fingerprint())?;
+        let before = save(|archive| self.save_or_restore(archive));
+        let restored = restore(state, |archive| self.save_or_restore(archive));
+        if restored.is_err() {
             // Bytes that are whole and of this scene fit, unless another version wrote them.
-            self.read(before)?;
+            restore(&before, |archive| self.save_or_restore(archive))?;
         }
-        taken
-    }
-
-    fn bare(&mut self) -> Vec<u8> {
-        let mut keeper = Keeper::writes();
-        self.keep(&mut keeper);
-        keeper.into_bytes()
-    }
-
-    fn read(&mut self, state: Vec<u8>) -> Result<(), Unfit> {
-        let mut keeper = Keeper::reads(state);
-        self.keep(&mut keeper);
-        keeper.finish()
+        restored
     }
 
     /// Of all in the scene that a state depends on.
-    fn fingerprint(&self) -> u64 {
+    fn fingerprint(&self) -> Digest {
         let mut scene = self.scene.clone();
         (scene.integrator, scene.step, scene.safety, scene.force) =
             (Integrator::TwoClocks, StepChoice::Auto, 1.0, false);
@@ -503,34 +479,19 @@ impl<'a> Driver<'a> {
         if let Some(failure) = &mut scene.failure {
             failure.goes_on = false;
         }
-        check_sum(format!("{scene:?}").as_bytes())
+        sha256(format!("{scene:?}").as_bytes())
     }
 
-    fn keep(&mut self, keeper: &mut Keeper) {
-        self.first.keep(keeper);
-        self.model.keep(keeper);
-        for value in [&mut self.dt, &mut self.time, &mut self.seepage, &mut self.moves_since, &mut self.slow_since] {
-            keeper.f64(value);
+    fn save_or_restore(&mut self, archive: &mut Archive) -> Result<(), RestoreError> {
+        self.first.save_or_restore(archive)?;
+        self.model.save_or_restore(archive)?;
+        archive.choice(&mut self.integrator, &DRIVERS)?;
+        archive!(archive.value: self.dt, self.time, self.seepage, self.moves_since, self.slow_since, self.began);
+        archive!(archive.value: self.phase, self.end, self.steps, self.events, self.rows, self.paths);
+        // Tables leave the levels out, and so does serde.
+        for row in &mut self.rows {
+            archive.value(&mut row.levels)?;
         }
-        keeper.f64(&mut self.began);
-        let mut phase = self.phase as u32;
-        keeper.u32(&mut phase);
-        self.phase = Phase::numbered(phase);
-        let mut integrator = DRIVERS.iter().position(|driver| *driver == self.integrator).unwrap_or(0) as u32;
-        keeper.u32(&mut integrator);
-        self.integrator = DRIVERS[(integrator as usize).min(2)];
-        let mut end = match self.end {
-            None => 0,
-            Some(End::Collapsed) => 1,
-            Some(End::TimeOver) => 2,
-        };
-        keeper.u32(&mut end);
-        self.end = [None, Some(End::Collapsed), Some(End::TimeOver)][(end as usize).min(2)];
-        for count in [&mut self.steps.seepage, &mut self.steps.relaxing, &mut self.steps.moving] {
-            keeper.u64(count);
-        }
-        self.events.keep(keeper);
-        keeper.list(&mut self.rows, &Row::default(), Row::keep);
-        keeper.list(&mut self.paths, &PathPoint::default(), PathPoint::keep);
+        Ok(())
     }
 }

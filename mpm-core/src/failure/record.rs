@@ -1,11 +1,10 @@
 //! What a run leaves: its history, its events, and the stresses at the observed places.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::scales::Scales;
 use super::watch::{First, Moved};
 use super::{Driver, Phase};
-use crate::keep::Keeper;
 use crate::step::Failing;
 
 /// On a coarse mesh the soil of the last cell tapers off, and its water comes no nearer to the toe than this share of a cell, however
@@ -13,7 +12,7 @@ use crate::step::Failing;
 const AT_TOE: f64 = 0.375;
 
 /// When something happened first, h on the clock of the run.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Events {
     /// Water reached the toe.
     pub front_at_toe_h: Option<f64>,
@@ -66,30 +65,10 @@ impl Events {
             self.failure_at_m = Some(moved.failed_at_m);
         }
     }
-
-    /// Writes or reads the events.
-    pub fn keep(&mut self, keeper: &mut Keeper) {
-        for event in [
-            &mut self.front_at_toe_h,
-            &mut self.first_outflow_h,
-            &mut self.unsettled_h,
-            &mut self.raveling_h,
-            &mut self.failure_h,
-            &mut self.collapse_h,
-            &mut self.failure_at_m,
-        ] {
-            let (mut is, mut value) = (event.is_some(), event.unwrap_or(0.0));
-            keeper.bool(&mut is);
-            keeper.f64(&mut value);
-            *event = is.then_some(value);
-        }
-        keeper.f64(&mut self.displacement_before_toe_m);
-        keeper.f64(&mut self.displacement_before_failure_m);
-    }
 }
 
 /// The state at one time.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Time on the clock of the run, h.
     pub time_h: f64,
@@ -213,52 +192,10 @@ impl Row {
             levels: driver.failure.levels.iter().map(|x| model.level(*x)).collect(),
         }
     }
-
-    pub(super) fn keep(&mut self, keeper: &mut Keeper) {
-        let mut phase = self.phase as u32;
-        keeper.u32(&mut phase);
-        self.phase = Phase::numbered(phase);
-        for value in [
-            &mut self.time_h,
-            &mut self.front_x_m,
-            &mut self.toe_x_m,
-            &mut self.crest_settlement_m,
-            &mut self.max_displacement_m,
-            &mut self.raveled,
-            &mut self.failed,
-            &mut self.collapsed,
-            &mut self.deviator_strain,
-            &mut self.speed_m_s,
-            &mut self.unbalanced,
-            &mut self.water_m3,
-            &mut self.water_in_m3,
-            &mut self.water_out_m3,
-            &mut self.water_closing_m3,
-            &mut self.solid_closing_kg,
-            &mut self.kinetic_j,
-            &mut self.strain_j,
-            &mut self.gravity_work_j,
-            &mut self.pressure_work_j,
-            &mut self.plastic_j,
-            &mut self.friction_j,
-            &mut self.damping_j,
-            &mut self.mapping_j,
-            &mut self.energy_closing_j,
-            &mut self.energy_error,
-            &mut self.yield_residual,
-            &mut self.checkerboard,
-            &mut self.hourglass,
-        ] {
-            keeper.f64(value);
-        }
-        keeper.u64(&mut self.water_particles);
-        keeper.u64(&mut self.steps);
-        keeper.numbers(&mut self.levels);
-    }
 }
 
 /// The effective stress of an observed particle at one time.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct PathPoint {
     /// Time on the clock of the run, h.
     pub time_h: f64,
@@ -274,17 +211,6 @@ pub struct PathPoint {
     pub shear_pa: f64,
     /// Pore pressure, Pa.
     pub pore_pa: f64,
-}
-
-impl PathPoint {
-    pub(super) fn keep(&mut self, keeper: &mut Keeper) {
-        keeper.u32(&mut self.point);
-        for value in
-            [&mut self.time_h, &mut self.x_m, &mut self.y_m, &mut self.mean_pa, &mut self.shear_pa, &mut self.pore_pa]
-        {
-            keeper.f64(value);
-        }
-    }
 }
 
 /// Records the observed places.

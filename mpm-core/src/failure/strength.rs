@@ -9,7 +9,7 @@
 use super::scales::Scales;
 use super::settle::{Outcome, Patience, Settled, settle};
 use super::watch::{First, Which};
-use crate::keep::Keeper;
+use crate::checkpoint::{restore, save};
 use crate::step::{Failing, Fault};
 
 /// The factor between two others.
@@ -55,16 +55,14 @@ pub fn bracket(
     within: f64,
     progress: &mut dyn FnMut(&Bracket),
 ) -> Result<Bracket, Fault> {
-    let mut keeper = Keeper::writes();
-    model.keep(&mut keeper);
-    let state = keeper.into_bytes();
+    let state = save(|archive| model.save_or_restore(archive));
     // Trials that went wrong leave a wreck, which must not stay either.
     let found = search(within.max(NARROW), progress, &mut |factor| {
-        restore(model, &state)?;
+        go_back(model, &state)?;
         trials.with_strength(model, factor)
     });
     model.alter(1.0, 1.0);
-    restore(model, &state)?;
+    go_back(model, &state)?;
     found
 }
 
@@ -142,10 +140,10 @@ fn search(
     Ok(bracket)
 }
 
-fn restore(model: &mut dyn Failing, state: &[u8]) -> Result<(), Fault> {
-    let mut keeper = Keeper::reads(state.to_vec());
-    model.keep(&mut keeper);
-    keeper.finish().map_err(|e| Fault { place: "a kept state".into(), what: e.to_string() })
+/// Restores a state that the model was saved in.
+pub(super) fn go_back(model: &mut dyn Failing, state: &[u8]) -> Result<(), Fault> {
+    let restored = restore(state, |archive| model.save_or_restore(archive));
+    restored.map_err(|e| Fault { place: "a saved state".into(), what: e.to_string() })
 }
 
 impl Trials<'_> {

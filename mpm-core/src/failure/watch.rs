@@ -6,7 +6,7 @@
 use serde::Serialize;
 
 use super::scales::Scales;
-use crate::keep::Keeper;
+use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::observe::SolidState;
 use crate::seeding;
 use crate::step::Failing;
@@ -121,14 +121,11 @@ impl First {
         ways.iter().find(enough).map_or(0.0, |(way, _)| *way)
     }
 
-    /// Writes or reads what is remembered.
-    pub fn keep(&mut self, keeper: &mut Keeper) {
-        keeper.numbers(&mut self.area);
-        for list in [&mut self.deep, &mut self.crest] {
-            keeper.list(list, &false, |is, keeper| keeper.bool(is));
-        }
-        keeper.f64(&mut self.whole);
-        keeper.list(&mut self.points, &0, |id, keeper| keeper.u32(id));
+    /// Saves or restores what is remembered.
+    pub(crate) fn save_or_restore(&mut self, archive: &mut Archive) -> Result<(), RestoreError> {
+        archive!(archive.slice: self.area, self.deep, self.crest, self.points);
+        archive!(archive.value: self.whole);
+        Ok(())
     }
 
     /// What has moved since.

@@ -1,9 +1,11 @@
 //! What plastic flow has done since the start of a run.
 
+use serde::{Deserialize, Serialize};
+
 use crate::constitutive::Flow;
 
 /// Energy dissipated by plastic flow, and how far stresses were outside their surface at most.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Flowed {
     /// Energy dissipated, J.
     pub dissipation: f64,

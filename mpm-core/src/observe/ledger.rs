@@ -1,31 +1,36 @@
 //! Balances since the start of a run. A closing error is what is left when all booked parts are taken away.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use serde_big_array::BigArray;
 
 use super::{CellValues, Flowed};
-use crate::keep::Keeper;
 use crate::real::MOST_LANES;
 use crate::step::store::Nodes;
 use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS};
 
 /// Sums kept during the steps of a run.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Totals<const D: usize> {
     /// Work of the surcharge, J.
     pub external_work: f64,
     /// Impulse of the surcharge, vertical, N s.
     pub load_impulse: f64,
     /// Impulse of rollers and fixed sides, N s.
+    #[serde(with = "BigArray")]
     pub support_impulse: [f64; D],
     /// Impulse of gravity, N s.
+    #[serde(with = "BigArray")]
     pub gravity_impulse: [f64; D],
     /// Impulse of damping, N s.
+    #[serde(with = "BigArray")]
     pub damping_impulse: [f64; D],
     /// Impulse that nodes too light for the step did not get, N s.
+    #[serde(with = "BigArray")]
     pub cut_off_impulse: [f64; D],
     /// Work of gravity on the mixture, J.
     pub gravity_work: f64,
     /// Momentum that forces have given to the nodes, N s; what water that leaves takes along is no part of it.
+    #[serde(with = "BigArray")]
     pub momentum_gain: [f64; D],
     /// Kinetic energy that forces have given to the nodes, J: what is left of it is in the particles, the rest was lost when
     /// velocities went from particles to nodes.
@@ -47,13 +52,14 @@ pub struct Totals<const D: usize> {
     first: Stored<D>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct Stored<const D: usize> {
     solid: f64,
     water: f64,
     kinetic: f64,
     strain: f64,
     pressure: f64,
+    #[serde(with = "BigArray")]
     momentum: [f64; D],
     volume: f64,
 }
@@ -105,7 +111,7 @@ impl<const D: usize> Default for Totals<D> {
 }
 
 /// The ledgers at one time. Vertical components where a vector is meant; energies from the start of the run.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     /// Dry mass, kg.
     pub solid_mass_kg: f64,
@@ -180,42 +186,6 @@ impl<const D: usize> Totals<D> {
     /// Notes the state that the balances start from.
     pub fn start(&mut self, cells: &[CellValues<D>]) {
         self.first = Stored::of(cells);
-    }
-
-    /// Writes or reads the sums.
-    pub fn keep(&mut self, keeper: &mut Keeper) {
-        for value in [
-            &mut self.external_work,
-            &mut self.load_impulse,
-            &mut self.gravity_work,
-            &mut self.kinetic_gain,
-            &mut self.damping_loss,
-            &mut self.darcy_dissipation,
-            &mut self.base_friction,
-            &mut self.flow_body_work,
-            &mut self.water_out,
-            &mut self.water_in,
-            &mut self.flowed.dissipation,
-            &mut self.flowed.residual,
-            &mut self.first.solid,
-            &mut self.first.water,
-            &mut self.first.kinetic,
-            &mut self.first.strain,
-            &mut self.first.pressure,
-            &mut self.first.volume,
-        ] {
-            keeper.f64(value);
-        }
-        for values in [
-            &mut self.support_impulse,
-            &mut self.gravity_impulse,
-            &mut self.damping_impulse,
-            &mut self.cut_off_impulse,
-            &mut self.first.momentum,
-            &mut self.momentum_gain,
-        ] {
-            keeper.f64s(values);
-        }
     }
 
     /// Books what the nodes have gained in a step, in as many parts as a machine may have lanes. A particle gets `flip dt a + (1 - flip) v`, with

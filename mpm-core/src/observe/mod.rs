@@ -2,14 +2,13 @@
 
 mod flowed;
 mod frame;
-mod kept;
 mod ledger;
 mod trust;
 
 pub use flowed::Flowed;
 pub use frame::{CellState, Frame, SolidState, WaterParticle};
 pub use ledger::{Ledger, Totals};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 pub use trust::{Balance, Trust, balances};
 
 use crate::particles::{Layer, SolidPoint, WaterPoint};
@@ -36,7 +35,7 @@ impl Seed {
 }
 
 /// One row of a profile over the height.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ProfileRow {
     /// Height of the soil in this row of cells now, m.
     pub height_m: f64,
@@ -49,7 +48,7 @@ pub struct ProfileRow {
 }
 
 /// The state at one time.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
     /// Time since the start of the run, s.
     pub time: f64,
@@ -85,7 +84,7 @@ pub struct Observation {
 }
 
 /// The pore pressure at a place.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct FieldPoint {
     /// Place at t = 0, m.
     pub x_m: f64,
@@ -100,7 +99,7 @@ pub struct FieldPoint {
 }
 
 /// Water with a free surface.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct WaterState {
     /// Mobile water in the cells, m3.
     pub mobile_m3: f64,

@@ -2,9 +2,9 @@
 
 use crate::boundary::Filled;
 use crate::boundary::SurfaceLoad;
+use crate::checkpoint::{Archive, RestoreError};
 use crate::constitutive::{Flow, Law, Materials, State};
 use crate::grid::Grid;
-use crate::keep::Keeper;
 use crate::observe::{CellValues, FieldPoint, Flowed, Ledger, Observation, Seed, SolidState, Totals, observe};
 use crate::particles::{Layer, SolidPoint};
 use crate::scene::Surcharge;
@@ -45,17 +45,18 @@ pub struct Body<const D: usize> {
 }
 
 impl<const D: usize> Body<D> {
-    /// Writes or reads what changes during a run.
-    pub fn keep(&mut self, keeper: &mut Keeper) {
+    /// Saves or restores what changes during a run.
+    pub(crate) fn save_or_restore(&mut self, archive: &mut Archive) -> Result<(), RestoreError> {
         let Self { grid, solid, water, surface, filled, .. } = self;
-        solid.keep(keeper, &SolidPoint::NONE, SolidPoint::keep);
-        filled.keep(keeper);
+        solid.save_or_restore(archive)?;
+        filled.save_or_restore(archive)?;
         if let Some(water) = water {
-            water.keep(keeper, grid);
+            water.save_or_restore(archive, grid)?;
         }
-        if keeper.is_reading() {
+        if archive.restores() {
             surface.find(solid);
         }
+        Ok(())
     }
 
     /// The surcharge at a time (s), Pa.

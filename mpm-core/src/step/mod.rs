@@ -20,9 +20,9 @@ pub use explicit::Explicit;
 pub use failing::{Failing, Pace};
 pub use two_clocks::TwoClocks;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::keep::Keeper;
+use crate::checkpoint::{Archive, RestoreError};
 use crate::observe::{Ledger, Observation, Places, SolidState, WaterParticle};
 use crate::scene::Stage;
 
@@ -36,9 +36,9 @@ pub struct Fault {
 }
 
 /// What the integrators that solve systems have done so far.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Work {
-    /// Steps that were kept. The Krylov method has none: it counts its basis vectors.
+    /// Steps that were accepted. The Krylov method has none: it counts its basis vectors.
     pub accepted: u64,
     /// Steps that were repeated with a smaller length.
     pub rejected: u64,
@@ -46,16 +46,6 @@ pub struct Work {
     pub factorisations: u64,
     /// Solves with a factorised matrix.
     pub solves: u64,
-}
-
-impl Work {
-    /// Writes or reads the counts.
-    pub fn keep(&mut self, keeper: &mut Keeper) {
-        let Self { accepted, rejected, factorisations, solves } = self;
-        for count in [accepted, rejected, factorisations, solves] {
-            keeper.u64(count);
-        }
-    }
 }
 
 /// A model that can be advanced and looked at, whatever its dimension, shape, water and law.
@@ -76,7 +66,7 @@ pub trait Model: Send {
     /// The stage cannot be computed.
     fn enter_stage(&mut self, stage: &Stage, times: &[f64]) -> Result<(), Fault>;
     /// What is left of the time that [`Self::advance`] was last asked for, s: a model with steps of its own choice may pause on
-    /// the way, so that the run can be kept or stopped.
+    /// the way, so that the run can be saved or stopped.
     fn left(&self) -> f64 {
         0.0
     }
@@ -113,8 +103,11 @@ pub trait Model: Send {
     fn places(&self) -> Places {
         Places::default()
     }
-    /// Writes or reads all that the steps to come depend on; the model that reads is one of the same scene.
-    fn keep(&mut self, keeper: &mut Keeper);
+    /// Saves or restores all that the steps to come depend on; the model that is restored is one of the same scene.
+    ///
+    /// # Errors
+    /// The bytes are not those of such a model, which may then be in pieces.
+    fn save_or_restore(&mut self, archive: &mut Archive) -> Result<(), RestoreError>;
     /// Stages of a step that can be done alone; none unless the step is made of stages.
     fn stages(&self) -> &'static [&'static str] {
         &[]

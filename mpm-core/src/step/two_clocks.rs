@@ -10,9 +10,9 @@ use super::explicit::Explicit;
 use super::kernel::Functions;
 use super::store::nodes::force;
 use super::{Failing, Fault, Model, Pace, Work};
+use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::constitutive::{Law, Material, Materials};
 use crate::grid::Grid;
-use crate::keep::Keeper;
 use crate::observe::{
     CellState, FieldPoint, Frame, Ledger, Observation, Places, SolidState, WaterParticle, WaterState,
 };
@@ -26,7 +26,7 @@ const FIRST_STEP: f64 = 1e-4;
 const TOE_WET: f64 = 0.25;
 /// Motion slower than this is none to speak of, in sqrt(g times the height of the mesh).
 const STILL: f64 = 2e-3;
-/// Cells times moves of particles between two looks at whether the run is to be kept or stopped: some tenths of a second.
+/// Cells times moves of particles between two looks at whether the run is to be saved or stopped: some tenths of a second.
 const CELL_MOVES_AT_ONCE: usize = 1 << 18;
 /// More moves of particles at one state of the soil are not worth waiting for.
 const MOST_MOVES: u64 = 1 << 20;
@@ -264,20 +264,16 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for TwoClocks<V, F, D> {
         self.soil.places()
     }
 
-    fn keep(&mut self, keeper: &mut Keeper) {
+    fn save_or_restore(&mut self, archive: &mut Archive) -> Result<(), RestoreError> {
         let mut tracked = self.soil.is_tracked();
-        keeper.bool(&mut tracked);
+        archive.value(&mut tracked)?;
         if tracked && !self.soil.is_tracked() {
             self.soil.begin_track();
         }
-        self.soil.keep(keeper);
-        let mut clock = self.clock as u32;
-        keeper.u32(&mut clock);
-        self.clock = [Clock::Seepage, Clock::Soil, Clock::Both][clock.min(2) as usize];
-        keeper.f64(&mut self.next);
-        keeper.f64(&mut self.left);
-        keeper.f64(&mut self.first);
-        self.work.keep(keeper);
+        self.soil.save_or_restore(archive)?;
+        archive.choice(&mut self.clock, &[Clock::Seepage, Clock::Soil, Clock::Both])?;
+        archive!(archive.value: self.next, self.left, self.first, self.work);
+        Ok(())
     }
 }
 

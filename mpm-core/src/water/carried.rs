@@ -3,13 +3,15 @@
 //! The soil feels the pressures of the cells (`free_surface`), on the soil of each cell: carried back to particles, a thin wet layer
 //! would push too hard. They are held while the soil comes to rest, or follow its motion, implicitly or explicitly.
 
+use serde::{Deserialize, Serialize};
+
 use super::Pushed;
 use super::free_surface::{
     Along, Filling, FreeSurface, Kind, Medium, MovingStep, Rounding, SoilMap, Square, Squeeze, Surroundings,
     WaterLayer, squares,
 };
+use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::grid::Grid;
-use crate::keep::Keeper;
 use crate::particles::{Layer, SolidPoint};
 use crate::scene::{Feed, Scene, WaterProperties};
 use crate::seeding;
@@ -30,7 +32,7 @@ const LEAST_COVER: f64 = 0.02;
 const SMOOTHING: f64 = 128.0;
 
 /// What the pressures do while the soil moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Pressures {
     /// They are held.
     Held,
@@ -360,33 +362,18 @@ impl<const D: usize> Carried<D> {
         self.properties.density
     }
 
-    /// Writes or reads what steps to come depend on.
-    pub fn keep(&mut self, keeper: &mut Keeper, grid: &Grid<D>) {
-        for open in &mut self.around.open {
-            keeper.bool(open);
-        }
-        let mut pressures = self.pressures as u32;
-        keeper.u32(&mut pressures);
-        self.pressures = [Pressures::Held, Pressures::Implicit, Pressures::Explicit][pressures.min(2) as usize];
-        self.water.keep(keeper, grid, &self.around);
-        self.layer.keep(keeper);
-        keeper.f64(&mut self.work);
-        keeper.f64(&mut self.left_behind);
-        keeper.all(&mut self.squeeze.surplus);
-        for list in [&mut self.felt, &mut self.lower, &mut self.per_volume, &mut self.middle] {
-            keeper.all(list);
-        }
-        keeper.entries(&mut self.boxes, |square, keeper| {
-            keeper.f64s(&mut square.x);
-            keeper.f64(&mut square.half);
-        });
-        keeper.entries(&mut self.swept, |swept, keeper| keeper.f64s(swept));
-        keeper.f64(&mut self.way);
-        keeper.f64(&mut self.waits);
-        keeper.f64(&mut self.share);
-        if keeper.is_reading() {
+    /// Saves or restores what steps to come depend on.
+    pub(crate) fn save_or_restore(&mut self, archive: &mut Archive, grid: &Grid<D>) -> Result<(), RestoreError> {
+        archive!(archive.value: self.around.open, self.pressures);
+        self.water.save_or_restore(archive, grid, &self.around)?;
+        self.layer.save_or_restore(archive)?;
+        archive!(archive.slice: self.squeeze.surplus, self.felt, self.lower, self.per_volume, self.middle);
+        archive!(archive.slice: self.boxes, *self.swept.as_flattened_mut());
+        archive!(archive.value: self.work, self.left_behind, self.way, self.waits, self.share);
+        if archive.restores() {
             self.squeeze.lay(grid, &self.water);
         }
+        Ok(())
     }
 
     /// Bytes held.

@@ -1,10 +1,12 @@
 //! Faces of the soil that touch no other soil: the sides of the domain and the free surface.
 
+use serde::{Deserialize, Serialize};
+
+use crate::checkpoint::{Archive, RestoreError};
 use crate::grid::Grid;
-use crate::keep::Keeper;
 
 /// A face between a cell of soil and nothing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ExposedFace {
     /// The cell of soil.
     pub cell: u32,
@@ -28,19 +30,6 @@ pub struct Exposed {
 }
 
 impl ExposedFace {
-    const NONE: Self = Self { cell: 0, face: 0, axis: 0, upper: false, side: 0, nodes: [0; 2] };
-
-    fn keep(&mut self, keeper: &mut Keeper) {
-        let Self { cell, face, axis, upper, side, nodes: [first, second] } = self;
-        for number in [cell, face, first, second] {
-            keeper.u32(number);
-        }
-        let mut sides = [u32::from(*axis), u32::from(*side)];
-        sides.iter_mut().for_each(|number| keeper.u32(number));
-        [*axis, *side] = sides.map(|number| number.min(255) as u8);
-        keeper.bool(upper);
-    }
-
     fn is_of<const D: usize>(&self, grid: &Grid<D>) -> bool {
         let Self { cell, face, axis, side, nodes, .. } = *self;
         (cell as usize) < grid.cell_count()
@@ -52,12 +41,14 @@ impl ExposedFace {
 }
 
 impl Exposed {
-    /// Writes or reads the faces.
-    pub fn keep<const D: usize>(&mut self, keeper: &mut Keeper, grid: &Grid<D>) {
-        keeper.list(&mut self.faces, &ExposedFace::NONE, ExposedFace::keep);
-        if keeper.is_reading() && !self.faces.iter().all(|face| face.is_of(grid)) {
-            keeper.refuse();
-        }
+    /// Saves or restores the faces.
+    pub(crate) fn save_or_restore<const D: usize>(
+        &mut self,
+        archive: &mut Archive,
+        grid: &Grid<D>,
+    ) -> Result<(), RestoreError> {
+        archive.value(&mut self.faces)?;
+        if self.faces.iter().all(|face| face.is_of(grid)) { Ok(()) } else { Err(RestoreError) }
     }
 
     /// Finds the exposed faces of the cells for which `soil` holds.

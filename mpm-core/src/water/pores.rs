@@ -3,8 +3,8 @@
 use super::darcy::DRAINED_SURFACE;
 use super::exposed::Exposed;
 use super::{FaceFlow, density_ratio, stored_energy};
+use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::grid::Grid;
-use crate::keep::Keeper;
 use crate::particles::{Layer, Point, SolidPoint, WaterPoint};
 use crate::scene::{Scene, WaterProperties};
 
@@ -231,12 +231,11 @@ impl<const D: usize> Pores<D> {
         self.flow.density * (soil.filled - soil.mass * self.flow.grain_inverse + pores * denser)
     }
 
-    /// Writes or reads what steps to come depend on.
-    pub fn keep(&mut self, keeper: &mut Keeper, grid: &Grid<D>) {
-        self.layer.keep(keeper, &WaterPoint::NONE, WaterPoint::keep);
-        self.exposed.keep(keeper, grid);
-        self.drained.iter_mut().for_each(|drained| keeper.bool(drained));
-        keeper.f64(&mut self.removed_mass);
-        keeper.list(&mut self.bare, &0, |cell, keeper| keeper.u32(cell));
+    /// Saves or restores what steps to come depend on.
+    pub(crate) fn save_or_restore(&mut self, archive: &mut Archive, grid: &Grid<D>) -> Result<(), RestoreError> {
+        self.layer.save_or_restore(archive)?;
+        self.exposed.save_or_restore(archive, grid)?;
+        archive!(archive.value: self.drained, self.removed_mass, self.bare);
+        Ok(())
     }
 }

@@ -1,11 +1,9 @@
-//! Runs give the same bits whatever the threads and the lanes, run again, and stopped and taken up elsewhere.
-
-use std::collections::hash_map::DefaultHasher;
-use std::hash::{Hash, Hasher};
+//! Runs give the same bits whatever the threads and the lanes, run again, and stopped and resumed elsewhere.
 
 use mpm_core::drive::{Attend, Run, Wish};
 use mpm_core::failure::{Driver, Phase};
 use mpm_core::hardware::{Hardware, Width};
+use mpm_core::hash::{Digest, sha256};
 use mpm_core::run::{run_attended, run_on};
 use mpm_core::scene::{Base, Dimension, LoadedStrip, Scene, ShapeChoice, Surcharge, Until};
 use mpm_core::stability::choose_step;
@@ -46,11 +44,9 @@ pub const LEVEE: Rung = Rung {
     mutant: Some(Mutant { what: "a look more", climb: || levee(true) }),
 };
 
-/// All that a run says, as one number. What lists have in reserve is no result.
-fn said(run: &Run) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    format!("{:?}", Run { bytes: 0, ..run.clone() }).hash(&mut hasher);
-    hasher.finish()
+/// Hash of all that a run says. What lists have in reserve is no result.
+fn said(run: &Run) -> Digest {
+    sha256(format!("{:?}", Run { bytes: 0, ..run.clone() }).as_bytes())
 }
 
 /// A block of some cells for some steps, under a load on its left part that pushes the soil down and aside.
@@ -132,7 +128,7 @@ impl Attend for Stop {
         Wish::Stop
     }
 
-    fn keep(&mut self, state: Vec<u8>) {
+    fn save(&mut self, state: Vec<u8>) {
         self.0 = Some(state);
     }
 }
@@ -167,16 +163,16 @@ fn levee(goes_on: bool) -> Result<Outcome, String> {
         }
         on(&mut whole, 1)?;
     }
-    let mut states = vec![whole.kept()];
+    let mut states = vec![whole.checkpoint()];
     on(&mut whole, LOOKS)?;
-    states.push(whole.kept());
+    states.push(whole.checkpoint());
     on(&mut whole, LOOKS)?;
     let mut different = Vec::new();
     for (number, state) in states.into_iter().enumerate() {
         let mut other = new()?;
-        other.take_up(state).map_err(|e| e.to_string())?;
+        other.restore(&state).map_err(|e| e.to_string())?;
         on(&mut other, (2 - number) * LOOKS + usize::from(goes_on))?;
-        different.push(f64::from(other.kept() != whole.kept()));
+        different.push(f64::from(other.checkpoint() != whole.checkpoint()));
     }
     Ok(outcome("two-clocks", &different))
 }
@@ -188,7 +184,8 @@ fn resumed(loses: bool) -> Result<Outcome, String> {
         let (mut state, mut states) = (None, Vec::new());
         let mut last = loop {
             let mut stop = Stop::default();
-            let run = run_attended(&Hardware::default(), &scene, state, &mut stop).map_err(|e| e.to_string())?;
+            let run =
+                run_attended(&Hardware::default(), &scene, state.as_deref(), &mut stop).map_err(|e| e.to_string())?;
             if !run.stopped {
                 break run;
             }

@@ -299,8 +299,10 @@ fn solve(
         trouble: None,
     };
     let state = kept.map(|kept| kept.state);
-    let run = run_attended(hardware, scene, state, &mut attend).map_err(|e| match e {
-        StartError::State(e) => Failure::BadInput(format!("{}: {e}", folder.path().join(checkpoint::NAME).display())),
+    let run = run_attended(hardware, scene, state.as_deref(), &mut attend).map_err(|e| match e {
+        StartError::Checkpoint(e) => {
+            Failure::BadInput(format!("{}: {e}", folder.path().join(checkpoint::NAME).display()))
+        }
         StartError::Step(e) => Failure::BadInput(format!("{}: {e}", options.scene.display())),
         StartError::Load(e) => Failure::BadInput(format!("{}: {e}", options.scene.display())),
         StartError::Place(e) => Failure::BadInput(format!("{}: {e}", options.scene.display())),

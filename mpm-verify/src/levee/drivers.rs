@@ -92,10 +92,10 @@ pub fn compute(plan: &Plan, tell: &mut dyn FnMut(&str)) -> Result<Vec<Line>, Str
     while driver.time < from {
         driver.advance(from).map_err(|e| e.to_string())?;
     }
-    let state = driver.kept();
+    let state = driver.checkpoint();
     let mut lines = Vec::new();
     for integrator in [Integrator::TwoClocks, Integrator::Coupled, Integrator::Explicit] {
-        driver.take_up(state.clone()).map_err(|e| e.to_string())?;
+        driver.restore(&state).map_err(|e| e.to_string())?;
         let dt = if integrator == Integrator::Explicit {
             let own = SAFETY * stable_limit(&Scene { integrator, ..scene.clone() });
             if plan.papers() { PAPER_STEP.min(own) } else { own }

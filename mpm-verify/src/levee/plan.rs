@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use mpm_core::failure::Scales;
+use mpm_core::hash::{Digest, sha256};
 use mpm_core::scene::{Failure, Flags, Integrator, Scene};
-use sha2::{Digest, Sha256};
 
 use super::variants::{Change, Variant};
 use crate::manifest::scene_hash;
@@ -161,8 +161,8 @@ impl Plan {
     }
 
     /// Tells plans apart whose states do not fit together. The end may be moved: a run can go on for longer.
-    pub fn fingerprint(&self) -> [u8; 32] {
+    pub fn fingerprint(&self) -> Digest {
         let scene = serde_json::to_string(&self.scene).unwrap_or_default();
-        Sha256::digest(format!("{scene}\nfrom {:?}\nframes {}", self.from_h, self.frames).as_bytes()).into()
+        sha256(format!("{scene}\nfrom {:?}\nframes {}", self.from_h, self.frames).as_bytes())
     }
 }

@@ -145,7 +145,7 @@ fn start(error: StartError) -> FollowError {
         StartError::Step(e) => e.to_string(),
         StartError::Load(e) => e.to_string(),
         StartError::Place(e) => e.to_string(),
-        StartError::State(_) | StartError::MayFail => error.to_string(),
+        StartError::Checkpoint(_) | StartError::MayFail => error.to_string(),
     })
 }
 
@@ -167,7 +167,7 @@ impl<'a> Running<'a> {
         }
         // Who drives is no part of the state: it is set before.
         if let Some(kept) = resume {
-            driver.take_up(kept.state).map_err(|e| FollowError::Start(e.to_string()))?;
+            driver.restore(&kept.state).map_err(|e| FollowError::Start(e.to_string()))?;
         }
         let Notes { cpu_s, switched, .. } = notes;
         Ok(Self { plan, driver, album, steps, switched, cpu_before_s: cpu_s, clock, particles, mass_kg })
@@ -242,7 +242,7 @@ impl<'a> Running<'a> {
     fn save(&mut self, folder: &Path) -> Result<(), CheckpointError> {
         let cpu_s = self.cpu_before_s + self.clock.elapsed().as_secs_f64();
         let notes = Notes { cpu_s, switched: self.switched, ..Notes::default() };
-        let kept = Checkpoint { notes, album: self.album.clone(), state: self.driver.kept() };
+        let kept = Checkpoint { notes, album: self.album.clone(), state: self.driver.checkpoint() };
         kept.write(&self.plan.fingerprint(), folder)
     }
 }

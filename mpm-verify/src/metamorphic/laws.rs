@@ -79,7 +79,7 @@ impl Attend for Patient {
         if self.0.elapsed().as_secs_f64() > PATIENCE { Wish::Stop } else { Wish::GoOn }
     }
 
-    fn keep(&mut self, _: Vec<u8>) {}
+    fn save(&mut self, _: Vec<u8>) {}
 }
 
 /// A run of a scene.
@@ -560,7 +560,7 @@ impl Attend for Stop {
         Wish::Stop
     }
 
-    fn keep(&mut self, state: Vec<u8>) {
+    fn save(&mut self, state: Vec<u8>) {
         self.0 = Some(state);
     }
 }
@@ -573,7 +573,7 @@ fn resumed(base: &Base) -> Verdict {
         let mut state = None;
         for _ in 0..1000 {
             let mut stop = Stop::default();
-            let run = run_attended(&Hardware::default(), &scene, state, &mut stop);
+            let run = run_attended(&Hardware::default(), &scene, state.as_deref(), &mut stop);
             let run = run.map_err(|e| Verdict::Unfinished(format!("refused: {e}")))?;
             if !run.stopped {
                 return Ok(bits(&said(base.run), &said(&run), "resumed"));

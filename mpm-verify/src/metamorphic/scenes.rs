@@ -1,32 +1,27 @@
 //! Random scenes that make sense: sizes over six decades, stiffness over five, conductivity over ten, loads of both signs,
 //! every integrator and shape. A scene is a pure function of a seed and a number.
 
+use mpm_core::random::Random;
 use mpm_core::stability::choose_step;
 
 use super::written::{FreeSurface, Layer, Load, Soil, Stage, Water, Written};
 
-/// Random numbers: splitmix64 (Steele, Lea & Flood 2014), the same on every machine.
+/// Random sizes and choices.
 #[derive(Debug, Clone)]
-pub struct Dice(u64);
+pub struct Dice(Random);
 
 impl Dice {
     /// Those of a seed and a number.
     pub fn new(seed: u64, index: u64) -> Self {
-        let mut dice = Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ index.wrapping_mul(0xd1b5_4a32_d192_ed03));
-        dice.next();
-        dice
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        let state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ index.wrapping_mul(0xd1b5_4a32_d192_ed03);
+        let mut random = Random(state);
+        random.bits();
+        Self(random)
     }
 
     /// 0 <= x < 1.
     pub fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
+        self.0.unit()
     }
 
     /// A whole number from `low` to `high`.

@@ -128,7 +128,7 @@ impl Attend for Watched<'_> {
     }
 
     /// A case of a study is done or not.
-    fn keep(&mut self, _: Vec<u8>) {}
+    fn save(&mut self, _: Vec<u8>) {}
 }
 
 /// Runs a scene and takes its CPU time, s: of a quick one the median of at most some runs. `None` if it was stopped.

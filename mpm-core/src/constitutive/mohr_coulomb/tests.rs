@@ -169,12 +169,8 @@ proptest! {
 #[test]
 fn every_region_is_reached_and_has_its_tangent() {
     let mut seen = std::collections::HashMap::new();
-    let mut state = 1u64;
-    let mut number = || {
-        // A linear congruential generator (Knuth), the same numbers at every run.
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
-    };
+    let mut random = crate::random::Random(1);
+    let mut number = || random.unit() * 2.0 - 1.0;
     for (dilation, cutoff) in [(0.0, None), (30.0, None), (0.0, Some(300.0)), (10.0, Some(0.0)), (30.0, Some(500.0))] {
         let law = MohrCoulomb::new(&SOIL, &strength(500.0, 30.0, dilation, cutoff));
         for try_ in 0..4000 {

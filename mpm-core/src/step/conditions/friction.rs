@@ -14,7 +14,7 @@
 //! the mean of theirs. Swings about a place add nothing to the slip.
 
 use super::{Condition, Held, Soil};
-use crate::keep::Keeper;
+use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::observe::Totals;
 use crate::scene::{Base, NormalStress};
 use crate::step::Fault;
@@ -265,12 +265,9 @@ impl<const D: usize> Condition<D> for Friction {
         Some(self)
     }
 
-    fn keep(&mut self, keeper: &mut Keeper) {
-        keeper.entries(&mut self.stuck, |stuck, keeper| keeper.bool(stuck));
-        keeper.all(&mut self.slip);
-        keeper.all(&mut self.remembered);
-        keeper.all(&mut self.stress);
-        keeper.bool(&mut self.glued);
+    fn save_or_restore(&mut self, archive: &mut Archive) -> Result<(), RestoreError> {
+        archive!(archive.slice: self.stuck, self.slip, self.remembered, self.stress);
+        archive.value(&mut self.glued)
     }
 
     fn bytes(&self) -> usize {

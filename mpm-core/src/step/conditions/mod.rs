@@ -21,7 +21,7 @@ use std::fmt::Debug;
 
 use super::Fault;
 use super::store::Nodes;
-use crate::keep::Keeper;
+use crate::checkpoint::{Archive, RestoreError};
 use crate::observe::Totals;
 use crate::particles::SolidPoint;
 
@@ -78,8 +78,13 @@ pub trait Condition<const D: usize>: Debug + Send {
     fn friction(&mut self) -> Option<&mut Friction> {
         None
     }
-    /// Writes or reads what steps to come depend on.
-    fn keep(&mut self, _: &mut Keeper) {}
+    /// Saves or restores what steps to come depend on.
+    ///
+    /// # Errors
+    /// The bytes are not those of such a condition.
+    fn save_or_restore(&mut self, _: &mut Archive) -> Result<(), RestoreError> {
+        Ok(())
+    }
     /// Bytes held.
     fn bytes(&self) -> usize {
         0

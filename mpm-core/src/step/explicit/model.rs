@@ -113,30 +113,28 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for Explicit<V, F, D> {
         Places::of(&whole.solid.points, of_pores.or(of_free).unwrap_or(&[]))
     }
 
-    fn keep(&mut self, keeper: &mut Keeper) {
+    fn save_or_restore(&mut self, archive: &mut Archive) -> Result<(), RestoreError> {
         let mut kept = self.kept_now();
         let mut whole = self.whole();
-        whole.keep(keeper);
+        whole.save_or_restore(archive)?;
         if let Some(free) = &mut self.free {
-            free.carried.keep(keeper, &self.body.grid);
+            free.carried.save_or_restore(archive, &self.body.grid)?;
         }
         if let Some(origin) = &mut self.origin {
-            keeper.entries(origin, |x, keeper| keeper.f64s(x));
+            archive.slice(origin.as_flattened_mut())?;
         }
-        keeper.all(&mut kept);
+        archive.slice(&mut kept)?;
         for list in self.nodes.motion.velocity.iter_mut().chain(&mut self.of_mesh) {
-            keeper.all(list);
+            archive.slice(list)?;
         }
-        keeper.f64(&mut self.damping);
-        keeper.f64(&mut self.time);
-        self.totals.keep(keeper);
+        archive!(archive.value: self.damping, self.time, self.totals);
         for condition in &mut self.conditions {
-            condition.keep(keeper);
+            condition.save_or_restore(archive)?;
         }
         if let Some(solver) = &mut self.solver {
-            solver.work.keep(keeper);
+            archive.value(&mut solver.work)?;
         }
-        if keeper.is_reading() {
+        if archive.restores() {
             for condition in &mut self.conditions {
                 condition.damp_by(self.damping);
             }
@@ -145,6 +143,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for Explicit<V, F, D> {
             self.body = whole;
             self.settle_in();
         }
+        Ok(())
     }
 
     fn work(&self) -> Work {

@@ -13,12 +13,12 @@
 //! Comput. 27, 1438-1457). Each vector carries its displacements along.
 
 use nalgebra::{DMatrix, SymmetricEigen};
+use serde::{Deserialize, Serialize};
 
 use super::newton::{Stage, Workspace};
 use super::soil::{HELD, Soil};
 use super::tangent::Stuck;
 use crate::constitutive::Law;
-use crate::keep::Keeper;
 
 /// Most basis vectors.
 const MOST: usize = 60;
@@ -29,7 +29,7 @@ const BREAKDOWN: f64 = 1e-13;
 const SPOILT: f64 = 0.1;
 
 /// The evolution of a linear scene under a constant load.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Krylov {
     /// y_1.
     first: Vec<f64>,
@@ -44,11 +44,11 @@ pub(super) struct Krylov {
 }
 
 /// T and what depends on it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 struct Ritz {
     values: Vec<f64>,
-    /// `vectors[k][j]`: entry k of eigenvector j.
-    vectors: DMatrix<f64>,
+    /// `vectors[j][k]`: entry k of eigenvector j.
+    vectors: Vec<Vec<f64>>,
 }
 
 impl Ritz {
@@ -64,14 +64,15 @@ impl Ritz {
         let eigen = SymmetricEigen::new(matrix);
         // B lies between 0 and 1; round-off may not.
         let values = eigen.eigenvalues.iter().map(|mu| mu.clamp(1e-15, 1.0)).collect();
-        Self { values, vectors: eigen.eigenvectors }
+        let vectors = eigen.eigenvectors.column_iter().map(|vector| vector.iter().copied().collect()).collect();
+        Self { values, vectors }
     }
 
     /// `f(T) e_1`.
     fn apply(&self, f: impl Fn(f64) -> f64) -> Vec<f64> {
         let size = self.values.len();
-        let scaled: Vec<f64> = (0..size).map(|j| f(self.values[j]) * self.vectors[(0, j)]).collect();
-        (0..size).map(|k| (0..size).map(|j| self.vectors[(k, j)] * scaled[j]).sum()).collect()
+        let scaled: Vec<f64> = (0..size).map(|j| f(self.values[j]) * self.vectors[j][0]).collect();
+        (0..size).map(|k| (0..size).map(|j| self.vectors[j][k] * scaled[j]).sum()).collect()
     }
 }
 
@@ -114,42 +115,21 @@ impl Krylov {
                 product[*map as usize] = soil.scales[1] * (after[function] - soil.values.content[function]);
             }
         }
-        let mut krylov = Self {
-            first,
-            basis: Vec::new(),
-            size: 0.0,
-            gamma,
-            ritz: Ritz { values: Vec::new(), vectors: DMatrix::zeros(0, 0) },
-            estimate: f64::INFINITY,
-        };
+        let mut krylov =
+            Self { first, basis: Vec::new(), size: 0.0, gamma, ritz: Ritz::default(), estimate: f64::INFINITY };
         krylov.build(soil, direction, product, times, goal)?;
         Ok(krylov)
     }
 
-    /// One to be read from a kept state.
-    pub fn empty(unknowns: usize) -> Self {
-        let ritz = Ritz { values: Vec::new(), vectors: DMatrix::zeros(0, 0) };
-        Self { first: vec![0.0; unknowns], basis: Vec::new(), size: 0.0, gamma: 0.0, ritz, estimate: 0.0 }
-    }
-
-    /// Writes or reads it.
-    pub fn keep(&mut self, keeper: &mut Keeper) {
-        let Self { first, basis, size, gamma, ritz: Ritz { values, vectors }, estimate } = self;
-        keeper.all(first);
-        let empty = vec![0.0; first.len()];
-        keeper.list(basis, &empty, |vector, keeper| keeper.all(vector));
-        for value in [size, gamma, estimate] {
-            keeper.f64(value);
-        }
-        keeper.numbers(values);
-        if keeper.is_reading() {
-            if values.len() != basis.len() || basis.len() > MOST {
-                keeper.refuse();
-                return;
-            }
-            *vectors = DMatrix::zeros(values.len(), values.len());
-        }
-        keeper.all(vectors.as_mut_slice());
+    /// Whether it is one of a mesh with so many unknowns, and as large as it can be.
+    pub fn fits(&self, unknowns: usize) -> bool {
+        let (count, Ritz { values, vectors }) = (self.basis.len(), &self.ritz);
+        let of = |length: usize| move |vector: &Vec<f64>| vector.len() == length;
+        of(unknowns)(&self.first)
+            && self.basis.iter().all(of(unknowns))
+            && count <= MOST
+            && [values.len(), vectors.len()] == [count; 2]
+            && vectors.iter().all(of(count))
     }
 
     /// Lanczos with full orthogonalisation, until the state at every time stands still.
@@ -273,7 +253,7 @@ impl Krylov {
         let amount = |j: usize| {
             let (mu, s) = (values[j], 1.0 - values[j]);
             // d = (1 - B) y_1, and p(0) = y_1/mu
-            let zeta = self.size * self.ritz.vectors[(0, j)] / (mu * s);
+            let zeta = self.size * self.ritz.vectors[j][0] / (mu * s);
             let part = -0.5 * zeta * zeta * f64::exp_m1(-2.0 * tau * s / mu);
             if s > 1e-9 { part } else { 0.0 }
         };

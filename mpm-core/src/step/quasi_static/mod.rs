@@ -4,12 +4,12 @@
 //! 1. `soil.rs`: the balance laws at given unknowns. `tangent.rs`: their matrix. `lay.rs`: mesh, unknowns, points.
 //! 2. `newton.rs`: equilibrium. `sdirk.rs`: one step in time. `krylov.rs`: all times of a linear stage at once.
 //! 3. `march.rs`: through a stage. `relay.rs`: from one mesh to the next. `look.rs`: what is read from the state.
-//! 4. `trouble.rs`: what is said when a run cannot go on. `kept.rs`: what a run that goes on elsewhere needs.
+//! 4. `trouble.rs`: what is said when a run cannot go on. `checkpoint.rs`: what a run that is resumed elsewhere needs.
 //!
 //! A mesh is laid over the soil and moves with it (total Lagrangian), from stage to stage. Its state goes to the particles, and
 //! a new mesh is laid, when a particle was strained by more than `RELAY` on it and the surface is still level.
 
-mod kept;
+mod checkpoint;
 mod krylov;
 mod lay;
 mod look;
@@ -29,9 +29,11 @@ use sdirk::Sdirk;
 use soil::Soil;
 use trouble::{inside_out, nothing};
 
+use serde::{Deserialize, Serialize};
+
 use super::{Fault, Model, Work};
+use crate::checkpoint::{Archive, RestoreError};
 use crate::constitutive::{Law, Materials, State};
-use crate::keep::Keeper;
 use crate::observe::{Ledger, Observation, Totals};
 use crate::particles::SolidPoint;
 use crate::scene::{Scene, Stage, StepChoice, StrainChoice, TimeMethod};
@@ -90,13 +92,18 @@ pub struct QuasiStatic<L: Law, const D: usize> {
 }
 
 /// How a stage is advanced.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 enum Method {
     Krylov(Box<KrylovStage>),
-    Sdirk { stepper: Box<Sdirk>, step: f64, factored: f64 },
+    Sdirk {
+        #[serde(skip)]
+        stepper: Box<Sdirk>,
+        step: f64,
+        factored: f64,
+    },
 }
 
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 struct KrylovStage {
     evolution: Krylov,
     /// Unknowns integrated over time, for the water that has left.
@@ -107,6 +114,13 @@ struct KrylovStage {
     out_before: f64,
     work_before: f64,
     dissipation_before: f64,
+}
+
+impl KrylovStage {
+    /// Whether it is one of a mesh with so many unknowns.
+    fn fits(&self, unknowns: usize) -> bool {
+        self.integral.len() == unknowns && self.evolution.fits(unknowns)
+    }
 }
 
 impl<L: Law, const D: usize> QuasiStatic<L, D> {
@@ -276,8 +290,8 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
         self.points.capacity() * size_of::<SolidPoint<D>>() + soil
     }
 
-    fn keep(&mut self, keeper: &mut Keeper) {
-        self.keep_all(keeper);
+    fn save_or_restore(&mut self, archive: &mut Archive) -> Result<(), RestoreError> {
+        self.whole_state(archive)
     }
 
     fn solid_count(&self) -> usize {

@@ -37,7 +37,7 @@ pub(super) struct StepSums {
 }
 
 /// Vectors of a step.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Sdirk {
     flow: [Vec<f64>; STAGES],
     target: Vec<f64>,

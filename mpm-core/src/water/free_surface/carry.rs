@@ -3,6 +3,9 @@
 //! Every piece of a box inside a cell has its part of the water of the cell, and goes with its particle. A box that has not
 //! moved leaves everything as it is, so that fronts smear by motion alone and not by looking.
 
+use serde::{Deserialize, Serialize};
+use serde_big_array::BigArray;
+
 use super::soil::{LEAST_SHARE, along};
 use super::{FreeSurface, Kind, SoilMap, Surroundings};
 use crate::grid::Grid;
@@ -12,9 +15,10 @@ use crate::particles::{Layer, SolidPoint};
 const HOLE: f64 = 0.1;
 
 /// The box of a particle when the soil was last looked at.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Square<const D: usize> {
     /// Its middle, m.
+    #[serde(with = "BigArray")]
     pub x: [f64; D],
     /// Half its edge, in cells.
     pub half: f64,

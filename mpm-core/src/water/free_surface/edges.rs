@@ -349,7 +349,7 @@ mod tests {
 
     /// A quarter of a cell of soil around a place in cells.
     fn at(x: [f64; 2]) -> SolidPoint<2> {
-        SolidPoint { x: x.map(|x| x * H), mass: 1.0, volume: 0.25 * H * H, ..SolidPoint::NONE }
+        SolidPoint { x: x.map(|x| x * H), v: [0.0; 2], stress: [0.0; 4], mass: 1.0, volume: 0.25 * H * H }
     }
 
     /// Flow out of a cell that is soil all over, with its level so high above its bottom (cells), through an edge that is

@@ -7,9 +7,9 @@
 use super::FreeSurface;
 use super::flow::Kind;
 use super::soil::{along, spread};
+use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::dimension::shares;
 use crate::grid::Grid;
-use crate::keep::Keeper;
 use crate::particles::WaterPoint;
 
 /// Share of a surplus that is shifted in a step; a quarter is the limit of stability in two dimensions.
@@ -107,14 +107,11 @@ impl<const D: usize> WaterLayer<D> {
         layer
     }
 
-    /// Writes or reads the state.
-    pub fn keep(&mut self, keeper: &mut Keeper) {
-        keeper.list(&mut self.points, &WaterPoint::NONE, WaterPoint::keep);
-        for count in [&mut self.first, &mut self.spawned, &mut self.removed, &mut self.turn, &mut self.bookings] {
-            keeper.u64(count);
-        }
-        keeper.all(&mut self.pending);
-        keeper.all(&mut self.gathered);
+    /// Saves or restores the state.
+    pub(crate) fn save_or_restore(&mut self, archive: &mut Archive) -> Result<(), RestoreError> {
+        archive!(archive.value: self.points, self.first, self.spawned, self.removed, self.turn, self.bookings);
+        archive!(archive.slice: self.pending, self.gathered);
+        Ok(())
     }
 
     /// Water that has entered or left but is no particle yet, m3.

@@ -19,8 +19,8 @@ pub use layer::{Rounding, WaterLayer};
 pub use moving::{Filling, MovingStep, Pressed, Squeeze};
 pub use soil::{LEAST_OPEN, LEAST_SHARE, SoilMap};
 
+use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::grid::Grid;
-use crate::keep::Keeper;
 use crate::scene::Feed;
 use crate::sparse::Unsolved;
 use flow::{Linear, Now, System, Terms};
@@ -566,27 +566,27 @@ impl<const D: usize> FreeSurface<D> {
         level
     }
 
-    /// Writes or reads the state.
-    pub fn keep(&mut self, keeper: &mut Keeper, grid: &Grid<D>, around: &Surroundings) {
-        for list in [&mut self.content, &mut self.pressure, &mut self.soil.share, &mut self.soil.pores] {
-            keeper.all(list);
-        }
-        for cover in &mut self.soil.cover {
-            keeper.entries(cover, |pair, keeper| keeper.f64s(pair));
+    /// Saves or restores the state.
+    pub(crate) fn save_or_restore(
+        &mut self,
+        archive: &mut Archive,
+        grid: &Grid<D>,
+        around: &Surroundings,
+    ) -> Result<(), RestoreError> {
+        let soil = &mut self.soil;
+        archive!(archive.slice: self.content, self.pressure, self.full, soil.share, soil.pores);
+        for cover in &mut soil.cover {
+            archive.slice(cover)?;
         }
         for flux in &mut self.flux {
-            keeper.all(flux);
+            archive.slice(flux)?;
         }
-        keeper.entries(&mut self.full, |full, keeper| keeper.bool(full));
-        for value in [&mut self.inflow, &mut self.outflow, &mut self.asked, &mut self.ran_off] {
-            keeper.f64(value);
-        }
-        keeper.f64s(&mut self.rates);
-        keeper.u64(&mut self.unsettled);
-        if keeper.is_reading() {
+        archive!(archive.value: self.inflow, self.outflow, self.asked, self.ran_off, self.rates, self.unsettled);
+        if archive.restores() {
             self.lay(grid, around);
             self.classify();
         }
+        Ok(())
     }
 
     /// Bytes held.

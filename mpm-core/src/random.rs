@@ -1,0 +1,23 @@
+//! The one generator of random numbers: the same on every machine.
+
+/// SplitMix64 (Steele, Lea & Flood 2014, OOPSLA).
+#[derive(Debug, Clone)]
+pub struct Random(
+    /// The state; that of a new generator is its seed.
+    pub u64,
+);
+
+impl Random {
+    /// 64 random bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// 0 <= x < 1.
+    pub fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
