@@ -117,7 +117,7 @@ fn a_study_that_is_interrupted_keeps_what_is_done_and_goes_on() {
     succeeds(&at("whole/accuracy"), &STUDY);
     let one_by_one = [&STUDY[..], &["--jobs", "1"]].concat();
     let mut child = start(&at("in-two/accuracy"), &one_by_one);
-    while std::fs::read_dir(at("in-two/accuracy/cases")).map_or(0, |files| files.flatten().count()) == 0 {
+    while fs::read_dir(at("in-two/accuracy/cases")).map_or(0, |files| files.flatten().count()) == 0 {
         assert!(child.try_wait().expect("a process").is_none());
         std::thread::sleep(Duration::from_millis(5));
     }

@@ -99,8 +99,10 @@ impl<const D: usize> Tops<D> {
             let (position, xi) = surface.place(top, grid, self.carrier(strips, top));
             let forces = functions.at_surface(&position, &frame.cells, &xi, pressure * surface.strips()[top].loaded);
             let first = frame.number(&position);
-            for (a, force) in forces.into_iter().enumerate().take(F::REACH.pow(D as u32)) {
-                give(first + frame.offset(a), force);
+            for row in 0..if D == 1 { 1 } else { F::REACH } {
+                for i in 0..F::REACH {
+                    give(first + i + row * frame.stride[D - 1], forces[row * F::REACH + i]);
+                }
             }
         }
     }

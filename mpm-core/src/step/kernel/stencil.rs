@@ -241,10 +241,16 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
             shares
         };
         let rows = if D == 1 { 0 } else { frame.cells[D - 1] };
+        // Away from the ends of a row all nodes have the same shares.
+        let middle = array!([[0.0; MOST_REACH]; D], d => around(d, frame.cells[d] / 2));
+        let at = |d: usize, node: usize| {
+            let is_inner = node >= B::REACH && node + B::REACH <= frame.cells[d];
+            if is_inner { middle[d] } else { around(d, node) }
+        };
         for row in 0..=rows {
-            let of_rows = if D == 1 { [1.0, 0.0, 0.0, 0.0] } else { around(D - 1, row) };
+            let of_rows = if D == 1 { [1.0, 0.0, 0.0, 0.0] } else { at(D - 1, row) };
             for column in 0..=frame.cells[0] {
-                let of_columns = around(0, column);
+                let of_columns = at(0, column);
                 let (mut mass, mut sum) = (0.0, [0.0; D]);
                 for j in (0..MOST_REACH).filter(|j| of_rows[*j] > 0.0) {
                     for i in (0..MOST_REACH).filter(|i| of_columns[*i] > 0.0) {
