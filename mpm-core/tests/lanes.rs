@@ -53,15 +53,13 @@ const DRY: [&str; 7] = [
 fn flying(cells: [usize; 2], shape: &str) -> Scene {
     let shape = format!("shape = \"{shape}\"");
     let more = ["cell = 0.05", "width = 0.1", "particles_per_cell = 9", "-[surcharge]", &shape];
-    let scene = wet(&[&DRY[..], &more].concat())
-        .edited(|scene| {
-            (scene.cells, scene.width, scene.height) = (cells, 0.05 * cells[0] as f64, 0.05 * cells[1] as f64);
-            scene.headroom_cells = 8;
-            scene.solid_sides[2] = SolidSide::Free;
-            scene.gravity = Some(-100.0);
-        })
-        .expect("a sound scene");
-    scene
+    // No scene has gravity upwards.
+    wet(&[&DRY[..], &more].concat()).altered_unchecked(|scene| {
+        (scene.cells, scene.width, scene.height) = (cells, 0.05 * cells[0] as f64, 0.05 * cells[1] as f64);
+        scene.headroom_cells = 8;
+        scene.solid_sides[2] = SolidSide::Free;
+        scene.gravity = Some(-100.0);
+    })
 }
 
 /// Without what soil that moves through cells needs.
@@ -69,23 +67,17 @@ const PLAIN: &str = "darcy_inertia -> darcy_inertia = false\nlight_nodes = 0.0";
 
 /// A saturated block of so many cells of 0.05 m under a load so heavy that water particles change their cells.
 fn heavy(cells: [usize; 2]) -> Scene {
-    let scene = wet(&["pressure = 2.0e7", "cell = 0.05", "particles_per_cell = 49", "width = 0.1", PLAIN])
+    wet(&["pressure = 2.0e7", "cell = 0.05", "particles_per_cell = 49", "width = 0.1", PLAIN])
         .edited(|scene| {
             (scene.cells, scene.width, scene.height) = (cells, 0.05 * cells[0] as f64, 0.05 * cells[1] as f64)
         })
-        .expect("a sound scene");
-    scene
+        .expect("a sound scene")
 }
 
 /// The same scene with soil that yields under hardly any load.
-fn weak(mut scene: Scene, cohesion: f64) -> Scene {
-    let tension_cutoff = Some(cohesion);
-    scene = scene
-        .edited(|scene| {
-            scene.strength = Some(Strength { cohesion, friction_angle: 15.0, dilation_angle: 5.0, tension_cutoff })
-        })
-        .expect("a sound scene");
-    scene
+fn weak(scene: Scene, cohesion: f64) -> Scene {
+    let strength = Strength { cohesion, friction_angle: 15.0, dilation_angle: 5.0, tension_cutoff: Some(cohesion) };
+    scene.altered_unchecked(|scene| scene.strength = Some(strength))
 }
 
 /// Scenes small enough for one strip of cells, with the steps to take.

@@ -9,13 +9,14 @@ use mpm_core::boundary::{FirstState, Given};
 use mpm_core::drive::Run;
 use mpm_core::run::{run, run_given};
 use mpm_core::scene::{
-    Elastic, Integrator, Quadrature, Scene, ShapeChoice, SoilLayer, SolidSide, Start, StrainChoice, Surcharge, Until,
+    Elastic, Fields, Integrator, Quadrature, Scene, ShapeChoice, SoilLayer, SolidSide, Start, StrainChoice, Surcharge,
+    Until,
 };
 use mpm_core::stability::{explicit_limit, semi_implicit_limit, stable_limit};
 
 /// A free saturated column of ten cells, drained at both ends, under a small pressure that its skeleton holds.
 fn free(integrator: Integrator, shape: ShapeChoice) -> Scene {
-    let scene = scene(&["cell = 0.1", "darcy_inertia = false", "-[surcharge]", "start = \"unloaded\""])
+    scene(&["cell = 0.1", "darcy_inertia = false", "-[surcharge]", "start = \"unloaded\""])
         .edited(|scene| {
             (scene.integrator, scene.shape, scene.start) = (integrator, shape, Start::Unloaded);
             (scene.headroom_cells, scene.solid_sides[2]) = (30, SolidSide::Free);
@@ -24,8 +25,7 @@ fn free(integrator: Integrator, shape: ShapeChoice) -> Scene {
             scene.stages[0].until = Until::Time(0.1);
             scene.observe_times = vec![0.05, 0.1];
         })
-        .expect("a sound scene");
-    scene
+        .expect("a sound scene")
 }
 
 /// Its run, `moved` by some metres and flying up with a speed (m/s).
@@ -84,20 +84,20 @@ fn soil_that_stays_in_its_cells_pays_nothing() {
     let heavy = scene(&["pressure = 1.0e6", "darcy_inertia = false"]);
     assert!(heavy.moves_through_cells());
     assert!(heavy.lends_inertia() && heavy.light_nodes == 0.0, "the geometry says how much of its top cell is soil");
-    let unknown = heavy.edited(|s| s.sideroom_cells = 2).expect("a sound scene");
+    let unknown = Fields { sideroom_cells: 2, ..Fields::clone(&heavy) };
     assert!(!unknown.lends_inertia());
     assert_eq!(unknown.usual_light_nodes(), 0.125, "a quarter of one of two particles");
-    let dry = heavy.edited(|s| s.water = None).expect("a sound scene");
+    let dry = Fields { water: None, ..Fields::clone(&heavy) };
     assert_eq!([heavy.most_crossings(), dry.most_crossings()], [u64::MAX, 100]);
-    let alone = unknown.edited(|s| s.particles_per_cell = 1).expect("a sound scene");
+    let alone = Fields { particles_per_cell: 1, ..unknown };
     assert_eq!(alone.usual_light_nodes(), 0.25);
-    let splines = heavy.edited(|s| s.shape = ShapeChoice::Bspline2).expect("a sound scene");
+    let splines = Fields { shape: ShapeChoice::Bspline2, ..Fields::clone(&heavy) };
     assert_eq!(splines.usual_light_nodes(), 0.0);
-    assert_eq!(dry.edited(|s| s.shape = ShapeChoice::Bspline2).expect("a sound scene").most_crossings(), u64::MAX);
+    assert_eq!(Fields { shape: ShapeChoice::Bspline2, ..dry }.most_crossings(), u64::MAX);
     // Cells filled in part leave sqrt(3/4) of the step of the soil that the load has compressed.
     let light = scene(&["darcy_inertia = false"]);
     let porosity = 1.0 - 0.7 * f64::exp(1.0e6 / light.oedometer_modulus());
-    let dense = light.edited(|s| s.porosity = porosity).expect("a sound scene");
+    let dense = Fields { porosity, ..Fields::clone(&light) };
     let limits = [explicit_limit(&dense), explicit_limit(&light)];
     assert!((0.25..0.3).contains(&porosity) && limits[0] < limits[1], "{porosity} {limits:?}");
     assert!((explicit_limit(&heavy) / explicit_limit(&dense) - 0.75_f64.sqrt()).abs() < 1e-12);
@@ -302,9 +302,8 @@ fn light_nodes_single_points_and_viscous_transfers_are_refused() {
         .edited(|s| {
             s.observe_times = vec![0.1];
             s.flip = 0.0;
+            s.stages[0].until = Until::Time(0.1);
         })
-        .expect("a sound scene")
-        .edited(|drains| drains.stages[0].until = Until::Time(0.1))
         .expect("a sound scene");
     let late = |safety: f64| {
         let scene = drains.edited(|s| s.safety = safety).expect("a sound scene");

@@ -155,7 +155,7 @@ fn a_step_and_a_mesh_are_changed_with_what_belongs_to_them() {
 fn stages_are_added_and_taken_out() {
     let stage = toml::toml! {
         drained = "none"
-        until.time = 1e9
+        until.time = 1.0
     };
     let two =
         base().patched(&[("stages.0", stage.clone().into()), ("stages.1", stage.into()), ("observe", Change::NONE)]);
@@ -163,4 +163,11 @@ fn stages_are_added_and_taken_out() {
     assert_eq!(two.stages.len(), 2);
     let one = two.patched(&[("stages.last", Change::NONE)]).expect("one stage");
     assert_eq!(one.stages.len(), 1);
+}
+
+#[test]
+fn what_no_checker_has_seen_is_not_lost_in_a_patch() {
+    let altered = base().altered_unchecked(|scene| scene.gravity = Some(-1.0));
+    let message = altered.patched(&[("mesh.cell", 0.1.into())]).expect_err("a refusal").to_string();
+    assert!(message.starts_with("patch: gravity: expected a finite number above 0"), "{message}");
 }

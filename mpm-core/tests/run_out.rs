@@ -7,15 +7,14 @@ use mpm_core::scene::{Scene, Until};
 /// A column of 1 m by 1 m on a coarse mesh, let go for a time (s).
 fn collapse(name: &str, time: f64) -> Scene {
     let path = format!("{}/../reference-data/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    let scene = Scene::load(path.as_ref())
+    Scene::load(path.as_ref())
         .unwrap()
         .edited(|scene| {
             (scene.height, scene.cell, scene.cells, scene.sideroom_cells) = (1.0, 0.2, [5, 5], 20);
             scene.stages[0].until = Until::Time(time);
             (scene.observe_times, scene.history) = (vec![0.5 * time, time], 0);
         })
-        .expect("a sound scene");
-    scene
+        .expect("a sound scene")
 }
 
 fn finished(scene: &Scene) -> Run {

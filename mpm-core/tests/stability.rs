@@ -104,7 +104,7 @@ fn a_dry_mesh_is_bound_by_its_wave() {
 fn at(scene: &Scene, factor: f64) -> Run {
     let scene = scene
         .edited(|scene| {
-            scene.step = StepChoice::Fixed(factor * explicit_limit(&scene));
+            scene.step = StepChoice::Fixed(factor * explicit_limit(scene));
             scene.force = true;
         })
         .expect("a sound scene");
@@ -159,12 +159,12 @@ fn runs_hold_below_the_limit_and_fail_above() {
 
 /// Whether 3000 steps at a multiple of a scene's own limit keep pressures and speeds in bounds.
 fn bounded(scene: &Scene, factor: f64) -> bool {
-    let mut scene = scene.clone();
-    let step = factor * stable_limit(&scene);
-    scene = scene
+    let step = factor * stable_limit(scene);
+    let scene = scene
         .edited(|scene| {
             (scene.step, scene.force) = (StepChoice::Fixed(step), true);
             scene.stages[0].until = Until::Time(3000.0 * step);
+            scene.observe_times = vec![3000.0 * step];
         })
         .expect("a sound scene");
     let run = run(&scene, &mut |_| {}).expect("a forced run");
@@ -232,15 +232,13 @@ fn inertia_of_the_step_before_lowers_the_limit_of_soil_that_lets_its_water_throu
 fn one_particle_per_cell_holds_explicit_splines_to_the_free_end() {
     for conductivity in ["1.0e-5", "1.0e-9"] {
         for modulus in ["2.0e7", "2.0e9"] {
-            let mut scene = consolidation(&[
+            let scene = consolidation(&[
                 "shape = \"bspline2\"",
                 "cell = 0.1",
                 "particles_per_cell = 1",
                 &format!("hydraulic_conductivity = {conductivity}"),
                 &format!("bulk_modulus = {modulus}"),
             ]);
-            // Steps are counted, not hours of consolidation.
-            scene = scene.edited(|scene| scene.observe_times.clear()).expect("a sound scene");
             assert!(bounded(&scene, 0.98) && !bounded(&scene, 1.1), "k = {conductivity}, K_w = {modulus}");
         }
     }

@@ -17,14 +17,13 @@ fn finished(scene: &Scene) -> Run {
 
 /// A dam that has not yet wetted its last column.
 fn short_dam() -> Scene {
-    let scene = scene("dam")
+    scene("dam")
         .edited(|scene| {
             (scene.cell, scene.cells) = (0.1, [10, 10]);
             scene.stages[0].until = Until::Time(200.0);
             (scene.observe_times, scene.history) = (vec![50.0, 200.0], 0);
         })
-        .expect("a sound scene");
-    scene
+        .expect("a sound scene")
 }
 
 #[test]

@@ -492,7 +492,7 @@ impl<'a> Driver<'a> {
 
     /// Of all in the scene that a state depends on.
     fn fingerprint(&self) -> u64 {
-        let mut scene = Fields::clone(&self.scene);
+        let mut scene = Fields::clone(self.scene);
         (scene.integrator, scene.step, scene.safety, scene.force) =
             (Integrator::TwoClocks, StepChoice::Auto, 1.0, false);
         (scene.observe_times, scene.history, scene.profiles) = (Vec::new(), 0, true);

@@ -36,9 +36,7 @@ impl Scene {
         if !quasi_static || given {
             fields.tolerance = check::TOLERANCE;
         }
-        let text = fields.written()?.to_string();
-        let source = Source { text: text.into(), file: None, edits: Vec::new() };
-        let mut scene = check::check(&Arc::new(source))?;
+        let mut scene = check::check(&fields.source()?)?;
         (scene.fields.force, scene.fields.left_out) = (fields.force, fields.left_out.clone());
         match difference(&scene.fields, &fields, self) {
             Some([key, expected, found]) => Err(refused(&key, expected, found)),
@@ -50,6 +48,9 @@ impl Scene {
     #[doc(hidden)]
     pub fn altered_unchecked(mut self, alter: impl FnOnce(&mut Fields)) -> Self {
         alter(&mut self.fields);
+        // What is patched or edited next is what was altered.
+        let none = || Arc::new(Source { text: String::new().into(), file: None, edits: Vec::new() });
+        self.source = self.fields.source().unwrap_or_else(|_| none());
         self
     }
 }
@@ -109,6 +110,12 @@ impl Fields {
     /// Nodes that are too light where a file does not say it.
     fn sole_light_nodes(&self) -> f64 {
         Self { light_nodes: 0.0, ..self.clone() }.usual_light_nodes()
+    }
+
+    /// That file as what a scene is made from.
+    fn source(&self) -> Result<Arc<Source>, SceneError> {
+        let text = self.written()?.to_string().into();
+        Ok(Arc::new(Source { text, file: None, edits: Vec::new() }))
     }
 
     /// The file that says all this.

@@ -7,7 +7,7 @@ use mpm_core::drive::{Attend, Run, Wish};
 use mpm_core::failure::{Driver, Phase};
 use mpm_core::hardware::{Hardware, Width};
 use mpm_core::run::{run_attended, run_on};
-use mpm_core::scene::{Base, Dimension, LoadedStrip, Scene, ShapeChoice, Surcharge, Until};
+use mpm_core::scene::{Base, Dimension, LoadedStrip, Scene, ShapeChoice, Start, Surcharge, Until};
 use mpm_core::stability::choose_step;
 
 use super::evidence::RUNS;
@@ -60,8 +60,10 @@ fn block(cells: [usize; 2], steps: f64) -> Result<Scene, String> {
         (scene.cells, scene.width, scene.height) = (cells, cells[0] as f64 * scene.cell, cells[1] as f64 * scene.cell);
     })?;
     let strip = LoadedStrip { from: 0.0, to: 0.3 * scene.width, taper: 0.2 * scene.width };
-    scene =
-        scene.edited(|scene| scene.surcharge = scene.surcharge.map(|load| Surcharge { strip: Some(strip), ..load }))?;
+    scene = scene.edited(|scene| {
+        scene.start = Start::Unloaded;
+        scene.surcharge = scene.surcharge.map(|load| Surcharge { strip: Some(strip), ..load });
+    })?;
     let dt = choose_step(&scene).unwrap_or(1e-6);
     let last = scene.stages.len() - 1;
     scene = scene.edited(|scene| {

@@ -89,12 +89,11 @@ mod tests {
     use mpm_core::scene::Surcharge;
 
     fn scene() -> Scene {
-        let scene = crate::scenes::built_in("dry-bar")
+        crate::scenes::built_in("dry-bar")
             .and_then(Result::ok)
             .expect("the built-in scene")
             .edited(|scene| scene.stages[0].damping = 0.0)
-            .expect("a sound scene");
-        scene
+            .expect("a sound scene")
     }
 
     #[test]

@@ -56,7 +56,7 @@ const STRAIN: f64 = 1e-6;
 fn dry() -> Result<Scene, String> {
     let scene =
         crate::scenes::built_in("dry-bar").ok_or("no such scene")?.map_err(|e| e.to_string())?.edited(|scene| {
-            scene.solid_sides = [SolidSide::Free; 4];
+            scene.solid_sides[2..].fill(SolidSide::Free);
             (scene.surcharge, scene.gravity, scene.history) = (None, None, 0);
             scene.stages[0].damping = 0.0;
         })?;
@@ -120,7 +120,9 @@ fn alone(scheme: &Scheme) -> Vec<Point> {
 }
 
 fn fly(scheme: &Scheme, points: &mut Vec<Point>) -> Result<(), String> {
-    let mut scene = dry()?.edited(|scene| scene.dimension = Dimension::PlaneStrain)?;
+    let mut scene = dry()?.edited(|scene| {
+        (scene.dimension, scene.solid_sides) = (Dimension::PlaneStrain, [SolidSide::Free; 4]);
+    })?;
     let edge = 0.1;
     scene = scene.edited(|scene| {
         (scene.cell, scene.cells, scene.width, scene.height) = (edge, [1, 1], edge, edge);

@@ -63,18 +63,19 @@ fn square(scheme: &Scheme, bulk_modulus: f64) -> Result<Scene, String> {
     scene = scene.edited(|scene| {
         scene.surcharge = scene.surcharge.map(|s| Surcharge { pressure: 0.01 * s.pressure, strip, ..s });
         scene.stages[0].drained = [false; 4];
-        scene.stages[0].damping = PI * speed / scene.height;
         scene.stages[0].until = Until::Time(end);
         scene.observe_times = vec![end];
     })?;
-    let mut scene = scheme.on(&scene)?;
-    if scene.integrator == Integrator::QuasiStatic {
-        scene = scene.edited(|scene| scene.tolerance = 1e-6)?;
-    }
-    if scene.darcy == DarcyChoice::Nodal && scene.shape == ShapeChoice::Linear {
-        scene = scene.edited(|scene| scene.darcy_inertia = false)?;
-    }
-    Ok(scene)
+    Ok(scene.edited(|scene| {
+        scheme.put_on(scene);
+        match scene.integrator {
+            Integrator::QuasiStatic => scene.tolerance = 1e-6,
+            _ => scene.stages[0].damping = PI * speed / scene.height,
+        }
+        if scene.darcy == DarcyChoice::Nodal && scene.shape == ShapeChoice::Linear {
+            scene.darcy_inertia = false;
+        }
+    })?)
 }
 
 /// The exact pressure at a place (m), Pa.

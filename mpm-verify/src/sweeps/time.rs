@@ -155,7 +155,7 @@ fn chosen_steps(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Ve
 fn given_steps(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec<TimeError>, String> {
     let scene = |(integrator, shape): (Integrator, ShapeChoice), share: f64| {
         let scene = column(base, integrator, shape, GIVEN_MESH)?
-            .edited(|scene| scene.step = StepChoice::Fixed(share * stable_limit(&scene)))?;
+            .edited(|scene| scene.step = StepChoice::Fixed(share * stable_limit(scene)))?;
         Ok(scene)
     };
     let scenes: Vec<Result<Scene, String>> =

@@ -164,7 +164,8 @@ impl OwnScene {
     fn looks(&self, scene: &Scene, run: &Run) -> Result<Vec<Looks>, String> {
         let last = || run.samples.last().ok_or_else(|| "no sample".to_owned());
         // The first of a scene is its own: a fault must not move the exact solution.
-        let own = self.scene.with_cell(scene.cell)?;
+        // On a mesh of which a fault may have made one that does not fit.
+        let own = self.scene.clone().altered_unchecked(|own| (own.cell, own.cells) = (scene.cell, scene.cells));
         Ok(match &self.solution {
             Solution::Wet(column) => column.looks(&own, run),
             Solution::Dry(column) => column.looks(&own, run),
@@ -322,7 +323,9 @@ fn meshes(scene: &Scene, asked: &[usize]) -> Result<Vec<usize>, String> {
         return Err(format!("--rows: expected {expected}, found {words}"));
     }
     for rows in &rows {
-        let fits = scene.with_rows(*rows)?.fits_in_memory();
+        let cell = scene.height / *rows as f64;
+        let across = if scene.dimension == Dimension::Column { 1 } else { (scene.width / cell).round() as usize };
+        let fits = Fields { cell, cells: [across, *rows], ..Fields::clone(scene) }.fits_in_memory();
         fits.map_err(|[expected, found]| format!("--rows: expected {expected}, found {rows} rows: {found}"))?;
     }
     if plane {
