@@ -12,7 +12,15 @@ use mpm_verify::scenes::built_in;
 /// The study's column on so many cells, to a tolerance in time.
 fn column(rows: usize, tolerance: f64, method: TimeMethod) -> Scene {
     let scene = built_in("terzaghi-quasi-static").expect("a scene").expect("a sound scene");
-    Scene { cell: scene.height / rows as f64, cells: [1, rows], tolerance, method, history: 0, ..scene }
+    scene
+        .edited(|s| {
+            s.cell = scene.height / rows as f64;
+            s.cells = [1, rows];
+            s.tolerance = tolerance;
+            s.method = method;
+            s.history = 0;
+        })
+        .expect("a sound scene")
 }
 
 /// Largest error of U against compressible water.

@@ -11,7 +11,7 @@ use mpm_core::hardware::{Hardware, Width};
 use mpm_core::run::model_on;
 
 fn stages(c: &mut Criterion) {
-    let scene = block([50, 50]);
+    let scene = block([50, 50]).expect("a sound scene");
     for (kernel, width) in [("one at a time", Width::One), ("vectorised", Width::Widest)] {
         let mut model = model_on(&Hardware::plain(width), &scene).expect("a model");
         model.enter_stage(&scene.stages[0], &[]).expect("a stage");

@@ -28,7 +28,7 @@ fn step(c: &mut Criterion, group: &str, name: &str, scene: &Scene, hardware: &Ha
 }
 
 fn by_path(c: &mut Criterion) {
-    for (name, scene) in paths() {
+    for (name, scene) in paths().expect("sound scenes") {
         step(c, "path", name, &scene, &Hardware::default());
     }
 }
@@ -42,7 +42,7 @@ fn by_size(c: &mut Criterion) {
     for cells in [[5, 50], [50, 50], [250, 100], [500, 500]] {
         let points = 4 * cells[0] * cells[1];
         for (name, hardware) in &hardware {
-            step(c, &format!("{points} points"), name, &block(cells), hardware);
+            step(c, &format!("{points} points"), name, &block(cells).expect("a sound scene"), hardware);
         }
     }
 }

@@ -15,8 +15,7 @@ fn transfers(c: &mut Criterion) {
         ("bspline2", ShapeChoice::Bspline2),
     ];
     for (name, shape) in shapes {
-        let mut scene = block([50, 50]);
-        scene.shape = shape;
+        let scene = block([50, 50]).expect("a sound scene").edited(|scene| scene.shape = shape).expect("a sound scene");
         let mut group = c.benchmark_group(format!("transfers, {name}"));
         group.sample_size(20);
         for (kernel, width) in [("", Width::One), (", vectorised", Width::Widest)] {

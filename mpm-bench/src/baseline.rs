@@ -280,8 +280,8 @@ mod tests {
 
     #[test]
     fn a_scene_that_it_is_not_written_for_is_refused() {
-        let mut scene = mpm_verify::scenes::terzaghi();
-        scene.stages[0].drained[Side::Bottom as usize] = true;
+        let scene = mpm_verify::scenes::terzaghi();
+        let scene = scene.edited(|scene| scene.stages[0].drained[Side::Bottom as usize] = true).expect("a sound scene");
         assert_eq!(Soil::of(&scene), None);
     }
 }

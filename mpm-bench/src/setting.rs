@@ -1,6 +1,6 @@
 //! One way to compute the column: which solver, how fine, with which step or tolerance.
 
-use mpm_core::scene::{Dimension, Integrator, LoadOn, Scene, ShapeChoice, StepChoice, Surcharge, TimeMethod};
+use mpm_core::scene::{Dimension, Fields, Integrator, LoadOn, Scene, ShapeChoice, StepChoice, Surcharge, TimeMethod};
 use mpm_core::stability::choose_step;
 use mpm_verify::study::plan::{remesh, set_family};
 use mpm_verify::study::{Family, word};
@@ -58,25 +58,30 @@ impl Setting {
     /// A mesh that does not divide the column, no square number of particles, a step that cannot be chosen.
     pub fn points(base: &Scene, choice: &Choice) -> Result<Self, String> {
         let Choice { integrator, shape, mesh, ppc, time, dimension } = *choice;
-        let base = Scene { dimension, ..base.clone() };
-        let mut scene = remesh(&base, mesh, ppc)?;
-        scene.surcharge = scene.surcharge.map(|s| Surcharge { on: LoadOn::Surface, ..s });
-        // What is timed is the solution, not the reading of a curve.
-        scene.history = 0;
+        let base = base.edited(|s| s.dimension = dimension)?;
         let mut case = format!("{}-{}-L{mesh}-ppc{ppc}", word(integrator), word(shape));
+        let family = |scene: &mut Fields, tolerance| set_family(scene, &Family::whole(integrator, shape), tolerance);
+        let mut scene = remesh(&base, mesh, ppc)?.edited(|scene| {
+            scene.surcharge = scene.surcharge.map(|s| Surcharge { on: LoadOn::Surface, ..s });
+            // What is timed is the solution, not the reading of a curve.
+            scene.history = 0;
+            match time {
+                Time::Step(_) => family(scene, scene.tolerance),
+                Time::Tolerance(tolerance, method) => {
+                    family(scene, tolerance);
+                    scene.method = method;
+                }
+            }
+        })?;
         match time {
             Time::Step(parts) => {
-                let unused = scene.tolerance;
-                set_family(&mut scene, &Family::whole(integrator, shape), unused);
                 if parts > 1 {
                     let whole = choose_step(&scene).map_err(|e| format!("{case}: {e}"))?;
-                    scene.step = StepChoice::Fixed(whole / f64::from(parts));
+                    scene = scene.edited(|scene| scene.step = StepChoice::Fixed(whole / f64::from(parts)))?;
                     case += &format!("-step1/{parts}");
                 }
             }
             Time::Tolerance(tolerance, method) => {
-                set_family(&mut scene, &Family::whole(integrator, shape), tolerance);
-                scene.method = method;
                 case += &format!("-tol{tolerance:e}");
                 if method == TimeMethod::Sdirk {
                     case += "-sdirk";
@@ -86,7 +91,7 @@ impl Setting {
         if dimension == Dimension::PlaneStrain {
             case += "-plane-strain";
         }
-        scene.name.clone_from(&case);
+        scene = scene.edited(|scene| scene.name.clone_from(&case))?;
         Ok(Self { case, solver: Solver::Points(Box::new(scene)) })
     }
 

@@ -25,7 +25,7 @@
 //! grow, slowly and with an eigenvalue far from -1, above a step that falls with k: [`Medium::lagged_inertia_column`].
 
 use crate::scene::{
-    DarcyChoice, Dimension, Integrator, PAPER_STEP, Scene, ShapeChoice, SolidSide, StepChoice, THROUGH_CELLS,
+    DarcyChoice, Dimension, Fields, Integrator, PAPER_STEP, ShapeChoice, SolidSide, StepChoice, THROUGH_CELLS,
 };
 
 /// What the limit depends on.
@@ -62,7 +62,7 @@ pub fn shortest_transfer(per_direction: usize) -> f64 {
 
 impl Medium {
     /// The medium of a scene.
-    pub fn of(scene: &Scene) -> Self {
+    pub fn of(scene: &Fields) -> Self {
         let pore_stiffness = scene.pore_stiffness();
         let with_inertia = scene.darcy_inertia && !flow_passes_held_soil(scene) && !scene.moves_through_cells();
         let flow_inertia = scene.water.filter(|_| with_inertia).map_or(0.0, |w| w.density);
@@ -351,7 +351,7 @@ fn wave(i: u32) -> f64 {
 ///
 /// There a_s = 0 whatever the pressure, so `rho_w a_s` cannot relieve Darcy's law and the lower limit holds: at a
 /// drained side on rollers, and along a fixed side in plane strain.
-fn flow_passes_held_soil(scene: &Scene) -> bool {
+fn flow_passes_held_soil(scene: &Fields) -> bool {
     let held = |i: usize| scene.solid_sides[i] != SolidSide::Free;
     let drained = |i: usize| scene.stages.iter().any(|stage| stage.drained[i]);
     let along = scene.dimension == Dimension::PlaneStrain && scene.solid_sides.contains(&SolidSide::Fixed);
@@ -364,17 +364,17 @@ fn flow_passes_held_soil(scene: &Scene) -> bool {
 /// (L = 0.1 and 0.02, 1, 4 and 9 particles per cell) runs hold up to 1.001 to 1.007 times that. B-splines are softer
 /// but at a free end, and are held to the limit without inertia in Darcy's law (they run up to 1.010 to 1.177 times it
 /// with inertia): the lumped mass of their last coefficient is smaller than that which the relief counts on.
-pub fn explicit_limit(scene: &Scene) -> f64 {
+pub fn explicit_limit(scene: &Fields) -> f64 {
     if !scene.moves_through_cells() {
         return worst_layer(scene, explicit_limit_of);
     }
     // Water is stiffer, K_w/n, in the pores that a load leaves.
     let porosity = scene.compressed_porosity();
     let porosity = if porosity > 0.0 { porosity } else { scene.porosity };
-    PARTLY_FILLED.sqrt() * worst_layer(&Scene { porosity, ..scene.clone() }, explicit_limit_of)
+    PARTLY_FILLED.sqrt() * worst_layer(&Fields { porosity, ..scene.clone() }, explicit_limit_of)
 }
 
-fn explicit_limit_of(scene: &Scene) -> f64 {
+fn explicit_limit_of(scene: &Fields) -> f64 {
     let medium = Medium::of(scene);
     if scene.shape == ShapeChoice::Bspline2 {
         let medium = Medium { flow_inertia: 0.0, ..medium };
@@ -401,19 +401,19 @@ fn explicit_limit_of(scene: &Scene) -> f64 {
 /// `rho_w a_s` in Darcy's law is that of the step before. It raises the step at which an eigenvalue is -1, which is not
 /// counted on, and makes waves grow slowly above a step of its own. B-splines are softer inside the mesh than linear
 /// functions and held to the same.
-pub fn semi_implicit_limit(scene: &Scene) -> f64 {
+pub fn semi_implicit_limit(scene: &Fields) -> f64 {
     worst_layer(scene, |soil| semi_implicit_limit_of(soil).min(Medium::of(soil).round_off()))
 }
 
 /// [`stable_limit`] without what round-off takes: that of exact numbers, s.
-pub fn limit_of_exact_numbers(scene: &Scene) -> f64 {
+pub fn limit_of_exact_numbers(scene: &Fields) -> f64 {
     match scene.integrator {
         Integrator::SemiImplicit => worst_layer(scene, semi_implicit_limit_of),
         _ => stable_limit(scene),
     }
 }
 
-fn semi_implicit_limit_of(scene: &Scene) -> f64 {
+fn semi_implicit_limit_of(scene: &Fields) -> f64 {
     let medium = Medium { flow_inertia: 0.0, ..Medium::of(scene) };
     let mut limit = semi_implicit_without_inertia(scene, &medium);
     if scene.moves_through_cells() {
@@ -434,13 +434,13 @@ fn semi_implicit_limit_of(scene: &Scene) -> f64 {
 /// What a surface that comes down within its cell leaves of a semi-implicit step. The step is as long as the water makes the soil
 /// stiff enough by its flow, `Q_dt = C^2/(H dt)` beside M: a cell of which a part f is soil has `f^2/(2/f + 2/(1 + f))` of the one
 /// and f of the other.
-fn left_by_surface(scene: &Scene) -> f64 {
+fn left_by_surface(scene: &Fields) -> f64 {
     let f = 1.0 - (scene.estimate().settlement_m / scene.cell).clamp(0.0, THROUGH_CELLS);
     3.0 * f * f * (1.0 + f) / (2.0 + 4.0 * f)
 }
 
 /// The same of a medium with Darcy's law free of inertia.
-fn semi_implicit_without_inertia(scene: &Scene, medium: &Medium) -> f64 {
+fn semi_implicit_without_inertia(scene: &Fields, medium: &Medium) -> f64 {
     let shear = scene.elastic.shear_modulus();
     match (scene.shape, scene.dimension) {
         (ShapeChoice::Bspline2, dimension) => medium.dry_splines(dimension),
@@ -454,7 +454,7 @@ fn semi_implicit_without_inertia(scene: &Scene, medium: &Medium) -> f64 {
 ///
 /// No eigenvalue of a mesh is larger than the largest one of its cells, and the flow between two cells of different
 /// conductivity, the harmonic mean, is at most that between two of the better one.
-fn worst_layer(scene: &Scene, limit: impl Fn(&Scene) -> f64) -> f64 {
+fn worst_layer(scene: &Fields, limit: impl Fn(&Fields) -> f64) -> f64 {
     if scene.layers.is_empty() {
         return limit(scene);
     }
@@ -462,14 +462,14 @@ fn worst_layer(scene: &Scene, limit: impl Fn(&Scene) -> f64) -> f64 {
 }
 
 /// Largest stable step of a scene with its own integrator, s; infinite where there is none.
-pub fn stable_limit(scene: &Scene) -> f64 {
+pub fn stable_limit(scene: &Fields) -> f64 {
     match scene.integrator {
         Integrator::Explicit => explicit_limit(scene),
         Integrator::SemiImplicit => semi_implicit_limit(scene),
         Integrator::QuasiStatic => f64::INFINITY,
         // The water keeps its pressures while the soil moves: the skeleton is alone, and lightest where it is dry.
         Integrator::TwoClocks | Integrator::Coupled => {
-            worst_layer(&Scene { water: None, ..scene.clone() }, explicit_limit_of)
+            worst_layer(&Fields { water: None, ..scene.clone() }, explicit_limit_of)
         }
     }
 }
@@ -490,7 +490,7 @@ pub struct StepTooLarge {
 ///
 /// # Errors
 /// A fixed step above the limit, unless the scene is forced.
-pub fn choose_step(scene: &Scene) -> Result<f64, StepTooLarge> {
+pub fn choose_step(scene: &Fields) -> Result<f64, StepTooLarge> {
     let limit = stable_limit(scene);
     if scene.integrator == Integrator::QuasiStatic {
         return Ok(limit);

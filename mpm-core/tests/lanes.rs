@@ -53,12 +53,13 @@ const DRY: [&str; 7] = [
 fn flying(cells: [usize; 2], shape: &str) -> Scene {
     let shape = format!("shape = \"{shape}\"");
     let more = ["cell = 0.05", "width = 0.1", "particles_per_cell = 9", "-[surcharge]", &shape];
-    let mut scene = wet(&[&DRY[..], &more].concat());
-    (scene.cells, scene.width, scene.height) = (cells, 0.05 * cells[0] as f64, 0.05 * cells[1] as f64);
-    scene.headroom_cells = 8;
-    scene.solid_sides[2] = SolidSide::Free;
-    scene.gravity = Some(-100.0);
-    scene
+    // No scene has gravity upwards.
+    wet(&[&DRY[..], &more].concat()).altered_unchecked(|scene| {
+        (scene.cells, scene.width, scene.height) = (cells, 0.05 * cells[0] as f64, 0.05 * cells[1] as f64);
+        scene.headroom_cells = 8;
+        scene.solid_sides[2] = SolidSide::Free;
+        scene.gravity = Some(-100.0);
+    })
 }
 
 /// Without what soil that moves through cells needs.
@@ -66,16 +67,17 @@ const PLAIN: &str = "darcy_inertia -> darcy_inertia = false\nlight_nodes = 0.0";
 
 /// A saturated block of so many cells of 0.05 m under a load so heavy that water particles change their cells.
 fn heavy(cells: [usize; 2]) -> Scene {
-    let mut scene = wet(&["pressure = 2.0e7", "cell = 0.05", "particles_per_cell = 49", "width = 0.1", PLAIN]);
-    (scene.cells, scene.width, scene.height) = (cells, 0.05 * cells[0] as f64, 0.05 * cells[1] as f64);
-    scene
+    wet(&["pressure = 2.0e7", "cell = 0.05", "particles_per_cell = 49", "width = 0.1", PLAIN])
+        .edited(|scene| {
+            (scene.cells, scene.width, scene.height) = (cells, 0.05 * cells[0] as f64, 0.05 * cells[1] as f64)
+        })
+        .expect("a sound scene")
 }
 
 /// The same scene with soil that yields under hardly any load.
-fn weak(mut scene: Scene, cohesion: f64) -> Scene {
-    let tension_cutoff = Some(cohesion);
-    scene.strength = Some(Strength { cohesion, friction_angle: 15.0, dilation_angle: 5.0, tension_cutoff });
-    scene
+fn weak(scene: Scene, cohesion: f64) -> Scene {
+    let strength = Strength { cohesion, friction_angle: 15.0, dilation_angle: 5.0, tension_cutoff: Some(cohesion) };
+    scene.altered_unchecked(|scene| scene.strength = Some(strength))
 }
 
 /// Scenes small enough for one strip of cells, with the steps to take.
@@ -161,12 +163,14 @@ fn threads_and_lanes_do_not_change_bits() {
 #[test]
 fn threads_do_not_change_bits_of_other_steps() {
     let still = |mut scene: Scene| {
-        scene.surcharge.iter_mut().for_each(|load| load.pressure = 1.0e4);
+        scene = scene
+            .edited(|scene| scene.surcharge.iter_mut().for_each(|load| load.pressure = 1.0e4))
+            .expect("a sound scene");
         scene
     };
-    let solved = Scene { integrator: Integrator::SemiImplicit, ..still(heavy([30, 40])) };
-    let nodal = Scene { darcy: DarcyChoice::Nodal, ..still(heavy([30, 40])) };
-    let wide = Scene { shape: ShapeChoice::Bspline2, ..still(heavy([30, 40])) };
+    let solved = still(heavy([30, 40])).edited(|s| s.integrator = Integrator::SemiImplicit).expect("a sound scene");
+    let nodal = still(heavy([30, 40])).edited(|s| s.darcy = DarcyChoice::Nodal).expect("a sound scene");
+    let wide = still(heavy([30, 40])).edited(|s| s.shape = ShapeChoice::Bspline2).expect("a sound scene");
     for scene in [solved, nodal, wide] {
         let one = seen(&Hardware::default(), &scene, 20);
         let two = seen(&Hardware::threads(2).expect("threads"), &scene, 20);
@@ -178,8 +182,7 @@ fn threads_do_not_change_bits_of_other_steps() {
 fn comparison_of_bits_can_fail() {
     let scene = wet(&[]);
     let (state, _) = seen(&Hardware::default(), &scene, 40);
-    let mut other = scene.clone();
-    other.flip *= 1.0 - 1e-15;
+    let other = scene.edited(|other| other.flip *= 1.0 - 1e-15).expect("a sound scene");
     let (changed, _) = seen(&Hardware::default(), &other, 40);
     assert_ne!(format!("{changed:?}"), format!("{state:?}"));
 }

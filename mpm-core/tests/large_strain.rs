@@ -167,8 +167,9 @@ fn a_balance_that_does_not_close_is_named_since_when() {
     let rest = format!(
         "{SOIL}\n{WATER}\n[surcharge]\npressure = 500.0\n[[stages]]\ndrained = [\"top\"]\nuntil.time_factor = 0.2"
     );
-    let mut scene = soft("semi-implicit", 0.24, "undrained-equilibrium", &format!("{rest}\n[observe]\nhistory = 8"));
-    scene.shape = ShapeChoice::Centre;
+    let scene = soft("semi-implicit", 0.24, "undrained-equilibrium", &format!("{rest}\n[observe]\nhistory = 8"))
+        .edited(|scene| scene.shape = ShapeChoice::Centre)
+        .expect("a sound scene");
     let run = completed(&scene);
     let sound = run.trust.expect("a verdict");
     assert_eq!((sound.verdict, sound.since_s), ("closed", None));
@@ -210,7 +211,7 @@ fn a_run_whose_balances_do_not_close_ends_there() {
     );
     let scene = soft("semi-implicit", 0.12, "undrained-equilibrium", &rest);
     assert!(run(&scene, &mut |_| {}).is_err(), "refused before the first step");
-    let forced = run(&Scene { force: true, ..scene }, &mut |_| {}).expect("forced");
+    let forced = run(&scene.edited(|s| s.force = true).expect("a sound scene"), &mut |_| {}).expect("forced");
     let trust = forced.trust.expect("a verdict");
     assert_eq!((forced.failure, trust.verdict), (None, "not closed"), "{trust:?}");
 }

@@ -15,10 +15,13 @@ const DYNAMIC: [ShapeChoice; 4] = [ShapeChoice::Centre, ShapeChoice::Linear, Sha
 
 /// A short consolidation in cells of 10 cm; the upper and the lower half with so much of E and k.
 fn halves(integrator: Integrator, shape: ShapeChoice, shares: [[f64; 2]; 2]) -> Scene {
-    let mut scene = scene(&["cell = 0.1", "particles_per_cell = 9", "until.time_factor = 0.2", "-time_factors"]);
-    (scene.integrator, scene.shape) = (integrator, shape);
+    let mut scene = scene(&["cell = 0.1", "particles_per_cell = 9", "until.time_factor = 0.2", "-time_factors"])
+        .edited(|scene| (scene.integrator, scene.shape) = (integrator, shape))
+        .expect("a sound scene");
     if integrator == Integrator::QuasiStatic {
-        (scene.strain, scene.darcy_inertia, scene.tolerance) = (StrainChoice::Small, false, 1e-6);
+        scene = scene
+            .edited(|scene| (scene.strain, scene.darcy_inertia, scene.tolerance) = (StrainChoice::Small, false, 1e-6))
+            .expect("a sound scene");
     }
     let water = scene.water.expect("a wet scene");
     let soil = |up_to: f64, [stiffer, faster]: [f64; 2]| {
@@ -32,7 +35,8 @@ fn halves(integrator: Integrator, shape: ShapeChoice, shares: [[f64; 2]; 2]) -> 
             hydraulic_conductivity: faster * water.hydraulic_conductivity,
         }
     };
-    scene.layers = vec![soil(0.5, shares[1]), soil(1.0, shares[0])];
+    scene =
+        scene.edited(|scene| scene.layers = vec![soil(0.5, shares[1]), soil(1.0, shares[0])]).expect("a sound scene");
     scene
 }
 
@@ -41,7 +45,7 @@ fn alike(integrator: Integrator, shape: ShapeChoice) -> Scene {
 }
 
 fn without_layers(scene: &Scene) -> Scene {
-    Scene { layers: Vec::new(), ..scene.clone() }
+    scene.edited(|s| s.layers = Vec::new()).expect("a sound scene")
 }
 
 /// Settlements and pressures of all samples.
@@ -108,14 +112,17 @@ fn a_column_and_plane_strain_agree() {
     ];
     for (integrator, shape) in cases {
         // One factor for both: in plane strain the usual one is larger.
-        let column = Scene { jump_penalty: Some(1e-4), ..halves(integrator, shape, shares) };
-        let mut plane = column.clone();
-        (plane.dimension, plane.width, plane.cells[0]) = (Dimension::PlaneStrain, 0.2, 2);
-        plane.step = StepChoice::Fixed(0.5 * stable_limit(&plane).min(stable_limit(&column)).min(1.0));
-        let column = Scene { step: plane.step, ..column };
+        let penalty = shape.spline_degree().map(|_| 1e-4);
+        let column = halves(integrator, shape, shares).edited(|s| s.jump_penalty = penalty).expect("a sound scene");
+        let plane = column
+            .edited(|plane| {
+                (plane.dimension, plane.width, plane.cells[0]) = (Dimension::PlaneStrain, 0.2, 2);
+            })
+            .expect("a sound scene");
+        let step = StepChoice::Fixed(0.5 * stable_limit(&plane).min(stable_limit(&column)).min(1.0));
         let scenes = [column, plane].map(|scene| match integrator {
-            Integrator::QuasiStatic => Scene { step: StepChoice::Auto, ..scene },
-            _ => scene,
+            Integrator::QuasiStatic => scene,
+            _ => scene.edited(|s| s.step = step).expect("a sound scene"),
         });
         let [a, b] = scenes.map(|scene| completed(&scene).samples.last().expect("samples").state.clone());
         assert!(apart(a.settlement, b.settlement) < 1e-7, "{integrator:?} {shape:?}");
@@ -127,10 +134,14 @@ fn a_column_and_plane_strain_agree() {
 
 /// Largest speed of a particle after 4000 steps, m/s; infinite for a run that stopped.
 fn speed_after(scene: &Scene, step: f64) -> f64 {
-    let mut scene = Scene { step: StepChoice::Fixed(step), force: true, ..scene.clone() };
     let end = 4000.0 * step;
-    scene.observe_times = vec![end];
-    scene.stages[0].until = Until::Time(end);
+    let scene = scene
+        .edited(|scene| {
+            (scene.step, scene.force) = (StepChoice::Fixed(step), true);
+            scene.observe_times = vec![end];
+            scene.stages[0].until = Until::Time(end);
+        })
+        .expect("a sound scene");
     let run = run(&scene, &mut |_| {}).expect("a forced step");
     if run.failure.is_some() { f64::INFINITY } else { run.samples.last().expect("samples").state.max_speed }
 }
@@ -143,8 +154,12 @@ fn the_worst_layer_decides_the_step() {
         for pair in pairs.into_iter().flat_map(|[a, b]| [[a, b], [b, a]]) {
             let mut layered = halves(integrator, ShapeChoice::Centre, pair);
             // The limit counts on no inertia in Darcy's law, and the load hardly strains the softest soil.
-            layered.darcy_inertia = false;
-            layered.surcharge = layered.surcharge.map(|s| Surcharge { pressure: 1e-3 * s.pressure, ..s });
+            layered = layered
+                .edited(|layered| {
+                    layered.darcy_inertia = false;
+                    layered.surcharge = layered.surcharge.map(|s| Surcharge { pressure: 1e-3 * s.pressure, ..s });
+                })
+                .expect("a sound scene");
             let limit = stable_limit(&layered);
             let alone = layered.by_layer().iter().map(|(_, soil)| stable_limit(soil)).fold(f64::INFINITY, f64::min);
             assert_eq!(limit, alone);

@@ -161,7 +161,7 @@ fn incompressible_water_closes_to_round_off() {
 
 /// A column that yields while it consolidates: friction of 15 degrees holds less than K_0 asks for.
 fn yielding(integrator: &str, shape: &str, dimension: &str, safety: &str) -> Ledger {
-    let mut scene = scene(&[
+    let scene = scene(&[
         &format!("integrator = \"{integrator}\""),
         &format!("shape = \"{shape}\""),
         &format!("dimension = \"{dimension}\""),
@@ -171,9 +171,12 @@ fn yielding(integrator: &str, shape: &str, dimension: &str, safety: &str) -> Led
         "until.time_factor = 0.5",
         "-time_factors",
         "drained = [\"top\"]\ndamping = 1.0",
-    ]);
-    scene.strength =
-        Some(Strength { cohesion: 100.0, friction_angle: 15.0, dilation_angle: 0.0, tension_cutoff: Some(0.0) });
+    ])
+    .edited(|scene| {
+        scene.strength =
+            Some(Strength { cohesion: 100.0, friction_angle: 15.0, dilation_angle: 0.0, tension_cutoff: Some(0.0) });
+    })
+    .expect("a sound scene");
     last(&completed(&scene)).0.to_owned()
 }
 

@@ -9,20 +9,23 @@ use mpm_core::boundary::{FirstState, Given};
 use mpm_core::drive::Run;
 use mpm_core::run::{run, run_given};
 use mpm_core::scene::{
-    Elastic, Integrator, Quadrature, Scene, ShapeChoice, SoilLayer, SolidSide, Start, StrainChoice, Surcharge, Until,
+    Elastic, Fields, Integrator, Quadrature, Scene, ShapeChoice, SoilLayer, SolidSide, Start, StrainChoice, Surcharge,
+    Until,
 };
 use mpm_core::stability::{explicit_limit, semi_implicit_limit, stable_limit};
 
 /// A free saturated column of ten cells, drained at both ends, under a small pressure that its skeleton holds.
 fn free(integrator: Integrator, shape: ShapeChoice) -> Scene {
-    let mut scene = scene(&["cell = 0.1", "darcy_inertia = false", "-[surcharge]", "start = \"unloaded\""]);
-    (scene.integrator, scene.shape, scene.start) = (integrator, shape, Start::Unloaded);
-    (scene.headroom_cells, scene.solid_sides[2]) = (30, SolidSide::Free);
-    scene.light_nodes = scene.usual_light_nodes();
-    scene.stages[0].drained = [false, false, true, true];
-    scene.stages[0].until = Until::Time(0.1);
-    scene.observe_times = vec![0.05, 0.1];
-    scene
+    scene(&["cell = 0.1", "darcy_inertia = false", "-[surcharge]", "start = \"unloaded\""])
+        .edited(|scene| {
+            (scene.integrator, scene.shape, scene.start) = (integrator, shape, Start::Unloaded);
+            (scene.headroom_cells, scene.solid_sides[2]) = (30, SolidSide::Free);
+            scene.light_nodes = scene.usual_light_nodes();
+            scene.stages[0].drained = [false, false, true, true];
+            scene.stages[0].until = Until::Time(0.1);
+            scene.observe_times = vec![0.05, 0.1];
+        })
+        .expect("a sound scene")
 }
 
 /// Its run, `moved` by some metres and flying up with a speed (m/s).
@@ -81,20 +84,20 @@ fn soil_that_stays_in_its_cells_pays_nothing() {
     let heavy = scene(&["pressure = 1.0e6", "darcy_inertia = false"]);
     assert!(heavy.moves_through_cells());
     assert!(heavy.lends_inertia() && heavy.light_nodes == 0.0, "the geometry says how much of its top cell is soil");
-    let unknown = Scene { sideroom_cells: 2, ..heavy.clone() };
+    let unknown = Fields { sideroom_cells: 2, ..Fields::clone(&heavy) };
     assert!(!unknown.lends_inertia());
     assert_eq!(unknown.usual_light_nodes(), 0.125, "a quarter of one of two particles");
-    let dry = Scene { water: None, ..heavy.clone() };
+    let dry = Fields { water: None, ..Fields::clone(&heavy) };
     assert_eq!([heavy.most_crossings(), dry.most_crossings()], [u64::MAX, 100]);
-    let alone = Scene { particles_per_cell: 1, ..unknown };
+    let alone = Fields { particles_per_cell: 1, ..unknown };
     assert_eq!(alone.usual_light_nodes(), 0.25);
-    let splines = Scene { shape: ShapeChoice::Bspline2, ..heavy.clone() };
+    let splines = Fields { shape: ShapeChoice::Bspline2, ..Fields::clone(&heavy) };
     assert_eq!(splines.usual_light_nodes(), 0.0);
-    assert_eq!(Scene { shape: ShapeChoice::Bspline2, ..dry }.most_crossings(), u64::MAX);
+    assert_eq!(Fields { shape: ShapeChoice::Bspline2, ..dry }.most_crossings(), u64::MAX);
     // Cells filled in part leave sqrt(3/4) of the step of the soil that the load has compressed.
     let light = scene(&["darcy_inertia = false"]);
     let porosity = 1.0 - 0.7 * f64::exp(1.0e6 / light.oedometer_modulus());
-    let dense = Scene { porosity, ..light.clone() };
+    let dense = Fields { porosity, ..Fields::clone(&light) };
     let limits = [explicit_limit(&dense), explicit_limit(&light)];
     assert!((0.25..0.3).contains(&porosity) && limits[0] < limits[1], "{porosity} {limits:?}");
     assert!((explicit_limit(&heavy) / explicit_limit(&dense) - 0.75_f64.sqrt()).abs() < 1e-12);
@@ -112,10 +115,13 @@ fn crossings_that_have_made_too_much_noise_stop_the_run() {
         "drained -> damping = 0.0",
         "until.time_factor -> until.time = 1.0",
         "-time_factors",
-    ]);
-    (flight.cell, flight.cells, flight.height) = (0.1, [1, 2], 0.2);
-    (flight.headroom_cells, flight.solid_sides[2]) = (150, SolidSide::Free);
-    flight.light_nodes = flight.usual_light_nodes();
+    ])
+    .edited(|flight| {
+        (flight.cell, flight.cells, flight.height) = (0.1, [1, 2], 0.2);
+        (flight.headroom_cells, flight.solid_sides[2]) = (150, SolidSide::Free);
+        flight.light_nodes = flight.usual_light_nodes();
+    })
+    .expect("a sound scene");
     let fly = |scene: &Scene| {
         let start = |_: [f64; 2]| FirstState { velocity: [0.0, 14.0], ..FirstState::default() };
         let given = Given { start: Some(Arc::new(start)), moved: [0.0, 0.03], ..Given::default() };
@@ -123,9 +129,9 @@ fn crossings_that_have_made_too_much_noise_stop_the_run() {
     };
     let stopped = fly(&flight).expect("a reason");
     assert!(stopped.contains("have crossed 100 cells each") && stopped.contains("--force"), "{stopped}");
-    assert_eq!(fly(&Scene { force: true, ..flight.clone() }), None);
-    assert_eq!(fly(&Scene { shape: ShapeChoice::Bspline2, ..flight.clone() }), None);
-    flight.stages[0].damping = 1e-3;
+    assert_eq!(fly(&flight.edited(|s| s.force = true).expect("a sound scene")), None);
+    assert_eq!(fly(&flight.edited(|s| s.shape = ShapeChoice::Bspline2).expect("a sound scene")), None);
+    flight = flight.edited(|flight| flight.stages[0].damping = 1e-3).expect("a sound scene");
     assert_eq!(fly(&flight), None, "damping lets noise die out");
 }
 
@@ -135,8 +141,11 @@ fn clay_of_any_tightness_is_stepped_as_far_as_round_off_lets() {
     let omega = 2.0 * (common::MODULUS / tight.mixture_density()).sqrt() / 0.05;
     let limit = stable_limit(&tight);
     assert!((limit * omega / (1e-7 / f64::EPSILON).sqrt() - 1.0).abs() < 1e-9, "{limit}");
-    let mut short = tight.clone();
-    (short.observe_times, short.stages[0].until) = (vec![100.0 * limit], Until::Time(100.0 * limit));
+    let short = tight
+        .edited(|short| {
+            (short.observe_times, short.stages[0].until) = (vec![100.0 * limit], Until::Time(100.0 * limit))
+        })
+        .expect("a sound scene");
     let settled = completed(&short).samples.last().expect("samples").state.settlement;
     let at_once = 1e4 * (1.0 - tight.undrained_share()) / common::MODULUS;
     assert!((settled / at_once - 1.0).abs() < 0.05, "{settled} {at_once}");
@@ -148,17 +157,21 @@ fn loads_that_a_scheme_does_not_bear_are_refused_unless_forced() {
         let mut scene = scene(&["darcy_inertia = false"]);
         let strain = cells * scene.cell / scene.height;
         let pressure = -scene.oedometer_modulus() * f64::ln_1p(-strain);
-        scene.surcharge = scene.surcharge.map(|load| Surcharge { pressure, ..load });
-        (scene.integrator, scene.shape) = (Integrator::SemiImplicit, shape);
-        scene.stages[0].until = Until::Time(1e-3);
-        scene.observe_times = vec![1e-3];
+        scene = scene
+            .edited(|scene| {
+                scene.surcharge = scene.surcharge.map(|load| Surcharge { pressure, ..load });
+                (scene.integrator, scene.shape) = (Integrator::SemiImplicit, shape);
+                scene.stages[0].until = Until::Time(1e-3);
+                scene.observe_times = vec![1e-3];
+            })
+            .expect("a sound scene");
         scene
     };
     let refused = |scene: &Scene| run(scene, &mut |_| {}).err().map(|e| e.to_string());
     // Functions of one cell know where the surface is, wider ones do not.
     for shape in [ShapeChoice::Centre, ShapeChoice::Linear, ShapeChoice::BBar] {
         assert_eq!(settling(3.0, shape).bears_its_load(), Ok(()));
-        let volumes = Scene { quadrature: Quadrature::Volumes, ..settling(0.11, shape) };
+        let volumes = settling(0.11, shape).edited(|s| s.quadrature = Quadrature::Volumes).expect("a sound scene");
         let words = refused(&volumes).expect("a refusal");
         assert!(words.starts_with("scheme.quadrature: expected \"fitted\"") && words.contains("0.11 cells"), "{words}");
     }
@@ -170,13 +183,18 @@ fn loads_that_a_scheme_does_not_bear_are_refused_unless_forced() {
             assert!(words.starts_with("scheme.shape: expected \"centre\"") && words.contains("0.11 cells"), "{words}");
         }
     }
-    let still = Scene { integrator: Integrator::QuasiStatic, ..settling(0.51, ShapeChoice::Bspline2) };
+    let still = settling(0.51, ShapeChoice::Bspline2)
+        .edited(|s| s.integrator = Integrator::QuasiStatic)
+        .expect("a sound scene");
     assert_eq!(still.bears_its_load(), Ok(()));
-    let forced = Scene { force: true, ..settling(0.11, ShapeChoice::Bspline2) };
+    let forced = settling(0.11, ShapeChoice::Bspline2).edited(|s| s.force = true).expect("a sound scene");
     assert_eq!(forced.bears_its_load(), Ok(()));
     // Water that cannot leave carries the load.
-    let mut closed = settling(0.51, ShapeChoice::Bspline2);
-    closed.stages[0].drained = [false; 4];
+    let closed = settling(0.51, ShapeChoice::Bspline2)
+        .edited(|closed| {
+            closed.stages[0].drained = [false; 4];
+        })
+        .expect("a sound scene");
     assert_eq!(closed.bears_its_load(), Ok(()));
     // Half of the soil settles as much as all of it under half of the load's strain.
     let halves = |upper: f64| {
@@ -184,7 +202,9 @@ fn loads_that_a_scheme_does_not_bear_are_refused_unless_forced() {
         let stiff = Elastic { youngs_modulus: upper * scene.elastic.youngs_modulus, ..scene.elastic };
         let layer =
             |up_to, elastic| SoilLayer { up_to, elastic, strength: None, cam_clay: None, hydraulic_conductivity: 1e-4 };
-        scene.layers = vec![layer(0.5 * scene.height, scene.elastic), layer(scene.height, stiff)];
+        scene = scene
+            .edited(|scene| scene.layers = vec![layer(0.5 * scene.height, scene.elastic), layer(scene.height, stiff)])
+            .expect("a sound scene");
         scene.bears_its_load().map_err(|e| e.found)
     };
     assert_eq!(halves(1e3), Ok(()));
@@ -194,14 +214,17 @@ fn loads_that_a_scheme_does_not_bear_are_refused_unless_forced() {
     assert!(words.starts_with("mesh.headroom_cells"), "{words}");
     assert_eq!(settling(-0.24, ShapeChoice::Centre).bears_its_load(), Ok(()));
     // 0.28 of the height is more than the pores.
-    let drained = Scene { porosity: 0.25, ..settling(14.0, ShapeChoice::Centre) };
+    let drained = settling(14.0, ShapeChoice::Centre).edited(|s| s.porosity = 0.25).expect("a sound scene");
     let words = refused(&drained).expect("a refusal");
     assert!(words.contains("keeps water in its pores") && words.contains("14.00 cells"), "{words}");
     // Small strain takes small strains.
-    let small = |cells: f64| Scene {
-        integrator: Integrator::QuasiStatic,
-        strain: StrainChoice::Small,
-        ..settling(cells, ShapeChoice::Centre)
+    let small = |cells: f64| {
+        settling(cells, ShapeChoice::Centre)
+            .edited(|s| {
+                s.integrator = Integrator::QuasiStatic;
+                s.strain = StrainChoice::Small;
+            })
+            .expect("a sound scene")
     };
     assert_eq!(small(4.0).bears_its_load(), Ok(()));
     assert!(small(4.0).notes()[0].contains("off by about"), "{:?}", small(4.0).notes());
@@ -241,22 +264,51 @@ fn an_outline_settles_by_its_crest() {
 fn light_nodes_single_points_and_viscous_transfers_are_refused() {
     let key = |scene: &Scene| scene.bears_its_load().err().map(|e| e.key);
     let column = scene(&["cell = 0.1"]);
-    let gimp = Scene { shape: ShapeChoice::Gimp, ..column.clone() };
+    let gimp = column.edited(|s| s.shape = ShapeChoice::Gimp).expect("a sound scene");
     assert_eq!(key(&gimp), None);
     // Heave of 1e-4 was 5 % off, closed balances and all.
-    assert_eq!(key(&Scene { headroom_cells: 1, ..gimp.clone() }), Some("mesh.headroom_cells"));
-    assert_eq!(key(&Scene { headroom_cells: 1, integrator: Integrator::QuasiStatic, ..gimp }), None);
+    assert_eq!(key(&gimp.edited(|s| s.headroom_cells = 1).expect("a sound scene")), Some("mesh.headroom_cells"));
+    assert_eq!(
+        key(&gimp
+            .edited(|s| {
+                s.headroom_cells = 1;
+                s.integrator = Integrator::QuasiStatic;
+            })
+            .expect("a sound scene")),
+        None
+    );
     // Under weight the settlement of one particle per cell was 2 to 15 % off.
-    let single = Scene { shape: ShapeChoice::Bspline2, particles_per_cell: 1, ..column.clone() };
+    let single = column
+        .edited(|s| {
+            s.shape = ShapeChoice::Bspline2;
+            s.particles_per_cell = 1;
+        })
+        .expect("a sound scene");
     assert_eq!(key(&single), None);
-    assert_eq!(key(&Scene { gravity: Some(9.81), ..single.clone() }), Some("mesh.particles_per_cell"));
-    assert_eq!(key(&Scene { gravity: Some(9.81), particles_per_cell: 4, ..single }), None);
+    assert_eq!(
+        key(&single.edited(|s| s.gravity = Some(9.81)).expect("a sound scene")),
+        Some("mesh.particles_per_cell")
+    );
+    assert_eq!(
+        key(&single
+            .edited(|s| {
+                s.gravity = Some(9.81);
+                s.particles_per_cell = 4;
+            })
+            .expect("a sound scene")),
+        None
+    );
     // PIC: the shorter the steps, the later.
-    let mut drains = Scene { observe_times: vec![0.1], flip: 0.0, ..column };
-    drains.stages[0].until = Until::Time(0.1);
+    let drains = column
+        .edited(|s| {
+            s.observe_times = vec![0.1];
+            s.flip = 0.0;
+            s.stages[0].until = Until::Time(0.1);
+        })
+        .expect("a sound scene");
     let late = |safety: f64| {
-        let scene = Scene { safety, ..drains.clone() };
-        let run = run(&Scene { force: true, ..scene.clone() }, &mut |_| {}).expect("a start");
+        let scene = drains.edited(|s| s.safety = safety).expect("a sound scene");
+        let run = run(&scene.edited(|s| s.force = true).expect("a sound scene"), &mut |_| {}).expect("a start");
         let plain = run_of_flip(&scene);
         (key(&scene), 1.0 - run.samples.last().map_or(f64::NAN, |s| s.state.settlement) / plain)
     };
@@ -267,6 +319,6 @@ fn light_nodes_single_points_and_viscous_transfers_are_refused() {
 
 /// Settlement at the end of the same scene with FLIP, m.
 fn run_of_flip(scene: &Scene) -> f64 {
-    let run = run(&Scene { flip: 1.0, ..scene.clone() }, &mut |_| {}).expect("a start");
+    let run = run(&scene.edited(|s| s.flip = 1.0).expect("a sound scene"), &mut |_| {}).expect("a start");
     run.samples.last().map_or(f64::NAN, |s| s.state.settlement)
 }

@@ -64,10 +64,14 @@ fn a_hydrostatic_column_stays_at_rest() {
 
 /// Whether a column stays at rest over stencils.
 fn rests_over_stencils(dimension: &str, integrator: &str, shape: &str, gravity: &str) -> bool {
-    let mut scene = at_rest(dimension, "face", shape);
-    scene.integrator = if integrator == "explicit" { Integrator::Explicit } else { Integrator::SemiImplicit };
+    let mut scene = at_rest(dimension, "face", shape)
+        .edited(|scene| {
+            scene.integrator = if integrator == "explicit" { Integrator::Explicit } else { Integrator::SemiImplicit }
+        })
+        .expect("a sound scene");
     if gravity == "none" {
-        scene.gravity = Some(0.0);
+        // A weight of nothing, which no scene has, in place of none at all.
+        scene = scene.altered_unchecked(|scene| scene.gravity = Some(0.0));
     }
     let run = completed(&scene);
     println!("{dimension} {integrator} {shape}: {}", figures(&unrest(&scene, &run)));
@@ -96,7 +100,7 @@ fn hydrostatic(scene: &Scene, height: f64) -> (f64, f64) {
 fn rest_check_can_fail() {
     let scene = at_rest("column", "face", "centre");
     let under = |gravity| {
-        let scene = Scene { gravity: Some(gravity), ..scene.clone() };
+        let scene = scene.edited(|s| s.gravity = Some(gravity)).expect("a sound scene");
         drive(&scene, started(&scene, hydrostatic).as_mut(), 0.9 * explicit_limit(&scene), &mut |_| {})
     };
     assert!(rests(&scene, &under(GRAVITY)));
@@ -117,16 +121,17 @@ fn the_printed_sign_of_darcys_law_makes_still_water_flow() {
     // The same from the solver: relative velocity v* = flux/n of the water away from the ends after one step.
     let scene = at_rest("column", "face", "centre");
     assert!(first_flow(&scene, GRAVITY).abs() < 1e-12 * CONDUCTIVITY);
-    let nodal = Scene { darcy: DarcyChoice::Nodal, ..scene.clone() };
+    let nodal = scene.edited(|s| s.darcy = DarcyChoice::Nodal).expect("a sound scene");
     assert!(first_flow(&nodal, GRAVITY).abs() < 1e-12 * CONDUCTIVITY);
     // `grad p` and `rho_w g` with the same sign: the corrected equation under gravity that points upwards.
-    let upwards = Scene { darcy_inertia: false, ..scene };
+    let upwards = scene.edited(|s| s.darcy_inertia = false).expect("a sound scene");
     assert!(apart(first_flow(&upwards, -GRAVITY), 2.0 * CONDUCTIVITY / POROSITY) < 1e-12);
 }
 
 /// Velocity of the water beside the soil at mid height after one step from the hydrostatic state under a gravity, m/s.
 fn first_flow(scene: &Scene, gravity: f64) -> f64 {
-    let scene = Scene { gravity: Some(gravity), ..scene.clone() };
+    // It may point upwards, which no scene has.
+    let scene = scene.clone().altered_unchecked(|scene| scene.gravity = Some(gravity));
     let first = |scene: &Scene, height| hydrostatic(scene, height);
     let mut model = started(&scene, first);
     model.enter_stage(&scene.stages[0], &[]).expect("a stage");
@@ -213,7 +218,7 @@ fn semi_implicit_compression_reaches_its_pressure() {
 
 #[test]
 fn water_that_can_neither_yield_nor_flow_is_a_fault() {
-    let mut scene = scene(&[
+    let scene = scene(&[
         "integrator = \"semi-implicit\"",
         "start = \"unloaded\"",
         "drained = \"none\"",
@@ -222,10 +227,12 @@ fn water_that_can_neither_yield_nor_flow_is_a_fault() {
         "-[surcharge]",
         "top = \"roller\"",
         "cell = 0.1",
-    ]);
-    scene.history = 0;
-    // The reader of scenes would refuse this.
-    scene.water = scene.water.map(|w| WaterProperties { bulk_modulus: f64::INFINITY, ..w });
+    ])
+    .altered_unchecked(|scene| {
+        scene.history = 0;
+        // The reader of scenes would refuse this.
+        scene.water = scene.water.map(|w| WaterProperties { bulk_modulus: f64::INFINITY, ..w });
+    });
     let failure = mpm_core::run::run(&scene, &mut |_| {}).expect("a run").failure.expect("a fault");
     println!("{failure}");
     assert!(failure.place.contains("pore pressure") && failure.what.contains("singular"), "{failure}");
@@ -233,7 +240,7 @@ fn water_that_can_neither_yield_nor_flow_is_a_fault() {
 
 /// Settlement (m) under a load on a part of the top.
 fn settled_under(integrator: &str, shape: &str, strip: Option<[f64; 2]>) -> f64 {
-    let mut scene = scene(&[
+    let scene = scene(&[
         "dimension = \"plane-strain\"",
         "start = \"unloaded\"",
         &format!("integrator = \"{integrator}\""),
@@ -243,10 +250,13 @@ fn settled_under(integrator: &str, shape: &str, strip: Option<[f64; 2]>) -> f64 
         "width = 0.4",
         "until.time_factor = 0.02",
         "-time_factors",
-    ]);
-    if let Some(surcharge) = &mut scene.surcharge {
-        surcharge.strip = strip.map(|[from, to]| LoadedStrip { from, to, taper: 0.0 });
-    }
+    ])
+    .edited(|scene| {
+        if let Some(surcharge) = &mut scene.surcharge {
+            surcharge.strip = strip.map(|[from, to]| LoadedStrip { from, to, taper: 0.0 });
+        }
+    })
+    .expect("a sound scene");
     let run = completed(&scene);
     run.samples[run.samples.len() - 1].state.settlement
 }
@@ -354,7 +364,7 @@ fn seepage(dimension: &str) -> Scene {
 fn steady_seepage_moves_the_water_at_the_flux_over_the_porosity() {
     for dimension in ["column", "plane-strain"] {
         for darcy in [DarcyChoice::Face, DarcyChoice::Nodal] {
-            seeps(&Scene { darcy, ..seepage(dimension) });
+            seeps(&seepage(dimension).edited(|s| s.darcy = darcy).expect("a sound scene"));
         }
     }
 }
@@ -363,7 +373,7 @@ fn steady_seepage_moves_the_water_at_the_flux_over_the_porosity() {
 fn consolidation_flow(darcy: DarcyChoice) -> [f64; 2] {
     // So small a load that the particles stay where they were.
     let scene = scene(&["cell = 0.05", "pressure = 1.0", "until.time_factor = 0.3", "-time_factors"]);
-    let scene = Scene { darcy, ..scene };
+    let scene = scene.edited(|s| s.darcy = darcy).expect("a sound scene");
     let first = |scene: &Scene, _| {
         let pressure = scene.undrained_pressure();
         (pressure - 1.0, pressure)

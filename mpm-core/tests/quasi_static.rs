@@ -57,8 +57,11 @@ fn a_basis_that_would_grow_too_large_gives_way_to_steps() {
     // A hundred cells watched from a millionth of the time on: one pole does not hold seven decades.
     let wide = ["cell = 0.01", "until.time_factor = 10.0", "time_factors = [1e-6, 1e-3, 0.1, 10.0]"];
     // With so little of the jump penalty as a late look needs.
-    let scene = Scene { jump_penalty: Some(1e-4), ..column(&[&wide[..], &["tolerance = 1e-6"]].concat()) };
-    let refused = run(&Scene { method: TimeMethod::Krylov, ..scene.clone() }, &mut |_| {}).expect("a start");
+    let scene = column(&[&wide[..], &["tolerance = 1e-6"]].concat())
+        .edited(|s| s.jump_penalty = Some(1e-4))
+        .expect("a sound scene");
+    let refused =
+        run(&scene.edited(|s| s.method = TimeMethod::Krylov).expect("a sound scene"), &mut |_| {}).expect("a start");
     let text = refused.failure.expect("a failure").to_string();
     assert!(text.contains("did not reach the tolerance 1e-6 with 60 basis vectors"), "{text}");
     let steps = completed(&scene);
@@ -96,7 +99,6 @@ fn one_dimension_is_two_with_one_cell_across() {
             let changes = |dimension: &'static str| {
                 let shape = format!("shape = \"{shape}\"");
                 let strain = format!("strain = \"{strain}\"");
-                let mut scene = column(&[&shape, &strain, "tolerance = 1e-6", "width = 0.2"]);
                 let both = column(&[
                     &shape,
                     &strain,
@@ -104,8 +106,11 @@ fn one_dimension_is_two_with_one_cell_across() {
                     "width = 0.2",
                     &format!("dimension = \"{dimension}\""),
                 ]);
-                scene.jump_penalty = both.jump_penalty;
-                Scene { jump_penalty: Some(1e-3), ..both }
+                // Only B-splines have a penalty.
+                if shape.contains("bspline") {
+                    return both.edited(|s| s.jump_penalty = Some(1e-3)).expect("a sound scene");
+                }
+                both
             };
             let (one, two) = (completed(&changes("column")), completed(&changes("plane-strain")));
             let difference = largest_difference(&one, &two);
@@ -122,17 +127,17 @@ fn places_of_the_particles_and_of_the_mesh_do_not_matter() {
     let even = completed(&column(&[]));
     for seed in 1..4 {
         let displaced = Displaced { smooth: 0.5, jitter: 0.25, seed };
-        let moved = completed(&Scene { displaced: Some(displaced), ..column(&[]) });
+        let moved = completed(&column(&[]).edited(|s| s.displaced = Some(displaced)).expect("a sound scene"));
         assert!(largest_difference(&even, &moved) < 1e-9, "{seed}");
     }
     for shift in [0.01, 0.2, 0.49, 0.51, 0.8, 0.99] {
-        let shifted = completed(&Scene { shift, ..column(&[]) });
+        let shifted = completed(&column(&[]).edited(|s| s.shift = shift).expect("a sound scene"));
         assert!(largest_difference(&even, &shifted) < 2e-5, "{shift} {:.1e}", largest_difference(&even, &shifted));
     }
     // The particles' own volumes do not do it: the check can fail.
     let displaced = Displaced { smooth: 0.5, jitter: 0.25, seed: 1 };
     let plain = column(&["shape -> shape = \"bspline2\"\nquadrature = \"volumes\""]);
-    let moved = completed(&Scene { displaced: Some(displaced), ..plain });
+    let moved = completed(&plain.edited(|s| s.displaced = Some(displaced)).expect("a sound scene"));
     assert!(largest_difference(&even, &moved) > 1e-3);
 }
 
@@ -296,8 +301,11 @@ fn nonlinear_laws_reach_equilibrium() {
     assert!(apart(found, expected) < 1e-5, "{found:e} {expected:e}");
     // The linear law through the nonlinear path.
     let elastic = mpm_core::scene::Elastic { youngs_modulus: 2.0e7, poisson_ratio: 0.3 };
-    let linear = with_law(&Scene { method: TimeMethod::Krylov, ..scene.clone() }, LinearElastic::new(&elastic));
-    let large = Scene { strain: StrainChoice::Large, ..scene };
+    let linear = with_law(
+        &scene.edited(|s| s.method = TimeMethod::Krylov).expect("a sound scene"),
+        LinearElastic::new(&elastic),
+    );
+    let large = scene.edited(|s| s.strain = StrainChoice::Large).expect("a sound scene");
     let finite = with_law(&large, LinearElastic::new(&elastic));
     assert!(largest_difference(&linear, &finite) < 1e-3);
 }
@@ -315,7 +323,7 @@ fn dry(step: &str) -> Scene {
         step,
     ]);
     // The laws below store no energy that the balance could find.
-    Scene { force: true, ..scene }
+    scene.edited(|s| s.force = true).expect("a sound scene")
 }
 
 #[test]
@@ -337,8 +345,12 @@ fn a_load_that_no_stress_can_carry_ends_with_its_residuals() {
 #[test]
 fn a_step_that_cannot_be_reduced_further_says_so() {
     // Soil that is pulled beyond its strength of half the load: no step is short enough.
-    let mut scene = dry("tolerance = 1e-4");
-    scene.surcharge = scene.surcharge.map(|s| mpm_core::scene::Surcharge { ramp_time: 0.0, pressure: -SURCHARGE, ..s });
+    let scene = dry("tolerance = 1e-4")
+        .edited(|scene| {
+            scene.surcharge =
+                scene.surcharge.map(|s| mpm_core::scene::Surcharge { ramp_time: 0.0, pressure: -SURCHARGE, ..s })
+        })
+        .expect("a sound scene");
     let run = with_law(&scene, Curved { reference: 0.5 * SURCHARGE });
     let text = run.failure.clone().expect("a failure").to_string();
     assert!(text.contains("the step cannot be reduced further") && text.contains("residuals"), "{text}");
@@ -369,7 +381,7 @@ fn a_closed_block_of_incompressible_water_is_singular() {
         "on -> strip = { from = 0.0, to = 0.3, taper = 0.2 }",
     ]);
     for method in [TimeMethod::Krylov, TimeMethod::Sdirk] {
-        let run = run(&Scene { method, ..scene.clone() }, &mut |_| {}).expect("a start");
+        let run = run(&scene.edited(|s| s.method = method).expect("a sound scene"), &mut |_| {}).expect("a start");
         let text = run.failure.expect("a singular system").to_string();
         assert!(text.contains("singular") && text.contains("no side is drained"), "{text}");
         assert_eq!(run.samples.len(), usize::from(method == TimeMethod::Sdirk));

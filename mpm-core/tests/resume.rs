@@ -61,9 +61,13 @@ fn shortened(mut scene: Scene) -> Scene {
         let last = scene.stages.len() - 1;
         if let Until::Time(end) = scene.stages[last].until {
             let end = end.min(most.max(40.0 * dt));
-            scene.stages[last].until = Until::Time(end);
-            scene.observe_times.retain(|time| *time < end);
-            scene.observe_times.push(end);
+            scene = scene
+                .edited(|scene| {
+                    scene.stages[last].until = Until::Time(end);
+                    scene.observe_times.retain(|time| *time < end);
+                    scene.observe_times.push(end);
+                })
+                .expect("a sound scene");
         }
     }
     scene
@@ -149,8 +153,12 @@ fn a_pause_between_two_times() {
     let path = format!("{}/../reference-data/scenes/rising-front.toml", env!("CARGO_MANIFEST_DIR"));
     let mut long = Scene::load(path.as_ref()).expect("a scene");
     let end = 1e5;
-    long.stages[0].until = Until::Time(end);
-    (long.observe_times, long.history) = (vec![end], 1);
+    long = long
+        .edited(|long| {
+            long.stages[0].until = Until::Time(end);
+            (long.observe_times, long.history) = (vec![end], 1);
+        })
+        .expect("a sound scene");
     for scene in [many_steps, long] {
         let mut goes_on = Stops { every: 0, looks: 0, state: None };
         let whole = run_attended(&Hardware::default(), &scene, None, &mut goes_on).expect("a run");
@@ -193,8 +201,7 @@ fn a_state_of_another_scene_is_refused() {
     let hardware = Hardware::default();
     run_attended(&hardware, &scene, None, &mut stops).expect("a run");
     let state = stops.state.expect("a state");
-    let mut other = scene.clone();
-    other.porosity += 1e-9;
+    let other = scene.edited(|other| other.porosity += 1e-9).expect("a sound scene");
     let mut none = Stops { every: 0, looks: 0, state: None };
     let refused = run_attended(&hardware, &other, Some(&state), &mut none);
     assert!(matches!(refused, Err(StartError::Checkpoint(_))));
@@ -209,8 +216,10 @@ fn a_state_of_another_scene_is_refused() {
 #[test]
 fn a_state_goes_over_to_other_lanes_and_threads() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../reference-data/scenes/terzaghi.toml");
-    let mut scene = Scene::load(path.as_ref()).expect("a scene");
-    scene.dimension = mpm_core::scene::Dimension::PlaneStrain;
+    let scene = Scene::load(path.as_ref())
+        .expect("a scene")
+        .edited(|scene| scene.dimension = mpm_core::scene::Dimension::PlaneStrain)
+        .expect("a sound scene");
     let scene = shortened(scene);
     let whole = run_on(&Hardware::default(), &scene, &mut |_| {}).expect("a run");
     let widths = [Width::Widest, Width::Four, Width::One, Width::Eight];

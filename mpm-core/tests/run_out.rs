@@ -7,11 +7,14 @@ use mpm_core::scene::{Scene, Until};
 /// A column of 1 m by 1 m on a coarse mesh, let go for a time (s).
 fn collapse(name: &str, time: f64) -> Scene {
     let path = format!("{}/../reference-data/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    let mut scene = Scene::load(path.as_ref()).unwrap();
-    (scene.height, scene.cell, scene.cells, scene.sideroom_cells) = (1.0, 0.2, [5, 5], 20);
-    scene.stages[0].until = Until::Time(time);
-    (scene.observe_times, scene.history) = (vec![0.5 * time, time], 0);
-    scene
+    Scene::load(path.as_ref())
+        .unwrap()
+        .edited(|scene| {
+            (scene.height, scene.cell, scene.cells, scene.sideroom_cells) = (1.0, 0.2, [5, 5], 20);
+            scene.stages[0].until = Until::Time(time);
+            (scene.observe_times, scene.history) = (vec![0.5 * time, time], 0);
+        })
+        .expect("a sound scene")
 }
 
 fn finished(scene: &Scene) -> Run {
@@ -41,8 +44,7 @@ fn a_saturated_column_loses_water_at_its_edge_and_books_it() {
 #[test]
 fn soil_that_has_come_apart_pushes_only_once_it_has_closed() {
     let with = finished(&collapse("collapse-dry", 0.6));
-    let mut always = collapse("collapse-dry", 0.6);
-    always.separation = None;
+    let always = collapse("collapse-dry", 0.6).edited(|always| always.separation = None).expect("a sound scene");
     let without = finished(&always);
     // Particles without any stress while the column comes down.
     let [apart, whole] = [&with, &without].map(|run| run.places.solid.iter().filter(|place| place[2] == 0.0).count());

@@ -94,7 +94,7 @@ fn wide(dimension: &str, integrator: &str, shape: &str, per_cell: usize, step: &
         "history = 20",
     ]);
     // Empty cells below wide functions are refused otherwise: here both dimensions have to be wrong alike.
-    (scene.headroom_cells, scene.force) = (1, true);
+    scene = scene.edited(|scene| (scene.headroom_cells, scene.force) = (1, true)).expect("a sound scene");
     scene
 }
 
@@ -189,7 +189,7 @@ fn the_order_of_the_particles_does_not_matter() {
 /// node keeps almost no mass, and there the explicit step amplifies whatever stress there is, round-off included.
 fn flight(shape: ShapeChoice, steps: usize, corner: f64, shear: f64) -> ([f64; 4], u64) {
     let (velocity, dt) = ([100.0, 100.0], 1.0e-4);
-    let mut scene = scene(&[
+    let scene = scene(&[
         "dimension = \"plane-strain\"",
         "start = \"unloaded\"",
         "-[surcharge]",
@@ -199,12 +199,15 @@ fn flight(shape: ShapeChoice, steps: usize, corner: f64, shear: f64) -> ([f64; 4
         "drained -> damping = 0.0",
         "-[observe]",
         "until.time_factor -> until.time = 1.0",
-    ]);
-    (scene.shape, scene.particles_per_cell) = (shape, 4);
-    // Three cells by three in a mesh of twelve by twelve, not in line with it.
-    (scene.cells, scene.cell, scene.width, scene.height) = ([3, 3], 0.1, 0.3, 0.3);
-    (scene.headroom_cells, scene.sideroom_cells, scene.solid_sides) = (9, 9, [SolidSide::Free; 4]);
-    scene.elastic.youngs_modulus = 2.0e4;
+    ])
+    .edited(|scene| {
+        (scene.shape, scene.particles_per_cell) = (shape, 4);
+        // Three cells by three in a mesh of twelve by twelve, not in line with it.
+        (scene.cells, scene.cell, scene.width, scene.height) = ([3, 3], 0.1, 0.3, 0.3);
+        (scene.headroom_cells, scene.sideroom_cells, scene.solid_sides) = (9, 9, [SolidSide::Free; 4]);
+        scene.elastic.youngs_modulus = 2.0e4;
+    })
+    .expect("a sound scene");
     let start = move |x: [f64; 2]| FirstState {
         velocity: [velocity[0] + shear * (x[1] - corner), velocity[1]],
         ..FirstState::default()

@@ -102,9 +102,12 @@ fn a_dry_mesh_is_bound_by_its_wave() {
 
 /// A run of a scene at a multiple of its limit, whatever becomes of it.
 fn at(scene: &Scene, factor: f64) -> Run {
-    let mut scene = scene.clone();
-    scene.step = StepChoice::Fixed(factor * explicit_limit(&scene));
-    scene.force = true;
+    let scene = scene
+        .edited(|scene| {
+            scene.step = StepChoice::Fixed(factor * explicit_limit(scene));
+            scene.force = true;
+        })
+        .expect("a sound scene");
     run(&scene, &mut |_| {}).expect("a forced run")
 }
 
@@ -156,10 +159,14 @@ fn runs_hold_below_the_limit_and_fail_above() {
 
 /// Whether 3000 steps at a multiple of a scene's own limit keep pressures and speeds in bounds.
 fn bounded(scene: &Scene, factor: f64) -> bool {
-    let mut scene = scene.clone();
-    let step = factor * stable_limit(&scene);
-    (scene.step, scene.force) = (StepChoice::Fixed(step), true);
-    scene.stages[0].until = Until::Time(3000.0 * step);
+    let step = factor * stable_limit(scene);
+    let scene = scene
+        .edited(|scene| {
+            (scene.step, scene.force) = (StepChoice::Fixed(step), true);
+            scene.stages[0].until = Until::Time(3000.0 * step);
+            scene.observe_times = vec![3000.0 * step];
+        })
+        .expect("a sound scene");
     let run = run(&scene, &mut |_| {}).expect("a forced run");
     // Sudden drainage makes the skeleton swing: 1.2 q and 0.1 m/s are what it takes below its limit.
     let tame = |p: f64| p.abs() < 2.0 * SURCHARGE;
@@ -225,15 +232,13 @@ fn inertia_of_the_step_before_lowers_the_limit_of_soil_that_lets_its_water_throu
 fn one_particle_per_cell_holds_explicit_splines_to_the_free_end() {
     for conductivity in ["1.0e-5", "1.0e-9"] {
         for modulus in ["2.0e7", "2.0e9"] {
-            let mut scene = consolidation(&[
+            let scene = consolidation(&[
                 "shape = \"bspline2\"",
                 "cell = 0.1",
                 "particles_per_cell = 1",
                 &format!("hydraulic_conductivity = {conductivity}"),
                 &format!("bulk_modulus = {modulus}"),
             ]);
-            // Steps are counted, not hours of consolidation.
-            scene.observe_times.clear();
             assert!(bounded(&scene, 0.98) && !bounded(&scene, 1.1), "k = {conductivity}, K_w = {modulus}");
         }
     }
@@ -259,10 +264,11 @@ fn splines_hold_below_their_limit() {
         for cell in ["cell = 0.1", "cell = 0.02"] {
             for per_cell in [1, 4, 9] {
                 for headroom in [0, 2] {
-                    let mut scene = semi_implicit("bspline2", cell, per_cell, &[]);
-                    scene.headroom_cells = headroom;
+                    let mut scene = semi_implicit("bspline2", cell, per_cell, &[])
+                        .edited(|scene| scene.headroom_cells = headroom)
+                        .expect("a sound scene");
                     if integrator == "explicit" {
-                        scene.integrator = Integrator::Explicit;
+                        scene = scene.edited(|scene| scene.integrator = Integrator::Explicit).expect("a sound scene");
                     }
                     let name = format!("{integrator}, {cell}, {per_cell} per cell, headroom {headroom}");
                     assert!(bounded(&scene, 0.98), "{name}");
@@ -345,7 +351,7 @@ fn a_dry_bar_swings_below_the_limit_and_bursts_above() {
 fn a_step_above_the_limit_is_refused() {
     let mut scene = consolidation(&["cell = 0.1"]);
     let limit = explicit_limit(&scene);
-    scene.step = StepChoice::Fixed(1.2 * limit);
+    scene = scene.edited(|scene| scene.step = StepChoice::Fixed(1.2 * limit)).expect("a sound scene");
     let error = run(&scene, &mut |_| {}).expect_err("a step above the limit");
     assert!(matches!(error, StartError::Step(_)));
     let message = error.to_string();
@@ -354,7 +360,7 @@ fn a_step_above_the_limit_is_refused() {
         "{message}"
     );
     // Just below it, it is not.
-    scene.step = StepChoice::Fixed(0.999 * limit);
+    scene = scene.edited(|scene| scene.step = StepChoice::Fixed(0.999 * limit)).expect("a sound scene");
     assert!(run(&scene, &mut |_| {}).is_ok());
 }
 

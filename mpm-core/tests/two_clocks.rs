@@ -17,11 +17,13 @@ fn finished(scene: &Scene) -> Run {
 
 /// A dam that has not yet wetted its last column.
 fn short_dam() -> Scene {
-    let mut scene = scene("dam");
-    (scene.cell, scene.cells) = (0.1, [10, 10]);
-    scene.stages[0].until = Until::Time(200.0);
-    (scene.observe_times, scene.history) = (vec![50.0, 200.0], 0);
-    scene
+    scene("dam")
+        .edited(|scene| {
+            (scene.cell, scene.cells) = (0.1, [10, 10]);
+            scene.stages[0].until = Until::Time(200.0);
+            (scene.observe_times, scene.history) = (vec![50.0, 200.0], 0);
+        })
+        .expect("a sound scene")
 }
 
 #[test]
@@ -32,18 +34,21 @@ fn the_same_scene_gives_the_same_bits() {
 
 #[test]
 fn still_water_holds_soil_at_rest_up_to_its_buoyant_weight() {
-    let mut scene = scene("dam");
-    scene.start = mpm_core::scene::Start::Geostatic;
-    let free = scene.free_surface.as_mut().unwrap();
-    (free.feeds, free.level) = ([None; 4], Some(0.6));
-    let mut stage = scene.stages[0].clone();
-    scene.stages[0].drained = [false; 4];
-    scene.stages[0].until = Until::Time(100.0);
-    stage.clock = Clock::Soil;
-    stage.until = Until::Time(0.2);
-    scene.stages.push(stage);
-    (scene.observe_times, scene.history) = (vec![0.2], 0);
-    scene.solid_sides = [mpm_core::scene::SolidSide::Roller; 4];
+    let scene = scene("dam")
+        .edited(|scene| {
+            scene.start = mpm_core::scene::Start::Geostatic;
+            let free = scene.free_surface.as_mut().unwrap();
+            (free.feeds, free.level) = ([None; 4], Some(0.6));
+            let mut stage = scene.stages[0].clone();
+            scene.stages[0].drained = [false; 4];
+            scene.stages[0].until = Until::Time(100.0);
+            stage.clock = Clock::Soil;
+            stage.until = Until::Time(0.2);
+            scene.stages.push(stage);
+            (scene.observe_times, scene.history) = (vec![0.2], 0);
+            scene.solid_sides = [mpm_core::scene::SolidSide::Roller; 4];
+        })
+        .expect("a sound scene");
     let run = finished(&scene);
     let last = run.samples.last().unwrap();
     // Falling freely the soil would have 2 m/s.
@@ -57,10 +62,13 @@ fn still_water_holds_soil_at_rest_up_to_its_buoyant_weight() {
 
 #[test]
 fn cells_weigh_what_their_water_does_even_where_round_off_leaves_less_than_none() {
-    let mut scene = scene("infiltration");
-    scene.particles_per_cell = 9;
-    scene.stages[0].until = Until::Time(31.0);
-    (scene.observe_times, scene.history) = (vec![10.0, 20.0, 31.0], 0);
+    let scene = scene("infiltration")
+        .edited(|scene| {
+            scene.particles_per_cell = 9;
+            scene.stages[0].until = Until::Time(31.0);
+            (scene.observe_times, scene.history) = (vec![10.0, 20.0, 31.0], 0);
+        })
+        .expect("a sound scene");
     for sample in finished(&scene).samples {
         // Contents below zero were once weighed as none: 5e-9 of what had come in.
         assert!(sample.ledger.water_closing_kg.abs() <= 1e-12 * sample.ledger.water_in_kg, "{:?}", sample.ledger);
@@ -69,20 +77,23 @@ fn cells_weigh_what_their_water_does_even_where_round_off_leaves_less_than_none(
 
 #[test]
 fn soil_that_has_moved_takes_its_water_along_or_books_it() {
-    let mut scene = short_dam();
-    scene.solid_sides[1] = mpm_core::scene::SolidSide::Free;
-    scene.sideroom_cells = 6;
-    scene.light_nodes = 0.1;
-    scene.strength = Some(mpm_core::scene::Strength {
-        cohesion: 0.0,
-        friction_angle: 30.0,
-        dilation_angle: 0.0,
-        tension_cutoff: None,
-    });
+    let mut scene = short_dam()
+        .edited(|scene| {
+            scene.solid_sides[1] = mpm_core::scene::SolidSide::Free;
+            scene.sideroom_cells = 6;
+            scene.light_nodes = 0.1;
+            scene.strength = Some(mpm_core::scene::Strength {
+                cohesion: 0.0,
+                friction_angle: 30.0,
+                dilation_angle: 0.0,
+                tension_cutoff: None,
+            });
+        })
+        .expect("a sound scene");
     let seepage = scene.stages[0].clone();
     let mut slide = seepage.clone();
     (slide.clock, slide.until) = (Clock::Soil, Until::Time(0.3));
-    scene.stages = vec![seepage.clone(), slide, seepage];
+    scene = scene.edited(|scene| scene.stages = vec![seepage.clone(), slide, seepage]).expect("a sound scene");
     let run = finished(&scene);
     let last = run.samples.last().unwrap();
     assert!(last.state.reach[0] > 1.1, "{}", last.state.reach[0]);
@@ -92,11 +103,14 @@ fn soil_that_has_moved_takes_its_water_along_or_books_it() {
 
 #[test]
 fn a_pressure_that_is_held_works_on_soil_that_gains_volume() {
-    let mut scene = scene("slope-seepage");
-    scene.history = 0;
-    scene.stages[1].damping = 0.0;
-    scene.stages[1].until = Until::Time(0.02);
-    scene.observe_times = vec![0.02];
+    let scene = scene("slope-seepage")
+        .edited(|scene| {
+            scene.history = 0;
+            scene.stages[1].damping = 0.0;
+            scene.stages[1].until = Until::Time(0.02);
+            scene.observe_times = vec![0.02];
+        })
+        .expect("a sound scene");
     let run = finished(&scene);
     let ledger = run.samples.last().unwrap().ledger;
     // Dilating soil under p: without that work most of the energy would come from nowhere. What is left is the return of the
@@ -109,22 +123,25 @@ fn a_pressure_that_is_held_works_on_soil_that_gains_volume() {
 /// The infinite slope of 20 degrees on a base of 30 degrees, full of water, let go for 0.2 s: its acceleration, m/s2, from
 /// how far its middle has come.
 fn wet_slope(normal_stress: NormalStress) -> f64 {
-    let mut scene = scene("infinite-slope");
-    scene.integrator = Integrator::TwoClocks;
-    scene.water = Some(WaterProperties {
-        hydraulic_conductivity: 1e-4,
-        bulk_modulus: f64::INFINITY,
-        unit_weight: 9810.0,
-        density: 1000.0,
-    });
-    scene.free_surface =
-        Some(FreeSurfaceWater { saturation: 0.0, level: Some(scene.height), wet: None, feeds: [None; 4] });
-    scene.base.as_mut().unwrap().normal_stress = normal_stress;
-    let mut slide = scene.stages[0].clone();
-    scene.stages[0].until = Until::Time(1.0);
-    (slide.clock, slide.until) = (Clock::Soil, Until::Time(0.2));
-    scene.stages.push(slide);
-    (scene.observe_times, scene.history) = (vec![0.2], 0);
+    let scene = scene("infinite-slope")
+        .edited(|scene| {
+            scene.integrator = Integrator::TwoClocks;
+            scene.water = Some(WaterProperties {
+                hydraulic_conductivity: 1e-4,
+                bulk_modulus: f64::INFINITY,
+                unit_weight: 9810.0,
+                density: 1000.0,
+            });
+            scene.free_surface =
+                Some(FreeSurfaceWater { saturation: 0.0, level: Some(scene.height), wet: None, feeds: [None; 4] });
+            scene.base.as_mut().unwrap().normal_stress = normal_stress;
+            let mut slide = scene.stages[0].clone();
+            scene.stages[0].until = Until::Time(1.0);
+            (slide.clock, slide.until) = (Clock::Soil, Until::Time(0.2));
+            scene.stages.push(slide);
+            (scene.observe_times, scene.history) = (vec![0.2], 0);
+        })
+        .expect("a sound scene");
     let run = finished(&scene);
     let middle = |sample: &mpm_core::drive::Sample| sample.state.centre[0];
     2.0 * (middle(run.samples.last().unwrap()) - middle(&run.samples[0])) / 0.2_f64.powi(2)

@@ -3,8 +3,9 @@
 //! Figures of one machine at one moment: compare ratios within a table, never figures of two tables.
 
 use cpu_time::ThreadTime;
+use mpm_core::error::SceneError;
 use mpm_core::run::model;
-use mpm_core::scene::{DarcyChoice, Dimension, Scene, ShapeChoice, Start};
+use mpm_core::scene::{DarcyChoice, Dimension, Fields, Scene, ShapeChoice, Start};
 use mpm_core::stability::choose_step;
 use serde::{Deserialize, Serialize};
 
@@ -33,54 +34,57 @@ const REPETITIONS: usize = 5;
 const WORK: usize = 1_000_000;
 
 /// A block of the study's soil, `cells` wide and high, 4 particles per cell.
-pub fn block(cells: [usize; 2]) -> Scene {
-    let mut scene = crate::scenes::terzaghi();
-    (scene.dimension, scene.cells) = (Dimension::PlaneStrain, cells);
-    (scene.width, scene.height) = (cells[0] as f64 * scene.cell, cells[1] as f64 * scene.cell);
-    scene
+///
+/// # Errors
+/// More cells than fit into memory.
+pub fn block(cells: [usize; 2]) -> Result<Scene, SceneError> {
+    crate::scenes::terzaghi().edited(|scene| {
+        (scene.dimension, scene.cells) = (Dimension::PlaneStrain, cells);
+        (scene.width, scene.height) = (cells[0] as f64 * scene.cell, cells[1] as f64 * scene.cell);
+    })
 }
 
 /// The paths that are compared, by name. The first is the general one.
-pub fn paths() -> Vec<(&'static str, Scene)> {
-    let change = |change: fn(&mut Scene)| {
-        let mut scene = block([5, 50]);
-        change(&mut scene);
-        scene
-    };
-    let dry = |scene: &mut Scene| {
+///
+/// # Errors
+/// A scene that the checker refuses.
+pub fn paths() -> Result<Vec<(&'static str, Scene)>, SceneError> {
+    let change = |change: fn(&mut Fields)| block([5, 50])?.edited(change);
+    let dry = |scene: &mut Fields| {
         (scene.water, scene.start) = (None, Start::Unloaded);
         scene.stages[0].drained = [false; 4];
     };
-    let mut dry_plane = block([5, 50]);
-    dry(&mut dry_plane);
-    let mut dry_column = dry_plane.clone();
-    dry_column.dimension = Dimension::Column;
-    vec![
+    let dry_plane = block([5, 50])?.edited(dry)?;
+    let dry_column = dry_plane.edited(|scene| scene.dimension = Dimension::Column)?;
+    Ok(vec![
         (
             "plane strain, water, gravity",
-            change(|s| (s.gravity, s.start, s.surcharge) = (Some(9.81), Start::Geostatic, None)),
+            change(|s| (s.gravity, s.start, s.surcharge) = (Some(9.81), Start::Geostatic, None))?,
         ),
-        ("plane strain, water", change(|_| {})),
-        ("plane strain, water, nodal Darcy", change(|s| s.darcy = DarcyChoice::Nodal)),
-        ("plane strain, water, linear scheme", change(|s| s.shape = ShapeChoice::Linear)),
+        ("plane strain, water", change(|_| {})?),
+        ("plane strain, water, nodal Darcy", change(|s| s.darcy = DarcyChoice::Nodal)?),
+        ("plane strain, water, linear scheme", change(|s| s.shape = ShapeChoice::Linear)?),
         ("plane strain, dry", dry_plane),
-        ("column, water", change(|s| s.dimension = Dimension::Column)),
+        ("column, water", change(|s| s.dimension = Dimension::Column)?),
         ("column, dry", dry_column),
-    ]
+    ])
 }
 
 /// Times every path at 1000 points (100 in a column), and plane strain with water up to 1e6 points.
-pub fn measure() -> Vec<Cost> {
-    let mut scenes: Vec<(String, Scene)> = paths().into_iter().map(|(n, s)| (n.to_owned(), s)).collect();
+///
+/// # Errors
+/// A scene that the checker refuses.
+pub fn measure() -> Result<Vec<Cost>, SceneError> {
+    let mut scenes: Vec<(String, Scene)> = paths()?.into_iter().map(|(n, s)| (n.to_owned(), s)).collect();
     for cells in [[50, 50], [250, 100], [500, 500]] {
-        scenes.push(("plane strain, water".to_owned(), block(cells)));
+        scenes.push(("plane strain, water".to_owned(), block(cells)?));
     }
     let mut costs: Vec<Cost> = scenes.iter().filter_map(|(name, scene)| time(name, scene)).collect();
     let general = costs.first().map_or(f64::NAN, |c| c.ns_per_point_step);
     for cost in &mut costs {
         cost.ratio = cost.ns_per_point_step / general;
     }
-    costs
+    Ok(costs)
 }
 
 fn time(name: &str, scene: &Scene) -> Option<Cost> {

@@ -1,7 +1,7 @@
 //! Under which conditions numbers were obtained: every report carries this.
 
 use mpm_core::hash::{hex, sha256};
-use mpm_core::scene::Scene;
+use mpm_core::scene::{Fields, Scene};
 use serde::{Deserialize, Serialize};
 use time::OffsetDateTime;
 use time::format_description::well_known::Rfc3339;
@@ -96,7 +96,7 @@ fn cpu() -> String {
 }
 
 /// Hash of a scene as JSON: tells scenes apart, nothing more.
-pub fn scene_hash(scene: &Scene) -> String {
+pub fn scene_hash(scene: &Fields) -> String {
     let text = serde_json::to_string(scene).unwrap_or_default();
     short_hash(text.as_bytes())
 }

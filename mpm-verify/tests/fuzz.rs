@@ -176,17 +176,19 @@ impl Attend for Short {
 
 /// The first steps of a scene.
 fn begin(scene: &Scene, state: Option<&[u8]>) -> Option<Vec<u8>> {
-    let mut scene = scene.clone();
-    let dt = choose_step(&scene).ok()?;
-    for stage in &mut scene.stages {
-        if let (Until::Time(end), true) = (&mut stage.until, dt.is_finite()) {
-            *end = end.min(20.0 * dt);
+    let dt = choose_step(scene).ok()?;
+    let shortened = scene.edited(|scene| {
+        for stage in &mut scene.stages {
+            if let (Until::Time(end), true) = (&mut stage.until, dt.is_finite()) {
+                *end = end.min(20.0 * dt);
+            }
         }
-    }
-    if let Some(Until::Time(end)) = scene.stages.last().map(|stage| stage.until) {
-        scene.observe_times = vec![0.5 * end, end];
-    }
-    scene.history = scene.history.min(3);
+        if let Some(Until::Time(end)) = scene.stages.last().map(|stage| stage.until) {
+            scene.observe_times = vec![0.5 * end, end];
+        }
+        scene.history = scene.history.min(3);
+    });
+    let scene = shortened.expect("a shorter run of a sound scene");
     let mut short = Short { looks: 3, state: None };
     let _ = run_attended(&Hardware::default(), &scene, state, &mut short);
     short.state
@@ -257,8 +259,11 @@ fn states() -> Vec<(Scene, Vec<u8>)> {
         "infiltration",
     ];
     let states = names.into_iter().map(|name| {
-        let mut scene = scenes::built_in(name).expect("a scene").expect("it holds");
-        scene.history = 4;
+        let scene = scenes::built_in(name)
+            .expect("a scene")
+            .expect("it holds")
+            .edited(|scene| scene.history = 4)
+            .expect("a sound scene");
         let mut short = Short { looks: 3, state: None };
         run_attended(&Hardware::default(), &scene, None, &mut short).expect("a run");
         (scene, short.state.expect("a state"))

@@ -70,7 +70,7 @@ pub fn measure(quick: bool, say: &dyn Fn(&str)) -> Result<Kernel, String> {
     Ok(Kernel {
         instructions: mpm_core::hardware::instructions().to_owned(),
         cores: sizes::cores(),
-        cell_m: crate::block(sizes::FEW[0]).cell,
+        cell_m: crate::block(sizes::FEW[0]).map_err(|e| e.to_string())?.cell,
         timings,
         shares,
         limits,

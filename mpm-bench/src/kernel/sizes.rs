@@ -127,7 +127,7 @@ pub fn cores() -> usize {
 /// # Errors
 /// A step that fails, or kernels that do not find the same.
 pub fn measure(cells: [usize; 2], effort: Effort) -> Result<(Vec<Timing>, Box<dyn Model>), String> {
-    let scene = block(cells);
+    let scene = block(cells).map_err(|e| e.to_string())?;
     let dt = choose_step(&scene).map_err(|e| e.to_string())?;
     let points = scene.solid_particles();
     let steps = (effort.point_steps / points).max(1) as u64;

@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn the_stages_of_a_step_add_up_and_nothing_moves() {
-        let scene = crate::block([5, 50]);
+        let scene = crate::block([5, 50]).expect("a sound scene");
         let mut model = model(&scene).expect("a model");
         model.enter_stage(&scene.stages[0], &[]).expect("a stage");
         let before = model.observe();

@@ -15,7 +15,7 @@ use super::SurfaceLoad;
 use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::grid::Grid;
 use crate::particles::{Layer, SolidPoint};
-use crate::scene::{DarcyChoice, LoadOn, Quadrature, Scene, Side, SolidSide};
+use crate::scene::{DarcyChoice, Fields, LoadOn, Quadrature, Scene, Side, SolidSide};
 
 /// Volume of soil per cell where the outline of the soil is known: a box between rollers under a level or bent surface.
 #[derive(Debug, Clone, Default)]
@@ -37,7 +37,7 @@ pub(crate) const ROUND_OFF: f64 = 1e-14;
 
 /// Whether the volume of soil in each cell of a scene follows from where its surface is: a box of soil between held sides, and
 /// functions that reach no further than their cell.
-pub fn knows_volumes(scene: &Scene) -> bool {
+pub fn knows_volumes(scene: &Fields) -> bool {
     let free = |side: Side| scene.solid_sides[side as usize] == SolidSide::Free;
     let in_a_box = scene.outline.is_none() && scene.sideroom_cells == 0 && !scene.periodic;
     let held = ![Side::Left, Side::Right, Side::Bottom].into_iter().any(free) && scene.base.is_none();

@@ -24,7 +24,7 @@ use crate::error::RunError;
 use crate::hash::{Digest, sha256};
 use crate::observe::Frame;
 use crate::run::{StartError, failing};
-use crate::scene::{Failure, Integrator, Scene, StepChoice, Until};
+use crate::scene::{Failure, Fields, Integrator, Scene, StepChoice, Until};
 use crate::stability::choose_step;
 use crate::step::{Failing, Fault, Pace};
 use crate::water::Pressures;
@@ -468,7 +468,7 @@ impl<'a> Driver<'a> {
 
     /// Of all in the scene that a state depends on.
     fn fingerprint(&self) -> Digest {
-        let mut scene = self.scene.clone();
+        let mut scene = Fields::clone(self.scene);
         (scene.integrator, scene.step, scene.safety, scene.force) =
             (Integrator::TwoClocks, StepChoice::Auto, 1.0, false);
         (scene.observe_times, scene.history, scene.profiles) = (Vec::new(), 0, true);

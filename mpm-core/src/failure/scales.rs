@@ -1,7 +1,7 @@
 //! What lengths, times and speeds of a slope are measured by. Whatever decides whether soil rests, moves or has failed is a
 //! share of one of these: the same slope in other units, of another size or stiffness is judged alike.
 
-use crate::scene::Scene;
+use crate::scene::Fields;
 
 /// Elastic settlement of the stiffened soil under its own weight, as a share of its height ([`Scales::stiffening`]).
 const STIFF: f64 = 1e-5;
@@ -44,7 +44,7 @@ pub struct Scales {
 
 impl Scales {
     /// Those of a scene.
-    pub fn of(scene: &Scene) -> Self {
+    pub fn of(scene: &Fields) -> Self {
         let (height, density, modulus) = (scene.height, scene.mixture_density(), scene.oedometer_modulus());
         let gravity = scene.gravity.unwrap_or(0.0);
         let [weight, conductivity] =

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Clock, Scene};
+use super::{Clock, Fields};
 
 /// How a stage in which water seeps and the soil may fail is followed.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -17,7 +17,7 @@ pub struct Failure {
     pub points: Vec<[f64; 2]>,
 }
 
-impl Scene {
+impl Fields {
     /// Whether water and soil run together, in the one stage there is.
     pub fn may_fail(&self) -> bool {
         self.stages.iter().any(|stage| stage.clock == Clock::Both)

@@ -1,10 +1,9 @@
 //! Values from the command line that stand above those of the scene file, and pass the same checks.
 
-use std::ops::Range;
+use toml::de::{DeTable, DeValue};
 
-use toml::Spanned;
-
-use super::raw::{RawMesh, RawScene, RawScheme, RawTime};
+use super::patch::{Change, Edit, value};
+use crate::error::SceneError;
 
 /// Replacements for keys of a scene file; `None` leaves the file's own value.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -25,102 +24,81 @@ pub struct Flags {
     pub goes_on: bool,
 }
 
-const NAMES: [&str; 6] = ["--integrator", "--scheme", "--tolerance", "--driver", "--mesh", "--ppc"];
-
-/// A place that no file has: counted down from the largest number, so that a refusal can name the flag.
-fn place(flag: usize) -> Range<usize> {
-    usize::MAX - flag..usize::MAX - flag
-}
-
-/// The flag that a value came from, if it is not from the file.
-pub(super) fn source(span: &Range<usize>) -> Option<&'static str> {
-    NAMES.get(usize::MAX - span.start).copied()
-}
+/// Keys that say how integrators with steps of their own compute, and how the quasi-static one does.
+const OF_STEPS: [&str; 5] = ["scheme.flip", "scheme.darcy_inertia", "scheme.transfer", "scheme.update", "time.safety"];
+const OF_QUASI_STATIC: [&str; 3] = ["scheme.jump_penalty", "time.tolerance", "time.method"];
 
 impl Flags {
-    /// Writes the flags over what was read from the file. Returns the keys of the file that were left out, because the
-    /// integrator of the flag has no use for them.
-    pub(super) fn apply(&self, raw: &mut RawScene) -> Vec<String> {
-        let word = |value: &String, flag| Spanned::new(place(flag), value.clone());
-        let mut left_out = Vec::new();
-        if let Some(value) = &self.integrator {
-            let own = raw.time.as_ref().and_then(|t| t.get_ref().integrator.as_ref()).map(|i| i.get_ref().clone());
-            if own.as_deref().unwrap_or("explicit") != value {
-                left_out = leave_out(raw, value);
+    /// The keys that the flags change, and those of the file that are left out, because the integrator of the flag has no
+    /// use for them.
+    pub(super) fn edits(&self, file: &DeTable<'_>) -> Result<(Vec<Edit>, Vec<String>), SceneError> {
+        let (mut edits, mut left_out) = (Vec::new(), Vec::new());
+        if let Some(word) = &self.integrator {
+            let own = value(file, "time.integrator").and_then(DeValue::as_str).unwrap_or("explicit");
+            if own != word {
+                left_out = useless(file, word);
             }
-            time(raw, 0).integrator = Some(word(value, 0));
+            for key in &left_out {
+                edits.push(Edit::new(Some("--integrator"), key, None::<f64>.into())?);
+            }
         }
-        if let Some(value) = &self.scheme {
-            let table = raw.scheme.get_or_insert_with(|| Spanned::new(place(1), RawScheme::default()));
-            table.get_mut().shape = Some(word(value, 1));
+        let mut set = |flag, key: &str, change: Option<Change>| -> Result<(), SceneError> {
+            edits.extend(change.map(|change| Edit::new(Some(flag), key, change)).transpose()?);
+            Ok(())
+        };
+        set("--integrator", "time.integrator", self.integrator.as_ref().map(Change::from))?;
+        set("--scheme", "scheme.shape", self.scheme.as_ref().map(Change::from))?;
+        set("--driver", "time.integrator", self.driver.as_ref().map(Change::from))?;
+        set("--ppc", "mesh.particles_per_cell", self.particles_per_cell.map(Change::from))?;
+        set("--tolerance", "time.tolerance", self.tolerance.map(Change::from))?;
+        if self.goes_on && file.contains_key("failure") {
+            set("--go-on", "failure.goes_on", Some(true.into()))?;
         }
-        if let Some(value) = &self.driver {
-            time(raw, 3).integrator = Some(word(value, 3));
+        if let Some(cell) = self.cell {
+            let own = value(file, "mesh.cell").and_then(number).unwrap_or(f64::NAN);
+            let room = |key| value(file, key).and_then(number).map_or(0, |count| count as usize);
+            let rooms = [room("mesh.headroom_cells"), room("mesh.sideroom_cells")];
+            edits.extend(finer(Some("--mesh"), cell, own, rooms)?);
         }
-        if let Some(value) = self.cell {
-            refine(raw.mesh.get_mut(), value);
-        }
-        if let Some(value) = self.particles_per_cell {
-            raw.mesh.get_mut().particles_per_cell = Spanned::new(place(5), value);
-        }
-        if let (Some(failure), true) = (raw.failure.as_mut(), self.goes_on) {
-            failure.get_mut().goes_on = Some(true);
-        }
-        if let Some(value) = self.tolerance {
-            time(raw, 2).tolerance = Some(Spanned::new(place(2), value));
-        }
-        left_out
+        Ok((edits, left_out))
     }
 }
 
 /// Another cell (m); as many cells of empty room as it takes to keep the room.
-fn refine(mesh: &mut RawMesh, cell: f64) {
-    let ratio = *mesh.cell.get_ref() / cell;
-    if ratio.is_finite() && ratio > 0.0 {
-        for room in [&mut mesh.headroom_cells, &mut mesh.sideroom_cells].into_iter().flatten() {
-            let count = (*room.get_ref() as f64 * ratio - 1e-9).ceil().min(1e9);
-            *room.get_mut() = count as i64;
+pub(super) fn finer(
+    flag: Option<&'static str>,
+    cell: f64,
+    own: f64,
+    rooms: [usize; 2],
+) -> Result<Vec<Edit>, SceneError> {
+    let mut edits = vec![Edit::new(flag, "mesh.cell", cell.into())?];
+    let ratio = own / cell;
+    for (key, room) in ["mesh.headroom_cells", "mesh.sideroom_cells"].into_iter().zip(rooms) {
+        if room > 0 && ratio.is_finite() && ratio > 0.0 {
+            let count = (room as f64 * ratio - 1e-9).ceil().min(1e9);
+            edits.push(Edit::new(flag, key, (count as i64).into())?);
         }
     }
-    mesh.cell = Spanned::new(place(4), cell);
+    Ok(edits)
 }
 
-/// Takes out the keys that say how another integrator computes; what is computed stays.
-fn leave_out(raw: &mut RawScene, integrator: &str) -> Vec<String> {
-    let mut names = Vec::new();
-    let mut drop = |there: bool, name: &str| {
-        if there {
-            names.push(name.to_owned());
-        }
-    };
-    let quasi_static = integrator == "quasi-static";
-    if let Some(scheme) = raw.scheme.as_mut().map(Spanned::get_mut) {
-        if quasi_static {
-            drop(scheme.flip.take().is_some(), "scheme.flip");
-            drop(scheme.darcy_inertia.take().is_some(), "scheme.darcy_inertia");
-            drop(scheme.transfer.take().is_some(), "scheme.transfer");
-            drop(scheme.update.take().is_some(), "scheme.update");
-        } else {
-            drop(scheme.jump_penalty.take().is_some(), "scheme.jump_penalty");
-        }
+/// The keys of a file that say how another integrator computes; what is computed stays.
+fn useless(file: &DeTable<'_>, integrator: &str) -> Vec<String> {
+    let other: &[&str] = if integrator == "quasi-static" { &OF_STEPS } else { &OF_QUASI_STATIC };
+    let mut keys: Vec<String> =
+        other.iter().filter(|key| value(file, key).is_some()).map(|key| key.to_string()).collect();
+    // An automatic step is one of every integrator.
+    if value(file, "time.step").is_some_and(|step| step.as_str() != Some("auto")) {
+        keys.push("time.step".to_owned());
     }
-    if let Some(time) = raw.time.as_mut().map(Spanned::get_mut) {
-        // An automatic step is one of every integrator.
-        let given = time.step.as_ref().is_some_and(|step| step.get_ref().as_str() != Some("auto"));
-        if given {
-            time.step = None;
-        }
-        drop(given, "time.step");
-        if quasi_static {
-            drop(time.safety.take().is_some(), "time.safety");
-        } else {
-            drop(time.tolerance.take().is_some(), "time.tolerance");
-            drop(time.method.take().is_some(), "time.method");
-        }
-    }
-    names
+    keys
 }
 
-fn time(raw: &mut RawScene, flag: usize) -> &mut RawTime {
-    raw.time.get_or_insert_with(|| Spanned::new(place(flag), RawTime::default())).get_mut()
+/// The number that stands at a key.
+fn number(value: &DeValue<'_>) -> Option<f64> {
+    match value {
+        DeValue::Float(number) => number.as_str().parse().ok(),
+        DeValue::Integer(number) => i64::from_str_radix(number.as_str(), number.radix()).ok().map(|n| n as f64),
+        _ => None,
+    }
 }

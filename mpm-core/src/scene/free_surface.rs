@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::Scene;
+use super::Fields;
 
 /// What a side of the soil is fed with.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -51,7 +51,7 @@ impl Clock {
     }
 }
 
-impl Scene {
+impl Fields {
     /// Porosity that mobile water can fill, n (1 - S_0).
     pub fn mobile_porosity(&self) -> f64 {
         self.porosity * (1.0 - self.free_surface.as_ref().map_or(0.0, |f| f.saturation))

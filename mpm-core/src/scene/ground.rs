@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::Scene;
+use super::Fields;
 
 /// How the particles of an outline are cut.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize)]
@@ -48,7 +48,7 @@ pub struct Base {
     pub normal_stress: NormalStress,
 }
 
-impl Scene {
+impl Fields {
     /// Gravity as a vector, m/s2: x downslope, y normal to the base.
     pub fn gravity_vector(&self) -> Option<[f64; 2]> {
         let gravity = self.gravity?;

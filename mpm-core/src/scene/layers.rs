@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{CamClay, Elastic, Scene, Start, Strength};
+use super::{CamClay, Elastic, Fields, Start, Strength};
 
 /// A layer of soil, from the top of the one below it to its own top.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -21,7 +21,7 @@ pub struct SoilLayer {
     pub hydraulic_conductivity: f64,
 }
 
-impl Scene {
+impl Fields {
     /// The layer at a height above the base (m); `None` in a scene without layers. Above the last one it goes on.
     pub fn layer_at(&self, height: f64) -> Option<&SoilLayer> {
         self.layers.iter().find(|layer| height < layer.up_to).or(self.layers.last())

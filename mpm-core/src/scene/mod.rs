@@ -9,14 +9,18 @@ mod free_surface;
 mod ground;
 mod layers;
 mod moving;
+mod patch;
 mod raw;
+mod written;
 
 use std::fmt;
 use std::fs::File;
 use std::io::{self, Read};
+use std::ops::Deref;
 use std::path::Path;
+use std::sync::Arc;
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 pub use check::{INTEGRATORS, SHAPES};
 pub use failure::Failure;
@@ -26,8 +30,10 @@ pub use ground::{Base, NormalStress, SeedingChoice};
 pub use layers::SoilLayer;
 pub(crate) use moving::THROUGH_CELLS;
 pub use moving::{Estimate, UnfitLoad};
+pub use patch::Change;
 
 use crate::error::{LoadError, SceneError};
+use patch::Source;
 
 /// One spatial dimension or two. The same scene runs in both and gives the same numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -383,7 +389,7 @@ pub const PAPER_STEP: f64 = 1.0e-7;
 pub enum Until {
     /// A time since the start of the stage, s.
     Time(f64),
-    /// The pore pressure stays within a relative tolerance of its undrained mean, [`Scene::undrained_mean_pressure`],
+    /// The pore pressure stays within a relative tolerance of its undrained mean, [`Fields::undrained_mean_pressure`],
     /// for a period of the undrained wave, 4 H/c_u.
     PorePressure {
         /// Relative tolerance.
@@ -439,9 +445,44 @@ impl Surcharge {
     }
 }
 
-/// A scene that was checked: every number is finite, in range and consistent with the others.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// A scene that was checked: every number is finite, in range and consistent with the others. [`Fields`] say what it is; the
+/// checker alone makes them a scene, and [`Scene::patched`] and [`Scene::edited`] change one through it.
+#[derive(Clone)]
 pub struct Scene {
+    fields: Fields,
+    /// What it was made from.
+    source: Arc<Source>,
+}
+
+impl Deref for Scene {
+    type Target = Fields;
+
+    fn deref(&self) -> &Fields {
+        &self.fields
+    }
+}
+
+impl PartialEq for Scene {
+    fn eq(&self, other: &Self) -> bool {
+        self.fields == other.fields
+    }
+}
+
+impl fmt::Debug for Scene {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.fields.fmt(f)
+    }
+}
+
+impl Serialize for Scene {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.fields.serialize(serializer)
+    }
+}
+
+/// What a scene says.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fields {
     /// A name for reports.
     pub name: String,
     /// One dimension or two.
@@ -529,7 +570,7 @@ pub struct Scene {
     pub tolerance: f64,
     /// Volumes that particles stand for in integrals over a cell.
     pub quadrature: Quadrature,
-    /// gamma of the jump penalty on dp/dt, B-splines with `quasi-static` only; `None` for [`Scene::usual_jump_penalty`].
+    /// gamma of the jump penalty on dp/dt, B-splines with `quasi-static` only; `None` for [`Fields::usual_jump_penalty`].
     pub jump_penalty: Option<f64>,
     /// Where shape functions are evaluated.
     pub shape: ShapeChoice,
@@ -598,9 +639,16 @@ impl Scene {
     /// # Errors
     /// As [`Scene::parse`]; a refused flag is named in place of file, line and key.
     pub fn parse_with(text: &str, file: &str, flags: &Flags) -> Result<Self, SceneError> {
-        check::check(text, file, flags)
+        let mut source = Source { text: text.into(), file: Some(file.into()), edits: Vec::new() };
+        let (edits, left_out) = source.flagged(flags)?;
+        source.edits = edits;
+        let mut scene = check::check(&Arc::new(source))?;
+        scene.fields.left_out = left_out;
+        Ok(scene)
     }
+}
 
+impl Fields {
     /// Density of the dry skeleton, (1 - n) rho_s, kg/m3.
     pub fn dry_density(&self) -> f64 {
         (1.0 - self.porosity) * self.grain_density
@@ -726,9 +774,7 @@ impl Scene {
         };
         across * self.cells[1] * self.particles_per_direction()
     }
-}
 
-impl Scene {
     /// Whether the scene, on a mesh that need not be that of its file, fits into the memory that a run may take.
     ///
     /// # Errors

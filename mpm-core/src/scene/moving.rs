@@ -1,6 +1,6 @@
 //! Soil that moves through the cells of its mesh: when it does, what that asks of a scheme, and what no scheme bears.
 
-use super::{Dimension, Integrator, LoadOn, Scene, ShapeChoice, Side, SolidSide, Start, StrainChoice, UpdateChoice};
+use super::{Dimension, Fields, Integrator, LoadOn, ShapeChoice, Side, SolidSide, Start, StrainChoice, UpdateChoice};
 
 /// The usual share of a full node's mass below which nodes move with a neighbour.
 const LIGHT_NODES: f64 = 0.1;
@@ -51,7 +51,7 @@ const OFF_BEFORE: f64 = 0.65;
 /// The most that this comes to as particles cross, times the rows: 2.4 % of 8 rows at mean strains of 1 to 15 %.
 const OFF_PER_ROW: f64 = 0.2;
 
-impl Scene {
+impl Fields {
     /// Whether soil may come to fill cells in part, so that nodes may be light and steps shorter: it has an outline or room beside
     /// it, nothing holds its base, or its load and weight would move its surface by more than a fifth of a cell. That is a matter
     /// of how the same equations are solved; which are solved does not depend on the mesh.

@@ -26,25 +26,35 @@ const SAFETIES: [f64; 2] = [0.9, 0.45];
 fn climb(factor: f64) -> Result<Outcome, String> {
     let built_in = |name| crate::scenes::built_in(name).ok_or("no such scene")?.map_err(|e| e.to_string());
     let dry: Scene = built_in("dry-bar")?;
-    let mut closed = crate::scenes::terzaghi();
-    for stage in &mut closed.stages {
-        stage.drained = [false; 4];
-    }
-    if let Some(water) = &mut closed.water {
-        water.hydraulic_conductivity = 1e-15;
-    }
+    let closed = crate::scenes::terzaghi().edited(|closed| {
+        for stage in &mut closed.stages {
+            stage.drained = [false; 4];
+        }
+        if let Some(water) = &mut closed.water {
+            water.hydraulic_conductivity = 1e-15;
+        }
+    })?;
     let mut off = Vec::new();
     for base in [dry, closed] {
         for (particles_per_cell, share) in SHARES {
             for safety in SAFETIES {
-                let mut scene = Scene { particles_per_cell, safety, ..base.clone() };
-                (scene.shape, scene.step, scene.flip, scene.history) = (ShapeChoice::Linear, StepChoice::Auto, 1.0, 0);
+                let mut scene = base
+                    .edited(|s| {
+                        s.particles_per_cell = particles_per_cell;
+                        s.safety = safety;
+                    })?
+                    .edited(|scene| {
+                        (scene.shape, scene.step, scene.flip, scene.history) =
+                            (ShapeChoice::Linear, StepChoice::Auto, 1.0, 0)
+                    })?;
                 let stiffness = factor * scene.oedometer_modulus() + scene.pore_stiffness();
                 let limit = scene.cell * (scene.mixture_density() / ((2.0 - share) * stiffness)).sqrt();
                 let last = scene.stages.len() - 1;
                 let end = 20.0 * safety * limit;
-                scene.stages[last].until = Until::Time(end);
-                scene.observe_times = vec![end];
+                scene = scene.edited(|scene| {
+                    scene.stages[last].until = Until::Time(end);
+                    scene.observe_times = vec![end];
+                })?;
                 let run = finished(&scene)?;
                 off.push(run.dt / (safety * limit) - 1.0);
             }

@@ -6,13 +6,13 @@ use std::sync::Arc;
 
 use mpm_core::boundary::{FirstState, Given};
 use mpm_core::drive::{Run, Sample};
-use mpm_core::scene::{Scene, ShapeChoice, StepChoice, TransferChoice, Until};
+use mpm_core::scene::{Fields, Scene, ShapeChoice, StepChoice, TransferChoice, Until};
 use mpm_core::stability::{choose_step, shortest_transfer};
 
 use super::evidence::{PARTICLES, Refinement, STEP, Sampled};
 use super::looks::{Look, Looks, in_particles, in_time};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{Mutant, Outcome, Rung, finished_given, integrator, scheme, with_rows};
+use super::{Mutant, Outcome, Rung, finished_given, integrator, scheme};
 
 /// Displacement of the top over five swings.
 pub const PERIOD: Rung = Rung {
@@ -53,14 +53,16 @@ const SPEED: f64 = 1e-3;
 
 /// The bar, and its angular frequency, rad/s.
 fn bar() -> Result<(Scene, f64), String> {
-    let mut scene = crate::scenes::built_in("dry-bar").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    (scene.surcharge, scene.history, scene.stages[0].damping) = (None, 0, 0.0);
+    let scene = crate::scenes::built_in("dry-bar")
+        .ok_or("no such scene")?
+        .map_err(|e| e.to_string())?
+        .edited(|scene| (scene.surcharge, scene.history, scene.stages[0].damping) = (None, 0, 0.0))?;
     let frequency = FRAC_PI_2 / scene.height * (scene.oedometer_modulus() / scene.mixture_density()).sqrt();
     Ok((scene, frequency))
 }
 
 /// Looks at a number of swings, so many times each.
-fn look(scene: &mut Scene, frequency: f64, swings: u32, each: u32) {
+fn look(scene: &mut Fields, frequency: f64, swings: u32, each: u32) {
     let end = f64::from(swings) * 2.0 * PI / frequency;
     scene.observe_times = (1..=swings * each).map(|i| end * f64::from(i) / f64::from(swings * each)).collect();
     scene.stages[0].until = Until::Time(end);
@@ -91,13 +93,15 @@ fn step(scene: &Scene) -> Result<f64, String> {
 /// Runs the bar in these steps from its first mode.
 fn swings(scene: &Scene, frequency: f64) -> Result<Run, String> {
     let dt = step(scene)?;
-    finished_given(&Scene { step: StepChoice::Fixed(dt), ..scene.clone() }, &mode(scene.height, frequency, dt))
+    finished_given(&scene.edited(|s| s.step = StepChoice::Fixed(dt))?, &mode(scene.height, frequency, dt))
 }
 
 fn period(stiffer: f64) -> Result<Outcome, String> {
     let (mut base, frequency) = bar()?;
-    look(&mut base, frequency, 5, 8);
-    base.elastic.youngs_modulus *= stiffer;
+    base = base.edited(|base| {
+        look(base, frequency, 5, 8);
+        base.elastic.youngs_modulus *= stiffer;
+    })?;
     let looks = |scene: &Scene| {
         let run = swings(scene, frequency)?;
         let exact = |t: f64| -(frequency * t).sin();
@@ -106,14 +110,14 @@ fn period(stiffer: f64) -> Result<Outcome, String> {
     };
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for rows in [10, 14, 20, 28, 40] {
-        let scene = with_rows(base.clone(), rows);
+        let scene = base.with_rows(rows)?;
         let found = looks(&scene)?;
         errors.push((scene.cell, found.error()));
         samples = found.samples();
     }
-    let coarse = with_rows(base.clone(), 10);
-    let stepped = |dt| looks(&Scene { step: StepChoice::Fixed(dt), ..coarse.clone() });
-    let with = |count| looks(&Scene { particles_per_cell: count, ..coarse.clone() });
+    let coarse = base.with_rows(10)?;
+    let stepped = |dt| looks(&coarse.edited(|s| s.step = StepChoice::Fixed(dt))?);
+    let with = |count| looks(&coarse.edited(|s| s.particles_per_cell = count)?);
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),
@@ -147,15 +151,17 @@ fn by_swing(scene: &Scene, frequency: f64) -> Result<Vec<f64>, String> {
 /// rate `(1 - S) w^2 dt`, a share of 1e-5 to 1e-4 in a swing.
 fn energy(flip: f64) -> Result<Outcome, String> {
     let (mut base, frequency) = bar()?;
-    look(&mut base, frequency, SWINGS, EACH);
-    base.flip = flip;
+    base = base.edited(|base| {
+        look(base, frequency, SWINGS, EACH);
+        base.flip = flip;
+    })?;
     let mut notes = Vec::new();
     let mut kept = Vec::new();
     let theory = |scene: &Scene| Ok::<_, String>((1.0 - transfer(scene)) * frequency * frequency * step(scene)?);
     let rate =
         |swings: &[f64]| (swings[0] / swings[swings.len() - 1]).ln() * frequency / (2.0 * PI * f64::from(SWINGS - 1));
     let mut lost = |shape: ShapeChoice, rows: usize| {
-        let scene = Scene { shape, ..with_rows(base.clone(), rows) };
+        let scene = base.with_rows(rows)?.edited(|s| s.shape = shape)?;
         let swings = by_swing(&scene, frequency)?;
         let in_a_swing = 1.0 - (-rate(&swings) * 2.0 * PI / frequency).exp();
         notes.push((format!("{}, {rows} cells, loses in a swing", scheme(&scene)), in_a_swing, "-".to_owned()));
@@ -175,23 +181,26 @@ fn energy(flip: f64) -> Result<Outcome, String> {
         lost(shape, 20)?;
     }
     let mut samples: Vec<Sampled> = kept;
-    let coarse = with_rows(base.clone(), 10);
+    let coarse = base.with_rows(10)?;
     let stepped = |halvings: i32| {
         let dt = step(&coarse)? / 2.0_f64.powi(halvings);
-        Ok((dt, rate(&by_swing(&Scene { step: StepChoice::Fixed(dt), ..coarse.clone() }, frequency)?) / frequency))
+        Ok((dt, rate(&by_swing(&coarse.edited(|s| s.step = StepChoice::Fixed(dt))?, frequency)?) / frequency))
     };
     let in_time = (0..HALVINGS as i32).map(stepped).collect::<Result<_, String>>()?;
     let against = "a bar that loses no energy: the rate over w, (1 - S) w dt, L = 0.1 m";
     let in_time = Refinement { required_order: FIRST_ORDER, ..Refinement::new(STEP, in_time, against) };
     let with = |count: &usize| {
-        let scene = Scene { particles_per_cell: *count, ..coarse.clone() };
+        let scene = coarse.edited(|s| s.particles_per_cell = *count)?;
         Ok((*count as f64, rate(&by_swing(&scene, frequency)?) / theory(&scene)? - 1.0))
     };
     let counted = PARTICLE_COUNTS.iter().map(with).collect::<Result<_, String>>()?;
     let against = "the rate of theory, L = 0.1 m: S knows the particles, no order is expected";
     let counted = Refinement { required_error: Some(5e-3), ..Refinement::new(PARTICLES, counted, against) };
     for (name, transfer, flip) in KEPT {
-        let scene = Scene { transfer, flip, ..with_rows(base.clone(), 20) };
+        let scene = base.with_rows(20)?.edited(|s| {
+            s.transfer = transfer;
+            s.flip = flip;
+        })?;
         let swings = by_swing(&scene, frequency)?;
         samples.extend(swings.iter().enumerate().map(|(swing, energy)| Sampled {
             quantity: format!("energy, {name}"),
@@ -243,12 +252,14 @@ fn transfer(scene: &Scene) -> f64 {
 /// S_0) sin^2(theta/2)` is left (`mpm_core::stability`), so that the mode loses energy at the rate (1 - S)/dt.
 fn pic(flip: f64) -> Result<Outcome, String> {
     let (mut base, frequency) = bar()?;
-    look(&mut base, frequency, 1, 2);
-    base.flip = 0.0;
+    base = base.edited(|base| {
+        look(base, frequency, 1, 2);
+        base.flip = 0.0;
+    })?;
     // Error of the rate after a whole swing, and the energies at the same phase before it.
     let on = |scene: &Scene| {
         let dt = step(scene)?;
-        let energies = energies(&Scene { flip, ..scene.clone() }, frequency)?;
+        let energies = energies(&scene.edited(|s| s.flip = flip)?, frequency)?;
         let theory = (1.0 - transfer(scene)) / dt;
         let shares = scene.observe_times.iter().zip(&energies[1..]);
         let looks = shares.map(|(t, energy)| Look::one(*t, energy / energies[0], (-theory * t).exp())).collect();
@@ -257,18 +268,18 @@ fn pic(flip: f64) -> Result<Outcome, String> {
     };
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for rows in [10, 14, 20, 28, 40] {
-        let scene = with_rows(base.clone(), rows);
+        let scene = base.with_rows(rows)?;
         let (error, looks) = on(&scene)?;
         errors.push((scene.cell, error));
         samples = looks.samples();
     }
-    let fine = with_rows(base.clone(), 40);
+    let fine = base.with_rows(40)?;
     let stepped = |halvings: i32| {
         let dt = step(&fine)? / 2.0_f64.powi(halvings);
-        Ok((dt, on(&Scene { step: StepChoice::Fixed(dt), ..fine.clone() })?.0))
+        Ok((dt, on(&fine.edited(|s| s.step = StepChoice::Fixed(dt))?)?.0))
     };
     let in_time = (0..3).map(stepped).collect::<Result<_, String>>()?;
-    let with = |count: &usize| Ok((*count as f64, on(&Scene { particles_per_cell: *count, ..fine.clone() })?.0));
+    let with = |count: &usize| Ok((*count as f64, on(&fine.edited(|s| s.particles_per_cell = *count)?)?.0));
     let counted = PARTICLE_COUNTS.iter().map(with).collect::<Result<_, String>>()?;
     let against = "the rate of theory, L = 0.025 m";
     let bounded = |by, errors| Refinement { required_error: Some(1e-3), ..Refinement::new(by, errors, against) };

@@ -5,7 +5,7 @@ use mpm_core::failure::{Driver, Phase};
 use mpm_core::hardware::{Hardware, Width};
 use mpm_core::hash::{Digest, sha256};
 use mpm_core::run::{run_attended, run_on};
-use mpm_core::scene::{Base, Dimension, LoadedStrip, Scene, ShapeChoice, Surcharge, Until};
+use mpm_core::scene::{Base, Dimension, LoadedStrip, Scene, ShapeChoice, Start, Surcharge, Until};
 use mpm_core::stability::choose_step;
 
 use super::evidence::RUNS;
@@ -50,35 +50,43 @@ fn said(run: &Run) -> Digest {
 }
 
 /// A block of some cells for some steps, under a load on its left part that pushes the soil down and aside.
-fn block(cells: [usize; 2], steps: f64) -> Scene {
-    let mut scene = crate::scenes::terzaghi();
-    (scene.dimension, scene.shape) = (Dimension::PlaneStrain, ShapeChoice::Centre);
-    (scene.cells, scene.width, scene.height) = (cells, cells[0] as f64 * scene.cell, cells[1] as f64 * scene.cell);
+fn block(cells: [usize; 2], steps: f64) -> Result<Scene, String> {
+    let mut scene = crate::scenes::terzaghi().edited(|scene| {
+        (scene.dimension, scene.shape) = (Dimension::PlaneStrain, ShapeChoice::Centre);
+        (scene.cells, scene.width, scene.height) = (cells, cells[0] as f64 * scene.cell, cells[1] as f64 * scene.cell);
+    })?;
     let strip = LoadedStrip { from: 0.0, to: 0.3 * scene.width, taper: 0.2 * scene.width };
-    scene.surcharge = scene.surcharge.map(|load| Surcharge { strip: Some(strip), ..load });
+    scene = scene.edited(|scene| {
+        scene.start = Start::Unloaded;
+        scene.surcharge = scene.surcharge.map(|load| Surcharge { strip: Some(strip), ..load });
+    })?;
     let dt = choose_step(&scene).unwrap_or(1e-6);
     let last = scene.stages.len() - 1;
-    scene.stages[last].until = Until::Time(steps * dt);
-    scene.observe_times = vec![0.5 * steps * dt, steps * dt];
-    (scene.history, scene.profiles) = (0, true);
-    scene
+    scene = scene.edited(|scene| {
+        scene.stages[last].until = Until::Time(steps * dt);
+        scene.observe_times = vec![0.5 * steps * dt, steps * dt];
+        (scene.history, scene.profiles) = (0, true);
+    })?;
+    Ok(scene)
 }
 
 /// A low and closed block: its wave is soon in every strip, and none has all of the flow, as one would under
 /// a drained surface. Only then does the order of a sum over strips show.
 fn threads(off: f64) -> Result<Outcome, String> {
-    let mut scene = block([130, 32], 120.0);
-    for stage in &mut scene.stages {
-        stage.drained = [false; 4];
-    }
+    let scene = block([130, 32], 120.0)?.edited(|scene| {
+        for stage in &mut scene.stages {
+            stage.drained = [false; 4];
+        }
+    })?;
     let reference = said(&whole(run_on(&Hardware::plain(Width::One), &scene, &mut |_| {}))?);
     let mut different = Vec::new();
     for threads in [1, 2, 3, 8] {
         for width in [Width::Widest, Width::One, Width::Four, Width::Eight] {
-            let mut own = scene.clone();
-            if let (Some(load), 3) = (&mut own.surcharge, threads) {
-                load.pressure *= 1.0 + off;
-            }
+            let own = scene.edited(|own| {
+                if let (Some(load), 3) = (&mut own.surcharge, threads) {
+                    load.pressure *= 1.0 + off;
+                }
+            })?;
             let hardware = Hardware { width, ..Hardware::threads(threads)? };
             let run = whole(run_on(&hardware, &own, &mut |_| {}))?;
             different.push(f64::from(said(&run) != reference));
@@ -89,25 +97,27 @@ fn threads(off: f64) -> Result<Outcome, String> {
 
 /// Every gate of the work: one of each path through the solver.
 fn scenes() -> Result<Vec<Scene>, String> {
-    GATES.iter().map(|gate| gate.scene().map(quick)).collect()
+    GATES.iter().map(|gate| quick(gate.scene()?)).collect()
 }
 
 /// A part of it, with some samples on the way.
-fn quick(mut scene: Scene) -> Scene {
+fn quick(mut scene: Scene) -> Result<Scene, String> {
     let last = scene.stages.len() - 1;
     if let (Until::Time(end), true) = (scene.stages[last].until, scene.observe_times.len() == 1) {
         let end = 0.1 * end;
-        scene.stages[last].until = Until::Time(end);
-        scene.observe_times = vec![0.3 * end, 0.7 * end, end];
+        scene = scene.edited(|scene| {
+            scene.stages[last].until = Until::Time(end);
+            scene.observe_times = vec![0.3 * end, 0.7 * end, end];
+        })?;
     }
-    scene.profiles = true;
-    scene
+    scene = scene.edited(|scene| scene.profiles = true)?;
+    Ok(scene)
 }
 
 fn again(off: f64) -> Result<Outcome, String> {
     let mut different = Vec::new();
     for scene in scenes()? {
-        let changed = Scene { porosity: scene.porosity * (1.0 + off), ..scene.clone() };
+        let changed = scene.edited(|s| s.porosity = scene.porosity * (1.0 + off))?;
         let both = std::thread::scope(|scope| {
             let one = scope.spawn(|| whole(run_on(&Hardware::default(), &scene, &mut |_| {})));
             let other = whole(run_on(&Hardware::default(), &changed, &mut |_| {}));
@@ -135,11 +145,15 @@ impl Attend for Stop {
 
 /// A block on a base that weakens with slip and remembers the normal stress.
 fn sliding() -> Result<Scene, String> {
-    let mut scene = crate::scenes::built_in("block-weakens").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    scene.base = scene.base.map(|base| Base { memory: 0.02, ..base });
+    let mut scene = crate::scenes::built_in("block-weakens")
+        .ok_or("no such scene")?
+        .map_err(|e| e.to_string())?
+        .edited(|scene| scene.base = scene.base.map(|base| Base { memory: 0.02, ..base }))?;
     let end = 0.2;
-    scene.stages[0].until = Until::Time(end);
-    (scene.observe_times, scene.history) = ([0.2, 0.4, 0.6, 0.8, 1.0].map(|share| share * end).to_vec(), 0);
+    scene = scene.edited(|scene| {
+        scene.stages[0].until = Until::Time(end);
+        (scene.observe_times, scene.history) = ([0.2, 0.4, 0.6, 0.8, 1.0].map(|share| share * end).to_vec(), 0);
+    })?;
     Ok(scene)
 }
 

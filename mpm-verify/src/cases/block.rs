@@ -5,7 +5,7 @@
 //! mesh.
 
 use mpm_core::drive::{Run, Sample};
-use mpm_core::scene::{Base, Scene, StepChoice};
+use mpm_core::scene::{Base, Fields, Scene, StepChoice};
 use mpm_core::stability::choose_step;
 
 use super::looks::{Look, Looks, in_particles, in_time};
@@ -47,24 +47,24 @@ pub const STICKS: Rung = Rung {
 const ROWS: [usize; 4] = [1, 2, 3, 4];
 
 /// The way of the block in a scene, whose base or gravity `spoil` may change behind the exact solution's back.
-fn way(name: &str, spoil: fn(&mut Scene)) -> Result<Outcome, String> {
+fn way(name: &str, spoil: fn(&mut Fields)) -> Result<Outcome, String> {
     let base = scene(name)?;
     let exact = Sliding::new(&base).ok_or("no block on a base")?;
     let looks_at = |mut scene: Scene| {
-        spoil(&mut scene);
+        scene = scene.edited(spoil)?;
         looks(&finished(&scene)?, &exact)
     };
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for rows in ROWS {
-        let scene = on_mesh(base.clone(), rows);
+        let scene = on_mesh(base.clone(), rows)?;
         let (cell, looks) = (scene.cell, looks_at(scene)?);
         errors.push((cell, looks.error()));
         samples = looks.samples();
     }
-    let coarse = on_mesh(base.clone(), ROWS[0]);
+    let coarse = on_mesh(base.clone(), ROWS[0])?;
     let step = choose_step(&coarse).map_err(|e| e.to_string())?;
-    let stepped = |step| looks_at(Scene { step: StepChoice::Fixed(step), ..coarse.clone() });
-    let with = |particles_per_cell| looks_at(Scene { particles_per_cell, ..coarse.clone() });
+    let stepped = |step| looks_at(coarse.edited(|s| s.step = StepChoice::Fixed(step))?);
+    let with = |particles_per_cell| looks_at(coarse.edited(|s| s.particles_per_cell = particles_per_cell)?);
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),
@@ -98,9 +98,10 @@ pub(super) fn looks(run: &Run, exact: &Sliding) -> Result<Looks, String> {
 
 /// The same block on 10 degrees: its base must not have taken any energy, because no node of it has slid.
 fn sticks(friction_angle: f64) -> Result<Outcome, String> {
-    let mut scene = scene("block-on-incline")?;
-    scene.slope_angle = Some(10.0);
-    scene.base = scene.base.map(|b| Base { peak_angle: friction_angle, residual_angle: friction_angle, ..b });
+    let scene = scene("block-on-incline")?.edited(|scene| {
+        scene.slope_angle = Some(10.0);
+        scene.base = scene.base.map(|b| Base { peak_angle: friction_angle, residual_angle: friction_angle, ..b });
+    })?;
     let run = finished(&scene)?;
     let last = run.samples.last().ok_or("no sample")?;
     // As a share of what the weight would do over the height of the block.
@@ -117,18 +118,22 @@ fn sticks(friction_angle: f64) -> Result<Outcome, String> {
 }
 
 fn scene(name: &str) -> Result<Scene, String> {
-    let mut scene = crate::scenes::built_in(name).ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    scene.history = 0;
+    let scene = crate::scenes::built_in(name)
+        .ok_or("no such scene")?
+        .map_err(|e| e.to_string())?
+        .edited(|scene| scene.history = 0)?;
     Ok(scene)
 }
 
 /// The block with so many cells over its height, in the same room.
-fn on_mesh(mut scene: Scene, rows: usize) -> Scene {
+fn on_mesh(mut scene: Scene, rows: usize) -> Result<Scene, String> {
     let room = scene.sideroom_cells as f64 * scene.cell;
-    scene.cell = scene.height / rows as f64;
-    scene.cells = [(scene.width / scene.cell).round() as usize, rows];
-    scene.sideroom_cells = (room / scene.cell).round() as usize;
-    scene
+    scene = scene.edited(|scene| {
+        scene.cell = scene.height / rows as f64;
+        scene.cells = [(scene.width / scene.cell).round() as usize, rows];
+        scene.sideroom_cells = (room / scene.cell).round() as usize;
+    })?;
+    Ok(scene)
 }
 
 /// Friction that is 5 % too high.
@@ -153,7 +158,7 @@ fn mutant_of_sticking() -> Result<Outcome, String> {
     sticks(9.5)
 }
 
-fn turn_base(scene: &mut Scene, angle: fn(f64) -> f64) {
+fn turn_base(scene: &mut Fields, angle: fn(f64) -> f64) {
     scene.base =
         scene.base.map(|b| Base { peak_angle: angle(b.peak_angle), residual_angle: angle(b.residual_angle), ..b });
 }

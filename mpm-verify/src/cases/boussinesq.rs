@@ -2,7 +2,7 @@
 
 use mpm_core::drive::Run;
 use mpm_core::observe::FieldPoint;
-use mpm_core::scene::Scene;
+use mpm_core::scene::{Fields, Scene};
 
 use super::looks::{Look, Looks, in_particles};
 use super::{FASTER, Mutant, Outcome, Rung, faster, finished, integrator, sound};
@@ -19,14 +19,14 @@ pub const RUNG: Rung = Rung {
 /// Rows of cells over the height.
 const ROWS: [usize; 4] = [5, 10, 15, 20];
 
-fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn climb(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let base = crate::scenes::built_in("boussinesq").and_then(Result::ok).expect("the built-in scene holds");
     let water = base.water.ok_or("the scene is dry")?;
     let exact = Wetting::new(water.hydraulic_conductivity, base.porosity, 1.0);
     let (mut errors, mut notes, mut samples) = (Vec::new(), Vec::new(), Vec::new());
     for rows in ROWS {
-        let mut scene = on(&base, rows);
-        fault(&mut scene);
+        let mut scene = base.with_rows(rows)?;
+        scene = scene.edited(fault)?;
         let run = finished(&scene)?;
         let tips = tips(&scene, &run, &exact)?;
         errors.push((scene.cell, tips.error().abs()));
@@ -38,10 +38,10 @@ fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
             notes.push((what, off, "-".to_owned()));
         }
     }
-    let coarse = on(&base, ROWS[0]);
+    let coarse = base.with_rows(ROWS[0])?;
     let with = |particles_per_cell| {
-        let mut scene = Scene { particles_per_cell, ..coarse.clone() };
-        fault(&mut scene);
+        let mut scene = coarse.edited(|s| s.particles_per_cell = particles_per_cell)?;
+        scene = scene.edited(fault)?;
         tips(&scene, &finished(&scene)?, &exact)
     };
     Ok(Outcome {
@@ -56,14 +56,6 @@ fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
         refinements: vec![in_particles(with, coarse.cell, &[1, 4, 9], 0.5 * coarse.cell)?],
         ..Outcome::default()
     })
-}
-
-/// The scene on a mesh of `rows` cells over its height.
-fn on(base: &Scene, rows: usize) -> Scene {
-    let mut scene = base.clone();
-    scene.cell = scene.height / rows as f64;
-    scene.cells = [(scene.width / scene.cell).round() as usize, rows];
-    scene
 }
 
 /// Where the tip stands.

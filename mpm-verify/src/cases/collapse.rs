@@ -3,7 +3,7 @@
 //! Experiments differ by a factor of two and more (reference-data/literature/column_collapse.csv, which says how each law is
 //! known), so the error is the distance from the middle of their band in half widths of the band: up to 1 is inside.
 
-use mpm_core::scene::{Scene, Until};
+use mpm_core::scene::{Fields, Scene, Until};
 
 use super::evidence::{MESH, PARTICLES, Refinement};
 use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound};
@@ -33,7 +33,7 @@ pub const SATURATED: Rung = Rung {
     }),
 };
 
-fn rough(scene: &mut Scene) {
+fn rough(scene: &mut Fields) {
     if let Some(strength) = &mut scene.strength {
         strength.friction_angle = 60.0;
     }
@@ -46,20 +46,23 @@ const COUNTS: [usize; 2] = [4, 9];
 const WET: f64 = 2.5;
 
 /// A column of an aspect ratio on a mesh (m).
-fn column(base: &Scene, aspect: f64, cell: f64) -> Scene {
-    let mut scene = base.clone();
-    scene.height = aspect * scene.width;
-    scene.cell = cell;
-    scene.cells = [scene.width, scene.height].map(|length| (length / cell).round() as usize);
-    scene.sideroom_cells = (8.0 / cell).round() as usize;
+fn column(base: &Scene, aspect: f64, cell: f64) -> Result<Scene, String> {
+    let mut scene = base.edited(|scene| {
+        scene.height = aspect * scene.width;
+        scene.cell = cell;
+        scene.cells = [scene.width, scene.height].map(|length| (length / cell).round() as usize);
+        scene.sideroom_cells = (8.0 / cell).round() as usize;
+    })?;
     // Dry or wet the soil rests by then. Later, water in cells that soil fills in part may stir it again: with 9 particles per
     // cell the balance of energy then ends the run.
     let end = scene.stages.len() - 1;
     if let (Until::Time(time), true) = (scene.stages[end].until, scene.water.is_some()) {
-        scene.stages[end].until = Until::Time(time.min(WET));
-        scene.observe_times.retain(|at| *at <= WET);
+        scene = scene.edited(|scene| {
+            scene.stages[end].until = Until::Time(time.min(WET));
+            scene.observe_times.retain(|at| *at <= WET);
+        })?;
     }
-    scene
+    Ok(scene)
 }
 
 /// Distance from the middle of a band, in half widths of it.
@@ -67,14 +70,14 @@ fn in_band(found: f64, (low, high): (f64, f64)) -> f64 {
     (found - 0.5 * (low + high)) / (0.5 * (high - low))
 }
 
-fn climb(name: &str, meshes: &[f64], aspects: &[f64], kind: Kind, fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn climb(name: &str, meshes: &[f64], aspects: &[f64], kind: Kind, fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let base = crate::scenes::built_in(name).and_then(Result::ok).expect("the built-in scene holds");
     let (mut errors, mut notes) = (Vec::new(), Vec::new());
     for &cell in meshes {
         let mut offs = Vec::new();
         for &aspect in aspects {
-            let mut scene = column(&base, aspect, cell);
-            fault(&mut scene);
+            let mut scene = column(&base, aspect, cell)?;
+            scene = scene.edited(fault)?;
             let run = finished(&scene)?;
             let last = run.samples.last().ok_or("no sample")?;
             let reach = last.state.reach;
@@ -95,8 +98,8 @@ fn climb(name: &str, meshes: &[f64], aspects: &[f64], kind: Kind, fault: fn(&mut
         errors.push((cell, worst(offs.into_iter())));
     }
     let with = |count: &usize| {
-        let mut scene = Scene { particles_per_cell: *count, ..column(&base, aspects[0], meshes[0]) };
-        fault(&mut scene);
+        let mut scene = column(&base, aspects[0], meshes[0])?.edited(|s| s.particles_per_cell = *count)?;
+        scene = scene.edited(fault)?;
         let run = finished(&scene)?;
         let reach = run.samples.last().ok_or("no sample")?.state.reach[0];
         let band = run_out(kind, aspects[0]).ok_or("no law for this aspect ratio")?;

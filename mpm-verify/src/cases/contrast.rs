@@ -2,7 +2,7 @@
 
 use mpm_core::drive::{Run, Sample};
 use mpm_core::observe::ProfileRow;
-use mpm_core::scene::{Integrator, Scene, ShapeChoice, StepChoice};
+use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice, StepChoice};
 use mpm_core::stability::stable_limit;
 
 use super::evidence::{MESH, Refinement, TOLERANCE};
@@ -199,7 +199,7 @@ fn late(
         for contrast in contrasts {
             let mut scene = scene(by, shape, *contrast, *rows, DYNAMIC_UNTIL)?;
             let exact = Layered::of(&scene).ok_or("not a column of layers")?;
-            plant(&mut scene, fault);
+            scene = scene.edited(|scene| plant(scene, fault))?;
             let looks = SETTLEMENT.looks(&executed(&scene)?, &exact, *contrast);
             let last = looks.rows.last().ok_or("no sample")?;
             off.push(last.computed[0] - last.exact[0]);
@@ -234,7 +234,7 @@ fn refined(
         for contrast in contrasts {
             let mut scene = scene(by, shape, *contrast, *rows, until)?;
             let exact = Layered::of(&scene).ok_or("not a column of layers")?;
-            plant(&mut scene, fault);
+            scene = scene.edited(|scene| plant(scene, fault))?;
             let run = executed(&scene)?;
             let looks = number.looks(&run, &exact, *contrast);
             let error = looks.error().abs();
@@ -271,27 +271,28 @@ fn refinements(
 ) -> Result<Vec<Refinement>, String> {
     let mut base = scene(by, shape, contrast, rows, until)?;
     let exact = Layered::of(&base).ok_or("not a column of layers")?;
-    plant(&mut base, fault);
+    base = base.edited(|base| plant(base, fault))?;
     let looks = |scene: &Scene| Ok::<_, String>(number.looks(&executed(scene)?, &exact, contrast));
     let quasi_static = by == Integrator::QuasiStatic;
     let in_time = if quasi_static {
-        let finest = looks(&Scene { tolerance: 1e-9, ..base.clone() })?;
-        let error = |tolerance: f64| Ok((tolerance, looks(&Scene { tolerance, ..base.clone() })?.difference(&finest)));
+        let finest = looks(&base.edited(|s| s.tolerance = 1e-9)?)?;
+        let error =
+            |tolerance: f64| Ok((tolerance, looks(&base.edited(|s| s.tolerance = tolerance)?)?.difference(&finest)));
         let errors = [1e-3, 1e-4, 1e-5, 1e-6].into_iter().map(error).collect::<Result<_, String>>()?;
         let against = format!("the same run under a tolerance of 1e-9, L = {} m", base.cell);
         Refinement { required_share: Some(1.0), ..Refinement::new(TOLERANCE, errors, against) }
     } else {
-        let step = |dt| looks(&Scene { step: StepChoice::Fixed(dt), ..base.clone() });
+        let step = |dt| looks(&base.edited(|s| s.step = StepChoice::Fixed(dt))?);
         in_time(step, base.cell, 0.9 * stable_limit(&base), HALVINGS, FIRST_ORDER)?
     };
     // Four points per cell do not integrate B-splines to their order.
     let counts = if shape == ShapeChoice::Bspline2 { &PARTICLE_COUNTS[2..] } else { &PARTICLE_COUNTS[..] };
-    let with = |count| looks(&Scene { particles_per_cell: count, ..base.clone() });
+    let with = |count| looks(&base.edited(|s| s.particles_per_cell = count)?);
     Ok(vec![in_time, in_particles(with, base.cell, counts, 2.0 * coarse)?])
 }
 
 /// Plants a factor on the conductivity of the layer that takes the longest.
-fn plant(scene: &mut Scene, factor: f64) {
+fn plant(scene: &mut Fields, factor: f64) {
     let slowness =
         |layer: &mpm_core::scene::SoilLayer| 1.0 / (layer.hydraulic_conductivity * layer.elastic.oedometer_modulus());
     if let Some(layer) = scene.layers.iter_mut().max_by(|a, b| slowness(a).total_cmp(&slowness(b))) {

@@ -60,18 +60,24 @@ const EXPLICIT_STEP: f64 = 2e-3;
 /// The closed square; water that seeps a hundredth as fast as in Table 1 drains in about a swing.
 fn square() -> Result<Scene, String> {
     let mut scene = crate::scenes::built_in("mandel").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    super::slower(&mut scene, 100.0);
-    (scene.surcharge, scene.solid_sides, scene.strain) = (None, [SolidSide::Roller; 4], StrainChoice::Large);
-    (scene.particles_per_cell, scene.history) = (4, 0);
+    scene = scene.edited(|scene| {
+        super::slower(scene, 100.0);
+        (scene.surcharge, scene.solid_sides, scene.strain) = (None, [SolidSide::Roller; 4], StrainChoice::Large);
+        (scene.particles_per_cell, scene.history) = (4, 0);
+    })?;
     let period = std::f64::consts::TAU / FREQUENCY;
-    scene.observe_times = [0.25, 0.5, 0.75, 1.0].map(|share| share * period).to_vec();
-    (scene.stages[0].drained, scene.stages[0].until) = ([false; 4], Until::Time(period));
+    scene = scene.edited(|scene| {
+        scene.observe_times = [0.25, 0.5, 0.75, 1.0].map(|share| share * period).to_vec();
+        (scene.stages[0].drained, scene.stages[0].until) = ([false; 4], Until::Time(period));
+    })?;
     Ok(scene)
 }
 
 /// The run of a mesh with `side` cells, its step s; the force is a share of the right one.
 fn run(mut scene: Scene, side: usize, dt: f64, share: f64) -> Result<(CoupledField, Run), String> {
-    (scene.cell, scene.cells, scene.step) = (scene.width / side as f64, [side; 2], StepChoice::Fixed(dt));
+    scene = scene.edited(|scene| {
+        (scene.cell, scene.cells, scene.step) = (scene.width / side as f64, [side; 2], StepChoice::Fixed(dt));
+    })?;
     let exact = CoupledField::new(&scene, AMPLITUDE, FREQUENCY).ok_or("not a square of saturated soil")?;
     let given = Given {
         force: Some(Arc::new(move |x, t| exact.body_force(x, t).map(|b| share * b))),
@@ -99,8 +105,7 @@ fn looks(run: &Run, exact: &CoupledField) -> Looks {
 }
 
 fn refined(integrate: Integrator, shape: ShapeChoice, share: f64) -> Result<Outcome, String> {
-    let mut base = square()?;
-    (base.integrator, base.shape) = (integrate, shape);
+    let base = square()?.edited(|base| (base.integrator, base.shape) = (integrate, shape))?;
     let factor = if integrate == Integrator::SemiImplicit { STEP } else { EXPLICIT_STEP };
     let with = |scene: &Scene, side: usize, dt: f64| {
         let (exact, run) = run(scene.clone(), side, dt, share)?;
@@ -115,7 +120,7 @@ fn refined(integrate: Integrator, shape: ShapeChoice, share: f64) -> Result<Outc
         samples = found.samples();
     }
     let coarse = base.width / SIDES[0] as f64;
-    let counted = |count| with(&Scene { particles_per_cell: count, ..base.clone() }, SIDES[0], step(coarse));
+    let counted = |count| with(&base.edited(|s| s.particles_per_cell = count)?, SIDES[0], step(coarse));
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),
@@ -137,8 +142,8 @@ fn refined(integrate: Integrator, shape: ShapeChoice, share: f64) -> Result<Outc
 /// nothing of the field left to differ, and the errors are those against the closed form.
 fn steps(share: f64) -> Result<Outcome, String> {
     const SIDE: usize = 12;
-    let mut base = square()?;
-    (base.integrator, base.shape) = (Integrator::SemiImplicit, ShapeChoice::Centre);
+    let base =
+        square()?.edited(|base| (base.integrator, base.shape) = (Integrator::SemiImplicit, ShapeChoice::Centre))?;
     let largest = STEP / 64.0;
     let found = |dt: f64, share: f64| {
         let (exact, run) = run(base.clone(), SIDE, dt, share)?;

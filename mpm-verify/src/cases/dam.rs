@@ -2,7 +2,7 @@
 
 use mpm_core::drive::Sample;
 use mpm_core::observe::{FieldPoint, WaterState};
-use mpm_core::scene::{Feed, Scene};
+use mpm_core::scene::{Feed, Fields, Scene};
 
 use super::looks::{Look, Looks, in_particles};
 use super::{FASTER, Mutant, Outcome, Rung, faster, finished, integrator, sound};
@@ -73,20 +73,20 @@ const ROWS: [usize; 3] = [10, 20, 40];
 /// Particles per cell.
 const COUNTS: [usize; 3] = [1, 4, 9];
 
-fn longer(scene: &mut Scene) {
+fn longer(scene: &mut Fields) {
     let columns = (1.1 * scene.width / scene.cell).round();
     scene.cells[0] = columns as usize;
     scene.width = columns * scene.cell;
 }
 
-fn scene(rows: usize, tail: f64) -> Scene {
-    let mut scene = crate::scenes::built_in("dam").and_then(Result::ok).expect("the built-in scene holds");
-    scene.cell = scene.height / rows as f64;
-    scene.cells = [(scene.width / scene.cell).round() as usize, rows];
-    if let (Some(free), true) = (&mut scene.free_surface, tail > 0.0) {
-        free.feeds[1] = Some(Feed::Head(tail));
-    }
-    scene
+fn scene(rows: usize, tail: f64) -> Result<Scene, String> {
+    let dam = crate::scenes::built_in("dam").ok_or("no such scene")??;
+    let tailed = dam.edited(|scene| {
+        if let (Some(free), true) = (&mut scene.free_surface, tail > 0.0) {
+            free.feeds[1] = Some(Feed::Head(tail));
+        }
+    })?;
+    Ok(tailed.with_rows(rows)?)
 }
 
 /// A dam that was computed, beside the exact one.
@@ -148,26 +148,26 @@ fn followed(
     Ok((Looks { unit, ..Looks::worst(quantity, rows) }, last.state.water.ok_or("no free surface")?))
 }
 
-fn discharge(tail: f64, fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn discharge(tail: f64, fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let exact = Dam::new(1.0, tail, 1.0).ok_or("no such dam")?;
     let flow = |mut scene: Scene| {
         let sought = exact.discharge(scene.water.ok_or("the scene is dry")?.hydraulic_conductivity);
-        fault(&mut scene);
+        scene = scene.edited(fault)?;
         followed(&scene, ("outflow over the discharge of the steady flow", "-"), |dam| {
             (vec![dam.water.outflow_m3_s / sought], vec![1.0])
         })
     };
     let (mut errors, mut steady, mut samples) = (Vec::new(), 0.0, Vec::new());
     for rows in ROWS {
-        let scene = scene(rows, tail);
+        let scene = scene(rows, tail)?;
         let cell = scene.cell;
         let (looks, water) = flow(scene)?;
         errors.push((cell, looks.error()));
         steady = f64::max(steady, (water.inflow_m3_s / water.outflow_m3_s - 1.0).abs());
         samples = looks.samples();
     }
-    let coarse = scene(ROWS[0], tail);
-    let with = |particles_per_cell| Ok(flow(Scene { particles_per_cell, ..coarse.clone() })?.0);
+    let coarse = scene(ROWS[0], tail)?;
+    let with = |particles_per_cell| Ok(flow(coarse.edited(|s| s.particles_per_cell = particles_per_cell)?)?.0);
     Ok(Outcome {
         integrator: integrator(&coarse),
         scheme: "free surface".to_owned(),
@@ -186,22 +186,22 @@ fn discharge(tail: f64, fault: fn(&mut Scene)) -> Result<Outcome, String> {
 fn heights(
     quantity: &str,
     shown: fn(&Computed) -> (Vec<f64>, Vec<f64>),
-    fault: fn(&mut Scene),
+    fault: fn(&mut Fields),
 ) -> Result<Outcome, String> {
     let seen = |mut scene: Scene| {
-        fault(&mut scene);
+        scene = scene.edited(fault)?;
         Ok::<_, String>(followed(&scene, (quantity, "m"), shown)?.0)
     };
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for rows in ROWS {
-        let scene = scene(rows, 0.0);
+        let scene = scene(rows, 0.0)?;
         let cell = scene.cell;
         let looks = seen(scene)?;
         errors.push((cell, looks.error().abs()));
         samples = looks.samples();
     }
-    let coarse = scene(ROWS[0], 0.0);
-    let with = |particles_per_cell| seen(Scene { particles_per_cell, ..coarse.clone() });
+    let coarse = scene(ROWS[0], 0.0)?;
+    let with = |particles_per_cell| seen(coarse.edited(|s| s.particles_per_cell = particles_per_cell)?);
     Ok(Outcome {
         integrator: integrator(&coarse),
         scheme: "free surface".to_owned(),
@@ -214,17 +214,18 @@ fn heights(
     })
 }
 
-fn stored(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn stored(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let (mut errors, mut notes, mut samples) = (Vec::new(), Vec::new(), Vec::new());
     for (rows, tail) in [(20, 0.0), (40, 0.0), (20, 0.3), (20, 0.9)] {
         let exact = Dam::new(1.0, tail, 1.0).ok_or("no such dam")?;
         for per_cell in [4, 9] {
-            let mut scene = scene(rows, tail);
-            scene.particles_per_cell = per_cell;
-            // The crest is open: the free surface lies below it.
-            scene.stages[0].drained[3] = tail > 0.0;
+            let mut scene = scene(rows, tail)?.edited(|scene| {
+                scene.particles_per_cell = per_cell;
+                // The crest is open: the free surface lies below it.
+                scene.stages[0].drained[3] = tail > 0.0;
+            })?;
             let porosity = scene.porosity;
-            fault(&mut scene);
+            scene = scene.edited(fault)?;
             let what = ("water in cells and in particles over n times the area under the steady surface", "-");
             let (looks, water) = followed(&scene, what, |dam| {
                 let geometric = exact.stored(porosity);
@@ -245,7 +246,7 @@ fn stored(fault: fn(&mut Scene)) -> Result<Outcome, String> {
     let worst = largest(errors.iter().map(|(_, error): &(f64, f64)| error.abs()));
     let finest = errors.iter().map(|(h, _)| *h).fold(f64::INFINITY, f64::min);
     Ok(Outcome {
-        integrator: integrator(&scene(ROWS[0], 0.0)),
+        integrator: integrator(&scene(ROWS[0], 0.0)?),
         scheme: "free surface".to_owned(),
         errors: vec![(finest, worst)],
         required_error: 1e-2,

@@ -4,10 +4,10 @@
 //! A step of backward Euler kind is of first order; it is far longer than damping takes to stop a particle.
 
 use mpm_core::drive::Sample;
-use mpm_core::scene::{Integrator, Scene, Start, StepChoice, Surcharge, Until};
+use mpm_core::scene::{Fields, Integrator, Scene, Start, StepChoice, Surcharge, Until};
 
 use super::looks::{Look, Looks, in_time};
-use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound, with_rows};
+use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound};
 use crate::exact::damped_column::DampedColumn;
 
 /// The case.
@@ -24,31 +24,32 @@ const ROWS: [usize; 5] = [10, 14, 20, 28, 40];
 /// Step on 20 rows as a share of the time in which the slowest wave falls; on others with the mesh.
 const SHARE: f64 = 1.0 / 640.0;
 
-fn stronger(scene: &mut Scene) {
+fn stronger(scene: &mut Fields) {
     scene.stages[0].damping *= 1.02;
 }
 
 /// Table 1's column, closed, from rest under a hundredth of its load.
 fn column() -> Result<(Scene, DampedColumn), String> {
-    let mut base = crate::scenes::terzaghi();
-    (base.history, base.start, base.integrator) = (0, Start::Unloaded, Integrator::SemiImplicit);
-    base.surcharge = base.surcharge.map(|s| Surcharge { pressure: 0.01 * s.pressure, ramp_time: 0.0, ..s });
-    base.stages[0].drained = [false; 4];
-    if let Some(water) = &mut base.water {
-        // Nothing flows within a second, from the top down either.
-        water.hydraulic_conductivity = 1e-15;
-    }
+    let mut base = crate::scenes::terzaghi().edited(|base| {
+        (base.history, base.start, base.integrator) = (0, Start::Unloaded, Integrator::SemiImplicit);
+        base.surcharge = base.surcharge.map(|s| Surcharge { pressure: 0.01 * s.pressure, ramp_time: 0.0, ..s });
+        base.stages[0].drained = [false; 4];
+        if let Some(water) = &mut base.water {
+            // Nothing flows within a second, from the top down either.
+            water.hydraulic_conductivity = 1e-15;
+        }
+    })?;
     let exact = DampedColumn::new(&base).ok_or("no load")?;
-    base.stages[0].damping = STRONG * exact.frequency;
+    base = base.edited(|base| base.stages[0].damping = STRONG * exact.frequency)?;
     let exact = DampedColumn::new(&base).ok_or("no load")?;
     let times = [0.2, 0.5, 1.0, 2.0].map(|share| share * exact.slowness());
-    (base.observe_times, base.stages[0].until) = (times.to_vec(), Until::Time(times[3]));
+    base = base.edited(|base| (base.observe_times, base.stages[0].until) = (times.to_vec(), Until::Time(times[3])))?;
     Ok((base, exact))
 }
 
-fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn climb(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let (mut base, exact) = column()?;
-    fault(&mut base);
+    base = base.edited(fault)?;
     let looks_at = |scene: &Scene| {
         let look = |s: &Sample| {
             Look::one(s.stage_time, s.state.settlement / exact.whole, exact.settlement(s.stage_time) / exact.whole)
@@ -57,14 +58,14 @@ fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
     };
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for rows in ROWS {
-        let scene = with_rows(base.clone(), rows);
+        let scene = base.with_rows(rows)?;
         let step = StepChoice::Fixed(SHARE * exact.slowness() * 20.0 / rows as f64);
-        let looks = looks_at(&Scene { step, ..scene })?;
+        let looks = looks_at(&scene.edited(|s| s.step = step)?)?;
         errors.push((base.height / rows as f64, looks.error()));
         samples = looks.samples();
     }
-    let coarse = with_rows(base.clone(), ROWS[2]);
-    let stepped = |step| looks_at(&Scene { step: StepChoice::Fixed(step), ..coarse.clone() });
+    let coarse = base.with_rows(ROWS[2])?;
+    let stepped = |step| looks_at(&coarse.edited(|s| s.step = StepChoice::Fixed(step))?);
     let first = 0.025 * exact.slowness();
     Ok(Outcome {
         integrator: integrator(&base),

@@ -4,7 +4,7 @@ use mpm_core::drive::{Run, Sample};
 use mpm_core::scene::{Scene, StepChoice};
 
 use super::evidence::{PARTICLES, Refinement, STEP, Sampled, TOLERANCE};
-use super::{finished, with_rows};
+use super::finished;
 use crate::norms::worst;
 
 /// A settlement that is compared, and how its error is counted.
@@ -95,7 +95,8 @@ impl<'a> Degree<'a> {
 
     /// Errors of a scene with several numbers of rows, and the samples of the last one.
     pub fn refine(&self, base: &Scene, rows: &[usize]) -> Result<(Errors, Vec<Sampled>), String> {
-        self.on_meshes(rows.iter().map(|rows| with_rows(base.clone(), *rows)))
+        let scenes = rows.iter().map(|rows| base.with_rows(*rows)).collect::<Result<Vec<_>, _>>()?;
+        self.on_meshes(scenes.into_iter())
     }
 
     /// A scene in steps `first`, `first`/2, ... (s): the difference of each run to that with half its step, so that the
@@ -109,7 +110,7 @@ impl<'a> Degree<'a> {
     ) -> Result<Refinement, String> {
         let stepped = |halvings| {
             let step = first / 2.0_f64.powi(halvings);
-            let run = finished(&Scene { step: StepChoice::Fixed(step), ..base.clone() })?;
+            let run = finished(&base.edited(|s| s.step = StepChoice::Fixed(step))?)?;
             Ok::<_, String>((step, run))
         };
         let runs = (0..=count as i32).map(stepped).collect::<Result<Vec<_>, _>>()?;
@@ -121,7 +122,7 @@ impl<'a> Degree<'a> {
     /// A scene under tolerances that fall: the difference of each run to one under a hundredth of the smallest. A
     /// tolerance is a bound, so that no order is expected: no error may exceed `times` its own tolerance.
     pub fn in_tolerance(&self, base: &Scene, tolerances: &[f64], times: f64) -> Result<Refinement, String> {
-        let at = |tolerance| finished(&Scene { tolerance, ..base.clone() });
+        let at = |tolerance| finished(&base.edited(|s| s.tolerance = tolerance)?);
         let least = tolerances.iter().copied().fold(f64::INFINITY, f64::min);
         let finest = at((0.01 * least).max(1e-10))?;
         let error = |tolerance: &f64| Ok((*tolerance, self.difference(&at(*tolerance)?, &finest)));
@@ -134,7 +135,7 @@ impl<'a> Degree<'a> {
     /// error that no particles take away, so that no order is expected; `most` bounds every error.
     pub fn in_particles(&self, base: &Scene, counts: &[usize], most: f64) -> Result<Refinement, String> {
         let with = |count: &usize| {
-            let run = finished(&Scene { particles_per_cell: *count, ..base.clone() })?;
+            let run = finished(&base.edited(|s| s.particles_per_cell = *count)?)?;
             Ok((*count as f64, self.error(&run)))
         };
         let errors = counts.iter().map(with).collect::<Result<_, String>>()?;

@@ -1,11 +1,11 @@
 //! A dry bar under a step load: its top moves at q/(rho c) until the wave comes back (d'Alembert).
 
-use mpm_core::scene::{Scene, Start, Until};
+use mpm_core::scene::{Fields, Start, Until};
 use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::terzaghi::{HALVINGS, PARTICLE_COUNTS};
-use super::{Mutant, Outcome, Rung, integrator, scheme, sound, with_rows};
+use super::{Mutant, Outcome, Rung, integrator, scheme, sound};
 
 /// The rung.
 pub const RUNG: Rung = Rung {
@@ -15,25 +15,28 @@ pub const RUNG: Rung = Rung {
     mutant: Some(Mutant { what: "skeleton 5 % too stiff", climb: || climb(stiffer) }),
 };
 
-fn stiffer(scene: &mut Scene) {
+fn stiffer(scene: &mut Fields) {
     scene.elastic.youngs_modulus *= 1.05;
 }
 
-fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
-    let mut base = crate::scenes::terzaghi();
-    (base.water, base.start, base.history) = (None, Start::Unloaded, 0);
-    base.stages[0].drained = [false; 4];
+fn climb(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+    let mut base = crate::scenes::terzaghi().edited(|base| {
+        (base.water, base.start, base.history) = (None, Start::Unloaded, 0);
+        base.stages[0].drained = [false; 4];
+    })?;
     let speed = (base.oedometer_modulus() / base.mixture_density()).sqrt();
     let there_and_back = 2.0 * base.height / speed;
-    base.stages[0].until = Until::Time(there_and_back);
-    base.observe_times = [0.25, 0.5, 0.75, 1.0].map(|share| share * there_and_back).to_vec();
+    base = base.edited(|base| {
+        base.stages[0].until = Until::Time(there_and_back);
+        base.observe_times = [0.25, 0.5, 0.75, 1.0].map(|share| share * there_and_back).to_vec();
+    })?;
     // u = q t/(rho c) up to 2 H/c: there twice the static settlement.
     let whole = 1.0e4 * base.height / base.oedometer_modulus();
     let settlement = |time| 2.0 * whole * time / there_and_back;
     let degree = Degree::relative(&base, &settlement).from(there_and_back);
-    fault(&mut base);
+    base = base.edited(fault)?;
     let (errors, samples) = degree.refine(&base, &[40, 56, 80, 112, 160])?;
-    let coarse = with_rows(base.clone(), 40);
+    let coarse = base.with_rows(40)?;
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),

@@ -1,11 +1,11 @@
 //! The column with inertia under a fast ramp, against the exact u-p model with the same Darcy law.
 
-use mpm_core::scene::{Scene, Start, Surcharge, Until};
+use mpm_core::scene::{Fields, Start, Surcharge, Until};
 use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{Mutant, Outcome, Rung, integrator, scheme, sound, with_rows};
+use super::{Mutant, Outcome, Rung, integrator, scheme, sound};
 use crate::exact::dynamic::DynamicColumn;
 
 /// Darcy's law with `rho_w a_s`.
@@ -24,24 +24,27 @@ pub const WITHOUT_INERTIA: Rung = Rung {
     mutant: Some(Mutant { what: "inertia in Darcy's law", climb: || climb(without, |s| s.darcy_inertia = true) }),
 };
 
-fn without(scene: &mut Scene) {
+fn without(scene: &mut Fields) {
     scene.darcy_inertia = false;
 }
 
-fn climb(change: fn(&mut Scene), fault: fn(&mut Scene)) -> Result<Outcome, String> {
-    let mut base = crate::scenes::terzaghi();
-    (base.history, base.start) = (0, Start::Unloaded);
-    base.surcharge = base.surcharge.map(|s| Surcharge { ramp_time: 5e-4, ..s });
+fn climb(change: fn(&mut Fields), fault: fn(&mut Fields)) -> Result<Outcome, String> {
+    let mut base = crate::scenes::terzaghi().edited(|base| {
+        (base.history, base.start) = (0, Start::Unloaded);
+        base.surcharge = base.surcharge.map(|s| Surcharge { ramp_time: 5e-4, ..s });
+    })?;
     let end = 0.2 * base.time_per_factor().ok_or("the scene is dry")?;
-    base.stages[0].until = Until::Time(end);
-    base.observe_times = (1..=40).map(|i| end * f64::from(i) / 40.0).collect();
-    change(&mut base);
+    base = base.edited(|base| {
+        base.stages[0].until = Until::Time(end);
+        base.observe_times = (1..=40).map(|i| end * f64::from(i) / 40.0).collect();
+    })?;
+    base = base.edited(change)?;
     let exact = DynamicColumn::new(&base).ok_or("the scene is dry")?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&base, &settlement).absolute();
-    fault(&mut base);
+    base = base.edited(fault)?;
     let (errors, samples) = degree.refine(&base, &[20, 28, 40, 56, 80])?;
-    let coarse = with_rows(base.clone(), 10);
+    let coarse = base.with_rows(10)?;
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),

@@ -10,13 +10,13 @@
 
 use mpm_core::drive::{Run, Sample};
 use mpm_core::observe::Ledger;
-use mpm_core::scene::{Integrator, Scene, Start, StepChoice, Surcharge, Until};
+use mpm_core::scene::{Fields, Integrator, Scene, Start, StepChoice, Surcharge, Until};
 use mpm_core::stability::stable_limit;
 
 use super::evidence::{MESH, PARTICLES, Refinement, STEP};
 use super::looks::{Look, Looks};
 use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
-use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound, with_rows};
+use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound};
 
 /// The paper's step.
 pub const EXPLICIT: Rung = Rung {
@@ -36,7 +36,7 @@ pub const SEMI_IMPLICIT: Rung = Rung {
 
 const LOSSY: &str = "a thousandth of PIC, whose loss is not booked";
 
-fn lossy(scene: &mut Scene) {
+fn lossy(scene: &mut Fields) {
     scene.flip = 0.999;
 }
 
@@ -75,13 +75,16 @@ const LOOKS: u32 = 40;
 /// Table 1's column from rest under a hundredth of its load, which grows linearly at first: strains too small to
 /// matter.
 fn column(way: &Way) -> Result<Scene, String> {
-    let mut base = crate::scenes::terzaghi();
-    (base.history, base.start, base.integrator) = (0, Start::Unloaded, way.integrate);
-    base.surcharge = base.surcharge.map(|s| Surcharge { ramp_time: way.ramp, pressure: 0.01 * s.pressure, ..s });
+    let mut base = crate::scenes::terzaghi().edited(|base| {
+        (base.history, base.start, base.integrator) = (0, Start::Unloaded, way.integrate);
+        base.surcharge = base.surcharge.map(|s| Surcharge { ramp_time: way.ramp, pressure: 0.01 * s.pressure, ..s });
+    })?;
     let end = 0.2 * base.time_per_factor().ok_or("the scene is dry")?;
-    base.stages[0].until = Until::Time(end);
-    base.stages[0].damping = DAMPING;
-    base.observe_times = (1..=LOOKS).map(|i| end * f64::from(i) / f64::from(LOOKS)).collect();
+    base = base.edited(|base| {
+        base.stages[0].until = Until::Time(end);
+        base.stages[0].damping = DAMPING;
+        base.observe_times = (1..=LOOKS).map(|i| end * f64::from(i) / f64::from(LOOKS)).collect();
+    })?;
     Ok(base)
 }
 
@@ -108,17 +111,17 @@ fn shares(run: &Run) -> Vec<(String, f64, String)> {
     parts.map(|(what, energy)| (format!("{what}, of the work"), energy / last.external_work_j, "-".to_owned())).to_vec()
 }
 
-fn climb(way: &Way, fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn climb(way: &Way, fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let mut base = column(way)?;
-    fault(&mut base);
+    base = base.edited(fault)?;
     let on = |rows: usize, halvings: i32| {
-        let scene = with_rows(base.clone(), rows);
+        let scene = base.with_rows(rows)?;
         let step = way.share * stable_limit(&scene) / 2.0_f64.powi(halvings);
-        Scene { step: StepChoice::Fixed(step), ..scene }
+        Ok::<_, String>(scene.edited(|s| s.step = StepChoice::Fixed(step))?)
     };
     let (mut errors, mut samples, mut notes) = (Vec::new(), Vec::new(), Vec::new());
     for halvings in 0..=way.halvings {
-        let scene = on(ROWS[0], halvings);
+        let scene = on(ROWS[0], halvings)?;
         let StepChoice::Fixed(step) = scene.step else { continue };
         let run = finished(&scene)?;
         let found = looks(&run);
@@ -126,12 +129,12 @@ fn climb(way: &Way, fault: fn(&mut Scene)) -> Result<Outcome, String> {
         (samples, notes) = (found.samples(), shares(&run));
     }
     let meshes = ROWS.map(|rows| {
-        let scene = on(rows, 0);
+        let scene = on(rows, 0)?;
         Ok((scene.cell, looks(&finished(&scene)?).error()))
     });
     let meshes = meshes.into_iter().collect::<Result<_, String>>()?;
     let with = |count: &usize| {
-        Ok((*count as f64, looks(&finished(&Scene { particles_per_cell: *count, ..on(ROWS[0], 0) })?).error()))
+        Ok((*count as f64, looks(&finished(&on(ROWS[0], 0)?.edited(|s| s.particles_per_cell = *count)?)?).error()))
     };
     let counted = PARTICLE_COUNTS.iter().map(with).collect::<Result<_, String>>()?;
     let [meshes, counted] = [

@@ -76,14 +76,16 @@ fn n_c(friction_angle: f64) -> f64 {
 
 /// The scene on so many rows of cells, and the exact limit load (Pa); its soil has more friction than that by some degrees.
 fn footing(friction_angle: f64, more: f64, rows: usize) -> Result<(Scene, f64), String> {
-    let mut scene = Scene::parse(SCENE, "footing").map_err(|e| e.to_string())?;
-    scene.cell = scene.height / rows as f64;
-    scene.cells = [2 * rows, rows];
-    let strength = scene.strength.as_mut().ok_or("the soil is elastic")?;
-    (strength.friction_angle, strength.dilation_angle) = (friction_angle + more, friction_angle + more);
-    let exact = n_c(friction_angle) * strength.cohesion;
-    scene.surcharge.as_mut().ok_or("no load")?.pressure = BEYOND * exact;
-    Ok((scene, exact))
+    let scene = Scene::parse(SCENE, "footing").and_then(|scene| scene.with_rows(rows)).map_err(|e| e.to_string())?;
+    let exact = n_c(friction_angle) * scene.strength.ok_or("the soil is elastic")?.cohesion;
+    let law = |name: &str| format!("soil.law.mohr_coulomb.{name}");
+    let angle = friction_angle + more;
+    let changes = [
+        (law("friction_angle"), angle.into()),
+        (law("dilation_angle"), angle.into()),
+        ("surcharge.pressure".to_owned(), (BEYOND * exact).into()),
+    ];
+    Ok((scene.patched(&changes).map_err(|e| e.to_string())?, exact))
 }
 
 /// What a footing bears.
@@ -159,8 +161,8 @@ mod tests {
     #[test]
     fn a_dilation_that_is_one_per_cell_locks() {
         let (scene, exact) = footing(20.0, 0.0, ROWS[0]).expect("a scene");
-        let shape = mpm_core::scene::ShapeChoice::BBar;
-        let scene = Scene { shape, particles_per_cell: 4, ..scene };
+        let scene = scene.patched(&[("scheme.shape", "b-bar".into()), ("mesh.particles_per_cell", 4.into())]);
+        let scene = scene.expect("a scene");
         assert!(limit(&scene).expect("a load").load > 1.2 * exact);
     }
 }

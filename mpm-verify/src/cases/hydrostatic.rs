@@ -7,7 +7,7 @@ use mpm_core::scene::{DarcyChoice, Dimension, Scene, Start, Until};
 
 use super::evidence::{MESH, Refinement};
 use super::looks::{Look, Looks, in_particles};
-use super::{Mutant, Outcome, Rung, finished, integrator, scheme, with_rows};
+use super::{Mutant, Outcome, Rung, finished, integrator, scheme};
 use crate::norms::largest;
 use crate::study::word;
 
@@ -22,18 +22,18 @@ pub const RUNG: Rung = Rung {
 fn climb(start: Start) -> Result<Outcome, String> {
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for darcy in [DarcyChoice::Face, DarcyChoice::Nodal] {
-        let looks = speeds(&column(start, darcy, 20, 4))?;
+        let looks = speeds(&column(start, darcy, 20, 4)?)?;
         errors.push(looks.error());
         samples.extend(looks.samples());
     }
     let on = |rows: &usize| {
-        let scene = column(start, DarcyChoice::Face, *rows, 4);
+        let scene = column(start, DarcyChoice::Face, *rows, 4)?;
         Ok((scene.cell, speeds(&scene)?.error()))
     };
     let meshes = [5, 10, 20, 40].iter().map(on).collect::<Result<_, String>>()?;
     let meshed = Refinement::new(MESH, meshes, "water at rest, with the face operator: exact on every mesh");
-    let with = |count| speeds(&column(start, DarcyChoice::Face, 20, count));
-    let face = column(start, DarcyChoice::Face, 20, 4);
+    let with = |count| speeds(&column(start, DarcyChoice::Face, 20, count)?);
+    let face = column(start, DarcyChoice::Face, 20, 4)?;
     Ok(Outcome {
         integrator: integrator(&face),
         scheme: format!("{} and nodal", scheme(&face)),
@@ -54,14 +54,16 @@ const ROUND_OFF: f64 = 1e-9;
 const END: f64 = 1e-2;
 
 /// A block two cells wide.
-fn column(start: Start, darcy: DarcyChoice, rows: usize, particles_per_cell: usize) -> Scene {
-    let mut scene = with_rows(crate::scenes::terzaghi(), rows);
-    (scene.dimension, scene.cells, scene.particles_per_cell) = (Dimension::PlaneStrain, [2, rows], particles_per_cell);
-    scene.width = 2.0 * scene.cell;
-    (scene.gravity, scene.start, scene.surcharge, scene.darcy) = (Some(GRAVITY), start, None, darcy);
-    scene.stages[0].until = Until::Time(END);
-    (scene.observe_times, scene.history) = ([0.25, 0.5, 0.75, 1.0].map(|share| share * END).to_vec(), 0);
-    scene
+fn column(start: Start, darcy: DarcyChoice, rows: usize, particles_per_cell: usize) -> Result<Scene, String> {
+    let scene = crate::scenes::terzaghi().with_rows(rows)?.edited(|scene| {
+        (scene.dimension, scene.cells, scene.particles_per_cell) =
+            (Dimension::PlaneStrain, [2, rows], particles_per_cell);
+        scene.width = 2.0 * scene.cell;
+        (scene.gravity, scene.start, scene.surcharge, scene.darcy) = (Some(GRAVITY), start, None, darcy);
+        scene.stages[0].until = Until::Time(END);
+        (scene.observe_times, scene.history) = ([0.25, 0.5, 0.75, 1.0].map(|share| share * END).to_vec(), 0);
+    })?;
+    Ok(scene)
 }
 
 const GRAVITY: f64 = 9.81;

@@ -11,7 +11,7 @@ use std::f64::consts::FRAC_PI_6;
 
 use mpm_core::failure::Scales;
 use mpm_core::run::run;
-use mpm_core::scene::{Clock, Feed, Scene, Until};
+use mpm_core::scene::{Clock, Feed, Fields, Scene, Until};
 
 use super::evidence::{PARTICLES, Refinement};
 use super::{Mutant, Outcome, Rung, integrator, sound};
@@ -57,13 +57,13 @@ const AT_REST: f64 = 1e-5;
 /// How long it is watched, in passages of the shear wave over its height. Close to its limit a slope takes hundreds to rest.
 const PASSAGES: f64 = 400.0;
 
-fn without_water(scene: &mut Scene) {
+fn without_water(scene: &mut Fields) {
     if let Some(free) = &mut scene.free_surface {
         (free.level, free.feeds) = (None, [None; 4]);
     }
 }
 
-fn dilating(scene: &mut Scene) {
+fn dilating(scene: &mut Fields) {
     if let Some(strength) = &mut scene.strength {
         strength.dilation_angle = strength.friction_angle;
     }
@@ -82,38 +82,39 @@ fn slope(
     psi: f64,
     factor: f64,
 ) -> Result<Scene, String> {
-    let mut scene = base.clone();
-    let angle = scene.slope_angle.ok_or("no slope")?.to_radians();
-    scene.height = depth * angle.cos();
-    scene.cell = scene.height / rows as f64;
-    (scene.width, scene.cells) = (columns as f64 * scene.cell, [columns, rows]);
-    let water = scene.water.ok_or("the scene is dry")?;
-    let free = scene.free_surface.as_mut().ok_or("no free surface")?;
-    match seepage {
-        Seepage::Parallel { share } => free.level = (share > 0.0).then_some(share * scene.height),
-        Seepage::Leaving { angle: delta } => {
-            free.level = Some(scene.height);
-            // u = gamma_w d cos(beta) (cos(beta) + sin(beta) tan(delta)): what the gradient asks for above still water.
-            let speed = water.hydraulic_conductivity * angle.sin() * delta.tan();
-            free.feeds[2] = Some(Feed::Velocity { speed, height: scene.height });
+    let angle = base.slope_angle.ok_or("no slope")?.to_radians();
+    let water = base.water.ok_or("the scene is dry")?;
+    let slope = |scene: &mut Fields| {
+        let height = depth * angle.cos();
+        (scene.height, scene.cell) = (height, height / rows as f64);
+        (scene.width, scene.cells) = (columns as f64 * scene.cell, [columns, rows]);
+        if let Some(free) = &mut scene.free_surface {
+            match seepage {
+                Seepage::Parallel { share } => free.level = (share > 0.0).then_some(share * height),
+                Seepage::Leaving { angle: delta } => {
+                    free.level = Some(height);
+                    // u = gamma_w d cos(beta) (cos(beta) + sin(beta) tan(delta)): what the gradient asks for above still water.
+                    let speed = water.hydraulic_conductivity * angle.sin() * delta.tan();
+                    free.feeds[2] = Some(Feed::Velocity { speed, height });
+                }
+            }
         }
-    }
-    let strength = scene.strength.as_mut().ok_or("the soil is elastic")?;
-    strength.cohesion /= factor;
-    strength.friction_angle = reduced(strength.friction_angle, factor);
-    strength.dilation_angle = if psi > 0.0 { strength.friction_angle } else { 0.0 };
-    // As in strength reduction: the strength that is needed is no matter of stiffness, and so the layer keeps its depth.
-    scene.elastic.youngs_modulus *= Scales::of(&scene).stiffening();
-    // Shear waves pass the slope a few times in every period of damping.
-    let speed = (scene.elastic.shear_modulus() / scene.mixture_density()).sqrt();
-    let passage = scene.height / speed;
-    let stages = &mut scene.stages;
-    stages[1].clock = Clock::Soil;
-    stages[1].damping = 1.0 / passage;
-    let end = PASSAGES * passage;
-    stages[1].until = Until::Time(end);
-    (scene.observe_times, scene.history) = (vec![1.0 / 3.0 * end, 2.0 / 3.0 * end, end], 0);
-    Ok(scene)
+        if let Some(strength) = &mut scene.strength {
+            strength.cohesion /= factor;
+            strength.friction_angle = reduced(strength.friction_angle, factor);
+            strength.dilation_angle = if psi > 0.0 { strength.friction_angle } else { 0.0 };
+        }
+        // As in strength reduction: the strength that is needed is no matter of stiffness, and so the layer keeps its depth.
+        scene.elastic.youngs_modulus *= Scales::of(scene).stiffening();
+        // Shear waves pass the slope a few times in every period of damping.
+        let speed = (scene.elastic.shear_modulus() / scene.mixture_density()).sqrt();
+        let passage = height / speed;
+        let end = PASSAGES * passage;
+        scene.stages[1].clock = Clock::Soil;
+        (scene.stages[1].damping, scene.stages[1].until) = (1.0 / passage, Until::Time(end));
+        (scene.observe_times, scene.history) = (vec![1.0 / 3.0 * end, 2.0 / 3.0 * end, end], 0);
+    };
+    Ok(base.edited(slope)?)
 }
 
 /// An angle (degrees) whose tangent is divided by a factor.
@@ -161,13 +162,13 @@ pub(super) fn own(
     scene: &Scene,
     (depth, seepage): (f64, Seepage),
     rows: usize,
-    fault: fn(&mut Scene),
+    fault: fn(&mut Fields),
 ) -> Result<(f64, f64), String> {
     let psi = scene.strength.map_or(0.0, |strength| strength.dilation_angle).to_radians();
     let exact = exact(scene, depth, seepage, psi)?;
     let found = factor(exact, |factor| {
         let mut scene = slope(scene, (1, rows), depth, seepage, psi, factor)?;
-        fault(&mut scene);
+        scene = scene.edited(fault)?;
         stands(&scene)
     })?;
     Ok((found / exact, exact))
@@ -202,13 +203,14 @@ fn exact(scene: &Scene, depth: f64, seepage: Seepage, psi: f64) -> Result<f64, S
     Ok(low)
 }
 
-fn climb(psi: f64, fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn climb(psi: f64, fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let (mut errors, mut notes) = (Vec::new(), Vec::new());
     let slopes = if psi > 0.0 { &SLOPES[..] } else { &WITHOUT_DILATION_SLOPES };
     let found_with = |particles_per_cell, mesh: (usize, usize), depth, seepage, guess| {
         factor(guess, |factor| {
-            let mut scene = Scene { particles_per_cell, ..slope(&base(), mesh, depth, seepage, psi, factor)? };
-            fault(&mut scene);
+            let mut scene = slope(&base(), mesh, depth, seepage, psi, factor)?
+                .edited(|s| s.particles_per_cell = particles_per_cell)?;
+            scene = scene.edited(fault)?;
             stands(&scene)
         })
     };
@@ -264,11 +266,14 @@ mod tests {
             // The same slope: as it is, soft, and of another size with as much cohesion per depth.
             let found = [(1.0, 1.0), (1e-2, 1.0), (1.0, 20.0)].map(|(stiffness, size)| {
                 let found = factor(guess, |factor| {
-                    let mut scene = base();
-                    scene.elastic.youngs_modulus *= stiffness;
-                    if let Some(strength) = &mut scene.strength {
-                        strength.cohesion *= size;
-                    }
+                    let scene = base()
+                        .edited(|scene| {
+                            scene.elastic.youngs_modulus *= stiffness;
+                            if let Some(strength) = &mut scene.strength {
+                                strength.cohesion *= size;
+                            }
+                        })
+                        .expect("a sound scene");
                     stands(&slope(&scene, (1, 10), size * depth, seepage, FRAC_PI_6, factor)?)
                 });
                 found.expect("a factor")

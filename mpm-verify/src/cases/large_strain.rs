@@ -1,11 +1,11 @@
 //! Consolidation to final strains of 20 and 30 %, against converged numbers for Cauchy stress and constant
 //! conductivity.
 
-use mpm_core::scene::{Scene, ShapeChoice, Surcharge};
+use mpm_core::scene::{Fields, Scene, ShapeChoice, Surcharge};
 
 use super::degree::Degree;
 use super::terzaghi::PARTICLE_COUNTS;
-use super::{FASTER, Mutant, Outcome, Rung, asked, faster, integrator, scheme, sound, with_rows};
+use super::{FASTER, Mutant, Outcome, Rung, asked, faster, integrator, scheme, sound};
 use crate::exact::large_strain::LargeStrain;
 
 /// Quadratic B-splines.
@@ -32,15 +32,15 @@ pub const SPLINES_30: Rung = Rung {
     mutant: Some(Mutant { what: FASTER, climb: || splines_30(faster) }),
 };
 
-fn splines(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn splines(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     climb(0.8, ShapeChoice::Bspline2, 5e-5, [2.0, 4.0], fault)
 }
 
-fn linear(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn linear(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     climb(0.8, ShapeChoice::Linear, 6e-3, [1.7, 2.2], fault)
 }
 
-fn splines_30(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn splines_30(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     climb(0.7, ShapeChoice::Bspline2, 1e-4, [2.0, 4.0], fault)
 }
 
@@ -49,8 +49,10 @@ pub(super) fn column(left: f64) -> Result<Scene, String> {
     let mut base =
         crate::scenes::built_in("terzaghi-large-strain").ok_or("no such scene")?.map_err(|e| e.to_string())?;
     let pressure = -base.oedometer_modulus() * f64::ln(left);
-    base.surcharge = base.surcharge.map(|s| Surcharge { pressure, ..s });
-    base.history = 0;
+    base = base.edited(|base| {
+        base.surcharge = base.surcharge.map(|s| Surcharge { pressure, ..s });
+        base.history = 0;
+    })?;
     Ok(base)
 }
 
@@ -59,17 +61,16 @@ fn climb(
     shape: ShapeChoice,
     required_error: f64,
     order: [f64; 2],
-    fault: fn(&mut Scene),
+    fault: fn(&mut Fields),
 ) -> Result<Outcome, String> {
-    let mut base = column(left)?;
-    base.shape = shape;
+    let mut base = column(left)?.edited(|base| base.shape = shape)?;
     let exact = LargeStrain::new(&base).ok_or("not the column of the table")?;
     // Between the rows of the table there is no number.
     let settlement = |time| exact.settlement(time).unwrap_or(f64::NAN);
     let degree = Degree::relative(&base, &settlement);
-    fault(&mut base);
+    base = base.edited(fault)?;
     let (errors, samples) = degree.refine(&base, &[10, 14, 20, 28, 40])?;
-    let coarse = with_rows(base.clone(), 10);
+    let coarse = base.with_rows(10)?;
     let counts = if shape == ShapeChoice::Bspline2 { &PARTICLE_COUNTS[1..] } else { &PARTICLE_COUNTS };
     Ok(Outcome {
         integrator: integrator(&base),

@@ -7,12 +7,12 @@
 //! and is of second order.) A soil of porosity 0.6 keeps half of its pores; with 0.3 hardly any water would be left in them
 //! at the end.
 
-use mpm_core::scene::{Integrator, Scene, ShapeChoice, StepChoice, TimeMethod};
+use mpm_core::scene::{Fields, Integrator, ShapeChoice, StepChoice, TimeMethod};
 use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::large_strain::column;
-use super::{Mutant, Outcome, Rung, finished, integrator, scheme, slower, sound, with_rows};
+use super::{Mutant, Outcome, Rung, finished, integrator, scheme, slower, sound};
 use crate::exact::large_strain::LargeStrain;
 use crate::norms::LATE_TV;
 
@@ -35,7 +35,7 @@ pub const TO_30: Rung = Rung {
 /// The errors are of soil that settles too slowly, so that a conductivity too high would mend them.
 const TIGHTER: &str = "conductivity a tenth too low";
 
-fn tighter(scene: &mut Scene) {
+fn tighter(scene: &mut Fields) {
     slower(scene, 1.0 / 0.9);
 }
 
@@ -44,20 +44,21 @@ const ROWS: [usize; 5] = [10, 14, 20, 28, 40];
 /// Step as a share of the stable one.
 const SAFETY: f64 = 0.3;
 
-fn climb(left: f64, required_error: f64, fault: fn(&mut Scene)) -> Result<Outcome, String> {
-    let mut base = column(left)?;
-    (base.integrator, base.method, base.step) = (Integrator::SemiImplicit, TimeMethod::Auto, StepChoice::Auto);
-    (base.shape, base.safety) = (ShapeChoice::Centre, SAFETY);
-    (base.porosity, base.particles_per_cell) = (0.6, 9);
+fn climb(left: f64, required_error: f64, fault: fn(&mut Fields)) -> Result<Outcome, String> {
+    let mut base = column(left)?.edited(|base| {
+        (base.integrator, base.method, base.step) = (Integrator::SemiImplicit, TimeMethod::Auto, StepChoice::Auto);
+        (base.shape, base.safety) = (ShapeChoice::Centre, SAFETY);
+        (base.porosity, base.particles_per_cell) = (0.6, 9);
+    })?;
     let exact = LargeStrain::new(&base).ok_or("not a column of the tables")?;
     let late = LATE_TV * base.time_per_factor().ok_or("the scene is dry")?;
     // Between the rows of the table there is no number.
     let settlement = |time| exact.settlement(time).unwrap_or(f64::NAN);
     let degree = Degree::of_whole(&base, (1.0 - left) * base.height, &settlement).from(late);
-    fault(&mut base);
+    base = base.edited(fault)?;
     let (mut errors, mut samples, mut notes) = (Vec::new(), Vec::new(), Vec::new());
     for rows in ROWS {
-        let scene = with_rows(base.clone(), rows);
+        let scene = base.with_rows(rows)?;
         let run = finished(&scene)?;
         errors.push((scene.cell, degree.error(&run)));
         samples = degree.samples(&run);
@@ -68,7 +69,7 @@ fn climb(left: f64, required_error: f64, fault: fn(&mut Scene)) -> Result<Outcom
             "-".to_owned(),
         ));
     }
-    let coarse = with_rows(base.clone(), ROWS[2]);
+    let coarse = base.with_rows(ROWS[2])?;
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),
@@ -79,7 +80,7 @@ fn climb(left: f64, required_error: f64, fault: fn(&mut Scene)) -> Result<Outcom
         notes,
         refinements: vec![
             degree.in_time(&coarse, SAFETY * stable_limit(&coarse), 2, None)?,
-            degree.in_particles(&with_rows(base.clone(), ROWS[0]), &[9, 16], 0.12)?,
+            degree.in_particles(&base.with_rows(ROWS[0])?, &[9, 16], 0.12)?,
         ],
         ..Outcome::default()
     })

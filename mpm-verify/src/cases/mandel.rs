@@ -3,7 +3,7 @@
 
 use mpm_core::drive::{Run, Sample};
 use mpm_core::observe::FieldPoint;
-use mpm_core::scene::{Scene, ShapeChoice, StepChoice, TimeMethod, Until};
+use mpm_core::scene::{Fields, Scene, ShapeChoice, StepChoice, TimeMethod, Until};
 
 use super::degree::{Degree, Errors};
 use super::evidence::Sampled;
@@ -63,15 +63,15 @@ pub(super) fn counts(exact: &Mandel, time: f64) -> bool {
     exact.time_factor(time) >= TIME_FACTOR * (1.0 - 1e-6)
 }
 
-fn splines(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn splines(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     climb(ShapeChoice::Bspline2, &[2, 4, 6, 8], 1e-4, [3.0, 6.0], fault)
 }
 
-fn cubic(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn cubic(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     climb(ShapeChoice::Bspline3, &[4, 6, 8, 10, 12], 1e-5, [4.0, 8.0], fault)
 }
 
-fn centre(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn centre(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     climb(ShapeChoice::Centre, &[8, 12, 16, 24, 32], 1e-3, [1.7, 2.3], fault)
 }
 
@@ -80,24 +80,27 @@ fn climb(
     sides: &[usize],
     required_error: f64,
     order: [f64; 2],
-    fault: fn(&mut Scene),
+    fault: fn(&mut Fields),
 ) -> Result<Outcome, String> {
     let (mut base, exact) = block(shape)?;
-    fault(&mut base);
+    base = base.edited(fault)?;
     // Products of slopes of cubic B-splines are splines of degree 4.
-    base.particles_per_cell = if shape == ShapeChoice::Bspline3 { 16 } else { base.particles_per_cell };
-    let scenes: Vec<Scene> = sides.iter().map(|side| on(&base, *side)).collect();
+    base = base.edited(|base| {
+        base.particles_per_cell = if shape == ShapeChoice::Bspline3 { 16 } else { base.particles_per_cell }
+    })?;
+    let scenes: Vec<Scene> = sides.iter().map(|side| on(&base, *side)).collect::<Result<_, _>>()?;
     let (errors, samples) = refined(&scenes, &exact)?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&base, &settlement);
-    let coarse = on(&base, sides[1]);
+    let coarse = on(&base, sides[1])?;
     let counts = if shape.spline_degree().is_some() { &PARTICLE_COUNTS[1..] } else { &PARTICLE_COUNTS[..3] };
-    let smallest = on(&base, sides[0].max(4));
+    let smallest = on(&base, sides[0].max(4))?;
     let until = Until::Time(STEPPED[STEPPED.len() - 1] / exact.time_factor(1.0));
-    let mut stepped = Scene { method: TimeMethod::Sdirk, ..smallest };
-    stepped.observe_times = STEPPED.map(|t| t / exact.time_factor(1.0)).to_vec();
-    stepped.stages[0].until = until;
-    let step = |dt| Ok(looks(&finished(&Scene { step: StepChoice::Fixed(dt), ..stepped.clone() })?, &exact, 0.0));
+    let stepped = smallest.edited(|s| s.method = TimeMethod::Sdirk)?.edited(|stepped| {
+        stepped.observe_times = STEPPED.map(|t| t / exact.time_factor(1.0)).to_vec();
+        stepped.stages[0].until = until;
+    })?;
+    let step = |dt| Ok(looks(&finished(&stepped.edited(|s| s.step = StepChoice::Fixed(dt))?)?, &exact, 0.0));
     let refinements = vec![
         degree.in_tolerance(&stepped, &[1e-3, 1e-4, 1e-5, 1e-6], 1.0)?,
         in_time(step, stepped.cell, SDIRK_STEP, 4, FOURTH_ORDER)?,
@@ -119,28 +122,32 @@ fn climb(
 
 /// The scene without inertia, all but exact in time.
 pub(super) fn block(shape: ShapeChoice) -> Result<(Scene, Mandel), String> {
-    let mut base = crate::scenes::built_in("mandel").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    (base.shape, base.history, base.tolerance) = (shape, 0, 1e-7);
+    let base = crate::scenes::built_in("mandel")
+        .ok_or("no such scene")?
+        .map_err(|e| e.to_string())?
+        .edited(|base| (base.shape, base.history, base.tolerance) = (shape, 0, 1e-7))?;
     let exact = Mandel::new(&base).ok_or("not Mandel's problem")?;
     Ok((base, exact))
 }
 
-fn profiles(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn profiles(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let (mut base, exact) = block(ShapeChoice::Bspline2)?;
     let one = 1.0 / exact.time_factor(1.0);
-    base.observe_times = PROFILE_TIMES.map(|t| t * one).to_vec();
-    base.stages[0].until = Until::Time(PROFILE_TIMES[PROFILE_TIMES.len() - 1] * one);
-    fault(&mut base);
+    base = base.edited(|base| {
+        base.observe_times = PROFILE_TIMES.map(|t| t * one).to_vec();
+        base.stages[0].until = Until::Time(PROFILE_TIMES[PROFILE_TIMES.len() - 1] * one);
+    })?;
+    base = base.edited(fault)?;
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for side in [4, 8, 12, 16] {
-        let scene = on(&base, side);
+        let scene = on(&base, side)?;
         let run = finished(&scene)?;
         errors.push((scene.cell, looks(&run, &exact, 0.0).error()));
         samples = profile(&run, &exact, 0.0);
     }
-    let coarse = on(&base, 8);
+    let coarse = on(&base, 8)?;
     let with = |count| {
-        let scene = Scene { particles_per_cell: count, ..coarse.clone() };
+        let scene = coarse.edited(|s| s.particles_per_cell = count)?;
         Ok(looks(&finished(&scene)?, &exact, 0.0))
     };
     let (integrator, scheme) = (integrator(&base), scheme(&base));
@@ -203,8 +210,11 @@ pub(super) fn profile(run: &Run, exact: &Mandel, start: f64) -> Vec<Sampled> {
 }
 
 /// The block with so many cells per side.
-pub(super) fn on(base: &Scene, side: usize) -> Scene {
-    Scene { cell: base.width / side as f64, cells: [side; 2], ..base.clone() }
+pub(super) fn on(base: &Scene, side: usize) -> Result<Scene, String> {
+    Ok(base.edited(|s| {
+        s.cell = base.width / side as f64;
+        s.cells = [side; 2];
+    })?)
 }
 
 /// Errors on meshes, and the finest at every sample time: the pressure where it is furthest off, over p_0.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use mpm_core::boundary::{FirstField, FirstState, Given};
 use mpm_core::drive::Run;
-use mpm_core::scene::{Integrator, Scene, ShapeChoice, StepChoice, StrainChoice, Surcharge, Until};
+use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice, StepChoice, StrainChoice, Surcharge, Until};
 use mpm_core::stability::stable_limit;
 
 use super::evidence::Refinement;
@@ -57,14 +57,14 @@ impl Way {
     pub fn in_time(
         &self,
         times: &[f64],
-        fault: fn(&mut Scene),
+        fault: fn(&mut Fields),
         looks: impl Fn(&Run, &Block) -> Result<Looks, String>,
     ) -> Result<Refinement, String> {
         let (slow, side) = self.stepped;
         let mut block = Block::new(&Self { slow, ..*self }, times)?;
-        fault(&mut block.scene);
-        let scene = mandel::on(&block.scene, side);
-        let step = |dt| looks(&block.run(&Scene { step: StepChoice::Fixed(dt), ..scene.clone() })?, &block);
+        block.scene = block.scene.edited(fault)?;
+        let scene = mandel::on(&block.scene, side)?;
+        let step = |dt| looks(&block.run(&scene.edited(|s| s.step = StepChoice::Fixed(dt))?)?, &block);
         in_time(step, scene.cell, self.share * stable_limit(&scene), HALVINGS, FIRST_ORDER)
     }
 }
@@ -100,17 +100,21 @@ pub(super) struct Block {
 impl Block {
     /// Observed at times T, the last of them its end.
     pub fn new(way: &Way, times: &[f64]) -> Result<Self, String> {
-        let mut scene = crate::scenes::built_in("mandel").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-        scene.surcharge = scene.surcharge.map(|s| Surcharge { pressure: 0.01 * s.pressure, ..s });
-        (scene.integrator, scene.shape, scene.strain) = (way.integrate, ShapeChoice::Centre, StrainChoice::Large);
-        (scene.step, scene.particles_per_cell, scene.history) = (StepChoice::Auto, 4, 0);
-        scene.safety = way.safety;
-        slower(&mut scene, way.slow);
+        let mut scene =
+            crate::scenes::built_in("mandel").ok_or("no such scene")?.map_err(|e| e.to_string())?.edited(|scene| {
+                scene.surcharge = scene.surcharge.map(|s| Surcharge { pressure: 0.01 * s.pressure, ..s });
+                (scene.integrator, scene.shape, scene.strain) =
+                    (way.integrate, ShapeChoice::Centre, StrainChoice::Large);
+                (scene.step, scene.particles_per_cell, scene.history) = (StepChoice::Auto, 4, 0);
+                scene.safety = way.safety;
+                slower(scene, way.slow);
+            })?;
         let exact = Mandel::new(&scene).ok_or("not Mandel's problem")?;
         let one = 1.0 / exact.time_factor(1.0);
         let start = START * one;
-        scene.observe_times = times.iter().map(|t| t * one - start).collect();
-        scene.stages[0].until = Until::Time(*scene.observe_times.last().ok_or("no time to look at")?);
+        let looks: Vec<f64> = times.iter().map(|t| t * one - start).collect();
+        let end = *looks.last().ok_or("no time to look at")?;
+        scene = scene.edited(|scene| (scene.observe_times, scene.stages[0].until) = (looks, Until::Time(end)))?;
         let given = Given { start: Some(state(&exact, start)), ..Given::default() };
         Ok(Self { scene, exact, start, given })
     }
@@ -121,27 +125,27 @@ impl Block {
     }
 }
 
-fn semi_implicit(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn semi_implicit(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     climb(&IMPLICIT_PRESSURE, 5e-4, fault)
 }
 
-fn explicit(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn explicit(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     climb(&PAPER, 1e-3, fault)
 }
 
-fn climb(way: &Way, required_error: f64, fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn climb(way: &Way, required_error: f64, fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let mut block = Block::new(way, &TIMES)?;
-    fault(&mut block.scene);
+    block.scene = block.scene.edited(fault)?;
     let looks = |scene: &Scene| Ok::<_, String>(mandel::looks(&block.run(scene)?, &block.exact, block.start));
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for side in way.sides {
-        let scene = mandel::on(&block.scene, side);
+        let scene = mandel::on(&block.scene, side)?;
         let run = block.run(&scene)?;
         errors.push((scene.cell, mandel::looks(&run, &block.exact, block.start).error()));
         samples = mandel::profile(&run, &block.exact, block.start);
     }
-    let coarse = mandel::on(&block.scene, way.sides[0]);
-    let with = |count| looks(&Scene { particles_per_cell: count, ..coarse.clone() });
+    let coarse = mandel::on(&block.scene, way.sides[0])?;
+    let with = |count| looks(&coarse.edited(|s| s.particles_per_cell = count)?);
     let (integrator, scheme) = (integrator(&block.scene), scheme(&block.scene));
     Ok(Outcome {
         integrator,

@@ -5,7 +5,7 @@
 //! alone shows it. Times between the sample times are those of the parabola through the three highest.
 
 use mpm_core::drive::{Run, Sample};
-use mpm_core::scene::{Scene, ShapeChoice, Until};
+use mpm_core::scene::{Fields, Scene, ShapeChoice, Until};
 
 use super::evidence::{MESH, Refinement, Sampled, TOLERANCE};
 use super::looks::{Look, Looks};
@@ -40,7 +40,7 @@ pub const EXPLICIT: Rung = Rung {
 const NEARLY_UNDRAINED: &str = "Poisson's ratio 0.31 in place of 0.30";
 
 /// Between the drained ratio and the undrained one, 0.4995, there is less to redistribute: the rise is smaller.
-fn leaky(scene: &mut Scene) {
+fn leaky(scene: &mut Fields) {
     scene.elastic.poisson_ratio += 0.01;
 }
 
@@ -180,16 +180,18 @@ fn missing() -> String {
     format!("the pressure in the middle has no peak from T = {} to {}", WINDOW[0], WINDOW[1])
 }
 
-fn quasi_static(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn quasi_static(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let (mut base, exact) = mandel::block(ShapeChoice::Bspline2)?;
     let one = 1.0 / exact.time_factor(1.0);
-    base.observe_times = times().iter().map(|t| t * one).collect();
-    base.stages[0].until = Until::Time(WINDOW[1] * one);
-    fault(&mut base);
+    base = base.edited(|base| {
+        base.observe_times = times().iter().map(|t| t * one).collect();
+        base.stages[0].until = Until::Time(WINDOW[1] * one);
+    })?;
+    base = base.edited(fault)?;
     let rise = |scene: &Scene| Rise::of(&finished(scene)?, &exact, 0.0).ok_or_else(missing);
-    let scenes = [8, 12, 16, 20].map(|side| mandel::on(&base, side));
+    let scenes = [8, 12, 16, 20].into_iter().map(|side| mandel::on(&base, side)).collect::<Result<Vec<_>, _>>()?;
     let outcome = judged(&scenes, rise, [1e-4, 2e-4], [[3.0, 6.0]; 2])?;
-    let under = |tolerance: f64| rise(&Scene { tolerance, ..mandel::on(&base, 8) });
+    let under = |tolerance: f64| rise(&mandel::on(&base, 8)?.edited(|s| s.tolerance = tolerance)?);
     let finest = under(1e-9)?;
     let error = |tolerance: f64| Ok((tolerance, under(tolerance)?.history.difference(&finest.history)));
     let errors = [1e-3, 1e-4, 1e-5, 1e-6].into_iter().map(error).collect::<Result<_, String>>()?;
@@ -198,11 +200,11 @@ fn quasi_static(fault: fn(&mut Scene)) -> Result<Outcome, String> {
     Ok(Outcome { refinements: [outcome.refinements, vec![tolerance]].concat(), ..outcome })
 }
 
-fn with_inertia(way: &Way, required_error: f64, fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn with_inertia(way: &Way, required_error: f64, fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let mut block = Block::new(way, &times())?;
-    fault(&mut block.scene);
+    block.scene = block.scene.edited(fault)?;
     let rise = |scene: &Scene| Rise::of(&block.run(scene)?, &block.exact, block.start).ok_or_else(missing);
-    let scenes = way.sides.map(|side| mandel::on(&block.scene, side));
+    let scenes = way.sides.into_iter().map(|side| mandel::on(&block.scene, side)).collect::<Result<Vec<_>, _>>()?;
     // Steps that fall with L add to the time of the peak what the mesh takes from it: its order is above 2.
     let outcome = judged(&scenes, rise, [required_error; 2], [[1.7, 2.3], [1.7, 2.8]])?;
     let curve = |run: &Run, block: &Block| Ok(Rise::of(run, &block.exact, block.start).ok_or_else(missing)?.history);

@@ -57,7 +57,7 @@ use mpm_core::boundary::Given;
 use mpm_core::drive::{Run, Sample};
 use mpm_core::observe::balances;
 use mpm_core::run::{StartError, run, run_given};
-use mpm_core::scene::{Integrator, Scene};
+use mpm_core::scene::{Fields, Integrator, Scene};
 
 pub use self::evidence::{Refinement, RefinementRow, SampleRow, Sampled, words};
 pub use self::verdict::{Climb, Step};
@@ -264,20 +264,20 @@ impl Rung {
 }
 
 /// Nothing planted: the rung itself.
-fn sound(_: &mut Scene) {}
+fn sound(_: &mut Fields) {}
 
 /// The fault of most mutants with water: a conductivity 5 % too high.
 const FASTER: &str = "conductivity 5 % too high";
 
 /// Plants it.
-fn faster(scene: &mut Scene) {
+fn faster(scene: &mut Fields) {
     if let Some(water) = &mut scene.water {
         water.hydraulic_conductivity *= 1.05;
     }
 }
 
 /// Lets the water of a scene pass more slowly, by a factor.
-fn slower(scene: &mut Scene, factor: f64) {
+fn slower(scene: &mut Fields, factor: f64) {
     if let Some(water) = &mut scene.water {
         water.hydraulic_conductivity /= factor;
     }
@@ -294,13 +294,6 @@ fn integrator(scene: &Scene) -> String {
     word(scene.integrator)
 }
 
-/// The scene on a mesh of `rows` cells over its height.
-fn with_rows(mut scene: Scene, rows: usize) -> Scene {
-    scene.cell = scene.height / rows as f64;
-    scene.cells[1] = rows;
-    scene
-}
-
 /// What a quasi-static scene asks of its steps in time, by which its results may move; zero where steps are what they are.
 fn asked(scene: &Scene) -> f64 {
     if scene.integrator == Integrator::QuasiStatic { scene.tolerance } else { 0.0 }
@@ -309,7 +302,7 @@ fn asked(scene: &Scene) -> f64 {
 /// Runs a scene on several meshes: (mesh in m, largest error over the observed samples).
 fn refine(base: &Scene, rows: &[usize], error: impl Fn(&Sample) -> f64) -> Result<Vec<(f64, f64)>, String> {
     let on = |rows: &usize| {
-        let scene = with_rows(base.clone(), *rows);
+        let scene = base.with_rows(*rows)?;
         Ok((scene.cell, largest(finished(&scene)?.observed().map(&error))))
     };
     rows.iter().map(on).collect()

@@ -9,7 +9,7 @@ use mpm_core::drive::{Alone, Drive, Run, Sample};
 use mpm_core::hardware::Hardware;
 use mpm_core::observe::FieldPoint;
 use mpm_core::run::{model, run, run_attended};
-use mpm_core::scene::Scene;
+use mpm_core::scene::{Fields, Scene};
 use mpm_core::stability::choose_step;
 use serde::Deserialize;
 
@@ -106,14 +106,13 @@ enum Found {
 }
 
 /// Runs the scene of a row as `solve` does. One that must be refused is not followed if it is not: it may take for ever.
-fn found(row: &Row, fault: fn(&mut Scene)) -> Found {
+fn found(row: &Row, fault: fn(&mut Fields)) -> Found {
     let (name, how) = (row.scene.as_str(), row.how);
     let text = SCENES.iter().find(|(own, _)| *own == name).map_or("", |(_, text)| text);
-    let mut scene = match Scene::parse(text, &format!("{name}.toml")) {
+    let scene = match Scene::parse(text, &format!("{name}.toml")).and_then(|scene| scene.edited(fault)) {
         Ok(scene) => scene,
         Err(error) => return Found::Refused(error.to_string()),
     };
-    fault(&mut scene);
     let run = match how {
         How::Plain if row.outcome == End::Refused => {
             run_attended(&Hardware::default(), &scene, None, &mut Stop::default()).map_err(|e| e.to_string())
@@ -130,7 +129,7 @@ fn found(row: &Row, fault: fn(&mut Scene)) -> Found {
 
 /// A run that nothing refuses, but that its balances still end.
 fn past_the_estimate(scene: &Scene) -> Result<Run, String> {
-    let forced = Scene { force: true, ..scene.clone() };
+    let forced = scene.clone().forced();
     let dt = choose_step(&forced).map_err(|e| e.to_string())?;
     let mut model = model(scene).map_err(|e| e.to_string())?;
     Ok(Drive::new(scene, model.as_mut(), dt).go(&mut Alone(&mut |_| {})))
@@ -202,7 +201,7 @@ fn rows() -> Result<Vec<Row>, String> {
         .map_err(|e| format!("others.csv: {e}"))
 }
 
-fn climb(of: fn(&Row) -> bool, fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn climb(of: fn(&Row) -> bool, fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let rows: Vec<Row> = rows()?.into_iter().filter(of).collect();
     let mut runs = BTreeMap::new();
     let (mut wrong, mut samples, mut counts) = (Vec::new(), Vec::new(), BTreeMap::new());

@@ -46,7 +46,10 @@ fn errors(base: &Scene, seeding: SeedingChoice) -> Result<Vec<(f64, f64)>, Strin
     let outline = base.outline.as_ref().ok_or("no outline")?;
     let (exact, middle) = (seeding::area(outline), seeding::centroid(outline));
     let on = |cell: f64| {
-        let scene = Scene { cell, seeding, ..base.clone() };
+        let scene = base.edited(|s| {
+            s.cell = cell;
+            s.seeding = seeding;
+        })?;
         let (area, centre) = seeding::total(&outline_parts(&scene).ok_or("no outline")?);
         let off = (0..2).map(|d| (centre[d] - middle[d]).abs() / base.height);
         Ok((cell, largest(off.chain([area / exact - 1.0]))))

@@ -2,12 +2,13 @@
 //! series with compressible water.
 
 use mpm_core::drive::Sample;
+use mpm_core::error::SceneError;
 use mpm_core::scene::{Displaced, Scene, ShapeChoice, TimeMethod};
 
 use super::degree::Degree;
 use super::evidence::Sampled;
 use super::terzaghi::PARTICLE_COUNTS;
-use super::{Mutant, Outcome, Rung, asked, finished, integrator, refine, scheme, with_rows};
+use super::{Mutant, Outcome, Rung, asked, finished, integrator, refine, scheme};
 use crate::exact::terzaghi::Terzaghi;
 use crate::norms::{largest, profile_error, relative};
 
@@ -93,7 +94,7 @@ const STIFF: &str = "compared with water that does not compress";
 fn base(reference: Reference) -> Result<(Scene, Terzaghi), String> {
     let mut base =
         crate::scenes::built_in("terzaghi-quasi-static").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    (base.history, base.tolerance) = (0, 1e-8);
+    base = base.edited(|base| (base.history, base.tolerance) = (0, 1e-8))?;
     let exact = reference(&base).ok_or("the scene is dry")?;
     Ok((base, exact))
 }
@@ -122,12 +123,12 @@ fn climb(
     order: [f64; 2],
     reference: Reference,
 ) -> Result<Outcome, String> {
-    let (mut base, exact) = base(reference)?;
-    base.shape = shape;
+    let (base, exact) = base(reference)?;
+    let base = base.edited(|base| base.shape = shape)?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&base, &settlement);
     let (errors, samples) = degree.refine(&base, rows)?;
-    let coarse = with_rows(base.clone(), 10);
+    let coarse = base.with_rows(10)?;
     let counts = if shape == ShapeChoice::Bspline2 { &PARTICLE_COUNTS[1..] } else { &PARTICLE_COUNTS };
     let refinements = vec![
         degree.in_tolerance(&coarse, &[1e-3, 1e-4, 1e-5, 1e-6, 1e-7], 1.0)?,
@@ -138,9 +139,9 @@ fn climb(
 }
 
 fn profile(splines: Splines, reference: Reference) -> Result<Outcome, String> {
-    let (mut base, exact) = base(reference)?;
-    let (required, order);
-    (base.shape, base.particles_per_cell, required, order) = splines;
+    let (base, exact) = base(reference)?;
+    let (shape, particles_per_cell, required, order) = splines;
+    let base = base.edited(|base| (base.shape, base.particles_per_cell) = (shape, particles_per_cell))?;
     let at = 0.1 * base.time_per_factor().ok_or("the scene is dry")?;
     let error = |s: &Sample| {
         let now = (s.stage_time / at - 1.0).abs() < 1e-9;
@@ -161,7 +162,7 @@ fn profile(splines: Splines, reference: Reference) -> Result<Outcome, String> {
             counts: (s.stage_time / at - 1.0).abs() < 1e-9,
         }
     };
-    let samples = finished(&with_rows(base.clone(), 20))?.observed().map(sampled).collect();
+    let samples = finished(&base.with_rows(20)?)?.observed().map(sampled).collect();
     Ok(Outcome { samples, ..outcome(&base, errors, required, Some(order)) })
 }
 
@@ -169,12 +170,12 @@ fn profile(splines: Splines, reference: Reference) -> Result<Outcome, String> {
 const SDIRK_STEP: f64 = 5e-4;
 
 fn steps(reference: Reference) -> Result<Outcome, String> {
-    let (mut base, exact) = base(reference)?;
-    (base.method, base.tolerance) = (TimeMethod::Sdirk, 1e-5);
+    let (base, exact) = base(reference)?;
+    let base = base.edited(|base| (base.method, base.tolerance) = (TimeMethod::Sdirk, 1e-5))?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&base, &settlement);
     let (errors, samples) = degree.refine(&base, &[20])?;
-    let coarse = with_rows(base.clone(), 10);
+    let coarse = base.with_rows(10)?;
     let refinements = vec![
         degree.in_tolerance(&coarse, &[1e-3, 1e-4, 1e-5, 1e-6], 1.0)?,
         degree.in_time(&coarse, SDIRK_STEP, 4, Some([3.5, 4.5]))?,
@@ -183,10 +184,10 @@ fn steps(reference: Reference) -> Result<Outcome, String> {
     Ok(Outcome { samples, refinements, ..outcome(&base, errors, 1e-5, None) })
 }
 
-fn worst(scenes: impl Iterator<Item = Scene>, exact: &Terzaghi) -> Result<f64, String> {
+fn worst(scenes: impl Iterator<Item = Result<Scene, SceneError>>, exact: &Terzaghi) -> Result<f64, String> {
     let mut worst: f64 = 0.0;
     for scene in scenes {
-        let run = finished(&scene)?;
+        let run = finished(&scene?)?;
         let error = largest(run.observed().map(|s| relative(s.state.settlement, exact.settlement(s.stage_time))));
         // A NaN must not be lost in a maximum.
         worst = if error.is_nan() { f64::NAN } else { worst.max(error.abs()) };
@@ -196,20 +197,20 @@ fn worst(scenes: impl Iterator<Item = Scene>, exact: &Terzaghi) -> Result<f64, S
 
 fn displaced(reference: Reference) -> Result<Outcome, String> {
     let (base, exact) = base(reference)?;
-    let base = with_rows(base, 10);
+    let base = base.with_rows(10)?;
     let places = |seed| Displaced { smooth: 0.5, jitter: 0.25, seed };
-    let scenes = (1..=8).map(|seed| Scene { displaced: Some(places(seed)), ..base.clone() });
+    let scenes = (1..=8).map(|seed| base.edited(|base| base.displaced = Some(places(seed))));
     let error = worst(scenes, &exact)?;
     Ok(outcome(&base, vec![(base.cell, error)], 1e-4, None))
 }
 
 fn shifted(reference: Reference) -> Result<Outcome, String> {
     let (base, exact) = base(reference)?;
-    let base = with_rows(base, 10);
+    let base = base.with_rows(10)?;
     let places = Displaced { smooth: 0.5, jitter: 0.25, seed: 3 };
     let scenes = (0..40).map(|i| {
         let shift = f64::from(i) / 40.0 + 0.003;
-        Scene { shift, displaced: (i % 2 == 1).then_some(places), ..base.clone() }
+        base.edited(|base| (base.shift, base.displaced) = (shift, (i % 2 == 1).then_some(places)))
     });
     let error = worst(scenes, &exact)?;
     Ok(outcome(&base, vec![(base.cell, error)], 1e-4, None))

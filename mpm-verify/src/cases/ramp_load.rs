@@ -1,11 +1,11 @@
 //! A load that grows over Tc = 0.2, from an unloaded column, against Olson's series with compressible water.
 
-use mpm_core::scene::{Integrator, Scene, ShapeChoice, Start, StepChoice, Surcharge, TimeMethod};
+use mpm_core::scene::{Fields, Integrator, ShapeChoice, Start, StepChoice, Surcharge, TimeMethod};
 use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{Mutant, Outcome, Rung, integrator, scheme, sound, with_rows};
+use super::{Mutant, Outcome, Rung, integrator, scheme, sound};
 use crate::exact::terzaghi::Terzaghi;
 
 /// The rung.
@@ -24,21 +24,20 @@ pub const QUASI_STATIC: Rung = Rung {
     mutant: Some(Mutant { what: "load 5 % too slow", climb: || without_inertia(slower) }),
 };
 
-fn slower(scene: &mut Scene) {
+fn slower(scene: &mut Fields) {
     scene.surcharge = scene.surcharge.map(|s| Surcharge { ramp_time: 1.05 * s.ramp_time, ..s });
 }
 
-fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
-    let mut base = crate::scenes::terzaghi();
-    (base.history, base.start) = (0, Start::Unloaded);
+fn climb(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+    let mut base = crate::scenes::terzaghi().edited(|base| (base.history, base.start) = (0, Start::Unloaded))?;
     let ramp_time = 0.2 * base.time_per_factor().ok_or("the scene is dry")?;
-    base.surcharge = base.surcharge.map(|s| Surcharge { ramp_time, ..s });
+    base = base.edited(|base| base.surcharge = base.surcharge.map(|s| Surcharge { ramp_time, ..s }))?;
     let exact = Terzaghi::compressible(&base).ok_or("the scene is dry")?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&base, &settlement).absolute();
-    fault(&mut base);
+    base = base.edited(fault)?;
     let (errors, samples) = degree.refine(&base, &[14, 20, 28, 40])?;
-    let coarse = with_rows(base.clone(), 10);
+    let coarse = base.with_rows(10)?;
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),
@@ -56,20 +55,22 @@ fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
 }
 
 /// The ramp ends at a sample time, so that no step goes over its end.
-fn without_inertia(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn without_inertia(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let mut base =
         crate::scenes::built_in("terzaghi-quasi-static").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    (base.history, base.start, base.method) = (0, Start::Unloaded, TimeMethod::Sdirk);
-    (base.integrator, base.shape, base.tolerance) = (Integrator::QuasiStatic, ShapeChoice::Bspline2, 1e-7);
+    base = base.edited(|base| {
+        (base.history, base.start, base.method) = (0, Start::Unloaded, TimeMethod::Sdirk);
+        (base.integrator, base.shape, base.tolerance) = (Integrator::QuasiStatic, ShapeChoice::Bspline2, 1e-7);
+    })?;
     let ramp_time = 0.2 * base.time_per_factor().ok_or("the scene is dry")?;
-    base.surcharge = base.surcharge.map(|s| Surcharge { ramp_time, ..s });
+    base = base.edited(|base| base.surcharge = base.surcharge.map(|s| Surcharge { ramp_time, ..s }))?;
     let exact = Terzaghi::compressible(&base).ok_or("the scene is dry")?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&base, &settlement).absolute();
-    fault(&mut base);
+    base = base.edited(fault)?;
     let (errors, samples) = degree.refine(&base, &[8, 10, 14, 20])?;
-    let coarse = with_rows(base.clone(), 10);
-    let stepped = Scene { step: StepChoice::Auto, ..coarse.clone() };
+    let coarse = base.with_rows(10)?;
+    let stepped = coarse.edited(|s| s.step = StepChoice::Auto)?;
     // SDIRK4(3): four, or what is left of that while the settlement goes with the time to the power of 3/2.
     let in_time = degree.in_time(&stepped, 0.05 * ramp_time, 4, Some([3.0, 6.0]))?;
     Ok(Outcome {

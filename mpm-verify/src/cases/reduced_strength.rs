@@ -61,7 +61,10 @@ fn weaker(scene: &Scene, factor: f64) -> Result<Scene, String> {
         residual_angle: angle(base.residual_angle),
         ..base
     };
-    Ok(Scene { strength: Some(strength), base: Some(base), ..scene.clone() })
+    Ok(scene.edited(|s| {
+        s.strength = Some(strength);
+        s.base = Some(base);
+    })?)
 }
 
 /// Lets a slope slide with its strength divided by a factor.

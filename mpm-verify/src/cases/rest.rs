@@ -2,7 +2,7 @@
 //! angle, and an elastic slope that was damped to rest before.
 
 use mpm_core::drive::Sample;
-use mpm_core::scene::{Base, Scene, Until};
+use mpm_core::scene::{Base, Fields, Until};
 use mpm_core::stability::choose_step;
 
 use super::evidence::{PARTICLES, Refinement, Sampled};
@@ -43,10 +43,10 @@ fn energy(first: &Sample, last: &Sample) -> f64 {
 }
 
 /// The largest `figure` of all scenes, and that of fewer steps with other numbers of particles.
-fn climb(steps: u32, watched: Watched, required_error: f64, spoil: fn(&mut Scene)) -> Result<Outcome, String> {
+fn climb(steps: u32, watched: Watched, required_error: f64, spoil: fn(&mut Fields)) -> Result<Outcome, String> {
     let (worst, samples) = followed(steps, watched, spoil)?;
     let with = |count: &usize| {
-        let counted = |scene: &mut Scene| {
+        let counted = |scene: &mut Fields| {
             spoil(scene);
             scene.particles_per_cell = *count;
         };
@@ -73,16 +73,18 @@ type Watched = (&'static str, &'static str, fn(&Sample, &Sample) -> f64);
 fn followed(
     steps: u32,
     (what, unit, figure): Watched,
-    spoil: impl Fn(&mut Scene),
+    spoil: impl Fn(&mut Fields),
 ) -> Result<(f64, Vec<Sampled>), String> {
     let (mut ends, mut samples) = (Vec::new(), Vec::new());
     for name in SCENES {
         let mut scene = crate::scenes::built_in(name).ok_or("no such scene")?.map_err(|e| e.to_string())?;
-        spoil(&mut scene);
+        scene = scene.edited(&spoil)?;
         let end = f64::from(steps) * choose_step(&scene).map_err(|e| e.to_string())?;
         let stage = scene.stages.len() - 1;
-        scene.stages[stage].until = Until::Time(end);
-        (scene.observe_times, scene.history) = ([0.25, 0.5, 0.75, 1.0].map(|share| share * end).to_vec(), 0);
+        scene = scene.edited(|scene| {
+            scene.stages[stage].until = Until::Time(end);
+            (scene.observe_times, scene.history) = ([0.25, 0.5, 0.75, 1.0].map(|share| share * end).to_vec(), 0);
+        })?;
         let run = finished(&scene)?;
         let first = run.samples.iter().find(|s| s.stage == stage).ok_or("no sample")?;
         let look = |s: &Sample| Look::one(s.stage_time, figure(first, s), 0.0);
@@ -98,7 +100,7 @@ const STEEPER: &str = "friction one degree below the slope";
 const FEW: u32 = 1000;
 
 /// Plants it.
-fn steeper(scene: &mut Scene) {
+fn steeper(scene: &mut Fields) {
     let angle = scene.slope_angle.unwrap_or(0.0) - 1.0;
     scene.base = scene.base.map(|b| Base { peak_angle: angle, residual_angle: angle, ..b });
 }

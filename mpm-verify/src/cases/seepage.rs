@@ -1,7 +1,7 @@
 //! Faces to the air: a full column that drains, where suction must not draw water in, and rain on soil of any outline.
 
 use mpm_core::observe::WaterState;
-use mpm_core::scene::{Dimension, Feed, Scene, Until};
+use mpm_core::scene::{Dimension, Feed, Fields, Scene, Until};
 
 use super::looks::{Look, Looks};
 use super::{FASTER, Mutant, Outcome, Rung, faster, finished, integrator, sound};
@@ -24,33 +24,38 @@ pub const RAIN: Rung = Rung {
 };
 
 /// A scene of a column or an outline that is `wide` and 1 m high, dry or full, on a mesh.
-fn scene(dimension: Dimension, wide: f64, cell: f64) -> Scene {
-    let mut scene = crate::scenes::built_in("dam").and_then(Result::ok).expect("the built-in scene holds");
-    (scene.dimension, scene.width, scene.cell) = (dimension, wide, cell);
-    scene.cells = [wide, 1.0].map(|length| (length / cell * (1.0 - 1e-9)).ceil() as usize);
-    if dimension == Dimension::Column {
-        scene.cells[0] = 1;
-    }
-    (scene.observe_times, scene.history) = (Vec::new(), 0);
-    if let Some(free) = &mut scene.free_surface {
-        free.feeds = [None; 4];
-    }
-    scene
+fn scene(dimension: Dimension, outline: &[[f64; 2]], cell: f64) -> Result<Scene, String> {
+    let dam = crate::scenes::built_in("dam").ok_or("no such scene")??;
+    let edit = |scene: &mut Fields| {
+        (scene.dimension, scene.width, scene.cell, scene.history) = (dimension, 0.1, cell, 0);
+        if !outline.is_empty() {
+            scene.width = outline.iter().map(|x| x[0]).fold(0.0, f64::max);
+            scene.outline = Some(outline.to_vec());
+        }
+        if let Some(free) = &mut scene.free_surface {
+            free.feeds = [None; 4];
+        }
+    };
+    Ok(dam.edited(edit)?)
 }
 
 /// Darcy: under a gradient of one all water of a full column falls at k, its pressure zero, and its level at k/n. The times end
 /// before the level, which is smeared as it falls, comes near the base.
-fn drains(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn drains(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let (mut errors, mut samples, mut entered) = (Vec::new(), Vec::new(), Vec::new());
     for rows in [10, 20, 40] {
-        let mut scene = scene(Dimension::Column, 0.1, 1.0 / f64::from(rows));
-        scene.free_surface.as_mut().ok_or("no free surface")?.level = Some(1.0);
-        scene.stages[0].drained = [false, false, true, true];
+        let mut scene = scene(Dimension::Column, &[], 1.0 / f64::from(rows))?;
         let speed = scene.water.ok_or("the scene is dry")?.hydraulic_conductivity / scene.porosity;
-        scene.stages[0].until = Until::Time(0.5 / speed);
-        scene.observe_times = [0.1, 0.2, 0.3, 0.4].map(|fallen| fallen / speed).into();
+        scene = scene.edited(|scene| {
+            if let Some(free) = &mut scene.free_surface {
+                free.level = Some(1.0);
+            }
+            scene.stages[0].drained = [false, false, true, true];
+            scene.stages[0].until = Until::Time(0.4 / speed);
+            scene.observe_times = [0.1, 0.2, 0.3, 0.4].map(|fallen| fallen / speed).into();
+        })?;
         let whole = scene.porosity * scene.width;
-        fault(&mut scene);
+        scene = scene.edited(fault)?;
         let run = finished(&scene)?;
         let wet = |s: &mpm_core::drive::Sample| Some((s.stage_time, s.state.water?));
         let look = |(time, water): (f64, WaterState)| Look::one(time, water.mobile_m3 / whole, 1.0 - speed * time);
@@ -93,14 +98,17 @@ fn rain(factor: f64) -> Result<Outcome, String> {
         let along = |d: usize| outline.iter().map(move |x| x[d]);
         let (left, right) = (along(0).fold(f64::INFINITY, f64::min), along(0).fold(0.0, f64::max));
         for (cell, per_cell) in [(0.2, 4), (0.13, 4), (0.1, 9)] {
-            let mut scene = scene(Dimension::PlaneStrain, right, cell);
-            (scene.outline, scene.particles_per_cell) = (Some(outline.to_vec()), per_cell);
+            let mut scene = scene(Dimension::PlaneStrain, outline, cell)?;
             let speed = 0.1 * scene.water.ok_or("the scene is dry")?.hydraulic_conductivity;
-            let free = scene.free_surface.as_mut().ok_or("no free surface")?;
-            free.feeds[3] = Some(Feed::Velocity { speed: factor * speed, height: 1.0 });
             let time = 0.1 * scene.porosity / speed;
-            (scene.stages[0].drained, scene.stages[0].until) = ([false; 4], Until::Time(time));
-            scene.observe_times = vec![time];
+            scene = scene.edited(|scene| {
+                scene.particles_per_cell = per_cell;
+                if let Some(free) = &mut scene.free_surface {
+                    free.feeds[3] = Some(Feed::Velocity { speed: factor * speed, height: 1.0 });
+                }
+                (scene.stages[0].drained, scene.stages[0].until) = ([false; 4], Until::Time(time));
+                scene.observe_times = vec![time];
+            })?;
             let run = finished(&scene)?;
             let water = run.samples.last().and_then(|s| s.state.water).ok_or("no free surface")?;
             let asked = speed * (right - left) * time;
@@ -110,7 +118,7 @@ fn rain(factor: f64) -> Result<Outcome, String> {
     }
     let worst = largest(errors.iter().map(|(_, error)| *error));
     Ok(Outcome {
-        integrator: integrator(&scene(Dimension::PlaneStrain, 1.0, 0.1)),
+        integrator: integrator(&scene(Dimension::PlaneStrain, OUTLINES[0], 0.1)?),
         scheme: "free surface".to_owned(),
         errors: vec![(0.1, worst)],
         required_error: 1e-9,

@@ -1,12 +1,14 @@
 //! Consolidation under the own weight, from the undrained state of it, against its series.
 
-use mpm_core::scene::{Integrator, Quadrature, Scene, ShapeChoice, StepChoice, StrainChoice, TimeMethod, Until};
+use mpm_core::scene::{
+    Fields, Integrator, Quadrature, Scene, ShapeChoice, StepChoice, StrainChoice, TimeMethod, Until,
+};
 use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::evidence::{MESH, Refinement};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{FASTER, Mutant, Outcome, Rung, asked, faster, finished, integrator, scheme, slower, sound, with_rows};
+use super::{FASTER, Mutant, Outcome, Rung, asked, faster, finished, integrator, scheme, slower, sound};
 use crate::exact::self_weight::SelfWeight;
 use crate::norms::LATE_TV;
 
@@ -52,7 +54,7 @@ pub const SOFT: Rung = Rung {
 
 /// A way to run the column, and what it must show.
 struct Way {
-    change: fn(&mut Scene),
+    change: fn(&mut Fields),
     /// Times count from this time factor on.
     from: f64,
     rows: &'static [usize],
@@ -96,18 +98,18 @@ const WITH_FACES: Way = Way {
     particles_leave: 5e-3,
 };
 
-fn explicit(_: &mut Scene) {}
+fn explicit(_: &mut Fields) {}
 
-fn with_faces(scene: &mut Scene) {
+fn with_faces(scene: &mut Fields) {
     quasi_static(scene);
     scene.shape = ShapeChoice::Centre;
 }
 
-fn semi_implicit(scene: &mut Scene) {
+fn semi_implicit(scene: &mut Fields) {
     scene.integrator = Integrator::SemiImplicit;
 }
 
-fn quasi_static(scene: &mut Scene) {
+fn quasi_static(scene: &mut Fields) {
     (scene.integrator, scene.shape, scene.method) = (Integrator::QuasiStatic, ShapeChoice::Bspline2, TimeMethod::Auto);
     (scene.step, scene.tolerance, scene.particles_per_cell) = (StepChoice::Auto, 1e-7, 9);
 }
@@ -116,15 +118,21 @@ fn quasi_static(scene: &mut Scene) {
 fn column(way: &Way, slow: f64) -> Result<(Scene, SelfWeight), String> {
     let mut base =
         crate::scenes::built_in("self-weight-consolidation").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    base.history = 0;
-    (way.change)(&mut base);
-    // Strains of the weight itself, and what inertia does to a consolidation of this speed, would stand in the way of
-    // the order.
-    base.gravity = base.gravity.map(|g| 0.01 * g);
-    slower(&mut base, slow);
     let end = *base.observe_times.last().ok_or("no time to look at")? * slow;
-    base.observe_times.iter_mut().for_each(|t| *t *= slow);
-    base.stages[0].until = Until::Time(end);
+    base = base.edited(|base| {
+        base.history = 0;
+        (way.change)(base);
+        // Strains of the weight itself, and what inertia does to a consolidation of this speed, would stand in the way of
+        // the order. Where water weighs less, as much less passes under its weight.
+        base.gravity = base.gravity.map(|g| 0.01 * g);
+        if let Some(water) = &mut base.water {
+            water.unit_weight *= 0.01;
+            water.hydraulic_conductivity *= 0.01;
+        }
+        slower(base, slow);
+        base.observe_times.iter_mut().for_each(|t| *t *= slow);
+        base.stages[0].until = Until::Time(end);
+    })?;
     let exact = SelfWeight::new(&base).ok_or("not a column under its own weight")?;
     Ok((base, exact))
 }
@@ -132,13 +140,13 @@ fn column(way: &Way, slow: f64) -> Result<(Scene, SelfWeight), String> {
 /// How much slower than in the scene file water drains.
 const SLOW: f64 = 20.0;
 
-fn climb(way: &Way, fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn climb(way: &Way, fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let (mut base, exact) = column(way, SLOW)?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::of_whole(&base, exact.final_settlement(), &settlement).from(way.from / exact.time_factor(1.0));
-    fault(&mut base);
+    base = base.edited(fault)?;
     let (errors, samples) = degree.refine(&base, way.rows)?;
-    let coarse = with_rows(base.clone(), way.rows[0]);
+    let coarse = base.with_rows(way.rows[0])?;
     let quasi_static = base.integrator == Integrator::QuasiStatic;
     let in_time = match quasi_static {
         true => degree.in_tolerance(&coarse, &[1e-3, 1e-4, 1e-5, 1e-6], 1.0)?,
@@ -148,8 +156,8 @@ fn climb(way: &Way, fault: fn(&mut Scene)) -> Result<Outcome, String> {
             let settlement = |time| exact.settlement(time);
             let late = LATE_TV / exact.time_factor(1.0);
             let degree = Degree::of_whole(&quick, exact.final_settlement(), &settlement).from(late);
-            fault(&mut quick);
-            let coarse = with_rows(quick, way.rows[0]);
+            quick = quick.edited(fault)?;
+            let coarse = quick.with_rows(way.rows[0])?;
             degree.in_time(&coarse, 0.9 * stable_limit(&coarse), HALVINGS, FIRST_ORDER)?
         }
     };
@@ -171,27 +179,29 @@ fn climb(way: &Way, fault: fn(&mut Scene)) -> Result<Outcome, String> {
 /// Time factors (small strain) until the column has drained.
 const DRAINED: f64 = 12.0;
 
-fn lighter(scene: &mut Scene) {
+fn lighter(scene: &mut Fields) {
     scene.grain_density *= 0.99;
 }
 
 /// The drained column: each of its grains bears what lies above it, less its buoyancy, `sigma = -a Z` with a = (1 - n) (rho_s -
 /// rho_w) g at the first depth Z, and is compressed by `exp(-a Z/M)`: what is left of the height is `M/a (1 - exp(-a H/M))`.
-fn soft(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn soft(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let mut base =
         crate::scenes::built_in("self-weight-consolidation").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    quasi_static(&mut base);
-    (base.history, base.strain, base.quadrature) = (0, StrainChoice::Large, Quadrature::Fitted);
+    base = base.edited(|base| {
+        quasi_static(base);
+        (base.history, base.strain, base.quadrature) = (0, StrainChoice::Large, Quadrature::Fitted);
+    })?;
     let (water, gravity) = (base.water.ok_or("the scene is dry")?, base.gravity.ok_or("no weight")?);
     let buoyant = (1.0 - base.porosity) * (base.grain_density - water.density) * gravity;
-    base.elastic.youngs_modulus *= 5.0 * buoyant * base.height / base.oedometer_modulus();
+    base = base.edited(|base| base.elastic.youngs_modulus *= 5.0 * buoyant * base.height / base.oedometer_modulus())?;
     let modulus = base.oedometer_modulus();
     let exact = base.height + modulus / buoyant * (-buoyant * base.height / modulus).exp_m1();
     let end = DRAINED * base.time_per_factor().ok_or("the scene is dry")?;
-    (base.observe_times, base.stages[0].until) = (vec![end], Until::Time(end));
-    fault(&mut base);
+    base = base.edited(|base| (base.observe_times, base.stages[0].until) = (vec![end], Until::Time(end)))?;
+    base = base.edited(fault)?;
     let found = |shape: ShapeChoice, rows: usize| {
-        let run = finished(&with_rows(Scene { shape, ..base.clone() }, rows))?;
+        let run = finished(&base.edited(|s| s.shape = shape)?.with_rows(rows)?)?;
         let last = run.observed().last().ok_or("no sample")?;
         Ok::<_, String>(last.state.settlement / exact - 1.0)
     };

@@ -1,12 +1,12 @@
 //! Table 1's column with an implicit pore pressure: its error at the step it chooses, and its order.
 
-use mpm_core::scene::{Integrator, Scene, ShapeChoice, StepChoice};
+use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice, StepChoice};
 use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::evidence::{MESH, Refinement};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{FASTER, Mutant, Outcome, Rung, faster, integrator, scheme, sound, terzaghi, with_rows};
+use super::{FASTER, Mutant, Outcome, Rung, faster, integrator, scheme, sound, terzaghi};
 use crate::exact::dynamic::DynamicColumn;
 use crate::exact::terzaghi::Terzaghi;
 use crate::norms::LATE_TV;
@@ -35,17 +35,18 @@ pub const SPLINES: Rung = Rung {
     mutant: Some(Mutant { what: FASTER, climb: || order(ShapeChoice::Bspline2, 3e-4, faster) }),
 };
 
-fn semi_implicit(mut scene: Scene, shape: ShapeChoice) -> Scene {
-    (scene.integrator, scene.shape, scene.history) = (Integrator::SemiImplicit, shape, 0);
-    scene
+fn semi_implicit(mut scene: Scene, shape: ShapeChoice) -> Result<Scene, String> {
+    scene =
+        scene.edited(|scene| (scene.integrator, scene.shape, scene.history) = (Integrator::SemiImplicit, shape, 0))?;
+    Ok(scene)
 }
 
-fn at_its_limit(fault: fn(&mut Scene)) -> Result<Outcome, String> {
-    let mut scene = semi_implicit(crate::scenes::terzaghi(), ShapeChoice::Centre);
+fn at_its_limit(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+    let mut scene = semi_implicit(crate::scenes::terzaghi(), ShapeChoice::Centre)?;
     let exact = Terzaghi::compressible(&scene).ok_or("the scene is dry")?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&scene, &settlement);
-    fault(&mut scene);
+    scene = scene.edited(fault)?;
     // Meshes of which each takes its own limit.
     let (meshes, _) = degree.refine(&scene, &[12, 18, 25, 36])?;
     let (errors, samples) = degree.refine(&scene, &[50])?;
@@ -70,21 +71,21 @@ fn at_its_limit(fault: fn(&mut Scene)) -> Result<Outcome, String> {
 
 /// With steps that fall with L^2 backward Euler, of first order in the step, and the mesh, of second order, show one
 /// order together. Before Tv = 0.1 the wave that sudden drainage makes counts as well, which an implicit pressure damps.
-fn order(shape: ShapeChoice, required_error: f64, fault: fn(&mut Scene)) -> Result<Outcome, String> {
-    let mut base = semi_implicit(terzaghi::lightly_loaded(), shape);
+fn order(shape: ShapeChoice, required_error: f64, fault: fn(&mut Fields)) -> Result<Outcome, String> {
+    let mut base = semi_implicit(terzaghi::lightly_loaded()?, shape)?;
     let exact = DynamicColumn::new(&base).ok_or("the scene is dry")?;
     let late = LATE_TV * base.time_per_factor().ok_or("the scene is dry")?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&base, &settlement).from(late);
-    fault(&mut base);
-    let coarse = with_rows(base.clone(), 20);
+    base = base.edited(fault)?;
+    let coarse = base.with_rows(20)?;
     let first = 0.9 * stable_limit(&coarse);
     let on = |rows| {
-        let mut scene = with_rows(base.clone(), rows);
-        scene.step = StepChoice::Fixed(first * (scene.cell / coarse.cell).powi(2));
-        scene
+        let step = |scene: &mut Fields| scene.step = StepChoice::Fixed(first * (scene.cell / coarse.cell).powi(2));
+        base.with_rows(rows)?.edited(step)
     };
-    let (errors, samples) = degree.on_meshes([20, 28, 40, 56, 80].into_iter().map(on))?;
+    let scenes = [20, 28, 40, 56, 80].into_iter().map(on).collect::<Result<Vec<_>, _>>()?;
+    let (errors, samples) = degree.on_meshes(scenes.into_iter())?;
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),

@@ -4,7 +4,9 @@
 //! particles come in again at the other side. Water that fills its cells does not: its slab slides for less than half a cell.
 
 use mpm_core::drive::{Run, Sample};
-use mpm_core::scene::{Base, Clock, Integrator, LoadOn, NormalStress, Scene, Side, SolidSide, Surcharge, Until};
+use mpm_core::scene::{
+    Base, Clock, Fields, Integrator, LoadOn, NormalStress, Scene, Side, SolidSide, Surcharge, Until,
+};
 
 use super::looks::{Look, Looks};
 use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound};
@@ -40,11 +42,11 @@ const FAR: Slide = ([4, 8, 16], 0.3);
 const NEAR: Slide = ([2, 4, 8], 0.15);
 const STICKIER: &str = "a tenth more adhesion";
 
-fn forgetting(scene: &mut Scene) {
+fn forgetting(scene: &mut Fields) {
     scene.base = scene.base.map(|base| Base { memory: 1.1 * base.memory, ..base });
 }
 
-fn stickier(scene: &mut Scene) {
+fn stickier(scene: &mut Fields) {
     scene.base = scene.base.map(|base| Base { adhesion: 1.1 * base.adhesion, ..base });
 }
 
@@ -53,56 +55,67 @@ fn built_in(name: &str) -> Result<Scene, String> {
 }
 
 /// The slope of a scene, thinner and stiffer, on a base that it slides on.
-fn slab(mut scene: Scene, memory: f64, end: f64) -> Scene {
-    (scene.height, scene.elastic.youngs_modulus) = (0.4, 1e9);
-    scene.base = Some(Base {
-        peak_angle: 15.0,
-        residual_angle: 15.0,
-        slip_distance: None,
-        adhesion: 300.0,
-        memory,
-        normal_stress: NormalStress::Effective,
-    });
-    scene.solid_sides[Side::Bottom as usize] = SolidSide::Roller;
+fn slab(mut scene: Scene, memory: f64, end: f64) -> Result<Scene, String> {
+    scene = scene.edited(|scene| {
+        (scene.height, scene.elastic.youngs_modulus) = (0.4, 1e9);
+        scene.base = Some(Base {
+            peak_angle: 15.0,
+            residual_angle: 15.0,
+            slip_distance: None,
+            adhesion: 300.0,
+            memory,
+            normal_stress: NormalStress::Effective,
+        });
+        scene.solid_sides[Side::Bottom as usize] = SolidSide::Roller;
+    })?;
     let last = scene.stages.len() - 1;
-    scene.stages[last].until = Until::Time(end);
-    scene.observe_times = [0.25, 0.5, 0.75, 1.0].map(|share| share * end).to_vec();
-    (scene.history, scene.safety) = (0, 0.9);
-    scene
+    scene = scene.edited(|scene| {
+        scene.stages[last].until = Until::Time(end);
+        scene.observe_times = [0.25, 0.5, 0.75, 1.0].map(|share| share * end).to_vec();
+        (scene.history, scene.safety) = (0, 0.9);
+    })?;
+    Ok(scene)
 }
 
 /// Thrown, so that it slides under the whole load.
 fn loaded() -> Result<Scene, String> {
-    let mut scene = slab(built_in("infinite-slope")?, 0.05, FAR.1);
-    scene.start_velocity = Some([1.0, 0.0]);
-    scene.surcharge = Some(Surcharge { pressure: 1e4, on: LoadOn::Surface, ramp_time: FAR.1, strip: None });
+    let scene = slab(built_in("infinite-slope")?, 0.05, FAR.1)?.edited(|scene| {
+        scene.start_velocity = Some([1.0, 0.0]);
+        scene.surcharge = Some(Surcharge { pressure: 1e4, on: LoadOn::Surface, ramp_time: FAR.1, strip: None });
+    })?;
     Ok(scene)
 }
 
 fn saturated() -> Result<Scene, String> {
-    let mut scene = slab(built_in("infinite-slope")?, 0.0, NEAR.1);
-    (scene.water, scene.particles_per_cell) = (crate::scenes::terzaghi().water, 1);
-    if let Some(water) = &mut scene.water {
-        // Nothing drains within a second.
-        water.hydraulic_conductivity = 1e-12;
-    }
+    // No file has soil full of water on a slope yet.
+    let scene = slab(built_in("infinite-slope")?, 0.0, NEAR.1)?.altered_unchecked(|scene| {
+        (scene.water, scene.particles_per_cell) = (crate::scenes::terzaghi().water, 1);
+        if let Some(water) = &mut scene.water {
+            // Nothing drains within a second.
+            water.hydraulic_conductivity = 1e-12;
+        }
+    });
     Ok(scene)
 }
 
 fn seeping() -> Result<Scene, String> {
-    let mut scene = slab(built_in("slope-seepage")?, 0.0, FAR.1);
-    (scene.strength, scene.integrator) = (None, Integrator::TwoClocks);
-    scene.free_surface.as_mut().ok_or("no free surface")?.level = Some(scene.height);
-    let soil = scene.stages.last_mut().ok_or("no stage")?;
-    (soil.damping, soil.clock) = (0.0, Clock::Soil);
+    let scene = slab(built_in("slope-seepage")?, 0.0, FAR.1)?.edited(|scene| {
+        (scene.strength, scene.integrator) = (None, Integrator::TwoClocks);
+        let height = scene.height;
+        if let Some(free) = &mut scene.free_surface {
+            free.level = Some(height);
+        }
+        if let Some(soil) = scene.stages.last_mut() {
+            (soil.damping, soil.clock) = (0.0, Clock::Soil);
+        }
+    })?;
     Ok(scene)
 }
 
 /// The slab on a mesh of so many cells over its height, four wide.
-fn on_mesh(mut scene: Scene, rows: usize) -> Scene {
+fn on_mesh(scene: &mut Fields, rows: usize) {
     scene.cell = scene.height / rows as f64;
     (scene.cells, scene.width) = ([4, rows], 4.0 * scene.cell);
-    scene
 }
 
 /// The velocity over the exact one at the end.
@@ -115,13 +128,16 @@ fn looks(run: &Run, scene: &Scene, exact: &Slab, end: f64) -> Looks {
     Looks::worst("velocity over the last one", run.observed().map(look).collect())
 }
 
-fn climb(scene: fn() -> Result<Scene, String>, (rows, end): Slide, fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn climb(scene: fn() -> Result<Scene, String>, (rows, end): Slide, fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let base = scene()?;
     let exact = Slab::new(&base).ok_or("no slab on a base")?;
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for rows in rows {
-        let mut scene = on_mesh(base.clone(), rows);
-        fault(&mut scene);
+        // One of the slabs is no scene.
+        let scene = base.clone().altered_unchecked(|scene| {
+            on_mesh(scene, rows);
+            fault(scene);
+        });
         let looks = looks(&finished(&scene)?, &scene, &exact, end);
         errors.push((scene.cell, looks.error()));
         samples = looks.samples();

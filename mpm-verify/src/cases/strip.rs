@@ -4,7 +4,7 @@
 //! sum of cosines. The error is the RMS over the block, as a share of the load.
 
 use mpm_core::observe::FieldPoint;
-use mpm_core::scene::{Scene, ShapeChoice};
+use mpm_core::scene::{Fields, Scene, ShapeChoice};
 
 use super::{Mutant, Outcome, Rung, asked, finished, integrator, scheme};
 use crate::baseline::ladder::Kind;
@@ -36,7 +36,7 @@ pub const CUBIC: Rung = Rung {
 
 /// What is compared with the sum.
 struct Climb {
-    with: fn(&mut Scene),
+    with: fn(&mut Fields),
     /// Cells along each side.
     sides: &'static [usize],
     order: [f64; 2],
@@ -63,7 +63,7 @@ fn climb(penalty: Option<f64>) -> Result<Outcome, String> {
     let fine = field(&base, FINE)?;
     let mut errors = Vec::new();
     for side in SIDES {
-        let scene = Scene { jump_penalty: penalty.or(base.jump_penalty), ..base.clone() };
+        let scene = base.edited(|s| s.jump_penalty = penalty.or(base.jump_penalty))?;
         let coarse = field(&scene, side)?;
         let ratio = FINE / side;
         let place = |i: usize| ratio * i + ratio / 2;
@@ -91,11 +91,13 @@ fn climb(penalty: Option<f64>) -> Result<Outcome, String> {
 fn against_sum(climb: &Climb, factor: f64) -> Result<Outcome, String> {
     let mut base = crate::scenes::built_in("strip").ok_or("no such scene")?.map_err(|e| e.to_string())?;
     let load = base.surcharge.ok_or("no load")?.pressure;
-    (climb.with)(&mut base);
+    base = base.edited(climb.with)?;
     let exact = StripLoad::new(&base).ok_or("no strip")?;
-    if let Some(surcharge) = &mut base.surcharge {
-        surcharge.pressure *= factor;
-    }
+    base = base.edited(|base| {
+        if let Some(surcharge) = &mut base.surcharge {
+            surcharge.pressure *= factor;
+        }
+    })?;
     let mut errors = Vec::new();
     for &side in climb.sides {
         let field = field(&base, side)?;
@@ -116,7 +118,10 @@ fn against_sum(climb: &Climb, factor: f64) -> Result<Outcome, String> {
 
 /// Pressures at the middles of the cells, row by row.
 fn field(base: &Scene, side: usize) -> Result<Vec<FieldPoint>, String> {
-    let scene = Scene { cell: base.width / side as f64, cells: [side; 2], ..base.clone() };
+    let scene = base.edited(|s| {
+        s.cell = base.width / side as f64;
+        s.cells = [side; 2];
+    })?;
     let run = finished(&scene)?;
     Ok(run.samples.last().ok_or("no sample")?.state.field.clone())
 }

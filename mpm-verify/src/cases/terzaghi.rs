@@ -3,11 +3,11 @@
 //! The run is dynamic and of finite strain, so it is compared with its own model: the exact u-p column, under a
 //! hundredth of the load. What is left is the scheme alone. (The study compares with Terzaghi's assumptions.)
 
-use mpm_core::scene::{DarcyChoice, Scene, ShapeChoice, Surcharge};
+use mpm_core::scene::{DarcyChoice, Fields, Scene, ShapeChoice, Surcharge};
 use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
-use super::{FASTER, Mutant, Outcome, Rung, faster, integrator, scheme, sound, with_rows};
+use super::{FASTER, Mutant, Outcome, Rung, faster, integrator, scheme, sound};
 use crate::exact::dynamic::DynamicColumn;
 
 /// The paper's scheme with the default operator.
@@ -50,24 +50,24 @@ pub const SPLINES: Rung = Rung {
     mutant: Some(Mutant { what: FASTER, climb: || splines(faster) }),
 };
 
-fn linear(scene: &mut Scene) {
+fn linear(scene: &mut Fields) {
     scene.shape = ShapeChoice::Linear;
 }
 
-fn nodal(scene: &mut Scene) {
+fn nodal(scene: &mut Fields) {
     scene.darcy = DarcyChoice::Nodal;
 }
 
-fn climb(change: fn(&mut Scene), fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn climb(change: fn(&mut Fields), fault: fn(&mut Fields)) -> Result<Outcome, String> {
     // Cells of this size alone, exactly in time, make 9.8e-4 at L = 0.0125.
     refined(&[20, 28, 40, 80], 1.5e-3, [1.8, 2.2], change, fault)
 }
 
-fn gimp(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn gimp(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     refined(&[14, 20, 28, 40], 5e-3, [1.8, 2.4], |scene| scene.shape = ShapeChoice::Gimp, fault)
 }
 
-fn splines(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn splines(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     refined(&[20, 28, 40, 56], 7e-3, [1.8, 2.4], |scene| scene.shape = ShapeChoice::Bspline2, fault)
 }
 
@@ -76,17 +76,17 @@ fn refined(
     rows: &[usize],
     required_error: f64,
     order: [f64; 2],
-    change: fn(&mut Scene),
-    fault: fn(&mut Scene),
+    change: fn(&mut Fields),
+    fault: fn(&mut Fields),
 ) -> Result<Outcome, String> {
-    let mut base = lightly_loaded();
-    change(&mut base);
+    let mut base = lightly_loaded()?;
+    base = base.edited(change)?;
     let exact = DynamicColumn::new(&base).ok_or("the scene is dry")?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&base, &settlement);
-    fault(&mut base);
+    base = base.edited(fault)?;
     let (errors, samples) = degree.refine(&base, rows)?;
-    let coarse = with_rows(base.clone(), COARSE);
+    let coarse = base.with_rows(COARSE)?;
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),
@@ -114,9 +114,10 @@ pub(super) const PARTICLE_COUNTS: [usize; 4] = [1, 4, 9, 16];
 const PARTICLES_LEAVE: f64 = 0.1;
 
 /// The column under a hundredth of its load: strains too small to matter.
-pub(super) fn lightly_loaded() -> Scene {
-    let mut base = crate::scenes::terzaghi();
-    base.history = 0;
-    base.surcharge = base.surcharge.map(|s| Surcharge { pressure: 0.01 * s.pressure, ..s });
-    base
+pub(super) fn lightly_loaded() -> Result<Scene, String> {
+    let base = crate::scenes::terzaghi().edited(|base| {
+        base.history = 0;
+        base.surcharge = base.surcharge.map(|s| Surcharge { pressure: 0.01 * s.pressure, ..s });
+    })?;
+    Ok(base)
 }

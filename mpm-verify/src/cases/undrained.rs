@@ -3,11 +3,11 @@
 //! This decides the sign in the paper's Eq. (5): as printed, compressing the skeleton would lower the pressure.
 
 use mpm_core::drive::Sample;
-use mpm_core::scene::{Scene, Start, Until};
+use mpm_core::scene::{Fields, Scene, Start, Until};
 
 use super::evidence::{MESH, Refinement};
 use super::looks::{Look, Looks, in_particles};
-use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound, with_rows};
+use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound};
 
 /// The rung.
 pub const RUNG: Rung = Rung {
@@ -17,34 +17,37 @@ pub const RUNG: Rung = Rung {
     mutant: Some(Mutant { what: "water 1 % too stiff", climb: || climb(stiffer) }),
 };
 
-fn stiffer(scene: &mut Scene) {
+fn stiffer(scene: &mut Fields) {
     if let Some(water) = &mut scene.water {
         water.bulk_modulus *= 1.01;
     }
 }
 
-fn climb(fault: fn(&mut Scene)) -> Result<Outcome, String> {
-    let mut scene = with_rows(crate::scenes::terzaghi(), 20);
-    scene.start = Start::Unloaded;
-    scene.stages[0].drained = [false; 4];
+fn climb(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+    let mut scene = crate::scenes::terzaghi().with_rows(20)?.edited(|scene| {
+        scene.start = Start::Unloaded;
+        scene.stages[0].drained = [false; 4];
+    })?;
     // Critical damping of the first undrained mode, 2 omega = pi c_u/H, kills the wave within milliseconds. What it
     // leaves uneven flows off inside the column, and only in the time of a consolidation: three times Tv = 1.
     let speed = ((scene.oedometer_modulus() + scene.pore_stiffness()) / scene.mixture_density()).sqrt();
-    scene.stages[0].damping = std::f64::consts::PI * speed / scene.height;
+    scene = scene.edited(|scene| scene.stages[0].damping = std::f64::consts::PI * speed / scene.height)?;
     let end = 3.0 * crate::scenes::terzaghi().time_per_factor().ok_or("the scene is dry")?;
-    scene.stages[0].until = Until::Time(end);
-    (scene.observe_times, scene.history) = ([0.25, 0.5, 0.75, 1.0].map(|share| share * end).to_vec(), 0);
+    scene = scene.edited(|scene| {
+        scene.stages[0].until = Until::Time(end);
+        (scene.observe_times, scene.history) = ([0.25, 0.5, 0.75, 1.0].map(|share| share * end).to_vec(), 0);
+    })?;
     let expected = scene.undrained_pressure();
-    fault(&mut scene);
+    scene = scene.edited(fault)?;
     let looks = pressures(&scene, expected)?;
     // Scenes of their own damping: that of the first wave does not depend on the mesh.
     let on = |rows: &usize| {
-        let scene = with_rows(scene.clone(), *rows);
+        let scene = scene.with_rows(*rows)?;
         Ok((scene.cell, pressures(&scene, expected)?.error()))
     };
     let meshes = [5, 10, 20].iter().map(on).collect::<Result<_, String>>()?;
     let against = "the exact pressure: uniform, and the same on every mesh";
-    let with = |particles_per_cell| pressures(&Scene { particles_per_cell, ..scene.clone() }, expected);
+    let with = |particles_per_cell| pressures(&scene.edited(|s| s.particles_per_cell = particles_per_cell)?, expected);
     Ok(Outcome {
         integrator: integrator(&scene),
         scheme: scheme(&scene),

@@ -1,13 +1,13 @@
 //! The undrained wave in a column: when it arrives at mid height, and how large it is, against d'Alembert's solution.
 
 use mpm_core::drive::{Run, Sample};
-use mpm_core::scene::{Scene, StepChoice, Until};
+use mpm_core::scene::{Fields, Scene, StepChoice, Until};
 use mpm_core::stability::stable_limit;
 
 use super::evidence::Refinement;
 use super::looks::{Look, Looks, Norm, in_particles, in_time};
 use super::terzaghi::{HALVINGS, PARTICLE_COUNTS};
-use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound, with_rows};
+use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound};
 use crate::exact::undrained_wave::UndrainedWave;
 
 /// Pressures over five passages.
@@ -36,7 +36,7 @@ const STIFFER: &str = "water 5 % too stiff";
 /// Times looked at.
 const LOOKS: u32 = 500;
 
-fn stiffer(scene: &mut Scene) {
+fn stiffer(scene: &mut Fields) {
     if let Some(water) = &mut scene.water {
         water.bulk_modulus *= 1.05;
     }
@@ -54,29 +54,31 @@ struct Asked {
     on_coarse: f64,
 }
 
-fn climb(asked: &Asked, fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn climb(asked: &Asked, fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let mut base = crate::scenes::built_in("undrained-wave").ok_or("no such scene")?.map_err(|e| e.to_string())?;
     let exact = UndrainedWave::new(&base).ok_or("not a saturated column under a load")?;
     let end = 5.0 * exact.height / exact.speed;
-    base.stages[0].until = Until::Time(end);
-    base.observe_times = (1..=LOOKS).map(|i| end * f64::from(i) / f64::from(LOOKS)).collect();
-    base.history = 0;
+    base = base.edited(|base| {
+        base.stages[0].until = Until::Time(end);
+        base.observe_times = (1..=LOOKS).map(|i| end * f64::from(i) / f64::from(LOOKS)).collect();
+        base.history = 0;
+    })?;
     let undrained = base.undrained_pressure();
-    fault(&mut base);
+    base = base.edited(fault)?;
     let looks = |scene: &Scene| {
         let run = finished(scene)?;
         (asked.looks)(&run, &exact, undrained).ok_or_else(|| "the wave has not arrived".to_owned())
     };
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for rows in [70, 100, 140, 200] {
-        let scene = with_rows(base.clone(), rows);
+        let scene = base.with_rows(rows)?;
         let found = looks(&scene)?;
         errors.push((scene.cell, found.error()));
         samples = found.samples();
     }
-    let coarse = with_rows(base.clone(), COARSE);
-    let step = |dt| looks(&Scene { step: StepChoice::Fixed(dt), ..coarse.clone() });
-    let with = |count| looks(&Scene { particles_per_cell: count, ..coarse.clone() });
+    let coarse = base.with_rows(COARSE)?;
+    let step = |dt| looks(&coarse.edited(|s| s.step = StepChoice::Fixed(dt))?);
+    let with = |count| looks(&coarse.edited(|s| s.particles_per_cell = count)?);
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: scheme(&base),

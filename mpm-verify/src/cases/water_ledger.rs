@@ -7,7 +7,7 @@ use mpm_core::drive::Run;
 use mpm_core::scene::{Dimension, Integrator, Scene, Until};
 
 use super::evidence::RUNS;
-use super::{Mutant, Outcome, Rung, finished, largest, with_rows};
+use super::{Mutant, Outcome, Rung, finished, largest};
 
 /// The rung.
 pub const RUNG: Rung = Rung {
@@ -25,14 +25,17 @@ const WAYS: [(Dimension, Integrator); 3] = [
 
 /// Table 1's column up to Tv = 0.5.
 fn block((dimension, integrator): (Dimension, Integrator)) -> Result<Scene, String> {
-    let mut scene = with_rows(crate::scenes::terzaghi(), 20);
-    (scene.dimension, scene.integrator, scene.history) = (dimension, integrator, 0);
+    let mut scene = crate::scenes::terzaghi()
+        .with_rows(20)?
+        .edited(|scene| (scene.dimension, scene.integrator, scene.history) = (dimension, integrator, 0))?;
     if dimension == Dimension::PlaneStrain {
-        (scene.cells[0], scene.width) = (2, 2.0 * scene.cell);
+        scene = scene.edited(|scene| (scene.cells[0], scene.width) = (2, 2.0 * scene.cell))?;
     }
     let end = 0.5 * scene.time_per_factor().ok_or("the scene is dry")?;
-    scene.stages[0].until = Until::Time(end);
-    scene.observe_times = vec![0.1 * end, 0.4 * end, end];
+    scene = scene.edited(|scene| {
+        scene.stages[0].until = Until::Time(end);
+        scene.observe_times = vec![0.1 * end, 0.4 * end, end];
+    })?;
     Ok(scene)
 }
 

@@ -2,7 +2,7 @@
 
 use mpm_core::drive::Run;
 use mpm_core::observe::WaterState;
-use mpm_core::scene::{Dimension, Scene};
+use mpm_core::scene::{Dimension, Fields, Scene};
 
 use super::looks::{Look, Looks, in_particles};
 use super::{FASTER, Mutant, Outcome, Rung, faster, finished, integrator, sound};
@@ -13,35 +13,35 @@ use crate::norms::largest;
 pub const HORIZONTAL: Rung = Rung {
     name: "front-horizontal",
     about: "a front without gravity stands at sqrt(2 k h t/n), to half a cell on every mesh",
-    climb: || fronts(&scene("wetting-front", 0.0), Way::Horizontal, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || fronts(&scene("wetting-front", 0.0), Way::Horizontal, faster) }),
+    climb: || fronts(&scene("wetting-front", 0.0)?, Way::Horizontal, sound),
+    mutant: Some(Mutant { what: FASTER, climb: || fronts(&scene("wetting-front", 0.0)?, Way::Horizontal, faster) }),
 };
 
 /// A front that goes down.
 pub const DOWN: Rung = Rung {
     name: "front-down",
     about: "infiltration from 0.25 m of water: the front of Green & Ampt",
-    climb: || fronts(&scene("infiltration", 0.0), Way::Down, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || fronts(&scene("infiltration", 0.0), Way::Down, faster) }),
+    climb: || fronts(&scene("infiltration", 0.0)?, Way::Down, sound),
+    mutant: Some(Mutant { what: FASTER, climb: || fronts(&scene("infiltration", 0.0)?, Way::Down, faster) }),
 };
 
 /// A front that rises.
 pub const UP: Rung = Rung {
     name: "front-up",
     about: "a front that rises against its weight",
-    climb: || fronts(&scene("rising-front", 0.0), Way::Up, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || fronts(&scene("rising-front", 0.0), Way::Up, faster) }),
+    climb: || fronts(&scene("rising-front", 0.0)?, Way::Up, sound),
+    mutant: Some(Mutant { what: FASTER, climb: || fronts(&scene("rising-front", 0.0)?, Way::Up, faster) }),
 };
 
 /// A level front in moist soil.
 pub const MOIST: Rung = Rung {
     name: "front-moist",
     about: "a front in soil with S_0 = 0.5 has half the pores to fill",
-    climb: || fronts(&scene("wetting-front", 0.5), Way::Horizontal, sound),
+    climb: || fronts(&scene("wetting-front", 0.5)?, Way::Horizontal, sound),
     mutant: Some(Mutant {
         what: "the soil ahead of the front dry",
         climb: || {
-            fronts(&scene("wetting-front", 0.5), Way::Horizontal, |scene| {
+            fronts(&scene("wetting-front", 0.5)?, Way::Horizontal, |scene| {
                 if let Some(free) = &mut scene.free_surface {
                     free.saturation = 0.0;
                 }
@@ -59,19 +59,23 @@ pub const LEDGER: Rung = Rung {
 };
 
 /// The scene of a front, in soil with a first saturation.
-fn scene(name: &str, saturation: f64) -> Scene {
-    let mut scene = crate::scenes::built_in(name).and_then(Result::ok).expect("the built-in scene holds");
-    if let Some(free) = &mut scene.free_surface {
-        free.saturation = saturation;
-    }
+fn scene(name: &str, saturation: f64) -> Result<Scene, String> {
+    let mut scene =
+        crate::scenes::built_in(name).and_then(Result::ok).expect("the built-in scene holds").edited(|scene| {
+            if let Some(free) = &mut scene.free_surface {
+                free.saturation = saturation;
+            }
+        })?;
     if saturation > 0.0 {
         // Half of the pores are filled in half of the time.
-        for time in &mut scene.observe_times {
-            *time *= 1.0 - saturation;
-        }
-        scene.stages[0].until = mpm_core::scene::Until::Time(scene.observe_times.last().copied().unwrap_or(1.0));
+        scene = scene.edited(|scene| {
+            for time in &mut scene.observe_times {
+                *time *= 1.0 - saturation;
+            }
+            scene.stages[0].until = mpm_core::scene::Until::Time(scene.observe_times.last().copied().unwrap_or(1.0));
+        })?;
     }
-    scene
+    Ok(scene)
 }
 
 /// The exact front of a scene.
@@ -107,22 +111,23 @@ fn place(water: &WaterState, section: f64) -> f64 {
 /// Edges of the cells, m.
 const CELLS: [f64; 4] = [0.1, 0.05, 0.025, 0.0125];
 
-fn fronts(scene: &Scene, way: Way, fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn fronts(scene: &Scene, way: Way, fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let exact = exact(scene, way).ok_or("the scene has no feed")?;
     let seen = |mut scene: Scene| {
-        fault(&mut scene);
+        scene = scene.edited(fault)?;
         let run = finished(&scene)?;
         Ok::<_, String>((looks(&scene, &run, way, &exact), of_layer(&scene, &run)))
     };
     let (mut errors, mut samples, mut in_layer) = (Vec::new(), Vec::new(), Vec::new());
     for cell in CELLS {
-        let (looks, of_layer) = seen(on(scene, cell))?;
+        let (looks, of_layer) = seen(on(scene, cell)?)?;
         errors.push((cell, looks.error().abs()));
         in_layer.push(of_layer);
         samples = looks.samples();
     }
     let finest = errors[errors.len() - 1].0;
-    let with = |particles_per_cell| Ok(seen(Scene { particles_per_cell, ..on(scene, CELLS[1]) })?.0);
+    let with =
+        |particles_per_cell| Ok(seen(on(scene, CELLS[1])?.edited(|s| s.particles_per_cell = particles_per_cell)?)?.0);
     Ok(Outcome {
         integrator: integrator(scene),
         scheme: "free surface".to_owned(),
@@ -162,20 +167,15 @@ fn of_layer(scene: &Scene, run: &Run) -> f64 {
 }
 
 /// The scene on square cells of an edge (m).
-fn on(scene: &Scene, cell: f64) -> Scene {
-    let mut scene = scene.clone();
-    scene.cell = cell;
-    let across = if scene.dimension == Dimension::Column { 1 } else { (scene.width / cell).round() as usize };
-    scene.cells = [across, (scene.height / cell).round() as usize];
-    scene
+fn on(scene: &Scene, cell: f64) -> Result<Scene, String> {
+    Ok(scene.with_cell(cell)?)
 }
 
 /// What is left of the water's balance, as a share of what came in: `lost` particles are taken away on the way.
 fn ledger(lost: f64) -> Result<Outcome, String> {
     let mut offs = Vec::new();
     for (name, per_cell) in [("wetting-front", 4), ("infiltration", 9), ("rising-front", 4), ("dam", 9)] {
-        let mut scene = scene(name, 0.0);
-        scene.particles_per_cell = per_cell;
+        let scene = scene(name, 0.0)?.edited(|scene| scene.particles_per_cell = per_cell)?;
         for sample in finished(&scene)?.samples {
             let Some(water) = sample.state.water.filter(|w| w.in_m3 > 0.0) else { continue };
             let cells = water.mobile_m3 - water.in_m3 + water.out_m3;

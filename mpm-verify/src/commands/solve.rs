@@ -222,8 +222,8 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         tolerance: options.tolerance,
         ..Flags::default()
     };
-    let mut scene = Scene::load_with(&options.scene, &flags).map_err(|e| Failure::BadInput(e.to_string()))?;
-    scene.force = options.force;
+    let scene = Scene::load_with(&options.scene, &flags).map_err(|e| Failure::BadInput(e.to_string()))?;
+    let scene = if options.force { scene.forced() } else { scene };
     if let (Some(integrator), false) = (&options.integrator, scene.left_out.is_empty()) {
         say(common.quiet || common.json, &format!("--integrator {integrator}: left out {}", scene.left_out.join(", ")));
     }

@@ -133,7 +133,7 @@ fn hard(cases: &[Case], options: &Options, common: &Common, folder: &Path) -> Re
 /// Limits of the step and checkerboards.
 fn steps(options: &Options, common: &Common, folder: &Path, findings: &mut Findings) -> Result<Vec<Figure>, Failure> {
     let quiet = common.quiet || common.json;
-    findings.limits = limits();
+    findings.limits = limits().map_err(Failure::RunFailed)?;
     [findings.checkerboard_face, findings.checkerboard_nodal] = checkerboard();
     say(quiet, "dimension     darcy  inertia  L (m)  ppc  predicted (s)  measured/predicted");
     for l in &findings.limits {

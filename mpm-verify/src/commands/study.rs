@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use mpm_core::hardware::Hardware;
 use mpm_core::scene::{
-    DarcyChoice, Dimension, Integrator, LARGEST_FILE, LoadOn, Scene, ShapeChoice, StepChoice, read_text,
+    DarcyChoice, Dimension, Fields, Integrator, LARGEST_FILE, LoadOn, Scene, ShapeChoice, StepChoice, read_text,
 };
 use mpm_verify::budget::budgets;
 use mpm_verify::checkpoint::BUILD;
@@ -181,6 +181,11 @@ fn load_scene(path: &Path) -> Result<Scene, Failure> {
     Scene::load(path).map_err(|e| Failure::BadInput(e.to_string()))
 }
 
+/// The base of a study with what the command line says.
+fn changed(base: &Scene, edit: impl FnOnce(&mut Fields)) -> Result<Scene, Failure> {
+    base.edited(edit).map_err(|e| Failure::BadInput(e.to_string()))
+}
+
 impl Options {
     /// The full study of the paper.
     pub fn paper() -> Self {
@@ -228,16 +233,19 @@ impl Options {
             (None, None) => mpm_verify::scenes::terzaghi(),
         };
         if let Width::Full = self.width {
-            base.dimension = Dimension::PlaneStrain;
+            base = changed(&base, |base| base.dimension = Dimension::PlaneStrain)?;
         }
         if let Some(darcy) = self.darcy {
-            base.darcy = match darcy {
+            let operator = match darcy {
                 Darcy::Face => DarcyChoice::Face,
                 Darcy::Nodal => DarcyChoice::Nodal,
             };
+            base = changed(&base, |base| base.darcy = operator)?;
         }
-        base.step = self.dt.unwrap_or(base.step);
-        base.force = self.force;
+        if let Some(step) = self.dt {
+            base = changed(&base, |base| base.step = step)?;
+        }
+        let base = if self.force { base.forced() } else { base };
         let loads = self.load.iter().map(|load| match load {
             Load::Particles => LoadOn::Particles,
             Load::Surface => LoadOn::Surface,
@@ -486,7 +494,11 @@ pub fn complete(
         notes.push(format!("Sweeps: {} runs{cpu}.", sweeps.count()));
     }
     let (budgets, claims, other_claims) = (budgets(&results), judge(&results), judge_others(&results));
-    let costs = if options.no_cost || !times { Vec::new() } else { measure() };
+    let costs = if options.no_cost || !times {
+        Vec::new()
+    } else {
+        measure().map_err(|e| Failure::RunFailed(e.to_string()))?
+    };
     let manifest = Manifest::new(&plan.base, plan.jobs);
     let manifest = if times { manifest } else { manifest.without_times("study --no-times") };
     Ok(Study { manifest, results, budgets, claims, other_claims, sweeps, costs, notes })

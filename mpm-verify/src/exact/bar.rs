@@ -89,9 +89,11 @@ mod tests {
     use mpm_core::scene::Surcharge;
 
     fn scene() -> Scene {
-        let mut scene = crate::scenes::built_in("dry-bar").and_then(Result::ok).expect("the built-in scene");
-        scene.stages[0].damping = 0.0;
-        scene
+        crate::scenes::built_in("dry-bar")
+            .and_then(Result::ok)
+            .expect("the built-in scene")
+            .edited(|scene| scene.stages[0].damping = 0.0)
+            .expect("a sound scene")
     }
 
     #[test]
@@ -106,9 +108,12 @@ mod tests {
 
     #[test]
     fn damped_it_comes_to_rest_under_load_and_weight() {
-        let mut scene = scene();
-        (scene.stages[0].damping, scene.gravity) = (460.0, Some(9.81));
-        scene.surcharge = scene.surcharge.map(|s| Surcharge { ramp_time: 3e-3, ..s });
+        let scene = scene()
+            .edited(|scene| {
+                (scene.stages[0].damping, scene.gravity) = (460.0, Some(9.81));
+                scene.surcharge = scene.surcharge.map(|s| Surcharge { ramp_time: 3e-3, ..s });
+            })
+            .expect("a sound scene");
         let bar = Bar::new(&scene).expect("a bar");
         let still = bar.settled[0] + bar.settled[1];
         let late = 20.0 / bar.decay();

@@ -16,7 +16,7 @@
 //! Sources: Gibson, England & Hussey 1967, Geotechnique 17(3); Gibson, Schiffman & Cargill 1981, Can. Geotech. J. 18(2);
 //! time: Hairer & Wanner, *Solving Ordinary Differential Equations II*, table IV.6.5.
 
-use mpm_core::scene::{Scene, Side, Start, StrainChoice};
+use mpm_core::scene::{Fields, Side, Start, StrainChoice};
 
 use super::oedometer::Oedometer;
 
@@ -53,7 +53,7 @@ struct Solved {
 impl Column {
     /// The column of a scene at its observed times. `None` for one that is dry, that moves in two dimensions, or where the
     /// soil runs out of pores or the equations find no solution.
-    pub fn of(scene: &Scene) -> Option<Self> {
+    pub fn of(scene: &Fields) -> Option<Self> {
         scene.water?;
         if !scene.is_one_dimensional() || scene.stages.len() != 1 || scene.observe_times.is_empty() {
             return None;
@@ -111,7 +111,7 @@ impl Column {
 
 /// Settlement of a column once everything has drained at the top alone, counted from the unloaded state, m: each piece of soil
 /// under `load` (Pa) and the buoyant weight above it, `exp(-sigma'/M)` as long where strains are large. Dry soil carries all its weight.
-pub fn final_settlement(scene: &Scene, load: f64) -> f64 {
+pub fn final_settlement(scene: &Fields, load: f64) -> f64 {
     let submerged = scene.water.map_or(0.0, |water| (1.0 - scene.porosity) * water.density);
     let buoyant = scene.gravity.unwrap_or(0.0) * (scene.dry_density() - submerged);
     let parts = 4000;
@@ -166,7 +166,7 @@ enum Law {
 }
 
 impl Law {
-    fn of(soil: &Scene) -> Self {
+    fn of(soil: &Fields) -> Self {
         let modulus = soil.oedometer_modulus();
         match Oedometer::new(soil) {
             Some(law) if law.yield_pressure.is_finite() => {
@@ -247,7 +247,7 @@ const ERROR: [f64; 5] =
     [25.0 / 24.0 - 59.0 / 48.0, -49.0 / 48.0 + 17.0 / 96.0, 125.0 / 16.0 - 225.0 / 32.0, 0.0, GAMMA];
 
 impl Mesh {
-    fn new(scene: &Scene, count: usize) -> Option<Self> {
+    fn new(scene: &Fields, count: usize) -> Option<Self> {
         let water = scene.water?;
         let drained = scene.stages[0].drained;
         let earliest = scene.observe_times.iter().copied().find(|t| *t > 0.0).unwrap_or(1.0);
@@ -399,7 +399,7 @@ impl Mesh {
     }
 
     /// Stretches at t = 0, after whatever of the load of a time comes suddenly and undrained.
-    fn first(&self, scene: &Scene, time: f64) -> Option<Vec<f64>> {
+    fn first(&self, scene: &Fields, time: f64) -> Option<Vec<f64>> {
         let start = vec![1.0; self.cells.len()];
         let depth = |cell: &Cell| scene.height - cell.middle;
         let known = self.cells.iter().map(|cell| {
@@ -414,7 +414,7 @@ impl Mesh {
         self.stretches(&start, &known, 0.0, time)
     }
 
-    fn solve(&self, scene: &Scene) -> Option<Solved> {
+    fn solve(&self, scene: &Fields) -> Option<Solved> {
         let mut j = self.first(scene, 0.0)?;
         let end = scene.observe_times.iter().copied().fold(0.0, f64::max);
         let strain = final_settlement(scene, self.load).abs() / scene.height;
@@ -525,11 +525,14 @@ mod tests {
     use super::super::self_weight::SelfWeight;
     use super::super::terzaghi::Terzaghi;
     use super::*;
+    use mpm_core::scene::Scene;
 
     fn scene(name: &str) -> Scene {
-        let mut scene = crate::scenes::built_in(name).and_then(Result::ok).expect("the built-in scene");
-        scene.history = 0;
-        scene
+        crate::scenes::built_in(name)
+            .and_then(Result::ok)
+            .expect("the built-in scene")
+            .edited(|scene| scene.history = 0)
+            .expect("a sound scene")
     }
 
     /// Largest differences of settlement and of pressure at five heights from another solution, as shares.
@@ -553,20 +556,21 @@ mod tests {
         for (name, double) in
             [("terzaghi-quasi-static", false), ("terzaghi-quasi-static", true), ("terzaghi-ramp", false)]
         {
-            let mut scene = scene(name);
-            scene.strain = StrainChoice::Small;
-            scene.stages[0].drained[Side::Bottom as usize] |= double;
+            let edit = |scene: &mut Fields| {
+                scene.strain = StrainChoice::Small;
+                scene.stages[0].drained[Side::Bottom as usize] |= double;
+            };
+            // Explicit soil of small strain is no scene, but has a solution.
+            let scene = scene(name).altered_unchecked(edit);
             let exact = Terzaghi::compressible(&scene).expect("a column");
             let worst = off(&scene, &|t| exact.settlement(t), &|y, t| exact.pressure(y, t));
             assert!(worst[0] < 2e-6 && worst[1] < 5e-6, "{name}: {worst:?}");
         }
-        let mut scene_of_layers = scene("layers");
-        scene_of_layers.strain = StrainChoice::Small;
+        let scene_of_layers = scene("layers").altered_unchecked(|scene| scene.strain = StrainChoice::Small);
         let exact = Layered::of(&scene_of_layers).expect("layers");
         let worst = off(&scene_of_layers, &|t| exact.settlement(t), &|y, t| exact.pressure(y, t));
         assert!(worst[0] < 2e-6 && worst[1] < 1e-5, "layers: {worst:?}");
-        let mut heavy = scene("self-weight-consolidation");
-        heavy.strain = StrainChoice::Small;
+        let heavy = scene("self-weight-consolidation").altered_unchecked(|heavy| heavy.strain = StrainChoice::Small);
         let exact = SelfWeight::new(&heavy).expect("a heavy column");
         let worst = off(&heavy, &|t| exact.settlement(t), &|y, t| exact.pressure(y, t));
         assert!(worst[0] < 2e-6 && worst[1] < 5e-6, "weight: {worst:?}");
@@ -577,9 +581,13 @@ mod tests {
         for left in [0.8_f64, 0.7] {
             let mut scene = scene("terzaghi-large-strain");
             let pressure = -scene.oedometer_modulus() * left.ln();
-            scene.surcharge = scene.surcharge.map(|s| Surcharge { pressure, ..s });
-            // Enough pores for 30 %: they are in no term of the equation where water does not compress.
-            scene.porosity = 0.6;
+            scene = scene
+                .edited(|scene| {
+                    scene.surcharge = scene.surcharge.map(|s| Surcharge { pressure, ..s });
+                    // Enough pores for 30 %: they are in no term of the equation where water does not compress.
+                    scene.porosity = 0.6;
+                })
+                .expect("a sound scene");
             let exact = LargeStrain::new(&scene).expect("the table's column");
             let column = Column::of(&scene).expect("a column");
             for time in &scene.observe_times {
@@ -591,17 +599,25 @@ mod tests {
 
     /// A soft column that its own weight presses by 3.7 %: exact 0.1333 m.
     fn soft() -> Scene {
-        let mut soft = scene("self-weight-consolidation");
-        (soft.height, soft.porosity, soft.strain) = (3.7, 0.43, StrainChoice::Large);
-        (soft.grain_density, soft.gravity) = (2650.0, Some(9.81));
-        (soft.elastic.youngs_modulus, soft.elastic.poisson_ratio) = (4.3e5, 0.17);
-        soft.water = soft.water.map(|water| mpm_core::scene::WaterProperties {
-            hydraulic_conductivity: 2.3e-3,
-            bulk_modulus: 3.1e7,
-            ..water
-        });
+        let mut soft = scene("self-weight-consolidation")
+            .edited(|soft| {
+                (soft.height, soft.porosity, soft.strain) = (3.7, 0.43, StrainChoice::Large);
+                (soft.grain_density, soft.gravity) = (2650.0, Some(9.81));
+                (soft.elastic.youngs_modulus, soft.elastic.poisson_ratio) = (4.3e5, 0.17);
+                soft.water = soft.water.map(|water| mpm_core::scene::WaterProperties {
+                    hydraulic_conductivity: 2.3e-3,
+                    bulk_modulus: 3.1e7,
+                    ..water
+                });
+            })
+            .expect("a sound scene");
         let one = soft.time_per_factor().expect("water");
-        soft.observe_times = [0.05, 0.5, 6.0].map(|tv| tv * one).to_vec();
+        soft = soft
+            .edited(|soft| {
+                soft.observe_times = [0.05, 0.5, 6.0].map(|tv| tv * one).to_vec();
+                soft.stages[0].until = mpm_core::scene::Until::Time(6.0 * one);
+            })
+            .expect("a sound scene");
         soft
     }
 
@@ -625,11 +641,15 @@ mod tests {
             assert!((column.pressure(height, last) / still - 1.0).abs() < 0.04);
         }
         // Suction and unloading: the column swells under a load of the other sign.
-        let mut pulled = scene("terzaghi-quasi-static");
-        pulled.strain = StrainChoice::Large;
+        let mut pulled =
+            scene("terzaghi-quasi-static").edited(|pulled| pulled.strain = StrainChoice::Large).expect("a sound scene");
         let pressure = -0.1 * pulled.oedometer_modulus();
-        pulled.surcharge = pulled.surcharge.map(|s| Surcharge { pressure, ..s });
-        pulled.observe_times.push(5.0 * pulled.time_per_factor().expect("water"));
+        pulled = pulled
+            .edited(|pulled| {
+                pulled.surcharge = pulled.surcharge.map(|s| Surcharge { pressure, ..s });
+                pulled.observe_times.push(5.0 * pulled.time_per_factor().expect("water"));
+            })
+            .expect("a sound scene");
         let column = Column::of(&pulled).expect("a column");
         let last = column.settlement(*pulled.observe_times.last().expect("a time"));
         assert!((last / (1.0 - 0.1_f64.exp()) - 1.0).abs() < 1e-3, "{last}");

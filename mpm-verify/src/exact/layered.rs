@@ -19,7 +19,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use mpm_core::scene::{Scene, Side};
+use mpm_core::scene::{Fields, Scene, Side};
 
 use super::root::root;
 
@@ -92,7 +92,7 @@ impl Layered {
         {
             return None;
         }
-        let layer = |(thickness, soil): &(f64, Scene)| Layer {
+        let layer = |(thickness, soil): &(f64, Fields)| Layer {
             thickness: *thickness,
             mobility: soil.water.map_or(water.mobility(), |w| w.mobility()),
             modulus: soil.oedometer_modulus(),

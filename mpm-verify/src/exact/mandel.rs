@@ -160,10 +160,13 @@ mod tests {
 
     /// The block of the tables.
     fn block(compressible: bool) -> Mandel {
-        let mut scene = crate::scenes::built_in("mandel").and_then(Result::ok).expect("the built-in scene");
-        if let (Some(water), false) = (&mut scene.water, compressible) {
-            water.bulk_modulus = f64::INFINITY;
-        }
+        let scene = crate::scenes::built_in("mandel").and_then(Result::ok).expect("the built-in scene");
+        let scene = scene.edited(|scene| {
+            if let (Some(water), false) = (&mut scene.water, compressible) {
+                water.bulk_modulus = f64::INFINITY;
+            }
+        });
+        let scene = scene.expect("a sound scene");
         Mandel::new(&scene).expect("Mandel's scene")
     }
 
@@ -255,8 +258,11 @@ mod tests {
     #[test]
     fn other_scenes_are_not_mandels() {
         assert_eq!(Mandel::new(&crate::scenes::terzaghi()), None);
-        let mut scene = crate::scenes::built_in("mandel").and_then(Result::ok).expect("the built-in scene");
-        scene.stages[0].drained[3] = true;
+        let scene = crate::scenes::built_in("mandel")
+            .and_then(Result::ok)
+            .expect("the built-in scene")
+            .edited(|scene| scene.stages[0].drained[3] = true)
+            .expect("a sound scene");
         assert_eq!(Mandel::new(&scene), None);
     }
 

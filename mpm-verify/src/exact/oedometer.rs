@@ -9,7 +9,7 @@
 //!
 //! Derived here from the flow rule on the edge (de Souza Neto, Peric and Owen 2008, section 8.1.2).
 
-use mpm_core::scene::{Elastic, Scene, Strength};
+use mpm_core::scene::{Elastic, Fields, Strength};
 
 /// The soil.
 #[derive(Debug, Clone, Copy)]
@@ -24,7 +24,7 @@ pub struct Oedometer {
 
 impl Oedometer {
     /// The soil of a scene; `None` without strength.
-    pub fn new(scene: &Scene) -> Option<Self> {
+    pub fn new(scene: &Fields) -> Option<Self> {
         scene.strength.map(|strength| Self::of(&scene.elastic, &strength))
     }
 

@@ -90,8 +90,11 @@ mod tests {
 
     /// Largest differences of settlement and base pressure from the table, as shares.
     fn off(porosity: f64) -> [f64; 2] {
-        let mut scene = crate::scenes::built_in("self-weight-consolidation").expect("carried").expect("holds");
-        scene.porosity = porosity;
+        let scene = crate::scenes::built_in("self-weight-consolidation")
+            .expect("carried")
+            .expect("holds")
+            .edited(|scene| scene.porosity = porosity)
+            .expect("a sound scene");
         let exact = SelfWeight::new(&scene).expect("the table's column");
         let rows = Table::read("06_selfweight_S_rhog_compressible.csv").rows(["t_s", "S_m", "p_base_Pa"]);
         let late = rows.iter().filter(|row| exact.time_factor(row[0]) > 1e-3);

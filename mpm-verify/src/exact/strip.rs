@@ -79,21 +79,27 @@ mod tests {
         let mut scene = crate::scenes::built_in("strip").expect("a scene").expect("it holds");
         let load = scene.surcharge.expect("a load").pressure;
         // All over the top: one dimension.
-        if let Some(surcharge) = &mut scene.surcharge {
-            surcharge.strip = Some(LoadedStrip { from: 0.0, to: 2.0, taper: 0.0 });
-        }
+        scene = scene
+            .edited(|scene| {
+                if let Some(surcharge) = &mut scene.surcharge {
+                    surcharge.strip = Some(LoadedStrip { from: 0.0, to: 1.0, taper: 0.0 });
+                }
+            })
+            .expect("a sound scene");
         let whole = StripLoad::new(&scene).expect("a strip");
         for (x, y) in [(0.1, 0.2), (0.9, 0.7)] {
             assert!((whole.pressure(x, y) / (load * scene.undrained_share()) - 1.0).abs() < 1e-9);
         }
         // Soil without end under a strip from -a to a, incompressible: q/pi times the angle that it is seen under.
-        (scene.width, scene.height) = (60.0, 60.0);
-        if let Some(surcharge) = &mut scene.surcharge {
-            surcharge.strip = Some(LoadedStrip { from: 0.0, to: 1.0, taper: 0.0 });
-        }
-        if let Some(water) = &mut scene.water {
-            water.bulk_modulus = 2.2e13;
-        }
+        scene = scene.altered_unchecked(|scene| {
+            (scene.width, scene.height) = (60.0, 60.0);
+            if let Some(surcharge) = &mut scene.surcharge {
+                surcharge.strip = Some(LoadedStrip { from: 0.0, to: 1.0, taper: 0.0 });
+            }
+            if let Some(water) = &mut scene.water {
+                water.bulk_modulus = 2.2e13;
+            }
+        });
         let strip = StripLoad::new(&scene).expect("a strip");
         for (x, depth) in [(0.0, 1.0), (1.0, 2.0), (2.0, 1.0)] {
             let angle = ((x + 1.0_f64) / depth).atan() - ((x - 1.0) / depth).atan();

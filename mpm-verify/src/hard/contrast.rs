@@ -146,12 +146,14 @@ fn points(scheme: &Scheme, quantity: Quantity, ratios: &[f64]) -> Vec<Point> {
             // As far as the steps reach.
             let far = REACH * scene.safety * stable_limit(&scene);
             let needed = scene.observe_times.first().map_or(0.0, |first| REACH * first / far);
-            scene.observe_times.retain(|time| *time <= far);
-            let end = scene.observe_times.last().copied();
+            let end = scene.observe_times.iter().copied().take_while(|time| *time <= far).last();
             let end = end.ok_or_else(|| format!("out of reach: {needed:.0e} steps for a hundredth of the time"))?;
-            if let Some(stage) = scene.stages.last_mut() {
-                stage.until = Until::Time(end);
-            }
+            scene = scene.edited(|scene| {
+                scene.observe_times.retain(|time| *time <= end);
+                if let Some(stage) = scene.stages.last_mut() {
+                    stage.until = Until::Time(end);
+                }
+            })?;
             let exact = Layered::of(&scene).ok_or("not a column of layers")?;
             measured(&scene, &exact, contrast, 1.0).map(|found| found.worst())
         };
@@ -171,14 +173,15 @@ pub fn scene(
     rows: usize,
     until: f64,
 ) -> Result<Scene, String> {
-    let mut scene = crate::scenes::built_in("layers").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    (scene.integrator, scene.shape, scene.history) = (integrator, shape, 0);
-    (scene.cell, scene.cells[1], scene.dimension) = (scene.height / rows as f64, rows, Dimension::Column);
-    scene.tolerance = 1e-8;
     let quasi_static = integrator == Integrator::QuasiStatic;
-    scene.darcy_inertia = !quasi_static;
-    scene.strain = if quasi_static { StrainChoice::Small } else { StrainChoice::Large };
-    scene.step = StepChoice::Auto;
+    let mut scene =
+        crate::scenes::built_in("layers").ok_or("no such scene")?.map_err(|e| e.to_string())?.edited(|scene| {
+            (scene.integrator, scene.shape, scene.history) = (integrator, shape, 0);
+            (scene.cell, scene.cells[1], scene.dimension) = (scene.height / rows as f64, rows, Dimension::Column);
+            (scene.tolerance, scene.step) = (1e-8, StepChoice::Auto);
+            scene.darcy_inertia = !quasi_static;
+            scene.strain = if quasi_static { StrainChoice::Small } else { StrainChoice::Large };
+        })?;
     let [below, above] = if contrast.ratio > 1.0 { [1.0 / contrast.ratio, 1.0] } else { [1.0, contrast.ratio] };
     let soil = |share: f64, up_to: f64| {
         let mut layer = SoilLayer {
@@ -194,18 +197,21 @@ pub fn scene(
         }
         layer
     };
-    scene.layers = vec![soil(below, 0.5 * scene.height), soil(above, scene.height)];
+    scene = scene.edited(|scene| scene.layers = vec![soil(below, 0.5 * scene.height), soil(above, scene.height)])?;
     // A load that the softest layer bears; particles that move compare with a small-strain solution under one that hardly strains it.
     let softest = if contrast.quantity == Quantity::Stiffness { below.min(above) } else { 1.0 };
     let light = if quasi_static { softest } else { 0.01 * softest };
-    scene.surcharge = scene.surcharge.map(|s| Surcharge { pressure: light * s.pressure, ..s });
+    scene = scene
+        .edited(|scene| scene.surcharge = scene.surcharge.map(|s| Surcharge { pressure: light * s.pressure, ..s }))?;
     let passage = Layered::of(&scene).ok_or("not a column of layers")?.passage_time();
-    scene.observe_times = SHARES.iter().filter(|share| **share <= until).map(|share| share * passage).collect();
-    let end = *scene.observe_times.last().ok_or("no time to look at")?;
-    if let Some(stage) = scene.stages.last_mut() {
-        stage.until = Until::Time(end);
-    }
-    Ok(scene)
+    let times: Vec<f64> = SHARES.iter().filter(|share| **share <= until).map(|share| share * passage).collect();
+    let end = *times.last().ok_or("no time to look at")?;
+    Ok(scene.edited(|scene| {
+        scene.observe_times = times;
+        if let Some(stage) = scene.stages.last_mut() {
+            stage.until = Until::Time(end);
+        }
+    })?)
 }
 
 /// Runs a contrast and compares it with the exact solution.

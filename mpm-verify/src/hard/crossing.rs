@@ -60,16 +60,19 @@ const SIDE: usize = 8;
 const ROOM: [usize; 2] = [1000 + 3, 100 + 3];
 
 fn body(scheme: &Scheme, dimension: Dimension) -> Result<Scene, String> {
-    let mut scene = crate::scenes::built_in("dry-bar").ok_or("no such scene")?.map_err(|e| e.to_string())?;
+    let scene = crate::scenes::built_in("dry-bar").ok_or("no such scene")?.map_err(|e| e.to_string())?;
     let bar = dimension == Dimension::Column;
-    scene.dimension = dimension;
-    (scene.cell, scene.cells) = (EDGE, if bar { [1, BAR] } else { [SIDE; 2] });
-    (scene.width, scene.height) = (EDGE * scene.cells[0] as f64, EDGE * scene.cells[1] as f64);
-    (scene.sideroom_cells, scene.headroom_cells) = if bar { (0, ROOM[0]) } else { (ROOM[0], ROOM[1]) };
-    scene.solid_sides = [SolidSide::Free; 4];
-    (scene.surcharge, scene.gravity, scene.start, scene.history) = (None, None, Start::Unloaded, 0);
-    scene.stages[0].damping = 0.0;
-    Ok(scheme.on(&scene))
+    // Room at the side, which no scene with functions as wide as some of these has.
+    Ok(scene.altered_unchecked(|scene| {
+        scene.dimension = dimension;
+        (scene.cell, scene.cells) = (EDGE, if bar { [1, BAR] } else { [SIDE; 2] });
+        (scene.width, scene.height) = (EDGE * scene.cells[0] as f64, EDGE * scene.cells[1] as f64);
+        (scene.sideroom_cells, scene.headroom_cells) = if bar { (0, ROOM[0]) } else { (ROOM[0], ROOM[1]) };
+        scene.solid_sides = [SolidSide::Free; 4];
+        (scene.surcharge, scene.gravity, scene.start, scene.history) = (None, None, Start::Unloaded, 0);
+        scene.stages[0].damping = 0.0;
+        scheme.put_on(scene);
+    }))
 }
 
 /// Velocity of flight, m/s.

@@ -56,14 +56,16 @@ fn mode(x: [f64; 2]) -> f64 {
 }
 
 fn follow(scheme: &Scheme, share: f64, points: &mut Vec<Point>) -> Result<(), String> {
-    let mut scene = crate::scenes::built_in("dry-bar").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    scene.dimension = Dimension::PlaneStrain;
-    (scene.cell, scene.cells) = (EDGE, [SIDE; 2]);
-    (scene.width, scene.height) = (EDGE * SIDE as f64, EDGE * SIDE as f64);
-    scene.solid_sides = [SolidSide::Free; 4];
-    (scene.surcharge, scene.gravity, scene.history) = (None, None, 0);
-    scene.stages[0].damping = 0.0;
-    let scene: Scene = scheme.on(&scene);
+    let scene =
+        crate::scenes::built_in("dry-bar").ok_or("no such scene")?.map_err(|e| e.to_string())?.edited(|scene| {
+            scene.dimension = Dimension::PlaneStrain;
+            (scene.cell, scene.cells) = (EDGE, [SIDE; 2]);
+            (scene.width, scene.height) = (EDGE * SIDE as f64, EDGE * SIDE as f64);
+            scene.solid_sides = [SolidSide::Free; 4];
+            (scene.surcharge, scene.gravity, scene.history) = (None, None, 0);
+            scene.stages[0].damping = 0.0;
+        })?;
+    let scene: Scene = scheme.on(&scene)?;
     let stiffness = scene.oedometer_modulus() + scene.elastic.shear_modulus();
     let omega = (4.0 * stiffness / (3.0 * scene.dry_density())).sqrt() / EDGE;
     let speed = SMALL * EDGE * omega;

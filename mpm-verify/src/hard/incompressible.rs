@@ -44,17 +44,20 @@ const SWINGS: f64 = 3.0;
 /// Largest speed over that of shear waves: strains of 1e-5.
 const SLOW: f64 = 1e-5;
 
-fn square(scheme: &Scheme, poisson_ratio: f64) -> Scene {
+fn square(scheme: &Scheme, poisson_ratio: f64) -> Result<Scene, String> {
     let mut scene = crate::scenes::terzaghi();
-    scene.dimension = Dimension::PlaneStrain;
     // The shear modulus is the same in all.
     let shear = scene.elastic.shear_modulus();
-    scene.elastic = Elastic { youngs_modulus: 2.0 * (1.0 + poisson_ratio) * shear, poisson_ratio };
-    scene.water = scene.water.map(|w| WaterProperties { hydraulic_conductivity: 1e-12, ..w });
-    scene.solid_sides = [SolidSide::Roller; 4];
-    (scene.width, scene.height, scene.surcharge, scene.history) = (1.0, 1.0, None, 0);
-    (scene.cell, scene.cells) = (1.0 / SIDE as f64, [SIDE; 2]);
-    scene.stages[0].drained = [false; 4];
+    scene = scene.edited(|scene| {
+        scene.elastic = Elastic { youngs_modulus: 2.0 * (1.0 + poisson_ratio) * shear, poisson_ratio };
+        scene.water = scene.water.map(|w| WaterProperties { hydraulic_conductivity: 1e-12, ..w });
+        scene.solid_sides = [SolidSide::Roller; 4];
+        (scene.dimension, scene.start, scene.surcharge, scene.history) =
+            (Dimension::PlaneStrain, mpm_core::scene::Start::Unloaded, None, 0);
+        (scene.width, scene.height) = (1.0, 1.0);
+        (scene.cell, scene.cells) = (1.0 / SIDE as f64, [SIDE; 2]);
+        scene.stages[0].drained = [false; 4];
+    })?;
     scheme.on(&scene)
 }
 
@@ -63,7 +66,7 @@ fn square(scheme: &Scheme, poisson_ratio: f64) -> Scene {
 /// # Errors
 /// A run that could not be finished, or does not swing.
 fn error(scheme: &Scheme, poisson_ratio: f64, factor: f64) -> Result<f64, String> {
-    let scene = square(scheme, poisson_ratio);
+    let scene = square(scheme, poisson_ratio)?;
     let wave = PI / scene.width;
     let speed = (scene.elastic.shear_modulus() / scene.mixture_density()).sqrt();
     let omega = factor * wave * 2.0_f64.sqrt() * speed;

@@ -34,16 +34,21 @@ const TV: f64 = 3.0;
 
 /// Error of a column that settles so many `cells`, under `share` of the load that does it.
 fn error(scheme: &Scheme, cells: f64, share: f64) -> Result<f64, String> {
-    let mut scene = crate::scenes::terzaghi();
-    (scene.cell, scene.cells) = (scene.height / ROWS as f64, [1, ROWS]);
-    (scene.porosity, scene.step, scene.history) = (0.6, StepChoice::Auto, 0);
+    let mut scene = crate::scenes::terzaghi().edited(|scene| {
+        (scene.cell, scene.cells) = (scene.height / ROWS as f64, [1, ROWS]);
+        (scene.porosity, scene.step, scene.history) = (0.6, StepChoice::Auto, 0);
+    })?;
     let settled = cells * scene.cell;
     let pressure = -scene.oedometer_modulus() * f64::ln_1p(-settled / scene.height);
-    scene.surcharge = scene.surcharge.map(|load| Surcharge { pressure: share * pressure, ..load });
+    scene = scene.edited(|scene| {
+        scene.surcharge = scene.surcharge.map(|load| Surcharge { pressure: share * pressure, ..load })
+    })?;
     let end = TV * scene.time_per_factor().ok_or("dry")?;
-    scene.stages[0].until = Until::Time(end);
-    scene.observe_times = vec![end];
-    let run = run(&scheme.on(&scene), &mut |_| {}).map_err(|e| e.to_string())?;
+    scene = scene.edited(|scene| {
+        scene.stages[0].until = Until::Time(end);
+        scene.observe_times = vec![end];
+    })?;
+    let run = run(&scheme.on(&scene)?, &mut |_| {}).map_err(|e| e.to_string())?;
     if let Some(failure) = &run.failure {
         return Err(failure.to_string());
     }

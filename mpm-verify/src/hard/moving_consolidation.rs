@@ -59,20 +59,23 @@ fn error(scheme: &Scheme, shift: f64, cells: f64) -> Result<f64, String> {
 
 /// The same beside a decay that is `faster` by a factor.
 fn error_with(scheme: &Scheme, shift: f64, cells: f64, faster: f64) -> Result<f64, String> {
-    let mut scene = crate::scenes::terzaghi();
-    (scene.cell, scene.cells) = (scene.height / ROWS as f64, [1, ROWS]);
-    scene.headroom_cells = cells.ceil() as usize + 3;
-    scene.solid_sides[2] = SolidSide::Free;
-    (scene.surcharge, scene.start, scene.history) = (None, Start::Unloaded, 0);
+    let mut scene = crate::scenes::terzaghi().edited(|scene| {
+        (scene.cell, scene.cells) = (scene.height / ROWS as f64, [1, ROWS]);
+        scene.headroom_cells = cells.ceil() as usize + 3;
+        scene.solid_sides[2] = SolidSide::Free;
+        (scene.surcharge, scene.start, scene.history) = (None, Start::Unloaded, 0);
+    })?;
     let water = scene.water.ok_or("dry")?;
     let storage = 1.0 / scene.oedometer_modulus() + 1.0 / scene.pore_stiffness();
     let wave = PI / scene.height;
     let rate = water.mobility() / storage * wave * wave;
     let end = DECAYS / rate;
-    scene.stages[0].drained = [false, false, true, true];
-    scene.stages[0].until = Until::Time(end);
-    let mut scene = scheme.on(&scene);
-    scene.observe_times = (1..=10).map(|i| end * f64::from(i) / 10.0).collect();
+    scene = scene.edited(|scene| {
+        scene.stages[0].drained = [false, false, true, true];
+        scene.stages[0].until = Until::Time(end);
+        scene.observe_times = (1..=10).map(|i| end * f64::from(i) / 10.0).collect();
+    })?;
+    let scene = scheme.on(&scene)?;
     let (moved, speed) = (shift * scene.cell, cells * scene.cell / end);
     let most = STRAIN * scene.oedometer_modulus();
     let start = move |[_, y]: [f64; 2]| {

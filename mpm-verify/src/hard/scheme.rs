@@ -1,7 +1,8 @@
 //! What a user can choose: integrator, shape functions, Darcy operator, what carries velocities.
 
 use mpm_core::scene::{
-    DarcyChoice, Dimension, Integrator, Scene, ShapeChoice, Side, SolidSide, StrainChoice, TransferChoice, UpdateChoice,
+    DarcyChoice, Dimension, Fields, Integrator, Scene, ShapeChoice, Side, SolidSide, StrainChoice, TransferChoice,
+    UpdateChoice,
 };
 
 use crate::study::word;
@@ -68,19 +69,27 @@ impl Scheme {
         name
     }
 
-    /// A scene with this scheme. Only what has no inertia takes the first geometry for all times.
-    pub fn on(&self, scene: &Scene) -> Scene {
-        let mut scene = scene.clone();
+    /// A scene with this scheme.
+    ///
+    /// # Errors
+    /// The scheme is not for such a scene.
+    pub fn on(&self, scene: &Scene) -> Result<Scene, String> {
+        Ok(scene.edited(|scene| self.put_on(scene))?)
+    }
+
+    /// Only what has no inertia takes the first geometry for all times.
+    pub fn put_on(&self, scene: &mut Fields) {
         let quasi_static = self.integrator == Integrator::QuasiStatic;
         (scene.integrator, scene.shape, scene.darcy) = (self.integrator, self.shape, self.darcy);
         (scene.transfer, scene.update) = (self.transfer, self.update);
         scene.strain = if quasi_static { StrainChoice::Small } else { StrainChoice::Large };
-        // Where nothing holds the base, nodes at both ends carry next to nothing and their acceleration would drive the water.
-        let held = scene.solid_sides[Side::Bottom as usize] != SolidSide::Free;
-        scene.darcy_inertia = !quasi_static && scene.water.is_some() && held && !scene.inertia_feeds_waves();
+        if scene.water.is_some() {
+            // Where nothing holds the base, nodes at both ends carry next to nothing and their acceleration would drive the water.
+            let held = scene.solid_sides[Side::Bottom as usize] != SolidSide::Free;
+            scene.darcy_inertia = !quasi_static && held && !scene.inertia_feeds_waves();
+        }
         scene.particles_per_cell = if quasi_static { 9 } else { 4 };
         scene.light_nodes = scene.usual_light_nodes();
-        scene
     }
 }
 

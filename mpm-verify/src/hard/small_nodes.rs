@@ -54,20 +54,23 @@ const SWINGS: f64 = 10.0;
 const STRAIN: f64 = 1e-6;
 
 fn dry() -> Result<Scene, String> {
-    let mut scene = crate::scenes::built_in("dry-bar").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    scene.solid_sides = [SolidSide::Free; 4];
-    (scene.surcharge, scene.gravity, scene.history) = (None, None, 0);
-    scene.stages[0].damping = 0.0;
+    let scene =
+        crate::scenes::built_in("dry-bar").ok_or("no such scene")?.map_err(|e| e.to_string())?.edited(|scene| {
+            scene.solid_sides[2..].fill(SolidSide::Free);
+            (scene.surcharge, scene.gravity, scene.history) = (None, None, 0);
+            scene.stages[0].damping = 0.0;
+        })?;
     Ok(scene)
 }
 
 /// The bar; its last particle gives this share of its mass to the node beyond, and loses `lost` of its energy by damping (1/s).
 fn swing(scheme: &Scheme, ratio: f64, damping: f64) -> Result<f64, String> {
-    let mut scene = dry()?;
-    (scene.cell, scene.cells) = (scene.height / ROWS as f64, [1, ROWS]);
-    scene.headroom_cells = 3;
-    scene.stages[0].damping = damping;
-    let scene = scheme.on(&scene);
+    let scene = dry()?.edited(|scene| {
+        (scene.cell, scene.cells) = (scene.height / ROWS as f64, [1, ROWS]);
+        scene.headroom_cells = 3;
+        scene.stages[0].damping = damping;
+    })?;
+    let scene = scheme.on(&scene)?;
     // The last particle of the uppermost cell stands half a spacing below the top, and then `ratio` of a cell above it.
     let moved = scene.cell * (0.5 / scene.particles_per_direction() as f64 + ratio);
     let wave = PI / scene.height;
@@ -117,14 +120,18 @@ fn alone(scheme: &Scheme) -> Vec<Point> {
 }
 
 fn fly(scheme: &Scheme, points: &mut Vec<Point>) -> Result<(), String> {
-    let mut scene = dry()?;
-    scene.dimension = Dimension::PlaneStrain;
+    let mut scene = dry()?.edited(|scene| {
+        (scene.dimension, scene.solid_sides) = (Dimension::PlaneStrain, [SolidSide::Free; 4]);
+    })?;
     let edge = 0.1;
-    (scene.cell, scene.cells, scene.width, scene.height) = (edge, [1, 1], edge, edge);
-    (scene.sideroom_cells, scene.headroom_cells) = (53, 43);
-    let mut scene = scheme.on(&scene);
-    scene.particles_per_cell = 1;
-    scene.light_nodes = scene.usual_light_nodes();
+    scene = scene.edited(|scene| {
+        (scene.cell, scene.cells, scene.width, scene.height) = (edge, [1, 1], edge, edge);
+        (scene.sideroom_cells, scene.headroom_cells) = (53, 43);
+    })?;
+    let scene = scheme.on(&scene)?.edited(|scene| {
+        scene.particles_per_cell = 1;
+        scene.light_nodes = scene.usual_light_nodes();
+    })?;
     let wave = (scene.oedometer_modulus() / scene.dry_density()).sqrt();
     let velocity = [0.05 * wave, 0.04 * wave];
     let stress = 1e-6 * scene.oedometer_modulus();

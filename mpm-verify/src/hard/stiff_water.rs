@@ -21,11 +21,14 @@ pub const CASE: Case = Case {
     schemes: &STANDING,
     run: |scheme| {
         let column = |modulus: f64| {
-            let mut scene = crate::scenes::terzaghi();
-            scene.water = scene.water.map(|w| WaterProperties { bulk_modulus: modulus, ..w });
+            let scene = crate::scenes::terzaghi()
+                .edited(|scene| scene.water = scene.water.map(|w| WaterProperties { bulk_modulus: modulus, ..w }))?;
             observed(scheme, scene, ROWS, MOST_STEPS)
         };
-        BULK_MODULI.iter().map(|modulus| Point { at: *modulus, found: error(&column(*modulus)) }).collect()
+        BULK_MODULI
+            .iter()
+            .map(|modulus| Point { at: *modulus, found: column(*modulus).and_then(|scene| error(&scene)) })
+            .collect()
     },
 };
 

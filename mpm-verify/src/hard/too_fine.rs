@@ -43,9 +43,11 @@ const MESHES: [(f64, usize); 4] = [(0.02, 9), (0.01, 9), (0.005, 16), (0.0025, 2
 const MOST_WORK: f64 = 2.5e8;
 
 fn on(scheme: &Scheme, cell: f64, ppc: usize) -> Result<f64, String> {
-    let mut scene: Scene = scheme.on(&crate::scenes::terzaghi());
-    (scene.cell, scene.cells[1], scene.particles_per_cell) = (cell, (scene.height / cell).round() as usize, ppc);
-    (scene.history, scene.start, scene.tolerance) = (0, Start::UndrainedEquilibrium, 1e-6);
+    let mut scene: Scene = scheme.on(&crate::scenes::terzaghi())?;
+    scene = scene.edited(|scene| {
+        (scene.cell, scene.cells[1], scene.particles_per_cell) = (cell, (scene.height / cell).round() as usize, ppc);
+        (scene.history, scene.start, scene.tolerance) = (0, Start::UndrainedEquilibrium, 1e-6);
+    })?;
     let per_factor = scene.time_per_factor().ok_or("dry")?;
     let steps = MOST_WORK / (scene.cells[1] * scene.particles_per_direction()) as f64;
     let reach = (steps * scene.safety * stable_limit(&scene)).min(per_factor);
@@ -53,10 +55,9 @@ fn on(scheme: &Scheme, cell: f64, ppc: usize) -> Result<f64, String> {
     // What a step of first order in time does in its first hundred steps is no matter of the mesh.
     let early = 100.0 * scene.safety * stable_limit(&scene);
     let early = if early.is_finite() { early } else { 0.0 };
-    scene.observe_times = times.into_iter().filter(|t| (early..=1.001 * reach).contains(t)).collect();
-    if scene.observe_times.is_empty() {
+    let times: Vec<f64> = times.into_iter().filter(|t| (early..=1.001 * reach).contains(t)).collect();
+    let Some(end) = times.last().copied() else {
         return Err(format!("{:.0e} steps for T = 0.001", per_factor / 1e3 / (scene.safety * stable_limit(&scene))));
-    }
-    scene.stages[0].until = Until::Time(*scene.observe_times.last().ok_or("no time")?);
-    error(&scene)
+    };
+    error(&scene.edited(|scene| (scene.observe_times, scene.stages[0].until) = (times, Until::Time(end)))?)
 }

@@ -5,7 +5,7 @@
 
 use cpu_time::ThreadTime;
 use mpm_core::failure::Driver;
-use mpm_core::scene::{Integrator, Scene};
+use mpm_core::scene::{Fields, Integrator};
 use mpm_core::stability::stable_limit;
 use serde::{Deserialize, Serialize};
 
@@ -69,7 +69,7 @@ impl OfScene for Line {
 /// # Errors
 /// A scene that does not stand or does not fail, or what went wrong before the common state.
 pub fn compute(plan: &Plan, tell: &mut dyn FnMut(&str)) -> Result<Vec<Line>, String> {
-    let scene = Scene { integrator: Integrator::TwoClocks, ..plan.scene.clone() };
+    let scene = plan.scene.edited(|s| s.integrator = Integrator::TwoClocks)?;
     let mut driver = Driver::new(&scene).map_err(|e| e.to_string())?;
     let clock = ThreadTime::now();
     driver.load().map_err(|e| e.to_string())?;
@@ -97,7 +97,7 @@ pub fn compute(plan: &Plan, tell: &mut dyn FnMut(&str)) -> Result<Vec<Line>, Str
     for integrator in [Integrator::TwoClocks, Integrator::Coupled, Integrator::Explicit] {
         driver.restore(&state).map_err(|e| e.to_string())?;
         let dt = if integrator == Integrator::Explicit {
-            let own = SAFETY * stable_limit(&Scene { integrator, ..scene.clone() });
+            let own = SAFETY * stable_limit(&Fields { integrator, ..Fields::clone(&scene) });
             if plan.papers() { PAPER_STEP.min(own) } else { own }
         } else {
             driver.dt

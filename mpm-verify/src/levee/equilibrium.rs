@@ -181,7 +181,7 @@ fn lower(a: Factors, b: Factors) -> Factors {
 
 #[cfg(test)]
 mod tests {
-    use mpm_core::scene::Flags;
+    use mpm_core::scene::{Fields, Flags};
 
     use super::super::plan::scene;
     use super::*;
@@ -210,14 +210,15 @@ mod tests {
     }
 
     /// The levee's soil in another outline.
-    fn shaped(outline: &[[f64; 2]], edit: impl FnOnce(&mut Scene)) -> Scene {
-        let mut scene = levee();
+    fn shaped(outline: &[[f64; 2]], edit: impl FnOnce(&mut Fields)) -> Scene {
         let corners = outline.iter().copied();
         let anticlockwise = mpm_core::seeding::area(outline) > 0.0;
-        scene.outline = Some(if anticlockwise { corners.collect() } else { corners.rev().collect() });
-        [scene.width, scene.height] = [0, 1].map(|d| outline.iter().map(|x| x[d]).fold(0.0, f64::max));
-        edit(&mut scene);
-        scene
+        // Its water need not be inside.
+        levee().altered_unchecked(|scene| {
+            scene.outline = Some(if anticlockwise { corners.collect() } else { corners.rev().collect() });
+            [scene.width, scene.height] = [0, 1].map(|d| outline.iter().map(|x| x[d]).fold(0.0, f64::max));
+            edit(scene);
+        })
     }
 
     /// Corners of the ground that falls one way.
@@ -230,7 +231,7 @@ mod tests {
         points.iter().rev().map(|[x, y]| [11.0 - x, *y]).collect()
     }
 
-    fn walled(scene: &mut Scene) {
+    fn walled(scene: &mut Fields) {
         (scene.solid_sides[0], scene.solid_sides[1], scene.sideroom_cells) = (SolidSide::Free, SolidSide::Roller, 0);
     }
 
@@ -248,7 +249,7 @@ mod tests {
         let corners = shaped(&[[4.0, 0.0], [9.0, 0.0], [7.0, 1.0], [3.0, 3.0], [0.0, 3.0], [0.0, 0.0]], |_| ());
         assert_eq!(ground(&corners, 1.0), [[0.0, 3.0], [3.0, 3.0], [7.0, 1.0], [9.0, 0.0], [15.0, 0.0]]);
         // Both halves back to back fall either way.
-        let free = |scene: &mut Scene| scene.solid_sides[0] = SolidSide::Free;
+        let free = |scene: &mut Fields| scene.solid_sides[0] = SolidSide::Free;
         let whole = shaped(&[[0.0, 0.0], [18.0, 0.0], [12.0, 3.0], [6.0, 3.0]], free);
         let dam = [[0.0, 0.0], [6.0, 3.0], [12.0, 3.0], [18.0, 0.0], [24.0, 0.0]];
         assert_eq!([1.0, -1.0].map(|way| ground(&whole, way)), [dam.to_vec(), dam.to_vec()]);
@@ -282,10 +283,10 @@ mod tests {
 
     #[test]
     fn what_the_slices_do_not_know_is_said() {
-        let why = |outline: &[[f64; 2]], edit: fn(&mut Scene)| {
+        let why = |outline: &[[f64; 2]], edit: fn(&mut Fields)| {
             factors(&shaped(outline, edit), &Row::default(), &[]).expect_err("refused")
         };
-        let walls: fn(&mut Scene) = |scene| {
+        let walls: fn(&mut Fields) = |scene| {
             walled(scene);
             scene.solid_sides[0] = SolidSide::Roller;
         };

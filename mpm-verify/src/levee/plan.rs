@@ -4,7 +4,7 @@ use std::path::Path;
 
 use mpm_core::failure::Scales;
 use mpm_core::hash::{Digest, sha256};
-use mpm_core::scene::{Failure, Flags, Integrator, Scene};
+use mpm_core::scene::{Failure, Fields, Flags, Integrator, Scene};
 
 use super::variants::{Change, Variant};
 use crate::manifest::scene_hash;
@@ -53,7 +53,7 @@ pub fn scene(source: &str, flags: &Flags, variant: Option<&Variant>) -> Result<S
         _ => Scene::load_with(Path::new(source), &flags).map_err(|e| e.to_string()),
     }?;
     if let Some(Change::Edit(edit)) = variant.map(|v| v.change) {
-        edit(&mut scene);
+        scene = scene.edited(edit)?;
     }
     if scene.failure.is_none() {
         return Err(format!(
@@ -157,7 +157,7 @@ impl Plan {
 
     /// Tells scenes apart, whichever driver runs them.
     pub fn scene_word(&self) -> String {
-        scene_hash(&Scene { integrator: Integrator::TwoClocks, ..self.scene.clone() })
+        scene_hash(&Fields { integrator: Integrator::TwoClocks, ..Fields::clone(&self.scene) })
     }
 
     /// Tells plans apart whose states do not fit together. The end may be moved: a run can go on for longer.

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use cpu_time::ThreadTime;
 use mpm_core::failure::{Driver, End, Events, PathPoint, Row, Steps};
 use mpm_core::run::StartError;
-use mpm_core::scene::{Integrator, Scene};
+use mpm_core::scene::{Fields, Integrator};
 use mpm_core::stability::choose_step;
 
 use super::checkpoint::{Checkpoint, Notes};
@@ -154,7 +154,7 @@ impl<'a> Running<'a> {
         let clock = ThreadTime::now();
         let mut driver = Driver::new(&plan.scene).map_err(start)?;
         let frame = driver.frame();
-        let two_clocks = Scene { integrator: Integrator::TwoClocks, ..plan.scene.clone() };
+        let two_clocks = Fields { integrator: Integrator::TwoClocks, ..Fields::clone(&plan.scene) };
         let steps = [driver.dt, choose_step(&two_clocks).map_err(|e| start(e.into()))?];
         let particles = [frame.solid.len(), frame.water.len()];
         let mass_kg = frame.solid.iter().map(|p| p.mass).sum();

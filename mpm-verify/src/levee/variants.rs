@@ -1,6 +1,6 @@
 //! The scene with one input changed: what is assumed where the paper is silent, and how much it matters.
 
-use mpm_core::scene::{Base, Feed, FreeSurfaceWater, NormalStress, Scene};
+use mpm_core::scene::{Base, Feed, Fields, FreeSurfaceWater, NormalStress};
 
 /// How an input is changed.
 #[derive(Debug, Clone, Copy)]
@@ -10,7 +10,7 @@ pub enum Change {
     /// Other particles per cell.
     Particles(i64),
     /// Something else of the scene.
-    Edit(fn(&mut Scene)),
+    Edit(fn(&mut Fields)),
 }
 
 /// A scene with one input changed.
@@ -73,7 +73,7 @@ pub const VARIANTS: [Variant; 26] = [
     variant("ppc-4", PPC, "4", Change::Particles(4)),
 ];
 
-fn dilates(scene: &mut Scene, angle: f64) {
+fn dilates(scene: &mut Fields, angle: f64) {
     if let Some(strength) = &mut scene.strength {
         strength.dilation_angle = angle;
     }
@@ -102,47 +102,47 @@ fn parabola() -> Vec<[f64; 2]> {
     [[0.0, 0.0], [PARABOLA, 0.0]].into_iter().chain(curve).chain([[0.0, TANK]]).collect()
 }
 
-fn water(scene: &mut Scene, edit: impl FnOnce(&mut FreeSurfaceWater)) {
+fn water(scene: &mut Fields, edit: impl FnOnce(&mut FreeSurfaceWater)) {
     if let Some(water) = &mut scene.free_surface {
         edit(water);
     }
 }
 
-fn wet(scene: &mut Scene, corners: &[[f64; 2]]) {
+fn wet(scene: &mut Fields, corners: &[[f64; 2]]) {
     water(scene, |w| w.wet = Some(corners.to_vec()));
 }
 
-fn velocity(scene: &mut Scene, speed: f64) {
+fn velocity(scene: &mut Fields, speed: f64) {
     water(scene, |w| w.feeds[0] = Some(Feed::Velocity { speed, height: TANK }));
 }
 
-fn head(scene: &mut Scene) {
+fn head(scene: &mut Fields) {
     water(scene, |w| w.feeds[0] = Some(Feed::Head(TANK)));
 }
 
-fn moist(scene: &mut Scene, saturation: f64) {
+fn moist(scene: &mut Fields, saturation: f64) {
     water(scene, |w| w.saturation = saturation);
 }
 
-fn base(scene: &mut Scene, edit: impl FnOnce(&mut Base)) {
+fn base(scene: &mut Fields, edit: impl FnOnce(&mut Base)) {
     if let Some(base) = &mut scene.base {
         edit(base);
     }
 }
 
-fn constant(scene: &mut Scene, angle: f64) {
+fn constant(scene: &mut Fields, angle: f64) {
     base(scene, |b| (b.peak_angle, b.residual_angle, b.slip_distance) = (angle, angle, None));
 }
 
-fn weakens(scene: &mut Scene, distance: f64) {
+fn weakens(scene: &mut Fields, distance: f64) {
     base(scene, |b| b.slip_distance = Some(distance));
 }
 
-fn pressed(scene: &mut Scene, stress: NormalStress) {
+fn pressed(scene: &mut Fields, stress: NormalStress) {
     base(scene, |b| b.normal_stress = stress);
 }
 
-fn conducts(scene: &mut Scene, conductivity: f64) {
+fn conducts(scene: &mut Fields, conductivity: f64) {
     if let Some(water) = &mut scene.water {
         water.hydraulic_conductivity = conductivity;
     }

@@ -5,7 +5,7 @@ use std::time::Instant;
 use mpm_core::drive::{Attend, Run, Sample, Wish};
 use mpm_core::hardware::{Hardware, Width};
 use mpm_core::run::run_attended;
-use mpm_core::scene::{Dimension, Feed, Integrator, Quadrature, Scene, ShapeChoice, StrainChoice};
+use mpm_core::scene::{Dimension, Feed, Fields, Integrator, Quadrature, Scene, ShapeChoice, StrainChoice};
 use mpm_core::stability::stable_limit;
 
 use super::scenes::Dice;
@@ -231,7 +231,8 @@ fn plane(base: &Base) -> Verdict {
         let mut block = Written { plane: true, cells: [3, column.cells[1]], ..column.clone() };
         if base.written.integrator != "quasi-static" {
             let read = |w: &Written| w.scene().map_err(|e| Verdict::Unfinished(format!("refused: {e}")));
-            let step = 0.9 * stable_limit(&read(&column)?).min(stable_limit(&read(&block)?));
+            let (one, other) = (read(&column)?, read(&block)?);
+            let step = 0.9 * stable_limit(&one).min(stable_limit(&other));
             (column.step, block.step) = (Some(step), Some(step));
             // Shear, which a column does not have, may want steps so short that the run would have no end.
             let whole: f64 = column.stages.iter().map(|stage| stage.time).sum();
@@ -491,7 +492,7 @@ fn refined(base: &Base) -> Verdict {
         let ends = [&one, &two, &four].map(|run| run.samples.last());
         let [Some(a), Some(b), Some(c)] = ends else { return Err(Verdict::Apart) };
         // In the layer through which it goes least.
-        let spread = |(_, soil): &(f64, Scene)| soil.water.map_or(0.0, |water| water.mobility() / soil.storage());
+        let spread = |(_, soil): &(f64, Fields)| soil.water.map_or(0.0, |water| water.mobility() / soil.storage());
         let slowest = base.scene.by_layer().iter().map(spread).fold(f64::INFINITY, f64::min);
         let gone = (slowest * a.stage_time).sqrt();
         let length = if gone > 0.0 { gone.min(base.scene.height) } else { base.scene.height };

@@ -1,7 +1,7 @@
 //! What two runs say, number by number: units, sizes, and how far apart they may be.
 
 use mpm_core::drive::{Run, Sample};
-use mpm_core::scene::{Dimension, Elastic, Integrator, Scene, SolidSide};
+use mpm_core::scene::{Dimension, Elastic, Fields, Integrator, Scene, SolidSide};
 
 /// Powers of length, mass and time that a number scales with. A scene is 1 m thick: volumes are areas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -211,7 +211,7 @@ impl Sizes {
 /// Least modulus that a load on the surface meets, Pa: that of soil held on both sides, or `E/(1 - nu^2)` beside a free side.
 pub fn least_modulus(scene: &Scene) -> f64 {
     let beside = scene.dimension == Dimension::PlaneStrain && scene.solid_sides[..2].contains(&SolidSide::Free);
-    let modulus = |(_, soil): &(f64, Scene)| {
+    let modulus = |(_, soil): &(f64, Fields)| {
         let Elastic { youngs_modulus, poisson_ratio } = soil.elastic;
         if beside { youngs_modulus / (1.0 - poisson_ratio * poisson_ratio) } else { soil.oedometer_modulus() }
     };
@@ -238,8 +238,8 @@ pub fn round_off(scene: &Scene, steps: u64, dt: f64) -> f64 {
     let bulges = if scene.solid_sides[..2].contains(&SolidSide::Free) { bulges } else { 1.0 };
     let long = if scene.integrator == Integrator::SemiImplicit {
         let soils = scene.by_layer();
-        let most = |of: fn(&Scene) -> f64| soils.iter().map(|(_, soil)| of(soil)).fold(0.0, f64::max);
-        let rate = (most(Scene::oedometer_modulus) + water) / scene.mixture_density();
+        let most = |of: fn(&Fields) -> f64| soils.iter().map(|(_, soil)| of(soil)).fold(0.0, f64::max);
+        let rate = (most(Fields::oedometer_modulus) + water) / scene.mixture_density();
         let flow = most(|soil| soil.water.map_or(0.0, |water| water.mobility())) * scene.mixture_density() / dt;
         (1.0 + 4.0 * rate * (dt / scene.cell).powi(2)) * (1.0 + flow)
     } else {

@@ -5,7 +5,7 @@ use allocation_counter::{AllocationInfo, measure, opt_out};
 use cpu_time::ThreadTime;
 use mpm_core::drive::Run;
 use mpm_core::run::run;
-use mpm_core::scene::{Dimension, Flags, Integrator, Scene, ShapeChoice, TimeMethod, TransferChoice, Until};
+use mpm_core::scene::{Dimension, Fields, Flags, Integrator, Scene, ShapeChoice, TimeMethod, TransferChoice, Until};
 
 use super::compiled::{self, ALLOCATIONS, COMPILED};
 use super::measure::{Label, Measure, Tolerance};
@@ -20,12 +20,12 @@ pub struct Gate {
     /// Built-in scene, integrator and shape functions, as `solve` takes them.
     scene: (&'static str, Option<&'static str>, Option<&'static str>),
     /// Change of the scene.
-    change: fn(&mut Scene),
+    change: fn(&mut Fields),
 }
 
-fn as_it_is(_: &mut Scene) {}
+fn as_it_is(_: &mut Fields) {}
 
-fn in_plane(scene: &mut Scene) {
+fn in_plane(scene: &mut Fields) {
     (scene.dimension, scene.shape) = (Dimension::PlaneStrain, ShapeChoice::Centre);
 }
 
@@ -83,7 +83,7 @@ impl Gate {
         let flags =
             Flags { integrator: integrator.map(str::to_owned), scheme: scheme.map(str::to_owned), ..Flags::default() };
         let mut scene = Scene::parse_with(&text, name, &flags).map_err(|e| e.to_string())?;
-        (self.change)(&mut scene);
+        scene = scene.edited(self.change)?;
         let dt = mpm_core::stability::choose_step(&scene).map_err(|e| e.to_string())?;
         let steps = if scene.integrator == Integrator::Explicit {
             (ENOUGH / scene.solid_particles() as f64).max(50.0)
@@ -93,10 +93,12 @@ impl Gate {
         let last = scene.stages.len() - 1;
         if let (Until::Time(end), true) = (scene.stages[last].until, dt.is_finite()) {
             let end = end.min(steps * dt);
-            scene.stages[last].until = Until::Time(end);
-            scene.observe_times = vec![end];
+            scene = scene.edited(|scene| {
+                scene.stages[last].until = Until::Time(end);
+                scene.observe_times = vec![end];
+            })?;
         }
-        (scene.history, scene.profiles) = (0, false);
+        scene = scene.edited(|scene| (scene.history, scene.profiles) = (0, false))?;
         Ok(scene)
     }
 

@@ -19,15 +19,17 @@ const BLOCK: usize = 17;
 const SPREAD: f64 = 3.0;
 
 fn point_source(darcy: DarcyChoice) -> f64 {
-    let mut scene = crate::scenes::terzaghi();
-    (scene.dimension, scene.cells, scene.cell) = (Dimension::PlaneStrain, [BLOCK, BLOCK], 0.02);
-    (scene.width, scene.height) = (BLOCK as f64 * scene.cell, BLOCK as f64 * scene.cell);
-    (scene.shape, scene.darcy, scene.darcy_inertia) = (ShapeChoice::Centre, darcy, false);
-    (scene.particles_per_cell, scene.flip) = (1, 0.0);
-    (scene.start, scene.surcharge, scene.gravity) = (Start::Unloaded, None, None);
-    scene.solid_sides = [SolidSide::Roller; 4];
-    // A skeleton so stiff that only the water moves.
-    scene.elastic.youngs_modulus = 2.0e12;
+    let block = crate::scenes::terzaghi().edited(|scene| {
+        (scene.dimension, scene.cells, scene.cell) = (Dimension::PlaneStrain, [BLOCK, BLOCK], 0.02);
+        (scene.width, scene.height) = (BLOCK as f64 * scene.cell, BLOCK as f64 * scene.cell);
+        (scene.shape, scene.darcy, scene.darcy_inertia) = (ShapeChoice::Centre, darcy, false);
+        (scene.particles_per_cell, scene.flip) = (1, 0.0);
+        (scene.start, scene.surcharge, scene.gravity) = (Start::Unloaded, None, None);
+        scene.solid_sides = [SolidSide::Roller; 4];
+        // A skeleton so stiff that only the water moves.
+        scene.elastic.youngs_modulus = 2.0e12;
+    });
+    let Ok(scene) = block else { return f64::NAN };
     let Some(properties) = scene.water else { return f64::NAN };
     let (size, middle) = (scene.cell, 0.5 * scene.width);
     let source = move |x: [f64; 2]| FirstState {

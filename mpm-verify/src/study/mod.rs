@@ -339,8 +339,12 @@ pub(crate) mod tests {
     fn plan(mesh: f64, force_step: Option<f64>) -> Plan {
         let mut base = crate::scenes::terzaghi();
         if let Some(step) = force_step {
-            base.step = StepChoice::Fixed(step);
-            base.force = true;
+            base = base
+                .edited(|base| {
+                    base.step = StepChoice::Fixed(step);
+                    base.force = true;
+                })
+                .expect("a sound scene");
         }
         Plan {
             base,

@@ -1,7 +1,7 @@
 //! Which cases a study runs: integrator x shape functions x mesh x particles per cell x load.
 
 use mpm_core::scene::{
-    DarcyChoice, Dimension, Integrator, LoadOn, Scene, ShapeChoice, StepChoice, StrainChoice, Surcharge,
+    DarcyChoice, Dimension, Fields, Integrator, LoadOn, Scene, ShapeChoice, StepChoice, StrainChoice, Surcharge,
 };
 use mpm_core::stability::choose_step;
 
@@ -168,18 +168,20 @@ impl Plan {
 
     /// Adds a case, and the further runs that its budget needs.
     fn case(&self, family: &Family, mesh: f64, ppc: usize, load: LoadOn, cases: &mut Vec<Case>) -> Result<(), String> {
-        let mut scene = remesh(&self.base, mesh, ppc)?;
-        scene.surcharge = scene.surcharge.map(|s| Surcharge { on: load, ..s });
-        set_family(&mut scene, family, self.tolerance);
         let name = case_name(family, load, mesh, ppc);
-        scene.name.clone_from(&name);
+        let scene = remesh(&self.base, mesh, ppc)?.edited(|scene| {
+            scene.surcharge = scene.surcharge.map(|s| Surcharge { on: load, ..s });
+            set_family(scene, family, self.tolerance);
+            scene.name.clone_from(&name);
+        })?;
         let explicit = family.integrator == Integrator::Explicit && family.extent == Extent::Whole;
         if self.budget && explicit && load == LoadOn::Surface {
-            let mut half = scene.clone();
-            half.step = StepChoice::Fixed(0.5 * choose_step(&scene).map_err(|e| e.to_string())?);
+            let step = 0.5 * choose_step(&scene).map_err(|e| e.to_string())?;
+            let half = scene.edited(|half| half.step = StepChoice::Fixed(step))?;
             cases.push(Case { name: name.clone(), variant: Variant::HalfStep, scene: half });
-            let mut small = scene.clone();
-            small.surcharge = small.surcharge.map(|s| Surcharge { pressure: 0.01 * s.pressure, ..s });
+            let small = scene.edited(|small| {
+                small.surcharge = small.surcharge.map(|s| Surcharge { pressure: 0.01 * s.pressure, ..s })
+            })?;
             cases.push(Case { name: name.clone(), variant: Variant::SmallLoad, scene: small });
         }
         cases.push(Case { name, variant: Variant::Base, scene });
@@ -189,7 +191,7 @@ impl Plan {
 
 /// Gives a scene an integrator and shape functions. Quasi-static scenes are computed at small strain, which is what
 /// their exact solutions assume; they choose their own steps and have one Darcy operator.
-pub fn set_family(scene: &mut Scene, family: &Family, tolerance: f64) {
+pub fn set_family(scene: &mut Fields, family: &Family, tolerance: f64) {
     (scene.integrator, scene.shape) = (family.integrator, family.shape);
     if family.integrator == Integrator::QuasiStatic {
         (scene.strain, scene.tolerance) = (StrainChoice::Small, tolerance);
@@ -225,19 +227,16 @@ pub fn remesh(base: &Scene, mesh: f64, ppc: usize) -> Result<Scene, String> {
             Err(format!("mesh: expected a cell that divides the {name} of {length} m, found {mesh} m"))
         }
     };
-    let mut scene = base.clone();
-    scene.cell = mesh;
     let across = if base.dimension == Dimension::Column { 1 } else { count(base.width, "width")? };
-    scene.cells = [across, count(base.height, "height")?];
+    let cells = [across, count(base.height, "height")?];
     let root = (ppc as f64).sqrt().round() as usize;
     if root * root != ppc || ppc == 0 {
         return Err(format!("ppc: expected a square number of particles per cell, found {ppc}"));
     }
-    scene.particles_per_cell = ppc;
-    scene
+    Fields { cell: mesh, cells, particles_per_cell: ppc, ..Fields::clone(base) }
         .fits_in_memory()
         .map_err(|[expected, found]| format!("mesh: expected {expected}, found {mesh} m: {found}"))?;
-    Ok(scene)
+    Ok(base.with_cell(mesh)?.patched(&[("mesh.particles_per_cell", ppc.into())])?)
 }
 
 #[cfg(test)]

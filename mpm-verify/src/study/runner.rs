@@ -251,7 +251,7 @@ mod tests {
     fn a_case_that_panics_is_a_result_and_the_others_are_run() {
         let (quiet, mut tasks) = (Progress::new("", true), tasks());
         // No plan makes such a scene: the mesh has no cells where the particles are.
-        tasks[2].case.scene.cells = [0, 0];
+        tasks[2].case.scene = tasks[2].case.scene.clone().altered_unchecked(|scene| scene.cells = [0, 0]);
         let results = Runner::whole(2, &quiet).run(&tasks).expect("a pool");
         let failed: Vec<usize> = (0..6).filter(|i| results[*i].as_ref().is_none_or(|r| r.failure.is_some())).collect();
         assert_eq!(failed, [2]);

@@ -115,7 +115,7 @@ mod tests {
         let anew = store.clone().anew();
         assert!(anew.get("one", &scene).is_none(), "a study that begins anew takes nothing over");
         assert!(store.get("one", &scene).is_some(), "and takes nothing away");
-        let other = Scene { porosity: 0.31, ..scene.clone() };
+        let other = scene.edited(|s| s.porosity = 0.31).expect("a sound scene");
         assert!(store.get("one", &other).is_none());
         let path = folder.path().join("one.json");
         let text = fs::read_to_string(&path).expect("a file");

@@ -66,9 +66,11 @@ impl Sweeps {
 /// The column of a scene for a sweep, loaded on its true surface; no history, because only errors are kept.
 fn column(base: &Scene, integrator: Integrator, shape: ShapeChoice, mesh: f64) -> Result<Scene, String> {
     let mut scene = remesh(base, mesh, PARTICLES)?;
-    set_family(&mut scene, &Family::whole(integrator, shape), TOLERANCE);
-    scene.surcharge = scene.surcharge.map(|s| Surcharge { on: LoadOn::Surface, ..s });
-    scene.history = 0;
+    scene = scene.edited(|scene| {
+        set_family(scene, &Family::whole(integrator, shape), TOLERANCE);
+        scene.surcharge = scene.surcharge.map(|s| Surcharge { on: LoadOn::Surface, ..s });
+        scene.history = 0;
+    })?;
     Ok(scene)
 }
 

@@ -119,7 +119,8 @@ pub fn displaced(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<V
         let &(mesh, shape, quadrature, _, displaced) = case;
         let mut scene = column(base, Integrator::QuasiStatic, shape, mesh)?;
         let even = displaced.smooth == 0.0 && displaced.jitter == 0.0;
-        (scene.quadrature, scene.displaced) = (quadrature, (!even).then_some(displaced));
+        scene =
+            scene.edited(|scene| (scene.quadrature, scene.displaced) = (quadrature, (!even).then_some(displaced)))?;
         Ok(scene)
     };
     let scenes: Vec<Result<Scene, String>> = cases.iter().map(scene).collect();
@@ -156,8 +157,8 @@ pub fn shifted(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec
     let (shape, quadrature) = SCHEMES[0];
     let cases: Vec<(f64, f64)> = MESHES.iter().flat_map(|mesh| SHIFTS.map(|shift| (*mesh, shift))).collect();
     let scene = |(mesh, shift): &(f64, f64)| {
-        let mut scene = column(base, Integrator::QuasiStatic, shape, *mesh)?;
-        (scene.quadrature, scene.shift) = (quadrature, *shift);
+        let scene = column(base, Integrator::QuasiStatic, shape, *mesh)?
+            .edited(|scene| (scene.quadrature, scene.shift) = (quadrature, *shift))?;
         Ok(scene)
     };
     let scenes: Vec<Result<Scene, String>> = cases.iter().map(scene).collect();

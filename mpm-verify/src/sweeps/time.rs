@@ -133,8 +133,8 @@ fn row(scene: &Result<Scene, String>, result: &Result<CaseResult, String>, refer
 /// Quasi-static runs over tolerances.
 fn chosen_steps(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec<TimeError>, String> {
     let scene = |mesh: f64, method: TimeMethod, tolerance: f64| {
-        let mut scene = column(base, Integrator::QuasiStatic, ShapeChoice::Bspline2, mesh)?;
-        (scene.method, scene.tolerance) = (method, tolerance);
+        let scene = column(base, Integrator::QuasiStatic, ShapeChoice::Bspline2, mesh)?
+            .edited(|scene| (scene.method, scene.tolerance) = (method, tolerance))?;
         Ok(scene)
     };
     let mut rows = Vec::new();
@@ -154,8 +154,8 @@ fn chosen_steps(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Ve
 /// Explicit and semi-implicit runs over steps.
 fn given_steps(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec<TimeError>, String> {
     let scene = |(integrator, shape): (Integrator, ShapeChoice), share: f64| {
-        let mut scene = column(base, integrator, shape, GIVEN_MESH)?;
-        scene.step = StepChoice::Fixed(share * stable_limit(&scene));
+        let scene = column(base, integrator, shape, GIVEN_MESH)?
+            .edited(|scene| scene.step = StepChoice::Fixed(share * stable_limit(scene)))?;
         Ok(scene)
     };
     let scenes: Vec<Result<Scene, String>> =
@@ -181,11 +181,12 @@ mod tests {
 
     #[test]
     fn halving_the_step_halves_the_error_in_time() {
-        let mut base = crate::scenes::terzaghi();
         // The first fiftieth is enough to see it.
-        base.observe_times.truncate(2);
-        let last = base.stages.len() - 1;
-        base.stages[last].until = Until::Time(base.observe_times[1]);
+        let shorter = crate::scenes::terzaghi().edited(|base| {
+            base.observe_times.truncate(2);
+            base.stages[0].until = Until::Time(base.observe_times[1]);
+        });
+        let base = shorter.expect("a sound scene");
         let rows = given_steps(&base, &mut Runner::whole(1, &Progress::new("", true)), &mut 0.0).expect("threads");
         let explicit: Vec<&TimeError> =
             rows.iter().filter(|r| (r.integrator.as_str(), r.scheme.as_str()) == ("explicit", "centre")).collect();

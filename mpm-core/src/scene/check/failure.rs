@@ -3,7 +3,7 @@
 use toml::Spanned;
 
 use super::super::raw::RawScene;
-use super::super::{Clock, Failure, Scene, Side, SolidSide};
+use super::super::{Clock, Failure, Fields, Side, SolidSide};
 use super::free_surface::touching;
 use super::{Checked, Reader, quoted};
 use crate::seeding;
@@ -13,7 +13,7 @@ const LEAST_CELLS: f64 = 4.0;
 
 impl Reader<'_> {
     /// How failure is followed, in a scene with a stage for it.
-    pub(super) fn failure(&self, raw: &RawScene, scene: &Scene) -> Checked<Option<Failure>> {
+    pub(super) fn failure(&self, raw: &RawScene, scene: &Fields) -> Checked<Option<Failure>> {
         let stages = raw.stages.get_ref();
         let both = stages.iter().zip(&scene.stages).find(|(_, stage)| stage.clock == Clock::Both);
         let Some((stage, _)) = both else {
@@ -63,7 +63,7 @@ impl Reader<'_> {
     }
 
     /// Water stays below the crest: what would flow over it, or stand on it, no step knows.
-    fn dry_crest(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
+    fn dry_crest(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let feeds = raw.water.as_ref().and_then(|water| water.get_ref().free_surface.as_ref());
         let Some(feeds) = feeds.and_then(|table| table.get_ref().feed.as_ref()).map(Spanned::get_ref) else {
             return Ok(());
@@ -103,7 +103,7 @@ impl Reader<'_> {
     }
 
     /// On a base with no strength at all no slope stands.
-    fn base_that_holds(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
+    fn base_that_holds(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let (Some(table), Some(base)) = (&raw.base, scene.base) else { return Ok(()) };
         if base.peak_angle > 0.0 || base.adhesion > 0.0 {
             return Ok(());

@@ -3,7 +3,7 @@
 use toml::Spanned;
 
 use super::super::raw::{RawFeed, RawFeeds, RawFreeSurface, RawScene, RawStage};
-use super::super::{Clock, Dimension, Feed, FreeSurfaceWater, Integrator, Scene, Side, Until};
+use super::super::{Clock, Dimension, Feed, Fields, FreeSurfaceWater, Integrator, Side, Until};
 use super::{Checked, Reader, quoted, written};
 use crate::seeding::{self, Fault};
 use crate::water::free_surface::LEAST_OPEN;
@@ -15,7 +15,7 @@ impl Reader<'_> {
     }
 
     /// The checked table of a scene whose geometry is known.
-    pub(super) fn free_surface(&self, raw: &RawScene, scene: &Scene) -> Checked<Option<FreeSurfaceWater>> {
+    pub(super) fn free_surface(&self, raw: &RawScene, scene: &Fields) -> Checked<Option<FreeSurfaceWater>> {
         let Some(table) = raw.water.as_ref().and_then(|water| water.get_ref().free_surface.as_ref()) else {
             return Ok(None);
         };
@@ -58,7 +58,7 @@ impl Reader<'_> {
     }
 
     /// The corners of the soil that is full of water at t = 0; all of it must be soil.
-    fn wet(&self, raw: &RawFreeSurface, scene: &Scene) -> Checked<Option<Vec<[f64; 2]>>> {
+    fn wet(&self, raw: &RawFreeSurface, scene: &Fields) -> Checked<Option<Vec<[f64; 2]>>> {
         let Some(list) = &raw.wet else { return Ok(None) };
         let key = "water.free_surface.wet";
         if scene.dimension == Dimension::Column {
@@ -103,7 +103,7 @@ impl Reader<'_> {
         Ok(Some(points))
     }
 
-    fn feeds(&self, feeds: &RawFeeds, scene: &Scene) -> Checked<[Option<Feed>; 4]> {
+    fn feeds(&self, feeds: &RawFeeds, scene: &Fields) -> Checked<[Option<Feed>; 4]> {
         let mut checked = [None; 4];
         let raw = [&feeds.left, &feeds.right, &feeds.bottom, &feeds.top];
         for (side, raw) in Side::ALL.into_iter().zip(raw) {
@@ -114,7 +114,7 @@ impl Reader<'_> {
         Ok(checked)
     }
 
-    fn feed(&self, raw: &Spanned<RawFeed>, side: Side, scene: &Scene) -> Checked<Feed> {
+    fn feed(&self, raw: &Spanned<RawFeed>, side: Side, scene: &Fields) -> Checked<Feed> {
         let (span, feed) = (raw.span(), raw.get_ref());
         let key = format!("water.free_surface.feed.{side}");
         if scene.dimension == Dimension::Column && matches!(side, Side::Left | Side::Right) {
@@ -170,7 +170,7 @@ impl Reader<'_> {
     }
 
     /// Which stages move what, and by which step.
-    pub(super) fn free_water(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
+    pub(super) fn free_water(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let integrator = raw.time.as_ref().and_then(|time| time.get_ref().integrator.as_ref());
         if let (Some(word), Integrator::Coupled, false) = (integrator, scene.integrator, scene.may_fail()) {
             let expected = "a stage with clock = \"both\" beside it";
@@ -201,7 +201,7 @@ impl Reader<'_> {
 }
 
 /// From where to where the soil touches a side of the mesh, m above the base (left, right) or along it; `None` if it does not.
-pub(super) fn touching(soil: &[[f64; 2]], side: Side, scene: &Scene) -> Option<[f64; 2]> {
+pub(super) fn touching(soil: &[[f64; 2]], side: Side, scene: &Fields) -> Option<[f64; 2]> {
     let (axis, at) = match side {
         Side::Left => (0, 0.0),
         Side::Right => (0, scene.width),

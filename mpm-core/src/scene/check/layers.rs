@@ -5,7 +5,7 @@ use std::ops::Range;
 use toml::Spanned;
 
 use super::super::raw::{RawLayer, RawScene};
-use super::super::{Integrator, Scene, SoilLayer, StrainChoice};
+use super::super::{Fields, Integrator, SoilLayer, StrainChoice};
 use super::{Checked, Reader};
 use crate::constitutive::MOST_MATERIALS;
 
@@ -14,7 +14,7 @@ const ON_A_FACE: f64 = 1e-6;
 
 impl Reader<'_> {
     /// The checked `[[layers]]`, of a scene that has all else.
-    pub(super) fn layers(&self, raw: &RawScene, scene: &Scene) -> Checked<Vec<SoilLayer>> {
+    pub(super) fn layers(&self, raw: &RawScene, scene: &Fields) -> Checked<Vec<SoilLayer>> {
         let Some(list) = &raw.layers else { return Ok(Vec::new()) };
         let table = match list.get_ref().first() {
             Some(first) => first.span(),
@@ -41,7 +41,7 @@ impl Reader<'_> {
     }
 
     /// One layer above a height (m).
-    fn layer(&self, raw: &RawLayer, (whole, scene): (&RawScene, &Scene), below: f64) -> Checked<SoilLayer> {
+    fn layer(&self, raw: &RawLayer, (whole, scene): (&RawScene, &Fields), below: f64) -> Checked<SoilLayer> {
         let expected = format!("{below} m < up_to <= {} m, from the layer below to the height", scene.height);
         let most = scene.height + ON_A_FACE * scene.cell;
         let up_to = self.within(&raw.up_to, "layers.up_to", &expected, |y| y > below && y <= most)?;
@@ -81,7 +81,7 @@ impl Reader<'_> {
     }
 
     /// A mesh that goes along with its soil.
-    fn steps_with_layers(&self, raw: &RawScene, scene: &Scene, table: &Range<usize>) -> Checked<()> {
+    fn steps_with_layers(&self, raw: &RawScene, scene: &Fields, table: &Range<usize>) -> Checked<()> {
         if scene.integrator == Integrator::QuasiStatic && scene.strain == StrainChoice::Large {
             let expected = "\"small\" beside [[layers]] and quasi-static: a mesh laid over moved soil cuts its layers";
             let span = raw.soil.get_ref().strain.as_ref().map_or(table.clone(), Spanned::span);

@@ -4,7 +4,7 @@ use toml::{Spanned, Value};
 
 use super::super::raw::{RawMesh, RawScene, RawScheme, RawSoil, RawTime};
 use super::super::{
-    DarcyChoice, Dimension, Displaced, Integrator, Quadrature, Scene, ShapeChoice, StepChoice, StrainChoice,
+    DarcyChoice, Dimension, Displaced, Fields, Integrator, Quadrature, ShapeChoice, StepChoice, StrainChoice,
     TimeMethod, TransferChoice, UpdateChoice,
 };
 use super::{Checked, Reader};
@@ -48,8 +48,10 @@ pub const INTEGRATORS: [(&str, Integrator); 5] = [
     ("two-clocks", Integrator::TwoClocks),
     ("coupled", Integrator::Coupled),
 ];
+/// Default factor on the stability limit.
+pub(in super::super) const SAFETY: f64 = 0.9;
 /// Default tolerance of error-controlled time.
-const TOLERANCE: f64 = 1e-4;
+pub(in super::super) const TOLERANCE: f64 = 1e-4;
 /// Tolerances that can be asked for: below, round-off of the linear solves decides.
 const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-10..=0.1;
 
@@ -99,7 +101,7 @@ impl Reader<'_> {
     }
 
     /// Whether Darcy's law keeps `rho_w a_s`: not where the model would then be unstable, unless the scene insists.
-    pub(super) fn soft_water(&self, raw: &RawScene, scene: &Scene) -> Checked<bool> {
+    pub(super) fn soft_water(&self, raw: &RawScene, scene: &Fields) -> Checked<bool> {
         if !(scene.darcy_inertia && scene.inertia_feeds_waves()) {
             return Ok(scene.darcy_inertia);
         }
@@ -118,7 +120,7 @@ impl Reader<'_> {
         let mut checked = Time {
             integrator: Integrator::Explicit,
             step: StepChoice::Auto,
-            safety: 0.9,
+            safety: SAFETY,
             method: TimeMethod::Auto,
             tolerance: TOLERANCE,
         };

@@ -1,7 +1,9 @@
 //! From the raw file to a checked [`Scene`]: every bound, every default, and every message about them.
 
 use std::ops::Range;
+use std::sync::Arc;
 
+use serde::Deserialize;
 use toml::{Spanned, Value};
 
 mod failure;
@@ -12,12 +14,13 @@ mod law;
 mod layers;
 mod method;
 pub use method::{INTEGRATORS, SHAPES};
+pub(super) use method::{SAFETY, TOLERANCE};
 mod together;
 
-use super::flags::{self, Flags};
+use super::patch::{Source, Unreadable};
 use super::raw::{RawMesh, RawObserve, RawScene, RawSoil, RawStage, RawStrip, RawUntil, RawWater};
 use super::{
-    Dimension, Integrator, LoadOn, LoadedStrip, PAPER_STEP, Scene, Side, SolidSide, Stage, Start, StepChoice,
+    Dimension, Fields, Integrator, LoadOn, LoadedStrip, PAPER_STEP, Scene, Side, SolidSide, Stage, Start, StepChoice,
     Surcharge, Until, WaterProperties,
 };
 use crate::error::SceneError;
@@ -65,52 +68,54 @@ pub(super) fn fits_in_memory(points: f64, cells: f64, implicit: bool, dim: Dimen
 }
 
 struct Reader<'a> {
-    text: &'a str,
-    file: &'a str,
+    source: &'a Source,
 }
 
-pub(super) fn check(text: &str, file: &str, flags: &Flags) -> Checked<Scene> {
-    let reader = Reader { text, file };
-    let mut raw: RawScene = toml::from_str(text).map_err(|error| reader.syntax(&error))?;
-    let left_out = flags.apply(&mut raw);
-    Ok(Scene { left_out, ..reader.scene(&raw)? })
+/// The scene of a file and what was changed of it.
+pub(super) fn check(source: &Arc<Source>) -> Checked<Scene> {
+    let table = source.table().map_err(|why| unreadable(source, why))?;
+    let reader = Reader { source };
+    let raw = RawScene::deserialize(toml::Deserializer::from(table)).map_err(|error| reader.syntax(&error))?;
+    Ok(Scene { fields: reader.scene(&raw)?, source: Arc::clone(source) })
+}
+
+/// In the words of a scene.
+pub(super) fn unreadable(source: &Source, why: Unreadable) -> SceneError {
+    match why {
+        Unreadable::Text(error) => Reader { source }.syntax(&error),
+        Unreadable::Edit(error) => error,
+    }
 }
 
 impl Reader<'_> {
     fn line(&self, span: &Range<usize>) -> usize {
         // What is missing at the end of the file is missing on its last line.
-        let line = 1 + self.text[..span.start.min(self.text.len())].matches('\n').count();
-        line.min(self.text.lines().count().max(1))
+        let text = &self.source.text;
+        let line = 1 + text[..span.start.min(text.len())].matches('\n').count();
+        line.min(text.lines().count().max(1))
     }
 
     fn refuse<T>(&self, span: &Range<usize>, key: &str, expected: &str, found: impl ToString) -> Checked<T> {
-        // A value from the command line has no line: its flag is the source.
-        let (file, line, key) = match flags::source(span) {
-            Some(flag) => ("", 0, flag),
-            None => (self.file, self.line(span), key),
+        Err(self.refusal(span, key, expected.to_owned(), clipped(found.to_string())))
+    }
+
+    fn refusal(&self, span: &Range<usize>, key: &str, expected: String, found: String) -> SceneError {
+        // A value from the command line or a patch has no line, and what was written anew no file.
+        let (file, line, key) = match (self.source.edit(span), &self.source.file) {
+            (Some(edit), _) => (String::new(), 0, edit.named(key)),
+            (None, Some(file)) => (file.to_string(), self.line(span), key.to_owned()),
+            (None, None) => (String::new(), 0, format!("patch: {key}")),
         };
-        Err(SceneError {
-            file: file.to_owned(),
-            line,
-            key: key.to_owned(),
-            expected: expected.to_owned(),
-            found: clipped(found.to_string()),
-        })
+        SceneError { file, line, key, expected, found }
     }
 
     /// A file that is not TOML, or has a key or type that no scene has.
     fn syntax(&self, error: &toml::de::Error) -> SceneError {
-        let span = error.span().unwrap_or(self.text.len()..self.text.len());
+        let text = &self.source.text;
+        let span = error.span().unwrap_or(text.len()..text.len());
         let message = error.message().replace('\n', ", ");
         if let Some(field) = message.strip_prefix("missing field ") {
-            let (key, expected) = (field.replace('`', ""), format!("the key {field}"));
-            return SceneError {
-                file: self.file.to_owned(),
-                line: self.line(&span),
-                key,
-                expected,
-                found: "none".to_owned(),
-            };
+            return self.refusal(&span, &field.replace('`', ""), format!("the key {field}"), "none".to_owned());
         }
         let (expected, found) = match message.split_once(", expected ") {
             Some((found, expected)) => (expected, found.trim_start_matches("invalid type: ").replace(" as i128", "")),
@@ -128,12 +133,15 @@ impl Reader<'_> {
         };
         let (expected, found) =
             (expected.to_owned(), found.replace("unit variant", "a word").replace("map", "a table"));
+        if let Some(edit) = self.source.edit(&span) {
+            return self.refusal(&span, &edit.key, expected, found);
+        }
         // The key is what stands before the equals sign of the line, or the whole line of a table.
-        let start = self.text[..span.start.min(self.text.len())].rfind('\n').map_or(0, |end| end + 1);
-        let line = self.text[start..].lines().next().unwrap_or("");
+        let start = text[..span.start.min(text.len())].rfind('\n').map_or(0, |end| end + 1);
+        let line = text[start..].lines().next().unwrap_or("");
         let key = line.split('=').next().unwrap_or(line);
         let key = if key.trim().is_empty() { "end of file" } else { key };
-        SceneError { file: self.file.to_owned(), line: self.line(&span), key: key.trim().to_owned(), expected, found }
+        self.refusal(&span, key.trim(), expected, found)
     }
 
     fn within(&self, value: &Spanned<f64>, key: &str, expected: &str, holds: impl Fn(f64) -> bool) -> Checked<f64> {
@@ -190,7 +198,7 @@ impl Reader<'_> {
         }
     }
 
-    fn scene(&self, raw: &RawScene) -> Checked<Scene> {
+    fn scene(&self, raw: &RawScene) -> Checked<Fields> {
         self.goes_together(raw)?;
         let dimensions = [("column", Dimension::Column), ("plane-strain", Dimension::PlaneStrain)];
         let dimension = self.word(raw.dimension.as_ref(), "dimension", &dimensions, Dimension::Column)?;
@@ -221,7 +229,7 @@ impl Reader<'_> {
         let shape = scheme.shape.unwrap_or_else(|| method::usual_shape(raw, dimension, time.integrator));
         let (shift, displaced) = self.places(mesh)?;
         let ground = self.ground(raw)?;
-        let mut scene = Scene {
+        let mut scene = Fields {
             name: self.name(&raw.name)?,
             dimension,
             start,
@@ -294,7 +302,7 @@ impl Reader<'_> {
     }
 
     /// Values at the edge of what a number can hold make steps of no length or runs without end.
-    fn number_of_steps(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
+    fn number_of_steps(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let step = match scene.step {
             StepChoice::Auto => scene.safety * stable_limit(scene),
             StepChoice::Fixed(step) => step,
@@ -433,7 +441,8 @@ impl Reader<'_> {
                 return self.refuse(&value.span(), &format!("boundaries.{side}"), expected, quoted(value.get_ref()));
             }
         }
-        if sides[Side::Bottom as usize] == SolidSide::Free {
+        let pressed = raw.gravity.is_some() || raw.surcharge.is_some();
+        if sides[Side::Bottom as usize] == SolidSide::Free && pressed {
             let span = b.bottom.as_ref().map_or(table.span(), Spanned::span);
             return self.refuse(&span, "boundaries.bottom", "\"roller\" or \"fixed\": a free column falls", "\"free\"");
         }
@@ -495,7 +504,7 @@ impl Reader<'_> {
         }
     }
 
-    fn stages(&self, raw: &RawScene, scene: &mut Scene) -> Checked<()> {
+    fn stages(&self, raw: &RawScene, scene: &mut Fields) -> Checked<()> {
         let stages = raw.stages.get_ref();
         if stages.is_empty() {
             return self.refuse(&raw.stages.span(), "stages", "at least one [[stages]]", "none");
@@ -518,7 +527,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn drained(&self, stage: &Spanned<RawStage>, scene: &Scene) -> Checked<[bool; 4]> {
+    fn drained(&self, stage: &Spanned<RawStage>, scene: &Fields) -> Checked<[bool; 4]> {
         let mut drained = [false; 4];
         let expected = "\"none\" or a list of sides, e.g. [\"top\"]: a saturated scene must say where its water leaves";
         let Some(value) = &stage.get_ref().drained else {
@@ -549,7 +558,7 @@ impl Reader<'_> {
         Ok(drained)
     }
 
-    fn until(&self, table: &Spanned<RawUntil>, scene: &Scene) -> Checked<Until> {
+    fn until(&self, table: &Spanned<RawUntil>, scene: &Fields) -> Checked<Until> {
         let (until, span) = (table.get_ref(), table.span());
         if let Some(rest) = &until.rest {
             return self.rest(rest, until, &span);
@@ -601,7 +610,7 @@ impl Reader<'_> {
         }
     }
 
-    fn observe(&self, raw: Option<&Spanned<RawObserve>>, scene: &mut Scene) -> Checked<()> {
+    fn observe(&self, raw: Option<&Spanned<RawObserve>>, scene: &mut Fields) -> Checked<()> {
         let last = scene.stages[scene.stages.len() - 1].until;
         let Until::Time(end) = last else {
             let observe = raw.map(Spanned::get_ref);

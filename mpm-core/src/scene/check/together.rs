@@ -3,12 +3,12 @@
 use toml::Spanned;
 
 use super::super::raw::RawScene;
-use super::super::{Integrator, LoadOn, Scene, SolidSide, Start};
+use super::super::{Fields, Integrator, LoadOn, SolidSide, Start};
 use super::{Checked, Reader, quoted};
 
 impl Reader<'_> {
     /// Refuses what depends on more than two things, or on numbers: pairs are in the table of capabilities.
-    pub(super) fn fits_together(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
+    pub(super) fn fits_together(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         self.incompressible_water(raw, scene)?;
         self.free_water(raw, scene)?;
         if scene.integrator == Integrator::QuasiStatic {
@@ -20,7 +20,7 @@ impl Reader<'_> {
     }
 
     /// Water that does not compress needs an implicit pressure and somewhere to go.
-    fn incompressible_water(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
+    fn incompressible_water(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let Some(table) = &raw.water else { return Ok(()) };
         let value = &table.get_ref().bulk_modulus;
         // Under a free surface no water is closed in.
@@ -42,7 +42,7 @@ impl Reader<'_> {
     }
 
     /// A plate is the top row of nodes of an explicit step.
-    fn plate_in_a_mesh_with_room(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
+    fn plate_in_a_mesh_with_room(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let Some(load) = raw.surcharge.as_ref().map(Spanned::get_ref) else { return Ok(()) };
         let room = scene.headroom_cells > 0 || scene.sideroom_cells > 0;
         let plate = scene.surcharge.is_some_and(|s| s.on == LoadOn::Plate);
@@ -55,7 +55,7 @@ impl Reader<'_> {
     }
 
     /// Points enough, and volumes that are used.
-    fn quasi_static_points(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
+    fn quasi_static_points(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let quadrature = raw.scheme.as_ref().and_then(|scheme| scheme.get_ref().quadrature.as_ref());
         if let (Some(value), None) = (quadrature, scene.shape.spline_degree()) {
             let expected = "B-splines beside it and quasi-static: other shapes use the particles' volumes there";
@@ -71,7 +71,7 @@ impl Reader<'_> {
 
     /// Undrained equilibrium is that of soil which cannot move sideways; elsewhere the load is better put on at t = 0,
     /// which costs no step.
-    fn quasi_static_start(&self, raw: &RawScene, scene: &Scene) -> Checked<()> {
+    fn quasi_static_start(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let sideways = scene.solid_sides[..2].contains(&SolidSide::Free);
         match &raw.start {
             Some(start) if sideways && scene.start == Start::UndrainedEquilibrium => {

@@ -8,7 +8,7 @@ use super::tangent::Stuck;
 use super::trouble::{describe, inside_out, nothing};
 use super::{KrylovStage, Method, QuasiStatic};
 use crate::constitutive::{Flow, Law};
-use crate::scene::{Scene, StepChoice, StrainChoice, TimeMethod};
+use crate::scene::{Fields, StepChoice, StrainChoice, TimeMethod};
 use crate::step::Fault;
 
 /// The first step of a stage as a share of L^2/c_v: shorter ones overshoot where the mesh cannot resolve the drained
@@ -95,7 +95,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     pub(super) fn first_step(&self, times: &[f64]) -> f64 {
         let end = times.last().copied().unwrap_or(f64::INFINITY);
         // Of layers the fastest: its neighbours are drained as suddenly as the surface is.
-        let of = |scene: &Scene| {
+        let of = |scene: &Fields| {
             scene
                 .water
                 .map_or(f64::INFINITY, |w| FIRST_STEP * scene.cell.powi(2) / (w.mobility() * scene.oedometer_modulus()))

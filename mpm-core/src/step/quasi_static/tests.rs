@@ -7,7 +7,8 @@ use super::{QuasiStatic, Seeding};
 use crate::constitutive::{Law, LinearElastic, Materials, MohrCoulomb};
 use crate::particles::{SolidPoint, even_positions};
 use crate::scene::{
-    Dimension, Elastic, Integrator, LoadedStrip, Scene, ShapeChoice, SolidSide, Stage, StrainChoice, Strength, Until,
+    Dimension, Elastic, Integrator, LoadedStrip, Scene, ShapeChoice, SolidSide, Stage, Start, StrainChoice, Strength,
+    Surcharge, Until,
 };
 use crate::step::Model;
 
@@ -15,15 +16,17 @@ const SOIL: Elastic = Elastic { youngs_modulus: 2.0e7, poisson_ratio: 0.3 };
 
 fn scene(dimension: Dimension, shape: ShapeChoice, strain: StrainChoice) -> Scene {
     let text = include_str!("../../../../reference-data/scenes/terzaghi.toml");
-    let mut scene = Scene::parse(text, "terzaghi.toml").expect("the default scene");
-    (scene.dimension, scene.shape, scene.strain) = (dimension, shape, strain);
-    (scene.integrator, scene.particles_per_cell) = (Integrator::QuasiStatic, 9);
-    (scene.cell, scene.height, scene.width) = (0.25, 1.0, 0.75);
-    scene.cells = if dimension == Dimension::Column { [1, 4] } else { [3, 4] };
-    scene.solid_sides[1] = SolidSide::Free;
-    scene.gravity = Some(9.81);
-    scene.jump_penalty = Some(1e-3);
-    scene
+    let scene = Scene::parse(text, "terzaghi.toml").expect("the default scene");
+    // One side free in a column, to have a term for every side.
+    scene.altered_unchecked(|scene| {
+        (scene.dimension, scene.shape, scene.strain) = (dimension, shape, strain);
+        (scene.integrator, scene.particles_per_cell) = (Integrator::QuasiStatic, 9);
+        (scene.cell, scene.height, scene.width) = (0.25, 1.0, 0.75);
+        scene.cells = if dimension == Dimension::Column { [1, 4] } else { [3, 4] };
+        scene.solid_sides[1] = SolidSide::Free;
+        scene.gravity = Some(9.81);
+        scene.jump_penalty = Some(1e-3);
+    })
 }
 
 fn entered<L: Law, const D: usize>(scene: &Scene, law: L) -> QuasiStatic<L, D> {
@@ -128,11 +131,16 @@ fn the_matrix_is_the_derivative_of_the_balances() {
 /// Residuals of Newton's iteration for a strip load on soil that yields beneath it: down to round-off, as none meets a tolerance of
 /// zero.
 fn residuals_of_yielding(dilation_angle: f64) -> Vec<f64> {
-    let mut scene = scene(Dimension::PlaneStrain, ShapeChoice::Centre, StrainChoice::Small);
-    (scene.water, scene.gravity) = (None, None);
-    scene.solid_sides[1] = SolidSide::Roller;
-    let load = scene.surcharge.as_mut().expect("a load");
-    load.strip = Some(LoadedStrip { from: 0.0, to: 0.25, taper: 0.0 });
+    let scene = scene(Dimension::PlaneStrain, ShapeChoice::Centre, StrainChoice::Small);
+    let scene = scene.edited(|scene| {
+        (scene.water, scene.gravity, scene.start) = (None, None, Start::Unloaded);
+        scene.stages.iter_mut().for_each(|stage| stage.drained = [false; 4]);
+        scene.solid_sides[1] = SolidSide::Roller;
+        let strip = Some(LoadedStrip { from: 0.0, to: 0.25, taper: 0.0 });
+        scene.surcharge = scene.surcharge.map(|load| Surcharge { strip, ..load });
+    });
+    let scene = scene.expect("a sound scene");
+    let load = scene.surcharge.expect("a load");
     let strength =
         Strength { cohesion: 0.2 * load.pressure, friction_angle: 20.0, dilation_angle, tension_cutoff: None };
     let mut model = entered::<_, 2>(&scene, MohrCoulomb::new(&SOIL, &strength));

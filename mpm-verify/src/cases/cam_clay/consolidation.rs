@@ -2,7 +2,7 @@
 //!
 //! At first all strain is within a cell of the drained surface: looks begin at tau = 0.005, 0.07 of the way in depth.
 
-use mpm_core::scene::Scene;
+use mpm_core::scene::{Fields, Scene};
 
 use super::super::degree::Degree;
 use super::super::{FASTER, Mutant, Outcome, Rung, asked, faster, integrator, scheme, sound};
@@ -38,11 +38,11 @@ fn layer() -> Result<(Scene, impl Fn(f64) -> f64), String> {
     Ok((scene, exact))
 }
 
-fn quasi_static(fault: fn(&mut Scene)) -> Result<Outcome, String> {
+fn quasi_static(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let (mut base, exact) = layer()?;
-    base.history = 0;
+    base = base.edited(|base| base.history = 0)?;
     let degree = Degree::of_whole(&base, WHOLE * base.height, &exact).from(base.observe_times[FIRST]);
-    fault(&mut base);
+    base = base.edited(fault)?;
     let (errors, samples) = degree.refine(&base, &[10, 14, 20, 28, 40])?;
     Ok(Outcome {
         integrator: integrator(&base),

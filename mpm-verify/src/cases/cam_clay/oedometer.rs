@@ -1,10 +1,10 @@
 //! One-dimensional compression from an isotropic stress: to K_0, along the curve that ordinary differential equations give.
 
 use mpm_core::constitutive::ModifiedCamClay;
-use mpm_core::scene::{CamClay, Dimension, Elastic, Scene, ShapeChoice};
+use mpm_core::scene::{CamClay, Dimension, ShapeChoice};
 
 use super::super::evidence::{Parameter, Sampled};
-use super::super::{Mutant, Outcome, Rung, finished, integrator, with_rows};
+use super::super::{Mutant, Outcome, Rung, finished, integrator};
 use super::{FLATTER, REQUIRED, SOIL, flatter, own};
 use crate::element::Element;
 use crate::exact::cam_clay::at_rest;
@@ -89,10 +89,7 @@ fn by_particles(fault: fn(CamClay) -> CamClay) -> Result<Outcome, String> {
     let load = base.surcharge.ok_or("no load")?.pressure;
     let attraction = 0.25 * load;
     let soil = CamClay { lambda: STIFF * SOIL.lambda, kappa: STIFF * SOIL.kappa, attraction, ..SOIL };
-    let bulk = (load + attraction) / soil.kappa;
-    let (nu, youngs_modulus) = (soil.poisson_ratio, 3.0 * bulk * (1.0 - 2.0 * soil.poisson_ratio));
-    (base.strength, base.cam_clay) = (None, Some(fault(soil)));
-    base.elastic = Elastic { youngs_modulus, poisson_ratio: nu };
+    base = base.edited(|base| (base.strength, base.cam_clay) = (None, Some(fault(soil))))?;
     let exact = base.height * -f64::exp_m1(-STIFF * STRAIN);
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for rows in [5, 10, 20] {
@@ -103,10 +100,11 @@ fn by_particles(fault: fn(CamClay) -> CamClay) -> Result<Outcome, String> {
             (Dimension::Column, ShapeChoice::Bspline2),
             (Dimension::PlaneStrain, ShapeChoice::BBar),
         ] {
-            let mut scene = with_rows(Scene { dimension, shape, ..base.clone() }, rows);
-            if dimension == Dimension::PlaneStrain {
-                scene.cells[0] = (scene.width / scene.cell).round() as usize;
-            }
+            let scene = base.edited(|scene| {
+                (scene.dimension, scene.shape, scene.cell) = (dimension, shape, scene.height / rows as f64);
+                // One cell across at least.
+                scene.width = scene.width.max(scene.cell);
+            })?;
             let run = finished(&scene)?;
             let last = run.samples.last().ok_or("no sample")?;
             let error = last.state.settlement / exact - 1.0;

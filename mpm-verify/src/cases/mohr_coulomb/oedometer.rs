@@ -1,11 +1,11 @@
 //! An oedometer made of particles: dry soil that yields along the edge s1 = s2 under a load that grows slowly.
 
 use mpm_core::drive::{Run, Sample};
-use mpm_core::scene::{Dimension, Scene, ShapeChoice};
+use mpm_core::scene::{Dimension, Fields, Scene, ShapeChoice};
 
 use super::super::evidence::{MESH, Refinement};
 use super::super::looks::{Look, Looks, in_particles};
-use super::super::{Mutant, Outcome, Rung, finished, integrator, scheme, with_rows};
+use super::super::{Mutant, Outcome, Rung, finished, integrator, scheme};
 use crate::exact::oedometer::Oedometer;
 use crate::norms::largest;
 
@@ -27,32 +27,28 @@ fn mutant() -> Result<Outcome, String> {
 }
 
 /// The settlement at rest of columns and blocks. Strains of q/M = 5e-4 change volumes by as much.
-fn settles(change: impl Fn(&mut Scene)) -> Result<Outcome, String> {
+fn settles(change: impl Fn(&mut Fields)) -> Result<Outcome, String> {
     let base = crate::scenes::oedometer();
     let looks_at = |mut scene: Scene| {
         let exact = Oedometer::new(&scene).ok_or("soil without strength")?;
-        change(&mut scene);
+        scene = scene.edited(&change)?;
         looks(&finished(&scene)?, &scene, &exact)
     };
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for dimension in [Dimension::Column, Dimension::PlaneStrain] {
         for shape in [ShapeChoice::Centre, ShapeChoice::Bspline2] {
-            let mut scene = Scene { dimension, shape, ..base.clone() };
-            if dimension == Dimension::PlaneStrain {
-                scene.cells[0] = (scene.width / scene.cell).round() as usize;
-            }
-            let looks = looks_at(scene)?;
+            let looks = looks_at(base.edited(|s| (s.dimension, s.shape) = (dimension, shape))?)?;
             errors.push(looks.error());
             samples = looks.samples();
         }
     }
     let meshed = |rows: &usize| {
-        let scene = with_rows(base.clone(), *rows);
+        let scene = base.with_rows(*rows)?;
         Ok((scene.cell, looks_at(scene)?.error()))
     };
     let meshes = [5, 10, 20, 40].iter().map(meshed).collect::<Result<_, String>>()?;
     let against = "the exact solution, a column of centre values: a uniform strain has no error of the mesh";
-    let with = |particles_per_cell| looks_at(Scene { particles_per_cell, ..base.clone() });
+    let with = |particles_per_cell| looks_at(base.edited(|s| s.particles_per_cell = particles_per_cell)?);
     Ok(Outcome {
         integrator: integrator(&base),
         scheme: format!("{} and bspline2", scheme(&base)),

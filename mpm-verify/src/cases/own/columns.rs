@@ -1,7 +1,7 @@
 //! Columns: what their exact solutions say of settlement and pressure at the sample times, and what else a scene carries.
 
 use mpm_core::drive::{Run, Sample};
-use mpm_core::scene::{Integrator, Scene, Side, Start, StrainChoice};
+use mpm_core::scene::{Fields, Integrator, Scene, Side, Start, StrainChoice};
 
 use super::applies::{inertia_shows, refusal};
 use crate::cases::looks::{Look, Looks, Norm};
@@ -53,7 +53,7 @@ impl Consolidation {
             refusal("[soil]", expected, "a column that runs out of pores")
         })?;
         let moves = scene.integrator != Integrator::QuasiStatic;
-        let linear = Scene { strain: StrainChoice::Small, ..scene.clone() };
+        let linear = Fields { strain: StrainChoice::Small, ..Fields::clone(scene) };
         let inertia = match moves {
             true => DynamicColumn::new(&linear).zip(Column::of(&linear)).filter(|_| scene.is_elastic()),
             false => None,
@@ -211,7 +211,8 @@ fn facts(scene: &Scene, column: &Column, inertia: Option<&(DynamicColumn, Column
         pressed.max(1e-9)
     );
     let strain = final_settlement(scene, load) / scene.height;
-    let other = Scene { strain: if large { StrainChoice::Small } else { StrainChoice::Large }, ..scene.clone() };
+    let strain_of_other = if large { StrainChoice::Small } else { StrainChoice::Large };
+    let other = Fields { strain: strain_of_other, ..Fields::clone(scene) };
     let differs = final_settlement(&other, load) / scene.height / strain - 1.0;
     let mut beside = vec![match large {
         true => format!(
@@ -282,7 +283,10 @@ impl DryColumn {
         }
         let still = scene.start == Start::Geostatic && scene.surcharge.is_none();
         let ramp = scene.surcharge.map_or(0.0, |s| s.ramp_time);
-        let swing = Bar::new(&Scene { start: Start::Unloaded, layers: Vec::new(), ..scene.clone() });
+        let swing = Bar::new(&scene.edited(|s| {
+            s.start = Start::Unloaded;
+            s.layers = Vec::new();
+        })?);
         let decay = swing.map_or(0.0, |bar| bar.decay());
         let from = if still { 0.0 } else { ramp + DIED / decay };
         // Soil with a strength keeps what a swing has done to it.
@@ -327,7 +331,7 @@ impl DryColumn {
         match self.bar {
             // What large strain adds to the static settlement it adds to the swing.
             Some(bar) => {
-                let linear = Scene { strain: StrainChoice::Small, ..scene.clone() };
+                let linear = Fields { strain: StrainChoice::Small, ..Fields::clone(scene) };
                 bar.settlement(time) * final_settlement(scene, self.final_load)
                     / final_settlement(&linear, self.final_load)
             }

@@ -12,14 +12,14 @@ mod columns;
 
 use cpu_time::ThreadTime;
 use mpm_core::drive::Run;
-use mpm_core::scene::{Dimension, Integrator, Scene, StepChoice, StrainChoice, Until};
+use mpm_core::scene::{Dimension, Fields, Integrator, Scene, StepChoice, StrainChoice, Until};
 use mpm_core::stability::choose_step;
 
 use self::applies::Solution;
 use super::evidence::{PARTICLES, Refinement, STEP, TOLERANCE};
 use super::looks::{Look, Looks};
 use super::verdict::{Climb, Outcome, judge};
-use super::{Rung, asked, block, boussinesq, finished, infinite_slope, integrator, mandel, scheme, wetting, with_rows};
+use super::{Rung, asked, block, boussinesq, finished, infinite_slope, integrator, mandel, scheme, wetting};
 use crate::norms::worst;
 
 /// Largest error where it falls on refinement: 1 % cannot pass.
@@ -59,16 +59,19 @@ impl OwnScene {
         let (mut scene, mut changed) = (scene.clone(), Vec::new());
         let end = scene.stages.last().map(|stage| stage.until);
         if let (true, Some(Until::Time(end)), 1) = (scene.observe_times.is_empty(), end, scene.stages.len()) {
-            scene.observe_times = [0.2, 0.4, 0.6, 0.8, 1.0].map(|share| share * end).to_vec();
+            scene = scene
+                .edited(|scene| scene.observe_times = [0.2, 0.4, 0.6, 0.8, 1.0].map(|share| share * end).to_vec())?;
             changed.push("times at each fifth of its end".to_owned());
         }
         let solution = applies::solution(&scene)?;
         let rows = meshes(&scene, rows)?;
         if scene.integrator == Integrator::QuasiStatic && scene.tolerance > TIGHT {
-            scene.tolerance = if scene.strain == StrainChoice::Small { TIGHT } else { 1e-2 * scene.tolerance };
+            scene = scene.edited(|scene| {
+                scene.tolerance = if scene.strain == StrainChoice::Small { TIGHT } else { 1e-2 * scene.tolerance }
+            })?;
             changed.push(format!("tolerance {:.0e}: the error of time must not hide that of space", scene.tolerance));
         }
-        scene.history = 0;
+        scene = scene.edited(|scene| scene.history = 0)?;
         Ok(Self { scene, solution, rows, changed })
     }
 
@@ -106,7 +109,7 @@ impl OwnScene {
     }
 
     /// Runs the scene, with a fault planted behind the exact solution's back.
-    pub(super) fn outcome(&self, fault: fn(&mut Scene)) -> Result<Outcome, String> {
+    pub(super) fn outcome(&self, fault: fn(&mut Fields)) -> Result<Outcome, String> {
         if let Solution::Slope(depth, seepage) = self.solution {
             return self.slope((depth, seepage), fault);
         }
@@ -137,7 +140,7 @@ impl OwnScene {
     fn slope(
         &self,
         plane: (f64, crate::exact::infinite_slope::Seepage),
-        fault: fn(&mut Scene),
+        fault: fn(&mut Fields),
     ) -> Result<Outcome, String> {
         let found = |rows: &usize| {
             let (share, _) = infinite_slope::own(&self.scene, plane, *rows, fault)?;
@@ -161,7 +164,8 @@ impl OwnScene {
     fn looks(&self, scene: &Scene, run: &Run) -> Result<Vec<Looks>, String> {
         let last = || run.samples.last().ok_or_else(|| "no sample".to_owned());
         // The first of a scene is its own: a fault must not move the exact solution.
-        let own = Scene { cell: scene.cell, cells: scene.cells, ..self.scene.clone() };
+        // On a mesh of which a fault may have made one that does not fit.
+        let own = self.scene.clone().altered_unchecked(|own| (own.cell, own.cells) = (scene.cell, scene.cells));
         Ok(match &self.solution {
             Solution::Wet(column) => column.looks(&own, run),
             Solution::Dry(column) => column.looks(&own, run),
@@ -227,13 +231,13 @@ impl OwnScene {
         if let StepChoice::Fixed(step) = coarse.step {
             let stepped = |halvings: i32| {
                 let step = step / 2.0_f64.powi(halvings);
-                Ok::<_, String>((step, self.seen(&Scene { step: StepChoice::Fixed(step), ..coarse.clone() })?))
+                Ok::<_, String>((step, self.seen(&coarse.edited(|s| s.step = StepChoice::Fixed(step))?)?))
             };
             let runs = (0..=HALVINGS).map(stepped).collect::<Result<Vec<_>, _>>()?;
             let errors = runs.windows(2).map(|pair| (pair[0].0, apart(&pair[0].1, &pair[1].1))).collect();
             refinements.push(Refinement::new(STEP, errors, format!("the same run at half the step, {same}")));
         } else if self.scene.integrator == Integrator::QuasiStatic && self.scene.water.is_some() {
-            let at = |tolerance| self.seen(&Scene { tolerance, ..coarse.clone() });
+            let at = |tolerance| self.seen(&coarse.edited(|s| s.tolerance = tolerance)?);
             let finest = at(0.01 * TOLERANCES[TOLERANCES.len() - 1])?;
             let off = |tolerance: &f64| Ok((*tolerance, apart(&at(*tolerance)?, &finest)));
             let errors = TOLERANCES.iter().map(off).collect::<Result<_, String>>()?;
@@ -243,7 +247,7 @@ impl OwnScene {
             refinements.push(share);
         }
         let with = |count: &usize| {
-            let looks = self.seen(&Scene { particles_per_cell: *count, ..coarse.clone() })?;
+            let looks = self.seen(&coarse.edited(|s| s.particles_per_cell = *count)?)?;
             Ok((*count as f64, error(&looks)))
         };
         let errors = counts(coarse).iter().map(with).collect::<Result<_, String>>()?;
@@ -257,17 +261,20 @@ impl OwnScene {
 
     /// The scene on its meshes. Steps fall with L^2 from what the coarsest takes, so that a scheme of first order in the step
     /// shows its order in space, and no step is above the limit of its mesh.
-    fn on_meshes(&self, fault: fn(&mut Scene)) -> Result<Vec<Scene>, String> {
-        let mut scenes: Vec<Scene> = self.rows.iter().map(|rows| on(&self.scene, *rows)).collect();
+    fn on_meshes(&self, fault: fn(&mut Fields)) -> Result<Vec<Scene>, String> {
+        let scenes = self.rows.iter().map(|rows| self.scene.with_rows(*rows));
+        let mut scenes: Vec<Scene> = scenes.collect::<Result<_, _>>()?;
         let coarse = scenes[0].cell;
         let first = choose_step(&scenes[0]).map_err(|e| e.to_string())?;
         let given = matches!(self.scene.integrator, Integrator::Explicit | Integrator::SemiImplicit);
         for scene in &mut scenes {
             if first.is_finite() && given {
-                let own = choose_step(&Scene { step: StepChoice::Auto, ..scene.clone() }).map_err(|e| e.to_string())?;
-                scene.step = StepChoice::Fixed((first * (scene.cell / coarse).powi(2)).min(own));
+                let own = Fields { step: StepChoice::Auto, ..Fields::clone(scene) };
+                let own = choose_step(&own).map_err(|e| e.to_string())?;
+                let step = (first * (scene.cell / coarse).powi(2)).min(own);
+                *scene = scene.edited(|scene| scene.step = StepChoice::Fixed(step))?;
             }
-            fault(scene);
+            *scene = scene.edited(fault)?;
         }
         Ok(scenes)
     }
@@ -287,19 +294,6 @@ fn relative(mut looks: Looks) -> Looks {
             .for_each(|(found, exact)| (*found, *exact) = (*found / *exact, 1.0));
     }
     Looks { quantity: format!("{} over the exact one", looks.quantity), unit: "-", ..looks }
-}
-
-/// The scene on a mesh of `rows` cells over its height, and as many over its width as fit.
-fn on(scene: &Scene, rows: usize) -> Scene {
-    let [below, beside] = [scene.headroom_cells, scene.sideroom_cells].map(|room| room as f64 * scene.cell);
-    let mut scene = with_rows(scene.clone(), rows);
-    if scene.dimension == Dimension::PlaneStrain {
-        scene.cells[0] = (scene.width / scene.cell).round() as usize;
-    }
-    // The same empty room around it, in whole cells.
-    scene.headroom_cells = (below / scene.cell - 1e-9).ceil().max(0.0) as usize;
-    scene.sideroom_cells = (beside / scene.cell - 1e-9).ceil().max(0.0) as usize;
-    scene
 }
 
 /// Numbers of particles per cell that a scheme should not mind: one is too few for B-splines, and what errors of the fourth
@@ -329,7 +323,9 @@ fn meshes(scene: &Scene, asked: &[usize]) -> Result<Vec<usize>, String> {
         return Err(format!("--rows: expected {expected}, found {words}"));
     }
     for rows in &rows {
-        let fits = on(scene, *rows).fits_in_memory();
+        let cell = scene.height / *rows as f64;
+        let across = if scene.dimension == Dimension::Column { 1 } else { (scene.width / cell).round() as usize };
+        let fits = Fields { cell, cells: [across, *rows], ..Fields::clone(scene) }.fits_in_memory();
         fits.map_err(|[expected, found]| format!("--rows: expected {expected}, found {rows} rows: {found}"))?;
     }
     if plane {

@@ -1,0 +1,289 @@
+//! A scene written as a file, so that one that was changed field by field is checked like any other.
+
+use std::sync::Arc;
+
+use toml::{Table, Value};
+
+use super::patch::{Change, Source};
+use super::{
+    CamClay, Clock, DarcyChoice, Elastic, Feed, Fields, Integrator, Quadrature, Scene, SeedingChoice, Side, Stage,
+    StepChoice, StrainChoice, Strength, TimeMethod, TransferChoice, Until, UpdateChoice, check,
+};
+use crate::error::SceneError;
+
+impl Scene {
+    /// The scene with some of its fields changed, written as a file and checked as one: a patch in types. Numbers keep all their
+    /// bits, and times are those of the fields, in seconds, whatever time factors the file gave them by. Fields that follow from
+    /// others (cells, inertia in Darcy's law, nodes that are too light) follow where the edit leaves them as they were, and what
+    /// chooses a step is left out where the integrator or a given step has no use for it.
+    ///
+    /// # Errors
+    /// As [`Scene::patched`], among it fields of which the checker makes others: a number of cells that is not the height over
+    /// the cell.
+    pub fn edited(&self, edit: impl FnOnce(&mut Fields)) -> Result<Self, SceneError> {
+        let mut fields = self.fields.clone();
+        edit(&mut fields);
+        if fields.darcy_inertia == self.darcy_inertia && self.darcy_inertia == self.usual_darcy_inertia() {
+            fields.darcy_inertia = fields.usual_darcy_inertia();
+        }
+        if fields.light_nodes == self.light_nodes && self.light_nodes == self.sole_light_nodes() {
+            fields.light_nodes = fields.sole_light_nodes();
+        }
+        let (quasi_static, given) = (fields.integrator == Integrator::QuasiStatic, fields.step != StepChoice::Auto);
+        if quasi_static || given {
+            fields.safety = check::SAFETY;
+        }
+        if !quasi_static || given {
+            fields.tolerance = check::TOLERANCE;
+        }
+        let mut scene = check::check(&fields.source()?)?;
+        (scene.fields.force, scene.fields.left_out) = (fields.force, fields.left_out.clone());
+        match difference(&scene.fields, &fields, self) {
+            Some([key, expected, found]) => Err(refused(&key, expected, found)),
+            None => Ok(scene),
+        }
+    }
+
+    /// The scene with fields that no checker has seen, to find out what a solver does about a scene that cannot be written.
+    #[doc(hidden)]
+    pub fn altered_unchecked(mut self, alter: impl FnOnce(&mut Fields)) -> Self {
+        alter(&mut self.fields);
+        // What is patched or edited next is what was altered.
+        let none = || Arc::new(Source { text: String::new().into(), file: None, edits: Vec::new() });
+        self.source = self.fields.source().unwrap_or_else(|_| none());
+        self
+    }
+}
+
+fn refused(key: &str, expected: String, found: String) -> SceneError {
+    SceneError { file: String::new(), line: 0, key: format!("patch: {key}"), expected, found }
+}
+
+/// The first field of which the checker makes another than an edit did: its name, what it has to be, what it is.
+fn difference(checked: &Fields, edited: &Fields, before: &Fields) -> Option<[String; 3]> {
+    if checked == edited {
+        return None;
+    }
+    let [checked, edited, before] = [checked, edited, before].map(|fields| Table::try_from(fields).unwrap_or_default());
+    let shown = |value: Option<&Value>| value.map_or_else(|| "none".to_owned(), Value::to_string);
+    let mut keys = checked.keys().chain(edited.keys());
+    let is_other = |key: &&String| {
+        let [checked, edited, before] = [&checked, &edited, &before].map(|table| table.get(*key));
+        checked != edited && edited != before
+    };
+    keys.find(is_other).map(|key| [key.clone(), shown(checked.get(key)), shown(edited.get(key))])
+}
+
+/// A file in the making.
+#[derive(Default)]
+struct Writer(Table);
+
+impl Writer {
+    /// Writes a key; `None` leaves it out.
+    fn put(&mut self, key: &str, value: impl Into<Change>) -> Result<(), SceneError> {
+        let value = value.into().value().map_err(|why| refused(key, "a value that TOML can hold".to_owned(), why))?;
+        let Some(value) = value else { return Ok(()) };
+        let (tables, last) = key.rsplit_once('.').unwrap_or(("", key));
+        let table = tables.split('.').filter(|name| !name.is_empty()).fold(&mut self.0, |table, name| {
+            let inner = table.entry(name).or_insert_with(|| Value::Table(Table::new()));
+            match inner {
+                Value::Table(inner) => inner,
+                _ => unreachable!("keys with others below them are tables"),
+            }
+        });
+        table.insert(last.to_owned(), value);
+        Ok(())
+    }
+
+    /// Writes the law of a soil.
+    fn law(
+        &mut self,
+        key: &str,
+        elastic: &Elastic,
+        strength: Option<&Strength>,
+        cam_clay: Option<&CamClay>,
+    ) -> Result<(), SceneError> {
+        let law = match (cam_clay, strength) {
+            (Some(soil), _) => return self.put(&format!("{key}.modified_cam_clay"), soil),
+            (None, Some(strength)) => {
+                self.put(&format!("{key}.mohr_coulomb"), strength)?;
+                "mohr_coulomb"
+            }
+            (None, None) => "linear_elastic",
+        };
+        self.put(&format!("{key}.{law}.youngs_modulus"), elastic.youngs_modulus)?;
+        self.put(&format!("{key}.{law}.poisson_ratio"), elastic.poisson_ratio)
+    }
+
+    /// Writes a key unless its value is the usual one.
+    fn unless<T: Into<Change> + PartialEq>(&mut self, key: &str, value: T, usual: T) -> Result<(), SceneError> {
+        if value == usual { Ok(()) } else { self.put(key, value) }
+    }
+}
+
+impl Fields {
+    /// Inertia in Darcy's law where a file does not say it.
+    fn usual_darcy_inertia(&self) -> bool {
+        self.integrator != Integrator::QuasiStatic && !self.inertia_feeds_waves()
+    }
+
+    /// Nodes that are too light where a file does not say it.
+    fn sole_light_nodes(&self) -> f64 {
+        Self { light_nodes: 0.0, ..self.clone() }.usual_light_nodes()
+    }
+
+    /// That file as what a scene is made from.
+    fn source(&self) -> Result<Arc<Source>, SceneError> {
+        let text = self.written()?.to_string().into();
+        Ok(Arc::new(Source { text, file: None, edits: Vec::new() }))
+    }
+
+    /// The file that says all this.
+    fn written(&self) -> Result<Table, SceneError> {
+        let mut out = Writer::default();
+        out.put("name", &self.name)?;
+        out.put("dimension", self.dimension)?;
+        out.put("start", self.start)?;
+        out.put("start_velocity", self.start_velocity)?;
+        out.put("start_k0", self.start_k0)?;
+        out.put("gravity", self.gravity)?;
+        out.put("slope_angle", self.slope_angle)?;
+        match &self.outline {
+            Some(points) => out.put("geometry.outline.points", points)?,
+            None => {
+                out.put("geometry.column.height", self.height)?;
+                out.put("geometry.column.width", self.width)?;
+            }
+        }
+        self.mesh(&mut out)?;
+        self.soil(&mut out)?;
+        self.fluid(&mut out)?;
+        self.sides(&mut out)?;
+        self.method(&mut out)?;
+        let stages = self.stages.iter().map(|stage| self.stage(stage)).collect::<Result<Vec<_>, _>>()?;
+        out.put("stages", stages)?;
+        if let Some(Until::Time(_)) = self.stages.last().map(|stage| stage.until) {
+            out.put("observe.times", &self.observe_times)?;
+        }
+        out.unless("observe.history", self.history, 0)?;
+        out.unless("observe.profiles", self.profiles, true)?;
+        Ok(out.0)
+    }
+
+    fn mesh(&self, out: &mut Writer) -> Result<(), SceneError> {
+        out.put("mesh.cell", self.cell)?;
+        out.put("mesh.particles_per_cell", self.particles_per_cell)?;
+        out.unless("mesh.headroom_cells", self.headroom_cells, 0)?;
+        out.unless("mesh.sideroom_cells", self.sideroom_cells, 0)?;
+        out.unless("mesh.seeding", self.seeding, SeedingChoice::default())?;
+        out.unless("mesh.shift", self.shift, 0.0)?;
+        out.put("mesh.displaced", self.displaced)
+    }
+
+    fn soil(&self, out: &mut Writer) -> Result<(), SceneError> {
+        out.put("soil.grain_density", self.grain_density)?;
+        out.put("soil.porosity", self.porosity)?;
+        out.put("soil.separation", self.separation)?;
+        out.unless("soil.strain", self.strain, StrainChoice::Large)?;
+        out.law("soil.law", &self.elastic, self.strength.as_ref(), self.cam_clay.as_ref())?;
+        let mut layers = Vec::new();
+        for layer in &self.layers {
+            let mut out = Writer::default();
+            out.put("up_to", layer.up_to)?;
+            out.law("law", &layer.elastic, layer.strength.as_ref(), layer.cam_clay.as_ref())?;
+            out.put("hydraulic_conductivity", self.water.map(|_| layer.hydraulic_conductivity))?;
+            layers.push(out.0);
+        }
+        out.put("layers", Some(layers).filter(|layers| !layers.is_empty()))
+    }
+
+    fn fluid(&self, out: &mut Writer) -> Result<(), SceneError> {
+        out.put("water", self.water)?;
+        let Some(free) = &self.free_surface else { return Ok(()) };
+        out.put("water.free_surface.saturation", free.saturation)?;
+        out.put("water.free_surface.level", free.level)?;
+        out.put("water.free_surface.wet", &free.wet)?;
+        for (side, feed) in Side::ALL.into_iter().zip(free.feeds) {
+            let key = |name| format!("water.free_surface.feed.{side}.{name}");
+            match feed {
+                Some(Feed::Head(head)) => out.put(&key("head"), head)?,
+                Some(Feed::Velocity { speed, height }) => {
+                    out.put(&key("velocity"), speed)?;
+                    // Rain falls on all soil under the sky.
+                    out.put(&key("height"), (side != Side::Top).then_some(height))?;
+                }
+                None => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn sides(&self, out: &mut Writer) -> Result<(), SceneError> {
+        for (side, held) in Side::ALL.into_iter().zip(self.solid_sides) {
+            let key = format!("boundaries.{side}");
+            match side {
+                Side::Left | Side::Right if self.periodic => out.put(&key, "periodic")?,
+                Side::Bottom if self.base.is_some() => out.put(&key, "coulomb")?,
+                _ => out.put(&key, held)?,
+            }
+        }
+        if let Some(base) = &self.base {
+            match base.slip_distance {
+                Some(distance) => {
+                    out.put("base.peak_angle", base.peak_angle)?;
+                    out.put("base.residual_angle", base.residual_angle)?;
+                    out.put("base.slip_distance", distance)?;
+                }
+                None => out.put("base.friction_angle", base.peak_angle)?,
+            }
+            out.put("base.adhesion", base.adhesion)?;
+            out.put("base.memory", base.memory)?;
+            out.put("base.normal_stress", base.normal_stress)?;
+        }
+        out.put("surcharge", self.surcharge)?;
+        out.put("failure", &self.failure)
+    }
+
+    fn method(&self, out: &mut Writer) -> Result<(), SceneError> {
+        out.put("scheme.shape", self.shape)?;
+        // Each of the others goes with some scenes only: written is what is not usual.
+        out.unless("scheme.darcy", self.darcy, DarcyChoice::Face)?;
+        out.unless("scheme.darcy_inertia", self.darcy_inertia, self.usual_darcy_inertia())?;
+        out.unless("scheme.flip", self.flip, 1.0)?;
+        out.unless("scheme.light_nodes", self.light_nodes, self.sole_light_nodes())?;
+        out.unless("scheme.transfer", self.transfer, TransferChoice::Plain)?;
+        out.unless("scheme.update", self.update, UpdateChoice::Usl)?;
+        out.unless("scheme.quadrature", self.quadrature, Quadrature::Fitted)?;
+        out.put("scheme.jump_penalty", self.jump_penalty)?;
+        out.put("time.integrator", self.integrator)?;
+        match self.step {
+            StepChoice::Fixed(step) => out.put("time.step", step)?,
+            StepChoice::Auto | StepChoice::Paper => out.put("time.step", self.step)?,
+        }
+        out.unless("time.safety", self.safety, check::SAFETY)?;
+        out.unless("time.method", self.method, TimeMethod::Auto)?;
+        out.unless("time.tolerance", self.tolerance, check::TOLERANCE)
+    }
+
+    fn stage(&self, stage: &Stage) -> Result<Table, SceneError> {
+        let mut out = Writer::default();
+        out.put("name", &stage.name)?;
+        let drained: Vec<_> = Side::ALL.into_iter().filter(|side| stage.drained[*side as usize]).collect();
+        match (self.water, drained.is_empty()) {
+            (None, true) => {}
+            (_, false) => out.put("drained", drained)?,
+            (Some(_), true) => out.put("drained", "none")?,
+        }
+        out.unless("damping", stage.damping, 0.0)?;
+        out.unless("clock", stage.clock, Clock::default())?;
+        match stage.until {
+            Until::PorePressure { within, everywhere, at_most } => {
+                out.put("until.pore_pressure_within", within)?;
+                out.put("until.everywhere", everywhere)?;
+                out.put("until.at_most", at_most)?;
+            }
+            Until::Time(_) | Until::Rest { .. } => out.put("until", stage.until)?,
+        }
+        Ok(out.0)
+    }
+}
