@@ -647,7 +647,9 @@ mod tests {
         pulled = pulled
             .edited(|pulled| {
                 pulled.surcharge = pulled.surcharge.map(|s| Surcharge { pressure, ..s });
-                pulled.observe_times.push(5.0 * pulled.time_per_factor().expect("water"));
+                let end = 5.0 * pulled.time_per_factor().expect("water");
+                pulled.observe_times.push(end);
+                pulled.stages[0].until = mpm_core::scene::Until::Time(end);
             })
             .expect("a sound scene");
         let column = Column::of(&pulled).expect("a column");
