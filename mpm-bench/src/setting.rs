@@ -91,7 +91,8 @@ impl Setting {
         if dimension == Dimension::PlaneStrain {
             case += "-plane-strain";
         }
-        scene = scene.edited(|scene| scene.name.clone_from(&case))?;
+        // Names of scenes have no slash.
+        scene = scene.edited(|scene| scene.name = case.replace('/', " of "))?;
         Ok(Self { case, solver: Solver::Points(Box::new(scene)) })
     }
 

@@ -76,10 +76,10 @@ const LAYER_CASES: &[(&str, Edits)] = &[
         ],
     ),
     (
-        "strength",
+        "elasticity beside a law",
         &[(
-            "[soil.law.linear_elastic]\nyoungs_modulus = 2.0e7\npoisson_ratio = 0.30",
-            "[soil.law.mohr_coulomb]\nyoungs_modulus = 2.0e7\npoisson_ratio = 0.30\ncohesion = 1.0e3\nfriction_angle = 30.0",
+            "up_to = 0.5",
+            "up_to = 0.5\nyoungs_modulus = 1e6\nlaw.linear_elastic = { youngs_modulus = 2.0e7, poisson_ratio = 0.3 }",
         )],
     ),
     ("nodal velocities", &[("darcy = \"face\"", "darcy = \"nodal\"")]),

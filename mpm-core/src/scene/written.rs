@@ -13,9 +13,9 @@ use crate::error::SceneError;
 
 impl Scene {
     /// The scene with some of its fields changed, written as a file and checked as one: a patch in types. Numbers keep all their
-    /// bits, and times are those of the fields, in seconds, whatever time factors the file gave them by. Fields that follow from
-    /// others (cells, inertia in Darcy's law, nodes that are too light) follow where the edit leaves them as they were, and what
-    /// chooses a step is left out where the integrator or a given step has no use for it.
+    /// bits, and times are those of the fields, in seconds, whatever time factors the file gave them by. Cells follow from
+    /// the mesh. Inertia in Darcy's law and the least mass of nodes stay as they were, unless the scene has no use for them any
+    /// more; so does what chooses a step.
     ///
     /// # Errors
     /// As [`Scene::patched`], among it fields of which the checker makes others: a number of cells that is not the height over
@@ -23,11 +23,13 @@ impl Scene {
     pub fn edited(&self, edit: impl FnOnce(&mut Fields)) -> Result<Self, SceneError> {
         let mut fields = self.fields.clone();
         edit(&mut fields);
-        if fields.darcy_inertia == self.darcy_inertia && self.darcy_inertia == self.usual_darcy_inertia() {
-            fields.darcy_inertia = fields.usual_darcy_inertia();
+        let follows = fields.darcy_inertia == self.darcy_inertia && self.darcy_inertia == self.usual_darcy_inertia();
+        if follows && !fields.usual_darcy_inertia() {
+            fields.darcy_inertia = false;
         }
-        if fields.light_nodes == self.light_nodes && self.light_nodes == self.sole_light_nodes() {
-            fields.light_nodes = fields.sole_light_nodes();
+        let follows = fields.light_nodes == self.light_nodes && self.light_nodes == self.sole_light_nodes();
+        if follows && fields.sole_light_nodes() == 0.0 {
+            fields.light_nodes = 0.0;
         }
         let (quasi_static, given) = (fields.integrator == Integrator::QuasiStatic, fields.step != StepChoice::Auto);
         if quasi_static || given {
@@ -248,7 +250,9 @@ impl Fields {
         out.put("scheme.shape", self.shape)?;
         // Each of the others goes with some scenes only: written is what is not usual.
         out.unless("scheme.darcy", self.darcy, DarcyChoice::Face)?;
-        out.unless("scheme.darcy_inertia", self.darcy_inertia, self.usual_darcy_inertia())?;
+        if self.water.is_some() {
+            out.unless("scheme.darcy_inertia", self.darcy_inertia, self.usual_darcy_inertia())?;
+        }
         out.unless("scheme.flip", self.flip, 1.0)?;
         out.unless("scheme.light_nodes", self.light_nodes, self.sole_light_nodes())?;
         out.unless("scheme.transfer", self.transfer, TransferChoice::Plain)?;

@@ -53,6 +53,11 @@ pub fn scene(source: &str, flags: &Flags, variant: Option<&Variant>) -> Result<S
         _ => Scene::load_with(Path::new(source), &flags).map_err(|e| e.to_string()),
     }?;
     if let Some(Change::Edit(edit)) = variant.map(|v| v.change) {
+        // The variants are other readings of that levee.
+        let own = Plan { scene: scene.clone(), from_h: None, until_h: None, frames: false };
+        if let Some(why) = own.not_papers() {
+            return Err(format!("--variant: {why}"));
+        }
         scene = scene.edited(edit)?;
     }
     if scene.failure.is_none() {

@@ -266,7 +266,9 @@ impl<const D: usize> Condition<D> for Friction {
     }
 
     fn save_or_restore(&mut self, archive: &mut Archive) -> Result<(), RestoreError> {
-        archive!(archive.slice: self.stuck, self.slip, self.remembered, self.stress);
+        archive!(archive.slice: self.stuck, self.stress);
+        archive.slice(&mut self.slip)?;
+        archive.slice(&mut self.remembered)?;
         archive.value(&mut self.glued)
     }
 

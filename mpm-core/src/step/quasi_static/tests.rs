@@ -134,6 +134,7 @@ fn residuals_of_yielding(dilation_angle: f64) -> Vec<f64> {
     let scene = scene(Dimension::PlaneStrain, ShapeChoice::Centre, StrainChoice::Small);
     let scene = scene.edited(|scene| {
         (scene.water, scene.gravity, scene.start) = (None, None, Start::Unloaded);
+        (scene.darcy_inertia, scene.jump_penalty) = (false, None);
         scene.stages.iter_mut().for_each(|stage| stage.drained = [false; 4]);
         scene.solid_sides[1] = SolidSide::Roller;
         let strip = Some(LoadedStrip { from: 0.0, to: 0.25, taper: 0.0 });
