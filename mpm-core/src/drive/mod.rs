@@ -22,7 +22,7 @@ pub struct Sample {
     pub stage_time: f64,
     /// Steps done since the start of the run.
     pub step: u64,
-    /// Whether the time is one of [`Scene::observe_times`].
+    /// Whether the time is one of [`crate::scene::Fields::observe_times`].
     pub observed: bool,
     /// The state.
     pub state: Observation,

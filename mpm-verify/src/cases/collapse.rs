@@ -59,7 +59,8 @@ fn column(base: &Scene, aspect: f64, cell: f64) -> Result<Scene, String> {
     if let (Until::Time(time), true) = (scene.stages[end].until, scene.water.is_some()) {
         scene = scene.edited(|scene| {
             scene.stages[end].until = Until::Time(time.min(WET));
-            scene.observe_times.retain(|at| *at <= WET);
+            scene.observe_times.retain(|at| *at < WET);
+            scene.observe_times.push(WET.min(time));
         })?;
     }
     Ok(scene)

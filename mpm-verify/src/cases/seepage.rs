@@ -28,6 +28,7 @@ fn scene(dimension: Dimension, outline: &[[f64; 2]], cell: f64) -> Result<Scene,
     let dam = crate::scenes::built_in("dam").ok_or("no such scene")??;
     let edit = |scene: &mut Fields| {
         (scene.dimension, scene.width, scene.cell, scene.history) = (dimension, 0.1, cell, 0);
+        scene.stages[0].drained = [false; 4];
         if !outline.is_empty() {
             scene.width = outline.iter().map(|x| x[0]).fold(0.0, f64::max);
             scene.outline = Some(outline.to_vec());

@@ -58,6 +58,7 @@ fn built_in(name: &str) -> Result<Scene, String> {
 fn slab(mut scene: Scene, memory: f64, end: f64) -> Result<Scene, String> {
     scene = scene.edited(|scene| {
         (scene.height, scene.elastic.youngs_modulus) = (0.4, 1e9);
+        on_mesh(scene, 4);
         scene.base = Some(Base {
             peak_angle: 15.0,
             residual_angle: 15.0,
