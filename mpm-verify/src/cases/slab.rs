@@ -59,6 +59,9 @@ fn slab(mut scene: Scene, memory: f64, end: f64) -> Result<Scene, String> {
     scene = scene.edited(|scene| {
         (scene.height, scene.elastic.youngs_modulus) = (0.4, 1e9);
         on_mesh(scene, 4);
+        if let Some(free) = &mut scene.free_surface {
+            free.level = Some(scene.height);
+        }
         scene.base = Some(Base {
             peak_angle: 15.0,
             residual_angle: 15.0,
@@ -102,10 +105,6 @@ fn saturated() -> Result<Scene, String> {
 fn seeping() -> Result<Scene, String> {
     let scene = slab(built_in("slope-seepage")?, 0.0, FAR.1)?.edited(|scene| {
         (scene.strength, scene.integrator) = (None, Integrator::TwoClocks);
-        let height = scene.height;
-        if let Some(free) = &mut scene.free_surface {
-            free.level = Some(height);
-        }
         if let Some(soil) = scene.stages.last_mut() {
             (soil.damping, soil.clock) = (0.0, Clock::Soil);
         }
