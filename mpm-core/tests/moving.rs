@@ -7,10 +7,12 @@ use std::sync::Arc;
 use common::{completed, scene};
 use mpm_core::boundary::{FirstState, Given};
 use mpm_core::drive::Run;
-use mpm_core::run::{run, run_given};
+use mpm_core::hardware::Hardware;
+use mpm_core::observe::SolidState;
+use mpm_core::run::{model_given, run, run_given};
 use mpm_core::scene::{
-    Elastic, Fields, Integrator, Quadrature, Scene, ShapeChoice, SoilLayer, SolidSide, Start, StrainChoice, Surcharge,
-    Until,
+    Dimension, Elastic, Fields, Integrator, Quadrature, Scene, ShapeChoice, SoilLayer, SolidSide, Start, StrainChoice,
+    Surcharge, TransferChoice, Until,
 };
 use mpm_core::stability::{explicit_limit, semi_implicit_limit, stable_limit};
 
@@ -321,4 +323,46 @@ fn light_nodes_single_points_and_viscous_transfers_are_refused() {
 fn run_of_flip(scene: &Scene) -> f64 {
     let run = run(&scene.edited(|s| s.flip = 1.0).expect("a sound scene"), &mut |_| {}).expect("a start");
     run.samples.last().map_or(f64::NAN, |s| s.state.settlement)
+}
+
+/// Lanes without a particle move with the mesh as if they held one: a square that turns through its cells leaves many behind.
+#[test]
+fn a_free_square_turns_for_long() {
+    let [middle, half] = [0.8, 0.5];
+    let dry = [
+        "start = \"unloaded\"",
+        "-[water]",
+        "-darcy",
+        "-darcy_inertia",
+        "-[surcharge]",
+        "drained -> until.time = 1.0",
+        "-until.time_factor",
+        "time_factors -> times = [1.0]",
+    ];
+    let square = scene(&dry).altered_unchecked(|scene| {
+        let corner = |x: f64, y: f64| [middle + half * x, middle + half * y];
+        scene.outline = Some([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)].to_vec());
+        (scene.dimension, scene.shape, scene.solid_sides) =
+            (Dimension::PlaneStrain, ShapeChoice::Gimp, [SolidSide::Free; 4]);
+        (scene.cell, scene.particles_per_cell, scene.headroom_cells) = (0.1, 4, 0);
+        (scene.width, scene.height, scene.cells) = (2.0 * middle, 2.0 * middle, [16; 2]);
+        scene.transfer = TransferChoice::Affine;
+    });
+    let shear_wave = (square.elastic.shear_modulus() / square.dry_density()).sqrt();
+    let rate = 0.05 * shear_wave / half;
+    let start = move |[x, y]: [f64; 2]| FirstState {
+        velocity: [rate * (middle - y), rate * (x - middle)],
+        ..FirstState::default()
+    };
+    let given = Given { start: Some(Arc::new(start)), ..Given::default() };
+    let mut model = model_given(&Hardware::default(), &square, &given).expect("a model");
+    model.enter_stage(&square.stages[0], &[f64::INFINITY]).expect("a stage");
+    let momentum = |particles: &[SolidState]| -> f64 {
+        let of = |p: &SolidState| p.mass * ((p.x[0] - middle) * p.velocity[1] - (p.x[1] - middle) * p.velocity[0]);
+        particles.iter().map(of).sum()
+    };
+    let first = momentum(&model.particles());
+    model.advance(0.4 * stable_limit(&square), 6000, &mut 0).expect("sound steps");
+    let kept = momentum(&model.particles()) / first;
+    assert!((kept - 1.0).abs() < 1e-3, "{kept}");
 }

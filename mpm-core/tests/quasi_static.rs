@@ -8,7 +8,7 @@ use mpm_core::constitutive::{Flow, Law, LinearElastic, Materials, State};
 use mpm_core::drive::{Run, drive};
 use mpm_core::particles::SolidPoint;
 use mpm_core::run::run;
-use mpm_core::scene::{Displaced, Scene, StrainChoice, TimeMethod};
+use mpm_core::scene::{CamClay, Displaced, Scene, StrainChoice, TimeMethod, Until};
 use mpm_core::step::quasi_static::{QuasiStatic, Seeding};
 use nalgebra::SMatrix;
 
@@ -324,6 +324,53 @@ fn dry(step: &str) -> Scene {
     ]);
     // The laws below store no energy that the balance could find.
     scene.edited(|s| s.force = true).expect("a sound scene")
+}
+
+/// A row of `reference-data/exact/13_cam_clay_oedometer.csv`: logarithmic strain of normally consolidated Cam-Clay from an isotropic
+/// state, of slopes a hundred times those below, and the vertical stress over the first one, which is the attraction.
+const COMPRESSED: [f64; 2] = [0.12, 3.732_517_389_252_521_4];
+
+/// How far the settlement of a dry column of Cam-Clay is off under its full load, and the steps it took. The load comes within a
+/// time (s), which nothing of it knows.
+fn along_a_path(ramp: f64, step: &str) -> (f64, u64) {
+    let clay = CamClay {
+        lambda: 1e-3,
+        kappa: 2e-4,
+        poisson_ratio: 0.25,
+        bulk_modulus: None,
+        critical_slope: 1.0,
+        preconsolidation: 0.0,
+        overconsolidation: 1.0,
+        attraction: SURCHARGE / (COMPRESSED[1] - 1.0),
+    };
+    let scene = dry(step).edited(|s| {
+        s.cam_clay = Some(clay);
+        s.surcharge = s.surcharge.map(|load| mpm_core::scene::Surcharge { ramp_time: ramp, ..load });
+        s.observe_times = vec![ramp];
+        s.stages[0].until = Until::Time(ramp);
+    });
+    let run = completed(&scene.expect("a sound scene"));
+    let found = settlements(&run).last().copied().expect("a sample");
+    (apart(found, 1e-2 * COMPRESSED[0]), run.steps)
+}
+
+#[test]
+fn the_error_of_a_law_with_a_path_follows_the_tolerance() {
+    for tolerance in [1e-2, 1e-3, 1e-4, 1e-5] {
+        let of_ramps = [1.0, 1e-3, 1e6].map(|ramp| along_a_path(ramp, &format!("tolerance = {tolerance:e}")));
+        let [(error, steps), ..] = of_ramps;
+        // The estimate is of the stress that a step leaves to the next one; what remains is less.
+        assert!(error <= 0.1 * tolerance, "{tolerance:e}: {error:.1e}");
+        assert!(f64::from(steps as u32) < 1.0 / tolerance.sqrt() + 10.0, "{tolerance:e}: {steps} steps");
+        assert!(of_ramps.iter().all(|of| of.1 == steps && apart(of.0, error) < 1e-6), "{of_ramps:?}");
+    }
+}
+
+#[test]
+fn fixed_steps_along_a_path_are_of_second_order() {
+    let [coarse, fine] = [0.02, 0.01].map(|step| along_a_path(1.0, &format!("tolerance -> step = {step}")).0);
+    let order = (coarse / fine).log2();
+    assert!((1.8..2.2).contains(&order) && coarse < 1e-5, "{coarse:.1e} {fine:.1e}: {order:.2}");
 }
 
 #[test]

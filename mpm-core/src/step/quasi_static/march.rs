@@ -3,7 +3,7 @@
 use super::krylov::{Goal, Krylov};
 use super::relay::RELAY;
 use super::sdirk::{GAMMA, Sdirk, StepSums};
-use super::soil::{HELD, Soil, Strained};
+use super::soil::{HELD, Soil};
 use super::tangent::Stuck;
 use super::trouble::{describe, inside_out, nothing};
 use super::{KrylovStage, Method, QuasiStatic};
@@ -173,19 +173,22 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             }
             Err(stuck) => return Err(self.fault(&stuck, Some(h))),
         };
-        let error = self.error();
-        let allowed = CAUTION * self.scene.tolerance;
-        let factor = if self.scene.water.is_none() {
-            // Nothing but the load has a rate, and no estimate sees a limit load ahead: Newton's iteration does.
-            (EASY / self.work.iterations() as f64).clamp(1.0, 5.0)
-        } else {
-            // The error of a step goes with h^4: the estimate is of order 3.
-            (0.9 * (allowed / error.max(1e-300)).powf(0.25)).clamp(0.1, 5.0)
-        };
-        if !fixed && (error.is_nan() || error > allowed) {
+        let (of_water, along_path) = (self.error(), self.follow_path());
+        let (allowed, tolerance) = (CAUTION * self.scene.tolerance, self.scene.tolerance);
+        // The error of a step goes with h^4: the estimate is of order 3. That of the law along its path goes with h^2.
+        let by_water = (0.9 * (allowed / of_water.max(1e-300)).powf(0.25)).clamp(0.1, 5.0);
+        let by_path = (0.9 * (tolerance / along_path.max(1e-300)).sqrt()).clamp(0.1, 5.0);
+        // Without water no estimate sees a limit load ahead: Newton's iteration does.
+        let ahead =
+            if self.scene.water.is_none() { (EASY / self.work.iterations() as f64).clamp(1.0, 5.0) } else { 5.0 };
+        let factor = by_water.min(by_path).min(ahead);
+        if !fixed && !(of_water <= allowed && along_path <= tolerance) {
             self.done.rejected += 1;
-            self.trouble = Some(format!("estimated error {error:.3e}, allowed {allowed:.3e}"));
-            return Ok(Grown { accepted: false, factor: if error.is_nan() { 0.1 } else { factor } });
+            self.trouble = Some(format!(
+                "estimated error {of_water:.3e}, allowed {allowed:.3e}, and {along_path:.3e} of the stress along its path, allowed \
+                 {tolerance:.3e}"
+            ));
+            return Ok(Grown { accepted: false, factor: if factor.is_nan() { 0.1 } else { factor } });
         }
         self.done.accepted += 1;
         self.book(&sums, 0.5 * (share(0.0) + share(1.0)));
@@ -225,9 +228,12 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         Ok(())
     }
 
-    /// Estimated error of the last step: of the settlement, relative to it, and of the pressure, RMS beside that of the
-    /// load.
+    /// Estimated error of the last step in what flows: of the settlement, relative to it, and of the pressure, RMS beside that of
+    /// the load.
     fn error(&self) -> f64 {
+        if self.scene.water.is_none() {
+            return 0.0;
+        }
         let (Some(soil), Some(Method::Sdirk { stepper, .. })) = (&self.soil, &self.method) else { return f64::NAN };
         let size = self.pressure_size();
         let least = 1e-3 * size * self.scene.height / soil.scales[1];
@@ -261,22 +267,35 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         self.content.copy_from_slice(&soil.values.content);
     }
 
-    /// The state of the law goes on to the end of the step. Returns the largest strain since the mesh was laid.
+    /// Where the step leads the soil's laws, into `ends`. Returns how far a single step of them is off, RMS beside the load.
+    fn follow_path(&mut self) -> f64 {
+        self.ends.clear();
+        let Some(soil) = self.soil.as_ref().filter(|soil| !soil.linear()) else { return 0.0 };
+        let (mut sum, mut whole) = (0.0, 0.0);
+        for part in &soil.solid {
+            let Some(end) = soil.strained(part) else { return f64::NAN };
+            let (part, flow, off) = soil.followed(part, &end);
+            sum += part.weight * off * off;
+            whole += part.weight;
+            self.ends.push((part, flow));
+        }
+        (sum / whole).sqrt() / self.pressure_size()
+    }
+
+    /// The soil goes on to the end of the step. Returns the largest strain since the mesh was laid.
     fn commit(&mut self) -> f64 {
-        let Some(soil) = self.soil.as_mut().filter(|soil| !soil.linear()) else { return 0.0 };
+        let Some(soil) = &mut self.soil else { return 0.0 };
         let mut strained: f64 = 0.0;
-        for i in 0..soil.solid.len() {
-            let part = soil.solid[i];
-            let Some(Strained { strain, stress, state, flow, .. }) = soil.strained(&part) else { continue };
-            (soil.solid[i].strain, soil.solid[i].stress, soil.solid[i].state) = (strain, stress, state);
+        for (i, (end, flow)) in self.ends.drain(..).enumerate() {
+            let part = std::mem::replace(&mut soil.solid[i], end);
             if flow.residual > f64::NEG_INFINITY {
                 // Of the work done along the step what is not stored.
-                let ((before, from), (after, to)) = (soil.stored(&part), soil.stored(&soil.solid[i]));
-                let work: f64 = (0..4).map(|s| 0.5 * (from[s] + to[s]) * (strain[s] - part.strain[s])).sum();
+                let ((before, from), (after, to)) = (soil.stored(&part), soil.stored(&end));
+                let work: f64 = (0..4).map(|s| 0.5 * (from[s] + to[s]) * (end.strain[s] - part.strain[s])).sum();
                 let dissipation = work - (after - before);
                 self.totals.flowed.add(part.weight, &Flow { dissipation, ..flow });
             }
-            strained = strain.iter().fold(strained, |m, e| m.max(e.abs()));
+            strained = end.strain.iter().fold(strained, |m, e| m.max(e.abs()));
         }
         strained
     }

@@ -26,14 +26,14 @@ mod trouble;
 use krylov::Krylov;
 use newton::{Workspace, largest};
 use sdirk::Sdirk;
-use soil::Soil;
+use soil::{Soil, SolidPart};
 use trouble::{inside_out, nothing};
 
 use serde::{Deserialize, Serialize};
 
 use super::{Fault, Model, Work};
 use crate::checkpoint::{Archive, RestoreError};
-use crate::constitutive::{Law, Materials, State};
+use crate::constitutive::{Flow, Law, Materials, State};
 use crate::observe::{Ledger, Observation, Totals};
 use crate::particles::SolidPoint;
 use crate::scene::{Scene, Stage, StepChoice, StrainChoice, TimeMethod};
@@ -74,6 +74,8 @@ pub struct QuasiStatic<L: Law, const D: usize> {
     content: Vec<f64>,
     method: Option<Method>,
     work: Workspace,
+    /// The soil at the end of a step that may be accepted, and what its laws did.
+    ends: Vec<(SolidPart<D>, Flow)>,
     /// Settlement per unknown, m.
     settle: Vec<(u32, f64)>,
     /// Settlement of the surface since t = 0 when the mesh was laid, m.
@@ -140,6 +142,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             content: Vec::new(),
             method: None,
             work: Workspace::default(),
+            ends: Vec::new(),
             settle: Vec::new(),
             settled: 0.0,
             drained: [false; 4],

@@ -280,14 +280,23 @@ impl<V: Simd> Blocks<V> {
         self.ids[block * V::F64_LANES + lane]
     }
 
-    /// Particles of the strip that have left their cells, in the order of cells and places, after those in `movers`.
-    pub fn leaving<const D: usize>(&self, frame: &Frame<D>, first: usize, movers: &mut Movers) {
+    /// Particles of the strip that have left their cells, in the order of cells and places, after those in `movers`. Empty lanes,
+    /// which move with the mesh as if they held a particle, go back to the middle: away from their cell functions grow without
+    /// bound, and no weight of zero makes anything of infinity.
+    pub fn leaving<const D: usize>(&mut self, frame: &Frame<D>, first: usize, movers: &mut Movers) {
         movers.columns = self.columns;
         for cell in 0..(self.start.len() - 1) * V::F64_LANES {
-            for slot in 0..self.count(cell) {
+            let count = self.count(cell);
+            for slot in 0..self.slots(cell) {
                 let x: [f64; D] = std::array::from_fn(|d| self.number(cell, slot, d));
                 let to = frame.at(&x);
-                if to != Some(first + cell) {
+                if to == Some(first + cell) {
+                    continue;
+                }
+                if slot >= count {
+                    let (block, lane) = self.place(cell, slot);
+                    self.clear(frame, first + cell, block, lane);
+                } else {
                     let (record, id) = (movers.numbers.len(), self.id(cell, slot));
                     movers.list.push(Mover { from: first + cell, slot, to, record, id });
                     movers.numbers.extend((0..self.columns).map(|i| self.number(cell, slot, i)));
