@@ -57,18 +57,6 @@ pub fn internal_force<const D: usize, R: Real>(mean: &[R; 4], first: &[[R; 4]; D
     force
 }
 
-/// Stress times a vector: sigma . G, Pa times the unit of G.
-#[inline(always)]
-pub fn traction<const D: usize, R: Real>(stress: &[R; 4], vector: &[R; D]) -> [R; D] {
-    let [xx, yy, _, xy] = *stress;
-    let mut force = [yy * vector[0]; D];
-    if D == 2 {
-        force[0] = xx * vector[0] + xy * vector[D - 1];
-        force[D - 1] = xy * vector[0] + yy * vector[D - 1];
-    }
-    force
-}
-
 /// Mean of the three normal stresses, Pa.
 #[inline(always)]
 pub fn mean_stress<R: Real>(stress: &[R; 4]) -> R {

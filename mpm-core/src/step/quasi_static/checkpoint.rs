@@ -20,7 +20,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             self.lay_again()?;
         }
         archive!(archive.slice: self.y, self.content);
-        archive!(archive.value: self.work.reference);
+        archive!(archive.value: self.work.reference, self.rejected_path);
         self.soil_and_method(archive)
     }
 

@@ -24,6 +24,8 @@ const LEAST_STEP: f64 = 1e-12;
 const LEAST_LOAD_STEP: f64 = 1e-5;
 /// A step without water that took fewer iterations may be followed by a longer one.
 const EASY: f64 = 6.0;
+/// What a step of a tenth leaves of the error along a path is at least this where the path jumps: of a smooth one it is a hundredth.
+const JUMP: f64 = 0.5;
 /// Unknowns times steps between two looks at whether the run is to be kept or stopped: some tenths of a second.
 const UNKNOWNS_AT_ONCE: usize = 1 << 18;
 /// Residual of a nonlinear stage beside the tolerance.
@@ -177,6 +179,9 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let (allowed, tolerance) = (CAUTION * self.scene.tolerance, self.scene.tolerance);
         // The error of a step goes with h^4: the estimate is of order 3. That of the law along its path goes with h^2.
         let by_water = (0.9 * (allowed / of_water.max(1e-300)).powf(0.25)).clamp(0.1, 5.0);
+        // An error that a shorter step does not lessen is that of a jump, of a load or a pressure: the law has followed it in parts.
+        let jumps = self.rejected_path.take().is_some_and(|before| along_path > JUMP * before);
+        let along_path = if jumps { 0.0 } else { along_path };
         let by_path = (0.9 * (tolerance / along_path.max(1e-300)).sqrt()).clamp(0.1, 5.0);
         // Without water no estimate sees a limit load ahead: Newton's iteration does.
         let ahead =
@@ -184,6 +189,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let factor = by_water.min(by_path).min(ahead);
         if !fixed && !(of_water <= allowed && along_path <= tolerance) {
             self.done.rejected += 1;
+            self.rejected_path = Some(along_path);
             self.trouble = Some(format!(
                 "estimated error {of_water:.3e}, allowed {allowed:.3e}, and {along_path:.3e} of the stress along its path, allowed \
                  {tolerance:.3e}"
@@ -271,10 +277,11 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     fn follow_path(&mut self) -> f64 {
         self.ends.clear();
         let Some(soil) = self.soil.as_ref().filter(|soil| !soil.linear()) else { return 0.0 };
+        let allowed = self.scene.tolerance * self.pressure_size();
         let (mut sum, mut whole) = (0.0, 0.0);
         for part in &soil.solid {
             let Some(end) = soil.strained(part) else { return f64::NAN };
-            let (part, flow, off) = soil.followed(part, &end);
+            let (part, flow, off) = soil.followed(part, &end, allowed);
             sum += part.weight * off * off;
             whole += part.weight;
             self.ends.push((part, flow));

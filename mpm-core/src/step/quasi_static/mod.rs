@@ -76,6 +76,8 @@ pub struct QuasiStatic<L: Law, const D: usize> {
     work: Workspace,
     /// The soil at the end of a step that may be accepted, and what its laws did.
     ends: Vec<(SolidPart<D>, Flow)>,
+    /// Estimated error along the path of the last step, if that was rejected.
+    rejected_path: Option<f64>,
     /// Settlement per unknown, m.
     settle: Vec<(u32, f64)>,
     /// Settlement of the surface since t = 0 when the mesh was laid, m.
@@ -143,6 +145,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             method: None,
             work: Workspace::default(),
             ends: Vec::new(),
+            rejected_path: None,
             settle: Vec::new(),
             settled: 0.0,
             drained: [false; 4],

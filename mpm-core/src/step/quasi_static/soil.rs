@@ -16,8 +16,10 @@ use super::tangent::System;
 use crate::constitutive::{Flow, Law, Materials, STATES, State};
 use crate::space::{Axis, MOST, Stencil, strain_mode, stretch, tensor, turned};
 
-/// Most that a step of a law and two half steps may be apart for an extrapolation, as a share of the stress.
+/// Most that a law's results in steps and in half steps may be apart for an extrapolation, as a share of the stress.
 const MOST_APART: f64 = 0.1;
+/// Most parts of a step along the path of a law.
+const MOST_PARTS: u32 = 64;
 /// No unknown: a held displacement, or a pressure that is zero.
 pub(super) const HELD: u32 = u32::MAX;
 
@@ -304,29 +306,34 @@ impl<L: Law, const D: usize> Soil<L, D> {
         (stress, state, flow)
     }
 
-    /// A part at the end of a step that strained it so, and how its law's single step along that strain is off, Pa: an implicit
-    /// return is of first order along the path. Two half steps and Richardson's extrapolation are of second order, and what the
-    /// path left to the balance of forces is made good in the next step, so that errors do not add up.
-    pub fn followed(&self, part: &SolidPart<D>, end: &Strained<D>) -> (SolidPart<D>, Flow, f64) {
-        let whole = SolidPart { strain: end.strain, stress: end.stress, state: end.state, ..*part };
+    /// A part at the end of a step that strained it so, and how far its law's single step along that strain is off, Pa: an implicit
+    /// return is of first order along the path. Half steps, halved until they are within an error (Pa), and Richardson's
+    /// extrapolation are of second order, and what the single step left to the balance of forces is made good in the next step, so
+    /// that errors do not add up.
+    pub fn followed(&self, part: &SolidPart<D>, end: &Strained<D>, allowed: f64) -> (SolidPart<D>, Flow, f64) {
         let law = self.law.law(part.mark);
-        if law.is_linear() {
-            return (whole, end.flow, 0.0);
-        }
-        let half = std::array::from_fn(|s| 0.5 * (end.strain[s] - part.strain[s]));
-        let (mut stress, mut state) = (part.stress, part.state);
-        law.update(&mut stress, &half, &mut state);
-        let mut flow = law.update(&mut stress, &half, &mut state);
         let norm = |x: &[f64; 4]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let apart: [f64; 4] = std::array::from_fn(|s| stress[s] - end.stress[s]);
-        let off = 2.0 * norm(&apart);
-        // Of halves that are further apart no limit can be told.
-        if off < MOST_APART * norm(&stress) {
-            (0..4).for_each(|s| stress[s] += apart[s]);
-            (0..STATES).for_each(|s| state[s] += state[s] - end.state[s]);
-            flow = law.update(&mut stress, &[0.0; 4], &mut state);
+        let (mut stress, mut state, mut flow) = (end.stress, end.state, end.flow);
+        let mut count = if law.is_linear() { MOST_PARTS } else { 1 };
+        while count < MOST_PARTS {
+            count *= 2;
+            let strain = std::array::from_fn(|s| (end.strain[s] - part.strain[s]) / f64::from(count));
+            let before = (stress, state);
+            (stress, state) = (part.stress, part.state);
+            for _ in 0..count {
+                flow = law.update(&mut stress, &strain, &mut state);
+            }
+            let apart: [f64; 4] = std::array::from_fn(|s| stress[s] - before.0[s]);
+            // Of parts that are further apart no limit can be told.
+            if norm(&apart) < MOST_APART * norm(&stress) && (norm(&apart) <= allowed || count == MOST_PARTS) {
+                (0..4).for_each(|s| stress[s] += apart[s]);
+                (0..STATES).for_each(|s| state[s] += state[s] - before.1[s]);
+                flow = law.update(&mut stress, &[0.0; 4], &mut state);
+                break;
+            }
         }
-        (SolidPart { stress, state, ..whole }, flow, off)
+        let off = norm(&std::array::from_fn(|s| stress[s] - end.stress[s]));
+        (SolidPart { strain: end.strain, stress, state, ..*part }, flow, off)
     }
 
     fn skeleton(&mut self) -> Result<(), InsideOut<D>> {

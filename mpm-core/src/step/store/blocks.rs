@@ -269,11 +269,6 @@ impl<V: Simd> Blocks<V> {
         P::unpack(&record)
     }
 
-    /// Position (m) and volume (m3) of a particle.
-    pub fn place_and_volume<P: Point<D>, const D: usize>(&self, cell: usize, slot: usize) -> ([f64; D], f64) {
-        (std::array::from_fn(|d| self.number(cell, slot, d)), self.number(cell, slot, P::VOLUME))
-    }
-
     /// Number that a particle was seeded with.
     pub fn id(&self, cell: usize, slot: usize) -> u32 {
         let (block, lane) = self.place(cell, slot);
