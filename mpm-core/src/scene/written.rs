@@ -83,7 +83,10 @@ struct Writer(Table);
 impl Writer {
     /// Writes a key; `None` leaves it out.
     fn put(&mut self, key: &str, value: impl Into<Change>) -> Result<(), SceneError> {
-        let value = value.into().value().map_err(|why| refused(key, "a value that TOML can hold".to_owned(), why))?;
+        let value = value
+            .into()
+            .value()
+            .map_err(|why| refused(key, "a value that TOML can hold".to_owned(), why.to_string()))?;
         let Some(value) = value else { return Ok(()) };
         let (tables, last) = key.rsplit_once('.').unwrap_or(("", key));
         let table = tables.split('.').filter(|name| !name.is_empty()).fold(&mut self.0, |table, name| {
