@@ -11,6 +11,7 @@ use mpm_core::scene::read_text;
 use serde::{Deserialize, Serialize};
 
 use crate::cases::Climb;
+use crate::error::Error;
 use crate::nightly::accepted::FOLDER;
 
 /// `reference-data/baselines/ladder.csv`.
@@ -58,13 +59,13 @@ static READ: OnceLock<Vec<Accepted>> = OnceLock::new();
 ///
 /// # Errors
 /// A folder without such a file, or a file that is no such table.
-pub fn hold_against(folder: Option<&Path>) -> Result<Option<PathBuf>, String> {
+pub fn hold_against(folder: Option<&Path>) -> Result<Option<PathBuf>, Error> {
     let path = folder.unwrap_or(Path::new(FOLDER)).join(NAME);
     if folder.is_none() && !path.exists() {
         return Ok(None);
     }
-    let text = read_text(&path, LARGEST).map_err(|e| format!("{}: {e}", path.display()))?;
-    let rows = parse(&text).map_err(|e| format!("{}: {e}", path.display()))?;
+    let text = read_text(&path, LARGEST).map_err(Error::at(&path))?;
+    let rows = parse(&text).map_err(Error::at(&path))?;
     READ.get_or_init(|| rows);
     Ok(Some(path))
 }

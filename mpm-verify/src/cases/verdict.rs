@@ -316,7 +316,7 @@ mod tests {
     use super::*;
 
     fn judged(outcome: Outcome) -> Climb {
-        let rung = Rung { name: "made up", about: "", climb: || Err(String::new()), mutant: None };
+        let rung = Rung { name: "made up", about: "", climb: || Err(crate::error::Error::Lacks("case")), mutant: None };
         judge(rung, outcome, 0.0)
     }
 
