@@ -232,7 +232,7 @@ impl Scene {
     fn with_edits(&self, edits: Vec<Edit>) -> Result<Self, SceneError> {
         let mut source = Source::clone(&self.source);
         source.edits.extend(edits);
-        let mut scene = check::check(&Arc::new(source))?;
+        let mut scene = Scene::checked(&Arc::new(source))?;
         scene.fields.force = self.force;
         scene.fields.left_out.clone_from(&self.left_out);
         Ok(scene)
