@@ -1,5 +1,6 @@
 //! The verification ladder: one case per file, each with its scene, its exact solution, its norm, what it must show.
 
+mod accepted;
 mod automatic_step;
 mod bar;
 mod bits;
@@ -59,10 +60,10 @@ use mpm_core::observe::balances;
 use mpm_core::run::{StartError, run, run_given};
 use mpm_core::scene::{Fields, Integrator, Scene};
 
+pub use self::accepted::accepted;
 pub use self::evidence::{Refinement, RefinementRow, SampleRow, Sampled, words};
 pub use self::verdict::{Climb, Step};
 use self::verdict::{Outcome, judge};
-use crate::baseline;
 use crate::error::Error::{self, Lacks, Unfit};
 use crate::norms::largest;
 use crate::study::word;
@@ -235,7 +236,7 @@ impl Rung {
     /// A run of it could not be finished.
     pub fn climb(&self) -> Result<Climb, Error> {
         let mut climb = self.judged(self.climb)?;
-        baseline::ladder::compare(&mut climb);
+        accepted::compare(&mut climb);
         Ok(climb)
     }
 

@@ -195,7 +195,7 @@ impl Climb {
     }
 
     /// Marks the case as failed for a reason that its own rule does not know.
-    pub(crate) fn fall(&mut self, why: &str) {
+    pub(super) fn fall(&mut self, why: &str) {
         FAILED.clone_into(&mut self.step.verdict);
         self.reason = format!("{}; {why}", self.reason);
         self.step.reason.clone_from(&self.reason);

@@ -7,7 +7,7 @@ use mpm_core::hardware::Hardware;
 use mpm_core::scene::{Flags, INTEGRATORS, SHAPES, Scene};
 use mpm_verify::baseline;
 use mpm_verify::cases::own::OwnScene;
-use mpm_verify::cases::{Climb, LADDER, Rung, Step};
+use mpm_verify::cases::{Climb, LADDER, Rung, Step, accepted};
 use mpm_verify::error::Error;
 use mpm_verify::files::Folder;
 use mpm_verify::manifest::Manifest;
@@ -148,7 +148,7 @@ pub fn climb(names: &[String], common: &Common, study: bool, folder: &Path) -> R
         Ok(climb)
     })?;
     let steps = write(&climbs, &mpm_verify::scenes::terzaghi(), common, (study, folder))?;
-    let (path, rows) = (folder.join("accepted.csv"), baseline::ladder::accepted(&climbs));
+    let (path, rows) = (folder.join("accepted.csv"), accepted(&climbs));
     std::fs::write(&path, rows).map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))?;
     let without: Vec<&str> = steps.iter().filter(|s| s.baseline.is_none()).map(|s| s.rung.as_str()).collect();
     if !without.is_empty() {

@@ -307,7 +307,7 @@ fn accept(
     common: &Common,
 ) -> Result<(), Failure> {
     let Some(file) = file else {
-        let expected = accepted::FOLDER;
+        let expected = baseline::FOLDER;
         return Err(Failure::BadInput(format!(
             "--accept: expected {expected} here, or --baselines DIR, found neither"
         )));

@@ -8,13 +8,12 @@ use mpm_core::scene::read_text;
 use serde::{Deserialize, Serialize};
 
 use super::measure::{Label, Measure, Tolerance};
+use crate::baseline::FOLDER;
 use crate::error::Error;
 use crate::files;
 
 /// Name of the file.
 pub const NAME: &str = "nightly.csv";
-/// Where it is in the source tree.
-pub const FOLDER: &str = "reference-data/baselines";
 /// As it was when the program was built.
 const BUILT_IN: &str = include_str!("../../../reference-data/baselines/nightly.csv");
 /// No file of this kind is larger, bytes.
