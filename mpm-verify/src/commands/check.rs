@@ -88,8 +88,8 @@ fn own(path: &Path, options: &Options, common: &Common) -> Result<(), Failure> {
     let flags = Flags { integrator: options.integrator.clone(), scheme: options.scheme.clone(), ..Flags::default() };
     let scene = Scene::load_with(path, &flags).map_err(Failure::bad_input)?;
     // What is wrong with a flag is said of the flag, all else of the file.
-    let refused = |e: Error| match &e {
-        Error::Refused { key, .. } if key.starts_with("--") => Failure::bad_input(e),
+    let refused = |e: Error| match e.to_string() {
+        flag if flag.starts_with("--") => Failure::BadInput(flag),
         _ => Failure::bad_input(e.of(path.display())),
     };
     let own = OwnScene::new(&scene, &options.rows).map_err(refused)?;

@@ -125,27 +125,27 @@ pub fn displaced(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<V
     let scenes: Vec<Result<Scene, Error>> = cases.iter().map(scene).collect();
     let results = run_all(&scenes, ("displaced", false), runner)?;
     *cpu_s += results.iter().flatten().map(|r| r.cpu_s).sum::<f64>();
-    let row =
-        |(((mesh, shape, quadrature, kind, d), scene), result): ((&(f64, _, _, &str, Displaced), _), &Option<_>)| {
-            let (max, late, profile, failure) = errors(scene, result.as_ref());
-            let required = required(*shape, *quadrature, *mesh);
-            Displacement {
-                kind: (*kind).to_owned(),
-                smooth: d.smooth,
-                jitter: d.jitter,
-                seed: d.seed,
-                scheme: word(shape),
-                quadrature: word(quadrature),
-                mesh_m: *mesh,
-                ppc: PARTICLES,
-                max_error_compressible: max,
-                late_error_compressible: late,
-                profile_error_compressible: profile,
-                held: required.map(|limit| failure.is_none() && max <= limit),
-                required,
-                failure,
-            }
-        };
+    let row = |((case, scene), result): ((&(f64, _, _, &str, Displaced), _), &Option<_>)| {
+        let (mesh, shape, quadrature, kind, d) = case;
+        let (max, late, profile, failure) = errors(scene, result.as_ref());
+        let required = required(*shape, *quadrature, *mesh);
+        Displacement {
+            kind: (*kind).to_owned(),
+            smooth: d.smooth,
+            jitter: d.jitter,
+            seed: d.seed,
+            scheme: word(shape),
+            quadrature: word(quadrature),
+            mesh_m: *mesh,
+            ppc: PARTICLES,
+            max_error_compressible: max,
+            late_error_compressible: late,
+            profile_error_compressible: profile,
+            held: required.map(|limit| failure.is_none() && max <= limit),
+            required,
+            failure,
+        }
+    };
     Ok(cases.iter().zip(&scenes).zip(&results).map(row).collect())
 }
 
