@@ -11,7 +11,7 @@ use mpm_verify::scenes::built_in;
 
 /// The study's column on so many cells, to a tolerance in time.
 fn column(rows: usize, tolerance: f64, method: TimeMethod) -> Scene {
-    let scene = built_in("terzaghi-quasi-static").expect("a scene").expect("a sound scene");
+    let scene = built_in("terzaghi-quasi-static").expect("a sound scene");
     scene
         .edited(|s| {
             s.cell = scene.height / rows as f64;
@@ -43,7 +43,7 @@ fn solve(c: &mut Criterion) {
         assert!(found <= allowed, "{name}: {found:.1e}");
         group.bench_function(name, |b| b.iter(|| run(&scene, &mut |_| {})));
     }
-    let mandel = built_in("mandel").expect("a scene").expect("a sound scene");
+    let mandel = built_in("mandel").expect("a sound scene");
     group.bench_function("Mandel, 8 cells per side", |b| b.iter(|| run(&mandel, &mut |_| {})));
     group.finish();
 }

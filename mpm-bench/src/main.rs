@@ -70,9 +70,9 @@ fn main() -> ExitCode {
 fn run(cli: &Cli) -> Result<(), Failure> {
     let start = std::time::Instant::now();
     let base = mpm_verify::scenes::terzaghi();
-    let mut plan = Plan::new(&base, cli.quick).map_err(Failure::BadInput)?;
+    let mut plan = Plan::new(&base, cli.quick).map_err(|e| Failure::BadInput(e.to_string()))?;
     if let Some(text) = &cli.only {
-        plan.only(text).map_err(Failure::BadInput)?;
+        plan.only(text).map_err(|e| Failure::BadInput(e.to_string()))?;
     }
     let peers = peers().map_err(|e| Failure::BadInput(format!("peers/terzaghi.csv: {e}")))?;
     let manifest = Manifest { command: command(), ..Manifest::new(&base, 1) };
@@ -84,12 +84,12 @@ fn run(cli: &Cli) -> Result<(), Failure> {
 
     let progress = Progress::new("speed against error", quiet);
     let rows = sweep(&plan, &base, &mut store, &progress).map_err(|e| match e {
-        SweepError::Setting(why) => Failure::BadInput(why),
-        SweepError::Store(_) => Failure::RunFailed(e.to_string()),
+        SweepError::Setting(why) => Failure::BadInput(why.to_string()),
+        e => Failure::RunFailed(e.to_string()),
     })?;
     let kernel = kept_or_measured(&cli.out, &build(&manifest), (cli.quick, cli.fresh), &|line| progress.line(line));
     progress.finish();
-    let kernel = kernel.map_err(Failure::RunFailed)?;
+    let kernel = kernel.map_err(|e| Failure::RunFailed(e.to_string()))?;
     let (wall, count) = (start.elapsed().as_secs_f64(), rows.len());
     notes.insert(0, format!("{count} settings, {} visits at most; {wall:.0} s on the clock.", plan.visits));
     if cfg!(debug_assertions) {

@@ -10,6 +10,7 @@ use cpu_time::ThreadTime;
 use mpm_core::drive::Run;
 use mpm_core::run::{StartError, run};
 use mpm_core::scene::{Integrator, Scene, TimeMethod};
+use mpm_verify::error::Error;
 use mpm_verify::exact::terzaghi::Terzaghi;
 use mpm_verify::norms::{SAMPLE_TV, largest, relative};
 use mpm_verify::study::{Case, Variant, word};
@@ -66,16 +67,16 @@ impl Setting {
     ///
     /// # Errors
     /// A setting that cannot be run at all. A run that fails is found to have failed.
-    pub fn first_visit(&self, base: &Scene) -> Result<(Found, Times), String> {
+    pub fn first_visit(&self, base: &Scene) -> Result<(Found, Times), Error> {
         let mut outcome = None;
         let clock = ThreadTime::now();
         let memory = measure(|| outcome = Some(self.solve()));
         let took = clock.elapsed().as_secs_f64();
         let found = match (&self.solver, outcome) {
             (Solver::Points(scene), Some(Outcome::Points(Ok(run)))) => self.compare(scene, &run)?,
-            (Solver::Points(_), Some(Outcome::Points(Err(e)))) => return Err(format!("{}: {e}", self.case)),
+            (Solver::Points(_), Some(Outcome::Points(Err(e)))) => return Err(Error::from(e).of(&self.case)),
             (Solver::Volumes(volumes, soil), Some(Outcome::Volumes(u))) => volumes.compare(soil, base, &u)?,
-            _ => return Err(format!("{}: nothing was run", self.case)),
+            _ => return Err(Error::Unfit("nothing was run").of(&self.case)),
         };
         let found = Found { peak_bytes: memory.bytes_max, ..found };
         let times = if took >= LONG { Times { samples: vec![took], runs: 1 } } else { self.times() };
@@ -113,7 +114,7 @@ impl Setting {
         clock.elapsed().as_secs_f64() / runs as f64
     }
 
-    fn compare(&self, scene: &Scene, run: &Run) -> Result<Found, String> {
+    fn compare(&self, scene: &Scene, run: &Run) -> Result<Found, Error> {
         let case = Case { name: self.case.clone(), variant: Variant::Base, scene: scene.clone() };
         let result = case.compare(run, f64::NAN)?;
         let chosen = scene.integrator == Integrator::QuasiStatic;
@@ -143,9 +144,11 @@ impl Setting {
 }
 
 impl FiniteVolumes {
-    fn compare(&self, soil: &Soil, base: &Scene, u: &[f64]) -> Result<Found, String> {
+    fn compare(&self, soil: &Soil, base: &Scene, u: &[f64]) -> Result<Found, Error> {
         let exact = [Terzaghi::incompressible(base), Terzaghi::compressible(base)];
-        let [Some(terzaghi), Some(compressible)] = exact else { return Err("expected a loaded wet column".to_owned()) };
+        let [Some(terzaghi), Some(compressible)] = exact else {
+            return Err(Error::Unfit("expected a loaded wet column"));
+        };
         let error = |exact: &Terzaghi| {
             let at = |(tv, u): (&f64, &f64)| relative(*u, exact.relative_settlement(tv * soil.time_per_factor));
             largest(SAMPLE_TV.iter().zip(u).map(at))

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use mpm_core::scene::{Dimension, Integrator, Scene, ShapeChoice, TimeMethod};
+use mpm_verify::error::Error;
 use mpm_verify::study::{INTEGRATORS, SHAPES};
 
 use crate::baseline::{FiniteVolumes, Kind, Soil};
@@ -74,9 +75,9 @@ impl Plan {
     ///
     /// # Errors
     /// A base scene that is not the column of the study.
-    pub fn new(base: &Scene, quick: bool) -> Result<Self, String> {
+    pub fn new(base: &Scene, quick: bool) -> Result<Self, Error> {
         let extent = if quick { QUICK } else { WHOLE };
-        let soil = Soil::of(base).ok_or("expected a column drained at the top under a step load")?;
+        let soil = Soil::of(base).ok_or(Error::Unfit("expected a column drained at the top under a step load"))?;
         let mut settings = Vec::new();
         for choice in choices(&extent) {
             settings.push(Setting::points(base, &choice)?);
@@ -98,11 +99,12 @@ impl Plan {
     ///
     /// # Errors
     /// There is none.
-    pub fn only(&mut self, text: &str) -> Result<(), String> {
+    pub fn only(&mut self, text: &str) -> Result<(), Error> {
         let example = self.settings.first().map_or_else(String::new, |s| s.case.clone());
         self.settings.retain(|s| s.case.contains(text));
         if self.settings.is_empty() {
-            return Err(format!("--only: expected part of the name of a setting, such as {example}, found {text}"));
+            let expected = format!("part of the name of a setting, such as {example}");
+            return Err(Error::refused("--only", expected, text));
         }
         self.left_out.insert(0, format!("Every setting whose name does not contain `{text}` (`--only`)."));
         Ok(())

@@ -2,6 +2,7 @@
 
 use mpm_core::scene::{Dimension, Fields, Integrator, LoadOn, Scene, ShapeChoice, StepChoice, Surcharge, TimeMethod};
 use mpm_core::stability::choose_step;
+use mpm_verify::error::Error;
 use mpm_verify::study::plan::{remesh, set_family};
 use mpm_verify::study::{Family, word};
 
@@ -56,7 +57,7 @@ impl Setting {
     ///
     /// # Errors
     /// A mesh that does not divide the column, no square number of particles, a step that cannot be chosen.
-    pub fn points(base: &Scene, choice: &Choice) -> Result<Self, String> {
+    pub fn points(base: &Scene, choice: &Choice) -> Result<Self, Error> {
         let Choice { integrator, shape, mesh, ppc, time, dimension } = *choice;
         let base = base.edited(|s| s.dimension = dimension)?;
         let mut case = format!("{}-{}-L{mesh}-ppc{ppc}", word(integrator), word(shape));
@@ -76,7 +77,7 @@ impl Setting {
         match time {
             Time::Step(parts) => {
                 if parts > 1 {
-                    let whole = choose_step(&scene).map_err(|e| format!("{case}: {e}"))?;
+                    let whole = choose_step(&scene).map_err(|e| Error::from(e).of(&case))?;
                     scene = scene.edited(|scene| scene.step = StepChoice::Fixed(whole / f64::from(parts)))?;
                     case += &format!("-step1/{parts}");
                 }

@@ -5,10 +5,12 @@
 
 use mpm_core::hash::sha256;
 use mpm_core::scene::Scene;
+use mpm_verify::error::Error;
 use mpm_verify::manifest::{Manifest, short_hash};
 use mpm_verify::progress::Progress;
 use mpm_verify::study::plan::work;
 
+use crate::kernel::kept::NAME;
 use crate::plan::Plan;
 use crate::row::Row;
 use crate::setting::{Setting, Solver};
@@ -25,11 +27,14 @@ const VISIT: f64 = 1e-2;
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
     /// A setting that cannot be run.
-    #[error("{0}")]
-    Setting(String),
+    #[error(transparent)]
+    Setting(#[from] Error),
     /// The store cannot be written.
     #[error("store.jsonl: cannot be written: {0}")]
     Store(#[from] std::io::Error),
+    /// What a step costs cannot be kept.
+    #[error("{NAME}: cannot be written: {0}")]
+    Kernel(#[source] std::io::Error),
 }
 
 /// Runs what the store does not have yet. Rows in the order of the plan.
@@ -70,7 +75,7 @@ impl Setting {
             return Ok(());
         }
         if visit == 0 {
-            let (found, times) = self.first_visit(base).map_err(SweepError::Setting)?;
+            let (found, times) = self.first_visit(base)?;
             return Ok(store.keep(&self.case, &input, Some(found), times)?);
         }
         if store.row(&self.case).is_some_and(|row| row.cpu_s > DEAR) {

@@ -25,12 +25,6 @@ impl SceneError {
     }
 }
 
-impl From<SceneError> for String {
-    fn from(error: SceneError) -> Self {
-        error.to_string()
-    }
-}
-
 /// Where a run went wrong. Exit code 3; what was computed before is kept by the caller.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("run failed at step {step}, t = {time:.6e} s, {place}: {what}")]

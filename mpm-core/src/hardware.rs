@@ -3,7 +3,7 @@
 use std::num::NonZero;
 use std::sync::Arc;
 
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 use crate::scene::{Integrator, Scene};
 
@@ -40,11 +40,11 @@ impl Hardware {
     ///
     /// # Errors
     /// The system gives no threads.
-    pub fn threads(threads: usize) -> Result<Self, String> {
+    pub fn threads(threads: usize) -> Result<Self, ThreadPoolBuildError> {
         if threads <= 1 {
             return Ok(Self::default());
         }
-        let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| e.to_string())?;
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build()?;
         Ok(Self { width: Width::Widest, pool: Some(Arc::new(pool)) })
     }
 }
@@ -58,7 +58,7 @@ impl Hardware {
     ///
     /// # Errors
     /// As [`Hardware::threads`].
-    pub fn suiting(scene: &Scene, threads: Option<usize>) -> Result<Self, String> {
+    pub fn suiting(scene: &Scene, threads: Option<usize>) -> Result<Self, ThreadPoolBuildError> {
         if scene.integrator == Integrator::QuasiStatic {
             return Ok(Self::default());
         }

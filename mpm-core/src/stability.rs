@@ -486,6 +486,15 @@ pub struct StepTooLarge {
     pub limit: f64,
 }
 
+/// The time step that a scene with a limit (s) asks for, s, stable or not.
+pub fn intended_step(scene: &Fields, limit: f64) -> f64 {
+    match scene.step {
+        StepChoice::Auto => scene.safety * limit,
+        StepChoice::Fixed(step) => step,
+        StepChoice::Paper => PAPER_STEP,
+    }
+}
+
 /// The time step of a scene, s; infinite for the quasi-static integrator, which divides the time itself.
 ///
 /// # Errors
@@ -495,10 +504,6 @@ pub fn choose_step(scene: &Fields) -> Result<f64, StepTooLarge> {
     if scene.integrator == Integrator::QuasiStatic {
         return Ok(limit);
     }
-    let step = match scene.step {
-        StepChoice::Auto => scene.safety * limit,
-        StepChoice::Fixed(step) => step,
-        StepChoice::Paper => PAPER_STEP,
-    };
+    let step = intended_step(scene, limit);
     if step > limit && !scene.force { Err(StepTooLarge { step, limit }) } else { Ok(step) }
 }

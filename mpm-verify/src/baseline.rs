@@ -2,3 +2,6 @@
 //! number. What a night measures beside them has its own file ([`crate::nightly::accepted`]).
 
 pub mod ladder;
+
+/// Where the accepted numbers are kept, from the root of the source.
+pub const FOLDER: &str = "reference-data/baselines";

@@ -3,6 +3,8 @@
 use mpm_core::constitutive::{Law, State};
 use nalgebra::{DMatrix, DVector};
 
+use crate::error::Error::{self, Unfit};
+
 /// Newton steps at most; between planes a handful is enough.
 const MOST: usize = 50;
 /// How exactly held stresses are held, as a share of the largest stress.
@@ -31,7 +33,7 @@ impl<L: Law> Element<L> {
     ///
     /// # Errors
     /// No stress was found, or the tangent is singular along the free strains.
-    pub fn step(&mut self, driven: &[f64; 4], free: &[[f64; 4]], held: &[f64; 4]) -> Result<(), String> {
+    pub fn step(&mut self, driven: &[f64; 4], free: &[[f64; 4]], held: &[f64; 4]) -> Result<(), Error> {
         let count = free.len();
         let mut amounts = DVector::zeros(count);
         for _ in 0..MOST {
@@ -51,9 +53,9 @@ impl<L: Law> Element<L> {
             let tangent = self.law.tangent(&self.stress, &strain, &self.state);
             let along = DMatrix::from_fn(4, count, |s, k| free[k][s]);
             let matrix = along.transpose() * tangent * &along;
-            amounts -= matrix.lu().solve(&over).ok_or("the tangent is singular along the free strains")?;
+            amounts -= matrix.lu().solve(&over).ok_or(Unfit("the tangent is singular along the free strains"))?;
         }
-        Err(format!("no stress that holds {held:?} Pa at strain {:?}", self.strain))
+        Err(Error::Found(format!("no stress that holds {held:?} Pa at strain {:?}", self.strain)))
     }
 }
 

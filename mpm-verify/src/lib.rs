@@ -16,7 +16,7 @@
 //!    their runs.
 //! 8. [`progress`], [`patience`]: how far a run has come, and how long it will take.
 //! 9. [`files`]: files that are whole or not there. [`checkpoint`], [`keeping`]: states to
-//!    go on from.
+//!    go on from. [`error`]: what can go wrong.
 
 pub mod baseline;
 pub mod budget;
@@ -25,6 +25,7 @@ pub mod checkpoint;
 pub mod claims;
 pub mod cost;
 pub mod element;
+pub mod error;
 pub mod exact;
 pub mod files;
 pub mod frames;

@@ -49,7 +49,7 @@ fn words(line: &str) -> Vec<String> {
 }
 
 /// Whether a command line is one of this program; why not, if it is not.
-fn parses(arguments: &[String]) -> Result<(), String> {
+fn parses(arguments: &[String]) -> Result<(), clap::Error> {
     // What stands for something of the reader's own.
     let own = |word: &String| match word.as_str() {
         "SCENE" | "SCENE.toml" => "scene.toml".to_owned(),
@@ -58,7 +58,7 @@ fn parses(arguments: &[String]) -> Result<(), String> {
         other => other.to_owned(),
     };
     let arguments = arguments.iter().map(own).filter(|word| !word.is_empty());
-    Cli::try_parse_from(std::iter::once("mpm-verify".to_owned()).chain(arguments)).map(drop).map_err(|e| e.to_string())
+    Cli::try_parse_from(std::iter::once("mpm-verify".to_owned()).chain(arguments)).map(drop)
 }
 
 /// Checks a command line of any kind. Returns whether it is one of this program.

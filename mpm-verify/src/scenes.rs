@@ -1,7 +1,8 @@
 //! The scene files that the program carries with it, so that it runs from any folder.
 
-use mpm_core::error::SceneError;
 use mpm_core::scene::Scene;
+
+use crate::error::Error::{self, Lacks};
 
 /// Names and texts of the scenes in `reference-data/scenes`.
 pub const BUILT_IN: [(&str, &str); 34] = [
@@ -44,9 +45,10 @@ pub const BUILT_IN: [(&str, &str); 34] = [
 /// A built-in scene by name.
 ///
 /// # Errors
-/// The scene file does not hold, which its own test excludes.
-pub fn built_in(name: &str) -> Option<Result<Scene, SceneError>> {
-    BUILT_IN.iter().find(|(n, _)| *n == name).map(|(n, text)| Scene::parse(text, n))
+/// No scene has this name, or its file does not hold, which its own test excludes.
+pub fn built_in(name: &str) -> Result<Scene, Error> {
+    let (name, text) = BUILT_IN.iter().find(|(n, _)| *n == name).ok_or(Lacks("such scene"))?;
+    Ok(Scene::parse(text, name)?)
 }
 
 /// The column of the paper's Table 1, started from undrained equilibrium.
@@ -54,7 +56,7 @@ pub fn built_in(name: &str) -> Option<Result<Scene, SceneError>> {
 /// # Panics
 /// Never: a test reads every built-in scene.
 pub fn terzaghi() -> Scene {
-    built_in("terzaghi").and_then(Result::ok).expect("the built-in scene holds")
+    built_in("terzaghi").expect("the built-in scene holds")
 }
 
 /// Dry Mohr-Coulomb soil that is compressed beyond yield.
@@ -62,7 +64,7 @@ pub fn terzaghi() -> Scene {
 /// # Panics
 /// Never: a test reads every built-in scene.
 pub fn oedometer() -> Scene {
-    built_in("oedometer-plastic").and_then(Result::ok).expect("the built-in scene holds")
+    built_in("oedometer-plastic").expect("the built-in scene holds")
 }
 
 #[cfg(test)]
@@ -77,7 +79,7 @@ mod tests {
             let path = entry.expect("a file").path();
             if path.extension().is_some_and(|e| e == "toml") {
                 let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
-                built_in(&name).unwrap_or_else(|| panic!("{name} is not carried")).expect("a scene that holds");
+                built_in(&name).unwrap_or_else(|e| panic!("{name}: {e}"));
                 files += 1;
             }
         }

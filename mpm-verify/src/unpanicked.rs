@@ -2,15 +2,17 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use crate::error::Error;
+
 /// Does some work that nothing else depends on.
 ///
 /// # Errors
-/// The words of its panic.
-pub fn unpanicked<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+/// [`Error::Panicked`] with the words of its panic.
+pub fn unpanicked<T>(work: impl FnOnce() -> T) -> Result<T, Error> {
     catch_unwind(AssertUnwindSafe(work)).map_err(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-        format!("the program panicked: {}", text.unwrap_or("without a word"))
+        Error::Panicked(text.unwrap_or("without a word").to_owned())
     })
 }
 
@@ -20,8 +22,8 @@ mod tests {
 
     #[test]
     fn the_words_of_a_panic_are_kept() {
-        assert_eq!(unpanicked(|| 7), Ok(7));
-        let said = |work: fn()| unpanicked(work).unwrap_err();
+        assert_eq!(unpanicked(|| 7).ok(), Some(7));
+        let said = |work: fn()| unpanicked(work).unwrap_err().to_string();
         assert_eq!(said(|| panic!("lost")), "the program panicked: lost");
         assert_eq!(said(|| panic!("lost {}", 2)), "the program panicked: lost 2");
         assert_eq!(said(|| std::panic::panic_any(2)), "the program panicked: without a word");

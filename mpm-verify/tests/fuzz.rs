@@ -259,11 +259,7 @@ fn states() -> Vec<(Scene, Vec<u8>)> {
         "infiltration",
     ];
     let states = names.into_iter().map(|name| {
-        let scene = scenes::built_in(name)
-            .expect("a scene")
-            .expect("it holds")
-            .edited(|scene| scene.history = 4)
-            .expect("a sound scene");
+        let scene = scenes::built_in(name).expect("it holds").edited(|scene| scene.history = 4).expect("a sound scene");
         let mut short = Short { looks: 3, state: None };
         run_attended(&Hardware::default(), &scene, None, &mut short).expect("a run");
         (scene, short.state.expect("a state"))
@@ -357,8 +353,8 @@ fn tables_are_read_or_refused() {
         };
         let text = String::from_utf8_lossy(&bytes);
         in_time("a table", &bytes, || match which {
-            0 => drop(accepted::parse(&text)),
-            1 => drop(History::parse(&text)),
+            0 => drop(accepted::parse(&text, "accepted.csv")),
+            1 => drop(History::parse(&text, "history.csv")),
             _ => drop(frames::read_from(&mut bytes.as_slice())),
         });
     });

@@ -99,12 +99,14 @@ fn the_driver_of_the_scene_takes_over() {
     until(&plan, folder.path(), false, &mut |driver| driver.hours() > 6.10003);
     let last = until(&plan, folder.path(), true, &mut |_| false);
     assert!(history(&plan, &last) == history(&plan, &whole) && last.shots == whole.shots);
-    assert!(Plan::new(scene, None, Some(5.0), true).is_err_and(|e| e.starts_with("--until: expected hours")));
+    assert!(
+        Plan::new(scene, None, Some(5.0), true).is_err_and(|e| e.to_string().starts_with("--until: expected hours"))
+    );
 }
 
 #[test]
 fn a_scene_without_failure_and_a_levee_that_does_not_stand_are_told_apart() {
-    let refused = plan::scene("terzaghi", &Flags::default(), None).expect_err("refused");
+    let refused = plan::scene("terzaghi", &Flags::default(), None).expect_err("refused").to_string();
     assert!(refused.contains("clock = \"both\""), "{refused}");
     let scene = plan::scene("levee", &Flags::default(), variants::named("base-8.5")).expect("a scene");
     let plan = Plan::new(scene, None, None, true).expect("a plan");

@@ -8,9 +8,10 @@ use mpm_verify::files;
 use serde::{Deserialize, Serialize};
 
 use super::{Kernel, measure};
+use crate::sweep::SweepError;
 
 /// The file.
-const NAME: &str = "kernel.json";
+pub(crate) const NAME: &str = "kernel.json";
 
 /// What the file holds.
 #[derive(Debug, Serialize, Deserialize)]
@@ -39,12 +40,12 @@ pub fn kept_or_measured(
     build: &str,
     (quick, fresh): (bool, bool),
     say: &dyn Fn(&str),
-) -> Result<Kernel, String> {
+) -> Result<Kernel, SweepError> {
     if let Some(kernel) = kept(folder, build, quick).filter(|_| !fresh) {
         return Ok(kernel);
     }
     let found = Kept { build: build.to_owned(), quick, kernel: measure(quick, say)? };
-    keep(folder, &found).map_err(|e| format!("{NAME}: cannot be written: {e}"))?;
+    keep(folder, &found).map_err(SweepError::Kernel)?;
     Ok(found.kernel)
 }
 

@@ -22,6 +22,7 @@ pub mod traffic;
 use serde::{Deserialize, Serialize};
 
 use limits::Limit;
+use mpm_verify::error::Error;
 use sizes::{Effort, Timing};
 use stages::Share;
 
@@ -46,7 +47,7 @@ pub struct Kernel {
 ///
 /// # Errors
 /// A step that fails, or kernels that do not find the same.
-pub fn measure(quick: bool, say: &dyn Fn(&str)) -> Result<Kernel, String> {
+pub fn measure(quick: bool, say: &dyn Fn(&str)) -> Result<Kernel, Error> {
     let effort = if quick { Effort::QUICK } else { Effort::FULL };
     // A debug build may as well not wait for a million points: its times say nothing.
     let sizes: &[[usize; 2]] = match (cfg!(debug_assertions), quick) {
@@ -70,7 +71,7 @@ pub fn measure(quick: bool, say: &dyn Fn(&str)) -> Result<Kernel, String> {
     Ok(Kernel {
         instructions: mpm_core::hardware::instructions().to_owned(),
         cores: sizes::cores(),
-        cell_m: crate::block(sizes::FEW[0]).map_err(|e| e.to_string())?.cell,
+        cell_m: crate::block(sizes::FEW[0])?.cell,
         timings,
         shares,
         limits,

@@ -14,6 +14,7 @@ use mpm_core::step::Model;
 use serde::{Deserialize, Serialize};
 
 use crate::block;
+use mpm_verify::error::Error;
 
 /// The step written plainly, one particle after the other.
 pub const PLAIN: &str = "plain";
@@ -126,16 +127,16 @@ pub fn cores() -> usize {
 ///
 /// # Errors
 /// A step that fails, or kernels that do not find the same.
-pub fn measure(cells: [usize; 2], effort: Effort) -> Result<(Vec<Timing>, Box<dyn Model>), String> {
-    let scene = block(cells).map_err(|e| e.to_string())?;
-    let dt = choose_step(&scene).map_err(|e| e.to_string())?;
+pub fn measure(cells: [usize; 2], effort: Effort) -> Result<(Vec<Timing>, Box<dyn Model>), Error> {
+    let scene = block(cells)?;
+    let dt = choose_step(&scene)?;
     let points = scene.solid_particles();
     let steps = (effort.point_steps / points).max(1) as u64;
     let mut contenders = Vec::new();
-    let all = hardware(points).map_err(|e| format!("threads: {e}"))?;
+    let all = hardware(points).map_err(|e| e.of("threads"))?;
     for (kernel, instructions, hardware) in all {
-        let mut model = model_on(&hardware, &scene).map_err(|e| e.to_string())?;
-        model.enter_stage(&scene.stages[0], &[]).map_err(|e| e.what)?;
+        let mut model = model_on(&hardware, &scene)?;
+        model.enter_stage(&scene.stages[0], &[])?;
         let threads = hardware.thread_count();
         contenders.push(Contender { kernel, instructions, threads, model, wall: Vec::new(), cpu: Vec::new() });
     }
@@ -145,10 +146,10 @@ pub fn measure(cells: [usize; 2], effort: Effort) -> Result<(Vec<Timing>, Box<dy
             let contender = &mut contenders[place];
             // All contenders do as many steps, so that they end in the same state.
             for _ in 0..effort.warm_up {
-                contender.model.advance(dt, steps, &mut 0).map_err(|f| format!("{}: {}", f.place, f.what))?;
+                contender.model.advance(dt, steps, &mut 0)?;
             }
             let (wall, cpu) = (Instant::now(), ThreadTime::now());
-            contender.model.advance(dt, steps, &mut 0).map_err(|f| format!("{}: {}", f.place, f.what))?;
+            contender.model.advance(dt, steps, &mut 0)?;
             let per = 1e9 / (steps as f64 * points as f64);
             contender.cpu.push(cpu.elapsed().as_secs_f64() * per);
             contender.wall.push(wall.elapsed().as_secs_f64() * per);
@@ -157,7 +158,7 @@ pub fn measure(cells: [usize; 2], effort: Effort) -> Result<(Vec<Timing>, Box<dy
     let settlements: Vec<(&str, f64)> = contenders.iter().map(|c| (c.kernel, c.model.observe().settlement)).collect();
     same(&settlements, points)?;
     let alone = contenders.iter().position(|c| c.kernel == LANES && c.threads == 1);
-    let alone = alone.ok_or("the kernel over lanes was not measured")?;
+    let alone = alone.ok_or(Error::Unfit("the kernel over lanes was not measured"))?;
     let one_thread = contenders[alone].wall.clone();
     let by_default = if points >= THREADS_PAY_FROM { cores().min(2) } else { 1 };
     let timings = contenders.iter().zip(&settlements).map(|(c, (_, settlement))| Timing {
@@ -177,7 +178,7 @@ pub fn measure(cells: [usize; 2], effort: Effort) -> Result<(Vec<Timing>, Box<dy
 }
 
 /// What is compared at a size.
-fn hardware(points: usize) -> Result<Vec<(&'static str, String, Hardware)>, String> {
+fn hardware(points: usize) -> Result<Vec<(&'static str, String, Hardware)>, Error> {
     let widest = instructions().to_owned();
     let mut all =
         vec![(PLAIN, "none".to_owned(), Hardware::plain(Width::One)), (LANES, widest.clone(), Hardware::default())];
@@ -195,16 +196,16 @@ fn hardware(points: usize) -> Result<Vec<(&'static str, String, Hardware)>, Stri
 ///
 /// # Errors
 /// Which ones differ, and by how much.
-pub fn same(settlements: &[(&str, f64)], points: usize) -> Result<(), String> {
+pub fn same(settlements: &[(&str, f64)], points: usize) -> Result<(), Error> {
     let Some((_, over_lanes)) = settlements.iter().find(|(kernel, _)| *kernel == LANES) else { return Ok(()) };
     for (kernel, settlement) in settlements {
         let allowed = if *kernel == PLAIN && points > ONE_STRIP { ROUND_OFF } else { 0.0 };
         let differs = settlement.to_bits() != over_lanes.to_bits();
         let apart = (settlement / over_lanes - 1.0).abs();
         if differs && (apart.is_nan() || apart > allowed || allowed == 0.0) {
-            return Err(format!(
-                "{points} points: the {kernel} kernel settles {settlement:e} m, expected {over_lanes:e} m as over lanes"
-            ));
+            let found =
+                format!("the {kernel} kernel settles {settlement:e} m, expected {over_lanes:e} m as over lanes");
+            return Err(Error::Found(found).of(format!("{points} points")));
         }
     }
     Ok(())

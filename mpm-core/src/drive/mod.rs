@@ -73,6 +73,14 @@ impl Run {
     pub fn observed(&self) -> impl Iterator<Item = &Sample> {
         self.samples.iter().filter(|s| s.observed)
     }
+
+    /// The run, if it did not fail.
+    ///
+    /// # Errors
+    /// Why it ended early.
+    pub fn whole(mut self) -> Result<Self, RunError> {
+        self.failure.take().map_or(Ok(self), Err)
+    }
 }
 
 /// How often the end of a pore-pressure stage, or of one that ends by rest, is looked for, steps.

@@ -33,6 +33,7 @@ pub use moving::{Estimate, UnfitLoad};
 pub use patch::Change;
 
 use crate::error::{LoadError, SceneError};
+use crate::stability::{intended_step, stable_limit};
 use patch::Source;
 
 /// One spatial dimension or two. The same scene runs in both and gives the same numbers.
@@ -642,13 +643,35 @@ impl Scene {
         let mut source = Source { text: text.into(), file: Some(file.into()), edits: Vec::new() };
         let (edits, left_out) = source.flagged(flags)?;
         source.edits = edits;
-        let mut scene = check::check(&Arc::new(source))?;
+        let mut scene = Self::checked(&Arc::new(source))?;
         scene.fields.left_out = left_out;
         Ok(scene)
+    }
+
+    /// The scene of a file and what was changed of it. Values at the edge of what a number can hold make steps of no length or runs
+    /// without end, which only the limit of the step tells.
+    fn checked(source: &Arc<Source>) -> Result<Self, SceneError> {
+        let (scene, stages) = check::check(source)?;
+        let (time, step) = (scene.longest_time(), intended_step(&scene, stable_limit(&scene)));
+        let steps = time / step;
+        if steps.is_finite() && steps <= STEP_LIMIT {
+            return Ok(scene);
+        }
+        let found = format!("{time:.3e} s in steps of {step:.3e} s");
+        check::refused(source, &stages, "stages.until", &format!("a run of at most {STEP_LIMIT:.0e} steps"), found)
     }
 }
 
 impl Fields {
+    /// Time that all stages take at most, s.
+    fn longest_time(&self) -> f64 {
+        let longest = |stage: &Stage| match stage.until {
+            Until::Time(time) => time,
+            Until::PorePressure { at_most, .. } | Until::Rest { at_most, .. } => at_most,
+        };
+        self.stages.iter().map(longest).sum()
+    }
+
     /// Density of the dry skeleton, (1 - n) rho_s, kg/m3.
     pub fn dry_density(&self) -> f64 {
         (1.0 - self.porosity) * self.grain_density
@@ -803,6 +826,8 @@ impl fmt::Display for Side {
     }
 }
 
+/// More steps than this are a mistake in the scene: a century of computing.
+const STEP_LIMIT: f64 = 1e14;
 /// No scene file is larger, bytes.
 pub const LARGEST_FILE: u64 = 4 << 20;
 

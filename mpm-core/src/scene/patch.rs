@@ -16,14 +16,14 @@ use crate::error::SceneError;
 /// Everything that can be written as TOML converts to it, among it the choices of [`crate::scene`]; `None` takes the key out.
 /// Numbers keep all their bits.
 #[derive(Debug, Clone)]
-pub struct Change(Result<Option<Value>, String>);
+pub struct Change(Result<Option<Value>, toml::ser::Error>);
 
 impl Change {
     /// The key is taken out, if it is there.
     pub const NONE: Self = Self(Ok(None));
 
     /// What it becomes.
-    pub(super) fn value(self) -> Result<Option<Value>, String> {
+    pub(super) fn value(self) -> Result<Option<Value>, toml::ser::Error> {
         self.0
     }
 }
@@ -35,8 +35,7 @@ impl<T: Serialize> From<T> for Change {
         struct Entry<T> {
             value: T,
         }
-        let table = toml::Table::try_from(Entry { value }).map_err(|error| error.to_string());
-        Self(table.map(|mut table| table.remove("value")))
+        Self(toml::Table::try_from(Entry { value }).map(|mut table| table.remove("value")))
     }
 }
 
@@ -233,7 +232,7 @@ impl Scene {
     fn with_edits(&self, edits: Vec<Edit>) -> Result<Self, SceneError> {
         let mut source = Source::clone(&self.source);
         source.edits.extend(edits);
-        let mut scene = check::check(&Arc::new(source))?;
+        let mut scene = Scene::checked(&Arc::new(source))?;
         scene.fields.force = self.force;
         scene.fields.left_out.clone_from(&self.left_out);
         Ok(scene)

@@ -38,7 +38,7 @@ impl Scene {
         if !quasi_static || given {
             fields.tolerance = check::TOLERANCE;
         }
-        let mut scene = check::check(&fields.source()?)?;
+        let mut scene = Scene::checked(&fields.source()?)?;
         (scene.fields.force, scene.fields.left_out) = (fields.force, fields.left_out.clone());
         match difference(&scene.fields, &fields, self) {
             Some([key, expected, found]) => Err(refused(&key, expected, found)),
@@ -83,7 +83,8 @@ struct Writer(Table);
 impl Writer {
     /// Writes a key; `None` leaves it out.
     fn put(&mut self, key: &str, value: impl Into<Change>) -> Result<(), SceneError> {
-        let value = value.into().value().map_err(|why| refused(key, "a value that TOML can hold".to_owned(), why))?;
+        let value = value.into().value();
+        let value = value.map_err(|why| refused(key, "a value that TOML can hold".to_owned(), why.to_string()))?;
         let Some(value) = value else { return Ok(()) };
         let (tables, last) = key.rsplit_once('.').unwrap_or(("", key));
         let table = tables.split('.').filter(|name| !name.is_empty()).fold(&mut self.0, |table, name| {

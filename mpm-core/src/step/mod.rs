@@ -27,7 +27,8 @@ use crate::observe::{Ledger, Observation, Places, SolidState, WaterParticle};
 use crate::scene::Stage;
 
 /// Something went wrong inside a step.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{place}: {what}")]
 pub struct Fault {
     /// Particle or cell, with coordinates in m.
     pub place: String,

@@ -7,7 +7,7 @@
 use mpm_core::scene::{Scene, ShapeChoice, StepChoice, Until};
 
 use super::evidence::RUNS;
-use super::{Mutant, Outcome, Rung, finished};
+use super::{Error, Mutant, Outcome, Rung, finished};
 use crate::norms::largest;
 
 /// The case.
@@ -23,8 +23,8 @@ const SHARES: [(usize, f64); 3] = [(1, 0.0), (4, 1.0 / 4.0), (9, 8.0 / 27.0)];
 const SAFETIES: [f64; 2] = [0.9, 0.45];
 
 /// Runs of a few steps; the soil is stiffer than the limit knows by a factor.
-fn climb(factor: f64) -> Result<Outcome, String> {
-    let built_in = |name| crate::scenes::built_in(name).ok_or("no such scene")?.map_err(|e| e.to_string());
+fn climb(factor: f64) -> Result<Outcome, Error> {
+    let built_in = |name| crate::scenes::built_in(name);
     let dry: Scene = built_in("dry-bar")?;
     let closed = crate::scenes::terzaghi().edited(|closed| {
         for stage in &mut closed.stages {

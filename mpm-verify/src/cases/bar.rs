@@ -12,7 +12,7 @@ use mpm_core::stability::{choose_step, shortest_transfer};
 use super::evidence::{PARTICLES, Refinement, STEP, Sampled};
 use super::looks::{Look, Looks, in_particles, in_time};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{Mutant, Outcome, Rung, finished_given, integrator, scheme};
+use super::{Error, Lacks, Mutant, Outcome, Rung, finished_given, integrator, scheme};
 
 /// Displacement of the top over five swings.
 pub const PERIOD: Rung = Rung {
@@ -52,10 +52,8 @@ const KEPT: [(&str, TransferChoice, f64); 4] = [
 const SPEED: f64 = 1e-3;
 
 /// The bar, and its angular frequency, rad/s.
-fn bar() -> Result<(Scene, f64), String> {
-    let scene = crate::scenes::built_in("dry-bar")
-        .ok_or("no such scene")?
-        .map_err(|e| e.to_string())?
+fn bar() -> Result<(Scene, f64), Error> {
+    let scene = crate::scenes::built_in("dry-bar")?
         .edited(|scene| (scene.surcharge, scene.history, scene.stages[0].damping) = (None, 0, 0.0))?;
     let frequency = FRAC_PI_2 / scene.height * (scene.oedometer_modulus() / scene.mixture_density()).sqrt();
     Ok((scene, frequency))
@@ -80,23 +78,23 @@ fn mode(height: f64, frequency: f64, dt: f64) -> Given {
 
 /// The largest allowed step of which whole numbers lie between the looks, s: a shorter one before each would not be a
 /// step of theory.
-fn step(scene: &Scene) -> Result<f64, String> {
+fn step(scene: &Scene) -> Result<f64, Error> {
     match scene.step {
         StepChoice::Fixed(step) => Ok(step),
         StepChoice::Auto | StepChoice::Paper => {
-            let between = scene.observe_times.first().copied().ok_or("no time to look at")?;
-            Ok(between / (between / choose_step(scene).map_err(|e| e.to_string())?).ceil())
+            let between = scene.observe_times.first().copied().ok_or(Lacks("time to look at"))?;
+            Ok(between / (between / choose_step(scene)?).ceil())
         }
     }
 }
 
 /// Runs the bar in these steps from its first mode.
-fn swings(scene: &Scene, frequency: f64) -> Result<Run, String> {
+fn swings(scene: &Scene, frequency: f64) -> Result<Run, Error> {
     let dt = step(scene)?;
     finished_given(&scene.edited(|s| s.step = StepChoice::Fixed(dt))?, &mode(scene.height, frequency, dt))
 }
 
-fn period(stiffer: f64) -> Result<Outcome, String> {
+fn period(stiffer: f64) -> Result<Outcome, Error> {
     let (mut base, frequency) = bar()?;
     base = base.edited(|base| {
         look(base, frequency, 5, 8);
@@ -106,7 +104,7 @@ fn period(stiffer: f64) -> Result<Outcome, String> {
         let run = swings(scene, frequency)?;
         let exact = |t: f64| -(frequency * t).sin();
         let look = |s: &Sample| Look::one(s.stage_time, s.state.settlement * frequency / SPEED, exact(s.stage_time));
-        Ok::<_, String>(Looks::worst("settlement over the amplitude", run.observed().map(look).collect()))
+        Ok::<_, Error>(Looks::worst("settlement over the amplitude", run.observed().map(look).collect()))
     };
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for rows in [10, 14, 20, 28, 40] {
@@ -135,21 +133,21 @@ fn period(stiffer: f64) -> Result<Outcome, String> {
 }
 
 /// Stored and moving energy at the looks, J, with the first at t = 0.
-fn energies(scene: &Scene, frequency: f64) -> Result<Vec<f64>, String> {
+fn energies(scene: &Scene, frequency: f64) -> Result<Vec<f64>, Error> {
     let run = swings(scene, frequency)?;
     Ok(run.samples.iter().map(|s| s.ledger.kinetic_j + s.ledger.strain_j).collect())
 }
 
 /// Sums of the energies over every swing. Velocities are half a step ahead of the stresses, so that the energy itself
 /// swings twice a period, and its means do not.
-fn by_swing(scene: &Scene, frequency: f64) -> Result<Vec<f64>, String> {
+fn by_swing(scene: &Scene, frequency: f64) -> Result<Vec<f64>, Error> {
     Ok(energies(scene, frequency)?[1..].chunks(EACH as usize).map(|swing| swing.iter().sum()).collect())
 }
 
 /// Particles keep the whole change of velocity of a node, whose own velocity then changes by the share S of it (see
 /// [`pic`]): soil is strained by `(1 - S) dt a` more than it moves, which is a viscosity. The mode loses energy at the
 /// rate `(1 - S) w^2 dt`, a share of 1e-5 to 1e-4 in a swing.
-fn energy(flip: f64) -> Result<Outcome, String> {
+fn energy(flip: f64) -> Result<Outcome, Error> {
     let (mut base, frequency) = bar()?;
     base = base.edited(|base| {
         look(base, frequency, SWINGS, EACH);
@@ -157,7 +155,7 @@ fn energy(flip: f64) -> Result<Outcome, String> {
     })?;
     let mut notes = Vec::new();
     let mut kept = Vec::new();
-    let theory = |scene: &Scene| Ok::<_, String>((1.0 - transfer(scene)) * frequency * frequency * step(scene)?);
+    let theory = |scene: &Scene| Ok::<_, Error>((1.0 - transfer(scene)) * frequency * frequency * step(scene)?);
     let rate =
         |swings: &[f64]| (swings[0] / swings[swings.len() - 1]).ln() * frequency / (2.0 * PI * f64::from(SWINGS - 1));
     let mut lost = |shape: ShapeChoice, rows: usize| {
@@ -173,7 +171,7 @@ fn energy(flip: f64) -> Result<Outcome, String> {
                 .map(|(swing, energy)| left(swing, energy / swings[0], frequency, theory))
                 .collect();
         }
-        Ok::<_, String>((scene.cell, rate(&swings) / theory - 1.0))
+        Ok::<_, Error>((scene.cell, rate(&swings) / theory - 1.0))
     };
     let errors =
         [10, 14, 20, 28, 40].map(|rows| lost(ShapeChoice::Centre, rows)).into_iter().collect::<Result<_, _>>()?;
@@ -186,14 +184,14 @@ fn energy(flip: f64) -> Result<Outcome, String> {
         let dt = step(&coarse)? / 2.0_f64.powi(halvings);
         Ok((dt, rate(&by_swing(&coarse.edited(|s| s.step = StepChoice::Fixed(dt))?, frequency)?) / frequency))
     };
-    let in_time = (0..HALVINGS as i32).map(stepped).collect::<Result<_, String>>()?;
+    let in_time = (0..HALVINGS as i32).map(stepped).collect::<Result<_, Error>>()?;
     let against = "a bar that loses no energy: the rate over w, (1 - S) w dt, L = 0.1 m";
     let in_time = Refinement { required_order: FIRST_ORDER, ..Refinement::new(STEP, in_time, against) };
     let with = |count: &usize| {
         let scene = coarse.edited(|s| s.particles_per_cell = *count)?;
         Ok((*count as f64, rate(&by_swing(&scene, frequency)?) / theory(&scene)? - 1.0))
     };
-    let counted = PARTICLE_COUNTS.iter().map(with).collect::<Result<_, String>>()?;
+    let counted = PARTICLE_COUNTS.iter().map(with).collect::<Result<_, Error>>()?;
     let against = "the rate of theory, L = 0.1 m: S knows the particles, no order is expected";
     let counted = Refinement { required_error: Some(5e-3), ..Refinement::new(PARTICLES, counted, against) };
     for (name, transfer, flip) in KEPT {
@@ -250,7 +248,7 @@ fn transfer(scene: &Scene) -> f64 {
 
 /// A node gets the mean velocity around it: of a wave with the angle theta from node to node the share `S = 1 - (1 -
 /// S_0) sin^2(theta/2)` is left (`mpm_core::stability`), so that the mode loses energy at the rate (1 - S)/dt.
-fn pic(flip: f64) -> Result<Outcome, String> {
+fn pic(flip: f64) -> Result<Outcome, Error> {
     let (mut base, frequency) = bar()?;
     base = base.edited(|base| {
         look(base, frequency, 1, 2);
@@ -264,7 +262,7 @@ fn pic(flip: f64) -> Result<Outcome, String> {
         let shares = scene.observe_times.iter().zip(&energies[1..]);
         let looks = shares.map(|(t, energy)| Look::one(*t, energy / energies[0], (-theory * t).exp())).collect();
         let measured = (energies[0] / energies[2]).ln() / scene.observe_times[1];
-        Ok::<_, String>((measured / theory - 1.0, Looks::worst("energy of the first", looks)))
+        Ok::<_, Error>((measured / theory - 1.0, Looks::worst("energy of the first", looks)))
     };
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for rows in [10, 14, 20, 28, 40] {
@@ -278,9 +276,9 @@ fn pic(flip: f64) -> Result<Outcome, String> {
         let dt = step(&fine)? / 2.0_f64.powi(halvings);
         Ok((dt, on(&fine.edited(|s| s.step = StepChoice::Fixed(dt))?)?.0))
     };
-    let in_time = (0..3).map(stepped).collect::<Result<_, String>>()?;
+    let in_time = (0..3).map(stepped).collect::<Result<_, Error>>()?;
     let with = |count: &usize| Ok((*count as f64, on(&fine.edited(|s| s.particles_per_cell = *count)?)?.0));
-    let counted = PARTICLE_COUNTS.iter().map(with).collect::<Result<_, String>>()?;
+    let counted = PARTICLE_COUNTS.iter().map(with).collect::<Result<_, Error>>()?;
     let against = "the rate of theory, L = 0.025 m";
     let bounded = |by, errors| Refinement { required_error: Some(1e-3), ..Refinement::new(by, errors, against) };
     Ok(Outcome {

@@ -9,7 +9,7 @@ use mpm_core::scene::{Base, Dimension, LoadedStrip, Scene, ShapeChoice, Start, S
 use mpm_core::stability::choose_step;
 
 use super::evidence::RUNS;
-use super::{Mutant, Outcome, Rung, whole};
+use super::{Error, Mutant, Outcome, Rung, Unfit, whole};
 use crate::nightly::work::GATES;
 
 /// Threads, and vectors of any width.
@@ -50,7 +50,7 @@ fn said(run: &Run) -> Digest {
 }
 
 /// A block of some cells for some steps, under a load on its left part that pushes the soil down and aside.
-fn block(cells: [usize; 2], steps: f64) -> Result<Scene, String> {
+fn block(cells: [usize; 2], steps: f64) -> Result<Scene, Error> {
     let mut scene = crate::scenes::terzaghi().edited(|scene| {
         (scene.dimension, scene.shape) = (Dimension::PlaneStrain, ShapeChoice::Centre);
         (scene.cells, scene.width, scene.height) = (cells, cells[0] as f64 * scene.cell, cells[1] as f64 * scene.cell);
@@ -62,17 +62,16 @@ fn block(cells: [usize; 2], steps: f64) -> Result<Scene, String> {
     })?;
     let dt = choose_step(&scene).unwrap_or(1e-6);
     let last = scene.stages.len() - 1;
-    scene = scene.edited(|scene| {
+    Ok(scene.edited(|scene| {
         scene.stages[last].until = Until::Time(steps * dt);
         scene.observe_times = vec![0.5 * steps * dt, steps * dt];
         (scene.history, scene.profiles) = (0, true);
-    })?;
-    Ok(scene)
+    })?)
 }
 
 /// A low and closed block: its wave is soon in every strip, and none has all of the flow, as one would under
 /// a drained surface. Only then does the order of a sum over strips show.
-fn threads(off: f64) -> Result<Outcome, String> {
+fn threads(off: f64) -> Result<Outcome, Error> {
     let scene = block([130, 32], 120.0)?.edited(|scene| {
         for stage in &mut scene.stages {
             stage.drained = [false; 4];
@@ -96,12 +95,12 @@ fn threads(off: f64) -> Result<Outcome, String> {
 }
 
 /// Every gate of the work: one of each path through the solver.
-fn scenes() -> Result<Vec<Scene>, String> {
+fn scenes() -> Result<Vec<Scene>, Error> {
     GATES.iter().map(|gate| quick(gate.scene()?)).collect()
 }
 
 /// A part of it, with some samples on the way.
-fn quick(mut scene: Scene) -> Result<Scene, String> {
+fn quick(mut scene: Scene) -> Result<Scene, Error> {
     let last = scene.stages.len() - 1;
     if let (Until::Time(end), true) = (scene.stages[last].until, scene.observe_times.len() == 1) {
         let end = 0.1 * end;
@@ -110,19 +109,18 @@ fn quick(mut scene: Scene) -> Result<Scene, String> {
             scene.observe_times = vec![0.3 * end, 0.7 * end, end];
         })?;
     }
-    scene = scene.edited(|scene| scene.profiles = true)?;
-    Ok(scene)
+    Ok(scene.edited(|scene| scene.profiles = true)?)
 }
 
-fn again(off: f64) -> Result<Outcome, String> {
+fn again(off: f64) -> Result<Outcome, Error> {
     let mut different = Vec::new();
     for scene in scenes()? {
         let changed = scene.edited(|s| s.porosity = scene.porosity * (1.0 + off))?;
         let both = std::thread::scope(|scope| {
             let one = scope.spawn(|| whole(run_on(&Hardware::default(), &scene, &mut |_| {})));
             let other = whole(run_on(&Hardware::default(), &changed, &mut |_| {}));
-            let one = one.join().map_err(|_| "a run that panicked".to_owned())?;
-            Ok::<_, String>([said(&one?), said(&other?)])
+            let one = one.join().map_err(|_| Unfit("a run that panicked"))?;
+            Ok::<_, Error>([said(&one?), said(&other?)])
         })?;
         different.push(f64::from(both[0] != both[1]));
     }
@@ -144,36 +142,30 @@ impl Attend for Stop {
 }
 
 /// A block on a base that weakens with slip and remembers the normal stress.
-fn sliding() -> Result<Scene, String> {
-    let mut scene = crate::scenes::built_in("block-weakens")
-        .ok_or("no such scene")?
-        .map_err(|e| e.to_string())?
+fn sliding() -> Result<Scene, Error> {
+    let scene = crate::scenes::built_in("block-weakens")?
         .edited(|scene| scene.base = scene.base.map(|base| Base { memory: 0.02, ..base }))?;
     let end = 0.2;
-    scene = scene.edited(|scene| {
+    Ok(scene.edited(|scene| {
         scene.stages[0].until = Until::Time(end);
         (scene.observe_times, scene.history) = ([0.2, 0.4, 0.6, 0.8, 1.0].map(|share| share * end).to_vec(), 0);
-    })?;
-    Ok(scene)
+    })?)
 }
 
 /// Looks of a levee from where it begins to slide, and after it was taken up.
 const LOOKS: usize = 6;
 
-fn levee(goes_on: bool) -> Result<Outcome, String> {
+fn levee(goes_on: bool) -> Result<Outcome, Error> {
     let scene = super::reduced_strength::levee(&[
         ("hydraulic_conductivity = 4.5e-5", "hydraulic_conductivity = 9.0e-4"),
         ("until.time = 64800.0", "until.time = 6480.0"),
         ("slip_distance = 0.02", "slip_distance = 0.02\nmemory = 0.05"),
     ])?;
-    let new = || Driver::new(&scene).map_err(|e| e.to_string());
-    let on = |driver: &mut Driver, looks: usize| {
-        (0..looks).try_for_each(|_| driver.advance(f64::INFINITY).map_err(|e| e.to_string()))
-    };
-    let mut whole = new()?;
+    let on = |driver: &mut Driver, looks: usize| (0..looks).try_for_each(|_| driver.advance(f64::INFINITY));
+    let mut whole = Driver::new(&scene)?;
     while whole.phase != Phase::Failing {
         if whole.end.is_some() {
-            return Err("a levee that does not fail".to_owned());
+            return Err(Unfit("a levee that does not fail"));
         }
         on(&mut whole, 1)?;
     }
@@ -183,30 +175,29 @@ fn levee(goes_on: bool) -> Result<Outcome, String> {
     on(&mut whole, LOOKS)?;
     let mut different = Vec::new();
     for (number, state) in states.into_iter().enumerate() {
-        let mut other = new()?;
-        other.restore(&state).map_err(|e| e.to_string())?;
+        let mut other = Driver::new(&scene)?;
+        other.restore(&state)?;
         on(&mut other, (2 - number) * LOOKS + usize::from(goes_on))?;
         different.push(f64::from(other.checkpoint() != whole.checkpoint()));
     }
     Ok(outcome("two-clocks", &different))
 }
 
-fn resumed(loses: bool) -> Result<Outcome, String> {
+fn resumed(loses: bool) -> Result<Outcome, Error> {
     let mut different = Vec::new();
     for scene in scenes()?.into_iter().chain([sliding()?]) {
         let one = whole(run_on(&Hardware::default(), &scene, &mut |_| {}))?;
         let (mut state, mut states) = (None, Vec::new());
         let mut last = loop {
             let mut stop = Stop::default();
-            let run =
-                run_attended(&Hardware::default(), &scene, state.as_deref(), &mut stop).map_err(|e| e.to_string())?;
+            let run = run_attended(&Hardware::default(), &scene, state.as_deref(), &mut stop)?;
             if !run.stopped {
                 break run;
             }
             state = stop.0;
             states.extend(state.clone());
             if states.len() > 1000 {
-                return Err("a run that does not end".to_owned());
+                return Err(Unfit("a run that does not end"));
             }
         };
         if loses {

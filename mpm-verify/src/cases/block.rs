@@ -9,7 +9,7 @@ use mpm_core::scene::{Base, Fields, Scene, StepChoice};
 use mpm_core::stability::choose_step;
 
 use super::looks::{Look, Looks, in_particles, in_time};
-use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound};
+use super::{Error, Lacks, Mutant, Outcome, Rung, finished, integrator, scheme, sound};
 use crate::exact::sliding::Sliding;
 
 /// Thrown along a flat base.
@@ -47,9 +47,9 @@ pub const STICKS: Rung = Rung {
 const ROWS: [usize; 4] = [1, 2, 3, 4];
 
 /// The way of the block in a scene, whose base or gravity `spoil` may change behind the exact solution's back.
-fn way(name: &str, spoil: fn(&mut Fields)) -> Result<Outcome, String> {
+fn way(name: &str, spoil: fn(&mut Fields)) -> Result<Outcome, Error> {
     let base = scene(name)?;
-    let exact = Sliding::new(&base).ok_or("no block on a base")?;
+    let exact = Sliding::new(&base).ok_or(Lacks("block on a base"))?;
     let looks_at = |mut scene: Scene| {
         scene = scene.edited(spoil)?;
         looks(&finished(&scene)?, &exact)
@@ -62,7 +62,7 @@ fn way(name: &str, spoil: fn(&mut Fields)) -> Result<Outcome, String> {
         samples = looks.samples();
     }
     let coarse = on_mesh(base.clone(), ROWS[0])?;
-    let step = choose_step(&coarse).map_err(|e| e.to_string())?;
+    let step = choose_step(&coarse)?;
     let stepped = |step| looks_at(coarse.edited(|s| s.step = StepChoice::Fixed(step))?);
     let with = |particles_per_cell| looks_at(coarse.edited(|s| s.particles_per_cell = particles_per_cell)?);
     Ok(Outcome {
@@ -81,8 +81,8 @@ fn way(name: &str, spoil: fn(&mut Fields)) -> Result<Outcome, String> {
 }
 
 /// The way of the centre over the whole one; the end counts.
-pub(super) fn looks(run: &Run, exact: &Sliding) -> Result<Looks, String> {
-    let [first, last] = [run.samples.first(), run.samples.last()].map(|s| s.ok_or("no sample"));
+pub(super) fn looks(run: &Run, exact: &Sliding) -> Result<Looks, Error> {
+    let [first, last] = [run.samples.first(), run.samples.last()].map(|s| s.ok_or(Lacks("sample")));
     let (first, last) = (first?, last?);
     let whole = exact.distance(last.state.time);
     let look = |s: &Sample| Look {
@@ -97,13 +97,13 @@ pub(super) fn looks(run: &Run, exact: &Sliding) -> Result<Looks, String> {
 }
 
 /// The same block on 10 degrees: its base must not have taken any energy, because no node of it has slid.
-fn sticks(friction_angle: f64) -> Result<Outcome, String> {
+fn sticks(friction_angle: f64) -> Result<Outcome, Error> {
     let scene = scene("block-on-incline")?.edited(|scene| {
         scene.slope_angle = Some(10.0);
         scene.base = scene.base.map(|b| Base { peak_angle: friction_angle, residual_angle: friction_angle, ..b });
     })?;
     let run = finished(&scene)?;
-    let last = run.samples.last().ok_or("no sample")?;
+    let last = run.samples.last().ok_or(Lacks("sample"))?;
     // As a share of what the weight would do over the height of the block.
     let weight = scene.mixture_density() * scene.width * scene.height * scene.gravity.unwrap_or(0.0);
     let lost = last.ledger.base_friction_j.abs() / (weight * scene.height);
@@ -117,44 +117,39 @@ fn sticks(friction_angle: f64) -> Result<Outcome, String> {
     })
 }
 
-fn scene(name: &str) -> Result<Scene, String> {
-    let scene = crate::scenes::built_in(name)
-        .ok_or("no such scene")?
-        .map_err(|e| e.to_string())?
-        .edited(|scene| scene.history = 0)?;
-    Ok(scene)
+fn scene(name: &str) -> Result<Scene, Error> {
+    Ok(crate::scenes::built_in(name)?.edited(|scene| scene.history = 0)?)
 }
 
 /// The block with so many cells over its height, in the same room.
-fn on_mesh(mut scene: Scene, rows: usize) -> Result<Scene, String> {
+fn on_mesh(scene: Scene, rows: usize) -> Result<Scene, Error> {
     let room = scene.sideroom_cells as f64 * scene.cell;
-    scene = scene.edited(|scene| {
+    Ok(scene.edited(|scene| {
         scene.cell = scene.height / rows as f64;
         scene.cells = [(scene.width / scene.cell).round() as usize, rows];
         scene.sideroom_cells = (room / scene.cell).round() as usize;
-    })?;
-    Ok(scene)
+    })?)
 }
 
 /// Friction that is 5 % too high.
-fn mutant() -> Result<Outcome, String> {
+fn mutant() -> Result<Outcome, Error> {
     way("block-stops", |scene| turn_base(scene, |angle| (1.05 * angle.to_radians().tan()).atan().to_degrees()))
 }
 
 /// Gravity that is tilted by one degree too much.
-fn mutant_of_gravity() -> Result<Outcome, String> {
+fn mutant_of_gravity() -> Result<Outcome, Error> {
     way("block-on-incline", |scene| scene.slope_angle = scene.slope_angle.map(|angle| angle + 1.0))
 }
 
 /// A base that weakens over 5 % less slip.
-fn mutant_of_weakening() -> Result<Outcome, String> {
+fn mutant_of_weakening() -> Result<Outcome, Error> {
     way("block-weakens", |scene| {
         scene.base = scene.base.map(|b| Base { slip_distance: b.slip_distance.map(|d| 0.95 * d), ..b });
     })
 }
 
 /// A block that sticks only if its friction is what it should be.
-fn mutant_of_sticking() -> Result<Outcome, String> {
+fn mutant_of_sticking() -> Result<Outcome, Error> {
     sticks(9.5)
 }
 

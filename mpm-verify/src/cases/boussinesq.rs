@@ -5,7 +5,7 @@ use mpm_core::observe::FieldPoint;
 use mpm_core::scene::{Fields, Scene};
 
 use super::looks::{Look, Looks, in_particles};
-use super::{FASTER, Mutant, Outcome, Rung, faster, finished, integrator, sound};
+use super::{Error, FASTER, Lacks, Mutant, Outcome, Rung, Unfit, faster, finished, integrator, sound};
 use crate::exact::boussinesq::Wetting;
 
 /// The rung.
@@ -19,9 +19,9 @@ pub const RUNG: Rung = Rung {
 /// Rows of cells over the height.
 const ROWS: [usize; 4] = [5, 10, 15, 20];
 
-fn climb(fault: fn(&mut Fields)) -> Result<Outcome, String> {
-    let base = crate::scenes::built_in("boussinesq").and_then(Result::ok).expect("the built-in scene holds");
-    let water = base.water.ok_or("the scene is dry")?;
+fn climb(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+    let base = crate::scenes::built_in("boussinesq").expect("the built-in scene holds");
+    let water = base.water.ok_or(Unfit("the scene is dry"))?;
     let exact = Wetting::new(water.hydraulic_conductivity, base.porosity, 1.0);
     let (mut errors, mut notes, mut samples) = (Vec::new(), Vec::new(), Vec::new());
     for rows in ROWS {
@@ -59,10 +59,10 @@ fn climb(fault: fn(&mut Fields)) -> Result<Outcome, String> {
 }
 
 /// Where the tip stands.
-pub(super) fn tips(scene: &Scene, run: &Run, exact: &Wetting) -> Result<Looks, String> {
+pub(super) fn tips(scene: &Scene, run: &Run, exact: &Wetting) -> Result<Looks, Error> {
     let mut rows = Vec::new();
     for sample in run.observed() {
-        let tip = tip(&levels(scene, &sample.state.field), scene.cell).ok_or("no tongue of water")?;
+        let tip = tip(&levels(scene, &sample.state.field), scene.cell).ok_or(Lacks("tongue of water"))?;
         rows.push(Look::one(sample.stage_time, tip, exact.front(sample.stage_time)));
     }
     Ok(Looks { unit: "m", ..Looks::worst("tip of the water", rows) })

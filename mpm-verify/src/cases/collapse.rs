@@ -6,7 +6,7 @@
 use mpm_core::scene::{Fields, Scene, Until};
 
 use super::evidence::{MESH, PARTICLES, Refinement};
-use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound};
+use super::{Error, Lacks, Mutant, Outcome, Rung, finished, integrator, scheme, sound};
 use crate::baseline::ladder::Kind as Baseline;
 use crate::literature::{Kind, run_out};
 use crate::norms::worst;
@@ -46,7 +46,7 @@ const COUNTS: [usize; 2] = [4, 9];
 const WET: f64 = 2.5;
 
 /// A column of an aspect ratio on a mesh (m).
-fn column(base: &Scene, aspect: f64, cell: f64) -> Result<Scene, String> {
+fn column(base: &Scene, aspect: f64, cell: f64) -> Result<Scene, Error> {
     let mut scene = base.edited(|scene| {
         scene.height = aspect * scene.width;
         scene.cell = cell;
@@ -71,8 +71,8 @@ fn in_band(found: f64, (low, high): (f64, f64)) -> f64 {
     (found - 0.5 * (low + high)) / (0.5 * (high - low))
 }
 
-fn climb(name: &str, meshes: &[f64], aspects: &[f64], kind: Kind, fault: fn(&mut Fields)) -> Result<Outcome, String> {
-    let base = crate::scenes::built_in(name).and_then(Result::ok).expect("the built-in scene holds");
+fn climb(name: &str, meshes: &[f64], aspects: &[f64], kind: Kind, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+    let base = crate::scenes::built_in(name).expect("the built-in scene holds");
     let (mut errors, mut notes) = (Vec::new(), Vec::new());
     for &cell in meshes {
         let mut offs = Vec::new();
@@ -80,10 +80,10 @@ fn climb(name: &str, meshes: &[f64], aspects: &[f64], kind: Kind, fault: fn(&mut
             let mut scene = column(&base, aspect, cell)?;
             scene = scene.edited(fault)?;
             let run = finished(&scene)?;
-            let last = run.samples.last().ok_or("no sample")?;
+            let last = run.samples.last().ok_or(Lacks("sample"))?;
             let reach = last.state.reach;
             let found = (reach[0] - scene.width) / scene.width;
-            let (low, high) = run_out(kind, aspect).ok_or("no law for this aspect ratio")?;
+            let (low, high) = run_out(kind, aspect).ok_or(Lacks("law for this aspect ratio"))?;
             let off = in_band(found, (low, high));
             offs.push(off);
             let of = format!("H_0/L_0 = {aspect}, L = {cell} m");
@@ -102,14 +102,14 @@ fn climb(name: &str, meshes: &[f64], aspects: &[f64], kind: Kind, fault: fn(&mut
         let mut scene = column(&base, aspects[0], meshes[0])?.edited(|s| s.particles_per_cell = *count)?;
         scene = scene.edited(fault)?;
         let run = finished(&scene)?;
-        let reach = run.samples.last().ok_or("no sample")?.state.reach[0];
-        let band = run_out(kind, aspects[0]).ok_or("no law for this aspect ratio")?;
+        let reach = run.samples.last().ok_or(Lacks("sample"))?.state.reach[0];
+        let band = run_out(kind, aspects[0]).ok_or(Lacks("law for this aspect ratio"))?;
         Ok((*count as f64, in_band((reach - scene.width) / scene.width, band)))
     };
-    let counted = COUNTS.iter().map(with).collect::<Result<_, String>>()?;
+    let counted = COUNTS.iter().map(with).collect::<Result<_, Error>>()?;
     let against = format!("the band of published laws, H_0/L_0 = {}, L = {} m", aspects[0], meshes[0]);
     // A place in a band has no order: the finest mesh is judged, the other one shown beside it.
-    let finest = errors.last().copied().ok_or("no mesh")?;
+    let finest = errors.last().copied().ok_or(Lacks("mesh"))?;
     let on_meshes = Refinement::new(MESH, errors, "the band of published laws, the ratio that is farthest out");
     let on_counts = Refinement { required_error: Some(1.0), ..Refinement::new(PARTICLES, counted, against) };
     Ok(Outcome {

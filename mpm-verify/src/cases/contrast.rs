@@ -8,7 +8,7 @@ use mpm_core::stability::stable_limit;
 use super::evidence::{MESH, Refinement, TOLERANCE};
 use super::looks::{Look, Looks, Norm, in_particles, in_time};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{Mutant, Outcome, Rung, asked, integrator, scheme};
+use super::{Error, Lacks, Mutant, Outcome, Rung, Unfit, asked, integrator, scheme};
 use crate::exact::layered::Layered;
 use crate::hard::contrast::{Contrast, Quantity, conductivity, executed, found, scene, stiffness};
 use crate::norms::largest;
@@ -161,24 +161,24 @@ const SLOWER: f64 = 0.95;
 /// The fault in words.
 const TIGHT: &str = "conductivity of the slower layer 5 % too low";
 
-fn splines(contrasts: &[Contrast], number: Number, required: f64, fault: f64) -> Result<Outcome, String> {
+fn splines(contrasts: &[Contrast], number: Number, required: f64, fault: f64) -> Result<Outcome, Error> {
     let by = (Integrator::QuasiStatic, ShapeChoice::Bspline2);
     refined(by, contrasts, &[14, 20, 28, 40, 56], 1.0, number, (required, [3.0, 7.0]), fault)
 }
 
 /// The slower layer fills half of the column and drains a quarter as fast as the whole would: the error of U at the
 /// first time is that of a column on half as many cells.
-fn centre(contrasts: &[Contrast], fault: f64) -> Result<Outcome, String> {
+fn centre(contrasts: &[Contrast], fault: f64) -> Result<Outcome, Error> {
     let by = (Integrator::QuasiStatic, ShapeChoice::Centre);
     refined(by, contrasts, &[20, 28, 40, 56, 80], 1.0, SETTLEMENT, (5e-3, [1.9, 2.2]), fault)
 }
 
-fn implicit_pressure(contrasts: &[Contrast], fault: f64) -> Result<Outcome, String> {
+fn implicit_pressure(contrasts: &[Contrast], fault: f64) -> Result<Outcome, Error> {
     let by = (Integrator::SemiImplicit, ShapeChoice::Centre);
     refined(by, contrasts, &[10, 14, 20, 28, 40], DYNAMIC_UNTIL, SETTLEMENT, (2e-2, [1.8, 2.4]), fault)
 }
 
-fn explicit(contrasts: &[Contrast], fault: f64) -> Result<Outcome, String> {
+fn explicit(contrasts: &[Contrast], fault: f64) -> Result<Outcome, Error> {
     let by = (Integrator::Explicit, ShapeChoice::Centre);
     let rows = [10, 14, 20, 28, 40];
     let mut outcome = refined(by, contrasts, &rows, DYNAMIC_UNTIL, SETTLEMENT, (2e-2, [1.8, 2.4]), fault)?;
@@ -192,16 +192,16 @@ fn late(
     contrasts: &[Contrast],
     rows: &[usize],
     fault: f64,
-) -> Result<Refinement, String> {
+) -> Result<Refinement, Error> {
     let mut errors = Vec::with_capacity(rows.len());
     for rows in rows {
         let (mut off, mut cell) = (Vec::new(), 0.0);
         for contrast in contrasts {
             let mut scene = scene(by, shape, *contrast, *rows, DYNAMIC_UNTIL)?;
-            let exact = Layered::of(&scene).ok_or("not a column of layers")?;
+            let exact = Layered::of(&scene).ok_or(Unfit("not a column of layers"))?;
             scene = scene.edited(|scene| plant(scene, fault))?;
             let looks = SETTLEMENT.looks(&executed(&scene)?, &exact, *contrast);
-            let last = looks.rows.last().ok_or("no sample")?;
+            let last = looks.rows.last().ok_or(Lacks("sample"))?;
             off.push(last.computed[0] - last.exact[0]);
             cell = scene.cell;
         }
@@ -223,7 +223,7 @@ fn refined(
     number: Number,
     (required_error, order): (f64, [f64; 2]),
     fault: f64,
-) -> Result<Outcome, String> {
+) -> Result<Outcome, Error> {
     let mut errors = Vec::with_capacity(rows.len());
     let (mut notes, mut samples) = (Vec::new(), Vec::new());
     let mut outcome = Outcome { required_error, required_order: Some(order), ..Outcome::default() };
@@ -233,7 +233,7 @@ fn refined(
         samples = Vec::new();
         for contrast in contrasts {
             let mut scene = scene(by, shape, *contrast, *rows, until)?;
-            let exact = Layered::of(&scene).ok_or("not a column of layers")?;
+            let exact = Layered::of(&scene).ok_or(Unfit("not a column of layers"))?;
             scene = scene.edited(|scene| plant(scene, fault))?;
             let run = executed(&scene)?;
             let looks = number.looks(&run, &exact, *contrast);
@@ -254,7 +254,7 @@ fn refined(
         )];
     }
     let coarse = errors.first().map_or(f64::NAN, |(_, error)| *error);
-    let first = contrasts.first().ok_or("no contrast")?;
+    let first = contrasts.first().ok_or(Lacks("contrast"))?;
     let refinements = refinements((by, shape), *first, (rows[0], until), number, coarse, fault)?;
     Ok(Outcome { errors, notes, samples, refinements, ..outcome })
 }
@@ -268,17 +268,17 @@ fn refinements(
     number: Number,
     coarse: f64,
     fault: f64,
-) -> Result<Vec<Refinement>, String> {
+) -> Result<Vec<Refinement>, Error> {
     let mut base = scene(by, shape, contrast, rows, until)?;
-    let exact = Layered::of(&base).ok_or("not a column of layers")?;
+    let exact = Layered::of(&base).ok_or(Unfit("not a column of layers"))?;
     base = base.edited(|base| plant(base, fault))?;
-    let looks = |scene: &Scene| Ok::<_, String>(number.looks(&executed(scene)?, &exact, contrast));
+    let looks = |scene: &Scene| Ok::<_, Error>(number.looks(&executed(scene)?, &exact, contrast));
     let quasi_static = by == Integrator::QuasiStatic;
     let in_time = if quasi_static {
         let finest = looks(&base.edited(|s| s.tolerance = 1e-9)?)?;
         let error =
             |tolerance: f64| Ok((tolerance, looks(&base.edited(|s| s.tolerance = tolerance)?)?.difference(&finest)));
-        let errors = [1e-3, 1e-4, 1e-5, 1e-6].into_iter().map(error).collect::<Result<_, String>>()?;
+        let errors = [1e-3, 1e-4, 1e-5, 1e-6].into_iter().map(error).collect::<Result<_, Error>>()?;
         let against = format!("the same run under a tolerance of 1e-9, L = {} m", base.cell);
         Refinement { required_share: Some(1.0), ..Refinement::new(TOLERANCE, errors, against) }
     } else {

@@ -11,7 +11,7 @@ use mpm_core::scene::{Integrator, Scene, ShapeChoice, SolidSide, StepChoice, Str
 use super::evidence::STEP as BY_STEP;
 use super::looks::{Look, Looks, Norm, in_particles, in_time};
 use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
-use super::{Mutant, Outcome, Rung, finished_given, integrator, scheme};
+use super::{Error, Mutant, Outcome, Rung, Unfit, finished_given, integrator, scheme};
 use crate::exact::coupled_field::CoupledField;
 
 /// The paper's scheme.
@@ -58,27 +58,26 @@ const STEP: f64 = 1.2e-2;
 const EXPLICIT_STEP: f64 = 2e-3;
 
 /// The closed square; water that seeps a hundredth as fast as in Table 1 drains in about a swing.
-fn square() -> Result<Scene, String> {
-    let mut scene = crate::scenes::built_in("mandel").ok_or("no such scene")?.map_err(|e| e.to_string())?;
+fn square() -> Result<Scene, Error> {
+    let mut scene = crate::scenes::built_in("mandel")?;
     scene = scene.edited(|scene| {
         super::slower(scene, 100.0);
         (scene.surcharge, scene.solid_sides, scene.strain) = (None, [SolidSide::Roller; 4], StrainChoice::Large);
         (scene.particles_per_cell, scene.history) = (4, 0);
     })?;
     let period = std::f64::consts::TAU / FREQUENCY;
-    scene = scene.edited(|scene| {
+    Ok(scene.edited(|scene| {
         scene.observe_times = [0.25, 0.5, 0.75, 1.0].map(|share| share * period).to_vec();
         (scene.stages[0].drained, scene.stages[0].until) = ([false; 4], Until::Time(period));
-    })?;
-    Ok(scene)
+    })?)
 }
 
 /// The run of a mesh with `side` cells, its step s; the force is a share of the right one.
-fn run(mut scene: Scene, side: usize, dt: f64, share: f64) -> Result<(CoupledField, Run), String> {
+fn run(mut scene: Scene, side: usize, dt: f64, share: f64) -> Result<(CoupledField, Run), Error> {
     scene = scene.edited(|scene| {
         (scene.cell, scene.cells, scene.step) = (scene.width / side as f64, [side; 2], StepChoice::Fixed(dt));
     })?;
-    let exact = CoupledField::new(&scene, AMPLITUDE, FREQUENCY).ok_or("not a square of saturated soil")?;
+    let exact = CoupledField::new(&scene, AMPLITUDE, FREQUENCY).ok_or(Unfit("not a square of saturated soil"))?;
     let given = Given {
         force: Some(Arc::new(move |x, t| exact.body_force(x, t).map(|b| share * b))),
         start: Some(Arc::new(move |x| exact.start(x, dt))),
@@ -104,12 +103,12 @@ fn looks(run: &Run, exact: &CoupledField) -> Looks {
     Looks { over_places: Norm::Rms, ..Looks::worst("p over its largest", run.observed().map(look).collect()) }
 }
 
-fn refined(integrate: Integrator, shape: ShapeChoice, share: f64) -> Result<Outcome, String> {
+fn refined(integrate: Integrator, shape: ShapeChoice, share: f64) -> Result<Outcome, Error> {
     let base = square()?.edited(|base| (base.integrator, base.shape) = (integrate, shape))?;
     let factor = if integrate == Integrator::SemiImplicit { STEP } else { EXPLICIT_STEP };
     let with = |scene: &Scene, side: usize, dt: f64| {
         let (exact, run) = run(scene.clone(), side, dt, share)?;
-        Ok::<_, String>(looks(&run, &exact))
+        Ok::<_, Error>(looks(&run, &exact))
     };
     let step = |cell: f64| factor * cell * cell;
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
@@ -140,14 +139,14 @@ fn refined(integrate: Integrator, shape: ShapeChoice, share: f64) -> Result<Outc
 
 /// Differences from the run with a step 64 times smaller than the largest, on the same mesh. Without the force there is
 /// nothing of the field left to differ, and the errors are those against the closed form.
-fn steps(share: f64) -> Result<Outcome, String> {
+fn steps(share: f64) -> Result<Outcome, Error> {
     const SIDE: usize = 12;
     let base =
         square()?.edited(|base| (base.integrator, base.shape) = (Integrator::SemiImplicit, ShapeChoice::Centre))?;
     let largest = STEP / 64.0;
     let found = |dt: f64, share: f64| {
         let (exact, run) = run(base.clone(), SIDE, dt, share)?;
-        Ok::<_, String>(looks(&run, &exact))
+        Ok::<_, Error>(looks(&run, &exact))
     };
     let finest = found(largest / 64.0, 1.0)?;
     let (mut errors, mut samples) = (Vec::new(), Vec::new());

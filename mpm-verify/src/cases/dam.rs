@@ -5,7 +5,7 @@ use mpm_core::observe::{FieldPoint, WaterState};
 use mpm_core::scene::{Feed, Fields, Scene};
 
 use super::looks::{Look, Looks, in_particles};
-use super::{FASTER, Mutant, Outcome, Rung, faster, finished, integrator, sound};
+use super::{Error, FASTER, Lacks, Mutant, Outcome, Rung, Unfit, faster, finished, integrator, sound};
 use crate::exact::dam::Dam;
 use crate::norms::largest;
 
@@ -79,8 +79,8 @@ fn longer(scene: &mut Fields) {
     scene.width = columns * scene.cell;
 }
 
-fn scene(rows: usize, tail: f64) -> Result<Scene, String> {
-    let dam = crate::scenes::built_in("dam").ok_or("no such scene")??;
+fn scene(rows: usize, tail: f64) -> Result<Scene, Error> {
+    let dam = crate::scenes::built_in("dam")?;
     let tailed = dam.edited(|scene| {
         if let (Some(free), true) = (&mut scene.free_surface, tail > 0.0) {
             free.feeds[1] = Some(Feed::Head(tail));
@@ -100,7 +100,7 @@ struct Computed {
 }
 
 impl Computed {
-    fn new(scene: &Scene, sample: &Sample) -> Result<Self, String> {
+    fn new(scene: &Scene, sample: &Sample) -> Result<Self, Error> {
         let columns = scene.cells[0];
         let mut levels = vec![0.0; columns];
         let standing = |p: &&FieldPoint| p.pressure_pa > 0.0;
@@ -110,11 +110,11 @@ impl Computed {
             levels[column] = f64::max(levels[column], level);
         }
         Ok(Self {
-            exact: Dam::new(1.0, 0.0, 1.0).ok_or("no such dam")?,
+            exact: Dam::new(1.0, 0.0, 1.0).ok_or(Lacks("such dam"))?,
             cell: scene.cell,
             levels,
             width: scene.width,
-            water: sample.state.water.ok_or("no free surface")?,
+            water: sample.state.water.ok_or(Lacks("free surface"))?,
         })
     }
 
@@ -136,22 +136,22 @@ fn followed(
     scene: &Scene,
     (quantity, unit): (&str, &'static str),
     shown: impl Fn(&Computed) -> (Vec<f64>, Vec<f64>),
-) -> Result<(Looks, WaterState), String> {
+) -> Result<(Looks, WaterState), Error> {
     let run = finished(scene)?;
-    let last = run.samples.last().ok_or("no sample")?;
+    let last = run.samples.last().ok_or(Lacks("sample"))?;
     let mut rows = Vec::new();
     for sample in run.observed().chain([last]) {
         let (computed, exact) = shown(&Computed::new(scene, sample)?);
         let counts = sample.stage_time == last.stage_time;
         rows.push(Look { time: sample.stage_time, factor: None, computed, exact, counts });
     }
-    Ok((Looks { unit, ..Looks::worst(quantity, rows) }, last.state.water.ok_or("no free surface")?))
+    Ok((Looks { unit, ..Looks::worst(quantity, rows) }, last.state.water.ok_or(Lacks("free surface"))?))
 }
 
-fn discharge(tail: f64, fault: fn(&mut Fields)) -> Result<Outcome, String> {
-    let exact = Dam::new(1.0, tail, 1.0).ok_or("no such dam")?;
+fn discharge(tail: f64, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+    let exact = Dam::new(1.0, tail, 1.0).ok_or(Lacks("such dam"))?;
     let flow = |mut scene: Scene| {
-        let sought = exact.discharge(scene.water.ok_or("the scene is dry")?.hydraulic_conductivity);
+        let sought = exact.discharge(scene.water.ok_or(Unfit("the scene is dry"))?.hydraulic_conductivity);
         scene = scene.edited(fault)?;
         followed(&scene, ("outflow over the discharge of the steady flow", "-"), |dam| {
             (vec![dam.water.outflow_m3_s / sought], vec![1.0])
@@ -187,10 +187,10 @@ fn heights(
     quantity: &str,
     shown: fn(&Computed) -> (Vec<f64>, Vec<f64>),
     fault: fn(&mut Fields),
-) -> Result<Outcome, String> {
+) -> Result<Outcome, Error> {
     let seen = |mut scene: Scene| {
         scene = scene.edited(fault)?;
-        Ok::<_, String>(followed(&scene, (quantity, "m"), shown)?.0)
+        Ok::<_, Error>(followed(&scene, (quantity, "m"), shown)?.0)
     };
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for rows in ROWS {
@@ -214,10 +214,10 @@ fn heights(
     })
 }
 
-fn stored(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn stored(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let (mut errors, mut notes, mut samples) = (Vec::new(), Vec::new(), Vec::new());
     for (rows, tail) in [(20, 0.0), (40, 0.0), (20, 0.3), (20, 0.9)] {
-        let exact = Dam::new(1.0, tail, 1.0).ok_or("no such dam")?;
+        let exact = Dam::new(1.0, tail, 1.0).ok_or(Lacks("such dam"))?;
         for per_cell in [4, 9] {
             let mut scene = scene(rows, tail)?.edited(|scene| {
                 scene.particles_per_cell = per_cell;

@@ -7,7 +7,7 @@ use mpm_core::drive::Sample;
 use mpm_core::scene::{Fields, Integrator, Scene, Start, StepChoice, Surcharge, Until};
 
 use super::looks::{Look, Looks, in_time};
-use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound};
+use super::{Error, Lacks, Mutant, Outcome, Rung, finished, integrator, scheme, sound};
 use crate::exact::damped_column::DampedColumn;
 
 /// The case.
@@ -29,7 +29,7 @@ fn stronger(scene: &mut Fields) {
 }
 
 /// Table 1's column, closed, from rest under a hundredth of its load.
-fn column() -> Result<(Scene, DampedColumn), String> {
+fn column() -> Result<(Scene, DampedColumn), Error> {
     let mut base = crate::scenes::terzaghi().edited(|base| {
         (base.history, base.start, base.integrator) = (0, Start::Unloaded, Integrator::SemiImplicit);
         base.surcharge = base.surcharge.map(|s| Surcharge { pressure: 0.01 * s.pressure, ramp_time: 0.0, ..s });
@@ -39,22 +39,22 @@ fn column() -> Result<(Scene, DampedColumn), String> {
             water.hydraulic_conductivity = 1e-15;
         }
     })?;
-    let exact = DampedColumn::new(&base).ok_or("no load")?;
+    let exact = DampedColumn::new(&base).ok_or(Lacks("load"))?;
     base = base.edited(|base| base.stages[0].damping = STRONG * exact.frequency)?;
-    let exact = DampedColumn::new(&base).ok_or("no load")?;
+    let exact = DampedColumn::new(&base).ok_or(Lacks("load"))?;
     let times = [0.2, 0.5, 1.0, 2.0].map(|share| share * exact.slowness());
     base = base.edited(|base| (base.observe_times, base.stages[0].until) = (times.to_vec(), Until::Time(times[3])))?;
     Ok((base, exact))
 }
 
-fn climb(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn climb(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let (mut base, exact) = column()?;
     base = base.edited(fault)?;
     let looks_at = |scene: &Scene| {
         let look = |s: &Sample| {
             Look::one(s.stage_time, s.state.settlement / exact.whole, exact.settlement(s.stage_time) / exact.whole)
         };
-        Ok::<_, String>(Looks::worst("settlement over the last one", finished(scene)?.observed().map(look).collect()))
+        Ok::<_, Error>(Looks::worst("settlement over the last one", finished(scene)?.observed().map(look).collect()))
     };
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for rows in ROWS {

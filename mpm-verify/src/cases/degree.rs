@@ -5,6 +5,7 @@ use mpm_core::scene::{Scene, StepChoice};
 
 use super::evidence::{PARTICLES, Refinement, STEP, Sampled, TOLERANCE};
 use super::finished;
+use crate::error::Error;
 use crate::norms::worst;
 
 /// A settlement that is compared, and how its error is counted.
@@ -83,7 +84,7 @@ impl<'a> Degree<'a> {
     }
 
     /// Errors of scenes on finer and finer meshes, and the samples of the last one.
-    pub fn on_meshes(&self, scenes: impl Iterator<Item = Scene>) -> Result<(Errors, Vec<Sampled>), String> {
+    pub fn on_meshes(&self, scenes: impl Iterator<Item = Scene>) -> Result<(Errors, Vec<Sampled>), Error> {
         let (mut errors, mut samples) = (Vec::new(), Vec::new());
         for scene in scenes {
             let run = finished(&scene)?;
@@ -94,7 +95,7 @@ impl<'a> Degree<'a> {
     }
 
     /// Errors of a scene with several numbers of rows, and the samples of the last one.
-    pub fn refine(&self, base: &Scene, rows: &[usize]) -> Result<(Errors, Vec<Sampled>), String> {
+    pub fn refine(&self, base: &Scene, rows: &[usize]) -> Result<(Errors, Vec<Sampled>), Error> {
         let scenes = rows.iter().map(|rows| base.with_rows(*rows)).collect::<Result<Vec<_>, _>>()?;
         self.on_meshes(scenes.into_iter())
     }
@@ -107,11 +108,11 @@ impl<'a> Degree<'a> {
         first: f64,
         count: u32,
         required_order: Option<[f64; 2]>,
-    ) -> Result<Refinement, String> {
+    ) -> Result<Refinement, Error> {
         let stepped = |halvings| {
             let step = first / 2.0_f64.powi(halvings);
             let run = finished(&base.edited(|s| s.step = StepChoice::Fixed(step))?)?;
-            Ok::<_, String>((step, run))
+            Ok::<_, Error>((step, run))
         };
         let runs = (0..=count as i32).map(stepped).collect::<Result<Vec<_>, _>>()?;
         let errors = runs.windows(2).map(|pair| (pair[0].0, self.difference(&pair[0].1, &pair[1].1))).collect();
@@ -121,24 +122,24 @@ impl<'a> Degree<'a> {
 
     /// A scene under tolerances that fall: the difference of each run to one under a hundredth of the smallest. A
     /// tolerance is a bound, so that no order is expected: no error may exceed `times` its own tolerance.
-    pub fn in_tolerance(&self, base: &Scene, tolerances: &[f64], times: f64) -> Result<Refinement, String> {
+    pub fn in_tolerance(&self, base: &Scene, tolerances: &[f64], times: f64) -> Result<Refinement, Error> {
         let at = |tolerance| finished(&base.edited(|s| s.tolerance = tolerance)?);
         let least = tolerances.iter().copied().fold(f64::INFINITY, f64::min);
         let finest = at((0.01 * least).max(1e-10))?;
         let error = |tolerance: &f64| Ok((*tolerance, self.difference(&at(*tolerance)?, &finest)));
-        let errors: Errors = tolerances.iter().map(error).collect::<Result<_, String>>()?;
+        let errors: Errors = tolerances.iter().map(error).collect::<Result<_, Error>>()?;
         let against = format!("the same run under a hundredth of the smallest tolerance, L = {} m", base.cell);
         Ok(Refinement { required_share: Some(times), ..Refinement::new(TOLERANCE, errors, against) })
     }
 
     /// A scene with several numbers of particles per cell on its own mesh, against the exact solution. The mesh leaves an
     /// error that no particles take away, so that no order is expected; `most` bounds every error.
-    pub fn in_particles(&self, base: &Scene, counts: &[usize], most: f64) -> Result<Refinement, String> {
+    pub fn in_particles(&self, base: &Scene, counts: &[usize], most: f64) -> Result<Refinement, Error> {
         let with = |count: &usize| {
             let run = finished(&base.edited(|s| s.particles_per_cell = *count)?)?;
             Ok((*count as f64, self.error(&run)))
         };
-        let errors = counts.iter().map(with).collect::<Result<_, String>>()?;
+        let errors = counts.iter().map(with).collect::<Result<_, Error>>()?;
         let against =
             format!("the exact solution, L = {} m: the error of the mesh stays, no order is expected", base.cell);
         Ok(Refinement { required_error: Some(most), ..Refinement::new(PARTICLES, errors, against) })

@@ -8,7 +8,7 @@ use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
-use super::{Mutant, Outcome, Rung, integrator, scheme, sound};
+use super::{Error, Mutant, Outcome, Rung, Unfit, integrator, scheme, sound};
 use crate::exact::terzaghi::Terzaghi;
 
 /// The rung.
@@ -23,12 +23,12 @@ fn closed(scene: &mut Fields) {
     scene.stages[0].drained = [false, false, false, true];
 }
 
-fn climb(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn climb(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut base = crate::scenes::terzaghi().edited(|base| {
         base.history = 0;
         base.stages[0].drained = [false, false, true, true];
     })?;
-    let fast = base.time_per_factor().ok_or("the scene is dry")?;
+    let fast = base.time_per_factor().ok_or(Unfit("the scene is dry"))?;
     base = base.edited(|base| {
         if let Some(water) = &mut base.water {
             water.hydraulic_conductivity *= 0.01;
@@ -40,7 +40,7 @@ fn climb(fault: fn(&mut Fields)) -> Result<Outcome, String> {
         base.observe_times = crate::norms::SAMPLE_TV.map(|tv| tv * slow).to_vec();
         base.stages[0].until = mpm_core::scene::Until::Time(slow);
     })?;
-    let exact = Terzaghi::compressible(&base).ok_or("the scene is dry")?;
+    let exact = Terzaghi::compressible(&base).ok_or(Unfit("the scene is dry"))?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&base, &settlement);
     base = base.edited(fault)?;

@@ -5,7 +5,7 @@ use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::terzaghi::{HALVINGS, PARTICLE_COUNTS};
-use super::{Mutant, Outcome, Rung, integrator, scheme, sound};
+use super::{Error, Mutant, Outcome, Rung, integrator, scheme, sound};
 
 /// The rung.
 pub const RUNG: Rung = Rung {
@@ -19,7 +19,7 @@ fn stiffer(scene: &mut Fields) {
     scene.elastic.youngs_modulus *= 1.05;
 }
 
-fn climb(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn climb(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut base = crate::scenes::terzaghi().edited(|base| {
         (base.water, base.start, base.history) = (None, Start::Unloaded, 0);
         base.stages[0].drained = [false; 4];

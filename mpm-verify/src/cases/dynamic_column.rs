@@ -5,7 +5,7 @@ use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{Mutant, Outcome, Rung, integrator, scheme, sound};
+use super::{Error, Mutant, Outcome, Rung, Unfit, integrator, scheme, sound};
 use crate::exact::dynamic::DynamicColumn;
 
 /// Darcy's law with `rho_w a_s`.
@@ -28,18 +28,18 @@ fn without(scene: &mut Fields) {
     scene.darcy_inertia = false;
 }
 
-fn climb(change: fn(&mut Fields), fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn climb(change: fn(&mut Fields), fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut base = crate::scenes::terzaghi().edited(|base| {
         (base.history, base.start) = (0, Start::Unloaded);
         base.surcharge = base.surcharge.map(|s| Surcharge { ramp_time: 5e-4, ..s });
     })?;
-    let end = 0.2 * base.time_per_factor().ok_or("the scene is dry")?;
+    let end = 0.2 * base.time_per_factor().ok_or(Unfit("the scene is dry"))?;
     base = base.edited(|base| {
         base.stages[0].until = Until::Time(end);
         base.observe_times = (1..=40).map(|i| end * f64::from(i) / 40.0).collect();
     })?;
     base = base.edited(change)?;
-    let exact = DynamicColumn::new(&base).ok_or("the scene is dry")?;
+    let exact = DynamicColumn::new(&base).ok_or(Unfit("the scene is dry"))?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&base, &settlement).absolute();
     base = base.edited(fault)?;

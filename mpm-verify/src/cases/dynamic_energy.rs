@@ -16,7 +16,7 @@ use mpm_core::stability::stable_limit;
 use super::evidence::{MESH, PARTICLES, Refinement, STEP};
 use super::looks::{Look, Looks};
 use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
-use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound};
+use super::{Error, Mutant, Outcome, Rung, Unfit, finished, integrator, scheme, sound};
 
 /// The paper's step.
 pub const EXPLICIT: Rung = Rung {
@@ -74,18 +74,17 @@ const LOOKS: u32 = 40;
 
 /// Table 1's column from rest under a hundredth of its load, which grows linearly at first: strains too small to
 /// matter.
-fn column(way: &Way) -> Result<Scene, String> {
-    let mut base = crate::scenes::terzaghi().edited(|base| {
+fn column(way: &Way) -> Result<Scene, Error> {
+    let base = crate::scenes::terzaghi().edited(|base| {
         (base.history, base.start, base.integrator) = (0, Start::Unloaded, way.integrate);
         base.surcharge = base.surcharge.map(|s| Surcharge { ramp_time: way.ramp, pressure: 0.01 * s.pressure, ..s });
     })?;
-    let end = 0.2 * base.time_per_factor().ok_or("the scene is dry")?;
-    base = base.edited(|base| {
+    let end = 0.2 * base.time_per_factor().ok_or(Unfit("the scene is dry"))?;
+    Ok(base.edited(|base| {
         base.stages[0].until = Until::Time(end);
         base.stages[0].damping = DAMPING;
         base.observe_times = (1..=LOOKS).map(|i| end * f64::from(i) / f64::from(LOOKS)).collect();
-    })?;
-    Ok(base)
+    })?)
 }
 
 /// What is stored and booked as lost, over the work of the load so far: all of it.
@@ -111,13 +110,13 @@ fn shares(run: &Run) -> Vec<(String, f64, String)> {
     parts.map(|(what, energy)| (format!("{what}, of the work"), energy / last.external_work_j, "-".to_owned())).to_vec()
 }
 
-fn climb(way: &Way, fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn climb(way: &Way, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut base = column(way)?;
     base = base.edited(fault)?;
     let on = |rows: usize, halvings: i32| {
         let scene = base.with_rows(rows)?;
         let step = way.share * stable_limit(&scene) / 2.0_f64.powi(halvings);
-        Ok::<_, String>(scene.edited(|s| s.step = StepChoice::Fixed(step))?)
+        Ok::<_, Error>(scene.edited(|s| s.step = StepChoice::Fixed(step))?)
     };
     let (mut errors, mut samples, mut notes) = (Vec::new(), Vec::new(), Vec::new());
     for halvings in 0..=way.halvings {
@@ -132,11 +131,11 @@ fn climb(way: &Way, fault: fn(&mut Fields)) -> Result<Outcome, String> {
         let scene = on(rows, 0)?;
         Ok((scene.cell, looks(&finished(&scene)?).error()))
     });
-    let meshes = meshes.into_iter().collect::<Result<_, String>>()?;
+    let meshes = meshes.into_iter().collect::<Result<_, Error>>()?;
     let with = |count: &usize| {
         Ok((*count as f64, looks(&finished(&on(ROWS[0], 0)?.edited(|s| s.particles_per_cell = *count)?)?).error()))
     };
-    let counted = PARTICLE_COUNTS.iter().map(with).collect::<Result<_, String>>()?;
+    let counted = PARTICLE_COUNTS.iter().map(with).collect::<Result<_, Error>>()?;
     let [meshes, counted] = [
         Refinement::new(MESH, meshes, "the work, at the same share of the stable step on every mesh"),
         // FLIP's loss goes with 1 - S, which falls with the particles.

@@ -6,7 +6,7 @@
 use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice, StrainChoice, Surcharge, Until};
 
 use super::own::OwnScene;
-use super::{FASTER, Mutant, Outcome, Rung, faster, sound};
+use super::{Error, FASTER, Mutant, Outcome, Rung, faster, sound};
 use crate::norms::SAMPLE_TV;
 
 /// How the column differs from Table 1's.
@@ -61,7 +61,7 @@ fn stiff(scene: &mut Fields) {
     scene.elastic.poisson_ratio = 0.45;
 }
 
-fn climb(change: Change, integrator: Integrator, rows: &[usize], fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn climb(change: Change, integrator: Integrator, rows: &[usize], fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     OwnScene::new(&column(change, integrator)?, rows)?.outcome(fault)
 }
 
@@ -71,7 +71,7 @@ const EXPLICIT_FROM: f64 = 0.05;
 const LIGHT: f64 = 1e-6;
 
 /// Table 1's column with a change, at the nine time factors of its own.
-fn column(change: Change, integrator: Integrator) -> Result<Scene, String> {
+fn column(change: Change, integrator: Integrator) -> Result<Scene, Error> {
     let mut scene = crate::scenes::terzaghi();
     scene = scene.edited(change)?;
     let pressure = LIGHT * scene.oedometer_modulus();

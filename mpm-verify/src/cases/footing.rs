@@ -10,7 +10,7 @@
 use mpm_core::run::run;
 use mpm_core::scene::Scene;
 
-use super::{Mutant, Outcome, Rung, asked, integrator, scheme};
+use super::{Error, Lacks, Mutant, Outcome, Rung, Unfit, asked, integrator, scheme};
 
 /// Tresca soil.
 pub const UNDRAINED: Rung = Rung {
@@ -75,9 +75,9 @@ fn n_c(friction_angle: f64) -> f64 {
 }
 
 /// The scene on so many rows of cells, and the exact limit load (Pa); its soil has more friction than that by some degrees.
-fn footing(friction_angle: f64, more: f64, rows: usize) -> Result<(Scene, f64), String> {
-    let scene = Scene::parse(SCENE, "footing").and_then(|scene| scene.with_rows(rows)).map_err(|e| e.to_string())?;
-    let exact = n_c(friction_angle) * scene.strength.ok_or("the soil is elastic")?.cohesion;
+fn footing(friction_angle: f64, more: f64, rows: usize) -> Result<(Scene, f64), Error> {
+    let scene = Scene::parse(SCENE, "footing").and_then(|scene| scene.with_rows(rows))?;
+    let exact = n_c(friction_angle) * scene.strength.ok_or(Unfit("the soil is elastic"))?.cohesion;
     let law = |name: &str| format!("soil.law.mohr_coulomb.{name}");
     let angle = friction_angle + more;
     let changes = [
@@ -85,7 +85,7 @@ fn footing(friction_angle: f64, more: f64, rows: usize) -> Result<(Scene, f64), 
         (law("dilation_angle"), angle.into()),
         ("surcharge.pressure".to_owned(), (BEYOND * exact).into()),
     ];
-    Ok((scene.patched(&changes).map_err(|e| e.to_string())?, exact))
+    Ok((scene.patched(&changes)?, exact))
 }
 
 /// What a footing bears.
@@ -98,19 +98,19 @@ struct Limit {
 }
 
 /// Loads a footing until it fails.
-fn limit(scene: &Scene) -> Result<Limit, String> {
-    let surcharge = scene.surcharge.ok_or("no load")?;
-    let run = run(scene, &mut |_| {}).map_err(|e| e.to_string())?;
+fn limit(scene: &Scene) -> Result<Limit, Error> {
+    let surcharge = scene.surcharge.ok_or(Lacks("load"))?;
+    let run = run(scene, &mut |_| {})?;
     let time = match &run.failure {
         Some(failure) if failure.what.contains("more than the soil can bear") => failure.time,
-        Some(failure) => return Err(failure.to_string()),
+        Some(failure) => return Err(failure.clone().into()),
         None => surcharge.ramp_time,
     };
     let steps = run.work.accepted + run.work.rejected;
     Ok(Limit { load: surcharge.at(time), steps, iterations: run.work.solves })
 }
 
-fn climb(friction_angle: f64, more: f64, required_error: f64) -> Result<Outcome, String> {
+fn climb(friction_angle: f64, more: f64, required_error: f64) -> Result<Outcome, Error> {
     let (base, exact) = footing(friction_angle, more, ROWS[0])?;
     let (mut errors, mut notes) = (Vec::new(), vec![("limit load, exact".to_owned(), exact, "Pa".to_owned())]);
     for rows in ROWS {

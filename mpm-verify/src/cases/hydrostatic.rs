@@ -7,7 +7,7 @@ use mpm_core::scene::{DarcyChoice, Dimension, Scene, Start, Until};
 
 use super::evidence::{MESH, Refinement};
 use super::looks::{Look, Looks, in_particles};
-use super::{Mutant, Outcome, Rung, finished, integrator, scheme};
+use super::{Error, Mutant, Outcome, Rung, finished, integrator, scheme};
 use crate::norms::largest;
 use crate::study::word;
 
@@ -19,7 +19,7 @@ pub const RUNG: Rung = Rung {
     mutant: Some(Mutant { what: "no water pressure at the start", climb: || climb(Start::Unloaded) }),
 };
 
-fn climb(start: Start) -> Result<Outcome, String> {
+fn climb(start: Start) -> Result<Outcome, Error> {
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for darcy in [DarcyChoice::Face, DarcyChoice::Nodal] {
         let looks = speeds(&column(start, darcy, 20, 4)?)?;
@@ -30,7 +30,7 @@ fn climb(start: Start) -> Result<Outcome, String> {
         let scene = column(start, DarcyChoice::Face, *rows, 4)?;
         Ok((scene.cell, speeds(&scene)?.error()))
     };
-    let meshes = [5, 10, 20, 40].iter().map(on).collect::<Result<_, String>>()?;
+    let meshes = [5, 10, 20, 40].iter().map(on).collect::<Result<_, Error>>()?;
     let meshed = Refinement::new(MESH, meshes, "water at rest, with the face operator: exact on every mesh");
     let with = |count| speeds(&column(start, DarcyChoice::Face, 20, count)?);
     let face = column(start, DarcyChoice::Face, 20, 4)?;
@@ -54,22 +54,21 @@ const ROUND_OFF: f64 = 1e-9;
 const END: f64 = 1e-2;
 
 /// A block two cells wide.
-fn column(start: Start, darcy: DarcyChoice, rows: usize, particles_per_cell: usize) -> Result<Scene, String> {
-    let scene = crate::scenes::terzaghi().with_rows(rows)?.edited(|scene| {
+fn column(start: Start, darcy: DarcyChoice, rows: usize, particles_per_cell: usize) -> Result<Scene, Error> {
+    Ok(crate::scenes::terzaghi().with_rows(rows)?.edited(|scene| {
         (scene.dimension, scene.cells, scene.particles_per_cell) =
             (Dimension::PlaneStrain, [2, rows], particles_per_cell);
         scene.width = 2.0 * scene.cell;
         (scene.gravity, scene.start, scene.surcharge, scene.darcy) = (Some(GRAVITY), start, None, darcy);
         scene.stages[0].until = Until::Time(END);
         (scene.observe_times, scene.history) = ([0.25, 0.5, 0.75, 1.0].map(|share| share * END).to_vec(), 0);
-    })?;
-    Ok(scene)
+    })?)
 }
 
 const GRAVITY: f64 = 9.81;
 
 /// The largest speed of all particles over that of free fall for as long as the run.
-fn speeds(scene: &Scene) -> Result<Looks, String> {
+fn speeds(scene: &Scene) -> Result<Looks, Error> {
     let run = finished(scene)?;
     let look = |s: &Sample| Look::one(s.stage_time, s.state.max_speed / (GRAVITY * END), 0.0);
     let what = format!("largest speed over that of free fall, {}", word(scene.darcy));

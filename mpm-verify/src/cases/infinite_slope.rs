@@ -14,7 +14,7 @@ use mpm_core::run::run;
 use mpm_core::scene::{Clock, Feed, Fields, Scene, Until};
 
 use super::evidence::{PARTICLES, Refinement};
-use super::{Mutant, Outcome, Rung, integrator, sound};
+use super::{Error, Lacks, Mutant, Outcome, Rung, Unfit, integrator, sound};
 use crate::exact::infinite_slope::{InfiniteSlope, Seepage, Strength};
 use crate::norms::worst;
 
@@ -70,7 +70,7 @@ fn dilating(scene: &mut Fields) {
 }
 
 fn base() -> Scene {
-    crate::scenes::built_in("slope-seepage").and_then(Result::ok).expect("the built-in scene holds")
+    crate::scenes::built_in("slope-seepage").expect("the built-in scene holds")
 }
 
 /// A slope on a mesh, with the strength (at an angle of dilation psi, rad) divided by a factor.
@@ -81,9 +81,9 @@ fn slope(
     seepage: Seepage,
     psi: f64,
     factor: f64,
-) -> Result<Scene, String> {
-    let angle = base.slope_angle.ok_or("no slope")?.to_radians();
-    let water = base.water.ok_or("the scene is dry")?;
+) -> Result<Scene, Error> {
+    let angle = base.slope_angle.ok_or(Lacks("slope"))?.to_radians();
+    let water = base.water.ok_or(Unfit("the scene is dry"))?;
     let slope = |scene: &mut Fields| {
         let height = depth * angle.cos();
         (scene.height, scene.cell) = (height, height / rows as f64);
@@ -123,17 +123,17 @@ fn reduced(angle: f64, factor: f64) -> f64 {
 }
 
 /// Whether a slope comes to rest: it does, or its speed still falls by more than half in the last third of the time.
-fn stands(scene: &Scene) -> Result<bool, String> {
-    let run = run(scene, &mut |_| {}).map_err(|e| e.to_string())?;
+fn stands(scene: &Scene) -> Result<bool, Error> {
+    let run = run(scene, &mut |_| {})?;
     match &run.failure {
         Some(failure) if failure.what.contains("outside the mesh") => return Ok(false),
-        Some(failure) => return Err(failure.to_string()),
+        Some(failure) => return Err(failure.clone().into()),
         None => {}
     }
     let losses: Vec<f64> = run.observed().map(|s| s.ledger.damping_loss_j).collect();
-    let [first, second, last] = losses[..] else { return Err("three losses in damping expected".to_owned()) };
-    let (Some(stage), Some(gravity)) = (scene.stages.last(), scene.gravity) else { return Err("no slope".to_owned()) };
-    let Until::Time(end) = stage.until else { return Err("no time".to_owned()) };
+    let [first, second, last] = losses[..] else { return Err(Unfit("three losses in damping expected")) };
+    let (Some(stage), Some(gravity)) = (scene.stages.last(), scene.gravity) else { return Err(Lacks("slope")) };
+    let Until::Time(end) = stage.until else { return Err(Lacks("time")) };
     let mass = scene.mixture_density() * scene.height * scene.width;
     let [before, after] =
         [second - first, last - second].map(|loss| (loss / (stage.damping * mass * end / 3.0)).sqrt());
@@ -141,7 +141,7 @@ fn stands(scene: &Scene) -> Result<bool, String> {
 }
 
 /// The factor by which the strength can be divided before a slope slides, bracketed about a guess.
-fn factor(guess: f64, stands: impl Fn(f64) -> Result<bool, String>) -> Result<f64, String> {
+fn factor(guess: f64, stands: impl Fn(f64) -> Result<bool, Error>) -> Result<f64, Error> {
     let (mut low, mut high) = (0.9 * guess, 1.1 * guess);
     while !stands(low)? {
         low *= 0.8;
@@ -163,7 +163,7 @@ pub(super) fn own(
     (depth, seepage): (f64, Seepage),
     rows: usize,
     fault: fn(&mut Fields),
-) -> Result<(f64, f64), String> {
+) -> Result<(f64, f64), Error> {
     let psi = scene.strength.map_or(0.0, |strength| strength.dilation_angle).to_radians();
     let exact = exact(scene, depth, seepage, psi)?;
     let found = factor(exact, |factor| {
@@ -175,9 +175,9 @@ pub(super) fn own(
 }
 
 /// What limit equilibrium says of a slope.
-fn exact(scene: &Scene, depth: f64, seepage: Seepage, psi: f64) -> Result<f64, String> {
-    let gravity = scene.gravity.ok_or("no gravity")?;
-    let strength = scene.strength.ok_or("the soil is elastic")?;
+fn exact(scene: &Scene, depth: f64, seepage: Seepage, psi: f64) -> Result<f64, Error> {
+    let gravity = scene.gravity.ok_or(Lacks("gravity"))?;
+    let strength = scene.strength.ok_or(Unfit("the soil is elastic"))?;
     let whole = Strength { cohesion: strength.cohesion, friction: strength.friction_angle.to_radians() };
     let slope = |strength| InfiniteSlope {
         angle: scene.slope_angle.unwrap_or(0.0).to_radians(),
@@ -188,7 +188,7 @@ fn exact(scene: &Scene, depth: f64, seepage: Seepage, psi: f64) -> Result<f64, S
         seepage,
     };
     if psi > 0.0 {
-        return slope(whole).factor(depth).ok_or("no effective stress".to_owned());
+        return slope(whole).factor(depth).ok_or(Lacks("effective stress"));
     }
     // Davis' reduction depends on the strength that is left: the factor is where the reduced slope just stands.
     let margin = |factor: f64| {
@@ -203,7 +203,7 @@ fn exact(scene: &Scene, depth: f64, seepage: Seepage, psi: f64) -> Result<f64, S
     Ok(low)
 }
 
-fn climb(psi: f64, fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn climb(psi: f64, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let (mut errors, mut notes) = (Vec::new(), Vec::new());
     let slopes = if psi > 0.0 { &SLOPES[..] } else { &WITHOUT_DILATION_SLOPES };
     let found_with = |particles_per_cell, mesh: (usize, usize), depth, seepage, guess| {
@@ -233,7 +233,7 @@ fn climb(psi: f64, fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let dry = exact(&base(), depth, seepage, psi)?;
     let wide = found_on((4, 20), depth, seepage, dry)?;
     let counted = |count: &usize| Ok((*count as f64, found_with(*count, (1, 10), depth, seepage, dry)? / dry - 1.0));
-    let counted = [1, 4, 9].iter().map(counted).collect::<Result<_, String>>()?;
+    let counted = [1, 4, 9].iter().map(counted).collect::<Result<_, Error>>()?;
     let against = format!("the exact factor, 10 cells over the depth, {}", words(seepage));
     notes.push((format!("factor found with 4 columns of 20 cells, {}", words(seepage)), wide, "-".to_owned()));
     Ok(Outcome {

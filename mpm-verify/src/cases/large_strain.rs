@@ -5,7 +5,7 @@ use mpm_core::scene::{Fields, Scene, ShapeChoice, Surcharge};
 
 use super::degree::Degree;
 use super::terzaghi::PARTICLE_COUNTS;
-use super::{FASTER, Mutant, Outcome, Rung, asked, faster, integrator, scheme, sound};
+use super::{Error, FASTER, Mutant, Outcome, Rung, Unfit, asked, faster, integrator, scheme, sound};
 use crate::exact::large_strain::LargeStrain;
 
 /// Quadratic B-splines.
@@ -32,28 +32,26 @@ pub const SPLINES_30: Rung = Rung {
     mutant: Some(Mutant { what: FASTER, climb: || splines_30(faster) }),
 };
 
-fn splines(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn splines(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     climb(0.8, ShapeChoice::Bspline2, 5e-5, [2.0, 4.0], fault)
 }
 
-fn linear(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn linear(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     climb(0.8, ShapeChoice::Linear, 6e-3, [1.7, 2.2], fault)
 }
 
-fn splines_30(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn splines_30(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     climb(0.7, ShapeChoice::Bspline2, 1e-4, [2.0, 4.0], fault)
 }
 
 /// The column whose length ends as a share of its first.
-pub(super) fn column(left: f64) -> Result<Scene, String> {
-    let mut base =
-        crate::scenes::built_in("terzaghi-large-strain").ok_or("no such scene")?.map_err(|e| e.to_string())?;
+pub(super) fn column(left: f64) -> Result<Scene, Error> {
+    let base = crate::scenes::built_in("terzaghi-large-strain")?;
     let pressure = -base.oedometer_modulus() * f64::ln(left);
-    base = base.edited(|base| {
+    Ok(base.edited(|base| {
         base.surcharge = base.surcharge.map(|s| Surcharge { pressure, ..s });
         base.history = 0;
-    })?;
-    Ok(base)
+    })?)
 }
 
 fn climb(
@@ -62,9 +60,9 @@ fn climb(
     required_error: f64,
     order: [f64; 2],
     fault: fn(&mut Fields),
-) -> Result<Outcome, String> {
+) -> Result<Outcome, Error> {
     let mut base = column(left)?.edited(|base| base.shape = shape)?;
-    let exact = LargeStrain::new(&base).ok_or("not the column of the table")?;
+    let exact = LargeStrain::new(&base).ok_or(Unfit("not the column of the table"))?;
     // Between the rows of the table there is no number.
     let settlement = |time| exact.settlement(time).unwrap_or(f64::NAN);
     let degree = Degree::relative(&base, &settlement);

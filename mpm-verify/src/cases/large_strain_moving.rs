@@ -12,7 +12,7 @@ use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::large_strain::column;
-use super::{Mutant, Outcome, Rung, finished, integrator, scheme, slower, sound};
+use super::{Error, Mutant, Outcome, Rung, Unfit, finished, integrator, scheme, slower, sound};
 use crate::exact::large_strain::LargeStrain;
 use crate::norms::LATE_TV;
 
@@ -44,14 +44,14 @@ const ROWS: [usize; 5] = [10, 14, 20, 28, 40];
 /// Step as a share of the stable one.
 const SAFETY: f64 = 0.3;
 
-fn climb(left: f64, required_error: f64, fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn climb(left: f64, required_error: f64, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut base = column(left)?.edited(|base| {
         (base.integrator, base.method, base.step) = (Integrator::SemiImplicit, TimeMethod::Auto, StepChoice::Auto);
         (base.shape, base.safety) = (ShapeChoice::Centre, SAFETY);
         (base.porosity, base.particles_per_cell) = (0.6, 9);
     })?;
-    let exact = LargeStrain::new(&base).ok_or("not a column of the tables")?;
-    let late = LATE_TV * base.time_per_factor().ok_or("the scene is dry")?;
+    let exact = LargeStrain::new(&base).ok_or(Unfit("not a column of the tables"))?;
+    let late = LATE_TV * base.time_per_factor().ok_or(Unfit("the scene is dry"))?;
     // Between the rows of the table there is no number.
     let settlement = |time| exact.settlement(time).unwrap_or(f64::NAN);
     let degree = Degree::of_whole(&base, (1.0 - left) * base.height, &settlement).from(late);

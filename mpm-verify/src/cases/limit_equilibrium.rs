@@ -2,7 +2,7 @@
 //! circles in clay, and a flat circle in a long slope, which is an infinite slope without and with water that flows along it.
 
 use super::evidence::RUNS;
-use super::{Mutant, Outcome, Rung};
+use super::{Error, Lacks, Mutant, Outcome, Rung};
 use crate::exact::infinite_slope::{InfiniteSlope, Seepage, Strength};
 use crate::exact::slip_circle::factor::Method;
 use crate::exact::slip_circle::water::Phreatic;
@@ -27,7 +27,7 @@ const WATER_WEIGHT: f64 = 9.81e3;
 const HALF: f64 = 400.0;
 
 /// Relative errors of the factors; the soil of the circles has its cohesion times a factor.
-fn climb(stronger: f64) -> Result<Outcome, String> {
+fn climb(stronger: f64) -> Result<Outcome, Error> {
     let mut off = Vec::new();
     for (angle, number) in TAYLOR {
         let toe = 1.0 / angle.to_radians().tan();
@@ -41,7 +41,7 @@ fn climb(stronger: f64) -> Result<Outcome, String> {
             slices: 400,
             method: Method::Bishop,
         };
-        let critical = section.critical(&limits).ok_or("no circle")?;
+        let critical = section.critical(&limits).ok_or(Lacks("circle"))?;
         off.push(critical.factor * number - 1.0);
     }
     let angle = 20.0_f64.to_radians();
@@ -59,7 +59,7 @@ fn climb(stronger: f64) -> Result<Outcome, String> {
         let at = |x: f64| [x, (1000.0 - x) * angle.tan()];
         let half_angle = 2.0 * (angle.cos() * angle.cos() / HALF).atan();
         let circle = Circle::through(at(500.0 - HALF), at(500.0 + HALF), half_angle);
-        let slide = section.slide(circle, 2000).map_err(|e| e.to_string())?;
+        let slide = section.slide(circle, 2000)?;
         let slope = InfiniteSlope {
             angle,
             dry_weight: DRY_WEIGHT,
@@ -69,9 +69,9 @@ fn climb(stronger: f64) -> Result<Outcome, String> {
             seepage: Seepage::Parallel { share },
         };
         // The factor is linear in 1/depth: that of the mean depth counts.
-        let exact = slope.factor(slide.area / (2.0 * HALF)).ok_or("no factor")?;
-        let bishop = slide.bishop().map_err(|e| e.to_string())?;
-        let [spencer, _] = slide.spencer().map_err(|e| e.to_string())?;
+        let exact = slope.factor(slide.area / (2.0 * HALF)).ok_or(Lacks("factor"))?;
+        let bishop = slide.bishop()?;
+        let [spencer, _] = slide.spencer()?;
         off.extend([bishop / exact - 1.0, spencer / exact - 1.0]);
     }
     Ok(Outcome {

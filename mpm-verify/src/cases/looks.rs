@@ -1,6 +1,7 @@
 //! Numbers of a run at its sample times beside exact ones, one at each time or a whole field, and how far runs differ.
 
 use super::evidence::{PARTICLES, Refinement, STEP, Sampled};
+use crate::error::Error;
 use crate::norms::worst;
 
 /// How differences become one number.
@@ -120,15 +121,15 @@ impl Looks {
 /// Runs in steps `first`, `first`/2, ... (s) on cells of edge `cell` (m): the difference of each to that with half its
 /// step, so that the error of the mesh, which both have, drops out and a power of the step shows as it is.
 pub(super) fn in_time(
-    run: impl Fn(f64) -> Result<Looks, String>,
+    run: impl Fn(f64) -> Result<Looks, Error>,
     cell: f64,
     first: f64,
     count: u32,
     required_order: Option<[f64; 2]>,
-) -> Result<Refinement, String> {
+) -> Result<Refinement, Error> {
     let stepped = |halvings| {
         let step = first / 2.0_f64.powi(halvings);
-        Ok::<_, String>((step, run(step)?))
+        Ok::<_, Error>((step, run(step)?))
     };
     let runs = (0..=count as i32).map(stepped).collect::<Result<Vec<_>, _>>()?;
     let errors = runs.windows(2).map(|pair| (pair[0].0, pair[0].1.difference(&pair[1].1))).collect();
@@ -139,12 +140,12 @@ pub(super) fn in_time(
 /// Runs with several numbers of particles per cell, on cells of edge `cell` (m), against the exact solution. The mesh
 /// leaves an error that no particles take away, so that no order is expected; `most` bounds every error.
 pub(super) fn in_particles(
-    run: impl Fn(usize) -> Result<Looks, String>,
+    run: impl Fn(usize) -> Result<Looks, Error>,
     cell: f64,
     counts: &[usize],
     most: f64,
-) -> Result<Refinement, String> {
-    let errors = counts.iter().map(|count| Ok((*count as f64, run(*count)?.error()))).collect::<Result<_, String>>()?;
+) -> Result<Refinement, Error> {
+    let errors = counts.iter().map(|count| Ok((*count as f64, run(*count)?.error()))).collect::<Result<_, Error>>()?;
     let against = format!("the exact solution, L = {cell} m: the error of the mesh stays, no order is expected");
     Ok(Refinement { required_error: Some(most), ..Refinement::new(PARTICLES, errors, against) })
 }

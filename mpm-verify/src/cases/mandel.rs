@@ -9,7 +9,7 @@ use super::degree::{Degree, Errors};
 use super::evidence::Sampled;
 use super::looks::{Look, Looks, in_particles, in_time};
 use super::terzaghi::PARTICLE_COUNTS;
-use super::{FASTER, Mutant, Outcome, Rung, asked, faster, finished, integrator, scheme, sound};
+use super::{Error, FASTER, Mutant, Outcome, Rung, Unfit, asked, faster, finished, integrator, scheme, sound};
 use crate::exact::mandel::Mandel;
 use crate::norms::worst;
 
@@ -63,15 +63,15 @@ pub(super) fn counts(exact: &Mandel, time: f64) -> bool {
     exact.time_factor(time) >= TIME_FACTOR * (1.0 - 1e-6)
 }
 
-fn splines(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn splines(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     climb(ShapeChoice::Bspline2, &[2, 4, 6, 8], 1e-4, [3.0, 6.0], fault)
 }
 
-fn cubic(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn cubic(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     climb(ShapeChoice::Bspline3, &[4, 6, 8, 10, 12], 1e-5, [4.0, 8.0], fault)
 }
 
-fn centre(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn centre(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     climb(ShapeChoice::Centre, &[8, 12, 16, 24, 32], 1e-3, [1.7, 2.3], fault)
 }
 
@@ -81,7 +81,7 @@ fn climb(
     required_error: f64,
     order: [f64; 2],
     fault: fn(&mut Fields),
-) -> Result<Outcome, String> {
+) -> Result<Outcome, Error> {
     let (mut base, exact) = block(shape)?;
     base = base.edited(fault)?;
     // Products of slopes of cubic B-splines are splines of degree 4.
@@ -121,16 +121,14 @@ fn climb(
 }
 
 /// The scene without inertia, all but exact in time.
-pub(super) fn block(shape: ShapeChoice) -> Result<(Scene, Mandel), String> {
-    let base = crate::scenes::built_in("mandel")
-        .ok_or("no such scene")?
-        .map_err(|e| e.to_string())?
+pub(super) fn block(shape: ShapeChoice) -> Result<(Scene, Mandel), Error> {
+    let base = crate::scenes::built_in("mandel")?
         .edited(|base| (base.shape, base.history, base.tolerance) = (shape, 0, 1e-7))?;
-    let exact = Mandel::new(&base).ok_or("not Mandel's problem")?;
+    let exact = Mandel::new(&base).ok_or(Unfit("not Mandel's problem"))?;
     Ok((base, exact))
 }
 
-fn profiles(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn profiles(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let (mut base, exact) = block(ShapeChoice::Bspline2)?;
     let one = 1.0 / exact.time_factor(1.0);
     base = base.edited(|base| {
@@ -210,7 +208,7 @@ pub(super) fn profile(run: &Run, exact: &Mandel, start: f64) -> Vec<Sampled> {
 }
 
 /// The block with so many cells per side.
-pub(super) fn on(base: &Scene, side: usize) -> Result<Scene, String> {
+pub(super) fn on(base: &Scene, side: usize) -> Result<Scene, Error> {
     Ok(base.edited(|s| {
         s.cell = base.width / side as f64;
         s.cells = [side; 2];
@@ -218,7 +216,7 @@ pub(super) fn on(base: &Scene, side: usize) -> Result<Scene, String> {
 }
 
 /// Errors on meshes, and the finest at every sample time: the pressure where it is furthest off, over p_0.
-pub(super) fn refined(scenes: &[Scene], exact: &Mandel) -> Result<(Errors, Vec<Sampled>), String> {
+pub(super) fn refined(scenes: &[Scene], exact: &Mandel) -> Result<(Errors, Vec<Sampled>), Error> {
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for scene in scenes {
         samples = finished(scene)?.observed().filter_map(|s| furthest(s, exact)).collect();

@@ -13,7 +13,10 @@ use mpm_core::stability::stable_limit;
 use super::evidence::Refinement;
 use super::looks::{Looks, in_particles, in_time};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{FASTER, Mutant, Outcome, Rung, faster, finished_given, integrator, mandel, scheme, slower, sound};
+use super::{
+    Error, FASTER, Lacks, Mutant, Outcome, Rung, Unfit, faster, finished_given, integrator, mandel, scheme, slower,
+    sound,
+};
 use crate::exact::mandel::Mandel;
 
 /// Implicit pressure.
@@ -58,8 +61,8 @@ impl Way {
         &self,
         times: &[f64],
         fault: fn(&mut Fields),
-        looks: impl Fn(&Run, &Block) -> Result<Looks, String>,
-    ) -> Result<Refinement, String> {
+        looks: impl Fn(&Run, &Block) -> Result<Looks, Error>,
+    ) -> Result<Refinement, Error> {
         let (slow, side) = self.stepped;
         let mut block = Block::new(&Self { slow, ..*self }, times)?;
         block.scene = block.scene.edited(fault)?;
@@ -99,44 +102,42 @@ pub(super) struct Block {
 
 impl Block {
     /// Observed at times T, the last of them its end.
-    pub fn new(way: &Way, times: &[f64]) -> Result<Self, String> {
-        let mut scene =
-            crate::scenes::built_in("mandel").ok_or("no such scene")?.map_err(|e| e.to_string())?.edited(|scene| {
-                scene.surcharge = scene.surcharge.map(|s| Surcharge { pressure: 0.01 * s.pressure, ..s });
-                (scene.integrator, scene.shape, scene.strain) =
-                    (way.integrate, ShapeChoice::Centre, StrainChoice::Large);
-                (scene.step, scene.particles_per_cell, scene.history) = (StepChoice::Auto, 4, 0);
-                scene.safety = way.safety;
-                slower(scene, way.slow);
-            })?;
-        let exact = Mandel::new(&scene).ok_or("not Mandel's problem")?;
+    pub fn new(way: &Way, times: &[f64]) -> Result<Self, Error> {
+        let mut scene = crate::scenes::built_in("mandel")?.edited(|scene| {
+            scene.surcharge = scene.surcharge.map(|s| Surcharge { pressure: 0.01 * s.pressure, ..s });
+            (scene.integrator, scene.shape, scene.strain) = (way.integrate, ShapeChoice::Centre, StrainChoice::Large);
+            (scene.step, scene.particles_per_cell, scene.history) = (StepChoice::Auto, 4, 0);
+            scene.safety = way.safety;
+            slower(scene, way.slow);
+        })?;
+        let exact = Mandel::new(&scene).ok_or(Unfit("not Mandel's problem"))?;
         let one = 1.0 / exact.time_factor(1.0);
         let start = START * one;
         let looks: Vec<f64> = times.iter().map(|t| t * one - start).collect();
-        let end = *looks.last().ok_or("no time to look at")?;
+        let end = *looks.last().ok_or(Lacks("time to look at"))?;
         scene = scene.edited(|scene| (scene.observe_times, scene.stages[0].until) = (looks, Until::Time(end)))?;
         let given = Given { start: Some(state(&exact, start)), ..Given::default() };
         Ok(Self { scene, exact, start, given })
     }
 
     /// Runs a scene of the block.
-    pub fn run(&self, scene: &Scene) -> Result<Run, String> {
+    pub fn run(&self, scene: &Scene) -> Result<Run, Error> {
         finished_given(scene, &self.given)
     }
 }
 
-fn semi_implicit(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn semi_implicit(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     climb(&IMPLICIT_PRESSURE, 5e-4, fault)
 }
 
-fn explicit(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn explicit(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     climb(&PAPER, 1e-3, fault)
 }
 
-fn climb(way: &Way, required_error: f64, fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn climb(way: &Way, required_error: f64, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut block = Block::new(way, &TIMES)?;
     block.scene = block.scene.edited(fault)?;
-    let looks = |scene: &Scene| Ok::<_, String>(mandel::looks(&block.run(scene)?, &block.exact, block.start));
+    let looks = |scene: &Scene| Ok::<_, Error>(mandel::looks(&block.run(scene)?, &block.exact, block.start));
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for side in way.sides {
         let scene = mandel::on(&block.scene, side)?;

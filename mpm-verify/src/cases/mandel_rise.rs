@@ -10,7 +10,7 @@ use mpm_core::scene::{Fields, Scene, ShapeChoice, Until};
 use super::evidence::{MESH, Refinement, Sampled, TOLERANCE};
 use super::looks::{Look, Looks};
 use super::mandel_inertia::{Block, IMPLICIT_PRESSURE, PAPER, Way};
-use super::{Mutant, Outcome, Rung, asked, finished, integrator, mandel, scheme, sound};
+use super::{Error, Mutant, Outcome, Rung, asked, finished, integrator, mandel, scheme, sound};
 use crate::exact::mandel::Mandel;
 
 /// B-splines without inertia.
@@ -149,10 +149,10 @@ impl Rise {
 /// What both kinds of run have in common: size and time of the peak on meshes, and its refinements.
 fn judged(
     scenes: &[Scene],
-    rise: impl Fn(&Scene) -> Result<Rise, String>,
+    rise: impl Fn(&Scene) -> Result<Rise, Error>,
     required: [f64; 2],
     [required_order, of_order]: [[f64; 2]; 2],
-) -> Result<Outcome, String> {
+) -> Result<Outcome, Error> {
     let (mut errors, mut times, mut samples) = (Vec::new(), Vec::new(), Vec::new());
     for scene in scenes {
         let found = rise(scene)?;
@@ -176,11 +176,11 @@ fn judged(
 }
 
 /// No peak among the looks: the fault of a run, not of the check.
-fn missing() -> String {
-    format!("the pressure in the middle has no peak from T = {} to {}", WINDOW[0], WINDOW[1])
+fn missing() -> Error {
+    Error::Found(format!("the pressure in the middle has no peak from T = {} to {}", WINDOW[0], WINDOW[1]))
 }
 
-fn quasi_static(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn quasi_static(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let (mut base, exact) = mandel::block(ShapeChoice::Bspline2)?;
     let one = 1.0 / exact.time_factor(1.0);
     base = base.edited(|base| {
@@ -194,13 +194,13 @@ fn quasi_static(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     let under = |tolerance: f64| rise(&mandel::on(&base, 8)?.edited(|s| s.tolerance = tolerance)?);
     let finest = under(1e-9)?;
     let error = |tolerance: f64| Ok((tolerance, under(tolerance)?.history.difference(&finest.history)));
-    let errors = [1e-3, 1e-4, 1e-5, 1e-6].into_iter().map(error).collect::<Result<_, String>>()?;
+    let errors = [1e-3, 1e-4, 1e-5, 1e-6].into_iter().map(error).collect::<Result<_, Error>>()?;
     let against = "the curve of p/p_0 under a tolerance of 1e-9, L = 0.125 m";
     let tolerance = Refinement { required_share: Some(1.0), ..Refinement::new(TOLERANCE, errors, against) };
     Ok(Outcome { refinements: [outcome.refinements, vec![tolerance]].concat(), ..outcome })
 }
 
-fn with_inertia(way: &Way, required_error: f64, fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn with_inertia(way: &Way, required_error: f64, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut block = Block::new(way, &times())?;
     block.scene = block.scene.edited(fault)?;
     let rise = |scene: &Scene| Rise::of(&block.run(scene)?, &block.exact, block.start).ok_or_else(missing);

@@ -1,5 +1,6 @@
 //! The verification ladder: one case per file, each with its scene, its exact solution, its norm, what it must show.
 
+mod accepted;
 mod automatic_step;
 mod bar;
 mod bits;
@@ -59,10 +60,11 @@ use mpm_core::observe::balances;
 use mpm_core::run::{StartError, run, run_given};
 use mpm_core::scene::{Fields, Integrator, Scene};
 
+pub use self::accepted::accepted;
 pub use self::evidence::{Refinement, RefinementRow, SampleRow, Sampled, words};
 pub use self::verdict::{Climb, Step};
 use self::verdict::{Outcome, judge};
-use crate::baseline;
+use crate::error::Error::{self, Lacks, Unfit};
 use crate::norms::largest;
 use crate::study::word;
 
@@ -74,7 +76,7 @@ pub struct Rung {
     /// What it shows, against what.
     pub about: &'static str,
     /// Runs it.
-    climb: fn() -> Result<Outcome, String>,
+    climb: fn() -> Result<Outcome, Error>,
     /// The same check with a fault planted, which it must find.
     pub mutant: Option<Mutant>,
 }
@@ -85,7 +87,7 @@ pub struct Mutant {
     /// The fault.
     pub what: &'static str,
     /// Runs the check with it, on the meshes and with the requirements of the rung.
-    climb: fn() -> Result<Outcome, String>,
+    climb: fn() -> Result<Outcome, Error>,
 }
 
 /// All rungs, the simplest first.
@@ -232,9 +234,9 @@ impl Rung {
     ///
     /// # Errors
     /// A run of it could not be finished.
-    pub fn climb(&self) -> Result<Climb, String> {
+    pub fn climb(&self) -> Result<Climb, Error> {
         let mut climb = self.judged(self.climb)?;
-        baseline::ladder::compare(&mut climb);
+        accepted::compare(&mut climb);
         Ok(climb)
     }
 
@@ -242,14 +244,14 @@ impl Rung {
     ///
     /// # Errors
     /// A run of it could not be finished: a fault must be found by the check, not by a run that stops.
-    pub fn climb_mutant(&self) -> Option<Result<Climb, String>> {
+    pub fn climb_mutant(&self) -> Option<Result<Climb, Error>> {
         self.mutant.map(|mutant| self.judged(mutant.climb))
     }
 
-    fn judged(&self, climb: fn() -> Result<Outcome, String>) -> Result<Climb, String> {
+    fn judged(&self, climb: fn() -> Result<Outcome, Error>) -> Result<Climb, Error> {
         let clock = ThreadTime::now();
         MOMENTUM.set(None);
-        let mut outcome = climb().map_err(|e| format!("{}: {e}", self.name))?;
+        let mut outcome = climb().map_err(|e| e.of(self.name))?;
         let momentum = MOMENTUM.take();
         if let Some(missing) = momentum {
             outcome.notes.push(("momentum that is missing, over what may be".to_owned(), missing, "-".to_owned()));
@@ -300,7 +302,7 @@ fn asked(scene: &Scene) -> f64 {
 }
 
 /// Runs a scene on several meshes: (mesh in m, largest error over the observed samples).
-fn refine(base: &Scene, rows: &[usize], error: impl Fn(&Sample) -> f64) -> Result<Vec<(f64, f64)>, String> {
+fn refine(base: &Scene, rows: &[usize], error: impl Fn(&Sample) -> f64) -> Result<Vec<(f64, f64)>, Error> {
     let on = |rows: &usize| {
         let scene = base.with_rows(*rows)?;
         Ok((scene.cell, largest(finished(&scene)?.observed().map(&error))))
@@ -329,24 +331,20 @@ fn note_momentum(scene: &Scene, run: &Run) {
 }
 
 /// Runs a scene to its end.
-fn finished(scene: &Scene) -> Result<Run, String> {
+fn finished(scene: &Scene) -> Result<Run, Error> {
     let run = whole(run(scene, &mut |_| {}))?;
     note_momentum(scene, &run);
     Ok(run)
 }
 
 /// The same with fields that scenes have no words for.
-fn finished_given(scene: &Scene, given: &Given) -> Result<Run, String> {
+fn finished_given(scene: &Scene, given: &Given) -> Result<Run, Error> {
     whole(run_given(scene, given, &mut |_| {}))
 }
 
 /// A run that has come to its end.
-fn whole(run: Result<Run, StartError>) -> Result<Run, String> {
-    let run = run.map_err(|e| e.to_string())?;
-    match &run.failure {
-        Some(failure) => Err(failure.to_string()),
-        None => Ok(run),
-    }
+fn whole(run: Result<Run, StartError>) -> Result<Run, Error> {
+    Ok(run?.whole()?)
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use serde::Deserialize;
 
 use super::bits::Stop;
 use super::evidence::{RUNS, Sampled};
-use super::{FASTER, Mutant, Outcome, Rung, faster, sound};
+use super::{Error, FASTER, Lacks, Mutant, Outcome, Rung, Unfit, faster, sound};
 
 /// The case.
 pub const RUNG: Rung = Rung {
@@ -115,23 +115,23 @@ fn found(row: &Row, fault: fn(&mut Fields)) -> Found {
     };
     let run = match how {
         How::Plain if row.outcome == End::Refused => {
-            run_attended(&Hardware::default(), &scene, None, &mut Stop::default()).map_err(|e| e.to_string())
+            run_attended(&Hardware::default(), &scene, None, &mut Stop::default()).map_err(Error::from)
         }
-        How::Plain => run(&scene, &mut |_| {}).map_err(|e| e.to_string()),
+        How::Plain => run(&scene, &mut |_| {}).map_err(Error::from),
         How::PastTheEstimate => past_the_estimate(&scene),
     };
     match run {
-        Err(refused) => Found::Refused(refused),
+        Err(refused) => Found::Refused(refused.to_string()),
         Ok(Run { failure: Some(failure), .. }) => Found::Ended(failure.to_string()),
         Ok(run) => Found::Finished(Box::new(run)),
     }
 }
 
 /// A run that nothing refuses, but that its balances still end.
-fn past_the_estimate(scene: &Scene) -> Result<Run, String> {
+fn past_the_estimate(scene: &Scene) -> Result<Run, Error> {
     let forced = scene.clone().forced();
-    let dt = choose_step(&forced).map_err(|e| e.to_string())?;
-    let mut model = model(scene).map_err(|e| e.to_string())?;
+    let dt = choose_step(&forced)?;
+    let mut model = model(scene)?;
     Ok(Drive::new(scene, model.as_mut(), dt).go(&mut Alone(&mut |_| {})))
 }
 
@@ -156,30 +156,31 @@ fn measured(run: &Run, row: &Row) -> Option<f64> {
 }
 
 /// What is said of a row: its error as a share of what it may be, or what came in place of what must.
-fn judged(row: &Row, found: &Found) -> Result<Option<Sampled>, String> {
+fn judged(row: &Row, found: &Found) -> Result<Option<Sampled>, Error> {
     match (row.outcome, found) {
         (End::Right, Found::Finished(run)) => right(row, run).map(Some),
         (End::Refused, Found::Refused(said)) | (End::Ended, Found::Ended(said)) if said.contains(&row.expected) => {
             Ok(None)
         }
-        (_, Found::Refused(said)) => Err(format!("refused: {said}")),
-        (_, Found::Ended(said)) => Err(format!("ended: {said}")),
-        (End::Refused, Found::Finished(_)) => Err("not refused".to_owned()),
-        (_, Found::Finished(_)) => Err("went to its end".to_owned()),
+        (_, Found::Refused(said)) => Err(Error::Found(format!("refused: {said}"))),
+        (_, Found::Ended(said)) => Err(Error::Found(format!("ended: {said}"))),
+        (End::Refused, Found::Finished(_)) => Err(Unfit("not refused")),
+        (_, Found::Finished(_)) => Err(Unfit("went to its end")),
     }
 }
 
-fn right(row: &Row, run: &Run) -> Result<Sampled, String> {
-    let expected: f64 = row.expected.parse().map_err(|_| "expected is no number".to_owned())?;
-    let tolerance = row.tolerance.ok_or("no tolerance")?;
-    let computed = measured(run, row).ok_or("nothing measured")?;
+fn right(row: &Row, run: &Run) -> Result<Sampled, Error> {
+    let expected: f64 = row.expected.parse().map_err(|_| Unfit("expected is no number"))?;
+    let tolerance = row.tolerance.ok_or(Lacks("tolerance"))?;
+    let computed = measured(run, row).ok_or(Unfit("nothing measured"))?;
     let allowed = if expected == 0.0 { tolerance } else { tolerance * expected.abs() };
     let error = (computed - expected) / allowed;
     if error.is_nan() || error.abs() > 1.0 {
-        return Err(format!("wrong: {} {computed:.6e}, expected {expected:.6e} +- {allowed:.1e}", row.quantity));
+        let off = format!("{computed:.6e}, expected {expected:.6e} +- {allowed:.1e}");
+        return Err(Error::Found(format!("wrong: {} {off}", row.quantity)));
     }
     if let Some(trust) = run.trust.filter(|trust| trust.verdict != "closed") {
-        return Err(format!("right, but its balance of {} does not close", trust.ledger));
+        return Err(Error::Found(format!("right, but its balance of {} does not close", trust.ledger)));
     }
     Ok(Sampled {
         quantity: format!("{}: {}", row.scene, row.quantity),
@@ -194,14 +195,14 @@ fn right(row: &Row, run: &Run) -> Result<Sampled, String> {
 }
 
 /// The rows of the table.
-fn rows() -> Result<Vec<Row>, String> {
+fn rows() -> Result<Vec<Row>, Error> {
     csv::Reader::from_reader(TABLE.as_bytes())
         .deserialize()
         .collect::<Result<Vec<Row>, csv::Error>>()
-        .map_err(|e| format!("others.csv: {e}"))
+        .map_err(Error::at("others.csv"))
 }
 
-fn climb(of: fn(&Row) -> bool, fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn climb(of: fn(&Row) -> bool, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let rows: Vec<Row> = rows()?.into_iter().filter(of).collect();
     let mut runs = BTreeMap::new();
     let (mut wrong, mut samples, mut counts) = (Vec::new(), Vec::new(), BTreeMap::new());

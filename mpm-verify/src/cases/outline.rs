@@ -4,7 +4,7 @@ use mpm_core::run::outline_parts;
 use mpm_core::scene::{Scene, SeedingChoice};
 use mpm_core::seeding;
 
-use super::{Mutant, Outcome, Rung, integrator};
+use super::{Error, Lacks, Mutant, Outcome, Rung, integrator};
 use crate::norms::largest;
 use crate::rates::fit;
 
@@ -19,8 +19,8 @@ pub const RUNG: Rung = Rung {
 /// Cells (m) that divide neither height nor slope.
 const CELLS: [f64; 6] = [0.7, 0.37, 0.19, 0.093, 0.047, 0.023];
 
-fn climb(judged: SeedingChoice) -> Result<Outcome, String> {
-    let base = crate::scenes::built_in("slope-at-rest").ok_or("no such scene")?.map_err(|e| e.to_string())?;
+fn climb(judged: SeedingChoice) -> Result<Outcome, Error> {
+    let base = crate::scenes::built_in("slope-at-rest")?;
     let errors = errors(&base, judged)?;
     let whole = self::errors(&base, SeedingChoice::Whole)?;
     let (first, last) = (whole[0].1, whole[whole.len() - 1].1);
@@ -42,15 +42,15 @@ fn climb(judged: SeedingChoice) -> Result<Outcome, String> {
 }
 
 /// (mesh in m, error): the larger of that of the area, relative, and of the centre over the height.
-fn errors(base: &Scene, seeding: SeedingChoice) -> Result<Vec<(f64, f64)>, String> {
-    let outline = base.outline.as_ref().ok_or("no outline")?;
+fn errors(base: &Scene, seeding: SeedingChoice) -> Result<Vec<(f64, f64)>, Error> {
+    let outline = base.outline.as_ref().ok_or(Lacks("outline"))?;
     let (exact, middle) = (seeding::area(outline), seeding::centroid(outline));
     let on = |cell: f64| {
         let scene = base.edited(|s| {
             s.cell = cell;
             s.seeding = seeding;
         })?;
-        let (area, centre) = seeding::total(&outline_parts(&scene).ok_or("no outline")?);
+        let (area, centre) = seeding::total(&outline_parts(&scene).ok_or(Lacks("outline"))?);
         let off = (0..2).map(|d| (centre[d] - middle[d]).abs() / base.height);
         Ok((cell, largest(off.chain([area / exact - 1.0]))))
     };
@@ -58,7 +58,7 @@ fn errors(base: &Scene, seeding: SeedingChoice) -> Result<Vec<(f64, f64)>, Strin
 }
 
 /// Whole squares in place of clipped ones.
-fn mutant() -> Result<Outcome, String> {
+fn mutant() -> Result<Outcome, Error> {
     climb(SeedingChoice::Whole)
 }
 

@@ -8,7 +8,7 @@ use mpm_core::scene::{Displaced, Scene, ShapeChoice, TimeMethod};
 use super::degree::Degree;
 use super::evidence::Sampled;
 use super::terzaghi::PARTICLE_COUNTS;
-use super::{Mutant, Outcome, Rung, asked, finished, integrator, refine, scheme};
+use super::{Error, Mutant, Outcome, Rung, Unfit, asked, finished, integrator, refine, scheme};
 use crate::exact::terzaghi::Terzaghi;
 use crate::norms::{largest, profile_error, relative};
 
@@ -91,11 +91,10 @@ const INCOMPRESSIBLE: Reference = Terzaghi::incompressible;
 const STIFF: &str = "compared with water that does not compress";
 
 /// The study's scene for this integrator.
-fn base(reference: Reference) -> Result<(Scene, Terzaghi), String> {
-    let mut base =
-        crate::scenes::built_in("terzaghi-quasi-static").ok_or("no such scene")?.map_err(|e| e.to_string())?;
+fn base(reference: Reference) -> Result<(Scene, Terzaghi), Error> {
+    let mut base = crate::scenes::built_in("terzaghi-quasi-static")?;
     base = base.edited(|base| (base.history, base.tolerance) = (0, 1e-8))?;
-    let exact = reference(&base).ok_or("the scene is dry")?;
+    let exact = reference(&base).ok_or(Unfit("the scene is dry"))?;
     Ok((base, exact))
 }
 
@@ -104,15 +103,15 @@ fn outcome(base: &Scene, errors: Vec<(f64, f64)>, required_error: f64, order: Op
     Outcome { integrator, scheme, tolerance, errors, required_error, required_order: order, ..Outcome::default() }
 }
 
-fn fine(reference: Reference) -> Result<Outcome, String> {
+fn fine(reference: Reference) -> Result<Outcome, Error> {
     climb(ShapeChoice::Bspline2, &[8, 10, 14, 16, 20], 2e-6, [3.0, 7.0], reference)
 }
 
-fn coarse(reference: Reference) -> Result<Outcome, String> {
+fn coarse(reference: Reference) -> Result<Outcome, Error> {
     climb(ShapeChoice::Bspline2, &[6, 8, 10, 12], 2e-5, [3.0, 8.0], reference)
 }
 
-fn centre(reference: Reference) -> Result<Outcome, String> {
+fn centre(reference: Reference) -> Result<Outcome, Error> {
     climb(ShapeChoice::Centre, &[20, 28, 40, 56, 80], 1.2e-3, [1.9, 2.1], reference)
 }
 
@@ -122,7 +121,7 @@ fn climb(
     required: f64,
     order: [f64; 2],
     reference: Reference,
-) -> Result<Outcome, String> {
+) -> Result<Outcome, Error> {
     let (base, exact) = base(reference)?;
     let base = base.edited(|base| base.shape = shape)?;
     let settlement = |time| exact.settlement(time);
@@ -138,11 +137,11 @@ fn climb(
     Ok(Outcome { samples, refinements, ..outcome(&base, errors, required, Some(order)) })
 }
 
-fn profile(splines: Splines, reference: Reference) -> Result<Outcome, String> {
+fn profile(splines: Splines, reference: Reference) -> Result<Outcome, Error> {
     let (base, exact) = base(reference)?;
     let (shape, particles_per_cell, required, order) = splines;
     let base = base.edited(|base| (base.shape, base.particles_per_cell) = (shape, particles_per_cell))?;
-    let at = 0.1 * base.time_per_factor().ok_or("the scene is dry")?;
+    let at = 0.1 * base.time_per_factor().ok_or(Unfit("the scene is dry"))?;
     let error = |s: &Sample| {
         let now = (s.stage_time / at - 1.0).abs() < 1e-9;
         if now { profile_error(&s.state.profile, &exact, s.stage_time) } else { 0.0 }
@@ -169,7 +168,7 @@ fn profile(splines: Splines, reference: Reference) -> Result<Outcome, String> {
 /// First of the given steps of SDIRK4(3), s.
 const SDIRK_STEP: f64 = 5e-4;
 
-fn steps(reference: Reference) -> Result<Outcome, String> {
+fn steps(reference: Reference) -> Result<Outcome, Error> {
     let (base, exact) = base(reference)?;
     let base = base.edited(|base| (base.method, base.tolerance) = (TimeMethod::Sdirk, 1e-5))?;
     let settlement = |time| exact.settlement(time);
@@ -184,7 +183,7 @@ fn steps(reference: Reference) -> Result<Outcome, String> {
     Ok(Outcome { samples, refinements, ..outcome(&base, errors, 1e-5, None) })
 }
 
-fn worst(scenes: impl Iterator<Item = Result<Scene, SceneError>>, exact: &Terzaghi) -> Result<f64, String> {
+fn worst(scenes: impl Iterator<Item = Result<Scene, SceneError>>, exact: &Terzaghi) -> Result<f64, Error> {
     let mut worst: f64 = 0.0;
     for scene in scenes {
         let run = finished(&scene?)?;
@@ -195,7 +194,7 @@ fn worst(scenes: impl Iterator<Item = Result<Scene, SceneError>>, exact: &Terzag
     Ok(worst)
 }
 
-fn displaced(reference: Reference) -> Result<Outcome, String> {
+fn displaced(reference: Reference) -> Result<Outcome, Error> {
     let (base, exact) = base(reference)?;
     let base = base.with_rows(10)?;
     let places = |seed| Displaced { smooth: 0.5, jitter: 0.25, seed };
@@ -204,7 +203,7 @@ fn displaced(reference: Reference) -> Result<Outcome, String> {
     Ok(outcome(&base, vec![(base.cell, error)], 1e-4, None))
 }
 
-fn shifted(reference: Reference) -> Result<Outcome, String> {
+fn shifted(reference: Reference) -> Result<Outcome, Error> {
     let (base, exact) = base(reference)?;
     let base = base.with_rows(10)?;
     let places = Displaced { smooth: 0.5, jitter: 0.25, seed: 3 };

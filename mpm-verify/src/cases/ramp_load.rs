@@ -5,7 +5,7 @@ use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{Mutant, Outcome, Rung, integrator, scheme, sound};
+use super::{Error, Mutant, Outcome, Rung, Unfit, integrator, scheme, sound};
 use crate::exact::terzaghi::Terzaghi;
 
 /// The rung.
@@ -28,11 +28,11 @@ fn slower(scene: &mut Fields) {
     scene.surcharge = scene.surcharge.map(|s| Surcharge { ramp_time: 1.05 * s.ramp_time, ..s });
 }
 
-fn climb(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn climb(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut base = crate::scenes::terzaghi().edited(|base| (base.history, base.start) = (0, Start::Unloaded))?;
-    let ramp_time = 0.2 * base.time_per_factor().ok_or("the scene is dry")?;
+    let ramp_time = 0.2 * base.time_per_factor().ok_or(Unfit("the scene is dry"))?;
     base = base.edited(|base| base.surcharge = base.surcharge.map(|s| Surcharge { ramp_time, ..s }))?;
-    let exact = Terzaghi::compressible(&base).ok_or("the scene is dry")?;
+    let exact = Terzaghi::compressible(&base).ok_or(Unfit("the scene is dry"))?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&base, &settlement).absolute();
     base = base.edited(fault)?;
@@ -55,16 +55,15 @@ fn climb(fault: fn(&mut Fields)) -> Result<Outcome, String> {
 }
 
 /// The ramp ends at a sample time, so that no step goes over its end.
-fn without_inertia(fault: fn(&mut Fields)) -> Result<Outcome, String> {
-    let mut base =
-        crate::scenes::built_in("terzaghi-quasi-static").ok_or("no such scene")?.map_err(|e| e.to_string())?;
+fn without_inertia(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+    let mut base = crate::scenes::built_in("terzaghi-quasi-static")?;
     base = base.edited(|base| {
         (base.history, base.start, base.method) = (0, Start::Unloaded, TimeMethod::Sdirk);
         (base.integrator, base.shape, base.tolerance) = (Integrator::QuasiStatic, ShapeChoice::Bspline2, 1e-7);
     })?;
-    let ramp_time = 0.2 * base.time_per_factor().ok_or("the scene is dry")?;
+    let ramp_time = 0.2 * base.time_per_factor().ok_or(Unfit("the scene is dry"))?;
     base = base.edited(|base| base.surcharge = base.surcharge.map(|s| Surcharge { ramp_time, ..s }))?;
-    let exact = Terzaghi::compressible(&base).ok_or("the scene is dry")?;
+    let exact = Terzaghi::compressible(&base).ok_or(Unfit("the scene is dry"))?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&base, &settlement).absolute();
     base = base.edited(fault)?;

@@ -11,7 +11,7 @@ use mpm_core::step::Pace;
 use mpm_core::water::Pressures;
 
 use super::evidence::RUNS;
-use super::{Mutant, Outcome, Rung};
+use super::{Error, Lacks, Mutant, Outcome, Rung, Unfit};
 use crate::norms::largest;
 
 /// The case.
@@ -27,8 +27,8 @@ const FACTORS: [f64; 2] = [1.5, 3.0];
 const STEPS: u64 = 600;
 
 /// The levee on coarse cells, with dilation and on a base that sticks, as it stands or with a strength of its own.
-pub(super) fn levee(edits: &[(&str, &str)]) -> Result<Scene, String> {
-    let text = crate::scenes::BUILT_IN.iter().find(|(name, _)| *name == "levee").ok_or("no such scene")?.1;
+pub(super) fn levee(edits: &[(&str, &str)]) -> Result<Scene, Error> {
+    let text = crate::scenes::BUILT_IN.iter().find(|(name, _)| *name == "levee").ok_or(Lacks("such scene"))?.1;
     let mut text = text.to_owned();
     let coarse = [
         ("cell = 0.4 #", "cell = 0.75 #"),
@@ -37,18 +37,18 @@ pub(super) fn levee(edits: &[(&str, &str)]) -> Result<Scene, String> {
     ];
     for (from, to) in coarse.iter().chain(edits) {
         if !text.contains(from) {
-            return Err(format!("the levee: expected `{from}` in its scene"));
+            return Err(Error::refused("the levee", format!("`{from}` in its scene"), "none"));
         }
         text = text.replace(from, to);
     }
-    Scene::parse(&text, "levee").map_err(|e| e.to_string())
+    Ok(Scene::parse(&text, "levee")?)
 }
 
 /// The same slope with its strength divided by a factor.
-fn weaker(scene: &Scene, factor: f64) -> Result<Scene, String> {
+fn weaker(scene: &Scene, factor: f64) -> Result<Scene, Error> {
     let angle = |angle: f64| (angle.to_radians().tan() / factor).atan().to_degrees();
-    let strength = scene.strength.ok_or("the soil is elastic")?;
-    let base = scene.base.ok_or("no friction on the base")?;
+    let strength = scene.strength.ok_or(Unfit("the soil is elastic"))?;
+    let base = scene.base.ok_or(Lacks("friction on the base"))?;
     let strength = Strength {
         cohesion: strength.cohesion / factor,
         friction_angle: angle(strength.friction_angle),
@@ -68,15 +68,14 @@ fn weaker(scene: &Scene, factor: f64) -> Result<Scene, String> {
 }
 
 /// Lets a slope slide with its strength divided by a factor.
-fn slide(scene: &Scene, factor: f64, dt: f64) -> Result<Vec<SolidState>, String> {
-    let mut model = failing(scene).map_err(|e| e.to_string())?;
-    let fault = |fault: mpm_core::step::Fault| format!("{}: {}", fault.place, fault.what);
-    model.enter_stage(&scene.stages[0], &[]).map_err(fault)?;
+fn slide(scene: &Scene, factor: f64, dt: f64) -> Result<Vec<SolidState>, Error> {
+    let mut model = failing(scene)?;
+    model.enter_stage(&scene.stages[0], &[])?;
     model.feel(1.0);
     model.count_from_here();
     model.alter(factor, 1.0);
     let pace = Pace { dt, steps: STEPS, damping: 0.0, pressures: Pressures::Held };
-    model.move_soil(&pace, &mut 0).map_err(fault)?;
+    model.move_soil(&pace, &mut 0)?;
     let mut states = Vec::new();
     model.each(&mut |state| states.push(*state));
     states.sort_by_key(|state| state.id);
@@ -84,12 +83,12 @@ fn slide(scene: &Scene, factor: f64, dt: f64) -> Result<Vec<SolidState>, String>
 }
 
 /// Largest distance between the particles of two slopes over how far they have come; the factor is off by a factor.
-fn climb(off: f64) -> Result<Outcome, String> {
+fn climb(off: f64) -> Result<Outcome, Error> {
     let scene = levee(&[
         ("dilation_angle = 0.0", "dilation_angle = 12.0"),
         ("slip_distance = 0.02", "slip_distance = 0.02\nadhesion = 400.0"),
     ])?;
-    let dt = choose_step(&scene).map_err(|e| e.to_string())?;
+    let dt = choose_step(&scene)?;
     let (mut apart, mut notes) = (Vec::new(), Vec::new());
     for factor in FACTORS {
         let reduced = slide(&scene, off * factor, dt)?;

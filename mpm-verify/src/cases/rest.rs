@@ -7,7 +7,7 @@ use mpm_core::stability::choose_step;
 
 use super::evidence::{PARTICLES, Refinement, Sampled};
 use super::looks::{Look, Looks};
-use super::{Mutant, Outcome, Rung, finished, sound};
+use super::{Error, Lacks, Mutant, Outcome, Rung, finished, sound};
 use crate::norms::largest;
 
 /// Nothing moves.
@@ -43,7 +43,7 @@ fn energy(first: &Sample, last: &Sample) -> f64 {
 }
 
 /// The largest `figure` of all scenes, and that of fewer steps with other numbers of particles.
-fn climb(steps: u32, watched: Watched, required_error: f64, spoil: fn(&mut Fields)) -> Result<Outcome, String> {
+fn climb(steps: u32, watched: Watched, required_error: f64, spoil: fn(&mut Fields)) -> Result<Outcome, Error> {
     let (worst, samples) = followed(steps, watched, spoil)?;
     let with = |count: &usize| {
         let counted = |scene: &mut Fields| {
@@ -52,7 +52,7 @@ fn climb(steps: u32, watched: Watched, required_error: f64, spoil: fn(&mut Field
         };
         Ok((*count as f64, followed(FEW, watched, counted)?.0))
     };
-    let counted = COUNTS.iter().map(with).collect::<Result<_, String>>()?;
+    let counted = COUNTS.iter().map(with).collect::<Result<_, Error>>()?;
     let counted = Refinement::new(PARTICLES, counted, format!("nothing moves, over {FEW} steps"));
     Ok(Outcome {
         integrator: "explicit".to_owned(),
@@ -74,19 +74,19 @@ fn followed(
     steps: u32,
     (what, unit, figure): Watched,
     spoil: impl Fn(&mut Fields),
-) -> Result<(f64, Vec<Sampled>), String> {
+) -> Result<(f64, Vec<Sampled>), Error> {
     let (mut ends, mut samples) = (Vec::new(), Vec::new());
     for name in SCENES {
-        let mut scene = crate::scenes::built_in(name).ok_or("no such scene")?.map_err(|e| e.to_string())?;
+        let mut scene = crate::scenes::built_in(name)?;
         scene = scene.edited(&spoil)?;
-        let end = f64::from(steps) * choose_step(&scene).map_err(|e| e.to_string())?;
+        let end = f64::from(steps) * choose_step(&scene)?;
         let stage = scene.stages.len() - 1;
         scene = scene.edited(|scene| {
             scene.stages[stage].until = Until::Time(end);
             (scene.observe_times, scene.history) = ([0.25, 0.5, 0.75, 1.0].map(|share| share * end).to_vec(), 0);
         })?;
         let run = finished(&scene)?;
-        let first = run.samples.iter().find(|s| s.stage == stage).ok_or("no sample")?;
+        let first = run.samples.iter().find(|s| s.stage == stage).ok_or(Lacks("sample"))?;
         let look = |s: &Sample| Look::one(s.stage_time, figure(first, s), 0.0);
         let looks = Looks { unit, ..Looks::worst(format!("{what}, {name}"), run.observed().map(look).collect()) };
         ends.push(looks.rows.last().map_or(f64::NAN, |row| row.computed[0]));

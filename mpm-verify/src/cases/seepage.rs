@@ -4,7 +4,7 @@ use mpm_core::observe::WaterState;
 use mpm_core::scene::{Dimension, Feed, Fields, Scene, Until};
 
 use super::looks::{Look, Looks};
-use super::{FASTER, Mutant, Outcome, Rung, faster, finished, integrator, sound};
+use super::{Error, FASTER, Lacks, Mutant, Outcome, Rung, Unfit, faster, finished, integrator, sound};
 use crate::norms::largest;
 
 /// A column that drains.
@@ -24,8 +24,8 @@ pub const RAIN: Rung = Rung {
 };
 
 /// A scene of a column or an outline that is `wide` and 1 m high, dry or full, on a mesh.
-fn scene(dimension: Dimension, outline: &[[f64; 2]], cell: f64) -> Result<Scene, String> {
-    let dam = crate::scenes::built_in("dam").ok_or("no such scene")??;
+fn scene(dimension: Dimension, outline: &[[f64; 2]], cell: f64) -> Result<Scene, Error> {
+    let dam = crate::scenes::built_in("dam")?;
     let edit = |scene: &mut Fields| {
         (scene.dimension, scene.width, scene.cell, scene.history) = (dimension, 0.1, cell, 0);
         scene.stages[0].drained = [false; 4];
@@ -42,11 +42,11 @@ fn scene(dimension: Dimension, outline: &[[f64; 2]], cell: f64) -> Result<Scene,
 
 /// Darcy: under a gradient of one all water of a full column falls at k, its pressure zero, and its level at k/n. The times end
 /// before the level, which is smeared as it falls, comes near the base.
-fn drains(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn drains(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let (mut errors, mut samples, mut entered) = (Vec::new(), Vec::new(), Vec::new());
     for rows in [10, 20, 40] {
         let mut scene = scene(Dimension::Column, &[], 1.0 / f64::from(rows))?;
-        let speed = scene.water.ok_or("the scene is dry")?.hydraulic_conductivity / scene.porosity;
+        let speed = scene.water.ok_or(Unfit("the scene is dry"))?.hydraulic_conductivity / scene.porosity;
         scene = scene.edited(|scene| {
             if let Some(free) = &mut scene.free_surface {
                 free.level = Some(1.0);
@@ -93,14 +93,14 @@ const OUTLINES: [&[[f64; 2]]; 5] = [
 ];
 
 /// Rain at a tenth of k, for as long as fills a tenth of a metre of pores; its strength is wrong by a factor.
-fn rain(factor: f64) -> Result<Outcome, String> {
+fn rain(factor: f64) -> Result<Outcome, Error> {
     let mut errors = Vec::new();
     for outline in OUTLINES {
         let along = |d: usize| outline.iter().map(move |x| x[d]);
         let (left, right) = (along(0).fold(f64::INFINITY, f64::min), along(0).fold(0.0, f64::max));
         for (cell, per_cell) in [(0.2, 4), (0.13, 4), (0.1, 9)] {
             let mut scene = scene(Dimension::PlaneStrain, outline, cell)?;
-            let speed = 0.1 * scene.water.ok_or("the scene is dry")?.hydraulic_conductivity;
+            let speed = 0.1 * scene.water.ok_or(Unfit("the scene is dry"))?.hydraulic_conductivity;
             let time = 0.1 * scene.porosity / speed;
             scene = scene.edited(|scene| {
                 scene.particles_per_cell = per_cell;
@@ -111,7 +111,7 @@ fn rain(factor: f64) -> Result<Outcome, String> {
                 scene.observe_times = vec![time];
             })?;
             let run = finished(&scene)?;
-            let water = run.samples.last().and_then(|s| s.state.water).ok_or("no free surface")?;
+            let water = run.samples.last().and_then(|s| s.state.water).ok_or(Lacks("free surface"))?;
             let asked = speed * (right - left) * time;
             let off = [water.asked_m3, water.in_m3 + water.ran_off_m3].map(|entered| entered / asked - 1.0);
             errors.push((cell, largest(off.into_iter())));

@@ -8,7 +8,9 @@ use mpm_core::stability::stable_limit;
 use super::degree::Degree;
 use super::evidence::{MESH, Refinement};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{FASTER, Mutant, Outcome, Rung, asked, faster, finished, integrator, scheme, slower, sound};
+use super::{
+    Error, FASTER, Lacks, Mutant, Outcome, Rung, Unfit, asked, faster, finished, integrator, scheme, slower, sound,
+};
 use crate::exact::self_weight::SelfWeight;
 use crate::norms::LATE_TV;
 
@@ -115,10 +117,9 @@ fn quasi_static(scene: &mut Fields) {
 }
 
 /// The column whose water drains so many times as slowly.
-fn column(way: &Way, slow: f64) -> Result<(Scene, SelfWeight), String> {
-    let mut base =
-        crate::scenes::built_in("self-weight-consolidation").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    let end = *base.observe_times.last().ok_or("no time to look at")? * slow;
+fn column(way: &Way, slow: f64) -> Result<(Scene, SelfWeight), Error> {
+    let mut base = crate::scenes::built_in("self-weight-consolidation")?;
+    let end = *base.observe_times.last().ok_or(Lacks("time to look at"))? * slow;
     base = base.edited(|base| {
         base.history = 0;
         (way.change)(base);
@@ -133,14 +134,14 @@ fn column(way: &Way, slow: f64) -> Result<(Scene, SelfWeight), String> {
         base.observe_times.iter_mut().for_each(|t| *t *= slow);
         base.stages[0].until = Until::Time(end);
     })?;
-    let exact = SelfWeight::new(&base).ok_or("not a column under its own weight")?;
+    let exact = SelfWeight::new(&base).ok_or(Unfit("not a column under its own weight"))?;
     Ok((base, exact))
 }
 
 /// How much slower than in the scene file water drains.
 const SLOW: f64 = 20.0;
 
-fn climb(way: &Way, fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn climb(way: &Way, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let (mut base, exact) = column(way, SLOW)?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::of_whole(&base, exact.final_settlement(), &settlement).from(way.from / exact.time_factor(1.0));
@@ -185,28 +186,27 @@ fn lighter(scene: &mut Fields) {
 
 /// The drained column: each of its grains bears what lies above it, less its buoyancy, `sigma = -a Z` with a = (1 - n) (rho_s -
 /// rho_w) g at the first depth Z, and is compressed by `exp(-a Z/M)`: what is left of the height is `M/a (1 - exp(-a H/M))`.
-fn soft(fault: fn(&mut Fields)) -> Result<Outcome, String> {
-    let mut base =
-        crate::scenes::built_in("self-weight-consolidation").ok_or("no such scene")?.map_err(|e| e.to_string())?;
+fn soft(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+    let mut base = crate::scenes::built_in("self-weight-consolidation")?;
     base = base.edited(|base| {
         quasi_static(base);
         (base.history, base.strain, base.quadrature) = (0, StrainChoice::Large, Quadrature::Fitted);
     })?;
-    let (water, gravity) = (base.water.ok_or("the scene is dry")?, base.gravity.ok_or("no weight")?);
+    let (water, gravity) = (base.water.ok_or(Unfit("the scene is dry"))?, base.gravity.ok_or(Lacks("weight"))?);
     let buoyant = (1.0 - base.porosity) * (base.grain_density - water.density) * gravity;
     base = base.edited(|base| base.elastic.youngs_modulus *= 5.0 * buoyant * base.height / base.oedometer_modulus())?;
     let modulus = base.oedometer_modulus();
     let exact = base.height + modulus / buoyant * (-buoyant * base.height / modulus).exp_m1();
-    let end = DRAINED * base.time_per_factor().ok_or("the scene is dry")?;
+    let end = DRAINED * base.time_per_factor().ok_or(Unfit("the scene is dry"))?;
     base = base.edited(|base| (base.observe_times, base.stages[0].until) = (vec![end], Until::Time(end)))?;
     base = base.edited(fault)?;
     let found = |shape: ShapeChoice, rows: usize| {
         let run = finished(&base.edited(|s| s.shape = shape)?.with_rows(rows)?)?;
-        let last = run.observed().last().ok_or("no sample")?;
-        Ok::<_, String>(last.state.settlement / exact - 1.0)
+        let last = run.observed().last().ok_or(Lacks("sample"))?;
+        Ok::<_, Error>(last.state.settlement / exact - 1.0)
     };
     let on = |shape| ROWS.iter().map(|rows| Ok((base.height / *rows as f64, found(shape, *rows)?))).collect();
-    let (splines, centre): (Result<Vec<_>, String>, Result<Vec<_>, String>) =
+    let (splines, centre): (Result<Vec<_>, Error>, Result<Vec<_>, Error>) =
         (on(ShapeChoice::Bspline2), on(ShapeChoice::Centre));
     let of_centre = Refinement {
         required_finest: Some(1e-4),

@@ -6,7 +6,7 @@ use mpm_core::stability::stable_limit;
 use super::degree::Degree;
 use super::evidence::{MESH, Refinement};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{FASTER, Mutant, Outcome, Rung, faster, integrator, scheme, sound, terzaghi};
+use super::{Error, FASTER, Mutant, Outcome, Rung, Unfit, faster, integrator, scheme, sound, terzaghi};
 use crate::exact::dynamic::DynamicColumn;
 use crate::exact::terzaghi::Terzaghi;
 use crate::norms::LATE_TV;
@@ -35,15 +35,13 @@ pub const SPLINES: Rung = Rung {
     mutant: Some(Mutant { what: FASTER, climb: || order(ShapeChoice::Bspline2, 3e-4, faster) }),
 };
 
-fn semi_implicit(mut scene: Scene, shape: ShapeChoice) -> Result<Scene, String> {
-    scene =
-        scene.edited(|scene| (scene.integrator, scene.shape, scene.history) = (Integrator::SemiImplicit, shape, 0))?;
-    Ok(scene)
+fn semi_implicit(scene: Scene, shape: ShapeChoice) -> Result<Scene, Error> {
+    Ok(scene.edited(|scene| (scene.integrator, scene.shape, scene.history) = (Integrator::SemiImplicit, shape, 0))?)
 }
 
-fn at_its_limit(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn at_its_limit(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut scene = semi_implicit(crate::scenes::terzaghi(), ShapeChoice::Centre)?;
-    let exact = Terzaghi::compressible(&scene).ok_or("the scene is dry")?;
+    let exact = Terzaghi::compressible(&scene).ok_or(Unfit("the scene is dry"))?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&scene, &settlement);
     scene = scene.edited(fault)?;
@@ -71,10 +69,10 @@ fn at_its_limit(fault: fn(&mut Fields)) -> Result<Outcome, String> {
 
 /// With steps that fall with L^2 backward Euler, of first order in the step, and the mesh, of second order, show one
 /// order together. Before Tv = 0.1 the wave that sudden drainage makes counts as well, which an implicit pressure damps.
-fn order(shape: ShapeChoice, required_error: f64, fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn order(shape: ShapeChoice, required_error: f64, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut base = semi_implicit(terzaghi::lightly_loaded()?, shape)?;
-    let exact = DynamicColumn::new(&base).ok_or("the scene is dry")?;
-    let late = LATE_TV * base.time_per_factor().ok_or("the scene is dry")?;
+    let exact = DynamicColumn::new(&base).ok_or(Unfit("the scene is dry"))?;
+    let late = LATE_TV * base.time_per_factor().ok_or(Unfit("the scene is dry"))?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&base, &settlement).from(late);
     base = base.edited(fault)?;

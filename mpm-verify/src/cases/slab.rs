@@ -9,7 +9,7 @@ use mpm_core::scene::{
 };
 
 use super::looks::{Look, Looks};
-use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound};
+use super::{Error, Lacks, Mutant, Outcome, Rung, finished, integrator, scheme, sound};
 use crate::exact::slab::Slab;
 
 /// A dry one under a load that grows.
@@ -50,12 +50,12 @@ fn stickier(scene: &mut Fields) {
     scene.base = scene.base.map(|base| Base { adhesion: 1.1 * base.adhesion, ..base });
 }
 
-fn built_in(name: &str) -> Result<Scene, String> {
-    crate::scenes::built_in(name).ok_or("no such scene")?.map_err(|e| e.to_string())
+fn built_in(name: &str) -> Result<Scene, Error> {
+    crate::scenes::built_in(name)
 }
 
 /// The slope of a scene, thinner and stiffer, on a base that it slides on.
-fn slab(mut scene: Scene, memory: f64, end: f64) -> Result<Scene, String> {
+fn slab(mut scene: Scene, memory: f64, end: f64) -> Result<Scene, Error> {
     scene = scene.edited(|scene| {
         (scene.height, scene.elastic.youngs_modulus) = (0.4, 1e9);
         on_mesh(scene, 4);
@@ -73,24 +73,22 @@ fn slab(mut scene: Scene, memory: f64, end: f64) -> Result<Scene, String> {
         scene.solid_sides[Side::Bottom as usize] = SolidSide::Roller;
     })?;
     let last = scene.stages.len() - 1;
-    scene = scene.edited(|scene| {
+    Ok(scene.edited(|scene| {
         scene.stages[last].until = Until::Time(end);
         scene.observe_times = [0.25, 0.5, 0.75, 1.0].map(|share| share * end).to_vec();
         (scene.history, scene.safety) = (0, 0.9);
-    })?;
-    Ok(scene)
+    })?)
 }
 
 /// Thrown, so that it slides under the whole load.
-fn loaded() -> Result<Scene, String> {
-    let scene = slab(built_in("infinite-slope")?, 0.05, FAR.1)?.edited(|scene| {
+fn loaded() -> Result<Scene, Error> {
+    Ok(slab(built_in("infinite-slope")?, 0.05, FAR.1)?.edited(|scene| {
         scene.start_velocity = Some([1.0, 0.0]);
         scene.surcharge = Some(Surcharge { pressure: 1e4, on: LoadOn::Surface, ramp_time: FAR.1, strip: None });
-    })?;
-    Ok(scene)
+    })?)
 }
 
-fn saturated() -> Result<Scene, String> {
+fn saturated() -> Result<Scene, Error> {
     // No file has soil full of water on a slope yet.
     let scene = slab(built_in("infinite-slope")?, 0.0, NEAR.1)?.altered_unchecked(|scene| {
         (scene.water, scene.particles_per_cell) = (crate::scenes::terzaghi().water, 1);
@@ -102,14 +100,13 @@ fn saturated() -> Result<Scene, String> {
     Ok(scene)
 }
 
-fn seeping() -> Result<Scene, String> {
-    let scene = slab(built_in("slope-seepage")?, 0.0, FAR.1)?.edited(|scene| {
+fn seeping() -> Result<Scene, Error> {
+    Ok(slab(built_in("slope-seepage")?, 0.0, FAR.1)?.edited(|scene| {
         (scene.strength, scene.integrator) = (None, Integrator::TwoClocks);
         if let Some(soil) = scene.stages.last_mut() {
             (soil.damping, soil.clock) = (0.0, Clock::Soil);
         }
-    })?;
-    Ok(scene)
+    })?)
 }
 
 /// The slab on a mesh of so many cells over its height, four wide.
@@ -128,9 +125,9 @@ fn looks(run: &Run, scene: &Scene, exact: &Slab, end: f64) -> Looks {
     Looks::worst("velocity over the last one", run.observed().map(look).collect())
 }
 
-fn climb(scene: fn() -> Result<Scene, String>, (rows, end): Slide, fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn climb(scene: fn() -> Result<Scene, Error>, (rows, end): Slide, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let base = scene()?;
-    let exact = Slab::new(&base).ok_or("no slab on a base")?;
+    let exact = Slab::new(&base).ok_or(Lacks("slab on a base"))?;
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for rows in rows {
         // One of the slabs is no scene.

@@ -18,7 +18,7 @@ use mpm_core::stability::stable_limit;
 use super::evidence::Sampled;
 use super::looks::{Look, Looks, in_particles, in_time};
 use super::terzaghi::PARTICLE_COUNTS;
-use super::{Mutant, Outcome, Rung, integrator, scheme};
+use super::{Error, Lacks, Mutant, Outcome, Rung, integrator, scheme};
 
 /// Quadratic B-splines.
 pub const SPLINES: Rung = Rung {
@@ -54,29 +54,26 @@ const OTHERS: [(&str, TransferChoice, f64); 4] = [
     ("affine PIC", TransferChoice::Affine, 0.0),
 ];
 
-fn square(cells: usize, shape: ShapeChoice, transfer: TransferChoice, flip: f64) -> Result<Scene, String> {
+fn square(cells: usize, shape: ShapeChoice, transfer: TransferChoice, flip: f64) -> Result<Scene, Error> {
     // An outline under functions that reach beyond a cell, and a mesh wider than it: no file has that.
-    let scene = crate::scenes::built_in("dry-bar")
-        .ok_or("no such scene")?
-        .map_err(|e| e.to_string())?
-        .altered_unchecked(|scene| {
-            scene.outline = Some([[0.3, 0.3], [1.3, 0.3], [1.3, 1.3], [0.3, 1.3]].to_vec());
-            (scene.dimension, scene.shape, scene.solid_sides) = (Dimension::PlaneStrain, shape, [SolidSide::Free; 4]);
-            (scene.cell, scene.particles_per_cell, scene.headroom_cells) = (1.0 / cells as f64, 4, 0);
-            (scene.width, scene.height) = (2.0 * MIDDLE, 2.0 * MIDDLE);
-            scene.cells = [(2.0 * MIDDLE * cells as f64).round() as usize; 2];
-            (scene.surcharge, scene.gravity, scene.stages[0].damping) = (None, None, 0.0);
-            (scene.transfer, scene.flip) = (transfer, flip);
-        });
+    let scene = crate::scenes::built_in("dry-bar")?.altered_unchecked(|scene| {
+        scene.outline = Some([[0.3, 0.3], [1.3, 0.3], [1.3, 1.3], [0.3, 1.3]].to_vec());
+        (scene.dimension, scene.shape, scene.solid_sides) = (Dimension::PlaneStrain, shape, [SolidSide::Free; 4]);
+        (scene.cell, scene.particles_per_cell, scene.headroom_cells) = (1.0 / cells as f64, 4, 0);
+        (scene.width, scene.height) = (2.0 * MIDDLE, 2.0 * MIDDLE);
+        scene.cells = [(2.0 * MIDDLE * cells as f64).round() as usize; 2];
+        (scene.surcharge, scene.gravity, scene.stages[0].damping) = (None, None, 0.0);
+        (scene.transfer, scene.flip) = (transfer, flip);
+    });
     Ok(scene)
 }
 
-fn climb(shape: ShapeChoice, transfer: TransferChoice) -> Result<Outcome, String> {
+fn climb(shape: ShapeChoice, transfer: TransferChoice) -> Result<Outcome, Error> {
     let mut notes = Vec::new();
     let mut samples = Vec::new();
     for (name, transfer, flip) in OTHERS {
         let history = turn(&square(10, shape, transfer, flip)?, SHARE)?;
-        let last = history.last().ok_or("no look")?;
+        let last = history.last().ok_or(Lacks("look"))?;
         notes.push((format!("{name}, 10 cells: angular momentum after a turn, of the first"), last[1], "-".to_owned()));
         notes.push((format!("{name}, 10 cells: energy after a turn, of the first"), last[2], "-".to_owned()));
         for (quantity, at) in [("angular momentum", 1), ("energy", 2)] {
@@ -94,7 +91,7 @@ fn climb(shape: ShapeChoice, transfer: TransferChoice) -> Result<Outcome, String
     }
     let momentum = |scene: &Scene, share: f64| {
         let looks = turn(scene, share)?.iter().map(|look| Look::one(look[0], look[1], 1.0)).collect();
-        Ok::<_, String>(Looks::worst("angular momentum of the first", looks))
+        Ok::<_, Error>(Looks::worst("angular momentum of the first", looks))
     };
     let mut errors = Vec::new();
     for cells in [5, 10, 13, 15] {
@@ -126,24 +123,23 @@ fn climb(shape: ShapeChoice, transfer: TransferChoice) -> Result<Outcome, String
 
 /// Time (s), angular momentum and energy over their first values during a turn, in steps that are a share of the stable
 /// one.
-fn turn(scene: &Scene, share: f64) -> Result<Vec<[f64; 3]>, String> {
+fn turn(scene: &Scene, share: f64) -> Result<Vec<[f64; 3]>, Error> {
     let rate = 2.0 * SLOW * (scene.elastic.shear_modulus() / scene.dry_density()).sqrt();
     let first = move |[x, y]: [f64; 2]| FirstState {
         velocity: [rate * (MIDDLE - y), rate * (x - MIDDLE)],
         ..FirstState::default()
     };
     let given = Given { start: Some(Arc::new(first)), ..Given::default() };
-    let mut model = model_given(&Hardware::default(), scene, &given).map_err(|e| e.to_string())?;
+    let mut model = model_given(&Hardware::default(), scene, &given)?;
     let end = TAU / rate;
     let each = (end / f64::from(LOOKS) / (share * stable_limit(scene))).ceil();
     let dt = end / f64::from(LOOKS) / each;
-    let stopped = |f: mpm_core::step::Fault| format!("{}: {}", f.place, f.what);
-    model.enter_stage(&scene.stages[0], &[end]).map_err(stopped)?;
+    model.enter_stage(&scene.stages[0], &[end])?;
     let moment = |p: &SolidState| p.mass * ((p.x[0] - MIDDLE) * p.velocity[1] - (p.x[1] - MIDDLE) * p.velocity[0]);
     let mut looks = Vec::new();
     for look in 0..=LOOKS {
         if look > 0 {
-            model.advance(dt, each as u64, &mut 0).map_err(stopped)?;
+            model.advance(dt, each as u64, &mut 0)?;
         }
         let ledger = model.ledger();
         let momentum: f64 = model.particles().iter().map(moment).sum();

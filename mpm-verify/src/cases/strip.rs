@@ -6,7 +6,7 @@
 use mpm_core::observe::FieldPoint;
 use mpm_core::scene::{Fields, Scene, ShapeChoice};
 
-use super::{Mutant, Outcome, Rung, asked, finished, integrator, scheme};
+use super::{Error, Lacks, Mutant, Outcome, Rung, asked, finished, integrator, scheme};
 use crate::baseline::ladder::Kind;
 use crate::exact::strip::StripLoad;
 
@@ -57,9 +57,9 @@ const CUBIC_SPLINES: Climb = Climb {
 const FINE: usize = 45;
 const SIDES: [usize; 3] = [5, 9, 15];
 
-fn climb(penalty: Option<f64>) -> Result<Outcome, String> {
-    let base = crate::scenes::built_in("strip").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    let load = base.surcharge.ok_or("no load")?.pressure;
+fn climb(penalty: Option<f64>) -> Result<Outcome, Error> {
+    let base = crate::scenes::built_in("strip")?;
+    let load = base.surcharge.ok_or(Lacks("load"))?.pressure;
     let fine = field(&base, FINE)?;
     let mut errors = Vec::new();
     for side in SIDES {
@@ -88,11 +88,11 @@ fn climb(penalty: Option<f64>) -> Result<Outcome, String> {
 }
 
 /// The load is wrong by a factor.
-fn against_sum(climb: &Climb, factor: f64) -> Result<Outcome, String> {
-    let mut base = crate::scenes::built_in("strip").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    let load = base.surcharge.ok_or("no load")?.pressure;
+fn against_sum(climb: &Climb, factor: f64) -> Result<Outcome, Error> {
+    let mut base = crate::scenes::built_in("strip")?;
+    let load = base.surcharge.ok_or(Lacks("load"))?.pressure;
     base = base.edited(climb.with)?;
-    let exact = StripLoad::new(&base).ok_or("no strip")?;
+    let exact = StripLoad::new(&base).ok_or(Lacks("strip"))?;
     base = base.edited(|base| {
         if let Some(surcharge) = &mut base.surcharge {
             surcharge.pressure *= factor;
@@ -117,13 +117,13 @@ fn against_sum(climb: &Climb, factor: f64) -> Result<Outcome, String> {
 }
 
 /// Pressures at the middles of the cells, row by row.
-fn field(base: &Scene, side: usize) -> Result<Vec<FieldPoint>, String> {
+fn field(base: &Scene, side: usize) -> Result<Vec<FieldPoint>, Error> {
     let scene = base.edited(|s| {
         s.cell = base.width / side as f64;
         s.cells = [side; 2];
     })?;
     let run = finished(&scene)?;
-    Ok(run.samples.last().ok_or("no sample")?.state.field.clone())
+    Ok(run.samples.last().ok_or(Lacks("sample"))?.state.field.clone())
 }
 
 #[cfg(test)]

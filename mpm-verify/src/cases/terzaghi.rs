@@ -7,7 +7,7 @@ use mpm_core::scene::{DarcyChoice, Fields, Scene, ShapeChoice, Surcharge};
 use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
-use super::{FASTER, Mutant, Outcome, Rung, faster, integrator, scheme, sound};
+use super::{Error, FASTER, Mutant, Outcome, Rung, Unfit, faster, integrator, scheme, sound};
 use crate::exact::dynamic::DynamicColumn;
 
 /// The paper's scheme with the default operator.
@@ -58,16 +58,16 @@ fn nodal(scene: &mut Fields) {
     scene.darcy = DarcyChoice::Nodal;
 }
 
-fn climb(change: fn(&mut Fields), fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn climb(change: fn(&mut Fields), fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     // Cells of this size alone, exactly in time, make 9.8e-4 at L = 0.0125.
     refined(&[20, 28, 40, 80], 1.5e-3, [1.8, 2.2], change, fault)
 }
 
-fn gimp(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn gimp(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     refined(&[14, 20, 28, 40], 5e-3, [1.8, 2.4], |scene| scene.shape = ShapeChoice::Gimp, fault)
 }
 
-fn splines(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn splines(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     refined(&[20, 28, 40, 56], 7e-3, [1.8, 2.4], |scene| scene.shape = ShapeChoice::Bspline2, fault)
 }
 
@@ -78,10 +78,10 @@ fn refined(
     order: [f64; 2],
     change: fn(&mut Fields),
     fault: fn(&mut Fields),
-) -> Result<Outcome, String> {
+) -> Result<Outcome, Error> {
     let mut base = lightly_loaded()?;
     base = base.edited(change)?;
-    let exact = DynamicColumn::new(&base).ok_or("the scene is dry")?;
+    let exact = DynamicColumn::new(&base).ok_or(Unfit("the scene is dry"))?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::relative(&base, &settlement);
     base = base.edited(fault)?;
@@ -114,10 +114,9 @@ pub(super) const PARTICLE_COUNTS: [usize; 4] = [1, 4, 9, 16];
 const PARTICLES_LEAVE: f64 = 0.1;
 
 /// The column under a hundredth of its load: strains too small to matter.
-pub(super) fn lightly_loaded() -> Result<Scene, String> {
-    let base = crate::scenes::terzaghi().edited(|base| {
+pub(super) fn lightly_loaded() -> Result<Scene, Error> {
+    Ok(crate::scenes::terzaghi().edited(|base| {
         base.history = 0;
         base.surcharge = base.surcharge.map(|s| Surcharge { pressure: 0.01 * s.pressure, ..s });
-    })?;
-    Ok(base)
+    })?)
 }

@@ -7,7 +7,7 @@ use mpm_core::scene::{Fields, Scene, Start, Until};
 
 use super::evidence::{MESH, Refinement};
 use super::looks::{Look, Looks, in_particles};
-use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound};
+use super::{Error, Lacks, Mutant, Outcome, Rung, Unfit, finished, integrator, scheme, sound};
 
 /// The rung.
 pub const RUNG: Rung = Rung {
@@ -23,7 +23,7 @@ fn stiffer(scene: &mut Fields) {
     }
 }
 
-fn climb(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn climb(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut scene = crate::scenes::terzaghi().with_rows(20)?.edited(|scene| {
         scene.start = Start::Unloaded;
         scene.stages[0].drained = [false; 4];
@@ -32,7 +32,7 @@ fn climb(fault: fn(&mut Fields)) -> Result<Outcome, String> {
     // leaves uneven flows off inside the column, and only in the time of a consolidation: three times Tv = 1.
     let speed = ((scene.oedometer_modulus() + scene.pore_stiffness()) / scene.mixture_density()).sqrt();
     scene = scene.edited(|scene| scene.stages[0].damping = std::f64::consts::PI * speed / scene.height)?;
-    let end = 3.0 * crate::scenes::terzaghi().time_per_factor().ok_or("the scene is dry")?;
+    let end = 3.0 * crate::scenes::terzaghi().time_per_factor().ok_or(Unfit("the scene is dry"))?;
     scene = scene.edited(|scene| {
         scene.stages[0].until = Until::Time(end);
         (scene.observe_times, scene.history) = ([0.25, 0.5, 0.75, 1.0].map(|share| share * end).to_vec(), 0);
@@ -45,7 +45,7 @@ fn climb(fault: fn(&mut Fields)) -> Result<Outcome, String> {
         let scene = scene.with_rows(*rows)?;
         Ok((scene.cell, pressures(&scene, expected)?.error()))
     };
-    let meshes = [5, 10, 20].iter().map(on).collect::<Result<_, String>>()?;
+    let meshes = [5, 10, 20].iter().map(on).collect::<Result<_, Error>>()?;
     let against = "the exact pressure: uniform, and the same on every mesh";
     let with = |particles_per_cell| pressures(&scene.edited(|s| s.particles_per_cell = particles_per_cell)?, expected);
     Ok(Outcome {
@@ -67,9 +67,9 @@ fn climb(fault: fn(&mut Fields)) -> Result<Outcome, String> {
 const LINEAR: f64 = 1e-5;
 
 /// Pressures of all cells over the undrained one; the end counts.
-fn pressures(scene: &Scene, expected: f64) -> Result<Looks, String> {
+fn pressures(scene: &Scene, expected: f64) -> Result<Looks, Error> {
     let run = finished(scene)?;
-    let last = run.samples.last().ok_or("no sample")?.stage_time;
+    let last = run.samples.last().ok_or(Lacks("sample"))?.stage_time;
     let look = |s: &Sample| {
         let computed: Vec<f64> = s.state.profile.iter().map(|row| row.pressure_pa / expected).collect();
         let exact = vec![1.0; computed.len()];

@@ -7,7 +7,7 @@ use mpm_core::stability::stable_limit;
 use super::evidence::Refinement;
 use super::looks::{Look, Looks, Norm, in_particles, in_time};
 use super::terzaghi::{HALVINGS, PARTICLE_COUNTS};
-use super::{Mutant, Outcome, Rung, finished, integrator, scheme, sound};
+use super::{Error, Mutant, Outcome, Rung, Unfit, finished, integrator, scheme, sound};
 use crate::exact::undrained_wave::UndrainedWave;
 
 /// Pressures over five passages.
@@ -54,9 +54,9 @@ struct Asked {
     on_coarse: f64,
 }
 
-fn climb(asked: &Asked, fault: fn(&mut Fields)) -> Result<Outcome, String> {
-    let mut base = crate::scenes::built_in("undrained-wave").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    let exact = UndrainedWave::new(&base).ok_or("not a saturated column under a load")?;
+fn climb(asked: &Asked, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+    let mut base = crate::scenes::built_in("undrained-wave")?;
+    let exact = UndrainedWave::new(&base).ok_or(Unfit("not a saturated column under a load"))?;
     let end = 5.0 * exact.height / exact.speed;
     base = base.edited(|base| {
         base.stages[0].until = Until::Time(end);
@@ -67,7 +67,7 @@ fn climb(asked: &Asked, fault: fn(&mut Fields)) -> Result<Outcome, String> {
     base = base.edited(fault)?;
     let looks = |scene: &Scene| {
         let run = finished(scene)?;
-        (asked.looks)(&run, &exact, undrained).ok_or_else(|| "the wave has not arrived".to_owned())
+        (asked.looks)(&run, &exact, undrained).ok_or(Unfit("the wave has not arrived"))
     };
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for rows in [70, 100, 140, 200] {

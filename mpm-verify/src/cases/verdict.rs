@@ -195,7 +195,7 @@ impl Climb {
     }
 
     /// Marks the case as failed for a reason that its own rule does not know.
-    pub(crate) fn fall(&mut self, why: &str) {
+    pub(super) fn fall(&mut self, why: &str) {
         FAILED.clone_into(&mut self.step.verdict);
         self.reason = format!("{}; {why}", self.reason);
         self.step.reason.clone_from(&self.reason);
@@ -316,7 +316,7 @@ mod tests {
     use super::*;
 
     fn judged(outcome: Outcome) -> Climb {
-        let rung = Rung { name: "made up", about: "", climb: || Err(String::new()), mutant: None };
+        let rung = Rung { name: "made up", about: "", climb: || Err(crate::error::Error::Lacks("case")), mutant: None };
         judge(rung, outcome, 0.0)
     }
 

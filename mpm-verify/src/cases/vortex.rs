@@ -16,7 +16,7 @@ use mpm_core::stability::stable_limit;
 use super::evidence::{PARTICLES, Refinement, Sampled};
 use super::looks::{Look, Looks, Norm, in_time};
 use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
-use super::{Mutant, Outcome, Rung, integrator, scheme};
+use super::{Error, Mutant, Outcome, Rung, integrator, scheme};
 use crate::exact::vortex::Vortex;
 
 /// Quadratic B-splines.
@@ -58,7 +58,7 @@ fn motion(scene: &Scene) -> Vortex {
 
 /// Soil without water on a mesh of `cells` over the radius.
 fn disc(cells: usize, shape: ShapeChoice) -> Scene {
-    let scene = crate::scenes::built_in("dry-bar").and_then(Result::ok).expect("the built-in scene");
+    let scene = crate::scenes::built_in("dry-bar").expect("the built-in scene");
     let corner = |i: i32| {
         let (sin, cos) = (f64::from(i) / 128.0 * 2.0 * std::f64::consts::PI).sin_cos();
         [1.2 + cos, 1.2 + sin]
@@ -78,7 +78,7 @@ fn disc(cells: usize, shape: ShapeChoice) -> Scene {
     })
 }
 
-fn climb(shape: ShapeChoice, required_error: f64, order: [f64; 2], force: f64) -> Result<Outcome, String> {
+fn climb(shape: ShapeChoice, required_error: f64, order: [f64; 2], force: f64) -> Result<Outcome, Error> {
     let base = disc(MESHES[0], shape);
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for cells in MESHES {
@@ -92,7 +92,7 @@ fn climb(shape: ShapeChoice, required_error: f64, order: [f64; 2], force: f64) -
     let step = |dt: f64| Ok(followed(&base, (half / dt).round(), force)?.places);
     let with = |count: &usize| {
         let scene = base.clone().altered_unchecked(|s| s.particles_per_cell = *count);
-        Ok::<_, String>((*count as f64, followed(&scene, steps(&scene), force)?.error()))
+        Ok::<_, Error>((*count as f64, followed(&scene, steps(&scene), force)?.error()))
     };
     let counted = PARTICLE_COUNTS[1..].iter().map(with).collect::<Result<_, _>>()?;
     let against = format!("the exact places, L = {} m: the error of the mesh stays, no order is expected", base.cell);
@@ -135,7 +135,7 @@ impl Followed {
 }
 
 /// Follows the disc in so many steps to half of the motion; the force is a share of the right one.
-fn followed(scene: &Scene, steps: f64, share: f64) -> Result<Followed, String> {
+fn followed(scene: &Scene, steps: f64, share: f64) -> Result<Followed, Error> {
     let exact = motion(scene);
     let half = 0.5 * exact.duration;
     let dt = half / steps;
@@ -143,15 +143,14 @@ fn followed(scene: &Scene, steps: f64, share: f64) -> Result<Followed, String> {
     let first = move |x: [f64; 2]| FirstState { velocity: exact.point(x, -0.5 * dt).velocity, ..FirstState::default() };
     let push = move |x: [f64; 2], t: f64| exact.body_force(x, t).map(|b| share * b);
     let given = Given { force: Some(Arc::new(push)), start: Some(Arc::new(first)), ..Given::default() };
-    let mut model = model_given(&Hardware::default(), scene, &given).map_err(|e| e.to_string())?;
+    let mut model = model_given(&Hardware::default(), scene, &given)?;
     let mut starts: Vec<_> = model.particles().iter().map(|p| (p.id, p.x)).collect();
     starts.sort_by_key(|(id, _)| *id);
-    let stopped = |f: mpm_core::step::Fault| format!("{}: {}", f.place, f.what);
-    model.enter_stage(&scene.stages[0], &[half]).map_err(stopped)?;
+    model.enter_stage(&scene.stages[0], &[half])?;
     let way = exact.shear * exact.ring[0];
     let (mut off, mut computed, mut expected) = (Vec::new(), Vec::new(), Vec::new());
     for look in 1..=LOOKS {
-        model.advance(dt, (steps / f64::from(LOOKS)).round() as u64, &mut 0).map_err(stopped)?;
+        model.advance(dt, (steps / f64::from(LOOKS)).round() as u64, &mut 0)?;
         let time = half * f64::from(look) / f64::from(LOOKS);
         let mut particles = model.particles();
         particles.sort_by_key(|p| p.id);

@@ -7,7 +7,7 @@ use mpm_core::drive::Run;
 use mpm_core::scene::{Dimension, Integrator, Scene, Until};
 
 use super::evidence::RUNS;
-use super::{Mutant, Outcome, Rung, finished, largest};
+use super::{Error, Mutant, Outcome, Rung, Unfit, finished, largest};
 
 /// The rung.
 pub const RUNG: Rung = Rung {
@@ -24,19 +24,18 @@ const WAYS: [(Dimension, Integrator); 3] = [
 ];
 
 /// Table 1's column up to Tv = 0.5.
-fn block((dimension, integrator): (Dimension, Integrator)) -> Result<Scene, String> {
+fn block((dimension, integrator): (Dimension, Integrator)) -> Result<Scene, Error> {
     let mut scene = crate::scenes::terzaghi()
         .with_rows(20)?
         .edited(|scene| (scene.dimension, scene.integrator, scene.history) = (dimension, integrator, 0))?;
     if dimension == Dimension::PlaneStrain {
         scene = scene.edited(|scene| (scene.cells[0], scene.width) = (2, 2.0 * scene.cell))?;
     }
-    let end = 0.5 * scene.time_per_factor().ok_or("the scene is dry")?;
-    scene = scene.edited(|scene| {
+    let end = 0.5 * scene.time_per_factor().ok_or(Unfit("the scene is dry"))?;
+    Ok(scene.edited(|scene| {
         scene.stages[0].until = Until::Time(end);
         scene.observe_times = vec![0.1 * end, 0.4 * end, end];
-    })?;
-    Ok(scene)
+    })?)
 }
 
 /// What does not close at each look, as a share of what has gone; `lost` of that is not booked.
@@ -45,7 +44,7 @@ fn gaps(run: &Run, lost: f64) -> Vec<f64> {
     run.observed().map(|s| gap(s.ledger.water_out_kg, s.ledger.water_closing_kg)).collect()
 }
 
-fn climb(lost: f64) -> Result<Outcome, String> {
+fn climb(lost: f64) -> Result<Outcome, Error> {
     let mut all = Vec::new();
     for way in WAYS {
         all.extend(gaps(&finished(&block(way)?)?, lost));

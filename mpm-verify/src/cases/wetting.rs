@@ -5,7 +5,7 @@ use mpm_core::observe::WaterState;
 use mpm_core::scene::{Dimension, Fields, Scene};
 
 use super::looks::{Look, Looks, in_particles};
-use super::{FASTER, Mutant, Outcome, Rung, faster, finished, integrator, sound};
+use super::{Error, FASTER, Mutant, Outcome, Rung, Unfit, faster, finished, integrator, sound};
 use crate::exact::wetting_front::{Way, WettingFront};
 use crate::norms::largest;
 
@@ -59,13 +59,12 @@ pub const LEDGER: Rung = Rung {
 };
 
 /// The scene of a front, in soil with a first saturation.
-fn scene(name: &str, saturation: f64) -> Result<Scene, String> {
-    let mut scene =
-        crate::scenes::built_in(name).and_then(Result::ok).expect("the built-in scene holds").edited(|scene| {
-            if let Some(free) = &mut scene.free_surface {
-                free.saturation = saturation;
-            }
-        })?;
+fn scene(name: &str, saturation: f64) -> Result<Scene, Error> {
+    let mut scene = crate::scenes::built_in(name).expect("the built-in scene holds").edited(|scene| {
+        if let Some(free) = &mut scene.free_surface {
+            free.saturation = saturation;
+        }
+    })?;
     if saturation > 0.0 {
         // Half of the pores are filled in half of the time.
         scene = scene.edited(|scene| {
@@ -111,12 +110,12 @@ fn place(water: &WaterState, section: f64) -> f64 {
 /// Edges of the cells, m.
 const CELLS: [f64; 4] = [0.1, 0.05, 0.025, 0.0125];
 
-fn fronts(scene: &Scene, way: Way, fault: fn(&mut Fields)) -> Result<Outcome, String> {
-    let exact = exact(scene, way).ok_or("the scene has no feed")?;
+fn fronts(scene: &Scene, way: Way, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+    let exact = exact(scene, way).ok_or(Unfit("the scene has no feed"))?;
     let seen = |mut scene: Scene| {
         scene = scene.edited(fault)?;
         let run = finished(&scene)?;
-        Ok::<_, String>((looks(&scene, &run, way, &exact), of_layer(&scene, &run)))
+        Ok::<_, Error>((looks(&scene, &run, way, &exact), of_layer(&scene, &run)))
     };
     let (mut errors, mut samples, mut in_layer) = (Vec::new(), Vec::new(), Vec::new());
     for cell in CELLS {
@@ -167,12 +166,12 @@ fn of_layer(scene: &Scene, run: &Run) -> f64 {
 }
 
 /// The scene on square cells of an edge (m).
-fn on(scene: &Scene, cell: f64) -> Result<Scene, String> {
+fn on(scene: &Scene, cell: f64) -> Result<Scene, Error> {
     Ok(scene.with_cell(cell)?)
 }
 
 /// What is left of the water's balance, as a share of what came in: `lost` particles are taken away on the way.
-fn ledger(lost: f64) -> Result<Outcome, String> {
+fn ledger(lost: f64) -> Result<Outcome, Error> {
     let mut offs = Vec::new();
     for (name, per_cell) in [("wetting-front", 4), ("infiltration", 9), ("rising-front", 4), ("dam", 9)] {
         let scene = scene(name, 0.0)?.edited(|scene| scene.particles_per_cell = per_cell)?;

@@ -7,7 +7,8 @@ use mpm_core::hardware::Hardware;
 use mpm_core::scene::{Flags, INTEGRATORS, SHAPES, Scene};
 use mpm_verify::baseline;
 use mpm_verify::cases::own::OwnScene;
-use mpm_verify::cases::{Climb, LADDER, Rung, Step};
+use mpm_verify::cases::{Climb, LADDER, Rung, Step, accepted};
+use mpm_verify::error::Error;
 use mpm_verify::files::Folder;
 use mpm_verify::manifest::Manifest;
 use mpm_verify::report;
@@ -49,7 +50,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     if let Some(path) = &options.scene {
         return own(path, options, common);
     }
-    let file = baseline::ladder::hold_against(options.baselines.as_deref()).map_err(Failure::BadInput)?;
+    let file = baseline::ladder::hold_against(options.baselines.as_deref()).map_err(Failure::bad_input)?;
     let file = file.map_or_else(|| "built in".to_owned(), |file| file.display().to_string());
     say(common.quiet || common.json, &format!("accepted errors: {file}"));
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/ladder"));
@@ -85,11 +86,11 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
 /// Checks a scene of the user's own and writes the files of the ladder with its one row.
 fn own(path: &Path, options: &Options, common: &Common) -> Result<(), Failure> {
     let flags = Flags { integrator: options.integrator.clone(), scheme: options.scheme.clone(), ..Flags::default() };
-    let scene = Scene::load_with(path, &flags).map_err(|e| Failure::BadInput(e.to_string()))?;
+    let scene = Scene::load_with(path, &flags).map_err(Failure::bad_input)?;
     // What is wrong with a flag is said of the flag, all else of the file.
-    let refused = |e: String| match e.starts_with("--") {
-        true => Failure::BadInput(e),
-        false => Failure::BadInput(format!("{}: {e}", path.display())),
+    let refused = |e: Error| match e.to_string() {
+        flag if flag.starts_with("--") => Failure::BadInput(flag),
+        _ => Failure::bad_input(e.of(path.display())),
     };
     let own = OwnScene::new(&scene, &options.rows).map_err(refused)?;
     let other = |word: &str| {
@@ -116,7 +117,7 @@ fn measured(own: &OwnScene, scene: &Scene, common: &Common, folder: &Folder) -> 
     for what in own.beside() {
         say(quiet, &format!("  {what}"));
     }
-    let climb = own.climb().map_err(Failure::RunFailed)?;
+    let climb = own.climb().map_err(Failure::run_failed)?;
     say(quiet, &header());
     say(quiet, &line(&climb.step));
     say(quiet, &climb.reason);
@@ -147,7 +148,7 @@ pub fn climb(names: &[String], common: &Common, study: bool, folder: &Path) -> R
         Ok(climb)
     })?;
     let steps = write(&climbs, &mpm_verify::scenes::terzaghi(), common, (study, folder))?;
-    let (path, rows) = (folder.join("accepted.csv"), baseline::ladder::accepted(&climbs));
+    let (path, rows) = (folder.join("accepted.csv"), accepted(&climbs));
     std::fs::write(&path, rows).map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))?;
     let without: Vec<&str> = steps.iter().filter(|s| s.baseline.is_none()).map(|s| s.rung.as_str()).collect();
     if !without.is_empty() {
@@ -166,7 +167,7 @@ fn write(
     let steps: Vec<Step> = climbs.iter().map(|climb| climb.step.clone()).collect();
     write_csv(&folder.join("ladder.csv"), &steps)?;
     let manifest = Manifest::new(scene, jobs(common.jobs));
-    report::ladder::write(climbs, &manifest, study, folder).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    report::ladder::write(climbs, &manifest, study, folder).map_err(Failure::run_failed)?;
     Ok(steps)
 }
 
@@ -199,7 +200,7 @@ fn catch(names: &[String], common: &Common, folder: &Path) -> Result<(Vec<Caught
     let rungs: Vec<&Rung> = rungs.into_iter().filter(|rung| rung.mutant.is_some()).collect();
     let (rows, failed) = each(&rungs, common, |rung| {
         let what = rung.mutant.map_or("", |mutant| mutant.what);
-        let climb = rung.climb_mutant().unwrap_or_else(|| Err(format!("{}: no mutant", rung.name)))?;
+        let climb = rung.climb_mutant().unwrap_or_else(|| Err(Error::Lacks("mutant").of(rung.name)))?;
         let row = Caught::new(&climb, what);
         let caught = if row.caught { "yes" } else { "no" };
         say(
@@ -230,23 +231,20 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Rung>, Failure> {
 fn each<T: Send>(
     rungs: &[&Rung],
     common: &Common,
-    work: impl Fn(&Rung) -> Result<T, String> + Sync,
+    work: impl Fn(&Rung) -> Result<T, Error> + Sync,
 ) -> Result<(Vec<T>, Vec<String>), Failure> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(jobs(common.jobs))
-        .build()
-        .map_err(|e| Failure::BadInput(e.to_string()))?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs(common.jobs)).build().map_err(Failure::bad_input)?;
     // The last rungs take longest: started first, they leave no thread idle at the end.
     let from_the_last = rungs.iter().enumerate().rev().par_bridge();
-    let one = |rung: &Rung| unpanicked(|| work(rung)).unwrap_or_else(|why| Err(format!("{}: {why}", rung.name)));
-    let mut results: Vec<(usize, Result<T, String>)> =
+    let one = |rung: &Rung| unpanicked(|| work(rung)).map_err(|e| e.of(rung.name)).flatten();
+    let mut results: Vec<(usize, Result<T, Error>)> =
         pool.install(|| from_the_last.map(|(i, rung)| (i, one(rung))).collect());
     results.sort_by_key(|(i, _)| *i);
     let (mut done, mut failed) = (Vec::new(), Vec::new());
     for (_, result) in results {
         match result {
             Ok(value) => done.push(value),
-            Err(message) => failed.push(message),
+            Err(error) => failed.push(error.to_string()),
         }
     }
     Ok((done, failed))

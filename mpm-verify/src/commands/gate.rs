@@ -13,5 +13,5 @@ pub fn run(name: &str) -> Result<(), Failure> {
         let known: Vec<&str> = work::GATES.iter().map(|gate| gate.name).collect();
         Failure::BadInput(format!("gate: expected one of {}, found {name}", known.join(", ")))
     })?;
-    gate.run().map(drop).map_err(Failure::RunFailed)
+    gate.run().map(drop).map_err(Failure::run_failed)
 }

@@ -12,13 +12,12 @@ use mpm_verify::files::Folder;
 use mpm_verify::levee::checkpoint::Checkpoint;
 use mpm_verify::levee::limits::{self, Trust};
 use mpm_verify::levee::plan::{self, Plan};
-use mpm_verify::levee::run::{Ended, FollowError, Hooks, follow};
+use mpm_verify::levee::run::{Ended, Hooks, follow};
 use mpm_verify::levee::summary::Summary;
 use mpm_verify::levee::variants::{self, Variant};
 use mpm_verify::levee::{convergence, drivers, safety, sensitivity, tables, ticker, written};
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
-use mpm_verify::report::ReportError;
 
 use super::{Failure, again_with, inside, interrupts, into_folder, print_json, say, warn_if_long};
 use crate::Common;
@@ -113,8 +112,8 @@ impl Options {
 /// Follows a levee and writes everything about it.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let variant = options.variant()?;
-    let scene = plan::scene(&options.scene, &options.flags(), variant).map_err(Failure::BadInput)?;
-    let plan = Plan::new(scene, options.from, options.until, true).map_err(Failure::BadInput)?;
+    let scene = plan::scene(&options.scene, &options.flags(), variant).map_err(Failure::bad_input)?;
+    let plan = Plan::new(scene, options.from, options.until, true).map_err(Failure::bad_input)?;
     let path = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/levee"));
     // The variants are other readings of that levee.
     for (asked, flag) in [(options.sensitivity, "--sensitivity"), (variant.is_some(), "--variant")] {
@@ -139,7 +138,7 @@ fn all(
     let published = |result: Result<(), Failure>| {
         result?;
         // A table more about the same levee.
-        folder.publish_beside(&kind(plan), &|_| true).map_err(|e| Failure::RunFailed(e.to_string()))
+        folder.publish_beside(&kind(plan), &|_| true).map_err(Failure::run_failed)
     };
     if !options.safety_factor.is_empty() {
         published(factors(options, common, plan, folder.stage()))?;
@@ -152,13 +151,13 @@ fn all(
         let (flags, jobs) = (options.flags(), super::jobs(common.jobs));
         let found =
             convergence::compute((&options.scene, variant), &flags, options.full, jobs, &|text| progress.line(text));
-        let found = found.map_err(Failure::BadInput)?;
-        published(tables::lines(&found, &folder.stage().join(convergence::NAME)).map_err(lost))?;
+        let found = found.map_err(Failure::bad_input)?;
+        published(tables::lines(&found, &folder.stage().join(convergence::NAME)).map_err(Failure::run_failed))?;
     }
     if options.compare_drivers {
         let progress = Progress::new("drivers", common.quiet);
-        let lines = drivers::compute(plan, &mut |text| progress.line(text)).map_err(Failure::RunFailed)?;
-        published(tables::lines(&lines, &folder.stage().join(drivers::NAME)).map_err(lost))?;
+        let lines = drivers::compute(plan, &mut |text| progress.line(text)).map_err(Failure::run_failed)?;
+        published(tables::lines(&lines, &folder.stage().join(drivers::NAME)).map_err(Failure::run_failed))?;
     }
     if options.no_run { Ok(()) } else { one(options, common, plan, folder) }
 }
@@ -169,10 +168,6 @@ const TABLES: [&str; 4] = [safety::NAME, sensitivity::NAME, convergence::NAME, d
 /// What results belong together: those of one scene.
 fn kind(plan: &Plan) -> String {
     format!("levee {}", plan.scene_word())
-}
-
-fn lost(error: ReportError) -> Failure {
-    Failure::RunFailed(error.to_string())
 }
 
 /// Factors of safety.
@@ -186,8 +181,8 @@ fn factors(options: &Options, common: &Common, plan: &Plan, folder: &Path) -> Re
     }
     let progress = Progress::new("factor of safety", common.quiet);
     let told = safety::compute(plan, &options.safety_factor, &mut |text| progress.line(text));
-    let lines = told.map_err(Failure::RunFailed)?;
-    tables::lines(&lines, &folder.join(safety::NAME)).map_err(lost)?;
+    let lines = told.map_err(Failure::run_failed)?;
+    tables::lines(&lines, &folder.join(safety::NAME)).map_err(Failure::run_failed)?;
     for line in &lines {
         say(common.quiet || common.json, &line.said());
     }
@@ -195,7 +190,7 @@ fn factors(options: &Options, common: &Common, plan: &Plan, folder: &Path) -> Re
         say(common.quiet || common.json, &text);
     }
     if options.no_run {
-        safety::picture(&lines, None, folder).map_err(lost)?;
+        safety::picture(&lines, None, folder).map_err(Failure::run_failed)?;
     }
     Ok(())
 }
@@ -206,18 +201,17 @@ fn vary(options: &Options, common: &Common, folder: &Path) -> Result<(), Failure
     let base = sensitivity::Base { source: &options.scene, flags: &flags, until_h: options.until, full: options.full };
     let progress = Progress::new("variants", common.quiet);
     let lines = sensitivity::compute(&base, super::jobs(common.jobs), &|text| progress.line(text));
-    tables::lines(&lines, &folder.join(sensitivity::NAME)).map_err(lost)?;
+    tables::lines(&lines, &folder.join(sensitivity::NAME)).map_err(Failure::run_failed)?;
     if options.no_run {
-        sensitivity::picture(&lines, folder).map_err(lost)?;
+        sensitivity::picture(&lines, folder).map_err(Failure::run_failed)?;
     }
     Ok(())
 }
 
 fn one(options: &Options, common: &Common, plan: &Plan, folder: &Folder) -> Result<(), Failure> {
-    let refused = |e: FollowError| Failure::BadInput(e.to_string());
     let resume = match options.resume {
-        true => Checkpoint::read(&plan.fingerprint(), folder.path()).map_err(|e| refused(e.into()))?,
-        false => checkpoint::is_own(folder.path()).map(|()| None).map_err(|e| refused(e.into()))?,
+        true => Checkpoint::read(&plan.fingerprint(), folder.path()).map_err(Failure::bad_input)?,
+        false => checkpoint::is_own(folder.path()).map(|()| None).map_err(Failure::bad_input)?,
     };
     let other = |word: &str| {
         let flags = Flags { driver: Some(word.to_owned()), ..options.flags() };
@@ -236,7 +230,7 @@ fn one(options: &Options, common: &Common, plan: &Plan, folder: &Folder) -> Resu
         every: Duration::from_secs_f64(options.checkpoint_every),
         trouble: &mut |e| eprintln!("a checkpoint could not be written: {e}"),
     };
-    let run = follow(plan, &mut hooks, resume).map_err(refused)?;
+    let run = follow(plan, &mut hooks, resume).map_err(Failure::bad_input)?;
     ticker.finish();
     if run.ended == Ended::Stopped {
         let at = run.rows.last().map_or(0.0, |row| row.time_h);
@@ -244,10 +238,10 @@ fn one(options: &Options, common: &Common, plan: &Plan, folder: &Folder) -> Resu
     }
     let summary = Summary::of(plan, &run, options.variant.as_deref(), Manifest::new(&plan.scene, 1));
     let written = written::write(plan, &run, &summary, !options.no_vtk, (folder.path(), folder.stage()));
-    written.map_err(|e| Failure::RunFailed(e.to_string()))?;
+    written.map_err(Failure::run_failed)?;
     // Only once all is written is there nothing to go on from.
     let stays = |file: &Path| TABLES.iter().any(|table| file == Path::new(table));
-    folder.publish_beside(&kind(plan), &stays).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    folder.publish_beside(&kind(plan), &stays).map_err(Failure::run_failed)?;
     checkpoint::remove(folder.path());
     if common.json {
         print_json(&summary);
@@ -279,13 +273,13 @@ fn one(options: &Options, common: &Common, plan: &Plan, folder: &Folder) -> Resu
 
 /// The built-in levee with its page, for the night.
 pub fn night(folder: &Path) -> Result<Summary, Failure> {
-    let scene = plan::scene("levee", &Flags::default(), None).map_err(Failure::RunFailed)?;
-    let plan = Plan::new(scene, None, None, true).map_err(Failure::RunFailed)?;
+    let scene = plan::scene("levee", &Flags::default(), None).map_err(Failure::run_failed)?;
+    let plan = Plan::new(scene, None, None, true).map_err(Failure::run_failed)?;
     inside(folder)?;
     let mut hooks =
         Hooks { progress: &mut |_| (), stop: &mut |_| false, folder: None, every: Duration::MAX, trouble: &mut |_| () };
-    let run = follow(&plan, &mut hooks, None).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    let run = follow(&plan, &mut hooks, None).map_err(Failure::run_failed)?;
     let summary = Summary::of(&plan, &run, None, Manifest::new(&plan.scene, 1));
-    written::write(&plan, &run, &summary, false, (folder, folder)).map_err(lost)?;
+    written::write(&plan, &run, &summary, false, (folder, folder)).map_err(Failure::run_failed)?;
     Ok(summary)
 }

@@ -30,7 +30,7 @@ pub fn run(folders: &[PathBuf], common: &Common) -> Result<(), Failure> {
         let options = Options::of(&first.recipe)?;
         let cases: Vec<PathBuf> = folders.iter().map(|folder| folder.join(CASES)).collect();
         let paths: Vec<&Path> = cases.iter().map(PathBuf::as_path).collect();
-        let store = Store::open(&paths).map_err(|e| Failure::BadInput(e.to_string()))?;
+        let store = Store::open(&paths).map_err(Failure::bad_input)?;
         let progress = Progress::new("merge", true);
         let mut runner = Runner {
             share: Share::Stored,
@@ -47,10 +47,9 @@ pub fn run(folders: &[PathBuf], common: &Common) -> Result<(), Failure> {
             absent => format!("run the study with {}, and merge again", absent.join(", ")),
         };
         let study = complete(&options, common, &mut runner, &on)?;
-        let wrong = |e: report::ReportError| Failure::RunFailed(e.to_string());
-        let page = report::write(&study, published.stage(), published.path()).map_err(wrong)?;
-        published.publish().map_err(|e| Failure::RunFailed(e.to_string()))?;
-        page.save(published.path()).map_err(wrong)?;
+        let page = report::write(&study, published.stage(), published.path()).map_err(Failure::run_failed)?;
+        published.publish().map_err(Failure::run_failed)?;
+        page.save(published.path()).map_err(Failure::run_failed)?;
         Ok(study)
     })?;
     told(&study, common, &out)

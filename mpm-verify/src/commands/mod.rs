@@ -21,6 +21,7 @@ use std::sync::{Arc, OnceLock};
 
 use mpm_core::hardware::Hardware;
 use mpm_core::scene::Scene;
+use mpm_verify::error::Error::{self, Unfit};
 use mpm_verify::files::{Folder, FolderError};
 use mpm_verify::patience::{Estimate, LONG, estimate};
 use mpm_verify::progress::time;
@@ -42,6 +43,16 @@ pub enum Failure {
     RunFailed(String),
 }
 
+impl Failure {
+    fn bad_input(error: impl ToString) -> Self {
+        Self::BadInput(error.to_string())
+    }
+
+    fn run_failed(error: impl ToString) -> Self {
+        Self::RunFailed(error.to_string())
+    }
+}
+
 /// Takes a folder for this process before anything is run, with room for results of some names, lets `work` write into its stage, and
 /// publishes what it wrote if it succeeds. What could not be written whole is not published.
 fn into_folder<T>(path: &Path, names: &[&str], work: impl FnOnce(&Folder) -> Result<T, Failure>) -> Result<T, Failure> {
@@ -49,7 +60,7 @@ fn into_folder<T>(path: &Path, names: &[&str], work: impl FnOnce(&Folder) -> Res
     let folder = Folder::take(path).map_err(bad)?;
     folder.has_room_for(names).map_err(bad)?;
     let result = work(&folder)?;
-    folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))?;
+    folder.publish().map_err(Failure::run_failed)?;
     Ok(result)
 }
 
@@ -152,7 +163,7 @@ fn write_csv<T: Serialize>(path: &Path, rows: &[T]) -> Result<(), Failure> {
 
 /// Writes a value as JSON.
 fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), Failure> {
-    let text = serde_json::to_string_pretty(value).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    let text = serde_json::to_string_pretty(value).map_err(Failure::run_failed)?;
     fs::write(path, text + "\n").map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))
 }
 
@@ -191,9 +202,9 @@ fn jobs(asked: u16) -> usize {
 }
 
 /// Parses a time.
-fn seconds(text: &str) -> Result<f64, String> {
+fn seconds(text: &str) -> Result<f64, Error> {
     match text.parse::<f64>() {
         Ok(seconds) if (0.0..=1e6).contains(&seconds) => Ok(seconds),
-        _ => Err("expected 0 to 1e6 s".to_owned()),
+        _ => Err(Unfit("expected 0 to 1e6 s")),
     }
 }

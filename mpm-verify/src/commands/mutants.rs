@@ -43,16 +43,17 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let quiet = common.quiet || common.json;
     let path = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/mutants"));
     let rows = into_folder(&path, &["mutants.csv"], |folder| {
-        let wrong = |e: String| Failure::RunFailed(e);
-        fs::create_dir_all(&options.scratch).map_err(|e| wrong(format!("{}: {e}", options.scratch.display())))?;
-        let scratch = options.scratch.canonicalize().map_err(|e| wrong(e.to_string()))?;
-        let written = plant(&options.source, &scratch, MUTANTS).map_err(Failure::BadInput)?;
+        fs::create_dir_all(&options.scratch)
+            .map_err(|e| Failure::RunFailed(format!("{}: {e}", options.scratch.display())))?;
+        let scratch = options.scratch.canonicalize().map_err(Failure::run_failed)?;
+        let written = plant(&options.source, &scratch, MUTANTS).map_err(Failure::bad_input)?;
         say(quiet, &format!("{} faults in a copy, {written} files of it new; building it ...", MUTANTS.len()));
-        let program = build(&scratch).map_err(wrong)?;
-        let spoilt = Spoilt::new(program, scratch, jobs(common.jobs), &|text| say(quiet, text)).map_err(wrong)?;
+        let program = build(&scratch).map_err(Failure::run_failed)?;
+        let spoilt =
+            Spoilt::new(program, scratch, jobs(common.jobs), &|text| say(quiet, text)).map_err(Failure::run_failed)?;
         let mut rows: Vec<Row> = Vec::new();
         for (number, mutant) in &chosen {
-            let row = spoilt.find(*number, mutant).map_err(wrong)?;
+            let row = spoilt.find(*number, mutant).map_err(Failure::run_failed)?;
             let word = if row.caught { "caught by" } else { "NOT CAUGHT" };
             say(quiet, &format!("{:<26} {word} {}", row.mutant, row.by));
             rows.push(row);

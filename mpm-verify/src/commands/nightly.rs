@@ -18,7 +18,6 @@ use mpm_verify::nightly::measure::{Label, Measure, Tolerance};
 use mpm_verify::nightly::report::{Night, Part, VALUES, stored};
 use mpm_verify::nightly::{collect, moved, nights, report, trends, work};
 use mpm_verify::progress::Progress;
-use mpm_verify::report::ReportError;
 use mpm_verify::study::Runner;
 use mpm_verify::unpanicked::unpanicked;
 
@@ -56,12 +55,12 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     if options.accept.as_ref().is_some_and(|why| why.trim().is_empty()) {
         return Err(Failure::BadInput("--accept: expected why, found nothing".to_owned()));
     }
-    let (known, file) = accepted::read(options.baselines.as_deref()).map_err(Failure::BadInput)?;
+    let (known, file) = accepted::read(options.baselines.as_deref()).map_err(Failure::bad_input)?;
     // A folder of one's own need not hold the errors of the ladder.
     let ladder = options.baselines.as_deref().filter(|folder| folder.join("ladder.csv").exists());
-    baseline::ladder::hold_against(ladder).map_err(Failure::BadInput)?;
+    baseline::ladder::hold_against(ladder).map_err(Failure::bad_input)?;
     if let (Some(why), Some(from)) = (&options.accept, &options.from) {
-        let measures = stored(&from.join(VALUES)).map_err(Failure::BadInput)?;
+        let measures = stored(&from.join(VALUES)).map_err(Failure::bad_input)?;
         let text =
             fs::read(from.join("summary.json")).map_err(|e| Failure::BadInput(format!("{}: {e}", from.display())))?;
         let night: Night =
@@ -109,7 +108,7 @@ impl Findings<'_> {
         }
         let (cpu, wall) = (ProcessTime::now(), Instant::now());
         say(self.common.quiet || self.common.json, &format!("{name} ..."));
-        let done = unpanicked(|| work(self).map_err(|failure| failure.to_string())).flatten();
+        let done = unpanicked(|| work(self)).map_err(Failure::run_failed).flatten();
         let line = done.unwrap_or_else(|why| {
             self.fell.push(format!("{name}: {why}"));
             "could not be finished".to_owned()
@@ -125,8 +124,8 @@ impl Findings<'_> {
         let study = study::complete(&study::Options::paper(), self.common, &mut runner, &String::new)?;
         let folder = self.folder.join("accuracy");
         inside(&folder)?;
-        let page = mpm_verify::report::write(&study, &folder, &folder).map_err(wrong)?;
-        page.save_as(&self.folder.join("index-of-the-study.html")).map_err(wrong)?;
+        let page = mpm_verify::report::write(&study, &folder, &folder).map_err(Failure::run_failed)?;
+        page.save_as(&self.folder.join("index-of-the-study.html")).map_err(Failure::run_failed)?;
         self.measures.extend(collect::study(&study.results, &study.sweeps));
         let (limits, fallen) = study.sweeps.limits();
         let failed: Vec<&str> = study.results.iter().filter(|r| r.failure.is_some()).map(|r| r.case.as_str()).collect();
@@ -201,10 +200,6 @@ impl Findings<'_> {
     }
 }
 
-fn wrong(error: ReportError) -> Failure {
-    Failure::RunFailed(error.to_string())
-}
-
 /// Runs all parts, compares, remembers. Returns the folder of the night, too.
 fn whole(
     options: &Options,
@@ -220,7 +215,7 @@ fn whole(
     let own = folder.stage().join(&name);
     inside(&own)?;
     let history_path = folder.path().join(history::NAME);
-    let mut history = History::read(&history_path).map_err(Failure::BadInput)?;
+    let mut history = History::read(&history_path).map_err(Failure::bad_input)?;
     let mut found = Findings {
         common,
         folder: &own,
@@ -261,22 +256,22 @@ fn whole(
         manifest,
     };
     (if night.is_green() { "green" } else { "red" }).clone_into(&mut night.verdict);
-    report::write(&night, &measures, options.only.is_empty(), &own).map_err(wrong)?;
+    report::write(&night, &measures, options.only.is_empty(), &own).map_err(Failure::run_failed)?;
     if options.only.is_empty() {
         let off = night.moved.len() as f64;
         measures.push(Measure::new(ENTRY.0, ENTRY.1, Label::Count, off, Tolerance::relative(0.0)));
         history.note(&entry, &measures);
         measures.pop();
-        let text = history.text(&history_path).map_err(Failure::RunFailed)?;
+        let text = history.text(&history_path).map_err(Failure::run_failed)?;
         let path = folder.stage().join(history::NAME);
         fs::write(&path, text).map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))?;
         let pages = folder.stage().join("trends");
         inside(&pages)?;
-        trends::write(&history, &pages).map_err(wrong)?;
-        nights::write(folder.path(), (&name, &night), folder.stage()).map_err(wrong)?;
+        trends::write(&history, &pages).map_err(Failure::run_failed)?;
+        nights::write(folder.path(), (&name, &night), folder.stage()).map_err(Failure::run_failed)?;
     }
     // Nights stand beside each other.
-    folder.publish_beside("nightly", &|_| true).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    folder.publish_beside("nightly", &|_| true).map_err(Failure::run_failed)?;
     Ok((night, measures, folder.path().join(name)))
 }
 
@@ -312,7 +307,7 @@ fn accept(
     common: &Common,
 ) -> Result<(), Failure> {
     let Some(file) = file else {
-        let expected = accepted::FOLDER;
+        let expected = baseline::FOLDER;
         return Err(Failure::BadInput(format!(
             "--accept: expected {expected} here, or --baselines DIR, found neither"
         )));
@@ -321,7 +316,7 @@ fn accept(
     let whole = night.parts.len() == PARTS.len() && night.fell.is_empty();
     let goes = |row: &Accepted| whole && counted(&row.quantity).is_none();
     let Renewed { rows, new, gone } = accepted::renewed(known, measures, (&night.date, &night.commit), why, goes);
-    accepted::write(&rows, &file).map_err(Failure::RunFailed)?;
+    accepted::write(&rows, &file).map_err(Failure::run_failed)?;
     let ladder = folder.join("ladder/accepted.csv");
     if let (Ok(text), Some(folder)) = (fs::read(&ladder), file.parent()) {
         let path = folder.join("ladder.csv");

@@ -18,12 +18,11 @@ pub fn run(folder: &Path, common: &Common) -> Result<(), Failure> {
     let text = read_text(&path, LARGEST).map_err(|e| refused(e.to_string()))?;
     let study: Study = serde_json::from_str(&text).map_err(|e| refused(e.to_string()))?;
     let out = common.out.as_deref().unwrap_or(folder);
-    let wrong = |e: report::ReportError| Failure::RunFailed(e.to_string());
     report::page_path(out).map_err(|e| Failure::BadInput(format!("--out: {e}")))?;
     into_folder(out, &super::study::NAMES, |folder| {
-        let page = report::write(&study, folder.stage(), out).map_err(wrong)?;
-        folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))?;
-        page.save(out).map_err(wrong)
+        let page = report::write(&study, folder.stage(), out).map_err(Failure::run_failed)?;
+        folder.publish().map_err(Failure::run_failed)?;
+        page.save(out).map_err(Failure::run_failed)
     })?;
     say(common.quiet, &format!("report: {}", out.parent().unwrap_or(out).join("index.html").display()));
     Ok(())

@@ -222,13 +222,13 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         tolerance: options.tolerance,
         ..Flags::default()
     };
-    let scene = Scene::load_with(&options.scene, &flags).map_err(|e| Failure::BadInput(e.to_string()))?;
+    let scene = Scene::load_with(&options.scene, &flags).map_err(Failure::bad_input)?;
     let scene = if options.force { scene.forced() } else { scene };
     if let (Some(integrator), false) = (&options.integrator, scene.left_out.is_empty()) {
         say(common.quiet || common.json, &format!("--integrator {integrator}: left out {}", scene.left_out.join(", ")));
     }
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports").join(&scene.name));
-    let hardware = Hardware::suiting(&scene, options.threads.map(usize::from)).map_err(Failure::BadInput)?;
+    let hardware = Hardware::suiting(&scene, options.threads.map(usize::from)).map_err(Failure::bad_input)?;
     let other = |word: &str| {
         let flags = Flags { integrator: Some(word.to_owned()), ..flags.clone() };
         let other = Scene::load_with(&options.scene, &flags).ok();
@@ -268,11 +268,11 @@ fn solve(
     folder: &Folder,
 ) -> Result<Solved, Failure> {
     if !options.resume {
-        checkpoint::is_own(folder.path()).map_err(|e| Failure::BadInput(e.to_string()))?;
+        checkpoint::is_own(folder.path()).map_err(Failure::bad_input)?;
     }
     let kept = keeping::kept(scene, folder.path());
     let kept = match (options.resume, kept) {
-        (true, kept) => kept.map_err(|e| Failure::BadInput(e.to_string()))?,
+        (true, kept) => kept.map_err(Failure::bad_input)?,
         (false, Ok(None)) => None,
         (false, _) => {
             let note = "found the checkpoint of an earlier run; --resume would go on from it";
@@ -330,7 +330,7 @@ fn solve(
     let summary = summary(scene, &run, hardware.thread_count(), [cpu_s, wall_s]);
     write((scene, &run, &summary), folder.stage())?;
     // Only once all is written is there nothing to go on from.
-    folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))?;
+    folder.publish().map_err(Failure::run_failed)?;
     checkpoint::remove(folder.path());
     told(common, (scene, &run, &summary), folder.path());
     Ok(Solved { stopped: false, failure: run.failure.as_ref().map(ToString::to_string) })
@@ -351,7 +351,7 @@ fn write((scene, run, summary): (&Scene, &Run, &Summary), folder: &Path) -> Resu
         write_csv(&folder.join("water.csv"), &water)?;
     }
     if maps::shows(scene) {
-        maps::write_all(scene, run, folder).map_err(|e| Failure::RunFailed(e.to_string()))?;
+        maps::write_all(scene, run, folder).map_err(Failure::run_failed)?;
     }
     write_json(&folder.join("summary.json"), summary)
 }

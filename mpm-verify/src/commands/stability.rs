@@ -99,7 +99,7 @@ pub fn measure(options: &Options, common: &Common, folder: &Path) -> Result<Find
     }
     let manifest = Manifest::new(&mpm_verify::scenes::terzaghi(), jobs(common.jobs));
     let page = report::hard::write((&cases, &found), (&pictures, &findings.map), &manifest, folder);
-    page.map_err(|e| Failure::RunFailed(e.to_string()))?;
+    page.map_err(Failure::run_failed)?;
     write_json(&folder.join("stability.json"), &findings)?;
     say(quiet, &format!("{}", folder.join("index.html").display()));
     Ok(findings)
@@ -122,7 +122,7 @@ fn chosen(names: &[String]) -> Result<Vec<Case>, Failure> {
 fn hard(cases: &[Case], options: &Options, common: &Common, folder: &Path) -> Result<Vec<Found>, Failure> {
     let progress = Progress::new("hard cases", common.quiet || common.json);
     let asked = |case: &Case, scheme: &hard::Scheme| !options.quick || scheme.is_default(case.dimension);
-    let found = hard::matrix(cases, asked, jobs(common.jobs), &progress).map_err(Failure::RunFailed)?;
+    let found = hard::matrix(cases, asked, jobs(common.jobs), &progress).map_err(Failure::run_failed)?;
     progress.finish();
     write_csv(&folder.join("matrix.csv"), &found.iter().map(|f| f.row(cases)).collect::<Vec<_>>())?;
     let points: Vec<_> = found.iter().flat_map(|f| f.point_rows(cases)).collect();
@@ -133,7 +133,7 @@ fn hard(cases: &[Case], options: &Options, common: &Common, folder: &Path) -> Re
 /// Limits of the step and checkerboards.
 fn steps(options: &Options, common: &Common, folder: &Path, findings: &mut Findings) -> Result<Vec<Figure>, Failure> {
     let quiet = common.quiet || common.json;
-    findings.limits = limits().map_err(Failure::RunFailed)?;
+    findings.limits = limits().map_err(Failure::run_failed)?;
     [findings.checkerboard_face, findings.checkerboard_nodal] = checkerboard();
     say(quiet, "dimension     darcy  inertia  L (m)  ppc  predicted (s)  measured/predicted");
     for l in &findings.limits {
@@ -159,11 +159,11 @@ fn steps(options: &Options, common: &Common, folder: &Path, findings: &mut Findi
 fn map(options: &Options, common: &Common, folder: &Path) -> Result<Vec<Row>, Failure> {
     let extent = if options.quick { Extent::Thin } else { Extent::Whole };
     let progress = Progress::new("stability map", common.quiet || common.json);
-    let rows = map::rows(&map::settings(extent), jobs(common.jobs), &progress).map_err(Failure::RunFailed)?;
+    let rows = map::rows(&map::settings(extent), jobs(common.jobs), &progress).map_err(Failure::run_failed)?;
     progress.finish();
     write_csv(&folder.join("stability_map.csv"), &rows)?;
     for figure in figures(&rows) {
-        plots::write(&figure, &folder.join("plots")).map_err(|e| Failure::RunFailed(e.to_string()))?;
+        plots::write(&figure, &folder.join("plots")).map_err(Failure::run_failed)?;
     }
     Ok(rows)
 }

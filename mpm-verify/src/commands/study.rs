@@ -11,6 +11,7 @@ use mpm_verify::budget::budgets;
 use mpm_verify::checkpoint::BUILD;
 use mpm_verify::claims::{judge, judge_others};
 use mpm_verify::cost::measure;
+use mpm_verify::error::Error::{self, Unfit};
 use mpm_verify::files::Folder;
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
@@ -150,40 +151,40 @@ enum Width {
     Full,
 }
 
-fn step(text: &str) -> Result<StepChoice, String> {
+fn step(text: &str) -> Result<StepChoice, Error> {
     match text {
         "auto" => Ok(StepChoice::Auto),
         "paper" => Ok(StepChoice::Paper),
         other => match other.parse::<f64>() {
             Ok(dt) if dt.is_finite() && dt > 0.0 => Ok(StepChoice::Fixed(dt)),
-            _ => Err("expected auto, paper or a step above 0 s".to_owned()),
+            _ => Err(Unfit("expected auto, paper or a step above 0 s")),
         },
     }
 }
 
-fn share(text: &str) -> Result<Share, String> {
+fn share(text: &str) -> Result<Share, Error> {
     let numbers = text.split_once('/').and_then(|(which, of)| Some((which.parse().ok()?, of.parse().ok()?)));
     match numbers {
         Some((which, of)) if (1..=of).contains(&which) && of <= 1_000_000 => Ok(Share::Part { which, of }),
-        _ => Err("expected I/N with 1 <= I <= N <= 1000000, as in 3/8".to_owned()),
+        _ => Err(Unfit("expected I/N with 1 <= I <= N <= 1000000, as in 3/8")),
     }
 }
 
-fn tolerance(text: &str) -> Result<f64, String> {
+fn tolerance(text: &str) -> Result<f64, Error> {
     match text.parse::<f64>() {
         Ok(tolerance) if (1e-10..=0.1).contains(&tolerance) => Ok(tolerance),
-        _ => Err("expected 1e-10 <= tolerance <= 0.1 (-)".to_owned()),
+        _ => Err(Unfit("expected 1e-10 <= tolerance <= 0.1 (-)")),
     }
 }
 
 /// Reads a scene file.
 fn load_scene(path: &Path) -> Result<Scene, Failure> {
-    Scene::load(path).map_err(|e| Failure::BadInput(e.to_string()))
+    Scene::load(path).map_err(Failure::bad_input)
 }
 
 /// The base of a study with what the command line says.
 fn changed(base: &Scene, edit: impl FnOnce(&mut Fields)) -> Result<Scene, Failure> {
-    base.edited(edit).map_err(|e| Failure::BadInput(e.to_string()))
+    base.edited(edit).map_err(Failure::bad_input)
 }
 
 impl Options {
@@ -218,7 +219,7 @@ impl Options {
 
     /// The options of a recipe.
     pub fn of(recipe: &Recipe) -> Result<Self, Failure> {
-        let dt = recipe.step.as_deref().map(step).transpose().map_err(Failure::BadInput)?;
+        let dt = recipe.step.as_deref().map(step).transpose().map_err(Failure::bad_input)?;
         Ok(Self { dt, text: recipe.scene.clone(), ..recipe.options.clone() })
     }
 
@@ -227,7 +228,7 @@ impl Options {
             (Some(text), path) => {
                 // A scene of the user's own, wherever its file is now.
                 let name = path.as_ref().map_or("scene".into(), |path| path.to_string_lossy());
-                Scene::parse(text, &name).map_err(|e| Failure::BadInput(e.to_string()))?
+                Scene::parse(text, &name).map_err(Failure::bad_input)?
             }
             (None, Some(path)) => load_scene(path)?,
             (None, None) => mpm_verify::scenes::terzaghi(),
@@ -315,18 +316,14 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
             return shard(options, common, &mut runner, folder).map(|()| None);
         }
         let study = complete(options, common, &mut runner, &|| again_with("--resume"))?;
-        let page = report::write(&study, folder.stage(), folder.path()).map_err(wrong)?;
-        folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))?;
-        page.save(folder.path()).map_err(wrong)?;
+        let page = report::write(&study, folder.stage(), folder.path()).map_err(Failure::run_failed)?;
+        folder.publish().map_err(Failure::run_failed)?;
+        page.save(folder.path()).map_err(Failure::run_failed)?;
         // The report holds all of it.
         runner.store.iter().for_each(Store::remove);
         Ok(Some(study))
     })?;
     study.map_or(Ok(()), |study| told(&study, common, &path))
-}
-
-fn wrong(error: report::ReportError) -> Failure {
-    Failure::RunFailed(error.to_string())
 }
 
 /// Says what a study has come to.
@@ -494,11 +491,7 @@ pub fn complete(
         notes.push(format!("Sweeps: {} runs{cpu}.", sweeps.count()));
     }
     let (budgets, claims, other_claims) = (budgets(&results), judge(&results), judge_others(&results));
-    let costs = if options.no_cost || !times {
-        Vec::new()
-    } else {
-        measure().map_err(|e| Failure::RunFailed(e.to_string()))?
-    };
+    let costs = if options.no_cost || !times { Vec::new() } else { measure().map_err(Failure::run_failed)? };
     let manifest = Manifest::new(&plan.base, plan.jobs);
     let manifest = if times { manifest } else { manifest.without_times("study --no-times") };
     Ok(Study { manifest, results, budgets, claims, other_claims, sweeps, costs, notes })
@@ -515,12 +508,12 @@ fn told_of(results: &[CaseResult], times: bool, wall: f64) -> String {
 /// Runs the cases of the study and of its sweeps that a runner is to run.
 fn ran(options: &Options, runner: &mut Runner) -> Result<(Vec<CaseResult>, Sweeps), Failure> {
     let plan = options.plan_for(runner.jobs)?;
-    let results = plan.run_by(runner).map_err(Failure::BadInput)?;
+    let results = plan.run_by(runner).map_err(Failure::bad_input)?;
     let quasi_static = plan.families.iter().any(|f| f.integrator == Integrator::QuasiStatic);
     let sweeps = if options.no_sweeps || !quasi_static {
         Sweeps::default()
     } else {
-        Sweeps::run(&plan.base, runner).map_err(Failure::BadInput)?
+        Sweeps::run(&plan.base, runner).map_err(Failure::bad_input)?
     };
     Ok((results, sweeps))
 }

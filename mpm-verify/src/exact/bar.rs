@@ -90,7 +90,6 @@ mod tests {
 
     fn scene() -> Scene {
         crate::scenes::built_in("dry-bar")
-            .and_then(Result::ok)
             .expect("the built-in scene")
             .edited(|scene| scene.stages[0].damping = 0.0)
             .expect("a sound scene")

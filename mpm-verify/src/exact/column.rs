@@ -529,7 +529,6 @@ mod tests {
 
     fn scene(name: &str) -> Scene {
         crate::scenes::built_in(name)
-            .and_then(Result::ok)
             .expect("the built-in scene")
             .edited(|scene| scene.history = 0)
             .expect("a sound scene")

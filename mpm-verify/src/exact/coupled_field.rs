@@ -106,7 +106,6 @@ mod tests {
 
     fn field(inertia: bool) -> (Scene, CoupledField) {
         let scene = crate::scenes::built_in("mandel")
-            .and_then(Result::ok)
             .expect("the built-in scene")
             // The file is quasi-static, whose Darcy's law has no inertia; the field has.
             .altered_unchecked(|scene| scene.darcy_inertia = inertia);

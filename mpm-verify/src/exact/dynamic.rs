@@ -208,7 +208,7 @@ mod tests {
 
     #[test]
     fn weight_without_inertia_is_its_series() {
-        let mut light = crate::scenes::built_in("self-weight-consolidation").and_then(Result::ok).expect("the scene");
+        let mut light = crate::scenes::built_in("self-weight-consolidation").expect("the scene");
         // Slow water: what inertia does to a consolidation falls with the square of its speed.
         light = light
             .edited(|light| {

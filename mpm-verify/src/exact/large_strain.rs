@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     fn scene() -> Scene {
-        crate::scenes::built_in("terzaghi-large-strain").and_then(Result::ok).expect("the built-in scene")
+        crate::scenes::built_in("terzaghi-large-strain").expect("the built-in scene")
     }
 
     #[test]

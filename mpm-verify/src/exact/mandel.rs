@@ -160,7 +160,7 @@ mod tests {
 
     /// The block of the tables.
     fn block(compressible: bool) -> Mandel {
-        let scene = crate::scenes::built_in("mandel").and_then(Result::ok).expect("the built-in scene");
+        let scene = crate::scenes::built_in("mandel").expect("the built-in scene");
         let scene = scene.edited(|scene| {
             if let (Some(water), false) = (&mut scene.water, compressible) {
                 water.bulk_modulus = f64::INFINITY;
@@ -259,7 +259,6 @@ mod tests {
     fn other_scenes_are_not_mandels() {
         assert_eq!(Mandel::new(&crate::scenes::terzaghi()), None);
         let scene = crate::scenes::built_in("mandel")
-            .and_then(Result::ok)
             .expect("the built-in scene")
             .edited(|scene| scene.stages[0].drained[3] = true)
             .expect("a sound scene");

@@ -91,7 +91,6 @@ mod tests {
     /// Largest differences of settlement and base pressure from the table, as shares.
     fn off(porosity: f64) -> [f64; 2] {
         let scene = crate::scenes::built_in("self-weight-consolidation")
-            .expect("carried")
             .expect("holds")
             .edited(|scene| scene.porosity = porosity)
             .expect("a sound scene");

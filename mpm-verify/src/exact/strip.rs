@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn a_wide_strip_and_a_deep_block_have_the_pressures_that_they_must() {
-        let mut scene = crate::scenes::built_in("strip").expect("a scene").expect("it holds");
+        let mut scene = crate::scenes::built_in("strip").expect("it holds");
         let load = scene.surcharge.expect("a load").pressure;
         // All over the top: one dimension.
         scene = scene

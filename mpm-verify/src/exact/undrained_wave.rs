@@ -62,7 +62,7 @@ mod tests {
 
     #[test]
     fn it_is_the_table() {
-        let scene = crate::scenes::built_in("undrained-wave").expect("carried").expect("holds");
+        let scene = crate::scenes::built_in("undrained-wave").expect("holds");
         let wave = UndrainedWave::new(&scene).expect("a column");
         let rows = Table::read("04_dynamic_undrained_mid_rhog.csv").rows(["t_s", "ramp_p_Pa"]);
         let off = |wave: &UndrainedWave| {

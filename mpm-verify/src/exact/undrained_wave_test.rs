@@ -6,12 +6,11 @@ use super::oracle::Table;
 
 /// Largest |p - p_exact|/p_0 at mid height over the times of the scene that stand in the table, and their number.
 fn worst(stiffer: f64) -> (f64, usize) {
-    let scene =
-        crate::scenes::built_in("undrained-wave").expect("carried").expect("a scene that holds").edited(|scene| {
-            if let Some(water) = &mut scene.water {
-                water.bulk_modulus *= stiffer;
-            }
-        });
+    let scene = crate::scenes::built_in("undrained-wave").expect("a scene that holds").edited(|scene| {
+        if let Some(water) = &mut scene.water {
+            water.bulk_modulus *= stiffer;
+        }
+    });
     let scene = scene.expect("a sound scene");
     let table = Table::read("04_dynamic_undrained_mid_rhog.csv").rows(["t_s", "ramp_p_Pa"]);
     let run = run(&scene, &mut |_| {}).expect("a run");

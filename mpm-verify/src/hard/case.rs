@@ -2,10 +2,10 @@
 //! bounds that make a verdict of it.
 
 use mpm_core::scene::Dimension;
-use mpm_core::step::Fault;
 use serde::{Deserialize, Serialize};
 
 use super::scheme::Scheme;
+use crate::error::Error;
 
 /// A hard case.
 #[derive(Debug, Clone, Copy)]
@@ -35,12 +35,12 @@ pub struct Case {
 }
 
 /// What became of a scheme at one parameter.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug)]
 pub struct Point {
     /// The parameter.
     pub at: f64,
     /// What was measured, or why nothing could be.
-    pub found: Result<f64, String>,
+    pub found: Result<f64, Error>,
 }
 
 /// How a scheme bears a case.
@@ -73,7 +73,7 @@ pub struct Judged {
 
 impl Point {
     /// The points of a run that passes all `parameters` one after the other: those that it noted, and where it stopped.
-    pub fn along(parameters: &[f64], run: impl FnOnce(&mut Vec<Self>) -> Result<(), String>) -> Vec<Self> {
+    pub fn along(parameters: &[f64], run: impl FnOnce(&mut Vec<Self>) -> Result<(), Error>) -> Vec<Self> {
         let mut points = Vec::new();
         if let Err(reason) = run(&mut points) {
             let at = parameters.get(points.len()).or(parameters.last()).copied().unwrap_or(f64::NAN);
@@ -81,11 +81,6 @@ impl Point {
         }
         points
     }
-}
-
-/// A fault in a step as a reason.
-pub fn stopped(fault: Fault) -> String {
-    format!("{}: {}", fault.place, fault.what)
 }
 
 impl Case {
@@ -96,7 +91,7 @@ impl Case {
             let value = point.found.as_ref().ok().copied().filter(|v| v.is_finite());
             let (verdict, reason) = match &point.found {
                 Ok(_) => (Verdict::Breaks, String::new()),
-                Err(reason) => (Verdict::Refuses, reason.clone()),
+                Err(reason) => (Verdict::Refuses, reason.to_string()),
             };
             return Judged { verdict, value, at: point.at, reason };
         }
@@ -132,23 +127,23 @@ mod tests {
         run: |_| Vec::new(),
     };
 
-    fn points(values: &[Result<f64, String>]) -> Vec<Point> {
-        values.iter().enumerate().map(|(i, found)| Point { at: i as f64, found: found.clone() }).collect()
+    fn points<const N: usize>(values: [Result<f64, Error>; N]) -> Vec<Point> {
+        (0..).zip(values).map(|(i, found)| Point { at: f64::from(i), found }).collect()
     }
 
     #[test]
     fn verdicts_follow_the_worst_point() {
-        let judged = |values: &[Result<f64, String>]| {
+        fn judged<const N: usize>(values: [Result<f64, Error>; N]) -> (Verdict, Option<f64>, f64) {
             let Judged { verdict, value, at, .. } = CASE.judge(&points(values));
             (verdict, value, at)
-        };
-        assert_eq!(judged(&[Ok(1e-3), Ok(9e-3), Ok(2e-3)]), (Verdict::Holds, Some(9e-3), 1.0));
-        assert_eq!(judged(&[Ok(1e-3), Ok(0.1), Ok(2e-3)]), (Verdict::Degrades, Some(0.1), 1.0));
-        assert_eq!(judged(&[Ok(0.1), Ok(0.3), Ok(0.5)]), (Verdict::Breaks, Some(0.3), 1.0));
-        assert_eq!(judged(&[Ok(0.0), Err("stopped".to_owned()), Ok(0.3)]), (Verdict::Refuses, None, 1.0));
-        assert_eq!(judged(&[Ok(0.3), Err("stopped".to_owned())]), (Verdict::Breaks, Some(0.3), 0.0));
-        assert_eq!(judged(&[Ok(f64::NAN)]), (Verdict::Breaks, None, 0.0));
-        assert_eq!(judged(&[]).0, Verdict::Breaks);
-        assert_eq!(CASE.judge(&points(&[Err("stopped".to_owned())])).reason, "stopped");
+        }
+        assert_eq!(judged([Ok(1e-3), Ok(9e-3), Ok(2e-3)]), (Verdict::Holds, Some(9e-3), 1.0));
+        assert_eq!(judged([Ok(1e-3), Ok(0.1), Ok(2e-3)]), (Verdict::Degrades, Some(0.1), 1.0));
+        assert_eq!(judged([Ok(0.1), Ok(0.3), Ok(0.5)]), (Verdict::Breaks, Some(0.3), 1.0));
+        assert_eq!(judged([Ok(0.0), Err(Error::Unfit("stopped")), Ok(0.3)]), (Verdict::Refuses, None, 1.0));
+        assert_eq!(judged([Ok(0.3), Err(Error::Unfit("stopped"))]), (Verdict::Breaks, Some(0.3), 0.0));
+        assert_eq!(judged([Ok(f64::NAN)]), (Verdict::Breaks, None, 0.0));
+        assert_eq!(judged([]).0, Verdict::Breaks);
+        assert_eq!(CASE.judge(&points([Err(Error::Unfit("stopped"))])).reason, "stopped");
     }
 }

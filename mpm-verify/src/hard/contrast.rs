@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::case::{Case, Point};
 use super::scheme::Scheme;
+use crate::error::Error::{self, Lacks, Unfit};
 use crate::exact::layered::Layered;
 use crate::norms::{largest, relative};
 use crate::study::word;
@@ -147,14 +148,15 @@ fn points(scheme: &Scheme, quantity: Quantity, ratios: &[f64]) -> Vec<Point> {
             let far = REACH * scene.safety * stable_limit(&scene);
             let needed = scene.observe_times.first().map_or(0.0, |first| REACH * first / far);
             let end = scene.observe_times.iter().copied().take_while(|time| *time <= far).last();
-            let end = end.ok_or_else(|| format!("out of reach: {needed:.0e} steps for a hundredth of the time"))?;
+            let end = end
+                .ok_or_else(|| Error::Found(format!("out of reach: {needed:.0e} steps for a hundredth of the time")))?;
             scene = scene.edited(|scene| {
                 scene.observe_times.retain(|time| *time <= end);
                 if let Some(stage) = scene.stages.last_mut() {
                     stage.until = Until::Time(end);
                 }
             })?;
-            let exact = Layered::of(&scene).ok_or("not a column of layers")?;
+            let exact = Layered::of(&scene).ok_or(Unfit("not a column of layers"))?;
             measured(&scene, &exact, contrast, 1.0).map(|found| found.worst())
         };
         Ok(largest([one(ratio)?, one(1.0 / ratio)?].into_iter()))
@@ -172,16 +174,15 @@ pub fn scene(
     contrast: Contrast,
     rows: usize,
     until: f64,
-) -> Result<Scene, String> {
+) -> Result<Scene, Error> {
     let quasi_static = integrator == Integrator::QuasiStatic;
-    let mut scene =
-        crate::scenes::built_in("layers").ok_or("no such scene")?.map_err(|e| e.to_string())?.edited(|scene| {
-            (scene.integrator, scene.shape, scene.history) = (integrator, shape, 0);
-            (scene.cell, scene.cells[1], scene.dimension) = (scene.height / rows as f64, rows, Dimension::Column);
-            (scene.tolerance, scene.step) = (1e-8, StepChoice::Auto);
-            scene.darcy_inertia = !quasi_static;
-            scene.strain = if quasi_static { StrainChoice::Small } else { StrainChoice::Large };
-        })?;
+    let mut scene = crate::scenes::built_in("layers")?.edited(|scene| {
+        (scene.integrator, scene.shape, scene.history) = (integrator, shape, 0);
+        (scene.cell, scene.cells[1], scene.dimension) = (scene.height / rows as f64, rows, Dimension::Column);
+        (scene.tolerance, scene.step) = (1e-8, StepChoice::Auto);
+        scene.darcy_inertia = !quasi_static;
+        scene.strain = if quasi_static { StrainChoice::Small } else { StrainChoice::Large };
+    })?;
     let [below, above] = if contrast.ratio > 1.0 { [1.0 / contrast.ratio, 1.0] } else { [1.0, contrast.ratio] };
     let soil = |share: f64, up_to: f64| {
         let mut layer = SoilLayer {
@@ -203,9 +204,9 @@ pub fn scene(
     let light = if quasi_static { softest } else { 0.01 * softest };
     scene = scene
         .edited(|scene| scene.surcharge = scene.surcharge.map(|s| Surcharge { pressure: light * s.pressure, ..s }))?;
-    let passage = Layered::of(&scene).ok_or("not a column of layers")?.passage_time();
+    let passage = Layered::of(&scene).ok_or(Unfit("not a column of layers"))?.passage_time();
     let times: Vec<f64> = SHARES.iter().filter(|share| **share <= until).map(|share| share * passage).collect();
-    let end = *times.last().ok_or("no time to look at")?;
+    let end = *times.last().ok_or(Lacks("time to look at"))?;
     Ok(scene.edited(|scene| {
         scene.observe_times = times;
         if let Some(stage) = scene.stages.last_mut() {
@@ -224,28 +225,24 @@ pub fn measure(
     contrast: Contrast,
     rows: usize,
     until: f64,
-) -> Result<Found, String> {
+) -> Result<Found, Error> {
     let scene = scene(integrator, shape, contrast, rows, until)?;
-    let exact = Layered::of(&scene).ok_or("not a column of layers")?;
+    let exact = Layered::of(&scene).ok_or(Unfit("not a column of layers"))?;
     measured(&scene, &exact, contrast, until)
 }
 
 /// [`measure`] with what it is compared with.
-pub(crate) fn measured(scene: &Scene, exact: &Layered, contrast: Contrast, until: f64) -> Result<Found, String> {
+pub(crate) fn measured(scene: &Scene, exact: &Layered, contrast: Contrast, until: f64) -> Result<Found, Error> {
     Ok(found(&executed(scene)?, scene, exact, contrast, until))
 }
 
 /// Runs the scene of a contrast.
-pub(crate) fn executed(scene: &Scene) -> Result<Run, String> {
+pub(crate) fn executed(scene: &Scene) -> Result<Run, Error> {
     let steps = steps(scene);
     if steps > MOST_STEPS {
-        return Err(format!("{steps:.1e} steps"));
+        return Err(Error::Found(format!("{steps:.1e} steps")));
     }
-    let run = run(scene, &mut |_| {}).map_err(|e| e.to_string())?;
-    match &run.failure {
-        Some(failure) => Err(failure.to_string()),
-        None => Ok(run),
-    }
+    Ok(run(scene, &mut |_| {})?.whole()?)
 }
 
 /// What a run made of a contrast.
@@ -312,7 +309,7 @@ mod tests {
         assert_eq!(with.worst(), with.outside.max(with.pressure_error));
         let slow = scene(Integrator::Explicit, ShapeChoice::Centre, conductivity(1e-6), 20, 1.0).expect("a scene");
         let exact = Layered::of(&slow).expect("a column of layers");
-        assert!(measured(&slow, &exact, conductivity(1e-6), 1.0).is_err_and(|e| e.ends_with("steps")));
+        assert!(measured(&slow, &exact, conductivity(1e-6), 1.0).is_err_and(|e| e.to_string().ends_with("steps")));
     }
 
     #[test]

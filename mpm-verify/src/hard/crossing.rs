@@ -14,8 +14,9 @@ use mpm_core::run::model_given;
 use mpm_core::scene::{Dimension, Scene, SolidSide, Start};
 use mpm_core::stability::stable_limit;
 
-use super::case::{Case, Point, stopped};
+use super::case::{Case, Point};
 use super::scheme::{DRY, Scheme};
+use crate::error::Error;
 
 /// One dimension.
 pub const COLUMN: Case = Case {
@@ -59,8 +60,8 @@ const BAR: usize = 20;
 const SIDE: usize = 8;
 const ROOM: [usize; 2] = [1000 + 3, 100 + 3];
 
-fn body(scheme: &Scheme, dimension: Dimension) -> Result<Scene, String> {
-    let scene = crate::scenes::built_in("dry-bar").ok_or("no such scene")?.map_err(|e| e.to_string())?;
+fn body(scheme: &Scheme, dimension: Dimension) -> Result<Scene, Error> {
+    let scene = crate::scenes::built_in("dry-bar")?;
     let bar = dimension == Dimension::Column;
     // Room at the side, which no scene with functions as wide as some of these has.
     Ok(scene.altered_unchecked(|scene| {
@@ -87,7 +88,7 @@ fn fly(scheme: &Scheme, dimension: Dimension, share: f64) -> Vec<Point> {
     Point::along(&CELLS, flight)
 }
 
-fn noise(scene: &Scene, share: f64, points: &mut Vec<Point>) -> Result<(), String> {
+fn noise(scene: &Scene, share: f64, points: &mut Vec<Point>) -> Result<(), Error> {
     let velocity = flight(scene);
     // It starts off its cells, so that no particle stands on a face.
     let moved = [0.37 * EDGE, 0.41 * EDGE];
@@ -115,8 +116,8 @@ fn noise(scene: &Scene, share: f64, points: &mut Vec<Point>) -> Result<(), Strin
         pressure: 0.0,
     };
     let given = Given { start: Some(Arc::new(first)), force: Some(force), moved };
-    let mut model = model_given(&Hardware::default(), scene, &given).map_err(|e| e.to_string())?;
-    model.enter_stage(&scene.stages[0], &[f64::MAX]).map_err(stopped)?;
+    let mut model = model_given(&Hardware::default(), scene, &given)?;
+    model.enter_stage(&scene.stages[0], &[f64::MAX])?;
     let fast = if bar { velocity[1] } else { velocity[0] };
     let pause = EDGE / fast / LOOKS;
     let each = (pause / (scene.safety * stable_limit(scene))).ceil();
@@ -124,7 +125,7 @@ fn noise(scene: &Scene, share: f64, points: &mut Vec<Point>) -> Result<(), Strin
     let (mut worst, mut crossed) = (0.0_f64, 0.0);
     for cells in CELLS {
         while crossed < cells {
-            model.advance(dt, each as u64, &mut 0).map_err(stopped)?;
+            model.advance(dt, each as u64, &mut 0)?;
             crossed += 1.0 / LOOKS;
             let time = model.time();
             let off = |p: &SolidState| {
@@ -156,7 +157,7 @@ mod tests {
         let scheme = Scheme::new(Integrator::Explicit, ShapeChoice::Bspline2);
         let noise = |share: f64| {
             let points = fly(&scheme, Dimension::Column, share);
-            points.iter().take(3).map(|p| p.found.clone().expect("a flight")).fold(0.0, f64::max)
+            points.iter().take(3).map(|p| *p.found.as_ref().expect("a flight")).fold(0.0, f64::max)
         };
         let (right, wrong) = (noise(1.0), noise(0.7));
         assert!(right < 0.2 * COLUMN.holds && wrong > COLUMN.holds, "{right} {wrong}");
@@ -165,7 +166,7 @@ mod tests {
     #[test]
     fn linear_functions_are_stopped_before_the_noise_is_as_large_as_the_stress() {
         let points = fly(&Scheme::new(Integrator::Explicit, ShapeChoice::Centre), Dimension::Column, 1.0);
-        let stopped = points.last().expect("points").found.clone().expect_err("a reason");
+        let stopped = points.last().expect("points").found.as_ref().expect_err("a reason").to_string();
         assert!(stopped.contains("have crossed 100 cells each"), "{stopped}");
         let until = points.iter().filter_map(|p| p.found.as_ref().ok());
         assert!(until.fold(0.0, |worst: f64, v| worst.max(*v)) < COLUMN.breaks);

@@ -14,8 +14,9 @@ use mpm_core::run::model_given;
 use mpm_core::scene::{Dimension, Scene, SolidSide};
 use mpm_core::stability::stable_limit;
 
-use super::case::{Case, Point, stopped};
+use super::case::{Case, Point};
 use super::scheme::{DRY, Scheme};
+use crate::error::Error;
 
 /// The case.
 pub const CASE: Case = Case {
@@ -55,24 +56,23 @@ fn mode(x: [f64; 2]) -> f64 {
     zigzag(x[0]) * zigzag(x[1])
 }
 
-fn follow(scheme: &Scheme, share: f64, points: &mut Vec<Point>) -> Result<(), String> {
-    let scene =
-        crate::scenes::built_in("dry-bar").ok_or("no such scene")?.map_err(|e| e.to_string())?.edited(|scene| {
-            scene.dimension = Dimension::PlaneStrain;
-            (scene.cell, scene.cells) = (EDGE, [SIDE; 2]);
-            (scene.width, scene.height) = (EDGE * SIDE as f64, EDGE * SIDE as f64);
-            scene.solid_sides = [SolidSide::Free; 4];
-            (scene.surcharge, scene.gravity, scene.history) = (None, None, 0);
-            scene.stages[0].damping = 0.0;
-        })?;
+fn follow(scheme: &Scheme, share: f64, points: &mut Vec<Point>) -> Result<(), Error> {
+    let scene = crate::scenes::built_in("dry-bar")?.edited(|scene| {
+        scene.dimension = Dimension::PlaneStrain;
+        (scene.cell, scene.cells) = (EDGE, [SIDE; 2]);
+        (scene.width, scene.height) = (EDGE * SIDE as f64, EDGE * SIDE as f64);
+        scene.solid_sides = [SolidSide::Free; 4];
+        (scene.surcharge, scene.gravity, scene.history) = (None, None, 0);
+        scene.stages[0].damping = 0.0;
+    })?;
     let scene: Scene = scheme.on(&scene)?;
     let stiffness = scene.oedometer_modulus() + scene.elastic.shear_modulus();
     let omega = (4.0 * stiffness / (3.0 * scene.dry_density())).sqrt() / EDGE;
     let speed = SMALL * EDGE * omega;
     let first = move |x: [f64; 2]| FirstState { velocity: [share * speed * mode(x), 0.0], ..FirstState::default() };
     let given = Given { start: Some(Arc::new(first)), ..Given::default() };
-    let mut model = model_given(&Hardware::default(), &scene, &given).map_err(|e| e.to_string())?;
-    model.enter_stage(&scene.stages[0], &[f64::MAX]).map_err(stopped)?;
+    let mut model = model_given(&Hardware::default(), &scene, &given)?;
+    model.enter_stage(&scene.stages[0], &[f64::MAX])?;
     let mut start: Vec<SolidState> = model.particles();
     start.sort_by_key(|p| p.id);
     let weight: f64 = start.iter().map(|p| p.mass * mode(p.x).powi(2)).sum();
@@ -82,7 +82,7 @@ fn follow(scheme: &Scheme, share: f64, points: &mut Vec<Point>) -> Result<(), St
     let (mut worst, mut looks) = (0.0_f64, 0.0);
     for swings in SWINGS {
         while looks < 8.0 * swings {
-            model.advance(dt, each as u64, &mut 0).map_err(stopped)?;
+            model.advance(dt, each as u64, &mut 0)?;
             looks += 1.0;
             let off = |p: &SolidState| {
                 let before = &start[p.id as usize];

@@ -15,8 +15,9 @@ use mpm_core::run::model_given;
 use mpm_core::scene::{Dimension, Elastic, Scene, SolidSide, WaterProperties};
 use mpm_core::stability::stable_limit;
 
-use super::case::{Case, Point, stopped};
+use super::case::{Case, Point};
 use super::scheme::{MOVING, Scheme};
+use crate::error::Error::{self, Unfit};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -44,7 +45,7 @@ const SWINGS: f64 = 3.0;
 /// Largest speed over that of shear waves: strains of 1e-5.
 const SLOW: f64 = 1e-5;
 
-fn square(scheme: &Scheme, poisson_ratio: f64) -> Result<Scene, String> {
+fn square(scheme: &Scheme, poisson_ratio: f64) -> Result<Scene, Error> {
     let mut scene = crate::scenes::terzaghi();
     // The shear modulus is the same in all.
     let shear = scene.elastic.shear_modulus();
@@ -65,7 +66,7 @@ fn square(scheme: &Scheme, poisson_ratio: f64) -> Result<Scene, String> {
 ///
 /// # Errors
 /// A run that could not be finished, or does not swing.
-fn error(scheme: &Scheme, poisson_ratio: f64, factor: f64) -> Result<f64, String> {
+fn error(scheme: &Scheme, poisson_ratio: f64, factor: f64) -> Result<f64, Error> {
     let scene = square(scheme, poisson_ratio)?;
     let wave = PI / scene.width;
     let speed = (scene.elastic.shear_modulus() / scene.mixture_density()).sqrt();
@@ -76,8 +77,8 @@ fn error(scheme: &Scheme, poisson_ratio: f64, factor: f64) -> Result<f64, String
     };
     let first = move |x: [f64; 2]| FirstState { velocity: shape(x).map(|v| SLOW * speed * v), ..FirstState::default() };
     let given = Given { start: Some(Arc::new(first)), ..Given::default() };
-    let mut model = model_given(&Hardware::default(), &scene, &given).map_err(|e| e.to_string())?;
-    model.enter_stage(&scene.stages[0], &[f64::MAX]).map_err(stopped)?;
+    let mut model = model_given(&Hardware::default(), &scene, &given)?;
+    model.enter_stage(&scene.stages[0], &[f64::MAX])?;
     let amplitude = |points: &[SolidState]| -> f64 {
         points.iter().map(|p| p.mass * (p.velocity[0] * shape(p.x)[0] + p.velocity[1] * shape(p.x)[1])).sum()
     };
@@ -89,18 +90,18 @@ fn error(scheme: &Scheme, poisson_ratio: f64, factor: f64) -> Result<f64, String
     // The velocity goes through zero at odd quarters of a period; the last one tells the frequency best.
     let mut crossings: Vec<f64> = Vec::new();
     for look in 1..=(SWINGS * looks) as u64 {
-        model.advance(dt, each as u64, &mut 0).map_err(stopped)?;
+        model.advance(dt, each as u64, &mut 0)?;
         let now = (look as f64 * each * dt, amplitude(&model.particles()) / first);
         if now.1 * before.1 < 0.0 {
             crossings.push(before.0 + (now.0 - before.0) * before.1 / (before.1 - now.1));
         }
         before = now;
         if now.1.is_nan() || now.1.abs() > 10.0 {
-            return Err(format!("swing {:.1} times larger", now.1));
+            return Err(Error::Found(format!("swing {:.1} times larger", now.1)));
         }
     }
     let (Some(last), count) = (crossings.last(), crossings.len() as f64) else {
-        return Err("does not swing".to_owned());
+        return Err(Unfit("does not swing"));
     };
     Ok(((count - 0.5) * PI / last / omega - 1.0).abs())
 }

@@ -8,6 +8,7 @@ use mpm_core::scene::{Dimension, StepChoice, Surcharge, Until};
 
 use super::case::{Case, Point};
 use super::scheme::{MOVING, Scheme};
+use crate::error::Error::{self, Unfit};
 
 /// The surface comes down.
 pub const CASE: Case = Case {
@@ -33,7 +34,7 @@ const ROWS: usize = 20;
 const TV: f64 = 3.0;
 
 /// Error of a column that settles so many `cells`, under `share` of the load that does it.
-fn error(scheme: &Scheme, cells: f64, share: f64) -> Result<f64, String> {
+fn error(scheme: &Scheme, cells: f64, share: f64) -> Result<f64, Error> {
     let mut scene = crate::scenes::terzaghi().edited(|scene| {
         (scene.cell, scene.cells) = (scene.height / ROWS as f64, [1, ROWS]);
         (scene.porosity, scene.step, scene.history) = (0.6, StepChoice::Auto, 0);
@@ -43,16 +44,13 @@ fn error(scheme: &Scheme, cells: f64, share: f64) -> Result<f64, String> {
     scene = scene.edited(|scene| {
         scene.surcharge = scene.surcharge.map(|load| Surcharge { pressure: share * pressure, ..load })
     })?;
-    let end = TV * scene.time_per_factor().ok_or("dry")?;
+    let end = TV * scene.time_per_factor().ok_or(Unfit("dry"))?;
     scene = scene.edited(|scene| {
         scene.stages[0].until = Until::Time(end);
         scene.observe_times = vec![end];
     })?;
-    let run = run(&scheme.on(&scene)?, &mut |_| {}).map_err(|e| e.to_string())?;
-    if let Some(failure) = &run.failure {
-        return Err(failure.to_string());
-    }
-    let last = run.samples.last().ok_or("nothing was observed")?;
+    let run = run(&scheme.on(&scene)?, &mut |_| {})?.whole()?;
+    let last = run.samples.last().ok_or(Unfit("nothing was observed"))?;
     Ok((last.state.settlement / settled - 1.0).abs())
 }
 
@@ -72,7 +70,7 @@ mod tests {
     fn wide_functions_are_refused_where_they_do_not_see_the_surface() {
         let scheme = Scheme::new(Integrator::SemiImplicit, ShapeChoice::Bspline2);
         assert!(error(&scheme, 0.09, 1.0).expect("a run") < CASE.holds);
-        let refused = error(&scheme, 0.6, 1.0).expect_err("a refusal");
+        let refused = error(&scheme, 0.6, 1.0).expect_err("a refusal").to_string();
         assert!(refused.starts_with("scheme.shape: expected") && refused.contains("0.60 cells"), "{refused}");
     }
 }

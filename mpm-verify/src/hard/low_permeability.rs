@@ -9,6 +9,7 @@ use mpm_core::stability::stable_limit;
 
 use super::case::{Case, Point};
 use super::scheme::{STANDING, Scheme};
+use crate::error::Error::{self, Lacks};
 use crate::exact::dynamic::DynamicColumn;
 use crate::exact::terzaghi::Terzaghi;
 use crate::norms::largest;
@@ -47,7 +48,7 @@ const MOST_STEPS: f64 = 2e5;
 const FACTORS: [f64; 3] = [0.1, 0.3, 1.0];
 
 /// The column with this conductivity (m/s); observed at time factors, or as far as the steps reach.
-pub(super) fn column(scheme: &Scheme, conductivity: f64) -> Result<Scene, String> {
+pub(super) fn column(scheme: &Scheme, conductivity: f64) -> Result<Scene, Error> {
     let scene = crate::scenes::terzaghi().edited(|scene| {
         scene.water = scene.water.map(|w| WaterProperties { hydraulic_conductivity: conductivity, ..w })
     })?;
@@ -55,7 +56,7 @@ pub(super) fn column(scheme: &Scheme, conductivity: f64) -> Result<Scene, String
 }
 
 /// A column with a scheme on so many cells, observed as far as so many steps reach.
-pub(super) fn observed(scheme: &Scheme, scene: Scene, rows: usize, most_steps: f64) -> Result<Scene, String> {
+pub(super) fn observed(scheme: &Scheme, scene: Scene, rows: usize, most_steps: f64) -> Result<Scene, Error> {
     let scene = scheme.on(&scene)?.edited(|scene| {
         (scene.cell, scene.cells[1], scene.history) = (scene.height / rows as f64, rows, 0);
         scene.tolerance = 1e-6;
@@ -88,25 +89,21 @@ pub(super) fn observed(scheme: &Scheme, scene: Scene, rows: usize, most_steps: f
 ///
 /// # Errors
 /// A run that could not be finished.
-pub(super) fn error(scene: &Scene) -> Result<f64, String> {
+pub(super) fn error(scene: &Scene) -> Result<f64, Error> {
     error_beside(scene, scene)
 }
 
 /// The same, with the exact solution of another scene.
-fn error_beside(scene: &Scene, other: &Scene) -> Result<f64, String> {
-    let unlike = || "no exact solution".to_owned();
+fn error_beside(scene: &Scene, other: &Scene) -> Result<f64, Error> {
     let quasi_static = scene.integrator == Integrator::QuasiStatic;
-    let load = scene.surcharge.ok_or_else(unlike)?.pressure;
+    let load = scene.surcharge.ok_or(Lacks("exact solution"))?.pressure;
     let whole = load * scene.height / scene.oedometer_modulus();
-    let dynamic = DynamicColumn::new(other).ok_or_else(unlike)?;
-    let slow = Terzaghi::compressible(other).ok_or_else(unlike)?;
+    let dynamic = DynamicColumn::new(other).ok_or(Lacks("exact solution"))?;
+    let slow = Terzaghi::compressible(other).ok_or(Lacks("exact solution"))?;
     let lowest = 0.5 * scene.cell;
     let settled = |t: f64| if quasi_static { slow.settlement(t) } else { dynamic.settlement(t) };
     let pressed = |t: f64| if quasi_static { slow.pressure(lowest, t) } else { dynamic.base_pressure(t) };
-    let run = run(scene, &mut |_| {}).map_err(|e| e.to_string())?;
-    if let Some(failure) = &run.failure {
-        return Err(failure.to_string());
-    }
+    let run = run(scene, &mut |_| {})?.whole()?;
     let off = |s: &Sample| {
         let settlement = (s.state.settlement - settled(s.stage_time)) / whole;
         let pressure = (s.state.base_pressure - pressed(s.stage_time)) / scene.undrained_pressure();

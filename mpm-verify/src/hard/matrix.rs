@@ -9,6 +9,7 @@ use super::{
     contrast, crossing, hourglass, incompressible, loaded_surface, low_permeability, moving_consolidation, patch,
     small_nodes, stiff_water, sudden_load, too_fine,
 };
+use crate::error::Error;
 use crate::progress::Progress;
 use crate::study::word;
 use crate::unpanicked::unpanicked;
@@ -34,7 +35,7 @@ pub const CASES: [Case; 16] = [
 ];
 
 /// A scheme in a case.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub struct Found {
     /// Place of the case in the list that was run.
     pub case: usize,
@@ -124,7 +125,7 @@ impl Found {
             parameter: case.parameter.to_owned(),
             at: point.at,
             value: point.found.as_ref().ok().copied(),
-            reason: point.found.as_ref().err().cloned().unwrap_or_default(),
+            reason: point.found.as_ref().err().map_or_else(String::new, Error::to_string),
         };
         self.points.iter().map(row).collect()
     }
@@ -139,10 +140,10 @@ pub fn matrix(
     asked: impl Fn(&Case, &Scheme) -> bool,
     jobs: usize,
     progress: &Progress,
-) -> Result<Vec<Found>, String> {
+) -> Result<Vec<Found>, Error> {
     let all = cases.iter().enumerate().flat_map(|(i, case)| case.schemes.iter().map(move |scheme| (i, *scheme)));
     let tasks: Vec<(usize, Scheme)> = all.filter(|(i, scheme)| asked(&cases[*i], scheme)).collect();
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build().map_err(|e| e.to_string())?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build()?;
     let done = std::sync::atomic::AtomicUsize::new(0);
     let find = |(case, scheme): &(usize, Scheme)| {
         let (points, judged) = match unpanicked(|| (cases[*case].run)(scheme)) {
@@ -150,7 +151,10 @@ pub fn matrix(
                 let judged = cases[*case].judge(&points);
                 (points, judged)
             }
-            Err(reason) => (Vec::new(), Judged { verdict: Verdict::Breaks, value: None, at: f64::NAN, reason }),
+            Err(panic) => {
+                let reason = panic.to_string();
+                (Vec::new(), Judged { verdict: Verdict::Breaks, value: None, at: f64::NAN, reason })
+            }
         };
         let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
         progress.set((1_000_000 * done / tasks.len()) as u64);

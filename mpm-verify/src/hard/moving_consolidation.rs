@@ -15,6 +15,7 @@ use mpm_core::scene::{Dimension, SolidSide, Start, Until};
 
 use super::case::{Case, Point};
 use super::scheme::{MOVING, Scheme};
+use crate::error::Error::{self, Unfit};
 use crate::norms::largest;
 
 /// At rest, beside its cells.
@@ -53,19 +54,19 @@ const STRAIN: f64 = 1e-5;
 /// Ends at this share of the decay time, 1/(c (pi/H)^2).
 const DECAYS: f64 = 1.0;
 
-fn error(scheme: &Scheme, shift: f64, cells: f64) -> Result<f64, String> {
+fn error(scheme: &Scheme, shift: f64, cells: f64) -> Result<f64, Error> {
     error_with(scheme, shift, cells, 1.0)
 }
 
 /// The same beside a decay that is `faster` by a factor.
-fn error_with(scheme: &Scheme, shift: f64, cells: f64, faster: f64) -> Result<f64, String> {
+fn error_with(scheme: &Scheme, shift: f64, cells: f64, faster: f64) -> Result<f64, Error> {
     let mut scene = crate::scenes::terzaghi().edited(|scene| {
         (scene.cell, scene.cells) = (scene.height / ROWS as f64, [1, ROWS]);
         scene.headroom_cells = cells.ceil() as usize + 3;
         scene.solid_sides[2] = SolidSide::Free;
         (scene.surcharge, scene.start, scene.history) = (None, Start::Unloaded, 0);
     })?;
-    let water = scene.water.ok_or("dry")?;
+    let water = scene.water.ok_or(Unfit("dry"))?;
     let storage = 1.0 / scene.oedometer_modulus() + 1.0 / scene.pore_stiffness();
     let wave = PI / scene.height;
     let rate = water.mobility() / storage * wave * wave;
@@ -83,10 +84,7 @@ fn error_with(scheme: &Scheme, shift: f64, cells: f64, faster: f64) -> Result<f6
         FirstState { velocity: [0.0, speed], stress: [p, p, p, 0.0], pressure: p }
     };
     let given = Given { start: Some(Arc::new(start)), moved: [0.0, moved], ..Given::default() };
-    let run = run_given(&scene, &given, &mut |_| {}).map_err(|e| e.to_string())?;
-    if let Some(failure) = &run.failure {
-        return Err(failure.to_string());
-    }
+    let run = run_given(&scene, &given, &mut |_| {})?.whole()?;
     let first = 2.0 / PI * most;
     let off = |s: &Sample| s.state.mean_pressure / first - (-faster * rate * s.stage_time).exp();
     Ok(largest(run.observed().map(off)))

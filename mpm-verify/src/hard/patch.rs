@@ -11,8 +11,9 @@ use mpm_core::run::model_given;
 use mpm_core::scene::{Dimension, Elastic, SolidSide};
 use mpm_core::stability::stable_limit;
 
-use super::case::{Case, Point, stopped};
+use super::case::{Case, Point};
 use super::scheme::{DRY, Scheme};
+use crate::error::Error;
 
 /// The case.
 pub const CASE: Case = Case {
@@ -38,22 +39,19 @@ const EDGE: f64 = 0.1;
 const GRADIENT: [[f64; 2]; 2] = [[1.0, 0.3], [-0.7, -0.4]];
 
 /// Largest error of the stress, with a velocity that is `curved` (1/s per cell) in place of linear.
-fn error(scheme: &Scheme, poisson_ratio: f64, curved: f64) -> Result<f64, String> {
-    let scene = crate::scenes::built_in("dry-bar")
-        .ok_or("no such scene")?
-        .map_err(|e| e.to_string())?
-        .altered_unchecked(|scene| {
-            // Room at the side, which no scene with functions as wide as some of these has.
-            scene.dimension = Dimension::PlaneStrain;
-            (scene.cell, scene.cells) = (EDGE, [SIDE; 2]);
-            (scene.width, scene.height) = (EDGE * SIDE as f64, EDGE * SIDE as f64);
-            (scene.sideroom_cells, scene.headroom_cells) = (2, 2);
-            scene.elastic = Elastic { poisson_ratio, ..scene.elastic };
-            scene.solid_sides = [SolidSide::Free; 4];
-            (scene.surcharge, scene.gravity, scene.history) = (None, None, 0);
-            scene.stages[0].damping = 0.0;
-            scheme.put_on(scene);
-        });
+fn error(scheme: &Scheme, poisson_ratio: f64, curved: f64) -> Result<f64, Error> {
+    let scene = crate::scenes::built_in("dry-bar")?.altered_unchecked(|scene| {
+        // Room at the side, which no scene with functions as wide as some of these has.
+        scene.dimension = Dimension::PlaneStrain;
+        (scene.cell, scene.cells) = (EDGE, [SIDE; 2]);
+        (scene.width, scene.height) = (EDGE * SIDE as f64, EDGE * SIDE as f64);
+        (scene.sideroom_cells, scene.headroom_cells) = (2, 2);
+        scene.elastic = Elastic { poisson_ratio, ..scene.elastic };
+        scene.solid_sides = [SolidSide::Free; 4];
+        (scene.surcharge, scene.gravity, scene.history) = (None, None, 0);
+        scene.stages[0].damping = 0.0;
+        scheme.put_on(scene);
+    });
     // So small a step that strains of the step are linear to the accuracy asked for.
     let dt = 1e-7 * stable_limit(&scene);
     let first = move |[x, y]: [f64; 2]| {
@@ -63,9 +61,9 @@ fn error(scheme: &Scheme, poisson_ratio: f64, curved: f64) -> Result<f64, String
     };
     let moved = [0.3 * EDGE, 0.45 * EDGE];
     let given = Given { start: Some(Arc::new(first)), moved, ..Given::default() };
-    let mut model = model_given(&Hardware::default(), &scene, &given).map_err(|e| e.to_string())?;
-    model.enter_stage(&scene.stages[0], &[f64::MAX]).map_err(stopped)?;
-    model.advance(dt, 1, &mut 0).map_err(stopped)?;
+    let mut model = model_given(&Hardware::default(), &scene, &given)?;
+    model.enter_stage(&scene.stages[0], &[f64::MAX])?;
+    model.advance(dt, 1, &mut 0)?;
     let [[xx, xy], [yx, yy]] = GRADIENT;
     let (lame, shear) = (scene.elastic.lame(), scene.elastic.shear_modulus());
     let mean = lame * (xx + yy);

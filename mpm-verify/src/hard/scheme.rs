@@ -5,6 +5,7 @@ use mpm_core::scene::{
     UpdateChoice,
 };
 
+use crate::error::Error;
 use crate::study::word;
 
 /// A way to compute.
@@ -73,7 +74,7 @@ impl Scheme {
     ///
     /// # Errors
     /// The scheme is not for such a scene.
-    pub fn on(&self, scene: &Scene) -> Result<Scene, String> {
+    pub fn on(&self, scene: &Scene) -> Result<Scene, Error> {
         Ok(scene.edited(|scene| self.put_on(scene))?)
     }
 

@@ -10,8 +10,9 @@ use mpm_core::run::model_given;
 use mpm_core::scene::{Dimension, Scene, SolidSide};
 use mpm_core::stability::stable_limit;
 
-use super::case::{Case, Point, stopped};
+use super::case::{Case, Point};
 use super::scheme::{DRY, Scheme};
+use crate::error::Error::{self, Lacks, Unfit};
 
 /// A bar that ends beside a face.
 pub const EDGE: Case = Case {
@@ -53,18 +54,16 @@ const SWINGS: f64 = 10.0;
 /// Largest strain of the swing.
 const STRAIN: f64 = 1e-6;
 
-fn dry() -> Result<Scene, String> {
-    let scene =
-        crate::scenes::built_in("dry-bar").ok_or("no such scene")?.map_err(|e| e.to_string())?.edited(|scene| {
-            scene.solid_sides[2..].fill(SolidSide::Free);
-            (scene.surcharge, scene.gravity, scene.history) = (None, None, 0);
-            scene.stages[0].damping = 0.0;
-        })?;
-    Ok(scene)
+fn dry() -> Result<Scene, Error> {
+    Ok(crate::scenes::built_in("dry-bar")?.edited(|scene| {
+        scene.solid_sides[2..].fill(SolidSide::Free);
+        (scene.surcharge, scene.gravity, scene.history) = (None, None, 0);
+        scene.stages[0].damping = 0.0;
+    })?)
 }
 
 /// The bar; its last particle gives this share of its mass to the node beyond, and loses `lost` of its energy by damping (1/s).
-fn swing(scheme: &Scheme, ratio: f64, damping: f64) -> Result<f64, String> {
+fn swing(scheme: &Scheme, ratio: f64, damping: f64) -> Result<f64, Error> {
     let scene = dry()?.edited(|scene| {
         (scene.cell, scene.cells) = (scene.height / ROWS as f64, [1, ROWS]);
         scene.headroom_cells = 3;
@@ -80,8 +79,8 @@ fn swing(scheme: &Scheme, ratio: f64, damping: f64) -> Result<f64, String> {
         ..FirstState::default()
     };
     let given = Given { start: Some(Arc::new(start)), moved: [0.0, moved], ..Given::default() };
-    let mut model = model_given(&Hardware::default(), &scene, &given).map_err(|e| e.to_string())?;
-    model.enter_stage(&scene.stages[0], &[f64::MAX]).map_err(stopped)?;
+    let mut model = model_given(&Hardware::default(), &scene, &given)?;
+    model.enter_stage(&scene.stages[0], &[f64::MAX])?;
     let energy = |model: &dyn mpm_core::step::Model| {
         let ledger = model.ledger();
         ledger.kinetic_j + ledger.strain_j
@@ -96,7 +95,7 @@ fn swing(scheme: &Scheme, ratio: f64, damping: f64) -> Result<f64, String> {
     let dt = pause / each;
     let (mut worst, mut before, mut crossings) = (0.0_f64, (0.0, amplitude(&model.particles())), Vec::new());
     for look in 1..=(SWINGS * looks) as u64 {
-        model.advance(dt, each as u64, &mut 0).map_err(stopped)?;
+        model.advance(dt, each as u64, &mut 0)?;
         let now = (look as f64 * pause, amplitude(&model.particles()));
         if now.1 * before.1 < 0.0 {
             crossings.push(before.0 + (now.0 - before.0) * before.1 / (before.1 - now.1));
@@ -108,7 +107,7 @@ fn swing(scheme: &Scheme, ratio: f64, damping: f64) -> Result<f64, String> {
             return Ok(worst);
         }
     }
-    let last = crossings.last().ok_or("does not swing")?;
+    let last = crossings.last().ok_or(Unfit("does not swing"))?;
     let frequency = (crossings.len() as f64 - 0.5) * PI / last / omega;
     Ok(worst.max((frequency - 1.0).abs()))
 }
@@ -119,7 +118,7 @@ fn alone(scheme: &Scheme) -> Vec<Point> {
     Point::along(&CELLS, |points| fly(scheme, points))
 }
 
-fn fly(scheme: &Scheme, points: &mut Vec<Point>) -> Result<(), String> {
+fn fly(scheme: &Scheme, points: &mut Vec<Point>) -> Result<(), Error> {
     let mut scene = dry()?.edited(|scene| {
         (scene.dimension, scene.solid_sides) = (Dimension::PlaneStrain, [SolidSide::Free; 4]);
     })?;
@@ -138,8 +137,8 @@ fn fly(scheme: &Scheme, points: &mut Vec<Point>) -> Result<(), String> {
     let start = move |_: [f64; 2]| FirstState { velocity, stress: [stress, stress, stress, 0.0], pressure: 0.0 };
     let moved = [0.6 * edge, 0.3 * edge];
     let given = Given { start: Some(Arc::new(start)), moved, ..Given::default() };
-    let mut model = model_given(&Hardware::default(), &scene, &given).map_err(|e| e.to_string())?;
-    model.enter_stage(&scene.stages[0], &[f64::MAX]).map_err(stopped)?;
+    let mut model = model_given(&Hardware::default(), &scene, &given)?;
+    model.enter_stage(&scene.stages[0], &[f64::MAX])?;
     let pause = edge / velocity[0] / 3.3;
     let each = (pause / (scene.safety * stable_limit(&scene))).ceil();
     let dt = pause / each;
@@ -148,9 +147,9 @@ fn fly(scheme: &Scheme, points: &mut Vec<Point>) -> Result<(), String> {
     let energy = first.kinetic_j + first.strain_j;
     for cells in CELLS {
         while crossed < cells {
-            model.advance(dt, each as u64, &mut 0).map_err(stopped)?;
+            model.advance(dt, each as u64, &mut 0)?;
             crossed += 1.0 / 3.3;
-            let particle = model.particles().first().copied().ok_or("no particle")?;
+            let particle = model.particles().first().copied().ok_or(Lacks("particle"))?;
             let ledger = model.ledger();
             let gain = (ledger.kinetic_j + ledger.strain_j) / energy - 1.0;
             let change = |d: usize| (particle.velocity[d] / velocity[d] - 1.0).abs();

@@ -17,6 +17,7 @@ use mpm_core::scene::{
 
 use super::case::{Case, Point};
 use super::scheme::{STANDING, Scheme};
+use crate::error::Error::{self, Lacks};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -47,7 +48,7 @@ const SIDE: usize = 16;
 const PERIODS: f64 = 4.0;
 
 /// Undrained soil under the load, until it rests.
-fn square(scheme: &Scheme, bulk_modulus: f64) -> Result<Scene, String> {
+fn square(scheme: &Scheme, bulk_modulus: f64) -> Result<Scene, Error> {
     let mut scene = crate::scenes::terzaghi().edited(|scene| {
         scene.dimension = Dimension::PlaneStrain;
         scene.water = scene.water.map(|w| WaterProperties { bulk_modulus, hydraulic_conductivity: 1e-12, ..w });
@@ -94,12 +95,9 @@ fn pressure(scene: &Scene, x: f64, y: f64) -> f64 {
 ///
 /// # Errors
 /// A run that could not be finished.
-fn error(scene: &Scene) -> Result<f64, String> {
-    let run = run(scene, &mut |_| {}).map_err(|e| e.to_string())?;
-    if let Some(failure) = &run.failure {
-        return Err(failure.to_string());
-    }
-    let field = &run.samples.last().ok_or("no sample")?.state.field;
+fn error(scene: &Scene) -> Result<f64, Error> {
+    let run = run(scene, &mut |_| {})?.whole()?;
+    let field = &run.samples.last().ok_or(Lacks("sample"))?.state.field;
     let off = |f: &FieldPoint| f.pressure_pa - pressure(scene, f.x_m, f.y_m);
     let count = field.len() as f64;
     let mean = field.iter().map(|f| pressure(scene, f.x_m, f.y_m)).sum::<f64>() / count;

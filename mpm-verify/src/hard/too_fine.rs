@@ -7,6 +7,7 @@ use mpm_core::stability::stable_limit;
 use super::case::{Case, Point};
 use super::low_permeability::error;
 use super::scheme::Scheme;
+use crate::error::Error::{self, Unfit};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -42,13 +43,13 @@ const MESHES: [(f64, usize); 4] = [(0.02, 9), (0.01, 9), (0.005, 16), (0.0025, 2
 /// Steps times particles after which a run ends.
 const MOST_WORK: f64 = 2.5e8;
 
-fn on(scheme: &Scheme, cell: f64, ppc: usize) -> Result<f64, String> {
+fn on(scheme: &Scheme, cell: f64, ppc: usize) -> Result<f64, Error> {
     let mut scene: Scene = scheme.on(&crate::scenes::terzaghi())?;
     scene = scene.edited(|scene| {
         (scene.cell, scene.cells[1], scene.particles_per_cell) = (cell, (scene.height / cell).round() as usize, ppc);
         (scene.history, scene.start, scene.tolerance) = (0, Start::UndrainedEquilibrium, 1e-6);
     })?;
-    let per_factor = scene.time_per_factor().ok_or("dry")?;
+    let per_factor = scene.time_per_factor().ok_or(Unfit("dry"))?;
     let steps = MOST_WORK / (scene.cells[1] * scene.particles_per_direction()) as f64;
     let reach = (steps * scene.safety * stable_limit(&scene)).min(per_factor);
     let times = [0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0].map(|f| f * per_factor);
@@ -57,7 +58,8 @@ fn on(scheme: &Scheme, cell: f64, ppc: usize) -> Result<f64, String> {
     let early = if early.is_finite() { early } else { 0.0 };
     let times: Vec<f64> = times.into_iter().filter(|t| (early..=1.001 * reach).contains(t)).collect();
     let Some(end) = times.last().copied() else {
-        return Err(format!("{:.0e} steps for T = 0.001", per_factor / 1e3 / (scene.safety * stable_limit(&scene))));
+        let steps = per_factor / 1e3 / (scene.safety * stable_limit(&scene));
+        return Err(Error::Found(format!("{steps:.0e} steps for T = 0.001")));
     };
     error(&scene.edited(|scene| (scene.observe_times, scene.stages[0].until) = (times, Until::Time(end)))?)
 }

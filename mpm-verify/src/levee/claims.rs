@@ -6,9 +6,9 @@ use mpm_core::failure::{Events, PathPoint, Row};
 use serde::{Deserialize, Serialize};
 
 use super::run::Ended;
+use super::strength::Strength;
 use crate::frames::Shot;
 use crate::report::numbers::brief;
-use crate::report::plots::levee::paths::Strength;
 use crate::report::{ReportError, tables};
 
 mod rules;

@@ -13,6 +13,7 @@ use super::run::{Hooks, follow};
 use super::safety;
 use super::tables::OfScene;
 use super::variants::{Change, Variant};
+use crate::error::Error;
 use crate::report::content::table::{Cell, Table, table};
 use crate::report::numbers::short;
 
@@ -62,15 +63,16 @@ pub fn compute(
     full: bool,
     jobs: usize,
     tell: &(dyn Fn(&str) + Sync),
-) -> Result<Vec<Line>, String> {
+) -> Result<Vec<Line>, Error> {
     if let Some(variant) = variant.filter(|v| matches!(v.change, Change::Mesh(_) | Change::Particles(_))) {
-        return Err(format!("--convergence: expected no variant of the mesh beside it, found {}", variant.name));
+        return Err(Error::refused("--convergence", "no variant of the mesh beside it", variant.name));
     }
     let base = Plan::new(plan::scene(source, flags, variant)?, None, None, false)?;
     let times = if base.papers() { HOURS } else { [0.5 * (base.starts_h() + base.ends_h()), base.ends_h()] };
     if let Some(late) = times.into_iter().find(|hour| !(*hour >= base.starts_h() && *hour <= base.ends_h())) {
+        let expected = format!("a scene that includes {late} h on its clock");
         let clock = format!("a scene from {} to {} h", base.starts_h(), base.ends_h());
-        return Err(format!("--convergence: expected a scene that includes {late} h on its clock, found {clock}"));
+        return Err(Error::refused("--convergence", expected, clock));
     }
     let word = base.scene_word();
     let cells = if full { &CELLS[..] } else { &CELLS[..2] };
@@ -108,7 +110,7 @@ fn of(plan: &Plan, times: &[f64; 2], scene: &str) -> Vec<Line> {
         why: String::new(),
         scene: scene.to_owned(),
     };
-    let trouble = |why: String| Line { why, ..line("trouble", None, None, None) };
+    let trouble = |why: &dyn ToString| Line { why: why.to_string(), ..line("trouble", None, None, None) };
     let mut lines = Vec::new();
     match safety::compute(plan, times, &mut |_| ()) {
         Ok(factors) => {
@@ -120,7 +122,7 @@ fn of(plan: &Plan, times: &[f64; 2], scene: &str) -> Vec<Line> {
                 lines.push(line("factor", Some(found.time_h), None, Some(middle).filter(|f| f.is_finite())));
             }
         }
-        Err(why) => lines.push(trouble(why)),
+        Err(why) => lines.push(trouble(&why)),
     }
     let mut hooks =
         Hooks { progress: &mut |_| (), stop: &mut |_| false, folder: None, every: Duration::MAX, trouble: &mut |_| () };
@@ -130,9 +132,9 @@ fn of(plan: &Plan, times: &[f64; 2], scene: &str) -> Vec<Line> {
             lines.push(line("run-out", None, None, ends.map(|(first, last)| last.toe_x_m - first.toe_x_m)));
             lines.push(line("crest", None, None, ends.map(|(_, last)| last.crest_settlement_m)));
             lines.push(line("failure", None, None, run.events.failure_h));
-            lines.extend(run.ended.trouble().map(|why| trouble(why.to_owned())));
+            lines.extend(run.ended.trouble().map(|why| trouble(&why)));
         }
-        Err(why) => lines.push(trouble(why.to_string())),
+        Err(why) => lines.push(trouble(&why)),
     }
     lines
 }
@@ -305,8 +307,11 @@ mod tests {
         let source = path.display().to_string();
         let mesh = super::super::variants::named("mesh-0.2");
         let error = compute(("levee", mesh), &Flags::default(), false, 1, &|_| ()).expect_err("refused");
-        assert!(error.ends_with("found mesh-0.2"), "{error}");
+        assert!(error.to_string().ends_with("found mesh-0.2"), "{error}");
         let error = compute((&source, None), &Flags::default(), false, 1, &|_| ()).expect_err("refused");
-        assert!(error.starts_with("--convergence: expected a scene that includes 18 h on its clock, found"), "{error}");
+        assert!(
+            error.to_string().starts_with("--convergence: expected a scene that includes 18 h on its clock, found"),
+            "{error}"
+        );
     }
 }

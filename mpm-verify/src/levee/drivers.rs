@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::plan::{Plan, driver_word};
 use super::tables::OfScene;
+use crate::error::Error::{self, Unfit};
 use crate::report::content::table::{Cell, Table, table};
 use crate::report::numbers::short;
 
@@ -68,34 +69,35 @@ impl OfScene for Line {
 ///
 /// # Errors
 /// A scene that does not stand or does not fail, or what went wrong before the common state.
-pub fn compute(plan: &Plan, tell: &mut dyn FnMut(&str)) -> Result<Vec<Line>, String> {
+pub fn compute(plan: &Plan, tell: &mut dyn FnMut(&str)) -> Result<Vec<Line>, Error> {
     let scene = plan.scene.edited(|s| s.integrator = Integrator::TwoClocks)?;
-    let mut driver = Driver::new(&scene).map_err(|e| e.to_string())?;
+    let mut driver = Driver::new(&scene)?;
     let clock = ThreadTime::now();
-    driver.load().map_err(|e| e.to_string())?;
+    driver.load()?;
     if driver.rows.is_empty() {
-        return Err("the levee does not stand before water seeps: there is no state to compare drivers from".to_owned());
+        return Err(Unfit("the levee does not stand before water seeps: there is no state to compare drivers from"));
     }
     while driver.end.is_none() {
-        driver.advance(f64::INFINITY).map_err(|e| e.to_string())?;
+        driver.advance(f64::INFINITY)?;
     }
     let whole = clock.elapsed().as_secs_f64();
     let Some(first) = driver.events.unsettled_h.or(driver.events.failure_h) else {
-        return Err(format!("the levee has not failed at {:.2} h: there is no failure to compare", driver.hours()));
+        let hours = driver.hours();
+        return Err(Error::Found(format!("the levee has not failed at {hours:.2} h: there is no failure to compare")));
     };
     let ended = driver.time;
     tell(&format!("two clocks: soil moves from {first:.4} h"));
     let from_h = first - BEFORE;
-    let mut driver = Driver::new(&scene).map_err(|e| e.to_string())?;
-    driver.load().map_err(|e| e.to_string())?;
+    let mut driver = Driver::new(&scene)?;
+    driver.load()?;
     let from = plan.seconds(from_h);
     while driver.time < from {
-        driver.advance(from).map_err(|e| e.to_string())?;
+        driver.advance(from)?;
     }
     let state = driver.checkpoint();
     let mut lines = Vec::new();
     for integrator in [Integrator::TwoClocks, Integrator::Coupled, Integrator::Explicit] {
-        driver.restore(&state).map_err(|e| e.to_string())?;
+        driver.restore(&state)?;
         let dt = if integrator == Integrator::Explicit {
             let own = SAFETY * stable_limit(&Fields { integrator, ..Fields::clone(&scene) });
             if plan.papers() { PAPER_STEP.min(own) } else { own }

@@ -9,6 +9,7 @@ use super::moments::{self, EVENTS, times};
 use super::operators::{self as both, Compared};
 use super::plan::Plan;
 use super::run::Followed;
+use super::strength::Strength;
 use crate::frames::Shot;
 use crate::report::ReportError;
 use crate::report::numbers::{percent, short};
@@ -16,7 +17,7 @@ use crate::report::plots::figure::Figure;
 use crate::report::plots::levee::changes::{self, Shown};
 use crate::report::plots::levee::histories::{self, Named, Trace, Track, Zoom};
 use crate::report::plots::levee::operators::{self, FullCell, Responses};
-use crate::report::plots::levee::paths::{self, Strength, StressPath};
+use crate::report::plots::levee::paths::{self, StressPath};
 use crate::report::plots::levee::{Event, Site, clock, initial, points};
 use crate::report::quantity::{PRESSURE, STRAIN};
 
@@ -40,12 +41,6 @@ pub fn site(scene: &Scene) -> Site {
         Feed::Velocity { height, .. } => height,
     });
     Site { outline: scene.outline_or_box(), tank_m }
-}
-
-/// Strength of the soil, if it has a limit.
-pub fn strength(scene: &Scene) -> Option<Strength> {
-    let strength = scene.strength?;
-    Some(Strength { cohesion_kpa: 1e-3 * strength.cohesion, friction_deg: strength.friction_angle })
 }
 
 /// The events that happened, in the order of time.
@@ -92,7 +87,7 @@ pub fn write(plan: &Plan, run: &Followed, folder: &Path) -> Result<Vec<Picture>,
         let svg = points::write(&site, &first.frame, &observed, folder)?;
         all.push(Picture { figure: points::figure(&site, &first.frame, &observed), svg });
     }
-    if let (Some(strength), false) = (strength(&plan.scene), run.paths.is_empty()) {
+    if let (Some(strength), false) = (Strength::of(&plan.scene), run.paths.is_empty()) {
         let paths = stress_paths(&run.paths);
         let failure_s = run.events.failure_h.map(|h| 3600.0 * h);
         let drawn = paths::write(&paths, strength, failure_s, folder)?;

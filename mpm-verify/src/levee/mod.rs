@@ -1,7 +1,8 @@
 //! A levee through which water seeps until it fails: the paper's section 4, from the scene to the page.
 //!
 //! # Reading order
-//! 1. [`plan`]: which scene, by which driver, from when to when. [`variants`]: the scene with one input changed.
+//! 1. [`plan`]: which scene, by which driver, from when to when. [`variants`]: the scene with one input changed. [`strength`]: that of
+//!    its soil.
 //! 2. [`run`]: follows it. [`moments`]: when frames are taken. [`checkpoint`]: a state on disk, to go on from.
 //! 3. [`tables`], [`summary`], [`limits`]: what it came to, and what it must keep to. [`claims`]: the paper's statements, judged by rules.
 //! 4. [`safety`]: the factor of safety over time, beside [`equilibrium`] with the same water. [`sensitivity`]: all variants.
@@ -24,6 +25,7 @@ pub mod plan;
 pub mod run;
 pub mod safety;
 pub mod sensitivity;
+pub mod strength;
 pub mod summary;
 pub mod tables;
 pub mod ticker;

@@ -7,6 +7,7 @@ use mpm_core::hash::{Digest, sha256};
 use mpm_core::scene::{Failure, Fields, Flags, Integrator, Scene};
 
 use super::variants::{Change, Variant};
+use crate::error::Error;
 use crate::manifest::scene_hash;
 use crate::scenes::BUILT_IN;
 
@@ -38,7 +39,7 @@ pub fn driver_word(integrator: Integrator) -> &'static str {
 ///
 /// # Errors
 /// What was expected and found.
-pub fn scene(source: &str, flags: &Flags, variant: Option<&Variant>) -> Result<Scene, String> {
+pub fn scene(source: &str, flags: &Flags, variant: Option<&Variant>) -> Result<Scene, Error> {
     let mut flags = flags.clone();
     match variant.map(|v| v.change) {
         Some(Change::Mesh(cell)) => flags.cell = Some(cell),
@@ -47,23 +48,20 @@ pub fn scene(source: &str, flags: &Flags, variant: Option<&Variant>) -> Result<S
     }
     let built_in = BUILT_IN.iter().find(|(name, _)| *name == source);
     let mut scene = match built_in {
-        Some((name, text)) if !Path::new(source).is_file() => {
-            Scene::parse_with(text, name, &flags).map_err(|e| e.to_string())
-        }
-        _ => Scene::load_with(Path::new(source), &flags).map_err(|e| e.to_string()),
-    }?;
+        Some((name, text)) if !Path::new(source).is_file() => Scene::parse_with(text, name, &flags)?,
+        _ => Scene::load_with(Path::new(source), &flags)?,
+    };
     if let Some(Change::Edit(edit)) = variant.map(|v| v.change) {
         // The variants are other readings of that levee.
         let own = Plan { scene: scene.clone(), from_h: None, until_h: None, frames: false };
         if let Some(why) = own.not_papers() {
-            return Err(format!("--variant: {why}"));
+            return Err(Error::Found(why).of("--variant"));
         }
         scene = scene.edited(edit)?;
     }
     if scene.failure.is_none() {
-        return Err(format!(
-            "{source}: expected a scene whose soil may fail, with a stage of clock = \"both\", found none"
-        ));
+        let expected = "a scene whose soil may fail, with a stage of clock = \"both\"";
+        return Err(Error::refused(source, expected, "none"));
     }
     Ok(scene)
 }
@@ -73,17 +71,16 @@ impl Plan {
     ///
     /// # Errors
     /// What was expected and found.
-    pub fn new(scene: Scene, from_h: Option<f64>, until_h: Option<f64>, frames: bool) -> Result<Self, String> {
+    pub fn new(scene: Scene, from_h: Option<f64>, until_h: Option<f64>, frames: bool) -> Result<Self, Error> {
         let plan = Self { scene, from_h, until_h, frames };
         let (start, end) = (plan.starts_h(), plan.scene_ends_h());
         if from_h.is_some() && plan.scene.integrator == Integrator::TwoClocks {
-            return Err("--from: expected --driver coupled or explicit, found two-clocks all the time".to_owned());
+            return Err(Error::refused("--from", "--driver coupled or explicit", "two-clocks all the time"));
         }
         for (flag, time) in [("--from", from_h), ("--until", until_h)] {
             if let Some(time) = time.filter(|t| !(*t > start && *t <= end)) {
-                return Err(format!(
-                    "{flag}: expected hours on the clock of the scene, above {start} and up to {end}, found {time}"
-                ));
+                let expected = format!("hours on the clock of the scene, above {start} and up to {end}");
+                return Err(Error::refused(flag, expected, time));
             }
         }
         Ok(plan)

@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
 use mpm_core::failure::{Driver, End, Events, PathPoint, Row, Steps};
-use mpm_core::run::StartError;
 use mpm_core::scene::{Fields, Integrator};
 use mpm_core::stability::choose_step;
 
@@ -13,6 +12,7 @@ use super::checkpoint::{Checkpoint, Notes};
 use super::moments::{Album, fixed};
 use super::plan::Plan;
 use crate::checkpoint::CheckpointError;
+use crate::error::Error;
 use crate::frames::Shot;
 
 /// What is asked and told while a run goes on.
@@ -90,22 +90,11 @@ pub struct Followed {
     pub cpu_s: f64,
 }
 
-/// Why there is no run.
-#[derive(Debug, thiserror::Error)]
-pub enum FollowError {
-    /// It cannot start.
-    #[error("{0}")]
-    Start(String),
-    /// Nothing to go on from, or a state that cannot be kept.
-    #[error(transparent)]
-    Checkpoint(#[from] CheckpointError),
-}
-
 /// Follows a levee, from the start or from a checkpoint.
 ///
 /// # Errors
 /// It cannot start or go on. What goes wrong on the way is in [`Followed::ended`].
-pub fn follow(plan: &Plan, hooks: &mut Hooks, resume: Option<Checkpoint>) -> Result<Followed, FollowError> {
+pub fn follow(plan: &Plan, hooks: &mut Hooks, resume: Option<Checkpoint>) -> Result<Followed, Error> {
     let mut run = Running::new(plan, resume)?;
     let ended = if run.driver.rows.is_empty() { run.load() } else { None };
     let ended = match ended {
@@ -140,22 +129,13 @@ struct Running<'a> {
     mass_kg: f64,
 }
 
-fn start(error: StartError) -> FollowError {
-    FollowError::Start(match error {
-        StartError::Step(e) => e.to_string(),
-        StartError::Load(e) => e.to_string(),
-        StartError::Place(e) => e.to_string(),
-        StartError::Checkpoint(_) | StartError::MayFail => error.to_string(),
-    })
-}
-
 impl<'a> Running<'a> {
-    fn new(plan: &'a Plan, resume: Option<Checkpoint>) -> Result<Self, FollowError> {
+    fn new(plan: &'a Plan, resume: Option<Checkpoint>) -> Result<Self, Error> {
         let clock = ThreadTime::now();
-        let mut driver = Driver::new(&plan.scene).map_err(start)?;
+        let mut driver = Driver::new(&plan.scene)?;
         let frame = driver.frame();
         let two_clocks = Fields { integrator: Integrator::TwoClocks, ..Fields::clone(&plan.scene) };
-        let steps = [driver.dt, choose_step(&two_clocks).map_err(|e| start(e.into()))?];
+        let steps = [driver.dt, choose_step(&two_clocks)?];
         let particles = [frame.solid.len(), frame.water.len()];
         let mass_kg = frame.solid.iter().map(|p| p.mass).sum();
         let (notes, album) = match &resume {
@@ -167,7 +147,7 @@ impl<'a> Running<'a> {
         }
         // Who drives is no part of the state: it is set before.
         if let Some(kept) = resume {
-            driver.restore(&kept.state).map_err(|e| FollowError::Start(e.to_string()))?;
+            driver.restore(&kept.state)?;
         }
         let Notes { cpu_s, switched, .. } = notes;
         Ok(Self { plan, driver, album, steps, switched, cpu_before_s: cpu_s, clock, particles, mass_kg })
@@ -197,7 +177,7 @@ impl<'a> Running<'a> {
         }
     }
 
-    fn go_on(&mut self, hooks: &mut Hooks) -> Result<Ended, FollowError> {
+    fn go_on(&mut self, hooks: &mut Hooks) -> Result<Ended, Error> {
         let stops = fixed(self.plan);
         let from = self.plan.from_h.map(|hours| self.plan.seconds(hours));
         let mut saved = Instant::now();

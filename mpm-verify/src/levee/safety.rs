@@ -12,6 +12,7 @@ use super::equilibrium::{self, Factors};
 use super::figures::{Picture, events};
 use super::plan::Plan;
 use super::tables::OfScene;
+use crate::error::Error::{self, Unfit};
 use crate::report::ReportError;
 use crate::report::content::table::{Cell, Table, table};
 use crate::report::numbers::short;
@@ -73,24 +74,24 @@ impl OfScene for Line {
 ///
 /// # Errors
 /// What was expected of a time and found, or what went wrong in a step.
-pub fn compute(plan: &Plan, times_h: &[f64], progress: &mut dyn FnMut(&str)) -> Result<Vec<Line>, String> {
+pub fn compute(plan: &Plan, times_h: &[f64], progress: &mut dyn FnMut(&str)) -> Result<Vec<Line>, Error> {
     let mut times = times_h.to_vec();
     times.sort_by(f64::total_cmp);
     times.dedup();
-    let mut driver = Driver::new(&plan.scene).map_err(|e| format!("{e:?}"))?;
-    driver.load().map_err(|e| e.to_string())?;
+    let mut driver = Driver::new(&plan.scene)?;
+    driver.load()?;
     let mut lines = Vec::new();
     for time in times {
-        driver.seep_only(plan.seconds(time)).map_err(|e| e.to_string())?;
+        driver.seep_only(plan.seconds(time))?;
         let Some(row) = driver.rows.last().cloned() else {
-            return Err("the slope does not stand before water seeps: it has no factor of safety".to_owned());
+            return Err(Unfit("the slope does not stand before water seeps: it has no factor of safety"));
         };
         let (factors, why) = match equilibrium::factors(&plan.scene, &row, &driver.surface()) {
             Ok(factors) => (factors, String::new()),
-            Err(why) => ([Factors::default(); 2], why),
+            Err(why) => ([Factors::default(); 2], why.to_string()),
         };
         let mut tell = |b: &Found| progress(&format!("{time} h: between {:.3} and {:.3}", b.low, b.high));
-        let found = driver.safety(WITHIN, &mut tell).map_err(|e| e.to_string())?;
+        let found = driver.safety(WITHIN, &mut tell)?;
         lines.push(Line {
             scene: plan.scene_word(),
             levels_m: row.levels.clone(),

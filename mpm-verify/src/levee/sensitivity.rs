@@ -13,6 +13,7 @@ use super::plan::{self, Plan};
 use super::run::{Ended, Followed, Hooks, follow};
 use super::tables::OfScene;
 use super::variants::{VARIANTS, Variant};
+use crate::error::Error;
 use crate::report::ReportError;
 use crate::report::content::table::{Cell, Table, table};
 use crate::report::numbers::short;
@@ -139,12 +140,13 @@ pub struct Base<'a> {
 
 /// Runs the scene and every variant that differs from it, `jobs` at a time; the scene first. None takes another down.
 pub fn compute(base: &Base, jobs: usize, tell: &(dyn Fn(&str) + Sync)) -> Vec<Line> {
-    let usual = plan::scene(base.source, base.flags, None);
+    let of = |variant| plan::scene(base.source, base.flags, variant);
+    let usual = of(None);
     let asked = |v: &&Variant| base.full || !v.long;
-    let mut all: Vec<(Line, Result<Scene, String>)> = vec![(Line::named("base", "", ""), usual.clone())];
+    let mut all: Vec<(Line, Result<Scene, Error>)> = vec![(Line::named("base", "", ""), of(None))];
     for v in VARIANTS.iter().filter(asked) {
-        let scene = plan::scene(base.source, base.flags, Some(v));
-        if scene != usual {
+        let scene = of(Some(v));
+        if scene.as_ref().map_err(Error::to_string) != usual.as_ref().map_err(Error::to_string) {
             all.push((Line::named(v.name, v.what, v.label), scene));
         }
     }
@@ -154,10 +156,10 @@ pub fn compute(base: &Base, jobs: usize, tell: &(dyn Fn(&str) + Sync)) -> Vec<Li
         line.scene.clone_from(&word);
     }
     let (count, done) = (all.len(), AtomicUsize::new(0));
-    let one = |(line, scene): &(Line, Result<Scene, String>)| {
+    let one = |(line, scene): &(Line, Result<Scene, Error>)| {
         let line = match scene {
             Ok(scene) => run(line.clone(), scene, base.until_h),
-            Err(why) => Line { why: why.clone(), ..line.clone() },
+            Err(why) => Line { why: why.to_string(), ..line.clone() },
         };
         let number = done.fetch_add(1, Ordering::Relaxed) + 1;
         let failure = line.failure_start_h.map_or_else(|| line.verdict.clone(), |h| format!("failure at {h:.3} h"));
@@ -175,10 +177,10 @@ fn run(line: Line, scene: &Scene, until_h: Option<f64>) -> Line {
     let mut hooks =
         Hooks { progress: &mut |_| (), stop: &mut |_| false, folder: None, every: Duration::MAX, trouble: &mut |_| () };
     let followed = Plan::new(scene.clone(), None, until_h, false)
-        .and_then(|plan| unpanicked(|| follow(&plan, &mut hooks, None).map_err(|e| e.to_string())).flatten());
+        .and_then(|plan| unpanicked(|| follow(&plan, &mut hooks, None)).flatten());
     match followed {
         Ok(followed) => line.with(&followed),
-        Err(why) => Line { why, ..line },
+        Err(why) => Line { why: why.to_string(), ..line },
     }
 }
 

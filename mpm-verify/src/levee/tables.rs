@@ -75,7 +75,7 @@ fn history(rows: &[Row], levels: &[String]) -> Result<Vec<u8>, csv::Error> {
     for row in rows {
         plain.serialize(row)?;
     }
-    let plain = plain.into_inner().map_err(|e| std::io::Error::other(e.to_string()))?;
+    let plain = plain.into_inner().map_err(csv::IntoInnerError::into_error)?;
     let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(plain.as_slice());
     let mut writer = csv::Writer::from_writer(Vec::new());
     for (number, record) in reader.records().enumerate() {
@@ -86,7 +86,7 @@ fn history(rows: &[Row], levels: &[String]) -> Result<Vec<u8>, csv::Error> {
         };
         writer.write_record(record.iter().chain(more.iter().map(String::as_str)))?;
     }
-    writer.into_inner().map_err(|e| std::io::Error::other(e.to_string()).into())
+    writer.into_inner().map_err(|e| e.into_error().into())
 }
 
 /// What happened, in the order of time.

@@ -7,6 +7,7 @@ use super::claims::{self, Evidence};
 use super::page::{self, Parts};
 use super::plan::Plan;
 use super::run::Followed;
+use super::strength::Strength;
 use super::summary::Summary;
 use super::{convergence, drivers, figures, safety, sensitivity, tables};
 use crate::frames;
@@ -37,7 +38,7 @@ pub fn write(
             paths: &run.paths,
             events: &run.events,
             shots: &run.shots,
-            strength: figures::strength(scene),
+            strength: Strength::of(scene),
             toe_m: scene.width,
         })
     });

@@ -11,6 +11,7 @@ use mpm_core::stability::stable_limit;
 use super::scenes::Dice;
 use super::seen::{Apart, Sizes, Unit, apart, least_modulus, numbers, round_off, said};
 use super::written::{Layer, Load, Written};
+use crate::error::Error;
 
 /// A scene with its run.
 pub struct Base<'a> {
@@ -85,22 +86,29 @@ impl Attend for Patient {
 /// A run of a scene.
 ///
 /// # Errors
-/// It was refused, or takes too long.
-pub fn run_of(hardware: &Hardware, scene: &Scene) -> Result<Run, String> {
+/// It was refused ([`Error::Of`]), or takes too long.
+pub fn run_of(hardware: &Hardware, scene: &Scene) -> Result<Run, Error> {
     match run_attended(hardware, scene, None, &mut Patient(Instant::now())) {
-        Ok(run) if run.stopped => Err(format!("stopped after {PATIENCE} s")),
+        Ok(run) if run.stopped => Err(Error::Found(format!("stopped after {PATIENCE} s"))),
         Ok(run) => Ok(run),
-        Err(e) => Err(format!("refused: {e}")),
+        Err(e) => Err(Error::from(e).of("refused")),
     }
 }
 
-fn finished(written: &Written) -> Result<(Scene, Run), Verdict> {
-    let scene = written.scene().map_err(|e| Verdict::Unfinished(format!("refused: {e}")))?;
-    let run = run_of(&Hardware::default(), &scene).map_err(Verdict::Unfinished)?;
-    match &run.failure {
-        Some(failure) => Err(Verdict::Unfinished(failure.to_string())),
-        None => Ok((scene, run)),
+impl From<Error> for Verdict {
+    fn from(why: Error) -> Self {
+        Self::Unfinished(why.to_string())
     }
+}
+
+fn read(written: &Written) -> Result<Scene, Error> {
+    written.scene().map_err(|e| Error::from(e).of("refused"))
+}
+
+fn finished(written: &Written) -> Result<(Scene, Run), Verdict> {
+    let scene = read(written)?;
+    let run = run_of(&Hardware::default(), &scene)?;
+    Ok((scene, run.whole().map_err(Error::from)?))
 }
 
 /// The verdict of a comparison that may not come to its end.
@@ -230,7 +238,6 @@ fn plane(base: &Base) -> Verdict {
         }
         let mut block = Written { plane: true, cells: [3, column.cells[1]], ..column.clone() };
         if base.written.integrator != "quasi-static" {
-            let read = |w: &Written| w.scene().map_err(|e| Verdict::Unfinished(format!("refused: {e}")));
             let (one, other) = (read(&column)?, read(&block)?);
             let step = 0.9 * stable_limit(&one).min(stable_limit(&other));
             (column.step, block.step) = (Some(step), Some(step));
@@ -531,22 +538,19 @@ fn threads(base: &Base) -> Verdict {
     let compared = || {
         let mut written = base.written.clone();
         (base.fault)(&mut written);
-        let scene = written.scene().map_err(|e| Verdict::Unfinished(format!("refused: {e}")))?;
+        let scene = read(&written)?;
         let one = said(base.run);
-        let run = |hardware: &Hardware| run_of(hardware, &scene).map_err(Verdict::Unfinished);
+        let run = |hardware: &Hardware| run_of(hardware, &scene);
         let mut worst = Apart::new("nothing".to_owned(), [0.0; 2], 0.0);
         for width in [Width::One, Width::Eight] {
             worst = worst.worse(bits(&one, &said(&run(&Hardware::plain(width))?), &format!("width {width:?}")));
         }
         {
             let threads = 2;
-            let hardware = Hardware::threads(threads).map_err(Verdict::Unfinished)?;
+            let hardware = Hardware::threads(threads).map_err(Error::from)?;
             worst = worst.worse(bits(&one, &said(&run(&hardware)?), &format!("{threads} threads")));
         }
-        let plain = run(&Hardware::plain(Width::One))?;
-        if let Some(failure) = plain.failure {
-            return Err(Verdict::Unfinished(failure.to_string()));
-        }
+        let plain = run(&Hardware::plain(Width::One))?.whole().map_err(Error::from)?;
         Ok(worst.worse(apart(base.scene, &base.run.samples, &plain.samples, None, allowed(base))))
     };
     verdict(compared())
@@ -570,12 +574,12 @@ fn resumed(base: &Base) -> Verdict {
     let compared = || {
         let mut written = base.written.clone();
         (base.fault)(&mut written);
-        let scene = written.scene().map_err(|e| Verdict::Unfinished(format!("refused: {e}")))?;
+        let scene = read(&written)?;
         let mut state = None;
         for _ in 0..1000 {
             let mut stop = Stop::default();
             let run = run_attended(&Hardware::default(), &scene, state.as_deref(), &mut stop);
-            let run = run.map_err(|e| Verdict::Unfinished(format!("refused: {e}")))?;
+            let run = run.map_err(|e| Error::from(e).of("refused"))?;
             if !run.stopped {
                 return Ok(bits(&said(base.run), &said(&run), "resumed"));
             }

@@ -24,6 +24,7 @@ use serde::Serialize;
 
 use self::laws::{Base, LAWS, Law, Verdict, run_of};
 use self::written::Written;
+use crate::error::Error;
 use crate::unpanicked::unpanicked;
 
 /// How a scene or a relation came out.
@@ -113,8 +114,8 @@ fn started(written: &Written) -> Started {
         Err(e) => return Started::Refused(format!("{}: expected {}", e.key, e.expected)),
     };
     match run_of(&Hardware::default(), &scene) {
-        Err(why) if why.starts_with("refused") => Started::Refused(why),
-        Err(why) => Started::Ended(why),
+        Err(why @ Error::Of { .. }) => Started::Refused(why.to_string()),
+        Err(why) => Started::Ended(why.to_string()),
         Ok(Run { failure: Some(failure), .. }) => Started::Ended(format!("{}: {}", failure.place, failure.what)),
         Ok(run) => match &run.trust {
             Some(trust) if trust.verdict != "closed" => {
@@ -151,7 +152,7 @@ pub fn scene(seed: u64, index: u64, fault: fn(&mut Written)) -> Told {
     let row = |law, outcome, ratio, why| Row { index, kind: kind.clone(), law, outcome, ratio, why };
     let panicked =
         |law: &'static str, why: String| Failure { index, law, found: [why.clone(), why], small: written.toml() };
-    let ran = match unpanicked(|| started(&written)) {
+    let ran = match unpanicked(|| started(&written)).map_err(|panic| panic.to_string()) {
         Err(why) | Ok(Started::Silent(why)) => {
             told.rows.push(row("run", Outcome::Failed, None, why.clone()));
             told.failures.push(panicked("run", why));
@@ -170,7 +171,7 @@ pub fn scene(seed: u64, index: u64, fault: fn(&mut Written)) -> Told {
     told.rows.push(row("run", Outcome::Passed, None, String::new()));
     let base = Base { written: &written, scene: &ran.0, run: &ran.1, fault };
     for law in &LAWS {
-        match unpanicked(|| (law.check)(&base)) {
+        match unpanicked(|| (law.check)(&base)).map_err(|panic| panic.to_string()) {
             Err(why) => {
                 told.rows.push(row(law.name, Outcome::Failed, None, why.clone()));
                 told.failures.push(panicked(law.name, why));

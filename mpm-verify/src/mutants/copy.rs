@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::SWITCH;
 use super::table::Mutant;
+use crate::error::Error::{self, Unfit};
 
 /// What the workspace is made of.
 const PARTS: [&str; 7] =
@@ -30,17 +31,17 @@ pub fn is(number: u32) -> bool {
 ///
 /// # Errors
 /// A file that cannot be read or written; a fault that does not fit its file.
-pub fn plant(source: &Path, to: &Path, mutants: &[Mutant]) -> Result<usize, String> {
+pub fn plant(source: &Path, to: &Path, mutants: &[Mutant]) -> Result<usize, Error> {
     let mut files = Vec::new();
     for part in PARTS {
-        list(source, Path::new(part), &mut files).map_err(|e| format!("{}: {e}", source.join(part).display()))?;
+        list(source, Path::new(part), &mut files).map_err(Error::at(source.join(part)))?;
     }
     let mut written = 0;
     for file in &files {
         let own: Vec<(u32, &Mutant)> =
             (1..).zip(mutants).filter(|(_, mutant)| Path::new(mutant.file) == file.as_path()).collect();
         let path = source.join(file);
-        let mut bytes = fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+        let mut bytes = fs::read(&path).map_err(Error::at(&path))?;
         if !own.is_empty() {
             let mut text = String::from_utf8_lossy(&bytes).into_owned();
             for (number, mutant) in own {
@@ -57,14 +58,14 @@ pub fn plant(source: &Path, to: &Path, mutants: &[Mutant]) -> Result<usize, Stri
     written += usize::from(put(&to.join("mpm-core/src/planted.rs"), planted.as_bytes())?);
     for mutant in mutants {
         if !files.iter().any(|file| Path::new(mutant.file) == file.as_path()) {
-            return Err(format!("{}: expected the file {} in the source", mutant.name, mutant.file));
+            return Err(Error::Found(format!("expected the file {} in the source", mutant.file)).of(mutant.name));
         }
     }
     Ok(written)
 }
 
 /// Whether a file had to be written.
-fn put(path: &Path, bytes: &[u8]) -> Result<bool, String> {
+fn put(path: &Path, bytes: &[u8]) -> Result<bool, Error> {
     if fs::read(path).is_ok_and(|known| known == bytes) {
         return Ok(false);
     }
@@ -72,7 +73,7 @@ fn put(path: &Path, bytes: &[u8]) -> Result<bool, String> {
         path.parent().map_or(Ok(()), fs::create_dir_all)?;
         fs::write(path, bytes)
     };
-    write().map(|()| true).map_err(|e: io::Error| format!("{}: {e}", path.display()))
+    write().map(|()| true).map_err(Error::at::<io::Error>(path))
 }
 
 /// Files below a path, from the root of the source; what builds leave is no source.
@@ -92,11 +93,11 @@ fn list(root: &Path, path: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
 }
 
 /// A text with a fault in it.
-fn with_fault(text: &str, number: u32, mutant: &Mutant) -> Result<String, String> {
+fn with_fault(text: &str, number: u32, mutant: &Mutant) -> Result<String, Error> {
     let Mutant { name, file, find, replace, .. } = mutant;
     let found = text.matches(find).count();
     if found != 1 {
-        return Err(format!("{name}: expected `{find}` once in {file}, found it {found} times"));
+        return Err(Error::refused(name, format!("`{find}` once in {file}"), format!("it {found} times")));
     }
     let krate = if file.starts_with("mpm-core/") { "crate" } else { "mpm_core" };
     let on = format!("{krate}::planted::is({number})");
@@ -108,10 +109,10 @@ fn with_fault(text: &str, number: u32, mutant: &Mutant) -> Result<String, String
                 text.split_once(" = ").map(|(name, value)| (name.to_owned(), value.to_owned()))
             };
             let (Some((bound, sound)), Some((other, spoilt))) = (halves(find), halves(replace)) else {
-                return Err(format!("{name}: expected `let NAME = VALUE;`"));
+                return Err(Unfit("expected `let NAME = VALUE;`").of(name));
             };
             if bound != other {
-                return Err(format!("{name}: expected the same name bound, found {bound} and {other}"));
+                return Err(Error::refused(name, "the same name bound", format!("{bound} and {other}")));
             }
             format!("{bound} = if {on} {{ {spoilt} }} else {{ {sound} }};")
         }
@@ -140,7 +141,8 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_refused() {
-        let refused = |text: &str, find, replace| with_fault(text, 3, &mutant(find, replace)).expect_err("refused");
+        let refused =
+            |text: &str, find, replace| with_fault(text, 3, &mutant(find, replace)).expect_err("refused").to_string();
         assert!(refused("a a", "a", "b").contains("found it 2 times"));
         assert!(refused("c", "a", "b").contains("found it 0 times"));
         assert!(refused("let x = 1;", "let x = 1;", "let y = 1;").contains("the same name"));

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::SWITCH;
 use super::table::Mutant;
 use crate::cases::{LADDER, Step};
+use crate::error::Error;
 use crate::nightly::report::Night;
 
 /// Rungs that take longer than this come second, s.
@@ -49,7 +50,7 @@ pub struct Spoilt {
 ///
 /// # Errors
 /// The compiler's last words.
-pub fn build(copy: &Path) -> Result<PathBuf, String> {
+pub fn build(copy: &Path) -> Result<PathBuf, Error> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let target = copy.join("target");
     let output = Command::new(cargo)
@@ -57,11 +58,11 @@ pub fn build(copy: &Path) -> Result<PathBuf, String> {
         .arg(&target)
         .current_dir(copy)
         .output()
-        .map_err(|e| format!("cargo: {e}"))?;
+        .map_err(Error::at("cargo"))?;
     if !output.status.success() {
         let text = String::from_utf8_lossy(&output.stderr);
         let last: Vec<&str> = text.lines().rev().take(40).collect();
-        return Err(last.into_iter().rev().collect::<Vec<_>>().join("\n"));
+        return Err(Error::Found(last.into_iter().rev().collect::<Vec<_>>().join("\n")));
     }
     Ok(target.join("mutants").join(format!("mpm-verify{}", std::env::consts::EXE_SUFFIX)))
 }
@@ -77,13 +78,13 @@ impl Spoilt {
     ///
     /// # Errors
     /// Checks that do not hold.
-    pub fn new(program: PathBuf, folder: PathBuf, jobs: usize, tell: &dyn Fn(&str)) -> Result<Self, String> {
+    pub fn new(program: PathBuf, folder: PathBuf, jobs: usize, tell: &dyn Fn(&str)) -> Result<Self, Error> {
         let all: Vec<String> = LADDER.iter().map(|rung| rung.name.to_owned()).collect();
         let hour = Duration::from_secs(3600);
         let mut spoilt = Self { program, folder, jobs, quick: all, slow: Vec::new(), patience: [hour; 3] };
         let (steps, found) = spoilt.climb(0, &spoilt.quick, hour)?;
         if !found.is_empty() {
-            return Err(format!("without a fault: {}", found.join(", ")));
+            return Err(Error::Found(found.join(", ")).of("without a fault"));
         }
         let (quick, slow): (Vec<&Step>, Vec<&Step>) = steps.iter().partition(|step| step.cpu_s <= QUICK);
         let names = |steps: &[&Step]| steps.iter().map(|step| step.rung.clone()).collect::<Vec<_>>();
@@ -94,7 +95,7 @@ impl Spoilt {
         let clock = Instant::now();
         let moved = spoilt.count(0, hour)?;
         if !moved.is_empty() {
-            return Err(format!("without a fault: {}", moved.join(", ")));
+            return Err(Error::Found(moved.join(", ")).of("without a fault"));
         }
         spoilt.patience = [patient(time(&quick)), patient(time(&slow)), patient(clock.elapsed())];
         Ok(spoilt)
@@ -104,7 +105,7 @@ impl Spoilt {
     ///
     /// # Errors
     /// The program could not be run.
-    pub fn find(&self, number: u32, mutant: &Mutant) -> Result<Row, String> {
+    pub fn find(&self, number: u32, mutant: &Mutant) -> Result<Row, Error> {
         let mut found = self.climb(number, &self.quick, self.patience[0])?.1;
         found.extend(self.count(number, self.patience[2])?);
         if found.is_empty() {
@@ -119,7 +120,7 @@ impl Spoilt {
     }
 
     /// Climbs rungs with a fault. Returns those that were finished, and the names of those that did not hold.
-    fn climb(&self, number: u32, rungs: &[String], patience: Duration) -> Result<(Vec<Step>, Vec<String>), String> {
+    fn climb(&self, number: u32, rungs: &[String], patience: Duration) -> Result<(Vec<Step>, Vec<String>), Error> {
         let out = self.folder.join(format!("ladder-{number}"));
         let mut arguments = vec!["check".to_owned()];
         arguments.extend(rungs.iter().cloned());
@@ -142,7 +143,7 @@ impl Spoilt {
     }
 
     /// Counts work with a fault. Returns the gates whose counts moved.
-    fn count(&self, number: u32, patience: Duration) -> Result<Vec<String>, String> {
+    fn count(&self, number: u32, patience: Duration) -> Result<Vec<String>, Error> {
         let out = self.folder.join(format!("work-{number}"));
         let arguments = ["nightly", "--only", "work", "--no-instructions"].map(str::to_owned);
         let Ended::With(status, _) = self.run(number, &arguments, &out, patience)? else {
@@ -163,9 +164,9 @@ impl Spoilt {
         Ok(found)
     }
 
-    fn run(&self, number: u32, arguments: &[String], out: &Path, patience: Duration) -> Result<Ended, String> {
+    fn run(&self, number: u32, arguments: &[String], out: &Path, patience: Duration) -> Result<Ended, Error> {
         let _ = fs::remove_dir_all(out);
-        let failed = |e: std::io::Error| format!("{}: {e}", self.program.display());
+        let failed = Error::at::<std::io::Error>(&self.program);
         let mut errors = tempfile()?;
         let mut child = Command::new(&self.program)
             .args(arguments)
@@ -175,19 +176,19 @@ impl Spoilt {
             // The accepted numbers are those that the copy was built with.
             .current_dir(&self.folder)
             .stdout(Stdio::null())
-            .stderr(errors.try_clone().map_err(failed)?)
+            .stderr(errors.try_clone().map_err(&failed)?)
             .spawn()
-            .map_err(failed)?;
+            .map_err(&failed)?;
         let start = Instant::now();
         loop {
-            if let Some(status) = child.try_wait().map_err(failed)? {
+            if let Some(status) = child.try_wait().map_err(&failed)? {
                 let mut said = String::new();
-                errors.rewind().and_then(|()| errors.read_to_string(&mut said)).map_err(failed)?;
+                errors.rewind().and_then(|()| errors.read_to_string(&mut said)).map_err(&failed)?;
                 return Ok(Ended::With(status, said));
             }
             if start.elapsed() > patience {
-                child.kill().map_err(failed)?;
-                child.wait().map_err(failed)?;
+                child.kill().map_err(&failed)?;
+                child.wait().map_err(&failed)?;
                 let _ = fs::remove_dir_all(out);
                 return Ok(Ended::Never);
             }
@@ -197,8 +198,8 @@ impl Spoilt {
 }
 
 /// A file without a name, for what a program says.
-fn tempfile() -> Result<fs::File, String> {
+fn tempfile() -> Result<fs::File, Error> {
     let path = std::env::temp_dir().join(format!("mpm-verify-{}-said", std::process::id()));
     let file = fs::OpenOptions::new().create(true).truncate(true).read(true).write(true).open(&path);
-    file.map_err(|e| format!("{}: {e}", path.display()))
+    file.map_err(Error::at(path))
 }

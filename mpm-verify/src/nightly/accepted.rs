@@ -8,12 +8,12 @@ use mpm_core::scene::read_text;
 use serde::{Deserialize, Serialize};
 
 use super::measure::{Label, Measure, Tolerance};
+use crate::baseline::FOLDER;
+use crate::error::Error;
 use crate::files;
 
 /// Name of the file.
 pub const NAME: &str = "nightly.csv";
-/// Where it is in the source tree.
-pub const FOLDER: &str = "reference-data/baselines";
 /// As it was when the program was built.
 const BUILT_IN: &str = include_str!("../../../reference-data/baselines/nightly.csv");
 /// No file of this kind is larger, bytes.
@@ -57,42 +57,41 @@ const HEAD: &str = "\
 ///
 /// # Errors
 /// A file that is not such a table: file, line, expected and found.
-pub fn read(folder: Option<&Path>) -> Result<(Vec<Accepted>, Option<PathBuf>), String> {
+pub fn read(folder: Option<&Path>) -> Result<(Vec<Accepted>, Option<PathBuf>), Error> {
     let own = folder.unwrap_or(Path::new(FOLDER)).join(NAME);
     match fs::metadata(&own) {
         Ok(_) => {
-            let text = read_text(&own, LARGEST).map_err(|e| format!("{}: {e}", own.display()))?;
-            Ok((parse(&text).map_err(|e| format!("{}:{e}", own.display()))?, Some(own)))
+            let text = read_text(&own, LARGEST).map_err(Error::at(&own))?;
+            Ok((parse(&text, &own.display().to_string())?, Some(own)))
         }
         Err(e) if folder.is_none() && e.kind() == ErrorKind::NotFound => {
-            Ok((parse(BUILT_IN).map_err(|e| format!("built-in {NAME}:{e}"))?, None))
+            Ok((parse(BUILT_IN, &format!("built-in {NAME}"))?, None))
         }
-        Err(e) => Err(format!("{}: {e}", own.display())),
+        Err(e) => Err(Error::at(own)(e)),
     }
 }
 
 /// Reads the text of the file.
 ///
 /// # Errors
-/// Line, expected and found.
-pub fn parse(text: &str) -> Result<Vec<Accepted>, String> {
+/// File, line, expected and found.
+pub fn parse(text: &str, file: &str) -> Result<Vec<Accepted>, Error> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
     let mut rows: Vec<Accepted> = Vec::new();
     for row in reader.deserialize() {
-        let row: Accepted = row.map_err(|e| {
-            let line = e.position().map_or(0, csv::Position::line);
-            format!("{line}: expected case,quantity,label,value,relative,absolute,since,why, found: {e}")
-        })?;
+        let columns = "case,quantity,label,value,relative,absolute,since,why";
+        let row: Accepted = row.map_err(|source| Error::Row { file: file.to_owned(), columns, source })?;
         if !(row.relative >= 0.0 && row.absolute >= 0.0) {
             let found = format!("{} and {}", row.relative, row.absolute);
-            return Err(format!(" {} {}: expected tolerances of 0 or more, found {found}", row.case, row.quantity));
+            let key = format!("{file}: {} {}", row.case, row.quantity);
+            return Err(Error::refused(key, "tolerances of 0 or more", found));
         }
         rows.push(row);
     }
     let mut names: Vec<(&str, &str)> = rows.iter().map(|r| (r.case.as_str(), r.quantity.as_str())).collect();
     names.sort_unstable();
     match names.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(pair) => Err(format!(" expected every number once, found {} {} twice", pair[0].0, pair[0].1)),
+        Some(pair) => Err(Error::refused(file, "every number once", format!("{} {} twice", pair[0].0, pair[0].1))),
         None => Ok(rows),
     }
 }
@@ -147,9 +146,9 @@ pub fn renewed(
 ///
 /// # Errors
 /// What the system says.
-pub fn write(rows: &[Accepted], path: &Path) -> Result<(), String> {
-    let text = text(rows).map_err(|e| format!("{}: {e}", path.display()))?;
-    files::write(path, text.as_bytes()).map_err(|e| format!("{}: {e}", path.display()))
+pub fn write(rows: &[Accepted], path: &Path) -> Result<(), Error> {
+    let text = text(rows).map_err(Error::at(path))?;
+    files::write(path, text.as_bytes()).map_err(Error::at(path))
 }
 
 /// The text of the file.
@@ -172,7 +171,7 @@ mod tests {
 
     #[test]
     fn the_built_in_file_holds() {
-        let rows = parse(BUILT_IN).expect("it holds");
+        let rows = parse(BUILT_IN, NAME).expect("it holds");
         assert!(rows.len() > 500, "{} rows", rows.len());
         assert!(rows.iter().all(|row| !row.since.is_empty() && !row.why.is_empty() && row.label != Label::Time));
         let of = |label| rows.iter().filter(|row| row.label == label).count();
@@ -202,14 +201,14 @@ mod tests {
             (2, 0, &three.map(str::to_owned)[..], "e")
         );
         let second = second.rows;
-        assert_eq!(parse(&text(&second).expect("a text")).expect("it holds"), second);
+        assert_eq!(parse(&text(&second).expect("a text"), NAME).expect("it holds"), second);
     }
 
     #[test]
     fn what_is_no_such_table_is_refused_with_its_line() {
         let head = "case,quantity,label,value,relative,absolute,since,why\n";
         let row = "a,error,verified,1.0,1e-6,0,d c,why\n";
-        assert_eq!(parse(&format!("{head}{row}")).map(|rows| rows.len()), Ok(1));
+        assert_eq!(parse(&format!("{head}{row}"), NAME).expect("it holds").len(), 1);
         for (rows, words) in [
             (format!("{row}{row}"), "a error twice"),
             (row.replace("1e-6", "-1"), "tolerances of 0 or more"),
@@ -217,7 +216,7 @@ mod tests {
             (row.replace("verified", "true"), "2: expected case,quantity"),
             (row.replace("1.0", "one"), "2: expected case,quantity"),
         ] {
-            let error = parse(&format!("{head}{rows}")).expect_err("refused");
+            let error = parse(&format!("{head}{rows}"), NAME).expect_err("refused").to_string();
             assert!(error.contains(words), "{error}");
         }
     }

@@ -9,6 +9,7 @@ use mpm_core::scene::read_text;
 use serde::{Deserialize, Serialize};
 
 use super::measure::Measure;
+use crate::error::Error;
 
 /// Name of the file.
 pub const NAME: &str = "history.csv";
@@ -48,28 +49,26 @@ impl History {
     ///
     /// # Errors
     /// A file that is not such a table: file, line, expected and found.
-    pub fn read(path: &Path) -> Result<Self, String> {
+    pub fn read(path: &Path) -> Result<Self, Error> {
         match fs::metadata(path) {
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Self::default()),
-            Err(e) => return Err(format!("{}: {e}", path.display())),
+            Err(e) => return Err(Error::at(path)(e)),
             Ok(_) => {}
         }
-        let text = read_text(path, LARGEST).map_err(|e| format!("{}: {e}", path.display()))?;
-        Self::parse(&text).map_err(|e| format!("{}:{e}", path.display()))
+        let text = read_text(path, LARGEST).map_err(Error::at(path))?;
+        Self::parse(&text, &path.display().to_string())
     }
 
     /// Reads the text of a file.
     ///
     /// # Errors
-    /// Line, expected and found.
-    pub fn parse(text: &str) -> Result<Self, String> {
+    /// File, line, expected and found.
+    pub fn parse(text: &str, file: &str) -> Result<Self, Error> {
         let mut history = Self::default();
         let mut reader = csv::Reader::from_reader(text.as_bytes());
         for row in reader.deserialize() {
-            let row: Row = row.map_err(|e| {
-                let line = e.position().map_or(0, csv::Position::line);
-                format!("{line}: expected date,commit,case,quantity,value, found: {e}")
-            })?;
+            let columns = "date,commit,case,quantity,value";
+            let row: Row = row.map_err(|source| Error::Row { file: file.to_owned(), columns, source })?;
             let entry = format!("{} {}", row.date, row.commit);
             if history.entries.last() != Some(&entry) {
                 history.entries.push(entry);
@@ -110,19 +109,18 @@ impl History {
     ///
     /// # Errors
     /// A file that cannot be read; a row that cannot be written.
-    pub fn text(&self, path: &Path) -> Result<Vec<u8>, String> {
-        let failed = |e: String| format!("{}: {e}", path.display());
+    pub fn text(&self, path: &Path) -> Result<Vec<u8>, Error> {
         let known = match fs::read(path) {
             Ok(known) => known,
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => Vec::new(),
-            Err(e) => return Err(failed(e.to_string())),
+            Err(e) => return Err(Error::at(path)(e)),
         };
         let header = known.is_empty();
         let mut writer = csv::WriterBuilder::new().has_headers(header).from_writer(known);
         for row in &self.new {
-            writer.serialize(row).map_err(|e| failed(e.to_string()))?;
+            writer.serialize(row).map_err(Error::at(path))?;
         }
-        writer.into_inner().map_err(|e| failed(e.to_string()))
+        writer.into_inner().map_err(|e| Error::at(path)(e.into_error()))
     }
 
     /// The last value of a number.
@@ -187,7 +185,8 @@ mod tests {
         assert_eq!(since(1.0).as_deref(), Some("2026-01-03 c2"));
         assert_eq!(since(2.0), None);
         assert_eq!(since(5.0).as_deref(), Some("2026-01-01 c0"));
-        let error = History::parse("date,commit,case,quantity,value\na,b,c,d,e\n").expect_err("refused");
-        assert!(error.starts_with("2: expected date,commit"), "{error}");
+        let error =
+            History::parse("date,commit,case,quantity,value\na,b,c,d,e\n", NAME).expect_err("refused").to_string();
+        assert!(error.starts_with("history.csv:2: expected date,commit"), "{error}");
     }
 }

@@ -7,6 +7,7 @@ use std::process::{Command, Stdio};
 
 use super::compiled::{self, COMPILED, INSTRUCTIONS};
 use super::measure::{Label, Measure, Tolerance};
+use crate::error::Error::{self, Unfit};
 
 /// Share by which a count may move: what another library makes of the same compiler's code.
 const TOLERANCE: Tolerance = Tolerance::relative(0.01);
@@ -26,11 +27,11 @@ pub struct Counter {
 ///
 /// # Errors
 /// Why there is none.
-pub fn counter(program: &Path) -> Result<Counter, String> {
+pub fn counter(program: &Path) -> Result<Counter, Error> {
     if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
-        return Err("only Linux on x86-64 has baselines".to_owned());
+        return Err(Unfit("only Linux on x86-64 has baselines"));
     }
-    let version = Command::new("valgrind").arg("--version").output().map_err(|e| format!("valgrind: {e}"))?;
+    let version = Command::new("valgrind").arg("--version").output().map_err(Error::at("valgrind"))?;
     let version = String::from_utf8_lossy(&version.stdout).trim().to_owned();
     let with = format!("{version}, {COMPILED}");
     let folder = std::env::temp_dir();
@@ -47,12 +48,12 @@ impl Counter {
     ///
     /// # Errors
     /// The gate cannot be run.
-    pub fn measure(&self, gate: &str) -> Result<Measure, String> {
+    pub fn measure(&self, gate: &str) -> Result<Measure, Error> {
         let count = self.count(gate)?.saturating_sub(self.nothing);
         Ok(Measure::new(gate, &compiled::quantity(INSTRUCTIONS, &self.with), Label::Count, count as f64, TOLERANCE))
     }
 
-    fn count(&self, gate: &str) -> Result<u64, String> {
+    fn count(&self, gate: &str) -> Result<u64, Error> {
         let out = self.folder.join(format!("mpm-verify-{}-{gate}.callgrind", std::process::id()));
         let status = Command::new("valgrind")
             .args(["--tool=callgrind", "--quiet"])
@@ -62,14 +63,14 @@ impl Counter {
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .status()
-            .map_err(|e| format!("valgrind: {e}"))?;
+            .map_err(Error::at("valgrind"))?;
         let text = fs::read_to_string(&out);
         let _ = fs::remove_file(&out);
         if !status.success() {
-            return Err(format!("valgrind of {gate}: {status}"));
+            return Err(Error::Found(format!("valgrind of {gate}: {status}")));
         }
-        let text = text.map_err(|e| format!("{}: {e}", out.display()))?;
-        total(&text).ok_or_else(|| format!("{}: expected a line of totals", out.display()))
+        let text = text.map_err(Error::at(&out))?;
+        total(&text).ok_or_else(|| Unfit("expected a line of totals").of(out.display()))
     }
 }
 

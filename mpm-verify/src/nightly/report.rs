@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::measure::{Label, Measure};
 use super::moved::Moved;
 use super::tables;
+use crate::error::Error;
 use crate::manifest::Manifest;
 use crate::report::content::Picture;
 use crate::report::content::table::Table;
@@ -228,15 +229,13 @@ impl Row for Moved {
 ///
 /// # Errors
 /// A file that is not such a table: file, line, expected and found.
-pub fn stored(path: &Path) -> Result<Vec<Measure>, String> {
-    let mut reader = csv::Reader::from_path(path).map_err(|e| format!("{}: {e}", path.display()))?;
+pub fn stored(path: &Path) -> Result<Vec<Measure>, Error> {
+    let mut reader = csv::Reader::from_path(path).map_err(Error::at(path))?;
     reader
         .deserialize()
         .map(|row: Result<Value, csv::Error>| {
-            let row = row.map_err(|e| {
-                let line = e.position().map_or(0, csv::Position::line);
-                format!("{}:{line}: expected {}, found: {e}", path.display(), Measure::HEADER)
-            })?;
+            let file = || path.display().to_string();
+            let row = row.map_err(|source| Error::Row { file: file(), columns: Measure::HEADER, source })?;
             let tolerance = super::measure::Tolerance { relative: row.relative, absolute: row.absolute };
             Ok(Measure::new(&row.case, &row.quantity, row.label, row.value.unwrap_or(f64::NAN), tolerance))
         })

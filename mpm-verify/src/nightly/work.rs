@@ -10,6 +10,7 @@ use mpm_core::scene::{Dimension, Fields, Flags, Integrator, Scene, ShapeChoice, 
 use super::compiled::{self, ALLOCATIONS, COMPILED};
 use super::measure::{Label, Measure, Tolerance};
 use super::{calibration, instructions};
+use crate::error::Error::{self, Lacks};
 use crate::unpanicked::unpanicked;
 
 /// A run whose cost is counted.
@@ -73,18 +74,18 @@ impl Gate {
     ///
     /// # Errors
     /// A built-in scene that does not hold with its flags: a fault of this table.
-    pub fn scene(&self) -> Result<Scene, String> {
+    pub fn scene(&self) -> Result<Scene, Error> {
         let (name, integrator, scheme) = self.scene;
         let text = crate::scenes::BUILT_IN.iter().find(|(n, _)| *n == name).map(|(_, text)| *text);
-        let text = text.ok_or_else(|| format!("{}: no scene {name}", self.name))?;
+        let text = text.ok_or_else(|| Lacks("such scene").of(self.name))?;
         // Steps that move their particles know large strain only.
         let moves = integrator.is_some_and(|word| word != "quasi-static");
         let text = if moves { text.replace("strain = \"small\"", "strain = \"large\"") } else { text.to_owned() };
         let flags =
             Flags { integrator: integrator.map(str::to_owned), scheme: scheme.map(str::to_owned), ..Flags::default() };
-        let mut scene = Scene::parse_with(&text, name, &flags).map_err(|e| e.to_string())?;
+        let mut scene = Scene::parse_with(&text, name, &flags)?;
         scene = scene.edited(self.change)?;
-        let dt = mpm_core::stability::choose_step(&scene).map_err(|e| e.to_string())?;
+        let dt = mpm_core::stability::choose_step(&scene)?;
         let steps = if scene.integrator == Integrator::Explicit {
             (ENOUGH / scene.solid_particles() as f64).max(50.0)
         } else {
@@ -98,20 +99,16 @@ impl Gate {
                 scene.observe_times = vec![end];
             })?;
         }
-        scene = scene.edited(|scene| (scene.history, scene.profiles) = (0, false))?;
-        Ok(scene)
+        Ok(scene.edited(|scene| (scene.history, scene.profiles) = (0, false))?)
     }
 
     /// Runs it once.
     ///
     /// # Errors
     /// A scene that cannot be run, or a run that fails.
-    pub fn run(&self) -> Result<Run, String> {
-        let run = run(&self.scene()?, &mut |_| {}).map_err(|e| format!("{}: {e}", self.name))?;
-        match &run.failure {
-            Some(failure) => Err(format!("{}: {failure}", self.name)),
-            None => Ok(run),
-        }
+    pub fn run(&self) -> Result<Run, Error> {
+        let run = run(&self.scene()?, &mut |_| {}).map_err(|e| Error::from(e).of(self.name))?;
+        run.whole().map_err(|e| Error::from(e).of(self.name))
     }
 }
 
@@ -144,11 +141,11 @@ pub fn counts(program: Option<&std::path::Path>) -> Counted {
             if let Some(counter) = counter {
                 measures.push(counter.measure(gate.name)?);
             }
-            Ok::<_, String>(measures)
+            Ok::<_, Error>(measures)
         };
         match unpanicked(of_gate) {
             Ok(Ok(measures)) => all.measures.extend(measures),
-            Ok(Err(why)) => all.fell.push(why),
+            Ok(Err(why)) => all.fell.push(why.to_string()),
             Err(why) => all.fell.push(format!("{}: {why}", gate.name)),
         }
     }
@@ -161,9 +158,9 @@ pub fn counts(program: Option<&std::path::Path>) -> Counted {
 
 impl Gate {
     /// What it costs, and its time over that of the kernel (s).
-    fn counts(&self, kernel: f64) -> Result<Vec<Measure>, String> {
+    fn counts(&self, kernel: f64) -> Result<Vec<Measure>, Error> {
         let scene = self.scene()?;
-        let mut outcome = Err(String::new());
+        let mut outcome = Err(Lacks("run"));
         let info = measure(|| outcome = self.run());
         let mut measures = counted(self, &scene, &outcome?, &info);
         let mut times = [0.0; 3];
@@ -210,7 +207,7 @@ mod tests {
         for gate in &GATES {
             let scene = gate.scene().expect("a scene");
             let counts = || {
-                let mut run = Err(String::new());
+                let mut run = Err(Lacks("run"));
                 let info = measure(|| run = gate.run());
                 counted(gate, &scene, &run.expect("a run"), &info)
             };

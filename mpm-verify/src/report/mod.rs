@@ -92,7 +92,8 @@ pub enum ReportError {
         /// Which.
         path: PathBuf,
         /// Why not.
-        cause: String,
+        #[source]
+        cause: plots::canvas::DrawError,
     },
     /// The template of the page does not fit its content.
     #[error("{}: the page cannot be made: {cause}", path.display())]

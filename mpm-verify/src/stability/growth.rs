@@ -13,6 +13,7 @@ use mpm_core::scene::{Dimension, LoadedStrip, Scene, Start, Surcharge, Until};
 use mpm_core::step::Model;
 
 use super::assembled::NEUTRAL;
+use crate::error::Error;
 
 /// Load that the first state would balance, Pa: strains of 1e-13, so that a growth by a factor of 1e9 still is linear.
 const LOAD: f64 = 1e-6;
@@ -72,10 +73,10 @@ pub fn stirred(scene: &Scene) -> Scene {
 ///
 /// # Errors
 /// Particles that cannot be placed.
-pub fn growth(scene: &Scene, dt: f64, blocks: usize) -> Result<Growth, String> {
-    let mut model = model(scene).map_err(|e| e.to_string())?;
+pub fn growth(scene: &Scene, dt: f64, blocks: usize) -> Result<Growth, Error> {
+    let mut model = model(scene)?;
     let entered = scene.stages.last().map_or(Ok(()), |stage| model.enter_stage(stage, &[]));
-    entered.map_err(|fault| format!("{}: {}", fault.place, fault.what))?;
+    entered?;
     // A load that stays does work: beside what it can store drained, what it stores at first may be nothing.
     let load = scene.surcharge.filter(|s| s.strip.is_some()).map_or(0.0, |s| s.pressure);
     let whole = load * load / scene.oedometer_modulus() * scene.height * scene.width;

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::assembled::{self, Assembled};
 use super::bisection::largest_stable;
 use super::growth::{Growth, blocks_for, growth, stirred};
+use crate::error::Error::{self, Unfit};
 use crate::progress::Progress;
 use crate::study::word;
 
@@ -67,8 +68,8 @@ pub struct Setting {
 
 impl Setting {
     /// The column of Table 1 with these changes, or a piece of it in plane strain.
-    pub fn scene(&self) -> Result<Scene, String> {
-        let scene = crate::scenes::terzaghi().edited(|scene| {
+    pub fn scene(&self) -> Result<Scene, Error> {
+        Ok(crate::scenes::terzaghi().edited(|scene| {
             (scene.dimension, scene.integrator, scene.shape) = (self.dimension, self.integrator, self.shape);
             (scene.darcy, scene.darcy_inertia) = (self.darcy, self.inertia);
             (scene.cell, scene.particles_per_cell) = (self.mesh, self.ppc);
@@ -80,8 +81,7 @@ impl Setting {
                 ..water
             });
             (scene.step, scene.force, scene.history) = (mpm_core::scene::StepChoice::Auto, true, 0);
-        })?;
-        Ok(scene)
+        })?)
     }
 
     /// Whether the limit of a plane wave in an endless mesh is that of the setting, to better than the agreement asked for.
@@ -286,7 +286,7 @@ fn some<T>(range: &[T], extent: Extent) -> impl Iterator<Item = &T> {
 ///
 /// # Errors
 /// Particles that cannot be placed, threads that cannot be started.
-pub fn rows(settings: &[Setting], jobs: usize, progress: &Progress) -> Result<Vec<Row>, String> {
+pub fn rows(settings: &[Setting], jobs: usize, progress: &Progress) -> Result<Vec<Row>, Error> {
     let done = AtomicUsize::new(0);
     let one = |setting: &Setting| {
         let row = row(setting);
@@ -297,7 +297,7 @@ pub fn rows(settings: &[Setting], jobs: usize, progress: &Progress) -> Result<Ve
         }
         row
     };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build().map_err(|e| e.to_string())?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build()?;
     pool.install(|| settings.par_iter().map(one).collect())
 }
 
@@ -308,11 +308,11 @@ const SPOKEN: usize = 1000;
 ///
 /// # Errors
 /// Particles that cannot be placed.
-pub fn row(setting: &Setting) -> Result<Row, String> {
+pub fn row(setting: &Setting) -> Result<Row, Error> {
     let scene = setting.scene()?;
     let limit = stable_limit(&scene);
     let auto = scene.safety * limit;
-    let assembled = Assembled::of(&scene).ok_or("a scene whose step is no matrix")?;
+    let assembled = Assembled::of(&scene).ok_or(Unfit("a scene whose step is no matrix"))?;
     let (theory, from) = if setting.has_formula() {
         (limit_of_exact_numbers(&scene), "plane wave")
     } else {

@@ -29,6 +29,7 @@ pub use result::{
 pub use runner::{Listed, Runner, Share, Task};
 pub use store::Store;
 
+use crate::error::Error::{self, Unfit};
 use crate::exact::dynamic::DynamicColumn;
 use crate::exact::semidiscrete::SemiDiscrete;
 use crate::exact::terzaghi::Terzaghi;
@@ -46,7 +47,7 @@ impl Plan {
     ///
     /// # Errors
     /// A step above the stability limit, a load that a scheme does not bear, or a mesh that does not fit, before anything is run.
-    pub fn run(&self, progress: &Progress) -> Result<Vec<CaseResult>, String> {
+    pub fn run(&self, progress: &Progress) -> Result<Vec<CaseResult>, Error> {
         self.run_by(&mut Runner::whole(self.jobs, progress))
     }
 
@@ -54,7 +55,7 @@ impl Plan {
     ///
     /// # Errors
     /// As [`Plan::run`].
-    pub fn run_by(&self, runner: &mut Runner) -> Result<Vec<CaseResult>, String> {
+    pub fn run_by(&self, runner: &mut Runner) -> Result<Vec<CaseResult>, Error> {
         let mut results: Vec<CaseResult> = runner.run(&self.tasks()?)?.into_iter().flatten().collect();
         let place = |r: &CaseResult| {
             let family = |f: &Family| word(f.integrator) == r.integrator && word(f.shape) == r.scheme;
@@ -72,11 +73,11 @@ impl Plan {
     ///
     /// # Errors
     /// As [`Plan::run`].
-    pub fn tasks(&self) -> Result<Vec<Task>, String> {
+    pub fn tasks(&self) -> Result<Vec<Task>, Error> {
         let cases = self.cases()?;
         for case in &cases {
-            case.scene.bears_its_load().map_err(|e| format!("{}: {e}", case.name))?;
-            choose_step(&case.scene).map_err(|e| format!("{}: {e}", case.name))?;
+            case.scene.bears_its_load().map_err(|e| Error::from(e).of(&case.name))?;
+            choose_step(&case.scene).map_err(|e| Error::from(e).of(&case.name))?;
             comparable(case)?;
         }
         let key = |case: &Case| match case.variant {
@@ -100,8 +101,8 @@ impl Case {
     ///
     /// # Errors
     /// A step above the stability limit, or a scene without water or load.
-    fn watched(&self, at_most: usize, watched: &mut Watched) -> Result<Option<CaseResult>, String> {
-        let ran = timed(&self.scene, at_most, watched).map_err(|e| format!("{}: {e}", self.name))?;
+    fn watched(&self, at_most: usize, watched: &mut Watched) -> Result<Option<CaseResult>, Error> {
+        let ran = timed(&self.scene, at_most, watched).map_err(|e| Error::from(e).of(&self.name))?;
         let Some((run, cpu_s)) = ran else { return Ok(None) };
         self.compare(&run, cpu_s).map(Some)
     }
@@ -110,7 +111,7 @@ impl Case {
     ///
     /// # Errors
     /// A scene without water or load.
-    pub fn compare(&self, run: &Run, cpu_s: f64) -> Result<CaseResult, String> {
+    pub fn compare(&self, run: &Run, cpu_s: f64) -> Result<CaseResult, Error> {
         compare(self, run, cpu_s)
     }
 }
@@ -172,14 +173,14 @@ fn nothing(scene: &Scene, failure: mpm_core::error::RunError) -> Run {
 }
 
 /// Terzaghi's solutions of a case, with incompressible and with compressible water.
-fn comparable(case: &Case) -> Result<[Terzaghi; 2], String> {
-    let missing = || format!("{}: the study needs water, a surcharge on the whole top, tight roller sides", case.name);
+fn comparable(case: &Case) -> Result<[Terzaghi; 2], Error> {
+    let missing = || Unfit("the study needs water, a surcharge on the whole top, tight roller sides").of(&case.name);
     let incompressible = Terzaghi::incompressible(&case.scene).ok_or_else(missing)?;
     Ok([incompressible, Terzaghi::compressible(&case.scene).ok_or_else(missing)?])
 }
 
 /// Compares a finished run with the exact solutions of its scene.
-fn compare(case: &Case, run: &Run, cpu_s: f64) -> Result<CaseResult, String> {
+fn compare(case: &Case, run: &Run, cpu_s: f64) -> Result<CaseResult, Error> {
     let scene = &case.scene;
     let [terzaghi, compressible] = comparable(case)?;
     // Solutions of a model with inertia, and of cells with one pressure each: only for runs of that model.
@@ -381,7 +382,7 @@ pub(crate) mod tests {
 
     #[test]
     fn a_mesh_that_does_not_fit_is_refused() {
-        let error = plan(0.3, None).run(&Progress::new("", true)).unwrap_err();
+        let error = plan(0.3, None).run(&Progress::new("", true)).unwrap_err().to_string();
         assert!(error.contains("0.3 m"), "{error}");
     }
 }

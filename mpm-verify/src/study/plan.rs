@@ -6,6 +6,7 @@ use mpm_core::scene::{
 use mpm_core::stability::choose_step;
 
 use super::{Variant, word};
+use crate::error::Error;
 
 /// What to run.
 #[derive(Debug, Clone)]
@@ -118,7 +119,7 @@ impl Plan {
     ///
     /// # Errors
     /// A mesh that does not divide the column, or no square number of particles: message for the user.
-    pub fn cases(&self) -> Result<Vec<Case>, String> {
+    pub fn cases(&self) -> Result<Vec<Case>, Error> {
         let mut cases = Vec::new();
         for family in &self.families {
             for &mesh in &self.meshes {
@@ -167,7 +168,7 @@ impl Plan {
     }
 
     /// Adds a case, and the further runs that its budget needs.
-    fn case(&self, family: &Family, mesh: f64, ppc: usize, load: LoadOn, cases: &mut Vec<Case>) -> Result<(), String> {
+    fn case(&self, family: &Family, mesh: f64, ppc: usize, load: LoadOn, cases: &mut Vec<Case>) -> Result<(), Error> {
         let name = case_name(family, load, mesh, ppc);
         let scene = remesh(&self.base, mesh, ppc)?.edited(|scene| {
             scene.surcharge = scene.surcharge.map(|s| Surcharge { on: load, ..s });
@@ -176,7 +177,7 @@ impl Plan {
         })?;
         let explicit = family.integrator == Integrator::Explicit && family.extent == Extent::Whole;
         if self.budget && explicit && load == LoadOn::Surface {
-            let step = 0.5 * choose_step(&scene).map_err(|e| e.to_string())?;
+            let step = 0.5 * choose_step(&scene)?;
             let half = scene.edited(|half| half.step = StepChoice::Fixed(step))?;
             cases.push(Case { name: name.clone(), variant: Variant::HalfStep, scene: half });
             let small = scene.edited(|small| {
@@ -218,24 +219,24 @@ pub fn work(scene: &Scene) -> f64 {
 ///
 /// # Errors
 /// A mesh that does not divide the column, or no square number of particles: message for the user.
-pub fn remesh(base: &Scene, mesh: f64, ppc: usize) -> Result<Scene, String> {
+pub fn remesh(base: &Scene, mesh: f64, ppc: usize) -> Result<Scene, Error> {
     let count = |length: f64, name: &str| {
         let n = (length / mesh).round();
         if n >= 1.0 && (n * mesh - length).abs() <= 1e-9 * length {
             Ok(n as usize)
         } else {
-            Err(format!("mesh: expected a cell that divides the {name} of {length} m, found {mesh} m"))
+            Err(Error::refused("mesh", format!("a cell that divides the {name} of {length} m"), format!("{mesh} m")))
         }
     };
     let across = if base.dimension == Dimension::Column { 1 } else { count(base.width, "width")? };
     let cells = [across, count(base.height, "height")?];
     let root = (ppc as f64).sqrt().round() as usize;
     if root * root != ppc || ppc == 0 {
-        return Err(format!("ppc: expected a square number of particles per cell, found {ppc}"));
+        return Err(Error::refused("ppc", "a square number of particles per cell", ppc));
     }
     Fields { cell: mesh, cells, particles_per_cell: ppc, ..Fields::clone(base) }
         .fits_in_memory()
-        .map_err(|[expected, found]| format!("mesh: expected {expected}, found {mesh} m: {found}"))?;
+        .map_err(|[expected, found]| Error::refused("mesh", expected, format!("{mesh} m: {found}")))?;
     Ok(base.with_cell(mesh)?.patched(&[("mesh.particles_per_cell", ppc.into())])?)
 }
 

@@ -12,6 +12,7 @@ use serde::Serialize;
 use super::plan::work;
 use super::store::Store;
 use super::{Case, CaseResult, REPETITIONS, Watched, word};
+use crate::error::Error;
 use crate::progress::Progress;
 use crate::unpanicked::unpanicked;
 
@@ -138,7 +139,7 @@ impl<'a> Runner<'a> {
     ///
     /// # Errors
     /// No threads.
-    pub fn run(&mut self, tasks: &[Task]) -> Result<Vec<Option<CaseResult>>, String> {
+    pub fn run(&mut self, tasks: &[Task]) -> Result<Vec<Option<CaseResult>>, Error> {
         let first = self.listed.len();
         self.listed.extend(tasks.iter().enumerate().map(|(i, task)| Listed::new(first + i, task)));
         if self.lists {
@@ -150,7 +151,7 @@ impl<'a> Runner<'a> {
         let wanted = |i: usize| known[i].is_none() && self.share.has(first + i);
         let total: f64 = (0..tasks.len()).filter(|i| wanted(*i)).map(|i| work(&tasks[i].case.scene)).sum();
         let done = AtomicU64::new(0);
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.jobs).build().map_err(|e| e.to_string())?;
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.jobs).build()?;
         let (store, progress, stop, times) = (self.store.as_ref(), self.progress, &self.stop, self.times);
         let ran: Vec<(Option<CaseResult>, Option<String>)> = pool.install(|| {
             (0..tasks.len())
@@ -198,7 +199,7 @@ impl Task {
         let again = if self.again { REPETITIONS } else { 1 };
         let mut watched = Watched { told, stop };
         let ran = unpanicked(|| self.case.watched(again, &mut watched)).flatten();
-        ran.unwrap_or_else(|why| Some(CaseResult::failed(&self.case, why)))
+        ran.unwrap_or_else(|why| Some(CaseResult::failed(&self.case, why.to_string())))
     }
 }
 

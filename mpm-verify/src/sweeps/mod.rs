@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use self::places::{Displacement, Shift};
 use self::time::TimeError;
+use crate::error::Error;
 use crate::study::plan::{remesh, set_family};
 use crate::study::{Case, CaseResult, Family, Runner, Task, Variant};
 
@@ -43,7 +44,7 @@ impl Sweeps {
     ///
     /// # Errors
     /// No threads.
-    pub fn run(base: &Scene, runner: &mut Runner) -> Result<Self, String> {
+    pub fn run(base: &Scene, runner: &mut Runner) -> Result<Self, Error> {
         let mut cpu_s = 0.0;
         let time = time::sweep(base, runner, &mut cpu_s)?;
         let displaced = places::displaced(base, runner, &mut cpu_s)?;
@@ -64,38 +65,39 @@ impl Sweeps {
 }
 
 /// The column of a scene for a sweep, loaded on its true surface; no history, because only errors are kept.
-fn column(base: &Scene, integrator: Integrator, shape: ShapeChoice, mesh: f64) -> Result<Scene, String> {
-    let mut scene = remesh(base, mesh, PARTICLES)?;
-    scene = scene.edited(|scene| {
+fn column(base: &Scene, integrator: Integrator, shape: ShapeChoice, mesh: f64) -> Result<Scene, Error> {
+    let scene = remesh(base, mesh, PARTICLES)?;
+    Ok(scene.edited(|scene| {
         set_family(scene, &Family::whole(integrator, shape), TOLERANCE);
         scene.surcharge = scene.surcharge.map(|s| Surcharge { on: LoadOn::Surface, ..s });
         scene.history = 0;
-    })?;
-    Ok(scene)
+    })?)
 }
 
-/// Runs scenes, several times where the time is to be told, and keeps their order; `kind` and number are the names.
+/// Runs scenes, several times where the time is to be told, and keeps their order; `kind` and number are the names. `None` where
+/// there is no scene, or it was not run.
 fn run_all(
-    scenes: &[Result<Scene, String>],
+    scenes: &[Result<Scene, Error>],
     (kind, again): (&str, bool),
     runner: &mut Runner,
-) -> Result<Vec<Result<CaseResult, String>>, String> {
-    let task = |(number, scene): (usize, &Result<Scene, String>)| {
-        let key = format!("{kind}-{number:03}");
-        let scene = scene.clone()?;
-        Ok(Task { case: Case { name: key.clone(), variant: Variant::Base, scene }, key, again })
+) -> Result<Vec<Option<CaseResult>>, Error> {
+    let task = |(number, scene): (usize, &Result<Scene, Error>)| {
+        let (key, scene) = (format!("{kind}-{number:03}"), scene.as_ref().ok()?.clone());
+        Some(Task { case: Case { name: key.clone(), variant: Variant::Base, scene }, key, again })
     };
-    let tasks: Vec<Result<Task, String>> = scenes.iter().enumerate().map(task).collect();
-    let ready: Vec<Task> = tasks.iter().flatten().cloned().collect();
-    let mut results = runner.run(&ready)?.into_iter();
-    let missing = || "not run".to_owned();
-    Ok(tasks.into_iter().map(|task| task.and_then(|_| results.next().flatten().ok_or_else(missing))).collect())
+    let tasks: Vec<Task> = scenes.iter().enumerate().filter_map(task).collect();
+    let mut results = runner.run(&tasks)?.into_iter();
+    Ok(scenes.iter().map(|scene| scene.as_ref().ok().and_then(|_| results.next().flatten())).collect())
 }
 
 /// What a row keeps of a run: largest error, late one, that of the profile, and why there are none.
-fn errors(result: &Result<CaseResult, String>) -> (f64, f64, f64, Option<String>) {
-    match result {
-        Ok(r) => (r.max_error_compressible, r.late_error_compressible, r.profile_error_compressible, r.failure.clone()),
-        Err(why) => (f64::NAN, f64::NAN, f64::NAN, Some(why.clone())),
+fn errors(scene: &Result<Scene, Error>, result: Option<&CaseResult>) -> (f64, f64, f64, Option<String>) {
+    let none = |why: String| (f64::NAN, f64::NAN, f64::NAN, Some(why));
+    match (scene, result) {
+        (Err(why), _) => none(why.to_string()),
+        (_, None) => none("not run".to_owned()),
+        (_, Some(r)) => {
+            (r.max_error_compressible, r.late_error_compressible, r.profile_error_compressible, r.failure.clone())
+        }
     }
 }

@@ -4,6 +4,7 @@ use mpm_core::scene::{Displaced, Integrator, Quadrature, Scene, ShapeChoice};
 use serde::{Deserialize, Serialize};
 
 use super::{MESHES, PARTICLES, REQUIRED, column, errors, run_all};
+use crate::error::Error;
 use crate::study::{Runner, or_nan, word};
 
 /// Amplitudes of smooth displacements, in particle spacings.
@@ -108,7 +109,7 @@ fn required(shape: ShapeChoice, quadrature: Quadrature, mesh: f64) -> Option<f64
 ///
 /// # Errors
 /// No threads.
-pub fn displaced(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec<Displacement>, String> {
+pub fn displaced(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec<Displacement>, Error> {
     let mut cases = Vec::new();
     for mesh in MESHES {
         for (shape, quadrature) in SCHEMES {
@@ -117,17 +118,16 @@ pub fn displaced(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<V
     }
     let scene = |case: &(f64, ShapeChoice, Quadrature, &str, Displaced)| {
         let &(mesh, shape, quadrature, _, displaced) = case;
-        let mut scene = column(base, Integrator::QuasiStatic, shape, mesh)?;
+        let scene = column(base, Integrator::QuasiStatic, shape, mesh)?;
         let even = displaced.smooth == 0.0 && displaced.jitter == 0.0;
-        scene =
-            scene.edited(|scene| (scene.quadrature, scene.displaced) = (quadrature, (!even).then_some(displaced)))?;
-        Ok(scene)
+        Ok(scene.edited(|scene| (scene.quadrature, scene.displaced) = (quadrature, (!even).then_some(displaced)))?)
     };
-    let scenes: Vec<Result<Scene, String>> = cases.iter().map(scene).collect();
+    let scenes: Vec<Result<Scene, Error>> = cases.iter().map(scene).collect();
     let results = run_all(&scenes, ("displaced", false), runner)?;
     *cpu_s += results.iter().flatten().map(|r| r.cpu_s).sum::<f64>();
-    let row = |((mesh, shape, quadrature, kind, d), result): (&(f64, _, _, &str, Displaced), _)| {
-        let (max, late, profile, failure) = errors(result);
+    let row = |((case, scene), result): ((&(f64, _, _, &str, Displaced), _), &Option<_>)| {
+        let (mesh, shape, quadrature, kind, d) = case;
+        let (max, late, profile, failure) = errors(scene, result.as_ref());
         let required = required(*shape, *quadrature, *mesh);
         Displacement {
             kind: (*kind).to_owned(),
@@ -146,26 +146,25 @@ pub fn displaced(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<V
             failure,
         }
     };
-    Ok(cases.iter().zip(&results).map(row).collect())
+    Ok(cases.iter().zip(&scenes).zip(&results).map(row).collect())
 }
 
 /// Runs every offset of the mesh with `bspline2`, fitted weights, on both meshes.
 ///
 /// # Errors
 /// No threads.
-pub fn shifted(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec<Shift>, String> {
+pub fn shifted(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec<Shift>, Error> {
     let (shape, quadrature) = SCHEMES[0];
     let cases: Vec<(f64, f64)> = MESHES.iter().flat_map(|mesh| SHIFTS.map(|shift| (*mesh, shift))).collect();
     let scene = |(mesh, shift): &(f64, f64)| {
-        let scene = column(base, Integrator::QuasiStatic, shape, *mesh)?
-            .edited(|scene| (scene.quadrature, scene.shift) = (quadrature, *shift))?;
-        Ok(scene)
+        Ok(column(base, Integrator::QuasiStatic, shape, *mesh)?
+            .edited(|scene| (scene.quadrature, scene.shift) = (quadrature, *shift))?)
     };
-    let scenes: Vec<Result<Scene, String>> = cases.iter().map(scene).collect();
+    let scenes: Vec<Result<Scene, Error>> = cases.iter().map(scene).collect();
     let results = run_all(&scenes, ("shifted", false), runner)?;
     *cpu_s += results.iter().flatten().map(|r| r.cpu_s).sum::<f64>();
-    let row = |((mesh, shift), result): (&(f64, f64), _)| {
-        let (max, late, profile, failure) = errors(result);
+    let row = |(((mesh, shift), scene), result): ((&(f64, f64), _), &Option<_>)| {
+        let (max, late, profile, failure) = errors(scene, result.as_ref());
         let required = required(shape, quadrature, *mesh);
         Shift {
             shift: *shift,
@@ -181,7 +180,7 @@ pub fn shifted(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec
             failure,
         }
     };
-    Ok(cases.iter().zip(&results).map(row).collect())
+    Ok(cases.iter().zip(&scenes).zip(&results).map(row).collect())
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use mpm_core::stability::stable_limit;
 use serde::{Deserialize, Serialize};
 
 use super::{MESHES, PARTICLES, column, errors, run_all};
+use crate::error::Error;
 use crate::norms::{largest, relative};
 use crate::study::{CaseResult, Runner, or_nan, word};
 
@@ -80,16 +81,16 @@ impl TimeError {
 ///
 /// # Errors
 /// No threads.
-pub fn sweep(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec<TimeError>, String> {
+pub fn sweep(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec<TimeError>, Error> {
     let mut rows = chosen_steps(base, runner, cpu_s)?;
     rows.extend(given_steps(base, runner, cpu_s)?);
     Ok(rows)
 }
 
 /// The sample values of U; empty for a run that failed.
-fn degrees(result: &Result<CaseResult, String>) -> Vec<f64> {
+fn degrees(result: Option<&CaseResult>) -> Vec<f64> {
     match result {
-        Ok(r) if r.failure.is_none() => r.degrees.iter().map(|d| d.u).collect(),
+        Some(r) if r.failure.is_none() => r.degrees.iter().map(|d| d.u).collect(),
         _ => Vec::new(),
     }
 }
@@ -102,11 +103,10 @@ fn largest_difference(u: &[f64], reference: &[f64]) -> f64 {
     largest(u.iter().zip(reference).map(|(u, r)| relative(*u, *r)))
 }
 
-fn row(scene: &Result<Scene, String>, result: &Result<CaseResult, String>, reference: &[f64]) -> Option<TimeError> {
+fn row(scene: &Result<Scene, Error>, run: Option<&CaseResult>, reference: &[f64]) -> Option<TimeError> {
+    let (max, _, _, failure) = errors(scene, run);
     let scene = scene.as_ref().ok()?;
-    let (max, _, _, failure) = errors(result);
     let own_steps = scene.integrator == Integrator::QuasiStatic;
-    let run = result.as_ref().ok();
     let count = |of: fn(&CaseResult) -> u64| run.map_or(0, of);
     Some(TimeError {
         integrator: word(scene.integrator),
@@ -124,18 +124,17 @@ fn row(scene: &Result<Scene, String>, result: &Result<CaseResult, String>, refer
         factorisations: count(|r| r.factorisations),
         solves: count(|r| r.solves),
         cpu_s: run.map_or(f64::NAN, |r| r.cpu_s),
-        time_error: largest_difference(&degrees(result), reference),
+        time_error: largest_difference(&degrees(run), reference),
         max_error_compressible: max,
         failure,
     })
 }
 
 /// Quasi-static runs over tolerances.
-fn chosen_steps(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec<TimeError>, String> {
+fn chosen_steps(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec<TimeError>, Error> {
     let scene = |mesh: f64, method: TimeMethod, tolerance: f64| {
-        let scene = column(base, Integrator::QuasiStatic, ShapeChoice::Bspline2, mesh)?
-            .edited(|scene| (scene.method, scene.tolerance) = (method, tolerance))?;
-        Ok(scene)
+        Ok(column(base, Integrator::QuasiStatic, ShapeChoice::Bspline2, mesh)?
+            .edited(|scene| (scene.method, scene.tolerance) = (method, tolerance))?)
     };
     let mut rows = Vec::new();
     for mesh in MESHES {
@@ -145,28 +144,29 @@ fn chosen_steps(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Ve
         }
         let results = run_all(&scenes, (&format!("tolerance-L{mesh}"), true), runner)?;
         *cpu_s += results.iter().flatten().map(|r| r.cpu_s).sum::<f64>();
-        let reference = degrees(&results[0]);
-        rows.extend(scenes.iter().zip(&results).skip(1).filter_map(|(scene, result)| row(scene, result, &reference)));
+        let reference = degrees(results[0].as_ref());
+        rows.extend(
+            scenes.iter().zip(&results).skip(1).filter_map(|(scene, result)| row(scene, result.as_ref(), &reference)),
+        );
     }
     Ok(rows)
 }
 
 /// Explicit and semi-implicit runs over steps.
-fn given_steps(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec<TimeError>, String> {
+fn given_steps(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec<TimeError>, Error> {
     let scene = |(integrator, shape): (Integrator, ShapeChoice), share: f64| {
-        let scene = column(base, integrator, shape, GIVEN_MESH)?
-            .edited(|scene| scene.step = StepChoice::Fixed(share * stable_limit(scene)))?;
-        Ok(scene)
+        Ok(column(base, integrator, shape, GIVEN_MESH)?
+            .edited(|scene| scene.step = StepChoice::Fixed(share * stable_limit(scene)))?)
     };
-    let scenes: Vec<Result<Scene, String>> =
+    let scenes: Vec<Result<Scene, Error>> =
         GIVEN.iter().flat_map(|family| SHARES.map(|share| scene(*family, share))).collect();
     let results = run_all(&scenes, ("step", true), runner)?;
     *cpu_s += results.iter().flatten().map(|r| r.cpu_s).sum::<f64>();
     let mut rows = Vec::new();
     for (scenes, results) in scenes.chunks(SHARES.len()).zip(results.chunks(SHARES.len())) {
-        let [long, short] = [1, 2].map(|place| degrees(&results[place]));
+        let [long, short] = [1, 2].map(|place| degrees(results[place].as_ref()));
         let reference: Vec<f64> = long.iter().zip(&short).map(|(long, short)| 2.0 * short - long).collect();
-        rows.extend(scenes.iter().zip(results).filter_map(|(scene, result)| row(scene, result, &reference)));
+        rows.extend(scenes.iter().zip(results).filter_map(|(scene, result)| row(scene, result.as_ref(), &reference)));
     }
     Ok(rows)
 }

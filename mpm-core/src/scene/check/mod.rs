@@ -20,11 +20,10 @@ mod together;
 use super::patch::{Source, Unreadable};
 use super::raw::{RawMesh, RawObserve, RawScene, RawSoil, RawStage, RawStrip, RawUntil, RawWater};
 use super::{
-    Dimension, Fields, Integrator, LoadOn, LoadedStrip, PAPER_STEP, Scene, Side, SolidSide, Stage, Start, StepChoice,
-    Surcharge, Until, WaterProperties,
+    Dimension, Fields, Integrator, LoadOn, LoadedStrip, Scene, Side, SolidSide, Stage, Start, Surcharge, Until,
+    WaterProperties,
 };
 use crate::error::SceneError;
-use crate::stability::stable_limit;
 
 /// Longest name of a scene, characters.
 const LONGEST_NAME: usize = 64;
@@ -42,8 +41,6 @@ const IMPLICIT_BYTES_PER_CELL: [f64; 2] = [3_000.0, 30_000.0];
 const POSITIVE: [f64; 2] = [1e-30, 1e30];
 /// Soil with fewer pores has none to speak of, and water with fewer grains is no soil.
 const LEAST_PORES: f64 = 1e-6;
-/// More steps than this are a mistake in the scene: a century of computing.
-const STEP_LIMIT: f64 = 1e14;
 /// A run that needs more than this is refused before it starts, bytes.
 const MEMORY_LIMIT: f64 = 16.0 * GIB;
 const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
@@ -71,12 +68,18 @@ struct Reader<'a> {
     source: &'a Source,
 }
 
-/// The scene of a file and what was changed of it.
-pub(super) fn check(source: &Arc<Source>) -> Checked<Scene> {
+/// The scene of a file and what was changed of it, and the place of its stages.
+pub(super) fn check(source: &Arc<Source>) -> Checked<(Scene, Range<usize>)> {
     let table = source.table().map_err(|why| unreadable(source, why))?;
     let reader = Reader { source };
     let raw = RawScene::deserialize(toml::Deserializer::from(table)).map_err(|error| reader.syntax(&error))?;
-    Ok(Scene { fields: reader.scene(&raw)?, source: Arc::clone(source) })
+    let scene = Scene { fields: reader.scene(&raw)?, source: Arc::clone(source) };
+    Ok((scene, raw.stages.span()))
+}
+
+/// Refuses what is at a place.
+pub(super) fn refused<T>(source: &Source, at: &Range<usize>, key: &str, expected: &str, found: String) -> Checked<T> {
+    Reader { source }.refuse(at, key, expected, found)
 }
 
 /// In the words of a scene.
@@ -297,31 +300,7 @@ impl Reader<'_> {
             scene.light_nodes = scene.usual_light_nodes();
         }
         self.fits_together(raw, &scene)?;
-        self.number_of_steps(raw, &scene)?;
         Ok(scene)
-    }
-
-    /// Values at the edge of what a number can hold make steps of no length or runs without end.
-    fn number_of_steps(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
-        let step = match scene.step {
-            StepChoice::Auto => scene.safety * stable_limit(scene),
-            StepChoice::Fixed(step) => step,
-            StepChoice::Paper => PAPER_STEP,
-        };
-        let time: f64 = scene
-            .stages
-            .iter()
-            .map(|stage| match stage.until {
-                Until::Time(time) => time,
-                Until::PorePressure { at_most, .. } | Until::Rest { at_most, .. } => at_most,
-            })
-            .sum();
-        let steps = time / step;
-        if steps.is_finite() && steps <= STEP_LIMIT {
-            return Ok(());
-        }
-        let found = format!("{time:.3e} s in steps of {step:.3e} s");
-        self.refuse(&raw.stages.span(), "stages.until", &format!("a run of at most {STEP_LIMIT:.0e} steps"), found)
     }
 
     fn divides(&self, mesh: &RawMesh, cell: f64, length: f64, name: &str) -> Checked<usize> {

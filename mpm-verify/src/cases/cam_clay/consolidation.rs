@@ -5,7 +5,7 @@
 use mpm_core::scene::{Fields, Scene};
 
 use super::super::degree::Degree;
-use super::super::{FASTER, Mutant, Outcome, Rung, asked, faster, integrator, scheme, sound};
+use super::super::{Error, FASTER, Lacks, Mutant, Outcome, Rung, Unfit, asked, faster, integrator, scheme, sound};
 use crate::exact::oracle::Table;
 
 /// The rung.
@@ -23,12 +23,12 @@ const WHOLE: f64 = 0.138_633_760_970_038_43;
 const FIRST: usize = 2;
 
 /// The scene, and its settlement over its height at a time (s).
-fn layer() -> Result<(Scene, impl Fn(f64) -> f64), String> {
-    let scene = crate::scenes::built_in("soft-layer").ok_or("no such scene")?.map_err(|e| e.to_string())?;
-    let soil = scene.cam_clay.ok_or("not Cam-Clay")?;
+fn layer() -> Result<(Scene, impl Fn(f64) -> f64), Error> {
+    let scene = crate::scenes::built_in("soft-layer")?;
+    let soil = scene.cam_clay.ok_or(Unfit("not Cam-Clay"))?;
     let table = Table::parse(include_str!("../../../../reference-data/exact/13_cam_clay_consolidation.csv"));
     let rows = table.rows(["tau", "S_over_H"]);
-    let rate = scene.water.ok_or("no water")?.mobility() * soil.attraction / (scene.height * scene.height);
+    let rate = scene.water.ok_or(Lacks("water"))?.mobility() * soil.attraction / (scene.height * scene.height);
     let height = scene.height;
     let exact = move |time: f64| {
         // Between the rows of the table there is no number.
@@ -38,7 +38,7 @@ fn layer() -> Result<(Scene, impl Fn(f64) -> f64), String> {
     Ok((scene, exact))
 }
 
-fn quasi_static(fault: fn(&mut Fields)) -> Result<Outcome, String> {
+fn quasi_static(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let (mut base, exact) = layer()?;
     base = base.edited(|base| base.history = 0)?;
     let degree = Degree::of_whole(&base, WHOLE * base.height, &exact).from(base.observe_times[FIRST]);

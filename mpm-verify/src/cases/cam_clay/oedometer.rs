@@ -4,7 +4,7 @@ use mpm_core::constitutive::ModifiedCamClay;
 use mpm_core::scene::{CamClay, Dimension, ShapeChoice};
 
 use super::super::evidence::{Parameter, Sampled};
-use super::super::{Mutant, Outcome, Rung, finished, integrator};
+use super::super::{Error, Lacks, Mutant, Outcome, Rung, finished, integrator};
 use super::{FLATTER, REQUIRED, SOIL, flatter, own};
 use crate::element::Element;
 use crate::exact::cam_clay::at_rest;
@@ -34,10 +34,10 @@ const PARTS: [u32; 4] = [64, 128, 256, 512];
 /// What is refined.
 const PART: Parameter = ("step, share of a row", "-");
 
-fn climb(fault: fn(CamClay) -> CamClay) -> Result<Outcome, String> {
+fn climb(fault: fn(CamClay) -> CamClay) -> Result<Outcome, Error> {
     let table = Table::parse(include_str!("../../../../reference-data/exact/13_cam_clay_oedometer.csv"));
     let rows = table.rows(["eps", "sigma_v_over_a", "K0"]);
-    let rest = at_rest(&SOIL).ok_or("no K_0")?;
+    let rest = at_rest(&SOIL).ok_or(Lacks("K_0"))?;
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for parts in PARTS {
         samples.clear();
@@ -84,9 +84,9 @@ const STIFF: f64 = 0.01;
 const STRAIN: f64 = 0.149_235_500_269_318_5;
 
 /// The settlement at rest.
-fn by_particles(fault: fn(CamClay) -> CamClay) -> Result<Outcome, String> {
+fn by_particles(fault: fn(CamClay) -> CamClay) -> Result<Outcome, Error> {
     let mut base = crate::scenes::oedometer();
-    let load = base.surcharge.ok_or("no load")?.pressure;
+    let load = base.surcharge.ok_or(Lacks("load"))?.pressure;
     let attraction = 0.25 * load;
     let soil = CamClay { lambda: STIFF * SOIL.lambda, kappa: STIFF * SOIL.kappa, attraction, ..SOIL };
     base = base.edited(|base| (base.strength, base.cam_clay) = (None, Some(fault(soil))))?;
@@ -106,7 +106,7 @@ fn by_particles(fault: fn(CamClay) -> CamClay) -> Result<Outcome, String> {
                 scene.width = scene.width.max(scene.cell);
             })?;
             let run = finished(&scene)?;
-            let last = run.samples.last().ok_or("no sample")?;
+            let last = run.samples.last().ok_or(Lacks("sample"))?;
             let error = last.state.settlement / exact - 1.0;
             worst = worst.max(error.abs());
             samples.push(Sampled {

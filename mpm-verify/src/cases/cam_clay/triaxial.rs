@@ -4,7 +4,7 @@ use mpm_core::constitutive::ModifiedCamClay;
 use mpm_core::scene::CamClay;
 
 use super::super::evidence::{Parameter, Sampled};
-use super::super::{Mutant, Outcome, Rung};
+use super::super::{Error, Mutant, Outcome, Rung, Unfit};
 use super::{FLATTER, REQUIRED, SOIL, flatter, own};
 use crate::element::Element;
 use crate::exact::cam_clay::Triaxial;
@@ -59,9 +59,9 @@ fn path(
     ratio: f64,
     soil: CamClay,
     step: f64,
-    advance: impl Fn(&mut Element<ModifiedCamClay>, f64) -> Result<(), String>,
+    advance: impl Fn(&mut Element<ModifiedCamClay>, f64) -> Result<(), Error>,
     compared: impl Fn(&Element<ModifiedCamClay>, bool) -> Values,
-) -> Result<Vec<Sampled>, String> {
+) -> Result<Vec<Sampled>, Error> {
     let mut element = Element::new(ModifiedCamClay::new(&soil), [-START, -START, -START, 0.0]);
     let (first, m) = (element.state[0], SOIL.critical_slope);
     let mut samples = Vec::new();
@@ -92,13 +92,13 @@ fn path(
             return Ok(samples);
         }
         if along > 1.0 {
-            return Err("critical state was not reached".to_owned());
+            return Err(Unfit("critical state was not reached"));
         }
     }
 }
 
 /// The outcome of paths at all steps.
-fn refined(paths: impl Fn(f64) -> Result<Vec<Sampled>, String>) -> Result<Outcome, String> {
+fn refined(paths: impl Fn(f64) -> Result<Vec<Sampled>, Error>) -> Result<Outcome, Error> {
     let mut errors = Vec::new();
     let mut samples = Vec::new();
     for step in STEPS {
@@ -117,7 +117,7 @@ fn refined(paths: impl Fn(f64) -> Result<Vec<Sampled>, String>) -> Result<Outcom
     })
 }
 
-fn drained(fault: Fault) -> Result<Outcome, String> {
+fn drained(fault: Fault) -> Result<Outcome, Error> {
     refined(|step| {
         let mut all = Vec::new();
         for bulk in [None, Some(5e6)] {
@@ -140,7 +140,7 @@ fn drained(fault: Fault) -> Result<Outcome, String> {
     })
 }
 
-fn undrained(fault: Fault) -> Result<Outcome, String> {
+fn undrained(fault: Fault) -> Result<Outcome, Error> {
     refined(|step| {
         let mut all = Vec::new();
         for ratio in RATIOS {

@@ -6,6 +6,7 @@ use super::super::Outcome;
 use super::super::evidence::Sampled;
 use super::{CELL_PRESSURE, at_row, exact_on_paths, law};
 use crate::element::Element;
+use crate::error::Error::{self, Unfit};
 use crate::exact::oracle::Table;
 
 /// A way to compress an element.
@@ -20,14 +21,14 @@ pub(super) struct Compression {
 
 impl Compression {
     /// All rows: stresses as shares of the largest stress, strains of the largest strain.
-    pub fn outcome(&self, strength: &Strength) -> Result<Outcome, String> {
+    pub fn outcome(&self, strength: &Strength) -> Result<Outcome, Error> {
         let rows = Table::parse(self.table).rows(["eps_yy", "eps_xx", "sxx_Pa", "syy_Pa", "szz_Pa"]);
         exact_on_paths(rows.len(), |parts| self.path(strength, &rows, parts))
     }
 
     /// Stresses and the lateral strain at all rows, from row to row in so many steps.
-    fn path(&self, strength: &Strength, rows: &[[f64; 5]], parts: u32) -> Result<Vec<Sampled>, String> {
-        let last = rows.last().ok_or("an empty table")?;
+    fn path(&self, strength: &Strength, rows: &[[f64; 5]], parts: u32) -> Result<Vec<Sampled>, Error> {
+        let last = rows.last().ok_or(Unfit("an empty table"))?;
         let (most, farthest) = (last[3].abs(), last[0].abs());
         let mut element = Element::new(law(strength), [-CELL_PRESSURE, -CELL_PRESSURE, -CELL_PRESSURE, 0.0]);
         let (mut samples, mut before) = (Vec::new(), 0.0);

@@ -18,6 +18,7 @@ use mpm_core::scene::{Elastic, Strength};
 
 use super::Outcome;
 use super::evidence::{Refinement, Sampled};
+use crate::error::Error;
 use crate::norms::largest;
 
 /// The soil of all tables of family 10.
@@ -52,11 +53,11 @@ fn at_row(quantity: &str, share: f64, [computed, exact]: [f64; 2], scale: f64) -
 
 /// What an element test found whose law is exact however it gets from row to row of its table; `path` takes so many steps
 /// between `rows` rows.
-fn exact_on_paths(rows: usize, path: impl Fn(u32) -> Result<Vec<Sampled>, String>) -> Result<Outcome, String> {
+fn exact_on_paths(rows: usize, path: impl Fn(u32) -> Result<Vec<Sampled>, Error>) -> Result<Outcome, Error> {
     let samples = path(1)?;
     let step = |parts: u32| 1.0 / (rows as f64 * f64::from(parts));
     let error = |parts: u32| Ok((step(parts), largest(path(parts)?.iter().map(|s| s.error))));
-    let errors = [1, 2, 4, 8].into_iter().map(error).collect::<Result<Vec<_>, String>>()?;
+    let errors = [1, 2, 4, 8].into_iter().map(error).collect::<Result<Vec<_>, Error>>()?;
     let found = outcome("element test", errors[..1].to_vec(), EXACT, None);
     let against = "the table, each of its rows reached in 1, 2, 4 and 8 steps: exact in every one";
     let finer = Refinement { required_error: Some(EXACT), ..Refinement::new(PATH, errors, against) };

@@ -5,7 +5,7 @@ use mpm_core::scene::{Dimension, Fields, Scene, ShapeChoice};
 
 use super::super::evidence::{MESH, Refinement};
 use super::super::looks::{Look, Looks, in_particles};
-use super::super::{Mutant, Outcome, Rung, finished, integrator, scheme};
+use super::super::{Error, Lacks, Mutant, Outcome, Rung, Unfit, finished, integrator, scheme};
 use crate::exact::oedometer::Oedometer;
 use crate::norms::largest;
 
@@ -18,7 +18,7 @@ pub const RUNG: Rung = Rung {
 };
 
 /// A friction angle that is one degree off.
-fn mutant() -> Result<Outcome, String> {
+fn mutant() -> Result<Outcome, Error> {
     settles(|scene| {
         if let Some(strength) = &mut scene.strength {
             strength.friction_angle += 1.0;
@@ -27,10 +27,10 @@ fn mutant() -> Result<Outcome, String> {
 }
 
 /// The settlement at rest of columns and blocks. Strains of q/M = 5e-4 change volumes by as much.
-fn settles(change: impl Fn(&mut Fields)) -> Result<Outcome, String> {
+fn settles(change: impl Fn(&mut Fields)) -> Result<Outcome, Error> {
     let base = crate::scenes::oedometer();
     let looks_at = |mut scene: Scene| {
-        let exact = Oedometer::new(&scene).ok_or("soil without strength")?;
+        let exact = Oedometer::new(&scene).ok_or(Unfit("soil without strength"))?;
         scene = scene.edited(&change)?;
         looks(&finished(&scene)?, &scene, &exact)
     };
@@ -46,7 +46,7 @@ fn settles(change: impl Fn(&mut Fields)) -> Result<Outcome, String> {
         let scene = base.with_rows(*rows)?;
         Ok((scene.cell, looks_at(scene)?.error()))
     };
-    let meshes = [5, 10, 20, 40].iter().map(meshed).collect::<Result<_, String>>()?;
+    let meshes = [5, 10, 20, 40].iter().map(meshed).collect::<Result<_, Error>>()?;
     let against = "the exact solution, a column of centre values: a uniform strain has no error of the mesh";
     let with = |particles_per_cell| looks_at(base.edited(|s| s.particles_per_cell = particles_per_cell)?);
     Ok(Outcome {
@@ -65,9 +65,9 @@ fn settles(change: impl Fn(&mut Fields)) -> Result<Outcome, String> {
 }
 
 /// The settlement over the last one, under the load of the time; the end, at rest, counts.
-fn looks(run: &Run, scene: &Scene, exact: &Oedometer) -> Result<Looks, String> {
-    let load = scene.surcharge.ok_or("no load")?;
-    let last = run.samples.last().ok_or("no sample")?;
+fn looks(run: &Run, scene: &Scene, exact: &Oedometer) -> Result<Looks, Error> {
+    let load = scene.surcharge.ok_or(Lacks("load"))?;
+    let last = run.samples.last().ok_or(Lacks("sample"))?;
     let whole = scene.height * exact.strain(load.pressure);
     let look = |s: &Sample| {
         let expected = scene.height * exact.strain(load.at(s.stage_time));

@@ -7,7 +7,7 @@ use mpm_core::constitutive::Law;
 use mpm_core::scene::Strength;
 use nalgebra::{Matrix3, SymmetricEigen};
 
-use super::super::{Mutant, Outcome, Rung};
+use super::super::{Error, Mutant, Outcome, Rung};
 use super::{STRENGTH, law, outcome};
 use crate::exact::oracle::Table;
 use crate::norms::largest;
@@ -31,19 +31,19 @@ pub const NOT_ASSOCIATED: Rung = Rung {
 const ALONG: Strength = Strength { dilation_angle: STRENGTH.friction_angle, ..STRENGTH };
 
 /// A friction angle that is one degree off.
-fn mutant() -> Result<Outcome, String> {
+fn mutant() -> Result<Outcome, Error> {
     let strength = Strength { friction_angle: 31.0, dilation_angle: 31.0, ..STRENGTH };
     returns(include_str!("../../../../reference-data/exact/10_mc_return_associated.csv"), &strength)
 }
 
 /// The flow rule of the other table.
-fn swapped_mutant() -> Result<Outcome, String> {
+fn swapped_mutant() -> Result<Outcome, Error> {
     returns(include_str!("../../../../reference-data/exact/10_mc_return_nonassociated.csv"), &ALONG)
 }
 
 /// Largest difference of any component over all rows, as a share of the row's largest trial stress; 1 where the region is
 /// another one.
-fn returns(table: &str, strength: &Strength) -> Result<Outcome, String> {
+fn returns(table: &str, strength: &Strength) -> Result<Outcome, Error> {
     let law = law(strength);
     let parts = ["xx", "yy", "zz", "xy", "yz", "zx"];
     let names: [String; 13] = std::array::from_fn(|i| match i {

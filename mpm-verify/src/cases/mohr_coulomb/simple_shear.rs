@@ -4,7 +4,7 @@
 use mpm_core::scene::Strength;
 
 use super::super::evidence::Sampled;
-use super::super::{Mutant, Outcome, Rung};
+use super::super::{Error, Mutant, Outcome, Rung, Unfit};
 use super::{CELL_PRESSURE, STRENGTH, at_row, exact_on_paths, law, outcome};
 use crate::element::Element;
 use crate::exact::oracle::Table;
@@ -29,16 +29,16 @@ pub const ISOTROPIC: Rung = Rung {
 const K0: &str = include_str!("../../../../reference-data/exact/10_mc_simple_shear_K0.csv");
 
 /// A friction angle that is one degree off.
-fn mutant() -> Result<Outcome, String> {
+fn mutant() -> Result<Outcome, Error> {
     from_k0(&Strength { friction_angle: 29.0, ..STRENGTH })
 }
 
 /// The same.
-fn isotropic_mutant() -> Result<Outcome, String> {
+fn isotropic_mutant() -> Result<Outcome, Error> {
     isotropic(&Strength { friction_angle: 29.0, ..STRENGTH })
 }
 
-fn from_k0(strength: &Strength) -> Result<Outcome, String> {
+fn from_k0(strength: &Strength) -> Result<Outcome, Error> {
     let rows = rows(K0);
     let mut errors = Vec::new();
     let mut samples = Vec::new();
@@ -50,7 +50,7 @@ fn from_k0(strength: &Strength) -> Result<Outcome, String> {
     Ok(Outcome { samples, ..outcome("element test", errors, 2e-4, Some([0.95, 1.05])) })
 }
 
-fn isotropic(strength: &Strength) -> Result<Outcome, String> {
+fn isotropic(strength: &Strength) -> Result<Outcome, Error> {
     let rows = rows(include_str!("../../../../reference-data/exact/10_mc_simple_shear_iso.csv"));
     exact_on_paths(rows.len() - 1, |parts| shear(&rows, strength, parts))
 }
@@ -61,8 +61,8 @@ fn rows(table: &str) -> Vec<[f64; 4]> {
 }
 
 /// The shear stress at the rows of a table, as a share of its largest; from row to row in so many steps.
-fn shear(rows: &[[f64; 4]], strength: &Strength, parts: u32) -> Result<Vec<Sampled>, String> {
-    let ends = (rows.first().ok_or("an empty table")?, rows.last().ok_or("an empty table")?);
+fn shear(rows: &[[f64; 4]], strength: &Strength, parts: u32) -> Result<Vec<Sampled>, Error> {
+    let ends = (rows.first().ok_or(Unfit("an empty table"))?, rows.last().ok_or(Unfit("an empty table"))?);
     let ([_, _, xx, zz], [farthest, most, ..]) = ends;
     let mut element = Element::new(law(strength), [*xx, -CELL_PRESSURE, *zz, 0.0]);
     let (mut samples, mut before) = (Vec::new(), 0.0);

@@ -4,7 +4,7 @@
 
 use mpm_core::scene::Strength;
 
-use super::super::{Mutant, Outcome, Rung};
+use super::super::{Error, Mutant, Outcome, Rung};
 use super::compression::Compression;
 use super::{CELL_PRESSURE, STRENGTH};
 
@@ -23,6 +23,6 @@ const COMPRESSION: Compression = Compression {
 };
 
 /// Flow along the surface, where the table has none of the volume.
-fn mutant() -> Result<Outcome, String> {
+fn mutant() -> Result<Outcome, Error> {
     COMPRESSION.outcome(&Strength { dilation_angle: STRENGTH.friction_angle, ..STRENGTH })
 }

@@ -4,6 +4,7 @@ use mpm_core::scene::{Clock, Dimension, Feed, Integrator, LoadOn, Scene, Side, S
 
 use super::columns::{Consolidation, DryColumn, INERTIA};
 use crate::cases::mandel;
+use crate::error::Error;
 use crate::exact::boussinesq::Wetting;
 use crate::exact::dam::Dam;
 use crate::exact::infinite_slope::Seepage;
@@ -83,9 +84,9 @@ impl Solution {
 ///
 /// # Errors
 /// Key, what was expected and what was found.
-pub fn solution(scene: &Scene) -> Result<Solution, String> {
+pub fn solution(scene: &Scene) -> Result<Solution, Error> {
     if scene.cam_clay.is_some() {
-        return Err(refusal("soil.law", "linear_elastic or mohr_coulomb", "modified_cam_clay"));
+        return Err(Error::refused("soil.law", "linear_elastic or mohr_coulomb", "modified_cam_clay"));
     }
     even(scene)?;
     if scene.periodic {
@@ -112,97 +113,100 @@ pub fn solution(scene: &Scene) -> Result<Solution, String> {
     Consolidation::new(scene).map(|column| Solution::Wet(Box::new(column)))
 }
 
-/// `key: expected ..., found ...`.
-pub(super) fn refusal(key: &str, expected: &str, found: &str) -> String {
-    format!("{key}: expected {expected}, found {found}")
-}
-
-fn even(scene: &Scene) -> Result<(), String> {
+fn even(scene: &Scene) -> Result<(), Error> {
     if scene.displaced.is_some() || scene.shift > 0.0 {
         let (expected, found) =
             ("particles and cells in their even places", "displaced ones: their error has no order");
-        return Err(refusal("mesh", expected, found));
+        return Err(Error::refused("mesh", expected, found));
     }
     if scene.outline.is_some() {
-        return Err(refusal("[geometry]", "a column or a block: no exact solution has an outline", "an outline"));
+        return Err(Error::refused(
+            "[geometry]",
+            "a column or a block: no exact solution has an outline",
+            "an outline",
+        ));
     }
     if scene.observe_times.is_empty() {
-        return Err(refusal("[observe]", "times or time factors to compare at", "none"));
+        return Err(Error::refused("[observe]", "times or time factors to compare at", "none"));
     }
     Ok(())
 }
 
-fn integrator(scene: &Scene) -> Result<(), String> {
+fn integrator(scene: &Scene) -> Result<(), Error> {
     match scene.integrator {
         Integrator::Explicit | Integrator::SemiImplicit | Integrator::QuasiStatic => Ok(()),
         Integrator::TwoClocks | Integrator::Coupled => {
             let expected = "\"explicit\", \"semi-implicit\" or \"quasi-static\"";
-            Err(refusal("time.integrator", expected, &format!("\"{}\"", crate::study::word(scene.integrator))))
+            Err(Error::refused("time.integrator", expected, format!("\"{}\"", crate::study::word(scene.integrator))))
         }
     }
 }
 
-fn stages(scene: &Scene) -> Result<(), String> {
+fn stages(scene: &Scene) -> Result<(), Error> {
     let [stage] = scene.stages.as_slice() else {
         let expected =
             "one: what came before it is in no exact solution (start = \"undrained-equilibrium\" stands for it)";
-        return Err(refusal("[[stages]]", expected, &scene.stages.len().to_string()));
+        return Err(Error::refused("[[stages]]", expected, scene.stages.len().to_string()));
     };
     if stage.damping > 0.0 && scene.water.is_some() {
-        return Err(refusal("stages.damping", "none", &format!("{} 1/s", stage.damping)));
+        return Err(Error::refused("stages.damping", "none", format!("{} 1/s", stage.damping)));
     }
     if !matches!(stage.until, Until::Time(_)) {
-        return Err(refusal("stages.until", "time or time_factor", "an end that follows from the run"));
+        return Err(Error::refused("stages.until", "time or time_factor", "an end that follows from the run"));
     }
     Ok(())
 }
 
-fn block(scene: &Scene) -> Result<Solution, String> {
+fn block(scene: &Scene) -> Result<Solution, Error> {
     let exact = Mandel::new(scene).ok_or_else(|| {
         let expected = "Mandel's problem under it: start = \"unloaded\", a step load, left and bottom \"roller\", right and \
                         top \"free\", only the right side drained, no gravity";
-        refusal("surcharge.on", expected, "\"plate\" in another scene")
+        Error::refused("surcharge.on", expected, "\"plate\" in another scene")
     })?;
     if scene.strain != StrainChoice::Small {
-        return Err(refusal("soil.strain", "\"small\": Mandel's solution is that of small strains", "\"large\""));
+        return Err(Error::refused(
+            "soil.strain",
+            "\"small\": Mandel's solution is that of small strains",
+            "\"large\"",
+        ));
     }
     let late = scene.observe_times.iter().any(|time| mandel::counts(&exact, *time));
     if !late {
         let expected = format!("a time from T = c t/a^2 = {} on", mandel::TIME_FACTOR);
-        return Err(refusal("[observe]", &expected, "none"));
+        return Err(Error::refused("[observe]", &expected, "none"));
     }
     Ok(Solution::Block(exact))
 }
 
 /// A column that soil and water move along.
-fn column(scene: &Scene) -> Result<(), String> {
+fn column(scene: &Scene) -> Result<(), Error> {
     let load = scene.surcharge.map_or(LoadOn::Surface, |load| load.on);
     if !scene.is_one_dimensional() {
         let expected = "a level column between rollers, tight at its sides, under one load all over its top";
-        return Err(refusal("boundaries", expected, "a scene that moves in two dimensions"));
+        return Err(Error::refused("boundaries", expected, "a scene that moves in two dimensions"));
     }
     if load == LoadOn::Particles {
         let expected = "\"surface\": a load on the top row of particles leaves half a spacing above it unloaded, an error of \
                         first order in L";
-        return Err(refusal("surcharge.on", expected, "\"particles\""));
+        return Err(Error::refused("surcharge.on", expected, "\"particles\""));
     }
     if scene.surcharge.is_none() && scene.gravity.is_none() {
-        return Err(refusal("[surcharge]", "a load or gravity that the soil settles under", "neither"));
+        return Err(Error::refused("[surcharge]", "a load or gravity that the soil settles under", "neither"));
     }
     let load = scene.surcharge.map_or(0.0, |load| load.pressure);
     if load < 0.0 && (!scene.is_elastic() || scene.separation.is_some()) {
         let expected = "compression: soil with a strength or a tension gap has no exact solution in extension";
-        return Err(refusal("surcharge.pressure", expected, &format!("{load} Pa")));
+        return Err(Error::refused("surcharge.pressure", expected, format!("{load} Pa")));
     }
     if !scene.is_elastic() && (!scene.layers.is_empty() || scene.start == Start::Geostatic) {
         let expected = "one soil that is loaded from no stress where it may yield";
-        return Err(refusal("soil.law", expected, "layers or start = \"geostatic\""));
+        return Err(Error::refused("soil.law", expected, "layers or start = \"geostatic\""));
     }
     Ok(())
 }
 
 /// What the waves of a dynamic wet column may do to a solution without them.
-fn waves(scene: &Scene) -> Result<(), String> {
+fn waves(scene: &Scene) -> Result<(), Error> {
     let period = scene.height * (scene.mixture_density() / (scene.oedometer_modulus() + scene.pore_stiffness())).sqrt();
     let (ramp, weight) = (scene.surcharge.map_or(0.0, |s| s.ramp_time), scene.gravity.is_some());
     if scene.start == Start::Unloaded && (ramp < period || weight) {
@@ -211,7 +215,7 @@ fn waves(scene: &Scene) -> Result<(), String> {
              \"undrained-equilibrium\"): no mesh carries the shock of a sudden load"
         );
         let found = if weight { "gravity that acts at once".to_owned() } else { format!("{ramp} s") };
-        return Err(refusal("surcharge.ramp_time", &expected, &found));
+        return Err(Error::refused("surcharge.ramp_time", &expected, &found));
     }
     if scene.darcy_inertia && scene.inertia_feeds_waves() {
         let expected = format!(
@@ -220,31 +224,31 @@ fn waves(scene: &Scene) -> Result<(), String> {
             scene.undrained_share(),
             scene.water.map_or(0.0, |water| water.density) / scene.mixture_density()
         );
-        return Err(refusal("scheme.darcy_inertia", &expected, "true"));
+        return Err(Error::refused("scheme.darcy_inertia", &expected, "true"));
     }
     Ok(())
 }
 
 /// Refuses a column drained in another way whose inertia shows at every time.
-pub(super) fn inertia_shows(share: f64, time: f64) -> String {
+pub(super) fn inertia_shows(share: f64, time: f64) -> Error {
     let expected = format!(
         "a soil slow enough (water.hydraulic_conductivity), or times late enough, that inertia takes at most {INERTIA} of the \
          load at one of them: no exact solution with inertia has both ends drained, layers or no drainage (or integrator = \
          \"quasi-static\")"
     );
-    refusal("stages.drained", &expected, &format!("{share:.2e} at {time:.3e} s"))
+    Error::refused("stages.drained", &expected, format!("{share:.2e} at {time:.3e} s"))
 }
 
 /// Water that moves through soil at rest.
-fn seepage(scene: &Scene) -> Result<Solution, String> {
+fn seepage(scene: &Scene) -> Result<Solution, Error> {
     let (free, water) = (scene.free_surface.as_ref(), scene.water);
     let (Some(free), Some(water)) = (free, water) else {
-        return Err(refusal("[water]", "water with a free surface", "none"));
+        return Err(Error::refused("[water]", "water with a free surface", "none"));
     };
     let moved = scene.stages[0].clock != Clock::Seepage || !scene.layers.is_empty();
     if moved || free.wet.is_some() || free.level.is_some_and(|level| level > 0.0) {
         let expected = "dry or moist soil of one kind at rest, fed from t = 0";
-        return Err(refusal("water.free_surface", expected, "soil that moves, layers, or water at t = 0"));
+        return Err(Error::refused("water.free_surface", expected, "soil that moves, layers, or water at t = 0"));
     }
     let head = |side: Side| match free.feeds[side as usize] {
         Some(Feed::Head(head)) => Some(head),
@@ -267,68 +271,68 @@ fn seepage(scene: &Scene) -> Result<Solution, String> {
             let tail = head(Side::Right).unwrap_or(0.0);
             let dam = head(Side::Left).filter(|up| *up <= scene.height).and_then(|up| Dam::new(up, tail, scene.width));
             let expected = "heads H1 > H2 >= 0 within the height of the dam";
-            dam.map(Solution::Dam).ok_or_else(|| refusal("water.free_surface.feed", expected, &found))
+            dam.map(Solution::Dam).ok_or_else(|| Error::refused("water.free_surface.feed", expected, &found))
         }
         _ => {
             let expected =
                 "a head at the left, top or bottom alone (fronts), or at the left of a dam that drains at the right";
-            Err(refusal("water.free_surface.feed", expected, &found))
+            Err(Error::refused("water.free_surface.feed", expected, &found))
         }
     }
     .and_then(|solution| match &solution {
         Solution::Front(front) if !(front.head.is_finite() && front.head > 0.0) => {
-            Err(refusal("water.free_surface.feed", "a head above zero at the fed side", &found))
+            Err(Error::refused("water.free_surface.feed", "a head above zero at the fed side", &found))
         }
         _ => Ok(solution),
     })
 }
 
-fn mound(scene: &Scene, head: Option<f64>) -> Result<Solution, String> {
+fn mound(scene: &Scene, head: Option<f64>) -> Result<Solution, Error> {
     let (Some(head), Some(water)) = (head, scene.water) else {
-        return Err(refusal("water.free_surface.feed", "a head", "a velocity"));
+        return Err(Error::refused("water.free_surface.feed", "a head", "a velocity"));
     };
     let exact = Wetting::new(water.hydraulic_conductivity, scene.porosity, head);
     let within = |time: &&f64| (4.0 * head..scene.width).contains(&exact.front(**time));
     if scene.observe_times.iter().find(within).is_none() {
         let expected = "a time at which the tip of the water is between four heights and the end of the soil";
-        return Err(refusal("[observe]", expected, "none"));
+        return Err(Error::refused("[observe]", expected, "none"));
     }
     Ok(Solution::Mound(exact))
 }
 
-fn sliding(scene: &Scene) -> Result<Solution, String> {
+fn sliding(scene: &Scene) -> Result<Solution, Error> {
     let free =
         [Side::Left, Side::Right, Side::Top].iter().all(|side| scene.solid_sides[*side as usize] == SolidSide::Free);
     let stiff = scene.is_elastic() && scene.water.is_none() && scene.surcharge.is_none();
     let exact = Sliding::new(scene).filter(|_| free && stiff && scene.dimension == Dimension::PlaneStrain);
     let exact = exact.ok_or_else(|| {
         let expected = "a dry elastic block with free sides under gravity alone";
-        refusal("[base]", expected, "friction under another scene")
+        Error::refused("[base]", expected, "friction under another scene")
     })?;
     if exact.distance(*scene.observe_times.last().unwrap_or(&0.0)) <= 0.0 {
-        return Err(refusal("[base]", "a block that slides", "one that stays where it is"));
+        return Err(Error::refused("[base]", "a block that slides", "one that stays where it is"));
     }
     Ok(Solution::Sliding(exact))
 }
 
-fn slope(scene: &Scene) -> Result<Solution, String> {
+fn slope(scene: &Scene) -> Result<Solution, Error> {
     let strength = scene.strength.filter(|_| scene.slope_angle.is_some() && scene.free_surface.is_some());
     let (Some(_), Some(free), [Clock::Seepage, Clock::Soil]) =
         (strength, &scene.free_surface, scene.stages.iter().map(|stage| stage.clock).collect::<Vec<_>>().as_slice())
     else {
         let expected = "a periodic slope with a strength and a free surface, and two stages: seepage, then the soil";
-        return Err(refusal("boundaries", expected, "another periodic scene"));
+        return Err(Error::refused("boundaries", expected, "another periodic scene"));
     };
     let [psi, phi] = strength.map_or([0.0; 2], |s| [s.dilation_angle, s.friction_angle]);
     if psi > 0.0 && psi != phi {
         let expected = format!("0 or {phi} degrees: between them the strength of a slope is not unique");
-        return Err(refusal("soil.law.dilation_angle", &expected, &format!("{psi}")));
+        return Err(Error::refused("soil.law.dilation_angle", &expected, format!("{psi}")));
     }
     let depth = scene.height / scene.slope_angle.unwrap_or(0.0).to_radians().cos();
     let share = free.level.unwrap_or(0.0) / scene.height;
     if free.feeds.iter().any(Option::is_some) || !(0.0..=1.0).contains(&share) {
         let expected = "a level within the slope and no feed: water that flows along it";
-        return Err(refusal("water.free_surface", expected, "another seepage"));
+        return Err(Error::refused("water.free_surface", expected, "another seepage"));
     }
     Ok(Solution::Slope(depth, Seepage::Parallel { share }))
 }

@@ -3,8 +3,9 @@
 use mpm_core::drive::{Run, Sample};
 use mpm_core::scene::{Fields, Integrator, Scene, Side, Start, StrainChoice};
 
-use super::applies::{inertia_shows, refusal};
+use super::applies::inertia_shows;
 use crate::cases::looks::{Look, Looks, Norm};
+use crate::error::Error;
 use crate::exact::bar::Bar;
 use crate::exact::column::{Column, final_settlement};
 use crate::exact::dynamic::DynamicColumn;
@@ -47,10 +48,10 @@ impl Consolidation {
     ///
     /// # Errors
     /// Key, what was expected and what was found.
-    pub fn new(scene: &Scene) -> Result<Self, String> {
+    pub fn new(scene: &Scene) -> Result<Self, Error> {
         let column = Column::of(scene).ok_or_else(|| {
             let expected = "strains that leave water in the pores, so that the equations of the column have a solution";
-            refusal("[soil]", expected, "a column that runs out of pores")
+            Error::refused("[soil]", expected, "a column that runs out of pores")
         })?;
         let moves = scene.integrator != Integrator::QuasiStatic;
         let linear = Fields { strain: StrainChoice::Small, ..Fields::clone(scene) };
@@ -64,7 +65,7 @@ impl Consolidation {
         let largest = settlements.fold(1e-3 * final_settlement(scene, 0.0).abs(), f64::max);
         let excess = column.largest_excess;
         if largest == 0.0 && excess == 0.0 {
-            return Err(refusal("surcharge.pressure", "a load or a weight above zero", "0 Pa"));
+            return Err(Error::refused("surcharge.pressure", "a load or a weight above zero", "0 Pa"));
         }
         let facts = facts(scene, &column, inertia.as_ref(), from);
         Ok(Self {
@@ -167,7 +168,7 @@ fn beyond(off: f64, slack: f64) -> f64 {
 /// First time at which inertia takes less than [`INERTIA`] of the load where no exact solution has it, s.
 ///
 /// The soil above a drained base falls as a half space consolidates, by (q/M) sqrt(c t): what its mass needs, over q.
-fn from(scene: &Scene) -> Result<f64, String> {
+fn from(scene: &Scene) -> Result<f64, Error> {
     let soils = scene.by_layer();
     let fastest = soils.iter().map(|(_, soil)| {
         let storage = 1.0 / soil.oedometer_modulus() + 1.0 / soil.pore_stiffness();
@@ -268,10 +269,14 @@ impl DryColumn {
     ///
     /// # Errors
     /// Key, what was expected and what was found.
-    pub fn new(scene: &Scene) -> Result<Self, String> {
+    pub fn new(scene: &Scene) -> Result<Self, Error> {
         let final_load = scene.surcharge.map_or(0.0, |s| s.pressure);
         if scene.start == Start::UndrainedEquilibrium {
-            return Err(refusal("start", "\"unloaded\" or \"geostatic\"", "\"undrained-equilibrium\" of a dry column"));
+            return Err(Error::refused(
+                "start",
+                "\"unloaded\" or \"geostatic\"",
+                "\"undrained-equilibrium\" of a dry column",
+            ));
         }
         if scene.integrator == Integrator::QuasiStatic {
             return Ok(Self { bar: None, from: 0.0, final_load });
@@ -293,11 +298,11 @@ impl DryColumn {
         let period = swing.map_or(0.0, |bar| 4.0 * scene.height / bar.speed);
         if !scene.is_elastic() && ramp < 10.0 * period {
             let expected = format!("at least {:.3e} s, ten periods: what yields in a swing stays", 10.0 * period);
-            return Err(refusal("surcharge.ramp_time", &expected, &format!("{ramp} s")));
+            return Err(Error::refused("surcharge.ramp_time", &expected, format!("{ramp} s")));
         }
         if scene.observe_times.last().is_none_or(|time| *time < from) {
             let expected = format!("a time from {from:.3e} s on, when the swing has died (stages.damping)");
-            return Err(refusal("[observe]", &expected, "none"));
+            return Err(Error::refused("[observe]", &expected, "none"));
         }
         Ok(Self { bar: None, from, final_load })
     }

@@ -19,7 +19,9 @@ use self::applies::Solution;
 use super::evidence::{PARTICLES, Refinement, STEP, TOLERANCE};
 use super::looks::{Look, Looks};
 use super::verdict::{Climb, Outcome, judge};
-use super::{Rung, asked, block, boussinesq, finished, infinite_slope, integrator, mandel, scheme, wetting};
+use super::{
+    Error, Lacks, Rung, asked, block, boussinesq, finished, infinite_slope, integrator, mandel, scheme, wetting,
+};
 use crate::norms::worst;
 
 /// Largest error where it falls on refinement: 1 % cannot pass.
@@ -55,7 +57,7 @@ impl OwnScene {
     ///
     /// # Errors
     /// No exact solution applies, or a mesh does not fit: message for the user.
-    pub fn new(scene: &Scene, rows: &[usize]) -> Result<Self, String> {
+    pub fn new(scene: &Scene, rows: &[usize]) -> Result<Self, Error> {
         let (mut scene, mut changed) = (scene.clone(), Vec::new());
         let end = scene.stages.last().map(|stage| stage.until);
         if let (true, Some(Until::Time(end)), 1) = (scene.observe_times.is_empty(), end, scene.stages.len()) {
@@ -86,7 +88,7 @@ impl OwnScene {
     ///
     /// # Errors
     /// A step above the limit.
-    pub fn runs(&self) -> Result<Vec<Scene>, String> {
+    pub fn runs(&self) -> Result<Vec<Scene>, Error> {
         self.on_meshes(super::sound)
     }
 
@@ -99,17 +101,17 @@ impl OwnScene {
     ///
     /// # Errors
     /// A run could not be finished.
-    pub fn climb(&self) -> Result<Climb, String> {
+    pub fn climb(&self) -> Result<Climb, Error> {
         let clock = ThreadTime::now();
-        let outcome = self.outcome(super::sound).map_err(|e| format!("{}: {e}", self.scene.name))?;
-        let rung = Rung { name: "scene", about: "a scene of one's own", climb: || Err(String::new()), mutant: None };
+        let outcome = self.outcome(super::sound).map_err(|e| e.of(&self.scene.name))?;
+        let rung = Rung { name: "scene", about: "a scene of one's own", climb: || Err(Lacks("case")), mutant: None };
         let mut climb = judge(rung, outcome, clock.elapsed().as_secs_f64());
         climb.step.rung.clone_from(&self.scene.name);
         Ok(climb)
     }
 
     /// Runs the scene, with a fault planted behind the exact solution's back.
-    pub(super) fn outcome(&self, fault: fn(&mut Fields)) -> Result<Outcome, String> {
+    pub(super) fn outcome(&self, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
         if let Solution::Slope(depth, seepage) = self.solution {
             return self.slope((depth, seepage), fault);
         }
@@ -141,7 +143,7 @@ impl OwnScene {
         &self,
         plane: (f64, crate::exact::infinite_slope::Seepage),
         fault: fn(&mut Fields),
-    ) -> Result<Outcome, String> {
+    ) -> Result<Outcome, Error> {
         let found = |rows: &usize| {
             let (share, _) = infinite_slope::own(&self.scene, plane, *rows, fault)?;
             Ok((self.scene.height / *rows as f64, share - 1.0))
@@ -150,19 +152,19 @@ impl OwnScene {
             integrator: integrator(&self.scene),
             tolerance: asked(&self.scene),
             scheme: scheme(&self.scene),
-            errors: self.rows.iter().map(found).collect::<Result<_, String>>()?,
+            errors: self.rows.iter().map(found).collect::<Result<_, Error>>()?,
             required_error: FALLING,
             ..Outcome::default()
         })
     }
 
     /// What a run of a scene shows beside the exact solution, in shares of it.
-    fn seen(&self, scene: &Scene) -> Result<Vec<Looks>, String> {
+    fn seen(&self, scene: &Scene) -> Result<Vec<Looks>, Error> {
         self.looks(scene, &finished(scene)?)
     }
 
-    fn looks(&self, scene: &Scene, run: &Run) -> Result<Vec<Looks>, String> {
-        let last = || run.samples.last().ok_or_else(|| "no sample".to_owned());
+    fn looks(&self, scene: &Scene, run: &Run) -> Result<Vec<Looks>, Error> {
+        let last = || run.samples.last().ok_or(Lacks("sample"));
         // The first of a scene is its own: a fault must not move the exact solution.
         // On a mesh of which a fault may have made one that does not fit.
         let own = self.scene.clone().altered_unchecked(|own| (own.cell, own.cells) = (scene.cell, scene.cells));
@@ -184,7 +186,7 @@ impl OwnScene {
             }
             Solution::Sliding(exact) => vec![block::looks(run, exact)?],
             Solution::Dam(dam) => {
-                let state = last()?.state.water.ok_or("no free surface")?;
+                let state = last()?.state.water.ok_or(Lacks("free surface"))?;
                 let time = last()?.stage_time;
                 let discharge = dam.discharge(own.water.map_or(f64::NAN, |w| w.hydraulic_conductivity));
                 let one =
@@ -224,14 +226,14 @@ impl OwnScene {
     }
 
     /// The coarsest mesh in smaller steps, or under smaller tolerances, and with other numbers of particles.
-    fn on_the_coarsest(&self, coarse: &Scene, left: f64) -> Result<Vec<Refinement>, String> {
+    fn on_the_coarsest(&self, coarse: &Scene, left: f64) -> Result<Vec<Refinement>, Error> {
         let mut refinements = Vec::new();
         let apart = |these: &[Looks], those: &[Looks]| worst(these.iter().zip(those).map(|(a, b)| a.difference(b)));
         let same = format!("L = {} m: the error of the mesh drops out", coarse.cell);
         if let StepChoice::Fixed(step) = coarse.step {
             let stepped = |halvings: i32| {
                 let step = step / 2.0_f64.powi(halvings);
-                Ok::<_, String>((step, self.seen(&coarse.edited(|s| s.step = StepChoice::Fixed(step))?)?))
+                Ok::<_, Error>((step, self.seen(&coarse.edited(|s| s.step = StepChoice::Fixed(step))?)?))
             };
             let runs = (0..=HALVINGS).map(stepped).collect::<Result<Vec<_>, _>>()?;
             let errors = runs.windows(2).map(|pair| (pair[0].0, apart(&pair[0].1, &pair[1].1))).collect();
@@ -240,7 +242,7 @@ impl OwnScene {
             let at = |tolerance| self.seen(&coarse.edited(|s| s.tolerance = tolerance)?);
             let finest = at(0.01 * TOLERANCES[TOLERANCES.len() - 1])?;
             let off = |tolerance: &f64| Ok((*tolerance, apart(&at(*tolerance)?, &finest)));
-            let errors = TOLERANCES.iter().map(off).collect::<Result<_, String>>()?;
+            let errors = TOLERANCES.iter().map(off).collect::<Result<_, Error>>()?;
             let against = format!("the same run under a hundredth of the smallest tolerance, {same}");
             let share =
                 Refinement { required_share: Some(OVER_TOLERANCE), ..Refinement::new(TOLERANCE, errors, against) };
@@ -250,7 +252,7 @@ impl OwnScene {
             let looks = self.seen(&coarse.edited(|s| s.particles_per_cell = *count)?)?;
             Ok((*count as f64, error(&looks)))
         };
-        let errors = counts(coarse).iter().map(with).collect::<Result<_, String>>()?;
+        let errors = counts(coarse).iter().map(with).collect::<Result<_, Error>>()?;
         let against =
             format!("the exact solution, L = {} m: the error of the mesh stays, no order is expected", coarse.cell);
         // The mesh leaves its error whatever the particles are.
@@ -261,16 +263,16 @@ impl OwnScene {
 
     /// The scene on its meshes. Steps fall with L^2 from what the coarsest takes, so that a scheme of first order in the step
     /// shows its order in space, and no step is above the limit of its mesh.
-    fn on_meshes(&self, fault: fn(&mut Fields)) -> Result<Vec<Scene>, String> {
+    fn on_meshes(&self, fault: fn(&mut Fields)) -> Result<Vec<Scene>, Error> {
         let scenes = self.rows.iter().map(|rows| self.scene.with_rows(*rows));
         let mut scenes: Vec<Scene> = scenes.collect::<Result<_, _>>()?;
         let coarse = scenes[0].cell;
-        let first = choose_step(&scenes[0]).map_err(|e| e.to_string())?;
+        let first = choose_step(&scenes[0])?;
         let given = matches!(self.scene.integrator, Integrator::Explicit | Integrator::SemiImplicit);
         for scene in &mut scenes {
             if first.is_finite() && given {
                 let own = Fields { step: StepChoice::Auto, ..Fields::clone(scene) };
-                let own = choose_step(&own).map_err(|e| e.to_string())?;
+                let own = choose_step(&own)?;
                 let step = (first * (scene.cell / coarse).powi(2)).min(own);
                 *scene = scene.edited(|scene| scene.step = StepChoice::Fixed(step))?;
             }
@@ -310,7 +312,7 @@ fn counts(scene: &Scene) -> &'static [usize] {
 
 /// Rows of cells to run: those asked for, or four meshes, each 1.4 times as fine as the one before; in plane strain
 /// multiples, which divide the width as well.
-fn meshes(scene: &Scene, asked: &[usize]) -> Result<Vec<usize>, String> {
+fn meshes(scene: &Scene, asked: &[usize]) -> Result<Vec<usize>, Error> {
     let own = scene.cells[1];
     let finer = |half: i32| (own as f64 * 2.0_f64.powf(0.5 * f64::from(half))).round() as usize;
     let plane = scene.dimension == Dimension::PlaneStrain && !scene.periodic;
@@ -320,20 +322,20 @@ fn meshes(scene: &Scene, asked: &[usize]) -> Result<Vec<usize>, String> {
     let least = if asked.is_empty() { 1 } else { 2 };
     if rows.len() < LEAST_MESHES || rows[0] < least || rows.windows(2).any(|pair| pair[0] >= pair[1]) {
         let expected = "three numbers of rows or more, each larger than the one before, from 2 on";
-        return Err(format!("--rows: expected {expected}, found {words}"));
+        return Err(Error::refused("--rows", expected, words));
     }
     for rows in &rows {
         let cell = scene.height / *rows as f64;
         let across = if scene.dimension == Dimension::Column { 1 } else { (scene.width / cell).round() as usize };
         let fits = Fields { cell, cells: [across, *rows], ..Fields::clone(scene) }.fits_in_memory();
-        fits.map_err(|[expected, found]| format!("--rows: expected {expected}, found {rows} rows: {found}"))?;
+        fits.map_err(|[expected, found]| Error::refused("--rows", expected, format!("{rows} rows: {found}")))?;
     }
     if plane {
         for rows in &rows {
             let across = scene.width / scene.height * *rows as f64;
             if (across - across.round()).abs() > 1e-9 * across {
                 let expected = format!("square cells that divide the width {} m as well", scene.width);
-                return Err(format!("--rows: expected {expected}, found {rows} rows over {} m", scene.height));
+                return Err(Error::refused("--rows", expected, format!("{rows} rows over {} m", scene.height)));
             }
         }
     }
@@ -342,7 +344,7 @@ fn meshes(scene: &Scene, asked: &[usize]) -> Result<Vec<usize>, String> {
             let edge = layer.up_to / scene.height * *rows as f64;
             if (edge - edge.round()).abs() > 1e-9 * edge {
                 let expected = format!("cells that end at the layer's top, {} m", layer.up_to);
-                return Err(format!("--rows: expected {expected}, found {rows} rows over {} m", scene.height));
+                return Err(Error::refused("--rows", expected, format!("{rows} rows over {} m", scene.height)));
             }
         }
     }

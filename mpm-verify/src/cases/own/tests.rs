@@ -4,9 +4,10 @@ use mpm_core::scene::{DarcyChoice, Fields, LoadOn, ShapeChoice, Start, Surcharge
 
 use super::super::faster;
 use super::*;
+use crate::error::Error::Lacks;
 
 fn built_in(name: &str) -> Scene {
-    crate::scenes::built_in(name).and_then(Result::ok).expect("the built-in scene")
+    crate::scenes::built_in(name).expect("the built-in scene")
 }
 
 #[test]
@@ -34,7 +35,7 @@ fn every_exact_solution_of_the_suite_is_found() {
         ("slope-seepage", "infinite slope"),
     ] {
         let own = OwnScene::new(&built_in(name), &[]);
-        let about = own.as_ref().map(OwnScene::about).unwrap_or_else(Clone::clone);
+        let about = own.as_ref().map(OwnScene::about).unwrap_or_else(ToString::to_string);
         assert!(own.is_ok() && about.contains(words), "{name}: {about}");
         assert!(!own.expect("a solution").beside().is_empty(), "{name}");
     }
@@ -45,7 +46,7 @@ fn what_has_no_exact_solution_is_refused_in_words() {
     let refused = |change: fn(&mut Fields), words: &str| {
         // Some are no scenes at all.
         let scene = crate::scenes::terzaghi().altered_unchecked(change);
-        let message = OwnScene::new(&scene, &[]).err().unwrap_or_default();
+        let message = OwnScene::new(&scene, &[]).expect_err("a refusal").to_string();
         assert!(message.contains(words) && message.contains(": expected "), "{words}: {message}");
     };
     refused(|s| (s.surcharge, s.gravity) = (None, None), "[surcharge]: expected a load");
@@ -69,11 +70,11 @@ fn what_has_no_exact_solution_is_refused_in_words() {
     refused(|s| s.start = Start::Unloaded, "surcharge.ramp_time: expected at least");
     refused(|s| s.solid_sides[1] = mpm_core::scene::SolidSide::Free, "between rollers");
     for name in ["levee", "strip", "terzaghi-paper", "collapse-dry"] {
-        let message = OwnScene::new(&built_in(name), &[]).err().unwrap_or_default();
+        let message = OwnScene::new(&built_in(name), &[]).expect_err("a refusal").to_string();
         assert!(message.contains(": expected ") && message.contains(", found "), "{name}: {message}");
     }
     for rows in [&[10, 20][..], &[20, 10, 40], &[1, 2, 4]] {
-        let message = OwnScene::new(&crate::scenes::terzaghi(), rows).err().unwrap_or_default();
+        let message = OwnScene::new(&crate::scenes::terzaghi(), rows).expect_err("a refusal").to_string();
         assert!(message.starts_with("--rows: expected three"), "{message}");
     }
 }
@@ -104,7 +105,7 @@ fn a_sound_scene_passes_and_a_wrong_run_fails() {
         let climb = own.climb().expect("runs that finish");
         assert!(climb.step.held(), "{name}: {}", climb.reason);
         assert_eq!((climb.step.rung.as_str(), climb.samples.is_empty()), (name, false));
-        let rung = Rung { name: "scene", about: "", climb: || Err(String::new()), mutant: None };
+        let rung = Rung { name: "scene", about: "", climb: || Err(Lacks("case")), mutant: None };
         let spoilt = judge(rung, own.outcome(faster).expect("runs that finish"), 0.0);
         assert!(!spoilt.step.held(), "{name}: {}", spoilt.reason);
     }
@@ -129,7 +130,7 @@ fn an_error_of_one_percent_cannot_pass() {
         ("height", |s| (s.height, s.cell) = (1.01 * s.height, 1.01 * s.cell)),
     ];
     for (what, fault) in faults {
-        let rung = Rung { name: "scene", about: "", climb: || Err(String::new()), mutant: None };
+        let rung = Rung { name: "scene", about: "", climb: || Err(Lacks("case")), mutant: None };
         let spoilt = judge(rung, own.outcome(fault).expect("runs that finish"), 0.0);
         assert!(!spoilt.step.held() && spoilt.reason.contains("above 0.003"), "{what}: {}", spoilt.reason);
     }
@@ -158,7 +159,7 @@ fn dry_columns_and_blocks_are_judged() {
     let climb_of = climb(&dry, &[10, 14, 20, 28]);
     assert!(climb_of.step.held(), "{}", climb_of.reason);
     let own = OwnScene::new(&dry, &[10, 14, 20]).expect("it applies");
-    let rung = Rung { name: "scene", about: "", climb: || Err(String::new()), mutant: None };
+    let rung = Rung { name: "scene", about: "", climb: || Err(Lacks("case")), mutant: None };
     let stiff = |s: &mut Fields| s.elastic.youngs_modulus *= 1.02;
     assert!(!judge(rung, own.outcome(stiff).expect("runs"), 0.0).step.held());
     let climb_of = climb(&built_in("oedometer-plastic"), &[5, 8, 10]);

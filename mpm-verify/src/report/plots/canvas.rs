@@ -6,8 +6,25 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::look::{Hatch, Look, Marker};
 
-/// What went wrong on a backend, in words.
-pub type Drawn = Result<(), String>;
+/// Why a picture could not be drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum DrawError {
+    /// The font that the program carries.
+    #[error("the font of the program cannot be read")]
+    Font,
+    /// What a backend says.
+    #[error("{0}")]
+    Backend(String),
+}
+
+impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for DrawError {
+    fn from(error: DrawingAreaErrorKind<E>) -> Self {
+        Self::Backend(error.to_string())
+    }
+}
+
+/// What comes of drawing.
+pub type Drawn = Result<(), DrawError>;
 
 /// A place, px from the left and from the top.
 pub type Spot = (f64, f64);
@@ -93,7 +110,7 @@ impl<'a, DB: DrawingBackend> Canvas<'a, DB> {
         let pen = self.pen(look.colour, look.width);
         let draw = |spots: &[Spot]| {
             let path: Vec<_> = spots.iter().map(|s| self.at(*s)).collect();
-            self.area.draw(&PathElement::new(path, pen)).map_err(|e| e.to_string())
+            Ok(self.area.draw(&PathElement::new(path, pen))?)
         };
         match look.dash.pattern() {
             [] if spots.len() > 1 => draw(spots),
@@ -109,15 +126,13 @@ impl<'a, DB: DrawingBackend> Canvas<'a, DB> {
         let polygon = |corners: &[Spot]| {
             let path: Vec<_> = corners.iter().map(|c| self.at((spot.0 + r * c.0, spot.1 + r * c.1))).collect();
             let closed: Vec<_> = path.iter().chain(&path[..1]).copied().collect();
-            self.area.draw(&Polygon::new(path, fill.filled())).map_err(|e| e.to_string())?;
-            self.area.draw(&PathElement::new(closed, pen)).map_err(|e| e.to_string())
+            self.area.draw(&Polygon::new(path, fill.filled()))?;
+            Ok(self.area.draw(&PathElement::new(closed, pen))?)
         };
         match look.marker {
             Marker::Circle | Marker::Dot => {
                 let radius = (r * self.scale).round().max(1.0) as i32;
-                let circle = |style: ShapeStyle| {
-                    self.area.draw(&Circle::new(self.at(spot), radius, style)).map_err(|e| e.to_string())
-                };
+                let circle = |style: ShapeStyle| Ok(self.area.draw(&Circle::new(self.at(spot), radius, style))?);
                 if look.marker == Marker::Circle || !open {
                     circle(fill.filled())?;
                 }
@@ -131,7 +146,7 @@ impl<'a, DB: DrawingBackend> Canvas<'a, DB> {
             Marker::Star => polygon(&star()),
             Marker::Box => {
                 let corners = [self.at((spot.0 - r, spot.1 - r)), self.at((spot.0 + r, spot.1 + r))];
-                self.area.draw(&Rectangle::new(corners, look.colour.filled())).map_err(|e| e.to_string())
+                Ok(self.area.draw(&Rectangle::new(corners, look.colour.filled()))?)
             }
         }
     }
@@ -139,13 +154,13 @@ impl<'a, DB: DrawingBackend> Canvas<'a, DB> {
     /// A filled polygon.
     pub fn area(&self, corners: &[Spot], colour: RGBColor) -> Drawn {
         let path: Vec<_> = corners.iter().map(|c| self.at(*c)).collect();
-        self.area.draw(&Polygon::new(path, colour.filled())).map_err(|e| e.to_string())
+        Ok(self.area.draw(&Polygon::new(path, colour.filled()))?)
     }
 
     /// A bar with its pattern and a thin edge; a flat bar without them, or its colour would not be seen.
     pub fn bar(&self, bar: Rect, look: Look) -> Drawn {
         let corners = [self.at((bar.left, bar.top)), self.at((bar.right, bar.bottom))];
-        self.area.draw(&Rectangle::new(corners, look.colour.filled())).map_err(|e| e.to_string())?;
+        self.area.draw(&Rectangle::new(corners, look.colour.filled()))?;
         let thin = Look { colour: WHITE, width: 1.0, ..Look::new(WHITE, Marker::Dot) };
         let hatch = if bar.bottom - bar.top < 3.0 { Hatch::None } else { look.hatch };
         for (a, b) in hatch_lines(bar, hatch) {
@@ -173,7 +188,7 @@ impl<'a, DB: DrawingBackend> Canvas<'a, DB> {
         let font = FontDesc::new(FontFamily::SansSerif, letters, FontStyle::Normal).transform(turn);
         let style = TextStyle::from(font).color(&colour).pos(hold);
         let spot = if rising { (spot.0 + drop, spot.1) } else { (spot.0, spot.1 + drop) };
-        self.area.draw_text(text, &style, self.at(spot)).map_err(|e| e.to_string())
+        Ok(self.area.draw_text(text, &style, self.at(spot))?)
     }
 }
 

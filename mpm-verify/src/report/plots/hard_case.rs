@@ -109,7 +109,7 @@ mod tests {
         let points = vec![
             At { at: 1e-2, found: Ok(1e-3) },
             At { at: 1e-5, found: Ok(f64::INFINITY) },
-            At { at: 1e-12, found: Err("stopped".to_owned()) },
+            At { at: 1e-12, found: Err(crate::error::Error::Unfit("stopped")) },
         ];
         let judged = case.judge(&points);
         let found = Found { case: 0, scheme: case.schemes[0], points, judged };

@@ -42,7 +42,7 @@ use std::sync::OnceLock;
 use plotters::prelude::{BitMapBackend, DrawingBackend, IntoDrawingArea, SVGBackend};
 use plotters::style::{FontStyle, WHITE, register_font};
 
-use self::canvas::{BITMAP_LETTERS, Canvas, Drawn, Lettering, SVG_LETTERS};
+use self::canvas::{BITMAP_LETTERS, Canvas, DrawError, Drawn, Lettering, SVG_LETTERS};
 use self::figure::Figure;
 use crate::report::select::{Cases, Reference};
 use crate::report::{ReportError, Study, save, tables, unwritable};
@@ -147,12 +147,12 @@ pub fn write_svg(figure: &Figure, folder: &Path) -> Result<String, ReportError> 
 /// Draws a picture on any backend, `scale` of its pixels to one px.
 fn draw_on<DB: DrawingBackend>(figure: &Figure, backend: DB, scale: u32, letters: Lettering) -> Drawn {
     if !ready() {
-        return Err("the font of the program cannot be read".to_owned());
+        return Err(DrawError::Font);
     }
     let area = backend.into_drawing_area();
-    area.fill(&WHITE).map_err(|e| e.to_string())?;
+    area.fill(&WHITE)?;
     draw::figure(figure, &Canvas::new(&area, f64::from(scale), letters))?;
-    area.present().map_err(|e| e.to_string())
+    Ok(area.present()?)
 }
 
 /// Width and height of a picture in pixels, `scale` of them to one px.
@@ -164,7 +164,7 @@ fn size(figure: &Figure, scale: u32) -> (u32, u32) {
 ///
 /// # Errors
 /// What the backend says.
-pub fn svg_text(figure: &Figure) -> Result<String, String> {
+pub fn svg_text(figure: &Figure) -> Result<String, DrawError> {
     let (width, height) = size(figure, 1);
     let (wide, high) = size(figure, SVG_SCALE);
     let mut text = String::new();
@@ -180,8 +180,8 @@ fn write_png(figure: &Figure, path: &Path) -> Drawn {
     draw_on(figure, BitMapBackend::with_buffer(&mut pixels, fine), PNG_SCALE * SMOOTH, BITMAP_LETTERS)?;
     let coarse = (fine.0 / SMOOTH, fine.1 / SMOOTH);
     let mut image = BitMapBackend::new(path, coarse);
-    image.blit_bitmap((0, 0), coarse, &averaged(&pixels, coarse)).map_err(|e| e.to_string())?;
-    image.present().map_err(|e| e.to_string())
+    image.blit_bitmap((0, 0), coarse, &averaged(&pixels, coarse)).map_err(|e| DrawError::Backend(e.to_string()))?;
+    image.present().map_err(|e| DrawError::Backend(e.to_string()))
 }
 
 /// An RGB image of `size`, each pixel the mean of `SMOOTH` x `SMOOTH` finer ones.

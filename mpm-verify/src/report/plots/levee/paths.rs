@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::clock;
+use crate::levee::strength::Strength;
 use crate::report::numbers::{brief, exact};
 use crate::report::plots::axis::Axis;
 use crate::report::plots::figure::{Figure, Mark, Panel, Point, Series, share_x, share_y};
@@ -23,23 +24,6 @@ pub struct StressPath {
     pub name: String,
     /// Time on the reader's clock, s, and effective stress xx, yy, zz, xy, Pa, tension positive.
     pub points: Vec<(f64, [f64; 4])>,
-}
-
-/// Strength of the soil.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Strength {
-    /// Cohesion, kPa.
-    pub cohesion_kpa: f64,
-    /// Angle of friction, degrees.
-    pub friction_deg: f64,
-}
-
-impl Strength {
-    /// Shear stress t at which soil fails under the mean stress s' in the plane, kPa.
-    pub fn limit(&self, s: f64) -> f64 {
-        let (sin, cos) = self.friction_deg.to_radians().sin_cos();
-        self.cohesion_kpa * cos + s * sin
-    }
 }
 
 /// Mean stress s' = -(xx + yy)/2 and shear stress t, the radius of the circle, in the plane, kPa.
