@@ -331,7 +331,7 @@ fn dry(step: &str) -> Scene {
 const COMPRESSED: [f64; 2] = [0.12, 3.732_517_389_252_521_4];
 
 /// How far the settlement of a dry column of Cam-Clay is off under its full load, and the steps it took. The load comes within a
-/// time (s), which nothing of it knows.
+/// time (s) that does not matter.
 fn along_a_path(ramp: f64, step: &str) -> (f64, u64) {
     let clay = CamClay {
         lambda: 1e-3,
@@ -346,8 +346,9 @@ fn along_a_path(ramp: f64, step: &str) -> (f64, u64) {
     let scene = dry(step).edited(|s| {
         s.cam_clay = Some(clay);
         s.surcharge = s.surcharge.map(|load| mpm_core::scene::Surcharge { ramp_time: ramp, ..load });
-        s.observe_times = vec![ramp];
-        s.stages[0].until = Until::Time(ramp);
+        let end = if ramp > 0.0 { ramp } else { 1.0 };
+        s.observe_times = vec![end];
+        s.stages[0].until = Until::Time(end);
     });
     let run = completed(&scene.expect("a sound scene"));
     let found = settlements(&run).last().copied().expect("a sample");
@@ -364,6 +365,12 @@ fn the_error_of_a_law_with_a_path_follows_the_tolerance() {
         assert!(f64::from(steps as u32) < 1.0 / tolerance.sqrt() + 10.0, "{tolerance:e}: {steps} steps");
         assert!(of_ramps.iter().all(|of| of.1 == steps && apart(of.0, error) < 1e-6), "{of_ramps:?}");
     }
+}
+
+#[test]
+fn a_sudden_load_follows_the_same_path() {
+    let (error, steps) = along_a_path(0.0, "tolerance = 1e-4");
+    assert!(error < 1e-5 && steps > 20, "{error:.1e} in {steps} steps");
 }
 
 #[test]

@@ -13,6 +13,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         archive!(archive.slice: self.points, *self.carried.as_flattened_mut(), self.states);
         archive!(archive.value: self.drained, self.settled, self.time, self.stage_time, self.stage_end, self.until);
         archive!(archive.value: self.counted, self.trouble, self.done, self.totals, self.spent, laid);
+        archive!(archive.value: self.ramp, self.rejected, self.rejected_path);
         if !laid {
             return Ok(());
         }
@@ -20,7 +21,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             self.lay_again()?;
         }
         archive!(archive.slice: self.y, self.content);
-        archive!(archive.value: self.work.reference, self.rejected_path);
+        archive!(archive.value: self.work.reference);
         self.soil_and_method(archive)
     }
 

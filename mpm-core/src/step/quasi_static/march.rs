@@ -8,7 +8,7 @@ use super::tangent::Stuck;
 use super::trouble::{describe, inside_out, nothing};
 use super::{KrylovStage, Method, QuasiStatic};
 use crate::constitutive::{Flow, Law};
-use crate::scene::{Fields, StepChoice, StrainChoice, TimeMethod};
+use crate::scene::{Fields, Start, StepChoice, StrainChoice, TimeMethod};
 use crate::step::Fault;
 
 /// The first step of a stage as a share of L^2/c_v: shorter ones overshoot where the mesh cannot resolve the drained
@@ -24,8 +24,8 @@ const LEAST_STEP: f64 = 1e-12;
 const LEAST_LOAD_STEP: f64 = 1e-5;
 /// A step without water that took fewer iterations may be followed by a longer one.
 const EASY: f64 = 6.0;
-/// What a step of a tenth leaves of the error along a path is at least this where the path jumps: of a smooth one it is a hundredth.
-const JUMP: f64 = 0.5;
+/// Ramp of a sudden load as a share of the first step.
+const SUDDEN: f64 = 1e-3;
 /// Unknowns times steps between two looks at whether the run is to be kept or stopped: some tenths of a second.
 const UNKNOWNS_AT_ONCE: usize = 1 << 18;
 /// Residual of a nonlinear stage beside the tolerance.
@@ -93,6 +93,19 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         }))))
     }
 
+    /// The time (s) within which the load grows. A law with a path has to be led along that of the load: a sudden one grows within
+    /// a thousandth of what flows from cell to cell, and of what is looked at.
+    pub(super) fn ramp(&self, times: &[f64]) -> f64 {
+        let ramp = self.scene.surcharge.map_or(0.0, |s| s.ramp_time);
+        let carried = self.scene.surcharge.is_none() || self.scene.start == Start::UndrainedEquilibrium;
+        let given = matches!(self.scene.step, StepChoice::Fixed(_));
+        if ramp > 0.0 || carried || given || self.seeding.law.are_linear() {
+            return ramp;
+        }
+        let first = times.iter().copied().find(|time| *time > 0.0).unwrap_or(0.0);
+        SUDDEN * self.first_step(times).min(first)
+    }
+
     /// The first step of a stage, s.
     pub(super) fn first_step(&self, times: &[f64]) -> f64 {
         let end = times.last().copied().unwrap_or(f64::INFINITY);
@@ -121,7 +134,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             tries -= 1;
             let Some(Method::Sdirk { step, .. }) = &self.method else { return Err(nothing()) };
             // The load has a corner where its ramp ends, which no estimate of an error sees: a step ends there.
-            let ramp = self.scene.surcharge.map_or(0.0, |s| s.ramp_time);
+            let ramp = self.ramp;
             let (wanted, to_end, to_corner) = (*step, end - self.stage_time, ramp - self.time);
             let corner = to_corner > 1e-12 * ramp && to_corner < to_end - 1e-12 * end;
             let left = if corner { to_corner } else { to_end };
@@ -149,8 +162,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
 
     /// Least step, s.
     fn least_step(&self) -> f64 {
-        let ramp = self.scene.surcharge.map_or(0.0, |s| s.ramp_time);
-        let loading = if ramp > 0.0 { ramp.min(self.stage_end) } else { self.stage_end };
+        let loading = if self.ramp > 0.0 { self.ramp.min(self.stage_end) } else { self.stage_end };
         if self.scene.water.is_none() { LEAST_LOAD_STEP * loading } else { LEAST_STEP * self.stage_end }
     }
 
@@ -158,7 +170,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     fn step(&mut self, h: f64) -> Result<Grown, Fault> {
         let fixed = matches!(self.scene.step, StepChoice::Fixed(_));
         self.factorise(h)?;
-        let (time, ramp) = (self.time, self.scene.surcharge.map_or(0.0, |s| s.ramp_time));
+        let (time, ramp) = (self.time, self.ramp);
         let share = |c: f64| if time + c * h < ramp { (time + c * h) / ramp } else { 1.0 };
         let tolerance = (NEWTON * self.scene.tolerance).max(1e-12);
         let (Some(soil), Some(Method::Sdirk { stepper, .. })) = (&mut self.soil, &mut self.method) else {
@@ -170,6 +182,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             // Half the step may be less of a stretch.
             Err(stuck) if !fixed && !matches!(stuck, Stuck::Unsolved(_)) => {
                 self.done.rejected += 1;
+                self.rejected = true;
                 self.trouble = Some(describe(&stuck, &self.points));
                 return Ok(Grown { accepted: false, factor: 0.5 });
             }
@@ -179,17 +192,20 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let (allowed, tolerance) = (CAUTION * self.scene.tolerance, self.scene.tolerance);
         // The error of a step goes with h^4: the estimate is of order 3. That of the law along its path goes with h^2.
         let by_water = (0.9 * (allowed / of_water.max(1e-300)).powf(0.25)).clamp(0.1, 5.0);
-        // An error that a shorter step does not lessen is that of a jump, of a load or a pressure: the law has followed it in parts.
-        let jumps = self.rejected_path.take().is_some_and(|before| along_path > JUMP * before);
+        // An error that goes with less than the root of h is that of a jump, of a weight or a pressure: the law has followed it in parts.
+        let jumps = self.rejected_path.take().is_some_and(|(of, before)| along_path > (h / of).sqrt() * before);
         let along_path = if jumps { 0.0 } else { along_path };
         let by_path = (0.9 * (tolerance / along_path.max(1e-300)).sqrt()).clamp(0.1, 5.0);
         // Without water no estimate sees a limit load ahead: Newton's iteration does.
         let ahead =
             if self.scene.water.is_none() { (EASY / self.work.iterations() as f64).clamp(1.0, 5.0) } else { 5.0 };
-        let factor = by_water.min(by_path).min(ahead);
+        // What was too much just now is not tried again at once.
+        let most = if std::mem::take(&mut self.rejected) && !self.seeding.law.are_linear() { 1.0 } else { 5.0 };
+        let factor = by_water.min(by_path).min(ahead).min(most);
         if !fixed && !(of_water <= allowed && along_path <= tolerance) {
             self.done.rejected += 1;
-            self.rejected_path = Some(along_path);
+            self.rejected = true;
+            self.rejected_path = Some((h, along_path));
             self.trouble = Some(format!(
                 "estimated error {of_water:.3e}, allowed {allowed:.3e}, and {along_path:.3e} of the stress along its path, allowed \
                  {tolerance:.3e}"

@@ -76,8 +76,11 @@ pub struct QuasiStatic<L: Law, const D: usize> {
     work: Workspace,
     /// The soil at the end of a step that may be accepted, and what its laws did.
     ends: Vec<(SolidPart<D>, Flow)>,
-    /// Estimated error along the path of the last step, if that was rejected.
-    rejected_path: Option<f64>,
+    /// Whether the last step was rejected; its length (s) and its estimated error along the path, if that was why.
+    rejected: bool,
+    rejected_path: Option<(f64, f64)>,
+    /// Time within which the load grows, s.
+    ramp: f64,
     /// Settlement per unknown, m.
     settle: Vec<(u32, f64)>,
     /// Settlement of the surface since t = 0 when the mesh was laid, m.
@@ -145,7 +148,9 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             method: None,
             work: Workspace::default(),
             ends: Vec::new(),
+            rejected: false,
             rejected_path: None,
+            ramp: 0.0,
             settle: Vec::new(),
             settled: 0.0,
             drained: [false; 4],
@@ -227,6 +232,7 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
         self.stage_end = times.last().copied().unwrap_or(0.0);
         if !self.counted {
             self.counted = true;
+            self.ramp = self.ramp(times);
             let cells = self.cell_values();
             self.totals.start(&cells);
         }
