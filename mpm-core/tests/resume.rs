@@ -136,6 +136,26 @@ fn every_integrator_and_shape() {
     assert!(ran >= 50);
 }
 
+/// What a step keeps or maps beside its particles, in soil whose surface is followed.
+#[test]
+fn every_way_to_carry_velocities() {
+    let dry = Scene::load(format!("{}/../reference-data/scenes/dry-bar.toml", env!("CARGO_MANIFEST_DIR")).as_ref());
+    let dry = dry.expect("a sound scene");
+    let mut ran = 0;
+    for shape in ["centre", "linear", "gimp", "bspline2"] {
+        for (key, word) in [("update", "musl"), ("transfer", "affine")] {
+            for darcy in ["face", "none"] {
+                let base = if darcy == "face" { common::scene(&["cell = 0.1"]) } else { dry.clone() };
+                let changes = [("scheme.shape", shape.into()), (&*format!("scheme.{key}"), word.into())];
+                let Ok(scene) = base.patched(&changes) else { continue };
+                same(&Hardware::default(), &shortened(scene), &format!("{shape} {word} {darcy}"));
+                ran += 1;
+            }
+        }
+    }
+    assert!(ran >= 12, "{ran}");
+}
+
 /// Models with steps of their own choice pause on a long way to the next time, and go on to that very time.
 #[test]
 fn a_pause_between_two_times() {

@@ -50,20 +50,21 @@ impl<const D: usize> Tops<D> {
         }
     }
 
-    /// Finds where they will be, as the kernel moves them.
+    /// Finds where they will be, as the kernel moves and strains them: by velocities that are `mapped` back, if there are.
     pub fn look_ahead<V: Simd, F: Functions<D>>(
         &mut self,
         functions: &F,
         strips: &[Strip<V, D>],
-        nodes: &Nodes<D>,
+        (nodes, mapped): (&Nodes<D>, Option<&Nodes<D>>),
         dt: f64,
     ) {
         let Nodes { frame, motion: Motion { velocity, change, .. }, .. } = nodes;
+        let mapped = mapped.map(|mapped| &mapped.motion.velocity);
         for top in 0..self.places.len() {
             let (strip, cell) = (self.places[top][0] as usize, self.places[top][1] as usize);
             let (mut x, mut volume) = self.carrier(strips, top);
             let at = strips[strip].first + cell;
-            let fields = Fields { simd: Scalar, velocity, change, mapped: None, frame, at };
+            let fields = Fields { simd: Scalar, velocity, change, mapped, frame, at };
             let lone = |number: f64| Lanes::splat(Scalar, number);
             let position = frame.position(at);
             let position = array!([lone(0.0); D], d => lone(position[d] as f64));

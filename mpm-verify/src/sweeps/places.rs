@@ -120,7 +120,12 @@ pub fn displaced(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<V
         let &(mesh, shape, quadrature, _, displaced) = case;
         let scene = column(base, Integrator::QuasiStatic, shape, mesh)?;
         let even = displaced.smooth == 0.0 && displaced.jitter == 0.0;
-        Ok(scene.edited(|scene| (scene.quadrature, scene.displaced) = (quadrature, (!even).then_some(displaced)))?)
+        // Other functions than B-splines have no weights but the volumes.
+        let splines = shape == ShapeChoice::Bspline2;
+        Ok(scene.edited(|scene| {
+            scene.quadrature = if splines { quadrature } else { scene.quadrature };
+            scene.displaced = (!even).then_some(displaced);
+        })?)
     };
     let scenes: Vec<Result<Scene, Error>> = cases.iter().map(scene).collect();
     let results = run_all(&scenes, ("displaced", false), runner)?;

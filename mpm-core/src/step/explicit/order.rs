@@ -55,9 +55,9 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
 
     /// Finds it where the particles will be at the end of a step, as the kernel moves them.
     pub(super) fn find_surface_ahead(&mut self, dt: f64) {
-        let Self { functions, body, strips, tops, nodes, soil, .. } = self;
+        let Self { functions, body, strips, tops, nodes, mapped, soil, .. } = self;
         if body.filled.is_known() {
-            tops.look_ahead(functions, strips, nodes, dt);
+            tops.look_ahead(functions, strips, (nodes, mapped.as_deref()), dt);
             let moved = body.filled.follow(&body.grid, &body.surface, |top| tops.ahead(top));
             Tops::note_soil(&body.filled, &nodes.frame, soil, moved);
         }
