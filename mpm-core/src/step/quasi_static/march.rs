@@ -202,7 +202,9 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         // What was too much just now is not tried again at once.
         let most = if std::mem::take(&mut self.rejected) && !self.seeding.law.are_linear() { 1.0 } else { 5.0 };
         let factor = by_water.min(by_path).min(ahead).min(most);
-        if !fixed && !(of_water <= allowed && along_path <= tolerance) {
+        // Written so that a NaN is rejected.
+        let accepted = fixed || (of_water <= allowed && along_path <= tolerance);
+        if !accepted {
             self.done.rejected += 1;
             self.rejected = true;
             self.rejected_path = Some((h, along_path));

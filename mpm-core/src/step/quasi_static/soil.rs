@@ -325,7 +325,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
             }
             let apart: [f64; 4] = std::array::from_fn(|s| stress[s] - before.0[s]);
             // Of parts that are further apart no limit can be told.
-            if norm(&apart) < MOST_APART * norm(&stress) && (norm(&apart) <= allowed || count == MOST_PARTS) {
+            if norm(&apart) <= MOST_APART * norm(&stress) && (norm(&apart) <= allowed || count == MOST_PARTS) {
                 (0..4).for_each(|s| stress[s] += apart[s]);
                 (0..STATES).for_each(|s| state[s] += state[s] - before.1[s]);
                 flow = law.update(&mut stress, &[0.0; 4], &mut state);
