@@ -386,7 +386,7 @@ impl<const D: usize> Seeded<D> {
         let held = Held::new(&along, &scene.solid_sides, |place| frame.function(place));
         let full_mass = scene.dry_density() * self.face_area * scene.cell;
         if scene.periodic || scene.light_nodes > 0.0 {
-            let joined = Joined::new(&self.grid, &held, scene.periodic, scene.light_nodes * full_mass);
+            let joined = Joined::new(&frame, &along, &held, scene.periodic, scene.light_nodes * full_mass);
             conditions.push(Box::new(joined));
         }
         let solves = scene.integrator == Integrator::SemiImplicit && scene.water.is_some();

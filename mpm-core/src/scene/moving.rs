@@ -79,13 +79,11 @@ impl Fields {
     }
 
     /// Share of a full node's mass below which nodes move with a neighbour where the scene does not say it: the explicit step
-    /// of linear functions has no stable length for a node of no mass. Functions over more than a cell are no nodes of the mesh.
+    /// of linear functions has no stable length for a node of no mass.
     pub fn usual_light_nodes(&self) -> f64 {
-        if self.shape.is_wide() {
-            return 0.0;
-        }
         let room = self.outline.is_some() || self.sideroom_cells > 0;
-        let alone = self.integrator == Integrator::Explicit && self.moves_through_cells() && !self.lends_inertia();
+        let explicit = self.integrator == Integrator::Explicit;
+        let alone = explicit && self.has_jumping_gradients() && self.moves_through_cells() && !self.lends_inertia();
         // Of a particle that is alone, nodes with less than a quarter of it.
         let one = 0.25 * self.spacing().powi(if self.dimension == Dimension::Column { 1 } else { 2 });
         let full = self.cell.powi(if self.dimension == Dimension::Column { 1 } else { 2 });

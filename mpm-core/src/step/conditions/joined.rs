@@ -4,10 +4,10 @@
 //! mass, is given the leader's motion afterwards: masses, momenta and forces are kept, and the ledgers see each once.
 
 use super::{Condition, Held, Soil};
-use crate::grid::Grid;
 use crate::observe::Totals;
-use crate::step::store::Nodes;
+use crate::real::array;
 use crate::step::store::nodes::{SOLID_MASS, sums};
+use crate::step::store::{Frame, Nodes};
 
 /// Neighbours of a node, the nearest first: of those that weigh the same the first one leads, in the mirror, too.
 const AROUND: [[isize; 2]; 8] = [[0, -1], [0, 1], [-1, 0], [1, 0], [-1, -1], [1, -1], [-1, 1], [1, 1]];
@@ -27,22 +27,24 @@ pub struct Joined<const D: usize> {
     light: Vec<[u32; 2]>,
     /// Whom each node follows, itself if none; empty if no node follows for its mass.
     leader_of: Vec<u32>,
-    /// Nodes along each axis.
-    along: [usize; D],
+    /// From a node to the one above it.
+    width: usize,
 }
 
 impl<const D: usize> Joined<D> {
-    /// Joins left and right if the mesh is `periodic`, and nodes lighter than `least_mass` (kg, zero for none) to others.
-    pub fn new(grid: &Grid<D>, held: &Held<D>, periodic: bool, least_mass: f64) -> Self {
-        let along = grid.cells.map(|cells| cells + 1);
-        let rows = if periodic { grid.node_count() / along[0] } else { 0 };
-        let end = |row: usize| [(row + 1) * along[0] - 1, row * along[0]].map(|node| node as u32);
-        let mut sides = vec![0; if least_mass > 0.0 { grid.node_count() } else { 0 }];
+    /// Joins left and right if the mesh is `periodic`, and nodes lighter than `least_mass` (kg, zero for none) to others. There are
+    /// so many functions along each axis of the mesh.
+    pub fn new(frame: &Frame<D>, along: &[usize; D], held: &Held<D>, periodic: bool, least_mass: f64) -> Self {
+        let at = |column: usize, row: usize| frame.function(&array!([row; D], d => if d == 0 { column } else { row }));
+        let rows = if periodic && D == 2 { along[D - 1] } else { 0 };
+        let across = (0..rows).map(|row| [at(along[0] - 1, row), at(0, row)].map(|node| node as u32)).collect();
+        let mut sides = vec![0; if least_mass > 0.0 { frame.count() } else { 0 }];
         for d in (0..D).filter(|_| least_mass > 0.0) {
             held.along(d).for_each(|node| sides[node] |= 1 << d);
         }
         let leader_of = (0..sides.len() as u32).collect();
-        Self { across: (0..rows).map(end).collect(), least_mass, held: sides, light: Vec::new(), leader_of, along }
+        let width = if D == 1 { frame.count() } else { frame.stride[D - 1] };
+        Self { across, least_mass, held: sides, light: Vec::new(), leader_of, width }
     }
 
     /// Finds who follows whom.
@@ -72,7 +74,7 @@ impl<const D: usize> Joined<D> {
     /// The heaviest neighbour that is held wherever the node is: one that is not light itself, or else, around a particle
     /// that flies alone, one that is heavier than the node. Such a particle then moves as a whole, which cannot strain it.
     fn leader(&self, node: usize, nodes: &Nodes<D>) -> Option<usize> {
-        let (width, count) = (self.along[0] as isize, self.held.len() as isize);
+        let (width, count) = (self.width as isize, self.held.len() as isize);
         let mass = |node: usize| nodes.sum(SOLID_MASS, node);
         let (x, row, mut best) = (node as isize % width, node as isize / width, node);
         // Of nodes that weigh the same the one with the lower number leads, so that none leads its own leader.
