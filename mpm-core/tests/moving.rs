@@ -12,7 +12,7 @@ use mpm_core::observe::SolidState;
 use mpm_core::run::{model_given, run, run_given};
 use mpm_core::scene::{
     Dimension, Elastic, Fields, Integrator, Quadrature, Scene, ShapeChoice, SoilLayer, SolidSide, Start, StrainChoice,
-    Surcharge, TransferChoice, Until,
+    Surcharge, Until,
 };
 use mpm_core::stability::{explicit_limit, semi_implicit_limit, stable_limit};
 
@@ -346,7 +346,6 @@ fn a_free_square_turns_for_long() {
             (Dimension::PlaneStrain, ShapeChoice::Gimp, [SolidSide::Free; 4]);
         (scene.cell, scene.particles_per_cell, scene.headroom_cells) = (0.1, 4, 0);
         (scene.width, scene.height, scene.cells) = (2.0 * middle, 2.0 * middle, [16; 2]);
-        scene.transfer = TransferChoice::Affine;
     });
     let shear_wave = (square.elastic.shear_modulus() / square.dry_density()).sqrt();
     let rate = 0.05 * shear_wave / half;
@@ -364,5 +363,6 @@ fn a_free_square_turns_for_long() {
     let first = momentum(&model.particles());
     model.advance(0.4 * stable_limit(&square), 6000, &mut 0).expect("sound steps");
     let kept = momentum(&model.particles()) / first;
-    assert!((kept - 1.0).abs() < 1e-3, "{kept}");
+    // FLIP loses some of it.
+    assert!((0.8..=1.0).contains(&kept), "{kept}");
 }

@@ -73,7 +73,7 @@ fn parse(text: &str) -> Result<Vec<Accepted>, csv::Error> {
     csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes()).deserialize().collect()
 }
 
-/// The accepted errors of all rungs.
+/// The accepted errors of all cases.
 ///
 /// # Panics
 /// Never: a test reads the baselines that are built in.

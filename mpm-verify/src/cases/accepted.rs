@@ -1,9 +1,9 @@
-//! The errors of rungs beside the accepted ones.
+//! The errors of cases beside the accepted ones.
 
 use super::{Climb, LADDER};
 use crate::baseline::ladder::{Accepted, GROWTH, Kind, LABEL, baselines, floor};
 
-/// Holds a rung's error against the accepted one: notes both, and lets the rung fall if its error has grown or fallen.
+/// Holds a case's error against the accepted one: notes both, and lets the case fail if its error has grown or fallen.
 pub(super) fn compare(climb: &mut Climb) {
     compare_with(&baselines(), climb);
 }
@@ -25,8 +25,8 @@ fn compare_with(accepted: &[Accepted], climb: &mut Climb) {
     }
 }
 
-/// The baselines as they would be with these rungs, all others as they are: to be put in place of the old ones once a
-/// change is accepted. Rungs that fell short of more than their baseline keep their old row.
+/// The baselines as they would be with these cases, all others as they are: to be put in place of the old ones once a
+/// change is accepted. Cases that fell short of more than their baseline keep their old row.
 pub fn accepted(climbs: &[Climb]) -> String {
     let known = baselines();
     let mut text = LABEL.to_owned();
@@ -42,7 +42,7 @@ pub fn accepted(climbs: &[Climb]) -> String {
     text
 }
 
-/// The row of a rung. A floor that someone has widened by hand stays.
+/// The row of a case. A floor that someone has widened by hand stays.
 fn row(climb: &Climb, old: Option<&Accepted>) -> Accepted {
     let step = &climb.step;
     let floor = floor(step.error, step.required_error, step.tolerance).max(old.map_or(0.0, |row| row.floor));
@@ -55,16 +55,16 @@ mod tests {
     use crate::baseline::ladder::ACCEPTED;
 
     #[test]
-    fn every_baseline_is_that_of_a_rung() {
+    fn every_baseline_is_that_of_a_case() {
         for row in baselines() {
-            assert!(LADDER.iter().any(|rung| rung.name == row.rung), "{} is no rung", row.rung);
+            assert!(LADDER.iter().any(|rung| rung.name == row.rung), "{} is no case", row.rung);
             assert!(row.error >= 0.0 && row.floor > 0.0, "{row:?}");
         }
     }
 
     #[test]
-    fn an_error_that_has_moved_lets_its_rung_fall() {
-        let rung = LADDER.iter().find(|rung| rung.name == "hydrostatic").expect("a rung");
+    fn an_error_that_has_moved_lets_its_case_fail() {
+        let rung = LADDER.iter().find(|rung| rung.name == "hydrostatic").expect("a case");
         let climb = rung.climb().expect("runs that finish");
         assert!(climb.step.held(), "{}", climb.reason);
         let error = climb.step.error;
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_accepted_keeps_the_rows_of_rungs_that_were_not_run() {
+    fn what_is_accepted_keeps_the_rows_of_cases_that_were_not_run() {
         let text = accepted(&[]);
         assert_eq!(text, ACCEPTED, "put in place what `mpm-verify check` writes as accepted.csv");
     }

@@ -54,7 +54,7 @@ pub struct Displacement {
     pub profile_error_compressible: f64,
     /// Largest error allowed, where one is.
     pub required: Option<f64>,
-    /// Whether it holds, where one is.
+    /// Whether it holds, where one is; not if the run failed.
     pub held: Option<bool>,
     /// Why the run failed, if it did.
     pub failure: Option<String>,
@@ -84,7 +84,7 @@ pub struct Shift {
     pub profile_error_compressible: f64,
     /// Largest error allowed, where one is.
     pub required: Option<f64>,
-    /// Whether it holds, where one is.
+    /// Whether it holds, where one is; not if the run failed.
     pub held: Option<bool>,
     /// Why the run failed, if it did.
     pub failure: Option<String>,
@@ -103,6 +103,11 @@ fn displacements() -> Vec<(&'static str, Displaced)> {
 /// The error that a row must not exceed.
 fn required(shape: ShapeChoice, quadrature: Quadrature, mesh: f64) -> Option<f64> {
     ((shape, quadrature, mesh) == (ShapeChoice::Bspline2, Quadrature::Fitted, MESHES[0])).then_some(REQUIRED)
+}
+
+/// Whether a row holds: one that could not be run falls short whatever is required of it.
+fn held(required: Option<f64>, error: f64, failed: bool) -> Option<bool> {
+    if failed { Some(false) } else { required.map(|limit| error <= limit) }
 }
 
 /// Runs every displacement with every scheme on both meshes.
@@ -146,7 +151,7 @@ pub fn displaced(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<V
             max_error_compressible: max,
             late_error_compressible: late,
             profile_error_compressible: profile,
-            held: required.map(|limit| failure.is_none() && max <= limit),
+            held: held(required, max, failure.is_some()),
             required,
             failure,
         }
@@ -180,7 +185,7 @@ pub fn shifted(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec
             max_error_compressible: max,
             late_error_compressible: late,
             profile_error_compressible: profile,
-            held: required.map(|limit| failure.is_none() && max <= limit),
+            held: held(required, max, failure.is_some()),
             required,
             failure,
         }
@@ -200,6 +205,17 @@ mod tests {
         for (place, one) in all.iter().enumerate() {
             assert!(!all[..place].contains(one), "{one:?} twice");
         }
+    }
+
+    #[test]
+    fn a_row_that_could_not_be_run_falls_short() {
+        let found = [
+            held(None, f64::NAN, true),
+            held(None, 0.5, false),
+            held(Some(0.1), 0.05, false),
+            held(Some(0.1), 0.5, false),
+        ];
+        assert_eq!(found, [Some(false), None, Some(true), Some(false)]);
     }
 
     #[test]

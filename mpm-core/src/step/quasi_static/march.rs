@@ -212,7 +212,8 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
                 "estimated error {of_water:.3e}, allowed {allowed:.3e}, and {along_path:.3e} of the stress along its path, allowed \
                  {tolerance:.3e}"
             ));
-            return Ok(Grown { accepted: false, factor: if factor.is_nan() { 0.1 } else { factor } });
+            let unknown = of_water.is_nan() || along_path.is_nan();
+            return Ok(Grown { accepted: false, factor: if unknown { 0.1 } else { factor } });
         }
         self.done.accepted += 1;
         self.book(&sums, 0.5 * (share(0.0) + share(1.0)));
