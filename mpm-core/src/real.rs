@@ -167,6 +167,12 @@ impl<S: Simd> Lanes<S> {
         simd.and_m64s(simd.less_than_or_equal_f64s(zero.value, self.value), simd.less_than_f64s(self.value, one.value))
     }
 
+    /// Whether a mask holds in no lane.
+    #[inline(always)]
+    pub fn nowhere(simd: S, mask: S::m64s) -> bool {
+        simd.first_true_m64s(mask) == Self::COUNT
+    }
+
     /// This where it is positive, one elsewhere.
     #[inline(always)]
     pub fn or_one(self) -> Self {

@@ -5,7 +5,7 @@
 use cpu_time::ThreadTime;
 use mpm_core::error::SceneError;
 use mpm_core::run::model;
-use mpm_core::scene::{DarcyChoice, Dimension, Fields, Scene, ShapeChoice, Start};
+use mpm_core::scene::{DarcyChoice, Dimension, Fields, Scene, ShapeChoice, Start, Strength};
 use mpm_core::stability::choose_step;
 use serde::{Deserialize, Serialize};
 
@@ -64,6 +64,21 @@ pub fn paths() -> Result<Vec<(&'static str, Scene)>, SceneError> {
         ("plane strain, water", change(|_| {})?),
         ("plane strain, water, nodal Darcy", change(|s| s.darcy = DarcyChoice::Nodal)?),
         ("plane strain, water, linear scheme", change(|s| s.shape = ShapeChoice::Linear)?),
+        ("plane strain, water, b-bar", change(|s| s.shape = ShapeChoice::BBar)?),
+        (
+            "plane strain, water, b-bar, Mohr-Coulomb",
+            change(|s| {
+                s.shape = ShapeChoice::BBar;
+                s.strength = Some(Strength {
+                    cohesion: s.surcharge.as_ref().map_or(1.0, |load| load.pressure),
+                    friction_angle: 30.0,
+                    dilation_angle: 0.0,
+                    tension_cutoff: None,
+                });
+            })?,
+        ),
+        ("plane strain, water, gimp", change(|s| s.shape = ShapeChoice::Gimp)?),
+        ("plane strain, water, bspline2", change(|s| s.shape = ShapeChoice::Bspline2)?),
         ("plane strain, dry", dry_plane),
         ("column, water", change(|s| s.dimension = Dimension::Column)?),
         ("column, dry", dry_column),

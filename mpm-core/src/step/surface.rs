@@ -71,7 +71,8 @@ impl<const D: usize> Tops<D> {
             let edges = functions.edges(&position, &frame.cells);
             let centroid = strips[strip].centroid(cell);
             let centroid = array!([lone(0.0); D], d => lone(centroid[d]));
-            let motion = functions.motion(&fields, &centroid);
+            let mut motion = functions.at_rest(Scalar);
+            functions.find_motion(&mut motion, &fields, &edges, &centroid);
             let xi = array!([lone(0.0); D], d => lone(x[d] * frame.inverse_size) - position[d]);
             let Moves { gradient, velocity, .. } = functions.moves(&motion, &edges, &xi, frame.inverse_size);
             let rate = if F::SPLIT {

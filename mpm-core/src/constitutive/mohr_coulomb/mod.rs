@@ -123,7 +123,7 @@ impl Law for MohrCoulomb {
         self.elastic.hooke(stress, strain);
         let none = stress[0].like(0.0);
         let residual = self.excess(stress).or(there, none.like(f64::NEG_INFINITY));
-        if none.simd.first_true_m64s(none.below(residual)) == V::F64_LANES {
+        if Lanes::nowhere(none.simd, none.below(residual)) {
             return Flow { dissipation: none, residual };
         }
         let mut packed = Packed { stress: [[0.0; MOST_LANES]; 4], flow: [[0.0; MOST_LANES]; 2] };

@@ -6,10 +6,10 @@ use pulp::{Scalar, Simd};
 use super::MOST_REACH;
 use crate::real::{Lanes, Real};
 
-/// The functions that the particles of a cell reach along one axis, at particles.
+/// The functions that particles reach along one axis.
 #[derive(Debug, Clone, Copy)]
 pub struct Line<R> {
-    /// Their values; beyond [`Basis::REACH`] none.
+    /// Their values, none beyond the last.
     pub value: [R; MOST_REACH],
     /// Their derivatives, per length of a cell.
     pub slope: [R; MOST_REACH],
@@ -19,7 +19,9 @@ pub struct Line<R> {
 pub trait Basis: Copy + Send + Sync + 'static {
     /// Functions that the particles of a cell reach.
     const REACH: usize;
-    /// How many of those have a smaller number than the cell.
+    /// Functions that one particle reaches.
+    const SPAN: usize = Self::REACH;
+    /// How many of those of the cell have a smaller number than it.
     const BEFORE: usize;
     /// Functions along an axis are this many more than cells.
     const EXTRA: usize;
@@ -28,17 +30,34 @@ pub trait Basis: Copy + Send + Sync + 'static {
 
     /// For cells at a place in a row of so many.
     fn edge<V: Simd>(&self, position: Lanes<V>, cells: usize) -> Self::Edge<V>;
-    /// The functions at a place in these cells.
-    fn line<V: Simd>(&self, edge: &Self::Edge<V>, xi: Lanes<V>) -> Line<Lanes<V>>;
+    /// The first of the [`Basis::SPAN`] functions that particles at a place in their cells reach, if it is the same in all lanes.
+    #[inline(always)]
+    fn first<V: Simd>(&self, _: Lanes<V>) -> Option<usize> {
+        Some(0)
+    }
+    /// The functions at a place in these cells: from the first that they all reach on, or all that these cells do. Those beyond a
+    /// side of the mesh are still to be folded.
+    fn line<V: Simd>(&self, edge: &Self::Edge<V>, xi: Lanes<V>, first: Option<usize>) -> Line<Lanes<V>>;
+    /// Whether any of these cells has functions beyond a side of the mesh.
+    #[inline(always)]
+    fn reaches_out<V: Simd>(&self, _: &Self::Edge<V>) -> bool {
+        false
+    }
+    /// Extends a field to the functions beyond the sides of the mesh; or folds: gives what those have got to the ones that they
+    /// depend on.
+    #[inline(always)]
+    fn beyond<V: Simd>(&self, _: &Self::Edge<V>, _: &mut [Lanes<V>; MOST_REACH], _extends: bool) {}
     /// The functions at a point of the surface, which may lie a little outside the cell it belongs to.
     #[inline(always)]
     fn at_surface<V: Simd>(&self, edge: &Self::Edge<V>, xi: Lanes<V>) -> Line<Lanes<V>> {
-        self.line(edge, xi)
+        self.line(edge, xi, None)
     }
     /// The functions at a place in one cell of a row of so many.
     fn at(&self, cell: usize, cells: usize, xi: f64) -> Line<f64> {
         let edge = self.edge(Lanes::splat(Scalar, cell as f64), cells);
-        let line = self.line(&edge, Lanes::splat(Scalar, xi));
+        let mut line = self.line(&edge, Lanes::splat(Scalar, xi), None);
+        self.beyond(&edge, &mut line.value, false);
+        self.beyond(&edge, &mut line.slope, false);
         Line { value: line.value.map(|value| value.lane(0)), slope: line.slope.map(|slope| slope.lane(0)) }
     }
     /// Where one of the functions stands in these cells: `sum_i N_i x_i = x`.
@@ -94,7 +113,7 @@ impl<const DEGREE: usize> Basis for Bspline<DEGREE> {
     }
 
     #[inline(always)]
-    fn line<V: Simd>(&self, knots: &Knots<V>, xi: Lanes<V>) -> Line<Lanes<V>> {
+    fn line<V: Simd>(&self, knots: &Knots<V>, xi: Lanes<V>, _: Option<usize>) -> Line<Lanes<V>> {
         let none = xi.like(0.0);
         let (mut value, mut slope) = ([none; MOST_REACH], [none; MOST_REACH]);
         value[0] = none.like(1.0);
@@ -147,71 +166,93 @@ impl Gimp {
     }
 }
 
-/// Which cells are the first and the last of their row: 1, else 0.
+/// Which cells are the first and the last of their row.
 #[derive(Debug, Clone, Copy)]
 pub struct Ends<V: Simd> {
-    first: Lanes<V>,
-    last: Lanes<V>,
+    first: V::m64s,
+    last: V::m64s,
     /// Whether any is.
     is_outer: bool,
+    simd: V,
 }
 
-impl<V: Simd> Ends<V> {
-    /// What three nodes have, from the first or the second of four on.
-    #[inline(always)]
-    fn spread(&self, is_left: V::m64s, [first, middle, last]: [Lanes<V>; 3]) -> [Lanes<V>; MOST_REACH] {
-        let none = first.like(0.0);
-        let mut of =
-            [first.or(is_left, none), middle.or(is_left, first), last.or(is_left, middle), none.or(is_left, last)];
-        if self.is_outer {
-            fold(&mut of, [0, 1, 2], self.first);
-            fold(&mut of, [3, 2, 1], self.last);
-        }
-        of
-    }
-}
-
-/// Node `out` outside stands for twice the next one less the one after that.
+/// What three nodes have, from the one out there on: as three in order if those are the same in all lanes, else as four.
 #[inline(always)]
-fn fold<V: Simd>(of: &mut [Lanes<V>; MOST_REACH], [out, next, after]: [usize; 3], share: Lanes<V>) {
-    let outside = of[out] * share;
-    of[next] += outside * 2.0;
-    of[after] -= outside;
-    of[out] -= outside;
+fn spread<V: Simd>(first: Option<usize>, is_low: V::m64s, [out, near, far]: [Lanes<V>; 3]) -> [Lanes<V>; MOST_REACH] {
+    let none = out.like(0.0);
+    match first {
+        Some(_) => [out.or(is_low, far), near, far.or(is_low, out), none],
+        None => [out.or(is_low, none), near.or(is_low, far), far.or(is_low, near), none.or(is_low, out)],
+    }
 }
 
 impl Basis for Gimp {
     const REACH: usize = 4;
+    const SPAN: usize = 3;
     const BEFORE: usize = 1;
     const EXTRA: usize = 1;
     type Edge<V: Simd> = Ends<V>;
 
     #[inline(always)]
     fn edge<V: Simd>(&self, position: Lanes<V>, cells: usize) -> Ends<V> {
-        let (none, one) = (position.like(0.0), position.like(1.0));
-        let end = cells as f64 - 1.0;
-        let mut is_outer = false;
-        for lane in 0..Lanes::<V>::COUNT {
-            let at = position.lane(lane);
-            is_outer |= at <= 0.0 || at >= end;
+        let first = position.equals(position.like(0.0));
+        let last = position.equals(position.like(cells as f64 - 1.0));
+        let simd = position.simd;
+        Ends { first, last, is_outer: !Lanes::nowhere(simd, simd.or_m64s(first, last)), simd }
+    }
+
+    /// A particle is no longer than a cell. In the lower half of its cell it may reach over the lower node, in the upper half over
+    /// the upper one; in the middle it reaches neither way, and may be taken for either.
+    #[inline(always)]
+    fn first<V: Simd>(&self, xi: Lanes<V>) -> Option<usize> {
+        let half = xi.like(0.5);
+        if Lanes::nowhere(xi.simd, half.below(xi)) {
+            Some(0)
+        } else if Lanes::nowhere(xi.simd, xi.below(half)) {
+            Some(1)
+        } else {
+            None
         }
-        let first = one.or(position.equals(none), none);
-        Ends { first, last: one.or(position.equals(none.like(end)), none), is_outer }
     }
 
     #[inline(always)]
-    fn line<V: Simd>(&self, ends: &Ends<V>, xi: Lanes<V>) -> Line<Lanes<V>> {
-        let (none, one) = (xi.like(0.0), xi.like(1.0));
-        let (low, high, per) = (xi - none.like(self.half), xi + none.like(self.half), 0.5 / self.half);
-        // A particle is no longer than a cell: it has at most one node inside, and reaches a and c to both sides of it.
-        let is_left = low.below(none);
-        let middle = none.or(is_left, one);
-        let (a, b, c) = (middle - low, (middle - high).larger(none), (high - middle).larger(none));
-        let (first, last) = ((a * a - b * b) * (0.5 * per), c * c * (0.5 * per));
-        let (fall, rise) = ((b - a) * per, c * per);
-        // The middle one is what remains of constant fields.
-        let value = ends.spread(is_left, [first, one - first - last, last]);
-        Line { value, slope: ends.spread(is_left, [fall, -fall - rise, rise]) }
+    fn line<V: Simd>(&self, _: &Ends<V>, xi: Lanes<V>, first: Option<usize>) -> Line<Lanes<V>> {
+        let (none, one, per) = (xi.like(0.0), xi.like(1.0), 0.5 / self.half);
+        let is_low = match first {
+            Some(0) => none.below(one),
+            Some(_) => one.below(none),
+            None => xi.below(xi.like(0.5)),
+        };
+        // By the distance s to the nearer node, over which it reaches by a = l - s: S = a^2/4l at the node out there, s + a^2/4l at the
+        // far one, and at the near one what remains of constant fields.
+        let near = xi.or(is_low, one - xi);
+        let over = (none.like(self.half) - near).larger(none);
+        let (out, fall) = (over * over * (0.5 * per), over * per);
+        let value = [out, one - near - out * 2.0, near + out];
+        let sign = one.or(is_low, -one);
+        let slope = [-fall * sign, (fall * 2.0 - one) * sign, (one - fall) * sign];
+        Line { value: spread(first, is_low, value), slope: spread(first, is_low, slope) }
+    }
+
+    #[inline(always)]
+    fn reaches_out<V: Simd>(&self, ends: &Ends<V>) -> bool {
+        ends.is_outer
+    }
+
+    /// A node outside stands for twice the next one less the one after that.
+    #[inline(always)]
+    fn beyond<V: Simd>(&self, ends: &Ends<V>, of: &mut [Lanes<V>; MOST_REACH], extends: bool) {
+        let none = of[0].like(0.0);
+        for ([out, next, after], side) in [([0, 1, 2], ends.first), ([3, 2, 1], ends.last)] {
+            if extends {
+                of[out] = (of[next] * 2.0 - of[after]).or(side, of[out]);
+            } else {
+                let outside = of[out].or(side, none);
+                of[next] += outside * 2.0;
+                of[after] -= outside;
+                of[out] -= outside;
+            }
+        }
     }
 
     /// The load acts at a point, which has no size.
@@ -223,7 +264,7 @@ impl Basis for Gimp {
 
     #[inline(always)]
     fn stands<V: Simd>(&self, ends: &Ends<V>, function: usize) -> Lanes<V> {
-        ends.first.like(function as f64 - 1.0)
+        Lanes::splat(ends.simd, function as f64 - 1.0)
     }
 
     fn stands_at(&self, function: usize, _: usize) -> f64 {
@@ -247,8 +288,8 @@ mod tests {
                 for step in 0..40 {
                     let xi = (f64::from(step) + 0.37) / 40.0;
                     let line = |xi: f64| {
-                        let line = basis.line(&edge, lone(xi));
-                        [line.value, line.slope].map(|of| of.map(|number| number.lane(0)))
+                        let line = basis.at(cell, cells, xi);
+                        [line.value, line.slope]
                     };
                     let [value, slope] = line(xi);
                     let sum = |f: &dyn Fn(usize) -> f64| (0..MOST_REACH).map(f).sum::<f64>();
@@ -311,8 +352,8 @@ mod tests {
             fn edge<V: Simd>(&self, position: Lanes<V>, cells: usize) -> Knots<V> {
                 Bspline::<2>.edge(position, cells)
             }
-            fn line<V: Simd>(&self, edge: &Knots<V>, xi: Lanes<V>) -> Line<Lanes<V>> {
-                let mut line = Bspline::<2>.line(edge, xi);
+            fn line<V: Simd>(&self, edge: &Knots<V>, xi: Lanes<V>, first: Option<usize>) -> Line<Lanes<V>> {
+                let mut line = Bspline::<2>.line(edge, xi, first);
                 line.value[1] -= xi.like(1e-12);
                 line
             }
@@ -329,11 +370,34 @@ mod tests {
     #[test]
     fn splines_are_smooth_across_knots() {
         for cell in 0..3 {
-            let at = |cell: usize, xi: f64| Bspline::<3>.line(&Bspline::<3>.edge(lone(cell as f64), 4), lone(xi));
+            let at = |cell: usize, xi: f64| Bspline::<3>.at(cell, 4, xi);
             let (before, after) = (at(cell, 1.0), at(cell + 1, 0.0));
             for k in 0..3 {
-                assert!((before.value[k + 1] - after.value[k]).lane(0).abs() < 1e-15, "value at knot {}", cell + 1);
-                assert!((before.slope[k + 1] - after.slope[k]).lane(0).abs() < 1e-15, "slope at knot {}", cell + 1);
+                assert!((before.value[k + 1] - after.value[k]).abs() < 1e-15, "value at knot {}", cell + 1);
+                assert!((before.slope[k + 1] - after.slope[k]).abs() < 1e-15, "slope at knot {}", cell + 1);
+            }
+        }
+    }
+
+    /// However many functions lanes take together, the bits of a particle are the same.
+    #[test]
+    fn a_particle_reaches_three_of_four() {
+        for per_direction in 1..=4 {
+            let gimp = Gimp::new(per_direction);
+            let edge = gimp.edge(lone(1.0), 3);
+            for xi in (-2..=42).map(|step| lone(f64::from(step) / 40.0)) {
+                let all = gimp.line(&edge, xi, None);
+                let firsts = if xi.lane(0) == 0.5 { vec![0, 1] } else { vec![gimp.first(xi).expect("one lane")] };
+                for first in firsts {
+                    let some = gimp.line(&edge, xi, Some(first));
+                    for (some, all) in [(some.value, all.value), (some.slope, all.slope)] {
+                        for k in 0..4 {
+                            let own =
+                                if (first..first + Gimp::SPAN).contains(&k) { some[k - first].lane(0) } else { 0.0 };
+                            assert_eq!(own, all[k].lane(0), "{k} of {per_direction} at {:?}", xi.lane(0));
+                        }
+                    }
+                }
             }
         }
     }
@@ -344,14 +408,14 @@ mod tests {
         let hat = |s: f64| (1.0 - s.abs()).max(0.0);
         // Midpoint rule over the particle on both sides of the node 2.
         let (cell, xi, points) = (1, 0.9, 1000);
-        let line = gimp.line(&gimp.edge(lone(f64::from(cell)), 4), lone(xi));
+        let line = gimp.at(cell as usize, 4, xi);
         for k in 0..4 {
             let node = f64::from(cell + k - 1);
             let mean: f64 = (0..points)
                 .map(|i| hat(1.9 + gimp.half * (f64::from(2 * i + 1) / f64::from(points) - 1.0) - node))
                 .sum::<f64>()
                 / f64::from(points);
-            assert!((line.value[k as usize].lane(0) - mean).abs() < 1e-6, "{k}: {mean}");
+            assert!((line.value[k as usize] - mean).abs() < 1e-6, "{k}: {mean}");
         }
     }
 }

@@ -13,7 +13,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::scatter::Scatter;
-use super::{Affine, Closing, Common, Contribution, Fields, Functions, MOST_REACHED, Moves};
+use super::{Affine, Closing, Common, Contribution, Fields, Functions, Moves, Nodal};
 use crate::real::{Lanes, array};
 use crate::step::store::nodes::{SUMS, StripSums};
 use crate::step::store::{Motion, SolidLanes, Strip};
@@ -36,19 +36,20 @@ impl<V: Simd, F: Functions<D>, const D: usize> WithSimd for MapBack<'_, V, F, D>
     #[inline(always)]
     fn with_simd<T: Simd>(self, _: T) {
         let Self { simd, strip, sums, common } = self;
-        let Common { frame, functions, motion, flip, kept, .. } = *common;
+        let Common { frame, functions, motion: moving, flip, kept, .. } = *common;
         let none = Lanes::splat(simd, 0.0);
-        let mut given = [[none; MOST_REACHED]; SUMS];
+        let (mut motion, mut gathered) = (functions.at_rest(simd), functions.nothing(simd));
+        let mut room = [Nodal::splat(simd, 0.0); SUMS];
         let mut scatter = Scatter::<V, D>::begin::<F>(simd, sums, frame);
         for (group, cell) in strip.cells.iter().enumerate() {
             let position = array!([none; D], d => Lanes { simd, value: cell.position[d] });
             let edges = functions.edges(&position, &frame.cells);
             let at = strip.first + group * V::F64_LANES;
-            let Motion { velocity, change, .. } = motion;
+            let Motion { velocity, change, .. } = moving;
             let fields = Fields { simd, velocity, change, mapped: None, frame, at };
             let at = array!([none; D], d => Lanes { simd, value: cell.at[d] });
-            let motion = functions.motion(&fields, &at);
-            let mut gathered = functions.nothing(simd);
+            functions.find_motion(&mut motion, &fields, &edges, &at);
+            functions.clear(simd, &mut gathered, false);
             for index in strip.solid.range(group) {
                 let point = SolidLanes::<V, D>::read(simd, strip.solid.block(index));
                 let xi = array!([none; D], d => point.x[d] * frame.inverse_size - position[d]);
@@ -62,8 +63,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> WithSimd for MapBack<'_, V, F, D>
                 functions.add(&mut gathered, &edges, &point, (false, frame.inverse_size));
             }
             let closing = Closing::of(none);
-            functions.finish(&mut gathered, &closing, frame.inverse_size, &mut given);
-            scatter.add::<F>(sums, group * V::F64_LANES, &given);
+            let given = functions.finish(&mut gathered, &edges, &closing, frame.inverse_size, &mut room);
+            scatter.add::<F>(sums, group * V::F64_LANES, given);
         }
         scatter.end::<F>(sums, strip.cells.len() * V::F64_LANES);
     }

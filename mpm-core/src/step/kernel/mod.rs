@@ -18,6 +18,8 @@ pub use map_back::MapBack;
 pub use on_cell::{B_BAR, CENTRE, CENTROID, LINEAR};
 pub use stencil::Over;
 
+use std::ops::{Deref, DerefMut};
+
 use pulp::{Simd, WithSimd};
 
 use super::store::nodes::{SUMS, StripSums};
@@ -78,8 +80,36 @@ impl<V: Simd, const D: usize> Fields<'_, V, D> {
     }
 }
 
-/// What a group of cells gives to the functions that it reaches, by sum and function.
-pub type Given<V> = [[Lanes<V>; MOST_REACHED]; SUMS];
+/// A number at each of the functions that a group of cells reaches. A vector that lies across two lines of the cache costs twice as much.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub struct Nodal<V: Simd>([Lanes<V>; MOST_REACHED]);
+
+impl<V: Simd> Nodal<V> {
+    /// The same number at all of them.
+    #[inline(always)]
+    pub fn splat(simd: V, number: f64) -> Self {
+        Self([Lanes::splat(simd, number); MOST_REACHED])
+    }
+}
+
+impl<V: Simd> Deref for Nodal<V> {
+    type Target = [Lanes<V>; MOST_REACHED];
+    #[inline(always)]
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
+
+impl<V: Simd> DerefMut for Nodal<V> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.0
+    }
+}
+
+/// What a group of cells gives to the functions that it reaches, by sum.
+pub type Given<V> = [Nodal<V>; SUMS];
 
 /// What the mesh does to a particle.
 pub struct Moves<V: Simd, const D: usize> {
@@ -196,8 +226,16 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
 
     /// For cells at a place on the lattice of so many.
     fn edges<V: Simd>(&self, position: &[Lanes<V>; D], cells: &[usize; D]) -> Self::Edges<V>;
-    /// Motion of the cells, the particles of which have a centroid (cell coordinates).
-    fn motion<V: Simd>(&self, fields: &Fields<V, D>, centroid: &[Lanes<V>; D]) -> Self::Motion<V>;
+    /// No motion.
+    fn at_rest<V: Simd>(&self, simd: V) -> Self::Motion<V>;
+    /// Finds the motion of the cells, the particles of which have a centroid (cell coordinates).
+    fn find_motion<V: Simd>(
+        &self,
+        motion: &mut Self::Motion<V>,
+        fields: &Fields<V, D>,
+        edges: &Self::Edges<V>,
+        centroid: &[Lanes<V>; D],
+    );
     /// Rate of volume at the centre of the cells, 1/s.
     fn middle<V: Simd>(&self, motion: &Self::Motion<V>, inverse_size: f64) -> Lanes<V>;
     /// What the mesh does to particles at a place in their cells.
@@ -235,6 +273,8 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
 
     /// Nothing gathered.
     fn nothing<V: Simd>(&self, simd: V) -> Self::Sums<V>;
+    /// Forgets what was gathered; `coupled` as in [`Functions::add`].
+    fn clear<V: Simd>(&self, simd: V, sums: &mut Self::Sums<V>, coupled: bool);
     /// Adds a particle; `coupled` if the force of a unit pressure is to be known, 1/L in 1/m.
     fn add<V: Simd>(
         &self,
@@ -257,12 +297,20 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
     fn centroid<V: Simd>(&self, _: &Self::Sums<V>, _: Lanes<V>) -> Option<[Lanes<V>; D]> {
         None
     }
-    /// Gives what the cells have gathered.
-    fn finish<V: Simd>(&self, sums: &mut Self::Sums<V>, cell: &Closing<V, D>, inverse_size: f64, given: &mut Given<V>);
+    /// Gives what the cells have gathered; `room` may hold it.
+    fn finish<'a, V: Simd>(
+        &self,
+        sums: &'a mut Self::Sums<V>,
+        edges: &Self::Edges<V>,
+        cell: &Closing<V, D>,
+        inverse_size: f64,
+        room: &'a mut Given<V>,
+    ) -> &'a Given<V>;
     /// C: force of a unit pressure in the cells on their functions, m2.
     fn coupling<V: Simd>(
         &self,
         sums: &Self::Sums<V>,
+        edges: &Self::Edges<V>,
         cell: &Closing<V, D>,
         inverse_size: f64,
     ) -> [[Lanes<V>; D]; MOST_REACHED];
@@ -459,6 +507,13 @@ fn align_stack() {
 /// A vector field in a cell that is linear along each axis, as coefficients.
 pub type Relative<V, const D: usize> = [[Lanes<V>; D]; 4];
 
+/// What a group of cells works in.
+struct Room<V: Simd, F: Functions<D>, const D: usize> {
+    motion: F::Motion<V>,
+    sums: F::Sums<V>,
+    given: Given<V>,
+}
+
 /// What a pass over a strip adds up.
 struct Running<V: Simd> {
     rates: [[Lanes<V>; MOST_LANES]; 2],
@@ -486,14 +541,19 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             flowed: FlowedLanes::nothing(self.simd),
             stays: none.in_unit_interval(),
         };
-        let mut given = [[none; MOST_REACHED]; SUMS];
+        let functions = self.common.functions;
+        let mut room = Room {
+            motion: functions.at_rest(self.simd),
+            sums: functions.nothing(self.simd),
+            given: [Nodal::splat(self.simd, 0.0); SUMS],
+        };
         let mut scatter = Scatter::<V, D>::begin::<F>(self.simd, self.sums, self.common.frame);
         for group in 0..self.strip.cells.len() {
-            self.group(group, &mut running, &mut given);
-            scatter.add::<F>(self.sums, group * V::F64_LANES, &given);
+            let given = self.group(group, &mut running, &mut room);
+            scatter.add::<F>(self.sums, group * V::F64_LANES, given);
         }
         scatter.end::<F>(self.sums, self.strip.cells.len() * V::F64_LANES);
-        self.strip.stays = self.simd.first_true_m64s(self.simd.not_m64s(running.stays)) == V::F64_LANES;
+        self.strip.stays = Lanes::nowhere(self.simd, self.simd.not_m64s(running.stays));
         if self.common.moves && self.common.plastic {
             self.strip.flowed = running.flowed.added_up();
         }
@@ -509,7 +569,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
 
     /// A group of cells: Figure 1 from the mesh to the particles and back.
     #[inline(always)]
-    fn group(&mut self, group: usize, running: &mut Running<V>, given: &mut Given<V>) {
+    fn group<'b>(&mut self, group: usize, running: &mut Running<V>, room: &'b mut Room<V, F, D>) -> &'b Given<V> {
+        let Room { motion: moving, sums, given } = room;
         let Common { frame, functions, motion, mapped, water, .. } = *self.common;
         let none = Lanes::splat(self.simd, 0.0);
         let at = self.strip.first + group * V::F64_LANES;
@@ -517,13 +578,14 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let position = array!([none; D], d => self.of(cell.position[d]));
         let edges = functions.edges(&position, &frame.cells);
         let wet = matches!(water, InPores::Particles { .. });
-        let mut sums = functions.nothing(self.simd);
+        functions.clear(self.simd, sums, self.common.coupled);
         let mut soil = [none; 2]; // mass, volume
         self.ask_for_cells(group, at);
         if self.common.moves {
             let Motion { velocity, change, .. } = motion;
             let fields = Fields { simd: self.simd, velocity, change, mapped, frame, at };
-            let motion = functions.motion(&fields, &array!([none; D], d => self.of(cell.at[d])));
+            functions.find_motion(moving, &fields, &edges, &array!([none; D], d => self.of(cell.at[d])));
+            let motion = &*moving;
             let mut relative = if wet { self.darcy_flow(at, &cell, running, group) } else { [[none; D]; 4] };
             if let InPores::Particles { partly_drained: true, .. } = water {
                 let holds = none.below(self.of(cell.holds));
@@ -533,22 +595,22 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
                     }
                 }
             }
-            let gained = self.solid(group, &position, (&motion, &edges, &cell), (&mut sums, &mut soil), running);
+            let gained = self.solid(group, &position, (motion, &edges, &cell), (sums, &mut soil), running);
             if wet {
-                self.water(group, &position, Some((&motion, &relative, &cell, gained)), (&edges, &mut sums), running);
+                self.water(group, &position, Some((motion, &relative, &cell, gained)), (&edges, sums), running);
             }
         } else if wet {
-            self.water(group, &position, None, (&edges, &mut sums), running);
+            self.water(group, &position, None, (&edges, sums), running);
         }
         if !(self.common.moves && F::FUSED) {
-            let pressure = self.pressure_on_particles(&sums);
+            let pressure = self.pressure_on_particles(sums);
             for index in self.strip.solid.range(group) {
                 let point = SolidLanes::<V, D>::read(self.simd, self.strip.solid.block(index));
                 let xi = array!([none; D], d => point.x[d] * frame.inverse_size - position[d]);
-                self.gather(&point, xi, pressure, index, &edges, (&mut sums, &mut soil));
+                self.gather(&point, xi, pressure, index, &edges, (sums, &mut soil));
             }
         }
-        self.close(group, at, &soil, &mut sums, given);
+        self.close((group, at), &soil, &edges, sums, given)
     }
 
     /// Asks for cells, upper nodes and faces of a group to come.
@@ -662,7 +724,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     fn open_gap(&self, point: &mut SolidLanes<V, D>, index: usize, group: usize, running: &mut Running<V>) {
         let none = point.volume.like(0.0);
         let gone = point.mass.below(point.volume * self.common.apart);
-        if self.simd.first_true_m64s(gone) == V::F64_LANES {
+        if Lanes::nowhere(self.simd, gone) {
             return;
         }
         let mut lost = none;
@@ -744,14 +806,14 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
 
     /// The cells' volumes are known: notes them for the next step, and gives the sums at their functions.
     #[inline(always)]
-    fn close(
+    fn close<'b>(
         &mut self,
-        group: usize,
-        at: usize,
+        (group, at): (usize, usize),
         &[mass, volume]: &[Lanes<V>; 2],
-        sums: &mut F::Sums<V>,
-        given: &mut Given<V>,
-    ) {
+        edges: &F::Edges<V>,
+        sums: &'b mut F::Sums<V>,
+        room: &'b mut Given<V>,
+    ) -> &'b Given<V> {
         let Common { functions, frame, coupled, .. } = *self.common;
         let none = mass.like(0.0);
         let full = volume.or_one();
@@ -787,7 +849,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             }
         }
         if coupled {
-            let coupling = functions.coupling(sums, &closing, frame.inverse_size);
+            let coupling = functions.coupling(sums, edges, &closing, frame.inverse_size);
             let reached = F::REACH.pow(D as u32);
             for a in 0..reached {
                 for d in 0..D {
@@ -798,6 +860,6 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
                 }
             }
         }
-        functions.finish(sums, &closing, frame.inverse_size, given);
+        functions.finish(sums, edges, &closing, frame.inverse_size, room)
     }
 }

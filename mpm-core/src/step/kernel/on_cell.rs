@@ -94,14 +94,26 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
     fn edges<V: Simd>(&self, _: &[Lanes<V>; D], _: &[usize; D]) {}
 
     #[inline(always)]
-    fn motion<V: Simd>(&self, fields: &Fields<V, D>, centroid: &[Lanes<V>; D]) -> CellMotion<V, D> {
+    fn at_rest<V: Simd>(&self, simd: V) -> CellMotion<V, D> {
+        let none = [[Lanes::splat(simd, 0.0); D]; 4];
+        CellMotion { strains: none, velocity: none, change: none, at: none[0] }
+    }
+
+    #[inline(always)]
+    fn find_motion<V: Simd>(
+        &self,
+        motion: &mut CellMotion<V, D>,
+        fields: &Fields<V, D>,
+        (): &(),
+        centroid: &[Lanes<V>; D],
+    ) {
         let velocity = in_cell(fields, fields.velocity);
         let strains = match fields.mapped {
             Some(mapped) => in_cell(fields, mapped),
             None => velocity,
         };
         let at = if <Self as Functions<D>>::AT_CENTROID { *centroid } else { [velocity[0][0].like(0.5); D] };
-        CellMotion { strains, velocity, change: in_cell(fields, fields.change), at }
+        *motion = CellMotion { strains, velocity, change: in_cell(fields, fields.change), at };
     }
 
     #[inline(always)]
@@ -177,6 +189,11 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
             weighted: [[none; 1]; 4],
             of_water: none,
         }
+    }
+
+    #[inline(always)]
+    fn clear<V: Simd>(&self, simd: V, sums: &mut CellSums<V, D>, _: bool) {
+        *sums = <Self as Functions<D>>::nothing(self, simd);
     }
 
     #[inline(always)]
@@ -264,13 +281,14 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
     }
 
     #[inline(always)]
-    fn finish<V: Simd>(
+    fn finish<'a, V: Simd>(
         &self,
-        sums: &mut CellSums<V, D>,
+        sums: &'a mut CellSums<V, D>,
+        (): &(),
         cell: &Closing<V, D>,
         inverse_size: f64,
-        given: &mut Given<V>,
-    ) {
+        given: &'a mut Given<V>,
+    ) -> &'a Given<V> {
         let none = sums.solid_mass[0].like(0.0);
         for s in 0..4 {
             sums.mean[s] = sums.mean[s] * cell.share;
@@ -327,12 +345,14 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
                 given[force(D) + d][a] = -internal[a][d];
             }
         }
+        given
     }
 
     #[inline(always)]
     fn coupling<V: Simd>(
         &self,
         sums: &CellSums<V, D>,
+        (): &(),
         cell: &Closing<V, D>,
         inverse_size: f64,
     ) -> [[Lanes<V>; D]; MOST_REACHED] {

@@ -9,6 +9,7 @@ use crate::step::store::Frame;
 use crate::step::store::nodes::{SUMS, StripSums, sums};
 
 /// What cells give to nodes beyond their own lanes waits here for the next cells.
+#[repr(C, align(64))]
 pub struct Scatter<V: Simd, const D: usize> {
     /// By row of functions, column, sum.
     carry: [[[Lanes<V>; SUMS]; MOST_REACH]; MOST_REACH],

@@ -1,16 +1,19 @@
 //! Functions over a stencil of cells: tensor products of a [`Basis`] along each axis, so many cells at once.
 //!
-//! All particles of a cell reach the same functions, so a cell gathers in its own sums. What a particle gives and takes is summed up axis
-//! by axis.
+//! A cell gathers in its own sums, for all functions that any of its particles reaches. Where the particles in all lanes reach the
+//! same of these, the others are left out: they would add zeros. What a particle gives and takes is summed up axis by axis. Functions
+//! beyond the sides of the mesh, where a [`Basis`] has such, are there until a cell has gathered, and then folded.
+
+use std::ops::Range;
 
 use pulp::{Scalar, Simd};
 
 use super::bases::{Basis, Line};
-use super::{Closing, Contribution, Fields, Functions, Given, MOST_REACH, MOST_REACHED, Moves, Relative};
+use super::{Closing, Contribution, Fields, Functions, Given, MOST_REACH, MOST_REACHED, Moves, Nodal, Relative};
 use crate::dimension::{basis, value};
 use crate::real::{Lanes, Real, array};
 use crate::step::store::Nodes;
-use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS, force};
+use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS, SUMS, force, sums as of_node};
 
 /// Products of a basis along each axis.
 #[derive(Debug, Clone, Copy)]
@@ -18,46 +21,123 @@ pub struct Over<B>(pub B);
 
 /// Motion of the functions that a group of cells reaches.
 pub struct StencilMotion<V: Simd, const D: usize> {
-    strains: [[Lanes<V>; D]; MOST_REACHED],
-    velocity: [[Lanes<V>; D]; MOST_REACHED],
-    change: [[Lanes<V>; D]; MOST_REACHED],
+    velocity: [Nodal<V>; D],
+    change: [Nodal<V>; D],
+    /// Velocities that strain the soil, if they are others.
+    mapped: [Nodal<V>; D],
     is_mapped: bool,
 }
 
 /// What the particles of a cell give to these functions.
 pub struct StencilSums<V: Simd, const D: usize> {
-    solid_mass: [Lanes<V>; MOST_REACHED],
-    water_mass: [Lanes<V>; MOST_REACHED],
-    momentum: [[Lanes<V>; D]; MOST_REACHED],
-    force: [[Lanes<V>; D]; MOST_REACHED],
+    /// As nodes have them, but for the mass of the water alone in the place of that of the mixture.
+    nodal: Given<V>,
     /// `sum_p V G_i`, m2.
-    coupling: [[Lanes<V>; D]; MOST_REACHED],
+    coupling: [Nodal<V>; D],
     weighted: Lanes<V>,
     of_water: Lanes<V>,
 }
 
+/// The basis along each axis at particles.
+struct Lines<V: Simd, const D: usize> {
+    along: [Line<Lanes<V>>; D],
+    /// Where the functions begin that they reach, if that is the same in all lanes.
+    first: Option<[usize; D]>,
+}
+
+/// Runs with the number of functions along an axis that particles reach, and where they begin. The number is a constant where it is
+/// compiled, so that loops over it are unrolled.
+macro_rules! reached {
+    ($lines:expr, |$count:ident, $first:ident| $run:expr) => {
+        match $lines.first {
+            Some($first) => {
+                let $count = B::SPAN;
+                $run
+            }
+            None => {
+                let ($count, $first) = (B::REACH, [0; D]);
+                $run
+            }
+        }
+    };
+}
+
 impl<B: Basis> Over<B> {
     #[inline(always)]
-    fn lines<V: Simd, const D: usize>(&self, edges: &[B::Edge<V>; D], xi: &[Lanes<V>; D]) -> [Line<Lanes<V>>; D] {
-        let mut lines = [self.0.line(&edges[0], xi[0]); D];
-        for d in 1..D {
-            lines[d] = self.0.line(&edges[d], xi[d]);
+    fn lines<V: Simd, const D: usize>(&self, edges: &[B::Edge<V>; D], xi: &[Lanes<V>; D]) -> Lines<V, D> {
+        let (mut first, mut agree) = ([0; D], true);
+        for d in 0..D {
+            match self.0.first(xi[d]) {
+                Some(own) => first[d] = own,
+                None => agree = false,
+            }
         }
-        lines
+        let mut along = [self.0.line(&edges[0], xi[0], if agree { Some(first[0]) } else { None }); D];
+        for d in 1..D {
+            along[d] = self.0.line(&edges[d], xi[d], if agree { Some(first[d]) } else { None });
+        }
+        Lines { along, first: if agree { Some(first) } else { None } }
     }
 
-    /// A field at the functions that cells reach.
+    /// All functions that cells reach, those beyond the mesh folded.
     #[inline(always)]
-    fn reached<V: Simd, const D: usize>(fields: &Fields<V, D>, field: &[Vec<f64>; 2]) -> [[Lanes<V>; D]; MOST_REACHED] {
-        let mut nodal = [[Lanes::splat(fields.simd, 0.0); D]; MOST_REACHED];
-        for j in 0..if D == 1 { 1 } else { B::REACH } {
+    fn folded<V: Simd, const D: usize>(&self, edges: &[B::Edge<V>; D], xi: &[Lanes<V>; D]) -> Lines<V, D> {
+        let mut along = [self.0.line(&edges[0], xi[0], None); D];
+        for d in 0..D {
+            along[d] = self.0.line(&edges[d], xi[d], None);
+            self.0.beyond(&edges[d], &mut along[d].value, false);
+            self.0.beyond(&edges[d], &mut along[d].slope, false);
+        }
+        Lines { along, first: None }
+    }
+
+    /// The functions from the first that particles reach to the last, if they reach so many along each axis.
+    #[inline(always)]
+    fn part<const D: usize>(count: usize, first: [usize; D]) -> Range<usize> {
+        let from = first[0] + if D == 1 { 0 } else { first[D - 1] * B::REACH };
+        from..from + count + if D == 1 { 0 } else { (count - 1) * B::REACH }
+    }
+
+    /// Extends a field beyond the sides of the mesh, or folds what has been gathered there.
+    #[inline(always)]
+    fn each_line<V: Simd, const D: usize>(&self, of: &mut Nodal<V>, edges: &[B::Edge<V>; D], extends: bool) {
+        if self.0.reaches_out(&edges[0]) {
+            for j in 0..if D == 1 { 1 } else { B::REACH } {
+                let mut line = array!([of[0]; MOST_REACH], i => of[j * B::REACH + i]);
+                self.0.beyond(&edges[0], &mut line, extends);
+                of[j * B::REACH..][..MOST_REACH].copy_from_slice(&line);
+            }
+        }
+        if D == 2 && self.0.reaches_out(&edges[D - 1]) {
             for i in 0..B::REACH {
-                for d in 0..D {
-                    nodal[j * B::REACH + i][d] = fields.load(&field[d], i + j * fields.frame.stride[D - 1]);
+                let mut line = array!([of[0]; MOST_REACH], j => of[j * B::REACH + i]);
+                self.0.beyond(&edges[D - 1], &mut line, extends);
+                for j in 0..MOST_REACH {
+                    of[j * B::REACH + i] = line[j];
                 }
             }
         }
-        nodal
+    }
+
+    /// Finds a field at the functions that cells reach.
+    #[inline(always)]
+    fn reached<V: Simd, const D: usize>(
+        &self,
+        nodal: &mut [Nodal<V>; D],
+        fields: &Fields<V, D>,
+        edges: &[B::Edge<V>; D],
+        field: &[Vec<f64>; 2],
+    ) {
+        for j in 0..if D == 1 { 1 } else { B::REACH } {
+            for i in 0..B::REACH {
+                for d in 0..D {
+                    nodal[d][j * B::REACH + i] = fields.load(&field[d], i + j * fields.frame.stride[D - 1]);
+                }
+            }
+        }
+        for d in 0..D {
+            self.each_line(&mut nodal[d], edges, true);
+        }
     }
 
     /// Products of the values along each axis, for one point.
@@ -70,7 +150,9 @@ impl<B: Basis> Over<B> {
     ) -> [f64; MOST_REACHED] {
         let along = |d: usize| {
             let edge = self.0.edge(Lanes::splat(Scalar, position[d] as f64), cells[d]);
-            line(&edge, Lanes::splat(Scalar, xi[d])).value
+            let mut value = line(&edge, Lanes::splat(Scalar, xi[d])).value;
+            self.0.beyond(&edge, &mut value, false);
+            value
         };
         let (x, y) = (along(0), along(D - 1));
         let mut shares = [0.0; MOST_REACHED];
@@ -85,33 +167,35 @@ impl<B: Basis> Over<B> {
     /// Value and gradient of a vector field at particles.
     #[inline(always)]
     fn field<V: Simd, const D: usize>(
-        lines: &[Line<Lanes<V>>; D],
-        nodal: &[[Lanes<V>; D]; MOST_REACHED],
+        lines: &Lines<V, D>,
+        nodal: &[Nodal<V>; D],
         inverse_size: f64,
     ) -> ([Lanes<V>; D], [[Lanes<V>; D]; D]) {
-        let none = lines[0].value[0].like(0.0);
+        let (x, y) = (&lines.along[0], &lines.along[D - 1]);
+        let none = x.value[0].like(0.0);
         let (mut at, mut gradient) = ([none; D], [[none; D]; D]);
-        let x = &lines[0];
-        for j in 0..if D == 1 { 1 } else { B::REACH } {
-            let (mut row, mut slope) = ([none; D], [none; D]);
-            for i in 0..B::REACH {
-                for d in 0..D {
-                    row[d] += nodal[j * B::REACH + i][d] * x.value[i];
-                    slope[d] += nodal[j * B::REACH + i][d] * x.slope[i];
+        reached!(lines, |count, first| {
+            let nodal = array!([&nodal[0][..]; D], d => &nodal[d][Self::part(count, first)]);
+            for j in 0..if D == 1 { 1 } else { count } {
+                let (mut row, mut slope) = ([none; D], [none; D]);
+                for i in 0..count {
+                    for d in 0..D {
+                        row[d] += nodal[d][j * B::REACH + i] * x.value[i];
+                        slope[d] += nodal[d][j * B::REACH + i] * x.slope[i];
+                    }
+                }
+                if D == 1 {
+                    at = row;
+                    gradient[0] = slope;
+                } else {
+                    for d in 0..D {
+                        at[d] += row[d] * y.value[j];
+                        gradient[d][0] += slope[d] * y.value[j];
+                        gradient[d][D - 1] += row[d] * y.slope[j];
+                    }
                 }
             }
-            if D == 1 {
-                at = row;
-                gradient[0] = slope;
-            } else {
-                let y = &lines[D - 1];
-                for d in 0..D {
-                    at[d] += row[d] * y.value[j];
-                    gradient[d][0] += slope[d] * y.value[j];
-                    gradient[d][D - 1] += row[d] * y.slope[j];
-                }
-            }
-        }
+        });
         for i in 0..D {
             for j in 0..D {
                 gradient[i][j] = gradient[i][j] * inverse_size;
@@ -122,23 +206,24 @@ impl<B: Basis> Over<B> {
 
     /// Value of a vector field at particles.
     #[inline(always)]
-    fn value<V: Simd, const D: usize>(
-        lines: &[Line<Lanes<V>>; D],
-        nodal: &[[Lanes<V>; D]; MOST_REACHED],
-    ) -> [Lanes<V>; D] {
-        let none = lines[0].value[0].like(0.0);
+    fn value<V: Simd, const D: usize>(lines: &Lines<V, D>, nodal: &[Nodal<V>; D]) -> [Lanes<V>; D] {
+        let (x, y) = (&lines.along[0], &lines.along[D - 1]);
+        let none = x.value[0].like(0.0);
         let mut at = [none; D];
-        for j in 0..if D == 1 { 1 } else { B::REACH } {
-            let mut row = [none; D];
-            for i in 0..B::REACH {
+        reached!(lines, |count, first| {
+            let nodal = array!([&nodal[0][..]; D], d => &nodal[d][Self::part(count, first)]);
+            for j in 0..if D == 1 { 1 } else { count } {
+                let mut row = [none; D];
+                for i in 0..count {
+                    for d in 0..D {
+                        row[d] += nodal[d][j * B::REACH + i] * x.value[i];
+                    }
+                }
                 for d in 0..D {
-                    row[d] += nodal[j * B::REACH + i][d] * lines[0].value[i];
+                    at[d] = if D == 1 { row[d] } else { at[d] + row[d] * y.value[j] };
                 }
             }
-            for d in 0..D {
-                at[d] = if D == 1 { row[d] } else { at[d] + row[d] * lines[D - 1].value[j] };
-            }
-        }
+        });
         at
     }
 }
@@ -161,14 +246,25 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
     }
 
     #[inline(always)]
-    fn motion<V: Simd>(&self, fields: &Fields<V, D>, _: &[Lanes<V>; D]) -> StencilMotion<V, D> {
-        let velocity = Self::reached(fields, fields.velocity);
-        let strains = match fields.mapped {
-            Some(mapped) => Self::reached(fields, mapped),
-            None => velocity,
-        };
-        let change = Self::reached(fields, fields.change);
-        StencilMotion { strains, velocity, change, is_mapped: fields.mapped.is_some() }
+    fn at_rest<V: Simd>(&self, simd: V) -> StencilMotion<V, D> {
+        let none = [Nodal::splat(simd, 0.0); D];
+        StencilMotion { velocity: none, change: none, mapped: none, is_mapped: false }
+    }
+
+    #[inline(always)]
+    fn find_motion<V: Simd>(
+        &self,
+        motion: &mut StencilMotion<V, D>,
+        fields: &Fields<V, D>,
+        edges: &[B::Edge<V>; D],
+        _: &[Lanes<V>; D],
+    ) {
+        self.reached(&mut motion.velocity, fields, edges, fields.velocity);
+        self.reached(&mut motion.change, fields, edges, fields.change);
+        motion.is_mapped = fields.mapped.is_some();
+        if let Some(mapped) = fields.mapped {
+            self.reached(&mut motion.mapped, fields, edges, mapped);
+        }
     }
 
     #[inline(always)]
@@ -187,7 +283,7 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         let lines = self.lines(edges, xi);
         let (velocity, mut gradient) = Self::field(&lines, &motion.velocity, inverse_size);
         if motion.is_mapped {
-            (_, gradient) = Self::field(&lines, &motion.strains, inverse_size);
+            (_, gradient) = Self::field(&lines, &motion.mapped, inverse_size);
         }
         Moves { gradient, velocity, change: Self::value(&lines, &motion.change) }
     }
@@ -212,13 +308,14 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         relative: &Relative<V, D>,
         _: f64,
     ) -> ([Lanes<V>; D], Lanes<V>) {
-        let of_soil = Self::value(&self.lines(edges, xi), &motion.strains);
+        let soil = if motion.is_mapped { &motion.mapped } else { &motion.velocity };
+        let of_soil = Self::value(&self.lines(edges, xi), soil);
         let of_flow = value::<D, D, _>(relative, &basis(xi));
         (array!([xi[0]; D], d => of_soil[d] + of_flow[d]), xi[0].like(0.0))
     }
 
     fn values(&self, position: &[usize; D], cells: &[usize; D], xi: &[f64; D]) -> [f64; MOST_REACHED] {
-        self.shares(position, cells, xi, |edge, xi| self.0.line(edge, xi))
+        self.shares(position, cells, xi, |edge, xi| self.0.line(edge, xi, None))
     }
 
     fn at_surface(&self, position: &[usize; D], cells: &[usize; D], xi: &[f64; D], amount: f64) -> [f64; MOST_REACHED] {
@@ -276,16 +373,22 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
 
     #[inline(always)]
     fn nothing<V: Simd>(&self, simd: V) -> StencilSums<V, D> {
+        let (nodal, none) = (Nodal::splat(simd, 0.0), Lanes::splat(simd, 0.0));
+        StencilSums { nodal: [nodal; SUMS], coupling: [nodal; D], weighted: none, of_water: none }
+    }
+
+    #[inline(always)]
+    fn clear<V: Simd>(&self, simd: V, sums: &mut StencilSums<V, D>, coupled: bool) {
         let none = Lanes::splat(simd, 0.0);
-        StencilSums {
-            solid_mass: [none; MOST_REACHED],
-            water_mass: [none; MOST_REACHED],
-            momentum: [[none; D]; MOST_REACHED],
-            force: [[none; D]; MOST_REACHED],
-            coupling: [[none; D]; MOST_REACHED],
-            weighted: none,
-            of_water: none,
+        for a in 0..B::REACH.pow(D as u32) {
+            for q in 0..of_node(D) {
+                sums.nodal[q][a] = none;
+            }
+            for d in 0..if coupled { D } else { 0 } {
+                sums.coupling[d][a] = none;
+            }
         }
+        (sums.weighted, sums.of_water) = (none, none);
     }
 
     #[inline(always)]
@@ -297,13 +400,14 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         (coupled, inverse_size): (bool, f64),
     ) {
         let Contribution { xi, mass, volume, v, stress, affine } = point;
-        let lines = self.lines(edges, xi);
+        // A velocity that differs from node to node cannot be folded once it is gathered.
+        let lines = if affine.is_some() { self.folded(edges, xi) } else { self.lines(edges, xi) };
         let acting = *volume * inverse_size;
         let (xx, yy, xy) = (stress[0] * acting, stress[1] * acting, stress[3] * acting);
-        let x = &lines[0];
-        for j in 0..if D == 1 { 1 } else { B::REACH } {
-            let (value, slope) =
-                if D == 1 { (mass.like(1.0), mass.like(0.0)) } else { (lines[D - 1].value[j], lines[D - 1].slope[j]) };
+        let (x, y) = (&lines.along[0], &lines.along[D - 1]);
+        reached!(lines, |count, first| for j in 0..if D == 1 { 1 } else { count } {
+            let part = Self::part(count, first);
+            let (value, slope) = if D == 1 { (mass.like(1.0), mass.like(0.0)) } else { (y.value[j], y.slope[j]) };
             let mass = *mass * value;
             let momentum = array!([mass; D], d => mass * v[d]);
             // div(sigma') - grad p, weak: f_i = - sum_p V sigma G_i
@@ -312,32 +416,32 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
                 (along[0], along[D - 1]) = (xx * value, xy * value);
                 across[0] = xy * slope;
             }
-            for i in 0..B::REACH {
+            for i in 0..count {
                 let a = j * B::REACH + i;
-                sums.solid_mass[a] += mass * x.value[i];
+                sums.nodal[SOLID_MASS][part.clone()][a] += mass * x.value[i];
                 for d in 0..D {
-                    sums.momentum[a][d] += momentum[d] * x.value[i];
-                    sums.force[a][d] -= along[d] * x.slope[i] + across[d] * x.value[i];
+                    sums.nodal[MOMENTUM + d][part.clone()][a] += momentum[d] * x.value[i];
+                    sums.nodal[force(D) + d][part.clone()][a] -= along[d] * x.slope[i] + across[d] * x.value[i];
                 }
                 if let Some(affine) = affine {
                     let away = array!([mass; D], d => {
-                        let stands = self.0.stands(&edges[d], if d == 0 { i } else { j });
+                        let stands = self.0.stands(&edges[d], first[d] + if d == 0 { i } else { j });
                         (stands - xi[d]) * (1.0 / inverse_size)
                     });
                     let more = affine.seen_from(&[mass.like(0.0); D], &away);
                     for d in 0..D {
-                        sums.momentum[a][d] += mass * x.value[i] * more[d];
+                        sums.nodal[MOMENTUM + d][part.clone()][a] += mass * x.value[i] * more[d];
                     }
                 }
                 if coupled {
                     let volume = *volume * inverse_size;
-                    sums.coupling[a][0] += volume * (x.slope[i] * value);
+                    sums.coupling[0][part.clone()][a] += volume * (x.slope[i] * value);
                     if D == 2 {
-                        sums.coupling[a][D - 1] += volume * (x.value[i] * slope);
+                        sums.coupling[D - 1][part.clone()][a] += volume * (x.value[i] * slope);
                     }
                 }
             }
-        }
+        });
     }
 
     #[inline(always)]
@@ -349,12 +453,15 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         [mass, volume, pressure]: [Lanes<V>; 3],
     ) {
         let lines = self.lines(edges, xi);
-        for j in 0..if D == 1 { 1 } else { B::REACH } {
-            let mass = if D == 1 { mass } else { mass * lines[D - 1].value[j] };
-            for i in 0..B::REACH {
-                sums.water_mass[j * B::REACH + i] += mass * lines[0].value[i];
+        reached!(lines, |count, first| {
+            let of = &mut sums.nodal[MIXTURE_MASS][Self::part(count, first)];
+            for j in 0..if D == 1 { 1 } else { count } {
+                let mass = if D == 1 { mass } else { mass * lines.along[D - 1].value[j] };
+                for i in 0..count {
+                    of[j * B::REACH + i] += mass * lines.along[0].value[i];
+                }
             }
-        }
+        });
         sums.weighted += volume * pressure;
         sums.of_water += volume;
     }
@@ -365,32 +472,45 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
     }
 
     #[inline(always)]
-    fn finish<V: Simd>(&self, sums: &mut StencilSums<V, D>, cell: &Closing<V, D>, _: f64, given: &mut Given<V>) {
+    fn finish<'a, V: Simd>(
+        &self,
+        sums: &'a mut StencilSums<V, D>,
+        edges: &[B::Edge<V>; D],
+        cell: &Closing<V, D>,
+        _: f64,
+        _: &'a mut Given<V>,
+    ) -> &'a Given<V> {
         for a in 0..B::REACH.pow(D as u32) {
-            let mut water = sums.water_mass[a];
+            let (solid, mut water) = (sums.nodal[SOLID_MASS][a], sums.nodal[MIXTURE_MASS][a]);
             if let Some(ratio) = cell.water_ratio {
-                water = (ratio * sums.solid_mass[a]).or(cell.moving_with, water);
+                water = (ratio * solid).or(cell.moving_with, water);
             }
-            given[SOLID_MASS][a] = sums.solid_mass[a];
-            given[MIXTURE_MASS][a] = sums.solid_mass[a] + water;
+            sums.nodal[MIXTURE_MASS][a] = solid + water;
             for d in 0..D {
-                given[MOMENTUM + d][a] = sums.momentum[a][d];
-                given[force(D) + d][a] = sums.force[a][d] * cell.share;
+                sums.nodal[force(D) + d][a] = sums.nodal[force(D) + d][a] * cell.share;
             }
         }
+        for q in 0..of_node(D) {
+            self.each_line(&mut sums.nodal[q], edges, false);
+        }
+        &sums.nodal
     }
 
     #[inline(always)]
     fn coupling<V: Simd>(
         &self,
         sums: &StencilSums<V, D>,
+        edges: &[B::Edge<V>; D],
         cell: &Closing<V, D>,
         _: f64,
     ) -> [[Lanes<V>; D]; MOST_REACHED] {
-        let mut coupling = sums.coupling;
-        for of_function in &mut coupling {
-            for d in 0..D {
-                of_function[d] = of_function[d] * cell.share;
+        let none = sums.weighted.like(0.0);
+        let mut coupling = [[none; D]; MOST_REACHED];
+        for d in 0..D {
+            let mut along = sums.coupling[d];
+            self.each_line(&mut along, edges, false);
+            for a in 0..B::REACH.pow(D as u32) {
+                coupling[a][d] = along[a] * cell.share;
             }
         }
         coupling

@@ -194,7 +194,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             closing.full_of_water = closing.full_of_water.or(none.below(pressure), none.like(f64::INFINITY));
             let held = self.of(self.strip.cells[group].holds);
             let differs = self.simd.or_m64s(held.below(holds), holds.below(held));
-            self.strip.changed |= self.simd.first_true_m64s(differs) < V::F64_LANES;
+            self.strip.changed |= !Lanes::nowhere(self.simd, differs);
             self.strip.cells[group].holds = holds.value;
         }
         pressure.store(&mut self.pressure[group * V::F64_LANES..]);
@@ -211,7 +211,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
 #[inline(always)]
 fn softer<V: Simd>(fill: Lanes<V>, diffusion: Lanes<V>) -> Lanes<V> {
     let one = fill.like(1.0);
-    if fill.simd.first_true_m64s(fill.below(one)) == V::F64_LANES {
+    if Lanes::nowhere(fill.simd, fill.below(one)) {
         return one;
     }
     let share = fill * 1.5 * fill * (one + fill) / (one + fill * 2.0);
