@@ -43,10 +43,10 @@ pub trait Basis: Copy + Send + Sync + 'static {
     fn reaches_out<V: Simd>(&self, _: &Self::Edge<V>) -> bool {
         false
     }
-    /// Extends a field to the functions beyond the sides of the mesh; or folds: gives what those have got to the ones that they
-    /// depend on.
+    /// `true` extends a field to the functions beyond the sides of the mesh; `false` folds: gives what those have got to the ones that
+    /// they depend on.
     #[inline(always)]
-    fn beyond<V: Simd>(&self, _: &Self::Edge<V>, _: &mut [Lanes<V>; MOST_REACH], _extends: bool) {}
+    fn beyond<V: Simd>(&self, _: &Self::Edge<V>, _: &mut [Lanes<V>; MOST_REACH], _: bool) {}
     /// The functions at a point of the surface, which may lie a little outside the cell it belongs to.
     #[inline(always)]
     fn at_surface<V: Simd>(&self, edge: &Self::Edge<V>, xi: Lanes<V>) -> Line<Lanes<V>> {
