@@ -60,7 +60,7 @@ fn calls(scene: &Scene, time: f64) -> (u64, u64) {
     let calls = CALLS.get() - before;
     assert!(outcome.is_ok(), "{outcome:?}");
     assert!(done > 1000, "{done} steps");
-    let state = model.observe();
+    let state = model.observe().0;
     (calls, state.solid_crossings + state.water_crossings)
 }
 

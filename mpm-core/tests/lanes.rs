@@ -25,9 +25,9 @@ fn advanced(hardware: &Hardware, scene: &Scene, steps: u64) -> Box<dyn Model> {
 fn seen(hardware: &Hardware, scene: &Scene, steps: u64) -> (Observation, Ledger) {
     let model = advanced(hardware, scene, steps);
     let pressure = model.pore_pressure();
-    let state = model.observe();
+    let (state, ledger) = model.observe();
     assert!((pressure[0] - state.mean_pressure).abs() <= 1e-12 * pressure[0].abs(), "{pressure:?}");
-    (state, model.ledger())
+    (state, ledger)
 }
 
 const WIDTHS: [Width; 4] = [Width::One, Width::Four, Width::Eight, Width::Widest];

@@ -240,14 +240,12 @@ impl Model for Loses {
         self.inner.time()
     }
 
-    fn observe(&self) -> Observation {
-        self.inner.observe()
-    }
-
-    fn ledger(&self) -> Ledger {
-        let ledger = self.inner.ledger();
-        let lost = if self.lost { 1e-3 * ledger.solid_mass_kg } else { 0.0 };
-        Ledger { solid_closing_kg: ledger.solid_closing_kg + lost, ..ledger }
+    fn observe(&self) -> (Observation, Ledger) {
+        let (state, mut ledger) = self.inner.observe();
+        if self.lost {
+            ledger.solid_closing_kg += 1e-3 * ledger.solid_mass_kg;
+        }
+        (state, ledger)
     }
 
     fn pore_pressure(&self) -> [f64; 3] {

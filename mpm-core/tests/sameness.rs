@@ -231,7 +231,7 @@ fn flight(shape: ShapeChoice, steps: usize, corner: f64, shear: f64) -> ([f64; 4
             worst[3] = worst[3].max(apart(momentum, first * velocity[d]));
         }
     }
-    (worst, model.observe().solid_crossings)
+    (worst, model.observe().0.solid_crossings)
 }
 
 #[test]

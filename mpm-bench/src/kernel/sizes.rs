@@ -155,7 +155,7 @@ pub fn measure(cells: [usize; 2], effort: Effort) -> Result<(Vec<Timing>, Box<dy
             contender.wall.push(wall.elapsed().as_secs_f64() * per);
         }
     }
-    let settlements: Vec<(&str, f64)> = contenders.iter().map(|c| (c.kernel, c.model.observe().settlement)).collect();
+    let settlements: Vec<(&str, f64)> = contenders.iter().map(|c| (c.kernel, c.model.observe().0.settlement)).collect();
     same(&settlements, points)?;
     let alone = contenders.iter().position(|c| c.kernel == LANES && c.threads == 1);
     let alone = alone.ok_or(Error::Unfit("the kernel over lanes was not measured"))?;
@@ -272,6 +272,6 @@ mod tests {
         // One more step, and the check fails.
         lanes.advance(1e-7, 1, &mut 0).expect("a step");
         let settled = f64::from_bits(plain.settlement_bits);
-        assert!(same(&[(LANES, settled), (PLAIN, lanes.observe().settlement)], 1000).is_err());
+        assert!(same(&[(LANES, settled), (PLAIN, lanes.observe().0.settlement)], 1000).is_err());
     }
 }

@@ -95,7 +95,7 @@ mod tests {
         let scene = crate::block([5, 50]).expect("a sound scene");
         let mut model = model(&scene).expect("a model");
         model.enter_stage(&scene.stages[0], &[]).expect("a stage");
-        let before = model.observe();
+        let before = model.observe().0;
         let shares = profile(model.as_mut(), Effort { point_steps: 20_000, warm_up: 0, samples: 1 });
         assert_eq!(shares.iter().filter(|s| !s.in_step).count(), 1, "the stage apart has another name");
         let whole: f64 = shares.iter().filter(|s| s.in_step).map(|s| s.share).sum();
@@ -103,6 +103,6 @@ mod tests {
         let longest = shares.iter().filter(|s| s.in_step).max_by(|a, b| a.ns.total_cmp(&b.ns)).expect("stages");
         assert!(longest.stage.contains("mesh to particles"), "{shares:?}");
         assert!(shares.iter().all(|s| s.fields().len() == COLUMNS.split(',').count()));
-        assert_eq!(model.observe().settlement.to_bits(), before.settlement.to_bits());
+        assert_eq!(model.observe().0.settlement.to_bits(), before.settlement.to_bits());
     }
 }

@@ -85,8 +85,8 @@ impl Run {
 
 /// How often the end of a pore-pressure stage, or of one that ends by rest, is looked for, steps.
 const STEPS_BETWEEN_LOOKS: u64 = 8;
-/// Of these looks, how many pass between two at the balances.
-const LOOKS_BETWEEN_BALANCES: u64 = 256;
+/// Steps between two looks at the balances, which also follow every sample: to read a state costs some twenty steps.
+const STEPS_BETWEEN_BALANCES: u64 = 2048;
 /// So many looks in a row must find the soil at rest: a swing that turns is slow only for a moment.
 const LOOKS_AT_REST: u64 = 25;
 /// A run is unstable when this share of its energy comes from nowhere; sound runs stay below a hundredth. The other
@@ -200,22 +200,34 @@ impl<'a> Drive<'a> {
         Self { watched: false, ..self }
     }
 
-    /// Ends the run where a balance does not close; a scene that is forced goes on.
-    fn watch(&mut self, time: f64) -> Result<(), Halt> {
+    /// Looks at the balances from time to time, the run having gone on from the step `before`. What does not close is kept, as
+    /// the last sample.
+    fn watch(&mut self, before: u64, time: f64) -> Result<(), Halt> {
+        if before / STEPS_BETWEEN_BALANCES == self.run.steps / STEPS_BETWEEN_BALANCES {
+            return Ok(());
+        }
+        let sample = self.seen(time, false);
+        let closed = self.closed(&sample);
+        if closed.is_err() {
+            self.run.samples.push(sample);
+        }
+        closed
+    }
+
+    /// A run ends where a balance does not close; that of a scene that is forced goes on.
+    fn closed(&self, sample: &Sample) -> Result<(), Halt> {
         if !self.watched || self.scene.force {
             return Ok(());
         }
-        let (state, ledger) = (self.model.observe(), self.model.ledger());
-        let open = balances(self.scene, self.run.dt, self.run.steps, &state, &ledger);
+        let Sample { step, state, ledger, stage_time: time, .. } = sample;
+        let open = balances(self.scene, self.run.dt, *step, state, ledger);
         let Some(open) = open.iter().find(|balance| !balance.closes()) else { return Ok(()) };
-        // What is there is kept, as the last sample.
-        self.sample(time, false);
         let Balance { ledger, gap, allowed, unit } = open;
         let what = format!(
             "does not close: {gap:.3e} {unit} missing, {allowed:.3e} {unit} allowed; the results from here on are not to be \
              trusted. A finer mesh, more particles or integrator = \"quasi-static\" may do; --force goes on"
         );
-        Err(Halt::Fault(time, Fault { place: format!("the balance of {ledger}"), what }))
+        Err(Halt::Fault(*time, Fault { place: format!("the balance of {ledger}"), what }))
     }
 
     /// Steps of a stage, s; infinite where the model divides the time itself.
@@ -234,11 +246,11 @@ impl<'a> Drive<'a> {
         self.run.bytes = self.run.bytes.max(self.model.bytes());
         entered.map_err(|fault| Halt::Fault(0.0, fault))?;
         self.at.reached = f64::INFINITY;
-        self.sample(0.0, false);
+        let sample = self.seen(0.0, false);
         // A quasi-static run begins before it is in equilibrium.
-        if self.at.stage > 0 {
-            self.watch(0.0)?;
-        }
+        let closed = if self.at.stage > 0 { self.closed(&sample) } else { Ok(()) };
+        self.run.samples.push(sample);
+        closed?;
         self.at.entered = true;
         Ok(())
     }
@@ -296,7 +308,7 @@ impl<'a> Drive<'a> {
             }
             while self.at.left > 0 {
                 let step = self.at.step;
-                let (mut done, before) = (0, self.model.time());
+                let (mut done, before, first) = (0, self.model.time(), self.run.steps);
                 let result = self.model.advance(step, self.at.left.min(some), &mut done);
                 self.run.steps += done;
                 let here = if dt.is_finite() {
@@ -309,16 +321,14 @@ impl<'a> Drive<'a> {
                     self.at.now
                 };
                 result.map_err(|fault| Halt::Fault(here, fault))?;
-                self.watch(here)?;
                 if self.at.left > 0 {
+                    self.watch(first, here)?;
                     self.attend(here / end, attend)?;
                 }
             }
             self.at.now = time;
             self.at.next += 1;
-            self.sample(time, observed);
-            sane(self.scene, &self.run.samples[self.run.samples.len() - 1])
-                .map_err(|fault| Halt::Fault(time, fault))?;
+            self.sample(time, observed)?;
             self.attend(time / end, attend)?;
         }
         Ok(end)
@@ -326,14 +336,12 @@ impl<'a> Drive<'a> {
 
     /// Some steps of a stage that waits for something.
     fn some_steps(&mut self, dt: f64) -> Result<(), Halt> {
-        let mut done = 0;
+        let (mut done, before) = (0, self.run.steps);
         let result = self.model.advance(dt, STEPS_BETWEEN_LOOKS, &mut done);
         self.run.steps += done;
         self.at.time += done as f64 * dt;
         result.map_err(|fault| Halt::Fault(self.at.time, fault))?;
-        // Few steps lie between two looks: the balances are looked at less often.
-        let looks = self.run.steps / STEPS_BETWEEN_LOOKS;
-        if looks.is_multiple_of(LOOKS_BETWEEN_BALANCES) { self.watch(self.at.time) } else { Ok(()) }
+        self.watch(before, self.at.time)
     }
 
     fn until_pressure(&mut self, goal: &Goal, dt: f64, attend: &mut dyn Attend) -> Result<f64, Halt> {
@@ -345,8 +353,7 @@ impl<'a> Drive<'a> {
             let worst = if goal.everywhere { off(low).max(off(high)) } else { off(mean) };
             self.at.reached = if worst <= goal.within { time.min(self.at.reached) } else { f64::INFINITY };
             if time - self.at.reached >= goal.period {
-                self.sample(time, false);
-                self.watch(time)?;
+                self.sample(time, false)?;
                 return Ok(time);
             }
             if time > goal.at_most || worst.is_nan() {
@@ -373,15 +380,22 @@ impl<'a> Drive<'a> {
             }
             self.attend(0.0, attend)?;
         }
-        self.sample(self.at.time, false);
-        self.watch(self.at.time)?;
+        self.sample(self.at.time, false)?;
         Ok(self.at.time)
     }
 
-    fn sample(&mut self, stage_time: f64, observed: bool) {
-        let (state, ledger) = (self.model.observe(), self.model.ledger());
-        let (stage, step) = (self.at.stage as usize, self.run.steps);
-        self.run.samples.push(Sample { stage, stage_time, step, observed, state, ledger });
+    /// Keeps the state, whether it can be or not.
+    fn sample(&mut self, stage_time: f64, observed: bool) -> Result<(), Halt> {
+        let sample = self.seen(stage_time, observed);
+        let closed = self.closed(&sample);
+        let sane = sane(self.scene, &sample).map_err(|fault| Halt::Fault(stage_time, fault));
+        self.run.samples.push(sample);
+        closed.and(sane)
+    }
+
+    fn seen(&self, stage_time: f64, observed: bool) -> Sample {
+        let (state, ledger) = self.model.observe();
+        Sample { stage: self.at.stage as usize, stage_time, step: self.run.steps, observed, state, ledger }
     }
 }
 

@@ -228,7 +228,7 @@ impl<'a> Driver<'a> {
         self.model.alter(1.0, 1.0);
         self.model.forget_slip();
         self.count_from_here();
-        let water = self.model.observe().water.map_or(0.0, |w| w.mobile_m3 - w.in_m3 + w.out_m3);
+        let water = self.model.observe().0.water.map_or(0.0, |w| w.mobile_m3 - w.in_m3 + w.out_m3);
         self.began = water;
         if !settled.at_rest() && !self.failure.goes_on {
             return Ok(settled);

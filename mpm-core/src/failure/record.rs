@@ -142,7 +142,7 @@ pub struct Row {
 impl Row {
     pub(super) fn of(driver: &Driver, moved: &Moved) -> Self {
         let model = driver.model.as_ref();
-        let (ledger, state) = (model.ledger(), model.observe());
+        let (state, ledger) = model.observe();
         let water = state.water.unwrap_or_default();
         let [checkerboard, hourglass] = model.unevenness();
         let (mapping_j, energy_closing_j) = (ledger.transfer_loss_j, ledger.energy_closing_j);

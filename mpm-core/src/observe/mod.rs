@@ -298,13 +298,24 @@ pub(crate) fn reach<const D: usize>(points: &[SolidPoint<D>]) -> [f64; 2] {
         let d = axis + D - 2;
         list.clear();
         list.extend(points.iter().map(|p| (p.x[d], p.mass)));
-        list.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut beyond = 0.0;
-        let end = list.iter().find(|(_, mass)| {
-            beyond += mass;
-            beyond >= AHEAD * total
-        });
-        end.map_or(0.0, |(x, _)| *x)
+        let farther = |a: &(f64, f64), b: &(f64, f64)| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1));
+        // Only those that lie ahead need an order: about their share of the number, or more where they are light.
+        let mut sorted = (points.len() as f64 * 2.0 * AHEAD) as usize;
+        loop {
+            let front =
+                if sorted < list.len() { list.select_nth_unstable_by(sorted, farther).0 } else { &mut list[..] };
+            front.sort_unstable_by(farther);
+            let mut beyond = 0.0;
+            let end = front.iter().find(|(_, mass)| {
+                beyond += mass;
+                beyond >= AHEAD * total
+            });
+            match end {
+                Some((x, _)) => return *x,
+                None if sorted >= points.len() => return 0.0,
+                None => sorted = 2 * sorted + 64,
+            }
+        }
     })
 }
 

@@ -125,8 +125,8 @@ impl<const D: usize> Body<D> {
         flowed
     }
 
-    /// The state at a time (s).
-    pub fn observe(&self, time: f64, free: Option<&Carried<D>>) -> Observation {
+    /// The state at a time (s), and the balances from the sums of the steps.
+    pub fn observe(&self, time: f64, totals: &Totals<D>, free: Option<&Carried<D>>) -> (Observation, Ledger) {
         let settlement = self.first_settlement + self.surface.settlement(&self.solid);
         let cells = self.cell_values(free);
         let layer = self.water.as_ref().map(|water| &water.layer);
@@ -142,7 +142,7 @@ impl<const D: usize> Body<D> {
             };
             state.field = cells.iter().map(point).collect();
         }
-        state
+        (state, self.ledger(&cells, totals, free))
     }
 
     /// The particles of the solid layer.
@@ -168,11 +168,10 @@ impl<const D: usize> Body<D> {
         states
     }
 
-    /// The balances from the sums of the steps.
-    pub fn ledger(&self, totals: &Totals<D>, free: Option<&Carried<D>>) -> Ledger {
+    fn ledger(&self, cells: &[CellValues<D>], totals: &Totals<D>, free: Option<&Carried<D>>) -> Ledger {
         let (density, removed) = self.water.as_ref().map_or((0.0, 0.0), |w| (w.flow.density, w.removed_mass));
         let density = free.map_or(density, Carried::density);
-        let ledger = totals.ledger(&self.cell_values(free), density, removed);
+        let ledger = totals.ledger(cells, density, removed);
         let ledger = ledger.with_held_pressure(free.map_or(0.0, |free| free.work));
         if self.water.as_ref().is_some_and(|w| w.partly_drained) { ledger.with_removed_as_outflow() } else { ledger }
     }

@@ -77,10 +77,8 @@ pub trait Model: Send {
     fn work(&self) -> Work {
         Work::default()
     }
-    /// The state now.
-    fn observe(&self) -> Observation;
-    /// Balances since the start.
-    fn ledger(&self) -> Ledger;
+    /// The state now, and the balances since the start.
+    fn observe(&self) -> (Observation, Ledger);
     /// Pore pressure averaged over the soil, and its smallest and largest cell value, Pa.
     fn pore_pressure(&self) -> [f64; 3];
     /// Largest speed of a node in the last step, m/s; of no use but to a model that can wait for rest.

@@ -215,8 +215,9 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for TwoClocks<V, F, D> {
         self.work
     }
 
-    fn observe(&self) -> Observation {
-        let mut state = self.soil.observe();
+    /// Water is counted in the cells that carry it: the particles of soil clipped by an outline may lie in the next one.
+    fn observe(&self) -> (Observation, Ledger) {
+        let (mut state, mut ledger) = self.soil.observe();
         let grid = self.soil.body().grid;
         let water = &self.water().water;
         state.field = grid
@@ -234,14 +235,10 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for TwoClocks<V, F, D> {
             })
             .collect();
         state.water = Some(self.water_state(&grid));
-        state
-    }
-
-    /// Water is counted in the cells that carry it: the particles of soil clipped by an outline may lie in the next one.
-    fn ledger(&self) -> Ledger {
-        let (water, ledger) = (self.water(), self.soil.ledger());
-        let moved = water.stored() - self.first - water.water.inflow + water.water.outflow;
-        Ledger { water_closing_kg: water.density() * moved, ..ledger }
+        let free = self.water();
+        let moved = free.stored() - self.first - free.water.inflow + free.water.outflow;
+        ledger.water_closing_kg = free.density() * moved;
+        (state, ledger)
     }
 
     fn pore_pressure(&self) -> [f64; 3] {

@@ -141,7 +141,7 @@ fn turn(scene: &Scene, share: f64) -> Result<Vec<[f64; 3]>, Error> {
         if look > 0 {
             model.advance(dt, each as u64, &mut 0)?;
         }
-        let ledger = model.ledger();
+        let ledger = model.observe().1;
         let momentum: f64 = model.particles().iter().map(moment).sum();
         looks.push([f64::from(look) * each * dt, momentum, ledger.kinetic_j + ledger.strain_j]);
     }

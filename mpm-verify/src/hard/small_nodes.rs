@@ -82,7 +82,7 @@ fn swing(scheme: &Scheme, ratio: f64, damping: f64) -> Result<f64, Error> {
     let mut model = model_given(&Hardware::default(), &scene, &given)?;
     model.enter_stage(&scene.stages[0], &[f64::MAX])?;
     let energy = |model: &dyn mpm_core::step::Model| {
-        let ledger = model.ledger();
+        let ledger = model.observe().1;
         ledger.kinetic_j + ledger.strain_j
     };
     let first = energy(model.as_ref());
@@ -141,14 +141,14 @@ fn fly(scheme: &Scheme, points: &mut Vec<Point>) -> Result<(), Error> {
     let each = (pause / (scene.safety * stable_limit(&scene))).ceil();
     let dt = pause / each;
     let (mut worst, mut crossed) = (0.0_f64, 0.0);
-    let first = model.ledger();
+    let first = model.observe().1;
     let energy = first.kinetic_j + first.strain_j;
     for cells in CELLS {
         while crossed < cells {
             model.advance(dt, each as u64, &mut 0)?;
             crossed += 1.0 / 3.3;
             let particle = model.particles().first().copied().ok_or(Lacks("particle"))?;
-            let ledger = model.ledger();
+            let ledger = model.observe().1;
             let gain = (ledger.kinetic_j + ledger.strain_j) / energy - 1.0;
             let change = |d: usize| (particle.velocity[d] / velocity[d] - 1.0).abs();
             for off in [change(0), change(1), gain] {

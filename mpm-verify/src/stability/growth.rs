@@ -110,7 +110,7 @@ pub fn growth(scene: &Scene, dt: f64, blocks: usize) -> Result<Growth, Error> {
 
 /// Energy that is stored, J.
 fn stored(model: &dyn Model) -> f64 {
-    let ledger = model.ledger();
+    let ledger = model.observe().1;
     let stored = ledger.kinetic_j + ledger.strain_j + ledger.water_j;
     if stored.is_finite() { stored } else { f64::INFINITY }
 }

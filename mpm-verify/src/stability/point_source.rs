@@ -50,7 +50,7 @@ fn point_source(darcy: DarcyChoice) -> f64 {
     };
     let steps = (spread / dt).ceil() as u64;
     match model.enter_stage(&closed, &[]).and_then(|()| model.advance(dt, steps, &mut 0)) {
-        Ok(()) => model.observe().checkerboard,
+        Ok(()) => model.observe().0.checkerboard,
         Err(_) => f64::NAN,
     }
 }

@@ -32,12 +32,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for Explicit<V, F, D> {
         self.time
     }
 
-    fn observe(&self) -> Observation {
-        self.whole().observe(self.time, self.carried())
-    }
-
-    fn ledger(&self) -> Ledger {
-        self.whole().ledger(&self.totals, self.carried())
+    fn observe(&self) -> (Observation, Ledger) {
+        self.whole().observe(self.time, &self.totals, self.carried())
     }
 
     fn pore_pressure(&self) -> [f64; 3] {

@@ -11,10 +11,9 @@ use crate::water::stored_energy;
 
 impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// The state now.
-    pub(super) fn look(&self) -> Observation {
-        let cells = self.cell_values();
+    pub(super) fn look(&self, cells: &[CellValues<D>]) -> Observation {
         let volume: f64 = cells.iter().map(|c| c.volume).sum();
-        let rows = profile(&cells);
+        let rows = profile(cells);
         Observation {
             time: self.time,
             settlement: self.settlement(),
@@ -25,11 +24,11 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             reach: crate::observe::reach(&self.points),
             least_volume: cells.iter().map(|c| c.volume).fold(f64::INFINITY, f64::min),
             soil_volume: volume,
-            checkerboard: checkerboard(&cells),
+            checkerboard: checkerboard(cells),
             solid_crossings: self.crossings(),
             water_crossings: 0,
             profile: rows,
-            field: self.field(&cells),
+            field: self.field(cells),
             water: None,
         }
     }

@@ -275,13 +275,9 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
         work
     }
 
-    fn observe(&self) -> Observation {
-        self.look()
-    }
-
-    fn ledger(&self) -> Ledger {
-        let density = self.scene.water.map_or(0.0, |w| w.density);
-        self.totals.ledger(&self.cell_values(), density, 0.0)
+    fn observe(&self) -> (Observation, Ledger) {
+        let (cells, density) = (self.cell_values(), self.scene.water.map_or(0.0, |w| w.density));
+        (self.look(&cells), self.totals.ledger(&cells, density, 0.0))
     }
 
     fn pore_pressure(&self) -> [f64; 3] {
