@@ -216,17 +216,18 @@ fn a_run_whose_balances_do_not_close_ends_there() {
     assert_eq!((forced.failure, trust.verdict), (None, "not closed"), "{trust:?}");
 }
 
-/// A run that loses a thousandth of its soil where the stage of a number begins, and finds it again in the first step.
+/// A run that loses a thousandth of its soil where the stage of a number begins, for good or until the first step.
 struct Loses {
     inner: Box<dyn Model>,
     entered: usize,
     lost: bool,
     at: usize,
+    for_good: bool,
 }
 
 impl Model for Loses {
     fn advance(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault> {
-        self.lost = false;
+        self.lost &= self.for_good;
         self.inner.advance(dt, steps, done)
     }
 
@@ -265,6 +266,24 @@ impl Model for Loses {
     }
 }
 
+fn losing(scene: &Scene, at: usize, for_good: bool) -> Loses {
+    Loses { inner: model(scene).expect("a model"), entered: 0, lost: false, at, for_good }
+}
+
+#[test]
+fn an_open_balance_ends_a_run_long_before_its_next_sample() {
+    let rest = format!("{SOIL}\n{WATER}\n[observe]\nhistory = 0\n[[stages]]\ndrained = [\"top\"]\nuntil.time = 4.0");
+    let scene = soft("semi-implicit", 0.24, "unloaded", &rest);
+    let run = |at| drive(&scene, &mut losing(&scene, at, true), 1e-4, &mut |_| {});
+    assert_eq!((run(1).failure, run(1).samples.len()), (None, 2));
+    let broken = run(0);
+    let failure = broken.failure.expect("a failure");
+    assert_eq!(failure.place, "the balance of dry mass");
+    assert!(failure.step <= 20_000 && failure.time <= 2.0, "{failure}");
+    let kept = broken.samples.last().expect("what was found");
+    assert!(kept.step == failure.step && kept.ledger.solid_closing_kg > 0.0);
+}
+
 #[test]
 fn no_run_ends_well_with_a_balance_that_was_open_at_one_of_its_samples() {
     let stage = "[[stages]]\ndrained = [\"top\"]\nuntil.time_factor = 0.1\n";
@@ -272,7 +291,7 @@ fn no_run_ends_well_with_a_balance_that_was_open_at_one_of_its_samples() {
     for integrator in ["semi-implicit", "quasi-static"] {
         let scene = soft(integrator, 0.24, "undrained-equilibrium", &rest);
         let run = |at: usize| {
-            let mut model = Loses { inner: model(&scene).expect("a model"), entered: 0, lost: false, at };
+            let mut model = losing(&scene, at, false);
             drive(&scene, &mut model, 1e-4, &mut |_| {})
         };
         assert_eq!(run(usize::MAX).failure, None);
