@@ -329,6 +329,14 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
     /// A coefficient has the share of linear functions at the place where it stands.
     fn accelerations_of_mesh(&self, nodes: &Nodes<D>, to: &mut [Vec<f64>; 2]) {
         let frame = &nodes.frame;
+        if B::EXTRA == 1 {
+            // Functions stand at the nodes.
+            let first = frame.function(&[0; D]) - frame.number(&[0; D]);
+            for (to, from) in to.iter_mut().zip(&nodes.motion.acceleration).take(D) {
+                to[..from.len() - first].copy_from_slice(&from[first..]);
+            }
+            return;
+        }
         // The share that a node has of each function from its own number on, none of those beyond the mesh.
         let around = |d: usize, node: usize| {
             let mut shares = [0.0; MOST_REACH];
