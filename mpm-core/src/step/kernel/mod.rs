@@ -548,7 +548,13 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             given: [Nodal::splat(self.simd, 0.0); SUMS],
         };
         let mut scatter = Scatter::<V, D>::begin::<F>(self.simd, self.sums, self.common.frame);
+        // Where water particles flow, the lower faces of an empty cell may be the drained surface of the one below.
+        let skips = !matches!(self.common.water, InPores::Particles { .. });
         for group in 0..self.strip.cells.len() {
+            if skips && self.stays_empty(group) {
+                scatter.skip::<F>(self.sums, group * V::F64_LANES);
+                continue;
+            }
             let given = self.group(group, &mut running, &mut room);
             scatter.add::<F>(self.sums, group * V::F64_LANES, given);
         }
@@ -565,6 +571,13 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
                 }
             }
         }
+    }
+
+    /// Whether no cell of a group has soil, or had any in the last pass, which noted so.
+    #[inline(always)]
+    fn stays_empty(&self, group: usize) -> bool {
+        let mass = self.of(self.strip.cells[group].mass);
+        self.strip.solid.range(group).is_empty() && Lanes::nowhere(self.simd, mass.like(0.0).below(mass))
     }
 
     /// A group of cells: Figure 1 from the mesh to the particles and back.

@@ -16,6 +16,8 @@ pub struct Scatter<V: Simd, const D: usize> {
     /// Holds in the lanes below a number.
     below: [V::m64s; MOST_REACH],
     row: usize,
+    /// Whether anything waits.
+    carries: bool,
 }
 
 impl<V: Simd, const D: usize> Scatter<V, D> {
@@ -42,6 +44,7 @@ impl<V: Simd, const D: usize> Scatter<V, D> {
             carry: [[[none; SUMS]; MOST_REACH]; MOST_REACH],
             below: array!([none.below(none); MOST_REACH], i => lanes.below(none.like(i as f64 - 0.5))),
             row: frame.stride[D - 1],
+            carries: false,
         }
     }
 
@@ -68,6 +71,33 @@ impl<V: Simd, const D: usize> Scatter<V, D> {
                 (if begun { sum + own } else { own }).store(to);
             }
         }
+        self.carries = true;
+    }
+
+    /// The same for cells that give nothing.
+    #[inline(always)]
+    pub fn skip<F: Functions<D>>(&mut self, to: &mut StripSums, cell: usize) {
+        if !Self::fits::<F>() {
+            return;
+        }
+        for q in 0..sums(D) {
+            for j in 0..Self::rows::<F>() {
+                let is_begun = j + 1 < Self::rows::<F>();
+                let to = &mut to.0[q][cell + j * self.row..][..V::F64_LANES];
+                if self.carries {
+                    let none = self.carry[j][0][q].like(0.0);
+                    let mut sum = if is_begun { Lanes::load(none.simd, to) } else { none };
+                    for i in (1..F::REACH).rev() {
+                        sum += self.carry[j][i][q].or(self.below[i], none);
+                        self.carry[j][i][q] = none;
+                    }
+                    sum.store(to);
+                } else if !is_begun {
+                    to.fill(0.0);
+                }
+            }
+        }
+        self.carries = false;
     }
 
     /// The same with fewer lanes than functions.
