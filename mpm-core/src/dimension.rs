@@ -12,6 +12,12 @@ pub type Gradient<const D: usize, R = f64> = [[R; D]; D];
 /// The stress xx, yy, zz, xy of an isotropic pressure of 1 Pa (compression), for the pore water.
 pub const PRESSURE: [f64; 4] = [-1.0, -1.0, -1.0, 0.0];
 
+/// A vector in two dimensions; that of a column is vertical, and its places are at x = 0.
+#[inline(always)]
+pub fn in_two<const D: usize>(v: &[f64; D]) -> [f64; 2] {
+    [if D == 2 { v[0] } else { 0.0 }, v[D - 1]]
+}
+
 /// Strain increment xx, yy, zz, xy (engineering shear) of a velocity gradient over a time dt. The axis of a column is y.
 #[inline(always)]
 pub fn strain_increment<const D: usize, R: Real>(gradient: &Gradient<D, R>, dt: f64) -> [R; 4] {

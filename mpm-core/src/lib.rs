@@ -56,6 +56,7 @@ pub mod real;
 pub mod run;
 pub mod scene;
 pub mod seeding;
+pub mod soils;
 pub mod space;
 pub mod sparse;
 pub mod stability;

@@ -1,8 +1,9 @@
 //! The one switchboard: the words of a scene become concrete types. Nothing else matches on them.
 
-use crate::boundary::{Filled, Given, Strip, SurfaceLoad};
+use crate::boundary::{FaceLoads, Filled, Given, Strip, SurfaceLoad};
 use crate::checkpoint::RestoreError;
-use crate::constitutive::{LinearElastic, Material, Materials, ModifiedCamClay, MohrCoulomb, Part as Stratum};
+use crate::constitutive::{LinearElastic, Material, Materials, ModifiedCamClay, MohrCoulomb};
+use crate::dimension::in_two;
 use crate::drive::{Alone, Attend, Drive, Run, drive};
 use crate::error::RunError;
 use crate::grid::Grid;
@@ -10,10 +11,11 @@ use crate::hardware::{Hardware, Width};
 use crate::observe::Seed;
 use crate::particles::{Layer, SolidPoint, WaterPoint, displace, even_positions};
 use crate::scene::{
-    CamClay, DarcyChoice, Dimension, Elastic, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, SoilLayer, Start,
-    Strength, TransferChoice, UnfitLoad, UpdateChoice, WaterProperties,
+    DarcyChoice, Dimension, Ground, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, Soil, Start, TransferChoice,
+    UnfitLoad, UpdateChoice, WaterProperties,
 };
 use crate::seeding::{self, Part};
+use crate::soils::Soils;
 use crate::stability::{StepTooLarge, choose_step};
 use crate::step::kernel::{self, Bspline, Over};
 use crate::step::quasi_static::{QuasiStatic, Seeding};
@@ -136,14 +138,9 @@ pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<
     if scene.integrator == Integrator::QuasiStatic {
         return quasi_static(scene);
     }
-    let materials = materials(scene)?;
     match scene.dimension {
-        Dimension::Column => {
-            Seeded::new(scene, given, [scene.cells[1]], scene.width)?.vectorised(hardware, scene, materials)
-        }
-        Dimension::PlaneStrain => {
-            Seeded::new(scene, given, scene.cells, scene.cell)?.vectorised(hardware, scene, materials)
-        }
+        Dimension::Column => Seeded::new(scene, given, [scene.cells[1]], scene.width)?.vectorised(hardware, scene),
+        Dimension::PlaneStrain => Seeded::new(scene, given, scene.cells, scene.cell)?.vectorised(hardware, scene),
     }
 }
 
@@ -153,7 +150,7 @@ pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<
 /// Particles outside the mesh.
 pub fn failing(scene: &Scene) -> Result<Box<dyn Failing>, RunError> {
     let seed = Seeded::new(scene, &Given::default(), scene.cells, scene.cell)?;
-    let model = seed.vectorised(&Hardware::default(), scene, materials(scene)?)?;
+    let model = seed.vectorised(&Hardware::default(), scene)?;
     model.failing().ok_or_else(|| refused("soil fails under water with a free surface"))
 }
 
@@ -162,42 +159,26 @@ fn in_plane(vertical: f64, lateral: f64) -> [f64; 4] {
     [lateral, vertical, lateral, 0.0]
 }
 
-/// The material that a scene says.
-fn material(elastic: &Elastic, strength: Option<&Strength>, cam_clay: Option<&CamClay>) -> Material {
-    match (strength, cam_clay) {
-        (Some(strength), _) => Material::MohrCoulomb(MohrCoulomb::new(elastic, strength)),
-        (None, Some(soil)) => Material::CamClay(ModifiedCamClay::new(soil)),
-        (None, None) => Material::Elastic(LinearElastic::new(elastic)),
-    }
-}
-
-/// The materials of a scene: that of its soil, or those of its layers.
-fn materials(scene: &Scene) -> Result<Materials, RunError> {
-    if scene.layers.is_empty() {
-        return Ok(Materials::one(material(&scene.elastic, scene.strength.as_ref(), scene.cam_clay.as_ref())));
-    }
-    let in_row = scene.particles_per_direction() * scene.cells[0];
-    let per_row = if scene.dimension == Dimension::Column { 1 } else { in_row };
-    let reference = scene.water.map_or(1.0, |water| water.hydraulic_conductivity);
-    let part = |layer: &SoilLayer| Stratum {
-        material: material(&layer.elastic, layer.strength.as_ref(), layer.cam_clay.as_ref()),
-        conductivity: layer.hydraulic_conductivity / reference,
-        top: layer.up_to,
-        end: (layer.up_to / scene.spacing()).round() as u32 * per_row as u32,
+/// The materials of a scene, whose particles stand at these places at t = 0, m.
+fn materials(scene: &Scene, places: impl Iterator<Item = [f64; 2]>) -> Materials {
+    let law = |soil: &Soil| match (&soil.strength, &soil.cam_clay) {
+        (Some(strength), _) => Material::MohrCoulomb(MohrCoulomb::new(&soil.elastic, strength)),
+        (None, Some(clay)) => Material::CamClay(ModifiedCamClay::new(clay)),
+        (None, None) => Material::Elastic(LinearElastic::new(&soil.elastic)),
     };
-    Materials::several(&scene.layers.iter().map(part).collect::<Vec<_>>()).ok_or_else(|| refused("no layers"))
+    Materials::of_soils(scene.soils().iter().map(law).collect(), Soils::of(scene, places))
 }
 
 /// The quasi-static model of a scene.
 fn quasi_static(scene: &Scene) -> Result<Box<dyn Model>, RunError> {
     Ok(match scene.dimension {
-        Dimension::Column => implicit(scene, [scene.cells[1]], scene.width, materials(scene)?),
-        Dimension::PlaneStrain => implicit(scene, scene.cells, 1.0, materials(scene)?),
+        Dimension::Column => implicit(scene, [scene.cells[1]], scene.width),
+        Dimension::PlaneStrain => implicit(scene, scene.cells, 1.0),
     })
 }
 
 /// The quasi-static model: one layer of particles and a mesh that is laid over them.
-fn implicit<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness: f64, law: Materials) -> Box<dyn Model> {
+fn implicit<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness: f64) -> Box<dyn Model> {
     let spacing = scene.cell / scene.particles_per_direction() as f64;
     let volume = thickness * spacing.powi(D as i32);
     let lengths: [f64; D] = std::array::from_fn(|d| if d == D - 1 { scene.height } else { scene.width });
@@ -209,17 +190,14 @@ fn implicit<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness: f6
     // Points of a cell follow each other, so that the matrix is gathered cell by cell.
     let cell = |x: &[f64; D]| x.map(|x| (x / scene.cell + scene.shift).floor() as i64);
     places.sort_by_key(|(x, _)| std::array::from_fn::<i64, D, _>(|d| cell(x)[D - 1 - d]));
+    let ground = scene.ground();
     let point = |(x, _): &([f64; D], bool)| {
-        let (vertical, _) = first_state(scene, x[D - 1]);
-        let ratio = scene.lateral_ratio_at(x[D - 1]);
-        SolidPoint {
-            x: *x,
-            v: [0.0; D],
-            stress: in_plane(vertical, ratio * vertical),
-            mass: scene.dry_density() * volume,
-            volume,
-        }
+        let (vertical, _) = first_state(scene, &ground, &in_two(x));
+        let soil = ground.at(&in_two(x));
+        let stress = in_plane(vertical, soil.lateral_ratio() * vertical);
+        SolidPoint { x: *x, v: [0.0; D], stress, mass: soil.dry_density() * volume, volume }
     };
+    let law = materials(scene, places.iter().map(|(x, _)| in_two(x)));
     Box::new(QuasiStatic::<Material, D>::new(
         scene,
         Seeding {
@@ -227,7 +205,7 @@ fn implicit<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness: f6
             law,
             top: places.iter().enumerate().filter(|(_, (_, top))| *top).map(|(i, _)| i).collect(),
             thickness,
-            first_pressure: |scene, height| first_state(scene, height).1,
+            first_pressure: |scene, height| first_state(scene, &scene.ground(), &[0.5 * scene.width, height]).1,
             first_settlement: scene.first_settlement(),
         },
     ))
@@ -236,12 +214,12 @@ fn implicit<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness: f6
 /// Mesh and solid particles of a scene.
 struct Seeded<const D: usize> {
     grid: Grid<D>,
-    soil_cells: [usize; D],
     solid: Layer<SolidPoint<D>, D>,
     face_area: f64,
     particle_volume: f64,
     seed: Seed,
     given: Given,
+    materials: Materials,
 }
 
 impl<const D: usize> Seeded<D> {
@@ -254,16 +232,11 @@ impl<const D: usize> Seeded<D> {
         let grid = Grid::new(cells, scene.cell);
         let per_direction = scene.particles_per_direction();
         let particle_volume = face_area * scene.cell / (per_direction as f64).powi(D as i32);
+        let ground = scene.ground();
         let point = |x: [f64; D], volume: f64| {
-            let ratio = scene.lateral_ratio_at(x[D - 1]);
-            let (vertical, pressure) = match &scene.outline {
-                Some(outline) => {
-                    let at = [x[0], x[D - 1]];
-                    state_at_depth(scene, &at, seeding::depth(outline, &at))
-                }
-                None => first_state(scene, x[D - 1]),
-            };
-            let mut stress = in_plane(vertical, ratio * vertical);
+            let (vertical, pressure) = first_state(scene, &ground, &in_two(&x));
+            let soil = ground.at(&in_two(&x));
+            let mut stress = in_plane(vertical, soil.lateral_ratio() * vertical);
             if scene.slope_angle.is_some() {
                 stress[3] = first_shear(scene, vertical - pressure);
             }
@@ -273,9 +246,9 @@ impl<const D: usize> Seeded<D> {
                 stress = state.stress;
                 v = std::array::from_fn(|d| state.velocity[d + 2 - D]);
             }
-            SolidPoint { x, v, stress, mass: scene.dry_density() * volume, volume }
+            SolidPoint { x, v, stress, mass: soil.dry_density() * volume, volume }
         };
-        let (points, seed) = match outline_parts(scene) {
+        let (points, seed): (Vec<SolidPoint<D>>, _) = match outline_parts(scene) {
             Some(parts) => {
                 let x = |part: &Part| std::array::from_fn(|d| part.centroid[d]);
                 let points = parts.iter().map(|part| point(x(part), part.area)).collect();
@@ -288,8 +261,9 @@ impl<const D: usize> Seeded<D> {
                 (points, Seed { per_row, spacing: scene.spacing(), heights: Vec::new() })
             }
         };
+        let materials = materials(scene, points.iter().map(|point| in_two(&point.x)));
         let solid = Layer::new(points, &grid).map_err(|e| outside("solid", e.index, &e.x))?;
-        Ok(Self { grid, soil_cells, solid, face_area, particle_volume, seed, given: given.clone() })
+        Ok(Self { grid, solid, face_area, particle_volume, seed, given: given.clone(), materials })
     }
 
     /// Whether soil may fill cells in part.
@@ -306,55 +280,53 @@ impl<const D: usize> Seeded<D> {
         }
     }
 
-    /// The particles of its water.
+    /// The particles of its water: one beside each of the soil.
     fn drops(&self, scene: &Scene, properties: &WaterProperties) -> Result<Layer<WaterPoint<D>, D>, RunError> {
-        let points = positions(scene, &self.given, self.soil_cells)
-            .map(|x| {
-                let (mut v, mut pressure) = (first_velocity(scene), first_state(scene, x[D - 1]).1);
-                if let Some(start) = &self.given.start {
-                    let state = start(in_two(&x));
-                    (v, pressure) = (std::array::from_fn(|d| state.velocity[d + 2 - D]), state.pressure);
-                }
-                let mass = scene.porosity * properties.density * self.particle_volume;
-                WaterPoint { x, v, mass, volume: self.particle_volume, pressure }
-            })
-            .collect();
+        let ground = scene.ground();
+        let mut places = vec![([0.0; D], 0.0); self.solid.points.len()];
+        for (point, id) in self.solid.points.iter().zip(&self.solid.ids) {
+            places[*id as usize] = (point.x, point.volume);
+        }
+        let drop = |(x, volume): ([f64; D], f64)| {
+            let (mut v, mut pressure) = (first_velocity(scene), first_state(scene, &ground, &in_two(&x)).1);
+            if let Some(start) = &self.given.start {
+                let state = start(in_two(&x));
+                (v, pressure) = (std::array::from_fn(|d| state.velocity[d + 2 - D]), state.pressure);
+            }
+            let mass = ground.at(&in_two(&x)).porosity * properties.density * volume;
+            WaterPoint { x, v, mass, volume, pressure }
+        };
+        let points = places.into_iter().map(drop).collect();
         Layer::new(points, &self.grid).map_err(|e| outside("water", e.index, &e.x))
     }
 
     /// The step, vectorised as the machine allows.
-    fn vectorised(self, hardware: &Hardware, scene: &Scene, materials: Materials) -> Result<Box<dyn Model>, RunError> {
+    fn vectorised(self, hardware: &Hardware, scene: &Scene) -> Result<Box<dyn Model>, RunError> {
         match (hardware.width, Arch::new()) {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            (Width::Widest | Width::Eight, Arch::V4(simd)) => self.over(simd, hardware, scene, materials),
+            (Width::Widest | Width::Eight, Arch::V4(simd)) => self.over(simd, hardware, scene),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            (Width::Widest | Width::Four, Arch::V3(simd)) => self.over(simd, hardware, scene, materials),
+            (Width::Widest | Width::Four, Arch::V3(simd)) => self.over(simd, hardware, scene),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            (Width::Four, Arch::V4(simd)) => self.over(*simd, hardware, scene, materials),
+            (Width::Four, Arch::V4(simd)) => self.over(*simd, hardware, scene),
             #[cfg(target_arch = "aarch64")]
-            (Width::Widest, Arch::Neon(simd)) => self.over(simd, hardware, scene, materials),
-            _ => self.over(Scalar, hardware, scene, materials),
+            (Width::Widest, Arch::Neon(simd)) => self.over(simd, hardware, scene),
+            _ => self.over(Scalar, hardware, scene),
         }
     }
 
-    fn over<V: Simd>(
-        self,
-        simd: V,
-        hardware: &Hardware,
-        scene: &Scene,
-        materials: Materials,
-    ) -> Result<Box<dyn Model>, RunError> {
+    fn over<V: Simd>(self, simd: V, hardware: &Hardware, scene: &Scene) -> Result<Box<dyn Model>, RunError> {
         let per_direction = scene.particles_per_direction();
         let solves = scene.integrator == Integrator::SemiImplicit;
         match scene.shape {
-            ShapeChoice::Centre => self.with(simd, kernel::CENTRE, 1, hardware, scene, materials),
+            ShapeChoice::Centre => self.with(simd, kernel::CENTRE, 1, hardware, scene),
             // A full column has its centroid at the centre; scenes with others are refused.
-            ShapeChoice::Centroid if solves => self.with(simd, kernel::CENTRE, 1, hardware, scene, materials),
-            ShapeChoice::Centroid => self.with(simd, kernel::CENTROID, 1, hardware, scene, materials),
-            ShapeChoice::Linear => self.with(simd, kernel::LINEAR, 1, hardware, scene, materials),
-            ShapeChoice::BBar => self.with(simd, kernel::B_BAR, 1, hardware, scene, materials),
-            ShapeChoice::Gimp => self.with(simd, Over(kernel::Gimp::new(per_direction)), 1, hardware, scene, materials),
-            ShapeChoice::Bspline2 => self.with(simd, Over(Bspline::<2>), 2, hardware, scene, materials),
+            ShapeChoice::Centroid if solves => self.with(simd, kernel::CENTRE, 1, hardware, scene),
+            ShapeChoice::Centroid => self.with(simd, kernel::CENTROID, 1, hardware, scene),
+            ShapeChoice::Linear => self.with(simd, kernel::LINEAR, 1, hardware, scene),
+            ShapeChoice::BBar => self.with(simd, kernel::B_BAR, 1, hardware, scene),
+            ShapeChoice::Gimp => self.with(simd, Over(kernel::Gimp::new(per_direction)), 1, hardware, scene),
+            ShapeChoice::Bspline2 => self.with(simd, Over(Bspline::<2>), 2, hardware, scene),
             ShapeChoice::Bspline3 => Err(refused("cubic B-splines are for quasi-static runs")),
         }
     }
@@ -367,9 +339,8 @@ impl<const D: usize> Seeded<D> {
         extra: usize,
         hardware: &Hardware,
         scene: &Scene,
-        materials: Materials,
     ) -> Result<Box<dyn Model>, RunError> {
-        let frame = Frame::new(&self.grid, F::REACH, F::BEFORE);
+        let frame = Frame::new(&self.grid, F::REACH, F::BEFORE, scene.has_periodic_pores());
         let along = self.grid.cells.map(|cells| cells + extra);
         let mut conditions: Vec<Box<dyn Condition<D>>> = Vec::new();
         if let Some(field) = self.given.force.clone() {
@@ -384,7 +355,8 @@ impl<const D: usize> Seeded<D> {
             conditions.push(Box::new(RigidPlate(top.collect())));
         }
         let held = Held::new(&along, &scene.solid_sides, |place| frame.function(place));
-        let full_mass = scene.dry_density() * self.face_area * scene.cell;
+        let lightest = scene.soils().iter().map(Soil::dry_density).fold(f64::INFINITY, f64::min);
+        let full_mass = lightest * self.face_area * scene.cell;
         if scene.periodic || scene.light_nodes > 0.0 {
             let joined = Joined::new(&frame, &along, &held, scene.periodic, scene.light_nodes * full_mass);
             conditions.push(Box::new(joined));
@@ -403,12 +375,13 @@ impl<const D: usize> Seeded<D> {
         conditions.push(Box::new(Damping::default()));
         let free = match scene.water.filter(|_| scene.free_surface.is_some()) {
             Some(water) => {
-                let carried = Carried::new(scene, water, &self.grid, &self.solid, self.face_area);
+                let carried =
+                    Carried::new(scene, water, &self.grid, (&self.solid, &self.materials.soils), self.face_area);
                 Some(carried.map_err(|e| refused(&format!("the water: {e}")))?)
             }
             None => None,
         };
-        let body = self.body(scene, materials)?;
+        let body = self.body(scene)?;
         let transfer = (scene.transfer == TransferChoice::Affine, scene.update == UpdateChoice::Musl);
         let run = Explicit::new((simd, hardware.pool.clone()), functions, body, conditions, transfer);
         let nodal = scene.water.is_some() && scene.darcy == DarcyChoice::Nodal;
@@ -421,7 +394,7 @@ impl<const D: usize> Seeded<D> {
     }
 
     /// Soil and water at t = 0.
-    fn body(self, scene: &Scene, materials: Materials) -> Result<Body<D>, RunError> {
+    fn body(self, scene: &Scene) -> Result<Body<D>, RunError> {
         let filled = self.filled(scene);
         let spacing = self.seed.spacing;
         let per_row = self.seed.per_row;
@@ -452,6 +425,7 @@ impl<const D: usize> Seeded<D> {
             _ => (0..per_row).map(strip).collect(),
         };
         let surface = SurfaceLoad::new(strips, scene.height, on);
+        let loads = FaceLoads::of(scene, &self.solid, scene.width);
         // A column has the last component, which is the vertical one.
         let gravity = scene.gravity_vector().map(|g| std::array::from_fn(|d| g[d + 2 - D]));
         let particles = self.solid.points.len() as u64;
@@ -459,7 +433,7 @@ impl<const D: usize> Seeded<D> {
             Some(properties) => {
                 let layer = self.drops(scene, &properties)?;
                 let (area, moves, leaves) = (self.face_area, self.moves(scene), scene.sideroom_cells > 0);
-                Some(Pores::new(scene, layer, &self.grid, &properties, (area, moves, leaves)))
+                Some(Pores::new(scene, (layer, &self.solid), &self.grid, &properties, (area, moves, leaves)))
             }
             None => None,
         };
@@ -467,10 +441,11 @@ impl<const D: usize> Seeded<D> {
             grid: self.grid,
             solid: self.solid,
             water,
-            materials,
+            materials: self.materials,
             surface,
             filled,
-            surcharge: scene.surcharge,
+            surcharge: scene.surcharge.filter(|_| scene.outline.is_none()),
+            loads,
             gravity,
             flip: scene.flip,
             apart: scene.separation.map_or(0.0, |strain| scene.dry_density() / (1.0 + strain)),
@@ -489,33 +464,37 @@ fn positions<const D: usize>(scene: &Scene, given: &Given, soil_cells: [usize; D
         .map(move |x| std::array::from_fn(|d| x[d] * cell + moved[d + 2 - D]))
 }
 
-/// Vertical effective stress (tension positive) and pore pressure at a height at t = 0, Pa.
-fn first_state(scene: &Scene, height: f64) -> (f64, f64) {
-    match scene.start {
-        Start::Unloaded => (0.0, 0.0),
-        Start::UndrainedEquilibrium => {
-            let pressure = scene.undrained_pressure_at(height);
-            (pressure - scene.total_stress_at(height), pressure)
+/// Vertical effective stress (tension positive) and pore pressure at a place at t = 0, Pa.
+fn first_state(scene: &Scene, ground: &Ground, place: &[f64; 2]) -> (f64, f64) {
+    match (scene.start, &scene.outline) {
+        (Start::Unloaded, _) => (0.0, 0.0),
+        (Start::UndrainedEquilibrium, _) => {
+            let pressure = scene.undrained_pressure_at(place[1]);
+            (pressure - scene.total_stress_at(place[1]), pressure)
         }
-        Start::Geostatic => state_at_depth(scene, &[0.5 * scene.width, height], scene.height - height),
+        (Start::Geostatic, None) => state_at_depth(scene, ground, place, scene.height - place[1]),
+        (Start::Geostatic, Some(outline)) => state_at_depth(scene, ground, place, seeding::depth(outline, place)),
     }
 }
 
 /// The same at a place and its depth (m) below the surface, normal to a base that may be tilted.
-fn state_at_depth(scene: &Scene, place: &[f64; 2], depth: f64) -> (f64, f64) {
-    if scene.start != Start::Geostatic {
-        return (0.0, 0.0);
-    }
+fn state_at_depth(scene: &Scene, ground: &Ground, place: &[f64; 2], depth: f64) -> (f64, f64) {
     let g = scene.gravity_vector().map_or(0.0, |[_, y]| -y);
     let density = scene.water.map_or(0.0, |w| w.density);
-    let Some(free) = &scene.free_surface else {
-        return (-(scene.mixture_density() - density) * g * depth, density * g * depth);
+    // Water stands above the place up to the level, or to the upper edge of what is wet, or to the surface.
+    let (wet, moist) = match &scene.free_surface {
+        None => (depth, 0.0),
+        Some(free) => {
+            let level = free.level.map_or(0.0, |level| level - place[1]);
+            let wet = free.wet.as_ref().map_or(level, |wet| seeding::depth(wet, place));
+            (wet.clamp(0.0, depth), free.saturation)
+        }
     };
-    // Water stands above the place up to the level, or to the upper edge of what is wet.
-    let level = free.level.map_or(0.0, |level| level - place[1]);
-    let wet = free.wet.as_ref().map_or(level, |wet| seeding::depth(wet, place)).clamp(0.0, depth);
-    let moist = scene.porosity - scene.mobile_porosity();
-    let weight = (scene.dry_density() + density * moist) * depth + density * scene.mobile_porosity() * wet;
+    let mut weight = 0.0;
+    for ([low, high], soil) in ground.between(place[0], place[1], place[1] + depth) {
+        let (pores, wet) = (density * soil.porosity, (place[1] + wet - low).clamp(0.0, high - low));
+        weight += (soil.dry_density() + moist * pores) * (high - low) + (1.0 - moist) * pores * wet;
+    }
     let pressure = density * g * wet;
     (-(g * weight - pressure), pressure)
 }
@@ -539,11 +518,6 @@ pub fn outline_parts(scene: &Scene) -> Option<Vec<Part>> {
         SeedingChoice::Clipped => seeding::parts(outline, scene.spacing()),
         SeedingChoice::Whole => seeding::whole(outline, scene.spacing()),
     })
-}
-
-/// A place in two dimensions, m; a column stands at x = 0.
-fn in_two<const D: usize>(x: &[f64; D]) -> [f64; 2] {
-    [if D == 2 { x[0] } else { 0.0 }, x[D - 1]]
 }
 
 fn refused(what: &str) -> RunError {

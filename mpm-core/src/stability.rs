@@ -70,8 +70,8 @@ impl Medium {
             modulus: scene.oedometer_modulus(),
             density: scene.mixture_density(),
             pore_stiffness,
-            mobility: scene.water.map_or(0.0, |w| w.mobility()),
-            diffusivity: scene.water.map_or(0.0, |w| w.mobility() * pore_stiffness),
+            mobility: scene.water.map_or(0.0, |w| w.largest_mobility()),
+            diffusivity: scene.water.map_or(0.0, |w| w.largest_mobility() * pore_stiffness),
             flow_inertia,
             cell: scene.cell,
             shortest_transfer: shortest_transfer(scene.particles_per_direction()),
@@ -366,12 +366,12 @@ fn flow_passes_held_soil(scene: &Fields) -> bool {
 /// with inertia): the lumped mass of their last coefficient is smaller than that which the relief counts on.
 pub fn explicit_limit(scene: &Fields) -> f64 {
     if !scene.moves_through_cells() {
-        return worst_layer(scene, explicit_limit_of);
+        return worst_soil(scene, explicit_limit_of);
     }
     // Water is stiffer, K_w/n, in the pores that a load leaves.
     let porosity = scene.compressed_porosity();
     let porosity = if porosity > 0.0 { porosity } else { scene.porosity };
-    PARTLY_FILLED.sqrt() * worst_layer(&Fields { porosity, ..scene.clone() }, explicit_limit_of)
+    PARTLY_FILLED.sqrt() * worst_soil(&Fields { porosity, ..scene.clone() }, explicit_limit_of)
 }
 
 fn explicit_limit_of(scene: &Fields) -> f64 {
@@ -402,13 +402,13 @@ fn explicit_limit_of(scene: &Fields) -> f64 {
 /// counted on, and makes waves grow slowly above a step of its own. B-splines are softer inside the mesh than linear
 /// functions and held to the same.
 pub fn semi_implicit_limit(scene: &Fields) -> f64 {
-    worst_layer(scene, |soil| semi_implicit_limit_of(soil).min(Medium::of(soil).round_off()))
+    worst_soil(scene, |soil| semi_implicit_limit_of(soil).min(Medium::of(soil).round_off()))
 }
 
 /// [`stable_limit`] without what round-off takes: that of exact numbers, s.
 pub fn limit_of_exact_numbers(scene: &Fields) -> f64 {
     match scene.integrator {
-        Integrator::SemiImplicit => worst_layer(scene, semi_implicit_limit_of),
+        Integrator::SemiImplicit => worst_soil(scene, semi_implicit_limit_of),
         _ => stable_limit(scene),
     }
 }
@@ -450,15 +450,12 @@ fn semi_implicit_without_inertia(scene: &Fields, medium: &Medium) -> f64 {
     }
 }
 
-/// The smallest limit of the layers of a scene, each as if its soil were all there is.
+/// The smallest limit of the soils of a scene, each as if it were all there is.
 ///
 /// No eigenvalue of a mesh is larger than the largest one of its cells, and the flow between two cells of different
 /// conductivity, the harmonic mean, is at most that between two of the better one.
-fn worst_layer(scene: &Fields, limit: impl Fn(&Fields) -> f64) -> f64 {
-    if scene.layers.is_empty() {
-        return limit(scene);
-    }
-    scene.by_layer().iter().map(|(_, soil)| limit(soil)).fold(f64::INFINITY, f64::min)
+fn worst_soil(scene: &Fields, limit: impl Fn(&Fields) -> f64) -> f64 {
+    scene.by_soil().iter().map(limit).fold(f64::INFINITY, f64::min)
 }
 
 /// Largest stable step of a scene with its own integrator, s; infinite where there is none.
@@ -469,7 +466,7 @@ pub fn stable_limit(scene: &Fields) -> f64 {
         Integrator::QuasiStatic => f64::INFINITY,
         // The water keeps its pressures while the soil moves: the skeleton is alone, and lightest where it is dry.
         Integrator::TwoClocks | Integrator::Coupled => {
-            worst_layer(&Fields { water: None, ..scene.clone() }, explicit_limit_of)
+            worst_soil(&Fields { water: None, ..scene.clone() }, explicit_limit_of)
         }
     }
 }

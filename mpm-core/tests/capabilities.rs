@@ -88,6 +88,7 @@ fn written(has: &Set) -> String {
         is(Layers),
         "[[layers]]\nup_to = 0.5\n[[layers]]\nup_to = 1.0\nlaw.linear_elastic = { youngs_modulus = 2e7, poisson_ratio = 0.3 }",
     );
+    line(is(Regions), "[[regions]]\nlevels = [0.25, 0.5]\nporosity = 0.3");
     let stiffness = if is(Incompressible) { "inf" } else { "2e8" };
     line(!is(Dry), &format!("[water]\nhydraulic_conductivity = 1e-3\nbulk_modulus = {stiffness}\nunit_weight = 9810"));
     line(is(FreeSurface), "free_surface = { level = 0.5 }");

@@ -25,15 +25,10 @@ fn halves(integrator: Integrator, shape: ShapeChoice, shares: [[f64; 2]; 2]) -> 
     }
     let water = scene.water.expect("a wet scene");
     let soil = |up_to: f64, [stiffer, faster]: [f64; 2]| {
-        let mut elastic = scene.elastic;
-        elastic.youngs_modulus *= stiffer;
-        SoilLayer {
-            up_to,
-            elastic,
-            strength: None,
-            cam_clay: None,
-            hydraulic_conductivity: faster * water.hydraulic_conductivity,
-        }
+        let mut soil = scene.soil();
+        soil.elastic.youngs_modulus *= stiffer;
+        soil.hydraulic_conductivity = faster * water.hydraulic_conductivity;
+        SoilLayer { up_to, soil }
     };
     scene =
         scene.edited(|scene| scene.layers = vec![soil(0.5, shares[1]), soil(1.0, shares[0])]).expect("a sound scene");

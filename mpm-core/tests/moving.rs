@@ -11,8 +11,8 @@ use mpm_core::hardware::Hardware;
 use mpm_core::observe::SolidState;
 use mpm_core::run::{model_given, run, run_given};
 use mpm_core::scene::{
-    Dimension, Elastic, Fields, Integrator, Quadrature, Scene, ShapeChoice, SoilLayer, SolidSide, Start, StrainChoice,
-    Surcharge, Until,
+    Dimension, Elastic, Fields, Integrator, Quadrature, Scene, ShapeChoice, Soil, SoilLayer, SolidSide, Start,
+    StrainChoice, Surcharge, Until,
 };
 use mpm_core::stability::{explicit_limit, semi_implicit_limit, stable_limit};
 
@@ -202,8 +202,7 @@ fn loads_that_a_scheme_does_not_bear_are_refused_unless_forced() {
     let halves = |upper: f64| {
         let mut scene = settling(0.19, ShapeChoice::Bspline2);
         let stiff = Elastic { youngs_modulus: upper * scene.elastic.youngs_modulus, ..scene.elastic };
-        let layer =
-            |up_to, elastic| SoilLayer { up_to, elastic, strength: None, cam_clay: None, hydraulic_conductivity: 1e-4 };
+        let layer = |up_to, elastic| SoilLayer { up_to, soil: Soil { elastic, ..scene.soil() } };
         scene = scene
             .edited(|scene| scene.layers = vec![layer(0.5 * scene.height, scene.elastic), layer(scene.height, stiff)])
             .expect("a sound scene");

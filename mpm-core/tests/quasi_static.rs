@@ -279,7 +279,7 @@ fn with_law<L: Law>(scene: &Scene, law: L) -> Run {
         scene,
         Seeding {
             points: (0..count).map(point).collect(),
-            law: Materials::one(law),
+            law: Materials::one(law, 1.0 / scene.grain_density),
             top: vec![count - 1],
             thickness: scene.width,
             first_pressure: |_, _| 0.0,

@@ -147,7 +147,7 @@ fn shuffled(count: usize) -> Vec<usize> {
 /// Runs a scene whose particles stand in an order.
 fn in_order<const D: usize>(scene: &Scene, order: Vec<usize>) -> Run {
     let body = by_hand::in_order::<D>(scene, &order);
-    let frame = Frame::new(&body.grid, 2, 0);
+    let frame = Frame::new(&body.grid, 2, 0, false);
     let held = Held::new(&body.grid.cells.map(|cells| cells + 1), &scene.solid_sides, |place| frame.number(place));
     let conditions: Vec<Box<dyn Condition<D>>> = vec![Box::new(held), Box::new(Damping::default())];
     let mut model = Explicit::new((Scalar, None), CENTRE, body, conditions, (false, false));

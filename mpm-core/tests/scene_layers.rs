@@ -47,13 +47,6 @@ const LAYER_CASES: &[(&str, Edits)] = &[
             "[layers]\nup_to = 1.0",
         )],
     ),
-    (
-        "nine layers",
-        &[(
-            "[[layers]]\nup_to = 0.5\n",
-            "[[layers]]\nup_to = 0.02\n[[layers]]\nup_to = 0.04\n[[layers]]\nup_to = 0.06\n[[layers]]\nup_to = 0.08\n[[layers]]\nup_to = 0.1\n[[layers]]\nup_to = 0.12\n[[layers]]\nup_to = 0.14\n[[layers]]\nup_to = 0.5\n",
-        )],
-    ),
     ("tops that do not ascend", &[("up_to = 0.5", "up_to = 1.0")]),
     ("a layer of no thickness", &[("up_to = 0.5", "up_to = 0.0")]),
     ("a layer above the soil", &[("up_to = 1.0", "up_to = 1.5")]),
@@ -83,11 +76,6 @@ const LAYER_CASES: &[(&str, Edits)] = &[
         )],
     ),
     ("nodal velocities", &[("darcy = \"face\"", "darcy = \"nodal\"")]),
-    ("centroids", &[("shape = \"centre\"", "shape = \"centroid\"")]),
-    (
-        "room beside",
-        &[("\"column\"", "\"plane-strain\""), ("particles_per_cell = 4", "particles_per_cell = 4\nsideroom_cells = 2")],
-    ),
     (
         "waiting for a pressure",
         &[("until.time_factor = 1.0", "until.pore_pressure_within = 0.01"), (TIME_FACTORS, ""), ("history = 60\n", "")],
@@ -118,7 +106,8 @@ fn layers_take_from_soil_and_water_what_they_do_not_say() {
     let text = edited(&terzaghi(), &[(LAW, LAYERS)]);
     let scene = Scene::parse(&text, "scene.toml").expect("a scene that holds");
     assert_eq!(scene.layers.len(), 2);
-    assert_eq!((scene.elastic_at(0.3).youngs_modulus, scene.elastic_at(0.7).youngs_modulus), (2.0e7, 2.0e8));
+    let modulus = |height| scene.ground().at(&[0.0, height]).elastic.youngs_modulus;
+    assert_eq!((modulus(0.3), modulus(0.7)), (2.0e7, 2.0e8));
     assert_eq!(scene.layers.iter().map(|l| l.hydraulic_conductivity).collect::<Vec<_>>(), [5.0e-7, 5.0e-4]);
     // Every layer has its own undrained pressure, and settles by itself.
     let share = |m: f64| 2.2e9 / 0.3 / (2.2e9 / 0.3 + m);
@@ -143,4 +132,29 @@ fn every_message_about_layers() {
     }, {
         insta::assert_snapshot!(list);
     });
+}
+
+#[test]
+fn there_are_no_more_soils_than_a_run_can_tell_apart() {
+    let tops = (1..=33).map(|row| format!("[[layers]]\nup_to = {:.2}\n", 0.02 * f64::from(row)));
+    let many = edited(&terzaghi(), &[(LAW, &format!("{LAW}\n{}", tops.collect::<String>()))]);
+    let error = refusal("33 layers", &many);
+    assert_eq!((error.expected.as_str(), error.found.as_str()), ("at most 32 layers", "33"));
+}
+
+#[test]
+fn a_region_lies_over_the_layers_and_the_last_one_over_all() {
+    let regions =
+        "[[regions]]\nlevels = [0.3, 0.6]\nporosity = 0.5\n[[regions]]\nlevels = [0.5, 0.9]\nanisotropy = 4.0\n";
+    let scene =
+        Scene::parse(&edited(&terzaghi(), &[(LAW, &format!("{LAYERS}{regions}"))]), "scene.toml").expect("sound");
+    let ground = scene.ground();
+    let of = |height| {
+        let soil = ground.at(&[0.0, height]);
+        (soil.porosity, soil.anisotropy, soil.hydraulic_conductivity, soil.elastic.youngs_modulus)
+    };
+    // What a region does not say is that of [soil] and [water], whatever layer it lies in.
+    let seen = [0.1, 0.4, 0.55, 0.95].map(of);
+    assert_eq!(seen, [(0.3, 1.0, 5e-7, 2e7), (0.5, 1.0, 5e-4, 2e7), (0.3, 4.0, 5e-4, 2e7), (0.3, 1.0, 5e-4, 2e8)]);
+    assert_eq!(scene.edited(|_| {}).expect("the same scene"), scene);
 }

@@ -128,6 +128,7 @@ fn wet_slope(normal_stress: NormalStress) -> f64 {
             scene.integrator = Integrator::TwoClocks;
             scene.water = Some(WaterProperties {
                 hydraulic_conductivity: 1e-4,
+                anisotropy: 1.0,
                 bulk_modulus: f64::INFINITY,
                 unit_weight: 9810.0,
                 density: 1000.0,

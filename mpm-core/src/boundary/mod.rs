@@ -3,9 +3,11 @@
 
 mod filled;
 mod given;
+mod loads;
 mod surcharge;
 
 pub(crate) use filled::ROUND_OFF;
 pub use filled::{Filled, Top, knows_volumes};
 pub use given::{FirstField, FirstState, ForceField, Given};
+pub use loads::{FaceLoads, LoadedPiece};
 pub use surcharge::{Strip, SurfaceLoad};

@@ -4,6 +4,7 @@ use pulp::{Simd, WithSimd};
 
 use super::{Flow, Law, LinearElastic, ModifiedCamClay, MohrCoulomb, STATES, State};
 use crate::real::{Lanes, Real};
+use crate::soils::Soils;
 
 /// A material, one of those that are known.
 #[derive(Debug, Clone, Copy)]
@@ -95,86 +96,52 @@ impl Law for Material {
 }
 
 /// Most materials of a scene.
-pub const MOST_MATERIALS: usize = 8;
+pub const MOST_MATERIALS: usize = 32;
 
-/// A material of a scene and where it is.
-#[derive(Debug, Clone, Copy)]
-pub struct Part<L = Material> {
-    /// The material.
-    pub material: L,
-    /// Its hydraulic conductivity over that of the scene's water.
-    pub conductivity: f64,
-    /// Its top above the base, m.
-    pub top: f64,
-    /// Number of the first particle above it, as they were seeded.
-    pub end: u32,
-}
-
-/// The materials of a scene, and which particle is of which: particles are numbered from the base up, those of a material follow
-/// each other.
-#[derive(Debug, Clone, Copy)]
+/// The materials of a scene, and which particle is of which.
+#[derive(Debug, Clone)]
 pub struct Materials<L = Material> {
-    parts: [Part<L>; MOST_MATERIALS],
-    count: usize,
+    laws: Vec<L>,
+    /// Which soil is where: the one with a number has the law with that number.
+    pub soils: Soils,
 }
 
 impl<L: Law> Materials<L> {
-    /// One for all particles.
-    pub fn one(material: L) -> Self {
-        let everywhere = Part { material, conductivity: 1.0, top: f64::INFINITY, end: u32::MAX };
-        Self { parts: [everywhere; MOST_MATERIALS], count: 1 }
+    /// One for all particles, of grains that have a volume per mass, m3/kg.
+    pub fn one(material: L, grain_inverse: f64) -> Self {
+        Self { laws: vec![material], soils: Soils::one(grain_inverse) }
     }
 
-    /// Several from the base up; `None` without any.
-    pub fn several(list: &[Part<L>]) -> Option<Self> {
-        // The last one goes on for ever: soil that swells stays in it.
-        let last = Part { top: f64::INFINITY, end: u32::MAX, ..*list.last()? };
-        let mut all = Self { parts: [last; MOST_MATERIALS], count: list.len().min(MOST_MATERIALS) };
-        all.parts[..all.count - 1].copy_from_slice(&list[..all.count - 1]);
-        Some(all)
+    /// A law for each of the soils, as many.
+    pub fn of_soils(laws: Vec<L>, soils: Soils) -> Self {
+        Self { laws, soils }
     }
 
     /// Whether the stress of all is a linear function of the strain.
     pub fn are_linear(&self) -> bool {
-        self.parts[..self.count].iter().all(|part| part.material.is_linear())
+        self.laws.iter().all(Law::is_linear)
     }
 
     /// Whether the tangents of all are symmetric.
     pub fn are_symmetric(&self) -> bool {
-        self.parts[..self.count].iter().all(|part| part.material.is_symmetric())
+        self.laws.iter().all(Law::is_symmetric)
     }
 
     /// Whether any remembers more than its stress.
     pub fn have_state(&self) -> bool {
-        self.parts[..self.count].iter().any(|part| part.material.has_state())
-    }
-
-    /// Whether there are several.
-    pub fn are_layered(&self) -> bool {
-        self.count > 1
+        self.laws.iter().any(Law::has_state)
     }
 
     /// Which material the particle with a number is of.
     #[inline(always)]
     pub fn of(&self, id: u32) -> u8 {
-        self.parts[..self.count - 1].iter().filter(|part| id >= part.end).count() as u8
-    }
-
-    /// Which one is at a height above the base, m.
-    pub fn at(&self, height: f64) -> u8 {
-        self.parts[..self.count - 1].iter().filter(|part| height >= part.top).count() as u8
+        self.soils.of_particle(id)
     }
 
     /// One of them.
     #[inline(always)]
     pub fn law(&self, which: u8) -> &L {
-        &self.parts[usize::from(which)].material
-    }
-
-    /// Its hydraulic conductivity over that of the scene's water.
-    #[inline(always)]
-    pub fn conductivity(&self, which: u8) -> f64 {
-        self.parts[usize::from(which)].conductivity
+        &self.laws[usize::from(which)]
     }
 }
 
@@ -194,8 +161,8 @@ impl<V: Simd> WithSimd for Update<'_, V> {
     #[inline(always)]
     fn with_simd<T: Simd>(self, _: T) -> Self::Output {
         let Self { materials, mut stress, strain, mut state, there, ids } = self;
-        let flow = if materials.count == 1 {
-            materials.parts[0].material.update_lanes(&mut stress, &strain, &mut state, there)
+        let flow = if let [only] = &materials.laws[..] {
+            only.update_lanes(&mut stress, &strain, &mut state, there)
         } else {
             materials.each(&mut stress, &strain, &mut state, there, ids)
         };
@@ -206,15 +173,15 @@ impl<V: Simd> WithSimd for Update<'_, V> {
 impl Materials {
     /// The only one, if it is elastic.
     pub fn elastic(&self) -> Option<&LinearElastic> {
-        match &self.parts[0].material {
-            Material::Elastic(law) if self.count == 1 => Some(law),
+        match &self.laws[..] {
+            [Material::Elastic(law)] => Some(law),
             _ => None,
         }
     }
 
     /// Whether any dissipates.
     pub fn are_plastic(&self) -> bool {
-        self.parts[..self.count].iter().any(|part| part.material.is_plastic())
+        self.laws.iter().any(Material::is_plastic)
     }
 
     /// Elastic energy per volume (J/m3) of the particle with a number at a stress (Pa).
@@ -224,7 +191,7 @@ impl Materials {
 
     /// Each of them changed.
     pub fn map(&self, change: impl Fn(&Material) -> Material) -> Self {
-        Self { parts: self.parts.map(|part| Part { material: change(&part.material), ..part }), ..*self }
+        Self { laws: self.laws.iter().map(change).collect(), soils: self.soils.clone() }
     }
 
     /// Updates stresses (Pa) and states of a block of particles with their numbers; lanes that are not `there` hold none.
@@ -264,10 +231,10 @@ impl Materials {
         }
         let (old, memory) = (*stress, *state);
         let mut all = Flow::none(none);
-        for material in (0..self.count).filter(|material| present & (1 << material) != 0) {
+        for material in (0..self.laws.len()).filter(|material| present & (1 << material) != 0) {
             let own = none.simd.and_m64s(there, which.equals(none.like(material as f64)));
             let (mut found, mut after) = (old, memory);
-            let flow = self.parts[material].material.update_lanes(&mut found, strain, &mut after, own);
+            let flow = self.laws[material].update_lanes(&mut found, strain, &mut after, own);
             for s in 0..4 {
                 stress[s] = found[s].or(own, stress[s]);
             }

@@ -9,7 +9,7 @@ mod modified_cam_clay;
 mod mohr_coulomb;
 
 pub use linear_elastic::LinearElastic;
-pub use material::{MOST_MATERIALS, Material, Materials, Part};
+pub use material::{MOST_MATERIALS, Material, Materials};
 pub use modified_cam_clay::ModifiedCamClay;
 pub use mohr_coulomb::{MohrCoulomb, Region};
 use nalgebra::SMatrix;

@@ -432,10 +432,9 @@ fn sane(scene: &Scene, sample: &Sample) -> Result<(), Fault> {
     let stored = l.kinetic_j + l.strain_j + l.water_j;
     let booked = l.external_work_j.abs() + l.gravity_work_j.abs() + l.flow_body_work_j.abs();
     // What load and weight would store drained; round-off of a soil that nothing moves is far below.
-    let stress = scene.surcharge.map_or(0.0, |s| s.pressure.abs())
-        + scene.gravity.unwrap_or(0.0) * scene.mixture_density() * scene.height;
-    let softest = scene.layers.iter().map(|layer| layer.elastic.oedometer_modulus());
-    let modulus = softest.fold(scene.oedometer_modulus(), f64::min);
+    let stress = scene.largest_load() + scene.gravity.unwrap_or(0.0) * scene.mixture_density() * scene.height;
+    let soils = scene.soils();
+    let modulus = soils.iter().map(|soil| soil.elastic.oedometer_modulus()).fold(f64::INFINITY, f64::min);
     let whole = stress * stress / modulus * scene.height * scene.width;
     // What particles hold, less all work: the mapping, which takes energy, has no entry here.
     let gained = l.energy_closing_j - l.transfer_loss_j;

@@ -16,7 +16,9 @@ use serde::Serialize;
 
 use super::{Ledger, Observation};
 use crate::boundary::knows_volumes;
-use crate::scene::{Clock, Dimension, Integrator, LoadOn, Scene, Side, SolidSide, StrainChoice, UpdateChoice};
+use crate::scene::{
+    Clock, Course, Dimension, FaceLoad, Integrator, LoadOn, Scene, Side, SolidSide, StrainChoice, UpdateChoice,
+};
 
 /// Settlement may differ from what the strains add up to by this share of its largest: what is promised of a settlement.
 const MOST_APART: f64 = 0.01;
@@ -128,24 +130,24 @@ struct Bounds<'a> {
     row: f64,
     /// Undrained wave speed, m/s.
     speed: f64,
-    /// Oedometer modulus of the softest layer, Pa.
+    /// Oedometer modulus of the softest soil, Pa.
     softest: f64,
-    /// Coefficient of consolidation of the quickest layer, m2/s.
+    /// Coefficient of consolidation of the quickest soil, m2/s.
     quickest: f64,
 }
 
 impl<'a> Bounds<'a> {
     fn new(scene: &'a Scene, dt: f64, steps: u64, state: &'a Observation, ledger: &Ledger) -> Self {
-        let load = scene.surcharge.map_or(0.0, |s| s.pressure.abs());
+        let load = scene.largest_load();
         let weight = scene.gravity.unwrap_or(0.0) * scene.mixture_density() * scene.height;
         let moved = ledger.external_work_j.abs() / (scene.height * scene.width * scene.oedometer_modulus());
         let (stress, modulus) = (load + weight, scene.oedometer_modulus());
-        let layers = scene.by_layer();
-        let of_layers = layers.iter().map(|(_, soil)| {
+        let soils = scene.by_soil();
+        let of_soils = soils.iter().map(|soil| {
             let modulus = soil.oedometer_modulus();
             (modulus, soil.water.map_or(0.0, |water| water.mobility() * modulus))
         });
-        let (softest, quickest) = of_layers.fold((modulus, 0.0_f64), |(m, c), (own, c_v)| (m.min(own), c.max(c_v)));
+        let (softest, quickest) = of_soils.fold((modulus, 0.0_f64), |(m, c), (own, c_v)| (m.min(own), c.max(c_v)));
         let water = scene.pore_stiffness();
         let water = if water.is_finite() { water } else { 0.0 };
         Self {
@@ -330,15 +332,18 @@ impl<'a> Bounds<'a> {
         let free = scene.solid_sides[Side::Top as usize] == SolidSide::Free;
         let passages = 4.0 * scene.height / (scene.oedometer_modulus() / scene.mixture_density()).sqrt();
         let elastic = scene.is_elastic() && scene.free_surface.is_none();
-        let judged = scene.is_one_dimensional() && loaded && free && elastic;
+        let steady =
+            |load: &FaceLoad| load.on == Side::Top && matches!(load.course, Course::Constant | Course::Ramp(_));
+        let judged = scene.is_one_dimensional() && loaded && free && elastic && scene.loads.iter().all(steady);
         if !judged || self.state.time < passages || scene.integrator == Integrator::QuasiStatic {
             return None;
         }
-        let load = scene.surcharge.map_or(0.0, |s| s.at(self.state.time));
         let weight = scene.gravity.unwrap_or(0.0) * scene.mixture_density();
+        let load = scene.surcharge.map_or(0.0, |s| s.at(self.state.time) - s.pressure);
+        let load = load + scene.loads.iter().map(|l| l.pressure * l.course.at(self.state.time, 0.0)).sum::<f64>();
         let off = |row: &super::ProfileRow| {
             let carried = row.pressure_pa - row.effective_stress_pa;
-            carried - load - weight * (scene.height - row.material_height_m)
+            carried - load - scene.total_stress_at(row.material_height_m)
         };
         let gap = self.state.profile.iter().map(off).fold(
             0.0,
@@ -374,14 +379,16 @@ impl<'a> Bounds<'a> {
             Some(water) => 0.5 / (water.mobility() * scene.mixture_density()),
             None => 0.0,
         };
-        let since = self.state.time - scene.surcharge.map_or(0.0, |load| load.ramp_time).min(self.state.time);
+        let ends = scene.loads.iter().flat_map(|load| load.course.corners());
+        let ramp = ends.fold(scene.surcharge.map_or(0.0, |load| load.ramp_time), f64::max);
+        let since = self.state.time - ramp.min(self.state.time);
         2.0 * self.stress * (-(0.5 * damping + loss) * since).exp()
     }
 
     /// Settlement of the surface against what the strains of the particles add up to.
     fn settlement(&self, ledger: &Ledger) -> Option<Balance> {
         let scene = self.scene;
-        let judged = scene.is_one_dimensional() && scene.strain == StrainChoice::Large && scene.layers.is_empty();
+        let judged = scene.is_one_dimensional() && scene.strain == StrainChoice::Large && !scene.has_several_soils();
         if !judged || !knows_volumes(scene) || scene.integrator == Integrator::QuasiStatic {
             return None;
         }

@@ -7,9 +7,9 @@ use Feature::{
     Affine, AnyShape, BBar, Bspline2, Bspline3, CamClay, Centroid, Column, CoulombBase, Coupled, Damping, DarcyInertia,
     DarcyOperator, Displaced, Drained, Dry, Explicit, Fails, FixedSide, Flip, FreeSurface, Geostatic, Gimp, GivenStep,
     Gravity, HeldTop, Incompressible, InertiaKept, JumpPenalty, Krylov, LargeStrain, Layers, LightNodes, LinearElastic,
-    Load, MohrCoulomb, Musl, NoGravity, Nodal, Outline, PaperStep, Periodic, Plate, PressureEnd, QuasiStatic, RestEnd,
-    Safety, Saturated, SemiImplicit, Separation, Shift, Sideroom, SlopeAngle, SmallStrain, StartK0, StartVelocity,
-    Strip, TimeMethod, Tolerance, TwoClocks, UndrainedStart, Unloaded,
+    Load, MohrCoulomb, Musl, NoGravity, Nodal, Outline, PaperStep, Periodic, Plate, PressureEnd, QuasiStatic, Regions,
+    RestEnd, Safety, Saturated, SemiImplicit, Separation, Shift, Sideroom, SlopeAngle, SmallStrain, StartK0,
+    StartVelocity, Strip, TimeMethod, Tolerance, TwoClocks, UndrainedStart, Unloaded,
 };
 
 /// Something that a scene has, and that not everything goes with.
@@ -37,6 +37,7 @@ pub enum Feature {
     MohrCoulomb,
     CamClay,
     Layers,
+    Regions,
     Separation,
     LargeStrain,
     SmallStrain,
@@ -81,7 +82,7 @@ pub enum Feature {
 }
 
 /// Every feature with the key that asks for it and what a scene file says there.
-pub const FEATURES: [(Feature, &str, &str); 62] = [
+pub const FEATURES: [(Feature, &str, &str); 63] = [
     (Column, "dimension", "\"column\""),
     (Outline, "geometry.outline", "[geometry.outline]"),
     (Explicit, "time.integrator", "\"explicit\""),
@@ -103,6 +104,7 @@ pub const FEATURES: [(Feature, &str, &str); 62] = [
     (MohrCoulomb, "soil.law", "mohr_coulomb"),
     (CamClay, "soil.law", "modified_cam_clay"),
     (Layers, "layers", "[[layers]]"),
+    (Regions, "regions", "[[regions]]"),
     (Separation, "soil.separation", "soil.separation"),
     (LargeStrain, "soil.strain", "\"large\""),
     (SmallStrain, "soil.strain", "\"small\""),
@@ -193,6 +195,8 @@ const STEPPED: &[Feature] = &[Explicit, SemiImplicit, TwoClocks, Coupled];
 const IMPLICIT: &[Feature] = &[SemiImplicit, QuasiStatic];
 /// Those, and functions that reach beyond a cell.
 const NOT_CORNERS: &[Feature] = &[SemiImplicit, QuasiStatic, Gimp, Bspline2, Bspline3];
+/// Soil that is not the same all over.
+const SEVERAL: &[Feature] = &[Layers, Regions];
 const NOT_PLAIN: &[Feature] = &[SemiImplicit, QuasiStatic, TwoClocks, Coupled, FreeSurface];
 
 const PLANE: &str = "dimension = \"plane-strain\" beside it";
@@ -201,7 +205,6 @@ const BY_EXPLICIT: &str = "integrator = \"explicit\" beside it";
 const BY_CORNERS: &str =
     "integrator = \"explicit\" and shape = \"centre\", \"centroid\", \"linear\" or \"b-bar\" beside it";
 const BY_PLAIN: &str = "integrator = \"explicit\" beside it, in a scene without a free surface of water";
-const NO_WATER_LAYER: &str = "a dry scene or [water.free_surface]: no water layer follows it yet";
 const AUTO_STEP: &str = "step = \"auto\" beside it";
 
 /// The table, in the order in which a scene is held against it.
@@ -230,6 +233,11 @@ pub const RULES: &[Rule] = &[
     rule(StartK0, &[Unloaded, UndrainedStart], "start = \"geostatic\" beside it"),
     rule(UndrainedStart, &[Dry], "[water] to carry the load undrained"),
     rule(UndrainedStart, &[FreeSurface], "\"geostatic\" or \"unloaded\" beside it: its soil is not full of water"),
+    rule(
+        UndrainedStart,
+        &[Outline],
+        "\"geostatic\" or \"unloaded\" beside an outline: undrained equilibrium is that of level soil",
+    ),
     rule(UndrainedStart, &[Strip], "\"unloaded\" under a strip: undrained equilibrium is that of a load all over"),
     rule(Load, &[HeldTop], "boundaries.top = \"free\" under a surcharge (a held surface carries no load)"),
     rule(
@@ -243,6 +251,7 @@ pub const RULES: &[Rule] = &[
         &[Sideroom],
         "\"surface\" or \"particles\" in a mesh with room to move: the plate is its top row of nodes",
     ),
+    rule(Plate, &[Outline], "\"surface\" on an outline, whose top is no row of nodes"),
     rule(Strip, &[Plate], "on = \"surface\" or \"particles\" beside it: a plate spreads its load itself"),
     // Water.
     rule(DarcyOperator, &[Dry], "no Darcy operator in a dry scene"),
@@ -276,10 +285,7 @@ pub const RULES: &[Rule] = &[
         "shape = \"centre\", \"centroid\" or \"linear\" beside it: its forces are those of whole cells",
     ),
     rule(PaperStep, &[FreeSurface], "\"auto\" or a step (s): the paper's 1e-7 s is that of its consolidation column"),
-    rule(FreeSurface, &[Load], "no [surcharge] beside it yet"),
-    rule(Outline, &[Saturated], NO_WATER_LAYER),
-    rule(SlopeAngle, &[Saturated], NO_WATER_LAYER),
-    rule(Periodic, &[Saturated], NO_WATER_LAYER),
+    rule(Nodal, &[Periodic, Outline], "\"face\" beside it: the nodal flow takes every cell for full of soil"),
     // Functions.
     rule(
         Bspline3,
@@ -298,17 +304,16 @@ pub const RULES: &[Rule] = &[
     rule(Nodal, &[QuasiStatic], "\"face\" beside quasi-static: the nodal flow is a velocity of an explicit step"),
     rule(
         Nodal,
-        &[Layers],
-        "\"face\" beside [[layers]]: a velocity at the nodes of an interface has no one conductivity",
+        SEVERAL,
+        "\"face\" beside several soils: a velocity at the nodes of an interface has no one conductivity",
     ),
     rule(LightNodes, NOT_CORNERS, BY_CORNERS),
     // Explicit steps alone.
-    rule(Outline, IMPLICIT, BY_EXPLICIT),
+    rule(Outline, &[QuasiStatic], BY_EXPLICIT),
     rule(Outline, &[Gimp, Bspline2, Bspline3], BY_CORNERS),
-    rule(Outline, &[Load], "[geometry.column] beside it: an outline carries no surcharge yet"),
     rule(Sideroom, IMPLICIT, BY_EXPLICIT),
     rule(Sideroom, &[Gimp, Bspline2, Bspline3], BY_CORNERS),
-    rule(SlopeAngle, IMPLICIT, BY_EXPLICIT),
+    rule(SlopeAngle, &[QuasiStatic], BY_EXPLICIT),
     rule(StartVelocity, IMPLICIT, BY_EXPLICIT),
     rule(Periodic, NOT_CORNERS, BY_CORNERS),
     rule(
@@ -343,16 +348,14 @@ pub const RULES: &[Rule] = &[
     rule(Safety, &[GivenStep, PaperStep], AUTO_STEP),
     rule(Tolerance, &[GivenStep, PaperStep], AUTO_STEP),
     // Layers.
-    rule(Layers, &[Outline], "[geometry.column] beside it: in an outline the faces of cells follow no layer"),
-    rule(
-        Layers,
-        &[FreeSurface, Sideroom, SlopeAngle, Periodic, CoulombBase],
-        "a level column beside it, full of water or dry, with nothing periodic, sliding or running out",
-    ),
-    rule(Layers, &[TwoClocks, Coupled], "integrator = \"explicit\", \"semi-implicit\" or \"quasi-static\" beside it"),
-    rule(Centroid, &[Layers], "\"centre\" beside [[layers]], whose cells are full: their centroid is the centre"),
     rule(Shift, &[Layers], "0 beside [[layers]], which end at faces of the mesh"),
-    rule(PressureEnd, &[Layers], "time or time_factor: layers have an undrained pressure each, not one to wait for"),
+    rule(
+        PressureEnd,
+        &[FreeSurface, Outline],
+        "a box of soil that is full of water beside it, where the pressure waited for is that of the load",
+    ),
+    rule(PressureEnd, SEVERAL, "time or time_factor: soils have an undrained pressure each, not one to wait for"),
+    rule(Separation, SEVERAL, "one soil all over beside it: a gap is told from the density of the soil"),
 ];
 
 /// The rule by which two features do not go together, if there is one.

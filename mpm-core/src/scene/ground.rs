@@ -59,12 +59,6 @@ impl Fields {
         }))
     }
 
-    /// Lateral over vertical effective stress at t = 0 at a height above the base, m.
-    pub fn lateral_ratio_at(&self, height: f64) -> f64 {
-        let elastic = self.elastic_at(height);
-        self.start_k0.unwrap_or_else(|| elastic.lame() / elastic.oedometer_modulus())
-    }
-
     /// Corners of the soil, m, anticlockwise: the outline, or the box of a column.
     pub fn outline_or_box(&self) -> Vec<[f64; 2]> {
         let (w, h) = (self.width, self.height);

@@ -7,10 +7,11 @@ mod failure;
 mod flags;
 mod free_surface;
 mod ground;
-mod layers;
+mod loads;
 mod moving;
 mod patch;
 mod raw;
+mod soils;
 mod written;
 
 use std::fmt;
@@ -27,10 +28,11 @@ pub use failure::Failure;
 pub use flags::Flags;
 pub use free_surface::{Clock, Feed, FreeSurfaceWater};
 pub use ground::{Base, NormalStress, SeedingChoice};
-pub use layers::SoilLayer;
+pub use loads::{Course, FaceLoad, Piece};
 pub(crate) use moving::THROUGH_CELLS;
 pub use moving::{Estimate, UnfitLoad};
 pub use patch::Change;
+pub use soils::{Ground, Region, Soil, SoilLayer, Zones};
 
 use crate::error::{LoadError, SceneError};
 use crate::stability::{intended_step, stable_limit};
@@ -345,8 +347,11 @@ pub struct CamClay {
 /// Pore water.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct WaterProperties {
-    /// Hydraulic conductivity k, m/s.
+    /// Hydraulic conductivity k, m/s, the vertical one where there are two.
     pub hydraulic_conductivity: f64,
+    /// Horizontal over vertical hydraulic conductivity.
+    #[serde(skip_serializing_if = "soils::is_one")]
+    pub anisotropy: f64,
     /// Bulk modulus K_w, Pa; infinite for incompressible water (implicit integrators only).
     pub bulk_modulus: f64,
     /// Unit weight gamma_w, N/m3.
@@ -359,6 +364,11 @@ impl WaterProperties {
     /// Mobility k / gamma_w, m4/(N s).
     pub fn mobility(&self) -> f64 {
         self.hydraulic_conductivity / self.unit_weight
+    }
+
+    /// The larger one of those along the axes, m4/(N s).
+    pub fn largest_mobility(&self) -> f64 {
+        self.anisotropy.max(1.0) * self.mobility()
     }
 }
 
@@ -533,6 +543,9 @@ pub struct Fields {
     /// Layers from the base up, the last one up to the height; empty where the soil is the same all over.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub layers: Vec<SoilLayer>,
+    /// Parts with a soil of their own, the last one over those before it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub regions: Vec<Region>,
     /// Its strength, where the law is Mohr-Coulomb; an elastic skeleton has no limit.
     pub strength: Option<Strength>,
     /// Its hardening, where the law is modified Cam-Clay; [`Self::elastic`] is then that of the largest pressure expected.
@@ -563,6 +576,9 @@ pub struct Fields {
     pub base: Option<Base>,
     /// Load on the top.
     pub surcharge: Option<Surcharge>,
+    /// Loads on other faces.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub loads: Vec<FaceLoad>,
     /// How time is integrated.
     pub integrator: Integrator,
     /// How quasi-static time steps are made.
@@ -679,13 +695,18 @@ impl Fields {
 
     /// Whether the soil is linear elastic: it neither yields nor remembers.
     pub fn is_elastic(&self) -> bool {
-        let of_layers = self.layers.iter().all(|layer| layer.strength.is_none() && layer.cam_clay.is_none());
-        self.strength.is_none() && self.cam_clay.is_none() && of_layers
+        let elastic = |soil: &Soil| soil.strength.is_none() && soil.cam_clay.is_none();
+        elastic(&self.soil()) && self.soils().iter().all(elastic)
     }
 
     /// Density of the mixture, kg/m3: (1 - n) rho_s + n rho_w, or the dry density without water.
     pub fn mixture_density(&self) -> f64 {
-        self.dry_density() + self.water.map_or(0.0, |w| self.porosity * w.density)
+        self.mixture_density_of(&self.soil())
+    }
+
+    /// That of a soil, kg/m3.
+    pub fn mixture_density_of(&self, soil: &Soil) -> f64 {
+        soil.dry_density() + self.water.map_or(0.0, |w| soil.porosity * w.density)
     }
 
     /// Oedometer modulus M of the soil of the scene, Pa.
@@ -695,17 +716,22 @@ impl Fields {
 
     /// Stiffness of the pore water Q = K_w / n, Pa; zero without water.
     pub fn pore_stiffness(&self) -> f64 {
-        self.water.map_or(0.0, |w| w.bulk_modulus / self.porosity)
+        self.pore_stiffness_of(&self.soil())
+    }
+
+    /// That of a soil, Pa.
+    pub fn pore_stiffness_of(&self, soil: &Soil) -> f64 {
+        self.water.map_or(0.0, |w| w.bulk_modulus / soil.porosity)
     }
 
     /// Share of a vertical load that the water carries undrained in the soil of the scene, Q/(M + Q).
     pub fn undrained_share(&self) -> f64 {
-        self.undrained_share_in(&self.elastic)
+        self.undrained_share_in(&self.soil())
     }
 
-    /// The same in soil of a given elasticity.
-    fn undrained_share_in(&self, elastic: &Elastic) -> f64 {
-        let (m, q) = (elastic.oedometer_modulus(), self.pore_stiffness());
+    /// The same in a soil.
+    fn undrained_share_in(&self, soil: &Soil) -> f64 {
+        let (m, q) = (soil.elastic.oedometer_modulus(), self.pore_stiffness_of(soil));
         if q.is_finite() { q / (m + q) } else { 1.0 }
     }
 
@@ -764,12 +790,19 @@ impl Fields {
         if path.is_finite() { path } else { self.height }
     }
 
+    /// Whether water fills the pores of soil whose left and right are the same place.
+    pub fn has_periodic_pores(&self) -> bool {
+        self.periodic && self.water.is_some() && self.free_surface.is_none()
+    }
+
     /// Whether soil and water move vertically only: nothing free sideways, one load all over, no drained side wall.
     pub fn is_one_dimensional(&self) -> bool {
         let walls = [Side::Left as usize, Side::Right as usize];
         let smooth = walls.iter().all(|i| self.solid_sides[*i] == SolidSide::Roller) && self.is_level_column();
+        let uniform = self.regions.is_empty() || self.dimension == Dimension::Column;
         let tight = !self.stages.iter().any(|stage| walls.iter().any(|i| stage.drained[*i]));
-        smooth && tight && self.surcharge.is_none_or(|s| s.strip.is_none())
+        let even = self.loads.is_empty() || self.dimension == Dimension::Column;
+        smooth && uniform && even && tight && self.surcharge.is_none_or(|s| s.strip.is_none())
     }
 
     /// Seconds per unit of the time factor Tv = c_v t / H_d^2 with c_v = k M / gamma_w (incompressible water) of the

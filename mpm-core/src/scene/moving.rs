@@ -1,6 +1,8 @@
 //! Soil that moves through the cells of its mesh: when it does, what that asks of a scheme, and what no scheme bears.
 
-use super::{Dimension, Fields, Integrator, LoadOn, ShapeChoice, Side, SolidSide, Start, StrainChoice, UpdateChoice};
+use super::{
+    Dimension, Fields, Integrator, LoadOn, ShapeChoice, Side, Soil, SolidSide, Start, StrainChoice, UpdateChoice,
+};
 
 /// The usual share of a full node's mass below which nodes move with a neighbour.
 const LIGHT_NODES: f64 = 0.1;
@@ -81,7 +83,9 @@ impl Fields {
     /// Share of a full node's mass below which nodes move with a neighbour where the scene does not say it: the explicit step
     /// of linear functions has no stable length for a node of no mass.
     pub fn usual_light_nodes(&self) -> f64 {
-        let room = self.outline.is_some() || self.sideroom_cells > 0;
+        // Semi-implicit pressures push every node: none follows another.
+        let solves = self.integrator == Integrator::SemiImplicit;
+        let room = (self.sideroom_cells > 0 || self.outline.is_some()) && !self.stands() && !solves;
         let explicit = self.integrator == Integrator::Explicit;
         let alone = explicit && self.has_jumping_gradients() && self.moves_through_cells() && !self.lends_inertia();
         // Of a particle that is alone, nodes with less than a quarter of it.
@@ -94,7 +98,16 @@ impl Fields {
     /// soil a cell holds, a node that moved with its neighbour would keep that soil from straining with the rest.
     pub fn lends_inertia(&self) -> bool {
         let explicit = self.integrator == Integrator::Explicit && self.light_nodes == 0.0;
-        explicit && crate::boundary::knows_volumes(self) && self.moves_through_cells()
+        let known = crate::boundary::knows_volumes(self) || self.stands();
+        explicit && known && self.moves_through_cells()
+    }
+
+    /// Whether soil of any outline stands where it is: it is held below, starts at rest, cannot yield, and no water moves the surface of
+    /// what it carries. Nodes that moved with others would make a surface within its cell stiff.
+    fn stands(&self) -> bool {
+        let held = self.solid_sides[Side::Bottom as usize] != SolidSide::Free && self.base.is_none();
+        let still = self.start_velocity.is_none() && self.free_surface.is_none() && self.is_elastic();
+        self.outline.is_some() && held && still && !self.shape.is_wide()
     }
 
     /// Whether shape functions are linear in a cell or less, so that gradients jump at its faces.
@@ -108,13 +121,13 @@ impl Fields {
         let wet = self.water.is_some() && self.free_surface.is_none();
         let closed = wet && !self.stages.iter().any(|stage| stage.drained.contains(&true));
         let buoyancy = self.water.map_or(0.0, |w| if wet && !closed { w.density } else { 0.0 });
-        let weight = self.gravity.unwrap_or(0.0) * (self.mixture_density() - buoyancy);
-        let load = self.surcharge.map_or(0.0, |s| s.pressure);
-        let stiffness = if closed { self.pore_stiffness() } else { 0.0 };
-        let of = |modulus: f64, base: f64, top: f64| {
-            let modulus = modulus + stiffness;
-            let (least, most) = (weight * (self.height - top), weight * (self.height - base));
-            let thickness = top - base;
+        let gravity = self.gravity.unwrap_or(0.0);
+        let on_top =
+            self.loads.iter().filter(|load| load.on == Side::Top).map(|load| load.pressure * load.course.most());
+        let load = self.surcharge.map_or(0.0, |s| s.pressure) + on_top.sum::<f64>();
+        let of = |soil: &Soil, [least, most]: [f64; 2], thickness: f64| {
+            let stiffness = if closed { self.pore_stiffness_of(soil) } else { 0.0 };
+            let modulus = soil.elastic.oedometer_modulus() + stiffness;
             // Mean of exp(-weight/M) over the layer: (1 - exp(-x))/x exp(-first).
             let mean = |first: f64, last: f64| {
                 let x = (last - first) / modulus;
@@ -127,12 +140,14 @@ impl Fields {
             let other = (load + if self.start == Start::Geostatic { 0.0 } else { least }) / modulus;
             ((from - after) * thickness, [strain, other])
         };
-        let layers: Vec<(f64, [f64; 2])> = if self.layers.is_empty() {
-            vec![of(self.oedometer_modulus(), 0.0, self.height)]
-        } else {
-            let all = self.thicknesses();
-            all.map(|(layer, h)| of(layer.elastic.oedometer_modulus(), layer.up_to - h, layer.up_to)).collect()
-        };
+        // From the surface down, under the weight of what is above.
+        let mut above = 0.0;
+        let mut layers: Vec<(f64, [f64; 2])> = Vec::new();
+        for ([base, top], soil) in self.middle().into_iter().rev() {
+            let weight = gravity * (self.mixture_density_of(&soil) - buoyancy) * (top - base);
+            layers.push(of(&soil, [above, above + weight], top - base));
+            above += weight;
+        }
         let strains = layers.iter().flat_map(|(_, strains)| *strains);
         let most = strains.clone().fold(0.0, f64::max);
         Estimate {

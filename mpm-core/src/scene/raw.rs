@@ -7,6 +7,8 @@ use toml::{Spanned, Value};
 
 type Number = Spanned<f64>;
 type Word = Spanned<String>;
+type Pairs = Spanned<Vec<Spanned<[f64; 2]>>>;
+pub(super) type Points = Spanned<Vec<Spanned<Vec<f64>>>>;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -21,11 +23,13 @@ pub(super) struct RawScene {
     pub geometry: Spanned<RawGeometry>,
     pub mesh: Spanned<RawMesh>,
     pub soil: Spanned<RawSoil>,
-    pub layers: Option<Spanned<Vec<Spanned<RawLayer>>>>,
+    pub layers: Option<Spanned<Vec<Spanned<RawZone>>>>,
+    pub regions: Option<Spanned<Vec<Spanned<RawZone>>>>,
     pub water: Option<Spanned<RawWater>>,
     pub boundaries: Option<Spanned<RawBoundaries>>,
     pub base: Option<Spanned<RawBase>>,
     pub surcharge: Option<Spanned<RawSurcharge>>,
+    pub loads: Option<Spanned<Vec<Spanned<RawLoad>>>>,
     pub scheme: Option<Spanned<RawScheme>>,
     pub time: Option<Spanned<RawTime>>,
     pub stages: Spanned<Vec<Spanned<RawStage>>>,
@@ -50,7 +54,7 @@ pub(super) struct RawColumn {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawOutline {
-    pub points: Spanned<Vec<Spanned<Vec<f64>>>>,
+    pub points: Points,
 }
 
 #[derive(Debug, Deserialize)]
@@ -125,18 +129,26 @@ pub(super) struct RawCamClay {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RawLayer {
-    pub up_to: Number,
+pub(super) struct RawZone {
+    pub up_to: Option<Number>,
+    pub polygon: Option<Points>,
+    pub levels: Option<Spanned<[f64; 2]>>,
     pub law: Option<Spanned<RawLaw>>,
     pub youngs_modulus: Option<Number>,
     pub poisson_ratio: Option<Number>,
+    pub grain_density: Option<Number>,
+    pub bulk_density: Option<Number>,
+    pub porosity: Option<Number>,
     pub hydraulic_conductivity: Option<Number>,
+    pub anisotropy: Option<Number>,
+    pub start_k0: Option<Number>,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawWater {
     pub hydraulic_conductivity: Option<Number>,
+    pub anisotropy: Option<Number>,
     pub intrinsic_permeability: Option<Number>,
     pub viscosity: Option<Number>,
     pub bulk_modulus: Number,
@@ -150,7 +162,7 @@ pub(super) struct RawWater {
 pub(super) struct RawFreeSurface {
     pub saturation: Option<Number>,
     pub level: Option<Number>,
-    pub wet: Option<Spanned<Vec<Spanned<[f64; 2]>>>>,
+    pub wet: Option<Points>,
     pub feed: Option<Spanned<RawFeeds>>,
 }
 
@@ -207,6 +219,44 @@ pub(super) struct RawStrip {
     pub from: Number,
     pub to: Number,
     pub taper: Option<Number>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawLoad {
+    pub on: Option<Word>,
+    pub x: Option<Spanned<[f64; 2]>>,
+    pub y: Option<Spanned<[f64; 2]>>,
+    pub pressure: Option<Number>,
+    pub shear: Option<Number>,
+    pub ramp_time: Option<Number>,
+    pub times: Option<Pairs>,
+    pub sine: Option<Spanned<RawSine>>,
+    pub wave: Option<Spanned<RawWave>>,
+}
+
+/// How something goes on in time.
+pub(super) struct RawCourse<'a> {
+    pub ramp_time: &'a Option<Number>,
+    pub times: &'a Option<Pairs>,
+    pub sine: &'a Option<Spanned<RawSine>>,
+    pub wave: &'a Option<Spanned<RawWave>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawSine {
+    pub mean: Option<Number>,
+    pub amplitude: Option<Number>,
+    pub period: Number,
+    pub phase: Option<Number>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawWave {
+    pub length: Number,
+    pub period: Number,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -6,8 +6,8 @@ use toml::{Table, Value};
 
 use super::patch::{Change, Source};
 use super::{
-    CamClay, Clock, DarcyChoice, Elastic, Feed, Fields, Integrator, Quadrature, Scene, SeedingChoice, Side, Stage,
-    StepChoice, StrainChoice, Strength, TimeMethod, TransferChoice, Until, UpdateChoice, check,
+    CamClay, Clock, Course, DarcyChoice, Elastic, Feed, Fields, Integrator, Quadrature, Scene, SeedingChoice, Side,
+    Soil, Stage, StepChoice, StrainChoice, Strength, TimeMethod, TransferChoice, Until, UpdateChoice, check,
 };
 use crate::error::SceneError;
 
@@ -118,6 +118,16 @@ impl Writer {
         self.put(&format!("{key}.{law}.poisson_ratio"), elastic.poisson_ratio)
     }
 
+    /// Writes the soil of a layer or a region.
+    fn soil(&mut self, soil: &Soil, is_wet: bool) -> Result<(), SceneError> {
+        self.law("law", &soil.elastic, soil.strength.as_ref(), soil.cam_clay.as_ref())?;
+        self.put("grain_density", soil.grain_density)?;
+        self.put("porosity", soil.porosity)?;
+        self.put("hydraulic_conductivity", is_wet.then_some(soil.hydraulic_conductivity))?;
+        self.put("anisotropy", is_wet.then_some(soil.anisotropy))?;
+        self.put("start_k0", soil.k0)
+    }
+
     /// Writes a key unless its value is the usual one.
     fn unless<T: Into<Change> + PartialEq>(&mut self, key: &str, value: T, usual: T) -> Result<(), SceneError> {
         if value == usual { Ok(()) } else { self.put(key, value) }
@@ -159,7 +169,7 @@ impl Fields {
             }
         }
         self.mesh(&mut out)?;
-        self.soil(&mut out)?;
+        self.of_soil(&mut out)?;
         self.fluid(&mut out)?;
         self.sides(&mut out)?;
         self.method(&mut out)?;
@@ -183,7 +193,7 @@ impl Fields {
         out.put("mesh.displaced", self.displaced)
     }
 
-    fn soil(&self, out: &mut Writer) -> Result<(), SceneError> {
+    fn of_soil(&self, out: &mut Writer) -> Result<(), SceneError> {
         out.put("soil.grain_density", self.grain_density)?;
         out.put("soil.porosity", self.porosity)?;
         out.put("soil.separation", self.separation)?;
@@ -193,11 +203,21 @@ impl Fields {
         for layer in &self.layers {
             let mut out = Writer::default();
             out.put("up_to", layer.up_to)?;
-            out.law("law", &layer.elastic, layer.strength.as_ref(), layer.cam_clay.as_ref())?;
-            out.put("hydraulic_conductivity", self.water.map(|_| layer.hydraulic_conductivity))?;
+            out.soil(layer, self.water.is_some())?;
             layers.push(out.0);
         }
-        out.put("layers", Some(layers).filter(|layers| !layers.is_empty()))
+        out.put("layers", Some(layers).filter(|layers| !layers.is_empty()))?;
+        let mut regions = Vec::new();
+        for region in &self.regions {
+            let mut out = Writer::default();
+            match region.levels {
+                Some(levels) => out.put("levels", levels)?,
+                None => out.put("polygon", &region.polygon)?,
+            }
+            out.soil(&region.soil, self.water.is_some())?;
+            regions.push(out.0);
+        }
+        out.put("regions", Some(regions).filter(|regions| !regions.is_empty()))
     }
 
     fn fluid(&self, out: &mut Writer) -> Result<(), SceneError> {
@@ -244,6 +264,32 @@ impl Fields {
             out.put("base.normal_stress", base.normal_stress)?;
         }
         out.put("surcharge", self.surcharge)?;
+        let mut loads = Vec::new();
+        for load in &self.loads {
+            let mut out = Writer::default();
+            out.put("on", load.on)?;
+            out.put("x", load.x)?;
+            out.put("y", load.y)?;
+            out.put("pressure", load.pressure)?;
+            out.put("shear", load.shear)?;
+            match &load.course {
+                Course::Constant => {}
+                Course::Ramp(time) => out.put("ramp_time", *time)?,
+                Course::Times(times) => out.put("times", times)?,
+                Course::Sine { mean, amplitude, period, phase } => {
+                    out.put("sine.mean", *mean)?;
+                    out.put("sine.amplitude", *amplitude)?;
+                    out.put("sine.period", *period)?;
+                    out.put("sine.phase", *phase)?;
+                }
+                Course::Wave { length, period } => {
+                    out.put("wave.length", *length)?;
+                    out.put("wave.period", *period)?;
+                }
+            }
+            loads.push(out.0);
+        }
+        out.put("loads", Some(loads).filter(|loads| !loads.is_empty()))?;
         out.put("failure", &self.failure)
     }
 

@@ -9,9 +9,11 @@ mod crossing;
 mod polygon;
 
 pub use clip::between;
-pub use polygon::{Fault, area, centroid, check, depth, inside, length_along, near};
+pub use polygon::{Fault, area, centroid, check, depth, inside, length_along, near, passes};
 
 use std::collections::BTreeMap;
+
+use crate::scene::Piece;
 
 /// What a particle stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,24 +34,30 @@ const TIE: f64 = 1e-9;
 /// Parts of a simple polygon (m, either way round), one for each square of edge `spacing` (m) that it covers, row by row
 /// from the bottom. Slivers are merged into the largest neighbour; area and first moment are kept.
 pub fn parts(polygon: &[[f64; 2]], spacing: f64) -> Vec<Part> {
-    let sign = area(polygon).signum();
     let mut squares = BTreeMap::new();
     let [_, rows] = range(polygon, 1, spacing);
     let [_, columns] = range(polygon, 0, spacing);
     for row in range(polygon, 1, spacing)[0]..rows {
         let strip = between(polygon, 1, row as f64 * spacing, (row + 1) as f64 * spacing);
         for column in range(polygon, 0, spacing)[0]..columns {
-            let square = between(&strip, 0, column as f64 * spacing, (column + 1) as f64 * spacing);
-            // About the middle of the square, where the moments lose no digits.
-            let middle = [column, row].map(|i| (i as f64 + 0.5) * spacing);
-            let moments = polygon::moments(&square, &middle).map(|m| sign * m);
-            if moments[0] > NOTHING * spacing * spacing {
-                squares.insert((row, column), of_moments(&middle, &moments));
+            if let Some(part) = of_square(&strip, [column, row], spacing) {
+                squares.insert((row, column), part);
             }
         }
     }
     merge(&mut squares, SLIVER * (1.0 + TIE) * spacing * spacing);
     squares.into_values().collect()
+}
+
+/// What of a polygon between the lines of a row (m) lies in one square of it, by its place in squares.
+pub fn of_square(strip: &[[f64; 2]], place: [usize; 2], spacing: f64) -> Option<Part> {
+    let column = place[0] as f64;
+    let square = between(strip, 0, column * spacing, (column + 1.0) * spacing);
+    // About the middle of the square, where the moments lose no digits.
+    let middle = place.map(|i| (i as f64 + 0.5) * spacing);
+    let moments = polygon::moments(&square, &middle);
+    let moments = moments.map(|m| m * moments[0].signum());
+    (moments[0] > NOTHING * spacing * spacing).then(|| of_moments(&middle, &moments))
 }
 
 /// Whole squares of edge `spacing` (m) whose middle lies in a simple polygon (m), row by row from the bottom.
@@ -105,6 +113,57 @@ pub fn below_crest(polygon: &[[f64; 2]], parts: &[Part], spacing: f64) -> Vec<(u
     }
     below.sort_by_key(|(i, _)| *i);
     below
+}
+
+/// The outline of a polygon (m, anticlockwise) in pieces, each in one square of edge `spacing` (m).
+pub fn pieces(polygon: &[[f64; 2]], spacing: f64) -> impl Iterator<Item = Piece> {
+    polygon.iter().enumerate().flat_map(move |(i, a)| {
+        let b = &polygon[(i + 1) % polygon.len()];
+        let along = [b[0] - a[0], b[1] - a[1]];
+        let mut cuts = vec![0.0, 1.0];
+        for d in 0..2 {
+            let ends = [a[d].min(b[d]) / spacing, a[d].max(b[d]) / spacing];
+            let lines = (ends[0].floor() as i64 + 1)..(ends[1].ceil() as i64);
+            cuts.extend(lines.map(|line| (line as f64 * spacing - a[d]) / along[d]));
+        }
+        cuts.retain(|cut| (0.0..=1.0).contains(cut));
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup_by(|b, a| *b - *a < 1e-9);
+        let piece = move |ends: &[f64]| {
+            let (middle, length) = (0.5 * (ends[0] + ends[1]), ends[1] - ends[0]);
+            let middle = [a[0] + middle * along[0], a[1] + middle * along[1]];
+            Piece { middle, outward: [length * along[1], -length * along[0]] }
+        };
+        cuts.windows(2).map(piece).collect::<Vec<_>>()
+    })
+}
+
+/// Finds the particles beside places on the outline: the nearest one of those in the squares of edge `spacing` (m) around.
+pub struct Beside {
+    squares: BTreeMap<[i64; 2], Vec<usize>>,
+    places: Vec<[f64; 2]>,
+    spacing: f64,
+}
+
+impl Beside {
+    /// Of particles at these places, m.
+    pub fn new(places: Vec<[f64; 2]>, spacing: f64) -> Self {
+        let mut squares: BTreeMap<[i64; 2], Vec<usize>> = BTreeMap::new();
+        for (i, place) in places.iter().enumerate() {
+            squares.entry(place.map(|x| (x / spacing).floor() as i64)).or_default().push(i);
+        }
+        Self { squares, places, spacing }
+    }
+
+    /// The number of the nearest one to a place (m), if any is near.
+    pub fn find(&self, place: &[f64; 2]) -> Option<usize> {
+        let [column, row] = place.map(|x| (x / self.spacing).floor() as i64);
+        let around = (-2..=2).flat_map(|i| (-2..=2).map(move |j| [column + i, row + j]));
+        let near = around.filter_map(|square| self.squares.get(&square)).flatten();
+        let distance = |i: &usize| (self.places[*i][0] - place[0]).hypot(self.places[*i][1] - place[1]);
+        // Of equals the first: their order is that of the particles.
+        near.copied().min_by(|a, b| distance(a).total_cmp(&distance(b)).then(a.cmp(b)))
+    }
 }
 
 /// First square that a polygon may touch along an axis, and the one after the last.

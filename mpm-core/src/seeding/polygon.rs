@@ -7,7 +7,7 @@ use super::crossing;
 pub enum Fault {
     /// Fewer than three points.
     TooFew(usize),
-    /// A point, by its place in the list, left of or below the origin, or not finite.
+    /// A point, by its place in the list, left of or below what is allowed, or not finite.
     Outside(usize),
     /// Two edges cross or touch; each by the place of its first point.
     Crossing(usize, usize),
@@ -40,7 +40,7 @@ pub fn centroid(polygon: &[[f64; 2]]) -> [f64; 2] {
 }
 
 /// Heights (m) at which the edges of a polygon pass a place x (m), in the order of the edges.
-fn passes(polygon: &[[f64; 2]], x: f64) -> impl Iterator<Item = f64> {
+pub fn passes(polygon: &[[f64; 2]], x: f64) -> impl Iterator<Item = f64> {
     polygon.iter().enumerate().filter_map(move |(i, b)| {
         let a = &polygon[(i + polygon.len() - 1) % polygon.len()];
         let between = (a[0] > x) != (b[0] > x);
@@ -91,16 +91,16 @@ pub fn length_along(polygon: &[[f64; 2]], side: usize, [low, high]: [f64; 2], wi
     length
 }
 
-/// Whether points (m) are the corners of a simple polygon in the positive quadrant.
+/// Whether points (m) are the corners of a simple polygon with coordinates of at `least` so much, m.
 ///
 /// # Errors
 /// The first thing that is wrong.
-pub fn check(points: &[[f64; 2]]) -> Result<(), Fault> {
+pub fn check(points: &[[f64; 2]], least: f64) -> Result<(), Fault> {
     let count = points.len();
     if count < 3 {
         return Err(Fault::TooFew(count));
     }
-    let within = |x: &[f64; 2]| x.iter().all(|x| x.is_finite() && *x >= 0.0);
+    let within = |x: &[f64; 2]| x.iter().all(|x| x.is_finite() && *x >= least);
     if let Some(i) = points.iter().position(|x| !within(x)) {
         return Err(Fault::Outside(i));
     }

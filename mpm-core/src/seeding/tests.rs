@@ -74,14 +74,14 @@ fn whole_squares_are_of_first_order() {
 
 #[test]
 fn points_that_are_no_outline_are_found() {
-    assert_eq!(check(&LEVEE), Ok(()));
-    assert_eq!(check(&BRIDGE), Ok(()));
-    assert_eq!(check(&LEVEE[..2]), Err(Fault::TooFew(2)));
-    assert_eq!(check(&[[0.0, 0.0], [1.0, 0.0], [1.0, -0.1]]), Err(Fault::Outside(2)));
+    assert_eq!(check(&LEVEE, 0.0), Ok(()));
+    assert_eq!(check(&BRIDGE, 0.0), Ok(()));
+    assert_eq!(check(&LEVEE[..2], 0.0), Err(Fault::TooFew(2)));
+    assert_eq!(check(&[[0.0, 0.0], [1.0, 0.0], [1.0, -0.1]], 0.0), Err(Fault::Outside(2)));
     let bow = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]];
-    assert_eq!(check(&bow), Err(Fault::Crossing(0, 2)));
-    assert_eq!(check(&[[0.0, 0.0], [2.0, 0.0], [1.0, 0.0]]), Err(Fault::Crossing(0, 1)));
-    assert_eq!(check(&[[0.0, 0.0], [0.0, 0.0], [1.0, 1.0]]), Err(Fault::Crossing(0, 1)));
+    assert_eq!(check(&bow, 0.0), Err(Fault::Crossing(0, 2)));
+    assert_eq!(check(&[[0.0, 0.0], [2.0, 0.0], [1.0, 0.0]], 0.0), Err(Fault::Crossing(0, 1)));
+    assert_eq!(check(&[[0.0, 0.0], [0.0, 0.0], [1.0, 1.0]], 0.0), Err(Fault::Crossing(0, 1)));
 }
 
 #[test]
@@ -111,7 +111,7 @@ fn polygons() -> impl Strategy<Value = Vec<[f64; 2]>> {
 proptest! {
     #[test]
     fn area_and_centre_are_kept(polygon in polygons(), spacing in 0.05..3.0_f64) {
-        prop_assert_eq!(check(&polygon), Ok(()));
+        prop_assert_eq!(check(&polygon, 0.0), Ok(()));
         let parts = parts(&polygon, spacing);
         let [area, centre] = errors(&polygon, &parts);
         prop_assert!(area < 1e-12 && centre < 1e-12, "area {area:.1e}, centre {centre:.1e}");
@@ -194,7 +194,7 @@ proptest! {
         let mut moved = star.clone();
         moved[at.index(star.len())] = [put.0, put.1];
         for points in [places, anywhere, star, moved] {
-            prop_assert_eq!(check(&points).is_err(), meets(&points), "{:?}", points);
+            prop_assert_eq!(check(&points, 0.0).is_err(), meets(&points), "{:?}", points);
         }
     }
 }
@@ -213,10 +213,10 @@ fn outlines_of_a_hundred_thousand_corners_are_checked_in_a_second() {
     ];
     for mut points in shapes {
         let clock = std::time::Instant::now();
-        assert_eq!(check(&points), Ok(()));
+        assert_eq!(check(&points, 0.0), Ok(()));
         // The last corner lies beyond thousands of the others.
         points[CORNERS - 1] = [5.0, 9.95];
-        assert!(check(&points).is_err());
+        assert!(check(&points, 0.0).is_err());
         let took = clock.elapsed().as_secs_f64();
         println!("{} corners twice: {took:.2} s", points.len());
         // Ten times what it takes; all pairs take minutes.

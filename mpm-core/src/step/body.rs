@@ -1,7 +1,6 @@
 //! Soil and water of a run, and what is read from them between steps.
 
-use crate::boundary::Filled;
-use crate::boundary::SurfaceLoad;
+use crate::boundary::{FaceLoads, Filled, SurfaceLoad};
 use crate::checkpoint::{Archive, RestoreError};
 use crate::constitutive::{Flow, Law, Materials, State};
 use crate::grid::Grid;
@@ -28,6 +27,8 @@ pub struct Body<const D: usize> {
     pub filled: Filled<D>,
     /// Load on it.
     pub surcharge: Option<Surcharge>,
+    /// Loads on other faces.
+    pub loads: FaceLoads<D>,
     /// Gravity, m/s2, as a vector; `None` leaves the term out.
     pub gravity: Option<[f64; D]>,
     /// FLIP share of the velocity update.
@@ -64,12 +65,17 @@ impl<const D: usize> Body<D> {
         self.surcharge.map_or(0.0, |s| s.at(time))
     }
 
-    /// Dry mass (kg) and volume (m3) of the particles of each cell with soil.
+    /// Grains (m3) and volume (m3) of the particles of each cell with soil.
     fn cells(&self) -> impl Iterator<Item = (CellSoil, [usize; D])> {
         let of_cell = |(cell, position): (usize, [usize; D])| {
             let points = &self.solid.points[self.solid.range(cell)];
-            let (mass, volume) = points.iter().fold((0.0, 0.0), |(m, v), p| (m + p.mass, v + p.volume));
-            (!points.is_empty()).then_some((CellSoil { cell, mass, volume, filled: volume }, position))
+            let (mut grains, mut volume) = (0.0, 0.0);
+            for index in self.solid.range(cell) {
+                let kind = self.materials.soils.kind_of(self.solid.ids[index]);
+                grains += self.solid.points[index].mass * kind.grain_inverse;
+                volume += self.solid.points[index].volume;
+            }
+            (!points.is_empty()).then_some((CellSoil { cell, grains, volume, filled: volume }, position))
         };
         self.grid.walk().filter_map(of_cell)
     }

@@ -67,8 +67,9 @@ pub struct Explicit<V: Simd, F: Functions<D>, const D: usize> {
     solver: Option<Box<PressureSystem<D>>>,
     /// See [`Common::soil`].
     soil: Vec<f64>,
-    /// Particles below the surface.
+    /// Particles below the surface, and behind faces that bear loads.
     tops: Tops<D>,
+    loaded: Tops<D>,
     /// What acts on the nodes beside load and weight, in order.
     conditions: Vec<Box<dyn Condition<D>>>,
     /// What particles keep beside their records, so many numbers by their number.
@@ -98,9 +99,10 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         body.filled.follow_layer(&body.grid, &body.surface, &body.solid);
         let mut totals = Totals::default();
         totals.start(&body.cell_values(None));
-        let frame = Frame::new(&body.grid, F::REACH, F::BEFORE);
+        let frame = Frame::new(&body.grid, F::REACH, F::BEFORE, body.period.is_some() && body.water.is_some());
         let wet = body.water.is_some();
-        let layered = body.water.as_ref().is_some_and(|water| water.is_layered());
+        let several = wet
+            && (body.materials.soils.conduct_differently() || body.water.as_ref().is_some_and(|w| w.cuts.are_known()));
         let cells = |wanted: bool| vec![0.0; if wanted { frame.length() + 2 * frame.pad() } else { 0 }];
         let both = |wanted: bool| [(); 2].map(|()| cells(wanted));
         let solid_count = body.solid.points.len();
@@ -114,14 +116,15 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             nodes: Nodes::new(frame),
             of_mesh: both(wet && !F::NODAL),
             pressure: both(true),
-            faces: Faces::new(frame, layered),
+            faces: Faces::new(frame, several),
             nodal: None,
             free: None,
             is_stale: false,
             origin: None,
             solver: None,
             soil: cells(true),
-            tops: Tops::new(body.surface.strips().len()),
+            tops: Tops::new(body.surface.strips().iter().map(|strip| strip.id).collect()),
+            loaded: Tops::new(body.loads.pieces.iter().map(|piece| piece.id).collect()),
             conditions,
             kept,
             places: Kept {
@@ -179,8 +182,15 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             self.strips.iter().for_each(|strip| self.totals.flowed.join(&strip.flowed));
             return;
         }
-        let Self { body: Body { water, .. }, strips, totals, .. } = self;
+        let Self { body: Body { water, gravity, .. }, strips, totals, faces, pressure, nodes, .. } = self;
         let area = water.as_ref().map_or(0.0, |water| water.flow.area);
+        if let (Some(water), true) = (water, faces.periodic) {
+            // The pass has seen the faces of the seam from both sides. Pressures are still those of its start.
+            let drive = (gravity.map_or(0.0, |g| g[0]), &nodes.motion.acceleration);
+            let [dissipated, by_body] = faces.over_seam(&water.flow, &pressure[1], drive);
+            totals.darcy_dissipation -= dt * area * dissipated;
+            totals.flow_body_work -= dt * area * by_body;
+        }
         for strip in strips.iter() {
             totals.darcy_dissipation += dt * area * strip.rates[0];
             totals.flow_body_work += dt * area * strip.rates[1];
@@ -188,7 +198,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         }
     }
 
-    /// The surcharge, where the scene has one, and what the conditions do before anything moves; gravity comes with the equation of motion.
+    /// The loads, where the scene has some, and what the conditions do before anything moves; gravity comes with the equation of motion.
     fn load(&mut self) {
         let Self { body, strips, nodes, tops, functions, .. } = self;
         if body.surcharge.is_some() {
@@ -197,8 +207,10 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             let push = |node: usize, newton: f64| nodes.push(node, D - 1, newton);
             tops.each_push(functions, (&body.surface, &body.grid, -pressure), strips, &frame, push);
         }
-        let Self { functions, body, strips, nodes, conditions, pressure, time, free, .. } = self;
+        let Self { functions, body, strips, nodes, conditions, pressure, time, free, loaded, .. } = self;
         let (frame, pressure, time) = (nodes.frame, &pressure[0], *time);
+        let loads = (&body.loads, &body.grid, time);
+        loaded.each_force(functions, loads, strips, &frame, |node, axis, newton| nodes.push(node, axis, newton));
         let water = free.as_ref().map(|free| &free.carried);
         let soil = Grains { functions, body, water, strips, frame, pressure, time };
         for condition in conditions {
@@ -218,7 +230,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
     fn darcy_flow(&mut self, dt: f64) {
         if let (Some(nodal), Some(water)) = (&mut self.nodal, &self.body.water) {
             let gravity = self.body.gravity.unwrap_or([0.0; D]);
-            let run = (&self.strips[..], &self.nodes, water);
+            let run = (&self.strips[..], &self.nodes, water, &self.faces.grains[..]);
             return nodal.flow(run, &gravity, self.faces.outline.iter().copied(), &mut self.totals, dt);
         }
         let Self { functions, body, nodes, of_mesh, pressure, totals, faces, solver, .. } = self;
@@ -235,7 +247,11 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             }
         }
         let acceleration = if solver.is_some() || !F::NODAL { of_mesh } else { &nodes.motion.acceleration };
-        faces.drain(water, &pressure[0], (&body.gravity.unwrap_or([0.0; D]), acceleration), totals, dt);
+        let drive = (&body.gravity.unwrap_or([0.0; D]), acceleration);
+        faces.drain(water, &pressure[0], drive, totals, dt);
+        if !faces.outlets.is_empty() {
+            faces.let_out(&water.flow, &pressure[0], drive, totals, dt);
+        }
     }
 
     fn steps(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault> {

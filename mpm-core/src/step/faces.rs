@@ -21,6 +21,17 @@ pub struct DrainedFace {
     conducts: f64,
 }
 
+/// A piece of an outline that lets water through.
+#[derive(Debug, Clone, Copy)]
+pub struct Outlet {
+    /// Cell inside.
+    pub cell: usize,
+    /// How it conducts, as [`Faces::conducts`].
+    pub conducts: f64,
+    /// From the place of the cell's pressure to the piece, m.
+    away: [f64; 2],
+}
+
 /// A face at the outline of the soil: whether it lets water out, its axis, outwards (1 or -1), its nodes.
 pub type Outline = (bool, usize, f64, [usize; 2]);
 
@@ -33,23 +44,50 @@ pub struct Faces<const D: usize> {
     pub conducts: [Vec<f64>; 2],
     /// Their conductivity over that of the water; empty where it is one.
     pub ratio: [Vec<f64>; 2],
+    /// Volume of the grains of each cell per mass, m3/kg; empty where all grains weigh the same.
+    pub grains: Vec<f64>,
     /// Those that let water out.
     pub drained: Vec<DrainedFace>,
     /// Those at the outline of the soil.
     pub outline: Vec<Outline>,
+    /// Pieces of an outline that cuts cells, where they let water through.
+    pub outlets: Vec<Outlet>,
+    /// What leaves each cell through them in the step, m3/s, and what is left of the stiffness of its water; empty where no outline
+    /// cuts cells.
+    pub outflow: Vec<f64>,
+    pub softness: Vec<f64>,
+    /// Whether water goes over the seam of a periodic mesh.
+    pub periodic: bool,
 }
 
 impl<const D: usize> Faces<D> {
-    /// Closed ones; `layered`: of several conductivities.
-    pub fn new(frame: Frame<D>, layered: bool) -> Self {
+    /// Closed ones; `several`: of several conductivities.
+    pub fn new(frame: Frame<D>, several: bool) -> Self {
         let closed =
             |wanted: bool| [(); 2].map(|()| vec![0.0; if wanted { frame.length() + 2 * frame.pad() } else { 0 }]);
-        Self { frame, conducts: closed(true), ratio: closed(layered), drained: Vec::new(), outline: Vec::new() }
+        let (conducts, ratio) = (closed(true), closed(several));
+        Self {
+            frame,
+            conducts,
+            ratio,
+            grains: Vec::new(),
+            drained: Vec::new(),
+            outline: Vec::new(),
+            outlets: Vec::new(),
+            outflow: Vec::new(),
+            softness: Vec::new(),
+            periodic: false,
+        }
     }
 
     /// Finds which conduct.
-    pub fn open(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>, water: &Pores<D>) {
-        let Self { frame, conducts, ratio, drained, outline } = self;
+    pub fn open(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>, water: &mut Pores<D>) {
+        let Self { frame, conducts, ratio, grains, drained, outline, periodic, .. } = self;
+        *periodic = water.periodic;
+        if !water.grain_inverse.is_empty() {
+            grains.resize(conducts[0].len(), water.flow.grain_inverse);
+            grid.walk().for_each(|(cell, position)| grains[frame.number(&position)] = water.grain_inverse[cell]);
+        }
         conducts.iter_mut().chain(&mut *ratio).for_each(|faces| faces.fill(0.0));
         water.faces(grid, solid, |axis, position, [conducted, reach]| {
             conducts[axis][frame.number(&position)] = conducted;
@@ -69,6 +107,74 @@ impl<const D: usize> Faces<D> {
                 drained.push(DrainedFace { cell, axis, outwards, face, conducts: conducts[axis][face] });
             }
             outline.push((is_drained, axis, outwards, [face, face + frame.beside(axis)]));
+        }
+        if water.cuts.are_known() {
+            drained.clear();
+            self.open_cuts(grid, water);
+        }
+    }
+
+    /// The same of the pieces of an outline that cuts cells.
+    fn open_cuts(&mut self, grid: &Grid<D>, water: &mut Pores<D>) {
+        let Self { frame, conducts, outlets, outflow, softness, .. } = self;
+        let mut sums = vec![[0.0; 2]; grid.cell_count()];
+        for (cell, position) in grid.walk() {
+            let number = frame.number(&position);
+            for axis in 0..D {
+                sums[cell][0] += conducts[axis][number] + conducts[axis][number + frame.stride[axis]];
+            }
+        }
+        outlets.clear();
+        for opening in water.cuts.openings.iter().filter(|opening| opening.looks_to(&water.drained)) {
+            let (cell, conducts) = (opening.cell as usize, opening.conducts);
+            sums[cell][1] += conducts;
+            outlets.push(Outlet { cell: frame.number(&grid.cell_position(cell)), conducts, away: opening.away });
+        }
+        water.soften(&sums);
+        outflow.resize(frame.length(), 0.0);
+        outflow.fill(0.0);
+        softness.resize(frame.length(), 1.0);
+        for (cell, position) in grid.walk() {
+            softness[frame.number(&position)] = water.softness.get(cell).copied().unwrap_or(1.0);
+        }
+    }
+
+    /// What drives water out through an outlet beside the pressure of its cell, Pa, between nodes that accelerate (m/s2).
+    pub fn weight_on(
+        &self,
+        outlet: &Outlet,
+        flow: &FaceFlow,
+        (gravity, acceleration): (&[f64; D], &[Vec<f64>; 2]),
+    ) -> f64 {
+        let mut sum = 0.0;
+        for d in 0..D {
+            let corners = (0..1 << D).map(|a| acceleration[d][outlet.cell + self.frame.offset_of_corner(a)]);
+            let mean = corners.sum::<f64>() / f64::from(1_u32 << D);
+            sum += flow.density * (gravity[d] - flow.inertia * mean) * outlet.away[d + 2 - D];
+        }
+        sum
+    }
+
+    /// What leaves through outlets in a step dt (s) under pressures of the cells (Pa, from [`Frame::pad`] on).
+    pub fn let_out(
+        &mut self,
+        flow: &FaceFlow,
+        pressure: &[f64],
+        drive: (&[f64; D], &[Vec<f64>; 2]),
+        totals: &mut Totals<D>,
+        dt: f64,
+    ) {
+        self.outflow.fill(0.0);
+        for i in 0..self.outlets.len() {
+            let outlet = self.outlets[i];
+            let body = self.weight_on(&outlet, flow, drive);
+            let head = pressure[self.frame.pad() + outlet.cell] + body;
+            let out = flow.area * flow.conductance * outlet.conducts * head;
+            self.outflow[outlet.cell] += out;
+            totals.water_out += dt * out.max(0.0);
+            totals.water_in -= dt * out.min(0.0);
+            totals.darcy_dissipation += dt * out * head;
+            totals.flow_body_work += dt * out * body;
         }
     }
 
@@ -93,19 +199,40 @@ impl<const D: usize> Faces<D> {
     }
 
     /// Eq. (1) on a face that a pressure (Pa) drops across, between nodes that accelerate (m/s2): flux, m/s.
-    pub fn flux(
+    pub fn flux(&self, flow: &FaceFlow, (axis, face): (usize, usize), drop: f64, drive: (f64, &[Vec<f64>; 2])) -> f64 {
+        self.driven(flow, (axis, face), drop, drive)[0]
+    }
+
+    /// The same, and what drives it: pressure drop and weight along it, Pa.
+    fn driven(
         &self,
         flow: &FaceFlow,
         (axis, face): (usize, usize),
         drop: f64,
         (gravity, acceleration): (f64, &[Vec<f64>; 2]),
-    ) -> f64 {
+    ) -> [f64; 3] {
         let a = &acceleration[axis];
         let mean = if D == 1 { a[face] } else { 0.5 * (a[face] + a[face + self.frame.beside(axis)]) };
         let conducts = self.conducts[axis][face];
         let reach = self.ratio[axis].get(face).map_or(conducts, |ratio| conducts / ratio);
-        let [flux, ..] = flow.through([conducts, reach], drop, gravity, mean);
-        flux
+        flow.through([conducts, reach], drop, gravity, mean)
+    }
+
+    /// What flow over the seam of a periodic mesh dissipates, and the work of its weight there, N m/s over the face area.
+    pub fn over_seam(
+        &self,
+        flow: &FaceFlow,
+        pressure: &[f64],
+        (gravity, acceleration): (f64, &[Vec<f64>; 2]),
+    ) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for [last, first] in self.frame.seam() {
+            let drop = pressure[self.frame.pad() + last] - pressure[self.frame.pad() + first];
+            let [flux, head, body] = self.driven(flow, (0, first), drop, (gravity, acceleration));
+            sums[0] += flux * head;
+            sums[1] += flux * body;
+        }
+        sums
     }
 
     /// How a drained face conducts now, as [`Self::conducts`].

@@ -41,7 +41,7 @@ impl<const D: usize> NodalFlow<D> {
     }
 
     /// Gathers pressures and pores of the cells.
-    fn gather<V: Simd>(&mut self, strips: &[Strip<V, D>], nodes: &Nodes<D>, pores: &Pores<D>) {
+    fn gather<V: Simd>(&mut self, strips: &[Strip<V, D>], nodes: &Nodes<D>, (pores, grains): (&Pores<D>, &[f64])) {
         let frame = &nodes.frame;
         self.gradient.fill([0.0; D]);
         self.volume.fill(0.0);
@@ -83,7 +83,8 @@ impl<const D: usize> NodalFlow<D> {
                 let first = std::array::from_fn(|d| isotropic(weighted[1 + d][0]));
                 let force = internal_force::<D, f64>(&isotropic(weighted[0][0]), &first, frame.inverse_size);
                 let (force, volume) = (to_corners::<D, D, _>(&force), to_corners::<D, 1, _>(&volumes));
-                let porosity = 1.0 - mass * pores.flow.grain_inverse / soil;
+                let grains = grains.get(strip.first + cell).copied().unwrap_or(pores.flow.grain_inverse);
+                let porosity = 1.0 - mass * grains / soil;
                 for a in 0..1 << D {
                     let node = strip.first + cell + frame.offset(a);
                     for d in 0..D {
@@ -100,13 +101,13 @@ impl<const D: usize> NodalFlow<D> {
     /// node, axis, outwards.
     pub fn flow<V: Simd>(
         &mut self,
-        (strips, nodes, pores): (&[Strip<V, D>], &Nodes<D>, &Pores<D>),
+        (strips, nodes, pores, grains): (&[Strip<V, D>], &Nodes<D>, &Pores<D>, &[f64]),
         gravity: &[f64; D],
         faces: impl Iterator<Item = (bool, usize, f64, [usize; 2])> + Clone,
         totals: &mut Totals<D>,
         dt: f64,
     ) {
-        self.gather(strips, nodes, pores);
+        self.gather(strips, nodes, (pores, grains));
         let flow = &pores.flow;
         let (mobility, density) = (flow.conductance / nodes.frame.inverse_size, flow.density);
         let body = |node: usize, d: usize| density * (gravity[d] - flow.inertia * nodes.motion.acceleration[d][node]);

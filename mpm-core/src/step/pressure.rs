@@ -241,6 +241,9 @@ impl<const D: usize> PressureSystem<D> {
         for face in &faces.drained {
             self.laplacian[self.diagonal[self.row_of[face.cell] as usize]] += faces.of_drained(face);
         }
+        for outlet in &faces.outlets {
+            self.laplacian[self.diagonal[self.row_of[outlet.cell] as usize]] += outlet.conducts;
+        }
     }
 
     /// `dt m^-1 C`: the velocities that a unit pressure in a cell makes, without the held functions.
@@ -337,6 +340,11 @@ impl<const D: usize> PressureSystem<D> {
             }
             let stored = storage(strips, &self.frame, cell, flow) * self.before[row];
             self.right[row] = stored - dt * (gained + flow.area * leaving);
+        }
+        for outlet in &faces.outlets {
+            let body = faces.weight_on(outlet, flow, (gravity, acceleration));
+            let row = self.row_of[outlet.cell] as usize;
+            self.right[row] -= dt * flow.area * flow.conductance * outlet.conducts * body;
         }
     }
 

@@ -4,15 +4,17 @@ use pulp::{Scalar, Simd};
 
 use super::kernel::{Fields, Functions, Moves};
 use super::store::{Frame, Motion, Nodes, Strip};
-use crate::boundary::{Filled, SurfaceLoad};
+use crate::boundary::{FaceLoads, Filled, SurfaceLoad};
 use crate::dimension::trace;
 use crate::grid::Grid;
 use crate::particles::{Point, SolidPoint};
 use crate::real::{Lanes, array};
 
-/// Particles below the strips of the surface.
+/// Particles behind the strips of a surface.
 #[derive(Debug, Clone)]
 pub struct Tops<const D: usize> {
+    /// Their numbers, ascending; one may be there more than once.
+    ids: Vec<u32>,
     /// Strip of cells, cell in it and place in that of each.
     places: Vec<[u32; 3]>,
     /// Position (m) and volume (m3) at the end of the step.
@@ -20,9 +22,9 @@ pub struct Tops<const D: usize> {
 }
 
 impl<const D: usize> Tops<D> {
-    /// Room for so many.
-    pub fn new(count: usize) -> Self {
-        Self { places: vec![[0; 3]; count], ahead: vec![([0.0; D], 0.0); count] }
+    /// Those with these numbers, ascending.
+    pub fn new(ids: Vec<u32>) -> Self {
+        Self { places: vec![[0; 3]; ids.len()], ahead: vec![([0.0; D], 0.0); ids.len()], ids }
     }
 
     /// Position (m) and volume (m3) of one.
@@ -39,13 +41,15 @@ impl<const D: usize> Tops<D> {
         self.ahead[top]
     }
 
-    /// Notes where the particles below the surface are, of those in a cell.
-    pub fn follow<V: Simd>(&mut self, surface: &SurfaceLoad<D>, strips: &[Strip<V, D>], frame: &Frame<D>, cell: usize) {
+    /// Notes where the particles behind the surface are, of those in a cell.
+    pub fn follow<V: Simd>(&mut self, strips: &[Strip<V, D>], frame: &Frame<D>, cell: usize) {
         let (strip, inside) = (cell / frame.strip, cell % frame.strip);
         let solid = &strips[strip].solid;
         for slot in 0..solid.count(inside) {
-            if let Ok(top) = surface.strips().binary_search_by_key(&solid.id(inside, slot), |s| s.id) {
-                self.places[top] = [strip, inside, slot].map(|i| i as u32);
+            let id = solid.id(inside, slot);
+            let first = self.ids.partition_point(|other| *other < id);
+            for (place, _) in self.places[first..].iter_mut().zip(&self.ids[first..]).take_while(|(_, i)| **i == id) {
+                *place = [strip, inside, slot].map(|i| i as u32);
             }
         }
     }
@@ -120,6 +124,31 @@ impl<const D: usize> Tops<D> {
         } else {
             for top in filled.tops() {
                 soil[number(top.cell as usize)] = filled.volumes()[top.cell as usize];
+            }
+        }
+    }
+
+    /// The same of loads on faces at a time, s: function, axis and force, N.
+    pub fn each_force<V: Simd, F: Functions<D>>(
+        &self,
+        functions: &F,
+        (loads, grid, time): (&FaceLoads<D>, &Grid<D>, f64),
+        strips: &[Strip<V, D>],
+        frame: &Frame<D>,
+        mut give: impl FnMut(usize, usize, f64),
+    ) {
+        for (top, piece) in loads.pieces.iter().enumerate() {
+            let (place, volume) = self.carrier(strips, top);
+            let (position, xi) = piece.place(grid, (place, volume));
+            let factor = loads.factor(piece, &place, time);
+            let shares = functions.at_surface(&position, &frame.cells, &xi, factor);
+            let first = frame.number(&position);
+            for row in 0..if D == 1 { 1 } else { F::REACH } {
+                for i in 0..F::REACH {
+                    for d in 0..D {
+                        give(first + i + row * frame.stride[D - 1], d, shares[row * F::REACH + i] * piece.force[d]);
+                    }
+                }
             }
         }
     }

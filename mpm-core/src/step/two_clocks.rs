@@ -12,6 +12,7 @@ use super::store::nodes::force;
 use super::{Failing, Fault, Model, Pace, Work};
 use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::constitutive::{Law, Material, Materials};
+use crate::dimension::in_two;
 use crate::grid::Grid;
 use crate::observe::{
     CellState, FieldPoint, Frame, Ledger, Observation, Places, SolidState, WaterParticle, WaterState,
@@ -51,7 +52,7 @@ pub struct TwoClocks<V: Simd, F: Functions<D>, const D: usize> {
 impl<V: Simd, F: Functions<D>, const D: usize> TwoClocks<V, F, D> {
     /// A run at t = 0, of soil without water and that.
     pub fn new(soil: Explicit<V, F, D>, water: Carried<D>) -> Self {
-        let (materials, first) = (soil.body().materials, water.stored());
+        let (materials, first) = (soil.body().materials.clone(), water.stored());
         let soil = soil.with_free_water(water);
         Self { materials, soil, clock: Clock::Seepage, next: 0.0, left: 0.0, first, work: Work::default() }
     }
@@ -157,11 +158,6 @@ impl<V: Simd, F: Functions<D>, const D: usize> TwoClocks<V, F, D> {
             unsettled: water.unsettled,
         }
     }
-}
-
-/// A vector in two dimensions; that of a column is vertical.
-fn in_two<const D: usize>(v: &[f64; D]) -> [f64; 2] {
-    [if D == 2 { v[0] } else { 0.0 }, v[D - 1]]
 }
 
 /// Deviator strain sqrt(2/3 e:e) of a strain xx, yy, zz, xy (tensor components).
@@ -334,7 +330,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Failing for TwoClocks<V, F, D> {
         // The materials of the scene to their last bit: a run that is resumed has no others.
         let unaltered = factor == 1.0 && stiffness == 1.0;
         let altered = |material: &Material| material.altered(factor, stiffness);
-        self.soil.change_materials(if unaltered { self.materials } else { self.materials.map(altered) });
+        self.soil.change_materials(if unaltered { self.materials.clone() } else { self.materials.map(altered) });
         if let Some(base) = self.soil.friction() {
             base.weaken(factor);
         }

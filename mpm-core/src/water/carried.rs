@@ -15,6 +15,7 @@ use crate::grid::Grid;
 use crate::particles::{Layer, SolidPoint};
 use crate::scene::{Feed, Scene, WaterProperties};
 use crate::seeding;
+use crate::soils::Soils;
 use crate::sparse::Unsolved;
 use crate::step::store::Motion;
 
@@ -59,8 +60,6 @@ pub struct Carried<const D: usize> {
     pub left_behind: f64,
     /// Pressures and cells in a step of the soil.
     pub squeeze: Squeeze<D>,
-    /// Water per volume of soil that is there before any front comes, kg/m3.
-    moisture: f64,
     /// Particles per cell along one direction.
     per_direction: usize,
     properties: WaterProperties,
@@ -96,24 +95,24 @@ impl<const D: usize> Carried<D> {
         scene: &Scene,
         properties: WaterProperties,
         grid: &Grid<D>,
-        solid: &Layer<SolidPoint<D>, D>,
+        (solid, soils): (&Layer<SolidPoint<D>, D>, &Soils),
         face_area: f64,
     ) -> Result<Self, Unsolved> {
         let (weight, size) = (scene.water_weight(), scene.cell);
+        let softest = scene.soils().iter().map(|soil| soil.elastic.shear_modulus()).fold(f64::INFINITY, f64::min);
         let medium = Medium {
-            conductance: properties.mobility() * face_area / size,
+            conductance: soils.largest_conductivity() * properties.mobility() * face_area / size,
             size,
             cell_volume: face_area * size,
             weight: std::array::from_fn(|d| weight[d + 2 - D]),
             unit_weight: properties.unit_weight,
             porosity: scene.mobile_porosity(),
-            bound: (1.0 - scene.mobile_porosity()) / scene.dry_density(),
         };
         let per_direction = scene.particles_per_direction();
-        let map = SoilMap::new(grid, solid, face_area, per_direction, medium.bound);
+        let map = SoilMap::new(grid, solid, face_area, per_direction, soils);
         let feeds = scene.free_surface.as_ref().map_or([None; 4], |free| free.feeds);
         let around = Surroundings { open: [false; 4], feeds, periodic: scene.periodic };
-        let mut water = FreeSurface::new(grid, medium, map, &around)?;
+        let mut water = FreeSurface::new(grid, medium, (map, soils.clone()), &around)?;
         let content: Vec<f64> = grid
             .walk()
             .map(|(cell, position)| {
@@ -138,10 +137,9 @@ impl<const D: usize> Carried<D> {
             work: 0.0,
             left_behind: 0.0,
             squeeze,
-            moisture: properties.density * (scene.porosity - scene.mobile_porosity()),
             per_direction,
             properties,
-            smoothing: SMOOTHING / (2.0 * scene.elastic.shear_modulus()),
+            smoothing: SMOOTHING / (2.0 * softest),
             share: 1.0,
             felt: vec![0.0; cells],
             lower: vec![1.0; cells],
@@ -168,7 +166,8 @@ impl<const D: usize> Carried<D> {
             if water.soil.is_soil(cell) {
                 let soil = water.soil.share[cell] * water.medium.cell_volume;
                 let held = water.content[cell] + self.squeeze.surplus[cell];
-                self.per_volume[cell] = self.properties.density * held / soil + self.moisture;
+                // With what is there before any front comes.
+                self.per_volume[cell] = self.properties.density * (held + water.soil.stays[cell]) / soil;
                 if water.kind[cell] == Kind::Standing {
                     self.middle[cell] = 0.5 * water.soil.share[cell] * water.wet_share(cell).clamp(0.0, 1.0);
                 }

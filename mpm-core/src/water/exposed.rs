@@ -51,8 +51,8 @@ impl Exposed {
         if self.faces.iter().all(|face| face.is_of(grid)) { Ok(()) } else { Err(RestoreError) }
     }
 
-    /// Finds the exposed faces of the cells for which `soil` holds.
-    pub fn rebuild<const D: usize>(&mut self, grid: &Grid<D>, soil: impl Fn(usize) -> bool) {
+    /// Finds the exposed faces of the cells for which `soil` holds; a mesh that is `periodic` has no left and right.
+    pub fn rebuild<const D: usize>(&mut self, grid: &Grid<D>, periodic: bool, soil: impl Fn(usize) -> bool) {
         self.faces.clear();
         for (cell, position) in grid.walk() {
             if !soil(cell) {
@@ -63,7 +63,13 @@ impl Exposed {
             for axis in 0..D {
                 for upper in [false, true] {
                     let at_side = if upper { position[axis] + 1 == grid.cells[axis] } else { position[axis] == 0 };
-                    if at_side || !soil(if upper { cell + stride } else { cell - stride }) {
+                    let next = match (upper, at_side && periodic && axis == 0) {
+                        (true, false) => cell + stride,
+                        (false, false) => cell.wrapping_sub(stride),
+                        (true, true) => cell + 1 - grid.cells[0],
+                        (false, true) => cell + grid.cells[0] - 1,
+                    };
+                    if (at_side && !(periodic && axis == 0)) || !soil(next) {
                         self.faces.push(Self::face(grid, cell, &position, &corners, axis, upper));
                     }
                 }
@@ -107,11 +113,11 @@ mod tests {
         let grid = Grid::new([4, 3], 1.0);
         let mut exposed = Exposed::default();
         // Two rows of three cells in the lower left corner.
-        exposed.rebuild(&grid, |cell| cell % 4 < 3 && cell / 4 < 2);
+        exposed.rebuild(&grid, false, |cell| cell % 4 < 3 && cell / 4 < 2);
         let count = |side| exposed.faces.iter().filter(|f| f.side == side).count();
         assert_eq!([count(0), count(1), count(2), count(3)], [2, 2, 3, 3]);
         let column = Grid::new([5], 1.0);
-        exposed.rebuild(&column, |cell| cell < 4);
+        exposed.rebuild(&column, false, |cell| cell < 4);
         assert_eq!(exposed.faces.len(), 2);
         assert_eq!((exposed.faces[0].side, exposed.faces[0].nodes[0]), (2, 0));
         assert_eq!((exposed.faces[1].side, exposed.faces[1].nodes[0]), (3, 4));

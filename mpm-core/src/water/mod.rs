@@ -2,15 +2,19 @@
 //! move ([`Carried`]).
 
 mod carried;
+mod cuts;
 mod darcy;
 mod exposed;
 pub mod free_surface;
+mod halves;
 pub mod pores;
 
 pub use carried::{Carried, Pressures};
+pub use cuts::{Cuts, Opening};
 pub use darcy::FaceFlow;
 pub(crate) use darcy::{DRAINED_SURFACE, FLOW, LEAST_FILLING};
 pub use exposed::{Exposed, ExposedFace};
+pub use halves::Halves;
 
 use crate::grid::Grid;
 

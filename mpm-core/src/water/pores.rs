@@ -2,19 +2,20 @@
 
 use super::darcy::DRAINED_SURFACE;
 use super::exposed::Exposed;
-use super::{FaceFlow, density_ratio, stored_energy};
+use super::{Cuts, FaceFlow, Halves, density_ratio, stored_energy};
 use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::grid::Grid;
 use crate::particles::{Layer, Point, SolidPoint, WaterPoint};
-use crate::scene::{Scene, WaterProperties};
+use crate::scene::{Integrator, Scene, WaterProperties};
+use crate::soils::Soils;
 
 /// Soil of a cell, as water counts it.
 #[derive(Debug, Clone, Copy)]
 pub struct CellSoil {
     /// Number of the cell.
     pub cell: usize,
-    /// Dry mass, kg.
-    pub mass: f64,
+    /// Volume of the grains, m3.
+    pub grains: f64,
     /// Volume of the particles, m3.
     pub volume: f64,
     /// Volume of soil, m3: that of the particles where the outline of the soil is not known.
@@ -34,8 +35,14 @@ pub struct Pores<const D: usize> {
     pub drained: [bool; 4],
     /// Mass of the particles taken away because they left the soil, kg.
     pub removed_mass: f64,
-    /// Conductivity of each row of cells over that of the water; empty where it is the same all over.
-    rows: Vec<f64>,
+    /// How the soil conducts.
+    pub halves: Halves<D>,
+    /// How its outline cuts the cells.
+    pub cuts: Cuts,
+    /// What is left of the stiffness of the water in each cell that is cut, where steps are explicit; empty where none is.
+    pub softness: Vec<f64>,
+    /// Volume of the grains of each cell per mass, m3/kg; empty where all grains weigh the same.
+    pub grain_inverse: Vec<f64>,
     /// Whether a cell at the edge of the soil may be without water particles: those of soil that moves through cells come
     /// and go beside its own. It counts as open to the outside until some arrive.
     open_edges: bool,
@@ -44,6 +51,12 @@ pub struct Pores<const D: usize> {
     pub partly_drained: bool,
     /// Cells that are.
     bare: Vec<u32>,
+    /// Whether left and right are the same place.
+    pub periodic: bool,
+    /// Whether steps are explicit.
+    explicit: bool,
+    /// Whether the soil is as it was looked at before it was saved.
+    seen: bool,
 }
 
 /// Share of a cell's soil that its water must fill to have a pressure, where soil runs out.
@@ -53,16 +66,12 @@ impl<const D: usize> Pores<D> {
     /// Water particles in the pores of a scene's soil; `face_area` in m2.
     pub fn new(
         scene: &Scene,
-        layer: Layer<WaterPoint<D>, D>,
+        (layer, solid): (Layer<WaterPoint<D>, D>, &Layer<SolidPoint<D>, D>),
         grid: &Grid<D>,
         properties: &WaterProperties,
         (face_area, open_edges, partly_drained): (f64, bool, bool),
     ) -> Self {
         let mobility = properties.mobility() * grid.inverse_size;
-        let of_row = |row: usize| {
-            let height = (row as f64 + 0.5) * scene.cell;
-            scene.layer_at(height).map(|layer| layer.hydraulic_conductivity / properties.hydraulic_conductivity)
-        };
         Self {
             layer,
             flow: FaceFlow {
@@ -79,26 +88,49 @@ impl<const D: usize> Pores<D> {
             exposed: Exposed::default(),
             drained: [false; 4],
             removed_mass: 0.0,
-            rows: (0..grid.cells[D - 1]).filter_map(of_row).collect(),
+            halves: Halves::default(),
+            // Where water leaves with its particles, whole cells are open or not.
+            cuts: if partly_drained { Cuts::default() } else { Cuts::new(scene, solid) },
+            softness: Vec::new(),
+            explicit: scene.integrator == Integrator::Explicit,
+            seen: false,
+            grain_inverse: Vec::new(),
             open_edges,
             partly_drained,
             bare: Vec::new(),
+            periodic: scene.has_periodic_pores(),
         }
     }
 
-    /// Whether conductivity differs from row to row of cells.
-    pub fn is_layered(&self) -> bool {
-        !self.rows.is_empty()
-    }
-
-    /// Conductivity of a cell over that of the water.
-    pub fn ratio(&self, position: &[usize; D]) -> f64 {
-        self.rows.get(position[D - 1]).copied().unwrap_or(1.0)
+    /// Looks at the particles of the soil again, which are there.
+    pub fn look_at_soil(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>, soils: &Soils) {
+        if std::mem::take(&mut self.seen) {
+            return;
+        }
+        self.halves = Halves::of(grid, solid, soils);
+        self.cuts.follow(grid, solid, soils);
+        if soils.weigh_differently() {
+            let of_cell = |(cell, _)| {
+                let mut sums = [0.0; 2];
+                for index in solid.range(cell) {
+                    let mass = solid.points[index].mass;
+                    sums[0] += mass;
+                    sums[1] += mass * soils.kind_of(solid.ids[index]).grain_inverse;
+                }
+                if sums[0] > 0.0 { sums[1] / sums[0] } else { self.flow.grain_inverse }
+            };
+            self.grain_inverse = grid.walk().map(of_cell).collect();
+        }
     }
 
     /// Whether a cell with soil has water of its own.
     fn has_water(&self, cell: usize) -> bool {
         self.bare.binary_search(&(cell as u32)).is_err()
+    }
+
+    /// Whether cells differ by which soil is in them, or by how the outline cuts them.
+    pub fn is_uneven(&self) -> bool {
+        self.halves.differ() || !self.grain_inverse.is_empty() || self.cuts.are_known()
     }
 
     /// How every face conducts over the water's own conductivity, and the edge of a cell over the distance of the pressures on
@@ -114,16 +146,28 @@ impl<const D: usize> Pores<D> {
         for (cell, position) in grid.walk() {
             let mut stride = 1;
             for axis in 0..D {
-                if position[axis] > 0 && wet(cell) && wet(cell - stride) {
-                    let [a, b] = [position, grid.cell_position(cell - stride)].map(|place| self.ratio(&place));
-                    give(axis, position, [if a == b { a } else { 2.0 * a * b / (a + b) }, 1.0]);
+                let over_seam = self.periodic && axis == 0 && position[0] == 0;
+                let low = if over_seam { Some(cell + grid.cells[0] - 1) } else { cell.checked_sub(stride) };
+                let low = low.filter(|low| (over_seam || position[axis] > 0) && wet(cell) && wet(*low));
+                if let Some(low) = low {
+                    let [open, near] = self.cuts.face(grid, axis, &position, [low, cell]);
+                    let ratio = open * self.halves.between(axis, low, cell);
+                    let conducts = [ratio * near, near];
+                    give(axis, position, conducts);
+                    if over_seam {
+                        // The same face, seen from the other side.
+                        let mut last = position;
+                        last[0] = grid.cells[0];
+                        give(axis, last, conducts);
+                    }
                 }
                 stride *= grid.cells[axis];
             }
         }
-        for face in self.exposed.faces.iter().filter(|f| self.drained[f.side as usize]) {
+        let aligned = self.exposed.faces.iter().filter(|_| !self.cuts.are_known());
+        for face in aligned.filter(|f| self.drained[f.side as usize]) {
             let (axis, mut position) = (face.axis as usize, grid.cell_position(face.cell as usize));
-            let ratio = self.ratio(&position);
+            let ratio = self.halves.at(face.cell as usize, axis, face.upper);
             position[axis] += usize::from(face.upper);
             give(axis, position, [DRAINED_SURFACE * ratio, DRAINED_SURFACE]);
         }
@@ -131,8 +175,10 @@ impl<const D: usize> Pores<D> {
 
     /// Finds the outline of the cells that have soil and water.
     pub fn rebuild(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>) {
-        let Self { exposed, bare, .. } = self;
-        exposed.rebuild(grid, |cell| !solid.range(cell).is_empty() && bare.binary_search(&(cell as u32)).is_err());
+        let Self { exposed, bare, periodic, .. } = self;
+        exposed.rebuild(grid, *periodic, |cell| {
+            !solid.range(cell).is_empty() && bare.binary_search(&(cell as u32)).is_err()
+        });
     }
 
     /// Notes which cells of soil hold no water, where it leaves with its particles.
@@ -203,7 +249,19 @@ impl<const D: usize> Pores<D> {
 
     /// Porosity from the volume of grains, which do not compress.
     pub fn porosity(&self, soil: &CellSoil) -> f64 {
-        1.0 - soil.mass * self.flow.grain_inverse / soil.volume
+        1.0 - soil.grains / soil.volume
+    }
+
+    /// Bulk modulus of the water in a cell, Pa.
+    fn bulk_modulus(&self, cell: usize) -> f64 {
+        self.softness.get(cell).map_or(1.0, |softness| *softness) * self.flow.bulk_modulus
+    }
+
+    /// Notes how stiff the water of each cell is, from how its faces and openings conduct over a full face.
+    pub fn soften(&mut self, conducts: &[[f64; 2]]) {
+        let known = self.explicit && self.cuts.are_known();
+        let of = |(cell, sums): (usize, &[f64; 2])| self.cuts.softness(cell, *sums);
+        self.softness = if known { conducts.iter().enumerate().map(of).collect() } else { Vec::new() };
     }
 
     /// Pressure (Pa) and stored energy (J) of the water in a cell of soil.
@@ -216,7 +274,7 @@ impl<const D: usize> Pores<D> {
             pressure = if volume < LEAST_FULL * soil.volume { 0.0 } else { pressure.max(0.0) };
         }
         let pores = self.porosity(soil) * soil.filled;
-        (pressure, pores * stored_energy(pressure, self.flow.bulk_modulus))
+        (pressure, pores * stored_energy(pressure, self.bulk_modulus(soil.cell)))
     }
 
     /// Mass of water in the pores of a cell of soil, `rho_w n V exp(p/K_w)`, kg.
@@ -226,9 +284,9 @@ impl<const D: usize> Pores<D> {
         }
         let (pressure, _) = self.cell_state(soil);
         let pores = self.porosity(soil) * soil.filled;
-        let denser = density_ratio(pressure, self.flow.bulk_modulus) - 1.0;
+        let denser = density_ratio(pressure, self.bulk_modulus(soil.cell)) - 1.0;
         // What the grains leave, so that the sum over the cells is that of the soil wherever its particles are counted.
-        self.flow.density * (soil.filled - soil.mass * self.flow.grain_inverse + pores * denser)
+        self.flow.density * (soil.filled - soil.grains + pores * denser)
     }
 
     /// Saves or restores what steps to come depend on.
@@ -236,6 +294,8 @@ impl<const D: usize> Pores<D> {
         self.layer.save_or_restore(archive)?;
         self.exposed.save_or_restore(archive, grid)?;
         archive!(archive.value: self.drained, self.removed_mass, self.bare);
+        archive!(archive.value: self.halves, self.grain_inverse, self.cuts);
+        self.seen = archive.restores();
         Ok(())
     }
 }

@@ -52,14 +52,16 @@ pub fn in_order<const D: usize>(scene: &Scene, order: &[usize]) -> Body<D> {
         loaded: volume / spacing,
     });
     let on = scene.surcharge.map_or(LoadOn::Surface, |load| load.on);
+    let solid = Layer::new(solid.collect(), &grid).expect("inside");
     Body {
-        solid: Layer::new(solid.collect(), &grid).expect("inside"),
-        water: Some(Pores::new(scene, water, &grid, &properties, (area, false, false))),
+        water: Some(Pores::new(scene, (water, &solid), &grid, &properties, (area, false, false))),
+        solid,
         grid,
-        materials: Materials::one(Material::Elastic(LinearElastic::new(&scene.elastic))),
+        materials: Materials::one(Material::Elastic(LinearElastic::new(&scene.elastic)), 1.0 / scene.grain_density),
         surface: SurfaceLoad::new(strips.collect(), scene.height, on),
         filled: Default::default(),
         surcharge: scene.surcharge,
+        loads: Default::default(),
         gravity: scene.gravity_vector().map(|g| std::array::from_fn(|d| g[d + 2 - D])),
         flip: scene.flip,
         apart: 0.0,

@@ -185,13 +185,7 @@ pub fn scene(
     })?;
     let [below, above] = if contrast.ratio > 1.0 { [1.0 / contrast.ratio, 1.0] } else { [1.0, contrast.ratio] };
     let soil = |share: f64, up_to: f64| {
-        let mut layer = SoilLayer {
-            up_to,
-            elastic: scene.elastic,
-            strength: None,
-            cam_clay: None,
-            hydraulic_conductivity: scene.water.map_or(0.0, |w| w.hydraulic_conductivity),
-        };
+        let mut layer = SoilLayer { up_to, soil: scene.soil() };
         match contrast.quantity {
             Quantity::Conductivity => layer.hydraulic_conductivity *= share,
             Quantity::Stiffness => layer.elastic.youngs_modulus *= share,

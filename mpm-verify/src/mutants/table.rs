@@ -291,8 +291,8 @@ pub const MUTANTS: &[Mutant] = &[
         "ramp-at-the-end",
         "all stages of a quasi-static step take the load of its end",
         "mpm-core/src/step/quasi_static/sdirk.rs",
-        "share(C[i])",
-        "share(1.0)",
+        "bear(soil, C[i]);",
+        "bear(soil, 1.0);",
     ),
     fault(
         "light-water-on-faces",
@@ -409,7 +409,7 @@ pub const MUTANTS: &[Mutant] = &[
     fault(
         "arithmetic-mean",
         "two layers conduct as the arithmetic mean of both",
-        "mpm-core/src/water/pores.rs",
+        "mpm-core/src/water/halves.rs",
         "2.0 * a * b / (a + b)",
         "0.5 * (a + b)",
     ),
@@ -466,8 +466,8 @@ pub const MUTANTS: &[Mutant] = &[
         "first-conductivity",
         "the conductivity does not know that soil is compressed",
         "mpm-core/src/step/quasi_static/soil.rs",
-        "mobility / (1.0 + change)",
-        "mobility / (1.0 + 0.0 * change)",
+        "let inverse = 1.0 / (1.0 + change);",
+        "let inverse = 1.0;",
     ),
     fault(
         "flow-left-out",

@@ -37,9 +37,8 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
     let boundaries = raw.boundaries.as_ref().map(Spanned::get_ref);
     let surcharge = raw.surcharge.as_ref().map(Spanned::get_ref);
     let (mesh, soil, law) = (raw.mesh.get_ref(), raw.soil.get_ref(), raw.soil.get_ref().law.get_ref());
-    let layers = || raw.layers.iter().flat_map(|layers| layers.get_ref());
-    let laws =
-        || std::iter::once(law).chain(layers().filter_map(|layer| Some(layer.get_ref().law.as_ref()?.get_ref())));
+    let zones = || raw.layers.iter().chain(&raw.regions).flat_map(|zones| zones.get_ref());
+    let laws = || std::iter::once(law).chain(zones().filter_map(|zone| Some(zone.get_ref().law.as_ref()?.get_ref())));
     let stages = || raw.stages.get_ref().iter().map(Spanned::get_ref);
     let free = raw.water.as_ref().is_some_and(|water| water.get_ref().free_surface.is_some());
     let integrator = |wanted: &str| match time.and_then(|time| time.integrator.as_ref()) {
@@ -81,6 +80,7 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
         Feature::MohrCoulomb => laws().any(|law| matches!(law, RawLaw::MohrCoulomb(_))),
         Feature::CamClay => laws().any(|law| matches!(law, RawLaw::ModifiedCamClay(_))),
         Feature::Layers => raw.layers.is_some(),
+        Feature::Regions => raw.regions.is_some(),
         Feature::Separation => soil.separation.is_some(),
         Feature::LargeStrain => !is(soil.strain.as_ref(), "small"),
         Feature::SmallStrain => is(soil.strain.as_ref(), "small"),
@@ -166,6 +166,7 @@ fn place(raw: &RawScene, feature: Feature) -> Option<Range<usize>> {
         "soil.separation" => of(soil.separation.as_ref()),
         "soil.strain" => of(soil.strain.as_ref()),
         "layers" => of(raw.layers.as_ref()?.get_ref().first()),
+        "regions" => of(raw.regions.as_ref()?.get_ref().first()),
         "gravity" => of(raw.gravity.as_ref()),
         "slope_angle" => of(raw.slope_angle.as_ref()),
         "start" => of(raw.start.as_ref()),

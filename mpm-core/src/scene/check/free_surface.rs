@@ -5,7 +5,7 @@ use toml::Spanned;
 use super::super::raw::{RawFeed, RawFeeds, RawFreeSurface, RawScene, RawStage};
 use super::super::{Clock, Dimension, Feed, Fields, FreeSurfaceWater, Integrator, Side, Until};
 use super::{Checked, Reader, quoted, written};
-use crate::seeding::{self, Fault};
+use crate::seeding;
 use crate::water::free_surface::LEAST_OPEN;
 
 impl Reader<'_> {
@@ -65,26 +65,7 @@ impl Reader<'_> {
             let expected = "level, in a column: a polygon is an area";
             return self.refuse(&list.span(), key, expected, "\"column\"");
         }
-        let mut points: Vec<[f64; 2]> = list.get_ref().iter().map(|x| *x.get_ref()).collect();
-        match seeding::check(&points) {
-            Ok(()) => {}
-            Err(Fault::TooFew(count)) => {
-                return self.refuse(&list.span(), key, "at least 3 points [x, y] (m)", count);
-            }
-            Err(Fault::Outside(i)) => {
-                let [x, y] = points[i];
-                let expected = "points in the soil: finite x >= 0 and y >= 0 (m)";
-                return self.refuse(&list.get_ref()[i].span(), key, expected, format!("[{x}, {y}]"));
-            }
-            Err(Fault::Crossing(i, j)) => {
-                let expected = "a simple polygon, whose edges neither cross nor touch";
-                let found = format!("edges {} and {}, counted from 1, that do", i + 1, j + 1);
-                return self.refuse(&list.get_ref()[j].span(), key, expected, found);
-            }
-        }
-        if seeding::area(&points) < 0.0 {
-            points.reverse();
-        }
+        let points = self.polygon(list, key, 0.0)?;
         // Corners suffice for a convex soil; for others the middles of the edges are looked at too.
         let soil = scene.outline_or_box();
         let reach = 1e-9 * (scene.width + scene.height);

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use super::super::raw::{RawGeometry, RawMesh, RawOutline, RawRest, RawScene, RawUntil};
+use super::super::raw::{Points, RawGeometry, RawMesh, RawRest, RawScene, RawUntil};
 use super::super::{Base, Dimension, NormalStress, SeedingChoice, Side, SolidSide, Until};
 use super::{Checked, Reader, quoted};
 use crate::seeding::{self, Fault};
@@ -46,7 +46,7 @@ impl Reader<'_> {
         let column = match raw.geometry.get_ref() {
             RawGeometry::Column(column) => column,
             RawGeometry::Outline(outline) => {
-                let points = self.outline(outline)?;
+                let points = self.polygon(&outline.points, "geometry.outline.points", 0.0)?;
                 let cell = self.positive(&mesh.cell, "mesh.cell", "m")?;
                 let [width, height] = [0, 1].map(|d| points.iter().map(|x| x[d]).fold(0.0, f64::max));
                 let cells = [self.covers(mesh, cell, width)?, self.covers(mesh, cell, height)?];
@@ -69,10 +69,9 @@ impl Reader<'_> {
         Ok(Geometry { outline: None, width, height, cell, cells: [across, rows], sideroom_cells })
     }
 
-    /// The corners of an outline, anticlockwise.
-    fn outline(&self, outline: &RawOutline) -> Checked<Vec<[f64; 2]>> {
-        let list = outline.points.get_ref();
-        let key = "geometry.outline.points";
+    /// The corners of a simple polygon whose coordinates are at `least` so large (m), anticlockwise.
+    pub(super) fn polygon(&self, list: &Points, key: &str, least: f64) -> Checked<Vec<[f64; 2]>> {
+        let (span, list) = (list.span(), list.get_ref());
         let mut points = Vec::with_capacity(list.len());
         for point in list {
             match point.get_ref().as_slice() {
@@ -80,10 +79,10 @@ impl Reader<'_> {
                 other => return self.refuse(&point.span(), key, "two numbers [x, y] (m)", other.len()),
             }
         }
-        match seeding::check(&points) {
+        match seeding::check(&points, least) {
             Ok(()) => {}
             Err(Fault::TooFew(count)) => {
-                return self.refuse(&outline.points.span(), key, "at least 3 points [x, y] (m)", count);
+                return self.refuse(&span, key, "at least 3 points [x, y] (m)", count);
             }
             Err(Fault::Outside(i)) => {
                 let [x, y] = points[i];

@@ -11,14 +11,15 @@ mod features;
 mod free_surface;
 mod ground;
 mod law;
-mod layers;
+mod loads;
 mod method;
+mod soils;
 pub use method::{INTEGRATORS, SHAPES};
 pub(super) use method::{SAFETY, TOLERANCE};
 mod together;
 
 use super::patch::{Source, Unreadable};
-use super::raw::{RawMesh, RawObserve, RawScene, RawSoil, RawStage, RawStrip, RawUntil, RawWater};
+use super::raw::{RawMesh, RawObserve, RawScene, RawStage, RawStrip, RawUntil, RawWater};
 use super::{
     Dimension, Fields, Integrator, LoadOn, LoadedStrip, Scene, Side, SolidSide, Stage, Start, Surcharge, Until,
     WaterProperties,
@@ -215,14 +216,13 @@ impl Reader<'_> {
         let (particles_per_cell, headroom_cells) =
             self.particles(raw, rows, across.saturating_add(sideroom_cells), dimension)?;
         let (elastic, strength, cam_clay) = self.law("soil.law", &raw.soil.get_ref().law, raw, height)?;
-        let porosity = self.within(&raw.soil.get_ref().porosity, "soil.porosity", "1e-6 <= n <= 0.999999", |n| {
-            (LEAST_PORES..=1.0 - LEAST_PORES).contains(&n)
-        })?;
+        let porosity = self.porosity(&raw.soil.get_ref().porosity, "soil.porosity")?;
         let water = match &raw.water {
             Some(water) => Some(self.water(water)?),
             None => None,
         };
-        let grain_density = self.grain_density(&raw.soil, porosity, water.as_ref())?;
+        let given = (raw.soil.get_ref().grain_density.as_ref(), raw.soil.get_ref().bulk_density.as_ref());
+        let grain_density = self.grain_density("soil", &raw.soil.span(), given, porosity, water.as_ref())?;
         self.weight_of_water(raw, gravity, water.as_ref())?;
         let solid_sides = self.solid_sides(raw, dimension)?;
         let surcharge = self.surcharge(raw, width)?;
@@ -255,6 +255,7 @@ impl Reader<'_> {
             strain: self.strain(raw.soil.get_ref())?,
             elastic,
             layers: Vec::new(),
+            regions: Vec::new(),
             separation: self.separation(raw.soil.get_ref(), strength.as_ref())?,
             strength,
             cam_clay,
@@ -267,6 +268,7 @@ impl Reader<'_> {
             periodic: self.periodic(raw)?,
             base: None,
             surcharge,
+            loads: Vec::new(),
             integrator: time.integrator,
             method: time.method,
             tolerance: time.tolerance,
@@ -296,6 +298,8 @@ impl Reader<'_> {
         scene.failure = self.failure(raw, &scene)?;
         self.observe(raw.observe.as_ref(), &mut scene)?;
         scene.layers = self.layers(raw, &scene)?;
+        scene.regions = self.regions(raw, &scene)?;
+        scene.loads = self.loads(raw, &scene)?;
         if self.light_nodes(raw)?.is_none() {
             scene.light_nodes = scene.usual_light_nodes();
         }
@@ -345,18 +349,28 @@ impl Reader<'_> {
         Ok((count as usize, headroom))
     }
 
-    fn grain_density(&self, soil: &Spanned<RawSoil>, n: f64, water: Option<&WaterProperties>) -> Checked<f64> {
-        let (raw, span) = (soil.get_ref(), soil.span());
-        let grain = ("grain_density", raw.grain_density.as_ref());
-        let bulk = ("bulk_density", raw.bulk_density.as_ref());
-        let (is_grain, value) = self.either(&span, "soil.grain_density", grain, bulk)?;
+    fn porosity(&self, value: &Spanned<f64>, key: &str) -> Checked<f64> {
+        self.within(value, key, "1e-6 <= n <= 0.999999", |n| (LEAST_PORES..=1.0 - LEAST_PORES).contains(&n))
+    }
+
+    /// Density of the grains of a soil in a table, from it or from a bulk density.
+    fn grain_density(
+        &self,
+        table: &str,
+        span: &Range<usize>,
+        (grain, bulk): (Option<&Spanned<f64>>, Option<&Spanned<f64>>),
+        n: f64,
+        water: Option<&WaterProperties>,
+    ) -> Checked<f64> {
+        let key = format!("{table}.grain_density");
+        let (is_grain, value) = self.either(span, &key, ("grain_density", grain), ("bulk_density", bulk))?;
         if is_grain {
-            return self.positive(value, "soil.grain_density", "kg/m3");
+            return self.positive(value, &key, "kg/m3");
         }
         // Saturated bulk density with water, dry bulk density without.
         let of_water = water.map_or(0.0, |w| n * w.density);
         let expected = format!("a bulk density above {of_water} kg/m3, the share of the water in it");
-        let bulk = self.within(value, "soil.bulk_density", &expected, |rho| rho > of_water)?;
+        let bulk = self.within(value, &format!("{table}.bulk_density"), &expected, |rho| rho > of_water)?;
         Ok((bulk - of_water) / (1.0 - n))
     }
 
@@ -384,12 +398,16 @@ impl Reader<'_> {
                 permeability * unit_weight / self.positive(viscosity, "water.viscosity", "Pa s")?
             }
         };
+        let anisotropy = match &water.anisotropy {
+            Some(value) => self.positive(value, "water.anisotropy", "k_h/k_v")?,
+            None => 1.0,
+        };
         let bulk_modulus = *water.bulk_modulus.get_ref();
         if bulk_modulus.is_nan() || bulk_modulus <= 0.0 {
             let expected = "a number above 0 (Pa), or inf for incompressible water";
             return self.refuse(&water.bulk_modulus.span(), "water.bulk_modulus", expected, bulk_modulus);
         }
-        Ok(WaterProperties { hydraulic_conductivity, bulk_modulus, unit_weight, density })
+        Ok(WaterProperties { hydraulic_conductivity, anisotropy, bulk_modulus, unit_weight, density })
     }
 
     /// Under gravity the water's density must be that of its unit weight.
@@ -528,6 +546,10 @@ impl Reader<'_> {
             };
             if matches!(side, Side::Left | Side::Right) && scene.dimension == Dimension::Column {
                 let expected = "\"top\" and \"bottom\" only: a column drains vertically";
+                return refuse(expected, entry.to_string());
+            }
+            if matches!(side, Side::Left | Side::Right) && scene.periodic {
+                let expected = "no \"left\" and \"right\" where these are periodic: they are one place";
                 return refuse(expected, entry.to_string());
             }
             if std::mem::replace(&mut drained[side as usize], true) {

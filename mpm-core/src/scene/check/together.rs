@@ -3,7 +3,7 @@
 use toml::Spanned;
 
 use super::super::raw::RawScene;
-use super::super::{Fields, Integrator, LoadOn, SolidSide, Start};
+use super::super::{Fields, Integrator, LoadOn, Side, SolidSide, Start};
 use super::{Checked, Reader, quoted};
 
 impl Reader<'_> {
@@ -11,12 +11,35 @@ impl Reader<'_> {
     pub(super) fn fits_together(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         self.incompressible_water(raw, scene)?;
         self.free_water(raw, scene)?;
+        self.held_walls(raw, scene)?;
         if scene.integrator == Integrator::QuasiStatic {
             self.quasi_static_points(raw, scene)?;
             self.quasi_static_start(raw, scene)
         } else {
             self.plate_in_a_mesh_with_room(raw, scene)
         }
+    }
+
+    /// Sides are held where the mesh ends: an outline that ends beside it would have a free wall in the last row of cells.
+    fn held_walls(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
+        let Some(outline) = &scene.outline else { return Ok(()) };
+        let ends = [(Side::Right, scene.width, scene.sideroom_cells), (Side::Top, scene.height, scene.headroom_cells)];
+        for (side, length, room) in ends {
+            let d = usize::from(side == Side::Top);
+            let on = |x: &[f64; 2]| (x[d] - length).abs() <= 1e-9 * length;
+            let wall = outline.iter().enumerate().any(|(i, a)| on(a) && on(&outline[(i + 1) % outline.len()]));
+            let count = length / scene.cell;
+            let held = scene.solid_sides[side as usize] != SolidSide::Free && room == 0;
+            if held && wall && (count - count.round()).abs() > 1e-6 {
+                let expected = format!(
+                    "a cell that divides {length} m into whole cells, or boundaries.{side} = \"free\": the mesh holds the \
+                     {side} wall of the soil where it ends itself"
+                );
+                let found = format!("{} m ({count} cells)", scene.cell);
+                return self.refuse(&raw.mesh.get_ref().cell.span(), "mesh.cell", &expected, found);
+            }
+        }
+        Ok(())
     }
 
     /// Water that does not compress needs an implicit pressure and somewhere to go.

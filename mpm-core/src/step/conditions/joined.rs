@@ -27,8 +27,9 @@ pub struct Joined<const D: usize> {
     light: Vec<[u32; 2]>,
     /// Whom each node follows, itself if none; empty if no node follows for its mass.
     leader_of: Vec<u32>,
-    /// From a node to the one above it.
+    /// From a node to the one above it, and nodes of a row that are not the same place.
     width: usize,
+    across_cells: usize,
 }
 
 impl<const D: usize> Joined<D> {
@@ -44,7 +45,8 @@ impl<const D: usize> Joined<D> {
         }
         let leader_of = (0..sides.len() as u32).collect();
         let width = if D == 1 { frame.count() } else { frame.stride[D - 1] };
-        Self { across, least_mass, held: sides, light: Vec::new(), leader_of, width }
+        let across_cells = along[0] - 1;
+        Self { across, least_mass, held: sides, light: Vec::new(), leader_of, width, across_cells }
     }
 
     /// Finds who follows whom.
@@ -81,7 +83,7 @@ impl<const D: usize> Joined<D> {
         let weight = |node: usize| (mass(node), std::cmp::Reverse(node));
         for [i, j] in AROUND {
             // Beyond the seam of a periodic mesh is its other side.
-            let column = if self.across.is_empty() { x + i } else { (x + i).rem_euclid(width - 1) };
+            let column = if self.across.is_empty() { x + i } else { (x + i).rem_euclid(self.across_cells as isize) };
             let neighbour = (row + j) * width + column;
             if !(0..width).contains(&column) || !(0..count).contains(&neighbour) {
                 continue;

@@ -58,10 +58,10 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
 
     /// Books what the nodes have gained, and the work of load and weight.
     pub(super) fn book_motion(&mut self, dt: f64) {
-        let Self { body, strips, nodes, tops, functions, totals, .. } = self;
+        let Self { body, strips, nodes, tops, loaded, functions, totals, time, .. } = self;
         totals.book_motion(nodes, body.flip, dt);
         if body.surcharge.is_some() {
-            let pressure = body.pressure_at(self.time);
+            let pressure = body.pressure_at(*time);
             let mut power = 0.0;
             let frame = nodes.frame;
             tops.each_push(functions, (&body.surface, &body.grid, -pressure), strips, &frame, |node, newton| {
@@ -70,6 +70,11 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             totals.external_work += dt * power;
             totals.load_impulse -= dt * pressure * body.surface.loaded_area();
         }
+        let loads = (&body.loads, &body.grid, *time);
+        loaded.each_force(functions, loads, strips, &nodes.frame, |node, axis, newton| {
+            totals.external_work += dt * newton * nodes.working_velocity(node, axis, dt);
+            totals.load_impulse += if axis + 1 == D { dt * newton } else { 0.0 };
+        });
         if let Some(gravity) = body.gravity {
             totals.book_weight(nodes, &gravity, dt);
         }
@@ -141,6 +146,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             pressure: &[],
             conducts: &motion.acceleration, // no water
             ratio: None,
+            grains: None,
+            cuts: None,
             soil,
             moves: false,
             elastic: None,

@@ -79,6 +79,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for Explicit<V, F, D> {
             + self.body.solid.bytes()
             + water
             + self.tops.bytes()
+            + self.loaded.bytes()
     }
 
     fn solid_count(&self) -> usize {

@@ -12,6 +12,10 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
                 strip.water.fill(frame, strip.first, &water.layer, (0, &[]));
             }
         }
+        let Body { grid, solid, water, materials, .. } = &mut self.body;
+        if let Some(water) = water {
+            water.look_at_soil(grid, solid, &materials.soils);
+        }
         self.open_faces();
         // What is left of the layers are their cells and counts.
         let Body { solid, water, .. } = &mut self.body;
@@ -20,13 +24,19 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             water.layer = std::mem::take(&mut water.layer).without_points();
         }
         for cell in 0..self.nodes.frame.count() {
-            self.tops.follow(&self.body.surface, &self.strips, &self.nodes.frame, cell);
+            self.follow_faces(cell);
         }
         self.find_surface();
         self.pass(false, 0.0);
         if self.body.water.as_ref().is_some_and(|water| water.partly_drained) {
             self.note_open_cells();
         }
+    }
+
+    /// Notes where the particles of a cell are that carry faces of the soil.
+    fn follow_faces(&mut self, cell: usize) {
+        self.tops.follow(&self.strips, &self.nodes.frame, cell);
+        self.loaded.follow(&self.strips, &self.nodes.frame, cell);
     }
 
     /// Opens the cells that hold no water to the air, where it leaves with its particles.
@@ -65,7 +75,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
 
     /// Finds which faces conduct.
     pub(super) fn open_faces(&mut self) {
-        let Body { grid, solid, water, .. } = &self.body;
+        let Body { grid, solid, water, .. } = &mut self.body;
         if let Some(water) = water {
             self.faces.open(grid, solid, water);
         }
@@ -77,13 +87,19 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
     /// Restores the order of the cells after particles have left theirs.
     pub(super) fn sort(&mut self) -> Result<(), Fault> {
         if let Some(period) = self.body.period {
-            self.strips.iter_mut().for_each(|strip| strip.solid.wrap(period));
+            for strip in &mut self.strips {
+                strip.solid.wrap(period);
+                strip.water.wrap(period);
+            }
         }
         let Self { nodes: Nodes { frame, .. }, strips, movers: [solid, water], .. } = self;
         crossing::find(strips, frame, |s| &mut s.solid, solid);
         crossing::find(strips, frame, |s| &mut s.water, water);
+        // Where soils differ, so do the cells that they come to; and an outline cuts others.
+        let differ = self.body.water.as_ref().is_some_and(Pores::is_uneven);
         let may_leave = self.body.water.as_ref().is_some_and(Pores::may_leave);
-        if crossing::keeps_outline(strips, frame, |s| &mut s.solid, solid, false)
+        if !differ
+            && crossing::keeps_outline(strips, frame, |s| &mut s.solid, solid, false)
             && crossing::keeps_outline(strips, frame, |s| &mut s.water, water, may_leave)
         {
             let mut removed = 0.0;
@@ -100,7 +116,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             for i in 0..self.movers[0].list.len() {
                 let mover = self.movers[0].list[i];
                 for cell in [Some(mover.from), mover.to].into_iter().flatten() {
-                    self.tops.follow(&self.body.surface, &self.strips, &self.nodes.frame, cell);
+                    self.follow_faces(cell);
                 }
             }
             self.find_surface();

@@ -43,6 +43,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             pressure: old,
             conducts: &faces.conducts,
             ratio: (!faces.ratio[0].is_empty()).then_some(&faces.ratio),
+            grains: (!faces.grains.is_empty()).then_some(&faces.grains),
+            cuts: (!faces.outflow.is_empty()).then_some([&faces.outflow, &faces.softness]),
             soil,
             moves,
             elastic: body.materials.elastic(),
@@ -72,6 +74,12 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         } else {
             let cells = cells.chunks_mut(frame.strip);
             strips.iter_mut().zip(sums).zip(cells).for_each(|((strip, sums), cells)| sweep(strip, sums, cells));
+        }
+        if faces.periodic {
+            for [last, first] in frame.seam() {
+                new[frame.pad() + last + 1] = new[frame.pad() + first];
+                new[frame.pad() + first - 1] = new[frame.pad() + last];
+            }
         }
         self.pressure.swap(0, 1);
         self.nodes.merge();

@@ -3,7 +3,7 @@
 use pulp::Scalar;
 
 use super::*;
-use crate::boundary::{Filled, SurfaceLoad};
+use crate::boundary::{FaceLoads, Filled, SurfaceLoad};
 use crate::constitutive::{LinearElastic, Material, Materials};
 use crate::grid::Grid;
 use crate::observe::Seed;
@@ -35,10 +35,11 @@ fn off_linear<F: Functions<2>>(functions: F, affine: bool, mapped: bool, stands:
         solid: Layer::new(points.collect(), &grid).expect("inside"),
         grid,
         water: None,
-        materials: Materials::one(Material::Elastic(law)),
+        materials: Materials::one(Material::Elastic(law), 1.0 / 2700.0),
         surface: SurfaceLoad::new(Vec::new(), 0.0, LoadOn::Surface),
         filled: Filled::default(),
         surcharge: None,
+        loads: FaceLoads::default(),
         gravity: None,
         flip: 1.0,
         apart: 0.0,

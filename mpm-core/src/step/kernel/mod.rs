@@ -376,6 +376,10 @@ pub struct Common<'a, F, const D: usize> {
     pub conducts: &'a [Vec<f64>; 2],
     /// Their conductivity over that of the water, where it is not one.
     pub ratio: Option<&'a [Vec<f64>; 2]>,
+    /// Volume of the grains of the cells per mass, m3/kg, where not all weigh the same.
+    pub grains: Option<&'a [f64]>,
+    /// What leaves the cells through an outline that cuts them (m3/s), and what is left of the stiffness of their water there.
+    pub cuts: Option<[&'a [f64]; 2]>,
     /// Volume of soil in the cells at the end of the pass, m3, where it is known; else zero.
     pub soil: &'a [f64],
     /// Whether the mesh moves the particles; else they are only gathered.
@@ -420,6 +424,8 @@ impl<F: Copy, const D: usize> Common<'_, F, D> {
         if self.coupled
             || self.mapped.is_some()
             || self.ratio.is_some()
+            || self.grains.is_some()
+            || self.cuts.is_some()
             || affine.is_some()
             || state.is_some()
             || strain.is_some()
@@ -427,7 +433,18 @@ impl<F: Copy, const D: usize> Common<'_, F, D> {
             return None;
         }
         let kept = Kept { affine: None, state: None, strain: None };
-        Some(Self { elastic, water, kept, plastic: false, coupled: false, mapped: None, ratio: None, ..*self })
+        Some(Self {
+            elastic,
+            water,
+            kept,
+            plastic: false,
+            coupled: false,
+            mapped: None,
+            ratio: None,
+            grains: None,
+            cuts: None,
+            ..*self
+        })
     }
 }
 

@@ -118,7 +118,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
 
     #[inline(always)]
     fn middle<V: Simd>(&self, motion: &CellMotion<V, D>, inverse_size: f64) -> Lanes<V> {
-        trace(&gradient(&motion.strains, &[motion.at[0].like(0.5); D], inverse_size))
+        trace(&gradient(&motion.strains, &motion.at, inverse_size))
     }
 
     #[inline(always)]

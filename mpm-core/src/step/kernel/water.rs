@@ -133,14 +133,21 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     /// the flow (1/s).
     #[inline(always)]
     fn rates(&self, group: usize, of_soil: Lanes<V>, divergence: Lanes<V>, cell: &CellLanes<V, D>) -> [Lanes<V>; 2] {
-        let Common { flow, dt, .. } = self.common;
-        let through = self.of(cell.filling) * divergence; // Eq. (6a)
+        let Common { flow, dt, cuts, .. } = self.common;
+        let mut through = self.of(cell.filling) * divergence; // Eq. (6a)
+        if let Some([outflow, _]) = cuts {
+            let out = Lanes::load(self.simd, &outflow[self.strip.first + group * V::F64_LANES..]);
+            through += out * self.of(cell.inverse_volume) * self.of(cell.inverse_porosity);
+        }
         if let InPores::Particles { rise: Some(rise), .. } = self.common.water {
             let rise = Lanes::load(self.simd, &rise[self.strip.first + group * V::F64_LANES..]);
             return [rise * (1.0 / dt), of_soil + through];
         }
         let stiffness = self.of(cell.inverse_porosity) * flow.bulk_modulus;
-        let softer = softer(self.of(cell.fill), stiffness * *dt * flow.diffusion);
+        let softer = match cuts {
+            Some([_, softness]) => Lanes::load(self.simd, &softness[self.strip.first + group * V::F64_LANES..]),
+            None => softer(self.of(cell.fill), stiffness * *dt * flow.diffusion),
+        };
         let stiffness = softer * stiffness;
         // Eq. (5), sign corrected: dp = -(K_w/n) [ tr(d eps_s) + n tr(d eps*_w) ]
         [-stiffness * (of_soil + self.of(cell.porosity) * through), of_soil + through]
@@ -166,7 +173,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         sums: &F::Sums<V>,
         closing: &mut Closing<V, D>,
     ) {
-        let Common { functions, flow, coupled, .. } = *self.common;
+        let Common { functions, flow, grains, cuts, coupled, .. } = *self.common;
         let none = mass.like(0.0);
         let one = none.like(1.0);
         let [weighted, of_water] = functions.water_of(sums);
@@ -174,11 +181,22 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let by_faces = matches!(self.common.water, InPores::Particles { relative: None, .. });
         let mut pressure = weighted / of_water.or_one();
         let inverse_volume = one / closing.filled.or_one();
-        let porosity = one - mass * flow.grain_inverse / volume.or_one();
+        let grain_inverse = match grains {
+            Some(grains) => Lanes::load(self.simd, &grains[self.strip.first + group * V::F64_LANES..]),
+            None => one.like(flow.grain_inverse),
+        };
+        let porosity = one - mass * grain_inverse / volume.or_one();
         let over_fill = inverse_volume * flow.cell_volume;
         let is_known = closing.moving_with;
         let cell = &mut self.strip.cells[group];
-        let limited = if by_faces { over_fill.lesser(one.like(1.0 / LEAST_FILLING)) } else { one };
+        // An outline that is known needs no limit either.
+        let limited = if cuts.is_some() {
+            over_fill
+        } else if by_faces {
+            over_fill.lesser(one.like(1.0 / LEAST_FILLING))
+        } else {
+            one
+        };
         // A pressure that is solved for needs no limit.
         cell.filling = over_fill.or(is_known, if coupled { over_fill } else { limited }).value;
         cell.fill = (one / over_fill).or(is_known, one.like(super::NOT_KNOWN)).value;

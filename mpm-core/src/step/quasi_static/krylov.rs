@@ -101,7 +101,7 @@ impl Krylov {
         let gamma = goal.pole;
         soil.refresh(gamma)?;
         let unknowns = soil.unknowns();
-        let stage = |target| Stage { share: 1.0, a: gamma, target, tolerance: 0.0 };
+        let stage = |target| Stage { a: gamma, target, tolerance: 0.0 };
         let mut first = vec![0.0; unknowns];
         soil.fulfil(&stage(content), &mut first, work)?;
         let after = soil.values.content.clone();

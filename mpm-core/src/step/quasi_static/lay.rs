@@ -3,8 +3,9 @@
 use super::soil::{FacePart, Fluid, HELD, PorePart, Soil, SolidPart, Values};
 use super::tangent::System;
 use crate::constitutive::{Law, Materials, State};
+use crate::dimension::in_two;
 use crate::particles::SolidPoint;
-use crate::scene::{LoadOn, Quadrature, Scene, ShapeChoice, Side, SolidSide};
+use crate::scene::{Course, FaceLoad, LoadOn, Piece, Quadrature, Scene, ShapeChoice, Side, SolidSide, Surcharge};
 use crate::space::{Axis, Basis, Fit, Local, Stencil, fit, gauss, gauss_points};
 use crate::sparse::Unsolved;
 
@@ -126,14 +127,18 @@ impl<const D: usize> Ground<'_, D> {
         let system = System::new(size, (&solid, &pore, &faces), &jumps, maps, law.are_symmetric())?;
         let water = scene.water.unwrap_or(crate::scene::WaterProperties {
             hydraulic_conductivity: 0.0,
+            anisotropy: 1.0,
             bulk_modulus: f64::INFINITY,
             unit_weight: 1.0,
             density: 0.0,
         });
         let mut gravity = [0.0; D];
         gravity[D - 1] = -scene.gravity.unwrap_or(0.0);
+        let loads = self.loads(&axes, &solid);
         Ok(Soil {
-            load: self.load(&axes, &solid),
+            // All of it, until a time is said.
+            load: loads.first().map_or_else(|| vec![0.0; functions * D], |(force, _)| force.clone()),
+            loads,
             values: Values {
                 force: vec![0.0; functions * D],
                 content: vec![0.0; pressures],
@@ -146,7 +151,6 @@ impl<const D: usize> Ground<'_, D> {
                 mobility: water.mobility(),
                 compressibility: 1.0 / water.bulk_modulus,
                 density: water.density,
-                grain_density: scene.grain_density,
                 gravity: scene.gravity.map(|_| gravity),
             },
             scales: [scene.cell, scene.oedometer_modulus()],
@@ -176,7 +180,7 @@ impl<const D: usize> Ground<'_, D> {
                 stencil.slope = at_centre(); // section 2.2
             }
             let dilates = split.then(at_centre);
-            let mark = law.at(point.x[D - 1]);
+            let mark = law.soils.at(&in_two(&point.x));
             SolidPart {
                 stencil,
                 dilates,
@@ -195,13 +199,13 @@ impl<const D: usize> Ground<'_, D> {
         let mut room = vec![[0.0; 2]; axes.iter().map(Axis::cells).product()];
         let place = |point: &SolidPoint<D>| number(axes, &cell_of(axes, &point.x));
         for point in self.points {
-            let [volume, mass] = &mut room[place(point)];
+            let [volume, grains] = &mut room[place(point)];
             *volume += point.volume;
-            *mass += point.mass;
+            *grains += point.mass * law.soils.kind(law.soils.at(&in_two(&point.x))).grain_inverse;
         }
         // The grains do not compress.
         let porosity = |cell: usize| match room[cell] {
-            [volume, mass] if volume > 0.0 => 1.0 - mass / (self.scene.grain_density * volume),
+            [volume, grains] if volume > 0.0 => 1.0 - grains / volume,
             _ => self.scene.porosity,
         };
         let Some(degree) = self.scene.shape.spline_degree() else {
@@ -233,7 +237,7 @@ impl<const D: usize> Ground<'_, D> {
                 let soil = Stencil::at(axes, &x);
                 let mut water = soil;
                 water.count *= usize::from(wet);
-                parts.push(PorePart { soil, water, weight, porosity, mark: law.at(x[D - 1]) });
+                parts.push(PorePart { soil, water, weight, porosity, mark: law.soils.at(&in_two(&x)) });
             }
         }
         parts
@@ -244,8 +248,8 @@ impl<const D: usize> Ground<'_, D> {
         let mut faces = Vec::new();
         for cell in 0..cells {
             let position = position(axes, cell);
-            let mark = |row: usize| law.at(axes[D - 1].middle(row));
-            let own = mark(position[D - 1]);
+            let mark = |position: [usize; D]| law.soils.at(&in_two(&middle(axes, &position)));
+            let own = mark(position);
             let mut stride = 1;
             for axis in 0..D {
                 let half = |i: usize| 0.5 * axes[axis].length(i);
@@ -260,7 +264,9 @@ impl<const D: usize> Ground<'_, D> {
                 }
                 if at < last {
                     let above = (cell + stride) as u32;
-                    let marks = [own, if axis == D - 1 { mark(at + 1) } else { own }];
+                    let mut next = position;
+                    next[axis] += 1;
+                    let marks = [own, mark(next)];
                     faces.push(FacePart { cells: [here, above], axis, area, reach: [half(at), half(at + 1)], marks });
                 } else if self.drained[side + 1] {
                     faces.push(FacePart { cells: [here, HELD], axis, area, reach: [half(at), 0.0], marks: [own; 2] });
@@ -324,11 +330,48 @@ impl<const D: usize> Ground<'_, D> {
         (soil_map, water_map, next as usize)
     }
 
-    /// Force of the full load, N per displacement function and direction.
-    fn load(&self, axes: &[Axis; D], solid: &[SolidPart<D>]) -> Vec<f64> {
+    /// The loads: force where the factor is 1 (N per displacement function and direction), and how it goes on.
+    fn loads(&self, axes: &[Axis; D], solid: &[SolidPart<D>]) -> Vec<(Vec<f64>, Course)> {
+        let surcharge = self.scene.surcharge.map(|surcharge| {
+            let ramp = surcharge.ramp_time;
+            (self.surcharge(&surcharge, axes, solid), if ramp > 0.0 { Course::Ramp(ramp) } else { Course::Constant })
+        });
+        let mut loads: Vec<_> = surcharge.into_iter().collect();
+        for load in &self.scene.loads {
+            loads.extend(
+                load.course.parts().into_iter().map(|(course, along)| (self.on_side(load, axes, &along), course)),
+            );
+        }
+        loads
+    }
+
+    /// Force of a load on a side of the soil where its factor along x is `along`.
+    fn on_side(&self, load: &FaceLoad, axes: &[Axis; D], along: &dyn Fn(f64) -> f64) -> Vec<f64> {
+        let functions: usize = axes.iter().map(Axis::functions).product();
+        let mut forces = vec![0.0; functions * D];
+        let (axis, upper) = (usize::from(load.on as usize > 1), load.on as usize % 2 == 1);
+        let (axis, sign) = (axis + D - 2, if upper { 1.0 } else { -1.0 });
+        let mut outward = [0.0; 2];
+        outward[axis + 2 - D] = sign;
+        let force = load.force(&Piece { middle: [0.0; 2], outward });
+        let end = if upper { axes[axis].functions() - 1 } else { 0 };
+        let place = |x: f64| if axis == 0 { axes[0].knots[if upper { axes[0].cells() } else { 0 }] } else { x };
+        let range = if axis + 1 == D { load.x } else { load.y };
+        let sums = if D == 1 { vec![1.0] } else { integrals(&axes[1 - axis], range, |x| along(place(x))) };
+        for (i, sum) in sums.into_iter().enumerate() {
+            let function =
+                if axis == 0 && D == 2 { end + i * axes[0].functions() } else { i + end * sums_before(axes) };
+            for d in 0..D {
+                forces[function * D + d] += self.thickness * force[d + 2 - D] * sum;
+            }
+        }
+        forces
+    }
+
+    /// Force of the full surcharge, N per displacement function and direction.
+    fn surcharge(&self, surcharge: &Surcharge, axes: &[Axis; D], solid: &[SolidPart<D>]) -> Vec<f64> {
         let functions: usize = axes.iter().map(Axis::functions).product();
         let mut load = vec![0.0; functions * D];
-        let Some(surcharge) = self.scene.surcharge else { return load };
         let share = |x: f64| surcharge.strip.map_or(1.0, |strip| strip.share(x));
         if surcharge.on == LoadOn::Particles {
             let area = self.thickness * self.spacing().powi(D as i32 - 1);
@@ -357,7 +400,8 @@ impl<const D: usize> Ground<'_, D> {
         let shear = self.scene.elastic.shear_modulus();
         let factor = gamma * self.scene.cell.powi(2 * degree as i32 + 1) / (2.0 * shear) * self.thickness;
         // 1/G at a height over that of the scene's soil: 1 but for layers.
-        let softer = |height: f64| shear / self.scene.elastic_at(height).shear_modulus();
+        let ground = self.scene.ground();
+        let softer = |height: f64| shear / ground.at(&[0.5 * self.scene.width, height]).elastic.shear_modulus();
         let mut jumps = Vec::new();
         for axis in 0..D {
             let along = &axes[axis];
@@ -387,14 +431,25 @@ impl<const D: usize> Ground<'_, D> {
 
 /// Integrals of the functions along the top times a share of the load, m; 1 in a column.
 pub(super) fn top_integrals<const D: usize>(axes: &[Axis; D], share: impl Fn(f64) -> f64) -> Vec<f64> {
-    if D == 1 {
-        return vec![1.0];
-    }
-    let axis = &axes[0];
+    if D == 1 { vec![1.0] } else { integrals(&axes[0], None, share) }
+}
+
+/// Functions in a row along the first axis; one in a column.
+fn sums_before<const D: usize>(axes: &[Axis; D]) -> usize {
+    axes[..D - 1].iter().map(Axis::functions).product()
+}
+
+/// Integrals of the functions of an axis times a share, m, between two places (m) or all along.
+fn integrals(axis: &Axis, range: Option<[f64; 2]>, share: impl Fn(f64) -> f64) -> Vec<f64> {
+    let [low, high] = range.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
     let mut sums = vec![0.0; axis.functions()];
     for cell in 0..axis.cells() {
+        let (from, to) = (axis.knots[cell].max(low), axis.knots[cell + 1].min(high));
+        if from >= to {
+            continue;
+        }
         for (i, sum) in sums.iter_mut().enumerate() {
-            *sum += gauss(axis.knots[cell], axis.knots[cell + 1], LOAD_PIECES, |x| {
+            *sum += gauss(from, to, LOAD_PIECES, |x| {
                 let Local { first, value, .. } = axis.at_boundary(x);
                 i.checked_sub(first).and_then(|a| value.get(a)).map_or(0.0, |v| v * share(x))
             });

@@ -8,7 +8,7 @@ use super::tangent::Stuck;
 use super::trouble::{describe, inside_out, nothing};
 use super::{KrylovStage, Method, QuasiStatic};
 use crate::constitutive::{Flow, Law};
-use crate::scene::{Fields, Start, StepChoice, StrainChoice, TimeMethod};
+use crate::scene::{Course, FaceLoad, Fields, Start, StepChoice, StrainChoice, TimeMethod};
 use crate::step::Fault;
 
 /// The first step of a stage as a share of L^2/c_v: shorter ones overshoot where the mesh cannot resolve the drained
@@ -39,7 +39,9 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// Whether the Krylov method can take a stage: linear, constant load, no weight, water that can flow.
     pub(super) fn krylov_holds(&self) -> bool {
         let linear = self.scene.strain == StrainChoice::Small && self.seeding.law.are_linear();
+        let steady = |load: &FaceLoad| load.course == Course::Constant;
         let constant = self.time >= self.scene.surcharge.map_or(0.0, |s| s.ramp_time);
+        let constant = constant && self.scene.loads.iter().all(steady);
         linear && constant && self.scene.gravity.is_none() && self.scene.water.is_some()
     }
 
@@ -97,7 +99,8 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// a thousandth of what flows from cell to cell, and of what is looked at.
     pub(super) fn ramp(&self, times: &[f64]) -> f64 {
         let ramp = self.scene.surcharge.map_or(0.0, |s| s.ramp_time);
-        let carried = self.scene.surcharge.is_none() || self.scene.start == Start::UndrainedEquilibrium;
+        let sudden = self.scene.loads.iter().any(|load| load.course == Course::Constant);
+        let carried = (self.scene.surcharge.is_none() || self.scene.start == Start::UndrainedEquilibrium) && !sudden;
         let given = matches!(self.scene.step, StepChoice::Fixed(_));
         if ramp > 0.0 || carried || given || self.seeding.law.are_linear() {
             return ramp;
@@ -115,7 +118,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
                 .water
                 .map_or(f64::INFINITY, |w| FIRST_STEP * scene.cell.powi(2) / (w.mobility() * scene.oedometer_modulus()))
         };
-        let drained = self.scene.by_layer().iter().map(|(_, soil)| of(soil)).fold(f64::INFINITY, f64::min);
+        let drained = self.scene.by_soil().iter().map(of).fold(f64::INFINITY, f64::min);
         match self.scene.step {
             StepChoice::Fixed(step) => step,
             _ => drained.min(end),
@@ -134,9 +137,10 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             tries -= 1;
             let Some(Method::Sdirk { step, .. }) = &self.method else { return Err(nothing()) };
             // The load has a corner where its ramp ends, which no estimate of an error sees: a step ends there.
-            let ramp = self.ramp;
-            let (wanted, to_end, to_corner) = (*step, end - self.stage_time, ramp - self.time);
-            let corner = to_corner > 1e-12 * ramp && to_corner < to_end - 1e-12 * end;
+            let corners = self.scene.loads.iter().flat_map(|load| load.course.corners()).chain([self.ramp]);
+            let ahead = corners.filter(|corner| corner - self.time > 1e-12 * corner).fold(f64::INFINITY, f64::min);
+            let (wanted, to_end, to_corner) = (*step, end - self.stage_time, ahead - self.time);
+            let corner = to_corner < to_end - 1e-12 * end;
             let left = if corner { to_corner } else { to_end };
             // Equal steps to the next time, so that none of them is tiny.
             let h = left / (left / wanted - 1e-6).ceil().max(1.0);
@@ -171,12 +175,12 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let fixed = matches!(self.scene.step, StepChoice::Fixed(_));
         self.factorise(h)?;
         let (time, ramp) = (self.time, self.ramp);
-        let share = |c: f64| if time + c * h < ramp { (time + c * h) / ramp } else { 1.0 };
+        let bear = |soil: &mut Soil<L, D>, c: f64| soil.bear(time + c * h, ramp);
         let tolerance = (NEWTON * self.scene.tolerance).max(1e-12);
         let (Some(soil), Some(Method::Sdirk { stepper, .. })) = (&mut self.soil, &mut self.method) else {
             return Err(nothing());
         };
-        let stepped = stepper.step(soil, (&self.y, &self.content), h, share, (&mut self.work, tolerance));
+        let stepped = stepper.step(soil, (&self.y, &self.content), h, bear, (&mut self.work, tolerance));
         let sums = match stepped {
             Ok(sums) => sums,
             // Half the step may be less of a stretch.
@@ -216,7 +220,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             return Ok(Grown { accepted: false, factor: if unknown { 0.1 } else { factor } });
         }
         self.done.accepted += 1;
-        self.book(&sums, 0.5 * (share(0.0) + share(1.0)));
+        self.book(&sums, h);
         self.time += h;
         let (strained, linear) = (self.commit(), self.soil.as_ref().is_some_and(Soil::linear));
         if strained > RELAY && self.scene.strain == StrainChoice::Large && self.flat() {
@@ -275,14 +279,22 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         if settlement > pressure || settlement.is_nan() { settlement } else { pressure }
     }
 
-    /// Books the work and the water of the last step, under a mean share of the load, and moves the unknowns to its end.
-    fn book(&mut self, sums: &StepSums, share: f64) {
+    /// Books the work and the water of the last step of `h` (s), under the mean load, and moves the unknowns to its end.
+    fn book(&mut self, sums: &StepSums, h: f64) {
+        let (time, ramp) = (self.time, self.ramp);
         let (Some(soil), Some(Method::Sdirk { stepper, .. })) = (&mut self.soil, &self.method) else { return };
         soil.expand(&self.y);
-        let before = [work_of(&soil.load, &soil.u), soil.weight_work()];
+        let works = |soil: &mut Soil<L, D>| {
+            let of = |soil: &mut Soil<L, D>, time: f64| {
+                soil.bear(time, ramp);
+                work_of(&soil.load, &soil.u)
+            };
+            [0.5 * (of(soil, time) + of(soil, time + h)), soil.weight_work()]
+        };
+        let before = works(soil);
         soil.expand(&stepper.end);
-        let after = [work_of(&soil.load, &soil.u), soil.weight_work()];
-        self.totals.external_work += share * (after[0] - before[0]);
+        let after = works(soil);
+        self.totals.external_work += after[0] - before[0];
         self.totals.gravity_work += after[1] - before[1];
         let held = soil.held(&soil.values.content) - soil.held(&self.content);
         self.totals.water_out += sums.outflow - held;

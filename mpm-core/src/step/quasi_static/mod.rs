@@ -34,6 +34,7 @@ use serde::{Deserialize, Serialize};
 use super::{Fault, Model, Work};
 use crate::checkpoint::{Archive, RestoreError};
 use crate::constitutive::{Flow, Law, Materials, State};
+use crate::dimension::in_two;
 use crate::observe::{Ledger, Observation, Totals};
 use crate::particles::SolidPoint;
 use crate::scene::{Scene, Stage, StepChoice, StrainChoice, TimeMethod};
@@ -134,7 +135,8 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// A run at t = 0, its first stage not yet entered.
     pub fn new(scene: &Scene, seeding: Seeding<L, D>) -> Self {
         let count = seeding.points.len();
-        let first = |point: &SolidPoint<D>| seeding.law.law(seeding.law.at(point.x[D - 1])).first_state(&point.stress);
+        let law = &seeding.law;
+        let first = |point: &SolidPoint<D>| law.law(law.soils.at(&in_two(&point.x))).first_state(&point.stress);
         Self {
             states: seeding.points.iter().map(first).collect(),
             points: seeding.points.clone(),
@@ -181,13 +183,14 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let pressure = largest(&soil.p);
         let face = self.seeding.thickness * self.scene.cell.powi(D as i32 - 1);
         let weight = self.scene.gravity.unwrap_or(0.0) * self.scene.mixture_density() * face * self.scene.cell;
-        let size = soil.scales[0] * (largest(&soil.load) + face * (stress + pressure) + weight);
+        let loads = soil.loads.iter().map(|(force, course)| course.most() * largest(force)).sum::<f64>();
+        let size = soil.scales[0] * (loads + face * (stress + pressure) + weight);
         if size > 0.0 { size } else { soil.scales[0] * face * soil.scales[1] * 1e-9 }
     }
 
     /// Pressure that errors are compared with, Pa.
     fn pressure_size(&self) -> f64 {
-        let load = self.scene.surcharge.map_or(0.0, |s| s.pressure.abs());
+        let load = self.scene.largest_load();
         let weight = self.scene.gravity.unwrap_or(0.0) * self.scene.mixture_density() * self.scene.height;
         let size = load + weight;
         if size > 0.0 { size } else { self.scene.oedometer_modulus() * 1e-9 }

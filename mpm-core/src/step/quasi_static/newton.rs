@@ -22,8 +22,6 @@ const RISING: usize = 10;
 /// What a stage has to fulfil.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stage<'a> {
-    /// Share of the full load.
-    pub share: f64,
     /// gamma dt, s: weight of the flow beside the water content.
     pub a: f64,
     /// Water content plus a times flow per pressure function, m3.
@@ -66,7 +64,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
             for d in 0..D {
                 if map[d] != HELD {
                     let at = function * D + d;
-                    residual[map[d] as usize] += length * (self.values.force[at] - stage.share * self.load[at]);
+                    residual[map[d] as usize] += length * (self.values.force[at] - self.load[at]);
                 }
             }
         }

@@ -54,7 +54,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             drained,
             thickness: self.seeding.thickness,
         };
-        ground.lay(self.seeding.law).map_err(|e| unsolved(&e))
+        ground.lay(self.seeding.law.clone()).map_err(|e| unsolved(&e))
     }
 
     fn take(&mut self, soil: Soil<L, D>) {
@@ -94,7 +94,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let y = soil.unknowns_of_fields();
         soil.evaluate_fields().map_err(|e| inside_out(&self.points, e.point))?;
         self.content.clone_from(&soil.values.content);
-        if self.seeding.law.are_layered() && smooth && carried.is_none() {
+        if self.seeding.law.soils.are_several() && smooth && carried.is_none() {
             self.first_content(soil);
         }
         self.y = y;

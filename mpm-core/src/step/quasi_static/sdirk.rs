@@ -59,14 +59,14 @@ impl Sdirk {
         }
     }
 
-    /// One step of `h` (s) from unknowns `start` with a water content; `share` is the load at a share of the step. The
+    /// One step of `h` (s) from unknowns `start` with a water content; `bear` puts the load at a share of the step on the soil. The
     /// result is in [`Self::end`], its error in [`Self::error`]. The factors must be those for `GAMMA h`.
     pub fn step<L: Law, const D: usize>(
         &mut self,
         soil: &mut Soil<L, D>,
         (start, content): (&[f64], &[f64]),
         h: f64,
-        share: impl Fn(f64) -> f64,
+        bear: impl Fn(&mut Soil<L, D>, f64),
         (work, tolerance): (&mut Workspace, f64),
     ) -> Result<StepSums, Stuck<D>> {
         let mut sums = StepSums::default();
@@ -80,7 +80,8 @@ impl Sdirk {
                     *target -= h * A[i][j] * flow;
                 }
             }
-            let stage = Stage { share: share(C[i]), a: GAMMA * h, target: &self.target, tolerance };
+            bear(soil, C[i]);
+            let stage = Stage { a: GAMMA * h, target: &self.target, tolerance };
             soil.fulfil(&stage, &mut self.end, work)?;
             self.flow[i].copy_from_slice(&soil.values.flow);
             let weight = h * A[STAGES - 1][i];

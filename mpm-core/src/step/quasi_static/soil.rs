@@ -14,6 +14,7 @@
 
 use super::tangent::System;
 use crate::constitutive::{Flow, Law, Materials, STATES, State};
+use crate::scene::Course;
 use crate::space::{Axis, MOST, Stencil, strain_mode, stretch, tensor, turned};
 
 /// Most that a law's results in steps and in half steps may be apart for an extrapolation, as a share of the stress.
@@ -68,7 +69,7 @@ pub(super) struct FacePart {
     pub area: f64,
     /// Distance to the middle of each cell, m.
     pub reach: [f64; 2],
-    /// Layer of each cell.
+    /// Soil of each cell.
     pub marks: [u8; 2],
 }
 
@@ -81,8 +82,6 @@ pub(super) struct Fluid<const D: usize> {
     pub compressibility: f64,
     /// rho_w, kg/m3.
     pub density: f64,
-    /// rho_s, kg/m3.
-    pub grain_density: f64,
     /// g, m/s2.
     pub gravity: Option<[f64; D]>,
 }
@@ -127,8 +126,10 @@ pub(super) struct Soil<L: Law, const D: usize> {
     pub soil_map: Vec<[u32; D]>,
     /// Unknown of each pressure function.
     pub water_map: Vec<u32>,
-    /// Force of the full load per displacement function and direction, N.
+    /// Force of the loads now per displacement function and direction, N.
     pub load: Vec<f64>,
+    /// The loads: force where the factor is 1, and how it goes on.
+    pub loads: Vec<(Vec<f64>, Course)>,
     /// Displacements (m) and pressures (Pa) of the functions at the unknowns of the last evaluation.
     pub u: Vec<[f64; D]>,
     pub p: Vec<f64>,
@@ -156,6 +157,22 @@ impl<L: Law, const D: usize> Soil<L, D> {
         (volume * law.finite_energy(&part.stress), part.stress.map(|s| volume * s))
     }
 
+    /// Puts on the loads of a time since the start of the run; sudden ones grow within a `ramp`, both s.
+    pub fn bear(&mut self, time: f64, ramp: f64) {
+        let Self { load, loads, .. } = self;
+        for (i, (force, course)) in loads.iter().enumerate() {
+            let factor = match course {
+                Course::Constant if time < ramp => time / ramp,
+                course => course.at(time, 0.0),
+            };
+            if i == 0 {
+                load.iter_mut().zip(force).for_each(|(load, force)| *load = factor * force);
+            } else {
+                load.iter_mut().zip(force).for_each(|(load, force)| *load += factor * force);
+            }
+        }
+    }
+
     /// Whether forces, content and flow are linear in the unknowns.
     pub fn linear(&self) -> bool {
         self.small && self.law.are_linear()
@@ -168,7 +185,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
 
     /// Mass of soil and water per volume of a pore part whose pores are a share of its first volume, kg/m3.
     fn mass_of(&self, part: &PorePart<D>, pores: f64) -> f64 {
-        (1.0 - part.porosity) * self.fluid.grain_density + pores * self.fluid.density
+        (1.0 - part.porosity) / self.law.soils.kind(part.mark).grain_inverse + pores * self.fluid.density
     }
 
     /// Work of gravity on the displacements in [`Self::u`] with the water of the start, J.
@@ -237,10 +254,11 @@ impl<L: Law, const D: usize> Soil<L, D> {
         self.values.outflow = 0.0;
         if self.faces.is_empty() {
             for part in &self.pore {
-                let slope = part.water.slope_of(&self.p);
+                let (slope, mobility) = (part.water.slope_of(&self.p), self.mobility(part));
+                let flux: [f64; D] = std::array::from_fn(|i| (0..D).map(|j| mobility[i][j] * slope[j]).sum());
                 for b in 0..part.water.count {
-                    let along: f64 = (0..D).map(|d| slope[d] * part.water.slope[b][d]).sum();
-                    self.values.flow[part.water.number[b] as usize] += part.weight * self.mobility(part) * along;
+                    let along: f64 = (0..D).map(|d| flux[d] * part.water.slope[b][d]).sum();
+                    self.values.flow[part.water.number[b] as usize] += part.weight * along;
                 }
             }
         }
@@ -380,8 +398,10 @@ impl<L: Law, const D: usize> Soil<L, D> {
 
     /// k/gamma_w at a pore part, m4/(N s).
     #[inline(always)]
-    pub fn mobility(&self, part: &PorePart<D>) -> f64 {
-        self.fluid.mobility * self.law.conductivity(part.mark)
+    pub fn mobility(&self, part: &PorePart<D>) -> [[f64; D]; D] {
+        let [x, y, across] = self.law.soils.kind(part.mark).conductivity.map(|ratio| self.fluid.mobility * ratio);
+        let along = |i: usize| if i + 2 - D == 0 { x } else { y };
+        std::array::from_fn(|i| std::array::from_fn(|j| if i == j { along(i) } else { across }))
     }
 
     fn pores(&mut self) -> Result<(), InsideOut<D>> {
@@ -427,7 +447,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 continue;
             }
             // Darcy: K (grad p - rho_w F^T g), with K = (k/gamma_w) (J F^-1) (J F^-1)^T / J.
-            let conductivity = conductivity(&cofactor, if self.small { 0.0 } else { change }, mobility);
+            let conductivity = conductivity(&cofactor, if self.small { 0.0 } else { change }, &mobility);
             let slope = part.water.slope_of(&self.p);
             let turn = if self.small { 0.0 } else { 1.0 };
             let weight: [f64; D] = std::array::from_fn(|d| match gravity {
@@ -463,10 +483,10 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 let gradient = sum.map(|row| row.map(|g| g / volume));
                 let found = stretch(&gradient)?;
                 let cofactor = found.inverse.map(|row| row.map(|x| x * found.volume));
-                normal = conductivity(&cofactor, found.volume - 1.0, 1.0)[face.axis][face.axis];
+                normal = conductivity(&cofactor, found.volume - 1.0, &identity())[face.axis][face.axis];
                 along = 1.0 + gradient[face.axis][face.axis];
             }
-            resistance += reach / (normal * self.law.conductivity(mark));
+            resistance += reach / (normal * self.law.soils.kind(mark).along(face.axis, D));
             weight += self.fluid.density * gravity * along * reach;
         }
         Some((self.fluid.mobility * face.area / resistance, weight))
@@ -543,11 +563,14 @@ fn split(stress: &[f64; 4], apart: bool) -> (f64, [f64; 4]) {
 }
 
 /// K = mobility J F^-1 F^-T from J F^-1 and J - 1.
-pub(super) fn conductivity<const D: usize>(cofactor: &[[f64; D]; D], change: f64, mobility: f64) -> [[f64; D]; D] {
-    let factor = mobility / (1.0 + change);
-    std::array::from_fn(|i| {
-        std::array::from_fn(|j| factor * (0..D).map(|k| cofactor[i][k] * cofactor[j][k]).sum::<f64>())
-    })
+pub(super) fn conductivity<const D: usize>(
+    cofactor: &[[f64; D]; D],
+    change: f64,
+    mobility: &[[f64; D]; D],
+) -> [[f64; D]; D] {
+    let inverse = 1.0 / (1.0 + change);
+    let half = |i: usize, k: usize| (0..D).map(|l| mobility[k][l] * cofactor[i][l]).sum::<f64>();
+    std::array::from_fn(|i| std::array::from_fn(|j| inverse * (0..D).map(|k| cofactor[j][k] * half(i, k)).sum::<f64>()))
 }
 
 pub(super) fn identity<const D: usize>() -> [[f64; D]; D] {

@@ -158,7 +158,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
             let pores = if self.small { part.porosity } else { change + part.porosity };
             let ratio = if self.small { 1.0 } else { 1.0 + self.denser(part.water.scalar(&self.p)) };
             let storage = part.weight * pores * ratio * self.fluid.compressibility * pressure * pressure;
-            let flow = conductivity(&cofactor, if self.small { 0.0 } else { change }, self.mobility(part));
+            let flow = conductivity(&cofactor, if self.small { 0.0 } else { change }, &self.mobility(part));
             let factor = a * part.weight * pressure * pressure;
             for b in 0..part.water.count {
                 let value = part.water.value[b];

@@ -47,7 +47,7 @@ fn entered<L: Law, const D: usize>(scene: &Scene, law: L) -> QuasiStatic<L, D> {
         scene,
         Seeding {
             points,
-            law: Materials::one(law),
+            law: Materials::one(law, 1.0 / scene.grain_density),
             top: Vec::new(),
             thickness,
             first_pressure: |_, height| 1e3 * height,
@@ -152,7 +152,7 @@ fn residuals_of_yielding(dilation_angle: f64) -> Vec<f64> {
     let mut work = Workspace::new(y.len(), soil.scales[0] * largest(&soil.load));
     soil.evaluate(&y).expect("a sound state");
     soil.refresh(0.0).expect("factors");
-    let balance = Balance { share: 1.0, a: 0.0, target: &[], tolerance: 0.0 };
+    let balance = Balance { a: 0.0, target: &[], tolerance: 0.0 };
     match soil.fulfil(&balance, &mut y, &mut work) {
         Err(Stuck::NotConverged(residuals)) => residuals,
         other => panic!("{other:?}"),
@@ -194,7 +194,8 @@ fn the_check_of_the_matrix_can_fail() {
     assert!(difference(&without.values, &soil.system.matrix.values) > 1e-7);
     // A soil that is a ten-thousandth stiffer than its matrix.
     let kept = soil.system.matrix.clone();
-    soil.law = Materials::one(LinearElastic::new(&Elastic { youngs_modulus: 1.0001 * SOIL.youngs_modulus, ..SOIL }));
+    let stiffer = Elastic { youngs_modulus: 1.0001 * SOIL.youngs_modulus, ..SOIL };
+    soil.law = Materials::one(LinearElastic::new(&stiffer), 1.0 / 2700.0);
     soil.refresh(a).expect("factors");
     assert!(difference(&kept.values, &soil.system.matrix.values) > 1e-7);
 }

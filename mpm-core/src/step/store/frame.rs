@@ -34,9 +34,10 @@ pub struct Frame<const D: usize> {
 }
 
 impl<const D: usize> Frame<D> {
-    /// The numbering of a grid whose cells reach so many functions along each axis, `before` of them behind the cell.
-    pub fn new(grid: &Grid<D>, reach: usize, before: usize) -> Self {
-        let row = if D == 1 { 1 } else { grid.cells[0] + reach - 1 };
+    /// The numbering of a grid whose cells reach so many functions along each axis, `before` of them behind the cell. Where the water
+    /// is `periodic`, each row has a place of its own before its first cell and one behind the last.
+    pub fn new(grid: &Grid<D>, reach: usize, before: usize, periodic: bool) -> Self {
+        let row = if D == 1 { 1 } else { grid.cells[0] + (reach - 1).max(if periodic { 2 } else { 0 }) };
         let count = (if D == 1 { 1 } else { row }) * (grid.cells[D - 1] + reach - 1);
         let least = LEAST[0].max(LEAST[1] * row);
         let mut strips = 1;
@@ -114,6 +115,18 @@ impl<const D: usize> Frame<D> {
             position[D - 1] = number / self.stride[D - 1];
         }
         position
+    }
+
+    /// From the number of a cell to that of a node at one of its corners.
+    #[inline]
+    pub fn offset_of_corner(&self, corner: usize) -> usize {
+        (corner & 1) + if D == 1 { 0 } else { (corner >> 1) * self.stride[D - 1] }
+    }
+
+    /// The last cell and the first one of each row, where water goes over the seam of a periodic mesh.
+    pub fn seam(&self) -> impl Iterator<Item = [usize; 2]> {
+        let (rows, stride, across) = (if D == 1 { 0 } else { self.cells[D - 1] }, self.stride[D - 1], self.cells[0]);
+        (0..rows).map(move |row| [row * stride + across - 1, row * stride])
     }
 
     /// Whether a place is a cell of the mesh, and not one that only pads.

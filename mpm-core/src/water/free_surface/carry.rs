@@ -87,7 +87,7 @@ impl<const D: usize> FreeSurface<D> {
                 });
             });
         }
-        self.soil = SoilMap::new(grid, solid, cell_volume / self.medium.size, per_direction, self.medium.bound);
+        self.soil = SoilMap::new(grid, solid, cell_volume / self.medium.size, per_direction, &self.soils);
         self.soil.close(grid);
         *boxes = moved;
         let mut lost = Vec::new();
@@ -149,6 +149,7 @@ mod tests {
     use super::super::Medium;
     use super::*;
     use crate::particles::even_positions;
+    use crate::soils::Soils;
 
     const N: f64 = 0.3;
     const CLOSED: Surroundings = Surroundings { open: [false; 4], feeds: [None; 4], periodic: false };
@@ -177,7 +178,7 @@ mod tests {
                 volume,
             };
             let solid = Layer::new(even_positions(cells, per_direction).map(at).collect(), &grid).unwrap();
-            let bound = 1.0 - N;
+            let soils = Soils::one(1.0 - N);
             let medium = Medium {
                 conductance: 1e-8,
                 size: 1.0,
@@ -185,10 +186,9 @@ mod tests {
                 weight: [0.0, -9810.0],
                 unit_weight: 9810.0,
                 porosity: N,
-                bound,
             };
-            let soil = SoilMap::new(&grid, &solid, 1.0, per_direction, bound);
-            let mut water = FreeSurface::new(&grid, medium, soil, &CLOSED).unwrap();
+            let soil = SoilMap::new(&grid, &solid, 1.0, per_direction, &soils);
+            let mut water = FreeSurface::new(&grid, medium, (soil, soils), &CLOSED).unwrap();
             let content: Vec<f64> = grid
                 .walk()
                 .map(|(cell, position)| wet(position) * if water.soil.is_soil(cell) { water.pores(cell) } else { 0.0 })

@@ -28,6 +28,8 @@ pub struct Edge {
     pub upper: bool,
     /// Share of a whole face.
     pub open: f64,
+    /// Its conductivity over that of the medium.
+    pub ratio: f64,
     /// Where a face to the side begins, above the bottom of the cell, in cells.
     pub from: f64,
     /// Distance from the centre of the cell to the outside, in cells.
@@ -96,11 +98,11 @@ fn to_outline(share: f64, beyond: f64) -> f64 {
 /// would stand on it.
 const LEAST_OPENING: f64 = 1e-9;
 
-/// All edges of the soil, and which of them rain falls on. `face_area` in m2;
+/// All edges of the soil, of which the best conduct as the `largest`, and which of them rain falls on. `face_area` in m2;
 /// `beyond` is what feeds with a velocity meet beyond what the map shows, in cells.
 pub fn edges<const D: usize>(
     grid: &Grid<D>,
-    soil: &SoilMap<D>,
+    (soil, largest): (&SoilMap<D>, f64),
     medium: &Medium<D>,
     around: &Surroundings,
     face_area: f64,
@@ -137,6 +139,7 @@ pub fn edges<const D: usize>(
                     axis: axis as u8,
                     upper,
                     open,
+                    ratio: soil.halves.at(cell, axis, upper) / largest,
                     // Soil lies at the bottom of its cell: what is open to the side lies above what is not.
                     from: if vertical { 0.0 } else { from },
                     distance,
@@ -189,7 +192,7 @@ pub fn edges<const D: usize>(
     (list, rained)
 }
 
-/// Lets rain fall on the faces that look up: `whole` (m3/s) on a whole face, of which `most` may enter. `more` is what the width
+/// Lets rain fall on the faces that look up: `whole` (m3/s) on a whole face, of which `most` may enter the soil that conducts best. `more` is what the width
 /// of a column of cells is beyond what the faces show, in cells.
 fn rain_on<const D: usize>(
     grid: &Grid<D>,
@@ -221,6 +224,7 @@ fn rain_on<const D: usize>(
         }
         for (face, open) in faces.iter().zip(widths).filter(|(_, open)| *open > 0.0) {
             let way_in = (list.len() + feeds.len()) as u32;
+            let most = most * list[*face as usize].ratio;
             rained.push(Rained { way_out: *face, way_in, excess: (whole - most).max(0.0) * open });
             feeds.push(Edge { outside: Outside::Inflow(whole.min(most) * open), open, ..list[*face as usize] });
         }
@@ -265,7 +269,8 @@ impl<const D: usize> Medium<D> {
         let cell = edge.cell as usize;
         let kind = now.kind[cell];
         let up = edge.axis as usize == D - 1 && self.rise() > 0.0;
-        let t = self.conductance / edge.distance;
+        let conductance = self.conductance * edge.ratio;
+        let t = conductance / edge.distance;
         let (half, p) = (0.5 * self.rise() * self.size, now.pressure[cell]);
         let outwards = if edge.upper { 1.0 } else { -1.0 };
         match edge.outside {
@@ -274,7 +279,7 @@ impl<const D: usize> Medium<D> {
                 // Nothing but gravity moves water that runs through.
                 let along = outwards * self.weight[edge.axis as usize] * self.size;
                 let falls = if kind == Kind::Loose { along.max(0.0) } else { 0.0 };
-                Linear { fixed: self.conductance * edge.open * falls * now.wet[cell], ..Linear::default() }
+                Linear { fixed: conductance * edge.open * falls * now.wet[cell], ..Linear::default() }
             }
             Outside::Air if up && edge.upper => {
                 // Out through the surface of a full cell, once its pressure is above that of a level there.
@@ -315,10 +320,10 @@ impl<const D: usize> Medium<D> {
                 // A front in its first cell, x^2 growing with k p/(gamma_w n): exact from any start.
                 let mean = if up { outside } else { self.mean_pressure(outside, edge.open) };
                 let pores = soil.pores[cell];
-                let reach = 2.0 * self.conductance * edge.open * mean * dt / pores;
+                let reach = 2.0 * conductance * edge.open * mean * dt / pores;
                 let enters = ((start * start + reach).sqrt() - start) * pores / dt;
                 let along = -outwards * self.weight[edge.axis as usize] * self.size;
-                let falls = if up { self.conductance * edge.open * along.max(0.0) } else { 0.0 };
+                let falls = if up { conductance * edge.open * along.max(0.0) } else { 0.0 };
                 Linear { fixed: -enters - falls, ..Linear::default() }
             }
         }
@@ -334,18 +339,12 @@ impl<const D: usize> Medium<D> {
 mod tests {
     use super::*;
     use crate::particles::{Layer, SolidPoint, even_positions};
+    use crate::soils::Soils;
 
     const H: f64 = 0.5;
     const G: f64 = 10.0;
-    const MEDIUM: Medium<2> = Medium {
-        conductance: 2.0,
-        size: H,
-        cell_volume: H * H,
-        weight: [0.0, -G],
-        unit_weight: G,
-        porosity: 0.3,
-        bound: 0.0,
-    };
+    const MEDIUM: Medium<2> =
+        Medium { conductance: 2.0, size: H, cell_volume: H * H, weight: [0.0, -G], unit_weight: G, porosity: 0.3 };
 
     /// A quarter of a cell of soil around a place in cells.
     fn at(x: [f64; 2]) -> SolidPoint<2> {
@@ -357,8 +356,9 @@ mod tests {
     fn seeps(from: f64, level: f64) -> f64 {
         let grid = Grid::new([2, 1], H);
         let solid = Layer::new(even_positions([1, 1], 2).map(at).collect(), &grid).unwrap();
-        let soil = SoilMap::new(&grid, &solid, H, 2, 0.0);
-        let edge = Edge { cell: 0, axis: 0, upper: true, open: 1.0 - from, from, distance: 0.5, outside: Outside::Air };
+        let soil = SoilMap::new(&grid, &solid, H, 2, &Soils::one(0.0));
+        let (open, outside) = (1.0 - from, Outside::Air);
+        let edge = Edge { cell: 0, axis: 0, upper: true, open, ratio: 1.0, from, distance: 0.5, outside };
         let wet = level.min(1.0);
         let kind = if level < 1.0 { Kind::Standing } else { Kind::Full };
         let pressure = [MEDIUM.standing_pressure(1.0, 1.0) + G * H * (level - 1.0), 0.0];
@@ -390,15 +390,15 @@ mod tests {
         let grid = Grid::new([3, 2], H);
         let points = even_positions([2, 1], 2).filter(|x| x[0] < 1.0 || x[1] < 0.5).map(at).collect();
         let solid = Layer::new(points, &grid).unwrap();
-        let soil = SoilMap::new(&grid, &solid, H, 2, 0.0);
+        let soil = SoilMap::new(&grid, &solid, H, 2, &Soils::one(0.0));
         let around = |feeds| Surroundings { open: [false; 4], feeds, periodic: false };
-        let (list, _) = edges(&grid, &soil, &MEDIUM, &around([None; 4]), H, &Along::default());
+        let (list, _) = edges(&grid, (&soil, 1.0), &MEDIUM, &around([None; 4]), H, &Along::default());
         let sideways: Vec<_> = list.iter().filter(|e| e.axis == 0).map(|e| (e.cell, e.upper, e.open, e.from)).collect();
         assert_eq!(sideways, [(0, true, 0.5, 0.5), (1, true, 0.5, 0.0)]);
         // A feed on the wall meets soil only, and nothing above its level.
         let fed = |head: f64| {
             let feeds = [Some(Feed::Head(head)), None, None, None];
-            edges(&grid, &soil, &MEDIUM, &around(feeds), H, &Along::default())
+            edges(&grid, (&soil, 1.0), &MEDIUM, &around(feeds), H, &Along::default())
                 .0
                 .iter()
                 .filter(|e| e.outside != Outside::Air)

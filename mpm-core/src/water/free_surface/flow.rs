@@ -56,12 +56,14 @@ pub struct Link {
     pub axis: u8,
     /// Share of the face that is soil on both sides.
     pub open: f64,
+    /// Its conductivity over that of the medium.
+    pub ratio: f64,
 }
 
 /// Constants of the flow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Medium<const D: usize> {
-    /// Flow per pressure drop through a whole face, (k/gamma_w) A/h, m3/(s Pa).
+    /// Flow per pressure drop through a whole face of the soil that conducts best, (k/gamma_w) A/h, m3/(s Pa).
     pub conductance: f64,
     /// Edge of a cell h, m.
     pub size: f64,
@@ -73,8 +75,6 @@ pub struct Medium<const D: usize> {
     pub unit_weight: f64,
     /// Porosity that the water can fill at t = 0, n (1 - S_0).
     pub porosity: f64,
-    /// Volume of grains and of water that stays where it is, per dry mass, m3/kg.
-    pub bound: f64,
 }
 
 impl<const D: usize> Medium<D> {
@@ -169,7 +169,7 @@ impl<const D: usize> Medium<D> {
     /// Through a horizontal face.
     fn upwards(&self, link: &Link, now: Now) -> Linear {
         let (low, high) = (link.low as usize, link.high as usize);
-        let t = self.conductance * link.open;
+        let t = self.conductance * link.ratio * link.open;
         let weight = self.rise() * self.size;
         match (now.kind[low].unknown(), now.kind[high].unknown()) {
             // Water above a full cell that draws it down falls, no faster than k.
@@ -200,7 +200,7 @@ impl<const D: usize> Medium<D> {
         let (low, high) = (link.low as usize, link.high as usize);
         let half = 0.5 * self.rise() * self.size;
         let drive = self.weight[link.axis as usize] * self.size;
-        let t = self.conductance;
+        let t = self.conductance * link.ratio;
         let bottom = |cell: usize| now.pressure[cell] + half;
         let wet = |cell: usize| {
             if !now.kind[cell].unknown() {
@@ -352,7 +352,6 @@ mod tests {
         weight: [0.0, -10.0],
         unit_weight: 10.0,
         porosity: 0.3,
-        bound: 0.0,
     };
 
     #[test]
@@ -370,7 +369,7 @@ mod tests {
 
     #[test]
     fn still_water_does_not_flow() {
-        let link = |axis| Link { low: 0, high: 1, face: 0, axis, open: 1.0 };
+        let link = |axis| Link { low: 0, high: 1, face: 0, axis, open: 1.0, ratio: 1.0 };
         let kind = [Kind::Full, Kind::Standing];
         // A level 0.3 m above the upper edge of the lower cell.
         let pressure = [10.0 * 0.55, MEDIUM.standing_pressure(0.6, 1.0)];

@@ -22,6 +22,7 @@ pub use soil::{LEAST_OPEN, LEAST_SHARE, SoilMap};
 use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::grid::Grid;
 use crate::scene::Feed;
+use crate::soils::Soils;
 use crate::sparse::Unsolved;
 use flow::{Linear, Now, System, Terms};
 
@@ -46,6 +47,8 @@ pub struct FreeSurface<const D: usize> {
     pub medium: Medium<D>,
     /// The soil.
     pub soil: SoilMap<D>,
+    /// Which particle is of which soil.
+    pub soils: Soils,
     /// Mobile water in each cell, m3.
     pub content: Vec<f64>,
     /// Kind of each cell.
@@ -130,7 +133,12 @@ impl<const D: usize> FreeSurface<D> {
     ///
     /// # Errors
     /// Out of memory.
-    pub fn new(grid: &Grid<D>, medium: Medium<D>, soil: SoilMap<D>, around: &Surroundings) -> Result<Self, Unsolved> {
+    pub fn new(
+        grid: &Grid<D>,
+        medium: Medium<D>,
+        (soil, soils): (SoilMap<D>, Soils),
+        around: &Surroundings,
+    ) -> Result<Self, Unsolved> {
         let cells = grid.cell_count();
         let mut water = Self {
             medium,
@@ -161,6 +169,7 @@ impl<const D: usize> FreeSurface<D> {
             wet: vec![0.0; cells],
             flips: vec![0; cells],
             soil,
+            soils,
         };
         water.lay(grid, around);
         Ok(water)
@@ -168,7 +177,7 @@ impl<const D: usize> FreeSurface<D> {
 
     /// Finds the faces of the soil as it is in the map now.
     pub fn lay(&mut self, grid: &Grid<D>, around: &Surroundings) {
-        self.links = links(grid, &self.soil, around.periodic);
+        self.links = links(grid, &self.soil, self.soils.largest_conductivity(), around.periodic);
         self.flows.clear();
         self.flows.resize(self.links.len(), Linear::default());
         self.stale = true;
@@ -196,7 +205,8 @@ impl<const D: usize> FreeSurface<D> {
     /// Changes what surrounds the soil.
     pub fn surround(&mut self, grid: &Grid<D>, around: &Surroundings) {
         let face_area = self.medium.cell_volume / self.medium.size;
-        (self.edges, self.rained) = edges::edges(grid, &self.soil, &self.medium, around, face_area, &self.beyond);
+        let soil = (&self.soil, self.soils.largest_conductivity());
+        (self.edges, self.rained) = edges::edges(grid, soil, &self.medium, around, face_area, &self.beyond);
         self.leaks.clear();
         self.leaks.resize(self.edges.len(), Linear::default());
         self.left.clear();
@@ -574,7 +584,8 @@ impl<const D: usize> FreeSurface<D> {
         around: &Surroundings,
     ) -> Result<(), RestoreError> {
         let soil = &mut self.soil;
-        archive!(archive.slice: self.content, self.pressure, self.full, soil.share, soil.pores);
+        archive!(archive.slice: self.content, self.pressure, self.full, soil.share, soil.pores, soil.stays);
+        archive.value(&mut soil.halves)?;
         for cover in &mut soil.cover {
             archive.slice(cover)?;
         }
@@ -605,8 +616,8 @@ fn cuts(share: f64) -> bool {
     (0.05..0.95).contains(&share)
 }
 
-/// Faces between cells of soil.
-fn links<const D: usize>(grid: &Grid<D>, soil: &SoilMap<D>, periodic: bool) -> Vec<Link> {
+/// Faces between cells of soil, of which the best conduct as the `largest`.
+fn links<const D: usize>(grid: &Grid<D>, soil: &SoilMap<D>, largest: f64, periodic: bool) -> Vec<Link> {
     let mut list = Vec::new();
     for (cell, position) in grid.walk() {
         let mut stride = 1;
@@ -629,7 +640,15 @@ fn links<const D: usize>(grid: &Grid<D>, soil: &SoilMap<D>, periodic: bool) -> V
                 };
                 let open = below.min(above);
                 if open > 0.0 {
-                    list.push(Link { low: low as u32, high: cell as u32, face: face as u32, axis: axis as u8, open });
+                    let ratio = soil.halves.between(axis, low, cell) / largest;
+                    list.push(Link {
+                        low: low as u32,
+                        high: cell as u32,
+                        face: face as u32,
+                        axis: axis as u8,
+                        open,
+                        ratio,
+                    });
                 }
             }
             stride *= grid.cells[axis];

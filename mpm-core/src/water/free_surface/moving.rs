@@ -503,6 +503,7 @@ mod tests {
     use super::*;
     use crate::dimension::{PRESSURE, internal_force};
     use crate::particles::{Layer, SolidPoint, even_positions};
+    use crate::soils::Soils;
 
     const H: f64 = 0.5;
     const N: f64 = 0.3;
@@ -522,18 +523,10 @@ mod tests {
             |x: [f64; 2]| SolidPoint::<2> { x: x.map(|x| x * H), v: [0.0; 2], stress: [0.0; 4], mass: volume, volume };
         let solid = Layer::new(even_positions(CELLS, 2).map(at).collect(), &grid).unwrap();
         let weight = [0.0, -9810.0];
-        let medium = Medium {
-            conductance,
-            size: H,
-            cell_volume: H * H,
-            weight,
-            unit_weight: 9810.0,
-            porosity: N,
-            bound: 1.0 - N,
-        };
-        let soil = SoilMap::new(&grid, &solid, H, 2, 1.0 - N);
+        let medium = Medium { conductance, size: H, cell_volume: H * H, weight, unit_weight: 9810.0, porosity: N };
+        let soil = SoilMap::new(&grid, &solid, H, 2, &Soils::one(1.0 - N));
         let around = Surroundings { open: [false; 4], feeds: [None; 4], periodic: false };
-        let mut water = FreeSurface::new(&grid, medium, soil, &around).unwrap();
+        let mut water = FreeSurface::new(&grid, medium, (soil, Soils::one(1.0 - N)), &around).unwrap();
         let content: Vec<f64> = (0..12).map(|cell| water.pores(cell)).collect();
         water.fill(&content);
         let mut squeeze = Squeeze::default();

@@ -4,6 +4,8 @@
 
 use crate::grid::Grid;
 use crate::particles::{Layer, SolidPoint};
+use crate::soils::Soils;
+use crate::water::Halves;
 
 /// Less soil than this share of a cell holds no water.
 pub const LEAST_SHARE: f64 = 1e-3;
@@ -18,6 +20,10 @@ pub struct SoilMap<const D: usize> {
     pub share: Vec<f64>,
     /// Pores of each cell that mobile water can fill, m3.
     pub pores: Vec<f64>,
+    /// Water of each cell that stays where it is, m3.
+    pub stays: Vec<f64>,
+    /// How the soil conducts.
+    pub halves: Halves<D>,
     /// For each axis and face the share that is soil just below it and just above it, 0 to 1.
     pub cover: [Vec<[f64; 2]>; D],
 }
@@ -26,32 +32,36 @@ pub struct SoilMap<const D: usize> {
 type Along = (usize, [f64; 3]);
 
 impl<const D: usize> SoilMap<D> {
-    /// The map of a layer; `face_area` is that of a whole face, m2, `per_direction` the particles per cell and direction,
-    /// `bound` the volume of grains and of water that stays, per dry mass, m3/kg.
+    /// The map of a layer; `face_area` is that of a whole face, m2, `per_direction` the particles per cell and direction.
     pub fn new(
         grid: &Grid<D>,
         solid: &Layer<SolidPoint<D>, D>,
         face_area: f64,
         per_direction: usize,
-        bound: f64,
+        soils: &Soils,
     ) -> Self {
         let mut map = Self {
             share: vec![0.0; grid.cell_count()],
             pores: vec![0.0; grid.cell_count()],
+            stays: vec![0.0; grid.cell_count()],
+            halves: Halves::of(grid, solid, soils),
             cover: std::array::from_fn(|axis| vec![[0.0; 2]; grid.face_count(axis)]),
         };
         let cell_volume = face_area * grid.size;
         // Half a particle beside a face: what lies there touches it.
         let strip = 0.5 / per_direction as f64;
-        for point in &solid.points {
+        for (point, id) in solid.points.iter().zip(&solid.ids) {
+            let kind = soils.kind_of(*id);
             let half = 0.5 * (point.volume / cell_volume).powf(1.0 / D as f64);
             let middle = point.x.map(|x| x * grid.inverse_size);
-            let open = (1.0 - bound * point.mass / point.volume).max(LEAST_OPEN);
-            map.add(grid, &middle, half, strip, open * cell_volume);
+            let open = (1.0 - (kind.grain_inverse + kind.stays) * point.mass / point.volume).max(LEAST_OPEN);
+            let stays = kind.stays * point.mass / point.volume;
+            map.add(grid, &middle, half, strip, [open * cell_volume, stays * cell_volume]);
         }
-        for (share, pores) in map.share.iter_mut().zip(&mut map.pores) {
+        for (share, (pores, stays)) in map.share.iter_mut().zip(map.pores.iter_mut().zip(&mut map.stays)) {
             // Boxes that overlap fill no more than their cell.
             *pores /= share.max(1.0);
+            *stays /= share.max(1.0);
             *share = share.min(1.0);
         }
         for cover in map.cover.iter_mut().flatten().flatten() {
@@ -60,12 +70,14 @@ impl<const D: usize> SoilMap<D> {
         map
     }
 
-    /// Adds a box around `middle`, of `half` its edge, all in cells; a whole cell of it has `pores`, m3.
-    fn add(&mut self, grid: &Grid<D>, middle: &[f64; D], half: f64, strip: f64, pores: f64) {
+    /// Adds a box around `middle`, of `half` its edge, all in cells; a whole cell of it has so large pores and so much water that
+    /// stays, m3.
+    fn add(&mut self, grid: &Grid<D>, middle: &[f64; D], half: f64, strip: f64, [pores, stays]: [f64; 2]) {
         let whole: [Along; D] = std::array::from_fn(|d| along(middle[d] - half, middle[d] + half, grid.cells[d]));
         spread(grid, &whole, |cell, _, volume| {
             self.share[cell] += volume;
             self.pores[cell] += pores * volume;
+            self.stays[cell] += stays * volume;
         });
         for axis in 0..D {
             // A strip below and one above each face that the box may touch.
@@ -183,7 +195,7 @@ mod tests {
     fn a_block_on_the_mesh_fills_its_cells_and_faces() {
         let grid = Grid::new([4, 3], 1.0);
         let solid = Layer::new(block([2, 2], 2, [0.0; 2]), &grid).unwrap();
-        let map = SoilMap::new(&grid, &solid, 1.0, 2, 0.0);
+        let map = SoilMap::new(&grid, &solid, 1.0, 2, &Soils::one(0.0));
         for (cell, position) in grid.walk() {
             let inside = position[0] < 2 && position[1] < 2;
             assert!((map.share[cell] - f64::from(u8::from(inside))).abs() < 1e-12);
@@ -199,7 +211,7 @@ mod tests {
         for step in 0..20 {
             let shift = [0.1 * f64::from(step), 0.05 * f64::from(step)];
             let solid = Layer::new(block([2, 2], 3, shift), &grid).unwrap();
-            let map = SoilMap::new(&grid, &solid, 1.0, 3, 0.0);
+            let map = SoilMap::new(&grid, &solid, 1.0, 3, &Soils::one(0.0));
             assert!((map.share.iter().sum::<f64>() - 4.0).abs() < 1e-12, "{shift:?}");
         }
     }
@@ -211,7 +223,7 @@ mod tests {
         let missing = [[3.25, 2.25], [3.25, 4.75], [2.25, 0.25]];
         let points: Vec<_> = block([5, 5], 2, [1.0, 0.0]).into_iter().filter(|p| !missing.contains(&p.x)).collect();
         let solid = Layer::new(points, &grid).unwrap();
-        let mut map = SoilMap::new(&grid, &solid, 1.0, 2, 0.0);
+        let mut map = SoilMap::new(&grid, &solid, 1.0, 2, &Soils::one(0.0));
         let open = map.clone();
         map.close(&grid);
         let (amid, edge, foot) = (3 + 2 * 7, 3 + 4 * 7, 2);

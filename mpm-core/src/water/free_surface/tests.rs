@@ -18,11 +18,11 @@ fn block(cells: [usize; 2], h: f64, weight: [f64; 2], around: &Surroundings) -> 
         volume: 0.25 * h * h,
     };
     let solid = Layer::new(even_positions(cells, 2).map(at).collect(), &grid).unwrap();
-    let bound = (1.0 - N) * 0.25 * h * h;
-    let soil = SoilMap::new(&grid, &solid, h, 2, bound);
+    let soils = Soils::one((1.0 - N) * 0.25 * h * h);
+    let soil = SoilMap::new(&grid, &solid, h, 2, &soils);
     let (conductance, cell_volume) = (K / GAMMA, h * h);
-    let medium = Medium { conductance, size: h, cell_volume, weight, unit_weight: GAMMA, porosity: N, bound };
-    let water = FreeSurface::new(&grid, medium, soil, around).unwrap();
+    let medium = Medium { conductance, size: h, cell_volume, weight, unit_weight: GAMMA, porosity: N };
+    let water = FreeSurface::new(&grid, medium, (soil, soils), around).unwrap();
     (grid, water)
 }
 

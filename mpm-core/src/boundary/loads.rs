@@ -1,0 +1,111 @@
+//! Loads on faces of the soil: every piece of its outline is carried by the particle behind it.
+
+use crate::dimension::in_two;
+use crate::grid::Grid;
+use crate::particles::{Layer, SolidPoint};
+use crate::scene::{Course, Fields, Piece};
+use crate::seeding::{Beside, pieces};
+
+/// A piece of the outline that bears a load, and the particle that carries it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoadedPiece<const D: usize> {
+    /// The particle, by the number it was seeded with.
+    pub id: u32,
+    /// From the particle to the middle of the piece at t = 0, m.
+    pub offset: [f64; D],
+    /// Volume of the particle at t = 0, m3.
+    pub volume: f64,
+    /// Force where the factor of the load is 1, N.
+    pub force: [f64; D],
+    /// Which load it bears.
+    course: u16,
+}
+
+/// The loads on the faces of a scene.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FaceLoads<const D: usize> {
+    /// What bears them, by the numbers of the particles, ascending.
+    pub pieces: Vec<LoadedPiece<D>>,
+    /// How they go on in time.
+    courses: Vec<Course>,
+}
+
+impl<const D: usize> FaceLoads<D> {
+    /// Those of a scene and its particles; `width` is that of a column, m.
+    ///
+    /// The surcharge is one of them on an outline; else the surface bears it.
+    pub fn of(scene: &Fields, solid: &Layer<SolidPoint<D>, D>, width: f64) -> Self {
+        let surcharge = scene.surcharge.filter(|_| scene.outline.is_some());
+        if surcharge.is_none() && scene.loads.is_empty() {
+            return Self::default();
+        }
+        let mut particles = vec![([0.0; D], 0.0); solid.points.len()];
+        for (point, id) in solid.points.iter().zip(&solid.ids) {
+            particles[*id as usize] = (point.x, point.volume);
+        }
+        let mut found = Self::default();
+        if D == 1 {
+            // The ends of a column.
+            for load in &scene.loads {
+                let piece = [[0.0, -width], [0.0, width]].map(|outward| Piece { middle: [0.0; 2], outward });
+                let (end, piece) = if load.part_of(&piece[1]).is_some() { (1, piece[1]) } else { (0, piece[0]) };
+                let number = if end == 1 { particles.len() - 1 } else { 0 };
+                let middle = Piece { middle: [0.0, end as f64 * scene.height], ..piece };
+                found.add((number, &particles[number]), &middle, load.force(&piece));
+                found.courses.push(load.course.clone());
+            }
+        } else {
+            let beside = Beside::new(particles.iter().map(|(x, _)| in_two(x)).collect(), scene.spacing());
+            let outline = scene.outline_or_box();
+            let mut bear = |course: &Course, of: &dyn Fn(&Piece) -> Option<(Piece, [f64; 2])>| {
+                for (piece, force) in pieces(&outline, scene.spacing()).filter_map(|piece| of(&piece)) {
+                    if let Some(number) = beside.find(&piece.middle).filter(|_| force != [0.0; 2]) {
+                        found.add((number, &particles[number]), &piece, force);
+                    }
+                }
+                found.courses.push(course.clone());
+            };
+            for load in &scene.loads {
+                bear(&load.course, &|piece| load.part_of(piece).map(|part| (part, load.force(&part))));
+            }
+            if let Some(load) = surcharge {
+                let course = if load.ramp_time > 0.0 { Course::Ramp(load.ramp_time) } else { Course::Constant };
+                bear(&course, &|piece| Some((*piece, load.force(piece))));
+            }
+        }
+        found.pieces.sort_by_key(|piece| piece.id);
+        found
+    }
+
+    fn add(&mut self, (number, (x, volume)): (usize, &([f64; D], f64)), piece: &Piece, force: [f64; 2]) {
+        let from = in_two(x);
+        self.pieces.push(LoadedPiece {
+            id: number as u32,
+            offset: std::array::from_fn(|d| piece.middle[d + 2 - D] - from[d + 2 - D]),
+            volume: *volume,
+            force: std::array::from_fn(|d| force[d + 2 - D]),
+            course: self.courses.len() as u16,
+        });
+    }
+
+    /// The factor on the force of a piece whose particle is at a place (m), at a time, s.
+    pub fn factor(&self, piece: &LoadedPiece<D>, place: &[f64; D], time: f64) -> f64 {
+        let x = if D == 2 { place[0] + piece.offset[0] } else { 0.0 };
+        self.courses[usize::from(piece.course)].at(time, x)
+    }
+}
+
+impl<const D: usize> LoadedPiece<D> {
+    /// Where its load acts: place of the cell of its particle, which stands at `x` (m) and has a volume (m3), and cell coordinates of
+    /// the point. The piece keeps its distance from the particle, times the stretch of that.
+    pub fn place(&self, grid: &Grid<D>, (x, volume): ([f64; D], f64)) -> ([usize; D], [f64; D]) {
+        let (mut position, mut xi) = ([0; D], [0.0; D]);
+        for d in 0..D {
+            let scaled = x[d] * grid.inverse_size;
+            position[d] = (scaled.max(0.0) as usize).min(grid.cells[d] - 1);
+            let stretch = if d == D - 1 { volume / self.volume } else { 1.0 };
+            xi[d] = scaled - position[d] as f64 + self.offset[d] * stretch * grid.inverse_size;
+        }
+        (position, xi)
+    }
+}

@@ -1,0 +1,250 @@
+//! The soils of a scene and which is where: that of `[soil]`, horizontal layers in its place, and regions over both.
+
+use std::ops::{Deref, DerefMut};
+
+use serde::Serialize;
+
+use super::{CamClay, Elastic, Fields, Start, Strength};
+use crate::seeding::{self, inside};
+
+/// What a part of the ground is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Soil {
+    /// Elasticity of its skeleton.
+    pub elastic: Elastic,
+    /// Its strength, where its law is Mohr-Coulomb.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strength: Option<Strength>,
+    /// Its hardening, where its law is modified Cam-Clay.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cam_clay: Option<CamClay>,
+    /// Density of the grains, kg/m3.
+    pub grain_density: f64,
+    /// Porosity n.
+    pub porosity: f64,
+    /// Hydraulic conductivity k, m/s, the vertical one where there are two; that of no water is 0.
+    pub hydraulic_conductivity: f64,
+    /// Horizontal over vertical hydraulic conductivity.
+    #[serde(skip_serializing_if = "is_one")]
+    pub anisotropy: f64,
+    /// Lateral over vertical effective stress of a geostatic start; `None` for that of no lateral strain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub k0: Option<f64>,
+}
+
+/// Keys that most soils do not have stay out of the record of a scene.
+pub(super) fn is_one(number: &f64) -> bool {
+    *number == 1.0
+}
+
+impl Soil {
+    /// Density of the dry skeleton, (1 - n) rho_s, kg/m3.
+    pub fn dry_density(&self) -> f64 {
+        (1.0 - self.porosity) * self.grain_density
+    }
+
+    /// Lateral over vertical effective stress of a geostatic start.
+    pub fn lateral_ratio(&self) -> f64 {
+        self.k0.unwrap_or_else(|| self.elastic.lame() / self.elastic.oedometer_modulus())
+    }
+}
+
+/// A layer of soil, from the top of the one below it to its own top.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SoilLayer {
+    /// Top of the layer above the base, m.
+    pub up_to: f64,
+    /// What it is made of.
+    #[serde(flatten)]
+    pub soil: Soil,
+}
+
+impl Deref for SoilLayer {
+    type Target = Soil;
+
+    fn deref(&self) -> &Soil {
+        &self.soil
+    }
+}
+
+impl DerefMut for SoilLayer {
+    fn deref_mut(&mut self) -> &mut Soil {
+        &mut self.soil
+    }
+}
+
+/// A part of the ground with a soil of its own.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Region {
+    /// Its corners, m.
+    pub polygon: Vec<[f64; 2]>,
+    /// Its heights (m), if it goes all across.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub levels: Option<[f64; 2]>,
+    /// What it is made of.
+    #[serde(flatten)]
+    pub soil: Soil,
+}
+
+/// All soils: of the layers, or else that of the scene, then of the regions; and which is where.
+#[derive(Debug, Clone)]
+pub struct Ground {
+    /// The soils by their numbers.
+    pub soils: Vec<Soil>,
+    /// Which one is where.
+    pub zones: Zones,
+}
+
+impl Ground {
+    /// The soil at a place, m.
+    pub fn at(&self, place: &[f64; 2]) -> &Soil {
+        &self.soils[usize::from(self.zones.at(place))]
+    }
+
+    /// Soil along the vertical line at x (m) between two heights (m), from the lower one up: from where to where, and which.
+    pub fn between(&self, x: f64, low: f64, high: f64) -> Vec<([f64; 2], Soil)> {
+        let mut ends: Vec<f64> = self.zones.changes(x).filter(|y| *y > low && *y < high).chain([low, high]).collect();
+        ends.sort_by(f64::total_cmp);
+        let part = |ends: &[f64]| ([ends[0], ends[1]], *self.at(&[x, 0.5 * (ends[0] + ends[1])]));
+        ends.windows(2).filter(|ends| ends[1] > ends[0]).map(part).collect()
+    }
+}
+
+/// Which soil is where at t = 0, by its number.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Zones {
+    /// Tops of the layers but the last, from the base up, m.
+    tops: Vec<f64>,
+    /// Corners of the regions, m; the last one that a place is in has it.
+    regions: Vec<Vec<[f64; 2]>>,
+}
+
+impl Zones {
+    /// Number of the soil at a place, m.
+    pub fn at(&self, place: &[f64; 2]) -> u8 {
+        let first = self.tops.len() + 1;
+        let region = self.regions.iter().rposition(|polygon| inside(polygon, place));
+        region.map_or_else(|| self.tops.iter().filter(|top| place[1] >= **top).count(), |i| first + i) as u8
+    }
+
+    /// Heights at which the soil changes along a vertical line at x, m.
+    fn changes(&self, x: f64) -> impl Iterator<Item = f64> {
+        self.tops.iter().copied().chain(self.regions.iter().flat_map(move |polygon| seeding::passes(polygon, x)))
+    }
+}
+
+impl Fields {
+    /// The soil of `[soil]`.
+    pub fn soil(&self) -> Soil {
+        let Self { elastic, strength, cam_clay, grain_density, porosity, start_k0, .. } = *self;
+        let [hydraulic_conductivity, anisotropy] =
+            self.water.map_or([0.0, 1.0], |w| [w.hydraulic_conductivity, w.anisotropy]);
+        let k0 = start_k0;
+        Soil { elastic, strength, cam_clay, grain_density, porosity, hydraulic_conductivity, anisotropy, k0 }
+    }
+
+    /// All soils, and which is where.
+    pub fn ground(&self) -> Ground {
+        let tops = self.layers.iter().map(|layer| layer.up_to).take(self.layers.len().saturating_sub(1)).collect();
+        let zones = Zones { tops, regions: self.regions.iter().map(|region| region.polygon.clone()).collect() };
+        Ground { soils: self.soils(), zones }
+    }
+
+    /// All soils: of the layers, or else that of the scene, then of the regions.
+    pub fn soils(&self) -> Vec<Soil> {
+        let mut soils: Vec<Soil> = self.layers.iter().map(|layer| layer.soil).collect();
+        if soils.is_empty() {
+            soils.push(self.soil());
+        }
+        soils.extend(self.regions.iter().map(|region| region.soil));
+        soils
+    }
+
+    /// Whether there is more than one soil.
+    pub fn has_several_soils(&self) -> bool {
+        self.layers.len() + self.regions.len() > 0
+    }
+
+    /// Layers from the base up, each with its thickness (m) and as a scene of its soil alone; the scene itself where
+    /// there are none.
+    pub fn by_layer(&self) -> Vec<(f64, Self)> {
+        if self.layers.is_empty() {
+            return vec![(self.height, self.clone())];
+        }
+        self.thicknesses().map(|(layer, thickness)| (thickness, self.with_soil_of(&layer.soil))).collect()
+    }
+
+    /// Every soil as a scene of it alone.
+    pub fn by_soil(&self) -> Vec<Self> {
+        if !self.has_several_soils() {
+            return vec![self.clone()];
+        }
+        self.soils().iter().map(|soil| self.with_soil_of(soil)).collect()
+    }
+
+    /// The scene with one soil all over.
+    fn with_soil_of(&self, soil: &Soil) -> Self {
+        let Soil { elastic, strength, cam_clay, grain_density, porosity, k0, .. } = *soil;
+        let (layers, regions) = (Vec::new(), Vec::new());
+        let base = Self { layers, regions, elastic, strength, cam_clay, grain_density, porosity, ..self.clone() };
+        let mut scene = Self { start_k0: k0, ..base };
+        if let Some(water) = &mut scene.water {
+            water.hydraulic_conductivity = soil.hydraulic_conductivity;
+            water.anisotropy = soil.anisotropy;
+        }
+        scene
+    }
+
+    /// Total vertical stress at a height (m) under surcharge and weight, Pa, compression positive.
+    pub fn total_stress_at(&self, height: f64) -> f64 {
+        let weight = self.gravity.unwrap_or(0.0);
+        let weight = if self.has_several_soils() {
+            let parts = self.ground().between(0.5 * self.width, height, self.height);
+            weight * parts.iter().map(|([low, high], soil)| self.mixture_density_of(soil) * (high - low)).sum::<f64>()
+        } else {
+            weight * self.mixture_density() * (self.height - height)
+        };
+        self.surcharge.map_or(0.0, |s| s.pressure) + weight
+    }
+
+    /// Undrained pore pressure at a height (m), the share Q/(M + Q) of the total stress, Pa: each layer has its own.
+    pub fn undrained_pressure_at(&self, height: f64) -> f64 {
+        let share = if self.has_several_soils() {
+            self.undrained_share_in(self.ground().at(&[0.5 * self.width, height]))
+        } else {
+            self.undrained_share()
+        };
+        share * self.total_stress_at(height)
+    }
+
+    /// Settlement of the state a run starts from, counted from the unloaded one, m: the sum over the layers of
+    /// (s - p_0) h/M with the total stress s in their middle.
+    pub fn first_settlement(&self) -> f64 {
+        if self.start != Start::UndrainedEquilibrium {
+            return 0.0;
+        }
+        let of = |soil: &Soil, base: f64, top: f64| {
+            let carried = (1.0 - self.undrained_share_in(soil)) * self.total_stress_at(0.5 * (base + top));
+            carried * (top - base) / soil.elastic.oedometer_modulus()
+        };
+        self.middle().iter().map(|([a, b], soil)| of(soil, *a, *b)).sum()
+    }
+
+    /// Water that the soil gives per volume and pressure under a constant load, 1/M + n/K_w, averaged over the height,
+    /// 1/Pa.
+    pub fn storage(&self) -> f64 {
+        let of = |soil: &Soil| 1.0 / soil.elastic.oedometer_modulus() + 1.0 / self.pore_stiffness_of(soil);
+        self.middle().iter().map(|([low, high], soil)| (high - low) * of(soil)).sum::<f64>() / self.height
+    }
+
+    /// Soil along the middle of the scene, from the base up: from where to where, and which.
+    pub(super) fn middle(&self) -> Vec<([f64; 2], Soil)> {
+        self.ground().between(0.5 * self.width, 0.0, self.height)
+    }
+
+    /// Every layer with its thickness, m.
+    pub(super) fn thicknesses(&self) -> impl Iterator<Item = (&SoilLayer, f64)> {
+        let bases = std::iter::once(0.0).chain(self.layers.iter().map(|layer| layer.up_to));
+        self.layers.iter().zip(bases).map(|(layer, base)| (layer, layer.up_to - base))
+    }
+}

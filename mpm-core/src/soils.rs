@@ -1,0 +1,107 @@
+//! Which particle is of which soil, and what of that is no law: conductivity, grains, the water that stays in its pores.
+
+use std::sync::Arc;
+
+use crate::scene::{Fields, Ground, Soil, Zones};
+
+/// What a soil is to the water.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Kind {
+    /// Its hydraulic conductivity over that of the scene's water: xx, yy, xy.
+    pub conductivity: [f64; 3],
+    /// Volume of the grains per mass, m3/kg.
+    pub grain_inverse: f64,
+    /// Volume of the water that stays in its pores under a free surface, per dry mass, m3/kg.
+    pub stays: f64,
+}
+
+/// The soils of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Soils {
+    kinds: Arc<[Kind]>,
+    /// Where they are at t = 0.
+    zones: Zones,
+    /// Which one each particle is of, by its number; empty where there is only one.
+    which: Arc<[u8]>,
+}
+
+impl Soils {
+    /// One for all particles, that conducts as the water does and has grains of a volume per mass, m3/kg.
+    pub fn one(grain_inverse: f64) -> Self {
+        let kinds = [Kind { conductivity: [1.0, 1.0, 0.0], grain_inverse, stays: 0.0 }];
+        Self { kinds: Arc::new(kinds), zones: Zones::default(), which: Arc::default() }
+    }
+
+    /// Those of a scene, of particles at these places, m.
+    pub fn of(scene: &Fields, places: impl Iterator<Item = [f64; 2]>) -> Self {
+        let reference = scene.water.map_or(1.0, |water| water.hydraulic_conductivity);
+        let saturation = scene.free_surface.as_ref().map_or(0.0, |free| free.saturation);
+        let kind = |soil: &Soil| Kind {
+            conductivity: match scene.water {
+                Some(_) => {
+                    let vertical = soil.hydraulic_conductivity / reference;
+                    [soil.anisotropy * vertical, vertical, 0.0]
+                }
+                None => [1.0, 1.0, 0.0],
+            },
+            grain_inverse: 1.0 / soil.grain_density,
+            stays: saturation * soil.porosity / soil.dry_density(),
+        };
+        let Ground { soils, zones } = scene.ground();
+        let kinds: Arc<[Kind]> = soils.iter().map(kind).collect();
+        let which = if kinds.len() > 1 { places.map(|place| zones.at(&place)).collect() } else { Arc::default() };
+        Self { kinds, zones, which }
+    }
+
+    /// What the particle with a number is of.
+    #[inline(always)]
+    pub fn of_particle(&self, id: u32) -> u8 {
+        // Lanes without a particle have a number of none.
+        self.which.get(id as usize).copied().unwrap_or(0)
+    }
+
+    /// Which one is at a place at t = 0, m.
+    pub fn at(&self, place: &[f64; 2]) -> u8 {
+        self.zones.at(place)
+    }
+
+    /// One of them.
+    #[inline(always)]
+    pub fn kind(&self, which: u8) -> &Kind {
+        &self.kinds[usize::from(which)]
+    }
+
+    /// That of the particle with a number.
+    #[inline(always)]
+    pub fn kind_of(&self, id: u32) -> &Kind {
+        self.kind(self.of_particle(id))
+    }
+
+    /// Whether there are several.
+    pub fn are_several(&self) -> bool {
+        self.kinds.len() > 1
+    }
+
+    /// Whether they conduct differently, or not the same along both axes.
+    pub fn conduct_differently(&self) -> bool {
+        self.kinds.iter().any(|kind| kind.conductivity != [1.0, 1.0, 0.0])
+    }
+
+    /// Whether their grains weigh differently.
+    pub fn weigh_differently(&self) -> bool {
+        self.kinds.iter().any(|kind| kind.grain_inverse != self.kinds[0].grain_inverse)
+    }
+
+    /// Largest conductivity of any along any axis, over that of the scene's water.
+    pub fn largest_conductivity(&self) -> f64 {
+        self.kinds.iter().flat_map(|kind| [kind.conductivity[0], kind.conductivity[1]]).fold(0.0, f64::max)
+    }
+}
+
+impl Kind {
+    /// Its hydraulic conductivity along an axis of so many, over that of the scene's water.
+    #[inline(always)]
+    pub fn along(&self, axis: usize, dimensions: usize) -> f64 {
+        self.conductivity[axis + 2 - dimensions]
+    }
+}

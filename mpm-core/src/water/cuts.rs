@@ -1,0 +1,204 @@
+//! Cells that the outline of the soil cuts: how much of each face is soil, where the pressure of a cell stands, and the pieces of the
+//! outline that water may pass.
+//!
+//! The pressure of a cell is that at the centroid of its soil. Between two cells it drops along the axis, over the distance of
+//! their centroids; to a piece of the outline along the normal of that.
+
+use serde::{Deserialize, Serialize};
+
+use crate::dimension::in_two;
+use crate::grid::Grid;
+use crate::particles::{Layer, SolidPoint};
+use crate::scene::{Fields, Piece, Side};
+use crate::seeding::{Beside, between, of_square, passes, pieces};
+use crate::soils::Soils;
+
+/// A centroid is at least so far from a piece of the outline, in cells.
+const NEAREST: f64 = 0.05;
+/// Centroids of two cells are at least so far apart, in cells.
+const CLOSEST: f64 = 0.25;
+
+/// A piece of the outline, and the cell behind it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Opening {
+    /// The cell.
+    pub cell: u32,
+    /// The piece, m.
+    pub piece: Piece,
+    /// From the place of the cell's pressure to the piece, m.
+    pub away: [f64; 2],
+    /// Its area over the distance along its normal, times the conductivity along that over that of the water; m for 1 m.
+    pub conducts: f64,
+}
+
+/// The cells of a scene as its outline cuts them.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Cuts {
+    /// Corners of the soil at t = 0 (m), and the particle that each goes with, and where that was.
+    corners: Vec<([f64; 2], u32, [f64; 2])>,
+    /// Share of each face that is soil, for each axis.
+    open: [Vec<f64>; 2],
+    /// Place of the pressure of each cell, in cell coordinates.
+    at: Vec<[f64; 2]>,
+    /// Share of each cell that is soil.
+    share: Vec<f64>,
+    /// The outline, piece by piece.
+    pub openings: Vec<Opening>,
+}
+
+impl Cuts {
+    /// Those of a scene with an outline, whose particles stand where they were seeded.
+    pub fn new<const D: usize>(scene: &Fields, solid: &Layer<SolidPoint<D>, D>) -> Self {
+        let Some(outline) = &scene.outline else { return Self::default() };
+        let mut places = vec![[0.0; 2]; solid.points.len()];
+        solid.points.iter().zip(&solid.ids).for_each(|(point, id)| places[*id as usize] = in_two(&point.x));
+        let beside = Beside::new(places.clone(), scene.spacing());
+        let corner = |piece: Piece| {
+            let [x, y] = piece.outward;
+            let corner = [piece.middle[0] + 0.5 * y, piece.middle[1] - 0.5 * x];
+            beside.find(&piece.middle).map(|id| (corner, id as u32, places[id]))
+        };
+        Self { corners: pieces(outline, scene.spacing()).filter_map(corner).collect(), ..Self::default() }
+    }
+
+    /// Whether there are any.
+    pub fn are_known(&self) -> bool {
+        !self.corners.is_empty()
+    }
+
+    /// Looks at the soil again: the outline goes with its particles.
+    pub fn follow<const D: usize>(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>, soils: &Soils) {
+        if !self.are_known() {
+            return;
+        }
+        let mut moved = vec![[0.0; 2]; solid.points.len()];
+        solid.points.iter().zip(&solid.ids).for_each(|(point, id)| moved[*id as usize] = in_two(&point.x));
+        let place = |(corner, id, start): &([f64; 2], u32, [f64; 2])| {
+            let now = moved[*id as usize];
+            [0, 1].map(|d| corner[d] + now[d] - start[d])
+        };
+        let polygon: Vec<[f64; 2]> = self.corners.iter().map(place).collect();
+        let (size, cells) = (grid.size, [grid.cells[0], grid.cells[D - 1]]);
+        (self.share, self.at) = (vec![0.0; grid.cell_count()], vec![[0.5; 2]; grid.cell_count()]);
+        for row in 0..cells[1] {
+            let strip = between(&polygon, 1, row as f64 * size, (row + 1) as f64 * size);
+            for column in (0..cells[0]).filter(|_| !strip.is_empty()) {
+                if let Some(part) = of_square(&strip, [column, row], size) {
+                    let cell = column + row * cells[0];
+                    self.share[cell] = part.area / (size * size);
+                    self.at[cell] = [0, 1].map(|d| part.centroid[d] / size - [column, row][d] as f64);
+                }
+            }
+        }
+        for axis in 0..2 {
+            self.open[axis] = vec![0.0; grid.face_count(axis.min(D - 1))];
+            // Seen along the other axis the polygon is turned over.
+            let turned: Vec<[f64; 2]> = polygon.iter().map(|x| if axis == 0 { *x } else { [x[1], x[0]] }).collect();
+            for line in 0..=cells[axis] {
+                let soil = inside_on_both_sides(&turned, line as f64 * size);
+                for across in 0..cells[1 - axis] {
+                    let [low, high] = [across, across + 1].map(|i| i as f64 * size);
+                    let share: f64 = soil.iter().map(|[a, b]| (b.min(high) - a.max(low)).max(0.0)).sum();
+                    let mut position = [0; D];
+                    (position[axis.min(D - 1)], position[(1 - axis).min(D - 1)]) = (line, across);
+                    self.open[axis][grid.face(axis.min(D - 1), &position)] = share / size;
+                }
+            }
+        }
+        self.find_openings(grid, solid, soils, &polygon);
+    }
+
+    fn find_openings<const D: usize>(
+        &mut self,
+        grid: &Grid<D>,
+        solid: &Layer<SolidPoint<D>, D>,
+        soils: &Soils,
+        polygon: &[[f64; 2]],
+    ) {
+        let (size, across) = (grid.size, grid.cells[0]);
+        // Cells with particles have a pressure; a piece of the outline in another one is that of the nearest.
+        let owners: Vec<usize> = (0..grid.cell_count()).filter(|cell| !solid.range(*cell).is_empty()).collect();
+        let place = |cell: usize| [0, 1].map(|d| (self.at[cell][d] + [cell % across, cell / across][d] as f64) * size);
+        let beside = Beside::new(owners.iter().map(|cell| place(*cell)).collect(), size);
+        self.openings.clear();
+        for piece in pieces(polygon, size) {
+            let length = piece.outward[0].hypot(piece.outward[1]);
+            let normal = piece.outward.map(|n| n / length);
+            let inwards = [0, 1].map(|d| piece.middle[d] - 1e-6 * size * normal[d]);
+            let own = inwards.map(|x| (x / size).floor().max(0.0) as usize);
+            let own = own[0] + own[1] * across;
+            let own = Some(own).filter(|own| owners.binary_search(own).is_ok());
+            let Some(cell) = own.or_else(|| beside.find(&piece.middle).map(|i| owners[i])) else { continue };
+            let away = [0, 1].map(|d| piece.middle[d] - place(cell)[d]);
+            let distance = (away[0] * normal[0] + away[1] * normal[1]).max(NEAREST * size);
+            let first = solid.range(cell).start;
+            let [x, y, xy] = soils.kind_of(solid.ids[first]).conductivity;
+            let along = x * normal[0].powi(2) + y * normal[1].powi(2) + 2.0 * xy * normal[0] * normal[1];
+            self.openings.push(Opening { cell: cell as u32, piece, away, conducts: along * length / distance });
+        }
+    }
+
+    /// Share of a face that is soil, and the edge of a cell over the distance of the pressures beside it; of a face of the mesh
+    /// between two cells.
+    pub fn face<const D: usize>(
+        &self,
+        grid: &Grid<D>,
+        axis: usize,
+        face: &[usize; D],
+        [low, high]: [usize; 2],
+    ) -> [f64; 2] {
+        if !self.are_known() {
+            return [1.0, 1.0];
+        }
+        let distance = 1.0 + self.at[high][axis] - self.at[low][axis];
+        [self.open[axis][grid.face(axis, face)], 1.0 / distance.max(CLOSEST)]
+    }
+
+    /// What is left of the stiffness of the water in a cell so that an explicit step is as stable there as in a full one inside, by
+    /// Gershgorin's circles: its neighbours conduct to both sides of the diagonal, openings to one. `faces` are the sums of both over
+    /// those of a full face.
+    pub fn softness(&self, cell: usize, [inner, outer]: [f64; 2]) -> f64 {
+        /// Twice the four faces of a full cell.
+        const FULL: f64 = 8.0;
+        (FULL * self.share[cell] / (2.0 * inner + outer).max(f64::MIN_POSITIVE)).min(1.0)
+    }
+}
+
+impl Opening {
+    /// Whether it looks towards one of the sides for which `open` holds.
+    pub fn looks_to(&self, open: &[bool; 4]) -> bool {
+        let [x, y] = self.piece.outward;
+        let least = 1e-9 * x.hypot(y);
+        let towards = [-x > least, x > least, -y > least, y > least];
+        Side::ALL.iter().any(|side| towards[*side as usize] && open[*side as usize])
+    }
+}
+
+/// Where a line x = place (m) lies in a polygon on both of its sides, from where to where, m.
+fn inside_on_both_sides(polygon: &[[f64; 2]], place: f64) -> Vec<[f64; 2]> {
+    let spans = |x: f64| {
+        let mut heights: Vec<f64> = passes(polygon, x).collect();
+        heights.sort_by(f64::total_cmp);
+        heights.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<_>>()
+    };
+    let (right, left) = (spans(place), spans(place.next_down()));
+    let both = |a: &[f64; 2]| {
+        let a = *a;
+        left.iter().map(move |b| [a[0].max(b[0]), a[1].min(b[1])]).filter(|[low, high]| low < high).collect::<Vec<_>>()
+    };
+    right.iter().flat_map(both).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_along_a_wall_is_soil_where_both_sides_are() {
+        // A wall stands on the right half of a floor.
+        let wall = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 2.0], [1.0, 0.5], [0.0, 0.5]];
+        assert_eq!(inside_on_both_sides(&wall, 1.0), [[0.0, 0.5]]);
+        assert_eq!(inside_on_both_sides(&wall, 1.5), [[0.0, 2.0]]);
+        assert!(inside_on_both_sides(&wall, 2.0).is_empty());
+    }
+}
