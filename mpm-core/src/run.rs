@@ -11,8 +11,8 @@ use crate::hardware::{Hardware, Width};
 use crate::observe::Seed;
 use crate::particles::{Layer, SolidPoint, WaterPoint, displace, even_positions};
 use crate::scene::{
-    DarcyChoice, Dimension, Ground, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, Soil, Start, TransferChoice,
-    UnfitLoad, UpdateChoice, WaterProperties,
+    Bearing, DarcyChoice, Dimension, Ground, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, Soil, Start,
+    TransferChoice, UnfitLoad, UpdateChoice, WaterProperties,
 };
 use crate::seeding::{self, Part};
 use crate::soils::Soils;
@@ -21,7 +21,7 @@ use crate::step::kernel::{self, Bspline, Over};
 use crate::step::quasi_static::{QuasiStatic, Seeding};
 use crate::step::store::Frame;
 use crate::step::{
-    Body, Condition, Damping, Explicit, Failing, Friction, GivenForce, Held, Joined, Lifted, Model, RigidPlate,
+    Body, Condition, Damping, Explicit, Failing, Friction, GivenForce, Held, Joined, Lifted, Model, Moved, RigidPlate,
     TwoClocks,
 };
 use crate::water::Carried;
@@ -194,7 +194,7 @@ fn implicit<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness: f6
     let point = |(x, _): &([f64; D], bool)| {
         let (vertical, _) = first_state(scene, &ground, &in_two(x));
         let soil = ground.at(&in_two(x));
-        let stress = in_plane(vertical, soil.lateral_ratio() * vertical);
+        let stress = in_plane(vertical, soil.lateral_stress(vertical));
         SolidPoint { x: *x, v: [0.0; D], stress, mass: soil.dry_density() * volume, volume }
     };
     let law = materials(scene, places.iter().map(|(x, _)| in_two(x)));
@@ -236,7 +236,7 @@ impl<const D: usize> Seeded<D> {
         let point = |x: [f64; D], volume: f64| {
             let (vertical, pressure) = first_state(scene, &ground, &in_two(&x));
             let soil = ground.at(&in_two(&x));
-            let mut stress = in_plane(vertical, soil.lateral_ratio() * vertical);
+            let mut stress = in_plane(vertical, soil.lateral_stress(vertical));
             if scene.slope_angle.is_some() {
                 stress[3] = first_shear(scene, vertical - pressure);
             }
@@ -372,6 +372,9 @@ impl<const D: usize> Seeded<D> {
             conditions.push(Box::new(Friction::new(base, self.grid.cells[0], particles, &held, scene.water.is_some())));
         }
         conditions.push(Box::new(held));
+        for plate in &scene.plates {
+            conditions.push(Box::new(Moved::new(plate, &along, scene, |place| frame.function(place))));
+        }
         conditions.push(Box::new(Damping::default()));
         let free = match scene.water.filter(|_| scene.free_surface.is_some()) {
             Some(water) => {
@@ -470,7 +473,7 @@ fn first_state(scene: &Scene, ground: &Ground, place: &[f64; 2]) -> (f64, f64) {
         (Start::Unloaded, _) => (0.0, 0.0),
         (Start::UndrainedEquilibrium, _) => {
             let pressure = scene.undrained_pressure_at(place[1]);
-            (pressure - scene.total_stress_at(place[1]), pressure)
+            (ground.at(place).alpha() * pressure - scene.total_stress_at(place[1]), pressure)
         }
         (Start::Geostatic, None) => state_at_depth(scene, ground, place, scene.height - place[1]),
         (Start::Geostatic, Some(outline)) => state_at_depth(scene, ground, place, seeding::depth(outline, place)),
@@ -490,13 +493,20 @@ fn state_at_depth(scene: &Scene, ground: &Ground, place: &[f64; 2], depth: f64) 
             (wet.clamp(0.0, depth), free.saturation)
         }
     };
+    // What stands on the surface presses on soil and water alike.
+    let surface = [place[0], place[1] + depth];
+    let standing =
+        scene.loads.iter().filter(|load| load.bearing == Bearing::Reservoir && load.course.at(0.0, 0.0) > surface[1]);
+    let standing = standing.filter_map(|load| load.of_water(&surface, 0.0, density * g)).fold(0.0, f64::max);
     let mut weight = 0.0;
+    let alpha = ground.at(place).alpha();
     for ([low, high], soil) in ground.between(place[0], place[1], place[1] + depth) {
         let (pores, wet) = (density * soil.porosity, (place[1] + wet - low).clamp(0.0, high - low));
         weight += (soil.dry_density() + moist * pores) * (high - low) + (1.0 - moist) * pores * wet;
     }
     let pressure = density * g * wet;
-    (-(g * weight - pressure), pressure)
+    // The total stress has alpha of the pressure.
+    (-(g * weight + standing - alpha * (pressure + standing)), pressure + standing)
 }
 
 /// Shear stress (Pa) on planes along a tilted base beside a total normal stress on them, of an infinite slope:

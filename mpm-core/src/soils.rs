@@ -13,6 +13,10 @@ pub struct Kind {
     pub grain_inverse: f64,
     /// Volume of the water that stays in its pores under a free surface, per dry mass, m3/kg.
     pub stays: f64,
+    /// Biot's coefficient alpha, and what grains give per volume and pressure, 1/Pa: 1 and 0 where they do not compress.
+    pub biot: [f64; 2],
+    /// Volume per dry mass before any strain, m3/kg.
+    pub dry_inverse: f64,
 }
 
 /// The soils of a scene.
@@ -28,7 +32,8 @@ pub struct Soils {
 impl Soils {
     /// One for all particles, that conducts as the water does and has grains of a volume per mass, m3/kg.
     pub fn one(grain_inverse: f64) -> Self {
-        let kinds = [Kind { conductivity: [1.0, 1.0, 0.0], grain_inverse, stays: 0.0 }];
+        let (conductivity, biot) = ([1.0, 1.0, 0.0], [1.0, 0.0]);
+        let kinds = [Kind { conductivity, grain_inverse, stays: 0.0, biot, dry_inverse: 1.0 }];
         Self { kinds: Arc::new(kinds), zones: Zones::default(), which: Arc::default() }
     }
 
@@ -46,6 +51,8 @@ impl Soils {
             },
             grain_inverse: 1.0 / soil.grain_density,
             stays: saturation * soil.porosity / soil.dry_density(),
+            biot: [soil.alpha(), soil.grain_storage()],
+            dry_inverse: 1.0 / soil.dry_density(),
         };
         let Ground { soils, zones } = scene.ground();
         let kinds: Arc<[Kind]> = soils.iter().map(kind).collect();
@@ -90,6 +97,11 @@ impl Soils {
     /// Whether their grains weigh differently.
     pub fn weigh_differently(&self) -> bool {
         self.kinds.iter().any(|kind| kind.grain_inverse != self.kinds[0].grain_inverse)
+    }
+
+    /// Whether the grains of any compress.
+    pub fn compress(&self) -> bool {
+        self.kinds.iter().any(|kind| kind.biot != [1.0, 0.0])
     }
 
     /// Largest conductivity of any along any axis, over that of the scene's water.

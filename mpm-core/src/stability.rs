@@ -63,16 +63,18 @@ pub fn shortest_transfer(per_direction: usize) -> f64 {
 impl Medium {
     /// The medium of a scene.
     pub fn of(scene: &Fields) -> Self {
-        let pore_stiffness = scene.pore_stiffness();
+        let (pore_stiffness, alpha) = (scene.pore_stiffness(), scene.soil().alpha());
+        let mobility = scene.water.map_or(0.0, |w| w.largest_mobility());
         let with_inertia = scene.darcy_inertia && !flow_passes_held_soil(scene) && !scene.moves_through_cells();
         let flow_inertia = scene.water.filter(|_| with_inertia).map_or(0.0, |w| w.density);
         Self {
             modulus: scene.oedometer_modulus(),
             density: scene.mixture_density(),
             pore_stiffness,
-            mobility: scene.water.map_or(0.0, |w| w.largest_mobility()),
-            diffusivity: scene.water.map_or(0.0, |w| w.largest_mobility() * pore_stiffness),
-            flow_inertia,
+            // Of alpha p, which pushes the skeleton as p does where grains do not compress.
+            mobility: mobility / alpha.powi(2),
+            diffusivity: mobility * pore_stiffness / alpha.powi(2),
+            flow_inertia: alpha * flow_inertia,
             cell: scene.cell,
             shortest_transfer: shortest_transfer(scene.particles_per_direction()),
             flip: scene.flip,

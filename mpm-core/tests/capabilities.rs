@@ -96,10 +96,15 @@ fn written(has: &Set) -> String {
     line(is(Periodic), "left = \"periodic\"\nright = \"periodic\"");
     line(is(FixedSide), "right = \"fixed\"");
     line(is(HeldTop), "top = \"roller\"");
+    // What a held top cannot bear a free side can.
+    let face = if is(HeldTop) { "right" } else { "top" };
+    line(is(HeldTop) && (is(Loads) || is(MovedPlates)), "right = \"free\"");
     line(is(CoulombBase), "bottom = \"coulomb\"\n[base]\nfriction_angle = 40");
     line(is(Load), "[surcharge]\npressure = 1e3");
     line(is(Plate), "on = \"plate\"");
     line(is(Strip), "strip = { from = 0.0, to = 0.5 }");
+    line(is(Loads), &format!("[[loads]]\non = \"{face}\"\npressure = 1e3"));
+    line(is(MovedPlates), &format!("[[plates]]\non = \"{face}\"\nvelocity = 1e-6"));
     line(true, "[scheme]");
     line(true, &format!("shape = {}", word(2, "\"centre\"")));
     line(is(Nodal), "darcy = \"nodal\"");
@@ -247,6 +252,67 @@ fn every_pair_that_the_table_forbids_is_refused_in_its_words() {
         }
     }
     assert!(wrong.is_empty(), "{} pairs:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// What goes with every feature that leaves a free top (and, of water, holds some): lines that are put behind a key or at the end.
+const WITH_ALL: [(&str, &str, &str); 7] = [
+    ("load in time", "", "[[loads]]\non = \"top\"\npressure = 1e3\ntimes = [[0.0, 0.0], [1e-4, 1.0]]\n"),
+    ("wave", "", "[[loads]]\non = \"top\"\npressure = 1e3\nwater = true\nwave = { length = 2.0, period = 1.0 }\n"),
+    ("reservoir", "", "[[reservoirs]]\non = \"right\"\nlevel = 0.8\n"),
+    ("plate", "", "[[plates]]\non = \"top\"\nvelocity = 1e-6\n"),
+    ("Biot", "porosity = 0.4\n", "biot_coefficient = 0.8\n"),
+    ("grains", "porosity = 0.4\n", "grain_bulk_modulus = 1e9\n"),
+    ("anisotropy", "hydraulic_conductivity = 1e-3\n", "anisotropy = 4.0\n"),
+];
+
+#[test]
+fn loads_water_outside_and_grains_go_with_all_that_leaves_them_a_place() {
+    let (mut refused, mut wrong, mut ran) = (BTreeSet::new(), Vec::new(), 0);
+    for (name, behind, lines) in WITH_ALL {
+        for (feature, ..) in FEATURES {
+            let with = |text: String| match text.find(behind) {
+                Some(at) if !behind.is_empty() => {
+                    let (before, after) = text.split_at(at + behind.len());
+                    Some(format!("{before}{lines}{after}"))
+                }
+                Some(_) => Some(format!("{text}{lines}")),
+                None => None,
+            };
+            let texts: Vec<String> = sets(feature, feature).iter().filter_map(|set| with(written(set))).collect();
+            let parsed = texts.iter().find_map(|text| Scene::parse(text, "extra.toml").ok());
+            match (parsed, texts.last()) {
+                (Some(scene), _) => {
+                    ran += 1;
+                    wrong.extend(trouble(&scene).map(|trouble| format!("{name} {feature:?}: {trouble}")));
+                }
+                (None, Some(_)) => {
+                    refused.insert(format!("{name} {feature:?}"));
+                }
+                (None, None) => {}
+            }
+        }
+    }
+    eprintln!("{refused:#?}");
+    assert!(wrong.is_empty(), "{} pairs:\n{}", wrong.len(), wrong.join("\n"));
+    assert!(ran > 400, "{ran} pairs ran");
+    // A held top bears none, a dry scene has no water, a level needs weight, a column ends in its top and base.
+    let reasons = [
+        "load in time HeldTop",
+        "load in time Krylov",
+        "load in time PressureEnd",
+        "plate HeldTop",
+        "plate Krylov",
+        "plate PressureEnd",
+        "reservoir Column",
+        "reservoir Dry",
+        "reservoir Krylov",
+        "reservoir NoGravity",
+        "reservoir PressureEnd",
+        "wave Dry",
+        "wave Krylov",
+        "wave PressureEnd",
+    ];
+    assert_eq!(refused, reasons.map(String::from).into());
 }
 
 #[test]

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use commands::{
-    Failure, check, gate, levee, list, merge, metamorphic, mutants, nightly, report, solve, stability, study,
+    Failure, check, gallery, gate, levee, list, merge, metamorphic, mutants, nightly, report, solve, stability, study,
 };
 
 /// Verification of the two-layer material point method against exact solutions.
@@ -64,6 +64,13 @@ enum Command {
     Solve {
         #[command(flatten)]
         options: solve::Options,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Ten real scenes: an embankment on clay, a footing, a levee with a core, drawdown and others, each with its page
+    Gallery {
+        #[command(flatten)]
+        options: gallery::Options,
         #[command(flatten)]
         common: Common,
     },
@@ -143,6 +150,7 @@ fn main() -> ExitCode {
         Some(Command::Study { options, common }) => study::run(&options, &common),
         Some(Command::Merge { folders, common }) => merge::run(&folders, &common),
         Some(Command::Solve { options, common }) => solve::run(&options, &common),
+        Some(Command::Gallery { options, common }) => gallery::run(&options, &common),
         Some(Command::Levee { options, common }) => levee::run(&options, &common),
         Some(Command::Check { options, common }) => check::run(&options, &common),
         Some(Command::Stability { options, common }) => stability::run(&options, &common),

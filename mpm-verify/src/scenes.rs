@@ -5,16 +5,19 @@ use mpm_core::scene::Scene;
 use crate::error::Error::{self, Lacks};
 
 /// Names and texts of the scenes in `reference-data/scenes`.
-pub const BUILT_IN: [(&str, &str); 34] = [
+pub const BUILT_IN: [(&str, &str); 39] = [
+    ("biot-column", include_str!("../../reference-data/scenes/biot-column.toml")),
     ("block-on-incline", include_str!("../../reference-data/scenes/block-on-incline.toml")),
     ("block-stops", include_str!("../../reference-data/scenes/block-stops.toml")),
     ("block-weakens", include_str!("../../reference-data/scenes/block-weakens.toml")),
     ("boussinesq", include_str!("../../reference-data/scenes/boussinesq.toml")),
     ("collapse-dry", include_str!("../../reference-data/scenes/collapse-dry.toml")),
     ("collapse-saturated", include_str!("../../reference-data/scenes/collapse-saturated.toml")),
+    ("cyclic-load", include_str!("../../reference-data/scenes/cyclic-load.toml")),
     ("dam", include_str!("../../reference-data/scenes/dam.toml")),
     ("dry-bar", include_str!("../../reference-data/scenes/dry-bar.toml")),
     ("dynamic-column", include_str!("../../reference-data/scenes/dynamic-column.toml")),
+    ("flow-in-series", include_str!("../../reference-data/scenes/flow-in-series.toml")),
     ("hydrostatic", include_str!("../../reference-data/scenes/hydrostatic.toml")),
     ("infiltration", include_str!("../../reference-data/scenes/infiltration.toml")),
     ("infinite-slope", include_str!("../../reference-data/scenes/infinite-slope.toml")),
@@ -23,9 +26,11 @@ pub const BUILT_IN: [(&str, &str); 34] = [
     ("levee-paper", include_str!("../../reference-data/scenes/levee-paper.toml")),
     ("mandel", include_str!("../../reference-data/scenes/mandel.toml")),
     ("oedometer-plastic", include_str!("../../reference-data/scenes/oedometer-plastic.toml")),
+    ("pressed", include_str!("../../reference-data/scenes/pressed.toml")),
     ("rising-front", include_str!("../../reference-data/scenes/rising-front.toml")),
-    ("self-weight-consolidation", include_str!("../../reference-data/scenes/self-weight-consolidation.toml")),
+    ("seabed-wave", include_str!("../../reference-data/scenes/seabed-wave.toml")),
     ("self-weight", include_str!("../../reference-data/scenes/self-weight.toml")),
+    ("self-weight-consolidation", include_str!("../../reference-data/scenes/self-weight-consolidation.toml")),
     ("slope-at-rest", include_str!("../../reference-data/scenes/slope-at-rest.toml")),
     ("slope-seepage", include_str!("../../reference-data/scenes/slope-seepage.toml")),
     ("soft-layer", include_str!("../../reference-data/scenes/soft-layer.toml")),
@@ -40,6 +45,57 @@ pub const BUILT_IN: [(&str, &str); 34] = [
     ("undrained", include_str!("../../reference-data/scenes/undrained.toml")),
     ("undrained-wave", include_str!("../../reference-data/scenes/undrained-wave.toml")),
     ("wetting-front", include_str!("../../reference-data/scenes/wetting-front.toml")),
+];
+
+/// A scene of the gallery.
+#[derive(Debug, Clone, Copy)]
+pub struct Exhibit {
+    /// Its name.
+    pub name: &'static str,
+    /// Its picture on the page of all.
+    pub picture: &'static str,
+    /// Its file.
+    pub text: &'static str,
+}
+
+/// The scenes in `reference-data/gallery`, in the order of the page.
+pub const GALLERY: [Exhibit; 8] = [
+    Exhibit {
+        name: "embankment",
+        picture: "map-water",
+        text: include_str!("../../reference-data/gallery/embankment.toml"),
+    },
+    Exhibit {
+        name: "footing",
+        picture: "plot-history",
+        text: include_str!("../../reference-data/gallery/footing.toml"),
+    },
+    Exhibit {
+        name: "levee-with-core",
+        picture: "map-water",
+        text: include_str!("../../reference-data/gallery/levee-with-core.toml"),
+    },
+    Exhibit {
+        name: "drawdown",
+        picture: "map-water",
+        text: include_str!("../../reference-data/gallery/drawdown.toml"),
+    },
+    Exhibit { name: "rain", picture: "map-water", text: include_str!("../../reference-data/gallery/rain.toml") },
+    Exhibit {
+        name: "retaining-wall",
+        picture: "plot-history",
+        text: include_str!("../../reference-data/gallery/retaining-wall.toml"),
+    },
+    Exhibit {
+        name: "submerged-slope",
+        picture: "map-soil",
+        text: include_str!("../../reference-data/gallery/submerged-slope.toml"),
+    },
+    Exhibit {
+        name: "cyclic-load",
+        picture: "plot-history",
+        text: include_str!("../../reference-data/scenes/cyclic-load.toml"),
+    },
 ];
 
 /// A built-in scene by name.
@@ -70,6 +126,14 @@ pub fn oedometer() -> Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn scenes_of_the_gallery_are_short_and_hold() {
+        for Exhibit { name, text, .. } in GALLERY {
+            assert!(text.lines().count() <= 40 && text.starts_with("# "), "{name}");
+            assert!(Scene::parse(text, name).is_ok_and(|scene| scene.name == name), "{name}");
+        }
+    }
 
     #[test]
     fn every_scene_file_is_carried_and_holds() {

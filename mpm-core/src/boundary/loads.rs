@@ -3,8 +3,8 @@
 use crate::dimension::in_two;
 use crate::grid::Grid;
 use crate::particles::{Layer, SolidPoint};
-use crate::scene::{Course, Fields, Piece};
-use crate::seeding::{Beside, pieces};
+use crate::scene::{Bearing, Course, FaceLoad, Fields, Piece, Side, Surcharge};
+use crate::seeding::Beside;
 
 /// A piece of the outline that bears a load, and the particle that carries it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,7 +18,7 @@ pub struct LoadedPiece<const D: usize> {
     /// Force where the factor of the load is 1, N.
     pub force: [f64; D],
     /// Which load it bears.
-    course: u16,
+    load: u16,
 }
 
 /// The loads on the faces of a scene.
@@ -26,8 +26,9 @@ pub struct LoadedPiece<const D: usize> {
 pub struct FaceLoads<const D: usize> {
     /// What bears them, by the numbers of the particles, ascending.
     pub pieces: Vec<LoadedPiece<D>>,
-    /// How they go on in time.
-    courses: Vec<Course>,
+    loads: Vec<FaceLoad>,
+    /// Weight of the water, N/m3.
+    unit_weight: f64,
 }
 
 impl<const D: usize> FaceLoads<D> {
@@ -43,55 +44,66 @@ impl<const D: usize> FaceLoads<D> {
         for (point, id) in solid.points.iter().zip(&solid.ids) {
             particles[*id as usize] = (point.x, point.volume);
         }
-        let mut found = Self::default();
+        let mut loads = scene.loads.clone();
+        // The surcharge of an outline lies on what looks up; how much of it, its pieces say.
+        let level = |load: &Surcharge| FaceLoad {
+            on: Some(Side::Top),
+            x: None,
+            y: None,
+            bearing: Bearing::Traction { pressure: load.pressure, shear: 0.0, water: false },
+            course: if load.ramp_time > 0.0 { Course::Ramp(load.ramp_time) } else { Course::Constant },
+        };
+        loads.extend(surcharge.iter().map(level));
+        let unit_weight = scene.water.map_or(0.0, |w| w.density) * scene.gravity.unwrap_or(0.0);
+        let mut found = Self { pieces: Vec::new(), loads, unit_weight };
         if D == 1 {
             // The ends of a column.
-            for load in &scene.loads {
-                let piece = [[0.0, -width], [0.0, width]].map(|outward| Piece { middle: [0.0; 2], outward });
-                let (end, piece) = if load.part_of(&piece[1]).is_some() { (1, piece[1]) } else { (0, piece[0]) };
-                let number = if end == 1 { particles.len() - 1 } else { 0 };
-                let middle = Piece { middle: [0.0, end as f64 * scene.height], ..piece };
-                found.add((number, &particles[number]), &middle, load.force(&piece));
-                found.courses.push(load.course.clone());
+            for (which, load) in scene.loads.iter().enumerate() {
+                let upper = load.on != Some(Side::Bottom);
+                let outward = [0.0, if upper { width } else { -width }];
+                let piece = Piece { middle: [0.0, if upper { scene.height } else { 0.0 }], outward };
+                let number = if upper { particles.len() - 1 } else { 0 };
+                found.add((number, &particles[number]), &piece, (which, load.force(&piece)));
             }
         } else {
             let beside = Beside::new(particles.iter().map(|(x, _)| in_two(x)).collect(), scene.spacing());
-            let outline = scene.outline_or_box();
-            let mut bear = |course: &Course, of: &dyn Fn(&Piece) -> Option<(Piece, [f64; 2])>| {
-                for (piece, force) in pieces(&outline, scene.spacing()).filter_map(|piece| of(&piece)) {
+            for which in 0..found.loads.len() {
+                let load = &found.loads[which];
+                let of_surcharge = surcharge.filter(|_| which == scene.loads.len());
+                let force = |piece: &Piece| of_surcharge.map_or_else(|| load.force(piece), |s| s.force(piece));
+                let borne: Vec<_> = scene.pieces_under(load).into_iter().map(|piece| (piece, force(&piece))).collect();
+                for (piece, force) in borne {
                     if let Some(number) = beside.find(&piece.middle).filter(|_| force != [0.0; 2]) {
-                        found.add((number, &particles[number]), &piece, force);
+                        found.add((number, &particles[number]), &piece, (which, force));
                     }
                 }
-                found.courses.push(course.clone());
-            };
-            for load in &scene.loads {
-                bear(&load.course, &|piece| load.part_of(piece).map(|part| (part, load.force(&part))));
-            }
-            if let Some(load) = surcharge {
-                let course = if load.ramp_time > 0.0 { Course::Ramp(load.ramp_time) } else { Course::Constant };
-                bear(&course, &|piece| Some((*piece, load.force(piece))));
             }
         }
         found.pieces.sort_by_key(|piece| piece.id);
         found
     }
 
-    fn add(&mut self, (number, (x, volume)): (usize, &([f64; D], f64)), piece: &Piece, force: [f64; 2]) {
+    fn add(
+        &mut self,
+        (number, (x, volume)): (usize, &([f64; D], f64)),
+        piece: &Piece,
+        (load, force): (usize, [f64; 2]),
+    ) {
         let from = in_two(x);
         self.pieces.push(LoadedPiece {
             id: number as u32,
             offset: std::array::from_fn(|d| piece.middle[d + 2 - D] - from[d + 2 - D]),
             volume: *volume,
             force: std::array::from_fn(|d| force[d + 2 - D]),
-            course: self.courses.len() as u16,
+            load: load as u16,
         });
     }
 
     /// The factor on the force of a piece whose particle is at a place (m), at a time, s.
     pub fn factor(&self, piece: &LoadedPiece<D>, place: &[f64; D], time: f64) -> f64 {
-        let x = if D == 2 { place[0] + piece.offset[0] } else { 0.0 };
-        self.courses[usize::from(piece.course)].at(time, x)
+        let [x, y] = in_two(place);
+        let [dx, dy] = in_two(&piece.offset);
+        self.loads[usize::from(piece.load)].factor(&[x + dx, y + dy], time, self.unit_weight)
     }
 }
 

@@ -81,6 +81,17 @@ pub struct Observation {
     pub field: Vec<FieldPoint>,
     /// Water with a free surface, if the scene has it.
     pub water: Option<WaterState>,
+    /// What each plate that is moved does to the soil.
+    pub plates: Vec<Push>,
+}
+
+/// What a plate that is moved does to the soil, per metre of thickness: x, y.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Push {
+    /// What the soil has got from it since the start, N s.
+    pub impulse: [f64; 2],
+    /// Its force now (N), where that is known without looking at what was got before.
+    pub force: Option<[f64; 2]>,
 }
 
 /// The pore pressure at a place.
@@ -273,6 +284,7 @@ pub fn observe<const D: usize>(
         water_crossings: water.map_or(0, |w| w.crossings),
         profile,
         field: Vec::new(),
+        plates: Vec::new(),
         water: None,
     }
 }

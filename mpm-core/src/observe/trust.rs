@@ -17,14 +17,23 @@ use serde::Serialize;
 use super::{Ledger, Observation};
 use crate::boundary::knows_volumes;
 use crate::scene::{
-    Clock, Course, Dimension, FaceLoad, Integrator, LoadOn, Scene, Side, SolidSide, StrainChoice, UpdateChoice,
+    Clock, Course, Dimension, FaceLoad, Integrator, LoadOn, Piece, Scene, Side, SolidSide, Start, StrainChoice,
+    UpdateChoice,
 };
 
 /// Settlement may differ from what the strains add up to by this share of its largest: what is promised of a settlement.
 const MOST_APART: f64 = 0.01;
 
+/// One metre of a top.
+const TOP: Piece = Piece { middle: [0.0; 2], outward: [0.0, 1.0] };
+
 /// Stress may differ by this share of that under load and weight.
 const TURNING: f64 = 0.005;
+
+/// Whether sides that are free let go of what a geostatic start has stored.
+fn scene_lets_go(scene: &Scene) -> bool {
+    scene.start == Start::Geostatic && scene.solid_sides[..2].contains(&SolidSide::Free)
+}
 
 /// One balance at one time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -160,7 +169,11 @@ impl<'a> Bounds<'a> {
                 * (dt / scene.cell).powi(2)
                 * (steps + 1) as f64,
             stress,
-            compression: scene.water.map_or(0.0, |w| stress / w.bulk_modulus),
+            // With grains that compress what is stored undrained, and Biot's theory knows only to the first order.
+            compression: scene.water.map_or(0.0, |w| {
+                let of_grains = if scene.biot.is_some() { scene.soil().alpha() / water } else { 0.0 };
+                stress * of_grains.max(1.0 / w.bulk_modulus)
+            }),
             strain: (stress / softest).max(state.settlement.abs() / scene.height).max(moved.sqrt()),
             row: (0.5 * scene.spacing()).min(state.settlement.abs().max(if state.solid_crossings > 0 {
                 scene.height
@@ -244,7 +257,8 @@ impl<'a> Bounds<'a> {
         let area = ledger.solid_mass_kg / (self.scene.dry_density() * self.scene.height);
         // Every row of nodes takes the stress below it and above.
         let rows = self.scene.cells[1] as f64;
-        let given = self.stress * area * self.state.time * rows + mass * self.velocity();
+        let pushed: f64 = self.state.plates.iter().map(|push| push.impulse[0].hypot(push.impulse[1])).sum();
+        let given = (self.stress * area * self.state.time + pushed) * rows + mass * self.velocity();
         // Water that is taken away goes with the speed of its soil, at most that of a fall.
         let fall = (2.0 * self.scene.gravity.unwrap_or(0.0) * self.scene.height).sqrt() + self.velocity();
         let removed = ledger.water_particles_removed_kg * fall;
@@ -316,6 +330,8 @@ impl<'a> Bounds<'a> {
                 share += 10.0 * self.scene.tolerance;
                 // What drains before the first time that is asked for, a permeable layer for one, is known only when it has.
                 sudden += 0.5 * (l.external_work_j.abs() + l.gravity_work_j.abs());
+                // So is what a geostatic start has stored beside a side that is free.
+                sudden += if scene_lets_go(self.scene) { drained } else { 0.0 };
             }
             _ => {}
         }
@@ -332,15 +348,18 @@ impl<'a> Bounds<'a> {
         let free = scene.solid_sides[Side::Top as usize] == SolidSide::Free;
         let passages = 4.0 * scene.height / (scene.oedometer_modulus() / scene.mixture_density()).sqrt();
         let elastic = scene.is_elastic() && scene.free_surface.is_none();
-        let steady =
-            |load: &FaceLoad| load.on == Side::Top && matches!(load.course, Course::Constant | Course::Ramp(_));
+        let steady = |load: &FaceLoad| {
+            let steady = matches!(load.course, Course::Constant | Course::Ramp(_));
+            steady && load.on == Some(Side::Top) && !load.is_water()
+        };
         let judged = scene.is_one_dimensional() && loaded && free && elastic && scene.loads.iter().all(steady);
         if !judged || self.state.time < passages || scene.integrator == Integrator::QuasiStatic {
             return None;
         }
         let weight = scene.gravity.unwrap_or(0.0) * scene.mixture_density();
         let load = scene.surcharge.map_or(0.0, |s| s.at(self.state.time) - s.pressure);
-        let load = load + scene.loads.iter().map(|l| l.pressure * l.course.at(self.state.time, 0.0)).sum::<f64>();
+        let of = |load: &FaceLoad| -load.force(&TOP)[1] * load.course.at(self.state.time, 0.0);
+        let load = load + scene.loads.iter().map(of).sum::<f64>();
         let off = |row: &super::ProfileRow| {
             let carried = row.pressure_pa - row.effective_stress_pa;
             carried - load - scene.total_stress_at(row.material_height_m)

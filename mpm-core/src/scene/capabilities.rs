@@ -7,9 +7,9 @@ use Feature::{
     Affine, AnyShape, BBar, Bspline2, Bspline3, CamClay, Centroid, Column, CoulombBase, Coupled, Damping, DarcyInertia,
     DarcyOperator, Displaced, Drained, Dry, Explicit, Fails, FixedSide, Flip, FreeSurface, Geostatic, Gimp, GivenStep,
     Gravity, HeldTop, Incompressible, InertiaKept, JumpPenalty, Krylov, LargeStrain, Layers, LightNodes, LinearElastic,
-    Load, MohrCoulomb, Musl, NoGravity, Nodal, Outline, PaperStep, Periodic, Plate, PressureEnd, QuasiStatic, Regions,
-    RestEnd, Safety, Saturated, SemiImplicit, Separation, Shift, Sideroom, SlopeAngle, SmallStrain, StartK0,
-    StartVelocity, Strip, TimeMethod, Tolerance, TwoClocks, UndrainedStart, Unloaded,
+    Load, Loads, MohrCoulomb, MovedPlates, Musl, NoGravity, Nodal, Outline, PaperStep, Periodic, Plate, PressureEnd,
+    QuasiStatic, Regions, RestEnd, Safety, Saturated, SemiImplicit, Separation, Shift, Sideroom, SlopeAngle,
+    SmallStrain, StartK0, StartVelocity, Strip, TimeMethod, Tolerance, TwoClocks, UndrainedStart, Unloaded,
 };
 
 /// Something that a scene has, and that not everything goes with.
@@ -59,6 +59,8 @@ pub enum Feature {
     Load,
     Plate,
     Strip,
+    Loads,
+    MovedPlates,
     DarcyOperator,
     Nodal,
     DarcyInertia,
@@ -82,7 +84,7 @@ pub enum Feature {
 }
 
 /// Every feature with the key that asks for it and what a scene file says there.
-pub const FEATURES: [(Feature, &str, &str); 63] = [
+pub const FEATURES: [(Feature, &str, &str); 65] = [
     (Column, "dimension", "\"column\""),
     (Outline, "geometry.outline", "[geometry.outline]"),
     (Explicit, "time.integrator", "\"explicit\""),
@@ -126,6 +128,8 @@ pub const FEATURES: [(Feature, &str, &str); 63] = [
     (Load, "surcharge", "[surcharge]"),
     (Plate, "surcharge.on", "\"plate\""),
     (Strip, "surcharge.strip", "surcharge.strip"),
+    (Loads, "loads", "[[loads]] or [[reservoirs]]"),
+    (MovedPlates, "plates", "[[plates]]"),
     (DarcyOperator, "scheme.darcy", "scheme.darcy"),
     (Nodal, "scheme.darcy", "\"nodal\""),
     (DarcyInertia, "scheme.darcy_inertia", "scheme.darcy_inertia"),
@@ -264,6 +268,11 @@ pub const RULES: &[Rule] = &[
         &[Gravity],
         "time or time_factor under gravity: the pressure waited for is that of the load alone",
     ),
+    rule(
+        PressureEnd,
+        &[Loads, MovedPlates],
+        "time or time_factor beside them: the pressure waited for is that of [surcharge] alone",
+    ),
     rule(SemiImplicit, &[Dry], "a [water] table beside it: a dry scene has no pressure to solve for"),
     rule(Incompressible, &[Explicit], "a finite bulk modulus (Pa): the explicit step follows its pressure wave"),
     rule(Incompressible, &[PressureEnd], "a finite bulk modulus (Pa): the pressure must hold for a period of its wave"),
@@ -338,6 +347,11 @@ pub const RULES: &[Rule] = &[
     rule(Krylov, &[MohrCoulomb, CamClay], "linear_elastic soil beside it: the Krylov method is for linear scenes"),
     rule(Krylov, &[Gravity], "no gravity beside it: the Krylov method is for linear scenes"),
     rule(Krylov, &[Dry], "[water] beside it: the Krylov method follows what drains"),
+    rule(
+        Krylov,
+        &[MovedPlates],
+        "method = \"sdirk\" beside plates that are moved: the Krylov method is for constant loads",
+    ),
     rule(Krylov, &[GivenStep, PaperStep], "step = \"auto\": the Krylov method has no steps"),
     rule(InertiaKept, &[QuasiStatic], "false, or no such key: quasi-static has no inertia"),
     rule(Flip, &[QuasiStatic], "no such key beside quasi-static, which carries no velocities"),

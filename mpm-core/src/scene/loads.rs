@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Fields, Side, Surcharge};
+use super::{Fields, Side, SolidSide, Surcharge};
+use crate::seeding::pieces;
 
 /// How something goes on in time and along the soil: a factor on its size.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -26,7 +27,7 @@ pub enum Course {
         /// How far it is ahead at t = 0, degrees.
         phase: f64,
     },
-    /// A wave that runs to the right, `cos(2 pi (x/length - t/period))`.
+    /// A wave that runs to the right, `cos(2 pi (x/length - t/period))`; to the left if its length is below 0.
     Wave {
         /// Length of the wave, m.
         length: f64,
@@ -85,10 +86,45 @@ impl Course {
     }
 }
 
+/// What a load does to the faces that bear it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Bearing {
+    /// Presses and drags where its factor is 1.
+    Traction {
+        /// Normal to the face, into the soil, Pa.
+        pressure: f64,
+        /// Along the face, clockwise around the soil (to the right on top), Pa.
+        shear: f64,
+        /// Whether it is water: its pressure is then also that of the pores at the face.
+        water: bool,
+    },
+    /// Water at rest, whose level above the base (m) is the factor: it presses where it stands, and feeds the pores.
+    Reservoir,
+}
+
 /// A load on outer faces of the soil.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FaceLoad {
-    /// It acts on faces that look there.
+    /// It acts on faces that look there; `None` for all that nothing holds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on: Option<Side>,
+    /// Only between these places along x, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub x: Option<[f64; 2]>,
+    /// Only between these heights, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub y: Option<[f64; 2]>,
+    /// What it does.
+    pub bearing: Bearing,
+    /// How it goes on in time.
+    pub course: Course,
+}
+
+/// A rigid plate on a side of the soil that is moved as given.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MovedPlate {
+    /// Its side.
     pub on: Side,
     /// Only between these places along x, m.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -96,12 +132,21 @@ pub struct FaceLoad {
     /// Only between these heights, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub y: Option<[f64; 2]>,
-    /// Normal to the face, into the soil, Pa.
-    pub pressure: f64,
-    /// Along the face, clockwise around the soil (to the right on top), Pa.
-    pub shear: f64,
-    /// How it goes on in time.
+    /// Whether the soil sticks to it; else it slides along.
+    pub rough: bool,
+    /// How far it moves into the soil where its factor is 1, m.
+    pub displacement: f64,
+    /// How that goes on in time.
     pub course: Course,
+    /// Velocity into the soil, on top of it, m/s.
+    pub velocity: f64,
+}
+
+impl MovedPlate {
+    /// How far it has moved into the soil at a time (s), m.
+    pub fn at(&self, time: f64) -> f64 {
+        self.displacement * self.course.at(time, 0.0) + self.velocity * time
+    }
 }
 
 /// A piece of the outline of the soil.
@@ -113,22 +158,56 @@ pub struct Piece {
     pub outward: [f64; 2],
 }
 
+impl Piece {
+    /// Whether it looks towards a side.
+    pub fn looks_to(&self, side: Side) -> bool {
+        let sign = if matches!(side, Side::Left | Side::Bottom) { -1.0 } else { 1.0 };
+        let axis = usize::from(matches!(side, Side::Bottom | Side::Top));
+        let [x, y] = self.outward;
+        sign * self.outward[axis] > 1e-9 * x.hypot(y)
+    }
+}
+
 impl FaceLoad {
-    /// Force on a piece that bears all of it where its factor is 1, N for 1 m.
+    /// Force on a piece that bears all of it where its factor is 1, N for 1 m; of water at rest that of 1 Pa.
     pub fn force(&self, piece: &Piece) -> [f64; 2] {
         let [x, y] = piece.outward;
-        // Clockwise from the outward normal.
-        [-self.pressure * x + self.shear * y, -self.pressure * y - self.shear * x]
+        match self.bearing {
+            // Clockwise from the outward normal.
+            Bearing::Traction { pressure, shear, .. } => [-pressure * x + shear * y, -pressure * y - shear * x],
+            Bearing::Reservoir => [-x, -y],
+        }
+    }
+
+    /// The factor on that force at a place (m) and a time (s), under water of a weight, N/m3.
+    pub fn factor(&self, place: &[f64; 2], time: f64, unit_weight: f64) -> f64 {
+        let factor = self.course.at(time, place[0]);
+        match self.bearing {
+            Bearing::Traction { .. } => factor,
+            Bearing::Reservoir => unit_weight * (factor - place[1]).max(0.0),
+        }
+    }
+
+    /// Pressure of the water at a place (m) of its faces and a time (s); `None` where it is no water or does not reach.
+    pub fn of_water(&self, place: &[f64; 2], time: f64, unit_weight: f64) -> Option<f64> {
+        let factor = self.factor(place, time, unit_weight);
+        match self.bearing {
+            Bearing::Traction { pressure, water, .. } => water.then_some(pressure * factor),
+            Bearing::Reservoir => Some(factor).filter(|pressure| *pressure > 0.0),
+        }
+    }
+
+    /// Whether it is water.
+    pub fn is_water(&self) -> bool {
+        matches!(self.bearing, Bearing::Reservoir | Bearing::Traction { water: true, .. })
     }
 
     /// The part of a piece that bears it, if there is one.
     pub fn part_of(&self, piece: &Piece) -> Option<Piece> {
-        let sign = if matches!(self.on, Side::Left | Side::Bottom) { -1.0 } else { 1.0 };
-        let axis = usize::from(matches!(self.on, Side::Bottom | Side::Top));
-        let [nx, ny] = piece.outward;
-        if sign * piece.outward[axis] <= 1e-9 * nx.hypot(ny) {
+        if self.on.is_some_and(|side| !piece.looks_to(side)) {
             return None;
         }
+        let [nx, ny] = piece.outward;
         // Along the piece, from its first end on: half of it to each side of the middle.
         let along = [-ny, nx];
         let mut span = [-0.5_f64, 0.5];
@@ -163,7 +242,63 @@ impl Surcharge {
 impl Fields {
     /// The largest pressure that all loads together may put on a face, Pa.
     pub fn largest_load(&self) -> f64 {
-        let size = |load: &FaceLoad| load.pressure.hypot(load.shear) * load.course.most();
-        self.surcharge.map_or(0.0, |s| s.pressure.abs()) + self.loads.iter().map(size).sum::<f64>()
+        let weight = self.water.map_or(0.0, |w| w.unit_weight);
+        let size = |load: &FaceLoad| match load.bearing {
+            Bearing::Traction { pressure, shear, .. } => pressure.hypot(shear) * load.course.most(),
+            Bearing::Reservoir => weight * load.course.most(),
+        };
+        self.surcharge.map_or(0.0, |s| s.pressure.abs())
+            + self.loads.iter().map(size).sum::<f64>()
+            + self.largest_push()
+    }
+
+    /// The largest stress that plates which are moved put on the soil between them and the other side, Pa.
+    fn largest_push(&self) -> f64 {
+        let duration = self.longest_time();
+        let strain = |plate: &MovedPlate| {
+            let extent = if matches!(plate.on, Side::Left | Side::Right) { self.width } else { self.height };
+            (plate.displacement.abs() * plate.course.most() + plate.velocity.abs() * duration) / extent
+        };
+        self.oedometer_modulus() * self.plates.iter().map(strain).sum::<f64>()
+    }
+
+    /// The largest pressure that they put on the whole top, Pa.
+    pub fn load_on_top(&self) -> f64 {
+        let on_top = |load: &FaceLoad| match load.bearing {
+            Bearing::Traction { pressure, water: false, .. } if load.on == Some(Side::Top) => {
+                pressure * load.course.most()
+            }
+            _ => 0.0,
+        };
+        self.surcharge.map_or(0.0, |s| s.pressure) + self.loads.iter().map(on_top).sum::<f64>()
+    }
+
+    /// Whether water stands against the soil.
+    pub fn has_water_outside(&self) -> bool {
+        self.loads.iter().any(FaceLoad::is_water)
+    }
+
+    /// Pieces of the outline that bear a load.
+    pub fn pieces_under(&self, load: &FaceLoad) -> Vec<Piece> {
+        let outline = self.outline_or_box();
+        let all = pieces(&outline, self.spacing()).filter(|piece| self.bears(load, piece));
+        all.filter_map(|piece| load.part_of(&piece)).collect()
+    }
+
+    /// Whether a piece of the outline bears a load, all of it or in part.
+    pub fn bears(&self, load: &FaceLoad, piece: &Piece) -> bool {
+        (load.on.is_some() || !self.holds(piece)) && load.part_of(piece).is_some()
+    }
+
+    /// Whether a piece of the outline lies on a side of the mesh that is held, or that is no side because it is periodic.
+    fn holds(&self, piece: &Piece) -> bool {
+        let ends = [0.0, self.width, 0.0, self.height];
+        Side::ALL.into_iter().any(|side| {
+            let (i, axis) = (side as usize, usize::from(side as usize > 1));
+            let held = self.solid_sides[i] != SolidSide::Free || (self.periodic && axis == 0);
+            held && piece.outward[1 - axis] == 0.0
+                && piece.looks_to(side)
+                && (piece.middle[axis] - ends[i]).abs() < 1e-9 * ends[i].max(self.cell)
+        })
     }
 }

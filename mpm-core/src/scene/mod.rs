@@ -28,11 +28,11 @@ pub use failure::Failure;
 pub use flags::Flags;
 pub use free_surface::{Clock, Feed, FreeSurfaceWater};
 pub use ground::{Base, NormalStress, SeedingChoice};
-pub use loads::{Course, FaceLoad, Piece};
+pub use loads::{Bearing, Course, FaceLoad, MovedPlate, Piece};
 pub(crate) use moving::THROUGH_CELLS;
 pub use moving::{Estimate, UnfitLoad};
 pub use patch::Change;
-pub use soils::{Ground, Region, Soil, SoilLayer, Zones};
+pub use soils::{Biot, Ground, Region, Soil, SoilLayer, Zones};
 
 use crate::error::{LoadError, SceneError};
 use crate::stability::{intended_step, stable_limit};
@@ -558,6 +558,9 @@ pub struct Fields {
     pub grain_density: f64,
     /// Porosity n.
     pub porosity: f64,
+    /// Grains that compress; `None` for those that do not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub biot: Option<Biot>,
     /// Pore water, or `None` for a dry scene.
     pub water: Option<WaterProperties>,
     /// Where the water is, if it has a free surface.
@@ -579,6 +582,9 @@ pub struct Fields {
     /// Loads on other faces.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<FaceLoad>,
+    /// Plates that are moved as given.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub plates: Vec<MovedPlate>,
     /// How time is integrated.
     pub integrator: Integrator,
     /// How quasi-static time steps are made.
@@ -714,17 +720,22 @@ impl Fields {
         self.elastic.oedometer_modulus()
     }
 
-    /// Stiffness of the pore water Q = K_w / n, Pa; zero without water.
+    /// What undrained water adds to the stiffness against a change of volume, alpha^2 Q with Q = K_w/n where grains do not compress,
+    /// Pa; zero without water.
     pub fn pore_stiffness(&self) -> f64 {
         self.pore_stiffness_of(&self.soil())
     }
 
     /// That of a soil, Pa.
     pub fn pore_stiffness_of(&self, soil: &Soil) -> f64 {
-        self.water.map_or(0.0, |w| w.bulk_modulus / soil.porosity)
+        let Some(water) = self.water else { return 0.0 };
+        match soil.biot {
+            None => water.bulk_modulus / soil.porosity,
+            Some(_) => soil.alpha().powi(2) / (soil.porosity / water.bulk_modulus + soil.grain_storage()),
+        }
     }
 
-    /// Share of a vertical load that the water carries undrained in the soil of the scene, Q/(M + Q).
+    /// Share of a vertical load that the water carries undrained in the soil of the scene, Q/(M + Q): alpha p_0.
     pub fn undrained_share(&self) -> f64 {
         self.undrained_share_in(&self.soil())
     }
@@ -745,9 +756,9 @@ impl Fields {
         self.water.is_some() && self.free_surface.is_none() && self.undrained_share() < share
     }
 
-    /// Undrained pore pressure under the surcharge in the soil of the scene, p_0 = q Q/(M + Q), Pa.
+    /// Undrained pore pressure under the surcharge in the soil of the scene, p_0 = q Q/(M + Q)/alpha, Pa.
     pub fn undrained_pressure(&self) -> f64 {
-        self.surcharge.map_or(0.0, |s| s.pressure * self.undrained_share())
+        self.surcharge.map_or(0.0, |s| s.pressure * self.undrained_share() / self.soil().alpha())
     }
 
     /// gamma of the jump penalty where the scene does not say it, -.
@@ -801,8 +812,18 @@ impl Fields {
         let smooth = walls.iter().all(|i| self.solid_sides[*i] == SolidSide::Roller) && self.is_level_column();
         let uniform = self.regions.is_empty() || self.dimension == Dimension::Column;
         let tight = !self.stages.iter().any(|stage| walls.iter().any(|i| stage.drained[*i]));
-        let even = self.loads.is_empty() || self.dimension == Dimension::Column;
+        let even = (self.loads.is_empty() && self.plates.is_empty()) || self.dimension == Dimension::Column;
         smooth && uniform && even && tight && self.surcharge.is_none_or(|s| s.strip.is_none())
+    }
+
+    /// Whether it is such a column of one soil or of layers, under a surcharge or its weight alone.
+    pub fn is_plain_column(&self) -> bool {
+        self.is_one_dimensional() && self.has_plain_ground()
+    }
+
+    /// Whether there are no regions, and no loads or plates beside the surcharge.
+    pub fn has_plain_ground(&self) -> bool {
+        self.regions.is_empty() && self.loads.is_empty() && self.plates.is_empty()
     }
 
     /// Seconds per unit of the time factor Tv = c_v t / H_d^2 with c_v = k M / gamma_w (incompressible water) of the

@@ -122,9 +122,7 @@ impl Fields {
         let closed = wet && !self.stages.iter().any(|stage| stage.drained.contains(&true));
         let buoyancy = self.water.map_or(0.0, |w| if wet && !closed { w.density } else { 0.0 });
         let gravity = self.gravity.unwrap_or(0.0);
-        let on_top =
-            self.loads.iter().filter(|load| load.on == Side::Top).map(|load| load.pressure * load.course.most());
-        let load = self.surcharge.map_or(0.0, |s| s.pressure) + on_top.sum::<f64>();
+        let load = self.load_on_top();
         let of = |soil: &Soil, [least, most]: [f64; 2], thickness: f64| {
             let stiffness = if closed { self.pore_stiffness_of(soil) } else { 0.0 };
             let modulus = soil.elastic.oedometer_modulus() + stiffness;

@@ -7,7 +7,7 @@ use toml::{Spanned, Value};
 
 type Number = Spanned<f64>;
 type Word = Spanned<String>;
-type Pairs = Spanned<Vec<Spanned<[f64; 2]>>>;
+pub(super) type Pairs = Spanned<Vec<Spanned<[f64; 2]>>>;
 pub(super) type Points = Spanned<Vec<Spanned<Vec<f64>>>>;
 
 #[derive(Debug, Deserialize)]
@@ -30,6 +30,8 @@ pub(super) struct RawScene {
     pub base: Option<Spanned<RawBase>>,
     pub surcharge: Option<Spanned<RawSurcharge>>,
     pub loads: Option<Spanned<Vec<Spanned<RawLoad>>>>,
+    pub reservoirs: Option<Spanned<Vec<Spanned<RawReservoir>>>>,
+    pub plates: Option<Spanned<Vec<Spanned<RawPlate>>>>,
     pub scheme: Option<Spanned<RawScheme>>,
     pub time: Option<Spanned<RawTime>>,
     pub stages: Spanned<Vec<Spanned<RawStage>>>,
@@ -84,6 +86,8 @@ pub(super) struct RawSoil {
     pub grain_density: Option<Number>,
     pub bulk_density: Option<Number>,
     pub porosity: Number,
+    pub biot_coefficient: Option<Number>,
+    pub grain_bulk_modulus: Option<Number>,
     pub separation: Option<Number>,
     pub strain: Option<Word>,
 }
@@ -139,6 +143,8 @@ pub(super) struct RawZone {
     pub grain_density: Option<Number>,
     pub bulk_density: Option<Number>,
     pub porosity: Option<Number>,
+    pub biot_coefficient: Option<Number>,
+    pub grain_bulk_modulus: Option<Number>,
     pub hydraulic_conductivity: Option<Number>,
     pub anisotropy: Option<Number>,
     pub start_k0: Option<Number>,
@@ -229,10 +235,35 @@ pub(super) struct RawLoad {
     pub y: Option<Spanned<[f64; 2]>>,
     pub pressure: Option<Number>,
     pub shear: Option<Number>,
+    pub water: Option<bool>,
     pub ramp_time: Option<Number>,
     pub times: Option<Pairs>,
     pub sine: Option<Spanned<RawSine>>,
     pub wave: Option<Spanned<RawWave>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawPlate {
+    pub on: Option<Word>,
+    pub x: Option<Spanned<[f64; 2]>>,
+    pub y: Option<Spanned<[f64; 2]>>,
+    pub rough: Option<bool>,
+    pub displacement: Option<Number>,
+    pub velocity: Option<Number>,
+    pub ramp_time: Option<Number>,
+    pub times: Option<Pairs>,
+    pub sine: Option<Spanned<RawSine>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawReservoir {
+    pub on: Option<Word>,
+    pub x: Option<Spanned<[f64; 2]>>,
+    pub y: Option<Spanned<[f64; 2]>>,
+    pub level: Option<Number>,
+    pub levels: Option<Pairs>,
 }
 
 /// How something goes on in time.

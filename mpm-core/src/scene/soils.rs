@@ -30,6 +30,18 @@ pub struct Soil {
     /// Lateral over vertical effective stress of a geostatic start; `None` for that of no lateral strain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub k0: Option<f64>,
+    /// Grains that compress; `None` for those that do not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub biot: Option<Biot>,
+}
+
+/// Grains that compress, as Biot's theory has them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Biot {
+    /// Share alpha of the pore pressure in the total stress, `sigma = sigma' - alpha p`: 1 - K/K_s.
+    pub coefficient: f64,
+    /// Bulk modulus K_s of the grains, Pa.
+    pub grain_bulk_modulus: f64,
 }
 
 /// Keys that most soils do not have stay out of the record of a scene.
@@ -43,9 +55,31 @@ impl Soil {
         (1.0 - self.porosity) * self.grain_density
     }
 
-    /// Lateral over vertical effective stress of a geostatic start.
-    pub fn lateral_ratio(&self) -> f64 {
-        self.k0.unwrap_or_else(|| self.elastic.lame() / self.elastic.oedometer_modulus())
+    /// Biot's coefficient alpha: 1 for grains that do not compress.
+    pub fn alpha(&self) -> f64 {
+        self.biot.map_or(1.0, |biot| biot.coefficient)
+    }
+
+    /// What grains give per volume and pressure, (alpha - n)/K_s, 1/Pa.
+    pub fn grain_storage(&self) -> f64 {
+        self.biot.map_or(0.0, |biot| (biot.coefficient - self.porosity) / biot.grain_bulk_modulus)
+    }
+
+    /// Lateral effective stress of a geostatic start beside a vertical one, Pa, tension positive: as K0 says, or else that of no
+    /// lateral strain, but no less than the active one that the soil bears, `K_a sigma_v - 2 c sqrt(K_a)`.
+    pub fn lateral_stress(&self, vertical: f64) -> f64 {
+        let at_rest = |k0: f64| k0 * vertical;
+        match (self.k0, self.strength) {
+            (Some(k0), _) => at_rest(k0),
+            (None, strength) => {
+                let elastic = at_rest(self.elastic.lame() / self.elastic.oedometer_modulus());
+                let active = strength.map_or(elastic, |strength| {
+                    let root = (45.0 - 0.5 * strength.friction_angle).to_radians().tan();
+                    root * root * vertical + 2.0 * strength.cohesion * root
+                });
+                elastic.min(active)
+            }
+        }
     }
 }
 
@@ -136,11 +170,11 @@ impl Zones {
 impl Fields {
     /// The soil of `[soil]`.
     pub fn soil(&self) -> Soil {
-        let Self { elastic, strength, cam_clay, grain_density, porosity, start_k0, .. } = *self;
+        let Self { elastic, strength, cam_clay, grain_density, porosity, start_k0, biot, .. } = *self;
         let [hydraulic_conductivity, anisotropy] =
             self.water.map_or([0.0, 1.0], |w| [w.hydraulic_conductivity, w.anisotropy]);
         let k0 = start_k0;
-        Soil { elastic, strength, cam_clay, grain_density, porosity, hydraulic_conductivity, anisotropy, k0 }
+        Soil { elastic, strength, cam_clay, grain_density, porosity, hydraulic_conductivity, anisotropy, k0, biot }
     }
 
     /// All soils, and which is where.
@@ -184,10 +218,10 @@ impl Fields {
 
     /// The scene with one soil all over.
     fn with_soil_of(&self, soil: &Soil) -> Self {
-        let Soil { elastic, strength, cam_clay, grain_density, porosity, k0, .. } = *soil;
+        let Soil { elastic, strength, cam_clay, grain_density, porosity, k0, biot, .. } = *soil;
         let (layers, regions) = (Vec::new(), Vec::new());
         let base = Self { layers, regions, elastic, strength, cam_clay, grain_density, porosity, ..self.clone() };
-        let mut scene = Self { start_k0: k0, ..base };
+        let mut scene = Self { start_k0: k0, biot, ..base };
         if let Some(water) = &mut scene.water {
             water.hydraulic_conductivity = soil.hydraulic_conductivity;
             water.anisotropy = soil.anisotropy;
@@ -209,12 +243,8 @@ impl Fields {
 
     /// Undrained pore pressure at a height (m), the share Q/(M + Q) of the total stress, Pa: each layer has its own.
     pub fn undrained_pressure_at(&self, height: f64) -> f64 {
-        let share = if self.has_several_soils() {
-            self.undrained_share_in(self.ground().at(&[0.5 * self.width, height]))
-        } else {
-            self.undrained_share()
-        };
-        share * self.total_stress_at(height)
+        let soil = if self.has_several_soils() { *self.ground().at(&[0.5 * self.width, height]) } else { self.soil() };
+        self.undrained_share_in(&soil) / soil.alpha() * self.total_stress_at(height)
     }
 
     /// Settlement of the state a run starts from, counted from the unloaded one, m: the sum over the layers of
@@ -230,10 +260,12 @@ impl Fields {
         self.middle().iter().map(|([a, b], soil)| of(soil, *a, *b)).sum()
     }
 
-    /// Water that the soil gives per volume and pressure under a constant load, 1/M + n/K_w, averaged over the height,
-    /// 1/Pa.
+    /// Water that the soil gives per volume and pressure under a constant load, alpha^2/M + 1/Q, averaged over the height,
+    /// 1/Pa; 1/Q is n/K_w where grains do not compress.
     pub fn storage(&self) -> f64 {
-        let of = |soil: &Soil| 1.0 / soil.elastic.oedometer_modulus() + 1.0 / self.pore_stiffness_of(soil);
+        let of = |soil: &Soil| {
+            soil.alpha().powi(2) * (1.0 / soil.elastic.oedometer_modulus() + 1.0 / self.pore_stiffness_of(soil))
+        };
         self.middle().iter().map(|([low, high], soil)| (high - low) * of(soil)).sum::<f64>() / self.height
     }
 

@@ -6,8 +6,8 @@ use toml::{Table, Value};
 
 use super::patch::{Change, Source};
 use super::{
-    CamClay, Clock, Course, DarcyChoice, Elastic, Feed, Fields, Integrator, Quadrature, Scene, SeedingChoice, Side,
-    Soil, Stage, StepChoice, StrainChoice, Strength, TimeMethod, TransferChoice, Until, UpdateChoice, check,
+    Bearing, CamClay, Clock, Course, DarcyChoice, Elastic, Feed, Fields, Integrator, Quadrature, Scene, SeedingChoice,
+    Side, Soil, Stage, StepChoice, StrainChoice, Strength, TimeMethod, TransferChoice, Until, UpdateChoice, check,
 };
 use crate::error::SceneError;
 
@@ -118,11 +118,32 @@ impl Writer {
         self.put(&format!("{key}.{law}.poisson_ratio"), elastic.poisson_ratio)
     }
 
+    /// Writes how something goes on in time.
+    fn course(&mut self, course: &Course) -> Result<(), SceneError> {
+        match course {
+            Course::Constant => Ok(()),
+            Course::Ramp(time) => self.put("ramp_time", *time),
+            Course::Times(times) => self.put("times", times),
+            Course::Sine { mean, amplitude, period, phase } => {
+                self.put("sine.mean", *mean)?;
+                self.put("sine.amplitude", *amplitude)?;
+                self.put("sine.period", *period)?;
+                self.put("sine.phase", *phase)
+            }
+            Course::Wave { length, period } => {
+                self.put("wave.length", *length)?;
+                self.put("wave.period", *period)
+            }
+        }
+    }
+
     /// Writes the soil of a layer or a region.
     fn soil(&mut self, soil: &Soil, is_wet: bool) -> Result<(), SceneError> {
         self.law("law", &soil.elastic, soil.strength.as_ref(), soil.cam_clay.as_ref())?;
         self.put("grain_density", soil.grain_density)?;
         self.put("porosity", soil.porosity)?;
+        self.put("biot_coefficient", soil.biot.map(|biot| biot.coefficient))?;
+        self.put("grain_bulk_modulus", soil.biot.map(|biot| biot.grain_bulk_modulus))?;
         self.put("hydraulic_conductivity", is_wet.then_some(soil.hydraulic_conductivity))?;
         self.put("anisotropy", is_wet.then_some(soil.anisotropy))?;
         self.put("start_k0", soil.k0)
@@ -196,6 +217,8 @@ impl Fields {
     fn of_soil(&self, out: &mut Writer) -> Result<(), SceneError> {
         out.put("soil.grain_density", self.grain_density)?;
         out.put("soil.porosity", self.porosity)?;
+        out.put("soil.biot_coefficient", self.biot.map(|biot| biot.coefficient))?;
+        out.put("soil.grain_bulk_modulus", self.biot.map(|biot| biot.grain_bulk_modulus))?;
         out.put("soil.separation", self.separation)?;
         out.unless("soil.strain", self.strain, StrainChoice::Large)?;
         out.law("soil.law", &self.elastic, self.strength.as_ref(), self.cam_clay.as_ref())?;
@@ -264,31 +287,39 @@ impl Fields {
             out.put("base.normal_stress", base.normal_stress)?;
         }
         out.put("surcharge", self.surcharge)?;
-        let mut loads = Vec::new();
+        let (mut loads, mut reservoirs) = (Vec::new(), Vec::new());
         for load in &self.loads {
             let mut out = Writer::default();
             out.put("on", load.on)?;
             out.put("x", load.x)?;
             out.put("y", load.y)?;
-            out.put("pressure", load.pressure)?;
-            out.put("shear", load.shear)?;
-            match &load.course {
-                Course::Constant => {}
-                Course::Ramp(time) => out.put("ramp_time", *time)?,
-                Course::Times(times) => out.put("times", times)?,
-                Course::Sine { mean, amplitude, period, phase } => {
-                    out.put("sine.mean", *mean)?;
-                    out.put("sine.amplitude", *amplitude)?;
-                    out.put("sine.period", *period)?;
-                    out.put("sine.phase", *phase)?;
+            let Bearing::Traction { pressure, shear, water } = load.bearing else {
+                if let Course::Times(levels) = &load.course {
+                    out.put("levels", levels)?;
                 }
-                Course::Wave { length, period } => {
-                    out.put("wave.length", *length)?;
-                    out.put("wave.period", *period)?;
-                }
-            }
+                reservoirs.push(out.0);
+                continue;
+            };
+            out.put("pressure", pressure)?;
+            out.unless("shear", shear, 0.0)?;
+            out.unless("water", water, false)?;
+            out.course(&load.course)?;
             loads.push(out.0);
         }
+        out.put("reservoirs", Some(reservoirs).filter(|list| !list.is_empty()))?;
+        let mut plates = Vec::new();
+        for plate in &self.plates {
+            let mut out = Writer::default();
+            out.put("on", plate.on)?;
+            out.put("x", plate.x)?;
+            out.put("y", plate.y)?;
+            out.put("rough", plate.rough)?;
+            out.put("displacement", plate.displacement)?;
+            out.put("velocity", plate.velocity)?;
+            out.course(&plate.course)?;
+            plates.push(out.0);
+        }
+        out.put("plates", Some(plates).filter(|list| !list.is_empty()))?;
         out.put("loads", Some(loads).filter(|loads| !loads.is_empty()))?;
         out.put("failure", &self.failure)
     }

@@ -117,6 +117,11 @@ pub fn below_crest(polygon: &[[f64; 2]], parts: &[Part], spacing: f64) -> Vec<(u
 
 /// The outline of a polygon (m, anticlockwise) in pieces, each in one square of edge `spacing` (m).
 pub fn pieces(polygon: &[[f64; 2]], spacing: f64) -> impl Iterator<Item = Piece> {
+    numbered_pieces(polygon, spacing).map(|(_, piece)| piece)
+}
+
+/// The same with the number of the edge that each is of.
+pub fn numbered_pieces(polygon: &[[f64; 2]], spacing: f64) -> impl Iterator<Item = (usize, Piece)> {
     polygon.iter().enumerate().flat_map(move |(i, a)| {
         let b = &polygon[(i + 1) % polygon.len()];
         let along = [b[0] - a[0], b[1] - a[1]];
@@ -132,7 +137,7 @@ pub fn pieces(polygon: &[[f64; 2]], spacing: f64) -> impl Iterator<Item = Piece>
         let piece = move |ends: &[f64]| {
             let (middle, length) = (0.5 * (ends[0] + ends[1]), ends[1] - ends[0]);
             let middle = [a[0] + middle * along[0], a[1] + middle * along[1]];
-            Piece { middle, outward: [length * along[1], -length * along[0]] }
+            (i, Piece { middle, outward: [length * along[1], -length * along[0]] })
         };
         cuts.windows(2).map(piece).collect::<Vec<_>>()
     })

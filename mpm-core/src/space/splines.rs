@@ -106,8 +106,31 @@ impl Splines {
         self.knots[function + 1..=function + self.degree].iter().sum::<f64>() / self.degree as f64
     }
 
+    /// Where to sample a field for the coefficient of a function (m), and with which weights: exact for polynomials of the degree
+    /// (de Boor 2001, A Practical Guide to Splines, ch. XII: the blossom of the polynomial through the samples).
+    pub fn samples(&self, function: usize) -> Vec<(f64, f64)> {
+        let knots = &self.knots[function + 1..=function + self.degree];
+        let (low, high) = (knots[0], knots[self.degree - 1]);
+        if low == high {
+            return vec![(low, 1.0)];
+        }
+        let places: Vec<f64> = (0..=self.degree).map(|i| low + (high - low) * i as f64 / self.degree as f64).collect();
+        let weight = |at: usize| {
+            let others = || places.iter().enumerate().filter(move |(i, _)| *i != at).map(|(_, x)| *x);
+            blossom(&others().collect::<Vec<_>>(), knots) / others().map(|x| places[at] - x).product::<f64>()
+        };
+        (0..places.len()).map(|i| (places[i], weight(i))).collect()
+    }
+
     /// Integral of a function, m.
     pub fn integral(&self, function: usize) -> f64 {
         (self.knots[function + self.degree + 1] - self.knots[function]) / (self.degree + 1) as f64
     }
+}
+/// The mean of `(t_1 - x_1) ... (t_p - x_p)` over all orders of the arguments t: the polynomial of the roots x where all t are one.
+fn blossom(roots: &[f64], arguments: &[f64]) -> f64 {
+    let Some((root, others)) = roots.split_first() else { return 1.0 };
+    let without = |i: usize| [&arguments[..i], &arguments[i + 1..]].concat();
+    let sum: f64 = (0..arguments.len()).map(|i| (arguments[i] - root) * blossom(others, &without(i))).sum();
+    sum / arguments.len() as f64
 }

@@ -69,13 +69,14 @@ impl<const D: usize> Body<D> {
     fn cells(&self) -> impl Iterator<Item = (CellSoil, [usize; D])> {
         let of_cell = |(cell, position): (usize, [usize; D])| {
             let points = &self.solid.points[self.solid.range(cell)];
-            let (mut grains, mut volume) = (0.0, 0.0);
+            let (mut grains, mut volume, mut first) = (0.0, 0.0, 0.0);
             for index in self.solid.range(cell) {
                 let kind = self.materials.soils.kind_of(self.solid.ids[index]);
                 grains += self.solid.points[index].mass * kind.grain_inverse;
+                first += self.solid.points[index].mass * kind.dry_inverse;
                 volume += self.solid.points[index].volume;
             }
-            (!points.is_empty()).then_some((CellSoil { cell, grains, volume, filled: volume }, position))
+            (!points.is_empty()).then_some((CellSoil { cell, grains, volume, first, filled: volume }, position))
         };
         self.grid.walk().filter_map(of_cell)
     }

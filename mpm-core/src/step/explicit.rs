@@ -32,7 +32,7 @@ use super::surface::Tops;
 use super::{Fault, Model, Work};
 use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::constitutive::{Law, Materials, STATES, State};
-use crate::observe::{Ledger, Observation, Places, SolidState, Totals, WaterParticle};
+use crate::observe::{Ledger, Observation, Places, Push, SolidState, Totals, WaterParticle};
 use crate::particles::{Layer, Point, SolidPoint, WaterPoint};
 use crate::scene::Stage;
 use crate::water::pores::Pores;
@@ -97,8 +97,6 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
     ) -> Self {
         body.surface.follow(&body.solid);
         body.filled.follow_layer(&body.grid, &body.surface, &body.solid);
-        let mut totals = Totals::default();
-        totals.start(&body.cell_values(None));
         let frame = Frame::new(&body.grid, F::REACH, F::BEFORE, body.period.is_some() && body.water.is_some());
         let wet = body.water.is_some();
         let several = wet
@@ -138,11 +136,12 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             body,
             damping: 0.0,
             time: 0.0,
-            totals,
+            totals: Totals::default(),
             pool,
         };
-        run.totals.flowed = run.body.flowed_at_first(|id| run.state_of(id));
         run.settle_in();
+        // What the cells hold is known once their soil has been looked at.
+        run.begin_ledgers();
         run
     }
 
@@ -152,6 +151,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             self.pass(false, 0.0);
         }
         self.load();
+        self.look_outside(dt);
         self.solve_pressures(dt)?;
         self.equation_of_motion(dt)?;
         self.darcy_flow(dt);
@@ -215,6 +215,18 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         let soil = Grains { functions, body, water, strips, frame, pressure, time };
         for condition in conditions {
             condition.gathered(nodes, &soil);
+        }
+    }
+
+    /// Looks at the water that stands before the soil: that of the end of the step where pressures are.
+    fn look_outside(&mut self, dt: f64) {
+        if let Some(free) = &mut self.free {
+            free.carried.look_outside(&self.body.grid, self.time);
+        }
+        let Self { body: Body { water: Some(water), .. }, faces, solver, time, .. } = self else { return };
+        let changed = faces.look_outside(water, if solver.is_some() { *time + dt } else { *time });
+        if let (Some(solver), true) = (solver, changed) {
+            solver.forget();
         }
     }
 

@@ -30,6 +30,13 @@ pub struct Outlet {
     pub conducts: f64,
     /// From the place of the cell's pressure to the piece, m.
     away: [f64; 2],
+    /// Middle of the piece, m.
+    middle: [f64; 2],
+    /// The loads that may put water before it, a bit each, and whether the piece lets water out without.
+    water: u64,
+    drained: bool,
+    /// Pressure outside, Pa; none if it is closed.
+    pub outside: Option<f64>,
 }
 
 /// A face at the outline of the soil: whether it lets water out, its axis, outwards (1 or -1), its nodes.
@@ -46,6 +53,8 @@ pub struct Faces<const D: usize> {
     pub ratio: [Vec<f64>; 2],
     /// Volume of the grains of each cell per mass, m3/kg; empty where all grains weigh the same.
     pub grains: Vec<f64>,
+    /// Biot's coefficient of each cell, and what its grains give per volume and pressure, 1/Pa; empty where no grains compress.
+    pub biot: [Vec<f64>; 2],
     /// Those that let water out.
     pub drained: Vec<DrainedFace>,
     /// Those at the outline of the soil.
@@ -71,6 +80,7 @@ impl<const D: usize> Faces<D> {
             conducts,
             ratio,
             grains: Vec::new(),
+            biot: [Vec::new(), Vec::new()],
             drained: Vec::new(),
             outline: Vec::new(),
             outlets: Vec::new(),
@@ -82,11 +92,17 @@ impl<const D: usize> Faces<D> {
 
     /// Finds which conduct.
     pub fn open(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>, water: &mut Pores<D>) {
-        let Self { frame, conducts, ratio, grains, drained, outline, periodic, .. } = self;
+        let Self { frame, conducts, ratio, grains, biot, drained, outline, periodic, .. } = self;
         *periodic = water.periodic;
         if !water.grain_inverse.is_empty() {
             grains.resize(conducts[0].len(), water.flow.grain_inverse);
             grid.walk().for_each(|(cell, position)| grains[frame.number(&position)] = water.grain_inverse[cell]);
+        }
+        if !water.biot.is_empty() {
+            for (i, of_cells) in biot.iter_mut().enumerate() {
+                of_cells.resize(conducts[0].len(), [1.0, 0.0][i]);
+                grid.walk().for_each(|(cell, position)| of_cells[frame.number(&position)] = water.biot[cell][i]);
+            }
         }
         conducts.iter_mut().chain(&mut *ratio).for_each(|faces| faces.fill(0.0));
         water.faces(grid, solid, |axis, position, [conducted, reach]| {
@@ -108,7 +124,7 @@ impl<const D: usize> Faces<D> {
             }
             outline.push((is_drained, axis, outwards, [face, face + frame.beside(axis)]));
         }
-        if water.cuts.are_known() {
+        if water.cuts.have_openings() {
             drained.clear();
             self.open_cuts(grid, water);
         }
@@ -125,10 +141,17 @@ impl<const D: usize> Faces<D> {
             }
         }
         outlets.clear();
-        for opening in water.cuts.openings.iter().filter(|opening| opening.looks_to(&water.drained)) {
+        for opening in &water.cuts.openings {
+            let drained = opening.looks_to(&water.drained);
             let (cell, conducts) = (opening.cell as usize, opening.conducts);
+            // Also of what a later stage opens, so that water keeps its stiffness.
             sums[cell][1] += conducts;
-            outlets.push(Outlet { cell: frame.number(&grid.cell_position(cell)), conducts, away: opening.away });
+            if drained || opening.water != 0 {
+                let (number, middle) = (frame.number(&grid.cell_position(cell)), opening.piece.middle);
+                let outside = drained.then_some(0.0);
+                let (away, water) = (opening.away, opening.water);
+                outlets.push(Outlet { cell: number, conducts, away, middle, water, drained, outside });
+            }
         }
         water.soften(&sums);
         outflow.resize(frame.length(), 0.0);
@@ -137,6 +160,19 @@ impl<const D: usize> Faces<D> {
         for (cell, position) in grid.walk() {
             softness[frame.number(&position)] = water.softness.get(cell).copied().unwrap_or(1.0);
         }
+    }
+
+    /// Looks at the water outside at a time, s. Whether that has opened or closed an outlet.
+    pub fn look_outside(&mut self, water: &Pores<D>, time: f64) -> bool {
+        let mut changed = false;
+        for outlet in self.outlets.iter_mut().filter(|outlet| outlet.water != 0) {
+            let (place, before) = (&outlet.middle, outlet.outside.is_some());
+            let all = water.outside.iter().enumerate().filter(|(which, _)| outlet.water >> which & 1 == 1);
+            let there = all.filter_map(|(_, load)| load.of_water(place, time, water.weight));
+            outlet.outside = there.reduce(|a, b| a + b).or(outlet.drained.then_some(0.0));
+            changed |= outlet.outside.is_some() != before;
+        }
+        changed
     }
 
     /// What drives water out through an outlet beside the pressure of its cell, Pa, between nodes that accelerate (m/s2).
@@ -167,14 +203,16 @@ impl<const D: usize> Faces<D> {
         self.outflow.fill(0.0);
         for i in 0..self.outlets.len() {
             let outlet = self.outlets[i];
+            let Some(outside) = outlet.outside else { continue };
             let body = self.weight_on(&outlet, flow, drive);
-            let head = pressure[self.frame.pad() + outlet.cell] + body;
+            let head = pressure[self.frame.pad() + outlet.cell] - outside + body;
             let out = flow.area * flow.conductance * outlet.conducts * head;
             self.outflow[outlet.cell] += out;
             totals.water_out += dt * out.max(0.0);
             totals.water_in -= dt * out.min(0.0);
             totals.darcy_dissipation += dt * out * head;
             totals.flow_body_work += dt * out * body;
+            totals.external_work -= dt * out * outside;
         }
     }
 

@@ -15,7 +15,7 @@ mod surface;
 mod two_clocks;
 
 pub use body::Body;
-pub use conditions::{Condition, Damping, Friction, GivenForce, Held, Joined, Lifted, RigidPlate};
+pub use conditions::{Condition, Damping, Friction, GivenForce, Held, Joined, Lifted, Moved, RigidPlate};
 pub use explicit::Explicit;
 pub use failing::{Failing, Pace};
 pub use two_clocks::TwoClocks;

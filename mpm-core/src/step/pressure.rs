@@ -241,7 +241,7 @@ impl<const D: usize> PressureSystem<D> {
         for face in &faces.drained {
             self.laplacian[self.diagonal[self.row_of[face.cell] as usize]] += faces.of_drained(face);
         }
-        for outlet in &faces.outlets {
+        for outlet in faces.outlets.iter().filter(|outlet| outlet.outside.is_some()) {
             self.laplacian[self.diagonal[self.row_of[outlet.cell] as usize]] += outlet.conducts;
         }
     }
@@ -305,7 +305,7 @@ impl<const D: usize> PressureSystem<D> {
             let a = coupling(strips, &self.frame, cell);
             let b = &self.response[*column as usize * of_cell..][..of_cell];
             let common = in_common(a, b, reach, shift);
-            let storage = if row == column { storage(strips, &self.frame, cell, by.flow) } else { 0.0 };
+            let storage = if row == column { storage(strips, &self.frame, cell, (by.flow, by.faces)) } else { 0.0 };
             matrix.values[k] = storage + flow * self.laplacian[k] + by.dt * common;
         }
     }
@@ -338,13 +338,14 @@ impl<const D: usize> PressureSystem<D> {
                     }
                 }
             }
-            let stored = storage(strips, &self.frame, cell, flow) * self.before[row];
+            let stored = storage(strips, &self.frame, cell, (flow, faces)) * self.before[row];
             self.right[row] = stored - dt * (gained + flow.area * leaving);
         }
         for outlet in &faces.outlets {
+            let Some(outside) = outlet.outside else { continue };
             let body = faces.weight_on(outlet, flow, (gravity, acceleration));
             let row = self.row_of[outlet.cell] as usize;
-            self.right[row] -= dt * flow.area * flow.conductance * outlet.conducts * body;
+            self.right[row] += dt * flow.area * flow.conductance * outlet.conducts * (outside - body);
         }
     }
 
@@ -380,10 +381,16 @@ fn coupling<'a, V: Simd, const D: usize>(strips: &'a [Strip<V, D>], frame: &Fram
     &strips[cell / frame.strip].coupling[cell % frame.strip * of_cell..][..of_cell]
 }
 
-/// Water that a cell stores per pressure, V n/K_w, m3/Pa; zero for incompressible water.
-fn storage<V: Simd, const D: usize>(strips: &[Strip<V, D>], frame: &Frame<D>, cell: usize, flow: &FaceFlow) -> f64 {
+/// Water that a cell stores per pressure, V n/K_w and what its grains give, m3/Pa; zero where neither compresses.
+fn storage<V: Simd, const D: usize>(
+    strips: &[Strip<V, D>],
+    frame: &Frame<D>,
+    cell: usize,
+    (flow, faces): (&FaceFlow, &Faces<D>),
+) -> f64 {
     let [porosity, inverse_volume] = strips[cell / frame.strip].pores(cell % frame.strip);
-    porosity / (inverse_volume * flow.bulk_modulus)
+    let of_grains = faces.biot[1].get(cell).map_or(0.0, |grains| grains / inverse_volume);
+    porosity / (inverse_volume * flow.bulk_modulus) + of_grains
 }
 
 /// Takes the vertical velocity v* (m/s) of a rigid plate from its nodes, which is what it returns: the next equation of motion

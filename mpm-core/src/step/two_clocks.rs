@@ -91,14 +91,15 @@ impl<V: Simd, F: Functions<D>, const D: usize> TwoClocks<V, F, D> {
     fn seep_for(&mut self, span: f64, most: u64, done: &mut u64) -> Result<(), Fault> {
         let mut time = 0.0;
         let mut moves = 0;
-        let (grid, mut next) = (self.soil.body().grid, self.next);
+        let (grid, start, mut next) = (self.soil.body().grid, self.soil.time(), self.next);
         let carried = self.water_mut();
-        let Carried { water, layer, around, .. } = carried;
         let (mut outcome, mut steps) = (Ok(()), 0);
         while time < span && moves < most {
             let left = span - time;
             // No sliver of a step before the end.
             let asked = if next > 0.75 * left { left } else { next };
+            carried.look_outside(&grid, start + time + 0.5 * asked);
+            let Carried { water, layer, around, .. } = &mut *carried;
             match water.step(asked) {
                 Ok((step, longer)) => {
                     // A step that was only cut to end at a time says nothing of the next.

@@ -7,13 +7,13 @@ use serde::{Deserialize, Serialize};
 
 use super::Pushed;
 use super::free_surface::{
-    Along, Filling, FreeSurface, Kind, Medium, MovingStep, Rounding, SoilMap, Square, Squeeze, Surroundings,
+    Along, Filling, FreeSurface, Kind, Medium, MovingStep, Rounding, SoilMap, Square, Squeeze, Standing, Surroundings,
     WaterLayer, squares,
 };
 use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::grid::Grid;
 use crate::particles::{Layer, SolidPoint};
-use crate::scene::{Feed, Scene, WaterProperties};
+use crate::scene::{Bearing, FaceLoad, Feed, Scene, SolidSide, WaterProperties};
 use crate::seeding;
 use crate::soils::Soils;
 use crate::sparse::Unsolved;
@@ -111,7 +111,11 @@ impl<const D: usize> Carried<D> {
         let per_direction = scene.particles_per_direction();
         let map = SoilMap::new(grid, solid, face_area, per_direction, soils);
         let feeds = scene.free_surface.as_ref().map_or([None; 4], |free| free.feeds);
-        let around = Surroundings { open: [false; 4], feeds, periodic: scene.periodic };
+        let held = scene.solid_sides.map(|side| side != SolidSide::Free);
+        let standing = |load: &FaceLoad| Standing { load: load.clone(), level: load.course.at(0.0, 0.0), held };
+        let reservoirs = scene.loads.iter().filter(|load| load.bearing == Bearing::Reservoir);
+        let standing = reservoirs.map(standing).collect();
+        let around = Surroundings { open: [false; 4], feeds, periodic: scene.periodic, standing };
         let mut water = FreeSurface::new(grid, medium, (map, soils.clone()), &around)?;
         let content: Vec<f64> = grid
             .walk()
@@ -188,6 +192,19 @@ impl<const D: usize> Carried<D> {
     pub fn open(&mut self, grid: &Grid<D>, open: [bool; 4]) {
         if self.around.open != open {
             self.around.open = open;
+            self.water.surround(grid, &self.around);
+        }
+    }
+
+    /// Looks at the water that stands before the soil at a time, s.
+    pub fn look_outside(&mut self, grid: &Grid<D>, time: f64) {
+        let mut changed = false;
+        for water in &mut self.around.standing {
+            let level = water.load.course.at(time, 0.0);
+            changed |= level != water.level;
+            water.level = level;
+        }
+        if changed {
             self.water.surround(grid, &self.around);
         }
     }
@@ -364,6 +381,9 @@ impl<const D: usize> Carried<D> {
     /// Saves or restores what steps to come depend on.
     pub(crate) fn save_or_restore(&mut self, archive: &mut Archive, grid: &Grid<D>) -> Result<(), RestoreError> {
         archive!(archive.value: self.around.open, self.pressures);
+        for water in &mut self.around.standing {
+            archive.value(&mut water.level)?;
+        }
         self.water.save_or_restore(archive, grid, &self.around)?;
         self.layer.save_or_restore(archive)?;
         archive!(archive.slice: self.squeeze.surplus, self.felt, self.lower, self.per_volume, self.middle);

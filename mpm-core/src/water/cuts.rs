@@ -9,9 +9,10 @@ use serde::{Deserialize, Serialize};
 use crate::dimension::in_two;
 use crate::grid::Grid;
 use crate::particles::{Layer, SolidPoint};
-use crate::scene::{Fields, Piece, Side};
-use crate::seeding::{Beside, between, of_square, passes, pieces};
+use crate::scene::{FaceLoad, Fields, Piece, Side};
+use crate::seeding::{Beside, between, numbered_pieces, of_square, passes, pieces};
 use crate::soils::Soils;
+use crate::water::DRAINED_SURFACE;
 
 /// A centroid is at least so far from a piece of the outline, in cells.
 const NEAREST: f64 = 0.05;
@@ -29,13 +30,29 @@ pub struct Opening {
     pub away: [f64; 2],
     /// Its area over the distance along its normal, times the conductivity along that over that of the water; m for 1 m.
     pub conducts: f64,
+    /// Which of the loads of the scene may put water before it, a bit each.
+    pub water: u64,
+}
+
+/// A corner of the outline.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Corner {
+    place: [f64; 2],
+    id: u32,
+    start: [f64; 2],
+    water: u64,
 }
 
 /// The cells of a scene as its outline cuts them.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cuts {
-    /// Corners of the soil at t = 0 (m), and the particle that each goes with, and where that was.
-    corners: Vec<([f64; 2], u32, [f64; 2])>,
+    /// Corners of the soil at t = 0 (m), the particle that each goes with, where that was, and the water before the piece that
+    /// begins there.
+    corners: Vec<Corner>,
+    /// The water before the ends of a column, the lower one first.
+    ends: Option<[u64; 2]>,
+    /// Width of a periodic mesh, over whose seam the soil goes on, m.
+    seam: Option<f64>,
     /// Share of each face that is soil, for each axis.
     open: [Vec<f64>; 2],
     /// Place of the pressure of each cell, in cell coordinates.
@@ -47,18 +64,36 @@ pub struct Cuts {
 }
 
 impl Cuts {
-    /// Those of a scene with an outline, whose particles stand where they were seeded.
+    /// Those of a scene with an outline, or with water before its faces, whose particles stand where they were seeded.
     pub fn new<const D: usize>(scene: &Fields, solid: &Layer<SolidPoint<D>, D>) -> Self {
-        let Some(outline) = &scene.outline else { return Self::default() };
+        if scene.outline.is_none() && !scene.has_water_outside() {
+            return Self::default();
+        }
+        let water = |piece: &Piece| {
+            let before = |load: &FaceLoad| load.is_water() && scene.bears(load, piece);
+            scene.loads.iter().rev().fold(0, |bits, load| 2 * bits + u64::from(before(load)))
+        };
+        if D == 1 {
+            let end = |y: f64, outward| water(&Piece { middle: [0.0, y], outward: [0.0, outward] });
+            return Self { ends: Some([end(0.0, -1.0), end(scene.height, 1.0)]), ..Self::default() };
+        }
         let mut places = vec![[0.0; 2]; solid.points.len()];
         solid.points.iter().zip(&solid.ids).for_each(|(point, id)| places[*id as usize] = in_two(&point.x));
         let beside = Beside::new(places.clone(), scene.spacing());
         let corner = |piece: Piece| {
             let [x, y] = piece.outward;
-            let corner = [piece.middle[0] + 0.5 * y, piece.middle[1] - 0.5 * x];
-            beside.find(&piece.middle).map(|id| (corner, id as u32, places[id]))
+            let place = [piece.middle[0] + 0.5 * y, piece.middle[1] - 0.5 * x];
+            let corner = |id: usize| Corner { place, id: id as u32, start: places[id], water: water(&piece) };
+            beside.find(&piece.middle).map(corner)
         };
-        Self { corners: pieces(outline, scene.spacing()).filter_map(corner).collect(), ..Self::default() }
+        let outline = scene.outline_or_box();
+        let corners = pieces(&outline, scene.spacing()).filter_map(corner).collect();
+        Self { corners, seam: scene.periodic.then_some(scene.width), ..Self::default() }
+    }
+
+    /// Whether the outline is followed piece by piece, and not by faces of cells.
+    pub fn have_openings(&self) -> bool {
+        self.are_known() || self.ends.is_some()
     }
 
     /// Whether there are any.
@@ -68,14 +103,29 @@ impl Cuts {
 
     /// Looks at the soil again: the outline goes with its particles.
     pub fn follow<const D: usize>(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>, soils: &Soils) {
+        if let Some(ends) = self.ends {
+            let cells = || (0..grid.cell_count()).filter(|cell| !solid.range(*cell).is_empty());
+            self.openings.clear();
+            for (cell, (water, sign)) in
+                cells().next().into_iter().chain(cells().last()).zip(ends.into_iter().zip([-1.0, 1.0]))
+            {
+                let away = [0.0, 0.5 * sign * grid.size];
+                let [_, y, _] = soils.kind_of(solid.ids[solid.range(cell).start]).conductivity;
+                let middle = [0.0, (cell as f64 + 0.5) * grid.size + away[1]];
+                let piece = Piece { middle, outward: [0.0, sign] };
+                self.openings.push(Opening { cell: cell as u32, piece, away, conducts: DRAINED_SURFACE * y, water });
+            }
+        }
         if !self.are_known() {
             return;
         }
         let mut moved = vec![[0.0; 2]; solid.points.len()];
         solid.points.iter().zip(&solid.ids).for_each(|(point, id)| moved[*id as usize] = in_two(&point.x));
-        let place = |(corner, id, start): &([f64; 2], u32, [f64; 2])| {
-            let now = moved[*id as usize];
-            [0, 1].map(|d| corner[d] + now[d] - start[d])
+        let place = |corner: &Corner| {
+            let now = moved[corner.id as usize];
+            // Along a periodic mesh its soil may go round as often as it will, and leave the outline the same.
+            let goes = |d: usize| d == 1 || self.seam.is_none();
+            [0, 1].map(|d| corner.place[d] + if goes(d) { now[d] - corner.start[d] } else { 0.0 })
         };
         let polygon: Vec<[f64; 2]> = self.corners.iter().map(place).collect();
         let (size, cells) = (grid.size, [grid.cells[0], grid.cells[D - 1]]);
@@ -95,7 +145,12 @@ impl Cuts {
             // Seen along the other axis the polygon is turned over.
             let turned: Vec<[f64; 2]> = polygon.iter().map(|x| if axis == 0 { *x } else { [x[1], x[0]] }).collect();
             for line in 0..=cells[axis] {
-                let soil = inside_on_both_sides(&turned, line as f64 * size);
+                let place = line as f64 * size;
+                let sides = match self.seam {
+                    Some(width) if axis == 0 && (line == 0 || line == cells[0]) => [width.next_down(), 0.0],
+                    _ => [place.next_down(), place],
+                };
+                let soil = inside_on_both_sides(&turned, sides);
                 for across in 0..cells[1 - axis] {
                     let [low, high] = [across, across + 1].map(|i| i as f64 * size);
                     let share: f64 = soil.iter().map(|[a, b]| (b.min(high) - a.max(low)).max(0.0)).sum();
@@ -121,7 +176,13 @@ impl Cuts {
         let place = |cell: usize| [0, 1].map(|d| (self.at[cell][d] + [cell % across, cell / across][d] as f64) * size);
         let beside = Beside::new(owners.iter().map(|cell| place(*cell)).collect(), size);
         self.openings.clear();
-        for piece in pieces(polygon, size) {
+        let on_seam = |piece: &Piece| {
+            let ends = self.seam.map(|width| [0.0, width]);
+            let on = |end: f64| piece.outward[1] == 0.0 && (piece.middle[0] - end).abs() < 1e-9 * size;
+            ends.is_some_and(|ends| ends.into_iter().any(on))
+        };
+        for (edge, piece) in numbered_pieces(polygon, size).filter(|(_, piece)| !on_seam(piece)) {
+            let water = self.corners[edge].water;
             let length = piece.outward[0].hypot(piece.outward[1]);
             let normal = piece.outward.map(|n| n / length);
             let inwards = [0, 1].map(|d| piece.middle[d] - 1e-6 * size * normal[d]);
@@ -134,7 +195,8 @@ impl Cuts {
             let first = solid.range(cell).start;
             let [x, y, xy] = soils.kind_of(solid.ids[first]).conductivity;
             let along = x * normal[0].powi(2) + y * normal[1].powi(2) + 2.0 * xy * normal[0] * normal[1];
-            self.openings.push(Opening { cell: cell as u32, piece, away, conducts: along * length / distance });
+            let conducts = along * length / distance;
+            self.openings.push(Opening { cell: cell as u32, piece, away, conducts, water });
         }
     }
 
@@ -160,28 +222,25 @@ impl Cuts {
     pub fn softness(&self, cell: usize, [inner, outer]: [f64; 2]) -> f64 {
         /// Twice the four faces of a full cell.
         const FULL: f64 = 8.0;
-        (FULL * self.share[cell] / (2.0 * inner + outer).max(f64::MIN_POSITIVE)).min(1.0)
+        (FULL * self.share.get(cell).copied().unwrap_or(1.0) / (2.0 * inner + outer).max(f64::MIN_POSITIVE)).min(1.0)
     }
 }
 
 impl Opening {
     /// Whether it looks towards one of the sides for which `open` holds.
     pub fn looks_to(&self, open: &[bool; 4]) -> bool {
-        let [x, y] = self.piece.outward;
-        let least = 1e-9 * x.hypot(y);
-        let towards = [-x > least, x > least, -y > least, y > least];
-        Side::ALL.iter().any(|side| towards[*side as usize] && open[*side as usize])
+        Side::ALL.iter().any(|side| open[*side as usize] && self.piece.looks_to(*side))
     }
 }
 
-/// Where a line x = place (m) lies in a polygon on both of its sides, from where to where, m.
-fn inside_on_both_sides(polygon: &[[f64; 2]], place: f64) -> Vec<[f64; 2]> {
+/// Where a face lies in a polygon on both of its sides x (m), from where to where, m.
+fn inside_on_both_sides(polygon: &[[f64; 2]], sides: [f64; 2]) -> Vec<[f64; 2]> {
     let spans = |x: f64| {
         let mut heights: Vec<f64> = passes(polygon, x).collect();
         heights.sort_by(f64::total_cmp);
         heights.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<_>>()
     };
-    let (right, left) = (spans(place), spans(place.next_down()));
+    let [left, right] = sides.map(spans);
     let both = |a: &[f64; 2]| {
         let a = *a;
         left.iter().map(move |b| [a[0].max(b[0]), a[1].min(b[1])]).filter(|[low, high]| low < high).collect::<Vec<_>>()
@@ -197,8 +256,9 @@ mod tests {
     fn a_line_along_a_wall_is_soil_where_both_sides_are() {
         // A wall stands on the right half of a floor.
         let wall = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 2.0], [1.0, 0.5], [0.0, 0.5]];
-        assert_eq!(inside_on_both_sides(&wall, 1.0), [[0.0, 0.5]]);
-        assert_eq!(inside_on_both_sides(&wall, 1.5), [[0.0, 2.0]]);
-        assert!(inside_on_both_sides(&wall, 2.0).is_empty());
+        let at = |x: f64| [x.next_down(), x];
+        assert_eq!(inside_on_both_sides(&wall, at(1.0)), [[0.0, 0.5]]);
+        assert_eq!(inside_on_both_sides(&wall, at(1.5)), [[0.0, 2.0]]);
+        assert!(inside_on_both_sides(&wall, at(2.0)).is_empty());
     }
 }

@@ -6,7 +6,7 @@ use super::{Cuts, FaceFlow, Halves, density_ratio, stored_energy};
 use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::grid::Grid;
 use crate::particles::{Layer, Point, SolidPoint, WaterPoint};
-use crate::scene::{Integrator, Scene, WaterProperties};
+use crate::scene::{FaceLoad, Integrator, Scene, WaterProperties};
 use crate::soils::Soils;
 
 /// Soil of a cell, as water counts it.
@@ -18,6 +18,8 @@ pub struct CellSoil {
     pub grains: f64,
     /// Volume of the particles, m3.
     pub volume: f64,
+    /// What they filled before any strain, m3.
+    pub first: f64,
     /// Volume of soil, m3: that of the particles where the outline of the soil is not known.
     pub filled: f64,
 }
@@ -43,6 +45,8 @@ pub struct Pores<const D: usize> {
     pub softness: Vec<f64>,
     /// Volume of the grains of each cell per mass, m3/kg; empty where all grains weigh the same.
     pub grain_inverse: Vec<f64>,
+    /// Biot's coefficient of each cell, and what its grains give per volume and pressure, 1/Pa; empty where no grains compress.
+    pub biot: Vec<[f64; 2]>,
     /// Whether a cell at the edge of the soil may be without water particles: those of soil that moves through cells come
     /// and go beside its own. It counts as open to the outside until some arrive.
     open_edges: bool,
@@ -57,6 +61,10 @@ pub struct Pores<const D: usize> {
     explicit: bool,
     /// Whether the soil is as it was looked at before it was saved.
     seen: bool,
+    /// The loads of the scene, some of which are water.
+    pub outside: Vec<FaceLoad>,
+    /// Weight of the water, N/m3.
+    pub weight: f64,
 }
 
 /// Share of a cell's soil that its water must fill to have a pressure, where soil runs out.
@@ -94,7 +102,10 @@ impl<const D: usize> Pores<D> {
             softness: Vec::new(),
             explicit: scene.integrator == Integrator::Explicit,
             seen: false,
+            outside: scene.loads.clone(),
+            weight: properties.density * scene.gravity.unwrap_or(0.0),
             grain_inverse: Vec::new(),
+            biot: Vec::new(),
             open_edges,
             partly_drained,
             bare: Vec::new(),
@@ -109,6 +120,18 @@ impl<const D: usize> Pores<D> {
         }
         self.halves = Halves::of(grid, solid, soils);
         self.cuts.follow(grid, solid, soils);
+        if soils.compress() {
+            let of_cell = |(cell, _)| {
+                let (mut sums, mut volume) = ([0.0; 2], 0.0);
+                for index in solid.range(cell) {
+                    let (kind, own) = (soils.kind_of(solid.ids[index]), solid.points[index].volume);
+                    volume += own;
+                    (0..2).for_each(|i| sums[i] += own * kind.biot[i]);
+                }
+                if volume > 0.0 { sums.map(|sum| sum / volume) } else { [1.0, 0.0] }
+            };
+            self.biot = grid.walk().map(of_cell).collect();
+        }
         if soils.weigh_differently() {
             let of_cell = |(cell, _)| {
                 let mut sums = [0.0; 2];
@@ -130,7 +153,8 @@ impl<const D: usize> Pores<D> {
 
     /// Whether cells differ by which soil is in them, or by how the outline cuts them.
     pub fn is_uneven(&self) -> bool {
-        self.halves.differ() || !self.grain_inverse.is_empty() || self.cuts.are_known()
+        let several = !self.grain_inverse.is_empty() || !self.biot.is_empty();
+        self.halves.differ() || several || self.cuts.are_known()
     }
 
     /// How every face conducts over the water's own conductivity, and the edge of a cell over the distance of the pressures on
@@ -164,7 +188,7 @@ impl<const D: usize> Pores<D> {
                 stride *= grid.cells[axis];
             }
         }
-        let aligned = self.exposed.faces.iter().filter(|_| !self.cuts.are_known());
+        let aligned = self.exposed.faces.iter().filter(|_| !self.cuts.have_openings());
         for face in aligned.filter(|f| self.drained[f.side as usize]) {
             let (axis, mut position) = (face.axis as usize, grid.cell_position(face.cell as usize));
             let ratio = self.halves.at(face.cell as usize, axis, face.upper);
@@ -225,6 +249,14 @@ impl<const D: usize> Pores<D> {
     pub fn settle(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>) -> Result<(), (String, String)> {
         let outside = |p: &WaterPoint<D>| grid.cell_at(&p.x).is_none_or(|cell| solid.range(cell).is_empty());
         let lost = |x: &[f64; D], what: &str| (format!("water particle at {x:?} m"), what.to_owned());
+        if self.cuts.are_known() {
+            // Water in an outline stays with its soil, of which the last bit may have left its cell.
+            for point in self.layer.points.iter_mut().filter(|p| outside(p) && p.x.iter().all(|x| x.is_finite())) {
+                let far = |soil: &SolidPoint<D>| (0..D).map(|d| (soil.x[d] - point.x[d]).powi(2)).sum::<f64>();
+                let nearest = solid.points.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+                point.x = nearest.map_or(point.x, |soil| soil.x);
+            }
+        }
         if let Some(point) = self.layer.points.iter().find(|p| outside(p)) {
             if point.x.iter().any(|x| !x.is_finite()) || !self.may_leave() {
                 return Err(lost(&point.x, "outside the soil, which is undrained"));
@@ -252,6 +284,10 @@ impl<const D: usize> Pores<D> {
         1.0 - soil.grains / soil.volume
     }
 
+    fn biot_of(&self, cell: usize) -> [f64; 2] {
+        self.biot.get(cell).copied().unwrap_or([1.0, 0.0])
+    }
+
     /// Bulk modulus of the water in a cell, Pa.
     fn bulk_modulus(&self, cell: usize) -> f64 {
         self.softness.get(cell).map_or(1.0, |softness| *softness) * self.flow.bulk_modulus
@@ -274,7 +310,9 @@ impl<const D: usize> Pores<D> {
             pressure = if volume < LEAST_FULL * soil.volume { 0.0 } else { pressure.max(0.0) };
         }
         let pores = self.porosity(soil) * soil.filled;
-        (pressure, pores * stored_energy(pressure, self.bulk_modulus(soil.cell)))
+        let [_, grains] = self.biot_of(soil.cell);
+        let of_grains = 0.5 * grains * soil.filled * pressure * pressure;
+        (pressure, pores * stored_energy(pressure, self.bulk_modulus(soil.cell)) + of_grains)
     }
 
     /// Mass of water in the pores of a cell of soil, `rho_w n V exp(p/K_w)`, kg.
@@ -286,7 +324,10 @@ impl<const D: usize> Pores<D> {
         let pores = self.porosity(soil) * soil.filled;
         let denser = density_ratio(pressure, self.bulk_modulus(soil.cell)) - 1.0;
         // What the grains leave, so that the sum over the cells is that of the soil wherever its particles are counted.
-        self.flow.density * (soil.filled - soil.grains + pores * denser)
+        // Grains that compress take the rest of a change of volume, and what pressure takes from them is the water's.
+        let [alpha, of_grains] = self.biot_of(soil.cell);
+        let grains = soil.grains + (1.0 - alpha) * (soil.filled - soil.first) - of_grains * soil.filled * pressure;
+        self.flow.density * (soil.filled - grains + pores * denser)
     }
 
     /// Saves or restores what steps to come depend on.
@@ -294,7 +335,7 @@ impl<const D: usize> Pores<D> {
         self.layer.save_or_restore(archive)?;
         self.exposed.save_or_restore(archive, grid)?;
         archive!(archive.value: self.drained, self.removed_mass, self.bare);
-        archive!(archive.value: self.halves, self.grain_inverse, self.cuts);
+        archive!(archive.value: self.halves, self.grain_inverse, self.biot, self.cuts);
         self.seen = archive.restores();
         Ok(())
     }

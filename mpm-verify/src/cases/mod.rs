@@ -19,6 +19,7 @@ mod dynamic_column;
 mod dynamic_energy;
 mod elsewhere;
 mod evidence;
+mod features;
 mod footing;
 mod hydrostatic;
 mod infinite_slope;
@@ -196,6 +197,15 @@ pub const LADDER: &[Rung] = &[
     outline::RUNG,
     rest::SPEED,
     rest::ENERGY,
+    features::RUNGS[0],
+    features::RUNGS[1],
+    features::RUNGS[2],
+    features::RUNGS[3],
+    features::RUNGS[4],
+    features::RUNGS[5],
+    features::RUNGS[6],
+    features::RUNGS[7],
+    features::RUNGS[8],
     block::STICKS,
     block::STOPS,
     block::SLIDES,

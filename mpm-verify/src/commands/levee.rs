@@ -79,6 +79,29 @@ pub struct Options {
 }
 
 impl Options {
+    /// A scene as it is, with another driver if there is one; whether it goes on from a checkpoint, and the seconds between two.
+    pub fn of(scene: String, driver: Option<String>, (resume, checkpoint_every): (bool, f64)) -> Self {
+        Self {
+            scene,
+            driver,
+            mesh: None,
+            ppc: None,
+            go_on: false,
+            variant: None,
+            until: None,
+            from: None,
+            resume,
+            checkpoint_every,
+            safety_factor: Vec::new(),
+            sensitivity: false,
+            compare_drivers: false,
+            convergence: false,
+            full: false,
+            no_run: false,
+            no_vtk: false,
+        }
+    }
+
     fn flags(&self) -> Flags {
         Flags {
             driver: self.driver.clone(),

@@ -1,6 +1,7 @@
 //! One command per file.
 
 pub mod check;
+pub mod gallery;
 pub mod gate;
 pub mod levee;
 pub mod list;

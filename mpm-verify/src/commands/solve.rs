@@ -13,13 +13,11 @@ use mpm_core::seeding;
 use mpm_core::stability::{choose_step, stable_limit};
 use mpm_core::step::Work;
 use mpm_verify::checkpoint;
-use mpm_verify::exact::layered::Layered;
-use mpm_verify::exact::terzaghi::Terzaghi;
 use mpm_verify::files::Folder;
 use mpm_verify::keeping::{self, Keeping, Notes};
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
-use mpm_verify::report::maps;
+use mpm_verify::report::solved::{self, Exact};
 use serde::Serialize;
 
 use super::{Failure, again_with, interrupts, into_folder, print_json, say, warn_if_long, write_csv, write_json};
@@ -49,6 +47,22 @@ pub struct Options {
     /// Seconds between checkpoints
     #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = super::seconds)]
     checkpoint_every: f64,
+}
+
+impl Options {
+    /// A scene as it is.
+    pub fn of(scene: PathBuf) -> Self {
+        Self {
+            scene,
+            force: false,
+            integrator: None,
+            scheme: None,
+            tolerance: None,
+            threads: None,
+            resume: false,
+            checkpoint_every: 60.0,
+        }
+    }
 }
 
 /// A row of history.csv.
@@ -95,6 +109,9 @@ struct Row {
     transfer_loss_j: f64,
     momentum_carried_n_s: f64,
     soil_volume_m3: f64,
+    /// Force of all plates that are moved on the soil, per metre; of a dynamic run its mean since the row before.
+    plates_x_n: Option<f64>,
+    plates_y_n: Option<f64>,
 }
 
 /// A row of profiles.csv.
@@ -224,6 +241,9 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     };
     let scene = Scene::load_with(&options.scene, &flags).map_err(Failure::bad_input)?;
     let scene = if options.force { scene.forced() } else { scene };
+    if scene.may_fail() {
+        return follow(options, common, &scene);
+    }
     if let (Some(integrator), false) = (&options.integrator, scene.left_out.is_empty()) {
         say(common.quiet || common.json, &format!("--integrator {integrator}: left out {}", scene.left_out.join(", ")));
     }
@@ -234,7 +254,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         let other = Scene::load_with(&options.scene, &flags).ok();
         other.filter(|scene| scene.bears_its_load().is_ok() && choose_step(scene).is_ok()).map(|scene| vec![scene])
     };
-    if !(options.resume || scene.may_fail()) {
+    if !options.resume {
         warn_if_long(common, (&scene.name, "--integrator", 1), std::slice::from_ref(&scene), &hardware, &other);
     }
     let solved = into_folder(&folder, &names(&scene), |folder| solve(options, common, (&scene, &hardware), folder))?;
@@ -245,6 +265,28 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         }
         (None, false) => Ok(()),
     }
+}
+
+/// Follows soil that may fail, as `levee` does the paper's.
+fn follow(options: &Options, common: &Common, scene: &Scene) -> Result<(), Failure> {
+    let unknown = [
+        ("--force", options.force),
+        ("--scheme", options.scheme.is_some()),
+        ("--tolerance", options.tolerance.is_some()),
+        ("--threads", options.threads.is_some()),
+    ];
+    if let Some((flag, _)) = unknown.into_iter().find(|(_, given)| *given) {
+        let path = options.scene.display();
+        let expected = "none beside clock = \"both\", which takes --integrator, --resume and --checkpoint-every";
+        return Err(Failure::BadInput(format!("{path}: {flag}: expected {expected}")));
+    }
+    let out = common.out.clone().unwrap_or_else(|| PathBuf::from("reports").join(&scene.name));
+    let levee = super::levee::Options::of(
+        options.scene.display().to_string(),
+        options.integrator.clone(),
+        (options.resume, options.checkpoint_every),
+    );
+    super::levee::run(&levee, &Common { out: Some(out), ..common.clone() })
 }
 
 /// Results that every run of a scene writes, by name.
@@ -306,12 +348,7 @@ fn solve(
         StartError::Step(e) => Failure::BadInput(format!("{}: {e}", options.scene.display())),
         StartError::Load(e) => Failure::BadInput(format!("{}: {e}", options.scene.display())),
         StartError::Place(e) => Failure::BadInput(format!("{}: {e}", options.scene.display())),
-        StartError::MayFail => {
-            let scene = options.scene.display();
-            Failure::BadInput(format!(
-                "{scene}: {e}; a slope that may fail is followed by: mpm-verify levee --scene {scene}"
-            ))
-        }
+        StartError::MayFail => Failure::BadInput(format!("{}: {e}", options.scene.display())),
     })?;
     let Notes { cpu_s, wall_s } = used();
     progress.finish();
@@ -350,9 +387,7 @@ fn write((scene, run, summary): (&Scene, &Run, &Summary), folder: &Path) -> Resu
     if !water.is_empty() {
         write_csv(&folder.join("water.csv"), &water)?;
     }
-    if maps::shows(scene) {
-        maps::write_all(scene, run, folder).map_err(Failure::run_failed)?;
-    }
+    solved::write((scene, run), (&summary.manifest, summary.cpu_s), folder).map_err(Failure::run_failed)?;
     write_json(&folder.join("summary.json"), summary)
 }
 
@@ -403,10 +438,7 @@ fn summary<'a>(scene: &'a Scene, run: &'a Run, threads: usize, [cpu_s, wall_s]: 
     let limit = stable_limit(scene);
     let finite = |time: f64| Some(time).filter(|time| time.is_finite());
     let last = run.samples.last();
-    let drained = scene.stages.last().is_some_and(|stage| stage.drained.contains(&true));
-    let exact =
-        Terzaghi::compressible(scene).filter(|_| drained && scene.gravity.is_none() && scene.strength.is_none());
-    let layered = Layered::of(scene).filter(|_| !scene.layers.is_empty() && scene.gravity.is_none());
+    let exact = Exact::of(scene);
     Summary {
         scene,
         manifest: Manifest::new(scene, threads),
@@ -420,10 +452,7 @@ fn summary<'a>(scene: &'a Scene, run: &'a Run, threads: usize, [cpu_s, wall_s]: 
         cpu_s,
         ns_per_point_step: cpu_s * 1e9 / (run.steps.max(1) as f64 * run.solid_particles as f64),
         settlement_final_m: last.map_or(f64::NAN, |s| s.state.settlement),
-        settlement_compressible_m: match exact {
-            Some(exact) => last.map(|s| exact.settlement(s.stage_time)),
-            None => layered.zip(last).map(|(exact, s)| exact.settlement(s.stage_time)),
-        },
+        settlement_compressible_m: exact.zip(last).map(|(exact, s)| (exact.settlement)(s.stage_time)),
         failure: run.failure.as_ref().map(ToString::to_string),
         integrator: scene.integrator,
         accepted_steps: run.work.accepted,
@@ -443,8 +472,9 @@ fn summary<'a>(scene: &'a Scene, run: &'a Run, threads: usize, [cpu_s, wall_s]: 
 }
 
 fn history(run: &Run) -> Vec<Row> {
-    let row = |s: &Sample| {
+    let row = |(number, s): (usize, &Sample)| {
         let (o, l) = (&s.state, &s.ledger);
+        let plates = plates(s, number.checked_sub(1).map(|before| &run.samples[before]));
         Row {
             time_s: o.time,
             stage: s.stage,
@@ -487,9 +517,24 @@ fn history(run: &Run) -> Vec<Row> {
             transfer_loss_j: l.transfer_loss_j,
             momentum_carried_n_s: l.momentum_carried_n_s,
             soil_volume_m3: o.soil_volume,
+            plates_x_n: plates.map(|force| force[0]),
+            plates_y_n: plates.map(|force| force[1]),
         }
     };
-    run.samples.iter().map(row).collect()
+    run.samples.iter().enumerate().map(row).collect()
+}
+
+/// Force of all plates that are moved, N: that now, or the mean since the sample before.
+fn plates(now: &Sample, before: Option<&Sample>) -> Option<[f64; 2]> {
+    let mut sum = [0.0; 2];
+    for (i, push) in now.state.plates.iter().enumerate() {
+        let then = before.map_or([0.0; 2], |before| before.state.plates[i].impulse);
+        let time = now.state.time - before.map_or(0.0, |before| before.state.time);
+        let mean = [0, 1].map(|d| if time > 0.0 { (push.impulse[d] - then[d]) / time } else { 0.0 });
+        let force = push.force.unwrap_or(mean);
+        (0..2).for_each(|d| sum[d] += force[d]);
+    }
+    (!now.state.plates.is_empty()).then_some(sum)
 }
 
 fn water(run: &Run) -> Vec<WaterLine> {

@@ -32,7 +32,7 @@ impl Bar {
     pub fn new(scene: &Scene) -> Option<Self> {
         let [stage] = scene.stages.as_slice() else { return None };
         let plain = scene.water.is_none() && scene.layers.is_empty() && scene.start == Start::Unloaded;
-        if !plain || !scene.is_one_dimensional() {
+        if !plain || !scene.is_plain_column() {
             return None;
         }
         let (modulus, density, height) = (scene.oedometer_modulus(), scene.mixture_density(), scene.height);

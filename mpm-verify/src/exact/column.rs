@@ -55,7 +55,7 @@ impl Column {
     /// soil runs out of pores or the equations find no solution.
     pub fn of(scene: &Fields) -> Option<Self> {
         scene.water?;
-        if !scene.is_one_dimensional() || scene.stages.len() != 1 || scene.observe_times.is_empty() {
+        if !scene.is_plain_column() || scene.stages.len() != 1 || scene.observe_times.is_empty() {
             return None;
         }
         let meshes: Vec<Solved> =

@@ -38,7 +38,7 @@ impl LargeStrain {
         let ratio = load.pressure / modulus;
         let drained = scene.stages.iter().all(|stage| stage.drained == [false, false, false, true]);
         let (_, table) = TABLES.iter().find(|(of_table, _)| (ratio / of_table - 1.0).abs() < SAME)?;
-        let uniform = scene.is_one_dimensional() && scene.layers.is_empty();
+        let uniform = scene.is_plain_column() && scene.layers.is_empty();
         if !(load.ramp_time == 0.0 && drained && water.bulk_modulus.is_infinite() && uniform) {
             return None;
         }

@@ -88,8 +88,7 @@ impl Layered {
     pub fn of(scene: &Scene) -> Option<Self> {
         let (water, load) = (scene.water?, scene.surcharge?);
         let drained = scene.stages.last()?.drained;
-        if !scene.is_one_dimensional() || !drained[Side::Top as usize] || load.ramp_time > 0.0 || scene.stages.len() > 1
-        {
+        if !scene.is_plain_column() || !drained[Side::Top as usize] || load.ramp_time > 0.0 || scene.stages.len() > 1 {
             return None;
         }
         let layer = |(thickness, soil): &(f64, Fields)| Layer {
@@ -284,6 +283,7 @@ mod tests {
                 load: 1e4,
                 undrained: 1e4 / (MODULUS * water),
                 ramp: 0.0,
+                alpha: 1.0,
             };
             for time in [1e-4, 1e-3, 0.01, 0.1, 0.5, 2.0] {
                 let (a, b) = (exact.settlement(time), one.settlement(time));

@@ -92,7 +92,8 @@ impl Mandel {
         let share = skempton * (1.0 - 2.0 * nu);
         let undrained_poisson = (3.0 * nu + share) / (3.0 - share);
         let ratio = (1.0 - nu) / (undrained_poisson - nu);
-        let storage = 1.0 / scene.oedometer_modulus() + 1.0 / scene.pore_stiffness();
+        // Of alpha p: what undrained water adds to the stiffness is alpha^2 Q.
+        let alpha = scene.soil().alpha();
         Some(Self {
             half_width: scene.width,
             half_height: scene.height,
@@ -100,8 +101,8 @@ impl Mandel {
             shear,
             poisson: nu,
             undrained_poisson,
-            coefficient: water.mobility() / storage,
-            undrained: load.pressure * skempton * (1.0 + undrained_poisson) / 3.0,
+            coefficient: water.mobility() / scene.storage(),
+            undrained: load.pressure * skempton / alpha * (1.0 + undrained_poisson) / 3.0,
             roots: (0..ROOTS).map(|j| Root::number(j, ratio)).collect(),
         })
     }

@@ -21,6 +21,7 @@ pub mod oedometer;
 pub(crate) mod oracle;
 pub mod quadrature;
 pub mod root;
+pub mod seabed;
 pub mod self_weight;
 pub mod semidiscrete;
 pub mod simplex;

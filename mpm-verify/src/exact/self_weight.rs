@@ -37,7 +37,7 @@ impl SelfWeight {
     pub fn new(scene: &Scene) -> Option<Self> {
         let (water, gravity) = (scene.water?, scene.gravity?);
         let drained = scene.stages.iter().all(|stage| stage.drained == [false, false, false, true]);
-        if !drained || scene.surcharge.is_some() || !scene.is_one_dimensional() {
+        if !drained || scene.surcharge.is_some() || !scene.is_plain_column() {
             return None;
         }
         let (modulus, density) = (scene.oedometer_modulus(), scene.mixture_density());

@@ -38,6 +38,8 @@ pub struct Terzaghi {
     pub undrained: f64,
     /// Time over which the load grows, s; zero for a step.
     pub ramp: f64,
+    /// Biot's coefficient: share of the pore pressure in the total stress.
+    pub alpha: f64,
 }
 
 impl Terzaghi {
@@ -53,9 +55,9 @@ impl Terzaghi {
     /// The same column with the water's own stiffness. `None` as above.
     pub fn compressible(scene: &Scene) -> Option<Self> {
         let (water, load) = one_dimensional(scene)?;
-        let storage = 1.0 / scene.oedometer_modulus() + 1.0 / scene.pore_stiffness();
-        let coefficient = water.mobility() / storage;
-        Some(Self::of(scene, coefficient, load.pressure, scene.undrained_pressure(), load.ramp_time))
+        let (coefficient, alpha) = (water.mobility() / scene.storage(), scene.soil().alpha());
+        let column = Self::of(scene, coefficient, load.pressure, scene.undrained_pressure(), load.ramp_time);
+        Some(Self { alpha, ..column })
     }
 
     fn of(scene: &Scene, coefficient: f64, load: f64, undrained: f64, ramp: f64) -> Self {
@@ -69,6 +71,7 @@ impl Terzaghi {
             load,
             undrained,
             ramp,
+            alpha: 1.0,
         }
     }
 
@@ -80,8 +83,31 @@ impl Terzaghi {
     /// Settlement of the surface from the unloaded state at a time (s), m.
     pub fn settlement(&self, time: f64) -> f64 {
         let whole = self.load * self.height / self.modulus;
-        let share = self.undrained / self.load;
+        let share = self.alpha * self.undrained / self.load;
         whole * ((1.0 - share) * self.load_share(time) + share * self.degree(time))
+    }
+
+    /// Settlement at a time (s) under the load times a factor that is linear between times (s) and constant before and after, from
+    /// soil that was in equilibrium: ramps from every corner on, and what jumps there, m.
+    pub fn under(&self, factors: &[[f64; 2]], time: f64) -> f64 {
+        let whole = self.load * self.height / self.modulus;
+        let share = self.alpha * self.undrained / self.load;
+        let per_factor = self.path * self.path / self.coefficient;
+        let step = |since: f64| {
+            if since < 0.0 { 0.0 } else { 1.0 - share + share * degree(self.time_factor(since)) }
+        };
+        let ramp =
+            |since: f64| (1.0 - share) * since.max(0.0) + share * degree_integral(self.time_factor(since)) * per_factor;
+        let mut sum = factors.first().map_or(0.0, |[from, factor]| factor * step(time - from));
+        for pair in factors.windows(2) {
+            let [[from, low], [to, high]] = [pair[0], pair[1]];
+            sum += if to > from {
+                (high - low) / (to - from) * (ramp(time - from) - ramp(time - to))
+            } else {
+                (high - low) * step(time - from)
+            };
+        }
+        whole * sum
     }
 
     /// S/(q H/M): settlement over the final one.
@@ -119,7 +145,7 @@ impl Terzaghi {
 
 /// Water and load of a scene that moves in one dimension.
 fn one_dimensional(scene: &Scene) -> Option<(WaterProperties, Surcharge)> {
-    Some((scene.water?, scene.surcharge?)).filter(|_| scene.is_one_dimensional() && scene.layers.is_empty())
+    Some((scene.water?, scene.surcharge?)).filter(|_| scene.is_plain_column() && scene.layers.is_empty())
 }
 
 /// Sum of a series over m = (2j+1) pi/2 until its terms no longer count.
@@ -215,11 +241,21 @@ mod tests {
             (mobility * modulus, load)
         };
         let path = if double { 0.5 } else { 1.0 };
-        Terzaghi { height, path, double, coefficient, modulus, load, undrained, ramp }
+        Terzaghi { height, path, double, coefficient, modulus, load, undrained, ramp, alpha: 1.0 }
     }
 
     fn worst(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
         pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn one_ramp_among_corners_is_the_ramp() {
+        let (plain, ramp) = (column(true, false, 0.0), column(true, false, 0.2));
+        let factors = [[0.0, 0.0], [0.1, 0.5], [0.2, 1.0], [0.9, 1.0]];
+        for time in [0.05, 0.15, 0.3, 1.0] {
+            assert!((plain.under(&factors, time) / ramp.settlement(time) - 1.0).abs() < 1e-12, "{time} s");
+            assert!((plain.under(&[[0.0, 1.0]], time) / plain.settlement(time) - 1.0).abs() < 1e-12, "{time} s");
+        }
     }
 
     #[test]

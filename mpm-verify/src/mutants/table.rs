@@ -67,8 +67,8 @@ pub const MUTANTS: &[Mutant] = &[
         "cv-without-water",
         "the exact c_v forgets that water is compressible",
         "mpm-verify/src/exact/terzaghi.rs",
-        "1.0 / scene.oedometer_modulus() + 1.0 / scene.pore_stiffness()",
-        "1.0 / scene.oedometer_modulus()",
+        "(water.mobility() / scene.storage(), scene.soil().alpha())",
+        "(water.mobility() * scene.oedometer_modulus(), scene.soil().alpha())",
     ),
     fault(
         "dropped-body-force",

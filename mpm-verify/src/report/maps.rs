@@ -1,25 +1,16 @@
 //! Maps of a finished run in the plane: the soil, and the water in it.
 
-use std::path::Path;
-
 use mpm_core::drive::Run;
-use mpm_core::scene::Scene;
+use mpm_core::scene::{Dimension, Scene};
 
-use super::ReportError;
 use super::numbers::brief;
-use super::plots::field::{Field, Line, OUTLINE, SURFACE, write};
+use super::plots::field::{Field, Line, OUTLINE, SURFACE};
 
-/// Whether a scene is worth a map: soil with an outline or room to run out, or water with a surface.
-pub fn shows(scene: &Scene) -> bool {
-    scene.outline.is_some() || scene.sideroom_cells > 0 || scene.free_surface.is_some()
-}
-
-/// Writes `map-soil` and, where there is water, `map-water`: SVG, PNG and CSV. Returns the names of the maps.
-///
-/// # Errors
-/// A file that cannot be written or drawn.
-pub fn write_all(scene: &Scene, run: &Run, folder: &Path) -> Result<Vec<&'static str>, ReportError> {
-    let mut names = Vec::new();
+/// The maps of a run in plane strain: `map-soil` and, where there is water, `map-water`.
+pub fn all(scene: &Scene, run: &Run) -> Vec<Field> {
+    if scene.dimension == Dimension::Column {
+        return Vec::new();
+    }
     let time = run.samples.last().map_or(0.0, |s| s.state.time);
     let mut corners: Vec<(f64, f64)> = scene.outline_or_box().iter().map(|x| (x[0], x[1])).collect();
     corners.extend(corners.first().copied());
@@ -30,37 +21,38 @@ pub fn write_all(scene: &Scene, run: &Run, folder: &Path) -> Result<Vec<&'static
     }
     let kilo = |points: &[[f64; 3]], sign: f64| points.iter().map(|p| [p[0], p[1], sign * p[2] / 1e3]).collect();
     let places = &run.places;
-    let mut map = |field: Field| -> Result<(), ReportError> {
-        if field.points.is_empty() {
-            return Ok(());
-        }
-        write(&field, folder)?;
-        names.push(field.name);
-        Ok(())
+    let cells = run.samples.last().map_or(&[][..], |s| &s.state.field);
+    let cells: Vec<[f64; 3]> = cells.iter().map(|at| [at.x_m, at.y_m, at.pressure_pa]).collect();
+    let (water, of_water, spacing) = if places.water.is_empty() {
+        (&cells, "Every cell, coloured by its pore pressure.", scene.cell)
+    } else {
+        (&places.water, "Every water particle, coloured by its pore pressure.", scene.spacing())
     };
-    map(Field {
-        name: "map-soil",
-        title: format!("{}: soil at t = {} s", scene.name, brief(time, 4)),
-        caption: "Every solid particle, coloured by its mean effective stress, compression positive.".to_owned(),
-        quantity: "mean effective stress (kPa)".to_owned(),
-        column: "mean_effective_stress_kpa",
-        range: None,
-        spacing: scene.spacing(),
-        points: kilo(&places.solid, -1.0),
-        lines: lines.clone(),
-    })?;
-    map(Field {
-        name: "map-water",
-        title: format!("{}: water at t = {} s", scene.name, brief(time, 4)),
-        caption: "Every water particle, coloured by its pore pressure.".to_owned(),
-        quantity: "pore pressure (kPa)".to_owned(),
-        column: "pore_pressure_kpa",
-        range: None,
-        spacing: scene.spacing(),
-        points: kilo(&places.water, 1.0),
-        lines,
-    })?;
-    Ok(names)
+    let maps = [
+        Field {
+            name: "map-soil",
+            title: format!("{}: soil at t = {} s", scene.name, brief(time, 4)),
+            caption: "Every solid particle, coloured by its mean effective stress, compression positive.".to_owned(),
+            quantity: "mean effective stress (kPa)".to_owned(),
+            column: "mean_effective_stress_kpa",
+            range: None,
+            spacing: scene.spacing(),
+            points: kilo(&places.solid, -1.0),
+            lines: lines.clone(),
+        },
+        Field {
+            name: "map-water",
+            title: format!("{}: water at t = {} s", scene.name, brief(time, 4)),
+            caption: of_water.to_owned(),
+            quantity: "pore pressure (kPa)".to_owned(),
+            column: "pore_pressure_kpa",
+            range: None,
+            spacing,
+            points: kilo(water, 1.0),
+            lines,
+        },
+    ];
+    maps.into_iter().filter(|map| !map.points.is_empty()).collect()
 }
 
 /// Level of the water that stands in each column of cells, m; nothing without a free surface or without gravity.

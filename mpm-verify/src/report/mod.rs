@@ -5,13 +5,14 @@
 //! 2. [`orders`]: orders of convergence per group. [`tables`]: the CSV files. [`quantity`]: of the soil, for maps.
 //! 3. [`plots`]: one file per picture; [`plots::figure`] is what a picture is made of.
 //! 4. [`content`]: what the pages say, once. [`html`], [`markdown`]: how they say it.
-//! 5. [`ladder`]: the page of the verification ladder. [`maps`]: the soil and the water of one run. [`vtk`]: frames of a
+//! 5. [`ladder`]: the page of the verification ladder. [`solved`]: the page of one scene. [`maps`]: its soil and its water. [`vtk`]: frames of a
 //!    run for ParaView. [`animation`]: frames as a page that plays them.
 //!
 //! Every picture has its numbers in a CSV beside it, written from the same [`plots::figure::Figure`].
 
 pub mod animation;
 pub mod content;
+pub mod gallery;
 pub mod hard;
 pub mod html;
 pub mod ladder;
@@ -22,6 +23,7 @@ pub mod orders;
 pub mod plots;
 pub mod quantity;
 pub mod select;
+pub mod solved;
 pub mod tables;
 #[cfg(test)]
 mod tests;

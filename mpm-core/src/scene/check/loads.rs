@@ -4,67 +4,198 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use super::super::raw::{RawCourse, RawLoad, RawScene};
-use super::super::{Course, Dimension, FaceLoad, Fields, Side, SolidSide};
+use super::super::raw::{Pairs, RawCourse, RawLoad, RawPlate, RawReservoir, RawScene};
+use super::super::{Bearing, Course, Dimension, FaceLoad, Fields, MovedPlate, Side, SolidSide, TimeMethod};
 use super::{Checked, Reader};
 
+/// Most loads on faces.
+const MOST_LOADS: usize = 64;
 /// What a course is said by.
 const ONE_COURSE: &str = "at most one of ramp_time, times, sine, wave";
 
 impl Reader<'_> {
-    /// The checked `[[loads]]`, of a scene that has all else.
+    /// The checked `[[loads]]` and `[[reservoirs]]`, of a scene that has all else.
     pub(super) fn loads(&self, raw: &RawScene, scene: &Fields) -> Checked<Vec<FaceLoad>> {
-        let Some(list) = &raw.loads else { return Ok(Vec::new()) };
-        list.get_ref().iter().map(|load| self.load(load, scene)).collect()
+        let loads = raw.loads.iter().flat_map(|list| list.get_ref()).map(|load| self.load(load, scene));
+        let reservoirs = raw.reservoirs.iter().flat_map(|list| list.get_ref());
+        let of = |list: Option<usize>| list.unwrap_or(0);
+        let count =
+            of(raw.loads.as_ref().map(|l| l.get_ref().len())) + of(raw.reservoirs.as_ref().map(|l| l.get_ref().len()));
+        if let (Some(list), true) = (&raw.loads, count > MOST_LOADS) {
+            return self.refuse(&list.span(), "loads", &format!("at most {MOST_LOADS} loads and reservoirs"), count);
+        }
+        let all: Vec<FaceLoad> =
+            loads.chain(reservoirs.map(|reservoir| self.reservoir(reservoir, scene))).collect::<Checked<_>>()?;
+        let changes = |load: &FaceLoad| load.is_water() || load.course != Course::Constant;
+        if let (TimeMethod::Krylov, Some(which)) = (scene.method, all.iter().position(changes)) {
+            let expected = "constant loads beside method = \"krylov\", and no water before the soil";
+            let span = raw.loads.as_ref().and_then(|list| Some(list.get_ref().get(which)?.span())).unwrap_or_default();
+            return self.refuse(&span, "loads", expected, "one that changes");
+        }
+        Ok(all)
     }
 
     fn load(&self, load: &Spanned<RawLoad>, scene: &Fields) -> Checked<FaceLoad> {
         let (raw, span) = (load.get_ref(), load.span());
-        let words = Side::ALL.map(|side| (side.word(), side));
-        let on = self.word(raw.on.as_ref(), "loads.on", &words, Side::Top)?;
-        let on_span = raw.on.as_ref().map_or(span.clone(), Spanned::span);
-        let column = scene.dimension == Dimension::Column;
-        if column && matches!(on, Side::Left | Side::Right) {
-            let expected = "\"top\" or \"bottom\": a column is loaded along its axis";
-            return self.refuse(&on_span, "loads.on", expected, format!("\"{on}\""));
-        }
-        if scene.outline.is_none() && scene.solid_sides[on as usize] != SolidSide::Free {
-            let expected = format!("boundaries.{on} = \"free\" beside it: a held face carries no load");
-            return self.refuse(&on_span, "loads.on", &expected, format!("\"{on}\""));
-        }
-        let finite = |value: &Option<Spanned<f64>>, key: &str| match value {
+        let number = |value: &Option<Spanned<f64>>, key: &str| match value {
             Some(value) => self.within(value, key, "a finite number (Pa)", |_| true),
             None => Ok(0.0),
         };
-        let (pressure, shear) = (finite(&raw.pressure, "loads.pressure")?, finite(&raw.shear, "loads.shear")?);
+        let (pressure, shear) = (number(&raw.pressure, "loads.pressure")?, number(&raw.shear, "loads.shear")?);
         if pressure == 0.0 && shear == 0.0 {
             return self.refuse(&span, "loads", "a pressure or a shear other than 0 (Pa)", "neither");
         }
-        let one_way =
-            [(raw.shear.as_ref().map(Spanned::span), "loads.shear"), (raw.x.as_ref().map(Spanned::span), "loads.x")];
-        for (place, key) in one_way.into_iter().chain([(raw.y.as_ref().map(Spanned::span), "loads.y")]) {
-            if let (Some(place), true) = (place, column) {
-                let expected = "dimension = \"plane-strain\" beside it: a column is pressed along its axis, all over";
-                return self.refuse(&place, key, expected, "\"column\"");
-            }
+        if let (Some(value), Dimension::Column) = (&raw.shear, scene.dimension) {
+            let expected = "dimension = \"plane-strain\" beside it: a column is pressed along its axis";
+            return self.refuse(&value.span(), "loads.shear", expected, "\"column\"");
         }
-        let between = |value: &Option<Spanned<[f64; 2]>>, key: &str| match value {
+        let water = raw.water.unwrap_or(false);
+        if water && scene.water.is_none() {
+            return self.refuse(
+                &span,
+                "loads.water",
+                "[water] beside it: the pores of a dry scene hold none",
+                "a dry scene",
+            );
+        }
+        let course = RawCourse { ramp_time: &raw.ramp_time, times: &raw.times, sine: &raw.sine, wave: &raw.wave };
+        let load = FaceLoad {
+            on: Some(self.word(raw.on.as_ref(), "loads.on", &Side::ALL.map(|side| (side.word(), side)), Side::Top)?),
+            x: self.range(&raw.x, "loads.x")?,
+            y: self.range(&raw.y, "loads.y")?,
+            bearing: Bearing::Traction { pressure, shear, water },
+            course: self.course("loads", &span, &course)?,
+        };
+        self.bears("loads", (&span, &raw.on), load, scene)
+    }
+
+    fn reservoir(&self, reservoir: &Spanned<RawReservoir>, scene: &Fields) -> Checked<FaceLoad> {
+        let (raw, span) = (reservoir.get_ref(), reservoir.span());
+        if scene.water.is_none() || scene.gravity.is_none() {
+            let expected = "[water] and gravity beside it: a level is that of water under its weight";
+            return self.refuse(&span, "reservoirs", expected, "a scene without them");
+        }
+        let levels = match (&raw.level, &raw.levels) {
+            (Some(level), None) => {
+                Course::Times(vec![[0.0, self.within(level, "reservoirs.level", "a height (m)", |_| true)?]])
+            }
+            (None, Some(list)) => {
+                self.times("reservoirs.levels", "pairs [time (s), level (m)], times that ascend", list)?
+            }
+            _ => return self.refuse(&span, "reservoirs", "exactly one of level or levels", "both or neither"),
+        };
+        let on = match &raw.on {
+            Some(_) => Some(self.word(
+                raw.on.as_ref(),
+                "reservoirs.on",
+                &Side::ALL.map(|side| (side.word(), side)),
+                Side::Top,
+            )?),
+            None => None,
+        };
+        let (x, y) = (self.range(&raw.x, "reservoirs.x")?, self.range(&raw.y, "reservoirs.y")?);
+        let load = FaceLoad { on, x, y, bearing: Bearing::Reservoir, course: levels };
+        self.bears("reservoirs", (&span, &raw.on), load, scene)
+    }
+
+    /// The checked `[[plates]]`, of a scene that has all else.
+    pub(super) fn plates(&self, raw: &RawScene, scene: &Fields) -> Checked<Vec<MovedPlate>> {
+        raw.plates.iter().flat_map(|list| list.get_ref()).map(|plate| self.plate(plate, scene)).collect()
+    }
+
+    fn plate(&self, plate: &Spanned<RawPlate>, scene: &Fields) -> Checked<MovedPlate> {
+        let (raw, span) = (plate.get_ref(), plate.span());
+        let on = self.word(raw.on.as_ref(), "plates.on", &Side::ALL.map(|side| (side.word(), side)), Side::Top)?;
+        let place = raw.on.as_ref().map_or(span.clone(), Spanned::span);
+        let sideways = matches!(on, Side::Left | Side::Right);
+        let room = match on {
+            Side::Top => scene.headroom_cells,
+            Side::Right => scene.sideroom_cells,
+            Side::Left | Side::Bottom => 0,
+        };
+        if scene.solid_sides[on as usize] != SolidSide::Free
+            || room > 0
+            || (sideways && scene.dimension == Dimension::Column)
+        {
+            let expected =
+                format!("boundaries.{on} = \"free\" and no room in the mesh beyond: a plate is a side of the mesh");
+            return self.refuse(&place, "plates.on", &expected, format!("\"{on}\""));
+        }
+        let number = |value: &Option<Spanned<f64>>, key: &str| match value {
+            Some(value) => self.within(value, key, "a finite number, positive into the soil", |_| true),
+            None => Ok(0.0),
+        };
+        let (displacement, velocity) =
+            (number(&raw.displacement, "plates.displacement")?, number(&raw.velocity, "plates.velocity")?);
+        let course = RawCourse { ramp_time: &raw.ramp_time, times: &raw.times, sine: &raw.sine, wave: &None };
+        let course = self.course("plates", &span, &course)?;
+        if displacement != 0.0 && course == Course::Constant {
+            let expected = "ramp_time, times or sine beside a displacement: soil does not jump";
+            return self.refuse(&span, "plates.displacement", expected, "none of them");
+        }
+        let (x, y) = (self.range(&raw.x, "plates.x")?, self.range(&raw.y, "plates.y")?);
+        let along = if sideways { (&raw.x, "plates.x") } else { (&raw.y, "plates.y") };
+        if let (Some(value), key) = along {
+            return self.refuse(&value.span(), key, "the range along its side", "the one across");
+        }
+        Ok(MovedPlate { on, x, y, rough: raw.rough.unwrap_or(false), displacement, course, velocity })
+    }
+
+    fn range(&self, value: &Option<Spanned<[f64; 2]>>, key: &str) -> Checked<Option<[f64; 2]>> {
+        match value {
             Some(value) if !matches!(*value.get_ref(), [low, high] if low < high) => {
                 let [low, high] = value.get_ref();
                 self.refuse(&value.span(), key, "two places [low, high], low < high (m)", format!("[{low}, {high}]"))
             }
             value => Ok(value.as_ref().map(|value| *value.get_ref())),
-        };
-        let (x, y) = (between(&raw.x, "loads.x")?, between(&raw.y, "loads.y")?);
-        let course = RawCourse { ramp_time: &raw.ramp_time, times: &raw.times, sine: &raw.sine, wave: &raw.wave };
-        let checked = FaceLoad { on, x, y, pressure, shear, course: self.course("loads", &span, &course)? };
-        if crate::seeding::pieces(&scene.outline_or_box(), scene.spacing())
-            .all(|piece| checked.part_of(&piece).is_none())
-        {
-            let expected = "faces of the soil that look there, between x and y";
-            return self.refuse(&span, "loads", expected, "none");
         }
-        Ok(checked)
+    }
+
+    /// A load that faces of the soil bear.
+    fn bears(
+        &self,
+        table: &str,
+        (span, on): (&Range<usize>, &Option<Spanned<String>>),
+        load: FaceLoad,
+        scene: &Fields,
+    ) -> Checked<FaceLoad> {
+        let (key, place) = (format!("{table}.on"), on.as_ref().map_or(span.clone(), Spanned::span));
+        let side = load.on.map_or("all that is free".to_owned(), |side| format!("\"{side}\""));
+        if scene.dimension == Dimension::Column {
+            let along = matches!(load.on, None | Some(Side::Top | Side::Bottom));
+            if !along || load.x.is_some() || load.y.is_some() {
+                let expected = "\"top\" or \"bottom\", all over, in a column";
+                return self.refuse(&place, &key, expected, side);
+            }
+        }
+        // Water may stand before a wall that is held and lets it through.
+        if let (Some(on), None, false) = (load.on, &scene.outline, load.is_water())
+            && scene.solid_sides[on as usize] != SolidSide::Free
+        {
+            let expected = format!("boundaries.{on} = \"free\" beside it: a held face carries no load");
+            return self.refuse(&place, &key, &expected, side);
+        }
+        if load.is_water() && scene.sideroom_cells > 0 && scene.free_surface.is_none() {
+            let expected = "no mesh.sideroom_cells beside water outside: soil that runs out gives its water away with its particles, \
+                            and takes none in";
+            return self.refuse(span, table, expected, format!("sideroom_cells = {}", scene.sideroom_cells));
+        }
+        if scene.pieces_under(&load).is_empty() {
+            return self.refuse(span, table, "faces of the soil that look there, between x and y", "none");
+        }
+        Ok(load)
+    }
+
+    /// A polyline in time.
+    fn times(&self, key: &str, expected: &str, list: &Pairs) -> Checked<Course> {
+        let points: Vec<[f64; 2]> = list.get_ref().iter().map(|point| *point.get_ref()).collect();
+        let wrong = points.iter().position(|point| !point.iter().all(|x| x.is_finite()));
+        let falls = points.windows(2).position(|pair| pair[0][0] > pair[1][0]).map(|i| i + 1);
+        if let Some(i) = wrong.or(falls) {
+            let [time, factor] = points[i];
+            return self.refuse(&list.get_ref()[i].span(), key, expected, format!("[{time}, {factor}]"));
+        }
+        if points.is_empty() { self.refuse(&list.span(), key, expected, "none") } else { Ok(Course::Times(points)) }
     }
 
     /// How something goes on in time.
@@ -79,23 +210,7 @@ impl Reader<'_> {
                 }
             }
             (None, Some(list), None, None) => {
-                let points: Vec<[f64; 2]> = list.get_ref().iter().map(|point| *point.get_ref()).collect();
-                let expected = "pairs [time (s), factor], times that ascend";
-                let wrong = points.iter().position(|point| !point.iter().all(|x| x.is_finite()));
-                let falls = points.windows(2).position(|pair| pair[0][0] > pair[1][0]).map(|i| i + 1);
-                if let Some(i) = wrong.or(falls) {
-                    let [time, factor] = points[i];
-                    return self.refuse(
-                        &list.get_ref()[i].span(),
-                        &key("times"),
-                        expected,
-                        format!("[{time}, {factor}]"),
-                    );
-                }
-                if points.is_empty() {
-                    return self.refuse(&list.span(), &key("times"), expected, "none");
-                }
-                Ok(Course::Times(points))
+                self.times(&key("times"), "pairs [time (s), factor], times that ascend", list)
             }
             (None, None, Some(sine), None) => {
                 let raw = sine.get_ref();
@@ -111,7 +226,12 @@ impl Reader<'_> {
                 })
             }
             (None, None, None, Some(wave)) => Ok(Course::Wave {
-                length: self.positive(&wave.get_ref().length, &key("wave.length"), "m")?,
+                length: self.within(
+                    &wave.get_ref().length,
+                    &key("wave.length"),
+                    "a length other than 0 (m); of a wave that runs to the left one below 0",
+                    |length| length != 0.0,
+                )?,
                 period: self.positive(&wave.get_ref().period, &key("wave.period"), "s")?,
             }),
             _ => self.refuse(span, table, ONE_COURSE, "several"),

@@ -217,6 +217,9 @@ impl Reader<'_> {
             self.particles(raw, rows, across.saturating_add(sideroom_cells), dimension)?;
         let (elastic, strength, cam_clay) = self.law("soil.law", &raw.soil.get_ref().law, raw, height)?;
         let porosity = self.porosity(&raw.soil.get_ref().porosity, "soil.porosity")?;
+        let of_soil = raw.soil.get_ref();
+        let grains = (of_soil.biot_coefficient.as_ref(), of_soil.grain_bulk_modulus.as_ref());
+        let biot = self.biot("soil", grains, &elastic, porosity)?;
         let water = match &raw.water {
             Some(water) => Some(self.water(water)?),
             None => None,
@@ -261,6 +264,7 @@ impl Reader<'_> {
             cam_clay,
             grain_density,
             porosity,
+            biot,
             water,
             free_surface: None,
             failure: None,
@@ -269,6 +273,7 @@ impl Reader<'_> {
             base: None,
             surcharge,
             loads: Vec::new(),
+            plates: Vec::new(),
             integrator: time.integrator,
             method: time.method,
             tolerance: time.tolerance,
@@ -300,6 +305,7 @@ impl Reader<'_> {
         scene.layers = self.layers(raw, &scene)?;
         scene.regions = self.regions(raw, &scene)?;
         scene.loads = self.loads(raw, &scene)?;
+        scene.plates = self.plates(raw, &scene)?;
         if self.light_nodes(raw)?.is_none() {
             scene.light_nodes = scene.usual_light_nodes();
         }

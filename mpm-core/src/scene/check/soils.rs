@@ -5,7 +5,7 @@ use std::ops::Range;
 use toml::Spanned;
 
 use super::super::raw::{RawScene, RawZone};
-use super::super::{Dimension, Fields, Integrator, Region, Soil, SoilLayer, StrainChoice};
+use super::super::{Biot, Dimension, Elastic, Fields, Integrator, Region, Soil, SoilLayer, StrainChoice};
 use super::{Checked, Reader};
 use crate::constitutive::MOST_MATERIALS;
 use crate::seeding;
@@ -144,6 +144,10 @@ impl Reader<'_> {
             let given = (raw.grain_density.as_ref(), raw.bulk_density.as_ref());
             soil.grain_density = self.grain_density(list, &zone.span(), given, soil.porosity, scene.water.as_ref())?;
         }
+        let grains = (raw.biot_coefficient.as_ref(), raw.grain_bulk_modulus.as_ref());
+        if grains.0.is_some() || grains.1.is_some() {
+            soil.biot = self.biot(list, grains, &soil.elastic, soil.porosity)?;
+        }
         let of_water =
             [("hydraulic_conductivity", "m/s", &raw.hydraulic_conductivity), ("anisotropy", "-", &raw.anisotropy)];
         for (i, (name, unit, value)) in of_water.into_iter().enumerate() {
@@ -163,6 +167,36 @@ impl Reader<'_> {
             soil.k0 = Some(self.within(value, &key("start_k0"), "a ratio of 0 or more (-)", |k| k >= 0.0)?);
         }
         Ok(soil)
+    }
+
+    /// Grains that compress, from what a table says of them: `alpha = 1 - K/K_s`, unless it says both.
+    pub(super) fn biot(
+        &self,
+        table: &str,
+        (coefficient, modulus): (Option<&Spanned<f64>>, Option<&Spanned<f64>>),
+        elastic: &Elastic,
+        porosity: f64,
+    ) -> Checked<Option<Biot>> {
+        let bulk = elastic.lame() + 2.0 / 3.0 * elastic.shear_modulus();
+        let expected = format!("{porosity} <= alpha <= 1, from the porosity on (-)");
+        let within = |alpha: f64| (porosity..=1.0).contains(&alpha);
+        let key = |name: &str| format!("{table}.{name}");
+        let (coefficient, grain_bulk_modulus) = match (coefficient, modulus) {
+            (None, None) => return Ok(None),
+            (Some(value), None) => {
+                let alpha = self.within(value, &key("biot_coefficient"), &expected, within)?;
+                (alpha, bulk / (1.0 - alpha))
+            }
+            (given, Some(value)) => {
+                let expected_modulus =
+                    format!("more than {:.4e} Pa, K/(1 - n) of the skeleton", bulk / (1.0 - porosity));
+                let fits = |modulus: f64| modulus >= bulk / (1.0 - porosity);
+                let modulus = self.within(value, &key("grain_bulk_modulus"), &expected_modulus, fits)?;
+                let alpha = given.map(|value| self.within(value, &key("biot_coefficient"), &expected, within));
+                (alpha.transpose()?.unwrap_or(1.0 - bulk / modulus), modulus)
+            }
+        };
+        Ok(Some(Biot { coefficient, grain_bulk_modulus }).filter(|biot| biot.coefficient < 1.0))
     }
 
     /// A mesh that goes along with its soil.

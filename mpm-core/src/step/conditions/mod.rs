@@ -7,6 +7,7 @@ mod friction;
 mod held;
 mod joined;
 mod lifted;
+mod moved;
 mod plate;
 
 pub use damping::Damping;
@@ -15,6 +16,7 @@ pub use friction::Friction;
 pub use held::Held;
 pub use joined::Joined;
 pub use lifted::Lifted;
+pub use moved::Moved;
 pub use plate::RigidPlate;
 
 use std::fmt::Debug;
@@ -66,11 +68,19 @@ pub trait Condition<const D: usize>: Debug + Send {
     fn join(&self, _: &mut Nodes<D>) {}
     /// Holds other velocities of the nodes as it holds their own.
     fn hold(&self, _: &mut Nodes<D>) {}
+    /// Holds the velocities of a step dt (s) that damping has yet to slow down.
+    fn hold_ahead(&mut self, nodes: &mut Nodes<D>, _: f64) {
+        self.hold(nodes);
+    }
     /// Visits the nodes that it holds in this step, with the axis.
     fn each_held(&self, _: &mut dyn FnMut(usize, usize)) {}
     /// The nodes of a rigid plate, if that is what it is.
     fn plate(&self) -> &[u32] {
         &[]
+    }
+    /// What the soil has got from a plate since the start, N s, if that is what it is.
+    fn pushed_by(&self) -> Option<[f64; 2]> {
+        None
     }
     /// Damping from now on, 1/s.
     fn damp_by(&mut self, _: f64) {}

@@ -108,8 +108,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         let (Some(solver), Some(water)) = (solver, &body.water) else { return Ok(()) };
         solver.held.clear();
         let mut plate = &[][..];
-        for condition in conditions.iter().rev() {
-            condition.hold(nodes);
+        for condition in conditions.iter_mut().rev() {
+            condition.hold_ahead(nodes, dt);
             condition.each_held(&mut |node, axis| solver.held.push((node, axis)));
             if !condition.plate().is_empty() {
                 plate = condition.plate();
@@ -148,6 +148,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             ratio: None,
             grains: None,
             cuts: None,
+            biot: None,
             soil,
             moves: false,
             elastic: None,

@@ -33,7 +33,10 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for Explicit<V, F, D> {
     }
 
     fn observe(&self) -> (Observation, Ledger) {
-        self.whole().observe(self.time, &self.totals, self.carried())
+        let (mut state, ledger) = self.whole().observe(self.time, &self.totals, self.carried());
+        let impulses = self.conditions.iter().filter_map(|condition| condition.pushed_by());
+        state.plates = impulses.map(|impulse| Push { impulse, force: None }).collect();
+        (state, ledger)
     }
 
     fn pore_pressure(&self) -> [f64; 3] {

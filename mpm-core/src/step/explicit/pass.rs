@@ -44,6 +44,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             conducts: &faces.conducts,
             ratio: (!faces.ratio[0].is_empty()).then_some(&faces.ratio),
             grains: (!faces.grains.is_empty()).then_some(&faces.grains),
+            biot: (!faces.biot[0].is_empty()).then_some([&faces.biot[0], &faces.biot[1]]),
             cuts: (!faces.outflow.is_empty()).then_some([&faces.outflow, &faces.softness]),
             soil,
             moves,

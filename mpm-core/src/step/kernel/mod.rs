@@ -378,6 +378,8 @@ pub struct Common<'a, F, const D: usize> {
     pub ratio: Option<&'a [Vec<f64>; 2]>,
     /// Volume of the grains of the cells per mass, m3/kg, where not all weigh the same.
     pub grains: Option<&'a [f64]>,
+    /// Biot's coefficient of the cells, and what their grains give per volume and pressure (1/Pa), where some compress.
+    pub biot: Option<[&'a [f64]; 2]>,
     /// What leaves the cells through an outline that cuts them (m3/s), and what is left of the stiffness of their water there.
     pub cuts: Option<[&'a [f64]; 2]>,
     /// Volume of soil in the cells at the end of the pass, m3, where it is known; else zero.
@@ -426,6 +428,7 @@ impl<F: Copy, const D: usize> Common<'_, F, D> {
             || self.ratio.is_some()
             || self.grains.is_some()
             || self.cuts.is_some()
+            || self.biot.is_some()
             || affine.is_some()
             || state.is_some()
             || strain.is_some()
@@ -443,6 +446,7 @@ impl<F: Copy, const D: usize> Common<'_, F, D> {
             ratio: None,
             grains: None,
             cuts: None,
+            biot: None,
             ..*self
         })
     }
@@ -633,7 +637,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             self.water(group, &position, None, (&edges, sums), running);
         }
         if !(self.common.moves && F::FUSED) {
-            let pressure = self.pressure_on_particles(sums);
+            let pressure = self.pressure_on_particles(sums, at);
             for index in self.strip.solid.range(group) {
                 let point = SolidLanes::<V, D>::read(self.simd, self.strip.solid.block(index));
                 let xi = array!([none; D], d => point.x[d] * frame.inverse_size - position[d]);
@@ -879,7 +883,11 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             }
         }
         if coupled {
-            let coupling = functions.coupling(sums, edges, &closing, frame.inverse_size);
+            let mut coupling = functions.coupling(sums, edges, &closing, frame.inverse_size);
+            if let Some([alpha, _]) = self.common.biot {
+                let alpha = self.load(alpha, at);
+                coupling.as_flattened_mut().iter_mut().for_each(|push| *push = *push * alpha);
+            }
             let reached = F::REACH.pow(D as u32);
             for a in 0..reached {
                 for d in 0..D {

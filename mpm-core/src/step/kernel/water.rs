@@ -133,7 +133,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     /// the flow (1/s).
     #[inline(always)]
     fn rates(&self, group: usize, of_soil: Lanes<V>, divergence: Lanes<V>, cell: &CellLanes<V, D>) -> [Lanes<V>; 2] {
-        let Common { flow, dt, cuts, .. } = self.common;
+        let Common { flow, dt, cuts, biot, .. } = self.common;
         let mut through = self.of(cell.filling) * divergence; // Eq. (6a)
         if let Some([outflow, _]) = cuts {
             let out = Lanes::load(self.simd, &outflow[self.strip.first + group * V::F64_LANES..]);
@@ -143,25 +143,34 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             let rise = Lanes::load(self.simd, &rise[self.strip.first + group * V::F64_LANES..]);
             return [rise * (1.0 / dt), of_soil + through];
         }
-        let stiffness = self.of(cell.inverse_porosity) * flow.bulk_modulus;
+        let (mut stiffness, mut of_soil, moved) =
+            (self.of(cell.inverse_porosity) * flow.bulk_modulus, of_soil, of_soil + through);
+        if let Some([alpha, grains]) = biot {
+            let at = self.strip.first + group * V::F64_LANES;
+            // 1/Q = n/K_w + (alpha - n)/K_s
+            let one = of_soil.like(1.0);
+            stiffness = one / (self.of(cell.porosity) * (1.0 / flow.bulk_modulus) + self.load(grains, at)).or_one();
+            of_soil = of_soil * self.load(alpha, at);
+        }
         let softer = match cuts {
             Some([_, softness]) => Lanes::load(self.simd, &softness[self.strip.first + group * V::F64_LANES..]),
             None => softer(self.of(cell.fill), stiffness * *dt * flow.diffusion),
         };
         let stiffness = softer * stiffness;
         // Eq. (5), sign corrected: dp = -(K_w/n) [ tr(d eps_s) + n tr(d eps*_w) ]
-        [-stiffness * (of_soil + self.of(cell.porosity) * through), of_soil + through]
+        [-stiffness * (of_soil + self.of(cell.porosity) * through), moved]
     }
 
     /// The pressure that acts on each particle of the cells, where it is not added to their sums, Pa.
     #[inline(always)]
-    pub(super) fn pressure_on_particles(&self, sums: &F::Sums<V>) -> Lanes<V> {
+    pub(super) fn pressure_on_particles(&self, sums: &F::Sums<V>, at: usize) -> Lanes<V> {
         let none = Lanes::splat(self.simd, 0.0);
         if F::FUSED || self.common.coupled || !matches!(self.common.water, InPores::Particles { .. }) {
             return none;
         }
         let [weighted, volume] = self.common.functions.water_of(sums);
-        weighted / volume.or_one()
+        let pressure = weighted / volume.or_one();
+        self.common.biot.map_or(pressure, |[alpha, _]| pressure * self.load(alpha, at))
     }
 
     /// Notes the water of the cells for the next step.
@@ -218,6 +227,11 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         pressure.store(&mut self.pressure[group * V::F64_LANES..]);
         // Water in pores of known volume moves with its soil.
         closing.water_ratio = Some(porosity * volume * flow.density / mass.or_one());
+        if let Some([alpha, _]) = self.common.biot {
+            let alpha = self.load(alpha, self.strip.first + group * V::F64_LANES);
+            pressure = pressure * alpha;
+            closing.full_of_water = closing.full_of_water / alpha;
+        }
         closing.pressure = if coupled { None } else { Some(pressure) };
     }
 }

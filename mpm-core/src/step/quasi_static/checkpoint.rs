@@ -13,15 +13,20 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         archive!(archive.slice: self.points, *self.carried.as_flattened_mut(), self.states);
         archive!(archive.value: self.drained, self.settled, self.time, self.stage_time, self.stage_end, self.until);
         archive!(archive.value: self.counted, self.trouble, self.done, self.totals, self.spent, laid);
-        archive!(archive.value: self.ramp, self.rejected, self.rejected_path);
+        archive!(archive.value: self.ramp, self.rejected, self.rejected_path, self.pushes);
         if !laid {
             return Ok(());
         }
         if archive.restores() {
             self.lay_again()?;
         }
+        for (_, [_, before]) in self.soil.iter_mut().flat_map(|soil| &mut soil.plates) {
+            archive.value(before)?;
+        }
         archive!(archive.slice: self.y, self.content);
         archive!(archive.value: self.work.reference);
+        let (time, ramp) = (self.time, self.ramp);
+        self.soil.iter_mut().for_each(|soil| soil.bear(time, ramp));
         self.soil_and_method(archive)
     }
 

@@ -1,6 +1,6 @@
 //! Laying a mesh over the soil: axes, unknowns, integration points, faces, loads.
 
-use super::soil::{FacePart, Fluid, HELD, PorePart, Soil, SolidPart, Values};
+use super::soil::{Before, FacePart, Fluid, HELD, PorePart, Soil, SolidPart, Values};
 use super::tangent::System;
 use crate::constitutive::{Law, Materials, State};
 use crate::dimension::in_two;
@@ -118,7 +118,8 @@ impl<const D: usize> Ground<'_, D> {
         let solid = self.solid(&law, &axes, &weights);
         let pore = if wet || scene.gravity.is_some() { self.pore(&law, &axes, &solid) } else { Vec::new() };
         let faces = if wet && !smooth { self.faces(&law, &axes) } else { Vec::new() };
-        let (soil_map, water_map, size) = self.unknowns(&axes, pressures);
+        let moved = self.moved(&axes);
+        let (soil_map, water_map, size) = self.unknowns(&axes, pressures, &moved);
         let jumps = match scene.shape.spline_degree() {
             Some(degree) if wet => self.jumps(&axes, degree),
             _ => Vec::new(),
@@ -135,6 +136,7 @@ impl<const D: usize> Ground<'_, D> {
         let mut gravity = [0.0; D];
         gravity[D - 1] = -scene.gravity.unwrap_or(0.0);
         let loads = self.loads(&axes, &solid);
+        let before = self.before(&axes, (&faces, &water_map));
         Ok(Soil {
             // All of it, until a time is said.
             load: loads.first().map_or_else(|| vec![0.0; functions * D], |(force, _)| force.clone()),
@@ -147,6 +149,11 @@ impl<const D: usize> Ground<'_, D> {
             },
             u: vec![[0.0; D]; functions],
             p: vec![0.0; pressures],
+            moved,
+            plates: scene.plates.iter().map(|plate| (plate.clone(), [0.0; 2])).collect(),
+            held_pressure: vec![0.0; if before.is_empty() { 0 } else { pressures }],
+            before,
+            outside: (scene.loads.clone(), water.density * scene.gravity.unwrap_or(0.0)),
             fluid: Fluid {
                 mobility: water.mobility(),
                 compressibility: 1.0 / water.bulk_modulus,
@@ -259,17 +266,38 @@ impl<const D: usize> Ground<'_, D> {
                 // The last axis is the vertical one: sides 2 and 3.
                 let side = 2 * (axis + 2 - D);
                 let here = cell as u32;
-                if at == 0 && self.drained[side] {
-                    faces.push(FacePart { cells: [HELD, here], axis, area, reach: [0.0, half(at)], marks: [own; 2] });
+                if at == 0 && self.is_open(side) {
+                    faces.push(FacePart {
+                        cells: [HELD, here],
+                        axis,
+                        area,
+                        reach: [0.0, half(at)],
+                        marks: [own; 2],
+                        outside: 0.0,
+                    });
                 }
                 if at < last {
                     let above = (cell + stride) as u32;
                     let mut next = position;
                     next[axis] += 1;
                     let marks = [own, mark(next)];
-                    faces.push(FacePart { cells: [here, above], axis, area, reach: [half(at), half(at + 1)], marks });
-                } else if self.drained[side + 1] {
-                    faces.push(FacePart { cells: [here, HELD], axis, area, reach: [half(at), 0.0], marks: [own; 2] });
+                    faces.push(FacePart {
+                        cells: [here, above],
+                        axis,
+                        area,
+                        reach: [half(at), half(at + 1)],
+                        marks,
+                        outside: 0.0,
+                    });
+                } else if self.is_open(side + 1) {
+                    faces.push(FacePart {
+                        cells: [here, HELD],
+                        axis,
+                        area,
+                        reach: [half(at), 0.0],
+                        marks: [own; 2],
+                        outside: 0.0,
+                    });
                 }
                 stride *= axes[axis].cells();
             }
@@ -278,7 +306,12 @@ impl<const D: usize> Ground<'_, D> {
     }
 
     /// Numbers the unknowns: along a column, displacement and pressure of the same place beside each other.
-    fn unknowns(&self, axes: &[Axis; D], pressures: usize) -> (Vec<[u32; D]>, Vec<u32>, usize) {
+    fn unknowns(
+        &self,
+        axes: &[Axis; D],
+        pressures: usize,
+        moved: &[(u32, usize, f64, u16)],
+    ) -> (Vec<[u32; D]>, Vec<u32>, usize) {
         let counts: [usize; D] = std::array::from_fn(|d| axes[d].functions());
         let functions: usize = counts.iter().product();
         let smooth = smooth(self.scene.shape);
@@ -305,7 +338,7 @@ impl<const D: usize> Ground<'_, D> {
                         continue;
                     }
                     let side = 2 * (axis + 2 - D) + usize::from(upper);
-                    dry |= self.drained[side];
+                    dry |= self.is_open(side);
                     top |= side == Side::Top as usize;
                     match self.scene.solid_sides[side] {
                         SolidSide::Free => {}
@@ -313,6 +346,9 @@ impl<const D: usize> Ground<'_, D> {
                         SolidSide::Fixed => held = [true; D],
                     }
                 }
+            }
+            for (_, axis, ..) in moved.iter().filter(|(number, ..)| *number as usize == function) {
+                held[*axis] = true;
             }
             if function < functions {
                 for d in 0..D {
@@ -328,6 +364,85 @@ impl<const D: usize> Ground<'_, D> {
             }
         }
         (soil_map, water_map, next as usize)
+    }
+
+    /// Functions that go with a plate that is moved.
+    fn moved(&self, axes: &[Axis; D]) -> Vec<(u32, usize, f64, u16)> {
+        let mut moved = Vec::new();
+        for (which, plate) in self.scene.plates.iter().enumerate() {
+            let side = plate.on as usize;
+            let (axis, upper) = (usize::from(side > 1) + D - 2, side % 2 == 1);
+            let [low, high] =
+                if axis + 1 == D { plate.x } else { plate.y }.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+            let slack = 1e-6 * self.scene.cell;
+            for function in 0..axes.iter().map(Axis::functions).product() {
+                let mut rest = function;
+                let place: [usize; D] = std::array::from_fn(|d| {
+                    let at = rest % axes[d].functions();
+                    rest /= axes[d].functions();
+                    at
+                });
+                let stands = if D == 1 { 0.0 } else { axes[1 - axis].splines().stands(place[1 - axis]) };
+                let edge = place[axis] == if upper { axes[axis].functions() - 1 } else { 0 };
+                if edge && (D == 1 || (low - slack..=high + slack).contains(&stands)) {
+                    for d in (0..D).filter(|d| *d == axis || plate.rough) {
+                        let inwards = if upper { -1.0 } else { 1.0 };
+                        moved.push((function as u32, d, if d == axis { inwards } else { 0.0 }, which as u16));
+                    }
+                }
+            }
+        }
+        moved
+    }
+
+    /// Whether water passes a side: it is drained, or water stands before it.
+    fn is_open(&self, side: usize) -> bool {
+        self.drained[side]
+            || self.scene.loads.iter().any(|load| load.is_water() && load.on.is_some_and(|on| on as usize == side))
+    }
+
+    /// Where water stands before the soil.
+    fn before(&self, axes: &[Axis; D], (faces, water_map): (&[FacePart], &[u32])) -> Vec<(Before, [f64; 2], u16, f64)> {
+        let mut before = Vec::new();
+        let loads = self.scene.loads.iter().enumerate().filter(|(_, load)| load.is_water());
+        for (which, load) in loads {
+            let Some(side) = load.on.map(|on| on as usize) else { continue };
+            let (axis, upper) = (usize::from(side > 1) + D - 2, side % 2 == 1);
+            let on_line = |x: &[f64; D], d: usize| {
+                let along = &axes[d].knots;
+                let end = if upper { along[along.len() - 1] } else { along[0] };
+                let mut x = *x;
+                x[d] = end;
+                in_two(&x)
+            };
+            for (number, face) in faces.iter().enumerate().filter(|(_, face)| face.axis == axis) {
+                if face.cells[usize::from(upper)] == HELD {
+                    let inside = position(axes, face.cells[usize::from(!upper)] as usize);
+                    let x = on_line(&middle(axes, &inside), axis);
+                    before.push((Before::Face(number as u32), x, which as u16, 1.0));
+                }
+            }
+            if smooth(self.scene.shape) {
+                for (function, _) in water_map.iter().enumerate().filter(|(_, map)| **map == HELD) {
+                    let mut rest = function;
+                    let place: [usize; D] = std::array::from_fn(|d| {
+                        let at = rest % axes[d].functions();
+                        rest /= axes[d].functions();
+                        at
+                    });
+                    if place[axis] == if upper { axes[axis].functions() - 1 } else { 0 } {
+                        let along = D - 1 - axis;
+                        let samples =
+                            if D == 1 { vec![(0.0, 1.0)] } else { axes[along].splines().samples(place[along]) };
+                        for (at, weight) in samples {
+                            let x = on_line(&[at; D], axis);
+                            before.push((Before::Function(function as u32), x, which as u16, weight));
+                        }
+                    }
+                }
+            }
+        }
+        before
     }
 
     /// The loads: force where the factor is 1 (N per displacement function and direction), and how it goes on.
@@ -349,7 +464,8 @@ impl<const D: usize> Ground<'_, D> {
     fn on_side(&self, load: &FaceLoad, axes: &[Axis; D], along: &dyn Fn(f64) -> f64) -> Vec<f64> {
         let functions: usize = axes.iter().map(Axis::functions).product();
         let mut forces = vec![0.0; functions * D];
-        let (axis, upper) = (usize::from(load.on as usize > 1), load.on as usize % 2 == 1);
+        let side = load.on.unwrap_or(Side::Top) as usize;
+        let (axis, upper) = (usize::from(side > 1), side % 2 == 1);
         let (axis, sign) = (axis + D - 2, if upper { 1.0 } else { -1.0 });
         let mut outward = [0.0; 2];
         outward[axis + 2 - D] = sign;

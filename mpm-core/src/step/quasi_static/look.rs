@@ -5,7 +5,7 @@ use super::march::work_of;
 use super::soil::{InsideOut, PorePart, PoreState, Strained};
 use super::{Method, QuasiStatic, lay};
 use crate::constitutive::Law;
-use crate::observe::{CellValues, FieldPoint, Observation, checkerboard, profile};
+use crate::observe::{CellValues, FieldPoint, Observation, Places, checkerboard, profile};
 use crate::space::{Stencil, stretch, turned};
 use crate::water::stored_energy;
 
@@ -30,7 +30,21 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             profile: rows,
             field: self.field(cells),
             water: None,
+            plates: self.pushes.clone(),
         }
+    }
+
+    /// Where the particles are, and their stresses.
+    pub(super) fn look_at_particles(&self) -> Places {
+        let mut points = self.points.clone();
+        for (i, point) in points.iter_mut().enumerate() {
+            let moved = self.moved(i);
+            (0..D).for_each(|d| point.x[d] += moved[d]);
+            if let Some(state) = self.soil.as_ref().and_then(|soil| soil.strained(&soil.solid[i])) {
+                point.stress = turned(&state.stress, &state.push.rotation);
+            }
+        }
+        Places::of(&points, &[])
     }
 
     /// Centre of mass of the soil, m: x (zero in a column) and y.
@@ -120,14 +134,16 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             let pores = if soil.small { part.porosity } else { change + part.porosity };
             let fluid = &soil.fluid;
             // Pores change with the soil even where the geometry stays.
-            let water = part.porosity + spent + change + pores * soil.denser(pressure);
+            let [alpha, of_grains] = soil.law.soils.kind(part.mark).biot;
+            let stored = pores * soil.denser(pressure) + of_grains * pressure;
+            let water = part.porosity + alpha * (spent + change) + stored;
             cells[cell].water_mass += part.weight * fluid.density * water;
             let energy = if soil.small {
                 0.5 * pressure * pressure * fluid.compressibility
             } else {
                 stored_energy(pressure, 1.0 / fluid.compressibility)
             };
-            cells[cell].water_energy += part.weight * pores * energy;
+            cells[cell].water_energy += part.weight * (pores * energy + 0.5 * of_grains * pressure * pressure);
         }
         for &(a, b, value) in &soil.jumps {
             let stored = 0.5 * value * soil.p[a as usize] * soil.p[b as usize];

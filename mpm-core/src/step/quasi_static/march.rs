@@ -41,7 +41,8 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let linear = self.scene.strain == StrainChoice::Small && self.seeding.law.are_linear();
         let steady = |load: &FaceLoad| load.course == Course::Constant;
         let constant = self.time >= self.scene.surcharge.map_or(0.0, |s| s.ramp_time);
-        let constant = constant && self.scene.loads.iter().all(steady);
+        let constant = constant && self.scene.loads.iter().all(steady) && !self.scene.has_water_outside();
+        let constant = constant && self.scene.plates.is_empty();
         linear && constant && self.scene.gravity.is_none() && self.scene.water.is_some()
     }
 
@@ -294,7 +295,18 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let before = works(soil);
         soil.expand(&stepper.end);
         let after = works(soil);
-        self.totals.external_work += after[0] - before[0];
+        for ((push, now), (plate, _)) in self.pushes.iter_mut().zip(soil.pushed()).zip(&soil.plates) {
+            // The mean of the forces at both ends; the plate moves along the normal of its side.
+            let (then, moved) = (push.force.unwrap_or_default(), plate.at(time + h) - plate.at(time));
+            let mean = [0, 1].map(|d| 0.5 * (then[d] + now[d]));
+            let (axis, inwards) =
+                (usize::from(plate.on as usize > 1), if plate.on as usize % 2 == 1 { -1.0 } else { 1.0 });
+            self.totals.external_work += inwards * moved * mean[axis];
+            (0..2).for_each(|d| push.impulse[d] += h * mean[d]);
+            push.force = Some(now);
+        }
+        let gained = soil.values.content.iter().zip(&self.content).map(|(now, then)| now - then);
+        self.totals.external_work += after[0] - before[0] + sums.pressed_in + soil.pressed_in(gained);
         self.totals.gravity_work += after[1] - before[1];
         let held = soil.held(&soil.values.content) - soil.held(&self.content);
         self.totals.water_out += sums.outflow - held;

@@ -35,7 +35,7 @@ use super::{Fault, Model, Work};
 use crate::checkpoint::{Archive, RestoreError};
 use crate::constitutive::{Flow, Law, Materials, State};
 use crate::dimension::in_two;
-use crate::observe::{Ledger, Observation, Totals};
+use crate::observe::{Ledger, Observation, Places, Push, Totals};
 use crate::particles::SolidPoint;
 use crate::scene::{Scene, Stage, StepChoice, StrainChoice, TimeMethod};
 
@@ -84,6 +84,8 @@ pub struct QuasiStatic<L: Law, const D: usize> {
     ramp: f64,
     /// Settlement per unknown, m.
     settle: Vec<(u32, f64)>,
+    /// Weights of the plates in it.
+    settle_with: Vec<(u16, f64)>,
     /// Settlement of the surface since t = 0 when the mesh was laid, m.
     settled: f64,
     drained: [bool; 4],
@@ -94,6 +96,8 @@ pub struct QuasiStatic<L: Law, const D: usize> {
     until: f64,
     done: Work,
     totals: Totals<D>,
+    /// What the plates that are moved do to the soil.
+    pushes: Vec<Push>,
     counted: bool,
     /// Why the last rejected step was rejected.
     trouble: Option<String>,
@@ -154,6 +158,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             rejected_path: None,
             ramp: 0.0,
             settle: Vec::new(),
+            settle_with: Vec::new(),
             settled: 0.0,
             drained: [false; 4],
             time: 0.0,
@@ -162,6 +167,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             until: 0.0,
             done: Work::default(),
             totals: Totals::default(),
+            pushes: vec![Push { force: Some([0.0; 2]), ..Push::default() }; scene.plates.len()],
             counted: false,
             trouble: None,
         }
@@ -174,7 +180,17 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
 
     /// Settlement since the unloaded state, m.
     fn settlement(&self) -> f64 {
-        self.seeding.first_settlement + self.settled + self.settlement_of(&self.y)
+        self.seeding.first_settlement + self.settled + self.settlement_of(&self.y) + self.settled_with_plates()
+    }
+
+    /// That of functions which go with plates, m.
+    fn settled_with_plates(&self) -> f64 {
+        let Some(soil) = &self.soil else { return 0.0 };
+        let moved = |plate: u16| {
+            let (plate, [_, before]) = &soil.plates[usize::from(plate)];
+            plate.at(self.time) - before
+        };
+        self.settle_with.iter().map(|(plate, weight)| weight * moved(*plate)).sum()
     }
 
     /// Size of forces that a residual is compared with.
@@ -276,6 +292,10 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
             work.solves += soil.system.solves;
         }
         work
+    }
+
+    fn places(&self) -> Places {
+        self.look_at_particles()
     }
 
     fn observe(&self) -> (Observation, Ledger) {

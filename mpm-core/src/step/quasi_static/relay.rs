@@ -57,7 +57,9 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         ground.lay(self.seeding.law.clone()).map_err(|e| unsolved(&e))
     }
 
-    fn take(&mut self, soil: Soil<L, D>) {
+    fn take(&mut self, mut soil: Soil<L, D>) {
+        soil.plates.iter_mut().for_each(|(plate, [_, before])| *before = plate.at(self.time));
+        soil.bear(self.time, self.ramp);
         let weights = top_integrals(&soil.axes, |_| 1.0);
         let whole: f64 = weights.iter().sum();
         let row = soil.u.len() - weights.len();
@@ -67,6 +69,11 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             .map(|(i, w)| (soil.soil_map[row + i][D - 1], -w / whole * soil.scales[0]))
             .filter(|(unknown, _)| *unknown != HELD)
             .collect();
+        let on_top = soil.moved.iter().filter(|(function, axis, ..)| *axis == D - 1 && *function as usize >= row);
+        let share = |(function, _, inwards, plate): &(u32, usize, f64, u16)| {
+            (*plate, -weights[*function as usize - row] / whole * inwards)
+        };
+        self.settle_with = on_top.map(share).collect();
         self.work = Workspace::new(soil.unknowns(), self.reference(&soil));
         self.spent.resize(soil.pore.len(), 0.0);
         self.soil = Some(soil);
@@ -152,7 +159,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
                 *spent += soil.pore_state(part).map_or(0.0, |state| state.change);
             }
         }
-        self.settled += self.settlement_of(&self.y);
+        self.settled += self.settlement_of(&self.y) + self.settled_with_plates();
         pressures
     }
 

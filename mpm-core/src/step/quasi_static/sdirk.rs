@@ -34,6 +34,8 @@ pub(super) struct StepSums {
     pub dissipation: f64,
     /// Work of gravity on the flow, J.
     pub body_work: f64,
+    /// Work of the water outside on what it presses in, J.
+    pub pressed_in: f64,
 }
 
 /// Vectors of a step.
@@ -88,6 +90,7 @@ impl Sdirk {
             sums.outflow += weight * (soil.values.outflow - soil.held(&soil.values.flow));
             sums.dissipation += weight * soil.values.dissipation;
             sums.body_work += weight * soil.values.body_work;
+            sums.pressed_in += weight * (soil.values.pressed_in + soil.pressed_in(soil.values.flow.iter().copied()));
         }
         if !dry {
             self.estimate(soil, h)?;

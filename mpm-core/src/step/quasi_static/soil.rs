@@ -14,7 +14,7 @@
 
 use super::tangent::System;
 use crate::constitutive::{Flow, Law, Materials, STATES, State};
-use crate::scene::Course;
+use crate::scene::{Course, FaceLoad, MovedPlate};
 use crate::space::{Axis, MOST, Stencil, strain_mode, stretch, tensor, turned};
 
 /// Most that a law's results in steps and in half steps may be apart for an extrapolation, as a share of the stress.
@@ -71,6 +71,8 @@ pub(super) struct FacePart {
     pub reach: [f64; 2],
     /// Soil of each cell.
     pub marks: [u8; 2],
+    /// Pressure of the water outside, Pa.
+    pub outside: f64,
 }
 
 /// Constants of the water and of the weight.
@@ -101,6 +103,17 @@ pub(super) struct Values {
     pub dissipation: f64,
     /// Work of gravity on the flow, W.
     pub body_work: f64,
+    /// Work of the water outside on what it presses in, W.
+    pub pressed_in: f64,
+}
+
+/// Where water stands before the soil.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Before {
+    /// At a pressure function that it holds.
+    Function(u32),
+    /// At a face between a cell and the outside.
+    Face(u32),
 }
 
 /// Soil that was turned inside out.
@@ -130,6 +143,16 @@ pub(super) struct Soil<L: Law, const D: usize> {
     pub load: Vec<f64>,
     /// The loads: force where the factor is 1, and how it goes on.
     pub loads: Vec<(Vec<f64>, Course)>,
+    /// Functions that go with a plate that is moved, with the axis, the direction into the soil along it (or 0) and the plate.
+    pub moved: Vec<(u32, usize, f64, u16)>,
+    /// The plates, how far each has moved since the mesh was laid, and how far it had moved then, m.
+    pub plates: Vec<(MovedPlate, [f64; 2])>,
+    /// Where water stands before the soil: there, sampled at a place (m), the load of the scene, the weight of the sample.
+    pub before: Vec<(Before, [f64; 2], u16, f64)>,
+    /// The loads of the scene, and the weight of water, N/m3.
+    pub outside: (Vec<FaceLoad>, f64),
+    /// Pressure of functions that are held, Pa; empty where all are held at zero.
+    pub held_pressure: Vec<f64>,
     /// Displacements (m) and pressures (Pa) of the functions at the unknowns of the last evaluation.
     pub u: Vec<[f64; D]>,
     pub p: Vec<f64>,
@@ -159,7 +182,20 @@ impl<L: Law, const D: usize> Soil<L, D> {
 
     /// Puts on the loads of a time since the start of the run; sudden ones grow within a `ramp`, both s.
     pub fn bear(&mut self, time: f64, ramp: f64) {
-        let Self { load, loads, .. } = self;
+        let Self { load, loads, before, outside: (outside, weight), held_pressure, faces, plates, .. } = self;
+        plates.iter_mut().for_each(|(plate, [moved, before])| *moved = plate.at(time) - *before);
+        let mut set = |at: &Before, to: &dyn Fn(f64) -> f64| {
+            let there = match at {
+                Before::Function(function) => &mut held_pressure[*function as usize],
+                Before::Face(face) => &mut faces[*face as usize].outside,
+            };
+            *there = to(*there);
+        };
+        before.iter().for_each(|(at, ..)| set(at, &|_| 0.0));
+        for (at, place, which, weight_of) in &*before {
+            let pressure = outside[usize::from(*which)].of_water(place, time, *weight).unwrap_or(0.0);
+            set(at, &|there| there + weight_of * pressure);
+        }
         for (i, (force, course)) in loads.iter().enumerate() {
             let factor = match course {
                 Course::Constant if time < ramp => time / ramp,
@@ -209,6 +245,27 @@ impl<L: Law, const D: usize> Soil<L, D> {
         for (p, map) in self.p.iter_mut().zip(&self.water_map) {
             *p = if *map == HELD { 0.0 } else { pressure * y[*map as usize] };
         }
+        for (function, axis, inwards, plate) in &self.moved {
+            self.u[*function as usize][*axis] = inwards * self.plates[usize::from(*plate)].1[0];
+        }
+        let held = self.p.iter_mut().zip(&self.water_map).zip(&self.held_pressure);
+        held.filter(|((_, map), _)| **map == HELD).for_each(|((p, _), held)| *p = *held);
+    }
+
+    /// Forces of the plates on the soil at the last evaluation, N.
+    pub fn pushed(&self) -> Vec<[f64; 2]> {
+        let mut forces = vec![[0.0; 2]; self.plates.len()];
+        for (function, axis, _, plate) in &self.moved {
+            let at = *function as usize * D + axis;
+            forces[usize::from(*plate)][axis + 2 - D] += self.values.force[at] - self.load[at];
+        }
+        forces
+    }
+
+    /// Power of the water outside that presses into functions which are held, from what it gives each, W or J.
+    pub fn pressed_in(&self, given: impl Iterator<Item = f64>) -> f64 {
+        let held = given.zip(&self.held_pressure).zip(&self.water_map).filter(|(_, map)| **map == HELD);
+        held.map(|((given, pressure), _)| given * pressure).sum()
     }
 
     /// The unknowns of the displacements and pressures in [`Self::u`] and [`Self::p`]: [`Self::expand`] turned round.
@@ -238,7 +295,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
         v.force.fill(0.0);
         v.content.fill(0.0);
         v.flow.fill(0.0);
-        (v.outflow, v.dissipation, v.body_work) = (0.0, 0.0, 0.0);
+        (v.outflow, v.dissipation, v.body_work, v.pressed_in) = (0.0, 0.0, 0.0, 0.0);
         self.skeleton()?;
         self.pores()?;
         self.through_faces()?;
@@ -417,7 +474,8 @@ impl<L: Law, const D: usize> Soil<L, D> {
             let mobility = self.mobility(part);
             let pores = if self.small { part.porosity } else { change + part.porosity };
             let more = self.denser(pressure);
-            let content = change + pores * more;
+            let [alpha, of_grains] = self.law.soils.kind(part.mark).biot;
+            let content = alpha * change + pores * more + of_grains * pressure;
             let body = gravity.map_or([0.0; D], |g| {
                 let mass = self.mass_of(part, pores);
                 g.map(|g| mass * g)
@@ -428,7 +486,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 for i in 0..D {
                     // int p J F^-T grad N
                     let spread: f64 = (0..D).map(|j| cofactor[j][i] * part.soil.slope[a][j]).sum();
-                    values.force[at + i] -= part.weight * (pressure * spread + body[i] * part.soil.value[a]);
+                    values.force[at + i] -= part.weight * (alpha * pressure * spread + body[i] * part.soil.value[a]);
                 }
             }
             for b in 0..part.water.count {
@@ -496,7 +554,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
         for number in 0..self.faces.len() {
             let face = self.faces[number];
             let (conductance, weight) = self.face_state(&face).ok_or(InsideOut { point: number })?;
-            let pressure = |cell: u32| if cell == HELD { 0.0 } else { self.p[cell as usize] };
+            let pressure = |cell: u32| if cell == HELD { face.outside } else { self.p[cell as usize] };
             // Eq. (1) on a face, upwards: p below - p above + rho_w g distance.
             let head = pressure(face.cells[0]) - pressure(face.cells[1]) + weight;
             let flux = conductance * head;
@@ -512,6 +570,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
             for (cell, sign) in face.cells.into_iter().zip([1.0, -1.0]) {
                 if cell == HELD {
                     self.values.outflow -= sign * flux;
+                    self.values.pressed_in += sign * flux * face.outside;
                 } else {
                     self.values.flow[cell as usize] += sign * flux;
                 }

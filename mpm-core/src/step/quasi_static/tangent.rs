@@ -157,7 +157,9 @@ impl<L: Law, const D: usize> Soil<L, D> {
             let first = part.soil.count * D;
             let pores = if self.small { part.porosity } else { change + part.porosity };
             let ratio = if self.small { 1.0 } else { 1.0 + self.denser(part.water.scalar(&self.p)) };
-            let storage = part.weight * pores * ratio * self.fluid.compressibility * pressure * pressure;
+            let [alpha, of_grains] = self.law.soils.kind(part.mark).biot;
+            let per_pressure = pores * ratio * self.fluid.compressibility + of_grains;
+            let storage = part.weight * per_pressure * pressure * pressure;
             let flow = conductivity(&cofactor, if self.small { 0.0 } else { change }, &self.mobility(part));
             let factor = a * part.weight * pressure * pressure;
             for b in 0..part.water.count {
@@ -166,7 +168,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
                     for i in 0..D {
                         // C: int q J F^-T grad N
                         let spread: f64 = (0..D).map(|j| cofactor[j][i] * part.soil.slope[n][j]).sum();
-                        block.value[first + b][n * D + i] -= part.weight * value * spread * length * pressure;
+                        block.value[first + b][n * D + i] -= part.weight * alpha * value * spread * length * pressure;
                     }
                 }
                 for c in 0..=b {

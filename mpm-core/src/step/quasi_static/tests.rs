@@ -148,6 +148,7 @@ fn residuals_of_yielding(dilation_angle: f64) -> Vec<f64> {
     model.points.iter_mut().for_each(|point| point.stress = [0.0; 4]);
     model.lay([false; 4]).expect("a mesh");
     let soil = model.soil.as_mut().expect("a mesh");
+    soil.bear(1.0, 0.0);
     let mut y = vec![0.0; soil.unknowns()];
     let mut work = Workspace::new(y.len(), soil.scales[0] * largest(&soil.load));
     soil.evaluate(&y).expect("a sound state");

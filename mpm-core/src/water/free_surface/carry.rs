@@ -152,7 +152,8 @@ mod tests {
     use crate::soils::Soils;
 
     const N: f64 = 0.3;
-    const CLOSED: Surroundings = Surroundings { open: [false; 4], feeds: [None; 4], periodic: false };
+    const CLOSED: Surroundings =
+        Surroundings { open: [false; 4], feeds: [None; 4], periodic: false, standing: Vec::new() };
 
     /// A block of soil of unit cells in a larger mesh, and its water.
     struct Block {

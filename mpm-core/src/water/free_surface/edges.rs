@@ -1,8 +1,9 @@
 //! Where water meets the outside: sides that are fed, and the outline of the soil where it seeps out.
 
-use super::Surroundings;
 use super::flow::{Kind, Linear, Medium, Now};
 use super::soil::SoilMap;
+use super::{Standing, Surroundings};
+use crate::dimension::in_two;
 use crate::grid::Grid;
 use crate::scene::Feed;
 
@@ -108,7 +109,7 @@ pub fn edges<const D: usize>(
     face_area: f64,
     beyond: &Along,
 ) -> (Vec<Edge>, Vec<Rained>) {
-    let Surroundings { open: sides, mut feeds, periodic } = *around;
+    let Surroundings { open: sides, mut feeds, periodic, ref standing } = *around;
     // Rain falls on all that looks up; so does no other feed.
     let rain = match feeds[3] {
         Some(Feed::Velocity { speed, .. }) => feeds[3].take().map(|_| speed),
@@ -134,6 +135,11 @@ pub fn edges<const D: usize>(
                 let other = own[usize::from(!upper)];
                 let side = 2 * (axis + 2 - D) + usize::from(upper);
                 let vertical = axis == D - 1;
+                // The middle of the face, and the level of the water that stands there, if any.
+                let mut middle = position.map(|i| (i as f64 + 0.5) * medium.size);
+                middle[axis] += if upper { 0.5 } else { -0.5 } * medium.size;
+                let before = |water: &&Standing| water.is_before(side, at_side, &in_two(&middle));
+                let level = standing.iter().filter(before).map(|water| Feed::Head(water.level)).next();
                 let edge = |open, from: f64, distance, outside| Edge {
                     cell: cell as u32,
                     axis: axis as u8,
@@ -153,7 +159,7 @@ pub fn edges<const D: usize>(
                     }
                     let along: usize = (0..D).filter(|d| *d != axis).map(|d| position[d]).sum();
                     let opens = here > 0.0 && (sides[side] || (side == 3 && rain.is_some()));
-                    let fed = feeds[side].filter(|_| here > 0.0).and_then(|feed| {
+                    let fed = feeds[side].or(level).filter(|_| here > 0.0).and_then(|feed| {
                         fed(medium, &feed, (axis, upper), &position, (here, more(side, along)), face_area)
                     });
                     if let Some((outside, open)) = fed {
@@ -178,7 +184,15 @@ pub fn edges<const D: usize>(
                 let open = here - through + slope;
                 if open > LEAST_OPENING {
                     let distance = to_outline(soil.share[cell], soil.share[next]);
-                    list.push(edge(open, through, distance, Outside::Air));
+                    let wet =
+                        level.and_then(|feed| fed(medium, &feed, (axis, upper), &position, (open, 0.0), face_area));
+                    if let Some((outside, below)) = wet {
+                        list.push(edge(below, through, distance, outside));
+                    }
+                    let dry = open - wet.map_or(0.0, |(_, below)| below);
+                    if dry > LEAST_OPENING {
+                        list.push(edge(dry, through + open - dry, distance, Outside::Air));
+                    }
                 }
             }
             stride *= grid.cells[axis];
@@ -391,7 +405,7 @@ mod tests {
         let points = even_positions([2, 1], 2).filter(|x| x[0] < 1.0 || x[1] < 0.5).map(at).collect();
         let solid = Layer::new(points, &grid).unwrap();
         let soil = SoilMap::new(&grid, &solid, H, 2, &Soils::one(0.0));
-        let around = |feeds| Surroundings { open: [false; 4], feeds, periodic: false };
+        let around = |feeds| Surroundings { open: [false; 4], feeds, periodic: false, standing: Vec::new() };
         let (list, _) = edges(&grid, (&soil, 1.0), &MEDIUM, &around([None; 4]), H, &Along::default());
         let sideways: Vec<_> = list.iter().filter(|e| e.axis == 0).map(|e| (e.cell, e.upper, e.open, e.from)).collect();
         assert_eq!(sideways, [(0, true, 0.5, 0.5), (1, true, 0.5, 0.0)]);

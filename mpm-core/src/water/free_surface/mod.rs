@@ -21,7 +21,7 @@ pub use soil::{LEAST_OPEN, LEAST_SHARE, SoilMap};
 
 use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::grid::Grid;
-use crate::scene::Feed;
+use crate::scene::{FaceLoad, Feed};
 use crate::soils::Soils;
 use crate::sparse::Unsolved;
 use flow::{Linear, Now, System, Terms};
@@ -107,7 +107,7 @@ enum Neighbour {
 }
 
 /// What surrounds the soil.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Surroundings {
     /// Sides of the mesh that let water out: left, right, bottom, top.
     pub open: [bool; 4],
@@ -115,6 +115,29 @@ pub struct Surroundings {
     pub feeds: [Option<Feed>; 4],
     /// Whether left and right are the same place.
     pub periodic: bool,
+    /// Water at rest before faces of the soil.
+    pub standing: Vec<Standing>,
+}
+
+/// Water at rest before faces of the soil.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Standing {
+    /// Which faces.
+    pub load: FaceLoad,
+    /// Its level above the base now, m.
+    pub level: f64,
+    /// Sides of the mesh that are held: no water stands there unless it is said so.
+    pub held: [bool; 4],
+}
+
+impl Standing {
+    /// Whether it stands before a face that looks to a side of the mesh, or lies on it, with its middle at a place, m.
+    pub fn is_before(&self, side: usize, on_mesh: bool, place: &[f64; 2]) -> bool {
+        let FaceLoad { on, x, y, .. } = &self.load;
+        let within = |range: &Option<[f64; 2]>, at: f64| range.is_none_or(|[low, high]| (low..=high).contains(&at));
+        let looks = on.map_or(!(on_mesh && self.held[side]), |on| on as usize == side);
+        looks && within(x, place[0]) && within(y, place[1])
+    }
 }
 
 /// Why a step could not be made.

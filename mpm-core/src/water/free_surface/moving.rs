@@ -525,7 +525,7 @@ mod tests {
         let weight = [0.0, -9810.0];
         let medium = Medium { conductance, size: H, cell_volume: H * H, weight, unit_weight: 9810.0, porosity: N };
         let soil = SoilMap::new(&grid, &solid, H, 2, &Soils::one(1.0 - N));
-        let around = Surroundings { open: [false; 4], feeds: [None; 4], periodic: false };
+        let around = Surroundings { open: [false; 4], feeds: [None; 4], periodic: false, standing: Vec::new() };
         let mut water = FreeSurface::new(&grid, medium, (soil, Soils::one(1.0 - N)), &around).unwrap();
         let content: Vec<f64> = (0..12).map(|cell| water.pores(cell)).collect();
         water.fill(&content);
@@ -629,7 +629,7 @@ mod tests {
     fn soil_that_opens_draws_no_water_in_through_a_seepage_face() {
         for implicit in [true, false] {
             let (grid, mut water, mut squeeze, soil) = full(1e-9);
-            let around = Surroundings { open: [true; 4], feeds: [None; 4], periodic: false };
+            let around = Surroundings { open: [true; 4], feeds: [None; 4], periodic: false, standing: Vec::new() };
             water.surround(&grid, &around);
             let inverse = vec![[0.0; 2]; grid.node_count()];
             let leader: Vec<u32> = (0..grid.node_count() as u32).collect();

@@ -6,7 +6,7 @@ use crate::particles::{Layer, SolidPoint, even_positions};
 const N: f64 = 0.3;
 const K: f64 = 5e-4;
 const GAMMA: f64 = 9810.0;
-const CLOSED: Surroundings = Surroundings { open: [false; 4], feeds: [None; 4], periodic: false };
+const CLOSED: Surroundings = Surroundings { open: [false; 4], feeds: [None; 4], periodic: false, standing: Vec::new() };
 
 fn block(cells: [usize; 2], h: f64, weight: [f64; 2], around: &Surroundings) -> (Grid<2>, FreeSurface<2>) {
     let grid = Grid::new(cells, h);

@@ -1,6 +1,8 @@
 //! Which exact solution applies to a scene, or what it lacks.
 
-use mpm_core::scene::{Clock, Dimension, Feed, Integrator, LoadOn, Scene, Side, SolidSide, Start, StrainChoice, Until};
+use mpm_core::scene::{
+    Clock, Dimension, Feed, Integrator, LoadOn, Scene, Side, SoilLayer, SolidSide, Start, StrainChoice, Until,
+};
 
 use super::columns::{Consolidation, DryColumn, INERTIA};
 use crate::cases::mandel;
@@ -119,6 +121,22 @@ fn even(scene: &Scene) -> Result<(), Error> {
             ("particles and cells in their even places", "displaced ones: their error has no order");
         return Err(Error::refused("mesh", expected, found));
     }
+    if !scene.has_plain_ground() {
+        let expected = "one soil or layers, under a surcharge or weight alone";
+        return Err(Error::refused("[[regions]]", expected, "regions, loads on faces, reservoirs or plates"));
+    }
+    if scene.water.is_some_and(|water| water.anisotropy != 1.0) && !scene.is_one_dimensional() {
+        return Err(Error::refused(
+            "water.anisotropy",
+            "1: no exact solution in two dimensions has another",
+            "another",
+        ));
+    }
+    let weighs = |layer: &SoilLayer| (layer.grain_density, layer.porosity) != (scene.grain_density, scene.porosity);
+    if scene.gravity.is_some() && scene.layers.iter().any(weighs) {
+        let expected = "the density and porosity of [soil] under gravity";
+        return Err(Error::refused("[[layers]]", expected, "layers that weigh differently"));
+    }
     if scene.outline.is_some() {
         return Err(Error::refused(
             "[geometry]",
@@ -181,7 +199,7 @@ fn block(scene: &Scene) -> Result<Solution, Error> {
 /// A column that soil and water move along.
 fn column(scene: &Scene) -> Result<(), Error> {
     let load = scene.surcharge.map_or(LoadOn::Surface, |load| load.on);
-    if !scene.is_one_dimensional() {
+    if !scene.is_plain_column() {
         let expected = "a level column between rollers, tight at its sides, under one load all over its top";
         return Err(Error::refused("boundaries", expected, "a scene that moves in two dimensions"));
     }

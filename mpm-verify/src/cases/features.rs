@@ -1,0 +1,242 @@
+//! What scenes combine beside Table 1's column: loads in time, water before the soil, regions, Biot's coefficient, plates, outlines
+//! that cut cells. Each is a built-in scene, run on a few meshes, against its exact solution.
+
+use mpm_core::drive::Run;
+use mpm_core::scene::{Course, Fields, Integrator, Scene, ShapeChoice, StrainChoice, Surcharge};
+
+use super::{Error, FASTER, Mutant, Outcome, Rung, Unfit, asked, faster, finished, integrator, scheme, sound};
+use crate::exact::seabed::Seabed;
+use crate::exact::terzaghi::Terzaghi;
+use crate::norms::{LATE_TV, largest};
+use crate::scenes::built_in;
+
+/// The error of a run, from the scene that it should have been.
+type Measure = fn(&Scene) -> Result<Box<dyn Fn(&Run) -> f64>, Error>;
+
+/// A scene, how it is measured, and what that must show.
+struct Case {
+    scene: &'static str,
+    change: fn(&mut Fields),
+    measure: Measure,
+    rows: &'static [usize],
+    required: f64,
+    order: Option<[f64; 2]>,
+}
+
+/// A rung of a case with its fault.
+macro_rules! rung {
+    ($name:literal, $about:literal, $what:expr, $fault:expr, $case:expr) => {
+        Rung {
+            name: $name,
+            about: $about,
+            climb: || climb(&$case, sound),
+            mutant: Some(Mutant { what: $what, climb: || climb(&$case, $fault) }),
+        }
+    };
+}
+
+const CYCLIC: Case =
+    Case { scene: "cyclic-load", change: sound, measure: superposed, rows: &[10, 14, 20], required: 1e-3, order: None };
+const BIOT: Case = Case {
+    scene: "biot-column",
+    change: sound,
+    measure: consolidation,
+    rows: &[10, 14, 20, 28, 40],
+    // The series leaves out inertia, and the steps are at their limit: no order is expected, as of `semi-implicit`.
+    required: 3e-3,
+    order: None,
+};
+const WAVE: Case =
+    Case { scene: "seabed-wave", change: sound, measure: wave, rows: &[5, 10, 20], required: 1e-3, order: None };
+const SERIES: Case =
+    Case { scene: "flow-in-series", change: sound, measure: series, rows: &[8], required: 1e-8, order: None };
+const PRESSED: Case =
+    Case { scene: "pressed", change: sound, measure: pressed, rows: &[10], required: 1e-9, order: None };
+
+/// All of them.
+pub const RUNGS: [Rung; 9] = [
+    rung!("load-in-time", "a load that comes, goes and comes again: superposed ramps", FASTER, faster, CYCLIC),
+    rung!(
+        "load-in-time-explicit",
+        "the same explicit, centre values",
+        FASTER,
+        faster,
+        Case { change: explicit, required: 1e-2, ..CYCLIC }
+    ),
+    rung!("biot", "Terzaghi's column with Biot's coefficient 0.6: semi-implicit", "coefficient 1", without_biot, BIOT),
+    rung!(
+        "biot-explicit",
+        "the same explicit",
+        "coefficient 1",
+        without_biot,
+        Case { change: explicit, rows: &[10, 14, 20], required: 5e-3, ..BIOT }
+    ),
+    rung!(
+        "biot-quasi-static",
+        "the same without inertia, B-splines",
+        "coefficient 1",
+        without_biot,
+        Case { change: quasi_static, rows: &[10, 14, 20], required: 1e-5, order: None, ..BIOT }
+    ),
+    rung!("seabed-wave", "pore pressure under a standing wave, B-splines", "a longer period", longer, WAVE),
+    rung!("flow-in-series", "seepage through three soils one behind the other", FASTER, faster_region, SERIES),
+    rung!("pressed", "force of a plate that presses soil", "E 5 % too low", softer, PRESSED),
+    rung!(
+        "pressed-explicit",
+        "the same explicit",
+        "E 5 % too low",
+        softer,
+        Case { change: damped, required: 1e-3, ..PRESSED }
+    ),
+];
+
+fn climb(case: &Case, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+    let base = built_in(case.scene)?.edited(case.change)?;
+    let error = (case.measure)(&base)?;
+    let base = base.edited(fault)?;
+    let on = |rows: &usize| {
+        let scene = base.with_rows(*rows)?;
+        Ok((scene.cell, error(&finished(&scene)?)))
+    };
+    Ok(Outcome {
+        integrator: integrator(&base),
+        scheme: scheme(&base),
+        tolerance: asked(&base),
+        errors: case.rows.iter().map(on).collect::<Result<_, Error>>()?,
+        required_error: case.required,
+        required_order: case.order,
+        ..Outcome::default()
+    })
+}
+
+fn explicit(scene: &mut Fields) {
+    (scene.integrator, scene.shape, scene.strain) = (Integrator::Explicit, ShapeChoice::Centre, StrainChoice::Large);
+}
+
+fn quasi_static(scene: &mut Fields) {
+    (scene.integrator, scene.shape, scene.strain) =
+        (Integrator::QuasiStatic, ShapeChoice::Bspline2, StrainChoice::Small);
+    (scene.darcy_inertia, scene.particles_per_cell, scene.tolerance) = (false, 9, 1e-7);
+}
+
+fn damped(scene: &mut Fields) {
+    explicit(scene);
+    scene.stages[0].damping = 200.0;
+}
+
+fn without_biot(scene: &mut Fields) {
+    scene.biot = None;
+}
+
+fn softer(scene: &mut Fields) {
+    scene.elastic.youngs_modulus *= 0.95;
+}
+
+fn longer(scene: &mut Fields) {
+    for load in &mut scene.loads {
+        if let Course::Wave { period, .. } = &mut load.course {
+            *period *= 1.05;
+        }
+    }
+}
+
+fn faster_region(scene: &mut Fields) {
+    scene.regions.iter_mut().for_each(|region| region.soil.hydraulic_conductivity *= 1.05);
+}
+
+/// The column of a scene under one load all over that is always there.
+fn constant(scene: &Scene) -> Result<Terzaghi, Error> {
+    let [load] = &scene.loads[..] else { return Err(Unfit("one load").into()) };
+    let pressure = -load.force(&mpm_core::scene::Piece { middle: [0.0; 2], outward: [0.0, 1.0] })[1];
+    let surcharge = crate::scenes::terzaghi().surcharge.map(|load| Surcharge { pressure, ..load });
+    let plain = scene.edited(|s| (s.surcharge, s.loads) = (surcharge, Vec::new()))?;
+    Terzaghi::compressible(&plain).ok_or_else(|| Unfit("a plain column").into())
+}
+
+/// Settlement over the largest, against ramps one after the other.
+fn superposed(scene: &Scene) -> Result<Box<dyn Fn(&Run) -> f64>, Error> {
+    let column = constant(scene)?;
+    let Course::Times(times) = scene.loads[0].course.clone() else { return Err(Unfit("a load by times").into()) };
+    Ok(Box::new(move |run| {
+        let exact: Vec<f64> = run.observed().map(|s| column.under(&times, s.stage_time)).collect();
+        let most = largest(exact.iter().copied());
+        largest(run.observed().zip(&exact).map(|(s, exact)| (s.state.settlement - exact) / most))
+    }))
+}
+
+/// The error of the column of Table 1 from Tv = 0.1 on.
+fn consolidation(scene: &Scene) -> Result<Box<dyn Fn(&Run) -> f64>, Error> {
+    let exact = Terzaghi::compressible(scene).ok_or(Unfit("no plain column"))?;
+    let late = (1.0 - 1e-9) * LATE_TV * scene.time_per_factor().ok_or(Unfit("no plain column"))?;
+    Ok(Box::new(move |run| {
+        let late = run.observed().filter(|s| s.stage_time >= late);
+        largest(late.map(|s| s.state.settlement / exact.settlement(s.stage_time) - 1.0))
+    }))
+}
+
+/// Pore pressure over that of the wave, everywhere and at all samples.
+fn wave(scene: &Scene) -> Result<Box<dyn Fn(&Run) -> f64>, Error> {
+    let bed = Seabed::of(scene).ok_or(Unfit("no bed under a standing wave"))?;
+    Ok(Box::new(move |run| {
+        let of = |sample: &mpm_core::drive::Sample| {
+            let off = |at: &mpm_core::observe::FieldPoint| {
+                (at.pressure_pa - bed.pressure([at.x_m, at.y_m], sample.stage_time)) / bed.load()
+            };
+            largest(sample.state.field.iter().map(off))
+        };
+        largest(run.observed().map(of))
+    }))
+}
+
+/// Pore pressure over the difference of the reservoirs, at the end: heads that fall along a row of soils.
+fn series(scene: &Scene) -> Result<Box<dyn Fn(&Run) -> f64>, Error> {
+    let weight = scene.water.map_or(f64::NAN, |water| water.unit_weight);
+    let levels: Vec<f64> = scene.loads.iter().map(|load| load.course.at(0.0, 0.0)).collect();
+    let [left, right] = levels[..] else { return Err(Unfit("two reservoirs").into()) };
+    let (ground, width, middle) = (scene.ground(), scene.width, 0.5 * scene.height);
+    // Resistance from the left side to a place, s: the soil changes at upright lines.
+    let resistance = move |x: f64| -> f64 {
+        let pieces: u32 = 4000;
+        let length = width / f64::from(pieces);
+        let of = |left: f64| {
+            (x - left).clamp(0.0, length) / ground.at(&[left + 0.5 * length, middle]).hydraulic_conductivity
+        };
+        (0..pieces).map(|i| of(f64::from(i) * length)).sum()
+    };
+    Ok(Box::new(move |run| {
+        let Some(last) = run.observed().last() else { return f64::NAN };
+        let whole = resistance(width);
+        let off = |at: &mpm_core::observe::FieldPoint| {
+            let head = left + (right - left) * resistance(at.x_m) / whole;
+            (at.pressure_pa / weight + at.y_m - head) / (left - right)
+        };
+        largest(last.state.field.iter().map(off))
+    }))
+}
+
+/// Force on a plate between the last two samples against `M u/H`.
+fn pressed(scene: &Scene) -> Result<Box<dyn Fn(&Run) -> f64>, Error> {
+    let plate = scene.plates.first().ok_or(Unfit("no plate"))?.clone();
+    let end = scene.observe_times.last().copied().unwrap_or(f64::NAN);
+    let exact = -scene.oedometer_modulus() * plate.at(end) / scene.height * scene.width;
+    Ok(Box::new(move |run| {
+        let all: Vec<_> = run.observed().map(|s| (s.state.time, s.state.plates[0].impulse[1])).collect();
+        let [.., (before, then), (time, now)] = all[..] else { return f64::NAN };
+        ((now - then) / (time - before) / exact - 1.0).abs()
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quick_ones_hold_and_their_mutants_fall_short() {
+        for rung in RUNGS.iter().filter(|rung| !rung.name.starts_with("biot-explicit")) {
+            let climb = rung.climb().expect("runs that finish");
+            assert!(climb.step.held(), "{}: {}", rung.name, climb.reason);
+            let spoilt = rung.climb_mutant().expect("a mutant").expect("runs that finish");
+            assert!(!spoilt.step.held(), "{}: {}", rung.name, spoilt.reason);
+        }
+    }
+}
