@@ -192,9 +192,10 @@ fn implicit<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness: f6
     places.sort_by_key(|(x, _)| std::array::from_fn::<i64, D, _>(|d| cell(x)[D - 1 - d]));
     let ground = scene.ground();
     let point = |(x, _): &([f64; D], bool)| {
-        let (vertical, _) = first_state(scene, &ground, &in_two(x));
+        let (vertical, pressure) = first_state(scene, &ground, &in_two(x));
         let soil = ground.at(&in_two(x));
-        let stress = in_plane(vertical, soil.lateral_stress(vertical));
+        let mut stress = in_plane(vertical, soil.lateral_stress(vertical));
+        stress[3] = first_shear(scene, vertical - pressure);
         SolidPoint { x: *x, v: [0.0; D], stress, mass: soil.dry_density() * volume, volume }
     };
     let law = materials(scene, places.iter().map(|(x, _)| in_two(x)));
@@ -237,9 +238,7 @@ impl<const D: usize> Seeded<D> {
             let (vertical, pressure) = first_state(scene, &ground, &in_two(&x));
             let soil = ground.at(&in_two(&x));
             let mut stress = in_plane(vertical, soil.lateral_stress(vertical));
-            if scene.slope_angle.is_some() {
-                stress[3] = first_shear(scene, vertical - pressure);
-            }
+            stress[3] = first_shear(scene, vertical - pressure);
             let mut v = first_velocity(scene);
             if let Some(start) = &given.start {
                 let state = start(in_two(&x));
@@ -362,8 +361,9 @@ impl<const D: usize> Seeded<D> {
             conditions.push(Box::new(joined));
         }
         let solves = scene.integrator == Integrator::SemiImplicit && scene.water.is_some();
-        if scene.lends_inertia() || (solves && self.moves(scene)) {
-            let level = !solves || self.filled(scene).is_known();
+        // An outline that cuts cells has nodes as light as a surface that has moved into one.
+        if scene.lends_inertia() || (solves && (self.moves(scene) || scene.outline.is_some())) {
+            let level = !solves || self.filled(scene).is_known() || scene.outline.is_some();
             let gravity = scene.gravity_vector().map_or([0.0; D], |g| std::array::from_fn(|d| g[d + 2 - D]));
             conditions.push(Box::new(Lifted::new(frame.count(), level, gravity)));
         }
@@ -512,7 +512,7 @@ fn state_at_depth(scene: &Scene, ground: &Ground, place: &[f64; 2], depth: f64) 
 /// Shear stress (Pa) on planes along a tilted base beside a total normal stress on them, of an infinite slope:
 /// `rho g sin(angle) d` beside `-rho g cos(angle) d`.
 fn first_shear(scene: &Scene, normal: f64) -> f64 {
-    -normal * scene.slope_angle.unwrap_or(0.0).to_radians().tan()
+    scene.slope_angle.map_or(0.0, |angle| -normal * angle.to_radians().tan())
 }
 
 /// Velocity at t = 0, m/s; none in a column, which the scene's check sees to.

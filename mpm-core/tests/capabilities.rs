@@ -308,6 +308,7 @@ fn loads_water_outside_and_grains_go_with_all_that_leaves_them_a_place() {
         "reservoir Krylov",
         "reservoir NoGravity",
         "reservoir PressureEnd",
+        "reservoir SlopeAngle",
         "wave Dry",
         "wave Krylov",
         "wave PressureEnd",

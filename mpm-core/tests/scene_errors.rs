@@ -534,7 +534,7 @@ fn bad_failure_is_refused() {
     const DRIVER: &str = "integrator = \"two-clocks\"";
     const BASE: &str = "peak_angle = 30.0\nresidual_angle = 8.5\nslip_distance = 0.02";
     const OUTLINE: &str = "[[0.0, 0.0], [9.0, 0.0], [3.0, 3.0], [0.0, 3.0]]";
-    let cases: [(&str, &str, Edits, &str); 38] = [
+    let cases: [(&str, &str, Edits, &str); 40] = [
         ("head above the crest", "levee", &[(HEAD, "feed.left = { head = 3.1 }")], "at most 3 m, the top of the soil"),
         ("a feed above the crest", "levee", &[(HEAD, "feed.left = { velocity = 1e-5, height = 3.5 }")], "at most 3 m"),
         ("head at the base", "levee", &[(HEAD, "feed.left = { head = 0.0 }")], "above 0 m"),
@@ -588,6 +588,18 @@ fn bad_failure_is_refused() {
             "levee",
             &[("peak_angle = 30.0\nresidual_angle = 8.5", "peak_angle = 0.0\nresidual_angle = 0.0")],
             "or an adhesion",
+        ),
+        (
+            "rain that rises",
+            "infiltration",
+            &[("head = 1.25", "velocity = 1e-5, times = [[0.0, -1.0]]")],
+            "factor of 0 or more",
+        ),
+        (
+            "a head in time",
+            "infiltration",
+            &[("head = 1.25", "head = 1.25, times = [[0.0, 1.0]]")],
+            "times beside a velocity",
         ),
         ("a base of 90", "levee", &[("peak_angle = 30.0", "peak_angle = 90.0")], "0 <= angle < 90"),
         ("a coarse mesh", "levee", &[("cell = 0.4 ", "cell = 0.8 ")], "a cell of at most 0.75 m"),
@@ -719,7 +731,7 @@ fn bad_ground_is_refused() {
             &[("start = \"geostatic\"\nstart_k0 = 0.0\ngravity = 9.81\n", "")],
             "gravity beside it",
         ),
-        ("vertical slope", "block-on-incline", &[("slope_angle = 25.0", "slope_angle = 90.0")], "0 <= angle < 90"),
+        ("vertical slope", "block-on-incline", &[("slope_angle = 25.0", "slope_angle = 90.0")], "-90 < angle < 90"),
         (
             "slope of a column",
             "block-on-incline",

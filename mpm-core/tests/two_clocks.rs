@@ -133,8 +133,13 @@ fn wet_slope(normal_stress: NormalStress) -> f64 {
                 unit_weight: 9810.0,
                 density: 1000.0,
             });
-            scene.free_surface =
-                Some(FreeSurfaceWater { saturation: 0.0, level: Some(scene.height), wet: None, feeds: [None; 4] });
+            scene.free_surface = Some(FreeSurfaceWater {
+                saturation: 0.0,
+                level: Some(scene.height),
+                wet: None,
+                feeds: [None; 4],
+                courses: Default::default(),
+            });
             scene.base.as_mut().unwrap().normal_stress = normal_stress;
             let mut slide = scene.stages[0].clone();
             scene.stages[0].until = Until::Time(1.0);

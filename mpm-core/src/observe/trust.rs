@@ -30,9 +30,10 @@ const TOP: Piece = Piece { middle: [0.0; 2], outward: [0.0, 1.0] };
 /// Stress may differ by this share of that under load and weight.
 const TURNING: f64 = 0.005;
 
-/// Whether sides that are free let go of what a geostatic start has stored.
+/// Whether a geostatic start is let go of: beside sides that are free, or of a tilted scene between walls, where no infinite slope is.
 fn scene_lets_go(scene: &Scene) -> bool {
-    scene.start == Start::Geostatic && scene.solid_sides[..2].contains(&SolidSide::Free)
+    let free = scene.solid_sides[..2].contains(&SolidSide::Free);
+    scene.start == Start::Geostatic && (free || scene.slope_angle.is_some())
 }
 
 /// One balance at one time.
@@ -330,7 +331,7 @@ impl<'a> Bounds<'a> {
                 share += 10.0 * self.scene.tolerance;
                 // What drains before the first time that is asked for, a permeable layer for one, is known only when it has.
                 sudden += 0.5 * (l.external_work_j.abs() + l.gravity_work_j.abs());
-                // So is what a geostatic start has stored beside a side that is free.
+                // So is what a geostatic start has stored where it is let go of.
                 sudden += if scene_lets_go(self.scene) { drained } else { 0.0 };
             }
             _ => {}

@@ -322,7 +322,6 @@ pub const RULES: &[Rule] = &[
     rule(Outline, &[Gimp, Bspline2, Bspline3], BY_CORNERS),
     rule(Sideroom, IMPLICIT, BY_EXPLICIT),
     rule(Sideroom, &[Gimp, Bspline2, Bspline3], BY_CORNERS),
-    rule(SlopeAngle, &[QuasiStatic], BY_EXPLICIT),
     rule(StartVelocity, IMPLICIT, BY_EXPLICIT),
     rule(Periodic, NOT_CORNERS, BY_CORNERS),
     rule(

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::Fields;
+use super::{Course, Fields};
 
 /// What a side of the soil is fed with.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -30,6 +30,26 @@ pub struct FreeSurfaceWater {
     pub wet: Option<Vec<[f64; 2]>>,
     /// Sides that are fed: left, right, bottom, top.
     pub feeds: [Option<Feed>; 4],
+    /// How those with a velocity go on in time.
+    #[serde(skip_serializing_if = "always")]
+    pub courses: [Course; 4],
+}
+
+/// Whether all feeds stay as they are.
+fn always(courses: &[Course; 4]) -> bool {
+    courses.iter().all(|course| *course == Course::Constant)
+}
+
+impl FreeSurfaceWater {
+    /// What feeds the sides at a time, s.
+    pub fn feeds_at(&self, time: f64) -> [Option<Feed>; 4] {
+        let at = |side: usize| match (self.feeds[side], self.courses[side].at(time, 0.0)) {
+            (Some(Feed::Velocity { .. }), factor) if factor <= 0.0 => None,
+            (Some(Feed::Velocity { speed, height }), factor) => Some(Feed::Velocity { speed: speed * factor, height }),
+            (feed, _) => feed,
+        };
+        [0, 1, 2, 3].map(at)
+    }
 }
 
 /// What moves during a stage of a scene with two clocks.

@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::{Fields, Side, SolidSide, Surcharge};
 use crate::seeding::pieces;
 
+/// A factor at a place along x, m.
+pub type AlongX = Box<dyn Fn(f64) -> f64>;
+
 /// How something goes on in time and along the soil: a factor on its size.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -59,7 +62,7 @@ impl Course {
     }
 
     /// The same as courses that do not depend on the place, each with its factor at a place along x (m).
-    pub fn parts(&self) -> Vec<(Self, Box<dyn Fn(f64) -> f64>)> {
+    pub fn parts(&self) -> Vec<(Self, AlongX)> {
         let Self::Wave { length, period } = *self else { return vec![(self.clone(), Box::new(|_| 1.0))] };
         let sine = |phase| Self::Sine { mean: 0.0, amplitude: 1.0, period, phase };
         let number = std::f64::consts::TAU / length;

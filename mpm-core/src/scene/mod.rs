@@ -28,7 +28,7 @@ pub use failure::Failure;
 pub use flags::Flags;
 pub use free_surface::{Clock, Feed, FreeSurfaceWater};
 pub use ground::{Base, NormalStress, SeedingChoice};
-pub use loads::{Bearing, Course, FaceLoad, MovedPlate, Piece};
+pub use loads::{AlongX, Bearing, Course, FaceLoad, MovedPlate, Piece};
 pub(crate) use moving::THROUGH_CELLS;
 pub use moving::{Estimate, UnfitLoad};
 pub use patch::Change;

@@ -187,6 +187,7 @@ pub(super) struct RawFeed {
     pub head: Option<Number>,
     pub velocity: Option<Number>,
     pub height: Option<Number>,
+    pub times: Option<Pairs>,
 }
 
 #[derive(Debug, Deserialize)]

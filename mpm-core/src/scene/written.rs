@@ -257,6 +257,9 @@ impl Fields {
                     out.put(&key("velocity"), speed)?;
                     // Rain falls on all soil under the sky.
                     out.put(&key("height"), (side != Side::Top).then_some(height))?;
+                    if let Course::Times(times) = &free.courses[side as usize] {
+                        out.put(&key("times"), times)?;
+                    }
                 }
                 None => {}
             }

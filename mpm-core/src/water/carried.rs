@@ -13,7 +13,7 @@ use super::free_surface::{
 use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::grid::Grid;
 use crate::particles::{Layer, SolidPoint};
-use crate::scene::{Bearing, FaceLoad, Feed, Scene, SolidSide, WaterProperties};
+use crate::scene::{Bearing, FaceLoad, Feed, FreeSurfaceWater, Scene, SolidSide, WaterProperties};
 use crate::seeding;
 use crate::soils::Soils;
 use crate::sparse::Unsolved;
@@ -52,6 +52,9 @@ pub struct Carried<const D: usize> {
     pub layer: WaterLayer<D>,
     /// What surrounds the soil.
     pub around: Surroundings,
+    /// What feeds it, and the time (s) at which that was last looked at.
+    fed: Option<FreeSurfaceWater>,
+    fed_at: f64,
     /// What the pressures do while the soil moves.
     pub pressures: Pressures,
     /// Work of the pressures on the soil, J.
@@ -110,7 +113,8 @@ impl<const D: usize> Carried<D> {
         };
         let per_direction = scene.particles_per_direction();
         let map = SoilMap::new(grid, solid, face_area, per_direction, soils);
-        let feeds = scene.free_surface.as_ref().map_or([None; 4], |free| free.feeds);
+        let fed = scene.free_surface.clone();
+        let feeds = fed.as_ref().map_or([None; 4], |free| free.feeds_at(0.0));
         let held = scene.solid_sides.map(|side| side != SolidSide::Free);
         let standing = |load: &FaceLoad| Standing { load: load.clone(), level: load.course.at(0.0, 0.0), held };
         let reservoirs = scene.loads.iter().filter(|load| load.bearing == Bearing::Reservoir);
@@ -137,6 +141,8 @@ impl<const D: usize> Carried<D> {
             layer: WaterLayer::new(grid, &water, per_direction, properties.density),
             water,
             around,
+            fed,
+            fed_at: 0.0,
             pressures: Pressures::Held,
             work: 0.0,
             left_behind: 0.0,
@@ -196,9 +202,9 @@ impl<const D: usize> Carried<D> {
         }
     }
 
-    /// Looks at the water that stands before the soil at a time, s.
+    /// Looks at the water that stands before the soil, and at what feeds it, at a time, s.
     pub fn look_outside(&mut self, grid: &Grid<D>, time: f64) {
-        let mut changed = false;
+        let mut changed = self.feed(time);
         for water in &mut self.around.standing {
             let level = water.load.course.at(time, 0.0);
             changed |= level != water.level;
@@ -207,6 +213,13 @@ impl<const D: usize> Carried<D> {
         if changed {
             self.water.surround(grid, &self.around);
         }
+    }
+
+    /// Sets the feeds of a time, s; whether they have changed.
+    fn feed(&mut self, time: f64) -> bool {
+        self.fed_at = time;
+        let Some(feeds) = self.fed.as_ref().map(|free| free.feeds_at(time)) else { return false };
+        std::mem::replace(&mut self.around.feeds, feeds) != feeds
     }
 
     /// How far the soil may have moved since the water was last carried along, in cells.
@@ -380,7 +393,8 @@ impl<const D: usize> Carried<D> {
 
     /// Saves or restores what steps to come depend on.
     pub(crate) fn save_or_restore(&mut self, archive: &mut Archive, grid: &Grid<D>) -> Result<(), RestoreError> {
-        archive!(archive.value: self.around.open, self.pressures);
+        archive!(archive.value: self.around.open, self.pressures, self.fed_at);
+        self.feed(self.fed_at);
         for water in &mut self.around.standing {
             archive.value(&mut water.level)?;
         }

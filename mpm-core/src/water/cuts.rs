@@ -107,7 +107,7 @@ impl Cuts {
             let cells = || (0..grid.cell_count()).filter(|cell| !solid.range(*cell).is_empty());
             self.openings.clear();
             for (cell, (water, sign)) in
-                cells().next().into_iter().chain(cells().last()).zip(ends.into_iter().zip([-1.0, 1.0]))
+                cells().next().into_iter().chain(cells().next_back()).zip(ends.into_iter().zip([-1.0, 1.0]))
             {
                 let away = [0.0, 0.5 * sign * grid.size];
                 let [_, y, _] = soils.kind_of(solid.ids[solid.range(cell).start]).conductivity;

@@ -284,8 +284,10 @@ impl<const D: usize> Pores<D> {
         1.0 - soil.grains / soil.volume
     }
 
+    /// Biot's coefficient of a cell, and what its grains store, as much softer as its water is, 1/Pa.
     fn biot_of(&self, cell: usize) -> [f64; 2] {
-        self.biot.get(cell).copied().unwrap_or([1.0, 0.0])
+        let [alpha, grains] = self.biot.get(cell).copied().unwrap_or([1.0, 0.0]);
+        [alpha, grains / self.softness.get(cell).copied().unwrap_or(1.0)]
     }
 
     /// Bulk modulus of the water in a cell, Pa.

@@ -2,7 +2,7 @@
 //! that cut cells. Each is a built-in scene, run on a few meshes, against its exact solution.
 
 use mpm_core::drive::Run;
-use mpm_core::scene::{Course, Fields, Integrator, Scene, ShapeChoice, StrainChoice, Surcharge};
+use mpm_core::scene::{Course, Fields, Integrator, Scene, ShapeChoice, StrainChoice};
 
 use super::{Error, FASTER, Mutant, Outcome, Rung, Unfit, asked, faster, finished, integrator, scheme, sound};
 use crate::exact::seabed::Seabed;
@@ -10,8 +10,11 @@ use crate::exact::terzaghi::Terzaghi;
 use crate::norms::{LATE_TV, largest};
 use crate::scenes::built_in;
 
-/// The error of a run, from the scene that it should have been.
-type Measure = fn(&Scene) -> Result<Box<dyn Fn(&Run) -> f64>, Error>;
+/// What tells the error of a run.
+type Measured = Result<Box<dyn Fn(&Run) -> f64>, Error>;
+
+/// The same from the scene that it should have been.
+type Measure = fn(&Scene) -> Measured;
 
 /// A scene, how it is measured, and what that must show.
 struct Case {
@@ -144,19 +147,9 @@ fn faster_region(scene: &mut Fields) {
     scene.regions.iter_mut().for_each(|region| region.soil.hydraulic_conductivity *= 1.05);
 }
 
-/// The column of a scene under one load all over that is always there.
-fn constant(scene: &Scene) -> Result<Terzaghi, Error> {
-    let [load] = &scene.loads[..] else { return Err(Unfit("one load").into()) };
-    let pressure = -load.force(&mpm_core::scene::Piece { middle: [0.0; 2], outward: [0.0, 1.0] })[1];
-    let surcharge = crate::scenes::terzaghi().surcharge.map(|load| Surcharge { pressure, ..load });
-    let plain = scene.edited(|s| (s.surcharge, s.loads) = (surcharge, Vec::new()))?;
-    Terzaghi::compressible(&plain).ok_or_else(|| Unfit("a plain column").into())
-}
-
 /// Settlement over the largest, against ramps one after the other.
-fn superposed(scene: &Scene) -> Result<Box<dyn Fn(&Run) -> f64>, Error> {
-    let column = constant(scene)?;
-    let Course::Times(times) = scene.loads[0].course.clone() else { return Err(Unfit("a load by times").into()) };
+fn superposed(scene: &Scene) -> Measured {
+    let (column, times) = Terzaghi::under_one_load(scene).ok_or(Unfit("a column under one load"))?;
     Ok(Box::new(move |run| {
         let exact: Vec<f64> = run.observed().map(|s| column.under(&times, s.stage_time)).collect();
         let most = largest(exact.iter().copied());
@@ -165,7 +158,7 @@ fn superposed(scene: &Scene) -> Result<Box<dyn Fn(&Run) -> f64>, Error> {
 }
 
 /// The error of the column of Table 1 from Tv = 0.1 on.
-fn consolidation(scene: &Scene) -> Result<Box<dyn Fn(&Run) -> f64>, Error> {
+fn consolidation(scene: &Scene) -> Measured {
     let exact = Terzaghi::compressible(scene).ok_or(Unfit("no plain column"))?;
     let late = (1.0 - 1e-9) * LATE_TV * scene.time_per_factor().ok_or(Unfit("no plain column"))?;
     Ok(Box::new(move |run| {
@@ -175,7 +168,7 @@ fn consolidation(scene: &Scene) -> Result<Box<dyn Fn(&Run) -> f64>, Error> {
 }
 
 /// Pore pressure over that of the wave, everywhere and at all samples.
-fn wave(scene: &Scene) -> Result<Box<dyn Fn(&Run) -> f64>, Error> {
+fn wave(scene: &Scene) -> Measured {
     let bed = Seabed::of(scene).ok_or(Unfit("no bed under a standing wave"))?;
     Ok(Box::new(move |run| {
         let of = |sample: &mpm_core::drive::Sample| {
@@ -189,10 +182,10 @@ fn wave(scene: &Scene) -> Result<Box<dyn Fn(&Run) -> f64>, Error> {
 }
 
 /// Pore pressure over the difference of the reservoirs, at the end: heads that fall along a row of soils.
-fn series(scene: &Scene) -> Result<Box<dyn Fn(&Run) -> f64>, Error> {
+fn series(scene: &Scene) -> Measured {
     let weight = scene.water.map_or(f64::NAN, |water| water.unit_weight);
     let levels: Vec<f64> = scene.loads.iter().map(|load| load.course.at(0.0, 0.0)).collect();
-    let [left, right] = levels[..] else { return Err(Unfit("two reservoirs").into()) };
+    let [left, right] = levels[..] else { return Err(Unfit("two reservoirs")) };
     let (ground, width, middle) = (scene.ground(), scene.width, 0.5 * scene.height);
     // Resistance from the left side to a place, s: the soil changes at upright lines.
     let resistance = move |x: f64| -> f64 {
@@ -215,7 +208,7 @@ fn series(scene: &Scene) -> Result<Box<dyn Fn(&Run) -> f64>, Error> {
 }
 
 /// Force on a plate between the last two samples against `M u/H`.
-fn pressed(scene: &Scene) -> Result<Box<dyn Fn(&Run) -> f64>, Error> {
+fn pressed(scene: &Scene) -> Measured {
     let plate = scene.plates.first().ok_or(Unfit("no plate"))?.clone();
     let end = scene.observe_times.last().copied().unwrap_or(f64::NAN);
     let exact = -scene.oedometer_modulus() * plate.at(end) / scene.height * scene.width;

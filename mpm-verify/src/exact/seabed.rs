@@ -32,6 +32,9 @@ pub struct Seabed {
     shares: SVector<Number, 6>,
 }
 
+/// What a condition asks of a function.
+type Of = fn(&Seabed, &Values) -> Number;
+
 /// What a function is at a height: h, h', P, P', V, V', V''.
 type Values = [Number; 7];
 
@@ -60,7 +63,7 @@ impl Seabed {
             load: 2.0 * pressure,
             shares: SVector::zeros(),
         };
-        let rows: [(f64, fn(&Self, &Values) -> Number); 6] = [
+        let rows: [(f64, Of); 6] = [
             (0.0, |_, values| values[4]),
             (0.0, Self::shear),
             (0.0, |_, values| values[3]),

@@ -14,7 +14,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use libm::erfc;
-use mpm_core::scene::{Scene, Side, Surcharge, WaterProperties};
+use mpm_core::scene::{Course, LoadOn, Piece, Scene, Side, Surcharge, WaterProperties};
 
 /// Time factor at which the two forms change over; both are exact to round-off there.
 const IMAGES_BELOW: f64 = 0.15;
@@ -58,6 +58,24 @@ impl Terzaghi {
         let (coefficient, alpha) = (water.mobility() / scene.storage(), scene.soil().alpha());
         let column = Self::of(scene, coefficient, load.pressure, scene.undrained_pressure(), load.ramp_time);
         Some(Self { alpha, ..column })
+    }
+
+    /// A column under one load on its top, as it is where its factor is 1, and the factors in time. `None` for all else.
+    pub fn under_one_load(scene: &Scene) -> Option<(Self, Vec<[f64; 2]>)> {
+        let [load] = &scene.loads[..] else { return None };
+        let factors = match &load.course {
+            Course::Constant => vec![[0.0, 1.0]],
+            Course::Ramp(end) => vec![[0.0, 0.0], [*end, 1.0]],
+            Course::Times(times) => times.clone(),
+            Course::Sine { .. } | Course::Wave { .. } => return None,
+        };
+        let pressure = -load.force(&Piece { middle: [0.0; 2], outward: [0.0, 1.0] })[1];
+        if load.on != Some(Side::Top) || load.is_water() || scene.surcharge.is_some() {
+            return None;
+        }
+        let surcharge = Surcharge { pressure, ramp_time: 0.0, on: LoadOn::Surface, strip: None };
+        let plain = scene.edited(|s| (s.surcharge, s.loads) = (Some(surcharge), Vec::new())).ok()?;
+        Some((Self::compressible(&plain)?, factors))
     }
 
     fn of(scene: &Scene, coefficient: f64, load: f64, undrained: f64, ramp: f64) -> Self {

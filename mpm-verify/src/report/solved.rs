@@ -38,8 +38,8 @@ pub struct Exact {
     pub name: &'static str,
     /// Settlement, m.
     pub settlement: InTime,
-    /// Pore pressure, Pa.
-    pub pressure: AtHeight,
+    /// Pore pressure, Pa, if that is known too.
+    pub pressure: Option<AtHeight>,
 }
 
 impl Exact {
@@ -51,14 +51,22 @@ impl Exact {
         }
         if let Some(exact) = Terzaghi::compressible(scene).filter(|_| scene.is_elastic()) {
             let (settlement, pressure) = (move |t| exact.settlement(t), move |y, t| exact.pressure(y, t));
-            return Some(Self { name: "Terzaghi", settlement: Box::new(settlement), pressure: Box::new(pressure) });
+            return Some(Self {
+                name: "Terzaghi",
+                settlement: Box::new(settlement),
+                pressure: Some(Box::new(pressure)),
+            });
+        }
+        if let Some((exact, factors)) = Terzaghi::under_one_load(scene).filter(|_| scene.is_elastic()) {
+            let settlement = Box::new(move |t| exact.under(&factors, t));
+            return Some(Self { name: "Terzaghi, superposed", settlement, pressure: None });
         }
         let exact = Layered::of(scene).filter(|_| !scene.layers.is_empty())?;
         let other = exact.clone();
         Some(Self {
             name: "eigenfunctions of the layers",
             settlement: Box::new(move |t| exact.settlement(t)),
-            pressure: Box::new(move |y, t| other.pressure(y, t)),
+            pressure: Some(Box::new(move |y, t| other.pressure(y, t))),
         })
     }
 }
@@ -207,9 +215,10 @@ fn profiles(scene: &Scene, run: &Run, exact: Option<&Exact>) -> Option<Figure> {
     let words = label.trim_start_matches("time (").trim_end_matches(')');
     for (nth, s) in some.iter().enumerate() {
         let label = format!("t = {} {}", brief(s.state.time / seconds, 3), words);
-        if let Some(exact) = exact.filter(|_| s.stage == stage && s.stage_time > 0.0) {
+        let known = exact.filter(|_| s.stage == stage && s.stage_time > 0.0);
+        if let Some((exact, pressure_at)) = known.and_then(|exact| Some((exact, exact.pressure.as_ref()?))) {
             let at = |i: u32| f64::from(i) / f64::from(FINE) * scene.height;
-            let points = (0..=FINE).map(|i| ((exact.pressure)(at(i), s.stage_time) / 1e3, at(i)));
+            let points = (0..=FINE).map(|i| (pressure_at(at(i), s.stage_time) / 1e3, at(i)));
             let look = look::nth(nth).dash(Dash::Solid).width(1.2);
             pressure.add(Series::line(format!("{}, {label}", exact.name), look, points).unlisted());
         }
@@ -221,7 +230,7 @@ fn profiles(scene: &Scene, run: &Run, exact: Option<&Exact>) -> Option<Figure> {
     let mut panels: Vec<Panel> = [pressure, stress].into_iter().filter(|panel| !panel.is_empty()).collect();
     plots::figure::share_y(&mut panels);
     let mut caption = "Markers: means of the rows of cells; compression negative.".to_owned();
-    if let Some(exact) = exact {
+    if let Some(exact) = exact.filter(|exact| exact.pressure.is_some()) {
         caption.push_str(&format!(" Lines of the same colour: {}.", exact.name));
     }
     (!panels.is_empty()).then(|| Figure {

@@ -2,8 +2,8 @@
 
 use toml::Spanned;
 
-use super::super::raw::{RawFeed, RawFeeds, RawFreeSurface, RawScene, RawStage};
-use super::super::{Clock, Dimension, Feed, Fields, FreeSurfaceWater, Integrator, Side, Until};
+use super::super::raw::{Pairs, RawFeed, RawFeeds, RawFreeSurface, RawScene, RawStage};
+use super::super::{Clock, Course, Dimension, Feed, Fields, FreeSurfaceWater, Integrator, Side, Until};
 use super::{Checked, Reader, quoted, written};
 use crate::seeding;
 use crate::water::free_surface::LEAST_OPEN;
@@ -50,11 +50,11 @@ impl Reader<'_> {
             None => None,
         };
         let wet = self.wet(raw, scene)?;
-        let feeds = match &raw.feed {
+        let (feeds, courses) = match &raw.feed {
             Some(feeds) => self.feeds(feeds.get_ref(), scene)?,
-            None => [None; 4],
+            None => ([None; 4], Default::default()),
         };
-        Ok(Some(FreeSurfaceWater { saturation, level, wet, feeds }))
+        Ok(Some(FreeSurfaceWater { saturation, level, wet, feeds, courses }))
     }
 
     /// The corners of the soil that is full of water at t = 0; all of it must be soil.
@@ -84,15 +84,32 @@ impl Reader<'_> {
         Ok(Some(points))
     }
 
-    fn feeds(&self, feeds: &RawFeeds, scene: &Fields) -> Checked<[Option<Feed>; 4]> {
-        let mut checked = [None; 4];
+    fn feeds(&self, feeds: &RawFeeds, scene: &Fields) -> Checked<([Option<Feed>; 4], [Course; 4])> {
+        let (mut checked, mut courses) = ([None; 4], <[Course; 4]>::default());
         let raw = [&feeds.left, &feeds.right, &feeds.bottom, &feeds.top];
         for (side, raw) in Side::ALL.into_iter().zip(raw) {
             if let Some(raw) = raw {
                 checked[side as usize] = Some(self.feed(raw, side, scene)?);
+                if let Some(list) = &raw.get_ref().times {
+                    courses[side as usize] = self.feed_in_time(list, side, raw.get_ref().head.is_some())?;
+                }
             }
         }
-        Ok(checked)
+        Ok((checked, courses))
+    }
+
+    /// How a velocity goes on in time.
+    fn feed_in_time(&self, list: &Pairs, side: Side, is_head: bool) -> Checked<Course> {
+        let key = format!("water.free_surface.feed.{side}.times");
+        if is_head {
+            let expected = "times beside a velocity; a level that rises and falls is that of [[reservoirs]]";
+            return self.refuse(&list.span(), &key, expected, "a head");
+        }
+        let expected = "pairs [time (s), factor of 0 or more], times that ascend";
+        if let Some(pair) = list.get_ref().iter().find(|pair| pair.get_ref()[1] < 0.0) {
+            return self.refuse(&pair.span(), &key, expected, pair.get_ref()[1]);
+        }
+        self.times(&key, expected, list)
     }
 
     fn feed(&self, raw: &Spanned<RawFeed>, side: Side, scene: &Fields) -> Checked<Feed> {

@@ -141,8 +141,8 @@ impl Reader<'_> {
         };
         let slope_angle = match &raw.slope_angle {
             Some(value) => {
-                let expected = "0 <= angle < 90 (degrees)";
-                Some(self.within(value, "slope_angle", expected, |b| (0.0..90.0).contains(&b))?)
+                let expected = "-90 < angle < 90 (degrees)";
+                Some(self.within(value, "slope_angle", expected, |b| b.abs() < 90.0)?)
             }
             None => None,
         };

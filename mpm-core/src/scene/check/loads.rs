@@ -75,6 +75,10 @@ impl Reader<'_> {
             let expected = "[water] and gravity beside it: a level is that of water under its weight";
             return self.refuse(&span, "reservoirs", expected, "a scene without them");
         }
+        if scene.slope_angle.is_some() {
+            let expected = "no slope_angle beside it: the surface of its water would not be level along x";
+            return self.refuse(&span, "reservoirs", expected, "a tilted scene");
+        }
         let levels = match (&raw.level, &raw.levels) {
             (Some(level), None) => {
                 Course::Times(vec![[0.0, self.within(level, "reservoirs.level", "a height (m)", |_| true)?]])
@@ -187,7 +191,7 @@ impl Reader<'_> {
     }
 
     /// A polyline in time.
-    fn times(&self, key: &str, expected: &str, list: &Pairs) -> Checked<Course> {
+    pub(super) fn times(&self, key: &str, expected: &str, list: &Pairs) -> Checked<Course> {
         let points: Vec<[f64; 2]> = list.get_ref().iter().map(|point| *point.get_ref()).collect();
         let wrong = points.iter().position(|point| !point.iter().all(|x| x.is_finite()));
         let falls = points.windows(2).position(|pair| pair[0][0] > pair[1][0]).map(|i| i + 1);

@@ -13,6 +13,9 @@ use crate::seeding;
 /// How far from a face of a cell the top of a layer may be, as a share of a cell.
 const ON_A_FACE: f64 = 1e-6;
 
+/// Zones as they are listed, and where.
+type Listed<'v> = (&'v [Spanned<RawZone>], Range<usize>);
+
 impl Reader<'_> {
     /// The checked `[[layers]]`, of a scene that has all else.
     pub(super) fn layers(&self, raw: &RawScene, scene: &Fields) -> Checked<Vec<SoilLayer>> {
@@ -45,11 +48,7 @@ impl Reader<'_> {
     }
 
     /// A list of soils that is there, and the place of its first.
-    fn zones<'v>(
-        &self,
-        key: &str,
-        list: &'v Option<Spanned<Vec<Spanned<RawZone>>>>,
-    ) -> Checked<Option<(&'v [Spanned<RawZone>], Range<usize>)>> {
+    fn zones<'v>(&self, key: &str, list: &'v Option<Spanned<Vec<Spanned<RawZone>>>>) -> Checked<Option<Listed<'v>>> {
         let Some(list) = list else { return Ok(None) };
         let Some(first) = list.get_ref().first() else {
             let expected = format!("at least one [[{key}]], or no such table");

@@ -133,8 +133,7 @@ impl<const D: usize> Ground<'_, D> {
             unit_weight: 1.0,
             density: 0.0,
         });
-        let mut gravity = [0.0; D];
-        gravity[D - 1] = -scene.gravity.unwrap_or(0.0);
+        let gravity = scene.gravity_vector().map(|g| std::array::from_fn(|d| g[d + 2 - D]));
         let loads = self.loads(&axes, &solid);
         let before = self.before(&axes, (&faces, &water_map));
         Ok(Soil {
@@ -158,7 +157,7 @@ impl<const D: usize> Ground<'_, D> {
                 mobility: water.mobility(),
                 compressibility: 1.0 / water.bulk_modulus,
                 density: water.density,
-                gravity: scene.gravity.map(|_| gravity),
+                gravity,
             },
             scales: [scene.cell, scene.oedometer_modulus()],
             small: scene.strain == crate::scene::StrainChoice::Small,

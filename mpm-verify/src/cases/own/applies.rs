@@ -334,7 +334,8 @@ fn sliding(scene: &Scene) -> Result<Solution, Error> {
 }
 
 fn slope(scene: &Scene) -> Result<Solution, Error> {
-    let strength = scene.strength.filter(|_| scene.slope_angle.is_some() && scene.free_surface.is_some());
+    let strength =
+        scene.strength.filter(|_| scene.slope_angle.is_some_and(|b| b > 0.0) && scene.free_surface.is_some());
     let (Some(_), Some(free), [Clock::Seepage, Clock::Soil]) =
         (strength, &scene.free_surface, scene.stages.iter().map(|stage| stage.clock).collect::<Vec<_>>().as_slice())
     else {
