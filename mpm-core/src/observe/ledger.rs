@@ -29,6 +29,8 @@ pub struct Totals<const D: usize> {
     pub cut_off_impulse: [f64; D],
     /// Work of gravity on the mixture, J.
     pub gravity_work: f64,
+    /// Work that what was out of balance at t = 0 beside the loads, stress and weight, does on the soil that lets go of it at once, J.
+    pub released: f64,
     /// Momentum that forces have given to the nodes, N s; what water that leaves takes along is no part of it.
     #[serde(with = "BigArray")]
     pub momentum_gain: [f64; D],
@@ -96,6 +98,7 @@ impl<const D: usize> Default for Totals<D> {
             damping_impulse: [0.0; D],
             cut_off_impulse: [0.0; D],
             gravity_work: 0.0,
+            released: 0.0,
             momentum_gain: [0.0; D],
             kinetic_gain: 0.0,
             damping_loss: 0.0,
@@ -143,6 +146,8 @@ pub struct Ledger {
     pub external_work_j: f64,
     /// Work of gravity on the mixture, J.
     pub gravity_work_j: f64,
+    /// Work of what was out of balance at the start beside the loads, J; known in quasi-static runs.
+    pub released_j: f64,
     /// Work of rho_w (g - a_s) on the Darcy flux, J.
     pub flow_body_work_j: f64,
     /// Energy lost to Darcy flow, J.
@@ -254,6 +259,7 @@ impl<const D: usize> Totals<D> {
             water_j: now.pressure,
             external_work_j: self.external_work,
             gravity_work_j: self.gravity_work,
+            released_j: self.released,
             flow_body_work_j: self.flow_body_work,
             darcy_dissipation_j: self.darcy_dissipation,
             damping_loss_j: self.damping_loss,

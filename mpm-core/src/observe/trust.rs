@@ -17,8 +17,7 @@ use serde::Serialize;
 use super::{Ledger, Observation};
 use crate::boundary::knows_volumes;
 use crate::scene::{
-    Clock, Course, Dimension, FaceLoad, Integrator, LoadOn, Piece, Scene, Side, SolidSide, Start, StrainChoice,
-    UpdateChoice,
+    Clock, Course, Dimension, FaceLoad, Integrator, LoadOn, Piece, Scene, Side, SolidSide, StrainChoice, UpdateChoice,
 };
 
 /// Settlement may differ from what the strains add up to by this share of its largest: what is promised of a settlement.
@@ -29,12 +28,6 @@ const TOP: Piece = Piece { middle: [0.0; 2], outward: [0.0, 1.0] };
 
 /// Stress may differ by this share of that under load and weight.
 const TURNING: f64 = 0.005;
-
-/// Whether a geostatic start is let go of: beside sides that are free, or of a tilted scene between walls, where no infinite slope is.
-fn scene_lets_go(scene: &Scene) -> bool {
-    let free = scene.solid_sides[..2].contains(&SolidSide::Free);
-    scene.start == Start::Geostatic && (free || scene.slope_angle.is_some())
-}
 
 /// One balance at one time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -330,9 +323,9 @@ impl<'a> Bounds<'a> {
             Integrator::QuasiStatic => {
                 share += 10.0 * self.scene.tolerance;
                 // What drains before the first time that is asked for, a permeable layer for one, is known only when it has.
-                sudden += 0.5 * (l.external_work_j.abs() + l.gravity_work_j.abs());
-                // So is what a geostatic start has stored where it is let go of.
-                sudden += if scene_lets_go(self.scene) { drained } else { 0.0 };
+                // So is half the work of a weight, or of a geostatic start, that is not in balance at first.
+                let released = l.gravity_work_j.abs().max(l.released_j.abs());
+                sudden += 0.5 * (l.external_work_j.abs() + released);
             }
             _ => {}
         }

@@ -23,6 +23,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         for (_, [_, before]) in self.soil.iter_mut().flat_map(|soil| &mut soil.plates) {
             archive.value(before)?;
         }
+        archive.value(&mut self.loose)?;
         archive!(archive.slice: self.y, self.content);
         archive!(archive.value: self.work.reference);
         let (time, ramp) = (self.time, self.ramp);

@@ -308,6 +308,8 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let gained = soil.values.content.iter().zip(&self.content).map(|(now, then)| now - then);
         self.totals.external_work += after[0] - before[0] + sums.pressed_in + soil.pressed_in(gained);
         self.totals.gravity_work += after[1] - before[1];
+        let moved = self.loose.iter().zip(&stepper.end).zip(&self.y);
+        self.totals.released -= moved.map(|((force, end), y)| force * (end - y)).sum::<f64>();
         let held = soil.held(&soil.values.content) - soil.held(&self.content);
         self.totals.water_out += sums.outflow - held;
         self.totals.darcy_dissipation += sums.dissipation;

@@ -69,6 +69,8 @@ pub struct QuasiStatic<L: Law, const D: usize> {
     carried: Vec<[f64; D]>,
     /// Volume change of the pore points before that, per volume; large strain has it in the particles' volumes.
     spent: Vec<f64>,
+    /// Forces of stress and weight at t = 0 on the unknowns of the first mesh, scaled as they are; empty on later ones.
+    loose: Vec<f64>,
     soil: Option<Soil<L, D>>,
     /// Unknowns and water content now.
     y: Vec<f64>,
@@ -146,6 +148,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             points: seeding.points.clone(),
             carried: vec![[0.0; D]; count],
             spent: Vec::new(),
+            loose: Vec::new(),
             scene: scene.clone(),
             seeding,
             soil: None,
@@ -254,6 +257,7 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
             self.ramp = self.ramp(times);
             let cells = self.cell_values();
             self.totals.start(&cells);
+            self.loose = self.soil.as_ref().map_or_else(Vec::new, Soil::forces);
         }
         let krylov = match self.scene.method {
             TimeMethod::Krylov => true,

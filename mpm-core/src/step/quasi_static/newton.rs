@@ -56,6 +56,17 @@ impl Workspace {
 }
 
 impl<L: Law, const D: usize> Soil<L, D> {
+    /// Forces without the loads on the unknowns of the displacements at the last evaluation, scaled as the matrix.
+    pub(super) fn forces(&self) -> Vec<f64> {
+        let mut forces = vec![0.0; self.unknowns()];
+        for (function, map) in self.soil_map.iter().enumerate() {
+            for d in (0..D).filter(|d| map[*d] != HELD) {
+                forces[map[d] as usize] += self.scales[0] * self.values.force[function * D + d];
+            }
+        }
+        forces
+    }
+
     /// Out-of-balance of a stage at the last evaluation, scaled as the matrix.
     fn out_of_balance(&self, stage: &Stage, residual: &mut [f64]) {
         let [length, pressure] = self.scales;
