@@ -58,44 +58,23 @@ pub struct Exhibit {
     pub text: &'static str,
 }
 
-/// The scenes in `reference-data/gallery`, in the order of the page.
+/// One with its file, from the folder of the sources.
+macro_rules! exhibit {
+    ($name:literal, $picture:literal, $file:literal) => {
+        Exhibit { name: $name, picture: $picture, text: include_str!($file) }
+    };
+}
+
+/// The scenes of the gallery, in the order of the page.
 pub const GALLERY: [Exhibit; 8] = [
-    Exhibit {
-        name: "embankment",
-        picture: "map-water",
-        text: include_str!("../../reference-data/gallery/embankment.toml"),
-    },
-    Exhibit {
-        name: "footing",
-        picture: "plot-history",
-        text: include_str!("../../reference-data/gallery/footing.toml"),
-    },
-    Exhibit {
-        name: "levee-with-core",
-        picture: "map-water",
-        text: include_str!("../../reference-data/gallery/levee-with-core.toml"),
-    },
-    Exhibit {
-        name: "drawdown",
-        picture: "map-water",
-        text: include_str!("../../reference-data/gallery/drawdown.toml"),
-    },
-    Exhibit { name: "rain", picture: "map-water", text: include_str!("../../reference-data/gallery/rain.toml") },
-    Exhibit {
-        name: "retaining-wall",
-        picture: "plot-history",
-        text: include_str!("../../reference-data/gallery/retaining-wall.toml"),
-    },
-    Exhibit {
-        name: "submerged-slope",
-        picture: "map-soil",
-        text: include_str!("../../reference-data/gallery/submerged-slope.toml"),
-    },
-    Exhibit {
-        name: "cyclic-load",
-        picture: "plot-history",
-        text: include_str!("../../reference-data/scenes/cyclic-load.toml"),
-    },
+    exhibit!("embankment", "map-water", "../../reference-data/gallery/embankment.toml"),
+    exhibit!("footing", "plot-history", "../../reference-data/gallery/footing.toml"),
+    exhibit!("levee-with-core", "map-water", "../../reference-data/gallery/levee-with-core.toml"),
+    exhibit!("drawdown", "map-water", "../../reference-data/gallery/drawdown.toml"),
+    exhibit!("rain", "map-water", "../../reference-data/gallery/rain.toml"),
+    exhibit!("retaining-wall", "plot-history", "../../reference-data/gallery/retaining-wall.toml"),
+    exhibit!("submerged-slope", "map-soil", "../../reference-data/gallery/submerged-slope.toml"),
+    exhibit!("cyclic-load", "plot-history", "../../reference-data/scenes/cyclic-load.toml"),
 ];
 
 /// A built-in scene by name.

@@ -26,8 +26,8 @@ struct Case {
     order: Option<[f64; 2]>,
 }
 
-/// A rung of a case with its fault.
-macro_rules! rung {
+/// A case of the verification suite with its planted fault.
+macro_rules! case {
     ($name:literal, $about:literal, $what:expr, $fault:expr, $case:expr) => {
         Rung {
             name: $name,
@@ -57,34 +57,34 @@ const PRESSED: Case =
     Case { scene: "pressed", change: sound, measure: pressed, rows: &[10], required: 1e-9, order: None };
 
 /// All of them.
-pub const RUNGS: [Rung; 9] = [
-    rung!("load-in-time", "a load that comes, goes and comes again: superposed ramps", FASTER, faster, CYCLIC),
-    rung!(
+pub const CASES: [Rung; 9] = [
+    case!("load-in-time", "a load that comes, goes and comes again: superposed ramps", FASTER, faster, CYCLIC),
+    case!(
         "load-in-time-explicit",
         "the same explicit, centre values",
         FASTER,
         faster,
         Case { change: explicit, required: 1e-2, ..CYCLIC }
     ),
-    rung!("biot", "Terzaghi's column with Biot's coefficient 0.6: semi-implicit", "coefficient 1", without_biot, BIOT),
-    rung!(
+    case!("biot", "Terzaghi's column with Biot's coefficient 0.6: semi-implicit", "coefficient 1", without_biot, BIOT),
+    case!(
         "biot-explicit",
         "the same explicit",
         "coefficient 1",
         without_biot,
         Case { change: explicit, rows: &[10, 14, 20], required: 5e-3, ..BIOT }
     ),
-    rung!(
+    case!(
         "biot-quasi-static",
         "the same without inertia, B-splines",
         "coefficient 1",
         without_biot,
         Case { change: quasi_static, rows: &[10, 14, 20], required: 1e-5, order: None, ..BIOT }
     ),
-    rung!("seabed-wave", "pore pressure under a standing wave, B-splines", "a longer period", longer, WAVE),
-    rung!("flow-in-series", "seepage through three soils one behind the other", FASTER, faster_region, SERIES),
-    rung!("pressed", "force of a plate that presses soil", "E 5 % too low", softer, PRESSED),
-    rung!(
+    case!("seabed-wave", "pore pressure under a standing wave, B-splines", "a longer period", longer, WAVE),
+    case!("flow-in-series", "seepage through three soils one behind the other", FASTER, faster_region, SERIES),
+    case!("pressed", "force of a plate that presses soil", "E 5 % too low", softer, PRESSED),
+    case!(
         "pressed-explicit",
         "the same explicit",
         "E 5 % too low",
@@ -225,11 +225,11 @@ mod tests {
 
     #[test]
     fn quick_ones_hold_and_their_mutants_fall_short() {
-        for rung in RUNGS.iter().filter(|rung| !rung.name.starts_with("biot-explicit")) {
-            let climb = rung.climb().expect("runs that finish");
-            assert!(climb.step.held(), "{}: {}", rung.name, climb.reason);
-            let spoilt = rung.climb_mutant().expect("a mutant").expect("runs that finish");
-            assert!(!spoilt.step.held(), "{}: {}", rung.name, spoilt.reason);
+        for case in CASES.iter().filter(|case| !case.name.starts_with("biot-explicit")) {
+            let climb = case.climb().expect("runs that finish");
+            assert!(climb.step.held(), "{}: {}", case.name, climb.reason);
+            let spoilt = case.climb_mutant().expect("a mutant").expect("runs that finish");
+            assert!(!spoilt.step.held(), "{}: {}", case.name, spoilt.reason);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! A standing wave over a poroelastic bed of finite depth: Biot's quasi-static equations for one wave number and one frequency
-//! (Yamamoto, Koning, Sellmeijer & van Hijum 1978, *J. Fluid Mech.* 87; Madsen 1978, *Géotechnique* 28; here with a smooth, tight base).
+//! (Yamamoto, Koning, Sellmeijer & van Hijum 1978, *J. Fluid Mech.* 87; Madsen 1978, *Géotechnique* 28; here with a smooth,
+//! impermeable base).
 //!
 //! With `p = P(y) cos(kx)`, `v = V(y) cos(kx)`, `u = U(y) sin(kx)`, all times `exp(i w t)`, and `h = M e - alpha p` harmonic,
 //!
