@@ -140,7 +140,7 @@ pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<
     }
     match scene.dimension {
         Dimension::Column => Seeded::new(scene, given, [scene.cells[1]], scene.width)?.vectorised(hardware, scene),
-        Dimension::PlaneStrain => Seeded::new(scene, given, scene.cells, scene.cell)?.vectorised(hardware, scene),
+        _ => Seeded::new(scene, given, scene.cells, scene.cell)?.vectorised(hardware, scene),
     }
 }
 
@@ -173,7 +173,7 @@ fn materials(scene: &Scene, places: impl Iterator<Item = [f64; 2]>) -> Materials
 fn quasi_static(scene: &Scene) -> Result<Box<dyn Model>, RunError> {
     Ok(match scene.dimension {
         Dimension::Column => implicit(scene, [scene.cells[1]], scene.width),
-        Dimension::PlaneStrain => implicit(scene, scene.cells, 1.0),
+        _ => implicit(scene, scene.cells, 1.0),
     })
 }
 
@@ -192,6 +192,7 @@ fn implicit<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness: f6
     places.sort_by_key(|(x, _)| std::array::from_fn::<i64, D, _>(|d| cell(x)[D - 1 - d]));
     let ground = scene.ground();
     let point = |(x, _): &([f64; D], bool)| {
+        let volume = volume * if D == 1 { 1.0 } else { scene.thickness(x[0]) };
         let (vertical, pressure) = first_state(scene, &ground, &in_two(x));
         let soil = ground.at(&in_two(x));
         let mut stress = in_plane(vertical, soil.lateral_stress(vertical));
@@ -230,11 +231,12 @@ impl<const D: usize> Seeded<D> {
         if D == 2 {
             cells[0] += scene.sideroom_cells;
         }
-        let grid = Grid::new(cells, scene.cell);
+        let grid = Grid::new(cells, scene.cell).about(scene.axis());
         let per_direction = scene.particles_per_direction();
         let particle_volume = face_area * scene.cell / (per_direction as f64).powi(D as i32);
         let ground = scene.ground();
-        let point = |x: [f64; D], volume: f64| {
+        let point = |x: [f64; D], area: f64| {
+            let volume = area * grid.thickness(x[0]);
             let (vertical, pressure) = first_state(scene, &ground, &in_two(&x));
             let soil = ground.at(&in_two(&x));
             let mut stress = in_plane(vertical, soil.lateral_stress(vertical));
@@ -408,12 +410,15 @@ impl<const D: usize> Seeded<D> {
             let x = (i as f64 + 0.5) * spacing;
             scene.surcharge.and_then(|s| s.strip).map_or(1.0, |strip| strip.share(x))
         };
-        let strip = |i| Strip {
-            id: (first + i) as u32,
-            offset: 0.5 * spacing,
-            volume: self.particle_volume,
-            area,
-            loaded: area * share(i),
+        let strip = |i: usize| {
+            let thickness = self.grid.thickness((i as f64 + 0.5) * spacing);
+            Strip {
+                id: (first + i) as u32,
+                offset: 0.5 * spacing,
+                volume: self.particle_volume * thickness,
+                area: area * thickness,
+                loaded: area * thickness * share(i),
+            }
         };
         let on = scene.surcharge.map_or(LoadOn::Surface, |s| s.on);
         let strips = match (&scene.outline, outline_parts(scene)) {
@@ -421,6 +426,8 @@ impl<const D: usize> Seeded<D> {
             (Some(outline), Some(parts)) => {
                 let below = |(i, area): (usize, f64)| {
                     let Part { centroid, area: volume } = parts[i];
+                    let thickness = self.grid.thickness(centroid[0]);
+                    let (volume, area) = (volume * thickness, area * thickness);
                     Strip { id: i as u32, offset: scene.height - centroid[1], volume, area, loaded: 0.0 }
                 };
                 seeding::below_crest(outline, &parts, spacing).into_iter().map(below).collect()

@@ -341,6 +341,9 @@ const MOST_SAFETY: f64 = 0.9;
 /// Round-off that a semi-implicit step may leave, of the drained strain.
 const SOUND: f64 = 1e-7;
 
+/// What an axis leaves of a step.
+const AXISYMMETRIC: f64 = 0.998;
+
 /// Wave lengths looked at along each axis.
 const WAVES: u32 = 16;
 
@@ -356,7 +359,7 @@ fn wave(i: u32) -> f64 {
 fn flow_passes_held_soil(scene: &Fields) -> bool {
     let held = |i: usize| scene.solid_sides[i] != SolidSide::Free;
     let drained = |i: usize| scene.stages.iter().any(|stage| stage.drained[i]);
-    let along = scene.dimension == Dimension::PlaneStrain && scene.solid_sides.contains(&SolidSide::Fixed);
+    let along = scene.dimension != Dimension::Column && scene.solid_sides.contains(&SolidSide::Fixed);
     along || (0..4).any(|i| held(i) && drained(i))
 }
 
@@ -382,7 +385,7 @@ fn explicit_limit_of(scene: &Fields) -> f64 {
         let medium = Medium { flow_inertia: 0.0, ..medium };
         let limit = match scene.dimension {
             Dimension::Column => medium.limit_column(),
-            Dimension::PlaneStrain => medium.limit_plane_strain(scene.darcy),
+            _ => medium.limit_plane_strain(scene.darcy),
         };
         let limit = limit.min(medium.dry_splines(scene.dimension));
         let alone = scene.particles_per_direction() == 1 && scene.water.is_some();
@@ -390,7 +393,7 @@ fn explicit_limit_of(scene: &Fields) -> f64 {
     }
     match scene.dimension {
         Dimension::Column => medium.limit_column(),
-        Dimension::PlaneStrain => {
+        _ => {
             let limit = medium.limit_plane_strain(scene.darcy);
             let drains = scene.stages.iter().any(|stage| stage.drained.contains(&true));
             if drains && scene.darcy == DarcyChoice::Face { medium.drained_edge(limit) } else { limit }
@@ -429,7 +432,7 @@ fn semi_implicit_limit_of(scene: &Fields) -> f64 {
     let medium = Medium { flow_inertia, ..medium };
     match scene.dimension {
         Dimension::Column => medium.lagged_inertia_column(limit),
-        Dimension::PlaneStrain => medium.lagged_inertia_plane_strain(limit),
+        _ => medium.lagged_inertia_plane_strain(limit),
     }
 }
 
@@ -457,7 +460,9 @@ fn semi_implicit_without_inertia(scene: &Fields, medium: &Medium) -> f64 {
 /// No eigenvalue of a mesh is larger than the largest one of its cells, and the flow between two cells of different
 /// conductivity, the harmonic mean, is at most that between two of the better one.
 fn worst_soil(scene: &Fields, limit: impl Fn(&Fields) -> f64) -> f64 {
-    scene.by_soil().iter().map(limit).fold(f64::INFINITY, f64::min)
+    // Radial waves about an axis: the largest eigenvalue of the lumped mesh is up to 1.0025 times that in plane strain.
+    let axis = if scene.axis().is_some() { AXISYMMETRIC } else { 1.0 };
+    axis * scene.by_soil().iter().map(limit).fold(f64::INFINITY, f64::min)
 }
 
 /// Largest stable step of a scene with its own integrator, s; infinite where there is none.

@@ -14,7 +14,7 @@ type Set = BTreeSet<Feature>;
 const GROUPS: [&[Option<Feature>]; 13] = {
     use Feature::*;
     [
-        &[None, Some(Column)],
+        &[None, Some(Column), Some(Axisymmetric)],
         &[Some(Explicit), Some(SemiImplicit), Some(QuasiStatic), Some(TwoClocks), Some(Coupled)],
         &[None, Some(Centroid), Some(BBar), Some(Gimp), Some(Bspline2), Some(Bspline3)],
         &[Some(Dry), Some(Saturated), Some(FreeSurface)],
@@ -62,7 +62,8 @@ fn written(has: &Set) -> String {
             text.push('\n');
         }
     };
-    line(!is(Column), "dimension = \"plane-strain\"");
+    line(!is(Column) && !is(Axisymmetric), "dimension = \"plane-strain\"");
+    line(is(Axisymmetric), "dimension = \"axisymmetric\"");
     line(true, &format!("start = {}", word(7, "")));
     line(!is(NoGravity), "gravity = 9.81");
     line(is(SlopeAngle), "slope_angle = 5.0");

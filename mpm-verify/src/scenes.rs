@@ -5,7 +5,7 @@ use mpm_core::scene::Scene;
 use crate::error::Error::{self, Lacks};
 
 /// Names and texts of the scenes in `reference-data/scenes`.
-pub const BUILT_IN: [(&str, &str); 39] = [
+pub const BUILT_IN: [(&str, &str); 41] = [
     ("biot-column", include_str!("../../reference-data/scenes/biot-column.toml")),
     ("block-on-incline", include_str!("../../reference-data/scenes/block-on-incline.toml")),
     ("block-stops", include_str!("../../reference-data/scenes/block-stops.toml")),
@@ -13,8 +13,10 @@ pub const BUILT_IN: [(&str, &str); 39] = [
     ("boussinesq", include_str!("../../reference-data/scenes/boussinesq.toml")),
     ("collapse-dry", include_str!("../../reference-data/scenes/collapse-dry.toml")),
     ("collapse-saturated", include_str!("../../reference-data/scenes/collapse-saturated.toml")),
+    ("cryer", include_str!("../../reference-data/scenes/cryer.toml")),
     ("cyclic-load", include_str!("../../reference-data/scenes/cyclic-load.toml")),
     ("dam", include_str!("../../reference-data/scenes/dam.toml")),
+    ("de-leeuw", include_str!("../../reference-data/scenes/de-leeuw.toml")),
     ("dry-bar", include_str!("../../reference-data/scenes/dry-bar.toml")),
     ("dynamic-column", include_str!("../../reference-data/scenes/dynamic-column.toml")),
     ("flow-in-series", include_str!("../../reference-data/scenes/flow-in-series.toml")),
@@ -66,7 +68,7 @@ macro_rules! exhibit {
 }
 
 /// The scenes of the gallery, in the order of the page.
-pub const GALLERY: [Exhibit; 8] = [
+pub const GALLERY: [Exhibit; 9] = [
     exhibit!("embankment", "map-water", "../../reference-data/gallery/embankment.toml"),
     exhibit!("footing", "plot-history", "../../reference-data/gallery/footing.toml"),
     exhibit!("levee-with-core", "map-water", "../../reference-data/gallery/levee-with-core.toml"),
@@ -75,6 +77,7 @@ pub const GALLERY: [Exhibit; 8] = [
     exhibit!("retaining-wall", "plot-history", "../../reference-data/gallery/retaining-wall.toml"),
     exhibit!("submerged-slope", "map-soil", "../../reference-data/gallery/submerged-slope.toml"),
     exhibit!("cyclic-load", "plot-history", "../../reference-data/scenes/cyclic-load.toml"),
+    exhibit!("vertical-drain", "map-water", "../../reference-data/gallery/vertical-drain.toml"),
 ];
 
 /// A built-in scene by name.

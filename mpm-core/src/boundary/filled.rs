@@ -22,8 +22,8 @@ use crate::scene::{DarcyChoice, Fields, LoadOn, Quadrature, Scene, Side, SolidSi
 pub struct Filled<const D: usize> {
     /// Soil in each cell, m3; empty where the outline is not known.
     volumes: Vec<f64>,
-    /// Volume of a cell full of soil, m3.
-    full: f64,
+    /// Volume of a cell full of soil in each column of cells, m3.
+    full: Vec<f64>,
     /// The highest cell with soil above each cell of the lowest row.
     tops: Vec<Top>,
     /// Whether the surface is held where it was, so that the cells below it are full: under a plate, or a held top.
@@ -62,7 +62,7 @@ pub struct Top {
 }
 
 impl<const D: usize> Filled<D> {
-    /// That of a scene whose cells have a `full` volume (m3); nothing is known of soil with an outline, with room beside it,
+    /// That of a scene whose cells have a `full` volume (m3), where they are 1 m thick; nothing is known of soil with an outline, with room beside it,
     /// between free sides, or on a base that lets it go.
     pub fn of(scene: &Scene, grid: &Grid<D>, full: f64) -> Self {
         if !knows_volumes(scene) {
@@ -74,7 +74,7 @@ impl<const D: usize> Filled<D> {
         let held = plate || !top_is_free;
         Self {
             volumes: vec![0.0; grid.cell_count()],
-            full,
+            full: (0..across).map(|column| full * grid.thickness((column as f64 + 0.5) * grid.size)).collect(),
             tops: vec![Top::default(); across],
             held,
             level: !held && scene.is_one_dimensional(),
@@ -158,10 +158,10 @@ impl<const D: usize> Filled<D> {
         let moved = top.cell != before.cell || self.volumes[top.cell as usize] == 0.0;
         if moved {
             for (row, volume) in self.volumes[column..].iter_mut().step_by(across).enumerate() {
-                *volume = if row * across + column < top.cell as usize { self.full } else { 0.0 };
+                *volume = if row * across + column < top.cell as usize { self.full[column] } else { 0.0 };
             }
         }
-        self.volumes[top.cell as usize] = fill * self.full;
+        self.volumes[top.cell as usize] = fill * self.full[column];
         moved
     }
 

@@ -71,6 +71,7 @@ impl<const D: usize> FaceLoads<D> {
                 let load = &found.loads[which];
                 let of_surcharge = surcharge.filter(|_| which == scene.loads.len());
                 let force = |piece: &Piece| of_surcharge.map_or_else(|| load.force(piece), |s| s.force(piece));
+                let force = |piece: &Piece| force(piece).map(|f| f * scene.thickness(piece.middle[0]));
                 let borne: Vec<_> = scene.pieces_under(load).into_iter().map(|piece| (piece, force(&piece))).collect();
                 for (piece, force) in borne {
                     if let Some(number) = beside.find(&piece.middle).filter(|_| force != [0.0; 2]) {

@@ -143,7 +143,8 @@ impl<'a> Bounds<'a> {
     fn new(scene: &'a Scene, dt: f64, steps: u64, state: &'a Observation, ledger: &Ledger) -> Self {
         let load = scene.largest_load();
         let weight = scene.gravity.unwrap_or(0.0) * scene.mixture_density() * scene.height;
-        let moved = ledger.external_work_j.abs() / (scene.height * scene.width * scene.oedometer_modulus());
+        let volume = ledger.solid_mass_kg / scene.dry_density();
+        let moved = ledger.external_work_j.abs() / (volume * scene.oedometer_modulus());
         let (stress, modulus) = (load + weight, scene.oedometer_modulus());
         let soils = scene.by_soil();
         let of_soils = soils.iter().map(|soil| {
@@ -199,8 +200,12 @@ impl<'a> Bounds<'a> {
             let soil = ledger.solid_mass_kg / self.scene.dry_density();
             // An undrained front strains cell by cell at `wave c/L`, in one cell at a time; a step is off by half its square.
             let wave = self.stress / (self.speed * self.speed * self.scene.mixture_density());
-            // One runs along each direction.
-            let across = if self.scene.dimension == Dimension::Column { 0.0 } else { 1.0 / self.scene.width };
+            // One runs along each direction; one towards an axis or away from it strains the soil around it as well.
+            let across = match self.scene.dimension {
+                Dimension::Column => 0.0,
+                Dimension::PlaneStrain => 1.0 / self.scene.width,
+                Dimension::Axisymmetric => 2.0 / self.scene.width,
+            };
             let per_area = (across + 1.0 / self.scene.height) / self.scene.cell;
             let fronts = 0.5 * self.dt * self.state.time * (wave * self.speed).powi(2) * per_area;
             let second_order = fronts.min(0.5 * wave * wave * self.state.time / self.dt.max(f64::MIN_POSITIVE));

@@ -4,12 +4,13 @@
 //! on numbers, or on three things at once, is said by the room that knows it.
 
 use Feature::{
-    Affine, AnyShape, BBar, Bspline2, Bspline3, CamClay, Centroid, Column, CoulombBase, Coupled, Damping, DarcyInertia,
-    DarcyOperator, Displaced, Drained, Dry, Explicit, Fails, FixedSide, Flip, FreeSurface, Geostatic, Gimp, GivenStep,
-    Gravity, HeldTop, Incompressible, InertiaKept, JumpPenalty, Krylov, LargeStrain, Layers, LightNodes, LinearElastic,
-    Load, Loads, MohrCoulomb, MovedPlates, Musl, NoGravity, Nodal, Outline, PaperStep, Periodic, Plate, PressureEnd,
-    QuasiStatic, Regions, RestEnd, Safety, Saturated, SemiImplicit, Separation, Shift, Sideroom, SlopeAngle,
-    SmallStrain, StartK0, StartVelocity, Strip, TimeMethod, Tolerance, TwoClocks, UndrainedStart, Unloaded,
+    Affine, AnyShape, Axisymmetric, BBar, Bspline2, Bspline3, CamClay, Centroid, Column, CoulombBase, Coupled, Damping,
+    DarcyInertia, DarcyOperator, Displaced, Drained, Dry, Explicit, Fails, FixedSide, Flip, FreeSurface, Geostatic,
+    Gimp, GivenStep, Gravity, HeldTop, Incompressible, InertiaKept, JumpPenalty, Krylov, LargeStrain, Layers,
+    LightNodes, LinearElastic, Load, Loads, MohrCoulomb, MovedPlates, Musl, NoGravity, Nodal, Outline, PaperStep,
+    Periodic, Plate, PressureEnd, QuasiStatic, Regions, RestEnd, Safety, Saturated, SemiImplicit, Separation, Shift,
+    Sideroom, SlopeAngle, SmallStrain, StartK0, StartVelocity, Strip, TimeMethod, Tolerance, TwoClocks, UndrainedStart,
+    Unloaded,
 };
 
 /// Something that a scene has, and that not everything goes with.
@@ -17,6 +18,7 @@ use Feature::{
 #[allow(missing_docs, reason = "`Feature::key` and `Feature::word` are what a scene file says")]
 pub enum Feature {
     Column,
+    Axisymmetric,
     Outline,
     Explicit,
     SemiImplicit,
@@ -84,8 +86,9 @@ pub enum Feature {
 }
 
 /// Every feature with the key that asks for it and what a scene file says there.
-pub const FEATURES: [(Feature, &str, &str); 65] = [
+pub const FEATURES: [(Feature, &str, &str); 66] = [
     (Column, "dimension", "\"column\""),
+    (Axisymmetric, "dimension", "\"axisymmetric\""),
     (Outline, "geometry.outline", "[geometry.outline]"),
     (Explicit, "time.integrator", "\"explicit\""),
     (SemiImplicit, "time.integrator", "\"semi-implicit\""),
@@ -216,6 +219,14 @@ pub const RULES: &[Rule] = &[
     rule(Outline, &[Column], "dimension = \"plane-strain\" beside it: an outline is an area"),
     rule(Sideroom, &[Column], "dimension = \"plane-strain\" beside it: a column cannot move sideways"),
     rule(SlopeAngle, &[Column], PLANE),
+    rule(SlopeAngle, &[Axisymmetric], "no tilt about a vertical axis: gravity points along it"),
+    rule(Periodic, &[Axisymmetric], "dimension = \"plane-strain\" beside it: two radii are not the same place"),
+    rule(
+        FreeSurface,
+        &[Axisymmetric],
+        "soil full of water about an axis: free water is followed in cells of equal volume",
+    ),
+    rule(Nodal, &[Axisymmetric], "\"face\" about an axis: the nodal flow takes cells for equal"),
     rule(StartVelocity, &[Column], PLANE),
     rule(Periodic, &[Column], PLANE),
     rule(CoulombBase, &[Column], PLANE),

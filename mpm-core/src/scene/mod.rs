@@ -46,6 +46,9 @@ pub enum Dimension {
     Column,
     /// Two dimensions, plane strain, 1 m thick.
     PlaneStrain,
+    /// Two dimensions, a section of soil that is the same all around a vertical axis: x is the radius, and all amounts are
+    /// those of one radian.
+    Axisymmetric,
 }
 
 /// The state at t = 0.
@@ -515,6 +518,9 @@ pub struct Fields {
     pub height: f64,
     /// Width of the column, m; x of the outline's last point.
     pub width: f64,
+    /// Distance of x = 0 from the axis of an axisymmetric scene, m.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub inner_radius: f64,
     /// Corners of the soil, m, anticlockwise; `None` for a column.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub outline: Option<Vec<[f64; 2]>>,
@@ -834,6 +840,16 @@ impl Fields {
         Some(self.drainage_path().powi(2) / c_v)
     }
 
+    /// As [`Grid::axis`](crate::grid::Grid::axis).
+    pub fn axis(&self) -> Option<f64> {
+        (self.dimension == Dimension::Axisymmetric).then_some(self.inner_radius)
+    }
+
+    /// As [`Grid::thickness`](crate::grid::Grid::thickness).
+    pub fn thickness(&self, x: f64) -> f64 {
+        self.axis().map_or(1.0, |axis| axis + x)
+    }
+
     /// Particles per cell along one direction.
     pub fn particles_per_direction(&self) -> usize {
         (self.particles_per_cell as f64).sqrt().round() as usize
@@ -847,7 +863,7 @@ impl Fields {
         }
         let across = match self.dimension {
             Dimension::Column => 1,
-            Dimension::PlaneStrain => self.cells[0] * self.particles_per_direction(),
+            _ => self.cells[0] * self.particles_per_direction(),
         };
         across * self.cells[1] * self.particles_per_direction()
     }
@@ -863,6 +879,10 @@ impl Fields {
         let cells = (rows + self.headroom_cells as f64) * (across + self.sideroom_cells as f64);
         check::fits_in_memory(points, cells, self.integrator == Integrator::QuasiStatic, self.dimension)
     }
+}
+
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
 }
 
 /// Keys that most scenes do not have stay out of the record of a scene.

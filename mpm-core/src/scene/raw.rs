@@ -51,12 +51,14 @@ pub(super) enum RawGeometry {
 pub(super) struct RawColumn {
     pub height: Number,
     pub width: Number,
+    pub inner_radius: Option<Number>,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawOutline {
     pub points: Points,
+    pub inner_radius: Option<Number>,
 }
 
 #[derive(Debug, Deserialize)]

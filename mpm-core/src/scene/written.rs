@@ -182,13 +182,18 @@ impl Fields {
         out.put("start_k0", self.start_k0)?;
         out.put("gravity", self.gravity)?;
         out.put("slope_angle", self.slope_angle)?;
-        match &self.outline {
-            Some(points) => out.put("geometry.outline.points", points)?,
+        let shape = match &self.outline {
+            Some(points) => {
+                out.put("geometry.outline.points", points)?;
+                "geometry.outline.inner_radius"
+            }
             None => {
                 out.put("geometry.column.height", self.height)?;
                 out.put("geometry.column.width", self.width)?;
+                "geometry.column.inner_radius"
             }
-        }
+        };
+        out.unless(shape, self.inner_radius, 0.0)?;
         self.mesh(&mut out)?;
         self.of_soil(&mut out)?;
         self.fluid(&mut out)?;

@@ -145,7 +145,7 @@ impl<const D: usize> Body<D> {
                 y_m: cell.middle[1],
                 pressure_pa: cell.pressure,
                 saturation: 1.0,
-                soil: cell.volume / full,
+                soil: cell.volume / (full * self.grid.thickness(cell.middle[0])),
             };
             state.field = cells.iter().map(point).collect();
         }

@@ -13,7 +13,8 @@ use crate::water::{DRAINED_SURFACE, FaceFlow};
 pub struct DrainedFace {
     /// Cell inside.
     pub cell: usize,
-    axis: usize,
+    /// Axis it is normal to.
+    pub axis: usize,
     outwards: f64,
     /// The face, numbered by the cell above it.
     pub face: usize,
@@ -143,9 +144,10 @@ impl<const D: usize> Faces<D> {
         outlets.clear();
         for opening in &water.cuts.openings {
             let drained = opening.looks_to(&water.drained);
-            let (cell, conducts) = (opening.cell as usize, opening.conducts);
+            let cell = opening.cell as usize;
             // Also of what a later stage opens, so that water keeps its stiffness.
-            sums[cell][1] += conducts;
+            sums[cell][1] += opening.conducts;
+            let conducts = grid.thickness(opening.piece.middle[0]) * opening.conducts;
             if drained || opening.water != 0 {
                 let (number, middle) = (frame.number(&grid.cell_position(cell)), opening.piece.middle);
                 let outside = drained.then_some(0.0);
@@ -294,7 +296,7 @@ impl<const D: usize> Faces<D> {
             }
             let drop = outwards * pressure[self.frame.pad() + cell];
             let flux = self.flux(&water.flow, (axis, face), drop, (gravity[axis], acceleration));
-            let through = dt * water.flow.area * outwards * flux;
+            let through = dt * water.flow.area * self.frame.thickness(axis, face) * outwards * flux;
             if water.partly_drained {
                 // What passes is in the particles, of which those that are taken away have left; none comes in.
                 self.conducts[axis][face] = if through < 0.0 { 0.0 } else { conducts };

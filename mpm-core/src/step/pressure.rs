@@ -232,14 +232,15 @@ impl<const D: usize> PressureSystem<D> {
             if shift.iter().map(|s| s.abs()).sum::<i32>() == 1 {
                 let axis = shift.iter().position(|s| *s != 0).unwrap_or(0);
                 let upper = self.cells[*column.max(row) as usize] as usize;
-                let between = faces.conducts[axis][upper];
+                let between = self.frame.thickness(axis, upper) * faces.conducts[axis][upper];
                 self.laplacian[k] -= between;
                 self.laplacian[self.diagonal[*row as usize]] += between;
                 self.laplacian[self.diagonal[*column as usize]] += between;
             }
         }
         for face in &faces.drained {
-            self.laplacian[self.diagonal[self.row_of[face.cell] as usize]] += faces.of_drained(face);
+            let area = self.frame.thickness(face.axis, face.face);
+            self.laplacian[self.diagonal[self.row_of[face.cell] as usize]] += area * faces.of_drained(face);
         }
         for outlet in faces.outlets.iter().filter(|outlet| outlet.outside.is_some()) {
             self.laplacian[self.diagonal[self.row_of[outlet.cell] as usize]] += outlet.conducts;
@@ -334,7 +335,8 @@ impl<const D: usize> PressureSystem<D> {
             for d in 0..D {
                 for (face, outwards) in [(cell, -1.0), (cell + self.frame.stride[d], 1.0)] {
                     if faces.conducts[d][face] > 0.0 {
-                        leaving += outwards * faces.flux(flow, (d, face), 0.0, (gravity[d], acceleration));
+                        let area = outwards * self.frame.thickness(d, face);
+                        leaving += area * faces.flux(flow, (d, face), 0.0, (gravity[d], acceleration));
                     }
                 }
             }

@@ -79,10 +79,13 @@ impl<const D: usize> Tops<D> {
             functions.find_motion(&mut motion, &fields, &edges, &centroid);
             let xi = array!([lone(0.0); D], d => lone(x[d] * frame.inverse_size) - position[d]);
             let Moves { gradient, velocity, .. } = functions.moves(&motion, &edges, &xi, frame.inverse_size);
+            let from_axis = frame.axis.map(|axis| position[0] + lone(axis * frame.inverse_size));
             let rate = if F::SPLIT {
-                functions.middle(&motion, frame.inverse_size)
+                functions.middle(&motion, from_axis, frame.inverse_size)
             } else {
-                trace::<D, Lanes<Scalar>>(&gradient)
+                let plane = trace::<D, Lanes<Scalar>>(&gradient);
+                let hoop = |from| functions.hoop(&motion, &edges, &xi, from, frame.inverse_size);
+                from_axis.map_or(plane, |from| plane + hoop(from))
             };
             volume *= 1.0 + dt * rate.lane(0);
             for d in 0..D {

@@ -23,7 +23,8 @@ impl<const D: usize> Halves<D> {
             for index in solid.range(cell) {
                 let (point, kind) = (&solid.points[index], soils.kind_of(solid.ids[index]));
                 // Half the edge of the box of the particle, in cells; no more than keeps it out of most of the other half.
-                let reach = 0.5 * (point.volume / full).powf(1.0 / D as f64).clamp(1e-3, 1.0);
+                let reach =
+                    0.5 * (point.volume / (full * grid.thickness(point.x[0]))).powf(1.0 / D as f64).clamp(1e-3, 1.0);
                 for axis in 0..D {
                     let at = point.x[axis] * grid.inverse_size - position[axis] as f64;
                     let lower = ((0.5 - at + reach) / (2.0 * reach)).clamp(0.0, 1.0);

@@ -2,9 +2,10 @@
 //! that cut cells. Each is a built-in scene, run on a few meshes, against its exact solution.
 
 use mpm_core::drive::Run;
-use mpm_core::scene::{Course, Fields, Integrator, Scene, ShapeChoice, StrainChoice};
+use mpm_core::scene::{Course, Dimension, Fields, Integrator, Scene, ShapeChoice, StrainChoice, Until};
 
 use super::{Error, FASTER, Mutant, Outcome, Rung, Unfit, asked, faster, finished, integrator, scheme, sound};
+use crate::exact::radial::Radial;
 use crate::exact::seabed::Seabed;
 use crate::exact::terzaghi::Terzaghi;
 use crate::norms::{LATE_TV, largest};
@@ -56,8 +57,21 @@ const SERIES: Case =
 const PRESSED: Case =
     Case { scene: "pressed", change: sound, measure: pressed, rows: &[10], required: 1e-9, order: None };
 
+const DE_LEEUW: Case =
+    Case { scene: "de-leeuw", change: sound, measure: radial, rows: &[2, 3, 4, 6], required: 1e-3, order: None };
+/// Two-point flow in cells that are cut across is of first order, about an axis as in plane strain.
+const CRYER: Case = Case {
+    scene: "cryer",
+    change: sound,
+    measure: radial,
+    rows: &[8, 16, 32],
+    required: 4e-2,
+    order: Some([0.9, 1.3]),
+};
+const SECOND: Option<[f64; 2]> = Some([1.8, 2.4]);
+
 /// All of them.
-pub const CASES: [Rung; 9] = [
+pub const CASES: [Rung; 14] = [
     case!("load-in-time", "a load that comes, goes and comes again: superposed ramps", FASTER, faster, CYCLIC),
     case!(
         "load-in-time-explicit",
@@ -91,7 +105,62 @@ pub const CASES: [Rung; 9] = [
         softer,
         Case { change: damped, required: 1e-3, ..PRESSED }
     ),
+    case!("de-leeuw", "De Leeuw's cylinder about an axis: B-splines, quasi-static", PLANE, plane, DE_LEEUW),
+    case!(
+        "de-leeuw-centre",
+        "the same, centre values",
+        PLANE,
+        plane,
+        Case { change: centre, rows: &[2, 4, 8], required: 2e-2, order: SECOND, ..DE_LEEUW }
+    ),
+    case!(
+        "de-leeuw-semi-implicit",
+        "the same semi-implicit",
+        PLANE,
+        plane,
+        Case { change: slow_semi_implicit, rows: &[3, 4, 6], required: 2e-2, order: SECOND, ..DE_LEEUW }
+    ),
+    case!(
+        "de-leeuw-explicit",
+        "the same explicit",
+        PLANE,
+        plane,
+        Case { change: slow_explicit, rows: &[3, 4, 6], required: 2e-2, order: SECOND, ..DE_LEEUW }
+    ),
+    case!("cryer", "Cryer's sphere in cells that its outline cuts: semi-implicit", PLANE, plane, CRYER),
 ];
+
+/// What the mutants of axisymmetric cases are.
+const PLANE: &str = "plane strain";
+
+fn plane(scene: &mut Fields) {
+    scene.dimension = Dimension::PlaneStrain;
+}
+
+fn centre(scene: &mut Fields) {
+    (scene.shape, scene.tolerance) = (ShapeChoice::Centre, 1e-6);
+}
+
+/// Ten times less permeable, so that waves have died away before it drains.
+fn slow_semi_implicit(scene: &mut Fields) {
+    const SLOWER: f64 = 10.0;
+    (scene.integrator, scene.shape, scene.strain) = (Integrator::SemiImplicit, ShapeChoice::BBar, StrainChoice::Large);
+    if let Some(water) = &mut scene.water {
+        water.hydraulic_conductivity /= SLOWER;
+    }
+    scene.observe_times.iter_mut().for_each(|time| *time *= SLOWER);
+    for stage in &mut scene.stages {
+        if let Until::Time(time) = &mut stage.until {
+            *time *= SLOWER;
+        }
+    }
+    scene.loads.iter_mut().for_each(|load| load.course = Course::Ramp(0.01));
+}
+
+fn slow_explicit(scene: &mut Fields) {
+    slow_semi_implicit(scene);
+    scene.integrator = Integrator::Explicit;
+}
 
 fn climb(case: &Case, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let base = built_in(case.scene)?.edited(case.change)?;
@@ -204,6 +273,23 @@ fn series(scene: &Scene) -> Measured {
             (at.pressure_pa / weight + at.y_m - head) / (left - right)
         };
         largest(last.state.field.iter().map(off))
+    }))
+}
+
+/// Pore pressure over the undrained one, everywhere and at all samples.
+fn radial(scene: &Scene) -> Measured {
+    let exact = Radial::of(scene).ok_or(Unfit("no ball or cylinder under one pressure"))?;
+    Ok(Box::new(move |run| {
+        let of = |sample: &mpm_core::drive::Sample| {
+            let off = |at: &mpm_core::observe::FieldPoint| {
+                let radius = if exact.is_sphere { at.x_m.hypot(at.y_m) } else { at.x_m };
+                (at.pressure_pa - exact.pressure(radius, sample.stage_time)) / exact.undrained()
+            };
+            // Cells that the outline cuts have their pressure elsewhere than in their middle.
+            let whole: Vec<f64> = sample.state.field.iter().filter(|at| at.soil > 0.99).map(off).collect();
+            if whole.is_empty() { f64::NAN } else { largest(whole.into_iter()) }
+        };
+        largest(run.observed().filter(|sample| sample.stage_time > 0.0).map(of))
     }))
 }
 

@@ -296,28 +296,10 @@ mod tests {
         }
     }
 
-    /// Mean pressures of the layers and the pressure at a height by numerical inversion of the Laplace transform
-    /// (fixed Talbot: Abate & Valko 2004, Int. J. Numer. Methods Eng. 60, 979-993), with the transforms of all layers
-    /// solved as one system. Knows nothing of eigenfunctions.
+    /// Mean pressures of the layers and the pressure at a height by numerical inversion of the Laplace transform,
+    /// with the transforms of all layers solved as one system. Knows nothing of eigenfunctions.
     fn by_laplace(column: &Layered, time: f64, height: f64) -> [f64; 2] {
-        const TERMS: usize = 24;
-        let r = 2.0 * TERMS as f64 / (5.0 * time);
-        let mut sums = [0.0; 2];
-        for k in 0..TERMS {
-            let theta = k as f64 * PI / TERMS as f64;
-            let (s, weight) = if k == 0 {
-                (Complex::new(r, 0.0), Complex::new(0.5 * (r * time).exp(), 0.0))
-            } else {
-                let cot = 1.0 / theta.tan();
-                let s = Complex::new(r * theta * cot, r * theta);
-                let sigma = theta + (theta * cot - 1.0) * cot;
-                (s, (s * time).exp() * Complex::new(1.0, sigma))
-            };
-            for (sum, value) in sums.iter_mut().zip(transforms(column, s, height)) {
-                *sum += r / TERMS as f64 * (weight * value).re;
-            }
-        }
-        sums
+        super::super::laplace::at(time, |s| transforms(column, s, height))
     }
 
     /// Transform of the settlement's missing part, sum of h (mean p)/M, and of the pressure at a height.

@@ -1,8 +1,8 @@
 //! Exact solutions, one per file, each with its assumptions and its own tests against independent tables.
 //!
-//! Consolidation: [`mod@column`] (all of it in one dimension, to 1e-6), in closed form [`terzaghi`], [`layered`], [`large_strain`], [`mandel`], [`strip`], [`dynamic`], [`damped_column`]; on a mesh: [`semidiscrete`]. Seepage with
+//! Consolidation: [`mod@column`] (all of it in one dimension, to 1e-6), in closed form [`terzaghi`], [`layered`], [`large_strain`], [`mandel`], [`radial`], [`strip`], [`dynamic`], [`damped_column`]; on a mesh: [`semidiscrete`]. Seepage with
 //! a free surface: [`wetting_front`], [`dam`], [`boussinesq`]. Stability: [`infinite_slope`], [`slip_circle`]; sliding: [`sliding`], [`slab`].
-//! Plasticity: [`oedometer`]. What they are computed with: [`root`], [`simplex`], [`quadrature`], [`elliptic`].
+//! Plasticity: [`oedometer`]. What they are computed with: [`root`], [`simplex`], [`quadrature`], [`elliptic`], [`laplace`].
 
 pub mod bar;
 pub mod boussinesq;
@@ -14,12 +14,14 @@ pub mod damped_column;
 pub mod dynamic;
 pub mod elliptic;
 pub mod infinite_slope;
+pub mod laplace;
 pub mod large_strain;
 pub mod layered;
 pub mod mandel;
 pub mod oedometer;
 pub(crate) mod oracle;
 pub mod quadrature;
+pub mod radial;
 pub mod root;
 pub mod seabed;
 pub mod self_weight;

@@ -42,6 +42,20 @@ pub const MUTANTS: &[Mutant] = &[
         "self.gradient[node][d] - body(node, d) * volume",
     ),
     fault(
+        "hoop-force",
+        "hoop stress about an axis pushes outwards",
+        "mpm-core/src/step/kernel/on_cell.rs",
+        "internal[a][0] += hoop[a];",
+        "internal[a][0] -= hoop[a];",
+    ),
+    fault(
+        "hoop-strain",
+        "quasi-static soil has no hoop strain",
+        "mpm-core/src/step/quasi_static/soil.rs",
+        "strain[2] = (0..part.stencil.count).map(of).sum();",
+        "strain[2] = 0.0 * (0..part.stencil.count).map(of).sum::<f64>();",
+    ),
+    fault(
         "drained-surface",
         "the drained surface lies a whole cell from the centre of the last one",
         "mpm-core/src/water/darcy.rs",

@@ -127,7 +127,11 @@ pub fn write(
 }
 
 fn summary(scene: &Scene, run: &Run, cpu_s: f64) -> String {
-    let place = if scene.dimension == Dimension::Column { "column" } else { "plane strain" };
+    let place = match scene.dimension {
+        Dimension::Column => "column",
+        Dimension::PlaneStrain => "plane strain",
+        Dimension::Axisymmetric => "axisymmetric (amounts of one radian)",
+    };
     format!(
         "{} particles of soil in cells of {} m, {place}, {}: {} steps in {} s of CPU.",
         run.solid_particles,

@@ -74,7 +74,7 @@ impl Assembled {
     fn with<B: Basis>(scene: &Scene, basis: B, gradients: Gradients) -> Option<Self> {
         match scene.dimension {
             Dimension::Column => Builder::new(scene, (basis, gradients), [scene.cells[1]], scene.width)?.build(scene),
-            Dimension::PlaneStrain => Builder::new(scene, (basis, gradients), scene.cells, scene.cell)?.build(scene),
+            _ => Builder::new(scene, (basis, gradients), scene.cells, scene.cell)?.build(scene),
         }
     }
 

@@ -55,7 +55,7 @@ pub fn stirred(scene: &Scene) -> Scene {
     let strip = match scene.dimension {
         Dimension::Column => None,
         // Neither symmetric nor periodic on any mesh, so that no wave across the soil is left out.
-        Dimension::PlaneStrain => Some(LoadedStrip { from: 0.0, to: 0.37 * scene.width, taper: 0.0 }),
+        _ => Some(LoadedStrip { from: 0.0, to: 0.37 * scene.width, taper: 0.0 }),
     };
     // A ramp without an end leaves the top free.
     let ramp_time = if strip.is_some() { 0.0 } else { f64::MAX };

@@ -47,8 +47,8 @@ fn settings() -> Result<Vec<Scene>, Error> {
                 for (i, mesh) in meshes.into_iter().enumerate() {
                     let counts: &[usize] = match (dimension, i) {
                         (Dimension::Column, _) => &[1, 4, 9],
-                        (Dimension::PlaneStrain, 0) => &[1],
-                        (Dimension::PlaneStrain, _) => &[4],
+                        (_, 0) => &[1],
+                        _ => &[4],
                     };
                     for &ppc in counts {
                         scenes.push(crate::scenes::terzaghi().edited(|scene| {

@@ -45,7 +45,8 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
         Some(word) => word.get_ref() == wanted,
         None => wanted == "explicit",
     };
-    let dimension = if is(raw.dimension.as_ref(), "plane-strain") { Dimension::PlaneStrain } else { Dimension::Column };
+    let across = ["plane-strain", "axisymmetric"].iter().any(|word| is(raw.dimension.as_ref(), word));
+    let dimension = if across { Dimension::PlaneStrain } else { Dimension::Column };
     let shape = |wanted: &str| match scheme.and_then(|scheme| scheme.shape.as_ref()) {
         Some(word) => word.get_ref() == wanted,
         None => {
@@ -62,6 +63,7 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
     let word = |value: Option<&Value>, wanted: &str| matches!(value, Some(Value::String(word)) if word == wanted);
     match feature {
         Feature::Column => dimension == Dimension::Column,
+        Feature::Axisymmetric => is(raw.dimension.as_ref(), "axisymmetric"),
         Feature::Outline => matches!(raw.geometry.get_ref(), RawGeometry::Outline(_)),
         Feature::Explicit | Feature::SemiImplicit | Feature::QuasiStatic | Feature::TwoClocks | Feature::Coupled => {
             integrator(feature.word().trim_matches('"'))

@@ -17,6 +17,7 @@ pub(super) struct Geometry {
     pub outline: Option<Vec<[f64; 2]>>,
     pub width: f64,
     pub height: f64,
+    pub inner_radius: f64,
     pub cell: f64,
     /// Over the width and the height.
     pub cells: [usize; 2],
@@ -43,6 +44,17 @@ impl Reader<'_> {
     pub(super) fn geometry(&self, raw: &RawScene, dimension: Dimension) -> Checked<Geometry> {
         let mesh = raw.mesh.get_ref();
         let sideroom_cells = self.sideroom(mesh)?;
+        let (radius, key) = match raw.geometry.get_ref() {
+            RawGeometry::Column(column) => (&column.inner_radius, "geometry.column.inner_radius"),
+            RawGeometry::Outline(outline) => (&outline.inner_radius, "geometry.outline.inner_radius"),
+        };
+        let inner_radius = match radius {
+            Some(value) if dimension != Dimension::Axisymmetric => {
+                return self.refuse(&value.span(), key, "dimension = \"axisymmetric\" beside it", value.get_ref());
+            }
+            Some(value) => self.within(value, key, "a radius of 0 or more (m)", |r| r >= 0.0)?,
+            None => 0.0,
+        };
         let column = match raw.geometry.get_ref() {
             RawGeometry::Column(column) => column,
             RawGeometry::Outline(outline) => {
@@ -50,7 +62,15 @@ impl Reader<'_> {
                 let cell = self.positive(&mesh.cell, "mesh.cell", "m")?;
                 let [width, height] = [0, 1].map(|d| points.iter().map(|x| x[d]).fold(0.0, f64::max));
                 let cells = [self.covers(mesh, cell, width)?, self.covers(mesh, cell, height)?];
-                return Ok(Geometry { outline: Some(points), width, height, cell, cells, sideroom_cells });
+                return Ok(Geometry {
+                    outline: Some(points),
+                    width,
+                    height,
+                    inner_radius,
+                    cell,
+                    cells,
+                    sideroom_cells,
+                });
             }
         };
         if let Some(value) = &mesh.seeding {
@@ -64,9 +84,9 @@ impl Reader<'_> {
         // A column ignores the cells across, so only plane strain asks the mesh to divide the width.
         let across = match dimension {
             Dimension::Column => 1,
-            Dimension::PlaneStrain => self.divides(mesh, cell, width, "width")?,
+            _ => self.divides(mesh, cell, width, "width")?,
         };
-        Ok(Geometry { outline: None, width, height, cell, cells: [across, rows], sideroom_cells })
+        Ok(Geometry { outline: None, width, height, inner_radius, cell, cells: [across, rows], sideroom_cells })
     }
 
     /// The corners of a simple polygon whose coordinates are at `least` so large (m), anticlockwise.

@@ -61,7 +61,7 @@ const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-10..=0.1;
 pub(super) fn usual_shape(raw: &RawScene, dimension: Dimension, integrator: Integrator) -> ShapeChoice {
     let steps = matches!(integrator, Integrator::Explicit | Integrator::SemiImplicit);
     let free = raw.water.as_ref().is_some_and(|water| water.get_ref().free_surface.is_some());
-    if dimension == Dimension::PlaneStrain && steps && !free { ShapeChoice::BBar } else { ShapeChoice::Centre }
+    if dimension != Dimension::Column && steps && !free { ShapeChoice::BBar } else { ShapeChoice::Centre }
 }
 
 impl Reader<'_> {

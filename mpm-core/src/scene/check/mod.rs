@@ -53,7 +53,7 @@ type Checked<T> = Result<T, SceneError>;
 /// Whether so many soil points and cells fit into the memory that a run may take; what was expected and found, if not.
 pub(super) fn fits_in_memory(points: f64, cells: f64, implicit: bool, dim: Dimension) -> Result<(), [String; 2]> {
     let [per_point, per_cell] = if implicit {
-        [IMPLICIT_BYTES_PER_SOIL_POINT, IMPLICIT_BYTES_PER_CELL[usize::from(dim == Dimension::PlaneStrain)]]
+        [IMPLICIT_BYTES_PER_SOIL_POINT, IMPLICIT_BYTES_PER_CELL[usize::from(dim != Dimension::Column)]]
     } else {
         [BYTES_PER_SOIL_POINT, BYTES_PER_CELL]
     };
@@ -204,7 +204,11 @@ impl Reader<'_> {
 
     fn scene(&self, raw: &RawScene) -> Checked<Fields> {
         self.goes_together(raw)?;
-        let dimensions = [("column", Dimension::Column), ("plane-strain", Dimension::PlaneStrain)];
+        let dimensions = [
+            ("column", Dimension::Column),
+            ("plane-strain", Dimension::PlaneStrain),
+            ("axisymmetric", Dimension::Axisymmetric),
+        ];
         let dimension = self.word(raw.dimension.as_ref(), "dimension", &dimensions, Dimension::Column)?;
         let gravity = match &raw.gravity {
             Some(value) => Some(self.positive(value, "gravity", "m/s2, downwards; leave the key out for none")?),
@@ -212,7 +216,8 @@ impl Reader<'_> {
         };
         let mesh = raw.mesh.get_ref();
         let geometry = self.geometry(raw, dimension)?;
-        let ground::Geometry { outline, width, height, cell, cells: [across, rows], sideroom_cells } = geometry;
+        let ground::Geometry { outline, width, height, inner_radius, cell, cells: [across, rows], sideroom_cells } =
+            geometry;
         let (particles_per_cell, headroom_cells) =
             self.particles(raw, rows, across.saturating_add(sideroom_cells), dimension)?;
         let (elastic, strength, cam_clay) = self.law("soil.law", &raw.soil.get_ref().law, raw, height)?;
@@ -245,6 +250,7 @@ impl Reader<'_> {
             slope_angle: ground.slope_angle,
             height,
             width,
+            inner_radius,
             light_nodes: self.light_nodes(raw)?.unwrap_or(0.0),
             outline,
             seeding: self.seeding(mesh)?,

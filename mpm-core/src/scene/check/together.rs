@@ -3,7 +3,7 @@
 use toml::Spanned;
 
 use super::super::raw::RawScene;
-use super::super::{Fields, Integrator, LoadOn, Side, SolidSide, Start};
+use super::super::{Fields, Integrator, LoadOn, Side, SolidSide, Start, StrainChoice};
 use super::{Checked, Reader, quoted};
 
 impl Reader<'_> {
@@ -12,6 +12,7 @@ impl Reader<'_> {
         self.incompressible_water(raw, scene)?;
         self.free_water(raw, scene)?;
         self.held_walls(raw, scene)?;
+        self.about_an_axis(raw, scene)?;
         if scene.integrator == Integrator::QuasiStatic {
             self.quasi_static_points(raw, scene)?;
             self.quasi_static_start(raw, scene)
@@ -38,6 +39,23 @@ impl Reader<'_> {
                 let found = format!("{} m ({count} cells)", scene.cell);
                 return self.refuse(&raw.mesh.get_ref().cell.span(), "mesh.cell", &expected, found);
             }
+        }
+        Ok(())
+    }
+
+    /// An axis is no face of the soil, and strain about it is small or followed step by step.
+    fn about_an_axis(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
+        let (Some(axis), Some(dimension)) = (scene.axis(), &raw.dimension) else { return Ok(()) };
+        let left = Side::Left as usize;
+        let open = scene.solid_sides[left] == SolidSide::Free || scene.stages.iter().any(|stage| stage.drained[left]);
+        if axis == 0.0 && open {
+            let expected =
+                "a left side on rollers that is not drained, where it is the axis, or geometry.*.inner_radius";
+            return self.refuse(&dimension.span(), "dimension", expected, "\"axisymmetric\" with an open axis");
+        }
+        if scene.integrator == Integrator::QuasiStatic && scene.strain == StrainChoice::Large {
+            let expected = "soil.strain = \"small\" beside it and quasi-static, or another integrator";
+            return self.refuse(&dimension.span(), "dimension", expected, "\"axisymmetric\"");
         }
         Ok(())
     }

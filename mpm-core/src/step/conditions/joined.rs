@@ -19,8 +19,9 @@ const TIE: f64 = 1e-9;
 pub struct Joined<const D: usize> {
     /// Follower and leader of a periodic mesh: right and left.
     across: Vec<[u32; 2]>,
-    /// Nodes lighter than this follow a heavier neighbour, kg.
+    /// Nodes lighter than this follow a heavier neighbour, kg in a mesh 1 m thick.
     least_mass: f64,
+    frame: Frame<D>,
     /// Directions in which a node is held, one bit each; empty if no node follows for its mass.
     held: Vec<u8>,
     /// Followers and leaders of this step, for their mass.
@@ -46,7 +47,7 @@ impl<const D: usize> Joined<D> {
         let leader_of = (0..sides.len() as u32).collect();
         let width = if D == 1 { frame.count() } else { frame.stride[D - 1] };
         let across_cells = along[0] - 1;
-        Self { across, least_mass, held: sides, light: Vec::new(), leader_of, width, across_cells }
+        Self { across, least_mass, frame: *frame, held: sides, light: Vec::new(), leader_of, width, across_cells }
     }
 
     /// Finds who follows whom.
@@ -54,7 +55,9 @@ impl<const D: usize> Joined<D> {
         self.light.clear();
         for node in 0..self.held.len() {
             let mass = nodes.sum(SOLID_MASS, node);
-            if mass > 0.0 && mass < self.least_mass {
+            // A node on an axis has the mass of a sixth of a cell from it.
+            let thickness = || self.frame.thickness(0, node).max(1.0 / (6.0 * self.frame.inverse_size));
+            if mass > 0.0 && mass < self.least_mass * if self.frame.axis.is_some() { thickness() } else { 1.0 } {
                 let leader = self.leader(node, nodes);
                 self.light.extend(leader.map(|leader| [node as u32, leader as u32]));
             }

@@ -149,6 +149,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             grains: None,
             cuts: None,
             biot: None,
+            axis: None,
             soil,
             moves: false,
             elastic: None,

@@ -46,6 +46,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             grains: (!faces.grains.is_empty()).then_some(&faces.grains),
             biot: (!faces.biot[0].is_empty()).then_some([&faces.biot[0], &faces.biot[1]]),
             cuts: (!faces.outflow.is_empty()).then_some([&faces.outflow, &faces.softness]),
+            axis: frame.axis.map(|axis| axis * frame.inverse_size),
             soil,
             moves,
             elastic: body.materials.elastic(),

@@ -59,7 +59,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> WithSimd for MapBack<'_, V, F, D>
                 if kept.affine.is_some() {
                     affine = Some(Affine(functions.gradient_at(&motion, &edges, &xi, frame.inverse_size)));
                 }
-                let point = Contribution { xi, mass: point.mass, volume: none, v, stress: [none; 4], affine };
+                let point =
+                    Contribution { xi, mass: point.mass, volume: none, v, stress: [none; 4], affine, from_axis: None };
                 functions.add(&mut gathered, &edges, &point, (false, frame.inverse_size));
             }
             let closing = Closing::of(none);

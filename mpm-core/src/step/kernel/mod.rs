@@ -80,6 +80,15 @@ impl<V: Simd, const D: usize> Fields<'_, V, D> {
     }
 }
 
+/// Where cells are in a section about an axis: distance of their lower corner from that, in cells; none in plane strain.
+pub type FromAxis<V> = Option<Lanes<V>>;
+
+/// Radius of a place in cells, in cells; not zero, where a cell without soil has no place.
+#[inline(always)]
+pub fn radius<V: Simd, const D: usize>(from: FromAxis<V>, xi: &[Lanes<V>; D]) -> Option<Lanes<V>> {
+    from.map(|from| (from + xi[0]).or_one())
+}
+
 /// A number at each of the functions that a group of cells reaches. A vector that lies across two lines of the cache costs twice as much.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
@@ -153,6 +162,8 @@ pub struct Contribution<V: Simd, const D: usize> {
     pub stress: [Lanes<V>; 4],
     /// Its velocity gradient, where those are carried.
     pub affine: Option<Affine<V, D>>,
+    /// Where its cell is about an axis.
+    pub from_axis: FromAxis<V>,
 }
 
 /// What closes the sums of a cell.
@@ -177,6 +188,8 @@ pub struct Closing<V: Simd, const D: usize> {
     pub moving_with: V::m64s,
     /// Mass of water (kg) and the place in the cell where it is, where that is given.
     pub given_water: Option<(Lanes<V>, [Lanes<V>; D])>,
+    /// Where the cells are about an axis.
+    pub from_axis: FromAxis<V>,
 }
 
 impl<V: Simd, const D: usize> Closing<V, D> {
@@ -195,6 +208,7 @@ impl<V: Simd, const D: usize> Closing<V, D> {
             water_ratio: None,
             moving_with: one.below(none),
             given_water: None,
+            from_axis: None,
         }
     }
 }
@@ -237,7 +251,16 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
         centroid: &[Lanes<V>; D],
     );
     /// Rate of volume at the centre of the cells, 1/s.
-    fn middle<V: Simd>(&self, motion: &Self::Motion<V>, inverse_size: f64) -> Lanes<V>;
+    fn middle<V: Simd>(&self, motion: &Self::Motion<V>, from_axis: FromAxis<V>, inverse_size: f64) -> Lanes<V>;
+    /// Hoop strain rate v_r/r (1/s) of particles at a place in their cells, where all particles are strained as they are.
+    fn hoop<V: Simd>(
+        &self,
+        motion: &Self::Motion<V>,
+        edges: &Self::Edges<V>,
+        xi: &[Lanes<V>; D],
+        from_axis: Lanes<V>,
+        inverse_size: f64,
+    ) -> Lanes<V>;
     /// What the mesh does to particles at a place in their cells.
     fn moves<V: Simd>(
         &self,
@@ -290,6 +313,7 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
         edges: &Self::Edges<V>,
         xi: &[Lanes<V>; D],
         water: [Lanes<V>; 3],
+        from_axis: FromAxis<V>,
     );
     /// Sums of V p and of V over the water particles.
     fn water_of<V: Simd>(&self, sums: &Self::Sums<V>) -> [Lanes<V>; 2];
@@ -382,6 +406,8 @@ pub struct Common<'a, F, const D: usize> {
     pub biot: Option<[&'a [f64]; 2]>,
     /// What leaves the cells through an outline that cuts them (m3/s), and what is left of the stiffness of their water there.
     pub cuts: Option<[&'a [f64]; 2]>,
+    /// Distance of x = 0 from the axis of an axisymmetric section, in cells.
+    pub axis: Option<f64>,
     /// Volume of soil in the cells at the end of the pass, m3, where it is known; else zero.
     pub soil: &'a [f64],
     /// Whether the mesh moves the particles; else they are only gathered.
@@ -429,6 +455,7 @@ impl<F: Copy, const D: usize> Common<'_, F, D> {
             || self.grains.is_some()
             || self.cuts.is_some()
             || self.biot.is_some()
+            || self.axis.is_some()
             || affine.is_some()
             || state.is_some()
             || strain.is_some()
@@ -447,6 +474,7 @@ impl<F: Copy, const D: usize> Common<'_, F, D> {
             grains: None,
             cuts: None,
             biot: None,
+            axis: None,
             ..*self
         })
     }
@@ -553,6 +581,12 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         Lanes { simd: self.simd, value }
     }
 
+    /// Where cells at a place on the lattice are about the axis.
+    #[inline(always)]
+    pub(super) fn from_axis(&self, x: Lanes<V>) -> FromAxis<V> {
+        self.common.axis.map(|axis| x + Lanes::splat(self.simd, axis))
+    }
+
     #[inline(always)]
     fn run(mut self) {
         align_stack();
@@ -641,7 +675,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             for index in self.strip.solid.range(group) {
                 let point = SolidLanes::<V, D>::read(self.simd, self.strip.solid.block(index));
                 let xi = array!([none; D], d => point.x[d] * frame.inverse_size - position[d]);
-                self.gather(&point, xi, pressure, index, &edges, (sums, &mut soil));
+                self.gather(&point, xi, pressure, index, &edges, (sums, &mut soil, self.from_axis(position[0])));
             }
         }
         self.close((group, at), &soil, &edges, sums, given)
@@ -677,7 +711,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let Common { frame, functions, elastic, materials, plastic, flip, apart, kept, dt, .. } = *self.common;
         let (simd, inverse) = (self.simd, frame.inverse_size);
         let none = Lanes::splat(simd, 0.0);
-        let middle = if F::SPLIT { functions.middle(motion, inverse) } else { none };
+        let from_axis = self.from_axis(position[0]);
+        let middle = if F::SPLIT { functions.middle(motion, from_axis, inverse) } else { none };
         let pressure = self.of(cell.volume).like(0.0);
         let mut gained = [none; 2];
         for index in self.strip.solid.range(group) {
@@ -688,6 +723,11 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             rotate(&mut point.stress, &gradient, dt);
             let mut strain = strain_increment(&gradient, dt);
             let mut rate = trace(&gradient);
+            if let Some(from) = from_axis {
+                let hoop = functions.hoop(motion, edges, &xi, from, inverse);
+                strain[2] = hoop * dt;
+                rate += hoop;
+            }
             if F::SPLIT {
                 let more = (middle - rate) * (dt / 3.0);
                 for s in 0..3 {
@@ -731,7 +771,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             }
             point.write(self.strip.solid.block_mut(index));
             if F::FUSED {
-                self.gather(&point, xi, pressure, index, edges, (sums, soil));
+                self.gather(&point, xi, pressure, index, edges, (sums, soil, from_axis));
             }
         }
         gained
@@ -812,7 +852,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         pressure: Lanes<V>,
         index: usize,
         edges: &F::Edges<V>,
-        (sums, soil): (&mut F::Sums<V>, &mut [Lanes<V>; 2]),
+        (sums, soil, from_axis): (&mut F::Sums<V>, &mut [Lanes<V>; 2], FromAxis<V>),
     ) {
         let Common { functions, frame, kept, coupled, .. } = *self.common;
         let SolidLanes { mass, volume, v, mut stress, .. } = *point;
@@ -834,7 +874,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             }
             affine = Some(Affine(gradient));
         }
-        let point = Contribution { xi, mass, volume, v, stress, affine };
+        let point = Contribution { xi, mass, volume, v, stress, affine, from_axis };
         functions.add(sums, edges, &point, (coupled, frame.inverse_size));
     }
 
@@ -859,6 +899,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let half = none.like(0.5);
         let mut closing =
             Closing { share: filled / full, of_cell: coupled, moving_with: is_known, ..Closing::of(filled) };
+        closing.from_axis = self.from_axis(self.of(self.strip.cells[group].position[0]));
         let cell = &mut self.strip.cells[group];
         (cell.volume, cell.mass) = (volume.value, mass.value);
         if let Some(centroid) = functions.centroid(sums, full) {

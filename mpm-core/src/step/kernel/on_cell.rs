@@ -4,7 +4,7 @@
 
 use pulp::Simd;
 
-use super::{Closing, Contribution, Fields, Functions, Given, MOST_REACHED, Moves};
+use super::{Closing, Contribution, Fields, FromAxis, Functions, Given, MOST_REACHED, Moves, radius};
 use crate::dimension::{
     PRESSURE, basis, coefficients, gradient, internal_force, mean_stress, shares, to_corners, trace, value,
 };
@@ -39,6 +39,10 @@ pub struct CellSums<V: Simd, const D: usize> {
     weighted: [[Lanes<V>; 1]; 4],
     /// Volume of the water.
     of_water: Lanes<V>,
+    /// About an axis: hoop stress over the radius, the same of water, and one over the radius, times volumes, N.
+    hoop: [Lanes<V>; 4],
+    hoop_of_water: [Lanes<V>; 4],
+    hoop_of_one: [Lanes<V>; 4],
 }
 
 /// Linear functions with gradients at one of four places.
@@ -75,6 +79,50 @@ fn in_cell<V: Simd, const D: usize>(fields: &Fields<V, D>, field: &[Vec<f64>; 2]
         }
     }
     coefficients::<D, D, _>(&nodal)
+}
+
+/// Radial velocity at a place, m/s.
+#[inline(always)]
+fn radial<V: Simd, const D: usize>(field: &Field<V, D>, xi: &[Lanes<V>; D]) -> Lanes<V> {
+    value::<D, D, _>(field, &basis(xi))[0]
+}
+
+/// Adds an amount at a place to the corners.
+#[inline(always)]
+fn add_shares<V: Simd, const D: usize>(sums: &mut [Lanes<V>; 4], amount: Lanes<V>, xi: &[Lanes<V>; D]) {
+    let share = shares(amount, xi);
+    for a in 0..1 << D {
+        sums[a] += share[a];
+    }
+}
+
+impl<const PLACE: u8> OnCell<PLACE> {
+    /// Radial forces of the hoop stress and of the pressure on the corners of cells about an axis, N, inwards.
+    #[inline(always)]
+    fn hoop_force<V: Simd, const D: usize>(
+        &self,
+        sums: &CellSums<V, D>,
+        cell: &Closing<V, D>,
+        from: Lanes<V>,
+        inverse_size: f64,
+    ) -> [Lanes<V>; 4] {
+        let mut force = sums.hoop.map(|hoop| hoop * cell.share);
+        if <Self as Functions<D>>::OF_CELL {
+            // The mean has the pressure in it, which acts at the same place.
+            return shares(sums.mean[2] / (from + cell.at[0]).or_one() * inverse_size, &cell.at);
+        }
+        let Some(pressure) = cell.pressure else { return force };
+        if <Self as Functions<D>>::PRESSURE_AT_PARTICLES && !cell.of_cell {
+            let share = cell.filled / cell.full_of_water * inverse_size;
+            for a in 0..1 << D {
+                force[a] -= sums.hoop_of_water[a] * share;
+            }
+        } else {
+            let acting = pressure * cell.filled / (from + cell.pressed_at[0]).or_one() * inverse_size;
+            add_shares(&mut force, -acting, &cell.pressed_at);
+        }
+        force
+    }
 }
 
 impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
@@ -117,8 +165,22 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
     }
 
     #[inline(always)]
-    fn middle<V: Simd>(&self, motion: &CellMotion<V, D>, inverse_size: f64) -> Lanes<V> {
-        trace(&gradient(&motion.strains, &motion.at, inverse_size))
+    fn middle<V: Simd>(&self, motion: &CellMotion<V, D>, from_axis: FromAxis<V>, inverse_size: f64) -> Lanes<V> {
+        let plane = trace(&gradient(&motion.strains, &motion.at, inverse_size));
+        radius(from_axis, &motion.at).map_or(plane, |r| plane + radial(&motion.strains, &motion.at) / r * inverse_size)
+    }
+
+    #[inline(always)]
+    fn hoop<V: Simd>(
+        &self,
+        motion: &CellMotion<V, D>,
+        (): &(),
+        xi: &[Lanes<V>; D],
+        from_axis: Lanes<V>,
+        inverse_size: f64,
+    ) -> Lanes<V> {
+        let here = if <Self as Functions<D>>::OF_CELL { &motion.at } else { xi };
+        radial(&motion.strains, here) / (from_axis + here[0]).or_one() * inverse_size
     }
 
     #[inline(always)]
@@ -188,6 +250,9 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
             moment: [none; D],
             weighted: [[none; 1]; 4],
             of_water: none,
+            hoop: [none; 4],
+            hoop_of_water: [none; 4],
+            hoop_of_one: [none; 4],
         }
     }
 
@@ -204,7 +269,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
         point: &Contribution<V, D>,
         (coupled, inverse_size): (bool, f64),
     ) {
-        let Contribution { xi, mass, volume, v, stress, affine, .. } = point;
+        let Contribution { xi, mass, volume, v, stress, affine, from_axis } = point;
         let share = shares(*mass, xi);
         for a in 0..1 << D {
             sums.solid_mass[a] += share[a];
@@ -233,6 +298,20 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
             }
         }
         let mean = if <Self as Functions<D>>::SPLIT { mean_stress(stress) } else { stress[0] };
+        if let (Some(r), false) = (radius(*from_axis, xi), <Self as Functions<D>>::OF_CELL) {
+            let own = *volume / r * inverse_size;
+            if <Self as Functions<D>>::SPLIT {
+                let centre = [xi[0].like(0.5); D];
+                let at_centre = *volume * mean / (r - xi[0] + centre[0]) * inverse_size;
+                add_shares(&mut sums.hoop, own * (stress[2] - mean), xi);
+                add_shares(&mut sums.hoop, at_centre, &centre);
+            } else {
+                add_shares(&mut sums.hoop, own * stress[2], xi);
+                if coupled {
+                    add_shares(&mut sums.hoop_of_one, own, xi);
+                }
+            }
+        }
         for s in 0..4 {
             let weighted = *volume * stress[s];
             sums.mean[s] += weighted;
@@ -254,6 +333,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
         (): &(),
         xi: &[Lanes<V>; D],
         [mass, volume, pressure]: [Lanes<V>; 3],
+        from_axis: FromAxis<V>,
     ) {
         let share = shares(mass, xi);
         for a in 0..1 << D {
@@ -266,6 +346,9 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
             let phi = basis(xi);
             for k in 1..1 << D {
                 sums.weighted[k][0] += weighted * phi[k];
+            }
+            if let Some(r) = radius(from_axis, xi) {
+                add_shares(&mut sums.hoop_of_water, weighted / r, xi);
             }
         }
     }
@@ -336,7 +419,14 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
         }
         // div(sigma') - grad p, weak: f_i = - sum_p V sigma G_i
         let coefficients = internal_force(&sums.mean, &sums.first, inverse_size);
-        let internal = to_corners::<D, D, _>(&coefficients);
+        let mut internal = to_corners::<D, D, _>(&coefficients);
+        if let Some(from) = cell.from_axis {
+            // About an axis also - sum_p V sigma_tt N_i/r, radially.
+            let hoop = self.hoop_force(sums, cell, from, inverse_size);
+            for a in 0..1 << D {
+                internal[a][0] += hoop[a];
+            }
+        }
         for a in 0..1 << D {
             given[SOLID_MASS][a] = sums.solid_mass[a];
             given[MIXTURE_MASS][a] = sums.solid_mass[a] + sums.water_mass[a];
@@ -368,7 +458,16 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
             };
             first[d] = [moment, moment, moment, none];
         }
-        let at_corners = to_corners::<D, D, _>(&internal_force(&isotropic, &first, inverse_size));
+        let mut at_corners = to_corners::<D, D, _>(&internal_force(&isotropic, &first, inverse_size));
+        if let Some(from) = cell.from_axis {
+            let centre = [none.like(0.5); D];
+            let of_cell = shares(cell.filled / (from + centre[0]) * inverse_size, &centre);
+            for a in 0..1 << D {
+                let of_particles = sums.hoop_of_one[a] * cell.share;
+                at_corners[a][0] +=
+                    if <Self as Functions<D>>::PRESSURE_AT_PARTICLES { of_particles } else { of_cell[a] };
+            }
+        }
         let mut coupling = [[none; D]; MOST_REACHED];
         coupling[..1 << D].copy_from_slice(&at_corners[..1 << D]);
         coupling

@@ -9,7 +9,9 @@ use std::ops::Range;
 use pulp::{Scalar, Simd};
 
 use super::bases::{Basis, Line};
-use super::{Closing, Contribution, Fields, Functions, Given, MOST_REACH, MOST_REACHED, Moves, Nodal, Relative};
+use super::{
+    Closing, Contribution, Fields, FromAxis, Functions, Given, MOST_REACH, MOST_REACHED, Moves, Nodal, Relative, radius,
+};
 use crate::dimension::{basis, value};
 use crate::real::{Lanes, Real, array};
 use crate::step::store::Nodes;
@@ -268,8 +270,21 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
     }
 
     #[inline(always)]
-    fn middle<V: Simd>(&self, motion: &StencilMotion<V, D>, _: f64) -> Lanes<V> {
+    fn middle<V: Simd>(&self, motion: &StencilMotion<V, D>, _: FromAxis<V>, _: f64) -> Lanes<V> {
         motion.velocity[0][0].like(0.0)
+    }
+
+    #[inline(always)]
+    fn hoop<V: Simd>(
+        &self,
+        motion: &StencilMotion<V, D>,
+        edges: &[B::Edge<V>; D],
+        xi: &[Lanes<V>; D],
+        from_axis: Lanes<V>,
+        inverse_size: f64,
+    ) -> Lanes<V> {
+        let strains = if motion.is_mapped { &motion.mapped } else { &motion.velocity };
+        Self::value(&self.lines(edges, xi), strains)[0] / (from_axis + xi[0]) * inverse_size
     }
 
     #[inline(always)]
@@ -407,12 +422,14 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         point: &Contribution<V, D>,
         (coupled, inverse_size): (bool, f64),
     ) {
-        let Contribution { xi, mass, volume, v, stress, affine } = point;
+        let Contribution { xi, mass, volume, v, stress, affine, from_axis } = point;
         // A velocity that differs from node to node cannot be folded once it is gathered.
         let lines = if affine.is_some() { self.folded(edges, xi) } else { self.lines(edges, xi) };
         let acting = *volume * inverse_size;
         let (xx, yy, xy) = (stress[0] * acting, stress[1] * acting, stress[3] * acting);
         let (x, y) = (&lines.along[0], &lines.along[D - 1]);
+        // Volume over the radius, about an axis.
+        let round = radius(*from_axis, xi).map(|r| acting / r);
         reached!(lines, |count, first| for j in 0..if D == 1 { 1 } else { count } {
             let part = Self::part(count, first);
             let (value, slope) = if D == 1 { (mass.like(1.0), mass.like(0.0)) } else { (y.value[j], y.slope[j]) };
@@ -423,6 +440,9 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
             if D == 2 {
                 (along[0], along[D - 1]) = (xx * value, xy * value);
                 across[0] = xy * slope;
+                if let Some(round) = round {
+                    across[0] += round * stress[2] * value;
+                }
             }
             for i in 0..count {
                 let a = j * B::REACH + i;
@@ -444,6 +464,9 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
                 if coupled {
                     let volume = *volume * inverse_size;
                     sums.coupling[0][part.clone()][a] += volume * (x.slope[i] * value);
+                    if let Some(round) = round {
+                        sums.coupling[0][part.clone()][a] += round * (x.value[i] * value);
+                    }
                     if D == 2 {
                         sums.coupling[D - 1][part.clone()][a] += volume * (x.value[i] * slope);
                     }
@@ -459,6 +482,7 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         edges: &[B::Edge<V>; D],
         xi: &[Lanes<V>; D],
         [mass, volume, pressure]: [Lanes<V>; 3],
+        _: FromAxis<V>,
     ) {
         let lines = self.lines(edges, xi);
         reached!(lines, |count, first| {

@@ -3,8 +3,8 @@
 
 use pulp::Simd;
 
-use super::{Closing, Common, Functions, InPores, Pass, Relative, Running};
-use crate::dimension::{coefficients, gradient, trace};
+use super::{Closing, Common, Functions, InPores, Pass, Relative, Running, radius};
+use crate::dimension::{basis, coefficients, gradient, trace, value};
 use crate::real::{Lanes, MOST_LANES, Real, array};
 use crate::step::store::{CellLanes, WaterLanes};
 use crate::water::pores::LEAST_FULL;
@@ -67,6 +67,10 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             let upper = at + stride;
             let [a, b] = [self.load(&acceleration[axis], upper), self.load(&acceleration[axis], upper + other)];
             let [high, ..] = self.face(axis, upper, [here, above], [a, b]);
+            let from_axis = self.from_axis(self.of(cell.position[0]));
+            let cells = from_axis.map(|from| if axis == 0 { from } else { from + none.like(0.5) });
+            let [head, body] =
+                cells.map_or([head, body], |r| [head, body].map(|of| of * r * (1.0 / frame.inverse_size)));
             relative[0][axis] = low * inverse_porosity; // v* = q/n
             relative[1 + axis][axis] = (high - low) * inverse_porosity;
             running.rates[0][part] += low * head;
@@ -89,21 +93,30 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let (simd, inverse) = (self.simd, frame.inverse_size);
         let none = Lanes::splat(simd, 0.0);
         let partly_drained = matches!(self.common.water, InPores::Particles { partly_drained: true, .. });
+        let from_axis = self.from_axis(position[0]);
+        // About an axis the divergence of a flow that is linear between the faces has v_r/r too, which makes the areas of these right.
+        let divergence = |relative: &Relative<V, D>, xi: &[Lanes<V>; D]| {
+            let plane = trace(&gradient(relative, xi, inverse));
+            radius(from_axis, xi).map_or(plane, |r| plane + value::<D, D, _>(relative, &basis(xi))[0] / r * inverse)
+        };
         let mut cellwise = [none; 2];
         if let Some((motion, relative, cell, [volume, gain])) = motion {
-            let of_soil =
-                if F::OF_CELL || F::SPLIT { functions.middle(motion, inverse) } else { gain / volume.or_one() };
+            let whole = F::OF_CELL || F::SPLIT;
+            let of_soil = if whole { functions.middle(motion, from_axis, inverse) } else { gain / volume.or_one() };
             let of_soil = if self.common.coupled { gain / volume.or_one() } else { of_soil };
-            cellwise = self.rates(group, of_soil, trace(&gradient(relative, &[none.like(0.5); D], inverse)), cell);
+            cellwise = self.rates(group, of_soil, divergence(relative, &[none.like(0.5); D]), cell);
         }
         for index in self.strip.water.range(group) {
             self.strip.water.ask_for(index + super::BLOCKS_AHEAD, 2 * D + 3);
             let mut point = WaterLanes::<V, D>::read(simd, self.strip.water.block(index));
             let mut xi = array!([none; D], d => point.x[d] * inverse - position[d]);
             if let Some((motion, relative, cell, _)) = motion {
-                let (v, rate) = functions.with_water(motion, edges, &xi, relative, inverse);
+                let (v, mut rate) = functions.with_water(motion, edges, &xi, relative, inverse);
                 let [pressure_rate, volume_rate] = if F::PRESSURE_AT_PARTICLES && !self.common.coupled {
-                    self.rates(group, rate, trace(&gradient(relative, &xi, inverse)), cell)
+                    if let Some(from) = from_axis {
+                        rate += functions.hoop(motion, edges, &xi, from, inverse);
+                    }
+                    self.rates(group, rate, divergence(relative, &xi), cell)
                 } else {
                     cellwise
                 };
@@ -125,7 +138,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
                 }
                 point.write(self.strip.water.block_mut(index));
             }
-            functions.add_water(sums, edges, &xi, [point.mass, point.volume, point.pressure]);
+            functions.add_water(sums, edges, &xi, [point.mass, point.volume, point.pressure], from_axis);
         }
     }
 
@@ -195,7 +208,10 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             None => one.like(flow.grain_inverse),
         };
         let porosity = one - mass * grain_inverse / volume.or_one();
-        let over_fill = inverse_volume * flow.cell_volume;
+        let mut over_fill = inverse_volume * flow.cell_volume;
+        if let Some(from) = closing.from_axis {
+            over_fill = over_fill * (from + one.like(0.5)) * (1.0 / self.common.frame.inverse_size);
+        }
         let is_known = closing.moving_with;
         let cell = &mut self.strip.cells[group];
         // An outline that is known needs no limit either.

@@ -6,7 +6,7 @@ use crate::constitutive::{Law, Materials, State};
 use crate::dimension::in_two;
 use crate::particles::SolidPoint;
 use crate::scene::{Course, FaceLoad, LoadOn, Piece, Quadrature, Scene, ShapeChoice, Side, SolidSide, Surcharge};
-use crate::space::{Axis, Basis, Fit, Local, Stencil, fit, gauss, gauss_points};
+use crate::space::{Axis, Basis, Fit, Local, MOST, Stencil, fit, gauss, gauss_points};
 use crate::sparse::Unsolved;
 
 /// Least boundary cell, as a share of a whole one, tried one after the other until the weights can be fitted.
@@ -58,9 +58,28 @@ impl<const D: usize> Ground<'_, D> {
         self.scene.cell / self.scene.particles_per_direction() as f64
     }
 
-    /// Axes and weights of the particles.
+    /// Thickness at x (m) over [`Self::thickness`]: the distance from the axis of an axisymmetric scene, m.
+    fn thickness_at(&self, x: f64) -> f64 {
+        if D == 1 { 1.0 } else { self.scene.thickness(x) }
+    }
+
+    /// One over the radius, 1/m; none but about an axis.
+    fn over_radius(&self, x: f64) -> Option<f64> {
+        self.scene.axis().map(|axis| 1.0 / (axis + x))
+    }
+
+    /// Gradients at a place that a change of volume is found with: with v_r/r, about an axis.
+    fn dilation(&self, axes: &[Axis; D], x: &[f64; D]) -> [[f64; D]; MOST] {
+        let Stencil { mut slope, value, .. } = Stencil::at(axes, x);
+        if let Some(over_radius) = self.over_radius(x[0]) {
+            slope.iter_mut().zip(value).for_each(|(slope, value)| slope[0] += value * over_radius);
+        }
+        slope
+    }
+
+    /// Axes and weights of the particles, these as in a mesh that is 1 m thick.
     fn axes_and_weights(&self) -> ([Axis; D], Vec<f64>) {
-        let volumes: Vec<f64> = self.points.iter().map(|p| p.volume).collect();
+        let volumes: Vec<f64> = self.points.iter().map(|p| p.volume / self.thickness_at(p.x[0])).collect();
         if self.scene.quadrature == Quadrature::Volumes || self.scene.shape == ShapeChoice::Gimp {
             return (self.axes(LEAST_CELLS[0]), volumes);
         }
@@ -181,16 +200,20 @@ impl<const D: usize> Ground<'_, D> {
         let split = self.scene.shape == ShapeChoice::BBar || (D == 2 && smooth);
         let part = |(i, point): (usize, &SolidPoint<D>)| {
             let mut stencil = Stencil::at(axes, &point.x);
-            let at_centre = || Stencil::at(axes, &middle(axes, &cell_of(axes, &point.x))).slope;
+            let centroid = middle(axes, &cell_of(axes, &point.x));
+            let mut hoop = self.over_radius(point.x[0]).map(|over_radius| stencil.value.map(|v| v * over_radius));
             if centre {
-                stencil.slope = at_centre(); // section 2.2
+                let there = Stencil::at(axes, &centroid);
+                stencil.slope = there.slope; // section 2.2
+                hoop = self.over_radius(centroid[0]).map(|over_radius| there.value.map(|v| v * over_radius));
             }
-            let dilates = split.then(at_centre);
+            let dilates = split.then(|| self.dilation(axes, &centroid));
             let mark = law.soils.at(&in_two(&point.x));
             SolidPart {
                 stencil,
                 dilates,
-                weight: weights[i],
+                hoop,
+                weight: weights[i] * self.thickness_at(point.x[0]),
                 stress: point.stress,
                 strain: [0.0; 4],
                 state: self.states[i],
@@ -219,8 +242,12 @@ impl<const D: usize> Ground<'_, D> {
                 let cell = place(point);
                 let mut water = Stencil::single(cell);
                 water.count = usize::from(wet);
-                let SolidPart { stencil: mut soil, dilates, weight, mark, .. } = solid[i];
-                soil.slope = dilates.unwrap_or(soil.slope);
+                let SolidPart { stencil: mut soil, dilates, hoop, weight, mark, .. } = solid[i];
+                match (dilates, hoop) {
+                    (Some(slope), _) => soil.slope = slope,
+                    (None, Some(hoop)) => soil.slope.iter_mut().zip(hoop).for_each(|(slope, hoop)| slope[0] += hoop),
+                    (None, None) => {}
+                }
                 PorePart { soil, water, weight, porosity: porosity(cell), mark }
             };
             return self.points.iter().enumerate().map(part).collect();
@@ -240,9 +267,11 @@ impl<const D: usize> Ground<'_, D> {
                     x[d] = axes[d].knots[position[d]] + xi * length;
                     weight *= share * length;
                 }
-                let soil = Stencil::at(axes, &x);
+                let mut soil = Stencil::at(axes, &x);
                 let mut water = soil;
                 water.count *= usize::from(wet);
+                soil.slope = self.dilation(axes, &x);
+                weight *= self.thickness_at(x[0]);
                 parts.push(PorePart { soil, water, weight, porosity, mark: law.soils.at(&in_two(&x)) });
             }
         }
@@ -261,6 +290,10 @@ impl<const D: usize> Ground<'_, D> {
                 let half = |i: usize| 0.5 * axes[axis].length(i);
                 let area =
                     (0..D).filter(|d| *d != axis).fold(self.thickness, |area, d| area * axes[d].length(position[d]));
+                // Of the lower face and of the upper one, which differ across a radius.
+                let centroid = middle(axes, &position)[0];
+                let across = if axis + 1 < D { [-half(position[axis]), half(position[axis])] } else { [0.0; 2] };
+                let [below, area] = across.map(|from| area * self.thickness_at(centroid + from));
                 let (at, last) = (position[axis], axes[axis].cells() - 1);
                 // The last axis is the vertical one: sides 2 and 3.
                 let side = 2 * (axis + 2 - D);
@@ -269,7 +302,7 @@ impl<const D: usize> Ground<'_, D> {
                     faces.push(FacePart {
                         cells: [HELD, here],
                         axis,
-                        area,
+                        area: below,
                         reach: [0.0, half(at)],
                         marks: [own; 2],
                         outside: 0.0,
@@ -472,7 +505,11 @@ impl<const D: usize> Ground<'_, D> {
         let end = if upper { axes[axis].functions() - 1 } else { 0 };
         let place = |x: f64| if axis == 0 { axes[0].knots[if upper { axes[0].cells() } else { 0 }] } else { x };
         let range = if axis + 1 == D { load.x } else { load.y };
-        let sums = if D == 1 { vec![1.0] } else { integrals(&axes[1 - axis], range, |x| along(place(x))) };
+        let sums = if D == 1 {
+            vec![1.0]
+        } else {
+            integrals(&axes[1 - axis], range, |x| along(place(x)) * self.thickness_at(place(x)))
+        };
         for (i, sum) in sums.into_iter().enumerate() {
             let function =
                 if axis == 0 && D == 2 { end + i * axes[0].functions() } else { i + end * sums_before(axes) };
@@ -487,7 +524,7 @@ impl<const D: usize> Ground<'_, D> {
     fn surcharge(&self, surcharge: &Surcharge, axes: &[Axis; D], solid: &[SolidPart<D>]) -> Vec<f64> {
         let functions: usize = axes.iter().map(Axis::functions).product();
         let mut load = vec![0.0; functions * D];
-        let share = |x: f64| surcharge.strip.map_or(1.0, |strip| strip.share(x));
+        let share = |x: f64| surcharge.strip.map_or(1.0, |strip| strip.share(x)) * self.thickness_at(x);
         if surcharge.on == LoadOn::Particles {
             let area = self.thickness * self.spacing().powi(D as i32 - 1);
             for &point in self.top {
@@ -521,13 +558,14 @@ impl<const D: usize> Ground<'_, D> {
         for axis in 0..D {
             let along = &axes[axis];
             let (splines, vertical) = (along.splines(), axis == D - 1);
-            let beside = |height: f64| if vertical { 1.0 } else { softer(height) };
+            let beside = |at: f64| if vertical { self.thickness_at(at) } else { softer(at) };
             let across = across(axes, axis, degree, beside);
             let strides = if axis == 0 { [1, axes[0].functions()] } else { [axes[0].functions(), 1] };
             for knot in (1..along.cells()).filter(|knot| !along.is_break(*knot)) {
                 // The cell below has all of these functions but the last, the cell above all but the first.
                 let first = splines.first(knot - 1);
-                let here = if vertical { softer(along.knots[knot]) } else { 1.0 };
+                let at = along.knots[knot];
+                let here = if vertical { softer(at) } else { self.thickness_at(at) };
                 let (below, above) = (splines.highest(knot - 1), splines.highest(knot));
                 let before = |a: usize| if a > 0 { above[a - 1] } else { 0.0 };
                 let jump = |a: usize| before(a) - if a <= degree { below[a] } else { 0.0 };

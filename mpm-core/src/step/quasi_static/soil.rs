@@ -31,6 +31,8 @@ pub(super) struct SolidPart<const D: usize> {
     pub stencil: Stencil<D>,
     /// Gradients at the centre of its cell, where changes of volume are taken there (B-bar), 1/m.
     pub dilates: Option<[[f64; D]; MOST]>,
+    /// Functions over the radius, about an axis, 1/m: what hoop strain they make.
+    pub hoop: Option<[f64; MOST]>,
     /// Volume it stands for, m3.
     pub weight: f64,
     /// Effective stress at the last step, Pa, before rotation.
@@ -337,14 +339,19 @@ impl<L: Law, const D: usize> Soil<L, D> {
                     strain[s] += mode[s];
                 }
             }
+            if let Some(hoop) = &part.hoop {
+                let of = |a: usize| hoop[a] * self.u[part.stencil.number[a] as usize][0];
+                strain[2] = (0..part.stencil.count).map(of).sum();
+            }
             if let Some(centre) = &at_centre {
-                let more = (0..D).map(|d| centre[d][d] - gradient[d][d]).sum::<f64>() / 3.0;
+                let more = ((0..D).map(|d| centre[d][d] - gradient[d][d]).sum::<f64>() - strain[2]) / 3.0;
                 strain[..3].iter_mut().for_each(|strain| *strain += more);
             }
             let (stress, state, flow) = self.updated(part, &strain);
             let (mean, deviator) = split(&stress, at_centre.is_some());
             let at_centre = at_centre.map(|_| (mean, identity()));
-            let push = Push { piola: tensor(&deviator), at_centre, inverse: identity(), rotation: identity() };
+            let (piola, hoop) = (tensor(&deviator), deviator[2]);
+            let push = Push { piola, hoop, at_centre, inverse: identity(), rotation: identity() };
             return Some(Strained { push, strain, stress, state, flow });
         }
         let mut own = stretch(&gradient)?;
@@ -370,7 +377,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 }
             }
         }
-        let push = Push { piola, at_centre, inverse: stretch.inverse, rotation: stretch.rotation };
+        let push = Push { piola, hoop: 0.0, at_centre, inverse: stretch.inverse, rotation: stretch.rotation };
         Some(Strained { push, strain: stretch.strain, stress, state, flow })
     }
 
@@ -421,6 +428,9 @@ impl<L: Law, const D: usize> Soil<L, D> {
                     let mut along: f64 = (0..D).map(|j| push.piola[i][j] * part.stencil.slope[a][j]).sum();
                     if let (Some(slope), Some((mean, inverse))) = (&part.dilates, &push.at_centre) {
                         along += mean * (0..D).map(|j| inverse[j][i] * slope[a][j]).sum::<f64>();
+                    }
+                    if let (0, Some(hoop)) = (i, &part.hoop) {
+                        along += push.hoop * hoop[a];
                     }
                     self.values.force[at + i] += part.weight * along;
                 }
@@ -606,6 +616,8 @@ pub(super) struct Strained<const D: usize> {
 pub(super) struct Push<const D: usize> {
     /// First Piola-Kirchhoff stress, without the mean stress where that acts at the centre of the cell, Pa.
     pub piola: [[f64; D]; D],
+    /// The same of its hoop component about an axis; small strain.
+    pub hoop: f64,
     /// That mean stress times J (Pa), and F^-1 at the centre.
     pub at_centre: Option<(f64, [[f64; D]; D])>,
     /// F^-1.

@@ -124,9 +124,12 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 for d in 0..D {
                     let mode = &mut modes[n * D + d];
                     *mode = strain_mode(&turned, &push.rotation[d]);
+                    if let (0, Some(hoop)) = (d, &part.hoop) {
+                        mode[2] = hoop[n];
+                    }
                     if let (Some(slope), Some((_, inverse))) = (&part.dilates, &push.at_centre) {
                         let centre: f64 = (0..D).map(|j| inverse[j][d] * slope[n][j]).sum();
-                        let more = (centre - mode[0] - mode[1]) / 3.0;
+                        let more = (centre - mode[0] - mode[1] - mode[2]) / 3.0;
                         mode[..3].iter_mut().for_each(|mode| *mode += more);
                     }
                 }

@@ -31,6 +31,8 @@ pub struct Frame<const D: usize> {
     pub strips: usize,
     /// 1/L, 1/m.
     pub inverse_size: f64,
+    /// As [`Grid::axis`].
+    pub axis: Option<f64>,
 }
 
 impl<const D: usize> Frame<D> {
@@ -47,7 +49,16 @@ impl<const D: usize> Frame<D> {
         let strip = count.div_ceil(strips).next_multiple_of(MOST_LANES);
         let stride = std::array::from_fn(|d| if d == 0 { 1 } else { row });
         let strips = count.div_ceil(strip);
-        Self { cells: grid.cells, stride, reach, before, strip, strips, inverse_size: grid.inverse_size }
+        Self {
+            cells: grid.cells,
+            stride,
+            reach,
+            before,
+            strip,
+            strips,
+            inverse_size: grid.inverse_size,
+            axis: grid.axis,
+        }
     }
 
     /// Numbers in use, those of empty cells included.
@@ -68,6 +79,12 @@ impl<const D: usize> Frame<D> {
     /// From the lower face of a cell along an axis, and its first node, to its second node.
     pub fn beside(&self, axis: usize) -> usize {
         if D == 1 { 0 } else { self.stride[D - 1 - axis] }
+    }
+
+    /// As [`Grid::thickness`], at the face of a number normal to an axis.
+    pub fn thickness(&self, axis: usize, face: usize) -> f64 {
+        let column = || self.position(face)[0] as f64 + if axis == 0 { 0.0 } else { 0.5 };
+        self.axis.map_or(1.0, |from| from + column() / self.inverse_size)
     }
 
     /// Length of an array with a number for each function (or node), those that only pad included.
