@@ -5,7 +5,7 @@ use mpm_core::scene::Scene;
 use crate::error::Error::{self, Lacks};
 
 /// Names and texts of the scenes in `reference-data/scenes`.
-pub const BUILT_IN: [(&str, &str); 41] = [
+pub const BUILT_IN: [(&str, &str); 48] = [
     ("biot-column", include_str!("../../reference-data/scenes/biot-column.toml")),
     ("block-on-incline", include_str!("../../reference-data/scenes/block-on-incline.toml")),
     ("block-stops", include_str!("../../reference-data/scenes/block-stops.toml")),
@@ -14,11 +14,14 @@ pub const BUILT_IN: [(&str, &str); 41] = [
     ("collapse-dry", include_str!("../../reference-data/scenes/collapse-dry.toml")),
     ("collapse-saturated", include_str!("../../reference-data/scenes/collapse-saturated.toml")),
     ("cryer", include_str!("../../reference-data/scenes/cryer.toml")),
+    ("cut-column", include_str!("../../reference-data/scenes/cut-column.toml")),
     ("cyclic-load", include_str!("../../reference-data/scenes/cyclic-load.toml")),
     ("dam", include_str!("../../reference-data/scenes/dam.toml")),
+    ("dam-with-core", include_str!("../../reference-data/scenes/dam-with-core.toml")),
     ("de-leeuw", include_str!("../../reference-data/scenes/de-leeuw.toml")),
     ("dry-bar", include_str!("../../reference-data/scenes/dry-bar.toml")),
     ("dynamic-column", include_str!("../../reference-data/scenes/dynamic-column.toml")),
+    ("flow-along-layers", include_str!("../../reference-data/scenes/flow-along-layers.toml")),
     ("flow-in-series", include_str!("../../reference-data/scenes/flow-in-series.toml")),
     ("hydrostatic", include_str!("../../reference-data/scenes/hydrostatic.toml")),
     ("infiltration", include_str!("../../reference-data/scenes/infiltration.toml")),
@@ -29,14 +32,17 @@ pub const BUILT_IN: [(&str, &str); 41] = [
     ("mandel", include_str!("../../reference-data/scenes/mandel.toml")),
     ("oedometer-plastic", include_str!("../../reference-data/scenes/oedometer-plastic.toml")),
     ("pressed", include_str!("../../reference-data/scenes/pressed.toml")),
+    ("rain-on-column", include_str!("../../reference-data/scenes/rain-on-column.toml")),
     ("rising-front", include_str!("../../reference-data/scenes/rising-front.toml")),
     ("seabed-wave", include_str!("../../reference-data/scenes/seabed-wave.toml")),
+    ("seepage-along-slope", include_str!("../../reference-data/scenes/seepage-along-slope.toml")),
     ("self-weight", include_str!("../../reference-data/scenes/self-weight.toml")),
     ("self-weight-consolidation", include_str!("../../reference-data/scenes/self-weight-consolidation.toml")),
     ("slope-at-rest", include_str!("../../reference-data/scenes/slope-at-rest.toml")),
     ("slope-seepage", include_str!("../../reference-data/scenes/slope-seepage.toml")),
     ("soft-layer", include_str!("../../reference-data/scenes/soft-layer.toml")),
     ("strip", include_str!("../../reference-data/scenes/strip.toml")),
+    ("strip-on-sand", include_str!("../../reference-data/scenes/strip-on-sand.toml")),
     ("terzaghi", include_str!("../../reference-data/scenes/terzaghi.toml")),
     ("terzaghi-double", include_str!("../../reference-data/scenes/terzaghi-double.toml")),
     ("terzaghi-large-strain", include_str!("../../reference-data/scenes/terzaghi-large-strain.toml")),
@@ -44,6 +50,7 @@ pub const BUILT_IN: [(&str, &str); 41] = [
     ("terzaghi-quasi-static", include_str!("../../reference-data/scenes/terzaghi-quasi-static.toml")),
     ("terzaghi-ramp", include_str!("../../reference-data/scenes/terzaghi-ramp.toml")),
     ("terzaghi-semi-implicit", include_str!("../../reference-data/scenes/terzaghi-semi-implicit.toml")),
+    ("three-layers", include_str!("../../reference-data/scenes/three-layers.toml")),
     ("undrained", include_str!("../../reference-data/scenes/undrained.toml")),
     ("undrained-wave", include_str!("../../reference-data/scenes/undrained-wave.toml")),
     ("wetting-front", include_str!("../../reference-data/scenes/wetting-front.toml")),
@@ -68,7 +75,7 @@ macro_rules! exhibit {
 }
 
 /// The scenes of the gallery, in the order of the page.
-pub const GALLERY: [Exhibit; 9] = [
+pub const GALLERY: [Exhibit; 10] = [
     exhibit!("embankment", "map-water", "../../reference-data/gallery/embankment.toml"),
     exhibit!("footing", "plot-history", "../../reference-data/gallery/footing.toml"),
     exhibit!("levee-with-core", "map-water", "../../reference-data/gallery/levee-with-core.toml"),
@@ -78,6 +85,7 @@ pub const GALLERY: [Exhibit; 9] = [
     exhibit!("submerged-slope", "map-soil", "../../reference-data/gallery/submerged-slope.toml"),
     exhibit!("cyclic-load", "plot-history", "../../reference-data/scenes/cyclic-load.toml"),
     exhibit!("vertical-drain", "map-water", "../../reference-data/gallery/vertical-drain.toml"),
+    exhibit!("collapse-in-water", "map-soil", "../../reference-data/gallery/collapse-in-water.toml"),
 ];
 
 /// A built-in scene by name.

@@ -21,6 +21,7 @@ mod elsewhere;
 mod evidence;
 mod features;
 mod footing;
+mod ground;
 mod hydrostatic;
 mod infinite_slope;
 mod large_strain;
@@ -211,6 +212,27 @@ pub const LADDER: &[Rung] = &[
     features::CASES[11],
     features::CASES[12],
     features::CASES[13],
+    ground::CASES[0],
+    ground::CASES[1],
+    ground::CASES[2],
+    ground::CASES[3],
+    ground::CASES[4],
+    ground::CASES[5],
+    ground::CASES[6],
+    ground::CASES[7],
+    ground::CASES[8],
+    ground::CASES[9],
+    ground::CASES[10],
+    ground::CASES[11],
+    ground::CASES[12],
+    ground::CASES[13],
+    ground::CASES[14],
+    ground::CASES[15],
+    ground::CASES[16],
+    ground::CASES[17],
+    ground::CASES[18],
+    ground::CASES[19],
+    ground::CASES[20],
     block::STICKS,
     block::STOPS,
     block::SLIDES,

@@ -43,6 +43,21 @@ impl StripLoad {
         })
     }
 
+    /// The same load on a dry elastic block: mean stress, `(1 + nu)(sigma_x + sigma_y)/3`, in place of the pore pressure.
+    /// `sigma_x + sigma_y` is twice the load times the same ratio, whatever the stiffness. `None` with water or without a strip.
+    pub fn dry(scene: &Scene) -> Option<Self> {
+        let load = scene.surcharge.filter(|_| scene.water.is_none())?;
+        let strip = load.strip?;
+        let (poisson, lateral) = (scene.elastic.poisson_ratio, scene.elastic.lame() / scene.oedometer_modulus());
+        let wave = |j: usize| load.pressure * coefficient(&strip, scene.width, j);
+        Some(Self {
+            width: scene.width,
+            height: scene.height,
+            load: (0..=WAVES).map(wave).collect(),
+            share: [(1.0 + poisson) / 3.0 * (1.0 + lateral), 2.0 * (1.0 + poisson) / 3.0],
+        })
+    }
+
     /// Pore pressure at a place (m), Pa.
     pub fn pressure(&self, x: f64, y: f64) -> f64 {
         let wave = |(j, load): (usize, &f64)| {
@@ -106,6 +121,15 @@ mod tests {
             let found = strip.pressure(x, scene.height - depth) / load;
             // The rollers far away leave the mean of the load.
             assert!((found - angle / PI).abs() < 1.5 / 60.0, "{x} {depth}: {found} {}", angle / PI);
+        }
+        // Dry soil without end (Boussinesq, Michell): sigma_x + sigma_y = 2 q/pi times that angle.
+        scene = scene.altered_unchecked(|scene| scene.water = None);
+        let strip = StripLoad::dry(&scene).expect("a strip");
+        let share = 2.0 * (1.0 + scene.elastic.poisson_ratio) / 3.0;
+        for (x, depth) in [(0.0, 1.0), (1.0, 2.0), (2.0, 1.0)] {
+            let angle = ((x + 1.0_f64) / depth).atan() - ((x - 1.0) / depth).atan();
+            let found = strip.pressure(x, scene.height - depth) / load;
+            assert!((found - share * angle / PI).abs() < 1.5 / 60.0, "{x} {depth}: {found} {}", share * angle / PI);
         }
     }
 }

@@ -547,6 +547,20 @@ pub const MUTANTS: &[Mutant] = &[
         "self.gap.abs() <= self.allowed + f64::INFINITY",
     ),
     fault(
+        "water-leaves-its-soil",
+        "water particles of soil that lets water through its outline go with the flow, and take their pressure along",
+        "mpm-core/src/step/kernel/water.rs",
+        "functions.with_water(motion, edges, &xi, &[[none; D]; 4], inverse).0",
+        "functions.with_water(motion, edges, &xi, relative, inverse).0",
+    ),
+    fault(
+        "strip-without-lateral",
+        "the exact mean stress under a strip forgets the lateral stress of the mean load",
+        "mpm-verify/src/exact/strip.rs",
+        "(1.0 + poisson) / 3.0 * (1.0 + lateral)",
+        "(1.0 + poisson) / 3.0 * (1.0 + 0.0 * lateral)",
+    ),
+    fault(
         "estimate-off",
         "no load is refused, whatever the scheme",
         "mpm-core/src/scene/moving.rs",

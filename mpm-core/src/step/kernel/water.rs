@@ -131,8 +131,15 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
                     point.volume = point.volume * (none.like(1.0) + volume_rate * dt);
                 }
                 point.v = v;
+                // Where water passes the outline its particles stay with the soil: those that went through it for long would take the
+                // pressure of where they come from along, and leave cells without any.
+                let way = if self.common.cuts.is_some() {
+                    functions.with_water(motion, edges, &xi, &[[none; D]; 4], inverse).0
+                } else {
+                    v
+                };
                 for d in 0..D {
-                    point.x[d] += point.v[d] * dt;
+                    point.x[d] += way[d] * dt;
                     xi[d] = point.x[d] * inverse - position[d];
                     running.stays = simd.and_m64s(running.stays, xi[d].in_unit_interval());
                 }

@@ -103,7 +103,7 @@ impl<const D: usize> WaterLayer<D> {
         }
         layer.pending[last] = left * volume;
         layer.first = layer.points.len() as u64;
-        layer.gather(grid);
+        layer.gather(grid, false);
         layer
     }
 
@@ -151,15 +151,28 @@ impl<const D: usize> WaterLayer<D> {
     }
 
     /// Water of the particles in every cell, by the overlap of their boxes.
-    fn gather(&mut self, grid: &Grid<D>) {
+    fn gather(&mut self, grid: &Grid<D>, periodic: bool) {
         self.gathered.fill(0.0);
         let per_volume = self.volume / self.edge.powi(D as i32);
+        let end = grid.cells[0] as f64;
         for point in &self.points {
-            let spans = std::array::from_fn(|d| {
+            let ends: [[f64; 2]; D] = std::array::from_fn(|d| {
                 let middle = point.x[d] * grid.inverse_size;
-                along(middle - 0.5 * self.edge, middle + 0.5 * self.edge, grid.cells[d])
+                [middle - 0.5 * self.edge, middle + 0.5 * self.edge]
             });
-            spread(grid, &spans, |cell, _, overlap| self.gathered[cell] += per_volume * overlap);
+            // What reaches over the seam of a periodic mesh is on its other side.
+            let across = match ends[0] {
+                [low, high] if periodic && D == 2 && low < 0.0 => [[0.0, high], [low + end, end]],
+                [low, high] if periodic && D == 2 && high > end => [[low, end], [0.0, high - end]],
+                whole => [whole, [0.0; 2]],
+            };
+            for part in across {
+                let spans = std::array::from_fn(|d| {
+                    let [low, high] = if d == 0 { part } else { ends[d] };
+                    along(low, high, grid.cells[d])
+                });
+                spread(grid, &spans, |cell, _, overlap| self.gathered[cell] += per_volume * overlap);
+            }
         }
     }
 
@@ -222,8 +235,8 @@ impl<const D: usize> WaterLayer<D> {
     pub fn move_by(&mut self, grid: &Grid<D>, water: &FreeSurface<D>, dt: f64, periodic: bool) {
         self.exchange(grid, water);
         self.carry(grid, water, dt, periodic);
-        self.gather(grid);
-        self.shift(grid, water);
+        self.gather(grid, periodic);
+        self.shift(grid, water, periodic);
     }
 
     /// Particles for what came in, and none for what went out, whatever face it was: water enters and leaves through a side
@@ -294,7 +307,7 @@ impl<const D: usize> WaterLayer<D> {
     }
 
     /// Velocity of the water (v* = q/n) at the two ends of a cell along an axis, m/s.
-    fn ends(&self, grid: &Grid<D>, water: &FreeSurface<D>, cell: usize, axis: usize) -> [f64; 2] {
+    fn ends(&self, grid: &Grid<D>, water: &FreeSurface<D>, (cell, axis): (usize, usize), periodic: bool) -> [f64; 2] {
         let position = grid.cell_position(cell);
         let area = water.medium.porosity * water.medium.cell_volume / grid.size;
         let vertical = axis == D - 1 && water.medium.rise() > 0.0;
@@ -308,6 +321,10 @@ impl<const D: usize> WaterLayer<D> {
             let mut at = position;
             at[axis] += usize::from(upper);
             let cover = water.soil.cover[axis][grid.face(axis, &at)][usize::from(!upper)].clamp(0.2, 1.0);
+            // The seam of a periodic mesh is the lower face of its first cells.
+            if periodic && axis == 0 && D == 2 && at[0] == grid.cells[0] {
+                at[0] = 0;
+            }
             water.flux[axis][grid.face(axis, &at)] / (area * cover * across)
         })
     }
@@ -317,7 +334,7 @@ impl<const D: usize> WaterLayer<D> {
         for cell in 0..grid.cell_count() {
             if water.content[cell] > 0.0 {
                 for axis in 0..D {
-                    through[cell][axis] = self.ends(grid, water, cell, axis);
+                    through[cell][axis] = self.ends(grid, water, (cell, axis), periodic);
                 }
             }
         }
@@ -355,15 +372,16 @@ impl<const D: usize> WaterLayer<D> {
     }
 
     /// Moves particles down the slope of their surplus.
-    fn shift(&mut self, grid: &Grid<D>, water: &FreeSurface<D>) {
+    fn shift(&mut self, grid: &Grid<D>, water: &FreeSurface<D>, periodic: bool) {
         let whole = water.medium.porosity * water.medium.cell_volume;
         let surplus = |cell: usize| (self.gathered[cell] - water.content[cell]) / whole;
         let mut slope = vec![[[0.0; 2]; D]; grid.cell_count()];
         for (cell, position) in grid.walk() {
             let mut stride = 1;
             for axis in 0..D {
-                if position[axis] > 0 {
-                    let low = cell - stride;
+                let over_seam = periodic && axis == 0 && D == 2 && position[0] == 0;
+                if over_seam || position[axis] > 0 {
+                    let low = if over_seam { cell + grid.cells[0] - 1 } else { cell - stride };
                     // Particles beyond the soil come back; none goes out there.
                     let both = water.soil.is_soil(cell) && water.soil.is_soil(low);
                     let (a, b) = (surplus(low), surplus(cell));
@@ -383,6 +401,9 @@ impl<const D: usize> WaterLayer<D> {
                 let [low, high] = slope[cell][d];
                 point.x[d] += grid.size * (low + xi * (high - low));
                 let top = grid.cells[d] as f64 * grid.size;
+                if periodic && d == 0 {
+                    point.x[d] = point.x[d].rem_euclid(top);
+                }
                 point.x[d] = point.x[d].clamp(1e-9 * top, top * (1.0 - 1e-9));
             }
         }

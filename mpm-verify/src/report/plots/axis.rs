@@ -28,6 +28,9 @@ pub struct Axis {
     pub quiet: bool,
 }
 
+/// Largest numbers on a linear axis that are written as they are.
+const READABLE: std::ops::Range<f64> = 1e-3..1e5;
+
 /// A tick: where, and its text; an empty text for a minor one.
 pub type Tick = (f64, String);
 
@@ -98,28 +101,54 @@ impl Axis {
         (self.stretch(value) - start) / (end - start)
     }
 
+    /// Power of ten that the texts of the ticks leave out, a multiple of three, for numbers too small or too large to read.
+    fn power(&self) -> i32 {
+        let (start, end) = self.range.unwrap_or((0.0, 1.0));
+        let most = start.abs().max(end.abs());
+        if self.scale == Scale::Log || self.named.is_some() || most == 0.0 || READABLE.contains(&most) {
+            return 0;
+        }
+        3 * (most.log10() / 3.0).floor() as i32
+    }
+
+    /// Quantity and unit with the power of ten that the texts of the ticks leave out: `settlement (10⁻⁶ m)`.
+    pub fn title(&self) -> String {
+        let power = match self.power() {
+            _ if self.quiet => return String::new(),
+            0 => return self.label.clone(),
+            power => power_of_ten(power),
+        };
+        match self.label.rsplit_once(" (") {
+            _ if self.label.is_empty() => power,
+            Some((quantity, "-)" | "–)")) => format!("{quantity} ({power})"),
+            Some((quantity, unit)) => format!("{quantity} ({power} {unit}"),
+            None => format!("{} ({power})", self.label),
+        }
+    }
+
     /// Ticks within the range, minor ones with an empty text.
     pub fn ticks(&self) -> Vec<Tick> {
         let (start, end) = self.range.unwrap_or((0.0, 1.0));
         let (low, high) = (start.min(end), start.max(end));
         let ticks = match (&self.named, self.scale) {
             (Some(named), _) => named.clone(),
-            (None, Scale::Linear) => linear_ticks(low, high),
+            (None, Scale::Linear) => linear_ticks(low, high, 10f64.powi(self.power())),
             (None, Scale::Log) => log_ticks(low, high),
         };
         ticks.into_iter().filter(|(v, _)| (-1e-9..=1.0 + 1e-9).contains(&self.place(*v))).collect()
     }
 }
 
-/// Multiples of 1, 2 or 5 times a power of ten, about six of them.
-fn linear_ticks(low: f64, high: f64) -> Vec<Tick> {
+/// Multiples of 1, 2 or 5 times a power of ten, about six of them, with texts in some unit.
+fn linear_ticks(low: f64, high: f64, unit: f64) -> Vec<Tick> {
+    let (low, high) = (low / unit, high / unit);
     let rough = (high - low) / 6.0;
     let power = 10f64.powf(rough.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= rough).unwrap_or(10.0 * power);
     let decimals = (-step.log10().floor()).max(0.0) as usize;
     let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
     let text = |v: f64| if v == 0.0 { "0".to_owned() } else { format!("{v:.decimals$}").replace('-', "\u{2212}") };
-    (first..=last).map(|k| k as f64 * step).map(|v| (v, text(v))).collect()
+    (first..=last).map(|k| k as f64 * step).map(|v| (v * unit, text(v))).collect()
 }
 
 /// Powers of ten with text, and 2 and 5 times those on a short axis; the multiples between without text. On a long
@@ -157,6 +186,20 @@ mod tests {
         assert_eq!(texts(&Axis::log("", "").range(0.009, 0.11)), ["0.01", "0.02", "0.05", "0.1"]);
         assert_eq!(texts(&Axis::log("", "").range(1e-8, 1e3)), ["10⁻⁸", "10⁻⁶", "10⁻⁴", "0.01", "1", "100"]);
         assert_eq!(texts(&Axis::log("", "").range(1e-6, 1e-2)), ["10⁻⁶", "10⁻⁵", "10⁻⁴", "0.001", "0.01"]);
+    }
+
+    #[test]
+    fn very_small_and_very_large_numbers_leave_a_power_of_ten_to_the_label() {
+        let axis = |label: &str, end: f64| Axis::linear(label, "").range(0.0, end);
+        let small = axis("settlement (m)", 8.1e-10);
+        assert_eq!(texts(&small), ["0", "200", "400", "600", "800"]);
+        assert!((small.ticks()[1].0 - 2e-10).abs() < 1e-22);
+        let titles =
+            [("settlement (m)", 8.1e-10), ("time (s)", 2.1e7), ("error", 3e-6), ("share (-)", 3e-6), ("", 3e6)];
+        let titles = titles.map(|(label, end)| axis(label, end).title());
+        assert_eq!(titles, ["settlement (10⁻¹² m)", "time (10⁶ s)", "error (10⁻⁶)", "share (10⁻⁶)", "10⁶"]);
+        assert_eq!(axis("pressure (kPa)", 5e4).title(), "pressure (kPa)");
+        assert_eq!(texts(&axis("", 2.1e7)), ["0", "5", "10", "15", "20"]);
     }
 
     #[test]

@@ -119,8 +119,8 @@ fn draw_panel<DB: DrawingBackend>(canvas: &Canvas<DB>, panel: &Panel, room: Rect
     }
     let middle = (0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom));
     canvas.text(&panel.title, (middle.0, room.top - 14.0), TEXT, BLACK, MIDDLE, false)?;
-    canvas.text(&panel.x.label, (middle.0, frame.bottom + 36.0), TEXT, BLACK, MIDDLE, false)?;
-    canvas.text(&panel.y.label, (frame.left - widest - 24.0, middle.1), TEXT, BLACK, MIDDLE, true)?;
+    canvas.text(&panel.x.title(), (middle.0, frame.bottom + 36.0), TEXT, BLACK, MIDDLE, false)?;
+    canvas.text(&panel.y.title(), (frame.left - widest - 24.0, middle.1), TEXT, BLACK, MIDDLE, true)?;
     let view = View { panel, frame };
     view.grid(canvas)?;
     for series in &panel.series {

@@ -147,7 +147,8 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
         values.filter(|v| v.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
     match wide {
         (low, high) if low > high => (0.0, 1.0),
-        (low, high) if low == high => (low - 0.5, high + 0.5),
+        (0.0, 0.0) => (-0.5, 0.5),
+        (low, high) if low == high => (low - 0.25 * low.abs(), high + 0.25 * high.abs()),
         wide => wide,
     }
 }
