@@ -5,7 +5,7 @@ use mpm_core::scene::Scene;
 use crate::error::Error::{self, Lacks};
 
 /// Names and texts of the scenes in `reference-data/scenes`.
-pub const BUILT_IN: [(&str, &str); 39] = [
+pub const BUILT_IN: [(&str, &str); 42] = [
     ("biot-column", include_str!("../../reference-data/scenes/biot-column.toml")),
     ("block-on-incline", include_str!("../../reference-data/scenes/block-on-incline.toml")),
     ("block-stops", include_str!("../../reference-data/scenes/block-stops.toml")),
@@ -15,6 +15,7 @@ pub const BUILT_IN: [(&str, &str); 39] = [
     ("collapse-saturated", include_str!("../../reference-data/scenes/collapse-saturated.toml")),
     ("cyclic-load", include_str!("../../reference-data/scenes/cyclic-load.toml")),
     ("dam", include_str!("../../reference-data/scenes/dam.toml")),
+    ("drainage-in-stages", include_str!("../../reference-data/scenes/drainage-in-stages.toml")),
     ("dry-bar", include_str!("../../reference-data/scenes/dry-bar.toml")),
     ("dynamic-column", include_str!("../../reference-data/scenes/dynamic-column.toml")),
     ("flow-in-series", include_str!("../../reference-data/scenes/flow-in-series.toml")),
@@ -27,6 +28,7 @@ pub const BUILT_IN: [(&str, &str); 39] = [
     ("mandel", include_str!("../../reference-data/scenes/mandel.toml")),
     ("oedometer-plastic", include_str!("../../reference-data/scenes/oedometer-plastic.toml")),
     ("pressed", include_str!("../../reference-data/scenes/pressed.toml")),
+    ("released-side", include_str!("../../reference-data/scenes/released-side.toml")),
     ("rising-front", include_str!("../../reference-data/scenes/rising-front.toml")),
     ("seabed-wave", include_str!("../../reference-data/scenes/seabed-wave.toml")),
     ("self-weight", include_str!("../../reference-data/scenes/self-weight.toml")),
@@ -42,6 +44,7 @@ pub const BUILT_IN: [(&str, &str); 39] = [
     ("terzaghi-quasi-static", include_str!("../../reference-data/scenes/terzaghi-quasi-static.toml")),
     ("terzaghi-ramp", include_str!("../../reference-data/scenes/terzaghi-ramp.toml")),
     ("terzaghi-semi-implicit", include_str!("../../reference-data/scenes/terzaghi-semi-implicit.toml")),
+    ("triangular-start", include_str!("../../reference-data/scenes/triangular-start.toml")),
     ("undrained", include_str!("../../reference-data/scenes/undrained.toml")),
     ("undrained-wave", include_str!("../../reference-data/scenes/undrained-wave.toml")),
     ("wetting-front", include_str!("../../reference-data/scenes/wetting-front.toml")),
