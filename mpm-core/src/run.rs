@@ -4,7 +4,7 @@ use crate::boundary::{FaceLoads, Filled, Given, Strip, SurfaceLoad};
 use crate::checkpoint::RestoreError;
 use crate::constitutive::{LinearElastic, Material, Materials, ModifiedCamClay, MohrCoulomb};
 use crate::dimension::in_two;
-use crate::drive::{Alone, Attend, Drive, Run, drive};
+use crate::drive::{Alone, Attend, Drive, Run};
 use crate::error::RunError;
 use crate::grid::Grid;
 use crate::hardware::{Hardware, Width};
@@ -62,13 +62,7 @@ pub fn run(scene: &Scene, progress: &mut dyn FnMut(f64)) -> Result<Run, StartErr
 /// # Errors
 /// As [`run`].
 pub fn run_on(hardware: &Hardware, scene: &Scene, progress: &mut dyn FnMut(f64)) -> Result<Run, StartError> {
-    if scene.may_fail() {
-        return Err(StartError::MayFail);
-    }
-    scene.bears_its_load()?;
-    let dt = choose_step(scene)?;
-    let mut model = model_on(hardware, scene)?;
-    Ok(drive(scene, model.as_mut(), dt, progress))
+    run_attended(hardware, scene, None, &mut Alone(progress))
 }
 
 /// [`run_on`] for someone who attends to the run, from a checkpoint on if there is one.
@@ -154,11 +148,6 @@ pub fn failing(scene: &Scene) -> Result<Box<dyn Failing>, RunError> {
     model.failing().ok_or_else(|| refused("soil fails under water with a free surface"))
 }
 
-/// The stress xx, yy, zz, xy from its vertical and its lateral part.
-fn in_plane(vertical: f64, lateral: f64) -> [f64; 4] {
-    [lateral, vertical, lateral, 0.0]
-}
-
 /// The materials of a scene, whose particles stand at these places at t = 0, m.
 fn materials(scene: &Scene, places: impl Iterator<Item = [f64; 2]>) -> Materials {
     let law = |soil: &Soil| match (&soil.strength, &soil.cam_clay) {
@@ -193,11 +182,8 @@ fn implicit<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness: f6
     let ground = scene.ground();
     let point = |(x, _): &([f64; D], bool)| {
         let volume = volume * if D == 1 { 1.0 } else { scene.thickness(x[0]) };
-        let (vertical, pressure) = first_state(scene, &ground, &in_two(x));
-        let soil = ground.at(&in_two(x));
-        let mut stress = in_plane(vertical, soil.lateral_stress(vertical));
-        stress[3] = first_shear(scene, vertical - pressure);
-        SolidPoint { x: *x, v: [0.0; D], stress, mass: soil.dry_density() * volume, volume }
+        let (stress, _) = first_state(scene, &ground, &in_two(x));
+        SolidPoint { x: *x, v: [0.0; D], stress, mass: ground.at(&in_two(x)).dry_density() * volume, volume }
     };
     let law = materials(scene, places.iter().map(|(x, _)| in_two(x)));
     Box::new(QuasiStatic::<Material, D>::new(
@@ -207,7 +193,7 @@ fn implicit<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness: f6
             law,
             top: places.iter().enumerate().filter(|(_, (_, top))| *top).map(|(i, _)| i).collect(),
             thickness,
-            first_pressure: |scene, height| first_state(scene, &scene.ground(), &[0.5 * scene.width, height]).1,
+            first_pressure: |scene, place| first_state(scene, &scene.ground(), &place).1,
             first_settlement: scene.first_settlement(),
         },
     ))
@@ -237,17 +223,14 @@ impl<const D: usize> Seeded<D> {
         let ground = scene.ground();
         let point = |x: [f64; D], area: f64| {
             let volume = area * grid.thickness(x[0]);
-            let (vertical, pressure) = first_state(scene, &ground, &in_two(&x));
-            let soil = ground.at(&in_two(&x));
-            let mut stress = in_plane(vertical, soil.lateral_stress(vertical));
-            stress[3] = first_shear(scene, vertical - pressure);
+            let (mut stress, _) = first_state(scene, &ground, &in_two(&x));
             let mut v = first_velocity(scene);
             if let Some(start) = &given.start {
                 let state = start(in_two(&x));
                 stress = state.stress;
                 v = std::array::from_fn(|d| state.velocity[d + 2 - D]);
             }
-            SolidPoint { x, v, stress, mass: soil.dry_density() * volume, volume }
+            SolidPoint { x, v, stress, mass: ground.at(&in_two(&x)).dry_density() * volume, volume }
         };
         let (points, seed): (Vec<SolidPoint<D>>, _) = match outline_parts(scene) {
             Some(parts) => {
@@ -355,11 +338,13 @@ impl<const D: usize> Seeded<D> {
             });
             conditions.push(Box::new(RigidPlate(top.collect())));
         }
-        let held = Held::new(&along, &scene.solid_sides, |place| frame.function(place));
+        let held = |sides| Held::new(&along, &sides, |place| frame.function(place));
+        // Light nodes follow others that are held wherever they may be.
+        let ever = held(scene.supports().fold(scene.solid_sides, |a, b| std::array::from_fn(|i| a[i].max(b[i]))));
         let lightest = scene.soils().iter().map(Soil::dry_density).fold(f64::INFINITY, f64::min);
         let full_mass = lightest * self.face_area * scene.cell;
         if scene.periodic || scene.light_nodes > 0.0 {
-            let joined = Joined::new(&frame, &along, &held, scene.periodic, scene.light_nodes * full_mass);
+            let joined = Joined::new(&frame, &along, &ever, scene.periodic, scene.light_nodes * full_mass);
             conditions.push(Box::new(joined));
         }
         let solves = scene.integrator == Integrator::SemiImplicit && scene.water.is_some();
@@ -371,9 +356,9 @@ impl<const D: usize> Seeded<D> {
         }
         if let Some(base) = scene.base {
             let particles = self.solid.points.len();
-            conditions.push(Box::new(Friction::new(base, self.grid.cells[0], particles, &held, scene.water.is_some())));
+            conditions.push(Box::new(Friction::new(base, self.grid.cells[0], particles, &ever, scene.water.is_some())));
         }
-        conditions.push(Box::new(held));
+        conditions.push(Box::new(held(scene.solid_sides)));
         for plate in &scene.plates {
             conditions.push(Box::new(Moved::new(plate, &along, scene, |place| frame.function(place))));
         }
@@ -474,32 +459,54 @@ fn positions<const D: usize>(scene: &Scene, given: &Given, soil_cells: [usize; D
         .map(move |x| std::array::from_fn(|d| x[d] * cell + moved[d + 2 - D]))
 }
 
-/// Vertical effective stress (tension positive) and pore pressure at a place at t = 0, Pa.
-fn first_state(scene: &Scene, ground: &Ground, place: &[f64; 2]) -> (f64, f64) {
-    match (scene.start, &scene.outline) {
-        (Start::Unloaded, _) => (0.0, 0.0),
+/// Effective stress xx, yy, zz, xy (tension positive) and pore pressure at a place at t = 0, Pa.
+fn first_state(scene: &Scene, ground: &Ground, place: &[f64; 2]) -> ([f64; 4], f64) {
+    let (vertical, mut pressure) = match (scene.start, &scene.outline) {
+        (Start::Unloaded | Start::Given, _) => (0.0, 0.0),
         (Start::UndrainedEquilibrium, _) => {
             let pressure = scene.undrained_pressure_at(place[1]);
             (ground.at(place).alpha() * pressure - scene.total_stress_at(place[1]), pressure)
         }
-        (Start::Geostatic, None) => state_at_depth(scene, ground, place, scene.height - place[1]),
-        (Start::Geostatic, Some(outline)) => state_at_depth(scene, ground, place, seeding::depth(outline, place)),
+        (Start::Geostatic, outline) => {
+            let at = |y: f64| {
+                let depth =
+                    outline.as_ref().map_or(scene.height - y, |outline| seeding::depth(outline, &[place[0], y]));
+                state_at_depth(scene, ground, &[place[0], y], depth.max(0.0))
+            };
+            // The mean over a particle, in which stresses bend where the water table passes it.
+            let (table, half) = (water_above(scene, place), 0.5 * scene.spacing());
+            if table.abs() < half {
+                let share = 0.5 * (table + half) / half;
+                let [low, high] = [table - half, table + half].map(|up| at(place[1] + 0.5 * up));
+                (share * low.0 + (1.0 - share) * high.0, share * low.1 + (1.0 - share) * high.1)
+            } else {
+                at(place[1])
+            }
+        }
+    };
+    let lateral = ground.at(place).lateral_stress(vertical);
+    let mut stress = [lateral, vertical, lateral, first_shear(scene, vertical - pressure)];
+    if let Some(initial) = &scene.initial {
+        let [of_water, of_soil @ ..] = initial.at(place);
+        pressure += of_water;
+        (0..4).for_each(|i| stress[i] += of_soil[i]);
     }
+    (stress, pressure)
 }
 
-/// The same at a place and its depth (m) below the surface, normal to a base that may be tilted.
+/// How far water stands above a place at t = 0, up to the level or to the upper edge of what is wet, m; infinitely where soil is full of it.
+fn water_above(scene: &Scene, place: &[f64; 2]) -> f64 {
+    let Some(free) = &scene.free_surface else { return f64::INFINITY };
+    let in_wet = free.wet.as_ref().map(|wet| seeding::depth(wet, place)).filter(|depth| *depth > 0.0);
+    in_wet.or(free.level.map(|level| level - place[1])).unwrap_or(f64::NEG_INFINITY)
+}
+
+/// Those of a geostatic start, the stress normal to a base that may be tilted, at a place and its depth (m) below the surface.
 fn state_at_depth(scene: &Scene, ground: &Ground, place: &[f64; 2], depth: f64) -> (f64, f64) {
     let g = scene.gravity_vector().map_or(0.0, |[_, y]| -y);
     let density = scene.water.map_or(0.0, |w| w.density);
-    // Water stands above the place up to the level, or to the upper edge of what is wet, or to the surface.
-    let (wet, moist) = match &scene.free_surface {
-        None => (depth, 0.0),
-        Some(free) => {
-            let level = free.level.map_or(0.0, |level| level - place[1]);
-            let wet = free.wet.as_ref().map_or(level, |wet| seeding::depth(wet, place));
-            (wet.clamp(0.0, depth), free.saturation)
-        }
-    };
+    let wet = water_above(scene, place).clamp(0.0, depth);
+    let moist = scene.free_surface.as_ref().map_or(0.0, |free| free.saturation);
     // What stands on the surface presses on soil and water alike.
     let surface = [place[0], place[1] + depth];
     let standing =

@@ -54,7 +54,7 @@ impl Soils {
             biot: [soil.alpha(), soil.grain_storage()],
             dry_inverse: 1.0 / soil.dry_density(),
         };
-        let Ground { soils, zones } = scene.ground();
+        let Ground { soils, zones, .. } = scene.ground();
         let kinds: Arc<[Kind]> = soils.iter().map(kind).collect();
         let which = if kinds.len() > 1 { places.map(|place| zones.at(&place)).collect() } else { Arc::default() };
         Self { kinds, zones, which }

@@ -357,9 +357,9 @@ fn wave(i: u32) -> f64 {
 /// There a_s = 0 whatever the pressure, so `rho_w a_s` cannot relieve Darcy's law and the lower limit holds: at a
 /// drained side on rollers, and along a fixed side in plane strain.
 fn flow_passes_held_soil(scene: &Fields) -> bool {
-    let held = |i: usize| scene.solid_sides[i] != SolidSide::Free;
+    let held = |i: usize| scene.supports().any(|sides| sides[i] != SolidSide::Free);
     let drained = |i: usize| scene.stages.iter().any(|stage| stage.drained[i]);
-    let along = scene.dimension != Dimension::Column && scene.solid_sides.contains(&SolidSide::Fixed);
+    let along = scene.dimension != Dimension::Column && scene.supports().any(|sides| sides.contains(&SolidSide::Fixed));
     along || (0..4).any(|i| held(i) && drained(i))
 }
 

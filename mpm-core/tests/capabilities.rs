@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use mpm_core::failure::Driver;
 use mpm_core::scene::Scene;
-use mpm_core::scene::capabilities::{FEATURES, Feature, RULES, conflict};
+use mpm_core::scene::capabilities::{FEATURES, Feature, RULES, Rule, conflict};
 
 type Set = BTreeSet<Feature>;
 
@@ -21,7 +21,7 @@ const GROUPS: [&[Option<Feature>]; 13] = {
         &[Some(LinearElastic), Some(MohrCoulomb), Some(CamClay)],
         &[Some(LargeStrain), Some(SmallStrain)],
         &[Some(NoGravity), Some(Gravity)],
-        &[Some(Unloaded), Some(Geostatic), Some(UndrainedStart)],
+        &[Some(Unloaded), Some(Geostatic), Some(UndrainedStart), Some(GivenStart)],
         &[None, Some(Fails)],
         &[None, Some(Load)],
         &[None, Some(RestEnd), Some(PressureEnd)],
@@ -31,10 +31,11 @@ const GROUPS: [&[Option<Feature>]; 13] = {
 };
 
 /// What a scene has as well when it has a feature.
-const IMPLIED: [(Feature, Feature); 10] = {
+const IMPLIED: [(Feature, Feature); 11] = {
     use Feature::*;
     [
         (Plate, Load),
+        (GivenStart, Initial),
         (Strip, Load),
         (PressureEnd, Load),
         (Nodal, DarcyOperator),
@@ -71,6 +72,7 @@ fn written(has: &Set) -> String {
     line(is(StartVelocity), "start_velocity = [0.0, 1e-4]");
     line(is(Outline), "geometry.outline = { points = [[0, 0], [2, 0], [2, 0.5], [1, 1], [0, 1]] }");
     line(!is(Outline), "geometry.column = { height = 1.0, width = 1.0 }");
+    line(is(Initial), "initial.stress_yy = [[0.0, -1e3], [1.0, -1e2]]");
     line(true, "[mesh]\ncell = 0.25\nparticles_per_cell = 4");
     line(is(Shift), "shift = 0.3");
     line(is(Displaced), "displaced = { jitter = 0.1 }");
@@ -126,6 +128,7 @@ fn written(has: &Set) -> String {
     line(true, "[[stages]]");
     line(is(Drained), "drained = [\"top\"]");
     line(!is(Dry) && !is(Drained), "drained = \"none\"");
+    line(is(StageSides), "boundaries.left = \"roller\"");
     line(is(Damping), "damping = 1.0");
     line(is(Fails), "clock = \"both\"");
     let seeps = is(FreeSurface) && !is(Fails);
@@ -256,13 +259,14 @@ fn every_pair_that_the_table_forbids_is_refused_in_its_words() {
 }
 
 /// What goes with every feature that leaves a free top (and, of water, holds some): lines that are put behind a key or at the end.
-const WITH_ALL: [(&str, &str, &str); 7] = [
+const WITH_ALL: [(&str, &str, &str); 8] = [
     ("load in time", "", "[[loads]]\non = \"top\"\npressure = 1e3\ntimes = [[0.0, 0.0], [1e-4, 1.0]]\n"),
     ("wave", "", "[[loads]]\non = \"top\"\npressure = 1e3\nwater = true\nwave = { length = 2.0, period = 1.0 }\n"),
     ("reservoir", "", "[[reservoirs]]\non = \"right\"\nlevel = 0.8\n"),
     ("plate", "", "[[plates]]\non = \"top\"\nvelocity = 1e-6\n"),
     ("Biot", "porosity = 0.4\n", "biot_coefficient = 0.8\n"),
     ("grains", "porosity = 0.4\n", "grain_bulk_modulus = 1e9\n"),
+    ("excess", "start = \"geostatic\"\n", "initial.pressure = 1e3\n"),
     ("anisotropy", "hydraulic_conductivity = 1e-3\n", "anisotropy = 4.0\n"),
 ];
 
@@ -296,14 +300,20 @@ fn loads_water_outside_and_grains_go_with_all_that_leaves_them_a_place() {
     eprintln!("{refused:#?}");
     assert!(wrong.is_empty(), "{} pairs:\n{}", wrong.len(), wrong.join("\n"));
     assert!(ran > 400, "{ran} pairs ran");
-    // A held top bears none, a dry scene has no water, a level needs weight, a column ends in its top and base.
+    // What has a level needs no excess, a plate no support, a held top bears none, a dry scene has no water, a level needs weight, a column ends in its top and base.
     let reasons = [
+        "excess Coupled",
+        "excess Dry",
+        "excess Fails",
+        "excess FreeSurface",
+        "excess TwoClocks",
         "load in time HeldTop",
         "load in time Krylov",
         "load in time PressureEnd",
         "plate HeldTop",
         "plate Krylov",
         "plate PressureEnd",
+        "plate StageSides",
         "reservoir Column",
         "reservoir Dry",
         "reservoir Krylov",
@@ -321,7 +331,24 @@ fn loads_water_outside_and_grains_go_with_all_that_leaves_them_a_place() {
 fn a_feature_is_found_in_a_scene_that_has_it() {
     // Each is part of a rule, so that a feature that was never found would leave its rules without effect.
     for (feature, ..) in FEATURES {
-        let of = |rule: &&mpm_core::scene::capabilities::Rule| rule.of == feature || rule.beside.contains(&feature);
+        let of = |rule: &&Rule| rule.of == feature || rule.beside.contains(&feature);
         assert!(RULES.iter().any(|rule| of(&rule)), "{feature:?} is in no rule");
     }
+}
+
+#[test]
+fn features_stand_at_their_numbers() {
+    assert!(FEATURES.iter().enumerate().all(|(i, (feature, ..))| *feature as usize == i));
+}
+
+#[test]
+fn no_rule_is_said_twice() {
+    let mut all = Vec::new();
+    for Rule { of, beside, .. } in RULES {
+        all.extend(beside.iter().map(|other| (*of.min(other), *of.max(other))));
+    }
+    let count = all.len();
+    all.sort();
+    all.dedup();
+    assert_eq!(all.len(), count);
 }

@@ -19,6 +19,9 @@ youngs_modulus = 2.0e7
 poisson_ratio = 0.30
 ";
 
+/// A start from a given state.
+const GIVEN: (&str, &str) = ("\"undrained-equilibrium\"", "\"given\"");
+
 /// What is wrong, and the edits of the default scene that make it so.
 const CASES: &[(&str, Edits)] = &[
     // keys, tables and types
@@ -172,6 +175,25 @@ const CASES: &[(&str, Edits)] = &[
     ("equilibrium with a ramp", &[("pressure = 1.0e4", "pressure = 1.0e4\nramp_time = 0.1")]),
     ("equilibrium on a slope", &[("dimension =", "gravity = 9.81\nslope_angle = 10.0\ndimension =")]),
     ("geostatic without gravity", &[("\"undrained-equilibrium\"", "\"geostatic\"")]),
+    ("nothing given", &[("\"undrained-equilibrium\"", "\"given\"")]),
+    ("an empty state", &[("\"undrained-equilibrium\"", "\"given\"\n[initial]")]),
+    ("a state beside another start", &[("[surcharge]", "[initial]\npressure = 1e3\n[surcharge]")]),
+    ("misspelt state", &[GIVEN, ("[surcharge]", "[initial]\npresure = 1e3\n[surcharge]")]),
+    ("heights that fall", &[GIVEN, ("[surcharge]", "[initial]\npressure = [[1, 0], [0, 1e3]]\n[surcharge]")]),
+    ("a pressure that is not a number", &[GIVEN, ("[surcharge]", "[initial]\npressure = nan\n[surcharge]")]),
+    ("a pressure in words", &[GIVEN, ("[surcharge]", "[initial]\npressure = \"high\"\n[surcharge]")]),
+    ("shear in a column", &[GIVEN, ("[surcharge]", "[initial]\nstress_xy = 1.0\n[surcharge]")]),
+    ("a table that is not there", &[GIVEN, ("[surcharge]", "[initial]\ntable = \"no.csv\"\n[surcharge]")]),
+    ("a table by number", &[GIVEN, ("[surcharge]", "[initial]\ntable = 7\n[surcharge]")]),
+    (
+        "a table beside a pressure",
+        &[GIVEN, ("[surcharge]", "[initial]\npressure = 1e3\ntable = \"no.csv\"\n[surcharge]")],
+    ),
+    // supports of a stage
+    ("unknown support of a stage", &[("drained = [\"top\"]", "drained = [\"top\"]\nboundaries.right = \"open\"")]),
+    ("a column that is let go", &[("drained = [\"top\"]", "drained = [\"top\"]\nboundaries.bottom = \"free\"")]),
+    ("a column released sideways", &[("drained = [\"top\"]", "drained = [\"top\"]\nboundaries.right = \"free\"")]),
+    ("periodic in a stage", &[("drained = [\"top\"]", "drained = [\"top\"]\nboundaries.right = \"periodic\"")]),
     // until
     ("no until", &[("until.time_factor = 1.0\n", "")]),
     ("an empty until", &[("until.time_factor = 1.0", "until = {}")]),

@@ -7,7 +7,9 @@ use std::time::{Duration, Instant};
 
 use mpm_core::drive::{Attend, Wish};
 use mpm_core::hash::{Digest, sha256};
+use mpm_core::observe::SolidState;
 use mpm_core::scene::Scene;
+use mpm_core::step::Model;
 use serde::{Deserialize, Serialize};
 
 use crate::checkpoint::{CheckpointError, Kind};
@@ -69,6 +71,8 @@ pub struct Keeping<'a> {
     pub last: Instant,
     /// Why the last one could not be written, if it could not.
     pub trouble: Option<CheckpointError>,
+    /// The particles of the end, where they are wanted.
+    pub end: Option<Vec<SolidState>>,
 }
 
 impl Attend for Keeping<'_> {
@@ -89,5 +93,9 @@ impl Attend for Keeping<'_> {
         // A disk that is full now may have room later, and the run itself needs none.
         self.trouble = written.err();
         self.last = Instant::now();
+    }
+
+    fn ended(&mut self, model: &dyn Model) {
+        self.end = self.end.as_ref().map(|_| model.particles());
     }
 }

@@ -5,7 +5,7 @@ use mpm_core::scene::Scene;
 use crate::error::Error::{self, Lacks};
 
 /// Names and texts of the scenes in `reference-data/scenes`.
-pub const BUILT_IN: [(&str, &str); 48] = [
+pub const BUILT_IN: [(&str, &str); 51] = [
     ("biot-column", include_str!("../../reference-data/scenes/biot-column.toml")),
     ("block-on-incline", include_str!("../../reference-data/scenes/block-on-incline.toml")),
     ("block-stops", include_str!("../../reference-data/scenes/block-stops.toml")),
@@ -19,6 +19,7 @@ pub const BUILT_IN: [(&str, &str); 48] = [
     ("dam", include_str!("../../reference-data/scenes/dam.toml")),
     ("dam-with-core", include_str!("../../reference-data/scenes/dam-with-core.toml")),
     ("de-leeuw", include_str!("../../reference-data/scenes/de-leeuw.toml")),
+    ("drainage-in-stages", include_str!("../../reference-data/scenes/drainage-in-stages.toml")),
     ("dry-bar", include_str!("../../reference-data/scenes/dry-bar.toml")),
     ("dynamic-column", include_str!("../../reference-data/scenes/dynamic-column.toml")),
     ("flow-along-layers", include_str!("../../reference-data/scenes/flow-along-layers.toml")),
@@ -33,6 +34,7 @@ pub const BUILT_IN: [(&str, &str); 48] = [
     ("oedometer-plastic", include_str!("../../reference-data/scenes/oedometer-plastic.toml")),
     ("pressed", include_str!("../../reference-data/scenes/pressed.toml")),
     ("rain-on-column", include_str!("../../reference-data/scenes/rain-on-column.toml")),
+    ("released-side", include_str!("../../reference-data/scenes/released-side.toml")),
     ("rising-front", include_str!("../../reference-data/scenes/rising-front.toml")),
     ("seabed-wave", include_str!("../../reference-data/scenes/seabed-wave.toml")),
     ("seepage-along-slope", include_str!("../../reference-data/scenes/seepage-along-slope.toml")),
@@ -51,6 +53,7 @@ pub const BUILT_IN: [(&str, &str); 48] = [
     ("terzaghi-ramp", include_str!("../../reference-data/scenes/terzaghi-ramp.toml")),
     ("terzaghi-semi-implicit", include_str!("../../reference-data/scenes/terzaghi-semi-implicit.toml")),
     ("three-layers", include_str!("../../reference-data/scenes/three-layers.toml")),
+    ("triangular-start", include_str!("../../reference-data/scenes/triangular-start.toml")),
     ("undrained", include_str!("../../reference-data/scenes/undrained.toml")),
     ("undrained-wave", include_str!("../../reference-data/scenes/undrained-wave.toml")),
     ("wetting-front", include_str!("../../reference-data/scenes/wetting-front.toml")),

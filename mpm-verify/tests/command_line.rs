@@ -154,6 +154,29 @@ fn solve_writes_its_stable_outputs() {
 }
 
 #[test]
+fn a_run_goes_on_from_the_results_of_another() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let first = scene("released-side.toml");
+    let output = verify(folder.path(), &["solve", first.to_str().expect("a path"), "--state", "--out", "first"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = std::fs::read_to_string(&first).expect("the scene");
+    let (before, rest) = text.split_once("stress_xx").expect("a state");
+    let (_, after) = rest.split_once("[soil]").expect("soil");
+    let next =
+        format!("{before}table = \"first\"\n\n[soil]{after}").replace("[boundaries]", "[boundaries]\nright = \"free\"");
+    std::fs::write(folder.path().join("next.toml"), next).expect("a scene");
+    let output = verify(folder.path(), &["solve", "next.toml", "--out", "next"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    // Nothing is left to be released.
+    let settled = |run: &str| {
+        let history = std::fs::read_to_string(folder.path().join(run).join("history.csv")).expect("a history");
+        history.lines().last().and_then(|line| line.split(',').nth(4)?.parse::<f64>().ok()).expect("a settlement")
+    };
+    let [first, next] = ["first", "next"].map(settled);
+    assert!(first > 0.0 && next.abs() < 1e-6 * first, "{first} {next}");
+}
+
+#[test]
 fn check_ends_with_zero_when_every_case_holds() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = verify(folder.path(), &["check", "hydrostatic", "undrained", "dry-bar"]);

@@ -38,7 +38,9 @@ pub(crate) const ROUND_OFF: f64 = 1e-14;
 /// Whether the volume of soil in each cell of a scene follows from where its surface is: a box of soil between held sides, and
 /// functions that reach no further than their cell.
 pub fn knows_volumes(scene: &Fields) -> bool {
-    let free = |side: Side| scene.solid_sides[side as usize] == SolidSide::Free;
+    let free = |side: Side| scene.supports().any(|sides| sides[side as usize] == SolidSide::Free);
+    // A top that is released or held on the way is no surface that stays what it is.
+    let top = scene.solid_sides[Side::Top as usize];
     let in_a_box = scene.outline.is_none() && scene.sideroom_cells == 0 && !scene.periodic;
     let held = ![Side::Left, Side::Right, Side::Bottom].into_iter().any(free) && scene.base.is_none();
     let of_one_cell = !scene.shape.is_wide();
@@ -46,6 +48,7 @@ pub fn knows_volumes(scene: &Fields) -> bool {
     let by_faces = scene.water.is_none() || scene.darcy == DarcyChoice::Face;
     in_a_box
         && held
+        && scene.always(Side::Top, top)
         && of_one_cell
         && by_faces
         && scene.quadrature == Quadrature::Fitted

@@ -1,5 +1,7 @@
 //! What may be asked of a run on its way.
 
+use crate::step::Model;
+
 /// What is wished of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wish {
@@ -17,6 +19,8 @@ pub trait Attend {
     fn look(&mut self, share: f64) -> Wish;
     /// Takes the state that was wished for: the bytes that [`super::Drive::restore`] goes on from.
     fn save(&mut self, checkpoint: Vec<u8>);
+    /// Looks at the model of a run that has ended.
+    fn ended(&mut self, _: &dyn Model) {}
 }
 
 /// A run that no one wants to save; the share of its stage is reported.

@@ -188,6 +188,9 @@ impl<'a> Drive<'a> {
             self.at = At { stage: self.at.stage + 1, ..At::default() };
         }
         self.run.places = self.model.places();
+        if !self.run.stopped {
+            attend.ended(&*self.model);
+        }
         if self.watched {
             let samples = self.run.samples.iter().map(|s| (s.step, &s.state, &s.ledger));
             self.run.trust = Trust::of(self.scene, self.run.dt, samples);

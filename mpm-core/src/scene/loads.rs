@@ -253,6 +253,7 @@ impl Fields {
         self.surcharge.map_or(0.0, |s| s.pressure.abs())
             + self.loads.iter().map(size).sum::<f64>()
             + self.largest_push()
+            + self.largest_given()
     }
 
     /// The largest stress that plates which are moved put on the soil between them and the other side, Pa.

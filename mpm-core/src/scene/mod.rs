@@ -7,6 +7,7 @@ mod failure;
 mod flags;
 mod free_surface;
 mod ground;
+mod initial;
 mod loads;
 mod moving;
 mod patch;
@@ -21,13 +22,14 @@ use std::ops::Deref;
 use std::path::Path;
 use std::sync::Arc;
 
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 pub use check::{INTEGRATORS, SHAPES};
 pub use failure::Failure;
 pub use flags::Flags;
 pub use free_surface::{Clock, Feed, FreeSurfaceWater};
 pub use ground::{Base, NormalStress, SeedingChoice};
+pub use initial::Initial;
 pub use loads::{AlongX, Bearing, Course, FaceLoad, MovedPlate, Piece};
 pub(crate) use moving::THROUGH_CELLS;
 pub use moving::{Estimate, UnfitLoad};
@@ -61,6 +63,8 @@ pub enum Start {
     UndrainedEquilibrium,
     /// At rest under gravity: hydrostatic pore pressure, effective stress from the buoyant weight.
     Geostatic,
+    /// As [`Fields::initial`] says.
+    Given,
 }
 
 /// How time is integrated.
@@ -246,7 +250,7 @@ pub enum LoadOn {
 }
 
 /// How the velocity of the solid is held on one side of the domain.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SolidSide {
     /// No constraint.
@@ -429,6 +433,9 @@ pub struct Stage {
     pub name: String,
     /// Which sides let water out at zero pressure: left, right, bottom, top.
     pub drained: [bool; 4],
+    /// How the solid is held on each side during it, left, right, bottom, top; `None` for as [`Fields::solid_sides`] say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solid_sides: Option<[SolidSide; 4]>,
     /// Mass-proportional damping rate, 1/s. Zero for none.
     pub damping: f64,
     /// What moves, with two clocks.
@@ -509,6 +516,9 @@ pub struct Fields {
     /// Lateral over vertical effective stress of a geostatic start; `None` for that of no lateral strain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start_k0: Option<f64>,
+    /// Pore pressure and stress at t = 0 that the scene gives.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub initial: Option<Initial>,
     /// Gravity, m/s2, downwards; `None` switches the term off.
     pub gravity: Option<f64>,
     /// Angle of the base to the horizontal, degrees: gravity then points towards (sin, -cos), x downslope.
@@ -700,6 +710,17 @@ impl Fields {
         self.stages.iter().map(longest).sum()
     }
 
+    /// How the solid is held on each side, in every stage.
+    pub fn supports(&self) -> impl Iterator<Item = [SolidSide; 4]> {
+        let own = self.stages.iter().map(|stage| stage.solid_sides.unwrap_or(self.solid_sides));
+        std::iter::once(self.solid_sides).chain(own)
+    }
+
+    /// Whether a side is held so in every stage.
+    pub fn always(&self, side: Side, held: SolidSide) -> bool {
+        self.supports().all(|sides| sides[side as usize] == held)
+    }
+
     /// Density of the dry skeleton, (1 - n) rho_s, kg/m3.
     pub fn dry_density(&self) -> f64 {
         (1.0 - self.porosity) * self.grain_density
@@ -815,7 +836,8 @@ impl Fields {
     /// Whether soil and water move vertically only: nothing free sideways, one load all over, no drained side wall.
     pub fn is_one_dimensional(&self) -> bool {
         let walls = [Side::Left as usize, Side::Right as usize];
-        let smooth = walls.iter().all(|i| self.solid_sides[*i] == SolidSide::Roller) && self.is_level_column();
+        let on_rollers = [Side::Left, Side::Right].iter().all(|side| self.always(*side, SolidSide::Roller));
+        let smooth = on_rollers && self.is_level_column();
         let uniform = self.regions.is_empty() || self.dimension == Dimension::Column;
         let tight = !self.stages.iter().any(|stage| walls.iter().any(|i| stage.drained[*i]));
         let even = (self.loads.is_empty() && self.plates.is_empty()) || self.dimension == Dimension::Column;
@@ -827,9 +849,9 @@ impl Fields {
         self.is_one_dimensional() && self.has_plain_ground()
     }
 
-    /// Whether there are no regions, and no loads or plates beside the surcharge.
+    /// Whether there are no regions, no loads or plates beside the surcharge, and no given state.
     pub fn has_plain_ground(&self) -> bool {
-        self.regions.is_empty() && self.loads.is_empty() && self.plates.is_empty()
+        self.initial.is_none() && self.regions.is_empty() && self.loads.is_empty() && self.plates.is_empty()
     }
 
     /// Seconds per unit of the time factor Tv = c_v t / H_d^2 with c_v = k M / gamma_w (incompressible water) of the

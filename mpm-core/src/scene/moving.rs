@@ -122,7 +122,9 @@ impl Fields {
         let closed = wet && !self.stages.iter().any(|stage| stage.drained.contains(&true));
         let buoyancy = self.water.map_or(0.0, |w| if wet && !closed { w.density } else { 0.0 });
         let gravity = self.gravity.unwrap_or(0.0);
-        let load = self.load_on_top();
+        // What drains, the soil bears.
+        let load = self.load_on_top() + if closed { 0.0 } else { self.largest_excess() };
+        let borne = matches!(self.start, Start::Geostatic | Start::Given);
         let of = |soil: &Soil, [least, most]: [f64; 2], thickness: f64| {
             let stiffness = if closed { self.pore_stiffness_of(soil) } else { 0.0 };
             let modulus = soil.elastic.oedometer_modulus() + stiffness;
@@ -131,11 +133,11 @@ impl Fields {
                 let x = (last - first) / modulus;
                 (-first / modulus).exp() * if x.abs() < 1e-12 { 1.0 } else { -(-x).exp_m1() / x }
             };
-            let before = if self.start == Start::Geostatic { 1.0 } else { mean(least, most) };
+            let before = if borne { 1.0 } else { mean(least, most) };
             let after = (-load / modulus).exp() * before;
-            let from = if self.start == Start::Geostatic { 1.0 } else { mean(0.0, 0.0) };
-            let strain = (load + if self.start == Start::Geostatic { 0.0 } else { most }) / modulus;
-            let other = (load + if self.start == Start::Geostatic { 0.0 } else { least }) / modulus;
+            let from = if borne { 1.0 } else { mean(0.0, 0.0) };
+            let strain = (load + if borne { 0.0 } else { most }) / modulus;
+            let other = (load + if borne { 0.0 } else { least }) / modulus;
             ((from - after) * thickness, [strain, other])
         };
         // From the surface down, under the weight of what is above.

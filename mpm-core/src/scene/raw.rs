@@ -2,6 +2,8 @@
 //!
 //! Each field is documented in `reference-data/scenes/README.md`, where the defaults stand beside the units.
 
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
 use toml::{Spanned, Value};
 
@@ -18,6 +20,7 @@ pub(super) struct RawScene {
     pub start: Option<Word>,
     pub start_velocity: Option<Spanned<Vec<f64>>>,
     pub start_k0: Option<Number>,
+    pub initial: Option<Spanned<BTreeMap<String, Spanned<Value>>>>,
     pub gravity: Option<Number>,
     pub slope_angle: Option<Number>,
     pub geometry: Spanned<RawGeometry>,
@@ -322,6 +325,7 @@ pub(super) struct RawTime {
 pub(super) struct RawStage {
     pub name: Option<Word>,
     pub drained: Option<Spanned<Value>>,
+    pub boundaries: Option<Spanned<RawBoundaries>>,
     pub damping: Option<Number>,
     pub clock: Option<Word>,
     pub until: Spanned<RawUntil>,

@@ -125,6 +125,8 @@ pub struct Region {
 pub struct Ground {
     /// The soils by their numbers.
     pub soils: Vec<Soil>,
+    /// Edge of the square that a particle stands for, m: it is of the soil in its middle.
+    spacing: f64,
     /// Which one is where.
     pub zones: Zones,
 }
@@ -135,11 +137,20 @@ impl Ground {
         &self.soils[usize::from(self.zones.at(place))]
     }
 
-    /// Soil along the vertical line at x (m) between two heights (m), from the lower one up: from where to where, and which.
+    /// Soil along the vertical line at x (m) between two heights (m), as particles see it, from the lower one up: from where to
+    /// where, and which.
     pub fn between(&self, x: f64, low: f64, high: f64) -> Vec<([f64; 2], Soil)> {
-        let mut ends: Vec<f64> = self.zones.changes(x).filter(|y| *y > low && *y < high).chain([low, high]).collect();
+        // Rows of particles that it changes in have the soil of their middle.
+        let edges = |y: f64| {
+            let row = y / self.spacing;
+            let on_edge = (row - row.round()).abs() < 1e-9;
+            if on_edge { [y; 2] } else { [row.floor(), row.ceil()].map(|row| row * self.spacing) }
+        };
+        let changes = self.zones.changes(x).flat_map(edges);
+        let mut ends: Vec<f64> = changes.filter(|y| *y > low && *y < high).chain([low, high]).collect();
         ends.sort_by(f64::total_cmp);
-        let part = |ends: &[f64]| ([ends[0], ends[1]], *self.at(&[x, 0.5 * (ends[0] + ends[1])]));
+        let middle = |y: f64| ((y / self.spacing).floor() + 0.5) * self.spacing;
+        let part = |ends: &[f64]| ([ends[0], ends[1]], *self.at(&[x, middle(0.5 * (ends[0] + ends[1]))]));
         ends.windows(2).filter(|ends| ends[1] > ends[0]).map(part).collect()
     }
 }
@@ -181,7 +192,7 @@ impl Fields {
     pub fn ground(&self) -> Ground {
         let tops = self.layers.iter().map(|layer| layer.up_to).take(self.layers.len().saturating_sub(1)).collect();
         let zones = Zones { tops, regions: self.regions.iter().map(|region| region.polygon.clone()).collect() };
-        Ground { soils: self.soils(), zones }
+        Ground { soils: self.soils(), spacing: self.spacing(), zones }
     }
 
     /// All soils: of the layers, or else that of the scene, then of the regions.

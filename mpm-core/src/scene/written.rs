@@ -6,8 +6,9 @@ use toml::{Table, Value};
 
 use super::patch::{Change, Source};
 use super::{
-    Bearing, CamClay, Clock, Course, DarcyChoice, Elastic, Feed, Fields, Integrator, Quadrature, Scene, SeedingChoice,
-    Side, Soil, Stage, StepChoice, StrainChoice, Strength, TimeMethod, TransferChoice, Until, UpdateChoice, check,
+    Bearing, CamClay, Clock, Course, DarcyChoice, Elastic, Feed, Fields, Initial, Integrator, Quadrature, Scene,
+    SeedingChoice, Side, Soil, Stage, StepChoice, StrainChoice, Strength, TimeMethod, TransferChoice, Until,
+    UpdateChoice, check,
 };
 use crate::error::SceneError;
 
@@ -180,6 +181,13 @@ impl Fields {
         out.put("start", self.start)?;
         out.put("start_velocity", self.start_velocity)?;
         out.put("start_k0", self.start_k0)?;
+        if let Some(initial) = &self.initial {
+            out.put("initial.table", &initial.table)?;
+            let lines = Initial::KEYS.iter().zip(&initial.lines).filter(|(_, line)| !line.is_empty());
+            for (key, line) in lines.filter(|_| initial.table.is_none()) {
+                out.put(&format!("initial.{key}"), line)?;
+            }
+        }
         out.put("gravity", self.gravity)?;
         out.put("slope_angle", self.slope_angle)?;
         let shape = match &self.outline {
@@ -363,6 +371,12 @@ impl Fields {
             (None, true) => {}
             (_, false) => out.put("drained", drained)?,
             (Some(_), true) => out.put("drained", "none")?,
+        }
+        for (side, held) in Side::ALL.into_iter().zip(stage.solid_sides.iter().flatten()) {
+            // What a word of its own holds is not for a stage to say.
+            if *held != self.solid_sides[side as usize] {
+                out.put(&format!("boundaries.{side}"), held)?;
+            }
         }
         out.unless("damping", stage.damping, 0.0)?;
         out.unless("clock", stage.clock, Clock::default())?;

@@ -34,7 +34,7 @@ use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::constitutive::{Law, Materials, STATES, State};
 use crate::observe::{Ledger, Observation, Places, Push, SolidState, Totals, WaterParticle};
 use crate::particles::{Layer, Point, SolidPoint, WaterPoint};
-use crate::scene::Stage;
+use crate::scene::{SolidSide, Stage};
 use crate::water::pores::Pores;
 use crate::water::{Carried, FaceFlow};
 
@@ -81,6 +81,8 @@ pub struct Explicit<V: Simd, F: Functions<D>, const D: usize> {
     mapped: Option<Box<Nodes<D>>>,
     solid_count: usize,
     damping: f64,
+    /// How the sides hold the soil in this stage, if not as in the scene.
+    sides: Option<[SolidSide; 4]>,
     time: f64,
     totals: Totals<D>,
     pool: Option<Arc<ThreadPool>>,
@@ -135,6 +137,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             solid_count,
             body,
             damping: 0.0,
+            sides: None,
             time: 0.0,
             totals: Totals::default(),
             pool,

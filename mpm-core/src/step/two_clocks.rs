@@ -196,6 +196,10 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for TwoClocks<V, F, D> {
         Ok(())
     }
 
+    fn particles(&self) -> Vec<SolidState> {
+        self.soil.particles()
+    }
+
     fn failing(self: Box<Self>) -> Option<Box<dyn Failing>> {
         Some(self)
     }

@@ -177,9 +177,13 @@ impl<const D: usize> Carried<D> {
                 let soil = water.soil.share[cell] * water.medium.cell_volume;
                 let held = water.content[cell] + self.squeeze.surplus[cell];
                 // With what is there before any front comes.
-                self.per_volume[cell] = self.properties.density * (held + water.soil.stays[cell]) / soil;
+                let stays = water.soil.stays[cell];
+                self.per_volume[cell] = self.properties.density * (held + stays) / soil;
                 if water.kind[cell] == Kind::Standing {
-                    self.middle[cell] = 0.5 * water.soil.share[cell] * water.wet_share(cell).clamp(0.0, 1.0);
+                    // What stays is all over the soil.
+                    let wet = water.wet_share(cell).clamp(0.0, 1.0);
+                    let moist = if stays > 0.0 { stays / (held + stays) } else { 0.0 };
+                    self.middle[cell] = 0.5 * water.soil.share[cell] * (wet + moist * (1.0 - wet));
                 }
             }
         }

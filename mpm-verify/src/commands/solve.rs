@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use mpm_core::drive::{Run, Sample};
 use mpm_core::hardware::Hardware;
-use mpm_core::observe::{Trust, WaterState};
+use mpm_core::observe::{SolidState, Trust, WaterState};
 use mpm_core::run::{StartError, outline_parts, run_attended};
-use mpm_core::scene::{Estimate, Flags, INTEGRATORS, Integrator, SHAPES, Scene};
+use mpm_core::scene::{Dimension, Estimate, Flags, INTEGRATORS, Integrator, SHAPES, Scene};
 use mpm_core::seeding;
 use mpm_core::stability::{choose_step, stable_limit};
 use mpm_core::step::Work;
@@ -44,6 +44,9 @@ pub struct Options {
     /// Go on from the checkpoint of a run that was stopped or killed; from the start if there is none
     #[arg(long)]
     resume: bool,
+    /// Write state.csv, the particles of the end, which [initial] of another scene may start from
+    #[arg(long)]
+    state: bool,
     /// Seconds between checkpoints
     #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = super::seconds)]
     checkpoint_every: f64,
@@ -60,6 +63,7 @@ impl Options {
             tolerance: None,
             threads: None,
             resume: false,
+            state: false,
             checkpoint_every: 60.0,
         }
     }
@@ -274,6 +278,7 @@ fn follow(options: &Options, common: &Common, scene: &Scene) -> Result<(), Failu
         ("--scheme", options.scheme.is_some()),
         ("--tolerance", options.tolerance.is_some()),
         ("--threads", options.threads.is_some()),
+        ("--state", options.state),
     ];
     if let Some((flag, _)) = unknown.into_iter().find(|(_, given)| *given) {
         let path = options.scene.display();
@@ -339,6 +344,7 @@ fn solve(
         used: &used,
         last: Instant::now(),
         trouble: None,
+        end: options.state.then(Vec::new),
     };
     let state = kept.map(|kept| kept.state);
     let run = run_attended(hardware, scene, state.as_deref(), &mut attend).map_err(|e| match e {
@@ -366,6 +372,9 @@ fn solve(
     }
     let summary = summary(scene, &run, hardware.thread_count(), [cpu_s, wall_s]);
     write((scene, &run, &summary), folder.stage())?;
+    if let Some(end) = &attend.end {
+        write_state(scene, end, &folder.stage().join("state.csv"))?;
+    }
     // Only once all is written is there nothing to go on from.
     folder.publish().map_err(Failure::run_failed)?;
     checkpoint::remove(folder.path());
@@ -389,6 +398,19 @@ fn write((scene, run, summary): (&Scene, &Run, &Summary), folder: &Path) -> Resu
     }
     solved::write((scene, run), (&summary.manifest, summary.cpu_s), folder).map_err(Failure::run_failed)?;
     write_json(&folder.join("summary.json"), summary)
+}
+
+/// Writes state.csv, whose columns are those of a table of `[initial]`: without x for a column.
+fn write_state(scene: &Scene, end: &[SolidState], path: &Path) -> Result<(), Failure> {
+    let mut writer = csv::Writer::from_path(path).map_err(Failure::run_failed)?;
+    let names = "x_m,y_m,pressure_pa,stress_xx_pa,stress_yy_pa,stress_zz_pa,stress_xy_pa".split(',');
+    let from = usize::from(scene.dimension == Dimension::Column);
+    writer.write_record(names.skip(from)).map_err(Failure::run_failed)?;
+    for SolidState { x: [x, y], pore_pressure, stress: [xx, yy, zz, xy], .. } in end {
+        let row = [x, y, pore_pressure, xx, yy, zz, xy];
+        writer.write_record(row.iter().skip(from).map(|number| format!("{number:e}"))).map_err(Failure::run_failed)?;
+    }
+    writer.flush().map_err(Failure::run_failed)
 }
 
 /// Says what a run came to.

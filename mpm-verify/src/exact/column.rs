@@ -266,7 +266,7 @@ impl Mesh {
                 let (below, above) = (edge(i), edge(i + 1));
                 let middle = 0.5 * (below + above);
                 let first = match scene.start {
-                    Start::Unloaded => 0.0,
+                    Start::Unloaded | Start::Given => 0.0,
                     Start::UndrainedEquilibrium => scene.total_stress_at(middle) - scene.undrained_pressure_at(middle),
                     Start::Geostatic => {
                         let buoyant = scene.mixture_density() - water.density;
@@ -404,7 +404,7 @@ impl Mesh {
         let depth = |cell: &Cell| scene.height - cell.middle;
         let known = self.cells.iter().map(|cell| {
             let pressure = match scene.start {
-                Start::Unloaded => 0.0,
+                Start::Unloaded | Start::Given => 0.0,
                 Start::UndrainedEquilibrium => scene.undrained_pressure_at(cell.middle),
                 Start::Geostatic => self.water_weight * depth(cell),
             };

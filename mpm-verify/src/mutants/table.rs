@@ -71,6 +71,20 @@ pub const MUTANTS: &[Mutant] = &[
          .map_err(|e| outside(\"water\", e.index, &e.x))",
     ),
     fault(
+        "given-pressure-lost",
+        "half of a pressure that a scene gives is lost",
+        "mpm-core/src/run.rs",
+        "pressure += of_water;",
+        "pressure += 0.5 * of_water;",
+    ),
+    fault(
+        "wall-that-stays",
+        "a stage that takes a wall away leaves it",
+        "mpm-core/src/step/conditions/held.rs",
+        "own.unwrap_or(self.usual)[side]",
+        "own.and(Some(self.usual)).unwrap_or(self.usual)[side]",
+    ),
+    fault(
         "load-on-wrong-node",
         "the load of a strip goes to the corners of its cell in the wrong order",
         "mpm-core/src/step/surface.rs",

@@ -44,6 +44,7 @@ fn point_source(darcy: DarcyChoice) -> f64 {
     let closed = Stage {
         name: "spread".to_owned(),
         drained: [false; 4],
+        solid_sides: None,
         damping: 0.0,
         clock: Clock::Soil,
         until: Until::Time(spread),

@@ -92,6 +92,8 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
         Feature::Unloaded => start("unloaded"),
         Feature::UndrainedStart => start("undrained-equilibrium"),
         Feature::Geostatic => start("geostatic"),
+        Feature::GivenStart => start("given"),
+        Feature::Initial => raw.initial.is_some(),
         Feature::StartK0 => raw.start_k0.is_some(),
         Feature::StartVelocity => raw.start_velocity.is_some(),
         Feature::Shift => mesh.shift.is_some(),
@@ -124,6 +126,7 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
         Feature::GivenStep => matches!(step, Some(Value::Float(_) | Value::Integer(_))),
         Feature::PaperStep => word(step, "paper"),
         Feature::Drained => stages().any(|stage| stage.drained.is_some()),
+        Feature::StageSides => stages().any(|stage| stage.boundaries.is_some()),
         Feature::Damping => {
             stages().any(|stage| stage.damping.as_ref().is_some_and(|damping| *damping.get_ref() > 0.0))
         }
@@ -174,7 +177,9 @@ fn place(raw: &RawScene, feature: Feature) -> Option<Range<usize>> {
         "gravity" => of(raw.gravity.as_ref()),
         "slope_angle" => of(raw.slope_angle.as_ref()),
         "start" => of(raw.start.as_ref()),
+        "stages.boundaries" => stage(&|stage| of(stage.boundaries.as_ref())),
         "start_k0" => of(raw.start_k0.as_ref()),
+        "initial" => of(raw.initial.as_ref()),
         "start_velocity" => of(raw.start_velocity.as_ref()),
         "mesh.shift" => of(mesh.shift.as_ref()),
         "mesh.displaced" => of(mesh.displaced.as_ref()),

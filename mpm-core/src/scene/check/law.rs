@@ -67,7 +67,7 @@ impl Reader<'_> {
             },
             attraction: pressure(&law.attraction, "attraction")?,
         };
-        let geostatic = raw.start.as_ref().is_some_and(|start| start.get_ref() == "geostatic");
+        let geostatic = raw.start.iter().any(|start| ["geostatic", "given"].contains(&start.get_ref().as_str()));
         let stiff = soil.bulk_modulus.is_some() && soil.preconsolidation > 0.0;
         if !(geostatic || stiff || soil.attraction > 0.0) {
             let expected = "an attraction above 0 (Pa), a bulk_modulus with a preconsolidation above 0, or start = \"geostatic\" \

@@ -5,7 +5,7 @@ use std::ops::Range;
 use toml::Spanned;
 
 use super::super::raw::{Pairs, RawCourse, RawLoad, RawPlate, RawReservoir, RawScene};
-use super::super::{Bearing, Course, Dimension, FaceLoad, Fields, MovedPlate, Side, SolidSide, TimeMethod};
+use super::super::{Bearing, Course, Dimension, FaceLoad, Fields, Integrator, MovedPlate, Side, SolidSide, TimeMethod};
 use super::{Checked, Reader};
 
 /// Most loads on faces.
@@ -60,7 +60,7 @@ impl Reader<'_> {
         }
         let course = RawCourse { ramp_time: &raw.ramp_time, times: &raw.times, sine: &raw.sine, wave: &raw.wave };
         let load = FaceLoad {
-            on: Some(self.word(raw.on.as_ref(), "loads.on", &Side::ALL.map(|side| (side.word(), side)), Side::Top)?),
+            on: Some(self.side(&raw.on, "loads.on")?),
             x: self.range(&raw.x, "loads.x")?,
             y: self.range(&raw.y, "loads.y")?,
             bearing: Bearing::Traction { pressure, shear, water },
@@ -88,15 +88,10 @@ impl Reader<'_> {
             }
             _ => return self.refuse(&span, "reservoirs", "exactly one of level or levels", "both or neither"),
         };
-        let on = match &raw.on {
-            Some(_) => Some(self.word(
-                raw.on.as_ref(),
-                "reservoirs.on",
-                &Side::ALL.map(|side| (side.word(), side)),
-                Side::Top,
-            )?),
-            None => None,
-        };
+        let on = raw.on.is_some().then(|| self.side(&raw.on, "reservoirs.on")).transpose()?;
+        if scene.integrator == Integrator::QuasiStatic && on.is_none() {
+            return self.refuse(&span, "reservoirs.on", "the side that it stands before, beside quasi-static", "none");
+        }
         let (x, y) = (self.range(&raw.x, "reservoirs.x")?, self.range(&raw.y, "reservoirs.y")?);
         let load = FaceLoad { on, x, y, bearing: Bearing::Reservoir, course: levels };
         self.bears("reservoirs", (&span, &raw.on), load, scene)
@@ -109,7 +104,7 @@ impl Reader<'_> {
 
     fn plate(&self, plate: &Spanned<RawPlate>, scene: &Fields) -> Checked<MovedPlate> {
         let (raw, span) = (plate.get_ref(), plate.span());
-        let on = self.word(raw.on.as_ref(), "plates.on", &Side::ALL.map(|side| (side.word(), side)), Side::Top)?;
+        let on = self.side(&raw.on, "plates.on")?;
         let place = raw.on.as_ref().map_or(span.clone(), Spanned::span);
         let sideways = matches!(on, Side::Left | Side::Right);
         let room = match on {
@@ -143,6 +138,10 @@ impl Reader<'_> {
             return self.refuse(&value.span(), key, "the range along its side", "the one across");
         }
         Ok(MovedPlate { on, x, y, rough: raw.rough.unwrap_or(false), displacement, course, velocity })
+    }
+
+    fn side(&self, word: &Option<Spanned<String>>, key: &str) -> Checked<Side> {
+        self.word(word.as_ref(), key, &Side::ALL.map(|side| (side.word(), side)), Side::Top)
     }
 
     fn range(&self, value: &Option<Spanned<[f64; 2]>>, key: &str) -> Checked<Option<[f64; 2]>> {

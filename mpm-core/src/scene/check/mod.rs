@@ -10,6 +10,7 @@ mod failure;
 mod features;
 mod free_surface;
 mod ground;
+mod initial;
 mod law;
 mod loads;
 mod method;
@@ -19,7 +20,7 @@ pub(super) use method::{SAFETY, TOLERANCE};
 mod together;
 
 use super::patch::{Source, Unreadable};
-use super::raw::{RawMesh, RawObserve, RawScene, RawStage, RawStrip, RawUntil, RawWater};
+use super::raw::{RawBoundaries, RawMesh, RawObserve, RawScene, RawStage, RawStrip, RawUntil, RawWater};
 use super::{
     Dimension, Fields, Integrator, LoadOn, LoadedStrip, Scene, Side, SolidSide, Stage, Start, Surcharge, Until,
     WaterProperties,
@@ -232,7 +233,8 @@ impl Reader<'_> {
         let given = (raw.soil.get_ref().grain_density.as_ref(), raw.soil.get_ref().bulk_density.as_ref());
         let grain_density = self.grain_density("soil", &raw.soil.span(), given, porosity, water.as_ref())?;
         self.weight_of_water(raw, gravity, water.as_ref())?;
-        let solid_sides = self.solid_sides(raw, dimension)?;
+        let usual = [SolidSide::Roller, SolidSide::Roller, SolidSide::Fixed, SolidSide::Free];
+        let solid_sides = self.solid_sides((raw, dimension), raw.boundaries.as_ref(), ("boundaries", usual))?;
         let surcharge = self.surcharge(raw, width)?;
         let start = self.start(raw, gravity, surcharge.as_ref())?;
         let scheme = self.scheme(raw.scheme.as_ref().map(Spanned::get_ref))?;
@@ -246,6 +248,7 @@ impl Reader<'_> {
             start,
             start_velocity: ground.start_velocity,
             start_k0: ground.start_k0,
+            initial: None,
             gravity,
             slope_angle: ground.slope_angle,
             height,
@@ -302,6 +305,7 @@ impl Reader<'_> {
             left_out: Vec::new(),
         };
         scene.free_surface = self.free_surface(raw, &scene)?;
+        scene.initial = self.initial(raw, &scene)?;
         scene.darcy_inertia = self.soft_water(raw, &scene)?;
         let wave = (scene.oedometer_modulus() / scene.mixture_density()).sqrt();
         scene.base = self.base(raw, 4.0 * height / wave)?;
@@ -433,27 +437,34 @@ impl Reader<'_> {
         self.refuse(&span, "water.density", &expected, water.density)
     }
 
-    fn solid_sides(&self, raw: &RawScene, dimension: Dimension) -> Checked<[SolidSide; 4]> {
+    /// How sides are held, as a table says or else as the defaults. A stage has no words for what only a side of the scene is.
+    fn solid_sides(
+        &self,
+        (raw, dimension): (&RawScene, Dimension),
+        table: Option<&Spanned<RawBoundaries>>,
+        (key, defaults): (&str, [SolidSide; 4]),
+    ) -> Checked<[SolidSide; 4]> {
         let words = [("free", SolidSide::Free), ("roller", SolidSide::Roller), ("fixed", SolidSide::Fixed)];
-        let defaults = [SolidSide::Roller, SolidSide::Roller, SolidSide::Fixed, SolidSide::Free];
-        let Some(table) = &raw.boundaries else { return Ok(defaults) };
+        let Some(table) = table else { return Ok(defaults) };
         let b = table.get_ref();
         let mut sides = defaults;
         for (side, value) in Side::ALL.into_iter().zip([&b.left, &b.right, &b.bottom, &b.top]) {
             let i = side as usize;
-            let words = [&words[..], ground::own_words(side)].concat();
-            sides[i] = self.word(value.as_ref(), &format!("boundaries.{side}"), &words, defaults[i])?;
+            let own = if key == "boundaries" { ground::own_words(side) } else { &[] };
+            let words = [&words[..], own].concat();
+            sides[i] = self.word(value.as_ref(), &format!("{key}.{side}"), &words, defaults[i])?;
             let across = matches!(side, Side::Left | Side::Right);
             if let (Some(value), true, Dimension::Column) = (value, across && sides[i] != SolidSide::Roller, dimension)
             {
                 let expected = "\"roller\" in a column, which cannot move sideways (or dimension = \"plane-strain\")";
-                return self.refuse(&value.span(), &format!("boundaries.{side}"), expected, quoted(value.get_ref()));
+                return self.refuse(&value.span(), &format!("{key}.{side}"), expected, quoted(value.get_ref()));
             }
         }
         let pressed = raw.gravity.is_some() || raw.surcharge.is_some();
         if sides[Side::Bottom as usize] == SolidSide::Free && pressed {
             let span = b.bottom.as_ref().map_or(table.span(), Spanned::span);
-            return self.refuse(&span, "boundaries.bottom", "\"roller\" or \"fixed\": a free column falls", "\"free\"");
+            let expected = "\"roller\" or \"fixed\": a free column falls";
+            return self.refuse(&span, &format!("{key}.bottom"), expected, "\"free\"");
         }
         Ok(sides)
     }
@@ -499,6 +510,7 @@ impl Reader<'_> {
             ("unloaded", Start::Unloaded),
             ("undrained-equilibrium", Start::UndrainedEquilibrium),
             ("geostatic", Start::Geostatic),
+            ("given", Start::Given),
         ];
         let start = self.word(raw.start.as_ref(), "start", &words, Start::Unloaded)?;
         let span = raw.start.as_ref().map_or(0..0, Spanned::span);
@@ -524,10 +536,13 @@ impl Reader<'_> {
                 Some(value) => self.within(value, "stages.damping", "a rate of 0 or more (1/s)", |d| d >= 0.0)?,
                 None => 0.0,
             };
+            let (own, usual) = (stage.get_ref().boundaries.as_ref(), ("stages.boundaries", scene.solid_sides));
+            let solid_sides = Some(self.solid_sides((raw, scene.dimension), own, usual)?);
+            let solid_sides = solid_sides.filter(|sides| *sides != scene.solid_sides);
             let name =
                 stage.get_ref().name.as_ref().map_or_else(|| format!("stage {}", number + 1), |n| n.get_ref().clone());
             let clock = self.clock(stage.get_ref())?;
-            scene.stages.push(Stage { name, drained, damping, clock, until: Until::Time(0.0) });
+            scene.stages.push(Stage { name, drained, solid_sides, damping, clock, until: Until::Time(0.0) });
             let until = self.until(&stage.get_ref().until, scene)?;
             if let Some(last) = scene.stages.last_mut() {
                 last.until = until;

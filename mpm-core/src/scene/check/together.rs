@@ -14,6 +14,12 @@ impl Reader<'_> {
         self.held_walls(raw, scene)?;
         self.about_an_axis(raw, scene)?;
         if scene.integrator == Integrator::QuasiStatic {
+            let mut own = raw.stages.get_ref().iter().filter_map(|stage| stage.get_ref().boundaries.as_ref());
+            if let (Some(own), StrainChoice::Large) = (own.next(), scene.strain) {
+                let expected =
+                    "soil.strain = \"small\" beside it: a quasi-static mesh that has moved has no sides to hold";
+                return self.refuse(&own.span(), "stages.boundaries", expected, "\"large\"");
+            }
             self.quasi_static_points(raw, scene)?;
             self.quasi_static_start(raw, scene)
         } else {
@@ -30,7 +36,7 @@ impl Reader<'_> {
             let on = |x: &[f64; 2]| (x[d] - length).abs() <= 1e-9 * length;
             let wall = outline.iter().enumerate().any(|(i, a)| on(a) && on(&outline[(i + 1) % outline.len()]));
             let count = length / scene.cell;
-            let held = scene.solid_sides[side as usize] != SolidSide::Free && room == 0;
+            let held = !scene.always(side, SolidSide::Free) && room == 0;
             if held && wall && (count - count.round()).abs() > 1e-6 {
                 let expected = format!(
                     "a cell that divides {length} m into whole cells, or boundaries.{side} = \"free\": the mesh holds the \
@@ -70,10 +76,13 @@ impl Reader<'_> {
         }
         // With headroom the top of the mesh is not that of the soil, which is then free; under a plate it only moves as one.
         let plate = scene.surcharge.is_some_and(|load| load.on == LoadOn::Plate);
-        let [left, right, bottom, top] = scene.solid_sides.map(|side| side != SolidSide::Free);
-        let held = scene.headroom_cells == 0 && left && right && bottom && (top || plate);
-        let closed = scene.stages.iter().position(|stage| !stage.drained.contains(&true));
-        if let (true, Some(stage)) = (held, closed.and_then(|i| raw.stages.get_ref().get(i))) {
+        let closed = scene.stages.iter().position(|stage| {
+            let [left, right, bottom, top] =
+                stage.solid_sides.unwrap_or(scene.solid_sides).map(|s| s != SolidSide::Free);
+            let held = scene.headroom_cells == 0 && left && right && bottom && (top || plate);
+            held && !stage.drained.contains(&true)
+        });
+        if let Some(stage) = closed.and_then(|i| raw.stages.get_ref().get(i)) {
             let span = stage.get_ref().drained.as_ref().map_or(stage.span(), Spanned::span);
             let expected = "a drained side, a free side or a finite water.bulk_modulus: \
                             closed in and held, the pressure is only known up to a constant";

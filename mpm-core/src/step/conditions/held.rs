@@ -10,13 +10,17 @@ use crate::step::store::Nodes;
 #[derive(Debug, Clone)]
 pub struct Held<const D: usize> {
     nodes: [Vec<u32>; D],
+    /// All nodes at a side, with the axis and the number of the side.
+    edges: Vec<(u32, usize, usize)>,
+    /// The supports of the scene: left, right, bottom, top.
+    usual: [SolidSide; 4],
 }
 
 impl<const D: usize> Held<D> {
     /// Holds nodes of a mesh with so many functions along each axis on its sides: left, right, bottom, top. `number` gives that of a
     /// function from its place.
     pub fn new(along: &[usize; D], sides: &[SolidSide; 4], number: impl Fn(&[usize; D]) -> usize) -> Self {
-        let mut held: [Vec<u32>; D] = std::array::from_fn(|_| Vec::new());
+        let mut edges = Vec::new();
         for place in 0..along.iter().product() {
             let position: [usize; D] =
                 std::array::from_fn(|d| if d == 0 { place % along[0] } else { place / along[0] });
@@ -24,20 +28,15 @@ impl<const D: usize> Held<D> {
             for axis in 0..D {
                 for upper in [false, true] {
                     let edge = if upper { along[axis] - 1 } else { 0 };
-                    let side = sides[2 * (axis + 2 - D) + usize::from(upper)];
-                    if position[axis] != edge || side == SolidSide::Free {
-                        continue;
-                    }
-                    for d in 0..D {
-                        let holds = side == SolidSide::Fixed || d == axis;
-                        if holds && held[d].last() != Some(&node) {
-                            held[d].push(node);
-                        }
+                    if position[axis] == edge {
+                        edges.push((node, axis, 2 * (axis + 2 - D) + usize::from(upper)));
                     }
                 }
             }
         }
-        Self { nodes: held }
+        let mut held = Self { nodes: std::array::from_fn(|_| Vec::new()), edges, usual: *sides };
+        held.hold_sides(None);
+        held
     }
 
     /// The nodes held along an axis.
@@ -47,6 +46,18 @@ impl<const D: usize> Held<D> {
 }
 
 impl<const D: usize> Condition<D> for Held<D> {
+    fn hold_sides(&mut self, own: Option<[SolidSide; 4]>) {
+        self.nodes.iter_mut().for_each(Vec::clear);
+        for &(node, axis, side) in &self.edges {
+            let side = own.unwrap_or(self.usual)[side];
+            for d in (0..D).filter(|d| side == SolidSide::Fixed || (side == SolidSide::Roller && *d == axis)) {
+                if self.nodes[d].last() != Some(&node) {
+                    self.nodes[d].push(node);
+                }
+            }
+        }
+    }
+
     fn each_held(&self, visit: &mut dyn FnMut(usize, usize)) {
         for d in 0..D {
             self.nodes[d].iter().for_each(|node| visit(*node as usize, d));

@@ -26,6 +26,7 @@ use super::store::Nodes;
 use crate::checkpoint::{Archive, RestoreError};
 use crate::observe::Totals;
 use crate::particles::SolidPoint;
+use crate::scene::SolidSide;
 
 /// Is shown a particle and its shares of functions.
 pub type Visit<'a, const D: usize> = dyn FnMut(&SolidPoint<D>, &[(usize, f64)]) + 'a;
@@ -82,6 +83,8 @@ pub trait Condition<const D: usize>: Debug + Send {
     fn pushed_by(&self) -> Option<[f64; 2]> {
         None
     }
+    /// Holds the sides as a stage says, or else as the scene does: left, right, bottom, top.
+    fn hold_sides(&mut self, _: Option<[SolidSide; 4]>) {}
     /// Damping from now on, 1/s.
     fn damp_by(&mut self, _: f64) {}
     /// Friction on the base, if that is what it is.

@@ -139,6 +139,12 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         self.time += time;
     }
 
+    /// Holds the sides as a stage says, or else as the scene does.
+    pub(super) fn hold_sides(&mut self, own: Option<[SolidSide; 4]>) {
+        self.sides = own;
+        self.conditions.iter_mut().for_each(|condition| condition.hold_sides(own));
+    }
+
     /// Damping from now on, 1/s.
     pub(in crate::step) fn damp_by(&mut self, rate: f64) {
         self.damping = rate;

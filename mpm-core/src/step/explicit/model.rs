@@ -12,6 +12,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for Explicit<V, F, D> {
 
     fn enter_stage(&mut self, stage: &Stage, _: &[f64]) -> Result<(), Fault> {
         self.damp_by(stage.damping);
+        self.hold_sides(stage.solid_sides);
         if let Some(free) = &mut self.free {
             free.carried.open(&self.body.grid, stage.drained);
             self.is_stale = true;
@@ -127,7 +128,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for Explicit<V, F, D> {
         for list in self.nodes.motion.velocity.iter_mut().chain(&mut self.of_mesh) {
             archive.slice(list)?;
         }
-        archive!(archive.value: self.damping, self.time, self.totals);
+        archive!(archive.value: self.damping, self.sides, self.time, self.totals);
         for condition in &mut self.conditions {
             condition.save_or_restore(archive)?;
         }
@@ -135,9 +136,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for Explicit<V, F, D> {
             archive.value(&mut solver.work)?;
         }
         if archive.restores() {
-            for condition in &mut self.conditions {
-                condition.damp_by(self.damping);
-            }
+            self.damp_by(self.damping);
+            self.hold_sides(self.sides);
             self.solid_count = whole.solid.points.len();
             self.kept.1 = kept;
             self.body = whole;

@@ -11,7 +11,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     pub(super) fn whole_state(&mut self, archive: &mut Archive) -> Result<(), RestoreError> {
         let mut laid = self.soil.is_some();
         archive!(archive.slice: self.points, *self.carried.as_flattened_mut(), self.states);
-        archive!(archive.value: self.drained, self.settled, self.time, self.stage_time, self.stage_end, self.until);
+        archive!(archive.value: self.drained, self.sides, self.settled, self.time, self.stage_time, self.stage_end, self.until);
         archive!(archive.value: self.counted, self.trouble, self.done, self.totals, self.spent, laid);
         archive!(archive.value: self.ramp, self.rejected, self.rejected_path, self.pushes);
         if !laid {

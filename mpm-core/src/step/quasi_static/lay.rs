@@ -5,7 +5,9 @@ use super::tangent::System;
 use crate::constitutive::{Law, Materials, State};
 use crate::dimension::in_two;
 use crate::particles::SolidPoint;
-use crate::scene::{Course, FaceLoad, LoadOn, Piece, Quadrature, Scene, ShapeChoice, Side, SolidSide, Surcharge};
+use crate::scene::{
+    Bearing, Course, FaceLoad, LoadOn, Piece, Quadrature, Scene, ShapeChoice, Side, SolidSide, Surcharge,
+};
 use crate::space::{Axis, Basis, Fit, Local, MOST, Stencil, fit, gauss, gauss_points};
 use crate::sparse::Unsolved;
 
@@ -13,6 +15,8 @@ use crate::sparse::Unsolved;
 const LEAST_CELLS: [f64; 3] = [0.5, 0.75, 1.0];
 /// Pieces for the integral of a load along one cell.
 const LOAD_PIECES: usize = 16;
+/// Levels of a reservoir from one of its corners to the next: forces between are a straight line.
+const LEVELS: usize = 16;
 
 /// What a mesh is laid over.
 #[derive(Debug)]
@@ -26,8 +30,9 @@ pub(super) struct Ground<'a, const D: usize> {
     pub top: &'a [usize],
     /// How far the surface has come down, m.
     pub settled: f64,
-    /// Drained sides.
+    /// Drained sides, and how the sides hold the soil.
     pub drained: [bool; 4],
+    pub sides: [SolidSide; 4],
     /// Lengths that are not modelled, multiplied: the width of a column or 1 m, m.
     pub thickness: f64,
 }
@@ -355,7 +360,7 @@ impl<const D: usize> Ground<'_, D> {
         };
         let mut shared = None;
         // Soil that slides on its base and leans on nothing has its place along x from nowhere: no force moves it.
-        let sides = &self.scene.solid_sides;
+        let sides = &self.sides;
         let slides = D == 2 && !sides.contains(&SolidSide::Fixed) && !sides[..2].contains(&SolidSide::Roller);
         let pin = slides.then_some(counts[0] / 2);
         let (mut soil_map, mut water_map) = (vec![[HELD; D]; functions], vec![HELD; pressures]);
@@ -372,7 +377,7 @@ impl<const D: usize> Ground<'_, D> {
                     let side = 2 * (axis + 2 - D) + usize::from(upper);
                     dry |= self.is_open(side);
                     top |= side == Side::Top as usize;
-                    match self.scene.solid_sides[side] {
+                    match self.sides[side] {
                         SolidSide::Free => {}
                         SolidSide::Roller => held[axis] = true,
                         SolidSide::Fixed => held = [true; D],
@@ -408,12 +413,7 @@ impl<const D: usize> Ground<'_, D> {
                 if axis + 1 == D { plate.x } else { plate.y }.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
             let slack = 1e-6 * self.scene.cell;
             for function in 0..axes.iter().map(Axis::functions).product() {
-                let mut rest = function;
-                let place: [usize; D] = std::array::from_fn(|d| {
-                    let at = rest % axes[d].functions();
-                    rest /= axes[d].functions();
-                    at
-                });
+                let place = place(axes, function);
                 let stands = if D == 1 { 0.0 } else { axes[1 - axis].splines().stands(place[1 - axis]) };
                 let edge = place[axis] == if upper { axes[axis].functions() - 1 } else { 0 };
                 if edge && (D == 1 || (low - slack..=high + slack).contains(&stands)) {
@@ -456,12 +456,7 @@ impl<const D: usize> Ground<'_, D> {
             }
             if smooth(self.scene.shape) {
                 for (function, _) in water_map.iter().enumerate().filter(|(_, map)| **map == HELD) {
-                    let mut rest = function;
-                    let place: [usize; D] = std::array::from_fn(|d| {
-                        let at = rest % axes[d].functions();
-                        rest /= axes[d].functions();
-                        at
-                    });
+                    let place = place(axes, function);
                     if place[axis] == if upper { axes[axis].functions() - 1 } else { 0 } {
                         let along = D - 1 - axis;
                         let samples =
@@ -485,15 +480,34 @@ impl<const D: usize> Ground<'_, D> {
         });
         let mut loads: Vec<_> = surcharge.into_iter().collect();
         for load in &self.scene.loads {
-            loads.extend(
-                load.course.parts().into_iter().map(|(course, along)| (self.on_side(load, axes, &along), course)),
-            );
+            if let (Bearing::Reservoir, Course::Times(levels)) = (load.bearing, &load.course) {
+                loads.extend(self.reservoir(load, levels, axes));
+                continue;
+            }
+            let parts = load.course.parts().into_iter();
+            loads.extend(parts.map(|(course, along)| (self.on_side(load, axes, &|[x, _]| along(x)), course)));
         }
         loads
     }
 
-    /// Force of a load on a side of the soil where its factor along x is `along`.
-    fn on_side(&self, load: &FaceLoad, axes: &[Axis; D], along: &dyn Fn(f64) -> f64) -> Vec<f64> {
+    /// Forces of a reservoir at its levels and some between, each with a course that is 1 at its own time.
+    fn reservoir(&self, load: &FaceLoad, levels: &[[f64; 2]], axes: &[Axis; D]) -> Vec<(Vec<f64>, Course)> {
+        let weight = self.scene.water.map_or(0.0, |water| water.density) * self.scene.gravity.unwrap_or(0.0);
+        let between = |pair: &[[f64; 2]], i: usize| {
+            [0, 1].map(|d| pair[0][d] + (pair[1][d] - pair[0][d]) * i as f64 / LEVELS as f64)
+        };
+        let fine = levels.windows(2).flat_map(|pair| (1..=LEVELS).map(|i| between(pair, i)));
+        let fine: Vec<[f64; 2]> = levels[..1].iter().copied().chain(fine).collect();
+        let force = |(i, [_, level]): (usize, &[f64; 2])| {
+            let near = i.saturating_sub(1)..(i + 2).min(fine.len());
+            let course = near.map(|j| [fine[j][0], if i == j { 1.0 } else { 0.0 }]).collect();
+            (self.on_side(load, axes, &|[_, y]| weight * (level - y).max(0.0)), Course::Times(course))
+        };
+        fine.iter().enumerate().map(force).collect()
+    }
+
+    /// Force of a load on a side of the soil where its factor is `along` at a place, m.
+    fn on_side(&self, load: &FaceLoad, axes: &[Axis; D], along: &dyn Fn([f64; 2]) -> f64) -> Vec<f64> {
         let functions: usize = axes.iter().map(Axis::functions).product();
         let mut forces = vec![0.0; functions * D];
         let side = load.on.unwrap_or(Side::Top) as usize;
@@ -503,12 +517,16 @@ impl<const D: usize> Ground<'_, D> {
         outward[axis + 2 - D] = sign;
         let force = load.force(&Piece { middle: [0.0; 2], outward });
         let end = if upper { axes[axis].functions() - 1 } else { 0 };
-        let place = |x: f64| if axis == 0 { axes[0].knots[if upper { axes[0].cells() } else { 0 }] } else { x };
+        let place = |x: f64| {
+            let mut place = [x; D];
+            place[axis] = axes[axis].knots[if upper { axes[axis].cells() } else { 0 }];
+            in_two(&place)
+        };
         let range = if axis + 1 == D { load.x } else { load.y };
         let sums = if D == 1 {
-            vec![1.0]
+            vec![along(place(0.0))]
         } else {
-            integrals(&axes[1 - axis], range, |x| along(place(x)) * self.thickness_at(place(x)))
+            integrals(&axes[1 - axis], range, |x| along(place(x)) * self.thickness_at(place(x)[0]))
         };
         for (i, sum) in sums.into_iter().enumerate() {
             let function =
@@ -652,6 +670,22 @@ pub(super) fn middle<const D: usize>(axes: &[Axis; D], position: &[usize; D]) ->
 /// Number of a cell, the first axis fastest.
 pub(super) fn number<const D: usize>(axes: &[Axis; D], position: &[usize; D]) -> usize {
     (0..D).rev().fold(0, |n, d| n * axes[d].cells() + position[d])
+}
+
+/// Lattice position of a function.
+pub(super) fn place<const D: usize>(axes: &[Axis; D], function: usize) -> [usize; D] {
+    let mut rest = function;
+    std::array::from_fn(|d| {
+        let i = rest % axes[d].functions();
+        rest /= axes[d].functions();
+        i
+    })
+}
+
+/// Where a spline stands, m.
+pub(super) fn stands<const D: usize>(axes: &[Axis; D], function: usize) -> [f64; D] {
+    let place = place(axes, function);
+    std::array::from_fn(|d| axes[d].splines().stands(place[d]))
 }
 
 /// Lattice position of a cell.

@@ -2,10 +2,11 @@
 
 use super::lay::smooth;
 use super::march::work_of;
-use super::soil::{InsideOut, PorePart, PoreState, Strained};
+use super::soil::{InsideOut, PorePart, PoreState, Soil, Strained};
 use super::{Method, QuasiStatic, lay};
 use crate::constitutive::Law;
-use crate::observe::{CellValues, FieldPoint, Observation, Places, checkerboard, profile};
+use crate::observe::{CellValues, FieldPoint, Observation, checkerboard, profile};
+use crate::particles::SolidPoint;
 use crate::space::{Stencil, stretch, turned};
 use crate::water::stored_energy;
 
@@ -34,8 +35,8 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         }
     }
 
-    /// Where the particles are, and their stresses.
-    pub(super) fn look_at_particles(&self) -> Places {
+    /// The particles where they are, with their stresses.
+    pub(super) fn points_now(&self) -> Vec<SolidPoint<D>> {
         let mut points = self.points.clone();
         for (i, point) in points.iter_mut().enumerate() {
             let moved = self.moved(i);
@@ -44,7 +45,16 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
                 point.stress = turned(&state.stress, &state.push.rotation);
             }
         }
-        Places::of(&points, &[])
+        points
+    }
+
+    /// Pore pressure where a particle stood when the mesh was laid, Pa.
+    pub(super) fn pressure_at(&self, soil: &Soil<L, D>, x: &[f64; D]) -> f64 {
+        match smooth(self.scene.shape) {
+            _ if soil.p.is_empty() => 0.0,
+            true => Stencil::at(&soil.axes, x).scalar(&soil.p),
+            false => soil.p[lay::number(&soil.axes, &lay::cell_of(&soil.axes, x))],
+        }
     }
 
     /// Centre of mass of the soil, m: x (zero in a column) and y.
@@ -158,13 +168,8 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             return part.water.number[0] as usize;
         }
         // The first function of a B-spline stencil belongs to one cell along each axis.
-        let mut rest = part.water.number[0] as usize;
-        let position = std::array::from_fn(|d| {
-            let functions = soil.axes[d].functions();
-            let at = rest % functions;
-            rest /= functions;
-            soil.axes[d].splines().cell_with(at)
-        });
+        let place = lay::place(&soil.axes, part.water.number[0] as usize);
+        let position = std::array::from_fn(|d| soil.axes[d].splines().cell_with(place[d]));
         lay::number(&soil.axes, &position)
     }
 

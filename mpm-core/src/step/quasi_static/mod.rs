@@ -35,9 +35,9 @@ use super::{Fault, Model, Work};
 use crate::checkpoint::{Archive, RestoreError};
 use crate::constitutive::{Flow, Law, Materials, State};
 use crate::dimension::in_two;
-use crate::observe::{Ledger, Observation, Places, Push, Totals};
+use crate::observe::{Ledger, Observation, Places, Push, SolidState, Totals};
 use crate::particles::SolidPoint;
-use crate::scene::{Scene, Stage, StepChoice, StrainChoice, TimeMethod};
+use crate::scene::{Scene, SolidSide, Stage, StepChoice, StrainChoice, TimeMethod};
 
 /// What a quasi-static run is made of.
 #[derive(Debug)]
@@ -50,8 +50,8 @@ pub struct Seeding<L, const D: usize> {
     pub top: Vec<usize>,
     /// Lengths that are not modelled, multiplied: the width of a column or 1 m, m.
     pub thickness: f64,
-    /// Pore pressure at a height at t = 0, Pa.
-    pub first_pressure: fn(&Scene, f64) -> f64,
+    /// Pore pressure at a place (m) at t = 0, Pa.
+    pub first_pressure: fn(&Scene, [f64; 2]) -> f64,
     /// Settlement of the state the run starts from, counted from the unloaded one, m.
     pub first_settlement: f64,
 }
@@ -91,6 +91,8 @@ pub struct QuasiStatic<L: Law, const D: usize> {
     /// Settlement of the surface since t = 0 when the mesh was laid, m.
     settled: f64,
     drained: [bool; 4],
+    /// How the sides hold the soil in this stage.
+    sides: [SolidSide; 4],
     time: f64,
     stage_time: f64,
     stage_end: f64,
@@ -164,6 +166,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             settle_with: Vec::new(),
             settled: 0.0,
             drained: [false; 4],
+            sides: scene.solid_sides,
             time: 0.0,
             stage_time: 0.0,
             stage_end: 0.0,
@@ -244,6 +247,8 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
     fn enter_stage(&mut self, stage: &Stage, times: &[f64]) -> Result<(), Fault> {
         self.count_work();
         self.method = None;
+        let sides = stage.solid_sides.unwrap_or(self.scene.solid_sides);
+        let released = std::mem::replace(&mut self.sides, sides) != sides;
         // Soil that is only strained a little stands where it stood: its stresses go to a mesh with other unknowns.
         if self.soil.is_some() && self.scene.strain == StrainChoice::Large {
             self.drain(stage.drained)?;
@@ -252,11 +257,13 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
         }
         (self.stage_time, self.until) = (0.0, 0.0);
         self.stage_end = times.last().copied().unwrap_or(0.0);
-        if !self.counted {
-            self.counted = true;
+        let first = !std::mem::replace(&mut self.counted, true);
+        if first {
             self.ramp = self.ramp(times);
             let cells = self.cell_values();
             self.totals.start(&cells);
+        }
+        if first || released {
             self.loose = self.soil.as_ref().map_or_else(Vec::new, Soil::forces);
         }
         let krylov = match self.scene.method {
@@ -299,7 +306,21 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
     }
 
     fn places(&self) -> Places {
-        self.look_at_particles()
+        Places::of(&self.points_now(), &[])
+    }
+
+    fn particles(&self) -> Vec<SolidState> {
+        let pressure = |i: usize| self.soil.as_ref().map_or(0.0, |soil| self.pressure_at(soil, &self.points[i].x));
+        let state = |(i, point): (usize, SolidPoint<D>)| SolidState {
+            id: i as u32,
+            x: in_two(&point.x),
+            stress: point.stress,
+            pore_pressure: pressure(i),
+            volume: point.volume,
+            mass: point.mass,
+            ..SolidState::default()
+        };
+        self.points_now().into_iter().enumerate().map(state).collect()
     }
 
     fn observe(&self) -> (Observation, Ledger) {

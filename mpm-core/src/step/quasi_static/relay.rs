@@ -1,14 +1,15 @@
 //! New meshes: the state of the old one goes to the particles, theirs to the new one.
 
-use super::lay::{Ground, smooth, top_integrals};
+use super::lay::{Ground, smooth, stands, top_integrals};
 use super::newton::Workspace;
 use super::soil::{HELD, Soil, Strained};
 use super::trouble::{inside_out, nothing, unsolved};
 use super::{QuasiStatic, lay};
 use crate::constitutive::Law;
+use crate::dimension::in_two;
 use crate::particles::SolidPoint;
 use crate::scene::{SolidSide, StrainChoice};
-use crate::space::{Stencil, stretch, turned};
+use crate::space::{stretch, turned};
 use crate::sparse::{Factor, Ordering, Signs, Sparse, Unsolved};
 use crate::step::Fault;
 
@@ -52,6 +53,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             top: &self.seeding.top,
             settled: if large { self.settled } else { 0.0 },
             drained,
+            sides: self.sides,
             thickness: self.seeding.thickness,
         };
         ground.lay(self.seeding.law.clone()).map_err(|e| unsolved(&e))
@@ -88,13 +90,12 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             None => {
                 let first = self.seeding.first_pressure;
                 for function in 0..soil.p.len() {
-                    let height = if smooth {
-                        let below: usize = soil.axes[..D - 1].iter().map(|a| a.functions()).product();
-                        soil.axes[D - 1].splines().stands(function / below)
+                    let place = if smooth {
+                        stands(&soil.axes, function)
                     } else {
-                        lay::middle(&soil.axes, &lay::position(&soil.axes, function))[D - 1]
+                        lay::middle(&soil.axes, &lay::position(&soil.axes, function))
                     };
-                    soil.p[function] = first(&self.scene, height);
+                    soil.p[function] = first(&self.scene, in_two(&place));
                 }
             }
             Some(pressures) => project(soil, &self.points, pressures, smooth).map_err(|e| unsolved(&e))?,
@@ -112,13 +113,14 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// Water content of the first pressures where these jump from layer to layer, which B-splines cannot: integrated
     /// as they are.
     fn first_content(&mut self, soil: &Soil<L, D>) {
-        let below: usize = soil.axes[..D - 1].iter().map(|a| a.functions()).product();
         self.content.fill(0.0);
         for part in &soil.pore {
-            let of =
-                |a: usize| part.soil.value[a] * soil.axes[D - 1].splines().stands(part.soil.number[a] as usize / below);
-            let height = (0..part.soil.count).map(of).sum();
-            let pressure = (self.seeding.first_pressure)(&self.scene, height);
+            let mut place = [0.0; D];
+            for a in 0..part.soil.count {
+                let stands = stands(&soil.axes, part.soil.number[a] as usize);
+                (0..D).for_each(|d| place[d] += part.soil.value[a] * stands[d]);
+            }
+            let pressure = (self.seeding.first_pressure)(&self.scene, in_two(&place));
             let content = part.weight * part.porosity * pressure * soil.fluid.compressibility;
             for b in 0..part.water.count {
                 self.content[part.water.number[b] as usize] += content * part.water.value[b];
@@ -131,17 +133,10 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let Some(soil) = &mut self.soil else { return Vec::new() };
         soil.expand(&self.y);
         let large = self.scene.strain == StrainChoice::Large;
-        let smooth = smooth(self.scene.shape);
-        let mut pressures = Vec::with_capacity(self.points.len());
+        let Some(soil) = &self.soil else { return Vec::new() };
+        let pressures = self.points.iter().map(|point| self.pressure_at(soil, &point.x)).collect();
         for (i, point) in self.points.iter_mut().enumerate() {
             let part = &soil.solid[i];
-            if soil.p.is_empty() {
-                pressures.push(0.0);
-            } else if smooth {
-                pressures.push(Stencil::at(&soil.axes, &point.x).scalar(&soil.p));
-            } else {
-                pressures.push(soil.p[lay::number(&soil.axes, &lay::cell_of(&soil.axes, &point.x))]);
-            }
             let Some(Strained { push, stress, state, .. }) = soil.strained(part) else { continue };
             self.states[i] = state;
             point.stress = turned(&stress, &push.rotation);
@@ -166,7 +161,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
 
     /// Whether the surface stays flat, so that a new mesh finds its outline.
     pub(super) fn flat(&self) -> bool {
-        let held = |side: usize| self.scene.solid_sides[side] != SolidSide::Free;
+        let held = |side: usize| self.sides[side] != SolidSide::Free;
         D == 1 || (held(0) && held(1) && self.scene.surcharge.is_none_or(|s| s.strip.is_none()))
     }
 }

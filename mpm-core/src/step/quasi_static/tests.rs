@@ -50,13 +50,14 @@ fn entered<L: Law, const D: usize>(scene: &Scene, law: L) -> QuasiStatic<L, D> {
             law: Materials::one(law, 1.0 / scene.grain_density),
             top: Vec::new(),
             thickness,
-            first_pressure: |_, height| 1e3 * height,
+            first_pressure: |_, [_, height]| 1e3 * height,
             first_settlement: 0.0,
         },
     );
     let stage = Stage {
         name: String::new(),
         drained: [false, false, false, true],
+        solid_sides: None,
         damping: 0.0,
         clock: crate::scene::Clock::default(),
         until: Until::Time(1.0),
