@@ -5,7 +5,7 @@ use mpm_core::scene::Scene;
 use crate::error::Error::{self, Lacks};
 
 /// Names and texts of the scenes in `reference-data/scenes`.
-pub const BUILT_IN: [(&str, &str); 39] = [
+pub const BUILT_IN: [(&str, &str); 41] = [
     ("biot-column", include_str!("../../reference-data/scenes/biot-column.toml")),
     ("block-on-incline", include_str!("../../reference-data/scenes/block-on-incline.toml")),
     ("block-stops", include_str!("../../reference-data/scenes/block-stops.toml")),
@@ -44,6 +44,8 @@ pub const BUILT_IN: [(&str, &str); 39] = [
     ("terzaghi-semi-implicit", include_str!("../../reference-data/scenes/terzaghi-semi-implicit.toml")),
     ("undrained", include_str!("../../reference-data/scenes/undrained.toml")),
     ("undrained-wave", include_str!("../../reference-data/scenes/undrained-wave.toml")),
+    ("well", include_str!("../../reference-data/scenes/well.toml")),
+    ("well-line", include_str!("../../reference-data/scenes/well-line.toml")),
     ("wetting-front", include_str!("../../reference-data/scenes/wetting-front.toml")),
 ];
 

@@ -9,7 +9,7 @@ use Feature::{
     Gravity, HeldTop, Incompressible, InertiaKept, JumpPenalty, Krylov, LargeStrain, Layers, LightNodes, LinearElastic,
     Load, Loads, MohrCoulomb, MovedPlates, Musl, NoGravity, Nodal, Outline, PaperStep, Periodic, Plate, PressureEnd,
     QuasiStatic, Regions, RestEnd, Safety, Saturated, SemiImplicit, Separation, Shift, Sideroom, SlopeAngle,
-    SmallStrain, StartK0, StartVelocity, Strip, TimeMethod, Tolerance, TwoClocks, UndrainedStart, Unloaded,
+    SmallStrain, StartK0, StartVelocity, Strip, TimeMethod, Tolerance, TwoClocks, UndrainedStart, Unloaded, Wells,
 };
 
 /// Something that a scene has, and that not everything goes with.
@@ -61,6 +61,7 @@ pub enum Feature {
     Strip,
     Loads,
     MovedPlates,
+    Wells,
     DarcyOperator,
     Nodal,
     DarcyInertia,
@@ -84,7 +85,7 @@ pub enum Feature {
 }
 
 /// Every feature with the key that asks for it and what a scene file says there.
-pub const FEATURES: [(Feature, &str, &str); 65] = [
+pub const FEATURES: [(Feature, &str, &str); 66] = [
     (Column, "dimension", "\"column\""),
     (Outline, "geometry.outline", "[geometry.outline]"),
     (Explicit, "time.integrator", "\"explicit\""),
@@ -130,6 +131,7 @@ pub const FEATURES: [(Feature, &str, &str); 65] = [
     (Strip, "surcharge.strip", "surcharge.strip"),
     (Loads, "loads", "[[loads]] or [[reservoirs]]"),
     (MovedPlates, "plates", "[[plates]]"),
+    (Wells, "wells", "[[wells]]"),
     (DarcyOperator, "scheme.darcy", "scheme.darcy"),
     (Nodal, "scheme.darcy", "\"nodal\""),
     (DarcyInertia, "scheme.darcy_inertia", "scheme.darcy_inertia"),
@@ -270,7 +272,7 @@ pub const RULES: &[Rule] = &[
     ),
     rule(
         PressureEnd,
-        &[Loads, MovedPlates],
+        &[Loads, MovedPlates, Wells],
         "time or time_factor beside them: the pressure waited for is that of [surcharge] alone",
     ),
     rule(SemiImplicit, &[Dry], "a [water] table beside it: a dry scene has no pressure to solve for"),
@@ -295,6 +297,14 @@ pub const RULES: &[Rule] = &[
     ),
     rule(PaperStep, &[FreeSurface], "\"auto\" or a step (s): the paper's 1e-7 s is that of its consolidation column"),
     rule(Nodal, &[Periodic, Outline], "\"face\" beside it: the nodal flow takes every cell for full of soil"),
+    rule(Wells, &[Dry], "[water] beside it: a dry scene has none to take"),
+    rule(
+        Wells,
+        &[FreeSurface],
+        "soil full of water beside it: water with a free surface comes and goes by its feeds and [[reservoirs]]",
+    ),
+    rule(Wells, &[Sideroom], "no room to run out beside it: soil that does gives its water away with its particles"),
+    rule(Wells, &[Nodal], "\"face\" beside wells: the balance of a cell is that of its faces"),
     // Functions.
     rule(
         Bspline3,
@@ -351,6 +361,7 @@ pub const RULES: &[Rule] = &[
         &[MovedPlates],
         "method = \"sdirk\" beside plates that are moved: the Krylov method is for constant loads",
     ),
+    rule(Krylov, &[Wells], "method = \"sdirk\" beside wells: the Krylov method is for constant loads"),
     rule(Krylov, &[GivenStep, PaperStep], "step = \"auto\": the Krylov method has no steps"),
     rule(InertiaKept, &[QuasiStatic], "false, or no such key: quasi-static has no inertia"),
     rule(Flip, &[QuasiStatic], "no such key beside quasi-static, which carries no velocities"),

@@ -28,7 +28,7 @@ pub use failure::Failure;
 pub use flags::Flags;
 pub use free_surface::{Clock, Feed, FreeSurfaceWater};
 pub use ground::{Base, NormalStress, SeedingChoice};
-pub use loads::{AlongX, Bearing, Course, FaceLoad, MovedPlate, Piece};
+pub use loads::{AlongX, Bearing, Course, FaceLoad, MovedPlate, Piece, Well};
 pub(crate) use moving::THROUGH_CELLS;
 pub use moving::{Estimate, UnfitLoad};
 pub use patch::Change;
@@ -585,6 +585,9 @@ pub struct Fields {
     /// Plates that are moved as given.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub plates: Vec<MovedPlate>,
+    /// Wells.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub wells: Vec<Well>,
     /// How time is integrated.
     pub integrator: Integrator,
     /// How quasi-static time steps are made.
@@ -812,7 +815,8 @@ impl Fields {
         let smooth = walls.iter().all(|i| self.solid_sides[*i] == SolidSide::Roller) && self.is_level_column();
         let uniform = self.regions.is_empty() || self.dimension == Dimension::Column;
         let tight = !self.stages.iter().any(|stage| walls.iter().any(|i| stage.drained[*i]));
-        let even = (self.loads.is_empty() && self.plates.is_empty()) || self.dimension == Dimension::Column;
+        let even = self.loads.is_empty() && self.plates.is_empty() && self.wells.is_empty();
+        let even = even || self.dimension == Dimension::Column;
         smooth && uniform && even && tight && self.surcharge.is_none_or(|s| s.strip.is_none())
     }
 
@@ -821,9 +825,9 @@ impl Fields {
         self.is_one_dimensional() && self.has_plain_ground()
     }
 
-    /// Whether there are no regions, and no loads or plates beside the surcharge.
+    /// Whether there are no regions, no wells, and no loads or plates beside the surcharge.
     pub fn has_plain_ground(&self) -> bool {
-        self.regions.is_empty() && self.loads.is_empty() && self.plates.is_empty()
+        self.regions.is_empty() && self.loads.is_empty() && self.plates.is_empty() && self.wells.is_empty()
     }
 
     /// Seconds per unit of the time factor Tv = c_v t / H_d^2 with c_v = k M / gamma_w (incompressible water) of the

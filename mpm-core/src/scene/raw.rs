@@ -32,6 +32,7 @@ pub(super) struct RawScene {
     pub loads: Option<Spanned<Vec<Spanned<RawLoad>>>>,
     pub reservoirs: Option<Spanned<Vec<Spanned<RawReservoir>>>>,
     pub plates: Option<Spanned<Vec<Spanned<RawPlate>>>>,
+    pub wells: Option<Spanned<Vec<Spanned<RawWell>>>>,
     pub scheme: Option<Spanned<RawScheme>>,
     pub time: Option<Spanned<RawTime>>,
     pub stages: Spanned<Vec<Spanned<RawStage>>>,
@@ -265,6 +266,16 @@ pub(super) struct RawReservoir {
     pub y: Option<Spanned<[f64; 2]>>,
     pub level: Option<Number>,
     pub levels: Option<Pairs>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawWell {
+    pub at: Spanned<Value>,
+    pub rate: Number,
+    pub ramp_time: Option<Number>,
+    pub times: Option<Pairs>,
+    pub sine: Option<Spanned<RawSine>>,
 }
 
 /// How something goes on in time.

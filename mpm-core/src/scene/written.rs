@@ -323,6 +323,15 @@ impl Fields {
             plates.push(out.0);
         }
         out.put("plates", Some(plates).filter(|list| !list.is_empty()))?;
+        let mut wells = Vec::new();
+        for well in &self.wells {
+            let mut out = Writer::default();
+            out.put("at", well.at)?;
+            out.put("rate", well.rate)?;
+            out.course(&well.course)?;
+            wells.push(out.0);
+        }
+        out.put("wells", Some(wells).filter(|list| !list.is_empty()))?;
         out.put("loads", Some(loads).filter(|loads| !loads.is_empty()))?;
         out.put("failure", &self.failure)
     }

@@ -1,10 +1,14 @@
 //! Faces of cells that water passes: how each conducts, and what leaves through those that are drained.
 
-use super::store::Frame;
+use pulp::Simd;
+
+use super::pressure::storage;
+use super::store::{Frame, Strip};
 use crate::boundary::Filled;
 use crate::grid::Grid;
 use crate::observe::Totals;
 use crate::particles::{Layer, SolidPoint};
+use crate::scene::Well;
 use crate::water::pores::Pores;
 use crate::water::{DRAINED_SURFACE, FaceFlow};
 
@@ -39,6 +43,17 @@ pub struct Outlet {
     pub outside: Option<f64>,
 }
 
+/// A cell that a well takes water from.
+#[derive(Debug, Clone, Copy)]
+pub struct Intake {
+    /// The cell.
+    pub cell: usize,
+    /// The well, and the share of its water.
+    of: (usize, f64),
+    /// What it takes now, m3/s; below 0 it puts some in.
+    pub rate: f64,
+}
+
 /// A face at the outline of the soil: whether it lets water out, its axis, outwards (1 or -1), its nodes.
 pub type Outline = (bool, usize, f64, [usize; 2]);
 
@@ -61,8 +76,10 @@ pub struct Faces<const D: usize> {
     pub outline: Vec<Outline>,
     /// Pieces of an outline that cuts cells, where they let water through.
     pub outlets: Vec<Outlet>,
-    /// What leaves each cell through them in the step, m3/s, and what is left of the stiffness of its water; empty where no outline
-    /// cuts cells.
+    /// Cells in which wells stand.
+    pub intakes: Vec<Intake>,
+    /// What leaves each cell through outlets and wells in the step, m3/s, and what is left of the stiffness of its water; empty where
+    /// there are none, and where no outline cuts cells.
     pub outflow: Vec<f64>,
     pub softness: Vec<f64>,
     /// Whether water goes over the seam of a periodic mesh.
@@ -84,6 +101,7 @@ impl<const D: usize> Faces<D> {
             drained: Vec::new(),
             outline: Vec::new(),
             outlets: Vec::new(),
+            intakes: Vec::new(),
             outflow: Vec::new(),
             softness: Vec::new(),
             periodic: false,
@@ -128,6 +146,14 @@ impl<const D: usize> Faces<D> {
             drained.clear();
             self.open_cuts(grid, water);
         }
+        self.intakes.clear();
+        for (which, well) in water.wells.iter().enumerate() {
+            let cells = water.around_well(well, grid, solid);
+            let (frame, share) = (self.frame, 1.0 / cells.len() as f64);
+            let intake = |cell| Intake { cell: frame.number(&grid.cell_position(cell)), of: (which, share), rate: 0.0 };
+            self.intakes.extend(cells.into_iter().map(intake));
+            self.outflow.resize(frame.length(), 0.0);
+        }
     }
 
     /// The same of the pieces of an outline that cuts cells.
@@ -162,8 +188,12 @@ impl<const D: usize> Faces<D> {
         }
     }
 
-    /// Looks at the water outside at a time, s. Whether that has opened or closed an outlet.
+    /// Looks at the water outside and the wells at a time, s. Whether that has opened or closed an outlet.
     pub fn look_outside(&mut self, water: &Pores<D>, time: f64) -> bool {
+        for intake in &mut self.intakes {
+            let Well { rate, course, .. } = &water.wells[intake.of.0];
+            intake.rate = intake.of.1 * rate * course.at(time, 0.0);
+        }
         let mut changed = false;
         for outlet in self.outlets.iter_mut().filter(|outlet| outlet.water != 0) {
             let (place, before) = (&outlet.middle, outlet.outside.is_some());
@@ -191,11 +221,12 @@ impl<const D: usize> Faces<D> {
         sum
     }
 
-    /// What leaves through outlets in a step dt (s) under pressures of the cells (Pa, from [`Frame::pad`] on).
-    pub fn let_out(
+    /// What leaves through outlets and wells in a step dt (s) under pressures of the cells (Pa, from [`Frame::pad`] on): those of its end, or of
+    /// its start, from which the cells of the strips go on.
+    pub fn let_out<V: Simd>(
         &mut self,
         flow: &FaceFlow,
-        pressure: &[f64],
+        (pressure, strips): (&[f64], Option<&[Strip<V, D>]>),
         drive: (&[f64; D], &[Vec<f64>; 2]),
         totals: &mut Totals<D>,
         dt: f64,
@@ -213,6 +244,14 @@ impl<const D: usize> Faces<D> {
             totals.darcy_dissipation += dt * out * head;
             totals.flow_body_work += dt * out * body;
             totals.external_work -= dt * out * outside;
+        }
+        for Intake { cell, rate, .. } in &self.intakes {
+            self.outflow[*cell] += rate;
+            totals.water_out += dt * rate.max(0.0);
+            totals.water_in -= dt * rate.min(0.0);
+            // Under the mean of both ends: what a well itself changes in a step may be all there is.
+            let stores = strips.map_or(f64::INFINITY, |strips| storage(strips, &self.frame, *cell, (flow, self)));
+            totals.external_work -= dt * rate * (pressure[self.frame.pad() + cell] - 0.5 * dt * rate / stores);
         }
     }
 

@@ -347,6 +347,9 @@ impl<const D: usize> PressureSystem<D> {
             let row = self.row_of[outlet.cell] as usize;
             self.right[row] += dt * flow.area * flow.conductance * outlet.conducts * (outside - body);
         }
+        for intake in &faces.intakes {
+            self.right[self.row_of[intake.cell] as usize] -= dt * intake.rate;
+        }
     }
 
     /// Adds the force `C p^{n+1}` to the nodes.
@@ -382,7 +385,7 @@ fn coupling<'a, V: Simd, const D: usize>(strips: &'a [Strip<V, D>], frame: &Fram
 }
 
 /// Water that a cell stores per pressure, V n/K_w and what its grains give, m3/Pa; zero where neither compresses.
-fn storage<V: Simd, const D: usize>(
+pub(super) fn storage<V: Simd, const D: usize>(
     strips: &[Strip<V, D>],
     frame: &Frame<D>,
     cell: usize,

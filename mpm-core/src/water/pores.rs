@@ -6,7 +6,7 @@ use super::{Cuts, FaceFlow, Halves, density_ratio, stored_energy};
 use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::grid::Grid;
 use crate::particles::{Layer, Point, SolidPoint, WaterPoint};
-use crate::scene::{FaceLoad, Integrator, Scene, WaterProperties};
+use crate::scene::{FaceLoad, Integrator, Scene, WaterProperties, Well};
 use crate::soils::Soils;
 
 /// Soil of a cell, as water counts it.
@@ -65,6 +65,8 @@ pub struct Pores<const D: usize> {
     pub outside: Vec<FaceLoad>,
     /// Weight of the water, N/m3.
     pub weight: f64,
+    /// The wells of the scene.
+    pub wells: Vec<Well>,
 }
 
 /// Share of a cell's soil that its water must fill to have a pressure, where soil runs out.
@@ -104,6 +106,7 @@ impl<const D: usize> Pores<D> {
             seen: false,
             outside: scene.loads.clone(),
             weight: properties.density * scene.gravity.unwrap_or(0.0),
+            wells: scene.wells.clone(),
             grain_inverse: Vec::new(),
             biot: Vec::new(),
             open_edges,
@@ -210,6 +213,18 @@ impl<const D: usize> Pores<D> {
         self.bare.clear();
         self.bare.extend((0..grid.cell_count()).filter(is_open).map(|cell| cell as u32));
         self.rebuild(grid, solid);
+    }
+
+    /// Cells of soil with water in which a well stands, in equal shares; where there are none, the nearest.
+    pub fn around_well(&self, well: &Well, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>) -> Vec<usize> {
+        let wet = |cell: &usize| !solid.range(*cell).is_empty() && self.has_water(*cell);
+        let off = |cell: usize| {
+            let position = grid.cell_position(cell);
+            let along = |d: usize| (position[d] as f64 + 0.5 - well.at[d + 2 - D] * grid.inverse_size).abs();
+            (0..D).map(along).fold(0.5 + 1e-6, f64::max)
+        };
+        let least = (0..grid.cell_count()).filter(wet).map(off).fold(f64::INFINITY, f64::min);
+        (0..grid.cell_count()).filter(wet).filter(|cell| off(*cell) == least).collect()
     }
 
     /// Whether water may leave the soil.

@@ -50,6 +50,7 @@ mod undrained_wave;
 mod verdict;
 mod vortex;
 mod water_ledger;
+mod wells;
 mod wetting;
 
 use std::cell::Cell;
@@ -206,6 +207,12 @@ pub const LADDER: &[Rung] = &[
     features::CASES[6],
     features::CASES[7],
     features::CASES[8],
+    wells::CASES[0],
+    wells::CASES[1],
+    wells::CASES[2],
+    wells::CASES[3],
+    wells::CASES[4],
+    wells::CASES[5],
     block::STICKS,
     block::STOPS,
     block::SLIDES,

@@ -32,6 +32,7 @@ pub mod strip;
 pub mod terzaghi;
 pub mod undrained_wave;
 pub mod vortex;
+pub mod wells;
 pub mod wetting_front;
 
 #[cfg(test)]

@@ -526,6 +526,20 @@ pub const MUTANTS: &[Mutant] = &[
         "(self.weight * cos - 0.0 * self.pore * length) * tan",
     ),
     fault(
+        "well-at-half-rate",
+        "a well takes half of its water where pressures are solved for",
+        "mpm-core/src/step/pressure.rs",
+        "-= dt * intake.rate;",
+        "-= 0.5 * dt * intake.rate;",
+    ),
+    fault(
+        "well-at-half-rate-quasi-static",
+        "the same in quasi-static runs",
+        "mpm-core/src/step/quasi_static/soil.rs",
+        "self.values.flow[function as usize] += rate * share;",
+        "self.values.flow[function as usize] += 0.5 * rate * share;",
+    ),
+    fault(
         "balances-always-close",
         "every balance of a run closes, whatever is missing",
         "mpm-core/src/observe/trust.rs",

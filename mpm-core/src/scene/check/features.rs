@@ -104,6 +104,7 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
         Feature::Strip => surcharge.is_some_and(|load| load.strip.is_some()),
         Feature::Loads => raw.loads.is_some() || raw.reservoirs.is_some(),
         Feature::MovedPlates => raw.plates.is_some(),
+        Feature::Wells => raw.wells.is_some(),
         Feature::DarcyOperator => scheme.is_some_and(|scheme| scheme.darcy.is_some()),
         Feature::Nodal => scheme.is_some_and(|scheme| is(scheme.darcy.as_ref(), "nodal")),
         Feature::DarcyInertia => scheme.is_some_and(|scheme| scheme.darcy_inertia.is_some()),

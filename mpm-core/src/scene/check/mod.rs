@@ -274,6 +274,7 @@ impl Reader<'_> {
             surcharge,
             loads: Vec::new(),
             plates: Vec::new(),
+            wells: Vec::new(),
             integrator: time.integrator,
             method: time.method,
             tolerance: time.tolerance,
@@ -306,6 +307,7 @@ impl Reader<'_> {
         scene.regions = self.regions(raw, &scene)?;
         scene.loads = self.loads(raw, &scene)?;
         scene.plates = self.plates(raw, &scene)?;
+        scene.wells = self.wells(raw, &scene)?;
         if self.light_nodes(raw)?.is_none() {
             scene.light_nodes = scene.usual_light_nodes();
         }

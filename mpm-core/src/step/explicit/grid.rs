@@ -147,7 +147,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             conducts: &motion.acceleration, // no water
             ratio: None,
             grains: None,
-            cuts: None,
+            outflow: None,
+            softness: None,
             biot: None,
             soil,
             moves: false,

@@ -5,7 +5,7 @@ use super::tangent::System;
 use crate::constitutive::{Law, Materials, State};
 use crate::dimension::in_two;
 use crate::particles::SolidPoint;
-use crate::scene::{Course, FaceLoad, LoadOn, Piece, Quadrature, Scene, ShapeChoice, Side, SolidSide, Surcharge};
+use crate::scene::{Course, FaceLoad, LoadOn, Piece, Quadrature, Scene, ShapeChoice, Side, SolidSide, Surcharge, Well};
 use crate::space::{Axis, Basis, Fit, Local, Stencil, fit, gauss, gauss_points};
 use crate::sparse::Unsolved;
 
@@ -48,9 +48,12 @@ impl<const D: usize> Ground<'_, D> {
         std::array::from_fn(|d| {
             let high = if d == D - 1 { scene.height - self.settled } else { scene.width };
             let axis = Axis::new(0.0, high, scene.cell, -scene.shift * scene.cell, least, basis);
-            // Strain and gradient of the pressure jump between layers: B-splines must bend there.
+            // Strain and gradient of the pressure jump between layers, and at the level of a column that a well takes water from:
+            // B-splines must bend there.
             let tops = scene.layers.iter().filter(|_| d == D - 1).map(|layer| layer.up_to);
-            if scene.layers.is_empty() { axis } else { axis.broken_at(tops) }
+            let wells = scene.wells.iter().filter(|_| D == 1).map(|well| well.at[1]);
+            let mut places = tops.chain(wells).peekable();
+            if places.peek().is_none() { axis } else { axis.broken_at(places) }
         })
     }
 
@@ -150,6 +153,7 @@ impl<const D: usize> Ground<'_, D> {
             p: vec![0.0; pressures],
             moved,
             plates: scene.plates.iter().map(|plate| (plate.clone(), [0.0; 2])).collect(),
+            wells: self.wells(&axes),
             held_pressure: vec![0.0; if before.is_empty() { 0 } else { pressures }],
             before,
             outside: (scene.loads.clone(), water.density * scene.gravity.unwrap_or(0.0)),
@@ -442,6 +446,28 @@ impl<const D: usize> Ground<'_, D> {
             }
         }
         before
+    }
+
+    /// Wells, whose height goes with that of the soil: pressure functions with their shares.
+    fn wells(&self, axes: &[Axis; D]) -> Vec<(Vec<(u32, f64)>, Well, f64)> {
+        let of = |well: &Well| {
+            let stands = 1.0 - self.settled / self.scene.height;
+            let place: [f64; D] = std::array::from_fn(|d| well.at[d + 2 - D] * if d + 1 == D { stands } else { 1.0 });
+            let shares = if smooth(self.scene.shape) {
+                let Stencil { count, number, value, .. } = Stencil::at(axes, &place);
+                (0..count).map(|a| (number[a], value[a])).collect()
+            } else {
+                // On a line of the mesh it stands in the cells on both sides.
+                let beside = |quadrant: usize| {
+                    let shift = |d: usize| if quadrant >> d & 1 == 1 { 1e-6 } else { -1e-6 } * self.scene.cell;
+                    let cell = cell_of(axes, &std::array::from_fn(|d| place[d] + shift(d)));
+                    (number(axes, &cell) as u32, 0.5_f64.powi(D as i32))
+                };
+                (0..1 << D).map(beside).collect()
+            };
+            (shares, well.clone(), 0.0)
+        };
+        self.scene.wells.iter().map(of).collect()
     }
 
     /// The loads: force where the factor is 1 (N per displacement function and direction), and how it goes on.

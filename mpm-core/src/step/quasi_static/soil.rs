@@ -14,7 +14,7 @@
 
 use super::tangent::System;
 use crate::constitutive::{Flow, Law, Materials, STATES, State};
-use crate::scene::{Course, FaceLoad, MovedPlate};
+use crate::scene::{Course, FaceLoad, MovedPlate, Well};
 use crate::space::{Axis, MOST, Stencil, strain_mode, stretch, tensor, turned};
 
 /// Most that a law's results in steps and in half steps may be apart for an extrapolation, as a share of the stress.
@@ -97,13 +97,13 @@ pub(super) struct Values {
     pub content: Vec<f64>,
     /// Flow out of each pressure function, m3/s.
     pub flow: Vec<f64>,
-    /// Water that leaves through drained faces, m3/s.
+    /// Water that leaves through drained faces and wells, m3/s.
     pub outflow: f64,
     /// Friction in the pores, W.
     pub dissipation: f64,
     /// Work of gravity on the flow, W.
     pub body_work: f64,
-    /// Work of the water outside on what it presses in, W.
+    /// Work of the water outside and of wells on what they press in, W.
     pub pressed_in: f64,
 }
 
@@ -151,6 +151,8 @@ pub(super) struct Soil<L: Law, const D: usize> {
     pub before: Vec<(Before, [f64; 2], u16, f64)>,
     /// The loads of the scene, and the weight of water, N/m3.
     pub outside: (Vec<FaceLoad>, f64),
+    /// Wells: pressure functions with their shares, the well, what it takes now (m3/s).
+    pub wells: Vec<(Vec<(u32, f64)>, Well, f64)>,
     /// Pressure of functions that are held, Pa; empty where all are held at zero.
     pub held_pressure: Vec<f64>,
     /// Displacements (m) and pressures (Pa) of the functions at the unknowns of the last evaluation.
@@ -182,7 +184,8 @@ impl<L: Law, const D: usize> Soil<L, D> {
 
     /// Puts on the loads of a time since the start of the run; sudden ones grow within a `ramp`, both s.
     pub fn bear(&mut self, time: f64, ramp: f64) {
-        let Self { load, loads, before, outside: (outside, weight), held_pressure, faces, plates, .. } = self;
+        let Self { load, loads, before, outside: (outside, weight), held_pressure, faces, plates, wells, .. } = self;
+        wells.iter_mut().for_each(|(_, well, rate)| *rate = well.rate * well.course.at(time, 0.0));
         plates.iter_mut().for_each(|(plate, [moved, before])| *moved = plate.at(time) - *before);
         let mut set = |at: &Before, to: &dyn Fn(f64) -> f64| {
             let there = match at {
@@ -301,6 +304,13 @@ impl<L: Law, const D: usize> Soil<L, D> {
         self.through_faces()?;
         for &(a, b, value) in &self.jumps {
             self.values.content[a as usize] += value * self.p[b as usize];
+        }
+        for (functions, _, rate) in &self.wells {
+            for &(function, share) in functions {
+                self.values.flow[function as usize] += rate * share;
+                self.values.pressed_in -= rate * share * self.p[function as usize];
+            }
+            self.values.outflow += rate;
         }
         Ok(())
     }

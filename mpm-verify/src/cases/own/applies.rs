@@ -123,7 +123,8 @@ fn even(scene: &Scene) -> Result<(), Error> {
     }
     if !scene.has_plain_ground() {
         let expected = "one soil or layers, under a surcharge or weight alone";
-        return Err(Error::refused("[[regions]]", expected, "regions, loads on faces, reservoirs or plates"));
+        let found = "regions, wells, loads on faces, reservoirs or plates";
+        return Err(Error::refused("[[regions]]", expected, found));
     }
     if scene.water.is_some_and(|water| water.anisotropy != 1.0) && !scene.is_one_dimensional() {
         return Err(Error::refused(
