@@ -88,9 +88,14 @@ fn written(has: &Set) -> String {
         is(Layers),
         "[[layers]]\nup_to = 0.5\n[[layers]]\nup_to = 1.0\nlaw.linear_elastic = { youngs_modulus = 2e7, poisson_ratio = 0.3 }",
     );
+    // Where there is no water a soil may still ask for it.
+    line(is(Dry) && is(KozenyCarman), "[[regions]]\nlevels = [0.5, 0.75]\nkozeny_carman = true");
+    line(is(Dry) && is(Bedding), "[[regions]]\nlevels = [0.5, 0.75]\nbedding_angle = 30.0");
     line(is(Regions), "[[regions]]\nlevels = [0.25, 0.5]\nporosity = 0.3");
     let stiffness = if is(Incompressible) { "inf" } else { "2e8" };
     line(!is(Dry), &format!("[water]\nhydraulic_conductivity = 1e-3\nbulk_modulus = {stiffness}\nunit_weight = 9810"));
+    line(!is(Dry) && is(KozenyCarman), "kozeny_carman = true");
+    line(!is(Dry) && is(Bedding), "bedding_angle = 30.0");
     line(is(FreeSurface), "free_surface = { level = 0.5 }");
     line(true, "[boundaries]");
     line(is(Periodic), "left = \"periodic\"\nright = \"periodic\"");

@@ -109,6 +109,18 @@ const CASES: &[(&str, Edits)] = &[
     ("porosity in percent", &[("porosity = 0.30", "porosity = 30")]),
     ("zero grain density", &[("grain_density = 1800.0", "grain_density = 0.0")]),
     ("bulk density below its water", &[("grain_density = 1800.0", "bulk_density = 250.0")]),
+    ("bedding of a column", &[("conductivity = 5.0e-4", "conductivity = 5.0e-4\nbedding_angle = 30.0")]),
+    (
+        "bedding beyond upright",
+        &[
+            ("conductivity = 5.0e-4", "conductivity = 5.0e-4\nbedding_angle = 91.0"),
+            ("\"column\"", "\"plane-strain\""),
+            ("shape = \"centre\"", "shape = \"bspline2\""),
+            ("darcy_inertia = true\nflip = 1.0\n", ""),
+            ("integrator = \"explicit\"\nstep = \"auto\"\nsafety = 0.9", "integrator = \"quasi-static\""),
+        ],
+    ),
+    ("a word for a switch", &[("conductivity = 5.0e-4", "conductivity = 5.0e-4\nkozeny_carman = \"yes\"")]),
     ("a well above the soil", &[("[scheme]", "[[wells]]\nat = 1.5\nrate = 1.0e-6\n[scheme]")]),
     ("a well beside the soil", &[("[scheme]", "[[wells]]\nat = [0.2, 0.5]\nrate = 1.0e-6\n[scheme]")]),
     ("a well without a rate", &[("[scheme]", "[[wells]]\nat = 0.5\n[scheme]")]),

@@ -4,12 +4,13 @@
 //! on numbers, or on three things at once, is said by the room that knows it.
 
 use Feature::{
-    Affine, AnyShape, BBar, Bspline2, Bspline3, CamClay, Centroid, Column, CoulombBase, Coupled, Damping, DarcyInertia,
-    DarcyOperator, Displaced, Drained, Dry, Explicit, Fails, FixedSide, Flip, FreeSurface, Geostatic, Gimp, GivenStep,
-    Gravity, HeldTop, Incompressible, InertiaKept, JumpPenalty, Krylov, LargeStrain, Layers, LightNodes, LinearElastic,
-    Load, Loads, MohrCoulomb, MovedPlates, Musl, NoGravity, Nodal, Outline, PaperStep, Periodic, Plate, PressureEnd,
-    QuasiStatic, Regions, RestEnd, Safety, Saturated, SemiImplicit, Separation, Shift, Sideroom, SlopeAngle,
-    SmallStrain, StartK0, StartVelocity, Strip, TimeMethod, Tolerance, TwoClocks, UndrainedStart, Unloaded, Wells,
+    Affine, AnyShape, BBar, Bedding, Bspline2, Bspline3, CamClay, Centroid, Column, CoulombBase, Coupled, Damping,
+    DarcyInertia, DarcyOperator, Displaced, Drained, Dry, Explicit, Fails, FixedSide, Flip, FreeSurface, Geostatic,
+    Gimp, GivenStep, Gravity, HeldTop, Incompressible, InertiaKept, JumpPenalty, KozenyCarman, Krylov, LargeStrain,
+    Layers, LightNodes, LinearElastic, Load, Loads, MohrCoulomb, MovedPlates, Musl, NoGravity, Nodal, Outline,
+    PaperStep, Periodic, Plate, PressureEnd, QuasiStatic, Regions, RestEnd, Safety, Saturated, SemiImplicit,
+    Separation, Shift, Sideroom, SlopeAngle, SmallStrain, StartK0, StartVelocity, Strip, TimeMethod, Tolerance,
+    TwoClocks, UndrainedStart, Unloaded, Wells,
 };
 
 /// Something that a scene has, and that not everything goes with.
@@ -33,6 +34,8 @@ pub enum Feature {
     Saturated,
     FreeSurface,
     Incompressible,
+    KozenyCarman,
+    Bedding,
     LinearElastic,
     MohrCoulomb,
     CamClay,
@@ -85,7 +88,7 @@ pub enum Feature {
 }
 
 /// Every feature with the key that asks for it and what a scene file says there.
-pub const FEATURES: [(Feature, &str, &str); 66] = [
+pub const FEATURES: [(Feature, &str, &str); 68] = [
     (Column, "dimension", "\"column\""),
     (Outline, "geometry.outline", "[geometry.outline]"),
     (Explicit, "time.integrator", "\"explicit\""),
@@ -103,6 +106,8 @@ pub const FEATURES: [(Feature, &str, &str); 66] = [
     (Saturated, "water", "soil full of water"),
     (FreeSurface, "water.free_surface", "[water.free_surface]"),
     (Incompressible, "water.bulk_modulus", "inf"),
+    (KozenyCarman, "water.kozeny_carman", "true"),
+    (Bedding, "water.bedding_angle", "an inclined bedding"),
     (LinearElastic, "soil.law", "linear_elastic"),
     (MohrCoulomb, "soil.law", "mohr_coulomb"),
     (CamClay, "soil.law", "modified_cam_clay"),
@@ -211,6 +216,8 @@ const BY_EXPLICIT: &str = "integrator = \"explicit\" beside it";
 const BY_CORNERS: &str =
     "integrator = \"explicit\" and shape = \"centre\", \"centroid\", \"linear\" or \"b-bar\" beside it";
 const BY_PLAIN: &str = "integrator = \"explicit\" beside it, in a scene without a free surface of water";
+const BY_TENSOR: &str = "integrator = \"quasi-static\" and shape = \"bspline2\" or \"bspline3\" beside it: two-point faces carry only \
+                         fluxes along their normals";
 const AUTO_STEP: &str = "step = \"auto\" beside it";
 
 /// The table, in the order in which a scene is held against it.
@@ -305,6 +312,14 @@ pub const RULES: &[Rule] = &[
     ),
     rule(Wells, &[Sideroom], "no room to run out beside it: soil that does gives its water away with its particles"),
     rule(Wells, &[Nodal], "\"face\" beside wells: the balance of a cell is that of its faces"),
+    rule(KozenyCarman, &[Dry], "[water] beside it: a dry scene conducts none"),
+    rule(KozenyCarman, &[SmallStrain], "\"large\" beside it: pores keep their size at small strain"),
+    rule(KozenyCarman, &[FreeSurface], "false beside it: water with a free surface flows as in soil at rest"),
+    rule(KozenyCarman, &[Nodal], "\"face\" beside it: velocities at nodes take one conductivity for all cells"),
+    rule(Bedding, &[Dry], "[water] beside it: a dry scene conducts none"),
+    rule(Bedding, &[Column], "dimension = \"plane-strain\" beside it: water in inclined layers flows sideways too"),
+    rule(Bedding, STEPPED, BY_TENSOR),
+    rule(Bedding, &[AnyShape], BY_TENSOR),
     // Functions.
     rule(
         Bspline3,

@@ -32,7 +32,7 @@ pub use loads::{AlongX, Bearing, Course, FaceLoad, MovedPlate, Piece, Well};
 pub(crate) use moving::THROUGH_CELLS;
 pub use moving::{Estimate, UnfitLoad};
 pub use patch::Change;
-pub use soils::{Biot, Ground, Region, Soil, SoilLayer, Zones};
+pub use soils::{Biot, Fabric, Ground, Region, Soil, SoilLayer, Zones};
 
 use crate::error::{LoadError, SceneError};
 use crate::stability::{intended_step, stable_limit};
@@ -349,9 +349,12 @@ pub struct CamClay {
 pub struct WaterProperties {
     /// Hydraulic conductivity k, m/s, the vertical one where there are two.
     pub hydraulic_conductivity: f64,
-    /// Horizontal over vertical hydraulic conductivity.
+    /// Hydraulic conductivity along the bedding over that across it, which is k.
     #[serde(skip_serializing_if = "soils::is_one")]
     pub anisotropy: f64,
+    /// What else that depends on.
+    #[serde(flatten)]
+    pub fabric: Fabric,
     /// Bulk modulus K_w, Pa; infinite for incompressible water (implicit integrators only).
     pub bulk_modulus: f64,
     /// Unit weight gamma_w, N/m3.
@@ -825,9 +828,10 @@ impl Fields {
         self.is_one_dimensional() && self.has_plain_ground()
     }
 
-    /// Whether there are no regions, no wells, and no loads or plates beside the surcharge.
+    /// Whether there are no regions, no wells, no loads or plates beside the surcharge, and a conductivity that stays and has its axes upright.
     pub fn has_plain_ground(&self) -> bool {
-        self.regions.is_empty() && self.loads.is_empty() && self.plates.is_empty() && self.wells.is_empty()
+        let plain = self.soils().iter().all(|soil| soil.fabric == Fabric::default());
+        plain && self.regions.is_empty() && self.loads.is_empty() && self.plates.is_empty() && self.wells.is_empty()
     }
 
     /// Seconds per unit of the time factor Tv = c_v t / H_d^2 with c_v = k M / gamma_w (incompressible water) of the

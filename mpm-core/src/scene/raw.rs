@@ -148,6 +148,8 @@ pub(super) struct RawZone {
     pub grain_bulk_modulus: Option<Number>,
     pub hydraulic_conductivity: Option<Number>,
     pub anisotropy: Option<Number>,
+    pub bedding_angle: Option<Number>,
+    pub kozeny_carman: Option<Spanned<bool>>,
     pub start_k0: Option<Number>,
 }
 
@@ -156,6 +158,8 @@ pub(super) struct RawZone {
 pub(super) struct RawWater {
     pub hydraulic_conductivity: Option<Number>,
     pub anisotropy: Option<Number>,
+    pub bedding_angle: Option<Number>,
+    pub kozeny_carman: Option<Spanned<bool>>,
     pub intrinsic_permeability: Option<Number>,
     pub viscosity: Option<Number>,
     pub bulk_modulus: Number,

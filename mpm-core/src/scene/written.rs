@@ -146,6 +146,8 @@ impl Writer {
         self.put("grain_bulk_modulus", soil.biot.map(|biot| biot.grain_bulk_modulus))?;
         self.put("hydraulic_conductivity", is_wet.then_some(soil.hydraulic_conductivity))?;
         self.put("anisotropy", is_wet.then_some(soil.anisotropy))?;
+        self.put("bedding_angle", is_wet.then_some(soil.fabric.bedding_angle))?;
+        self.put("kozeny_carman", is_wet.then_some(soil.fabric.kozeny_carman))?;
         self.put("start_k0", soil.k0)
     }
 

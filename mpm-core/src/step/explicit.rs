@@ -150,6 +150,10 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         if self.is_stale {
             self.pass(false, 0.0);
         }
+        if !self.faces.by_porosity.is_empty() {
+            self.faces.follow_porosity(&self.strips);
+            self.faces.note_reach(&self.body.filled, &self.body.grid);
+        }
         self.load();
         self.look_outside(dt);
         self.solve_pressures(dt)?;

@@ -9,6 +9,7 @@ use crate::grid::Grid;
 use crate::observe::Totals;
 use crate::particles::{Layer, SolidPoint};
 use crate::scene::Well;
+use crate::soils::at_porosity;
 use crate::water::pores::Pores;
 use crate::water::{DRAINED_SURFACE, FaceFlow};
 
@@ -30,8 +31,9 @@ pub struct DrainedFace {
 pub struct Outlet {
     /// Cell inside.
     pub cell: usize,
-    /// How it conducts, as [`Faces::conducts`].
+    /// How it conducts, as [`Faces::conducts`], now and at first.
     pub conducts: f64,
+    first: f64,
     /// From the place of the cell's pressure to the piece, m.
     away: [f64; 2],
     /// Middle of the piece, m.
@@ -42,6 +44,10 @@ pub struct Outlet {
     /// Pressure outside, Pa; none if it is closed.
     pub outside: Option<f64>,
 }
+
+/// A face whose conductivity goes with the pores beside it: its axis, it, the cells with the first conductivity of the half there over
+/// that of the water, the edge of a cell over the distance of the pressures.
+type Varied = (usize, usize, [(usize, f64); 2], f64);
 
 /// A cell that a well takes water from.
 #[derive(Debug, Clone, Copy)]
@@ -76,6 +82,9 @@ pub struct Faces<const D: usize> {
     pub outline: Vec<Outline>,
     /// Pieces of an outline that cuts cells, where they let water through.
     pub outlets: Vec<Outlet>,
+    /// How the conductivity of the cells goes with their porosity, and that of faces; empty where it does not.
+    pub by_porosity: Vec<[f64; 2]>,
+    varied: Vec<Varied>,
     /// Cells in which wells stand.
     pub intakes: Vec<Intake>,
     /// What leaves each cell through outlets and wells in the step, m3/s, and what is left of the stiffness of its water; empty where
@@ -101,6 +110,8 @@ impl<const D: usize> Faces<D> {
             drained: Vec::new(),
             outline: Vec::new(),
             outlets: Vec::new(),
+            by_porosity: Vec::new(),
+            varied: Vec::new(),
             intakes: Vec::new(),
             outflow: Vec::new(),
             softness: Vec::new(),
@@ -110,7 +121,7 @@ impl<const D: usize> Faces<D> {
 
     /// Finds which conduct.
     pub fn open(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>, water: &mut Pores<D>) {
-        let Self { frame, conducts, ratio, grains, biot, drained, outline, periodic, .. } = self;
+        let Self { frame, conducts, ratio, grains, biot, drained, outline, periodic, by_porosity, varied, .. } = self;
         *periodic = water.periodic;
         if !water.grain_inverse.is_empty() {
             grains.resize(conducts[0].len(), water.flow.grain_inverse);
@@ -122,9 +133,18 @@ impl<const D: usize> Faces<D> {
                 grid.walk().for_each(|(cell, position)| of_cells[frame.number(&position)] = water.biot[cell][i]);
             }
         }
+        if !water.by_porosity.is_empty() {
+            by_porosity.resize(conducts[0].len(), [1.0, 0.0]);
+            grid.walk().for_each(|(cell, position)| by_porosity[frame.number(&position)] = water.by_porosity[cell]);
+        }
+        varied.clear();
         conducts.iter_mut().chain(&mut *ratio).for_each(|faces| faces.fill(0.0));
-        water.faces(grid, solid, |axis, position, [conducted, reach]| {
+        water.faces(grid, solid, |axis, position, [conducted, reach], sides| {
             conducts[axis][frame.number(&position)] = conducted;
+            if !by_porosity.is_empty() {
+                let sides = sides.map(|(cell, half)| (frame.number(&grid.cell_position(cell)), half));
+                varied.push((axis, frame.number(&position), sides, reach));
+            }
             if let Some(ratio) = ratio[axis].get_mut(frame.number(&position)) {
                 *ratio = conducted / reach;
             }
@@ -176,7 +196,7 @@ impl<const D: usize> Faces<D> {
                 let (number, middle) = (frame.number(&grid.cell_position(cell)), opening.piece.middle);
                 let outside = drained.then_some(0.0);
                 let (away, water) = (opening.away, opening.water);
-                outlets.push(Outlet { cell: number, conducts, away, middle, water, drained, outside });
+                outlets.push(Outlet { cell: number, conducts, first: conducts, away, middle, water, drained, outside });
             }
         }
         water.soften(&sums);
@@ -186,6 +206,20 @@ impl<const D: usize> Faces<D> {
         for (cell, position) in grid.walk() {
             softness[frame.number(&position)] = water.softness.get(cell).copied().unwrap_or(1.0);
         }
+    }
+
+    /// Lets the faces conduct as the pores beside them are now.
+    pub fn follow_porosity<V: Simd>(&mut self, strips: &[Strip<V, D>]) {
+        let Self { frame, conducts, ratio, drained, outlets, by_porosity, varied, .. } = self;
+        let share =
+            |cell: usize| at_porosity(by_porosity[cell], strips[cell / frame.strip].pores(cell % frame.strip)[0]);
+        for (axis, face, sides, near) in &*varied {
+            let [a, b] = sides.map(|(cell, half)| half * share(cell));
+            let mean = if a == b { a } else { 2.0 * a * b / (a + b) };
+            (ratio[*axis][*face], conducts[*axis][*face]) = (mean, mean * near);
+        }
+        drained.iter_mut().for_each(|face| face.conducts = conducts[face.axis][face.face]);
+        outlets.iter_mut().for_each(|outlet| outlet.conducts = outlet.first * share(outlet.cell));
     }
 
     /// Looks at the water outside and the wells at a time, s. Whether that has opened or closed an outlet.

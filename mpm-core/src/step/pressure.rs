@@ -94,7 +94,7 @@ pub struct Driving<'a, const D: usize> {
     pub keeps: f64,
     /// Time step, s.
     pub dt: f64,
-    /// Whether distances change with the place of the surface.
+    /// Whether distances change with the place of the surface, or conductivities with the pores.
     pub has_surface: bool,
 }
 

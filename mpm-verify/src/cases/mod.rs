@@ -19,6 +19,7 @@ mod dynamic_column;
 mod dynamic_energy;
 mod elsewhere;
 mod evidence;
+mod fabric;
 mod features;
 mod footing;
 mod hydrostatic;
@@ -213,6 +214,12 @@ pub const LADDER: &[Rung] = &[
     wells::CASES[3],
     wells::CASES[4],
     wells::CASES[5],
+    fabric::CASES[0],
+    fabric::CASES[1],
+    fabric::CASES[2],
+    fabric::CASES[3],
+    fabric::CASES[4],
+    fabric::CASES[5],
     block::STICKS,
     block::STOPS,
     block::SLIDES,

@@ -19,6 +19,7 @@ pub mod layered;
 pub mod mandel;
 pub mod oedometer;
 pub(crate) mod oracle;
+pub mod pressed_pores;
 pub mod quadrature;
 pub mod root;
 pub mod seabed;

@@ -12,6 +12,9 @@
 //!
 //! Walls with rollers and without flow are mirrors of both fields. Between four of them the volume of the soil stays, so that its water
 //! alone stores what is taken on average: the mean pressure falls by `q t K_w/(n V)`, not by `q t/(S V)`, and the difference is C(t).
+//! Where soil conducts better along its bedding than across, `r^2/c` becomes `S x^T K^-1 x` and kappa the root of det K/gamma_w^2; such
+//! walls mirror no flow, so that they must be out of its reach. They still hold the soil: `M e = p - C(t)` needs no mirror.
+//!
 //! Assumptions: small strain, linear elastic soil, no inertia, no weight; one well of constant rate; the line, ends out of its reach.
 
 use std::f64::consts::PI;
@@ -25,10 +28,12 @@ pub struct Confined {
     at: [f64; 2],
     /// What it takes, m3/s per metre; in a column per area, m/s.
     rate: f64,
-    /// kappa, m4/(N s), c, m2/s, S, 1/Pa.
+    /// kappa, m4/(N s), S, 1/Pa, c = kappa/S, m2/s.
     mobility: f64,
-    diffusivity: f64,
     storage: f64,
+    diffusivity: f64,
+    /// kappa over the mobility along and across the bedding, and its direction; `None` where both are the same.
+    bedding: Option<([f64; 2], [f64; 2])>,
     /// n/K_w, 1/Pa.
     of_water: f64,
     /// Width and height of the soil, m; `None` for a column.
@@ -41,7 +46,7 @@ impl Confined {
         let (water, [well]) = (scene.water?, &scene.wells[..]) else { return None };
         let loaded = scene.surcharge.is_some() || !scene.loads.is_empty() || !scene.plates.is_empty();
         let plain =
-            !scene.has_several_soils() && scene.is_elastic() && scene.outline.is_none() && water.anisotropy == 1.0;
+            !scene.has_several_soils() && scene.is_elastic() && scene.outline.is_none() && !water.fabric.kozeny_carman;
         if loaded || !plain || scene.gravity.is_some() || well.course != Course::Constant {
             return None;
         }
@@ -51,13 +56,16 @@ impl Confined {
             Dimension::PlaneStrain if closed => Some([scene.width, scene.height]),
             Dimension::PlaneStrain => return None,
         };
-        let (mobility, storage) = (water.mobility(), scene.storage());
+        let (along, storage) = (water.anisotropy.sqrt(), scene.storage());
+        let mobility = water.mobility() * if walls.is_some() { along } else { 1.0 };
+        let (sin, cos) = water.fabric.bedding_angle.to_radians().sin_cos();
         Some(Self {
             at: well.at,
             rate: if walls.is_some() { well.rate } else { well.rate / scene.width },
             mobility,
-            diffusivity: mobility / storage,
             storage,
+            diffusivity: mobility / storage,
+            bedding: (walls.is_some() && along != 1.0).then_some(([1.0 / along, along], [cos, sin])),
             of_water: 1.0 / scene.pore_stiffness(),
             walls,
         })
@@ -77,14 +85,23 @@ impl Confined {
             (-reach..=reach).flat_map(move |i| [2.0 * f64::from(i) * length + at, 2.0 * f64::from(i) * length - at])
         };
         let mut sum = 0.0;
-        for x in images(width, self.at[0]) {
-            for y in images(height, self.at[1]) {
-                let square = (place[0] - x).powi(2) + (place[1] - y).powi(2);
-                sum += exponential_integral(square / (4.0 * ct));
+        if self.bedding.is_some() {
+            sum = exponential_integral(self.square([place[0] - self.at[0], place[1] - self.at[1]]) / (4.0 * ct));
+        } else {
+            for x in images(width, self.at[0]) {
+                for y in images(height, self.at[1]) {
+                    sum += exponential_integral(self.square([place[0] - x, place[1] - y]) / (4.0 * ct));
+                }
             }
         }
         let per_volume = self.rate * time / (width * height);
         per_volume * (1.0 / self.storage - 1.0 / self.of_water) - self.rate / (4.0 * PI * self.mobility) * sum
+    }
+
+    /// Square of a distance, m2, in isotropic soil of the same kappa.
+    fn square(&self, [x, y]: [f64; 2]) -> f64 {
+        let Some(([along, across], [cos, sin])) = self.bedding else { return x * x + y * y };
+        along * (cos * x + sin * y).powi(2) + across * (cos * y - sin * x).powi(2)
     }
 
     /// Its drawdown at a distance (m) and a time (s) if nothing else were there, Pa.

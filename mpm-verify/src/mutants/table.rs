@@ -540,6 +540,20 @@ pub const MUTANTS: &[Mutant] = &[
         "self.values.flow[function as usize] += 0.5 * rate * share;",
     ),
     fault(
+        "kozeny-carman-squared",
+        "Kozeny and Carman's law has the square of the porosity",
+        "mpm-core/src/soils.rs",
+        "porosity.powi(3) / (1.0 - porosity).powi(2)",
+        "porosity.powi(2) / (1.0 - porosity).powi(2)",
+    ),
+    fault(
+        "bedding-turned-back",
+        "the bedding is inclined to the other side",
+        "mpm-core/src/soils.rs",
+        "along * sin * cos }",
+        "-along * sin * cos }",
+    ),
+    fault(
         "balances-always-close",
         "every balance of a run closes, whatever is missing",
         "mpm-core/src/observe/trust.rs",

@@ -132,6 +132,7 @@ impl<const D: usize> Ground<'_, D> {
         let water = scene.water.unwrap_or(crate::scene::WaterProperties {
             hydraulic_conductivity: 0.0,
             anisotropy: 1.0,
+            fabric: crate::scene::Fabric::default(),
             bulk_modulus: f64::INFINITY,
             unit_weight: 1.0,
             density: 0.0,
@@ -204,36 +205,37 @@ impl<const D: usize> Ground<'_, D> {
         self.points.iter().enumerate().map(part).collect()
     }
 
-    fn pore<L: Law>(&self, law: &Materials<L>, axes: &[Axis; D], solid: &[SolidPart<D>]) -> Vec<PorePart<D>> {
-        let wet = self.scene.water.is_some();
+    /// Porosity of the cells.
+    fn porosities<L: Law>(&self, law: &Materials<L>, axes: &[Axis; D]) -> Vec<f64> {
         let mut room = vec![[0.0; 2]; axes.iter().map(Axis::cells).product()];
-        let place = |point: &SolidPoint<D>| number(axes, &cell_of(axes, &point.x));
         for point in self.points {
-            let [volume, grains] = &mut room[place(point)];
+            let [volume, grains] = &mut room[number(axes, &cell_of(axes, &point.x))];
             *volume += point.volume;
             *grains += point.mass * law.soils.kind(law.soils.at(&in_two(&point.x))).grain_inverse;
         }
         // The grains do not compress.
-        let porosity = |cell: usize| match room[cell] {
-            [volume, grains] if volume > 0.0 => 1.0 - grains / volume,
-            _ => self.scene.porosity,
-        };
+        let porosity =
+            |[volume, grains]: [f64; 2]| if volume > 0.0 { 1.0 - grains / volume } else { self.scene.porosity };
+        room.into_iter().map(porosity).collect()
+    }
+
+    fn pore<L: Law>(&self, law: &Materials<L>, axes: &[Axis; D], solid: &[SolidPart<D>]) -> Vec<PorePart<D>> {
+        let (wet, porosities) = (self.scene.water.is_some(), self.porosities(law, axes));
         let Some(degree) = self.scene.shape.spline_degree() else {
             let part = |(i, point): (usize, &SolidPoint<D>)| {
-                let cell = place(point);
+                let cell = number(axes, &cell_of(axes, &point.x));
                 let mut water = Stencil::single(cell);
                 water.count = usize::from(wet);
                 let SolidPart { stencil: mut soil, dilates, weight, mark, .. } = solid[i];
                 soil.slope = dilates.unwrap_or(soil.slope);
-                PorePart { soil, water, weight, porosity: porosity(cell), mark }
+                PorePart { soil, water, weight, porosity: porosities[cell], mark }
             };
             return self.points.iter().enumerate().map(part).collect();
         };
         let rule = gauss_points(degree);
-        let mut parts = Vec::with_capacity(room.len() * rule.len().pow(D as u32));
-        for (cell, _) in room.iter().enumerate() {
+        let mut parts = Vec::with_capacity(porosities.len() * rule.len().pow(D as u32));
+        for (cell, &porosity) in porosities.iter().enumerate() {
             let position = position(axes, cell);
-            let porosity = porosity(cell);
             for local in 0..rule.len().pow(D as u32) {
                 let mut rest = local;
                 let (mut x, mut weight) = ([0.0; D], self.thickness);
@@ -254,9 +256,9 @@ impl<const D: usize> Ground<'_, D> {
     }
 
     fn faces<L: Law>(&self, law: &Materials<L>, axes: &[Axis; D]) -> Vec<FacePart> {
-        let cells: usize = axes.iter().map(Axis::cells).product();
+        let porosities = self.porosities(law, axes);
         let mut faces = Vec::new();
-        for cell in 0..cells {
+        for (cell, &pores) in porosities.iter().enumerate() {
             let position = position(axes, cell);
             let mark = |position: [usize; D]| law.soils.at(&in_two(&middle(axes, &position)));
             let own = mark(position);
@@ -269,38 +271,20 @@ impl<const D: usize> Ground<'_, D> {
                 // The last axis is the vertical one: sides 2 and 3.
                 let side = 2 * (axis + 2 - D);
                 let here = cell as u32;
+                let mut give = |cells, reach, marks, porosity| {
+                    faces.push(FacePart { cells, axis, area, reach, marks, porosity, outside: 0.0 });
+                };
                 if at == 0 && self.is_open(side) {
-                    faces.push(FacePart {
-                        cells: [HELD, here],
-                        axis,
-                        area,
-                        reach: [0.0, half(at)],
-                        marks: [own; 2],
-                        outside: 0.0,
-                    });
+                    give([HELD, here], [0.0, half(at)], [own; 2], [pores; 2]);
                 }
                 if at < last {
                     let above = (cell + stride) as u32;
                     let mut next = position;
                     next[axis] += 1;
-                    let marks = [own, mark(next)];
-                    faces.push(FacePart {
-                        cells: [here, above],
-                        axis,
-                        area,
-                        reach: [half(at), half(at + 1)],
-                        marks,
-                        outside: 0.0,
-                    });
+                    let porosity = [pores, porosities[cell + stride]];
+                    give([here, above], [half(at), half(at + 1)], [own, mark(next)], porosity);
                 } else if self.is_open(side + 1) {
-                    faces.push(FacePart {
-                        cells: [here, HELD],
-                        axis,
-                        area,
-                        reach: [half(at), 0.0],
-                        marks: [own; 2],
-                        outside: 0.0,
-                    });
+                    give([here, HELD], [half(at), 0.0], [own; 2], [pores; 2]);
                 }
                 stride *= axes[axis].cells();
             }

@@ -15,6 +15,7 @@
 use super::tangent::System;
 use crate::constitutive::{Flow, Law, Materials, STATES, State};
 use crate::scene::{Course, FaceLoad, MovedPlate, Well};
+use crate::soils::at_porosity;
 use crate::space::{Axis, MOST, Stencil, strain_mode, stretch, tensor, turned};
 
 /// Most that a law's results in steps and in half steps may be apart for an extrapolation, as a share of the stress.
@@ -69,8 +70,9 @@ pub(super) struct FacePart {
     pub area: f64,
     /// Distance to the middle of each cell, m.
     pub reach: [f64; 2],
-    /// Soil of each cell.
+    /// Soil of each cell, and its porosity when the mesh was laid.
     pub marks: [u8; 2],
+    pub porosity: [f64; 2],
     /// Pressure of the water outside, Pa.
     pub outside: f64,
 }
@@ -321,7 +323,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
         self.values.outflow = 0.0;
         if self.faces.is_empty() {
             for part in &self.pore {
-                let (slope, mobility) = (part.water.slope_of(&self.p), self.mobility(part));
+                let (slope, mobility) = (part.water.slope_of(&self.p), self.mobility(part, 0.0));
                 let flux: [f64; D] = std::array::from_fn(|i| (0..D).map(|j| mobility[i][j] * slope[j]).sum());
                 for b in 0..part.water.count {
                     let along: f64 = (0..D).map(|d| flux[d] * part.water.slope[b][d]).sum();
@@ -463,10 +465,12 @@ impl<L: Law, const D: usize> Soil<L, D> {
         if self.small { strain } else { strain.exp_m1() }
     }
 
-    /// k/gamma_w at a pore part, m4/(N s).
+    /// k/gamma_w at a pore part whose volume has changed by a share J - 1, m4/(N s).
     #[inline(always)]
-    pub fn mobility(&self, part: &PorePart<D>) -> [[f64; D]; D] {
-        let [x, y, across] = self.law.soils.kind(part.mark).conductivity.map(|ratio| self.fluid.mobility * ratio);
+    pub fn mobility(&self, part: &PorePart<D>, change: f64) -> [[f64; D]; D] {
+        let kind = self.law.soils.kind(part.mark);
+        let mobility = self.fluid.mobility * at_porosity(kind.by_porosity, (part.porosity + change) / (1.0 + change));
+        let [x, y, across] = kind.conductivity.map(|ratio| mobility * ratio);
         let along = |i: usize| if i + 2 - D == 0 { x } else { y };
         std::array::from_fn(|i| std::array::from_fn(|j| if i == j { along(i) } else { across }))
     }
@@ -481,7 +485,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
             let PoreState { change, cofactor, gradient } = self.pore_state(part).ok_or(InsideOut { point })?;
             let pressure = part.water.scalar(&self.p);
             let Fluid { density, gravity, .. } = self.fluid;
-            let mobility = self.mobility(part);
+            let mobility = self.mobility(part, change);
             let pores = if self.small { part.porosity } else { change + part.porosity };
             let more = self.denser(pressure);
             let [alpha, of_grains] = self.law.soils.kind(part.mark).biot;
@@ -541,11 +545,12 @@ impl<L: Law, const D: usize> Soil<L, D> {
     pub fn face_state(&self, face: &FacePart) -> Option<(f64, f64)> {
         let (mut resistance, mut weight) = (0.0, 0.0);
         let gravity = self.fluid.gravity.map_or(0.0, |g| g[face.axis]);
-        for ((cell, reach), mark) in face.cells.iter().zip(face.reach).zip(face.marks) {
+        for i in 0..2 {
+            let (cell, reach, kind) = (&face.cells[i], face.reach[i], self.law.soils.kind(face.marks[i]));
             if reach == 0.0 {
                 continue; // outside
             }
-            let (mut normal, mut along) = (1.0, 1.0);
+            let (mut normal, mut along, mut pores) = (1.0, 1.0, face.porosity[i]);
             if !self.small {
                 let (sum, volume) = &self.cell_gradient[*cell as usize];
                 let gradient = sum.map(|row| row.map(|g| g / volume));
@@ -553,8 +558,9 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 let cofactor = found.inverse.map(|row| row.map(|x| x * found.volume));
                 normal = conductivity(&cofactor, found.volume - 1.0, &identity())[face.axis][face.axis];
                 along = 1.0 + gradient[face.axis][face.axis];
+                pores = 1.0 - (1.0 - pores) / found.volume;
             }
-            resistance += reach / (normal * self.law.soils.kind(mark).along(face.axis, D));
+            resistance += reach / (normal * kind.along(face.axis, D) * at_porosity(kind.by_porosity, pores));
             weight += self.fluid.density * gravity * along * reach;
         }
         Some((self.fluid.mobility * face.area / resistance, weight))
