@@ -9,6 +9,8 @@ use crate::scene::{Fields, Ground, Soil, Zones};
 pub struct Kind {
     /// Its hydraulic conductivity over that of the scene's water: xx, yy, xy.
     pub conductivity: [f64; 3],
+    /// What of its conductivity stays, and what goes with `n^3/(1 - n)^2`.
+    pub by_porosity: [f64; 2],
     /// Volume of the grains per mass, m3/kg.
     pub grain_inverse: f64,
     /// Volume of the water that stays in its pores under a free surface, per dry mass, m3/kg.
@@ -33,7 +35,8 @@ impl Soils {
     /// One for all particles, that conducts as the water does and has grains of a volume per mass, m3/kg.
     pub fn one(grain_inverse: f64) -> Self {
         let (conductivity, biot) = ([1.0, 1.0, 0.0], [1.0, 0.0]);
-        let kinds = [Kind { conductivity, grain_inverse, stays: 0.0, biot, dry_inverse: 1.0 }];
+        let by_porosity = [1.0, 0.0];
+        let kinds = [Kind { conductivity, by_porosity, grain_inverse, stays: 0.0, biot, dry_inverse: 1.0 }];
         Self { kinds: Arc::new(kinds), zones: Zones::default(), which: Arc::default() }
     }
 
@@ -44,11 +47,16 @@ impl Soils {
         let kind = |soil: &Soil| Kind {
             conductivity: match scene.water {
                 Some(_) => {
-                    let vertical = soil.hydraulic_conductivity / reference;
-                    [soil.anisotropy * vertical, vertical, 0.0]
+                    let vertical = soil.hydraulic_conductivity / reference; // across the bedding
+                    let (sin, cos) = soil.fabric.bedding_angle.to_radians().sin_cos();
+                    let along = (soil.anisotropy - 1.0) * vertical;
+                    // Of level bedding to the last bit.
+                    let across = if sin == 0.0 { 0.0 } else { along * sin * cos };
+                    [soil.anisotropy * vertical - along * sin * sin, vertical + along * sin * sin, across]
                 }
                 None => [1.0, 1.0, 0.0],
             },
+            by_porosity: if soil.fabric.kozeny_carman { [0.0, 1.0 / kozeny_carman(soil.porosity)] } else { [1.0, 0.0] },
             grain_inverse: 1.0 / soil.grain_density,
             stays: saturation * soil.porosity / soil.dry_density(),
             biot: [soil.alpha(), soil.grain_storage()],
@@ -89,9 +97,14 @@ impl Soils {
         self.kinds.len() > 1
     }
 
-    /// Whether they conduct differently, or not the same along both axes.
+    /// Whether they conduct differently, or not the same along both axes, or not always the same.
     pub fn conduct_differently(&self) -> bool {
-        self.kinds.iter().any(|kind| kind.conductivity != [1.0, 1.0, 0.0])
+        self.kinds.iter().any(|kind| kind.conductivity != [1.0, 1.0, 0.0]) || self.go_with_porosity()
+    }
+
+    /// Whether the conductivity of any goes with its porosity.
+    pub fn go_with_porosity(&self) -> bool {
+        self.kinds.iter().any(|kind| kind.by_porosity[1] > 0.0)
     }
 
     /// Whether their grains weigh differently.
@@ -108,6 +121,17 @@ impl Soils {
     pub fn largest_conductivity(&self) -> f64 {
         self.kinds.iter().flat_map(|kind| [kind.conductivity[0], kind.conductivity[1]]).fold(0.0, f64::max)
     }
+}
+
+/// `n^3/(1 - n)^2` of a porosity n.
+fn kozeny_carman(porosity: f64) -> f64 {
+    porosity.powi(3) / (1.0 - porosity).powi(2)
+}
+
+/// Conductivity over that at first, of which a part stays and another goes with the porosity n now.
+#[inline(always)]
+pub fn at_porosity([stays, goes]: [f64; 2], porosity: f64) -> f64 {
+    if goes == 0.0 { stays } else { stays + goes * kozeny_carman(porosity.max(0.0)) }
 }
 
 impl Kind {

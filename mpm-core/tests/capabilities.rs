@@ -91,9 +91,14 @@ fn written(has: &Set) -> String {
         is(Layers),
         "[[layers]]\nup_to = 0.5\n[[layers]]\nup_to = 1.0\nlaw.linear_elastic = { youngs_modulus = 2e7, poisson_ratio = 0.3 }",
     );
+    // Where there is no water a soil may still ask for it.
+    line(is(Dry) && is(KozenyCarman), "[[regions]]\nlevels = [0.5, 0.75]\nkozeny_carman = true");
+    line(is(Dry) && is(Bedding), "[[regions]]\nlevels = [0.5, 0.75]\nbedding_angle = 30.0");
     line(is(Regions), "[[regions]]\nlevels = [0.25, 0.5]\nporosity = 0.3");
     let stiffness = if is(Incompressible) { "inf" } else { "2e8" };
     line(!is(Dry), &format!("[water]\nhydraulic_conductivity = 1e-3\nbulk_modulus = {stiffness}\nunit_weight = 9810"));
+    line(!is(Dry) && is(KozenyCarman), "kozeny_carman = true");
+    line(!is(Dry) && is(Bedding), "bedding_angle = 30.0");
     line(is(FreeSurface), "free_surface = { level = 0.5 }");
     line(true, "[boundaries]");
     line(is(Periodic), "left = \"periodic\"\nright = \"periodic\"");
@@ -108,6 +113,7 @@ fn written(has: &Set) -> String {
     line(is(Strip), "strip = { from = 0.0, to = 0.5 }");
     line(is(Loads), &format!("[[loads]]\non = \"{face}\"\npressure = 1e3"));
     line(is(MovedPlates), &format!("[[plates]]\non = \"{face}\"\nvelocity = 1e-6"));
+    line(is(Wells), "[[wells]]\nat = [0.5, 0.5]\nrate = 1e-6");
     line(true, "[scheme]");
     line(true, &format!("shape = {}", word(2, "\"centre\"")));
     line(is(Nodal), "darcy = \"nodal\"");
@@ -259,11 +265,12 @@ fn every_pair_that_the_table_forbids_is_refused_in_its_words() {
 }
 
 /// What goes with every feature that leaves a free top (and, of water, holds some): lines that are put behind a key or at the end.
-const WITH_ALL: [(&str, &str, &str); 8] = [
+const WITH_ALL: [(&str, &str, &str); 9] = [
     ("load in time", "", "[[loads]]\non = \"top\"\npressure = 1e3\ntimes = [[0.0, 0.0], [1e-4, 1.0]]\n"),
     ("wave", "", "[[loads]]\non = \"top\"\npressure = 1e3\nwater = true\nwave = { length = 2.0, period = 1.0 }\n"),
     ("reservoir", "", "[[reservoirs]]\non = \"right\"\nlevel = 0.8\n"),
     ("plate", "", "[[plates]]\non = \"top\"\nvelocity = 1e-6\n"),
+    ("well", "", "[[wells]]\nat = [0.5, 0.25]\nrate = 1e-6\ntimes = [[0.0, 0.0], [1e-4, -1.0]]\n"),
     ("Biot", "porosity = 0.4\n", "biot_coefficient = 0.8\n"),
     ("grains", "porosity = 0.4\n", "grain_bulk_modulus = 1e9\n"),
     ("excess", "start = \"geostatic\"\n", "initial.pressure = 1e3\n"),
@@ -300,7 +307,7 @@ fn loads_water_outside_and_grains_go_with_all_that_leaves_them_a_place() {
     eprintln!("{refused:#?}");
     assert!(wrong.is_empty(), "{} pairs:\n{}", wrong.len(), wrong.join("\n"));
     assert!(ran > 400, "{ran} pairs ran");
-    // What has a level needs no excess, a plate no support, a held top bears none, a dry scene has no water, a level needs weight, a column ends in its top and base.
+    // What has a level needs no excess, a plate no support, a held top bears none, wells are in pores that are full and stay so, a dry scene has no water, a level needs weight, a column ends in its top and base.
     let reasons = [
         "excess Coupled",
         "excess Dry",
@@ -323,6 +330,15 @@ fn loads_water_outside_and_grains_go_with_all_that_leaves_them_a_place() {
         "wave Dry",
         "wave Krylov",
         "wave PressureEnd",
+        "well Coupled",
+        "well Dry",
+        "well Fails",
+        "well FreeSurface",
+        "well Krylov",
+        "well Nodal",
+        "well PressureEnd",
+        "well Sideroom",
+        "well TwoClocks",
     ];
     assert_eq!(refused, reasons.map(String::from).into());
 }

@@ -114,7 +114,9 @@ fn every_scene() {
 #[test]
 fn every_integrator_and_shape() {
     let mut ran = 0;
-    for name in ["terzaghi", "mandel", "self-weight", "dynamic-column", "layers", "terzaghi-large-strain"] {
+    for name in
+        ["terzaghi", "mandel", "self-weight", "dynamic-column", "layers", "terzaghi-large-strain", "kozeny-carman"]
+    {
         for integrator in ["explicit", "semi-implicit", "quasi-static"] {
             for scheme in ["centre", "linear", "b-bar", "gimp", "bspline2"] {
                 let (integrator, scheme) = (Some(integrator.to_owned()), Some(scheme.to_owned()));

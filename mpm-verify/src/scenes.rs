@@ -5,7 +5,8 @@ use mpm_core::scene::Scene;
 use crate::error::Error::{self, Lacks};
 
 /// Names and texts of the scenes in `reference-data/scenes`.
-pub const BUILT_IN: [(&str, &str); 51] = [
+pub const BUILT_IN: [(&str, &str); 56] = [
+    ("bedding", include_str!("../../reference-data/scenes/bedding.toml")),
     ("biot-column", include_str!("../../reference-data/scenes/biot-column.toml")),
     ("block-on-incline", include_str!("../../reference-data/scenes/block-on-incline.toml")),
     ("block-stops", include_str!("../../reference-data/scenes/block-stops.toml")),
@@ -27,6 +28,7 @@ pub const BUILT_IN: [(&str, &str); 51] = [
     ("hydrostatic", include_str!("../../reference-data/scenes/hydrostatic.toml")),
     ("infiltration", include_str!("../../reference-data/scenes/infiltration.toml")),
     ("infinite-slope", include_str!("../../reference-data/scenes/infinite-slope.toml")),
+    ("kozeny-carman", include_str!("../../reference-data/scenes/kozeny-carman.toml")),
     ("layers", include_str!("../../reference-data/scenes/layers.toml")),
     ("levee", include_str!("../../reference-data/scenes/levee.toml")),
     ("levee-paper", include_str!("../../reference-data/scenes/levee-paper.toml")),
@@ -56,6 +58,9 @@ pub const BUILT_IN: [(&str, &str); 51] = [
     ("triangular-start", include_str!("../../reference-data/scenes/triangular-start.toml")),
     ("undrained", include_str!("../../reference-data/scenes/undrained.toml")),
     ("undrained-wave", include_str!("../../reference-data/scenes/undrained-wave.toml")),
+    ("well", include_str!("../../reference-data/scenes/well.toml")),
+    ("well-bedding", include_str!("../../reference-data/scenes/well-bedding.toml")),
+    ("well-line", include_str!("../../reference-data/scenes/well-line.toml")),
     ("wetting-front", include_str!("../../reference-data/scenes/wetting-front.toml")),
 ];
 

@@ -214,8 +214,8 @@ impl<'a> Bounds<'a> {
             let on_the_way = ledger.darcy_dissipation_j.abs() + ledger.flow_body_work_j.abs();
             allowed += water.density * on_the_way / water.bulk_modulus;
             if !self.scene.is_one_dimensional() {
-                // Faces of cells stay where they are while soil strains sideways.
-                allowed += self.strain * moved;
+                // Faces of cells stay where they are while soil strains along and across them: their areas are off, and the distances.
+                allowed += 2.0 * self.strain * moved;
             }
             allowed += water.density * soil * second_order / self.scene.porosity;
             if self.scene.integrator == Integrator::SemiImplicit {

@@ -4,13 +4,13 @@
 //! on numbers, or on three things at once, is said by the room that knows it.
 
 use Feature::{
-    Affine, AnyShape, Axisymmetric, BBar, Bspline2, Bspline3, CamClay, Centroid, Column, CoulombBase, Coupled, Damping,
-    DarcyInertia, DarcyOperator, Displaced, Drained, Dry, Explicit, Fails, FixedSide, Flip, FreeSurface, Geostatic,
-    Gimp, GivenStart, GivenStep, Gravity, HeldTop, Incompressible, InertiaKept, Initial, JumpPenalty, Krylov,
-    LargeStrain, Layers, LightNodes, LinearElastic, Load, Loads, MohrCoulomb, MovedPlates, Musl, NoGravity, Nodal,
-    Outline, PaperStep, Periodic, Plate, PressureEnd, QuasiStatic, Regions, RestEnd, Safety, Saturated, SemiImplicit,
-    Separation, Shift, Sideroom, SlopeAngle, SmallStrain, StageSides, StartK0, StartVelocity, Strip, TimeMethod,
-    Tolerance, TwoClocks, UndrainedStart, Unloaded,
+    Affine, AnyShape, Axisymmetric, BBar, Bedding, Bspline2, Bspline3, CamClay, Centroid, Column, CoulombBase, Coupled,
+    Damping, DarcyInertia, DarcyOperator, Displaced, Drained, Dry, Explicit, Fails, FixedSide, Flip, FreeSurface,
+    Geostatic, Gimp, GivenStart, GivenStep, Gravity, HeldTop, Incompressible, InertiaKept, Initial, JumpPenalty,
+    KozenyCarman, Krylov, LargeStrain, Layers, LightNodes, LinearElastic, Load, Loads, MohrCoulomb, MovedPlates, Musl,
+    NoGravity, Nodal, Outline, PaperStep, Periodic, Plate, PressureEnd, QuasiStatic, Regions, RestEnd, Safety,
+    Saturated, SemiImplicit, Separation, Shift, Sideroom, SlopeAngle, SmallStrain, StageSides, StartK0, StartVelocity,
+    Strip, TimeMethod, Tolerance, TwoClocks, UndrainedStart, Unloaded, Wells,
 };
 
 /// Something that a scene has, and that not everything goes with.
@@ -35,6 +35,8 @@ pub enum Feature {
     Saturated,
     FreeSurface,
     Incompressible,
+    KozenyCarman,
+    Bedding,
     LinearElastic,
     MohrCoulomb,
     CamClay,
@@ -65,6 +67,7 @@ pub enum Feature {
     Strip,
     Loads,
     MovedPlates,
+    Wells,
     DarcyOperator,
     Nodal,
     DarcyInertia,
@@ -89,7 +92,7 @@ pub enum Feature {
 }
 
 /// Every feature with the key that asks for it and what a scene file says there.
-pub const FEATURES: [(Feature, &str, &str); 69] = [
+pub const FEATURES: [(Feature, &str, &str); 72] = [
     (Column, "dimension", "\"column\""),
     (Axisymmetric, "dimension", "\"axisymmetric\""),
     (Outline, "geometry.outline", "[geometry.outline]"),
@@ -108,6 +111,8 @@ pub const FEATURES: [(Feature, &str, &str); 69] = [
     (Saturated, "water", "soil full of water"),
     (FreeSurface, "water.free_surface", "[water.free_surface]"),
     (Incompressible, "water.bulk_modulus", "inf"),
+    (KozenyCarman, "water.kozeny_carman", "true"),
+    (Bedding, "water.bedding_angle", "an inclined bedding"),
     (LinearElastic, "soil.law", "linear_elastic"),
     (MohrCoulomb, "soil.law", "mohr_coulomb"),
     (CamClay, "soil.law", "modified_cam_clay"),
@@ -138,6 +143,7 @@ pub const FEATURES: [(Feature, &str, &str); 69] = [
     (Strip, "surcharge.strip", "surcharge.strip"),
     (Loads, "loads", "[[loads]] or [[reservoirs]]"),
     (MovedPlates, "plates", "[[plates]]"),
+    (Wells, "wells", "[[wells]]"),
     (DarcyOperator, "scheme.darcy", "scheme.darcy"),
     (Nodal, "scheme.darcy", "\"nodal\""),
     (DarcyInertia, "scheme.darcy_inertia", "scheme.darcy_inertia"),
@@ -218,6 +224,8 @@ const BY_EXPLICIT: &str = "integrator = \"explicit\" beside it";
 const BY_CORNERS: &str =
     "integrator = \"explicit\" and shape = \"centre\", \"centroid\", \"linear\" or \"b-bar\" beside it";
 const BY_PLAIN: &str = "integrator = \"explicit\" beside it, in a scene without a free surface of water";
+const BY_TENSOR: &str = "integrator = \"quasi-static\" and shape = \"bspline2\" or \"bspline3\" beside it: two-point faces carry only \
+                         fluxes along their normals";
 const AUTO_STEP: &str = "step = \"auto\" beside it";
 
 /// The table, in the order in which a scene is held against it.
@@ -297,7 +305,7 @@ pub const RULES: &[Rule] = &[
     ),
     rule(
         PressureEnd,
-        &[Loads, MovedPlates],
+        &[Loads, MovedPlates, Wells],
         "time or time_factor beside them: the pressure waited for is that of [surcharge] alone",
     ),
     rule(SemiImplicit, &[Dry], "a [water] table beside it: a dry scene has no pressure to solve for"),
@@ -322,6 +330,22 @@ pub const RULES: &[Rule] = &[
     ),
     rule(PaperStep, &[FreeSurface], "\"auto\" or a step (s): the paper's 1e-7 s is that of its consolidation column"),
     rule(Nodal, &[Periodic, Outline], "\"face\" beside it: the nodal flow takes every cell for full of soil"),
+    rule(Wells, &[Dry], "[water] beside it: a dry scene has none to take"),
+    rule(
+        Wells,
+        &[FreeSurface],
+        "soil full of water beside it: water with a free surface comes and goes by its feeds and [[reservoirs]]",
+    ),
+    rule(Wells, &[Sideroom], "no room to run out beside it: soil that does gives its water away with its particles"),
+    rule(Wells, &[Nodal], "\"face\" beside wells: the balance of a cell is that of its faces"),
+    rule(KozenyCarman, &[Dry], "[water] beside it: a dry scene conducts none"),
+    rule(KozenyCarman, &[SmallStrain], "\"large\" beside it: pores keep their size at small strain"),
+    rule(KozenyCarman, &[FreeSurface], "false beside it: water with a free surface flows as in soil at rest"),
+    rule(KozenyCarman, &[Nodal], "\"face\" beside it: velocities at nodes take one conductivity for all cells"),
+    rule(Bedding, &[Dry], "[water] beside it: a dry scene conducts none"),
+    rule(Bedding, &[Column], "dimension = \"plane-strain\" beside it: water in inclined layers flows sideways too"),
+    rule(Bedding, STEPPED, BY_TENSOR),
+    rule(Bedding, &[AnyShape], BY_TENSOR),
     // Functions.
     rule(
         Bspline3,
@@ -378,6 +402,7 @@ pub const RULES: &[Rule] = &[
         &[MovedPlates],
         "method = \"sdirk\" beside plates that are moved: the Krylov method is for constant loads",
     ),
+    rule(Krylov, &[Wells], "method = \"sdirk\" beside wells: the Krylov method is for constant loads"),
     rule(Krylov, &[GivenStep, PaperStep], "step = \"auto\": the Krylov method has no steps"),
     rule(InertiaKept, &[QuasiStatic], "false, or no such key: quasi-static has no inertia"),
     rule(Flip, &[QuasiStatic], "no such key beside quasi-static, which carries no velocities"),

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Fields, Side, SolidSide, Surcharge};
+use super::{Dimension, Fields, Side, SolidSide, Surcharge};
 use crate::seeding::pieces;
 
 /// A factor at a place along x, m.
@@ -152,6 +152,17 @@ impl MovedPlate {
     }
 }
 
+/// A line normal to the plane that takes water out of the soil or puts some in; in a column it does so all over a level.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Well {
+    /// Its place, m.
+    pub at: [f64; 2],
+    /// Water that it takes where its factor is 1, m3/s per metre, of a column for all its width; below 0 it puts some in.
+    pub rate: f64,
+    /// How that goes on in time.
+    pub course: Course,
+}
+
 /// A piece of the outline of the soil.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Piece {
@@ -243,7 +254,7 @@ impl Surcharge {
 }
 
 impl Fields {
-    /// The largest pressure that all loads together may put on a face, Pa.
+    /// The largest pressure that all loads together may put on a face, and wells on the pores, Pa.
     pub fn largest_load(&self) -> f64 {
         let weight = self.water.map_or(0.0, |w| w.unit_weight);
         let size = |load: &FaceLoad| match load.bearing {
@@ -254,6 +265,16 @@ impl Fields {
             + self.loads.iter().map(size).sum::<f64>()
             + self.largest_push()
             + self.largest_given()
+            + self.well_pressure()
+    }
+
+    /// The size of the pore pressure that the wells make, Pa: that of steady flow from the whole soil, or what they take over the
+    /// conductivity of plane strain.
+    pub fn well_pressure(&self) -> f64 {
+        let Some(water) = self.water else { return 0.0 };
+        let extent = if self.dimension == Dimension::Column { self.height / self.width } else { 1.0 };
+        let rates = self.wells.iter().map(|well| well.rate.abs() * well.course.most()).sum::<f64>();
+        rates * extent / water.mobility()
     }
 
     /// The largest stress that plates which are moved put on the soil between them and the other side, Pa.

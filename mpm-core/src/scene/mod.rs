@@ -30,11 +30,11 @@ pub use flags::Flags;
 pub use free_surface::{Clock, Feed, FreeSurfaceWater};
 pub use ground::{Base, NormalStress, SeedingChoice};
 pub use initial::Initial;
-pub use loads::{AlongX, Bearing, Course, FaceLoad, MovedPlate, Piece};
+pub use loads::{AlongX, Bearing, Course, FaceLoad, MovedPlate, Piece, Well};
 pub(crate) use moving::THROUGH_CELLS;
 pub use moving::{Estimate, UnfitLoad};
 pub use patch::Change;
-pub use soils::{Biot, Ground, Region, Soil, SoilLayer, Zones};
+pub use soils::{Biot, Fabric, Ground, Region, Soil, SoilLayer, Zones};
 
 use crate::error::{LoadError, SceneError};
 use crate::stability::{intended_step, stable_limit};
@@ -356,9 +356,12 @@ pub struct CamClay {
 pub struct WaterProperties {
     /// Hydraulic conductivity k, m/s, the vertical one where there are two.
     pub hydraulic_conductivity: f64,
-    /// Horizontal over vertical hydraulic conductivity.
+    /// Hydraulic conductivity along the bedding over that across it, which is k.
     #[serde(skip_serializing_if = "soils::is_one")]
     pub anisotropy: f64,
+    /// What else that depends on.
+    #[serde(flatten)]
+    pub fabric: Fabric,
     /// Bulk modulus K_w, Pa; infinite for incompressible water (implicit integrators only).
     pub bulk_modulus: f64,
     /// Unit weight gamma_w, N/m3.
@@ -601,6 +604,9 @@ pub struct Fields {
     /// Plates that are moved as given.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub plates: Vec<MovedPlate>,
+    /// Wells.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub wells: Vec<Well>,
     /// How time is integrated.
     pub integrator: Integrator,
     /// How quasi-static time steps are made.
@@ -840,7 +846,8 @@ impl Fields {
         let smooth = on_rollers && self.is_level_column();
         let uniform = self.regions.is_empty() || self.dimension == Dimension::Column;
         let tight = !self.stages.iter().any(|stage| walls.iter().any(|i| stage.drained[*i]));
-        let even = (self.loads.is_empty() && self.plates.is_empty()) || self.dimension == Dimension::Column;
+        let even = self.loads.is_empty() && self.plates.is_empty() && self.wells.is_empty();
+        let even = even || self.dimension == Dimension::Column;
         smooth && uniform && even && tight && self.surcharge.is_none_or(|s| s.strip.is_none())
     }
 
@@ -849,9 +856,11 @@ impl Fields {
         self.is_one_dimensional() && self.has_plain_ground()
     }
 
-    /// Whether there are no regions, no loads or plates beside the surcharge, and no given state.
+    /// Whether there are no regions, no wells, no loads or plates beside the surcharge, no given state, and a conductivity that stays and has
+    /// its axes upright.
     pub fn has_plain_ground(&self) -> bool {
-        self.initial.is_none() && self.regions.is_empty() && self.loads.is_empty() && self.plates.is_empty()
+        let plain = self.initial.is_none() && self.soils().iter().all(|soil| soil.fabric == Fabric::default());
+        plain && self.regions.is_empty() && self.loads.is_empty() && self.plates.is_empty() && self.wells.is_empty()
     }
 
     /// Seconds per unit of the time factor Tv = c_v t / H_d^2 with c_v = k M / gamma_w (incompressible water) of the

@@ -35,6 +35,7 @@ pub(super) struct RawScene {
     pub loads: Option<Spanned<Vec<Spanned<RawLoad>>>>,
     pub reservoirs: Option<Spanned<Vec<Spanned<RawReservoir>>>>,
     pub plates: Option<Spanned<Vec<Spanned<RawPlate>>>>,
+    pub wells: Option<Spanned<Vec<Spanned<RawWell>>>>,
     pub scheme: Option<Spanned<RawScheme>>,
     pub time: Option<Spanned<RawTime>>,
     pub stages: Spanned<Vec<Spanned<RawStage>>>,
@@ -152,6 +153,8 @@ pub(super) struct RawZone {
     pub grain_bulk_modulus: Option<Number>,
     pub hydraulic_conductivity: Option<Number>,
     pub anisotropy: Option<Number>,
+    pub bedding_angle: Option<Number>,
+    pub kozeny_carman: Option<Spanned<bool>>,
     pub start_k0: Option<Number>,
 }
 
@@ -160,6 +163,8 @@ pub(super) struct RawZone {
 pub(super) struct RawWater {
     pub hydraulic_conductivity: Option<Number>,
     pub anisotropy: Option<Number>,
+    pub bedding_angle: Option<Number>,
+    pub kozeny_carman: Option<Spanned<bool>>,
     pub intrinsic_permeability: Option<Number>,
     pub viscosity: Option<Number>,
     pub bulk_modulus: Number,
@@ -270,6 +275,16 @@ pub(super) struct RawReservoir {
     pub y: Option<Spanned<[f64; 2]>>,
     pub level: Option<Number>,
     pub levels: Option<Pairs>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawWell {
+    pub at: Spanned<Value>,
+    pub rate: Number,
+    pub ramp_time: Option<Number>,
+    pub times: Option<Pairs>,
+    pub sine: Option<Spanned<RawSine>>,
 }
 
 /// How something goes on in time.

@@ -24,15 +24,29 @@ pub struct Soil {
     pub porosity: f64,
     /// Hydraulic conductivity k, m/s, the vertical one where there are two; that of no water is 0.
     pub hydraulic_conductivity: f64,
-    /// Horizontal over vertical hydraulic conductivity.
+    /// Hydraulic conductivity along the bedding over that across it, which is k.
     #[serde(skip_serializing_if = "is_one")]
     pub anisotropy: f64,
+    /// What else that depends on.
+    #[serde(flatten)]
+    pub fabric: Fabric,
     /// Lateral over vertical effective stress of a geostatic start; `None` for that of no lateral strain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub k0: Option<f64>,
     /// Grains that compress; `None` for those that do not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub biot: Option<Biot>,
+}
+
+/// What hydraulic conductivity depends on beside its size along and across the bedding.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Fabric {
+    /// Angle of the bedding to the horizontal, degrees, anticlockwise.
+    #[serde(skip_serializing_if = "super::f64_is_zero")]
+    pub bedding_angle: f64,
+    /// Whether it goes with the porosity as `n^3/(1 - n)^2` (Kozeny 1927, Carman 1937); else it stays.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub kozeny_carman: bool,
 }
 
 /// Grains that compress, as Biot's theory has them.
@@ -182,10 +196,21 @@ impl Fields {
     /// The soil of `[soil]`.
     pub fn soil(&self) -> Soil {
         let Self { elastic, strength, cam_clay, grain_density, porosity, start_k0, biot, .. } = *self;
-        let [hydraulic_conductivity, anisotropy] =
-            self.water.map_or([0.0, 1.0], |w| [w.hydraulic_conductivity, w.anisotropy]);
+        let (hydraulic_conductivity, anisotropy, fabric) =
+            self.water.map_or((0.0, 1.0, Fabric::default()), |w| (w.hydraulic_conductivity, w.anisotropy, w.fabric));
         let k0 = start_k0;
-        Soil { elastic, strength, cam_clay, grain_density, porosity, hydraulic_conductivity, anisotropy, k0, biot }
+        Soil {
+            elastic,
+            strength,
+            cam_clay,
+            grain_density,
+            porosity,
+            hydraulic_conductivity,
+            anisotropy,
+            fabric,
+            k0,
+            biot,
+        }
     }
 
     /// All soils, and which is where.
@@ -235,7 +260,7 @@ impl Fields {
         let mut scene = Self { start_k0: k0, biot, ..base };
         if let Some(water) = &mut scene.water {
             water.hydraulic_conductivity = soil.hydraulic_conductivity;
-            water.anisotropy = soil.anisotropy;
+            (water.anisotropy, water.fabric) = (soil.anisotropy, soil.fabric);
         }
         scene
     }

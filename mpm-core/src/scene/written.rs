@@ -147,6 +147,8 @@ impl Writer {
         self.put("grain_bulk_modulus", soil.biot.map(|biot| biot.grain_bulk_modulus))?;
         self.put("hydraulic_conductivity", is_wet.then_some(soil.hydraulic_conductivity))?;
         self.put("anisotropy", is_wet.then_some(soil.anisotropy))?;
+        self.put("bedding_angle", is_wet.then_some(soil.fabric.bedding_angle))?;
+        self.put("kozeny_carman", is_wet.then_some(soil.fabric.kozeny_carman))?;
         self.put("start_k0", soil.k0)
     }
 
@@ -336,6 +338,15 @@ impl Fields {
             plates.push(out.0);
         }
         out.put("plates", Some(plates).filter(|list| !list.is_empty()))?;
+        let mut wells = Vec::new();
+        for well in &self.wells {
+            let mut out = Writer::default();
+            out.put("at", well.at)?;
+            out.put("rate", well.rate)?;
+            out.course(&well.course)?;
+            wells.push(out.0);
+        }
+        out.put("wells", Some(wells).filter(|list| !list.is_empty()))?;
         out.put("loads", Some(loads).filter(|loads| !loads.is_empty()))?;
         out.put("failure", &self.failure)
     }

@@ -153,6 +153,10 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         if self.is_stale {
             self.pass(false, 0.0);
         }
+        if !self.faces.by_porosity.is_empty() {
+            self.faces.follow_porosity(&self.strips);
+            self.faces.note_reach(&self.body.filled, &self.body.grid);
+        }
         self.load();
         self.look_outside(dt);
         self.solve_pressures(dt)?;
@@ -248,7 +252,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             let run = (&self.strips[..], &self.nodes, water, &self.faces.grains[..]);
             return nodal.flow(run, &gravity, self.faces.outline.iter().copied(), &mut self.totals, dt);
         }
-        let Self { functions, body, nodes, of_mesh, pressure, totals, faces, solver, .. } = self;
+        let Self { functions, body, nodes, of_mesh, pressure, totals, faces, solver, strips, .. } = self;
         let Some(water) = &body.water else { return };
         if solver.is_none() {
             let [x, y] = &mut nodes.motion.acceleration;
@@ -264,8 +268,9 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         let acceleration = if solver.is_some() || !F::NODAL { of_mesh } else { &nodes.motion.acceleration };
         let drive = (&body.gravity.unwrap_or([0.0; D]), acceleration);
         faces.drain(water, &pressure[0], drive, totals, dt);
-        if !faces.outlets.is_empty() {
-            faces.let_out(&water.flow, &pressure[0], drive, totals, dt);
+        if !faces.outflow.is_empty() {
+            let strips = solver.is_none().then_some(&strips[..]);
+            faces.let_out(&water.flow, (&pressure[0], strips), drive, totals, dt);
         }
     }
 

@@ -1,10 +1,15 @@
 //! Faces of cells that water passes: how each conducts, and what leaves through those that are drained.
 
-use super::store::Frame;
+use pulp::Simd;
+
+use super::pressure::storage;
+use super::store::{Frame, Strip};
 use crate::boundary::Filled;
 use crate::grid::Grid;
 use crate::observe::Totals;
 use crate::particles::{Layer, SolidPoint};
+use crate::scene::Well;
+use crate::soils::at_porosity;
 use crate::water::pores::Pores;
 use crate::water::{DRAINED_SURFACE, FaceFlow};
 
@@ -27,8 +32,9 @@ pub struct DrainedFace {
 pub struct Outlet {
     /// Cell inside.
     pub cell: usize,
-    /// How it conducts, as [`Faces::conducts`].
+    /// How it conducts, as [`Faces::conducts`], now and at first.
     pub conducts: f64,
+    first: f64,
     /// From the place of the cell's pressure to the piece, m.
     away: [f64; 2],
     /// Middle of the piece, m.
@@ -38,6 +44,21 @@ pub struct Outlet {
     drained: bool,
     /// Pressure outside, Pa; none if it is closed.
     pub outside: Option<f64>,
+}
+
+/// A face whose conductivity goes with the pores beside it: its axis, it, the cells with the first conductivity of the half there over
+/// that of the water, the edge of a cell over the distance of the pressures.
+type Varied = (usize, usize, [(usize, f64); 2], f64);
+
+/// A cell that a well takes water from.
+#[derive(Debug, Clone, Copy)]
+pub struct Intake {
+    /// The cell.
+    pub cell: usize,
+    /// The well, and the share of its water.
+    of: (usize, f64),
+    /// What it takes now, m3/s; below 0 it puts some in.
+    pub rate: f64,
 }
 
 /// A face at the outline of the soil: whether it lets water out, its axis, outwards (1 or -1), its nodes.
@@ -62,8 +83,13 @@ pub struct Faces<const D: usize> {
     pub outline: Vec<Outline>,
     /// Pieces of an outline that cuts cells, where they let water through.
     pub outlets: Vec<Outlet>,
-    /// What leaves each cell through them in the step, m3/s, and what is left of the stiffness of its water; empty where no outline
-    /// cuts cells.
+    /// How the conductivity of the cells goes with their porosity, and that of faces; empty where it does not.
+    pub by_porosity: Vec<[f64; 2]>,
+    varied: Vec<Varied>,
+    /// Cells in which wells stand.
+    pub intakes: Vec<Intake>,
+    /// What leaves each cell through outlets and wells in the step, m3/s, and what is left of the stiffness of its water; empty where
+    /// there are none, and where no outline cuts cells.
     pub outflow: Vec<f64>,
     pub softness: Vec<f64>,
     /// Whether water goes over the seam of a periodic mesh.
@@ -85,6 +111,9 @@ impl<const D: usize> Faces<D> {
             drained: Vec::new(),
             outline: Vec::new(),
             outlets: Vec::new(),
+            by_porosity: Vec::new(),
+            varied: Vec::new(),
+            intakes: Vec::new(),
             outflow: Vec::new(),
             softness: Vec::new(),
             periodic: false,
@@ -93,7 +122,7 @@ impl<const D: usize> Faces<D> {
 
     /// Finds which conduct.
     pub fn open(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>, water: &mut Pores<D>) {
-        let Self { frame, conducts, ratio, grains, biot, drained, outline, periodic, .. } = self;
+        let Self { frame, conducts, ratio, grains, biot, drained, outline, periodic, by_porosity, varied, .. } = self;
         *periodic = water.periodic;
         if !water.grain_inverse.is_empty() {
             grains.resize(conducts[0].len(), water.flow.grain_inverse);
@@ -105,9 +134,18 @@ impl<const D: usize> Faces<D> {
                 grid.walk().for_each(|(cell, position)| of_cells[frame.number(&position)] = water.biot[cell][i]);
             }
         }
+        if !water.by_porosity.is_empty() {
+            by_porosity.resize(conducts[0].len(), [1.0, 0.0]);
+            grid.walk().for_each(|(cell, position)| by_porosity[frame.number(&position)] = water.by_porosity[cell]);
+        }
+        varied.clear();
         conducts.iter_mut().chain(&mut *ratio).for_each(|faces| faces.fill(0.0));
-        water.faces(grid, solid, |axis, position, [conducted, reach]| {
+        water.faces(grid, solid, |axis, position, [conducted, reach], sides| {
             conducts[axis][frame.number(&position)] = conducted;
+            if !by_porosity.is_empty() {
+                let sides = sides.map(|(cell, half)| (frame.number(&grid.cell_position(cell)), half));
+                varied.push((axis, frame.number(&position), sides, reach));
+            }
             if let Some(ratio) = ratio[axis].get_mut(frame.number(&position)) {
                 *ratio = conducted / reach;
             }
@@ -128,6 +166,14 @@ impl<const D: usize> Faces<D> {
         if water.cuts.have_openings() {
             drained.clear();
             self.open_cuts(grid, water);
+        }
+        self.intakes.clear();
+        for (which, well) in water.wells.iter().enumerate() {
+            let cells = water.around_well(well, grid, solid);
+            let (frame, share) = (self.frame, 1.0 / cells.len() as f64);
+            let intake = |cell| Intake { cell: frame.number(&grid.cell_position(cell)), of: (which, share), rate: 0.0 };
+            self.intakes.extend(cells.into_iter().map(intake));
+            self.outflow.resize(frame.length(), 0.0);
         }
     }
 
@@ -152,7 +198,7 @@ impl<const D: usize> Faces<D> {
                 let (number, middle) = (frame.number(&grid.cell_position(cell)), opening.piece.middle);
                 let outside = drained.then_some(0.0);
                 let (away, water) = (opening.away, opening.water);
-                outlets.push(Outlet { cell: number, conducts, away, middle, water, drained, outside });
+                outlets.push(Outlet { cell: number, conducts, first: conducts, away, middle, water, drained, outside });
             }
         }
         water.soften(&sums);
@@ -164,8 +210,26 @@ impl<const D: usize> Faces<D> {
         }
     }
 
-    /// Looks at the water outside at a time, s. Whether that has opened or closed an outlet.
+    /// Lets the faces conduct as the pores beside them are now.
+    pub fn follow_porosity<V: Simd>(&mut self, strips: &[Strip<V, D>]) {
+        let Self { frame, conducts, ratio, drained, outlets, by_porosity, varied, .. } = self;
+        let share =
+            |cell: usize| at_porosity(by_porosity[cell], strips[cell / frame.strip].pores(cell % frame.strip)[0]);
+        for (axis, face, sides, near) in &*varied {
+            let [a, b] = sides.map(|(cell, half)| half * share(cell));
+            let mean = if a == b { a } else { 2.0 * a * b / (a + b) };
+            (ratio[*axis][*face], conducts[*axis][*face]) = (mean, mean * near);
+        }
+        drained.iter_mut().for_each(|face| face.conducts = conducts[face.axis][face.face]);
+        outlets.iter_mut().for_each(|outlet| outlet.conducts = outlet.first * share(outlet.cell));
+    }
+
+    /// Looks at the water outside and the wells at a time, s. Whether that has opened or closed an outlet.
     pub fn look_outside(&mut self, water: &Pores<D>, time: f64) -> bool {
+        for intake in &mut self.intakes {
+            let Well { rate, course, .. } = &water.wells[intake.of.0];
+            intake.rate = intake.of.1 * rate * course.at(time, 0.0);
+        }
         let mut changed = false;
         for outlet in self.outlets.iter_mut().filter(|outlet| outlet.water != 0) {
             let (place, before) = (&outlet.middle, outlet.outside.is_some());
@@ -193,11 +257,12 @@ impl<const D: usize> Faces<D> {
         sum
     }
 
-    /// What leaves through outlets in a step dt (s) under pressures of the cells (Pa, from [`Frame::pad`] on).
-    pub fn let_out(
+    /// What leaves through outlets and wells in a step dt (s) under pressures of the cells (Pa, from [`Frame::pad`] on): those of its end, or of
+    /// its start, from which the cells of the strips go on.
+    pub fn let_out<V: Simd>(
         &mut self,
         flow: &FaceFlow,
-        pressure: &[f64],
+        (pressure, strips): (&[f64], Option<&[Strip<V, D>]>),
         drive: (&[f64; D], &[Vec<f64>; 2]),
         totals: &mut Totals<D>,
         dt: f64,
@@ -215,6 +280,14 @@ impl<const D: usize> Faces<D> {
             totals.darcy_dissipation += dt * out * head;
             totals.flow_body_work += dt * out * body;
             totals.external_work -= dt * out * outside;
+        }
+        for Intake { cell, rate, .. } in &self.intakes {
+            self.outflow[*cell] += rate;
+            totals.water_out += dt * rate.max(0.0);
+            totals.water_in -= dt * rate.min(0.0);
+            // Under the mean of both ends: what a well itself changes in a step may be all there is.
+            let stores = strips.map_or(f64::INFINITY, |strips| storage(strips, &self.frame, *cell, (flow, self)));
+            totals.external_work -= dt * rate * (pressure[self.frame.pad() + cell] - 0.5 * dt * rate / stores);
         }
     }
 

@@ -94,7 +94,7 @@ pub struct Driving<'a, const D: usize> {
     pub keeps: f64,
     /// Time step, s.
     pub dt: f64,
-    /// Whether distances change with the place of the surface.
+    /// Whether distances change with the place of the surface, or conductivities with the pores.
     pub has_surface: bool,
 }
 
@@ -349,6 +349,9 @@ impl<const D: usize> PressureSystem<D> {
             let row = self.row_of[outlet.cell] as usize;
             self.right[row] += dt * flow.area * flow.conductance * outlet.conducts * (outside - body);
         }
+        for intake in &faces.intakes {
+            self.right[self.row_of[intake.cell] as usize] -= dt * intake.rate;
+        }
     }
 
     /// Adds the force `C p^{n+1}` to the nodes.
@@ -384,7 +387,7 @@ fn coupling<'a, V: Simd, const D: usize>(strips: &'a [Strip<V, D>], frame: &Fram
 }
 
 /// Water that a cell stores per pressure, V n/K_w and what its grains give, m3/Pa; zero where neither compresses.
-fn storage<V: Simd, const D: usize>(
+pub(super) fn storage<V: Simd, const D: usize>(
     strips: &[Strip<V, D>],
     frame: &Frame<D>,
     cell: usize,

@@ -6,8 +6,8 @@ use super::{Cuts, FaceFlow, Halves, density_ratio, stored_energy};
 use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::grid::Grid;
 use crate::particles::{Layer, Point, SolidPoint, WaterPoint};
-use crate::scene::{FaceLoad, Integrator, Scene, WaterProperties};
-use crate::soils::Soils;
+use crate::scene::{FaceLoad, Integrator, Scene, WaterProperties, Well};
+use crate::soils::{Kind, Soils};
 
 /// Soil of a cell, as water counts it.
 #[derive(Debug, Clone, Copy)]
@@ -45,6 +45,8 @@ pub struct Pores<const D: usize> {
     pub softness: Vec<f64>,
     /// Volume of the grains of each cell per mass, m3/kg; empty where all grains weigh the same.
     pub grain_inverse: Vec<f64>,
+    /// How the conductivity of each cell goes with its porosity, as [`crate::soils::at_porosity`]; empty where it stays.
+    pub by_porosity: Vec<[f64; 2]>,
     /// Biot's coefficient of each cell, and what its grains give per volume and pressure, 1/Pa; empty where no grains compress.
     pub biot: Vec<[f64; 2]>,
     /// Whether a cell at the edge of the soil may be without water particles: those of soil that moves through cells come
@@ -65,6 +67,8 @@ pub struct Pores<const D: usize> {
     pub outside: Vec<FaceLoad>,
     /// Weight of the water, N/m3.
     pub weight: f64,
+    /// The wells of the scene.
+    pub wells: Vec<Well>,
 }
 
 /// Share of a cell's soil that its water must fill to have a pressure, where soil runs out.
@@ -104,7 +108,9 @@ impl<const D: usize> Pores<D> {
             seen: false,
             outside: scene.loads.clone(),
             weight: properties.density * scene.gravity.unwrap_or(0.0),
+            wells: scene.wells.clone(),
             grain_inverse: Vec::new(),
+            by_porosity: Vec::new(),
             biot: Vec::new(),
             open_edges,
             partly_drained,
@@ -120,17 +126,24 @@ impl<const D: usize> Pores<D> {
         }
         self.halves = Halves::of(grid, solid, soils);
         self.cuts.follow(grid, solid, soils);
-        if soils.compress() {
+        // The mean of two numbers over the particles of each cell.
+        let mean = |of: fn(&Kind) -> [f64; 2]| {
             let of_cell = |(cell, _)| {
                 let (mut sums, mut volume) = ([0.0; 2], 0.0);
                 for index in solid.range(cell) {
-                    let (kind, own) = (soils.kind_of(solid.ids[index]), solid.points[index].volume);
-                    volume += own;
-                    (0..2).for_each(|i| sums[i] += own * kind.biot[i]);
+                    let (own, volume_of) = (of(soils.kind_of(solid.ids[index])), solid.points[index].volume);
+                    volume += volume_of;
+                    (0..2).for_each(|i| sums[i] += volume_of * own[i]);
                 }
                 if volume > 0.0 { sums.map(|sum| sum / volume) } else { [1.0, 0.0] }
             };
-            self.biot = grid.walk().map(of_cell).collect();
+            grid.walk().map(of_cell).collect()
+        };
+        if soils.compress() {
+            self.biot = mean(|kind| kind.biot);
+        }
+        if soils.go_with_porosity() {
+            self.by_porosity = mean(|kind| kind.by_porosity);
         }
         if soils.weigh_differently() {
             let of_cell = |(cell, _)| {
@@ -158,13 +171,13 @@ impl<const D: usize> Pores<D> {
     }
 
     /// How every face conducts over the water's own conductivity, and the edge of a cell over the distance of the pressures on
-    /// both sides: axis, place of the cell above it, both. Between two cells of different conductivity the flux is that through two half cells in
+    /// both sides: axis, place of the cell above it, both, and the cells with the conductivities of their halves. Between two cells of different conductivity the flux is that through two half cells in
     /// series: k is the harmonic mean 2 k_1 k_2/(k_1 + k_2).
     pub fn faces<S: Point<D>>(
         &self,
         grid: &Grid<D>,
         solid: &Layer<S, D>,
-        mut give: impl FnMut(usize, [usize; D], [f64; 2]),
+        mut give: impl FnMut(usize, [usize; D], [f64; 2], [(usize, f64); 2]),
     ) {
         let wet = |cell: usize| !solid.range(cell).is_empty() && self.has_water(cell);
         for (cell, position) in grid.walk() {
@@ -177,12 +190,14 @@ impl<const D: usize> Pores<D> {
                     let [open, near] = self.cuts.face(grid, axis, &position, [low, cell]);
                     let ratio = open * self.halves.between(axis, low, cell);
                     let conducts = [ratio * near, near];
-                    give(axis, position, conducts);
+                    let [below, above] = [self.halves.at(low, axis, true), self.halves.at(cell, axis, false)];
+                    let sides = [(low, open * below), (cell, open * above)];
+                    give(axis, position, conducts, sides);
                     if over_seam {
                         // The same face, seen from the other side.
                         let mut last = position;
                         last[0] = grid.cells[0];
-                        give(axis, last, conducts);
+                        give(axis, last, conducts, sides);
                     }
                 }
                 stride *= grid.cells[axis];
@@ -193,7 +208,8 @@ impl<const D: usize> Pores<D> {
             let (axis, mut position) = (face.axis as usize, grid.cell_position(face.cell as usize));
             let ratio = self.halves.at(face.cell as usize, axis, face.upper);
             position[axis] += usize::from(face.upper);
-            give(axis, position, [DRAINED_SURFACE * ratio, DRAINED_SURFACE]);
+            let side = (face.cell as usize, ratio);
+            give(axis, position, [DRAINED_SURFACE * ratio, DRAINED_SURFACE], [side; 2]);
         }
     }
 
@@ -210,6 +226,18 @@ impl<const D: usize> Pores<D> {
         self.bare.clear();
         self.bare.extend((0..grid.cell_count()).filter(is_open).map(|cell| cell as u32));
         self.rebuild(grid, solid);
+    }
+
+    /// Cells of soil with water in which a well stands, in equal shares; where there are none, the nearest.
+    pub fn around_well(&self, well: &Well, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>) -> Vec<usize> {
+        let wet = |cell: &usize| !solid.range(*cell).is_empty() && self.has_water(*cell);
+        let off = |cell: usize| {
+            let position = grid.cell_position(cell);
+            let along = |d: usize| (position[d] as f64 + 0.5 - well.at[d + 2 - D] * grid.inverse_size).abs();
+            (0..D).map(along).fold(0.5 + 1e-6, f64::max)
+        };
+        let least = (0..grid.cell_count()).filter(wet).map(off).fold(f64::INFINITY, f64::min);
+        (0..grid.cell_count()).filter(wet).filter(|cell| off(*cell) == least).collect()
     }
 
     /// Whether water may leave the soil.
@@ -337,7 +365,7 @@ impl<const D: usize> Pores<D> {
         self.layer.save_or_restore(archive)?;
         self.exposed.save_or_restore(archive, grid)?;
         archive!(archive.value: self.drained, self.removed_mass, self.bare);
-        archive!(archive.value: self.halves, self.grain_inverse, self.biot, self.cuts);
+        archive!(archive.value: self.halves, self.grain_inverse, self.biot, self.by_porosity, self.cuts);
         self.seen = archive.restores();
         Ok(())
     }

@@ -14,19 +14,19 @@ use crate::norms::{LATE_TV, largest};
 use crate::scenes::built_in;
 
 /// What tells the error of a run.
-type Measured = Result<Box<dyn Fn(&Run) -> f64>, Error>;
+pub(super) type Measured = Result<Box<dyn Fn(&Run) -> f64>, Error>;
 
 /// The same from the scene that it should have been.
-type Measure = fn(&Scene) -> Measured;
+pub(super) type Measure = fn(&Scene) -> Measured;
 
 /// A scene, how it is measured, and what that must show.
-struct Case {
-    scene: &'static str,
-    change: fn(&mut Fields),
-    measure: Measure,
-    rows: &'static [usize],
-    required: f64,
-    order: Option<[f64; 2]>,
+pub(super) struct Case {
+    pub scene: &'static str,
+    pub change: fn(&mut Fields),
+    pub measure: Measure,
+    pub rows: &'static [usize],
+    pub required: f64,
+    pub order: Option<[f64; 2]>,
 }
 
 /// A case of the verification suite with its planted fault.
@@ -40,6 +40,7 @@ macro_rules! case {
         }
     };
 }
+pub(super) use case;
 
 const CYCLIC: Case =
     Case { scene: "cyclic-load", change: sound, measure: superposed, rows: &[10, 14, 20], required: 1e-3, order: None };
@@ -215,7 +216,7 @@ fn slow_explicit(scene: &mut Fields) {
     scene.integrator = Integrator::Explicit;
 }
 
-fn climb(case: &Case, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+pub(super) fn climb(case: &Case, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let base = built_in(case.scene)?.edited(case.change)?;
     let error = (case.measure)(&base)?;
     let base = base.edited(fault)?;

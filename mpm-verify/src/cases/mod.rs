@@ -19,6 +19,7 @@ mod dynamic_column;
 mod dynamic_energy;
 mod elsewhere;
 mod evidence;
+mod fabric;
 mod features;
 mod footing;
 mod ground;
@@ -51,6 +52,7 @@ mod undrained_wave;
 mod verdict;
 mod vortex;
 mod water_ledger;
+mod wells;
 mod wetting;
 
 use std::cell::Cell;
@@ -241,6 +243,18 @@ pub const LADDER: &[Rung] = &[
     ground::CASES[18],
     ground::CASES[19],
     ground::CASES[20],
+    wells::CASES[0],
+    wells::CASES[1],
+    wells::CASES[2],
+    wells::CASES[3],
+    wells::CASES[4],
+    wells::CASES[5],
+    fabric::CASES[0],
+    fabric::CASES[1],
+    fabric::CASES[2],
+    fabric::CASES[3],
+    fabric::CASES[4],
+    fabric::CASES[5],
     block::STICKS,
     block::STOPS,
     block::SLIDES,

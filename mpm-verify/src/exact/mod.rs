@@ -20,6 +20,7 @@ pub mod layered;
 pub mod mandel;
 pub mod oedometer;
 pub(crate) mod oracle;
+pub mod pressed_pores;
 pub mod quadrature;
 pub mod radial;
 pub mod root;
@@ -34,6 +35,7 @@ pub mod strip;
 pub mod terzaghi;
 pub mod undrained_wave;
 pub mod vortex;
+pub mod wells;
 pub mod wetting_front;
 
 #[cfg(test)]

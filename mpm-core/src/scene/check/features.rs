@@ -78,6 +78,14 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
         Feature::Incompressible => {
             raw.water.as_ref().is_some_and(|water| *water.get_ref().bulk_modulus.get_ref() == f64::INFINITY)
         }
+        Feature::KozenyCarman => {
+            let all = raw.water.iter().filter_map(|water| water.get_ref().kozeny_carman.as_ref());
+            all.chain(zones().filter_map(|zone| zone.get_ref().kozeny_carman.as_ref())).any(|is| *is.get_ref())
+        }
+        Feature::Bedding => {
+            let all = raw.water.iter().filter_map(|water| water.get_ref().bedding_angle.as_ref());
+            all.chain(zones().filter_map(|zone| zone.get_ref().bedding_angle.as_ref())).any(|x| *x.get_ref() != 0.0)
+        }
         Feature::LinearElastic => matches!(law, RawLaw::LinearElastic(_)),
         Feature::MohrCoulomb => laws().any(|law| matches!(law, RawLaw::MohrCoulomb(_))),
         Feature::CamClay => laws().any(|law| matches!(law, RawLaw::ModifiedCamClay(_))),
@@ -108,6 +116,7 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
         Feature::Strip => surcharge.is_some_and(|load| load.strip.is_some()),
         Feature::Loads => raw.loads.is_some() || raw.reservoirs.is_some(),
         Feature::MovedPlates => raw.plates.is_some(),
+        Feature::Wells => raw.wells.is_some(),
         Feature::DarcyOperator => scheme.is_some_and(|scheme| scheme.darcy.is_some()),
         Feature::Nodal => scheme.is_some_and(|scheme| is(scheme.darcy.as_ref(), "nodal")),
         Feature::DarcyInertia => scheme.is_some_and(|scheme| scheme.darcy_inertia.is_some()),
@@ -169,6 +178,8 @@ fn place(raw: &RawScene, feature: Feature) -> Option<Range<usize>> {
         "water" => of(raw.water.as_ref()),
         "water.free_surface" => of(water?.free_surface.as_ref()),
         "water.bulk_modulus" => Some(water?.bulk_modulus.span()),
+        "water.kozeny_carman" => of(water?.kozeny_carman.as_ref()),
+        "water.bedding_angle" => of(water?.bedding_angle.as_ref()),
         "soil.law" => Some(soil.law.span()),
         "soil.separation" => of(soil.separation.as_ref()),
         "soil.strain" => of(soil.strain.as_ref()),

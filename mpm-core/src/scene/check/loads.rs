@@ -2,11 +2,14 @@
 
 use std::ops::Range;
 
-use toml::Spanned;
+use toml::{Spanned, Value};
 
-use super::super::raw::{Pairs, RawCourse, RawLoad, RawPlate, RawReservoir, RawScene};
-use super::super::{Bearing, Course, Dimension, FaceLoad, Fields, Integrator, MovedPlate, Side, SolidSide, TimeMethod};
+use super::super::raw::{Pairs, RawCourse, RawLoad, RawPlate, RawReservoir, RawScene, RawWell};
+use super::super::{
+    Bearing, Course, Dimension, FaceLoad, Fields, Integrator, MovedPlate, Side, SolidSide, TimeMethod, Well,
+};
 use super::{Checked, Reader};
+use crate::seeding;
 
 /// Most loads on faces.
 const MOST_LOADS: usize = 64;
@@ -142,6 +145,29 @@ impl Reader<'_> {
 
     fn side(&self, word: &Option<Spanned<String>>, key: &str) -> Checked<Side> {
         self.word(word.as_ref(), key, &Side::ALL.map(|side| (side.word(), side)), Side::Top)
+    }
+
+    /// The checked `[[wells]]`, of a scene that has all else.
+    pub(super) fn wells(&self, raw: &RawScene, scene: &Fields) -> Checked<Vec<Well>> {
+        raw.wells.iter().flat_map(|list| list.get_ref()).map(|well| self.well(well, scene)).collect()
+    }
+
+    fn well(&self, well: &Spanned<RawWell>, scene: &Fields) -> Checked<Well> {
+        let (raw, span) = (well.get_ref(), well.span());
+        let number = |value: &Value| value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64));
+        let at = match raw.at.get_ref() {
+            Value::Array(list) if list.len() == 2 => number(&list[0]).zip(number(&list[1])),
+            height => number(height).filter(|_| scene.dimension == Dimension::Column).map(|y| (0.5 * scene.width, y)),
+        };
+        let in_soil = |at: &[f64; 2]| seeding::near(&scene.outline_or_box(), at, 1e-9 * scene.cell);
+        let Some(at) = at.map(|(x, y)| [x, y]).filter(in_soil) else {
+            let expected = "a place in the soil: [x, y], or a height in a column (m)";
+            return self.refuse(&raw.at.span(), "wells.at", expected, raw.at.get_ref());
+        };
+        let expected = "a finite number other than 0 (m3/s per metre), below 0 for water that is put in";
+        let rate = self.within(&raw.rate, "wells.rate", expected, |rate| rate != 0.0)?;
+        let course = RawCourse { ramp_time: &raw.ramp_time, times: &raw.times, sine: &raw.sine, wave: &None };
+        Ok(Well { at, rate, course: self.course("wells", &span, &course)? })
     }
 
     fn range(&self, value: &Option<Spanned<[f64; 2]>>, key: &str) -> Checked<Option<[f64; 2]>> {

@@ -22,7 +22,7 @@ mod together;
 use super::patch::{Source, Unreadable};
 use super::raw::{RawBoundaries, RawMesh, RawObserve, RawScene, RawStage, RawStrip, RawUntil, RawWater};
 use super::{
-    Dimension, Fields, Integrator, LoadOn, LoadedStrip, Scene, Side, SolidSide, Stage, Start, Surcharge, Until,
+    Dimension, Fabric, Fields, Integrator, LoadOn, LoadedStrip, Scene, Side, SolidSide, Stage, Start, Surcharge, Until,
     WaterProperties,
 };
 use crate::error::SceneError;
@@ -283,6 +283,7 @@ impl Reader<'_> {
             surcharge,
             loads: Vec::new(),
             plates: Vec::new(),
+            wells: Vec::new(),
             integrator: time.integrator,
             method: time.method,
             tolerance: time.tolerance,
@@ -316,6 +317,7 @@ impl Reader<'_> {
         scene.regions = self.regions(raw, &scene)?;
         scene.loads = self.loads(raw, &scene)?;
         scene.plates = self.plates(raw, &scene)?;
+        scene.wells = self.wells(raw, &scene)?;
         if self.light_nodes(raw)?.is_none() {
             scene.light_nodes = scene.usual_light_nodes();
         }
@@ -418,12 +420,13 @@ impl Reader<'_> {
             Some(value) => self.positive(value, "water.anisotropy", "k_h/k_v")?,
             None => 1.0,
         };
+        let fabric = self.fabric("water", &water.bedding_angle, &water.kozeny_carman, Fabric::default())?;
         let bulk_modulus = *water.bulk_modulus.get_ref();
         if bulk_modulus.is_nan() || bulk_modulus <= 0.0 {
             let expected = "a number above 0 (Pa), or inf for incompressible water";
             return self.refuse(&water.bulk_modulus.span(), "water.bulk_modulus", expected, bulk_modulus);
         }
-        Ok(WaterProperties { hydraulic_conductivity, anisotropy, bulk_modulus, unit_weight, density })
+        Ok(WaterProperties { hydraulic_conductivity, anisotropy, fabric, bulk_modulus, unit_weight, density })
     }
 
     /// Under gravity the water's density must be that of its unit weight.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use toml::Spanned;
 
 use super::super::raw::{RawScene, RawZone};
-use super::super::{Biot, Dimension, Elastic, Fields, Integrator, Region, Soil, SoilLayer, StrainChoice};
+use super::super::{Biot, Dimension, Elastic, Fabric, Fields, Integrator, Region, Soil, SoilLayer, StrainChoice};
 use super::{Checked, Reader};
 use crate::constitutive::MOST_MATERIALS;
 use crate::seeding;
@@ -162,10 +162,25 @@ impl Reader<'_> {
                 (None, _) => {}
             }
         }
+        soil.fabric = self.fabric(list, &raw.bedding_angle, &raw.kozeny_carman, soil.fabric)?;
         if let Some(value) = &raw.start_k0 {
             soil.k0 = Some(self.within(value, &key("start_k0"), "a ratio of 0 or more (-)", |k| k >= 0.0)?);
         }
         Ok(soil)
+    }
+
+    /// What conductivity depends on, from what a table says of it.
+    pub(super) fn fabric(
+        &self,
+        table: &str,
+        angle: &Option<Spanned<f64>>,
+        kozeny_carman: &Option<Spanned<bool>>,
+        usual: Fabric,
+    ) -> Checked<Fabric> {
+        let (key, expected) = (format!("{table}.bedding_angle"), "-90 <= angle <= 90 (degrees)");
+        let angle = angle.as_ref().map(|angle| self.within(angle, &key, expected, |angle| angle.abs() <= 90.0));
+        let kozeny_carman = kozeny_carman.as_ref().map_or(usual.kozeny_carman, |is| *is.get_ref());
+        Ok(Fabric { bedding_angle: angle.transpose()?.unwrap_or(usual.bedding_angle), kozeny_carman })
     }
 
     /// Grains that compress, from what a table says of them: `alpha = 1 - K/K_s`, unless it says both.

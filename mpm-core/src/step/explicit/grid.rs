@@ -122,7 +122,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             acceleration: of_mesh,
             keeps: 1.0 / (1.0 + *damping * dt),
             dt,
-            has_surface: body.filled.is_known(),
+            has_surface: body.filled.is_known() || !faces.by_porosity.is_empty(),
         };
         solver.solve(strips, nodes, &mut pressure[0], plate, &by)?;
         solver.push(strips, nodes);
@@ -147,7 +147,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             conducts: &motion.acceleration, // no water
             ratio: None,
             grains: None,
-            cuts: None,
+            outflow: None,
+            softness: None,
             biot: None,
             axis: None,
             soil,

@@ -404,8 +404,10 @@ pub struct Common<'a, F, const D: usize> {
     pub grains: Option<&'a [f64]>,
     /// Biot's coefficient of the cells, and what their grains give per volume and pressure (1/Pa), where some compress.
     pub biot: Option<[&'a [f64]; 2]>,
-    /// What leaves the cells through an outline that cuts them (m3/s), and what is left of the stiffness of their water there.
-    pub cuts: Option<[&'a [f64]; 2]>,
+    /// What leaves the cells through an outline that cuts them and through wells, m3/s.
+    pub outflow: Option<&'a [f64]>,
+    /// What is left of the stiffness of their water where an outline cuts them.
+    pub softness: Option<&'a [f64]>,
     /// Distance of x = 0 from the axis of an axisymmetric section, in cells.
     pub axis: Option<f64>,
     /// Volume of soil in the cells at the end of the pass, m3, where it is known; else zero.
@@ -453,7 +455,8 @@ impl<F: Copy, const D: usize> Common<'_, F, D> {
             || self.mapped.is_some()
             || self.ratio.is_some()
             || self.grains.is_some()
-            || self.cuts.is_some()
+            || self.outflow.is_some()
+            || self.softness.is_some()
             || self.biot.is_some()
             || self.axis.is_some()
             || affine.is_some()
@@ -472,7 +475,8 @@ impl<F: Copy, const D: usize> Common<'_, F, D> {
             mapped: None,
             ratio: None,
             grains: None,
-            cuts: None,
+            outflow: None,
+            softness: None,
             biot: None,
             axis: None,
             ..*self

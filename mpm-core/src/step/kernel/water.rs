@@ -131,9 +131,9 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
                     point.volume = point.volume * (none.like(1.0) + volume_rate * dt);
                 }
                 point.v = v;
-                // Where water passes the outline its particles stay with the soil: those that went through it for long would take the
+                // Where water passes the outline, or wells, its particles stay with the soil: those that went through it for long would take the
                 // pressure of where they come from along, and leave cells without any.
-                let way = if self.common.cuts.is_some() {
+                let way = if self.common.outflow.is_some() {
                     functions.with_water(motion, edges, &xi, &[[none; D]; 4], inverse).0
                 } else {
                     v
@@ -153,9 +153,9 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     /// the flow (1/s).
     #[inline(always)]
     fn rates(&self, group: usize, of_soil: Lanes<V>, divergence: Lanes<V>, cell: &CellLanes<V, D>) -> [Lanes<V>; 2] {
-        let Common { flow, dt, cuts, biot, .. } = self.common;
+        let Common { flow, dt, outflow, softness, biot, .. } = self.common;
         let mut through = self.of(cell.filling) * divergence; // Eq. (6a)
-        if let Some([outflow, _]) = cuts {
+        if let Some(outflow) = outflow {
             let out = Lanes::load(self.simd, &outflow[self.strip.first + group * V::F64_LANES..]);
             through += out * self.of(cell.inverse_volume) * self.of(cell.inverse_porosity);
         }
@@ -172,8 +172,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             stiffness = one / (self.of(cell.porosity) * (1.0 / flow.bulk_modulus) + self.load(grains, at)).or_one();
             of_soil = of_soil * self.load(alpha, at);
         }
-        let softer = match cuts {
-            Some([_, softness]) => Lanes::load(self.simd, &softness[self.strip.first + group * V::F64_LANES..]),
+        let softer = match softness {
+            Some(softness) => Lanes::load(self.simd, &softness[self.strip.first + group * V::F64_LANES..]),
             None => softer(self.of(cell.fill), stiffness * *dt * flow.diffusion),
         };
         let stiffness = softer * stiffness;
@@ -202,7 +202,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         sums: &F::Sums<V>,
         closing: &mut Closing<V, D>,
     ) {
-        let Common { functions, flow, grains, cuts, coupled, .. } = *self.common;
+        let Common { functions, flow, grains, softness, coupled, .. } = *self.common;
         let none = mass.like(0.0);
         let one = none.like(1.0);
         let [weighted, of_water] = functions.water_of(sums);
@@ -222,7 +222,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let is_known = closing.moving_with;
         let cell = &mut self.strip.cells[group];
         // An outline that is known needs no limit either.
-        let limited = if cuts.is_some() {
+        let limited = if softness.is_some() {
             over_fill
         } else if by_faces {
             over_fill.lesser(one.like(1.0 / LEAST_FILLING))

@@ -6,7 +6,7 @@ use crate::constitutive::{Law, Materials, State};
 use crate::dimension::in_two;
 use crate::particles::SolidPoint;
 use crate::scene::{
-    Bearing, Course, FaceLoad, LoadOn, Piece, Quadrature, Scene, ShapeChoice, Side, SolidSide, Surcharge,
+    Bearing, Course, FaceLoad, LoadOn, Piece, Quadrature, Scene, ShapeChoice, Side, SolidSide, Surcharge, Well,
 };
 use crate::space::{Axis, Basis, Fit, Local, MOST, Stencil, fit, gauss, gauss_points};
 use crate::sparse::Unsolved;
@@ -53,9 +53,12 @@ impl<const D: usize> Ground<'_, D> {
         std::array::from_fn(|d| {
             let high = if d == D - 1 { scene.height - self.settled } else { scene.width };
             let axis = Axis::new(0.0, high, scene.cell, -scene.shift * scene.cell, least, basis);
-            // Strain and gradient of the pressure jump between layers: B-splines must bend there.
+            // Strain and gradient of the pressure jump between layers, and at the level of a column that a well takes water from:
+            // B-splines must bend there.
             let tops = scene.layers.iter().filter(|_| d == D - 1).map(|layer| layer.up_to);
-            if scene.layers.is_empty() { axis } else { axis.broken_at(tops) }
+            let wells = scene.wells.iter().filter(|_| D == 1).map(|well| well.at[1]);
+            let mut places = tops.chain(wells).peekable();
+            if places.peek().is_none() { axis } else { axis.broken_at(places) }
         })
     }
 
@@ -153,6 +156,7 @@ impl<const D: usize> Ground<'_, D> {
         let water = scene.water.unwrap_or(crate::scene::WaterProperties {
             hydraulic_conductivity: 0.0,
             anisotropy: 1.0,
+            fabric: crate::scene::Fabric::default(),
             bulk_modulus: f64::INFINITY,
             unit_weight: 1.0,
             density: 0.0,
@@ -174,6 +178,7 @@ impl<const D: usize> Ground<'_, D> {
             p: vec![0.0; pressures],
             moved,
             plates: scene.plates.iter().map(|plate| (plate.clone(), [0.0; 2])).collect(),
+            wells: self.wells(&axes),
             held_pressure: vec![0.0; if before.is_empty() { 0 } else { pressures }],
             before,
             outside: (scene.loads.clone(), water.density * scene.gravity.unwrap_or(0.0)),
@@ -228,23 +233,25 @@ impl<const D: usize> Ground<'_, D> {
         self.points.iter().enumerate().map(part).collect()
     }
 
-    fn pore<L: Law>(&self, law: &Materials<L>, axes: &[Axis; D], solid: &[SolidPart<D>]) -> Vec<PorePart<D>> {
-        let wet = self.scene.water.is_some();
+    /// Porosity of the cells.
+    fn porosities<L: Law>(&self, law: &Materials<L>, axes: &[Axis; D]) -> Vec<f64> {
         let mut room = vec![[0.0; 2]; axes.iter().map(Axis::cells).product()];
-        let place = |point: &SolidPoint<D>| number(axes, &cell_of(axes, &point.x));
         for point in self.points {
-            let [volume, grains] = &mut room[place(point)];
+            let [volume, grains] = &mut room[number(axes, &cell_of(axes, &point.x))];
             *volume += point.volume;
             *grains += point.mass * law.soils.kind(law.soils.at(&in_two(&point.x))).grain_inverse;
         }
         // The grains do not compress.
-        let porosity = |cell: usize| match room[cell] {
-            [volume, grains] if volume > 0.0 => 1.0 - grains / volume,
-            _ => self.scene.porosity,
-        };
+        let porosity =
+            |[volume, grains]: [f64; 2]| if volume > 0.0 { 1.0 - grains / volume } else { self.scene.porosity };
+        room.into_iter().map(porosity).collect()
+    }
+
+    fn pore<L: Law>(&self, law: &Materials<L>, axes: &[Axis; D], solid: &[SolidPart<D>]) -> Vec<PorePart<D>> {
+        let (wet, porosities) = (self.scene.water.is_some(), self.porosities(law, axes));
         let Some(degree) = self.scene.shape.spline_degree() else {
             let part = |(i, point): (usize, &SolidPoint<D>)| {
-                let cell = place(point);
+                let cell = number(axes, &cell_of(axes, &point.x));
                 let mut water = Stencil::single(cell);
                 water.count = usize::from(wet);
                 let SolidPart { stencil: mut soil, dilates, hoop, weight, mark, .. } = solid[i];
@@ -253,15 +260,14 @@ impl<const D: usize> Ground<'_, D> {
                     (None, Some(hoop)) => soil.slope.iter_mut().zip(hoop).for_each(|(slope, hoop)| slope[0] += hoop),
                     (None, None) => {}
                 }
-                PorePart { soil, water, weight, porosity: porosity(cell), mark }
+                PorePart { soil, water, weight, porosity: porosities[cell], mark }
             };
             return self.points.iter().enumerate().map(part).collect();
         };
         let rule = gauss_points(degree);
-        let mut parts = Vec::with_capacity(room.len() * rule.len().pow(D as u32));
-        for (cell, _) in room.iter().enumerate() {
+        let mut parts = Vec::with_capacity(porosities.len() * rule.len().pow(D as u32));
+        for (cell, &porosity) in porosities.iter().enumerate() {
             let position = position(axes, cell);
-            let porosity = porosity(cell);
             for local in 0..rule.len().pow(D as u32) {
                 let mut rest = local;
                 let (mut x, mut weight) = ([0.0; D], self.thickness);
@@ -284,9 +290,9 @@ impl<const D: usize> Ground<'_, D> {
     }
 
     fn faces<L: Law>(&self, law: &Materials<L>, axes: &[Axis; D]) -> Vec<FacePart> {
-        let cells: usize = axes.iter().map(Axis::cells).product();
+        let porosities = self.porosities(law, axes);
         let mut faces = Vec::new();
-        for cell in 0..cells {
+        for (cell, &pores) in porosities.iter().enumerate() {
             let position = position(axes, cell);
             let mark = |position: [usize; D]| law.soils.at(&in_two(&middle(axes, &position)));
             let own = mark(position);
@@ -303,38 +309,20 @@ impl<const D: usize> Ground<'_, D> {
                 // The last axis is the vertical one: sides 2 and 3.
                 let side = 2 * (axis + 2 - D);
                 let here = cell as u32;
+                let mut give = |cells, area, reach, marks, porosity| {
+                    faces.push(FacePart { cells, axis, area, reach, marks, porosity, outside: 0.0 });
+                };
                 if at == 0 && self.is_open(side) {
-                    faces.push(FacePart {
-                        cells: [HELD, here],
-                        axis,
-                        area: below,
-                        reach: [0.0, half(at)],
-                        marks: [own; 2],
-                        outside: 0.0,
-                    });
+                    give([HELD, here], below, [0.0, half(at)], [own; 2], [pores; 2]);
                 }
                 if at < last {
                     let above = (cell + stride) as u32;
                     let mut next = position;
                     next[axis] += 1;
-                    let marks = [own, mark(next)];
-                    faces.push(FacePart {
-                        cells: [here, above],
-                        axis,
-                        area,
-                        reach: [half(at), half(at + 1)],
-                        marks,
-                        outside: 0.0,
-                    });
+                    let porosity = [pores, porosities[cell + stride]];
+                    give([here, above], area, [half(at), half(at + 1)], [own, mark(next)], porosity);
                 } else if self.is_open(side + 1) {
-                    faces.push(FacePart {
-                        cells: [here, HELD],
-                        axis,
-                        area,
-                        reach: [half(at), 0.0],
-                        marks: [own; 2],
-                        outside: 0.0,
-                    });
+                    give([here, HELD], area, [half(at), 0.0], [own; 2], [pores; 2]);
                 }
                 stride *= axes[axis].cells();
             }
@@ -361,7 +349,10 @@ impl<const D: usize> Ground<'_, D> {
         let mut shared = None;
         // Soil that slides on its base and leans on nothing has its place along x from nowhere: no force moves it.
         let sides = &self.sides;
-        let slides = D == 2 && !sides.contains(&SolidSide::Fixed) && !sides[..2].contains(&SolidSide::Roller);
+        let slides = D == 2
+            && self.scene.axis().is_none()
+            && !sides.contains(&SolidSide::Fixed)
+            && !sides[..2].contains(&SolidSide::Roller);
         let pin = slides.then_some(counts[0] / 2);
         let (mut soil_map, mut water_map) = (vec![[HELD; D]; functions], vec![HELD; pressures]);
         for function in 0..functions.max(pressures) {
@@ -470,6 +461,28 @@ impl<const D: usize> Ground<'_, D> {
             }
         }
         before
+    }
+
+    /// Wells, whose height goes with that of the soil: pressure functions with their shares.
+    fn wells(&self, axes: &[Axis; D]) -> Vec<(Vec<(u32, f64)>, Well, f64)> {
+        let of = |well: &Well| {
+            let stands = 1.0 - self.settled / self.scene.height;
+            let place: [f64; D] = std::array::from_fn(|d| well.at[d + 2 - D] * if d + 1 == D { stands } else { 1.0 });
+            let shares = if smooth(self.scene.shape) {
+                let Stencil { count, number, value, .. } = Stencil::at(axes, &place);
+                (0..count).map(|a| (number[a], value[a])).collect()
+            } else {
+                // On a line of the mesh it stands in the cells on both sides.
+                let beside = |quadrant: usize| {
+                    let shift = |d: usize| if quadrant >> d & 1 == 1 { 1e-6 } else { -1e-6 } * self.scene.cell;
+                    let cell = cell_of(axes, &std::array::from_fn(|d| place[d] + shift(d)));
+                    (number(axes, &cell) as u32, 0.5_f64.powi(D as i32))
+                };
+                (0..1 << D).map(beside).collect()
+            };
+            (shares, well.clone(), 0.0)
+        };
+        self.scene.wells.iter().map(of).collect()
     }
 
     /// The loads: force where the factor is 1 (N per displacement function and direction), and how it goes on.

@@ -42,7 +42,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let steady = |load: &FaceLoad| load.course == Course::Constant;
         let constant = self.time >= self.scene.surcharge.map_or(0.0, |s| s.ramp_time);
         let constant = constant && self.scene.loads.iter().all(steady) && !self.scene.has_water_outside();
-        let constant = constant && self.scene.plates.is_empty();
+        let constant = constant && self.scene.plates.is_empty() && self.scene.wells.is_empty();
         linear && constant && self.scene.gravity.is_none() && self.scene.water.is_some()
     }
 
@@ -138,7 +138,9 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             tries -= 1;
             let Some(Method::Sdirk { step, .. }) = &self.method else { return Err(nothing()) };
             // The load has a corner where its ramp ends, which no estimate of an error sees: a step ends there.
-            let corners = self.scene.loads.iter().flat_map(|load| load.course.corners()).chain([self.ramp]);
+            let courses = self.scene.loads.iter().map(|load| &load.course);
+            let courses = courses.chain(self.scene.wells.iter().map(|well| &well.course));
+            let corners = courses.flat_map(Course::corners).chain([self.ramp]);
             let ahead = corners.filter(|corner| corner - self.time > 1e-12 * corner).fold(f64::INFINITY, f64::min);
             let (wanted, to_end, to_corner) = (*step, end - self.stage_time, ahead - self.time);
             let corner = to_corner < to_end - 1e-12 * end;
@@ -311,7 +313,8 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let moved = self.loose.iter().zip(&stepper.end).zip(&self.y);
         self.totals.released -= moved.map(|((force, end), y)| force * (end - y)).sum::<f64>();
         let held = soil.held(&soil.values.content) - soil.held(&self.content);
-        self.totals.water_out += sums.outflow - held;
+        self.totals.water_out += sums.outflow + sums.put_in - held;
+        self.totals.water_in += sums.put_in;
         self.totals.darcy_dissipation += sums.dissipation;
         self.totals.flow_body_work += sums.body_work;
         self.y.copy_from_slice(&stepper.end);

@@ -206,7 +206,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let face = self.seeding.thickness * self.scene.cell.powi(D as i32 - 1);
         let weight = self.scene.gravity.unwrap_or(0.0) * self.scene.mixture_density() * face * self.scene.cell;
         let loads = soil.loads.iter().map(|(force, course)| course.most() * largest(force)).sum::<f64>();
-        let size = soil.scales[0] * (loads + face * (stress + pressure) + weight);
+        let size = soil.scales[0] * (loads + face * (stress + pressure + self.scene.well_pressure()) + weight);
         if size > 0.0 { size } else { soil.scales[0] * face * soil.scales[1] * 1e-9 }
     }
 

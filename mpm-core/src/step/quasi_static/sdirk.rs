@@ -30,6 +30,8 @@ const E: [f64; STAGES] = [-3.0 / 16.0, -27.0 / 32.0, 25.0 / 32.0, 0.0, 0.25];
 pub(super) struct StepSums {
     /// Flow of pressure functions that are held at zero, and through drained faces, m3.
     pub outflow: f64,
+    /// Water that wells put in, m3.
+    pub put_in: f64,
     /// Friction in the pores, J.
     pub dissipation: f64,
     /// Work of gravity on the flow, J.
@@ -88,6 +90,7 @@ impl Sdirk {
             self.flow[i].copy_from_slice(&soil.values.flow);
             let weight = h * A[STAGES - 1][i];
             sums.outflow += weight * (soil.values.outflow - soil.held(&soil.values.flow));
+            sums.put_in += weight * soil.wells.iter().map(|(.., rate)| (-rate).max(0.0)).sum::<f64>();
             sums.dissipation += weight * soil.values.dissipation;
             sums.body_work += weight * soil.values.body_work;
             sums.pressed_in += weight * (soil.values.pressed_in + soil.pressed_in(soil.values.flow.iter().copied()));

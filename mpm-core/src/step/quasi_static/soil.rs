@@ -14,7 +14,8 @@
 
 use super::tangent::System;
 use crate::constitutive::{Flow, Law, Materials, STATES, State};
-use crate::scene::{Course, FaceLoad, MovedPlate};
+use crate::scene::{Course, FaceLoad, MovedPlate, Well};
+use crate::soils::at_porosity;
 use crate::space::{Axis, MOST, Stencil, strain_mode, stretch, tensor, turned};
 
 /// Most that a law's results in steps and in half steps may be apart for an extrapolation, as a share of the stress.
@@ -71,8 +72,9 @@ pub(super) struct FacePart {
     pub area: f64,
     /// Distance to the middle of each cell, m.
     pub reach: [f64; 2],
-    /// Soil of each cell.
+    /// Soil of each cell, and its porosity when the mesh was laid.
     pub marks: [u8; 2],
+    pub porosity: [f64; 2],
     /// Pressure of the water outside, Pa.
     pub outside: f64,
 }
@@ -99,13 +101,13 @@ pub(super) struct Values {
     pub content: Vec<f64>,
     /// Flow out of each pressure function, m3/s.
     pub flow: Vec<f64>,
-    /// Water that leaves through drained faces, m3/s.
+    /// Water that leaves through drained faces and wells, m3/s.
     pub outflow: f64,
     /// Friction in the pores, W.
     pub dissipation: f64,
     /// Work of gravity on the flow, W.
     pub body_work: f64,
-    /// Work of the water outside on what it presses in, W.
+    /// Work of the water outside and of wells on what they press in, W.
     pub pressed_in: f64,
 }
 
@@ -153,6 +155,8 @@ pub(super) struct Soil<L: Law, const D: usize> {
     pub before: Vec<(Before, [f64; 2], u16, f64)>,
     /// The loads of the scene, and the weight of water, N/m3.
     pub outside: (Vec<FaceLoad>, f64),
+    /// Wells: pressure functions with their shares, the well, what it takes now (m3/s).
+    pub wells: Vec<(Vec<(u32, f64)>, Well, f64)>,
     /// Pressure of functions that are held, Pa; empty where all are held at zero.
     pub held_pressure: Vec<f64>,
     /// Displacements (m) and pressures (Pa) of the functions at the unknowns of the last evaluation.
@@ -184,7 +188,8 @@ impl<L: Law, const D: usize> Soil<L, D> {
 
     /// Puts on the loads of a time since the start of the run; sudden ones grow within a `ramp`, both s.
     pub fn bear(&mut self, time: f64, ramp: f64) {
-        let Self { load, loads, before, outside: (outside, weight), held_pressure, faces, plates, .. } = self;
+        let Self { load, loads, before, outside: (outside, weight), held_pressure, faces, plates, wells, .. } = self;
+        wells.iter_mut().for_each(|(_, well, rate)| *rate = well.rate * well.course.at(time, 0.0));
         plates.iter_mut().for_each(|(plate, [moved, before])| *moved = plate.at(time) - *before);
         let mut set = |at: &Before, to: &dyn Fn(f64) -> f64| {
             let there = match at {
@@ -304,6 +309,13 @@ impl<L: Law, const D: usize> Soil<L, D> {
         for &(a, b, value) in &self.jumps {
             self.values.content[a as usize] += value * self.p[b as usize];
         }
+        for (functions, _, rate) in &self.wells {
+            for &(function, share) in functions {
+                self.values.flow[function as usize] += rate * share;
+                self.values.pressed_in -= rate * share * self.p[function as usize];
+            }
+            self.values.outflow += rate;
+        }
         Ok(())
     }
 
@@ -313,7 +325,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
         self.values.outflow = 0.0;
         if self.faces.is_empty() {
             for part in &self.pore {
-                let (slope, mobility) = (part.water.slope_of(&self.p), self.mobility(part));
+                let (slope, mobility) = (part.water.slope_of(&self.p), self.mobility(part, 0.0));
                 let flux: [f64; D] = std::array::from_fn(|i| (0..D).map(|j| mobility[i][j] * slope[j]).sum());
                 for b in 0..part.water.count {
                     let along: f64 = (0..D).map(|d| flux[d] * part.water.slope[b][d]).sum();
@@ -463,10 +475,12 @@ impl<L: Law, const D: usize> Soil<L, D> {
         if self.small { strain } else { strain.exp_m1() }
     }
 
-    /// k/gamma_w at a pore part, m4/(N s).
+    /// k/gamma_w at a pore part whose volume has changed by a share J - 1, m4/(N s).
     #[inline(always)]
-    pub fn mobility(&self, part: &PorePart<D>) -> [[f64; D]; D] {
-        let [x, y, across] = self.law.soils.kind(part.mark).conductivity.map(|ratio| self.fluid.mobility * ratio);
+    pub fn mobility(&self, part: &PorePart<D>, change: f64) -> [[f64; D]; D] {
+        let kind = self.law.soils.kind(part.mark);
+        let mobility = self.fluid.mobility * at_porosity(kind.by_porosity, (part.porosity + change) / (1.0 + change));
+        let [x, y, across] = kind.conductivity.map(|ratio| mobility * ratio);
         let along = |i: usize| if i + 2 - D == 0 { x } else { y };
         std::array::from_fn(|i| std::array::from_fn(|j| if i == j { along(i) } else { across }))
     }
@@ -481,7 +495,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
             let PoreState { change, cofactor, gradient } = self.pore_state(part).ok_or(InsideOut { point })?;
             let pressure = part.water.scalar(&self.p);
             let Fluid { density, gravity, .. } = self.fluid;
-            let mobility = self.mobility(part);
+            let mobility = self.mobility(part, change);
             let pores = if self.small { part.porosity } else { change + part.porosity };
             let more = self.denser(pressure);
             let [alpha, of_grains] = self.law.soils.kind(part.mark).biot;
@@ -541,11 +555,12 @@ impl<L: Law, const D: usize> Soil<L, D> {
     pub fn face_state(&self, face: &FacePart) -> Option<(f64, f64)> {
         let (mut resistance, mut weight) = (0.0, 0.0);
         let gravity = self.fluid.gravity.map_or(0.0, |g| g[face.axis]);
-        for ((cell, reach), mark) in face.cells.iter().zip(face.reach).zip(face.marks) {
+        for i in 0..2 {
+            let (cell, reach, kind) = (&face.cells[i], face.reach[i], self.law.soils.kind(face.marks[i]));
             if reach == 0.0 {
                 continue; // outside
             }
-            let (mut normal, mut along) = (1.0, 1.0);
+            let (mut normal, mut along, mut pores) = (1.0, 1.0, face.porosity[i]);
             if !self.small {
                 let (sum, volume) = &self.cell_gradient[*cell as usize];
                 let gradient = sum.map(|row| row.map(|g| g / volume));
@@ -553,8 +568,9 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 let cofactor = found.inverse.map(|row| row.map(|x| x * found.volume));
                 normal = conductivity(&cofactor, found.volume - 1.0, &identity())[face.axis][face.axis];
                 along = 1.0 + gradient[face.axis][face.axis];
+                pores = 1.0 - (1.0 - pores) / found.volume;
             }
-            resistance += reach / (normal * self.law.soils.kind(mark).along(face.axis, D));
+            resistance += reach / (normal * kind.along(face.axis, D) * at_porosity(kind.by_porosity, pores));
             weight += self.fluid.density * gravity * along * reach;
         }
         Some((self.fluid.mobility * face.area / resistance, weight))

@@ -163,7 +163,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
             let [alpha, of_grains] = self.law.soils.kind(part.mark).biot;
             let per_pressure = pores * ratio * self.fluid.compressibility + of_grains;
             let storage = part.weight * per_pressure * pressure * pressure;
-            let flow = conductivity(&cofactor, if self.small { 0.0 } else { change }, &self.mobility(part));
+            let flow = conductivity(&cofactor, if self.small { 0.0 } else { change }, &self.mobility(part, change));
             let factor = a * part.weight * pressure * pressure;
             for b in 0..part.water.count {
                 let value = part.water.value[b];

@@ -122,12 +122,9 @@ fn even(scene: &Scene) -> Result<(), Error> {
         return Err(Error::refused("mesh", expected, found));
     }
     if !scene.has_plain_ground() {
-        let expected = "one soil or layers, under a surcharge or weight alone";
-        return Err(Error::refused(
-            "[[regions]]",
-            expected,
-            "regions, loads on faces, reservoirs, plates or [initial]",
-        ));
+        let expected = "one soil or layers of constant conductivity, under a surcharge or weight alone";
+        let found = "regions, wells, loads on faces, reservoirs, plates, [initial], inclined bedding or pores that conductivity goes with";
+        return Err(Error::refused("[[regions]]", expected, found));
     }
     if scene.water.is_some_and(|water| water.anisotropy != 1.0) && !scene.is_one_dimensional() {
         return Err(Error::refused(

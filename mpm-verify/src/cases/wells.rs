@@ -1,0 +1,83 @@
+//! Wells in a confined layer against Theis, in one dimension and in two.
+
+use mpm_core::observe::{FieldPoint, ProfileRow};
+use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice, StepChoice, StrainChoice};
+
+use super::features::{Case, Measured, case, climb};
+use super::{FASTER, Mutant, Rung, Unfit, faster, sound};
+use crate::exact::wells::Confined;
+use crate::norms::largest;
+
+/// Nearer to a well than this (m) its pressure is that of the cell, not of the place.
+const NEAR: f64 = 0.4;
+const PUMPED: &str = "rate of the well 5 % too high";
+
+const LINE: Case =
+    Case { scene: "well-line", change: sound, measure: drawdown, rows: &[20, 40, 80], required: 1e-3, order: None };
+const LINE_IN_STEPS: Case =
+    Case { change: in_steps, rows: &[20, 28, 40, 56, 80], required: 5e-3, order: Some([1.7, 2.3]), ..LINE };
+const WELL: Case =
+    Case { scene: "well", change: sound, measure: around, rows: &[20, 28, 40], required: 5e-3, order: None };
+const WELL_BY_FACES: Case =
+    Case { change: semi_implicit, rows: &[20, 28, 40, 56], required: 2e-2, order: Some([1.5, 2.5]), ..WELL };
+
+/// All of them.
+pub const CASES: [Rung; 6] = [
+    case!("well-line", "drawdown beside a line of wells, B-splines", FASTER, faster, LINE),
+    case!("well-line-semi-implicit", "the same semi-implicit, order 2", PUMPED, pumped, LINE_IN_STEPS),
+    // What a pump sets swinging when it starts is no part of the solution: no order is expected.
+    case!("well-line-explicit", "the same explicit", PUMPED, pumped, Case { change: explicit, required: 1e-2, ..LINE }),
+    case!("well", "drawdown around a well (Theis and his images), B-splines", FASTER, faster, WELL),
+    // Its steps in time are of first order, which shows on the finer meshes.
+    case!("well-semi-implicit", "the same semi-implicit", PUMPED, pumped, Case { order: None, ..WELL_BY_FACES }),
+    case!("well-explicit", "the same explicit, order 2", PUMPED, pumped, Case { change: explicit, ..WELL_BY_FACES }),
+];
+
+fn explicit(scene: &mut Fields) {
+    (scene.integrator, scene.shape, scene.strain) = (Integrator::Explicit, ShapeChoice::Centre, StrainChoice::Large);
+    scene.particles_per_cell = 4;
+}
+
+fn semi_implicit(scene: &mut Fields) {
+    explicit(scene);
+    scene.integrator = Integrator::SemiImplicit;
+}
+
+/// Pressures that are solved for know no limit from so little flow, and no wave of interest: a step is as long as the well asks for.
+fn in_steps(scene: &mut Fields) {
+    semi_implicit(scene);
+    scene.step = StepChoice::Fixed(2e-3);
+}
+
+fn pumped(scene: &mut Fields) {
+    scene.wells.iter_mut().for_each(|well| well.rate *= 1.05);
+}
+
+/// Pore pressure at all heights over the largest drawdown.
+fn drawdown(scene: &Scene) -> Measured {
+    let exact = Confined::of(scene).ok_or(Unfit("one well in a column"))?;
+    Ok(Box::new(move |run| {
+        let of = |sample: &mpm_core::drive::Sample| {
+            let off = |row: &ProfileRow| {
+                let exact = exact.pressure([0.0, row.material_height_m], sample.stage_time);
+                row.pressure_pa - exact
+            };
+            largest(sample.state.profile.iter().map(off)) / exact.drawdown(0.0, sample.stage_time)
+        };
+        largest(run.observed().map(of))
+    }))
+}
+
+/// Pore pressure everywhere but near the well, over Theis' drawdown there.
+pub(super) fn around(scene: &Scene) -> Measured {
+    let exact = Confined::of(scene).ok_or(Unfit("one well between walls"))?;
+    let [x, y] = scene.wells[0].at;
+    Ok(Box::new(move |run| {
+        let of = |sample: &mpm_core::drive::Sample| {
+            let far = |at: &&FieldPoint| (at.x_m - x).hypot(at.y_m - y) > NEAR;
+            let off = |at: &FieldPoint| at.pressure_pa - exact.pressure([at.x_m, at.y_m], sample.stage_time);
+            largest(sample.state.field.iter().filter(far).map(off)) / exact.drawdown(NEAR, sample.stage_time)
+        };
+        largest(run.observed().map(of))
+    }))
+}
