@@ -2,7 +2,7 @@
 
 use mpm_core::drive::Run;
 use mpm_core::run::run;
-use mpm_core::scene::{Clock, FreeSurfaceWater, Integrator, NormalStress, Scene, Until, WaterProperties};
+use mpm_core::scene::{Clock, Fabric, FreeSurfaceWater, Integrator, NormalStress, Scene, Until, WaterProperties};
 
 fn scene(name: &str) -> Scene {
     let path = format!("{}/../reference-data/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
@@ -129,6 +129,7 @@ fn wet_slope(normal_stress: NormalStress) -> f64 {
             scene.water = Some(WaterProperties {
                 hydraulic_conductivity: 1e-4,
                 anisotropy: 1.0,
+                fabric: Fabric::default(),
                 bulk_modulus: f64::INFINITY,
                 unit_weight: 9810.0,
                 density: 1000.0,
