@@ -25,21 +25,10 @@ impl<const D: usize> Grid<D> {
         Self { cells, size, inverse_size: 1.0 / size, axis: None }
     }
 
-    /// The same about an axis: volumes and areas are then those of one radian.
-    pub fn about(self, axis: Option<f64>) -> Self {
-        Self { axis, ..self }
-    }
-
     /// Thickness at x (m): the distance from the axis, m; 1 m in plane strain, and a factor of 1 in a column.
     #[inline]
     pub fn thickness(&self, x: f64) -> f64 {
         self.axis.map_or(1.0, |axis| axis + x)
-    }
-
-    /// The same at the middle of a cell at a place on the lattice.
-    #[inline]
-    pub fn thickness_of(&self, position: &[usize; D]) -> f64 {
-        self.thickness((position[0] as f64 + 0.5) * self.size)
     }
 
     /// Number of cells.

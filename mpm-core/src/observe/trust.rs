@@ -17,7 +17,7 @@ use serde::Serialize;
 use super::{Ledger, Observation};
 use crate::boundary::knows_volumes;
 use crate::scene::{
-    Clock, Course, Dimension, FaceLoad, Integrator, LoadOn, Piece, Scene, Side, SolidSide, StrainChoice, UpdateChoice,
+    Clock, Course, FaceLoad, Integrator, LoadOn, Piece, Scene, Side, SolidSide, StrainChoice, UpdateChoice,
 };
 
 /// Settlement may differ from what the strains add up to by this share of its largest: what is promised of a settlement.
@@ -201,11 +201,7 @@ impl<'a> Bounds<'a> {
             // An undrained front strains cell by cell at `wave c/L`, in one cell at a time; a step is off by half its square.
             let wave = self.stress / (self.speed * self.speed * self.scene.mixture_density());
             // One runs along each direction; one towards an axis or away from it strains the soil around it as well.
-            let across = match self.scene.dimension {
-                Dimension::Column => 0.0,
-                Dimension::PlaneStrain => 1.0 / self.scene.width,
-                Dimension::Axisymmetric => 2.0 / self.scene.width,
-            };
+            let across = [0.0, 1.0, 2.0][self.scene.dimension as usize] / self.scene.width;
             let per_area = (across + 1.0 / self.scene.height) / self.scene.cell;
             let fronts = 0.5 * self.dt * self.state.time * (wave * self.speed).powi(2) * per_area;
             let second_order = fronts.min(0.5 * wave * wave * self.state.time / self.dt.max(f64::MIN_POSITIVE));

@@ -3,15 +3,7 @@
 //! Most of what a scene may have goes with everything else. A [`Rule`] says what does not, and what to do about it. What depends
 //! on numbers, or on three things at once, is said by the room that knows it.
 
-use Feature::{
-    Affine, AnyShape, Axisymmetric, BBar, Bedding, Bspline2, Bspline3, CamClay, Centroid, Column, CoulombBase, Coupled,
-    Damping, DarcyInertia, DarcyOperator, Displaced, Drained, Dry, Explicit, Fails, FixedSide, Flip, FreeSurface,
-    Geostatic, Gimp, GivenStart, GivenStep, Gravity, HeldTop, Incompressible, InertiaKept, Initial, JumpPenalty,
-    KozenyCarman, Krylov, LargeStrain, Layers, LightNodes, LinearElastic, Load, Loads, MohrCoulomb, MovedPlates, Musl,
-    NoGravity, Nodal, Outline, PaperStep, Periodic, Plate, PressureEnd, QuasiStatic, Regions, RestEnd, Safety,
-    Saturated, SemiImplicit, Separation, Shift, Sideroom, SlopeAngle, SmallStrain, StageSides, StartK0, StartVelocity,
-    Strip, TimeMethod, Tolerance, TwoClocks, UndrainedStart, Unloaded, Wells,
-};
+use Feature::*;
 
 /// Something that a scene has, and that not everything goes with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -228,6 +220,8 @@ const BY_TENSOR: &str = "integrator = \"quasi-static\" and shape = \"bspline2\" 
                          fluxes along their normals";
 const AUTO_STEP: &str = "step = \"auto\" beside it";
 
+const NO_SUPPORT: &[Feature] = &[Fails, Periodic, CoulombBase, Plate, MovedPlates];
+
 /// The table, in the order in which a scene is held against it.
 pub const RULES: &[Rule] = &[
     rule(Outline, &[Column], "dimension = \"plane-strain\" beside it: an outline is an area"),
@@ -235,11 +229,7 @@ pub const RULES: &[Rule] = &[
     rule(SlopeAngle, &[Column], PLANE),
     rule(SlopeAngle, &[Axisymmetric], "no tilt about a vertical axis: gravity points along it"),
     rule(Periodic, &[Axisymmetric], "dimension = \"plane-strain\" beside it: two radii are not the same place"),
-    rule(
-        FreeSurface,
-        &[Axisymmetric],
-        "soil full of water about an axis: free water is followed in cells of equal volume",
-    ),
+    rule(FreeSurface, &[Axisymmetric], "soil full of water about an axis: free water is in cells of equal volume"),
     rule(Nodal, &[Axisymmetric], "\"face\" about an axis: the nodal flow takes cells for equal"),
     rule(StartVelocity, &[Column], PLANE),
     rule(Periodic, &[Column], PLANE),
@@ -258,18 +248,14 @@ pub const RULES: &[Rule] = &[
     ),
     rule(
         StageSides,
-        &[Fails, Periodic, CoulombBase, Plate, MovedPlates],
-        "the supports of [boundaries] in every stage: what is periodic, rubs, or follows a plate is no support",
+        NO_SUPPORT,
+        "the supports of [boundaries] in every stage: what is periodic, rubs or moves is none",
     ),
     rule(Fails, &[RestEnd, PressureEnd], "a time (s) beside clock = \"both\""),
     rule(SlopeAngle, &[NoGravity], "the key gravity beside it, which it turns"),
     rule(Geostatic, &[NoGravity], "the key gravity beside a geostatic start"),
     rule(StartK0, &[Unloaded, UndrainedStart, GivenStart], "start = \"geostatic\" beside it"),
-    rule(
-        Initial,
-        &[Unloaded, UndrainedStart],
-        "start = \"given\" beside it, where it is the whole state, or \"geostatic\", to which it is added",
-    ),
+    rule(Initial, &[Unloaded, UndrainedStart], "start = \"given\" beside it, or \"geostatic\", to which it is added"),
     rule(UndrainedStart, &[Dry], "[water] to carry the load undrained"),
     rule(UndrainedStart, &[FreeSurface], "\"geostatic\" or \"unloaded\" beside it: its soil is not full of water"),
     rule(
@@ -331,11 +317,7 @@ pub const RULES: &[Rule] = &[
     rule(PaperStep, &[FreeSurface], "\"auto\" or a step (s): the paper's 1e-7 s is that of its consolidation column"),
     rule(Nodal, &[Periodic, Outline], "\"face\" beside it: the nodal flow takes every cell for full of soil"),
     rule(Wells, &[Dry], "[water] beside it: a dry scene has none to take"),
-    rule(
-        Wells,
-        &[FreeSurface],
-        "soil full of water beside it: water with a free surface comes and goes by its feeds and [[reservoirs]]",
-    ),
+    rule(Wells, &[FreeSurface], "soil full of water beside it: free water comes and goes by feeds and [[reservoirs]]"),
     rule(Wells, &[Sideroom], "no room to run out beside it: soil that does gives its water away with its particles"),
     rule(Wells, &[Nodal], "\"face\" beside wells: the balance of a cell is that of its faces"),
     rule(KozenyCarman, &[Dry], "[water] beside it: a dry scene conducts none"),

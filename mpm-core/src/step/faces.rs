@@ -339,7 +339,7 @@ impl<const D: usize> Faces<D> {
         (gravity, acceleration): (f64, &[Vec<f64>; 2]),
     ) -> [f64; 2] {
         let mut sums = [0.0; 2];
-        for [last, first] in self.frame.seam() {
+        for [last, first] in self.frame.seam().filter(|[_, first]| self.conducts[0][*first] > 0.0) {
             let drop = pressure[self.frame.pad() + last] - pressure[self.frame.pad() + first];
             let [flux, head, body] = self.driven(flow, (0, first), drop, (gravity, acceleration));
             sums[0] += flux * head;

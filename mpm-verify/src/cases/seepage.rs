@@ -1,7 +1,7 @@
 //! Faces to the air: a full column that drains, where suction must not draw water in, and rain on soil of any outline.
 
 use mpm_core::observe::WaterState;
-use mpm_core::scene::{Dimension, Feed, Fields, Scene, Until};
+use mpm_core::scene::{Dimension, Feed, Fields, Scene, Side, SolidSide, Until};
 
 use super::looks::{Look, Looks};
 use super::{Error, FASTER, Lacks, Mutant, Outcome, Rung, Unfit, faster, finished, integrator, sound};
@@ -32,6 +32,8 @@ fn scene(dimension: Dimension, outline: &[[f64; 2]], cell: f64) -> Result<Scene,
         if !outline.is_empty() {
             scene.width = outline.iter().map(|x| x[0]).fold(0.0, f64::max);
             scene.outline = Some(outline.to_vec());
+            // Its right wall need not be where the mesh ends.
+            scene.solid_sides[Side::Right as usize] = SolidSide::Free;
         }
         if let Some(free) = &mut scene.free_surface {
             free.feeds = [None; 4];

@@ -45,8 +45,8 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
         Some(word) => word.get_ref() == wanted,
         None => wanted == "explicit",
     };
-    let across = ["plane-strain", "axisymmetric"].iter().any(|word| is(raw.dimension.as_ref(), word));
-    let dimension = if across { Dimension::PlaneStrain } else { Dimension::Column };
+    let column = raw.dimension.as_ref().is_none_or(|word| word.get_ref() == "column");
+    let dimension = if column { Dimension::Column } else { Dimension::PlaneStrain };
     let shape = |wanted: &str| match scheme.and_then(|scheme| scheme.shape.as_ref()) {
         Some(word) => word.get_ref() == wanted,
         None => {

@@ -48,13 +48,9 @@ impl Reader<'_> {
             RawGeometry::Column(column) => (&column.inner_radius, "geometry.column.inner_radius"),
             RawGeometry::Outline(outline) => (&outline.inner_radius, "geometry.outline.inner_radius"),
         };
-        let inner_radius = match radius {
-            Some(value) if dimension != Dimension::Axisymmetric => {
-                return self.refuse(&value.span(), key, "dimension = \"axisymmetric\" beside it", value.get_ref());
-            }
-            Some(value) => self.within(value, key, "a radius of 0 or more (m)", |r| r >= 0.0)?,
-            None => 0.0,
-        };
+        let fits = |r: f64| r >= 0.0 && dimension == Dimension::Axisymmetric;
+        let expected = "a radius of 0 or more (m), with dimension = \"axisymmetric\"";
+        let inner_radius = radius.as_ref().map_or(Ok(0.0), |value| self.within(value, key, expected, fits))?;
         let column = match raw.geometry.get_ref() {
             RawGeometry::Column(column) => column,
             RawGeometry::Outline(outline) => {

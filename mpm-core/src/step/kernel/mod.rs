@@ -587,7 +587,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
 
     /// Where cells at a place on the lattice are about the axis.
     #[inline(always)]
-    pub(super) fn from_axis(&self, x: Lanes<V>) -> FromAxis<V> {
+    pub(super) fn axis_of(&self, x: Lanes<V>) -> FromAxis<V> {
         self.common.axis.map(|axis| x + Lanes::splat(self.simd, axis))
     }
 
@@ -679,7 +679,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             for index in self.strip.solid.range(group) {
                 let point = SolidLanes::<V, D>::read(self.simd, self.strip.solid.block(index));
                 let xi = array!([none; D], d => point.x[d] * frame.inverse_size - position[d]);
-                self.gather(&point, xi, pressure, index, &edges, (sums, &mut soil, self.from_axis(position[0])));
+                self.gather(&point, xi, pressure, index, &edges, (sums, &mut soil, self.axis_of(position[0])));
             }
         }
         self.close((group, at), &soil, &edges, sums, given)
@@ -715,7 +715,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let Common { frame, functions, elastic, materials, plastic, flip, apart, kept, dt, .. } = *self.common;
         let (simd, inverse) = (self.simd, frame.inverse_size);
         let none = Lanes::splat(simd, 0.0);
-        let from_axis = self.from_axis(position[0]);
+        let from_axis = self.axis_of(position[0]);
         let middle = if F::SPLIT { functions.middle(motion, from_axis, inverse) } else { none };
         let pressure = self.of(cell.volume).like(0.0);
         let mut gained = [none; 2];
@@ -903,7 +903,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let half = none.like(0.5);
         let mut closing =
             Closing { share: filled / full, of_cell: coupled, moving_with: is_known, ..Closing::of(filled) };
-        closing.from_axis = self.from_axis(self.of(self.strip.cells[group].position[0]));
+        closing.from_axis = self.axis_of(self.of(self.strip.cells[group].position[0]));
         let cell = &mut self.strip.cells[group];
         (cell.volume, cell.mass) = (volume.value, mass.value);
         if let Some(centroid) = functions.centroid(sums, full) {

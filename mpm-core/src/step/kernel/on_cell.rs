@@ -81,12 +81,6 @@ fn in_cell<V: Simd, const D: usize>(fields: &Fields<V, D>, field: &[Vec<f64>; 2]
     coefficients::<D, D, _>(&nodal)
 }
 
-/// Radial velocity at a place, m/s.
-#[inline(always)]
-fn radial<V: Simd, const D: usize>(field: &Field<V, D>, xi: &[Lanes<V>; D]) -> Lanes<V> {
-    value::<D, D, _>(field, &basis(xi))[0]
-}
-
 /// Adds an amount at a place to the corners.
 #[inline(always)]
 fn add_shares<V: Simd, const D: usize>(sums: &mut [Lanes<V>; 4], amount: Lanes<V>, xi: &[Lanes<V>; D]) {
@@ -167,7 +161,8 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
     #[inline(always)]
     fn middle<V: Simd>(&self, motion: &CellMotion<V, D>, from_axis: FromAxis<V>, inverse_size: f64) -> Lanes<V> {
         let plane = trace(&gradient(&motion.strains, &motion.at, inverse_size));
-        radius(from_axis, &motion.at).map_or(plane, |r| plane + radial(&motion.strains, &motion.at) / r * inverse_size)
+        let radial = value::<D, D, _>(&motion.strains, &basis(&motion.at))[0] * inverse_size;
+        radius(from_axis, &motion.at).map_or(plane, |r| plane + radial / r)
     }
 
     #[inline(always)]
@@ -180,7 +175,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
         inverse_size: f64,
     ) -> Lanes<V> {
         let here = if <Self as Functions<D>>::OF_CELL { &motion.at } else { xi };
-        radial(&motion.strains, here) / (from_axis + here[0]).or_one() * inverse_size
+        value::<D, D, _>(&motion.strains, &basis(here))[0] / (from_axis + here[0]).or_one() * inverse_size
     }
 
     #[inline(always)]
@@ -459,15 +454,12 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
             first[d] = [moment, moment, moment, none];
         }
         let mut at_corners = to_corners::<D, D, _>(&internal_force(&isotropic, &first, inverse_size));
-        if let Some(from) = cell.from_axis {
-            let centre = [none.like(0.5); D];
-            let of_cell = shares(cell.filled / (from + centre[0]) * inverse_size, &centre);
-            for a in 0..1 << D {
-                let of_particles = sums.hoop_of_one[a] * cell.share;
-                at_corners[a][0] +=
-                    if <Self as Functions<D>>::PRESSURE_AT_PARTICLES { of_particles } else { of_cell[a] };
-            }
-        }
+        let hoop = cell.from_axis.map(|from| {
+            let of_cell = || shares(cell.filled / (from + none.like(0.5)) * inverse_size, &[none.like(0.5); D]);
+            let of_particles = || sums.hoop_of_one.map(|one| one * cell.share);
+            if <Self as Functions<D>>::PRESSURE_AT_PARTICLES { of_particles() } else { of_cell() }
+        });
+        hoop.iter().flatten().zip(&mut at_corners).for_each(|(hoop, corner)| corner[0] += *hoop);
         let mut coupling = [[none; D]; MOST_REACHED];
         coupling[..1 << D].copy_from_slice(&at_corners[..1 << D]);
         coupling

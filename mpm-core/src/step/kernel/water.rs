@@ -67,7 +67,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             let upper = at + stride;
             let [a, b] = [self.load(&acceleration[axis], upper), self.load(&acceleration[axis], upper + other)];
             let [high, ..] = self.face(axis, upper, [here, above], [a, b]);
-            let from_axis = self.from_axis(self.of(cell.position[0]));
+            let from_axis = self.axis_of(self.of(cell.position[0]));
             let cells = from_axis.map(|from| if axis == 0 { from } else { from + none.like(0.5) });
             let [head, body] =
                 cells.map_or([head, body], |r| [head, body].map(|of| of * r * (1.0 / frame.inverse_size)));
@@ -93,7 +93,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let (simd, inverse) = (self.simd, frame.inverse_size);
         let none = Lanes::splat(simd, 0.0);
         let partly_drained = matches!(self.common.water, InPores::Particles { partly_drained: true, .. });
-        let from_axis = self.from_axis(position[0]);
+        let from_axis = self.axis_of(position[0]);
         // About an axis the divergence of a flow that is linear between the faces has v_r/r too, which makes the areas of these right.
         let divergence = |relative: &Relative<V, D>, xi: &[Lanes<V>; D]| {
             let plane = trace(&gradient(relative, xi, inverse));
@@ -101,9 +101,11 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         };
         let mut cellwise = [none; 2];
         if let Some((motion, relative, cell, [volume, gain])) = motion {
-            let whole = F::OF_CELL || F::SPLIT;
-            let of_soil = if whole { functions.middle(motion, from_axis, inverse) } else { gain / volume.or_one() };
-            let of_soil = if self.common.coupled { gain / volume.or_one() } else { of_soil };
+            let of_soil = if self.common.coupled || !(F::OF_CELL || F::SPLIT) {
+                gain / volume.or_one()
+            } else {
+                functions.middle(motion, from_axis, inverse)
+            };
             cellwise = self.rates(group, of_soil, divergence(relative, &[none.like(0.5); D]), cell);
         }
         for index in self.strip.water.range(group) {
@@ -131,8 +133,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
                     point.volume = point.volume * (none.like(1.0) + volume_rate * dt);
                 }
                 point.v = v;
-                // Where water passes the outline, or wells, its particles stay with the soil: those that went through it for long would take the
-                // pressure of where they come from along, and leave cells without any.
+                // Water that passes an outline or wells for long would take the pressure of where it comes from along, and leave cells bare.
                 let way = if self.common.outflow.is_some() {
                     functions.with_water(motion, edges, &xi, &[[none; D]; 4], inverse).0
                 } else {

@@ -1,6 +1,6 @@
 //! Laying a mesh over the soil: axes, unknowns, integration points, faces, loads.
 
-use super::soil::{Before, FacePart, Fluid, HELD, PorePart, Soil, SolidPart, Values};
+use super::soil::{Before, FacePart, Fluid, HELD, PorePart, Soil, SolidPart, Source, Values};
 use super::tangent::System;
 use crate::constitutive::{Law, Materials, State};
 use crate::dimension::in_two;
@@ -207,17 +207,16 @@ impl<const D: usize> Ground<'_, D> {
         let centre = matches!(self.scene.shape, ShapeChoice::Centre | ShapeChoice::Centroid);
         // Plastic flow that keeps its volume at every point leaves smooth functions no way to move.
         let smooth = self.scene.shape.is_wide() && !law.are_linear();
-        let split = self.scene.shape == ShapeChoice::BBar || (D == 2 && smooth);
+        let splits = self.scene.shape == ShapeChoice::BBar || (D == 2 && smooth);
         let part = |(i, point): (usize, &SolidPoint<D>)| {
             let mut stencil = Stencil::at(axes, &point.x);
             let centroid = middle(axes, &cell_of(axes, &point.x));
-            let mut hoop = self.over_radius(point.x[0]).map(|over_radius| stencil.value.map(|v| v * over_radius));
-            if centre {
-                let there = Stencil::at(axes, &centroid);
-                stencil.slope = there.slope; // section 2.2
-                hoop = self.over_radius(centroid[0]).map(|over_radius| there.value.map(|v| v * over_radius));
-            }
-            let dilates = split.then(|| self.dilation(axes, &centroid));
+            let place = if centre { centroid } else { point.x };
+            let there = Stencil::at(axes, &place);
+            stencil.slope = there.slope; // section 2.2
+            let hoop = self.over_radius(place[0]).map(|over_radius| there.value.map(|v| v * over_radius));
+            let dilates =
+                (splits || hoop.is_some()).then(|| self.dilation(axes, if splits { &centroid } else { &place }));
             let mark = law.soils.at(&in_two(&point.x));
             SolidPart {
                 stencil,
@@ -254,12 +253,8 @@ impl<const D: usize> Ground<'_, D> {
                 let cell = number(axes, &cell_of(axes, &point.x));
                 let mut water = Stencil::single(cell);
                 water.count = usize::from(wet);
-                let SolidPart { stencil: mut soil, dilates, hoop, weight, mark, .. } = solid[i];
-                match (dilates, hoop) {
-                    (Some(slope), _) => soil.slope = slope,
-                    (None, Some(hoop)) => soil.slope.iter_mut().zip(hoop).for_each(|(slope, hoop)| slope[0] += hoop),
-                    (None, None) => {}
-                }
+                let SolidPart { stencil: mut soil, dilates, weight, mark, .. } = solid[i];
+                soil.slope = dilates.unwrap_or(soil.slope);
                 PorePart { soil, water, weight, porosity: porosities[cell], mark }
             };
             return self.points.iter().enumerate().map(part).collect();
@@ -464,7 +459,7 @@ impl<const D: usize> Ground<'_, D> {
     }
 
     /// Wells, whose height goes with that of the soil: pressure functions with their shares.
-    fn wells(&self, axes: &[Axis; D]) -> Vec<(Vec<(u32, f64)>, Well, f64)> {
+    fn wells(&self, axes: &[Axis; D]) -> Vec<Source> {
         let of = |well: &Well| {
             let stands = 1.0 - self.settled / self.scene.height;
             let place: [f64; D] = std::array::from_fn(|d| well.at[d + 2 - D] * if d + 1 == D { stands } else { 1.0 });

@@ -111,6 +111,9 @@ pub(super) struct Values {
     pub pressed_in: f64,
 }
 
+/// The pressure functions of a well with their shares of its rate, it, and a number of it.
+pub(super) type Source = (Vec<(u32, f64)>, Well, f64);
+
 /// Where water stands before the soil.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Before {
@@ -156,7 +159,7 @@ pub(super) struct Soil<L: Law, const D: usize> {
     /// The loads of the scene, and the weight of water, N/m3.
     pub outside: (Vec<FaceLoad>, f64),
     /// Wells: pressure functions with their shares, the well, what it takes now (m3/s).
-    pub wells: Vec<(Vec<(u32, f64)>, Well, f64)>,
+    pub wells: Vec<Source>,
     /// Pressure of functions that are held, Pa; empty where all are held at zero.
     pub held_pressure: Vec<f64>,
     /// Displacements (m) and pressures (Pa) of the functions at the unknowns of the last evaluation.
@@ -362,8 +365,13 @@ impl<L: Law, const D: usize> Soil<L, D> {
             let (stress, state, flow) = self.updated(part, &strain);
             let (mean, deviator) = split(&stress, at_centre.is_some());
             let at_centre = at_centre.map(|_| (mean, identity()));
-            let (piola, hoop) = (tensor(&deviator), deviator[2]);
-            let push = Push { piola, hoop, at_centre, inverse: identity(), rotation: identity() };
+            let push = Push {
+                piola: tensor(&deviator),
+                hoop: deviator[2],
+                at_centre,
+                inverse: identity(),
+                rotation: identity(),
+            };
             return Some(Strained { push, strain, stress, state, flow });
         }
         let mut own = stretch(&gradient)?;
