@@ -52,8 +52,7 @@ impl Reader<'_> {
     /// An axis is no face of the soil, and strain about it is small or followed step by step.
     fn about_an_axis(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let (Some(axis), Some(dimension)) = (scene.axis(), &raw.dimension) else { return Ok(()) };
-        let left = Side::Left as usize;
-        let open = scene.solid_sides[left] == SolidSide::Free || scene.stages.iter().any(|stage| stage.drained[left]);
+        let open = scene.solid_sides[0] == SolidSide::Free || scene.stages.iter().any(|stage| stage.drained[0]);
         if axis == 0.0 && open {
             let expected =
                 "a left side on rollers that is not drained, where it is the axis, or geometry.*.inner_radius";

@@ -3,7 +3,7 @@
 
 use pulp::Simd;
 
-use super::{Closing, Common, Functions, InPores, Pass, Relative, Running, radius};
+use super::{Closing, Common, Functions, InPores, Pass, Relative, Running};
 use crate::dimension::{basis, coefficients, gradient, trace, value};
 use crate::real::{Lanes, MOST_LANES, Real, array};
 use crate::step::store::{CellLanes, WaterLanes};
@@ -94,10 +94,11 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let none = Lanes::splat(simd, 0.0);
         let partly_drained = matches!(self.common.water, InPores::Particles { partly_drained: true, .. });
         let from_axis = self.axis_of(position[0]);
-        // About an axis the divergence of a flow that is linear between the faces has v_r/r too, which makes the areas of these right.
+        // About an axis v_r/r at the centre makes the areas of the faces right, whatever particles are there.
         let divergence = |relative: &Relative<V, D>, xi: &[Lanes<V>; D]| {
             let plane = trace(&gradient(relative, xi, inverse));
-            radius(from_axis, xi).map_or(plane, |r| plane + value::<D, D, _>(relative, &basis(xi))[0] / r * inverse)
+            let radial = |r| value::<D, D, _>(relative, &basis(&[none.like(0.5); D]))[0] * inverse / r;
+            from_axis.map_or(plane, |from| plane + radial(from + none.like(0.5)))
         };
         let mut cellwise = [none; 2];
         if let Some((motion, relative, cell, [volume, gain])) = motion {
