@@ -181,7 +181,7 @@ fn implicit<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness: f6
     places.sort_by_key(|(x, _)| std::array::from_fn::<i64, D, _>(|d| cell(x)[D - 1 - d]));
     let ground = scene.ground();
     let point = |(x, _): &([f64; D], bool)| {
-        let volume = volume * if D == 1 { 1.0 } else { scene.thickness(x[0]) };
+        let volume = volume * scene.thickness(x[0]);
         let (stress, _) = first_state(scene, &ground, &in_two(x));
         SolidPoint { x: *x, v: [0.0; D], stress, mass: ground.at(&in_two(x)).dry_density() * volume, volume }
     };

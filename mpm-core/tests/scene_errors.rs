@@ -63,7 +63,7 @@ const CASES: &[(&str, Edits)] = &[
     ("values without their keys", &[(SURCHARGE, ""), ("start =", "surcharge = [1.0e4, \"surface\"]\nstart =")]),
     ("list for a table", &[(SURCHARGE, "[[surcharge]]\npressure = 1.0e4\n")]),
     // words
-    ("unknown dimension", &[("\"column\"", "\"axisymmetric\"")]),
+    ("unknown dimension", &[("\"column\"", "\"spherical\"")]),
     ("unknown start", &[("\"undrained-equilibrium\"", "\"undrained\"")]),
     ("unknown side condition", &[("top = \"free\"", "top = \"open\"")]),
     ("unknown load", &[("on = \"surface\"", "on = \"nodes\"")]),

@@ -532,7 +532,7 @@ pub struct Fields {
     /// Width of the column, m; x of the outline's last point.
     pub width: f64,
     /// Distance of x = 0 from the axis of an axisymmetric scene, m.
-    #[serde(skip_serializing_if = "is_zero")]
+    #[serde(skip_serializing_if = "f64_is_zero")]
     pub inner_radius: f64,
     /// Corners of the soil, m, anticlockwise; `None` for a column.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -910,10 +910,6 @@ impl Fields {
         let cells = (rows + self.headroom_cells as f64) * (across + self.sideroom_cells as f64);
         check::fits_in_memory(points, cells, self.integrator == Integrator::QuasiStatic, self.dimension)
     }
-}
-
-fn is_zero(number: &f64) -> bool {
-    *number == 0.0
 }
 
 /// Keys that most scenes do not have stay out of the record of a scene.

@@ -192,18 +192,15 @@ impl Fields {
         }
         out.put("gravity", self.gravity)?;
         out.put("slope_angle", self.slope_angle)?;
-        let shape = match &self.outline {
-            Some(points) => {
-                out.put("geometry.outline.points", points)?;
-                "geometry.outline.inner_radius"
-            }
+        let shape = if self.outline.is_some() { "outline" } else { "column" };
+        match &self.outline {
+            Some(points) => out.put("geometry.outline.points", points)?,
             None => {
                 out.put("geometry.column.height", self.height)?;
                 out.put("geometry.column.width", self.width)?;
-                "geometry.column.inner_radius"
             }
-        };
-        out.unless(shape, self.inner_radius, 0.0)?;
+        }
+        out.unless(&format!("geometry.{shape}.inner_radius"), self.inner_radius, 0.0)?;
         self.mesh(&mut out)?;
         self.of_soil(&mut out)?;
         self.fluid(&mut out)?;

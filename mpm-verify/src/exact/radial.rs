@@ -108,7 +108,7 @@ impl Radial {
             return [at, (z * coth - 1.0) / (z * z)];
         }
         let [i0, i1] = bessel(z);
-        [bessel(z * x)[0] / i0, i1 / (z * i0)]
+        [bessel(z * x)[0] / i0 * (z.norm() * (x - 1.0)).exp(), i1 / (z * i0)]
     }
 }
 
@@ -118,10 +118,10 @@ fn volume(outline: &[[f64; 2]]) -> f64 {
     outline.iter().zip(outline.iter().cycle().skip(1)).map(of).sum::<f64>() / 6.0
 }
 
-/// `I_0(z)` and `I_1(z)` by their series; good for |z| up to some hundreds.
+/// `I_0(z)` and `I_1(z)` by their series, times exp(-|z|); good for |z| up to some hundreds.
 fn bessel(z: Number) -> [Number; 2] {
     let quarter = z * z * 0.25;
-    let mut term = Number::from(1.0);
+    let mut term = Number::from((-z.norm()).exp());
     let mut sums = [term, term];
     for k in 1..2000 {
         let k = f64::from(k);

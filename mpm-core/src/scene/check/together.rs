@@ -53,16 +53,13 @@ impl Reader<'_> {
     fn about_an_axis(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let (Some(axis), Some(dimension)) = (scene.axis(), &raw.dimension) else { return Ok(()) };
         let open = scene.solid_sides[0] == SolidSide::Free || scene.stages.iter().any(|stage| stage.drained[0]);
-        if axis == 0.0 && open {
-            let expected =
-                "a left side on rollers that is not drained, where it is the axis, or geometry.*.inner_radius";
-            return self.refuse(&dimension.span(), "dimension", expected, "\"axisymmetric\" with an open axis");
-        }
-        if scene.integrator == Integrator::QuasiStatic && scene.strain == StrainChoice::Large {
-            let expected = "soil.strain = \"small\" beside it and quasi-static, or another integrator";
-            return self.refuse(&dimension.span(), "dimension", expected, "\"axisymmetric\"");
-        }
-        Ok(())
+        let large = scene.integrator == Integrator::QuasiStatic && scene.strain == StrainChoice::Large;
+        let expected = match (axis == 0.0 && open, large) {
+            (true, _) => "a left side on rollers that is not drained, where it is the axis, or geometry.*.inner_radius",
+            (_, true) => "soil.strain = \"small\" beside it and quasi-static, or another integrator",
+            _ => return Ok(()),
+        };
+        self.refuse(&dimension.span(), "dimension", expected, "\"axisymmetric\"")
     }
 
     /// Water that does not compress needs an implicit pressure and somewhere to go.

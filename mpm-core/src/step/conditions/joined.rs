@@ -55,9 +55,7 @@ impl<const D: usize> Joined<D> {
         self.light.clear();
         for node in 0..self.held.len() {
             let mass = nodes.sum(SOLID_MASS, node);
-            // A node on an axis has the mass of a sixth of a cell from it.
-            let thickness = || self.frame.thickness(0, node).max(1.0 / (6.0 * self.frame.inverse_size));
-            if mass > 0.0 && mass < self.least_mass * if self.frame.axis.is_some() { thickness() } else { 1.0 } {
+            if mass > 0.0 && mass < self.least_mass * self.frame.thickness(0, node) {
                 let leader = self.leader(node, nodes);
                 self.light.extend(leader.map(|leader| [node as u32, leader as u32]));
             }

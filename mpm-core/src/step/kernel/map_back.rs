@@ -46,7 +46,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> WithSimd for MapBack<'_, V, F, D>
             let edges = functions.edges(&position, &frame.cells);
             let at = strip.first + group * V::F64_LANES;
             let Motion { velocity, change, .. } = moving;
-            let fields = Fields { simd, velocity, change, mapped: None, frame, at };
+            let about_axis = frame.axis.is_some();
+            let fields = Fields { simd, velocity, change, mapped: None, frame, at, about_axis };
             let at = array!([none; D], d => Lanes { simd, value: cell.at[d] });
             functions.find_motion(&mut motion, &fields, &edges, &at);
             functions.clear(simd, &mut gathered, false);

@@ -57,6 +57,8 @@ pub struct Fields<'a, V: Simd, const D: usize> {
     pub frame: &'a Frame<D>,
     /// Number of the first cell.
     pub at: usize,
+    /// Whether they are a section about an axis.
+    pub about_axis: bool,
 }
 
 impl<V: Simd, const D: usize> Fields<'_, V, D> {
@@ -83,10 +85,10 @@ impl<V: Simd, const D: usize> Fields<'_, V, D> {
 /// Where cells are in a section about an axis: distance of their lower corner from that, in cells; none in plane strain.
 pub type FromAxis<V> = Option<Lanes<V>>;
 
-/// Radius of a place in cells, in cells; not zero, where a cell without soil has no place.
+/// Radius of a place in cells, in cells.
 #[inline(always)]
 pub fn radius<V: Simd, const D: usize>(from: FromAxis<V>, xi: &[Lanes<V>; D]) -> Option<Lanes<V>> {
-    from.map(|from| (from + xi[0]).or_one())
+    from.map(|from| from + xi[0])
 }
 
 /// A number at each of the functions that a group of cells reaches. A vector that lies across two lines of the cache costs twice as much.
@@ -318,7 +320,7 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
     /// Sums of V p and of V over the water particles.
     fn water_of<V: Simd>(&self, sums: &Self::Sums<V>) -> [Lanes<V>; 2];
     /// Centroid of the particles, if strains are taken there; from their volume, or one where there are none.
-    fn centroid<V: Simd>(&self, _: &Self::Sums<V>, _: Lanes<V>) -> Option<[Lanes<V>; D]> {
+    fn centroid<V: Simd>(&self, _: &Self::Sums<V>, _: Lanes<V>, _: bool) -> Option<[Lanes<V>; D]> {
         None
     }
     /// Gives what the cells have gathered; `room` may hold it.
@@ -655,7 +657,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         self.ask_for_cells(group, at);
         if self.common.moves {
             let Motion { velocity, change, .. } = motion;
-            let fields = Fields { simd: self.simd, velocity, change, mapped, frame, at };
+            let about_axis = self.common.axis.is_some();
+            let fields = Fields { simd: self.simd, velocity, change, mapped, frame, at, about_axis };
             functions.find_motion(moving, &fields, &edges, &array!([none; D], d => self.of(cell.at[d])));
             let motion = &*moving;
             let mut relative = if wet { self.darcy_flow(at, &cell, running, group) } else { [[none; D]; 4] };
@@ -906,18 +909,18 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         closing.from_axis = self.axis_of(self.of(self.strip.cells[group].position[0]));
         let cell = &mut self.strip.cells[group];
         (cell.volume, cell.mass) = (volume.value, mass.value);
-        if let Some(centroid) = functions.centroid(sums, full) {
+        if let Some(centroid) = functions.centroid(sums, full, self.common.axis.is_some()) {
             for d in 0..D {
                 cell.at[d] = centroid[d].value;
             }
-            closing.at = centroid;
+            (closing.at, closing.pressed_at) = (centroid, if F::AT_CENTROID { closing.pressed_at } else { centroid });
         }
         match self.common.water {
             InPores::None => {}
             InPores::Particles { .. } => self.close_water(group, [mass, volume], sums, &mut closing),
             InPores::Given { pressure, per_volume, lower, middle } => {
                 closing.pressed_at = closing.at;
-                if functions.centroid(sums, full).is_some() {
+                if functions.centroid(sums, full, false).is_some() {
                     closing.pressed_at[D - 1] = closing.at[D - 1] * self.load(lower, at);
                 }
                 let mut place = [half; D];

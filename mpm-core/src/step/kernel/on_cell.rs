@@ -43,6 +43,8 @@ pub struct CellSums<V: Simd, const D: usize> {
     hoop: [Lanes<V>; 4],
     hoop_of_water: [Lanes<V>; 4],
     hoop_of_one: [Lanes<V>; 4],
+    /// Mean stress times volumes there, which acts at the radius of the centroid.
+    spherical: Lanes<V>,
 }
 
 /// Linear functions with gradients at one of four places.
@@ -81,6 +83,12 @@ fn in_cell<V: Simd, const D: usize>(fields: &Fields<V, D>, field: &[Vec<f64>; 2]
     coefficients::<D, D, _>(&nodal)
 }
 
+/// The centre of a cell.
+#[inline(always)]
+fn centre<V: Simd, const D: usize>(like: [Lanes<V>; D]) -> [Lanes<V>; D] {
+    [like[0].like(0.5); D]
+}
+
 /// Adds an amount at a place to the corners.
 #[inline(always)]
 fn add_shares<V: Simd, const D: usize>(sums: &mut [Lanes<V>; 4], amount: Lanes<V>, xi: &[Lanes<V>; D]) {
@@ -100,10 +108,10 @@ impl<const PLACE: u8> OnCell<PLACE> {
         from: Lanes<V>,
         inverse_size: f64,
     ) -> [Lanes<V>; 4] {
-        let mut force = sums.hoop.map(|hoop| hoop * cell.share);
+        let (mut force, at) = (sums.hoop.map(|hoop| hoop * cell.share), centre(cell.at));
         if <Self as Functions<D>>::OF_CELL {
-            // The mean has the pressure in it, which acts at the same place.
-            return shares(sums.mean[2] / (from + cell.at[0]).or_one() * inverse_size, &cell.at);
+            // The mean has the pressure in it.
+            return shares(sums.mean[2] / (from + at[0]) * inverse_size, &at);
         }
         let Some(pressure) = cell.pressure else { return force };
         if <Self as Functions<D>>::PRESSURE_AT_PARTICLES && !cell.of_cell {
@@ -112,8 +120,7 @@ impl<const PLACE: u8> OnCell<PLACE> {
                 force[a] -= sums.hoop_of_water[a] * share;
             }
         } else {
-            let acting = pressure * cell.filled / (from + cell.pressed_at[0]).or_one() * inverse_size;
-            add_shares(&mut force, -acting, &cell.pressed_at);
+            add_shares(&mut force, -pressure * cell.filled / (from + at[0]) * inverse_size, &at);
         }
         force
     }
@@ -154,15 +161,16 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
             Some(mapped) => in_cell(fields, mapped),
             None => velocity,
         };
-        let at = if <Self as Functions<D>>::AT_CENTROID { *centroid } else { [velocity[0][0].like(0.5); D] };
+        let is_found = <Self as Functions<D>>::AT_CENTROID || fields.about_axis;
+        let at = if is_found { *centroid } else { centre(velocity[0]) };
         *motion = CellMotion { strains, velocity, change: in_cell(fields, fields.change), at };
     }
 
     #[inline(always)]
     fn middle<V: Simd>(&self, motion: &CellMotion<V, D>, from_axis: FromAxis<V>, inverse_size: f64) -> Lanes<V> {
         let plane = trace(&gradient(&motion.strains, &motion.at, inverse_size));
-        let radial = value::<D, D, _>(&motion.strains, &basis(&motion.at))[0] * inverse_size;
-        radius(from_axis, &motion.at).map_or(plane, |r| plane + radial / r)
+        let round = |from| <Self as Functions<D>>::hoop(self, motion, &(), &centre(motion.at), from, inverse_size);
+        from_axis.map_or(plane, |from| plane + round(from))
     }
 
     #[inline(always)]
@@ -174,8 +182,8 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
         from_axis: Lanes<V>,
         inverse_size: f64,
     ) -> Lanes<V> {
-        let here = if <Self as Functions<D>>::OF_CELL { &motion.at } else { xi };
-        value::<D, D, _>(&motion.strains, &basis(here))[0] / (from_axis + here[0]).or_one() * inverse_size
+        let here = if <Self as Functions<D>>::OF_CELL { centre(*xi) } else { *xi };
+        value::<D, D, _>(&motion.strains, &basis(&here))[0] / (from_axis + here[0]) * inverse_size
     }
 
     #[inline(always)]
@@ -248,6 +256,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
             hoop: [none; 4],
             hoop_of_water: [none; 4],
             hoop_of_one: [none; 4],
+            spherical: none,
         }
     }
 
@@ -287,7 +296,8 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
                 }
             }
         }
-        if <Self as Functions<D>>::AT_CENTROID || (coupled && <Self as Functions<D>>::PRESSURE_AT_PARTICLES) {
+        let is_asked = <Self as Functions<D>>::AT_CENTROID || from_axis.is_some();
+        if is_asked || (coupled && <Self as Functions<D>>::PRESSURE_AT_PARTICLES) {
             for d in 0..D {
                 sums.moment[d] += *volume * xi[d];
             }
@@ -296,10 +306,11 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
         if let (Some(r), false) = (radius(*from_axis, xi), <Self as Functions<D>>::OF_CELL) {
             let own = *volume / r * inverse_size;
             if <Self as Functions<D>>::SPLIT {
-                let centre = [xi[0].like(0.5); D];
+                let centre = centre(*xi);
                 let at_centre = *volume * mean / (r - xi[0] + centre[0]) * inverse_size;
                 add_shares(&mut sums.hoop, own * (stress[2] - mean), xi);
                 add_shares(&mut sums.hoop, at_centre, &centre);
+                sums.spherical += *volume * mean;
             } else {
                 add_shares(&mut sums.hoop, own * stress[2], xi);
                 if coupled {
@@ -354,8 +365,9 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
     }
 
     #[inline(always)]
-    fn centroid<V: Simd>(&self, sums: &CellSums<V, D>, full: Lanes<V>) -> Option<[Lanes<V>; D]> {
-        if <Self as Functions<D>>::AT_CENTROID { Some(array!([full; D], d => sums.moment[d] / full)) } else { None }
+    fn centroid<V: Simd>(&self, sums: &CellSums<V, D>, full: Lanes<V>, about_axis: bool) -> Option<[Lanes<V>; D]> {
+        let of = |d: usize| <Self as Functions<D>>::AT_CENTROID || (about_axis && d == 0);
+        of(0).then(|| array!([full; D], d => if of(d) { sums.moment[d] / full } else { full.like(0.5) }))
     }
 
     #[inline(always)]
@@ -375,11 +387,13 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
             // Section 2.2: G_i(x_c) for every particle of the cell.
             for d in 0..D {
                 for s in 0..4 {
-                    let at = if <Self as Functions<D>>::AT_CENTROID { cell.at[d] } else { none.like(0.5) };
-                    sums.first[d][s] = sums.mean[s] * at;
+                    sums.first[d][s] = sums.mean[s] * cell.at[d];
                 }
             }
         } else {
+            if <Self as Functions<D>>::SPLIT && cell.from_axis.is_some() {
+                (0..3).for_each(|s| sums.first[0][s] += sums.spherical * (cell.at[0] - none.like(0.5)));
+            }
             for d in 0..D {
                 for s in 0..4 {
                     sums.first[d][s] = sums.first[d][s] * cell.share;
@@ -447,7 +461,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
         let mut first = [[none; 4]; D];
         for d in 0..D {
             let moment = if !<Self as Functions<D>>::PRESSURE_AT_PARTICLES {
-                cell.filled * 0.5
+                cell.filled * cell.at[d]
             } else {
                 sums.moment[d] * cell.share
             };
@@ -455,7 +469,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
         }
         let mut at_corners = to_corners::<D, D, _>(&internal_force(&isotropic, &first, inverse_size));
         let hoop = cell.from_axis.map(|from| {
-            let of_cell = || shares(cell.filled / (from + none.like(0.5)) * inverse_size, &[none.like(0.5); D]);
+            let of_cell = || shares(cell.filled / (from + none.like(0.5)) * inverse_size, &centre(cell.at));
             let of_particles = || sums.hoop_of_one.map(|one| one * cell.share);
             if <Self as Functions<D>>::PRESSURE_AT_PARTICLES { of_particles() } else { of_cell() }
         });

@@ -9,9 +9,7 @@ use std::ops::Range;
 use pulp::{Scalar, Simd};
 
 use super::bases::{Basis, Line};
-use super::{
-    Closing, Contribution, Fields, FromAxis, Functions, Given, MOST_REACH, MOST_REACHED, Moves, Nodal, Relative, radius,
-};
+use super::{Closing, Contribution, Fields, Functions, Given, MOST_REACH, MOST_REACHED, Moves, Nodal, Relative};
 use crate::dimension::{basis, value};
 use crate::real::{Lanes, Real, array};
 use crate::step::store::Nodes;
@@ -270,7 +268,7 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
     }
 
     #[inline(always)]
-    fn middle<V: Simd>(&self, motion: &StencilMotion<V, D>, _: FromAxis<V>, _: f64) -> Lanes<V> {
+    fn middle<V: Simd>(&self, motion: &StencilMotion<V, D>, _: super::FromAxis<V>, _: f64) -> Lanes<V> {
         motion.velocity[0][0].like(0.0)
     }
 
@@ -429,7 +427,7 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         let (xx, yy, xy) = (stress[0] * acting, stress[1] * acting, stress[3] * acting);
         let (x, y) = (&lines.along[0], &lines.along[D - 1]);
         // Volume over the radius, about an axis.
-        let round = radius(*from_axis, xi).map(|r| acting / r);
+        let round = super::radius(*from_axis, xi).map(|r| acting / r);
         reached!(lines, |count, first| for j in 0..if D == 1 { 1 } else { count } {
             let part = Self::part(count, first);
             let (value, slope) = if D == 1 { (mass.like(1.0), mass.like(0.0)) } else { (y.value[j], y.slope[j]) };
@@ -482,7 +480,7 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         edges: &[B::Edge<V>; D],
         xi: &[Lanes<V>; D],
         [mass, volume, pressure]: [Lanes<V>; 3],
-        _: FromAxis<V>,
+        _: super::FromAxis<V>,
     ) {
         let lines = self.lines(edges, xi);
         reached!(lines, |count, first| {

@@ -66,28 +66,22 @@ impl<const D: usize> Ground<'_, D> {
         self.scene.cell / self.scene.particles_per_direction() as f64
     }
 
-    /// Thickness at x (m) over [`Self::thickness`]: the distance from the axis of an axisymmetric scene, m.
-    fn thickness_at(&self, x: f64) -> f64 {
-        if D == 1 { 1.0 } else { self.scene.thickness(x) }
+    /// Functions over the radius at a place, 1/m; none but about an axis.
+    fn hoop(&self, axes: &[Axis; D], x: &[f64; D]) -> Option<[f64; MOST]> {
+        self.scene.axis().map(|axis| Stencil::at(axes, x).value.map(|value| value / (axis + x[0])))
     }
 
-    /// One over the radius, 1/m; none but about an axis.
-    fn over_radius(&self, x: f64) -> Option<f64> {
-        self.scene.axis().map(|axis| 1.0 / (axis + x))
-    }
-
-    /// Gradients at a place that a change of volume is found with: with v_r/r, about an axis.
-    fn dilation(&self, axes: &[Axis; D], x: &[f64; D]) -> [[f64; D]; MOST] {
-        let Stencil { mut slope, value, .. } = Stencil::at(axes, x);
-        if let Some(over_radius) = self.over_radius(x[0]) {
-            slope.iter_mut().zip(value).for_each(|(slope, value)| slope[0] += value * over_radius);
-        }
+    /// Gradients at a place that a change of volume is found with: with v_r/r at another, about an axis.
+    fn dilation(&self, axes: &[Axis; D], [x, around]: [&[f64; D]; 2]) -> [[f64; D]; MOST] {
+        let mut slope = Stencil::at(axes, x).slope;
+        let hoop = self.hoop(axes, around);
+        slope.iter_mut().zip(hoop.iter().flatten()).for_each(|(slope, hoop)| slope[0] += hoop);
         slope
     }
 
     /// Axes and weights of the particles, these as in a mesh that is 1 m thick.
     fn axes_and_weights(&self) -> ([Axis; D], Vec<f64>) {
-        let volumes: Vec<f64> = self.points.iter().map(|p| p.volume / self.thickness_at(p.x[0])).collect();
+        let volumes: Vec<f64> = self.points.iter().map(|p| p.volume / self.scene.thickness(p.x[0])).collect();
         if self.scene.quadrature == Quadrature::Volumes || self.scene.shape == ShapeChoice::Gimp {
             return (self.axes(LEAST_CELLS[0]), volumes);
         }
@@ -210,19 +204,21 @@ impl<const D: usize> Ground<'_, D> {
         let splits = self.scene.shape == ShapeChoice::BBar || (D == 2 && smooth);
         let part = |(i, point): (usize, &SolidPoint<D>)| {
             let mut stencil = Stencil::at(axes, &point.x);
-            let centroid = middle(axes, &cell_of(axes, &point.x));
-            let place = if centre { centroid } else { point.x };
-            let there = Stencil::at(axes, &place);
-            stencil.slope = there.slope; // section 2.2
-            let hoop = self.over_radius(place[0]).map(|over_radius| there.value.map(|v| v * over_radius));
-            let dilates =
-                (splits || hoop.is_some()).then(|| self.dilation(axes, if splits { &centroid } else { &place }));
+            let middle = middle(axes, &cell_of(axes, &point.x));
+            let mut centroid = middle;
+            // With gradients at the centroid about an axis a stress is shared among the nodes as loads are.
+            centroid[0] += self.scene.axis().map_or(0.0, |axis| self.scene.cell.powi(2) / (12.0 * (axis + middle[0])));
+            let [place, around] = if centre { [centroid, middle] } else { [point.x; 2] };
+            stencil.slope = Stencil::at(axes, &place).slope; // section 2.2
+            let hoop = self.hoop(axes, &around);
+            let of = if splits { [&centroid, &middle] } else { [&place, &around] };
+            let dilates = (splits || hoop.is_some()).then(|| self.dilation(axes, of));
             let mark = law.soils.at(&in_two(&point.x));
             SolidPart {
                 stencil,
                 dilates,
                 hoop,
-                weight: weights[i] * self.thickness_at(point.x[0]),
+                weight: weights[i] * self.scene.thickness(point.x[0]),
                 stress: point.stress,
                 strain: [0.0; 4],
                 state: self.states[i],
@@ -276,8 +272,8 @@ impl<const D: usize> Ground<'_, D> {
                 let mut soil = Stencil::at(axes, &x);
                 let mut water = soil;
                 water.count *= usize::from(wet);
-                soil.slope = self.dilation(axes, &x);
-                weight *= self.thickness_at(x[0]);
+                soil.slope = self.dilation(axes, [&x, &x]);
+                weight *= self.scene.thickness(x[0]);
                 parts.push(PorePart { soil, water, weight, porosity, mark: law.soils.at(&in_two(&x)) });
             }
         }
@@ -299,7 +295,7 @@ impl<const D: usize> Ground<'_, D> {
                 // Of the lower face and of the upper one, which differ across a radius.
                 let centroid = middle(axes, &position)[0];
                 let across = if axis + 1 < D { [-half(position[axis]), half(position[axis])] } else { [0.0; 2] };
-                let [below, area] = across.map(|from| area * self.thickness_at(centroid + from));
+                let [below, area] = across.map(|from| area * self.scene.thickness(centroid + from));
                 let (at, last) = (position[axis], axes[axis].cells() - 1);
                 // The last axis is the vertical one: sides 2 and 3.
                 let side = 2 * (axis + 2 - D);
@@ -534,7 +530,7 @@ impl<const D: usize> Ground<'_, D> {
         let sums = if D == 1 {
             vec![along(place(0.0))]
         } else {
-            integrals(&axes[1 - axis], range, |x| along(place(x)) * self.thickness_at(place(x)[0]))
+            integrals(&axes[1 - axis], range, |x| along(place(x)) * self.scene.thickness(place(x)[0]))
         };
         for (i, sum) in sums.into_iter().enumerate() {
             let function =
@@ -550,7 +546,7 @@ impl<const D: usize> Ground<'_, D> {
     fn surcharge(&self, surcharge: &Surcharge, axes: &[Axis; D], solid: &[SolidPart<D>]) -> Vec<f64> {
         let functions: usize = axes.iter().map(Axis::functions).product();
         let mut load = vec![0.0; functions * D];
-        let share = |x: f64| surcharge.strip.map_or(1.0, |strip| strip.share(x)) * self.thickness_at(x);
+        let share = |x: f64| surcharge.strip.map_or(1.0, |strip| strip.share(x)) * self.scene.thickness(x);
         if surcharge.on == LoadOn::Particles {
             let area = self.thickness * self.spacing().powi(D as i32 - 1);
             for &point in self.top {
@@ -584,14 +580,14 @@ impl<const D: usize> Ground<'_, D> {
         for axis in 0..D {
             let along = &axes[axis];
             let (splines, vertical) = (along.splines(), axis == D - 1);
-            let beside = |at: f64| if vertical { self.thickness_at(at) } else { softer(at) };
+            let beside = |at: f64| if vertical { self.scene.thickness(at) } else { softer(at) };
             let across = across(axes, axis, degree, beside);
             let strides = if axis == 0 { [1, axes[0].functions()] } else { [axes[0].functions(), 1] };
             for knot in (1..along.cells()).filter(|knot| !along.is_break(*knot)) {
                 // The cell below has all of these functions but the last, the cell above all but the first.
                 let first = splines.first(knot - 1);
                 let at = along.knots[knot];
-                let here = if vertical { softer(at) } else { self.thickness_at(at) };
+                let here = if vertical { softer(at) } else { self.scene.thickness(at) };
                 let (below, above) = (splines.highest(knot - 1), splines.highest(knot));
                 let before = |a: usize| if a > 0 { above[a - 1] } else { 0.0 };
                 let jump = |a: usize| before(a) - if a <= degree { below[a] } else { 0.0 };

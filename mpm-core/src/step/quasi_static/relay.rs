@@ -63,7 +63,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         soil.plates.iter_mut().for_each(|(plate, [_, before])| *before = plate.at(self.time));
         soil.bear(self.time, self.ramp);
         self.loose.clear();
-        let weights = top_integrals(&soil.axes, |x| if D == 1 { 1.0 } else { self.scene.thickness(x) });
+        let weights = top_integrals(&soil.axes, |x| self.scene.thickness(x));
         let whole: f64 = weights.iter().sum();
         let row = soil.u.len() - weights.len();
         self.settle = weights
