@@ -108,7 +108,7 @@ impl Radial {
             return [at, (z * coth - 1.0) / (z * z)];
         }
         let [i0, i1] = bessel(z);
-        [bessel(z * x)[0] / i0 * (z.norm() * (x - 1.0)).exp(), i1 / (z * i0)]
+        [bessel(z * x)[0] / i0 * (z.re * (x - 1.0)).exp(), i1 / (z * i0)]
     }
 }
 
@@ -118,7 +118,7 @@ fn volume(outline: &[[f64; 2]]) -> f64 {
     outline.iter().zip(outline.iter().cycle().skip(1)).map(of).sum::<f64>() / 6.0
 }
 
-/// `I_0(z)` and `I_1(z)` times exp(-|z|), Re z >= 0: by their series, or by that of large arguments, where the former would cancel.
+/// `I_0(z)` and `I_1(z)` times exp(-Re z), Re z >= 0: by their series, or by that of large arguments, where the former would cancel.
 fn bessel(z: Number) -> [Number; 2] {
     const LARGE: f64 = 25.0;
     let one = Number::from(1.0);
@@ -130,11 +130,11 @@ fn bessel(z: Number) -> [Number; 2] {
                 term *= (odd * odd - 4.0 * order * order) / (8.0 * f64::from(k)) / z;
                 sum += term;
             }
-            sum * (z - z.norm()).exp() / (z * std::f64::consts::TAU).sqrt()
+            sum * Number::new(0.0, z.im).exp() / (z * std::f64::consts::TAU).sqrt()
         });
     }
     let quarter = z * z * 0.25;
-    let mut term = Number::from((-z.norm()).exp());
+    let mut term = Number::from((-z.re).exp());
     let mut sums = [term, term];
     for k in 1..200 {
         let k = f64::from(k);
