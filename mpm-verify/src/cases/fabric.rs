@@ -3,18 +3,39 @@
 use mpm_core::observe::ProfileRow;
 use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice};
 
-use super::features::{Case, Measured, case, climb};
+use super::setup::{Case, Measured, case, refined};
 use super::wells::around;
-use super::{Mutant, Rung, Unfit, sound};
+use super::{Rung, Unfit, sound};
 use crate::exact::pressed_pores::PressedPores;
 use crate::norms::largest;
 
-const PRESSED: Case =
-    Case { scene: "kozeny-carman", change: sound, measure: through, rows: &[10, 20, 40], required: 1e-3, order: None };
-const UNIFORM: Case =
-    Case { scene: "bedding", change: sound, measure: dissipated, rows: &[5, 10], required: 1e-9, order: None };
-const WELL: Case =
-    Case { scene: "well-bedding", change: sound, measure: around, rows: &[20, 28, 40], required: 1e-2, order: None };
+const PRESSED: Case = Case {
+    scene: "kozeny-carman",
+    change: sound,
+    mesh: refined,
+    measure: through,
+    cells: &[10.0, 20.0, 40.0],
+    required: 1e-3,
+    order: None,
+};
+const UNIFORM: Case = Case {
+    scene: "bedding",
+    change: sound,
+    mesh: refined,
+    measure: dissipated,
+    cells: &[5.0, 10.0],
+    required: 1e-9,
+    order: None,
+};
+const WELL: Case = Case {
+    scene: "well-bedding",
+    change: sound,
+    mesh: refined,
+    measure: around,
+    cells: &[20.0, 28.0, 40.0],
+    required: 1e-2,
+    order: None,
+};
 
 const CONSTANT: &str = "conductivity that stays";
 const LEVEL: &str = "level bedding";
@@ -41,7 +62,7 @@ pub const CASES: [Rung; 6] = [
         "the same explicit",
         CONSTANT,
         constant,
-        Case { change: explicit, rows: &[10, 20], required: 1e-2, ..PRESSED }
+        Case { change: explicit, cells: &[10.0, 20.0], required: 1e-2, ..PRESSED }
     ),
     case!("bedding", "uniform flow through inclined bedding", LEVEL, level, UNIFORM),
     case!("well-bedding", "drawdown around a well in inclined bedding", LEVEL, level, WELL),

@@ -2,6 +2,7 @@
 
 mod accepted;
 mod automatic_step;
+mod axisymmetric;
 mod bar;
 mod bits;
 mod block;
@@ -43,8 +44,10 @@ mod rest;
 mod seepage;
 mod self_weight;
 mod semi_implicit;
+mod setup;
 mod slab;
 mod spin;
+mod stages;
 mod strip;
 mod terzaghi;
 mod undrained;
@@ -200,6 +203,14 @@ pub const LADDER: &[Rung] = &[
     outline::RUNG,
     rest::SPEED,
     rest::ENERGY,
+    stages::CASES[0],
+    stages::CASES[1],
+    stages::CASES[2],
+    stages::CASES[3],
+    stages::CASES[4],
+    stages::CASES[5],
+    stages::CASES[6],
+    stages::CASES[7],
     features::CASES[0],
     features::CASES[1],
     features::CASES[2],
@@ -209,19 +220,11 @@ pub const LADDER: &[Rung] = &[
     features::CASES[6],
     features::CASES[7],
     features::CASES[8],
-    features::CASES[9],
-    features::CASES[10],
-    features::CASES[11],
-    features::CASES[12],
-    features::CASES[13],
-    features::CASES[14],
-    features::CASES[15],
-    features::CASES[16],
-    features::CASES[17],
-    features::CASES[18],
-    features::CASES[19],
-    features::CASES[20],
-    features::CASES[21],
+    axisymmetric::CASES[0],
+    axisymmetric::CASES[1],
+    axisymmetric::CASES[2],
+    axisymmetric::CASES[3],
+    axisymmetric::CASES[4],
     ground::CASES[0],
     ground::CASES[1],
     ground::CASES[2],

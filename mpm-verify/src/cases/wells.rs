@@ -3,8 +3,8 @@
 use mpm_core::observe::{FieldPoint, ProfileRow};
 use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice, StepChoice, StrainChoice};
 
-use super::features::{Case, Measured, case, climb};
-use super::{FASTER, Mutant, Rung, Unfit, faster, sound};
+use super::setup::{Case, Measured, case, refined};
+use super::{FASTER, Rung, Unfit, faster, sound};
 use crate::exact::wells::Confined;
 use crate::norms::largest;
 
@@ -12,14 +12,28 @@ use crate::norms::largest;
 const NEAR: f64 = 0.4;
 const PUMPED: &str = "rate of the well 5 % too high";
 
-const LINE: Case =
-    Case { scene: "well-line", change: sound, measure: drawdown, rows: &[20, 40, 80], required: 1e-3, order: None };
+const LINE: Case = Case {
+    scene: "well-line",
+    change: sound,
+    mesh: refined,
+    measure: drawdown,
+    cells: &[20.0, 40.0, 80.0],
+    required: 1e-3,
+    order: None,
+};
 const LINE_IN_STEPS: Case =
-    Case { change: in_steps, rows: &[20, 28, 40, 56, 80], required: 5e-3, order: Some([1.7, 2.3]), ..LINE };
-const WELL: Case =
-    Case { scene: "well", change: sound, measure: around, rows: &[20, 28, 40], required: 5e-3, order: None };
+    Case { change: in_steps, cells: &[20.0, 28.0, 40.0, 56.0, 80.0], required: 5e-3, order: Some([1.7, 2.3]), ..LINE };
+const WELL: Case = Case {
+    scene: "well",
+    change: sound,
+    mesh: refined,
+    measure: around,
+    cells: &[20.0, 28.0, 40.0],
+    required: 5e-3,
+    order: None,
+};
 const WELL_BY_FACES: Case =
-    Case { change: semi_implicit, rows: &[20, 28, 40, 56], required: 2e-2, order: Some([1.5, 2.5]), ..WELL };
+    Case { change: semi_implicit, cells: &[20.0, 28.0, 40.0, 56.0], required: 2e-2, order: Some([1.5, 2.5]), ..WELL };
 
 /// All of them.
 pub const CASES: [Rung; 6] = [

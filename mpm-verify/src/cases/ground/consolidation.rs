@@ -2,7 +2,7 @@
 
 use mpm_core::scene::{Course, Fields, Integrator, LoadOn, Scene, ShapeChoice, StrainChoice, Surcharge};
 
-use super::super::{FASTER, Lacks, Unfit, faster};
+use super::super::{Error, FASTER, Lacks, Unfit, faster, sound};
 use super::*;
 use crate::exact::layered::Layered;
 use crate::exact::terzaghi::Terzaghi;
@@ -10,7 +10,8 @@ use crate::norms::largest;
 
 const CUT: Case = Case {
     scene: "cut-column",
-    change: two_cells_wide,
+    change: sound,
+    mesh: two_cells_wide,
     measure: cut_column,
     cells: &[5.37, 10.37, 20.37, 40.37],
     required: 2e-3,
@@ -19,7 +20,8 @@ const CUT: Case = Case {
 };
 const LAYERS: Case = Case {
     scene: "three-layers",
-    change: plain,
+    change: sound,
+    mesh: refined,
     measure: layered,
     cells: &[10.0, 20.0, 40.0],
     required: 1e-6,
@@ -75,24 +77,26 @@ pub const CASES: [Rung; 6] = [
 ];
 
 /// So many cells over the height, two across.
-fn two_cells_wide(scene: &mut Fields, cells: f64) {
-    scene.cell = scene.height / cells;
-    (scene.width, scene.cells) = (2.0 * scene.cell, [2, cells.ceil() as usize]);
-    let [width, height] = [scene.width, scene.height];
-    scene.outline = Some(vec![[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]]);
+fn two_cells_wide(scene: &Scene, cells: f64) -> Result<Scene, Error> {
+    let wide = |scene: &mut Fields| {
+        scene.cell = scene.height / cells;
+        (scene.width, scene.cells) = (2.0 * scene.cell, [2, cells.ceil() as usize]);
+        let [width, height] = [scene.width, scene.height];
+        scene.outline = Some(vec![[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]]);
+    };
+    Ok(scene.edited(wide)?)
 }
 
-fn explicit(scene: &mut Fields, cells: f64) {
-    two_cells_wide(scene, cells);
+fn explicit(scene: &mut Fields) {
     (scene.integrator, scene.shape) = (Integrator::Explicit, ShapeChoice::Centre);
 }
 
-fn centre(scene: &mut Fields, _: f64) {
+fn centre(scene: &mut Fields) {
     (scene.shape, scene.particles_per_cell) = (ShapeChoice::Centre, 4);
 }
 
-fn by_explicit(scene: &mut Fields, cells: f64) {
-    centre(scene, cells);
+fn by_explicit(scene: &mut Fields) {
+    centre(scene);
     (scene.integrator, scene.strain, scene.darcy_inertia) = (Integrator::Explicit, StrainChoice::Large, true);
     (scene.tolerance, scene.observe_times) = (1e-4, vec![0.5, 1.0, 2.0]);
     scene.stages[0].until = mpm_core::scene::Until::Time(2.0);
@@ -100,8 +104,8 @@ fn by_explicit(scene: &mut Fields, cells: f64) {
     scene.surcharge = scene.surcharge.map(|load| Surcharge { pressure: 0.01 * load.pressure, ..load });
 }
 
-fn semi_implicit(scene: &mut Fields, cells: f64) {
-    by_explicit(scene, cells);
+fn semi_implicit(scene: &mut Fields) {
+    by_explicit(scene);
     scene.integrator = Integrator::SemiImplicit;
 }
 

@@ -7,13 +7,14 @@ use mpm_core::scene::{
     Until,
 };
 
-use super::super::Unfit;
+use super::super::{Error, Unfit, sound};
 use super::*;
 use crate::norms::largest;
 
 const LAYERS: Case = Case {
     scene: "flow-along-layers",
-    change: plain,
+    change: sound,
+    mesh: refined,
     measure: along_layers,
     cells: &[8.0],
     required: 1e-7,
@@ -21,7 +22,8 @@ const LAYERS: Case = Case {
 };
 const REFRACTION: Case = Case {
     scene: "flow-in-series",
-    change: inclined,
+    change: sound,
+    mesh: refracting,
     measure: refracted,
     // A load on every face at the sides: no more than 64.
     cells: &[6.0, 8.0, 12.0, 16.0],
@@ -30,7 +32,8 @@ const REFRACTION: Case = Case {
 };
 const SLOPE: Case = Case {
     scene: "seepage-along-slope",
-    change: plain,
+    change: sound,
+    mesh: refined,
     measure: hydrostatic,
     cells: &[8.0],
     required: 1e-9,
@@ -80,17 +83,17 @@ pub const CASES: [Rung; 6] = [
     ),
 ];
 
-fn explicit(scene: &mut Fields, _: f64) {
+fn explicit(scene: &mut Fields) {
     scene.integrator = Integrator::Explicit;
     scene.stages[0].damping = 200.0;
 }
 
-fn quasi_static(scene: &mut Fields, _: f64) {
+fn quasi_static(scene: &mut Fields) {
     (scene.integrator, scene.shape, scene.strain) = (Integrator::QuasiStatic, ShapeChoice::Centre, StrainChoice::Small);
     (scene.darcy_inertia, scene.tolerance) = (false, 1e-6);
 }
 
-fn fed(scene: &mut Fields, _: f64) {
+fn fed(scene: &mut Fields) {
     (scene.integrator, scene.shape) = (Integrator::TwoClocks, ShapeChoice::Centre);
     scene.free_surface = Some(FreeSurfaceWater {
         saturation: 0.0,
@@ -170,6 +173,10 @@ fn head([x, y]: [f64; 2]) -> f64 {
     let dot = |a: [f64; 2]| a[0] * from[0] + a[1] * from[1];
     let across = if dot(normal) > 0.0 { RATIO } else { 1.0 };
     HEAD - FALL * (across * normal[0] * dot(normal) + along[0] * dot(along))
+}
+
+fn refracting(scene: &Scene, cells: f64) -> Result<Scene, Error> {
+    Ok(refined(scene, cells)?.edited(|scene| inclined(scene, cells))?)
 }
 
 /// The block, its sides under the exact heads, one for each face of a cell.

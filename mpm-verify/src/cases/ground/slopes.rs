@@ -7,7 +7,7 @@ use mpm_core::failure::{Driver, Outcome as Settled};
 use mpm_core::scene::Scene;
 
 use super::super::evidence::RUNS;
-use super::super::{Error, Outcome, Unfit};
+use super::super::{Error, Mutant, Outcome, Unfit};
 use super::*;
 use crate::baseline::ladder::Kind;
 use crate::norms::worst;

@@ -2,13 +2,14 @@
 
 use mpm_core::scene::{Fields, Scene, ShapeChoice};
 
-use super::super::Lacks;
+use super::super::{Lacks, sound};
 use super::*;
 use crate::exact::strip::StripLoad;
 
 const STRESS: Case = Case {
     scene: "strip-on-sand",
-    change: plain,
+    change: sound,
+    mesh: refined,
     measure: stress,
     cells: &[8.0, 16.0, 24.0, 32.0],
     required: 3e-4,
@@ -33,7 +34,7 @@ pub const CASES: [Rung; 2] = [
     ),
 ];
 
-fn centre(scene: &mut Fields, _: f64) {
+fn centre(scene: &mut Fields) {
     (scene.shape, scene.particles_per_cell) = (ShapeChoice::Centre, 4);
 }
 
