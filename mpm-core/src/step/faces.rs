@@ -11,7 +11,7 @@ use crate::particles::{Layer, SolidPoint};
 use crate::scene::Well;
 use crate::soils::at_porosity;
 use crate::water::pores::Pores;
-use crate::water::{DRAINED_SURFACE, FaceFlow};
+use crate::water::{DRAINED_SURFACE, FaceFlow, Opening};
 
 /// A face that lets water out.
 #[derive(Debug, Clone, Copy)]
@@ -35,8 +35,10 @@ pub struct Outlet {
     /// How it conducts, as [`Faces::conducts`], now and at first.
     pub conducts: f64,
     first: f64,
-    /// From the place of the cell's pressure to the piece, m.
+    /// From the middle of the cell to the piece, m.
     away: [f64; 2],
+    /// Whether that is at the piece.
+    held: bool,
     /// Middle of the piece, m.
     middle: [f64; 2],
     /// The loads that may put water before it, a bit each, and whether the piece lets water out without.
@@ -140,6 +142,7 @@ impl<const D: usize> Faces<D> {
         }
         varied.clear();
         conducts.iter_mut().chain(&mut *ratio).for_each(|faces| faces.fill(0.0));
+        water.cuts.open(&water.drained);
         water.faces(grid, solid, |axis, position, [conducted, reach], sides| {
             conducts[axis][frame.number(&position)] = conducted;
             if !by_porosity.is_empty() {
@@ -197,8 +200,9 @@ impl<const D: usize> Faces<D> {
             if drained || opening.water != 0 {
                 let (number, middle) = (frame.number(&grid.cell_position(cell)), opening.piece.middle);
                 let outside = drained.then_some(0.0);
-                let (away, water) = (opening.away, opening.water);
-                outlets.push(Outlet { cell: number, conducts, first: conducts, away, middle, water, drained, outside });
+                let Opening { away, held, water, .. } = *opening;
+                let first = conducts;
+                outlets.push(Outlet { cell: number, conducts, first, away, held, middle, water, drained, outside });
             }
         }
         water.soften(&sums);
@@ -248,11 +252,11 @@ impl<const D: usize> Faces<D> {
         flow: &FaceFlow,
         (gravity, acceleration): (&[f64; D], &[Vec<f64>; 2]),
     ) -> f64 {
-        let mut sum = 0.0;
+        let (mut sum, inertia) = (0.0, if outlet.held { 0.0 } else { flow.inertia });
         for d in 0..D {
             let corners = (0..1 << D).map(|a| acceleration[d][outlet.cell + self.frame.offset_of_corner(a)]);
             let mean = corners.sum::<f64>() / f64::from(1_u32 << D);
-            sum += flow.density * (gravity[d] - flow.inertia * mean) * outlet.away[d + 2 - D];
+            sum += flow.density * (gravity[d] - inertia * mean) * outlet.away[d + 2 - D];
         }
         sum
     }

@@ -1,8 +1,11 @@
 //! Cells that the outline of the soil cuts: how much of each face is soil, where the pressure of a cell stands, and the pieces of the
 //! outline that water may pass.
 //!
-//! The pressure of a cell is that at the centroid of its soil. Between two cells it drops along the axis, over the distance of
-//! their centroids; to a piece of the outline along the normal of that.
+//! The pressure of a cell is that in its middle, though that may lie outside: with what is open of each face the flow that goes with a
+//! linear pressure is then exact, whatever the outline cuts away, and that of other pressures of second order. To a piece of the
+//! outline that water may pass it drops along the normal of that. Where the middle is outside or all but at such a piece, the
+//! cell has the pressure there, and to its neighbours that drops over the distance to where the line between both middles passes
+//! the outline (Gibou et al., J. Comput. Phys. 176 (2002) 205, doi:10.1006/jcph.2001.6977).
 
 use serde::{Deserialize, Serialize};
 
@@ -14,10 +17,10 @@ use crate::seeding::{Beside, between, numbered_pieces, of_square, passes, pieces
 use crate::soils::Soils;
 use crate::water::DRAINED_SURFACE;
 
-/// A centroid is at least so far from a piece of the outline, in cells.
-const NEAREST: f64 = 0.05;
-/// Centroids of two cells are at least so far apart, in cells.
-const CLOSEST: f64 = 0.25;
+/// A middle nearer to the outline than this, in cells, has the pressure there.
+const NEAREST: f64 = 0.2;
+/// How far that is then away, in cells: in an explicit step, whose stability wants it, and else.
+const NEXT_TO: [f64; 2] = [0.05, 1e-3];
 
 /// A piece of the outline, and the cell behind it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -26,8 +29,10 @@ pub struct Opening {
     pub cell: u32,
     /// The piece, m.
     pub piece: Piece,
-    /// From the place of the cell's pressure to the piece, m.
+    /// From the middle of the cell to the piece, m.
     pub away: [f64; 2],
+    /// Whether the pressure of the cell is that at the piece.
+    pub held: bool,
     /// Its area over the distance along its normal, times the conductivity along that over that of the water; m for 1 m.
     pub conducts: f64,
     /// Which of the loads of the scene may put water before it, a bit each.
@@ -55,8 +60,10 @@ pub struct Cuts {
     seam: Option<f64>,
     /// Share of each face that is soil, for each axis.
     open: [Vec<f64>; 2],
-    /// Place of the pressure of each cell, in cell coordinates.
-    at: Vec<[f64; 2]>,
+    /// Where the outline passes the lines through the middle of each cell, from the middle, in cells; of one that has the pressure there.
+    passed: Vec<Option<[f64; 2]>>,
+    /// Which of these have it now, as water may pass the outline there.
+    open_to: Vec<bool>,
     /// Share of each cell that is soil.
     share: Vec<f64>,
     /// The outline, piece by piece.
@@ -102,7 +109,13 @@ impl Cuts {
     }
 
     /// Looks at the soil again: the outline goes with its particles.
-    pub fn follow<const D: usize>(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>, soils: &Soils) {
+    pub fn follow<const D: usize>(
+        &mut self,
+        grid: &Grid<D>,
+        solid: &Layer<SolidPoint<D>, D>,
+        soils: &Soils,
+        explicit: bool,
+    ) {
         if let Some(ends) = self.ends {
             let cells = || (0..grid.cell_count()).filter(|cell| !solid.range(*cell).is_empty());
             self.openings.clear();
@@ -113,7 +126,8 @@ impl Cuts {
                 let [_, y, _] = soils.kind_of(solid.ids[solid.range(cell).start]).conductivity;
                 let middle = [0.0, (cell as f64 + 0.5) * grid.size + away[1]];
                 let piece = Piece { middle, outward: [0.0, sign] };
-                self.openings.push(Opening { cell: cell as u32, piece, away, conducts: DRAINED_SURFACE * y, water });
+                let conducts = DRAINED_SURFACE * y;
+                self.openings.push(Opening { cell: cell as u32, piece, away, held: false, conducts, water });
             }
         }
         if !self.are_known() {
@@ -129,17 +143,16 @@ impl Cuts {
         };
         let polygon: Vec<[f64; 2]> = self.corners.iter().map(place).collect();
         let (size, cells) = (grid.size, [grid.cells[0], grid.cells[D - 1]]);
-        (self.share, self.at) = (vec![0.0; grid.cell_count()], vec![[0.5; 2]; grid.cell_count()]);
+        (self.share, self.passed) = (vec![0.0; grid.cell_count()], vec![None; grid.cell_count()]);
         for row in 0..cells[1] {
             let strip = between(&polygon, 1, row as f64 * size, (row + 1) as f64 * size);
             for column in (0..cells[0]).filter(|_| !strip.is_empty()) {
                 if let Some(part) = of_square(&strip, [column, row], size) {
-                    let cell = column + row * cells[0];
-                    self.share[cell] = part.area / (size * size);
-                    self.at[cell] = [0, 1].map(|d| part.centroid[d] / size - [column, row][d] as f64);
+                    self.share[column + row * cells[0]] = part.area / (size * size);
                 }
             }
         }
+        let (mut passed, mut outside) = (vec![[f64::INFINITY; 2]; grid.cell_count()], vec![false; grid.cell_count()]);
         for axis in 0..2 {
             self.open[axis] = vec![0.0; grid.face_count(axis.min(D - 1))];
             // Seen along the other axis the polygon is turned over.
@@ -159,8 +172,23 @@ impl Cuts {
                     self.open[axis][grid.face(axis.min(D - 1), &position)] = share / size;
                 }
             }
+            for line in 0..cells[axis] {
+                let heights: Vec<f64> = passes(&turned, (line as f64 + 0.5) * size).map(|y| y / size).collect();
+                for across in 0..cells[1 - axis] {
+                    let cell = if axis == 0 { line + across * cells[0] } else { across + line * cells[0] };
+                    let away = || heights.iter().map(|y| y - across as f64 - 0.5);
+                    let nearest = away().reduce(|a, b| if a.abs() <= b.abs() { a } else { b });
+                    passed[cell][1 - axis] = nearest.unwrap_or(f64::INFINITY);
+                    outside[cell] = away().filter(|y| *y > 0.0).count() % 2 == 0;
+                }
+            }
         }
-        self.find_openings(grid, solid, soils, &polygon);
+        for (cell, share) in self.share.iter().enumerate() {
+            let beside = outside[cell] || passed[cell].iter().any(|away| away.abs() < NEAREST);
+            let within = passed[cell].map(|away| if away.abs() < 1.0 { away } else { 0.0 });
+            self.passed[cell] = (*share > 0.0 && beside).then_some(within);
+        }
+        self.find_openings(grid, solid, soils, &polygon, explicit);
     }
 
     fn find_openings<const D: usize>(
@@ -169,11 +197,12 @@ impl Cuts {
         solid: &Layer<SolidPoint<D>, D>,
         soils: &Soils,
         polygon: &[[f64; 2]],
+        explicit: bool,
     ) {
         let (size, across) = (grid.size, grid.cells[0]);
         // Cells with particles have a pressure; a piece of the outline in another one is that of the nearest.
         let owners: Vec<usize> = (0..grid.cell_count()).filter(|cell| !solid.range(*cell).is_empty()).collect();
-        let place = |cell: usize| [0, 1].map(|d| (self.at[cell][d] + [cell % across, cell / across][d] as f64) * size);
+        let place = |cell: usize| [cell % across, cell / across].map(|i| (i as f64 + 0.5) * size);
         let beside = Beside::new(owners.iter().map(|cell| place(*cell)).collect(), size);
         self.openings.clear();
         let on_seam = |piece: &Piece| {
@@ -191,29 +220,34 @@ impl Cuts {
             let own = Some(own).filter(|own| owners.binary_search(own).is_ok());
             let Some(cell) = own.or_else(|| beside.find(&piece.middle).map(|i| owners[i])) else { continue };
             let away = [0, 1].map(|d| piece.middle[d] - place(cell)[d]);
-            let distance = (away[0] * normal[0] + away[1] * normal[1]).max(NEAREST * size);
+            let held = self.passed[cell].is_some();
+            let along = (away[0] * normal[0] + away[1] * normal[1]).max(0.5 * NEAREST * size);
+            let distance = if held { NEXT_TO[usize::from(!explicit)] * size } else { along };
             let first = solid.range(cell).start;
             let [x, y, xy] = soils.kind_of(solid.ids[first]).conductivity;
             let along = x * normal[0].powi(2) + y * normal[1].powi(2) + 2.0 * xy * normal[0] * normal[1];
             let conducts = along * length / distance;
-            self.openings.push(Opening { cell: cell as u32, piece, away, conducts, water });
+            self.openings.push(Opening { cell: cell as u32, piece, away, held, conducts, water });
         }
     }
 
-    /// Share of a face that is soil, and the edge of a cell over the distance of the pressures beside it; of a face of the mesh
-    /// between two cells.
-    pub fn face<const D: usize>(
-        &self,
-        grid: &Grid<D>,
-        axis: usize,
-        face: &[usize; D],
-        [low, high]: [usize; 2],
-    ) -> [f64; 2] {
-        if !self.are_known() {
-            return [1.0, 1.0];
+    /// Notes where water may pass the outline, with these sides drained.
+    pub fn open(&mut self, drained: &[bool; 4]) {
+        self.open_to.clear();
+        self.open_to.resize(self.share.len(), false);
+        for opening in &self.openings {
+            self.open_to[opening.cell as usize] |= opening.water != 0 || opening.looks_to(drained);
         }
-        let distance = 1.0 + self.at[high][axis] - self.at[low][axis];
-        [self.open[axis][grid.face(axis, face)], 1.0 / distance.max(CLOSEST)]
+    }
+
+    /// Share of a face that is soil, times the edge of a cell over the distance of the pressures beside it; of a face of the mesh
+    /// between two cells.
+    pub fn face<const D: usize>(&self, grid: &Grid<D>, axis: usize, face: &[usize; D], cells: [usize; 2]) -> f64 {
+        if !self.are_known() {
+            return 1.0;
+        }
+        let [low, high] = cells.map(|cell| self.passed[cell].filter(|_| self.open_to[cell]).map_or(0.0, |at| at[axis]));
+        self.open[axis][grid.face(axis, face)] / (1.0 + high - low).max(NEAREST)
     }
 
     /// What is left of the stiffness of the water in a cell so that an explicit step is as stable there as in a full one inside, by

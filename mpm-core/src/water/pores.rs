@@ -125,7 +125,7 @@ impl<const D: usize> Pores<D> {
             return;
         }
         self.halves = Halves::of(grid, solid, soils);
-        self.cuts.follow(grid, solid, soils);
+        self.cuts.follow(grid, solid, soils, self.explicit);
         // The mean of two numbers over the particles of each cell.
         let mean = |of: fn(&Kind) -> [f64; 2]| {
             let of_cell = |(cell, _)| {
@@ -187,9 +187,8 @@ impl<const D: usize> Pores<D> {
                 let low = if over_seam { Some(cell + grid.cells[0] - 1) } else { cell.checked_sub(stride) };
                 let low = low.filter(|low| (over_seam || position[axis] > 0) && wet(cell) && wet(*low));
                 if let Some(low) = low {
-                    let [open, near] = self.cuts.face(grid, axis, &position, [low, cell]);
-                    let ratio = open * self.halves.between(axis, low, cell);
-                    let conducts = [ratio * near, near];
+                    let open = self.cuts.face(grid, axis, &position, [low, cell]);
+                    let conducts = [open * self.halves.between(axis, low, cell), 1.0];
                     let [below, above] = [self.halves.at(low, axis, true), self.halves.at(cell, axis, false)];
                     let sides = [(low, open * below), (cell, open * above)];
                     give(axis, position, conducts, sides);
