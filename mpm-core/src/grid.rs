@@ -14,6 +14,8 @@ pub struct Grid<const D: usize> {
     pub inverse_size: f64,
     /// Distance of x = 0 from the axis that the section turns about, m; `None` in plane strain.
     pub axis: Option<f64>,
+    /// Whether an outline cuts its cells.
+    pub cut: bool,
 }
 
 impl<const D: usize> Grid<D> {
@@ -22,7 +24,7 @@ impl<const D: usize> Grid<D> {
 
     /// A mesh with its first corner at the origin.
     pub fn new(cells: [usize; D], size: f64) -> Self {
-        Self { cells, size, inverse_size: 1.0 / size, axis: None }
+        Self { cells, size, inverse_size: 1.0 / size, axis: None, cut: false }
     }
 
     /// Thickness at x (m): the distance from the axis, m; 1 m in plane strain, and a factor of 1 in a column.

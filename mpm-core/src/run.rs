@@ -217,7 +217,7 @@ impl<const D: usize> Seeded<D> {
         if D == 2 {
             cells[0] += scene.sideroom_cells;
         }
-        let grid = Grid { axis: scene.axis(), ..Grid::new(cells, scene.cell) };
+        let grid = Grid { axis: scene.axis(), cut: scene.outline.is_some(), ..Grid::new(cells, scene.cell) };
         let per_direction = scene.particles_per_direction();
         let particle_volume = face_area * scene.cell / (per_direction as f64).powi(D as i32);
         let ground = scene.ground();

@@ -68,8 +68,8 @@ impl<const D: usize> Tops<D> {
             let (strip, cell) = (self.places[top][0] as usize, self.places[top][1] as usize);
             let (mut x, mut volume) = self.carrier(strips, top);
             let at = strips[strip].first + cell;
-            let about_axis = frame.axis.is_some();
-            let fields = Fields { simd: Scalar, velocity, change, mapped, frame, at, about_axis };
+            let found = frame.finds_centroids(F::SPLIT);
+            let fields = Fields { simd: Scalar, velocity, change, mapped, frame, at, found };
             let lone = |number: f64| Lanes::splat(Scalar, number);
             let position = frame.position(at);
             let position = array!([lone(0.0); D], d => lone(position[d] as f64));

@@ -4,8 +4,8 @@
 //! The pressure of a cell is that in its middle, though that may lie outside: with what is open of each face the flow that goes with a
 //! linear pressure is then exact, whatever the outline cuts away, and that of other pressures of second order. To a piece of the
 //! outline that water may pass it drops along the normal of that. Where the middle is outside or all but at such a piece, the
-//! cell has the pressure there, and to its neighbours that drops over the distance to where the line between both middles passes
-//! the outline (Gibou et al., J. Comput. Phys. 176 (2002) 205, doi:10.1006/jcph.2001.6977).
+//! cell has the pressure just inside of it, and to its neighbours that drops over the distance to there along the line between both
+//! middles (Gibou et al., J. Comput. Phys. 176 (2002) 205, doi:10.1006/jcph.2001.6977).
 
 use serde::{Deserialize, Serialize};
 
@@ -19,8 +19,8 @@ use crate::water::DRAINED_SURFACE;
 
 /// A middle nearer to the outline than this, in cells, has the pressure there.
 const NEAREST: f64 = 0.2;
-/// How far that is then away, in cells: in an explicit step, whose stability wants it, and else.
-const NEXT_TO: [f64; 2] = [0.05, 1e-3];
+/// How far inside that is, in cells.
+const NEXT_TO: f64 = 0.05;
 
 /// A piece of the outline, and the cell behind it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -60,7 +60,7 @@ pub struct Cuts {
     seam: Option<f64>,
     /// Share of each face that is soil, for each axis.
     open: [Vec<f64>; 2],
-    /// Where the outline passes the lines through the middle of each cell, from the middle, in cells; of one that has the pressure there.
+    /// Where the outline passes the lines through the middle of each cell that has its pressure there, from the middle, in cells.
     passed: Vec<Option<[f64; 2]>>,
     /// Which of these have it now, as water may pass the outline there.
     open_to: Vec<bool>,
@@ -109,13 +109,7 @@ impl Cuts {
     }
 
     /// Looks at the soil again: the outline goes with its particles.
-    pub fn follow<const D: usize>(
-        &mut self,
-        grid: &Grid<D>,
-        solid: &Layer<SolidPoint<D>, D>,
-        soils: &Soils,
-        explicit: bool,
-    ) {
+    pub fn follow<const D: usize>(&mut self, grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>, soils: &Soils) {
         if let Some(ends) = self.ends {
             let cells = || (0..grid.cell_count()).filter(|cell| !solid.range(*cell).is_empty());
             self.openings.clear();
@@ -185,10 +179,12 @@ impl Cuts {
         }
         for (cell, share) in self.share.iter().enumerate() {
             let beside = outside[cell] || passed[cell].iter().any(|away| away.abs() < NEAREST);
-            let within = passed[cell].map(|away| if away.abs() < 1.0 { away } else { 0.0 });
+            let [x, y] = passed[cell].map(|away| away.abs().max(1e-9));
+            let inwards = if outside[cell] { NEXT_TO } else { -NEXT_TO } * (1.0 / x).hypot(1.0 / y);
+            let within = passed[cell].map(|away| if away.abs() < 1.0 { away * (1.0 + inwards) } else { 0.0 });
             self.passed[cell] = (*share > 0.0 && beside).then_some(within);
         }
-        self.find_openings(grid, solid, soils, &polygon, explicit);
+        self.find_openings(grid, solid, soils, &polygon);
     }
 
     fn find_openings<const D: usize>(
@@ -197,7 +193,6 @@ impl Cuts {
         solid: &Layer<SolidPoint<D>, D>,
         soils: &Soils,
         polygon: &[[f64; 2]],
-        explicit: bool,
     ) {
         let (size, across) = (grid.size, grid.cells[0]);
         // Cells with particles have a pressure; a piece of the outline in another one is that of the nearest.
@@ -222,7 +217,7 @@ impl Cuts {
             let away = [0, 1].map(|d| piece.middle[d] - place(cell)[d]);
             let held = self.passed[cell].is_some();
             let along = (away[0] * normal[0] + away[1] * normal[1]).max(0.5 * NEAREST * size);
-            let distance = if held { NEXT_TO[usize::from(!explicit)] * size } else { along };
+            let distance = if held { NEXT_TO * size } else { along };
             let first = solid.range(cell).start;
             let [x, y, xy] = soils.kind_of(solid.ids[first]).conductivity;
             let along = x * normal[0].powi(2) + y * normal[1].powi(2) + 2.0 * xy * normal[0] * normal[1];

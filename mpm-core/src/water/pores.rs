@@ -125,7 +125,7 @@ impl<const D: usize> Pores<D> {
             return;
         }
         self.halves = Halves::of(grid, solid, soils);
-        self.cuts.follow(grid, solid, soils, self.explicit);
+        self.cuts.follow(grid, solid, soils);
         // The mean of two numbers over the particles of each cell.
         let mean = |of: fn(&Kind) -> [f64; 2]| {
             let of_cell = |(cell, _)| {

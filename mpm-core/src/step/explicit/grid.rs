@@ -151,6 +151,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             softness: None,
             biot: None,
             axis: None,
+            found: false,
             soil,
             moves: false,
             elastic: None,

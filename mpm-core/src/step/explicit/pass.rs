@@ -48,6 +48,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             outflow: (!faces.outflow.is_empty()).then_some(&faces.outflow),
             softness: (!faces.softness.is_empty()).then_some(&faces.softness),
             axis: frame.axis.map(|axis| axis * frame.inverse_size),
+            found: frame.finds_centroids(F::SPLIT),
             soil,
             moves,
             elastic: body.materials.elastic(),

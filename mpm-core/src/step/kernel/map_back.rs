@@ -46,8 +46,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> WithSimd for MapBack<'_, V, F, D>
             let edges = functions.edges(&position, &frame.cells);
             let at = strip.first + group * V::F64_LANES;
             let Motion { velocity, change, .. } = moving;
-            let about_axis = frame.axis.is_some();
-            let fields = Fields { simd, velocity, change, mapped: None, frame, at, about_axis };
+            let found = frame.finds_centroids(F::SPLIT);
+            let fields = Fields { simd, velocity, change, mapped: None, frame, at, found };
             let at = array!([none; D], d => Lanes { simd, value: cell.at[d] });
             functions.find_motion(&mut motion, &fields, &edges, &at);
             functions.clear(simd, &mut gathered, false);
@@ -62,7 +62,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> WithSimd for MapBack<'_, V, F, D>
                 }
                 let point =
                     Contribution { xi, mass: point.mass, volume: none, v, stress: [none; 4], affine, from_axis: None };
-                functions.add(&mut gathered, &edges, &point, (false, frame.inverse_size));
+                functions.add(&mut gathered, &edges, &point, (false, false, frame.inverse_size));
             }
             let closing = Closing::of(none);
             let given = functions.finish(&mut gathered, &edges, &closing, frame.inverse_size, &mut room);

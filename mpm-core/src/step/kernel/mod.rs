@@ -57,8 +57,8 @@ pub struct Fields<'a, V: Simd, const D: usize> {
     pub frame: &'a Frame<D>,
     /// Number of the first cell.
     pub at: usize,
-    /// Whether they are a section about an axis.
-    pub about_axis: bool,
+    /// Whether their centroids are found ([`Frame::finds_centroids`]).
+    pub found: bool,
 }
 
 impl<V: Simd, const D: usize> Fields<'_, V, D> {
@@ -300,13 +300,13 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
     fn nothing<V: Simd>(&self, simd: V) -> Self::Sums<V>;
     /// Forgets what was gathered; `coupled` as in [`Functions::add`].
     fn clear<V: Simd>(&self, simd: V, sums: &mut Self::Sums<V>, coupled: bool);
-    /// Adds a particle; `coupled` if the force of a unit pressure is to be known, 1/L in 1/m.
+    /// Adds a particle; `coupled` if the force of a unit pressure is to be known, `found` if centroids are, 1/L in 1/m.
     fn add<V: Simd>(
         &self,
         sums: &mut Self::Sums<V>,
         edges: &Self::Edges<V>,
         point: &Contribution<V, D>,
-        how: (bool, f64),
+        how: (bool, bool, f64),
     );
     /// Adds mass (kg), volume (m3) and pressure (Pa) of a water particle.
     fn add_water<V: Simd>(
@@ -412,6 +412,8 @@ pub struct Common<'a, F, const D: usize> {
     pub softness: Option<&'a [f64]>,
     /// Distance of x = 0 from the axis of an axisymmetric section, in cells.
     pub axis: Option<f64>,
+    /// As [`Frame::finds_centroids`].
+    pub found: bool,
     /// Volume of soil in the cells at the end of the pass, m3, where it is known; else zero.
     pub soil: &'a [f64],
     /// Whether the mesh moves the particles; else they are only gathered.
@@ -460,7 +462,7 @@ impl<F: Copy, const D: usize> Common<'_, F, D> {
             || self.outflow.is_some()
             || self.softness.is_some()
             || self.biot.is_some()
-            || self.axis.is_some()
+            || self.found
             || affine.is_some()
             || state.is_some()
             || strain.is_some()
@@ -481,6 +483,7 @@ impl<F: Copy, const D: usize> Common<'_, F, D> {
             softness: None,
             biot: None,
             axis: None,
+            found: false,
             ..*self
         })
     }
@@ -657,8 +660,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         self.ask_for_cells(group, at);
         if self.common.moves {
             let Motion { velocity, change, .. } = motion;
-            let about_axis = self.common.axis.is_some();
-            let fields = Fields { simd: self.simd, velocity, change, mapped, frame, at, about_axis };
+            let found = self.common.found;
+            let fields = Fields { simd: self.simd, velocity, change, mapped, frame, at, found };
             functions.find_motion(moving, &fields, &edges, &array!([none; D], d => self.of(cell.at[d])));
             let motion = &*moving;
             let mut relative = if wet { self.darcy_flow(at, &cell, running, group) } else { [[none; D]; 4] };
@@ -861,7 +864,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         edges: &F::Edges<V>,
         (sums, soil, from_axis): (&mut F::Sums<V>, &mut [Lanes<V>; 2], FromAxis<V>),
     ) {
-        let Common { functions, frame, kept, coupled, .. } = *self.common;
+        let Common { functions, frame, kept, coupled, found, .. } = *self.common;
         let SolidLanes { mass, volume, v, mut stress, .. } = *point;
         soil[0] += mass;
         soil[1] += volume;
@@ -882,7 +885,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             affine = Some(Affine(gradient));
         }
         let point = Contribution { xi, mass, volume, v, stress, affine, from_axis };
-        functions.add(sums, edges, &point, (coupled, frame.inverse_size));
+        functions.add(sums, edges, &point, (coupled, found, frame.inverse_size));
     }
 
     /// The cells' volumes are known: notes them for the next step, and gives the sums at their functions.
@@ -909,7 +912,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         closing.from_axis = self.axis_of(self.of(self.strip.cells[group].position[0]));
         let cell = &mut self.strip.cells[group];
         (cell.volume, cell.mass) = (volume.value, mass.value);
-        if let Some(centroid) = functions.centroid(sums, full, self.common.axis.is_some()) {
+        if let Some(centroid) = functions.centroid(sums, full, self.common.found) {
             for d in 0..D {
                 cell.at[d] = centroid[d].value;
             }

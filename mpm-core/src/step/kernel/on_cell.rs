@@ -43,7 +43,7 @@ pub struct CellSums<V: Simd, const D: usize> {
     hoop: [Lanes<V>; 4],
     hoop_of_water: [Lanes<V>; 4],
     hoop_of_one: [Lanes<V>; 4],
-    /// Mean stress times volumes there, which acts at the radius of the centroid.
+    /// Mean stress times volumes, where it acts at the centroid.
     spherical: Lanes<V>,
 }
 
@@ -161,7 +161,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
             Some(mapped) => in_cell(fields, mapped),
             None => velocity,
         };
-        let is_found = <Self as Functions<D>>::AT_CENTROID || fields.about_axis;
+        let is_found = <Self as Functions<D>>::AT_CENTROID || fields.found;
         let at = if is_found { *centroid } else { centre(velocity[0]) };
         *motion = CellMotion { strains, velocity, change: in_cell(fields, fields.change), at };
     }
@@ -271,7 +271,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
         sums: &mut CellSums<V, D>,
         (): &(),
         point: &Contribution<V, D>,
-        (coupled, inverse_size): (bool, f64),
+        (coupled, found, inverse_size): (bool, bool, f64),
     ) {
         let Contribution { xi, mass, volume, v, stress, affine, from_axis } = point;
         let share = shares(*mass, xi);
@@ -296,7 +296,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
                 }
             }
         }
-        let is_asked = <Self as Functions<D>>::AT_CENTROID || from_axis.is_some();
+        let is_asked = <Self as Functions<D>>::AT_CENTROID || found;
         if is_asked || (coupled && <Self as Functions<D>>::PRESSURE_AT_PARTICLES) {
             for d in 0..D {
                 sums.moment[d] += *volume * xi[d];
@@ -310,13 +310,15 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
                 let at_centre = *volume * mean / (r - xi[0] + centre[0]) * inverse_size;
                 add_shares(&mut sums.hoop, own * (stress[2] - mean), xi);
                 add_shares(&mut sums.hoop, at_centre, &centre);
-                sums.spherical += *volume * mean;
             } else {
                 add_shares(&mut sums.hoop, own * stress[2], xi);
                 if coupled {
                     add_shares(&mut sums.hoop_of_one, own, xi);
                 }
             }
+        }
+        if <Self as Functions<D>>::SPLIT && found {
+            sums.spherical += *volume * mean;
         }
         for s in 0..4 {
             let weighted = *volume * stress[s];
@@ -365,8 +367,8 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
     }
 
     #[inline(always)]
-    fn centroid<V: Simd>(&self, sums: &CellSums<V, D>, full: Lanes<V>, about_axis: bool) -> Option<[Lanes<V>; D]> {
-        let of = |d: usize| <Self as Functions<D>>::AT_CENTROID || (about_axis && d == 0);
+    fn centroid<V: Simd>(&self, sums: &CellSums<V, D>, full: Lanes<V>, found: bool) -> Option<[Lanes<V>; D]> {
+        let of = |d| <Self as Functions<D>>::AT_CENTROID || (found && (d == 0 || <Self as Functions<D>>::SPLIT));
         of(0).then(|| array!([full; D], d => if of(d) { sums.moment[d] / full } else { full.like(0.5) }))
     }
 
@@ -391,10 +393,12 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
                 }
             }
         } else {
-            if <Self as Functions<D>>::SPLIT && cell.from_axis.is_some() {
-                (0..3).for_each(|s| sums.first[0][s] += sums.spherical * (cell.at[0] - none.like(0.5)));
-            }
             for d in 0..D {
+                if <Self as Functions<D>>::SPLIT {
+                    // None where centroids are not found.
+                    let off = sums.spherical * (cell.at[d] - none.like(0.5));
+                    (0..3).for_each(|s| sums.first[d][s] += off);
+                }
                 for s in 0..4 {
                     sums.first[d][s] = sums.first[d][s] * cell.share;
                 }

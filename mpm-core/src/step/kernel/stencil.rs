@@ -418,7 +418,7 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         sums: &mut StencilSums<V, D>,
         edges: &[B::Edge<V>; D],
         point: &Contribution<V, D>,
-        (coupled, inverse_size): (bool, f64),
+        (coupled, _, inverse_size): (bool, bool, f64),
     ) {
         let Contribution { xi, mass, volume, v, stress, affine, from_axis } = point;
         // A velocity that differs from node to node cannot be folded once it is gathered.

@@ -33,6 +33,7 @@ pub struct Frame<const D: usize> {
     pub inverse_size: f64,
     /// As [`Grid::axis`].
     pub axis: Option<f64>,
+    cut: bool,
 }
 
 impl<const D: usize> Frame<D> {
@@ -58,7 +59,14 @@ impl<const D: usize> Frame<D> {
             strips,
             inverse_size: grid.inverse_size,
             axis: grid.axis,
+            cut: grid.cut,
         }
+    }
+
+    /// Whether the centroids of the soil in the cells are to be found: about an axis, and where an outline cuts cells whose change of
+    /// volume is theirs alone (`split`), so that the force of a uniform stress is exact.
+    pub fn finds_centroids(&self, split: bool) -> bool {
+        self.axis.is_some() || (split && self.cut)
     }
 
     /// Numbers in use, those of empty cells included.

@@ -14,7 +14,7 @@ const CUT: Case = Case {
     mesh: two_cells_wide,
     measure: cut_column,
     cells: &[5.37, 10.37, 20.37, 40.37],
-    required: 2e-3,
+    required: 1e-3,
     // Steps at their limit: the error in time shows on fine meshes.
     order: None,
 };
@@ -43,7 +43,7 @@ pub const CASES: [Rung; 6] = [
         "the same explicit: order 2",
         FASTER,
         faster,
-        Case { change: explicit, cells: &[5.37, 7.37, 10.37, 14.37], required: 3e-3, order: SECOND, ..CUT }
+        Case { change: explicit, cells: &[5.37, 7.37, 10.37, 14.37], required: 1e-3, order: SECOND, ..CUT }
     ),
     case!(
         "three-layers",
@@ -119,10 +119,12 @@ fn cut_column(scene: &Scene) -> Measured {
         return Err(Unfit("a load that grows"));
     };
     let plain = scene.edited(|scene| {
-        (scene.outline, scene.loads) = (None, Vec::new());
+        scene.outline = None;
         scene.cell = scene.height / 10.0;
         (scene.width, scene.cells) = (scene.cell, [1, 10]);
-        scene.surcharge = Some(Surcharge { pressure: 1e4, ramp_time: ramp, on: LoadOn::Surface, strip: None });
+        let pressure = scene.load_on_top();
+        scene.loads.clear();
+        scene.surcharge = Some(Surcharge { pressure, ramp_time: ramp, on: LoadOn::Surface, strip: None });
     })?;
     let exact = Terzaghi::compressible(&plain).ok_or(Lacks("plain column"))?;
     Ok(Box::new(move |run| largest(run.observed().map(|s| s.state.settlement / exact.settlement(s.stage_time) - 1.0))))
