@@ -246,6 +246,8 @@ pub const LADDER: &[Rung] = &[
     ground::CASES[18],
     ground::CASES[19],
     ground::CASES[20],
+    ground::CASES[21],
+    ground::CASES[22],
     wells::CASES[0],
     wells::CASES[1],
     wells::CASES[2],

@@ -27,6 +27,7 @@ pub mod root;
 pub mod seabed;
 pub mod self_weight;
 pub mod semidiscrete;
+pub mod settlement;
 pub mod simplex;
 pub mod slab;
 pub mod sliding;

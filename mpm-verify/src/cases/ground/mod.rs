@@ -11,13 +11,13 @@ use super::Rung;
 use super::setup::{Case, Measured, case, refined};
 
 /// All of them.
-pub const CASES: [Rung; 21] = {
+pub const CASES: [Rung; 23] = {
     let [a, b, c, d, e, f] = flow::CASES;
     let [g, h, i, j, k, l] = consolidation::CASES;
     let [m, n, o, p, q] = free::CASES;
-    let [r, s] = strip::CASES;
+    let [r, s, v, w] = strip::CASES;
     let [t, u] = slopes::CASES;
-    [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u]
+    [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, v, w, t, u]
 };
 
 #[cfg(test)]
