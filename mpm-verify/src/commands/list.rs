@@ -29,12 +29,12 @@ pub fn capabilities(common: &Common) -> Result<(), Failure> {
             serde_json::json!({ "what": rule.of.name(), "not_beside": beside, "expected": rule.expected })
         };
         print_json(&serde_json::json!({
-            "features": FEATURES.map(|(feature, ..)| feature.name()).to_vec(),
+            "features": FEATURES.iter().map(|(feature, ..)| feature.name()).collect::<Vec<_>>(),
             "rules": RULES.iter().map(rule).collect::<Vec<_>>(),
         }));
         return Ok(());
     }
-    let names = FEATURES.map(|(feature, ..)| feature);
+    let names: Vec<_> = FEATURES.iter().map(|(feature, ..)| *feature).collect();
     let pairs = || names.iter().enumerate().flat_map(|(i, a)| names[..i].iter().map(move |b| (*a, *b)));
     let refused = pairs().filter(|(a, b)| conflict(*a, *b).is_some()).count();
     say(

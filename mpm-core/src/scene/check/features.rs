@@ -17,7 +17,7 @@ fn is(word: Option<&Spanned<String>>, wanted: &str) -> bool {
 impl Reader<'_> {
     /// Holds a scene against the table of what goes together.
     pub(super) fn goes_together(&self, raw: &RawScene) -> Checked<()> {
-        let has: Vec<Feature> = FEATURES.into_iter().map(|(feature, ..)| feature).filter(|f| has(raw, *f)).collect();
+        let has: Vec<Feature> = FEATURES.iter().map(|(feature, ..)| *feature).filter(|f| has(raw, *f)).collect();
         for rule in RULES.iter().filter(|rule| has.contains(&rule.of)) {
             if let Some(other) = rule.beside.iter().find(|other| has.contains(other)) {
                 let said = [rule.of, *other].into_iter().find_map(|feature| Some((feature, place(raw, feature)?)));
