@@ -230,7 +230,7 @@ impl Cuts {
     pub fn open(&mut self, drained: &[bool; 4]) {
         self.open_to.clear();
         self.open_to.resize(self.share.len(), false);
-        for opening in &self.openings {
+        for opening in self.openings.iter().filter(|_| !self.share.is_empty()) {
             self.open_to[opening.cell as usize] |= opening.water != 0 || opening.looks_to(drained);
         }
     }
