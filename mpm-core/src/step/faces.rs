@@ -35,7 +35,7 @@ pub struct Outlet {
     /// How it conducts, as [`Faces::conducts`], now and at first.
     pub conducts: f64,
     first: f64,
-    /// From the middle of the cell to the piece, m.
+    /// From where the water of the cell weighs to the piece, m.
     away: [f64; 2],
     /// Whether that is at the piece.
     held: bool,
@@ -48,8 +48,8 @@ pub struct Outlet {
     pub outside: Option<f64>,
 }
 
-/// A face whose conductivity goes with the pores beside it: its axis, it, the cells with the first conductivity of the half there over
-/// that of the water, the edge of a cell over the distance of the pressures.
+/// A face whose conductivity goes with the pores beside it: its axis, it, the cells with how the half there conducts at first, the edge
+/// of a cell over the distance along which water weighs.
 type Varied = (usize, usize, [(usize, f64); 2], f64);
 
 /// A cell that a well takes water from.
@@ -219,10 +219,10 @@ impl<const D: usize> Faces<D> {
         let Self { frame, conducts, ratio, drained, outlets, by_porosity, varied, .. } = self;
         let share =
             |cell: usize| at_porosity(by_porosity[cell], strips[cell / frame.strip].pores(cell % frame.strip)[0]);
-        for (axis, face, sides, near) in &*varied {
+        for (axis, face, sides, reach) in &*varied {
             let [a, b] = sides.map(|(cell, half)| half * share(cell));
             let mean = if a == b { a } else { 2.0 * a * b / (a + b) };
-            (ratio[*axis][*face], conducts[*axis][*face]) = (mean, mean * near);
+            (ratio[*axis][*face], conducts[*axis][*face]) = (mean / reach, mean);
         }
         drained.iter_mut().for_each(|face| face.conducts = conducts[face.axis][face.face]);
         outlets.iter_mut().for_each(|outlet| outlet.conducts = outlet.first * share(outlet.cell));

@@ -29,7 +29,7 @@ pub struct Opening {
     pub cell: u32,
     /// The piece, m.
     pub piece: Piece,
-    /// From the middle of the cell to the piece, m.
+    /// From where the water of the cell weighs to the piece, m.
     pub away: [f64; 2],
     /// Whether the pressure of the cell is that at the piece.
     pub held: bool,
@@ -64,8 +64,9 @@ pub struct Cuts {
     passed: Vec<Option<[f64; 2]>>,
     /// Which of these have it now, as water may pass the outline there.
     open_to: Vec<bool>,
-    /// Share of each cell that is soil.
+    /// Share of each cell that is soil, and its centroid in cell coordinates, where the water weighs.
     share: Vec<f64>,
+    at: Vec<[f64; 2]>,
     /// The outline, piece by piece.
     pub openings: Vec<Opening>,
 }
@@ -137,12 +138,15 @@ impl Cuts {
         };
         let polygon: Vec<[f64; 2]> = self.corners.iter().map(place).collect();
         let (size, cells) = (grid.size, [grid.cells[0], grid.cells[D - 1]]);
-        (self.share, self.passed) = (vec![0.0; grid.cell_count()], vec![None; grid.cell_count()]);
+        (self.share, self.at) = (vec![0.0; grid.cell_count()], vec![[0.5; 2]; grid.cell_count()]);
+        self.passed = vec![None; grid.cell_count()];
         for row in 0..cells[1] {
             let strip = between(&polygon, 1, row as f64 * size, (row + 1) as f64 * size);
             for column in (0..cells[0]).filter(|_| !strip.is_empty()) {
                 if let Some(part) = of_square(&strip, [column, row], size) {
-                    self.share[column + row * cells[0]] = part.area / (size * size);
+                    let cell = column + row * cells[0];
+                    self.share[cell] = part.area / (size * size);
+                    self.at[cell] = [0, 1].map(|d| part.centroid[d] / size - [column, row][d] as f64);
                 }
             }
         }
@@ -197,8 +201,9 @@ impl Cuts {
         let (size, across) = (grid.size, grid.cells[0]);
         // Cells with particles have a pressure; a piece of the outline in another one is that of the nearest.
         let owners: Vec<usize> = (0..grid.cell_count()).filter(|cell| !solid.range(*cell).is_empty()).collect();
-        let place = |cell: usize| [cell % across, cell / across].map(|i| (i as f64 + 0.5) * size);
-        let beside = Beside::new(owners.iter().map(|cell| place(*cell)).collect(), size);
+        let place =
+            |cell: usize, at: [f64; 2]| [0, 1].map(|d| ([cell % across, cell / across][d] as f64 + at[d]) * size);
+        let beside = Beside::new(owners.iter().map(|cell| place(*cell, [0.5; 2])).collect(), size);
         self.openings.clear();
         let on_seam = |piece: &Piece| {
             let ends = self.seam.map(|width| [0.0, width]);
@@ -214,9 +219,10 @@ impl Cuts {
             let own = own[0] + own[1] * across;
             let own = Some(own).filter(|own| owners.binary_search(own).is_ok());
             let Some(cell) = own.or_else(|| beside.find(&piece.middle).map(|i| owners[i])) else { continue };
-            let away = [0, 1].map(|d| piece.middle[d] - place(cell)[d]);
+            let from = |at| [0, 1].map(|d| piece.middle[d] - place(cell, at)[d]);
+            let (away, middle) = (from(self.at[cell]), from([0.5; 2]));
             let held = self.passed[cell].is_some();
-            let along = (away[0] * normal[0] + away[1] * normal[1]).max(0.5 * NEAREST * size);
+            let along = (middle[0] * normal[0] + middle[1] * normal[1]).max(0.5 * NEAREST * size);
             let distance = if held { NEXT_TO * size } else { along };
             let first = solid.range(cell).start;
             let [x, y, xy] = soils.kind_of(solid.ids[first]).conductivity;
@@ -235,14 +241,15 @@ impl Cuts {
         }
     }
 
-    /// Share of a face that is soil, times the edge of a cell over the distance of the pressures beside it; of a face of the mesh
-    /// between two cells.
-    pub fn face<const D: usize>(&self, grid: &Grid<D>, axis: usize, face: &[usize; D], cells: [usize; 2]) -> f64 {
+    /// Share of a face that is soil, times the edge of a cell over the distance of the pressures beside it, and that edge over how
+    /// far apart the water on both sides weighs; of a face of the mesh between two cells.
+    pub fn face<const D: usize>(&self, grid: &Grid<D>, axis: usize, face: &[usize; D], cells: [usize; 2]) -> [f64; 2] {
         if !self.are_known() {
-            return 1.0;
+            return [1.0, 1.0];
         }
+        let apart = 1.0 + self.at[cells[1]][axis] - self.at[cells[0]][axis];
         let [low, high] = cells.map(|cell| self.passed[cell].filter(|_| self.open_to[cell]).map_or(0.0, |at| at[axis]));
-        self.open[axis][grid.face(axis, face)] / (1.0 + high - low).max(NEAREST)
+        [self.open[axis][grid.face(axis, face)] / (1.0 + high - low).max(NEAREST), 1.0 / apart]
     }
 
     /// What is left of the stiffness of the water in a cell so that an explicit step is as stable there as in a full one inside, by

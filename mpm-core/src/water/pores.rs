@@ -170,9 +170,9 @@ impl<const D: usize> Pores<D> {
         self.halves.differ() || several || self.cuts.are_known()
     }
 
-    /// How every face conducts over the water's own conductivity, and the edge of a cell over the distance of the pressures on
-    /// both sides: axis, place of the cell above it, both, and the cells with the conductivities of their halves. Between two cells of different conductivity the flux is that through two half cells in
-    /// series: k is the harmonic mean 2 k_1 k_2/(k_1 + k_2).
+    /// How every face conducts over the water's own conductivity, and the edge of a cell over the distance along which water weighs:
+    /// axis, place of the cell above it, both, and the cells with how their halves conduct. Between two cells of different
+    /// conductivity the flux is that through two half cells in series: k is the harmonic mean 2 k_1 k_2/(k_1 + k_2).
     pub fn faces<S: Point<D>>(
         &self,
         grid: &Grid<D>,
@@ -187,8 +187,8 @@ impl<const D: usize> Pores<D> {
                 let low = if over_seam { Some(cell + grid.cells[0] - 1) } else { cell.checked_sub(stride) };
                 let low = low.filter(|low| (over_seam || position[axis] > 0) && wet(cell) && wet(*low));
                 if let Some(low) = low {
-                    let open = self.cuts.face(grid, axis, &position, [low, cell]);
-                    let conducts = [open * self.halves.between(axis, low, cell), 1.0];
+                    let [open, reach] = self.cuts.face(grid, axis, &position, [low, cell]);
+                    let conducts = [open * self.halves.between(axis, low, cell), reach];
                     let [below, above] = [self.halves.at(low, axis, true), self.halves.at(cell, axis, false)];
                     let sides = [(low, open * below), (cell, open * above)];
                     give(axis, position, conducts, sides);
@@ -207,8 +207,8 @@ impl<const D: usize> Pores<D> {
             let (axis, mut position) = (face.axis as usize, grid.cell_position(face.cell as usize));
             let ratio = self.halves.at(face.cell as usize, axis, face.upper);
             position[axis] += usize::from(face.upper);
-            let side = (face.cell as usize, ratio);
-            give(axis, position, [DRAINED_SURFACE * ratio, DRAINED_SURFACE], [side; 2]);
+            let side = (face.cell as usize, DRAINED_SURFACE * ratio);
+            give(axis, position, [side.1, DRAINED_SURFACE], [side; 2]);
         }
     }
 
