@@ -248,6 +248,7 @@ pub const LADDER: &[Rung] = &[
     ground::CASES[20],
     ground::CASES[21],
     ground::CASES[22],
+    ground::CASES[23],
     wells::CASES[0],
     wells::CASES[1],
     wells::CASES[2],

@@ -435,6 +435,20 @@ pub const MUTANTS: &[Mutant] = &[
         "0.99 * properties.density * grid.size",
     ),
     fault(
+        "cut-middle",
+        "a cell whose middle is outside has its pressure there",
+        "mpm-core/src/water/cuts.rs",
+        "away * (1.0 + inwards)",
+        "0.0 * away",
+    ),
+    fault(
+        "cut-centroid",
+        "B-bar takes cells that an outline cuts for whole ones",
+        "mpm-core/src/step/store/frame.rs",
+        "self.axis.is_some() || (split && self.cut)",
+        "self.axis.is_some()",
+    ),
+    fault(
         "arithmetic-mean",
         "two layers conduct as the arithmetic mean of both",
         "mpm-core/src/water/halves.rs",

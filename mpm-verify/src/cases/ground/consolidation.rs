@@ -1,6 +1,8 @@
-//! Consolidation of columns that end within a cell, and of layers that differ in everything.
+//! Consolidation of columns that end within a cell, and of layers that differ in everything; a disc that does not drain.
 
-use mpm_core::scene::{Course, Fields, Integrator, LoadOn, Scene, ShapeChoice, StrainChoice, Surcharge};
+use mpm_core::scene::{
+    Bearing, Course, Dimension, Fields, Integrator, LoadOn, Scene, ShapeChoice, StrainChoice, Surcharge, Until,
+};
 
 use super::super::{Error, FASTER, Lacks, Unfit, faster, sound};
 use super::*;
@@ -28,6 +30,16 @@ const LAYERS: Case = Case {
     order: None,
 };
 
+const DISC: Case = Case {
+    scene: "cryer",
+    change: sealed_disc,
+    mesh: refined,
+    measure: undrained,
+    cells: &[8.0, 12.0, 16.0, 24.0],
+    required: 1e-4,
+    order: None,
+};
+
 /// Where second order is looked for, and what it may be.
 const MESHES: &[f64] = &[10.0, 20.0, 30.0, 40.0, 50.0];
 const SECOND: Option<[f64; 2]> = Some([1.7, 2.3]);
@@ -36,7 +48,7 @@ const SECOND: Option<[f64; 2]> = Some([1.7, 2.3]);
 const FASTER_LAYER: &str = "conductivity of the middle layer 5 % too high";
 
 /// All of them.
-pub const CASES: [Rung; 6] = [
+pub const CASES: [Rung; 7] = [
     case!("cut-column", "Terzaghi's column with a top 0.37 cells above a row, semi-implicit", FASTER, faster, CUT),
     case!(
         "cut-column-explicit",
@@ -74,6 +86,13 @@ pub const CASES: [Rung; 6] = [
         // Waves of the start, which the series does not know, leave 3e-4.
         Case { change: by_explicit, required: 2e-3, cells: MESHES, ..LAYERS }
     ),
+    case!(
+        "sealed-disc",
+        "a disc in cells that its outline cuts, pressed from all around: one undrained pressure, semi-implicit",
+        "load 2 % too large",
+        heavier,
+        DISC
+    ),
 ];
 
 /// So many cells over the height, two across.
@@ -99,7 +118,7 @@ fn by_explicit(scene: &mut Fields) {
     centre(scene);
     (scene.integrator, scene.strain, scene.darcy_inertia) = (Integrator::Explicit, StrainChoice::Large, true);
     (scene.tolerance, scene.observe_times) = (1e-4, vec![0.5, 1.0, 2.0]);
-    scene.stages[0].until = mpm_core::scene::Until::Time(2.0);
+    scene.stages[0].until = Until::Time(2.0);
     // Small strain beside the exact solution.
     scene.surcharge = scene.surcharge.map(|load| Surcharge { pressure: 0.01 * load.pressure, ..load });
 }
@@ -128,6 +147,33 @@ fn cut_column(scene: &Scene) -> Measured {
     })?;
     let exact = Terzaghi::compressible(&plain).ok_or(Lacks("plain column"))?;
     Ok(Box::new(move |run| largest(run.observed().map(|s| s.state.settlement / exact.settlement(s.stage_time) - 1.0))))
+}
+
+fn sealed_disc(scene: &mut Fields) {
+    scene.dimension = Dimension::PlaneStrain;
+    scene.observe_times = vec![0.2];
+    for stage in &mut scene.stages {
+        (stage.drained, stage.until) = ([false; 4], Until::Time(0.2));
+    }
+}
+
+fn heavier(scene: &mut Fields) {
+    for load in &mut scene.loads {
+        if let Bearing::Traction { pressure, .. } = &mut load.bearing {
+            *pressure *= 1.02;
+        }
+    }
+}
+
+/// Pore pressure in whole cells over the undrained one of plane strain, `q Q/(lambda + G + Q)`.
+fn undrained(scene: &Scene) -> Measured {
+    let stiffness = scene.pore_stiffness();
+    let share = stiffness / (scene.elastic.lame() + scene.elastic.shear_modulus() + stiffness);
+    let exact = share * scene.largest_load();
+    Ok(Box::new(move |run| {
+        let end = run.samples.last().into_iter().flat_map(|end| &end.state.field).filter(|at| at.soil > 0.99);
+        largest(end.map(|at| at.pressure_pa / exact - 1.0))
+    }))
 }
 
 /// Settlement over the exact one of the layers.

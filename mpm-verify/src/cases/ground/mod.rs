@@ -11,13 +11,13 @@ use super::Rung;
 use super::setup::{Case, Measured, case, refined};
 
 /// All of them.
-pub const CASES: [Rung; 23] = {
+pub const CASES: [Rung; 24] = {
     let [a, b, c, d, e, f] = flow::CASES;
-    let [g, h, i, j, k, l] = consolidation::CASES;
+    let [g, h, i, j, k, l, x] = consolidation::CASES;
     let [m, n, o, p, q] = free::CASES;
     let [r, s, v, w] = strip::CASES;
     let [t, u] = slopes::CASES;
-    [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, v, w, t, u]
+    [a, b, c, d, e, f, g, h, i, j, k, l, x, m, n, o, p, q, r, s, v, w, t, u]
 };
 
 #[cfg(test)]
