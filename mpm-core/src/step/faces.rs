@@ -37,7 +37,7 @@ pub struct Outlet {
     first: f64,
     /// From where the water of the cell weighs to the piece, m.
     away: [f64; 2],
-    /// Whether that is at the piece.
+    /// Whether the pressure of the cell is that at the piece.
     held: bool,
     /// Middle of the piece, m.
     middle: [f64; 2],
