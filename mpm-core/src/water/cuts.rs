@@ -145,7 +145,9 @@ impl Cuts {
             for column in (0..cells[0]).filter(|_| !strip.is_empty()) {
                 if let Some(part) = of_square(&strip, [column, row], size) {
                     let cell = column + row * cells[0];
-                    self.share[cell] = part.area / (size * size);
+                    // Slivers may have been given to the particles of a neighbour.
+                    let volume: f64 = solid.points[solid.range(cell)].iter().map(|point| point.volume).sum();
+                    self.share[cell] = part.area.min(volume / grid.thickness(part.centroid[0])) / (size * size);
                     self.at[cell] = [0, 1].map(|d| part.centroid[d] / size - [column, row][d] as f64);
                 }
             }
