@@ -200,8 +200,7 @@ impl<const D: usize> Faces<D> {
             if drained || opening.water != 0 {
                 let (number, middle) = (frame.number(&grid.cell_position(cell)), opening.piece.middle);
                 let outside = drained.then_some(0.0);
-                let Opening { away, held, water, .. } = *opening;
-                let first = conducts;
+                let (first, Opening { away, held, water, .. }) = (conducts, *opening);
                 outlets.push(Outlet { cell: number, conducts, first, away, held, middle, water, drained, outside });
             }
         }

@@ -64,7 +64,7 @@ pub struct Cuts {
     passed: Vec<Option<[f64; 2]>>,
     /// Which of these have it now, as water may pass the outline there.
     open_to: Vec<bool>,
-    /// Share of each cell that is soil, and its centroid in cell coordinates, where the water weighs.
+    /// Share of each cell that is soil with particles there, and its centroid in cell coordinates, where the water weighs.
     share: Vec<f64>,
     at: Vec<[f64; 2]>,
     /// The outline, piece by piece.
@@ -139,13 +139,11 @@ impl Cuts {
         let polygon: Vec<[f64; 2]> = self.corners.iter().map(place).collect();
         let (size, cells) = (grid.size, [grid.cells[0], grid.cells[D - 1]]);
         (self.share, self.at) = (vec![0.0; grid.cell_count()], vec![[0.5; 2]; grid.cell_count()]);
-        self.passed = vec![None; grid.cell_count()];
         for row in 0..cells[1] {
             let strip = between(&polygon, 1, row as f64 * size, (row + 1) as f64 * size);
             for column in (0..cells[0]).filter(|_| !strip.is_empty()) {
                 if let Some(part) = of_square(&strip, [column, row], size) {
                     let cell = column + row * cells[0];
-                    // Slivers may have been given to the particles of a neighbour.
                     let volume: f64 = solid.points[solid.range(cell)].iter().map(|point| point.volume).sum();
                     self.share[cell] = part.area.min(volume / grid.thickness(part.centroid[0])) / (size * size);
                     self.at[cell] = [0, 1].map(|d| part.centroid[d] / size - [column, row][d] as f64);
@@ -183,13 +181,14 @@ impl Cuts {
                 }
             }
         }
-        for (cell, share) in self.share.iter().enumerate() {
+        let of = |(cell, share): (usize, &f64)| {
             let beside = outside[cell] || passed[cell].iter().any(|away| away.abs() < NEAREST);
             let [x, y] = passed[cell].map(|away| away.abs().max(1e-9));
             let inwards = if outside[cell] { NEXT_TO } else { -NEXT_TO } * (1.0 / x).hypot(1.0 / y);
             let within = passed[cell].map(|away| if away.abs() < 1.0 { away * (1.0 + inwards) } else { 0.0 });
-            self.passed[cell] = (*share > 0.0 && beside).then_some(within);
-        }
+            (*share > 0.0 && beside).then_some(within)
+        };
+        self.passed = self.share.iter().enumerate().map(of).collect();
         self.find_openings(grid, solid, soils, &polygon);
     }
 
@@ -236,8 +235,7 @@ impl Cuts {
 
     /// Notes where water may pass the outline, with these sides drained.
     pub fn open(&mut self, drained: &[bool; 4]) {
-        self.open_to.clear();
-        self.open_to.resize(self.share.len(), false);
+        self.open_to = vec![false; self.share.len()];
         for opening in self.openings.iter().filter(|_| !self.share.is_empty()) {
             self.open_to[opening.cell as usize] |= opening.water != 0 || opening.looks_to(drained);
         }

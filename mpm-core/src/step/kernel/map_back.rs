@@ -50,7 +50,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> WithSimd for MapBack<'_, V, F, D>
             let fields = Fields { simd, velocity, change, mapped: None, frame, at, found };
             let at = array!([none; D], d => Lanes { simd, value: cell.at[d] });
             functions.find_motion(&mut motion, &fields, &edges, &at);
-            functions.clear(simd, &mut gathered, false);
+            functions.clear(simd, &mut gathered, (false, false));
             for index in strip.solid.range(group) {
                 let point = SolidLanes::<V, D>::read(simd, strip.solid.block(index));
                 let xi = array!([none; D], d => point.x[d] * frame.inverse_size - position[d]);

@@ -298,8 +298,8 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
 
     /// Nothing gathered.
     fn nothing<V: Simd>(&self, simd: V) -> Self::Sums<V>;
-    /// Forgets what was gathered; `coupled` as in [`Functions::add`].
-    fn clear<V: Simd>(&self, simd: V, sums: &mut Self::Sums<V>, coupled: bool);
+    /// Forgets what was gathered; coupled and found as in [`Functions::add`].
+    fn clear<V: Simd>(&self, simd: V, sums: &mut Self::Sums<V>, how: (bool, bool));
     /// Adds a particle; `coupled` if the force of a unit pressure is to be known, `found` if centroids are, 1/L in 1/m.
     fn add<V: Simd>(
         &self,
@@ -655,7 +655,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let position = array!([none; D], d => self.of(cell.position[d]));
         let edges = functions.edges(&position, &frame.cells);
         let wet = matches!(water, InPores::Particles { .. });
-        functions.clear(self.simd, sums, self.common.coupled);
+        functions.clear(self.simd, sums, (self.common.coupled, self.common.found));
         let mut soil = [none; 2]; // mass, volume
         self.ask_for_cells(group, at);
         if self.common.moves {

@@ -261,8 +261,14 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
     }
 
     #[inline(always)]
-    fn clear<V: Simd>(&self, simd: V, sums: &mut CellSums<V, D>, _: bool) {
-        *sums = <Self as Functions<D>>::nothing(self, simd);
+    fn clear<V: Simd>(&self, simd: V, sums: &mut CellSums<V, D>, (_, found): (bool, bool)) {
+        let none = Lanes::splat(simd, 0.0);
+        (sums.solid_mass, sums.mean, sums.water_mass, sums.of_water) = ([none; 4], [none; 4], [none; 4], none);
+        (sums.momentum, sums.first, sums.moment) = ([[none; D]; 4], [[none; 4]; D], [none; D]);
+        sums.weighted = [[none; 1]; 4];
+        if found {
+            (sums.hoop, sums.hoop_of_water, sums.hoop_of_one, sums.spherical) = ([none; 4], [none; 4], [none; 4], none);
+        }
     }
 
     #[inline(always)]

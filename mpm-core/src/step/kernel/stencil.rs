@@ -399,7 +399,7 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
     }
 
     #[inline(always)]
-    fn clear<V: Simd>(&self, simd: V, sums: &mut StencilSums<V, D>, coupled: bool) {
+    fn clear<V: Simd>(&self, simd: V, sums: &mut StencilSums<V, D>, (coupled, _): (bool, bool)) {
         let none = Lanes::splat(simd, 0.0);
         for a in 0..B::REACH.pow(D as u32) {
             for q in 0..of_node(D) {

@@ -3,7 +3,7 @@
 
 use pulp::Simd;
 
-use super::{Closing, Common, Functions, InPores, Pass, Relative, Running};
+use super::{Closing, Common, FromAxis, Functions, InPores, Pass, Relative, Running};
 use crate::dimension::{basis, coefficients, gradient, trace, value};
 use crate::real::{Lanes, MOST_LANES, Real, array};
 use crate::step::store::{CellLanes, WaterLanes};
@@ -94,12 +94,6 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let none = Lanes::splat(simd, 0.0);
         let partly_drained = matches!(self.common.water, InPores::Particles { partly_drained: true, .. });
         let from_axis = self.axis_of(position[0]);
-        // About an axis v_r/r at the centre makes the areas of the faces right, whatever particles are there.
-        let divergence = |relative: &Relative<V, D>, xi: &[Lanes<V>; D]| {
-            let plane = trace(&gradient(relative, xi, inverse));
-            let radial = |r| value::<D, D, _>(relative, &basis(&[none.like(0.5); D]))[0] * inverse / r;
-            from_axis.map_or(plane, |from| plane + radial(from + none.like(0.5)))
-        };
         let mut cellwise = [none; 2];
         if let Some((motion, relative, cell, [volume, gain])) = motion {
             let of_soil = if self.common.coupled || !(F::OF_CELL || F::SPLIT) {
@@ -107,7 +101,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             } else {
                 functions.middle(motion, from_axis, inverse)
             };
-            cellwise = self.rates(group, of_soil, divergence(relative, &[none.like(0.5); D]), cell);
+            cellwise = self.rates(group, of_soil, self.divergence(relative, &[none.like(0.5); D], from_axis), cell);
         }
         for index in self.strip.water.range(group) {
             self.strip.water.ask_for(index + super::BLOCKS_AHEAD, 2 * D + 3);
@@ -119,7 +113,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
                     if let Some(from) = from_axis {
                         rate += functions.hoop(motion, edges, &xi, from, inverse);
                     }
-                    self.rates(group, rate, divergence(relative, &xi), cell)
+                    self.rates(group, rate, self.divergence(relative, &xi, from_axis), cell)
                 } else {
                     cellwise
                 };
@@ -149,6 +143,15 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             }
             functions.add_water(sums, edges, &xi, [point.mass, point.volume, point.pressure], from_axis);
         }
+    }
+
+    /// Divergence of the flow in the cells, 1/s. About an axis v_r/r at the centre makes the areas of the faces right.
+    #[inline(always)]
+    fn divergence(&self, relative: &Relative<V, D>, xi: &[Lanes<V>; D], from_axis: FromAxis<V>) -> Lanes<V> {
+        let (inverse, half) = (self.common.frame.inverse_size, xi[0].like(0.5));
+        let plane = trace(&gradient(relative, xi, inverse));
+        let Some(from) = from_axis else { return plane };
+        plane + value::<D, D, _>(relative, &basis(&[half; D]))[0] * inverse / (from + half)
     }
 
     /// Rates of pressure (Pa/s) and of water volume (1/s) in cells whose soil gains volume at a rate (1/s), beside the divergence of

@@ -63,8 +63,7 @@ impl<const D: usize> Frame<D> {
         }
     }
 
-    /// Whether the centroids of the soil in the cells are to be found: about an axis, and where an outline cuts cells whose change of
-    /// volume is theirs alone (`split`), so that the force of a uniform stress is exact.
+    /// Whether centroids of the soil in cells are found: about an axis, and of B-bar (`split`) where an outline cuts cells.
     pub fn finds_centroids(&self, split: bool) -> bool {
         self.axis.is_some() || (split && self.cut)
     }
