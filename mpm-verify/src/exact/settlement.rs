@@ -101,9 +101,9 @@ mod tests {
     use super::*;
 
     /// A layer so wide and deep that the load, from 0 to 1 m, does not feel its ends.
-    fn without_end(dimension: Dimension) -> (Settlement, f64) {
+    fn without_end(dimension: Dimension, [width, height]: [f64; 2]) -> (Settlement, f64) {
         let scene = crate::scenes::built_in("strip-on-sand").expect("it holds").altered_unchecked(|scene| {
-            (scene.width, scene.height, scene.dimension) = (100.0, 100.0, dimension);
+            (scene.width, scene.height, scene.dimension) = (width, height, dimension);
             if let Some(surcharge) = &mut scene.surcharge {
                 surcharge.strip = Some(LoadedStrip { from: 0.0, to: 1.0, taper: 0.0 });
             }
@@ -115,19 +115,19 @@ mod tests {
 
     #[test]
     fn a_disc_settles_as_boussinesq_found() {
-        let (layer, unit) = without_end(Dimension::Axisymmetric);
-        // The end of the layer takes about 2 a/H of it, and the waves that are left out as much in its middle.
-        for (found, known) in [(layer.at(0.0), 2.0), (layer.at(1.0), 4.0 / PI)] {
-            assert!((found / unit - known).abs() < 0.04, "{} {known}", found / unit);
-        }
+        let (layer, unit) = without_end(Dimension::Axisymmetric, [25.0, 50.0]);
         // On average under the load by 16/(3 pi): half of q pi a^2/(2 pi) times that is stored.
-        let mean = layer.energy() / (0.25 * 1e4);
-        assert!((mean / unit - 16.0 / (3.0 * PI)).abs() < 0.04, "{}", mean / unit);
+        let found = [layer.at(0.0), layer.at(1.0), layer.energy() / (0.25 * 1e4)].map(|settled| settled / unit);
+        let known = [2.0, 4.0 / PI, 16.0 / (3.0 * PI)];
+        // The ends take about a/H of all three alike, so that the differences are nearer; the middle lacks waves.
+        let off: Vec<f64> = found.iter().zip(known).map(|(found, known)| found - known).collect();
+        assert!(off.iter().all(|off| off.abs() < 0.03), "{found:?} {known:?}");
+        assert!((off[2] - off[1]).abs() < 1e-3 && (off[0] - off[1]).abs() < 5e-3, "{found:?} {known:?}");
     }
 
     #[test]
     fn a_strip_settles_more_in_its_middle() {
-        let (layer, unit) = without_end(Dimension::PlaneStrain);
+        let (layer, unit) = without_end(Dimension::PlaneStrain, [100.0; 2]);
         // -2 (1 - nu^2) q/(pi E) times the integral of ln|x - s| over the strip from -1 to 1.
         let primitive = |x: f64| if x == 0.0 { 0.0 } else { x * x.abs().ln() - x };
         let settled = |x: f64| -2.0 / PI * (primitive(1.0 + x) + primitive(1.0 - x));
