@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{apart, completed, scene};
+use common::{apart, completed, edited, scene, terzaghi};
 use mpm_core::drive::Run;
 use mpm_core::run::run;
 use mpm_core::scene::{
@@ -64,6 +64,20 @@ fn layers_that_are_alike_are_one_soil_to_the_bit() {
         let other = completed(&halves(integrator, shape, [[1.0, 1.0], [1.0, 1.0 - 1e-9]]));
         assert_ne!(figures(&a), figures(&other), "{integrator:?} {shape:?}: the check cannot fail");
     }
+}
+
+/// A region that ends in the middle of a cell, where one particle of three lies across its boundary.
+#[test]
+fn a_column_conducts_the_same_however_wide_it_is() {
+    let of_width = |width: f64, top: f64| {
+        let lines = [("cell = 0.02", "cell = 0.1"), ("width = 0.1", &format!("width = {width}"))];
+        let region = format!("[[regions]]\nlevels = [0.0, {top}]\nhydraulic_conductivity = 5e-5\n");
+        let scene = Scene::parse(&(edited(&terzaghi(), &lines) + &region), "scene.toml").expect("a sound scene");
+        figures(&completed(&scene.edited(|s| s.particles_per_cell = 9).expect("a sound scene")))
+    };
+    let narrow = of_width(0.25, 0.55);
+    assert!(narrow == of_width(4.0, 0.55), "the width matters");
+    assert!(narrow != of_width(0.25, 0.6), "the check cannot fail");
 }
 
 #[test]

@@ -396,6 +396,28 @@ fn a_load_that_no_stress_can_carry_ends_with_its_residuals() {
     assert!(apart(found, expected) < 1e-6, "{found:e} {expected:e}");
 }
 
+/// Beside an attraction of 5 kPa, strains of 4e-11 to 4e-15: what is asked of a step ends at the round-off of the stiffness.
+#[test]
+fn a_load_near_round_off_costs_no_more_steps() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../reference-data/scenes/soft-layer.toml");
+    let scene = Scene::parse(&std::fs::read_to_string(path).expect("a scene"), path).expect("a sound scene");
+    let under = |pressure: f64| {
+        let load = scene.surcharge.map(|surcharge| mpm_core::scene::Surcharge { pressure, ..surcharge });
+        let run = run(&scene.edited(|s| s.surcharge = load).expect("a sound scene"), &mut |_| {}).expect("a run");
+        assert!(run.work.accepted + run.work.rejected < 200, "{pressure} Pa: {:?}", run.work);
+        let settlement = settlements(&run).last().copied();
+        run.failure.map_or_else(|| Ok(settlement.expect("an end") / pressure), |failure| Err(failure.what))
+    };
+    let of_more = under(1e-3).expect("a run to its end");
+    for (pressure, allowed) in [(1e-5, 1e-5), (1e-7, 1e-3)] {
+        let off = apart(under(pressure).expect("a run to its end"), of_more);
+        println!("{pressure:e} Pa: {off:.1e}");
+        assert!(off < allowed, "{pressure:e} Pa: {off:.1e}");
+    }
+    // Ten times round-off.
+    assert!(under(1e-9).expect_err("a balance that does not close").contains("does not close"));
+}
+
 #[test]
 fn a_step_that_cannot_be_reduced_further_says_so() {
     // Soil that is pulled beyond its strength of half the load: no step is short enough.

@@ -391,7 +391,8 @@ impl<'a> Drive<'a> {
     fn sample(&mut self, stage_time: f64, observed: bool) -> Result<(), Halt> {
         let sample = self.seen(stage_time, observed);
         let closed = self.closed(&sample);
-        let sane = sane(self.scene, &sample).map_err(|fault| Halt::Fault(stage_time, fault));
+        let first = self.run.samples.first().unwrap_or(&sample).ledger;
+        let sane = sane(self.scene, &first, &sample).map_err(|fault| Halt::Fault(stage_time, fault));
         self.run.samples.push(sample);
         closed.and(sane)
     }
@@ -423,7 +424,7 @@ fn times(scene: &Scene, last: bool, end: f64) -> Vec<(f64, bool)> {
 }
 
 /// Stops a run whose state cannot be: not a number, turned inside out, or with energy from nowhere.
-fn sane(scene: &Scene, sample: &Sample) -> Result<(), Fault> {
+fn sane(scene: &Scene, first: &Ledger, sample: &Sample) -> Result<(), Fault> {
     let (state, l) = (&sample.state, &sample.ledger);
     let fault = |what| Err(Fault { place: "the whole column".to_owned(), what });
     if !(state.settlement.is_finite() && state.mean_pressure.is_finite()) {
@@ -432,8 +433,8 @@ fn sane(scene: &Scene, sample: &Sample) -> Result<(), Fault> {
     if state.least_volume <= 0.0 {
         return fault(format!("a particle with a volume of {:.3e} m3", state.least_volume));
     }
-    let stored = l.kinetic_j + l.strain_j + l.water_j;
-    let booked = l.external_work_j.abs() + l.gravity_work_j.abs() + l.flow_body_work_j.abs();
+    let [at_first, stored] = [first, l].map(|l| l.kinetic_j + l.strain_j + l.water_j);
+    let booked = l.external_work_j.abs() + l.gravity_work_j.abs() + l.flow_body_work_j.abs() + at_first.abs();
     // What load and weight would store drained; round-off of a soil that nothing moves is far below.
     let stress = scene.largest_load() + scene.gravity.unwrap_or(0.0) * scene.mixture_density() * scene.height;
     let soils = scene.soils();

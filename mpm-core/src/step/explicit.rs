@@ -23,7 +23,7 @@ use super::conditions::{Condition, Friction, Soil, Visit};
 use super::faces::Faces;
 use super::free_water::FreeWater;
 use super::kernel::equation::EquationOfMotion;
-use super::kernel::{Common, Functions, InPores, Kept, MOST_REACHED, MapBack};
+use super::kernel::{Common, Functions, InPores, Kept, MOST_REACHED, MapBack, Rare};
 use super::nodal::NodalFlow;
 use super::pressure::{Driving, PressureSystem};
 use super::store::nodes::{MOMENTUM, SOLID_MASS};

@@ -12,12 +12,11 @@ use crate::soils::Soils;
 pub struct Halves<const D: usize>(Vec<[[f64; 2]; 2]>);
 
 impl<const D: usize> Halves<D> {
-    /// Those of the particles where they are: in a half they conduct side by side.
-    pub fn of(grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>, soils: &Soils) -> Self {
+    /// Those of the particles where they are: in a half they conduct side by side. `full` is the volume of a cell, m3.
+    pub fn of(grid: &Grid<D>, solid: &Layer<SolidPoint<D>, D>, full: f64, soils: &Soils) -> Self {
         if !soils.conduct_differently() {
             return Self::default();
         }
-        let full = grid.size.powi(D as i32);
         let of_cell = |(cell, position): (usize, [usize; D])| {
             let (mut sums, mut volumes) = ([[0.0; 2]; D], [[0.0; 2]; D]);
             for index in solid.range(cell) {

@@ -124,7 +124,7 @@ impl<const D: usize> Pores<D> {
         if std::mem::take(&mut self.seen) {
             return;
         }
-        self.halves = Halves::of(grid, solid, soils);
+        self.halves = Halves::of(grid, solid, self.flow.cell_volume, soils);
         self.cuts.follow(grid, solid, soils);
         // The mean of two numbers over the particles of each cell.
         let mean = |of: fn(&Kind) -> [f64; 2]| {

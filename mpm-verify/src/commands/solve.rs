@@ -422,10 +422,11 @@ fn told(common: &Common, (scene, run, summary): (&Scene, &Run, &Summary), folder
             Work { solves: 0, .. } => format!("{} steps", run.steps),
             // The Krylov method has no steps: one basis for all times.
             work if run.steps == 0 => format!("{} factorisations, {} solves", work.factorisations, work.solves),
-            work => format!(
-                "{} steps ({} rejected), {} factorisations, {} solves",
-                work.accepted, work.rejected, work.factorisations, work.solves
-            ),
+            Work { accepted, rejected, factorisations, solves } => {
+                let rejected = if rejected > 0 { format!(" ({rejected} rejected)") } else { String::new() };
+                let steps = run.steps.max(accepted);
+                format!("{steps} steps{rejected}, {factorisations} factorisations, {solves} solves")
+            }
         };
         let end = format!("{work}, settlement {:.6e} m", summary.settlement_final_m);
         say(common.quiet, &format!("{}: {end}, written to {}", scene.name, folder.display()));

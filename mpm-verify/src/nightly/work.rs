@@ -137,14 +137,18 @@ pub fn counts(program: Option<&std::path::Path>) -> Counted {
     for gate in &GATES {
         let counter = counter.as_ref().and_then(|counter| counter.as_ref().ok());
         let of_gate = || {
-            let mut measures = gate.counts(kernel)?;
-            if let Some(counter) = counter {
-                measures.push(counter.measure(gate.name)?);
-            }
-            Ok::<_, Error>(measures)
+            let instructions = counter.map(|counter| counter.measure(gate.name)).transpose()?;
+            Ok::<_, Error>((gate.counts(kernel)?, instructions))
         };
         match unpanicked(of_gate) {
-            Ok(Ok(measures)) => all.measures.extend(measures),
+            Ok(Ok((measures, instructions))) => {
+                all.measures.extend(measures);
+                if let Some(None) = instructions {
+                    all.notes
+                        .push(format!("Instructions of {} were not counted: valgrind does not know all.", gate.name));
+                }
+                all.measures.extend(instructions.flatten());
+            }
             Ok(Err(why)) => all.fell.push(why.to_string()),
             Err(why) => all.fell.push(format!("{}: {why}", gate.name)),
         }

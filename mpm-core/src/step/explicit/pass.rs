@@ -4,7 +4,7 @@ use pulp::Simd;
 use rayon::prelude::*;
 
 use super::Explicit;
-use crate::step::kernel::{Common, Functions, InPores, Pass};
+use crate::step::kernel::{Common, Functions, InPores, Pass, Rare};
 use crate::step::store::Nodes;
 use crate::step::store::{Strip, StripSums};
 use crate::water::FaceFlow;
@@ -37,18 +37,20 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             frame,
             functions: *functions,
             motion,
-            mapped: mapped.as_ref().map(|mapped| &mapped.motion.velocity),
             acceleration: if coupled || !F::NODAL { of_mesh } else { &motion.acceleration },
             water,
             pressure: old,
             conducts: &faces.conducts,
-            ratio: (!faces.ratio[0].is_empty()).then_some(&faces.ratio),
-            grains: (!faces.grains.is_empty()).then_some(&faces.grains),
-            biot: (!faces.biot[0].is_empty()).then_some([&faces.biot[0], &faces.biot[1]]),
-            outflow: (!faces.outflow.is_empty()).then_some(&faces.outflow),
-            softness: (!faces.softness.is_empty()).then_some(&faces.softness),
-            axis: frame.axis.map(|axis| axis * frame.inverse_size),
-            found: frame.finds_centroids(F::SPLIT),
+            rare: Rare {
+                mapped: mapped.as_ref().map(|mapped| &mapped.motion.velocity),
+                ratio: (!faces.ratio[0].is_empty()).then_some(&faces.ratio),
+                grains: (!faces.grains.is_empty()).then_some(&faces.grains),
+                biot: (!faces.biot[0].is_empty()).then_some([&faces.biot[0], &faces.biot[1]]),
+                outflow: (!faces.outflow.is_empty()).then_some(&faces.outflow),
+                softness: (!faces.softness.is_empty()).then_some(&faces.softness),
+                axis: frame.axis.map(|axis| axis * frame.inverse_size),
+                found: frame.finds_centroids(F::SPLIT),
+            },
             soil,
             moves,
             elastic: body.materials.elastic(),

@@ -88,7 +88,7 @@ pub type FromAxis<V> = Option<Lanes<V>>;
 /// Radius of a place in cells, in cells.
 #[inline(always)]
 pub fn radius<V: Simd, const D: usize>(from: FromAxis<V>, xi: &[Lanes<V>; D]) -> Option<Lanes<V>> {
-    from.map(|from| from + xi[0])
+    Some(from? + xi[0])
 }
 
 /// A number at each of the functions that a group of cells reaches. A vector that lies across two lines of the cache costs twice as much.
@@ -380,27 +380,12 @@ pub enum InPores<'a> {
     },
 }
 
-/// Everything a pass reads and no strip changes.
-#[derive(Clone, Copy)]
-pub struct Common<'a, F, const D: usize> {
-    /// Numbering.
-    pub frame: &'a Frame<D>,
-    /// The functions.
-    pub functions: F,
-    /// Motion of the functions in this step.
-    pub motion: &'a Motion,
+/// What few scenes have of [`Common`].
+#[derive(Clone, Copy, Default)]
+pub struct Rare<'a> {
     /// Velocities that strain the soil, where they are others, m/s.
     pub mapped: Option<&'a [Vec<f64>; 2]>,
-    /// Accelerations of the nodes of the mesh, m/s2.
-    pub acceleration: &'a [Vec<f64>; 2],
-    /// The water.
-    pub water: InPores<'a>,
-    /// Pore pressure of the cells at its start, Pa; from [`Frame::pad`] on.
-    pub pressure: &'a [f64],
-    /// How faces conduct, over the conductivity of the water: 0 closed, 1 between two full cells of soil, 2 at a drained side, half
-    /// a cell away; else the edge of a cell over the distance.
-    pub conducts: &'a [Vec<f64>; 2],
-    /// Their conductivity over that of the water, where it is not one.
+    /// Conductivity of the faces over that of the water, where it is not one.
     pub ratio: Option<&'a [Vec<f64>; 2]>,
     /// Volume of the grains of the cells per mass, m3/kg, where not all weigh the same.
     pub grains: Option<&'a [f64]>,
@@ -414,6 +399,28 @@ pub struct Common<'a, F, const D: usize> {
     pub axis: Option<f64>,
     /// As [`Frame::finds_centroids`].
     pub found: bool,
+}
+
+/// Everything a pass reads and no strip changes.
+#[derive(Clone, Copy)]
+pub struct Common<'a, F, const D: usize> {
+    /// Numbering.
+    pub frame: &'a Frame<D>,
+    /// The functions.
+    pub functions: F,
+    /// Motion of the functions in this step.
+    pub motion: &'a Motion,
+    /// Accelerations of the nodes of the mesh, m/s2.
+    pub acceleration: &'a [Vec<f64>; 2],
+    /// The water.
+    pub water: InPores<'a>,
+    /// Pore pressure of the cells at its start, Pa; from [`Frame::pad`] on.
+    pub pressure: &'a [f64],
+    /// How faces conduct, over the conductivity of the water: 0 closed, 1 between two full cells of soil, 2 at a drained side, half
+    /// a cell away; else the edge of a cell over the distance.
+    pub conducts: &'a [Vec<f64>; 2],
+    /// What few scenes have.
+    pub rare: Rare<'a>,
     /// Volume of soil in the cells at the end of the pass, m3, where it is known; else zero.
     pub soil: &'a [f64],
     /// Whether the mesh moves the particles; else they are only gathered.
@@ -454,38 +461,14 @@ impl<F: Copy, const D: usize> Common<'_, F, D> {
             }
             _ => return None,
         };
-        let Kept { affine, state, strain } = self.kept;
-        if self.coupled
-            || self.mapped.is_some()
-            || self.ratio.is_some()
-            || self.grains.is_some()
-            || self.outflow.is_some()
-            || self.softness.is_some()
-            || self.biot.is_some()
-            || self.found
-            || affine.is_some()
-            || state.is_some()
-            || strain.is_some()
-        {
+        let (Rare { mapped: None, ratio: None, grains: None, biot: None, .. }, false) = (self.rare, self.coupled)
+        else {
             return None;
-        }
+        };
+        let Rare { outflow: None, softness: None, axis: None, found: false, .. } = self.rare else { return None };
+        let Kept { affine: None, state: None, strain: None } = self.kept else { return None };
         let kept = Kept { affine: None, state: None, strain: None };
-        Some(Self {
-            elastic,
-            water,
-            kept,
-            plastic: false,
-            coupled: false,
-            mapped: None,
-            ratio: None,
-            grains: None,
-            outflow: None,
-            softness: None,
-            biot: None,
-            axis: None,
-            found: false,
-            ..*self
-        })
+        Some(Self { elastic, water, kept, plastic: false, coupled: false, rare: Rare::default(), ..*self })
     }
 }
 
@@ -593,7 +576,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     /// Where cells at a place on the lattice are about the axis.
     #[inline(always)]
     pub(super) fn axis_of(&self, x: Lanes<V>) -> FromAxis<V> {
-        self.common.axis.map(|axis| x + Lanes::splat(self.simd, axis))
+        Some(x + Lanes::splat(self.simd, self.common.rare.axis?))
     }
 
     #[inline(always)]
@@ -648,19 +631,19 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     #[inline(always)]
     fn group<'b>(&mut self, group: usize, running: &mut Running<V>, room: &'b mut Room<V, F, D>) -> &'b Given<V> {
         let Room { motion: moving, sums, given } = room;
-        let Common { frame, functions, motion, mapped, water, .. } = *self.common;
+        let Common { frame, functions, motion, water, rare, .. } = *self.common;
         let none = Lanes::splat(self.simd, 0.0);
         let at = self.strip.first + group * V::F64_LANES;
         let cell = self.strip.cells[group];
         let position = array!([none; D], d => self.of(cell.position[d]));
         let edges = functions.edges(&position, &frame.cells);
         let wet = matches!(water, InPores::Particles { .. });
-        functions.clear(self.simd, sums, (self.common.coupled, self.common.found));
+        functions.clear(self.simd, sums, (self.common.coupled, rare.found));
         let mut soil = [none; 2]; // mass, volume
         self.ask_for_cells(group, at);
         if self.common.moves {
             let Motion { velocity, change, .. } = motion;
-            let found = self.common.found;
+            let Rare { mapped, found, .. } = rare;
             let fields = Fields { simd: self.simd, velocity, change, mapped, frame, at, found };
             functions.find_motion(moving, &fields, &edges, &array!([none; D], d => self.of(cell.at[d])));
             let motion = &*moving;
@@ -864,7 +847,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         edges: &F::Edges<V>,
         (sums, soil, from_axis): (&mut F::Sums<V>, &mut [Lanes<V>; 2], FromAxis<V>),
     ) {
-        let Common { functions, frame, kept, coupled, found, .. } = *self.common;
+        let Common { functions, frame, kept, coupled, rare, .. } = *self.common;
         let SolidLanes { mass, volume, v, mut stress, .. } = *point;
         soil[0] += mass;
         soil[1] += volume;
@@ -885,7 +868,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             affine = Some(Affine(gradient));
         }
         let point = Contribution { xi, mass, volume, v, stress, affine, from_axis };
-        functions.add(sums, edges, &point, (coupled, found, frame.inverse_size));
+        functions.add(sums, edges, &point, (coupled, rare.found, frame.inverse_size));
     }
 
     /// The cells' volumes are known: notes them for the next step, and gives the sums at their functions.
@@ -912,7 +895,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         closing.from_axis = self.axis_of(self.of(self.strip.cells[group].position[0]));
         let cell = &mut self.strip.cells[group];
         (cell.volume, cell.mass) = (volume.value, mass.value);
-        if let Some(centroid) = functions.centroid(sums, full, self.common.found) {
+        if let Some(centroid) = functions.centroid(sums, full, self.common.rare.found) {
             for d in 0..D {
                 cell.at[d] = centroid[d].value;
             }
@@ -935,7 +918,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         }
         if coupled {
             let mut coupling = functions.coupling(sums, edges, &closing, frame.inverse_size);
-            if let Some([alpha, _]) = self.common.biot {
+            if let Some([alpha, _]) = self.common.rare.biot {
                 let alpha = self.load(alpha, at);
                 coupling.as_flattened_mut().iter_mut().for_each(|push| *push = *push * alpha);
             }

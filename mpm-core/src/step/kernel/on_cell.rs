@@ -108,7 +108,10 @@ impl<const PLACE: u8> OnCell<PLACE> {
         from: Lanes<V>,
         inverse_size: f64,
     ) -> [Lanes<V>; 4] {
-        let (mut force, at) = (sums.hoop.map(|hoop| hoop * cell.share), centre(cell.at));
+        let (mut force, at) = (sums.hoop, centre(cell.at));
+        for a in 0..1 << D {
+            force[a] = force[a] * cell.share;
+        }
         if <Self as Functions<D>>::OF_CELL {
             // The mean has the pressure in it.
             return shares(sums.mean[2] / (from + at[0]) * inverse_size, &at);
@@ -169,8 +172,8 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
     #[inline(always)]
     fn middle<V: Simd>(&self, motion: &CellMotion<V, D>, from_axis: FromAxis<V>, inverse_size: f64) -> Lanes<V> {
         let plane = trace(&gradient(&motion.strains, &motion.at, inverse_size));
-        let round = |from| <Self as Functions<D>>::hoop(self, motion, &(), &centre(motion.at), from, inverse_size);
-        from_axis.map_or(plane, |from| plane + round(from))
+        let Some(from) = from_axis else { return plane };
+        plane + <Self as Functions<D>>::hoop(self, motion, &(), &centre(motion.at), from, inverse_size)
     }
 
     #[inline(always)]
@@ -263,9 +266,11 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
     #[inline(always)]
     fn clear<V: Simd>(&self, simd: V, sums: &mut CellSums<V, D>, (_, found): (bool, bool)) {
         let none = Lanes::splat(simd, 0.0);
-        (sums.solid_mass, sums.mean, sums.water_mass, sums.of_water) = ([none; 4], [none; 4], [none; 4], none);
-        (sums.momentum, sums.first, sums.moment) = ([[none; D]; 4], [[none; 4]; D], [none; D]);
-        sums.weighted = [[none; 1]; 4];
+        (sums.mean, sums.of_water, sums.first, sums.moment) = ([none; 4], none, [[none; 4]; D], [none; D]);
+        for a in 0..1 << D {
+            (sums.solid_mass[a], sums.momentum[a]) = (none, [none; D]);
+            (sums.water_mass[a], sums.weighted[a]) = (none, [none]);
+        }
         if found {
             (sums.hoop, sums.hoop_of_water, sums.hoop_of_one, sums.spherical) = ([none; 4], [none; 4], [none; 4], none);
         }
@@ -478,12 +483,13 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
             first[d] = [moment, moment, moment, none];
         }
         let mut at_corners = to_corners::<D, D, _>(&internal_force(&isotropic, &first, inverse_size));
-        let hoop = cell.from_axis.map(|from| {
-            let of_cell = || shares(cell.filled / (from + none.like(0.5)) * inverse_size, &centre(cell.at));
-            let of_particles = || sums.hoop_of_one.map(|one| one * cell.share);
-            if <Self as Functions<D>>::PRESSURE_AT_PARTICLES { of_particles() } else { of_cell() }
-        });
-        hoop.iter().flatten().zip(&mut at_corners).for_each(|(hoop, corner)| corner[0] += *hoop);
+        if let Some(from) = cell.from_axis {
+            let of_cell = shares(cell.filled / (from + none.like(0.5)) * inverse_size, &centre(cell.at));
+            for a in 0..1 << D {
+                let of_particles = <Self as Functions<D>>::PRESSURE_AT_PARTICLES;
+                at_corners[a][0] += if of_particles { sums.hoop_of_one[a] * cell.share } else { of_cell[a] };
+            }
+        }
         let mut coupling = [[none; D]; MOST_REACHED];
         coupling[..1 << D].copy_from_slice(&at_corners[..1 << D]);
         coupling

@@ -3,7 +3,7 @@
 
 use pulp::Simd;
 
-use super::{Closing, Common, FromAxis, Functions, InPores, Pass, Relative, Running};
+use super::{Closing, Common, FromAxis, Functions, InPores, Pass, Rare, Relative, Running};
 use crate::dimension::{basis, coefficients, gradient, trace, value};
 use crate::real::{Lanes, MOST_LANES, Real, array};
 use crate::step::store::{CellLanes, WaterLanes};
@@ -19,7 +19,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     /// (m/s), pressure drop and weight along it (Pa).
     #[inline(always)]
     fn face(&self, axis: usize, at: usize, [low, high]: [Lanes<V>; 2], [a, b]: [Lanes<V>; 2]) -> [Lanes<V>; 3] {
-        let Common { flow, gravity, conducts, ratio, .. } = self.common;
+        let Common { flow, gravity, conducts, rare: Rare { ratio, .. }, .. } = self.common;
         let conducts = Lanes::load(self.simd, &conducts[axis][at..]);
         let mean = if D == 1 { a } else { (a + b) * 0.5 };
         // Over the distance that the pressure drops along.
@@ -63,14 +63,14 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             // Nodes of the lower face, and of the upper one.
             let other = if D == 1 { 0 } else { frame.stride[D - 1 - axis] };
             let [a, b] = [self.load(&acceleration[axis], at), self.load(&acceleration[axis], at + other)];
-            let [low, head, body] = self.face(axis, at, [below, here], [a, b]);
+            let [low, mut head, mut body] = self.face(axis, at, [below, here], [a, b]);
             let upper = at + stride;
             let [a, b] = [self.load(&acceleration[axis], upper), self.load(&acceleration[axis], upper + other)];
             let [high, ..] = self.face(axis, upper, [here, above], [a, b]);
-            let from_axis = self.axis_of(self.of(cell.position[0]));
-            let cells = from_axis.map(|from| if axis == 0 { from } else { from + none.like(0.5) });
-            let [head, body] =
-                cells.map_or([head, body], |r| [head, body].map(|of| of * r * (1.0 / frame.inverse_size)));
+            if let Some(from) = self.axis_of(self.of(cell.position[0])) {
+                let r = (if axis == 0 { from } else { from + none.like(0.5) }) * (1.0 / frame.inverse_size);
+                (head, body) = (head * r, body * r);
+            }
             relative[0][axis] = low * inverse_porosity; // v* = q/n
             relative[1 + axis][axis] = (high - low) * inverse_porosity;
             running.rates[0][part] += low * head;
@@ -129,7 +129,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
                 }
                 point.v = v;
                 // Water that passes an outline or wells for long would take the pressure of where it comes from along, and leave cells bare.
-                let way = if self.common.outflow.is_some() {
+                let way = if self.common.rare.outflow.is_some() {
                     functions.with_water(motion, edges, &xi, &[[none; D]; 4], inverse).0
                 } else {
                     v
@@ -158,7 +158,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     /// the flow (1/s).
     #[inline(always)]
     fn rates(&self, group: usize, of_soil: Lanes<V>, divergence: Lanes<V>, cell: &CellLanes<V, D>) -> [Lanes<V>; 2] {
-        let Common { flow, dt, outflow, softness, biot, .. } = self.common;
+        let Common { flow, dt, rare: Rare { outflow, softness, biot, .. }, .. } = self.common;
         let mut through = self.of(cell.filling) * divergence; // Eq. (6a)
         if let Some(outflow) = outflow {
             let out = Lanes::load(self.simd, &outflow[self.strip.first + group * V::F64_LANES..]);
@@ -195,7 +195,10 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         }
         let [weighted, volume] = self.common.functions.water_of(sums);
         let pressure = weighted / volume.or_one();
-        self.common.biot.map_or(pressure, |[alpha, _]| pressure * self.load(alpha, at))
+        match self.common.rare.biot {
+            Some([alpha, _]) => pressure * self.load(alpha, at),
+            None => pressure,
+        }
     }
 
     /// Notes the water of the cells for the next step.
@@ -207,7 +210,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         sums: &F::Sums<V>,
         closing: &mut Closing<V, D>,
     ) {
-        let Common { functions, flow, grains, softness, coupled, .. } = *self.common;
+        let Common { functions, flow, rare: Rare { grains, softness, .. }, coupled, .. } = *self.common;
         let none = mass.like(0.0);
         let one = none.like(1.0);
         let [weighted, of_water] = functions.water_of(sums);
@@ -255,7 +258,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         pressure.store(&mut self.pressure[group * V::F64_LANES..]);
         // Water in pores of known volume moves with its soil.
         closing.water_ratio = Some(porosity * volume * flow.density / mass.or_one());
-        if let Some([alpha, _]) = self.common.biot {
+        if let Some([alpha, _]) = self.common.rare.biot {
             let alpha = self.load(alpha, self.strip.first + group * V::F64_LANES);
             pressure = pressure * alpha;
             closing.full_of_water = closing.full_of_water / alpha;

@@ -29,7 +29,7 @@ const SUDDEN: f64 = 1e-3;
 /// Unknowns times steps between two looks at whether the run is to be kept or stopped: some tenths of a second.
 const UNKNOWNS_AT_ONCE: usize = 1 << 18;
 /// Residual of a nonlinear stage beside the tolerance.
-const NEWTON: f64 = 1e-3;
+pub(super) const NEWTON: f64 = 1e-3;
 /// The pole of the Krylov method as a share of the last time.
 const POLE: f64 = 0.1;
 /// Changes of the step between these factors are not worth another factorisation of a linear scene.

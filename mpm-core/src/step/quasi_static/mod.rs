@@ -39,6 +39,9 @@ use crate::observe::{Ledger, Observation, Places, Push, SolidState, Totals};
 use crate::particles::SolidPoint;
 use crate::scene::{Scene, SolidSide, Stage, StepChoice, StrainChoice, TimeMethod};
 
+/// Round-off of a stress after some operations, of the stiffness.
+const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
+
 /// What a quasi-static run is made of.
 #[derive(Debug)]
 pub struct Seeding<L, const D: usize> {
@@ -207,15 +210,23 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let weight = self.scene.gravity.unwrap_or(0.0) * self.scene.mixture_density() * face * self.scene.cell;
         let loads = soil.loads.iter().map(|(force, course)| course.most() * largest(force)).sum::<f64>();
         let size = soil.scales[0] * (loads + face * (stress + pressure + self.scene.well_pressure()) + weight);
-        if size > 0.0 { size } else { soil.scales[0] * face * soil.scales[1] * 1e-9 }
+        let force = soil.scales[0] * face;
+        force * self.at_least(f64::EPSILON / (march::NEWTON * self.scene.tolerance), size / force)
+    }
+
+    /// A pressure (Pa), or a share of the stiffness: stresses of a law of its own, or of a mesh that moves, are known to round-off of
+    /// that only. Linear soil is as exact under any load.
+    fn at_least(&self, share: f64, size: f64) -> f64 {
+        let exact = self.scene.strain == StrainChoice::Small && self.seeding.law.are_linear();
+        let unloaded: f64 = if size > 0.0 { 0.0 } else { 1e-9 };
+        size.max(if exact { unloaded } else { unloaded.max(share) } * self.scene.oedometer_modulus())
     }
 
     /// Pressure that errors are compared with, Pa.
     fn pressure_size(&self) -> f64 {
         let load = self.scene.largest_load();
         let weight = self.scene.gravity.unwrap_or(0.0) * self.scene.mixture_density() * self.scene.height;
-        let size = load + weight;
-        if size > 0.0 { size } else { self.scene.oedometer_modulus() * 1e-9 }
+        self.at_least(ROUND_OFF / self.scene.tolerance, load + weight)
     }
 
     /// Work of the present system into the totals, before it is replaced.

@@ -40,14 +40,14 @@ impl<const D: usize> SoilMap<D> {
         per_direction: usize,
         soils: &Soils,
     ) -> Self {
+        let cell_volume = face_area * grid.size;
         let mut map = Self {
             share: vec![0.0; grid.cell_count()],
             pores: vec![0.0; grid.cell_count()],
             stays: vec![0.0; grid.cell_count()],
-            halves: Halves::of(grid, solid, soils),
+            halves: Halves::of(grid, solid, cell_volume, soils),
             cover: std::array::from_fn(|axis| vec![[0.0; 2]; grid.face_count(axis)]),
         };
-        let cell_volume = face_area * grid.size;
         // Half a particle beside a face: what lies there touches it.
         let strip = 0.5 / per_direction as f64;
         for (point, id) in solid.points.iter().zip(&solid.ids) {
