@@ -352,7 +352,7 @@ impl<const D: usize> Seeded<D> {
         if scene.lends_inertia() || (solves && (self.moves(scene) || scene.outline.is_some())) {
             let level = !solves || self.filled(scene).is_known() || scene.outline.is_some();
             let gravity = scene.gravity_vector().map_or([0.0; D], |g| std::array::from_fn(|d| g[d + 2 - D]));
-            conditions.push(Box::new(Lifted::new(frame.count(), level, gravity)));
+            conditions.push(Box::new(Lifted::new(frame.count(), level, gravity, scene.flip)));
         }
         if let Some(base) = scene.base {
             let particles = self.solid.points.len();

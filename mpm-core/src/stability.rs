@@ -367,13 +367,16 @@ fn flow_passes_held_soil(scene: &Fields) -> bool {
 /// but at a free end, and are held to the limit without inertia in Darcy's law (they run up to 1.010 to 1.177 times it
 /// with inertia): the lumped mass of their last coefficient is smaller than that which the relief counts on.
 pub fn explicit_limit(scene: &Fields) -> f64 {
+    let at_first = worst_soil(scene, explicit_limit_of);
     if !scene.moves_through_cells() {
-        return worst_soil(scene, explicit_limit_of);
+        return at_first;
     }
     // Water is stiffer, K_w/n, in the pores that a load leaves.
-    let porosity = scene.compressed_porosity();
-    let porosity = if porosity > 0.0 { porosity } else { scene.porosity };
-    PARTLY_FILLED.sqrt() * worst_soil(&Fields { porosity, ..scene.clone() }, explicit_limit_of)
+    let compressed = |soil: &Fields| {
+        let porosity = soil.estimate().porosity;
+        explicit_limit_of(&Fields { porosity: if porosity > 0.0 { porosity } else { soil.porosity }, ..soil.clone() })
+    };
+    at_first.min(PARTLY_FILLED.sqrt() * worst_soil(scene, compressed))
 }
 
 fn explicit_limit_of(scene: &Fields) -> f64 {

@@ -66,6 +66,22 @@ fn layers_that_are_alike_are_one_soil_to_the_bit() {
     }
 }
 
+/// A load that moves the surface through cells leaves pores in which water is stiffer.
+#[test]
+fn layers_that_are_alike_have_the_limit_of_one_soil_under_large_strain() {
+    for integrator in [Integrator::Explicit, Integrator::SemiImplicit] {
+        for pressure in [1e4, 5e6, 2e7] {
+            let under = |s: &mut mpm_core::scene::Fields| {
+                s.surcharge = s.surcharge.map(|load| Surcharge { pressure, ..load });
+                s.force = true;
+            };
+            let layered = alike(integrator, ShapeChoice::Centre).edited(under).expect("a sound scene");
+            let limits = [&layered, &without_layers(&layered)].map(|scene| stable_limit(scene));
+            assert_eq!(limits[0], limits[1], "{integrator:?} {pressure} Pa");
+        }
+    }
+}
+
 /// A region that ends in the middle of a cell, where one particle of three lies across its boundary.
 #[test]
 fn a_column_conducts_the_same_however_wide_it_is() {

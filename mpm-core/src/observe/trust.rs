@@ -198,6 +198,7 @@ impl<'a> Bounds<'a> {
         let mut allowed = self.round_off * (exchanged + ledger.water_stored_kg);
         if self.scene.free_surface.is_none() {
             let soil = ledger.solid_mass_kg / self.scene.dry_density();
+            let strained = water.density * soil * self.strain;
             // An undrained front strains cell by cell at `wave c/L`, in one cell at a time; a step is off by half its square.
             let wave = self.stress / (self.speed * self.speed * self.scene.mixture_density());
             // One runs along each direction; one towards an axis or away from it strains the soil around it as well.
@@ -210,29 +211,29 @@ impl<'a> Bounds<'a> {
             let on_the_way = ledger.darcy_dissipation_j.abs() + ledger.flow_body_work_j.abs();
             allowed += water.density * on_the_way / water.bulk_modulus;
             if !self.scene.is_one_dimensional() {
-                // Faces of cells stay where they are while soil strains along and across them: their areas are off, and the distances.
-                allowed += 2.0 * self.strain * moved;
+                // Faces stay where they are while soil strains along and across them, and moves water within: their areas are off.
+                allowed += 2.0 * self.strain * (moved + strained);
             }
             allowed += water.density * soil * second_order / self.scene.porosity;
             if self.scene.integrator == Integrator::SemiImplicit {
-                allowed += water.density * soil * self.strain * self.left_by_pressures;
+                allowed += strained * self.left_by_pressures;
             }
             allowed += water.density * soil * self.compression * self.compression;
             if self.scene.surcharge.is_some_and(|load| load.on == LoadOn::Plate) {
                 // Cells under a plate are strained as if they stayed as large as they were.
-                allowed += water.density * soil * self.strain * self.strain;
+                allowed += strained * self.strain;
             }
             if self.scene.update == UpdateChoice::Musl {
                 // The velocities that strain the soil are those of the surface smoothed over a cell, u + L^2/8 u'': beside a
                 // front of strain e they differ by L e/8.
-                allowed += water.density * soil * self.strain * self.scene.cell / (8.0 * self.scene.height);
+                allowed += strained * self.scene.cell / (8.0 * self.scene.height);
             }
             if !knows_volumes(self.scene) {
                 // Particles' volumes leave gaps in cells that are full of soil, by the strain.
-                allowed += self.strain * (moved + water.density * soil * self.strain);
+                allowed += self.strain * (moved + strained);
             }
             if self.scene.integrator == Integrator::QuasiStatic {
-                allowed += self.scene.tolerance * (moved + water.density * soil * self.strain);
+                allowed += self.scene.tolerance * (moved + strained);
                 // Of what drains before the first time that is asked for, the dissipation is not known.
                 allowed += self.compression * moved;
                 if self.scene.strain == StrainChoice::Large {

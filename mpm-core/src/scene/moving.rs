@@ -157,11 +157,6 @@ impl Fields {
         }
     }
 
-    /// Porosity of the soil that is compressed most at the end, `1 - (1 - n) h_0/h`, -; not above the first.
-    pub(crate) fn compressed_porosity(&self) -> f64 {
-        self.estimate().porosity
-    }
-
     /// What the scene's own choices cost that they say nothing about; one sentence each.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();

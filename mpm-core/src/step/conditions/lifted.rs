@@ -9,7 +9,7 @@
 use super::{Condition, Soil};
 use crate::observe::Totals;
 use crate::step::store::Nodes;
-use crate::step::store::nodes::{MIXTURE_MASS, SOLID_MASS};
+use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS};
 
 /// Least share of the mass that touches a node, along an axis with a surface.
 const SHARE: f64 = 0.25;
@@ -27,13 +27,15 @@ pub struct Lifted<const D: usize> {
     share: f64,
     /// Gravity, m/s2: inertia that is lent weighs nothing.
     gravity: [f64; D],
+    /// FLIP share of the velocity update.
+    flip: f64,
 }
 
 impl<const D: usize> Lifted<D> {
     /// For so many nodes. `level`: soil between held sides, whose only surface is on top, so that a block is as a column.
-    pub fn new(nodes: usize, level: bool, gravity: [f64; D]) -> Self {
+    pub fn new(nodes: usize, level: bool, gravity: [f64; D], flip: f64) -> Self {
         let share = if level { SHARE * FULL.powi(D as i32 - 1) } else { SHARE.powi(D as i32) };
-        Self { touching: vec![0.0; nodes], added: Vec::with_capacity(nodes), share, gravity }
+        Self { touching: vec![0.0; nodes], added: Vec::with_capacity(nodes), share, gravity, flip }
     }
 }
 
@@ -60,7 +62,12 @@ impl<const D: usize> Condition<D> for Lifted<D> {
             let node = node as usize;
             *nodes.sum_mut(MIXTURE_MASS, node) -= more;
             for d in 0..D {
-                totals.cut_off_impulse[d] -= dt * more * nodes.motion.acceleration[d][node];
+                let (motion, acceleration) = (&nodes.motion, nodes.motion.acceleration[d][node]);
+                // A node that is held stops what came with its particles: inertia that is lent came with none.
+                let came = nodes.sum(MOMENTUM + d, node) / nodes.sum(SOLID_MASS, node);
+                let stopped = motion.velocity[d][node] - came - dt * acceleration;
+                totals.support_impulse[d] -= more * (1.0 - self.flip) * stopped;
+                totals.cut_off_impulse[d] -= dt * more * acceleration;
                 nodes.push(node, d, more * self.gravity[d]);
             }
         }

@@ -455,16 +455,14 @@ impl<F: Copy, const D: usize> Common<'_, F, D> {
     pub fn lean(&self) -> Option<Self> {
         let elastic = Some(self.elastic?);
         let water = match self.water {
+            _ if self.coupled => return None,
             InPores::None => InPores::None,
             InPores::Particles { relative: None, rise: None, partly_drained: false } => {
                 InPores::Particles { relative: None, rise: None, partly_drained: false }
             }
             _ => return None,
         };
-        let (Rare { mapped: None, ratio: None, grains: None, biot: None, .. }, false) = (self.rare, self.coupled)
-        else {
-            return None;
-        };
+        let Rare { mapped: None, ratio: None, grains: None, biot: None, .. } = self.rare else { return None };
         let Rare { outflow: None, softness: None, axis: None, found: false, .. } = self.rare else { return None };
         let Kept { affine: None, state: None, strain: None } = self.kept else { return None };
         let kept = Kept { affine: None, state: None, strain: None };

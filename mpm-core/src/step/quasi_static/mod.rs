@@ -39,9 +39,6 @@ use crate::observe::{Ledger, Observation, Places, Push, SolidState, Totals};
 use crate::particles::SolidPoint;
 use crate::scene::{Scene, SolidSide, Stage, StepChoice, StrainChoice, TimeMethod};
 
-/// Round-off of a stress after some operations, of the stiffness.
-const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
-
 /// What a quasi-static run is made of.
 #[derive(Debug)]
 pub struct Seeding<L, const D: usize> {
@@ -226,7 +223,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     fn pressure_size(&self) -> f64 {
         let load = self.scene.largest_load();
         let weight = self.scene.gravity.unwrap_or(0.0) * self.scene.mixture_density() * self.scene.height;
-        self.at_least(ROUND_OFF / self.scene.tolerance, load + weight)
+        self.at_least(16.0 * f64::EPSILON / self.scene.tolerance, load + weight) // after some operations
     }
 
     /// Work of the present system into the totals, before it is replaced.
