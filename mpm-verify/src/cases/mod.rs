@@ -255,6 +255,7 @@ pub const LADDER: &[Rung] = &[
     wells::CASES[3],
     wells::CASES[4],
     wells::CASES[5],
+    wells::CASES[6],
     fabric::CASES[0],
     fabric::CASES[1],
     fabric::CASES[2],

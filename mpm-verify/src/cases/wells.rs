@@ -35,8 +35,11 @@ const WELL: Case = Case {
 const WELL_BY_FACES: Case =
     Case { change: semi_implicit, cells: &[20.0, 28.0, 40.0, 56.0], required: 2e-2, order: Some([1.5, 2.5]), ..WELL };
 
+/// What flows to the well in the time is more than a cell of its pores holds: water particles would leave some bare.
+const FOR_LONG: Case = Case { change: for_long, measure: steady, cells: &[20.0], required: 1e-2, order: None, ..LINE };
+
 /// All of them.
-pub const CASES: [Rung; 6] = [
+pub const CASES: [Rung; 7] = [
     case!("well-line", "drawdown beside a line of wells, B-splines", FASTER, faster, LINE),
     case!("well-line-semi-implicit", "the same semi-implicit, order 2", PUMPED, pumped, LINE_IN_STEPS),
     // What a pump sets swinging when it starts is no part of the solution: no order is expected.
@@ -45,6 +48,7 @@ pub const CASES: [Rung; 6] = [
     // Its steps in time are of first order, which shows on the finer meshes.
     case!("well-semi-implicit", "the same semi-implicit", PUMPED, pumped, Case { order: None, ..WELL_BY_FACES }),
     case!("well-explicit", "the same explicit, order 2", PUMPED, pumped, Case { change: explicit, ..WELL_BY_FACES }),
+    case!("well-for-long", "steady flow from both ends of a column to a well, explicit", PUMPED, pumped, FOR_LONG),
 ];
 
 fn explicit(scene: &mut Fields) {
@@ -61,6 +65,16 @@ fn semi_implicit(scene: &mut Fields) {
 fn in_steps(scene: &mut Fields) {
     semi_implicit(scene);
     scene.step = StepChoice::Fixed(2e-3);
+}
+
+/// Ends that drain, and flow of centimetres per second.
+fn for_long(scene: &mut Fields) {
+    explicit(scene);
+    scene.wells.iter_mut().for_each(|well| well.rate = 1e-2);
+    if let Some(water) = &mut scene.water {
+        (water.hydraulic_conductivity, water.bulk_modulus) = (1e-3, 2e7);
+    }
+    scene.stages.iter_mut().for_each(|stage| stage.drained = [false, false, true, true]);
 }
 
 fn pumped(scene: &mut Fields) {
@@ -93,5 +107,17 @@ pub(super) fn around(scene: &Scene) -> Measured {
             largest(sample.state.field.iter().filter(far).map(off)) / exact.drawdown(NEAR, sample.stage_time)
         };
         largest(run.observed().map(of))
+    }))
+}
+
+/// Pore pressure at all heights in steady flow over that at the well, `gamma_w q/(2 k) H/2`.
+fn steady(scene: &Scene) -> Measured {
+    let (Some(water), [well]) = (scene.water, &scene.wells[..]) else { return Err(Unfit("one well in a column")) };
+    let gradient = -water.unit_weight * well.rate / (2.0 * scene.width * water.hydraulic_conductivity);
+    let height = scene.height;
+    Ok(Box::new(move |run| {
+        let off = |row: &ProfileRow| row.pressure_pa - gradient * row.height_m.min(height - row.height_m);
+        let last = run.observed().last().map(|sample| largest(sample.state.profile.iter().map(off)));
+        last.unwrap_or(f64::NAN) / (0.5 * gradient * height).abs()
     }))
 }
