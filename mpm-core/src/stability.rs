@@ -367,16 +367,17 @@ fn flow_passes_held_soil(scene: &Fields) -> bool {
 /// but at a free end, and are held to the limit without inertia in Darcy's law (they run up to 1.010 to 1.177 times it
 /// with inertia): the lumped mass of their last coefficient is smaller than that which the relief counts on.
 pub fn explicit_limit(scene: &Fields) -> f64 {
-    let at_first = worst_soil(scene, explicit_limit_of);
     if !scene.moves_through_cells() {
-        return at_first;
+        return worst_soil(scene, explicit_limit_of);
     }
-    // Water is stiffer, K_w/n, in the pores that a load leaves.
-    let compressed = |soil: &Fields| {
-        let porosity = soil.estimate().porosity;
-        explicit_limit_of(&Fields { porosity: if porosity > 0.0 { porosity } else { soil.porosity }, ..soil.clone() })
-    };
-    at_first.min(PARTLY_FILLED.sqrt() * worst_soil(scene, compressed))
+    worst_soil(scene, |soil| {
+        // Water is stiffer, K_w/n, in the pores that a load leaves; soil is denser, and if much denser its limit is lowest at first.
+        let left = soil.estimate().porosity;
+        let porosity = if left > 0.0 { left } else { soil.porosity };
+        let compressed = PARTLY_FILLED.sqrt() * explicit_limit_of(&Fields { porosity, ..soil.clone() });
+        let much = PARTLY_FILLED * (1.0 - porosity) > 1.0 - soil.porosity;
+        if much { compressed.min(explicit_limit_of(soil)) } else { compressed }
+    })
 }
 
 fn explicit_limit_of(scene: &Fields) -> f64 {
