@@ -4,10 +4,10 @@
 //! 1. [`scenes`]: the scene files that the program carries.
 //! 2. [`exact`]: exact solutions, one per file. [`literature`]: published laws where there are none.
 //! 3. [`norms`], [`rates`]: the one definition of error; orders of convergence.
-//! 4. [`element`]: one law on prescribed paths. [`cases`]: the verification ladder, one case per file.
+//! 4. [`element`]: one law on prescribed paths. [`cases`]: the verification suite, one case per file.
 //! 5. [`study`]: refine, run, compare. [`budget`]: which part of an error comes from what. [`claims`]: the paper's
 //!    statements and their verdicts. [`sweeps`]: displaced particles, offsets of the mesh, errors in time.
-//!    [`stability`]: time-step limits, predicted and measured. [`hard`]: where assumptions are pushed.
+//!    [`stability`]: time-step limits, predicted and measured. [`stress`]: where assumptions are pushed.
 //! 6. [`levee`]: the levee that seepage makes fail: its run, checkpoints, claims, sensitivity.
 //! 7. [`report`]: tables, plots, pages. [`frames`]: stored frames of a run, to make its pictures again. [`manifest`]:
 //!    under which conditions. [`baseline`]: accepted values.
@@ -30,7 +30,6 @@ pub mod exact;
 pub mod files;
 pub mod frames;
 pub mod guides;
-pub mod hard;
 pub mod keeping;
 pub mod levee;
 pub mod literature;
@@ -45,6 +44,7 @@ pub mod rates;
 pub mod report;
 pub mod scenes;
 pub mod stability;
+pub mod stress;
 pub mod study;
 pub mod sweeps;
 pub mod unpanicked;

@@ -81,7 +81,7 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// The verification ladder: every case, or those named, or a scene of your own; exit code 1 when one falls short
+    /// The verification suite: every case, or those named, or a scene of your own; exit code 1 when one falls short
     Check {
         #[command(flatten)]
         options: check::Options,
@@ -95,7 +95,7 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// Study, ladder, stability, levee, random scenes and work, compared with the accepted baselines and remembered; exit code 1 when
+    /// Study, suite, stability, levee, random scenes and work, compared with the accepted baselines and remembered; exit code 1 when
     /// something moved
     Nightly {
         #[command(flatten)]
@@ -175,7 +175,7 @@ fn main() -> ExitCode {
 impl Failure {
     fn code(&self) -> u8 {
         match self {
-            Self::FellShort(_) => 1,
+            Self::CheckFailed(_) => 1,
             Self::BadInput(_) => 2,
             Self::RunFailed(_) => 3,
         }

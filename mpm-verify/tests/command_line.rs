@@ -181,11 +181,11 @@ fn check_ends_with_zero_when_every_case_holds() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = verify(folder.path(), &["check", "hydrostatic", "undrained", "dry-bar"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let ladder = std::fs::read_to_string(folder.path().join("reports/ladder/ladder.csv")).expect("a ladder");
-    let header = "rung,integrator,scheme,error,required_error,order,order_low,order_high,required_order,verdict,cpu_s,\
+    let suite = std::fs::read_to_string(folder.path().join("reports/suite/cases.csv")).expect("a suite");
+    let header = "case,integrator,scheme,error,required_error,order,order_low,order_high,required_order,verdict,cpu_s,\
                   reason,asymptotic,baseline,baseline_kind,change,tolerance";
-    assert_eq!(ladder.lines().next(), Some(header));
-    assert_eq!(ladder.lines().count(), 4);
+    assert_eq!(suite.lines().next(), Some(header));
+    assert_eq!(suite.lines().count(), 4);
     for file in [
         "index.html",
         "manifest.json",
@@ -195,17 +195,17 @@ fn check_ends_with_zero_when_every_case_holds() {
         "dry-bar.csv",
         "accepted.csv",
     ] {
-        assert!(folder.path().join("reports/ladder").join(file).exists(), "{file}");
+        assert!(folder.path().join("reports/suite").join(file).exists(), "{file}");
     }
-    let read = |name: &str| std::fs::read_to_string(folder.path().join("reports/ladder").join(name)).expect(name);
-    let samples = "rung,quantity,time_s,time_factor,computed,exact,error,unit,counts";
-    assert_eq!(read("ladder_samples.csv").lines().next(), Some(samples));
-    let refinements = "rung,by,parameter,unit,error,order,order_low,order_high,asymptotic,required_order,against";
-    assert_eq!(read("ladder_refinements.csv").lines().next(), Some(refinements));
-    // Every rung has a baseline, and what would be accepted is what is.
-    assert!(ladder.lines().skip(1).all(|line| line.contains(",verified,")), "{ladder}");
+    let read = |name: &str| std::fs::read_to_string(folder.path().join("reports/suite").join(name)).expect(name);
+    let samples = "case,quantity,time_s,time_factor,computed,exact,error,unit,counts";
+    assert_eq!(read("samples.csv").lines().next(), Some(samples));
+    let refinements = "case,by,parameter,unit,error,order,order_low,order_high,asymptotic,required_order,against";
+    assert_eq!(read("refinements.csv").lines().next(), Some(refinements));
+    // Every case has a baseline, and what would be accepted is what is.
+    assert!(suite.lines().skip(1).all(|line| line.contains(",verified,")), "{suite}");
     assert!(!String::from_utf8_lossy(&output.stdout).contains("without a baseline"));
-    let accepted = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-data/baselines/ladder.csv");
+    let accepted = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-data/baselines/cases.csv");
     assert_eq!(
         read("accepted.csv").lines().count(),
         std::fs::read_to_string(accepted).expect("baselines").lines().count()
@@ -214,9 +214,9 @@ fn check_ends_with_zero_when_every_case_holds() {
     let study = "study --mesh 0.1 --ppc 1 --quiet --no-cost --no-sweeps";
     assert!(verify(folder.path(), &study.split(' ').collect::<Vec<_>>()).status.success());
     let page = std::fs::read_to_string(folder.path().join("reports/index.html")).expect("a page");
-    assert!(page.contains("<a href=\"ladder/index.html\">"));
+    assert!(page.contains("<a href=\"suite/index.html\">"));
     assert!(verify(folder.path(), &["check", "dry-bar", "--quiet"]).status.success());
-    let page = std::fs::read_to_string(folder.path().join("reports/ladder/index.html")).expect("a page");
+    let page = std::fs::read_to_string(folder.path().join("reports/suite/index.html")).expect("a page");
     assert!(page.contains("<a href=\"../index.html\">"));
 }
 
@@ -237,10 +237,10 @@ fn a_scene_of_ones_own_is_checked_or_refused() {
         assert!(said.contains(words), "{words}: {said}");
     }
     let read = |name: &str| std::fs::read_to_string(folder.path().join("own").join(name)).expect(name);
-    assert!(read("ladder.csv").lines().count() == 2 && read("ladder.csv").contains("\nterzaghi-quasi-static,"));
-    assert!(read("ladder_samples.csv").lines().count() == 1 + 2 * 9 && read("index.html").contains("Refinements"));
+    assert!(read("cases.csv").lines().count() == 2 && read("cases.csv").contains("\nterzaghi-quasi-static,"));
+    assert!(read("samples.csv").lines().count() == 1 + 2 * 9 && read("index.html").contains("Refinements"));
     // Three meshes, four tolerances and two numbers of particles.
-    assert_eq!(read("ladder_refinements.csv").lines().count(), 1 + 3 + 4 + 2);
+    assert_eq!(read("refinements.csv").lines().count(), 1 + 3 + 4 + 2);
     // Another material from the command line, and the row as JSON.
     let text = std::fs::read_to_string(scene("terzaghi-quasi-static.toml")).expect("the scene");
     let other = text.replace("poisson_ratio = 0.30", "poisson_ratio = 0.45").replace("height = 1.0", "height = 5.0");
@@ -271,15 +271,15 @@ fn mutants_are_caught() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = verify(folder.path(), &["check", "--mutants", "hydrostatic", "quasi-static-steps", "mandel", "strip"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let rows = std::fs::read_to_string(folder.path().join("reports/ladder/mutants.csv")).expect("mutants");
+    let rows = std::fs::read_to_string(folder.path().join("reports/suite/mutants.csv")).expect("mutants");
     let mut lines = rows.lines();
-    assert_eq!(lines.next(), Some("rung,mutant,error,required_error,caught"));
+    assert_eq!(lines.next(), Some("case,mutant,error,required_error,caught"));
     assert!(rows.lines().count() == 5 && lines.all(|line| line.ends_with(",true")), "{rows}");
-    // The ladder itself was not climbed.
-    assert!(!folder.path().join("reports/ladder/ladder.csv").exists());
+    // The suite itself was not run.
+    assert!(!folder.path().join("reports/suite/cases.csv").exists());
     let json = verify(folder.path(), &["check", "--mutants", "strip", "--json"]);
     let rows: serde_json::Value = serde_json::from_slice(&json.stdout).expect("JSON on standard output");
-    assert_eq!((&rows[0]["rung"], &rows[0]["caught"]), (&"strip".into(), &true.into()));
+    assert_eq!((&rows[0]["case"], &rows[0]["caught"]), (&"strip".into(), &true.into()));
 }
 
 #[test]

@@ -74,7 +74,7 @@ fn results_of_a_run_are_those_of_that_run_alone() {
         assert!(theirs.iter().all(|name| at(name).exists()), "{name}: {:?}", names(&at("")));
     }
     let output = verify(folder.path(), &["check", "dry-bar", "--out", "out"]);
-    assert!(output.status.success() && at("ladder.csv").exists() && !at("history.csv").exists(), "{}", stderr(&output));
+    assert!(output.status.success() && at("cases.csv").exists() && !at("history.csv").exists(), "{}", stderr(&output));
     assert!(theirs.iter().all(|name| at(name).exists()));
 }
 
@@ -261,24 +261,24 @@ fn check_reads_the_accepted_errors_that_lie_on_the_disk_and_says_which() {
     assert!(code == Some(0) && said.contains("accepted errors: built in"), "{said}");
     let own = folder.path().join("reference-data/baselines");
     fs::create_dir_all(&own).expect("a folder");
-    let text = include_str!("../../reference-data/baselines/ladder.csv");
+    let text = include_str!("../../reference-data/baselines/cases.csv");
     let spoilt = |line: &str| match line.strip_prefix("dry-bar,") {
         Some(_) => "dry-bar,verified,1e-300,,1e-300\n".to_owned(),
         None => line.to_owned() + "\n",
     };
-    fs::write(own.join("ladder.csv"), text.lines().map(spoilt).collect::<String>()).expect("written");
+    fs::write(own.join("cases.csv"), text.lines().map(spoilt).collect::<String>()).expect("written");
     let (code, said) = check(&[]);
-    assert!(code == Some(1) && said.contains("reference-data/baselines/ladder.csv"), "{said}");
-    let ladder = fs::read_to_string(folder.path().join("reports/ladder/ladder.csv")).expect("a ladder");
-    assert!(ladder.contains("it was 1.000e-300 (baseline)"), "{ladder}");
+    assert!(code == Some(1) && said.contains("reference-data/baselines/cases.csv"), "{said}");
+    let suite = fs::read_to_string(folder.path().join("reports/suite/cases.csv")).expect("a suite");
+    assert!(suite.contains("it was 1.000e-300 (baseline)"), "{suite}");
     fs::create_dir(folder.path().join("other")).expect("a folder");
-    fs::write(folder.path().join("other/ladder.csv"), text).expect("written");
+    fs::write(folder.path().join("other/cases.csv"), text).expect("written");
     let (code, said) = check(&["--baselines", "other"]);
     assert!(code == Some(0) && said.contains("accepted errors: other"), "{said}");
-    for (name, text) in [("none", None), ("bad", Some("rung,kind\nx"))] {
+    for (name, text) in [("none", None), ("bad", Some("case,kind\nx"))] {
         fs::create_dir(folder.path().join(name)).expect("a folder");
-        text.iter().for_each(|text| fs::write(folder.path().join(name).join("ladder.csv"), text).expect("written"));
+        text.iter().for_each(|text| fs::write(folder.path().join(name).join("cases.csv"), text).expect("written"));
         let (code, said) = check(&["--baselines", name]);
-        assert!(code == Some(2) && said.contains(&format!("{name}/ladder.csv: ")), "{said}");
+        assert!(code == Some(2) && said.contains(&format!("{name}/cases.csv: ")), "{said}");
     }
 }

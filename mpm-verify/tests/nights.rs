@@ -79,7 +79,7 @@ fn what_cannot_be_accepted_is_refused() {
         (&["--accept", " "][..], "--accept: expected why"),
         (&["--accept", "why", "--from", "nowhere"], "nowhere"),
         (&["--from", "nowhere"], "--accept <WHY>"),
-        (&["--only", "nothing"], "possible values: study, ladder, stability, levee, metamorphic, work"),
+        (&["--only", "nothing"], "possible values: study, suite, stability, levee, metamorphic, work"),
         (&["--baselines", "nowhere"], "nowhere"),
     ] {
         let output = nightly(root.path(), arguments);

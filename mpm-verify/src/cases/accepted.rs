@@ -1,25 +1,25 @@
 //! The errors of cases beside the accepted ones.
 
-use super::{Climb, LADDER};
-use crate::baseline::ladder::{Accepted, GROWTH, Kind, LABEL, baselines, floor};
+use super::{Judged, SUITE};
+use crate::baseline::suite::{Accepted, GROWTH, Kind, LABEL, baselines, floor};
 
 /// Holds a case's error against the accepted one: notes both, and lets the case fail if its error has grown or fallen.
-pub(super) fn compare(climb: &mut Climb) {
-    compare_with(&baselines(), climb);
+pub(super) fn compare(judged: &mut Judged) {
+    compare_with(&baselines(), judged);
 }
 
-fn compare_with(accepted: &[Accepted], climb: &mut Climb) {
-    let Some(row) = accepted.iter().find(|row| row.rung == climb.step.rung) else { return };
-    let error = climb.step.error;
-    climb.step.baseline = Some(row.error);
-    climb.step.change = Some(if error == row.error { 1.0 } else { error / row.error }).filter(|c| c.is_finite());
+fn compare_with(accepted: &[Accepted], judged: &mut Judged) {
+    let Some(row) = accepted.iter().find(|row| row.case == judged.row.case) else { return };
+    let error = judged.row.error;
+    judged.row.baseline = Some(row.error);
+    judged.row.change = Some(if error == row.error { 1.0 } else { error / row.error }).filter(|c| c.is_finite());
     let most = 100.0 * (GROWTH - 1.0);
     if error > GROWTH * row.error && error - row.error > row.floor {
-        climb.fall(&format!("it was {:.3e} (baseline) and may grow by {most:.0} %", row.error));
+        judged.fail(&format!("it was {:.3e} (baseline) and may grow by {most:.0} %", row.error));
     }
     if GROWTH * error < row.error && row.error - error > row.floor {
         let was = row.error;
-        climb.fall(&format!(
+        judged.fail(&format!(
             "it was {was:.3e} (baseline) and may fall by {most:.0} %; accept what it is now if you know why"
         ));
     }
@@ -27,63 +27,64 @@ fn compare_with(accepted: &[Accepted], climb: &mut Climb) {
 
 /// The baselines as they would be with these cases, all others as they are: to be put in place of the old ones once a
 /// change is accepted. Cases that fell short of more than their baseline keep their old row.
-pub fn accepted(climbs: &[Climb]) -> String {
+pub fn accepted(judged: &[Judged]) -> String {
     let known = baselines();
     let mut text = LABEL.to_owned();
-    for rung in LADDER {
-        let old = known.iter().find(|row| row.rung == rung.name);
-        let new = climbs.iter().find(|climb| climb.step.rung == rung.name && climb.sound).map(|climb| row(climb, old));
+    for case in SUITE {
+        let old = known.iter().find(|row| row.case == case.name);
+        let new =
+            judged.iter().find(|judged| judged.row.case == case.name && judged.sound).map(|judged| row(judged, old));
         if let Some(row) = new.as_ref().or(old) {
             let kind = if row.kind == Kind::Verified { "verified" } else { "regression" };
             let order = row.order.map_or(String::new(), |order| format!("{order:.3}"));
-            text.push_str(&format!("{},{kind},{:?},{order},{:?}\n", row.rung, row.error, row.floor));
+            text.push_str(&format!("{},{kind},{:?},{order},{:?}\n", row.case, row.error, row.floor));
         }
     }
     text
 }
 
 /// The row of a case. A floor that someone has widened by hand stays.
-fn row(climb: &Climb, old: Option<&Accepted>) -> Accepted {
-    let step = &climb.step;
+fn row(judged: &Judged, old: Option<&Accepted>) -> Accepted {
+    let step = &judged.row;
     let floor = floor(step.error, step.required_error, step.tolerance).max(old.map_or(0.0, |row| row.floor));
-    Accepted { rung: step.rung.clone(), kind: step.baseline_kind, error: step.error, order: step.order, floor }
+    Accepted { case: step.case.clone(), kind: step.baseline_kind, error: step.error, order: step.order, floor }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::baseline::ladder::ACCEPTED;
+    use crate::baseline::suite::ACCEPTED;
 
     #[test]
     fn every_baseline_is_that_of_a_case() {
         for row in baselines() {
-            assert!(LADDER.iter().any(|rung| rung.name == row.rung), "{} is no case", row.rung);
+            assert!(SUITE.iter().any(|case| case.name == row.case), "{} is no case", row.case);
             assert!(row.error >= 0.0 && row.floor > 0.0, "{row:?}");
         }
     }
 
     #[test]
     fn an_error_that_has_moved_lets_its_case_fail() {
-        let rung = LADDER.iter().find(|rung| rung.name == "hydrostatic").expect("a case");
-        let climb = rung.climb().expect("runs that finish");
-        assert!(climb.step.held(), "{}", climb.reason);
-        let error = climb.step.error;
+        let case = SUITE.iter().find(|case| case.name == "hydrostatic").expect("a case");
+        let judged = case.judged().expect("runs that finish");
+        assert!(judged.row.passed(), "{}", judged.reason);
+        let error = judged.row.error;
         let with = |accepted: f64, floor: f64| {
-            let mut climb = climb.clone();
+            let mut judged = judged.clone();
             let row =
-                Accepted { rung: rung.name.to_owned(), kind: Kind::Verified, error: accepted, order: None, floor };
-            compare_with(&[row], &mut climb);
-            climb
+                Accepted { case: case.name.to_owned(), kind: Kind::Verified, error: accepted, order: None, floor };
+            compare_with(&[row], &mut judged);
+            judged
         };
-        assert!(with(error, 0.0).step.held() && with(1.01 * error, 0.0).step.held());
-        assert!(with(error / 1.01, 0.0).step.held() && with(error / 2.0, error).step.held());
-        assert!(with(1.5 * error, error).step.held());
+        assert!(with(error, 0.0).row.passed() && with(1.01 * error, 0.0).row.passed());
+        assert!(with(error / 1.01, 0.0).row.passed() && with(error / 2.0, error).row.passed());
+        assert!(with(1.5 * error, error).row.passed());
         let fallen = with(1.03 * error, 0.0);
-        assert!(!fallen.step.held() && fallen.reason.contains("(baseline) and may fall by 2 %"), "{}", fallen.reason);
+        assert!(!fallen.row.passed() && fallen.reason.contains("(baseline) and may fall by 2 %"), "{}", fallen.reason);
         let grown = with(error / 1.03, 0.0);
-        assert!(!grown.step.held() && grown.reason.contains("(baseline) and may grow by 2 %"), "{}", grown.reason);
-        assert_eq!(grown.reason, grown.step.reason);
-        assert!(grown.step.change.is_some_and(|change| (change - 1.03).abs() < 1e-9));
+        assert!(!grown.row.passed() && grown.reason.contains("(baseline) and may grow by 2 %"), "{}", grown.reason);
+        assert_eq!(grown.reason, grown.row.reason);
+        assert!(grown.row.change.is_some_and(|change| (change - 1.03).abs() < 1e-9));
     }
 
     #[test]

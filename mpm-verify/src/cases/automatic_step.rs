@@ -7,15 +7,15 @@
 use mpm_core::scene::{Scene, ShapeChoice, StepChoice, Until};
 
 use super::evidence::RUNS;
-use super::{Error, Mutant, Outcome, Rung, finished};
+use super::{Case, Error, Mutant, Outcome, finished};
 use crate::norms::largest;
 
 /// The case.
-pub const RUNG: Rung = Rung {
+pub const CASE: Case = Case {
     name: "automatic-step",
     about: "the automatic explicit step of dry and of closed columns over the limit of the shortest wave times its safety",
-    climb: || climb(1.0),
-    mutant: Some(Mutant { what: "soil 1 % stiffer", climb: || climb(1.01) }),
+    run: || outcome(1.0),
+    mutant: Some(Mutant { what: "soil 1 % stiffer", run: || outcome(1.01) }),
 };
 
 /// Particles per cell, and S of the shortest wave: the mean of (1 - 2 xi)^2 over the places xi of the particles along an edge.
@@ -23,7 +23,7 @@ const SHARES: [(usize, f64); 3] = [(1, 0.0), (4, 1.0 / 4.0), (9, 8.0 / 27.0)];
 const SAFETIES: [f64; 2] = [0.9, 0.45];
 
 /// Runs of a few steps; the soil is stiffer than the limit knows by a factor.
-fn climb(factor: f64) -> Result<Outcome, Error> {
+fn outcome(factor: f64) -> Result<Outcome, Error> {
     let built_in = |name| crate::scenes::built_in(name);
     let dry: Scene = built_in("dry-bar")?;
     let closed = crate::scenes::terzaghi().edited(|closed| {

@@ -4,12 +4,12 @@ use mpm_core::drive::Sample;
 use mpm_core::observe::FieldPoint;
 use mpm_core::scene::{Course, Dimension, Fields, Integrator, Scene, ShapeChoice, StrainChoice, Until};
 
-use super::setup::{Case, Measured, case, refined};
-use super::{Rung, Unfit, sound};
+use super::setup::{Measured, Setup, case, refined};
+use super::{Case, Unfit, sound};
 use crate::exact::radial::Radial;
 use crate::norms::largest;
 
-const DE_LEEUW: Case = Case {
+const DE_LEEUW: Setup = Setup {
     scene: "de-leeuw",
     change: sound,
     mesh: refined,
@@ -19,7 +19,7 @@ const DE_LEEUW: Case = Case {
     order: None,
 };
 /// Errors of cut cells go up and down with how they are cut, so that the order is that of many meshes.
-const CRYER: Case = Case {
+const CRYER: Setup = Setup {
     scene: "cryer",
     change: sound,
     mesh: refined,
@@ -31,28 +31,28 @@ const CRYER: Case = Case {
 const SECOND: Option<[f64; 2]> = Some([1.6, 2.6]);
 
 /// All of them.
-pub const CASES: [Rung; 5] = [
+pub const CASES: [Case; 5] = [
     case!("de-leeuw", "De Leeuw's cylinder about an axis: B-splines, quasi-static", PLANE, plane, DE_LEEUW),
     case!(
         "de-leeuw-centre",
         "the same, centre values",
         PLANE,
         plane,
-        Case { change: at_centres, cells: &[2.0, 3.0, 4.0, 6.0, 8.0], required: 2e-2, order: SECOND, ..DE_LEEUW }
+        Setup { change: at_centres, cells: &[2.0, 3.0, 4.0, 6.0, 8.0], required: 2e-2, order: SECOND, ..DE_LEEUW }
     ),
     case!(
         "de-leeuw-semi-implicit",
         "the same semi-implicit",
         PLANE,
         plane,
-        Case { change: slow_semi_implicit, cells: &[3.0, 4.0, 6.0, 8.0], required: 2e-2, order: SECOND, ..DE_LEEUW }
+        Setup { change: slow_semi_implicit, cells: &[3.0, 4.0, 6.0, 8.0], required: 2e-2, order: SECOND, ..DE_LEEUW }
     ),
     case!(
         "de-leeuw-explicit",
         "the same explicit",
         PLANE,
         plane,
-        Case { change: slow_explicit, cells: &[2.0, 3.0, 4.0], required: 3e-2, ..DE_LEEUW }
+        Setup { change: slow_explicit, cells: &[2.0, 3.0, 4.0], required: 3e-2, ..DE_LEEUW }
     ),
     case!("cryer", "Cryer's sphere in cells that its outline cuts: semi-implicit", PLANE, plane, CRYER),
 ];

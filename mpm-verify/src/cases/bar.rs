@@ -12,30 +12,30 @@ use mpm_core::stability::{choose_step, shortest_transfer};
 use super::evidence::{PARTICLES, Refinement, STEP, Sampled};
 use super::looks::{Look, Looks, in_particles, in_time};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{Error, Lacks, Mutant, Outcome, Rung, finished_given, integrator, scheme};
+use super::{Case, Error, Lacks, Mutant, Outcome, finished_given, integrator, scheme};
 
 /// Displacement of the top over five swings.
-pub const PERIOD: Rung = Rung {
+pub const PERIOD: Case = Case {
     name: "bar-period",
     about: "a bar in its first mode: displacement of the top over five swings, order 2",
-    climb: || period(1.0),
-    mutant: Some(Mutant { what: "skeleton 5 % too stiff", climb: || period(1.05) }),
+    run: || period(1.0),
+    mutant: Some(Mutant { what: "skeleton 5 % too stiff", run: || period(1.05) }),
 };
 
 /// Energy under FLIP.
-pub const ENERGY: Rung = Rung {
+pub const ENERGY: Case = Case {
     name: "bar-energy",
     about: "the same over 50 swings with FLIP: rate at which the energy is lost, (1 - S) w^2 dt",
-    climb: || energy(1.0),
-    mutant: Some(Mutant { what: "a thousandth of PIC", climb: || energy(0.999) }),
+    run: || energy(1.0),
+    mutant: Some(Mutant { what: "a thousandth of PIC", run: || energy(0.999) }),
 };
 
 /// Energy under PIC.
-pub const PIC: Rung = Rung {
+pub const PIC: Case = Case {
     name: "bar-pic",
     about: "the same with PIC: rate at which the energy is lost, (1 - S)/dt",
-    climb: || pic(0.0),
-    mutant: Some(Mutant { what: "a tenth of FLIP", climb: || pic(0.1) }),
+    run: || pic(0.0),
+    mutant: Some(Mutant { what: "a tenth of FLIP", run: || pic(0.1) }),
 };
 
 /// Swings over which energy is kept, and looks at each.

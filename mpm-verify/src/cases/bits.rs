@@ -9,39 +9,39 @@ use mpm_core::scene::{Base, Dimension, LoadedStrip, Scene, ShapeChoice, Start, S
 use mpm_core::stability::choose_step;
 
 use super::evidence::RUNS;
-use super::{Error, Mutant, Outcome, Rung, Unfit, whole};
+use super::{Case, Error, Mutant, Outcome, Unfit, whole};
 use crate::nightly::work::GATES;
 
 /// Threads, and vectors of any width.
-pub const THREADS: Rung = Rung {
+pub const THREADS: Case = Case {
     name: "same-bits-threads",
     about: "a block in plane strain on 1, 2, 3 and 8 threads, with lanes of every width: numbers that differ",
-    climb: || threads(0.0),
-    mutant: Some(Mutant { what: "a load larger by 1e-14 on three threads", climb: || threads(1e-14) }),
+    run: || threads(0.0),
+    mutant: Some(Mutant { what: "a load larger by 1e-14 on three threads", run: || threads(1e-14) }),
 };
 
 /// Every path through the solver, run again.
-pub const AGAIN: Rung = Rung {
+pub const AGAIN: Case = Case {
     name: "same-bits-again",
     about: "every integrator and shape run twice, on two threads side by side: runs that differ",
-    climb: || again(0.0),
-    mutant: Some(Mutant { what: "a porosity larger by 1e-14 the second time", climb: || again(1e-14) }),
+    run: || again(0.0),
+    mutant: Some(Mutant { what: "a porosity larger by 1e-14 the second time", run: || again(1e-14) }),
 };
 
 /// Every path, in pieces.
-pub const RESUMED: Rung = Rung {
+pub const RESUMED: Case = Case {
     name: "same-bits-resumed",
     about: "every integrator and shape stopped at every look and taken up by another model: runs that differ",
-    climb: || resumed(false),
-    mutant: Some(Mutant { what: "the last look is not taken up", climb: || resumed(true) }),
+    run: || resumed(false),
+    mutant: Some(Mutant { what: "the last look is not taken up", run: || resumed(true) }),
 };
 
 /// A levee, in pieces.
-pub const LEVEE: Rung = Rung {
+pub const LEVEE: Case = Case {
     name: "same-bits-levee",
     about: "a levee that slides, stopped and taken up by another driver: parts of its state that differ",
-    climb: || levee(false),
-    mutant: Some(Mutant { what: "a look more", climb: || levee(true) }),
+    run: || levee(false),
+    mutant: Some(Mutant { what: "a look more", run: || levee(true) }),
 };
 
 /// Hash of all that a run says. What lists have in reserve is no result.
@@ -227,11 +227,11 @@ mod tests {
 
     #[test]
     fn bits_are_the_same_and_another_bit_is_found() {
-        for rung in [THREADS, AGAIN, RESUMED, LEVEE] {
-            let climb = rung.climb().expect("runs that finish");
-            assert!(climb.step.held(), "{}: {}", rung.name, climb.reason);
-            let spoilt = rung.climb_mutant().expect("a mutant").expect("runs that finish");
-            assert!(!spoilt.step.held(), "{}: {}", rung.name, spoilt.reason);
+        for case in [THREADS, AGAIN, RESUMED, LEVEE] {
+            let judged = case.judged().expect("runs that finish");
+            assert!(judged.row.passed(), "{}: {}", case.name, judged.reason);
+            let spoilt = case.mutant_judged().expect("a mutant").expect("runs that finish");
+            assert!(!spoilt.row.passed(), "{}: {}", case.name, spoilt.reason);
         }
     }
 }

@@ -9,39 +9,39 @@ use mpm_core::scene::{Base, Fields, Scene, StepChoice};
 use mpm_core::stability::choose_step;
 
 use super::looks::{Look, Looks, in_particles, in_time};
-use super::{Error, Lacks, Mutant, Outcome, Rung, finished, integrator, scheme, sound};
+use super::{Case, Error, Lacks, Mutant, Outcome, finished, integrator, scheme, sound};
 use crate::exact::sliding::Sliding;
 
 /// Thrown along a flat base.
-pub const STOPS: Rung = Rung {
+pub const STOPS: Case = Case {
     name: "block-stops",
     about: "a block thrown along a base comes to rest after v^2/(2 mu g)",
-    climb: || way("block-stops", sound),
-    mutant: Some(Mutant { what: "friction 5 % too high", climb: mutant }),
+    run: || way("block-stops", sound),
+    mutant: Some(Mutant { what: "friction 5 % too high", run: mutant }),
 };
 
 /// Steeper than its friction.
-pub const SLIDES: Rung = Rung {
+pub const SLIDES: Case = Case {
     name: "block-slides",
     about: "a block on an incline slides with g (sin b - mu cos b)",
-    climb: || way("block-on-incline", sound),
-    mutant: Some(Mutant { what: "gravity tilted by one degree too much", climb: mutant_of_gravity }),
+    run: || way("block-on-incline", sound),
+    mutant: Some(Mutant { what: "gravity tilted by one degree too much", run: mutant_of_gravity }),
 };
 
 /// Friction that falls with slip.
-pub const WEAKENS: Rung = Rung {
+pub const WEAKENS: Case = Case {
     name: "block-weakens",
     about: "a base that weakens with slip: cosh(w t), then the residual friction",
-    climb: || way("block-weakens", sound),
-    mutant: Some(Mutant { what: "a slip distance 5 % too short", climb: mutant_of_weakening }),
+    run: || way("block-weakens", sound),
+    mutant: Some(Mutant { what: "a slip distance 5 % too short", run: mutant_of_weakening }),
 };
 
 /// Less steep than its friction.
-pub const STICKS: Rung = Rung {
+pub const STICKS: Case = Case {
     name: "block-sticks",
     about: "a block on an incline below the friction angle: no friction work at all",
-    climb: || sticks(30.0),
-    mutant: Some(Mutant { what: "a friction angle half a degree below the slope", climb: mutant_of_sticking }),
+    run: || sticks(30.0),
+    mutant: Some(Mutant { what: "a friction angle half a degree below the slope", run: mutant_of_sticking }),
 };
 
 const ROWS: [usize; 4] = [1, 2, 3, 4];
@@ -163,12 +163,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_rungs_hold_and_their_mutants_fall_short() {
-        for rung in [STOPS, SLIDES, WEAKENS, STICKS] {
-            let climb = rung.climb().expect("runs that finish");
-            assert!(climb.step.held(), "{}: {}", rung.name, climb.reason);
-            let spoilt = rung.climb_mutant().expect("a mutant").expect("runs that finish");
-            assert!(!spoilt.step.held(), "{}: {}", rung.name, spoilt.reason);
+    fn the_cases_pass_and_their_mutants_fall_short() {
+        for case in [STOPS, SLIDES, WEAKENS, STICKS] {
+            let judged = case.judged().expect("runs that finish");
+            assert!(judged.row.passed(), "{}: {}", case.name, judged.reason);
+            let spoilt = case.mutant_judged().expect("a mutant").expect("runs that finish");
+            assert!(!spoilt.row.passed(), "{}: {}", case.name, spoilt.reason);
         }
     }
 }

@@ -5,21 +5,21 @@ use mpm_core::observe::FieldPoint;
 use mpm_core::scene::{Fields, Scene};
 
 use super::looks::{Look, Looks, in_particles};
-use super::{Error, FASTER, Lacks, Mutant, Outcome, Rung, Unfit, faster, finished, integrator, sound};
+use super::{Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, faster, finished, integrator, sound};
 use crate::exact::boussinesq::Wetting;
 
-/// The rung.
-pub const RUNG: Rung = Rung {
+/// The case.
+pub const CASE: Case = Case {
     name: "front-boussinesq",
     about: "tip of the water at lambda sqrt(k H t/n) from 4 H on, to half a cell on every mesh",
-    climb: || climb(sound),
-    mutant: Some(Mutant { what: FASTER, climb: || climb(faster) }),
+    run: || outcome(sound),
+    mutant: Some(Mutant { what: FASTER, run: || outcome(faster) }),
 };
 
 /// Rows of cells over the height.
 const ROWS: [usize; 4] = [5, 10, 15, 20];
 
-fn climb(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let base = crate::scenes::built_in("boussinesq").expect("the built-in scene holds");
     let water = base.water.ok_or(Unfit("the scene is dry"))?;
     let exact = Wetting::new(water.hydraulic_conductivity, base.porosity, 1.0);

@@ -6,30 +6,30 @@
 use mpm_core::scene::{Fields, Scene, Until};
 
 use super::evidence::{MESH, PARTICLES, Refinement};
-use super::{Error, Lacks, Mutant, Outcome, Rung, finished, integrator, scheme, sound};
-use crate::baseline::ladder::Kind as Baseline;
+use super::{Case, Error, Lacks, Mutant, Outcome, finished, integrator, scheme, sound};
+use crate::baseline::suite::Kind as Baseline;
 use crate::literature::{Kind, run_out};
 use crate::norms::worst;
 
 /// Dry columns.
-pub const DRY: Rung = Rung {
+pub const DRY: Case = Case {
     name: "collapse-dry",
     about: "run-out of dry columns of aspect ratio 1, 2 and 4 within the scatter of published laws",
-    climb: || climb("collapse-dry", &[0.1, 0.05], &[1.0, 2.0, 4.0], Kind::Dry, sound),
+    run: || outcome("collapse-dry", &[0.1, 0.05], &[1.0, 2.0, 4.0], Kind::Dry, sound),
     mutant: Some(Mutant {
         what: "friction of 60 degrees",
-        climb: || climb("collapse-dry", &[0.1, 0.05], &[1.0, 2.0, 4.0], Kind::Dry, rough),
+        run: || outcome("collapse-dry", &[0.1, 0.05], &[1.0, 2.0, 4.0], Kind::Dry, rough),
     }),
 };
 
 /// Columns full of water.
-pub const SATURATED: Rung = Rung {
+pub const SATURATED: Case = Case {
     name: "collapse-saturated",
     about: "run-out of saturated columns in air of aspect ratio 1 and 2 within the scatter of laws for immersed ones",
-    climb: || climb("collapse-saturated", &[0.1], &[1.0, 2.0], Kind::Immersed, sound),
+    run: || outcome("collapse-saturated", &[0.1], &[1.0, 2.0], Kind::Immersed, sound),
     mutant: Some(Mutant {
         what: "friction of 60 degrees",
-        climb: || climb("collapse-saturated", &[0.1], &[1.0, 2.0], Kind::Immersed, rough),
+        run: || outcome("collapse-saturated", &[0.1], &[1.0, 2.0], Kind::Immersed, rough),
     }),
 };
 
@@ -71,7 +71,7 @@ fn in_band(found: f64, (low, high): (f64, f64)) -> f64 {
     (found - 0.5 * (low + high)) / (0.5 * (high - low))
 }
 
-fn climb(name: &str, meshes: &[f64], aspects: &[f64], kind: Kind, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(name: &str, meshes: &[f64], aspects: &[f64], kind: Kind, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let base = crate::scenes::built_in(name).expect("the built-in scene holds");
     let (mut errors, mut notes) = (Vec::new(), Vec::new());
     for &cell in meshes {

@@ -8,90 +8,90 @@ use mpm_core::stability::stable_limit;
 use super::evidence::{MESH, Refinement, TOLERANCE};
 use super::looks::{Look, Looks, Norm, in_particles, in_time};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{Error, Lacks, Mutant, Outcome, Rung, Unfit, asked, integrator, scheme};
+use super::{Case, Error, Lacks, Mutant, Outcome, Unfit, asked, integrator, scheme};
 use crate::exact::layered::Layered;
-use crate::hard::contrast::{Contrast, Quantity, conductivity, executed, found, scene, stiffness};
 use crate::norms::largest;
+use crate::stress::contrast::{Contrast, Quantity, conductivity, executed, found, scene, stiffness};
 
 /// Conductivity, B-splines.
-pub const CONDUCTIVITY: Rung = Rung {
+pub const CONDUCTIVITY: Case = Case {
     name: "contrast-k",
     about: "two layers, k x 10 to 1e6 both ways, B-splines: settlement, order 3 or more",
-    climb: || splines(CONDUCTIVITIES, SETTLEMENT, 1e-6, SOUND),
-    mutant: Some(Mutant { what: TIGHT, climb: || splines(CONDUCTIVITIES, SETTLEMENT, 1e-6, SLOWER) }),
+    run: || splines(CONDUCTIVITIES, SETTLEMENT, 1e-6, SOUND),
+    mutant: Some(Mutant { what: TIGHT, run: || splines(CONDUCTIVITIES, SETTLEMENT, 1e-6, SLOWER) }),
 };
 
 /// Its pressures.
-pub const CONDUCTIVITY_PROFILE: Rung = Rung {
+pub const CONDUCTIVITY_PROFILE: Case = Case {
     name: "contrast-k-profile",
     about: "the same: pore pressure, order 3 or more",
-    climb: || splines(CONDUCTIVITIES, PROFILE, 3e-5, SOUND),
-    mutant: Some(Mutant { what: TIGHT, climb: || splines(CONDUCTIVITIES, PROFILE, 3e-5, SLOWER) }),
+    run: || splines(CONDUCTIVITIES, PROFILE, 3e-5, SOUND),
+    mutant: Some(Mutant { what: TIGHT, run: || splines(CONDUCTIVITIES, PROFILE, 3e-5, SLOWER) }),
 };
 
 /// Conductivity, the paper's scheme.
-pub const CONDUCTIVITY_CENTRE: Rung = Rung {
+pub const CONDUCTIVITY_CENTRE: Case = Case {
     name: "contrast-k-centre",
     about: "the same with centre values and the harmonic mean at the interface: order 2",
-    climb: || centre(CONDUCTIVITIES, SOUND),
-    mutant: Some(Mutant { what: TIGHT, climb: || centre(CONDUCTIVITIES, SLOWER) }),
+    run: || centre(CONDUCTIVITIES, SOUND),
+    mutant: Some(Mutant { what: TIGHT, run: || centre(CONDUCTIVITIES, SLOWER) }),
 };
 
 /// Conductivity with an implicit pressure: a jump of 1e6 takes 2e7 steps on 20 cells.
-pub const CONDUCTIVITY_SEMI: Rung = Rung {
+pub const CONDUCTIVITY_SEMI: Case = Case {
     name: "contrast-k-semi",
     about: "two layers, k x 10 and 1e3 both ways, implicit pressure: settlement, order 2",
-    climb: || implicit_pressure(DYNAMIC_CONDUCTIVITIES, SOUND),
-    mutant: Some(Mutant { what: TIGHT, climb: || implicit_pressure(DYNAMIC_CONDUCTIVITIES, SLOWER) }),
+    run: || implicit_pressure(DYNAMIC_CONDUCTIVITIES, SOUND),
+    mutant: Some(Mutant { what: TIGHT, run: || implicit_pressure(DYNAMIC_CONDUCTIVITIES, SLOWER) }),
 };
 
 /// Conductivity with the paper's step, whose limit is that of the faster layer: a jump of 1e6 takes 1e9 steps on ten
 /// cells.
-pub const CONDUCTIVITY_EXPLICIT: Rung = Rung {
+pub const CONDUCTIVITY_EXPLICIT: Case = Case {
     name: "contrast-k-explicit",
     about: "two layers, k x 10 both ways, explicit: settlement, order 2",
-    climb: || explicit(&[conductivity(10.0), conductivity(0.1)], SOUND),
-    mutant: Some(Mutant { what: TIGHT, climb: || explicit(&[conductivity(10.0), conductivity(0.1)], SLOWER) }),
+    run: || explicit(&[conductivity(10.0), conductivity(0.1)], SOUND),
+    mutant: Some(Mutant { what: TIGHT, run: || explicit(&[conductivity(10.0), conductivity(0.1)], SLOWER) }),
 };
 
 /// Stiffness, B-splines.
-pub const STIFFNESS: Rung = Rung {
+pub const STIFFNESS: Case = Case {
     name: "contrast-e",
     about: "two layers, E x 10 to 1e4 both ways, B-splines: settlement, order 3 or more",
-    climb: || splines(STIFFNESSES, SETTLEMENT, 1e-6, SOUND),
-    mutant: Some(Mutant { what: TIGHT, climb: || splines(STIFFNESSES, SETTLEMENT, 1e-6, SLOWER) }),
+    run: || splines(STIFFNESSES, SETTLEMENT, 1e-6, SOUND),
+    mutant: Some(Mutant { what: TIGHT, run: || splines(STIFFNESSES, SETTLEMENT, 1e-6, SLOWER) }),
 };
 
 /// Its pressures.
-pub const STIFFNESS_PROFILE: Rung = Rung {
+pub const STIFFNESS_PROFILE: Case = Case {
     name: "contrast-e-profile",
     about: "the same: pore pressure, order 3 or more",
-    climb: || splines(STIFFNESSES, PROFILE, 3e-5, SOUND),
-    mutant: Some(Mutant { what: TIGHT, climb: || splines(STIFFNESSES, PROFILE, 3e-5, SLOWER) }),
+    run: || splines(STIFFNESSES, PROFILE, 3e-5, SOUND),
+    mutant: Some(Mutant { what: TIGHT, run: || splines(STIFFNESSES, PROFILE, 3e-5, SLOWER) }),
 };
 
 /// Stiffness, the paper's scheme.
-pub const STIFFNESS_CENTRE: Rung = Rung {
+pub const STIFFNESS_CENTRE: Case = Case {
     name: "contrast-e-centre",
     about: "the same with centre values: order 2",
-    climb: || centre(STIFFNESSES, SOUND),
-    mutant: Some(Mutant { what: TIGHT, climb: || centre(STIFFNESSES, SLOWER) }),
+    run: || centre(STIFFNESSES, SOUND),
+    mutant: Some(Mutant { what: TIGHT, run: || centre(STIFFNESSES, SLOWER) }),
 };
 
 /// Stiffness with an implicit pressure: a jump of 1e4 takes 2e5 steps on 20 cells.
-pub const STIFFNESS_SEMI: Rung = Rung {
+pub const STIFFNESS_SEMI: Case = Case {
     name: "contrast-e-semi",
     about: "two layers, E x 10 and 100 both ways, implicit pressure: settlement, order 2",
-    climb: || implicit_pressure(DYNAMIC_STIFFNESSES, SOUND),
-    mutant: Some(Mutant { what: TIGHT, climb: || implicit_pressure(DYNAMIC_STIFFNESSES, SLOWER) }),
+    run: || implicit_pressure(DYNAMIC_STIFFNESSES, SOUND),
+    mutant: Some(Mutant { what: TIGHT, run: || implicit_pressure(DYNAMIC_STIFFNESSES, SLOWER) }),
 };
 
 /// Stiffness with the paper's step: a jump of 1e4 takes 9e6 steps on ten cells.
-pub const STIFFNESS_EXPLICIT: Rung = Rung {
+pub const STIFFNESS_EXPLICIT: Case = Case {
     name: "contrast-e-explicit",
     about: "two layers, E x 10 both ways, explicit: settlement, order 2",
-    climb: || explicit(&[stiffness(10.0), stiffness(0.1)], SOUND),
-    mutant: Some(Mutant { what: TIGHT, climb: || explicit(&[stiffness(10.0), stiffness(0.1)], SLOWER) }),
+    run: || explicit(&[stiffness(10.0), stiffness(0.1)], SOUND),
+    mutant: Some(Mutant { what: TIGHT, run: || explicit(&[stiffness(10.0), stiffness(0.1)], SLOWER) }),
 };
 
 const CONDUCTIVITIES: &[Contrast] = &[
@@ -302,16 +302,16 @@ fn plant(scene: &mut Fields, factor: f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::LADDER;
+    use super::super::SUITE;
 
     #[test]
     fn contrasts_hold_and_a_fault_in_a_layer_is_found() {
-        for rung in LADDER.iter().filter(|rung| rung.name.starts_with("contrast-")) {
-            let climb = rung.climb().expect("runs that finish");
-            println!("{}: {} {:?}", rung.name, climb.reason, climb.errors);
-            assert!(climb.step.held(), "{}: {}", rung.name, climb.reason);
-            let mutant = rung.climb_mutant().expect("a mutant").expect("runs that finish");
-            assert!(!mutant.step.held(), "{}: {}", rung.name, mutant.reason);
+        for case in SUITE.iter().filter(|case| case.name.starts_with("contrast-")) {
+            let judged = case.judged().expect("runs that finish");
+            println!("{}: {} {:?}", case.name, judged.reason, judged.errors);
+            assert!(judged.row.passed(), "{}: {}", case.name, judged.reason);
+            let mutant = case.mutant_judged().expect("a mutant").expect("runs that finish");
+            assert!(!mutant.row.passed(), "{}: {}", case.name, mutant.reason);
         }
     }
 }

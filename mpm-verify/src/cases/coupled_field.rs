@@ -11,39 +11,39 @@ use mpm_core::scene::{Integrator, Scene, ShapeChoice, SolidSide, StepChoice, Str
 use super::evidence::STEP as BY_STEP;
 use super::looks::{Look, Looks, Norm, in_particles, in_time};
 use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
-use super::{Error, Mutant, Outcome, Rung, Unfit, finished_given, integrator, scheme};
+use super::{Case, Error, Mutant, Outcome, Unfit, finished_given, integrator, scheme};
 use crate::exact::coupled_field::CoupledField;
 
 /// The paper's scheme.
-pub const EXPLICIT: Rung = Rung {
+pub const EXPLICIT: Case = Case {
     name: "coupled-field",
     about: "made-up u-p field in a closed square, the paper's scheme: pressure, order 2",
-    climb: || refined(Integrator::Explicit, ShapeChoice::Centre, 1.0),
-    mutant: Some(Mutant { what: NO_FORCE, climb: || refined(Integrator::Explicit, ShapeChoice::Centre, 0.0) }),
+    run: || refined(Integrator::Explicit, ShapeChoice::Centre, 1.0),
+    mutant: Some(Mutant { what: NO_FORCE, run: || refined(Integrator::Explicit, ShapeChoice::Centre, 0.0) }),
 };
 
 /// Gradients at the particle.
-pub const LINEAR: Rung = Rung {
+pub const LINEAR: Case = Case {
     name: "coupled-field-linear",
     about: "the same with the standard linear scheme",
-    climb: || refined(Integrator::Explicit, ShapeChoice::Linear, 1.0),
-    mutant: Some(Mutant { what: NO_FORCE, climb: || refined(Integrator::Explicit, ShapeChoice::Linear, 0.0) }),
+    run: || refined(Integrator::Explicit, ShapeChoice::Linear, 1.0),
+    mutant: Some(Mutant { what: NO_FORCE, run: || refined(Integrator::Explicit, ShapeChoice::Linear, 0.0) }),
 };
 
 /// Implicit pressure.
-pub const SEMI_IMPLICIT: Rung = Rung {
+pub const SEMI_IMPLICIT: Case = Case {
     name: "coupled-field-implicit",
     about: "the same with implicit pressure, steps that fall with L^2: order 2",
-    climb: || refined(Integrator::SemiImplicit, ShapeChoice::Centre, 1.0),
-    mutant: Some(Mutant { what: NO_FORCE, climb: || refined(Integrator::SemiImplicit, ShapeChoice::Centre, 0.0) }),
+    run: || refined(Integrator::SemiImplicit, ShapeChoice::Centre, 1.0),
+    mutant: Some(Mutant { what: NO_FORCE, run: || refined(Integrator::SemiImplicit, ShapeChoice::Centre, 0.0) }),
 };
 
 /// Implicit pressure, steps alone.
-pub const STEPS: Rung = Rung {
+pub const STEPS: Case = Case {
     name: "coupled-field-steps",
     about: "the same on one mesh, against its solution in small steps: order 1 in the step",
-    climb: || steps(1.0),
-    mutant: Some(Mutant { what: NO_FORCE, climb: || steps(0.0) }),
+    run: || steps(1.0),
+    mutant: Some(Mutant { what: NO_FORCE, run: || steps(0.0) }),
 };
 
 const NO_FORCE: &str = "no body force";

@@ -5,26 +5,26 @@ use mpm_core::observe::{FieldPoint, WaterState};
 use mpm_core::scene::{Feed, Fields, Scene};
 
 use super::looks::{Look, Looks, in_particles};
-use super::{Error, FASTER, Lacks, Mutant, Outcome, Rung, Unfit, faster, finished, integrator, sound};
+use super::{Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, faster, finished, integrator, sound};
 use crate::exact::dam::Dam;
 use crate::norms::largest;
 
 /// What flows through.
-pub const DISCHARGE: Rung = Rung {
+pub const DISCHARGE: Case = Case {
     name: "dam-discharge",
     about: "discharge k H1^2/(2 l): within 1 % at 20 cells over the height and 0.3 % at 40",
-    climb: || discharge(0.0, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || discharge(0.0, faster) }),
+    run: || discharge(0.0, sound),
+    mutant: Some(Mutant { what: FASTER, run: || discharge(0.0, faster) }),
 };
 
 /// The same with water on both sides.
-pub const TAIL_WATER: Rung = Rung {
+pub const TAIL_WATER: Case = Case {
     name: "dam-tail-water",
     about: "discharge k (H1^2 - H2^2)/(2 l) with water 0.2 m high on the other side",
-    climb: || discharge(0.2, sound),
+    run: || discharge(0.2, sound),
     mutant: Some(Mutant {
         what: "no water on the other side",
-        climb: || {
+        run: || {
             discharge(0.2, |scene| {
                 if let Some(free) = &mut scene.free_surface {
                     free.feeds[1] = None;
@@ -35,29 +35,29 @@ pub const TAIL_WATER: Rung = Rung {
 };
 
 /// Where it comes out.
-pub const EXIT: Rung = Rung {
+pub const EXIT: Case = Case {
     name: "dam-exit",
     about: "height of the exit point above the base, to half a cell on every mesh",
-    climb: || heights(EXIT_HEIGHT, Computed::exit, sound),
-    mutant: Some(Mutant { what: "a dam 10 % longer", climb: || heights(EXIT_HEIGHT, Computed::exit, longer) }),
+    run: || heights(EXIT_HEIGHT, Computed::exit, sound),
+    mutant: Some(Mutant { what: "a dam 10 % longer", run: || heights(EXIT_HEIGHT, Computed::exit, longer) }),
 };
 
 /// Where its surface is.
-pub const SURFACE: Rung = Rung {
+pub const SURFACE: Case = Case {
     name: "dam-surface",
     about: "the free surface over nine tenths of the length, to half a cell on every mesh",
-    climb: || heights(LEVEL, Computed::surface, sound),
-    mutant: Some(Mutant { what: "a dam 10 % longer", climb: || heights(LEVEL, Computed::surface, longer) }),
+    run: || heights(LEVEL, Computed::surface, sound),
+    mutant: Some(Mutant { what: "a dam 10 % longer", run: || heights(LEVEL, Computed::surface, longer) }),
 };
 
 /// What it holds.
-pub const STORED: Rung = Rung {
+pub const STORED: Case = Case {
     name: "dam-stored",
     about: "water in cells and in particles over n times the area under the exact surface, also beside tail water: within 1 %",
-    climb: || stored(sound),
+    run: || stored(sound),
     mutant: Some(Mutant {
         what: "porosity 2 % too high",
-        climb: || {
+        run: || {
             stored(|scene| {
                 scene.porosity *= 1.02;
             })

@@ -7,15 +7,15 @@ use mpm_core::drive::Sample;
 use mpm_core::scene::{Fields, Integrator, Scene, Start, StepChoice, Surcharge, Until};
 
 use super::looks::{Look, Looks, in_time};
-use super::{Error, Lacks, Mutant, Outcome, Rung, finished, integrator, scheme, sound};
+use super::{Case, Error, Lacks, Mutant, Outcome, finished, integrator, scheme, sound};
 use crate::exact::damped_column::DampedColumn;
 
 /// The case.
-pub const RUNG: Rung = Rung {
+pub const CASE: Case = Case {
     name: "damped-column",
     about: "a closed column that settles against damping, implicit pressure: settlement, order 1 in the step",
-    climb: || climb(sound),
-    mutant: Some(Mutant { what: "damping 2 % too strong", climb: || climb(stronger) }),
+    run: || outcome(sound),
+    mutant: Some(Mutant { what: "damping 2 % too strong", run: || outcome(stronger) }),
 };
 
 /// Damping as a multiple of the lowest frequency of the closed column.
@@ -47,7 +47,7 @@ fn column() -> Result<(Scene, DampedColumn), Error> {
     Ok((base, exact))
 }
 
-fn climb(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let (mut base, exact) = column()?;
     base = base.edited(fault)?;
     let looks_at = |scene: &Scene| {

@@ -8,22 +8,22 @@ use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
-use super::{Error, Mutant, Outcome, Rung, Unfit, integrator, scheme, sound};
+use super::{Case, Error, Mutant, Outcome, Unfit, integrator, scheme, sound};
 use crate::exact::terzaghi::Terzaghi;
 
-/// The rung.
-pub const RUNG: Rung = Rung {
+/// The case.
+pub const CASE: Case = Case {
     name: "double-drainage",
     about: "consolidation with both ends drained, slow soil",
-    climb: || climb(sound),
-    mutant: Some(Mutant { what: "base not drained", climb: || climb(closed) }),
+    run: || outcome(sound),
+    mutant: Some(Mutant { what: "base not drained", run: || outcome(closed) }),
 };
 
 fn closed(scene: &mut Fields) {
     scene.stages[0].drained = [false, false, false, true];
 }
 
-fn climb(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut base = crate::scenes::terzaghi().edited(|base| {
         base.history = 0;
         base.stages[0].drained = [false, false, true, true];

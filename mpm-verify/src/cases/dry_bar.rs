@@ -5,21 +5,21 @@ use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::terzaghi::{HALVINGS, PARTICLE_COUNTS};
-use super::{Error, Mutant, Outcome, Rung, integrator, scheme, sound};
+use super::{Case, Error, Mutant, Outcome, integrator, scheme, sound};
 
-/// The rung.
-pub const RUNG: Rung = Rung {
+/// The case.
+pub const CASE: Case = Case {
     name: "dry-bar",
     about: "elastic wave in a bar without water",
-    climb: || climb(sound),
-    mutant: Some(Mutant { what: "skeleton 5 % too stiff", climb: || climb(stiffer) }),
+    run: || outcome(sound),
+    mutant: Some(Mutant { what: "skeleton 5 % too stiff", run: || outcome(stiffer) }),
 };
 
 fn stiffer(scene: &mut Fields) {
     scene.elastic.youngs_modulus *= 1.05;
 }
 
-fn climb(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut base = crate::scenes::terzaghi().edited(|base| {
         (base.water, base.start, base.history) = (None, Start::Unloaded, 0);
         base.stages[0].drained = [false; 4];

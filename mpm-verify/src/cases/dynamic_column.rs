@@ -5,30 +5,30 @@ use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{Error, Mutant, Outcome, Rung, Unfit, integrator, scheme, sound};
+use super::{Case, Error, Mutant, Outcome, Unfit, integrator, scheme, sound};
 use crate::exact::dynamic::DynamicColumn;
 
 /// Darcy's law with `rho_w a_s`.
-pub const WITH_INERTIA: Rung = Rung {
+pub const WITH_INERTIA: Case = Case {
     name: "dynamic-up",
     about: "waves and consolidation, u-p model",
-    climb: || climb(sound, sound),
-    mutant: Some(Mutant { what: "no inertia in Darcy's law", climb: || climb(sound, without) }),
+    run: || outcome(sound, sound),
+    mutant: Some(Mutant { what: "no inertia in Darcy's law", run: || outcome(sound, without) }),
 };
 
 /// Darcy's law without inertia.
-pub const WITHOUT_INERTIA: Rung = Rung {
+pub const WITHOUT_INERTIA: Case = Case {
     name: "dynamic-upq",
     about: "the same without inertia in Darcy's law",
-    climb: || climb(without, sound),
-    mutant: Some(Mutant { what: "inertia in Darcy's law", climb: || climb(without, |s| s.darcy_inertia = true) }),
+    run: || outcome(without, sound),
+    mutant: Some(Mutant { what: "inertia in Darcy's law", run: || outcome(without, |s| s.darcy_inertia = true) }),
 };
 
 fn without(scene: &mut Fields) {
     scene.darcy_inertia = false;
 }
 
-fn climb(change: fn(&mut Fields), fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(change: fn(&mut Fields), fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut base = crate::scenes::terzaghi().edited(|base| {
         (base.history, base.start) = (0, Start::Unloaded);
         base.surcharge = base.surcharge.map(|s| Surcharge { ramp_time: 5e-4, ..s });

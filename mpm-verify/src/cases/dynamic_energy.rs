@@ -16,22 +16,22 @@ use mpm_core::stability::stable_limit;
 use super::evidence::{MESH, PARTICLES, Refinement, STEP};
 use super::looks::{Look, Looks};
 use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
-use super::{Error, Mutant, Outcome, Rung, Unfit, finished, integrator, scheme, sound};
+use super::{Case, Error, Mutant, Outcome, Unfit, finished, integrator, scheme, sound};
 
 /// The paper's step.
-pub const EXPLICIT: Rung = Rung {
+pub const EXPLICIT: Case = Case {
     name: "dynamic-energy",
     about: "energy ledger of the column with inertia and damping: what no work explains, order 1 in the step",
-    climb: || climb(&PAPER, sound),
-    mutant: Some(Mutant { what: LOSSY, climb: || climb(&PAPER, lossy) }),
+    run: || outcome(&PAPER, sound),
+    mutant: Some(Mutant { what: LOSSY, run: || outcome(&PAPER, lossy) }),
 };
 
 /// Implicit pressure.
-pub const SEMI_IMPLICIT: Rung = Rung {
+pub const SEMI_IMPLICIT: Case = Case {
     name: "dynamic-energy-semi-implicit",
     about: "the same with implicit pressure",
-    climb: || climb(&IMPLICIT_PRESSURE, sound),
-    mutant: Some(Mutant { what: LOSSY, climb: || climb(&IMPLICIT_PRESSURE, lossy) }),
+    run: || outcome(&IMPLICIT_PRESSURE, sound),
+    mutant: Some(Mutant { what: LOSSY, run: || outcome(&IMPLICIT_PRESSURE, lossy) }),
 };
 
 const LOSSY: &str = "a thousandth of PIC, whose loss is not booked";
@@ -110,7 +110,7 @@ fn shares(run: &Run) -> Vec<(String, f64, String)> {
     parts.map(|(what, energy)| (format!("{what}, of the work"), energy / last.external_work_j, "-".to_owned())).to_vec()
 }
 
-fn climb(way: &Way, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(way: &Way, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut base = column(way)?;
     base = base.edited(fault)?;
     let on = |rows: usize, halvings: i32| {

@@ -6,39 +6,39 @@
 use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice, StrainChoice, Surcharge, Until};
 
 use super::own::OwnScene;
-use super::{Error, FASTER, Mutant, Outcome, Rung, faster, sound};
+use super::{Case, Error, FASTER, Mutant, Outcome, faster, sound};
 use crate::norms::SAMPLE_TV;
 
 /// How the column differs from Table 1's.
 type Change = fn(&mut Fields);
 
-/// A rung of one column and one integrator.
-macro_rules! rung {
+/// A case of one column and one integrator.
+macro_rules! case {
     ($name:literal, $about:literal, $change:ident, $integrator:ident, $rows:expr) => {
-        Rung {
+        Case {
             name: $name,
             about: $about,
-            climb: || climb($change, Integrator::$integrator, &$rows, sound),
-            mutant: Some(Mutant { what: FASTER, climb: || climb($change, Integrator::$integrator, &$rows, faster) }),
+            run: || outcome($change, Integrator::$integrator, &$rows, sound),
+            mutant: Some(Mutant { what: FASTER, run: || outcome($change, Integrator::$integrator, &$rows, faster) }),
         }
     };
 }
 
 /// All of them: four columns, three integrators. An explicit run needs 2 (H/L)^2 (M + Q)/M steps per unit of Tv, which is why
 /// the soft tall column and Poisson's ratio 0 end at coarser meshes.
-pub const RUNGS: [Rung; 12] = [
-    rung!("tall-explicit", "H = 5 m, E = 2 MPa, n = 0.45: explicit", tall, Explicit, [10, 12, 14, 17, 20]),
-    rung!("tall-semi-implicit", "the same semi-implicit", tall, SemiImplicit, [20, 28, 40, 56]),
-    rung!("tall-quasi-static", "the same without inertia, B-splines", tall, QuasiStatic, [14, 17, 20, 24]),
-    rung!("soft-water-explicit", "K_w so low that p_0 = q/2: explicit", soft_water, Explicit, [20, 28, 40, 56, 80]),
-    rung!("soft-water-semi-implicit", "the same semi-implicit", soft_water, SemiImplicit, [20, 28, 40, 56]),
-    rung!("soft-water-quasi-static", "the same without inertia, B-splines", soft_water, QuasiStatic, [14, 17, 20, 24]),
-    rung!("poisson-0-explicit", "Poisson's ratio 0: explicit", uncoupled, Explicit, [14, 17, 20, 24, 28]),
-    rung!("poisson-0-semi-implicit", "the same semi-implicit", uncoupled, SemiImplicit, [20, 28, 40, 56]),
-    rung!("poisson-0-quasi-static", "the same without inertia, B-splines", uncoupled, QuasiStatic, [14, 17, 20, 24]),
-    rung!("poisson-45-explicit", "Poisson's ratio 0.45: explicit", stiff, Explicit, [14, 20, 28, 40]),
-    rung!("poisson-45-semi-implicit", "the same semi-implicit", stiff, SemiImplicit, [20, 28, 40, 56]),
-    rung!("poisson-45-quasi-static", "the same without inertia, B-splines", stiff, QuasiStatic, [14, 17, 20, 24]),
+pub const CASES: [Case; 12] = [
+    case!("tall-explicit", "H = 5 m, E = 2 MPa, n = 0.45: explicit", tall, Explicit, [10, 12, 14, 17, 20]),
+    case!("tall-semi-implicit", "the same semi-implicit", tall, SemiImplicit, [20, 28, 40, 56]),
+    case!("tall-quasi-static", "the same without inertia, B-splines", tall, QuasiStatic, [14, 17, 20, 24]),
+    case!("soft-water-explicit", "K_w so low that p_0 = q/2: explicit", soft_water, Explicit, [20, 28, 40, 56, 80]),
+    case!("soft-water-semi-implicit", "the same semi-implicit", soft_water, SemiImplicit, [20, 28, 40, 56]),
+    case!("soft-water-quasi-static", "the same without inertia, B-splines", soft_water, QuasiStatic, [14, 17, 20, 24]),
+    case!("poisson-0-explicit", "Poisson's ratio 0: explicit", uncoupled, Explicit, [14, 17, 20, 24, 28]),
+    case!("poisson-0-semi-implicit", "the same semi-implicit", uncoupled, SemiImplicit, [20, 28, 40, 56]),
+    case!("poisson-0-quasi-static", "the same without inertia, B-splines", uncoupled, QuasiStatic, [14, 17, 20, 24]),
+    case!("poisson-45-explicit", "Poisson's ratio 0.45: explicit", stiff, Explicit, [14, 20, 28, 40]),
+    case!("poisson-45-semi-implicit", "the same semi-implicit", stiff, SemiImplicit, [20, 28, 40, 56]),
+    case!("poisson-45-quasi-static", "the same without inertia, B-splines", stiff, QuasiStatic, [14, 17, 20, 24]),
 ];
 
 fn tall(scene: &mut Fields) {
@@ -61,7 +61,7 @@ fn stiff(scene: &mut Fields) {
     scene.elastic.poisson_ratio = 0.45;
 }
 
-fn climb(change: Change, integrator: Integrator, rows: &[usize], fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(change: Change, integrator: Integrator, rows: &[usize], fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     OwnScene::new(&column(change, integrator)?, rows)?.outcome(fault)
 }
 
@@ -111,12 +111,12 @@ mod tests {
 
     #[test]
     fn quick_ones_hold_and_their_mutants_fall_short() {
-        let quick = RUNGS.iter().filter(|r| r.name.ends_with("quasi-static") || r.name == "poisson-45-semi-implicit");
-        for rung in quick {
-            let climb = rung.climb().expect("runs that finish");
-            assert!(climb.step.held(), "{}: {}", rung.name, climb.reason);
-            let spoilt = rung.climb_mutant().expect("a mutant").expect("runs that finish");
-            assert!(!spoilt.step.held(), "{}: {}", rung.name, spoilt.reason);
+        let quick = CASES.iter().filter(|r| r.name.ends_with("quasi-static") || r.name == "poisson-45-semi-implicit");
+        for case in quick {
+            let judged = case.judged().expect("runs that finish");
+            assert!(judged.row.passed(), "{}: {}", case.name, judged.reason);
+            let spoilt = case.mutant_judged().expect("a mutant").expect("runs that finish");
+            assert!(!spoilt.row.passed(), "{}: {}", case.name, spoilt.reason);
         }
     }
 }

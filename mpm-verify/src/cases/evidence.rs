@@ -1,4 +1,4 @@
-//! What a rung shows beside its one error: the values at every sample time, and what else was refined.
+//! What a case shows beside its one error: the values at every sample time, and what else was refined.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +18,7 @@ pub const PARTICLES: Parameter = ("particles per cell", "-");
 /// Not refined: so many runs were compared.
 pub const RUNS: Parameter = ("runs", "-");
 
-/// A value of the finest run at a sample time, beside the exact one: a row of `ladder_samples.csv`.
+/// A value of the finest run at a sample time, beside the exact one: a row of `samples.csv`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampled {
     /// What it is: `U`, `p/p_0`, ...
@@ -33,13 +33,13 @@ pub struct Sampled {
     pub computed: f64,
     /// What it should show.
     pub exact: f64,
-    /// The error as the rung counts it, signed.
+    /// The error as the case counts it, signed.
     pub error: f64,
-    /// Whether it counts: some rungs look at late times only.
+    /// Whether it counts: some cases look at late times only.
     pub counts: bool,
 }
 
-/// A refinement by something else than what the rung's own errors are refined by.
+/// A refinement by something else than what the case's own errors are refined by.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refinement {
     /// What was refined.
@@ -91,7 +91,7 @@ impl Refinement {
     }
 
     /// The verdict in numbers if the refinement failed.
-    pub fn fallen(&self) -> Option<String> {
+    pub fn failed(&self) -> Option<String> {
         let by = self.by.0;
         let most = |at: f64| {
             let share = self.required_share.map_or(f64::INFINITY, |share| share * at);
@@ -148,11 +148,11 @@ pub fn spacings(by: Parameter, errors: &[(f64, f64)]) -> Vec<(f64, f64)> {
     errors.iter().map(|(parameter, error)| (length(*parameter), *error)).collect()
 }
 
-/// A row of `ladder_refinements.csv`: one run of a refinement, beside the order of all of them.
+/// A row of `refinements.csv`: one run of a refinement, beside the order of all of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RefinementRow {
-    /// Name of the rung.
-    pub rung: String,
+    /// Name of the case.
+    pub case: String,
     /// What was refined.
     pub by: String,
     /// Its value.
@@ -175,11 +175,11 @@ pub struct RefinementRow {
     pub against: String,
 }
 
-/// A row of `ladder_samples.csv`.
+/// A row of `samples.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SampleRow {
-    /// Name of the rung.
-    pub rung: String,
+    /// Name of the case.
+    pub case: String,
     /// What was compared.
     pub quantity: String,
     /// Time since the start of the stage, s.
@@ -190,11 +190,11 @@ pub struct SampleRow {
     pub computed: f64,
     /// What it should show.
     pub exact: f64,
-    /// The error as the rung counts it, signed.
+    /// The error as the case counts it, signed.
     pub error: f64,
     /// Unit of the values.
     pub unit: String,
-    /// Whether the time counts for the error of the rung.
+    /// Whether the time counts for the error of the case.
     pub counts: bool,
 }
 
@@ -212,34 +212,34 @@ mod tests {
         let errors = vec![(8e-6, 8e-3), (4e-6, 4e-3), (2e-6, 2e-3), (1e-6, 1e-3)];
         let free = Refinement::new(STEP, errors, "");
         let good = Refinement { required_order: Some([0.9, 1.1]), required_error: Some(9e-3), ..free.clone() };
-        assert_eq!((good.fallen(), good.open()), (None, None));
+        assert_eq!((good.failed(), good.open()), (None, None));
         let steep = Refinement { required_order: Some([1.9, 2.1]), ..good.clone() };
-        assert!(steep.fallen().is_some_and(|why| why.contains("order 1.00 +- 0.00 outside of 1.9 to 2.1")));
+        assert!(steep.failed().is_some_and(|why| why.contains("order 1.00 +- 0.00 outside of 1.9 to 2.1")));
         let large = Refinement { required_error: Some(3e-3), ..good.clone() };
-        assert!(large.fallen().is_some_and(|why| why.contains("8.00e-3 above 3.0e-3 at 0.000008")));
+        assert!(large.failed().is_some_and(|why| why.contains("8.00e-3 above 3.0e-3 at 0.000008")));
         let share = Refinement { required_share: Some(500.0), ..good.clone() };
-        assert!(share.fallen().is_some_and(|why| why.contains("above 4.0e-3 at 0.000008")));
-        assert_eq!((free.fallen(), Refinement { required_share: Some(1001.0), ..free.clone() }.fallen()), (None, None));
+        assert!(share.failed().is_some_and(|why| why.contains("above 4.0e-3 at 0.000008")));
+        assert_eq!((free.failed(), Refinement { required_share: Some(1001.0), ..free.clone() }.failed()), (None, None));
         let finest = Refinement { required_finest: Some(1.1e-3), ..free.clone() };
-        assert_eq!(finest.fallen(), None);
+        assert_eq!(finest.failed(), None);
         let finest = Refinement { required_finest: Some(0.9e-3), ..free.clone() };
-        assert!(finest.fallen().is_some_and(|why| why.contains("finest error 1.00e-3 above 9.0e-4")));
+        assert!(finest.failed().is_some_and(|why| why.contains("finest error 1.00e-3 above 9.0e-4")));
         let few = Refinement { errors: good.errors[1..].to_vec(), required_finest: Some(1.1e-3), ..good.clone() };
         assert!(
-            few.fallen().is_some_and(|why| why.contains("finest error 2.00e-3 above")),
+            few.failed().is_some_and(|why| why.contains("finest error 2.00e-3 above")),
             "no order, so the last two"
         );
         let few = Refinement { required_finest: Some(2.1e-3), ..few };
-        assert_eq!(few.fallen(), None);
+        assert_eq!(few.failed(), None);
         assert!(
             few.open().is_some_and(|why| why.contains("not established (1.00 from only 3 runs; 0.9 to 1.1 required)"))
         );
         let lost = Refinement { errors: vec![(4e-6, f64::NAN)], ..good.clone() };
-        assert!(lost.fallen().is_some());
+        assert!(lost.failed().is_some());
         let nothing = Refinement { errors: Vec::new(), ..finest };
-        assert!(nothing.fallen().is_some_and(|why| why.contains("NaN")));
+        assert!(nothing.failed().is_some_and(|why| why.contains("NaN")));
         let nothing = Refinement { errors: vec![(4e-6, 0.0)], required_error: None, ..good };
-        assert!(nothing.fallen().is_some_and(|why| why.contains("no order can be fitted")));
+        assert!(nothing.failed().is_some_and(|why| why.contains("no order can be fitted")));
     }
 
     #[test]

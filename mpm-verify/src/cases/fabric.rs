@@ -3,13 +3,13 @@
 use mpm_core::observe::ProfileRow;
 use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice};
 
-use super::setup::{Case, Measured, case, refined};
+use super::setup::{Measured, Setup, case, refined};
 use super::wells::around;
-use super::{Rung, Unfit, sound};
+use super::{Case, Unfit, sound};
 use crate::exact::pressed_pores::PressedPores;
 use crate::norms::largest;
 
-const PRESSED: Case = Case {
+const PRESSED: Setup = Setup {
     scene: "kozeny-carman",
     change: sound,
     mesh: refined,
@@ -18,7 +18,7 @@ const PRESSED: Case = Case {
     required: 1e-3,
     order: None,
 };
-const UNIFORM: Case = Case {
+const UNIFORM: Setup = Setup {
     scene: "bedding",
     change: sound,
     mesh: refined,
@@ -27,7 +27,7 @@ const UNIFORM: Case = Case {
     required: 1e-9,
     order: None,
 };
-const WELL: Case = Case {
+const WELL: Setup = Setup {
     scene: "well-bedding",
     change: sound,
     mesh: refined,
@@ -41,28 +41,28 @@ const CONSTANT: &str = "conductivity that stays";
 const LEVEL: &str = "level bedding";
 
 /// All of them.
-pub const CASES: [Rung; 6] = [
+pub const CASES: [Case; 6] = [
     case!("kozeny-carman", "flow through pores that a load has narrowed, B-splines", CONSTANT, constant, PRESSED),
     case!(
         "kozeny-carman-centre",
         "the same with faces of cells",
         CONSTANT,
         constant,
-        Case { change: centre, required: 1e-2, ..PRESSED }
+        Setup { change: centre, required: 1e-2, ..PRESSED }
     ),
     case!(
         "kozeny-carman-semi-implicit",
         "the same semi-implicit",
         CONSTANT,
         constant,
-        Case { change: semi_implicit, required: 1e-2, ..PRESSED }
+        Setup { change: semi_implicit, required: 1e-2, ..PRESSED }
     ),
     case!(
         "kozeny-carman-explicit",
         "the same explicit",
         CONSTANT,
         constant,
-        Case { change: explicit, cells: &[10.0, 20.0], required: 1e-2, ..PRESSED }
+        Setup { change: explicit, cells: &[10.0, 20.0], required: 1e-2, ..PRESSED }
     ),
     case!("bedding", "uniform flow through inclined bedding", LEVEL, level, UNIFORM),
     case!("well-bedding", "drawdown around a well in inclined bedding", LEVEL, level, WELL),

@@ -3,13 +3,13 @@
 
 use mpm_core::scene::{Course, Fields, Integrator, Scene, ShapeChoice, StrainChoice};
 
-use super::setup::{Case, Measured, case, refined};
-use super::{FASTER, Rung, Unfit, faster, sound};
+use super::setup::{Measured, Setup, case, refined};
+use super::{Case, FASTER, Unfit, faster, sound};
 use crate::exact::seabed::Seabed;
 use crate::exact::terzaghi::Terzaghi;
 use crate::norms::{LATE_TV, largest};
 
-const CYCLIC: Case = Case {
+const CYCLIC: Setup = Setup {
     scene: "cyclic-load",
     change: sound,
     mesh: refined,
@@ -18,7 +18,7 @@ const CYCLIC: Case = Case {
     required: 1e-3,
     order: None,
 };
-const BIOT: Case = Case {
+const BIOT: Setup = Setup {
     scene: "biot-column",
     change: sound,
     mesh: refined,
@@ -28,7 +28,7 @@ const BIOT: Case = Case {
     required: 3e-3,
     order: None,
 };
-const WAVE: Case = Case {
+const WAVE: Setup = Setup {
     scene: "seabed-wave",
     change: sound,
     mesh: refined,
@@ -37,7 +37,7 @@ const WAVE: Case = Case {
     required: 1e-3,
     order: None,
 };
-const SERIES: Case = Case {
+const SERIES: Setup = Setup {
     scene: "flow-in-series",
     change: sound,
     mesh: refined,
@@ -46,7 +46,7 @@ const SERIES: Case = Case {
     required: 1e-8,
     order: None,
 };
-const PRESSED: Case = Case {
+const PRESSED: Setup = Setup {
     scene: "pressed",
     change: sound,
     mesh: refined,
@@ -57,14 +57,14 @@ const PRESSED: Case = Case {
 };
 
 /// All of them.
-pub const CASES: [Rung; 9] = [
+pub const CASES: [Case; 9] = [
     case!("load-in-time", "a load that comes, goes and comes again: superposed ramps", FASTER, faster, CYCLIC),
     case!(
         "load-in-time-explicit",
         "the same explicit, centre values",
         FASTER,
         faster,
-        Case { change: explicit, required: 1e-2, ..CYCLIC }
+        Setup { change: explicit, required: 1e-2, ..CYCLIC }
     ),
     case!("biot", "Terzaghi's column with Biot's coefficient 0.6: semi-implicit", "coefficient 1", without_biot, BIOT),
     case!(
@@ -72,14 +72,14 @@ pub const CASES: [Rung; 9] = [
         "the same explicit",
         "coefficient 1",
         without_biot,
-        Case { change: explicit, cells: &[10.0, 14.0, 20.0], required: 5e-3, ..BIOT }
+        Setup { change: explicit, cells: &[10.0, 14.0, 20.0], required: 5e-3, ..BIOT }
     ),
     case!(
         "biot-quasi-static",
         "the same without inertia, B-splines",
         "coefficient 1",
         without_biot,
-        Case { change: quasi_static, cells: &[10.0, 14.0, 20.0], required: 1e-5, order: None, ..BIOT }
+        Setup { change: quasi_static, cells: &[10.0, 14.0, 20.0], required: 1e-5, order: None, ..BIOT }
     ),
     case!("seabed-wave", "pore pressure under a standing wave, B-splines", "a longer period", longer, WAVE),
     case!("flow-in-series", "seepage through three soils one behind the other", FASTER, faster_region, SERIES),
@@ -89,7 +89,7 @@ pub const CASES: [Rung; 9] = [
         "the same explicit",
         "E 5 % too low",
         softer,
-        Case { change: damped, required: 1e-3, ..PRESSED }
+        Setup { change: damped, required: 1e-3, ..PRESSED }
     ),
 ];
 

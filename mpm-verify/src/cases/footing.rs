@@ -10,30 +10,30 @@
 use mpm_core::run::run;
 use mpm_core::scene::Scene;
 
-use super::{Error, Lacks, Mutant, Outcome, Rung, Unfit, asked, integrator, scheme};
+use super::{Case, Error, Lacks, Mutant, Outcome, Unfit, asked, integrator, scheme};
 
 /// Tresca soil.
-pub const UNDRAINED: Rung = Rung {
+pub const UNDRAINED: Case = Case {
     name: "footing-phi-0",
     about: "strip footing on weightless soil without friction: limit load (2 + pi) c within 1 %",
-    climb: || climb(0.0, 0.0, 0.01),
-    mutant: Some(Mutant { what: STRONGER, climb: || climb(0.0, 1.0, 0.01) }),
+    run: || outcome(0.0, 0.0, 0.01),
+    mutant: Some(Mutant { what: STRONGER, run: || outcome(0.0, 1.0, 0.01) }),
 };
 
 /// 20 degrees.
-pub const PHI_20: Rung = Rung {
+pub const PHI_20: Case = Case {
     name: "footing-phi-20",
     about: "the same with phi = psi = 20 degrees: Prandtl's N_c c within 2 %",
-    climb: || climb(20.0, 0.0, 0.02),
-    mutant: Some(Mutant { what: STRONGER, climb: || climb(20.0, 1.0, 0.02) }),
+    run: || outcome(20.0, 0.0, 0.02),
+    mutant: Some(Mutant { what: STRONGER, run: || outcome(20.0, 1.0, 0.02) }),
 };
 
 /// 30 degrees.
-pub const PHI_30: Rung = Rung {
+pub const PHI_30: Case = Case {
     name: "footing-phi-30",
     about: "the same with phi = psi = 30 degrees",
-    climb: || climb(30.0, 0.0, 0.02),
-    mutant: Some(Mutant { what: STRONGER, climb: || climb(30.0, 1.0, 0.02) }),
+    run: || outcome(30.0, 0.0, 0.02),
+    mutant: Some(Mutant { what: STRONGER, run: || outcome(30.0, 1.0, 0.02) }),
 };
 
 const STRONGER: &str = "angles of friction and dilation one degree too large";
@@ -110,7 +110,7 @@ fn limit(scene: &Scene) -> Result<Limit, Error> {
     Ok(Limit { load: surcharge.at(time), steps, iterations: run.work.solves })
 }
 
-fn climb(friction_angle: f64, more: f64, required_error: f64) -> Result<Outcome, Error> {
+fn outcome(friction_angle: f64, more: f64, required_error: f64) -> Result<Outcome, Error> {
     let (base, exact) = footing(friction_angle, more, ROWS[0])?;
     let (mut errors, mut notes) = (Vec::new(), vec![("limit load, exact".to_owned(), exact, "Pa".to_owned())]);
     for rows in ROWS {

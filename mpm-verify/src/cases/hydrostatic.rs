@@ -7,19 +7,19 @@ use mpm_core::scene::{DarcyChoice, Dimension, Scene, Start, Until};
 
 use super::evidence::{MESH, Refinement};
 use super::looks::{Look, Looks, in_particles};
-use super::{Error, Mutant, Outcome, Rung, finished, integrator, scheme};
+use super::{Case, Error, Mutant, Outcome, finished, integrator, scheme};
 use crate::norms::largest;
 use crate::study::word;
 
-/// The rung.
-pub const RUNG: Rung = Rung {
+/// The case.
+pub const CASE: Case = Case {
     name: "hydrostatic",
     about: "still water stays still (sign of Eq. 2)",
-    climb: || climb(Start::Geostatic),
-    mutant: Some(Mutant { what: "no water pressure at the start", climb: || climb(Start::Unloaded) }),
+    run: || outcome(Start::Geostatic),
+    mutant: Some(Mutant { what: "no water pressure at the start", run: || outcome(Start::Unloaded) }),
 };
 
-fn climb(start: Start) -> Result<Outcome, Error> {
+fn outcome(start: Start) -> Result<Outcome, Error> {
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for darcy in [DarcyChoice::Face, DarcyChoice::Nodal] {
         let looks = speeds(&column(start, darcy, 20, 4)?)?;

@@ -14,24 +14,24 @@ use mpm_core::run::run;
 use mpm_core::scene::{Clock, Feed, Fields, Scene, Until};
 
 use super::evidence::{PARTICLES, Refinement};
-use super::{Error, Lacks, Mutant, Outcome, Rung, Unfit, integrator, sound};
+use super::{Case, Error, Lacks, Mutant, Outcome, Unfit, integrator, sound};
 use crate::exact::infinite_slope::{InfiniteSlope, Seepage, Strength};
 use crate::norms::worst;
 
 /// With the flow rule that limit equilibrium stands for.
-pub const ASSOCIATED: Rung = Rung {
+pub const ASSOCIATED: Case = Case {
     name: "slope-seepage",
     about: "factor of safety of infinite slopes, dry, half full, full, and with water leaving them: within 5 %",
-    climb: || climb(FRAC_PI_6, sound),
-    mutant: Some(Mutant { what: "no pore pressure", climb: || climb(FRAC_PI_6, without_water) }),
+    run: || outcome(FRAC_PI_6, sound),
+    mutant: Some(Mutant { what: "no pore pressure", run: || outcome(FRAC_PI_6, without_water) }),
 };
 
 /// Without dilation: the strength is that of Davis.
-pub const WITHOUT_DILATION: Rung = Rung {
+pub const WITHOUT_DILATION: Case = Case {
     name: "slope-seepage-psi-0",
     about: "the same without dilation, against the strength in simple shear of Davis",
-    climb: || climb(0.0, sound),
-    mutant: Some(Mutant { what: "with dilation", climb: || climb(0.0, dilating) }),
+    run: || outcome(0.0, sound),
+    mutant: Some(Mutant { what: "with dilation", run: || outcome(0.0, dilating) }),
 };
 
 /// Vertical depth (m) and seepage of what is looked at.
@@ -203,7 +203,7 @@ fn exact(scene: &Scene, depth: f64, seepage: Seepage, psi: f64) -> Result<f64, E
     Ok(low)
 }
 
-fn climb(psi: f64, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(psi: f64, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let (mut errors, mut notes) = (Vec::new(), Vec::new());
     let slopes = if psi > 0.0 { &SLOPES[..] } else { &WITHOUT_DILATION_SLOPES };
     let found_with = |particles_per_cell, mesh: (usize, usize), depth, seepage, guess| {

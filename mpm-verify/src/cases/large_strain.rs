@@ -5,43 +5,43 @@ use mpm_core::scene::{Fields, Scene, ShapeChoice, Surcharge};
 
 use super::degree::Degree;
 use super::terzaghi::PARTICLE_COUNTS;
-use super::{Error, FASTER, Mutant, Outcome, Rung, Unfit, asked, faster, integrator, scheme, sound};
+use super::{Case, Error, FASTER, Mutant, Outcome, Unfit, asked, faster, integrator, scheme, sound};
 use crate::exact::large_strain::LargeStrain;
 
 /// Quadratic B-splines.
-pub const SPLINES: Rung = Rung {
+pub const SPLINES: Case = Case {
     name: "large-strain",
     about: "consolidation to 20 % strain, B-splines: settlement, order 2 or more",
-    climb: || splines(sound),
-    mutant: Some(Mutant { what: FASTER, climb: || splines(faster) }),
+    run: || splines(sound),
+    mutant: Some(Mutant { what: FASTER, run: || splines(faster) }),
 };
 
 /// Linear functions.
-pub const LINEAR: Rung = Rung {
+pub const LINEAR: Case = Case {
     name: "large-strain-linear",
     about: "the same with the standard linear scheme",
-    climb: || linear(sound),
-    mutant: Some(Mutant { what: FASTER, climb: || linear(faster) }),
+    run: || linear(sound),
+    mutant: Some(Mutant { what: FASTER, run: || linear(faster) }),
 };
 
 /// 30 %.
-pub const SPLINES_30: Rung = Rung {
+pub const SPLINES_30: Case = Case {
     name: "large-strain-30",
     about: "consolidation to 30 % strain, B-splines without inertia: settlement, order 2 or more",
-    climb: || splines_30(sound),
-    mutant: Some(Mutant { what: FASTER, climb: || splines_30(faster) }),
+    run: || splines_30(sound),
+    mutant: Some(Mutant { what: FASTER, run: || splines_30(faster) }),
 };
 
 fn splines(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
-    climb(0.8, ShapeChoice::Bspline2, 5e-5, [2.0, 4.0], fault)
+    outcome(0.8, ShapeChoice::Bspline2, 5e-5, [2.0, 4.0], fault)
 }
 
 fn linear(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
-    climb(0.8, ShapeChoice::Linear, 6e-3, [1.7, 2.2], fault)
+    outcome(0.8, ShapeChoice::Linear, 6e-3, [1.7, 2.2], fault)
 }
 
 fn splines_30(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
-    climb(0.7, ShapeChoice::Bspline2, 1e-4, [2.0, 4.0], fault)
+    outcome(0.7, ShapeChoice::Bspline2, 1e-4, [2.0, 4.0], fault)
 }
 
 /// The column whose length ends as a share of its first.
@@ -54,7 +54,7 @@ pub(super) fn column(left: f64) -> Result<Scene, Error> {
     })?)
 }
 
-fn climb(
+fn outcome(
     left: f64,
     shape: ShapeChoice,
     required_error: f64,

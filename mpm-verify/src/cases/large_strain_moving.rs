@@ -12,24 +12,24 @@ use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::large_strain::column;
-use super::{Error, Mutant, Outcome, Rung, Unfit, finished, integrator, scheme, slower, sound};
+use super::{Case, Error, Mutant, Outcome, Unfit, finished, integrator, scheme, slower, sound};
 use crate::exact::large_strain::LargeStrain;
 use crate::norms::LATE_TV;
 
 /// 20 %.
-pub const TO_20: Rung = Rung {
+pub const TO_20: Case = Case {
     name: "large-strain-moving",
     about: "consolidation to 20 % strain, particles cross cells, implicit pressure: settlement from T = 0.1",
-    climb: || climb(0.8, 5e-3, sound),
-    mutant: Some(Mutant { what: TIGHTER, climb: || climb(0.8, 5e-3, tighter) }),
+    run: || outcome(0.8, 5e-3, sound),
+    mutant: Some(Mutant { what: TIGHTER, run: || outcome(0.8, 5e-3, tighter) }),
 };
 
 /// 30 %.
-pub const TO_30: Rung = Rung {
+pub const TO_30: Case = Case {
     name: "large-strain-moving-30",
     about: "the same to 30 %",
-    climb: || climb(0.7, 1e-2, sound),
-    mutant: Some(Mutant { what: TIGHTER, climb: || climb(0.7, 1e-2, tighter) }),
+    run: || outcome(0.7, 1e-2, sound),
+    mutant: Some(Mutant { what: TIGHTER, run: || outcome(0.7, 1e-2, tighter) }),
 };
 
 /// The errors are of soil that settles too slowly, so that a conductivity too high would mend them.
@@ -44,7 +44,7 @@ const ROWS: [usize; 5] = [10, 14, 20, 28, 40];
 /// Step as a share of the stable one.
 const SAFETY: f64 = 0.3;
 
-fn climb(left: f64, required_error: f64, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(left: f64, required_error: f64, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut base = column(left)?.edited(|base| {
         (base.integrator, base.method, base.step) = (Integrator::SemiImplicit, TimeMethod::Auto, StepChoice::Auto);
         (base.shape, base.safety) = (ShapeChoice::Centre, SAFETY);

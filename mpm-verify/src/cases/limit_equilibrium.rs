@@ -2,7 +2,7 @@
 //! circles in clay, and a flat circle in a long slope, which is an infinite slope without and with water that flows along it.
 
 use super::evidence::RUNS;
-use super::{Error, Lacks, Mutant, Outcome, Rung};
+use super::{Case, Error, Lacks, Mutant, Outcome};
 use crate::exact::infinite_slope::{InfiniteSlope, Seepage, Strength};
 use crate::exact::slip_circle::factor::Method;
 use crate::exact::slip_circle::water::Phreatic;
@@ -10,11 +10,11 @@ use crate::exact::slip_circle::{Circle, Limits, Section};
 use crate::norms::largest;
 
 /// The case.
-pub const RUNG: Rung = Rung {
+pub const CASE: Case = Case {
     name: "limit-equilibrium",
     about: "slip circles (Bishop, Spencer) against Taylor's stability numbers and infinite slopes with seepage: factors",
-    climb: || climb(1.0),
-    mutant: Some(Mutant { what: "cohesion 0.1 % too large", climb: || climb(1.001) }),
+    run: || outcome(1.0),
+    mutant: Some(Mutant { what: "cohesion 0.1 % too large", run: || outcome(1.001) }),
 };
 
 /// Angle of a slope in clay (degrees) and the least `c/(F gamma H)` of toe circles, from the closed form of one circle minimised over
@@ -27,7 +27,7 @@ const WATER_WEIGHT: f64 = 9.81e3;
 const HALF: f64 = 400.0;
 
 /// Relative errors of the factors; the soil of the circles has its cohesion times a factor.
-fn climb(stronger: f64) -> Result<Outcome, Error> {
+fn outcome(stronger: f64) -> Result<Outcome, Error> {
     let mut off = Vec::new();
     for (angle, number) in TAYLOR {
         let toe = 1.0 / angle.to_radians().tan();

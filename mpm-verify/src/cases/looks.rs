@@ -23,7 +23,7 @@ impl Norm {
     }
 }
 
-/// What a run shows at one time, in units of a size that the rung chooses.
+/// What a run shows at one time, in units of a size that the case chooses.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Look {
     /// Time since the start of the stage, s.
@@ -197,11 +197,11 @@ mod tests {
     fn an_order_in_the_step_is_found_whatever_the_mesh_leaves() {
         let run = |dt: f64| Ok(Looks::worst("u", vec![Look::one(1.0, 1.3 + 5.0 * dt, 1.0)]));
         let refined = in_time(run, 0.1, 0.01, 4, Some([0.99, 1.01])).expect("runs");
-        assert_eq!((refined.fallen(), refined.errors.len()), (None, 4));
+        assert_eq!((refined.failed(), refined.errors.len()), (None, 4));
         let refined = in_time(run, 0.1, 0.01, 4, Some([1.9, 2.1])).expect("runs");
-        assert!(refined.fallen().is_some());
+        assert!(refined.failed().is_some());
         let with = |count: usize| Ok(Looks::worst("u", vec![Look::one(1.0, 1.0 + 0.1 / count as f64, 1.0)]));
-        assert!(in_particles(with, 0.1, &[1, 4], 0.11).expect("runs").fallen().is_none());
-        assert!(in_particles(with, 0.1, &[1, 4], 0.09).expect("runs").fallen().is_some());
+        assert!(in_particles(with, 0.1, &[1, 4], 0.11).expect("runs").failed().is_none());
+        assert!(in_particles(with, 0.1, &[1, 4], 0.09).expect("runs").failed().is_some());
     }
 }

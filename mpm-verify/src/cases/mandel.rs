@@ -9,40 +9,40 @@ use super::degree::{Degree, Errors};
 use super::evidence::Sampled;
 use super::looks::{Look, Looks, in_particles, in_time};
 use super::terzaghi::PARTICLE_COUNTS;
-use super::{Error, FASTER, Mutant, Outcome, Rung, Unfit, asked, faster, finished, integrator, scheme, sound};
+use super::{Case, Error, FASTER, Mutant, Outcome, Unfit, asked, faster, finished, integrator, scheme, sound};
 use crate::exact::mandel::Mandel;
 use crate::norms::worst;
 
 /// Quadratic B-splines, eight cells per side on the finest mesh.
-pub const SPLINES: Rung = Rung {
+pub const SPLINES: Case = Case {
     name: "mandel",
     about: "Mandel's problem, B-splines: p at T = 0.1 with 8 cells per side",
-    climb: || splines(sound),
-    mutant: Some(Mutant { what: FASTER, climb: || splines(faster) }),
+    run: || splines(sound),
+    mutant: Some(Mutant { what: FASTER, run: || splines(faster) }),
 };
 
 /// The paper's scheme.
-pub const CENTRE: Rung = Rung {
+pub const CENTRE: Case = Case {
     name: "mandel-centre",
     about: "the same with centre values and pressures constant in a cell",
-    climb: || centre(sound),
-    mutant: Some(Mutant { what: FASTER, climb: || centre(faster) }),
+    run: || centre(sound),
+    mutant: Some(Mutant { what: FASTER, run: || centre(faster) }),
 };
 
 /// Cubic B-splines.
-pub const CUBIC: Rung = Rung {
+pub const CUBIC: Case = Case {
     name: "mandel-cubic",
     about: "the same, cubic B-splines: order 4 or more",
-    climb: || cubic(sound),
-    mutant: Some(Mutant { what: FASTER, climb: || cubic(faster) }),
+    run: || cubic(sound),
+    mutant: Some(Mutant { what: FASTER, run: || cubic(faster) }),
 };
 
 /// Profiles from early to late.
-pub const PROFILE: Rung = Rung {
+pub const PROFILE: Case = Case {
     name: "mandel-profile",
     about: "the same, B-splines: profiles of p from T = 0.02 to 2, largest error of all",
-    climb: || profiles(sound),
-    mutant: Some(Mutant { what: FASTER, climb: || profiles(faster) }),
+    run: || profiles(sound),
+    mutant: Some(Mutant { what: FASTER, run: || profiles(faster) }),
 };
 
 /// Times T = c t/a^2 of the profiles: the zone that drains is as thick as two cells of the finest mesh at the first.
@@ -64,18 +64,18 @@ pub(super) fn counts(exact: &Mandel, time: f64) -> bool {
 }
 
 fn splines(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
-    climb(ShapeChoice::Bspline2, &[2, 4, 6, 8], 1e-4, [3.0, 6.0], fault)
+    outcome(ShapeChoice::Bspline2, &[2, 4, 6, 8], 1e-4, [3.0, 6.0], fault)
 }
 
 fn cubic(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
-    climb(ShapeChoice::Bspline3, &[4, 6, 8, 10, 12], 1e-5, [4.0, 8.0], fault)
+    outcome(ShapeChoice::Bspline3, &[4, 6, 8, 10, 12], 1e-5, [4.0, 8.0], fault)
 }
 
 fn centre(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
-    climb(ShapeChoice::Centre, &[8, 12, 16, 24, 32], 1e-3, [1.7, 2.3], fault)
+    outcome(ShapeChoice::Centre, &[8, 12, 16, 24, 32], 1e-3, [1.7, 2.3], fault)
 }
 
-fn climb(
+fn outcome(
     shape: ShapeChoice,
     sides: &[usize],
     required_error: f64,

@@ -14,25 +14,25 @@ use super::evidence::Refinement;
 use super::looks::{Looks, in_particles, in_time};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use super::{
-    Error, FASTER, Lacks, Mutant, Outcome, Rung, Unfit, faster, finished_given, integrator, mandel, scheme, slower,
+    Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, faster, finished_given, integrator, mandel, scheme, slower,
     sound,
 };
 use crate::exact::mandel::Mandel;
 
 /// Implicit pressure.
-pub const SEMI_IMPLICIT: Rung = Rung {
+pub const SEMI_IMPLICIT: Case = Case {
     name: "mandel-semi-implicit",
     about: "Mandel's problem with inertia, implicit pressure, rigid plate: p from T = 0.1 to 1",
-    climb: || semi_implicit(sound),
-    mutant: Some(Mutant { what: FASTER, climb: || semi_implicit(faster) }),
+    run: || semi_implicit(sound),
+    mutant: Some(Mutant { what: FASTER, run: || semi_implicit(faster) }),
 };
 
 /// The paper's scheme.
-pub const EXPLICIT: Rung = Rung {
+pub const EXPLICIT: Case = Case {
     name: "mandel-explicit",
     about: "the same with the paper's explicit step",
-    climb: || explicit(sound),
-    mutant: Some(Mutant { what: FASTER, climb: || explicit(faster) }),
+    run: || explicit(sound),
+    mutant: Some(Mutant { what: FASTER, run: || explicit(faster) }),
 };
 
 /// Where the run starts, T = c t/a^2.
@@ -127,14 +127,14 @@ impl Block {
 }
 
 fn semi_implicit(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
-    climb(&IMPLICIT_PRESSURE, 5e-4, fault)
+    outcome(&IMPLICIT_PRESSURE, 5e-4, fault)
 }
 
 fn explicit(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
-    climb(&PAPER, 1e-3, fault)
+    outcome(&PAPER, 1e-3, fault)
 }
 
-fn climb(way: &Way, required_error: f64, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(way: &Way, required_error: f64, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut block = Block::new(way, &TIMES)?;
     block.scene = block.scene.edited(fault)?;
     let looks = |scene: &Scene| Ok::<_, Error>(mandel::looks(&block.run(scene)?, &block.exact, block.start));

@@ -10,31 +10,31 @@ use mpm_core::scene::{Fields, Scene, ShapeChoice, Until};
 use super::evidence::{MESH, Refinement, Sampled, TOLERANCE};
 use super::looks::{Look, Looks};
 use super::mandel_inertia::{Block, IMPLICIT_PRESSURE, PAPER, Way};
-use super::{Error, Mutant, Outcome, Rung, asked, finished, integrator, mandel, scheme, sound};
+use super::{Case, Error, Mutant, Outcome, asked, finished, integrator, mandel, scheme, sound};
 use crate::exact::mandel::Mandel;
 
 /// B-splines without inertia.
-pub const SPLINES: Rung = Rung {
+pub const SPLINES: Case = Case {
     name: "mandel-rise",
     about: "Mandel's problem, B-splines: the rise of p in the middle above p_0, size and time of its peak",
-    climb: || quasi_static(sound),
-    mutant: Some(Mutant { what: NEARLY_UNDRAINED, climb: || quasi_static(leaky) }),
+    run: || quasi_static(sound),
+    mutant: Some(Mutant { what: NEARLY_UNDRAINED, run: || quasi_static(leaky) }),
 };
 
 /// Implicit pressure.
-pub const SEMI_IMPLICIT: Rung = Rung {
+pub const SEMI_IMPLICIT: Case = Case {
     name: "mandel-rise-semi-implicit",
     about: "the same rise with inertia, implicit pressure",
-    climb: || with_inertia(&IMPLICIT_PRESSURE, 5e-3, sound),
-    mutant: Some(Mutant { what: NEARLY_UNDRAINED, climb: || with_inertia(&IMPLICIT_PRESSURE, 5e-3, leaky) }),
+    run: || with_inertia(&IMPLICIT_PRESSURE, 5e-3, sound),
+    mutant: Some(Mutant { what: NEARLY_UNDRAINED, run: || with_inertia(&IMPLICIT_PRESSURE, 5e-3, leaky) }),
 };
 
 /// The paper's step.
-pub const EXPLICIT: Rung = Rung {
+pub const EXPLICIT: Case = Case {
     name: "mandel-rise-explicit",
     about: "the same rise with the paper's explicit step",
-    climb: || with_inertia(&PAPER, 1e-2, sound),
-    mutant: Some(Mutant { what: NEARLY_UNDRAINED, climb: || with_inertia(&PAPER, 1e-2, leaky) }),
+    run: || with_inertia(&PAPER, 1e-2, sound),
+    mutant: Some(Mutant { what: NEARLY_UNDRAINED, run: || with_inertia(&PAPER, 1e-2, leaky) }),
 };
 
 const NEARLY_UNDRAINED: &str = "Poisson's ratio 0.31 in place of 0.30";
@@ -232,8 +232,8 @@ mod tests {
 
     #[test]
     fn a_peak_at_the_wrong_time_is_found_by_its_time_alone() {
-        let climb = judge(SPLINES, quasi_static(faster).expect("runs that finish"), 0.0);
-        assert!(climb.step.error < climb.step.required_error, "the size of the peak does not depend on k");
-        assert!(!climb.step.held() && climb.reason.contains("refined by mesh L"), "{}", climb.reason);
+        let judged = judge(SPLINES, quasi_static(faster).expect("runs that finish"), 0.0);
+        assert!(judged.row.error < judged.row.required_error, "the size of the peak does not depend on k");
+        assert!(!judged.row.passed() && judged.reason.contains("refined by mesh L"), "{}", judged.reason);
     }
 }

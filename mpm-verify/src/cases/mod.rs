@@ -1,4 +1,4 @@
-//! The verification ladder: one case per file, each with its scene, its exact solution, its norm, what it must show.
+//! The verification suite: one case per file, each with its scene, its exact solution, its norm, what it must show.
 
 mod accepted;
 mod automatic_step;
@@ -69,47 +69,47 @@ use mpm_core::scene::{Fields, Integrator, Scene};
 
 pub use self::accepted::accepted;
 pub use self::evidence::{Refinement, RefinementRow, SampleRow, Sampled, words};
-pub use self::verdict::{Climb, Step};
+pub use self::verdict::{CaseRow, Judged};
 use self::verdict::{Outcome, judge};
 use crate::error::Error::{self, Lacks, Unfit};
 use crate::norms::largest;
 use crate::study::word;
 
-/// One rung of the ladder.
+/// One case of the suite.
 #[derive(Debug, Clone, Copy)]
-pub struct Rung {
+pub struct Case {
     /// Its name on the command line.
     pub name: &'static str,
     /// What it shows, against what.
     pub about: &'static str,
     /// Runs it.
-    climb: fn() -> Result<Outcome, Error>,
+    run: fn() -> Result<Outcome, Error>,
     /// The same check with a fault planted, which it must find.
     pub mutant: Option<Mutant>,
 }
 
-/// A rung with a fault planted in its input: a check that holds all the same is no check.
+/// A case with a fault planted in its input: a check that holds all the same is no check.
 #[derive(Debug, Clone, Copy)]
 pub struct Mutant {
     /// The fault.
     pub what: &'static str,
-    /// Runs the check with it, on the meshes and with the requirements of the rung.
-    climb: fn() -> Result<Outcome, Error>,
+    /// Runs the check with it, on the meshes and with the requirements of the case.
+    run: fn() -> Result<Outcome, Error>,
 }
 
-/// All rungs, the simplest first.
-pub const LADDER: &[Rung] = &[
-    hydrostatic::RUNG,
-    undrained::RUNG,
-    dry_bar::RUNG,
+/// All cases, the simplest first.
+pub const SUITE: &[Case] = &[
+    hydrostatic::CASE,
+    undrained::CASE,
+    dry_bar::CASE,
     undrained_wave::ARRIVAL,
     undrained_wave::AMPLITUDE,
     dynamic_column::WITH_INERTIA,
     dynamic_column::WITHOUT_INERTIA,
     dynamic_energy::EXPLICIT,
     dynamic_energy::SEMI_IMPLICIT,
-    damped_column::RUNG,
-    automatic_step::RUNG,
+    damped_column::CASE,
+    automatic_step::CASE,
     terzaghi::SURFACE,
     terzaghi::LINEAR,
     terzaghi::NODAL,
@@ -118,9 +118,9 @@ pub const LADDER: &[Rung] = &[
     semi_implicit::AT_ITS_LIMIT,
     semi_implicit::CENTRE,
     semi_implicit::SPLINES,
-    double_drainage::RUNG,
-    water_ledger::RUNG,
-    ramp_load::RUNG,
+    double_drainage::CASE,
+    water_ledger::CASE,
+    ramp_load::CASE,
     ramp_load::QUASI_STATIC,
     quasi_static::SPLINES,
     quasi_static::COARSE,
@@ -130,18 +130,18 @@ pub const LADDER: &[Rung] = &[
     quasi_static::STEPS,
     quasi_static::DISPLACED,
     quasi_static::SHIFTED,
-    elsewhere::RUNGS[0],
-    elsewhere::RUNGS[1],
-    elsewhere::RUNGS[2],
-    elsewhere::RUNGS[3],
-    elsewhere::RUNGS[4],
-    elsewhere::RUNGS[5],
-    elsewhere::RUNGS[6],
-    elsewhere::RUNGS[7],
-    elsewhere::RUNGS[8],
-    elsewhere::RUNGS[9],
-    elsewhere::RUNGS[10],
-    elsewhere::RUNGS[11],
+    elsewhere::CASES[0],
+    elsewhere::CASES[1],
+    elsewhere::CASES[2],
+    elsewhere::CASES[3],
+    elsewhere::CASES[4],
+    elsewhere::CASES[5],
+    elsewhere::CASES[6],
+    elsewhere::CASES[7],
+    elsewhere::CASES[8],
+    elsewhere::CASES[9],
+    elsewhere::CASES[10],
+    elsewhere::CASES[11],
     contrast::CONDUCTIVITY,
     contrast::CONDUCTIVITY_PROFILE,
     contrast::CONDUCTIVITY_CENTRE,
@@ -171,7 +171,7 @@ pub const LADDER: &[Rung] = &[
     mandel_inertia::EXPLICIT,
     mandel_rise::SEMI_IMPLICIT,
     mandel_rise::EXPLICIT,
-    strip::RUNG,
+    strip::CASE,
     strip::SUM,
     strip::CUBIC,
     spin::SPLINES,
@@ -200,7 +200,7 @@ pub const LADDER: &[Rung] = &[
     cam_clay::OEDOMETER,
     cam_clay::BY_PARTICLES,
     cam_clay::SOFT_LAYER,
-    outline::RUNG,
+    outline::CASE,
     rest::SPEED,
     rest::ENERGY,
     stages::CASES[0],
@@ -274,7 +274,7 @@ pub const LADDER: &[Rung] = &[
     wetting::UP,
     wetting::MOIST,
     wetting::LEDGER,
-    boussinesq::RUNG,
+    boussinesq::CASE,
     dam::DISCHARGE,
     dam::TAIL_WATER,
     dam::EXIT,
@@ -284,54 +284,54 @@ pub const LADDER: &[Rung] = &[
     seepage::RAIN,
     infinite_slope::ASSOCIATED,
     infinite_slope::WITHOUT_DILATION,
-    reduced_strength::RUNG,
-    limit_equilibrium::RUNG,
+    reduced_strength::CASE,
+    limit_equilibrium::CASE,
     collapse::DRY,
     collapse::SATURATED,
     bits::THREADS,
     bits::AGAIN,
     bits::RESUMED,
     bits::LEVEE,
-    others::RUNG,
+    others::CASE,
 ];
 
-impl Rung {
-    /// Runs and judges the rung, and holds its error against the accepted one.
+impl Case {
+    /// Runs and judges the case, and holds its error against the accepted one.
     ///
     /// # Errors
     /// A run of it could not be finished.
-    pub fn climb(&self) -> Result<Climb, Error> {
-        let mut climb = self.judged(self.climb)?;
-        accepted::compare(&mut climb);
-        Ok(climb)
+    pub fn judged(&self) -> Result<Judged, Error> {
+        let mut judged = self.judge(self.run)?;
+        accepted::compare(&mut judged);
+        Ok(judged)
     }
 
     /// Runs and judges its mutant; `None` if it has none. Its baseline is left out: the check itself must find the fault.
     ///
     /// # Errors
     /// A run of it could not be finished: a fault must be found by the check, not by a run that stops.
-    pub fn climb_mutant(&self) -> Option<Result<Climb, Error>> {
-        self.mutant.map(|mutant| self.judged(mutant.climb))
+    pub fn mutant_judged(&self) -> Option<Result<Judged, Error>> {
+        self.mutant.map(|mutant| self.judge(mutant.run))
     }
 
-    fn judged(&self, climb: fn() -> Result<Outcome, Error>) -> Result<Climb, Error> {
+    fn judge(&self, run: fn() -> Result<Outcome, Error>) -> Result<Judged, Error> {
         let clock = ThreadTime::now();
         MOMENTUM.set(None);
-        let mut outcome = climb().map_err(|e| e.of(self.name))?;
+        let mut outcome = run().map_err(|e| e.of(self.name))?;
         let momentum = MOMENTUM.take();
         if let Some(missing) = momentum {
             outcome.notes.push(("momentum that is missing, over what may be".to_owned(), missing, "-".to_owned()));
         }
-        let mut climb = judge(*self, outcome, clock.elapsed().as_secs_f64());
+        let mut judged = judge(*self, outcome, clock.elapsed().as_secs_f64());
         if let Some(missing) = momentum.filter(|missing| missing.is_nan() || *missing > 1.0) {
-            climb.sound = false;
-            climb.fall(&format!("momentum does not close: {missing:.3e} times what may be missing"));
+            judged.sound = false;
+            judged.fail(&format!("momentum does not close: {missing:.3e} times what may be missing"));
         }
-        Ok(climb)
+        Ok(judged)
     }
 }
 
-/// Nothing planted: the rung itself.
+/// Nothing planted: the case itself.
 fn sound(_: &mut Fields) {}
 
 /// The fault of most mutants with water: a conductivity 5 % too high.
@@ -419,18 +419,18 @@ mod tests {
 
     #[test]
     fn names_are_unique() {
-        let mut names: Vec<&str> = LADDER.iter().map(|rung| rung.name).collect();
+        let mut names: Vec<&str> = SUITE.iter().map(|case| case.name).collect();
         names.sort_unstable();
         names.dedup();
-        assert_eq!(names.len(), LADDER.len());
+        assert_eq!(names.len(), SUITE.len());
     }
 
     #[test]
     fn quick_mutants_are_caught() {
         for name in ["hydrostatic", "dry-bar", "quasi-static-coarse", "quasi-static-profile", "ramp-load"] {
-            let rung = LADDER.iter().find(|rung| rung.name == name).expect("a rung");
-            let climb = rung.climb_mutant().expect("a mutant").expect("runs that finish");
-            assert!(!climb.step.held(), "{name}: {}", climb.reason);
+            let case = SUITE.iter().find(|case| case.name == name).expect("a case");
+            let judged = case.mutant_judged().expect("a mutant").expect("runs that finish");
+            assert!(!judged.row.passed(), "{name}: {}", judged.reason);
         }
     }
 }

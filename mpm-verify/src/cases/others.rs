@@ -15,14 +15,14 @@ use serde::Deserialize;
 
 use super::bits::Stop;
 use super::evidence::{RUNS, Sampled};
-use super::{Error, FASTER, Lacks, Mutant, Outcome, Rung, Unfit, faster, sound};
+use super::{Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, faster, sound};
 
 /// The case.
-pub const RUNG: Rung = Rung {
+pub const CASE: Case = Case {
     name: "others",
     about: "scenes of others: right to a stated figure, refused, or ended with the reason; the share that is none of these",
-    climb: || climb(|_| true, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || climb(|_| true, faster) }),
+    run: || outcome(|_| true, sound),
+    mutant: Some(Mutant { what: FASTER, run: || outcome(|_| true, faster) }),
 };
 
 /// The table.
@@ -202,7 +202,7 @@ fn rows() -> Result<Vec<Row>, Error> {
         .map_err(Error::at("others.csv"))
 }
 
-fn climb(of: fn(&Row) -> bool, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(of: fn(&Row) -> bool, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let rows: Vec<Row> = rows()?.into_iter().filter(of).collect();
     let mut runs = BTreeMap::new();
     let (mut wrong, mut samples, mut counts) = (Vec::new(), Vec::new(), BTreeMap::new());
@@ -269,8 +269,8 @@ mod tests {
 
     #[test]
     fn quick_rows_hold_and_a_fault_is_found() {
-        let outcome = climb(quick, sound).expect("a table");
-        assert!(outcome.remarks.is_empty() && outcome.errors[0].0 > 50.0, "{:?}", outcome.remarks);
-        assert!(climb(quick, faster).expect("a table").remarks.len() > 5);
+        let all = outcome(quick, sound).expect("a table");
+        assert!(all.remarks.is_empty() && all.errors[0].0 > 50.0, "{:?}", all.remarks);
+        assert!(outcome(quick, faster).expect("a table").remarks.len() > 5);
     }
 }

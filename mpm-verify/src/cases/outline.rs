@@ -4,22 +4,22 @@ use mpm_core::run::outline_parts;
 use mpm_core::scene::{Scene, SeedingChoice};
 use mpm_core::seeding;
 
-use super::{Error, Lacks, Mutant, Outcome, Rung, integrator};
+use super::{Case, Error, Lacks, Mutant, Outcome, integrator};
 use crate::norms::largest;
 use crate::rates::fit;
 
-/// The rung.
-pub const RUNG: Rung = Rung {
+/// The case.
+pub const CASE: Case = Case {
     name: "outline-seeding",
     about: "mass and centre of particles clipped by a slope, and of whole squares",
-    climb: || climb(SeedingChoice::Clipped),
-    mutant: Some(Mutant { what: "whole squares in place of clipped ones", climb: mutant }),
+    run: || outcome(SeedingChoice::Clipped),
+    mutant: Some(Mutant { what: "whole squares in place of clipped ones", run: mutant }),
 };
 
 /// Cells (m) that divide neither height nor slope.
 const CELLS: [f64; 6] = [0.7, 0.37, 0.19, 0.093, 0.047, 0.023];
 
-fn climb(judged: SeedingChoice) -> Result<Outcome, Error> {
+fn outcome(judged: SeedingChoice) -> Result<Outcome, Error> {
     let base = crate::scenes::built_in("slope-at-rest")?;
     let errors = errors(&base, judged)?;
     let whole = self::errors(&base, SeedingChoice::Whole)?;
@@ -59,7 +59,7 @@ fn errors(base: &Scene, seeding: SeedingChoice) -> Result<Vec<(f64, f64)>, Error
 
 /// Whole squares in place of clipped ones.
 fn mutant() -> Result<Outcome, Error> {
-    climb(SeedingChoice::Whole)
+    outcome(SeedingChoice::Whole)
 }
 
 #[cfg(test)]
@@ -68,9 +68,9 @@ mod tests {
 
     #[test]
     fn clipped_squares_hold_and_whole_ones_fall_short() {
-        let climb = RUNG.climb().expect("parts");
-        assert!(climb.step.held(), "{}", climb.reason);
-        let spoilt = RUNG.climb_mutant().expect("a mutant").expect("parts");
-        assert!(!spoilt.step.held(), "{}", spoilt.reason);
+        let judged = CASE.judged().expect("parts");
+        assert!(judged.row.passed(), "{}", judged.reason);
+        let spoilt = CASE.mutant_judged().expect("a mutant").expect("parts");
+        assert!(!spoilt.row.passed(), "{}", spoilt.reason);
     }
 }

@@ -8,48 +8,48 @@ use mpm_core::scene::{Displaced, Scene, ShapeChoice, TimeMethod};
 use super::degree::Degree;
 use super::evidence::Sampled;
 use super::terzaghi::PARTICLE_COUNTS;
-use super::{Error, Mutant, Outcome, Rung, Unfit, asked, finished, integrator, refine, scheme};
+use super::{Case, Error, Mutant, Outcome, Unfit, asked, finished, integrator, refine, scheme};
 use crate::exact::terzaghi::Terzaghi;
 use crate::norms::{largest, profile_error, relative};
 
 /// Quadratic B-splines.
-pub const SPLINES: Rung = Rung {
+pub const SPLINES: Case = Case {
     name: "quasi-static",
     about: "consolidation without inertia, B-splines: U at L = 0.05, order 3 or more",
-    climb: || fine(COMPRESSIBLE),
-    mutant: Some(Mutant { what: STIFF, climb: || fine(INCOMPRESSIBLE) }),
+    run: || fine(COMPRESSIBLE),
+    mutant: Some(Mutant { what: STIFF, run: || fine(INCOMPRESSIBLE) }),
 };
 
 /// The same on ten cells.
-pub const COARSE: Rung = Rung {
+pub const COARSE: Case = Case {
     name: "quasi-static-coarse",
     about: "the same on 6 to 12 cells",
-    climb: || coarse(COMPRESSIBLE),
-    mutant: Some(Mutant { what: STIFF, climb: || coarse(INCOMPRESSIBLE) }),
+    run: || coarse(COMPRESSIBLE),
+    mutant: Some(Mutant { what: STIFF, run: || coarse(INCOMPRESSIBLE) }),
 };
 
 /// The paper's scheme.
-pub const CENTRE: Rung = Rung {
+pub const CENTRE: Case = Case {
     name: "quasi-static-centre",
     about: "the same with the paper's centre values: order 2",
-    climb: || centre(COMPRESSIBLE),
-    mutant: Some(Mutant { what: STIFF, climb: || centre(INCOMPRESSIBLE) }),
+    run: || centre(COMPRESSIBLE),
+    mutant: Some(Mutant { what: STIFF, run: || centre(INCOMPRESSIBLE) }),
 };
 
 /// Pressures, not only the settlement.
-pub const PROFILE: Rung = Rung {
+pub const PROFILE: Case = Case {
     name: "quasi-static-profile",
     about: "pore pressure at Tv = 0.1, B-splines: order 3 or more",
-    climb: || profile(QUADRATIC, COMPRESSIBLE),
-    mutant: Some(Mutant { what: STIFF, climb: || profile(QUADRATIC, INCOMPRESSIBLE) }),
+    run: || profile(QUADRATIC, COMPRESSIBLE),
+    mutant: Some(Mutant { what: STIFF, run: || profile(QUADRATIC, INCOMPRESSIBLE) }),
 };
 
 /// Cubic B-splines.
-pub const CUBIC: Rung = Rung {
+pub const CUBIC: Case = Case {
     name: "quasi-static-cubic",
     about: "the same with cubic B-splines: order 4 or more",
-    climb: || profile(CUBIC_SPLINES, COMPRESSIBLE),
-    mutant: Some(Mutant { what: STIFF, climb: || profile(CUBIC_SPLINES, INCOMPRESSIBLE) }),
+    run: || profile(CUBIC_SPLINES, COMPRESSIBLE),
+    mutant: Some(Mutant { what: STIFF, run: || profile(CUBIC_SPLINES, INCOMPRESSIBLE) }),
 };
 
 /// Functions, the particles that integrate products of their slopes, and the error and the orders asked for.
@@ -58,27 +58,27 @@ const QUADRATIC: Splines = (ShapeChoice::Bspline2, 9, 1e-6, [3.0, 6.0]);
 const CUBIC_SPLINES: Splines = (ShapeChoice::Bspline3, 16, 1e-6, [4.0, 8.0]);
 
 /// Steps of SDIRK4(3) instead of the Krylov method.
-pub const STEPS: Rung = Rung {
+pub const STEPS: Case = Case {
     name: "quasi-static-steps",
     about: "consolidation by error-controlled steps: U at L = 0.05",
-    climb: || steps(COMPRESSIBLE),
-    mutant: Some(Mutant { what: STIFF, climb: || steps(INCOMPRESSIBLE) }),
+    run: || steps(COMPRESSIBLE),
+    mutant: Some(Mutant { what: STIFF, run: || steps(INCOMPRESSIBLE) }),
 };
 
 /// Particles anywhere.
-pub const DISPLACED: Rung = Rung {
+pub const DISPLACED: Case = Case {
     name: "displaced-particles",
     about: "particles moved by half a spacing and by random quarters: U at L = 0.10",
-    climb: || displaced(COMPRESSIBLE),
-    mutant: Some(Mutant { what: STIFF, climb: || displaced(INCOMPRESSIBLE) }),
+    run: || displaced(COMPRESSIBLE),
+    mutant: Some(Mutant { what: STIFF, run: || displaced(INCOMPRESSIBLE) }),
 };
 
 /// The mesh anywhere.
-pub const SHIFTED: Rung = Rung {
+pub const SHIFTED: Case = Case {
     name: "shifted-grid",
     about: "a mesh shifted by any part of a cell: U at L = 0.10",
-    climb: || shifted(COMPRESSIBLE),
-    mutant: Some(Mutant { what: STIFF, climb: || shifted(INCOMPRESSIBLE) }),
+    run: || shifted(COMPRESSIBLE),
+    mutant: Some(Mutant { what: STIFF, run: || shifted(INCOMPRESSIBLE) }),
 };
 
 /// Which solution a run is compared with.
@@ -104,18 +104,18 @@ fn outcome(base: &Scene, errors: Vec<(f64, f64)>, required_error: f64, order: Op
 }
 
 fn fine(reference: Reference) -> Result<Outcome, Error> {
-    climb(ShapeChoice::Bspline2, &[8, 10, 14, 16, 20], 2e-6, [3.0, 7.0], reference)
+    refined(ShapeChoice::Bspline2, &[8, 10, 14, 16, 20], 2e-6, [3.0, 7.0], reference)
 }
 
 fn coarse(reference: Reference) -> Result<Outcome, Error> {
-    climb(ShapeChoice::Bspline2, &[6, 8, 10, 12], 2e-5, [3.0, 8.0], reference)
+    refined(ShapeChoice::Bspline2, &[6, 8, 10, 12], 2e-5, [3.0, 8.0], reference)
 }
 
 fn centre(reference: Reference) -> Result<Outcome, Error> {
-    climb(ShapeChoice::Centre, &[20, 28, 40, 56, 80], 1.2e-3, [1.9, 2.1], reference)
+    refined(ShapeChoice::Centre, &[20, 28, 40, 56, 80], 1.2e-3, [1.9, 2.1], reference)
 }
 
-fn climb(
+fn refined(
     shape: ShapeChoice,
     rows: &[usize],
     required: f64,

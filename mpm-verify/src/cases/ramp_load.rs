@@ -5,30 +5,30 @@ use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{Error, Mutant, Outcome, Rung, Unfit, integrator, scheme, sound};
+use super::{Case, Error, Mutant, Outcome, Unfit, integrator, scheme, sound};
 use crate::exact::terzaghi::Terzaghi;
 
-/// The rung.
-pub const RUNG: Rung = Rung {
+/// The case.
+pub const CASE: Case = Case {
     name: "ramp-load",
     about: "a load that grows linearly, from rest",
-    climb: || climb(sound),
-    mutant: Some(Mutant { what: "load 5 % too slow", climb: || climb(slower) }),
+    run: || outcome(sound),
+    mutant: Some(Mutant { what: "load 5 % too slow", run: || outcome(slower) }),
 };
 
 /// Without inertia, by steps.
-pub const QUASI_STATIC: Rung = Rung {
+pub const QUASI_STATIC: Case = Case {
     name: "ramp-load-quasi-static",
     about: "the same without inertia, B-splines and error-controlled steps: the load of every stage of a step",
-    climb: || without_inertia(sound),
-    mutant: Some(Mutant { what: "load 5 % too slow", climb: || without_inertia(slower) }),
+    run: || without_inertia(sound),
+    mutant: Some(Mutant { what: "load 5 % too slow", run: || without_inertia(slower) }),
 };
 
 fn slower(scene: &mut Fields) {
     scene.surcharge = scene.surcharge.map(|s| Surcharge { ramp_time: 1.05 * s.ramp_time, ..s });
 }
 
-fn climb(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut base = crate::scenes::terzaghi().edited(|base| (base.history, base.start) = (0, Start::Unloaded))?;
     let ramp_time = 0.2 * base.time_per_factor().ok_or(Unfit("the scene is dry"))?;
     base = base.edited(|base| base.surcharge = base.surcharge.map(|s| Surcharge { ramp_time, ..s }))?;

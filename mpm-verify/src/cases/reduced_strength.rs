@@ -11,15 +11,15 @@ use mpm_core::step::Pace;
 use mpm_core::water::Pressures;
 
 use super::evidence::RUNS;
-use super::{Error, Lacks, Mutant, Outcome, Rung, Unfit};
+use super::{Case, Error, Lacks, Mutant, Outcome, Unfit};
 use crate::norms::largest;
 
 /// The case.
-pub const RUNG: Rung = Rung {
+pub const CASE: Case = Case {
     name: "reduced-strength",
     about: "strength reduction by 1.5 and 3 against scenes with the reduced strength of soil and base: how apart they slide",
-    climb: || climb(1.0),
-    mutant: Some(Mutant { what: "a factor 0.1 % too large", climb: || climb(1.001) }),
+    run: || outcome(1.0),
+    mutant: Some(Mutant { what: "a factor 0.1 % too large", run: || outcome(1.001) }),
 };
 
 const FACTORS: [f64; 2] = [1.5, 3.0];
@@ -83,7 +83,7 @@ fn slide(scene: &Scene, factor: f64, dt: f64) -> Result<Vec<SolidState>, Error> 
 }
 
 /// Largest distance between the particles of two slopes over how far they have come; the factor is off by a factor.
-fn climb(off: f64) -> Result<Outcome, Error> {
+fn outcome(off: f64) -> Result<Outcome, Error> {
     let scene = levee(&[
         ("dilation_angle = 0.0", "dilation_angle = 12.0"),
         ("slip_distance = 0.02", "slip_distance = 0.02\nadhesion = 400.0"),

@@ -7,23 +7,23 @@ use mpm_core::stability::choose_step;
 
 use super::evidence::{PARTICLES, Refinement, Sampled};
 use super::looks::{Look, Looks};
-use super::{Error, Lacks, Mutant, Outcome, Rung, finished, sound};
+use super::{Case, Error, Lacks, Mutant, Outcome, finished, sound};
 use crate::norms::largest;
 
 /// Nothing moves.
-pub const SPEED: Rung = Rung {
+pub const SPEED: Case = Case {
     name: "rest-speed",
     about: "columns and slopes under gravity at rest for 1e5 steps: largest speed of a particle, m/s",
-    climb: || climb(STEPS, SPEEDS, 1e-8, sound),
-    mutant: Some(Mutant { what: STEEPER, climb: || climb(FEW, SPEEDS, 1e-8, steeper) }),
+    run: || outcome(STEPS, SPEEDS, 1e-8, sound),
+    mutant: Some(Mutant { what: STEEPER, run: || outcome(FEW, SPEEDS, 1e-8, steeper) }),
 };
 
 /// No energy comes or goes.
-pub const ENERGY: Rung = Rung {
+pub const ENERGY: Case = Case {
     name: "rest-energy",
     about: "the same: change of the energy ledger's closing error, of the energy stored",
-    climb: || climb(STEPS, ENERGIES, 1e-10, sound),
-    mutant: Some(Mutant { what: STEEPER, climb: || climb(FEW, ENERGIES, 1e-10, steeper) }),
+    run: || outcome(STEPS, ENERGIES, 1e-10, sound),
+    mutant: Some(Mutant { what: STEEPER, run: || outcome(FEW, ENERGIES, 1e-10, steeper) }),
 };
 
 const STEPS: u32 = 100_000;
@@ -43,7 +43,7 @@ fn energy(first: &Sample, last: &Sample) -> f64 {
 }
 
 /// The largest `figure` of all scenes, and that of fewer steps with other numbers of particles.
-fn climb(steps: u32, watched: Watched, required_error: f64, spoil: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(steps: u32, watched: Watched, required_error: f64, spoil: fn(&mut Fields)) -> Result<Outcome, Error> {
     let (worst, samples) = followed(steps, watched, spoil)?;
     let with = |count: &usize| {
         let counted = |scene: &mut Fields| {
@@ -112,12 +112,12 @@ mod tests {
     #[test]
     fn soil_rests_and_a_slope_above_its_friction_does_not() {
         for (figure, required) in [(SPEEDS, 1e-8), (ENERGIES, 1e-10)] {
-            let sound = climb(2 * FEW, figure, required, sound).expect("runs that finish");
+            let sound = outcome(2 * FEW, figure, required, sound).expect("runs that finish");
             assert!(sound.errors[0].1 <= required, "{sound:?}");
         }
-        for rung in [SPEED, ENERGY] {
-            let spoilt = rung.climb_mutant().expect("a mutant").expect("runs that finish");
-            assert!(!spoilt.step.held(), "{}", spoilt.reason);
+        for case in [SPEED, ENERGY] {
+            let spoilt = case.mutant_judged().expect("a mutant").expect("runs that finish");
+            assert!(!spoilt.row.passed(), "{}", spoilt.reason);
         }
     }
 }

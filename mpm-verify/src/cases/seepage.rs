@@ -4,23 +4,23 @@ use mpm_core::observe::WaterState;
 use mpm_core::scene::{Dimension, Feed, Fields, Scene, Side, SolidSide, Until};
 
 use super::looks::{Look, Looks};
-use super::{Error, FASTER, Lacks, Mutant, Outcome, Rung, Unfit, faster, finished, integrator, sound};
+use super::{Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, faster, finished, integrator, sound};
 use crate::norms::largest;
 
 /// A column that drains.
-pub const DRAINS: Rung = Rung {
+pub const DRAINS: Case = Case {
     name: "column-drains",
     about: "the level of a full column that drains at its base falls at k/n, and no water enters through its top",
-    climb: || drains(sound),
-    mutant: Some(Mutant { what: FASTER, climb: || drains(faster) }),
+    run: || drains(sound),
+    mutant: Some(Mutant { what: FASTER, run: || drains(faster) }),
 };
 
 /// Rain.
-pub const RAIN: Rung = Rung {
+pub const RAIN: Case = Case {
     name: "rain",
     about: "rain on slopes, berms and peaks: what enters is the rate times the width under the sky, on every mesh",
-    climb: || rain(1.0),
-    mutant: Some(Mutant { what: "rain 0.1 % too strong", climb: || rain(1.001) }),
+    run: || rain(1.0),
+    mutant: Some(Mutant { what: "rain 0.1 % too strong", run: || rain(1.001) }),
 };
 
 /// A scene of a column or an outline that is `wide` and 1 m high, dry or full, on a mesh.

@@ -9,49 +9,49 @@ use super::degree::Degree;
 use super::evidence::{MESH, Refinement};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use super::{
-    Error, FASTER, Lacks, Mutant, Outcome, Rung, Unfit, asked, faster, finished, integrator, scheme, slower, sound,
+    Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, asked, faster, finished, integrator, scheme, slower, sound,
 };
 use crate::exact::self_weight::SelfWeight;
 use crate::norms::LATE_TV;
 
 /// The paper's scheme.
-pub const EXPLICIT: Rung = Rung {
+pub const EXPLICIT: Case = Case {
     name: "self-weight",
     about: "consolidation under the own weight, the paper's scheme: settlement, order 2",
-    climb: || climb(&WITH_INERTIA, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || climb(&WITH_INERTIA, faster) }),
+    run: || outcome(&WITH_INERTIA, sound),
+    mutant: Some(Mutant { what: FASTER, run: || outcome(&WITH_INERTIA, faster) }),
 };
 
 /// Implicit pressure.
-pub const SEMI_IMPLICIT: Rung = Rung {
+pub const SEMI_IMPLICIT: Case = Case {
     name: "self-weight-semi-implicit",
     about: "the same with implicit pressure",
-    climb: || climb(&IMPLICIT_PRESSURE, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || climb(&IMPLICIT_PRESSURE, faster) }),
+    run: || outcome(&IMPLICIT_PRESSURE, sound),
+    mutant: Some(Mutant { what: FASTER, run: || outcome(&IMPLICIT_PRESSURE, faster) }),
 };
 
 /// Without inertia.
-pub const QUASI_STATIC: Rung = Rung {
+pub const QUASI_STATIC: Case = Case {
     name: "self-weight-quasi-static",
     about: "the same without inertia, B-splines",
-    climb: || climb(&WITHOUT_INERTIA, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || climb(&WITHOUT_INERTIA, faster) }),
+    run: || outcome(&WITHOUT_INERTIA, sound),
+    mutant: Some(Mutant { what: FASTER, run: || outcome(&WITHOUT_INERTIA, faster) }),
 };
 
 /// Without inertia, the paper's scheme.
-pub const CENTRE: Rung = Rung {
+pub const CENTRE: Case = Case {
     name: "self-weight-centre",
     about: "the same without inertia, values at the centre and flow through faces: order 2",
-    climb: || climb(&WITH_FACES, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || climb(&WITH_FACES, faster) }),
+    run: || outcome(&WITH_FACES, sound),
+    mutant: Some(Mutant { what: FASTER, run: || outcome(&WITH_FACES, faster) }),
 };
 
 /// Much strain.
-pub const SOFT: Rung = Rung {
+pub const SOFT: Case = Case {
     name: "self-weight-soft",
     about: "soft soil under its own weight, B-splines and centre values, drained: settlement at 10 % strain",
-    climb: || soft(sound),
-    mutant: Some(Mutant { what: "grains 1 % too light", climb: || soft(lighter) }),
+    run: || soft(sound),
+    mutant: Some(Mutant { what: "grains 1 % too light", run: || soft(lighter) }),
 };
 
 /// A way to run the column, and what it must show.
@@ -141,7 +141,7 @@ fn column(way: &Way, slow: f64) -> Result<(Scene, SelfWeight), Error> {
 /// How much slower than in the scene file water drains.
 const SLOW: f64 = 20.0;
 
-fn climb(way: &Way, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(way: &Way, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let (mut base, exact) = column(way, SLOW)?;
     let settlement = |time| exact.settlement(time);
     let degree = Degree::of_whole(&base, exact.final_settlement(), &settlement).from(way.from / exact.time_factor(1.0));

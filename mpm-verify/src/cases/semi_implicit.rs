@@ -6,33 +6,33 @@ use mpm_core::stability::stable_limit;
 use super::degree::Degree;
 use super::evidence::{MESH, Refinement};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{Error, FASTER, Mutant, Outcome, Rung, Unfit, faster, integrator, scheme, sound, terzaghi};
+use super::{Case, Error, FASTER, Mutant, Outcome, Unfit, faster, integrator, scheme, sound, terzaghi};
 use crate::exact::dynamic::DynamicColumn;
 use crate::exact::terzaghi::Terzaghi;
 use crate::norms::LATE_TV;
 
 /// The study's default scene, L = 0.02, at 0.9 of its limit.
-pub const AT_ITS_LIMIT: Rung = Rung {
+pub const AT_ITS_LIMIT: Case = Case {
     name: "semi-implicit",
     about: "consolidation with implicit pressure at 0.9 of its limit, from Tv = 0.01",
-    climb: || at_its_limit(sound),
-    mutant: Some(Mutant { what: FASTER, climb: || at_its_limit(faster) }),
+    run: || at_its_limit(sound),
+    mutant: Some(Mutant { what: FASTER, run: || at_its_limit(faster) }),
 };
 
 /// The order of the default shape.
-pub const CENTRE: Rung = Rung {
+pub const CENTRE: Case = Case {
     name: "semi-implicit-order",
     about: "the same from Tv = 0.1, steps that fall with L^2: order 2",
-    climb: || order(ShapeChoice::Centre, 5e-5, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || order(ShapeChoice::Centre, 5e-5, faster) }),
+    run: || order(ShapeChoice::Centre, 5e-5, sound),
+    mutant: Some(Mutant { what: FASTER, run: || order(ShapeChoice::Centre, 5e-5, faster) }),
 };
 
 /// The order of quadratic B-splines.
-pub const SPLINES: Rung = Rung {
+pub const SPLINES: Case = Case {
     name: "semi-implicit-bspline2",
     about: "the same with quadratic B-splines",
-    climb: || order(ShapeChoice::Bspline2, 3e-4, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || order(ShapeChoice::Bspline2, 3e-4, faster) }),
+    run: || order(ShapeChoice::Bspline2, 3e-4, sound),
+    mutant: Some(Mutant { what: FASTER, run: || order(ShapeChoice::Bspline2, 3e-4, faster) }),
 };
 
 fn semi_implicit(scene: Scene, shape: ShapeChoice) -> Result<Scene, Error> {

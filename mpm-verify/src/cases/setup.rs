@@ -11,7 +11,7 @@ use crate::scenes::built_in;
 pub(super) type Measured = Result<Box<dyn Fn(&Run) -> f64>, Error>;
 
 /// A scene, how it is measured, and what that must show.
-pub(super) struct Case {
+pub(super) struct Setup {
     /// Name of the built-in scene.
     pub scene: &'static str,
     /// What is another than in its file.
@@ -29,11 +29,11 @@ pub(super) struct Case {
 /// A case of the verification suite with its planted fault.
 macro_rules! case {
     ($name:literal, $about:literal, $what:expr, $fault:expr, $case:expr) => {
-        $crate::cases::Rung {
+        $crate::cases::Case {
             name: $name,
             about: $about,
-            climb: || $crate::cases::setup::run(&$case, $crate::cases::sound),
-            mutant: Some($crate::cases::Mutant { what: $what, climb: || $crate::cases::setup::run(&$case, $fault) }),
+            run: || $crate::cases::setup::run(&$case, $crate::cases::sound),
+            mutant: Some($crate::cases::Mutant { what: $what, run: || $crate::cases::setup::run(&$case, $fault) }),
         }
     };
 }
@@ -45,7 +45,7 @@ pub(super) fn refined(scene: &Scene, cells: f64) -> Result<Scene, Error> {
 }
 
 /// Runs a case on its meshes with a fault, or none.
-pub(super) fn run(case: &Case, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+pub(super) fn run(case: &Setup, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let base = built_in(case.scene)?.edited(case.change)?;
     let mut outcome = Outcome { required_error: case.required, required_order: case.order, ..Outcome::default() };
     for &cells in case.cells {
@@ -61,11 +61,11 @@ pub(super) fn run(case: &Case, fault: fn(&mut Fields)) -> Result<Outcome, Error>
 
 /// That cases hold, and that each finds its fault.
 #[cfg(test)]
-pub(super) fn hold_and_find_their_faults<'a>(cases: impl IntoIterator<Item = &'a super::Rung>) {
+pub(super) fn hold_and_find_their_faults<'a>(cases: impl IntoIterator<Item = &'a super::Case>) {
     for case in cases {
-        let sound = case.climb().expect("runs that finish");
-        assert!(sound.step.held(), "{}: {}", case.name, sound.reason);
-        let spoilt = case.climb_mutant().expect("a mutant").expect("runs that finish");
-        assert!(!spoilt.step.held(), "{}: {}", case.name, spoilt.reason);
+        let sound = case.judged().expect("runs that finish");
+        assert!(sound.row.passed(), "{}: {}", case.name, sound.reason);
+        let spoilt = case.mutant_judged().expect("a mutant").expect("runs that finish");
+        assert!(!spoilt.row.passed(), "{}: {}", case.name, spoilt.reason);
     }
 }

@@ -9,31 +9,31 @@ use mpm_core::scene::{
 };
 
 use super::looks::{Look, Looks};
-use super::{Error, Lacks, Mutant, Outcome, Rung, finished, integrator, scheme, sound};
+use super::{Case, Error, Lacks, Mutant, Outcome, finished, integrator, scheme, sound};
 use crate::exact::slab::Slab;
 
 /// A dry one under a load that grows.
-pub const REMEMBERS: Rung = Rung {
+pub const REMEMBERS: Case = Case {
     name: "slab-remembers",
     about: "a dry slab with adhesion under a normal load that grows, friction that lags behind it: velocity",
-    climb: || climb(loaded, FAR, sound),
-    mutant: Some(Mutant { what: "a tenth more memory", climb: || climb(loaded, FAR, forgetting) }),
+    run: || outcome(loaded, FAR, sound),
+    mutant: Some(Mutant { what: "a tenth more memory", run: || outcome(loaded, FAR, forgetting) }),
 };
 
 /// A full one.
-pub const SATURATED: Rung = Rung {
+pub const SATURATED: Case = Case {
     name: "slab-on-water",
     about: "a slab with adhesion that is full of water, whose pressure on the base takes from its friction: velocity",
-    climb: || climb(saturated, NEAR, sound),
-    mutant: Some(Mutant { what: STICKIER, climb: || climb(saturated, NEAR, stickier) }),
+    run: || outcome(saturated, NEAR, sound),
+    mutant: Some(Mutant { what: STICKIER, run: || outcome(saturated, NEAR, stickier) }),
 };
 
 /// The same whose water has a free surface.
-pub const FREE_SURFACE: Rung = Rung {
+pub const FREE_SURFACE: Case = Case {
     name: "slab-on-free-water",
     about: "the same with a free surface and pressures that are held",
-    climb: || climb(seeping, FAR, sound),
-    mutant: Some(Mutant { what: STICKIER, climb: || climb(seeping, FAR, stickier) }),
+    run: || outcome(seeping, FAR, sound),
+    mutant: Some(Mutant { what: STICKIER, run: || outcome(seeping, FAR, stickier) }),
 };
 
 /// Cells over the height, and how long the slab slides, s.
@@ -125,7 +125,7 @@ fn looks(run: &Run, scene: &Scene, exact: &Slab, end: f64) -> Looks {
     Looks::worst("velocity over the last one", run.observed().map(look).collect())
 }
 
-fn climb(scene: fn() -> Result<Scene, Error>, (rows, end): Slide, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(scene: fn() -> Result<Scene, Error>, (rows, end): Slide, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let base = scene()?;
     let exact = Slab::new(&base).ok_or(Lacks("slab on a base"))?;
     let (mut errors, mut samples) = (Vec::new(), Vec::new());

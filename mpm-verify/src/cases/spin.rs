@@ -18,22 +18,22 @@ use mpm_core::stability::stable_limit;
 use super::evidence::Sampled;
 use super::looks::{Look, Looks, in_particles, in_time};
 use super::terzaghi::PARTICLE_COUNTS;
-use super::{Error, Lacks, Mutant, Outcome, Rung, integrator, scheme};
+use super::{Case, Error, Lacks, Mutant, Outcome, integrator, scheme};
 
 /// Quadratic B-splines.
-pub const SPLINES: Rung = Rung {
+pub const SPLINES: Case = Case {
     name: "spin",
     about: "a free square turns once, affine velocities, B-splines: change of the angular momentum",
-    climb: || climb(ShapeChoice::Bspline2, TransferChoice::Affine),
-    mutant: Some(Mutant { what: PLAIN, climb: || climb(ShapeChoice::Bspline2, TransferChoice::Plain) }),
+    run: || outcome(ShapeChoice::Bspline2, TransferChoice::Affine),
+    mutant: Some(Mutant { what: PLAIN, run: || outcome(ShapeChoice::Bspline2, TransferChoice::Plain) }),
 };
 
 /// uGIMP.
-pub const GIMP: Rung = Rung {
+pub const GIMP: Case = Case {
     name: "spin-gimp",
     about: "the same with uGIMP",
-    climb: || climb(ShapeChoice::Gimp, TransferChoice::Affine),
-    mutant: Some(Mutant { what: PLAIN, climb: || climb(ShapeChoice::Gimp, TransferChoice::Plain) }),
+    run: || outcome(ShapeChoice::Gimp, TransferChoice::Affine),
+    mutant: Some(Mutant { what: PLAIN, run: || outcome(ShapeChoice::Gimp, TransferChoice::Plain) }),
 };
 
 const PLAIN: &str = "velocities that are not affine";
@@ -46,7 +46,7 @@ const LOOKS: u32 = 16;
 /// Step as a share of the stable one.
 const SHARE: f64 = 0.4;
 
-/// What carries velocities beside the rung's own choice, for the curves: name, affine or not, share of FLIP.
+/// What carries velocities beside the case's own choice, for the curves: name, affine or not, share of FLIP.
 const OTHERS: [(&str, TransferChoice, f64); 4] = [
     ("FLIP", TransferChoice::Plain, 1.0),
     ("PIC", TransferChoice::Plain, 0.0),
@@ -68,7 +68,7 @@ fn square(cells: usize, shape: ShapeChoice, transfer: TransferChoice, flip: f64)
     Ok(scene)
 }
 
-fn climb(shape: ShapeChoice, transfer: TransferChoice) -> Result<Outcome, Error> {
+fn outcome(shape: ShapeChoice, transfer: TransferChoice) -> Result<Outcome, Error> {
     let mut notes = Vec::new();
     let mut samples = Vec::new();
     for (name, transfer, flip) in OTHERS {

@@ -5,12 +5,12 @@ use std::f64::consts::PI;
 use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice, Side};
 
 use super::features::{explicit, quasi_static, softer};
-use super::setup::{Case, Measured, case, refined};
-use super::{FASTER, Rung, Unfit, faster, sound};
+use super::setup::{Measured, Setup, case, refined};
+use super::{Case, FASTER, Unfit, faster, sound};
 use crate::norms::largest;
 
 /// Second order: the square of a cell over the height, on the finest mesh.
-const TRIANGLE: Case = Case {
+const TRIANGLE: Setup = Setup {
     scene: "triangular-start",
     change: centre,
     mesh: refined,
@@ -19,8 +19,8 @@ const TRIANGLE: Case = Case {
     required: 2.5e-3,
     order: None,
 };
-const STAGES: Case = Case { scene: "drainage-in-stages", ..TRIANGLE };
-const RELEASED: Case = Case {
+const STAGES: Setup = Setup { scene: "drainage-in-stages", ..TRIANGLE };
+const RELEASED: Setup = Setup {
     scene: "released-side",
     change: sound,
     mesh: refined,
@@ -31,13 +31,13 @@ const RELEASED: Case = Case {
 };
 
 /// All of them.
-pub const CASES: [Rung; 8] = [
+pub const CASES: [Case; 8] = [
     case!(
         "given-start",
         "a column from a pressure that is linear over its height: quasi-static, B-splines",
         FASTER,
         faster,
-        Case {
+        Setup {
             change: quasi_static,
             cells: &[10.0, 14.0, 20.0, 28.0],
             required: 1e-5,
@@ -50,31 +50,31 @@ pub const CASES: [Rung; 8] = [
         "the same with values at the centre and flow through faces: order 2",
         FASTER,
         faster,
-        Case { cells: &[10.0, 14.0, 20.0, 28.0], order: Some([1.7, 2.3]), ..TRIANGLE }
+        Setup { cells: &[10.0, 14.0, 20.0, 28.0], order: Some([1.7, 2.3]), ..TRIANGLE }
     ),
     case!(
         "given-start-semi-implicit",
         "the same semi-implicit",
         FASTER,
         faster,
-        Case { change: semi_implicit, ..TRIANGLE }
+        Setup { change: semi_implicit, ..TRIANGLE }
     ),
-    case!("given-start-explicit", "the same explicit", FASTER, faster, Case { change: explicit, ..TRIANGLE }),
+    case!("given-start-explicit", "the same explicit", FASTER, faster, Setup { change: explicit, ..TRIANGLE }),
     case!(
         "drainage-in-stages",
         "a column that drains at its top, at both ends, and is shut in: quasi-static, B-splines",
         TIGHT,
         tight,
-        Case { change: quasi_static, required: 1e-5, order: None, ..STAGES }
+        Setup { change: quasi_static, required: 1e-5, order: None, ..STAGES }
     ),
-    case!("drainage-in-stages-explicit", "the same explicit", TIGHT, tight, Case { change: explicit, ..STAGES }),
+    case!("drainage-in-stages-explicit", "the same explicit", TIGHT, tight, Setup { change: explicit, ..STAGES }),
     case!("released-side", "a block under a horizontal stress loses a wall", "E 5 % too low", softer, RELEASED),
     case!(
         "released-side-explicit",
         "the same explicit and damped",
         HELD,
-        held,
-        Case { change: damped_release, required: 1e-3, ..RELEASED }
+        wall_stays,
+        Setup { change: damped_release, required: 1e-3, ..RELEASED }
     ),
 ];
 
@@ -85,7 +85,7 @@ fn tight(scene: &mut Fields) {
     scene.stages.iter_mut().for_each(|stage| stage.drained[Side::Bottom as usize] = false);
 }
 
-fn held(scene: &mut Fields) {
+fn wall_stays(scene: &mut Fields) {
     scene.stages.iter_mut().for_each(|stage| stage.solid_sides = None);
 }
 

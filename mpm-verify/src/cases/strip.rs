@@ -6,47 +6,47 @@
 use mpm_core::observe::FieldPoint;
 use mpm_core::scene::{Fields, Scene, ShapeChoice};
 
-use super::{Error, Lacks, Mutant, Outcome, Rung, asked, finished, integrator, scheme};
-use crate::baseline::ladder::Kind;
+use super::{Case, Error, Lacks, Mutant, Outcome, asked, finished, integrator, scheme};
+use crate::baseline::suite::Kind;
 use crate::exact::strip::StripLoad;
 
-/// The rung.
-pub const RUNG: Rung = Rung {
+/// The case.
+pub const CASE: Case = Case {
     name: "strip",
     about: "undrained block under a strip load, B-splines: no oscillation of the pressure",
-    climb: || climb(None),
-    mutant: Some(Mutant { what: "no jump penalty", climb: || climb(Some(0.0)) }),
+    run: || outcome(None),
+    mutant: Some(Mutant { what: "no jump penalty", run: || outcome(Some(0.0)) }),
 };
 
 /// Against the sum.
-pub const SUM: Rung = Rung {
+pub const SUM: Case = Case {
     name: "strip-sum",
     about: "the same against the sum of cosines: pore pressure, order 2 or more",
-    climb: || against_sum(&QUADRATIC, 1.0),
-    mutant: Some(Mutant { what: "load 2 % too large", climb: || against_sum(&QUADRATIC, 1.02) }),
+    run: || against_sum(&QUADRATIC, 1.0),
+    mutant: Some(Mutant { what: "load 2 % too large", run: || against_sum(&QUADRATIC, 1.02) }),
 };
 
 /// Against the sum, cubic B-splines.
-pub const CUBIC: Rung = Rung {
+pub const CUBIC: Case = Case {
     name: "strip-sum-cubic",
     about: "the same with cubic B-splines, order 3 or more: the load has kinks",
-    climb: || against_sum(&CUBIC_SPLINES, 1.0),
-    mutant: Some(Mutant { what: "load 2 % too large", climb: || against_sum(&CUBIC_SPLINES, 1.02) }),
+    run: || against_sum(&CUBIC_SPLINES, 1.0),
+    mutant: Some(Mutant { what: "load 2 % too large", run: || against_sum(&CUBIC_SPLINES, 1.02) }),
 };
 
 /// What is compared with the sum.
-struct Climb {
+struct Judged {
     with: fn(&mut Fields),
     /// Cells along each side.
     sides: &'static [usize],
     order: [f64; 2],
 }
 
-const QUADRATIC: Climb = Climb { with: |_| (), sides: &[10, 14, 20, 28, 40], order: [2.0, 3.2] };
+const QUADRATIC: Judged = Judged { with: |_| (), sides: &[10, 14, 20, 28, 40], order: [2.0, 3.2] };
 
 /// With the penalty of every such scene, and the particles that integrate products of slopes. The kinks of the load stand on lines
 /// of each mesh: how far they are from them would else be in the error.
-const CUBIC_SPLINES: Climb = Climb {
+const CUBIC_SPLINES: Judged = Judged {
     with: |scene| {
         (scene.shape, scene.particles_per_cell, scene.jump_penalty) = (ShapeChoice::Bspline3, 16, None);
     },
@@ -57,7 +57,7 @@ const CUBIC_SPLINES: Climb = Climb {
 const FINE: usize = 45;
 const SIDES: [usize; 3] = [5, 9, 15];
 
-fn climb(penalty: Option<f64>) -> Result<Outcome, Error> {
+fn outcome(penalty: Option<f64>) -> Result<Outcome, Error> {
     let base = crate::scenes::built_in("strip")?;
     let load = base.surcharge.ok_or(Lacks("load"))?.pressure;
     let fine = field(&base, FINE)?;
@@ -88,10 +88,10 @@ fn climb(penalty: Option<f64>) -> Result<Outcome, Error> {
 }
 
 /// The load is wrong by a factor.
-fn against_sum(climb: &Climb, factor: f64) -> Result<Outcome, Error> {
+fn against_sum(judged: &Judged, factor: f64) -> Result<Outcome, Error> {
     let mut base = crate::scenes::built_in("strip")?;
     let load = base.surcharge.ok_or(Lacks("load"))?.pressure;
-    base = base.edited(climb.with)?;
+    base = base.edited(judged.with)?;
     let exact = StripLoad::new(&base).ok_or(Lacks("strip"))?;
     base = base.edited(|base| {
         if let Some(surcharge) = &mut base.surcharge {
@@ -99,7 +99,7 @@ fn against_sum(climb: &Climb, factor: f64) -> Result<Outcome, Error> {
         }
     })?;
     let mut errors = Vec::new();
-    for &side in climb.sides {
+    for &side in judged.sides {
         let field = field(&base, side)?;
         let square = |p: &FieldPoint| ((p.pressure_pa - exact.pressure(p.x_m, p.y_m)) / load).powi(2);
         let mean = field.iter().map(square).sum::<f64>() / field.len() as f64;
@@ -111,7 +111,7 @@ fn against_sum(climb: &Climb, factor: f64) -> Result<Outcome, Error> {
         scheme,
         errors,
         required_error: 1e-4,
-        required_order: Some(climb.order),
+        required_order: Some(judged.order),
         ..Outcome::default()
     })
 }
@@ -133,8 +133,8 @@ mod tests {
     #[test]
     fn without_the_penalty_it_falls_short() {
         let finest = |outcome: Outcome| outcome.errors[2].1;
-        let with = finest(climb(None).expect("a run"));
-        let without = finest(climb(Some(0.0)).expect("a run"));
+        let with = finest(outcome(None).expect("a run"));
+        let without = finest(outcome(Some(0.0)).expect("a run"));
         assert!(with <= 1e-3 && without > 5e-3, "{with:.1e} {without:.1e}");
     }
 }

@@ -7,47 +7,47 @@ use mpm_core::scene::{DarcyChoice, Fields, Scene, ShapeChoice, Surcharge};
 use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
-use super::{Error, FASTER, Mutant, Outcome, Rung, Unfit, faster, integrator, scheme, sound};
+use super::{Case, Error, FASTER, Mutant, Outcome, Unfit, faster, integrator, scheme, sound};
 use crate::exact::dynamic::DynamicColumn;
 
 /// The paper's scheme with the default operator.
-pub const SURFACE: Rung = Rung {
+pub const SURFACE: Case = Case {
     name: "terzaghi",
     about: "consolidation of Table 1's column: U, order 2",
-    climb: || climb(sound, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || climb(sound, faster) }),
+    run: || outcome(sound, sound),
+    mutant: Some(Mutant { what: FASTER, run: || outcome(sound, faster) }),
 };
 
 /// The standard linear scheme.
-pub const LINEAR: Rung = Rung {
+pub const LINEAR: Case = Case {
     name: "terzaghi-linear",
     about: "the same with the standard linear scheme",
-    climb: || climb(linear, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || climb(linear, faster) }),
+    run: || outcome(linear, sound),
+    mutant: Some(Mutant { what: FASTER, run: || outcome(linear, faster) }),
 };
 
 /// The paper's Darcy operator.
-pub const NODAL: Rung = Rung {
+pub const NODAL: Case = Case {
     name: "terzaghi-nodal",
     about: "the same with the paper's nodal Darcy velocity",
-    climb: || climb(nodal, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || climb(nodal, faster) }),
+    run: || outcome(nodal, sound),
+    mutant: Some(Mutant { what: FASTER, run: || outcome(nodal, faster) }),
 };
 
 /// uGIMP.
-pub const GIMP: Rung = Rung {
+pub const GIMP: Case = Case {
     name: "terzaghi-gimp",
     about: "the same with uGIMP",
-    climb: || gimp(sound),
-    mutant: Some(Mutant { what: FASTER, climb: || gimp(faster) }),
+    run: || gimp(sound),
+    mutant: Some(Mutant { what: FASTER, run: || gimp(faster) }),
 };
 
 /// Quadratic B-splines.
-pub const SPLINES: Rung = Rung {
+pub const SPLINES: Case = Case {
     name: "terzaghi-bspline2",
     about: "the same with quadratic B-splines",
-    climb: || splines(sound),
-    mutant: Some(Mutant { what: FASTER, climb: || splines(faster) }),
+    run: || splines(sound),
+    mutant: Some(Mutant { what: FASTER, run: || splines(faster) }),
 };
 
 fn linear(scene: &mut Fields) {
@@ -58,7 +58,7 @@ fn nodal(scene: &mut Fields) {
     scene.darcy = DarcyChoice::Nodal;
 }
 
-fn climb(change: fn(&mut Fields), fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(change: fn(&mut Fields), fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     // Cells of this size alone, exactly in time, make 9.8e-4 at L = 0.0125.
     refined(&[20, 28, 40, 80], 1.5e-3, [1.8, 2.2], change, fault)
 }

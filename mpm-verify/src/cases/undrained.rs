@@ -7,14 +7,14 @@ use mpm_core::scene::{Fields, Scene, Start, Until};
 
 use super::evidence::{MESH, Refinement};
 use super::looks::{Look, Looks, in_particles};
-use super::{Error, Lacks, Mutant, Outcome, Rung, Unfit, finished, integrator, scheme, sound};
+use super::{Case, Error, Lacks, Mutant, Outcome, Unfit, finished, integrator, scheme, sound};
 
-/// The rung.
-pub const RUNG: Rung = Rung {
+/// The case.
+pub const CASE: Case = Case {
     name: "undrained",
     about: "pore pressure of a closed column under load (sign of Eq. 5)",
-    climb: || climb(sound),
-    mutant: Some(Mutant { what: "water 1 % too stiff", climb: || climb(stiffer) }),
+    run: || outcome(sound),
+    mutant: Some(Mutant { what: "water 1 % too stiff", run: || outcome(stiffer) }),
 };
 
 fn stiffer(scene: &mut Fields) {
@@ -23,7 +23,7 @@ fn stiffer(scene: &mut Fields) {
     }
 }
 
-fn climb(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut scene = crate::scenes::terzaghi().with_rows(20)?.edited(|scene| {
         scene.start = Start::Unloaded;
         scene.stages[0].drained = [false; 4];

@@ -7,23 +7,23 @@ use mpm_core::stability::stable_limit;
 use super::evidence::Refinement;
 use super::looks::{Look, Looks, Norm, in_particles, in_time};
 use super::terzaghi::{HALVINGS, PARTICLE_COUNTS};
-use super::{Error, Mutant, Outcome, Rung, Unfit, finished, integrator, scheme, sound};
+use super::{Case, Error, Mutant, Outcome, Unfit, finished, integrator, scheme, sound};
 use crate::exact::undrained_wave::UndrainedWave;
 
 /// Pressures over five passages.
-pub const AMPLITUDE: Rung = Rung {
+pub const AMPLITUDE: Case = Case {
     name: "undrained-wave",
     about: "the undrained wave at mid height over five passages: RMS of the pressure",
-    climb: || climb(&IN_SIZE, sound),
-    mutant: Some(Mutant { what: STIFFER, climb: || climb(&IN_SIZE, stiffer) }),
+    run: || outcome(&IN_SIZE, sound),
+    mutant: Some(Mutant { what: STIFFER, run: || outcome(&IN_SIZE, stiffer) }),
 };
 
 /// When the pressure there has half of its undrained value for the first time.
-pub const ARRIVAL: Rung = Rung {
+pub const ARRIVAL: Case = Case {
     name: "undrained-arrival",
     about: "the same: when half of the undrained pressure is reached first, of H/c_u",
-    climb: || climb(&IN_TIME, sound),
-    mutant: Some(Mutant { what: STIFFER, climb: || climb(&IN_TIME, stiffer) }),
+    run: || outcome(&IN_TIME, sound),
+    mutant: Some(Mutant { what: STIFFER, run: || outcome(&IN_TIME, stiffer) }),
 };
 
 /// A front that the mesh rounds off converges at first order in this norm.
@@ -45,7 +45,7 @@ fn stiffer(scene: &mut Fields) {
 /// Rows of the mesh on which steps and particles are refined.
 const COARSE: usize = 50;
 
-/// What a rung looks at, and what it must show.
+/// What a case looks at, and what it must show.
 struct Asked {
     looks: fn(&Run, &UndrainedWave, f64) -> Option<Looks>,
     required_error: f64,
@@ -54,7 +54,7 @@ struct Asked {
     on_coarse: f64,
 }
 
-fn climb(asked: &Asked, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+fn outcome(asked: &Asked, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let mut base = crate::scenes::built_in("undrained-wave")?;
     let exact = UndrainedWave::new(&base).ok_or(Unfit("not a saturated column under a load"))?;
     let end = 5.0 * exact.height / exact.speed;

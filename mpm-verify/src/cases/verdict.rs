@@ -1,16 +1,16 @@
-//! What a rung found, and the one rule by which it is judged.
+//! What a case found, and the one rule by which it is judged.
 
 use serde::{Deserialize, Serialize};
 
-use super::Rung;
+use super::Case;
 use super::evidence::{
     MESH, Parameter, RUNS, Refinement, RefinementRow, SampleRow, Sampled, not_established, order_words, spacings, words,
 };
-use crate::baseline::ladder::Kind;
+use crate::baseline::suite::Kind;
 use crate::rates::{Fit, Order, fit, largest_of_last_two};
 use crate::report::numbers::{brief, short};
 
-/// What a rung found, before it is judged.
+/// What a case found, before it is judged.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Outcome {
     pub integrator: String,
@@ -41,7 +41,7 @@ pub(super) struct Outcome {
     pub remarks: Vec<String>,
 }
 
-/// Refined by the mesh, against truth, without notes: what most rungs leave as it is.
+/// Refined by the mesh, against truth, without notes: what most cases leave as it is.
 impl Default for Outcome {
     fn default() -> Self {
         Self {
@@ -68,11 +68,11 @@ const PASSED: &str = "passed";
 const OPEN: &str = "order not established";
 const FAILED: &str = "failed";
 
-/// A judged rung: a row of `ladder.csv`.
+/// A judged case: a row of `cases.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Step {
-    /// Name of the rung.
-    pub rung: String,
+pub struct CaseRow {
+    /// Name of the case.
+    pub case: String,
     /// Time integrator.
     pub integrator: String,
     /// Shape scheme and Darcy operator.
@@ -91,7 +91,7 @@ pub struct Step {
     pub required_order: String,
     /// `passed`, `order not established` (the errors are small enough) or `failed`.
     pub verdict: String,
-    /// CPU time of the rung, s.
+    /// CPU time of the case, s.
     pub cpu_s: f64,
     /// Why the verdict is what it is, with numbers.
     pub reason: String,
@@ -107,9 +107,9 @@ pub struct Step {
     pub tolerance: f64,
 }
 
-impl Step {
+impl CaseRow {
     /// Whether the case did not fail: it passed, or its errors are small enough and its order is not established.
-    pub fn held(&self) -> bool {
+    pub fn passed(&self) -> bool {
         self.verdict != FAILED
     }
 
@@ -119,13 +119,13 @@ impl Step {
     }
 }
 
-/// A rung that was climbed: its row, and what its picture shows.
+/// A case that was run: its row, and what its picture shows.
 #[derive(Debug, Clone)]
-pub struct Climb {
-    /// The rung.
-    pub rung: Rung,
-    /// Its row of `ladder.csv`.
-    pub step: Step,
+pub struct Judged {
+    /// The case.
+    pub case: Case,
+    /// Its row of `cases.csv`.
+    pub row: CaseRow,
     /// Why the verdict is what it is, with numbers.
     pub reason: String,
     /// (refinement parameter, signed error).
@@ -144,15 +144,15 @@ pub struct Climb {
     pub samples: Vec<Sampled>,
     /// Refinements by anything else.
     pub refinements: Vec<Refinement>,
-    /// Whether the rung's own rule holds, whatever its baseline says.
+    /// Whether the case's own rule holds, whatever its baseline says.
     pub sound: bool,
 }
 
-impl Climb {
-    /// The rows of `ladder_samples.csv`.
+impl Judged {
+    /// The rows of `samples.csv`.
     pub fn sample_rows(&self) -> impl Iterator<Item = SampleRow> {
         self.samples.iter().map(|s| SampleRow {
-            rung: self.step.rung.clone(),
+            case: self.row.case.clone(),
             quantity: s.quantity.clone(),
             time_s: s.time,
             time_factor: s.factor,
@@ -164,21 +164,21 @@ impl Climb {
         })
     }
 
-    /// All refinements, that of the rung's own errors first.
+    /// All refinements, that of the case's own errors first.
     pub fn all_refinements(&self) -> Vec<Refinement> {
-        let own = Refinement::new(self.refined_by, self.errors.clone(), "what the rung compares with");
+        let own = Refinement::new(self.refined_by, self.errors.clone(), "what the case compares with");
         let own = Refinement { required_order: self.required_order, ..own };
         std::iter::once(own).filter(|own| own.errors.len() > 1).chain(self.refinements.iter().cloned()).collect()
     }
 
-    /// The rows of `ladder_refinements.csv`.
+    /// The rows of `refinements.csv`.
     pub fn refinement_rows(&self) -> Vec<RefinementRow> {
         let mut rows = Vec::new();
         for refinement in self.all_refinements() {
             let fit = refinement.fit();
             let ends = fit.as_ref().and_then(Fit::interval);
             rows.extend(refinement.errors.iter().map(|(parameter, error)| RefinementRow {
-                rung: self.step.rung.clone(),
+                case: self.row.case.clone(),
                 by: refinement.by.0.to_owned(),
                 parameter: *parameter,
                 unit: refinement.by.1.to_owned(),
@@ -195,16 +195,16 @@ impl Climb {
     }
 
     /// Marks the case as failed for a reason that its own rule does not know.
-    pub(super) fn fall(&mut self, why: &str) {
-        FAILED.clone_into(&mut self.step.verdict);
+    pub(super) fn fail(&mut self, why: &str) {
+        FAILED.clone_into(&mut self.row.verdict);
         self.reason = format!("{}; {why}", self.reason);
-        self.step.reason.clone_from(&self.reason);
+        self.row.reason.clone_from(&self.reason);
     }
 }
 
 /// The one rule. The error is small enough: that of the finest mesh where the order is established, else the largest of the
 /// last two. No order is surely another one than it should be. The same holds for all refinements.
-pub(super) fn judge(rung: Rung, outcome: Outcome, cpu_s: f64) -> Climb {
+pub(super) fn judge(case: Case, outcome: Outcome, cpu_s: f64) -> Judged {
     let lengths = spacings(outcome.refined_by, &outcome.errors);
     let fit: Option<Fit> = fit(&lengths);
     let order = outcome.required_order.map(|range| fit.as_ref().map_or(Order::NotEstablished, |fit| fit.shows(range)));
@@ -215,14 +215,14 @@ pub(super) fn judge(rung: Rung, outcome: Outcome, cpu_s: f64) -> Climb {
     // A number that is not one must not pass.
     let too_large = |share: f64| outcome.errors.iter().find(|(h, e)| e.is_nan() || e.abs() > share * h).copied();
     let exceeded = outcome.required_everywhere.and_then(|share| Some((share, too_large(share)?)));
-    let fallen: Vec<String> = outcome.refinements.iter().filter_map(Refinement::fallen).collect();
+    let fallen: Vec<String> = outcome.refinements.iter().filter_map(Refinement::failed).collect();
     let open: Vec<String> = outcome.refinements.iter().filter_map(Refinement::open).collect();
     let holds = error <= required_error && !unfit && !another && exceeded.is_none() && fallen.is_empty();
     let established = !matches!(order, Some(Order::NotEstablished | Order::Another)) && open.is_empty();
     let fit = fit.filter(|_| outcome.required_order.is_some());
     let ends = fit.as_ref().and_then(Fit::interval);
-    let mut step = Step {
-        rung: rung.name.to_owned(),
+    let mut row = CaseRow {
+        case: case.name.to_owned(),
         integrator: outcome.integrator,
         scheme: outcome.scheme,
         error,
@@ -247,12 +247,12 @@ pub(super) fn judge(rung: Rung, outcome: Outcome, cpu_s: f64) -> Climb {
         change: None,
         tolerance: outcome.tolerance,
     };
-    let own = reason(&step, order, (fit.as_ref(), outcome.required_order), exceeded);
-    step.reason = std::iter::once(own).chain(fallen).chain(open).chain(outcome.remarks).collect::<Vec<_>>().join("; ");
-    Climb {
-        reason: step.reason.clone(),
-        rung,
-        step,
+    let own = reason(&row, order, (fit.as_ref(), outcome.required_order), exceeded);
+    row.reason = std::iter::once(own).chain(fallen).chain(open).chain(outcome.remarks).collect::<Vec<_>>().join("; ");
+    Judged {
+        reason: row.reason.clone(),
+        case,
+        row,
         errors: outcome.errors,
         everywhere: outcome.required_everywhere,
         fit,
@@ -281,7 +281,7 @@ fn judged_error(outcome: &Outcome, order: Option<Order>) -> (f64, f64) {
 
 /// The verdict in numbers.
 fn reason(
-    step: &Step,
+    row: &CaseRow,
     order: Option<Order>,
     (fit, required): (Option<&Fit>, Option<[f64; 2]>),
     exceeded: Option<(f64, (f64, f64))>,
@@ -290,20 +290,20 @@ fn reason(
         let [error, allowed] = [error.abs(), share * parameter].map(|x| short(x, 3));
         return format!("error {error} above {allowed} at {}", brief(parameter, 3));
     }
-    let (found, most) = (short(step.error, 3), brief(step.required_error, 3));
-    let error = match step.error <= step.required_error {
+    let (found, most) = (short(row.error, 3), brief(row.required_error, 3));
+    let error = match row.error <= row.required_error {
         true => format!("error {found}, at most {most}"),
-        false if step.error.is_nan() => format!("the error is not a number; at most {most}"),
+        false if row.error.is_nan() => format!("the error is not a number; at most {most}"),
         false => format!("error {found} above {most}"),
     };
     match (fit, order) {
         (_, None) => error,
-        (None, _) => format!("{error}; no order can be fitted, {} required", step.required_order),
+        (None, _) => format!("{error}; no order can be fitted, {} required", row.required_order),
         (Some(fit), Some(Order::Established)) => {
-            format!("{error}; order {}, {}", order_words(fit), step.required_order)
+            format!("{error}; order {}, {}", order_words(fit), row.required_order)
         }
         (Some(fit), Some(Order::Another)) => {
-            format!("{error}; order {} outside of {}", order_words(fit), step.required_order)
+            format!("{error}; order {} outside of {}", order_words(fit), row.required_order)
         }
         (Some(_), Some(Order::NotEstablished)) => {
             format!("{error} on the last two meshes; {}", not_established(fit, required))
@@ -315,9 +315,9 @@ fn reason(
 mod tests {
     use super::*;
 
-    fn judged(outcome: Outcome) -> Climb {
-        let rung = Rung { name: "made up", about: "", climb: || Err(crate::error::Error::Lacks("case")), mutant: None };
-        judge(rung, outcome, 0.0)
+    fn judged(outcome: Outcome) -> Judged {
+        let case = Case { name: "made up", about: "", run: || Err(crate::error::Error::Lacks("case")), mutant: None };
+        judge(case, outcome, 0.0)
     }
 
     #[test]
@@ -325,33 +325,33 @@ mod tests {
         let errors = vec![(0.2, 4e-2), (0.1, 1e-2), (0.05, 2.5e-3), (0.025, 6.25e-4)];
         let good = Outcome { errors, required_error: 1e-3, required_order: Some([1.8, 2.2]), ..Outcome::default() };
         let held = judged(good.clone());
-        assert!(held.step.held() && held.reason == "error 0.000625, at most 0.001; order 2.00 +- 0.00, 1.8 to 2.2");
-        assert_eq!(held.step.verdict, "passed");
+        assert!(held.row.passed() && held.reason == "error 0.000625, at most 0.001; order 2.00 +- 0.00, 1.8 to 2.2");
+        assert_eq!(held.row.verdict, "passed");
         let too_large = judged(Outcome { required_error: 5e-4, ..good.clone() });
-        assert!(!too_large.step.held() && too_large.reason.starts_with("error 0.000625 above 0.0005"));
+        assert!(!too_large.row.passed() && too_large.reason.starts_with("error 0.000625 above 0.0005"));
         let wrong_order = judged(Outcome { required_order: Some([2.8, 3.2]), ..good.clone() });
         let own = judged(Outcome { required_order: Some([2.8, 3.2]), order_decides: false, ..good.clone() });
-        assert!(!wrong_order.step.held() && wrong_order.reason.ends_with("order 2.00 +- 0.00 outside of 2.8 to 3.2"));
+        assert!(!wrong_order.row.passed() && wrong_order.reason.ends_with("order 2.00 +- 0.00 outside of 2.8 to 3.2"));
         assert!(
-            !own.step.held() && own.reason.starts_with("error 0.00250 above 0.001"),
+            !own.row.passed() && own.reason.starts_with("error 0.00250 above 0.001"),
             "the last two: {}",
             own.reason
         );
         let everywhere = judged(Outcome { required_everywhere: Some(0.08), ..good.clone() });
-        assert!(!everywhere.step.held() && everywhere.reason == "error 0.0400 above 0.0160 at 0.2");
+        assert!(!everywhere.row.passed() && everywhere.reason == "error 0.0400 above 0.0160 at 0.2");
         let everywhere = judged(Outcome { required_everywhere: Some(0.21), ..good.clone() });
-        assert!(everywhere.step.held());
+        assert!(everywhere.row.passed());
         let nothing = Outcome { errors: vec![(0.1, f64::NAN)], ..good.clone() };
-        assert!(!judged(nothing.clone()).step.held() && judged(nothing.clone()).reason.contains("no order"));
+        assert!(!judged(nothing.clone()).row.passed() && judged(nothing.clone()).reason.contains("no order"));
         let flat = [8e-6, 4e-6, 2e-6, 1e-6].map(|step| (step, 1e-3)).to_vec();
         let flat = Refinement::new(crate::cases::evidence::STEP, flat, "");
         let step = Refinement { required_order: Some([0.9, 1.1]), ..flat };
         let refined = judged(Outcome { refinements: vec![step], ..good.clone() });
-        assert!(!refined.step.held(), "{}", refined.reason);
+        assert!(!refined.row.passed(), "{}", refined.reason);
         assert!(refined.reason.ends_with("refined by time step: order 0.00 +- 0.00 outside of 0.9 to 1.1"));
-        assert_eq!((refined.step.reason.as_str(), refined.refinement_rows().len()), (refined.reason.as_str(), 8));
+        assert_eq!((refined.row.reason.as_str(), refined.refinement_rows().len()), (refined.reason.as_str(), 8));
         let not_a_number = judged(Outcome { required_order: None, ..nothing });
-        assert!(!not_a_number.step.held() && not_a_number.reason.starts_with("the error is not a number"));
+        assert!(!not_a_number.row.passed() && not_a_number.reason.starts_with("the error is not a number"));
     }
 
     #[test]
@@ -359,34 +359,34 @@ mod tests {
         // `contrast-k` as it was: 5.7 +- 19 for "3 to 7" from three meshes.
         let errors = vec![(0.1, 3e-4), (0.05, 2e-7), (0.025, 1.1e-7)];
         let three = Outcome { errors, required_error: 1e-6, required_order: Some([3.0, 7.0]), ..Outcome::default() };
-        let climb = judged(three.clone());
-        assert_eq!((climb.step.verdict.as_str(), climb.step.held(), climb.step.open()), (OPEN, true, true));
-        assert_eq!(climb.step.error, 2e-7);
+        let found = judged(three.clone());
+        assert_eq!((found.row.verdict.as_str(), found.row.passed(), found.row.open()), (OPEN, true, true));
+        assert_eq!(found.row.error, 2e-7);
         assert!(
-            climb.reason.contains("order not established (5.71 from only 3 runs; 3 to 7 required)"),
+            found.reason.contains("order not established (5.71 from only 3 runs; 3 to 7 required)"),
             "{}",
-            climb.reason
+            found.reason
         );
         // The error that is judged is the larger one of the last two.
-        let climb = judged(Outcome { required_error: 1.5e-7, ..three });
-        assert_eq!((climb.step.verdict.as_str(), climb.step.error), (FAILED, 2e-7));
+        let found = judged(Outcome { required_error: 1.5e-7, ..three });
+        assert_eq!((found.row.verdict.as_str(), found.row.error), (FAILED, 2e-7));
         // Without an order at all as well: a mesh near a change of sign is luck.
         let errors = vec![(0.1, 0.0062), (0.05, 0.013), (0.025, 5.2e-5)];
         let exit = Outcome { errors, required_error: 0.0125, required_everywhere: Some(0.5), ..Outcome::default() };
-        let climb = judged(exit.clone());
-        assert_eq!((climb.step.error, climb.step.required_error, climb.step.verdict.as_str()), (0.013, 0.025, PASSED));
-        assert!(!judged(Outcome { required_everywhere: None, ..exit }).step.held());
+        let found = judged(exit.clone());
+        assert_eq!((found.row.error, found.row.required_error, found.row.verdict.as_str()), (0.013, 0.025, PASSED));
+        assert!(!judged(Outcome { required_everywhere: None, ..exit }).row.passed());
         // A refinement whose order is open leaves the case open.
         let errors = vec![(4e-6, 4e-3), (2e-6, 2e-3), (1e-6, 1e-3)];
         let step = Refinement::new(crate::cases::evidence::STEP, errors, "");
         let step = Refinement { required_order: Some([0.9, 1.1]), ..step };
         let one =
             Outcome { errors: vec![(0.1, 1e-3)], required_error: 2e-3, refinements: vec![step], ..Outcome::default() };
-        let climb = judged(one);
+        let found = judged(one);
         assert!(
-            climb.step.open() && climb.reason.contains("refined by time step: order not established"),
+            found.row.open() && found.reason.contains("refined by time step: order not established"),
             "{}",
-            climb.reason
+            found.reason
         );
     }
 }

@@ -16,23 +16,23 @@ use mpm_core::stability::stable_limit;
 use super::evidence::{PARTICLES, Refinement, Sampled};
 use super::looks::{Look, Looks, Norm, in_time};
 use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
-use super::{Error, Mutant, Outcome, Rung, integrator, scheme};
+use super::{Case, Error, Mutant, Outcome, integrator, scheme};
 use crate::exact::vortex::Vortex;
 
 /// Quadratic B-splines.
-pub const SPLINES: Rung = Rung {
+pub const SPLINES: Case = Case {
     name: "vortex",
     about: "a disc sheared and turned by a body force, B-splines: places of the particles, order 2",
-    climb: || climb(ShapeChoice::Bspline2, 2e-2, [1.8, 2.4], 1.0),
-    mutant: Some(Mutant { what: NO_FORCE, climb: || climb(ShapeChoice::Bspline2, 2e-2, [1.8, 2.4], 0.0) }),
+    run: || outcome(ShapeChoice::Bspline2, 2e-2, [1.8, 2.4], 1.0),
+    mutant: Some(Mutant { what: NO_FORCE, run: || outcome(ShapeChoice::Bspline2, 2e-2, [1.8, 2.4], 0.0) }),
 };
 
 /// uGIMP, whose particles keep their first shape: its order falls on fine meshes.
-pub const GIMP: Rung = Rung {
+pub const GIMP: Case = Case {
     name: "vortex-gimp",
     about: "the same with uGIMP",
-    climb: || climb(ShapeChoice::Gimp, 5e-2, [1.2, 2.4], 1.0),
-    mutant: Some(Mutant { what: NO_FORCE, climb: || climb(ShapeChoice::Gimp, 5e-2, [1.2, 2.4], 0.0) }),
+    run: || outcome(ShapeChoice::Gimp, 5e-2, [1.2, 2.4], 1.0),
+    mutant: Some(Mutant { what: NO_FORCE, run: || outcome(ShapeChoice::Gimp, 5e-2, [1.2, 2.4], 0.0) }),
 };
 
 const NO_FORCE: &str = "no body force";
@@ -78,7 +78,7 @@ fn disc(cells: usize, shape: ShapeChoice) -> Scene {
     })
 }
 
-fn climb(shape: ShapeChoice, required_error: f64, order: [f64; 2], force: f64) -> Result<Outcome, Error> {
+fn outcome(shape: ShapeChoice, required_error: f64, order: [f64; 2], force: f64) -> Result<Outcome, Error> {
     let base = disc(MESHES[0], shape);
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for cells in MESHES {
@@ -105,7 +105,7 @@ fn climb(shape: ShapeChoice, required_error: f64, order: [f64; 2], force: f64) -
         samples,
         refinements: vec![
             in_time(step, base.cell, half / steps(&base), 4, FIRST_ORDER)?,
-            // Four per cell are too few for a disc cut out of the mesh. More than the nine of the rung must not do
+            // Four per cell are too few for a disc cut out of the mesh. More than the nine of the case must not do
             // worse.
             Refinement { required_finest: Some(nine), ..Refinement::new(PARTICLES, counted, against) },
         ],

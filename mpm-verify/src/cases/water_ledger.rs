@@ -7,14 +7,14 @@ use mpm_core::drive::Run;
 use mpm_core::scene::{Dimension, Integrator, Scene, Until};
 
 use super::evidence::RUNS;
-use super::{Error, Mutant, Outcome, Rung, Unfit, finished, largest};
+use super::{Case, Error, Mutant, Outcome, Unfit, finished, largest};
 
-/// The rung.
-pub const RUNG: Rung = Rung {
+/// The case.
+pub const CASE: Case = Case {
     name: "water-ledger",
     about: "a block that consolidates, explicit and with implicit pressure: water that is not accounted for",
-    climb: || climb(0.0),
-    mutant: Some(Mutant { what: "a thousandth of the outflow not booked", climb: || climb(1e-3) }),
+    run: || outcome(0.0),
+    mutant: Some(Mutant { what: "a thousandth of the outflow not booked", run: || outcome(1e-3) }),
 };
 
 const WAYS: [(Dimension, Integrator); 3] = [
@@ -44,7 +44,7 @@ fn gaps(run: &Run, lost: f64) -> Vec<f64> {
     run.observed().map(|s| gap(s.ledger.water_out_kg, s.ledger.water_closing_kg)).collect()
 }
 
-fn climb(lost: f64) -> Result<Outcome, Error> {
+fn outcome(lost: f64) -> Result<Outcome, Error> {
     let mut all = Vec::new();
     for way in WAYS {
         all.extend(gaps(&finished(&block(way)?)?, lost));

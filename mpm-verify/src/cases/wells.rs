@@ -3,8 +3,8 @@
 use mpm_core::observe::{FieldPoint, ProfileRow};
 use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice, StepChoice, StrainChoice};
 
-use super::setup::{Case, Measured, case, refined};
-use super::{FASTER, Rung, Unfit, faster, sound};
+use super::setup::{Measured, Setup, case, refined};
+use super::{Case, FASTER, Unfit, faster, sound};
 use crate::exact::wells::Confined;
 use crate::norms::largest;
 
@@ -12,7 +12,7 @@ use crate::norms::largest;
 const NEAR: f64 = 0.4;
 const PUMPED: &str = "rate of the well 5 % too high";
 
-const LINE: Case = Case {
+const LINE: Setup = Setup {
     scene: "well-line",
     change: sound,
     mesh: refined,
@@ -21,9 +21,9 @@ const LINE: Case = Case {
     required: 1e-3,
     order: None,
 };
-const LINE_IN_STEPS: Case =
-    Case { change: in_steps, cells: &[20.0, 28.0, 40.0, 56.0, 80.0], required: 5e-3, order: Some([1.7, 2.3]), ..LINE };
-const WELL: Case = Case {
+const LINE_IN_STEPS: Setup =
+    Setup { change: in_steps, cells: &[20.0, 28.0, 40.0, 56.0, 80.0], required: 5e-3, order: Some([1.7, 2.3]), ..LINE };
+const WELL: Setup = Setup {
     scene: "well",
     change: sound,
     mesh: refined,
@@ -32,22 +32,29 @@ const WELL: Case = Case {
     required: 5e-3,
     order: None,
 };
-const WELL_BY_FACES: Case =
-    Case { change: semi_implicit, cells: &[20.0, 28.0, 40.0, 56.0], required: 2e-2, order: Some([1.5, 2.5]), ..WELL };
+const WELL_BY_FACES: Setup =
+    Setup { change: semi_implicit, cells: &[20.0, 28.0, 40.0, 56.0], required: 2e-2, order: Some([1.5, 2.5]), ..WELL };
 
 /// What flows to the well in the time is more than a cell of its pores holds: water particles would leave some bare.
-const FOR_LONG: Case = Case { change: for_long, measure: steady, cells: &[20.0], required: 1e-2, order: None, ..LINE };
+const FOR_LONG: Setup =
+    Setup { change: for_long, measure: steady, cells: &[20.0], required: 1e-2, order: None, ..LINE };
 
 /// All of them.
-pub const CASES: [Rung; 7] = [
+pub const CASES: [Case; 7] = [
     case!("well-line", "drawdown beside a line of wells, B-splines", FASTER, faster, LINE),
     case!("well-line-semi-implicit", "the same semi-implicit, order 2", PUMPED, pumped, LINE_IN_STEPS),
     // What a pump sets swinging when it starts is no part of the solution: no order is expected.
-    case!("well-line-explicit", "the same explicit", PUMPED, pumped, Case { change: explicit, required: 1e-2, ..LINE }),
+    case!(
+        "well-line-explicit",
+        "the same explicit",
+        PUMPED,
+        pumped,
+        Setup { change: explicit, required: 1e-2, ..LINE }
+    ),
     case!("well", "drawdown around a well (Theis and his images), B-splines", FASTER, faster, WELL),
     // Its steps in time are of first order, which shows on the finer meshes.
-    case!("well-semi-implicit", "the same semi-implicit", PUMPED, pumped, Case { order: None, ..WELL_BY_FACES }),
-    case!("well-explicit", "the same explicit, order 2", PUMPED, pumped, Case { change: explicit, ..WELL_BY_FACES }),
+    case!("well-semi-implicit", "the same semi-implicit", PUMPED, pumped, Setup { order: None, ..WELL_BY_FACES }),
+    case!("well-explicit", "the same explicit, order 2", PUMPED, pumped, Setup { change: explicit, ..WELL_BY_FACES }),
     case!("well-for-long", "steady flow from both ends of a column to a well, explicit", PUMPED, pumped, FOR_LONG),
 ];
 

@@ -5,42 +5,42 @@ use mpm_core::observe::WaterState;
 use mpm_core::scene::{Dimension, Fields, Scene};
 
 use super::looks::{Look, Looks, in_particles};
-use super::{Error, FASTER, Mutant, Outcome, Rung, Unfit, faster, finished, integrator, sound};
+use super::{Case, Error, FASTER, Mutant, Outcome, Unfit, faster, finished, integrator, sound};
 use crate::exact::wetting_front::{Way, WettingFront};
 use crate::norms::largest;
 
 /// A level front.
-pub const HORIZONTAL: Rung = Rung {
+pub const HORIZONTAL: Case = Case {
     name: "front-horizontal",
     about: "a front without gravity stands at sqrt(2 k h t/n), to half a cell on every mesh",
-    climb: || fronts(&scene("wetting-front", 0.0)?, Way::Horizontal, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || fronts(&scene("wetting-front", 0.0)?, Way::Horizontal, faster) }),
+    run: || fronts(&scene("wetting-front", 0.0)?, Way::Horizontal, sound),
+    mutant: Some(Mutant { what: FASTER, run: || fronts(&scene("wetting-front", 0.0)?, Way::Horizontal, faster) }),
 };
 
 /// A front that goes down.
-pub const DOWN: Rung = Rung {
+pub const DOWN: Case = Case {
     name: "front-down",
     about: "infiltration from 0.25 m of water: the front of Green & Ampt",
-    climb: || fronts(&scene("infiltration", 0.0)?, Way::Down, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || fronts(&scene("infiltration", 0.0)?, Way::Down, faster) }),
+    run: || fronts(&scene("infiltration", 0.0)?, Way::Down, sound),
+    mutant: Some(Mutant { what: FASTER, run: || fronts(&scene("infiltration", 0.0)?, Way::Down, faster) }),
 };
 
 /// A front that rises.
-pub const UP: Rung = Rung {
+pub const UP: Case = Case {
     name: "front-up",
     about: "a front that rises against its weight",
-    climb: || fronts(&scene("rising-front", 0.0)?, Way::Up, sound),
-    mutant: Some(Mutant { what: FASTER, climb: || fronts(&scene("rising-front", 0.0)?, Way::Up, faster) }),
+    run: || fronts(&scene("rising-front", 0.0)?, Way::Up, sound),
+    mutant: Some(Mutant { what: FASTER, run: || fronts(&scene("rising-front", 0.0)?, Way::Up, faster) }),
 };
 
 /// A level front in moist soil.
-pub const MOIST: Rung = Rung {
+pub const MOIST: Case = Case {
     name: "front-moist",
     about: "a front in soil with S_0 = 0.5 has half the pores to fill",
-    climb: || fronts(&scene("wetting-front", 0.5)?, Way::Horizontal, sound),
+    run: || fronts(&scene("wetting-front", 0.5)?, Way::Horizontal, sound),
     mutant: Some(Mutant {
         what: "the soil ahead of the front dry",
-        climb: || {
+        run: || {
             fronts(&scene("wetting-front", 0.5)?, Way::Horizontal, |scene| {
                 if let Some(free) = &mut scene.free_surface {
                     free.saturation = 0.0;
@@ -51,11 +51,11 @@ pub const MOIST: Rung = Rung {
 };
 
 /// The water of all three, in cells and in particles.
-pub const LEDGER: Rung = Rung {
+pub const LEDGER: Case = Case {
     name: "front-ledger",
     about: "no water is made or lost, in cells or in particles, at 4 and 9 per cell",
-    climb: || ledger(0.0),
-    mutant: Some(Mutant { what: "one water particle lost", climb: || ledger(1.0) }),
+    run: || ledger(0.0),
+    mutant: Some(Mutant { what: "one water particle lost", run: || ledger(1.0) }),
 };
 
 /// The scene of a front, in soil with a first saturation.

@@ -7,7 +7,7 @@ use mpm_core::hardware::Hardware;
 use mpm_core::scene::{Flags, INTEGRATORS, SHAPES, Scene};
 use mpm_verify::baseline;
 use mpm_verify::cases::own::OwnScene;
-use mpm_verify::cases::{Climb, LADDER, Rung, Step, accepted};
+use mpm_verify::cases::{Case, CaseRow, Judged, SUITE, accepted};
 use mpm_verify::error::Error;
 use mpm_verify::files::Folder;
 use mpm_verify::manifest::Manifest;
@@ -43,47 +43,47 @@ pub struct Options {
 }
 
 /// Results that others ask for by name.
-const NAMES: [&str; 3] = ["index.html", "ladder.csv", "manifest.json"];
+const NAMES: [&str; 3] = ["index.html", "cases.csv", "manifest.json"];
 
-/// Runs the named rungs, or all; with `mutants` those with a fault planted; with a scene that one.
+/// Runs the named cases, or all; with `mutants` those with a fault planted; with a scene that one.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     if let Some(path) = &options.scene {
         return own(path, options, common);
     }
-    let file = baseline::ladder::hold_against(options.baselines.as_deref()).map_err(Failure::bad_input)?;
+    let file = baseline::suite::hold_against(options.baselines.as_deref()).map_err(Failure::bad_input)?;
     let file = file.map_or_else(|| "built in".to_owned(), |file| file.display().to_string());
     say(common.quiet || common.json, &format!("accepted errors: {file}"));
-    let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/ladder"));
+    let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/suite"));
     if options.mutants {
         let (rows, failed) =
             into_folder(&folder, &["mutants.csv"], |folder| catch(&options.cases, common, folder.stage()))?;
         unfinished(&failed)?;
-        let missed: Vec<&str> = rows.iter().filter(|row| !row.caught).map(|row| row.rung).collect();
+        let missed: Vec<&str> = rows.iter().filter(|row| !row.caught).map(|row| row.case).collect();
         return if missed.is_empty() {
             Ok(())
         } else {
-            Err(Failure::FellShort(format!("not caught: {}", missed.join(", "))))
+            Err(Failure::CheckFailed(format!("not caught: {}", missed.join(", "))))
         };
     }
     let study = folder.parent().is_some_and(|above| above.join("accuracy").is_dir());
-    let Climbed { steps, failed } =
-        into_folder(&folder, &NAMES, |folder| climb(&options.cases, common, study, folder.stage()))?;
+    let SuiteRun { steps, failed } =
+        into_folder(&folder, &NAMES, |folder| judged(&options.cases, common, study, folder.stage()))?;
     if common.json {
         print_json(&steps);
     }
     unfinished(&failed)?;
-    let named = |which: fn(&Step) -> bool| {
-        let names: Vec<&str> = steps.iter().filter(|s| which(s)).map(|s| s.rung.as_str()).collect();
+    let named = |which: fn(&CaseRow) -> bool| {
+        let names: Vec<&str> = steps.iter().filter(|s| which(s)).map(|s| s.case.as_str()).collect();
         names.join(", ")
     };
-    let (open, failed) = (named(Step::open), named(|step| !step.held()));
+    let (open, failed) = (named(CaseRow::open), named(|step| !step.passed()));
     if !open.is_empty() {
         say(common.quiet || common.json, &format!("order not established: {open}"));
     }
-    if failed.is_empty() { Ok(()) } else { Err(Failure::FellShort(format!("failed: {failed}"))) }
+    if failed.is_empty() { Ok(()) } else { Err(Failure::CheckFailed(format!("failed: {failed}"))) }
 }
 
-/// Checks a scene of the user's own and writes the files of the ladder with its one row.
+/// Checks a scene of the user's own and writes the files of the suite with its one row.
 fn own(path: &Path, options: &Options, common: &Common) -> Result<(), Failure> {
     let flags = Flags { integrator: options.integrator.clone(), scheme: options.scheme.clone(), ..Flags::default() };
     let scene = Scene::load_with(path, &flags).map_err(Failure::bad_input)?;
@@ -104,77 +104,77 @@ fn own(path: &Path, options: &Options, common: &Common) -> Result<(), Failure> {
     if common.json {
         print_json(&steps);
     }
-    match steps.iter().find(|step| !step.held()) {
-        Some(step) => Err(Failure::FellShort(format!("{}: failed: {}", step.rung, step.reason))),
+    match steps.iter().find(|step| !step.passed()) {
+        Some(step) => Err(Failure::CheckFailed(format!("{}: failed: {}", step.case, step.reason))),
         None => Ok(()),
     }
 }
 
 /// Checks it and writes what was found.
-fn measured(own: &OwnScene, scene: &Scene, common: &Common, folder: &Folder) -> Result<Vec<Step>, Failure> {
+fn measured(own: &OwnScene, scene: &Scene, common: &Common, folder: &Folder) -> Result<Vec<CaseRow>, Failure> {
     let quiet = common.quiet || common.json;
     say(quiet, &format!("{}: {}", scene.name, own.about()));
     for what in own.beside() {
         say(quiet, &format!("  {what}"));
     }
-    let climb = own.climb().map_err(Failure::run_failed)?;
+    let judged = own.judged().map_err(Failure::run_failed)?;
     say(quiet, &header());
-    say(quiet, &line(&climb.step));
-    say(quiet, &climb.reason);
-    for (what, value, _) in &climb.notes {
+    say(quiet, &line(&judged.row));
+    say(quiet, &judged.reason);
+    for (what, value, _) in &judged.notes {
         say(quiet, &format!("{what}: {value:.1e}"));
     }
-    write(&[climb], scene, common, (false, folder.stage()))
+    write(&[judged], scene, common, (false, folder.stage()))
 }
 
-/// The rungs that were climbed, and why others could not be finished.
-pub struct Climbed {
+/// The cases that were run, and why others could not be finished.
+pub struct SuiteRun {
     /// What was found.
-    pub steps: Vec<Step>,
-    /// Messages of the rungs that failed.
+    pub steps: Vec<CaseRow>,
+    /// Messages of the cases that failed.
     pub failed: Vec<String>,
 }
 
-/// Climbs the ladder and writes its tables, a picture of every rung and `index.html`; `accepted.csv` holds the baselines
+/// Runs the suite and writes its tables, a picture of every case and `index.html`; `accepted.csv` holds the baselines
 /// as they would be with these errors.
-pub fn climb(names: &[String], common: &Common, study: bool, folder: &Path) -> Result<Climbed, Failure> {
-    let rungs = chosen(names)?;
+pub fn judged(names: &[String], common: &Common, study: bool, folder: &Path) -> Result<SuiteRun, Failure> {
+    let cases = chosen(names)?;
     inside(folder)?;
     let quiet = common.quiet || common.json;
     say(quiet, &header());
-    let (climbs, failed) = each(&rungs, common, |rung| {
-        let climb = rung.climb()?;
-        say(quiet, &line(&climb.step));
-        Ok(climb)
+    let (judged, failed) = each(&cases, common, |case| {
+        let judged = case.judged()?;
+        say(quiet, &line(&judged.row));
+        Ok(judged)
     })?;
-    let steps = write(&climbs, &mpm_verify::scenes::terzaghi(), common, (study, folder))?;
-    let (path, rows) = (folder.join("accepted.csv"), accepted(&climbs));
+    let steps = write(&judged, &mpm_verify::scenes::terzaghi(), common, (study, folder))?;
+    let (path, rows) = (folder.join("accepted.csv"), accepted(&judged));
     std::fs::write(&path, rows).map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))?;
-    let without: Vec<&str> = steps.iter().filter(|s| s.baseline.is_none()).map(|s| s.rung.as_str()).collect();
+    let without: Vec<&str> = steps.iter().filter(|s| s.baseline.is_none()).map(|s| s.case.as_str()).collect();
     if !without.is_empty() {
         say(quiet, &format!("without a baseline: {}", without.join(", ")));
     }
-    Ok(Climbed { steps, failed })
+    Ok(SuiteRun { steps, failed })
 }
 
-/// Writes `ladder.csv`, `ladder_samples.csv`, `ladder_refinements.csv` and the page with its pictures.
+/// Writes `cases.csv`, `samples.csv`, `refinements.csv` and the page with its pictures.
 fn write(
-    climbs: &[Climb],
+    judged: &[Judged],
     scene: &Scene,
     common: &Common,
     (study, folder): (bool, &Path),
-) -> Result<Vec<Step>, Failure> {
-    let steps: Vec<Step> = climbs.iter().map(|climb| climb.step.clone()).collect();
-    write_csv(&folder.join("ladder.csv"), &steps)?;
+) -> Result<Vec<CaseRow>, Failure> {
+    let steps: Vec<CaseRow> = judged.iter().map(|judged| judged.row.clone()).collect();
+    write_csv(&folder.join("cases.csv"), &steps)?;
     let manifest = Manifest::new(scene, jobs(common.jobs));
-    report::ladder::write(climbs, &manifest, study, folder).map_err(Failure::run_failed)?;
+    report::suite::write(judged, &manifest, study, folder).map_err(Failure::run_failed)?;
     Ok(steps)
 }
 
 /// A row of `mutants.csv`.
 #[derive(Debug, Serialize)]
 struct Caught {
-    rung: &'static str,
+    case: &'static str,
     mutant: &'static str,
     error: f64,
     required_error: f64,
@@ -182,30 +182,30 @@ struct Caught {
 }
 
 impl Caught {
-    fn new(climb: &Climb, mutant: &'static str) -> Self {
-        let Step { error, required_error, .. } = climb.step;
-        Self { rung: climb.rung.name, mutant, error, required_error, caught: !climb.step.held() }
+    fn new(judged: &Judged, mutant: &'static str) -> Self {
+        let CaseRow { error, required_error, .. } = judged.row;
+        Self { case: judged.case.name, mutant, error, required_error, caught: !judged.row.passed() }
     }
 }
 
 /// Runs mutants and writes `mutants.csv`; each must fall short.
 fn catch(names: &[String], common: &Common, folder: &Path) -> Result<(Vec<Caught>, Vec<String>), Failure> {
-    let rungs = chosen(names)?;
-    let without: Vec<&str> = rungs.iter().filter(|rung| rung.mutant.is_none()).map(|rung| rung.name).collect();
+    let cases = chosen(names)?;
+    let without: Vec<&str> = cases.iter().filter(|case| case.mutant.is_none()).map(|case| case.name).collect();
     if !(names.is_empty() || without.is_empty()) {
         return Err(Failure::BadInput(format!("check: expected cases with a mutant, found {}", without.join(", "))));
     }
     let quiet = common.quiet || common.json;
-    say(quiet, &format!("{:<29} {:>10} {:>10}  {:<44} caught", "rung", "error", "required", "mutant"));
-    let rungs: Vec<&Rung> = rungs.into_iter().filter(|rung| rung.mutant.is_some()).collect();
-    let (rows, failed) = each(&rungs, common, |rung| {
-        let what = rung.mutant.map_or("", |mutant| mutant.what);
-        let climb = rung.climb_mutant().unwrap_or_else(|| Err(Error::Lacks("mutant").of(rung.name)))?;
-        let row = Caught::new(&climb, what);
+    say(quiet, &format!("{:<29} {:>10} {:>10}  {:<44} caught", "case", "error", "required", "mutant"));
+    let cases: Vec<&Case> = cases.into_iter().filter(|case| case.mutant.is_some()).collect();
+    let (rows, failed) = each(&cases, common, |case| {
+        let what = case.mutant.map_or("", |mutant| mutant.what);
+        let judged = case.mutant_judged().unwrap_or_else(|| Err(Error::Lacks("mutant").of(case.name)))?;
+        let row = Caught::new(&judged, what);
         let caught = if row.caught { "yes" } else { "no" };
         say(
             quiet,
-            &format!("{:<29} {:>10.2e} {:>10.1e}  {what:<44} {caught}", row.rung, row.error, row.required_error),
+            &format!("{:<29} {:>10.2e} {:>10.1e}  {what:<44} {caught}", row.case, row.error, row.required_error),
         );
         Ok(row)
     })?;
@@ -216,29 +216,29 @@ fn catch(names: &[String], common: &Common, folder: &Path) -> Result<(Vec<Caught
     Ok((rows, failed))
 }
 
-/// The named rungs, or all.
-fn chosen(names: &[String]) -> Result<Vec<&'static Rung>, Failure> {
-    let known = || LADDER.iter().map(|rung| rung.name).collect::<Vec<_>>().join(", ");
-    if let Some(name) = names.iter().find(|name| LADDER.iter().all(|rung| rung.name != name.as_str())) {
+/// The named cases, or all.
+fn chosen(names: &[String]) -> Result<Vec<&'static Case>, Failure> {
+    let known = || SUITE.iter().map(|case| case.name).collect::<Vec<_>>().join(", ");
+    if let Some(name) = names.iter().find(|name| SUITE.iter().all(|case| case.name != name.as_str())) {
         return Err(Failure::BadInput(format!("check: expected one of {}, found {name}", known())));
     }
-    let chosen = |rung: &&Rung| names.is_empty() || names.iter().any(|name| name == rung.name);
-    Ok(LADDER.iter().filter(chosen).collect())
+    let chosen = |case: &&Case| names.is_empty() || names.iter().any(|name| name == case.name);
+    Ok(SUITE.iter().filter(chosen).collect())
 }
 
-/// Does something with every rung, several at a time; the results in the order of the ladder, and the messages of the rungs that
+/// Does something with every case, several at a time; the results in the order of the suite, and the messages of the cases that
 /// could not be finished: one that fails takes no other down.
 fn each<T: Send>(
-    rungs: &[&Rung],
+    cases: &[&Case],
     common: &Common,
-    work: impl Fn(&Rung) -> Result<T, Error> + Sync,
+    work: impl Fn(&Case) -> Result<T, Error> + Sync,
 ) -> Result<(Vec<T>, Vec<String>), Failure> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs(common.jobs)).build().map_err(Failure::bad_input)?;
-    // The last rungs take longest: started first, they leave no thread idle at the end.
-    let from_the_last = rungs.iter().enumerate().rev().par_bridge();
-    let one = |rung: &Rung| unpanicked(|| work(rung)).map_err(|e| e.of(rung.name)).flatten();
+    // The last cases take longest: started first, they leave no thread idle at the end.
+    let from_the_last = cases.iter().enumerate().rev().par_bridge();
+    let one = |case: &Case| unpanicked(|| work(case)).map_err(|e| e.of(case.name)).flatten();
     let mut results: Vec<(usize, Result<T, Error>)> =
-        pool.install(|| from_the_last.map(|(i, rung)| (i, one(rung))).collect());
+        pool.install(|| from_the_last.map(|(i, case)| (i, one(case))).collect());
     results.sort_by_key(|(i, _)| *i);
     let (mut done, mut failed) = (Vec::new(), Vec::new());
     for (_, result) in results {
@@ -256,10 +256,10 @@ pub fn unfinished(failed: &[String]) -> Result<(), Failure> {
 }
 
 fn header() -> String {
-    format!("{:<29} {:>10} {:>10}  {:<26} verdict", "rung", "error", "required", "order")
+    format!("{:<29} {:>10} {:>10}  {:<26} verdict", "case", "error", "required", "order")
 }
 
-fn line(step: &Step) -> String {
+fn line(step: &CaseRow) -> String {
     let order = match (step.order, step.order_high) {
         (Some(order), Some(high)) => {
             format!("{order:.2} +- {:.2} ({})", high - order, step.required_order)
@@ -267,5 +267,5 @@ fn line(step: &Step) -> String {
         (Some(order), None) => format!("{order:.2} ({})", step.required_order),
         _ => String::new(),
     };
-    format!("{:<29} {:>10.2e} {:>10.1e}  {order:<26} {}", step.rung, step.error, step.required_error, step.verdict)
+    format!("{:<29} {:>10.2e} {:>10.1e}  {order:<26} {}", step.case, step.error, step.required_error, step.verdict)
 }

@@ -272,7 +272,7 @@ fn one(options: &Options, common: &Common, plan: &Plan, folder: &Folder) -> Resu
         for line in summary.lines() {
             say(common.quiet, &line);
         }
-        for limit in limits::of(&summary).iter().filter(|limit| !limit.held()) {
+        for limit in limits::of(&summary).iter().filter(|limit| !limit.passed()) {
             say(common.quiet, &format!("not held: {}", limit.said()));
         }
         say(common.quiet, &format!("page: {}", folder.path().join("index.html").display()));

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use mpm_core::scene::capabilities::{FEATURES, RULES, conflict};
 use mpm_core::scene::{INTEGRATORS, SHAPES};
-use mpm_verify::cases::LADDER;
-use mpm_verify::hard::CASES;
+use mpm_verify::cases::SUITE;
 use mpm_verify::levee::variants::VARIANTS;
 use mpm_verify::scenes::BUILT_IN;
+use mpm_verify::stress::CASES;
 use mpm_verify::study::MESHES;
 
 use super::{Failure, print_json, say};
@@ -16,9 +16,9 @@ use crate::Common;
 /// Words of `levee --driver`.
 const DRIVERS: [&str; 3] = ["two-clocks", "coupled", "explicit"];
 
-/// Names of the rungs that have a mutant, and its fault.
+/// Names of the cases that have a mutant, and its fault.
 fn mutants() -> impl Iterator<Item = (&'static str, &'static str)> {
-    LADDER.iter().filter_map(|rung| Some((rung.name, rung.mutant?.what)))
+    SUITE.iter().filter_map(|case| Some((case.name, case.mutant?.what)))
 }
 
 /// Prints which features of scenes do not go together, and what is expected in their place.
@@ -59,9 +59,9 @@ pub fn run(common: &Common) -> Result<(), Failure> {
     if common.json {
         let names = |list: Vec<&str>| serde_json::Value::from(list);
         print_json(&serde_json::json!({
-            "cases": names(LADDER.iter().map(|rung| rung.name).collect()),
+            "cases": names(SUITE.iter().map(|case| case.name).collect()),
             "mutants": mutants().collect::<BTreeMap<_, _>>(),
-            "hard_cases": names(CASES.iter().map(|case| case.name).collect()),
+            "stress_tests": names(CASES.iter().map(|case| case.name).collect()),
             "scenes": names(BUILT_IN.iter().map(|(name, _)| *name).collect()),
             "integrators": names(INTEGRATORS.map(|(word, _)| word).to_vec()),
             "variants": names(VARIANTS.iter().map(|v| v.name).collect()),
@@ -73,14 +73,14 @@ pub fn run(common: &Common) -> Result<(), Failure> {
         return Ok(());
     }
     say(false, "cases (mpm-verify check [CASE..])");
-    for rung in LADDER {
-        say(false, &format!("  {:<22} {}", rung.name, rung.about));
+    for case in SUITE {
+        say(false, &format!("  {:<22} {}", case.name, case.about));
     }
     say(false, "mutants (mpm-verify check --mutants [CASE..]): the same checks with a fault that they must find");
     for (name, what) in mutants() {
         say(false, &format!("  {name:<22} {what}"));
     }
-    say(false, "hard cases (mpm-verify stability [CASE..])");
+    say(false, "stress tests (mpm-verify stability [CASE..])");
     for case in &CASES {
         say(false, &format!("  {:<22} {}", case.name, case.measures));
     }

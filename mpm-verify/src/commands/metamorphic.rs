@@ -60,7 +60,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         count => {
             let list: Vec<String> = found.failures.iter().map(|f| format!("{}: {}", f.name(), f.found[1])).collect();
             let folder = path.join("failures");
-            Err(Failure::FellShort(format!("{count} failures, in {}:\n{}", folder.display(), list.join("\n"))))
+            Err(Failure::CheckFailed(format!("{count} failures, in {}:\n{}", folder.display(), list.join("\n"))))
         }
     }
 }

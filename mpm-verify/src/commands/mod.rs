@@ -35,7 +35,7 @@ use crate::Common;
 pub enum Failure {
     /// A check fell short of what it must show.
     #[error("{0}")]
-    FellShort(String),
+    CheckFailed(String),
     /// Bad input or usage; nothing was run.
     #[error("{0}")]
     BadInput(String),

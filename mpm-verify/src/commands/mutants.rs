@@ -74,7 +74,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
             path.join("mutants.csv").display()
         ),
     );
-    if missed.is_empty() { Ok(()) } else { Err(Failure::FellShort(format!("not caught: {}", missed.join(", ")))) }
+    if missed.is_empty() { Ok(()) } else { Err(Failure::CheckFailed(format!("not caught: {}", missed.join(", ")))) }
 }
 
 /// The named faults with their numbers, or all.

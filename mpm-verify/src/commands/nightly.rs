@@ -25,7 +25,7 @@ use super::{Failure, check, inside, into_folder, jobs, levee, metamorphic, print
 use crate::Common;
 
 /// The parts of a night.
-const PARTS: [&str; 6] = ["study", "ladder", "stability", "levee", "metamorphic", "work"];
+const PARTS: [&str; 6] = ["study", "suite", "stability", "levee", "metamorphic", "work"];
 /// Random scenes of a night, and their seed.
 const SCENES: u64 = 2000;
 const SEED: u64 = 1;
@@ -45,7 +45,7 @@ pub struct Options {
     /// Count no instructions, even where callgrind is installed
     #[arg(long)]
     no_instructions: bool,
-    /// Only these parts, as a try: study, ladder, stability, levee, metamorphic, work. Nothing is remembered
+    /// Only these parts, as a try: study, suite, stability, levee, metamorphic, work. Nothing is remembered
     #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', value_parser = PARTS)]
     only: Vec<String>,
 }
@@ -56,9 +56,9 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         return Err(Failure::BadInput("--accept: expected why, found nothing".to_owned()));
     }
     let (known, file) = accepted::read(options.baselines.as_deref()).map_err(Failure::bad_input)?;
-    // A folder of one's own need not hold the errors of the ladder.
-    let ladder = options.baselines.as_deref().filter(|folder| folder.join("ladder.csv").exists());
-    baseline::ladder::hold_against(ladder).map_err(Failure::bad_input)?;
+    // A folder of one's own need not hold the errors of the suite.
+    let suite = options.baselines.as_deref().filter(|folder| folder.join("cases.csv").exists());
+    baseline::suite::hold_against(suite).map_err(Failure::bad_input)?;
     if let (Some(why), Some(from)) = (&options.accept, &options.from) {
         let measures = stored(&from.join(VALUES)).map_err(Failure::bad_input)?;
         let text =
@@ -86,7 +86,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let mut lines = vec![night.headline()];
     lines.extend(night.fell.iter().map(|what| format!("fell short: {what}")));
     lines.extend(night.moved.iter().map(moved::Moved::line));
-    Err(Failure::FellShort(lines.join("\n")))
+    Err(Failure::CheckFailed(lines.join("\n")))
 }
 
 /// What the parts of a night have found so far.
@@ -136,16 +136,16 @@ impl Findings<'_> {
         Ok(format!("{} cases, {} failed; {fallen} of {limits} sweeps fell short", study.results.len(), failed.len()))
     }
 
-    fn ladder(&mut self) -> Result<String, Failure> {
+    fn suite(&mut self) -> Result<String, Failure> {
         let common = Common { quiet: true, ..self.common.clone() };
-        let climbed = check::climb(&[], &common, false, &self.folder.join("ladder"))?;
-        self.fell.extend(climbed.failed.iter().map(|message| format!("ladder: {message}")));
+        let ran = check::judged(&[], &common, false, &self.folder.join("suite"))?;
+        self.fell.extend(ran.failed.iter().map(|message| format!("suite: {message}")));
         let fallen: Vec<String> =
-            climbed.steps.iter().filter(|s| !s.held()).map(|s| format!("ladder: {}: {}", s.rung, s.reason)).collect();
-        let all = climbed.steps.len() + climbed.failed.len();
-        let line = format!("{} of {all} rungs held", climbed.steps.len() - fallen.len());
+            ran.steps.iter().filter(|s| !s.passed()).map(|s| format!("suite: {}: {}", s.case, s.reason)).collect();
+        let all = ran.steps.len() + ran.failed.len();
+        let line = format!("{} of {all} cases held", ran.steps.len() - fallen.len());
         self.fell.extend(fallen);
-        self.measures.extend(collect::ladder(&climbed.steps));
+        self.measures.extend(collect::suite(&ran.steps));
         Ok(line)
     }
 
@@ -156,13 +156,13 @@ impl Findings<'_> {
             self.fell.push(failure.to_string());
         }
         self.measures.extend(collect::stability(found.matrix(), found.summaries()));
-        Ok(format!("{} schemes in hard cases, {} kinds of limits", found.matrix().len(), found.summaries().len()))
+        Ok(format!("{} schemes in stress tests, {} kinds of limits", found.matrix().len(), found.summaries().len()))
     }
 
     fn levee(&mut self) -> Result<String, Failure> {
         let summary = levee::night(&self.folder.join("levee"))?;
         let kept = limits::of(&summary);
-        let fallen: Vec<String> = kept.iter().filter(|l| !l.held()).map(|l| format!("levee: {}", l.said())).collect();
+        let fallen: Vec<String> = kept.iter().filter(|l| !l.passed()).map(|l| format!("levee: {}", l.said())).collect();
         let line = format!(
             "{} of {} limits held, failure at {:.3} h",
             kept.len() - fallen.len(),
@@ -226,7 +226,7 @@ fn whole(
         notes: Vec::new(),
     };
     found.part("study", Findings::study);
-    found.part("ladder", Findings::ladder);
+    found.part("suite", Findings::suite);
     found.part("stability", Findings::stability);
     found.part("levee", Findings::levee);
     found.part("metamorphic", Findings::metamorphic);
@@ -317,9 +317,9 @@ fn accept(
     let goes = |row: &Accepted| whole && counted(&row.quantity).is_none();
     let Renewed { rows, new, gone } = accepted::renewed(known, measures, (&night.date, &night.commit), why, goes);
     accepted::write(&rows, &file).map_err(Failure::run_failed)?;
-    let ladder = folder.join("ladder/accepted.csv");
-    if let (Ok(text), Some(folder)) = (fs::read(&ladder), file.parent()) {
-        let path = folder.join("ladder.csv");
+    let suite = folder.join("suite/accepted.csv");
+    if let (Ok(text), Some(folder)) = (fs::read(&suite), file.parent()) {
+        let path = folder.join("cases.csv");
         files::write(&path, &text).map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))?;
     }
     let line = format!("{new} new or moved numbers accepted, {gone} gone, {} in all: {}", rows.len(), file.display());
@@ -327,5 +327,5 @@ fn accept(
     if night.fell.is_empty() {
         return Ok(());
     }
-    Err(Failure::FellShort(format!("the numbers are accepted; what fell short is not: {}", night.fell.join("; "))))
+    Err(Failure::CheckFailed(format!("the numbers are accepted; what fell short is not: {}", night.fell.join("; "))))
 }

@@ -1,9 +1,8 @@
-//! `stability`: time-step limits, the checkerboard index, and hard cases.
+//! `stability`: time-step limits, the checkerboard index, and stress tests.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mpm_verify::hard::{self, CASES, Case, Found, MatrixRow};
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 use mpm_verify::report::plots::figure::Figure;
@@ -11,6 +10,7 @@ use mpm_verify::report::plots::stability_map::figures;
 use mpm_verify::report::{self, plots};
 use mpm_verify::stability::map::{self, Extent, Row, Summary};
 use mpm_verify::stability::{Limit, checkerboard, limits};
+use mpm_verify::stress::{self, CASES, Case, Found, MatrixRow};
 use mpm_verify::study::word;
 use serde::Serialize;
 
@@ -20,7 +20,7 @@ use crate::Common;
 /// What is measured.
 #[derive(Debug, Clone, Default, Args)]
 pub struct Options {
-    /// Hard cases to run, and no map; without any all of them, and the map
+    /// Stress tests to run, and no map; without any all of them, and the map
     #[arg(value_name = "CASE")]
     cases: Vec<String>,
     /// Measure the ends and the middle of every range of the map only, and what a scene gets that names no scheme
@@ -41,7 +41,7 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// Every scheme in every hard case.
+    /// Every scheme in every stress test.
     pub fn matrix(&self) -> &[MatrixRow] {
         &self.matrix
     }
@@ -55,7 +55,7 @@ impl Findings {
 /// The measured limit may be this far from the predicted one.
 const AGREEMENT: [f64; 2] = [0.95, 1.25];
 
-/// Measures and writes `stability.csv`, `stability_map.csv`, `matrix.csv`, `hard_cases.csv`, the page with its pictures, and
+/// Measures and writes `stability.csv`, `stability_map.csv`, `matrix.csv`, `stress_tests.csv`, the page with its pictures, and
 /// `stability.json`; falls short if `auto` would not be safe, a measured limit is not that of the theory, or a default breaks.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/stability"));
@@ -85,9 +85,9 @@ pub fn measure(options: &Options, common: &Common, folder: &Path) -> Result<Find
     if options.cases.is_empty() {
         pictures = steps(options, common, folder, &mut findings)?;
     }
-    let found = hard(&cases, options, common, folder)?;
+    let found = stress_tests(&cases, options, common, folder)?;
     findings.matrix = found.iter().map(|f| f.row(&cases)).collect();
-    findings.broken_defaults = report::hard::broken_defaults(&cases, &found);
+    findings.broken_defaults = report::stress::broken_defaults(&cases, &found);
     for row in &findings.matrix {
         let value = row.value.map_or_else(|| "-".to_owned(), |v| format!("{v:.1e}"));
         let verdict = word(row.verdict);
@@ -98,7 +98,7 @@ pub fn measure(options: &Options, common: &Common, folder: &Path) -> Result<Find
         );
     }
     let manifest = Manifest::new(&mpm_verify::scenes::terzaghi(), jobs(common.jobs));
-    let page = report::hard::write((&cases, &found), (&pictures, &findings.map), &manifest, folder);
+    let page = report::stress::write((&cases, &found), (&pictures, &findings.map), &manifest, folder);
     page.map_err(Failure::run_failed)?;
     write_json(&folder.join("stability.json"), &findings)?;
     say(quiet, &format!("{}", folder.join("index.html").display()));
@@ -119,14 +119,14 @@ fn chosen(names: &[String]) -> Result<Vec<Case>, Failure> {
 }
 
 /// Every scheme in every case, or the defaults alone.
-fn hard(cases: &[Case], options: &Options, common: &Common, folder: &Path) -> Result<Vec<Found>, Failure> {
-    let progress = Progress::new("hard cases", common.quiet || common.json);
-    let asked = |case: &Case, scheme: &hard::Scheme| !options.quick || scheme.is_default(case.dimension);
-    let found = hard::matrix(cases, asked, jobs(common.jobs), &progress).map_err(Failure::run_failed)?;
+fn stress_tests(cases: &[Case], options: &Options, common: &Common, folder: &Path) -> Result<Vec<Found>, Failure> {
+    let progress = Progress::new("stress tests", common.quiet || common.json);
+    let asked = |case: &Case, scheme: &stress::Scheme| !options.quick || scheme.is_default(case.dimension);
+    let found = stress::matrix(cases, asked, jobs(common.jobs), &progress).map_err(Failure::run_failed)?;
     progress.finish();
     write_csv(&folder.join("matrix.csv"), &found.iter().map(|f| f.row(cases)).collect::<Vec<_>>())?;
     let points: Vec<_> = found.iter().flat_map(|f| f.point_rows(cases)).collect();
-    write_csv(&folder.join("hard_cases.csv"), &points)?;
+    write_csv(&folder.join("stress_tests.csv"), &points)?;
     Ok(found)
 }
 
@@ -172,15 +172,15 @@ fn map(options: &Options, common: &Common, folder: &Path) -> Result<Vec<Row>, Fa
 pub fn verdict(findings: &Findings) -> Result<(), Failure> {
     if let Some(first) = findings.map_troubles.first() {
         let count = findings.map_troubles.len();
-        return Err(Failure::FellShort(format!("stability map, {count} rows: {first}")));
+        return Err(Failure::CheckFailed(format!("stability map, {count} rows: {first}")));
     }
     if !findings.broken_defaults.is_empty() {
-        return Err(Failure::FellShort(findings.broken_defaults.join("; ")));
+        return Err(Failure::CheckFailed(findings.broken_defaults.join("; ")));
     }
     let off = |l: &&Limit| !(AGREEMENT[0]..=AGREEMENT[1]).contains(&l.ratio);
     match findings.limits.iter().find(off) {
         None => Ok(()),
-        Some(l) => Err(Failure::FellShort(format!(
+        Some(l) => Err(Failure::CheckFailed(format!(
             "stability: expected a measured limit of {} to {} times the predicted one, found {:.3} ({} {} L = {} ppc {})",
             AGREEMENT[0], AGREEMENT[1], l.ratio, l.dimension, l.darcy, l.mesh_m, l.ppc
         ))),

@@ -58,7 +58,7 @@ impl WettingFront {
     /// Never for positive head, conductivity and pore space and a time that is a number, zero or more.
     pub fn position(&self, time: f64) -> f64 {
         let t = time / self.time_scale();
-        // The level front is behind the one that falls and before the one that climbs. Falling: y < sqrt(2 t) + t
+        // The level front is behind the one that falls and before the one that judged. Falling: y < sqrt(2 t) + t
         // (Chatzigeorgiou 2013, IEEE Communications Letters 17(8)).
         let level = (2.0 * t).sqrt();
         let (low, high) = match self.way {

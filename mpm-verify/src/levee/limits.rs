@@ -88,7 +88,7 @@ pub struct Limit {
 
 impl Limit {
     /// Whether it was found and is small enough.
-    pub fn held(&self) -> bool {
+    pub fn passed(&self) -> bool {
         self.found.is_some_and(|found| found <= self.allowed)
     }
 
@@ -154,9 +154,9 @@ mod tests {
     #[test]
     fn what_was_not_found_or_is_no_number_does_not_hold() {
         let limit = |found: Option<f64>| Limit { name: "gap", found, allowed: 0.02, unit: "share" };
-        assert!(limit(Some(0.02)).held() && limit(Some(0.0)).held());
+        assert!(limit(Some(0.02)).passed() && limit(Some(0.0)).passed());
         for found in [None, Some(f64::NAN), Some(0.021), Some(f64::INFINITY)] {
-            assert!(!limit(found).held(), "{found:?}");
+            assert!(!limit(found).passed(), "{found:?}");
         }
         assert_eq!(limit(Some(0.021)).said(), "gap: 0.0210, at most 0.020 share expected");
     }

@@ -181,7 +181,7 @@ fn numbers(s: &Summary, scales: &Scales, papers: bool) -> Vec<Table> {
         about = "Both indices of a point source are those of the last frame before failure.";
     }
     let kept = |limit: Limit| {
-        let (verdict, mark) = if limit.held() { ("held", "good") } else { ("not held", "bad") };
+        let (verdict, mark) = if limit.passed() { ("held", "good") } else { ("not held", "bad") };
         vec![
             Cell::new(limit.name),
             Cell::new(limit.found.map_or_else(|| "–".to_owned(), |v| short(v, 3))),

@@ -1,4 +1,4 @@
-//! Which check finds which fault: the ladder, quick rungs first, and the counts of work.
+//! Which check finds which fault: the suite, quick cases first, and the counts of work.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -11,11 +11,11 @@ use serde::{Deserialize, Serialize};
 
 use super::SWITCH;
 use super::table::Mutant;
-use crate::cases::{LADDER, Step};
+use crate::cases::{CaseRow, SUITE};
 use crate::error::Error;
 use crate::nightly::report::Night;
 
-/// Rungs that take longer than this come second, s.
+/// Cases that take longer than this come second, s.
 const QUICK: f64 = 2.0;
 /// A run that takes so many times as long as the sound one, and this long at least, will not end.
 const PATIENCE: (u32, Duration) = (5, Duration::from_secs(60));
@@ -79,18 +79,18 @@ impl Spoilt {
     /// # Errors
     /// Checks that do not hold.
     pub fn new(program: PathBuf, folder: PathBuf, jobs: usize, tell: &dyn Fn(&str)) -> Result<Self, Error> {
-        let all: Vec<String> = LADDER.iter().map(|rung| rung.name.to_owned()).collect();
+        let all: Vec<String> = SUITE.iter().map(|case| case.name.to_owned()).collect();
         let hour = Duration::from_secs(3600);
         let mut spoilt = Self { program, folder, jobs, quick: all, slow: Vec::new(), patience: [hour; 3] };
-        let (steps, found) = spoilt.climb(0, &spoilt.quick, hour)?;
+        let (steps, found) = spoilt.judged(0, &spoilt.quick, hour)?;
         if !found.is_empty() {
             return Err(Error::Found(found.join(", ")).of("without a fault"));
         }
-        let (quick, slow): (Vec<&Step>, Vec<&Step>) = steps.iter().partition(|step| step.cpu_s <= QUICK);
-        let names = |steps: &[&Step]| steps.iter().map(|step| step.rung.clone()).collect::<Vec<_>>();
-        let time = |steps: &[&Step]| Duration::from_secs_f64(steps.iter().map(|step| step.cpu_s).sum());
+        let (quick, slow): (Vec<&CaseRow>, Vec<&CaseRow>) = steps.iter().partition(|step| step.cpu_s <= QUICK);
+        let names = |steps: &[&CaseRow]| steps.iter().map(|step| step.case.clone()).collect::<Vec<_>>();
+        let time = |steps: &[&CaseRow]| Duration::from_secs_f64(steps.iter().map(|step| step.cpu_s).sum());
         let patient = |time: Duration| (time * PATIENCE.0).max(PATIENCE.1);
-        tell(&format!("{} quick rungs and {} others hold without a fault", quick.len(), slow.len()));
+        tell(&format!("{} quick cases and {} others hold without a fault", quick.len(), slow.len()));
         (spoilt.quick, spoilt.slow) = (names(&quick), names(&slow));
         let clock = Instant::now();
         let moved = spoilt.count(0, hour)?;
@@ -106,10 +106,10 @@ impl Spoilt {
     /// # Errors
     /// The program could not be run.
     pub fn find(&self, number: u32, mutant: &Mutant) -> Result<Row, Error> {
-        let mut found = self.climb(number, &self.quick, self.patience[0])?.1;
+        let mut found = self.judged(number, &self.quick, self.patience[0])?.1;
         found.extend(self.count(number, self.patience[2])?);
         if found.is_empty() {
-            found = self.climb(number, &self.slow, self.patience[1])?.1;
+            found = self.judged(number, &self.slow, self.patience[1])?.1;
         }
         let more = found.len().saturating_sub(NAMED);
         let mut by = found.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", ");
@@ -119,23 +119,23 @@ impl Spoilt {
         Ok(Row { mutant: mutant.name.to_owned(), caught: !found.is_empty(), by, what: mutant.what.to_owned() })
     }
 
-    /// Climbs rungs with a fault. Returns those that were finished, and the names of those that did not hold.
-    fn climb(&self, number: u32, rungs: &[String], patience: Duration) -> Result<(Vec<Step>, Vec<String>), Error> {
-        let out = self.folder.join(format!("ladder-{number}"));
+    /// Runs cases with a fault. Returns those that were finished, and the names of those that did not hold.
+    fn judged(&self, number: u32, cases: &[String], patience: Duration) -> Result<(Vec<CaseRow>, Vec<String>), Error> {
+        let out = self.folder.join(format!("suite-{number}"));
         let mut arguments = vec!["check".to_owned()];
-        arguments.extend(rungs.iter().cloned());
+        arguments.extend(cases.iter().cloned());
         let Ended::With(status, said) = self.run(number, &arguments, &out, patience)? else {
             return Ok((Vec::new(), vec!["a check that does not end".to_owned()]));
         };
-        let path = out.join("ladder.csv");
-        let steps: Vec<Step> = match csv::Reader::from_path(&path) {
+        let path = out.join("cases.csv");
+        let steps: Vec<CaseRow> = match csv::Reader::from_path(&path) {
             Ok(mut reader) => reader.deserialize().filter_map(Result::ok).collect(),
             Err(_) => return Ok((Vec::new(), vec![format!("a check that ends with {status}")])),
         };
         let _ = fs::remove_dir_all(&out);
-        let mut found: Vec<String> = steps.iter().filter(|s| !s.held()).map(|s| s.rung.clone()).collect();
-        let stopped = rungs.iter().filter(|rung| steps.iter().all(|step| step.rung != **rung));
-        found.extend(stopped.map(|rung| format!("{rung} (stopped)")));
+        let mut found: Vec<String> = steps.iter().filter(|s| !s.passed()).map(|s| s.case.clone()).collect();
+        let stopped = cases.iter().filter(|case| steps.iter().all(|step| step.case != **case));
+        found.extend(stopped.map(|case| format!("{case} (stopped)")));
         if found.is_empty() && !status.success() {
             found.push(format!("check: {}", said.lines().last().unwrap_or("no word")));
         }

@@ -3,12 +3,12 @@
 //! An explicit run follows from its scene to the last bit but for the elementary functions of the system's library; where
 //! systems are solved, or a path is chaotic (soil that slides), more may move without anyone having changed the program.
 
-use crate::baseline::ladder::{self, Kind};
-use crate::cases::Step;
-use crate::hard::{MatrixRow, Verdict};
+use crate::baseline::suite::{self, Kind};
+use crate::cases::CaseRow;
 use crate::levee::summary::Summary as LeveeSummary;
 use crate::report::orders;
 use crate::stability::map;
+use crate::stress::{MatrixRow, Verdict};
 use crate::study::{CaseResult, Variant};
 use crate::sweeps::Sweeps;
 
@@ -22,8 +22,8 @@ const SOLVED: f64 = 1e-9;
 const ORDER: Tolerance = Tolerance { relative: 0.0, absolute: 0.01 };
 /// Limits of steps by bisection.
 const BISECTED: Tolerance = Tolerance { relative: 1e-3, absolute: 1e-6 };
-/// Values of hard cases, some of them noise.
-const HARD: Tolerance = Tolerance { relative: 0.05, absolute: 1e-9 };
+/// Values of stress tests, some of them noise.
+const STRESS: Tolerance = Tolerance { relative: 0.05, absolute: 1e-9 };
 
 /// Errors, work and orders of the study, errors of its sweeps, and what accuracy costs in counts.
 pub fn study(results: &[CaseResult], sweeps: &Sweeps) -> Vec<Measure> {
@@ -133,41 +133,41 @@ fn costs(results: &[CaseResult]) -> Vec<Measure> {
     measures
 }
 
-/// Errors and orders of the ladder.
-pub fn ladder(steps: &[Step]) -> Vec<Measure> {
+/// Errors and orders of the suite.
+pub fn suite(steps: &[CaseRow]) -> Vec<Measure> {
     let mut measures = Vec::new();
     for step in steps {
         let label = if step.baseline_kind == Kind::Verified { Label::Verified } else { Label::Regression };
-        // What runs out of a slope or a column hangs on the last digit; all else as in the rung's own baseline.
-        let relative = if chaotic(&step.rung) { 0.02 } else { LAST_DIGITS };
-        let absolute = ladder::floor_of(&step.rung).unwrap_or(SOLVED).max(step.tolerance);
-        measures.push(Measure::new(&step.rung, "error", label, step.error, Tolerance { relative, absolute }));
+        // What runs out of a slope or a column hangs on the last digit; all else as in the case's own baseline.
+        let relative = if chaotic(&step.case) { 0.02 } else { LAST_DIGITS };
+        let absolute = suite::floor_of(&step.case).unwrap_or(SOLVED).max(step.tolerance);
+        measures.push(Measure::new(&step.case, "error", label, step.error, Tolerance { relative, absolute }));
         if let Some(order) = step.order {
-            measures.push(Measure::new(&step.rung, "order", label, order, ORDER));
+            measures.push(Measure::new(&step.case, "order", label, order, ORDER));
         }
     }
     measures
 }
 
-/// Whether a rung follows soil that flows.
-fn chaotic(rung: &str) -> bool {
-    ["collapse", "slope", "strip", "block"].iter().any(|start| rung.starts_with(start))
+/// Whether a case follows soil that flows.
+fn chaotic(case: &str) -> bool {
+    ["collapse", "slope", "strip", "block"].iter().any(|start| case.starts_with(start))
 }
 
-/// Verdicts and values of the hard cases, limits of steps over theory and of `auto` over what was measured.
+/// Verdicts and values of the stress tests, limits of steps over theory and of `auto` over what was measured.
 pub fn stability(matrix: &[MatrixRow], summaries: &[map::Summary]) -> Vec<Measure> {
     let mut measures = Vec::new();
     for row in matrix {
-        let case = format!("hard-{}-{}-{}", row.case, row.integrator, row.scheme).replace(' ', "-");
+        let case = format!("stress-{}-{}-{}", row.case, row.integrator, row.scheme).replace(' ', "-");
         let grade = match row.verdict {
-            Verdict::Holds => 0.0,
-            Verdict::Degrades => 1.0,
-            Verdict::Refuses => 2.0,
-            Verdict::Breaks => 3.0,
+            Verdict::Passed => 0.0,
+            Verdict::Degraded => 1.0,
+            Verdict::Stopped => 2.0,
+            Verdict::Failed => 3.0,
         };
         measures.push(Measure::new(&case, "verdict", Label::Regression, grade, Tolerance::relative(0.0)));
         if let Some(value) = row.value.filter(|v| v.is_finite()) {
-            measures.push(Measure::new(&case, "value", Label::Regression, value, HARD));
+            measures.push(Measure::new(&case, "value", Label::Regression, value, STRESS));
         }
     }
     for s in summaries {

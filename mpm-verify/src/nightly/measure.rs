@@ -80,7 +80,7 @@ impl Tolerance {
 /// A number of the night.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Measure {
-    /// Of what: a case, a rung, a scheme in a hard case, a gate of the work.
+    /// Of what: a case, a case, a scheme in a stress test, a gate of the work.
     pub case: String,
     /// Which number of it.
     pub quantity: String,

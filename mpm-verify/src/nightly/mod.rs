@@ -2,7 +2,7 @@
 //!
 //! # Reading order
 //! 1. [`measure`]: a number with its name, what it is held to, and which direction is better. [`collect`]: the numbers of the
-//!    study, the ladder, the stability map and the levee.
+//!    study, the suite, the stability map and the levee.
 //! 2. [`work`]: what runs cost in counts that no machine's mood changes. [`compiled`]: those that a compiler does.
 //!    [`calibration`]: what a time is a ratio to.
 //! 3. [`accepted`]: the baselines, and how they are renewed. [`moved`]: what is not where it was.

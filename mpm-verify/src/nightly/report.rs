@@ -139,7 +139,7 @@ struct Page<'a> {
 /// Pages of the parts in the folder of a night.
 const PAGES: [(&str, &str); 4] = [
     ("index-of-the-study.html", "Study"),
-    ("ladder/index.html", "Ladder"),
+    ("suite/index.html", "Suite"),
     ("stability/index.html", "Stability"),
     ("levee/index.html", "Levee"),
 ];
@@ -302,11 +302,11 @@ mod tests {
         let links = |whole| {
             write(&night(Vec::new()), &measures, whole, folder.path()).expect("written");
             let page = std::fs::read_to_string(folder.path().join("index.html")).expect("a page");
-            ["Study</a>", "Ladder</a>", "Trends</a>"].map(|link| page.contains(link))
+            ["Study</a>", "Suite</a>", "Trends</a>"].map(|link| page.contains(link))
         };
         assert_eq!(links(false), [false; 3], "no link to a part that was not run");
-        std::fs::create_dir(folder.path().join("ladder")).expect("a folder");
-        std::fs::write(folder.path().join("ladder/index.html"), "").expect("a page");
+        std::fs::create_dir(folder.path().join("suite")).expect("a folder");
+        std::fs::write(folder.path().join("suite/index.html"), "").expect("a page");
         assert_eq!(links(true), [false, true, true]);
         let page = night(vec![one_moved(); 100]).markdown();
         assert!(page.contains("and 40 more in `moved.csv`") && page.lines().count() < 90, "one page");

@@ -55,8 +55,8 @@ pub struct Content {
     pub manifest: Vec<(&'static str, String)>,
     /// Pictures in the order of the page.
     pub pictures: Vec<Picture>,
-    /// Whether the page of the ladder is beside this one.
-    pub ladder: bool,
+    /// Whether the page of the suite is beside this one.
+    pub suite: bool,
 }
 
 /// A claim as the pages show it.
@@ -128,7 +128,7 @@ impl Content {
             notes: study.notes.clone(),
             manifest: study.manifest.entries().to_vec(),
             pictures,
-            ladder: false,
+            suite: false,
         }
     }
 }

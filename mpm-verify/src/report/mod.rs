@@ -5,7 +5,7 @@
 //! 2. [`orders`]: orders of convergence per group. [`tables`]: the CSV files. [`quantity`]: of the soil, for maps.
 //! 3. [`plots`]: one file per picture; [`plots::figure`] is what a picture is made of.
 //! 4. [`content`]: what the pages say, once. [`html`], [`markdown`]: how they say it.
-//! 5. [`ladder`]: the page of the verification ladder. [`solved`]: the page of one scene. [`maps`]: its soil and its water. [`vtk`]: frames of a
+//! 5. [`suite`]: the page of the verification suite. [`solved`]: the page of one scene. [`maps`]: its soil and its water. [`vtk`]: frames of a
 //!    run for ParaView. [`animation`]: frames as a page that plays them.
 //!
 //! Every picture has its numbers in a CSV beside it, written from the same [`plots::figure::Figure`].
@@ -13,9 +13,7 @@
 pub mod animation;
 pub mod content;
 pub mod gallery;
-pub mod hard;
 pub mod html;
-pub mod ladder;
 pub mod maps;
 pub mod markdown;
 pub mod numbers;
@@ -24,6 +22,8 @@ pub mod plots;
 pub mod quantity;
 pub mod select;
 pub mod solved;
+pub mod stress;
+pub mod suite;
 pub mod tables;
 #[cfg(test)]
 mod tests;
@@ -183,8 +183,8 @@ pub fn write(study: &Study, folder: &Path, published: &Path) -> Result<Page, Rep
     let figures = plots::figures(study);
     let drawn = figures.iter().map(|f| plots::write(f, &pictures)).collect::<Result<Vec<_>, _>>()?;
     let above = published.parent().unwrap_or(published);
-    let ladder = above.join("ladder/index.html").exists();
-    let content = content::Content { ladder, ..content::Content::new(study, &figures) };
+    let suite = above.join("suite/index.html").exists();
+    let content = content::Content { suite, ..content::Content::new(study, &figures) };
     save(&folder.join("report.md"), markdown::page(&content))?;
     let name = published.file_name().map_or_else(|| ".".to_owned(), |n| n.to_string_lossy().into_owned());
     let html = html::page(&content, &figures, &drawn, &name);

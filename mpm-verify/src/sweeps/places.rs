@@ -106,7 +106,7 @@ fn required(shape: ShapeChoice, quadrature: Quadrature, mesh: f64) -> Option<f64
 }
 
 /// Whether a row holds: one that could not be run falls short whatever is required of it.
-fn held(required: Option<f64>, error: f64, failed: bool) -> Option<bool> {
+fn passed(required: Option<f64>, error: f64, failed: bool) -> Option<bool> {
     if failed { Some(false) } else { required.map(|limit| error <= limit) }
 }
 
@@ -151,7 +151,7 @@ pub fn displaced(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<V
             max_error_compressible: max,
             late_error_compressible: late,
             profile_error_compressible: profile,
-            held: held(required, max, failure.is_some()),
+            held: passed(required, max, failure.is_some()),
             required,
             failure,
         }
@@ -185,7 +185,7 @@ pub fn shifted(base: &Scene, runner: &mut Runner, cpu_s: &mut f64) -> Result<Vec
             max_error_compressible: max,
             late_error_compressible: late,
             profile_error_compressible: profile,
-            held: held(required, max, failure.is_some()),
+            held: passed(required, max, failure.is_some()),
             required,
             failure,
         }
@@ -210,10 +210,10 @@ mod tests {
     #[test]
     fn a_row_that_could_not_be_run_falls_short() {
         let found = [
-            held(None, f64::NAN, true),
-            held(None, 0.5, false),
-            held(Some(0.1), 0.05, false),
-            held(Some(0.1), 0.5, false),
+            passed(None, f64::NAN, true),
+            passed(None, 0.5, false),
+            passed(Some(0.1), 0.05, false),
+            passed(Some(0.1), 0.5, false),
         ];
         assert_eq!(found, [Some(false), None, Some(true), Some(false)]);
     }

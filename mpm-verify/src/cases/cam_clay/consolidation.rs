@@ -5,15 +5,15 @@
 use mpm_core::scene::{Fields, Scene};
 
 use super::super::degree::Degree;
-use super::super::{Error, FASTER, Lacks, Mutant, Outcome, Rung, Unfit, asked, faster, integrator, scheme, sound};
+use super::super::{Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, asked, faster, integrator, scheme, sound};
 use crate::exact::oracle::Table;
 
-/// The rung.
-pub const RUNG: Rung = Rung {
+/// The case.
+pub const CASE: Case = Case {
     name: "cc-soft-layer",
     about: "a layer of Cam-Clay that settles by 14 %, without inertia: settlement",
-    climb: || quasi_static(sound),
-    mutant: Some(Mutant { what: FASTER, climb: || quasi_static(faster) }),
+    run: || quasi_static(sound),
+    mutant: Some(Mutant { what: FASTER, run: || quasi_static(faster) }),
 };
 
 /// Final strain, that of the table.

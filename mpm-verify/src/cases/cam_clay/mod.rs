@@ -4,8 +4,8 @@ mod consolidation;
 mod oedometer;
 mod triaxial;
 
-pub use consolidation::RUNG as SOFT_LAYER;
-pub use oedometer::{BY_PARTICLES, RUNG as OEDOMETER};
+pub use consolidation::CASE as SOFT_LAYER;
+pub use oedometer::{BY_PARTICLES, CASE as OEDOMETER};
 pub use triaxial::{DRAINED, UNDRAINED};
 
 use mpm_core::scene::CamClay;
@@ -32,16 +32,16 @@ fn own(soil: CamClay) -> CamClay {
 mod tests {
     use super::*;
 
-    const RUNGS: [crate::cases::Rung; 5] = [DRAINED, UNDRAINED, OEDOMETER, BY_PARTICLES, SOFT_LAYER];
+    const CASES: [crate::cases::Case; 5] = [DRAINED, UNDRAINED, OEDOMETER, BY_PARTICLES, SOFT_LAYER];
 
     #[test]
-    fn every_rung_holds_and_every_mutant_falls_short() {
-        for rung in RUNGS {
-            let step = rung.climb().expect(rung.name).step;
-            println!("{}: {:.1e}, order {:?}", step.rung, step.error, step.order);
-            assert!(step.held(), "{step:?}");
-            let climb = rung.climb_mutant().expect("a mutant").expect(rung.name);
-            assert_eq!(climb.step.verdict, "failed", "{}: {}", rung.name, climb.reason);
+    fn every_case_holds_and_every_mutant_falls_short() {
+        for case in CASES {
+            let step = case.judged().expect(case.name).row;
+            println!("{}: {:.1e}, order {:?}", step.case, step.error, step.order);
+            assert!(step.passed(), "{step:?}");
+            let judged = case.mutant_judged().expect("a mutant").expect(case.name);
+            assert_eq!(judged.row.verdict, "failed", "{}: {}", case.name, judged.reason);
         }
     }
 }

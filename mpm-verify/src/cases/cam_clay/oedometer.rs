@@ -4,27 +4,27 @@ use mpm_core::constitutive::ModifiedCamClay;
 use mpm_core::scene::{CamClay, Dimension, ShapeChoice};
 
 use super::super::evidence::{Parameter, Sampled};
-use super::super::{Error, Lacks, Mutant, Outcome, Rung, finished, integrator};
+use super::super::{Case, Error, Lacks, Mutant, Outcome, finished, integrator};
 use super::{FLATTER, REQUIRED, SOIL, flatter, own};
 use crate::element::Element;
 use crate::exact::cam_clay::at_rest;
 use crate::exact::oracle::Table;
 use crate::norms::largest;
 
-/// The rung.
-pub const RUNG: Rung = Rung {
+/// The case.
+pub const CASE: Case = Case {
     name: "cc-oedometer",
     about: "Cam-Clay that does not strain sideways: stresses, and K_0 at the end",
-    climb: || climb(own),
-    mutant: Some(Mutant { what: FLATTER, climb: || climb(flatter) }),
+    run: || outcome(own),
+    mutant: Some(Mutant { what: FLATTER, run: || outcome(flatter) }),
 };
 
 /// The same soil as particles.
-pub const BY_PARTICLES: Rung = Rung {
+pub const BY_PARTICLES: Case = Case {
     name: "cc-oedometer-particles",
     about: "stiff Cam-Clay compressed by particles, explicit: settlement at rest",
-    climb: || by_particles(own),
-    mutant: Some(Mutant { what: FLATTER, climb: || by_particles(flatter) }),
+    run: || by_particles(own),
+    mutant: Some(Mutant { what: FLATTER, run: || by_particles(flatter) }),
 };
 
 /// Stress at the start, Pa.
@@ -34,7 +34,7 @@ const PARTS: [u32; 4] = [64, 128, 256, 512];
 /// What is refined.
 const PART: Parameter = ("step, share of a row", "-");
 
-fn climb(fault: fn(CamClay) -> CamClay) -> Result<Outcome, Error> {
+fn outcome(fault: fn(CamClay) -> CamClay) -> Result<Outcome, Error> {
     let table = Table::parse(include_str!("../../../../reference-data/exact/13_cam_clay_oedometer.csv"));
     let rows = table.rows(["eps", "sigma_v_over_a", "K0"]);
     let rest = at_rest(&SOIL).ok_or(Lacks("K_0"))?;

@@ -4,26 +4,26 @@ use mpm_core::constitutive::ModifiedCamClay;
 use mpm_core::scene::CamClay;
 
 use super::super::evidence::{Parameter, Sampled};
-use super::super::{Error, Mutant, Outcome, Rung, Unfit};
+use super::super::{Case, Error, Mutant, Outcome, Unfit};
 use super::{FLATTER, REQUIRED, SOIL, flatter, own};
 use crate::element::Element;
 use crate::exact::cam_clay::Triaxial;
 use crate::norms::largest;
 
 /// Lateral stresses are held.
-pub const DRAINED: Rung = Rung {
+pub const DRAINED: Case = Case {
     name: "cc-drained",
     about: "Cam-Clay in a drained triaxial cell: strains at a stress ratio",
-    climb: || drained(own),
-    mutant: Some(Mutant { what: FLATTER, climb: || drained(flatter) }),
+    run: || drained(own),
+    mutant: Some(Mutant { what: FLATTER, run: || drained(flatter) }),
 };
 
 /// The volume is held.
-pub const UNDRAINED: Rung = Rung {
+pub const UNDRAINED: Case = Case {
     name: "cc-undrained",
     about: "Cam-Clay in an undrained triaxial cell: pressure and strain",
-    climb: || undrained(own),
-    mutant: Some(Mutant { what: FLATTER, climb: || undrained(flatter) }),
+    run: || undrained(own),
+    mutant: Some(Mutant { what: FLATTER, run: || undrained(flatter) }),
 };
 
 /// p at the start, Pa.

@@ -10,7 +10,7 @@ use crate::exact::layered::Layered;
 use crate::exact::terzaghi::Terzaghi;
 use crate::norms::largest;
 
-const CUT: Case = Case {
+const CUT: Setup = Setup {
     scene: "cut-column",
     change: sound,
     mesh: two_cells_wide,
@@ -20,7 +20,7 @@ const CUT: Case = Case {
     // Steps at their limit: the error in time shows on fine meshes.
     order: None,
 };
-const LAYERS: Case = Case {
+const LAYERS: Setup = Setup {
     scene: "three-layers",
     change: sound,
     mesh: refined,
@@ -30,7 +30,7 @@ const LAYERS: Case = Case {
     order: None,
 };
 
-const DISC: Case = Case {
+const DISC: Setup = Setup {
     scene: "cryer",
     change: sealed_disc,
     mesh: refined,
@@ -48,14 +48,14 @@ const SECOND: Option<[f64; 2]> = Some([1.7, 2.3]);
 const FASTER_LAYER: &str = "conductivity of the middle layer 5 % too high";
 
 /// All of them.
-pub const CASES: [Rung; 7] = [
+pub const CASES: [Case; 7] = [
     case!("cut-column", "Terzaghi's column with a top 0.37 cells above a row, semi-implicit", FASTER, faster, CUT),
     case!(
         "cut-column-explicit",
         "the same explicit: order 2",
         FASTER,
         faster,
-        Case { change: explicit, cells: &[5.37, 7.37, 10.37, 14.37], required: 1e-3, order: SECOND, ..CUT }
+        Setup { change: explicit, cells: &[5.37, 7.37, 10.37, 14.37], required: 1e-3, order: SECOND, ..CUT }
     ),
     case!(
         "three-layers",
@@ -69,14 +69,14 @@ pub const CASES: [Rung; 7] = [
         "the same with centre values: order 2",
         FASTER_LAYER,
         faster_layer,
-        Case { change: centre, required: 1e-3, order: SECOND, cells: MESHES, ..LAYERS }
+        Setup { change: centre, required: 1e-3, order: SECOND, cells: MESHES, ..LAYERS }
     ),
     case!(
         "three-layers-semi-implicit",
         "the same with an implicit pressure: order 2",
         FASTER_LAYER,
         faster_layer,
-        Case { change: semi_implicit, required: 1e-3, order: SECOND, cells: MESHES, ..LAYERS }
+        Setup { change: semi_implicit, required: 1e-3, order: SECOND, cells: MESHES, ..LAYERS }
     ),
     case!(
         "three-layers-explicit",
@@ -84,7 +84,7 @@ pub const CASES: [Rung; 7] = [
         FASTER_LAYER,
         faster_layer,
         // Waves of the start, which the series does not know, leave 3e-4.
-        Case { change: by_explicit, required: 2e-3, cells: MESHES, ..LAYERS }
+        Setup { change: by_explicit, required: 2e-3, cells: MESHES, ..LAYERS }
     ),
     case!(
         "sealed-disc",

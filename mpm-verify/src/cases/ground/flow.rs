@@ -11,7 +11,7 @@ use super::super::{Error, Unfit, sound};
 use super::*;
 use crate::norms::largest;
 
-const LAYERS: Case = Case {
+const LAYERS: Setup = Setup {
     scene: "flow-along-layers",
     change: sound,
     mesh: refined,
@@ -20,7 +20,7 @@ const LAYERS: Case = Case {
     required: 1e-7,
     order: None,
 };
-const REFRACTION: Case = Case {
+const REFRACTION: Setup = Setup {
     scene: "flow-in-series",
     change: sound,
     mesh: refracting,
@@ -30,7 +30,7 @@ const REFRACTION: Case = Case {
     required: 2e-3,
     order: Some([0.8, 1.7]),
 };
-const SLOPE: Case = Case {
+const SLOPE: Setup = Setup {
     scene: "seepage-along-slope",
     change: sound,
     mesh: refined,
@@ -44,28 +44,28 @@ const SLOPE: Case = Case {
 const FASTER_LAYER: &str = "conductivity of two layers 5 % too high";
 
 /// All of them.
-pub const CASES: [Rung; 6] = [
+pub const CASES: [Case; 6] = [
     case!("flow-along-layers", "heads and discharge of layers side by side", FASTER_LAYER, faster_layer, LAYERS),
     case!(
         "flow-along-layers-explicit",
         "the same explicit",
         FASTER_LAYER,
         faster_layer,
-        Case { change: explicit, ..LAYERS }
+        Setup { change: explicit, ..LAYERS }
     ),
     case!(
         "flow-along-layers-quasi-static",
         "heads of the same without inertia",
         "a level 2 cm higher",
         higher,
-        Case { change: quasi_static, measure: heads_along_layers, ..LAYERS }
+        Setup { change: quasi_static, measure: heads_along_layers, ..LAYERS }
     ),
     case!(
         "flow-along-layers-two-clocks",
         "the same with the water that has a free surface, fed above the soil",
         FASTER_LAYER,
         faster_layer,
-        Case { change: fed, ..LAYERS }
+        Setup { change: fed, ..LAYERS }
     ),
     case!(
         "refraction",

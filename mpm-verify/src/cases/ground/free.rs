@@ -7,7 +7,7 @@ use super::super::{FASTER, Lacks, faster, sound};
 use super::*;
 use crate::norms::largest;
 
-const CORE: Case = Case {
+const CORE: Setup = Setup {
     scene: "dam-with-core",
     change: sound,
     mesh: refined,
@@ -16,7 +16,7 @@ const CORE: Case = Case {
     required: 1.2e-2,
     order: None,
 };
-const RAIN: Case = Case {
+const RAIN: Setup = Setup {
     scene: "rain-on-column",
     change: sound,
     mesh: refined,
@@ -25,7 +25,7 @@ const RAIN: Case = Case {
     required: 1e-9,
     order: None,
 };
-const ALONG: Case = Case {
+const ALONG: Setup = Setup {
     scene: "seepage-along-slope",
     change: steady,
     mesh: refined,
@@ -36,7 +36,7 @@ const ALONG: Case = Case {
 };
 
 /// All of them.
-pub const CASES: [Rung; 5] = [
+pub const CASES: [Case; 5] = [
     case!(
         "dam-core",
         "discharge of a dam with an upright clay core between two levels",
@@ -49,7 +49,7 @@ pub const CASES: [Rung; 5] = [
         "the same without tail water",
         "conductivity of the core 5 % too high",
         faster_core,
-        Case { change: without_tail, ..CORE }
+        Setup { change: without_tail, ..CORE }
     ),
     case!(
         "rain-fills",
@@ -63,7 +63,7 @@ pub const CASES: [Rung; 5] = [
         "rain stronger than k: k enters, the rest runs off",
         FASTER,
         faster,
-        Case { change: cloudburst, ..RAIN }
+        Setup { change: cloudburst, ..RAIN }
     ),
     case!(
         "seepage-along-slope-flow",

@@ -9,7 +9,7 @@ use mpm_core::scene::Scene;
 use super::super::evidence::RUNS;
 use super::super::{Error, Mutant, Outcome, Unfit};
 use super::*;
-use crate::baseline::ladder::Kind;
+use crate::baseline::suite::Kind;
 use crate::norms::worst;
 
 /// A slope with its published factor of safety.
@@ -73,18 +73,18 @@ const UNDER_WATER: [f64; 3] = [20.0 - 9.81, 10.0, 20.0];
 const WEAKER: &str = "friction 10 % lower";
 
 /// Both.
-pub const CASES: [Rung; 2] = [
-    Rung {
+pub const CASES: [Case; 2] = [
+    Case {
         name: "slope-acads-1c",
         about: "factor of safety of ACADS 1(c), three layers: 1.39 published",
-        climb: || climb(&ACADS, 1.0),
-        mutant: Some(Mutant { what: WEAKER, climb: || climb(&ACADS, 0.9) }),
+        run: || outcome(&ACADS, 1.0),
+        mutant: Some(Mutant { what: WEAKER, run: || outcome(&ACADS, 0.9) }),
     },
-    Rung {
+    Case {
         name: "slope-drawdown",
         about: "factor of safety of a slope whose water falls (Griffiths & Lane, example 5): 1.85, 1.30, 1.40 published",
-        climb: || climb(&DRAWDOWN, 1.0),
-        mutant: Some(Mutant { what: WEAKER, climb: || climb(&DRAWDOWN, 0.9) }),
+        run: || outcome(&DRAWDOWN, 1.0),
+        mutant: Some(Mutant { what: WEAKER, run: || outcome(&DRAWDOWN, 0.9) }),
     },
 ];
 
@@ -146,7 +146,7 @@ until.time = 3600.0
 }
 
 /// Factors over the published ones, the friction angles wrong by a factor.
-fn climb(slopes: &[Slope], friction: f64) -> Result<Outcome, Error> {
+fn outcome(slopes: &[Slope], friction: f64) -> Result<Outcome, Error> {
     let (mut off, mut notes) = (Vec::new(), Vec::new());
     for slope in slopes {
         let scene = scene(slope, friction)?;

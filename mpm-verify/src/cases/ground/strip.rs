@@ -7,7 +7,7 @@ use super::*;
 use crate::exact::settlement::Settlement;
 use crate::exact::strip::StripLoad;
 
-const STRESS: Case = Case {
+const STRESS: Setup = Setup {
     scene: "strip-on-sand",
     change: sound,
     mesh: refined,
@@ -17,13 +17,13 @@ const STRESS: Case = Case {
     order: Some([1.8, 2.3]),
 };
 /// Settlement under the load, as the energy that the soil stores.
-const SETTLEMENT: Case =
-    Case { measure: settlement, cells: &[4.0, 8.0, 12.0, 16.0], required: 5e-4, order: FOURTH, ..STRESS };
+const SETTLEMENT: Setup =
+    Setup { measure: settlement, cells: &[4.0, 8.0, 12.0, 16.0], required: 5e-4, order: FOURTH, ..STRESS };
 /// Energies converge with the square of stresses.
 const FOURTH: Option<[f64; 2]> = Some([3.5, 5.0]);
 
 /// All of them.
-pub const CASES: [Rung; 4] = [
+pub const CASES: [Case; 4] = [
     case!(
         "strip-stress",
         "stress under a strip of load on elastic soil, B-splines: order 2",
@@ -36,7 +36,7 @@ pub const CASES: [Rung; 4] = [
         "the same with centre values: order 1, one stress in a cell",
         "load 2 % too large",
         heavier,
-        Case { change: centre, required: 6e-3, order: Some([0.9, 1.1]), ..STRESS }
+        Setup { change: centre, required: 6e-3, order: Some([0.9, 1.1]), ..STRESS }
     ),
     case!(
         "strip-settlement",
@@ -50,7 +50,7 @@ pub const CASES: [Rung; 4] = [
         "settlement under a disc of load about an axis, as Boussinesq found it, on a layer",
         "load 2 % too large",
         heavier,
-        Case { change: about_axis, ..SETTLEMENT }
+        Setup { change: about_axis, ..SETTLEMENT }
     ),
 ];
 

@@ -7,11 +7,11 @@ mod returns;
 mod simple_shear;
 mod triaxial;
 
-pub use oedometer::RUNG as OEDOMETER;
-pub use plane_strain::RUNG as PLANE_STRAIN;
+pub use oedometer::CASE as OEDOMETER;
+pub use plane_strain::CASE as PLANE_STRAIN;
 pub use returns::{ASSOCIATED, NOT_ASSOCIATED};
 pub use simple_shear::{FROM_K0, ISOTROPIC};
-pub use triaxial::RUNG as TRIAXIAL;
+pub use triaxial::CASE as TRIAXIAL;
 
 use mpm_core::constitutive::MohrCoulomb;
 use mpm_core::scene::{Elastic, Strength};
@@ -81,23 +81,23 @@ fn outcome(what: &str, errors: Vec<(f64, f64)>, required_error: f64, required_or
 mod tests {
     use super::*;
 
-    const RUNGS: [crate::cases::Rung; 7] =
+    const CASES: [crate::cases::Case; 7] =
         [ASSOCIATED, NOT_ASSOCIATED, PLANE_STRAIN, TRIAXIAL, FROM_K0, ISOTROPIC, OEDOMETER];
 
     #[test]
     fn every_mutant_falls_short() {
-        for rung in RUNGS {
-            let climb = rung.climb_mutant().expect("a mutant").expect(rung.name);
-            assert_eq!(climb.step.verdict, "failed", "{}: {}", rung.name, climb.reason);
+        for case in CASES {
+            let judged = case.mutant_judged().expect("a mutant").expect(case.name);
+            assert_eq!(judged.row.verdict, "failed", "{}: {}", case.name, judged.reason);
         }
     }
 
     #[test]
-    fn every_rung_holds() {
-        for rung in RUNGS {
-            let step = rung.climb().expect(rung.name).step;
-            println!("{}: {:.1e}, order {:?}", step.rung, step.error, step.order);
-            assert!(step.held(), "{step:?}");
+    fn every_case_holds() {
+        for case in CASES {
+            let step = case.judged().expect(case.name).row;
+            println!("{}: {:.1e}, order {:?}", step.case, step.error, step.order);
+            assert!(step.passed(), "{step:?}");
         }
     }
 }

@@ -5,16 +5,16 @@ use mpm_core::scene::{Dimension, Fields, Scene, ShapeChoice};
 
 use super::super::evidence::{MESH, Refinement};
 use super::super::looks::{Look, Looks, in_particles};
-use super::super::{Error, Lacks, Mutant, Outcome, Rung, Unfit, finished, integrator, scheme};
+use super::super::{Case, Error, Lacks, Mutant, Outcome, Unfit, finished, integrator, scheme};
 use crate::exact::oedometer::Oedometer;
 use crate::norms::largest;
 
-/// The rung.
-pub const RUNG: Rung = Rung {
+/// The case.
+pub const CASE: Case = Case {
     name: "mc-oedometer",
     about: "Mohr-Coulomb soil compressed beyond yield by particles, one and two dimensions: settlement",
-    climb: || settles(|_| {}),
-    mutant: Some(Mutant { what: "angle of friction one degree too large", climb: mutant }),
+    run: || settles(|_| {}),
+    mutant: Some(Mutant { what: "angle of friction one degree too large", run: mutant }),
 };
 
 /// A friction angle that is one degree off.

@@ -2,16 +2,16 @@
 
 use mpm_core::scene::Strength;
 
-use super::super::{Error, Mutant, Outcome, Rung};
+use super::super::{Case, Error, Mutant, Outcome};
 use super::compression::Compression;
 use super::{CELL_PRESSURE, STRENGTH};
 
-/// The rung.
-pub const RUNG: Rung = Rung {
+/// The case.
+pub const CASE: Case = Case {
     name: "mc-plane-strain",
     about: "Mohr-Coulomb soil compressed in plane strain: stresses and strains",
-    climb: || COMPRESSION.outcome(&STRENGTH),
-    mutant: Some(Mutant { what: "flow along the surface", climb: mutant }),
+    run: || COMPRESSION.outcome(&STRENGTH),
+    mutant: Some(Mutant { what: "flow along the surface", run: mutant }),
 };
 
 const COMPRESSION: Compression = Compression {

@@ -7,25 +7,25 @@ use mpm_core::constitutive::Law;
 use mpm_core::scene::Strength;
 use nalgebra::{Matrix3, SymmetricEigen};
 
-use super::super::{Error, Mutant, Outcome, Rung};
+use super::super::{Case, Error, Mutant, Outcome};
 use super::{STRENGTH, law, outcome};
 use crate::exact::oracle::Table;
 use crate::norms::largest;
 
 /// psi = phi.
-pub const ASSOCIATED: Rung = Rung {
+pub const ASSOCIATED: Case = Case {
     name: "mc-return-associated",
     about: "Mohr-Coulomb returns with psi = phi: stress and region",
-    climb: || returns(include_str!("../../../../reference-data/exact/10_mc_return_associated.csv"), &ALONG),
-    mutant: Some(Mutant { what: "angles of friction and dilation one degree too large", climb: mutant }),
+    run: || returns(include_str!("../../../../reference-data/exact/10_mc_return_associated.csv"), &ALONG),
+    mutant: Some(Mutant { what: "angles of friction and dilation one degree too large", run: mutant }),
 };
 
 /// psi = 0.
-pub const NOT_ASSOCIATED: Rung = Rung {
+pub const NOT_ASSOCIATED: Case = Case {
     name: "mc-return-nonassociated",
     about: "the same with psi = 0",
-    climb: || returns(include_str!("../../../../reference-data/exact/10_mc_return_nonassociated.csv"), &STRENGTH),
-    mutant: Some(Mutant { what: "flow along the surface", climb: swapped_mutant }),
+    run: || returns(include_str!("../../../../reference-data/exact/10_mc_return_nonassociated.csv"), &STRENGTH),
+    mutant: Some(Mutant { what: "flow along the surface", run: swapped_mutant }),
 };
 
 const ALONG: Strength = Strength { dilation_angle: STRENGTH.friction_angle, ..STRENGTH };

@@ -4,26 +4,26 @@
 use mpm_core::scene::Strength;
 
 use super::super::evidence::Sampled;
-use super::super::{Error, Mutant, Outcome, Rung, Unfit};
+use super::super::{Case, Error, Mutant, Outcome, Unfit};
 use super::{CELL_PRESSURE, STRENGTH, at_row, exact_on_paths, law, outcome};
 use crate::element::Element;
 use crate::exact::oracle::Table;
 use crate::norms::largest;
 
 /// From the stress of K_0 = nu/(1 - nu).
-pub const FROM_K0: Rung = Rung {
+pub const FROM_K0: Case = Case {
     name: "mc-simple-shear",
     about: "Mohr-Coulomb soil in simple shear from K_0: shear stress, order 1 in the step",
-    climb: || from_k0(&STRENGTH),
-    mutant: Some(Mutant { what: "angle of friction one degree too small", climb: mutant }),
+    run: || from_k0(&STRENGTH),
+    mutant: Some(Mutant { what: "angle of friction one degree too small", run: mutant }),
 };
 
 /// From an isotropic stress.
-pub const ISOTROPIC: Rung = Rung {
+pub const ISOTROPIC: Case = Case {
     name: "mc-simple-shear-iso",
     about: "the same from an isotropic stress: exact",
-    climb: || isotropic(&STRENGTH),
-    mutant: Some(Mutant { what: "angle of friction one degree too small", climb: isotropic_mutant }),
+    run: || isotropic(&STRENGTH),
+    mutant: Some(Mutant { what: "angle of friction one degree too small", run: isotropic_mutant }),
 };
 
 const K0: &str = include_str!("../../../../reference-data/exact/10_mc_simple_shear_K0.csv");

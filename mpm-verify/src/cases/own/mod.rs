@@ -18,9 +18,9 @@ use mpm_core::stability::choose_step;
 use self::applies::Solution;
 use super::evidence::{PARTICLES, Refinement, STEP, TOLERANCE};
 use super::looks::{Look, Looks};
-use super::verdict::{Climb, Outcome, judge};
+use super::verdict::{Judged, Outcome, judge};
 use super::{
-    Error, Lacks, Rung, asked, block, boussinesq, finished, infinite_slope, integrator, mandel, scheme, wetting,
+    Case, Error, Lacks, asked, block, boussinesq, finished, infinite_slope, integrator, mandel, scheme, wetting,
 };
 use crate::norms::worst;
 
@@ -101,13 +101,13 @@ impl OwnScene {
     ///
     /// # Errors
     /// A run could not be finished.
-    pub fn climb(&self) -> Result<Climb, Error> {
+    pub fn judged(&self) -> Result<Judged, Error> {
         let clock = ThreadTime::now();
         let outcome = self.outcome(super::sound).map_err(|e| e.of(&self.scene.name))?;
-        let rung = Rung { name: "scene", about: "a scene of one's own", climb: || Err(Lacks("case")), mutant: None };
-        let mut climb = judge(rung, outcome, clock.elapsed().as_secs_f64());
-        climb.step.rung.clone_from(&self.scene.name);
-        Ok(climb)
+        let case = Case { name: "scene", about: "a scene of one's own", run: || Err(Lacks("case")), mutant: None };
+        let mut judged = judge(case, outcome, clock.elapsed().as_secs_f64());
+        judged.row.case.clone_from(&self.scene.name);
+        Ok(judged)
     }
 
     /// Runs the scene, with a fault planted behind the exact solution's back.

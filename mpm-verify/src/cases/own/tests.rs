@@ -94,26 +94,26 @@ fn the_scene_keeps_its_load_and_says_what_it_carries() {
     assert!(own.about().contains("10, 14, 20, 28 rows") && own.about().contains("tolerance 1e-8"), "{}", own.about());
 }
 
-fn climb(scene: &Scene, rows: &[usize]) -> Climb {
-    OwnScene::new(scene, rows).expect("it applies").climb().expect("runs that finish")
+fn judged(scene: &Scene, rows: &[usize]) -> Judged {
+    OwnScene::new(scene, rows).expect("it applies").judged().expect("runs that finish")
 }
 
 #[test]
 fn a_sound_scene_passes_and_a_wrong_run_fails() {
     for (name, rows) in [("terzaghi-quasi-static", [5, 8, 10, 14]), ("mandel", [2, 4, 6, 8])] {
         let own = OwnScene::new(&built_in(name), &rows).expect("it applies");
-        let climb = own.climb().expect("runs that finish");
-        assert!(climb.step.held(), "{name}: {}", climb.reason);
-        assert_eq!((climb.step.rung.as_str(), climb.samples.is_empty()), (name, false));
-        let rung = Rung { name: "scene", about: "", climb: || Err(Lacks("case")), mutant: None };
-        let spoilt = judge(rung, own.outcome(faster).expect("runs that finish"), 0.0);
-        assert!(!spoilt.step.held(), "{name}: {}", spoilt.reason);
+        let judged = own.judged().expect("runs that finish");
+        assert!(judged.row.passed(), "{name}: {}", judged.reason);
+        assert_eq!((judged.row.case.as_str(), judged.samples.is_empty()), (name, false));
+        let case = Case { name: "scene", about: "", run: || Err(Lacks("case")), mutant: None };
+        let spoilt = judge(case, own.outcome(faster).expect("runs that finish"), 0.0);
+        assert!(!spoilt.row.passed(), "{name}: {}", spoilt.reason);
     }
     let linear = built_in("terzaghi-semi-implicit")
         .edited(|linear| (linear.shape, linear.darcy) = (ShapeChoice::Linear, DarcyChoice::Face))
         .expect("a sound scene");
-    let climb = climb(&linear, &[20, 28, 40, 56]);
-    assert!(climb.step.held(), "{}", climb.reason);
+    let judged = judged(&linear, &[20, 28, 40, 56]);
+    assert!(judged.row.passed(), "{}", judged.reason);
 }
 
 /// A fault of one percent in a number that the settlement or the pressure goes with.
@@ -130,9 +130,9 @@ fn an_error_of_one_percent_cannot_pass() {
         ("height", |s| (s.height, s.cell) = (1.01 * s.height, 1.01 * s.cell)),
     ];
     for (what, fault) in faults {
-        let rung = Rung { name: "scene", about: "", climb: || Err(Lacks("case")), mutant: None };
-        let spoilt = judge(rung, own.outcome(fault).expect("runs that finish"), 0.0);
-        assert!(!spoilt.step.held() && spoilt.reason.contains("above 0.003"), "{what}: {}", spoilt.reason);
+        let case = Case { name: "scene", about: "", run: || Err(Lacks("case")), mutant: None };
+        let spoilt = judge(case, own.outcome(fault).expect("runs that finish"), 0.0);
+        assert!(!spoilt.row.passed() && spoilt.reason.contains("above 0.003"), "{what}: {}", spoilt.reason);
     }
 }
 
@@ -148,22 +148,22 @@ fn what_was_a_false_alarm_passes() {
     let large =
         built_in("terzaghi-quasi-static").edited(|large| large.strain = StrainChoice::Large).expect("a sound scene");
     for (scene, most) in [(soft, 1e-4), (large, 2e-4)] {
-        let climb = climb(&scene, &[10, 14, 20, 28]);
-        assert!(climb.step.held() && climb.step.error < most, "{}", climb.reason);
+        let judged = judged(&scene, &[10, 14, 20, 28]);
+        assert!(judged.row.passed() && judged.row.error < most, "{}", judged.reason);
     }
 }
 
 #[test]
 fn dry_columns_and_blocks_are_judged() {
     let dry = built_in("dry-bar").edited(|dry| dry.gravity = Some(9.81)).expect("a sound scene");
-    let climb_of = climb(&dry, &[10, 14, 20, 28]);
-    assert!(climb_of.step.held(), "{}", climb_of.reason);
+    let own = judged(&dry, &[10, 14, 20, 28]);
+    assert!(own.row.passed(), "{}", own.reason);
     let own = OwnScene::new(&dry, &[10, 14, 20]).expect("it applies");
-    let rung = Rung { name: "scene", about: "", climb: || Err(Lacks("case")), mutant: None };
+    let case = Case { name: "scene", about: "", run: || Err(Lacks("case")), mutant: None };
     let stiff = |s: &mut Fields| s.elastic.youngs_modulus *= 1.02;
-    assert!(!judge(rung, own.outcome(stiff).expect("runs"), 0.0).step.held());
-    let climb_of = climb(&built_in("oedometer-plastic"), &[5, 8, 10]);
-    assert!(climb_of.step.held(), "{}", climb_of.reason);
-    let climb_of = climb(&built_in("rising-front"), &[10, 14, 20, 28]);
-    assert!(climb_of.step.held(), "{}", climb_of.reason);
+    assert!(!judge(case, own.outcome(stiff).expect("runs"), 0.0).row.passed());
+    let own = judged(&built_in("oedometer-plastic"), &[5, 8, 10]);
+    assert!(own.row.passed(), "{}", own.reason);
+    let own = judged(&built_in("rising-front"), &[10, 14, 20, 28]);
+    assert!(own.row.passed(), "{}", own.reason);
 }

@@ -1,11 +1,11 @@
-//! Curves of a rung over time that no requirement asks about: what schemes beside the rung's own keep and lose.
+//! Curves of a case over time that no requirement asks about: what schemes beside the case's own keep and lose.
 
 use super::axis::Axis;
 use super::figure::{Figure, Mark, Panel, Point, Series};
 use super::look::{BLACK, BLUE, Dash, GREEN, Look, Marker, ORANGE, PURPLE, RED};
-use crate::cases::Climb;
+use crate::cases::Judged;
 
-/// Rungs with curves, and the names of their pictures.
+/// Cases with curves, and the names of their pictures.
 const NAMES: [(&str, &str); 3] =
     [("spin", "spin-curves"), ("spin-gimp", "spin-gimp-curves"), ("bar-energy", "bar-energy-curves")];
 
@@ -21,9 +21,9 @@ const LOOKS: [(plotters::style::RGBColor, Marker, Dash); 6] = [
 
 /// A panel for every quantity, a curve for every scheme: samples named `quantity, scheme` that do not count. `None` if there
 /// are none.
-pub fn figure(climb: &Climb) -> Option<Figure> {
+pub fn figure(judged: &Judged) -> Option<Figure> {
     super::ready();
-    let parted = climb.samples.iter().filter(|s| !s.counts).filter_map(|s| Some((s.quantity.split_once(", ")?, s)));
+    let parted = judged.samples.iter().filter(|s| !s.counts).filter_map(|s| Some((s.quantity.split_once(", ")?, s)));
     let mut panels: Vec<(&str, Vec<&str>, Panel)> = Vec::new();
     for ((quantity, scheme), sample) in parted {
         if !panels.iter().any(|(known, ..)| *known == quantity) {
@@ -37,7 +37,7 @@ pub fn figure(climb: &Climb) -> Option<Figure> {
         }
         let (colour, marker, dash) = LOOKS[schemes.len() % LOOKS.len()];
         schemes.push(scheme);
-        let own = climb.samples.iter().filter(|s| !s.counts && s.quantity == sample.quantity);
+        let own = judged.samples.iter().filter(|s| !s.counts && s.quantity == sample.quantity);
         let points = own.map(|s| Point::new(s.time, s.computed));
         panel.add(Series::new(scheme, Look::new(colour, marker).dash(dash).radius(3.2), Mark::LinePoints, points));
     }
@@ -45,9 +45,9 @@ pub fn figure(climb: &Climb) -> Option<Figure> {
         return None;
     }
     Some(Figure {
-        name: NAMES.iter().find(|(rung, _)| *rung == climb.rung.name)?.1,
-        title: format!("{}: what every scheme keeps", climb.rung.name),
-        caption: format!("{}. Shown, not required.", climb.rung.about),
+        name: NAMES.iter().find(|(case, _)| *case == judged.case.name)?.1,
+        title: format!("{}: what every scheme keeps", judged.case.name),
+        caption: format!("{}. Shown, not required.", judged.case.about),
         height: 300.0,
         panels: panels.into_iter().map(|(.., panel)| panel).collect(),
         missing: Vec::new(),

@@ -5,13 +5,14 @@
 //! 2. [`draw`], [`legend`], [`canvas`]: from a figure to any backend.
 //! 3. The pictures: [`mesh`], [`isochrones`], [`consolidation`], [`error_against_time`], [`error_against_mesh`],
 //!    [`error_budget`], [`energy`], [`crossings`]; of all integrators [`schemes`], [`spline_profiles`], [`places`],
-//!    [`steps`]; of a rung of the ladder [`rung`].
-//!    [`stability_map`]: largest stable steps, measured and in theory; [`hard_case`]: where schemes hold and break.
+//!    [`steps`]; of a case of the suite [`case`].
+//!    [`stability_map`]: largest stable steps, measured and in theory; [`stress_test`]: where schemes hold and break.
 //! 4. [`field`]: a map of particles coloured by a quantity, with lines over it; [`colours`] for it. [`levee`]: the
 //!    pictures of a levee that fails.
 
 pub mod axis;
 pub mod canvas;
+pub mod case;
 pub mod colours;
 pub mod consolidation;
 pub mod crossings;
@@ -23,18 +24,17 @@ pub mod error_against_time;
 pub mod error_budget;
 pub mod field;
 pub mod figure;
-pub mod hard_case;
 pub mod isochrones;
 pub mod legend;
 pub mod levee;
 pub mod look;
 pub mod mesh;
 pub mod places;
-pub mod rung;
 pub mod schemes;
 pub mod spline_profiles;
 pub mod stability_map;
 pub mod steps;
+pub mod stress_test;
 
 use std::path::Path;
 use std::sync::OnceLock;

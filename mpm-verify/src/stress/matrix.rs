@@ -76,7 +76,7 @@ pub struct MatrixRow {
     pub default: bool,
 }
 
-/// A row of `hard_cases.csv`: one parameter of one scheme in one case.
+/// A row of `stress_tests.csv`: one parameter of one scheme in one case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PointRow {
     /// Name of the case.
@@ -153,7 +153,7 @@ pub fn matrix(
             }
             Err(panic) => {
                 let reason = panic.to_string();
-                (Vec::new(), Judged { verdict: Verdict::Breaks, value: None, at: f64::NAN, reason })
+                (Vec::new(), Judged { verdict: Verdict::Failed, value: None, at: f64::NAN, reason })
             }
         };
         let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;

@@ -1,4 +1,4 @@
-//! Hard cases: where every scheme holds, degrades and breaks.
+//! Stress tests: where every scheme holds, degrades and breaks.
 //!
 //! # Reading order
 //! 1. [`scheme`]: what is compared. [`case`]: what a case is, its points and its verdict. [`mod@matrix`]: all of it at once.

@@ -1,4 +1,4 @@
-//! What a hard case is: a parameter that makes it harder and harder, a number that says how well a scheme does, and two
+//! What a stress test is: a parameter that makes it harder and harder, a number that says how well a scheme does, and two
 //! bounds that make a verdict of it.
 
 use mpm_core::scene::Dimension;
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::scheme::Scheme;
 use crate::error::Error;
 
-/// A hard case.
+/// A stress test.
 #[derive(Debug, Clone, Copy)]
 pub struct Case {
     /// Its name on the command line.
@@ -48,14 +48,14 @@ pub struct Point {
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// Within the bound at every parameter.
-    Holds,
+    Passed,
     /// Beyond it, but of use: degrades to the value given.
-    Degrades,
+    Degraded,
     /// The program stops, or does not start, at the parameter given and says why, or a run would need more steps than any
     /// has time for; until there it is of use.
-    Refuses,
+    Stopped,
     /// Of no use from the parameter given on, a value beyond the second bound, and nothing says so.
-    Breaks,
+    Failed,
 }
 
 /// A verdict with where it was made.
@@ -90,8 +90,8 @@ impl Case {
         if let Some(point) = points.iter().find(useless) {
             let value = point.found.as_ref().ok().copied().filter(|v| v.is_finite());
             let (verdict, reason) = match &point.found {
-                Ok(_) => (Verdict::Breaks, String::new()),
-                Err(reason) => (Verdict::Refuses, reason.to_string()),
+                Ok(_) => (Verdict::Failed, String::new()),
+                Err(reason) => (Verdict::Stopped, reason.to_string()),
             };
             return Judged { verdict, value, at: point.at, reason };
         }
@@ -102,9 +102,9 @@ impl Case {
         });
         let Some((at, value)) = worst else {
             let reason = "nothing was measured".to_owned();
-            return Judged { verdict: Verdict::Breaks, value: None, at: f64::NAN, reason };
+            return Judged { verdict: Verdict::Failed, value: None, at: f64::NAN, reason };
         };
-        let verdict = if value <= self.holds { Verdict::Holds } else { Verdict::Degrades };
+        let verdict = if value <= self.holds { Verdict::Passed } else { Verdict::Degraded };
         Judged { verdict, value: Some(value), at, reason: String::new() }
     }
 }
@@ -137,13 +137,13 @@ mod tests {
             let Judged { verdict, value, at, .. } = CASE.judge(&points(values));
             (verdict, value, at)
         }
-        assert_eq!(judged([Ok(1e-3), Ok(9e-3), Ok(2e-3)]), (Verdict::Holds, Some(9e-3), 1.0));
-        assert_eq!(judged([Ok(1e-3), Ok(0.1), Ok(2e-3)]), (Verdict::Degrades, Some(0.1), 1.0));
-        assert_eq!(judged([Ok(0.1), Ok(0.3), Ok(0.5)]), (Verdict::Breaks, Some(0.3), 1.0));
-        assert_eq!(judged([Ok(0.0), Err(Error::Unfit("stopped")), Ok(0.3)]), (Verdict::Refuses, None, 1.0));
-        assert_eq!(judged([Ok(0.3), Err(Error::Unfit("stopped"))]), (Verdict::Breaks, Some(0.3), 0.0));
-        assert_eq!(judged([Ok(f64::NAN)]), (Verdict::Breaks, None, 0.0));
-        assert_eq!(judged([]).0, Verdict::Breaks);
+        assert_eq!(judged([Ok(1e-3), Ok(9e-3), Ok(2e-3)]), (Verdict::Passed, Some(9e-3), 1.0));
+        assert_eq!(judged([Ok(1e-3), Ok(0.1), Ok(2e-3)]), (Verdict::Degraded, Some(0.1), 1.0));
+        assert_eq!(judged([Ok(0.1), Ok(0.3), Ok(0.5)]), (Verdict::Failed, Some(0.3), 1.0));
+        assert_eq!(judged([Ok(0.0), Err(Error::Unfit("stopped")), Ok(0.3)]), (Verdict::Stopped, None, 1.0));
+        assert_eq!(judged([Ok(0.3), Err(Error::Unfit("stopped"))]), (Verdict::Failed, Some(0.3), 0.0));
+        assert_eq!(judged([Ok(f64::NAN)]), (Verdict::Failed, None, 0.0));
+        assert_eq!(judged([]).0, Verdict::Failed);
         assert_eq!(CASE.judge(&points([Err(Error::Unfit("stopped"))])).reason, "stopped");
     }
 }

@@ -105,6 +105,6 @@ mod tests {
     #[test]
     fn reduced_integration_drifts_and_b_bar_does_not() {
         let verdict = |shape: ShapeChoice| CASE.judge(&drift(&Scheme::new(Integrator::Explicit, shape), 1.0)).verdict;
-        assert_eq!([ShapeChoice::Centre, ShapeChoice::BBar].map(verdict), [Verdict::Breaks, Verdict::Holds]);
+        assert_eq!([ShapeChoice::Centre, ShapeChoice::BBar].map(verdict), [Verdict::Failed, Verdict::Passed]);
     }
 }

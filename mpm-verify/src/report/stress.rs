@@ -1,4 +1,4 @@
-//! The page of the hard cases: a table of schemes and cases to read before choosing a scheme, a picture per case, and the
+//! The page of the stress tests: a table of schemes and cases to read before choosing a scheme, a picture per case, and the
 //! largest stable steps.
 
 use std::path::Path;
@@ -10,14 +10,14 @@ use super::content::table::{Cell, Table, table};
 use super::html::render;
 use super::numbers::{brief, short};
 use super::plots::figure::Figure;
-use super::plots::{self, hard_case};
+use super::plots::{self, stress_test};
 use super::{ReportError, save};
-use crate::hard::{Case, Found, Verdict};
 use crate::manifest::Manifest;
 use crate::stability::map::Summary;
+use crate::stress::{Case, Found, Verdict};
 use crate::study::word;
 
-const TEMPLATE: &str = include_str!("hard.html");
+const TEMPLATE: &str = include_str!("stress.html");
 
 #[derive(Debug, Serialize)]
 struct Page {
@@ -42,7 +42,7 @@ pub fn write(
     folder: &Path,
 ) -> Result<(), ReportError> {
     let of = |(number, case): (usize, &Case)| {
-        hard_case::figure(case, &found.iter().filter(|f| f.case == number).collect::<Vec<_>>())
+        stress_test::figure(case, &found.iter().filter(|f| f.case == number).collect::<Vec<_>>())
     };
     let mut figures: Vec<Figure> = cases.iter().enumerate().map(of).collect();
     let pictures = folder.join("plots");
@@ -74,7 +74,7 @@ pub fn write(
 
 /// What a scene gets without a word about its scheme must not break anywhere: one line for each that does.
 pub fn broken_defaults(cases: &[Case], found: &[Found]) -> Vec<String> {
-    let broken = |f: &&Found| f.judged.verdict == Verdict::Breaks && f.scheme.is_default(cases[f.case].dimension);
+    let broken = |f: &&Found| f.judged.verdict == Verdict::Failed && f.scheme.is_default(cases[f.case].dimension);
     let line = |f: &Found| {
         let case = &cases[f.case];
         format!("{}: the default {} breaks at {}", case.name, word(f.scheme.integrator), at(case, f))
@@ -91,14 +91,14 @@ fn summary(cases: &[Case], found: &[Found]) -> String {
         "Some breaks with the shape functions that it takes when a scene names none."
     };
     format!(
-        "{} hard cases, {} pairs of a scheme and a case: {} hold, {} degrade to a number, {} are refused or stopped by the \
+        "{} stress tests, {} pairs of a scheme and a case: {} hold, {} degrade to a number, {} are refused or stopped by the \
          program with a reason, {} break. {defaults}",
         cases.len(),
         found.len(),
-        count(Verdict::Holds),
-        count(Verdict::Degrades),
-        count(Verdict::Refuses),
-        count(Verdict::Breaks),
+        count(Verdict::Passed),
+        count(Verdict::Degraded),
+        count(Verdict::Stopped),
+        count(Verdict::Failed),
     )
 }
 
@@ -148,10 +148,10 @@ fn of_integrator(integrator: &str, option: bool, cases: &[Case], found: &[Found]
 fn verdict(case: &Case, found: &Found) -> Cell {
     let default = found.scheme.is_default(case.dimension);
     let (word, small, mark) = match found.judged.verdict {
-        Verdict::Holds => ("holds", value(found), "good"),
-        Verdict::Degrades => ("degrades", format!("to {}", value(found)), "warn"),
-        Verdict::Refuses => ("stops", format!("at {}", short(found.judged.at, 2)), "warn"),
-        Verdict::Breaks => ("breaks", format!("at {}", short(found.judged.at, 2)), "bad"),
+        Verdict::Passed => ("holds", value(found), "good"),
+        Verdict::Degraded => ("degrades", format!("to {}", value(found)), "warn"),
+        Verdict::Stopped => ("stops", format!("at {}", short(found.judged.at, 2)), "warn"),
+        Verdict::Failed => ("breaks", format!("at {}", short(found.judged.at, 2)), "bad"),
     };
     let word = if default { word.to_uppercase() } else { word.to_owned() };
     Cell::new(word).marked(small, mark)
@@ -185,7 +185,7 @@ fn stops(cases: &[Case], found: &[Found]) -> Table {
             Cell::new(f.judged.reason.clone()),
         ]
     };
-    let stopped = found.iter().filter(|f| f.judged.verdict == Verdict::Refuses);
+    let stopped = found.iter().filter(|f| f.judged.verdict == Verdict::Stopped);
     let head = ["case", "scheme", "stops at", "reason"];
     table("Reasons of the runs that stopped".to_owned(), &head, stopped.map(row).collect(), "")
 }

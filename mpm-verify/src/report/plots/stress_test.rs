@@ -1,12 +1,12 @@
-//! A hard case: what was measured over what makes it harder, a panel per integrator, a curve per scheme.
+//! A stress test: what was measured over what makes it harder, a panel per integrator, a curve per scheme.
 
 use mpm_core::scene::{DarcyChoice, Integrator, ShapeChoice, TransferChoice, UpdateChoice};
 
 use super::axis::Axis;
 use super::figure::{Figure, Mark, Panel, Point, Series};
 use super::look::{BLACK, BLUE, Dash, GREEN, GREY, Look, Marker, ORANGE, PURPLE, RED};
-use crate::hard::{Case, Found, Scheme};
 use crate::report::numbers::brief;
+use crate::stress::{Case, Found, Scheme};
 
 /// Values that are drawn, in bounds: what is better or worse stands at the edge.
 const RANGE: [f64; 2] = [1e-5, 1e2];
@@ -101,7 +101,7 @@ fn look(scheme: &Scheme) -> Look {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hard::{CASES, Point as At};
+    use crate::stress::{CASES, Point as At};
 
     #[test]
     fn stopped_runs_and_values_beyond_the_axis_are_seen() {

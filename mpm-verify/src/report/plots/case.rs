@@ -1,27 +1,27 @@
-//! The picture of a rung: its error over what was refined, the error allowed, the slope that was fitted.
+//! The picture of a case: its error over what was refined, the error allowed, the slope that was fitted.
 
 use super::axis::Axis;
 use super::figure::{Figure, Mark, Panel, Point, Series};
 use super::look::{BLACK, BLUE, Dash, GREY, Look, Marker, RED};
-use crate::cases::Climb;
+use crate::cases::Judged;
 use crate::report::numbers::{brief, short};
 
 /// How far the vertical axis reaches beyond the data, and the triangle stands below the line, as a factor.
 const ROOM: f64 = 1.6;
 
-/// The picture; a rung with a single run shows it against the error allowed.
-pub fn figure(climb: &Climb) -> Figure {
+/// The picture; a case with a single run shows it against the error allowed.
+pub fn figure(judged: &Judged) -> Figure {
     super::ready();
-    let (quantity, unit) = climb.refined_by;
+    let (quantity, unit) = judged.refined_by;
     let label = if unit == "-" { quantity.to_owned() } else { format!("{quantity} ({unit})") };
     let mut panel = Panel::new("", Axis::log(&label, ""), Axis::log("|error|", ""));
-    let points = climb.errors.iter().map(|(h, e)| Point::new(*h, e.abs()).open(*e < 0.0));
-    let mark = if climb.errors.len() > 1 { Mark::LinePoints } else { Mark::Points };
+    let points = judged.errors.iter().map(|(h, e)| Point::new(*h, e.abs()).open(*e < 0.0));
+    let mark = if judged.errors.len() > 1 { Mark::LinePoints } else { Mark::Points };
     panel.add(Series::new("measured", Look::new(BLUE, Marker::Circle).radius(5.0), mark, points));
     across(&mut panel);
-    let everywhere = climb.errors.iter().filter_map(|(h, _)| Some(climb.everywhere? * h)).collect();
-    let (mut low, mut high) = extent(&[panel.all_y(), vec![climb.step.required_error], everywhere].concat());
-    if let Some((corners, words)) = slope(climb) {
+    let everywhere = judged.errors.iter().filter_map(|(h, _)| Some(judged.everywhere? * h)).collect();
+    let (mut low, mut high) = extent(&[panel.all_y(), vec![judged.row.required_error], everywhere].concat());
+    if let Some((corners, words)) = slope(judged) {
         low = low.min(corners[0].1);
         panel.add(Series::line("fitted slope", Look::new(GREY, Marker::Dot).width(1.2), corners).guide());
         // Beside the middle of the upright side.
@@ -32,27 +32,27 @@ pub fn figure(climb: &Climb) -> Figure {
     let spare = (10.0 * low / high).max(1.0).sqrt();
     (low, high) = (low / spare / ROOM, high * spare * ROOM);
     panel.y.range = Some((low, high));
-    if climb.errors.len() == 1 {
-        let error = climb.step.error;
+    if judged.errors.len() == 1 {
+        let error = judged.row.error;
         // An error without a place is named in the middle of the axis.
         let y = if panel.y.takes(error) { error } else { (low * high).sqrt() };
-        panel.add(word(1.03 * climb.errors[0].0, y, ratio(error, climb.step.required_error)));
+        panel.add(word(1.03 * judged.errors[0].0, y, ratio(error, judged.row.required_error)));
     }
     let (left, right) = panel.x.range.unwrap_or((0.1, 1.0));
-    if let Some(share) = climb.everywhere {
+    if let Some(share) = judged.everywhere {
         let look = Look::new(BLACK, Marker::Dot).dash(Dash::Dotted).width(1.8);
         let line = [left, right].map(|h| (h, share * h));
         panel.add(Series::line(format!("allowed everywhere, {} of it", brief(share, 3)), look, line).guide());
     }
-    let allowed = [left, right].map(|h| (h, climb.step.required_error));
+    let allowed = [left, right].map(|h| (h, judged.row.required_error));
     let look = Look::new(RED, Marker::Dot).dash(Dash::Dashed).width(1.8);
     let name =
-        if climb.errors.len() == 1 { "allowed".to_owned() } else { format!("allowed at the smallest {quantity}") };
+        if judged.errors.len() == 1 { "allowed".to_owned() } else { format!("allowed at the smallest {quantity}") };
     panel.add(Series::line(name, look, allowed).guide());
     Figure {
-        name: climb.rung.name,
-        title: format!("{}: {}", climb.rung.name, climb.rung.about),
-        caption: caption(climb),
+        name: judged.case.name,
+        title: format!("{}: {}", judged.case.name, judged.case.about),
+        caption: caption(judged),
         height: 250.0,
         panels: vec![panel],
         missing: Vec::new(),
@@ -97,9 +97,9 @@ fn ratio(error: f64, allowed: f64) -> String {
 }
 
 /// A triangle of the fitted slope below the middle of the line (left, foot, top, left), and the order in words.
-fn slope(climb: &Climb) -> Option<([(f64, f64); 4], String)> {
-    let fit = climb.fit.as_ref()?;
-    let mut points: Vec<(f64, f64)> = climb.errors.iter().map(|(h, e)| (*h, e.abs())).collect();
+fn slope(judged: &Judged) -> Option<([(f64, f64); 4], String)> {
+    let fit = judged.fit.as_ref()?;
+    let mut points: Vec<(f64, f64)> = judged.errors.iter().map(|(h, e)| (*h, e.abs())).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (fine, coarse) = (points.first()?.0, points.last()?.0);
     let (left, right) = (fine * (coarse / fine).powf(0.3), fine * (coarse / fine).powf(0.7));
@@ -126,10 +126,10 @@ fn word(x: f64, y: f64, text: String) -> Series {
     Series::new("", Look::new(BLACK, Marker::Dot), Mark::Text, [Point::new(x, y).note(text)]).unlisted().guide()
 }
 
-fn caption(climb: &Climb) -> String {
+fn caption(judged: &Judged) -> String {
     let mut words =
-        format!("{}, {}. {}: {}.", climb.step.integrator, climb.step.scheme, climb.step.verdict, climb.reason);
-    if climb.errors.iter().any(|(_, e)| *e < 0.0) {
+        format!("{}, {}. {}: {}.", judged.row.integrator, judged.row.scheme, judged.row.verdict, judged.reason);
+    if judged.errors.iter().any(|(_, e)| *e < 0.0) {
         words.push_str(" Open markers: too small a value.");
     }
     words

@@ -1,4 +1,4 @@
-//! The page of the verification ladder: every verdict with its reason, every rung with its picture.
+//! The page of the verification suite: every verdict with its reason, every case with its picture.
 
 use std::path::Path;
 
@@ -9,30 +9,30 @@ use super::content::table::{Cell, Table, table};
 use super::html::render;
 use super::numbers::{brief, exact, short};
 use super::plots::figure::Figure;
-use super::plots::{self, curves, rung};
+use super::plots::{self, case, curves};
 use super::tables;
 use super::{ReportError, save};
-use crate::baseline::ladder::Kind;
-use crate::cases::{Climb, Refinement, RefinementRow, SampleRow, words};
+use crate::baseline::suite::Kind;
+use crate::cases::{Judged, Refinement, RefinementRow, SampleRow, words};
 use crate::manifest::Manifest;
 use crate::rates::Fit;
 
-const TEMPLATE: &str = include_str!("ladder.html");
+const TEMPLATE: &str = include_str!("suite.html");
 
 /// Columns of `notes.csv`.
-pub const NOTES: &str = "rung,quantity,value,unit";
-/// Columns of `ladder_samples.csv`.
-pub const SAMPLES: &str = "rung,quantity,time_s,time_factor,computed,exact,error,unit,counts";
-/// Columns of `ladder_refinements.csv`.
+pub const NOTES: &str = "case,quantity,value,unit";
+/// Columns of `samples.csv`.
+pub const SAMPLES: &str = "case,quantity,time_s,time_factor,computed,exact,error,unit,counts";
+/// Columns of `refinements.csv`.
 pub const REFINEMENTS: &str =
-    "rung,by,parameter,unit,error,order,order_low,order_high,asymptotic,required_order,against";
+    "case,by,parameter,unit,error,order,order_low,order_high,asymptotic,required_order,against";
 
 #[derive(Debug, Serialize)]
 struct Page {
     title: &'static str,
     summary: String,
-    fallen: Vec<String>,
-    rungs: Vec<Table>,
+    failed: Vec<String>,
+    cases: Vec<Table>,
     orders: Vec<Table>,
     mutants: Vec<Table>,
     notes: Vec<Table>,
@@ -41,41 +41,41 @@ struct Page {
     study: bool,
 }
 
-/// Writes `ladder_samples.csv` (the finest run of a rung at every sample time), `ladder_refinements.csv` (every run of
-/// every refinement), `<rung>.svg` and `<rung>.csv` (refinement parameter, signed error) for every rung, `notes.csv` if there are notes, `manifest.json` and `index.html`, which links to a `study`'s page above if there is one.
+/// Writes `samples.csv` (the finest run of a case at every sample time), `refinements.csv` (every run of
+/// every refinement), `<case>.svg` and `<case>.csv` (refinement parameter, signed error) for every case, `notes.csv` if there are notes, `manifest.json` and `index.html`, which links to a `study`'s page above if there is one.
 ///
 /// # Errors
 /// A file that cannot be written or drawn.
-pub fn write(climbs: &[Climb], manifest: &Manifest, study: bool, folder: &Path) -> Result<(), ReportError> {
-    let of_one = |climb| std::iter::once(rung::figure(climb)).chain(curves::figure(climb));
-    let figures: Vec<Figure> = climbs.iter().flat_map(of_one).collect();
+pub fn write(judged: &[Judged], manifest: &Manifest, study: bool, folder: &Path) -> Result<(), ReportError> {
+    let of_one = |judged| std::iter::once(case::figure(judged)).chain(curves::figure(judged));
+    let figures: Vec<Figure> = judged.iter().flat_map(of_one).collect();
     let drawn = figures.iter().map(|f| plots::write_svg(f, folder)).collect::<Result<Vec<_>, _>>()?;
-    for climb in climbs {
-        let rows = climb.errors.iter().map(|(h, e)| vec![exact(*h), exact(*e)]);
-        let header = format!("{},error", rung::column(climb.refined_by));
-        tables::table(&folder.join(format!("{}.csv", climb.rung.name)), &header, rows)?;
+    for judged in judged {
+        let rows = judged.errors.iter().map(|(h, e)| vec![exact(*h), exact(*e)]);
+        let header = format!("{},error", case::column(judged.refined_by));
+        tables::table(&folder.join(format!("{}.csv", judged.case.name)), &header, rows)?;
     }
-    let notes = || climbs.iter().flat_map(|climb| climb.notes.iter().map(move |note| (climb, note)));
+    let notes = || judged.iter().flat_map(|judged| judged.notes.iter().map(move |note| (judged, note)));
     if notes().next().is_some() {
-        let row = |(climb, (quantity, value, unit)): (&Climb, &(String, f64, String))| {
-            vec![climb.rung.name.to_owned(), quantity.clone(), exact(*value), unit.clone()]
+        let row = |(judged, (quantity, value, unit)): (&Judged, &(String, f64, String))| {
+            vec![judged.case.name.to_owned(), quantity.clone(), exact(*value), unit.clone()]
         };
         tables::table(&folder.join("notes.csv"), NOTES, notes().map(row))?;
     }
-    samples(climbs, folder)?;
-    refinements(climbs, folder)?;
+    samples(judged, folder)?;
+    refinements(judged, folder)?;
     let conditions = folder.join("manifest.json");
     let json = serde_json::to_string_pretty(manifest).map_err(|e| super::unwritable(&conditions, e))?;
     save(&conditions, json)?;
     let page = Page {
-        title: "The verification ladder",
-        summary: summary(climbs),
-        fallen: climbs.iter().filter(|c| !c.step.held()).map(|c| format!("{}: {}", c.rung.name, c.reason)).collect(),
-        rungs: vec![rungs(climbs)],
-        orders: vec![orders(climbs)],
-        mutants: vec![mutants(climbs)],
-        notes: notes().next().map(|_| further(climbs)).into_iter().collect(),
-        // The scenes are those of the rungs, not one of them.
+        title: "The verification suite",
+        summary: summary(judged),
+        failed: judged.iter().filter(|c| !c.row.passed()).map(|c| format!("{}: {}", c.case.name, c.reason)).collect(),
+        cases: vec![cases(judged)],
+        orders: vec![orders(judged)],
+        mutants: vec![mutants(judged)],
+        notes: notes().next().map(|_| further(judged)).into_iter().collect(),
+        // The scenes are those of the cases, not one of them.
         manifest: manifest.entries().into_iter().filter(|(name, _)| *name != "scene hash").collect(),
         study,
     };
@@ -84,50 +84,50 @@ pub fn write(climbs: &[Climb], manifest: &Manifest, study: bool, folder: &Path) 
     save(&path, html.map_err(|cause| ReportError::Page { path: path.clone(), cause })?)
 }
 
-fn samples(climbs: &[Climb], folder: &Path) -> Result<(), ReportError> {
+fn samples(judged: &[Judged], folder: &Path) -> Result<(), ReportError> {
     let row = |s: SampleRow| {
         let factor = s.time_factor.map_or(String::new(), exact);
         let numbers = [s.computed, s.exact, s.error].map(exact);
-        [vec![s.rung, s.quantity, exact(s.time_s), factor], numbers.to_vec(), vec![s.unit, s.counts.to_string()]]
+        [vec![s.case, s.quantity, exact(s.time_s), factor], numbers.to_vec(), vec![s.unit, s.counts.to_string()]]
             .concat()
     };
-    let rows = climbs.iter().flat_map(Climb::sample_rows).map(row);
-    tables::table(&folder.join("ladder_samples.csv"), SAMPLES, rows)
+    let rows = judged.iter().flat_map(Judged::sample_rows).map(row);
+    tables::table(&folder.join("samples.csv"), SAMPLES, rows)
 }
 
-fn refinements(climbs: &[Climb], folder: &Path) -> Result<(), ReportError> {
+fn refinements(judged: &[Judged], folder: &Path) -> Result<(), ReportError> {
     let or_nothing = |value: Option<f64>| value.map_or(String::new(), exact);
     let row = |r: RefinementRow| {
         let order = [r.order, r.order_low, r.order_high].map(or_nothing);
         let asymptotic = r.asymptotic.map_or(String::new(), |a| a.to_string());
-        let head = vec![r.rung, r.by, exact(r.parameter), r.unit, exact(r.error)];
+        let head = vec![r.case, r.by, exact(r.parameter), r.unit, exact(r.error)];
         [head, order.to_vec(), vec![asymptotic, r.required_order, r.against]].concat()
     };
-    let rows = climbs.iter().flat_map(Climb::refinement_rows).map(row);
-    tables::table(&folder.join("ladder_refinements.csv"), REFINEMENTS, rows)
+    let rows = judged.iter().flat_map(Judged::refinement_rows).map(row);
+    tables::table(&folder.join("refinements.csv"), REFINEMENTS, rows)
 }
 
-fn summary(climbs: &[Climb]) -> String {
-    let count = |which: fn(&Climb) -> bool| climbs.iter().filter(|c| which(c)).count();
-    let (open, failed) = (count(|c| c.step.open()), count(|c| !c.step.held()));
-    let time: f64 = climbs.iter().map(|c| c.step.cpu_s).sum();
+fn summary(judged: &[Judged]) -> String {
+    let count = |which: fn(&Judged) -> bool| judged.iter().filter(|c| which(c)).count();
+    let (open, failed) = (count(|c| c.row.open()), count(|c| !c.row.passed()));
+    let time: f64 = judged.iter().map(|c| c.row.cpu_s).sum();
     format!(
         "{} of {} cases passed, of {open} the order is not established, {failed} failed, in {} s of CPU time. Each compares \
          runs with an exact solution (collapsing columns with published laws): the error must be small enough and, where it \
          is refined, fall with the order that it should. An order is established by the 95 % interval of four meshes or \
          more; where it is not, the error is the largest of the last two meshes.",
-        climbs.len() - open - failed,
-        climbs.len(),
+        judged.len() - open - failed,
+        judged.len(),
         short(time, 3)
     )
 }
 
-/// Verdict, numbers and reason of every rung.
-fn rungs(climbs: &[Climb]) -> Table {
-    let row = |c: &Climb| {
-        let mark = if c.step.open() {
+/// Verdict, numbers and reason of every case.
+fn cases(judged: &[Judged]) -> Table {
+    let row = |c: &Judged| {
+        let mark = if c.row.open() {
             "warn"
-        } else if c.step.held() {
+        } else if c.row.passed() {
             "good"
         } else {
             "bad"
@@ -139,32 +139,32 @@ fn rungs(climbs: &[Climb]) -> Table {
             format!("± {}\n{range}", short(f.half_width, 2))
         });
         vec![
-            Cell::new(c.rung.name).marked(c.rung.about, ""),
-            Cell::new(c.step.verdict.clone()).marked("", mark),
-            Cell::new(short(c.step.error, 3)),
-            Cell::new(brief(c.step.required_error, 3)),
+            Cell::new(c.case.name).marked(c.case.about, ""),
+            Cell::new(c.row.verdict.clone()).marked("", mark),
+            Cell::new(short(c.row.error, 3)),
+            Cell::new(brief(c.row.required_error, 3)),
             Cell::new(order).marked(width, ""),
-            Cell::new(c.step.required_order.clone()),
+            Cell::new(c.row.required_order.clone()),
             baseline(c),
-            Cell::new(c.step.integrator.clone()).marked(c.step.scheme.clone(), ""),
-            Cell::new(short(c.step.cpu_s, 2)),
+            Cell::new(c.row.integrator.clone()).marked(c.row.scheme.clone(), ""),
+            Cell::new(short(c.row.cpu_s, 2)),
         ]
     };
-    let head = ["rung", "verdict", "error", "allowed", "order", "required", "baseline", "scheme", "CPU time (s)"];
+    let head = ["case", "verdict", "error", "allowed", "order", "required", "baseline", "scheme", "CPU time (s)"];
     let note = "Error at the smallest refinement parameter, or the largest of the last two where no order is established. Order: fitted, with its 95 % interval. Baseline: error over the \
-                accepted one, which a rung may not exceed by more than 2 %; verified against an exact solution, or a \
+                accepted one, which a case may not exceed by more than 2 %; verified against an exact solution, or a \
                 regression value against this code itself or a band of published laws.";
-    table("Verdicts".to_owned(), &head, climbs.iter().map(row).collect(), note)
+    table("Verdicts".to_owned(), &head, judged.iter().map(row).collect(), note)
 }
 
 /// Error over the accepted one, and what that is worth.
-fn baseline(climb: &Climb) -> Cell {
-    let kind = match climb.step.baseline_kind {
+fn baseline(judged: &Judged) -> Cell {
+    let kind = match judged.row.baseline_kind {
         Kind::Verified => "verified",
         Kind::Regression => "regression",
     };
-    let grown = climb.sound && !climb.step.held();
-    match (climb.step.baseline, climb.step.change) {
+    let grown = judged.sound && !judged.row.passed();
+    match (judged.row.baseline, judged.row.change) {
         (None, _) => Cell::new("–").marked("none accepted", "warn"),
         (Some(_), Some(change)) => Cell::new(short(change, 3)).marked(kind, if grown { "bad" } else { "" }),
         (Some(_), None) => Cell::new("was 0").marked(kind, if grown { "bad" } else { "" }),
@@ -172,21 +172,21 @@ fn baseline(climb: &Climb) -> Cell {
 }
 
 /// The order of every refinement, with its confidence and whether its range is asymptotic.
-fn orders(climbs: &[Climb]) -> Table {
-    let row = |climb: &Climb, refinement: &Refinement| {
+fn orders(judged: &[Judged]) -> Table {
+    let row = |judged: &Judged, refinement: &Refinement| {
         let fit = refinement.fit();
         let (_, unit) = refinement.by;
         let ends = [refinement.errors.first(), refinement.errors.last()];
         let [first, last] = ends.map(|end| end.copied().unwrap_or((f64::NAN, f64::NAN)));
         let span = format!("{} to {}", brief(first.0, 3), brief(last.0, 3));
         let unit = if unit == "-" { String::new() } else { format!(" {unit}") };
-        let (words_of, mark) = match (refinement.fallen(), refinement.open()) {
+        let (words_of, mark) = match (refinement.failed(), refinement.open()) {
             (Some(_), _) => ("failed", "bad"),
             (None, Some(_)) => ("order not established", "warn"),
             (None, None) => ("passed", "good"),
         };
         vec![
-            Cell::new(climb.step.rung.clone()).marked(format!("against {}", refinement.against), ""),
+            Cell::new(judged.row.case.clone()).marked(format!("against {}", refinement.against), ""),
             Cell::new(refinement.by.0).marked(format!("{span}{unit}"), ""),
             Cell::new(refinement.errors.len().to_string()),
             Cell::new(format!("{} to {}", short(first.1, 2), short(last.1, 2))),
@@ -195,13 +195,13 @@ fn orders(climbs: &[Climb]) -> Table {
             Cell::new(words_of).marked("", mark),
         ]
     };
-    let of = |climb: &Climb| climb.all_refinements().iter().map(|r| row(climb, r)).collect::<Vec<_>>();
-    let head = ["rung", "refined by", "runs", "error", "order", "required", "verdict"];
+    let of = |judged: &Judged| judged.all_refinements().iter().map(|r| row(judged, r)).collect::<Vec<_>>();
+    let head = ["case", "refined by", "runs", "error", "order", "required", "verdict"];
     let note = "Errors from the first parameter to the last, signed. Order: slope of log |error| with its 95 % interval (three \
                 runs or more; Student's t makes that of three wide); asymptotic: every pairwise order within 0.3 of it, one \
                 sign, and surely above zero. That of particles is counted in their spacing. What the \
                 error is measured against says why an order is expected, or not.";
-    table("Refinements".to_owned(), &head, climbs.iter().flat_map(of).collect(), note)
+    table("Refinements".to_owned(), &head, judged.iter().flat_map(of).collect(), note)
 }
 
 /// An order as the table of refinements shows it: a wanting one stands out only where one is required.
@@ -216,40 +216,40 @@ fn order_cell(fit: Option<&Fit>, required: bool) -> Cell {
 }
 
 /// What each check is shown to find.
-fn mutants(climbs: &[Climb]) -> Table {
-    let row = |c: &Climb| vec![Cell::new(c.rung.name), Cell::new(c.rung.mutant.map_or("–", |mutant| mutant.what))];
+fn mutants(judged: &[Judged]) -> Table {
+    let row = |c: &Judged| vec![Cell::new(c.case.name), Cell::new(c.case.mutant.map_or("–", |mutant| mutant.what))];
     let note = "The same check with this fault planted must fall short: mpm-verify check --mutants runs them.";
-    table("Mutants".to_owned(), &["rung", "planted fault"], climbs.iter().map(row).collect(), note)
+    table("Mutants".to_owned(), &["case", "planted fault"], judged.iter().map(row).collect(), note)
 }
 
 /// Numbers beside the error.
-fn further(climbs: &[Climb]) -> Table {
-    let row = |climb: &Climb, (quantity, value, unit): &(String, f64, String)| {
+fn further(judged: &[Judged]) -> Table {
+    let row = |judged: &Judged, (quantity, value, unit): &(String, f64, String)| {
         vec![
-            Cell::new(climb.rung.name),
+            Cell::new(judged.case.name),
             Cell::new(quantity.clone()),
             Cell::new(short(*value, 4)),
             Cell::new(unit.clone()),
         ]
     };
-    let rows = climbs.iter().flat_map(|climb| climb.notes.iter().map(move |note| row(climb, note)));
-    table("Further numbers".to_owned(), &["rung", "quantity", "value", "unit"], rows.collect(), "Reported, not judged.")
+    let rows = judged.iter().flat_map(|judged| judged.notes.iter().map(move |note| row(judged, note)));
+    table("Further numbers".to_owned(), &["case", "quantity", "value", "unit"], rows.collect(), "Reported, not judged.")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cases::LADDER;
+    use crate::cases::SUITE;
 
     #[test]
-    fn every_rung_has_its_files_and_its_verdict_on_the_page() {
-        let climb = |name: &str| {
-            let rung = LADDER.iter().find(|rung| rung.name == name).expect("a rung");
-            rung.climb().expect("runs that finish")
+    fn every_case_has_its_files_and_its_verdict_on_the_page() {
+        let judged = |name: &str| {
+            let case = SUITE.iter().find(|case| case.name == name).expect("a case");
+            case.judged().expect("runs that finish")
         };
-        let (mut single, mut fallen) = (climb("quasi-static-steps"), climb("quasi-static-centre"));
+        let (mut single, mut fallen) = (judged("quasi-static-steps"), judged("quasi-static-centre"));
         single.notes = vec![("stored over geometric water".to_owned(), 0.9995, "-".to_owned())];
-        fallen.step.verdict = "failed".to_owned();
+        fallen.row.verdict = "failed".to_owned();
         let folder = tempfile::tempdir().expect("a folder");
         let manifest = Manifest::new(&crate::scenes::terzaghi(), 1);
         write(&[single, fallen], &manifest, false, folder.path()).expect("a page");
@@ -266,12 +266,12 @@ mod tests {
             assert!(page.contains(part), "{part}");
         }
         assert!(page.contains("asymptotic") && page.contains("a hundredth of the smallest tolerance"));
-        assert!(read("ladder_samples.csv").starts_with(&format!("{SAMPLES}\nquasi-static-steps,U,")));
-        let refined = read("ladder_refinements.csv");
+        assert!(read("samples.csv").starts_with(&format!("{SAMPLES}\nquasi-static-steps,U,")));
+        let refined = read("refinements.csv");
         for by in [
             "quasi-static-steps,time step,0.0005,s,",
             "quasi-static-centre,mesh L,0.0125,m,",
-            ",1.9 to 2.1,what the rung",
+            ",1.9 to 2.1,what the case",
         ] {
             assert!(refined.contains(by), "{by}: {refined}");
         }

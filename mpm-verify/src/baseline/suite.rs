@@ -1,4 +1,4 @@
-//! Accepted errors of the ladder's rungs. A rung that still holds, but whose error has grown, has lost something; one whose error has
+//! Accepted errors of the suite's cases. A case that still holds, but whose error has grown, has lost something; one whose error has
 //! fallen computes something else than it did, and asks to be accepted as well.
 //!
 //! `verified`: the error is against an exact solution, so that the baseline is a measured distance from the truth.
@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 use super::FOLDER;
 use crate::error::Error;
 
-/// `reference-data/baselines/ladder.csv`.
-pub(crate) const ACCEPTED: &str = include_str!("../../../reference-data/baselines/ladder.csv");
+/// `reference-data/baselines/cases.csv`.
+pub(crate) const ACCEPTED: &str = include_str!("../../../reference-data/baselines/cases.csv");
 /// Errors may grow to this share of the accepted one, or fall to one over it: what other processors and compilers round
 /// differently is far less.
 pub const GROWTH: f64 = 1.02;
@@ -34,26 +34,26 @@ pub enum Kind {
 /// A row of the baselines.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Accepted {
-    /// Name of the rung.
-    pub rung: String,
+    /// Name of the case.
+    pub case: String,
     /// What the error is measured against.
     pub kind: Kind,
     /// Accepted error.
     pub error: f64,
-    /// Its fitted order; for the record, the interval of the rung judges it.
+    /// Its fitted order; for the record, the interval of the case judges it.
     pub order: Option<f64>,
     /// A change up to this is round-off, whatever its share.
     pub floor: f64,
 }
 
 /// Name of the file.
-const NAME: &str = "ladder.csv";
+const NAME: &str = "cases.csv";
 /// No such file is larger, bytes.
 const LARGEST: u64 = 16 << 20;
 /// The errors of a file, in place of those that were built in.
 static READ: OnceLock<Vec<Accepted>> = OnceLock::new();
 
-/// Holds all rungs of this process against the errors in a folder; without one, against those of the source tree where there are any, or
+/// Holds all cases of this process against the errors in a folder; without one, against those of the source tree where there are any, or
 /// else those that were built in, as `nightly` does. Returns the file, if there is one.
 ///
 /// # Errors
@@ -81,21 +81,21 @@ pub fn baselines() -> Vec<Accepted> {
     READ.get().cloned().unwrap_or_else(|| parse(ACCEPTED).expect("the baselines hold"))
 }
 
-/// Absolute change of a rung's error that is round-off, if it has a baseline.
-pub fn floor_of(rung: &str) -> Option<f64> {
-    baselines().into_iter().find(|row| row.rung == rung).map(|row| row.floor)
+/// Absolute change of a case's error that is round-off, if it has a baseline.
+pub fn floor_of(case: &str) -> Option<f64> {
+    baselines().into_iter().find(|row| row.case == case).map(|row| row.floor)
 }
 
 /// First lines of the baselines.
 pub const LABEL: &str = "\
-# Accepted errors of the rungs of the ladder (`mpm-verify check`), which writes this file anew as accepted.csv.
+# Accepted errors of the cases of the suite (`mpm-verify check`), which writes this file anew as accepted.csv.
 # verified: against an exact solution. regression: against this code itself or a band of published laws.
-rung,kind,error,order,floor
+case,kind,error,order,floor
 ";
 
 /// Change of an error that is round-off. Runs whose steps follow from a tolerance are the same up to that: on a processor with shorter vectors the sums of the linear
 /// solver have another order, and a step or a basis vector more may be taken. An error below what is left open is round-off
-/// itself, and may be anything that the rung allows.
+/// itself, and may be anything that the case allows.
 pub fn floor(error: f64, required: f64, tolerance: f64) -> f64 {
     let solved = SOLVED.max(tolerance);
     if error <= SOLVED { required.max(solved) } else { solved }
