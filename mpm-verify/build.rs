@@ -1,5 +1,6 @@
-//! Notes the commit and the compiler for the manifest of reports.
+//! Records the commit and the compiler for the manifest of reports, and embeds the scenes and cases of `reference-data`.
 
+use std::fs;
 use std::path::Path;
 use std::process::Command;
 
@@ -7,6 +8,25 @@ fn first_line(program: &str, arguments: &[&str]) -> Option<String> {
     let output = Command::new(program).args(arguments).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
     output.status.success().then(|| text.lines().next().unwrap_or("").to_owned())
+}
+
+/// Folders whose TOML files the program carries, each as a list of names and texts in a file of its name.
+const EMBEDDED: [&str; 4] = ["cases", "gallery", "others", "scenes"];
+
+/// Writes `NAME.rs` with the names and texts of all TOML files of a folder, in the order of their names.
+fn embed(name: &str, out: &Path) -> std::io::Result<()> {
+    let folder =
+        Path::new(&std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../reference-data").join(name);
+    println!("cargo::rerun-if-changed={}", folder.display());
+    let mut files: Vec<_> = fs::read_dir(&folder)?.flatten().map(|entry| entry.path()).collect();
+    files.retain(|path| path.extension().is_some_and(|ending| ending == "toml"));
+    files.sort();
+    let entry = |path: &std::path::PathBuf| {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        format!("    ({stem:?}, include_str!({path:?})),\n")
+    };
+    let entries: String = files.iter().map(entry).collect();
+    fs::write(out.join(format!("{name}.rs")), format!("&[\n{entries}]\n"))
 }
 
 fn main() {
@@ -22,6 +42,9 @@ fn main() {
         Path::new(&out).ancestors().nth(3).and_then(|folder| folder.file_name()?.to_str()).unwrap_or("unknown");
     println!("cargo::rustc-env=MPM_PROFILE={profile}");
     println!("cargo::rustc-env=MPM_TARGET={}", std::env::var("TARGET").unwrap_or_default());
+    for name in EMBEDDED {
+        embed(name, Path::new(&out)).unwrap_or_else(|error| panic!("reference-data/{name}: {error}"));
+    }
     println!("cargo::rerun-if-changed=../.git/HEAD");
     println!("cargo::rerun-if-changed=../.git/index");
 }

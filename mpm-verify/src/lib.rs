@@ -27,6 +27,7 @@ pub mod cost;
 pub mod element;
 pub mod error;
 pub mod exact;
+pub mod experiment;
 pub mod files;
 pub mod frames;
 pub mod guides;

@@ -22,7 +22,7 @@ const AFTER: [f64; 3] = [1.0, 2.0, 3.0];
 /// Step to which a number is rounded, with its digits behind the point.
 type Rounding = (f64, usize);
 const HOUR: Rounding = (1e-3, 3);
-/// Looks at moving soil are 0.05 s apart: an event is one of them, and may be the next.
+/// Comparison at moving soil are 0.05 s apart: an event is one of them, and may be the next.
 const SECOND: Rounding = (0.5, 1);
 const LENGTH: Rounding = (1e-3, 3);
 /// Where soil comes to rest.

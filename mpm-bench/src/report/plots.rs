@@ -34,7 +34,7 @@ pub fn figures(findings: &Findings) -> Vec<Figure> {
     figures
 }
 
-/// Looks of the integrators, the same in every picture that compares them.
+/// Comparison of the integrators, the same in every picture that compares them.
 fn look_of(integrator: &str) -> Look {
     match integrator {
         "explicit" => Look::new(ORANGE, Marker::Down),

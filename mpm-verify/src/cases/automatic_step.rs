@@ -6,8 +6,8 @@
 
 use mpm_core::scene::{Scene, ShapeChoice, StepChoice, Until};
 
-use super::evidence::RUNS;
 use super::{Case, Error, Mutant, Outcome, finished};
+use crate::experiment::refinement::RUNS;
 use crate::norms::largest;
 
 /// The case.

@@ -9,10 +9,10 @@ use mpm_core::drive::{Run, Sample};
 use mpm_core::scene::{Fields, Scene, ShapeChoice, StepChoice, TransferChoice, Until};
 use mpm_core::stability::{choose_step, shortest_transfer};
 
-use super::evidence::{PARTICLES, Refinement, STEP, Sampled};
-use super::looks::{Look, Looks, in_particles, in_time};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use super::{Case, Error, Lacks, Mutant, Outcome, finished_given, integrator, scheme};
+use crate::experiment::comparison::{Compared, Comparison, in_particles, in_time};
+use crate::experiment::refinement::{PARTICLES, Refinement, STEP, Sampled};
 
 /// Displacement of the top over five swings.
 pub const PERIOD: Case = Case {
@@ -59,7 +59,7 @@ fn bar() -> Result<(Scene, f64), Error> {
     Ok((scene, frequency))
 }
 
-/// Looks at a number of swings, so many times each.
+/// Comparison at a number of swings, so many times each.
 fn look(scene: &mut Fields, frequency: f64, swings: u32, each: u32) {
     let end = f64::from(swings) * 2.0 * PI / frequency;
     scene.observe_times = (1..=swings * each).map(|i| end * f64::from(i) / f64::from(swings * each)).collect();
@@ -103,8 +103,9 @@ fn period(stiffer: f64) -> Result<Outcome, Error> {
     let looks = |scene: &Scene| {
         let run = swings(scene, frequency)?;
         let exact = |t: f64| -(frequency * t).sin();
-        let look = |s: &Sample| Look::one(s.stage_time, s.state.settlement * frequency / SPEED, exact(s.stage_time));
-        Ok::<_, Error>(Looks::worst("settlement over the amplitude", run.observed().map(look).collect()))
+        let look =
+            |s: &Sample| Compared::one(s.stage_time, s.state.settlement * frequency / SPEED, exact(s.stage_time));
+        Ok::<_, Error>(Comparison::worst("settlement over the amplitude", run.observed().map(look).collect()))
     };
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for rows in [10, 14, 20, 28, 40] {
@@ -260,9 +261,9 @@ fn pic(flip: f64) -> Result<Outcome, Error> {
         let energies = energies(&scene.edited(|s| s.flip = flip)?, frequency)?;
         let theory = (1.0 - transfer(scene)) / dt;
         let shares = scene.observe_times.iter().zip(&energies[1..]);
-        let looks = shares.map(|(t, energy)| Look::one(*t, energy / energies[0], (-theory * t).exp())).collect();
+        let looks = shares.map(|(t, energy)| Compared::one(*t, energy / energies[0], (-theory * t).exp())).collect();
         let measured = (energies[0] / energies[2]).ln() / scene.observe_times[1];
-        Ok::<_, Error>((measured / theory - 1.0, Looks::worst("energy of the first", looks)))
+        Ok::<_, Error>((measured / theory - 1.0, Comparison::worst("energy of the first", looks)))
     };
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for rows in [10, 14, 20, 28, 40] {

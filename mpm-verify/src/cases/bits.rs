@@ -8,8 +8,8 @@ use mpm_core::run::{run_attended, run_on};
 use mpm_core::scene::{Base, Dimension, LoadedStrip, Scene, ShapeChoice, Start, Surcharge, Until};
 use mpm_core::stability::choose_step;
 
-use super::evidence::RUNS;
 use super::{Case, Error, Mutant, Outcome, Unfit, whole};
+use crate::experiment::refinement::RUNS;
 use crate::nightly::work::GATES;
 
 /// Threads, and vectors of any width.
@@ -152,7 +152,7 @@ fn sliding() -> Result<Scene, Error> {
     })?)
 }
 
-/// Looks of a levee from where it begins to slide, and after it was taken up.
+/// Comparison of a levee from where it begins to slide, and after it was taken up.
 const LOOKS: usize = 6;
 
 fn levee(goes_on: bool) -> Result<Outcome, Error> {

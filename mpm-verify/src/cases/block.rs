@@ -8,9 +8,9 @@ use mpm_core::drive::{Run, Sample};
 use mpm_core::scene::{Base, Fields, Scene, StepChoice};
 use mpm_core::stability::choose_step;
 
-use super::looks::{Look, Looks, in_particles, in_time};
 use super::{Case, Error, Lacks, Mutant, Outcome, finished, integrator, scheme, sound};
 use crate::exact::sliding::Sliding;
+use crate::experiment::comparison::{Compared, Comparison, in_particles, in_time};
 
 /// Thrown along a flat base.
 pub const STOPS: Case = Case {
@@ -81,19 +81,19 @@ fn way(name: &str, spoil: fn(&mut Fields)) -> Result<Outcome, Error> {
 }
 
 /// The way of the centre over the whole one; the end counts.
-pub(super) fn looks(run: &Run, exact: &Sliding) -> Result<Looks, Error> {
+pub(super) fn looks(run: &Run, exact: &Sliding) -> Result<Comparison, Error> {
     let [first, last] = [run.samples.first(), run.samples.last()].map(|s| s.ok_or(Lacks("sample")));
     let (first, last) = (first?, last?);
     let whole = exact.distance(last.state.time);
-    let look = |s: &Sample| Look {
+    let look = |s: &Sample| Compared {
         counts: s.state.time == last.state.time,
-        ..Look::one(
+        ..Compared::one(
             s.state.time,
             (s.state.centre[0] - first.state.centre[0]) / whole,
             exact.distance(s.state.time) / whole,
         )
     };
-    Ok(Looks::worst("way of the block over the whole one", run.samples[1..].iter().map(look).collect()))
+    Ok(Comparison::worst("way of the block over the whole one", run.samples[1..].iter().map(look).collect()))
 }
 
 /// The same block on 10 degrees: its base must not have taken any energy, because no node of it has slid.

@@ -4,9 +4,9 @@ use mpm_core::drive::Run;
 use mpm_core::observe::FieldPoint;
 use mpm_core::scene::{Fields, Scene};
 
-use super::looks::{Look, Looks, in_particles};
 use super::{Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, faster, finished, integrator, sound};
 use crate::exact::boussinesq::Wetting;
+use crate::experiment::comparison::{Compared, Comparison, in_particles};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -59,13 +59,13 @@ fn outcome(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
 }
 
 /// Where the tip stands.
-pub(super) fn tips(scene: &Scene, run: &Run, exact: &Wetting) -> Result<Looks, Error> {
+pub(super) fn tips(scene: &Scene, run: &Run, exact: &Wetting) -> Result<Comparison, Error> {
     let mut rows = Vec::new();
     for sample in run.observed() {
         let tip = tip(&levels(scene, &sample.state.field), scene.cell).ok_or(Lacks("tongue of water"))?;
-        rows.push(Look::one(sample.stage_time, tip, exact.front(sample.stage_time)));
+        rows.push(Compared::one(sample.stage_time, tip, exact.front(sample.stage_time)));
     }
-    Ok(Looks { unit: "m", ..Looks::worst("tip of the water", rows) })
+    Ok(Comparison { unit: "m", ..Comparison::worst("tip of the water", rows) })
 }
 
 /// Height of the water in each column of cells, m.

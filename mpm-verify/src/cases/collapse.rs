@@ -5,9 +5,9 @@
 
 use mpm_core::scene::{Fields, Scene, Until};
 
-use super::evidence::{MESH, PARTICLES, Refinement};
 use super::{Case, Error, Lacks, Mutant, Outcome, finished, integrator, scheme, sound};
 use crate::baseline::suite::Kind as Baseline;
+use crate::experiment::refinement::{MESH, PARTICLES, Refinement};
 use crate::literature::{Kind, run_out};
 use crate::norms::worst;
 

@@ -5,11 +5,11 @@ use mpm_core::observe::ProfileRow;
 use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice, StepChoice};
 use mpm_core::stability::stable_limit;
 
-use super::evidence::{MESH, Refinement, TOLERANCE};
-use super::looks::{Look, Looks, Norm, in_particles, in_time};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use super::{Case, Error, Lacks, Mutant, Outcome, Unfit, asked, integrator, scheme};
 use crate::exact::layered::Layered;
+use crate::experiment::comparison::{Compared, Comparison, Norm, in_particles, in_time};
+use crate::experiment::refinement::{MESH, Refinement, TOLERANCE};
 use crate::norms::largest;
 use crate::stress::contrast::{Contrast, Quantity, conductivity, executed, found, scene, stiffness};
 
@@ -124,17 +124,18 @@ const PROFILE: Number = Number::Pressure;
 
 impl Number {
     /// The same of a run, at its sample times.
-    fn looks(self, run: &Run, exact: &Layered, contrast: Contrast) -> Looks {
+    fn looks(self, run: &Run, exact: &Layered, contrast: Contrast) -> Comparison {
         let what = match contrast.quantity {
             Quantity::Conductivity => format!("k x {}", contrast.ratio),
             Quantity::Stiffness => format!("E x {}", contrast.ratio),
         };
-        let settlement = |s: &Sample| Look::one(s.stage_time, s.state.settlement / exact.settlement(s.stage_time), 1.0);
+        let settlement =
+            |s: &Sample| Compared::one(s.stage_time, s.state.settlement / exact.settlement(s.stage_time), 1.0);
         let pressures = |s: &Sample| {
             let of = |pressure: &dyn Fn(&ProfileRow) -> f64| {
                 s.state.profile.iter().map(|row| pressure(row) / exact.largest_undrained()).collect()
             };
-            Look {
+            Compared {
                 time: s.stage_time,
                 factor: None,
                 computed: of(&|row| row.pressure_pa),
@@ -144,12 +145,14 @@ impl Number {
         };
         match self {
             Self::Settlement => {
-                Looks::worst(format!("S over the exact S; {what}"), run.observed().map(settlement).collect())
+                Comparison::worst(format!("S over the exact S; {what}"), run.observed().map(settlement).collect())
             }
             Self::Pressure => {
-                let looks =
-                    Looks::worst(format!("p over the largest p_0; {what}"), run.observed().map(pressures).collect());
-                Looks { over_places: Norm::Rms, ..looks }
+                let looks = Comparison::worst(
+                    format!("p over the largest p_0; {what}"),
+                    run.observed().map(pressures).collect(),
+                );
+                Comparison { over_places: Norm::Rms, ..looks }
             }
         }
     }

@@ -8,11 +8,11 @@ use mpm_core::drive::{Run, Sample};
 use mpm_core::observe::FieldPoint;
 use mpm_core::scene::{Integrator, Scene, ShapeChoice, SolidSide, StepChoice, StrainChoice, Until};
 
-use super::evidence::STEP as BY_STEP;
-use super::looks::{Look, Looks, Norm, in_particles, in_time};
 use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
 use super::{Case, Error, Mutant, Outcome, Unfit, finished_given, integrator, scheme};
 use crate::exact::coupled_field::CoupledField;
+use crate::experiment::comparison::{Compared, Comparison, Norm, in_particles, in_time};
+use crate::experiment::refinement::STEP as BY_STEP;
 
 /// The paper's scheme.
 pub const EXPLICIT: Case = Case {
@@ -87,12 +87,12 @@ fn run(mut scene: Scene, side: usize, dt: f64, share: f64) -> Result<(CoupledFie
 }
 
 /// Pressures over their largest in every cell; the error is their RMS, at the worst time.
-fn looks(run: &Run, exact: &CoupledField) -> Looks {
+fn looks(run: &Run, exact: &CoupledField) -> Comparison {
     let look = |s: &Sample| {
         let of = |pressure: &dyn Fn(&FieldPoint) -> f64| {
             s.state.field.iter().map(|point| pressure(point) / exact.largest_pressure()).collect()
         };
-        Look {
+        Compared {
             time: s.stage_time,
             factor: None,
             computed: of(&|point| point.pressure_pa),
@@ -100,7 +100,7 @@ fn looks(run: &Run, exact: &CoupledField) -> Looks {
             counts: true,
         }
     };
-    Looks { over_places: Norm::Rms, ..Looks::worst("p over its largest", run.observed().map(look).collect()) }
+    Comparison { over_places: Norm::Rms, ..Comparison::worst("p over its largest", run.observed().map(look).collect()) }
 }
 
 fn refined(integrate: Integrator, shape: ShapeChoice, share: f64) -> Result<Outcome, Error> {

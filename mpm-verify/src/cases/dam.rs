@@ -4,9 +4,9 @@ use mpm_core::drive::Sample;
 use mpm_core::observe::{FieldPoint, WaterState};
 use mpm_core::scene::{Feed, Fields, Scene};
 
-use super::looks::{Look, Looks, in_particles};
 use super::{Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, faster, finished, integrator, sound};
 use crate::exact::dam::Dam;
+use crate::experiment::comparison::{Compared, Comparison, in_particles};
 use crate::norms::largest;
 
 /// What flows through.
@@ -136,16 +136,16 @@ fn followed(
     scene: &Scene,
     (quantity, unit): (&str, &'static str),
     shown: impl Fn(&Computed) -> (Vec<f64>, Vec<f64>),
-) -> Result<(Looks, WaterState), Error> {
+) -> Result<(Comparison, WaterState), Error> {
     let run = finished(scene)?;
     let last = run.samples.last().ok_or(Lacks("sample"))?;
     let mut rows = Vec::new();
     for sample in run.observed().chain([last]) {
         let (computed, exact) = shown(&Computed::new(scene, sample)?);
         let counts = sample.stage_time == last.stage_time;
-        rows.push(Look { time: sample.stage_time, factor: None, computed, exact, counts });
+        rows.push(Compared { time: sample.stage_time, factor: None, computed, exact, counts });
     }
-    Ok((Looks { unit, ..Looks::worst(quantity, rows) }, last.state.water.ok_or(Lacks("free surface"))?))
+    Ok((Comparison { unit, ..Comparison::worst(quantity, rows) }, last.state.water.ok_or(Lacks("free surface"))?))
 }
 
 fn discharge(tail: f64, fault: fn(&mut Fields)) -> Result<Outcome, Error> {

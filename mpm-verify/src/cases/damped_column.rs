@@ -6,9 +6,9 @@
 use mpm_core::drive::Sample;
 use mpm_core::scene::{Fields, Integrator, Scene, Start, StepChoice, Surcharge, Until};
 
-use super::looks::{Look, Looks, in_time};
 use super::{Case, Error, Lacks, Mutant, Outcome, finished, integrator, scheme, sound};
 use crate::exact::damped_column::DampedColumn;
+use crate::experiment::comparison::{Compared, Comparison, in_time};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -52,9 +52,12 @@ fn outcome(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     base = base.edited(fault)?;
     let looks_at = |scene: &Scene| {
         let look = |s: &Sample| {
-            Look::one(s.stage_time, s.state.settlement / exact.whole, exact.settlement(s.stage_time) / exact.whole)
+            Compared::one(s.stage_time, s.state.settlement / exact.whole, exact.settlement(s.stage_time) / exact.whole)
         };
-        Ok::<_, Error>(Looks::worst("settlement over the last one", finished(scene)?.observed().map(look).collect()))
+        Ok::<_, Error>(Comparison::worst(
+            "settlement over the last one",
+            finished(scene)?.observed().map(look).collect(),
+        ))
     };
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for rows in ROWS {

@@ -3,9 +3,9 @@
 use mpm_core::drive::{Run, Sample};
 use mpm_core::scene::{Scene, StepChoice};
 
-use super::evidence::{PARTICLES, Refinement, STEP, Sampled, TOLERANCE};
 use super::finished;
 use crate::error::Error;
+use crate::experiment::refinement::{PARTICLES, Refinement, STEP, Sampled, TOLERANCE};
 use crate::norms::worst;
 
 /// A settlement that is compared, and how its error is counted.

@@ -13,10 +13,10 @@ use mpm_core::observe::Ledger;
 use mpm_core::scene::{Fields, Integrator, Scene, Start, StepChoice, Surcharge, Until};
 use mpm_core::stability::stable_limit;
 
-use super::evidence::{MESH, PARTICLES, Refinement, STEP};
-use super::looks::{Look, Looks};
 use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
 use super::{Case, Error, Mutant, Outcome, Unfit, finished, integrator, scheme, sound};
+use crate::experiment::comparison::{Compared, Comparison};
+use crate::experiment::refinement::{MESH, PARTICLES, Refinement, STEP};
 
 /// The paper's step.
 pub const EXPLICIT: Case = Case {
@@ -88,13 +88,13 @@ fn column(way: &Way) -> Result<Scene, Error> {
 }
 
 /// What is stored and booked as lost, over the work of the load so far: all of it.
-fn looks(run: &Run) -> Looks {
+fn looks(run: &Run) -> Comparison {
     let explained = |l: &Ledger| l.external_work_j + l.flow_body_work_j + l.energy_closing_j;
     let look = |s: &Sample| {
         let work = s.ledger.external_work_j + s.ledger.flow_body_work_j;
-        Look::one(s.stage_time, explained(&s.ledger) / work, 1.0)
+        Compared::one(s.stage_time, explained(&s.ledger) / work, 1.0)
     };
-    Looks::worst("energy stored and lost over the work", run.observed().map(look).collect())
+    Comparison::worst("energy stored and lost over the work", run.observed().map(look).collect())
 }
 
 /// Shares of the work at the end of a run.

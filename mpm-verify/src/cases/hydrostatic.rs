@@ -5,9 +5,9 @@
 use mpm_core::drive::Sample;
 use mpm_core::scene::{DarcyChoice, Dimension, Scene, Start, Until};
 
-use super::evidence::{MESH, Refinement};
-use super::looks::{Look, Looks, in_particles};
 use super::{Case, Error, Mutant, Outcome, finished, integrator, scheme};
+use crate::experiment::comparison::{Compared, Comparison, in_particles};
+use crate::experiment::refinement::{MESH, Refinement};
 use crate::norms::largest;
 use crate::study::word;
 
@@ -68,9 +68,9 @@ fn column(start: Start, darcy: DarcyChoice, rows: usize, particles_per_cell: usi
 const GRAVITY: f64 = 9.81;
 
 /// The largest speed of all particles over that of free fall for as long as the run.
-fn speeds(scene: &Scene) -> Result<Looks, Error> {
+fn speeds(scene: &Scene) -> Result<Comparison, Error> {
     let run = finished(scene)?;
-    let look = |s: &Sample| Look::one(s.stage_time, s.state.max_speed / (GRAVITY * END), 0.0);
+    let look = |s: &Sample| Compared::one(s.stage_time, s.state.max_speed / (GRAVITY * END), 0.0);
     let what = format!("largest speed over that of free fall, {}", word(scene.darcy));
-    Ok(Looks::worst(what, run.observed().map(look).collect()))
+    Ok(Comparison::worst(what, run.observed().map(look).collect()))
 }

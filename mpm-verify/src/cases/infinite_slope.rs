@@ -13,9 +13,9 @@ use mpm_core::failure::Scales;
 use mpm_core::run::run;
 use mpm_core::scene::{Clock, Feed, Fields, Scene, Until};
 
-use super::evidence::{PARTICLES, Refinement};
 use super::{Case, Error, Lacks, Mutant, Outcome, Unfit, integrator, sound};
 use crate::exact::infinite_slope::{InfiniteSlope, Seepage, Strength};
+use crate::experiment::refinement::{PARTICLES, Refinement};
 use crate::norms::worst;
 
 /// With the flow rule that limit equilibrium stands for.

@@ -1,12 +1,12 @@
 //! Slip circles, by which strength reduction is held against limit equilibrium, against what they must be: Taylor's critical toe
 //! circles in clay, and a flat circle in a long slope, which is an infinite slope without and with water that flows along it.
 
-use super::evidence::RUNS;
 use super::{Case, Error, Lacks, Mutant, Outcome};
 use crate::exact::infinite_slope::{InfiniteSlope, Seepage, Strength};
 use crate::exact::slip_circle::factor::Method;
 use crate::exact::slip_circle::water::Phreatic;
 use crate::exact::slip_circle::{Circle, Limits, Section};
+use crate::experiment::refinement::RUNS;
 use crate::norms::largest;
 
 /// The case.

@@ -6,11 +6,11 @@ use mpm_core::observe::FieldPoint;
 use mpm_core::scene::{Fields, Scene, ShapeChoice, StepChoice, TimeMethod, Until};
 
 use super::degree::{Degree, Errors};
-use super::evidence::Sampled;
-use super::looks::{Look, Looks, in_particles, in_time};
 use super::terzaghi::PARTICLE_COUNTS;
 use super::{Case, Error, FASTER, Mutant, Outcome, Unfit, asked, faster, finished, integrator, scheme, sound};
 use crate::exact::mandel::Mandel;
+use crate::experiment::comparison::{Compared, Comparison, in_particles, in_time};
+use crate::experiment::refinement::Sampled;
 use crate::norms::worst;
 
 /// Quadratic B-splines, eight cells per side on the finest mesh.
@@ -165,13 +165,13 @@ fn profiles(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
 
 /// Pressure over p_0 in every cell at the sample times of a run that begins at a time `start` (s) of the exact
 /// solution.
-pub(super) fn looks(run: &Run, exact: &Mandel, start: f64) -> Looks {
+pub(super) fn looks(run: &Run, exact: &Mandel, start: f64) -> Comparison {
     let look = |s: &Sample| {
         let time = s.stage_time + start;
         let of = |pressure: &dyn Fn(&FieldPoint) -> f64| {
             s.state.field.iter().map(|point| pressure(point) / exact.undrained).collect()
         };
-        Look {
+        Compared {
             time: s.stage_time,
             factor: Some(exact.time_factor(time)),
             computed: of(&|point| point.pressure_pa),
@@ -179,7 +179,7 @@ pub(super) fn looks(run: &Run, exact: &Mandel, start: f64) -> Looks {
             counts: true,
         }
     };
-    Looks::worst("p/p_0", run.observed().map(look).collect())
+    Comparison::worst("p/p_0", run.observed().map(look).collect())
 }
 
 /// The profiles of such a run: the lowest row of cells, from the middle to the drained side.

@@ -10,14 +10,14 @@ use mpm_core::drive::Run;
 use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice, StepChoice, StrainChoice, Surcharge, Until};
 use mpm_core::stability::stable_limit;
 
-use super::evidence::Refinement;
-use super::looks::{Looks, in_particles, in_time};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use super::{
     Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, faster, finished_given, integrator, mandel, scheme, slower,
     sound,
 };
 use crate::exact::mandel::Mandel;
+use crate::experiment::comparison::{Comparison, in_particles, in_time};
+use crate::experiment::refinement::Refinement;
 
 /// Implicit pressure.
 pub const SEMI_IMPLICIT: Case = Case {
@@ -61,7 +61,7 @@ impl Way {
         &self,
         times: &[f64],
         fault: fn(&mut Fields),
-        looks: impl Fn(&Run, &Block) -> Result<Looks, Error>,
+        looks: impl Fn(&Run, &Block) -> Result<Comparison, Error>,
     ) -> Result<Refinement, Error> {
         let (slow, side) = self.stepped;
         let mut block = Block::new(&Self { slow, ..*self }, times)?;

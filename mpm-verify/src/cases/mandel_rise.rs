@@ -7,11 +7,11 @@
 use mpm_core::drive::{Run, Sample};
 use mpm_core::scene::{Fields, Scene, ShapeChoice, Until};
 
-use super::evidence::{MESH, Refinement, Sampled, TOLERANCE};
-use super::looks::{Look, Looks};
 use super::mandel_inertia::{Block, IMPLICIT_PRESSURE, PAPER, Way};
 use super::{Case, Error, Mutant, Outcome, asked, finished, integrator, mandel, scheme, sound};
 use crate::exact::mandel::Mandel;
+use crate::experiment::comparison::{Compared, Comparison};
+use crate::experiment::refinement::{MESH, Refinement, Sampled, TOLERANCE};
 
 /// B-splines without inertia.
 pub const SPLINES: Case = Case {
@@ -93,7 +93,7 @@ struct Rise {
     exact: Peak,
     /// Time of the exact peak since the start of the stage, s.
     exact_time: f64,
-    history: Looks,
+    history: Comparison,
 }
 
 impl Rise {
@@ -105,12 +105,12 @@ impl Rise {
             let (point, time) = (&s.state.field[point], s.stage_time + start);
             let factor = Some(exact.time_factor(time));
             let [computed, exact] = [point.pressure_pa, exact.pressure(point.x_m, time)].map(|p| p / exact.undrained);
-            Some((point.x_m, Look { factor, ..Look::one(s.stage_time, computed, exact) }))
+            Some((point.x_m, Compared { factor, ..Compared::one(s.stage_time, computed, exact) }))
         };
-        let (places, rows): (Vec<f64>, Vec<Look>) = run.observed().filter_map(beside).unzip();
+        let (places, rows): (Vec<f64>, Vec<Compared>) = run.observed().filter_map(beside).unzip();
         let points: Vec<[f64; 2]> = rows.iter().filter_map(|look| Some([look.factor?, look.computed[0]])).collect();
         let place = places.first().copied()?;
-        let history = Looks::worst(format!("p/p_0 at x = {place:.4} m"), rows);
+        let history = Comparison::worst(format!("p/p_0 at x = {place:.4} m"), rows);
         let peak = exact_peak(exact, place);
         let exact_time = peak.factor / exact.time_factor(1.0) - start;
         Some(Self { computed: vertex(&points)?, exact: peak, exact_time, history })

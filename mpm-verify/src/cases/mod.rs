@@ -1,6 +1,5 @@
 //! The verification suite: one case per file, each with its scene, its exact solution, its norm, what it must show.
 
-mod accepted;
 mod automatic_step;
 mod axisymmetric;
 mod bar;
@@ -19,7 +18,6 @@ mod dry_bar;
 mod dynamic_column;
 mod dynamic_energy;
 mod elsewhere;
-mod evidence;
 mod fabric;
 mod features;
 mod footing;
@@ -29,7 +27,6 @@ mod infinite_slope;
 mod large_strain;
 mod large_strain_moving;
 mod limit_equilibrium;
-mod looks;
 mod mandel;
 mod mandel_inertia;
 mod mandel_rise;
@@ -52,7 +49,6 @@ mod strip;
 mod terzaghi;
 mod undrained;
 mod undrained_wave;
-mod verdict;
 mod vortex;
 mod water_ledger;
 mod wells;
@@ -67,11 +63,9 @@ use mpm_core::observe::balances;
 use mpm_core::run::{StartError, run, run_given};
 use mpm_core::scene::{Fields, Integrator, Scene};
 
-pub use self::accepted::accepted;
-pub use self::evidence::{Refinement, RefinementRow, SampleRow, Sampled, words};
-pub use self::verdict::{CaseRow, Judged};
-use self::verdict::{Outcome, judge};
 use crate::error::Error::{self, Lacks, Unfit};
+use crate::experiment::accepted;
+use crate::experiment::verdict::{Judged, Outcome, judge};
 use crate::norms::largest;
 use crate::study::word;
 
@@ -83,7 +77,7 @@ pub struct Case {
     /// What it shows, against what.
     pub about: &'static str,
     /// Runs it.
-    run: fn() -> Result<Outcome, Error>,
+    pub(crate) run: fn() -> Result<Outcome, Error>,
     /// The same check with a fault planted, which it must find.
     pub mutant: Option<Mutant>,
 }
@@ -94,7 +88,7 @@ pub struct Mutant {
     /// The fault.
     pub what: &'static str,
     /// Runs the check with it, on the meshes and with the requirements of the case.
-    run: fn() -> Result<Outcome, Error>,
+    pub(crate) run: fn() -> Result<Outcome, Error>,
 }
 
 /// All cases, the simplest first.

@@ -6,10 +6,10 @@ use mpm_core::error::SceneError;
 use mpm_core::scene::{Displaced, Scene, ShapeChoice, TimeMethod};
 
 use super::degree::Degree;
-use super::evidence::Sampled;
 use super::terzaghi::PARTICLE_COUNTS;
 use super::{Case, Error, Mutant, Outcome, Unfit, asked, finished, integrator, refine, scheme};
 use crate::exact::terzaghi::Terzaghi;
+use crate::experiment::refinement::Sampled;
 use crate::norms::{largest, profile_error, relative};
 
 /// Quadratic B-splines.

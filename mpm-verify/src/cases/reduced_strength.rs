@@ -10,8 +10,8 @@ use mpm_core::stability::choose_step;
 use mpm_core::step::Pace;
 use mpm_core::water::Pressures;
 
-use super::evidence::RUNS;
 use super::{Case, Error, Lacks, Mutant, Outcome, Unfit};
+use crate::experiment::refinement::RUNS;
 use crate::norms::largest;
 
 /// The case.

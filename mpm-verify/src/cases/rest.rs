@@ -5,9 +5,9 @@ use mpm_core::drive::Sample;
 use mpm_core::scene::{Base, Fields, Until};
 use mpm_core::stability::choose_step;
 
-use super::evidence::{PARTICLES, Refinement, Sampled};
-use super::looks::{Look, Looks};
 use super::{Case, Error, Lacks, Mutant, Outcome, finished, sound};
+use crate::experiment::comparison::{Compared, Comparison};
+use crate::experiment::refinement::{PARTICLES, Refinement, Sampled};
 use crate::norms::largest;
 
 /// Nothing moves.
@@ -87,8 +87,9 @@ fn followed(
         })?;
         let run = finished(&scene)?;
         let first = run.samples.iter().find(|s| s.stage == stage).ok_or(Lacks("sample"))?;
-        let look = |s: &Sample| Look::one(s.stage_time, figure(first, s), 0.0);
-        let looks = Looks { unit, ..Looks::worst(format!("{what}, {name}"), run.observed().map(look).collect()) };
+        let look = |s: &Sample| Compared::one(s.stage_time, figure(first, s), 0.0);
+        let looks =
+            Comparison { unit, ..Comparison::worst(format!("{what}, {name}"), run.observed().map(look).collect()) };
         ends.push(looks.rows.last().map_or(f64::NAN, |row| row.computed[0]));
         samples.extend(looks.samples());
     }

@@ -3,8 +3,8 @@
 use mpm_core::observe::WaterState;
 use mpm_core::scene::{Dimension, Feed, Fields, Scene, Side, SolidSide, Until};
 
-use super::looks::{Look, Looks};
 use super::{Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, faster, finished, integrator, sound};
+use crate::experiment::comparison::{Compared, Comparison};
 use crate::norms::largest;
 
 /// A column that drains.
@@ -61,9 +61,9 @@ fn drains(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
         scene = scene.edited(fault)?;
         let run = finished(&scene)?;
         let wet = |s: &mpm_core::drive::Sample| Some((s.stage_time, s.state.water?));
-        let look = |(time, water): (f64, WaterState)| Look::one(time, water.mobile_m3 / whole, 1.0 - speed * time);
+        let look = |(time, water): (f64, WaterState)| Compared::one(time, water.mobile_m3 / whole, 1.0 - speed * time);
         let looks =
-            Looks::worst("water over that of the full column", run.observed().filter_map(wet).map(look).collect());
+            Comparison::worst("water over that of the full column", run.observed().filter_map(wet).map(look).collect());
         errors.push((scene.cell, looks.error().abs()));
         // Faces that would draw water in leave steps unsettled.
         entered.extend(run.samples.iter().filter_map(wet).map(|(_, water)| water.in_m3 + water.unsettled as f64));

@@ -6,12 +6,12 @@ use mpm_core::scene::{
 use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
-use super::evidence::{MESH, Refinement};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use super::{
     Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, asked, faster, finished, integrator, scheme, slower, sound,
 };
 use crate::exact::self_weight::SelfWeight;
+use crate::experiment::refinement::{MESH, Refinement};
 use crate::norms::LATE_TV;
 
 /// The paper's scheme.

@@ -4,11 +4,11 @@ use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice, StepChoice};
 use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
-use super::evidence::{MESH, Refinement};
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use super::{Case, Error, FASTER, Mutant, Outcome, Unfit, faster, integrator, scheme, sound, terzaghi};
 use crate::exact::dynamic::DynamicColumn;
 use crate::exact::terzaghi::Terzaghi;
+use crate::experiment::refinement::{MESH, Refinement};
 use crate::norms::LATE_TV;
 
 /// The study's default scene, L = 0.02, at 0.9 of its limit.

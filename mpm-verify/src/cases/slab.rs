@@ -8,9 +8,9 @@ use mpm_core::scene::{
     Base, Clock, Fields, Integrator, LoadOn, NormalStress, Scene, Side, SolidSide, Surcharge, Until,
 };
 
-use super::looks::{Look, Looks};
 use super::{Case, Error, Lacks, Mutant, Outcome, finished, integrator, scheme, sound};
 use crate::exact::slab::Slab;
+use crate::experiment::comparison::{Compared, Comparison};
 
 /// A dry one under a load that grows.
 pub const REMEMBERS: Case = Case {
@@ -116,13 +116,13 @@ fn on_mesh(scene: &mut Fields, rows: usize) {
 }
 
 /// The velocity over the exact one at the end.
-fn looks(run: &Run, scene: &Scene, exact: &Slab, end: f64) -> Looks {
+fn looks(run: &Run, scene: &Scene, exact: &Slab, end: f64) -> Comparison {
     let mass = exact.mass * scene.width;
     let whole = exact.speed(end);
     let look = |s: &Sample| {
-        Look::one(s.stage_time, (2.0 * s.ledger.kinetic_j / mass).sqrt() / whole, exact.speed(s.stage_time) / whole)
+        Compared::one(s.stage_time, (2.0 * s.ledger.kinetic_j / mass).sqrt() / whole, exact.speed(s.stage_time) / whole)
     };
-    Looks::worst("velocity over the last one", run.observed().map(look).collect())
+    Comparison::worst("velocity over the last one", run.observed().map(look).collect())
 }
 
 fn outcome(scene: fn() -> Result<Scene, Error>, (rows, end): Slide, fault: fn(&mut Fields)) -> Result<Outcome, Error> {

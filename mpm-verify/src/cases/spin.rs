@@ -15,10 +15,10 @@ use mpm_core::run::model_given;
 use mpm_core::scene::{Dimension, Scene, ShapeChoice, SolidSide, TransferChoice};
 use mpm_core::stability::stable_limit;
 
-use super::evidence::Sampled;
-use super::looks::{Look, Looks, in_particles, in_time};
 use super::terzaghi::PARTICLE_COUNTS;
 use super::{Case, Error, Lacks, Mutant, Outcome, integrator, scheme};
+use crate::experiment::comparison::{Compared, Comparison, in_particles, in_time};
+use crate::experiment::refinement::Sampled;
 
 /// Quadratic B-splines.
 pub const SPLINES: Case = Case {
@@ -41,7 +41,7 @@ const PLAIN: &str = "velocities that are not affine";
 const SLOW: f64 = 0.05;
 /// Middle of the square of 1 m in a mesh of 1.6 m, m.
 const MIDDLE: f64 = 0.8;
-/// Looks at the square during a turn.
+/// Comparison at the square during a turn.
 const LOOKS: u32 = 16;
 /// Step as a share of the stable one.
 const SHARE: f64 = 0.4;
@@ -90,8 +90,8 @@ fn outcome(shape: ShapeChoice, transfer: TransferChoice) -> Result<Outcome, Erro
         }
     }
     let momentum = |scene: &Scene, share: f64| {
-        let looks = turn(scene, share)?.iter().map(|look| Look::one(look[0], look[1], 1.0)).collect();
-        Ok::<_, Error>(Looks::worst("angular momentum of the first", looks))
+        let looks = turn(scene, share)?.iter().map(|look| Compared::one(look[0], look[1], 1.0)).collect();
+        Ok::<_, Error>(Comparison::worst("angular momentum of the first", looks))
     };
     let mut errors = Vec::new();
     for cells in [5, 10, 13, 15] {

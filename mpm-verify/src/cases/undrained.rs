@@ -5,9 +5,9 @@
 use mpm_core::drive::Sample;
 use mpm_core::scene::{Fields, Scene, Start, Until};
 
-use super::evidence::{MESH, Refinement};
-use super::looks::{Look, Looks, in_particles};
 use super::{Case, Error, Lacks, Mutant, Outcome, Unfit, finished, integrator, scheme, sound};
+use crate::experiment::comparison::{Compared, Comparison, in_particles};
+use crate::experiment::refinement::{MESH, Refinement};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -67,13 +67,13 @@ fn outcome(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
 const LINEAR: f64 = 1e-5;
 
 /// Pressures of all cells over the undrained one; the end counts.
-fn pressures(scene: &Scene, expected: f64) -> Result<Looks, Error> {
+fn pressures(scene: &Scene, expected: f64) -> Result<Comparison, Error> {
     let run = finished(scene)?;
     let last = run.samples.last().ok_or(Lacks("sample"))?.stage_time;
     let look = |s: &Sample| {
         let computed: Vec<f64> = s.state.profile.iter().map(|row| row.pressure_pa / expected).collect();
         let exact = vec![1.0; computed.len()];
-        Look { time: s.stage_time, factor: None, computed, exact, counts: s.stage_time == last }
+        Compared { time: s.stage_time, factor: None, computed, exact, counts: s.stage_time == last }
     };
-    Ok(Looks::worst("p over the undrained pressure", run.observed().map(look).collect()))
+    Ok(Comparison::worst("p over the undrained pressure", run.observed().map(look).collect()))
 }

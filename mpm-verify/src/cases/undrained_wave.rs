@@ -4,11 +4,11 @@ use mpm_core::drive::{Run, Sample};
 use mpm_core::scene::{Fields, Scene, StepChoice, Until};
 use mpm_core::stability::stable_limit;
 
-use super::evidence::Refinement;
-use super::looks::{Look, Looks, Norm, in_particles, in_time};
 use super::terzaghi::{HALVINGS, PARTICLE_COUNTS};
 use super::{Case, Error, Mutant, Outcome, Unfit, finished, integrator, scheme, sound};
 use crate::exact::undrained_wave::UndrainedWave;
+use crate::experiment::comparison::{Compared, Comparison, Norm, in_particles, in_time};
+use crate::experiment::refinement::Refinement;
 
 /// Pressures over five passages.
 pub const AMPLITUDE: Case = Case {
@@ -47,7 +47,7 @@ const COARSE: usize = 50;
 
 /// What a case looks at, and what it must show.
 struct Asked {
-    looks: fn(&Run, &UndrainedWave, f64) -> Option<Looks>,
+    looks: fn(&Run, &UndrainedWave, f64) -> Option<Comparison>,
     required_error: f64,
     required_order: Option<[f64; 2]>,
     /// Largest error on the coarse mesh with any number of particles, and largest change by halving a step.
@@ -105,15 +105,15 @@ fn middle(sample: &Sample) -> f64 {
     0.5 * (profile[profile.len() / 2 - 1].pressure_pa + profile[profile.len() / 2].pressure_pa)
 }
 
-fn amplitude(run: &Run, exact: &UndrainedWave, undrained: f64) -> Option<Looks> {
+fn amplitude(run: &Run, exact: &UndrainedWave, undrained: f64) -> Option<Comparison> {
     let look = |s: &Sample| {
-        Look::one(s.stage_time, middle(s) / undrained, exact.pressure(0.5 * exact.height, s.stage_time) / undrained)
+        Compared::one(s.stage_time, middle(s) / undrained, exact.pressure(0.5 * exact.height, s.stage_time) / undrained)
     };
-    let looks = Looks::worst("p/p_0 at mid height", run.observed().map(look).collect());
-    Some(Looks { over_times: Norm::Rms, ..looks })
+    let looks = Comparison::worst("p/p_0 at mid height", run.observed().map(look).collect());
+    Some(Comparison { over_times: Norm::Rms, ..looks })
 }
 
-fn arrival(run: &Run, exact: &UndrainedWave, undrained: f64) -> Option<Looks> {
+fn arrival(run: &Run, exact: &UndrainedWave, undrained: f64) -> Option<Comparison> {
     // The first wave grows with the load: half of it passes mid height H/(2 c_u) after half of the ramp.
     let expected = 0.5 * exact.height / exact.speed + 0.5 * exact.ramp;
     let samples: Vec<&Sample> = run.observed().collect();
@@ -121,6 +121,6 @@ fn arrival(run: &Run, exact: &UndrainedWave, undrained: f64) -> Option<Looks> {
     let [low, high] = [pair[0], pair[1]].map(|s| (s.stage_time, middle(s)));
     let reached = low.0 + (0.5 * undrained - low.1) / (high.1 - low.1) * (high.0 - low.0);
     let passages = exact.speed / exact.height;
-    let look = Look::one(expected, reached * passages, expected * passages);
-    Some(Looks::worst("arrival, H/c_u", vec![look]))
+    let look = Compared::one(expected, reached * passages, expected * passages);
+    Some(Comparison::worst("arrival, H/c_u", vec![look]))
 }

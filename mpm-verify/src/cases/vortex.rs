@@ -13,11 +13,11 @@ use mpm_core::run::model_given;
 use mpm_core::scene::{Dimension, Scene, SeedingChoice, ShapeChoice, SolidSide, TransferChoice};
 use mpm_core::stability::stable_limit;
 
-use super::evidence::{PARTICLES, Refinement, Sampled};
-use super::looks::{Look, Looks, Norm, in_time};
 use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
 use super::{Case, Error, Mutant, Outcome, integrator, scheme};
 use crate::exact::vortex::Vortex;
+use crate::experiment::comparison::{Compared, Comparison, Norm, in_time};
+use crate::experiment::refinement::{PARTICLES, Refinement, Sampled};
 
 /// Quadratic B-splines.
 pub const SPLINES: Case = Case {
@@ -38,7 +38,7 @@ pub const GIMP: Case = Case {
 const NO_FORCE: &str = "no body force";
 /// Cells over the radius of the disc.
 const MESHES: [usize; 4] = [10, 14, 20, 28];
-/// Looks at the disc on the way.
+/// Comparison at the disc on the way.
 const LOOKS: u32 = 4;
 /// Step as a share of the stable one: the spin of a step turns the stress to first order in it.
 const SHARE: f64 = 0.25;
@@ -124,7 +124,7 @@ struct Followed {
     /// RMS of how far they are off at the looks, over the way that the shear moves the ring.
     off: Vec<Sampled>,
     /// Their places at the end, in the same unit, with a weight that makes an RMS of coordinates one of particles.
-    places: Looks,
+    places: Comparison,
 }
 
 impl Followed {
@@ -175,6 +175,6 @@ fn followed(scene: &Scene, steps: f64, share: f64) -> Result<Followed, Error> {
             counts: look == LOOKS,
         });
     }
-    let last = Look { time: half, factor: None, computed, exact: expected, counts: true };
-    Ok(Followed { off, places: Looks { over_places: Norm::Rms, ..Looks::worst("places", vec![last]) } })
+    let last = Compared { time: half, factor: None, computed, exact: expected, counts: true };
+    Ok(Followed { off, places: Comparison { over_places: Norm::Rms, ..Comparison::worst("places", vec![last]) } })
 }

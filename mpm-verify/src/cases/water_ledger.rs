@@ -6,8 +6,8 @@
 use mpm_core::drive::Run;
 use mpm_core::scene::{Dimension, Integrator, Scene, Until};
 
-use super::evidence::RUNS;
 use super::{Case, Error, Mutant, Outcome, Unfit, finished, largest};
+use crate::experiment::refinement::RUNS;
 
 /// The case.
 pub const CASE: Case = Case {

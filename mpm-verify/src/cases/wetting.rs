@@ -4,9 +4,9 @@ use mpm_core::drive::Run;
 use mpm_core::observe::WaterState;
 use mpm_core::scene::{Dimension, Fields, Scene};
 
-use super::looks::{Look, Looks, in_particles};
 use super::{Case, Error, FASTER, Mutant, Outcome, Unfit, faster, finished, integrator, sound};
 use crate::exact::wetting_front::{Way, WettingFront};
+use crate::experiment::comparison::{Compared, Comparison, in_particles};
 use crate::norms::largest;
 
 /// A level front.
@@ -154,10 +154,11 @@ fn wet<'a>(scene: &Scene, run: &'a Run) -> impl Iterator<Item = (f64, WaterState
 }
 
 /// Where the front stands.
-pub(super) fn looks(scene: &Scene, run: &Run, way: Way, exact: &WettingFront) -> Looks {
-    let look =
-        |(time, water): (f64, WaterState)| Look::one(time, place(&water, section(scene, way)), exact.position(time));
-    Looks { unit: "m", ..Looks::worst("place of the front", wet(scene, run).map(look).collect()) }
+pub(super) fn looks(scene: &Scene, run: &Run, way: Way, exact: &WettingFront) -> Comparison {
+    let look = |(time, water): (f64, WaterState)| {
+        Compared::one(time, place(&water, section(scene, way)), exact.position(time))
+    };
+    Comparison { unit: "m", ..Comparison::worst("place of the front", wet(scene, run).map(look).collect()) }
 }
 
 /// How far the water in particles is off that in cells, as a share, at most.

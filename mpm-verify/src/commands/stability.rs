@@ -122,7 +122,7 @@ fn chosen(names: &[String]) -> Result<Vec<Case>, Failure> {
 fn stress_tests(cases: &[Case], options: &Options, common: &Common, folder: &Path) -> Result<Vec<Found>, Failure> {
     let progress = Progress::new("stress tests", common.quiet || common.json);
     let asked = |case: &Case, scheme: &stress::Scheme| !options.quick || scheme.is_default(case.dimension);
-    let found = stress::matrix(cases, asked, jobs(common.jobs), &progress).map_err(Failure::run_failed)?;
+    let found = stress::matrix(cases, asked, jobs(common.jobs), &progress);
     progress.finish();
     write_csv(&folder.join("matrix.csv"), &found.iter().map(|f| f.row(cases)).collect::<Vec<_>>())?;
     let points: Vec<_> = found.iter().flat_map(|f| f.point_rows(cases)).collect();

@@ -14,7 +14,6 @@ pub mod written;
 mod found;
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use mpm_core::drive::Run;
@@ -25,6 +24,7 @@ use serde::Serialize;
 use self::laws::{Base, LAWS, Law, Verdict, run_of};
 use self::written::Written;
 use crate::error::Error;
+use crate::experiment::pool;
 use crate::unpanicked::unpanicked;
 
 /// How a scene or a relation came out.
@@ -215,27 +215,14 @@ pub struct Found {
 /// Runs scenes of a seed on some threads, until there are no more or a time (s) is over; `done` is told of each.
 pub fn scenes_of(seed: u64, indices: &[u64], (jobs, limit_s): (usize, f64), done: &(dyn Fn(u64) + Sync)) -> Found {
     let clock = Instant::now();
-    let next = AtomicUsize::new(0);
-    // Threads of their own: one of a pool that waits for the threads of a run would begin another scene meanwhile.
-    let some = || {
-        let mut mine = Vec::new();
-        loop {
-            let at = next.fetch_add(1, Ordering::Relaxed);
-            let Some(index) = indices.get(at) else { return mine };
-            if clock.elapsed().as_secs_f64() > limit_s {
-                return mine;
-            }
-            mine.push((at, scene(seed, *index, sound)));
-            done(*index);
+    let work = |_, index: &u64| (clock.elapsed().as_secs_f64() <= limit_s).then(|| scene(seed, *index, sound));
+    let results = pool::each(jobs, indices, work, |at, result| {
+        if matches!(result, Ok(Some(_))) {
+            done(indices[at]);
         }
-    };
-    let mut told: Vec<(usize, Told)> = std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..jobs.max(1)).map(|_| scope.spawn(some)).collect();
-        threads.into_iter().flat_map(|thread| thread.join().unwrap_or_default()).collect()
     });
-    told.sort_by_key(|(at, _)| *at);
     let mut found = Found { seed, ..Found::default() };
-    for (_, told) in told {
+    for told in results.into_iter().filter_map(|result| result.ok().flatten()) {
         found.scenes += 1;
         found.rows.extend(told.rows);
         found.failures.extend(told.failures);

@@ -11,8 +11,9 @@ use serde::{Deserialize, Serialize};
 
 use super::SWITCH;
 use super::table::Mutant;
-use crate::cases::{CaseRow, SUITE};
+use crate::cases::SUITE;
 use crate::error::Error;
+use crate::experiment::CaseRow;
 use crate::nightly::report::Night;
 
 /// Cases that take longer than this come second, s.
@@ -101,7 +102,7 @@ impl Spoilt {
         Ok(spoilt)
     }
 
-    /// Looks for a fault by its number.
+    /// Comparison for a fault by its number.
     ///
     /// # Errors
     /// The program could not be run.

@@ -4,7 +4,7 @@
 //! systems are solved, or a path is chaotic (soil that slides), more may move without anyone having changed the program.
 
 use crate::baseline::suite::{self, Kind};
-use crate::cases::CaseRow;
+use crate::experiment::CaseRow;
 use crate::levee::summary::Summary as LeveeSummary;
 use crate::report::orders;
 use crate::stability::map;

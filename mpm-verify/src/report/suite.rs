@@ -13,7 +13,7 @@ use super::plots::{self, case, curves};
 use super::tables;
 use super::{ReportError, save};
 use crate::baseline::suite::Kind;
-use crate::cases::{Judged, Refinement, RefinementRow, SampleRow, words};
+use crate::experiment::{Judged, Refinement, RefinementRow, SampleRow, words};
 use crate::manifest::Manifest;
 use crate::rates::Fit;
 

@@ -4,17 +4,15 @@
 //! Columns are [`ROWS`] cells high on every mesh, and plane strain has [`PLANE`] cells: the limit belongs to the shortest
 //! waves, and a column of ten cells is within 0.6 % of an endless one.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use mpm_core::scene::{DarcyChoice, Dimension, Integrator, Scene, ShapeChoice};
 use mpm_core::stability::{limit_of_exact_numbers, stable_limit};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::assembled::{self, Assembled};
 use super::bisection::largest_stable;
 use super::growth::{Growth, blocks_for, growth, stirred};
 use crate::error::Error::{self, Unfit};
+use crate::experiment::pool;
 use crate::progress::Progress;
 use crate::study::word;
 
@@ -285,20 +283,17 @@ fn some<T>(range: &[T], extent: Extent) -> impl Iterator<Item = &T> {
 /// Measures some places with `jobs` threads; rows in the order of the settings.
 ///
 /// # Errors
-/// Particles that cannot be placed, threads that cannot be started.
+/// Particles that cannot be placed.
 pub fn rows(settings: &[Setting], jobs: usize, progress: &Progress) -> Result<Vec<Row>, Error> {
-    let done = AtomicUsize::new(0);
-    let one = |setting: &Setting| {
-        let row = row(setting);
-        let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+    let mut count = 0;
+    let told = |_, _: &Result<_, Error>| {
+        count += 1;
         progress.set((count * 1_000_000 / settings.len()) as u64);
         if count.is_multiple_of(SPOKEN) {
             progress.piped_line(&format!("stability map: {count} of {} rows", settings.len()));
         }
-        row
     };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build()?;
-    pool.install(|| settings.par_iter().map(one).collect())
+    pool::each(jobs, settings, |_, setting| row(setting), told).into_iter().map(Result::flatten).collect()
 }
 
 /// Rows between two lines of progress.

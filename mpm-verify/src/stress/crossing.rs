@@ -52,7 +52,7 @@ const CELLS: [f64; 7] = [1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0];
 const SPEED: f64 = 0.1;
 /// Largest stress over the oedometer modulus.
 const STRAIN: f64 = 1e-6;
-/// Looks per cell; not a divisor of what particles do in a cell.
+/// Comparison per cell; not a divisor of what particles do in a cell.
 const LOOKS: f64 = 3.3;
 const EDGE: f64 = 0.05;
 /// Cells of a bar and of a side of the block; room for the last cells, too.

@@ -1,6 +1,5 @@
 //! The summary: every scheme in every case.
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::case::{Case, Judged, Point, Verdict};
@@ -10,9 +9,9 @@ use super::{
     small_nodes, stiff_water, sudden_load, too_fine,
 };
 use crate::error::Error;
+use crate::experiment::pool;
 use crate::progress::Progress;
 use crate::study::word;
-use crate::unpanicked::unpanicked;
 
 /// All cases, in the order of the page.
 pub const CASES: [Case; 16] = [
@@ -132,21 +131,21 @@ impl Found {
 }
 
 /// Runs every scheme that is `asked` in every case on so many threads (0 for all); in the order of cases and schemes.
-///
-/// # Errors
-/// Threads that cannot be started.
-pub fn matrix(
-    cases: &[Case],
-    asked: impl Fn(&Case, &Scheme) -> bool,
-    jobs: usize,
-    progress: &Progress,
-) -> Result<Vec<Found>, Error> {
+pub fn matrix(cases: &[Case], asked: impl Fn(&Case, &Scheme) -> bool, jobs: usize, progress: &Progress) -> Vec<Found> {
     let all = cases.iter().enumerate().flat_map(|(i, case)| case.schemes.iter().map(move |scheme| (i, *scheme)));
     let tasks: Vec<(usize, Scheme)> = all.filter(|(i, scheme)| asked(&cases[*i], scheme)).collect();
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build()?;
-    let done = std::sync::atomic::AtomicUsize::new(0);
-    let find = |(case, scheme): &(usize, Scheme)| {
-        let (points, judged) = match unpanicked(|| (cases[*case].run)(scheme)) {
+    let mut done = 0;
+    let results = pool::each(
+        jobs,
+        &tasks,
+        |_, (case, scheme)| (cases[*case].run)(scheme),
+        |_, _| {
+            done += 1;
+            progress.set((1_000_000 * done / tasks.len()) as u64);
+        },
+    );
+    let find = |((case, scheme), result): (&(usize, Scheme), Result<Vec<Point>, Error>)| {
+        let (points, judged) = match result {
             Ok(points) => {
                 let judged = cases[*case].judge(&points);
                 (points, judged)
@@ -156,9 +155,7 @@ pub fn matrix(
                 (Vec::new(), Judged { verdict: Verdict::Failed, value: None, at: f64::NAN, reason })
             }
         };
-        let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
-        progress.set((1_000_000 * done / tasks.len()) as u64);
         Found { case: *case, scheme: *scheme, points, judged }
     };
-    Ok(pool.install(|| tasks.par_iter().map(find).collect()))
+    tasks.iter().zip(results).map(find).collect()
 }

@@ -6,13 +6,13 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::plan::work;
 use super::store::Store;
 use super::{Case, CaseResult, REPETITIONS, Watched, word};
 use crate::error::Error;
+use crate::experiment::pool;
 use crate::progress::Progress;
 use crate::unpanicked::unpanicked;
 
@@ -138,7 +138,7 @@ impl<'a> Runner<'a> {
     /// Runs tasks, one at a time per thread in the given order; `None` for those that are missing.
     ///
     /// # Errors
-    /// No threads.
+    /// A fault of the program beside the cases.
     pub fn run(&mut self, tasks: &[Task]) -> Result<Vec<Option<CaseResult>>, Error> {
         let first = self.listed.len();
         self.listed.extend(tasks.iter().enumerate().map(|(i, task)| Listed::new(first + i, task)));
@@ -151,35 +151,29 @@ impl<'a> Runner<'a> {
         let wanted = |i: usize| known[i].is_none() && self.share.has(first + i);
         let total: f64 = (0..tasks.len()).filter(|i| wanted(*i)).map(|i| work(&tasks[i].case.scene)).sum();
         let done = AtomicU64::new(0);
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.jobs).build()?;
         let (store, progress, stop, times) = (self.store.as_ref(), self.progress, &self.stop, self.times);
-        let ran: Vec<(Option<CaseResult>, Option<String>)> = pool.install(|| {
-            (0..tasks.len())
-                .into_par_iter()
-                .with_max_len(1)
-                .map(|i| {
-                    if !wanted(i) || stop.load(Ordering::Relaxed) {
-                        return (None, None);
-                    }
-                    let task = &tasks[i];
-                    let (own, mut before) = (work(&task.case.scene), 0.0);
-                    let mut told = |share: f64| {
-                        let more = ((share - before) * own / total * 1e6) as u64;
-                        if more > 0 {
-                            before = share;
-                            progress.set(done.fetch_add(more, Ordering::Relaxed) + more);
-                        }
-                    };
-                    let Some(mut result) = task.result(&mut told, stop) else { return (None, None) };
-                    if !times {
-                        (result.cpu_s, result.ns_per_point_step) = (f64::NAN, f64::NAN);
-                    }
-                    progress.line(&result.line());
-                    let kept = store.map_or(Ok(()), |store| store.keep(&task.key, &task.case.scene, &result));
-                    (Some(result), kept.err().map(|e| format!("{}: {e}", task.key)))
-                })
-                .collect()
-        });
+        let one = |i: usize, task: &Task| {
+            if !wanted(i) || stop.load(Ordering::Relaxed) {
+                return (None, None);
+            }
+            let (own, mut before) = (work(&task.case.scene), 0.0);
+            let mut told = |share: f64| {
+                let more = ((share - before) * own / total * 1e6) as u64;
+                if more > 0 {
+                    before = share;
+                    progress.set(done.fetch_add(more, Ordering::Relaxed) + more);
+                }
+            };
+            let Some(mut result) = task.result(&mut told, stop) else { return (None, None) };
+            if !times {
+                (result.cpu_s, result.ns_per_point_step) = (f64::NAN, f64::NAN);
+            }
+            progress.line(&result.line());
+            let kept = store.map_or(Ok(()), |store| store.keep(&task.key, &task.case.scene, &result));
+            (Some(result), kept.err().map(|e| format!("{}: {e}", task.key)))
+        };
+        let ran: Vec<(Option<CaseResult>, Option<String>)> =
+            pool::each(self.jobs, tasks, one, |_, _| {}).into_iter().collect::<Result<_, _>>()?;
         let mut results = Vec::with_capacity(tasks.len());
         for ((task, known), (ran, unkept)) in tasks.iter().zip(known).zip(ran) {
             self.unkept.extend(unkept);

@@ -3,12 +3,12 @@
 use mpm_core::constitutive::ModifiedCamClay;
 use mpm_core::scene::{CamClay, Dimension, ShapeChoice};
 
-use super::super::evidence::{Parameter, Sampled};
 use super::super::{Case, Error, Lacks, Mutant, Outcome, finished, integrator};
 use super::{FLATTER, REQUIRED, SOIL, flatter, own};
 use crate::element::Element;
 use crate::exact::cam_clay::at_rest;
 use crate::exact::oracle::Table;
+use crate::experiment::refinement::{Parameter, Sampled};
 use crate::norms::largest;
 
 /// The case.

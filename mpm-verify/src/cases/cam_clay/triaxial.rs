@@ -3,11 +3,11 @@
 use mpm_core::constitutive::ModifiedCamClay;
 use mpm_core::scene::CamClay;
 
-use super::super::evidence::{Parameter, Sampled};
 use super::super::{Case, Error, Mutant, Outcome, Unfit};
 use super::{FLATTER, REQUIRED, SOIL, flatter, own};
 use crate::element::Element;
 use crate::exact::cam_clay::Triaxial;
+use crate::experiment::refinement::{Parameter, Sampled};
 use crate::norms::largest;
 
 /// Lateral stresses are held.
@@ -36,7 +36,7 @@ const NEAR: f64 = 0.05;
 const STEPS: [f64; 4] = [1.6e-5, 8e-6, 4e-6, 2e-6];
 /// What is refined.
 const STRAIN_STEP: Parameter = ("axial strain increment", "-");
-/// Looks along a path.
+/// Comparison along a path.
 const LOOKS: usize = 20;
 
 type Fault = fn(CamClay) -> CamClay;

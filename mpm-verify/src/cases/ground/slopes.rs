@@ -6,10 +6,10 @@
 use mpm_core::failure::{Driver, Outcome as Settled};
 use mpm_core::scene::Scene;
 
-use super::super::evidence::RUNS;
 use super::super::{Error, Mutant, Outcome, Unfit};
 use super::*;
 use crate::baseline::suite::Kind;
+use crate::experiment::refinement::RUNS;
 use crate::norms::worst;
 
 /// A slope with its published factor of safety.

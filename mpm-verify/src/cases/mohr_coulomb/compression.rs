@@ -3,11 +3,11 @@
 use mpm_core::scene::Strength;
 
 use super::super::Outcome;
-use super::super::evidence::Sampled;
 use super::{CELL_PRESSURE, at_row, exact_on_paths, law};
 use crate::element::Element;
 use crate::error::Error::{self, Unfit};
 use crate::exact::oracle::Table;
+use crate::experiment::refinement::Sampled;
 
 /// A way to compress an element.
 pub(super) struct Compression {

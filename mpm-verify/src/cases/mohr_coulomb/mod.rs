@@ -17,8 +17,8 @@ use mpm_core::constitutive::MohrCoulomb;
 use mpm_core::scene::{Elastic, Strength};
 
 use super::Outcome;
-use super::evidence::{Refinement, Sampled};
 use crate::error::Error;
+use crate::experiment::refinement::{Refinement, Sampled};
 use crate::norms::largest;
 
 /// The soil of all tables of family 10.
@@ -35,7 +35,7 @@ fn law(strength: &Strength) -> MohrCoulomb {
 }
 
 /// An element test has no mesh and no particles: what can be refined is the path.
-const PATH: super::evidence::Parameter = ("step, share of the path", "-");
+const PATH: crate::experiment::refinement::Parameter = ("step, share of the path", "-");
 
 /// A value of an element test at a row of its table, over a `scale` (Pa or -); the time is the share of the path.
 fn at_row(quantity: &str, share: f64, [computed, exact]: [f64; 2], scale: f64) -> Sampled {

@@ -3,10 +3,10 @@
 use mpm_core::drive::{Run, Sample};
 use mpm_core::scene::{Dimension, Fields, Scene, ShapeChoice};
 
-use super::super::evidence::{MESH, Refinement};
-use super::super::looks::{Look, Looks, in_particles};
 use super::super::{Case, Error, Lacks, Mutant, Outcome, Unfit, finished, integrator, scheme};
 use crate::exact::oedometer::Oedometer;
+use crate::experiment::comparison::{Compared, Comparison, in_particles};
+use crate::experiment::refinement::{MESH, Refinement};
 use crate::norms::largest;
 
 /// The case.
@@ -65,14 +65,14 @@ fn settles(change: impl Fn(&mut Fields)) -> Result<Outcome, Error> {
 }
 
 /// The settlement over the last one, under the load of the time; the end, at rest, counts.
-fn looks(run: &Run, scene: &Scene, exact: &Oedometer) -> Result<Looks, Error> {
+fn looks(run: &Run, scene: &Scene, exact: &Oedometer) -> Result<Comparison, Error> {
     let load = scene.surcharge.ok_or(Lacks("load"))?;
     let last = run.samples.last().ok_or(Lacks("sample"))?;
     let whole = scene.height * exact.strain(load.pressure);
     let look = |s: &Sample| {
         let expected = scene.height * exact.strain(load.at(s.stage_time));
         let counts = s.stage_time == last.stage_time;
-        Look { counts, ..Look::one(s.stage_time, s.state.settlement / whole, expected / whole) }
+        Compared { counts, ..Compared::one(s.stage_time, s.state.settlement / whole, expected / whole) }
     };
-    Ok(Looks::worst("settlement over the last one", run.observed().chain([last]).map(look).collect()))
+    Ok(Comparison::worst("settlement over the last one", run.observed().chain([last]).map(look).collect()))
 }

@@ -3,11 +3,11 @@
 
 use mpm_core::scene::Strength;
 
-use super::super::evidence::Sampled;
 use super::super::{Case, Error, Mutant, Outcome, Unfit};
 use super::{CELL_PRESSURE, STRENGTH, at_row, exact_on_paths, law, outcome};
 use crate::element::Element;
 use crate::exact::oracle::Table;
+use crate::experiment::refinement::Sampled;
 use crate::norms::largest;
 
 /// From the stress of K_0 = nu/(1 - nu).

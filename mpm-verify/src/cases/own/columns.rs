@@ -4,11 +4,11 @@ use mpm_core::drive::{Run, Sample};
 use mpm_core::scene::{Fields, Integrator, Scene, Side, Start, StrainChoice};
 
 use super::applies::inertia_shows;
-use crate::cases::looks::{Look, Looks, Norm};
 use crate::error::Error;
 use crate::exact::bar::Bar;
 use crate::exact::column::{Column, final_settlement};
 use crate::exact::dynamic::DynamicColumn;
+use crate::experiment::comparison::{Compared, Comparison, Norm};
 
 /// Share of the load that inertia may take at a time that counts, where no exact solution has it. At ten times Table 1's slowness a
 /// column drained at both ends loses 1e-3 to it and changes its settlement by less than 0.01 %.
@@ -96,7 +96,7 @@ impl Consolidation {
     }
 
     /// What the time factor's unit is of, s.
-    pub(in crate::cases) fn looks(&self, scene: &Scene, run: &Run) -> Vec<Looks> {
+    pub(in crate::cases) fn looks(&self, scene: &Scene, run: &Run) -> Vec<Comparison> {
         // While a wave crosses two cells a mesh knows no value better than the exact one changes.
         let cross = if self.speed > 0.0 { 2.0 * scene.cell / self.speed } else { 0.0 };
         let factor = |time: f64| scene.time_per_factor().map(|one| time / one);
@@ -108,7 +108,7 @@ impl Consolidation {
             let (right, slack) = self.right(found, still, self.added(time), spread(added, time, cross));
             let size = right.abs().max(self.least[0]);
             let off = beyond(found - right, slack);
-            Look {
+            Compared {
                 time,
                 factor: factor(time),
                 computed: vec![(right + off) / size],
@@ -130,11 +130,12 @@ impl Consolidation {
                 computed.push((right + beyond(row.pressure_pa - right, slack)) / self.least[1]);
                 exact.push(right / self.least[1]);
             }
-            Look { time, factor: factor(time), computed, exact, counts: counts(time) }
+            Compared { time, factor: factor(time), computed, exact, counts: counts(time) }
         };
-        let settled = Looks::worst("settlement over the exact one", run.observed().map(settlement).collect());
-        let pressed = Looks::worst("pore pressure over the largest excess", run.observed().map(pressures).collect());
-        vec![settled, Looks { over_places: Norm::Rms, ..pressed }]
+        let settled = Comparison::worst("settlement over the exact one", run.observed().map(settlement).collect());
+        let pressed =
+            Comparison::worst("pore pressure over the largest excess", run.observed().map(pressures).collect());
+        vec![settled, Comparison { over_places: Norm::Rms, ..pressed }]
     }
 
     /// What inertia adds to the settlement at a time, m.
@@ -345,7 +346,7 @@ impl DryColumn {
     }
 
     /// The settlement.
-    pub(in crate::cases) fn looks(&self, scene: &Scene, run: &Run) -> Vec<Looks> {
+    pub(in crate::cases) fn looks(&self, scene: &Scene, run: &Run) -> Vec<Comparison> {
         let cross = self.bar.map_or(0.0, |bar| 2.0 * scene.cell / bar.speed);
         let largest = final_settlement(scene, self.final_load).abs();
         let last = run.samples.last();
@@ -357,9 +358,9 @@ impl DryColumn {
             let slack = spread(|t| self.settlement(scene, t), time, if self.bar.is_some() { cross } else { 0.0 });
             let size = right.abs().max(LEAST * largest);
             let computed = vec![(right + beyond(found - right, slack)) / size];
-            Look { time, factor: None, computed, exact: vec![right / size], counts: counts(time) }
+            Compared { time, factor: None, computed, exact: vec![right / size], counts: counts(time) }
         };
-        vec![Looks::worst("settlement over the exact one", samples.iter().map(settlement).collect())]
+        vec![Comparison::worst("settlement over the exact one", samples.iter().map(settlement).collect())]
     }
 }
 

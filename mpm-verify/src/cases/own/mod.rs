@@ -16,12 +16,12 @@ use mpm_core::scene::{Dimension, Fields, Integrator, Scene, StepChoice, StrainCh
 use mpm_core::stability::choose_step;
 
 use self::applies::Solution;
-use super::evidence::{PARTICLES, Refinement, STEP, TOLERANCE};
-use super::looks::{Look, Looks};
-use super::verdict::{Judged, Outcome, judge};
 use super::{
     Case, Error, Lacks, asked, block, boussinesq, finished, infinite_slope, integrator, mandel, scheme, wetting,
 };
+use crate::experiment::comparison::{Compared, Comparison};
+use crate::experiment::refinement::{PARTICLES, Refinement, STEP, TOLERANCE};
+use crate::experiment::verdict::{Judged, Outcome, judge};
 use crate::norms::worst;
 
 /// Largest error where it falls on refinement: 1 % cannot pass.
@@ -122,7 +122,7 @@ impl OwnScene {
             errors.push((scene.cell, error(&finest)));
         }
         let coarse = errors[0].1.abs();
-        let name = |looks: &Looks| format!("{}, largest error on the finest mesh", looks.quantity);
+        let name = |looks: &Comparison| format!("{}, largest error on the finest mesh", looks.quantity);
         Ok(Outcome {
             integrator: integrator(&self.scene),
             tolerance: asked(&self.scene),
@@ -131,7 +131,7 @@ impl OwnScene {
             required_order: self.order(&errors),
             order_decides: false,
             notes: finest.iter().map(|looks| (name(looks), looks.error(), "-".to_owned())).collect(),
-            samples: finest.iter().flat_map(Looks::samples).collect(),
+            samples: finest.iter().flat_map(Comparison::samples).collect(),
             refinements: self.on_the_coarsest(&scenes[0], coarse)?,
             errors,
             ..Outcome::default()
@@ -159,11 +159,11 @@ impl OwnScene {
     }
 
     /// What a run of a scene shows beside the exact solution, in shares of it.
-    fn seen(&self, scene: &Scene) -> Result<Vec<Looks>, Error> {
+    fn seen(&self, scene: &Scene) -> Result<Vec<Comparison>, Error> {
         self.looks(scene, &finished(scene)?)
     }
 
-    fn looks(&self, scene: &Scene, run: &Run) -> Result<Vec<Looks>, Error> {
+    fn looks(&self, scene: &Scene, run: &Run) -> Result<Vec<Comparison>, Error> {
         let last = || run.samples.last().ok_or(Lacks("sample"));
         // The first of a scene is its own: a fault must not move the exact solution.
         // On a mesh of which a fault may have made one that does not fit.
@@ -189,8 +189,9 @@ impl OwnScene {
                 let state = last()?.state.water.ok_or(Lacks("free surface"))?;
                 let time = last()?.stage_time;
                 let discharge = dam.discharge(own.water.map_or(f64::NAN, |w| w.hydraulic_conductivity));
-                let one =
-                    |what: &str, found: f64, exact: f64| Looks::worst(what, vec![Look::one(time, found / exact, 1.0)]);
+                let one = |what: &str, found: f64, exact: f64| {
+                    Comparison::worst(what, vec![Compared::one(time, found / exact, 1.0)])
+                };
                 vec![
                     one("outflow over the discharge of the steady flow", state.outflow_m3_s, discharge),
                     one("inflow over the discharge of the steady flow", state.inflow_m3_s, discharge),
@@ -228,7 +229,8 @@ impl OwnScene {
     /// The coarsest mesh in smaller steps, or under smaller tolerances, and with other numbers of particles.
     fn on_the_coarsest(&self, coarse: &Scene, left: f64) -> Result<Vec<Refinement>, Error> {
         let mut refinements = Vec::new();
-        let apart = |these: &[Looks], those: &[Looks]| worst(these.iter().zip(those).map(|(a, b)| a.difference(b)));
+        let apart =
+            |these: &[Comparison], those: &[Comparison]| worst(these.iter().zip(those).map(|(a, b)| a.difference(b)));
         let same = format!("L = {} m: the error of the mesh drops out", coarse.cell);
         if let StepChoice::Fixed(step) = coarse.step {
             let stepped = |halvings: i32| {
@@ -283,19 +285,19 @@ impl OwnScene {
 }
 
 /// The worst error of all that is looked at.
-fn error(looks: &[Looks]) -> f64 {
-    if looks.is_empty() { f64::NAN } else { worst(looks.iter().map(Looks::error)) }
+fn error(looks: &[Comparison]) -> f64 {
+    if looks.is_empty() { f64::NAN } else { worst(looks.iter().map(Comparison::error)) }
 }
 
 /// Numbers as shares of the exact ones.
-fn relative(mut looks: Looks) -> Looks {
+fn relative(mut looks: Comparison) -> Comparison {
     for look in &mut looks.rows {
         look.computed
             .iter_mut()
             .zip(&mut look.exact)
             .for_each(|(found, exact)| (*found, *exact) = (*found / *exact, 1.0));
     }
-    Looks { quantity: format!("{} over the exact one", looks.quantity), unit: "-", ..looks }
+    Comparison { quantity: format!("{} over the exact one", looks.quantity), unit: "-", ..looks }
 }
 
 /// Numbers of particles per cell that a scheme should not mind: one is too few for B-splines, and what errors of the fourth

@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::figure::{Figure, Mark, Panel, Point, Series};
 use super::look::{BLACK, BLUE, Dash, GREY, Look, Marker, RED};
-use crate::cases::Judged;
+use crate::experiment::Judged;
 use crate::report::numbers::{brief, short};
 
 /// How far the vertical axis reaches beyond the data, and the triangle stands below the line, as a factor.

@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::figure::{Figure, Mark, Panel, Point, Series};
 use super::look::{BLACK, BLUE, Dash, GREEN, Look, Marker, ORANGE, PURPLE, RED};
-use crate::cases::Judged;
+use crate::experiment::Judged;
 
 /// Cases with curves, and the names of their pictures.
 const NAMES: [(&str, &str); 3] =

@@ -7,7 +7,7 @@ use crate::budget::Budget;
 use crate::report::Study;
 use crate::report::select::{Cases, LOADS};
 
-/// Looks in the order of [`Budget::parts`].
+/// Comparison in the order of [`Budget::parts`].
 const LOOKS: [Look; 7] = [
     Look::new(BLUE, Marker::Square),
     Look::new(ORANGE, Marker::Square).hatch(Hatch::Rising),

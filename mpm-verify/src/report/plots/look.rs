@@ -127,7 +127,7 @@ impl Look {
     }
 }
 
-/// Looks for series that stand side by side (meshes, time factors, particles per cell).
+/// Comparison for series that stand side by side (meshes, time factors, particles per cell).
 const ROW: [Look; 6] = [
     Look::new(BLUE, Marker::Circle),
     Look::new(RED, Marker::Square),

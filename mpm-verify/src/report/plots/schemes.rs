@@ -7,7 +7,7 @@ use super::look::{self, BLUE, GREEN, Look, Marker, PURPLE, RED};
 use crate::report::select::{INTEGRATORS, of_schemes};
 use crate::study::CaseResult;
 
-/// Looks of the shape functions, the same in every picture that compares them.
+/// Comparison of the shape functions, the same in every picture that compares them.
 pub const LOOKS: [(&str, Look); 4] = [
     ("centre", Look::new(BLUE, Marker::Circle)),
     ("linear", Look::new(RED, Marker::Square)),

@@ -197,7 +197,7 @@ fn schemes(shapes: &[ShapeChoice]) -> impl Iterator<Item = (String, String)> {
     INTEGRATORS.into_iter().flat_map(of)
 }
 
-/// Looks of theory and of what is measured. Points that coincide are seen inside one another.
+/// Comparison of theory and of what is measured. Points that coincide are seen inside one another.
 fn looks(place: usize) -> (Look, Look) {
     let look = look::nth(place);
     (look.width(1.4), look.radius(5.6 - 1.0 * place as f64))

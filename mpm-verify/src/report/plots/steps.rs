@@ -36,7 +36,7 @@ const WHAT: &str = "Left: against the same mesh without error in time. Right: ag
                     large strain, set a floor. A semi-implicit error in time has the other sign than that of the cells: \
                     their sum may grow as the step gets shorter. An error of zero has no place.";
 
-/// Looks of the methods, the same in both pictures.
+/// Comparison of the methods, the same in both pictures.
 const LOOKS: [(&str, Look); 6] = [
     ("quasi-static krylov", Look::new(BLUE, Marker::Circle)),
     ("quasi-static sdirk", Look::new(RED, Marker::Square)),

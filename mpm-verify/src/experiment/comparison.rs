@@ -1,12 +1,12 @@
 //! Numbers of a run at its sample times beside exact ones, one at each time or a whole field, and how far runs differ.
 
-use super::evidence::{PARTICLES, Refinement, STEP, Sampled};
+use super::refinement::{PARTICLES, Refinement, STEP, Sampled};
 use crate::error::Error;
 use crate::norms::worst;
 
 /// How differences become one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Norm {
+pub(crate) enum Norm {
     /// The largest, with its sign.
     Largest,
     /// Their root mean square.
@@ -25,7 +25,7 @@ impl Norm {
 
 /// What a run shows at one time, in units of a size that the case chooses.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Look {
+pub(crate) struct Compared {
     /// Time since the start of the stage, s.
     pub time: f64,
     /// The same as a time factor, where the case has one.
@@ -38,7 +38,7 @@ pub(super) struct Look {
     pub counts: bool,
 }
 
-impl Look {
+impl Compared {
     /// One number at a time that counts.
     pub fn one(time: f64, computed: f64, exact: f64) -> Self {
         Self { time, factor: None, computed: vec![computed], exact: vec![exact], counts: true }
@@ -47,7 +47,7 @@ impl Look {
 
 /// The looks at a run.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Looks {
+pub(crate) struct Comparison {
     /// What is looked at, with the size it is measured in.
     pub quantity: String,
     /// Unit of the numbers; `-` if they are shares of that size.
@@ -57,17 +57,17 @@ pub(super) struct Looks {
     /// Over the times.
     pub over_times: Norm,
     /// Times, in order.
-    pub rows: Vec<Look>,
+    pub rows: Vec<Compared>,
 }
 
-impl Looks {
+impl Comparison {
     /// One number at each time, of which the worst counts.
-    pub fn worst(quantity: impl Into<String>, rows: Vec<Look>) -> Self {
+    pub fn worst(quantity: impl Into<String>, rows: Vec<Compared>) -> Self {
         Self { quantity: quantity.into(), unit: "-", over_places: Norm::Largest, over_times: Norm::Largest, rows }
     }
 
     /// How far a look is off.
-    fn off(&self, look: &Look) -> f64 {
+    fn off(&self, look: &Compared) -> f64 {
         self.apart(&look.computed, &look.exact)
     }
 
@@ -98,7 +98,7 @@ impl Looks {
 
     /// Every time: the number itself, or of a field the place that is furthest off and the error of all.
     pub fn samples(&self) -> Vec<Sampled> {
-        let sampled = |look: &Look| {
+        let sampled = |look: &Compared| {
             let far = |i: &usize| (look.computed[*i] - look.exact[*i]).abs();
             let place = (0..look.computed.len()).max_by(|a, b| far(a).total_cmp(&far(b)));
             let of = |values: &[f64]| place.map_or(f64::NAN, |place| values[place]);
@@ -120,8 +120,8 @@ impl Looks {
 
 /// Runs in steps `first`, `first`/2, ... (s) on cells of edge `cell` (m): the difference of each to that with half its
 /// step, so that the error of the mesh, which both have, drops out and a power of the step shows as it is.
-pub(super) fn in_time(
-    run: impl Fn(f64) -> Result<Looks, Error>,
+pub(crate) fn in_time(
+    run: impl Fn(f64) -> Result<Comparison, Error>,
     cell: f64,
     first: f64,
     count: u32,
@@ -139,8 +139,8 @@ pub(super) fn in_time(
 
 /// Runs with several numbers of particles per cell, on cells of edge `cell` (m), against the exact solution. The mesh
 /// leaves an error that no particles take away, so that no order is expected; `most` bounds every error.
-pub(super) fn in_particles(
-    run: impl Fn(usize) -> Result<Looks, Error>,
+pub(crate) fn in_particles(
+    run: impl Fn(usize) -> Result<Comparison, Error>,
     cell: f64,
     counts: &[usize],
     most: f64,
@@ -154,53 +154,53 @@ pub(super) fn in_particles(
 mod tests {
     use super::*;
 
-    fn field(times: [f64; 2], computed: [[f64; 2]; 2]) -> Looks {
-        let look = |i: usize| Look {
+    fn field(times: [f64; 2], computed: [[f64; 2]; 2]) -> Comparison {
+        let look = |i: usize| Compared {
             time: times[i],
             factor: None,
             computed: computed[i].to_vec(),
             exact: vec![1.0, 1.0],
             counts: true,
         };
-        Looks { over_places: Norm::Rms, ..Looks::worst("p", vec![look(0), look(1)]) }
+        Comparison { over_places: Norm::Rms, ..Comparison::worst("p", vec![look(0), look(1)]) }
     }
 
     #[test]
     fn errors_and_differences_are_those_of_the_norms() {
         let looks = field([1.0, 2.0], [[1.3, 0.6], [1.0, 1.1]]);
         assert!((looks.error() - (0.125_f64).sqrt()).abs() < 1e-15);
-        let mean = Looks { over_times: Norm::Rms, ..looks.clone() };
+        let mean = Comparison { over_times: Norm::Rms, ..looks.clone() };
         assert!((mean.error() - (0.065_f64).sqrt()).abs() < 1e-15);
-        let signed = Looks { over_places: Norm::Largest, ..looks.clone() };
+        let signed = Comparison { over_places: Norm::Largest, ..looks.clone() };
         assert!((signed.error() + 0.4).abs() < 1e-15);
         assert_eq!(looks.difference(&looks), 0.0);
         let samples = looks.samples();
         assert_eq!((samples[0].computed, samples[0].exact, samples[1].computed), (0.6, 1.0, 1.1));
         assert!(samples[0].quantity.ends_with("furthest off") && samples[0].error == looks.error());
-        let early = Look { counts: false, ..looks.rows[0].clone() };
-        let late = Looks { rows: vec![early, looks.rows[1].clone()], ..looks };
+        let early = Compared { counts: false, ..looks.rows[0].clone() };
+        let late = Comparison { rows: vec![early, looks.rows[1].clone()], ..looks };
         assert!((late.error() - (0.005_f64).sqrt()).abs() < 1e-15);
     }
 
     #[test]
     fn what_is_missing_is_no_agreement() {
-        let looks = Looks::worst("p", vec![Look::one(1.0, 1.0, 1.0)]);
-        assert!(looks.difference(&Looks { rows: Vec::new(), ..looks.clone() }).is_nan());
-        assert!(Looks { rows: Vec::new(), ..looks.clone() }.error().is_nan());
-        let short = Look { computed: Vec::new(), ..looks.rows[0].clone() };
-        assert!(Looks { rows: vec![short], ..looks.clone() }.error().is_nan());
-        let lost = Looks { rows: vec![Look::one(1.0, f64::NAN, 1.0)], ..looks };
+        let looks = Comparison::worst("p", vec![Compared::one(1.0, 1.0, 1.0)]);
+        assert!(looks.difference(&Comparison { rows: Vec::new(), ..looks.clone() }).is_nan());
+        assert!(Comparison { rows: Vec::new(), ..looks.clone() }.error().is_nan());
+        let short = Compared { computed: Vec::new(), ..looks.rows[0].clone() };
+        assert!(Comparison { rows: vec![short], ..looks.clone() }.error().is_nan());
+        let lost = Comparison { rows: vec![Compared::one(1.0, f64::NAN, 1.0)], ..looks };
         assert!(lost.error().is_nan() && lost.samples()[0].error.is_nan());
     }
 
     #[test]
     fn an_order_in_the_step_is_found_whatever_the_mesh_leaves() {
-        let run = |dt: f64| Ok(Looks::worst("u", vec![Look::one(1.0, 1.3 + 5.0 * dt, 1.0)]));
+        let run = |dt: f64| Ok(Comparison::worst("u", vec![Compared::one(1.0, 1.3 + 5.0 * dt, 1.0)]));
         let refined = in_time(run, 0.1, 0.01, 4, Some([0.99, 1.01])).expect("runs");
         assert_eq!((refined.failed(), refined.errors.len()), (None, 4));
         let refined = in_time(run, 0.1, 0.01, 4, Some([1.9, 2.1])).expect("runs");
         assert!(refined.failed().is_some());
-        let with = |count: usize| Ok(Looks::worst("u", vec![Look::one(1.0, 1.0 + 0.1 / count as f64, 1.0)]));
+        let with = |count: usize| Ok(Comparison::worst("u", vec![Compared::one(1.0, 1.0 + 0.1 / count as f64, 1.0)]));
         assert!(in_particles(with, 0.1, &[1, 4], 0.11).expect("runs").failed().is_none());
         assert!(in_particles(with, 0.1, &[1, 4], 0.09).expect("runs").failed().is_some());
     }

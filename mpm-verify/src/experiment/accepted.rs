@@ -1,10 +1,11 @@
 //! The errors of cases beside the accepted ones.
 
-use super::{Judged, SUITE};
+use super::verdict::Judged;
 use crate::baseline::suite::{Accepted, GROWTH, Kind, LABEL, baselines, floor};
+use crate::cases::SUITE;
 
 /// Holds a case's error against the accepted one: notes both, and lets the case fail if its error has grown or fallen.
-pub(super) fn compare(judged: &mut Judged) {
+pub(crate) fn compare(judged: &mut Judged) {
     compare_with(&baselines(), judged);
 }
 

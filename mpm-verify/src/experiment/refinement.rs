@@ -124,7 +124,7 @@ impl Refinement {
 }
 
 /// A fitted order with its 95 % interval, as a message shows it.
-pub(super) fn order_words(fit: &Fit) -> String {
+pub(crate) fn order_words(fit: &Fit) -> String {
     match fit.interval() {
         Some(_) => format!("{:.2} +- {:.2}", fit.order, fit.half_width),
         None => format!("{:.2}", fit.order),
@@ -132,7 +132,7 @@ pub(super) fn order_words(fit: &Fit) -> String {
 }
 
 /// Why an order is not established.
-pub(super) fn not_established(fit: Option<&Fit>, required: Option<[f64; 2]>) -> String {
+pub(crate) fn not_established(fit: Option<&Fit>, required: Option<[f64; 2]>) -> String {
     let meshes = |fit: &Fit| fit.pairwise.len() + 1;
     let found = match fit {
         None => "none can be fitted".to_owned(),

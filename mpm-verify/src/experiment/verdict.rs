@@ -2,17 +2,17 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Case;
-use super::evidence::{
+use super::refinement::{
     MESH, Parameter, RUNS, Refinement, RefinementRow, SampleRow, Sampled, not_established, order_words, spacings, words,
 };
 use crate::baseline::suite::Kind;
+use crate::cases::Case;
 use crate::rates::{Fit, Order, fit, largest_of_last_two};
 use crate::report::numbers::{brief, short};
 
 /// What a case found, before it is judged.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Outcome {
+pub(crate) struct Outcome {
     pub integrator: String,
     pub scheme: String,
     /// Tolerance of the runs in time: their results are the same up to that.
@@ -195,7 +195,7 @@ impl Judged {
     }
 
     /// Marks the case as failed for a reason that its own rule does not know.
-    pub(super) fn fail(&mut self, why: &str) {
+    pub(crate) fn fail(&mut self, why: &str) {
         FAILED.clone_into(&mut self.row.verdict);
         self.reason = format!("{}; {why}", self.reason);
         self.row.reason.clone_from(&self.reason);
@@ -204,7 +204,7 @@ impl Judged {
 
 /// The one rule. The error is small enough: that of the finest mesh where the order is established, else the largest of the
 /// last two. No order is surely another one than it should be. The same holds for all refinements.
-pub(super) fn judge(case: Case, outcome: Outcome, cpu_s: f64) -> Judged {
+pub(crate) fn judge(case: Case, outcome: Outcome, cpu_s: f64) -> Judged {
     let lengths = spacings(outcome.refined_by, &outcome.errors);
     let fit: Option<Fit> = fit(&lengths);
     let order = outcome.required_order.map(|range| fit.as_ref().map_or(Order::NotEstablished, |fit| fit.shows(range)));
@@ -344,7 +344,7 @@ mod tests {
         let nothing = Outcome { errors: vec![(0.1, f64::NAN)], ..good.clone() };
         assert!(!judged(nothing.clone()).row.passed() && judged(nothing.clone()).reason.contains("no order"));
         let flat = [8e-6, 4e-6, 2e-6, 1e-6].map(|step| (step, 1e-3)).to_vec();
-        let flat = Refinement::new(crate::cases::evidence::STEP, flat, "");
+        let flat = Refinement::new(crate::experiment::refinement::STEP, flat, "");
         let step = Refinement { required_order: Some([0.9, 1.1]), ..flat };
         let refined = judged(Outcome { refinements: vec![step], ..good.clone() });
         assert!(!refined.row.passed(), "{}", refined.reason);
@@ -378,7 +378,7 @@ mod tests {
         assert!(!judged(Outcome { required_everywhere: None, ..exit }).row.passed());
         // A refinement whose order is open leaves the case open.
         let errors = vec![(4e-6, 4e-3), (2e-6, 2e-3), (1e-6, 1e-3)];
-        let step = Refinement::new(crate::cases::evidence::STEP, errors, "");
+        let step = Refinement::new(crate::experiment::refinement::STEP, errors, "");
         let step = Refinement { required_order: Some([0.9, 1.1]), ..step };
         let one =
             Outcome { errors: vec![(0.1, 1e-3)], required_error: 2e-3, refinements: vec![step], ..Outcome::default() };

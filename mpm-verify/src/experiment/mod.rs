@@ -1,0 +1,18 @@
+//! One way to run and to judge anything: a scene with a patch, what is measured in its runs, the reference and the norm, what is
+//! refined, and what that must show. The result is a record.
+//!
+//! # Reading order
+//! 1. [`comparison`]: numbers of a run beside exact ones, and the norm that makes one error of them.
+//! 2. [`refinement`]: errors over a refined parameter, and the order that they show.
+//! 3. [`verdict`]: the one rule that judges an outcome. [`accepted`]: its error beside the accepted one.
+//! 4. [`pool`]: several experiments at a time.
+
+pub(crate) mod accepted;
+pub(crate) mod comparison;
+pub mod pool;
+pub(crate) mod refinement;
+pub(crate) mod verdict;
+
+pub use accepted::accepted;
+pub use refinement::{Refinement, RefinementRow, SampleRow, Sampled, words};
+pub use verdict::{CaseRow, Judged};
