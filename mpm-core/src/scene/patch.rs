@@ -117,14 +117,15 @@ pub(super) enum Unreadable {
     Edit(SceneError),
 }
 
-/// The value of a dotted key, if it is there.
+/// The value of a dotted key, if it is there; an element of a list by its number.
 pub(super) fn value<'t, 'i>(table: &'t DeTable<'i>, key: &str) -> Option<&'t DeValue<'i>> {
     let (first, rest) = key.split_once('.').map_or((key, None), |(first, rest)| (first, Some(rest)));
-    let value = table.get(first)?.get_ref();
-    match rest {
-        Some(rest) => self::value(value.as_table()?, rest),
-        None => Some(value),
-    }
+    let below = |value: &'t DeValue<'i>, part: &str| match value {
+        DeValue::Table(table) => table.get(part).map(Spanned::get_ref),
+        DeValue::Array(list) => list.get(part.parse::<usize>().ok()?).map(Spanned::get_ref),
+        _ => None,
+    };
+    rest.into_iter().flat_map(|rest| rest.split('.')).try_fold(table.get(first)?.get_ref(), below)
 }
 
 /// A value and all in it at one place.
@@ -211,6 +212,18 @@ impl Scene {
     pub fn patched<K: AsRef<str>>(&self, changes: &[(K, Change)]) -> Result<Self, SceneError> {
         let edit = |(key, change): &(K, Change)| Edit::new(None, key.as_ref(), change.clone());
         self.with_edits(changes.iter().map(edit).collect::<Result<_, _>>()?)
+    }
+
+    /// A number of the scene's file, by its dotted key: `water.hydraulic_conductivity`, `layers.1.porosity`.
+    pub fn number(&self, key: &str) -> Option<f64> {
+        let table = self.source.table().ok()?;
+        let number = value(table.get_ref(), key)?;
+        number
+            .as_float()
+            .map(|number| number.as_str())
+            .or(number.as_integer().map(|number| number.as_str()))?
+            .parse()
+            .ok()
     }
 
     /// The scene on cells of another size (m); as many cells of empty room as it takes to keep the room.

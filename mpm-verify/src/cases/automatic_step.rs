@@ -6,12 +6,12 @@
 
 use mpm_core::scene::{Scene, ShapeChoice, StepChoice, Until};
 
-use super::{Case, Error, Mutant, Outcome, finished};
+use super::{Error, Mutant, Outcome, Program, finished};
 use crate::experiment::refinement::RUNS;
 use crate::norms::largest;
 
 /// The case.
-pub const CASE: Case = Case {
+pub const CASE: Program = Program {
     name: "automatic-step",
     about: "the automatic explicit step of dry and of closed columns over the limit of the shortest wave times its safety",
     run: || outcome(1.0),

@@ -5,7 +5,7 @@ use mpm_core::observe::FieldPoint;
 use mpm_core::scene::{Course, Dimension, Fields, Integrator, Scene, ShapeChoice, StrainChoice, Until};
 
 use super::setup::{Measured, Setup, case, refined};
-use super::{Case, Unfit, sound};
+use super::{Program, Unfit, sound};
 use crate::exact::radial::Radial;
 use crate::norms::largest;
 
@@ -31,7 +31,7 @@ const CRYER: Setup = Setup {
 const SECOND: Option<[f64; 2]> = Some([1.6, 2.6]);
 
 /// All of them.
-pub const CASES: [Case; 5] = [
+pub const CASES: [Program; 5] = [
     case!("de-leeuw", "De Leeuw's cylinder about an axis: B-splines, quasi-static", PLANE, plane, DE_LEEUW),
     case!(
         "de-leeuw-centre",

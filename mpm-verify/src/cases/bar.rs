@@ -10,12 +10,12 @@ use mpm_core::scene::{Fields, Scene, ShapeChoice, StepChoice, TransferChoice, Un
 use mpm_core::stability::{choose_step, shortest_transfer};
 
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{Case, Error, Lacks, Mutant, Outcome, finished_given, integrator, scheme};
+use super::{Error, Lacks, Mutant, Outcome, Program, finished_given, integrator, scheme};
 use crate::experiment::comparison::{Compared, Comparison, in_particles, in_time};
 use crate::experiment::refinement::{PARTICLES, Refinement, STEP, Sampled};
 
 /// Displacement of the top over five swings.
-pub const PERIOD: Case = Case {
+pub const PERIOD: Program = Program {
     name: "bar-period",
     about: "a bar in its first mode: displacement of the top over five swings, order 2",
     run: || period(1.0),
@@ -23,7 +23,7 @@ pub const PERIOD: Case = Case {
 };
 
 /// Energy under FLIP.
-pub const ENERGY: Case = Case {
+pub const ENERGY: Program = Program {
     name: "bar-energy",
     about: "the same over 50 swings with FLIP: rate at which the energy is lost, (1 - S) w^2 dt",
     run: || energy(1.0),
@@ -31,7 +31,7 @@ pub const ENERGY: Case = Case {
 };
 
 /// Energy under PIC.
-pub const PIC: Case = Case {
+pub const PIC: Program = Program {
     name: "bar-pic",
     about: "the same with PIC: rate at which the energy is lost, (1 - S)/dt",
     run: || pic(0.0),

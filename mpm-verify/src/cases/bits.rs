@@ -8,12 +8,12 @@ use mpm_core::run::{run_attended, run_on};
 use mpm_core::scene::{Base, Dimension, LoadedStrip, Scene, ShapeChoice, Start, Surcharge, Until};
 use mpm_core::stability::choose_step;
 
-use super::{Case, Error, Mutant, Outcome, Unfit, whole};
+use super::{Error, Mutant, Outcome, Program, Unfit, whole};
 use crate::experiment::refinement::RUNS;
 use crate::nightly::work::GATES;
 
 /// Threads, and vectors of any width.
-pub const THREADS: Case = Case {
+pub const THREADS: Program = Program {
     name: "same-bits-threads",
     about: "a block in plane strain on 1, 2, 3 and 8 threads, with lanes of every width: numbers that differ",
     run: || threads(0.0),
@@ -21,7 +21,7 @@ pub const THREADS: Case = Case {
 };
 
 /// Every path through the solver, run again.
-pub const AGAIN: Case = Case {
+pub const AGAIN: Program = Program {
     name: "same-bits-again",
     about: "every integrator and shape run twice, on two threads side by side: runs that differ",
     run: || again(0.0),
@@ -29,7 +29,7 @@ pub const AGAIN: Case = Case {
 };
 
 /// Every path, in pieces.
-pub const RESUMED: Case = Case {
+pub const RESUMED: Program = Program {
     name: "same-bits-resumed",
     about: "every integrator and shape stopped at every look and taken up by another model: runs that differ",
     run: || resumed(false),
@@ -37,7 +37,7 @@ pub const RESUMED: Case = Case {
 };
 
 /// A levee, in pieces.
-pub const LEVEE: Case = Case {
+pub const LEVEE: Program = Program {
     name: "same-bits-levee",
     about: "a levee that slides, stopped and taken up by another driver: parts of its state that differ",
     run: || levee(false),

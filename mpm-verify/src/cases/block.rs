@@ -8,12 +8,12 @@ use mpm_core::drive::{Run, Sample};
 use mpm_core::scene::{Base, Fields, Scene, StepChoice};
 use mpm_core::stability::choose_step;
 
-use super::{Case, Error, Lacks, Mutant, Outcome, finished, integrator, scheme, sound};
+use super::{Error, Lacks, Mutant, Outcome, Program, finished, integrator, scheme, sound};
 use crate::exact::sliding::Sliding;
 use crate::experiment::comparison::{Compared, Comparison, in_particles, in_time};
 
 /// Thrown along a flat base.
-pub const STOPS: Case = Case {
+pub const STOPS: Program = Program {
     name: "block-stops",
     about: "a block thrown along a base comes to rest after v^2/(2 mu g)",
     run: || way("block-stops", sound),
@@ -21,7 +21,7 @@ pub const STOPS: Case = Case {
 };
 
 /// Steeper than its friction.
-pub const SLIDES: Case = Case {
+pub const SLIDES: Program = Program {
     name: "block-slides",
     about: "a block on an incline slides with g (sin b - mu cos b)",
     run: || way("block-on-incline", sound),
@@ -29,7 +29,7 @@ pub const SLIDES: Case = Case {
 };
 
 /// Friction that falls with slip.
-pub const WEAKENS: Case = Case {
+pub const WEAKENS: Program = Program {
     name: "block-weakens",
     about: "a base that weakens with slip: cosh(w t), then the residual friction",
     run: || way("block-weakens", sound),
@@ -37,7 +37,7 @@ pub const WEAKENS: Case = Case {
 };
 
 /// Less steep than its friction.
-pub const STICKS: Case = Case {
+pub const STICKS: Program = Program {
     name: "block-sticks",
     about: "a block on an incline below the friction angle: no friction work at all",
     run: || sticks(30.0),

@@ -4,12 +4,12 @@ use mpm_core::drive::Run;
 use mpm_core::observe::FieldPoint;
 use mpm_core::scene::{Fields, Scene};
 
-use super::{Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, faster, finished, integrator, sound};
+use super::{Error, FASTER, Lacks, Mutant, Outcome, Program, Unfit, faster, finished, integrator, sound};
 use crate::exact::boussinesq::Wetting;
 use crate::experiment::comparison::{Compared, Comparison, in_particles};
 
 /// The case.
-pub const CASE: Case = Case {
+pub const CASE: Program = Program {
     name: "front-boussinesq",
     about: "tip of the water at lambda sqrt(k H t/n) from 4 H on, to half a cell on every mesh",
     run: || outcome(sound),

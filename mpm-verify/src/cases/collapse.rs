@@ -5,14 +5,14 @@
 
 use mpm_core::scene::{Fields, Scene, Until};
 
-use super::{Case, Error, Lacks, Mutant, Outcome, finished, integrator, scheme, sound};
+use super::{Error, Lacks, Mutant, Outcome, Program, finished, integrator, scheme, sound};
 use crate::baseline::suite::Kind as Baseline;
 use crate::experiment::refinement::{MESH, PARTICLES, Refinement};
 use crate::literature::{Kind, run_out};
 use crate::norms::worst;
 
 /// Dry columns.
-pub const DRY: Case = Case {
+pub const DRY: Program = Program {
     name: "collapse-dry",
     about: "run-out of dry columns of aspect ratio 1, 2 and 4 within the scatter of published laws",
     run: || outcome("collapse-dry", &[0.1, 0.05], &[1.0, 2.0, 4.0], Kind::Dry, sound),
@@ -23,7 +23,7 @@ pub const DRY: Case = Case {
 };
 
 /// Columns full of water.
-pub const SATURATED: Case = Case {
+pub const SATURATED: Program = Program {
     name: "collapse-saturated",
     about: "run-out of saturated columns in air of aspect ratio 1 and 2 within the scatter of laws for immersed ones",
     run: || outcome("collapse-saturated", &[0.1], &[1.0, 2.0], Kind::Immersed, sound),

@@ -9,13 +9,13 @@ use mpm_core::observe::FieldPoint;
 use mpm_core::scene::{Integrator, Scene, ShapeChoice, SolidSide, StepChoice, StrainChoice, Until};
 
 use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
-use super::{Case, Error, Mutant, Outcome, Unfit, finished_given, integrator, scheme};
+use super::{Error, Mutant, Outcome, Program, Unfit, finished_given, integrator, scheme};
 use crate::exact::coupled_field::CoupledField;
 use crate::experiment::comparison::{Compared, Comparison, Norm, in_particles, in_time};
 use crate::experiment::refinement::STEP as BY_STEP;
 
 /// The paper's scheme.
-pub const EXPLICIT: Case = Case {
+pub const EXPLICIT: Program = Program {
     name: "coupled-field",
     about: "made-up u-p field in a closed square, the paper's scheme: pressure, order 2",
     run: || refined(Integrator::Explicit, ShapeChoice::Centre, 1.0),
@@ -23,7 +23,7 @@ pub const EXPLICIT: Case = Case {
 };
 
 /// Gradients at the particle.
-pub const LINEAR: Case = Case {
+pub const LINEAR: Program = Program {
     name: "coupled-field-linear",
     about: "the same with the standard linear scheme",
     run: || refined(Integrator::Explicit, ShapeChoice::Linear, 1.0),
@@ -31,7 +31,7 @@ pub const LINEAR: Case = Case {
 };
 
 /// Implicit pressure.
-pub const SEMI_IMPLICIT: Case = Case {
+pub const SEMI_IMPLICIT: Program = Program {
     name: "coupled-field-implicit",
     about: "the same with implicit pressure, steps that fall with L^2: order 2",
     run: || refined(Integrator::SemiImplicit, ShapeChoice::Centre, 1.0),
@@ -39,7 +39,7 @@ pub const SEMI_IMPLICIT: Case = Case {
 };
 
 /// Implicit pressure, steps alone.
-pub const STEPS: Case = Case {
+pub const STEPS: Program = Program {
     name: "coupled-field-steps",
     about: "the same on one mesh, against its solution in small steps: order 1 in the step",
     run: || steps(1.0),

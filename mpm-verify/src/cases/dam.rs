@@ -4,13 +4,13 @@ use mpm_core::drive::Sample;
 use mpm_core::observe::{FieldPoint, WaterState};
 use mpm_core::scene::{Feed, Fields, Scene};
 
-use super::{Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, faster, finished, integrator, sound};
+use super::{Error, FASTER, Lacks, Mutant, Outcome, Program, Unfit, faster, finished, integrator, sound};
 use crate::exact::dam::Dam;
 use crate::experiment::comparison::{Compared, Comparison, in_particles};
 use crate::norms::largest;
 
 /// What flows through.
-pub const DISCHARGE: Case = Case {
+pub const DISCHARGE: Program = Program {
     name: "dam-discharge",
     about: "discharge k H1^2/(2 l): within 1 % at 20 cells over the height and 0.3 % at 40",
     run: || discharge(0.0, sound),
@@ -18,7 +18,7 @@ pub const DISCHARGE: Case = Case {
 };
 
 /// The same with water on both sides.
-pub const TAIL_WATER: Case = Case {
+pub const TAIL_WATER: Program = Program {
     name: "dam-tail-water",
     about: "discharge k (H1^2 - H2^2)/(2 l) with water 0.2 m high on the other side",
     run: || discharge(0.2, sound),
@@ -35,7 +35,7 @@ pub const TAIL_WATER: Case = Case {
 };
 
 /// Where it comes out.
-pub const EXIT: Case = Case {
+pub const EXIT: Program = Program {
     name: "dam-exit",
     about: "height of the exit point above the base, to half a cell on every mesh",
     run: || heights(EXIT_HEIGHT, Computed::exit, sound),
@@ -43,7 +43,7 @@ pub const EXIT: Case = Case {
 };
 
 /// Where its surface is.
-pub const SURFACE: Case = Case {
+pub const SURFACE: Program = Program {
     name: "dam-surface",
     about: "the free surface over nine tenths of the length, to half a cell on every mesh",
     run: || heights(LEVEL, Computed::surface, sound),
@@ -51,7 +51,7 @@ pub const SURFACE: Case = Case {
 };
 
 /// What it holds.
-pub const STORED: Case = Case {
+pub const STORED: Program = Program {
     name: "dam-stored",
     about: "water in cells and in particles over n times the area under the exact surface, also beside tail water: within 1 %",
     run: || stored(sound),

@@ -6,12 +6,12 @@
 use mpm_core::drive::Sample;
 use mpm_core::scene::{Fields, Integrator, Scene, Start, StepChoice, Surcharge, Until};
 
-use super::{Case, Error, Lacks, Mutant, Outcome, finished, integrator, scheme, sound};
+use super::{Error, Lacks, Mutant, Outcome, Program, finished, integrator, scheme, sound};
 use crate::exact::damped_column::DampedColumn;
 use crate::experiment::comparison::{Compared, Comparison, in_time};
 
 /// The case.
-pub const CASE: Case = Case {
+pub const CASE: Program = Program {
     name: "damped-column",
     about: "a closed column that settles against damping, implicit pressure: settlement, order 1 in the step",
     run: || outcome(sound),

@@ -8,11 +8,11 @@ use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
-use super::{Case, Error, Mutant, Outcome, Unfit, integrator, scheme, sound};
+use super::{Error, Mutant, Outcome, Program, Unfit, integrator, scheme, sound};
 use crate::exact::terzaghi::Terzaghi;
 
 /// The case.
-pub const CASE: Case = Case {
+pub const CASE: Program = Program {
     name: "double-drainage",
     about: "consolidation with both ends drained, slow soil",
     run: || outcome(sound),

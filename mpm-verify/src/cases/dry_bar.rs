@@ -5,10 +5,10 @@ use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::terzaghi::{HALVINGS, PARTICLE_COUNTS};
-use super::{Case, Error, Mutant, Outcome, integrator, scheme, sound};
+use super::{Error, Mutant, Outcome, Program, integrator, scheme, sound};
 
 /// The case.
-pub const CASE: Case = Case {
+pub const CASE: Program = Program {
     name: "dry-bar",
     about: "elastic wave in a bar without water",
     run: || outcome(sound),

@@ -5,11 +5,11 @@ use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{Case, Error, Mutant, Outcome, Unfit, integrator, scheme, sound};
+use super::{Error, Mutant, Outcome, Program, Unfit, integrator, scheme, sound};
 use crate::exact::dynamic::DynamicColumn;
 
 /// Darcy's law with `rho_w a_s`.
-pub const WITH_INERTIA: Case = Case {
+pub const WITH_INERTIA: Program = Program {
     name: "dynamic-up",
     about: "waves and consolidation, u-p model",
     run: || outcome(sound, sound),
@@ -17,7 +17,7 @@ pub const WITH_INERTIA: Case = Case {
 };
 
 /// Darcy's law without inertia.
-pub const WITHOUT_INERTIA: Case = Case {
+pub const WITHOUT_INERTIA: Program = Program {
     name: "dynamic-upq",
     about: "the same without inertia in Darcy's law",
     run: || outcome(without, sound),

@@ -14,12 +14,12 @@ use mpm_core::scene::{Fields, Integrator, Scene, Start, StepChoice, Surcharge, U
 use mpm_core::stability::stable_limit;
 
 use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
-use super::{Case, Error, Mutant, Outcome, Unfit, finished, integrator, scheme, sound};
+use super::{Error, Mutant, Outcome, Program, Unfit, finished, integrator, scheme, sound};
 use crate::experiment::comparison::{Compared, Comparison};
 use crate::experiment::refinement::{MESH, PARTICLES, Refinement, STEP};
 
 /// The paper's step.
-pub const EXPLICIT: Case = Case {
+pub const EXPLICIT: Program = Program {
     name: "dynamic-energy",
     about: "energy ledger of the column with inertia and damping: what no work explains, order 1 in the step",
     run: || outcome(&PAPER, sound),
@@ -27,7 +27,7 @@ pub const EXPLICIT: Case = Case {
 };
 
 /// Implicit pressure.
-pub const SEMI_IMPLICIT: Case = Case {
+pub const SEMI_IMPLICIT: Program = Program {
     name: "dynamic-energy-semi-implicit",
     about: "the same with implicit pressure",
     run: || outcome(&IMPLICIT_PRESSURE, sound),

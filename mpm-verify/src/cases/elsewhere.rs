@@ -6,7 +6,7 @@
 use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice, StrainChoice, Surcharge, Until};
 
 use super::own::OwnScene;
-use super::{Case, Error, FASTER, Mutant, Outcome, faster, sound};
+use super::{Error, FASTER, Mutant, Outcome, Program, faster, sound};
 use crate::norms::SAMPLE_TV;
 
 /// How the column differs from Table 1's.
@@ -15,7 +15,7 @@ type Change = fn(&mut Fields);
 /// A case of one column and one integrator.
 macro_rules! case {
     ($name:literal, $about:literal, $change:ident, $integrator:ident, $rows:expr) => {
-        Case {
+        Program {
             name: $name,
             about: $about,
             run: || outcome($change, Integrator::$integrator, &$rows, sound),
@@ -26,7 +26,7 @@ macro_rules! case {
 
 /// All of them: four columns, three integrators. An explicit run needs 2 (H/L)^2 (M + Q)/M steps per unit of Tv, which is why
 /// the soft tall column and Poisson's ratio 0 end at coarser meshes.
-pub const CASES: [Case; 12] = [
+pub const CASES: [Program; 12] = [
     case!("tall-explicit", "H = 5 m, E = 2 MPa, n = 0.45: explicit", tall, Explicit, [10, 12, 14, 17, 20]),
     case!("tall-semi-implicit", "the same semi-implicit", tall, SemiImplicit, [20, 28, 40, 56]),
     case!("tall-quasi-static", "the same without inertia, B-splines", tall, QuasiStatic, [14, 17, 20, 24]),

@@ -5,7 +5,7 @@ use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice};
 
 use super::setup::{Measured, Setup, case, refined};
 use super::wells::around;
-use super::{Case, Unfit, sound};
+use super::{Program, Unfit, sound};
 use crate::exact::pressed_pores::PressedPores;
 use crate::norms::largest;
 
@@ -41,7 +41,7 @@ const CONSTANT: &str = "conductivity that stays";
 const LEVEL: &str = "level bedding";
 
 /// All of them.
-pub const CASES: [Case; 6] = [
+pub const CASES: [Program; 6] = [
     case!("kozeny-carman", "flow through pores that a load has narrowed, B-splines", CONSTANT, constant, PRESSED),
     case!(
         "kozeny-carman-centre",

@@ -4,7 +4,7 @@
 use mpm_core::scene::{Course, Fields, Integrator, Scene, ShapeChoice, StrainChoice};
 
 use super::setup::{Measured, Setup, case, refined};
-use super::{Case, FASTER, Unfit, faster, sound};
+use super::{FASTER, Program, Unfit, faster, sound};
 use crate::exact::seabed::Seabed;
 use crate::exact::terzaghi::Terzaghi;
 use crate::norms::{LATE_TV, largest};
@@ -57,7 +57,7 @@ const PRESSED: Setup = Setup {
 };
 
 /// All of them.
-pub const CASES: [Case; 9] = [
+pub const CASES: [Program; 9] = [
     case!("load-in-time", "a load that comes, goes and comes again: superposed ramps", FASTER, faster, CYCLIC),
     case!(
         "load-in-time-explicit",

@@ -10,10 +10,10 @@
 use mpm_core::run::run;
 use mpm_core::scene::Scene;
 
-use super::{Case, Error, Lacks, Mutant, Outcome, Unfit, asked, integrator, scheme};
+use super::{Error, Lacks, Mutant, Outcome, Program, Unfit, asked, integrator, scheme};
 
 /// Tresca soil.
-pub const UNDRAINED: Case = Case {
+pub const UNDRAINED: Program = Program {
     name: "footing-phi-0",
     about: "strip footing on weightless soil without friction: limit load (2 + pi) c within 1 %",
     run: || outcome(0.0, 0.0, 0.01),
@@ -21,7 +21,7 @@ pub const UNDRAINED: Case = Case {
 };
 
 /// 20 degrees.
-pub const PHI_20: Case = Case {
+pub const PHI_20: Program = Program {
     name: "footing-phi-20",
     about: "the same with phi = psi = 20 degrees: Prandtl's N_c c within 2 %",
     run: || outcome(20.0, 0.0, 0.02),
@@ -29,7 +29,7 @@ pub const PHI_20: Case = Case {
 };
 
 /// 30 degrees.
-pub const PHI_30: Case = Case {
+pub const PHI_30: Program = Program {
     name: "footing-phi-30",
     about: "the same with phi = psi = 30 degrees",
     run: || outcome(30.0, 0.0, 0.02),

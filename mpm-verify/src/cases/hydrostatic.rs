@@ -5,14 +5,14 @@
 use mpm_core::drive::Sample;
 use mpm_core::scene::{DarcyChoice, Dimension, Scene, Start, Until};
 
-use super::{Case, Error, Mutant, Outcome, finished, integrator, scheme};
+use super::{Error, Mutant, Outcome, Program, finished, integrator, scheme};
 use crate::experiment::comparison::{Compared, Comparison, in_particles};
 use crate::experiment::refinement::{MESH, Refinement};
 use crate::norms::largest;
 use crate::study::word;
 
 /// The case.
-pub const CASE: Case = Case {
+pub const CASE: Program = Program {
     name: "hydrostatic",
     about: "still water stays still (sign of Eq. 2)",
     run: || outcome(Start::Geostatic),

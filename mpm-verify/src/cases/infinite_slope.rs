@@ -13,13 +13,13 @@ use mpm_core::failure::Scales;
 use mpm_core::run::run;
 use mpm_core::scene::{Clock, Feed, Fields, Scene, Until};
 
-use super::{Case, Error, Lacks, Mutant, Outcome, Unfit, integrator, sound};
+use super::{Error, Lacks, Mutant, Outcome, Program, Unfit, integrator, sound};
 use crate::exact::infinite_slope::{InfiniteSlope, Seepage, Strength};
 use crate::experiment::refinement::{PARTICLES, Refinement};
 use crate::norms::worst;
 
 /// With the flow rule that limit equilibrium stands for.
-pub const ASSOCIATED: Case = Case {
+pub const ASSOCIATED: Program = Program {
     name: "slope-seepage",
     about: "factor of safety of infinite slopes, dry, half full, full, and with water leaving them: within 5 %",
     run: || outcome(FRAC_PI_6, sound),
@@ -27,7 +27,7 @@ pub const ASSOCIATED: Case = Case {
 };
 
 /// Without dilation: the strength is that of Davis.
-pub const WITHOUT_DILATION: Case = Case {
+pub const WITHOUT_DILATION: Program = Program {
     name: "slope-seepage-psi-0",
     about: "the same without dilation, against the strength in simple shear of Davis",
     run: || outcome(0.0, sound),

@@ -5,11 +5,11 @@ use mpm_core::scene::{Fields, Scene, ShapeChoice, Surcharge};
 
 use super::degree::Degree;
 use super::terzaghi::PARTICLE_COUNTS;
-use super::{Case, Error, FASTER, Mutant, Outcome, Unfit, asked, faster, integrator, scheme, sound};
+use super::{Error, FASTER, Mutant, Outcome, Program, Unfit, asked, faster, integrator, scheme, sound};
 use crate::exact::large_strain::LargeStrain;
 
 /// Quadratic B-splines.
-pub const SPLINES: Case = Case {
+pub const SPLINES: Program = Program {
     name: "large-strain",
     about: "consolidation to 20 % strain, B-splines: settlement, order 2 or more",
     run: || splines(sound),
@@ -17,7 +17,7 @@ pub const SPLINES: Case = Case {
 };
 
 /// Linear functions.
-pub const LINEAR: Case = Case {
+pub const LINEAR: Program = Program {
     name: "large-strain-linear",
     about: "the same with the standard linear scheme",
     run: || linear(sound),
@@ -25,7 +25,7 @@ pub const LINEAR: Case = Case {
 };
 
 /// 30 %.
-pub const SPLINES_30: Case = Case {
+pub const SPLINES_30: Program = Program {
     name: "large-strain-30",
     about: "consolidation to 30 % strain, B-splines without inertia: settlement, order 2 or more",
     run: || splines_30(sound),

@@ -12,12 +12,12 @@ use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::large_strain::column;
-use super::{Case, Error, Mutant, Outcome, Unfit, finished, integrator, scheme, slower, sound};
+use super::{Error, Mutant, Outcome, Program, Unfit, finished, integrator, scheme, slower, sound};
 use crate::exact::large_strain::LargeStrain;
 use crate::norms::LATE_TV;
 
 /// 20 %.
-pub const TO_20: Case = Case {
+pub const TO_20: Program = Program {
     name: "large-strain-moving",
     about: "consolidation to 20 % strain, particles cross cells, implicit pressure: settlement from T = 0.1",
     run: || outcome(0.8, 5e-3, sound),
@@ -25,7 +25,7 @@ pub const TO_20: Case = Case {
 };
 
 /// 30 %.
-pub const TO_30: Case = Case {
+pub const TO_30: Program = Program {
     name: "large-strain-moving-30",
     about: "the same to 30 %",
     run: || outcome(0.7, 1e-2, sound),

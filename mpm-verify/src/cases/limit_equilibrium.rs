@@ -1,7 +1,7 @@
 //! Slip circles, by which strength reduction is held against limit equilibrium, against what they must be: Taylor's critical toe
 //! circles in clay, and a flat circle in a long slope, which is an infinite slope without and with water that flows along it.
 
-use super::{Case, Error, Lacks, Mutant, Outcome};
+use super::{Error, Lacks, Mutant, Outcome, Program};
 use crate::exact::infinite_slope::{InfiniteSlope, Seepage, Strength};
 use crate::exact::slip_circle::factor::Method;
 use crate::exact::slip_circle::water::Phreatic;
@@ -10,7 +10,7 @@ use crate::experiment::refinement::RUNS;
 use crate::norms::largest;
 
 /// The case.
-pub const CASE: Case = Case {
+pub const CASE: Program = Program {
     name: "limit-equilibrium",
     about: "slip circles (Bishop, Spencer) against Taylor's stability numbers and infinite slopes with seepage: factors",
     run: || outcome(1.0),

@@ -7,14 +7,14 @@ use mpm_core::scene::{Fields, Scene, ShapeChoice, StepChoice, TimeMethod, Until}
 
 use super::degree::{Degree, Errors};
 use super::terzaghi::PARTICLE_COUNTS;
-use super::{Case, Error, FASTER, Mutant, Outcome, Unfit, asked, faster, finished, integrator, scheme, sound};
+use super::{Error, FASTER, Mutant, Outcome, Program, Unfit, asked, faster, finished, integrator, scheme, sound};
 use crate::exact::mandel::Mandel;
 use crate::experiment::comparison::{Compared, Comparison, in_particles, in_time};
 use crate::experiment::refinement::Sampled;
 use crate::norms::worst;
 
 /// Quadratic B-splines, eight cells per side on the finest mesh.
-pub const SPLINES: Case = Case {
+pub const SPLINES: Program = Program {
     name: "mandel",
     about: "Mandel's problem, B-splines: p at T = 0.1 with 8 cells per side",
     run: || splines(sound),
@@ -22,7 +22,7 @@ pub const SPLINES: Case = Case {
 };
 
 /// The paper's scheme.
-pub const CENTRE: Case = Case {
+pub const CENTRE: Program = Program {
     name: "mandel-centre",
     about: "the same with centre values and pressures constant in a cell",
     run: || centre(sound),
@@ -30,7 +30,7 @@ pub const CENTRE: Case = Case {
 };
 
 /// Cubic B-splines.
-pub const CUBIC: Case = Case {
+pub const CUBIC: Program = Program {
     name: "mandel-cubic",
     about: "the same, cubic B-splines: order 4 or more",
     run: || cubic(sound),
@@ -38,7 +38,7 @@ pub const CUBIC: Case = Case {
 };
 
 /// Profiles from early to late.
-pub const PROFILE: Case = Case {
+pub const PROFILE: Program = Program {
     name: "mandel-profile",
     about: "the same, B-splines: profiles of p from T = 0.02 to 2, largest error of all",
     run: || profiles(sound),

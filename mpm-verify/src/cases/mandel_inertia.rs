@@ -12,7 +12,7 @@ use mpm_core::stability::stable_limit;
 
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use super::{
-    Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, faster, finished_given, integrator, mandel, scheme, slower,
+    Error, FASTER, Lacks, Mutant, Outcome, Program, Unfit, faster, finished_given, integrator, mandel, scheme, slower,
     sound,
 };
 use crate::exact::mandel::Mandel;
@@ -20,7 +20,7 @@ use crate::experiment::comparison::{Comparison, in_particles, in_time};
 use crate::experiment::refinement::Refinement;
 
 /// Implicit pressure.
-pub const SEMI_IMPLICIT: Case = Case {
+pub const SEMI_IMPLICIT: Program = Program {
     name: "mandel-semi-implicit",
     about: "Mandel's problem with inertia, implicit pressure, rigid plate: p from T = 0.1 to 1",
     run: || semi_implicit(sound),
@@ -28,7 +28,7 @@ pub const SEMI_IMPLICIT: Case = Case {
 };
 
 /// The paper's scheme.
-pub const EXPLICIT: Case = Case {
+pub const EXPLICIT: Program = Program {
     name: "mandel-explicit",
     about: "the same with the paper's explicit step",
     run: || explicit(sound),

@@ -8,13 +8,13 @@ use mpm_core::drive::{Run, Sample};
 use mpm_core::scene::{Fields, Scene, ShapeChoice, Until};
 
 use super::mandel_inertia::{Block, IMPLICIT_PRESSURE, PAPER, Way};
-use super::{Case, Error, Mutant, Outcome, asked, finished, integrator, mandel, scheme, sound};
+use super::{Error, Mutant, Outcome, Program, asked, finished, integrator, mandel, scheme, sound};
 use crate::exact::mandel::Mandel;
 use crate::experiment::comparison::{Compared, Comparison};
 use crate::experiment::refinement::{MESH, Refinement, Sampled, TOLERANCE};
 
 /// B-splines without inertia.
-pub const SPLINES: Case = Case {
+pub const SPLINES: Program = Program {
     name: "mandel-rise",
     about: "Mandel's problem, B-splines: the rise of p in the middle above p_0, size and time of its peak",
     run: || quasi_static(sound),
@@ -22,7 +22,7 @@ pub const SPLINES: Case = Case {
 };
 
 /// Implicit pressure.
-pub const SEMI_IMPLICIT: Case = Case {
+pub const SEMI_IMPLICIT: Program = Program {
     name: "mandel-rise-semi-implicit",
     about: "the same rise with inertia, implicit pressure",
     run: || with_inertia(&IMPLICIT_PRESSURE, 5e-3, sound),
@@ -30,7 +30,7 @@ pub const SEMI_IMPLICIT: Case = Case {
 };
 
 /// The paper's step.
-pub const EXPLICIT: Case = Case {
+pub const EXPLICIT: Program = Program {
     name: "mandel-rise-explicit",
     about: "the same rise with the paper's explicit step",
     run: || with_inertia(&PAPER, 1e-2, sound),
@@ -215,7 +215,8 @@ fn with_inertia(way: &Way, required_error: f64, fault: fn(&mut Fields)) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cases::{faster, judge};
+    use crate::cases::faster;
+    use crate::experiment::verdict::judge;
 
     #[test]
     fn peaks_are_found_between_the_looks() {
@@ -232,7 +233,7 @@ mod tests {
 
     #[test]
     fn a_peak_at_the_wrong_time_is_found_by_its_time_alone() {
-        let judged = judge(SPLINES, quasi_static(faster).expect("runs that finish"), 0.0);
+        let judged = judge(SPLINES.named(), quasi_static(faster).expect("runs that finish"), 0.0);
         assert!(judged.row.error < judged.row.required_error, "the size of the peak does not depend on k");
         assert!(!judged.row.passed() && judged.reason.contains("refined by mesh L"), "{}", judged.reason);
     }

@@ -46,6 +46,7 @@ mod slab;
 mod spin;
 mod stages;
 mod strip;
+pub mod suite;
 mod terzaghi;
 mod undrained;
 mod undrained_wave;
@@ -54,45 +55,41 @@ mod water_ledger;
 mod wells;
 mod wetting;
 
-use std::cell::Cell;
+use mpm_core::drive::Sample;
+use mpm_core::scene::{Fields, Scene};
 
-use cpu_time::ThreadTime;
-use mpm_core::boundary::Given;
-use mpm_core::drive::{Run, Sample};
-use mpm_core::observe::balances;
-use mpm_core::run::{StartError, run, run_given};
-use mpm_core::scene::{Fields, Integrator, Scene};
-
+pub use self::suite::{Case, suite};
 use crate::error::Error::{self, Lacks, Unfit};
-use crate::experiment::accepted;
-use crate::experiment::verdict::{Judged, Outcome, judge};
+use crate::experiment::run::{asked, finished, finished_given, integrator, scheme, whole};
+use crate::experiment::verdict::Outcome;
+#[cfg(test)]
+use crate::experiment::verdict::{Judged, Named};
 use crate::norms::largest;
-use crate::study::word;
 
-/// One case of the suite.
+/// A case that a function runs, because its runs are none of a scene alone.
 #[derive(Debug, Clone, Copy)]
-pub struct Case {
+pub(crate) struct Program {
     /// Its name on the command line.
     pub name: &'static str,
     /// What it shows, against what.
     pub about: &'static str,
     /// Runs it.
-    pub(crate) run: fn() -> Result<Outcome, Error>,
+    pub run: fn() -> Result<Outcome, Error>,
     /// The same check with a fault planted, which it must find.
     pub mutant: Option<Mutant>,
 }
 
-/// A case with a fault planted in its input: a check that holds all the same is no check.
+/// A case with a fault planted in its input: a check that passes all the same is no check.
 #[derive(Debug, Clone, Copy)]
-pub struct Mutant {
+pub(crate) struct Mutant {
     /// The fault.
     pub what: &'static str,
     /// Runs the check with it, on the meshes and with the requirements of the case.
-    pub(crate) run: fn() -> Result<Outcome, Error>,
+    pub run: fn() -> Result<Outcome, Error>,
 }
 
-/// All cases, the simplest first.
-pub const SUITE: &[Case] = &[
+/// All cases that functions run.
+const PROGRAMS: &[Program] = &[
     hydrostatic::CASE,
     undrained::CASE,
     dry_bar::CASE,
@@ -104,14 +101,7 @@ pub const SUITE: &[Case] = &[
     dynamic_energy::SEMI_IMPLICIT,
     damped_column::CASE,
     automatic_step::CASE,
-    terzaghi::SURFACE,
-    terzaghi::LINEAR,
-    terzaghi::NODAL,
-    terzaghi::GIMP,
-    terzaghi::SPLINES,
     semi_implicit::AT_ITS_LIMIT,
-    semi_implicit::CENTRE,
-    semi_implicit::SPLINES,
     double_drainage::CASE,
     water_ledger::CASE,
     ramp_load::CASE,
@@ -289,39 +279,18 @@ pub const SUITE: &[Case] = &[
     others::CASE,
 ];
 
-impl Case {
-    /// Runs and judges the case, and holds its error against the accepted one.
-    ///
-    /// # Errors
-    /// A run of it could not be finished.
-    pub fn judged(&self) -> Result<Judged, Error> {
-        let mut judged = self.judge(self.run)?;
-        accepted::compare(&mut judged);
-        Ok(judged)
+#[cfg(test)]
+impl Program {
+    fn named(&self) -> Named {
+        Named { name: self.name, about: self.about, mutant: self.mutant.map(|mutant| mutant.what) }
     }
 
-    /// Runs and judges its mutant; `None` if it has none. Its baseline is left out: the check itself must find the fault.
-    ///
-    /// # Errors
-    /// A run of it could not be finished: a fault must be found by the check, not by a run that stops.
-    pub fn mutant_judged(&self) -> Option<Result<Judged, Error>> {
-        self.mutant.map(|mutant| self.judge(mutant.run))
+    fn judged(&self) -> Result<Judged, Error> {
+        suite::judged(self.named(), self.run)
     }
 
-    fn judge(&self, run: fn() -> Result<Outcome, Error>) -> Result<Judged, Error> {
-        let clock = ThreadTime::now();
-        MOMENTUM.set(None);
-        let mut outcome = run().map_err(|e| e.of(self.name))?;
-        let momentum = MOMENTUM.take();
-        if let Some(missing) = momentum {
-            outcome.notes.push(("momentum that is missing, over what may be".to_owned(), missing, "-".to_owned()));
-        }
-        let mut judged = judge(*self, outcome, clock.elapsed().as_secs_f64());
-        if let Some(missing) = momentum.filter(|missing| missing.is_nan() || *missing > 1.0) {
-            judged.sound = false;
-            judged.fail(&format!("momentum does not close: {missing:.3e} times what may be missing"));
-        }
-        Ok(judged)
+    fn mutant_judged(&self) -> Option<Result<Judged, Error>> {
+        self.mutant.map(|mutant| suite::judged(self.named(), mutant.run))
     }
 }
 
@@ -345,22 +314,6 @@ fn slower(scene: &mut Fields, factor: f64) {
     }
 }
 
-/// `centre/face` and the like.
-fn scheme(scene: &Scene) -> String {
-    let shape = word(scene.shape);
-    if scene.water.is_some() { format!("{shape}/{}", word(scene.darcy)) } else { shape }
-}
-
-/// `explicit` and the like.
-fn integrator(scene: &Scene) -> String {
-    word(scene.integrator)
-}
-
-/// What a quasi-static scene asks of its steps in time, by which its results may move; zero where steps are what they are.
-fn asked(scene: &Scene) -> f64 {
-    if scene.integrator == Integrator::QuasiStatic { scene.tolerance } else { 0.0 }
-}
-
 /// Runs a scene on several meshes: (mesh in m, largest error over the observed samples).
 fn refine(base: &Scene, rows: &[usize], error: impl Fn(&Sample) -> f64) -> Result<Vec<(f64, f64)>, Error> {
     let on = |rows: &usize| {
@@ -368,63 +321,4 @@ fn refine(base: &Scene, rows: &[usize], error: impl Fn(&Sample) -> f64) -> Resul
         Ok((scene.cell, largest(finished(&scene)?.observed().map(&error))))
     };
     rows.iter().map(on).collect()
-}
-
-thread_local! {
-    /// The largest gap of momentum in the runs of a case, over what may be; nothing before one with inertia.
-    static MOMENTUM: Cell<Option<f64>> = const { Cell::new(None) };
-}
-
-/// Notes the momentum that is missing in a run. Fields without words in a scene are not known to the bounds.
-fn note_momentum(scene: &Scene, run: &Run) {
-    if run.trust.is_none() {
-        return;
-    }
-    for sample in &run.samples {
-        let all = balances(scene, run.dt, sample.step, &sample.state, &sample.ledger);
-        for balance in all.iter().filter(|balance| balance.ledger == "momentum" && balance.gap != 0.0) {
-            let missing = balance.gap.abs() / balance.allowed;
-            let larger = |known: f64| if missing <= known { known } else { missing };
-            MOMENTUM.set(Some(MOMENTUM.get().map_or(missing, larger)));
-        }
-    }
-}
-
-/// Runs a scene to its end.
-fn finished(scene: &Scene) -> Result<Run, Error> {
-    let run = whole(run(scene, &mut |_| {}))?;
-    note_momentum(scene, &run);
-    Ok(run)
-}
-
-/// The same with fields that scenes have no words for.
-fn finished_given(scene: &Scene, given: &Given) -> Result<Run, Error> {
-    whole(run_given(scene, given, &mut |_| {}))
-}
-
-/// A run that has come to its end.
-fn whole(run: Result<Run, StartError>) -> Result<Run, Error> {
-    Ok(run?.whole()?)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_are_unique() {
-        let mut names: Vec<&str> = SUITE.iter().map(|case| case.name).collect();
-        names.sort_unstable();
-        names.dedup();
-        assert_eq!(names.len(), SUITE.len());
-    }
-
-    #[test]
-    fn quick_mutants_are_caught() {
-        for name in ["hydrostatic", "dry-bar", "quasi-static-coarse", "quasi-static-profile", "ramp-load"] {
-            let case = SUITE.iter().find(|case| case.name == name).expect("a case");
-            let judged = case.mutant_judged().expect("a mutant").expect("runs that finish");
-            assert!(!judged.row.passed(), "{name}: {}", judged.reason);
-        }
-    }
 }

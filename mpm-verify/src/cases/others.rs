@@ -14,11 +14,11 @@ use mpm_core::stability::choose_step;
 use serde::Deserialize;
 
 use super::bits::Stop;
-use super::{Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, faster, sound};
+use super::{Error, FASTER, Lacks, Mutant, Outcome, Program, Unfit, faster, sound};
 use crate::experiment::refinement::{RUNS, Sampled};
 
 /// The case.
-pub const CASE: Case = Case {
+pub const CASE: Program = Program {
     name: "others",
     about: "scenes of others: right to a stated figure, refused, or ended with the reason; the share that is none of these",
     run: || outcome(|_| true, sound),

@@ -4,12 +4,12 @@ use mpm_core::run::outline_parts;
 use mpm_core::scene::{Scene, SeedingChoice};
 use mpm_core::seeding;
 
-use super::{Case, Error, Lacks, Mutant, Outcome, integrator};
+use super::{Error, Lacks, Mutant, Outcome, Program, integrator};
 use crate::norms::largest;
 use crate::rates::fit;
 
 /// The case.
-pub const CASE: Case = Case {
+pub const CASE: Program = Program {
     name: "outline-seeding",
     about: "mass and centre of particles clipped by a slope, and of whole squares",
     run: || outcome(SeedingChoice::Clipped),

@@ -7,13 +7,13 @@ use mpm_core::scene::{Displaced, Scene, ShapeChoice, TimeMethod};
 
 use super::degree::Degree;
 use super::terzaghi::PARTICLE_COUNTS;
-use super::{Case, Error, Mutant, Outcome, Unfit, asked, finished, integrator, refine, scheme};
+use super::{Error, Mutant, Outcome, Program, Unfit, asked, finished, integrator, refine, scheme};
 use crate::exact::terzaghi::Terzaghi;
 use crate::experiment::refinement::Sampled;
 use crate::norms::{largest, profile_error, relative};
 
 /// Quadratic B-splines.
-pub const SPLINES: Case = Case {
+pub const SPLINES: Program = Program {
     name: "quasi-static",
     about: "consolidation without inertia, B-splines: U at L = 0.05, order 3 or more",
     run: || fine(COMPRESSIBLE),
@@ -21,7 +21,7 @@ pub const SPLINES: Case = Case {
 };
 
 /// The same on ten cells.
-pub const COARSE: Case = Case {
+pub const COARSE: Program = Program {
     name: "quasi-static-coarse",
     about: "the same on 6 to 12 cells",
     run: || coarse(COMPRESSIBLE),
@@ -29,7 +29,7 @@ pub const COARSE: Case = Case {
 };
 
 /// The paper's scheme.
-pub const CENTRE: Case = Case {
+pub const CENTRE: Program = Program {
     name: "quasi-static-centre",
     about: "the same with the paper's centre values: order 2",
     run: || centre(COMPRESSIBLE),
@@ -37,7 +37,7 @@ pub const CENTRE: Case = Case {
 };
 
 /// Pressures, not only the settlement.
-pub const PROFILE: Case = Case {
+pub const PROFILE: Program = Program {
     name: "quasi-static-profile",
     about: "pore pressure at Tv = 0.1, B-splines: order 3 or more",
     run: || profile(QUADRATIC, COMPRESSIBLE),
@@ -45,7 +45,7 @@ pub const PROFILE: Case = Case {
 };
 
 /// Cubic B-splines.
-pub const CUBIC: Case = Case {
+pub const CUBIC: Program = Program {
     name: "quasi-static-cubic",
     about: "the same with cubic B-splines: order 4 or more",
     run: || profile(CUBIC_SPLINES, COMPRESSIBLE),
@@ -58,7 +58,7 @@ const QUADRATIC: Splines = (ShapeChoice::Bspline2, 9, 1e-6, [3.0, 6.0]);
 const CUBIC_SPLINES: Splines = (ShapeChoice::Bspline3, 16, 1e-6, [4.0, 8.0]);
 
 /// Steps of SDIRK4(3) instead of the Krylov method.
-pub const STEPS: Case = Case {
+pub const STEPS: Program = Program {
     name: "quasi-static-steps",
     about: "consolidation by error-controlled steps: U at L = 0.05",
     run: || steps(COMPRESSIBLE),
@@ -66,7 +66,7 @@ pub const STEPS: Case = Case {
 };
 
 /// Particles anywhere.
-pub const DISPLACED: Case = Case {
+pub const DISPLACED: Program = Program {
     name: "displaced-particles",
     about: "particles moved by half a spacing and by random quarters: U at L = 0.10",
     run: || displaced(COMPRESSIBLE),
@@ -74,7 +74,7 @@ pub const DISPLACED: Case = Case {
 };
 
 /// The mesh anywhere.
-pub const SHIFTED: Case = Case {
+pub const SHIFTED: Program = Program {
     name: "shifted-grid",
     about: "a mesh shifted by any part of a cell: U at L = 0.10",
     run: || shifted(COMPRESSIBLE),

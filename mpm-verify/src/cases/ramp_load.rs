@@ -5,11 +5,11 @@ use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{Case, Error, Mutant, Outcome, Unfit, integrator, scheme, sound};
+use super::{Error, Mutant, Outcome, Program, Unfit, integrator, scheme, sound};
 use crate::exact::terzaghi::Terzaghi;
 
 /// The case.
-pub const CASE: Case = Case {
+pub const CASE: Program = Program {
     name: "ramp-load",
     about: "a load that grows linearly, from rest",
     run: || outcome(sound),
@@ -17,7 +17,7 @@ pub const CASE: Case = Case {
 };
 
 /// Without inertia, by steps.
-pub const QUASI_STATIC: Case = Case {
+pub const QUASI_STATIC: Program = Program {
     name: "ramp-load-quasi-static",
     about: "the same without inertia, B-splines and error-controlled steps: the load of every stage of a step",
     run: || without_inertia(sound),

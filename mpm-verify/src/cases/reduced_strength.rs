@@ -10,12 +10,12 @@ use mpm_core::stability::choose_step;
 use mpm_core::step::Pace;
 use mpm_core::water::Pressures;
 
-use super::{Case, Error, Lacks, Mutant, Outcome, Unfit};
+use super::{Error, Lacks, Mutant, Outcome, Program, Unfit};
 use crate::experiment::refinement::RUNS;
 use crate::norms::largest;
 
 /// The case.
-pub const CASE: Case = Case {
+pub const CASE: Program = Program {
     name: "reduced-strength",
     about: "strength reduction by 1.5 and 3 against scenes with the reduced strength of soil and base: how apart they slide",
     run: || outcome(1.0),

@@ -5,13 +5,13 @@ use mpm_core::drive::Sample;
 use mpm_core::scene::{Base, Fields, Until};
 use mpm_core::stability::choose_step;
 
-use super::{Case, Error, Lacks, Mutant, Outcome, finished, sound};
+use super::{Error, Lacks, Mutant, Outcome, Program, finished, sound};
 use crate::experiment::comparison::{Compared, Comparison};
 use crate::experiment::refinement::{PARTICLES, Refinement, Sampled};
 use crate::norms::largest;
 
 /// Nothing moves.
-pub const SPEED: Case = Case {
+pub const SPEED: Program = Program {
     name: "rest-speed",
     about: "columns and slopes under gravity at rest for 1e5 steps: largest speed of a particle, m/s",
     run: || outcome(STEPS, SPEEDS, 1e-8, sound),
@@ -19,7 +19,7 @@ pub const SPEED: Case = Case {
 };
 
 /// No energy comes or goes.
-pub const ENERGY: Case = Case {
+pub const ENERGY: Program = Program {
     name: "rest-energy",
     about: "the same: change of the energy ledger's closing error, of the energy stored",
     run: || outcome(STEPS, ENERGIES, 1e-10, sound),

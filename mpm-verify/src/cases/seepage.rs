@@ -3,12 +3,12 @@
 use mpm_core::observe::WaterState;
 use mpm_core::scene::{Dimension, Feed, Fields, Scene, Side, SolidSide, Until};
 
-use super::{Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, faster, finished, integrator, sound};
+use super::{Error, FASTER, Lacks, Mutant, Outcome, Program, Unfit, faster, finished, integrator, sound};
 use crate::experiment::comparison::{Compared, Comparison};
 use crate::norms::largest;
 
 /// A column that drains.
-pub const DRAINS: Case = Case {
+pub const DRAINS: Program = Program {
     name: "column-drains",
     about: "the level of a full column that drains at its base falls at k/n, and no water enters through its top",
     run: || drains(sound),
@@ -16,7 +16,7 @@ pub const DRAINS: Case = Case {
 };
 
 /// Rain.
-pub const RAIN: Case = Case {
+pub const RAIN: Program = Program {
     name: "rain",
     about: "rain on slopes, berms and peaks: what enters is the rate times the width under the sky, on every mesh",
     run: || rain(1.0),

@@ -8,14 +8,14 @@ use mpm_core::stability::stable_limit;
 use super::degree::Degree;
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use super::{
-    Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, asked, faster, finished, integrator, scheme, slower, sound,
+    Error, FASTER, Lacks, Mutant, Outcome, Program, Unfit, asked, faster, finished, integrator, scheme, slower, sound,
 };
 use crate::exact::self_weight::SelfWeight;
 use crate::experiment::refinement::{MESH, Refinement};
 use crate::norms::LATE_TV;
 
 /// The paper's scheme.
-pub const EXPLICIT: Case = Case {
+pub const EXPLICIT: Program = Program {
     name: "self-weight",
     about: "consolidation under the own weight, the paper's scheme: settlement, order 2",
     run: || outcome(&WITH_INERTIA, sound),
@@ -23,7 +23,7 @@ pub const EXPLICIT: Case = Case {
 };
 
 /// Implicit pressure.
-pub const SEMI_IMPLICIT: Case = Case {
+pub const SEMI_IMPLICIT: Program = Program {
     name: "self-weight-semi-implicit",
     about: "the same with implicit pressure",
     run: || outcome(&IMPLICIT_PRESSURE, sound),
@@ -31,7 +31,7 @@ pub const SEMI_IMPLICIT: Case = Case {
 };
 
 /// Without inertia.
-pub const QUASI_STATIC: Case = Case {
+pub const QUASI_STATIC: Program = Program {
     name: "self-weight-quasi-static",
     about: "the same without inertia, B-splines",
     run: || outcome(&WITHOUT_INERTIA, sound),
@@ -39,7 +39,7 @@ pub const QUASI_STATIC: Case = Case {
 };
 
 /// Without inertia, the paper's scheme.
-pub const CENTRE: Case = Case {
+pub const CENTRE: Program = Program {
     name: "self-weight-centre",
     about: "the same without inertia, values at the centre and flow through faces: order 2",
     run: || outcome(&WITH_FACES, sound),
@@ -47,7 +47,7 @@ pub const CENTRE: Case = Case {
 };
 
 /// Much strain.
-pub const SOFT: Case = Case {
+pub const SOFT: Program = Program {
     name: "self-weight-soft",
     about: "soft soil under its own weight, B-splines and centre values, drained: settlement at 10 % strain",
     run: || soft(sound),

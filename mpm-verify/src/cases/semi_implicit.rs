@@ -5,14 +5,14 @@ use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
 use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
-use super::{Case, Error, FASTER, Mutant, Outcome, Unfit, faster, integrator, scheme, sound, terzaghi};
+use super::{Error, FASTER, Mutant, Outcome, Program, Unfit, faster, integrator, scheme, sound, terzaghi};
 use crate::exact::dynamic::DynamicColumn;
 use crate::exact::terzaghi::Terzaghi;
 use crate::experiment::refinement::{MESH, Refinement};
 use crate::norms::LATE_TV;
 
 /// The study's default scene, L = 0.02, at 0.9 of its limit.
-pub const AT_ITS_LIMIT: Case = Case {
+pub const AT_ITS_LIMIT: Program = Program {
     name: "semi-implicit",
     about: "consolidation with implicit pressure at 0.9 of its limit, from Tv = 0.01",
     run: || at_its_limit(sound),
@@ -20,7 +20,7 @@ pub const AT_ITS_LIMIT: Case = Case {
 };
 
 /// The order of the default shape.
-pub const CENTRE: Case = Case {
+pub const CENTRE: Program = Program {
     name: "semi-implicit-order",
     about: "the same from Tv = 0.1, steps that fall with L^2: order 2",
     run: || order(ShapeChoice::Centre, 5e-5, sound),
@@ -28,7 +28,7 @@ pub const CENTRE: Case = Case {
 };
 
 /// The order of quadratic B-splines.
-pub const SPLINES: Case = Case {
+pub const SPLINES: Program = Program {
     name: "semi-implicit-bspline2",
     about: "the same with quadratic B-splines",
     run: || order(ShapeChoice::Bspline2, 3e-4, sound),

@@ -29,7 +29,7 @@ pub(super) struct Setup {
 /// A case of the verification suite with its planted fault.
 macro_rules! case {
     ($name:literal, $about:literal, $what:expr, $fault:expr, $case:expr) => {
-        $crate::cases::Case {
+        $crate::cases::Program {
             name: $name,
             about: $about,
             run: || $crate::cases::setup::run(&$case, $crate::cases::sound),
@@ -61,7 +61,7 @@ pub(super) fn run(case: &Setup, fault: fn(&mut Fields)) -> Result<Outcome, Error
 
 /// That cases hold, and that each finds its fault.
 #[cfg(test)]
-pub(super) fn hold_and_find_their_faults<'a>(cases: impl IntoIterator<Item = &'a super::Case>) {
+pub(super) fn hold_and_find_their_faults<'a>(cases: impl IntoIterator<Item = &'a super::Program>) {
     for case in cases {
         let sound = case.judged().expect("runs that finish");
         assert!(sound.row.passed(), "{}: {}", case.name, sound.reason);

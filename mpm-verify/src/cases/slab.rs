@@ -8,12 +8,12 @@ use mpm_core::scene::{
     Base, Clock, Fields, Integrator, LoadOn, NormalStress, Scene, Side, SolidSide, Surcharge, Until,
 };
 
-use super::{Case, Error, Lacks, Mutant, Outcome, finished, integrator, scheme, sound};
+use super::{Error, Lacks, Mutant, Outcome, Program, finished, integrator, scheme, sound};
 use crate::exact::slab::Slab;
 use crate::experiment::comparison::{Compared, Comparison};
 
 /// A dry one under a load that grows.
-pub const REMEMBERS: Case = Case {
+pub const REMEMBERS: Program = Program {
     name: "slab-remembers",
     about: "a dry slab with adhesion under a normal load that grows, friction that lags behind it: velocity",
     run: || outcome(loaded, FAR, sound),
@@ -21,7 +21,7 @@ pub const REMEMBERS: Case = Case {
 };
 
 /// A full one.
-pub const SATURATED: Case = Case {
+pub const SATURATED: Program = Program {
     name: "slab-on-water",
     about: "a slab with adhesion that is full of water, whose pressure on the base takes from its friction: velocity",
     run: || outcome(saturated, NEAR, sound),
@@ -29,7 +29,7 @@ pub const SATURATED: Case = Case {
 };
 
 /// The same whose water has a free surface.
-pub const FREE_SURFACE: Case = Case {
+pub const FREE_SURFACE: Program = Program {
     name: "slab-on-free-water",
     about: "the same with a free surface and pressures that are held",
     run: || outcome(seeping, FAR, sound),

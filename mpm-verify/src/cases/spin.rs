@@ -16,12 +16,12 @@ use mpm_core::scene::{Dimension, Scene, ShapeChoice, SolidSide, TransferChoice};
 use mpm_core::stability::stable_limit;
 
 use super::terzaghi::PARTICLE_COUNTS;
-use super::{Case, Error, Lacks, Mutant, Outcome, integrator, scheme};
+use super::{Error, Lacks, Mutant, Outcome, Program, integrator, scheme};
 use crate::experiment::comparison::{Compared, Comparison, in_particles, in_time};
 use crate::experiment::refinement::Sampled;
 
 /// Quadratic B-splines.
-pub const SPLINES: Case = Case {
+pub const SPLINES: Program = Program {
     name: "spin",
     about: "a free square turns once, affine velocities, B-splines: change of the angular momentum",
     run: || outcome(ShapeChoice::Bspline2, TransferChoice::Affine),
@@ -29,7 +29,7 @@ pub const SPLINES: Case = Case {
 };
 
 /// uGIMP.
-pub const GIMP: Case = Case {
+pub const GIMP: Program = Program {
     name: "spin-gimp",
     about: "the same with uGIMP",
     run: || outcome(ShapeChoice::Gimp, TransferChoice::Affine),

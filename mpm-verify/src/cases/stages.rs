@@ -6,7 +6,7 @@ use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice, Side};
 
 use super::features::{explicit, quasi_static, softer};
 use super::setup::{Measured, Setup, case, refined};
-use super::{Case, FASTER, Unfit, faster, sound};
+use super::{FASTER, Program, Unfit, faster, sound};
 use crate::norms::largest;
 
 /// Second order: the square of a cell over the height, on the finest mesh.
@@ -31,7 +31,7 @@ const RELEASED: Setup = Setup {
 };
 
 /// All of them.
-pub const CASES: [Case; 8] = [
+pub const CASES: [Program; 8] = [
     case!(
         "given-start",
         "a column from a pressure that is linear over its height: quasi-static, B-splines",

@@ -6,12 +6,12 @@
 use mpm_core::observe::FieldPoint;
 use mpm_core::scene::{Fields, Scene, ShapeChoice};
 
-use super::{Case, Error, Lacks, Mutant, Outcome, asked, finished, integrator, scheme};
+use super::{Error, Lacks, Mutant, Outcome, Program, asked, finished, integrator, scheme};
 use crate::baseline::suite::Kind;
 use crate::exact::strip::StripLoad;
 
 /// The case.
-pub const CASE: Case = Case {
+pub const CASE: Program = Program {
     name: "strip",
     about: "undrained block under a strip load, B-splines: no oscillation of the pressure",
     run: || outcome(None),
@@ -19,7 +19,7 @@ pub const CASE: Case = Case {
 };
 
 /// Against the sum.
-pub const SUM: Case = Case {
+pub const SUM: Program = Program {
     name: "strip-sum",
     about: "the same against the sum of cosines: pore pressure, order 2 or more",
     run: || against_sum(&QUADRATIC, 1.0),
@@ -27,7 +27,7 @@ pub const SUM: Case = Case {
 };
 
 /// Against the sum, cubic B-splines.
-pub const CUBIC: Case = Case {
+pub const CUBIC: Program = Program {
     name: "strip-sum-cubic",
     about: "the same with cubic B-splines, order 3 or more: the load has kinks",
     run: || against_sum(&CUBIC_SPLINES, 1.0),

@@ -7,11 +7,11 @@ use mpm_core::scene::{DarcyChoice, Fields, Scene, ShapeChoice, Surcharge};
 use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
-use super::{Case, Error, FASTER, Mutant, Outcome, Unfit, faster, integrator, scheme, sound};
+use super::{Error, FASTER, Mutant, Outcome, Program, Unfit, faster, integrator, scheme, sound};
 use crate::exact::dynamic::DynamicColumn;
 
 /// The paper's scheme with the default operator.
-pub const SURFACE: Case = Case {
+pub const SURFACE: Program = Program {
     name: "terzaghi",
     about: "consolidation of Table 1's column: U, order 2",
     run: || outcome(sound, sound),
@@ -19,7 +19,7 @@ pub const SURFACE: Case = Case {
 };
 
 /// The standard linear scheme.
-pub const LINEAR: Case = Case {
+pub const LINEAR: Program = Program {
     name: "terzaghi-linear",
     about: "the same with the standard linear scheme",
     run: || outcome(linear, sound),
@@ -27,7 +27,7 @@ pub const LINEAR: Case = Case {
 };
 
 /// The paper's Darcy operator.
-pub const NODAL: Case = Case {
+pub const NODAL: Program = Program {
     name: "terzaghi-nodal",
     about: "the same with the paper's nodal Darcy velocity",
     run: || outcome(nodal, sound),
@@ -35,7 +35,7 @@ pub const NODAL: Case = Case {
 };
 
 /// uGIMP.
-pub const GIMP: Case = Case {
+pub const GIMP: Program = Program {
     name: "terzaghi-gimp",
     about: "the same with uGIMP",
     run: || gimp(sound),
@@ -43,7 +43,7 @@ pub const GIMP: Case = Case {
 };
 
 /// Quadratic B-splines.
-pub const SPLINES: Case = Case {
+pub const SPLINES: Program = Program {
     name: "terzaghi-bspline2",
     about: "the same with quadratic B-splines",
     run: || splines(sound),

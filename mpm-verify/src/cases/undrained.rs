@@ -5,12 +5,12 @@
 use mpm_core::drive::Sample;
 use mpm_core::scene::{Fields, Scene, Start, Until};
 
-use super::{Case, Error, Lacks, Mutant, Outcome, Unfit, finished, integrator, scheme, sound};
+use super::{Error, Lacks, Mutant, Outcome, Program, Unfit, finished, integrator, scheme, sound};
 use crate::experiment::comparison::{Compared, Comparison, in_particles};
 use crate::experiment::refinement::{MESH, Refinement};
 
 /// The case.
-pub const CASE: Case = Case {
+pub const CASE: Program = Program {
     name: "undrained",
     about: "pore pressure of a closed column under load (sign of Eq. 5)",
     run: || outcome(sound),

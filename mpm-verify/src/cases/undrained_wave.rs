@@ -5,13 +5,13 @@ use mpm_core::scene::{Fields, Scene, StepChoice, Until};
 use mpm_core::stability::stable_limit;
 
 use super::terzaghi::{HALVINGS, PARTICLE_COUNTS};
-use super::{Case, Error, Mutant, Outcome, Unfit, finished, integrator, scheme, sound};
+use super::{Error, Mutant, Outcome, Program, Unfit, finished, integrator, scheme, sound};
 use crate::exact::undrained_wave::UndrainedWave;
 use crate::experiment::comparison::{Compared, Comparison, Norm, in_particles, in_time};
 use crate::experiment::refinement::Refinement;
 
 /// Pressures over five passages.
-pub const AMPLITUDE: Case = Case {
+pub const AMPLITUDE: Program = Program {
     name: "undrained-wave",
     about: "the undrained wave at mid height over five passages: RMS of the pressure",
     run: || outcome(&IN_SIZE, sound),
@@ -19,7 +19,7 @@ pub const AMPLITUDE: Case = Case {
 };
 
 /// When the pressure there has half of its undrained value for the first time.
-pub const ARRIVAL: Case = Case {
+pub const ARRIVAL: Program = Program {
     name: "undrained-arrival",
     about: "the same: when half of the undrained pressure is reached first, of H/c_u",
     run: || outcome(&IN_TIME, sound),

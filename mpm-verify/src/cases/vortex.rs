@@ -14,13 +14,13 @@ use mpm_core::scene::{Dimension, Scene, SeedingChoice, ShapeChoice, SolidSide, T
 use mpm_core::stability::stable_limit;
 
 use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
-use super::{Case, Error, Mutant, Outcome, integrator, scheme};
+use super::{Error, Mutant, Outcome, Program, integrator, scheme};
 use crate::exact::vortex::Vortex;
 use crate::experiment::comparison::{Compared, Comparison, Norm, in_time};
 use crate::experiment::refinement::{PARTICLES, Refinement, Sampled};
 
 /// Quadratic B-splines.
-pub const SPLINES: Case = Case {
+pub const SPLINES: Program = Program {
     name: "vortex",
     about: "a disc sheared and turned by a body force, B-splines: places of the particles, order 2",
     run: || outcome(ShapeChoice::Bspline2, 2e-2, [1.8, 2.4], 1.0),
@@ -28,7 +28,7 @@ pub const SPLINES: Case = Case {
 };
 
 /// uGIMP, whose particles keep their first shape: its order falls on fine meshes.
-pub const GIMP: Case = Case {
+pub const GIMP: Program = Program {
     name: "vortex-gimp",
     about: "the same with uGIMP",
     run: || outcome(ShapeChoice::Gimp, 5e-2, [1.2, 2.4], 1.0),

@@ -6,11 +6,11 @@
 use mpm_core::drive::Run;
 use mpm_core::scene::{Dimension, Integrator, Scene, Until};
 
-use super::{Case, Error, Mutant, Outcome, Unfit, finished, largest};
+use super::{Error, Mutant, Outcome, Program, Unfit, finished, largest};
 use crate::experiment::refinement::RUNS;
 
 /// The case.
-pub const CASE: Case = Case {
+pub const CASE: Program = Program {
     name: "water-ledger",
     about: "a block that consolidates, explicit and with implicit pressure: water that is not accounted for",
     run: || outcome(0.0),

@@ -4,7 +4,7 @@ use mpm_core::observe::{FieldPoint, ProfileRow};
 use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice, StepChoice, StrainChoice};
 
 use super::setup::{Measured, Setup, case, refined};
-use super::{Case, FASTER, Unfit, faster, sound};
+use super::{FASTER, Program, Unfit, faster, sound};
 use crate::exact::wells::Confined;
 use crate::norms::largest;
 
@@ -40,7 +40,7 @@ const FOR_LONG: Setup =
     Setup { change: for_long, measure: steady, cells: &[20.0], required: 1e-2, order: None, ..LINE };
 
 /// All of them.
-pub const CASES: [Case; 7] = [
+pub const CASES: [Program; 7] = [
     case!("well-line", "drawdown beside a line of wells, B-splines", FASTER, faster, LINE),
     case!("well-line-semi-implicit", "the same semi-implicit, order 2", PUMPED, pumped, LINE_IN_STEPS),
     // What a pump sets swinging when it starts is no part of the solution: no order is expected.

@@ -4,13 +4,13 @@ use mpm_core::drive::Run;
 use mpm_core::observe::WaterState;
 use mpm_core::scene::{Dimension, Fields, Scene};
 
-use super::{Case, Error, FASTER, Mutant, Outcome, Unfit, faster, finished, integrator, sound};
+use super::{Error, FASTER, Mutant, Outcome, Program, Unfit, faster, finished, integrator, sound};
 use crate::exact::wetting_front::{Way, WettingFront};
 use crate::experiment::comparison::{Compared, Comparison, in_particles};
 use crate::norms::largest;
 
 /// A level front.
-pub const HORIZONTAL: Case = Case {
+pub const HORIZONTAL: Program = Program {
     name: "front-horizontal",
     about: "a front without gravity stands at sqrt(2 k h t/n), to half a cell on every mesh",
     run: || fronts(&scene("wetting-front", 0.0)?, Way::Horizontal, sound),
@@ -18,7 +18,7 @@ pub const HORIZONTAL: Case = Case {
 };
 
 /// A front that goes down.
-pub const DOWN: Case = Case {
+pub const DOWN: Program = Program {
     name: "front-down",
     about: "infiltration from 0.25 m of water: the front of Green & Ampt",
     run: || fronts(&scene("infiltration", 0.0)?, Way::Down, sound),
@@ -26,7 +26,7 @@ pub const DOWN: Case = Case {
 };
 
 /// A front that rises.
-pub const UP: Case = Case {
+pub const UP: Program = Program {
     name: "front-up",
     about: "a front that rises against its weight",
     run: || fronts(&scene("rising-front", 0.0)?, Way::Up, sound),
@@ -34,7 +34,7 @@ pub const UP: Case = Case {
 };
 
 /// A level front in moist soil.
-pub const MOIST: Case = Case {
+pub const MOIST: Program = Program {
     name: "front-moist",
     about: "a front in soil with S_0 = 0.5 has half the pores to fill",
     run: || fronts(&scene("wetting-front", 0.5)?, Way::Horizontal, sound),
@@ -51,7 +51,7 @@ pub const MOIST: Case = Case {
 };
 
 /// The water of all three, in cells and in particles.
-pub const LEDGER: Case = Case {
+pub const LEDGER: Program = Program {
     name: "front-ledger",
     about: "no water is made or lost, in cells or in particles, at 4 and 9 per cell",
     run: || ledger(0.0),

@@ -7,7 +7,7 @@ use mpm_core::hardware::Hardware;
 use mpm_core::scene::{Flags, INTEGRATORS, SHAPES, Scene};
 use mpm_verify::baseline;
 use mpm_verify::cases::own::OwnScene;
-use mpm_verify::cases::{Case, SUITE};
+use mpm_verify::cases::{Case, suite};
 use mpm_verify::error::Error;
 use mpm_verify::experiment::{CaseRow, Judged, accepted};
 use mpm_verify::files::Folder;
@@ -200,7 +200,7 @@ fn catch(names: &[String], common: &Common, folder: &Path) -> Result<(Vec<Caught
     say(quiet, &format!("{:<29} {:>10} {:>10}  {:<44} caught", "case", "error", "required", "mutant"));
     let cases: Vec<&Case> = cases.into_iter().filter(|case| case.mutant.is_some()).collect();
     let (rows, failed) = each(&cases, common, |case| {
-        let what = case.mutant.map_or("", |mutant| mutant.what);
+        let what = case.mutant.unwrap_or_default();
         let judged = case.mutant_judged().unwrap_or_else(|| Err(Error::Lacks("mutant").of(case.name)))?;
         let row = Caught::new(&judged, what);
         let caught = if row.caught { "yes" } else { "no" };
@@ -219,12 +219,12 @@ fn catch(names: &[String], common: &Common, folder: &Path) -> Result<(Vec<Caught
 
 /// The named cases, or all.
 fn chosen(names: &[String]) -> Result<Vec<&'static Case>, Failure> {
-    let known = || SUITE.iter().map(|case| case.name).collect::<Vec<_>>().join(", ");
-    if let Some(name) = names.iter().find(|name| SUITE.iter().all(|case| case.name != name.as_str())) {
+    let known = || suite().iter().map(|case| case.name).collect::<Vec<_>>().join(", ");
+    if let Some(name) = names.iter().find(|name| suite().iter().all(|case| case.name != name.as_str())) {
         return Err(Failure::BadInput(format!("check: expected one of {}, found {name}", known())));
     }
     let chosen = |case: &&Case| names.is_empty() || names.iter().any(|name| name == case.name);
-    Ok(SUITE.iter().filter(chosen).collect())
+    Ok(suite().iter().filter(chosen).collect())
 }
 
 /// Does something with every case, several at a time; the results in the order of the suite, and the messages of the cases that

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use mpm_core::scene::capabilities::{FEATURES, RULES, conflict};
 use mpm_core::scene::{INTEGRATORS, SHAPES};
-use mpm_verify::cases::SUITE;
+use mpm_verify::cases::suite;
 use mpm_verify::levee::variants::VARIANTS;
 use mpm_verify::scenes::BUILT_IN;
 use mpm_verify::stress::CASES;
@@ -18,7 +18,7 @@ const DRIVERS: [&str; 3] = ["two-clocks", "coupled", "explicit"];
 
 /// Names of the cases that have a mutant, and its fault.
 fn mutants() -> impl Iterator<Item = (&'static str, &'static str)> {
-    SUITE.iter().filter_map(|case| Some((case.name, case.mutant?.what)))
+    suite().iter().filter_map(|case| Some((case.name, case.mutant?)))
 }
 
 /// Prints which features of scenes do not go together, and what is expected in their place.
@@ -59,7 +59,7 @@ pub fn run(common: &Common) -> Result<(), Failure> {
     if common.json {
         let names = |list: Vec<&str>| serde_json::Value::from(list);
         print_json(&serde_json::json!({
-            "cases": names(SUITE.iter().map(|case| case.name).collect()),
+            "cases": names(suite().iter().map(|case| case.name).collect()),
             "mutants": mutants().collect::<BTreeMap<_, _>>(),
             "stress_tests": names(CASES.iter().map(|case| case.name).collect()),
             "scenes": names(BUILT_IN.iter().map(|(name, _)| *name).collect()),
@@ -73,7 +73,7 @@ pub fn run(common: &Common) -> Result<(), Failure> {
         return Ok(());
     }
     say(false, "cases (mpm-verify check [CASE..])");
-    for case in SUITE {
+    for case in suite() {
         say(false, &format!("  {:<22} {}", case.name, case.about));
     }
     say(false, "mutants (mpm-verify check --mutants [CASE..]): the same checks with a fault that they must find");

@@ -1,6 +1,6 @@
 //! Numbers of a run at its sample times beside exact ones, one at each time or a whole field, and how far runs differ.
 
-use super::refinement::{PARTICLES, Refinement, STEP, Sampled};
+use super::refinement::{PARTICLES, Refinement, STEP, Sampled, TOLERANCE};
 use crate::error::Error;
 use crate::norms::worst;
 
@@ -56,6 +56,8 @@ pub(crate) struct Comparison {
     pub over_places: Norm,
     /// Over the times.
     pub over_times: Norm,
+    /// Whether differences are shares of the exact number.
+    pub relative: bool,
     /// Times, in order.
     pub rows: Vec<Compared>,
 }
@@ -63,7 +65,14 @@ pub(crate) struct Comparison {
 impl Comparison {
     /// One number at each time, of which the worst counts.
     pub fn worst(quantity: impl Into<String>, rows: Vec<Compared>) -> Self {
-        Self { quantity: quantity.into(), unit: "-", over_places: Norm::Largest, over_times: Norm::Largest, rows }
+        Self {
+            quantity: quantity.into(),
+            unit: "-",
+            over_places: Norm::Largest,
+            over_times: Norm::Largest,
+            relative: false,
+            rows,
+        }
     }
 
     /// How far a look is off.
@@ -76,7 +85,8 @@ impl Comparison {
         if these.len() != those.len() {
             return f64::NAN;
         }
-        let differences: Vec<f64> = these.iter().zip(those).map(|(a, b)| a - b).collect();
+        let size = |exact: f64| if self.relative { exact } else { 1.0 };
+        let differences: Vec<f64> = these.iter().zip(those).map(|(a, b)| (a - b) / size(*b)).collect();
         self.over_places.of(&differences)
     }
 
@@ -148,6 +158,22 @@ pub(crate) fn in_particles(
     let errors = counts.iter().map(|count| Ok((*count as f64, run(*count)?.error()))).collect::<Result<_, Error>>()?;
     let against = format!("the exact solution, L = {cell} m: the error of the mesh stays, no order is expected");
     Ok(Refinement { required_error: Some(most), ..Refinement::new(PARTICLES, errors, against) })
+}
+
+/// Runs under tolerances that fall, on cells of edge `cell` (m): the difference of each to one under a hundredth of the smallest. A
+/// tolerance is a bound, so that no order is expected: no difference may exceed `times` its own tolerance.
+pub(crate) fn in_tolerance(
+    run: impl Fn(f64) -> Result<Comparison, Error>,
+    cell: f64,
+    tolerances: &[f64],
+    times: f64,
+) -> Result<Refinement, Error> {
+    let least = tolerances.iter().copied().fold(f64::INFINITY, f64::min);
+    let finest = run((0.01 * least).max(1e-10))?;
+    let error = |tolerance: &f64| Ok((*tolerance, run(*tolerance)?.difference(&finest)));
+    let errors = tolerances.iter().map(error).collect::<Result<_, Error>>()?;
+    let against = format!("the same run under a hundredth of the smallest tolerance, L = {cell} m");
+    Ok(Refinement { required_share: Some(times), ..Refinement::new(TOLERANCE, errors, against) })
 }
 
 #[cfg(test)]

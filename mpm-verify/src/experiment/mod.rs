@@ -2,15 +2,19 @@
 //! refined, and what that must show. The result is a record.
 //!
 //! # Reading order
-//! 1. [`comparison`]: numbers of a run beside exact ones, and the norm that makes one error of them.
-//! 2. [`refinement`]: errors over a refined parameter, and the order that they show.
-//! 3. [`verdict`]: the one rule that judges an outcome. [`accepted`]: its error beside the accepted one.
-//! 4. [`pool`]: several experiments at a time.
+//! 1. [`spec`]: an experiment as data, from a file. [`measure`]: what can be measured. [`run`]: from both to an outcome.
+//! 2. [`comparison`]: numbers of a run beside exact ones, and the norm that makes one error of them.
+//! 3. [`refinement`]: errors over a refined parameter, and the order that they show.
+//! 4. [`verdict`]: the one rule that judges an outcome. [`accepted`]: its error beside the accepted one.
+//! 5. [`pool`]: several experiments at a time.
 
 pub(crate) mod accepted;
 pub(crate) mod comparison;
+pub mod measure;
 pub mod pool;
 pub(crate) mod refinement;
+pub(crate) mod run;
+pub mod spec;
 pub(crate) mod verdict;
 
 pub use accepted::accepted;

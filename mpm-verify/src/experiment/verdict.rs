@@ -6,9 +6,19 @@ use super::refinement::{
     MESH, Parameter, RUNS, Refinement, RefinementRow, SampleRow, Sampled, not_established, order_words, spacings, words,
 };
 use crate::baseline::suite::Kind;
-use crate::cases::Case;
 use crate::rates::{Fit, Order, fit, largest_of_last_two};
 use crate::report::numbers::{brief, short};
+
+/// What a case is called.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Named {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// What it shows, against what.
+    pub about: &'static str,
+    /// The fault that its mutant has.
+    pub mutant: Option<&'static str>,
+}
 
 /// What a case found, before it is judged.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,7 +133,7 @@ impl CaseRow {
 #[derive(Debug, Clone)]
 pub struct Judged {
     /// The case.
-    pub case: Case,
+    pub case: Named,
     /// Its row of `cases.csv`.
     pub row: CaseRow,
     /// Why the verdict is what it is, with numbers.
@@ -204,7 +214,7 @@ impl Judged {
 
 /// The one rule. The error is small enough: that of the finest mesh where the order is established, else the largest of the
 /// last two. No order is surely another one than it should be. The same holds for all refinements.
-pub(crate) fn judge(case: Case, outcome: Outcome, cpu_s: f64) -> Judged {
+pub(crate) fn judge(case: Named, outcome: Outcome, cpu_s: f64) -> Judged {
     let lengths = spacings(outcome.refined_by, &outcome.errors);
     let fit: Option<Fit> = fit(&lengths);
     let order = outcome.required_order.map(|range| fit.as_ref().map_or(Order::NotEstablished, |fit| fit.shows(range)));
@@ -316,7 +326,7 @@ mod tests {
     use super::*;
 
     fn judged(outcome: Outcome) -> Judged {
-        let case = Case { name: "made up", about: "", run: || Err(crate::error::Error::Lacks("case")), mutant: None };
+        let case = Named { name: "an example", about: "", mutant: None };
         judge(case, outcome, 0.0)
     }
 

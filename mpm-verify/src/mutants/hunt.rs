@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::SWITCH;
 use super::table::Mutant;
-use crate::cases::SUITE;
+use crate::cases::suite;
 use crate::error::Error;
 use crate::experiment::CaseRow;
 use crate::nightly::report::Night;
@@ -80,7 +80,7 @@ impl Spoilt {
     /// # Errors
     /// Checks that do not hold.
     pub fn new(program: PathBuf, folder: PathBuf, jobs: usize, tell: &dyn Fn(&str)) -> Result<Self, Error> {
-        let all: Vec<String> = SUITE.iter().map(|case| case.name.to_owned()).collect();
+        let all: Vec<String> = suite().iter().map(|case| case.name.to_owned()).collect();
         let hour = Duration::from_secs(3600);
         let mut spoilt = Self { program, folder, jobs, quick: all, slow: Vec::new(), patience: [hour; 3] };
         let (steps, found) = spoilt.judged(0, &spoilt.quick, hour)?;

@@ -5,11 +5,11 @@
 use mpm_core::scene::{Fields, Scene};
 
 use super::super::degree::Degree;
-use super::super::{Case, Error, FASTER, Lacks, Mutant, Outcome, Unfit, asked, faster, integrator, scheme, sound};
+use super::super::{Error, FASTER, Lacks, Mutant, Outcome, Program, Unfit, asked, faster, integrator, scheme, sound};
 use crate::exact::oracle::Table;
 
 /// The case.
-pub const CASE: Case = Case {
+pub const CASE: Program = Program {
     name: "cc-soft-layer",
     about: "a layer of Cam-Clay that settles by 14 %, without inertia: settlement",
     run: || quasi_static(sound),

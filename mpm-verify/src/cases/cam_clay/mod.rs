@@ -32,7 +32,7 @@ fn own(soil: CamClay) -> CamClay {
 mod tests {
     use super::*;
 
-    const CASES: [crate::cases::Case; 5] = [DRAINED, UNDRAINED, OEDOMETER, BY_PARTICLES, SOFT_LAYER];
+    const CASES: [crate::cases::Program; 5] = [DRAINED, UNDRAINED, OEDOMETER, BY_PARTICLES, SOFT_LAYER];
 
     #[test]
     fn every_case_holds_and_every_mutant_falls_short() {

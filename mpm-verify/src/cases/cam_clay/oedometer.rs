@@ -3,7 +3,7 @@
 use mpm_core::constitutive::ModifiedCamClay;
 use mpm_core::scene::{CamClay, Dimension, ShapeChoice};
 
-use super::super::{Case, Error, Lacks, Mutant, Outcome, finished, integrator};
+use super::super::{Error, Lacks, Mutant, Outcome, Program, finished, integrator};
 use super::{FLATTER, REQUIRED, SOIL, flatter, own};
 use crate::element::Element;
 use crate::exact::cam_clay::at_rest;
@@ -12,7 +12,7 @@ use crate::experiment::refinement::{Parameter, Sampled};
 use crate::norms::largest;
 
 /// The case.
-pub const CASE: Case = Case {
+pub const CASE: Program = Program {
     name: "cc-oedometer",
     about: "Cam-Clay that does not strain sideways: stresses, and K_0 at the end",
     run: || outcome(own),
@@ -20,7 +20,7 @@ pub const CASE: Case = Case {
 };
 
 /// The same soil as particles.
-pub const BY_PARTICLES: Case = Case {
+pub const BY_PARTICLES: Program = Program {
     name: "cc-oedometer-particles",
     about: "stiff Cam-Clay compressed by particles, explicit: settlement at rest",
     run: || by_particles(own),

@@ -3,7 +3,7 @@
 use mpm_core::constitutive::ModifiedCamClay;
 use mpm_core::scene::CamClay;
 
-use super::super::{Case, Error, Mutant, Outcome, Unfit};
+use super::super::{Error, Mutant, Outcome, Program, Unfit};
 use super::{FLATTER, REQUIRED, SOIL, flatter, own};
 use crate::element::Element;
 use crate::exact::cam_clay::Triaxial;
@@ -11,7 +11,7 @@ use crate::experiment::refinement::{Parameter, Sampled};
 use crate::norms::largest;
 
 /// Lateral stresses are held.
-pub const DRAINED: Case = Case {
+pub const DRAINED: Program = Program {
     name: "cc-drained",
     about: "Cam-Clay in a drained triaxial cell: strains at a stress ratio",
     run: || drained(own),
@@ -19,7 +19,7 @@ pub const DRAINED: Case = Case {
 };
 
 /// The volume is held.
-pub const UNDRAINED: Case = Case {
+pub const UNDRAINED: Program = Program {
     name: "cc-undrained",
     about: "Cam-Clay in an undrained triaxial cell: pressure and strain",
     run: || undrained(own),

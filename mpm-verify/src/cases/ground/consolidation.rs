@@ -48,7 +48,7 @@ const SECOND: Option<[f64; 2]> = Some([1.7, 2.3]);
 const FASTER_LAYER: &str = "conductivity of the middle layer 5 % too high";
 
 /// All of them.
-pub const CASES: [Case; 7] = [
+pub const CASES: [Program; 7] = [
     case!("cut-column", "Terzaghi's column with a top 0.37 cells above a row, semi-implicit", FASTER, faster, CUT),
     case!(
         "cut-column-explicit",

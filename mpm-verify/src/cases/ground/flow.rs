@@ -44,7 +44,7 @@ const SLOPE: Setup = Setup {
 const FASTER_LAYER: &str = "conductivity of two layers 5 % too high";
 
 /// All of them.
-pub const CASES: [Case; 6] = [
+pub const CASES: [Program; 6] = [
     case!("flow-along-layers", "heads and discharge of layers side by side", FASTER_LAYER, faster_layer, LAYERS),
     case!(
         "flow-along-layers-explicit",

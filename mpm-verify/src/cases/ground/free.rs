@@ -36,7 +36,7 @@ const ALONG: Setup = Setup {
 };
 
 /// All of them.
-pub const CASES: [Case; 5] = [
+pub const CASES: [Program; 5] = [
     case!(
         "dam-core",
         "discharge of a dam with an upright clay core between two levels",

@@ -7,11 +7,11 @@ mod free;
 mod slopes;
 mod strip;
 
-use super::Case;
+use super::Program;
 use super::setup::{Measured, Setup, case, refined};
 
 /// All of them.
-pub const CASES: [Case; 24] = {
+pub const CASES: [Program; 24] = {
     let [a, b, c, d, e, f] = flow::CASES;
     let [g, h, i, j, k, l, x] = consolidation::CASES;
     let [m, n, o, p, q] = free::CASES;

@@ -73,14 +73,14 @@ const UNDER_WATER: [f64; 3] = [20.0 - 9.81, 10.0, 20.0];
 const WEAKER: &str = "friction 10 % lower";
 
 /// Both.
-pub const CASES: [Case; 2] = [
-    Case {
+pub const CASES: [Program; 2] = [
+    Program {
         name: "slope-acads-1c",
         about: "factor of safety of ACADS 1(c), three layers: 1.39 published",
         run: || outcome(&ACADS, 1.0),
         mutant: Some(Mutant { what: WEAKER, run: || outcome(&ACADS, 0.9) }),
     },
-    Case {
+    Program {
         name: "slope-drawdown",
         about: "factor of safety of a slope whose water falls (Griffiths & Lane, example 5): 1.85, 1.30, 1.40 published",
         run: || outcome(&DRAWDOWN, 1.0),

@@ -23,7 +23,7 @@ const SETTLEMENT: Setup =
 const FOURTH: Option<[f64; 2]> = Some([3.5, 5.0]);
 
 /// All of them.
-pub const CASES: [Case; 4] = [
+pub const CASES: [Program; 4] = [
     case!(
         "strip-stress",
         "stress under a strip of load on elastic soil, B-splines: order 2",

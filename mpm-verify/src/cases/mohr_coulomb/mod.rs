@@ -81,7 +81,7 @@ fn outcome(what: &str, errors: Vec<(f64, f64)>, required_error: f64, required_or
 mod tests {
     use super::*;
 
-    const CASES: [crate::cases::Case; 7] =
+    const CASES: [crate::cases::Program; 7] =
         [ASSOCIATED, NOT_ASSOCIATED, PLANE_STRAIN, TRIAXIAL, FROM_K0, ISOTROPIC, OEDOMETER];
 
     #[test]

@@ -3,14 +3,14 @@
 use mpm_core::drive::{Run, Sample};
 use mpm_core::scene::{Dimension, Fields, Scene, ShapeChoice};
 
-use super::super::{Case, Error, Lacks, Mutant, Outcome, Unfit, finished, integrator, scheme};
+use super::super::{Error, Lacks, Mutant, Outcome, Program, Unfit, finished, integrator, scheme};
 use crate::exact::oedometer::Oedometer;
 use crate::experiment::comparison::{Compared, Comparison, in_particles};
 use crate::experiment::refinement::{MESH, Refinement};
 use crate::norms::largest;
 
 /// The case.
-pub const CASE: Case = Case {
+pub const CASE: Program = Program {
     name: "mc-oedometer",
     about: "Mohr-Coulomb soil compressed beyond yield by particles, one and two dimensions: settlement",
     run: || settles(|_| {}),

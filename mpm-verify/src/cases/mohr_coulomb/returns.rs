@@ -7,13 +7,13 @@ use mpm_core::constitutive::Law;
 use mpm_core::scene::Strength;
 use nalgebra::{Matrix3, SymmetricEigen};
 
-use super::super::{Case, Error, Mutant, Outcome};
+use super::super::{Error, Mutant, Outcome, Program};
 use super::{STRENGTH, law, outcome};
 use crate::exact::oracle::Table;
 use crate::norms::largest;
 
 /// psi = phi.
-pub const ASSOCIATED: Case = Case {
+pub const ASSOCIATED: Program = Program {
     name: "mc-return-associated",
     about: "Mohr-Coulomb returns with psi = phi: stress and region",
     run: || returns(include_str!("../../../../reference-data/exact/10_mc_return_associated.csv"), &ALONG),
@@ -21,7 +21,7 @@ pub const ASSOCIATED: Case = Case {
 };
 
 /// psi = 0.
-pub const NOT_ASSOCIATED: Case = Case {
+pub const NOT_ASSOCIATED: Program = Program {
     name: "mc-return-nonassociated",
     about: "the same with psi = 0",
     run: || returns(include_str!("../../../../reference-data/exact/10_mc_return_nonassociated.csv"), &STRENGTH),

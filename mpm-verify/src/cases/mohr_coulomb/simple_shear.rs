@@ -3,7 +3,7 @@
 
 use mpm_core::scene::Strength;
 
-use super::super::{Case, Error, Mutant, Outcome, Unfit};
+use super::super::{Error, Mutant, Outcome, Program, Unfit};
 use super::{CELL_PRESSURE, STRENGTH, at_row, exact_on_paths, law, outcome};
 use crate::element::Element;
 use crate::exact::oracle::Table;
@@ -11,7 +11,7 @@ use crate::experiment::refinement::Sampled;
 use crate::norms::largest;
 
 /// From the stress of K_0 = nu/(1 - nu).
-pub const FROM_K0: Case = Case {
+pub const FROM_K0: Program = Program {
     name: "mc-simple-shear",
     about: "Mohr-Coulomb soil in simple shear from K_0: shear stress, order 1 in the step",
     run: || from_k0(&STRENGTH),
@@ -19,7 +19,7 @@ pub const FROM_K0: Case = Case {
 };
 
 /// From an isotropic stress.
-pub const ISOTROPIC: Case = Case {
+pub const ISOTROPIC: Program = Program {
     name: "mc-simple-shear-iso",
     about: "the same from an isotropic stress: exact",
     run: || isotropic(&STRENGTH),

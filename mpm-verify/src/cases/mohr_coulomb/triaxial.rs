@@ -4,12 +4,12 @@
 
 use mpm_core::scene::Strength;
 
-use super::super::{Case, Error, Mutant, Outcome};
+use super::super::{Error, Mutant, Outcome, Program};
 use super::compression::Compression;
 use super::{CELL_PRESSURE, STRENGTH};
 
 /// The case.
-pub const CASE: Case = Case {
+pub const CASE: Program = Program {
     name: "mc-triaxial",
     about: "Mohr-Coulomb soil in a triaxial cell: stresses and strains",
     run: || COMPRESSION.outcome(&STRENGTH),

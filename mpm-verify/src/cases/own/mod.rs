@@ -16,12 +16,10 @@ use mpm_core::scene::{Dimension, Fields, Integrator, Scene, StepChoice, StrainCh
 use mpm_core::stability::choose_step;
 
 use self::applies::Solution;
-use super::{
-    Case, Error, Lacks, asked, block, boussinesq, finished, infinite_slope, integrator, mandel, scheme, wetting,
-};
+use super::{Error, Lacks, asked, block, boussinesq, finished, infinite_slope, integrator, mandel, scheme, wetting};
 use crate::experiment::comparison::{Compared, Comparison};
 use crate::experiment::refinement::{PARTICLES, Refinement, STEP, TOLERANCE};
-use crate::experiment::verdict::{Judged, Outcome, judge};
+use crate::experiment::verdict::{Judged, Named, Outcome, judge};
 use crate::norms::worst;
 
 /// Largest error where it falls on refinement: 1 % cannot pass.
@@ -104,7 +102,7 @@ impl OwnScene {
     pub fn judged(&self) -> Result<Judged, Error> {
         let clock = ThreadTime::now();
         let outcome = self.outcome(super::sound).map_err(|e| e.of(&self.scene.name))?;
-        let case = Case { name: "scene", about: "a scene of one's own", run: || Err(Lacks("case")), mutant: None };
+        let case = Named { name: "scene", about: "a scene of the user", mutant: None };
         let mut judged = judge(case, outcome, clock.elapsed().as_secs_f64());
         judged.row.case.clone_from(&self.scene.name);
         Ok(judged)

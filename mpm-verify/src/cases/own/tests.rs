@@ -4,7 +4,6 @@ use mpm_core::scene::{DarcyChoice, Fields, LoadOn, ShapeChoice, Start, Surcharge
 
 use super::super::faster;
 use super::*;
-use crate::error::Error::Lacks;
 
 fn built_in(name: &str) -> Scene {
     crate::scenes::built_in(name).expect("the built-in scene")
@@ -105,7 +104,7 @@ fn a_sound_scene_passes_and_a_wrong_run_fails() {
         let judged = own.judged().expect("runs that finish");
         assert!(judged.row.passed(), "{name}: {}", judged.reason);
         assert_eq!((judged.row.case.as_str(), judged.samples.is_empty()), (name, false));
-        let case = Case { name: "scene", about: "", run: || Err(Lacks("case")), mutant: None };
+        let case = Named { name: "scene", about: "", mutant: None };
         let spoilt = judge(case, own.outcome(faster).expect("runs that finish"), 0.0);
         assert!(!spoilt.row.passed(), "{name}: {}", spoilt.reason);
     }
@@ -130,7 +129,7 @@ fn an_error_of_one_percent_cannot_pass() {
         ("height", |s| (s.height, s.cell) = (1.01 * s.height, 1.01 * s.cell)),
     ];
     for (what, fault) in faults {
-        let case = Case { name: "scene", about: "", run: || Err(Lacks("case")), mutant: None };
+        let case = Named { name: "scene", about: "", mutant: None };
         let spoilt = judge(case, own.outcome(fault).expect("runs that finish"), 0.0);
         assert!(!spoilt.row.passed() && spoilt.reason.contains("above 0.003"), "{what}: {}", spoilt.reason);
     }
@@ -159,7 +158,7 @@ fn dry_columns_and_blocks_are_judged() {
     let own = judged(&dry, &[10, 14, 20, 28]);
     assert!(own.row.passed(), "{}", own.reason);
     let own = OwnScene::new(&dry, &[10, 14, 20]).expect("it applies");
-    let case = Case { name: "scene", about: "", run: || Err(Lacks("case")), mutant: None };
+    let case = Named { name: "scene", about: "", mutant: None };
     let stiff = |s: &mut Fields| s.elastic.youngs_modulus *= 1.02;
     assert!(!judge(case, own.outcome(stiff).expect("runs"), 0.0).row.passed());
     let own = judged(&built_in("oedometer-plastic"), &[5, 8, 10]);

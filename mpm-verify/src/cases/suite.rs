@@ -1,0 +1,156 @@
+//! The verification suite: all cases of the files of `reference-data/cases`, in their order.
+
+use std::sync::LazyLock;
+
+use cpu_time::ThreadTime;
+
+use super::{PROGRAMS, Program};
+use crate::error::Error::{self, Lacks};
+use crate::experiment::accepted;
+use crate::experiment::run::{self, MOMENTUM};
+use crate::experiment::spec::{Problem, Spec};
+use crate::experiment::verdict::{Judged, Named, Outcome, judge};
+
+/// Names and texts of the files.
+const FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/cases.rs"));
+
+/// A case of the suite.
+#[derive(Debug)]
+pub struct Case {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// What it shows, against what.
+    pub about: &'static str,
+    /// The fault that its mutant has.
+    pub mutant: Option<&'static str>,
+    /// The problem that it solves: its place among [`problems`].
+    pub problem: usize,
+    way: Way,
+}
+
+/// What runs a case.
+#[derive(Debug)]
+enum Way {
+    Data(&'static Spec),
+    Program(Program),
+}
+
+/// Problems and cases, read once.
+static ALL: LazyLock<(Vec<Problem>, Vec<Case>)> = LazyLock::new(|| match read() {
+    Ok(all) => all,
+    // A test reads them.
+    Err(error) => panic!("reference-data/cases: {error}"),
+});
+
+fn read() -> Result<(Vec<Problem>, Vec<Case>), Error> {
+    let (mut problems, mut cases) = (Vec::new(), Vec::new());
+    for (file, text) in FILES {
+        let (problem, specs) = Problem::parse(text, &format!("{file}.toml"))?;
+        for spec in specs {
+            cases.push(Case::new(spec, problems.len())?);
+        }
+        problems.push(problem);
+    }
+    Ok((problems, cases))
+}
+
+/// All cases, in the order of their files.
+///
+/// # Panics
+/// Never: a test reads the files that are built in.
+pub fn suite() -> &'static [Case] {
+    &ALL.1
+}
+
+/// All problems, in the order of their files.
+///
+/// # Panics
+/// As [`suite`].
+pub fn problems() -> &'static [Problem] {
+    &ALL.0
+}
+
+impl Case {
+    fn new(spec: Spec, problem: usize) -> Result<Self, Error> {
+        if !spec.program {
+            // They last as long as the program.
+            let spec: &'static Spec = Box::leak(Box::new(spec));
+            let mutant = spec.mutant.as_ref().map(|fault| fault.what.as_str());
+            return Ok(Self { name: &spec.name, about: &spec.about, mutant, problem, way: Way::Data(spec) });
+        }
+        let program = PROGRAMS.iter().find(|program| program.name == spec.name);
+        let program = *program.ok_or_else(|| Lacks("function that runs it").of(&spec.name))?;
+        let mutant = program.mutant.map(|mutant| mutant.what);
+        Ok(Self { name: program.name, about: program.about, mutant, problem, way: Way::Program(program) })
+    }
+
+    fn named(&self) -> Named {
+        Named { name: self.name, about: self.about, mutant: self.mutant }
+    }
+
+    /// Runs and judges the case, and compares its error with the accepted one.
+    ///
+    /// # Errors
+    /// A run of it could not be finished.
+    pub fn judged(&self) -> Result<Judged, Error> {
+        let mut judged = judged(self.named(), || match &self.way {
+            Way::Data(spec) => run::outcome(spec, false),
+            Way::Program(program) => (program.run)(),
+        })?;
+        accepted::compare(&mut judged);
+        Ok(judged)
+    }
+
+    /// Runs and judges its mutant; `None` if it has none. The accepted error is left out: the check itself must find the fault.
+    ///
+    /// # Errors
+    /// A run of it could not be finished: a fault must be found by the check, not by a run that stops.
+    pub fn mutant_judged(&self) -> Option<Result<Judged, Error>> {
+        self.mutant?;
+        Some(judged(self.named(), || match &self.way {
+            Way::Data(spec) => run::outcome(spec, true),
+            Way::Program(program) => program.mutant.map_or(Err(Lacks("mutant")), |mutant| (mutant.run)()),
+        }))
+    }
+}
+
+/// Runs and judges.
+pub(super) fn judged(named: Named, run: impl FnOnce() -> Result<Outcome, Error>) -> Result<Judged, Error> {
+    let clock = ThreadTime::now();
+    MOMENTUM.set(None);
+    let mut outcome = run().map_err(|e| e.of(named.name))?;
+    let momentum = MOMENTUM.take();
+    if let Some(missing) = momentum {
+        outcome.notes.push(("residual of the momentum balance over its bound".to_owned(), missing, "-".to_owned()));
+    }
+    let mut judged = judge(named, outcome, clock.elapsed().as_secs_f64());
+    if let Some(missing) = momentum.filter(|missing| missing.is_nan() || *missing > 1.0) {
+        judged.sound = false;
+        judged.fail(&format!("the residual of the momentum balance is {missing:.3e} times its bound"));
+    }
+    Ok(judged)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_file_can_be_read_and_names_are_unique() {
+        let (problems, cases) = read().expect("the built-in cases");
+        let mut names: Vec<&str> = cases.iter().map(|case| case.name).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!((names.len(), problems.len()), (cases.len(), FILES.len()));
+        assert!(PROGRAMS.iter().all(|program| names.contains(&program.name)), "a function that no case names");
+    }
+
+    #[test]
+    fn quick_mutants_are_caught() {
+        for name in ["hydrostatic", "dry-bar", "quasi-static-coarse", "quasi-static-profile", "ramp-load"] {
+            let case = suite().iter().find(|case| case.name == name).expect("a case");
+            let judged = case.mutant_judged().expect("a mutant").expect("runs that finish");
+            assert!(!judged.row.passed(), "{name}: {}", judged.reason);
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! Runs an experiment on its meshes, and refines what else it asks for.
+
+use std::cell::Cell;
+
+use mpm_core::boundary::Given;
+use mpm_core::drive::Run;
+use mpm_core::observe::balances;
+use mpm_core::run::{StartError, run, run_given};
+use mpm_core::scene::{Integrator, Scene, StepChoice};
+
+use super::comparison::{Comparison, in_particles, in_time, in_tolerance};
+use super::refinement::Refinement;
+use super::spec::Spec;
+use super::verdict::Outcome;
+use crate::error::Error::{self, Lacks};
+use crate::norms::worst;
+use crate::study::word;
+
+/// Runs a case, with its fault or without.
+///
+/// # Errors
+/// A scene that is refused, a run that could not be finished.
+pub(crate) fn outcome(spec: &Spec, with_fault: bool) -> Result<Outcome, Error> {
+    let bases = spec.bases()?;
+    let base = bases.first().ok_or(Lacks("scene"))?;
+    let measure = spec.measure.as_ref().ok_or(Lacks("measure"))?;
+    let fault = if with_fault { Some(spec.mutant.as_ref().ok_or(Lacks("mutant"))?) } else { None };
+    let compared = |scene: &Scene| {
+        let compare = measure.of_scene(scene)?;
+        match fault {
+            Some(fault) => compare(&finished(&fault.planted(scene)?)?),
+            None => compare(&finished(scene)?),
+        }
+    };
+    let (mut errors, mut finest) = (Vec::new(), Vec::new());
+    for cells in &spec.meshes {
+        let scenes: Vec<Scene> = bases.iter().map(|base| spec.on(base, *cells)).collect::<Result<_, _>>()?;
+        finest = scenes.iter().map(compared).collect::<Result<Vec<_>, Error>>()?;
+        errors.push((scenes[0].cell, worst(finest.iter().map(Comparison::error))));
+    }
+    Ok(Outcome {
+        integrator: integrator(base),
+        scheme: scheme(base),
+        tolerance: asked(base),
+        errors,
+        required_error: spec.error,
+        required_order: spec.order,
+        required_everywhere: spec.everywhere,
+        samples: finest.iter().flat_map(Comparison::samples).collect(),
+        refinements: refinements(spec, base, &compared)?,
+        kind: spec.kind,
+        ..Outcome::default()
+    })
+}
+
+fn refinements(
+    spec: &Spec,
+    base: &Scene,
+    compared: &dyn Fn(&Scene) -> Result<Comparison, Error>,
+) -> Result<Vec<Refinement>, Error> {
+    let mut refinements = Vec::new();
+    if let Some(steps) = &spec.steps {
+        let scene = spec.on(base, steps.cells)?;
+        let run = |step| compared(&scene.edited(|scene| scene.step = StepChoice::Fixed(step))?);
+        let refinement = in_time(run, scene.cell, steps.first(&scene), steps.halvings, steps.order)?;
+        refinements.push(Refinement { required_error: steps.at_most, ..refinement });
+    }
+    if let Some(tolerances) = &spec.tolerances {
+        let scene = spec.on(base, tolerances.cells)?;
+        let run = |tolerance| compared(&scene.edited(|scene| scene.tolerance = tolerance)?);
+        refinements.push(in_tolerance(run, scene.cell, &tolerances.values, tolerances.times)?);
+    }
+    if let Some(particles) = &spec.particles {
+        let scene = spec.on(base, particles.cells)?;
+        let run = |count| compared(&scene.edited(|scene| scene.particles_per_cell = count)?);
+        refinements.push(in_particles(run, scene.cell, &particles.counts, particles.at_most)?);
+    }
+    Ok(refinements)
+}
+
+/// `centre/face` and the like.
+pub(crate) fn scheme(scene: &Scene) -> String {
+    let shape = word(scene.shape);
+    if scene.water.is_some() { format!("{shape}/{}", word(scene.darcy)) } else { shape }
+}
+
+/// `explicit` and the like.
+pub(crate) fn integrator(scene: &Scene) -> String {
+    word(scene.integrator)
+}
+
+/// What a quasi-static scene asks of its steps in time, by which its results may move; zero where steps are what they are.
+pub(crate) fn asked(scene: &Scene) -> f64 {
+    if scene.integrator == Integrator::QuasiStatic { scene.tolerance } else { 0.0 }
+}
+
+thread_local! {
+    /// The largest gap of momentum in the runs of a case, over what may be; nothing before one with inertia.
+    pub(crate) static MOMENTUM: Cell<Option<f64>> = const { Cell::new(None) };
+}
+
+/// Notes the momentum that is missing in a run. Fields without words in a scene are not known to the bounds.
+pub(crate) fn note_momentum(scene: &Scene, run: &Run) {
+    if run.trust.is_none() {
+        return;
+    }
+    for sample in &run.samples {
+        let all = balances(scene, run.dt, sample.step, &sample.state, &sample.ledger);
+        for balance in all.iter().filter(|balance| balance.ledger == "momentum" && balance.gap != 0.0) {
+            let missing = balance.gap.abs() / balance.allowed;
+            let larger = |known: f64| if missing <= known { known } else { missing };
+            MOMENTUM.set(Some(MOMENTUM.get().map_or(missing, larger)));
+        }
+    }
+}
+
+/// Runs a scene to its end.
+pub(crate) fn finished(scene: &Scene) -> Result<Run, Error> {
+    let run = whole(run(scene, &mut |_| {}))?;
+    note_momentum(scene, &run);
+    Ok(run)
+}
+
+/// The same with fields that scenes have no words for.
+pub(crate) fn finished_given(scene: &Scene, given: &Given) -> Result<Run, Error> {
+    whole(run_given(scene, given, &mut |_| {}))
+}
+
+/// A run that has come to its end.
+pub(crate) fn whole(run: Result<Run, StartError>) -> Result<Run, Error> {
+    Ok(run?.whole()?)
+}

@@ -1,0 +1,309 @@
+//! Experiments as data: a file of `reference-data/cases` holds a problem with its equations and sources, and its cases.
+//!
+//! A case is a scene with a patch, what is measured and against which reference, the meshes, what else is refined, what that must
+//! show, and a fault that the case must find. What a case does not say its file's `[defaults]` say.
+
+use mpm_core::scene::{Change, Scene, StepChoice};
+use mpm_core::stability::stable_limit;
+use serde::Deserialize;
+use toml::{Table, Value};
+
+use crate::baseline::suite::Kind;
+use crate::error::Error;
+use crate::scenes::built_in;
+
+/// A problem with its cases.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Problem {
+    /// What it is called.
+    pub title: String,
+    /// The problem in words: geometry, loads, drainage, what is asked.
+    #[serde(default)]
+    pub problem: String,
+    /// Its equations, in LaTeX.
+    #[serde(default)]
+    pub equations: Vec<String>,
+    /// Where the exact solution is from: book and page, paper, DOI.
+    #[serde(default)]
+    pub sources: Vec<String>,
+    /// What its cases have in common.
+    #[serde(default)]
+    defaults: Table,
+    /// Its cases.
+    case: Vec<Table>,
+}
+
+/// A case as it is written.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Spec {
+    /// Name on the command line.
+    pub name: String,
+    /// What the case shows, against what.
+    #[serde(default)]
+    pub about: String,
+    /// Whether a function of the program of the same name runs it.
+    #[serde(default)]
+    pub program: bool,
+    /// Name of a built-in scene.
+    #[serde(default)]
+    pub scene: String,
+    /// Keys of the scene that are another here, by their dotted names.
+    #[serde(default)]
+    pub patch: Table,
+    /// Keys of the scene that are taken out.
+    #[serde(default)]
+    pub without: Vec<String>,
+    /// Further patches, each of a run of its own; the worst of all runs counts.
+    #[serde(default)]
+    pub variants: Vec<Table>,
+    /// What is measured.
+    pub measure: Option<Measure>,
+    /// Cells over the height, coarse to fine; not whole numbers where the mesh ends above the soil.
+    #[serde(default)]
+    pub meshes: Vec<f64>,
+    /// Steps that fall with a power of the cell.
+    pub falling_steps: Option<FallingSteps>,
+    /// Largest error allowed on the finest mesh.
+    #[serde(default = "nothing")]
+    pub error: f64,
+    /// Interval of the fitted order.
+    pub order: Option<[f64; 2]>,
+    /// Largest error on every mesh, as a share of the cell in m.
+    pub everywhere: Option<f64>,
+    /// Refinement in the time step.
+    pub steps: Option<Steps>,
+    /// Refinement in the particles.
+    pub particles: Option<Particles>,
+    /// Refinement in the tolerance of error-controlled time.
+    pub tolerances: Option<Tolerances>,
+    /// What the error is measured against.
+    #[serde(default = "verified")]
+    pub kind: Kind,
+    /// The same case with a fault, which it must find.
+    pub mutant: Option<Fault>,
+}
+
+fn nothing() -> f64 {
+    f64::NAN
+}
+
+fn verified() -> Kind {
+    Kind::Verified
+}
+
+/// What is measured in a run: a word of [`super::measure::MEASURES`] and what that asks for.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measure {
+    /// The quantity.
+    pub of: String,
+    /// The reference, where a quantity has several.
+    #[serde(default)]
+    pub reference: String,
+    /// Whether differences are shares of the exact value at their time, in place of a size common to all times.
+    #[serde(default)]
+    pub relative: bool,
+    /// Times from this time factor on count.
+    #[serde(default)]
+    pub from_time_factor: f64,
+    /// Only this time factor counts.
+    pub at_time_factor: Option<f64>,
+    /// Only the last time counts.
+    #[serde(default)]
+    pub at_end: bool,
+}
+
+/// Steps that fall with a power of the cell from a share of the limit on one mesh.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FallingSteps {
+    /// Share of the stable step on the mesh of `cells`.
+    share: f64,
+    /// Cells over the height of that mesh.
+    cells: f64,
+    /// The power.
+    power: i32,
+}
+
+/// Halved steps on one mesh.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Steps {
+    /// Cells over the height.
+    pub cells: f64,
+    /// First step as a share of the stable one.
+    #[serde(default = "Steps::usual")]
+    share: f64,
+    /// The same in s, in place of a share.
+    first_s: Option<f64>,
+    /// Differences between runs of half the step.
+    #[serde(default = "Steps::four")]
+    pub halvings: u32,
+    /// Interval of the order in the step.
+    pub order: Option<[f64; 2]>,
+    /// Largest difference.
+    pub at_most: Option<f64>,
+}
+
+impl Steps {
+    fn usual() -> f64 {
+        0.9
+    }
+
+    fn four() -> u32 {
+        4
+    }
+
+    /// The first step, s.
+    pub fn first(&self, scene: &Scene) -> f64 {
+        self.first_s.unwrap_or_else(|| self.share * stable_limit(scene))
+    }
+}
+
+/// Numbers of particles per cell on one mesh.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Particles {
+    /// Cells over the height.
+    pub cells: f64,
+    /// Particles per cell.
+    #[serde(default = "Particles::usual")]
+    pub counts: Vec<usize>,
+    /// Largest error with any of them.
+    pub at_most: f64,
+}
+
+impl Particles {
+    fn usual() -> Vec<usize> {
+        vec![1, 4, 9, 16]
+    }
+}
+
+/// Tolerances on one mesh.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tolerances {
+    /// Cells over the height.
+    pub cells: f64,
+    /// The tolerances.
+    #[serde(default = "Tolerances::usual")]
+    pub values: Vec<f64>,
+    /// Largest difference to a run under a hundredth of the smallest tolerance, over the run's own tolerance.
+    #[serde(default = "Tolerances::once")]
+    pub times: f64,
+}
+
+impl Tolerances {
+    fn usual() -> Vec<f64> {
+        vec![1e-3, 1e-4, 1e-5, 1e-6]
+    }
+
+    fn once() -> f64 {
+        1.0
+    }
+}
+
+/// A fault that is planted in the scene after the exact solution has been made from it.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fault {
+    /// In words.
+    pub what: String,
+    /// Factors on numbers of the scene.
+    #[serde(default)]
+    scale: Table,
+    /// Keys that are another.
+    #[serde(default)]
+    set: Table,
+    /// Keys that are taken out.
+    #[serde(default)]
+    without: Vec<String>,
+}
+
+impl Fault {
+    /// The scene with the fault. Times are those of the sound scene, in seconds.
+    ///
+    /// # Errors
+    /// A key that is not there, or a scene that is refused with the fault.
+    pub fn planted(&self, scene: &Scene) -> Result<Scene, Error> {
+        let scene = scene.edited(|_| {})?;
+        let scaled = |(key, factor): (&String, &Value)| {
+            let number = scene.number(key).zip(number(factor));
+            let (was, factor) =
+                number.ok_or_else(|| Error::refused(key, "a number of the scene and its factor", factor))?;
+            Ok((key.clone(), Change::from(was * factor)))
+        };
+        let mut changes = self.scale.iter().map(scaled).collect::<Result<Vec<_>, Error>>()?;
+        changes.extend(set(&self.set, &self.without));
+        Ok(scene.patched(&changes)?)
+    }
+}
+
+fn number(value: &Value) -> Option<f64> {
+    value.as_float().or_else(|| value.as_integer().map(|number| number as f64))
+}
+
+fn set(patch: &Table, without: &[String]) -> Vec<(String, Change)> {
+    let changed = patch.iter().map(|(key, value)| (key.clone(), Change::from(value)));
+    changed.chain(without.iter().map(|key| (key.clone(), Change::NONE))).collect()
+}
+
+impl Problem {
+    /// Reads a file of cases.
+    ///
+    /// # Errors
+    /// File, line, what was expected and what was found.
+    pub fn parse(text: &str, file: &str) -> Result<(Self, Vec<Spec>), Error> {
+        let refused = |what: toml::de::Error| {
+            let line = what.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
+            Error::refused(format!("{file}:{line}"), "a problem with its cases", what.message())
+        };
+        let problem: Self = toml::from_str(text).map_err(refused)?;
+        let spec = |case: &Table| {
+            let mut whole = problem.defaults.clone();
+            merge(&mut whole, case);
+            let name = case.get("name").and_then(Value::as_str).unwrap_or("a case without a name").to_owned();
+            Spec::deserialize(whole).map_err(|why| Error::refused(format!("{file}: {name}"), "a case", why.message()))
+        };
+        let specs = problem.case.iter().map(spec).collect::<Result<_, Error>>()?;
+        Ok((problem, specs))
+    }
+}
+
+/// Puts the entries of a table over those of another; patches are merged key by key.
+fn merge(under: &mut Table, over: &Table) {
+    for (key, value) in over {
+        match (under.get_mut(key), value) {
+            (Some(Value::Table(under)), Value::Table(over)) if key == "patch" => under.extend(over.clone()),
+            _ => {
+                under.insert(key.clone(), value.clone());
+            }
+        }
+    }
+}
+
+impl Spec {
+    /// The scenes that the case is about, one per variant, on the mesh of their file; a history costs time and is left out.
+    ///
+    /// # Errors
+    /// No such scene, or one that is refused with the patch.
+    pub fn bases(&self) -> Result<Vec<Scene>, Error> {
+        let scene = built_in(&self.scene)?.patched(&set(&self.patch, &self.without))?;
+        let one = |variant: &Table| Ok(scene.patched(&set(variant, &[]))?.edited(|scene| scene.history = 0)?);
+        if self.variants.is_empty() { Ok(vec![one(&Table::new())?]) } else { self.variants.iter().map(one).collect() }
+    }
+
+    /// The scene on a mesh of so many cells over its height, in steps that fall with the cells if the case has some.
+    ///
+    /// # Errors
+    /// A mesh that does not fit.
+    pub fn on(&self, base: &Scene, cells: f64) -> Result<Scene, Error> {
+        let scene = base.with_cell(base.height / cells)?;
+        let Some(FallingSteps { share, cells: first, power }) = self.falling_steps else { return Ok(scene) };
+        let coarse = base.with_cell(base.height / first)?;
+        let step = share * stable_limit(&coarse) * (scene.cell / coarse.cell).powi(power);
+        Ok(scene.edited(|scene| scene.step = StepChoice::Fixed(step))?)
+    }
+}
