@@ -110,7 +110,7 @@ fn slope(
         let speed = (scene.elastic.shear_modulus() / scene.mixture_density()).sqrt();
         let passage = height / speed;
         let end = PASSAGES * passage;
-        scene.stages[1].clock = Clock::Soil;
+        scene.stages[1].coupling = Coupling::Soil;
         (scene.stages[1].damping, scene.stages[1].until) = (1.0 / passage, Until::Time(end));
         (scene.observe_times, scene.history) = (vec![1.0 / 3.0 * end, 2.0 / 3.0 * end, end], 0);
     };

@@ -40,7 +40,7 @@ const SCENES: &[(&str, &str)] = &texts! {
     "abaqus" "abe-soga" "anura3d" "b-bar" "bandara-soga" "basin" "block-slides" "block-sticks" "cam-clay" "cb-geo"
     "charny" "clay-t90" "coarse-gravel" "compaction" "compaction-large" "cox" "crossing" "cryer" "dense-gravel"
     "displaced" "dry-at-rest" "dry-bar-gimp" "dry-bar-splines" "dry-bar-wave" "dry-volumes" "flac" "flip-99"
-    "gibson-clay" "gibson-semi" "gibson-splines" "gimp-headroom" "gimp-headroom-nine" "gimp-headroom-semi"
+    "gibson-clay" "gibson-semi" "gibson-splines" "gimp-empty-above" "gimp-empty-above-nine" "gimp-empty-above-semi"
     "gimp-over-a-cell" "grains-as-bulk" "gravel-drain" "green-ampt" "griffiths-lane-falls" "griffiths-lane-stands"
     "heave" "heave-one-particle" "hydrostatic-100" "hydrostatic-5cm" "hydrostatic-lake" "incompressible-explicit"
     "jassim" "kilonewtons" "kularathna" "layers-volumes" "level-front" "london-clay" "mandel" "mandel-linear"
