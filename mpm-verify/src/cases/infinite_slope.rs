@@ -11,7 +11,7 @@ use std::f64::consts::FRAC_PI_6;
 
 use mpm_core::failure::Scales;
 use mpm_core::run::run;
-use mpm_core::scene::{Clock, Feed, Fields, Scene, Until};
+use mpm_core::scene::{Coupling, Feed, Fields, Scene, Until};
 
 use super::evidence::{PARTICLES, Refinement};
 use super::{Case, Error, Lacks, Mutant, Outcome, Unfit, integrator, sound};

@@ -5,7 +5,7 @@
 
 use mpm_core::drive::{Run, Sample};
 use mpm_core::scene::{
-    Base, Clock, Fields, Integrator, LoadOn, NormalStress, Scene, Side, SolidSide, Surcharge, Until,
+    Base, Coupling, Fields, Integrator, LoadOn, NormalStress, Scene, Side, SolidSide, Surcharge, Until,
 };
 
 use super::looks::{Look, Looks};
