@@ -140,8 +140,8 @@ fn times(extent: &Extent, integrator: Integrator) -> Vec<Time> {
     match integrator {
         Integrator::Explicit => steps(extent.parts[0]),
         Integrator::SemiImplicit => steps(extent.parts[1]),
-        // Two clocks solve seepage with a free surface: a column that consolidates is none.
-        Integrator::TwoClocks | Integrator::Coupled => Vec::new(),
+        // The staggered integrator solves seepage with a free surface: a column that consolidates has none.
+        Integrator::Staggered | Integrator::Coupled => Vec::new(),
         Integrator::QuasiStatic => {
             let methods = [TimeMethod::Auto, TimeMethod::Sdirk];
             methods.iter().flat_map(|m| extent.tolerances.iter().map(|t| Time::Tolerance(*t, *m))).collect()

@@ -25,6 +25,28 @@ impl SceneError {
     }
 }
 
+/// Something in a scene file that is accepted, but that its author should see.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Warning {
+    /// Path of the scene file as the user gave it; empty for a flag.
+    pub file: String,
+    /// Line of the key or value, counted from 1; 0 for a flag.
+    pub line: usize,
+    /// Dotted name of the key, or the flag that stands in its place.
+    pub key: String,
+    /// What is noticed, as half a sentence.
+    pub what: String,
+}
+
+impl std::fmt::Display for Warning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.line > 0 {
+            write!(f, "{}:{}: ", self.file, self.line)?;
+        }
+        write!(f, "warning: {}: {}", self.key, self.what)
+    }
+}
+
 /// Where a run went wrong. Exit code 3; what was computed before is kept by the caller.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("run failed at step {step}, t = {time:.6e} s, {place}: {what}")]

@@ -22,7 +22,7 @@ use crate::step::quasi_static::{QuasiStatic, Seeding};
 use crate::step::store::Frame;
 use crate::step::{
     Body, Condition, Damping, Explicit, Failing, Friction, GivenForce, Held, Joined, Lifted, Model, Moved, RigidPlate,
-    TwoClocks,
+    Staggered,
 };
 use crate::water::Carried;
 use crate::water::pores::Pores;
@@ -44,7 +44,9 @@ pub enum StartError {
     #[error(transparent)]
     Checkpoint(#[from] RestoreError),
     /// Its soil may fail, which stages alone do not follow.
-    #[error("stages.clock: expected \"seepage\" or \"soil\" in a scene that is solved stage by stage, found \"both\"")]
+    #[error(
+        "stages.coupling: expected \"seepage\" or \"soil\" in a scene that is solved stage by stage, found \"full\""
+    )]
     MayFail,
 }
 
@@ -213,9 +215,9 @@ struct Seeded<const D: usize> {
 impl<const D: usize> Seeded<D> {
     fn new(scene: &Scene, given: &Given, soil_cells: [usize; D], face_area: f64) -> Result<Self, RunError> {
         let mut cells = soil_cells;
-        cells[D - 1] += scene.headroom_cells;
+        cells[D - 1] += scene.empty_cells_above;
         if D == 2 {
-            cells[0] += scene.sideroom_cells;
+            cells[0] += scene.empty_cells_beside;
         }
         let grid = Grid { axis: scene.axis(), cut: scene.outline.is_some(), ..Grid::new(cells, scene.cell) };
         let per_direction = scene.particles_per_direction();
@@ -376,7 +378,7 @@ impl<const D: usize> Seeded<D> {
         let run = Explicit::new((simd, hardware.pool.clone()), functions, body, conditions, transfer);
         let nodal = scene.water.is_some() && scene.darcy == DarcyChoice::Nodal;
         Ok(match free {
-            Some(water) => Box::new(TwoClocks::new(run, water)),
+            Some(water) => Box::new(Staggered::new(run, water)),
             None if solves => Box::new(run.with_solved_pressures()),
             None if nodal => Box::new(run.with_nodal_flow()),
             None => Box::new(run),
@@ -427,7 +429,7 @@ impl<const D: usize> Seeded<D> {
         let water = match scene.water.filter(|_| scene.free_surface.is_none()) {
             Some(properties) => {
                 let layer = self.drops(scene, &properties)?;
-                let (area, moves, leaves) = (self.face_area, self.moves(scene), scene.sideroom_cells > 0);
+                let (area, moves, leaves) = (self.face_area, self.moves(scene), scene.empty_cells_beside > 0);
                 Some(Pores::new(scene, (layer, &self.solid), &self.grid, &properties, (area, moves, leaves)))
             }
             None => None,

@@ -472,7 +472,7 @@ pub fn stable_limit(scene: &Fields) -> f64 {
         Integrator::SemiImplicit => semi_implicit_limit(scene),
         Integrator::QuasiStatic => f64::INFINITY,
         // The water keeps its pressures while the soil moves: the skeleton is alone, and lightest where it is dry.
-        Integrator::TwoClocks | Integrator::Coupled => {
+        Integrator::Staggered | Integrator::Coupled => {
             worst_soil(&Fields { water: None, ..scene.clone() }, explicit_limit_of)
         }
     }

@@ -15,7 +15,7 @@ const GROUPS: [&[Option<Feature>]; 13] = {
     use Feature::*;
     [
         &[None, Some(Column), Some(Axisymmetric)],
-        &[Some(Explicit), Some(SemiImplicit), Some(QuasiStatic), Some(TwoClocks), Some(Coupled)],
+        &[Some(Explicit), Some(SemiImplicit), Some(QuasiStatic), Some(Staggered), Some(Coupled)],
         &[None, Some(Centroid), Some(BBar), Some(Gimp), Some(Bspline2), Some(Bspline3)],
         &[Some(Dry), Some(Saturated), Some(FreeSurface)],
         &[Some(LinearElastic), Some(MohrCoulomb), Some(CamClay)],
@@ -76,7 +76,7 @@ fn written(has: &Set) -> String {
     line(true, "[mesh]\ncell = 0.25\nparticles_per_cell = 4");
     line(is(Shift), "shift = 0.3");
     line(is(Displaced), "displaced = { jitter = 0.1 }");
-    line(is(Sideroom), "sideroom_cells = 2");
+    line(is(EmptyBeside), "empty_cells_beside = 2");
     line(true, "[soil]\ngrain_density = 2650\nporosity = 0.4");
     line(is(SmallStrain), "strain = \"small\"");
     line(is(Separation), "separation = 0.01");
@@ -136,9 +136,9 @@ fn written(has: &Set) -> String {
     line(!is(Dry) && !is(Drained), "drained = \"none\"");
     line(is(StageSides), "boundaries.left = \"roller\"");
     line(is(Damping), "damping = 1.0");
-    line(is(Fails), "clock = \"both\"");
+    line(is(Fails), "coupling = \"full\"");
     let seeps = is(FreeSurface) && !is(Fails);
-    line(seeps && (is(RestEnd) || is(PressureEnd)), "clock = \"soil\"");
+    line(seeps && (is(RestEnd) || is(PressureEnd)), "coupling = \"soil\"");
     line(is(RestEnd), "until.rest = { speed = 1e3, at_most = 10.0 }");
     line(is(PressureEnd), "until = { pore_pressure_within = 0.9, at_most = 1.0 }");
     line(!is(RestEnd) && !is(PressureEnd), "until.time = 1e-4");
@@ -313,7 +313,7 @@ fn loads_water_outside_and_grains_go_with_all_that_leaves_them_a_place() {
         "excess Dry",
         "excess Fails",
         "excess FreeSurface",
-        "excess TwoClocks",
+        "excess Staggered",
         "load in time HeldTop",
         "load in time Krylov",
         "load in time PressureEnd",
@@ -337,8 +337,8 @@ fn loads_water_outside_and_grains_go_with_all_that_leaves_them_a_place() {
         "well Krylov",
         "well Nodal",
         "well PressureEnd",
-        "well Sideroom",
-        "well TwoClocks",
+        "well EmptyBeside",
+        "well Staggered",
     ];
     assert_eq!(refused, reasons.map(String::from).into());
 }

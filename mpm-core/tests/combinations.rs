@@ -7,7 +7,7 @@ use mpm_core::scene::Scene;
 use mpm_core::scene::capabilities::RULES;
 use mpm_core::stability::choose_step;
 
-const INTEGRATORS: [&str; 5] = ["explicit", "semi-implicit", "quasi-static", "two-clocks", "coupled"];
+const INTEGRATORS: [&str; 5] = ["explicit", "semi-implicit", "quasi-static", "staggered", "coupled"];
 
 /// What a scene may have, one word of each row.
 const PARTS: [&[&str]; 8] = [
@@ -64,7 +64,7 @@ fn text(choice: &Choice, integrator: &str) -> String {
             "[geometry.column]\nheight = 1.0\nwidth = 2.0\n"
         },
         "[mesh]\ncell = 0.25\nparticles_per_cell = 4\n",
-        when("run-out", "sideroom_cells = 4\n"),
+        when("run-out", "empty_cells_beside = 4\n"),
         "[soil]\ngrain_density = 2700.0\nporosity = 0.4\n",
         &law("1e7"),
         &if has("layers") { layers() } else { String::new() },
@@ -92,8 +92,8 @@ fn text(choice: &Choice, integrator: &str) -> String {
         when("full of water", "drained = [\"top\"]\n"),
         when("free surface", "drained = \"none\"\n"),
         match integrator {
-            "two-clocks" => "clock = \"soil\"\n",
-            "coupled" => "clock = \"both\"\n",
+            "staggered" => "coupling = \"soil\"\n",
+            "coupled" => "coupling = \"full\"\n",
             _ => "",
         },
         "until.time = 0.01\n[observe]\nhistory = 0\n",

@@ -24,7 +24,7 @@ const DAMPING: f64 = 20.0;
 const BUOYANT: f64 = (0.7 * 2700.0 + 0.3 * 1000.0 - 1000.0) * 9.81;
 
 /// A box of elastic soil between rollers, full of water at rest, without any stress in the skeleton: gravity comes at once.
-fn soil_box(integrator: &str, conductivity: f64, bulk_modulus: f64, headroom: usize) -> Scene {
+fn soil_box(integrator: &str, conductivity: f64, bulk_modulus: f64, above: usize) -> Scene {
     let text = format!(
         "name = \"box\"
 dimension = \"plane-strain\"
@@ -36,7 +36,7 @@ width = 0.25
 [mesh]
 cell = {CELL}
 particles_per_cell = 4
-headroom_cells = {headroom}
+empty_cells_above = {above}
 [soil]
 grain_density = 2700.0
 porosity = 0.3
@@ -61,7 +61,7 @@ flip = 0.99
 integrator = \"{integrator}\"
 safety = 0.5
 [[stages]]
-clock = \"both\"
+coupling = \"full\"
 drained = \"none\"
 until.time = 100.0
 "
@@ -178,7 +178,7 @@ fn coarse(edits: &[(&str, &str)]) -> Scene {
         &[
             ("cell = 0.4 #", "cell = 0.75 #"),
             ("particles_per_cell = 9 #", "particles_per_cell = 4 #"),
-            ("sideroom_cells = 14", "sideroom_cells = 8"),
+            ("empty_cells_beside = 14", "empty_cells_beside = 8"),
             ("hydraulic_conductivity = 4.5e-5", "hydraulic_conductivity = 9.0e-4"),
             ("until.time = 64800.0", "until.time = 6480.0"),
         ],
@@ -208,7 +208,7 @@ fn a_levee_ravels_fails_and_collapses_in_this_order() {
     // Fed up to its crest: on so coarse a mesh it stands otherwise, after it has failed and come to rest.
     let scene = coarse(&[
         ("feed.left = { head = 2.3 }", "feed.left = { head = 3.0 }"),
-        ("sideroom_cells = 8", "sideroom_cells = 16"),
+        ("empty_cells_beside = 8", "empty_cells_beside = 16"),
     ]);
     let mut driver = Driver::new(&scene).unwrap();
     finish(&mut driver);
@@ -310,7 +310,7 @@ fn soil_and_water_together_are_resumed_to_the_same_bits() {
     for driver in ["coupled", "explicit"] {
         let word = format!("integrator = \"{driver}\"");
         let scene =
-            coarse(&[("integrator = \"two-clocks\"", word.as_str()), ("bulk_modulus = 2.2e9", "bulk_modulus = 2.2e7")]);
+            coarse(&[("integrator = \"staggered\"", word.as_str()), ("bulk_modulus = 2.2e9", "bulk_modulus = 2.2e7")]);
         let mut whole = Driver::new(&scene).unwrap();
         let state = after(&mut whole, 4);
         assert_eq!(whole.phase, Phase::Together);
@@ -358,7 +358,7 @@ fn bytes_that_do_not_fit_are_refused_and_change_nothing() {
     // Of another mesh, another soil, another feed.
     for edit in [
         ("cell = 0.75 #", "cell = 0.6 #"),
-        ("sideroom_cells = 8", "sideroom_cells = 9"),
+        ("empty_cells_beside = 8", "empty_cells_beside = 9"),
         STRONG,
         ("feed.left = { head = 2.3 }", "feed.left = { head = 2.2 }"),
     ] {
@@ -370,7 +370,7 @@ fn bytes_that_do_not_fit_are_refused_and_change_nothing() {
     }
     assert!(other.checkpoint() == first, "what was refused changed nothing");
     // The end and the driver may be others.
-    let longer = coarse(&[("until.time = 6480.0", "until.time = 9000.0"), ("\"two-clocks\"", "\"coupled\"")]);
+    let longer = coarse(&[("until.time = 6480.0", "until.time = 9000.0"), ("\"staggered\"", "\"coupled\"")]);
     let mut other = Driver::new(&longer).unwrap();
     other.restore(&state).unwrap();
     assert_eq!((other.phase, other.time), (driver.phase, driver.time));
@@ -442,8 +442,8 @@ points = {points:?}
 [mesh]
 cell = {:?}
 particles_per_cell = 4
-headroom_cells = 1
-sideroom_cells = {}
+empty_cells_above = 1
+empty_cells_beside = {}
 [soil]
 grain_density = {:?}
 porosity = 0.3
@@ -468,10 +468,10 @@ top = \"free\"
 shape = \"centroid\"
 flip = 0.99
 [time]
-integrator = \"two-clocks\"
+integrator = \"staggered\"
 safety = 0.5
 [[stages]]
-clock = \"both\"
+coupling = \"full\"
 drained = \"none\"
 until.time = 3600.0
 ",

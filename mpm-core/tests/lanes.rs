@@ -56,7 +56,7 @@ fn flying(cells: [usize; 2], shape: &str) -> Scene {
     // No scene has gravity upwards.
     wet(&[&DRY[..], &more].concat()).altered_unchecked(|scene| {
         (scene.cells, scene.width, scene.height) = (cells, 0.05 * cells[0] as f64, 0.05 * cells[1] as f64);
-        scene.headroom_cells = 8;
+        scene.empty_cells_above = 8;
         scene.solid_sides[2] = SolidSide::Free;
         scene.gravity = Some(-100.0);
     })

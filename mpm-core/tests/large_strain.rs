@@ -88,13 +88,13 @@ fn a_surface_that_comes_down_in_its_cell_leaves_steps_stable() {
 fn dry_soil_is_pressed_and_pulled_by_the_closed_form() {
     // H (1 - exp(-q/M)) under a load alone, and with weight its mean.
     let damped = "[[stages]]\nuntil.time = 12.0\ndamping = 6.0";
-    for (load, gravity, headroom) in [(2.0e4, 0.0, 0), (-1.5e4, 0.0, 2), (1.0e4, 9.81, 0), (0.0, 9.81, 0)] {
+    for (load, gravity, above) in [(2.0e4, 0.0, 0), (-1.5e4, 0.0, 2), (1.0e4, 9.81, 0), (0.0, 9.81, 0)] {
         let gravity = if gravity > 0.0 { format!("gravity = {gravity}\n") } else { String::new() };
         let load =
             if load == 0.0 { String::new() } else { format!("[surcharge]\npressure = {load}\nramp_time = 6.0\n") };
         let text = format!(
             "name = \"dry\"\n{gravity}{SOIL}\n{load}[geometry.column]\nheight = 2.4\nwidth = 0.12\n\
-             [mesh]\ncell = 0.12\nparticles_per_cell = 4\nheadroom_cells = {headroom}\n{damped}\n"
+             [mesh]\ncell = 0.12\nparticles_per_cell = 4\nempty_cells_above = {above}\n{damped}\n"
         );
         let scene = Scene::parse(&text, "dry.toml").expect("a scene");
         let exact = scene.estimate().settlement_m;

@@ -234,7 +234,7 @@ fn the_momentum_of_an_embankment_closes_with_less_than_all_of_flip() {
         let text = format!(
             "name = \"embankment\"\ndimension = \"plane-strain\"\ngravity = 9.81\n\
              geometry.outline = {{ points = [[0.31, 0], [3.61, 0], [2.23, 2.62], [1.51, 2.62]] }}\n\
-             mesh = {{ cell = 0.44, particles_per_cell = 9, headroom_cells = 1, sideroom_cells = 1 }}\n\
+             mesh = {{ cell = 0.44, particles_per_cell = 9, empty_cells_above = 1, empty_cells_beside = 1 }}\n\
              soil = {{ grain_density = 2700, porosity = 0.4, law.linear_elastic = {{ youngs_modulus = 2e6, poisson_ratio = 0.3 }} }}\n\
              boundaries = {{ left = \"free\", right = \"free\", bottom = \"fixed\", top = \"free\" }}\n\
              scheme = {{ shape = \"{shape}\", flip = {flip:?} }}\ntime = {{ integrator = \"explicit\" }}\n\
@@ -268,7 +268,7 @@ fn a_given_start_may_lose_most_of_its_energy() {
 fn water_that_moves_within_a_closed_block_is_kept() {
     let text = "name = \"closed\"\ndimension = \"plane-strain\"\nstart = \"undrained-equilibrium\"\ngravity = 0.138\n\
                 geometry.column = { height = 0.001232, width = 0.000352 }\n\
-                mesh = { cell = 0.000176, particles_per_cell = 4, headroom_cells = 2 }\n\
+                mesh = { cell = 0.000176, particles_per_cell = 4, empty_cells_above = 2 }\n\
                 soil = { grain_density = 3460, porosity = 0.533, law.linear_elastic = { youngs_modulus = 23400, poisson_ratio = 0.067 } }\n\
                 water = { hydraulic_conductivity = 1.2e-5, bulk_modulus = 4.37e7, unit_weight = 153.18, density = 1110 }\n\
                 boundaries = { left = \"fixed\", right = \"roller\", bottom = \"fixed\", top = \"free\" }\n\

@@ -21,7 +21,7 @@ fn free(integrator: Integrator, shape: ShapeChoice) -> Scene {
     scene(&["cell = 0.1", "darcy_inertia = false", "-[surcharge]", "start = \"unloaded\""])
         .edited(|scene| {
             (scene.integrator, scene.shape, scene.start) = (integrator, shape, Start::Unloaded);
-            (scene.headroom_cells, scene.solid_sides[2]) = (30, SolidSide::Free);
+            (scene.empty_cells_above, scene.solid_sides[2]) = (30, SolidSide::Free);
             scene.light_nodes = scene.usual_light_nodes();
             scene.stages[0].drained = [false, false, true, true];
             scene.stages[0].until = Until::Time(0.1);
@@ -86,7 +86,7 @@ fn soil_that_stays_in_its_cells_pays_nothing() {
     let heavy = scene(&["pressure = 1.0e6", "darcy_inertia = false"]);
     assert!(heavy.moves_through_cells());
     assert!(heavy.lends_inertia() && heavy.light_nodes == 0.0, "the geometry says how much of its top cell is soil");
-    let unknown = Fields { sideroom_cells: 2, ..Fields::clone(&heavy) };
+    let unknown = Fields { empty_cells_beside: 2, ..Fields::clone(&heavy) };
     assert!(!unknown.lends_inertia());
     assert_eq!(unknown.usual_light_nodes(), 0.125, "a quarter of one of two particles");
     let dry = Fields { water: None, ..Fields::clone(&heavy) };
@@ -120,7 +120,7 @@ fn crossings_that_have_made_too_much_noise_stop_the_run() {
     ])
     .edited(|flight| {
         (flight.cell, flight.cells, flight.height) = (0.1, [1, 2], 0.2);
-        (flight.headroom_cells, flight.solid_sides[2]) = (150, SolidSide::Free);
+        (flight.empty_cells_above, flight.solid_sides[2]) = (150, SolidSide::Free);
         flight.light_nodes = flight.usual_light_nodes();
     })
     .expect("a sound scene");
@@ -212,7 +212,7 @@ fn loads_that_a_scheme_does_not_bear_are_refused_unless_forced() {
     assert!(halves(1.0).is_err_and(|found| found.contains("0.19 cells")));
     // A surface that rises needs cells to rise into.
     let words = refused(&settling(-0.26, ShapeChoice::Centre)).expect("a refusal");
-    assert!(words.starts_with("mesh.headroom_cells"), "{words}");
+    assert!(words.starts_with("mesh.empty_cells_above"), "{words}");
     assert_eq!(settling(-0.24, ShapeChoice::Centre).bears_its_load(), Ok(()));
     // 0.28 of the height is more than the pores.
     let drained = settling(14.0, ShapeChoice::Centre).edited(|s| s.porosity = 0.25).expect("a sound scene");
@@ -242,7 +242,7 @@ fn an_outline_settles_by_its_crest() {
         &text,
         &[
             ("[[0.0, 0.0], [9.0, 0.0], [3.0, 3.0], [0.0, 3.0]]", "[[0.0, 0.0], [2.0, 0.0], [2.0, 3.0], [0.0, 3.0]]"),
-            ("sideroom_cells = 1\n", ""),
+            ("empty_cells_beside = 1\n", ""),
             ("right = \"free\"", "right = \"roller\""),
             ("start = \"geostatic\"", "start = \"unloaded\""),
             ("1.0e-12", "1.0e-9"),
@@ -268,11 +268,11 @@ fn light_nodes_single_points_and_viscous_transfers_are_refused() {
     let gimp = column.edited(|s| s.shape = ShapeChoice::Gimp).expect("a sound scene");
     assert_eq!(key(&gimp), None);
     // Heave of 1e-4 was 5 % off, closed balances and all.
-    assert_eq!(key(&gimp.edited(|s| s.headroom_cells = 1).expect("a sound scene")), Some("mesh.headroom_cells"));
+    assert_eq!(key(&gimp.edited(|s| s.empty_cells_above = 1).expect("a sound scene")), Some("mesh.empty_cells_above"));
     assert_eq!(
         key(&gimp
             .edited(|s| {
-                s.headroom_cells = 1;
+                s.empty_cells_above = 1;
                 s.integrator = Integrator::QuasiStatic;
             })
             .expect("a sound scene")),
@@ -343,7 +343,7 @@ fn a_free_square_turns_for_long() {
         scene.outline = Some([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)].to_vec());
         (scene.dimension, scene.shape, scene.solid_sides) =
             (Dimension::PlaneStrain, ShapeChoice::Gimp, [SolidSide::Free; 4]);
-        (scene.cell, scene.particles_per_cell, scene.headroom_cells) = (0.1, 4, 0);
+        (scene.cell, scene.particles_per_cell, scene.empty_cells_above) = (0.1, 4, 0);
         (scene.width, scene.height, scene.cells) = (2.0 * middle, 2.0 * middle, [16; 2]);
     });
     let shear_wave = (square.elastic.shear_modulus() / square.dry_density()).sqrt();

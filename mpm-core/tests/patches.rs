@@ -134,7 +134,7 @@ fn a_key_that_is_taken_out_is_no_more_there() {
         ("stages.0.drained", Change::NONE),
         ("stages.0.until", Until::Time(1.0).into()),
         ("observe", Change::NONE),
-        ("failure.goes_on", Change::NONE),
+        ("failure.continue_if_unstable", Change::NONE),
     ]);
     assert_eq!(dry.expect("a dry scene").water, None);
 }
@@ -144,9 +144,9 @@ fn a_step_and_a_mesh_are_changed_with_what_belongs_to_them() {
     let careful = base().patched(&[("time.safety", 0.5.into())]).expect("a safety factor");
     let stepped = careful.edited(|scene| scene.step = StepChoice::Fixed(1e-6)).expect("a step");
     assert_eq!((stepped.step, stepped.safety), (StepChoice::Fixed(1e-6), 0.9));
-    let roomy = base().patched(&[("mesh.headroom_cells", 3.into())]).expect("room");
+    let roomy = base().patched(&[("mesh.empty_cells_above", 3.into())]).expect("room");
     let fine = roomy.with_rows(100).expect("a finer mesh");
-    assert_eq!((fine.cells[1], fine.headroom_cells), (100, 6));
+    assert_eq!((fine.cells[1], fine.empty_cells_above), (100, 6));
     assert_eq!(roomy.edited(|scene| scene.cell = 0.01).expect("a finer mesh").cells[1], 100, "cells follow");
     assert!(!fine.force && fine.forced().with_rows(50).expect("coarser").force);
 }

@@ -49,15 +49,15 @@ const WATERS: [(&str, &str, &str); 9] = [
     ("table at the top", "WATER\nfree_surface = { level = TOP }", ""),
     ("table under a reservoir", "WATER\nfree_surface = { level = TOP }", "[[reservoirs]]\non = \"top\"\nlevel = 2.6\n"),
 ];
-const INTEGRATORS: [&str; 4] = ["explicit", "semi-implicit", "quasi-static", "two-clocks"];
+const INTEGRATORS: [&str; 4] = ["explicit", "semi-implicit", "quasi-static", "staggered"];
 
 fn text(geometry: &str, soil: &str, (water, outside): (&str, &str), integrator: &str, count: usize) -> String {
     let top = if geometry.contains("2.1") { "2.1" } else { "2.0" };
     let water =
         water.replace("WATER", "[water]\nhydraulic_conductivity = 1e-4\nbulk_modulus = 2e8\nunit_weight = 9810");
-    let clock = if integrator == "two-clocks" { "clock = \"soil\"\n" } else { "" };
+    let clock = if integrator == "staggered" { "coupling = \"soil\"\n" } else { "" };
     // What stands outside is felt inside when the pressures have been solved for.
-    let waits = integrator == "two-clocks" && !outside.is_empty();
+    let waits = integrator == "staggered" && !outside.is_empty();
     let seepage = if waits { "[[stages]]\ndrained = \"none\"\nuntil.time = 1.0\n" } else { "" };
     let drained = if water.is_empty() { "" } else { "drained = [\"top\"]\n" };
     let text = format!(
@@ -101,7 +101,7 @@ fn speed(scene: &Scene) -> Result<f64, String> {
 /// What round-off, or what is not exact, may leave; `None` where soil has to come to rest first.
 fn allowed(scene: &Scene, [geometry, soil, water, integrator]: [&str; 4]) -> Option<f64> {
     let exact = ROUND_OFF * scene.cells[1] as f64;
-    let clocks = integrator == "two-clocks";
+    let staggered = integrator == "staggered";
     // Pores that differ inside a cell: its water is one amount, spread over its soil alike. At most a quarter of what is between the
     // two soils pushes, until a wave has passed the cell: one step.
     let pores = 0.25 * 0.1 * 1000.0 / scene.dry_density() / STEPS as f64;
@@ -109,7 +109,7 @@ fn allowed(scene: &Scene, [geometry, soil, water, integrator]: [&str; 4]) -> Opt
     match (soil.starts_with("a region"), water) {
         _ if geometry == "slope" => None,
         // The water of a cell that the surface cuts weighs in its middle, and so does what presses it from outside.
-        (_, "table at the top" | "table under a reservoir") if cut && clocks => None,
+        (_, "table at the top" | "table under a reservoir") if cut && staggered => None,
         // The seepage is solved to a tolerance.
         (false, "table under a reservoir") => Some(1e-6_f64.max(exact)),
         (true, water) if water != "dry" => Some(pores),

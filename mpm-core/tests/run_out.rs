@@ -10,7 +10,7 @@ fn collapse(name: &str, time: f64) -> Scene {
     Scene::load(path.as_ref())
         .unwrap()
         .edited(|scene| {
-            (scene.height, scene.cell, scene.cells, scene.sideroom_cells) = (1.0, 0.2, [5, 5], 20);
+            (scene.height, scene.cell, scene.cells, scene.empty_cells_beside) = (1.0, 0.2, [5, 5], 20);
             scene.stages[0].until = Until::Time(time);
             (scene.observe_times, scene.history) = (vec![0.5 * time, time], 0);
         })

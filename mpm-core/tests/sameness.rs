@@ -94,7 +94,7 @@ fn wide(dimension: &str, integrator: &str, shape: &str, per_cell: usize, step: &
         "history = 20",
     ]);
     // Empty cells below wide functions are refused otherwise: here both dimensions have to be wrong alike.
-    scene = scene.edited(|scene| (scene.headroom_cells, scene.force) = (1, true)).expect("a sound scene");
+    scene = scene.edited(|scene| (scene.empty_cells_above, scene.force) = (1, true)).expect("a sound scene");
     scene
 }
 
@@ -204,7 +204,7 @@ fn flight(shape: ShapeChoice, steps: usize, corner: f64, shear: f64) -> ([f64; 4
         (scene.shape, scene.particles_per_cell) = (shape, 4);
         // Three cells by three in a mesh of twelve by twelve, not in line with it.
         (scene.cells, scene.cell, scene.width, scene.height) = ([3, 3], 0.1, 0.3, 0.3);
-        (scene.headroom_cells, scene.sideroom_cells, scene.solid_sides) = (9, 9, [SolidSide::Free; 4]);
+        (scene.empty_cells_above, scene.empty_cells_beside, scene.solid_sides) = (9, 9, [SolidSide::Free; 4]);
         scene.elastic.youngs_modulus = 2.0e4;
     })
     .expect("a sound scene");

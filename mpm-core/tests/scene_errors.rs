@@ -5,7 +5,7 @@ mod common;
 use std::path::Path;
 
 use common::refusal::{Edits, SURCHARGE, TIME_FACTORS, WATER, refusal};
-use common::{edited, terzaghi};
+use common::{edited, scene_text, terzaghi};
 use mpm_core::scene::{Flags, Scene};
 use proptest::prelude::*;
 
@@ -99,8 +99,14 @@ const CASES: &[(&str, Edits)] = &[
         ],
     ),
     ("1e9 cells in a column", &[("cell = 0.02", "cell = 1.0e-9")]),
-    ("negative headroom", &[("particles_per_cell = 4", "particles_per_cell = 4\nheadroom_cells = -1")]),
-    ("vast headroom", &[("particles_per_cell = 4", "particles_per_cell = 4\nheadroom_cells = 2000000")]),
+    (
+        "a negative number of empty cells",
+        &[("particles_per_cell = 4", "particles_per_cell = 4\nempty_cells_above = -1")],
+    ),
+    (
+        "a vast number of empty cells",
+        &[("particles_per_cell = 4", "particles_per_cell = 4\nempty_cells_above = 2000000")],
+    ),
     ("nu = 0.6", &[("poisson_ratio = 0.30", "poisson_ratio = 0.6")]),
     ("nu = 0.5", &[("poisson_ratio = 0.30", "poisson_ratio = 0.5")]),
     ("nu = -1", &[("poisson_ratio = 0.30", "poisson_ratio = -1.0")]),
@@ -347,12 +353,6 @@ fn every_message_about_strength() {
     });
 }
 
-/// A scene file by name.
-fn built_in(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-data/scenes").join(name);
-    std::fs::read_to_string(path.with_extension("toml")).expect("a scene file")
-}
-
 #[test]
 fn every_message() {
     let base = terzaghi();
@@ -467,7 +467,7 @@ fn contradictions_are_refused() {
             &[
                 ("\"column\"", "\"plane-strain\""),
                 ("width = 0.1", "width = 1000.0"),
-                ("particles_per_cell = 4", "particles_per_cell = 1\nheadroom_cells = 1000000"),
+                ("particles_per_cell = 4", "particles_per_cell = 1\nempty_cells_above = 1000000"),
             ],
         ),
     ];
@@ -522,13 +522,13 @@ fn bad_water_is_refused() {
         (
             "feed on a wall with no soil",
             "dam",
-            &[(FEED, "right = { head = 1.0 }"), ("cell = 0.05", "cell = 0.05\nsideroom_cells = 2")],
+            &[(FEED, "right = { head = 1.0 }"), ("cell = 0.05", "cell = 0.05\nempty_cells_beside = 2")],
             "wall with no soil",
         ),
         (
             "feed under a soil that is not there",
             "dam",
-            &[(FEED, "top = { head = 1.5 }"), ("cell = 0.05", "cell = 0.05\nheadroom_cells = 2")],
+            &[(FEED, "top = { head = 1.5 }"), ("cell = 0.05", "cell = 0.05\nempty_cells_above = 2")],
             "wall with no soil",
         ),
         (
@@ -557,13 +557,18 @@ fn bad_water_is_refused() {
         ("a height beside a head", "dam", &[(FEED, "left = { head = 1.0, height = 1.0 }")], "which is one"),
         ("a feed that takes", "dam", &[(FEED, "left = { velocity = -1e-5 }")], "above 0"),
         ("a feed beside a column", "infiltration", &[("top = {", "left = {")], "bottom or the top"),
-        ("one clock", "dam", &[("\"two-clocks\"", "\"explicit\"")], "two-clocks"),
+        ("one integrator for both phases", "dam", &[("\"staggered\"", "\"explicit\"")], "staggered"),
         ("no free surface", "dam", &[(TABLE, "")], "[water.free_surface] beside it"),
-        ("an unknown clock", "dam", &[("drained = [", "clock = \"sun\"\ndrained = [")], "\"seepage\""),
-        ("a clock without two", "hydrostatic", &[("drained = [", "clock = \"soil\"\ndrained = [")], "two-clocks"),
+        ("an unknown coupling", "dam", &[("drained = [", "coupling = \"sun\"\ndrained = [")], "\"seepage\""),
+        (
+            "a coupling without staggered steps",
+            "hydrostatic",
+            &[("drained = [", "coupling = \"soil\"\ndrained = [")],
+            "staggered",
+        ),
     ];
     for (case, scene, edits, names) in cases {
-        let error = refusal(case, &edited(&built_in(scene), edits));
+        let error = refusal(case, &edited(&scene_text(scene), edits));
         println!("{case}\n    {error}");
         assert!(error.to_string().contains(names), "{case}: {error}");
     }
@@ -574,7 +579,7 @@ fn bad_water_is_refused() {
 fn bad_failure_is_refused() {
     const HEAD: &str = "feed.left = { head = 2.3 }";
     const WET: &str = "wet = [[0.0, 0.0], [8.35, 0.0], [0.0, 2.3]]";
-    const DRIVER: &str = "integrator = \"two-clocks\"";
+    const DRIVER: &str = "integrator = \"staggered\"";
     const BASE: &str = "peak_angle = 30.0\nresidual_angle = 8.5\nslip_distance = 0.02";
     const OUTLINE: &str = "[[0.0, 0.0], [9.0, 0.0], [3.0, 3.0], [0.0, 3.0]]";
     let cases: [(&str, &str, Edits, &str); 40] = [
@@ -586,22 +591,22 @@ fn bad_failure_is_refused() {
         (
             "feed on a side the soil meets in a point",
             "levee",
-            &[(HEAD, "feed.right = { head = 1.0 }"), ("sideroom_cells = 14\n", "")],
+            &[(HEAD, "feed.right = { head = 1.0 }"), ("empty_cells_beside = 14\n", "")],
             "a wall with no soil",
         ),
         ("a tank and no wall", "levee", &[("left = \"roller\"", "left = \"free\"")], "boundaries.left = \"roller\""),
         (
             "failure in dry soil",
             "collapse-dry",
-            &[("[[stages]]\n", "[[stages]]\nclock = \"both\"\n")],
-            "[water.free_surface] beside clock = \"both\"",
+            &[("[[stages]]\n", "[[stages]]\ncoupling = \"full\"\n")],
+            "[water.free_surface] beside coupling = \"full\"",
         ),
         ("feed in the air", "levee", &[(HEAD, "feed.top = { head = 3.1 }")], "a wall with no soil"),
         ("rain with a height", "levee", &[(HEAD, "feed.top = { velocity = 1e-5, height = 3.5 }")], "it is rain"),
         (
             "a pond on the crest",
             "levee",
-            &[(HEAD, "feed.top = { head = 3.5 }"), ("headroom_cells = 2\n", "")],
+            &[(HEAD, "feed.top = { head = 3.5 }"), ("empty_cells_above = 2\n", "")],
             "no pond stands",
         ),
         ("an unknown side", "levee", &[(HEAD, "feed.front = { head = 1.0 }")], "left"),
@@ -656,12 +661,12 @@ fn bad_failure_is_refused() {
             ],
             "at most 0.375 m",
         ),
-        ("failure and no stage for it", "levee", &[("clock = \"both\"\n", "")], "a stage with clock = \"both\""),
+        ("failure and no stage for it", "levee", &[("coupling = \"full\"\n", "")], "a stage with coupling = \"full\""),
         (
             "two stages",
             "levee",
-            &[("[[stages]]\n", "[[stages]]\nclock = \"both\"\ndrained = \"none\"\nuntil.time = 1.0\n[[stages]]\n")],
-            "one stage with clock = \"both\"",
+            &[("[[stages]]\n", "[[stages]]\ncoupling = \"full\"\ndrained = \"none\"\nuntil.time = 1.0\n[[stages]]\n")],
+            "one stage with coupling = \"full\"",
         ),
         (
             "until it rests",
@@ -682,7 +687,7 @@ fn bad_failure_is_refused() {
             "together without a stage for it",
             "dam",
             &[(DRIVER, "integrator = \"coupled\"")],
-            "clock = \"both\" beside it",
+            "coupling = \"full\" beside it",
         ),
         ("a point in the air", "levee", &[("[5.5, 1.2]]", "[5.5, 2.2]]")], "a place in the soil"),
         ("a point that is not a number", "levee", &[("[5.5, 1.2]]", "[nan, 1.2]]")], "a place in the soil"),
@@ -694,7 +699,7 @@ fn bad_failure_is_refused() {
         ("soil above the mesh", "levee", &[(OUTLINE, "[[0.0, 0.0], [9.0, 0.0], [3.0, -3.0]]")], "y >= 0"),
     ];
     for (case, scene, edits, names) in cases {
-        let error = refusal(case, &edited(&built_in(scene), edits));
+        let error = refusal(case, &edited(&scene_text(scene), edits));
         println!("{case}\n    {error}");
         assert!(error.to_string().contains(names), "{case}: {error}");
         assert!(!error.to_string().contains('\n'), "{case}: one line\n{error}");
@@ -707,7 +712,7 @@ fn bad_failure_is_refused() {
         &[(WET, "level = 3.0")],
         &[(HEAD, "feed.left = { velocity = 2e-5 }")],
     ] {
-        let text = edited(&built_in("levee"), edits);
+        let text = edited(&scene_text("levee"), edits);
         if let Err(error) = Scene::parse(&text, "scene.toml") {
             panic!("{edits:?}: {error}");
         }
@@ -717,18 +722,18 @@ fn bad_failure_is_refused() {
 /// The drivers of a levee from the command line.
 #[test]
 fn bad_flags_of_a_levee_are_named() {
-    let text = built_in("levee");
+    let text = scene_text("levee");
     let message = |flags: Flags| Scene::parse_with(&text, "scene.toml", &flags).expect_err("a bad flag").to_string();
     let driver = |word: &str| Flags { driver: Some(word.to_owned()), ..Flags::default() };
     let unknown = message(driver("clockwork"));
-    assert!(unknown.starts_with("--driver: expected one of") && unknown.contains("\"two-clocks\""), "{unknown}");
+    assert!(unknown.starts_with("--driver: expected one of") && unknown.contains("\"staggered\""), "{unknown}");
     let coarse = message(Flags { cell: Some(1.0), ..Flags::default() });
     assert!(coarse.starts_with("--mesh: expected a cell of at most 0.75 m"), "{coarse}");
     let zero = message(Flags { cell: Some(0.0), ..Flags::default() });
     assert!(zero.starts_with("--mesh: "), "{zero}");
     let odd = message(Flags { particles_per_cell: Some(5), ..Flags::default() });
     assert!(odd.starts_with("--ppc: "), "{odd}");
-    for word in ["two-clocks", "coupled", "explicit"] {
+    for word in ["staggered", "coupled", "explicit"] {
         Scene::parse_with(&text, "scene.toml", &driver(word)).unwrap();
     }
 }
@@ -754,7 +759,7 @@ fn bad_ground_is_refused() {
             "explicit",
         ),
         ("splines", "slope-at-rest", &[("\"centre\"", "\"bspline2\"")], "\"linear\""),
-        ("unknown seeding", "slope-at-rest", &[("headroom_cells = 1", "seeding = \"cut\"")], "\"whole\""),
+        ("unknown seeding", "slope-at-rest", &[("empty_cells_above = 1", "seeding = \"cut\"")], "\"whole\""),
         (
             "seeding of a column",
             "self-weight",
@@ -780,14 +785,24 @@ fn bad_ground_is_refused() {
             "block-on-incline",
             &[
                 ("\"plane-strain\"", "\"column\""),
-                ("sideroom_cells = 24\n", ""),
+                ("empty_cells_beside = 24\n", ""),
                 ("left = \"free\"\nright = \"free\"\n", ""),
             ],
             "plane-strain",
         ),
-        ("sideroom of a column", "block-on-incline", &[("\"plane-strain\"", "\"column\"")], "column cannot move"),
+        (
+            "empty cells beside a column",
+            "block-on-incline",
+            &[("\"plane-strain\"", "\"column\"")],
+            "column cannot move",
+        ),
         ("one side periodic", "infinite-slope", &[("left = \"periodic\"", "left = \"free\"")], "both sides"),
-        ("periodic with room", "infinite-slope", &[("headroom_cells = 1", "sideroom_cells = 1")], "without sideroom"),
+        (
+            "periodic with room",
+            "infinite-slope",
+            &[("empty_cells_above = 1", "empty_cells_beside = 1")],
+            "without empty_cells_beside",
+        ),
         ("coulomb without base", "infinite-slope", &[("[base]\nfriction_angle = 30.0\n", "")], "[base]"),
         ("base without coulomb", "infinite-slope", &[("bottom = \"coulomb\"", "bottom = \"fixed\"")], "\"coulomb\""),
         ("friction of 90", "infinite-slope", &[("friction_angle = 30.0", "friction_angle = 90.0")], "0 <= angle < 90"),
@@ -819,7 +834,7 @@ fn bad_ground_is_refused() {
         ("K0 without weight", "block-stops", &[("start = \"geostatic\"", "start = \"unloaded\"")], "geostatic"),
     ];
     for (case, scene, edits, names) in cases {
-        let error = refusal(case, &edited(&built_in(scene), edits));
+        let error = refusal(case, &edited(&scene_text(scene), edits));
         println!("{case}\n    {error}");
         assert!(error.to_string().contains(names), "{case}: {error}");
     }
@@ -854,7 +869,7 @@ proptest! {
         plane in any::<bool>(),
         scene in any::<prop::sample::Index>(),
     ) {
-        let scenes = [terzaghi(), built_in("terzaghi-quasi-static"), built_in("mandel"), built_in("strip"), built_in("terzaghi-large-strain"), built_in("oedometer-plastic")];
+        let scenes = [terzaghi(), scene_text("terzaghi-quasi-static"), scene_text("mandel"), scene_text("strip"), scene_text("terzaghi-large-strain"), scene_text("oedometer-plastic")];
         let base = &scenes[scene.index(scenes.len())];
         let places = numbers(base);
         prop_assert!(places.len() > 15);

@@ -98,7 +98,7 @@ const LAYER_CASES: &[(&str, Edits)] = &[
             ("particles_per_cell = 4", "particles_per_cell = 4\nshift = 0.3"),
         ],
     ),
-    ("two clocks", &[("integrator = \"explicit\"\nstep = \"auto\"\nsafety = 0.9", "integrator = \"two-clocks\"")]),
+    ("staggered", &[("integrator = \"explicit\"\nstep = \"auto\"\nsafety = 0.9", "integrator = \"staggered\"")]),
 ];
 
 #[test]

@@ -34,7 +34,7 @@ const EXPLICIT_CASES: &[(&str, Edits)] = &[
     ("displaced particles", &[("cell = 0.02", "cell = 0.02\ndisplaced.smooth = 0.1")]),
     (
         "a plate in a mesh with room",
-        &[("on = \"surface\"", "on = \"plate\""), ("cell = 0.02", "cell = 0.02\nheadroom_cells = 2")],
+        &[("on = \"surface\"", "on = \"plate\""), ("cell = 0.02", "cell = 0.02\nempty_cells_above = 2")],
     ),
     (
         "affine velocities with an implicit pressure",
@@ -95,7 +95,7 @@ const EXPLICIT_CASES: &[(&str, Edits)] = &[
         &[
             ("integrator = \"explicit\"", "integrator = \"semi-implicit\""),
             ("on = \"surface\"", "on = \"plate\""),
-            ("cell = 0.02", "cell = 0.02\nheadroom_cells = 2"),
+            ("cell = 0.02", "cell = 0.02\nempty_cells_above = 2"),
         ],
     ),
     (
@@ -279,7 +279,7 @@ fn sound_combinations_are_accepted() {
         ("drained = \"none\"", "drained = [\"top\"]"),
         ("bulk_modulus = inf", "bulk_modulus = 2.2e9"),
         ("top = \"roller\"", "top = \"free\""),
-        ("cell = 0.02", "cell = 0.02\nheadroom_cells = 1"),
+        ("cell = 0.02", "cell = 0.02\nempty_cells_above = 1"),
     ] {
         let text = edited(&edited(&base(true), HELD), &[(from, to)]);
         Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("{to}: {error}"));
@@ -299,7 +299,7 @@ fn flags_pass_the_same_checks_and_are_named_in_their_refusal() {
     assert_eq!((scene.integrator, scene.shape), (Integrator::QuasiStatic, ShapeChoice::Bspline2));
     assert_eq!(scene.tolerance, 1e-6);
     let message = |flags: &Flags| Scene::parse_with(&text, "scene.toml", flags).expect_err("a bad flag").to_string();
-    let words = "expected one of \"explicit\", \"semi-implicit\", \"quasi-static\", \"two-clocks\", \"coupled\", found \"implicit\"";
+    let words = "expected one of \"explicit\", \"semi-implicit\", \"quasi-static\", \"staggered\", \"coupled\", found \"implicit\"";
     assert_eq!(message(&flags("implicit", "linear", 1e-4)), format!("--integrator: {words}"));
     let words = "expected one of \"centre\", \"centroid\", \"linear\", \"b-bar\", \"gimp\", \"bspline2\", \"bspline3\", found \"cubic\"";
     assert_eq!(message(&flags("quasi-static", "cubic", 1e-4)), format!("--scheme: {words}"));

@@ -44,13 +44,13 @@ fn names_are_what_the_page_says() {
 #[test]
 fn a_plate_goes_with_what_the_page_says() {
     let page = bounds("`[surcharge]` (optional)", "on");
-    assert!(page.ends_with("; `\"plate\"` but for `\"quasi-static\"` without headroom"), "{page}");
+    assert!(page.ends_with("; `\"plate\"` but for `\"quasi-static\"` without `empty_cells_above`"), "{page}");
     let plate = COLUMN.replace("on = \"surface\"", "on = \"plate\"");
     let scene = |text: &str, integrator: &str| {
         let flags = Flags { integrator: Some(integrator.to_owned()), ..Flags::default() };
         Scene::parse_with(text, "scene.toml", &flags).map(|scene| scene.surcharge.expect("a load").on)
     };
-    let roomy = plate.replace("[mesh]", "[mesh]\nheadroom_cells = 1");
+    let roomy = plate.replace("[mesh]", "[mesh]\nempty_cells_above = 1");
     let plane = plate.replace("dimension = \"column\"", "dimension = \"plane-strain\"");
     let strip = plane.replace("on = \"plate\"", "on = \"plate\"\nstrip = { from = 0.0, to = 0.02 }");
     let strip = strip.replace("\"undrained-equilibrium\"", "\"unloaded\"");

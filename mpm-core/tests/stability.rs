@@ -263,14 +263,14 @@ fn splines_hold_below_their_limit() {
     for integrator in ["explicit", "semi-implicit"] {
         for cell in ["cell = 0.1", "cell = 0.02"] {
             for per_cell in [1, 4, 9] {
-                for headroom in [0, 2] {
+                for above in [0, 2] {
                     let mut scene = semi_implicit("bspline2", cell, per_cell, &[])
-                        .edited(|scene| scene.headroom_cells = headroom)
+                        .edited(|scene| scene.empty_cells_above = above)
                         .expect("a sound scene");
                     if integrator == "explicit" {
                         scene = scene.edited(|scene| scene.integrator = Integrator::Explicit).expect("a sound scene");
                     }
-                    let name = format!("{integrator}, {cell}, {per_cell} per cell, headroom {headroom}");
+                    let name = format!("{integrator}, {cell}, {per_cell} per cell, above {above}");
                     assert!(bounded(&scene, 0.98), "{name}");
                     assert!(!bounded(&scene, 10.0), "{name}");
                 }

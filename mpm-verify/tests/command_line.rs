@@ -90,7 +90,7 @@ fn flags_of_solve_change_the_scene_and_are_checked_with_it() {
         assert!(plain[count].is_u64(), "{count}: {}", plain[count]);
     }
     let words =
-        ["explicit", "semi-implicit", "quasi-static", "two-clocks", "coupled"].map(|w| format!("{w:?}")).join(", ");
+        ["explicit", "semi-implicit", "quasi-static", "staggered", "coupled"].map(|w| format!("{w:?}")).join(", ");
     let integrators = format!("expected one of {words}, found \"implicit\"");
     let beside = "expected integrator = \"quasi-static\" beside it, found time.tolerance beside";
     for (flags, message) in [
@@ -318,7 +318,7 @@ fn a_levee_is_followed_to_its_page_and_what_cannot_be_run_is_refused() {
         (output.status.code().unwrap_or(-1), said, stderr(&output))
     };
     let refusals: [(&[&str], &str); 6] = [
-        (&["--scene", "terzaghi"], "clock = \"both\""),
+        (&["--scene", "terzaghi"], "coupling = \"full\""),
         (&["--variant", "no-such"], "--variant: expected one of profile-line"),
         (&["--until", "5"], "--until: expected hours"),
         (&["--from", "8"], "--from: expected --driver coupled or explicit"),
@@ -382,7 +382,7 @@ fn a_slope_of_one_s_own_is_not_judged_as_the_paper_s_levee() {
         ("[[0.0, 0.0], [9.0, 0.0], [3.0, 3.0], [0.0, 3.0]]", "[[40.0, 0.0], [40.0, 10.0], [30.0, 10.0], [10.0, 0.0]]"),
         ("cell = 0.4 #", "cell = 2.5 #"),
         ("particles_per_cell = 9 #", "particles_per_cell = 4 #"),
-        ("sideroom_cells = 14", "sideroom_cells = 0"),
+        ("empty_cells_beside = 14", "empty_cells_beside = 0"),
         ("cohesion = 500.0", "cohesion = 20000.0"),
         ("wet = [[0.0, 0.0], [8.35, 0.0], [0.0, 2.3]]", "wet = [[40.0, 0.0], [40.0, 4.0], [30.0, 0.0]]"),
         ("feed.left = { head = 2.3 }", "feed.right = { head = 4.0 }"),

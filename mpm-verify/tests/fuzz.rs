@@ -153,7 +153,7 @@ fn in_time(what: &str, input: &[u8], work: impl FnOnce()) {
 
 /// So small that it can be run a little.
 fn is_small(scene: &Scene) -> bool {
-    let cells = (scene.cells[0] + scene.sideroom_cells) * (scene.cells[1] + scene.headroom_cells);
+    let cells = (scene.cells[0] + scene.empty_cells_beside) * (scene.cells[1] + scene.empty_cells_above);
     cells <= 400 && scene.solid_particles() <= 1000 && !scene.may_fail()
 }
 
@@ -201,7 +201,7 @@ fn scenes_are_read_or_refused() {
         let (name, text) = scenes::BUILT_IN[dice.below(scenes::BUILT_IN.len())];
         let bytes = changed(text, &mut dice);
         let text = String::from_utf8_lossy(&bytes);
-        let words = ["explicit", "semi-implicit", "quasi-static", "two-clocks", "nonsense"];
+        let words = ["explicit", "semi-implicit", "quasi-static", "staggered", "nonsense"];
         let flags = Flags {
             integrator: (dice.byte() % 4 == 1).then(|| words[dice.below(words.len())].to_owned()),
             cell: (dice.byte() % 8 == 1).then_some([0.0, -1.0, 1e-300, f64::NAN, 0.05][dice.below(5)]),

@@ -107,7 +107,7 @@ fn the_driver_of_the_scene_takes_over() {
 #[test]
 fn a_scene_without_failure_and_a_levee_that_does_not_stand_are_told_apart() {
     let refused = plan::scene("terzaghi", &Flags::default(), None).expect_err("refused").to_string();
-    assert!(refused.contains("clock = \"both\""), "{refused}");
+    assert!(refused.contains("coupling = \"full\""), "{refused}");
     let scene = plan::scene("levee", &Flags::default(), variants::named("base-8.5")).expect("a scene");
     let plan = Plan::new(scene, None, None, true).expect("a plan");
     let folder = tempfile::tempdir().expect("a folder");

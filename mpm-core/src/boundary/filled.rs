@@ -41,7 +41,7 @@ pub fn knows_volumes(scene: &Fields) -> bool {
     let free = |side: Side| scene.supports().any(|sides| sides[side as usize] == SolidSide::Free);
     // A top that is released or held on the way is no surface that stays what it is.
     let top = scene.solid_sides[Side::Top as usize];
-    let in_a_box = scene.outline.is_none() && scene.sideroom_cells == 0 && !scene.periodic;
+    let in_a_box = scene.outline.is_none() && scene.empty_cells_beside == 0 && !scene.periodic;
     let held = ![Side::Left, Side::Right, Side::Bottom].into_iter().any(free) && scene.base.is_none();
     let of_one_cell = !scene.shape.is_wide();
     // The nodal flow takes every cell for full of soil.

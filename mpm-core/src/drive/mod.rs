@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::RunError;
 use crate::observe::{Balance, Ledger, Observation, Places, Trust, balances};
-use crate::scene::{Clock, Integrator, Scene, Stage, Until};
+use crate::scene::{Coupling, Integrator, Scene, Stage, Until};
 use crate::stability::stable_limit;
 use crate::step::{Fault, Model, Work};
 
@@ -235,7 +235,7 @@ impl<'a> Drive<'a> {
 
     /// Steps of a stage, s; infinite where the model divides the time itself.
     fn length_of_steps(&self, stage: &Stage) -> f64 {
-        let seeps = self.scene.integrator == Integrator::TwoClocks && stage.clock == Clock::Seepage;
+        let seeps = self.scene.integrator == Integrator::Staggered && stage.coupling == Coupling::Seepage;
         if seeps { f64::INFINITY } else { self.run.dt }
     }
 

@@ -1,6 +1,6 @@
 //! Soil that water makes fail: gravity, the first water, hours of seepage, seconds of failure, and the shape that is left.
 //!
-//! By two clocks, water seeps through soil at rest, then the soil is brought to rest under the pressures (`settle`). If it
+//! Staggered, water seeps through soil at rest, then the soil is brought to rest under the pressures (`settle`). If it
 //! does not come to rest it fails: it moves without damping, with pressures that follow, until it rests again. The
 //! other drivers run soil and water in the same steps all the time.
 
@@ -36,7 +36,7 @@ const EASY: [f64; 2] = [1.1, 4.4];
 /// Parts in which the first water comes.
 const RAMP: u32 = 10;
 /// Who can drive a run.
-const DRIVERS: [Integrator; 3] = [Integrator::TwoClocks, Integrator::Coupled, Integrator::Explicit];
+const DRIVERS: [Integrator; 3] = [Integrator::Staggered, Integrator::Coupled, Integrator::Explicit];
 
 /// What is going on.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -129,14 +129,14 @@ impl<'a> Driver<'a> {
     /// A run before its first step.
     ///
     /// # Errors
-    /// A step above the stability limit, particles outside the mesh, or a scene without a stage with `clock = "both"`.
+    /// A step above the stability limit, particles outside the mesh, or a scene without a stage with `coupling = "full"`.
     pub fn new(scene: &'a Scene) -> Result<Self, StartError> {
         let Some(failure) = scene.failure.clone() else {
             return Err(StartError::Place(RunError {
                 step: 0,
                 time: 0.0,
                 place: "the scene".into(),
-                what: "no stage with clock = \"both\"".into(),
+                what: "no stage with coupling = \"full\"".into(),
             }));
         };
         let dt = choose_step(scene)?;
@@ -213,7 +213,7 @@ impl<'a> Driver<'a> {
             self.model.feel(f64::from(part) / f64::from(RAMP));
             let settled = settle(self.model.as_mut(), &self.first, &patience).map_err(|e| self.failed(e))?;
             self.steps.relaxing += settled.steps;
-            if !settled.at_rest() && !self.failure.goes_on {
+            if !settled.at_rest() && !self.failure.continue_if_unstable {
                 let under = if part == 0 { "under its own weight" } else { "under its weight and the first water" };
                 let what = format!("{under}, on a base that holds it, the soil {}", settled.said());
                 return Err(self.failed(Fault { place: "the slope".into(), what }));
@@ -230,7 +230,7 @@ impl<'a> Driver<'a> {
         self.count_from_here();
         let water = self.model.observe().0.water.map_or(0.0, |w| w.mobile_m3 - w.in_m3 + w.out_m3);
         self.began = water;
-        if !settled.at_rest() && !self.failure.goes_on {
+        if !settled.at_rest() && !self.failure.continue_if_unstable {
             return Ok(settled);
         }
         self.begin(settled.at_rest());
@@ -244,8 +244,8 @@ impl<'a> Driver<'a> {
     /// Starts the clock.
     fn begin(&mut self, at_rest: bool) {
         self.phase = match (self.integrator, at_rest) {
-            (Integrator::TwoClocks, true) => Phase::Seepage,
-            (Integrator::TwoClocks, false) => Phase::Failing,
+            (Integrator::Staggered, true) => Phase::Seepage,
+            (Integrator::Staggered, false) => Phase::Failing,
             _ => Phase::Together,
         };
         if !at_rest {
@@ -259,7 +259,7 @@ impl<'a> Driver<'a> {
         self.integrator = integrator;
         self.dt = dt;
         if self.end.is_none() {
-            self.phase = if integrator == Integrator::TwoClocks { Phase::Seepage } else { Phase::Together };
+            self.phase = if integrator == Integrator::Staggered { Phase::Seepage } else { Phase::Together };
         }
         (self.moves_since, self.slow_since) = (self.time, self.time);
     }
@@ -470,14 +470,14 @@ impl<'a> Driver<'a> {
     fn fingerprint(&self) -> Digest {
         let mut scene = Fields::clone(self.scene);
         (scene.integrator, scene.step, scene.safety, scene.force) =
-            (Integrator::TwoClocks, StepChoice::Auto, 1.0, false);
+            (Integrator::Staggered, StepChoice::Auto, 1.0, false);
         (scene.observe_times, scene.history, scene.profiles) = (Vec::new(), 0, true);
         scene.left_out.clear();
         for stage in &mut scene.stages {
             stage.until = Until::Time(0.0);
         }
         if let Some(failure) = &mut scene.failure {
-            failure.goes_on = false;
+            failure.continue_if_unstable = false;
         }
         sha256(format!("{scene:?}").as_bytes())
     }

@@ -17,7 +17,7 @@ use serde::Serialize;
 use super::{Ledger, Observation};
 use crate::boundary::knows_volumes;
 use crate::scene::{
-    Clock, Course, FaceLoad, Integrator, LoadOn, Piece, Scene, Side, SolidSide, StrainChoice, UpdateChoice,
+    Coupling, Course, FaceLoad, Integrator, LoadOn, Piece, Scene, Side, SolidSide, StrainChoice, UpdateChoice,
 };
 
 /// Settlement may differ from what the strains add up to by this share of its largest: what is promised of a settlement.
@@ -189,7 +189,9 @@ impl<'a> Bounds<'a> {
     fn water(&self, ledger: &Ledger) -> Option<Balance> {
         let water = self.scene.water?;
         // Water with a free surface in soil that moves is balanced by its particles, which go with it.
-        if self.scene.free_surface.is_some() && self.scene.stages.iter().any(|stage| stage.clock != Clock::Seepage) {
+        if self.scene.free_surface.is_some()
+            && self.scene.stages.iter().any(|stage| stage.coupling != Coupling::Seepage)
+        {
             return None;
         }
         let gap = ledger.water_closing_kg;

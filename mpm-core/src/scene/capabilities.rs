@@ -26,7 +26,7 @@ features! {
     Explicit: "time.integrator" "\"explicit\"",
     SemiImplicit: "time.integrator" "\"semi-implicit\"",
     QuasiStatic: "time.integrator" "\"quasi-static\"",
-    TwoClocks: "time.integrator" "\"two-clocks\"",
+    Staggered: "time.integrator" "\"staggered\"",
     Coupled: "time.integrator" "\"coupled\"",
     Centroid: "scheme.shape" "\"centroid\"",
     BBar: "scheme.shape" "\"b-bar\"",
@@ -60,7 +60,7 @@ features! {
     StartVelocity: "start_velocity" "start_velocity",
     Shift: "mesh.shift" "mesh.shift",
     Displaced: "mesh.displaced" "mesh.displaced",
-    Sideroom: "mesh.sideroom_cells" "mesh.sideroom_cells",
+    EmptyBeside: "mesh.empty_cells_beside" "mesh.empty_cells_beside",
     Periodic: "boundaries.left" "\"periodic\"",
     FixedSide: "boundaries.left" "a \"fixed\" side",
     HeldTop: "boundaries.top" "a held top",
@@ -89,7 +89,7 @@ features! {
     Drained: "stages.drained" "stages.drained",
     StageSides: "stages.boundaries" "stages.boundaries",
     Damping: "stages.damping" "stages.damping",
-    Fails: "stages.clock" "\"both\"",
+    Fails: "stages.coupling" "\"full\"",
     RestEnd: "stages.until.rest" "stages.until.rest",
     PressureEnd: "stages.until" "pore_pressure_within",
 }
@@ -136,14 +136,14 @@ const fn rule(of: Feature, beside: &'static [Feature], expected: &'static str) -
 }
 
 /// Integrators but the quasi-static one.
-const STEPPED: &[Feature] = &[Explicit, SemiImplicit, TwoClocks, Coupled];
+const STEPPED: &[Feature] = &[Explicit, SemiImplicit, Staggered, Coupled];
 /// Integrators whose pressures or displacements are implicit: no accelerations of single nodes are at hand.
 const IMPLICIT: &[Feature] = &[SemiImplicit, QuasiStatic];
 /// Those, and functions that reach beyond a cell.
 const NOT_CORNERS: &[Feature] = &[SemiImplicit, QuasiStatic, Gimp, Bspline2, Bspline3];
 /// Soil that is not the same all over.
 const SEVERAL: &[Feature] = &[Layers, Regions];
-const NOT_PLAIN: &[Feature] = &[SemiImplicit, QuasiStatic, TwoClocks, Coupled, FreeSurface];
+const NOT_PLAIN: &[Feature] = &[SemiImplicit, QuasiStatic, Staggered, Coupled, FreeSurface];
 
 const PLANE: &str = "dimension = \"plane-strain\" beside it";
 const BY_QUASI_STATIC: &str = "integrator = \"quasi-static\" beside it";
@@ -160,7 +160,7 @@ const NO_SUPPORT: &[Feature] = &[Fails, Periodic, CoulombBase, Plate, MovedPlate
 /// The table, in the order in which a scene is held against it.
 pub const RULES: &[Rule] = &[
     rule(Outline, &[Column], "dimension = \"plane-strain\" beside it: an outline is an area"),
-    rule(Sideroom, &[Column], "dimension = \"plane-strain\" beside it: a column cannot move sideways"),
+    rule(EmptyBeside, &[Column], "dimension = \"plane-strain\" beside it: a column cannot move sideways"),
     rule(SlopeAngle, &[Column], PLANE),
     rule(SlopeAngle, &[Axisymmetric], "no tilt about a vertical axis: gravity points along it"),
     rule(Periodic, &[Axisymmetric], "dimension = \"plane-strain\" beside it: two radii are not the same place"),
@@ -174,19 +174,19 @@ pub const RULES: &[Rule] = &[
     rule(
         Fails,
         &[Column, NoGravity, SlopeAngle, HeldTop],
-        "plane strain under gravity, with a level base and a free top, beside clock = \"both\"",
+        "plane strain under gravity, with a level base and a free top, beside coupling = \"full\"",
     ),
     rule(
         Fails,
         &[Dry, Saturated],
-        "[water.free_surface] beside clock = \"both\": which soil is wet, and what feeds it",
+        "[water.free_surface] beside coupling = \"full\": which soil is wet, and what feeds it",
     ),
     rule(
         StageSides,
         NO_SUPPORT,
         "the supports of [boundaries] in every stage: what is periodic, rubs or moves is none",
     ),
-    rule(Fails, &[RestEnd, PressureEnd], "a time (s) beside clock = \"both\""),
+    rule(Fails, &[RestEnd, PressureEnd], "a time (s) beside coupling = \"full\""),
     rule(SlopeAngle, &[NoGravity], "the key gravity beside it, which it turns"),
     rule(Geostatic, &[NoGravity], "the key gravity beside a geostatic start"),
     rule(StartK0, &[Unloaded, UndrainedStart, GivenStart], "start = \"geostatic\" beside it"),
@@ -208,7 +208,7 @@ pub const RULES: &[Rule] = &[
     ),
     rule(
         Plate,
-        &[Sideroom],
+        &[EmptyBeside],
         "\"surface\" or \"particles\" in a mesh with room to move: the plate is its top row of nodes",
     ),
     rule(Plate, &[Outline], "\"surface\" on an outline, whose top is no row of nodes"),
@@ -235,14 +235,14 @@ pub const RULES: &[Rule] = &[
     rule(
         FreeSurface,
         IMPLICIT,
-        "integrator = \"two-clocks\" beside it, or \"coupled\" or \"explicit\" with clock = \"both\": the others know \
+        "integrator = \"staggered\" beside it, or \"coupled\" or \"explicit\" with coupling = \"full\": the others know \
          saturated soil",
     ),
-    rule(TwoClocks, &[Dry, Saturated], "[water.free_surface] beside it, or integrator = \"explicit\""),
+    rule(Staggered, &[Dry, Saturated], "[water.free_surface] beside it, or integrator = \"explicit\""),
     rule(
         Coupled,
         &[Dry, Saturated],
-        "[water.free_surface] and clock = \"both\" beside it, or integrator = \"explicit\"",
+        "[water.free_surface] and coupling = \"full\" beside it, or integrator = \"explicit\"",
     ),
     rule(
         FreeSurface,
@@ -253,7 +253,7 @@ pub const RULES: &[Rule] = &[
     rule(Nodal, &[Periodic, Outline], "\"face\" beside it: the nodal flow takes every cell for full of soil"),
     rule(Wells, &[Dry], "[water] beside it: a dry scene has none to take"),
     rule(Wells, &[FreeSurface], "soil full of water beside it: free water comes and goes by feeds and [[reservoirs]]"),
-    rule(Wells, &[Sideroom], "no room to run out beside it: soil that does gives its water away with its particles"),
+    rule(Wells, &[EmptyBeside], "no room to run out beside it: soil that does gives its water away with its particles"),
     rule(Wells, &[Nodal], "\"face\" beside wells: the balance of a cell is that of its faces"),
     rule(KozenyCarman, &[Dry], "[water] beside it: a dry scene conducts none"),
     rule(KozenyCarman, &[SmallStrain], "\"large\" beside it: pores keep their size at small strain"),
@@ -288,14 +288,14 @@ pub const RULES: &[Rule] = &[
     // Explicit steps alone.
     rule(Outline, &[QuasiStatic], BY_EXPLICIT),
     rule(Outline, &[Gimp, Bspline2, Bspline3], BY_CORNERS),
-    rule(Sideroom, IMPLICIT, BY_EXPLICIT),
-    rule(Sideroom, &[Gimp, Bspline2, Bspline3], BY_CORNERS),
+    rule(EmptyBeside, IMPLICIT, BY_EXPLICIT),
+    rule(EmptyBeside, &[Gimp, Bspline2, Bspline3], BY_CORNERS),
     rule(StartVelocity, IMPLICIT, BY_EXPLICIT),
     rule(Periodic, NOT_CORNERS, BY_CORNERS),
     rule(
         Periodic,
-        &[Outline, Sideroom],
-        "[geometry.column] without sideroom beside \"periodic\": the soil fills the width",
+        &[Outline, EmptyBeside],
+        "[geometry.column] without empty_cells_beside where \"periodic\" stands: the soil fills the width",
     ),
     rule(CoulombBase, NOT_CORNERS, BY_CORNERS),
     rule(Separation, &[LinearElastic, CamClay], "mohr_coulomb without dilation beside it"),

@@ -2,15 +2,15 @@
 
 use serde::Serialize;
 
-use super::{Clock, Fields};
+use super::{Coupling, Fields};
 
 /// How a stage in which water seeps and the soil may fail is followed.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Failure {
-    /// What the clock shows when the water begins to seep, s.
+    /// Time at which the water begins to seep, s.
     pub starts_at: f64,
     /// Whether to go on with soil that does not stand under its own weight and the first water.
-    pub goes_on: bool,
+    pub continue_if_unstable: bool,
     /// Where the level of the water is recorded, x in m.
     pub levels: Vec<f64>,
     /// Places (m) whose stress is recorded: the particles nearest to them at the start.
@@ -20,6 +20,6 @@ pub struct Failure {
 impl Fields {
     /// Whether water and soil run together, in the one stage there is.
     pub fn may_fail(&self) -> bool {
-        self.stages.iter().any(|stage| stage.clock == Clock::Both)
+        self.stages.iter().any(|stage| stage.coupling == Coupling::Full)
     }
 }

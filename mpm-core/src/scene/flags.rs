@@ -20,8 +20,8 @@ pub struct Flags {
     pub cell: Option<f64>,
     /// `--ppc`: `mesh.particles_per_cell`.
     pub particles_per_cell: Option<i64>,
-    /// `--go-on`: `failure.goes_on`.
-    pub goes_on: bool,
+    /// `--go-on`: `failure.continue_if_unstable`.
+    pub continue_if_unstable: bool,
 }
 
 /// Keys that say how integrators with steps of their own compute, and how the quasi-static one does.
@@ -51,13 +51,13 @@ impl Flags {
         set("--driver", "time.integrator", self.driver.as_ref().map(Change::from))?;
         set("--ppc", "mesh.particles_per_cell", self.particles_per_cell.map(Change::from))?;
         set("--tolerance", "time.tolerance", self.tolerance.map(Change::from))?;
-        if self.goes_on && file.contains_key("failure") {
-            set("--go-on", "failure.goes_on", Some(true.into()))?;
+        if self.continue_if_unstable && file.contains_key("failure") {
+            set("--go-on", "failure.continue_if_unstable", Some(true.into()))?;
         }
         if let Some(cell) = self.cell {
             let own = value(file, "mesh.cell").and_then(number).unwrap_or(f64::NAN);
             let room = |key| value(file, key).and_then(number).map_or(0, |count| count as usize);
-            let rooms = [room("mesh.headroom_cells"), room("mesh.sideroom_cells")];
+            let rooms = [room("mesh.empty_cells_above"), room("mesh.empty_cells_beside")];
             edits.extend(finer(Some("--mesh"), cell, own, rooms)?);
         }
         Ok((edits, left_out))
@@ -73,7 +73,7 @@ pub(super) fn finer(
 ) -> Result<Vec<Edit>, SceneError> {
     let mut edits = vec![Edit::new(flag, "mesh.cell", cell.into())?];
     let ratio = own / cell;
-    for (key, room) in ["mesh.headroom_cells", "mesh.sideroom_cells"].into_iter().zip(rooms) {
+    for (key, room) in ["mesh.empty_cells_above", "mesh.empty_cells_beside"].into_iter().zip(rooms) {
         if room > 0 && ratio.is_finite() && ratio > 0.0 {
             let count = (room as f64 * ratio - 1e-9).ceil().min(1e9);
             edits.push(Edit::new(flag, key, (count as i64).into())?);

@@ -1,4 +1,4 @@
-//! Water that does not fill the soil: what is wet at t = 0, what feeds it, and which clock a stage runs by.
+//! Water that does not fill the soil: what is wet at t = 0, what feeds it, and what a stage couples.
 
 use serde::Serialize;
 
@@ -52,20 +52,20 @@ impl FreeSurfaceWater {
     }
 }
 
-/// What moves during a stage of a scene with two clocks.
+/// What a stage moves where water has a free surface.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Clock {
+pub enum Coupling {
     /// The water; the soil rests.
     #[default]
     Seepage,
     /// The soil; the water keeps its pressures.
     Soil,
-    /// Both, each by its own clock or together: the soil may fail.
-    Both,
+    /// Both, staggered or in the same steps: the soil may fail.
+    Full,
 }
 
-impl Clock {
+impl Coupling {
     pub(super) fn is_default(&self) -> bool {
         *self == Self::default()
     }

@@ -73,7 +73,7 @@ impl Fields {
     /// Whether the soil is a column under vertical loads, with no room beside it, and starts without a velocity.
     pub(super) fn is_level_column(&self) -> bool {
         self.outline.is_none()
-            && self.sideroom_cells == 0
+            && self.empty_cells_beside == 0
             && self.slope_angle.is_none()
             && self.start_velocity.is_none()
             && !self.periodic

@@ -12,6 +12,7 @@ mod loads;
 mod moving;
 mod patch;
 mod raw;
+mod renames;
 mod soils;
 mod written;
 
@@ -27,7 +28,7 @@ use serde::{Deserialize, Serialize, Serializer};
 pub use check::{INTEGRATORS, SHAPES};
 pub use failure::Failure;
 pub use flags::Flags;
-pub use free_surface::{Clock, Feed, FreeSurfaceWater};
+pub use free_surface::{Coupling, Feed, FreeSurfaceWater};
 pub use ground::{Base, NormalStress, SeedingChoice};
 pub use initial::Initial;
 pub use loads::{AlongX, Bearing, Course, FaceLoad, MovedPlate, Piece, Well};
@@ -36,7 +37,7 @@ pub use moving::{Estimate, UnfitLoad};
 pub use patch::Change;
 pub use soils::{Biot, Fabric, Ground, Region, Soil, SoilLayer, Zones};
 
-use crate::error::{LoadError, SceneError};
+use crate::error::{LoadError, SceneError, Warning};
 use crate::stability::{intended_step, stable_limit};
 use patch::Source;
 
@@ -78,7 +79,7 @@ pub enum Integrator {
     /// Implicit displacement and pressure, no inertia; the step follows from a tolerance.
     QuasiStatic,
     /// Water with a free surface in soil at rest, in steps of its own, and explicit soil under the pressures it leaves.
-    TwoClocks,
+    Staggered,
     /// The same water and soil in steps of the soil, with the pressures of their end.
     Coupled,
 }
@@ -441,9 +442,9 @@ pub struct Stage {
     pub solid_sides: Option<[SolidSide; 4]>,
     /// Mass-proportional damping rate, 1/s. Zero for none.
     pub damping: f64,
-    /// What moves, with two clocks.
-    #[serde(skip_serializing_if = "Clock::is_default")]
-    pub clock: Clock,
+    /// What the stage moves where water has a free surface.
+    #[serde(skip_serializing_if = "Coupling::is_default")]
+    pub coupling: Coupling,
     /// When it ends.
     pub until: Until,
 }
@@ -476,6 +477,7 @@ pub struct Scene {
     fields: Fields,
     /// What it was made from.
     source: Arc<Source>,
+    warnings: Vec<Warning>,
 }
 
 impl Deref for Scene {
@@ -545,10 +547,10 @@ pub struct Fields {
     /// Cells over the height and over the width of the soil.
     pub cells: [usize; 2],
     /// Rows of empty cells above the soil.
-    pub headroom_cells: usize,
+    pub empty_cells_above: usize,
     /// Columns of empty cells right of the soil.
     #[serde(skip_serializing_if = "none")]
-    pub sideroom_cells: usize,
+    pub empty_cells_beside: usize,
     /// Particles per cell and layer in plane strain: 1, 4, 9, ...; the column uses the square root.
     pub particles_per_cell: usize,
     /// The mesh starts this share of a cell below and left of the soil, 0 <= s < 1.
@@ -690,6 +692,11 @@ impl Scene {
         let mut scene = Self::checked(&Arc::new(source))?;
         scene.fields.left_out = left_out;
         Ok(scene)
+    }
+
+    /// What the author of the file should see, in the order of its lines: names of an earlier version.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
     }
 
     /// The scene of a file and what was changed of it. Values at the edge of what a number can hold make steps of no length or runs
@@ -907,7 +914,7 @@ impl Fields {
         let across = if self.dimension == Dimension::Column { 1.0 } else { self.cells[0] as f64 };
         let (rows, direction) = (self.cells[1] as f64, self.particles_per_direction() as f64);
         let points = rows * direction * if self.dimension == Dimension::Column { 1.0 } else { across * direction };
-        let cells = (rows + self.headroom_cells as f64) * (across + self.sideroom_cells as f64);
+        let cells = (rows + self.empty_cells_above as f64) * (across + self.empty_cells_beside as f64);
         check::fits_in_memory(points, cells, self.integrator == Integrator::QuasiStatic, self.dimension)
     }
 }

@@ -59,7 +59,7 @@ impl Fields {
     /// of how the same equations are solved; which are solved does not depend on the mesh.
     pub fn moves_through_cells(&self) -> bool {
         self.outline.is_some()
-            || self.sideroom_cells > 0
+            || self.empty_cells_beside > 0
             || self.solid_sides[Side::Bottom as usize] == SolidSide::Free
             || self.estimate().settlement_m.abs() > THROUGH_CELLS * self.cell
     }
@@ -85,7 +85,7 @@ impl Fields {
     pub fn usual_light_nodes(&self) -> f64 {
         // Semi-implicit pressures push every node: none follows another.
         let solves = self.integrator == Integrator::SemiImplicit;
-        let room = (self.sideroom_cells > 0 || self.outline.is_some()) && !self.stands() && !solves;
+        let room = (self.empty_cells_beside > 0 || self.outline.is_some()) && !self.stands() && !solves;
         let explicit = self.integrator == Integrator::Explicit;
         let alone = explicit && self.has_jumping_gradients() && self.moves_through_cells() && !self.lends_inertia();
         // Of a particle that is alone, nodes with less than a quarter of it.
@@ -170,7 +170,7 @@ impl Fields {
         }
         let (rows, settled) = (self.cells[1] as f64, self.estimate().settlement_m.abs());
         let off = (OFF_BEFORE * settled / self.height).min(OFF_PER_ROW / rows);
-        let dynamic = !matches!(self.integrator, Integrator::QuasiStatic | Integrator::TwoClocks);
+        let dynamic = !matches!(self.integrator, Integrator::QuasiStatic | Integrator::Staggered);
         if dynamic && self.is_level_column() && self.is_elastic() && off > 0.01 {
             notes.push(format!(
                 "the surface moves by {:.2} cells, of {rows} rows: settlements are off by up to {:.1} %; more rows or \
@@ -237,13 +237,13 @@ impl Fields {
             );
         }
         if self.shape == ShapeChoice::Gimp
-            && self.headroom_cells > 0
+            && self.empty_cells_above > 0
             && self.solid_sides[Side::Bottom as usize] != SolidSide::Free
         {
             return Err(UnfitLoad {
-                key: "mesh.headroom_cells",
+                key: "mesh.empty_cells_above",
                 expected: "0 beside \"gimp\", whose functions reach beyond the surface: the nodes there have next to no mass",
-                found: self.headroom_cells.to_string(),
+                found: self.empty_cells_above.to_string(),
             });
         }
         let (single, on_points) =
@@ -273,9 +273,9 @@ impl Fields {
         }
         if settlement_m < 0.0
             && moved > 0.5 / self.particles_per_direction() as f64
-            && (self.headroom_cells as f64) < moved
+            && (self.empty_cells_above as f64) < moved
         {
-            return refuse("mesh.headroom_cells", "as many rows of empty cells as the surface rises by");
+            return refuse("mesh.empty_cells_above", "as many rows of empty cells as the surface rises by");
         }
         if strain < -1e-3 && self.particles_per_direction() == 1 {
             return refuse(

@@ -8,6 +8,7 @@ use toml::de::{DeArray, DeTable, DeValue};
 use toml::{Spanned, Value};
 
 use super::flags::{Flags, finer};
+use super::renames::{self, Renamed};
 use super::{Scene, check};
 use crate::error::SceneError;
 
@@ -52,7 +53,7 @@ pub(super) struct Edit {
 
 impl Edit {
     pub fn new(flag: Option<&'static str>, key: &str, change: Change) -> Result<Self, SceneError> {
-        let mut edit = Self { flag, key: key.to_owned(), text: None };
+        let mut edit = Self { flag, key: renames::current(key), text: None };
         match change.0 {
             Ok(value) => edit.text = value.map(|value| value.to_string()),
             Err(why) => return Err(edit.refused("a value that TOML can hold", why)),
@@ -88,14 +89,15 @@ impl Source {
 
     /// What flags change, and the keys that they leave out.
     pub fn flagged(&self, flags: &Flags) -> Result<(Vec<Edit>, Vec<String>), SceneError> {
-        let table = self.table().map_err(|why| check::unreadable(self, why))?;
+        let (table, _) = self.table().map_err(|why| check::unreadable(self, why))?;
         flags.edits(table.get_ref())
     }
 
-    /// The keys of the file, each with its place, and the edits of them. Those have places that no file has, counted down
-    /// from the largest number, so that a refusal can name them.
-    pub fn table(&self) -> Result<Spanned<DeTable<'_>>, Unreadable> {
+    /// The keys of the file under their present names, each with its place, and the edits of them; and the old names. Edits have
+    /// places that no file has, counted down from the largest number, so that a refusal can name them.
+    pub fn table(&self) -> Result<(Spanned<DeTable<'_>>, Vec<Renamed>), Unreadable> {
         let mut table = DeTable::parse(&self.text).map_err(Unreadable::Text)?;
+        let mut renamed = renames::rename(table.get_mut());
         for (i, edit) in self.edits.iter().enumerate() {
             let place = usize::MAX - i..usize::MAX - i;
             let read = |text| DeValue::parse(text).map(|value| placed(value.into_inner(), &place));
@@ -105,7 +107,8 @@ impl Source {
             set(table.get_mut(), &path, value, &place)
                 .map_err(|[expected, found]| Unreadable::Edit(edit.refused(expected, found)))?;
         }
-        Ok(table)
+        renamed.extend(renames::rename(table.get_mut()));
+        Ok((table, renamed))
     }
 }
 
@@ -231,7 +234,7 @@ impl Scene {
     /// # Errors
     /// As [`Scene::patched`].
     pub fn with_cell(&self, cell: f64) -> Result<Self, SceneError> {
-        self.with_edits(finer(None, cell, self.cell, [self.headroom_cells, self.sideroom_cells])?)
+        self.with_edits(finer(None, cell, self.cell, [self.empty_cells_above, self.empty_cells_beside])?)
     }
 
     /// The scene on a mesh of so many cells over its height, with the room that it has.

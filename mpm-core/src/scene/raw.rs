@@ -70,8 +70,8 @@ pub(super) struct RawOutline {
 pub(super) struct RawMesh {
     pub cell: Number,
     pub particles_per_cell: Spanned<i64>,
-    pub headroom_cells: Option<Spanned<i64>>,
-    pub sideroom_cells: Option<Spanned<i64>>,
+    pub empty_cells_above: Option<Spanned<i64>>,
+    pub empty_cells_beside: Option<Spanned<i64>>,
     pub seeding: Option<Word>,
     pub shift: Option<Number>,
     pub displaced: Option<Spanned<RawDisplaced>>,
@@ -342,7 +342,7 @@ pub(super) struct RawStage {
     pub drained: Option<Spanned<Value>>,
     pub boundaries: Option<Spanned<RawBoundaries>>,
     pub damping: Option<Number>,
-    pub clock: Option<Word>,
+    pub coupling: Option<Word>,
     pub until: Spanned<RawUntil>,
 }
 
@@ -368,7 +368,7 @@ pub(super) struct RawRest {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawFailure {
     pub starts_at: Option<Number>,
-    pub goes_on: Option<bool>,
+    pub continue_if_unstable: Option<bool>,
     pub levels: Option<Spanned<Vec<Number>>>,
     pub points: Option<Spanned<Vec<Spanned<[f64; 2]>>>>,
 }

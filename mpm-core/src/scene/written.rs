@@ -6,7 +6,7 @@ use toml::{Table, Value};
 
 use super::patch::{Change, Source};
 use super::{
-    Bearing, CamClay, Clock, Course, DarcyChoice, Elastic, Feed, Fields, Initial, Integrator, Quadrature, Scene,
+    Bearing, CamClay, Coupling, Course, DarcyChoice, Elastic, Feed, Fields, Initial, Integrator, Quadrature, Scene,
     SeedingChoice, Side, Soil, Stage, StepChoice, StrainChoice, Strength, TimeMethod, TransferChoice, Until,
     UpdateChoice, check,
 };
@@ -219,8 +219,8 @@ impl Fields {
     fn mesh(&self, out: &mut Writer) -> Result<(), SceneError> {
         out.put("mesh.cell", self.cell)?;
         out.put("mesh.particles_per_cell", self.particles_per_cell)?;
-        out.unless("mesh.headroom_cells", self.headroom_cells, 0)?;
-        out.unless("mesh.sideroom_cells", self.sideroom_cells, 0)?;
+        out.unless("mesh.empty_cells_above", self.empty_cells_above, 0)?;
+        out.unless("mesh.empty_cells_beside", self.empty_cells_beside, 0)?;
         out.unless("mesh.seeding", self.seeding, SeedingChoice::default())?;
         out.unless("mesh.shift", self.shift, 0.0)?;
         out.put("mesh.displaced", self.displaced)
@@ -387,7 +387,7 @@ impl Fields {
             }
         }
         out.unless("damping", stage.damping, 0.0)?;
-        out.unless("clock", stage.clock, Clock::default())?;
+        out.unless("coupling", stage.coupling, Coupling::default())?;
         match stage.until {
             Until::PorePressure { within, everywhere, at_most } => {
                 out.put("until.pore_pressure_within", within)?;

@@ -17,7 +17,7 @@ pub struct Pace {
     pub pressures: Pressures,
 }
 
-/// Soil and water that can be driven by either clock.
+/// Soil and water that can be driven apart or together.
 pub trait Failing: Model {
     /// Lets the soil move.
     ///

@@ -10,15 +10,15 @@ pub mod kernel;
 mod nodal;
 mod pressure;
 pub mod quasi_static;
+mod staggered;
 pub mod store;
 mod surface;
-mod two_clocks;
 
 pub use body::Body;
 pub use conditions::{Condition, Damping, Friction, GivenForce, Held, Joined, Lifted, Moved, RigidPlate};
 pub use explicit::Explicit;
 pub use failing::{Failing, Pace};
-pub use two_clocks::TwoClocks;
+pub use staggered::Staggered;
 
 use serde::{Deserialize, Serialize};
 

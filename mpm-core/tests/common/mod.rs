@@ -10,8 +10,13 @@ use mpm_core::scene::Scene;
 
 /// The consolidation column of the paper's Table 1, the scene that all others are derived from.
 pub fn terzaghi() -> String {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../reference-data/scenes/terzaghi.toml");
-    std::fs::read_to_string(path).expect("the default scene")
+    scene_text("terzaghi")
+}
+
+/// The file of a scene of `reference-data/scenes`.
+pub fn scene_text(name: &str) -> String {
+    let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../reference-data/scenes")).join(name);
+    std::fs::read_to_string(path.with_extension("toml")).expect("a scene file")
 }
 
 /// A text with each pattern, which must occur exactly once, replaced.

@@ -180,7 +180,7 @@ fn levee(goes_on: bool) -> Result<Outcome, Error> {
         on(&mut other, (2 - number) * LOOKS + usize::from(goes_on))?;
         different.push(f64::from(other.checkpoint() != whole.checkpoint()));
     }
-    Ok(outcome("two-clocks", &different))
+    Ok(outcome("staggered", &different))
 }
 
 fn resumed(loses: bool) -> Result<Outcome, Error> {

@@ -123,11 +123,11 @@ fn scene(name: &str) -> Result<Scene, Error> {
 
 /// The block with so many cells over its height, in the same room.
 fn on_mesh(scene: Scene, rows: usize) -> Result<Scene, Error> {
-    let room = scene.sideroom_cells as f64 * scene.cell;
+    let room = scene.empty_cells_beside as f64 * scene.cell;
     Ok(scene.edited(|scene| {
         scene.cell = scene.height / rows as f64;
         scene.cells = [(scene.width / scene.cell).round() as usize, rows];
-        scene.sideroom_cells = (room / scene.cell).round() as usize;
+        scene.empty_cells_beside = (room / scene.cell).round() as usize;
     })?)
 }
 

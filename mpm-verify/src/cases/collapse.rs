@@ -51,7 +51,7 @@ fn column(base: &Scene, aspect: f64, cell: f64) -> Result<Scene, Error> {
         scene.height = aspect * scene.width;
         scene.cell = cell;
         scene.cells = [scene.width, scene.height].map(|length| (length / cell).round() as usize);
-        scene.sideroom_cells = (8.0 / cell).round() as usize;
+        scene.empty_cells_beside = (8.0 / cell).round() as usize;
     })?;
     // Water that goes on to trickle through cells which soil fills by less than `LEAST_FILLING` does work that no ledger knows:
     // with 9 particles per cell the balance of energy ends the run at 2.0 s.

@@ -11,7 +11,7 @@ use std::f64::consts::FRAC_PI_6;
 
 use mpm_core::failure::Scales;
 use mpm_core::run::run;
-use mpm_core::scene::{Clock, Feed, Fields, Scene, Until};
+use mpm_core::scene::{Coupling, Feed, Fields, Scene, Until};
 
 use super::{Error, Lacks, Mutant, Outcome, Program, Unfit, integrator, sound};
 use crate::exact::infinite_slope::{InfiniteSlope, Seepage, Strength};
@@ -110,7 +110,7 @@ fn slope(
         let speed = (scene.elastic.shear_modulus() / scene.mixture_density()).sqrt();
         let passage = height / speed;
         let end = PASSAGES * passage;
-        scene.stages[1].clock = Clock::Soil;
+        scene.stages[1].coupling = Coupling::Soil;
         (scene.stages[1].damping, scene.stages[1].until) = (1.0 / passage, Until::Time(end));
         (scene.observe_times, scene.history) = (vec![1.0 / 3.0 * end, 2.0 / 3.0 * end, end], 0);
     };

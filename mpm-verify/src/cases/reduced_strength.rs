@@ -33,7 +33,7 @@ pub(super) fn levee(edits: &[(&str, &str)]) -> Result<Scene, Error> {
     let coarse = [
         ("cell = 0.4 #", "cell = 0.75 #"),
         ("particles_per_cell = 9 #", "particles_per_cell = 4 #"),
-        ("sideroom_cells = 14", "sideroom_cells = 8"),
+        ("empty_cells_beside = 14", "empty_cells_beside = 8"),
     ];
     for (from, to) in coarse.iter().chain(edits) {
         if !text.contains(from) {
@@ -100,7 +100,7 @@ fn outcome(off: f64) -> Result<Outcome, Error> {
         notes.push((format!("furthest a particle has come with the strength over {factor}"), furthest, "m".to_owned()));
     }
     Ok(Outcome {
-        integrator: "two-clocks".to_owned(),
+        integrator: "staggered".to_owned(),
         scheme: "centroid".to_owned(),
         errors: vec![(apart.len() as f64, largest(apart.into_iter()))],
         required_error: 1e-7,

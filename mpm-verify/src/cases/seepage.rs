@@ -74,7 +74,7 @@ fn drains(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
         errors.push((0.0, entered));
     }
     Ok(Outcome {
-        integrator: "two-clocks".to_owned(),
+        integrator: "staggered".to_owned(),
         scheme: "free surface".to_owned(),
         required_error: 1e-4,
         required_everywhere: Some(0.02),

@@ -5,7 +5,7 @@
 
 use mpm_core::drive::{Run, Sample};
 use mpm_core::scene::{
-    Base, Clock, Fields, Integrator, LoadOn, NormalStress, Scene, Side, SolidSide, Surcharge, Until,
+    Base, Coupling, Fields, Integrator, LoadOn, NormalStress, Scene, Side, SolidSide, Surcharge, Until,
 };
 
 use super::{Error, Lacks, Mutant, Outcome, Program, finished, integrator, scheme, sound};
@@ -102,9 +102,9 @@ fn saturated() -> Result<Scene, Error> {
 
 fn seeping() -> Result<Scene, Error> {
     Ok(slab(built_in("slope-seepage")?, 0.0, FAR.1)?.edited(|scene| {
-        (scene.strength, scene.integrator) = (None, Integrator::TwoClocks);
+        (scene.strength, scene.integrator) = (None, Integrator::Staggered);
         if let Some(soil) = scene.stages.last_mut() {
-            (soil.damping, soil.clock) = (0.0, Clock::Soil);
+            (soil.damping, soil.coupling) = (0.0, Coupling::Soil);
         }
     })?)
 }

@@ -59,7 +59,7 @@ fn square(cells: usize, shape: ShapeChoice, transfer: TransferChoice, flip: f64)
     let scene = crate::scenes::built_in("dry-bar")?.altered_unchecked(|scene| {
         scene.outline = Some([[0.3, 0.3], [1.3, 0.3], [1.3, 1.3], [0.3, 1.3]].to_vec());
         (scene.dimension, scene.shape, scene.solid_sides) = (Dimension::PlaneStrain, shape, [SolidSide::Free; 4]);
-        (scene.cell, scene.particles_per_cell, scene.headroom_cells) = (1.0 / cells as f64, 4, 0);
+        (scene.cell, scene.particles_per_cell, scene.empty_cells_above) = (1.0 / cells as f64, 4, 0);
         (scene.width, scene.height) = (2.0 * MIDDLE, 2.0 * MIDDLE);
         scene.cells = [(2.0 * MIDDLE * cells as f64).round() as usize; 2];
         (scene.surcharge, scene.gravity, scene.stages[0].damping) = (None, None, 0.0);

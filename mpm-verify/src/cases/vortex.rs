@@ -68,7 +68,7 @@ fn disc(cells: usize, shape: ShapeChoice) -> Scene {
         scene.outline = Some((0..128).map(corner).collect());
         (scene.seeding, scene.solid_sides) = (SeedingChoice::Clipped, [SolidSide::Free; 4]);
         (scene.dimension, scene.shape) = (Dimension::PlaneStrain, shape);
-        (scene.cell, scene.particles_per_cell, scene.headroom_cells) = (1.0 / cells as f64, 9, 0);
+        (scene.cell, scene.particles_per_cell, scene.empty_cells_above) = (1.0 / cells as f64, 9, 0);
         (scene.width, scene.height) = (2.4, 2.4);
         scene.cells = [(2.4 * cells as f64).round() as usize; 2];
         (scene.surcharge, scene.gravity, scene.stages[0].damping) = (None, None, 0.0);

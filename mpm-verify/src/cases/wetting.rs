@@ -187,7 +187,7 @@ fn ledger(lost: f64) -> Result<Outcome, Error> {
         }
     }
     Ok(Outcome {
-        integrator: "two-clocks".to_owned(),
+        integrator: "staggered".to_owned(),
         scheme: "free surface".to_owned(),
         errors: vec![(0.05, largest(offs.into_iter()))],
         required_error: 1e-12,

@@ -28,7 +28,7 @@ pub struct Options {
     /// A scene file, or the name of a built-in scene
     #[arg(long, value_name = "FILE", default_value = "levee")]
     scene: String,
-    /// How soil and water are driven, in place of the scene's integrator: two-clocks, coupled or explicit
+    /// How soil and water are driven, in place of the scene's integrator: staggered, coupled or explicit
     #[arg(long, value_name = "WORD")]
     driver: Option<String>,
     /// In place of the scene's edge of a cell, m
@@ -46,7 +46,7 @@ pub struct Options {
     /// End here, h on the clock of the scene
     #[arg(long, value_name = "H")]
     until: Option<f64>,
-    /// Two clocks up to here, h on the clock of the scene; then coupled or explicit, as --driver says
+    /// Staggered up to here, h on the clock of the scene; then coupled or explicit, as --driver says
     #[arg(long, value_name = "H")]
     from: Option<f64>,
     /// Go on from the checkpoint of a run that was stopped or killed; from the start if there is none
@@ -107,7 +107,7 @@ impl Options {
             driver: self.driver.clone(),
             cell: self.mesh,
             particles_per_cell: self.ppc,
-            goes_on: self.go_on,
+            continue_if_unstable: self.go_on,
             ..Flags::default()
         }
     }

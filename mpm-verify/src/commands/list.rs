@@ -14,7 +14,7 @@ use super::{Failure, print_json, say};
 use crate::Common;
 
 /// Words of `levee --driver`.
-const DRIVERS: [&str; 3] = ["two-clocks", "coupled", "explicit"];
+const DRIVERS: [&str; 3] = ["staggered", "coupled", "explicit"];
 
 /// Names of the cases that have a mutant, and its fault.
 fn mutants() -> impl Iterator<Item = (&'static str, &'static str)> {

@@ -101,7 +101,7 @@ fn interrupts() -> Arc<AtomicBool> {
 }
 
 /// Integrators that may be quicker than an explicit one, in the order of how much of its model they keep.
-const QUICKER: [&str; 4] = ["semi-implicit", "two-clocks", "coupled", "quasi-static"];
+const QUICKER: [&str; 4] = ["semi-implicit", "staggered", "coupled", "quasi-static"];
 
 /// Says of runs, some of them at once, that will take more than an hour that they do, and `flag` with which integrator they would
 /// not. `other` are the same runs with another integrator, if it fits them.

@@ -130,7 +130,7 @@ struct ProfileLine {
     effective_stress_pa: f64,
 }
 
-/// A row of field.csv: the pore pressure over the plane, of quasi-static runs in plane strain and runs with two clocks.
+/// A row of field.csv: the pore pressure over the plane, of quasi-static runs in plane strain and staggered runs.
 #[derive(Debug, Serialize)]
 struct FieldLine {
     time_s: f64,
@@ -244,6 +244,9 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         ..Flags::default()
     };
     let scene = Scene::load_with(&options.scene, &flags).map_err(Failure::bad_input)?;
+    for warning in scene.warnings() {
+        eprintln!("{warning}");
+    }
     let scene = if options.force { scene.forced() } else { scene };
     if scene.may_fail() {
         return follow(options, common, &scene);
@@ -282,7 +285,7 @@ fn follow(options: &Options, common: &Common, scene: &Scene) -> Result<(), Failu
     ];
     if let Some((flag, _)) = unknown.into_iter().find(|(_, given)| *given) {
         let path = options.scene.display();
-        let expected = "none beside clock = \"both\", which takes --integrator, --resume and --checkpoint-every";
+        let expected = "none beside coupling = \"full\", which takes --integrator, --resume and --checkpoint-every";
         return Err(Failure::BadInput(format!("{path}: {flag}: expected {expected}")));
     }
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("reports").join(&scene.name));

@@ -50,7 +50,7 @@ impl Confined {
         if loaded || !plain || scene.gravity.is_some() || well.course != Course::Constant {
             return None;
         }
-        let closed = scene.solid_sides == [SolidSide::Roller; 4] && scene.headroom_cells == 0;
+        let closed = scene.solid_sides == [SolidSide::Roller; 4] && scene.empty_cells_above == 0;
         let walls = match scene.dimension {
             Dimension::Column => None,
             Dimension::PlaneStrain if closed => Some([scene.width, scene.height]),

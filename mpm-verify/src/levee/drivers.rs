@@ -1,6 +1,6 @@
 //! The drivers side by side: from a common state shortly before failure, what each predicts and what its steps cost.
 //!
-//! Two clocks run to a time before the failure; from there each driver goes on by itself until the soil rests. The cost of a whole
+//! The staggered integrator runs to a time before the failure; from there each driver goes on by itself until the soil rests. The cost of a whole
 //! run by the paper's explicit step is that of its own steps here times the number a whole run takes: extrapolated, not run.
 
 use cpu_time::ThreadTime;
@@ -21,7 +21,7 @@ pub const NAME: &str = "drivers.csv";
 const PAPER_STEP: f64 = 1.0e-4;
 /// Share of the limit that it keeps to on finer meshes.
 const SAFETY: f64 = 0.5;
-/// The common state is so long before the failure that two clocks find, h.
+/// The common state is so long before the failure that the staggered integrator finds, h.
 const BEFORE: f64 = 0.01;
 /// A driver that has not seen failure so long after is given up, h.
 const AFTER: f64 = 0.2;
@@ -49,10 +49,11 @@ pub struct Line {
     pub cpu_s: f64,
     /// CPU time of a step, s.
     pub cpu_per_step_s: f64,
-    /// CPU time from the start of the scene to the end, s: measured by two clocks, steps times cost of a step for the others.
+    /// CPU time from the start of the scene to the end, s: measured for the staggered integrator, steps times cost of a step for the others.
     pub whole_cpu_s: f64,
-    /// That over the one of two clocks.
-    pub times_two_clocks: f64,
+    /// That over the one of the staggered integrator.
+    #[serde(alias = "times_two_clocks")]
+    pub times_staggered: f64,
     /// Why it ended early, if it did.
     pub trouble: String,
     /// Of which scene: [`Plan::scene_word`].
@@ -70,7 +71,7 @@ impl OfScene for Line {
 /// # Errors
 /// A scene that does not stand or does not fail, or what went wrong before the common state.
 pub fn compute(plan: &Plan, tell: &mut dyn FnMut(&str)) -> Result<Vec<Line>, Error> {
-    let scene = plan.scene.edited(|s| s.integrator = Integrator::TwoClocks)?;
+    let scene = plan.scene.edited(|s| s.integrator = Integrator::Staggered)?;
     let mut driver = Driver::new(&scene)?;
     let clock = ThreadTime::now();
     driver.load()?;
@@ -86,7 +87,7 @@ pub fn compute(plan: &Plan, tell: &mut dyn FnMut(&str)) -> Result<Vec<Line>, Err
         return Err(Error::Found(format!("the levee has not failed at {hours:.2} h: there is no failure to compare")));
     };
     let ended = driver.time;
-    tell(&format!("two clocks: soil moves from {first:.4} h"));
+    tell(&format!("staggered: soil moves from {first:.4} h"));
     let from_h = first - BEFORE;
     let mut driver = Driver::new(&scene)?;
     driver.load()?;
@@ -96,7 +97,7 @@ pub fn compute(plan: &Plan, tell: &mut dyn FnMut(&str)) -> Result<Vec<Line>, Err
     }
     let state = driver.checkpoint();
     let mut lines = Vec::new();
-    for integrator in [Integrator::TwoClocks, Integrator::Coupled, Integrator::Explicit] {
+    for integrator in [Integrator::Staggered, Integrator::Coupled, Integrator::Explicit] {
         driver.restore(&state)?;
         let dt = if integrator == Integrator::Explicit {
             let own = SAFETY * stable_limit(&Fields { integrator, ..Fields::clone(&scene) });
@@ -110,9 +111,9 @@ pub fn compute(plan: &Plan, tell: &mut dyn FnMut(&str)) -> Result<Vec<Line>, Err
         tell(&format!("{}: failure at {:?} h, {:.1} s", line.driver, line.failure_start_h, line.cpu_s));
     }
     for line in &mut lines {
-        let two = line.driver == driver_word(Integrator::TwoClocks);
+        let two = line.driver == driver_word(Integrator::Staggered);
         line.whole_cpu_s = if two { whole } else { ended / line.dt_s * line.cpu_per_step_s };
-        line.times_two_clocks = line.whole_cpu_s / whole;
+        line.times_staggered = line.whole_cpu_s / whole;
         line.scene = plan.scene_word();
     }
     Ok(lines)
@@ -141,7 +142,7 @@ fn one(driver: &mut Driver, integrator: Integrator, until: f64, from_h: f64) -> 
         cpu_s,
         cpu_per_step_s: cpu_s / steps.max(1) as f64,
         whole_cpu_s: 0.0,
-        times_two_clocks: 0.0,
+        times_staggered: 0.0,
         trouble,
         scene: String::new(),
     }
@@ -161,13 +162,13 @@ pub fn shown(lines: &[Line]) -> Table {
             Cell::new(short(l.crest_settlement_m, 3)),
             Cell::new(short(1e6 * l.cpu_per_step_s, 3)),
             Cell::new(short(l.whole_cpu_s, 3)),
-            Cell::new(short(l.times_two_clocks, 3)),
+            Cell::new(short(l.times_staggered, 3)),
         ]
     };
     let from = lines.first().map_or(0.0, |l| l.from_h);
     let note = format!(
-        "From a common state at {} h, {} h before two clocks see the soil move. CPU time; that of a whole run is measured for two \
-         clocks, and for the others the cost of a step here times the steps that a whole run would take: extrapolated.",
+        "From a common state at {} h, {} h before the soil moves with the staggered integrator. CPU time; that of a whole run is measured for \
+         the staggered integrator, and for the others the cost of a step here times the steps of a whole run: extrapolated.",
         short(from, 6),
         BEFORE
     );

@@ -95,7 +95,7 @@ pub fn slope(scene: &Scene, way: f64) -> Result<Option<Levee>, Error> {
     let beyond = if way > 0.0 { 1 } else { 0 };
     // Soil ends at the side of its mesh on the left always, on the right where there is no room beside it.
     let at_side =
-        if way > 0.0 { scene.sideroom_cells == 0 } else { outline.iter().any(|x| x[0] <= ROUND_OFF * height) };
+        if way > 0.0 { scene.empty_cells_beside == 0 } else { outline.iter().any(|x| x[0] <= ROUND_OFF * height) };
     let wall = at_side && scene.solid_sides[beyond] != SolidSide::Free;
     if !wall {
         if y > ROUND_OFF * height {
@@ -233,7 +233,8 @@ mod tests {
     }
 
     fn walled(scene: &mut Fields) {
-        (scene.solid_sides[0], scene.solid_sides[1], scene.sideroom_cells) = (SolidSide::Free, SolidSide::Roller, 0);
+        (scene.solid_sides[0], scene.solid_sides[1], scene.empty_cells_beside) =
+            (SolidSide::Free, SolidSide::Roller, 0);
     }
 
     const HALF: [[f64; 2]; 4] = [[0.0, 0.0], [9.0, 0.0], [3.0, 3.0], [0.0, 3.0]];
@@ -262,7 +263,7 @@ mod tests {
     #[test]
     fn a_slope_in_a_mirror_is_as_safe() {
         let of = |scene: &Scene, line: &[[f64; 2]]| {
-            let row = Row { front_x_m: if scene.sideroom_cells > 0 { 0.0 } else { 1e3 }, ..Row::default() };
+            let row = Row { front_x_m: if scene.empty_cells_beside > 0 { 0.0 } else { 1e3 }, ..Row::default() };
             factors(scene, &row, line).expect("factors")[0]
         };
         let usual = of(&shaped(&HALF, |_| ()), &LINE);

@@ -16,7 +16,7 @@ use crate::scenes::BUILT_IN;
 pub struct Plan {
     /// The scene; its integrator is the driver.
     pub scene: Scene,
-    /// Two clocks up to here, then the driver of the scene; time on the reader's clock, h.
+    /// Staggered up to here, then the driver of the scene; time on the reader's clock, h.
     pub from_h: Option<f64>,
     /// Where to end before the scene does, h on the same clock.
     pub until_h: Option<f64>,
@@ -30,7 +30,7 @@ pub fn driver_word(integrator: Integrator) -> &'static str {
         Integrator::Explicit => "explicit",
         Integrator::SemiImplicit => "semi-implicit",
         Integrator::QuasiStatic => "quasi-static",
-        Integrator::TwoClocks => "two-clocks",
+        Integrator::Staggered => "staggered",
         Integrator::Coupled => "coupled",
     }
 }
@@ -60,7 +60,7 @@ pub fn scene(source: &str, flags: &Flags, variant: Option<&Variant>) -> Result<S
         scene = scene.edited(edit)?;
     }
     if scene.failure.is_none() {
-        let expected = "a scene whose soil may fail, with a stage of clock = \"both\"";
+        let expected = "a scene whose soil may fail, with a stage of coupling = \"full\"";
         return Err(Error::refused(source, expected, "none"));
     }
     Ok(scene)
@@ -74,8 +74,8 @@ impl Plan {
     pub fn new(scene: Scene, from_h: Option<f64>, until_h: Option<f64>, frames: bool) -> Result<Self, Error> {
         let plan = Self { scene, from_h, until_h, frames };
         let (start, end) = (plan.starts_h(), plan.scene_ends_h());
-        if from_h.is_some() && plan.scene.integrator == Integrator::TwoClocks {
-            return Err(Error::refused("--from", "--driver coupled or explicit", "two-clocks all the time"));
+        if from_h.is_some() && plan.scene.integrator == Integrator::Staggered {
+            return Err(Error::refused("--from", "--driver coupled or explicit", "staggered all the time"));
         }
         for (flag, time) in [("--from", from_h), ("--until", until_h)] {
             if let Some(time) = time.filter(|t| !(*t > start && *t <= end)) {
@@ -159,7 +159,7 @@ impl Plan {
 
     /// Tells scenes apart, whichever driver runs them.
     pub fn scene_word(&self) -> String {
-        scene_hash(&Fields { integrator: Integrator::TwoClocks, ..Fields::clone(&self.scene) })
+        scene_hash(&Fields { integrator: Integrator::Staggered, ..Fields::clone(&self.scene) })
     }
 
     /// Tells plans apart whose states do not fit together. The end may be moved: a run can go on for longer.

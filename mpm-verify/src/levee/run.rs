@@ -120,7 +120,7 @@ struct Running<'a> {
     plan: &'a Plan,
     driver: Driver<'a>,
     album: Album,
-    /// Steps of the driver of the scene and of the two clocks before it, s.
+    /// Steps of the driver of the scene and of the staggered integrator before it, s.
     steps: [f64; 2],
     switched: bool,
     cpu_before_s: f64,
@@ -134,8 +134,8 @@ impl<'a> Running<'a> {
         let clock = ThreadTime::now();
         let mut driver = Driver::new(&plan.scene)?;
         let frame = driver.frame();
-        let two_clocks = Fields { integrator: Integrator::TwoClocks, ..Fields::clone(&plan.scene) };
-        let steps = [driver.dt, choose_step(&two_clocks)?];
+        let staggered = Fields { integrator: Integrator::Staggered, ..Fields::clone(&plan.scene) };
+        let steps = [driver.dt, choose_step(&staggered)?];
         let particles = [frame.solid.len(), frame.water.len()];
         let mass_kg = frame.solid.iter().map(|p| p.mass).sum();
         let (notes, album) = match &resume {
@@ -143,7 +143,7 @@ impl<'a> Running<'a> {
             None => (Notes { switched: plan.from_h.is_none(), ..Notes::default() }, Album::default()),
         };
         if !notes.switched {
-            driver.drive_by(Integrator::TwoClocks, steps[1]);
+            driver.drive_by(Integrator::Staggered, steps[1]);
         }
         // Who drives is no part of the state: it is set before.
         if let Some(kept) = resume {

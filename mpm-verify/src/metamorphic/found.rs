@@ -55,7 +55,7 @@ fn water_enters_from_the_right_as_from_the_left() {
              width = 0.00242\n[mesh]\ncell = 0.00121\nparticles_per_cell = 1\n[soil]\ngrain_density = 1890.0\nporosity = 0.5\n\
              [soil.law.linear_elastic]\nyoungs_modulus = 5.0e7\npoisson_ratio = 0.0\n[water]\nhydraulic_conductivity = 8e-7\n\
              bulk_modulus = 1.87e6\nunit_weight = 11379.6\ndensity = 1160.0\n[water.free_surface.feed]\n{side} = {{ head = 0.002 }}\n\
-             [time]\nintegrator = \"two-clocks\"\n[[stages]]\ndrained = \"none\"\nuntil.time = 11.0\n"
+             [time]\nintegrator = \"staggered\"\n[[stages]]\ndrained = \"none\"\nuntil.time = 11.0\n"
         ));
         run.samples.last().and_then(|s| s.state.water).map(|water| water.in_m3).expect("water")
     };
@@ -222,7 +222,7 @@ fn water_that_seeps_along_a_slope_does_not_stop_the_clock() {
          [mesh]\ncell = 0.000203\nparticles_per_cell = 1\n[soil]\ngrain_density = 1950.0\nporosity = 0.5\n\
          [soil.law.linear_elastic]\nyoungs_modulus = 1.0e4\npoisson_ratio = 0.0\n[water]\nhydraulic_conductivity = 0.002\n\
          bulk_modulus = 6.86e8\nunit_weight = 11085.3\ndensity = 1130.0\n[water.free_surface]\nsaturation = 0.3\nlevel = 0.00253\n\
-         [water.free_surface.feed]\nright = { head = 0.00119 }\n[scheme]\nshape = \"centre\"\n[time]\nintegrator = \"two-clocks\"\n\
+         [water.free_surface.feed]\nright = { head = 0.00119 }\n[scheme]\nshape = \"centre\"\n[time]\nintegrator = \"staggered\"\n\
          [[stages]]\ndrained = [\"left\"]\nuntil.time = 0.166\n[observe]\ntimes = [0.05, 0.166]\n",
     );
     assert!(run.steps < 300, "{} steps", run.steps);

@@ -178,13 +178,13 @@ fn room(base: &Base) -> Verdict {
     // B-splines reach as many cells as their degree, and are others at the end of the mesh; uGIMP has another surface with room
     // above.
     let gimp = usize::from(base.scene.shape == ShapeChoice::Gimp);
-    let wide = changed.headroom < base.scene.shape.spline_degree().unwrap_or(gimp);
+    let wide = changed.empty_above < base.scene.shape.spline_degree().unwrap_or(gimp);
     // Above water with a free surface there is a side of the mesh, or air.
-    let air = base.scene.free_surface.is_some() && changed.headroom == 0;
+    let air = base.scene.free_surface.is_some() && changed.empty_above == 0;
     if plate || wide || air || changed.sides[3] != "free" {
         return Verdict::Apart;
     }
-    changed.headroom += 1;
+    changed.empty_above += 1;
     strictly(same(base, changed))
 }
 
@@ -216,7 +216,7 @@ fn plane(base: &Base) -> Verdict {
     let lent = base.scene.shape.spline_degree().is_some()
         && base.scene.integrator != Integrator::QuasiStatic
         && base.scene.moves_through_cells();
-    if base.written.plane || base.written.integrator == "two-clocks" || base.scene.light_nodes > 0.0 || lent {
+    if base.written.plane || base.written.integrator == "staggered" || base.scene.light_nodes > 0.0 || lent {
         return Verdict::Apart;
     }
     // In two dimensions fewer than nine particles are not weighed as rows of them are, nor the loads that they carry; and
@@ -445,7 +445,7 @@ fn words(base: &Base) -> Verdict {
         water.viscosity = Some(1.003e-3);
         changed.darcy.get_or_insert("face");
     }
-    let known = base.scene.integrator != Integrator::TwoClocks
+    let known = base.scene.integrator != Integrator::Staggered
         && base.scene.free_surface.is_none()
         && base.scene.outline.is_none()
         && !base.scene.periodic
@@ -488,7 +488,7 @@ fn refined(base: &Base) -> Verdict {
     let finer = |times: usize| {
         let mut finer = Written { tolerance: Some(1e-7), cell: w.cell / times as f64, ..w.clone() };
         finer.cells = [if w.plane { w.cells[0] * times } else { 1 }, w.cells[1] * times];
-        finer.headroom *= times;
+        finer.empty_above *= times;
         finer.layers.iter_mut().for_each(|layer| layer.rows *= times);
         finer
     };

@@ -117,8 +117,8 @@ fn ground(dice: &mut Dice, wet: bool) -> Written {
         cells,
         column_width: dice.decades(1e-2, 1e2),
         per_direction: dice.whole(1, 3),
-        headroom: if dice.chance(0.4) { dice.whole(1, 3) } else { 0 },
-        sideroom: 0,
+        empty_above: if dice.chance(0.4) { dice.whole(1, 3) } else { 0 },
+        empty_beside: 0,
         soil,
         layers: Vec::new(),
         water,
@@ -179,7 +179,7 @@ fn load(w: &mut Written, dice: &mut Dice) {
         [(first as f64 + 0.21) * w.cell, (last as f64 + 0.83) * w.cell, taper]
     });
     if on == "plate" {
-        w.headroom = 0;
+        w.empty_above = 0;
     }
     w.load = Some(Load { pressure, on, ramp: 0.0, strip });
 }
@@ -216,7 +216,7 @@ fn stages(w: &mut Written, dice: &mut Dice) {
     let ways = if w.plane { ways } else { &ways[..6] };
     for _ in 0..if dice.chance(0.3) { 2 } else { 1 } {
         let drained = if w.water.is_some() { dice.pick(ways) } else { [false; 4] };
-        w.stages.push(Stage { drained, damping: 0.0, clock: None, time: 1.0, per_factor: None });
+        w.stages.push(Stage { drained, damping: 0.0, coupling: None, time: 1.0, per_factor: None });
     }
 }
 
@@ -314,7 +314,7 @@ fn outline(dice: &mut Dice) -> Written {
     let points = [[left, 0.0], [toe, 0.0], [top[0] + top[1], height], [top[0], height]];
     w.outline = Some(points.map(|x| x.map(|x| x * w.cell)).to_vec());
     w.cells[0] = (toe * (1.0 - 1e-9)).ceil() as usize;
-    (w.headroom, w.sideroom) = (1, dice.whole(1, 2));
+    (w.empty_above, w.empty_beside) = (1, dice.whole(1, 2));
     w.sides = ["free", "free", "fixed", "free"];
     // A load of its own weight must not be more than it bears.
     let most = MOST_STRAIN / weight_strain(&w, 9.81);
@@ -334,11 +334,11 @@ fn free_surface(dice: &mut Dice) -> Written {
     let mut w = ground(dice, true);
     w.layers.clear();
     (w.start, w.load) = ("unloaded", None);
-    w.integrator = "two-clocks";
+    w.integrator = "staggered";
     w.shape = Some(dice.pick(&["centre", "linear"]));
     w.sides = ["roller", "roller", "fixed", "free"];
     w.stages.truncate(1);
-    w.headroom = 0;
+    w.empty_above = 0;
     let (height, plane) = (w.height(), w.plane);
     let Some(water) = &mut w.water else { return w };
     water.conductivity = dice.decades(1e-8, 1e-2);
@@ -358,7 +358,7 @@ fn times(w: &mut Written, dice: &mut Dice) {
     w.observed = vec![1.0];
     let step = w.scene().ok().and_then(|scene| choose_step(&scene).ok().map(|step| (step, scene.solid_particles())));
     let time = match (step, &w.water) {
-        (Some((step, particles)), _) if step.is_finite() && w.integrator != "two-clocks" => {
+        (Some((step, particles)), _) if step.is_finite() && w.integrator != "staggered" => {
             let most = (POINT_STEPS / particles as f64).clamp(STEPS[0] * 2.0, STEPS[1]);
             dice.decades(STEPS[0], most) * step
         }

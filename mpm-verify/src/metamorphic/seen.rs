@@ -231,7 +231,7 @@ pub fn round_off(scene: &Scene, steps: u64, dt: f64) -> f64 {
     if scene.integrator == Integrator::QuasiStatic {
         return 10.0 * scene.tolerance;
     }
-    let cells = scene.cells[0] + scene.cells[1] + scene.headroom_cells + scene.sideroom_cells;
+    let cells = scene.cells[0] + scene.cells[1] + scene.empty_cells_above + scene.empty_cells_beside;
     let terms = (4 * scene.particles_per_cell + cells) as f64;
     let water = if scene.pore_stiffness().is_finite() { scene.pore_stiffness() } else { 0.0 };
     let bulges = 1.0 + water / least_modulus(scene);

@@ -87,7 +87,7 @@ pub struct Stage {
     /// Rate of damping, 1/s.
     pub damping: f64,
     /// What moves, where water has a free surface.
-    pub clock: Option<&'static str>,
+    pub coupling: Option<&'static str>,
     /// Its length, s.
     pub time: f64,
     /// Whether the file gives its length as a time factor: s per unit of it.
@@ -114,9 +114,9 @@ pub struct Written {
     /// Particles along one edge of a cell.
     pub per_direction: usize,
     /// Rows of empty cells above.
-    pub headroom: usize,
+    pub empty_above: usize,
     /// Columns of empty cells at the right.
-    pub sideroom: usize,
+    pub empty_beside: usize,
     /// The soil.
     pub soil: Soil,
     /// Its layers.
@@ -215,11 +215,11 @@ impl Written {
         table(out, "mesh", |out| {
             number(out, "cell", Some(self.cell));
             line(out, "particles_per_cell", &(self.per_direction * self.per_direction).to_string());
-            if self.headroom > 0 {
-                line(out, "headroom_cells", &self.headroom.to_string());
+            if self.empty_above > 0 {
+                line(out, "empty_cells_above", &self.empty_above.to_string());
             }
-            if self.sideroom > 0 {
-                line(out, "sideroom_cells", &self.sideroom.to_string());
+            if self.empty_beside > 0 {
+                line(out, "empty_cells_beside", &self.empty_beside.to_string());
             }
         });
         self.soil(out);
@@ -351,8 +351,8 @@ impl Written {
                 line(out, "drained", &list);
             }
             number(out, "damping", (stage.damping > 0.0).then_some(stage.damping));
-            if let Some(clock) = stage.clock {
-                line(out, "clock", &format!("\"{clock}\""));
+            if let Some(coupling) = stage.coupling {
+                line(out, "coupling", &format!("\"{coupling}\""));
             }
             match stage.per_factor {
                 Some(seconds) => number(out, "until.time_factor", Some(stage.time / seconds)),
@@ -410,12 +410,12 @@ impl Written {
     /// The same scene, left for right.
     pub fn mirrored(&self) -> Self {
         let mut to = self.clone();
-        let across = self.cell * (self.cells[0] + self.sideroom) as f64;
+        let across = self.cell * (self.cells[0] + self.empty_beside) as f64;
         if let Some(points) = &mut to.outline {
             points.iter_mut().for_each(|x| x[0] = across - x[0]);
             points.reverse();
-            to.sideroom = 0;
-            to.cells[0] += self.sideroom;
+            to.empty_beside = 0;
+            to.cells[0] += self.empty_beside;
         }
         to.sides.swap(0, 1);
         to.stages.iter_mut().for_each(|stage| stage.drained.swap(0, 1));

@@ -60,7 +60,7 @@ fn surface(scene: &Scene, run: &Run) -> Vec<(f64, f64)> {
     let Some(last) = run.samples.last().filter(|_| scene.free_surface.is_some() && scene.gravity.is_some()) else {
         return Vec::new();
     };
-    let columns = scene.cells[0] + scene.sideroom_cells;
+    let columns = scene.cells[0] + scene.empty_cells_beside;
     let mut levels = vec![0.0; columns];
     for point in last.state.field.iter().filter(|p| p.pressure_pa > 0.0) {
         let column = ((point.x_m / scene.cell) as usize).min(columns - 1);

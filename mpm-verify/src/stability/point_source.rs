@@ -5,7 +5,7 @@ use std::sync::Arc;
 use mpm_core::boundary::{FirstState, Given};
 use mpm_core::hardware::Hardware;
 use mpm_core::run::model_given;
-use mpm_core::scene::{Clock, DarcyChoice, Dimension, ShapeChoice, SolidSide, Stage, Start, Until};
+use mpm_core::scene::{Coupling, DarcyChoice, Dimension, ShapeChoice, SolidSide, Stage, Start, Until};
 
 /// Share of the pore pressure that alternates from cell to cell after a point source in a stiff block has spread
 /// over a few cells: zero for smooth pressure. First the face operator's, then the nodal one's.
@@ -46,7 +46,7 @@ fn point_source(darcy: DarcyChoice) -> f64 {
         drained: [false; 4],
         solid_sides: None,
         damping: 0.0,
-        clock: Clock::Soil,
+        coupling: Coupling::Soil,
         until: Until::Time(spread),
     };
     let steps = (spread / dt).ceil() as u64;

@@ -68,7 +68,7 @@ fn body(scheme: &Scheme, dimension: Dimension) -> Result<Scene, Error> {
         scene.dimension = dimension;
         (scene.cell, scene.cells) = (EDGE, if bar { [1, BAR] } else { [SIDE; 2] });
         (scene.width, scene.height) = (EDGE * scene.cells[0] as f64, EDGE * scene.cells[1] as f64);
-        (scene.sideroom_cells, scene.headroom_cells) = if bar { (0, ROOM[0]) } else { (ROOM[0], ROOM[1]) };
+        (scene.empty_cells_beside, scene.empty_cells_above) = if bar { (0, ROOM[0]) } else { (ROOM[0], ROOM[1]) };
         scene.solid_sides = [SolidSide::Free; 4];
         (scene.surcharge, scene.gravity, scene.start, scene.history) = (None, None, Start::Unloaded, 0);
         scene.stages[0].damping = 0.0;

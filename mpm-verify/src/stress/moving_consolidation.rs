@@ -62,7 +62,7 @@ fn error(scheme: &Scheme, shift: f64, cells: f64) -> Result<f64, Error> {
 fn error_with(scheme: &Scheme, shift: f64, cells: f64, faster: f64) -> Result<f64, Error> {
     let mut scene = crate::scenes::terzaghi().edited(|scene| {
         (scene.cell, scene.cells) = (scene.height / ROWS as f64, [1, ROWS]);
-        scene.headroom_cells = cells.ceil() as usize + 3;
+        scene.empty_cells_above = cells.ceil() as usize + 3;
         scene.solid_sides[2] = SolidSide::Free;
         (scene.surcharge, scene.start, scene.history) = (None, Start::Unloaded, 0);
     })?;

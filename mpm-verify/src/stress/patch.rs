@@ -45,7 +45,7 @@ fn error(scheme: &Scheme, poisson_ratio: f64, curved: f64) -> Result<f64, Error>
         scene.dimension = Dimension::PlaneStrain;
         (scene.cell, scene.cells) = (EDGE, [SIDE; 2]);
         (scene.width, scene.height) = (EDGE * SIDE as f64, EDGE * SIDE as f64);
-        (scene.sideroom_cells, scene.headroom_cells) = (2, 2);
+        (scene.empty_cells_beside, scene.empty_cells_above) = (2, 2);
         scene.elastic = Elastic { poisson_ratio, ..scene.elastic };
         scene.solid_sides = [SolidSide::Free; 4];
         (scene.surcharge, scene.gravity, scene.history) = (None, None, 0);

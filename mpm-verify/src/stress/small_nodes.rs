@@ -66,7 +66,7 @@ fn dry() -> Result<Scene, Error> {
 fn swing(scheme: &Scheme, ratio: f64, damping: f64) -> Result<f64, Error> {
     let scene = dry()?.edited(|scene| {
         (scene.cell, scene.cells) = (scene.height / ROWS as f64, [1, ROWS]);
-        scene.headroom_cells = 3;
+        scene.empty_cells_above = 3;
         scene.stages[0].damping = damping;
     })?;
     let scene = scheme.on(&scene)?;
@@ -124,7 +124,7 @@ fn fly(scheme: &Scheme, points: &mut Vec<Point>) -> Result<(), Error> {
     let scene = dry()?.altered_unchecked(|scene| {
         (scene.dimension, scene.solid_sides) = (Dimension::PlaneStrain, [SolidSide::Free; 4]);
         (scene.cell, scene.cells, scene.width, scene.height) = (edge, [1, 1], edge, edge);
-        (scene.sideroom_cells, scene.headroom_cells) = (53, 43);
+        (scene.empty_cells_beside, scene.empty_cells_above) = (53, 43);
         scheme.put_on(scene);
         scene.particles_per_cell = 1;
         scene.light_nodes = scene.usual_light_nodes();

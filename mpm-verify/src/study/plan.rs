@@ -79,7 +79,7 @@ impl Family {
             _ if shapes.is_some() => Extent::Whole,
             (Integrator::QuasiStatic, _) | (_, ShapeChoice::Centre) => Extent::Whole,
             (Integrator::Explicit, _) => Extent::Line(0.02),
-            (Integrator::SemiImplicit | Integrator::TwoClocks | Integrator::Coupled, _) => Extent::Line(0.0),
+            (Integrator::SemiImplicit | Integrator::Staggered | Integrator::Coupled, _) => Extent::Line(0.0),
         };
         let mut families = Vec::new();
         for &integrator in integrators.unwrap_or(&INTEGRATORS) {
@@ -209,7 +209,7 @@ pub fn work(scene: &Scene) -> f64 {
         // Each step fills, factors and solves a banded system.
         Integrator::SemiImplicit => steps * (2.0 * points + 20.0 * cells),
         // As many steps as a front has cells to pass.
-        Integrator::TwoClocks | Integrator::Coupled => 100.0 * cells * (scene.cells[0] + scene.cells[1]) as f64,
+        Integrator::Staggered | Integrator::Coupled => 100.0 * cells * (scene.cells[0] + scene.cells[1]) as f64,
         // A factorisation, a dozen solves, and a look at every particle at each time to observe.
         Integrator::QuasiStatic => 100.0 * (points + 20.0 * cells),
     }

@@ -1,9 +1,9 @@
-//! `[failure]`, and a stage with `clock = "both"`: what they need and what they do not go together with.
+//! `[failure]`, and a stage with `coupling = "full"`: what they need and what they do not go together with.
 
 use toml::Spanned;
 
 use super::super::raw::RawScene;
-use super::super::{Clock, Failure, Fields, Side, SolidSide};
+use super::super::{Coupling, Failure, Fields, Side, SolidSide};
 use super::free_surface::touching;
 use super::{Checked, Reader, quoted};
 use crate::seeding;
@@ -15,18 +15,18 @@ impl Reader<'_> {
     /// How failure is followed, in a scene with a stage for it.
     pub(super) fn failure(&self, raw: &RawScene, scene: &Fields) -> Checked<Option<Failure>> {
         let stages = raw.stages.get_ref();
-        let both = stages.iter().zip(&scene.stages).find(|(_, stage)| stage.clock == Clock::Both);
+        let both = stages.iter().zip(&scene.stages).find(|(_, stage)| stage.coupling == Coupling::Full);
         let Some((stage, _)) = both else {
             if let Some(table) = &raw.failure {
-                let expected = "a stage with clock = \"both\" beside it";
+                let expected = "a stage with coupling = \"full\" beside it";
                 return self.refuse(&table.span(), "failure", expected, "none");
             }
             return Ok(None);
         };
-        let word = stage.get_ref().clock.as_ref().map_or(stage.span(), Spanned::span);
+        let word = stage.get_ref().coupling.as_ref().map_or(stage.span(), Spanned::span);
         if stages.len() != 1 {
-            let expected = "one stage with clock = \"both\": gravity and the first water are part of it";
-            return self.refuse(&word, "stages.clock", expected, format!("{} stages", stages.len()));
+            let expected = "one stage with coupling = \"full\": gravity and the first water are part of it";
+            return self.refuse(&word, "stages.coupling", expected, format!("{} stages", stages.len()));
         }
         let cells = scene.height / scene.cell;
         if cells < LEAST_CELLS {
@@ -59,7 +59,12 @@ impl Reader<'_> {
             let expected = format!("0 <= x <= {} m, the width of the soil", scene.width);
             levels.push(self.within(x, "failure.levels", &expected, |x| (0.0..=scene.width).contains(&x))?);
         }
-        Ok(Some(Failure { levels, starts_at, goes_on: table.goes_on.unwrap_or(false), points }))
+        Ok(Some(Failure {
+            levels,
+            starts_at,
+            continue_if_unstable: table.continue_if_unstable.unwrap_or(false),
+            points,
+        }))
     }
 
     /// Water stays below the crest: what would flow over it, or stand on it, no step knows.
@@ -87,7 +92,7 @@ impl Reader<'_> {
             for (word, value) in given {
                 let Some(value) = value else { continue };
                 if side == Side::Top && word == "head" {
-                    let expected = "a velocity (m/s) beside clock = \"both\": no pond stands on soil that may fail";
+                    let expected = "a velocity (m/s) beside coupling = \"full\": no pond stands on soil that may fail";
                     return self.refuse(&value.span(), &format!("{key}.{word}"), expected, value.get_ref());
                 }
                 // What presses from below may stand higher.
@@ -114,7 +119,7 @@ impl Reader<'_> {
             (None, None) => return Ok(()),
         };
         let expected =
-            "0 < angle < 90 (degrees), or an adhesion, beside clock = \"both\": no slope stands on a smooth base";
+            "0 < angle < 90 (degrees), or an adhesion, beside coupling = \"full\": no slope stands on a smooth base";
         self.refuse(&value.span(), key, expected, value.get_ref())
     }
 }

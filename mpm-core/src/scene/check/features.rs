@@ -65,7 +65,7 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
         Feature::Column => dimension == Dimension::Column,
         Feature::Axisymmetric => is(raw.dimension.as_ref(), "axisymmetric"),
         Feature::Outline => matches!(raw.geometry.get_ref(), RawGeometry::Outline(_)),
-        Feature::Explicit | Feature::SemiImplicit | Feature::QuasiStatic | Feature::TwoClocks | Feature::Coupled => {
+        Feature::Explicit | Feature::SemiImplicit | Feature::QuasiStatic | Feature::Staggered | Feature::Coupled => {
             integrator(feature.word().trim_matches('"'))
         }
         Feature::Centroid | Feature::BBar | Feature::Gimp | Feature::Bspline2 | Feature::Bspline3 => {
@@ -106,7 +106,7 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
         Feature::StartVelocity => raw.start_velocity.is_some(),
         Feature::Shift => mesh.shift.is_some(),
         Feature::Displaced => mesh.displaced.is_some(),
-        Feature::Sideroom => mesh.sideroom_cells.as_ref().is_some_and(|cells| *cells.get_ref() != 0),
+        Feature::EmptyBeside => mesh.empty_cells_beside.as_ref().is_some_and(|cells| *cells.get_ref() != 0),
         Feature::Periodic => boundaries.is_some_and(|b| is(b.left.as_ref(), "periodic")),
         Feature::FixedSide => boundaries.is_some_and(|b| is(b.left.as_ref(), "fixed") || is(b.right.as_ref(), "fixed")),
         Feature::HeldTop => boundaries.is_some_and(|b| is(b.top.as_ref(), "roller") || is(b.top.as_ref(), "fixed")),
@@ -139,7 +139,9 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
         Feature::Damping => {
             stages().any(|stage| stage.damping.as_ref().is_some_and(|damping| *damping.get_ref() > 0.0))
         }
-        Feature::Fails => stages().any(|stage| is(stage.clock.as_ref(), "both")),
+        Feature::Fails => {
+            stages().any(|stage| ["full", "staggered"].iter().any(|word| is(stage.coupling.as_ref(), word)))
+        }
         Feature::RestEnd => stages().any(|stage| stage.until.get_ref().rest.is_some()),
         Feature::PressureEnd => stages().any(|stage| stage.until.get_ref().pore_pressure_within.is_some()),
     }
@@ -194,7 +196,7 @@ fn place(raw: &RawScene, feature: Feature) -> Option<Range<usize>> {
         "start_velocity" => of(raw.start_velocity.as_ref()),
         "mesh.shift" => of(mesh.shift.as_ref()),
         "mesh.displaced" => of(mesh.displaced.as_ref()),
-        "mesh.sideroom_cells" => of(mesh.sideroom_cells.as_ref()),
+        "mesh.empty_cells_beside" => of(mesh.empty_cells_beside.as_ref()),
         "boundaries.left" => of(boundaries?.left.as_ref()).or_else(|| of(boundaries?.right.as_ref())),
         "boundaries.top" => of(boundaries?.top.as_ref()),
         "base" => of(raw.base.as_ref()),
@@ -203,7 +205,7 @@ fn place(raw: &RawScene, feature: Feature) -> Option<Range<usize>> {
         "surcharge.strip" => of(surcharge?.strip.as_ref()),
         "stages.drained" => stage(&|stage| of(stage.drained.as_ref())),
         "stages.damping" => stage(&|stage| of(stage.damping.as_ref())),
-        "stages.clock" => stage(&|stage| of(stage.clock.as_ref())),
+        "stages.coupling" => stage(&|stage| of(stage.coupling.as_ref())),
         "stages.until.rest" => stage(&|stage| of(stage.until.get_ref().rest.as_ref())),
         "stages.until" => {
             stage(&|stage| stage.until.get_ref().pore_pressure_within.is_some().then(|| stage.until.span()))

@@ -3,15 +3,20 @@
 use toml::Spanned;
 
 use super::super::raw::{Pairs, RawFeed, RawFeeds, RawFreeSurface, RawScene, RawStage};
-use super::super::{Clock, Course, Dimension, Feed, Fields, FreeSurfaceWater, Integrator, Side, Until};
+use super::super::{Coupling, Course, Dimension, Feed, Fields, FreeSurfaceWater, Integrator, Side, Until};
 use super::{Checked, Reader, quoted, written};
 use crate::seeding;
 use crate::water::free_surface::LEAST_OPEN;
 
 impl Reader<'_> {
-    pub(super) fn clock(&self, stage: &RawStage) -> Checked<Clock> {
-        let words = [("seepage", Clock::Seepage), ("soil", Clock::Soil), ("both", Clock::Both)];
-        self.word(stage.clock.as_ref(), "stages.clock", &words, Clock::Seepage)
+    pub(super) fn coupling(&self, stage: &RawStage) -> Checked<Coupling> {
+        let words = [
+            ("seepage", Coupling::Seepage),
+            ("soil", Coupling::Soil),
+            ("full", Coupling::Full),
+            ("staggered", Coupling::Full),
+        ];
+        self.word(stage.coupling.as_ref(), "stages.coupling", &words, Coupling::Seepage)
     }
 
     /// The checked table of a scene whose geometry is known.
@@ -171,26 +176,26 @@ impl Reader<'_> {
     pub(super) fn free_water(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let integrator = raw.time.as_ref().and_then(|time| time.get_ref().integrator.as_ref());
         if let (Some(word), Integrator::Coupled, false) = (integrator, scene.integrator, scene.may_fail()) {
-            let expected = "a stage with clock = \"both\" beside it";
+            let expected = "a stage with coupling = \"full\" beside it";
             return self.refuse(&word.span(), "time.integrator", expected, quoted(word.get_ref()));
         }
-        // Soil that may fail runs by either clock, or in one step with its water.
+        // Soil that may fail runs staggered, or in one step with its water.
         let two = scene.integrator != Integrator::Explicit || scene.may_fail();
         let table = raw.water.as_ref().and_then(|water| water.get_ref().free_surface.as_ref());
         let two = match table {
             Some(table) if !two => {
-                let expected = "integrator = \"two-clocks\" beside it: the others know saturated soil";
+                let expected = "integrator = \"staggered\" beside it: the others know saturated soil";
                 return self.refuse(&table.span(), "water.free_surface", expected, "\"explicit\"");
             }
             table => table.is_some(),
         };
         for (raw, stage) in raw.stages.get_ref().iter().map(Spanned::get_ref).zip(&scene.stages) {
-            if let (Some(word), false) = (&raw.clock, two) {
-                let expected = "integrator = \"two-clocks\" beside it";
-                return self.refuse(&word.span(), "stages.clock", expected, quoted(word.get_ref()));
+            if let (Some(word), false) = (&raw.coupling, two) {
+                let expected = "integrator = \"staggered\" beside it";
+                return self.refuse(&word.span(), "stages.coupling", expected, quoted(word.get_ref()));
             }
-            if two && stage.clock == Clock::Seepage && !matches!(stage.until, Until::Time(_)) {
-                let expected = "a time, or clock = \"soil\": while water seeps the soil rests";
+            if two && stage.coupling == Coupling::Seepage && !matches!(stage.until, Until::Time(_)) {
+                let expected = "a time, or coupling = \"soil\": while water seeps the soil rests";
                 return self.refuse(&raw.until.span(), "stages.until", expected, "another end");
             }
         }
@@ -207,7 +212,7 @@ pub(super) fn touching(soil: &[[f64; 2]], side: Side, scene: &Fields) -> Option<
         Side::Top => (1, scene.height),
     };
     // Beyond the soil there may be room that is empty.
-    if (side == Side::Right && scene.sideroom_cells > 0) || (side == Side::Top && scene.headroom_cells > 0) {
+    if (side == Side::Right && scene.empty_cells_beside > 0) || (side == Side::Top && scene.empty_cells_above > 0) {
         return None;
     }
     let near = 1e-9 * (scene.width + scene.height);

@@ -10,7 +10,7 @@ use super::{Checked, Reader, quoted};
 use crate::seeding::{self, Fault};
 
 /// Columns of empty cells that can be asked for.
-const MOST_SIDEROOM: i64 = 1_000_000;
+const MOST_EMPTY_BESIDE: i64 = 1_000_000;
 
 /// The checked geometry with its mesh.
 pub(super) struct Geometry {
@@ -21,7 +21,7 @@ pub(super) struct Geometry {
     pub cell: f64,
     /// Over the width and the height.
     pub cells: [usize; 2],
-    pub sideroom_cells: usize,
+    pub empty_cells_beside: usize,
 }
 
 /// Checked keys of the top level.
@@ -43,7 +43,7 @@ pub(super) fn own_words(side: Side) -> &'static [(&'static str, SolidSide)] {
 impl Reader<'_> {
     pub(super) fn geometry(&self, raw: &RawScene, dimension: Dimension) -> Checked<Geometry> {
         let mesh = raw.mesh.get_ref();
-        let sideroom_cells = self.sideroom(mesh)?;
+        let empty_cells_beside = self.empty_cells_beside(mesh)?;
         let (radius, key) = match raw.geometry.get_ref() {
             RawGeometry::Column(column) => (&column.inner_radius, "geometry.column.inner_radius"),
             RawGeometry::Outline(outline) => (&outline.inner_radius, "geometry.outline.inner_radius"),
@@ -65,7 +65,7 @@ impl Reader<'_> {
                     inner_radius,
                     cell,
                     cells,
-                    sideroom_cells,
+                    empty_cells_beside,
                 });
             }
         };
@@ -82,7 +82,7 @@ impl Reader<'_> {
             Dimension::Column => 1,
             _ => self.divides(mesh, cell, width, "width")?,
         };
-        Ok(Geometry { outline: None, width, height, inner_radius, cell, cells: [across, rows], sideroom_cells })
+        Ok(Geometry { outline: None, width, height, inner_radius, cell, cells: [across, rows], empty_cells_beside })
     }
 
     /// The corners of a simple polygon whose coordinates are at `least` so large (m), anticlockwise.
@@ -126,11 +126,11 @@ impl Reader<'_> {
         self.refuse(&mesh.cell.span(), "mesh.cell", &expected, format!("{cell} m, {count:.1e} cells"))
     }
 
-    fn sideroom(&self, mesh: &RawMesh) -> Checked<usize> {
-        let Some(value) = &mesh.sideroom_cells else { return Ok(0) };
-        let key = "mesh.sideroom_cells";
+    fn empty_cells_beside(&self, mesh: &RawMesh) -> Checked<usize> {
+        let Some(value) = &mesh.empty_cells_beside else { return Ok(0) };
+        let key = "mesh.empty_cells_beside";
         match *value.get_ref() {
-            columns @ 0..=MOST_SIDEROOM => Ok(columns as usize),
+            columns @ 0..=MOST_EMPTY_BESIDE => Ok(columns as usize),
             columns => self.refuse(&value.span(), key, "between 0 and 1000000 columns of cells", columns),
         }
     }

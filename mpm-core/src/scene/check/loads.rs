@@ -111,8 +111,8 @@ impl Reader<'_> {
         let place = raw.on.as_ref().map_or(span.clone(), Spanned::span);
         let sideways = matches!(on, Side::Left | Side::Right);
         let room = match on {
-            Side::Top => scene.headroom_cells,
-            Side::Right => scene.sideroom_cells,
+            Side::Top => scene.empty_cells_above,
+            Side::Right => scene.empty_cells_beside,
             Side::Left | Side::Bottom => 0,
         };
         if scene.solid_sides[on as usize] != SolidSide::Free
@@ -204,10 +204,10 @@ impl Reader<'_> {
             let expected = format!("boundaries.{on} = \"free\" beside it: a held face carries no load");
             return self.refuse(&place, &key, &expected, side);
         }
-        if load.is_water() && scene.sideroom_cells > 0 && scene.free_surface.is_none() {
-            let expected = "no mesh.sideroom_cells beside water outside: soil that runs out gives its water away with its particles, \
+        if load.is_water() && scene.empty_cells_beside > 0 && scene.free_surface.is_none() {
+            let expected = "no mesh.empty_cells_beside beside water outside: soil that runs out gives its water away with its particles, \
                             and takes none in";
-            return self.refuse(span, table, expected, format!("sideroom_cells = {}", scene.sideroom_cells));
+            return self.refuse(span, table, expected, format!("empty_cells_beside = {}", scene.empty_cells_beside));
         }
         if scene.pieces_under(&load).is_empty() {
             return self.refuse(span, table, "faces of the soil that look there, between x and y", "none");

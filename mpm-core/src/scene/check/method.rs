@@ -45,7 +45,7 @@ pub const INTEGRATORS: [(&str, Integrator); 5] = [
     ("explicit", Integrator::Explicit),
     ("semi-implicit", Integrator::SemiImplicit),
     ("quasi-static", Integrator::QuasiStatic),
-    ("two-clocks", Integrator::TwoClocks),
+    ("staggered", Integrator::Staggered),
     ("coupled", Integrator::Coupled),
 ];
 /// Default factor on the stability limit.

@@ -21,11 +21,12 @@ mod together;
 
 use super::patch::{Source, Unreadable};
 use super::raw::{RawBoundaries, RawMesh, RawObserve, RawScene, RawStage, RawStrip, RawUntil, RawWater};
+use super::renames::Renamed;
 use super::{
     Dimension, Fabric, Fields, Integrator, LoadOn, LoadedStrip, Scene, Side, SolidSide, Stage, Start, Surcharge, Until,
     WaterProperties,
 };
-use crate::error::SceneError;
+use crate::error::{SceneError, Warning};
 
 /// Longest name of a scene, characters.
 const LONGEST_NAME: usize = 64;
@@ -72,10 +73,12 @@ struct Reader<'a> {
 
 /// The scene of a file and what was changed of it, and the place of its stages.
 pub(super) fn check(source: &Arc<Source>) -> Checked<(Scene, Range<usize>)> {
-    let table = source.table().map_err(|why| unreadable(source, why))?;
+    let (table, renamed) = source.table().map_err(|why| unreadable(source, why))?;
     let reader = Reader { source };
     let raw = RawScene::deserialize(toml::Deserializer::from(table)).map_err(|error| reader.syntax(&error))?;
-    let scene = Scene { fields: reader.scene(&raw)?, source: Arc::clone(source) };
+    let mut warnings: Vec<Warning> = renamed.iter().map(|old| reader.renamed(old)).collect();
+    warnings.sort_by_key(|warning| warning.line);
+    let scene = Scene { fields: reader.scene(&raw)?, source: Arc::clone(source), warnings };
     Ok((scene, raw.stages.span()))
 }
 
@@ -112,6 +115,20 @@ impl Reader<'_> {
             (None, None) => (String::new(), 0, format!("patch: {key}")),
         };
         SceneError { file, line, key, expected, found }
+    }
+
+    fn renamed(&self, old: &Renamed) -> Warning {
+        let [was, is] = old.names;
+        self.warning(
+            &old.span,
+            &old.key,
+            format!("`{was}` is now called `{is}`; the old name is accepted in this version only"),
+        )
+    }
+
+    fn warning(&self, span: &Range<usize>, key: &str, what: String) -> Warning {
+        let SceneError { file, line, key, .. } = self.refusal(span, key, String::new(), String::new());
+        Warning { file, line, key, what }
     }
 
     /// A file that is not TOML, or has a key or type that no scene has.
@@ -217,10 +234,10 @@ impl Reader<'_> {
         };
         let mesh = raw.mesh.get_ref();
         let geometry = self.geometry(raw, dimension)?;
-        let ground::Geometry { outline, width, height, inner_radius, cell, cells: [across, rows], sideroom_cells } =
+        let ground::Geometry { outline, width, height, inner_radius, cell, cells: [across, rows], empty_cells_beside } =
             geometry;
-        let (particles_per_cell, headroom_cells) =
-            self.particles(raw, rows, across.saturating_add(sideroom_cells), dimension)?;
+        let (particles_per_cell, empty_cells_above) =
+            self.particles(raw, rows, across.saturating_add(empty_cells_beside), dimension)?;
         let (elastic, strength, cam_clay) = self.law("soil.law", &raw.soil.get_ref().law, raw, height)?;
         let porosity = self.porosity(&raw.soil.get_ref().porosity, "soil.porosity")?;
         let of_soil = raw.soil.get_ref();
@@ -259,8 +276,8 @@ impl Reader<'_> {
             seeding: self.seeding(mesh)?,
             cell,
             cells: [across, rows],
-            headroom_cells,
-            sideroom_cells,
+            empty_cells_above,
+            empty_cells_beside,
             particles_per_cell,
             shift,
             displaced,
@@ -353,18 +370,18 @@ impl Reader<'_> {
             return self.refuse(&value.span(), "mesh.particles_per_cell", expected, count);
         }
         let per_cell = if dim == Dimension::Column { root } else { count as f64 };
-        let headroom = mesh.headroom_cells.as_ref().map_or(Ok(0), |h| match *h.get_ref() {
+        let above = mesh.empty_cells_above.as_ref().map_or(Ok(0), |h| match *h.get_ref() {
             rows @ 0..=1_000_000 => Ok(rows as usize),
-            rows => self.refuse(&h.span(), "mesh.headroom_cells", "between 0 and 1000000 rows of cells", rows),
+            rows => self.refuse(&h.span(), "mesh.empty_cells_above", "between 0 and 1000000 rows of cells", rows),
         })?;
         let points = rows as f64 * across as f64 * per_cell;
-        let cells = (rows as f64 + headroom as f64) * across as f64;
+        let cells = (rows as f64 + above as f64) * across as f64;
         let integrator = raw.time.as_ref().and_then(|time| time.get_ref().integrator.as_ref());
         let implicit = integrator.is_some_and(|word| word.get_ref() == "quasi-static");
         if let Err([expected, found]) = fits_in_memory(points, cells, implicit, dim) {
             return self.refuse(&value.span(), "mesh.particles_per_cell", &expected, found);
         }
-        Ok((count as usize, headroom))
+        Ok((count as usize, above))
     }
 
     fn porosity(&self, value: &Spanned<f64>, key: &str) -> Checked<f64> {
@@ -544,8 +561,8 @@ impl Reader<'_> {
             let solid_sides = solid_sides.filter(|sides| *sides != scene.solid_sides);
             let name =
                 stage.get_ref().name.as_ref().map_or_else(|| format!("stage {}", number + 1), |n| n.get_ref().clone());
-            let clock = self.clock(stage.get_ref())?;
-            scene.stages.push(Stage { name, drained, solid_sides, damping, clock, until: Until::Time(0.0) });
+            let coupling = self.coupling(stage.get_ref())?;
+            scene.stages.push(Stage { name, drained, solid_sides, damping, coupling, until: Until::Time(0.0) });
             let until = self.until(&stage.get_ref().until, scene)?;
             if let Some(last) = scene.stages.last_mut() {
                 last.until = until;

@@ -30,7 +30,8 @@ impl Reader<'_> {
     /// Sides are held where the mesh ends: an outline that ends beside it would have a free wall in the last row of cells.
     fn held_walls(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let Some(outline) = &scene.outline else { return Ok(()) };
-        let ends = [(Side::Right, scene.width, scene.sideroom_cells), (Side::Top, scene.height, scene.headroom_cells)];
+        let ends =
+            [(Side::Right, scene.width, scene.empty_cells_beside), (Side::Top, scene.height, scene.empty_cells_above)];
         for (side, length, room) in ends {
             let d = usize::from(side == Side::Top);
             let on = |x: &[f64; 2]| (x[d] - length).abs() <= 1e-9 * length;
@@ -70,12 +71,12 @@ impl Reader<'_> {
         if value.get_ref().is_finite() || scene.free_surface.is_some() {
             return Ok(());
         }
-        // With headroom the top of the mesh is not that of the soil, which is then free; under a plate it only moves as one.
+        // With empty cells above the soil the top of the mesh is not that of the soil, which is then free; under a plate it only moves as one.
         let plate = scene.surcharge.is_some_and(|load| load.on == LoadOn::Plate);
         let closed = scene.stages.iter().position(|stage| {
             let [left, right, bottom, top] =
                 stage.solid_sides.unwrap_or(scene.solid_sides).map(|s| s != SolidSide::Free);
-            let held = scene.headroom_cells == 0 && left && right && bottom && (top || plate);
+            let held = scene.empty_cells_above == 0 && left && right && bottom && (top || plate);
             held && !stage.drained.contains(&true)
         });
         if let Some(stage) = closed.and_then(|i| raw.stages.get_ref().get(i)) {
@@ -90,7 +91,7 @@ impl Reader<'_> {
     /// A plate is the top row of nodes of an explicit step.
     fn plate_in_a_mesh_with_room(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let Some(load) = raw.surcharge.as_ref().map(Spanned::get_ref) else { return Ok(()) };
-        let room = scene.headroom_cells > 0 || scene.sideroom_cells > 0;
+        let room = scene.empty_cells_above > 0 || scene.empty_cells_beside > 0;
         let plate = scene.surcharge.is_some_and(|s| s.on == LoadOn::Plate);
         if let (Some(on), true) = (&load.on, plate && room) {
             let expected =

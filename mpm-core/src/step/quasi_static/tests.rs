@@ -59,7 +59,7 @@ fn entered<L: Law, const D: usize>(scene: &Scene, law: L) -> QuasiStatic<L, D> {
         drained: [false, false, false, true],
         solid_sides: None,
         damping: 0.0,
-        clock: crate::scene::Clock::default(),
+        coupling: crate::scene::Coupling::default(),
         until: Until::Time(1.0),
     };
     model.enter_stage(&stage, &[1.0]).expect("a stage");

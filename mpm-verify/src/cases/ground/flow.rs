@@ -61,7 +61,7 @@ pub const CASES: [Program; 6] = [
         Setup { change: quasi_static, measure: heads_along_layers, ..LAYERS }
     ),
     case!(
-        "flow-along-layers-two-clocks",
+        "flow-along-layers-staggered",
         "the same with the water that has a free surface, fed above the soil",
         FASTER_LAYER,
         faster_layer,
@@ -94,7 +94,7 @@ fn quasi_static(scene: &mut Fields) {
 }
 
 fn fed(scene: &mut Fields) {
-    (scene.integrator, scene.shape) = (Integrator::TwoClocks, ShapeChoice::Centre);
+    (scene.integrator, scene.shape) = (Integrator::Staggered, ShapeChoice::Centre);
     scene.free_surface = Some(FreeSurfaceWater {
         saturation: 0.0,
         level: Some(scene.height),

@@ -103,7 +103,7 @@ fn cloudburst(scene: &mut Fields) {
 
 /// The slope with water that seeps by itself, for as long as its particles take for a quarter of their spacing.
 fn steady(scene: &mut Fields) {
-    (scene.integrator, scene.shape) = (Integrator::TwoClocks, ShapeChoice::Centre);
+    (scene.integrator, scene.shape) = (Integrator::Staggered, ShapeChoice::Centre);
     let (saturation, level) = (0.0, Some(scene.height));
     scene.free_surface =
         Some(FreeSurfaceWater { saturation, level, wet: None, feeds: [None; 4], courses: Default::default() });

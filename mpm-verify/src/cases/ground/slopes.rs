@@ -113,7 +113,7 @@ dimension = \"plane-strain\"
 start = \"geostatic\"
 gravity = 9.81
 geometry.outline = {{ points = {:?} }}
-mesh = {{ cell = 1.0, particles_per_cell = 4, headroom_cells = 1, sideroom_cells = {room} }}
+mesh = {{ cell = 1.0, particles_per_cell = 4, empty_cells_above = 1, empty_cells_beside = {room} }}
 [soil]
 grain_density = {:?}
 porosity = 0.3
@@ -131,10 +131,10 @@ right = \"{right}\"
 shape = \"centroid\"
 flip = 0.99
 [time]
-integrator = \"two-clocks\"
+integrator = \"staggered\"
 safety = 0.5
 [[stages]]
-clock = \"both\"
+coupling = \"full\"
 drained = \"none\"
 until.time = 3600.0
 ",
@@ -161,7 +161,7 @@ fn outcome(slopes: &[Slope], friction: f64) -> Result<Outcome, Error> {
         notes.push((format!("factor published, {}", slope.what), slope.published, "-".to_owned()));
     }
     Ok(Outcome {
-        integrator: "two-clocks".to_owned(),
+        integrator: "staggered".to_owned(),
         scheme: "centroid".to_owned(),
         errors: vec![(off.len() as f64, worst(off.into_iter()))],
         required_error: 0.05,

@@ -1,7 +1,7 @@
 //! Which exact solution applies to a scene, or what it lacks.
 
 use mpm_core::scene::{
-    Clock, Dimension, Feed, Integrator, LoadOn, Scene, Side, SoilLayer, SolidSide, Start, StrainChoice, Until,
+    Coupling, Dimension, Feed, Integrator, LoadOn, Scene, Side, SoilLayer, SolidSide, Start, StrainChoice, Until,
 };
 
 use super::columns::{Consolidation, DryColumn, INERTIA};
@@ -154,7 +154,7 @@ fn even(scene: &Scene) -> Result<(), Error> {
 fn integrator(scene: &Scene) -> Result<(), Error> {
     match scene.integrator {
         Integrator::Explicit | Integrator::SemiImplicit | Integrator::QuasiStatic => Ok(()),
-        Integrator::TwoClocks | Integrator::Coupled => {
+        Integrator::Staggered | Integrator::Coupled => {
             let expected = "\"explicit\", \"semi-implicit\" or \"quasi-static\"";
             Err(Error::refused("time.integrator", expected, format!("\"{}\"", crate::study::word(scene.integrator))))
         }
@@ -264,7 +264,7 @@ fn seepage(scene: &Scene) -> Result<Solution, Error> {
     let (Some(free), Some(water)) = (free, water) else {
         return Err(Error::refused("[water]", "water with a free surface", "none"));
     };
-    let moved = scene.stages[0].clock != Clock::Seepage || !scene.layers.is_empty();
+    let moved = scene.stages[0].coupling != Coupling::Seepage || !scene.layers.is_empty();
     if moved || free.wet.is_some() || free.level.is_some_and(|level| level > 0.0) {
         let expected = "dry or moist soil of one kind at rest, fed from t = 0";
         return Err(Error::refused("water.free_surface", expected, "soil that moves, layers, or water at t = 0"));
@@ -337,8 +337,8 @@ fn sliding(scene: &Scene) -> Result<Solution, Error> {
 fn slope(scene: &Scene) -> Result<Solution, Error> {
     let strength =
         scene.strength.filter(|_| scene.slope_angle.is_some_and(|b| b > 0.0) && scene.free_surface.is_some());
-    let (Some(_), Some(free), [Clock::Seepage, Clock::Soil]) =
-        (strength, &scene.free_surface, scene.stages.iter().map(|stage| stage.clock).collect::<Vec<_>>().as_slice())
+    let (Some(_), Some(free), [Coupling::Seepage, Coupling::Soil]) =
+        (strength, &scene.free_surface, scene.stages.iter().map(|stage| stage.coupling).collect::<Vec<_>>().as_slice())
     else {
         let expected = "a periodic slope with a strength and a free surface, and two stages: seepage, then the soil";
         return Err(Error::refused("boundaries", expected, "another periodic scene"));

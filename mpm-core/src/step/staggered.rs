@@ -1,8 +1,8 @@
-//! Two clocks: water that seeps for hours through soil at rest, and soil that moves within seconds under the pressures
-//! this water has left.
+//! Staggered (multirate) coupling: water that seeps for hours through soil at rest, and soil that moves within seconds
+//! under the pressures this water has left.
 //!
-//! A stage runs by one of them. By the clock of the seepage the water takes implicit steps of its own length
-//! ([`FreeSurface`]); by that of the soil the explicit step of Figure 1 runs with the pressures held.
+//! A stage moves one of them. In seepage the water takes implicit steps of its own length
+//! ([`FreeSurface`]); while the soil moves, the explicit step of Figure 1 runs with the pressures held.
 
 use pulp::Simd;
 
@@ -17,7 +17,7 @@ use crate::grid::Grid;
 use crate::observe::{
     CellState, FieldPoint, Frame, Ledger, Observation, Places, SolidState, WaterParticle, WaterState,
 };
-use crate::scene::{Clock, Stage};
+use crate::scene::{Coupling, Stage};
 use crate::water::Carried;
 use crate::water::free_surface::Kind;
 
@@ -34,12 +34,12 @@ const MOST_MOVES: u64 = 1 << 20;
 /// Soil that has moved less than this takes no water along, in cells.
 const NEAR: f64 = 1e-3;
 
-/// The model with two clocks. V: the machine's lanes, F: functions.
-pub struct TwoClocks<V: Simd, F: Functions<D>, const D: usize> {
+/// The staggered model. V: SIMD type of the machine, F: shape functions.
+pub struct Staggered<V: Simd, F: Functions<D>, const D: usize> {
     soil: Explicit<V, F, D>,
     /// The materials of the scene.
     materials: Materials,
-    clock: Clock,
+    coupling: Coupling,
     /// Length of the next seepage step, s.
     next: f64,
     /// What is left of the time that the water was to seep, s: it was asked for at once, and is done in parts.
@@ -49,12 +49,12 @@ pub struct TwoClocks<V: Simd, F: Functions<D>, const D: usize> {
     work: Work,
 }
 
-impl<V: Simd, F: Functions<D>, const D: usize> TwoClocks<V, F, D> {
+impl<V: Simd, F: Functions<D>, const D: usize> Staggered<V, F, D> {
     /// A run at t = 0, of soil without water and that.
     pub fn new(soil: Explicit<V, F, D>, water: Carried<D>) -> Self {
         let (materials, first) = (soil.body().materials.clone(), water.stored());
         let soil = soil.with_free_water(water);
-        Self { materials, soil, clock: Clock::Seepage, next: 0.0, left: 0.0, first, work: Work::default() }
+        Self { materials, soil, coupling: Coupling::Seepage, next: 0.0, left: 0.0, first, work: Work::default() }
     }
 
     fn water(&self) -> &Carried<D> {
@@ -73,7 +73,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> TwoClocks<V, F, D> {
         self.book();
     }
 
-    /// Books what has flowed by the clock of the soil.
+    /// Books the water that has flowed while the soil moved.
     fn book(&mut self) {
         let water = &self.water().water;
         let flowed = [water.inflow, water.outflow];
@@ -172,20 +172,20 @@ fn everywhere(what: &impl ToString) -> Fault {
     Fault { place: "the whole soil".to_owned(), what: what.to_string() }
 }
 
-impl<V: Simd, F: Functions<D>, const D: usize> Model for TwoClocks<V, F, D> {
+impl<V: Simd, F: Functions<D>, const D: usize> Model for Staggered<V, F, D> {
     fn advance(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault> {
-        match self.clock {
-            Clock::Seepage => {
+        match self.coupling {
+            Coupling::Seepage => {
                 let at_once = (CELL_MOVES_AT_ONCE / self.soil.body().grid.cell_count()).clamp(16, 4096);
                 self.seep_for(dt * steps as f64, at_once as u64, done)
             }
-            Clock::Soil | Clock::Both => self.soil.advance(dt, steps, done).and_then(|()| self.balanced()),
+            Coupling::Soil | Coupling::Full => self.soil.advance(dt, steps, done).and_then(|()| self.balanced()),
         }
     }
 
     fn enter_stage(&mut self, stage: &Stage, times: &[f64]) -> Result<(), Fault> {
-        self.clock = stage.clock;
-        if self.clock == Clock::Soil {
+        self.coupling = stage.coupling;
+        if self.coupling == Coupling::Soil {
             self.water_mut().show();
             return self.soil.enter_stage(stage, times);
         }
@@ -205,7 +205,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for TwoClocks<V, F, D> {
     }
 
     fn left(&self) -> f64 {
-        if self.clock == Clock::Seepage { self.left } else { 0.0 }
+        if self.coupling == Coupling::Seepage { self.left } else { 0.0 }
     }
 
     fn time(&self) -> f64 {
@@ -269,13 +269,13 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for TwoClocks<V, F, D> {
             self.soil.begin_track();
         }
         self.soil.save_or_restore(archive)?;
-        archive.choice(&mut self.clock, &[Clock::Seepage, Clock::Soil, Clock::Both])?;
+        archive.choice(&mut self.coupling, &[Coupling::Seepage, Coupling::Soil, Coupling::Full])?;
         archive!(archive.value: self.next, self.left, self.first, self.work);
         Ok(())
     }
 }
 
-impl<V: Simd, F: Functions<D>, const D: usize> Failing for TwoClocks<V, F, D> {
+impl<V: Simd, F: Functions<D>, const D: usize> Failing for Staggered<V, F, D> {
     fn move_soil(&mut self, pace: &Pace, done: &mut u64) -> Result<(), Fault> {
         self.soil.damp_by(pace.damping);
         if self.water().pressures != pace.pressures {

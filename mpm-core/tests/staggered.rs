@@ -2,7 +2,7 @@
 
 use mpm_core::drive::Run;
 use mpm_core::run::run;
-use mpm_core::scene::{Clock, Fabric, FreeSurfaceWater, Integrator, NormalStress, Scene, Until, WaterProperties};
+use mpm_core::scene::{Coupling, Fabric, FreeSurfaceWater, Integrator, NormalStress, Scene, Until, WaterProperties};
 
 fn scene(name: &str) -> Scene {
     let path = format!("{}/../reference-data/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
@@ -42,7 +42,7 @@ fn still_water_holds_soil_at_rest_up_to_its_buoyant_weight() {
             let mut stage = scene.stages[0].clone();
             scene.stages[0].drained = [false; 4];
             scene.stages[0].until = Until::Time(100.0);
-            stage.clock = Clock::Soil;
+            stage.coupling = Coupling::Soil;
             stage.until = Until::Time(0.2);
             scene.stages.push(stage);
             (scene.observe_times, scene.history) = (vec![0.2], 0);
@@ -80,7 +80,7 @@ fn soil_that_has_moved_takes_its_water_along_or_books_it() {
     let mut scene = short_dam()
         .edited(|scene| {
             scene.solid_sides[1] = mpm_core::scene::SolidSide::Free;
-            scene.sideroom_cells = 6;
+            scene.empty_cells_beside = 6;
             scene.light_nodes = 0.1;
             scene.strength = Some(mpm_core::scene::Strength {
                 cohesion: 0.0,
@@ -92,7 +92,7 @@ fn soil_that_has_moved_takes_its_water_along_or_books_it() {
         .expect("a sound scene");
     let seepage = scene.stages[0].clone();
     let mut slide = seepage.clone();
-    (slide.clock, slide.until) = (Clock::Soil, Until::Time(0.3));
+    (slide.coupling, slide.until) = (Coupling::Soil, Until::Time(0.3));
     scene = scene.edited(|scene| scene.stages = vec![seepage.clone(), slide, seepage]).expect("a sound scene");
     let run = finished(&scene);
     let last = run.samples.last().unwrap();
@@ -125,7 +125,7 @@ fn a_pressure_that_is_held_works_on_soil_that_gains_volume() {
 fn wet_slope(normal_stress: NormalStress) -> f64 {
     let scene = scene("infinite-slope")
         .edited(|scene| {
-            scene.integrator = Integrator::TwoClocks;
+            scene.integrator = Integrator::Staggered;
             scene.water = Some(WaterProperties {
                 hydraulic_conductivity: 1e-4,
                 anisotropy: 1.0,
@@ -144,7 +144,7 @@ fn wet_slope(normal_stress: NormalStress) -> f64 {
             scene.base.as_mut().unwrap().normal_stress = normal_stress;
             let mut slide = scene.stages[0].clone();
             scene.stages[0].until = Until::Time(1.0);
-            (slide.clock, slide.until) = (Clock::Soil, Until::Time(0.2));
+            (slide.coupling, slide.until) = (Coupling::Soil, Until::Time(0.2));
             scene.stages.push(slide);
             (scene.observe_times, scene.history) = (vec![0.2], 0);
         })
