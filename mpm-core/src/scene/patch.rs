@@ -219,7 +219,7 @@ impl Scene {
 
     /// A number of the scene's file, by its dotted key: `water.hydraulic_conductivity`, `layers.1.porosity`.
     pub fn number(&self, key: &str) -> Option<f64> {
-        let table = self.source.table().ok()?;
+        let (table, _) = self.source.table().ok()?;
         let number = value(table.get_ref(), key)?;
         number
             .as_float()
