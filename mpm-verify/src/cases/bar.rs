@@ -9,8 +9,8 @@ use mpm_core::drive::{Run, Sample};
 use mpm_core::scene::{Fields, Scene, ShapeChoice, StepChoice, TransferChoice, Until};
 use mpm_core::stability::{choose_step, shortest_transfer};
 
-use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use super::{Error, Lacks, Mutant, Outcome, Program, finished_given, integrator, scheme};
+use super::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use crate::experiment::comparison::{Compared, Comparison, in_particles, in_time};
 use crate::experiment::refinement::{PARTICLES, Refinement, STEP, Sampled};
 

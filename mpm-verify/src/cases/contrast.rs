@@ -5,8 +5,8 @@ use mpm_core::observe::ProfileRow;
 use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice, StepChoice};
 use mpm_core::stability::stable_limit;
 
-use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use super::{Error, Lacks, Mutant, Outcome, Program, Unfit, asked, integrator, scheme};
+use super::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use crate::exact::layered::Layered;
 use crate::experiment::comparison::{Compared, Comparison, Norm, in_particles, in_time};
 use crate::experiment::refinement::{MESH, Refinement, TOLERANCE};
@@ -141,6 +141,7 @@ impl Number {
                 computed: of(&|row| row.pressure_pa),
                 exact: of(&|row| exact.pressure(row.material_height_m, s.stage_time)),
                 counts: true,
+                places: Vec::new(),
             }
         };
         match self {

@@ -8,8 +8,8 @@ use mpm_core::drive::{Run, Sample};
 use mpm_core::observe::FieldPoint;
 use mpm_core::scene::{Integrator, Scene, ShapeChoice, SolidSide, StepChoice, StrainChoice, Until};
 
-use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
 use super::{Error, Mutant, Outcome, Program, Unfit, finished_given, integrator, scheme};
+use super::{FIRST_ORDER, PARTICLE_COUNTS};
 use crate::exact::coupled_field::CoupledField;
 use crate::experiment::comparison::{Compared, Comparison, Norm, in_particles, in_time};
 use crate::experiment::refinement::STEP as BY_STEP;
@@ -98,6 +98,7 @@ fn looks(run: &Run, exact: &CoupledField) -> Comparison {
             computed: of(&|point| point.pressure_pa),
             exact: of(&|point| exact.pressure([point.x_m, point.y_m], s.stage_time)),
             counts: true,
+            places: Vec::new(),
         }
     };
     Comparison { over_places: Norm::Rms, ..Comparison::worst("p over its largest", run.observed().map(look).collect()) }

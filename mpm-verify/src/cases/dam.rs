@@ -143,7 +143,7 @@ fn followed(
     for sample in run.observed().chain([last]) {
         let (computed, exact) = shown(&Computed::new(scene, sample)?);
         let counts = sample.stage_time == last.stage_time;
-        rows.push(Compared { time: sample.stage_time, factor: None, computed, exact, counts });
+        rows.push(Compared { time: sample.stage_time, factor: None, computed, exact, counts, places: Vec::new() });
     }
     Ok((Comparison { unit, ..Comparison::worst(quantity, rows) }, last.state.water.ok_or(Lacks("free surface"))?))
 }

@@ -34,11 +34,6 @@ impl<'a> Degree<'a> {
         Self { exact, whole, per_factor: scene.time_per_factor(), from: 0.0, relative: true }
     }
 
-    /// U's own difference: the first settlements under a ramp are nearly zero.
-    pub fn absolute(self) -> Self {
-        Self { relative: false, ..self }
-    }
-
     /// Only from a time on, s.
     pub fn from(self, time: f64) -> Self {
         Self { from: 0.999 * time, ..self }

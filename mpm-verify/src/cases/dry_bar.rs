@@ -4,8 +4,8 @@ use mpm_core::scene::{Fields, Start, Until};
 use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
-use super::terzaghi::{HALVINGS, PARTICLE_COUNTS};
 use super::{Error, Mutant, Outcome, Program, integrator, scheme, sound};
+use super::{HALVINGS, PARTICLE_COUNTS};
 
 /// The case.
 pub const CASE: Program = Program {

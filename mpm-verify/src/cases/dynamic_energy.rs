@@ -13,8 +13,8 @@ use mpm_core::observe::Ledger;
 use mpm_core::scene::{Fields, Integrator, Scene, Start, StepChoice, Surcharge, Until};
 use mpm_core::stability::stable_limit;
 
-use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
 use super::{Error, Mutant, Outcome, Program, Unfit, finished, integrator, scheme, sound};
+use super::{FIRST_ORDER, PARTICLE_COUNTS};
 use crate::experiment::comparison::{Compared, Comparison};
 use crate::experiment::refinement::{MESH, PARTICLES, Refinement, STEP};
 

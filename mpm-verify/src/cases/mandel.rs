@@ -5,8 +5,8 @@ use mpm_core::drive::{Run, Sample};
 use mpm_core::observe::FieldPoint;
 use mpm_core::scene::{Fields, Scene, ShapeChoice, StepChoice, TimeMethod, Until};
 
+use super::PARTICLE_COUNTS;
 use super::degree::{Degree, Errors};
-use super::terzaghi::PARTICLE_COUNTS;
 use super::{Error, FASTER, Mutant, Outcome, Program, Unfit, asked, faster, finished, integrator, scheme, sound};
 use crate::exact::mandel::Mandel;
 use crate::experiment::comparison::{Compared, Comparison, in_particles, in_time};
@@ -177,6 +177,7 @@ pub(super) fn looks(run: &Run, exact: &Mandel, start: f64) -> Comparison {
             computed: of(&|point| point.pressure_pa),
             exact: of(&|point| exact.pressure(point.x_m, time)),
             counts: true,
+            places: Vec::new(),
         }
     };
     Comparison::worst("p/p_0", run.observed().map(look).collect())

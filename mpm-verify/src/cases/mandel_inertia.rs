@@ -10,11 +10,11 @@ use mpm_core::drive::Run;
 use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice, StepChoice, StrainChoice, Surcharge, Until};
 use mpm_core::stability::stable_limit;
 
-use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use super::{
     Error, FASTER, Lacks, Mutant, Outcome, Program, Unfit, faster, finished_given, integrator, mandel, scheme, slower,
     sound,
 };
+use super::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use crate::exact::mandel::Mandel;
 use crate::experiment::comparison::{Comparison, in_particles, in_time};
 use crate::experiment::refinement::Refinement;

@@ -6,10 +6,10 @@ use mpm_core::scene::{
 use mpm_core::stability::stable_limit;
 
 use super::degree::Degree;
-use super::terzaghi::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use super::{
     Error, FASTER, Lacks, Mutant, Outcome, Program, Unfit, asked, faster, finished, integrator, scheme, slower, sound,
 };
+use super::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use crate::exact::self_weight::SelfWeight;
 use crate::experiment::refinement::{MESH, Refinement};
 use crate::norms::LATE_TV;

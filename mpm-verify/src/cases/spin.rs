@@ -15,7 +15,7 @@ use mpm_core::run::model_given;
 use mpm_core::scene::{Dimension, Scene, ShapeChoice, SolidSide, TransferChoice};
 use mpm_core::stability::stable_limit;
 
-use super::terzaghi::PARTICLE_COUNTS;
+use super::PARTICLE_COUNTS;
 use super::{Error, Lacks, Mutant, Outcome, Program, integrator, scheme};
 use crate::experiment::comparison::{Compared, Comparison, in_particles, in_time};
 use crate::experiment::refinement::Sampled;

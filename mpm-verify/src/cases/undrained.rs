@@ -73,7 +73,7 @@ fn pressures(scene: &Scene, expected: f64) -> Result<Comparison, Error> {
     let look = |s: &Sample| {
         let computed: Vec<f64> = s.state.profile.iter().map(|row| row.pressure_pa / expected).collect();
         let exact = vec![1.0; computed.len()];
-        Compared { time: s.stage_time, factor: None, computed, exact, counts: s.stage_time == last }
+        Compared { time: s.stage_time, factor: None, computed, exact, counts: s.stage_time == last, places: Vec::new() }
     };
     Ok(Comparison::worst("p over the undrained pressure", run.observed().map(look).collect()))
 }

@@ -4,8 +4,8 @@ use mpm_core::drive::{Run, Sample};
 use mpm_core::scene::{Fields, Scene, StepChoice, Until};
 use mpm_core::stability::stable_limit;
 
-use super::terzaghi::{HALVINGS, PARTICLE_COUNTS};
 use super::{Error, Mutant, Outcome, Program, Unfit, finished, integrator, scheme, sound};
+use super::{HALVINGS, PARTICLE_COUNTS};
 use crate::exact::undrained_wave::UndrainedWave;
 use crate::experiment::comparison::{Compared, Comparison, Norm, in_particles, in_time};
 use crate::experiment::refinement::Refinement;

@@ -13,8 +13,8 @@ use mpm_core::run::model_given;
 use mpm_core::scene::{Dimension, Scene, SeedingChoice, ShapeChoice, SolidSide, TransferChoice};
 use mpm_core::stability::stable_limit;
 
-use super::terzaghi::{FIRST_ORDER, PARTICLE_COUNTS};
 use super::{Error, Mutant, Outcome, Program, integrator, scheme};
+use super::{FIRST_ORDER, PARTICLE_COUNTS};
 use crate::exact::vortex::Vortex;
 use crate::experiment::comparison::{Compared, Comparison, Norm, in_time};
 use crate::experiment::refinement::{PARTICLES, Refinement, Sampled};
@@ -175,6 +175,6 @@ fn followed(scene: &Scene, steps: f64, share: f64) -> Result<Followed, Error> {
             counts: look == LOOKS,
         });
     }
-    let last = Compared { time: half, factor: None, computed, exact: expected, counts: true };
+    let last = Compared { time: half, factor: None, computed, exact: expected, counts: true, places: Vec::new() };
     Ok(Followed { off, places: Comparison { over_places: Norm::Rms, ..Comparison::worst("places", vec![last]) } })
 }

@@ -1,5 +1,8 @@
 //! Numbers of a run at its sample times beside exact ones, one at each time or a whole field, and how far runs differ.
 
+use mpm_core::drive::{Run, Sample};
+use mpm_core::observe::{FieldPoint, ProfileRow};
+
 use super::refinement::{PARTICLES, Refinement, STEP, Sampled, TOLERANCE};
 use crate::error::Error;
 use crate::norms::worst;
@@ -36,12 +39,27 @@ pub(crate) struct Compared {
     pub exact: Vec<f64>,
     /// Whether the time counts.
     pub counts: bool,
+    /// Where the numbers are, x and y in m; empty where there is one number or where places are not told.
+    pub places: Vec<[f64; 2]>,
 }
 
 impl Compared {
     /// One number at a time that counts.
     pub fn one(time: f64, computed: f64, exact: f64) -> Self {
-        Self { time, factor: None, computed: vec![computed], exact: vec![exact], counts: true }
+        Self { time, factor: None, computed: vec![computed], exact: vec![exact], counts: true, places: Vec::new() }
+    }
+}
+
+impl Compared {
+    /// Computed and exact numbers at places.
+    fn at_places(time: f64, found: impl Iterator<Item = ([f64; 2], [f64; 2])>) -> Self {
+        let mut all = Self { time, factor: None, computed: vec![], exact: vec![], counts: true, places: vec![] };
+        for (place, [computed, exact]) in found {
+            all.places.push(place);
+            all.computed.push(computed);
+            all.exact.push(exact);
+        }
+        all
     }
 }
 
@@ -75,14 +93,47 @@ impl Comparison {
         }
     }
 
+    /// Numbers at places of the cells at some samples; `of` gives the computed and the exact number of a cell that counts.
+    pub fn field<'a>(
+        quantity: impl Into<String>,
+        samples: impl IntoIterator<Item = &'a Sample>,
+        of: impl Fn(&FieldPoint, f64) -> Option<[f64; 2]>,
+    ) -> Self {
+        let at = |sample: &Sample| {
+            let found = |point: &FieldPoint| Some(([point.x_m, point.y_m], of(point, sample.stage_time)?));
+            Compared::at_places(sample.stage_time, sample.state.field.iter().filter_map(found))
+        };
+        Self::worst(quantity, samples.into_iter().map(at).collect())
+    }
+
+    /// The same over the height of a column, at the places that its soil had at first.
+    pub fn profile<'a>(
+        quantity: impl Into<String>,
+        samples: impl IntoIterator<Item = &'a Sample>,
+        of: impl Fn(f64, &ProfileRow, f64) -> [f64; 2],
+    ) -> Self {
+        let at = |sample: &Sample| {
+            let found =
+                |row: &ProfileRow| ([0.0, row.material_height_m], of(row.material_height_m, row, sample.stage_time));
+            Compared::at_places(sample.stage_time, sample.state.profile.iter().map(found))
+        };
+        Self::worst(quantity, samples.into_iter().map(at).collect())
+    }
+
+    /// One number at the end.
+    pub fn single(quantity: impl Into<String>, run: &Run, computed: f64, exact: f64) -> Self {
+        let end = run.samples.last().map_or(f64::NAN, |sample| sample.stage_time);
+        Self::worst(quantity, vec![Compared::one(end, computed, exact)])
+    }
+
     /// How far a look is off.
     fn off(&self, look: &Compared) -> f64 {
         self.apart(&look.computed, &look.exact)
     }
 
     fn apart(&self, these: &[f64], those: &[f64]) -> f64 {
-        // Numbers that one of the two lacks must not pass for equal ones.
-        if these.len() != those.len() {
+        // Numbers that are missing must not pass for equal ones.
+        if these.len() != those.len() || these.is_empty() {
             return f64::NAN;
         }
         let size = |exact: f64| if self.relative { exact } else { 1.0 };
@@ -187,6 +238,7 @@ mod tests {
             computed: computed[i].to_vec(),
             exact: vec![1.0, 1.0],
             counts: true,
+            places: Vec::new(),
         };
         Comparison { over_places: Norm::Rms, ..Comparison::worst("p", vec![look(0), look(1)]) }
     }

@@ -9,7 +9,7 @@ use mpm_core::run::{StartError, run, run_given};
 use mpm_core::scene::{Integrator, Scene, StepChoice};
 
 use super::comparison::{Comparison, in_particles, in_time, in_tolerance};
-use super::refinement::Refinement;
+use super::refinement::{MESH, Refinement};
 use super::spec::Spec;
 use super::verdict::Outcome;
 use crate::error::Error::{self, Lacks};
@@ -38,6 +38,12 @@ pub(crate) fn outcome(spec: &Spec, with_fault: bool) -> Result<Outcome, Error> {
         finest = scenes.iter().map(compared).collect::<Result<Vec<_>, Error>>()?;
         errors.push((scenes[0].cell, worst(finest.iter().map(Comparison::error))));
     }
+    let mut refinements = refinements(spec, base, &compared)?;
+    if spec.finest_alone {
+        let all = std::mem::take(&mut errors);
+        errors.extend(all.last());
+        refinements.push(Refinement::new(MESH, all, "the reference, on every mesh; no order is expected"));
+    }
     Ok(Outcome {
         integrator: integrator(base),
         scheme: scheme(base),
@@ -47,7 +53,7 @@ pub(crate) fn outcome(spec: &Spec, with_fault: bool) -> Result<Outcome, Error> {
         required_order: spec.order,
         required_everywhere: spec.everywhere,
         samples: finest.iter().flat_map(Comparison::samples).collect(),
-        refinements: refinements(spec, base, &compared)?,
+        refinements,
         kind: spec.kind,
         ..Outcome::default()
     })

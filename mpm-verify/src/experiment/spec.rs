@@ -63,6 +63,8 @@ pub struct Spec {
     /// Cells over the height, coarse to fine; not whole numbers where the mesh ends above the soil.
     #[serde(default)]
     pub meshes: Vec<f64>,
+    /// Width of the soil in cells, where it changes with the mesh: an outline is a rectangle then.
+    pub width_in_cells: Option<usize>,
     /// Steps that fall with a power of the cell.
     pub falling_steps: Option<FallingSteps>,
     /// Largest error allowed on the finest mesh.
@@ -70,6 +72,9 @@ pub struct Spec {
     pub error: f64,
     /// Interval of the fitted order.
     pub order: Option<[f64; 2]>,
+    /// Whether the finest mesh is judged alone where no order is: else the last two are.
+    #[serde(default)]
+    pub finest_alone: bool,
     /// Largest error on every mesh, as a share of the cell in m.
     pub everywhere: Option<f64>,
     /// Refinement in the time step.
@@ -300,7 +305,16 @@ impl Spec {
     /// # Errors
     /// A mesh that does not fit.
     pub fn on(&self, base: &Scene, cells: f64) -> Result<Scene, Error> {
-        let scene = base.with_cell(base.height / cells)?;
+        let scene = match self.width_in_cells {
+            Some(count) => base.edited(|scene| {
+                scene.cell = scene.height / cells;
+                (scene.width, scene.cells) = (count as f64 * scene.cell, [count, cells.ceil() as usize]);
+                let [width, height] = [scene.width, scene.height];
+                let rectangle = || vec![[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]];
+                scene.outline = scene.outline.is_some().then(rectangle);
+            })?,
+            None => base.with_cell(base.height / cells)?,
+        };
         let Some(FallingSteps { share, cells: first, power }) = self.falling_steps else { return Ok(scene) };
         let coarse = base.with_cell(base.height / first)?;
         let step = share * stable_limit(&coarse) * (scene.cell / coarse.cell).powi(power);

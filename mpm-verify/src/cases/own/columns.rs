@@ -114,6 +114,7 @@ impl Consolidation {
                 computed: vec![(right + off) / size],
                 exact: vec![right / size],
                 counts: counts(time),
+                places: Vec::new(),
             }
         };
         let pressures = |s: &Sample| {
@@ -130,7 +131,7 @@ impl Consolidation {
                 computed.push((right + beyond(row.pressure_pa - right, slack)) / self.least[1]);
                 exact.push(right / self.least[1]);
             }
-            Compared { time, factor: factor(time), computed, exact, counts: counts(time) }
+            Compared { time, factor: factor(time), computed, exact, counts: counts(time), places: Vec::new() }
         };
         let settled = Comparison::worst("settlement over the exact one", run.observed().map(settlement).collect());
         let pressed =
@@ -358,7 +359,14 @@ impl DryColumn {
             let slack = spread(|t| self.settlement(scene, t), time, if self.bar.is_some() { cross } else { 0.0 });
             let size = right.abs().max(LEAST * largest);
             let computed = vec![(right + beyond(found - right, slack)) / size];
-            Compared { time, factor: None, computed, exact: vec![right / size], counts: counts(time) }
+            Compared {
+                time,
+                factor: None,
+                computed,
+                exact: vec![right / size],
+                counts: counts(time),
+                places: Vec::new(),
+            }
         };
         vec![Comparison::worst("settlement over the exact one", samples.iter().map(settlement).collect())]
     }

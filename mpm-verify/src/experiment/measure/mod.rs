@@ -1,6 +1,10 @@
 //! What can be measured in a run, each beside its exact value.
 
+pub(crate) mod heads;
+mod pressures;
 mod settlement;
+mod solids;
+mod stages;
 
 use mpm_core::drive::Run;
 use mpm_core::scene::Scene;
@@ -15,7 +19,31 @@ pub(crate) type Compare = Box<dyn Fn(&Run) -> Result<Comparison, Error>>;
 type Make = fn(&Scene, &Measure) -> Result<Compare, Error>;
 
 /// All measures by their words.
-const MEASURES: &[(&str, Make)] = &[("settlement", settlement::settlement), ("profile-error", settlement::profile)];
+const MEASURES: &[(&str, Make)] = &[
+    ("settlement", settlement::settlement),
+    ("settlement-in-stages", stages::stages),
+    ("profile-error", settlement::profile),
+    ("pressure-radial", pressures::radial),
+    ("pressure-seabed", pressures::seabed),
+    ("pressure-around-well", pressures::around_well),
+    ("pressure-beside-wells", pressures::beside_wells),
+    ("pressure-steady-well", pressures::steady_well),
+    ("pressure-sealed-disc", pressures::sealed_disc),
+    ("pressure-narrowed-pores", pressures::narrowed_pores),
+    ("pressure-along-slope", heads::along_slope),
+    ("heads-in-series", heads::in_series),
+    ("heads-along-layers", heads::along_layers),
+    ("heads-refracted", heads::refraction),
+    ("discharge-of-layers", heads::discharge_of_layers),
+    ("discharge-of-zones", heads::discharge_of_zones),
+    ("way-along-slope", heads::way_along_slope),
+    ("filled-by-rain", heads::filled_by_rain),
+    ("dissipation", heads::dissipation),
+    ("stress-under-strip", solids::strip_stress),
+    ("mean-settlement", solids::mean_settlement),
+    ("plate-force", solids::plate_force),
+    ("released", solids::released),
+];
 
 impl Measure {
     /// What compares runs of a scene, as it should be, with the reference.

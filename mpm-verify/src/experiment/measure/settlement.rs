@@ -1,7 +1,7 @@
 //! Settlement of a column over time, and its profile of pore pressure, beside an exact column.
 
 use mpm_core::drive::Sample;
-use mpm_core::scene::Scene;
+use mpm_core::scene::{Course, LoadOn, Scene, Surcharge};
 
 use super::Compare;
 use crate::error::Error::{self, Unfit};
@@ -12,7 +12,7 @@ use crate::exact::self_weight::SelfWeight;
 use crate::exact::terzaghi::Terzaghi;
 use crate::experiment::comparison::{Compared, Comparison};
 use crate::experiment::spec::Measure;
-use crate::norms::profile_error;
+use crate::norms::{largest, profile_error};
 
 /// Exact settlement (m) at a time (s).
 type Exact = Box<dyn Fn(f64) -> f64>;
@@ -20,7 +20,7 @@ type Exact = Box<dyn Fn(f64) -> f64>;
 /// The exact settlement of a scene and what it ends at, m.
 fn exact(scene: &Scene, reference: &str) -> Result<(Exact, f64), Error> {
     let load = scene.surcharge.map_or(f64::NAN, |load| load.pressure);
-    let whole = load * scene.height / scene.oedometer_modulus();
+    let whole = if scene.surcharge.is_some() { load * scene.height / scene.oedometer_modulus() } else { 1.0 };
     let none = Unfit("a column to which the reference of its case does not apply");
     let column = |exact: Option<Terzaghi>| {
         let exact: Option<Exact> = exact.map(|exact| Box::new(move |time| exact.settlement(time)) as Exact);
@@ -35,17 +35,41 @@ fn exact(scene: &Scene, reference: &str) -> Result<(Exact, f64), Error> {
             LargeStrain::new(scene).map(|exact| Box::new(move |t| exact.settlement(t).unwrap_or(f64::NAN)) as Exact)
         }
         "layers" => Layered::of(scene).map(|exact| Box::new(move |t| exact.settlement(t)) as Exact),
+        // A load that comes and goes: ramps one after the other, over the largest settlement.
+        "superposed" => {
+            let (column, times) = Terzaghi::under_one_load(scene).ok_or(none)?;
+            let at = move |time| column.under(&times, time);
+            let largest = largest(scene.observe_times.iter().map(|time| at(*time)));
+            return Ok((Box::new(at), largest));
+        }
+        "outline" => column(Terzaghi::compressible(&plain(scene)?)),
         "self-weight" => {
             let exact = SelfWeight::new(scene).ok_or(none)?;
             let whole = exact.final_settlement();
             return Ok((Box::new(move |time| exact.settlement(time)), whole));
         }
         other => {
-            let expected = "terzaghi, terzaghi-incompressible, dynamic, large-strain, layers or self-weight";
+            let expected =
+                "terzaghi, terzaghi-incompressible, dynamic, large-strain, layers, superposed, outline or self-weight";
             return Err(Error::refused("measure.reference", expected, other));
         }
     };
     Ok((exact.ok_or(none)?, whole))
+}
+
+/// The column that an outline is, under its load that grows.
+fn plain(scene: &Scene) -> Result<Scene, Error> {
+    let Some(Course::Ramp(ramp_time)) = scene.loads.first().map(|load| load.course.clone()) else {
+        return Err(Unfit("a load that grows"));
+    };
+    Ok(scene.edited(|scene| {
+        scene.outline = None;
+        scene.cell = scene.height / 10.0;
+        (scene.width, scene.cells) = (scene.cell, [1, 10]);
+        let pressure = scene.load_on_top();
+        scene.loads.clear();
+        scene.surcharge = Some(Surcharge { pressure, ramp_time, on: LoadOn::Surface, strip: None });
+    })?)
 }
 
 /// The degree of consolidation U = S/(q H/M).
