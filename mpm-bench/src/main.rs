@@ -15,6 +15,7 @@ use mpm_bench::store::Store;
 use mpm_bench::sweep::{SweepError, build, sweep};
 use mpm_verify::files::Folder;
 use mpm_verify::manifest::Manifest;
+use mpm_verify::page::site;
 use mpm_verify::progress::Progress;
 
 /// What accuracy costs: error against CPU time of every integrator and scheme, and the cheapest setting for an error.
@@ -99,6 +100,11 @@ fn run(cli: &Cli) -> Result<(), Failure> {
     findings.kernel = Some(kernel);
     findings.write(folder.stage()).map_err(|e| Failure::RunFailed(e.to_string()))?;
     folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))?;
+    // A home page of someone else stays as it is.
+    let home = site::home(&cli.out);
+    if site::is_free(&home).is_ok() {
+        site::refresh(&home).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    }
     if cli.json {
         print_json(&findings);
     }

@@ -9,7 +9,7 @@
 //!    statements and their verdicts. [`sweeps`]: displaced particles, offsets of the mesh, errors in time.
 //!    [`stability`]: time-step limits, predicted and measured. [`stress`]: where assumptions are pushed.
 //! 6. [`levee`]: the levee that seepage makes fail: its run, checkpoints, claims, sensitivity.
-//! 7. [`report`]: tables, plots, pages. [`frames`]: stored frames of a run, to make its pictures again. [`manifest`]:
+//! 7. [`page`]: one layout, one style and one navigation for all pages; the home page. [`report`]: tables, plots, what the pages say. [`frames`]: stored frames of a run, to make its pictures again. [`manifest`]:
 //!    under which conditions. [`baseline`]: accepted values.
 //!    [`nightly`]: everything measured every night, compared and remembered.
 //!    [`mutants`]: planted faults, and who finds them. [`metamorphic`]: random scenes, and relations that must hold between
@@ -39,6 +39,7 @@ pub mod metamorphic;
 pub mod mutants;
 pub mod nightly;
 pub mod norms;
+pub mod page;
 pub mod patience;
 pub mod progress;
 pub mod rates;

@@ -87,7 +87,7 @@ impl Findings {
             .and_then(|text| fs::write(&path, text + "\n"))
             .map_err(|cause| ReportError::Write { path: path.clone(), cause })?;
         let figures = plots::figures(self);
-        let drawn = figures.iter().map(|f| draw(f, &pictures)).collect::<Result<Vec<_>, _>>()?;
-        pages::write(self, &figures, &drawn, folder)
+        figures.iter().try_for_each(|f| draw(f, &pictures).map(drop))?;
+        pages::write(self, &figures, folder)
     }
 }

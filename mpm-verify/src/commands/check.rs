@@ -65,9 +65,8 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
             Err(Failure::CheckFailed(format!("not caught: {}", missed.join(", "))))
         };
     }
-    let study = folder.parent().is_some_and(|above| above.join("accuracy").is_dir());
     let SuiteRun { steps, failed } =
-        into_folder(&folder, &NAMES, |folder| judged(&options.cases, common, study, folder.stage()))?;
+        into_folder(&folder, &NAMES, |folder| judged(&options.cases, common, folder.stage()))?;
     if common.json {
         print_json(&steps);
     }
@@ -124,7 +123,7 @@ fn measured(own: &OwnScene, scene: &Scene, common: &Common, folder: &Folder) -> 
     for (what, value, _) in &judged.notes {
         say(quiet, &format!("{what}: {value:.1e}"));
     }
-    write(&[judged], scene, common, (false, folder.stage()))
+    write(&[judged], scene, common, folder.stage())
 }
 
 /// The cases that were run, and why others could not be finished.
@@ -137,7 +136,7 @@ pub struct SuiteRun {
 
 /// Runs the suite and writes its tables, a picture of every case and `index.html`; `accepted.csv` holds the baselines
 /// as they would be with these errors.
-pub fn judged(names: &[String], common: &Common, study: bool, folder: &Path) -> Result<SuiteRun, Failure> {
+pub fn judged(names: &[String], common: &Common, folder: &Path) -> Result<SuiteRun, Failure> {
     let cases = chosen(names)?;
     inside(folder)?;
     let quiet = common.quiet || common.json;
@@ -147,7 +146,7 @@ pub fn judged(names: &[String], common: &Common, study: bool, folder: &Path) -> 
         say(quiet, &line(&judged.row));
         Ok(judged)
     })?;
-    let steps = write(&judged, &mpm_verify::scenes::terzaghi(), common, (study, folder))?;
+    let steps = write(&judged, &mpm_verify::scenes::terzaghi(), common, folder)?;
     let (path, rows) = (folder.join("accepted.csv"), accepted(&judged));
     std::fs::write(&path, rows).map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))?;
     let without: Vec<&str> = steps.iter().filter(|s| s.baseline.is_none()).map(|s| s.case.as_str()).collect();
@@ -158,16 +157,11 @@ pub fn judged(names: &[String], common: &Common, study: bool, folder: &Path) -> 
 }
 
 /// Writes `cases.csv`, `samples.csv`, `refinements.csv` and the page with its pictures.
-fn write(
-    judged: &[Judged],
-    scene: &Scene,
-    common: &Common,
-    (study, folder): (bool, &Path),
-) -> Result<Vec<CaseRow>, Failure> {
+fn write(judged: &[Judged], scene: &Scene, common: &Common, folder: &Path) -> Result<Vec<CaseRow>, Failure> {
     let steps: Vec<CaseRow> = judged.iter().map(|judged| judged.row.clone()).collect();
     write_csv(&folder.join("cases.csv"), &steps)?;
     let manifest = Manifest::new(scene, jobs(common.jobs));
-    report::suite::write(judged, &manifest, study, folder).map_err(Failure::run_failed)?;
+    report::suite::write(judged, &manifest, folder).map_err(Failure::run_failed)?;
     Ok(steps)
 }
 

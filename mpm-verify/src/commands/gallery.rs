@@ -41,6 +41,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         shown.push(Shown::new(scene, wall_s, trouble));
     }
     gallery::write(&shown, &folder).map_err(Failure::run_failed)?;
+    super::refresh_home(&folder)?;
     say(common.quiet || common.json, &format!("gallery: {}", folder.join("index.html").display()));
     if failed.is_empty() { Ok(()) } else { Err(Failure::RunFailed(format!("gallery: {}", failed.join(", ")))) }
 }

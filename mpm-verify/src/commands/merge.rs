@@ -25,7 +25,7 @@ pub fn run(folders: &[PathBuf], common: &Common) -> Result<(), Failure> {
         }
     }
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/accuracy"));
-    report::page_path(&out).map_err(|e| Failure::BadInput(format!("--out: {e}")))?;
+    super::home_is_free(&out)?;
     let study = into_folder(&out, &super::study::NAMES, |published| {
         let options = Options::of(&first.recipe)?;
         let cases: Vec<PathBuf> = folders.iter().map(|folder| folder.join(CASES)).collect();
@@ -47,9 +47,7 @@ pub fn run(folders: &[PathBuf], common: &Common) -> Result<(), Failure> {
             absent => format!("run the study with {}, and merge again", absent.join(", ")),
         };
         let study = complete(&options, common, &mut runner, &on)?;
-        let page = report::write(&study, published.stage(), published.path()).map_err(Failure::run_failed)?;
-        published.publish().map_err(Failure::run_failed)?;
-        page.save(published.path()).map_err(Failure::run_failed)?;
+        report::write(&study, published.stage()).map_err(Failure::run_failed)?;
         Ok(study)
     })?;
     told(&study, common, &out)

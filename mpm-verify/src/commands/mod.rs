@@ -24,6 +24,7 @@ use mpm_core::hardware::Hardware;
 use mpm_core::scene::Scene;
 use mpm_verify::error::Error::{self, Unfit};
 use mpm_verify::files::{Folder, FolderError};
+use mpm_verify::page::site;
 use mpm_verify::patience::{Estimate, LONG, estimate};
 use mpm_verify::progress::time;
 use serde::Serialize;
@@ -62,7 +63,22 @@ fn into_folder<T>(path: &Path, names: &[&str], work: impl FnOnce(&Folder) -> Res
     folder.has_room_for(names).map_err(bad)?;
     let result = work(&folder)?;
     folder.publish().map_err(Failure::run_failed)?;
+    refresh_home(path)?;
     Ok(result)
+}
+
+/// Whether the home page above a report may be written, before anything is run.
+fn home_is_free(report: &Path) -> Result<(), Failure> {
+    site::is_free(&site::home(report)).map_err(|e| Failure::BadInput(format!("--out: {e}")))
+}
+
+/// Lists a report that was written into a folder on the home page. A page of someone else in its place stays as it is.
+fn refresh_home(report: &Path) -> Result<(), Failure> {
+    let home = site::home(report);
+    if !report.join(site::RECORD).is_file() || site::is_free(&home).is_err() {
+        return Ok(());
+    }
+    site::refresh(&home).map_err(Failure::run_failed).map(drop)
 }
 
 /// Makes a folder inside one that is taken.

@@ -124,8 +124,7 @@ impl Findings<'_> {
         let study = study::complete(&study::Options::paper(), self.common, &mut runner, &String::new)?;
         let folder = self.folder.join("accuracy");
         inside(&folder)?;
-        let page = mpm_verify::report::write(&study, &folder, &folder).map_err(Failure::run_failed)?;
-        page.save_as(&self.folder.join("index-of-the-study.html")).map_err(Failure::run_failed)?;
+        mpm_verify::report::write(&study, &folder).map_err(Failure::run_failed)?;
         self.measures.extend(collect::study(&study.results, &study.sweeps));
         let (limits, fallen) = study.sweeps.limits();
         let failed: Vec<&str> = study.results.iter().filter(|r| r.failure.is_some()).map(|r| r.case.as_str()).collect();
@@ -138,7 +137,7 @@ impl Findings<'_> {
 
     fn suite(&mut self) -> Result<String, Failure> {
         let common = Common { quiet: true, ..self.common.clone() };
-        let ran = check::judged(&[], &common, false, &self.folder.join("suite"))?;
+        let ran = check::judged(&[], &common, &self.folder.join("suite"))?;
         self.fell.extend(ran.failed.iter().map(|message| format!("suite: {message}")));
         let fallen: Vec<String> =
             ran.steps.iter().filter(|s| !s.passed()).map(|s| format!("suite: {}: {}", s.case, s.reason)).collect();

@@ -18,12 +18,10 @@ pub fn run(folder: &Path, common: &Common) -> Result<(), Failure> {
     let text = read_text(&path, LARGEST).map_err(|e| refused(e.to_string()))?;
     let study: Study = serde_json::from_str(&text).map_err(|e| refused(e.to_string()))?;
     let out = common.out.as_deref().unwrap_or(folder);
-    report::page_path(out).map_err(|e| Failure::BadInput(format!("--out: {e}")))?;
+    super::home_is_free(out)?;
     into_folder(out, &super::study::NAMES, |folder| {
-        let page = report::write(&study, folder.stage(), out).map_err(Failure::run_failed)?;
-        folder.publish().map_err(Failure::run_failed)?;
-        page.save(out).map_err(Failure::run_failed)
+        report::write(&study, folder.stage()).map_err(Failure::run_failed)
     })?;
-    say(common.quiet, &format!("report: {}", out.parent().unwrap_or(out).join("index.html").display()));
+    say(common.quiet, &format!("report: {}", out.join("index.html").display()));
     Ok(())
 }

@@ -290,7 +290,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     }
     let names: &[&str] = if options.shard.is_some() { &[SHARD] } else { &NAMES };
     if options.shard.is_none() {
-        report::page_path(&path).map_err(|e| Failure::BadInput(format!("--out: {e}")))?;
+        super::home_is_free(&path)?;
     }
     let scenes = |options: &Options| {
         Some(options.plan(common).ok()?.cases().ok()?.into_iter().map(|case| case.scene).collect::<Vec<_>>())
@@ -316,9 +316,8 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
             return shard(options, common, &mut runner, folder).map(|()| None);
         }
         let study = complete(options, common, &mut runner, &|| again_with("--resume"))?;
-        let page = report::write(&study, folder.stage(), folder.path()).map_err(Failure::run_failed)?;
+        report::write(&study, folder.stage()).map_err(Failure::run_failed)?;
         folder.publish().map_err(Failure::run_failed)?;
-        page.save(folder.path()).map_err(Failure::run_failed)?;
         // The report holds all of it.
         runner.store.iter().for_each(Store::remove);
         Ok(Some(study))
@@ -340,7 +339,7 @@ pub fn told(study: &Study, common: &Common, folder: &Path) -> Result<(), Failure
 }
 
 /// Results of a study that others ask for by name.
-pub const NAMES: [&str; 4] = ["errors.csv", "manifest.json", "report.md", "study.json"];
+pub const NAMES: [&str; 5] = ["errors.csv", "index.html", "manifest.json", "report.md", "study.json"];
 
 /// Folder of the finished cases.
 pub const CASES: &str = "cases";
@@ -557,6 +556,6 @@ fn summary(study: &Study, folder: &Path, quiet: bool) {
     for note in &study.notes {
         say(quiet, note);
     }
-    let index = folder.parent().unwrap_or(folder).join("index.html");
+    let index = folder.join("index.html");
     say(quiet, &format!("report: {}", index.display()));
 }

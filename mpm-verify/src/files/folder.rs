@@ -13,7 +13,7 @@ use std::path::{Component, Path, PathBuf};
 /// Held by the process that writes to the folder. The system lets go of it when the process ends, however it ends.
 const LOCK: &str = ".lock";
 /// Where files are until they are published. The name is this program's: what is found there is its own.
-const STAGE: &str = ".mpm-verify.part";
+pub const STAGE: &str = ".mpm-verify.part";
 /// The files of the last run: a line for the kind of the run, and one for each file.
 pub const RECORD: &str = ".mpm-verify.results";
 /// The record of a run that is being published, in the stage.

@@ -8,7 +8,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-pub use folder::{Folder, FolderError, RECORD};
+pub use folder::{Folder, FolderError, RECORD, STAGE};
 
 /// Beginning and end of the names under which files are written: no other program's.
 const PART: [&str; 2] = [".mpm-verify.", ".part"];

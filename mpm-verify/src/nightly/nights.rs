@@ -1,31 +1,22 @@
-//! The page of all nights.
+//! The page of all nightly runs.
 
 use std::fs;
 use std::path::Path;
 
-use serde::Serialize;
-
 use super::report::Night;
-use crate::report::content::Picture;
-use crate::report::content::table::{Cell, Table, table};
-use crate::report::html::render;
-use crate::report::{ReportError, save};
+use crate::page::site::{Kind, Report};
+use crate::page::table::{Cell, Table};
+use crate::page::verdict::{State, Tally, Verdict};
+use crate::page::{Link, Page, Section};
+use crate::report::ReportError;
 
-const TEMPLATE: &str = include_str!("nights.html");
-
-#[derive(Debug, Serialize)]
-struct Page {
-    title: &'static str,
-    nights: Vec<Table>,
-}
-
-/// Writes `index.html` with the nights in a folder, and the one that is about to appear there under a name.
+/// Writes `index.html` with the nightly runs in a folder, and the one that is about to appear there under a name.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub fn write(known: &Path, (name, night): (&str, &Night), folder: &Path) -> Result<(), ReportError> {
     let mut nights = vec![(name.to_owned(), night.clone())];
-    // A folder without a summary is no night.
+    // A folder without a summary is no nightly run.
     for entry in fs::read_dir(known).into_iter().flatten().flatten() {
         let text = fs::read(entry.path().join("summary.json"));
         if let Some(night) = text.ok().and_then(|text| serde_json::from_slice::<Night>(&text).ok()) {
@@ -36,8 +27,8 @@ pub fn write(known: &Path, (name, night): (&str, &Night), folder: &Path) -> Resu
     let row = |(name, night): &(String, Night)| {
         vec![
             Cell::new(night.date.clone()).linked(&format!("{name}/index.html")),
+            Cell::badge(night.state().word(), night.state().mark()),
             Cell::new(night.commit.clone()),
-            Cell::new(night.verdict.clone()).marked("", if night.is_green() { "good" } else { "bad" }),
             Cell::new(night.moved.len().to_string()),
             Cell::new(night.fell.len().to_string()),
             Cell::new(night.compared.to_string()),
@@ -45,10 +36,27 @@ pub fn write(known: &Path, (name, night): (&str, &Night), folder: &Path) -> Resu
             Cell::new(format!("{:.0}", night.wall_s)),
         ]
     };
-    let head = ["night", "commit", "verdict", "moved", "fell short", "compared", "CPU (s)", "clock (s)"];
-    let page =
-        Page { title: "Nights", nights: vec![table(String::new(), &head, nights.iter().map(row).collect(), "")] };
-    let path = folder.join("index.html");
-    let html = render(TEMPLATE, serde_json::json!(page), &Picture::all(&[]), (&[], &[]), ".");
-    save(&path, html.map_err(|cause| ReportError::Page { path: path.clone(), cause })?)
+    let head = ["run", "verdict", "commit", "moved numbers", "failed checks", "compared", "CPU (s)", "clock (s)"];
+    let table = Table::new("All nightly runs", &head, nights.iter().map(row).collect(), "");
+    let failed = nights.iter().filter(|(_, night)| !night.is_green()).count();
+    let latest = nights.first().map(|(_, night)| night);
+    let verdict = latest.map_or_else(
+        || Verdict::new(State::NotEstablished, "No nightly run yet."),
+        |night| Verdict::new(night.state(), format!("The latest run: {}.", night.found())),
+    );
+    let report = Report {
+        date: latest.map_or_else(String::new, |night| night.date.clone()),
+        commit: latest.map_or_else(String::new, |night| night.commit.clone()),
+        ..Report::new(Kind::Nightly).counts([Tally::new("Nightly runs", nights.len() - failed, failed, 0)])
+    };
+    Page::new("Nightly runs")
+        .verdict(verdict)
+        .section(Section::new("runs", "Runs").tables([table]).files(["history.csv"]))
+        .beside(vec![
+            Link::new("Errors over time", "trends/errors.html"),
+            Link::new("Orders over time", "trends/orders.html"),
+            Link::new("Cost over time", "trends/cost.html"),
+        ])
+        .report(report)
+        .write(&folder.join("index.html"))
 }

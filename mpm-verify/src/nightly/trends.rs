@@ -3,17 +3,13 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use serde::Serialize;
-
 use super::compiled;
 use super::history::{ENTRY, History};
 use super::measure::Better;
-use crate::report::content::Picture;
-use crate::report::html::render;
+use crate::page::{Block, Link, Page, Section, escaped};
 use crate::report::numbers::short;
-use crate::report::{ReportError, save, unwritable};
+use crate::report::{ReportError, unwritable};
 
-const TEMPLATE: &str = include_str!("trends.html");
 /// Width and height of a line, in its own units.
 const SIZE: [f64; 2] = [160.0, 28.0];
 
@@ -37,7 +33,7 @@ fn is_cost(quantity: &str) -> bool {
 }
 
 /// A number over the entries.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Trend {
     /// Of what.
     pub case: String,
@@ -59,22 +55,7 @@ pub struct Trend {
     pub line: String,
     /// Where it changed: places of marks.
     pub marks: Vec<[String; 2]>,
-    #[serde(skip)]
     last: usize,
-}
-
-#[derive(Debug, Serialize)]
-struct Page {
-    title: &'static str,
-    this: &'static str,
-    entries: usize,
-    first: String,
-    last: String,
-    moved: Vec<Trend>,
-    still: Vec<Trend>,
-    width: f64,
-    height: f64,
-    red: Vec<(String, String)>,
 }
 
 /// Writes `errors.html`, `orders.html`, `cost.html` and a CSV beside each.
@@ -92,25 +73,63 @@ pub fn write(history: &History, folder: &Path) -> Result<(), ReportError> {
         // What moved last comes first.
         trends.sort_by(|a, b| b.last.cmp(&a.last).then_with(|| (&a.case, &a.quantity).cmp(&(&b.case, &b.quantity))));
         table(history, &trends, &folder.join(format!("{name}.csv")))?;
-        let (moved, still) = trends.into_iter().partition(|t| !t.moved_at.is_empty());
+        let (moved, still): (Vec<Trend>, Vec<Trend>) = trends.into_iter().partition(|t| !t.moved_at.is_empty());
         let entry = |entry: Option<&String>| entry.cloned().unwrap_or_default();
-        let page = Page {
-            title,
-            this: name,
-            entries: history.entries.len(),
-            first: entry(history.entries.first()),
-            last: entry(history.entries.last()),
-            moved,
-            still,
-            width: SIZE[0],
-            height: SIZE[1],
-            red: red(history),
-        };
-        let path = folder.join(format!("{name}.html"));
-        let html = render(TEMPLATE, serde_json::json!(page), &Picture::all(&[]), (&[], &[]), ".");
-        save(&path, html.map_err(|cause| ReportError::Page { path: path.clone(), cause })?)?;
+        let (first, last) = (entry(history.entries.first()), entry(history.entries.last()));
+        let lead =
+            format!("{} runs, {first} to {last}. A dot marks a run that moved the number.", history.entries.len());
+        let others = PAGES.iter().filter(|(other, ..)| *other != name);
+        let links = others.map(|(other, title, _)| Link::new(*title, format!("{other}.html"))).collect();
+        let off: Vec<String> = red(history).into_iter().map(|(entry, count)| format!("{entry}: {count}")).collect();
+        Page::new(format!("{title} over time"))
+            .lead(lead)
+            .below("Nightly runs", "../index.html")
+            .section(Section::new("moved", "Numbers that moved, the latest first").with(rows(&moved)))
+            .section(Section::new("off", "Runs with numbers outside their tolerance").list(off))
+            .section(
+                Section::new("still", "Numbers that never moved").with(rows(&still)).files([format!("{name}.csv")]),
+            )
+            .beside(links)
+            .write(&folder.join(format!("{name}.html")))?;
     }
     Ok(())
+}
+
+/// Numbers with their lines, as a table that can be filtered.
+fn rows(trends: &[Trend]) -> Block {
+    if trends.is_empty() {
+        return Block::Text("None.".to_owned());
+    }
+    let [width, height] = SIZE;
+    let mut html = "<div class=\"table filter\"><div class=\"box long\" role=\"group\" tabindex=\"0\" aria-label=\"Table of trends, \
+                    scrollable\"><table><caption class=\"hidden\"><span>Trends</span></caption><thead><tr>"
+        .to_owned();
+    for head in ["case", "quantity", "last change", "over the runs", "first", "now", "by the run"] {
+        html += &format!("<th scope=\"col\">{head}</th>");
+    }
+    html += "</tr></thead><tbody>\n";
+    for t in trends {
+        let marks: String = t.marks.iter().map(|[x, y]| format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"2.6\"/>")).collect();
+        let svg = format!(
+            "<svg class=\"trend\" role=\"img\" aria-label=\"{} {} over the runs\" width=\"{width}\" height=\"{height}\">\
+             <polyline points=\"{}\"/>{marks}</svg>",
+            escaped(&t.case),
+            escaped(&t.quantity),
+            t.line
+        );
+        let when =
+            if t.moved_at.is_empty() { String::new() } else { format!("{}<small>{}</small>", t.moved_at, t.commit) };
+        html += &format!(
+            "<tr><th scope=\"row\">{}</th><td>{}</td><td class=\"{}\">{}</td><td>{svg}</td><td>{}</td><td>{}</td><td>{when}</td></tr>\n",
+            escaped(&t.case),
+            escaped(&t.quantity),
+            if t.mark.is_empty() { "plain" } else { &t.mark },
+            escaped(&t.change),
+            t.first,
+            t.now
+        );
+    }
+    Block::Html(html + "</tbody></table></div></div>")
 }
 
 /// Entries at which numbers were off, the last ones first.

@@ -2,18 +2,16 @@
 
 use std::path::Path;
 
-use serde::Serialize;
-use serde_json::json;
-
-use super::html::render;
+use super::ReportError;
 use super::numbers::short;
-use super::{ReportError, save};
+use crate::page::site::{Kind, Report};
+use crate::page::table::{Cell, Table};
+use crate::page::verdict::{State, Tally, Verdict};
+use crate::page::{Block, Image, Page, Section};
 use crate::scenes::Exhibit;
 
-const TEMPLATE: &str = include_str!("gallery.html");
-
 /// A scene that was solved.
-#[derive(Debug, Serialize)]
+#[derive(Debug)]
 pub struct Shown {
     name: &'static str,
     about: String,
@@ -31,6 +29,32 @@ impl Shown {
         let about = comment.trim_start_matches('#').trim().to_owned();
         Self { name, about, picture, lines: text.lines().count(), time: short(wall_s, 2), trouble }
     }
+
+    fn page(&self) -> String {
+        format!("{}/index.html", self.name)
+    }
+
+    fn image(&self) -> Image {
+        Image {
+            src: format!("{}/{}.svg", self.name, self.picture),
+            alt: self.about.clone(),
+            caption: format!("[{}]({}): {}", self.name, self.page(), self.about),
+            href: self.page(),
+        }
+    }
+
+    fn row(&self) -> Vec<Cell> {
+        let state = State::of(self.trouble.is_none());
+        let name =
+            if self.trouble.is_none() { Cell::new(self.name).linked(&self.page()) } else { Cell::new(self.name) };
+        vec![
+            name,
+            Cell::badge(state.word(), state.mark()).small(self.trouble.clone().unwrap_or_default()),
+            Cell::new(self.time.clone()),
+            Cell::new(format!("{}.toml", self.name)).linked(&format!("{}.toml", self.name)),
+            Cell::new(self.lines.to_string()),
+        ]
+    }
 }
 
 /// Writes `index.html` beside the folders of the scenes.
@@ -38,8 +62,26 @@ impl Shown {
 /// # Errors
 /// A file that cannot be written, or a template that does not fit.
 pub fn write(scenes: &[Shown], folder: &Path) -> Result<(), ReportError> {
-    let path = folder.join("index.html");
-    let page = json!({ "title": "Gallery", "scenes": scenes });
-    let html = render(TEMPLATE, page, &[], (&[], &[]), ".");
-    save(&path, html.map_err(|cause| ReportError::Page { path: path.clone(), cause })?)
+    let solved: Vec<&Shown> = scenes.iter().filter(|scene| scene.trouble.is_none()).collect();
+    let failed = scenes.len() - solved.len();
+    let tally = Tally::new("Gallery", solved.len(), failed, 0);
+    let sentence = match failed {
+        0 => format!("All {} scenes ran to their end.", scenes.len()),
+        _ => format!("{failed} of {} scenes stopped before their end.", scenes.len()),
+    };
+    let head = ["scene", "run", "time (s)", "file", "lines"];
+    let table = Table::new("Scenes", &head, scenes.iter().map(Shown::row).collect(), "");
+    let images = Block::Images(solved.iter().map(|scene| scene.image()).collect());
+    let report = Report::new(Kind::Gallery).counts([tally]);
+    let report = match solved.first() {
+        Some(scene) => report.picture(format!("{}/{}.svg", scene.name, scene.picture), scene.about.clone()),
+        None => report,
+    };
+    Page::new("Gallery of scenes")
+        .verdict(Verdict::new(State::of(failed == 0), sentence))
+        .lead("Each scene is one file, solved by `mpm-verify solve`. A picture leads to the page of its scene.")
+        .section(Section::new("pictures", "Pictures").with(images))
+        .section(Section::new("scenes", "Scenes").tables([table]))
+        .report(report)
+        .write(&folder.join("index.html"))
 }

@@ -1,16 +1,16 @@
 //! The report as one HTML file: pictures and styles inside it, nothing fetched.
 
-use minijinja::{Environment, Value, context};
+use minijinja::{Environment, context};
 use serde::Serialize;
 use serde_json::Value as Json;
 
-use super::content::{Content, Picture};
+use super::content::Picture;
 use super::plots::draw;
 use super::plots::figure::Figure;
+use crate::page::value;
 
 /// What every page begins with: styles, and how tables and pictures are shown.
 const HEAD: &str = include_str!("head.html");
-const TEMPLATE: &str = include_str!("template.html");
 
 /// A picture as the template shows it.
 #[derive(Debug, Serialize)]
@@ -22,15 +22,6 @@ struct Drawn<'a> {
     svg: String,
     /// The viewBox of small copies.
     view: String,
-}
-
-/// The page. `drawn` holds the SVG text of each figure; `folder` is the name of the folder with the files that the
-/// page links to.
-///
-/// # Errors
-/// The template does not fit the content.
-pub fn page(content: &Content, figures: &[Figure], drawn: &[String], folder: &str) -> Result<String, minijinja::Error> {
-    render(TEMPLATE, serde_json::json!(content), &content.pictures, (figures, drawn), folder)
 }
 
 /// A page of any content: `body` is its template from the header on, and finds `page`, `pictures`, `folder` and the
@@ -62,18 +53,6 @@ fn picture<'a>(((words, figure), svg): ((&'a Picture, &'a Figure), &String)) -> 
     let view = format!("0 0 {} {}", draw::WIDTH, draw::height(figure).ceil());
     let svg = svg.replacen("<svg", &head, 1);
     Drawn { name: figure.name, number: words.number, title: &words.title, caption: &words.caption, svg, view }
-}
-
-/// A value for the template.
-fn value(json: Json) -> Value {
-    match json {
-        Json::Null => Value::from(()),
-        Json::Bool(b) => Value::from(b),
-        Json::Number(n) => n.as_u64().map_or_else(|| Value::from(n.as_f64()), Value::from),
-        Json::String(text) => Value::from(text),
-        Json::Array(items) => items.into_iter().map(value).collect(),
-        Json::Object(fields) => Value::from_pairs(fields.into_iter().map(|(name, field)| (name, value(field)))),
-    }
 }
 
 fn escaped(text: &str) -> String {

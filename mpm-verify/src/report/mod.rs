@@ -4,7 +4,7 @@
 //! 1. [`select`]: which cases tables and pictures are about. [`numbers`]: how numbers are written.
 //! 2. [`orders`]: orders of convergence per group. [`tables`]: the CSV files. [`quantity`]: of the soil, for maps.
 //! 3. [`plots`]: one file per picture; [`plots::figure`] is what a picture is made of.
-//! 4. [`content`]: what the pages say, once. [`html`], [`markdown`]: how they say it.
+//! 4. [`content`]: tables and words. [`study`]: the pages of the study; [`crate::page`] renders them.
 //! 5. [`suite`]: the page of the verification suite. [`solved`]: the page of one scene. [`maps`]: its soil and its water. [`vtk`]: frames of a
 //!    run for ParaView. [`animation`]: frames as a page that plays them.
 //!
@@ -15,7 +15,6 @@ pub mod content;
 pub mod gallery;
 pub mod html;
 pub mod maps;
-pub mod markdown;
 pub mod numbers;
 pub mod orders;
 pub mod plots;
@@ -23,10 +22,11 @@ pub mod quantity;
 pub mod select;
 pub mod solved;
 pub mod stress;
+pub mod study;
 pub mod suite;
 pub mod tables;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 pub mod vtk;
 
 use std::fs;
@@ -38,7 +38,6 @@ use serde::{Deserialize, Serialize};
 use crate::budget::Budget;
 use crate::claims::{Claim, Judgement};
 use crate::cost::Cost;
-use crate::files;
 use crate::manifest::Manifest;
 use crate::study::CaseResult;
 use crate::sweeps::Sweeps;
@@ -118,61 +117,11 @@ pub(crate) fn save(path: &Path, text: impl AsRef<[u8]>) -> Result<(), ReportErro
     fs::write(path, text).map_err(|e| unwritable(path, e))
 }
 
-/// What every page of this program has in its head.
-const MADE_BY: &str = "<meta name=\"generator\" content=\"mpm-verify\">";
-/// The same of versions before that.
-const MADE_BY_EARLIER: &str = ":root { color-scheme: light dark; --text: #1b1f24;";
-
-/// Where the page of a study stands: `index.html` in the folder above that of its report (itself, at the root).
-///
-/// # Errors
-/// A page of someone else's stands there.
-pub fn page_path(folder: &Path) -> Result<PathBuf, ReportError> {
-    // `out` alone stands in the folder where the program runs.
-    let above = folder.parent().unwrap_or(folder);
-    let path = above.join("index.html");
-    let free = match fs::symlink_metadata(&path) {
-        Err(e) => e.kind() == io::ErrorKind::NotFound,
-        Ok(there) => {
-            there.is_file()
-                && fs::read_to_string(&path).is_ok_and(|t| t.contains(MADE_BY) || t.contains(MADE_BY_EARLIER))
-        }
-    };
-    if free {
-        return Ok(path);
-    }
-    let cause = "expected none, or a page of this program, found another, which was left as it is";
-    Err(unwritable(&path, io::Error::other(cause)))
-}
-
-/// The page of a study, for the folder above that of its report.
-#[derive(Debug)]
-pub struct Page(String);
-
-impl Page {
-    /// Writes `index.html` into the parent of the folder that the report is in.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
-    pub fn save(&self, folder: &Path) -> Result<(), ReportError> {
-        self.save_as(&page_path(folder)?)
-    }
-
-    /// Writes it under a name.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
-    pub fn save_as(&self, path: &Path) -> Result<(), ReportError> {
-        files::write(path, self.0.as_bytes()).map_err(|e| unwritable(path, e))
-    }
-}
-
-/// Writes tables, plots, `report.md`, `study.json` into a folder, for a report that will stand in `published` (e.g.
-/// `reports/accuracy`). The page for its parent comes back, to be written when all that it shows is there.
+/// Writes tables, plots, pages, `report.md` and `study.json` into a folder.
 ///
 /// # Errors
 /// A file that cannot be written or drawn, with its path.
-pub fn write(study: &Study, folder: &Path, published: &Path) -> Result<Page, ReportError> {
+pub fn write(study: &Study, folder: &Path) -> Result<(), ReportError> {
     let pictures = folder.join("plots");
     fs::create_dir_all(&pictures).map_err(|e| unwritable(&pictures, e))?;
     let stored = folder.join("study.json");
@@ -181,13 +130,6 @@ pub fn write(study: &Study, folder: &Path, published: &Path) -> Result<Page, Rep
     save(&conditions, serde_json::to_string_pretty(&study.manifest).map_err(|e| unwritable(&conditions, e))?)?;
     tables::write(study, folder)?;
     let figures = plots::figures(study);
-    let drawn = figures.iter().map(|f| plots::write(f, &pictures)).collect::<Result<Vec<_>, _>>()?;
-    let above = published.parent().unwrap_or(published);
-    let suite = above.join("suite/index.html").exists();
-    let content = content::Content { suite, ..content::Content::new(study, &figures) };
-    save(&folder.join("report.md"), markdown::page(&content))?;
-    let name = published.file_name().map_or_else(|| ".".to_owned(), |n| n.to_string_lossy().into_owned());
-    let html = html::page(&content, &figures, &drawn, &name);
-    let page = above.join("index.html");
-    html.map(Page).map_err(|cause| ReportError::Page { path: page, cause })
+    figures.iter().try_for_each(|figure| plots::write(figure, &pictures).map(drop))?;
+    study::write(study, &figures, folder)
 }

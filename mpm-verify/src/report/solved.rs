@@ -5,22 +5,21 @@ use std::path::Path;
 use mpm_core::drive::{Run, Sample};
 use mpm_core::observe::{ProfileRow, balances};
 use mpm_core::scene::{Dimension, Scene};
-use serde::Serialize;
 
-use super::content::Picture;
 use super::content::table::{Cell, Table, table};
-use super::html::render;
 use super::numbers::{brief, short};
 use super::plots::axis::Axis;
 use super::plots::figure::{Figure, Mark, Panel, Point, Series};
 use super::plots::look::{self, Dash, GREY, Look, Marker, RED};
 use super::plots::{self, field};
-use super::{ReportError, maps, save};
+use super::{ReportError, maps};
 use crate::exact::layered::Layered;
 use crate::exact::terzaghi::Terzaghi;
 use crate::manifest::Manifest;
+use crate::page::site::{Kind, Report};
+use crate::page::verdict::{State, Verdict};
+use crate::page::{Page, Section};
 
-const TEMPLATE: &str = include_str!("solved.html");
 /// Profiles shown at most.
 const PROFILES: usize = 6;
 /// Fewer samples than these are marked one by one.
@@ -71,16 +70,6 @@ impl Exact {
     }
 }
 
-#[derive(Debug, Serialize)]
-struct Page {
-    title: String,
-    summary: String,
-    troubles: Vec<String>,
-    numbers: Vec<Table>,
-    files: Vec<&'static str>,
-    manifest: Vec<(&'static str, String)>,
-}
-
 /// Files of numbers that the page links to where they are there.
 const FILES: [&str; 5] = ["summary.json", "history.csv", "profiles.csv", "field.csv", "water.csv"];
 
@@ -97,33 +86,42 @@ pub fn write(
     let mut figures = vec![history(scene, run, exact.as_ref())];
     figures.extend(profiles(scene, run, exact.as_ref()));
     figures.extend(ledgers(scene, run));
-    let mut drawn: Vec<String> = figures.iter().map(|figure| plots::write(figure, folder)).collect::<Result<_, _>>()?;
+    figures.iter().try_for_each(|figure| plots::write(figure, folder).map(drop))?;
     for map in maps::all(scene, run) {
-        drawn.push(field::write(&map, folder)?);
+        field::write(&map, folder)?;
         figures.push(field::figure(&map));
     }
-    let trust = run.trust.map(|trust| {
-        format!(
-            "Balances {}: nearest to its bound {}, {} {} missing of {} {} allowed.",
-            trust.verdict,
-            trust.ledger,
-            short(trust.gap, 3),
-            trust.unit,
-            short(trust.allowed, 3),
-            trust.unit
-        )
-    });
-    let page = Page {
-        title: scene.name.clone(),
-        summary: [summary(scene, run, cpu_s), trust.unwrap_or_default()].join(" "),
-        troubles: run.failure.iter().map(ToString::to_string).collect(),
-        numbers: vec![numbers(scene, run, exact.as_ref())],
-        files: FILES.into_iter().filter(|file| folder.join(file).exists() || *file == "summary.json").collect(),
-        manifest: manifest.entries().to_vec(),
+    let pictures = Section::new("pictures", "Pictures");
+    let pictures = figures.iter().fold(pictures, |s, figure| s.figure_in(figure, ".", &["csv", "png", "svg"]));
+    let files = FILES.into_iter().filter(|file| folder.join(file).exists() || *file == "summary.json");
+    let main = figures.last().map_or("", |figure| figure.name);
+    let alt = figures.last().map_or("", |figure| &figure.title);
+    Page::new(scene.name.clone())
+        .verdict(verdict(run))
+        .lead(summary(scene, run, cpu_s))
+        .warnings(run.failure.iter().map(ToString::to_string))
+        .section(pictures)
+        .section(Section::new("numbers", "Numbers").tables([numbers(scene, run, exact.as_ref())]).files(files))
+        .conditions(manifest)
+        .report(Report::new(Kind::Scene).picture(format!("{main}.png"), alt))
+        .write(&folder.join("index.html"))
+}
+
+/// Whether the run ended as it should, and how near its balances came to their bounds.
+fn verdict(run: &Run) -> Verdict {
+    let Some(trust) = run.trust.filter(|_| run.failure.is_none()) else {
+        return match run.failure {
+            Some(_) => Verdict::new(State::Failed, "The run stopped before its end."),
+            None => Verdict::new(State::NotEstablished, "The run is complete; it has no balances to check."),
+        };
     };
-    let path = folder.join("index.html");
-    let html = render(TEMPLATE, serde_json::json!(page), &Picture::all(&figures), (&figures, &drawn), ".");
-    save(&path, html.map_err(|cause| ReportError::Page { path: path.clone(), cause })?)
+    let (gap, allowed) = (short(trust.gap, 2), short(trust.allowed, 2));
+    let (name, unit) = (trust.ledger, trust.unit);
+    let passed = trust.since_s.is_none();
+    let how = if passed { "is within its bound" } else { "exceeds its bound" };
+    let sentence =
+        format!("The run is complete. The residual of the {name} balance, {gap} {unit}, {how} of {allowed} {unit}.");
+    Verdict::new(State::of(passed), sentence)
 }
 
 fn summary(scene: &Scene, run: &Run, cpu_s: f64) -> String {

@@ -3,33 +3,18 @@
 
 use std::path::Path;
 
-use serde::Serialize;
-
-use super::content::Picture;
 use super::content::table::{Cell, Table, table};
-use super::html::render;
 use super::numbers::{brief, short};
 use super::plots::figure::Figure;
 use super::plots::{self, stress_test};
 use super::{ReportError, save};
 use crate::manifest::Manifest;
+use crate::page::site::{Kind, Report};
+use crate::page::verdict::{State, Tally};
+use crate::page::{Page, Section};
 use crate::stability::map::Summary;
 use crate::stress::{Case, Found, Verdict};
 use crate::study::word;
-
-const TEMPLATE: &str = include_str!("stress.html");
-
-#[derive(Debug, Serialize)]
-struct Page {
-    title: &'static str,
-    summary: String,
-    warnings: Vec<String>,
-    matrix: Vec<Table>,
-    stops: Vec<Table>,
-    steps: Vec<Table>,
-    map_pictures: Vec<&'static str>,
-    manifest: Vec<(&'static str, String)>,
-}
 
 /// Writes the pictures of the cases into `plots` beside those of the map, `manifest.json` and `index.html`.
 ///
@@ -44,32 +29,53 @@ pub fn write(
     let of = |(number, case): (usize, &Case)| {
         stress_test::figure(case, &found.iter().filter(|f| f.case == number).collect::<Vec<_>>())
     };
-    let mut figures: Vec<Figure> = cases.iter().enumerate().map(of).collect();
+    let figures: Vec<Figure> = cases.iter().enumerate().map(of).collect();
     let pictures = folder.join("plots");
     for figure in &figures {
         plots::write(figure, &pictures)?;
     }
-    figures.extend(map.iter().cloned());
-    let drawn = figures
-        .iter()
-        .map(|f| plots::svg_text(f).map_err(|cause| ReportError::Draw { path: pictures.join(f.name), cause }))
-        .collect::<Result<Vec<_>, _>>()?;
     let conditions = folder.join("manifest.json");
     let json = serde_json::to_string_pretty(manifest).map_err(|e| super::unwritable(&conditions, e))?;
     save(&conditions, json)?;
-    let page = Page {
-        title: "Where every scheme holds, degrades and breaks",
-        summary: summary(cases, found),
-        warnings: broken_defaults(cases, found),
-        matrix: tables(cases, found),
-        stops: vec![stops(cases, found)],
-        steps: vec![steps_table(steps)],
-        map_pictures: map.iter().map(|f| f.name).collect(),
-        manifest: manifest.entries().into_iter().filter(|(name, _)| *name != "scene hash").collect(),
+    let drawn = |section: Section, figures: &[Figure]| {
+        figures.iter().fold(section, |section, figure| section.figure_in(figure, "plots", &["csv", "svg"]))
     };
-    let path = folder.join("index.html");
-    let html = render(TEMPLATE, serde_json::json!(page), &Picture::all(&figures), (&figures, &drawn), ".");
-    save(&path, html.map_err(|cause| ReportError::Page { path: path.clone(), cause })?)
+    let (main, further) = figures.split_at(figures.len().min(1));
+    let limits = Section::new("steps", "Largest stable time steps");
+    let limits = drawn(limits, map).tables([steps_table(steps)]).files(["stability_map.csv", "stability.csv"]);
+    let alt = main.first().map_or("", |figure| &figure.title);
+    let picture = main.first().map_or_else(String::new, |figure| format!("plots/{}.svg", figure.name));
+    Page::new("Stress tests and time-step limits")
+        .verdict(verdict(cases, found))
+        .warnings(broken_defaults(cases, found))
+        .section(drawn(Section::new("first", "The first test"), main))
+        .section(
+            Section::new("matrix", "Verdicts by scheme")
+                .tables(tables(cases, found))
+                .files(["matrix.csv", "stress_tests.csv"]),
+        )
+        .section(limits)
+        .section(drawn(Section::new("tests", "All tests").folded(), further))
+        .section(Section::new("reasons", "Why runs stopped").folded().tables([stops(cases, found)]))
+        .conditions(manifest)
+        .report(Report::new(Kind::StressTests).counts([tally(found)]).picture(picture, alt))
+        .write(&folder.join("index.html"))
+}
+
+fn tally(found: &[Found]) -> Tally {
+    let count = |verdict: Verdict| found.iter().filter(|f| f.judged.verdict == verdict).count();
+    let [passed, degraded, stopped, failed] =
+        [Verdict::Passed, Verdict::Degraded, Verdict::Stopped, Verdict::Failed].map(count);
+    Tally::new("Stress tests", passed, failed, degraded + stopped)
+        .saying(format!("{passed} passed, {degraded} degraded, {stopped} stopped with a reason, {failed} failed"))
+}
+
+fn verdict(cases: &[Case], found: &[Found]) -> crate::page::verdict::Verdict {
+    let passed = broken_defaults(cases, found).is_empty();
+    let words = tally(found).said;
+    let defaults = if passed { "No default scheme fails" } else { "A default scheme fails" };
+    let sentence = format!("{defaults}. Of {} runs of {} tests: {words}.", found.len(), cases.len());
+    crate::page::verdict::Verdict::new(State::of(passed), sentence)
 }
 
 /// What a scene gets without a word about its scheme must not break anywhere: one line for each that does.
@@ -77,29 +83,9 @@ pub fn broken_defaults(cases: &[Case], found: &[Found]) -> Vec<String> {
     let broken = |f: &&Found| f.judged.verdict == Verdict::Failed && f.scheme.is_default(cases[f.case].dimension);
     let line = |f: &Found| {
         let case = &cases[f.case];
-        format!("{}: the default {} breaks at {}", case.name, word(f.scheme.integrator), at(case, f))
+        format!("{}: the default scheme of {} fails at {}", case.name, word(f.scheme.integrator), at(case, f))
     };
     found.iter().filter(broken).map(line).collect()
-}
-
-fn summary(cases: &[Case], found: &[Found]) -> String {
-    let count = |verdict: Verdict| found.iter().filter(|f| f.judged.verdict == verdict).count();
-    let defaults = if broken_defaults(cases, found).is_empty() {
-        "No integrator breaks with the shape functions that it takes when a scene names none: it holds, degrades, or the \
-         program says why not."
-    } else {
-        "Some breaks with the shape functions that it takes when a scene names none."
-    };
-    format!(
-        "{} stress tests, {} pairs of a scheme and a case: {} hold, {} degrade to a number, {} are refused or stopped by the \
-         program with a reason, {} break. {defaults}",
-        cases.len(),
-        found.len(),
-        count(Verdict::Passed),
-        count(Verdict::Degraded),
-        count(Verdict::Stopped),
-        count(Verdict::Failed),
-    )
 }
 
 /// A table for every integrator: cases down, schemes across.
@@ -132,29 +118,29 @@ fn of_integrator(integrator: &str, option: bool, cases: &[Case], found: &[Found]
         let case = &cases[number];
         let cell = |scheme: &String| {
             let found = own.iter().find(|f| f.case == number && f.scheme.name() == *scheme);
-            found.map_or_else(|| Cell::new(""), |f| verdict(case, f))
+            found.map_or_else(|| Cell::new(""), |f| cell_of(case, f))
         };
-        let holds = format!("{}; holds to {}", case.parameter, brief(case.holds, 2));
-        std::iter::once(Cell::new(case.name).marked(holds, "")).chain(schemes.iter().map(cell)).collect()
+        let required = format!("{}; to pass up to {}", case.parameter, brief(case.holds, 2));
+        std::iter::once(Cell::new(case.name).marked(required, "")).chain(schemes.iter().map(cell)).collect()
     };
-    let head: Vec<&str> = std::iter::once("case").chain(schemes.iter().map(String::as_str)).collect();
+    let head: Vec<&str> = std::iter::once("test").chain(schemes.iter().map(String::as_str)).collect();
     let rows = (0..cases.len()).filter(asked).map(row).collect();
-    let note = "Small: the largest value that was measured; where a scheme breaks or the program stops, the parameter there. \
-                In capitals: what a scene gets that names no scheme. Empty: not asked.";
-    let title = if option { format!("{integrator}, velocities carried in another way") } else { integrator.to_owned() };
+    let note = "Small letters: the largest measured value; where a scheme fails or the program stops, the parameter there. \
+                Default: the scheme of a scene that names none. Empty: not run.";
+    let title = if option { format!("{integrator}, with another velocity update") } else { integrator.to_owned() };
     table(title, &head, rows, note)
 }
 
-fn verdict(case: &Case, found: &Found) -> Cell {
+fn cell_of(case: &Case, found: &Found) -> Cell {
     let default = found.scheme.is_default(case.dimension);
     let (word, small, mark) = match found.judged.verdict {
-        Verdict::Passed => ("holds", value(found), "good"),
-        Verdict::Degraded => ("degrades", format!("to {}", value(found)), "warn"),
-        Verdict::Stopped => ("stops", format!("at {}", short(found.judged.at, 2)), "warn"),
-        Verdict::Failed => ("breaks", format!("at {}", short(found.judged.at, 2)), "bad"),
+        Verdict::Passed => ("passed", value(found), "good"),
+        Verdict::Degraded => ("degraded", format!("to {}", value(found)), "warn"),
+        Verdict::Stopped => ("stopped", format!("at {}", short(found.judged.at, 2)), "warn"),
+        Verdict::Failed => ("failed", format!("at {}", short(found.judged.at, 2)), "bad"),
     };
-    let word = if default { word.to_uppercase() } else { word.to_owned() };
-    Cell::new(word).marked(small, mark)
+    let small = if default { format!("{small}\ndefault") } else { small };
+    Cell::badge(word, mark).small(small)
 }
 
 fn value(found: &Found) -> String {
@@ -186,7 +172,7 @@ fn stops(cases: &[Case], found: &[Found]) -> Table {
         ]
     };
     let stopped = found.iter().filter(|f| f.judged.verdict == Verdict::Stopped);
-    let head = ["case", "scheme", "stops at", "reason"];
+    let head = ["test", "scheme", "stopped at", "reason"];
     table("Reasons of the runs that stopped".to_owned(), &head, stopped.map(row).collect(), "")
 }
 
@@ -200,8 +186,8 @@ fn steps_table(steps: &[Summary]) -> Table {
             Cell::new(range(s.auto)),
         ]
     };
-    let note = "Measured: the largest step at which a run does not grow, by bisection. Theory: a plane wave where it holds, the \
-                spectral radius of the assembled step elsewhere. auto is the step that a scene takes by itself.";
-    let head = ["scheme", "rows", "measured / theory", "auto / measured"];
+    let note = "Measured: the largest step at which a run does not grow, by bisection. Theory: a plane wave where it applies, \
+                elsewhere the spectral radius of the assembled step. Automatic: the step of a scene that gives none.";
+    let head = ["scheme", "rows", "measured / theory", "automatic / measured"];
     table("Measured limits".to_owned(), &head, steps.iter().map(row).collect(), note)
 }

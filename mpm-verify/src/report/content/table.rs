@@ -1,10 +1,9 @@
 //! The tables of the pages. Errors in percent with three significant digits.
 
-use serde::Serialize;
-
 use crate::budget::Budget;
 use crate::cost::Cost;
 use crate::norms::LATE_TV;
+pub use crate::page::table::{Cell, Table};
 use crate::rates::Fit;
 use crate::report::Study;
 use crate::report::numbers::{percent, short};
@@ -12,55 +11,9 @@ use crate::report::orders::Group;
 use crate::report::select::{Cases, LOADS, PAPER, Reference, families, meshes, particles};
 use crate::study::{CaseResult, shown_family};
 
-/// A table.
-#[derive(Debug, Clone, Serialize)]
-pub struct Table {
-    /// What stands above it.
-    pub title: String,
-    /// Names that span several columns, with their number of columns; may be empty.
-    pub groups: Vec<(String, usize)>,
-    /// Names of the columns with units.
-    pub head: Vec<String>,
-    /// Rows.
-    pub rows: Vec<Vec<Cell>>,
-    /// What stands below it.
-    pub note: String,
-}
-
-/// A cell of a table.
-#[derive(Debug, Clone, Serialize)]
-pub struct Cell {
-    /// What it says.
-    pub text: String,
-    /// What it says in small letters below.
-    pub small: String,
-    /// How it looks: empty, `good`, `warn`, `bad` or `paper`.
-    pub mark: &'static str,
-    /// Where it leads to; empty for nowhere.
-    pub link: String,
-}
-
-impl Cell {
-    /// A plain cell.
-    pub fn new(text: impl Into<String>) -> Self {
-        Self { text: text.into(), small: String::new(), mark: "", link: String::new() }
-    }
-
-    /// With small letters and a look.
-    pub fn marked(self, small: impl Into<String>, mark: &'static str) -> Self {
-        Self { small: small.into(), mark, ..self }
-    }
-
-    /// With a link.
-    pub fn linked(self, link: &str) -> Self {
-        Self { link: link.to_owned(), ..self }
-    }
-}
-
 /// A table without names over its columns.
 pub fn table(title: String, head: &[&str], rows: Vec<Vec<Cell>>, note: &str) -> Table {
-    let head = head.iter().map(|h| (*h).to_owned()).collect();
-    Table { title, groups: Vec::new(), head, rows, note: note.to_owned() }
+    Table::new(title, head, rows, note)
 }
 
 /// A number of a case; says so if the case failed or was forced.
@@ -130,7 +83,8 @@ pub fn errors(results: &[CaseResult]) -> Vec<Table> {
             let note = "max |U/U_exact \u{2212} 1| over nine times from Tv = 0.01 to 1. In bold: the paper's mesh and \
                         particles.";
             let title = format!("Largest error, {words} ({family})");
-            tables.push(Table { title, groups, head, rows, note: note.to_owned() });
+            let heads: Vec<&str> = head.iter().map(String::as_str).collect();
+            tables.push(Table { groups, ..table(title, &heads, rows, note) });
         }
     }
     tables
@@ -241,7 +195,8 @@ pub fn speed(results: &[CaseResult]) -> Vec<Table> {
                     stability limit times a safety factor, so that steps grow faster than 1/L. Times of one machine \
                     under whatever load it had: compare ratios.";
         let title = format!("Speed, {words} ({family})");
-        tables.push(Table { title, groups, head, rows, note: note.to_owned() });
+        let heads: Vec<&str> = head.iter().map(String::as_str).collect();
+        tables.push(Table { groups, ..table(title, &heads, rows, note) });
     }
     tables
 }

@@ -71,12 +71,14 @@ pub struct Lettering {
     pub size: f64,
     /// How far text must be moved down to stand with the middle of its letters at its place, in sizes.
     pub drop: f64,
+    /// Whether marks are drawn between series, as texts that [`crate::page::svg`] turns into groups.
+    pub marks: bool,
 }
 
 /// The SVG backend divides sizes by 1.24 and centres on the small letters.
-pub const SVG_LETTERS: Lettering = Lettering { size: 1.24, drop: 0.06 };
+pub const SVG_LETTERS: Lettering = Lettering { size: 1.24, drop: 0.06, marks: false };
 /// The bitmap backend takes the height of a line, 1.164 in DejaVu Sans, and places text too high.
-pub const BITMAP_LETTERS: Lettering = Lettering { size: 1.164, drop: 0.22 };
+pub const BITMAP_LETTERS: Lettering = Lettering { size: 1.164, drop: 0.22, marks: false };
 
 /// Width of a text at a size, px.
 pub fn text_width(text: &str, size: f64) -> f64 {
@@ -95,6 +97,45 @@ impl<'a, DB: DrawingBackend> Canvas<'a, DB> {
     /// Draws on `area` with `scale` of its pixels to one px.
     pub fn new(area: &'a DrawingArea<DB, Shift>, scale: f64, letters: Lettering) -> Self {
         Self { area, scale, letters }
+    }
+
+    /// Whether marks are drawn.
+    pub fn takes_marks(&self) -> bool {
+        self.letters.marks
+    }
+
+    /// A mark for the page that the drawing becomes part of; nothing where none are drawn.
+    pub fn mark(&self, words: &str) -> Drawn {
+        if !self.letters.marks {
+            return Ok(());
+        }
+        let style = TextStyle::from(FontDesc::new(FontFamily::SansSerif, 10.0, FontStyle::Normal));
+        Ok(self.area.draw_text(&format!("{MARK}{words}"), &style, (0, 0))?)
+    }
+
+    /// The frame of a panel, for [`Canvas::mark`].
+    pub fn mark_panel(&self, number: usize, frame: Rect) -> Drawn {
+        let [left, top, right, bottom] =
+            [frame.left, frame.top, frame.right, frame.bottom].map(|edge| (edge * self.scale).round());
+        self.mark(&format!("panel {number} {left} {top} {right} {bottom}"))
+    }
+
+    /// Filled markers without notes as one path, for [`Canvas::mark`]: thousands of elements would be slow to show.
+    pub fn mark_cloud(&self, spots: &[Spot], look: Look) -> Drawn {
+        let (cap, width) = match look.marker {
+            Marker::Dot | Marker::Circle => ("round", 2.0 * look.radius),
+            Marker::Square => ("square", 1.9 * look.radius),
+            _ => ("square", 2.0 * look.radius),
+        };
+        let mut path = String::with_capacity(12 * spots.len());
+        for spot in spots {
+            let (x, y) = self.at(*spot);
+            path += &format!("M{x} {y}h0");
+        }
+        let RGBColor(r, g, b) = look.colour;
+        let width = (width * self.scale).round().max(1.0);
+        let pen = format!("stroke=\"#{r:02X}{g:02X}{b:02X}\" stroke-width=\"{width}\" stroke-linecap=\"{cap}\"");
+        self.mark(&format!("path <path {pen} d=\"{path}\"/>"))
     }
 
     fn at(&self, spot: Spot) -> (i32, i32) {
@@ -191,6 +232,9 @@ impl<'a, DB: DrawingBackend> Canvas<'a, DB> {
         Ok(self.area.draw_text(text, &style, self.at(spot))?)
     }
 }
+
+/// How a text begins that is a mark and no text of the drawing.
+pub const MARK: &str = "@@";
 
 /// Text held at the middle of its left edge.
 pub const LEFT: Pos = Pos { h_pos: HPos::Left, v_pos: VPos::Center };

@@ -86,6 +86,7 @@ pub fn figure<DB: DrawingBackend>(figure: &Figure, canvas: &Canvas<DB>) -> Drawn
             None => widest.push(own),
         }
     }
+    let mut number = 0;
     for row in &rows {
         let shares: f64 = row.panels.iter().map(|p| p.share).sum();
         let gap = 14.0;
@@ -96,8 +97,10 @@ pub fn figure<DB: DrawingBackend>(figure: &Figure, canvas: &Canvas<DB>) -> Drawn
             let bottom = row.top + panel.height.unwrap_or(figure.height);
             let room = Rect { left, top: row.top, right: left + width, bottom };
             if !panel.blank {
-                draw_panel(canvas, &(*panel).clone().fitted(), room, *ticks)?;
+                let place = figure.panels.iter().position(|p| std::ptr::eq(p, *panel)).unwrap_or(number);
+                draw_panel(canvas, &(*panel).clone().fitted(), (room, *ticks), place)?;
             }
+            number += 1;
             left += width + gap;
         }
     }
@@ -111,8 +114,13 @@ fn ticks_width(panel: &Panel) -> f64 {
 }
 
 /// One panel with what stands around it. `room` is as wide as everything and as high as the frame; `widest` is the
-/// width of the texts at the vertical axis.
-fn draw_panel<DB: DrawingBackend>(canvas: &Canvas<DB>, panel: &Panel, room: Rect, widest: f64) -> Drawn {
+/// width of the texts at the vertical axis; `number` is its place in the figure.
+fn draw_panel<DB: DrawingBackend>(
+    canvas: &Canvas<DB>,
+    panel: &Panel,
+    (room, widest): (Rect, f64),
+    number: usize,
+) -> Drawn {
     let mut frame = Rect { left: room.left + widest + 34.0, right: room.right - 10.0, ..room };
     if panel.equal {
         frame = equal_units(panel, frame);
@@ -121,10 +129,13 @@ fn draw_panel<DB: DrawingBackend>(canvas: &Canvas<DB>, panel: &Panel, room: Rect
     canvas.text(&panel.title, (middle.0, room.top - 14.0), TEXT, BLACK, MIDDLE, false)?;
     canvas.text(&panel.x.title(), (middle.0, frame.bottom + 36.0), TEXT, BLACK, MIDDLE, false)?;
     canvas.text(&panel.y.title(), (frame.left - widest - 24.0, middle.1), TEXT, BLACK, MIDDLE, true)?;
+    canvas.mark_panel(number, frame)?;
     let view = View { panel, frame };
     view.grid(canvas)?;
     for series in &panel.series {
+        canvas.mark(&format!("series {}", series.label))?;
         view.series(canvas, series)?;
+        canvas.mark("end")?;
     }
     view.notes(canvas)?;
     view.edge(canvas)?;
@@ -209,6 +220,10 @@ impl View<'_> {
             let corners: Vec<Spot> = series.points.iter().filter_map(|p| self.spot(p)).collect();
             canvas.area(&corners, look.colour)?;
         }
+        if canvas.takes_marks() && is_cloud(series) {
+            let spots: Vec<Spot> = series.points.iter().filter_map(|p| self.spot(p)).collect();
+            return canvas.mark_cloud(&spots, look);
+        }
         for point in &series.points {
             let Some(spot) = self.spot(point) else { continue };
             match series.mark {
@@ -259,7 +274,8 @@ impl View<'_> {
     /// Notes, each at its place if it is all there is, otherwise beside its point where it hides least.
     fn notes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         let mut taken = self.segments();
-        for series in &self.panel.series {
+        for series in self.panel.series.iter().filter(|s| s.points.iter().any(|p| !p.note.is_empty())) {
+            canvas.mark(&format!("series {}", series.label))?;
             for point in series.points.iter().filter(|p| !p.note.is_empty()) {
                 let Some(spot) = self.spot(point) else { continue };
                 if matches!(series.mark, Mark::Text | Mark::Middle) {
@@ -272,6 +288,7 @@ impl View<'_> {
                 canvas.text(&point.note, middle, NOTE, series.look.colour, MIDDLE, false)?;
                 taken.push(((room.left, middle.1), (room.right, middle.1)));
             }
+            canvas.mark("end")?;
         }
         Ok(())
     }
@@ -304,6 +321,15 @@ impl View<'_> {
         };
         rooms.into_iter().min_by_key(crossed).unwrap_or(frame)
     }
+}
+
+/// Fewer markers than these are drawn one by one.
+const CLOUD: usize = 60;
+
+/// Whether a series is a cloud of filled markers.
+fn is_cloud(series: &Series) -> bool {
+    let simple = matches!(series.look.marker, Marker::Dot | Marker::Circle | Marker::Square | Marker::Box);
+    series.mark == Mark::Points && series.points.len() >= CLOUD && simple && !series.points.iter().any(|p| p.open)
 }
 
 /// Whether the way from `a` over `b` to `c` turns by more than a right angle.

@@ -16,6 +16,13 @@ pub struct Entry {
     open: bool,
 }
 
+impl Entry {
+    /// Its name.
+    pub fn label(&self) -> &str {
+        &self.label
+    }
+}
+
 /// Length of the sample of a line, px.
 const SAMPLE: f64 = 30.0;
 const ROW: f64 = 20.0;
@@ -69,11 +76,13 @@ pub fn height(entries: &[Entry]) -> f64 {
 /// What the backend says.
 pub fn draw<DB: DrawingBackend>(canvas: &Canvas<DB>, entries: &[Entry], top: f64) -> Drawn {
     let mut y = top + 0.5 * ROW + 3.0;
+    canvas.mark("legend")?;
     for row in rows(entries) {
         let length: f64 = row.iter().map(|e| width(e)).sum::<f64>() - GAP;
         let mut x = 0.5 * (WIDTH - length);
         for entry in row {
             let (middle, end) = ((x + 0.5 * SAMPLE, y), (x + SAMPLE, y));
+            canvas.mark(&format!("entry {}", entry.label))?;
             if matches!(entry.mark, Mark::Line | Mark::LinePoints) {
                 canvas.line(&[(x, y), end], entry.look)?;
             }
@@ -91,6 +100,7 @@ pub fn draw<DB: DrawingBackend>(canvas: &Canvas<DB>, entries: &[Entry], top: f64
                 _ => {}
             }
             canvas.text(&entry.label, (end.0 + 6.0, y), TEXT, BLACK, LEFT, false)?;
+            canvas.mark("end")?;
             x += width(entry);
         }
         y += ROW;

@@ -165,10 +165,22 @@ fn size(figure: &Figure, scale: u32) -> (u32, u32) {
 /// # Errors
 /// What the backend says.
 pub fn svg_text(figure: &Figure) -> Result<String, DrawError> {
+    svg_with(figure, SVG_LETTERS)
+}
+
+/// The same with marks between its series, for [`crate::page::svg`].
+///
+/// # Errors
+/// What the backend says.
+pub fn marked_svg(figure: &Figure) -> Result<String, DrawError> {
+    svg_with(figure, Lettering { marks: true, ..SVG_LETTERS })
+}
+
+fn svg_with(figure: &Figure, letters: Lettering) -> Result<String, DrawError> {
     let (width, height) = size(figure, 1);
     let (wide, high) = size(figure, SVG_SCALE);
     let mut text = String::new();
-    draw_on(figure, SVGBackend::with_string(&mut text, (wide, high)), SVG_SCALE, SVG_LETTERS)?;
+    draw_on(figure, SVGBackend::with_string(&mut text, (wide, high)), SVG_SCALE, letters)?;
     // Shown at its own size; the grid of whole numbers is finer.
     let head = format!("<svg width=\"{wide}\" height=\"{high}\"");
     Ok(text.replacen(&head, &format!("<svg width=\"{width}\" height=\"{height}\""), 1))
