@@ -1,13 +1,9 @@
-//! The guides, so that their examples are compiled and run with the tests.
+//! Chapters of the guide with Rust in them, so that their examples are compiled and run with the tests.
 
-/// How soil answers to strain.
-#[doc = include_str!("../docs/add-a-law.md")]
-pub mod add_a_law {}
+/// How to read results, by eye and by a program.
+#[doc = include_str!("../docs/reports.md")]
+pub mod reports {}
 
-/// What runs are compared with.
-#[doc = include_str!("../docs/add-an-exact-solution.md")]
-pub mod add_an_exact_solution {}
-
-/// Which file answers which question.
-#[doc = include_str!("../docs/read-a-report.md")]
-pub mod read_a_report {}
+/// How to add a case, a constitutive law, an exact solution, an integrator.
+#[doc = include_str!("../docs/extending.md")]
+pub mod extending {}

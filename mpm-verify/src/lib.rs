@@ -19,6 +19,7 @@
 //!    go on from. [`error`]: what can go wrong.
 
 pub mod baseline;
+pub mod book;
 pub mod budget;
 pub mod cases;
 pub mod checkpoint;

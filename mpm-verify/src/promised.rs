@@ -108,7 +108,7 @@ fn commands(page: &str) -> Vec<String> {
 
 #[test]
 fn commands_of_the_pages_parse() {
-    let mut pages = vec!["README.md".to_owned()];
+    let mut pages = vec!["README.md".to_owned(), "CONTRIBUTING.md".to_owned()];
     pages.extend(files("mpm-verify/docs", ".md"));
     let mut own = 0;
     for page in &pages {
@@ -120,18 +120,18 @@ fn commands_of_the_pages_parse() {
 }
 
 #[test]
-fn commands_that_the_readme_lists_exist() {
-    let readme = text("README.md");
+fn commands_that_the_guide_lists_exist() {
+    let readme = text("mpm-verify/docs/commands.md");
     let mut known: Vec<String> =
         Cli::command().get_subcommands().filter(|c| !c.is_hide_set()).map(|c| c.get_name().to_owned()).collect();
     known.sort();
     for name in &known {
-        assert!(readme.contains(&format!("`mpm-verify {name}")), "the README does not say what {name} does");
+        assert!(readme.contains(&format!("`mpm-verify {name}")), "the guide does not say what {name} does");
     }
     for part in readme.split("`mpm-verify ").skip(1) {
         let line = part.split('`').next().unwrap_or_default();
         let name = line.split_whitespace().next().unwrap_or_default().to_owned();
-        assert!(name == "..." || known.contains(&name), "README: mpm-verify {line}");
+        assert!(name == "..." || known.contains(&name), "guide: mpm-verify {line}");
     }
 }
 
@@ -209,12 +209,12 @@ fn written<'a>(page: &'a str, start: &str, end: &str) -> &'a str {
 
 #[test]
 fn times_of_the_levee_are_the_same_on_every_page() {
-    let (readme, scenes) = (text("README.md"), text("reference-data/scenes/README.md"));
+    let (readme, scenes) = (text("mpm-verify/docs/levee.md"), text("reference-data/scenes/README.md"));
     let row = scenes.lines().find(|line| line.starts_with("| `levee.toml` |")).expect("a row");
     for (found, quantity) in [
         (written(&readme, "E1, the toe ravels | | 12.5 h | ", " h"), "raveling_h"),
         (written(&readme, "E2, failure starts | 8.66 h | 13.0 h | ", " h"), "failure_start_h"),
-        (written(&readme, "toe at the end (9 m at the start) | | | ", " m"), "toe_m"),
+        (written(&readme, "toe at the end | | | x = ", " m"), "toe_m"),
         (written(&readme, "water leaves the slope | | | by ", " h"), "first_outflow_h"),
         (written(row, "water leaves at ", " h"), "first_outflow_h"),
         (written(row, "E1, E2 and E3 at ", " h"), "failure_start_h"),

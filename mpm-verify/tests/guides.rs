@@ -1,8 +1,10 @@
-//! The guides do what they say: their commands are run in their order, in a folder of their own.
+//! Guards the guide: its commands are run in their order in a folder of their own, its links lead somewhere, its tables are the program's.
 
 use std::fs;
 use std::path::Path;
 use std::process::Command;
+
+use mpm_verify::book::{CHAPTERS, anchor as anchor_of, reference};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
@@ -27,16 +29,16 @@ fn run(line: &str, folder: &Path) {
             let mut command = Command::new(env!("CARGO_BIN_EXE_mpm-verify"));
             let output = command.args(arguments).arg("--quiet").current_dir(folder).output().expect("a run");
             let error = String::from_utf8_lossy(&output.stderr).into_owned();
-            // A night without baselines of its own is red: all else must succeed.
-            let red = arguments[0] == "nightly" && output.status.code() == Some(1);
-            assert!(output.status.success() || red, "{line}: {error}");
+            // A nightly run without baselines of its own fails: all else must succeed.
+            let compared = arguments[0] == "nightly" && output.status.code() == Some(1);
+            assert!(output.status.success() || compared, "{line}: {error}");
             return;
         }
         ["test", "-f", path] => folder.join(path).is_file(),
         ["cmp", one, other] => {
             fs::read(folder.join(one)).expect("a file") == fs::read(folder.join(other)).expect("a file")
         }
-        _ => panic!("no guide may need another program: {line}"),
+        _ => panic!("no chapter may need another program: {line}"),
     };
     assert!(status, "{line}");
 }
@@ -69,30 +71,116 @@ fn follow(name: &str) {
 }
 
 #[test]
-fn add_a_case() {
-    follow("add-a-case.md");
+fn tutorial() {
+    follow("tutorial.md");
 }
 
 #[test]
-fn read_a_report() {
-    follow("read-a-report.md");
+fn free_surface() {
+    follow("free-surface.md");
 }
 
 #[test]
-fn accept_a_baseline() {
-    follow("accept-a-baseline.md");
+fn reports() {
+    follow("reports.md");
 }
 
 #[test]
-fn many_machines() {
-    follow("many-machines.md");
+fn extending() {
+    follow("extending.md");
 }
 
 #[test]
-fn every_guide_is_in_the_list() {
-    let list = fs::read_to_string(format!("{ROOT}/mpm-verify/docs/README.md")).expect("a page");
-    for entry in fs::read_dir(format!("{ROOT}/mpm-verify/docs")).expect("a folder") {
-        let name = entry.expect("an entry").file_name().to_string_lossy().into_owned();
-        assert!(name == "README.md" || list.contains(&format!("({name})")), "{name}");
+fn reliability() {
+    follow("reliability.md");
+}
+
+fn text(page: &str) -> String {
+    fs::read_to_string(format!("{ROOT}/{page}")).unwrap_or_else(|e| panic!("{page}: {e}"))
+}
+
+/// Pages that people read in the repository.
+fn pages() -> Vec<String> {
+    let docs = fs::read_dir(format!("{ROOT}/mpm-verify/docs")).expect("a folder");
+    let docs = docs.map(|entry| format!("mpm-verify/docs/{}", entry.expect("an entry").file_name().to_string_lossy()));
+    let others =
+        ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "reference-data/README.md", "reference-data/others/README.md"];
+    docs.filter(|name| name.ends_with(".md")).chain(others.map(str::to_owned)).collect()
+}
+
+#[test]
+fn every_chapter_is_in_the_list() {
+    let list = text("mpm-verify/docs/README.md");
+    for (i, chapter) in CHAPTERS.iter().enumerate() {
+        assert!(
+            list.contains(&format!("\n{}. [", i + 1)) && list.contains(&format!("]({}.md)", chapter.name)),
+            "{}",
+            chapter.name
+        );
     }
+    assert_eq!(fs::read_dir(format!("{ROOT}/mpm-verify/docs")).expect("a folder").count(), CHAPTERS.len() + 1);
+}
+
+/// Links lead to files and headings, and paths of the repository that are named in code exist.
+#[test]
+fn links_and_paths_lead_somewhere() {
+    for page in pages() {
+        let folder = Path::new(ROOT).join(&page).parent().expect("a folder").to_owned();
+        let content = text(&page);
+        for part in content.split("](").skip(1) {
+            let link = part.split(')').next().unwrap_or_default();
+            let (path, anchor) = link.split_once('#').unwrap_or((link, ""));
+            if link.contains("://") || link.contains(' ') {
+                continue;
+            }
+            let target = if path.is_empty() { Path::new(ROOT).join(&page) } else { folder.join(path) };
+            assert!(target.exists(), "{page}: {link}");
+            if !anchor.is_empty() {
+                let target = fs::read_to_string(&target).expect("a page");
+                let headings =
+                    target.lines().filter_map(|line| line.strip_prefix('#')).map(|h| h.trim_start_matches('#').trim());
+                assert!(headings.map(anchor_of).any(|name| name == anchor), "{page}: {link}");
+            }
+        }
+        for word in content.split('`').skip(1).step_by(2).flat_map(str::split_whitespace) {
+            let tops = ["mpm-core/", "mpm-verify/", "mpm-bench/", "reference-data/", ".ci/", ".github/"];
+            if tops.iter().any(|top| word.starts_with(top)) && !word.contains(['*', 'N']) {
+                assert!(Path::new(ROOT).join(word).exists(), "{page}: {word}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_guide_is_written_as_pages_without_network_or_dead_links() {
+    let reports = tempfile::tempdir().expect("a folder");
+    mpm_verify::book::write(reports.path()).expect("a guide");
+    let guide = reports.path().join("guide");
+    for name in CHAPTERS.iter().map(|chapter| chapter.name).chain(["index"]) {
+        let page = fs::read_to_string(guide.join(format!("{name}.html"))).expect("a page");
+        assert!(!page.contains("<script") && !page.contains("src=\"http"), "{name}");
+        for part in page.split("href=\"").skip(1) {
+            let link = part.split('"').next().unwrap_or_default();
+            let (path, anchor) = link.split_once('#').unwrap_or((link, ""));
+            if link.contains("://") || path == "../index.html" {
+                continue;
+            }
+            let target = if path.is_empty() { guide.join(format!("{name}.html")) } else { guide.join(path) };
+            let target = fs::read_to_string(&target).unwrap_or_else(|e| panic!("{name}: {link}: {e}"));
+            assert!(anchor.is_empty() || target.contains(&format!("id=\"{anchor}\"")), "{name}: {link}");
+        }
+    }
+}
+
+/// `UPDATE_PAGES=1 cargo test -p mpm-verify --test guides` writes the chapter anew.
+#[test]
+fn the_scene_reference_is_what_the_checker_says() {
+    let path = format!("{ROOT}/mpm-verify/docs/scene-reference.md");
+    let chapter = reference::chapter();
+    if std::env::var_os("UPDATE_PAGES").is_some() {
+        fs::write(&path, &chapter).expect("written");
+    }
+    assert!(text("mpm-verify/docs/scene-reference.md") == chapter, "out of date: UPDATE_PAGES=1 writes it");
+    let bare: Vec<String> = reference::keys().into_iter().filter(|key| key.row.is_none()).map(|key| key.path).collect();
+    assert!(bare.is_empty(), "no meaning in reference-data/scenes/README.md: {bare:?}");
 }

@@ -1,0 +1,23 @@
+//! TeX to MathML.
+
+use std::convert::Infallible;
+
+use pulldown_latex::config::{DisplayMode, RenderConfig};
+use pulldown_latex::mathml::push_mathml;
+use pulldown_latex::{Parser, Storage};
+
+use crate::error::Error;
+
+/// A formula as MathML, in a line of text or as a block of its own.
+///
+/// # Errors
+/// What is not TeX, or no command that is known.
+pub fn mathml(tex: &str, display_mode: DisplayMode) -> Result<String, Error> {
+    let storage = Storage::new();
+    let events: Result<Vec<_>, _> = Parser::new(tex, &storage).collect();
+    let events = events.map_err(|why| Error::Found(format!("{tex}: {why}")))?;
+    let mut html = String::new();
+    let config = RenderConfig { display_mode, ..RenderConfig::default() };
+    push_mathml(&mut html, events.into_iter().map(Ok::<_, Infallible>), config).map_err(Error::at("a formula"))?;
+    Ok(html)
+}

@@ -1,0 +1,221 @@
+//! The chapter of scene keys, made by asking the checker.
+//!
+//! Names and types of keys are what the checker of scenes says when it is given a key or a value that cannot be right; so are
+//! the bounds, from a scene that is right but for that value. Units, defaults and meanings are those of the tables in
+//! `reference-data/scenes/README.md`, the one place where they are written.
+
+use std::fmt::Write as _;
+
+use mpm_core::error::SceneError;
+use mpm_core::scene::{Scene, capabilities};
+use toml::{Table, Value};
+
+use crate::scenes::BUILT_IN;
+
+const PAGE: &str = include_str!("../../../reference-data/scenes/README.md");
+const HEAD: &str = include_str!("reference.md");
+/// No scene has such a key.
+const UNKNOWN: &str = "zzz";
+/// Sections whose keys mean what those of another one mean, where the page has no row of their own.
+const ALIKE: &[(&str, &str)] = &[
+    ("regions", "layers"),
+    ("layers", "soil"),
+    ("layers", "water"),
+    ("layers", ""),
+    ("plates", "loads"),
+    ("wells", "loads"),
+    ("stages.boundaries", "boundaries"),
+    ("geometry.outline", "geometry.column"),
+];
+
+/// A key of a scene file.
+#[derive(Debug)]
+pub struct Key {
+    /// Its dotted name: `[]` after a list of tables, `*` for any side of a feed.
+    pub path: String,
+    /// What kind of value it takes.
+    pub kind: String,
+    /// The bounds that the checker names.
+    pub bounds: Option<String>,
+    /// Unit, default, bounds and meaning on the page of scene files.
+    pub row: Option<[String; 4]>,
+}
+
+/// The chapter, Markdown.
+pub fn chapter() -> String {
+    let (mut tables, mut section) = (String::new(), None);
+    for key in keys() {
+        let (parent, name) = key.path.rsplit_once('.').unwrap_or(("", &key.path));
+        if section.as_deref() != Some(parent) {
+            let heading = if parent.is_empty() { "Top level".to_owned() } else { format!("`{parent}`") };
+            let head = "| key | type | unit | default | accepted | meaning |\n|---|---|---|---|---|---|";
+            let _ = write!(tables, "\n### {heading}\n\n{head}\n");
+            section = Some(parent.to_owned());
+        }
+        let [unit, default, said, meaning] = key.row.unwrap_or_default();
+        let bounds = key.bounds.unwrap_or(said);
+        let _ = writeln!(tables, "| `{name}` | {} | {unit} | {default} | {bounds} | {meaning} |", key.kind);
+    }
+    HEAD.replace("{{ capabilities }}\n", &capabilities::table()).replace("{{ keys }}", &tables)
+}
+
+/// All keys of a scene, table by table.
+pub fn keys() -> Vec<Key> {
+    let rows = rows();
+    let scenes: Vec<Table> = BUILT_IN.iter().filter_map(|(_, text)| text.parse().ok()).collect();
+    let mut all = Vec::new();
+    walk(&[], &rows, &scenes, &mut all);
+    all
+}
+
+fn walk(path: &[String], rows: &[Row], scenes: &[Table], all: &mut Vec<Key>) {
+    let mut inner: Vec<Vec<String>> = Vec::new();
+    for name in names(path) {
+        let at = [path, &[name]].concat();
+        let list = [path, &[format!("{}[]", at[at.len() - 1])]].concat();
+        let tables = [(at.clone(), "a table"), (list, "a list of tables")];
+        let holds = tables.into_iter().find(|(path, _)| !names(path).is_empty());
+        let dotted = dotted(&at);
+        let (kind, bounds) = match &holds {
+            Some((_, kind)) => ((*kind).to_owned(), None),
+            None => (kind(&at), bounds(&at, scenes)),
+        };
+        all.push(Key { row: meaning(&dotted, rows), path: dotted, kind, bounds });
+        // Laws of layers are those of the soil; the four feeds have the same keys.
+        let repeated =
+            at.len() == 2 && at[1] == "law" && at[0] != "soil" || at.len() == 4 && at[2] == "feed" && at[3] != "left";
+        inner.extend(holds.filter(|_| !repeated).map(|(path, _)| path));
+    }
+    for path in inner {
+        walk(&path, rows, scenes, all);
+    }
+}
+
+/// The name of a key in the chapter.
+fn dotted(path: &[String]) -> String {
+    path.join(".").replace("feed.left.", "feed.*.")
+}
+
+/// Keys of the table at a path; none if no table is there.
+fn names(path: &[String]) -> Vec<String> {
+    let below = [path, &[UNKNOWN.to_owned()]].concat();
+    let refused = refusal(&Table::new(), &below, Value::Integer(1)).filter(|error| error.found.contains(UNKNOWN));
+    refused.map_or_else(Vec::new, |error| error.expected.split('`').skip(1).step_by(2).map(str::to_owned).collect())
+}
+
+/// What kind of value a key takes: what the checker expects in place of truth, or of a number.
+fn kind(path: &[String]) -> String {
+    let expected = |value: Value| {
+        refusal(&Table::new(), path, value)
+            .filter(|error| error.found.starts_with("boolean") || error.found.starts_with("floating"))
+    };
+    let kind = expected(Value::Boolean(true)).or_else(|| expected(Value::Float(0.5))).map(|error| error.expected);
+    let kind = kind.unwrap_or_else(|| "number, word or list".to_owned());
+    match kind.trim_start_matches("a ") {
+        "string" => "word".to_owned(),
+        "boolean" => "`true` or `false`".to_owned(),
+        kind => kind.to_owned(),
+    }
+}
+
+/// The bounds that the checker names when a scene that has the key, or could have it, is given a value beyond them.
+fn bounds(path: &[String], scenes: &[Table]) -> Option<String> {
+    let parent = &path[..path.len() - 1];
+    let values =
+        [Value::Float(-1e300), Value::Integer(-1_000_000_000), Value::String("?".to_owned()), Value::Float(1e300)];
+    let has = |scene: &&Table, path: &[String]| find(scene, path).is_some();
+    let first = scenes.iter().filter(|scene| has(scene, path));
+    let then = scenes.iter().filter(|scene| has(scene, parent) && !has(scene, path));
+    first.chain(then).find_map(|scene| {
+        let refused = values.iter().filter_map(|value| refusal(scene, path, value.clone()));
+        let of_key = |error: &SceneError| error.key.replace("[]", "") == path.join(".").replace("[]", "");
+        let word = |error: &SceneError| {
+            !error.found.starts_with("floating")
+                && !error.found.starts_with("string")
+                && !error.found.starts_with("integer")
+        };
+        refused.into_iter().find(|error| of_key(error) && word(error)).map(|error| error.expected)
+    })
+}
+
+/// The value at a path of a scene.
+fn find<'t>(scene: &'t Table, path: &[String]) -> Option<&'t Value> {
+    let (first, rest) = path.split_first()?;
+    let value = match first.strip_suffix("[]") {
+        Some(name) => scene.get(name)?.as_array()?.first()?,
+        None => scene.get(first)?,
+    };
+    if rest.is_empty() { Some(value) } else { find(value.as_table()?, rest) }
+}
+
+/// What a scene is refused for with one value in another's place.
+fn refusal(scene: &Table, path: &[String], value: Value) -> Option<SceneError> {
+    let mut scene = scene.clone();
+    set(&mut scene, path, value)?;
+    Scene::parse(&toml::to_string(&scene).ok()?, "scene.toml").err()
+}
+
+fn set(table: &mut Table, path: &[String], value: Value) -> Option<()> {
+    let (first, rest) = path.split_first()?;
+    let (name, is_list) = first.strip_suffix("[]").map_or((first.as_str(), false), |name| (name, true));
+    if rest.is_empty() {
+        table.insert(name.to_owned(), value);
+        return Some(());
+    }
+    let empty = || Value::Table(Table::new());
+    let inner = table.entry(name).or_insert_with(|| if is_list { Value::Array(vec![empty()]) } else { empty() });
+    let inner = if is_list { inner.as_array_mut()?.first_mut()? } else { inner };
+    set(inner.as_table_mut()?, rest, value)
+}
+
+/// A row of a table of the page: section, key, and unit, default, bounds, meaning.
+type Row = (String, String, [String; 4]);
+
+/// The rows of all tables of keys on the page. A row of several keys is one of each.
+fn rows() -> Vec<Row> {
+    let (mut rows, mut section, mut head) = (Vec::new(), String::new(), Vec::new());
+    for line in PAGE.lines() {
+        if let Some(heading) = line.strip_prefix("## ").or_else(|| line.strip_prefix("### ")) {
+            let name = heading.split('`').nth(1).unwrap_or_default();
+            section = name.trim_matches(['[', ']']).to_owned();
+        }
+        let cells: Vec<&str> = line.trim_matches('|').split(" | ").map(str::trim).collect();
+        match line.starts_with("| ") {
+            true if cells[0] == "key" => head = cells.iter().map(|cell| (*cell).to_owned()).collect(),
+            true if !head.is_empty() => {
+                let cell = |name: &str| head.iter().position(|h| h == name).and_then(|i| cells.get(i));
+                let of = ["unit", "default", "bounds", "meaning"]
+                    .map(|name| cell(name).copied().unwrap_or_default().to_owned());
+                let mut before = "";
+                for key in cells[0].split('`').skip(1).step_by(2) {
+                    // `feed.left`, `.right`: what stands before the dot is that of the first.
+                    let key = key.strip_prefix('.').map_or_else(|| key.to_owned(), |key| format!("{before}.{key}"));
+                    if before.is_empty() {
+                        before =
+                            cells[0].split('`').nth(1).and_then(|first| first.rsplit_once('.')).map_or("", |(b, _)| b);
+                    }
+                    rows.push((section.clone(), key, of.clone()));
+                }
+            }
+            true => {}
+            false => head.clear(),
+        }
+    }
+    rows
+}
+
+/// What the page says of a key: in its section or one around it, else where the same key stands.
+fn meaning(path: &str, rows: &[Row]) -> Option<[String; 4]> {
+    let plain = path.replace("[]", "");
+    let parts: Vec<&str> = plain.split('.').collect();
+    let own = (0..parts.len()).rev().find_map(|i| {
+        let (section, key) = (parts[..i].join("."), parts[i..].join("."));
+        rows.iter().find(|row| row.0 == section && row.1 == key).map(|row| row.2.clone())
+    });
+    own.or_else(|| {
+        ALIKE.iter().find_map(|(section, other)| {
+            let rest = plain.strip_prefix(section)?.strip_prefix('.')?;
+            meaning(format!("{other}.{rest}").trim_start_matches('.'), rows)
+        })
+    })
+}
