@@ -48,6 +48,11 @@ pub fn built_in(name: &str) -> Result<Scene, Error> {
     Ok(Scene::parse(text, name)?)
 }
 
+/// The text of a built-in scene.
+pub fn text(name: &str) -> Option<&'static str> {
+    BUILT_IN.iter().find(|(own, _)| *own == name).map(|(_, text)| *text)
+}
+
 /// The column of the paper's Table 1, started from undrained equilibrium.
 ///
 /// # Panics

@@ -7,7 +7,7 @@
 
 pub use links::anchor;
 
-mod formula;
+pub(crate) mod formula;
 mod links;
 pub mod reference;
 mod render;

@@ -42,7 +42,7 @@ mod vortex;
 mod water_ledger;
 mod wetting;
 
-use mpm_core::scene::{Fields, Scene};
+use mpm_core::scene::Fields;
 
 pub use self::suite::{Case, suite};
 use crate::error::Error::{self, Lacks, Unfit};

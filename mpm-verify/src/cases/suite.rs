@@ -84,6 +84,11 @@ impl Case {
         Ok(Self { name: program.name, about: program.about, mutant, problem, way: Way::Program(program) })
     }
 
+    /// The case as it is written, if no function runs it.
+    pub fn spec(&self) -> Option<&'static Spec> {
+        if let Way::Data(spec) = self.way { Some(spec) } else { None }
+    }
+
     fn named(&self) -> Named {
         Named { name: self.name, about: self.about, mutant: self.mutant }
     }

@@ -19,4 +19,4 @@ pub(crate) mod verdict;
 
 pub use accepted::accepted;
 pub use refinement::{Refinement, RefinementRow, SampleRow, Sampled, words};
-pub use verdict::{CaseRow, Judged};
+pub use verdict::{CaseRow, Judged, Named};

@@ -32,11 +32,12 @@ pub(crate) fn outcome(spec: &Spec, with_fault: bool) -> Result<Outcome, Error> {
             None => compare(&finished(scene)?),
         }
     };
-    let (mut errors, mut finest) = (Vec::new(), Vec::new());
+    let (mut errors, mut finest, mut shown) = (Vec::new(), Vec::new(), None);
     for cells in &spec.meshes {
         let scenes: Vec<Scene> = bases.iter().map(|base| spec.on(base, *cells)).collect::<Result<_, _>>()?;
         finest = scenes.iter().map(compared).collect::<Result<Vec<_>, Error>>()?;
         errors.push((scenes[0].cell, worst(finest.iter().map(Comparison::error))));
+        shown = scenes.into_iter().next();
     }
     let mut refinements = refinements(spec, base, &compared)?;
     if spec.finest_alone {
@@ -53,6 +54,8 @@ pub(crate) fn outcome(spec: &Spec, with_fault: bool) -> Result<Outcome, Error> {
         required_order: spec.order,
         required_everywhere: spec.everywhere,
         samples: finest.iter().flat_map(Comparison::samples).collect(),
+        comparisons: finest,
+        scene: shown,
         refinements,
         kind: spec.kind,
         ..Outcome::default()

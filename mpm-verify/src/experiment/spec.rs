@@ -300,6 +300,15 @@ impl Spec {
         if self.variants.is_empty() { Ok(vec![one(&Table::new())?]) } else { self.variants.iter().map(one).collect() }
     }
 
+    /// The scene of the case as a file: that of its name, with what the case changes at its end as comments.
+    pub fn written(&self) -> String {
+        let text = crate::scenes::text(&self.scene).unwrap_or_default();
+        let changed = self.patch.iter().map(|(key, value)| format!("#   {key} = {value}\n"));
+        let without = self.without.iter().map(|key| format!("#   without {key}\n"));
+        let all: String = changed.chain(without).collect();
+        if all.is_empty() { text.to_owned() } else { format!("{text}\n# The case {} changes:\n{all}", self.name) }
+    }
+
     /// The scene on a mesh of so many cells over its height, in steps that fall with the cells if the case has some.
     ///
     /// # Errors

@@ -1,7 +1,9 @@
 //! What a case found, and the one rule by which it is judged.
 
+use mpm_core::scene::Scene;
 use serde::{Deserialize, Serialize};
 
+use super::comparison::Comparison;
 use super::refinement::{
     MESH, Parameter, RUNS, Refinement, RefinementRow, SampleRow, Sampled, not_established, order_words, spacings, words,
 };
@@ -43,6 +45,10 @@ pub(crate) struct Outcome {
     pub notes: Vec<(String, f64, String)>,
     /// The finest run at every sample time.
     pub samples: Vec<Sampled>,
+    /// The finest run beside the reference, for the pictures of the case.
+    pub comparisons: Vec<Comparison>,
+    /// The scene of the finest run, where one shows what the case is about.
+    pub scene: Option<Scene>,
     /// Refinements by anything else; judged as each of them says.
     pub refinements: Vec<Refinement>,
     /// What the errors are errors against, which is what their baseline is worth.
@@ -66,6 +72,8 @@ impl Default for Outcome {
             refined_by: MESH,
             notes: Vec::new(),
             samples: Vec::new(),
+            comparisons: Vec::new(),
+            scene: None,
             refinements: Vec::new(),
             kind: Kind::Verified,
             remarks: Vec::new(),
@@ -152,6 +160,10 @@ pub struct Judged {
     pub notes: Vec<(String, f64, String)>,
     /// The finest run at every sample time.
     pub samples: Vec<Sampled>,
+    /// The finest run beside the reference.
+    pub(crate) comparisons: Vec<Comparison>,
+    /// The scene of the finest run.
+    pub scene: Option<Scene>,
     /// Refinements by anything else.
     pub refinements: Vec<Refinement>,
     /// Whether the case's own rule holds, whatever its baseline says.
@@ -270,6 +282,8 @@ pub(crate) fn judge(case: Named, outcome: Outcome, cpu_s: f64) -> Judged {
         refined_by: outcome.refined_by,
         notes: outcome.notes,
         samples: outcome.samples,
+        comparisons: outcome.comparisons,
+        scene: outcome.scene,
         refinements: outcome.refinements,
         sound: holds,
     }

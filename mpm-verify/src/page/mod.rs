@@ -10,6 +10,7 @@
 
 pub mod picture;
 pub mod site;
+pub mod sketch;
 pub mod svg;
 pub mod table;
 #[cfg(test)]

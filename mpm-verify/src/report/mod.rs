@@ -11,6 +11,7 @@
 //! Every picture has its numbers in a CSV beside it, written from the same [`plots::figure::Figure`].
 
 pub mod animation;
+pub mod case;
 pub mod content;
 pub mod gallery;
 pub mod html;

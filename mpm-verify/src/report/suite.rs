@@ -4,8 +4,6 @@ use std::path::Path;
 
 use super::content::table::{Cell, Table, table};
 use super::numbers::{brief, exact, short};
-use super::plots::figure::Figure;
-use super::plots::{self, case, curves};
 use super::tables;
 use super::{ReportError, save};
 use crate::baseline::suite::Kind;
@@ -30,14 +28,7 @@ pub const REFINEMENTS: &str =
 /// # Errors
 /// A file that cannot be written or drawn.
 pub fn write(judged: &[Judged], manifest: &Manifest, folder: &Path) -> Result<(), ReportError> {
-    let of_one = |judged| std::iter::once(case::figure(judged)).chain(curves::figure(judged));
-    let figures: Vec<Figure> = judged.iter().flat_map(of_one).collect();
-    figures.iter().try_for_each(|f| plots::write_svg(f, folder).map(drop))?;
-    for judged in judged {
-        let rows = judged.errors.iter().map(|(h, e)| vec![exact(*h), exact(*e)]);
-        let header = format!("{},error", case::column(judged.refined_by));
-        tables::table(&folder.join(format!("{}.csv", judged.case.name)), &header, rows)?;
-    }
+    judged.iter().try_for_each(|judged| super::case::write(judged, folder))?;
     let notes = || judged.iter().flat_map(|judged| judged.notes.iter().map(move |note| (judged, note)));
     if notes().next().is_some() {
         let row = |(judged, (quantity, value, unit)): (&Judged, &(String, f64, String))| {
@@ -50,25 +41,20 @@ pub fn write(judged: &[Judged], manifest: &Manifest, folder: &Path) -> Result<()
     let conditions = folder.join("manifest.json");
     let json = serde_json::to_string_pretty(manifest).map_err(|e| super::unwritable(&conditions, e))?;
     save(&conditions, json)?;
-    let drawn = |section: Section, figures: &[Figure]| {
-        figures.iter().fold(section, |section, figure| section.figure_in(figure, ".", &["csv", "svg"]))
-    };
-    let (main, further) = figures.split_at(figures.len().min(1));
     let failed = judged.iter().filter(|c| !c.row.passed()).map(|c| format!("{}: {}", c.case.name, c.reason));
     let numbers = if notes().next().is_some() { vec![further_numbers(judged)] } else { Vec::new() };
     let mut files = vec!["cases.csv", "samples.csv", "refinements.csv"];
     files.extend((!numbers.is_empty()).then_some("notes.csv"));
-    let alt = main.first().map_or("", |figure| &figure.title);
-    let picture = main.first().map_or_else(String::new, |figure| format!("{}.svg", figure.name));
+    let first = judged.first().map_or("", |judged| judged.case.name);
+    let picture = if first.is_empty() { String::new() } else { format!("{first}/convergence.svg") };
+    let alt = format!("Error of the case {first} over its mesh");
     // The scenes are those of the cases, not one of them.
     let mut page = Page::new("The verification suite")
         .verdict(verdict(judged))
         .warnings(failed)
-        .section(drawn(Section::new("first", "The first case"), main))
         .section(Section::new("cases", "Cases").index(cases(judged)).files(files))
         .section(Section::new("refinements", "Refinements").index(orders(judged)))
         .section(Section::new("notes", "Further numbers").folded().tables(numbers))
-        .section(drawn(Section::new("pictures", "Pictures of all cases").folded(), further))
         .section(Section::new("mutants", "Mutants").folded().tables([mutants(judged)]))
         .conditions(manifest)
         .report(Report::new(site::Kind::Suite).counts([tally(judged)]).picture(picture, alt));
@@ -129,7 +115,7 @@ fn cases(judged: &[Judged]) -> Table {
             format!("± {}\n{range}", short(f.half_width, 2))
         });
         vec![
-            Cell::new(c.case.name).marked(c.case.about, ""),
+            Cell::new(c.case.name).marked(c.case.about, "").linked(&format!("{}/index.html", c.case.name)),
             Cell::badge(c.row.verdict.clone(), mark),
             Cell::new(short(c.row.error, 3)),
             Cell::new(brief(c.row.required_error, 3)),
@@ -232,7 +218,7 @@ pub(crate) mod tests {
 
     /// Writes a small suite into a folder.
     pub fn write_small(folder: &Path) {
-        let case = SUITE.iter().find(|case| case.name == "quasi-static-steps").expect("a case");
+        let case = suite().iter().find(|case| case.name == "quasi-static-steps").expect("a case");
         let judged = case.judged().expect("runs that finish");
         std::fs::create_dir_all(folder).expect("a folder");
         write(&[judged], &Manifest::new(&crate::scenes::terzaghi(), 1), folder).expect("a page");
@@ -252,17 +238,21 @@ pub(crate) mod tests {
         let manifest = Manifest::new(&crate::scenes::terzaghi(), 1);
         write(&[single, fallen], &manifest, folder.path()).expect("a page");
         let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect(name);
-        assert!(read("quasi-static-steps.csv").starts_with("mesh_m,error\n0.05,"));
-        assert_eq!(read("quasi-static-centre.csv").lines().count(), 6);
-        assert!(read("quasi-static-centre.svg").contains("order 2.02"));
-        assert!(read("quasi-static-steps.svg").contains("of what is allowed"));
+        assert!(read("quasi-static-steps/errors.csv").starts_with("mesh_m,error\n0.05,"));
+        assert_eq!(read("quasi-static-centre/errors.csv").lines().count(), 6);
+        assert!(read("quasi-static-centre/convergence.svg").contains("order 2.02"));
+        assert!(read("quasi-static-steps/convergence.svg").contains("of what is allowed"));
+        let own = read("quasi-static-centre/index.html");
+        for part in ["<math", "class=\"sketch\"", "scene.toml", "fig-curves", "../index.html"] {
+            assert!(own.contains(part), "{part}");
+        }
         assert_eq!(read("notes.csv"), format!("{NOTES}\nquasi-static-steps,stored over geometric water,0.9995,-\n"));
         let page = read("index.html");
         for part in [
             "Of 2 cases 1 passed, 1 failed",
             "warning\">quasi-static-centre: error 0.0009",
             "0.9995",
-            "does not compress",
+            "a thousand times stiffer",
         ] {
             assert!(page.contains(part), "{part}");
         }

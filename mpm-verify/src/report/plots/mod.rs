@@ -14,6 +14,7 @@ pub mod axis;
 pub mod canvas;
 pub mod case;
 pub mod colours;
+pub mod comparison;
 pub mod consolidation;
 pub mod crossings;
 pub mod curves;

@@ -1,0 +1,187 @@
+//! The page of one test case: verdict, the computed beside the exact, convergence, the problem with its equations, the scene.
+
+use std::fs;
+use std::path::Path;
+
+use mpm_core::scene::Scene;
+use pulldown_latex::config::DisplayMode;
+
+use super::numbers::{brief, exact, short};
+use super::plots::{self, case, comparison, curves, field};
+use super::{ReportError, tables, unwritable};
+use crate::book::formula::mathml;
+use crate::cases::suite::{problems, suite};
+use crate::experiment::spec::{Problem, Spec};
+use crate::experiment::{Judged, Refinement, words};
+use crate::page::table::{Cell, Table};
+use crate::page::verdict::{State, Verdict};
+use crate::page::{Block, Link, Page, Section, sketch};
+
+/// Endings of the files of a picture of a case.
+const FILES: &[&str] = &["csv", "svg"];
+
+/// Writes the folder of a case: `index.html`, its pictures with their numbers, and `scene.toml` where a scene of a file is run.
+///
+/// # Errors
+/// A file that cannot be written or drawn.
+pub fn write(judged: &Judged, folder: &Path) -> Result<(), ReportError> {
+    let folder = folder.join(judged.case.name);
+    fs::create_dir_all(&folder).map_err(|e| unwritable(&folder, e))?;
+    let known = suite().iter().find(|case| case.name == judged.case.name);
+    let problem = known.map(|case| &problems()[case.problem]);
+    let spec = known.and_then(|case| case.spec());
+    let mut pictures = Section::new("pictures", "Computed and exact");
+    for figure in comparison::curves(judged).into_iter().chain(curves::figure(judged)) {
+        plots::write_svg(&figure, &folder)?;
+        pictures = pictures.figure_in(&figure, ".", FILES);
+    }
+    for map in comparison::fields(judged) {
+        field::write(&map, &folder)?;
+        pictures = pictures.figure_in(&field::figure(&map), ".", crate::page::ALL_FILES);
+    }
+    let mut convergence = Section::new("convergence", "Convergence");
+    let figure = plots::figure::Figure { name: "convergence", ..case::figure(judged) };
+    plots::write_svg(&figure, &folder)?;
+    let header = format!("{},error", case::column(judged.refined_by));
+    let rows = judged.errors.iter().map(|(parameter, error)| vec![exact(*parameter), exact(*error)]);
+    tables::table(&folder.join("errors.csv"), &header, rows)?;
+    convergence = convergence.figure_in(&figure, ".", FILES).tables([refinements(judged)]).files(["errors.csv"]);
+    let scene = spec.map(|spec| super::save(&folder.join("scene.toml"), spec.written()).map(|()| spec)).transpose()?;
+    let beside = known.map(|case| neighbours(case.name, case.problem)).unwrap_or_default();
+    let page = Page::new(format!("{}: {}", judged.case.name, judged.case.about))
+        .verdict(verdict(judged))
+        .section(pictures)
+        .section(convergence)
+        .section(problem_section(judged, problem, judged.scene.as_ref()))
+        .section(numbers(judged))
+        .section(again(judged, scene))
+        .below("Verification suite", "../index.html")
+        .beside(beside);
+    page.write(&folder.join("index.html"))
+}
+
+fn verdict(judged: &Judged) -> Verdict {
+    let row = &judged.row;
+    let state = match (row.open(), row.passed()) {
+        (true, _) => State::NotEstablished,
+        (_, passed) => State::of(passed),
+    };
+    let order = judged.fit.as_ref().map_or_else(String::new, |fit| format!(", order {}", short(fit.order, 3)));
+    let said = format!("Error {} of {} allowed{order}.", short(row.error, 3), brief(row.required_error, 3));
+    Verdict::new(state, said)
+}
+
+/// Other cases of the same problem.
+fn neighbours(name: &str, problem: usize) -> Vec<Link> {
+    let others = suite().iter().filter(|case| case.problem == problem && case.name != name);
+    others.map(|case| Link::new(case.name, format!("../{}/index.html", case.name))).collect()
+}
+
+/// The problem in words, its sketch, its equations and where they are from.
+fn problem_section(judged: &Judged, problem: Option<&Problem>, scene: Option<&Scene>) -> Section {
+    let mut section = Section::new("problem", "Problem");
+    if let Some(problem) = problem {
+        section = section.with(Block::Heading(problem.title.clone())).text(problem.problem.trim().replace('\n', " "));
+    }
+    if let Some(scene) = scene {
+        section = section.with(Block::Html(sketch::svg(scene))).note(sketch::words(scene));
+    }
+    for equation in problem.iter().flat_map(|problem| &problem.equations) {
+        // A test renders the equations of all problems.
+        let shown = mathml(equation, DisplayMode::Block).unwrap_or_else(|_| crate::page::escaped(equation));
+        section = section.with(Block::Html(shown));
+    }
+    let sources =
+        problem.map_or_else(Vec::new, |problem| problem.sources.iter().map(|source| linked(source)).collect());
+    section.list(sources).note(format!(
+        "Integrator: {}; shape functions and Darcy operator: {}.",
+        judged.row.integrator, judged.row.scheme
+    ))
+}
+
+/// A source whose DOI is a link.
+fn linked(source: &str) -> String {
+    match source.split_once("doi:") {
+        Some((before, doi)) => format!("{before}[doi:{doi}](https://doi.org/{doi})"),
+        None => source.to_owned(),
+    }
+}
+
+/// Every refinement with its order.
+fn refinements(judged: &Judged) -> Table {
+    let row = |refinement: &Refinement| {
+        let (verdict, mark) = match (refinement.failed(), refinement.open()) {
+            (Some(_), _) => ("failed", "bad"),
+            (None, Some(_)) => ("not established", "warn"),
+            (None, None) => ("passed", "good"),
+        };
+        let errors: Vec<String> = refinement.errors.iter().map(|(_, error)| short(*error, 2)).collect();
+        let fit = refinement.fit();
+        let width = fit.as_ref().filter(|fit| fit.half_width.is_finite());
+        let order = fit.as_ref().map_or_else(|| "–".to_owned(), |fit| short(fit.order, 3));
+        vec![
+            Cell::new(refinement.by.0).small(format!("against {}", refinement.against)),
+            Cell::badge(verdict, mark),
+            Cell::new(errors.join(", ")),
+            Cell::new(order).small(width.map_or_else(String::new, |fit| format!("± {}", short(fit.half_width, 2)))),
+            Cell::new(words(refinement.required_order)),
+        ]
+    };
+    let head = ["refined by", "verdict", "errors, coarse to fine", "order", "required"];
+    Table::new("Refinements", &head, judged.all_refinements().iter().map(row).collect(), "")
+}
+
+/// What else the case says.
+fn numbers(judged: &Judged) -> Section {
+    let mut rows = vec![
+        vec![Cell::new("error"), Cell::new(short(judged.row.error, 4))],
+        vec![Cell::new("tolerance"), Cell::new(brief(judged.row.required_error, 3))],
+        vec![
+            Cell::new("accepted error"),
+            Cell::new(judged.row.baseline.map_or_else(|| "none".to_owned(), |e| short(e, 4))),
+        ],
+        vec![Cell::new("CPU time (s)"), Cell::new(short(judged.row.cpu_s, 3))],
+    ];
+    rows.extend(judged.notes.iter().map(|(what, value, unit)| {
+        let unit = if unit == "-" { String::new() } else { format!(" {unit}") };
+        vec![Cell::new(what.clone()), Cell::new(format!("{}{unit}", short(*value, 4)))]
+    }));
+    let section = Section::new("numbers", "Numbers").text(judged.reason.clone());
+    let section = section.tables([Table::new("Numbers", &["quantity", "value"], rows, "")]);
+    match judged.case.mutant {
+        Some(fault) => section.note(format!(
+            "Mutant: {fault}. The check must find it: `mpm-verify check --mutants {}`.",
+            judged.case.name
+        )),
+        None => section,
+    }
+}
+
+/// How to run it again, with the scene.
+fn again(judged: &Judged, spec: Option<&Spec>) -> Section {
+    let section =
+        Section::new("again", "Run it again").with(Block::Command(format!("mpm-verify check {}", judged.case.name)));
+    match spec {
+        Some(spec) => section.text("The scene of the case:").with(Block::Command(spec.written())).files(["scene.toml"]),
+        None => section.note("The case makes its scenes by itself: see its source."),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_equations_of_all_problems_are_rendered() {
+        for problem in problems() {
+            for equation in &problem.equations {
+                let shown = mathml(equation, DisplayMode::Block);
+                assert!(
+                    shown.is_ok_and(|html| html.contains("<math") && !html.contains("merror")),
+                    "{}: {equation}",
+                    problem.title
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! A finest run beside its reference: over time, over the height, or as fields, and their difference.
+
+use super::axis::Axis;
+use super::field::Field;
+use super::figure::{Figure, Mark, Panel, Point, Series};
+use super::look::{self, BLACK, BLUE, Dash, Look, Marker, RED};
+use crate::experiment::comparison::{Compared, Comparison};
+use crate::experiment::{Judged, Sampled};
+use crate::report::numbers::brief;
+
+/// Profiles that are shown at most.
+const PROFILES: usize = 5;
+/// Fewer points are marked one by one.
+const FEW: usize = 60;
+
+/// Computed and exact curves, and their difference; `None` where a case has no numbers at places or times.
+pub fn curves(judged: &Judged) -> Option<Figure> {
+    super::ready();
+    let panels = match judged.comparisons.iter().find(|comparison| is_profile(comparison)) {
+        Some(profile) => profiles(profile),
+        None => over_time(&samples(judged)),
+    };
+    (!panels.is_empty()).then(|| Figure {
+        name: "curves",
+        title: format!("{}: computed and exact", judged.case.name),
+        caption: "Markers: the finest run; lines: the reference; right: their difference.".to_owned(),
+        height: 290.0,
+        panels,
+        missing: Vec::new(),
+    })
+}
+
+/// The field of the last time that counts: computed, exact, and their difference.
+pub fn fields(judged: &Judged) -> Vec<Field> {
+    let planar = |c: &&Comparison| !is_profile(c) && c.rows.iter().any(|row| row.places.len() > 1);
+    let Some(comparison) = judged.comparisons.iter().find(planar) else { return Vec::new() };
+    let Some(row) = comparison.rows.iter().rev().find(|row| row.counts && row.places.len() > 1) else {
+        return Vec::new();
+    };
+    let count = row.places.len() as f64;
+    let extent = |axis: usize| {
+        let all = || row.places.iter().map(|place| place[axis]);
+        all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min)
+    };
+    let spacing = (extent(0) * extent(1) / count).sqrt();
+    let range = |values: &[f64]| {
+        (values.iter().copied().fold(f64::INFINITY, f64::min), values.iter().copied().fold(f64::NEG_INFINITY, f64::max))
+    };
+    let exact = range(&row.exact);
+    let differences: Vec<f64> = row.computed.iter().zip(&row.exact).map(|(a, b)| a - b).collect();
+    let field = |name: &'static str, what: &str, values: &[f64], range: Option<(f64, f64)>| Field {
+        name,
+        title: format!("{}: {what} at t = {} s", judged.case.name, brief(row.time, 4)),
+        caption: format!("{}.", capital(&comparison.quantity)),
+        quantity: comparison.quantity.clone(),
+        column: "value",
+        range,
+        spacing,
+        points: row.places.iter().zip(values).map(|(place, value)| [place[0], place[1], *value]).collect(),
+        lines: Vec::new(),
+    };
+    let same = (exact.1 > exact.0).then_some(exact);
+    vec![
+        field("field-computed", "computed", &row.computed, same),
+        field("field-exact", "exact", &row.exact, same),
+        field("field-difference", "computed less exact", &differences, None),
+    ]
+}
+
+fn is_profile(comparison: &Comparison) -> bool {
+    comparison.rows.iter().any(|row| row.places.len() > 1 && row.places.iter().all(|place| place[0] == 0.0))
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// What is shown over time: the comparisons with one number at a time, else the samples that the case gives.
+fn samples(judged: &Judged) -> Vec<Sampled> {
+    let counting = judged.samples.iter().any(|s| s.counts);
+    judged.samples.iter().filter(|s| s.counts == counting).cloned().collect()
+}
+
+fn over_time(samples: &[Sampled]) -> Vec<Panel> {
+    let factor = samples.iter().all(|s| s.factor.is_some_and(|factor| factor > 0.0));
+    let time = || match factor {
+        true => Axis::log("time factor Tv", "time_factor"),
+        false => Axis::linear("time (s)", "time_s"),
+    };
+    let place = |s: &Sampled| if factor { s.factor.unwrap_or(f64::NAN) } else { s.time };
+    let mut quantities: Vec<&str> = Vec::new();
+    samples.iter().for_each(|s| {
+        if !quantities.contains(&s.quantity.as_str()) {
+            quantities.push(&s.quantity);
+        }
+    });
+    let label = quantities
+        .first()
+        .map_or(String::new(), |q| if quantities.len() > 1 { "value".to_owned() } else { (*q).to_owned() });
+    let unit = samples.first().map_or("", |s| if s.unit == "-" { "" } else { &s.unit });
+    let named = if unit.is_empty() { label } else { format!("{label} ({unit})") };
+    let mut values = Panel::new("", time(), Axis::linear(&named, "value"));
+    let mut errors = Panel::new("", time(), Axis::linear("error as the case counts it", "error"));
+    for (nth, quantity) in quantities.iter().take(6).enumerate() {
+        let own: Vec<&Sampled> = samples.iter().filter(|s| s.quantity == *quantity).collect();
+        let mark = if own.len() < FEW { Mark::Points } else { Mark::Line };
+        let (name, one) = (quantity.to_string(), quantities.len() == 1);
+        let colour = if one { Look::new(BLUE, Marker::Circle) } else { look::nth(nth) };
+        let computed = if one { "computed".to_owned() } else { format!("{name}, computed") };
+        let exact =
+            if one { Look::new(RED, Marker::Dot).dash(Dash::Dashed) } else { look::nth(nth).dash(Dash::Dashed) };
+        values.add(Series::line(
+            if one { "exact".to_owned() } else { format!("{name}, exact") },
+            exact,
+            own.iter().map(|s| (place(s), s.exact)),
+        ));
+        values.add(Series::new(
+            computed,
+            colour.radius(3.6),
+            mark,
+            own.iter().map(|s| Point::new(place(s), s.computed)),
+        ));
+        errors.add(
+            Series::new(
+                if one { "error".to_owned() } else { name },
+                colour.radius(3.2),
+                Mark::LinePoints,
+                own.iter().map(|s| Point::new(place(s), s.error)),
+            )
+            .unlisted(),
+        );
+    }
+    if values.is_empty() || samples.len() < 2 { Vec::new() } else { vec![values, errors] }
+}
+
+fn profiles(comparison: &Comparison) -> Vec<Panel> {
+    let rows: Vec<&Compared> = comparison.rows.iter().filter(|row| row.places.len() > 1).collect();
+    let every = rows.len().div_ceil(PROFILES).max(1);
+    let height = || Axis::linear("height (m)", "height_m");
+    let mut values = Panel::new("", Axis::linear(&comparison.quantity, "value"), height());
+    let mut errors = Panel::new("", Axis::linear("computed less exact", "difference"), height());
+    for (nth, row) in rows.iter().rev().step_by(every).enumerate() {
+        let label = match row.factor {
+            Some(factor) => format!("Tv = {}", brief(factor, 3)),
+            None => format!("t = {} s", brief(row.time, 3)),
+        };
+        let exact = row.exact.iter().zip(&row.places).map(|(value, place)| (*value, place[1]));
+        let line = if rows.len() == 1 { Look::new(BLACK, Marker::Dot) } else { look::nth(nth) };
+        values.add(Series::line(format!("exact, {label}"), line.dash(Dash::Solid).width(1.3), exact).unlisted());
+        let computed = row.computed.iter().zip(&row.places).map(|(value, place)| Point::new(*value, place[1]));
+        values.add(Series::new(label.clone(), look::nth(nth).radius(2.8), Mark::Points, computed));
+        let off = row.computed.iter().zip(&row.exact).zip(&row.places);
+        errors.add(
+            Series::new(
+                label,
+                look::nth(nth).radius(2.4),
+                Mark::LinePoints,
+                off.map(|((a, b), place)| Point::new(a - b, place[1])),
+            )
+            .unlisted(),
+        );
+    }
+    vec![values, errors]
+}
