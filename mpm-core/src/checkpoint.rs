@@ -10,7 +10,7 @@ use crate::hash::{Digest, sha256};
 
 /// Bytes that are not a checkpoint of this state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("a checkpoint that does not fit: it is cut short, or that of another scene or version")]
+#[error("a checkpoint that does not match: it is truncated, or belongs to another scene or version")]
 pub struct RestoreError;
 
 /// What a state is saved to or restored from.

@@ -129,7 +129,7 @@ pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<
         return Err(refused("given fields are for the explicit and the semi-implicit integrator"));
     }
     if scene.outline.is_some() && given.moved != [0.0; 2] {
-        return Err(refused("soil with an outline stands where its outline is"));
+        return Err(refused("soil with an outline cannot be moved"));
     }
     if scene.integrator == Integrator::QuasiStatic {
         return quasi_static(scene);
@@ -147,7 +147,7 @@ pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<
 pub fn failing(scene: &Scene) -> Result<Box<dyn Failing>, RunError> {
     let seed = Seeded::new(scene, &Given::default(), scene.cells, scene.cell)?;
     let model = seed.vectorised(&Hardware::default(), scene)?;
-    model.failing().ok_or_else(|| refused("soil fails under water with a free surface"))
+    model.failing().ok_or_else(|| refused("only soil under water with a free surface may fail"))
 }
 
 /// The materials of a scene, whose particles stand at these places at t = 0, m.

@@ -481,7 +481,7 @@ pub fn stable_limit(scene: &Fields) -> f64 {
 /// A step above the limit was asked for.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
-    "time.step: expected at most {limit:.6e} s, the stability limit of this scene, found {step:.6e} s; --force runs it all the same"
+    "time.step: expected at most {limit:.6e} s, the stability limit of this scene, found {step:.6e} s; --force runs it anyway"
 )]
 pub struct StepTooLarge {
     /// Step asked for, s.

@@ -39,7 +39,7 @@ fn soil_that_its_own_weight_presses_down_settles_by_the_closed_form() {
         let error = settled(&scene) / exact - 1.0;
         assert!(error.abs() < 0.01, "{cell} m: {error:.1e}");
         assert_eq!(
-            scene.notes().iter().any(|note| note.contains("of 10 rows: settlements are off by up to 2.0 %")),
+            scene.notes().iter().any(|note| note.contains("of 10 rows: settlements have an error of up to 2.0 %")),
             cell > 0.2
         );
     }

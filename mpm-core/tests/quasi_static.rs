@@ -387,7 +387,7 @@ fn a_load_that_no_stress_can_carry_ends_with_its_residuals() {
     let failure = run.failure.clone().expect("a failure");
     let text = failure.to_string();
     assert!(text.contains("Newton's iteration did not converge; residuals"), "{text}");
-    assert!(text.contains("the load may be more than the soil can bear"), "{text}");
+    assert!(text.contains("the load may exceed the bearing capacity of the soil"), "{text}");
     // Dry soil: to 1e-5 of the ramp, and short of it by what residuals may leave.
     assert!((0.599..0.6001).contains(&failure.time), "{text}");
     // What was reached before is kept: half the load, r/M ln(1 - q/r).

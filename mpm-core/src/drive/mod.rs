@@ -227,8 +227,8 @@ impl<'a> Drive<'a> {
         let Some(open) = open.iter().find(|balance| !balance.closes()) else { return Ok(()) };
         let Balance { ledger, gap, allowed, unit } = open;
         let what = format!(
-            "does not close: {gap:.3e} {unit} missing, {allowed:.3e} {unit} allowed; the results from here on are not to be \
-             trusted. A finer mesh, more particles or integrator = \"quasi-static\" may do; --force goes on"
+            "residual {gap:.3e} {unit} exceeds its bound of {allowed:.3e} {unit}; the results from here on are not to be \
+             trusted. A finer mesh, more particles or integrator = \"quasi-static\" may help; --force continues"
         );
         Err(Halt::Fault(*time, Fault { place: format!("the balance of {ledger}"), what }))
     }

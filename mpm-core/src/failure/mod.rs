@@ -215,7 +215,7 @@ impl<'a> Driver<'a> {
             self.steps.relaxing += settled.steps;
             if !settled.at_rest() && !self.failure.continue_if_unstable {
                 let under = if part == 0 { "under its own weight" } else { "under its weight and the first water" };
-                let what = format!("{under}, on a base that holds it, the soil {}", settled.said());
+                let what = format!("{under}, on a fixed base, the soil {}", settled.said());
                 return Err(self.failed(Fault { place: "the slope".into(), what }));
             }
         }
@@ -275,7 +275,7 @@ impl<'a> Driver<'a> {
                 if self.phase == Phase::Gravity {
                     let said = settled.said();
                     let what = format!(
-                        "on its own base, under its weight and the first water, the soil does not stand: it {said}"
+                        "on its own base, under its weight and the first water, the soil is not stable: it {said}"
                     );
                     return Err(self.failed(Fault { place: "the slope".into(), what }));
                 }

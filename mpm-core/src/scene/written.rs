@@ -59,7 +59,7 @@ impl Scene {
 }
 
 fn refused(key: &str, expected: String, found: String) -> SceneError {
-    SceneError { file: String::new(), line: 0, key: format!("patch: {key}"), expected, found }
+    SceneError::new((String::new(), 0), format!("patch: {key}"), expected, found)
 }
 
 /// The first field of which the checker makes another than an edit did: its name, what it has to be, what it is.

@@ -296,7 +296,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Failing for Staggered<V, F, D> {
         self.seep_for(span, MOST_MOVES, done)?;
         if self.left > 0.0 {
             let what = format!(
-                "the water has not come through {span:.3e} s in {MOST_MOVES} moves of its particles: {:.3e} s are left",
+                "the water has not advanced by {span:.3e} s in {MOST_MOVES} moves of its particles: {:.3e} s are left",
                 self.left
             );
             return Err(everywhere(&what));

@@ -349,7 +349,7 @@ impl<const D: usize> Carried<D> {
             let Self { squeeze, water, soil, .. } = self;
             let pressed = squeeze.press(water, soil, pushed, motion, &step).map_err(|cell| {
                 let place = grid.cell_position(cell).map(|i| (i as f64 + 0.5) * grid.size);
-                (format!("the cell at {place:?} m"), "no pressure keeps its water in balance".to_owned())
+                (format!("the cell at {place:?} m"), "no pressure balances its water".to_owned())
             })?;
             self.work += pressed.work;
             self.waits += dt;
