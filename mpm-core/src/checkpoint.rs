@@ -1,4 +1,4 @@
-//! Checkpoints: the state of a run as bytes, from which it is resumed to the last bit; and states that are gone back to.
+//! Checkpoints: the state of a run as bytes, from which it is resumed to the last bit; and states that a run returns to.
 //!
 //! A part of a model names its state once, in a function that both saves and restores it, so that the two cannot differ. What
 //! the model does not build anew is written by serde.

@@ -341,7 +341,7 @@ const MOST_SAFETY: f64 = 0.9;
 /// Round-off that a semi-implicit step may leave, of the drained strain.
 const SOUND: f64 = 1e-7;
 
-/// Wave lengths looked at along each axis.
+/// Wave lengths considered along each axis.
 const WAVES: u32 = 16;
 
 /// `sin^2(theta/2)` of a wave, theta from 0 (i = 0) to pi.
@@ -349,7 +349,7 @@ fn wave(i: u32) -> f64 {
     (f64::from(i) / f64::from(WAVES) * std::f64::consts::FRAC_PI_2).sin().powi(2)
 }
 
-/// Whether water can flow along a direction in which nodes of the soil are held.
+/// Whether water can flow along a direction in which nodes of the soil are fixed.
 ///
 /// There a_s = 0 whatever the pressure, so `rho_w a_s` cannot relieve Darcy's law and the lower limit holds: at a
 /// drained side on rollers, and along a fixed side in plane strain.
@@ -428,7 +428,7 @@ fn semi_implicit_limit_of(scene: &Fields) -> f64 {
         limit = limit.min(PARTLY_FILLED.sqrt() * semi_implicit_without_inertia(scene, &drained));
     }
     limit *= (left_by_surface(scene) / MOST_SAFETY).min(1.0);
-    // Inertia is in the flow between cells even where the soil at a drained side is held.
+    // Inertia is in the flow between cells even where the soil at a drained side is fixed.
     let flow_inertia = scene.water.filter(|_| scene.darcy_inertia).map_or(0.0, |w| w.density);
     let medium = Medium { flow_inertia, ..medium };
     match scene.dimension {

@@ -516,7 +516,12 @@ fn bad_water_is_refused() {
     let cases: [(&str, &str, Edits, &str); 22] = [
         ("head below the base", "dam", &[(FEED, "left = { head = -0.5 }")], "where the soil at the side begins"),
         ("head at the base", "dam", &[(FEED, "left = { head = 0.0 }")], "above 0 m"),
-        ("no room for water", "infiltration", &[("porosity = 0.30", "porosity = 0.01")], "water has to go somewhere"),
+        (
+            "no room for water",
+            "infiltration",
+            &[("porosity = 0.30", "porosity = 0.01")],
+            "mobile water needs open pores",
+        ),
         ("pond below the top", "infiltration", &[("head = 1.25", "head = 0.9")], "the top of the soil"),
         ("no pressure head", "wetting-front", &[("head = 0.25", "head = 0.0")], "pressure head above 0"),
         (
@@ -607,7 +612,7 @@ fn bad_failure_is_refused() {
             "a pond on the crest",
             "levee",
             &[(HEAD, "feed.top = { head = 3.5 }"), ("empty_cells_above = 2\n", "")],
-            "no pond stands",
+            "no water may pond",
         ),
         ("an unknown side", "levee", &[(HEAD, "feed.front = { head = 1.0 }")], "left"),
         (

@@ -300,7 +300,10 @@ fn flags_pass_the_same_checks_and_are_named_in_their_refusal() {
     assert_eq!(scene.tolerance, 1e-6);
     let message = |flags: &Flags| Scene::parse_with(&text, "scene.toml", flags).expect_err("a bad flag").to_string();
     let words = "expected one of \"explicit\", \"semi-implicit\", \"quasi-static\", \"staggered\", \"coupled\", found \"implicit\"";
-    assert_eq!(message(&flags("implicit", "linear", 1e-4)), format!("--integrator: {words}"));
+    assert_eq!(
+        message(&flags("implicit", "linear", 1e-4)),
+        format!("--integrator: {words}\n    did you mean `semi-implicit`?")
+    );
     let words = "expected one of \"centre\", \"centroid\", \"linear\", \"b-bar\", \"gimp\", \"bspline2\", \"bspline3\", found \"cubic\"";
     assert_eq!(message(&flags("quasi-static", "cubic", 1e-4)), format!("--scheme: {words}"));
     let words = "expected 1e-10 <= tolerance <= 0.1 (-), found 0.5";

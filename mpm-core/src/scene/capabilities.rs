@@ -1,7 +1,7 @@
 //! What goes together: the one table from which the checker refuses, the program lists, and the page of scene keys is made.
 //!
 //! Most of what a scene may have goes with everything else. A [`Rule`] says what does not, and what to do about it. What depends
-//! on numbers, or on three things at once, is said by the room that knows it.
+//! on numbers, or on three things at once, is checked by the module that knows it.
 
 use Feature::*;
 
@@ -63,7 +63,7 @@ features! {
     EmptyBeside: "mesh.empty_cells_beside" "mesh.empty_cells_beside",
     Periodic: "boundaries.left" "\"periodic\"",
     FixedSide: "boundaries.left" "a \"fixed\" side",
-    HeldTop: "boundaries.top" "a held top",
+    HeldTop: "boundaries.top" "a constrained top",
     CoulombBase: "base" "[base]",
     Load: "surcharge" "[surcharge]",
     Plate: "surcharge.on" "\"plate\"",
@@ -157,7 +157,7 @@ const AUTO_STEP: &str = "step = \"auto\" with it";
 
 const NO_SUPPORT: &[Feature] = &[Fails, Periodic, CoulombBase, Plate, MovedPlates];
 
-/// The table, in the order in which a scene is held against it.
+/// The table, in the order in which a scene is checked against it.
 pub const RULES: &[Rule] = &[
     rule(Outline, &[Column], "dimension = \"plane-strain\" with it: an outline is an area"),
     rule(EmptyBeside, &[Column], "dimension = \"plane-strain\" with it: a column cannot move sideways"),

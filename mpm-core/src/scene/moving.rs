@@ -54,7 +54,7 @@ const OFF_BEFORE: f64 = 0.65;
 const OFF_PER_ROW: f64 = 0.2;
 
 impl Fields {
-    /// Whether soil may come to fill cells in part, so that nodes may be light and steps shorter: it has an outline or room beside
+    /// Whether soil may come to fill cells in part, so that nodes may be light and steps shorter: it has an outline or empty cells beside
     /// it, nothing holds its base, or its load and weight would move its surface by more than a fifth of a cell. That is a matter
     /// of how the same equations are solved; which are solved does not depend on the mesh.
     pub fn moves_through_cells(&self) -> bool {
@@ -94,7 +94,7 @@ impl Fields {
         if room || alone { LIGHT_NODES.max(one / full) } else { 0.0 }
     }
 
-    /// Whether nodes of the surface that are too light for an explicit step are lent inertia: where the geometry says how much
+    /// Whether nodes of the surface with too little mass for an explicit step get added inertia: where the geometry says how much
     /// soil a cell holds, a node that moved with its neighbour would keep that soil from straining with the rest.
     pub fn lends_inertia(&self) -> bool {
         let explicit = self.integrator == Integrator::Explicit && self.light_nodes == 0.0;
@@ -102,7 +102,7 @@ impl Fields {
         explicit && known && self.moves_through_cells()
     }
 
-    /// Whether soil of any outline stands where it is: it is held below, starts at rest, cannot yield, and no water moves the surface of
+    /// Whether soil of any outline stands where it is: it is fixed below, starts at rest, cannot yield, and no water moves the surface of
     /// what it carries. Nodes that moved with others would make a surface within its cell stiff.
     fn stands(&self) -> bool {
         let held = self.solid_sides[Side::Bottom as usize] != SolidSide::Free && self.base.is_none();

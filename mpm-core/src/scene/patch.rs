@@ -237,7 +237,7 @@ impl Scene {
         self.with_edits(changes.iter().map(edit).collect::<Result<_, _>>()?)
     }
 
-    /// The scene on cells of another size (m); as many cells of empty room as it takes to keep the room.
+    /// The scene on cells of another size (m); as many empty cells as keep the empty space beside and above.
     ///
     /// # Errors
     /// As [`Scene::patched`].
@@ -245,7 +245,7 @@ impl Scene {
         self.with_edits(finer(None, cell, self.cell, [self.empty_cells_above, self.empty_cells_beside])?)
     }
 
-    /// The scene on a mesh of so many cells over its height, with the room that it has.
+    /// The scene on a mesh of so many cells over its height, with the same empty space around it.
     ///
     /// # Errors
     /// As [`Scene::patched`].

@@ -119,7 +119,7 @@ impl Writer {
         self.put(&format!("{key}.{law}.poisson_ratio"), elastic.poisson_ratio)
     }
 
-    /// Writes how something goes on in time.
+    /// Writes course in time.
     fn course(&mut self, course: &Course) -> Result<(), SceneError> {
         match course {
             Course::Constant => Ok(()),

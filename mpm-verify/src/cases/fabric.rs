@@ -110,7 +110,7 @@ fn dissipated(scene: &Scene) -> Measured {
     let of_gravity = water.mobility() * (water.anisotropy * along * along + across * across);
     let exact = scene.width * scene.height * water.density.powi(2) * of_gravity;
     Ok(Box::new(move |run| {
-        let all: Vec<_> = run.observed().map(|s| (s.state.time, s.ledger.darcy_dissipation_j)).collect();
+        let all: Vec<_> = run.observed().map(|s| (s.state.time, s.balance.darcy_dissipation_j)).collect();
         let [.., (before, then), (time, now)] = all[..] else { return f64::NAN };
         ((now - then) / (time - before) / exact - 1.0).abs()
     }))

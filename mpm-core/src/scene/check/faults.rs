@@ -62,16 +62,17 @@ impl Faults {
     }
 }
 
-/// The word of a list that somebody probably meant by another: one that differs by a few letters, or the only one that contains it.
+/// The word of a list that somebody probably meant by another: the only one that contains it, or the one that differs by the fewest letters.
 pub(super) fn nearest<'a>(word: &str, words: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let word = word.to_lowercase().replace('-', "_");
-    let distance = |other: &str| strsim::damerau_levenshtein(&word, &other.to_lowercase().replace('-', "_"));
+    let plain = |word: &str| word.to_lowercase().replace('-', "_");
+    let word = plain(word);
     let words: Vec<&str> = words.collect();
-    let near = words.iter().map(|other| (distance(other), *other)).min_by_key(|(distance, _)| *distance);
-    let few = (word.chars().count() / 3).max(1);
-    if let Some((_, other)) = near.filter(|(distance, other)| *distance <= few && *distance < other.len()) {
-        return Some(other);
+    let mut containing = words.iter().filter(|other| word.len() > 3 && plain(other).contains(&word));
+    if let (Some(only), None) = (containing.next(), containing.next()) {
+        return Some(only);
     }
-    let mut containing = words.into_iter().filter(|other| word.len() > 3 && other.replace('-', "_").contains(&word));
-    containing.next().filter(|_| containing.next().is_none())
+    let distance = |other: &str| strsim::damerau_levenshtein(&word, &plain(other));
+    let near = words.into_iter().map(|other| (distance(other), other)).min_by_key(|(distance, _)| *distance);
+    let few = (word.chars().count() / 3).max(1);
+    near.filter(|(distance, other)| *distance <= few && *distance < other.len()).map(|(_, other)| other)
 }

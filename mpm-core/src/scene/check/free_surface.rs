@@ -69,7 +69,7 @@ impl Reader<'_> {
             return self.refuse(&list.span(), key, expected, "\"column\"");
         }
         let points = self.polygon(list, key, 0.0)?;
-        // Corners suffice for a convex soil; for others the middles of the edges are looked at too.
+        // Corners suffice for a convex soil; for others the middles of the edges are checked too.
         let soil = scene.outline_or_box();
         let reach = 1e-9 * (scene.width + scene.height);
         let count = points.len();
@@ -101,7 +101,7 @@ impl Reader<'_> {
         Ok((checked, courses))
     }
 
-    /// How a velocity goes on in time.
+    /// Course of a velocity in time.
     fn feed_in_time(&self, list: &Pairs, side: Side, is_head: bool) -> Checked<Course> {
         let key = format!("water.free_surface.feed.{side}.times");
         if is_head {
@@ -210,7 +210,7 @@ pub(super) fn touching(soil: &[[f64; 2]], side: Side, scene: &Fields) -> Option<
         Side::Bottom => (1, 0.0),
         Side::Top => (1, scene.height),
     };
-    // Beyond the soil there may be room that is empty.
+    // Beyond the soil there may be empty cells.
     if (side == Side::Right && scene.empty_cells_beside > 0) || (side == Side::Top && scene.empty_cells_above > 0) {
         return None;
     }

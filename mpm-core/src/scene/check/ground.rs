@@ -1,4 +1,4 @@
-//! Outlines, slopes, friction on the base, room to run out: their bounds, and what they do not go together with.
+//! Outlines, slopes, friction on the base, empty cells beside the soil: their bounds, and what they do not go together with.
 
 use std::ops::Range;
 

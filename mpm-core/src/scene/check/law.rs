@@ -127,7 +127,7 @@ impl Reader<'_> {
         Ok(Strength { tension_cutoff, ..strength })
     }
 
-    /// Soil that dilates gains volume without coming apart.
+    /// Soil that dilates gains volume without a tension gap.
     pub(super) fn separation(&self, soil: &RawSoil, strength: Option<&Strength>) -> Checked<Option<f64>> {
         let Some(value) = &soil.separation else { return Ok(None) };
         let key = "soil.separation";

@@ -1,4 +1,4 @@
-//! `[[loads]]`: what bears them, and how they go on in time.
+//! `[[loads]]`: what bears them, and their course in time.
 
 use std::ops::Range;
 
@@ -197,7 +197,7 @@ impl Reader<'_> {
                 return self.refuse(&place, &key, expected, side);
             }
         }
-        // Water may stand before a wall that is held and lets it through.
+        // Water may stand before a wall that is fixed and lets it through.
         if let (Some(on), None, false) = (load.on, &scene.outline, load.is_water())
             && scene.solid_sides[on as usize] != SolidSide::Free
         {
@@ -227,7 +227,7 @@ impl Reader<'_> {
         if points.is_empty() { self.refuse(&list.span(), key, expected, "none") } else { Ok(Course::Times(points)) }
     }
 
-    /// How something goes on in time.
+    /// Course in time.
     fn course(&self, table: &str, span: &Range<usize>, raw: &RawCourse) -> Checked<Course> {
         let key = |name: &str| format!("{table}.{name}");
         match (raw.ramp_time, raw.times, raw.sine, raw.wave) {

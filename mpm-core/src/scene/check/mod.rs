@@ -546,7 +546,7 @@ impl Reader<'_> {
         self.refuse(&span, "water.density", &expected, water.density)
     }
 
-    /// How sides are held, as a table says or else as the defaults. A stage has no words for what only a side of the scene is.
+    /// Supports of the sides, as a table says or else as the defaults. A stage has no words for what only a side of the scene is.
     fn solid_sides(
         &self,
         (raw, dimension): (&RawScene, Dimension),

@@ -27,7 +27,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Sides are held where the mesh ends: an outline that ends beside it would have a free wall in the last row of cells.
+    /// Supports act where the mesh ends: an outline that ends beside it would have a free wall in the last row of cells.
     fn held_walls(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let Some(outline) = &scene.outline else { return Ok(()) };
         let ends =

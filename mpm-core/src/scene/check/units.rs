@@ -75,6 +75,9 @@ impl Reader<'_> {
         let value = &raw.water.as_ref()?.get_ref().unit_weight;
         let gravity = raw.gravity.as_ref().map_or(STANDARD_GRAVITY, |gravity| *gravity.get_ref());
         let on_the_ground = *value.get_ref() * STANDARD_GRAVITY / gravity;
+        if *value.get_ref() <= 0.0 {
+            return None;
+        }
         if [*value.get_ref(), on_the_ground].iter().any(|weight| (WATER[0]..=WATER[1]).contains(weight)) {
             return None;
         }

@@ -150,7 +150,7 @@ fn along_layers(scene: &Scene) -> Measured {
         scene.by_layer().iter().map(|(d, soil)| d * soil.water.map_or(0.0, |w| w.hydraulic_conductivity)).sum();
     let discharge = conductance * (LEVELS[0] - LEVELS[1]) / scene.width;
     Ok(Box::new(move |run| {
-        let left = |s: &Sample| (s.state.time, s.ledger.water_out_kg / density, s.state.water.map(|w| w.outflow_m3_s));
+        let left = |s: &Sample| (s.state.time, s.balance.water_out_kg / density, s.state.water.map(|w| w.outflow_m3_s));
         let flowed: Vec<(f64, f64, Option<f64>)> = run.observed().map(left).collect();
         let [.., (before, then, _), (time, now, outflow)] = flowed[..] else { return f64::NAN };
         let found = outflow.unwrap_or((now - then) / (time - before));

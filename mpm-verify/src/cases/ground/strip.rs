@@ -83,6 +83,6 @@ fn stress(scene: &Scene) -> Measured {
 fn settlement(scene: &Scene) -> Measured {
     let exact = Settlement::of(scene).ok_or(Lacks("strip on dry soil"))?;
     Ok(Box::new(move |run| {
-        run.samples.last().map_or(f64::NAN, |end| (end.ledger.strain_j / exact.energy() - 1.0).abs())
+        run.samples.last().map_or(f64::NAN, |end| (end.balance.strain_j / exact.energy() - 1.0).abs())
     }))
 }

@@ -1,4 +1,4 @@
-//! What is said when a run cannot go on.
+//! Messages of runs that cannot continue.
 
 use super::QuasiStatic;
 use super::tangent::Stuck;
@@ -52,7 +52,7 @@ pub(super) fn unsolved(e: &Unsolved) -> Fault {
     Fault { place: "the whole soil".to_owned(), what: e.to_string() }
 }
 
-pub(super) fn inside_out<const D: usize>(points: &[SolidPoint<D>], point: usize) -> Fault {
+pub(super) fn inverted<const D: usize>(points: &[SolidPoint<D>], point: usize) -> Fault {
     let x = points.get(point).map_or([f64::NAN; D], |p| p.x);
     Fault { place: format!("point {point} near {x:?} m"), what: "an element is inverted, det F <= 0".to_owned() }
 }
@@ -60,7 +60,7 @@ pub(super) fn inside_out<const D: usize>(points: &[SolidPoint<D>], point: usize)
 pub(super) fn describe<const D: usize>(stuck: &Stuck<D>, points: &[SolidPoint<D>]) -> String {
     match stuck {
         Stuck::InsideOut(e) => {
-            let fault = inside_out(points, e.point);
+            let fault = inverted(points, e.point);
             format!("{}: {}", fault.place, fault.what)
         }
         Stuck::Unsolved(e) => e.to_string(),
