@@ -7,7 +7,7 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use mpm_core::constitutive::{Law, LinearElastic, MohrCoulomb, Region};
-use mpm_core::real::{Lanes, Real};
+use mpm_core::real::{Real, SimdReal};
 use mpm_core::scene::{Elastic, Strength};
 use pulp::{Arch, Simd, WithSimd};
 
@@ -27,9 +27,9 @@ impl<L: Law> WithSimd for OverLanes<'_, L> {
 
     #[inline(always)]
     fn with_simd<V: Simd>(self, simd: V) {
-        let strain = self.strain.map(|e| Lanes::splat(simd, e));
+        let strain = self.strain.map(|e| SimdReal::splat(simd, e));
         for first in (0..PARTICLES).step_by(V::F64_LANES) {
-            let mut stress = std::array::from_fn(|s| Lanes::load(simd, &self.stress[s][first..]));
+            let mut stress = std::array::from_fn(|s| SimdReal::load(simd, &self.stress[s][first..]));
             let there = strain[0].like(0.0).below(strain[0].like(1.0));
             self.law.update_lanes(&mut stress, &strain, &mut [strain[0]], there);
             for s in 0..4 {
@@ -86,10 +86,10 @@ impl<L: Law> WithSimd for Returns<'_, L> {
 
     #[inline(always)]
     fn with_simd<V: Simd>(self, simd: V) {
-        let none = Lanes::splat(simd, 0.0);
-        let there = none.below(Lanes::splat(simd, 1.0));
+        let none = SimdReal::splat(simd, 0.0);
+        let there = none.below(SimdReal::splat(simd, 1.0));
         for first in (0..PARTICLES).step_by(V::F64_LANES) {
-            let mut stress = self.trial.map(|s| Lanes::splat(simd, s));
+            let mut stress = self.trial.map(|s| SimdReal::splat(simd, s));
             black_box(self.law.update_lanes(&mut stress, &[none; 4], &mut [none], there).dissipation.value);
             for s in 0..4 {
                 stress[s].store(&mut self.stress[s][first..]);

@@ -1,4 +1,4 @@
-//! Checkpoints: the state of a run as bytes, from which it is resumed to the last bit; and states that are gone back to.
+//! Checkpoints: the state of a run as bytes, from which it is resumed to the last bit; and states that a run returns to.
 //!
 //! A part of a model names its state once, in a function that both saves and restores it, so that the two cannot differ. What
 //! the model does not build anew is written by serde.
@@ -10,7 +10,7 @@ use crate::hash::{Digest, sha256};
 
 /// Bytes that are not a checkpoint of this state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("a checkpoint that does not fit: it is cut short, or that of another scene or version")]
+#[error("a checkpoint that does not match: it is truncated, or belongs to another scene or version")]
 pub struct RestoreError;
 
 /// What a state is saved to or restored from.

@@ -77,7 +77,7 @@ impl Envelope {
     }
 }
 
-/// Sum of products, in four strands that the machine can add side by side.
+/// Sum of products, in four strands that the CPU can add side by side.
 #[inline]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut strands = [0.0; 4];

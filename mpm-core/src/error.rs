@@ -1,10 +1,10 @@
-//! What can go wrong, with the numbers a reader needs to mend it.
+//! What can go wrong, with the numbers that a reader needs to correct it.
 
 use std::path::PathBuf;
 
 /// A scene that cannot be run as written. Exit code 2.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{}{key}: expected {expected}, found {found}", self.place())]
+#[error("{}", self.lines().join("\n"))]
 pub struct SceneError {
     /// Path of the scene file as the user gave it; empty for a flag.
     pub file: String,
@@ -16,12 +16,53 @@ pub struct SceneError {
     pub expected: String,
     /// What stands there.
     pub found: String,
+    /// What else there is to say.
+    pub notes: Option<Box<Notes>>,
+}
+
+/// What is said beside a fault of a scene.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Notes {
+    /// The name that was probably meant.
+    pub suggestion: Option<String>,
+    /// Further faults of the same file.
+    pub more: Vec<SceneError>,
+    /// Values that look as if they stood in another unit, and names of an earlier version.
+    pub warnings: Vec<Warning>,
 }
 
 impl SceneError {
-    /// `file:line: `, or nothing for a flag.
-    fn place(&self) -> String {
-        if self.line == 0 { String::new() } else { format!("{}:{}: ", self.file, self.line) }
+    /// A fault without notes.
+    pub(crate) fn new(
+        (file, line): (String, usize),
+        key: impl Into<String>,
+        expected: impl Into<String>,
+        found: impl Into<String>,
+    ) -> Self {
+        Self { file, line, key: key.into(), expected: expected.into(), found: found.into(), notes: None }
+    }
+
+    /// The notes, to be written.
+    pub(crate) fn notes_mut(&mut self) -> &mut Notes {
+        self.notes.get_or_insert_default()
+    }
+
+    /// This fault and the further ones, each by itself.
+    pub(crate) fn apart(mut self) -> Vec<Self> {
+        let more = self.notes.as_mut().map_or_else(Vec::new, |notes| std::mem::take(&mut notes.more));
+        std::iter::once(self).chain(more).collect()
+    }
+
+    /// Warnings, the fault, what was probably meant, and the further faults.
+    fn lines(&self) -> Vec<String> {
+        let place = if self.line == 0 { String::new() } else { format!("{}:{}: ", self.file, self.line) };
+        let fault = format!("{place}{}: expected {}, found {}", self.key, self.expected, self.found);
+        let Some(notes) = &self.notes else { return vec![fault] };
+        let mut lines: Vec<String> = notes.warnings.iter().map(ToString::to_string).collect();
+        lines.push(fault);
+        lines.extend(notes.suggestion.iter().map(|name| format!("    did you mean `{name}`?")));
+        lines.extend(notes.more.iter().flat_map(Self::lines));
+        lines
     }
 }
 

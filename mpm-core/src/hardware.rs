@@ -1,4 +1,4 @@
-//! What a run may use of the machine. No number of a run depends on it, only its time.
+//! Threads and SIMD width of a run. They change its time and none of its numbers.
 
 use std::num::NonZero;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use crate::scene::{Integrator, Scene};
 /// How many numbers are computed at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Width {
-    /// As many as the machine can, found out when the run starts.
+    /// As many as the CPU has, detected when the run starts.
     #[default]
     Widest,
     /// One, without special instructions.
@@ -53,7 +53,7 @@ impl Hardware {
 pub const THREADS_PAY_FROM: usize = 10_000;
 
 impl Hardware {
-    /// What suits a scene: so many threads, or all of the machine if they pay. The quasi-static step
+    /// What suits a scene: so many threads, or all if they shorten the run. The quasi-static step
     /// uses one alone.
     ///
     /// # Errors
@@ -73,7 +73,7 @@ impl Hardware {
     }
 }
 
-/// Instructions that [`Width::Widest`] uses on this machine.
+/// Instructions that [`Width::Widest`] uses on this CPU.
 pub fn instructions() -> &'static str {
     match pulp::Arch::new() {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

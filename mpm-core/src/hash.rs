@@ -1,4 +1,4 @@
-//! The one hash of the workspace: it tells scenes, checkpoints and files apart.
+//! The one hash of the workspace: it identifies scenes, checkpoints and files.
 
 use sha2::{Digest as _, Sha256};
 

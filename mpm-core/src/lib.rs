@@ -1,4 +1,4 @@
-//! The two-layer (solid + water) material point method: the solver.
+//! The solver: a two-phase (solid + water) double-point material point method. The paper calls it two-layer.
 //!
 //! Effective stress is tension positive, pore pressure compression positive, gravity a vector. All quantities are
 //! SI; a scene is 1 m thick in the direction that is not modelled, and a column carries its width as an area.
@@ -8,18 +8,18 @@
 //! 2. [`grid`], [`particles`], [`seeding`]: the mesh and the two layers, also in an outline.
 //! 3. [`real`], [`dimension`]: one number or many at once; one dimension and plane strain.
 //! 4. [`sparse`], [`envelope`]: symmetric systems. [`constitutive`], [`water`], [`boundary`]: the physics; `water/free_surface` is
-//!    water that wets dry soil. In soil that moves, `water/carried.rs` is what the two are to each other in a step,
-//!    `water/free_surface/moving.rs` the pressures that follow, `water/free_surface/carry.rs` the water that goes with its soil.
+//!    water that wets dry soil. In soil that moves, `water/advected.rs` is the interaction of both in a step,
+//!    `water/free_surface/moving.rs` the pressures that follow, `water/free_surface/advect.rs` the advection of water with its soil.
 //! 5. [`space`]: function spaces and particle weights of the quasi-static integrator.
 //! 6. [`step`]: one time step. `step/explicit.rs` is the paper's Figure 1: `step/kernel` what a cell does in it, many cells at once,
 //!    on several threads, `step/store` what that reads and writes, `step/conditions` what acts on the nodes, `step/faces.rs` and `step/nodal.rs`
 //!    Darcy's law, `step/pressure.rs` the pressures of the semi-implicit step; [`step::quasi_static`] leaves inertia out;
 //!    `step/staggered.rs` lets water seep for hours and soil move for seconds.
 //! 7. [`stability`], [`drive`]: how long a step may be; stages and times. [`failure`]: soil that water makes fail, from gravity
-//!    to the shape that is left, with its events and factors of safety. [`checkpoint`]: state that is
+//!    to the final shape, with its events and factors of safety. [`checkpoint`]: state that is
 //!    restored to the last bit.
-//! 8. [`observe`]: what is read from a run, and its ledgers.
-//! 9. [`hardware`], [`run`]: what a run may use of the machine; the switchboard from words to types. [`hash`], [`random`]: the one hash, and the one
+//! 8. [`observe`]: the results of a run, and its balances.
+//! 9. [`hardware`], [`run`]: threads and SIMD width of a run; the one place that turns the words of a scene into types. [`hash`], [`random`]: the one hash, and the one
 //!    generator of random numbers.
 //!
 //! # Symbols

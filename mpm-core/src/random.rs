@@ -1,4 +1,4 @@
-//! The one generator of random numbers: the same on every machine.
+//! The random number generator: the same on every computer.
 
 /// SplitMix64 (Steele, Lea & Flood 2014, OOPSLA).
 #[derive(Debug, Clone)]

@@ -1,7 +1,7 @@
-//! Numbers of the fast loops: one `f64`, or as many side by side as the machine computes at once.
+//! Numbers of the fast loops: one `f64`, or as many side by side as a SIMD vector holds.
 //!
-//! The formulas of [`crate::dimension`] and [`crate::constitutive`] are written once for both. Lanes do not mix and
-//! products are not fused with sums, so every lane gets the bits that a lone `f64` would get, on any machine.
+//! The formulas of [`crate::dimension`] and [`crate::constitutive`] are written once for both. SIMD lanes do not mix and
+//! products are not fused with sums, so every lane gets the bits that a lone `f64` would get, on any CPU.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -52,9 +52,9 @@ impl Real for f64 {
     }
 }
 
-/// Cells that lanes never straddle: the most lanes of a machine. Sums over cells are kept in as many parts, so that
-/// their bits do not depend on the machine.
-pub const MOST_LANES: usize = 8;
+/// Cells that a SIMD vector never straddles: the most lanes of any CPU. Sums over cells are kept in as many parts, so that
+/// their bits do not depend on the CPU.
+pub const MAX_LANES: usize = 8;
 
 /// The numbers in an array of vectors, lane by lane.
 pub fn numbers<V: Pod>(vectors: &[V]) -> &[f64] {
@@ -68,7 +68,7 @@ pub fn numbers_mut<V: Pod>(vectors: &mut [V]) -> &mut [f64] {
 
 /// An array `[first; n]` whose entries are then computed one by one.
 ///
-/// Unlike `std::array::from_fn` without a closure: what is in one is compiled for a machine that has no lanes, and called.
+/// Unlike `std::array::from_fn` without a closure: what is in one is compiled for a CPU without SIMD, and called.
 macro_rules! array {
     ([$first:expr; $count:expr], $i:ident => $entry:expr) => {{
         let mut all = [$first; $count];
@@ -80,16 +80,16 @@ macro_rules! array {
 }
 pub(crate) use array;
 
-/// Several numbers that are computed at once; S: what the machine can do.
+/// Several numbers that are computed at once; S: the SIMD type of the CPU.
 #[derive(Debug, Clone, Copy)]
-pub struct Lanes<S: Simd> {
-    /// Leave to use the machine's instructions.
+pub struct SimdReal<S: Simd> {
+    /// Proof that the SIMD instructions of the CPU may be used.
     pub simd: S,
     /// The numbers.
     pub value: S::f64s,
 }
 
-impl<S: Simd> Lanes<S> {
+impl<S: Simd> SimdReal<S> {
     /// How many.
     pub const COUNT: usize = S::F64_LANES;
 
@@ -186,7 +186,7 @@ impl<S: Simd> Lanes<S> {
     }
 }
 
-impl<S: Simd> Real for Lanes<S> {
+impl<S: Simd> Real for SimdReal<S> {
     #[inline(always)]
     fn like(self, constant: f64) -> Self {
         Self::splat(self.simd, constant)
@@ -210,7 +210,7 @@ impl<S: Simd> Real for Lanes<S> {
 
 macro_rules! operator {
     ($trait:ident, $method:ident, $of_simd:ident) => {
-        impl<S: Simd> $trait for Lanes<S> {
+        impl<S: Simd> $trait for SimdReal<S> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
@@ -225,7 +225,7 @@ operator!(Sub, sub, sub_f64s);
 operator!(Mul, mul, mul_f64s);
 operator!(Div, div, div_f64s);
 
-impl<S: Simd> Mul<f64> for Lanes<S> {
+impl<S: Simd> Mul<f64> for SimdReal<S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, factor: f64) -> Self {
@@ -233,23 +233,23 @@ impl<S: Simd> Mul<f64> for Lanes<S> {
     }
 }
 
-impl<S: Simd> Neg for Lanes<S> {
+impl<S: Simd> Neg for SimdReal<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        // Not `neg_f64s`, which is compiled for a machine without lanes, and called.
+        // Not `neg_f64s`, which is compiled for a CPU without SIMD, and called.
         self.like(-0.0) - self
     }
 }
 
-impl<S: Simd> AddAssign for Lanes<S> {
+impl<S: Simd> AddAssign for SimdReal<S> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
-impl<S: Simd> SubAssign for Lanes<S> {
+impl<S: Simd> SubAssign for SimdReal<S> {
     #[inline(always)]
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;

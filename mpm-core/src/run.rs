@@ -4,7 +4,7 @@ use crate::boundary::{FaceLoads, Filled, Given, Strip, SurfaceLoad};
 use crate::checkpoint::RestoreError;
 use crate::constitutive::{LinearElastic, Material, Materials, ModifiedCamClay, MohrCoulomb};
 use crate::dimension::in_two;
-use crate::drive::{Alone, Attend, Drive, Run};
+use crate::drive::{Alone, Drive, Monitor, Run};
 use crate::error::RunError;
 use crate::grid::Grid;
 use crate::hardware::{Hardware, Width};
@@ -21,10 +21,10 @@ use crate::step::kernel::{self, Bspline, Over};
 use crate::step::quasi_static::{QuasiStatic, Seeding};
 use crate::step::store::Frame;
 use crate::step::{
-    Body, Condition, Damping, Explicit, Failing, Friction, GivenForce, Held, Joined, Lifted, Model, Moved, RigidPlate,
-    Staggered,
+    Body, Condition, Damping, Explicit, Failing, Friction, GivenForce, Joined, Lifted, Model, Moved, RigidPlate,
+    Staggered, Supports,
 };
-use crate::water::Carried;
+use crate::water::AdvectedWater;
 use crate::water::pores::Pores;
 use pulp::{Arch, Scalar, Simd};
 
@@ -59,23 +59,23 @@ pub fn run(scene: &Scene, progress: &mut dyn FnMut(f64)) -> Result<Run, StartErr
     run_on(&Hardware::default(), scene, progress)
 }
 
-/// [`run`] with what it may use of the machine.
+/// [`run`] on given hardware.
 ///
 /// # Errors
 /// As [`run`].
 pub fn run_on(hardware: &Hardware, scene: &Scene, progress: &mut dyn FnMut(f64)) -> Result<Run, StartError> {
-    run_attended(hardware, scene, None, &mut Alone(progress))
+    run_monitored(hardware, scene, None, &mut Alone(progress))
 }
 
-/// [`run_on`] for someone who attends to the run, from a checkpoint on if there is one.
+/// [`run_on`] with a monitor, from a checkpoint if there is one.
 ///
 /// # Errors
 /// As [`run`]; a checkpoint that is not one of this scene.
-pub fn run_attended(
+pub fn run_monitored(
     hardware: &Hardware,
     scene: &Scene,
     checkpoint: Option<&[u8]>,
-    attend: &mut dyn Attend,
+    monitor: &mut dyn Monitor,
 ) -> Result<Run, StartError> {
     if scene.may_fail() {
         return Err(StartError::MayFail);
@@ -87,7 +87,7 @@ pub fn run_attended(
     if let Some(checkpoint) = checkpoint {
         drive.restore(checkpoint)?;
     }
-    Ok(drive.go(attend))
+    Ok(drive.go(monitor))
 }
 
 /// [`run`] with fields that scenes have no words for. The step is that of the scene.
@@ -111,7 +111,7 @@ pub fn model(scene: &Scene) -> Result<Box<dyn Model>, RunError> {
     model_on(&Hardware::default(), scene)
 }
 
-/// [`model`] with what it may use of the machine.
+/// [`model`] on given hardware.
 ///
 /// # Errors
 /// As [`model`].
@@ -129,7 +129,7 @@ pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<
         return Err(refused("given fields are for the explicit and the semi-implicit integrator"));
     }
     if scene.outline.is_some() && given.moved != [0.0; 2] {
-        return Err(refused("soil with an outline stands where its outline is"));
+        return Err(refused("soil with an outline cannot be moved"));
     }
     if scene.integrator == Integrator::QuasiStatic {
         return quasi_static(scene);
@@ -147,7 +147,7 @@ pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<
 pub fn failing(scene: &Scene) -> Result<Box<dyn Failing>, RunError> {
     let seed = Seeded::new(scene, &Given::default(), scene.cells, scene.cell)?;
     let model = seed.vectorised(&Hardware::default(), scene)?;
-    model.failing().ok_or_else(|| refused("soil fails under water with a free surface"))
+    model.failing().ok_or_else(|| refused("only soil under water with a free surface may fail"))
 }
 
 /// The materials of a scene, whose particles stand at these places at t = 0, m.
@@ -168,7 +168,7 @@ fn quasi_static(scene: &Scene) -> Result<Box<dyn Model>, RunError> {
     })
 }
 
-/// The quasi-static model: one layer of particles and a mesh that is laid over them.
+/// The quasi-static model: one layer of particles and a mesh that is built over them.
 fn implicit<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness: f64) -> Box<dyn Model> {
     let spacing = scene.cell / scene.particles_per_direction() as f64;
     let volume = thickness * spacing.powi(D as i32);
@@ -286,7 +286,7 @@ impl<const D: usize> Seeded<D> {
         Layer::new(points, &self.grid).map_err(|e| outside("water", e.index, &e.x))
     }
 
-    /// The step, vectorised as the machine allows.
+    /// The step, vectorised as the CPU allows.
     fn vectorised(self, hardware: &Hardware, scene: &Scene) -> Result<Box<dyn Model>, RunError> {
         match (hardware.width, Arch::new()) {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -340,8 +340,8 @@ impl<const D: usize> Seeded<D> {
             });
             conditions.push(Box::new(RigidPlate(top.collect())));
         }
-        let held = |sides| Held::new(&along, &sides, |place| frame.function(place));
-        // Light nodes follow others that are held wherever they may be.
+        let held = |sides| Supports::new(&along, &sides, |place| frame.function(place));
+        // Light nodes follow others that are fixed in all their directions.
         let ever = held(scene.supports().fold(scene.solid_sides, |a, b| std::array::from_fn(|i| a[i].max(b[i]))));
         let lightest = scene.soils().iter().map(Soil::dry_density).fold(f64::INFINITY, f64::min);
         let full_mass = lightest * self.face_area * scene.cell;
@@ -368,7 +368,7 @@ impl<const D: usize> Seeded<D> {
         let free = match scene.water.filter(|_| scene.free_surface.is_some()) {
             Some(water) => {
                 let carried =
-                    Carried::new(scene, water, &self.grid, (&self.solid, &self.materials.soils), self.face_area);
+                    AdvectedWater::new(scene, water, &self.grid, (&self.solid, &self.materials.soils), self.face_area);
                 Some(carried.map_err(|e| refused(&format!("the water: {e}")))?)
             }
             None => None,

@@ -71,7 +71,7 @@ impl Soils {
     /// What the particle with a number is of.
     #[inline(always)]
     pub fn of_particle(&self, id: u32) -> u8 {
-        // Lanes without a particle have a number of none.
+        // SimdReal without a particle have a number of none.
         self.which.get(id as usize).copied().unwrap_or(0)
     }
 

@@ -341,7 +341,7 @@ const MOST_SAFETY: f64 = 0.9;
 /// Round-off that a semi-implicit step may leave, of the drained strain.
 const SOUND: f64 = 1e-7;
 
-/// Wave lengths looked at along each axis.
+/// Wave lengths considered along each axis.
 const WAVES: u32 = 16;
 
 /// `sin^2(theta/2)` of a wave, theta from 0 (i = 0) to pi.
@@ -349,7 +349,7 @@ fn wave(i: u32) -> f64 {
     (f64::from(i) / f64::from(WAVES) * std::f64::consts::FRAC_PI_2).sin().powi(2)
 }
 
-/// Whether water can flow along a direction in which nodes of the soil are held.
+/// Whether water can flow along a direction in which nodes of the soil are fixed.
 ///
 /// There a_s = 0 whatever the pressure, so `rho_w a_s` cannot relieve Darcy's law and the lower limit holds: at a
 /// drained side on rollers, and along a fixed side in plane strain.
@@ -428,7 +428,7 @@ fn semi_implicit_limit_of(scene: &Fields) -> f64 {
         limit = limit.min(PARTLY_FILLED.sqrt() * semi_implicit_without_inertia(scene, &drained));
     }
     limit *= (left_by_surface(scene) / MOST_SAFETY).min(1.0);
-    // Inertia is in the flow between cells even where the soil at a drained side is held.
+    // Inertia is in the flow between cells even where the soil at a drained side is fixed.
     let flow_inertia = scene.water.filter(|_| scene.darcy_inertia).map_or(0.0, |w| w.density);
     let medium = Medium { flow_inertia, ..medium };
     match scene.dimension {
@@ -481,7 +481,7 @@ pub fn stable_limit(scene: &Fields) -> f64 {
 /// A step above the limit was asked for.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
-    "time.step: expected at most {limit:.6e} s, the stability limit of this scene, found {step:.6e} s; --force runs it all the same"
+    "time.step: expected at most {limit:.6e} s, the stability limit of this scene, found {step:.6e} s; --force runs it anyway"
 )]
 pub struct StepTooLarge {
     /// Step asked for, s.

@@ -104,7 +104,7 @@ fn written(has: &Set) -> String {
     line(is(Periodic), "left = \"periodic\"\nright = \"periodic\"");
     line(is(FixedSide), "right = \"fixed\"");
     line(is(HeldTop), "top = \"roller\"");
-    // What a held top cannot bear a free side can.
+    // What a constrained top cannot bear a free side can.
     let face = if is(HeldTop) { "right" } else { "top" };
     line(is(HeldTop) && (is(Loads) || is(MovedPlates)), "right = \"free\"");
     line(is(CoulombBase), "bottom = \"coulomb\"\n[base]\nfriction_angle = 40");
@@ -307,7 +307,7 @@ fn loads_water_outside_and_grains_go_with_all_that_leaves_them_a_place() {
     eprintln!("{refused:#?}");
     assert!(wrong.is_empty(), "{} pairs:\n{}", wrong.len(), wrong.join("\n"));
     assert!(ran > 400, "{ran} pairs ran");
-    // What has a level needs no excess, a plate no support, a held top bears none, wells are in pores that are full and stay so, a dry scene has no water, a level needs weight, a column ends in its top and base.
+    // What has a level needs no excess, a plate no support, a constrained top bears none, wells are in pores that are full and stay so, a dry scene has no water, a level needs weight, a column ends in its top and base.
     let reasons = [
         "excess Coupled",
         "excess Dry",

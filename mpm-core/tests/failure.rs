@@ -197,9 +197,9 @@ fn finish(driver: &mut Driver) {
 }
 
 fn closes(row: &Row) {
-    assert_eq!(row.solid_closing_kg, 0.0, "{row:?}");
+    assert_eq!(row.solid_residual_kg, 0.0, "{row:?}");
     let water = row.water_m3.max(row.water_in_m3);
-    assert!(row.water_closing_m3.abs() < 1e-12 * water, "{row:?}");
+    assert!(row.water_residual_m3.abs() < 1e-12 * water, "{row:?}");
     assert!(row.yield_residual < 1e-9, "{row:?}");
 }
 
@@ -259,7 +259,7 @@ fn a_levee_that_does_not_stand_says_so() {
     let scene = coarse(&[("cohesion = 500.0", "cohesion = 0.0"), ("peak_angle = 30.0", "peak_angle = 8.6")]);
     let mut driver = Driver::new(&scene).unwrap();
     let message = driver.advance(1.0).unwrap_err().to_string();
-    assert!(message.contains("does not stand"), "{message}");
+    assert!(message.contains("is not stable"), "{message}");
     assert_eq!(driver.time, 0.0);
 }
 

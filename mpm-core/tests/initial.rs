@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use mpm_core::drive::{Attend, Run, Wish};
+use mpm_core::drive::{Monitor, Run, Wish};
 use mpm_core::hardware::Hardware;
 use mpm_core::observe::SolidState;
-use mpm_core::run::{model, run_attended};
+use mpm_core::run::{model, run_monitored};
 use mpm_core::scene::{Integrator, Scene, ShapeChoice, SolidSide, Until};
 use mpm_core::step::Model;
 
@@ -47,7 +47,7 @@ fn file(name: &str, text: &str) -> PathBuf {
 /// Attends to a run for its end.
 struct End(Vec<SolidState>);
 
-impl Attend for End {
+impl Monitor for End {
     fn look(&mut self, _: f64) -> Wish {
         Wish::GoOn
     }
@@ -61,7 +61,7 @@ impl Attend for End {
 
 fn ended(scene: &Scene) -> (Run, Vec<SolidState>) {
     let mut end = End(Vec::new());
-    let run = run_attended(&Hardware::default(), scene, None, &mut end).expect("a run");
+    let run = run_monitored(&Hardware::default(), scene, None, &mut end).expect("a run");
     assert_eq!(run.failure, None);
     (run, end.0)
 }

@@ -6,7 +6,7 @@ mod common;
 use common::completed;
 use mpm_core::checkpoint::{Archive, RestoreError};
 use mpm_core::drive::drive;
-use mpm_core::observe::{Ledger, Observation, Trust, balances};
+use mpm_core::observe::{BalanceTerms, Observation, Trust, balances};
 use mpm_core::run::{model, run};
 use mpm_core::scene::{Scene, ShapeChoice, Stage};
 use mpm_core::step::{Fault, Model};
@@ -39,7 +39,7 @@ fn soil_that_its_own_weight_presses_down_settles_by_the_closed_form() {
         let error = settled(&scene) / exact - 1.0;
         assert!(error.abs() < 0.01, "{cell} m: {error:.1e}");
         assert_eq!(
-            scene.notes().iter().any(|note| note.contains("of 10 rows: settlements are off by up to 2.0 %")),
+            scene.notes().iter().any(|note| note.contains("of 10 rows: settlements have an error of up to 2.0 %")),
             cell > 0.2
         );
     }
@@ -177,28 +177,28 @@ fn a_balance_that_does_not_close_is_named_since_when() {
     let spoilt = |ledger: &str| {
         let mut samples = run.samples.clone();
         for sample in &mut samples[3..] {
-            let l = &mut sample.ledger;
+            let l = &mut sample.balance;
             match ledger {
-                "dry mass" => l.solid_closing_kg += 1e-3 * l.solid_mass_kg,
-                "water" => l.water_closing_kg += 0.01 * l.water_out_kg,
-                "momentum" => l.momentum_closing_n_s += 1e-3 * 500.0 * 0.24 * sample.state.time,
-                "energy" => l.energy_closing_j += 0.5 * l.external_work_j,
+                "dry mass" => l.solid_residual_kg += 1e-3 * l.solid_mass_kg,
+                "water" => l.water_residual_kg += 0.01 * l.water_out_kg,
+                "momentum" => l.momentum_residual_n_s += 1e-3 * 500.0 * 0.24 * sample.state.time,
+                "energy" => l.energy_residual_j += 0.5 * l.external_work_j,
                 _ => sample.state.settlement += 0.05 * 500.0 * 2.4 / SOFT_MODULUS,
             }
         }
-        let all = samples.iter().map(|s| (s.step, &s.state, &s.ledger));
+        let all = samples.iter().map(|s| (s.step, &s.state, &s.balance));
         let trust = Trust::of(&scene, run.dt, all).expect("a verdict");
         let since = trust.since_s.expect("a time");
         // What a sudden drain leaves open is all there is at first: that much energy is missed a little later.
         let named = if ledger == "energy" { since >= samples[3].state.time } else { since == samples[3].state.time };
-        (trust.verdict, trust.ledger, named)
+        (trust.verdict, trust.balance, named)
     };
     for ledger in ["dry mass", "water", "momentum", "energy", "settlement"] {
         assert_eq!(spoilt(ledger), ("not closed", ledger, true), "{ledger}");
     }
     let nothing = Observation { time: 1.0, ..Observation::default() };
     let names: Vec<&str> =
-        balances(&scene, run.dt, 1, &nothing, &run.samples[0].ledger).iter().map(|b| b.ledger).collect();
+        balances(&scene, run.dt, 1, &nothing, &run.samples[0].balance).iter().map(|b| b.name).collect();
     assert!(names.starts_with(&["dry mass", "water", "momentum", "energy"]), "{names:?}");
 }
 
@@ -241,10 +241,10 @@ impl Model for Loses {
         self.inner.time()
     }
 
-    fn observe(&self) -> (Observation, Ledger) {
+    fn observe(&self) -> (Observation, BalanceTerms) {
         let (state, mut ledger) = self.inner.observe();
         if self.lost {
-            ledger.solid_closing_kg += 1e-3 * ledger.solid_mass_kg;
+            ledger.solid_residual_kg += 1e-3 * ledger.solid_mass_kg;
         }
         (state, ledger)
     }
@@ -281,7 +281,7 @@ fn an_open_balance_ends_a_run_long_before_its_next_sample() {
     assert_eq!(failure.place, "the balance of dry mass");
     assert!(failure.step <= 20_000 && failure.time <= 2.0, "{failure}");
     let kept = broken.samples.last().expect("what was found");
-    assert!(kept.step == failure.step && kept.ledger.solid_closing_kg > 0.0);
+    assert!(kept.step == failure.step && kept.balance.solid_residual_kg > 0.0);
 }
 
 #[test]

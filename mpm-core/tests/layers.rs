@@ -110,9 +110,9 @@ fn ledgers_close() {
     for (integrator, allowed) in [(Integrator::Explicit, 5e-3), (Integrator::SemiImplicit, 5e-2)] {
         for shape in DYNAMIC {
             let run = completed(&halves(integrator, shape, shares));
-            let ledger = &run.samples.last().expect("samples").ledger;
-            let energy = (ledger.energy_closing_j / ledger.external_work_j).abs();
-            let water = (ledger.water_closing_kg / ledger.water_out_kg).abs();
+            let ledger = &run.samples.last().expect("samples").balance;
+            let energy = (ledger.energy_residual_j / ledger.external_work_j).abs();
+            let water = (ledger.water_residual_kg / ledger.water_out_kg).abs();
             println!("{integrator:?} {shape:?}: energy {energy:.1e}, water {water:.1e}");
             assert!(energy < allowed && water < 1e-4, "{integrator:?} {shape:?}: {energy:e} {water:e}");
             assert!(ledger.darcy_dissipation_j > 10.0 * allowed * ledger.external_work_j, "nothing to miss");
@@ -120,8 +120,8 @@ fn ledgers_close() {
     }
     for shape in DYNAMIC {
         let run = completed(&halves(Integrator::QuasiStatic, shape, shares));
-        let ledger = &run.samples.last().expect("samples").ledger;
-        let water = (ledger.water_closing_kg / ledger.water_out_kg).abs();
+        let ledger = &run.samples.last().expect("samples").balance;
+        let water = (ledger.water_residual_kg / ledger.water_out_kg).abs();
         assert!(water < 1e-6, "{shape:?}: {water:e}");
     }
 }

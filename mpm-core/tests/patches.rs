@@ -57,7 +57,7 @@ fn a_patch_that_breaks_a_rule_is_refused_in_its_words() {
     let of = |feature: Feature| RULES.iter().find(|rule| rule.of == feature).expect("a rule").expected;
     let message = refused(&[("mesh.displaced", Displaced { smooth: 0.0, jitter: 0.1, seed: 1 }.into())]);
     let expected =
-        format!("patch: mesh.displaced: expected {}, found mesh.displaced beside \"explicit\"", of(Feature::Displaced));
+        format!("patch: mesh.displaced: expected {}, found mesh.displaced with \"explicit\"", of(Feature::Displaced));
     assert_eq!(message, expected);
     assert_eq!(
         refused(&[("mesh.cell", 0.3.into())]),
@@ -118,7 +118,7 @@ fn an_edit_that_makes_no_scene_is_refused() {
     let displaced = edit(|scene| scene.displaced = Some(Displaced { smooth: 0.0, jitter: 0.1, seed: 1 }));
     assert_eq!(
         displaced,
-        format!("patch: mesh.displaced: expected {}, found mesh.displaced beside \"explicit\"", rule.expected)
+        format!("patch: mesh.displaced: expected {}, found mesh.displaced with \"explicit\"", rule.expected)
     );
     let stiff = edit(|scene| scene.elastic.poisson_ratio = 0.5);
     assert_eq!(stiff, "patch: soil.law.linear_elastic.poisson_ratio: expected -1 < nu < 0.5, found 0.5");

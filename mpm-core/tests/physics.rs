@@ -7,7 +7,7 @@ use common::{
     CONDUCTIVITY, MODULUS, PORE_STIFFNESS, POROSITY, SURCHARGE, UNIT_WEIGHT, apart, completed, figures, scene,
 };
 use mpm_core::drive::{Run, drive};
-use mpm_core::observe::{Ledger, Observation};
+use mpm_core::observe::{BalanceTerms, Observation};
 use mpm_core::scene::{DarcyChoice, Integrator, LoadedStrip, Scene, WaterProperties};
 use mpm_core::stability::explicit_limit;
 
@@ -338,8 +338,8 @@ fn seeps(scene: &Scene) {
     let last = &run.samples[run.samples.len() - 1];
     let solid = last.state.max_speed / speed;
     let through = UNIT_WEIGHT / GRAVITY * CONDUCTIVITY * scene.width * last.stage_time;
-    let Ledger { water_in_kg, water_out_kg, water_closing_kg, .. } = last.ledger;
-    let booked = [apart(water_in_kg, through), apart(water_out_kg, through), water_closing_kg.abs() / through];
+    let BalanceTerms { water_in_kg, water_out_kg, water_residual_kg, .. } = last.balance;
+    let booked = [apart(water_in_kg, through), apart(water_out_kg, through), water_residual_kg.abs() / through];
     let case = format!("{:?} {:?}", scene.dimension, scene.darcy);
     println!("{case}: water {water:.1e}, solid {solid:.1e}, ledger {}", figures(&booked));
     // Not round-off: the water particles sink through the mesh and take their weight along.

@@ -173,8 +173,8 @@ fn load_is_carried_undrained_at_once_and_stages_follow_each_other() {
     let expected = scene.undrained_pressure();
     assert!((undrained.state.mean_pressure / expected - 1.0).abs() < 1e-9, "{}", undrained.state.mean_pressure);
     // Balances run on from stage to stage.
-    let ledger = run.samples[run.samples.len() - 1].ledger;
-    assert!(ledger.water_out_kg > 0.03 && ledger.water_closing_kg.abs() < 1e-9 * ledger.water_out_kg, "{ledger:?}");
+    let ledger = run.samples[run.samples.len() - 1].balance;
+    assert!(ledger.water_out_kg > 0.03 && ledger.water_residual_kg.abs() < 1e-9 * ledger.water_out_kg, "{ledger:?}");
     let direct = completed(&column(&[]));
     for (a, b) in settlements(&run).iter().zip(settlements(&direct)) {
         assert!(apart(*a, b) < 1e-6, "{a} {b}");
@@ -199,12 +199,12 @@ fn balances_close() {
         for shape in ["linear", "bspline2"] {
             let line = format!("tolerance -> tolerance = 1e-6\nmethod = \"{method}\"");
             let run = completed(&column(&[&line, &format!("shape = \"{shape}\"")]));
-            let ledger = run.samples[run.samples.len() - 1].ledger;
+            let ledger = run.samples[run.samples.len() - 1].balance;
             assert!(ledger.water_out_kg > 0.03, "{ledger:?}");
-            assert!(ledger.water_closing_kg.abs() < 1e-10 * ledger.water_out_kg, "{method} {shape} {ledger:?}");
+            assert!(ledger.water_residual_kg.abs() < 1e-10 * ledger.water_out_kg, "{method} {shape} {ledger:?}");
             // A B-spline that drops to zero at the drained side at once takes its share of the first energy along.
             let lost = if shape == "linear" { 1e-5 } else { 1e-2 };
-            assert!(ledger.energy_closing_j.abs() < lost * ledger.external_work_j, "{method} {shape} {ledger:?}");
+            assert!(ledger.energy_residual_j.abs() < lost * ledger.external_work_j, "{method} {shape} {ledger:?}");
         }
     }
 }
@@ -387,7 +387,7 @@ fn a_load_that_no_stress_can_carry_ends_with_its_residuals() {
     let failure = run.failure.clone().expect("a failure");
     let text = failure.to_string();
     assert!(text.contains("Newton's iteration did not converge; residuals"), "{text}");
-    assert!(text.contains("the load may be more than the soil can bear"), "{text}");
+    assert!(text.contains("the load may exceed the bearing capacity of the soil"), "{text}");
     // Dry soil: to 1e-5 of the ramp, and short of it by what residuals may leave.
     assert!((0.599..0.6001).contains(&failure.time), "{text}");
     // What was reached before is kept: half the load, r/M ln(1 - q/r).
@@ -415,7 +415,7 @@ fn a_load_near_round_off_costs_no_more_steps() {
         assert!(off < allowed, "{pressure:e} Pa: {off:.1e}");
     }
     // Ten times round-off.
-    assert!(under(1e-9).expect_err("a balance that does not close").contains("does not close"));
+    assert!(under(1e-9).expect_err("a balance that does not close").contains("exceeds its bound"));
 }
 
 #[test]

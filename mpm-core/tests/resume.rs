@@ -6,9 +6,9 @@ mod common;
 use std::path::PathBuf;
 
 use mpm_core::checkpoint::{sealed, unsealed};
-use mpm_core::drive::{Attend, Run, Wish};
+use mpm_core::drive::{Monitor, Run, Wish};
 use mpm_core::hardware::{Hardware, Width};
-use mpm_core::run::{StartError, run_attended, run_on};
+use mpm_core::run::{StartError, run_monitored, run_on};
 use mpm_core::scene::{Flags, Scene, Until};
 
 /// Stops a run at every so many looks.
@@ -18,7 +18,7 @@ struct Stops {
     state: Option<Vec<u8>>,
 }
 
-impl Attend for Stops {
+impl Monitor for Stops {
     fn look(&mut self, _: f64) -> Wish {
         self.looks += 1;
         if self.looks == self.every { Wish::Stop } else { Wish::GoOn }
@@ -34,7 +34,7 @@ fn in_pieces(hardware: &Hardware, scene: &Scene, every: usize) -> (Run, usize) {
     let (mut state, mut pieces) = (None, 0);
     loop {
         let mut stops = Stops { every, looks: 0, state: None };
-        let run = run_attended(hardware, scene, state.as_deref(), &mut stops).expect("a run");
+        let run = run_monitored(hardware, scene, state.as_deref(), &mut stops).expect("a run");
         pieces += 1;
         if !run.stopped {
             return (run, pieces);
@@ -76,7 +76,7 @@ fn shortened(mut scene: Scene) -> Scene {
 /// Some sixty pieces, or as many as there are looks.
 fn same(hardware: &Hardware, scene: &Scene, name: &str) -> usize {
     let mut goes_on = Stops { every: 0, looks: 0, state: None };
-    let whole = run_attended(hardware, scene, None, &mut goes_on).expect("a run");
+    let whole = run_monitored(hardware, scene, None, &mut goes_on).expect("a run");
     let (pieced, pieces) = in_pieces(hardware, scene, (goes_on.looks / 60).max(1));
     the_same(&whole, &pieced, name);
     pieces
@@ -183,7 +183,7 @@ fn a_pause_between_two_times() {
         .expect("a sound scene");
     for scene in [many_steps, long] {
         let mut goes_on = Stops { every: 0, looks: 0, state: None };
-        let whole = run_attended(&Hardware::default(), &scene, None, &mut goes_on).expect("a run");
+        let whole = run_monitored(&Hardware::default(), &scene, None, &mut goes_on).expect("a run");
         let times = whole.samples.len() - 1;
         assert!(goes_on.looks > times, "{}: {} looks at {times} times", scene.name, goes_on.looks);
         let (pieced, pieces) = in_pieces(&Hardware::default(), &scene, 1);
@@ -198,7 +198,7 @@ fn a_state_with_another_bit_ends_otherwise() {
     let hardware = Hardware::default();
     let whole = run_on(&hardware, &scene, &mut |_| {}).expect("a run");
     let mut stops = Stops { every: 12, looks: 0, state: None };
-    run_attended(&hardware, &scene, None, &mut stops).expect("a run");
+    run_monitored(&hardware, &scene, None, &mut stops).expect("a run");
     let state = stops.state.expect("a state");
     let of = state[8..40].try_into().expect("a hash");
     let mut inside = unsealed(&state, &of).expect("a whole state").to_vec();
@@ -211,7 +211,7 @@ fn a_state_with_another_bit_ends_otherwise() {
         at += if changed { 8 } else { 1 };
     }
     let mut on = Stops { every: 0, looks: 0, state: None };
-    let other = run_attended(&hardware, &scene, Some(&sealed(&inside, &of)), &mut on).expect("a run");
+    let other = run_monitored(&hardware, &scene, Some(&sealed(&inside, &of)), &mut on).expect("a run");
     let end = |run: &Run| format!("{:?}", run.samples.last().map(|sample| &sample.state));
     assert_ne!(end(&whole), end(&other));
 }
@@ -221,16 +221,16 @@ fn a_state_of_another_scene_is_refused() {
     let scene = common::scene(&["cell = 0.1", "until.time_factor = 0.01", "-time_factors", "history = 20"]);
     let mut stops = Stops { every: 3, looks: 0, state: None };
     let hardware = Hardware::default();
-    run_attended(&hardware, &scene, None, &mut stops).expect("a run");
+    run_monitored(&hardware, &scene, None, &mut stops).expect("a run");
     let state = stops.state.expect("a state");
     let other = scene.edited(|other| other.porosity += 1e-9).expect("a sound scene");
     let mut none = Stops { every: 0, looks: 0, state: None };
-    let refused = run_attended(&hardware, &other, Some(&state), &mut none);
+    let refused = run_monitored(&hardware, &other, Some(&state), &mut none);
     assert!(matches!(refused, Err(StartError::Checkpoint(_))));
     for at in (0..state.len()).step_by(101) {
         let mut damaged = state.clone();
         damaged[at] ^= 1;
-        let refused = run_attended(&hardware, &scene, Some(&damaged), &mut none);
+        let refused = run_monitored(&hardware, &scene, Some(&damaged), &mut none);
         assert!(matches!(refused, Err(StartError::Checkpoint(_))), "byte {at}");
     }
 }
@@ -250,7 +250,7 @@ fn a_state_goes_over_to_other_lanes_and_threads() {
         let mut stops = Stops { every: 6, looks: 0, state: None };
         let threads = Hardware::threads(1 + pieces % 3).expect("threads");
         let hardware = Hardware { width: widths[pieces % widths.len()], ..threads };
-        let run = run_attended(&hardware, &scene, state.as_deref(), &mut stops).expect("a run");
+        let run = run_monitored(&hardware, &scene, state.as_deref(), &mut stops).expect("a run");
         pieces += 1;
         if !run.stopped {
             break run;

@@ -14,7 +14,7 @@ use mpm_core::scene::{DarcyChoice, Scene, ShapeChoice, SolidSide};
 use mpm_core::stability::explicit_limit;
 use mpm_core::step::kernel::CENTRE;
 use mpm_core::step::store::Frame;
-use mpm_core::step::{Condition, Damping, Explicit, Held};
+use mpm_core::step::{Condition, Damping, Explicit, Supports};
 use pulp::Scalar;
 
 /// The largest difference of settlement, mean pressure and profiles between two runs, sample by sample, each as a
@@ -148,7 +148,7 @@ fn shuffled(count: usize) -> Vec<usize> {
 fn in_order<const D: usize>(scene: &Scene, order: Vec<usize>) -> Run {
     let body = by_hand::in_order::<D>(scene, &order);
     let frame = Frame::new(&body.grid, 2, 0, false);
-    let held = Held::new(&body.grid.cells.map(|cells| cells + 1), &scene.solid_sides, |place| frame.number(place));
+    let held = Supports::new(&body.grid.cells.map(|cells| cells + 1), &scene.solid_sides, |place| frame.number(place));
     let conditions: Vec<Box<dyn Condition<D>>> = vec![Box::new(held), Box::new(Damping::default())];
     let mut model = Explicit::new((Scalar, None), CENTRE, body, conditions, (false, false));
     if scene.darcy == DarcyChoice::Nodal {
@@ -280,7 +280,7 @@ fn draining_left_mirrors_draining_right() {
             &format!("drained = [{sides}]"),
         ]));
         let last = &run.samples[run.samples.len() - 1];
-        (last.stage_time, last.state.settlement, last.ledger.water_out_kg)
+        (last.stage_time, last.state.settlement, last.balance.water_out_kg)
     };
     let (left, right, both) = (drained("\"left\""), drained("\"right\""), drained("\"left\", \"right\""));
     println!("{left:?} {right:?} {both:?}");

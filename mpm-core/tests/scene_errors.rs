@@ -179,7 +179,7 @@ const CASES: &[(&str, Edits)] = &[
         &[("hydraulic_conductivity = 5.0e-4", "intrinsic_permeability = -5.0e-11\nviscosity = 1.0e-3")],
     ),
     (
-        "viscosity beside conductivity",
+        "viscosity with conductivity",
         &[("hydraulic_conductivity = 5.0e-4", "hydraulic_conductivity = 5.0e-4\nviscosity = 1.0e-3")],
     ),
     // drainage
@@ -204,7 +204,7 @@ const CASES: &[(&str, Edits)] = &[
     ("geostatic without gravity", &[("\"undrained-equilibrium\"", "\"geostatic\"")]),
     ("nothing given", &[("\"undrained-equilibrium\"", "\"given\"")]),
     ("an empty state", &[("\"undrained-equilibrium\"", "\"given\"\n[initial]")]),
-    ("a state beside another start", &[("[surcharge]", "[initial]\npressure = 1e3\n[surcharge]")]),
+    ("a state with another start", &[("[surcharge]", "[initial]\npressure = 1e3\n[surcharge]")]),
     ("misspelt state", &[GIVEN, ("[surcharge]", "[initial]\npresure = 1e3\n[surcharge]")]),
     ("heights that fall", &[GIVEN, ("[surcharge]", "[initial]\npressure = [[1, 0], [0, 1e3]]\n[surcharge]")]),
     ("a pressure that is not a number", &[GIVEN, ("[surcharge]", "[initial]\npressure = nan\n[surcharge]")]),
@@ -213,7 +213,7 @@ const CASES: &[(&str, Edits)] = &[
     ("a table that is not there", &[GIVEN, ("[surcharge]", "[initial]\ntable = \"no.csv\"\n[surcharge]")]),
     ("a table by number", &[GIVEN, ("[surcharge]", "[initial]\ntable = 7\n[surcharge]")]),
     (
-        "a table beside a pressure",
+        "a table with a pressure",
         &[GIVEN, ("[surcharge]", "[initial]\npressure = 1e3\ntable = \"no.csv\"\n[surcharge]")],
     ),
     // supports of a stage
@@ -228,7 +228,7 @@ const CASES: &[(&str, Edits)] = &[
     ("misspelt until", &[("until.time_factor", "until.time_facto")]),
     ("zero time", &[("until.time_factor = 1.0", "until.time = 0.0")]),
     ("negative time factor", &[("until.time_factor = 1.0", "until.time_factor = -1.0")]),
-    ("at_most beside a time", &[("until.time_factor = 1.0", "until.time_factor = 1.0\nuntil.at_most = 1.0")]),
+    ("at_most with a time", &[("until.time_factor = 1.0", "until.time_factor = 1.0\nuntil.at_most = 1.0")]),
     ("pressure tolerance of 1", &[("until.time_factor = 1.0", "until.pore_pressure_within = 1.0")]),
     ("zero pressure tolerance", &[("until.time_factor = 1.0", "until.pore_pressure_within = 0.0")]),
     ("zero at_most", &[("until.time_factor = 1.0", "until.pore_pressure_within = 0.1\nuntil.at_most = 0.0")]),
@@ -246,8 +246,8 @@ const CASES: &[(&str, Edits)] = &[
     ("negative time", &[("history = 60", "times = [-0.1]")]),
     ("time after the end", &[("history = 60", "times = [0.1, 2.0]")]),
     // what would not be used
-    ("everywhere beside a time", &[("until.time_factor = 1.0", "until.time_factor = 1.0\nuntil.everywhere = true")]),
-    ("safety beside a given step", &[("step = \"auto\"", "step = 1.0e-7")]),
+    ("everywhere with a time", &[("until.time_factor = 1.0", "until.time_factor = 1.0\nuntil.everywhere = true")]),
+    ("safety with a given step", &[("step = \"auto\"", "step = 1.0e-7")]),
     (
         "times to observe in a stage that ends by its pressure",
         &[("until.time_factor = 1.0", "until.pore_pressure_within = 0.1")],
@@ -516,7 +516,12 @@ fn bad_water_is_refused() {
     let cases: [(&str, &str, Edits, &str); 22] = [
         ("head below the base", "dam", &[(FEED, "left = { head = -0.5 }")], "where the soil at the side begins"),
         ("head at the base", "dam", &[(FEED, "left = { head = 0.0 }")], "above 0 m"),
-        ("no room for water", "infiltration", &[("porosity = 0.30", "porosity = 0.01")], "water has to go somewhere"),
+        (
+            "no room for water",
+            "infiltration",
+            &[("porosity = 0.30", "porosity = 0.01")],
+            "mobile water needs open pores",
+        ),
         ("pond below the top", "infiltration", &[("head = 1.25", "head = 0.9")], "the top of the soil"),
         ("no pressure head", "wetting-front", &[("head = 0.25", "head = 0.0")], "pressure head above 0"),
         (
@@ -554,11 +559,11 @@ fn bad_water_is_refused() {
         ("head and velocity", "dam", &[(FEED, "left = { head = 1.0, velocity = 1e-5 }")], "exactly one"),
         ("neither", "dam", &[(FEED, "left = {}")], "exactly one"),
         ("a head above an outline", "dam", &[(BLOCK, LEVEE), ("head = 1.0", "head = 1.1")], "at most 1 m, the top"),
-        ("a height beside a head", "dam", &[(FEED, "left = { head = 1.0, height = 1.0 }")], "which is one"),
+        ("a height with a head", "dam", &[(FEED, "left = { head = 1.0, height = 1.0 }")], "which is one"),
         ("a feed that takes", "dam", &[(FEED, "left = { velocity = -1e-5 }")], "above 0"),
         ("a feed beside a column", "infiltration", &[("top = {", "left = {")], "bottom or the top"),
         ("one integrator for both phases", "dam", &[("\"staggered\"", "\"explicit\"")], "staggered"),
-        ("no free surface", "dam", &[(TABLE, "")], "[water.free_surface] beside it"),
+        ("no free surface", "dam", &[(TABLE, "")], "[water.free_surface] with it"),
         ("an unknown coupling", "dam", &[("drained = [", "coupling = \"sun\"\ndrained = [")], "\"seepage\""),
         (
             "a coupling without staggered steps",
@@ -599,7 +604,7 @@ fn bad_failure_is_refused() {
             "failure in dry soil",
             "collapse-dry",
             &[("[[stages]]\n", "[[stages]]\ncoupling = \"full\"\n")],
-            "[water.free_surface] beside coupling = \"full\"",
+            "[water.free_surface] with coupling = \"full\"",
         ),
         ("feed in the air", "levee", &[(HEAD, "feed.top = { head = 3.1 }")], "a wall with no soil"),
         ("rain with a height", "levee", &[(HEAD, "feed.top = { velocity = 1e-5, height = 3.5 }")], "it is rain"),
@@ -607,7 +612,7 @@ fn bad_failure_is_refused() {
             "a pond on the crest",
             "levee",
             &[(HEAD, "feed.top = { head = 3.5 }"), ("empty_cells_above = 2\n", "")],
-            "no pond stands",
+            "no water may pond",
         ),
         ("an unknown side", "levee", &[(HEAD, "feed.front = { head = 1.0 }")], "left"),
         (
@@ -647,7 +652,7 @@ fn bad_failure_is_refused() {
             "a head in time",
             "infiltration",
             &[("head = 1.25", "head = 1.25, times = [[0.0, 1.0]]")],
-            "times beside a velocity",
+            "times with a velocity",
         ),
         ("a base of 90", "levee", &[("peak_angle = 30.0", "peak_angle = 90.0")], "0 <= angle < 90"),
         ("a coarse mesh", "levee", &[("cell = 0.4 ", "cell = 0.8 ")], "a cell of at most 0.75 m"),
@@ -687,7 +692,7 @@ fn bad_failure_is_refused() {
             "together without a stage for it",
             "dam",
             &[(DRIVER, "integrator = \"coupled\"")],
-            "coupling = \"full\" beside it",
+            "coupling = \"full\" with it",
         ),
         ("a point in the air", "levee", &[("[5.5, 1.2]]", "[5.5, 2.2]]")], "a place in the soil"),
         ("a point that is not a number", "levee", &[("[5.5, 1.2]]", "[nan, 1.2]]")], "a place in the soil"),
@@ -777,7 +782,7 @@ fn bad_ground_is_refused() {
             "no gravity to turn",
             "block-on-incline",
             &[("start = \"geostatic\"\nstart_k0 = 0.0\ngravity = 9.81\n", "")],
-            "gravity beside it",
+            "gravity with it",
         ),
         ("vertical slope", "block-on-incline", &[("slope_angle = 25.0", "slope_angle = 90.0")], "-90 < angle < 90"),
         (

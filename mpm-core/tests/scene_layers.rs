@@ -69,7 +69,7 @@ const LAYER_CASES: &[(&str, Edits)] = &[
         ],
     ),
     (
-        "elasticity beside a law",
+        "elasticity with a law",
         &[(
             "up_to = 0.5",
             "up_to = 0.5\nyoungs_modulus = 1e6\nlaw.linear_elastic = { youngs_modulus = 2.0e7, poisson_ratio = 0.3 }",

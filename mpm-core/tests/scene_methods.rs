@@ -134,7 +134,7 @@ const QUASI_STATIC_CASES: &[(&str, Edits)] = &[
     ("tolerance below round-off", &[("\"quasi-static\"", "\"quasi-static\"\ntolerance = 9.0e-11")]),
     ("tolerance above a tenth", &[("\"quasi-static\"", "\"quasi-static\"\ntolerance = 0.11")]),
     ("tolerance that is not a number", &[("\"quasi-static\"", "\"quasi-static\"\ntolerance = nan")]),
-    ("tolerance beside a given step", &[("\"quasi-static\"", "\"quasi-static\"\ntolerance = 1.0e-4\nstep = 0.1")]),
+    ("tolerance with a given step", &[("\"quasi-static\"", "\"quasi-static\"\ntolerance = 1.0e-4\nstep = 0.1")]),
     ("nodal Darcy", &[("darcy = \"face\"", "darcy = \"nodal\"")]),
     ("inertia in Darcy's law", &[("darcy = \"face\"", "darcy = \"face\"\ndarcy_inertia = true")]),
     ("flip", &[("darcy = \"face\"", "darcy = \"face\"\nflip = 1.0")]),
@@ -185,7 +185,7 @@ const QUASI_STATIC_CASES: &[(&str, Edits)] = &[
         &[PLANE, UNLOADED, ("on = \"surface\"", "strip = { from = 0.0, to = 0.04, taper = -0.1 }")],
     ),
     ("strip without its end", &[PLANE, ("on = \"surface\"", "strip = { from = 0.0 }")]),
-    ("equilibrium beside a free side", &[PLANE, ("right = \"roller\"", "right = \"free\"")]),
+    ("equilibrium with a free side", &[PLANE, ("right = \"roller\"", "right = \"free\"")]),
     ("held, closed and incompressible", HELD),
     ("negative water stiffness", &[("bulk_modulus = 2.2e9", "bulk_modulus = -inf")]),
 ];
@@ -300,12 +300,15 @@ fn flags_pass_the_same_checks_and_are_named_in_their_refusal() {
     assert_eq!(scene.tolerance, 1e-6);
     let message = |flags: &Flags| Scene::parse_with(&text, "scene.toml", flags).expect_err("a bad flag").to_string();
     let words = "expected one of \"explicit\", \"semi-implicit\", \"quasi-static\", \"staggered\", \"coupled\", found \"implicit\"";
-    assert_eq!(message(&flags("implicit", "linear", 1e-4)), format!("--integrator: {words}"));
+    assert_eq!(
+        message(&flags("implicit", "linear", 1e-4)),
+        format!("--integrator: {words}\n    did you mean `semi-implicit`?")
+    );
     let words = "expected one of \"centre\", \"centroid\", \"linear\", \"b-bar\", \"gimp\", \"bspline2\", \"bspline3\", found \"cubic\"";
     assert_eq!(message(&flags("quasi-static", "cubic", 1e-4)), format!("--scheme: {words}"));
     let words = "expected 1e-10 <= tolerance <= 0.1 (-), found 0.5";
     assert_eq!(message(&flags("quasi-static", "linear", 0.5)), format!("--tolerance: {words}"));
-    let words = "expected integrator = \"quasi-static\" beside it, found time.tolerance beside \"explicit\"";
+    let words = "expected integrator = \"quasi-static\" with it, found time.tolerance with \"explicit\"";
     assert_eq!(message(&flags("explicit", "linear", 1e-4)), format!("--tolerance: {words}"));
     // What stands in the file is still named with its line.
     let one = edited(&text, &[("particles_per_cell = 4", "particles_per_cell = 1")]);

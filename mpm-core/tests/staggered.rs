@@ -71,7 +71,7 @@ fn cells_weigh_what_their_water_does_even_where_round_off_leaves_less_than_none(
         .expect("a sound scene");
     for sample in finished(&scene).samples {
         // Contents below zero were once weighed as none: 5e-9 of what had come in.
-        assert!(sample.ledger.water_closing_kg.abs() <= 1e-12 * sample.ledger.water_in_kg, "{:?}", sample.ledger);
+        assert!(sample.balance.water_residual_kg.abs() <= 1e-12 * sample.balance.water_in_kg, "{:?}", sample.balance);
     }
 }
 
@@ -112,12 +112,12 @@ fn a_pressure_that_is_held_works_on_soil_that_gains_volume() {
         })
         .expect("a sound scene");
     let run = finished(&scene);
-    let ledger = run.samples.last().unwrap().ledger;
+    let ledger = run.samples.last().unwrap().balance;
     // Dilating soil under p: without that work most of the energy would come from nowhere. What is left is the return of the
     // first stress, which lies far outside the surface: one large step.
     let moved = ledger.gravity_work_j.abs() + ledger.pressure_work_j + ledger.plastic_dissipation_j;
     assert!(ledger.pressure_work_j > 0.5 * moved, "{ledger:?}");
-    assert!(ledger.energy_closing_j.abs() < 0.15 * moved, "{ledger:?}");
+    assert!(ledger.energy_residual_j.abs() < 0.15 * moved, "{ledger:?}");
 }
 
 /// The infinite slope of 20 degrees on a base of 30 degrees, full of water, let go for 0.2 s: its acceleration, m/s2, from

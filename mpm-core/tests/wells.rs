@@ -62,14 +62,14 @@ fn what_wells_take_and_put_in_is_in_the_balance() {
         let closed = BOX.replace("[\"left\", \"right\"]", "\"none\"");
         let scene = scene(&closed, integrator, shape);
         let run = finished(&scene);
-        let ledger = &last(&run).ledger;
+        let ledger = &last(&run).balance;
         let density = scene.water.expect("water").density;
         // A step has the rate of its start or its end.
         let off = [ledger.water_out_kg / (density * taken) - 1.0, ledger.water_in_kg / (density * put_in) - 1.0];
-        println!("{integrator} {shape}: {off:?}, closing {:.1e} kg", ledger.water_closing_kg);
+        println!("{integrator} {shape}: {off:?}, closing {:.1e} kg", ledger.water_residual_kg);
         assert!(off.iter().all(|off| off.abs() < 5e-3), "{integrator} {shape}: {off:?}");
-        assert!(ledger.water_closing_kg.abs() < 1e-3 * density * taken, "{integrator} {shape}");
-        let energy = ledger.energy_closing_j / ledger.external_work_j.abs();
+        assert!(ledger.water_residual_kg.abs() < 1e-3 * density * taken, "{integrator} {shape}");
+        let energy = ledger.energy_residual_j / ledger.external_work_j.abs();
         println!("    energy {energy:.1e} of the work");
         assert!(run.trust.is_some_and(|trust| trust.verdict == "closed"), "{:?}", run.trust);
     }

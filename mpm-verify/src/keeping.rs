@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use mpm_core::drive::{Attend, Wish};
+use mpm_core::drive::{Monitor, Wish};
 use mpm_core::hash::{Digest, sha256};
 use mpm_core::observe::SolidState;
 use mpm_core::scene::Scene;
@@ -21,7 +21,7 @@ const KIND: Kind = Kind { magic: b"MPMSCENE", version: 1, of: "a scene" };
 pub struct Kept {
     /// What is not the run's own.
     pub notes: Notes,
-    /// The run's own bytes: [`mpm_core::run::run_attended`] goes on from them.
+    /// The run's own bytes: [`mpm_core::run::run_monitored`] goes on from them.
     pub state: Vec<u8>,
 }
 
@@ -75,7 +75,7 @@ pub struct Keeping<'a> {
     pub end: Option<Vec<SolidState>>,
 }
 
-impl Attend for Keeping<'_> {
+impl Monitor for Keeping<'_> {
     fn look(&mut self, share: f64) -> Wish {
         (self.progress)(share);
         if self.stop.load(Ordering::Relaxed) {

@@ -92,7 +92,7 @@ fn flags_of_solve_change_the_scene_and_are_checked_with_it() {
     let words =
         ["explicit", "semi-implicit", "quasi-static", "staggered", "coupled"].map(|w| format!("{w:?}")).join(", ");
     let integrators = format!("expected one of {words}, found \"implicit\"");
-    let beside = "expected integrator = \"quasi-static\" beside it, found time.tolerance beside";
+    let beside = "expected integrator = \"quasi-static\" with it, found time.tolerance beside";
     for (flags, message) in [
         (vec!["--integrator", "implicit"], format!("--integrator: {integrators}")),
         (vec!["--scheme", "cubic"], "--scheme: expected one of \"centre\"".to_owned()),

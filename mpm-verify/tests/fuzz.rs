@@ -9,9 +9,9 @@ use std::sync::{Mutex, Once};
 use std::time::{Duration, Instant};
 
 use mpm_core::checkpoint::{sealed, unsealed};
-use mpm_core::drive::{Attend, Drive, Wish};
+use mpm_core::drive::{Drive, Monitor, Wish};
 use mpm_core::hardware::Hardware;
-use mpm_core::run::{model, run_attended};
+use mpm_core::run::{model, run_monitored};
 use mpm_core::scene::{Flags, Scene, Until};
 use mpm_core::stability::choose_step;
 use mpm_verify::checkpoint::Kind;
@@ -163,7 +163,7 @@ struct Short {
     state: Option<Vec<u8>>,
 }
 
-impl Attend for Short {
+impl Monitor for Short {
     fn look(&mut self, _: f64) -> Wish {
         self.looks = self.looks.saturating_sub(1);
         if self.looks == 0 { Wish::Stop } else { Wish::GoOn }
@@ -190,7 +190,7 @@ fn begin(scene: &Scene, state: Option<&[u8]>) -> Option<Vec<u8>> {
     });
     let scene = shortened.expect("a shorter run of a sound scene");
     let mut short = Short { looks: 3, state: None };
-    let _ = run_attended(&Hardware::default(), &scene, state, &mut short);
+    let _ = run_monitored(&Hardware::default(), &scene, state, &mut short);
     short.state
 }
 
@@ -261,7 +261,7 @@ fn states() -> Vec<(Scene, Vec<u8>)> {
     let states = names.into_iter().map(|name| {
         let scene = scenes::built_in(name).expect("it holds").edited(|scene| scene.history = 4).expect("a sound scene");
         let mut short = Short { looks: 3, state: None };
-        run_attended(&Hardware::default(), &scene, None, &mut short).expect("a run");
+        run_monitored(&Hardware::default(), &scene, None, &mut short).expect("a run");
         (scene, short.state.expect("a state"))
     });
     states.collect()
@@ -326,7 +326,7 @@ fn a_run_with_nonsense_in_its_state_ends_with_a_word() {
             inside[at..at + 8].copy_from_slice(&number);
             let mut short = Short { looks: 1, state: None };
             in_time(&scene.name, &[], || {
-                let _ = run_attended(&Hardware::default(), &scene, Some(&sealed(&inside, &of)), &mut short);
+                let _ = run_monitored(&Hardware::default(), &scene, Some(&sealed(&inside, &of)), &mut short);
             });
         }
     }

@@ -26,7 +26,7 @@ pub struct Filled<const D: usize> {
     full: Vec<f64>,
     /// The highest cell with soil above each cell of the lowest row.
     tops: Vec<Top>,
-    /// Whether the surface is held where it was, so that the cells below it are full: under a plate, or a held top.
+    /// Whether the surface is fixed where it was, so that the cells below it are full: under a plate, or a constrained top.
     held: bool,
     /// Whether the surface alone says how much soil there is: it is level and free.
     level: bool,
@@ -35,11 +35,11 @@ pub struct Filled<const D: usize> {
 /// Round-off of a sum over the particles of a cell.
 pub(crate) const ROUND_OFF: f64 = 1e-14;
 
-/// Whether the volume of soil in each cell of a scene follows from where its surface is: a box of soil between held sides, and
+/// Whether the volume of soil in each cell of a scene follows from where its surface is: a box of soil between supported sides, and
 /// functions that reach no further than their cell.
 pub fn knows_volumes(scene: &Fields) -> bool {
     let free = |side: Side| scene.supports().any(|sides| sides[side as usize] == SolidSide::Free);
-    // A top that is released or held on the way is no surface that stays what it is.
+    // A top that is released or fixed on the way is no surface that stays what it is.
     let top = scene.solid_sides[Side::Top as usize];
     let in_a_box = scene.outline.is_none() && scene.empty_cells_beside == 0 && !scene.periodic;
     let held = ![Side::Left, Side::Right, Side::Bottom].into_iter().any(free) && scene.base.is_none();
@@ -65,7 +65,7 @@ pub struct Top {
 }
 
 impl<const D: usize> Filled<D> {
-    /// That of a scene whose cells have a `full` volume (m3), where they are 1 m thick; nothing is known of soil with an outline, with room beside it,
+    /// That of a scene whose cells have a `full` volume (m3), where they are 1 m thick; nothing is known of soil with an outline, with empty cells beside it,
     /// between free sides, or on a base that lets it go.
     pub fn of(scene: &Scene, grid: &Grid<D>, full: f64) -> Self {
         if !knows_volumes(scene) {
@@ -95,7 +95,7 @@ impl<const D: usize> Filled<D> {
         &self.volumes
     }
 
-    /// The cells that hold the surface; none where it is held.
+    /// The cells that hold the surface; none where it is fixed.
     pub fn tops(&self) -> &[Top] {
         if self.held { &[] } else { &self.tops }
     }
@@ -110,7 +110,7 @@ impl<const D: usize> Filled<D> {
         }
     }
 
-    /// Soil in a cell as the balances count it: under a surface that is held, or bends between its particles, their strain alone
+    /// Soil in a cell as the balances count it: under a surface that is fixed, or bends between its particles, their strain alone
     /// says how much there is.
     pub fn counted(&self, cell: usize, of_particles: f64) -> f64 {
         if self.level { self.volume(cell, of_particles) } else { of_particles }

@@ -1,6 +1,6 @@
-//! Fields that a scene file has no words for: a force on the soil, and the state at t = 0, as functions of the place.
+//! Fields that a scene file cannot describe: a force on the soil, and the state at t = 0, as functions of the place.
 //!
-//! They are for solutions that are made up first, and forced afterwards (the method of manufactured solutions).
+//! They are for manufactured solutions.
 
 use std::fmt;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Loads on faces of the soil: every piece of its outline is carried by the particle behind it.
+//! Loads on faces of the soil: every piece of the outline belongs to the particle behind it.
 
 use crate::dimension::in_two;
 use crate::grid::Grid;
@@ -45,7 +45,7 @@ impl<const D: usize> FaceLoads<D> {
             particles[*id as usize] = (point.x, point.volume);
         }
         let mut loads = scene.loads.clone();
-        // The surcharge of an outline lies on what looks up; how much of it, its pieces say.
+        // The surcharge of an outline lies on faces that point upwards; how much of it, its pieces say.
         let level = |load: &Surcharge| FaceLoad {
             on: Some(Side::Top),
             x: None,

@@ -1,4 +1,4 @@
-//! Conditions on the solid: nodes held by rollers, periodic sides, friction on the base, the surcharge, and given fields of
+//! Conditions on the solid: nodes on rollers, periodic sides, friction on the base, the surcharge, and given fields of
 //! force. Those on the water are in [`crate::water`].
 
 mod filled;

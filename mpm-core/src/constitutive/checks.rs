@@ -1,4 +1,4 @@
-//! What every law must hold.
+//! Checks that every law has to pass.
 
 /// Checks the tangent of a law at the end of a strain increment from a stress against central differences of its stress,
 /// along the strains that are not zero; differences in parts of the modulus `$scale` (Pa).

@@ -6,7 +6,7 @@ use nalgebra::{SMatrix, SVector};
 use pulp::Simd;
 
 use super::{Flow, Law, State};
-use crate::real::{Lanes, Real};
+use crate::real::{Real, SimdReal};
 use crate::scene::Elastic;
 
 /// Linear elasticity, components xx, yy, zz, xy.
@@ -69,11 +69,11 @@ impl Law for LinearElastic {
     #[inline(always)]
     fn update_lanes<V: Simd>(
         &self,
-        stress: &mut [Lanes<V>; 4],
-        strain: &[Lanes<V>; 4],
-        _: &mut State<Lanes<V>>,
+        stress: &mut [SimdReal<V>; 4],
+        strain: &[SimdReal<V>; 4],
+        _: &mut State<SimdReal<V>>,
         _: V::m64s,
-    ) -> Flow<Lanes<V>> {
+    ) -> Flow<SimdReal<V>> {
         self.hooke(stress, strain);
         Flow::none(stress[0])
     }

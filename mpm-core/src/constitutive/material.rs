@@ -3,7 +3,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::{Flow, Law, LinearElastic, ModifiedCamClay, MohrCoulomb, STATES, State};
-use crate::real::{Lanes, Real};
+use crate::real::{Real, SimdReal};
 use crate::soils::Soils;
 
 /// A material, one of those that are known.
@@ -62,11 +62,11 @@ impl Law for Material {
     #[inline(always)]
     fn update_lanes<V: Simd>(
         &self,
-        stress: &mut [Lanes<V>; 4],
-        strain: &[Lanes<V>; 4],
-        state: &mut State<Lanes<V>>,
+        stress: &mut [SimdReal<V>; 4],
+        strain: &[SimdReal<V>; 4],
+        state: &mut State<SimdReal<V>>,
         there: V::m64s,
-    ) -> Flow<Lanes<V>> {
+    ) -> Flow<SimdReal<V>> {
         whichever!(self, law => law.update_lanes(stress, strain, state, there))
     }
 
@@ -148,15 +148,15 @@ impl<L: Law> Materials<L> {
 /// What [`Materials::update`] does.
 struct Update<'a, V: Simd> {
     materials: &'a Materials,
-    stress: [Lanes<V>; 4],
-    strain: [Lanes<V>; 4],
-    state: State<Lanes<V>>,
+    stress: [SimdReal<V>; 4],
+    strain: [SimdReal<V>; 4],
+    state: State<SimdReal<V>>,
     there: V::m64s,
     ids: &'a [u32],
 }
 
 impl<V: Simd> WithSimd for Update<'_, V> {
-    type Output = ([Lanes<V>; 4], State<Lanes<V>>, Flow<Lanes<V>>);
+    type Output = ([SimdReal<V>; 4], State<SimdReal<V>>, Flow<SimdReal<V>>);
 
     #[inline(always)]
     fn with_simd<T: Simd>(self, _: T) -> Self::Output {
@@ -198,12 +198,12 @@ impl Materials {
     #[inline(always)]
     pub fn update<V: Simd>(
         &self,
-        stress: &mut [Lanes<V>; 4],
-        strain: &[Lanes<V>; 4],
-        state: &mut State<Lanes<V>>,
+        stress: &mut [SimdReal<V>; 4],
+        strain: &[SimdReal<V>; 4],
+        state: &mut State<SimdReal<V>>,
         there: V::m64s,
         ids: &[u32],
-    ) -> Flow<Lanes<V>> {
+    ) -> Flow<SimdReal<V>> {
         // A function of its own, one for all shapes.
         let update = Update { materials: self, stress: *stress, strain: *strain, state: *state, there, ids };
         let flow;
@@ -215,12 +215,12 @@ impl Materials {
     #[inline(always)]
     fn each<V: Simd>(
         &self,
-        stress: &mut [Lanes<V>; 4],
-        strain: &[Lanes<V>; 4],
-        state: &mut State<Lanes<V>>,
+        stress: &mut [SimdReal<V>; 4],
+        strain: &[SimdReal<V>; 4],
+        state: &mut State<SimdReal<V>>,
         there: V::m64s,
         ids: &[u32],
-    ) -> Flow<Lanes<V>> {
+    ) -> Flow<SimdReal<V>> {
         let none = stress[0].like(0.0);
         let mut which = none;
         let mut present = 0_u32;

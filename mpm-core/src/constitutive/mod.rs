@@ -15,7 +15,7 @@ pub use mohr_coulomb::{MohrCoulomb, Region};
 use nalgebra::SMatrix;
 use pulp::Simd;
 
-use crate::real::{Lanes, Real};
+use crate::real::{Real, SimdReal};
 
 /// What an update did to a particle, or to several.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,15 +55,15 @@ pub trait Law: Copy + Send + Sync + 'static {
     #[inline(always)]
     fn update_lanes<V: Simd>(
         &self,
-        stress: &mut [Lanes<V>; 4],
-        strain: &[Lanes<V>; 4],
-        state: &mut State<Lanes<V>>,
+        stress: &mut [SimdReal<V>; 4],
+        strain: &[SimdReal<V>; 4],
+        state: &mut State<SimdReal<V>>,
         there: V::m64s,
-    ) -> Flow<Lanes<V>> {
+    ) -> Flow<SimdReal<V>> {
         let none = stress[0].like(0.0);
         let here = none.like(1.0).or(there, none);
         let mut flow = Flow::none(none);
-        for lane in (0..Lanes::<V>::COUNT).filter(|lane| here.lane(*lane) > 0.0) {
+        for lane in (0..SimdReal::<V>::COUNT).filter(|lane| here.lane(*lane) > 0.0) {
             let (mut of_one, mut memory) = (stress.map(|s| s.lane(lane)), state.map(|s| s.lane(lane)));
             let own = self.update(&mut of_one, &strain.map(|e| e.lane(lane)), &mut memory);
             for s in 0..4 {

@@ -1,11 +1,11 @@
-//! What a run that is resumed elsewhere needs: what it has found so far, where it is, and its model.
+//! Checkpoint of a run: its results so far, where it is, and its model.
 
 use super::Drive;
 use crate::checkpoint::{Archive, RestoreError, archive, restore, save, sealed, unsealed};
 use crate::hash::{Digest, sha256};
 
 impl Drive<'_> {
-    /// The state, from which [`Self::restore`] goes on.
+    /// The state, from which [`Self::restore`] resumes.
     pub fn checkpoint(&mut self) -> Vec<u8> {
         sealed(&save(|archive| self.save_or_restore(archive)), &self.fingerprint())
     }

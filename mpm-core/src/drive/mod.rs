@@ -1,14 +1,14 @@
-//! Time: stages one after the other, steps that end exactly at the times to observe; states to go on from.
+//! Time: stages one after the other, steps that end exactly at the times to observe; states from which a run resumes.
 
-mod attend;
 mod checkpoint;
+mod monitor;
 
-pub use attend::{Alone, Attend, Wish};
+pub use monitor::{Alone, Monitor, Wish};
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::RunError;
-use crate::observe::{Balance, Ledger, Observation, Places, Trust, balances};
+use crate::observe::{Balance, BalanceTerms, Observation, Places, Trust, balances};
 use crate::scene::{Coupling, Integrator, Scene, Stage, Until};
 use crate::stability::stable_limit;
 use crate::step::{Fault, Model, Work};
@@ -27,7 +27,7 @@ pub struct Sample {
     /// The state.
     pub state: Observation,
     /// Its balances.
-    pub ledger: Ledger,
+    pub balance: BalanceTerms,
 }
 
 /// How a stage went.
@@ -64,7 +64,7 @@ pub struct Run {
     pub trust: Option<Trust>,
     /// Why the run ended early, if it did.
     pub failure: Option<RunError>,
-    /// Whether it was stopped on its way, because that was wished.
+    /// Whether it was stopped on its way, because that was requested.
     pub stopped: bool,
 }
 
@@ -83,18 +83,18 @@ impl Run {
     }
 }
 
-/// How often the end of a pore-pressure stage, or of one that ends by rest, is looked for, steps.
+/// How often the end of a pore-pressure stage, or of one that ends by rest, is checked for, steps.
 const STEPS_BETWEEN_LOOKS: u64 = 8;
-/// Steps between two looks at the balances, which also follow every sample: to read a state costs some twenty steps.
+/// Steps between two checks of the balances, which also follow every sample: to read a state costs some twenty steps.
 const STEPS_BETWEEN_BALANCES: u64 = 2048;
-/// So many looks in a row must find the soil at rest: a swing that turns is slow only for a moment.
+/// So many samples in a row have to find the soil at rest: an oscillation is slow at its turning points.
 const LOOKS_AT_REST: u64 = 25;
 /// A run is unstable when this share of its energy comes from nowhere; sound runs stay below a hundredth. The other
 /// sign is no fault: particles lose what the mesh cannot hold, all of a shock with one particle per cell.
 const FROM_NOWHERE: f64 = 0.5;
 /// Energy below this share of what the loads would store is round-off.
 const ROUND_OFF: f64 = 1e-9;
-/// Particle steps between two looks at whether the run is to be saved or stopped: some hundredths of a second.
+/// Particle steps between two requests to the monitor: some hundredths of a second.
 const POINT_STEPS_AT_ONCE: usize = 1 << 22;
 /// Shortest history time as a share of the whole, for the logarithmic spacing.
 const FIRST_HISTORY: f64 = 1e-4;
@@ -110,7 +110,7 @@ pub struct Drive<'a> {
     model: &'a mut dyn Model,
     run: Run,
     at: At,
-    /// Whether balances that do not close end the run.
+    /// Whether a balance residual beyond its bound ends the run.
     watched: bool,
 }
 
@@ -128,7 +128,7 @@ struct At {
     now: f64,
     left: u64,
     step: f64,
-    /// Of a stage that waits for something: time in it, since when it is there (s), and looks that have found it so.
+    /// Of a stage that waits for something: time in it, since when it is there (s), and samples that have found it so.
     time: f64,
     reached: f64,
     looks: u64,
@@ -162,14 +162,14 @@ impl<'a> Drive<'a> {
     }
 
     /// Goes on to the end, to a failure, or until it is to stop.
-    pub fn go(mut self, attend: &mut dyn Attend) -> Run {
+    pub fn go(mut self, monitor: &mut dyn Monitor) -> Run {
         while let Some(stage) = self.scene.stages.get(self.at.stage as usize) {
             let last = self.at.stage as usize + 1 == self.scene.stages.len();
             let times = match stage.until {
                 Until::Time(end) => times(self.scene, last, end),
                 Until::PorePressure { .. } | Until::Rest { .. } => Vec::new(),
             };
-            let outcome = self.enter(stage, &times).and_then(|()| self.through(stage, &times, attend));
+            let outcome = self.enter(stage, &times).and_then(|()| self.through(stage, &times, monitor));
             self.run.work = self.model.work();
             let (duration_s, fault) = match outcome {
                 Ok(duration) => (duration, None),
@@ -189,10 +189,10 @@ impl<'a> Drive<'a> {
         }
         self.run.places = self.model.places();
         if !self.run.stopped {
-            attend.ended(&*self.model);
+            monitor.ended(&*self.model);
         }
         if self.watched {
-            let samples = self.run.samples.iter().map(|s| (s.step, &s.state, &s.ledger));
+            let samples = self.run.samples.iter().map(|s| (s.step, &s.state, &s.balance));
             self.run.trust = Trust::of(self.scene, self.run.dt, samples);
         }
         self.run
@@ -203,7 +203,7 @@ impl<'a> Drive<'a> {
         Self { watched: false, ..self }
     }
 
-    /// Looks at the balances from time to time, the run having gone on from the step `before`. What does not close is kept, as
+    /// Checks the balances from time to time, the last time at the step `before`. What is not closed is kept, as
     /// the last sample.
     fn watch(&mut self, before: u64, time: f64) -> Result<(), Halt> {
         if before / STEPS_BETWEEN_BALANCES == self.run.steps / STEPS_BETWEEN_BALANCES {
@@ -217,20 +217,20 @@ impl<'a> Drive<'a> {
         closed
     }
 
-    /// A run ends where a balance does not close; that of a scene that is forced goes on.
+    /// A run ends where a balance residual exceeds its bound; a forced run continues.
     fn closed(&self, sample: &Sample) -> Result<(), Halt> {
         if !self.watched || self.scene.force {
             return Ok(());
         }
-        let Sample { step, state, ledger, stage_time: time, .. } = sample;
-        let open = balances(self.scene, self.run.dt, *step, state, ledger);
+        let Sample { step, state, balance, stage_time: time, .. } = sample;
+        let open = balances(self.scene, self.run.dt, *step, state, balance);
         let Some(open) = open.iter().find(|balance| !balance.closes()) else { return Ok(()) };
-        let Balance { ledger, gap, allowed, unit } = open;
+        let Balance { name, gap, allowed, unit } = open;
         let what = format!(
-            "does not close: {gap:.3e} {unit} missing, {allowed:.3e} {unit} allowed; the results from here on are not to be \
-             trusted. A finer mesh, more particles or integrator = \"quasi-static\" may do; --force goes on"
+            "residual {gap:.3e} {unit} exceeds its bound of {allowed:.3e} {unit}; the results from here on are not to be \
+             trusted. A finer mesh, more particles or integrator = \"quasi-static\" may help; --force continues"
         );
-        Err(Halt::Fault(*time, Fault { place: format!("the balance of {ledger}"), what }))
+        Err(Halt::Fault(*time, Fault { place: format!("the balance of {name}"), what }))
     }
 
     /// Steps of a stage, s; infinite where the model divides the time itself.
@@ -258,17 +258,17 @@ impl<'a> Drive<'a> {
         Ok(())
     }
 
-    fn through(&mut self, stage: &Stage, times: &[(f64, bool)], attend: &mut dyn Attend) -> Result<f64, Halt> {
+    fn through(&mut self, stage: &Stage, times: &[(f64, bool)], monitor: &mut dyn Monitor) -> Result<f64, Halt> {
         let (scene, dt) = (self.scene, self.length_of_steps(stage));
         match stage.until {
-            Until::Time(_) => self.timed(times, dt, attend),
+            Until::Time(_) => self.timed(times, dt, monitor),
             Until::PorePressure { within, everywhere, at_most } => {
                 let target = scene.undrained_mean_pressure();
                 let speed = ((scene.oedometer_modulus() + scene.pore_stiffness()) / scene.mixture_density()).sqrt();
                 let goal = Goal { target, within, everywhere, at_most, period: 4.0 * scene.height / speed };
-                self.until_pressure(&goal, dt, attend)
+                self.until_pressure(&goal, dt, monitor)
             }
-            Until::Rest { speed, at_most } => self.until_rest(speed, at_most, dt, attend),
+            Until::Rest { speed, at_most } => self.until_rest(speed, at_most, dt, monitor),
         }
     }
 
@@ -284,28 +284,28 @@ impl<'a> Drive<'a> {
         self.run.failure = Some(RunError { step, time, place: fault.place, what: fault.what + &hint });
     }
 
-    /// Asks what is wished, the run having come to a share of its stage.
-    fn attend(&mut self, share: f64, attend: &mut dyn Attend) -> Result<(), Halt> {
-        match attend.look(share) {
+    /// Asks the monitor for requests, at a completed share of the stage.
+    fn monitor(&mut self, share: f64, monitor: &mut dyn Monitor) -> Result<(), Halt> {
+        match monitor.look(share) {
             Wish::GoOn => Ok(()),
             Wish::Save => {
-                attend.save(self.checkpoint());
+                monitor.save(self.checkpoint());
                 Ok(())
             }
             Wish::Stop => {
-                attend.save(self.checkpoint());
+                monitor.save(self.checkpoint());
                 Err(Halt::Wished)
             }
         }
     }
 
-    fn timed(&mut self, times: &[(f64, bool)], dt: f64, attend: &mut dyn Attend) -> Result<f64, Halt> {
+    fn timed(&mut self, times: &[(f64, bool)], dt: f64, monitor: &mut dyn Monitor) -> Result<f64, Halt> {
         let end = times[times.len() - 1].0;
         let some = steps_at_once(self.run.solid_particles);
         while let Some(&(time, observed)) = times.get(self.at.next as usize) {
             if self.at.left == 0 {
                 let span = time - self.at.now;
-                // Equal steps that end exactly at the time; a hair above a whole number of steps is round-off.
+                // Equal steps that end exactly at the time; slightly more than a whole number of steps is round-off.
                 self.at.left = (span / dt - 1e-6).ceil().max(1.0) as u64;
                 self.at.step = span / self.at.left as f64;
             }
@@ -326,13 +326,13 @@ impl<'a> Drive<'a> {
                 result.map_err(|fault| Halt::Fault(here, fault))?;
                 if self.at.left > 0 {
                     self.watch(first, here)?;
-                    self.attend(here / end, attend)?;
+                    self.monitor(here / end, monitor)?;
                 }
             }
             self.at.now = time;
             self.at.next += 1;
             self.sample(time, observed)?;
-            self.attend(time / end, attend)?;
+            self.monitor(time / end, monitor)?;
         }
         Ok(end)
     }
@@ -347,7 +347,7 @@ impl<'a> Drive<'a> {
         self.watch(before, self.at.time)
     }
 
-    fn until_pressure(&mut self, goal: &Goal, dt: f64, attend: &mut dyn Attend) -> Result<f64, Halt> {
+    fn until_pressure(&mut self, goal: &Goal, dt: f64, monitor: &mut dyn Monitor) -> Result<f64, Halt> {
         loop {
             self.some_steps(dt)?;
             let time = self.at.time;
@@ -366,11 +366,11 @@ impl<'a> Drive<'a> {
                 );
                 return Err(Halt::Fault(time, Fault { place: "the whole column".to_owned(), what }));
             }
-            self.attend(0.0, attend)?;
+            self.monitor(0.0, monitor)?;
         }
     }
 
-    fn until_rest(&mut self, speed: f64, at_most: f64, dt: f64, attend: &mut dyn Attend) -> Result<f64, Halt> {
+    fn until_rest(&mut self, speed: f64, at_most: f64, dt: f64, monitor: &mut dyn Monitor) -> Result<f64, Halt> {
         while self.at.looks < LOOKS_AT_REST {
             self.some_steps(dt)?;
             let (time, fastest) = (self.at.time, self.model.grid_speed());
@@ -381,7 +381,7 @@ impl<'a> Drive<'a> {
                 );
                 return Err(Halt::Fault(time, Fault { place: "the whole soil".to_owned(), what }));
             }
-            self.attend(0.0, attend)?;
+            self.monitor(0.0, monitor)?;
         }
         self.sample(self.at.time, false)?;
         Ok(self.at.time)
@@ -391,15 +391,15 @@ impl<'a> Drive<'a> {
     fn sample(&mut self, stage_time: f64, observed: bool) -> Result<(), Halt> {
         let sample = self.seen(stage_time, observed);
         let closed = self.closed(&sample);
-        let first = self.run.samples.first().unwrap_or(&sample).ledger;
+        let first = self.run.samples.first().unwrap_or(&sample).balance;
         let sane = sane(self.scene, &first, &sample).map_err(|fault| Halt::Fault(stage_time, fault));
         self.run.samples.push(sample);
         closed.and(sane)
     }
 
     fn seen(&self, stage_time: f64, observed: bool) -> Sample {
-        let (state, ledger) = self.model.observe();
-        Sample { stage: self.at.stage as usize, stage_time, step: self.run.steps, observed, state, ledger }
+        let (state, balance) = self.model.observe();
+        Sample { stage: self.at.stage as usize, stage_time, step: self.run.steps, observed, state, balance }
     }
 }
 
@@ -423,9 +423,9 @@ fn times(scene: &Scene, last: bool, end: f64) -> Vec<(f64, bool)> {
     times
 }
 
-/// Stops a run whose state cannot be: not a number, turned inside out, or with energy from nowhere.
-fn sane(scene: &Scene, first: &Ledger, sample: &Sample) -> Result<(), Fault> {
-    let (state, l) = (&sample.state, &sample.ledger);
+/// Stops a run whose state cannot be: not a number, an inverted element, or energy that no work explains.
+fn sane(scene: &Scene, first: &BalanceTerms, sample: &Sample) -> Result<(), Fault> {
+    let (state, l) = (&sample.state, &sample.balance);
     let fault = |what| Err(Fault { place: "the whole column".to_owned(), what });
     if !(state.settlement.is_finite() && state.mean_pressure.is_finite()) {
         return fault(format!("settlement {} m, mean pore pressure {} Pa", state.settlement, state.mean_pressure));
@@ -441,14 +441,14 @@ fn sane(scene: &Scene, first: &Ledger, sample: &Sample) -> Result<(), Fault> {
     let modulus = soils.iter().map(|soil| soil.elastic.oedometer_modulus()).fold(f64::INFINITY, f64::min);
     let whole = stress * stress / modulus * scene.height * scene.width;
     // What particles hold, less all work: the mapping, which takes energy, has no entry here.
-    let gained = l.energy_closing_j - l.transfer_loss_j;
+    let gained = l.energy_residual_j - l.transfer_loss_j;
     if gained > FROM_NOWHERE * (stored - gained).abs().max(booked).max(ROUND_OFF * whole) {
         return fault(format!("{gained:.3e} J that no work explains, {stored:.3e} J in all"));
     }
     Ok(())
 }
 
-/// Steps of so many particles between two looks.
+/// Steps of so many particles between two samples.
 fn steps_at_once(particles: usize) -> u64 {
     (POINT_STEPS_AT_ONCE / particles.max(1)).clamp(1, 1 << 14) as u64
 }

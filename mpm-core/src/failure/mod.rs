@@ -1,21 +1,21 @@
-//! Soil that water makes fail: gravity, the first water, hours of seepage, seconds of failure, and the shape that is left.
+//! Soil that fails under water: gravity, the first water, hours of seepage, seconds of failure, and the final shape.
 //!
-//! Staggered, water seeps through soil at rest, then the soil is brought to rest under the pressures (`settle`). If it
+//! Staggered, water seeps through soil at rest, then the soil is brought to rest under the pressures (`equilibrate`). If it
 //! does not come to rest it fails: it moves without damping, with pressures that follow, until it rests again. The
 //! other drivers run soil and water in the same steps all the time.
 
+mod equilibrate;
+mod events;
 mod record;
 mod scales;
-mod settle;
 mod strength;
-mod watch;
 
+pub use equilibrate::{Equilibrated, Outcome, Patience, equilibrate};
+pub use events::{First, Moved, Which, towards};
 pub use record::{Events, PathPoint, Row};
 pub use scales::Scales;
-pub use settle::{Outcome, Patience, Settled, settle};
 use strength::go_back;
 pub use strength::{Bracket, Trials, bracket};
-pub use watch::{First, Moved, Which, towards};
 
 use serde::{Deserialize, Serialize};
 
@@ -31,7 +31,7 @@ use crate::water::Pressures;
 
 /// If soil fails within a longer time of seepage than the first, that is taken back and a share of it tried.
 const SOONER: f64 = 0.25;
-/// Periods of its first swing within which soil settles easily, and above which the next look comes sooner.
+/// Periods of its first swing within which soil settles easily, and above which the next sample comes sooner.
 const EASY: [f64; 2] = [1.1, 4.4];
 /// Parts in which the first water comes.
 const RAMP: u32 = 10;
@@ -175,7 +175,7 @@ impl<'a> Driver<'a> {
         Patience { dt: self.dt, scales, slides: (Which::All, scales.elastic), most: scales.events()[0] }
     }
 
-    /// Begins to count displacements and ledgers with the soil as it is.
+    /// Begins to count displacements and balances with the soil as it is.
     fn count_from_here(&mut self) {
         self.model.stop();
         self.model.count_from_here();
@@ -204,18 +204,18 @@ impl<'a> Driver<'a> {
     ///
     /// # Errors
     /// Where and what went wrong in a step, or soil that does not come to rest even on a base that holds it.
-    pub fn load(&mut self) -> Result<Settled, RunError> {
+    pub fn load(&mut self) -> Result<Equilibrated, RunError> {
         let patience = Patience::stiffened(&self.scales, self.dt);
         self.model.alter(1.0, self.scales.stiffening());
         self.model.glue(true);
         self.count_from_here();
         for part in 0..=RAMP {
             self.model.feel(f64::from(part) / f64::from(RAMP));
-            let settled = settle(self.model.as_mut(), &self.first, &patience).map_err(|e| self.failed(e))?;
+            let settled = equilibrate(self.model.as_mut(), &self.first, &patience).map_err(|e| self.failed(e))?;
             self.steps.relaxing += settled.steps;
             if !settled.at_rest() && !self.failure.continue_if_unstable {
                 let under = if part == 0 { "under its own weight" } else { "under its weight and the first water" };
-                let what = format!("{under}, on a base that holds it, the soil {}", settled.said());
+                let what = format!("{under}, on a fixed base, the soil {}", settled.said());
                 return Err(self.failed(Fault { place: "the slope".into(), what }));
             }
         }
@@ -223,7 +223,7 @@ impl<'a> Driver<'a> {
         self.model.glue(false);
         self.count_from_here();
         // A toe may give way a little and hold: what does not stand slides.
-        let settled = settle(self.model.as_mut(), &self.first, &patience).map_err(|e| self.failed(e))?;
+        let settled = equilibrate(self.model.as_mut(), &self.first, &patience).map_err(|e| self.failed(e))?;
         self.steps.relaxing += settled.steps;
         self.model.alter(1.0, 1.0);
         self.model.forget_slip();
@@ -264,7 +264,7 @@ impl<'a> Driver<'a> {
         (self.moves_since, self.slow_since) = (self.time, self.time);
     }
 
-    /// Goes on for one look: some time of seepage, or a moment of failure.
+    /// Advances by one sample: some time of seepage, or a moment of failure.
     ///
     /// # Errors
     /// Where and what went wrong, or soil that does not stand at the start; what was recorded so far stays.
@@ -275,7 +275,7 @@ impl<'a> Driver<'a> {
                 if self.phase == Phase::Gravity {
                     let said = settled.said();
                     let what = format!(
-                        "on its own base, under its weight and the first water, the soil does not stand: it {said}"
+                        "on its own base, under its weight and the first water, the soil is not stable: it {said}"
                     );
                     return Err(self.failed(Fault { place: "the slope".into(), what }));
                 }
@@ -287,7 +287,7 @@ impl<'a> Driver<'a> {
         Ok(())
     }
 
-    /// Lets water seep until a time (s) while the soil is held: what a factor of safety at that time is asked of, whether or
+    /// Lets water seep until a time (s) while the soil is fixed: what a factor of safety at that time is asked of, whether or
     /// not the slope stands until then.
     ///
     /// # Errors
@@ -311,15 +311,15 @@ impl<'a> Driver<'a> {
         let left = until - self.time;
         let mut span = if self.seepage > 0.75 * left { left } else { self.seepage };
         let [shortest, soon, longest] = self.scales.seepage();
-        let mut settled = self.seep_and_settle(span, span > soon)?;
+        let mut settled = self.seep_and_equilibrate(span, span > soon)?;
         while settled.is_none() {
             // It fails somewhere on the way: not so far at once.
             span = (SOONER * span).max(0.5 * soon);
             self.seepage = span;
-            settled = self.seep_and_settle(span, span > soon)?;
+            settled = self.seep_and_equilibrate(span, span > soon)?;
         }
         self.time = if span == left { until } else { self.time + span };
-        let settled = settled.filter(Settled::at_rest);
+        let settled = settled.filter(Equilibrated::at_rest);
         if let Some(settled) = settled {
             self.model.stop();
             let periods = settled.steps as f64 * self.dt / self.scales.period;
@@ -346,7 +346,7 @@ impl<'a> Driver<'a> {
 
     /// Some time of seepage (s), and the rest that the soil comes to. If it does not and that may be `undone`, the state is as it
     /// was, and there is nothing to tell.
-    fn seep_and_settle(&mut self, span: f64, undone: bool) -> Result<Option<Settled>, RunError> {
+    fn seep_and_equilibrate(&mut self, span: f64, undone: bool) -> Result<Option<Equilibrated>, RunError> {
         let before = undone.then(|| save(|archive| self.model.save_or_restore(archive)));
         self.phase = Phase::Seepage;
         let mut done = 0;
@@ -355,7 +355,7 @@ impl<'a> Driver<'a> {
         outcome.map_err(|e| self.failed(e))?;
         self.phase = Phase::Relaxing;
         let patience = self.patience();
-        let settled = settle(self.model.as_mut(), &self.first, &patience).map_err(|e| self.failed(e))?;
+        let settled = equilibrate(self.model.as_mut(), &self.first, &patience).map_err(|e| self.failed(e))?;
         self.steps.relaxing += settled.steps;
         match before.filter(|_| !settled.at_rest()) {
             Some(before) => go_back(self.model.as_mut(), &before).map_err(|e| self.failed(e)).map(|()| None),
@@ -445,7 +445,7 @@ impl<'a> Driver<'a> {
         found.map_err(|e| self.failed(e))
     }
 
-    /// The state, from which [`Self::restore`] goes on.
+    /// The state, from which [`Self::restore`] resumes.
     pub fn checkpoint(&mut self) -> Vec<u8> {
         sealed(&save(|archive| self.save_or_restore(archive)), &self.fingerprint())
     }

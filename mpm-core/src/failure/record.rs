@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::events::{First, Moved};
 use super::scales::Scales;
-use super::watch::{First, Moved};
 use super::{Driver, Phase};
 use crate::step::Failing;
 
@@ -101,9 +101,11 @@ pub struct Row {
     /// Water that has left since the start, m3.
     pub water_out_m3: f64,
     /// Stored - first stored - in + out, m3.
-    pub water_closing_m3: f64,
+    #[serde(alias = "water_closing_m3")]
+    pub water_residual_m3: f64,
     /// Change of the dry mass, kg.
-    pub solid_closing_kg: f64,
+    #[serde(alias = "solid_closing_kg")]
+    pub solid_residual_kg: f64,
     /// Kinetic energy, J.
     pub kinetic_j: f64,
     /// Strain energy of the skeleton, J.
@@ -121,8 +123,9 @@ pub struct Row {
     /// Energy that particles did not get from the nodes or lost to them, J.
     pub mapping_j: f64,
     /// What no entry explains, J.
-    pub energy_closing_j: f64,
-    /// The same as a share of the works and losses booked.
+    #[serde(alias = "energy_closing_j")]
+    pub energy_residual_j: f64,
+    /// The same as a share of the works and losses recorded.
     pub energy_error: f64,
     /// How far any stress was outside the yield surface so far, as a share of the strength.
     pub yield_residual: f64,
@@ -142,17 +145,17 @@ pub struct Row {
 impl Row {
     pub(super) fn of(driver: &Driver, moved: &Moved) -> Self {
         let model = driver.model.as_ref();
-        let (state, ledger) = model.observe();
+        let (state, balance) = model.observe();
         let water = state.water.unwrap_or_default();
         let [checkerboard, hourglass] = model.unevenness();
-        let (mapping_j, energy_closing_j) = (ledger.transfer_loss_j, ledger.energy_closing_j);
+        let (mapping_j, energy_residual_j) = (balance.transfer_loss_j, balance.energy_residual_j);
         let booked = [
-            ledger.gravity_work_j,
-            ledger.pressure_work_j,
-            ledger.plastic_dissipation_j,
-            ledger.base_friction_j,
-            ledger.damping_loss_j,
-            ledger.kinetic_j,
+            balance.gravity_work_j,
+            balance.pressure_work_j,
+            balance.plastic_dissipation_j,
+            balance.base_friction_j,
+            balance.damping_loss_j,
+            balance.kinetic_j,
         ];
         let scale = booked.iter().fold(0.0, |most: f64, part| most.max(part.abs()));
         let first_water = driver.first_water();
@@ -172,19 +175,19 @@ impl Row {
             water_m3: water.mobile_m3,
             water_in_m3: water.in_m3,
             water_out_m3: water.out_m3,
-            water_closing_m3: water.mobile_m3 - first_water - water.in_m3 + water.out_m3,
-            solid_closing_kg: ledger.solid_closing_kg,
-            kinetic_j: ledger.kinetic_j,
-            strain_j: ledger.strain_j,
-            gravity_work_j: ledger.gravity_work_j,
-            pressure_work_j: ledger.pressure_work_j,
-            plastic_j: ledger.plastic_dissipation_j,
-            friction_j: ledger.base_friction_j,
-            damping_j: ledger.damping_loss_j,
+            water_residual_m3: water.mobile_m3 - first_water - water.in_m3 + water.out_m3,
+            solid_residual_kg: balance.solid_residual_kg,
+            kinetic_j: balance.kinetic_j,
+            strain_j: balance.strain_j,
+            gravity_work_j: balance.gravity_work_j,
+            pressure_work_j: balance.pressure_work_j,
+            plastic_j: balance.plastic_dissipation_j,
+            friction_j: balance.base_friction_j,
+            damping_j: balance.damping_loss_j,
             mapping_j,
-            energy_closing_j,
-            energy_error: if scale > 0.0 { energy_closing_j.abs() / scale } else { 0.0 },
-            yield_residual: ledger.yield_residual_max.unwrap_or(0.0),
+            energy_residual_j,
+            energy_error: if scale > 0.0 { energy_residual_j.abs() / scale } else { 0.0 },
+            yield_residual: balance.yield_residual_max.unwrap_or(0.0),
             checkerboard,
             hourglass,
             water_particles: water.particles,

@@ -20,7 +20,7 @@ const REST: (f64, f64) = (4e-4, 1.0);
 /// Looks at soil that moves, and the longest failure, in sqrt(H/g).
 const LOOK: f64 = 0.1;
 const LONGEST: f64 = 1600.0;
-/// Shortest, first and longest time of seepage between two looks at the soil, in the time of the water.
+/// Shortest, first and longest time of seepage between two samples of the soil, in the time of the water.
 const SEEPAGE: [f64; 3] = [1e-3, 3e-3, 3e-2];
 
 /// Scales of a scene whose soil may fail.
@@ -115,7 +115,7 @@ impl Scales {
         (REST.0 * (self.gravity * self.height).sqrt(), REST.1 * self.fall())
     }
 
-    /// Time between two looks at soil that moves, s.
+    /// Time between two samples of soil that moves, s.
     pub fn look(&self) -> f64 {
         LOOK * self.fall()
     }
@@ -125,7 +125,7 @@ impl Scales {
         LONGEST * self.fall()
     }
 
-    /// Shortest, first and longest time of seepage between two looks at the soil, s.
+    /// Shortest, first and longest time of seepage between two samples of the soil, s.
     pub fn seepage(&self) -> [f64; 3] {
         SEEPAGE.map(|share| share * self.crossing)
     }

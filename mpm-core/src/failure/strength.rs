@@ -2,22 +2,22 @@
 //!
 //! Water is frozen, and the soil so stiff that its shape stays as it is ([`Scales::stiffening`]): the limit load of a soil does not
 //! depend on its stiffness, and displacements of a small-strain analysis are what failure is read from. Whether a slope stands
-//! with a strength is found by damped steps from the same state ([`settle`]); the factor between standing and sliding is bracketed
+//! with a strength is found by damped steps from the same state ([`equilibrate`]); the factor between standing and sliding is bracketed
 //! by bisection (Matsui & San 1992, doi:10.3208/sandf1972.32.59; Griffiths & Lane 1999, doi:10.1680/geot.1999.49.3.387). A trial
 //! that is neither decides nothing: the bracket stays as wide as that.
 
+use super::equilibrate::{Equilibrated, Outcome, Patience, equilibrate};
+use super::events::{First, Which};
 use super::scales::Scales;
-use super::settle::{Outcome, Patience, Settled, settle};
-use super::watch::{First, Which};
 use crate::checkpoint::{restore, save};
 use crate::step::{Failing, Fault};
 
 /// The factor between two others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bracket {
-    /// It stands with its strength divided by this; zero if it stands with none that is looked at.
+    /// It stands with its strength divided by this; zero if it stands with no factor of the range.
     pub low: f64,
-    /// It slides with its strength divided by this; infinite if it slides with none that is looked at.
+    /// It slides with its strength divided by this; infinite if it slides with no factor of the range.
     pub high: f64,
     /// Trials that it took.
     pub trials: u32,
@@ -27,7 +27,7 @@ pub struct Bracket {
     pub undecided: Option<[f64; 2]>,
 }
 
-/// Factors that are looked at.
+/// Range of factors.
 const RANGE: [f64; 2] = [0.3, 4.0];
 /// First stride from a factor of 1.
 const FIRST_STRIDE: f64 = 0.08;
@@ -116,7 +116,7 @@ impl Shown {
 fn search(
     within: f64,
     progress: &mut dyn FnMut(&Bracket),
-    tried: &mut dyn FnMut(f64) -> Result<Settled, Fault>,
+    tried: &mut dyn FnMut(f64) -> Result<Equilibrated, Fault>,
 ) -> Result<Bracket, Fault> {
     let mut bracket = Bracket { low: RANGE[0], high: RANGE[1], trials: 0, steps: 0, undecided: None };
     let (mut shown, mut stride) = (Shown::default(), FIRST_STRIDE);
@@ -127,7 +127,7 @@ fn search(
         bracket.steps += settled.steps;
         bracket.trials += 1;
         shown.take(factor, settled.outcome);
-        // Nothing is looked at beyond the ends of the range.
+        // No factor beyond the range is tried.
         let last = factor >= RANGE[1] && shown.slides.is_none() || factor <= RANGE[0] && shown.stands.is_none();
         bracket.low = shown.stands.unwrap_or(if last { 0.0 } else { RANGE[0] });
         bracket.high = shown.slides.unwrap_or(if last { f64::INFINITY } else { RANGE[1] });
@@ -151,14 +151,14 @@ impl Trials<'_> {
     ///
     /// # Errors
     /// Where and what went wrong in a step.
-    pub fn with_strength(&self, model: &mut dyn Failing, factor: f64) -> Result<Settled, Fault> {
+    pub fn with_strength(&self, model: &mut dyn Failing, factor: f64) -> Result<Equilibrated, Fault> {
         // Slip stays: a base that has weakened is weak. None is added to speak of.
         model.stop();
         model.count_from_here();
         let patience = Patience::stiffened(&self.scales, self.dt);
         let first = First::of(model, self.outline, &[], &patience.scales);
         model.alter(factor, self.scales.stiffening());
-        settle(model, &first, &patience)
+        equilibrate(model, &first, &patience)
     }
 }
 
@@ -184,7 +184,7 @@ mod tests {
                 f if f > slides => Outcome::Slides,
                 _ => Outcome::Undecided,
             };
-            Ok(Settled { outcome, steps: 1, moved: Moved::default() })
+            Ok(Equilibrated { outcome, steps: 1, moved: Moved::default() })
         };
         search(0.01, &mut |_| (), &mut tried).expect("a bracket")
     }

@@ -17,14 +17,14 @@ impl Flowed {
     /// Before the first step.
     pub const NOTHING: Self = Self { dissipation: 0.0, residual: f64::NEG_INFINITY };
 
-    /// Books an update of a particle of a volume, m3.
+    /// Records an update of a particle of a volume, m3.
     #[inline(always)]
     pub fn add(&mut self, volume: f64, flow: &Flow) {
         self.dissipation += volume * flow.dissipation;
         self.residual = self.residual.max(flow.residual);
     }
 
-    /// Books what was added up elsewhere.
+    /// Records what was added up elsewhere.
     pub fn join(&mut self, other: &Self) {
         self.dissipation += other.dissipation;
         self.residual = self.residual.max(other.residual);

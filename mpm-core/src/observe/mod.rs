@@ -1,13 +1,13 @@
-//! What is read from a run: settlement, profiles, and the ledgers of mass, water, momentum and energy.
+//! Results of a run: settlement, profiles, and the balances of mass, water, momentum and energy.
 
+mod balance;
 mod flowed;
 mod frame;
-mod ledger;
 mod trust;
 
+pub use balance::{BalanceTerms, Totals};
 pub use flowed::Flowed;
 pub use frame::{CellState, Frame, SolidState, WaterParticle};
-pub use ledger::{Ledger, Totals};
 use serde::{Deserialize, Serialize};
 pub use trust::{Balance, Trust, balances};
 

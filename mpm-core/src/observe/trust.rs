@@ -1,4 +1,4 @@
-//! Whether the balances of a run close: what is missing beside what may be, and since when.
+//! Whether the balances of a run are closed: each residual, its bound, and the time from which it exceeds the bound.
 //!
 //! Every bound has the form of what the scheme leaves out. Some of its terms were added because sound runs had shown the bound
 //! to be too narrow, and were derived then:
@@ -14,13 +14,13 @@
 
 use serde::Serialize;
 
-use super::{Ledger, Observation};
+use super::{BalanceTerms, Observation};
 use crate::boundary::knows_volumes;
 use crate::scene::{
     Coupling, Course, FaceLoad, Integrator, LoadOn, Piece, Scene, Side, SolidSide, StrainChoice, UpdateChoice,
 };
 
-/// Settlement may differ from what the strains add up to by this share of its largest: what is promised of a settlement.
+/// Settlement may differ from what the strains add up to by this share of its largest: the accuracy that is guaranteed for a settlement.
 const MOST_APART: f64 = 0.01;
 
 /// One metre of a top.
@@ -33,22 +33,22 @@ const TURNING: f64 = 0.005;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Balance {
     /// Its name: dry mass, water, momentum, energy, stress.
-    pub ledger: &'static str,
-    /// What is missing, in its unit.
+    pub name: &'static str,
+    /// Its residual, in its unit.
     pub gap: f64,
-    /// What may be.
+    /// The bound of the residual.
     pub allowed: f64,
     /// kg, N s, J or Pa.
     pub unit: &'static str,
 }
 
 impl Balance {
-    /// Whether it closes; a gap that is not a number does not.
+    /// Whether the residual is within its bound; one that is not a number is not.
     pub fn closes(&self) -> bool {
         self.gap.abs() <= self.allowed
     }
 
-    /// The gap over what is allowed.
+    /// The residual over its bound.
     fn ratio(&self) -> f64 {
         if self.gap == 0.0 { 0.0 } else { self.gap.abs() / self.allowed }
     }
@@ -60,14 +60,16 @@ pub struct Trust {
     /// `closed`, or `not closed` from [`Self::since_s`] on.
     pub verdict: &'static str,
     /// The balance that came nearest to its bound, or went furthest beyond it.
+    pub balance: &'static str,
+    /// The same under the name that this key had in the last version.
     pub ledger: &'static str,
-    /// Its largest gap beside what was allowed, in its unit.
+    /// Its residual that was largest relative to its bound, in its unit.
     pub gap: f64,
-    /// What was allowed then.
+    /// The bound then.
     pub allowed: f64,
     /// The unit of both.
     pub unit: &'static str,
-    /// Since when it does not close, s since the start of the run.
+    /// Time from which it is not closed, s since the start of the run.
     pub since_s: Option<f64>,
 }
 
@@ -76,14 +78,14 @@ impl Trust {
     pub fn of<'a>(
         scene: &Scene,
         dt: f64,
-        samples: impl IntoIterator<Item = (u64, &'a Observation, &'a Ledger)>,
+        samples: impl IntoIterator<Item = (u64, &'a Observation, &'a BalanceTerms)>,
     ) -> Option<Self> {
         let (mut worst, mut since): (Option<Balance>, Option<f64>) = (None, None);
-        for (steps, state, ledger) in samples {
+        for (steps, state, balance) in samples {
             if scene.integrator == Integrator::QuasiStatic && state.time == 0.0 {
                 continue; // the first state is there before it is in equilibrium
             }
-            for balance in balances(scene, dt, steps, state, ledger) {
+            for balance in balances(scene, dt, steps, state, balance) {
                 if !balance.closes() {
                     since = since.or(Some(state.time));
                 }
@@ -94,22 +96,22 @@ impl Trust {
                 }
             }
         }
-        worst.map(|Balance { ledger, gap, allowed, unit }| {
+        worst.map(|Balance { name, gap, allowed, unit }| {
             let verdict = if since.is_none() { "closed" } else { "not closed" };
-            Self { verdict, ledger, gap, allowed, unit, since_s: since }
+            Self { verdict, balance: name, ledger: name, gap, allowed, unit, since_s: since }
         })
     }
 }
 
 /// Balances of a run after so many steps of `dt` (s).
-pub fn balances(scene: &Scene, dt: f64, steps: u64, state: &Observation, ledger: &Ledger) -> Vec<Balance> {
-    let bounds = Bounds::new(scene, dt, steps, state, ledger);
-    let mut balances = vec![bounds.dry_mass(ledger)];
-    balances.extend(bounds.water(ledger));
-    balances.extend(bounds.momentum(ledger));
-    balances.extend(bounds.energy(ledger));
+pub fn balances(scene: &Scene, dt: f64, steps: u64, state: &Observation, balance: &BalanceTerms) -> Vec<Balance> {
+    let bounds = Bounds::new(scene, dt, steps, state, balance);
+    let mut balances = vec![bounds.dry_mass(balance)];
+    balances.extend(bounds.water(balance));
+    balances.extend(bounds.momentum(balance));
+    balances.extend(bounds.energy(balance));
     balances.extend(bounds.stress());
-    balances.extend(bounds.settlement(ledger));
+    balances.extend(bounds.settlement(balance));
     balances
 }
 
@@ -140,11 +142,11 @@ struct Bounds<'a> {
 }
 
 impl<'a> Bounds<'a> {
-    fn new(scene: &'a Scene, dt: f64, steps: u64, state: &'a Observation, ledger: &Ledger) -> Self {
+    fn new(scene: &'a Scene, dt: f64, steps: u64, state: &'a Observation, balance: &BalanceTerms) -> Self {
         let load = scene.largest_load();
         let weight = scene.gravity.unwrap_or(0.0) * scene.mixture_density() * scene.height;
-        let volume = ledger.solid_mass_kg / scene.dry_density();
-        let moved = ledger.external_work_j.abs() / (volume * scene.oedometer_modulus());
+        let volume = balance.solid_mass_kg / scene.dry_density();
+        let moved = balance.external_work_j.abs() / (volume * scene.oedometer_modulus());
         let (stress, modulus) = (load + weight, scene.oedometer_modulus());
         let soils = scene.by_soil();
         let of_soils = soils.iter().map(|soil| {
@@ -181,12 +183,12 @@ impl<'a> Bounds<'a> {
         }
     }
 
-    fn dry_mass(&self, ledger: &Ledger) -> Balance {
-        let allowed = self.round_off * ledger.solid_mass_kg;
-        Balance { ledger: "dry mass", gap: ledger.solid_closing_kg, allowed, unit: "kg" }
+    fn dry_mass(&self, balance: &BalanceTerms) -> Balance {
+        let allowed = self.round_off * balance.solid_mass_kg;
+        Balance { name: "dry mass", gap: balance.solid_residual_kg, allowed, unit: "kg" }
     }
 
-    fn water(&self, ledger: &Ledger) -> Option<Balance> {
+    fn water(&self, balance: &BalanceTerms) -> Option<Balance> {
         let water = self.scene.water?;
         // Water with a free surface in soil that moves is balanced by its particles, which go with it.
         if self.scene.free_surface.is_some()
@@ -194,12 +196,12 @@ impl<'a> Bounds<'a> {
         {
             return None;
         }
-        let gap = ledger.water_closing_kg;
-        let moved = ledger.water_in_kg.abs() + ledger.water_out_kg.abs();
-        let exchanged = moved + (ledger.water_stored_kg - (gap + ledger.water_in_kg - ledger.water_out_kg)).abs();
-        let mut allowed = self.round_off * (exchanged + ledger.water_stored_kg);
+        let gap = balance.water_residual_kg;
+        let moved = balance.water_in_kg.abs() + balance.water_out_kg.abs();
+        let exchanged = moved + (balance.water_stored_kg - (gap + balance.water_in_kg - balance.water_out_kg)).abs();
+        let mut allowed = self.round_off * (exchanged + balance.water_stored_kg);
         if self.scene.free_surface.is_none() {
-            let soil = ledger.solid_mass_kg / self.scene.dry_density();
+            let soil = balance.solid_mass_kg / self.scene.dry_density();
             let strained = water.density * soil * self.strain;
             // An undrained front strains cell by cell at `wave c/L`, in one cell at a time; a step is off by half its square.
             let wave = self.stress / (self.speed * self.speed * self.scene.mixture_density());
@@ -210,7 +212,7 @@ impl<'a> Bounds<'a> {
             let second_order = fronts.min(0.5 * wave * wave * self.state.time / self.dt.max(f64::MIN_POSITIVE));
             // Q rho(p) leaves a cell and Q rho(p') reaches the next: `rho Q (p - p')/K_w` is lost on the way, which is
             // what Darcy's law dissipates there, less the work of weight and inertia.
-            let on_the_way = ledger.darcy_dissipation_j.abs() + ledger.flow_body_work_j.abs();
+            let on_the_way = balance.darcy_dissipation_j.abs() + balance.flow_body_work_j.abs();
             allowed += water.density * on_the_way / water.bulk_modulus;
             if !self.scene.is_one_dimensional() {
                 // Faces stay where they are while soil strains along and across them, and moves water within: their areas are off.
@@ -244,24 +246,24 @@ impl<'a> Bounds<'a> {
                 }
             }
         }
-        Some(Balance { ledger: "water", gap, allowed, unit: "kg" })
+        Some(Balance { name: "water", gap, allowed, unit: "kg" })
     }
 
-    fn momentum(&self, ledger: &Ledger) -> Option<Balance> {
+    fn momentum(&self, balance: &BalanceTerms) -> Option<Balance> {
         if self.scene.integrator == Integrator::QuasiStatic || self.scene.free_surface.is_some() {
             return None;
         }
-        let mass = ledger.solid_mass_kg + ledger.water_stored_kg;
-        let area = ledger.solid_mass_kg / (self.scene.dry_density() * self.scene.height);
+        let mass = balance.solid_mass_kg + balance.water_stored_kg;
+        let area = balance.solid_mass_kg / (self.scene.dry_density() * self.scene.height);
         // Every row of nodes takes the stress below it and above.
         let rows = self.scene.cells[1] as f64;
         let pushed: f64 = self.state.plates.iter().map(|push| push.impulse[0].hypot(push.impulse[1])).sum();
         let given = (self.stress * area * self.state.time + pushed) * rows + mass * self.velocity();
         // Water that is taken away goes with the speed of its soil, at most that of a fall.
         let fall = (2.0 * self.scene.gravity.unwrap_or(0.0) * self.scene.height).sqrt() + self.velocity();
-        let removed = ledger.water_particles_removed_kg * fall;
+        let removed = balance.water_particles_removed_kg * fall;
         let allowed = self.round_off * given + removed;
-        Some(Balance { ledger: "momentum", gap: ledger.momentum_closing_n_s, allowed, unit: "N s" })
+        Some(Balance { name: "momentum", gap: balance.momentum_residual_n_s, allowed, unit: "N s" })
     }
 
     /// Speed that the scene starts with or a wave of its load makes, m/s.
@@ -270,11 +272,11 @@ impl<'a> Bounds<'a> {
         start + self.stress / (self.scene.mixture_density() * self.speed)
     }
 
-    fn energy(&self, ledger: &Ledger) -> Option<Balance> {
+    fn energy(&self, balance: &BalanceTerms) -> Option<Balance> {
         if self.scene.free_surface.is_some() {
             return None;
         }
-        let l = ledger;
+        let l = balance;
         let spent = [
             l.external_work_j,
             l.gravity_work_j,
@@ -336,7 +338,7 @@ impl<'a> Bounds<'a> {
         // Water lets no more swing than a load stores before it drains.
         let swings = if self.scene.water.is_some() { 2.0 * undrained + l.kinetic_j } else { all + undrained };
         let allowed = share * (all + undrained) + waves * swings + sudden;
-        Some(Balance { ledger: "energy", gap: l.energy_closing_j, allowed, unit: "J" })
+        Some(Balance { name: "energy", gap: l.energy_residual_j, allowed, unit: "J" })
     }
 
     /// Vertical total stress against load and weight above.
@@ -375,7 +377,7 @@ impl<'a> Bounds<'a> {
         // Particles' own volumes are right while the surface stays within a fifth of a cell.
         let strain = if knows_volumes(scene) { self.strain } else { self.strain.min(0.2 * scene.cell / scene.height) };
         let allowed = by_place + moving + strain.max(TURNING) * self.stress + self.swings(damping);
-        Some(Balance { ledger: "stress", gap, allowed, unit: "Pa" })
+        Some(Balance { name: "stress", gap, allowed, unit: "Pa" })
     }
 
     /// Stress that the lowest wave of a sudden load still has where it turns and no speed tells of it, Pa.
@@ -403,16 +405,16 @@ impl<'a> Bounds<'a> {
     }
 
     /// Settlement of the surface against what the strains of the particles add up to.
-    fn settlement(&self, ledger: &Ledger) -> Option<Balance> {
+    fn settlement(&self, balance: &BalanceTerms) -> Option<Balance> {
         let scene = self.scene;
         let judged = scene.is_one_dimensional() && scene.strain == StrainChoice::Large && !scene.has_several_soils();
         if !judged || !knows_volumes(scene) || scene.integrator == Integrator::QuasiStatic {
             return None;
         }
-        let soil = ledger.solid_mass_kg / scene.dry_density();
+        let soil = balance.solid_mass_kg / scene.dry_density();
         let strained = scene.height * (1.0 - self.state.soil_volume / soil) + scene.first_settlement();
         let gap = self.state.settlement - strained;
         let allowed = scene.height * (MOST_APART * self.strain + self.round_off);
-        Some(Balance { ledger: "settlement", gap, allowed, unit: "m" })
+        Some(Balance { name: "settlement", gap, allowed, unit: "m" })
     }
 }

@@ -1,7 +1,7 @@
 //! What goes together: the one table from which the checker refuses, the program lists, and the page of scene keys is made.
 //!
 //! Most of what a scene may have goes with everything else. A [`Rule`] says what does not, and what to do about it. What depends
-//! on numbers, or on three things at once, is said by the room that knows it.
+//! on numbers, or on three things at once, is checked by the module that knows it.
 
 use Feature::*;
 
@@ -63,7 +63,7 @@ features! {
     EmptyBeside: "mesh.empty_cells_beside" "mesh.empty_cells_beside",
     Periodic: "boundaries.left" "\"periodic\"",
     FixedSide: "boundaries.left" "a \"fixed\" side",
-    HeldTop: "boundaries.top" "a held top",
+    HeldTop: "boundaries.top" "a constrained top",
     CoulombBase: "base" "[base]",
     Load: "surcharge" "[surcharge]",
     Plate: "surcharge.on" "\"plate\"",
@@ -145,144 +145,160 @@ const NOT_CORNERS: &[Feature] = &[SemiImplicit, QuasiStatic, Gimp, Bspline2, Bsp
 const SEVERAL: &[Feature] = &[Layers, Regions];
 const NOT_PLAIN: &[Feature] = &[SemiImplicit, QuasiStatic, Staggered, Coupled, FreeSurface];
 
-const PLANE: &str = "dimension = \"plane-strain\" beside it";
-const BY_QUASI_STATIC: &str = "integrator = \"quasi-static\" beside it";
-const BY_EXPLICIT: &str = "integrator = \"explicit\" beside it";
+const PLANE: &str = "dimension = \"plane-strain\" with it";
+const BY_QUASI_STATIC: &str = "integrator = \"quasi-static\" with it";
+const BY_EXPLICIT: &str = "integrator = \"explicit\" with it";
 const BY_CORNERS: &str =
-    "integrator = \"explicit\" and shape = \"centre\", \"centroid\", \"linear\" or \"b-bar\" beside it";
-const BY_PLAIN: &str = "integrator = \"explicit\" beside it, in a scene without a free surface of water";
-const BY_TENSOR: &str = "integrator = \"quasi-static\" and shape = \"bspline2\" or \"bspline3\" beside it: two-point faces carry only \
-                         fluxes along their normals";
-const AUTO_STEP: &str = "step = \"auto\" beside it";
+    "integrator = \"explicit\" and shape = \"centre\", \"centroid\", \"linear\" or \"b-bar\" with it";
+const BY_PLAIN: &str = "integrator = \"explicit\" with it, in a scene without a free surface of water";
+const BY_TENSOR: &str = "integrator = \"quasi-static\" and shape = \"bspline2\" or \"bspline3\" with it: two-point fluxes act only \
+                         along face normals";
+const AUTO_STEP: &str = "step = \"auto\" with it";
 
 const NO_SUPPORT: &[Feature] = &[Fails, Periodic, CoulombBase, Plate, MovedPlates];
 
-/// The table, in the order in which a scene is held against it.
+/// The table, in the order in which a scene is checked against it.
 pub const RULES: &[Rule] = &[
-    rule(Outline, &[Column], "dimension = \"plane-strain\" beside it: an outline is an area"),
-    rule(EmptyBeside, &[Column], "dimension = \"plane-strain\" beside it: a column cannot move sideways"),
+    rule(Outline, &[Column], "dimension = \"plane-strain\" with it: an outline is an area"),
+    rule(EmptyBeside, &[Column], "dimension = \"plane-strain\" with it: a column cannot move sideways"),
     rule(SlopeAngle, &[Column], PLANE),
     rule(SlopeAngle, &[Axisymmetric], "no tilt about a vertical axis: gravity points along it"),
-    rule(Periodic, &[Axisymmetric], "dimension = \"plane-strain\" beside it: two radii are not the same place"),
-    rule(FreeSurface, &[Axisymmetric], "soil full of water about an axis: free water is in cells of equal volume"),
-    rule(Nodal, &[Axisymmetric], "\"face\" about an axis: the nodal flow takes cells for equal"),
+    rule(Periodic, &[Axisymmetric], "dimension = \"plane-strain\" with it: two radii are not the same place"),
+    rule(
+        FreeSurface,
+        &[Axisymmetric],
+        "saturated soil about an axis: water with a free surface needs cells of equal volume",
+    ),
+    rule(Nodal, &[Axisymmetric], "\"face\" about an axis: the nodal flow assumes cells of equal volume"),
     rule(StartVelocity, &[Column], PLANE),
     rule(Periodic, &[Column], PLANE),
     rule(CoulombBase, &[Column], PLANE),
-    rule(Strip, &[Column], "dimension = \"plane-strain\" beside it: a column is loaded all over"),
+    rule(Strip, &[Column], "dimension = \"plane-strain\" with it: a column carries a uniform load"),
     rule(FixedSide, &[Column], "\"roller\" in a column, which cannot move sideways (or dimension = \"plane-strain\")"),
     rule(
         Fails,
         &[Column, NoGravity, SlopeAngle, HeldTop],
-        "plane strain under gravity, with a level base and a free top, beside coupling = \"full\"",
+        "plane strain under gravity, with a level base and a free top, and coupling = \"full\"",
     ),
     rule(
         Fails,
         &[Dry, Saturated],
-        "[water.free_surface] beside coupling = \"full\": which soil is wet, and what feeds it",
+        "[water.free_surface] with coupling = \"full\": which soil is saturated, and where water flows in",
     ),
     rule(
         StageSides,
         NO_SUPPORT,
-        "the supports of [boundaries] in every stage: what is periodic, rubs or moves is none",
+        "the supports of [boundaries] in every stage: a periodic side, a base with friction or a moved plate is no support",
     ),
-    rule(Fails, &[RestEnd, PressureEnd], "a time (s) beside coupling = \"full\""),
-    rule(SlopeAngle, &[NoGravity], "the key gravity beside it, which it turns"),
-    rule(Geostatic, &[NoGravity], "the key gravity beside a geostatic start"),
-    rule(StartK0, &[Unloaded, UndrainedStart, GivenStart], "start = \"geostatic\" beside it"),
-    rule(Initial, &[Unloaded, UndrainedStart], "start = \"given\" beside it, or \"geostatic\", to which it is added"),
+    rule(Fails, &[RestEnd, PressureEnd], "a time (s) with coupling = \"full\""),
+    rule(SlopeAngle, &[NoGravity], "the key gravity with it, whose direction it turns"),
+    rule(Geostatic, &[NoGravity], "the key gravity with a geostatic start"),
+    rule(StartK0, &[Unloaded, UndrainedStart, GivenStart], "start = \"geostatic\" with it"),
+    rule(Initial, &[Unloaded, UndrainedStart], "start = \"given\" with it, or \"geostatic\", to which it is added"),
     rule(UndrainedStart, &[Dry], "[water] to carry the load undrained"),
-    rule(UndrainedStart, &[FreeSurface], "\"geostatic\" or \"unloaded\" beside it: its soil is not full of water"),
+    rule(UndrainedStart, &[FreeSurface], "\"geostatic\" or \"unloaded\" with it: its soil is not saturated"),
     rule(
         UndrainedStart,
         &[Outline],
-        "\"geostatic\" or \"unloaded\" beside an outline: undrained equilibrium is that of level soil",
+        "\"geostatic\" or \"unloaded\" with an outline: undrained equilibrium is that of level soil",
     ),
-    rule(UndrainedStart, &[Strip], "\"unloaded\" under a strip: undrained equilibrium is that of a load all over"),
-    rule(Load, &[HeldTop], "boundaries.top = \"free\" under a surcharge (a held surface carries no load)"),
+    rule(UndrainedStart, &[Strip], "\"unloaded\" under a strip: undrained equilibrium assumes a uniform load"),
+    rule(
+        Load,
+        &[HeldTop],
+        "boundaries.top = \"free\" under a surcharge (a load on a constrained surface has no effect)",
+    ),
     rule(
         Plate,
         &[FixedSide],
-        "\"surface\" beside it, or \"roller\" or \"free\" sides: soil that is held at the edge of a plate cannot follow it, \
+        "\"surface\" with it, or \"roller\" or \"free\" sides: soil that is fixed at the edge of a plate cannot follow it, \
          and its stress grows with every refinement",
     ),
     rule(
         Plate,
         &[EmptyBeside],
-        "\"surface\" or \"particles\" in a mesh with room to move: the plate is its top row of nodes",
+        "\"surface\" or \"particles\" in a mesh with empty cells: the plate is the top row of nodes of the mesh",
     ),
     rule(Plate, &[Outline], "\"surface\" on an outline, whose top is no row of nodes"),
-    rule(Strip, &[Plate], "on = \"surface\" or \"particles\" beside it: a plate spreads its load itself"),
+    rule(Strip, &[Plate], "on = \"surface\" or \"particles\" with it: a plate distributes its load itself"),
     // Water.
     rule(DarcyOperator, &[Dry], "no Darcy operator in a dry scene"),
-    rule(DarcyInertia, &[Dry], "no inertia in Darcy's law in a dry scene"),
+    rule(DarcyInertia, &[Dry], "no inertia term of Darcy's law in a dry scene"),
     rule(JumpPenalty, &[Dry], "no jump penalty in a dry scene: it acts on the pore pressure"),
     rule(Drained, &[Dry], "no drained side in a dry scene"),
     rule(PressureEnd, &[Dry], "[surcharge] and [water]"),
     rule(
         PressureEnd,
         &[Gravity],
-        "time or time_factor under gravity: the pressure waited for is that of the load alone",
+        "time or time_factor under gravity: the stage would wait for the pressure of the load alone",
     ),
     rule(
         PressureEnd,
         &[Loads, MovedPlates, Wells],
-        "time or time_factor beside them: the pressure waited for is that of [surcharge] alone",
+        "time or time_factor with them: the stage would wait for the pressure of [surcharge] alone",
     ),
-    rule(SemiImplicit, &[Dry], "a [water] table beside it: a dry scene has no pressure to solve for"),
-    rule(Incompressible, &[Explicit], "a finite bulk modulus (Pa): the explicit step follows its pressure wave"),
-    rule(Incompressible, &[PressureEnd], "a finite bulk modulus (Pa): the pressure must hold for a period of its wave"),
+    rule(SemiImplicit, &[Dry], "a [water] table with it: a dry scene has no pressure to solve for"),
+    rule(Incompressible, &[Explicit], "a finite bulk modulus (Pa): the explicit step resolves its pressure wave"),
+    rule(Incompressible, &[PressureEnd], "a finite bulk modulus (Pa): the pressure must stay for a period of its wave"),
     rule(
         FreeSurface,
         IMPLICIT,
-        "integrator = \"staggered\" beside it, or \"coupled\" or \"explicit\" with coupling = \"full\": the others know \
+        "integrator = \"staggered\" with it, or \"coupled\" or \"explicit\" with coupling = \"full\": the others know \
          saturated soil",
     ),
-    rule(Staggered, &[Dry, Saturated], "[water.free_surface] beside it, or integrator = \"explicit\""),
+    rule(Staggered, &[Dry, Saturated], "[water.free_surface] with it, or integrator = \"explicit\""),
     rule(
         Coupled,
         &[Dry, Saturated],
-        "[water.free_surface] and coupling = \"full\" beside it, or integrator = \"explicit\"",
+        "[water.free_surface] and coupling = \"full\" with it, or integrator = \"explicit\"",
     ),
     rule(
         FreeSurface,
         &[BBar, Gimp, Bspline2, Bspline3],
-        "shape = \"centre\", \"centroid\" or \"linear\" beside it: its forces are those of whole cells",
+        "shape = \"centre\", \"centroid\" or \"linear\" with it: its forces are integrated over whole cells",
     ),
     rule(PaperStep, &[FreeSurface], "\"auto\" or a step (s): the paper's 1e-7 s is that of its consolidation column"),
-    rule(Nodal, &[Periodic, Outline], "\"face\" beside it: the nodal flow takes every cell for full of soil"),
-    rule(Wells, &[Dry], "[water] beside it: a dry scene has none to take"),
-    rule(Wells, &[FreeSurface], "soil full of water beside it: free water comes and goes by feeds and [[reservoirs]]"),
-    rule(Wells, &[EmptyBeside], "no room to run out beside it: soil that does gives its water away with its particles"),
-    rule(Wells, &[Nodal], "\"face\" beside wells: the balance of a cell is that of its faces"),
-    rule(KozenyCarman, &[Dry], "[water] beside it: a dry scene conducts none"),
-    rule(KozenyCarman, &[SmallStrain], "\"large\" beside it: pores keep their size at small strain"),
-    rule(KozenyCarman, &[FreeSurface], "false beside it: water with a free surface flows as in soil at rest"),
-    rule(KozenyCarman, &[Nodal], "\"face\" beside it: velocities at nodes take one conductivity for all cells"),
-    rule(Bedding, &[Dry], "[water] beside it: a dry scene conducts none"),
-    rule(Bedding, &[Column], "dimension = \"plane-strain\" beside it: water in inclined layers flows sideways too"),
+    rule(Nodal, &[Periodic, Outline], "\"face\" with it: the nodal flow assumes that soil fills every cell"),
+    rule(Wells, &[Dry], "[water] with it: a dry scene has no water to pump"),
+    rule(
+        Wells,
+        &[FreeSurface],
+        "saturated soil with it: water with a free surface enters and leaves by feeds and [[reservoirs]]",
+    ),
+    rule(Wells, &[EmptyBeside], "no empty cells beside the soil: soil that flows out takes its water particles along"),
+    rule(Wells, &[Nodal], "\"face\" with wells: the balance of a cell is that of its faces"),
+    rule(KozenyCarman, &[Dry], "[water] with it: a dry scene has no flow"),
+    rule(KozenyCarman, &[SmallStrain], "\"large\" with it: porosity is constant at small strain"),
+    rule(
+        KozenyCarman,
+        &[FreeSurface],
+        "false with it: water with a free surface flows through soil of constant porosity",
+    ),
+    rule(KozenyCarman, &[Nodal], "\"face\" with it: velocities at nodes assume one conductivity for all cells"),
+    rule(Bedding, &[Dry], "[water] with it: a dry scene has no flow"),
+    rule(Bedding, &[Column], "dimension = \"plane-strain\" with it: water in inclined layers flows sideways too"),
     rule(Bedding, STEPPED, BY_TENSOR),
     rule(Bedding, &[AnyShape], BY_TENSOR),
     // Functions.
     rule(
         Bspline3,
         STEPPED,
-        "integrator = \"quasi-static\" beside it, which fits weights: particles of equal volumes do not balance a uniform \
-         stress at the ends of cubic B-splines, and \"bspline2\" is nearer",
+        "integrator = \"quasi-static\" with it, which fits weights: particles of equal volumes do not balance a uniform \
+         stress at the ends of cubic B-splines, and \"bspline2\" is more accurate",
     ),
     rule(Centroid, IMPLICIT, BY_EXPLICIT),
-    rule(JumpPenalty, &[AnyShape], "shape = \"bspline2\" or \"bspline3\" beside it: other shapes have no jump penalty"),
+    rule(JumpPenalty, &[AnyShape], "shape = \"bspline2\" or \"bspline3\" with it: other shapes have no jump penalty"),
     rule(JumpPenalty, STEPPED, BY_QUASI_STATIC),
     rule(
         Nodal,
         &[SemiImplicit, Gimp, Bspline2, Bspline3],
-        "\"face\", or integrator = \"explicit\" and shape = \"centre\" or \"linear\" beside it",
+        "\"face\", or integrator = \"explicit\" and shape = \"centre\" or \"linear\" with it",
     ),
-    rule(Nodal, &[QuasiStatic], "\"face\" beside quasi-static: the nodal flow is a velocity of an explicit step"),
+    rule(Nodal, &[QuasiStatic], "\"face\" with quasi-static: the nodal flow is a velocity of an explicit step"),
     rule(
         Nodal,
         SEVERAL,
-        "\"face\" beside several soils: a velocity at the nodes of an interface has no one conductivity",
+        "\"face\" with several soils: a velocity at the nodes of an interface has no one conductivity",
     ),
     rule(LightNodes, NOT_CORNERS, BY_CORNERS),
     // Explicit steps alone.
@@ -298,46 +314,50 @@ pub const RULES: &[Rule] = &[
         "[geometry.column] without empty_cells_beside where \"periodic\" stands: the soil fills the width",
     ),
     rule(CoulombBase, NOT_CORNERS, BY_CORNERS),
-    rule(Separation, &[LinearElastic, CamClay], "mohr_coulomb without dilation beside it"),
+    rule(Separation, &[LinearElastic, CamClay], "mohr_coulomb with dilation_angle = 0"),
     rule(Separation, NOT_CORNERS, BY_CORNERS),
     rule(RestEnd, NOT_CORNERS, BY_CORNERS),
     rule(Affine, NOT_PLAIN, BY_PLAIN),
     rule(Musl, NOT_PLAIN, BY_PLAIN),
-    rule(Musl, &[CoulombBase], "\"usl\" beside [base]: friction is with the nodes"),
+    rule(Musl, &[CoulombBase], "\"usl\" with [base]: friction acts at the nodes"),
     // Quasi-static alone, and what it has no use for.
     rule(Shift, STEPPED, BY_QUASI_STATIC),
     rule(Displaced, STEPPED, BY_QUASI_STATIC),
-    rule(SmallStrain, STEPPED, "\"large\", or integrator = \"quasi-static\": the others move their particles"),
+    rule(
+        SmallStrain,
+        STEPPED,
+        "\"large\", or integrator = \"quasi-static\": the other integrators move their particles",
+    ),
     rule(TimeMethod, STEPPED, BY_QUASI_STATIC),
     rule(Tolerance, STEPPED, BY_QUASI_STATIC),
-    rule(Krylov, &[LargeStrain], "soil.strain = \"small\" beside it: the Krylov method is for linear scenes"),
-    rule(Krylov, &[MohrCoulomb, CamClay], "linear_elastic soil beside it: the Krylov method is for linear scenes"),
-    rule(Krylov, &[Gravity], "no gravity beside it: the Krylov method is for linear scenes"),
-    rule(Krylov, &[Dry], "[water] beside it: the Krylov method follows what drains"),
+    rule(Krylov, &[LargeStrain], "soil.strain = \"small\" with it: the Krylov method needs a linear scene"),
+    rule(Krylov, &[MohrCoulomb, CamClay], "linear_elastic soil with it: the Krylov method needs a linear scene"),
+    rule(Krylov, &[Gravity], "no gravity with it: the Krylov method needs a linear scene"),
+    rule(Krylov, &[Dry], "[water] with it: the Krylov method is for consolidation"),
     rule(
         Krylov,
         &[MovedPlates],
-        "method = \"sdirk\" beside plates that are moved: the Krylov method is for constant loads",
+        "method = \"sdirk\" with plates that are moved: the Krylov method needs constant loads",
     ),
-    rule(Krylov, &[Wells], "method = \"sdirk\" beside wells: the Krylov method is for constant loads"),
+    rule(Krylov, &[Wells], "method = \"sdirk\" with wells: the Krylov method needs constant loads"),
     rule(Krylov, &[GivenStep, PaperStep], "step = \"auto\": the Krylov method has no steps"),
-    rule(InertiaKept, &[QuasiStatic], "false, or no such key: quasi-static has no inertia"),
-    rule(Flip, &[QuasiStatic], "no such key beside quasi-static, which carries no velocities"),
-    rule(Damping, &[QuasiStatic], "no damping beside quasi-static, which has no inertia"),
-    rule(PressureEnd, &[QuasiStatic], "time or time_factor: quasi-static carries a load undrained at once"),
-    rule(Safety, &[QuasiStatic], "no safety factor beside quasi-static, whose steps have no stability limit"),
+    rule(InertiaKept, &[QuasiStatic], "false, or no such key: quasi-static runs have no inertia"),
+    rule(Flip, &[QuasiStatic], "no such key with quasi-static, which has no velocities"),
+    rule(Damping, &[QuasiStatic], "no damping with quasi-static, which has no inertia"),
+    rule(PressureEnd, &[QuasiStatic], "time or time_factor: quasi-static runs apply a load undrained at once"),
+    rule(Safety, &[QuasiStatic], "no safety factor with quasi-static, whose steps have no stability limit"),
     rule(PaperStep, &[QuasiStatic], "\"auto\" or a step above 0 (s)"),
     rule(Safety, &[GivenStep, PaperStep], AUTO_STEP),
     rule(Tolerance, &[GivenStep, PaperStep], AUTO_STEP),
     // Layers.
-    rule(Shift, &[Layers], "0 beside [[layers]], which end at faces of the mesh"),
+    rule(Shift, &[Layers], "0 with [[layers]], which end at faces of the mesh"),
     rule(
         PressureEnd,
         &[FreeSurface, Outline],
-        "a box of soil that is full of water beside it, where the pressure waited for is that of the load",
+        "a saturated column with it: the stage waits for the undrained pressure of the load",
     ),
-    rule(PressureEnd, SEVERAL, "time or time_factor: soils have an undrained pressure each, not one to wait for"),
-    rule(Separation, SEVERAL, "one soil all over beside it: a gap is told from the density of the soil"),
+    rule(PressureEnd, SEVERAL, "time or time_factor: each soil has its own undrained pressure"),
+    rule(Separation, SEVERAL, "one uniform soil with it: a tension gap is detected from the density of the soil"),
 ];
 
 /// The rule by which two features do not go together, if there is one.
@@ -351,5 +371,5 @@ pub fn table() -> String {
         |list: &[Feature]| list.iter().map(|other| format!("`{}`", other.name())).collect::<Vec<_>>().join(", ");
     let row = |rule: &Rule| format!("| `{}` | {} | {} |\n", rule.of.name(), names(rule.beside), rule.expected);
     let rows: String = RULES.iter().map(row).collect();
-    format!("| what | not beside | expected in its place |\n|---|---|---|\n{rows}")
+    format!("| what | not with | expected in its place |\n|---|---|---|\n{rows}")
 }

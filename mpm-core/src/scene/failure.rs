@@ -1,15 +1,15 @@
-//! Soil that water may make fail: how it is followed.
+//! Soil that may fail under water: how it is followed.
 
 use serde::Serialize;
 
 use super::{Coupling, Fields};
 
-/// How a stage in which water seeps and the soil may fail is followed.
+/// Options of a stage in which water seeps and the soil may fail.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Failure {
     /// Time at which the water begins to seep, s.
     pub starts_at: f64,
-    /// Whether to go on with soil that does not stand under its own weight and the first water.
+    /// Whether to continue with soil that is not stable under its own weight and the first water.
     pub continue_if_unstable: bool,
     /// Where the level of the water is recorded, x in m.
     pub levels: Vec<f64>,

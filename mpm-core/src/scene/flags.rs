@@ -16,7 +16,7 @@ pub struct Flags {
     pub tolerance: Option<f64>,
     /// `--driver`: a word of `time.integrator`, of a scene whose soil may fail.
     pub driver: Option<String>,
-    /// `--mesh`: `mesh.cell`, m. Room beside and above the soil stays as large as it is.
+    /// `--mesh`: `mesh.cell`, m. The empty space beside and above the soil keeps its size.
     pub cell: Option<f64>,
     /// `--ppc`: `mesh.particles_per_cell`.
     pub particles_per_cell: Option<i64>,
@@ -64,7 +64,7 @@ impl Flags {
     }
 }
 
-/// Another cell (m); as many cells of empty room as it takes to keep the room.
+/// Another cell (m); as many empty cells as keep the empty space beside and above.
 pub(super) fn finer(
     flag: Option<&'static str>,
     cell: f64,

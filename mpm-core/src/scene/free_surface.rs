@@ -30,7 +30,7 @@ pub struct FreeSurfaceWater {
     pub wet: Option<Vec<[f64; 2]>>,
     /// Sides that are fed: left, right, bottom, top.
     pub feeds: [Option<Feed>; 4],
-    /// How those with a velocity go on in time.
+    /// Courses in time of those with a velocity.
     #[serde(skip_serializing_if = "always")]
     pub courses: [Course; 4],
 }

@@ -70,7 +70,7 @@ impl Fields {
         self.cell / self.particles_per_direction() as f64
     }
 
-    /// Whether the soil is a column under vertical loads, with no room beside it, and starts without a velocity.
+    /// Whether the soil is a column under vertical loads, with no empty cells beside it, and starts without a velocity.
     pub(super) fn is_level_column(&self) -> bool {
         self.outline.is_none()
             && self.empty_cells_beside == 0

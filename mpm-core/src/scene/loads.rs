@@ -1,4 +1,4 @@
-//! Loads on the faces of the soil, and how they go on in time.
+//! Loads on the faces of the soil, and their course in time.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use crate::seeding::pieces;
 /// A factor at a place along x, m.
 pub type AlongX = Box<dyn Fn(f64) -> f64>;
 
-/// How something goes on in time and along the soil: a factor on its size.
+/// Course in time and along the soil: a factor on its size.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Course {
@@ -109,7 +109,7 @@ pub enum Bearing {
 /// A load on outer faces of the soil.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FaceLoad {
-    /// It acts on faces that look there; `None` for all that nothing holds.
+    /// It acts on faces towards that side; `None` for all free faces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on: Option<Side>,
     /// Only between these places along x, m.
@@ -120,7 +120,7 @@ pub struct FaceLoad {
     pub y: Option<[f64; 2]>,
     /// What it does.
     pub bearing: Bearing,
-    /// How it goes on in time.
+    /// Its course in time.
     pub course: Course,
 }
 
@@ -139,7 +139,7 @@ pub struct MovedPlate {
     pub rough: bool,
     /// How far it moves into the soil where its factor is 1, m.
     pub displacement: f64,
-    /// How that goes on in time.
+    /// Its course in time.
     pub course: Course,
     /// Velocity into the soil, on top of it, m/s.
     pub velocity: f64,
@@ -159,7 +159,7 @@ pub struct Well {
     pub at: [f64; 2],
     /// Water that it takes where its factor is 1, m3/s per metre, of a column for all its width; below 0 it puts some in.
     pub rate: f64,
-    /// How that goes on in time.
+    /// Its course in time.
     pub course: Course,
 }
 
@@ -173,7 +173,7 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// Whether it looks towards a side.
+    /// Whether it faces a side.
     pub fn looks_to(&self, side: Side) -> bool {
         let sign = if matches!(side, Side::Left | Side::Bottom) { -1.0 } else { 1.0 };
         let axis = usize::from(matches!(side, Side::Bottom | Side::Top));
@@ -246,7 +246,7 @@ impl FaceLoad {
 }
 
 impl Surcharge {
-    /// Its force on a piece of the outline of the soil, N for 1 m: vertical, on what looks up.
+    /// Its force on a piece of the outline of the soil, N for 1 m: vertical, on faces that point upwards.
     pub fn force(&self, piece: &Piece) -> [f64; 2] {
         let share = self.strip.map_or(1.0, |strip| strip.share(piece.middle[0]));
         [0.0, -self.pressure * share * piece.outward[1].max(0.0)]
@@ -315,7 +315,7 @@ impl Fields {
         (load.on.is_some() || !self.holds(piece)) && load.part_of(piece).is_some()
     }
 
-    /// Whether a piece of the outline lies on a side of the mesh that is held, or that is no side because it is periodic.
+    /// Whether a piece of the outline lies on a side of the mesh that is fixed, or that is no side because it is periodic.
     fn holds(&self, piece: &Piece) -> bool {
         let ends = [0.0, self.width, 0.0, self.height];
         Side::ALL.into_iter().any(|side| {

@@ -1,5 +1,5 @@
 //! What to simulate. A scene file is read in two types: `raw` holds what the user wrote and where, [`Scene`]
-//! what was understood and found possible. Every default, unit and bound of the program is in this room.
+//! what was understood and found possible. Every default, unit and bound of the program is in this module.
 
 pub mod capabilities;
 mod check;
@@ -169,7 +169,7 @@ pub struct Displaced {
     pub seed: u64,
 }
 
-/// A part of the top that carries the surcharge.
+/// A part of the top under the surcharge.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LoadedStrip {
     /// First x under the full load, m.
@@ -238,7 +238,7 @@ impl UpdateChoice {
     }
 }
 
-/// What carries the surcharge.
+/// Where the surcharge acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LoadOn {
@@ -246,11 +246,11 @@ pub enum LoadOn {
     Surface,
     /// The top row of particles itself (the paper).
     Particles,
-    /// A rigid plate without friction on the surface: the whole top settles alike.
+    /// A rigid plate without friction on the surface: the whole top settles uniformly.
     Plate,
 }
 
-/// How the velocity of the solid is held on one side of the domain.
+/// How the solid is supported on one side of the domain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SolidSide {
@@ -395,7 +395,7 @@ pub enum StepChoice {
     Paper,
 }
 
-/// gamma of the jump penalty, and that of columns looked at when pressures are smooth.
+/// gamma of the jump penalty, and that of columns observed when pressures are smooth.
 const JUMP_PENALTY: f64 = 1e-3;
 const JUMP_PENALTY_LATE: f64 = 1e-4;
 /// Time as `c_v t/L^2` before which a drained end is a jump to the mesh. At 0.05 a column with the smaller factor swings by
@@ -437,7 +437,7 @@ pub struct Stage {
     pub name: String,
     /// Which sides let water out at zero pressure: left, right, bottom, top.
     pub drained: [bool; 4],
-    /// How the solid is held on each side during it, left, right, bottom, top; `None` for as [`Fields::solid_sides`] say.
+    /// Supports of the solid on each side during it, left, right, bottom, top; `None` for as [`Fields::solid_sides`] say.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solid_sides: Option<[SolidSide; 4]>,
     /// Mass-proportional damping rate, 1/s. Zero for none.
@@ -572,7 +572,7 @@ pub struct Fields {
     /// Its hardening, where the law is modified Cam-Clay; [`Self::elastic`] is then that of the largest pressure expected.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cam_clay: Option<CamClay>,
-    /// Gain of volume beyond which soil has come apart and carries no stress until it has closed again; `None` if it always does.
+    /// Volumetric strain beyond which soil has a tension gap and no stress until the gap has closed; `None` without gaps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub separation: Option<f64>,
     /// Density of the grains, kg/m3.
@@ -595,7 +595,7 @@ pub struct Fields {
     /// What leaves the mesh at one side comes in at the other.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub periodic: bool,
-    /// Friction on the base; `None` where the bottom is held as `solid_sides` says.
+    /// Friction on the base; `None` where the bottom is fixed as `solid_sides` says.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub base: Option<Base>,
     /// Load on the top.
@@ -723,13 +723,13 @@ impl Fields {
         self.stages.iter().map(longest).sum()
     }
 
-    /// How the solid is held on each side, in every stage.
+    /// Supports of the solid on each side, in every stage.
     pub fn supports(&self) -> impl Iterator<Item = [SolidSide; 4]> {
         let own = self.stages.iter().map(|stage| stage.solid_sides.unwrap_or(self.solid_sides));
         std::iter::once(self.solid_sides).chain(own)
     }
 
-    /// Whether a side is held so in every stage.
+    /// Whether a side has this support in every stage.
     pub fn always(&self, side: Side, held: SolidSide) -> bool {
         self.supports().all(|sides| sides[side as usize] == held)
     }
@@ -805,7 +805,7 @@ impl Fields {
     ///
     /// With 1e-3 the undrained limit is stable on any mesh, and Mandel's problem loses nothing. A closed column needs a tenth
     /// of that for the one pressure that no displacement feels; more would cost 4e-6 of the settlement at Tv = 0.01 and L =
-    /// 0.05 m instead of 3e-7. A column that is looked at before its pressure has gone far into the first cell swings like
+    /// 0.05 m instead of 3e-7. A column that is observed before its pressure has gone far into the first cell swings like
     /// any other undrained soil: by 26 % of p_0 with 1e-4 and by 3 % with 1e-3. Cubic B-splines need a tenth: under an undrained
     /// strip load pressures are nearest to the sum of cosines with 1e-4, on 14 to 40 cells, and Mandel's problem has order 4.
     pub fn usual_jump_penalty(&self) -> f64 {

@@ -22,7 +22,7 @@ const NOTABLE_SMALL_STRAIN: f64 = 0.02;
 
 /// A load or a weight that no run with the scene's scheme gives a useful answer to.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{key}: expected {expected}, found {found}; --force runs it all the same")]
+#[error("{key}: expected {expected}, found {found}; --force runs it anyway")]
 pub struct UnfitLoad {
     /// The key to change.
     pub key: &'static str,
@@ -54,7 +54,7 @@ const OFF_BEFORE: f64 = 0.65;
 const OFF_PER_ROW: f64 = 0.2;
 
 impl Fields {
-    /// Whether soil may come to fill cells in part, so that nodes may be light and steps shorter: it has an outline or room beside
+    /// Whether soil may come to fill cells in part, so that nodes may be light and steps shorter: it has an outline or empty cells beside
     /// it, nothing holds its base, or its load and weight would move its surface by more than a fifth of a cell. That is a matter
     /// of how the same equations are solved; which are solved does not depend on the mesh.
     pub fn moves_through_cells(&self) -> bool {
@@ -94,7 +94,7 @@ impl Fields {
         if room || alone { LIGHT_NODES.max(one / full) } else { 0.0 }
     }
 
-    /// Whether nodes of the surface that are too light for an explicit step are lent inertia: where the geometry says how much
+    /// Whether nodes of the surface with too little mass for an explicit step get added inertia: where the geometry says how much
     /// soil a cell holds, a node that moved with its neighbour would keep that soil from straining with the rest.
     pub fn lends_inertia(&self) -> bool {
         let explicit = self.integrator == Integrator::Explicit && self.light_nodes == 0.0;
@@ -102,7 +102,7 @@ impl Fields {
         explicit && known && self.moves_through_cells()
     }
 
-    /// Whether soil of any outline stands where it is: it is held below, starts at rest, cannot yield, and no water moves the surface of
+    /// Whether soil of any outline stands where it is: it is fixed below, starts at rest, cannot yield, and no water moves the surface of
     /// what it carries. Nodes that moved with others would make a surface within its cell stiff.
     fn stands(&self) -> bool {
         let held = self.solid_sides[Side::Bottom as usize] != SolidSide::Free && self.base.is_none();
@@ -164,7 +164,7 @@ impl Fields {
         if self.strain == StrainChoice::Small && strain > NOTABLE_SMALL_STRAIN && self.is_level_column() {
             let off = 50.0 * strain;
             notes.push(format!(
-                "soil.strain = \"small\" under a strain of {:.1} %: settlements are off by about {off:.1} %",
+                "soil.strain = \"small\" under a strain of {:.1} %: settlements have an error of about {off:.1} %",
                 1e2 * strain
             ));
         }
@@ -173,7 +173,7 @@ impl Fields {
         let dynamic = !matches!(self.integrator, Integrator::QuasiStatic | Integrator::Staggered);
         if dynamic && self.is_level_column() && self.is_elastic() && off > 0.01 {
             notes.push(format!(
-                "the surface moves by {:.2} cells, of {rows} rows: settlements are off by up to {:.1} %; more rows or \
+                "the surface moves by {:.2} cells, of {rows} rows: settlements have an error of up to {:.1} %; more rows or \
                  integrator = \"quasi-static\" are nearer",
                 settled / self.cell,
                 1e2 * off
@@ -213,7 +213,7 @@ impl Fields {
             return refuse("soil.strain", "\"large\" where strains are: small strain is off by half of them");
         }
         if self.water.is_some() && porosity < -CLOSED_PORES {
-            return refuse("surcharge.pressure", "a load under which the soil keeps water in its pores");
+            return refuse("surcharge.pressure", "a load that leaves water in the pores of the soil");
         }
         if self.integrator == Integrator::QuasiStatic {
             return Ok(());
@@ -223,10 +223,7 @@ impl Fields {
             return if moved <= MOST_UNDER_PLATE {
                 Ok(())
             } else {
-                refuse(
-                    "surcharge.on",
-                    "integrator = \"quasi-static\" beside a plate that moves by more than half a cell",
-                )
+                refuse("surcharge.on", "integrator = \"quasi-static\" with a plate that moves by more than half a cell")
             };
         }
         if !self.has_jumping_gradients() && moved > MOST_SETTLED {
@@ -242,7 +239,7 @@ impl Fields {
         {
             return Err(UnfitLoad {
                 key: "mesh.empty_cells_above",
-                expected: "0 beside \"gimp\", whose functions reach beyond the surface: the nodes there have next to no mass",
+                expected: "0 with \"gimp\", whose functions reach beyond the surface: the nodes there have almost no mass",
                 found: self.empty_cells_above.to_string(),
             });
         }
@@ -251,16 +248,16 @@ impl Fields {
         if self.shape.spline_degree().is_some() && single && (self.gravity.is_some() || on_points) {
             return Err(UnfitLoad {
                 key: "mesh.particles_per_cell",
-                expected: "4 or more with B-splines under weight or a load on particles: one per cell is fewer points than unknowns",
+                expected: "4 or more with B-splines under weight or a load on particles: one per cell gives fewer points than unknowns",
                 found: "1".to_owned(),
             });
         }
         if let Some(late) = self.late_by_transfer().filter(|late| *late > MOST_LATE) {
             return Err(UnfitLoad {
                 key: "scheme.flip",
-                expected: "nearer to 1, or longer steps (time.step, time.safety): what particles lose in every step works like a \
+                expected: "nearer to 1, or longer steps (time.step, time.safety): the velocity that particles lose in every step acts like a \
                            viscosity, and soil that drains settles late",
-                found: format!("{}, by which settlement is behind by {:.1} % at the first time", self.flip, 1e2 * late),
+                found: format!("{}, which delays the settlement by {:.1} % at the first time", self.flip, 1e2 * late),
             });
         }
         let known = crate::boundary::knows_volumes(self);
@@ -275,12 +272,15 @@ impl Fields {
             && moved > 0.5 / self.particles_per_direction() as f64
             && (self.empty_cells_above as f64) < moved
         {
-            return refuse("mesh.empty_cells_above", "as many rows of empty cells as the surface rises by");
+            return refuse(
+                "mesh.empty_cells_above",
+                "at least at least as many rows of empty cells as the surface rises by",
+            );
         }
         if strain < -1e-3 && self.particles_per_direction() == 1 {
             return refuse(
                 "mesh.particles_per_cell",
-                "4 or more in soil that swells: single particles leave cells empty",
+                "4 or more in soil that swells: single particles would leave cells empty",
             );
         }
         Ok(())

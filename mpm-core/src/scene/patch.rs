@@ -67,8 +67,7 @@ impl Edit {
     }
 
     fn refused(&self, expected: impl ToString, found: impl ToString) -> SceneError {
-        let (expected, found) = (expected.to_string(), found.to_string());
-        SceneError { file: String::new(), line: 0, key: self.named(&self.key), expected, found }
+        SceneError::new((String::new(), 0), self.named(&self.key), expected.to_string(), found.to_string())
     }
 }
 
@@ -143,6 +142,28 @@ fn placed<'i>(value: DeValue<'i>, place: &Range<usize>) -> Spanned<DeValue<'i>> 
         value => value,
     };
     Spanned::new(place.clone(), value)
+}
+
+/// Gives the key at a place, or the one whose value is there, another name, or takes it out. Whether it was found.
+pub(super) fn correct(table: &mut DeTable<'_>, span: &Range<usize>, name: Option<&str>) -> bool {
+    let here = table.iter().find(|(key, value)| key.span() == *span || value.span() == *span);
+    let here = here.map(|(key, _)| key.get_ref().to_string());
+    if let Some((key, value)) = here.and_then(|key| table.remove_entry(key.as_str())) {
+        if let Some(name) = name.filter(|name| !table.contains_key(*name)) {
+            table.insert(Spanned::new(key.span(), name.to_owned().into()), value);
+        }
+        return true;
+    }
+    table.iter_mut().any(|(_, value)| correct_in(value.get_mut(), span, name))
+}
+
+/// The same below a value.
+fn correct_in(value: &mut DeValue<'_>, span: &Range<usize>, name: Option<&str>) -> bool {
+    match value {
+        DeValue::Table(table) => correct(table, span, name),
+        DeValue::Array(list) => list.as_mut().iter_mut().any(|element| correct_in(element.get_mut(), span, name)),
+        _ => false,
+    }
 }
 
 type Set = Result<(), [String; 2]>;
@@ -229,7 +250,7 @@ impl Scene {
             .ok()
     }
 
-    /// The scene on cells of another size (m); as many cells of empty room as it takes to keep the room.
+    /// The scene on cells of another size (m); as many empty cells as keep the empty space beside and above.
     ///
     /// # Errors
     /// As [`Scene::patched`].
@@ -237,7 +258,7 @@ impl Scene {
         self.with_edits(finer(None, cell, self.cell, [self.empty_cells_above, self.empty_cells_beside])?)
     }
 
-    /// The scene on a mesh of so many cells over its height, with the room that it has.
+    /// The scene on a mesh of so many cells over its height, with the same empty space around it.
     ///
     /// # Errors
     /// As [`Scene::patched`].

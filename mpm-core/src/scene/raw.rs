@@ -287,7 +287,7 @@ pub(super) struct RawWell {
     pub sine: Option<Spanned<RawSine>>,
 }
 
-/// How something goes on in time.
+/// Course in time.
 pub(super) struct RawCourse<'a> {
     pub ramp_time: &'a Option<Number>,
     pub times: &'a Option<Pairs>,

@@ -59,7 +59,7 @@ impl Scene {
 }
 
 fn refused(key: &str, expected: String, found: String) -> SceneError {
-    SceneError { file: String::new(), line: 0, key: format!("patch: {key}"), expected, found }
+    SceneError::new((String::new(), 0), format!("patch: {key}"), expected, found)
 }
 
 /// The first field of which the checker makes another than an edit did: its name, what it has to be, what it is.
@@ -119,7 +119,7 @@ impl Writer {
         self.put(&format!("{key}.{law}.poisson_ratio"), elastic.poisson_ratio)
     }
 
-    /// Writes how something goes on in time.
+    /// Writes course in time.
     fn course(&mut self, course: &Course) -> Result<(), SceneError> {
         match course {
             Course::Constant => Ok(()),

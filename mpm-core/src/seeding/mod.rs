@@ -9,7 +9,7 @@ mod crossing;
 mod polygon;
 
 pub use clip::between;
-pub use polygon::{Fault, area, centroid, check, depth, inside, length_along, near, passes};
+pub use polygon::{Fault, area, centroid, check, depth, folds, inside, length_along, near, passes, touch};
 
 use std::collections::BTreeMap;
 
@@ -227,6 +227,3 @@ fn largest_neighbour(
     };
     around(true).or_else(|| around(false))
 }
-
-#[cfg(test)]
-mod tests;

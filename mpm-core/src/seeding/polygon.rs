@@ -121,14 +121,14 @@ pub(super) fn turn(a: &[f64; 2], b: &[f64; 2], c: &[f64; 2]) -> f64 {
 }
 
 /// Whether two edges that share a corner lie on each other, or one has no length.
-pub(super) fn folds([a, b]: &[[f64; 2]; 2], [c, d]: &[[f64; 2]; 2]) -> bool {
+pub fn folds([a, b]: &[[f64; 2]; 2], [c, d]: &[[f64; 2]; 2]) -> bool {
     let (shared, first, second) = if b == c { (b, a, d) } else { (a, b, c) };
     let along = |d: usize| (first[d] - shared[d]) * (second[d] - shared[d]);
     a == b || c == d || (turn(shared, first, second) == 0.0 && along(0) + along(1) > 0.0)
 }
 
 /// Whether two edges have a point in common.
-pub(super) fn touch([a, b]: &[[f64; 2]; 2], [c, d]: &[[f64; 2]; 2]) -> bool {
+pub fn touch([a, b]: &[[f64; 2]; 2], [c, d]: &[[f64; 2]; 2]) -> bool {
     let overlap = |k: usize| a[k].max(b[k]) >= c[k].min(d[k]) && c[k].max(d[k]) >= a[k].min(b[k]);
     let sides = |[a, b]: [&[f64; 2]; 2], c, d| turn(a, b, c) * turn(a, b, d) <= 0.0;
     overlap(0) && overlap(1) && sides([a, b], c, d) && sides([c, d], a, b)

@@ -3,7 +3,7 @@
 //! The law sees the logarithmic strain `ln U` in the frame before rotation; its stress is the Cauchy stress there,
 //! and turns with R. In one dimension that is `sigma' = M ln J`, whatever the size of a step.
 
-/// A deformation gradient taken apart, `F = R U`.
+/// Polar decomposition of a deformation gradient, `F = R U`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch<const D: usize> {
     /// Logarithmic strain ln U, xx, yy, zz, xy with engineering shear.
@@ -56,7 +56,7 @@ pub fn turned<const D: usize>(stress: &[f64; 4], rotation: &[[f64; D]; D]) -> [f
     ]
 }
 
-/// Takes `I + gradient` apart; `None` if it turns a volume inside out.
+/// Decomposes `I + gradient`; `None` if it is inverted, det F <= 0.
 pub fn stretch<const D: usize>(gradient: &[[f64; D]; D]) -> Option<Stretch<D>> {
     let (x, y) = (0, D - 1);
     if D == 1 {

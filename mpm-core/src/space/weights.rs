@@ -3,7 +3,7 @@
 //! Slopes of B-splines of degree p have p - 2 continuous derivatives, so products of two of them are splines of degree
 //! 2 (p - 1) with as many. The weights are those nearest to the particles' volumes, `min sum (w - V)^2`, that integrate every
 //! such spline on the cells exactly: the basis then keeps its order, also when particles have moved. A weight is never less
-//! than a twentieth of its volume: those that would be are held there and the rest is fitted again. Where B-splines have a
+//! than a twentieth of its volume: those that would be are fixed there and the rest is fitted again. Where B-splines have a
 //! break, products of slopes jump, and so do the functions that are integrated.
 
 use super::Axis;

@@ -4,10 +4,10 @@ use crate::boundary::{FaceLoads, Filled, SurfaceLoad};
 use crate::checkpoint::{Archive, RestoreError};
 use crate::constitutive::{Flow, Law, Materials, State};
 use crate::grid::Grid;
-use crate::observe::{CellValues, FieldPoint, Flowed, Ledger, Observation, Seed, SolidState, Totals, observe};
+use crate::observe::{BalanceTerms, CellValues, FieldPoint, Flowed, Observation, Seed, SolidState, Totals, observe};
 use crate::particles::{Layer, SolidPoint};
 use crate::scene::Surcharge;
-use crate::water::Carried;
+use crate::water::AdvectedWater;
 use crate::water::pores::{CellSoil, Pores};
 
 /// Soil and water of a run.
@@ -82,7 +82,7 @@ impl<const D: usize> Body<D> {
     }
 
     /// Pressure (Pa) and stored energy (J) of the water in a cell.
-    fn water_in(&self, soil: &CellSoil, free: Option<&Carried<D>>) -> (f64, f64) {
+    fn water_in(&self, soil: &CellSoil, free: Option<&AdvectedWater<D>>) -> (f64, f64) {
         match (&self.water, free) {
             (Some(water), _) => water.cell_state(soil),
             (None, Some(free)) => (free.felt(soil.cell), 0.0),
@@ -91,7 +91,7 @@ impl<const D: usize> Body<D> {
     }
 
     /// Mass of the water in a cell, kg.
-    fn water_mass(&self, soil: &CellSoil, free: Option<&Carried<D>>) -> f64 {
+    fn water_mass(&self, soil: &CellSoil, free: Option<&AdvectedWater<D>>) -> f64 {
         match (&self.water, free) {
             (Some(water), _) => water.cell_mass(soil),
             (None, Some(free)) => free.mass_in(soil.cell, soil.volume),
@@ -100,7 +100,7 @@ impl<const D: usize> Body<D> {
     }
 
     /// Every cell with soil: its place, soil and water, where that has a free surface from `free`.
-    pub fn cell_values(&self, free: Option<&Carried<D>>) -> Vec<CellValues<D>> {
+    pub fn cell_values(&self, free: Option<&AdvectedWater<D>>) -> Vec<CellValues<D>> {
         let mut cells = Vec::new();
         for (mut soil, position) in self.cells() {
             let mut values = CellValues::default();
@@ -133,7 +133,12 @@ impl<const D: usize> Body<D> {
     }
 
     /// The state at a time (s), and the balances from the sums of the steps.
-    pub fn observe(&self, time: f64, totals: &Totals<D>, free: Option<&Carried<D>>) -> (Observation, Ledger) {
+    pub fn observe(
+        &self,
+        time: f64,
+        totals: &Totals<D>,
+        free: Option<&AdvectedWater<D>>,
+    ) -> (Observation, BalanceTerms) {
         let settlement = self.first_settlement + self.surface.settlement(&self.solid);
         let cells = self.cell_values(free);
         let layer = self.water.as_ref().map(|water| &water.layer);
@@ -149,11 +154,11 @@ impl<const D: usize> Body<D> {
             };
             state.field = cells.iter().map(point).collect();
         }
-        (state, self.ledger(&cells, totals, free))
+        (state, self.balance_terms(&cells, totals, free))
     }
 
     /// The particles of the solid layer.
-    pub fn particles(&self, free: Option<&Carried<D>>) -> Vec<SolidState> {
+    pub fn particles(&self, free: Option<&AdvectedWater<D>>) -> Vec<SolidState> {
         let two = |v: &[f64; D]| [if D == 2 { v[0] } else { 0.0 }, v[D - 1]];
         let mut states = Vec::with_capacity(self.solid.points.len());
         for (soil, _) in self.cells() {
@@ -175,11 +180,16 @@ impl<const D: usize> Body<D> {
         states
     }
 
-    fn ledger(&self, cells: &[CellValues<D>], totals: &Totals<D>, free: Option<&Carried<D>>) -> Ledger {
+    fn balance_terms(
+        &self,
+        cells: &[CellValues<D>],
+        totals: &Totals<D>,
+        free: Option<&AdvectedWater<D>>,
+    ) -> BalanceTerms {
         let (density, removed) = self.water.as_ref().map_or((0.0, 0.0), |w| (w.flow.density, w.removed_mass));
-        let density = free.map_or(density, Carried::density);
-        let ledger = totals.ledger(cells, density, removed);
-        let ledger = ledger.with_held_pressure(free.map_or(0.0, |free| free.work));
-        if self.water.as_ref().is_some_and(|w| w.partly_drained) { ledger.with_removed_as_outflow() } else { ledger }
+        let density = free.map_or(density, AdvectedWater::density);
+        let balance = totals.balance_terms(cells, density, removed);
+        let balance = balance.with_held_pressure(free.map_or(0.0, |free| free.work));
+        if self.water.as_ref().is_some_and(|w| w.partly_drained) { balance.with_removed_as_outflow() } else { balance }
     }
 }

@@ -1,4 +1,4 @@
-//! The paper's explicit step (Figure 1), so many cells at once as the machine has lanes, on as many threads as it is given.
+//! The paper's explicit step (Figure 1), as many cells at once as a SIMD vector holds, on as many threads as it is given.
 //!
 //! Cells lie side by side in vectors, a layer is kept in blocks of one particle of each, and one pass of the [`kernel`](super::kernel)
 //! per step takes every particle from one grid to the next. The unit of work is a strip of cells, whose size does not depend
@@ -32,16 +32,16 @@ use super::surface::Tops;
 use super::{Fault, Model, Work};
 use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::constitutive::{Law, Materials, STATES, State};
-use crate::observe::{Ledger, Observation, Places, Push, SolidState, Totals, WaterParticle};
+use crate::observe::{BalanceTerms, Observation, Places, Push, SolidState, Totals, WaterParticle};
 use crate::particles::{Layer, Point, SolidPoint, WaterPoint};
 use crate::scene::{SolidSide, Stage};
 use crate::water::pores::Pores;
-use crate::water::{Carried, FaceFlow};
+use crate::water::{AdvectedWater, FaceFlow};
 
 /// Room for one in so many particles to change its cell in a step, before more is asked for.
 const MOVERS: usize = 16;
 
-/// The explicit integrator. V: the machine's lanes, F: functions.
+/// The explicit integrator. V: SIMD type of the CPU, F: shape functions.
 pub struct Explicit<V: Simd, F: Functions<D>, const D: usize> {
     simd: V,
     functions: F,
@@ -143,8 +143,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             pool,
         };
         run.settle_in();
-        // What the cells hold is known once their soil has been looked at.
-        run.begin_ledgers();
+        // What the cells hold is known once their soil has been sampled.
+        run.begin_balances();
         run
     }
 
@@ -176,14 +176,14 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         if self.strips.iter().any(|strip| strip.changed) {
             self.note_open_cells();
         }
-        if self.carried().is_some_and(|free| free.is_behind(&self.body.grid)) {
+        if self.advected().is_some_and(|free| free.is_behind(&self.body.grid)) {
             self.carry_water();
         }
         self.time += dt;
         Ok(())
     }
 
-    /// Books what the pass has added up.
+    /// Records what the pass has added up.
     fn book(&mut self, dt: f64) {
         if self.nodal.is_some() {
             self.strips.iter().for_each(|strip| self.totals.flowed.join(&strip.flowed));

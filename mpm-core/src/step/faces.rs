@@ -261,7 +261,7 @@ impl<const D: usize> Faces<D> {
     }
 
     /// What leaves through outlets and wells in a step dt (s) under pressures of the cells (Pa, from [`Frame::pad`] on): those of its end, or of
-    /// its start, from which the cells of the strips go on.
+    /// its start, from which the cells of the strips continue.
     pub fn let_out<V: Simd>(
         &mut self,
         flow: &FaceFlow,
@@ -356,7 +356,7 @@ impl<const D: usize> Faces<D> {
         self.conducts[face.axis][face.face]
     }
 
-    /// Books what leaves in a step dt (s) under pressures of the cells (Pa, from [`Frame::pad`] on).
+    /// Records what leaves in a step dt (s) under pressures of the cells (Pa, from [`Frame::pad`] on).
     pub fn drain(
         &mut self,
         water: &Pores<D>,

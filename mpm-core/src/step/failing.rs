@@ -17,7 +17,7 @@ pub struct Pace {
     pub pressures: Pressures,
 }
 
-/// Soil and water that can be driven apart or together.
+/// Soil and water that can be advanced separately or together.
 pub trait Failing: Model {
     /// Lets the soil move.
     ///
@@ -35,7 +35,7 @@ pub trait Failing: Model {
     fn glue(&mut self, glued: bool);
     /// Stops all soil.
     fn stop(&mut self);
-    /// Begins to count displacement, strain and the ledgers.
+    /// Begins to count displacement, strain and the balances.
     fn count_from_here(&mut self);
     /// Forgets the slip on the base.
     fn forget_slip(&mut self);

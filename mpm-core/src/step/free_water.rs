@@ -7,13 +7,13 @@ use super::conditions::Condition;
 use super::kernel::InPores;
 use super::store::{Frame, Nodes, Strip};
 use crate::grid::Grid;
-use crate::water::{Carried, Pushed};
+use crate::water::{AdvectedWater, Pushed};
 
 /// The water and what the soil feels of it. Nodes have the numbers of the mesh, which those of functions of one cell are.
 #[derive(Debug)]
 pub struct FreeWater<const D: usize> {
     /// The water.
-    pub carried: Carried<D>,
+    pub carried: AdvectedWater<D>,
     /// What the soil of each cell feels, by the numbers of the frame: see [`InPores::Given`].
     felt: [Vec<f64>; 4],
     /// 1/kg of each node and direction; zero where something holds it.
@@ -24,7 +24,7 @@ pub struct FreeWater<const D: usize> {
 
 impl<const D: usize> FreeWater<D> {
     /// Beside a mesh.
-    pub fn new(carried: Carried<D>, grid: &Grid<D>, frame: &Frame<D>) -> Self {
+    pub fn new(carried: AdvectedWater<D>, grid: &Grid<D>, frame: &Frame<D>) -> Self {
         let nodes = grid.node_count();
         let mut water = Self {
             carried,

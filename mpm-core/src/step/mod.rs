@@ -15,7 +15,7 @@ pub mod store;
 mod surface;
 
 pub use body::Body;
-pub use conditions::{Condition, Damping, Friction, GivenForce, Held, Joined, Lifted, Moved, RigidPlate};
+pub use conditions::{Condition, Damping, Friction, GivenForce, Joined, Lifted, Moved, RigidPlate, Supports};
 pub use explicit::Explicit;
 pub use failing::{Failing, Pace};
 pub use staggered::Staggered;
@@ -23,7 +23,7 @@ pub use staggered::Staggered;
 use serde::{Deserialize, Serialize};
 
 use crate::checkpoint::{Archive, RestoreError};
-use crate::observe::{Ledger, Observation, Places, SolidState, WaterParticle};
+use crate::observe::{BalanceTerms, Observation, Places, SolidState, WaterParticle};
 use crate::scene::Stage;
 
 /// Something went wrong inside a step.
@@ -49,7 +49,7 @@ pub struct Work {
     pub solves: u64,
 }
 
-/// A model that can be advanced and looked at, whatever its dimension, shape, water and law.
+/// A model that can be advanced and observed, whatever its dimension, shape, water and law.
 pub trait Model: Send {
     /// Advances by `steps` steps of `dt` (s). A model with steps of its own choice is asked for one step to the next
     /// time of its stage and counts its own steps in `done`.
@@ -78,7 +78,7 @@ pub trait Model: Send {
         Work::default()
     }
     /// The state now, and the balances since the start.
-    fn observe(&self) -> (Observation, Ledger);
+    fn observe(&self) -> (Observation, BalanceTerms);
     /// Pore pressure averaged over the soil, and its smallest and largest cell value, Pa.
     fn pore_pressure(&self) -> [f64; 3];
     /// Largest speed of a node in the last step, m/s; of no use but to a model that can wait for rest.

@@ -97,7 +97,7 @@ impl<const D: usize> NodalFlow<D> {
         }
     }
 
-    /// Finds v* and books the flow of a step dt (s). `drained` and `closed` visit the nodes of faces that let water out and that do not:
+    /// Finds v* and records the flow of a step dt (s). `drained` and `closed` visit the nodes of faces that let water out and that do not:
     /// node, axis, outwards.
     pub fn flow<V: Simd>(
         &mut self,

@@ -60,7 +60,7 @@ pub struct PressureSystem<const D: usize> {
 
 /// The force of unit pressures on a rigid plate, m2, and the solution for it. The plate adds `dt^2 w w^t / m` to the
 /// matrix, a full block of rank one, which is left out of it and put into the solution: Sherman & Morrison (1950),
-/// doi:10.1214/aoms/1177729893. So is `dt w v*`, what the plate would press out without pressures: beside a plate that is held
+/// doi:10.1214/aoms/1177729893. So is `dt w v*`, what the plate would press out without pressures: beside a plate that is fixed
 /// it alone makes pressures which in soil that hardly drains are larger than the true ones by as much as digits hold.
 #[derive(Debug, Default)]
 struct Pushes {
@@ -247,7 +247,7 @@ impl<const D: usize> PressureSystem<D> {
         }
     }
 
-    /// `dt m^-1 C`: the velocities that a unit pressure in a cell makes, without the held functions.
+    /// `dt m^-1 C`: the velocities that a unit pressure in a cell makes, without the fixed functions.
     fn respond<V: Simd>(&mut self, strips: &[Strip<V, D>], nodes: &Nodes<D>, plate: &[u32], by: &Driving<D>) {
         let dt = by.keeps * by.dt;
         for node in 0..self.frame.count() {
@@ -271,7 +271,7 @@ impl<const D: usize> PressureSystem<D> {
         }
     }
 
-    /// The plate's part of the matrix; without it its nodes are held.
+    /// The plate's part of the matrix; without it its nodes are fixed.
     fn lean_on_plate<V: Simd>(&mut self, strips: &[Strip<V, D>], nodes: &Nodes<D>, plate: &[u32], kept: f64) {
         if plate.is_empty() {
             return;

@@ -2,7 +2,7 @@
 //! under the pressures this water has left.
 //!
 //! A stage moves one of them. In seepage the water takes implicit steps of its own length
-//! ([`FreeSurface`]); while the soil moves, the explicit step of Figure 1 runs with the pressures held.
+//! ([`FreeSurface`]); while the soil moves, the explicit step of Figure 1 runs under fixed pressures.
 
 use pulp::Simd;
 
@@ -15,10 +15,10 @@ use crate::constitutive::{Law, Material, Materials};
 use crate::dimension::in_two;
 use crate::grid::Grid;
 use crate::observe::{
-    CellState, FieldPoint, Frame, Ledger, Observation, Places, SolidState, WaterParticle, WaterState,
+    BalanceTerms, CellState, FieldPoint, Frame, Observation, Places, SolidState, WaterParticle, WaterState,
 };
 use crate::scene::{Coupling, Stage};
-use crate::water::Carried;
+use crate::water::AdvectedWater;
 use crate::water::free_surface::Kind;
 
 /// First step of a seepage stage as a share of its length.
@@ -27,7 +27,7 @@ const FIRST_STEP: f64 = 1e-4;
 const TOE_WET: f64 = 0.25;
 /// Motion slower than this is none to speak of, in sqrt(g times the height of the mesh).
 const STILL: f64 = 2e-3;
-/// Cells times moves of particles between two looks at whether the run is to be saved or stopped: some tenths of a second.
+/// Cells times moves of particles between two requests to the monitor: some tenths of a second.
 const CELL_MOVES_AT_ONCE: usize = 1 << 18;
 /// More moves of particles at one state of the soil are not worth waiting for.
 const MOST_MOVES: u64 = 1 << 20;
@@ -51,18 +51,18 @@ pub struct Staggered<V: Simd, F: Functions<D>, const D: usize> {
 
 impl<V: Simd, F: Functions<D>, const D: usize> Staggered<V, F, D> {
     /// A run at t = 0, of soil without water and that.
-    pub fn new(soil: Explicit<V, F, D>, water: Carried<D>) -> Self {
+    pub fn new(soil: Explicit<V, F, D>, water: AdvectedWater<D>) -> Self {
         let (materials, first) = (soil.body().materials.clone(), water.stored());
         let soil = soil.with_free_water(water);
         Self { materials, soil, coupling: Coupling::Seepage, next: 0.0, left: 0.0, first, work: Work::default() }
     }
 
-    fn water(&self) -> &Carried<D> {
-        self.soil.carried().expect("given at the start")
+    fn water(&self) -> &AdvectedWater<D> {
+        self.soil.advected().expect("given at the start")
     }
 
-    fn water_mut(&mut self) -> &mut Carried<D> {
-        self.soil.carried_mut().expect("given at the start")
+    fn water_mut(&mut self) -> &mut AdvectedWater<D> {
+        self.soil.advected_mut().expect("given at the start")
     }
 
     /// Takes the water along to where the soil stands now.
@@ -73,7 +73,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Staggered<V, F, D> {
         self.book();
     }
 
-    /// Books the water that has flowed while the soil moved.
+    /// Records the water that has flowed while the soil moved.
     fn book(&mut self) {
         let water = &self.water().water;
         let flowed = [water.inflow, water.outflow];
@@ -99,7 +99,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Staggered<V, F, D> {
             // No sliver of a step before the end.
             let asked = if next > 0.75 * left { left } else { next };
             carried.look_outside(&grid, start + time + 0.5 * asked);
-            let Carried { water, layer, around, .. } = &mut *carried;
+            let AdvectedWater { water, layer, around, .. } = &mut *carried;
             match water.step(asked) {
                 Ok((step, longer)) => {
                     // A step that was only cut to end at a time says nothing of the next.
@@ -125,7 +125,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Staggered<V, F, D> {
     }
 
     fn water_state(&self, grid: &Grid<D>) -> WaterState {
-        let Carried { water, layer, .. } = self.water();
+        let AdvectedWater { water, layer, .. } = self.water();
         let rounding = layer.rounding();
         let mut front = [0.0; 2];
         for (cell, position) in grid.walk() {
@@ -217,8 +217,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for Staggered<V, F, D> {
     }
 
     /// Water is counted in the cells that carry it: the particles of soil clipped by an outline may lie in the next one.
-    fn observe(&self) -> (Observation, Ledger) {
-        let (mut state, mut ledger) = self.soil.observe();
+    fn observe(&self) -> (Observation, BalanceTerms) {
+        let (mut state, mut balance) = self.soil.observe();
         let grid = self.soil.body().grid;
         let water = &self.water().water;
         state.field = grid
@@ -238,8 +238,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for Staggered<V, F, D> {
         state.water = Some(self.water_state(&grid));
         let free = self.water();
         let moved = free.stored() - self.first - free.water.inflow + free.water.outflow;
-        ledger.water_closing_kg = free.density() * moved;
-        (state, ledger)
+        balance.water_residual_kg = free.density() * moved;
+        (state, balance)
     }
 
     fn pore_pressure(&self) -> [f64; 3] {
@@ -296,7 +296,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Failing for Staggered<V, F, D> {
         self.seep_for(span, MOST_MOVES, done)?;
         if self.left > 0.0 {
             let what = format!(
-                "the water has not come through {span:.3e} s in {MOST_MOVES} moves of its particles: {:.3e} s are left",
+                "the water has not advanced by {span:.3e} s in {MOST_MOVES} moves of its particles: {:.3e} s are left",
                 self.left
             );
             return Err(everywhere(&what));
@@ -321,7 +321,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Failing for Staggered<V, F, D> {
     fn count_from_here(&mut self) {
         self.soil.begin_track();
         self.water_mut().work = 0.0;
-        self.soil.begin_ledgers();
+        self.soil.begin_balances();
         self.book();
     }
 
@@ -411,7 +411,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Failing for Staggered<V, F, D> {
         let (grid, water) = (&self.soil.body().grid, &self.water().water);
         let right = towards > 0.0;
         let last_soil = (0..grid.cells[0]).rfind(|cell| water.soil.is_soil(*cell)).map_or(0, |cell| cell + 1);
-        // Before any has come: the side that the toe looks away from.
+        // Before any has come: the side opposite to the toe.
         let mut front: f64 = if right { 0.0 } else { last_soil as f64 * grid.size };
         for cell in 0..grid.cells[0] {
             let wet = water.wet_share(cell).clamp(0.0, 1.0);

@@ -8,7 +8,7 @@ use crate::boundary::{FaceLoads, Filled, SurfaceLoad};
 use crate::dimension::trace;
 use crate::grid::Grid;
 use crate::particles::{Point, SolidPoint};
-use crate::real::{Lanes, array};
+use crate::real::{SimdReal, array};
 
 /// Particles behind the strips of a surface.
 #[derive(Debug, Clone)]
@@ -70,7 +70,7 @@ impl<const D: usize> Tops<D> {
             let at = strips[strip].first + cell;
             let found = frame.finds_centroids(F::SPLIT);
             let fields = Fields { simd: Scalar, velocity, change, mapped, frame, at, found };
-            let lone = |number: f64| Lanes::splat(Scalar, number);
+            let lone = |number: f64| SimdReal::splat(Scalar, number);
             let position = frame.position(at);
             let position = array!([lone(0.0); D], d => lone(position[d] as f64));
             let edges = functions.edges(&position, &frame.cells);
@@ -84,7 +84,7 @@ impl<const D: usize> Tops<D> {
             let rate = if F::SPLIT {
                 functions.middle(&motion, from_axis, frame.inverse_size)
             } else {
-                let plane = trace::<D, Lanes<Scalar>>(&gradient);
+                let plane = trace::<D, SimdReal<Scalar>>(&gradient);
                 let hoop = |from| functions.hoop(&motion, &edges, &xi, from, frame.inverse_size);
                 from_axis.map_or(plane, |from| plane + hoop(from))
             };

@@ -263,7 +263,7 @@ impl Cuts {
 }
 
 impl Opening {
-    /// Whether it looks towards one of the sides for which `open` holds.
+    /// Whether it faces one of the sides for which `open` holds.
     pub fn looks_to(&self, open: &[bool; 4]) -> bool {
         Side::ALL.iter().any(|side| open[*side as usize] && self.piece.looks_to(*side))
     }

@@ -11,7 +11,7 @@ use crate::real::Real;
 /// A face between two cells of soil conducts fully, a drained surface lies half a cell from the centre.
 pub(crate) const DRAINED_SURFACE: f64 = 2.0;
 /// A cell less full than this drains as if it were this full: with its drained face half a cell away it then has
-/// the same stability limit as a full cell inside, (1 + 2)/0.75 = 4. The water this miscounts shows in the ledger.
+/// the same stability limit as a full cell inside, (1 + 2)/0.75 = 4. The water this miscounts shows in the balance.
 pub(crate) const LEAST_FILLING: f64 = 0.75;
 /// What flow may change the pressure of a cell by in a step, of it, beside waves that take most of the step: of those with
 /// `(M + Q) K dt^2/rho` up to `4 - 2 FLOW` none grows.

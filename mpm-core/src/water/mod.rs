@@ -1,7 +1,7 @@
 //! The water layer: water that fills the pores ([`pores`]), also of soil that runs out, and water with a free surface in soil that may
-//! move ([`Carried`]).
+//! move ([`AdvectedWater`]).
 
-mod carried;
+mod advected;
 mod cuts;
 mod darcy;
 mod exposed;
@@ -9,7 +9,7 @@ pub mod free_surface;
 mod halves;
 pub mod pores;
 
-pub use carried::{Carried, Pressures};
+pub use advected::{AdvectedWater, Pressures};
 pub use cuts::{Cuts, Opening};
 pub use darcy::FaceFlow;
 pub(crate) use darcy::{DRAINED_SURFACE, FLOW, LEAST_FILLING};

@@ -61,7 +61,7 @@ pub struct Pores<const D: usize> {
     pub periodic: bool,
     /// Whether steps are explicit.
     explicit: bool,
-    /// Whether the soil is as it was looked at before it was saved.
+    /// Whether the soil is as it was sampled before it was saved.
     seen: bool,
     /// The loads of the scene, some of which are water.
     pub outside: Vec<FaceLoad>,

@@ -136,7 +136,7 @@ fn period(stiffer: f64) -> Result<Outcome, Error> {
 /// Stored and moving energy at the looks, J, with the first at t = 0.
 fn energies(scene: &Scene, frequency: f64) -> Result<Vec<f64>, Error> {
     let run = swings(scene, frequency)?;
-    Ok(run.samples.iter().map(|s| s.ledger.kinetic_j + s.ledger.strain_j).collect())
+    Ok(run.samples.iter().map(|s| s.balance.kinetic_j + s.balance.strain_j).collect())
 }
 
 /// Sums of the energies over every swing. Velocities are half a step ahead of the stresses, so that the energy itself

@@ -1,10 +1,10 @@
 //! Runs give the same bits whatever the threads and the lanes, run again, and stopped and resumed elsewhere.
 
-use mpm_core::drive::{Attend, Run, Wish};
+use mpm_core::drive::{Monitor, Run, Wish};
 use mpm_core::failure::{Driver, Phase};
 use mpm_core::hardware::{Hardware, Width};
 use mpm_core::hash::{Digest, sha256};
-use mpm_core::run::{run_attended, run_on};
+use mpm_core::run::{run_monitored, run_on};
 use mpm_core::scene::{Base, Dimension, LoadedStrip, Scene, ShapeChoice, Start, Surcharge, Until};
 use mpm_core::stability::choose_step;
 
@@ -131,7 +131,7 @@ fn again(off: f64) -> Result<Outcome, Error> {
 #[derive(Default)]
 pub(super) struct Stop(Option<Vec<u8>>);
 
-impl Attend for Stop {
+impl Monitor for Stop {
     fn look(&mut self, _: f64) -> Wish {
         Wish::Stop
     }
@@ -190,7 +190,7 @@ fn resumed(loses: bool) -> Result<Outcome, Error> {
         let (mut state, mut states) = (None, Vec::new());
         let mut last = loop {
             let mut stop = Stop::default();
-            let run = run_attended(&Hardware::default(), &scene, state.as_deref(), &mut stop)?;
+            let run = run_monitored(&Hardware::default(), &scene, state.as_deref(), &mut stop)?;
             if !run.stopped {
                 break run;
             }

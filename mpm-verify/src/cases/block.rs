@@ -106,7 +106,7 @@ fn sticks(friction_angle: f64) -> Result<Outcome, Error> {
     let last = run.samples.last().ok_or(Lacks("sample"))?;
     // As a share of what the weight would do over the height of the block.
     let weight = scene.mixture_density() * scene.width * scene.height * scene.gravity.unwrap_or(0.0);
-    let lost = last.ledger.base_friction_j.abs() / (weight * scene.height);
+    let lost = last.balance.base_friction_j.abs() / (weight * scene.height);
     Ok(Outcome {
         integrator: integrator(&scene),
         scheme: scheme(&scene),

@@ -93,8 +93,12 @@ fn outcome(name: &str, meshes: &[f64], aspects: &[f64], kind: Kind, fault: fn(&m
             note("published, lowest", low, "-");
             note("published, highest", high, "-");
             note("height H_inf/L_0", reach[1] / scene.width, "-");
-            note("energy closing over work of gravity", last.ledger.energy_closing_j / last.ledger.gravity_work_j, "-");
-            note("water closing", last.ledger.water_closing_kg, "kg");
+            note(
+                "energy closing over work of gravity",
+                last.balance.energy_residual_j / last.balance.gravity_work_j,
+                "-",
+            );
+            note("water closing", last.balance.water_residual_kg, "kg");
         }
         errors.push((cell, worst(offs.into_iter())));
     }

@@ -9,7 +9,7 @@
 //! pressure takes the water's part at the end of the step: another sign, the same order.
 
 use mpm_core::drive::{Run, Sample};
-use mpm_core::observe::Ledger;
+use mpm_core::observe::BalanceTerms;
 use mpm_core::scene::{Fields, Integrator, Scene, Start, StepChoice, Surcharge, Until};
 use mpm_core::stability::stable_limit;
 
@@ -89,17 +89,17 @@ fn column(way: &Way) -> Result<Scene, Error> {
 
 /// What is stored and booked as lost, over the work of the load so far: all of it.
 fn looks(run: &Run) -> Comparison {
-    let explained = |l: &Ledger| l.external_work_j + l.flow_body_work_j + l.energy_closing_j;
+    let explained = |l: &BalanceTerms| l.external_work_j + l.flow_body_work_j + l.energy_residual_j;
     let look = |s: &Sample| {
-        let work = s.ledger.external_work_j + s.ledger.flow_body_work_j;
-        Compared::one(s.stage_time, explained(&s.ledger) / work, 1.0)
+        let work = s.balance.external_work_j + s.balance.flow_body_work_j;
+        Compared::one(s.stage_time, explained(&s.balance) / work, 1.0)
     };
     Comparison::worst("energy stored and lost over the work", run.observed().map(look).collect())
 }
 
 /// Shares of the work at the end of a run.
 fn shares(run: &Run) -> Vec<(String, f64, String)> {
-    let Some(last) = run.samples.last().map(|s| &s.ledger) else { return Vec::new() };
+    let Some(last) = run.samples.last().map(|s| &s.balance) else { return Vec::new() };
     let parts = [
         ("kinetic energy", last.kinetic_j),
         ("strain energy", last.strain_j),

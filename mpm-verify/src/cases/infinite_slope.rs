@@ -130,7 +130,7 @@ fn stands(scene: &Scene) -> Result<bool, Error> {
         Some(failure) => return Err(failure.clone().into()),
         None => {}
     }
-    let losses: Vec<f64> = run.observed().map(|s| s.ledger.damping_loss_j).collect();
+    let losses: Vec<f64> = run.observed().map(|s| s.balance.damping_loss_j).collect();
     let [first, second, last] = losses[..] else { return Err(Unfit("three losses in damping expected")) };
     let (Some(stage), Some(gravity)) = (scene.stages.last(), scene.gravity) else { return Err(Lacks("slope")) };
     let Until::Time(end) = stage.until else { return Err(Lacks("time")) };

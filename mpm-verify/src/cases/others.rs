@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use mpm_core::drive::{Alone, Drive, Run, Sample};
 use mpm_core::hardware::Hardware;
 use mpm_core::observe::FieldPoint;
-use mpm_core::run::{model, run, run_attended};
+use mpm_core::run::{model, run, run_monitored};
 use mpm_core::scene::{Fields, Scene};
 use mpm_core::stability::choose_step;
 use serde::Deserialize;
@@ -92,7 +92,7 @@ fn found(row: &Row, fault: fn(&mut Fields)) -> Found {
     };
     let run = match how {
         How::Plain if row.outcome == End::Refused => {
-            run_attended(&Hardware::default(), &scene, None, &mut Stop::default()).map_err(Error::from)
+            run_monitored(&Hardware::default(), &scene, None, &mut Stop::default()).map_err(Error::from)
         }
         How::Plain => run(&scene, &mut |_| {}).map_err(Error::from),
         How::PastTheEstimate => past_the_estimate(&scene),
@@ -157,7 +157,7 @@ fn right(row: &Row, run: &Run) -> Result<Sampled, Error> {
         return Err(Error::Found(format!("wrong: {} {off}", row.quantity)));
     }
     if let Some(trust) = run.trust.filter(|trust| trust.verdict != "closed") {
-        return Err(Error::Found(format!("right, but its balance of {} does not close", trust.ledger)));
+        return Err(Error::Found(format!("right, but its balance of {} does not close", trust.balance)));
     }
     Ok(Sampled {
         quantity: format!("{}: {}", row.scene, row.quantity),

@@ -38,8 +38,8 @@ fn speed(_: &Sample, last: &Sample) -> f64 {
 }
 
 fn energy(first: &Sample, last: &Sample) -> f64 {
-    let stored = last.ledger.strain_j + last.ledger.water_j;
-    ((last.ledger.energy_closing_j - first.ledger.energy_closing_j) / stored).abs()
+    let stored = last.balance.strain_j + last.balance.water_j;
+    ((last.balance.energy_residual_j - first.balance.energy_residual_j) / stored).abs()
 }
 
 /// The largest `figure` of all scenes, and that of fewer steps with other numbers of particles.

@@ -41,7 +41,7 @@ fn block((dimension, integrator): (Dimension, Integrator)) -> Result<Scene, Erro
 /// What does not close at each look, as a share of what has gone; `lost` of that is not booked.
 fn gaps(run: &Run, lost: f64) -> Vec<f64> {
     let gap = |out: f64, closing: f64| (closing - lost * out) / out;
-    run.observed().map(|s| gap(s.ledger.water_out_kg, s.ledger.water_closing_kg)).collect()
+    run.observed().map(|s| gap(s.balance.water_out_kg, s.balance.water_residual_kg)).collect()
 }
 
 fn outcome(lost: f64) -> Result<Outcome, Error> {

@@ -182,7 +182,7 @@ fn ledger(lost: f64) -> Result<Outcome, Error> {
             let one = water.particles_m3 / water.particles.max(1) as f64;
             let layer = water.particles_m3 - lost * one + water.pending_m3 - water.in_m3 + water.out_m3;
             let count = water.spawned as f64 - water.removed as f64 - water.particles as f64;
-            let ledger = sample.ledger.water_closing_kg / 1000.0;
+            let ledger = sample.balance.water_residual_kg / 1000.0;
             offs.extend([cells, layer, count * one, ledger].map(|off| off / water.in_m3));
         }
     }

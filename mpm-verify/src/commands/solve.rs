@@ -7,7 +7,7 @@ use clap::Args;
 use mpm_core::drive::{Run, Sample};
 use mpm_core::hardware::Hardware;
 use mpm_core::observe::{SolidState, Trust, WaterState};
-use mpm_core::run::{StartError, outline_parts, run_attended};
+use mpm_core::run::{StartError, outline_parts, run_monitored};
 use mpm_core::scene::{Dimension, Estimate, Flags, INTEGRATORS, Integrator, SHAPES, Scene};
 use mpm_core::seeding;
 use mpm_core::stability::{choose_step, stable_limit};
@@ -84,14 +84,14 @@ struct Row {
     solid_crossings: u64,
     water_crossings: u64,
     solid_mass_kg: f64,
-    solid_closing_kg: f64,
+    solid_residual_kg: f64,
     water_stored_kg: f64,
     water_in_kg: f64,
     water_out_kg: f64,
-    water_closing_kg: f64,
+    water_residual_kg: f64,
     momentum_n_s: f64,
     impulse_n_s: f64,
-    momentum_closing_n_s: f64,
+    momentum_residual_n_s: f64,
     kinetic_j: f64,
     strain_j: f64,
     water_j: f64,
@@ -100,7 +100,7 @@ struct Row {
     flow_body_work_j: f64,
     darcy_dissipation_j: f64,
     damping_loss_j: f64,
-    energy_closing_j: f64,
+    energy_residual_j: f64,
     water_particles_removed_kg: f64,
     base_friction_j: f64,
     centre_x_m: f64,
@@ -350,7 +350,7 @@ fn solve(
         end: options.state.then(Vec::new),
     };
     let state = kept.map(|kept| kept.state);
-    let run = run_attended(hardware, scene, state.as_deref(), &mut attend).map_err(|e| match e {
+    let run = run_monitored(hardware, scene, state.as_deref(), &mut attend).map_err(|e| match e {
         StartError::Checkpoint(e) => {
             Failure::BadInput(format!("{}: {e}", folder.path().join(checkpoint::NAME).display()))
         }
@@ -488,8 +488,8 @@ fn summary<'a>(scene: &'a Scene, run: &'a Run, threads: usize, [cpu_s, wall_s]: 
         threads,
         wall_s,
         seeded: Seeded::of(scene),
-        plastic_dissipation_j: last.map_or(0.0, |s| s.ledger.plastic_dissipation_j),
-        yield_residual_max: last.and_then(|s| s.ledger.yield_residual_max),
+        plastic_dissipation_j: last.map_or(0.0, |s| s.balance.plastic_dissipation_j),
+        yield_residual_max: last.and_then(|s| s.balance.yield_residual_max),
         trust: run.trust,
         estimate: scene.is_one_dimensional().then(|| scene.estimate()),
         notes: scene.notes(),
@@ -499,7 +499,7 @@ fn summary<'a>(scene: &'a Scene, run: &'a Run, threads: usize, [cpu_s, wall_s]: 
 
 fn history(run: &Run) -> Vec<Row> {
     let row = |(number, s): (usize, &Sample)| {
-        let (o, l) = (&s.state, &s.ledger);
+        let (o, l) = (&s.state, &s.balance);
         let plates = plates(s, number.checked_sub(1).map(|before| &run.samples[before]));
         Row {
             time_s: o.time,
@@ -514,14 +514,14 @@ fn history(run: &Run) -> Vec<Row> {
             solid_crossings: o.solid_crossings,
             water_crossings: o.water_crossings,
             solid_mass_kg: l.solid_mass_kg,
-            solid_closing_kg: l.solid_closing_kg,
+            solid_residual_kg: l.solid_residual_kg,
             water_stored_kg: l.water_stored_kg,
             water_in_kg: l.water_in_kg,
             water_out_kg: l.water_out_kg,
-            water_closing_kg: l.water_closing_kg,
+            water_residual_kg: l.water_residual_kg,
             momentum_n_s: l.momentum_n_s,
             impulse_n_s: l.impulse_n_s,
-            momentum_closing_n_s: l.momentum_closing_n_s,
+            momentum_residual_n_s: l.momentum_residual_n_s,
             kinetic_j: l.kinetic_j,
             strain_j: l.strain_j,
             water_j: l.water_j,
@@ -530,7 +530,7 @@ fn history(run: &Run) -> Vec<Row> {
             flow_body_work_j: l.flow_body_work_j,
             darcy_dissipation_j: l.darcy_dissipation_j,
             damping_loss_j: l.damping_loss_j,
-            energy_closing_j: l.energy_closing_j,
+            energy_residual_j: l.energy_residual_j,
             water_particles_removed_kg: l.water_particles_removed_kg,
             base_friction_j: l.base_friction_j,
             centre_x_m: o.centre[0],

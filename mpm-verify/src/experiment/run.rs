@@ -114,8 +114,8 @@ pub(crate) fn note_momentum(scene: &Scene, run: &Run) {
         return;
     }
     for sample in &run.samples {
-        let all = balances(scene, run.dt, sample.step, &sample.state, &sample.ledger);
-        for balance in all.iter().filter(|balance| balance.ledger == "momentum" && balance.gap != 0.0) {
+        let all = balances(scene, run.dt, sample.step, &sample.state, &sample.balance);
+        for balance in all.iter().filter(|balance| balance.name == "momentum" && balance.gap != 0.0) {
             let missing = balance.gap.abs() / balance.allowed;
             let larger = |known: f64| if missing <= known { known } else { missing };
             MOMENTUM.set(Some(MOMENTUM.get().map_or(missing, larger)));

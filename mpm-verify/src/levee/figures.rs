@@ -269,7 +269,7 @@ fn sound(rows: &[Row]) -> Vec<Track> {
         track(
             "water gap",
             true,
-            vec![trace("gap of the water", &|r| (r.water_closing_m3 / r.water_m3).abs().max(least))],
+            vec![trace("gap of the water", &|r| (r.water_residual_m3 / r.water_m3).abs().max(least))],
         ),
         track("yield residual", true, vec![trace("stress beyond yield", &above(least, |r| r.yield_residual))]),
         percents("checkerboard (%)", "checkerboard index", |r| r.checkerboard, LIMITS[1]),

@@ -36,8 +36,8 @@ impl Trust {
         let mut worst: Option<(&str, f64, f64)> = None;
         for row in rows {
             let balances = [
-                ("dry mass", share(row.solid_closing_kg, mass), ROUND_OFF),
-                ("water", share(row.water_closing_m3, water), ROUND_OFF),
+                ("dry mass", share(row.solid_residual_kg, mass), ROUND_OFF),
+                ("water", share(row.water_residual_m3, water), ROUND_OFF),
                 ("energy", row.energy_error.abs(), ENERGY),
             ];
             for (ledger, gap, allowed) in balances {

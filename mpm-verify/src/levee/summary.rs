@@ -138,11 +138,11 @@ impl Summary {
             checkerboard_face_operator: operators.as_ref().map(|o| o.index_with_source[0]),
             operators,
             hourglass_ratio_max: most(|r| r.hourglass),
-            solid_mass_error: share(most(|r| r.solid_closing_kg.abs()), run.mass_kg),
+            solid_mass_error: share(most(|r| r.solid_residual_kg.abs()), run.mass_kg),
             // A slope without any water has lost none.
             water_ledger_error: match water {
-                Some(0.0) => most(|r| r.water_closing_m3.abs()),
-                _ => share(most(|r| r.water_closing_m3.abs()), water.unwrap_or(0.0)),
+                Some(0.0) => most(|r| r.water_residual_m3.abs()),
+                _ => share(most(|r| r.water_residual_m3.abs()), water.unwrap_or(0.0)),
             },
             energy_error: most(|r| r.energy_error),
             steps: run.steps.all(),

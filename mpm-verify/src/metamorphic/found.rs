@@ -39,7 +39,7 @@ fn a_quasi_static_stage_begins_with_the_state_of_the_last_one() {
         small(&format!("{COLUMN}[time]\nintegrator = \"quasi-static\"\n[surcharge]\npressure = 1.0\n{stage}{stage}"));
     let at = |stage: usize, time: f64| {
         let here = run.samples.iter().find(|s| s.stage == stage && s.stage_time == time);
-        here.map(|s| (s.state.mean_pressure, s.ledger.water_stored_kg)).expect("a sample")
+        here.map(|s| (s.state.mean_pressure, s.balance.water_stored_kg)).expect("a sample")
     };
     let (end, start) = (at(0, 3000.0), at(1, 0.0));
     assert!((end.0 - start.0).abs() <= 1e-9 * end.0.abs(), "{end:?} and {start:?}");

@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use mpm_core::drive::{Attend, Run, Sample, Wish};
+use mpm_core::drive::{Monitor, Run, Sample, Wish};
 use mpm_core::hardware::{Hardware, Width};
-use mpm_core::run::run_attended;
+use mpm_core::run::run_monitored;
 use mpm_core::scene::{Dimension, Feed, Fields, Integrator, Quadrature, Scene, ShapeChoice, StrainChoice};
 use mpm_core::stability::stable_limit;
 
@@ -75,7 +75,7 @@ const PATIENCE: f64 = 5.0;
 /// Stops a run that takes too long.
 struct Patient(Instant);
 
-impl Attend for Patient {
+impl Monitor for Patient {
     fn look(&mut self, _: f64) -> Wish {
         if self.0.elapsed().as_secs_f64() > PATIENCE { Wish::Stop } else { Wish::GoOn }
     }
@@ -88,7 +88,7 @@ impl Attend for Patient {
 /// # Errors
 /// It was refused ([`Error::Of`]), or takes too long.
 pub fn run_of(hardware: &Hardware, scene: &Scene) -> Result<Run, Error> {
-    match run_attended(hardware, scene, None, &mut Patient(Instant::now())) {
+    match run_monitored(hardware, scene, None, &mut Patient(Instant::now())) {
         Ok(run) if run.stopped => Err(Error::Found(format!("stopped after {PATIENCE} s"))),
         Ok(run) => Ok(run),
         Err(e) => Err(Error::from(e).of("refused")),
@@ -560,7 +560,7 @@ fn threads(base: &Base) -> Verdict {
 #[derive(Default)]
 struct Stop(Option<Vec<u8>>);
 
-impl Attend for Stop {
+impl Monitor for Stop {
     fn look(&mut self, _: f64) -> Wish {
         Wish::Stop
     }
@@ -578,7 +578,7 @@ fn resumed(base: &Base) -> Verdict {
         let mut state = None;
         for _ in 0..1000 {
             let mut stop = Stop::default();
-            let run = run_attended(&Hardware::default(), &scene, state.as_deref(), &mut stop);
+            let run = run_monitored(&Hardware::default(), &scene, state.as_deref(), &mut stop);
             let run = run.map_err(|e| Error::from(e).of("refused"))?;
             if !run.stopped {
                 return Ok(bits(&said(base.run), &said(&run), "resumed"));

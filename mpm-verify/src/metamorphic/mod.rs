@@ -120,7 +120,7 @@ fn started(written: &Written) -> Started {
         Ok(run) => match &run.trust {
             Some(trust) if trust.verdict != "closed" => {
                 let times = (trust.gap / trust.allowed).abs();
-                Started::Silent(format!("{} not closed, {times:.1e} times what is allowed", trust.ledger))
+                Started::Silent(format!("{} not closed, {times:.1e} times what is allowed", trust.balance))
             }
             _ => Started::Ran(Box::new((scene, run))),
         },

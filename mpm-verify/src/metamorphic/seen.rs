@@ -63,7 +63,7 @@ pub struct Number {
 /// All numbers of a sample that depend on the state alone; with `exact` those that are differences or counts, too.
 pub fn numbers(sample: &Sample, exact: bool) -> Vec<Number> {
     use Unit::{Area, Energy, Impulse, Length, Mass, Number as Pure, Pressure, Speed, Time};
-    let (state, l) = (&sample.state, &sample.ledger);
+    let (state, l) = (&sample.state, &sample.balance);
     let mut list: Vec<Number> = Vec::new();
     let mut add = |name, unit, value| list.push(Number { name, unit, value });
     add("settlement", Length, state.settlement);
@@ -104,9 +104,9 @@ pub fn numbers(sample: &Sample, exact: bool) -> Vec<Number> {
         add("checkerboard", Pure, state.checkerboard);
         add("x of the centre", Length, state.centre[0]);
         add("reach", Length, state.reach[0]);
-        add("water balance", Mass, l.water_closing_kg);
-        add("momentum balance", Impulse, l.momentum_closing_n_s);
-        add("energy balance", Energy, l.energy_closing_j);
+        add("water balance", Mass, l.water_residual_kg);
+        add("momentum balance", Impulse, l.momentum_residual_n_s);
+        add("energy balance", Energy, l.energy_residual_j);
         add("loss of transfers", Energy, l.transfer_loss_j);
     }
     list

@@ -80,7 +80,7 @@ pub const MUTANTS: &[Mutant] = &[
     fault(
         "wall-that-stays",
         "a stage that takes a wall away leaves it",
-        "mpm-core/src/step/conditions/held.rs",
+        "mpm-core/src/step/conditions/supports.rs",
         "own.unwrap_or(self.usual)[side]",
         "own.and(Some(self.usual)).unwrap_or(self.usual)[side]",
     ),
@@ -109,8 +109,8 @@ pub const MUTANTS: &[Mutant] = &[
         "unsorted-sum",
         "energies of strips are summed in the order in which threads finish",
         "mpm-core/src/step/kernel/mod.rs",
-        "*rate = 0.0;\n                for part in 0..MOST_LANES {\n                    *rate += lanes[part / V::F64_LANES].lane(part % V::F64_LANES);\n                }",
-        "static SUM: std::sync::Mutex<f64> = std::sync::Mutex::new(0.0);\n                *rate = (0..MOST_LANES).map(|part| lanes[part / V::F64_LANES].lane(part % V::F64_LANES)).sum();\n                let mut sum = SUM.lock().unwrap_or_else(|e| e.into_inner());\n                if self.strip.first == 0 { *sum = 0.0; }\n                let before = *sum;\n                *sum += *rate;\n                *rate = *sum - before;",
+        "*rate = 0.0;\n                for part in 0..MAX_LANES {\n                    *rate += lanes[part / V::F64_LANES].lane(part % V::F64_LANES);\n                }",
+        "static SUM: std::sync::Mutex<f64> = std::sync::Mutex::new(0.0);\n                *rate = (0..MAX_LANES).map(|part| lanes[part / V::F64_LANES].lane(part % V::F64_LANES)).sum();\n                let mut sum = SUM.lock().unwrap_or_else(|e| e.into_inner());\n                if self.strip.first == 0 { *sum = 0.0; }\n                let before = *sum;\n                *sum += *rate;\n                *rate = *sum - before;",
     ),
     fault(
         "skipped-step",
@@ -150,7 +150,7 @@ pub const MUTANTS: &[Mutant] = &[
     fault(
         "loose-rollers",
         "rollers hold the last but one node of their row in place of the last",
-        "mpm-core/src/step/conditions/held.rs",
+        "mpm-core/src/step/conditions/supports.rs",
         "(motion.velocity[d][node], motion.change[d][node], motion.acceleration[d][node]) = (0.0, 0.0, 0.0);",
         "let node = node.saturating_sub(1); (motion.velocity[d][node], motion.change[d][node], motion.acceleration[d][node]) = (0.0, 0.0, 0.0);",
     ),
@@ -339,7 +339,7 @@ pub const MUTANTS: &[Mutant] = &[
     fault(
         "free-base-pressure-at-the-centre",
         "the same below water with a free surface",
-        "mpm-core/src/water/carried.rs",
+        "mpm-core/src/water/advected.rs",
         "(water.pressure[cell] + half).max(0.0)",
         "(water.pressure[cell] + 0.0 * half).max(0.0)",
     ),
@@ -472,14 +472,14 @@ pub const MUTANTS: &[Mutant] = &[
     fault(
         "weight-booked-dry",
         "gains and weight of the nodes are booked without the water",
-        "mpm-core/src/observe/ledger.rs",
-        "let (masses, _) = strip.0[MIXTURE_MASS][..nodes.frame.strip].as_chunks::<MOST_LANES>();",
-        "let (masses, _) = strip.0[SOLID_MASS][..nodes.frame.strip].as_chunks::<MOST_LANES>();",
+        "mpm-core/src/observe/balance.rs",
+        "let (masses, _) = strip.0[MIXTURE_MASS][..nodes.frame.strip].as_chunks::<MAX_LANES>();",
+        "let (masses, _) = strip.0[SOLID_MASS][..nodes.frame.strip].as_chunks::<MAX_LANES>();",
     ),
     fault(
         "support-impulse-dry",
         "the impulse of supports is booked without the water",
-        "mpm-core/src/step/conditions/held.rs",
+        "mpm-core/src/step/conditions/supports.rs",
         "nodes.mixture_mass(node) * nodes.motion.change[d][node]",
         "nodes.sum(crate::step::store::nodes::SOLID_MASS, node) * nodes.motion.change[d][node]",
     ),

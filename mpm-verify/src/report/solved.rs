@@ -116,7 +116,7 @@ fn verdict(run: &Run) -> Verdict {
         };
     };
     let (gap, allowed) = (short(trust.gap, 2), short(trust.allowed, 2));
-    let (name, unit) = (trust.ledger, trust.unit);
+    let (name, unit) = (trust.balance, trust.unit);
     let passed = trust.since_s.is_none();
     let how = if passed { "is within its bound" } else { "exceeds its bound" };
     let sentence =
@@ -259,16 +259,16 @@ fn ledgers(scene: &Scene, run: &Run) -> Option<Figure> {
         .samples
         .iter()
         .filter(|s| s.state.time > 0.0)
-        .map(|s| (s.state.time / seconds, balances(scene, run.dt, s.step, &s.state, &s.ledger)))
+        .map(|s| (s.state.time / seconds, balances(scene, run.dt, s.step, &s.state, &s.balance)))
         .collect();
     for balance in all.iter().flat_map(|(_, balances)| balances) {
-        if !names.contains(&balance.ledger) {
-            names.push(balance.ledger);
+        if !names.contains(&balance.name) {
+            names.push(balance.name);
         }
     }
     for (nth, name) in names.iter().enumerate() {
         let of = |(time, balances): &(f64, Vec<mpm_core::observe::Balance>)| {
-            let balance = balances.iter().find(|balance| balance.ledger == *name)?;
+            let balance = balances.iter().find(|balance| balance.name == *name)?;
             let share = (balance.gap / balance.allowed).abs();
             Some((*time, if balance.gap == 0.0 { 1e-9 } else { share.clamp(1e-9, 10.0) }))
         };

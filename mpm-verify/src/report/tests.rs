@@ -52,8 +52,8 @@ fn run(mesh: f64, ppc: usize, load: &str, variant: Variant) -> CaseResult {
         external_work_j: 0.3 * tv,
         darcy_dissipation_j: 0.2 * tv,
         flow_body_work_j: 1e-5,
-        energy_closing_j: 1e-6,
-        water_closing_kg: 0.0,
+        energy_residual_j: 1e-6,
+        water_residual_kg: 0.0,
         water_out_kg: tv,
     };
     run.history = [0.002, 0.02, 0.2, 1.0].map(point).to_vec();

@@ -13,10 +13,10 @@ pub mod store;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use cpu_time::ThreadTime;
-use mpm_core::drive::{Attend, Run, Sample, Wish};
+use mpm_core::drive::{Monitor, Run, Sample, Wish};
 use mpm_core::hardware::Hardware;
-use mpm_core::observe::{Ledger, ProfileRow};
-use mpm_core::run::{StartError, run, run_attended};
+use mpm_core::observe::{BalanceTerms, ProfileRow};
+use mpm_core::run::{StartError, run, run_monitored};
 use mpm_core::scene::{Integrator, Scene, ShapeChoice};
 use mpm_core::stability::{choose_step, stable_limit};
 use mpm_core::step::Work;
@@ -122,7 +122,7 @@ struct Watched<'a> {
     stop: &'a AtomicBool,
 }
 
-impl Attend for Watched<'_> {
+impl Monitor for Watched<'_> {
     fn look(&mut self, share: f64) -> Wish {
         (self.told)(share);
         if self.stop.load(Ordering::Relaxed) { Wish::Stop } else { Wish::GoOn }
@@ -138,7 +138,7 @@ impl Attend for Watched<'_> {
 /// A step above the stability limit.
 fn timed(scene: &Scene, at_most: usize, watched: &mut Watched) -> Result<Option<(Run, f64)>, StartError> {
     let clock = ThreadTime::now();
-    let first = match run_attended(&Hardware::default(), scene, None, watched) {
+    let first = match run_monitored(&Hardware::default(), scene, None, watched) {
         Err(StartError::Place(failure)) => return Ok(Some((nothing(scene, failure), clock.elapsed().as_secs_f64()))),
         other => other?,
     };
@@ -245,7 +245,7 @@ fn compare(case: &Case, run: &Run, cpu_s: f64) -> Result<CaseResult, Error> {
         tolerance: own_steps.then_some(scene.tolerance),
         degrees,
         profiles,
-        history: history.map(|s| point(s.stage_time, s.state.settlement / whole, &terzaghi, &s.ledger)).collect(),
+        history: history.map(|s| point(s.stage_time, s.state.settlement / whole, &terzaghi, &s.balance)).collect(),
         ..CaseResult::of(case)
     })
 }
@@ -269,7 +269,7 @@ fn profile(rows: &[ProfileRow], time: f64, terzaghi: &Terzaghi, compressible: &T
     Profile { tv: terzaghi.time_factor(time), rows: rows.iter().map(point).collect() }
 }
 
-fn point(time_s: f64, u: f64, terzaghi: &Terzaghi, ledger: &Ledger) -> HistoryPoint {
+fn point(time_s: f64, u: f64, terzaghi: &Terzaghi, ledger: &BalanceTerms) -> HistoryPoint {
     HistoryPoint {
         time_s,
         tv: terzaghi.time_factor(time_s),
@@ -280,8 +280,8 @@ fn point(time_s: f64, u: f64, terzaghi: &Terzaghi, ledger: &Ledger) -> HistoryPo
         external_work_j: ledger.external_work_j,
         darcy_dissipation_j: ledger.darcy_dissipation_j,
         flow_body_work_j: ledger.flow_body_work_j,
-        energy_closing_j: ledger.energy_closing_j,
-        water_closing_kg: ledger.water_closing_kg,
+        energy_residual_j: ledger.energy_residual_j,
+        water_residual_kg: ledger.water_residual_kg,
         water_out_kg: ledger.water_out_kg,
     }
 }

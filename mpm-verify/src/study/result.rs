@@ -102,10 +102,12 @@ pub struct HistoryPoint {
     pub flow_body_work_j: f64,
     /// What is left over, J.
     #[serde(deserialize_with = "or_nan")]
-    pub energy_closing_j: f64,
+    #[serde(alias = "energy_closing_j")]
+    pub energy_residual_j: f64,
     /// Water balance left over, kg.
     #[serde(deserialize_with = "or_nan")]
-    pub water_closing_kg: f64,
+    #[serde(alias = "water_closing_kg")]
+    pub water_residual_kg: f64,
     /// Water that has left, kg.
     #[serde(deserialize_with = "or_nan")]
     pub water_out_kg: f64,

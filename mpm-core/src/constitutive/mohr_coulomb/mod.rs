@@ -25,7 +25,7 @@ use pulp::Simd;
 
 use super::linear_elastic::LinearElastic;
 use super::{Flow, Law, State};
-use crate::real::{Lanes, MOST_LANES, Real};
+use crate::real::{MAX_LANES, Real, SimdReal};
 use crate::scene::{Elastic, Strength};
 use principal::{Ordered, in_plane};
 pub use returns::Region;
@@ -59,8 +59,8 @@ impl MohrCoulomb {
 
 /// Trial stresses of several particles, component by component, with dissipation and residual of each.
 struct Packed {
-    stress: [[f64; MOST_LANES]; 4],
-    flow: [[f64; MOST_LANES]; 2],
+    stress: [[f64; MAX_LANES]; 4],
+    flow: [[f64; MAX_LANES]; 2],
 }
 
 impl MohrCoulomb {
@@ -91,7 +91,7 @@ impl MohrCoulomb {
     /// The same for the lanes whose residual is above zero. Not for every width anew: that is long to compile.
     #[inline(never)]
     fn flow_back_lanes(&self, packed: &mut Packed, lanes: usize) {
-        for lane in 0..lanes.min(MOST_LANES) {
+        for lane in 0..lanes.min(MAX_LANES) {
             if packed.flow[1][lane] > 0.0 {
                 let mut of_one = std::array::from_fn(|s| packed.stress[s][lane]);
                 let flow = self.flow_back(&mut of_one);
@@ -115,29 +115,29 @@ impl Law for MohrCoulomb {
     #[inline(always)]
     fn update_lanes<V: Simd>(
         &self,
-        stress: &mut [Lanes<V>; 4],
-        strain: &[Lanes<V>; 4],
-        _: &mut State<Lanes<V>>,
+        stress: &mut [SimdReal<V>; 4],
+        strain: &[SimdReal<V>; 4],
+        _: &mut State<SimdReal<V>>,
         there: V::m64s,
-    ) -> Flow<Lanes<V>> {
+    ) -> Flow<SimdReal<V>> {
         self.elastic.hooke(stress, strain);
         let none = stress[0].like(0.0);
         let residual = self.excess(stress).or(there, none.like(f64::NEG_INFINITY));
-        if Lanes::nowhere(none.simd, none.below(residual)) {
+        if SimdReal::nowhere(none.simd, none.below(residual)) {
             return Flow { dissipation: none, residual };
         }
-        let mut packed = Packed { stress: [[0.0; MOST_LANES]; 4], flow: [[0.0; MOST_LANES]; 2] };
+        let mut packed = Packed { stress: [[0.0; MAX_LANES]; 4], flow: [[0.0; MAX_LANES]; 2] };
         for s in 0..4 {
             stress[s].store(&mut packed.stress[s]);
         }
         residual.store(&mut packed.flow[1]);
         self.flow_back_lanes(&mut packed, V::F64_LANES);
         for s in 0..4 {
-            stress[s] = Lanes::load(none.simd, &packed.stress[s]);
+            stress[s] = SimdReal::load(none.simd, &packed.stress[s]);
         }
         let [dissipation, residual] = &packed.flow;
-        let dissipation = Lanes::load(none.simd, dissipation);
-        Flow { dissipation, residual: Lanes::load(none.simd, residual) }
+        let dissipation = SimdReal::load(none.simd, dissipation);
+        Flow { dissipation, residual: SimdReal::load(none.simd, residual) }
     }
 
     fn is_symmetric(&self) -> bool {

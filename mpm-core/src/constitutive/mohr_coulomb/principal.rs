@@ -1,4 +1,4 @@
-//! Principal stresses in order, and the way back to the components of a dimension.
+//! Principal stresses in order, and their transformation back to the components of a dimension.
 
 /// Ordered principal stresses of a state, and what stands where among them.
 #[derive(Debug, Clone, Copy)]

@@ -1,4 +1,4 @@
-//! Returns against an enumeration of all sets of planes, tangents against differences, and what must hold on any path.
+//! Returns against an enumeration of all sets of planes, tangents against differences, and properties that hold on any path.
 
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;

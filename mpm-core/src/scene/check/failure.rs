@@ -18,7 +18,7 @@ impl Reader<'_> {
         let both = stages.iter().zip(&scene.stages).find(|(_, stage)| stage.coupling == Coupling::Full);
         let Some((stage, _)) = both else {
             if let Some(table) = &raw.failure {
-                let expected = "a stage with coupling = \"full\" beside it";
+                let expected = "a stage with coupling = \"full\" with it";
                 return self.refuse(&table.span(), "failure", expected, "none");
             }
             return Ok(None);
@@ -84,15 +84,16 @@ impl Reader<'_> {
             let Some([_, high]) = touching(&soil, side, scene) else { continue };
             let key = format!("water.free_surface.feed.{side}");
             if side != Side::Top && scene.solid_sides[side as usize] == SolidSide::Free {
-                let expected =
-                    format!("boundaries.{side} = \"roller\" or \"fixed\" beside it: soil that may fail is held there");
+                let expected = format!(
+                    "boundaries.{side} = \"roller\" or \"fixed\" with it: soil that may fail is supported there"
+                );
                 return self.refuse(&feed.span(), &key, &expected, quoted("free"));
             }
             let given = [("head", &feed.get_ref().head), ("height", &feed.get_ref().height)];
             for (word, value) in given {
                 let Some(value) = value else { continue };
                 if side == Side::Top && word == "head" {
-                    let expected = "a velocity (m/s) beside coupling = \"full\": no pond stands on soil that may fail";
+                    let expected = "a velocity (m/s) with coupling = \"full\": no water may pond on soil that may fail";
                     return self.refuse(&value.span(), &format!("{key}.{word}"), expected, value.get_ref());
                 }
                 // What presses from below may stand higher.
@@ -119,7 +120,7 @@ impl Reader<'_> {
             (None, None) => return Ok(()),
         };
         let expected =
-            "0 < angle < 90 (degrees), or an adhesion, beside coupling = \"full\": no slope stands on a smooth base";
+            "0 < angle < 90 (degrees), or an adhesion, with coupling = \"full\": no slope is stable on a smooth base";
         self.refuse(&value.span(), key, expected, value.get_ref())
     }
 }

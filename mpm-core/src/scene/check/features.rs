@@ -7,6 +7,7 @@ use toml::{Spanned, Value};
 use super::super::capabilities::{FEATURES, Feature, RULES};
 use super::super::raw::{RawGeometry, RawLaw, RawScene};
 use super::super::{Dimension, Integrator};
+use super::faults::Faults;
 use super::{Checked, Reader, method};
 
 /// Whether a word is written, and is this one.
@@ -15,18 +16,19 @@ fn is(word: Option<&Spanned<String>>, wanted: &str) -> bool {
 }
 
 impl Reader<'_> {
-    /// Holds a scene against the table of what goes together.
+    /// Checks a scene against the table of what goes together.
     pub(super) fn goes_together(&self, raw: &RawScene) -> Checked<()> {
         let has: Vec<Feature> = FEATURES.iter().map(|(feature, ..)| *feature).filter(|f| has(raw, *f)).collect();
+        let mut faults = Faults::default();
         for rule in RULES.iter().filter(|rule| has.contains(&rule.of)) {
             if let Some(other) = rule.beside.iter().find(|other| has.contains(other)) {
                 let said = [rule.of, *other].into_iter().find_map(|feature| Some((feature, place(raw, feature)?)));
                 let (feature, span) = said.unwrap_or((rule.of, 0..0));
-                let found = format!("{} beside {}", rule.of.word(), other.word());
-                return self.refuse(&span, feature.key(), rule.expected, found);
+                let found = format!("{} with {}", rule.of.word(), other.word());
+                faults.take::<()>(self.refuse(&span, feature.key(), rule.expected, found));
             }
         }
-        Ok(())
+        faults.or(Some(()))
     }
 }
 

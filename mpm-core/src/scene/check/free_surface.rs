@@ -34,9 +34,7 @@ impl Reader<'_> {
         };
         let mobile = scene.porosity * (1.0 - saturation);
         if mobile < LEAST_OPEN {
-            let expected = format!(
-                "porosity times what is not water that stays to be {LEAST_OPEN} at least: water has to go somewhere"
-            );
+            let expected = format!("n (1 - saturation) >= {LEAST_OPEN}: mobile water needs open pores");
             let (span, key) = match &raw.saturation {
                 Some(value) => (value.span(), "water.free_surface.saturation"),
                 None => (table.span(), "water.free_surface"),
@@ -71,7 +69,7 @@ impl Reader<'_> {
             return self.refuse(&list.span(), key, expected, "\"column\"");
         }
         let points = self.polygon(list, key, 0.0)?;
-        // Corners suffice for a convex soil; for others the middles of the edges are looked at too.
+        // Corners suffice for a convex soil; for others the middles of the edges are checked too.
         let soil = scene.outline_or_box();
         let reach = 1e-9 * (scene.width + scene.height);
         let count = points.len();
@@ -103,11 +101,11 @@ impl Reader<'_> {
         Ok((checked, courses))
     }
 
-    /// How a velocity goes on in time.
+    /// Course of a velocity in time.
     fn feed_in_time(&self, list: &Pairs, side: Side, is_head: bool) -> Checked<Course> {
         let key = format!("water.free_surface.feed.{side}.times");
         if is_head {
-            let expected = "times beside a velocity; a level that rises and falls is that of [[reservoirs]]";
+            let expected = "times with a velocity; a level that rises and falls is that of [[reservoirs]]";
             return self.refuse(&list.span(), &key, expected, "a head");
         }
         let expected = "pairs [time (s), factor of 0 or more], times that ascend";
@@ -127,14 +125,15 @@ impl Reader<'_> {
             // Rain, which falls on all soil under the sky.
             let speed = self.positive(value, &format!("{key}.velocity"), "m/s into the soil")?;
             if let Some(height) = &feed.height {
-                let expected = "no height beside a velocity at the top: it is rain, which falls on all that looks up";
+                let expected =
+                    "no height with a velocity at the top: it is rain, which falls on every surface that faces upwards";
                 return self.refuse(&height.span(), &format!("{key}.height"), expected, height.get_ref());
             }
             return Ok(Feed::Velocity { speed, height: scene.height });
         }
         // Where the soil touches the side, from its lowest to its highest point, m.
         let Some([low, high]) = touching(&scene.outline_or_box(), side, scene) else {
-            return self.refuse(&span, &key, "soil along the side that is fed", "a wall with no soil");
+            return self.refuse(&span, &key, "soil along the side of the feed", "a wall with no soil");
         };
         let (is_head, value) =
             self.either(&span, &key, ("head", feed.head.as_ref()), ("velocity", feed.velocity.as_ref()))?;
@@ -150,7 +149,7 @@ impl Reader<'_> {
             return Ok(Feed::Velocity { speed, height });
         }
         if let Some(height) = &feed.height {
-            let expected = "no height beside a head, which is one";
+            let expected = "no height with a head, which is one";
             return self.refuse(&height.span(), &format!("{key}.height"), expected, height.get_ref());
         }
         let least = match (scene.gravity, side) {
@@ -176,7 +175,7 @@ impl Reader<'_> {
     pub(super) fn free_water(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let integrator = raw.time.as_ref().and_then(|time| time.get_ref().integrator.as_ref());
         if let (Some(word), Integrator::Coupled, false) = (integrator, scene.integrator, scene.may_fail()) {
-            let expected = "a stage with coupling = \"full\" beside it";
+            let expected = "a stage with coupling = \"full\" with it";
             return self.refuse(&word.span(), "time.integrator", expected, quoted(word.get_ref()));
         }
         // Soil that may fail runs staggered, or in one step with its water.
@@ -184,14 +183,14 @@ impl Reader<'_> {
         let table = raw.water.as_ref().and_then(|water| water.get_ref().free_surface.as_ref());
         let two = match table {
             Some(table) if !two => {
-                let expected = "integrator = \"staggered\" beside it: the others know saturated soil";
+                let expected = "integrator = \"staggered\" with it: the others need saturated soil";
                 return self.refuse(&table.span(), "water.free_surface", expected, "\"explicit\"");
             }
             table => table.is_some(),
         };
         for (raw, stage) in raw.stages.get_ref().iter().map(Spanned::get_ref).zip(&scene.stages) {
             if let (Some(word), false) = (&raw.coupling, two) {
-                let expected = "integrator = \"staggered\" beside it";
+                let expected = "integrator = \"staggered\" with it";
                 return self.refuse(&word.span(), "stages.coupling", expected, quoted(word.get_ref()));
             }
             if two && stage.coupling == Coupling::Seepage && !matches!(stage.until, Until::Time(_)) {
@@ -211,7 +210,7 @@ pub(super) fn touching(soil: &[[f64; 2]], side: Side, scene: &Fields) -> Option<
         Side::Bottom => (1, 0.0),
         Side::Top => (1, scene.height),
     };
-    // Beyond the soil there may be room that is empty.
+    // Beyond the soil there may be empty cells.
     if (side == Side::Right && scene.empty_cells_beside > 0) || (side == Side::Top && scene.empty_cells_above > 0) {
         return None;
     }

@@ -1,4 +1,4 @@
-//! Outlines, slopes, friction on the base, room to run out: their bounds, and what they do not go together with.
+//! Outlines, slopes, friction on the base, empty cells beside the soil: their bounds, and what they do not go together with.
 
 use std::ops::Range;
 
@@ -70,7 +70,7 @@ impl Reader<'_> {
             }
         };
         if let Some(value) = &mesh.seeding {
-            let expected = "[geometry.outline] beside it: a column is filled with whole squares";
+            let expected = "[geometry.outline] with it: a column is seeded with whole squares";
             return self.refuse(&value.span(), "mesh.seeding", expected, "[geometry.column]");
         }
         let height = self.positive(&column.height, "geometry.column.height", "m")?;
@@ -195,11 +195,11 @@ impl Reader<'_> {
         let (table, base) = match (bottom, &raw.base) {
             (None, None) => return Ok(None),
             (Some(word), None) => {
-                let expected = "a [base] table beside it, with its friction angle";
+                let expected = "a [base] table with it, with its friction angle";
                 return self.refuse(&word.span(), "boundaries.bottom", expected, "none");
             }
             (None, Some(table)) => {
-                let expected = "boundaries.bottom = \"coulomb\" beside it";
+                let expected = "boundaries.bottom = \"coulomb\" with it";
                 return self.refuse(&table.span(), "base", expected, "another bottom");
             }
             (Some(_), Some(table)) => (table, table.get_ref()),
@@ -221,7 +221,7 @@ impl Reader<'_> {
                     let residual = self.within(residual, "base.residual_angle", &expected, fits)?;
                     (peak, residual, Some(self.positive(distance, "base.slip_distance", "m")?))
                 }
-                _ => return self.refuse(&table.span(), "base", expected, "some of both or too few"),
+                _ => return self.refuse(&table.span(), "base", expected, "a mixture of both or too few"),
             };
         let adhesion = match &base.adhesion {
             Some(value) => self.within(value, "base.adhesion", "0 or more (Pa)", |c| c >= 0.0)?,

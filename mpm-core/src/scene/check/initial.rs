@@ -15,7 +15,7 @@ use crate::error::SceneError;
 /// No table is larger, bytes.
 const LARGEST_TABLE: u64 = 256 << 20;
 /// What a state is given by.
-const GIVEN_BY: &str = "either table, or some of pressure, stress_xx, stress_yy, stress_zz, stress_xy";
+const GIVEN_BY: &str = "either table, or any of pressure, stress_xx, stress_yy, stress_zz, stress_xy";
 /// What is in a line of a table.
 const LINE: &str =
     "a line of finite numbers y_m, x_m (or none) and some of pressure_pa, stress_xx_pa, _yy_, _zz_, _xy_";
@@ -25,7 +25,7 @@ impl Reader<'_> {
     pub(super) fn initial(&self, raw: &RawScene, scene: &Fields) -> Checked<Option<Initial>> {
         let Some(given) = &raw.initial else {
             let span = raw.start.as_ref().map_or(0..0, Spanned::span);
-            let refused = || self.refuse(&span, "start", "[initial] beside it, which says the state", "none");
+            let refused = || self.refuse(&span, "start", "[initial] with it, which gives the state", "none");
             return if scene.start == Start::Given { refused() } else { Ok(None) };
         };
         let (keys, mut initial) = (given.get_ref(), Initial::default());
@@ -38,7 +38,11 @@ impl Reader<'_> {
         }
         let refused = [
             (0, scene.water.is_none(), "no pore pressure in a dry scene"),
-            (0, scene.free_surface.is_some(), "none beside [water.free_surface], whose level or wet says what is wet"),
+            (
+                0,
+                scene.free_surface.is_some(),
+                "none with [water.free_surface], whose level or wet gives the saturated soil",
+            ),
             (4, scene.dimension == Dimension::Column, "none in a column, which has no shear stress"),
         ];
         let has = |i: usize| initial.corners().any(|(_, values)| values[i] != 0.0);
@@ -81,8 +85,8 @@ impl Reader<'_> {
             self.refuse(&path.span(), "initial.table", expected, format!("{name}: {why}"))
         })?;
         let refuse = |line: u64, found: String| {
-            let (file, line, key, found) = (name.clone(), line as usize, "initial.table".into(), clipped(found));
-            Err(SceneError { file, line, key, expected: LINE.to_owned(), found })
+            let (file, line, found) = (name.clone(), line as usize, clipped(found));
+            Err(SceneError::new((file, line), "initial.table", LINE, found))
         };
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
         let (mut rows, mut in_plane): (Vec<Row>, bool) = (Vec::new(), false);

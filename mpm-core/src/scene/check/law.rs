@@ -6,6 +6,7 @@ use toml::Spanned;
 
 use super::super::raw::{RawCamClay, RawLaw, RawMohrCoulomb, RawScene, RawSoil};
 use super::super::{CamClay, Elastic, Strength};
+use super::faults::Faults;
 use super::{Checked, Reader};
 
 /// Elasticity, and strength or hardening.
@@ -22,8 +23,10 @@ impl Reader<'_> {
             )),
             RawLaw::MohrCoulomb(law) => {
                 let key = format!("{key}.mohr_coulomb");
-                let elastic = self.elastic(&key, &law.youngs_modulus, &law.poisson_ratio)?;
-                Ok((elastic, Some(self.strength(&key, law)?), None))
+                let mut faults = Faults::default();
+                let elastic = faults.take(self.elastic(&key, &law.youngs_modulus, &law.poisson_ratio));
+                let strength = faults.take(self.strength(&key, law));
+                faults.or(elastic.zip(strength).map(|(elastic, strength)| (elastic, Some(strength), None)))
             }
             RawLaw::ModifiedCamClay(clay) => {
                 let (soil, elastic) = self.cam_clay((key, law.span()), clay, raw, height)?;
@@ -71,7 +74,7 @@ impl Reader<'_> {
         let stiff = soil.bulk_modulus.is_some() && soil.preconsolidation > 0.0;
         if !(geostatic || stiff || soil.attraction > 0.0) {
             let expected = "an attraction above 0 (Pa), a bulk_modulus with a preconsolidation above 0, or start = \"geostatic\" \
-                            beside it: without stress this soil has neither strength nor stiffness";
+                            with it: without stress this soil has neither strength nor stiffness";
             return self.refuse(&span, place, expected, "none of them");
         }
         let load = raw.surcharge.as_ref().map_or(0.0, |load| load.get_ref().pressure.get_ref().abs());
@@ -84,21 +87,25 @@ impl Reader<'_> {
 
     fn elastic(&self, law: &str, modulus: &Spanned<f64>, ratio: &Spanned<f64>) -> Checked<Elastic> {
         let key = |name: &str| format!("{law}.{name}");
-        Ok(Elastic {
-            youngs_modulus: self.positive(modulus, &key("youngs_modulus"), "Pa")?,
-            poisson_ratio: self.within(ratio, &key("poisson_ratio"), "-1 < nu < 0.5", |nu| nu > -1.0 && nu < 0.5)?,
-        })
+        let mut faults = Faults::default();
+        let modulus = faults.take(self.positive(modulus, &key("youngs_modulus"), "Pa"));
+        let bounds = |nu: f64| nu > -1.0 && nu < 0.5;
+        let ratio = faults.take(self.within(ratio, &key("poisson_ratio"), "-1 < nu < 0.5", bounds));
+        let both = modulus.zip(ratio);
+        faults.or(both.map(|(youngs_modulus, poisson_ratio)| Elastic { youngs_modulus, poisson_ratio }))
     }
 
     fn strength(&self, place: &str, law: &RawMohrCoulomb) -> Checked<Strength> {
         let key = |name: &str| format!("{place}.{name}");
         let expected = "a finite cohesion of 0 or more (Pa)";
-        let cohesion = self.within(&law.cohesion, &key("cohesion"), expected, |c| c >= 0.0)?;
+        let mut faults = Faults::default();
+        let cohesion = faults.take(self.within(&law.cohesion, &key("cohesion"), expected, |c| c >= 0.0));
         let expected = "0 <= phi < 90 (degrees)";
         let within = |phi: f64| (0.0..90.0).contains(&phi);
-        let friction_angle = self.within(&law.friction_angle, &key("friction_angle"), expected, within)?;
+        let friction_angle = faults.take(self.within(&law.friction_angle, &key("friction_angle"), expected, within));
+        let (cohesion, friction_angle) = faults.or(cohesion.zip(friction_angle))?;
         if friction_angle == 0.0 && cohesion == 0.0 {
-            let expected = "a cohesion above 0 (Pa) beside an angle of friction of 0";
+            let expected = "a cohesion above 0 (Pa) with an angle of friction of 0";
             return self.refuse(&law.cohesion.span(), &key("cohesion"), expected, cohesion);
         }
         let dilation_angle = match &law.dilation_angle {
@@ -120,14 +127,14 @@ impl Reader<'_> {
         Ok(Strength { tension_cutoff, ..strength })
     }
 
-    /// Soil that dilates gains volume without coming apart.
+    /// Soil that dilates gains volume without a tension gap.
     pub(super) fn separation(&self, soil: &RawSoil, strength: Option<&Strength>) -> Checked<Option<f64>> {
         let Some(value) = &soil.separation else { return Ok(None) };
         let key = "soil.separation";
         match strength {
             Some(Strength { dilation_angle: 0.0, .. }) => {}
             found => {
-                let expected = "mohr_coulomb without dilation beside it";
+                let expected = "mohr_coulomb with dilation_angle = 0";
                 let found =
                     found.map_or("linear_elastic".to_owned(), |s| format!("dilation_angle = {}", s.dilation_angle));
                 return self.refuse(&value.span(), key, expected, found);

@@ -1,4 +1,4 @@
-//! `[[loads]]`: what bears them, and how they go on in time.
+//! `[[loads]]`: what bears them, and their course in time.
 
 use std::ops::Range;
 
@@ -31,7 +31,7 @@ impl Reader<'_> {
             loads.chain(reservoirs.map(|reservoir| self.reservoir(reservoir, scene))).collect::<Checked<_>>()?;
         let changes = |load: &FaceLoad| load.is_water() || load.course != Course::Constant;
         if let (TimeMethod::Krylov, Some(which)) = (scene.method, all.iter().position(changes)) {
-            let expected = "constant loads beside method = \"krylov\", and no water before the soil";
+            let expected = "constant loads with method = \"krylov\", and no water against the soil";
             let span = raw.loads.as_ref().and_then(|list| Some(list.get_ref().get(which)?.span())).unwrap_or_default();
             return self.refuse(&span, "loads", expected, "one that changes");
         }
@@ -49,7 +49,7 @@ impl Reader<'_> {
             return self.refuse(&span, "loads", "a pressure or a shear other than 0 (Pa)", "neither");
         }
         if let (Some(value), Dimension::Column) = (&raw.shear, scene.dimension) {
-            let expected = "dimension = \"plane-strain\" beside it: a column is pressed along its axis";
+            let expected = "dimension = \"plane-strain\" with it: a column is loaded along its axis";
             return self.refuse(&value.span(), "loads.shear", expected, "\"column\"");
         }
         let water = raw.water.unwrap_or(false);
@@ -57,7 +57,7 @@ impl Reader<'_> {
             return self.refuse(
                 &span,
                 "loads.water",
-                "[water] beside it: the pores of a dry scene hold none",
+                "[water] with it: the pores of a dry scene hold no water",
                 "a dry scene",
             );
         }
@@ -75,11 +75,11 @@ impl Reader<'_> {
     fn reservoir(&self, reservoir: &Spanned<RawReservoir>, scene: &Fields) -> Checked<FaceLoad> {
         let (raw, span) = (reservoir.get_ref(), reservoir.span());
         if scene.water.is_none() || scene.gravity.is_none() {
-            let expected = "[water] and gravity beside it: a level is that of water under its weight";
+            let expected = "[water] and gravity with it: a level needs water with weight";
             return self.refuse(&span, "reservoirs", expected, "a scene without them");
         }
         if scene.slope_angle.is_some() {
-            let expected = "no slope_angle beside it: the surface of its water would not be level along x";
+            let expected = "no slope_angle with it: the surface of its water would not be level along x";
             return self.refuse(&span, "reservoirs", expected, "a tilted scene");
         }
         let levels = match (&raw.level, &raw.levels) {
@@ -93,7 +93,7 @@ impl Reader<'_> {
         };
         let on = raw.on.is_some().then(|| self.side(&raw.on, "reservoirs.on")).transpose()?;
         if scene.integrator == Integrator::QuasiStatic && on.is_none() {
-            return self.refuse(&span, "reservoirs.on", "the side that it stands before, beside quasi-static", "none");
+            return self.refuse(&span, "reservoirs.on", "the side where it stands, with quasi-static", "none");
         }
         let (x, y) = (self.range(&raw.x, "reservoirs.x")?, self.range(&raw.y, "reservoirs.y")?);
         let load = FaceLoad { on, x, y, bearing: Bearing::Reservoir, course: levels };
@@ -120,7 +120,7 @@ impl Reader<'_> {
             || (sideways && scene.dimension == Dimension::Column)
         {
             let expected =
-                format!("boundaries.{on} = \"free\" and no room in the mesh beyond: a plate is a side of the mesh");
+                format!("boundaries.{on} = \"free\" and no empty cells beyond it: a plate is a side of the mesh");
             return self.refuse(&place, "plates.on", &expected, format!("\"{on}\""));
         }
         let number = |value: &Option<Spanned<f64>>, key: &str| match value {
@@ -132,7 +132,7 @@ impl Reader<'_> {
         let course = RawCourse { ramp_time: &raw.ramp_time, times: &raw.times, sine: &raw.sine, wave: &None };
         let course = self.course("plates", &span, &course)?;
         if displacement != 0.0 && course == Course::Constant {
-            let expected = "ramp_time, times or sine beside a displacement: soil does not jump";
+            let expected = "ramp_time, times or sine with a displacement: soil cannot move in no time";
             return self.refuse(&span, "plates.displacement", expected, "none of them");
         }
         let (x, y) = (self.range(&raw.x, "plates.x")?, self.range(&raw.y, "plates.y")?);
@@ -189,7 +189,7 @@ impl Reader<'_> {
         scene: &Fields,
     ) -> Checked<FaceLoad> {
         let (key, place) = (format!("{table}.on"), on.as_ref().map_or(span.clone(), Spanned::span));
-        let side = load.on.map_or("all that is free".to_owned(), |side| format!("\"{side}\""));
+        let side = load.on.map_or("all free faces".to_owned(), |side| format!("\"{side}\""));
         if scene.dimension == Dimension::Column {
             let along = matches!(load.on, None | Some(Side::Top | Side::Bottom));
             if !along || load.x.is_some() || load.y.is_some() {
@@ -197,20 +197,20 @@ impl Reader<'_> {
                 return self.refuse(&place, &key, expected, side);
             }
         }
-        // Water may stand before a wall that is held and lets it through.
+        // Water may stand before a wall that is fixed and lets it through.
         if let (Some(on), None, false) = (load.on, &scene.outline, load.is_water())
             && scene.solid_sides[on as usize] != SolidSide::Free
         {
-            let expected = format!("boundaries.{on} = \"free\" beside it: a held face carries no load");
+            let expected = format!("boundaries.{on} = \"free\" with it: a load on a constrained face has no effect");
             return self.refuse(&place, &key, &expected, side);
         }
         if load.is_water() && scene.empty_cells_beside > 0 && scene.free_surface.is_none() {
-            let expected = "no mesh.empty_cells_beside beside water outside: soil that runs out gives its water away with its particles, \
+            let expected = "no mesh.empty_cells_beside with water outside: soil that flows out takes its water particles along, \
                             and takes none in";
             return self.refuse(span, table, expected, format!("empty_cells_beside = {}", scene.empty_cells_beside));
         }
         if scene.pieces_under(&load).is_empty() {
-            return self.refuse(span, table, "faces of the soil that look there, between x and y", "none");
+            return self.refuse(span, table, "faces of the soil towards that side, between x and y", "none");
         }
         Ok(load)
     }
@@ -227,7 +227,7 @@ impl Reader<'_> {
         if points.is_empty() { self.refuse(&list.span(), key, expected, "none") } else { Ok(Course::Times(points)) }
     }
 
-    /// How something goes on in time.
+    /// Course in time.
     fn course(&self, table: &str, span: &Range<usize>, raw: &RawCourse) -> Checked<Course> {
         let key = |name: &str| format!("{table}.{name}");
         match (raw.ramp_time, raw.times, raw.sine, raw.wave) {

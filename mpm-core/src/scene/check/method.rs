@@ -7,6 +7,7 @@ use super::super::{
     DarcyChoice, Dimension, Displaced, Fields, Integrator, Quadrature, ShapeChoice, StepChoice, StrainChoice,
     TimeMethod, TransferChoice, UpdateChoice,
 };
+use super::faults::Faults;
 use super::{Checked, Reader};
 
 /// The checked `[scheme]`.
@@ -79,25 +80,32 @@ impl Reader<'_> {
             jump_penalty: None,
         };
         let Some(raw) = raw else { return Ok(scheme) };
+        let mut faults = Faults::default();
         if let Some(value) = &raw.flip {
-            scheme.flip = self.within(value, "scheme.flip", "0 <= flip <= 1", |f| (0.0..=1.0).contains(&f))?;
+            let flip = self.within(value, "scheme.flip", "0 <= flip <= 1", |f| (0.0..=1.0).contains(&f));
+            scheme.flip = faults.take(flip).unwrap_or(scheme.flip);
         }
         let transfers = [("plain", TransferChoice::Plain), ("affine", TransferChoice::Affine)];
         let updates = [("usl", UpdateChoice::Usl), ("musl", UpdateChoice::Musl)];
-        scheme.transfer = self.word(raw.transfer.as_ref(), "scheme.transfer", &transfers, scheme.transfer)?;
-        scheme.update = self.word(raw.update.as_ref(), "scheme.update", &updates, scheme.update)?;
+        faults.or_keep(&mut scheme.transfer, |usual| {
+            self.word(raw.transfer.as_ref(), "scheme.transfer", &transfers, usual)
+        });
+        faults.or_keep(&mut scheme.update, |usual| self.word(raw.update.as_ref(), "scheme.update", &updates, usual));
         if raw.shape.is_some() {
-            scheme.shape = Some(self.word(raw.shape.as_ref(), "scheme.shape", &SHAPES, ShapeChoice::Centre)?);
+            scheme.shape = faults.take(self.word(raw.shape.as_ref(), "scheme.shape", &SHAPES, ShapeChoice::Centre));
         }
-        scheme.quadrature = self.word(raw.quadrature.as_ref(), "scheme.quadrature", &quadratures, scheme.quadrature)?;
+        let words = &quadratures;
+        faults.or_keep(&mut scheme.quadrature, |usual| {
+            self.word(raw.quadrature.as_ref(), "scheme.quadrature", words, usual)
+        });
         if let Some(value) = &raw.jump_penalty {
             let expected = "a factor from 0 to 1 (-)";
-            let factor = self.within(value, "scheme.jump_penalty", expected, |g| (0.0..=1.0).contains(&g))?;
-            scheme.jump_penalty = Some(factor);
+            let factor = self.within(value, "scheme.jump_penalty", expected, |g| (0.0..=1.0).contains(&g));
+            scheme.jump_penalty = faults.take(factor);
         }
-        scheme.darcy = self.word(raw.darcy.as_ref(), "scheme.darcy", &operators, scheme.darcy)?;
+        faults.or_keep(&mut scheme.darcy, |usual| self.word(raw.darcy.as_ref(), "scheme.darcy", &operators, usual));
         scheme.darcy_inertia = raw.darcy_inertia.as_ref().is_none_or(|inertia| *inertia.get_ref());
-        Ok(scheme)
+        faults.or(Some(scheme))
     }
 
     /// Whether Darcy's law keeps `rho_w a_s`: not where the model would then be unstable, unless the scene insists.
@@ -125,15 +133,16 @@ impl Reader<'_> {
             tolerance: TOLERANCE,
         };
         let Some(time) = raw else { return Ok(checked) };
-        checked.integrator =
-            self.word(time.integrator.as_ref(), "time.integrator", &INTEGRATORS, Integrator::Explicit)?;
+        let mut faults = Faults::default();
+        let word = time.integrator.as_ref();
+        faults.or_keep(&mut checked.integrator, |usual| self.word(word, "time.integrator", &INTEGRATORS, usual));
         if checked.integrator == Integrator::QuasiStatic {
-            self.own_steps(time, &mut checked)?;
+            faults.take(self.own_steps(time, &mut checked));
         } else {
-            self.limited_steps(time, &mut checked)?;
+            faults.take(self.limited_steps(time, &mut checked));
         }
-        checked.step = self.step(time)?;
-        Ok(checked)
+        faults.or_keep(&mut checked.step, |_| self.step(time));
+        faults.or(Some(checked))
     }
 
     /// Steps that follow from a tolerance.

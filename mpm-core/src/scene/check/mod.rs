@@ -7,6 +7,7 @@ use serde::Deserialize;
 use toml::{Spanned, Value};
 
 mod failure;
+mod faults;
 mod features;
 mod free_surface;
 mod ground;
@@ -18,8 +19,9 @@ mod soils;
 pub use method::{INTEGRATORS, SHAPES};
 pub(super) use method::{SAFETY, TOLERANCE};
 mod together;
+mod units;
 
-use super::patch::{Source, Unreadable};
+use super::patch::{Source, Unreadable, correct};
 use super::raw::{RawBoundaries, RawMesh, RawObserve, RawScene, RawStage, RawStrip, RawUntil, RawWater};
 use super::renames::Renamed;
 use super::{
@@ -27,6 +29,7 @@ use super::{
     WaterProperties,
 };
 use crate::error::{SceneError, Warning};
+use faults::{Faults, nearest};
 
 /// Longest name of a scene, characters.
 const LONGEST_NAME: usize = 64;
@@ -71,15 +74,23 @@ struct Reader<'a> {
     source: &'a Source,
 }
 
-/// The scene of a file and what was changed of it, and the place of its stages.
+/// The scene of a file and what was changed of it, and the place of its stages. A refusal has all faults that can be told apart.
 pub(super) fn check(source: &Arc<Source>) -> Checked<(Scene, Range<usize>)> {
-    let (table, renamed) = source.table().map_err(|why| unreadable(source, why))?;
     let reader = Reader { source };
-    let raw = RawScene::deserialize(toml::Deserializer::from(table)).map_err(|error| reader.syntax(&error))?;
+    let mut faults = Faults::default();
+    let (raw, renamed) = reader.raw(&mut faults)?;
     let mut warnings: Vec<Warning> = renamed.iter().map(|old| reader.renamed(old)).collect();
+    warnings.extend(raw.iter().flat_map(|raw| reader.units(raw)));
     warnings.sort_by_key(|warning| warning.line);
-    let scene = Scene { fields: reader.scene(&raw)?, source: Arc::clone(source), warnings };
-    Ok((scene, raw.stages.span()))
+    let fields = raw.as_ref().and_then(|raw| faults.take(reader.scene(raw)));
+    let checked = faults.or(fields.zip(raw)).map_err(|mut refusal| {
+        if !warnings.is_empty() {
+            refusal.notes_mut().warnings.clone_from(&warnings);
+        }
+        refusal
+    });
+    let (fields, raw) = checked?;
+    Ok((Scene { fields, source: Arc::clone(source), warnings }, raw.stages.span()))
 }
 
 /// Refuses what is at a place.
@@ -114,7 +125,34 @@ impl Reader<'_> {
             (None, Some(file)) => (file.to_string(), self.line(span), key.to_owned()),
             (None, None) => (String::new(), 0, format!("patch: {key}")),
         };
-        SceneError { file, line, key, expected, found }
+        SceneError::new((file, line), key, expected, found)
+    }
+
+    /// The tables of a file with the types that they must have. Keys that no table has are taken for those that they nearly are, or
+    /// left out, and values of a wrong type are left out, each with a fault; `None` where this leads nowhere.
+    fn raw(&self, faults: &mut Faults) -> Checked<(Option<RawScene>, Vec<Renamed>)> {
+        let mut corrections: Vec<(Range<usize>, Option<String>)> = Vec::new();
+        loop {
+            let (mut table, renamed) = self.source.table().map_err(|why| unreadable(self.source, why))?;
+            let all = corrections.iter().all(|(span, name)| correct(table.get_mut(), span, name.as_deref()));
+            let error = match RawScene::deserialize(toml::Deserializer::from(table)) {
+                Ok(raw) => return Ok((Some(raw), renamed)),
+                Err(error) => error,
+            };
+            let is_missing = error.message().starts_with("missing field");
+            // What is missing now may be what was left out.
+            if is_missing && corrections.iter().any(|(_, name)| name.is_none()) {
+                return Ok((None, renamed));
+            }
+            let fault = self.syntax(&error);
+            let meant = fault.notes.as_ref().and_then(|notes| notes.suggestion.clone());
+            faults.take::<()>(Err(fault));
+            let span = error.span().filter(|span| all && !is_missing && self.source.edit(span).is_none());
+            match span.filter(|span| corrections.iter().all(|(known, _)| known != span)) {
+                Some(span) => corrections.push((span, meant)),
+                None => return Ok((None, renamed)),
+            }
+        }
     }
 
     fn renamed(&self, old: &Renamed) -> Warning {
@@ -153,17 +191,25 @@ impl Reader<'_> {
             shape if shape.starts_with("struct ") => "a table",
             other => other,
         };
+        let names = expected.split('`').skip(1).step_by(2);
+        let suggestion = found.split('`').nth(1).and_then(|name| nearest(name, names)).map(str::to_owned);
         let (expected, found) =
             (expected.to_owned(), found.replace("unit variant", "a word").replace("map", "a table"));
+        let with_suggestion = |mut fault: SceneError| {
+            if suggestion.is_some() {
+                fault.notes_mut().suggestion.clone_from(&suggestion);
+            }
+            fault
+        };
         if let Some(edit) = self.source.edit(&span) {
-            return self.refusal(&span, &edit.key, expected, found);
+            return with_suggestion(self.refusal(&span, &edit.key, expected, found));
         }
         // The key is what stands before the equals sign of the line, or the whole line of a table.
         let start = text[..span.start.min(text.len())].rfind('\n').map_or(0, |end| end + 1);
         let line = text[start..].lines().next().unwrap_or("");
         let key = line.split('=').next().unwrap_or(line);
         let key = if key.trim().is_empty() { "end of file" } else { key };
-        self.refusal(&span, key.trim(), expected, found)
+        with_suggestion(self.refusal(&span, key.trim(), expected, found))
     }
 
     fn within(&self, value: &Spanned<f64>, key: &str, expected: &str, holds: impl Fn(f64) -> bool) -> Checked<f64> {
@@ -199,7 +245,14 @@ impl Reader<'_> {
         let Some(value) = value else { return Ok(default) };
         match words.iter().find(|(word, _)| word == value.get_ref()) {
             Some((_, choice)) => Ok(*choice),
-            None => self.refuse(&value.span(), key, &one_of(words.iter().map(|(w, _)| *w)), quoted(value.get_ref())),
+            None => {
+                let expected = one_of(words.iter().map(|(word, _)| *word));
+                let mut fault = self.refusal(&value.span(), key, expected, clipped(quoted(value.get_ref())));
+                if let Some(word) = nearest(value.get_ref(), words.iter().map(|(word, _)| *word)) {
+                    fault.notes_mut().suggestion = Some(word.to_owned());
+                }
+                Err(fault)
+            }
         }
     }
 
@@ -221,83 +274,123 @@ impl Reader<'_> {
     }
 
     fn scene(&self, raw: &RawScene) -> Checked<Fields> {
-        self.goes_together(raw)?;
+        let mut faults = Faults::default();
+        faults.take(self.goes_together(raw));
+        let fields = self.values(raw, &mut faults);
+        // What depends on several values is only checked once these are sound.
+        let Some(mut scene) = fields.filter(|_| faults.is_empty()) else { return faults.or(None) };
+        faults.set(&mut scene, |scene| &mut scene.free_surface, |scene| self.free_surface(raw, scene));
+        faults.set(&mut scene, |scene| &mut scene.initial, |scene| self.initial(raw, scene));
+        faults.set(&mut scene, |scene| &mut scene.darcy_inertia, |scene| self.soft_water(raw, scene));
+        let wave = (scene.oedometer_modulus() / scene.mixture_density()).sqrt();
+        faults.set(&mut scene, |scene| &mut scene.base, |scene| self.base(raw, 4.0 * scene.height / wave));
+        if faults.take(self.stages(raw, &mut scene)).is_some() {
+            faults.set(&mut scene, |scene| &mut scene.failure, |scene| self.failure(raw, scene));
+            faults.take(self.observe(raw.observe.as_ref(), &mut scene));
+        }
+        faults.set(&mut scene, |scene| &mut scene.layers, |scene| self.layers(raw, scene));
+        faults.set(&mut scene, |scene| &mut scene.regions, |scene| self.regions(raw, scene));
+        faults.set(&mut scene, |scene| &mut scene.loads, |scene| self.loads(raw, scene));
+        faults.set(&mut scene, |scene| &mut scene.plates, |scene| self.plates(raw, scene));
+        faults.set(&mut scene, |scene| &mut scene.wells, |scene| self.wells(raw, scene));
+        if !faults.is_empty() {
+            return faults.or(None);
+        }
+        if self.light_nodes(raw)?.is_none() {
+            scene.light_nodes = scene.usual_light_nodes();
+        }
+        self.fits_together(raw, &scene)?;
+        Ok(scene)
+    }
+
+    /// What a scene says with single values, or `None` with the faults of all that are out of bounds.
+    fn values(&self, raw: &RawScene, faults: &mut Faults) -> Option<Fields> {
         let dimensions = [
             ("column", Dimension::Column),
             ("plane-strain", Dimension::PlaneStrain),
             ("axisymmetric", Dimension::Axisymmetric),
         ];
-        let dimension = self.word(raw.dimension.as_ref(), "dimension", &dimensions, Dimension::Column)?;
-        let gravity = match &raw.gravity {
-            Some(value) => Some(self.positive(value, "gravity", "m/s2, downwards; leave the key out for none")?),
-            None => None,
-        };
-        let mesh = raw.mesh.get_ref();
-        let geometry = self.geometry(raw, dimension)?;
-        let ground::Geometry { outline, width, height, inner_radius, cell, cells: [across, rows], empty_cells_beside } =
-            geometry;
-        let (particles_per_cell, empty_cells_above) =
-            self.particles(raw, rows, across.saturating_add(empty_cells_beside), dimension)?;
-        let (elastic, strength, cam_clay) = self.law("soil.law", &raw.soil.get_ref().law, raw, height)?;
-        let porosity = self.porosity(&raw.soil.get_ref().porosity, "soil.porosity")?;
-        let of_soil = raw.soil.get_ref();
-        let grains = (of_soil.biot_coefficient.as_ref(), of_soil.grain_bulk_modulus.as_ref());
-        let biot = self.biot("soil", grains, &elastic, porosity)?;
-        let water = match &raw.water {
-            Some(water) => Some(self.water(water)?),
-            None => None,
-        };
-        let given = (raw.soil.get_ref().grain_density.as_ref(), raw.soil.get_ref().bulk_density.as_ref());
-        let grain_density = self.grain_density("soil", &raw.soil.span(), given, porosity, water.as_ref())?;
-        self.weight_of_water(raw, gravity, water.as_ref())?;
+        let dimension = faults.take(self.word(raw.dimension.as_ref(), "dimension", &dimensions, Dimension::Column))?;
+        let positive = |value| self.positive(value, "gravity", "m/s2, downwards; leave the key out for none");
+        let gravity = faults.take(raw.gravity.as_ref().map(positive).transpose());
+        let (mesh, soil) = (raw.mesh.get_ref(), raw.soil.get_ref());
+        let geometry = faults.take(self.geometry(raw, dimension));
+        let particles = geometry.as_ref().and_then(|geometry| {
+            let [across, rows] = geometry.cells;
+            faults.take(self.particles(raw, rows, across.saturating_add(geometry.empty_cells_beside), dimension))
+        });
+        let [width, height] = geometry.as_ref().map_or([f64::INFINITY, 1.0], |g| [g.width, g.height]);
+        let law = faults.take(self.law("soil.law", &soil.law, raw, height));
+        let porosity = faults.take(self.porosity(&soil.porosity, "soil.porosity"));
+        let grains = (soil.biot_coefficient.as_ref(), soil.grain_bulk_modulus.as_ref());
+        let biot = law.zip(porosity).and_then(|((elastic, ..), n)| faults.take(self.biot("soil", grains, &elastic, n)));
+        let water = faults.take(raw.water.as_ref().map(|water| self.water(water)).transpose());
+        let given = (soil.grain_density.as_ref(), soil.bulk_density.as_ref());
+        let grain_density = water.zip(porosity).and_then(|(water, porosity)| {
+            faults.take(self.grain_density("soil", &raw.soil.span(), given, porosity, water.as_ref()))
+        });
+        if let Some((gravity, water)) = gravity.zip(water) {
+            faults.take(self.weight_of_water(raw, gravity, water.as_ref()));
+        }
         let usual = [SolidSide::Roller, SolidSide::Roller, SolidSide::Fixed, SolidSide::Free];
-        let solid_sides = self.solid_sides((raw, dimension), raw.boundaries.as_ref(), ("boundaries", usual))?;
-        let surcharge = self.surcharge(raw, width)?;
-        let start = self.start(raw, gravity, surcharge.as_ref())?;
-        let scheme = self.scheme(raw.scheme.as_ref().map(Spanned::get_ref))?;
-        let time = self.time(raw.time.as_ref().map(Spanned::get_ref))?;
-        let shape = scheme.shape.unwrap_or_else(|| method::usual_shape(raw, dimension, time.integrator));
-        let (shift, displaced) = self.places(mesh)?;
-        let ground = self.ground(raw)?;
-        let mut scene = Fields {
-            name: self.name(&raw.name)?,
+        let solid_sides =
+            faults.take(self.solid_sides((raw, dimension), raw.boundaries.as_ref(), ("boundaries", usual)));
+        let surcharge = faults.take(self.surcharge(raw, width));
+        let start = surcharge
+            .zip(gravity)
+            .and_then(|(surcharge, gravity)| faults.take(self.start(raw, gravity, surcharge.as_ref())));
+        let scheme = faults.take(self.scheme(raw.scheme.as_ref().map(Spanned::get_ref)));
+        let time = faults.take(self.time(raw.time.as_ref().map(Spanned::get_ref)));
+        let places = faults.take(self.places(mesh));
+        let ground = faults.take(self.ground(raw));
+        let name = faults.take(self.name(&raw.name));
+        let light_nodes = faults.take(self.light_nodes(raw));
+        let seeding = faults.take(self.seeding(mesh));
+        let strain = faults.take(self.strain(soil));
+        let separation = law.and_then(|(_, strength, _)| faults.take(self.separation(soil, strength.as_ref())));
+        let periodic = faults.take(self.periodic(raw));
+        let ground::Geometry { outline, width, height, inner_radius, cell, cells, empty_cells_beside } = geometry?;
+        let ((particles_per_cell, empty_cells_above), (elastic, strength, cam_clay)) = (particles?, law?);
+        let (scheme, time, (shift, displaced), ground) = (scheme?, time?, places?, ground?);
+        Some(Fields {
+            name: name?,
             dimension,
-            start,
+            start: start?,
             start_velocity: ground.start_velocity,
             start_k0: ground.start_k0,
             initial: None,
-            gravity,
+            gravity: gravity?,
             slope_angle: ground.slope_angle,
             height,
             width,
             inner_radius,
-            light_nodes: self.light_nodes(raw)?.unwrap_or(0.0),
+            light_nodes: light_nodes?.unwrap_or(0.0),
             outline,
-            seeding: self.seeding(mesh)?,
+            seeding: seeding?,
             cell,
-            cells: [across, rows],
+            cells,
             empty_cells_above,
             empty_cells_beside,
             particles_per_cell,
             shift,
             displaced,
-            strain: self.strain(raw.soil.get_ref())?,
+            strain: strain?,
             elastic,
             layers: Vec::new(),
             regions: Vec::new(),
-            separation: self.separation(raw.soil.get_ref(), strength.as_ref())?,
+            separation: separation?,
             strength,
             cam_clay,
-            grain_density,
-            porosity,
-            biot,
-            water,
+            grain_density: grain_density?,
+            porosity: porosity?,
+            biot: biot?,
+            water: water?,
             free_surface: None,
             failure: None,
-            solid_sides,
-            periodic: self.periodic(raw)?,
+            solid_sides: solid_sides?,
+            periodic: periodic?,
             base: None,
-            surcharge,
+            surcharge: surcharge?,
             loads: Vec::new(),
             plates: Vec::new(),
             wells: Vec::new(),
@@ -306,7 +399,7 @@ impl Reader<'_> {
             tolerance: time.tolerance,
             quadrature: scheme.quadrature,
             jump_penalty: scheme.jump_penalty,
-            shape,
+            shape: scheme.shape.unwrap_or_else(|| method::usual_shape(raw, dimension, time.integrator)),
             darcy: scheme.darcy,
             // A quasi-static soil has no acceleration that could enter Darcy's law.
             darcy_inertia: scheme.darcy_inertia && time.integrator != Integrator::QuasiStatic,
@@ -321,25 +414,7 @@ impl Reader<'_> {
             history: 0,
             profiles: true,
             left_out: Vec::new(),
-        };
-        scene.free_surface = self.free_surface(raw, &scene)?;
-        scene.initial = self.initial(raw, &scene)?;
-        scene.darcy_inertia = self.soft_water(raw, &scene)?;
-        let wave = (scene.oedometer_modulus() / scene.mixture_density()).sqrt();
-        scene.base = self.base(raw, 4.0 * height / wave)?;
-        self.stages(raw, &mut scene)?;
-        scene.failure = self.failure(raw, &scene)?;
-        self.observe(raw.observe.as_ref(), &mut scene)?;
-        scene.layers = self.layers(raw, &scene)?;
-        scene.regions = self.regions(raw, &scene)?;
-        scene.loads = self.loads(raw, &scene)?;
-        scene.plates = self.plates(raw, &scene)?;
-        scene.wells = self.wells(raw, &scene)?;
-        if self.light_nodes(raw)?.is_none() {
-            scene.light_nodes = scene.usual_light_nodes();
-        }
-        self.fits_together(raw, &scene)?;
-        Ok(scene)
+        })
     }
 
     fn divides(&self, mesh: &RawMesh, cell: f64, length: f64, name: &str) -> Checked<usize> {
@@ -411,39 +486,53 @@ impl Reader<'_> {
 
     fn water(&self, table: &Spanned<RawWater>) -> Checked<WaterProperties> {
         let (water, span) = (table.get_ref(), table.span());
-        let unit_weight = self.positive(&water.unit_weight, "water.unit_weight", "N/m3")?;
+        let mut faults = Faults::default();
+        let unit_weight = faults.take(self.positive(&water.unit_weight, "water.unit_weight", "N/m3"));
         let density = match &water.density {
-            Some(value) => self.positive(value, "water.density", "kg/m3")?,
-            None => unit_weight / STANDARD_GRAVITY,
+            Some(value) => faults.take(self.positive(value, "water.density", "kg/m3")),
+            None => unit_weight.map(|weight| weight / STANDARD_GRAVITY),
         };
-        let conductivity = ("hydraulic_conductivity", water.hydraulic_conductivity.as_ref());
-        let intrinsic = ("intrinsic_permeability", water.intrinsic_permeability.as_ref());
-        let (is_hydraulic, value) = self.either(&span, "water.hydraulic_conductivity", conductivity, intrinsic)?;
-        let hydraulic_conductivity = match (is_hydraulic, &water.viscosity) {
-            (true, None) => self.positive(value, "water.hydraulic_conductivity", "m/s")?,
-            (true, Some(viscosity)) => {
-                let expected = "no viscosity beside a hydraulic conductivity, which contains it";
-                return self.refuse(&viscosity.span(), "water.viscosity", expected, viscosity.get_ref());
-            }
-            (false, None) => {
-                return self.refuse(&value.span(), "water.viscosity", "a viscosity (Pa s) beside it", "none");
-            }
-            (false, Some(viscosity)) => {
-                let permeability = self.positive(value, "water.intrinsic_permeability", "m2")?;
-                permeability * unit_weight / self.positive(viscosity, "water.viscosity", "Pa s")?
-            }
-        };
+        let hydraulic_conductivity = faults.take(self.conductivity(water, &span, unit_weight.unwrap_or(1.0)));
         let anisotropy = match &water.anisotropy {
-            Some(value) => self.positive(value, "water.anisotropy", "k_h/k_v")?,
-            None => 1.0,
+            Some(value) => faults.take(self.positive(value, "water.anisotropy", "k_h/k_v")),
+            None => Some(1.0),
         };
-        let fabric = self.fabric("water", &water.bedding_angle, &water.kozeny_carman, Fabric::default())?;
+        let fabric = faults.take(self.fabric("water", &water.bedding_angle, &water.kozeny_carman, Fabric::default()));
         let bulk_modulus = *water.bulk_modulus.get_ref();
         if bulk_modulus.is_nan() || bulk_modulus <= 0.0 {
             let expected = "a number above 0 (Pa), or inf for incompressible water";
-            return self.refuse(&water.bulk_modulus.span(), "water.bulk_modulus", expected, bulk_modulus);
+            faults.take::<()>(self.refuse(&water.bulk_modulus.span(), "water.bulk_modulus", expected, bulk_modulus));
         }
-        Ok(WaterProperties { hydraulic_conductivity, anisotropy, fabric, bulk_modulus, unit_weight, density })
+        let all = || {
+            Some(WaterProperties {
+                hydraulic_conductivity: hydraulic_conductivity?,
+                anisotropy: anisotropy?,
+                fabric: fabric?,
+                bulk_modulus,
+                unit_weight: unit_weight?,
+                density: density?,
+            })
+        };
+        faults.or(all())
+    }
+
+    /// Hydraulic conductivity (m/s), given as such or by permeability and viscosity beside a unit weight (N/m3).
+    fn conductivity(&self, water: &RawWater, span: &Range<usize>, unit_weight: f64) -> Checked<f64> {
+        let conductivity = ("hydraulic_conductivity", water.hydraulic_conductivity.as_ref());
+        let intrinsic = ("intrinsic_permeability", water.intrinsic_permeability.as_ref());
+        let (is_hydraulic, value) = self.either(span, "water.hydraulic_conductivity", conductivity, intrinsic)?;
+        match (is_hydraulic, &water.viscosity) {
+            (true, None) => self.positive(value, "water.hydraulic_conductivity", "m/s"),
+            (true, Some(viscosity)) => {
+                let expected = "no viscosity with a hydraulic conductivity, which contains it";
+                self.refuse(&viscosity.span(), "water.viscosity", expected, viscosity.get_ref())
+            }
+            (false, None) => self.refuse(&value.span(), "water.viscosity", "a viscosity (Pa s) with it", "none"),
+            (false, Some(viscosity)) => {
+                let permeability = self.positive(value, "water.intrinsic_permeability", "m2")?;
+                Ok(permeability * unit_weight / self.positive(viscosity, "water.viscosity", "Pa s")?)
+            }
+        }
     }
 
     /// Under gravity the water's density must be that of its unit weight.
@@ -457,7 +546,7 @@ impl Reader<'_> {
         self.refuse(&span, "water.density", &expected, water.density)
     }
 
-    /// How sides are held, as a table says or else as the defaults. A stage has no words for what only a side of the scene is.
+    /// Supports of the sides, as a table says or else as the defaults. A stage has no words for what only a side of the scene is.
     fn solid_sides(
         &self,
         (raw, dimension): (&RawScene, Dimension),
@@ -550,30 +639,37 @@ impl Reader<'_> {
         if stages.is_empty() {
             return self.refuse(&raw.stages.span(), "stages", "at least one [[stages]]", "none");
         }
+        let mut faults = Faults::default();
         for (number, stage) in stages.iter().enumerate() {
-            let drained = self.drained(stage, scene)?;
+            let drained = faults.take(self.drained(stage, scene)).unwrap_or_default();
             let damping = match &stage.get_ref().damping {
-                Some(value) => self.within(value, "stages.damping", "a rate of 0 or more (1/s)", |d| d >= 0.0)?,
+                Some(value) => {
+                    let damping = self.within(value, "stages.damping", "a rate of 0 or more (1/s)", |d| d >= 0.0);
+                    faults.take(damping).unwrap_or(0.0)
+                }
                 None => 0.0,
             };
             let (own, usual) = (stage.get_ref().boundaries.as_ref(), ("stages.boundaries", scene.solid_sides));
-            let solid_sides = Some(self.solid_sides((raw, scene.dimension), own, usual)?);
+            let solid_sides = faults.take(self.solid_sides((raw, scene.dimension), own, usual));
             let solid_sides = solid_sides.filter(|sides| *sides != scene.solid_sides);
             let name =
                 stage.get_ref().name.as_ref().map_or_else(|| format!("stage {}", number + 1), |n| n.get_ref().clone());
-            let coupling = self.coupling(stage.get_ref())?;
+            let coupling = faults.take(self.coupling(stage.get_ref())).unwrap_or_default();
+            let is_sound = faults.is_empty();
             scene.stages.push(Stage { name, drained, solid_sides, damping, coupling, until: Until::Time(0.0) });
-            let until = self.until(&stage.get_ref().until, scene)?;
-            if let Some(last) = scene.stages.last_mut() {
+            // A time factor needs to know what drains.
+            let until = if is_sound { faults.take(self.until(&stage.get_ref().until, scene)) } else { None };
+            if let (Some(last), Some(until)) = (scene.stages.last_mut(), until) {
                 last.until = until;
             }
         }
-        Ok(())
+        faults.or(Some(()))
     }
 
     fn drained(&self, stage: &Spanned<RawStage>, scene: &Fields) -> Checked<[bool; 4]> {
         let mut drained = [false; 4];
-        let expected = "\"none\" or a list of sides, e.g. [\"top\"]: a saturated scene must say where its water leaves";
+        let expected =
+            "\"none\" or a list of sides, e.g. [\"top\"]: a saturated scene needs to say where its water drains";
         let Some(value) = &stage.get_ref().drained else {
             return if scene.water.is_none() {
                 Ok(drained)
@@ -596,7 +692,7 @@ impl Reader<'_> {
                 return refuse(expected, entry.to_string());
             }
             if matches!(side, Side::Left | Side::Right) && scene.periodic {
-                let expected = "no \"left\" and \"right\" where these are periodic: they are one place";
+                let expected = "no \"left\" and \"right\" where these are periodic: they are the same place";
                 return refuse(expected, entry.to_string());
             }
             if std::mem::replace(&mut drained[side as usize], true) {
@@ -612,10 +708,10 @@ impl Reader<'_> {
             return self.rest(rest, until, &span);
         }
         if let (Some(value), None) = (&until.at_most, &until.pore_pressure_within) {
-            return self.refuse(&value.span(), "stages.until.at_most", "pore_pressure_within beside it", "none");
+            return self.refuse(&value.span(), "stages.until.at_most", "pore_pressure_within with it", "none");
         }
         if let (Some(_), None) = (&until.everywhere, &until.pore_pressure_within) {
-            return self.refuse(&span, "stages.until.everywhere", "pore_pressure_within beside it", "none");
+            return self.refuse(&span, "stages.until.everywhere", "pore_pressure_within with it", "none");
         }
         match (&until.time, &until.time_factor, &until.pore_pressure_within) {
             (Some(time), None, None) => Ok(Until::Time(self.positive(time, "stages.until.time", "s")?)),
@@ -669,7 +765,7 @@ impl Reader<'_> {
             return match span {
                 Some(span) => {
                     let by = if matches!(last, Until::Rest { .. }) { "rest" } else { "pressure" };
-                    self.refuse(&span, "observe", &format!("no times beside a last stage that ends by {by}"), "some")
+                    self.refuse(&span, "observe", &format!("no times with a last stage that ends by {by}"), "some")
                 }
                 None => Ok(()),
             };

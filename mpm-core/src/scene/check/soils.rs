@@ -156,7 +156,7 @@ impl Reader<'_> {
                     *[&mut soil.hydraulic_conductivity, &mut soil.anisotropy][i] = number;
                 }
                 (Some(value), None) => {
-                    let expected = "[water] beside it: a dry scene conducts none";
+                    let expected = "[water] with it: a dry scene has no flow";
                     return self.refuse(&value.span(), &key(name), expected, value.get_ref());
                 }
                 (None, _) => {}
@@ -217,7 +217,7 @@ impl Reader<'_> {
     fn steps_with(&self, list: &str, raw: &RawScene, scene: &Fields, table: &Range<usize>) -> Checked<()> {
         if scene.integrator == Integrator::QuasiStatic && scene.strain == StrainChoice::Large {
             let expected =
-                format!("\"small\" beside [[{list}]] and quasi-static: a mesh laid over moved soil cuts its {list}");
+                format!("\"small\" with [[{list}]] and quasi-static: a new mesh over moved soil would cut its {list}");
             let span = raw.soil.get_ref().strain.as_ref().map_or(table.clone(), Spanned::span);
             return self.refuse(&span, "soil.strain", &expected, "\"large\"");
         }

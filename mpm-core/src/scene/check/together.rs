@@ -17,7 +17,7 @@ impl Reader<'_> {
             let mut own = raw.stages.get_ref().iter().filter_map(|stage| stage.get_ref().boundaries.as_ref());
             if let (Some(own), StrainChoice::Large) = (own.next(), scene.strain) {
                 let expected =
-                    "soil.strain = \"small\" beside it: a quasi-static mesh that has moved has no sides to hold";
+                    "soil.strain = \"small\" with it: a quasi-static mesh that has moved has no sides to support";
                 return self.refuse(&own.span(), "stages.boundaries", expected, "\"large\"");
             }
             self.quasi_static_points(raw, scene)?;
@@ -27,7 +27,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Sides are held where the mesh ends: an outline that ends beside it would have a free wall in the last row of cells.
+    /// Supports act where the mesh ends: an outline that ends beside it would have a free wall in the last row of cells.
     fn held_walls(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let Some(outline) = &scene.outline else { return Ok(()) };
         let ends =
@@ -40,7 +40,7 @@ impl Reader<'_> {
             let held = !scene.always(side, SolidSide::Free) && room == 0;
             if held && wall && (count - count.round()).abs() > 1e-6 {
                 let expected = format!(
-                    "a cell that divides {length} m into whole cells, or boundaries.{side} = \"free\": the mesh holds the \
+                    "a cell that divides {length} m into whole cells, or boundaries.{side} = \"free\": the mesh supports the \
                      {side} wall of the soil where it ends itself"
                 );
                 let found = format!("{} m ({count} cells)", scene.cell);
@@ -57,7 +57,7 @@ impl Reader<'_> {
         let large = scene.integrator == Integrator::QuasiStatic && scene.strain == StrainChoice::Large;
         let expected = match (axis == 0.0 && open, large) {
             (true, _) => "a left side on rollers that is not drained, where it is the axis, or geometry.*.inner_radius",
-            (_, true) => "soil.strain = \"small\" beside it and quasi-static, or another integrator",
+            (_, true) => "soil.strain = \"small\" with it and quasi-static, or another integrator",
             _ => return Ok(()),
         };
         self.refuse(&dimension.span(), "dimension", expected, "\"axisymmetric\"")
@@ -82,7 +82,7 @@ impl Reader<'_> {
         if let Some(stage) = closed.and_then(|i| raw.stages.get_ref().get(i)) {
             let span = stage.get_ref().drained.as_ref().map_or(stage.span(), Spanned::span);
             let expected = "a drained side, a free side or a finite water.bulk_modulus: \
-                            closed in and held, the pressure is only known up to a constant";
+                            in a closed volume the pressure is only known up to a constant";
             return self.refuse(&span, "stages.drained", expected, "\"none\"");
         }
         Ok(())
@@ -94,8 +94,7 @@ impl Reader<'_> {
         let room = scene.empty_cells_above > 0 || scene.empty_cells_beside > 0;
         let plate = scene.surcharge.is_some_and(|s| s.on == LoadOn::Plate);
         if let (Some(on), true) = (&load.on, plate && room) {
-            let expected =
-                "\"surface\" or \"particles\" in a mesh with room to move: the plate is its top row of nodes";
+            let expected = "\"surface\" or \"particles\" in a mesh with empty cells: the plate is the top row of nodes of the mesh";
             return self.refuse(&on.span(), "surcharge.on", expected, quoted(on.get_ref()));
         }
         Ok(())
@@ -105,12 +104,12 @@ impl Reader<'_> {
     fn quasi_static_points(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let quadrature = raw.scheme.as_ref().and_then(|scheme| scheme.get_ref().quadrature.as_ref());
         if let (Some(value), None) = (quadrature, scene.shape.spline_degree()) {
-            let expected = "B-splines beside it and quasi-static: other shapes use the particles' volumes there";
+            let expected = "B-splines with it and quasi-static: other shapes use the particles' volumes there";
             return self.refuse(&value.span(), "scheme.quadrature", expected, quoted(value.get_ref()));
         }
         let value = &raw.mesh.get_ref().particles_per_cell;
         if scene.shape.spline_degree().is_some() && scene.particles_per_cell < 4 {
-            let expected = "at least 4 with B-splines and quasi-static: one per cell is fewer points than unknowns";
+            let expected = "at least 4 with B-splines and quasi-static: one per cell gives fewer points than unknowns";
             return self.refuse(&value.span(), "mesh.particles_per_cell", expected, value.get_ref());
         }
         Ok(())
@@ -123,7 +122,7 @@ impl Reader<'_> {
         match &raw.start {
             Some(start) if sideways && scene.start == Start::UndrainedEquilibrium => {
                 let expected = "\"unloaded\" between free sides: undrained equilibrium has no lateral strain, \
-                                and quasi-static carries the load undrained at once";
+                                and quasi-static runs apply the load undrained at once";
                 self.refuse(&start.span(), "start", expected, quoted(start.get_ref()))
             }
             _ => Ok(()),

@@ -6,7 +6,7 @@ use crate::step::Fault;
 use crate::step::store::Nodes;
 use crate::step::store::nodes::MIXTURE_MASS;
 
-/// Mass-proportional damping, implicit in the velocity: v (1 + c dt) = v + a dt. After the supports: a held node has no speed to lose.
+/// Mass-proportional damping, implicit in the velocity: v (1 + c dt) = v + a dt. After the supports: a supported node has no speed to lose.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Damping {
     /// c, 1/s.

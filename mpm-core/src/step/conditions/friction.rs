@@ -13,7 +13,7 @@
 //! Slip and memory belong to the soil: its particles in the lowest row of cells carry them, slip with its sign, and a node has
 //! the mean of theirs. Swings about a place add nothing to the slip.
 
-use super::{Condition, Held, Soil};
+use super::{Condition, Soil, Supports};
 use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::observe::Totals;
 use crate::scene::{Base, NormalStress};
@@ -78,7 +78,7 @@ impl Shares {
 
 impl Friction {
     /// A base under a mesh with so many particles. `held` are the nodes of the base that cannot slide.
-    pub fn new<const D: usize>(base: Base, cells: usize, particles: usize, held: &Held<D>, wet: bool) -> Self {
+    pub fn new<const D: usize>(base: Base, cells: usize, particles: usize, held: &Supports<D>, wet: bool) -> Self {
         let count = cells + 1;
         let mut fixed = vec![false; count];
         held.along(0).filter(|node| *node < count).for_each(|node| fixed[node] = true);

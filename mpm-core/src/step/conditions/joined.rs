@@ -1,9 +1,9 @@
 //! Nodes that move as one: both ends of a row that is periodic, and nodes too light to move alone.
 //!
 //! What was gathered at a follower is added to its leader before the equation of motion, and the follower, then without
-//! mass, is given the leader's motion afterwards: masses, momenta and forces are kept, and the ledgers see each once.
+//! mass, is given the leader's motion afterwards: masses, momenta and forces are kept, and the balances count each once.
 
-use super::{Condition, Held, Soil};
+use super::{Condition, Soil, Supports};
 use crate::observe::Totals;
 use crate::real::array;
 use crate::step::store::nodes::{SOLID_MASS, sums};
@@ -22,7 +22,7 @@ pub struct Joined<const D: usize> {
     /// Nodes lighter than this follow a heavier neighbour, kg in a mesh 1 m thick.
     least_mass: f64,
     frame: Frame<D>,
-    /// Directions in which a node is held, one bit each; empty if no node follows for its mass.
+    /// Directions in which a node is fixed, one bit each; empty if no node follows for its mass.
     held: Vec<u8>,
     /// Followers and leaders of this step, for their mass.
     light: Vec<[u32; 2]>,
@@ -36,7 +36,7 @@ pub struct Joined<const D: usize> {
 impl<const D: usize> Joined<D> {
     /// Joins left and right if the mesh is `periodic`, and nodes lighter than `least_mass` (kg, zero for none) to others. There are
     /// so many functions along each axis of the mesh.
-    pub fn new(frame: &Frame<D>, along: &[usize; D], held: &Held<D>, periodic: bool, least_mass: f64) -> Self {
+    pub fn new(frame: &Frame<D>, along: &[usize; D], held: &Supports<D>, periodic: bool, least_mass: f64) -> Self {
         let at = |column: usize, row: usize| frame.function(&array!([row; D], d => if d == 0 { column } else { row }));
         let rows = if periodic && D == 2 { along[D - 1] } else { 0 };
         let across = (0..rows).map(|row| [at(along[0] - 1, row), at(0, row)].map(|node| node as u32)).collect();
@@ -74,7 +74,7 @@ impl<const D: usize> Joined<D> {
         }
     }
 
-    /// The heaviest neighbour that is held wherever the node is: one that is not light itself, or else, around a particle
+    /// The heaviest neighbour that is fixed wherever the node is: one that is not light itself, or else, around a particle
     /// that flies alone, one that is heavier than the node. Such a particle then moves as a whole, which cannot strain it.
     fn leader(&self, node: usize, nodes: &Nodes<D>) -> Option<usize> {
         let (width, count) = (self.width as isize, self.held.len() as isize);

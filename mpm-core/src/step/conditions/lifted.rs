@@ -4,7 +4,7 @@
 //! no step is stable for a surface that has just moved into a cell. With a quarter of the mass that touches it along each
 //! axis (evenly spaced particles give a third to a half) a node has at most 5/4 of the frequency of the mesh. Velocities and
 //! equilibrium do not change by it: only what an unbalanced force does to so light a node is slowed down, and the momentum
-//! that it does not get is booked.
+//! that it does not get is recorded.
 
 use super::{Condition, Soil};
 use crate::observe::Totals;
@@ -25,14 +25,14 @@ pub struct Lifted<const D: usize> {
     added: Vec<(u32, f64)>,
     /// Least share of the mass that touches a node.
     share: f64,
-    /// Gravity, m/s2: inertia that is lent weighs nothing.
+    /// Gravity, m/s2: added inertia has no weight.
     gravity: [f64; D],
     /// FLIP share of the velocity update.
     flip: f64,
 }
 
 impl<const D: usize> Lifted<D> {
-    /// For so many nodes. `level`: soil between held sides, whose only surface is on top, so that a block is as a column.
+    /// For so many nodes. `level`: soil between supported sides, whose only surface is on top, so that a block is as a column.
     pub fn new(nodes: usize, level: bool, gravity: [f64; D], flip: f64) -> Self {
         let share = if level { SHARE * FULL.powi(D as i32 - 1) } else { SHARE.powi(D as i32) };
         Self { touching: vec![0.0; nodes], added: Vec::with_capacity(nodes), share, gravity, flip }
@@ -56,14 +56,14 @@ impl<const D: usize> Condition<D> for Lifted<D> {
         }
     }
 
-    /// Takes it back, and books the momentum that was left out.
+    /// Takes it back, and records the momentum that was left out.
     fn followed(&mut self, nodes: &mut Nodes<D>, _: &dyn Soil<D>, totals: &mut Totals<D>, dt: f64) {
         for (node, more) in self.added.drain(..) {
             let node = node as usize;
             *nodes.sum_mut(MIXTURE_MASS, node) -= more;
             for d in 0..D {
                 let (motion, acceleration) = (&nodes.motion, nodes.motion.acceleration[d][node]);
-                // A node that is held stops what came with its particles: inertia that is lent came with none.
+                // A node that is fixed stops what came with its particles: added inertia came with none.
                 let came = nodes.sum(MOMENTUM + d, node) / nodes.sum(SOLID_MASS, node);
                 let stopped = motion.velocity[d][node] - came - dt * acceleration;
                 totals.support_impulse[d] -= more * (1.0 - self.flip) * stopped;

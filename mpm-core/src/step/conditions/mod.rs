@@ -1,23 +1,23 @@
 //! What acts on the nodes beside stress, load and weight: few scenes have more than supports. Each is a condition of its own, asked in
-//! the order in which a run holds them, and books what it takes.
+//! the order in which a run holds them, and records what it takes.
 
 mod damping;
 mod force;
 mod friction;
-mod held;
 mod joined;
 mod lifted;
 mod moved;
 mod plate;
+mod supports;
 
 pub use damping::Damping;
 pub use force::GivenForce;
 pub use friction::Friction;
-pub use held::Held;
 pub use joined::Joined;
 pub use lifted::Lifted;
 pub use moved::Moved;
 pub use plate::RigidPlate;
+pub use supports::Supports;
 
 use std::fmt::Debug;
 
@@ -63,7 +63,7 @@ pub trait Condition<const D: usize>: Debug + Send {
     }
     /// All conditions have acted on the motion of a step dt (s).
     fn followed(&mut self, _: &mut Nodes<D>, _: &dyn Soil<D>, _: &mut Totals<D>, _: f64) {}
-    /// Books what it did beside momenta and energies that are lost, in a step dt (s).
+    /// Records what it did beside momenta and energies that are lost, in a step dt (s).
     fn book(&self, _: &Nodes<D>, _: &mut Totals<D>, _: f64) {}
     /// Adds up other sums of the nodes as it does their own.
     fn join(&self, _: &mut Nodes<D>) {}

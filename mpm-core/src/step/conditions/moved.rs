@@ -76,7 +76,7 @@ impl<const D: usize> Moved<D> {
         }
     }
 
-    /// Axes along which its nodes are held.
+    /// Axes along which its nodes are fixed.
     fn axes(&self) -> impl Iterator<Item = usize> + use<D> {
         let (axis, rough) = (self.axis, self.plate.rough);
         (0..D).filter(move |d| *d == axis || rough)

@@ -24,20 +24,20 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
     }
 
     /// The same with water that has a free surface.
-    pub fn with_free_water(mut self, carried: Carried<D>) -> Self {
+    pub fn with_free_water(mut self, carried: AdvectedWater<D>) -> Self {
         self.free = Some(Box::new(FreeWater::new(carried, &self.body.grid, &self.nodes.frame)));
-        self.begin_ledgers();
+        self.begin_balances();
         self.is_stale = true;
         self
     }
 
     /// The water, if it has a free surface.
-    pub(in crate::step) fn carried(&self) -> Option<&Carried<D>> {
+    pub(in crate::step) fn advected(&self) -> Option<&AdvectedWater<D>> {
         self.free.as_ref().map(|free| &free.carried)
     }
 
-    /// The same, to be changed: what the soil feels is looked at again before it moves.
-    pub(in crate::step) fn carried_mut(&mut self) -> Option<&mut Carried<D>> {
+    /// The same, to be changed: the forces on the soil are computed again before it moves.
+    pub(in crate::step) fn advected_mut(&mut self) -> Option<&mut AdvectedWater<D>> {
         self.is_stale = true;
         self.free.as_mut().map(|free| &mut free.carried)
     }
@@ -45,7 +45,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
     /// Takes the water along to where the soil is now.
     pub(in crate::step) fn carry_water(&mut self) {
         let whole = self.whole();
-        if let Some(carried) = self.carried_mut() {
+        if let Some(carried) = self.advected_mut() {
             carried.carry(&whole.grid, &whole.solid);
         }
     }
@@ -56,12 +56,12 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         std::array::from_fn(|s| self.places.state.map_or(0.0, |place| self.kept.1[first(place) + s]))
     }
 
-    /// Begins the ledgers anew with the state as it is.
-    pub(in crate::step) fn begin_ledgers(&mut self) {
+    /// Restarts the balances with the state as it is.
+    pub(in crate::step) fn begin_balances(&mut self) {
         self.kept.1 = self.kept_now();
         let whole = self.whole();
         self.totals = Totals::default();
-        self.totals.start(&whole.cell_values(self.carried()));
+        self.totals.start(&whole.cell_values(self.advected()));
         self.totals.flowed = whole.flowed_at_first(|id| self.state_of(id));
         self.time = 0.0;
     }

@@ -6,7 +6,7 @@ use super::*;
 pub(super) struct Grains<'a, V: Simd, F, const D: usize> {
     pub(super) functions: &'a F,
     pub(super) body: &'a Body<D>,
-    pub(super) water: Option<&'a Carried<D>>,
+    pub(super) water: Option<&'a AdvectedWater<D>>,
     pub(super) strips: &'a [Strip<V, D>],
     pub(super) frame: Frame<D>,
     /// Pore pressure of the cells, Pa, from [`Frame::pad`] on.

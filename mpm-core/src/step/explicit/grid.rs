@@ -56,7 +56,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         Ok(())
     }
 
-    /// Books what the nodes have gained, and the work of load and weight.
+    /// Records what the nodes have gained, and the work of load and weight.
     pub(super) fn book_motion(&mut self, dt: f64) {
         let Self { body, strips, nodes, tops, loaded, functions, totals, time, .. } = self;
         totals.book_motion(nodes, body.flip, dt);

@@ -33,11 +33,11 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for Explicit<V, F, D> {
         self.time
     }
 
-    fn observe(&self) -> (Observation, Ledger) {
-        let (mut state, ledger) = self.whole().observe(self.time, &self.totals, self.carried());
+    fn observe(&self) -> (Observation, BalanceTerms) {
+        let (mut state, balance) = self.whole().observe(self.time, &self.totals, self.advected());
         let impulses = self.conditions.iter().filter_map(|condition| condition.pushed_by());
         state.plates = impulses.map(|impulse| Push { impulse, force: None }).collect();
-        (state, ledger)
+        (state, balance)
     }
 
     fn pore_pressure(&self) -> [f64; 3] {
@@ -91,7 +91,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for Explicit<V, F, D> {
     }
 
     fn particles(&self) -> Vec<SolidState> {
-        self.whole().particles(self.carried())
+        self.whole().particles(self.advected())
     }
 
     fn water_particles(&self) -> Vec<WaterParticle> {
@@ -110,7 +110,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for Explicit<V, F, D> {
     fn places(&self) -> Places {
         let whole = self.whole();
         let of_pores = whole.water.as_ref().map(|water| &water.layer.points[..]);
-        let of_free = self.carried().map(|free| &free.layer.points[..]);
+        let of_free = self.advected().map(|free| &free.layer.points[..]);
         Places::of(&whole.solid.points, of_pores.or(of_free).unwrap_or(&[]))
     }
 

@@ -154,8 +154,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         }
         let each = solid.crossings / self.solid_count as u64;
         let what = format!(
-            "its particles have crossed {each} cells each: the stress of linear functions is then noise by a tenth or more \
-             and grows; \"bspline2\", \"gimp\", damping or flip < 1 keeps it down, --force goes on"
+            "its particles have crossed {each} cells each: the stress of linear functions then has noise of a tenth or more \
+             and grows; \"bspline2\", \"gimp\", damping or flip < 1 reduces it, --force continues"
         );
         Err(Fault { place: "the soil".to_owned(), what })
     }

@@ -4,7 +4,7 @@
 use pulp::{Scalar, Simd};
 
 use super::MOST_REACH;
-use crate::real::{Lanes, Real};
+use crate::real::{Real, SimdReal};
 
 /// The functions that particles reach along one axis.
 #[derive(Debug, Clone, Copy)]
@@ -29,15 +29,15 @@ pub trait Basis: Copy + Send + Sync + 'static {
     type Edge<V: Simd>: Copy;
 
     /// For cells at a place in a row of so many.
-    fn edge<V: Simd>(&self, position: Lanes<V>, cells: usize) -> Self::Edge<V>;
+    fn edge<V: Simd>(&self, position: SimdReal<V>, cells: usize) -> Self::Edge<V>;
     /// The first of the [`Basis::SPAN`] functions that particles at a place in their cells reach, if it is the same in all lanes.
     #[inline(always)]
-    fn first<V: Simd>(&self, _: Lanes<V>) -> Option<usize> {
+    fn first<V: Simd>(&self, _: SimdReal<V>) -> Option<usize> {
         Some(0)
     }
     /// The functions at a place in these cells: from the first that they all reach on, or all that these cells do. Those beyond a
     /// side of the mesh are still to be folded.
-    fn line<V: Simd>(&self, edge: &Self::Edge<V>, xi: Lanes<V>, first: Option<usize>) -> Line<Lanes<V>>;
+    fn line<V: Simd>(&self, edge: &Self::Edge<V>, xi: SimdReal<V>, first: Option<usize>) -> Line<SimdReal<V>>;
     /// Whether any of these cells has functions beyond a side of the mesh.
     #[inline(always)]
     fn reaches_out<V: Simd>(&self, _: &Self::Edge<V>) -> bool {
@@ -46,22 +46,22 @@ pub trait Basis: Copy + Send + Sync + 'static {
     /// `true` extends a field to the functions beyond the sides of the mesh; `false` folds: gives what those have got to the ones that
     /// they depend on.
     #[inline(always)]
-    fn beyond<V: Simd>(&self, _: &Self::Edge<V>, _: &mut [Lanes<V>; MOST_REACH], _: bool) {}
+    fn beyond<V: Simd>(&self, _: &Self::Edge<V>, _: &mut [SimdReal<V>; MOST_REACH], _: bool) {}
     /// The functions at a point of the surface, which may lie a little outside the cell it belongs to.
     #[inline(always)]
-    fn at_surface<V: Simd>(&self, edge: &Self::Edge<V>, xi: Lanes<V>) -> Line<Lanes<V>> {
+    fn at_surface<V: Simd>(&self, edge: &Self::Edge<V>, xi: SimdReal<V>) -> Line<SimdReal<V>> {
         self.line(edge, xi, None)
     }
     /// The functions at a place in one cell of a row of so many.
     fn at(&self, cell: usize, cells: usize, xi: f64) -> Line<f64> {
-        let edge = self.edge(Lanes::splat(Scalar, cell as f64), cells);
-        let mut line = self.line(&edge, Lanes::splat(Scalar, xi), None);
+        let edge = self.edge(SimdReal::splat(Scalar, cell as f64), cells);
+        let mut line = self.line(&edge, SimdReal::splat(Scalar, xi), None);
         self.beyond(&edge, &mut line.value, false);
         self.beyond(&edge, &mut line.slope, false);
         Line { value: line.value.map(|value| value.lane(0)), slope: line.slope.map(|slope| slope.lane(0)) }
     }
     /// Where one of the functions stands in these cells: `sum_i N_i x_i = x`.
-    fn stands<V: Simd>(&self, edge: &Self::Edge<V>, function: usize) -> Lanes<V>;
+    fn stands<V: Simd>(&self, edge: &Self::Edge<V>, function: usize) -> SimdReal<V>;
     /// Where a function of a row of cells stands, in cells.
     fn stands_at(&self, function: usize, cells: usize) -> f64;
 }
@@ -75,14 +75,14 @@ pub struct Bspline<const DEGREE: usize>;
 /// Knots around cells, from `1 - DEGREE` to `DEGREE` of them away, and 1 over their distances.
 #[derive(Debug, Clone, Copy)]
 pub struct Knots<V: Simd> {
-    at: [Lanes<V>; 2 * (MOST_REACH - 1)],
-    inverse: [[Lanes<V>; MOST_REACH - 1]; MOST_REACH - 1],
+    at: [SimdReal<V>; 2 * (MOST_REACH - 1)],
+    inverse: [[SimdReal<V>; MOST_REACH - 1]; MOST_REACH - 1],
 }
 
 impl<const DEGREE: usize> Bspline<DEGREE> {
     /// Knot of so many cells further, minus one.
     #[inline(always)]
-    fn knot<V: Simd>(knots: &Knots<V>, after: usize, before: usize) -> Lanes<V> {
+    fn knot<V: Simd>(knots: &Knots<V>, after: usize, before: usize) -> SimdReal<V> {
         knots.at[DEGREE - 1 + after - before]
     }
 }
@@ -94,7 +94,7 @@ impl<const DEGREE: usize> Basis for Bspline<DEGREE> {
     type Edge<V: Simd> = Knots<V>;
 
     #[inline(always)]
-    fn edge<V: Simd>(&self, position: Lanes<V>, cells: usize) -> Knots<V> {
+    fn edge<V: Simd>(&self, position: SimdReal<V>, cells: usize) -> Knots<V> {
         let none = position.like(0.0);
         // Cells that only pad the mesh are taken for its last ones.
         let position = position.lesser(none.like(cells as f64 - 1.0));
@@ -113,7 +113,7 @@ impl<const DEGREE: usize> Basis for Bspline<DEGREE> {
     }
 
     #[inline(always)]
-    fn line<V: Simd>(&self, knots: &Knots<V>, xi: Lanes<V>, _: Option<usize>) -> Line<Lanes<V>> {
+    fn line<V: Simd>(&self, knots: &Knots<V>, xi: SimdReal<V>, _: Option<usize>) -> Line<SimdReal<V>> {
         let none = xi.like(0.0);
         let (mut value, mut slope) = ([none; MOST_REACH], [none; MOST_REACH]);
         value[0] = none.like(1.0);
@@ -135,7 +135,7 @@ impl<const DEGREE: usize> Basis for Bspline<DEGREE> {
 
     /// Mean of the inner knots of the function (Greville).
     #[inline(always)]
-    fn stands<V: Simd>(&self, knots: &Knots<V>, function: usize) -> Lanes<V> {
+    fn stands<V: Simd>(&self, knots: &Knots<V>, function: usize) -> SimdReal<V> {
         let mut sum = knots.at[function];
         for k in 1..DEGREE {
             sum += knots.at[function + k];
@@ -178,7 +178,11 @@ pub struct Ends<V: Simd> {
 
 /// What three nodes have, from the one out there on: as three in order if those are the same in all lanes, else as four.
 #[inline(always)]
-fn spread<V: Simd>(first: Option<usize>, is_low: V::m64s, [out, near, far]: [Lanes<V>; 3]) -> [Lanes<V>; MOST_REACH] {
+fn spread<V: Simd>(
+    first: Option<usize>,
+    is_low: V::m64s,
+    [out, near, far]: [SimdReal<V>; 3],
+) -> [SimdReal<V>; MOST_REACH] {
     let none = out.like(0.0);
     match first {
         Some(_) => [out.or(is_low, far), near, far.or(is_low, out), none],
@@ -194,21 +198,21 @@ impl Basis for Gimp {
     type Edge<V: Simd> = Ends<V>;
 
     #[inline(always)]
-    fn edge<V: Simd>(&self, position: Lanes<V>, cells: usize) -> Ends<V> {
+    fn edge<V: Simd>(&self, position: SimdReal<V>, cells: usize) -> Ends<V> {
         let first = position.equals(position.like(0.0));
         let last = position.equals(position.like(cells as f64 - 1.0));
         let simd = position.simd;
-        Ends { first, last, is_outer: !Lanes::nowhere(simd, simd.or_m64s(first, last)), simd }
+        Ends { first, last, is_outer: !SimdReal::nowhere(simd, simd.or_m64s(first, last)), simd }
     }
 
     /// A particle is no longer than a cell. In the lower half of its cell it may reach over the lower node, in the upper half over
     /// the upper one; in the middle it reaches neither way, and may be taken for either.
     #[inline(always)]
-    fn first<V: Simd>(&self, xi: Lanes<V>) -> Option<usize> {
+    fn first<V: Simd>(&self, xi: SimdReal<V>) -> Option<usize> {
         let half = xi.like(0.5);
-        if Lanes::nowhere(xi.simd, half.below(xi)) {
+        if SimdReal::nowhere(xi.simd, half.below(xi)) {
             Some(0)
-        } else if Lanes::nowhere(xi.simd, xi.below(half)) {
+        } else if SimdReal::nowhere(xi.simd, xi.below(half)) {
             Some(1)
         } else {
             None
@@ -216,7 +220,7 @@ impl Basis for Gimp {
     }
 
     #[inline(always)]
-    fn line<V: Simd>(&self, _: &Ends<V>, xi: Lanes<V>, first: Option<usize>) -> Line<Lanes<V>> {
+    fn line<V: Simd>(&self, _: &Ends<V>, xi: SimdReal<V>, first: Option<usize>) -> Line<SimdReal<V>> {
         let (none, one, per) = (xi.like(0.0), xi.like(1.0), 0.5 / self.half);
         let is_low = match first {
             Some(0) => none.below(one),
@@ -241,7 +245,7 @@ impl Basis for Gimp {
 
     /// A node outside stands for twice the next one less the one after that.
     #[inline(always)]
-    fn beyond<V: Simd>(&self, ends: &Ends<V>, of: &mut [Lanes<V>; MOST_REACH], extends: bool) {
+    fn beyond<V: Simd>(&self, ends: &Ends<V>, of: &mut [SimdReal<V>; MOST_REACH], extends: bool) {
         let none = of[0].like(0.0);
         for ([out, next, after], side) in [([0, 1, 2], ends.first), ([3, 2, 1], ends.last)] {
             if extends {
@@ -257,14 +261,14 @@ impl Basis for Gimp {
 
     /// The load acts at a point, which has no size.
     #[inline(always)]
-    fn at_surface<V: Simd>(&self, _: &Ends<V>, xi: Lanes<V>) -> Line<Lanes<V>> {
+    fn at_surface<V: Simd>(&self, _: &Ends<V>, xi: SimdReal<V>) -> Line<SimdReal<V>> {
         let (none, one) = (xi.like(0.0), xi.like(1.0));
         Line { value: [none, one - xi, xi, none], slope: [none, -one, one, none] }
     }
 
     #[inline(always)]
-    fn stands<V: Simd>(&self, ends: &Ends<V>, function: usize) -> Lanes<V> {
-        Lanes::splat(ends.simd, function as f64 - 1.0)
+    fn stands<V: Simd>(&self, ends: &Ends<V>, function: usize) -> SimdReal<V> {
+        SimdReal::splat(ends.simd, function as f64 - 1.0)
     }
 
     fn stands_at(&self, function: usize, _: usize) -> f64 {
@@ -276,8 +280,8 @@ impl Basis for Gimp {
 mod tests {
     use super::*;
 
-    fn lone(number: f64) -> Lanes<Scalar> {
-        Lanes::splat(Scalar, number)
+    fn lone(number: f64) -> SimdReal<Scalar> {
+        SimdReal::splat(Scalar, number)
     }
 
     /// Partition of unity, linear completeness with the places where the functions stand, slopes by central differences.
@@ -349,15 +353,15 @@ mod tests {
             const BEFORE: usize = 0;
             const EXTRA: usize = 2;
             type Edge<V: Simd> = Knots<V>;
-            fn edge<V: Simd>(&self, position: Lanes<V>, cells: usize) -> Knots<V> {
+            fn edge<V: Simd>(&self, position: SimdReal<V>, cells: usize) -> Knots<V> {
                 Bspline::<2>.edge(position, cells)
             }
-            fn line<V: Simd>(&self, edge: &Knots<V>, xi: Lanes<V>, first: Option<usize>) -> Line<Lanes<V>> {
+            fn line<V: Simd>(&self, edge: &Knots<V>, xi: SimdReal<V>, first: Option<usize>) -> Line<SimdReal<V>> {
                 let mut line = Bspline::<2>.line(edge, xi, first);
                 line.value[1] -= xi.like(1e-12);
                 line
             }
-            fn stands<V: Simd>(&self, edge: &Knots<V>, function: usize) -> Lanes<V> {
+            fn stands<V: Simd>(&self, edge: &Knots<V>, function: usize) -> SimdReal<V> {
                 Bspline::<2>.stands(edge, function)
             }
             fn stands_at(&self, function: usize, cells: usize) -> f64 {

@@ -2,13 +2,13 @@
 
 use pulp::{Simd, WithSimd};
 
-use crate::real::{Lanes, Real};
+use crate::real::{Real, SimdReal};
 use crate::step::store::StripSums;
 use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS, force};
 
 /// Mixture momentum on the nodes of one strip: rho a_s = div(sigma') - grad p + rho g; new nodal velocities.
 pub struct EquationOfMotion<'a, V: Simd, const D: usize> {
-    /// Leave to use the machine's instructions.
+    /// Proof that the SIMD instructions of the CPU may be used.
     pub simd: V,
     /// Sums of the nodes.
     pub sums: &'a StripSums,
@@ -32,21 +32,21 @@ impl<V: Simd, const D: usize> WithSimd for EquationOfMotion<'_, V, D> {
     #[inline(always)]
     fn with_simd<T: Simd>(self, _: T) {
         let Self { simd, sums, velocity, change, acceleration, gravity, flip, dt } = self;
-        let none = Lanes::splat(simd, 0.0);
+        let none = SimdReal::splat(simd, 0.0);
         let one = none.like(1.0);
         for node in (0..velocity[0].len()).step_by(V::F64_LANES) {
-            let solid = Lanes::load(simd, &sums.0[SOLID_MASS][node..]);
-            let mixture = Lanes::load(simd, &sums.0[MIXTURE_MASS][node..]);
+            let solid = SimdReal::load(simd, &sums.0[SOLID_MASS][node..]);
+            let mixture = SimdReal::load(simd, &sums.0[MIXTURE_MASS][node..]);
             let with_mass = none.below(solid);
             let of_solid = (one / solid.or(with_mass, one)).or(with_mass, none);
             let of_mixture = (one / mixture.or(with_mass, one)).or(with_mass, none);
             for d in 0..D {
-                let mut force = Lanes::load(simd, &sums.0[force(D) + d][node..]);
+                let mut force = SimdReal::load(simd, &sums.0[force(D) + d][node..]);
                 if let Some(gravity) = gravity {
                     force += mixture * gravity[d];
                 }
                 let a = force * of_mixture;
-                let v = Lanes::load(simd, &sums.0[MOMENTUM + d][node..]) * of_solid + a * dt;
+                let v = SimdReal::load(simd, &sums.0[MOMENTUM + d][node..]) * of_solid + a * dt;
                 v.store(&mut velocity[d][node..]);
                 (a * (flip * dt) + v * (1.0 - flip)).store(&mut change[d][node..]);
                 a.store(&mut acceleration[d][node..]);

@@ -14,13 +14,13 @@ use pulp::{Simd, WithSimd};
 
 use super::scatter::Scatter;
 use super::{Affine, Closing, Common, Contribution, Fields, Functions, Moves, Nodal};
-use crate::real::{Lanes, array};
+use crate::real::{SimdReal, array};
 use crate::step::store::nodes::{SUMS, StripSums};
 use crate::step::store::{Motion, SolidLanes, Strip};
 
 /// Masses and momenta of the end of the step from the particles of a strip to the nodes.
 pub struct MapBack<'a, V: Simd, F: Functions<D>, const D: usize> {
-    /// Leave to use the machine's instructions.
+    /// Proof that the SIMD instructions of the CPU may be used.
     pub simd: V,
     /// The strip.
     pub strip: &'a Strip<V, D>,
@@ -37,18 +37,18 @@ impl<V: Simd, F: Functions<D>, const D: usize> WithSimd for MapBack<'_, V, F, D>
     fn with_simd<T: Simd>(self, _: T) {
         let Self { simd, strip, sums, common } = self;
         let Common { frame, functions, motion: moving, flip, kept, .. } = *common;
-        let none = Lanes::splat(simd, 0.0);
+        let none = SimdReal::splat(simd, 0.0);
         let (mut motion, mut gathered) = (functions.at_rest(simd), functions.nothing(simd));
         let mut room = [Nodal::splat(simd, 0.0); SUMS];
         let mut scatter = Scatter::<V, D>::begin::<F>(simd, sums, frame);
         for (group, cell) in strip.cells.iter().enumerate() {
-            let position = array!([none; D], d => Lanes { simd, value: cell.position[d] });
+            let position = array!([none; D], d => SimdReal { simd, value: cell.position[d] });
             let edges = functions.edges(&position, &frame.cells);
             let at = strip.first + group * V::F64_LANES;
             let Motion { velocity, change, .. } = moving;
             let found = frame.finds_centroids(F::SPLIT);
             let fields = Fields { simd, velocity, change, mapped: None, frame, at, found };
-            let at = array!([none; D], d => Lanes { simd, value: cell.at[d] });
+            let at = array!([none; D], d => SimdReal { simd, value: cell.at[d] });
             functions.find_motion(&mut motion, &fields, &edges, &at);
             functions.clear(simd, &mut gathered, (false, false));
             for index in strip.solid.range(group) {

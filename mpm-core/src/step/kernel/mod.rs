@@ -2,7 +2,7 @@
 //!
 //! Between the two passes over a particle in the paper's Figure 1 nothing happens to it, so they are one. The kernel is generic
 //! over the dimension, over the functions that carry a field ([`Functions`]: those of one cell in `on_cell`, wider ones in
-//! `stencil`), and over how many cells it takes at once: one, or as many as the machine has lanes. Lanes do not mix and
+//! `stencil`), and over how many cells it takes at once: one, or as many as a SIMD vector holds. SIMD lanes do not mix and
 //! products are not fused with sums, so the bits are the same.
 
 mod bases;
@@ -23,12 +23,12 @@ use std::ops::{Deref, DerefMut};
 use pulp::{Simd, WithSimd};
 
 use super::store::nodes::{SUMS, StripSums};
-use super::store::{CellLanes, Frame, Motion, Nodes, SolidLanes, Strip, ask_for};
+use super::store::{Frame, Motion, Nodes, SimdCells, SolidLanes, Strip, ask_for};
 use crate::boundary::ROUND_OFF;
 use crate::constitutive::{Flow, LinearElastic, Materials, STATES, State};
 use crate::dimension::{PRESSURE, rotate, strain_increment, trace};
 use crate::observe::Flowed;
-use crate::real::{Lanes, MOST_LANES, Real, array};
+use crate::real::{MAX_LANES, Real, SimdReal, array};
 use crate::water::FaceFlow;
 use scatter::Scatter;
 
@@ -45,7 +45,7 @@ const NOT_KNOWN: f64 = 1e60;
 
 /// Fields at the functions that a group of cells reaches.
 pub struct Fields<'a, V: Simd, const D: usize> {
-    /// Leave to use the machine's instructions.
+    /// Proof that the SIMD instructions of the CPU may be used.
     pub simd: V,
     /// Velocities of the functions, m/s.
     pub velocity: &'a [Vec<f64>; 2],
@@ -64,48 +64,48 @@ pub struct Fields<'a, V: Simd, const D: usize> {
 impl<V: Simd, const D: usize> Fields<'_, V, D> {
     /// A field at function `a` of those that the cells reach.
     #[inline(always)]
-    pub fn load(&self, field: &[f64], offset: usize) -> Lanes<V> {
-        Lanes::load(self.simd, &field[self.at + offset..])
+    pub fn load(&self, field: &[f64], offset: usize) -> SimdReal<V> {
+        SimdReal::load(self.simd, &field[self.at + offset..])
     }
 
     /// A field at the corners of the cells; in a column at both ends, twice.
     #[inline(always)]
-    pub fn corners(&self, field: &[f64]) -> [Lanes<V>; 4] {
+    pub fn corners(&self, field: &[f64]) -> [SimdReal<V>; 4] {
         let row = self.frame.stride[D - 1];
         let lower = &field[self.at..][..V::F64_LANES + 1];
-        let [a, b] = [Lanes::load(self.simd, lower), Lanes::load(self.simd, &lower[1..])];
+        let [a, b] = [SimdReal::load(self.simd, lower), SimdReal::load(self.simd, &lower[1..])];
         if D == 1 {
             return [a, b, a, b];
         }
         let upper = &field[self.at + row..][..V::F64_LANES + 1];
-        [a, b, Lanes::load(self.simd, upper), Lanes::load(self.simd, &upper[1..])]
+        [a, b, SimdReal::load(self.simd, upper), SimdReal::load(self.simd, &upper[1..])]
     }
 }
 
 /// Where cells are in a section about an axis: distance of their lower corner from that, in cells; none in plane strain.
-pub type FromAxis<V> = Option<Lanes<V>>;
+pub type FromAxis<V> = Option<SimdReal<V>>;
 
 /// Radius of a place in cells, in cells.
 #[inline(always)]
-pub fn radius<V: Simd, const D: usize>(from: FromAxis<V>, xi: &[Lanes<V>; D]) -> Option<Lanes<V>> {
+pub fn radius<V: Simd, const D: usize>(from: FromAxis<V>, xi: &[SimdReal<V>; D]) -> Option<SimdReal<V>> {
     Some(from? + xi[0])
 }
 
 /// A number at each of the functions that a group of cells reaches. A vector that lies across two lines of the cache costs twice as much.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-pub struct Nodal<V: Simd>([Lanes<V>; MOST_REACHED]);
+pub struct Nodal<V: Simd>([SimdReal<V>; MOST_REACHED]);
 
 impl<V: Simd> Nodal<V> {
     /// The same number at all of them.
     #[inline(always)]
     pub fn splat(simd: V, number: f64) -> Self {
-        Self([Lanes::splat(simd, number); MOST_REACHED])
+        Self([SimdReal::splat(simd, number); MOST_REACHED])
     }
 }
 
 impl<V: Simd> Deref for Nodal<V> {
-    type Target = [Lanes<V>; MOST_REACHED];
+    type Target = [SimdReal<V>; MOST_REACHED];
     #[inline(always)]
     fn deref(&self) -> &Self::Target {
         &self.0
@@ -125,21 +125,21 @@ pub type Given<V> = [Nodal<V>; SUMS];
 /// What the mesh does to a particle.
 pub struct Moves<V: Simd, const D: usize> {
     /// Velocity gradient that strains it, 1/s.
-    pub gradient: [[Lanes<V>; D]; D],
+    pub gradient: [[SimdReal<V>; D]; D],
     /// Velocity that it moves with, m/s.
-    pub velocity: [Lanes<V>; D],
+    pub velocity: [SimdReal<V>; D],
     /// What is added to its own, m/s.
-    pub change: [Lanes<V>; D],
+    pub change: [SimdReal<V>; D],
 }
 
 /// A velocity gradient that a particle carries, 1/s.
 #[derive(Clone, Copy)]
-pub struct Affine<V: Simd, const D: usize>(pub [[Lanes<V>; D]; D]);
+pub struct Affine<V: Simd, const D: usize>(pub [[SimdReal<V>; D]; D]);
 
 impl<V: Simd, const D: usize> Affine<V, D> {
     /// Velocity (m/s) of a particle at a place away from it (m).
     #[inline(always)]
-    pub fn seen_from(&self, v: &[Lanes<V>; D], away: &[Lanes<V>; D]) -> [Lanes<V>; D] {
+    pub fn seen_from(&self, v: &[SimdReal<V>; D], away: &[SimdReal<V>; D]) -> [SimdReal<V>; D] {
         let mut sum = *v;
         for i in 0..D {
             for j in 0..D {
@@ -153,15 +153,15 @@ impl<V: Simd, const D: usize> Affine<V, D> {
 /// What a particle gives to the nodes.
 pub struct Contribution<V: Simd, const D: usize> {
     /// Its place in the cell.
-    pub xi: [Lanes<V>; D],
+    pub xi: [SimdReal<V>; D],
     /// Dry mass, kg.
-    pub mass: Lanes<V>,
+    pub mass: SimdReal<V>,
     /// Volume, m3.
-    pub volume: Lanes<V>,
+    pub volume: SimdReal<V>,
     /// Velocity, m/s.
-    pub v: [Lanes<V>; D],
+    pub v: [SimdReal<V>; D],
     /// Stress, Pa: effective over functions of a cell, which add the pressure once; total over stencils.
-    pub stress: [Lanes<V>; 4],
+    pub stress: [SimdReal<V>; 4],
     /// Its velocity gradient, where those are carried.
     pub affine: Option<Affine<V, D>>,
     /// Where its cell is about an axis.
@@ -171,25 +171,25 @@ pub struct Contribution<V: Simd, const D: usize> {
 /// What closes the sums of a cell.
 pub struct Closing<V: Simd, const D: usize> {
     /// Factor on stresses times the volumes of particles: how much soil there is over that.
-    pub share: Lanes<V>,
+    pub share: SimdReal<V>,
     /// Volume of soil, m3.
-    pub filled: Lanes<V>,
+    pub filled: SimdReal<V>,
     /// Centroid of the particles, in cell coordinates.
-    pub at: [Lanes<V>; D],
+    pub at: [SimdReal<V>; D],
     /// Pore pressure that pushes, Pa; none in dry soil, or where it is solved for.
-    pub pressure: Option<Lanes<V>>,
+    pub pressure: Option<SimdReal<V>>,
     /// Where it acts.
-    pub pressed_at: [Lanes<V>; D],
+    pub pressed_at: [SimdReal<V>; D],
     /// Volume of the water particles, m3, or one.
-    pub full_of_water: Lanes<V>,
+    pub full_of_water: SimdReal<V>,
     /// Whether the pressure is one number in the cell.
     pub of_cell: bool,
     /// Mass of water over that of the grains, for cells whose water moves with the soil.
-    pub water_ratio: Option<Lanes<V>>,
+    pub water_ratio: Option<SimdReal<V>>,
     /// Which cells those are.
     pub moving_with: V::m64s,
     /// Mass of water (kg) and the place in the cell where it is, where that is given.
-    pub given_water: Option<(Lanes<V>, [Lanes<V>; D])>,
+    pub given_water: Option<(SimdReal<V>, [SimdReal<V>; D])>,
     /// Where the cells are about an axis.
     pub from_axis: FromAxis<V>,
 }
@@ -197,7 +197,7 @@ pub struct Closing<V: Simd, const D: usize> {
 impl<V: Simd, const D: usize> Closing<V, D> {
     /// Of cells whose soil fills a volume (m3) as its particles do, without water.
     #[inline(always)]
-    fn of(filled: Lanes<V>) -> Self {
+    fn of(filled: SimdReal<V>) -> Self {
         let (none, half, one) = (filled.like(0.0), filled.like(0.5), filled.like(1.0));
         Self {
             share: one,
@@ -241,7 +241,7 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
     type Sums<V: Simd>;
 
     /// For cells at a place on the lattice of so many.
-    fn edges<V: Simd>(&self, position: &[Lanes<V>; D], cells: &[usize; D]) -> Self::Edges<V>;
+    fn edges<V: Simd>(&self, position: &[SimdReal<V>; D], cells: &[usize; D]) -> Self::Edges<V>;
     /// No motion.
     fn at_rest<V: Simd>(&self, simd: V) -> Self::Motion<V>;
     /// Finds the motion of the cells, the particles of which have a centroid (cell coordinates).
@@ -250,25 +250,25 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
         motion: &mut Self::Motion<V>,
         fields: &Fields<V, D>,
         edges: &Self::Edges<V>,
-        centroid: &[Lanes<V>; D],
+        centroid: &[SimdReal<V>; D],
     );
     /// Rate of volume at the centre of the cells, 1/s.
-    fn middle<V: Simd>(&self, motion: &Self::Motion<V>, from_axis: FromAxis<V>, inverse_size: f64) -> Lanes<V>;
+    fn middle<V: Simd>(&self, motion: &Self::Motion<V>, from_axis: FromAxis<V>, inverse_size: f64) -> SimdReal<V>;
     /// Hoop strain rate v_r/r (1/s) of particles at a place in their cells, where all particles are strained as they are.
     fn hoop<V: Simd>(
         &self,
         motion: &Self::Motion<V>,
         edges: &Self::Edges<V>,
-        xi: &[Lanes<V>; D],
-        from_axis: Lanes<V>,
+        xi: &[SimdReal<V>; D],
+        from_axis: SimdReal<V>,
         inverse_size: f64,
-    ) -> Lanes<V>;
+    ) -> SimdReal<V>;
     /// What the mesh does to particles at a place in their cells.
     fn moves<V: Simd>(
         &self,
         motion: &Self::Motion<V>,
         edges: &Self::Edges<V>,
-        xi: &[Lanes<V>; D],
+        xi: &[SimdReal<V>; D],
         inverse_size: f64,
     ) -> Moves<V, D>;
     /// Gradient of the velocity of the functions at particles, 1/s.
@@ -276,18 +276,18 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
         &self,
         motion: &Self::Motion<V>,
         edges: &Self::Edges<V>,
-        xi: &[Lanes<V>; D],
+        xi: &[SimdReal<V>; D],
         inverse_size: f64,
-    ) -> [[Lanes<V>; D]; D];
+    ) -> [[SimdReal<V>; D]; D];
     /// Velocity `v_w = v_s + v*` (m/s) of water particles and, if pressures follow it, the rate of volume (1/s) of the soil there.
     fn with_water<V: Simd>(
         &self,
         motion: &Self::Motion<V>,
         edges: &Self::Edges<V>,
-        xi: &[Lanes<V>; D],
+        xi: &[SimdReal<V>; D],
         relative: &Relative<V, D>,
         inverse_size: f64,
-    ) -> ([Lanes<V>; D], Lanes<V>);
+    ) -> ([SimdReal<V>; D], SimdReal<V>);
 
     /// Values of the functions that a particle in a cell at a place of so many reaches.
     fn values(&self, position: &[usize; D], cells: &[usize; D], xi: &[f64; D]) -> [f64; MOST_REACHED];
@@ -313,14 +313,14 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
         &self,
         sums: &mut Self::Sums<V>,
         edges: &Self::Edges<V>,
-        xi: &[Lanes<V>; D],
-        water: [Lanes<V>; 3],
+        xi: &[SimdReal<V>; D],
+        water: [SimdReal<V>; 3],
         from_axis: FromAxis<V>,
     );
     /// Sums of V p and of V over the water particles.
-    fn water_of<V: Simd>(&self, sums: &Self::Sums<V>) -> [Lanes<V>; 2];
+    fn water_of<V: Simd>(&self, sums: &Self::Sums<V>) -> [SimdReal<V>; 2];
     /// Centroid of the particles, if strains are taken there; from their volume, or one where there are none.
-    fn centroid<V: Simd>(&self, _: &Self::Sums<V>, _: Lanes<V>, _: bool) -> Option<[Lanes<V>; D]> {
+    fn centroid<V: Simd>(&self, _: &Self::Sums<V>, _: SimdReal<V>, _: bool) -> Option<[SimdReal<V>; D]> {
         None
     }
     /// Gives what the cells have gathered; `room` may hold it.
@@ -339,7 +339,7 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
         edges: &Self::Edges<V>,
         cell: &Closing<V, D>,
         inverse_size: f64,
-    ) -> [[Lanes<V>; D]; MOST_REACHED];
+    ) -> [[SimdReal<V>; D]; MOST_REACHED];
 }
 
 /// What particles keep beside their records, as places in these.
@@ -472,7 +472,7 @@ impl<F: Copy, const D: usize> Common<'_, F, D> {
 
 /// The pass over one strip. LEAN: without what few scenes have ([`Common::lean`]).
 pub struct Pass<'a, V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> {
-    /// Leave to use the machine's instructions.
+    /// Proof that the SIMD instructions of the CPU may be used.
     pub simd: V,
     /// The strip.
     pub strip: &'a mut Strip<V, D>,
@@ -484,31 +484,31 @@ pub struct Pass<'a, V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> 
     pub common: &'a Common<'a, F, D>,
 }
 
-/// Plastic flow of the particles of a strip, in as many parts as a machine may have lanes: the bits do not depend on how
+/// Plastic flow of the particles of a strip, in as many parts as the widest SIMD vector has lanes: the bits do not depend on how
 /// many it has.
 struct FlowedLanes<V: Simd> {
-    dissipation: [Lanes<V>; MOST_LANES],
-    residual: Lanes<V>,
+    dissipation: [SimdReal<V>; MAX_LANES],
+    residual: SimdReal<V>,
 }
 
 impl<V: Simd> FlowedLanes<V> {
     #[inline(always)]
     fn nothing(simd: V) -> Self {
-        let none = Lanes::splat(simd, 0.0);
-        Self { dissipation: [none; MOST_LANES], residual: none.like(f64::NEG_INFINITY) }
+        let none = SimdReal::splat(simd, 0.0);
+        Self { dissipation: [none; MAX_LANES], residual: none.like(f64::NEG_INFINITY) }
     }
 
     /// Adds one particle of each cell of a group, of a volume (m3).
     #[inline(always)]
-    fn add(&mut self, group: usize, volume: Lanes<V>, flow: &Flow<Lanes<V>>) {
-        self.dissipation[group % (MOST_LANES / V::F64_LANES)] += volume * flow.dissipation;
+    fn add(&mut self, group: usize, volume: SimdReal<V>, flow: &Flow<SimdReal<V>>) {
+        self.dissipation[group % (MAX_LANES / V::F64_LANES)] += volume * flow.dissipation;
         self.residual = flow.residual.larger(self.residual);
     }
 
     #[inline(always)]
     fn added_up(&self) -> Flowed {
         let mut flowed = Flowed::NOTHING;
-        for part in 0..MOST_LANES {
+        for part in 0..MAX_LANES {
             flowed.dissipation += self.dissipation[part / V::F64_LANES].lane(part % V::F64_LANES);
         }
         for lane in 0..V::F64_LANES {
@@ -544,7 +544,7 @@ fn align_stack() {
 }
 
 /// A vector field in a cell that is linear along each axis, as coefficients.
-pub type Relative<V, const D: usize> = [[Lanes<V>; D]; 4];
+pub type Relative<V, const D: usize> = [[SimdReal<V>; D]; 4];
 
 /// What a group of cells works in.
 struct Room<V: Simd, F: Functions<D>, const D: usize> {
@@ -555,34 +555,34 @@ struct Room<V: Simd, F: Functions<D>, const D: usize> {
 
 /// What a pass over a strip adds up.
 struct Running<V: Simd> {
-    rates: [[Lanes<V>; MOST_LANES]; 2],
+    rates: [[SimdReal<V>; MAX_LANES]; 2],
     flowed: FlowedLanes<V>,
     stays: V::m64s,
 }
 
 impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, D, LEAN> {
     #[inline(always)]
-    fn load(&self, field: &[f64], at: usize) -> Lanes<V> {
-        Lanes::load(self.simd, &field[at..])
+    fn load(&self, field: &[f64], at: usize) -> SimdReal<V> {
+        SimdReal::load(self.simd, &field[at..])
     }
 
     #[inline(always)]
-    fn of(&self, value: V::f64s) -> Lanes<V> {
-        Lanes { simd: self.simd, value }
+    fn of(&self, value: V::f64s) -> SimdReal<V> {
+        SimdReal { simd: self.simd, value }
     }
 
     /// Where cells at a place on the lattice are about the axis.
     #[inline(always)]
-    pub(super) fn axis_of(&self, x: Lanes<V>) -> FromAxis<V> {
-        Some(x + Lanes::splat(self.simd, self.common.rare.axis?))
+    pub(super) fn axis_of(&self, x: SimdReal<V>) -> FromAxis<V> {
+        Some(x + SimdReal::splat(self.simd, self.common.rare.axis?))
     }
 
     #[inline(always)]
     fn run(mut self) {
         align_stack();
-        let none = Lanes::splat(self.simd, 0.0);
+        let none = SimdReal::splat(self.simd, 0.0);
         let mut running = Running {
-            rates: [[none; MOST_LANES]; 2],
+            rates: [[none; MAX_LANES]; 2],
             flowed: FlowedLanes::nothing(self.simd),
             stays: none.in_unit_interval(),
         };
@@ -604,14 +604,14 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             scatter.add::<F>(self.sums, group * V::F64_LANES, given);
         }
         scatter.end::<F>(self.sums, self.strip.cells.len() * V::F64_LANES);
-        self.strip.stays = Lanes::nowhere(self.simd, self.simd.not_m64s(running.stays));
+        self.strip.stays = SimdReal::nowhere(self.simd, self.simd.not_m64s(running.stays));
         if self.common.moves && self.common.plastic {
             self.strip.flowed = running.flowed.added_up();
         }
         if self.common.moves && !matches!(self.common.water, InPores::None) {
             for (rate, lanes) in self.strip.rates.iter_mut().zip(running.rates) {
                 *rate = 0.0;
-                for part in 0..MOST_LANES {
+                for part in 0..MAX_LANES {
                     *rate += lanes[part / V::F64_LANES].lane(part % V::F64_LANES);
                 }
             }
@@ -622,7 +622,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     #[inline(always)]
     fn stays_empty(&self, group: usize) -> bool {
         let mass = self.of(self.strip.cells[group].mass);
-        self.strip.solid.range(group).is_empty() && Lanes::nowhere(self.simd, mass.like(0.0).below(mass))
+        self.strip.solid.range(group).is_empty() && SimdReal::nowhere(self.simd, mass.like(0.0).below(mass))
     }
 
     /// A group of cells: Figure 1 from the mesh to the particles and back.
@@ -630,7 +630,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     fn group<'b>(&mut self, group: usize, running: &mut Running<V>, room: &'b mut Room<V, F, D>) -> &'b Given<V> {
         let Room { motion: moving, sums, given } = room;
         let Common { frame, functions, motion, water, rare, .. } = *self.common;
-        let none = Lanes::splat(self.simd, 0.0);
+        let none = SimdReal::splat(self.simd, 0.0);
         let at = self.strip.first + group * V::F64_LANES;
         let cell = self.strip.cells[group];
         let position = array!([none; D], d => self.of(cell.position[d]));
@@ -694,14 +694,14 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     fn solid(
         &mut self,
         group: usize,
-        position: &[Lanes<V>; D],
-        (motion, edges, cell): (&F::Motion<V>, &F::Edges<V>, &CellLanes<V, D>),
-        (sums, soil): (&mut F::Sums<V>, &mut [Lanes<V>; 2]),
+        position: &[SimdReal<V>; D],
+        (motion, edges, cell): (&F::Motion<V>, &F::Edges<V>, &SimdCells<V, D>),
+        (sums, soil): (&mut F::Sums<V>, &mut [SimdReal<V>; 2]),
         running: &mut Running<V>,
-    ) -> [Lanes<V>; 2] {
+    ) -> [SimdReal<V>; 2] {
         let Common { frame, functions, elastic, materials, plastic, flip, apart, kept, dt, .. } = *self.common;
         let (simd, inverse) = (self.simd, frame.inverse_size);
-        let none = Lanes::splat(simd, 0.0);
+        let none = SimdReal::splat(simd, 0.0);
         let from_axis = self.axis_of(position[0]);
         let middle = if F::SPLIT { functions.middle(motion, from_axis, inverse) } else { none };
         let pressure = self.of(cell.volume).like(0.0);
@@ -770,8 +770,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
 
     /// What the materials of a block of particles remember.
     #[inline(always)]
-    fn state(&self, index: usize) -> State<Lanes<V>> {
-        let none = Lanes::splat(self.simd, 0.0);
+    fn state(&self, index: usize) -> State<SimdReal<V>> {
+        let none = SimdReal::splat(self.simd, 0.0);
         match self.common.kept.state {
             Some(first) => array!([none; STATES], s => self.of(self.strip.solid.block(index)[first + s])),
             None => [none; STATES],
@@ -789,7 +789,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     fn open_gap(&self, point: &mut SolidLanes<V, D>, index: usize, group: usize, running: &mut Running<V>) {
         let none = point.volume.like(0.0);
         let gone = point.mass.below(point.volume * self.common.apart);
-        if Lanes::nowhere(self.simd, gone) {
+        if SimdReal::nowhere(self.simd, gone) {
             return;
         }
         let mut lost = none;
@@ -810,7 +810,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     /// Notes what particles keep of the motion: their own velocity gradient, and the strain that is followed.
     #[cold]
     #[inline(always)]
-    fn note(&mut self, index: usize, own: &[[Lanes<V>; D]; D], strains: &[[Lanes<V>; D]; D]) {
+    fn note(&mut self, index: usize, own: &[[SimdReal<V>; D]; D], strains: &[[SimdReal<V>; D]; D]) {
         let Common { kept, dt, .. } = *self.common;
         let simd = self.simd;
         let block = self.strip.solid.block_mut(index);
@@ -822,8 +822,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             }
         }
         if let Some(first) = kept.strain {
-            let none = Lanes::splat(simd, 0.0);
-            let mut strain = array!([none; 4], s => Lanes { simd, value: block[first + s] });
+            let none = SimdReal::splat(simd, 0.0);
+            let mut strain = array!([none; 4], s => SimdReal { simd, value: block[first + s] });
             rotate(&mut strain, strains, dt);
             let more = strain_increment(strains, dt);
             for s in 0..4 {
@@ -839,11 +839,11 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     fn gather(
         &self,
         point: &SolidLanes<V, D>,
-        xi: [Lanes<V>; D],
-        pressure: Lanes<V>,
+        xi: [SimdReal<V>; D],
+        pressure: SimdReal<V>,
         index: usize,
         edges: &F::Edges<V>,
-        (sums, soil, from_axis): (&mut F::Sums<V>, &mut [Lanes<V>; 2], FromAxis<V>),
+        (sums, soil, from_axis): (&mut F::Sums<V>, &mut [SimdReal<V>; 2], FromAxis<V>),
     ) {
         let Common { functions, frame, kept, coupled, rare, .. } = *self.common;
         let SolidLanes { mass, volume, v, mut stress, .. } = *point;
@@ -874,7 +874,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     fn close<'b>(
         &mut self,
         (group, at): (usize, usize),
-        &[mass, volume]: &[Lanes<V>; 2],
+        &[mass, volume]: &[SimdReal<V>; 2],
         edges: &F::Edges<V>,
         sums: &'b mut F::Sums<V>,
         room: &'b mut Given<V>,
@@ -882,7 +882,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let Common { functions, frame, coupled, .. } = *self.common;
         let none = mass.like(0.0);
         let full = volume.or_one();
-        let known = Lanes::load(self.simd, &self.common.soil[at..]);
+        let known = SimdReal::load(self.simd, &self.common.soil[at..]);
         let is_known = none.below(known);
         // As `Filled::volume`: round-off is no difference.
         let off = (known - volume).larger(volume - known);

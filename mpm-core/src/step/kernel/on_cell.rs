@@ -8,11 +8,11 @@ use super::{Closing, Contribution, Fields, FromAxis, Functions, Given, MOST_REAC
 use crate::dimension::{
     PRESSURE, basis, coefficients, gradient, internal_force, mean_stress, shares, to_corners, trace, value,
 };
-use crate::real::{Lanes, Real, array};
+use crate::real::{Real, SimdReal, array};
 use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS, force};
 
 /// A vector field in a cell, as coefficients.
-pub type Field<V, const D: usize> = [[Lanes<V>; D]; 4];
+pub type Field<V, const D: usize> = [[SimdReal<V>; D]; 4];
 
 /// Motion in a cell.
 #[derive(Clone, Copy)]
@@ -22,29 +22,29 @@ pub struct CellMotion<V: Simd, const D: usize> {
     velocity: Field<V, D>,
     change: Field<V, D>,
     /// Where all particles have their strain, unless each has its own.
-    at: [Lanes<V>; D],
+    at: [SimdReal<V>; D],
 }
 
 /// What the particles of a cell give.
 #[derive(Clone, Copy)]
 pub struct CellSums<V: Simd, const D: usize> {
-    solid_mass: [Lanes<V>; 4],
+    solid_mass: [SimdReal<V>; 4],
     momentum: Field<V, D>,
-    mean: [Lanes<V>; 4],
-    first: [[Lanes<V>; 4]; D],
-    water_mass: [Lanes<V>; 4],
+    mean: [SimdReal<V>; 4],
+    first: [[SimdReal<V>; 4]; D],
+    water_mass: [SimdReal<V>; 4],
     /// First moments of the volume of the soil.
-    moment: [Lanes<V>; D],
+    moment: [SimdReal<V>; D],
     /// Moments of V p.
-    weighted: [[Lanes<V>; 1]; 4],
+    weighted: [[SimdReal<V>; 1]; 4],
     /// Volume of the water.
-    of_water: Lanes<V>,
+    of_water: SimdReal<V>,
     /// About an axis: hoop stress over the radius, the same of water, and one over the radius, times volumes, N.
-    hoop: [Lanes<V>; 4],
-    hoop_of_water: [Lanes<V>; 4],
-    hoop_of_one: [Lanes<V>; 4],
+    hoop: [SimdReal<V>; 4],
+    hoop_of_water: [SimdReal<V>; 4],
+    hoop_of_one: [SimdReal<V>; 4],
     /// Mean stress times volumes, where it acts at the centroid.
-    spherical: Lanes<V>,
+    spherical: SimdReal<V>,
 }
 
 /// Linear functions with gradients at one of four places.
@@ -73,7 +73,7 @@ const AT_BOTH: u8 = 3;
 /// A field at the nodes, as coefficients.
 #[inline(always)]
 fn in_cell<V: Simd, const D: usize>(fields: &Fields<V, D>, field: &[Vec<f64>; 2]) -> Field<V, D> {
-    let mut nodal = [[Lanes::splat(fields.simd, 0.0); D]; 4];
+    let mut nodal = [[SimdReal::splat(fields.simd, 0.0); D]; 4];
     for d in 0..D {
         let corners = fields.corners(&field[d]);
         for a in 0..1 << D {
@@ -85,13 +85,13 @@ fn in_cell<V: Simd, const D: usize>(fields: &Fields<V, D>, field: &[Vec<f64>; 2]
 
 /// The centre of a cell.
 #[inline(always)]
-fn centre<V: Simd, const D: usize>(like: [Lanes<V>; D]) -> [Lanes<V>; D] {
+fn centre<V: Simd, const D: usize>(like: [SimdReal<V>; D]) -> [SimdReal<V>; D] {
     [like[0].like(0.5); D]
 }
 
 /// Adds an amount at a place to the corners.
 #[inline(always)]
-fn add_shares<V: Simd, const D: usize>(sums: &mut [Lanes<V>; 4], amount: Lanes<V>, xi: &[Lanes<V>; D]) {
+fn add_shares<V: Simd, const D: usize>(sums: &mut [SimdReal<V>; 4], amount: SimdReal<V>, xi: &[SimdReal<V>; D]) {
     let share = shares(amount, xi);
     for a in 0..1 << D {
         sums[a] += share[a];
@@ -105,9 +105,9 @@ impl<const PLACE: u8> OnCell<PLACE> {
         &self,
         sums: &CellSums<V, D>,
         cell: &Closing<V, D>,
-        from: Lanes<V>,
+        from: SimdReal<V>,
         inverse_size: f64,
-    ) -> [Lanes<V>; 4] {
+    ) -> [SimdReal<V>; 4] {
         let (mut force, at) = (sums.hoop, centre(cell.at));
         for a in 0..1 << D {
             force[a] = force[a] * cell.share;
@@ -143,11 +143,11 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
     type Sums<V: Simd> = CellSums<V, D>;
 
     #[inline(always)]
-    fn edges<V: Simd>(&self, _: &[Lanes<V>; D], _: &[usize; D]) {}
+    fn edges<V: Simd>(&self, _: &[SimdReal<V>; D], _: &[usize; D]) {}
 
     #[inline(always)]
     fn at_rest<V: Simd>(&self, simd: V) -> CellMotion<V, D> {
-        let none = [[Lanes::splat(simd, 0.0); D]; 4];
+        let none = [[SimdReal::splat(simd, 0.0); D]; 4];
         CellMotion { strains: none, velocity: none, change: none, at: none[0] }
     }
 
@@ -157,7 +157,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
         motion: &mut CellMotion<V, D>,
         fields: &Fields<V, D>,
         (): &(),
-        centroid: &[Lanes<V>; D],
+        centroid: &[SimdReal<V>; D],
     ) {
         let velocity = in_cell(fields, fields.velocity);
         let strains = match fields.mapped {
@@ -170,7 +170,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
     }
 
     #[inline(always)]
-    fn middle<V: Simd>(&self, motion: &CellMotion<V, D>, from_axis: FromAxis<V>, inverse_size: f64) -> Lanes<V> {
+    fn middle<V: Simd>(&self, motion: &CellMotion<V, D>, from_axis: FromAxis<V>, inverse_size: f64) -> SimdReal<V> {
         let plane = trace(&gradient(&motion.strains, &motion.at, inverse_size));
         let Some(from) = from_axis else { return plane };
         plane + <Self as Functions<D>>::hoop(self, motion, &(), &centre(motion.at), from, inverse_size)
@@ -181,16 +181,22 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
         &self,
         motion: &CellMotion<V, D>,
         (): &(),
-        xi: &[Lanes<V>; D],
-        from_axis: Lanes<V>,
+        xi: &[SimdReal<V>; D],
+        from_axis: SimdReal<V>,
         inverse_size: f64,
-    ) -> Lanes<V> {
+    ) -> SimdReal<V> {
         let here = if <Self as Functions<D>>::OF_CELL { centre(*xi) } else { *xi };
         value::<D, D, _>(&motion.strains, &basis(&here))[0] / (from_axis + here[0]) * inverse_size
     }
 
     #[inline(always)]
-    fn moves<V: Simd>(&self, motion: &CellMotion<V, D>, (): &(), xi: &[Lanes<V>; D], inverse_size: f64) -> Moves<V, D> {
+    fn moves<V: Simd>(
+        &self,
+        motion: &CellMotion<V, D>,
+        (): &(),
+        xi: &[SimdReal<V>; D],
+        inverse_size: f64,
+    ) -> Moves<V, D> {
         let here = if <Self as Functions<D>>::OF_CELL { &motion.at } else { xi };
         let phi = basis(xi);
         Moves {
@@ -205,9 +211,9 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
         &self,
         motion: &CellMotion<V, D>,
         (): &(),
-        xi: &[Lanes<V>; D],
+        xi: &[SimdReal<V>; D],
         inverse_size: f64,
-    ) -> [[Lanes<V>; D]; D] {
+    ) -> [[SimdReal<V>; D]; D] {
         gradient(&motion.velocity, xi, inverse_size)
     }
 
@@ -216,10 +222,10 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
         &self,
         motion: &CellMotion<V, D>,
         (): &(),
-        xi: &[Lanes<V>; D],
+        xi: &[SimdReal<V>; D],
         relative: &Field<V, D>,
         inverse_size: f64,
-    ) -> ([Lanes<V>; D], Lanes<V>) {
+    ) -> ([SimdReal<V>; D], SimdReal<V>) {
         let rate = if <Self as Functions<D>>::PRESSURE_AT_PARTICLES {
             trace(&gradient(&motion.strains, xi, inverse_size))
         } else {
@@ -246,7 +252,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
 
     #[inline(always)]
     fn nothing<V: Simd>(&self, simd: V) -> CellSums<V, D> {
-        let none = Lanes::splat(simd, 0.0);
+        let none = SimdReal::splat(simd, 0.0);
         CellSums {
             solid_mass: [none; 4],
             momentum: [[none; D]; 4],
@@ -265,7 +271,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
 
     #[inline(always)]
     fn clear<V: Simd>(&self, simd: V, sums: &mut CellSums<V, D>, (_, found): (bool, bool)) {
-        let none = Lanes::splat(simd, 0.0);
+        let none = SimdReal::splat(simd, 0.0);
         (sums.mean, sums.of_water, sums.first, sums.moment) = ([none; 4], none, [[none; 4]; D], [none; D]);
         for a in 0..1 << D {
             (sums.solid_mass[a], sums.momentum[a]) = (none, [none; D]);
@@ -350,8 +356,8 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
         &self,
         sums: &mut CellSums<V, D>,
         (): &(),
-        xi: &[Lanes<V>; D],
-        [mass, volume, pressure]: [Lanes<V>; 3],
+        xi: &[SimdReal<V>; D],
+        [mass, volume, pressure]: [SimdReal<V>; 3],
         from_axis: FromAxis<V>,
     ) {
         let share = shares(mass, xi);
@@ -373,12 +379,12 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
     }
 
     #[inline(always)]
-    fn water_of<V: Simd>(&self, sums: &CellSums<V, D>) -> [Lanes<V>; 2] {
+    fn water_of<V: Simd>(&self, sums: &CellSums<V, D>) -> [SimdReal<V>; 2] {
         [sums.weighted[0][0], sums.of_water]
     }
 
     #[inline(always)]
-    fn centroid<V: Simd>(&self, sums: &CellSums<V, D>, full: Lanes<V>, found: bool) -> Option<[Lanes<V>; D]> {
+    fn centroid<V: Simd>(&self, sums: &CellSums<V, D>, full: SimdReal<V>, found: bool) -> Option<[SimdReal<V>; D]> {
         let of = |d| <Self as Functions<D>>::AT_CENTROID || (found && (d == 0 || <Self as Functions<D>>::SPLIT));
         of(0).then(|| array!([full; D], d => if of(d) { sums.moment[d] / full } else { full.like(0.5) }))
     }
@@ -469,7 +475,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
         (): &(),
         cell: &Closing<V, D>,
         inverse_size: f64,
-    ) -> [[Lanes<V>; D]; MOST_REACHED] {
+    ) -> [[SimdReal<V>; D]; MOST_REACHED] {
         let none = sums.solid_mass[0].like(0.0);
         let mut isotropic = [none; 4];
         isotropic[..3].fill(cell.filled);

@@ -4,7 +4,7 @@
 use pulp::Simd;
 
 use super::{Functions, Given, MOST_REACH};
-use crate::real::{Lanes, MOST_LANES, Real, array};
+use crate::real::{MAX_LANES, Real, SimdReal, array};
 use crate::step::store::Frame;
 use crate::step::store::nodes::{SUMS, StripSums, sums};
 
@@ -12,7 +12,7 @@ use crate::step::store::nodes::{SUMS, StripSums, sums};
 #[repr(C, align(64))]
 pub struct Scatter<V: Simd, const D: usize> {
     /// By row of functions, column, sum.
-    carry: [[[Lanes<V>; SUMS]; MOST_REACH]; MOST_REACH],
+    carry: [[[SimdReal<V>; SUMS]; MOST_REACH]; MOST_REACH],
     /// Holds in the lanes below a number.
     below: [V::m64s; MOST_REACH],
     row: usize,
@@ -37,9 +37,9 @@ impl<V: Simd, const D: usize> Scatter<V, D> {
             let first = if Self::fits::<F>() { frame.tail().min(q.len()) } else { q.len() };
             q[..first].fill(0.0); // the cells below are another strip's
         }
-        let numbers = array!([0.0; MOST_LANES], i => i as f64);
-        let lanes = Lanes::load(simd, &numbers);
-        let none = Lanes::splat(simd, 0.0);
+        let numbers = array!([0.0; MAX_LANES], i => i as f64);
+        let lanes = SimdReal::load(simd, &numbers);
+        let none = SimdReal::splat(simd, 0.0);
         Self {
             carry: [[[none; SUMS]; MOST_REACH]; MOST_REACH],
             below: array!([none.below(none); MOST_REACH], i => lanes.below(none.like(i as f64 - 0.5))),
@@ -59,7 +59,7 @@ impl<V: Simd, const D: usize> Scatter<V, D> {
             for j in (0..Self::rows::<F>()).rev() {
                 let to = &mut to.0[q][cell + j * self.row..][..V::F64_LANES];
                 let mut begun = j + 1 < Self::rows::<F>();
-                let mut sum = if begun { Lanes::load(given[0][0].simd, to) } else { given[q][0] };
+                let mut sum = if begun { SimdReal::load(given[0][0].simd, to) } else { given[q][0] };
                 for i in (1..F::REACH).rev() {
                     let turned = given[q][j * F::REACH + i].turned(i);
                     let here = self.carry[j][i][q].or(self.below[i], turned);
@@ -86,7 +86,7 @@ impl<V: Simd, const D: usize> Scatter<V, D> {
                 let to = &mut to.0[q][cell + j * self.row..][..V::F64_LANES];
                 if self.carries {
                     let none = self.carry[j][0][q].like(0.0);
-                    let mut sum = if is_begun { Lanes::load(none.simd, to) } else { none };
+                    let mut sum = if is_begun { SimdReal::load(none.simd, to) } else { none };
                     for i in (1..F::REACH).rev() {
                         sum += self.carry[j][i][q].or(self.below[i], none);
                         self.carry[j][i][q] = none;

@@ -11,7 +11,7 @@ use pulp::{Scalar, Simd};
 use super::bases::{Basis, Line};
 use super::{Closing, Contribution, Fields, Functions, Given, MOST_REACH, MOST_REACHED, Moves, Nodal, Relative};
 use crate::dimension::{basis, value};
-use crate::real::{Lanes, Real, array};
+use crate::real::{Real, SimdReal, array};
 use crate::step::store::Nodes;
 use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS, SUMS, force, sums as of_node};
 
@@ -34,13 +34,13 @@ pub struct StencilSums<V: Simd, const D: usize> {
     nodal: Given<V>,
     /// `sum_p V G_i`, m2.
     coupling: [Nodal<V>; D],
-    weighted: Lanes<V>,
-    of_water: Lanes<V>,
+    weighted: SimdReal<V>,
+    of_water: SimdReal<V>,
 }
 
 /// The basis along each axis at particles.
 struct Lines<V: Simd, const D: usize> {
-    along: [Line<Lanes<V>>; D],
+    along: [Line<SimdReal<V>>; D],
     /// Where the functions begin that they reach, if that is the same in all lanes.
     first: Option<[usize; D]>,
 }
@@ -64,7 +64,7 @@ macro_rules! reached {
 
 impl<B: Basis> Over<B> {
     #[inline(always)]
-    fn lines<V: Simd, const D: usize>(&self, edges: &[B::Edge<V>; D], xi: &[Lanes<V>; D]) -> Lines<V, D> {
+    fn lines<V: Simd, const D: usize>(&self, edges: &[B::Edge<V>; D], xi: &[SimdReal<V>; D]) -> Lines<V, D> {
         let (mut first, mut agree) = ([0; D], true);
         for d in 0..D {
             match self.0.first(xi[d]) {
@@ -81,7 +81,7 @@ impl<B: Basis> Over<B> {
 
     /// All functions that cells reach, those beyond the mesh folded.
     #[inline(always)]
-    fn folded<V: Simd, const D: usize>(&self, edges: &[B::Edge<V>; D], xi: &[Lanes<V>; D]) -> Lines<V, D> {
+    fn folded<V: Simd, const D: usize>(&self, edges: &[B::Edge<V>; D], xi: &[SimdReal<V>; D]) -> Lines<V, D> {
         let mut along = [self.0.line(&edges[0], xi[0], None); D];
         for d in 0..D {
             along[d] = self.0.line(&edges[d], xi[d], None);
@@ -146,11 +146,11 @@ impl<B: Basis> Over<B> {
         position: &[usize; D],
         cells: &[usize; D],
         xi: &[f64; D],
-        line: impl Fn(&B::Edge<Scalar>, Lanes<Scalar>) -> Line<Lanes<Scalar>>,
+        line: impl Fn(&B::Edge<Scalar>, SimdReal<Scalar>) -> Line<SimdReal<Scalar>>,
     ) -> [f64; MOST_REACHED] {
         let along = |d: usize| {
-            let edge = self.0.edge(Lanes::splat(Scalar, position[d] as f64), cells[d]);
-            let mut value = line(&edge, Lanes::splat(Scalar, xi[d])).value;
+            let edge = self.0.edge(SimdReal::splat(Scalar, position[d] as f64), cells[d]);
+            let mut value = line(&edge, SimdReal::splat(Scalar, xi[d])).value;
             self.0.beyond(&edge, &mut value, false);
             value
         };
@@ -170,7 +170,7 @@ impl<B: Basis> Over<B> {
         lines: &Lines<V, D>,
         nodal: &[Nodal<V>; D],
         inverse_size: f64,
-    ) -> ([Lanes<V>; D], [[Lanes<V>; D]; D]) {
+    ) -> ([SimdReal<V>; D], [[SimdReal<V>; D]; D]) {
         let (x, y) = (&lines.along[0], &lines.along[D - 1]);
         let none = x.value[0].like(0.0);
         let (mut at, mut gradient) = ([none; D], [[none; D]; D]);
@@ -206,7 +206,7 @@ impl<B: Basis> Over<B> {
 
     /// Value of a vector field at particles.
     #[inline(always)]
-    fn value<V: Simd, const D: usize>(lines: &Lines<V, D>, nodal: &[Nodal<V>; D]) -> [Lanes<V>; D] {
+    fn value<V: Simd, const D: usize>(lines: &Lines<V, D>, nodal: &[Nodal<V>; D]) -> [SimdReal<V>; D] {
         let (x, y) = (&lines.along[0], &lines.along[D - 1]);
         let none = x.value[0].like(0.0);
         let mut at = [none; D];
@@ -237,7 +237,7 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
     type Sums<V: Simd> = StencilSums<V, D>;
 
     #[inline(always)]
-    fn edges<V: Simd>(&self, position: &[Lanes<V>; D], cells: &[usize; D]) -> [B::Edge<V>; D] {
+    fn edges<V: Simd>(&self, position: &[SimdReal<V>; D], cells: &[usize; D]) -> [B::Edge<V>; D] {
         let mut edges = [self.0.edge(position[0], cells[0]); D];
         for d in 1..D {
             edges[d] = self.0.edge(position[d], cells[d]);
@@ -257,7 +257,7 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         motion: &mut StencilMotion<V, D>,
         fields: &Fields<V, D>,
         edges: &[B::Edge<V>; D],
-        _: &[Lanes<V>; D],
+        _: &[SimdReal<V>; D],
     ) {
         self.reached(&mut motion.velocity, fields, edges, fields.velocity);
         self.reached(&mut motion.change, fields, edges, fields.change);
@@ -268,7 +268,7 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
     }
 
     #[inline(always)]
-    fn middle<V: Simd>(&self, motion: &StencilMotion<V, D>, _: super::FromAxis<V>, _: f64) -> Lanes<V> {
+    fn middle<V: Simd>(&self, motion: &StencilMotion<V, D>, _: super::FromAxis<V>, _: f64) -> SimdReal<V> {
         motion.velocity[0][0].like(0.0)
     }
 
@@ -277,10 +277,10 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         &self,
         motion: &StencilMotion<V, D>,
         edges: &[B::Edge<V>; D],
-        xi: &[Lanes<V>; D],
-        from_axis: Lanes<V>,
+        xi: &[SimdReal<V>; D],
+        from_axis: SimdReal<V>,
         inverse_size: f64,
-    ) -> Lanes<V> {
+    ) -> SimdReal<V> {
         let strains = if motion.is_mapped { &motion.mapped } else { &motion.velocity };
         Self::value(&self.lines(edges, xi), strains)[0] / (from_axis + xi[0]) * inverse_size
     }
@@ -290,7 +290,7 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         &self,
         motion: &StencilMotion<V, D>,
         edges: &[B::Edge<V>; D],
-        xi: &[Lanes<V>; D],
+        xi: &[SimdReal<V>; D],
         inverse_size: f64,
     ) -> Moves<V, D> {
         let lines = self.lines(edges, xi);
@@ -306,9 +306,9 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         &self,
         motion: &StencilMotion<V, D>,
         edges: &[B::Edge<V>; D],
-        xi: &[Lanes<V>; D],
+        xi: &[SimdReal<V>; D],
         inverse_size: f64,
-    ) -> [[Lanes<V>; D]; D] {
+    ) -> [[SimdReal<V>; D]; D] {
         Self::field(&self.lines(edges, xi), &motion.velocity, inverse_size).1
     }
 
@@ -317,10 +317,10 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         &self,
         motion: &StencilMotion<V, D>,
         edges: &[B::Edge<V>; D],
-        xi: &[Lanes<V>; D],
+        xi: &[SimdReal<V>; D],
         relative: &Relative<V, D>,
         _: f64,
-    ) -> ([Lanes<V>; D], Lanes<V>) {
+    ) -> ([SimdReal<V>; D], SimdReal<V>) {
         let soil = if motion.is_mapped { &motion.mapped } else { &motion.velocity };
         let of_soil = Self::value(&self.lines(edges, xi), soil);
         let of_flow = value::<D, D, _>(relative, &basis(xi));
@@ -394,13 +394,13 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
 
     #[inline(always)]
     fn nothing<V: Simd>(&self, simd: V) -> StencilSums<V, D> {
-        let (nodal, none) = (Nodal::splat(simd, 0.0), Lanes::splat(simd, 0.0));
+        let (nodal, none) = (Nodal::splat(simd, 0.0), SimdReal::splat(simd, 0.0));
         StencilSums { nodal: [nodal; SUMS], coupling: [nodal; D], weighted: none, of_water: none }
     }
 
     #[inline(always)]
     fn clear<V: Simd>(&self, simd: V, sums: &mut StencilSums<V, D>, (coupled, _): (bool, bool)) {
-        let none = Lanes::splat(simd, 0.0);
+        let none = SimdReal::splat(simd, 0.0);
         for a in 0..B::REACH.pow(D as u32) {
             for q in 0..of_node(D) {
                 sums.nodal[q][a] = none;
@@ -478,8 +478,8 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         &self,
         sums: &mut StencilSums<V, D>,
         edges: &[B::Edge<V>; D],
-        xi: &[Lanes<V>; D],
-        [mass, volume, pressure]: [Lanes<V>; 3],
+        xi: &[SimdReal<V>; D],
+        [mass, volume, pressure]: [SimdReal<V>; 3],
         _: super::FromAxis<V>,
     ) {
         let lines = self.lines(edges, xi);
@@ -497,7 +497,7 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
     }
 
     #[inline(always)]
-    fn water_of<V: Simd>(&self, sums: &StencilSums<V, D>) -> [Lanes<V>; 2] {
+    fn water_of<V: Simd>(&self, sums: &StencilSums<V, D>) -> [SimdReal<V>; 2] {
         [sums.weighted, sums.of_water]
     }
 
@@ -533,7 +533,7 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         edges: &[B::Edge<V>; D],
         cell: &Closing<V, D>,
         _: f64,
-    ) -> [[Lanes<V>; D]; MOST_REACHED] {
+    ) -> [[SimdReal<V>; D]; MOST_REACHED] {
         let none = sums.weighted.like(0.0);
         let mut coupling = [[none; D]; MOST_REACHED];
         for d in 0..D {

@@ -5,27 +5,33 @@ use pulp::Simd;
 
 use super::{Closing, Common, FromAxis, Functions, InPores, Pass, Rare, Relative, Running};
 use crate::dimension::{basis, coefficients, gradient, trace, value};
-use crate::real::{Lanes, MOST_LANES, Real, array};
-use crate::step::store::{CellLanes, WaterLanes};
+use crate::real::{MAX_LANES, Real, SimdReal, array};
+use crate::step::store::{SimdCells, WaterLanes};
 use crate::water::pores::LEAST_FULL;
 use crate::water::{FLOW, LEAST_FILLING};
 
 /// Motion of the soil and of the water in it, the cells, and what the soil gains: volume (m3) and its rate (m3/s).
 type Driven<'a, V, F, const D: usize> =
-    (&'a <F as Functions<D>>::Motion<V>, &'a Relative<V, D>, &'a CellLanes<V, D>, [Lanes<V>; 2]);
+    (&'a <F as Functions<D>>::Motion<V>, &'a Relative<V, D>, &'a SimdCells<V, D>, [SimdReal<V>; 2]);
 
 impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, D, LEAN> {
     /// Eq. (1) on faces normal to an axis, from one on, between cells of two pressures (Pa) whose nodes accelerate (m/s2): flux
     /// (m/s), pressure drop and weight along it (Pa).
     #[inline(always)]
-    fn face(&self, axis: usize, at: usize, [low, high]: [Lanes<V>; 2], [a, b]: [Lanes<V>; 2]) -> [Lanes<V>; 3] {
+    fn face(
+        &self,
+        axis: usize,
+        at: usize,
+        [low, high]: [SimdReal<V>; 2],
+        [a, b]: [SimdReal<V>; 2],
+    ) -> [SimdReal<V>; 3] {
         let Common { flow, gravity, conducts, rare: Rare { ratio, .. }, .. } = self.common;
-        let conducts = Lanes::load(self.simd, &conducts[axis][at..]);
+        let conducts = SimdReal::load(self.simd, &conducts[axis][at..]);
         let mean = if D == 1 { a } else { (a + b) * 0.5 };
         // Over the distance that the pressure drops along.
         let mut reach = conducts.or_one();
         if let Some(ratio) = ratio {
-            let ratio = Lanes::load(self.simd, &ratio[axis][at..]);
+            let ratio = SimdReal::load(self.simd, &ratio[axis][at..]);
             reach = reach / ratio.or_one();
         }
         flow.through([conducts, reach], low - high, gravity[axis], mean)
@@ -36,12 +42,12 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     pub(super) fn darcy_flow(
         &self,
         at: usize,
-        cell: &CellLanes<V, D>,
+        cell: &SimdCells<V, D>,
         running: &mut Running<V>,
         group: usize,
     ) -> Relative<V, D> {
         let Common { frame, acceleration, pressure, water, .. } = self.common;
-        let none = Lanes::splat(self.simd, 0.0);
+        let none = SimdReal::splat(self.simd, 0.0);
         let mut relative = [[none; D]; 4];
         let row = frame.stride[D - 1];
         if let InPores::Particles { relative: Some(at_nodes), .. } = water {
@@ -53,7 +59,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             return coefficients::<D, D, _>(&relative);
         }
         let inverse_porosity = self.of(cell.inverse_porosity);
-        let part = group % (MOST_LANES / V::F64_LANES);
+        let part = group % (MAX_LANES / V::F64_LANES);
         // Pressures begin before the first cell, so that every face has a cell below.
         let here = self.load(pressure, at + frame.pad());
         for axis in 0..D {
@@ -84,14 +90,14 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     pub(super) fn water(
         &mut self,
         group: usize,
-        position: &[Lanes<V>; D],
+        position: &[SimdReal<V>; D],
         motion: Option<Driven<V, F, D>>,
         (edges, sums): (&F::Edges<V>, &mut F::Sums<V>),
         running: &mut Running<V>,
     ) {
         let Common { frame, functions, dt, .. } = *self.common;
         let (simd, inverse) = (self.simd, frame.inverse_size);
-        let none = Lanes::splat(simd, 0.0);
+        let none = SimdReal::splat(simd, 0.0);
         let partly_drained = matches!(self.common.water, InPores::Particles { partly_drained: true, .. });
         let from_axis = self.axis_of(position[0]);
         let mut cellwise = [none; 2];
@@ -147,7 +153,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
 
     /// Divergence of the flow in the cells, 1/s. About an axis v_r/r at the centre makes the areas of the faces right.
     #[inline(always)]
-    fn divergence(&self, relative: &Relative<V, D>, xi: &[Lanes<V>; D], from_axis: FromAxis<V>) -> Lanes<V> {
+    fn divergence(&self, relative: &Relative<V, D>, xi: &[SimdReal<V>; D], from_axis: FromAxis<V>) -> SimdReal<V> {
         let (inverse, half) = (self.common.frame.inverse_size, xi[0].like(0.5));
         let plane = trace(&gradient(relative, xi, inverse));
         let Some(from) = from_axis else { return plane };
@@ -157,15 +163,21 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     /// Rates of pressure (Pa/s) and of water volume (1/s) in cells whose soil gains volume at a rate (1/s), beside the divergence of
     /// the flow (1/s).
     #[inline(always)]
-    fn rates(&self, group: usize, of_soil: Lanes<V>, divergence: Lanes<V>, cell: &CellLanes<V, D>) -> [Lanes<V>; 2] {
+    fn rates(
+        &self,
+        group: usize,
+        of_soil: SimdReal<V>,
+        divergence: SimdReal<V>,
+        cell: &SimdCells<V, D>,
+    ) -> [SimdReal<V>; 2] {
         let Common { flow, dt, rare: Rare { outflow, softness, biot, .. }, .. } = self.common;
         let mut through = self.of(cell.filling) * divergence; // Eq. (6a)
         if let Some(outflow) = outflow {
-            let out = Lanes::load(self.simd, &outflow[self.strip.first + group * V::F64_LANES..]);
+            let out = SimdReal::load(self.simd, &outflow[self.strip.first + group * V::F64_LANES..]);
             through += out * self.of(cell.inverse_volume) * self.of(cell.inverse_porosity);
         }
         if let InPores::Particles { rise: Some(rise), .. } = self.common.water {
-            let rise = Lanes::load(self.simd, &rise[self.strip.first + group * V::F64_LANES..]);
+            let rise = SimdReal::load(self.simd, &rise[self.strip.first + group * V::F64_LANES..]);
             return [rise * (1.0 / dt), of_soil + through];
         }
         let (mut stiffness, mut of_soil, moved) =
@@ -178,7 +190,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             of_soil = of_soil * self.load(alpha, at);
         }
         let softer = match softness {
-            Some(softness) => Lanes::load(self.simd, &softness[self.strip.first + group * V::F64_LANES..]),
+            Some(softness) => SimdReal::load(self.simd, &softness[self.strip.first + group * V::F64_LANES..]),
             None => softer(self.of(cell.fill), stiffness * *dt * flow.diffusion),
         };
         let stiffness = softer * stiffness;
@@ -188,8 +200,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
 
     /// The pressure that acts on each particle of the cells, where it is not added to their sums, Pa.
     #[inline(always)]
-    pub(super) fn pressure_on_particles(&self, sums: &F::Sums<V>, at: usize) -> Lanes<V> {
-        let none = Lanes::splat(self.simd, 0.0);
+    pub(super) fn pressure_on_particles(&self, sums: &F::Sums<V>, at: usize) -> SimdReal<V> {
+        let none = SimdReal::splat(self.simd, 0.0);
         if F::FUSED || self.common.coupled || !matches!(self.common.water, InPores::Particles { .. }) {
             return none;
         }
@@ -206,7 +218,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     pub(super) fn close_water(
         &mut self,
         group: usize,
-        [mass, volume]: [Lanes<V>; 2],
+        [mass, volume]: [SimdReal<V>; 2],
         sums: &F::Sums<V>,
         closing: &mut Closing<V, D>,
     ) {
@@ -219,7 +231,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let mut pressure = weighted / of_water.or_one();
         let inverse_volume = one / closing.filled.or_one();
         let grain_inverse = match grains {
-            Some(grains) => Lanes::load(self.simd, &grains[self.strip.first + group * V::F64_LANES..]),
+            Some(grains) => SimdReal::load(self.simd, &grains[self.strip.first + group * V::F64_LANES..]),
             None => one.like(flow.grain_inverse),
         };
         let porosity = one - mass * grain_inverse / volume.or_one();
@@ -252,7 +264,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             closing.full_of_water = closing.full_of_water.or(none.below(pressure), none.like(f64::INFINITY));
             let held = self.of(self.strip.cells[group].holds);
             let differs = self.simd.or_m64s(held.below(holds), holds.below(held));
-            self.strip.changed |= !Lanes::nowhere(self.simd, differs);
+            self.strip.changed |= !SimdReal::nowhere(self.simd, differs);
             self.strip.cells[group].holds = holds.value;
         }
         pressure.store(&mut self.pressure[group * V::F64_LANES..]);
@@ -272,9 +284,9 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
 /// it stores is at most that of a full cell, 2 + 1. Where a step is far from the limit of the flow, `diffusion` = `D_p dt/L^2`, as
 /// much less is asked: water that hardly flows is as stiff as ever.
 #[inline(always)]
-fn softer<V: Simd>(fill: Lanes<V>, diffusion: Lanes<V>) -> Lanes<V> {
+fn softer<V: Simd>(fill: SimdReal<V>, diffusion: SimdReal<V>) -> SimdReal<V> {
     let one = fill.like(1.0);
-    if Lanes::nowhere(fill.simd, fill.below(one)) {
+    if SimdReal::nowhere(fill.simd, fill.below(one)) {
         return one;
     }
     let share = fill * 1.5 * fill * (one + fill) / (one + fill * 2.0);

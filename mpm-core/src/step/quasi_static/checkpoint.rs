@@ -31,13 +31,13 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         self.soil_and_method(archive)
     }
 
-    /// Lays the mesh that was laid over the restored particles; what it would start from is restored next.
+    /// Builds the mesh of the restored particles; what it would start from is restored next.
     fn lay_again(&mut self) -> Result<(), RestoreError> {
         // A surface that has gone further than the soil is high would have a mesh without end.
         let bounded = self.settled.abs() < self.scene.height;
         let (done, spent) = (self.done, std::mem::take(&mut self.spent));
         (self.soil, self.method) = (None, None);
-        if !bounded || self.lay(self.drained).is_err() || self.spent.len() != spent.len() {
+        if !bounded || self.build(self.drained).is_err() || self.spent.len() != spent.len() {
             return Err(RestoreError);
         }
         (self.spent, self.done) = (spent, done);

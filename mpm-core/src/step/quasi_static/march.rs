@@ -1,11 +1,11 @@
-//! Through a stage: one Krylov basis, or steps whose length follows from their error.
+//! Time marching through a stage: one Krylov basis, or steps whose length follows from their error.
 
+use super::failures::{describe, inverted, nothing};
 use super::krylov::{Goal, Krylov};
-use super::relay::RELAY;
+use super::remesh::REMESH_STRAIN;
 use super::sdirk::{GAMMA, Sdirk, StepSums};
 use super::soil::{HELD, Soil};
 use super::tangent::Stuck;
-use super::trouble::{describe, inside_out, nothing};
 use super::{KrylovStage, Method, QuasiStatic};
 use crate::constitutive::{Flow, Law};
 use crate::scene::{Course, FaceLoad, Fields, Start, StepChoice, StrainChoice, TimeMethod};
@@ -26,7 +26,7 @@ const LEAST_LOAD_STEP: f64 = 1e-5;
 const EASY: f64 = 6.0;
 /// Ramp of a sudden load as a share of the first step.
 const SUDDEN: f64 = 1e-3;
-/// Unknowns times steps between two looks at whether the run is to be kept or stopped: some tenths of a second.
+/// Unknowns times steps between two requests to the monitor: some tenths of a second.
 const UNKNOWNS_AT_ONCE: usize = 1 << 18;
 /// Residual of a nonlinear stage beside the tolerance.
 pub(super) const NEWTON: f64 = 1e-3;
@@ -97,7 +97,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     }
 
     /// The time (s) within which the load grows. A law with a path has to be led along that of the load: a sudden one grows within
-    /// a thousandth of what flows from cell to cell, and of what is looked at.
+    /// a thousandth of what flows from cell to cell, and of what is observed.
     pub(super) fn ramp(&self, times: &[f64]) -> f64 {
         let ramp = self.scene.surcharge.map_or(0.0, |s| s.ramp_time);
         let sudden = self.scene.loads.iter().any(|load| load.course == Course::Constant);
@@ -226,9 +226,9 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         self.book(&sums, h);
         self.time += h;
         let (strained, linear) = (self.commit(), self.soil.as_ref().is_some_and(Soil::linear));
-        if strained > RELAY && self.scene.strain == StrainChoice::Large && self.flat() {
+        if strained > REMESH_STRAIN && self.scene.strain == StrainChoice::Large && self.flat() {
             self.count_work();
-            self.lay(self.drained)?;
+            self.build(self.drained)?;
             if let (Some(soil), Some(Method::Sdirk { stepper, factored, .. })) = (&self.soil, &mut self.method) {
                 **stepper = Sdirk::new(soil.p.len(), soil.unknowns());
                 *factored = f64::NAN;
@@ -248,7 +248,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         *factored = f64::NAN;
         if let Err(stuck) = factors(soil, &self.y, h) {
             if let Stuck::InsideOut(e) = stuck {
-                return Err(inside_out(&self.points, e.point));
+                return Err(inverted(&self.points, e.point));
             }
             let mut fault = self.fault(&stuck, Some(h));
             if let Some(trouble) = &self.trouble {
@@ -282,7 +282,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         if settlement > pressure || settlement.is_nan() { settlement } else { pressure }
     }
 
-    /// Books the work and the water of the last step of `h` (s), under the mean load, and moves the unknowns to its end.
+    /// Records the work and the water of the last step of `h` (s), under the mean load, and moves the unknowns to its end.
     fn book(&mut self, sums: &StepSums, h: f64) {
         let (time, ramp) = (self.time, self.ramp);
         let (Some(soil), Some(Method::Sdirk { stepper, .. })) = (&mut self.soil, &self.method) else { return };
@@ -337,7 +337,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         (sum / whole).sqrt() / self.pressure_size()
     }
 
-    /// The soil goes on to the end of the step. Returns the largest strain since the mesh was laid.
+    /// The soil goes on to the end of the step. Returns the largest strain since the mesh was built.
     fn commit(&mut self) -> f64 {
         let Some(soil) = &mut self.soil else { return 0.0 };
         let mut strained: f64 = 0.0;

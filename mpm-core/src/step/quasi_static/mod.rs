@@ -1,33 +1,33 @@
 //! The quasi-static integrator: implicit displacement and pressure without inertia, steps of its own choice.
 //!
 //! # Reading order
-//! 1. `soil.rs`: the balance laws at given unknowns. `tangent.rs`: their matrix. `lay.rs`: mesh, unknowns, points.
+//! 1. `soil.rs`: the balance laws at given unknowns. `tangent.rs`: their matrix. `build.rs`: mesh, unknowns, points.
 //! 2. `newton.rs`: equilibrium. `sdirk.rs`: one step in time. `krylov.rs`: all times of a linear stage at once.
-//! 3. `march.rs`: through a stage. `relay.rs`: from one mesh to the next. `look.rs`: what is read from the state.
-//! 4. `trouble.rs`: what is said when a run cannot go on. `checkpoint.rs`: what a run that is resumed elsewhere needs.
+//! 3. `march.rs`: time marching through a stage. `remesh.rs`: from one mesh to the next. `results.rs`: results of the state.
+//! 4. `failures.rs`: messages of runs that cannot continue. `checkpoint.rs`: what a resumed run needs.
 //!
-//! A mesh is laid over the soil and moves with it (total Lagrangian), from stage to stage. Its state goes to the particles, and
-//! a new mesh is laid, when a particle was strained by more than `RELAY` on it and the surface is still level.
+//! A mesh is built over the soil and moves with it (total Lagrangian), from stage to stage. Its state goes to the particles, and
+//! a new mesh is built, when a particle was strained by more than `REMESH_STRAIN` on it and the surface is still level.
 
+mod build;
 mod checkpoint;
+mod failures;
 mod krylov;
-mod lay;
-mod look;
 mod march;
 mod newton;
-mod relay;
+mod remesh;
+mod results;
 mod sdirk;
 mod soil;
 mod tangent;
 #[cfg(test)]
 mod tests;
-mod trouble;
 
+use failures::{inverted, nothing};
 use krylov::Krylov;
 use newton::{Workspace, largest};
 use sdirk::Sdirk;
 use soil::{Soil, SolidPart};
-use trouble::{inside_out, nothing};
 
 use serde::{Deserialize, Serialize};
 
@@ -35,7 +35,7 @@ use super::{Fault, Model, Work};
 use crate::checkpoint::{Archive, RestoreError};
 use crate::constitutive::{Flow, Law, Materials, State};
 use crate::dimension::in_two;
-use crate::observe::{Ledger, Observation, Places, Push, SolidState, Totals};
+use crate::observe::{BalanceTerms, Observation, Places, Push, SolidState, Totals};
 use crate::particles::SolidPoint;
 use crate::scene::{Scene, SolidSide, Stage, StepChoice, StrainChoice, TimeMethod};
 
@@ -61,7 +61,7 @@ pub struct Seeding<L, const D: usize> {
 pub struct QuasiStatic<L: Law, const D: usize> {
     scene: Scene,
     seeding: Seeding<L, D>,
-    /// Particles where they were when the mesh was laid, with the stress they had.
+    /// Particles where they were when the mesh was built, with the stress they had.
     points: Vec<SolidPoint<D>>,
     /// What their soil remembered then.
     states: Vec<State>,
@@ -88,7 +88,7 @@ pub struct QuasiStatic<L: Law, const D: usize> {
     settle: Vec<(u32, f64)>,
     /// Weights of the plates in it.
     settle_with: Vec<(u16, f64)>,
-    /// Settlement of the surface since t = 0 when the mesh was laid, m.
+    /// Settlement of the surface since t = 0 when the mesh was built, m.
     settled: f64,
     drained: [bool; 4],
     /// How the sides hold the soil in this stage.
@@ -124,7 +124,7 @@ struct KrylovStage {
     evolution: Krylov,
     /// Unknowns integrated over time, for the water that has left.
     integral: Vec<f64>,
-    /// Content of the held functions when the stage began, m3.
+    /// Content of the fixed functions when the stage began, m3.
     held: f64,
     /// Sums when the stage began: water that had left (m3), work of the load and friction in the pores (J).
     out_before: f64,
@@ -179,7 +179,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         }
     }
 
-    /// Settlement since the mesh was laid, m.
+    /// Settlement since the mesh was built, m.
     fn settlement_of(&self, y: &[f64]) -> f64 {
         self.settle.iter().map(|(unknown, weight)| weight * y[*unknown as usize]).sum()
     }
@@ -245,7 +245,7 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
                 stage.evolution.integral(end, &mut stage.integral);
                 self.time += end - self.stage_time;
                 (self.stage_time, self.until) = (end, end);
-                self.book_krylov().map_err(|e| inside_out(&self.points, e.point))
+                self.book_krylov().map_err(|e| inverted(&self.points, e.point))
             }
             Some(Method::Sdirk { .. }) => self.steps_until(end, done),
             None => Err(nothing()),
@@ -261,7 +261,7 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
         if self.soil.is_some() && self.scene.strain == StrainChoice::Large {
             self.drain(stage.drained)?;
         } else {
-            self.lay(stage.drained)?;
+            self.build(stage.drained)?;
         }
         (self.stage_time, self.until) = (0.0, 0.0);
         self.stage_end = times.last().copied().unwrap_or(0.0);
@@ -331,9 +331,9 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
         self.points_now().into_iter().enumerate().map(state).collect()
     }
 
-    fn observe(&self) -> (Observation, Ledger) {
+    fn observe(&self) -> (Observation, BalanceTerms) {
         let (cells, density) = (self.cell_values(), self.scene.water.map_or(0.0, |w| w.density));
-        (self.look(&cells), self.totals.ledger(&cells, density, 0.0))
+        (self.look(&cells), self.totals.balance_terms(&cells, density, 0.0))
     }
 
     fn pore_pressure(&self) -> [f64; 3] {

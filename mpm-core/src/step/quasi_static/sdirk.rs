@@ -28,7 +28,7 @@ const E: [f64; STAGES] = [-3.0 / 16.0, -27.0 / 32.0, 25.0 / 32.0, 0.0, 0.25];
 /// Integrals over a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct StepSums {
-    /// Flow of pressure functions that are held at zero, and through drained faces, m3.
+    /// Flow of pressure functions that are fixed at zero, and through drained faces, m3.
     pub outflow: f64,
     /// Water that wells put in, m3.
     pub put_in: f64,

@@ -1,6 +1,6 @@
-//! The balance laws on a mesh that was laid over the soil: forces, water content and flow at given unknowns.
+//! The balance laws on a mesh that was built over the soil: forces, water content and flow at given unknowns.
 //!
-//! Unknowns are displacements u since the mesh was laid and pore pressures p:
+//! Unknowns are displacements u since the mesh was built and pore pressures p:
 //!
 //! ```text
 //! sum_p w P : grad N_i - int p J F^-T grad N_i - int rho g N_i - load = 0      momentum, no inertia
@@ -22,7 +22,7 @@ use crate::space::{Axis, MOST, Stencil, strain_mode, stretch, tensor, turned};
 const MOST_APART: f64 = 0.1;
 /// Most parts of a step along the path of a law.
 const MOST_PARTS: u32 = 64;
-/// No unknown: a held displacement, or a pressure that is zero.
+/// No unknown: a fixed displacement, or a pressure that is zero.
 pub(super) const HELD: u32 = u32::MAX;
 
 /// A solid particle in the integrals.
@@ -38,7 +38,7 @@ pub(super) struct SolidPart<const D: usize> {
     pub weight: f64,
     /// Effective stress at the last step, Pa, before rotation.
     pub stress: [f64; 4],
-    /// Strain since the mesh was laid, at the last step.
+    /// Strain since the mesh was built, at the last step.
     pub strain: [f64; 4],
     /// What its soil remembers, at the last step.
     pub state: State,
@@ -55,7 +55,7 @@ pub(super) struct PorePart<const D: usize> {
     pub water: Stencil<D>,
     /// Volume, m3.
     pub weight: f64,
-    /// Porosity n when the mesh was laid.
+    /// Porosity n when the mesh was built.
     pub porosity: f64,
     /// Its layer.
     pub mark: u8,
@@ -72,7 +72,7 @@ pub(super) struct FacePart {
     pub area: f64,
     /// Distance to the middle of each cell, m.
     pub reach: [f64; 2],
-    /// Soil of each cell, and its porosity when the mesh was laid.
+    /// Soil of each cell, and its porosity when the mesh was built.
     pub marks: [u8; 2],
     pub porosity: [f64; 2],
     /// Pressure of the water outside, Pa.
@@ -123,7 +123,7 @@ pub(super) enum Before {
     Face(u32),
 }
 
-/// Soil that was turned inside out.
+/// An element with det F <= 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct InsideOut<const D: usize> {
     /// Number of the solid or pore point.
@@ -148,11 +148,11 @@ pub(super) struct Soil<L: Law, const D: usize> {
     pub water_map: Vec<u32>,
     /// Force of the loads now per displacement function and direction, N.
     pub load: Vec<f64>,
-    /// The loads: force where the factor is 1, and how it goes on.
+    /// The loads: force where the factor is 1, and its course in time.
     pub loads: Vec<(Vec<f64>, Course)>,
     /// Functions that go with a plate that is moved, with the axis, the direction into the soil along it (or 0) and the plate.
     pub moved: Vec<(u32, usize, f64, u16)>,
-    /// The plates, how far each has moved since the mesh was laid, and how far it had moved then, m.
+    /// The plates, how far each has moved since the mesh was built, and how far it had moved then, m.
     pub plates: Vec<(MovedPlate, [f64; 2])>,
     /// Where water stands before the soil: there, sampled at a place (m), the load of the scene, the weight of the sample.
     pub before: Vec<(Before, [f64; 2], u16, f64)>,
@@ -160,7 +160,7 @@ pub(super) struct Soil<L: Law, const D: usize> {
     pub outside: (Vec<FaceLoad>, f64),
     /// Wells: pressure functions with their shares, the well, what it takes now (m3/s).
     pub wells: Vec<Source>,
-    /// Pressure of functions that are held, Pa; empty where all are held at zero.
+    /// Pressure of functions that are fixed, Pa; empty where all are fixed at zero.
     pub held_pressure: Vec<f64>,
     /// Displacements (m) and pressures (Pa) of the functions at the unknowns of the last evaluation.
     pub u: Vec<[f64; D]>,
@@ -179,7 +179,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
         self.system.matrix.size()
     }
 
-    /// Energy stored per volume when the mesh was laid (J/m3), and J times the stress that stores it (Pa), of a part.
+    /// Energy stored per volume when the mesh was built (J/m3), and J times the stress that stores it (Pa), of a part.
     pub fn stored(&self, part: &SolidPart<D>) -> (f64, [f64; 4]) {
         let law = self.law.law(part.mark);
         if self.small {
@@ -224,7 +224,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
         self.small && self.law.are_linear()
     }
 
-    /// Sum over the pressure functions that are held at zero.
+    /// Sum over the pressure functions that are fixed at zero.
     pub fn held(&self, values: &[f64]) -> f64 {
         values.iter().zip(&self.water_map).filter(|(_, map)| **map == HELD).map(|(value, _)| value).sum()
     }
@@ -272,7 +272,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
         forces
     }
 
-    /// Power of the water outside that presses into functions which are held, from what it gives each, W or J.
+    /// Power of the water outside that acts on functions which are fixed, from what it gives each, W or J.
     pub fn pressed_in(&self, given: impl Iterator<Item = f64>) -> f64 {
         let held = given.zip(&self.held_pressure).zip(&self.water_map).filter(|(_, map)| **map == HELD);
         held.map(|((given, pressure), _)| given * pressure).sum()
@@ -459,7 +459,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
         Ok(())
     }
 
-    /// The stretch of a pore point; `None` if it is turned inside out.
+    /// The stretch of a pore point; `None` if it is inverted, det F <= 0.
     pub fn pore_state(&self, part: &PorePart<D>) -> Option<PoreState<D>> {
         let gradient = part.soil.gradient(&self.u);
         if self.small {

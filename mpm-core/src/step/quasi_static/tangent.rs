@@ -232,7 +232,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
 /// Why a system was not solved.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Stuck<const D: usize> {
-    /// Soil turned inside out.
+    /// An inverted element, det F <= 0.
     InsideOut(InsideOut<D>),
     /// A singular system.
     Unsolved(Unsolved),

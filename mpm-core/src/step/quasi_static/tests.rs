@@ -147,7 +147,7 @@ fn residuals_of_yielding(dilation_angle: f64) -> Vec<f64> {
         Strength { cohesion: 0.2 * load.pressure, friction_angle: 20.0, dilation_angle, tension_cutoff: None };
     let mut model = entered::<_, 2>(&scene, MohrCoulomb::new(&SOIL, &strength));
     model.points.iter_mut().for_each(|point| point.stress = [0.0; 4]);
-    model.lay([false; 4]).expect("a mesh");
+    model.build([false; 4]).expect("a mesh");
     let soil = model.soil.as_mut().expect("a mesh");
     soil.bear(1.0, 0.0);
     let mut y = vec![0.0; soil.unknowns()];

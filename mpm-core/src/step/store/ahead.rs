@@ -1,6 +1,6 @@
-//! Asks the memory for what comes next, before it is needed.
+//! Prefetches what comes next.
 //!
-//! A block is many lines of the cache, so the machine's own guess comes too late: without this a step of a million
+//! A block is many lines of the cache, so the prefetch of the CPU comes too late: without this a step of a million
 //! particles takes half as long again.
 
 /// Bytes of a line of the cache.

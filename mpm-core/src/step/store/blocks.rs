@@ -11,7 +11,7 @@ use pulp::bytemuck::Zeroable;
 use super::ask_for;
 use super::frame::Frame;
 use crate::particles::{Layer, Point};
-use crate::real::{Lanes, MOST_LANES, array, numbers, numbers_mut};
+use crate::real::{MAX_LANES, SimdReal, array, numbers, numbers_mut};
 
 /// One block in so many is kept in reserve.
 const SPARE: usize = 8;
@@ -22,15 +22,15 @@ const EMPTY: u32 = u32::MAX;
 #[derive(Clone, Copy)]
 pub struct SolidLanes<V: Simd, const D: usize> {
     /// Position, m.
-    pub x: [Lanes<V>; D],
+    pub x: [SimdReal<V>; D],
     /// Velocity, m/s.
-    pub v: [Lanes<V>; D],
+    pub v: [SimdReal<V>; D],
     /// Effective stress xx, yy, zz, xy, Pa.
-    pub stress: [Lanes<V>; 4],
+    pub stress: [SimdReal<V>; 4],
     /// Dry mass, kg.
-    pub mass: Lanes<V>,
+    pub mass: SimdReal<V>,
     /// Volume of soil, m3.
-    pub volume: Lanes<V>,
+    pub volume: SimdReal<V>,
 }
 
 impl<V: Simd, const D: usize> SolidLanes<V, D> {
@@ -38,13 +38,13 @@ impl<V: Simd, const D: usize> SolidLanes<V, D> {
     #[inline(always)]
     pub fn read(simd: V, block: &[V::f64s]) -> Self {
         let block = &block[..2 * D + 6];
-        let none = Lanes::splat(simd, 0.0);
+        let none = SimdReal::splat(simd, 0.0);
         Self {
-            x: array!([none; D], d => Lanes { simd, value: block[d] }),
-            v: array!([none; D], d => Lanes { simd, value: block[D + d] }),
-            stress: array!([none; 4], s => Lanes { simd, value: block[2 * D + s] }),
-            mass: Lanes { simd, value: block[2 * D + 4] },
-            volume: Lanes { simd, value: block[2 * D + 5] },
+            x: array!([none; D], d => SimdReal { simd, value: block[d] }),
+            v: array!([none; D], d => SimdReal { simd, value: block[D + d] }),
+            stress: array!([none; 4], s => SimdReal { simd, value: block[2 * D + s] }),
+            mass: SimdReal { simd, value: block[2 * D + 4] },
+            volume: SimdReal { simd, value: block[2 * D + 5] },
         }
     }
 
@@ -66,15 +66,15 @@ impl<V: Simd, const D: usize> SolidLanes<V, D> {
 #[derive(Clone, Copy)]
 pub struct WaterLanes<V: Simd, const D: usize> {
     /// Position, m.
-    pub x: [Lanes<V>; D],
+    pub x: [SimdReal<V>; D],
     /// Velocity, m/s.
-    pub v: [Lanes<V>; D],
+    pub v: [SimdReal<V>; D],
     /// Mass, kg.
-    pub mass: Lanes<V>,
+    pub mass: SimdReal<V>,
     /// Volume of soil that it fills, m3.
-    pub volume: Lanes<V>,
+    pub volume: SimdReal<V>,
     /// Pore pressure, Pa.
-    pub pressure: Lanes<V>,
+    pub pressure: SimdReal<V>,
 }
 
 impl<V: Simd, const D: usize> WaterLanes<V, D> {
@@ -82,13 +82,13 @@ impl<V: Simd, const D: usize> WaterLanes<V, D> {
     #[inline(always)]
     pub fn read(simd: V, block: &[V::f64s]) -> Self {
         let block = &block[..2 * D + 3];
-        let none = Lanes::splat(simd, 0.0);
+        let none = SimdReal::splat(simd, 0.0);
         Self {
-            x: array!([none; D], d => Lanes { simd, value: block[d] }),
-            v: array!([none; D], d => Lanes { simd, value: block[D + d] }),
-            mass: Lanes { simd, value: block[2 * D] },
-            volume: Lanes { simd, value: block[2 * D + 1] },
-            pressure: Lanes { simd, value: block[2 * D + 2] },
+            x: array!([none; D], d => SimdReal { simd, value: block[d] }),
+            v: array!([none; D], d => SimdReal { simd, value: block[D + d] }),
+            mass: SimdReal { simd, value: block[2 * D] },
+            volume: SimdReal { simd, value: block[2 * D + 1] },
+            pressure: SimdReal { simd, value: block[2 * D + 2] },
         }
     }
 
@@ -184,7 +184,7 @@ impl<V: Simd> Blocks<V> {
     #[inline(always)]
     pub fn ask_for(&self, index: usize, count: usize) {
         if let Some(block) = self.vectors.get(index * self.columns..).and_then(|rest| rest.get(..count)) {
-            for i in (0..count).step_by((MOST_LANES / V::F64_LANES).max(1)) {
+            for i in (0..count).step_by((MAX_LANES / V::F64_LANES).max(1)) {
                 ask_for(block, i);
             }
         }

@@ -1,11 +1,11 @@
-//! How cells, nodes and faces are numbered so that lanes read and write whole vectors.
+//! How cells, nodes and faces are numbered so that SIMD lanes read and write whole vectors.
 //!
 //! Every row of cells gets empty cells at its end, and there are empty rows above: as many as there are functions more than cells. Then cell c reaches the functions
 //! c, c + 1, ..., its lower faces are faces c, and cell c + 1, node c + 1 and face c + 1 stand beside them whatever the row. A
 //! vector of cells may run over the end of a row without knowing it.
 
 use crate::grid::Grid;
-use crate::real::{MOST_LANES, array};
+use crate::real::{MAX_LANES, array};
 
 /// A strip has at least so many cells and rows: its first rows are added up apart.
 const LEAST: [usize; 2] = [512, 4];
@@ -47,7 +47,7 @@ impl<const D: usize> Frame<D> {
         while count / (2 * strips) >= least && (strips < STRIPS || count / strips > MOST) {
             strips *= 2;
         }
-        let strip = count.div_ceil(strips).next_multiple_of(MOST_LANES);
+        let strip = count.div_ceil(strips).next_multiple_of(MAX_LANES);
         let stride = std::array::from_fn(|d| if d == 0 { 1 } else { row });
         let strips = count.div_ceil(strip);
         Self {
@@ -78,7 +78,7 @@ impl<const D: usize> Frame<D> {
         (self.reach - 1) * self.stride.iter().sum::<usize>()
     }
 
-    /// Numbers before the first cell that its faces look at.
+    /// Numbers before the first cell of its faces.
     pub fn pad(&self) -> usize {
         self.stride[D - 1]
     }
@@ -96,7 +96,7 @@ impl<const D: usize> Frame<D> {
 
     /// Length of an array with a number for each function (or node), those that only pad included.
     pub fn length(&self) -> usize {
-        self.count() + self.tail().max(self.stride.iter().sum()) + MOST_LANES
+        self.count() + self.tail().max(self.stride.iter().sum()) + MAX_LANES
     }
 
     /// Number of the cell (or node, or lower face) at a place on the lattice.

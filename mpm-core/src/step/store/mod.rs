@@ -12,4 +12,4 @@ pub use ahead::ask_for;
 pub use blocks::{Blocks, Movers, SolidLanes, WaterLanes};
 pub use frame::Frame;
 pub use nodes::{Motion, Nodes, StripSums};
-pub use strip::{CellLanes, Strip};
+pub use strip::{SimdCells, Strip};

@@ -1,4 +1,4 @@
-//! What is gathered at the nodes (or functions) of the mesh, and how they move.
+//! Sums at the nodes (or functions) of the mesh, and how they move.
 
 use super::frame::Frame;
 

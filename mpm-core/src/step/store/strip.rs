@@ -11,7 +11,7 @@ use crate::real::{array, numbers, numbers_mut};
 /// Soil and water of so many cells side by side, as they are at the start of a step.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
-pub struct CellLanes<V: Simd, const D: usize> {
+pub struct SimdCells<V: Simd, const D: usize> {
     /// Place on the lattice, cells.
     pub position: [V::f64s; D],
     /// Centroid of the particles in it, in cell coordinates; the middle unless that is asked for.
@@ -44,7 +44,7 @@ pub struct Strip<V: Simd, const D: usize> {
     /// Water particles; none when dry.
     pub water: Blocks<V>,
     /// Its cells.
-    pub cells: Vec<CellLanes<V, D>>,
+    pub cells: Vec<SimdCells<V, D>>,
     /// Energy lost to Darcy flow at its lower faces, and work of `rho_w (g - a_s)` there, N m/s over the face area.
     pub rates: [f64; 2],
     /// Plastic flow of its particles in the step.
@@ -65,7 +65,7 @@ impl<V: Simd, const D: usize> Strip<V, D> {
         let mut middle = none;
         numbers_mut(std::slice::from_mut(&mut middle)).fill(0.5);
         let mut cells = vec![
-            CellLanes {
+            SimdCells {
                 position: [none; D],
                 at: [middle; D],
                 mass: none,
@@ -127,6 +127,6 @@ impl<V: Simd, const D: usize> Strip<V, D> {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let coupling = self.coupling.capacity() * size_of::<f64>();
-        coupling + self.solid.bytes() + self.water.bytes() + self.cells.capacity() * size_of::<CellLanes<V, D>>()
+        coupling + self.solid.bytes() + self.water.bytes() + self.cells.capacity() * size_of::<SimdCells<V, D>>()
     }
 }

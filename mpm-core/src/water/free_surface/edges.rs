@@ -110,7 +110,7 @@ pub fn edges<const D: usize>(
     beyond: &Along,
 ) -> (Vec<Edge>, Vec<Rained>) {
     let Surroundings { open: sides, mut feeds, periodic, ref standing } = *around;
-    // Rain falls on all that looks up; so does no other feed.
+    // Rain falls on all faces that point upwards; so does no other feed.
     let rain = match feeds[3] {
         Some(Feed::Velocity { speed, .. }) => feeds[3].take().map(|_| speed),
         _ => None,
@@ -206,7 +206,7 @@ pub fn edges<const D: usize>(
     (list, rained)
 }
 
-/// Lets rain fall on the faces that look up: `whole` (m3/s) on a whole face, of which `most` may enter the soil that conducts best. `more` is what the width
+/// Lets rain fall on the faces that point upwards: `whole` (m3/s) on a whole face, of which `most` may enter the soil that conducts best. `more` is what the width
 /// of a column of cells is beyond what the faces show, in cells.
 fn rain_on<const D: usize>(
     grid: &Grid<D>,

@@ -8,7 +8,7 @@
 //! | kind | where | content | pressure |
 //! |---|---|---|---|
 //! | full | | all pores | unknown, not below what its level needs |
-//! | standing | water stands on a full cell or a tight base | S(p) | unknown |
+//! | standing | water stands on a full cell or an impermeable base | S(p) | unknown |
 //! | hanging | below a full cell: a front that comes down | follows from its inflow | 0; lets nothing through |
 //! | loose | elsewhere | follows from its flow | 0; water falls at k |
 //!

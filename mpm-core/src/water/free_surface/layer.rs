@@ -1,4 +1,4 @@
-//! Water particles that follow the flow: what enters becomes particles, what leaves takes them away, both booked.
+//! Water particles that follow the flow: what enters becomes particles, what leaves takes them away, both recorded.
 //!
 //! The contents of the cells are the balance; every particle is one equal part of it. Particles move with the flow through the
 //! faces of their cell, and are shifted a little from cells that hold more particles than water to those that hold fewer
@@ -44,7 +44,7 @@ pub struct WaterLayer<const D: usize> {
     edge: f64,
     /// Places taken in turn by new particles.
     turn: u64,
-    /// How often water was booked: each time rounds.
+    /// How often water was recorded: each time rounds.
     bookings: u64,
 }
 
@@ -176,7 +176,7 @@ impl<const D: usize> WaterLayer<D> {
         }
     }
 
-    /// Books a step of `dt` (s) that the water has made. Returns whether particles are due for it.
+    /// Records a step of `dt` (s) that the water has made. Returns whether particles are due for it.
     pub fn book(&mut self, water: &FreeSurface<D>, dt: f64) -> bool {
         self.bookings += 1;
         let mut due = false;
@@ -188,7 +188,7 @@ impl<const D: usize> WaterLayer<D> {
         due
     }
 
-    /// Books water (m3) that has left cells whose soil has gone.
+    /// Records water (m3) that has left cells whose soil has gone.
     pub fn book_lost(&mut self, grid: &Grid<D>, water: &FreeSurface<D>, lost: &[(usize, f64)]) {
         for (cell, lost) in lost {
             self.pending[*cell] -= lost;

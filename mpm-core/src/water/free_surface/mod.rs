@@ -1,18 +1,18 @@
 //! Water that wets dry soil and leaves it again: sharp fronts, a free surface, seepage faces, and feeds.
 //!
 //! The soil rests. Every cell has a content of water (m3), which changes by what flows through its faces and by nothing else, so that the
-//! ledger closes to round-off; `flow` finds the flow of a step, `edges` what meets the outside, `layer` lets the water
+//! balance residual is round-off; `flow` finds the flow of a step, `edges` what meets the outside, `layer` lets the water
 //! particles follow. A soil that is moist from the start has a part S_0 of its pores filled with water that stays: a front
 //! has only n (1 - S_0) to fill.
 
-mod carry;
+mod advect;
 mod edges;
 mod flow;
 mod layer;
 mod moving;
 mod soil;
 
-pub use carry::{Square, squares};
+pub use advect::{Square, squares};
 pub use edges::{Along, Edge, Outside, Rained};
 pub use flow::{Kind, Link, Medium};
 pub use layer::{Rounding, WaterLayer};
@@ -100,7 +100,7 @@ enum Neighbour {
     Cell(u32),
     /// Water at rest.
     Pond,
-    /// Something tight.
+    /// An impermeable side.
     Tight,
     /// Air.
     Air,
@@ -126,12 +126,12 @@ pub struct Standing {
     pub load: FaceLoad,
     /// Its level above the base now, m.
     pub level: f64,
-    /// Sides of the mesh that are held: no water stands there unless it is said so.
+    /// Sides of the mesh that are fixed: no water stands there unless it is said so.
     pub held: [bool; 4],
 }
 
 impl Standing {
-    /// Whether it stands before a face that looks to a side of the mesh, or lies on it, with its middle at a place, m.
+    /// Whether it stands before a face towards a side of the mesh, or lies on it, with its middle at a place, m.
     pub fn is_before(&self, side: usize, on_mesh: bool, place: &[f64; 2]) -> bool {
         let FaceLoad { on, x, y, .. } = &self.load;
         let within = |range: &Option<[f64; 2]>, at: f64| range.is_none_or(|[low, high]| (low..=high).contains(&at));
@@ -194,12 +194,12 @@ impl<const D: usize> FreeSurface<D> {
             soil,
             soils,
         };
-        water.lay(grid, around);
+        water.build(grid, around);
         Ok(water)
     }
 
     /// Finds the faces of the soil as it is in the map now.
-    pub fn lay(&mut self, grid: &Grid<D>, around: &Surroundings) {
+    pub fn build(&mut self, grid: &Grid<D>, around: &Surroundings) {
         self.links = links(grid, &self.soil, self.soils.largest_conductivity(), around.periodic);
         self.flows.clear();
         self.flows.resize(self.links.len(), Linear::default());
@@ -512,7 +512,7 @@ impl<const D: usize> FreeSurface<D> {
         loop {
             let (change, fills) = self.attempt(step)?;
             if change <= CHANGE[1] && cuts(fills) && !cut {
-                // A step ends where a front goes over to the next cell; a hair behind, so that it has gone.
+                // A step ends where a front goes over to the next cell; slightly later, so that it has passed.
                 step *= fills * (1.0 + 1e-6);
                 cut = true;
                 self.full.copy_from_slice(&self.before);
@@ -617,7 +617,7 @@ impl<const D: usize> FreeSurface<D> {
         }
         archive!(archive.value: self.inflow, self.outflow, self.asked, self.ran_off, self.rates, self.unsettled);
         if archive.restores() {
-            self.lay(grid, around);
+            self.build(grid, around);
             self.classify();
         }
         Ok(())

@@ -111,7 +111,7 @@ fn opening<const D: usize>(
 
 impl<const D: usize> Squeeze<D> {
     /// Takes note of the cells of soil.
-    pub fn lay(&mut self, grid: &Grid<D>, water: &FreeSurface<D>) {
+    pub fn build(&mut self, grid: &Grid<D>, water: &FreeSurface<D>) {
         let count = grid.cell_count();
         self.surplus.resize(count, 0.0);
         self.number.clear();
@@ -174,7 +174,7 @@ impl<const D: usize> Squeeze<D> {
         Ok(pressed)
     }
 
-    /// Work (J) that pressures which are held (Pa) do in a step.
+    /// Work (J) that pressures which are fixed (Pa) do in a step.
     pub fn work_of(
         &self,
         pressure: &[f64],
@@ -530,7 +530,7 @@ mod tests {
         let content: Vec<f64> = (0..12).map(|cell| water.pores(cell)).collect();
         water.fill(&content);
         let mut squeeze = Squeeze::default();
-        squeeze.lay(&grid, &water);
+        squeeze.build(&grid, &water);
         (grid, water, squeeze, vec![Filling { volume: H * H, at: [0.5; 2], pressed: [0.5; 2] }; 12])
     }
 
@@ -582,7 +582,7 @@ mod tests {
         let pushed = Pushed { grid: &grid, inverse: &inverse, leader: &leader };
         let before = (motion.clone(), water.pressure.clone());
         let dt = 1e-3;
-        // What blocks exchange is looked at below.
+        // What blocks exchange is checked below.
         let step = MovingStep { dt, implicit: true, bulk_modulus: KW, smoothing: 0.0 };
         let pores: Vec<f64> = (0..12).map(|cell| water.pores(cell)).collect();
         squeeze.press(&mut water, &soil, &pushed, &mut motion, &step).unwrap();

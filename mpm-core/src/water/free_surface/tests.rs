@@ -1,4 +1,4 @@
-//! Water alone in a block of soil, against exact solutions. The ladder has the same with refinement.
+//! Water alone in a block of soil, against exact solutions. The verification suite has the same with refinement.
 
 use super::*;
 use crate::particles::{Layer, SolidPoint, even_positions};

@@ -68,7 +68,7 @@ pub fn discharge_of_layers(scene: &Scene, _: &Measure) -> Result<Compare, Error>
         scene.by_layer().iter().map(|(d, soil)| d * soil.water.map_or(0.0, |w| w.hydraulic_conductivity)).sum();
     let exact = conductance * (left - right) / scene.width;
     Ok(Box::new(move |run| {
-        let left = |s: &Sample| (s.state.time, s.ledger.water_out_kg / density, s.state.water.map(|w| w.outflow_m3_s));
+        let left = |s: &Sample| (s.state.time, s.balance.water_out_kg / density, s.state.water.map(|w| w.outflow_m3_s));
         let flowed: Vec<(f64, f64, Option<f64>)> = run.observed().map(left).collect();
         let [.., (before, then, _), (time, now, outflow)] = flowed[..] else { return Err(Lacks("two times")) };
         let found = outflow.unwrap_or((now - then) / (time - before));
@@ -172,7 +172,7 @@ pub fn dissipation(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
     let of_gravity = water.mobility() * (water.anisotropy * along * along + across * across);
     let exact = scene.width * scene.height * water.density.powi(2) * of_gravity;
     Ok(Box::new(move |run| {
-        let all: Vec<_> = run.observed().map(|s| (s.state.time, s.ledger.darcy_dissipation_j)).collect();
+        let all: Vec<_> = run.observed().map(|s| (s.state.time, s.balance.darcy_dissipation_j)).collect();
         let [.., (before, then), (time, now)] = all[..] else { return Err(Lacks("two times")) };
         let power = (now - then) / (time - before);
         Ok(Comparison::single("power dissipated over the exact one", run, power / exact, 1.0))

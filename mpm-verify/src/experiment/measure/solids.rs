@@ -31,7 +31,7 @@ pub fn strip_stress(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
 pub fn mean_settlement(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
     let exact = Settlement::of(scene).ok_or(Lacks("strip on dry soil"))?.energy();
     Ok(Box::new(move |run| {
-        let stored = run.samples.last().ok_or(Lacks("sample"))?.ledger.strain_j;
+        let stored = run.samples.last().ok_or(Lacks("sample"))?.balance.strain_j;
         Ok(Comparison::single("mean settlement under the load over the exact one", run, stored / exact, 1.0))
     }))
 }

@@ -20,7 +20,7 @@ const SMALL: [Part; 4] = [
     ("energy of the compressed water", Look::new(PURPLE, Marker::Diamond).dash(Dash::Dashed), |h| h.water_j),
     ("kinetic energy", Look::new(ORANGE, Marker::Down).dash(Dash::DashDot), |h| h.kinetic_j),
     ("inertia's work on the flow", Look::new(BLUE, Marker::Square).dash(Dash::Dotted), |h| h.flow_body_work_j),
-    ("closing error", Look::new(RED, Marker::Circle).radius(2.8), |h| h.energy_closing_j),
+    ("closing error", Look::new(RED, Marker::Circle).radius(2.8), |h| h.energy_residual_j),
 ];
 
 /// Energies over time; those too small to see beside the others in a panel of their own.
@@ -40,8 +40,8 @@ pub fn figure(cases: &Cases) -> Figure {
     }
     let end = history.last();
     let work = end.map_or(f64::NAN, |h| h.external_work_j);
-    let closing = end.map_or(f64::NAN, |h| h.energy_closing_j.abs() / work);
-    let largest = history.iter().map(|h| h.energy_closing_j.abs() / work).fold(0.0, f64::max);
+    let closing = end.map_or(f64::NAN, |h| h.energy_residual_j.abs() / work);
+    let largest = history.iter().map(|h| h.energy_residual_j.abs() / work).fold(0.0, f64::max);
     let name =
         case.map_or(String::new(), |c| format!(", L = {} m, {} per cell, load on the {}", c.mesh_m, c.ppc, c.load));
     Figure {

@@ -1,10 +1,10 @@
 //! New meshes: the state of the old one goes to the particles, theirs to the new one.
 
-use super::lay::{Ground, smooth, stands, top_integrals};
+use super::build::{Ground, smooth, stands, top_integrals};
+use super::failures::{inverted, nothing, unsolved};
 use super::newton::Workspace;
 use super::soil::{HELD, Soil, Strained};
-use super::trouble::{inside_out, nothing, unsolved};
-use super::{QuasiStatic, lay};
+use super::{QuasiStatic, build};
 use crate::constitutive::Law;
 use crate::dimension::in_two;
 use crate::particles::SolidPoint;
@@ -13,13 +13,13 @@ use crate::space::{stretch, turned};
 use crate::sparse::{Factor, Ordering, Signs, Sparse, Unsolved};
 use crate::step::Fault;
 
-/// Strain on one mesh after which a new one is laid. Early relaying costs accuracy: at a final strain of 20 % and
+/// Strain on one mesh after which a new one is built. Early remeshing costs accuracy: at a final strain of 20 % and
 /// L = 0.1 m the late settlement of `bspline2` is off by 1e-4 with 0.05, by 1e-6 without.
-pub(super) const RELAY: f64 = 0.5;
+pub(super) const REMESH_STRAIN: f64 = 0.5;
 
 impl<L: Law, const D: usize> QuasiStatic<L, D> {
-    /// Lays a mesh over the soil as it is; its pressures go over.
-    pub(super) fn lay(&mut self, drained: [bool; 4]) -> Result<(), Fault> {
+    /// Builds a mesh over the soil as it is; its pressures go over.
+    pub(super) fn build(&mut self, drained: [bool; 4]) -> Result<(), Fault> {
         let pressures = self.soil.is_some().then(|| self.carry());
         let mut soil = self.mesh(drained)?;
         self.start(&mut soil, pressures.as_deref())?;
@@ -42,7 +42,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         Ok(())
     }
 
-    /// A mesh over the soil as it was when the last one was laid.
+    /// A mesh over the soil as it was when the last one was built.
     fn mesh(&mut self, drained: [bool; 4]) -> Result<Soil<L, D>, Fault> {
         self.drained = drained;
         let large = self.scene.strain == StrainChoice::Large;
@@ -56,7 +56,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             sides: self.sides,
             thickness: self.seeding.thickness,
         };
-        ground.lay(self.seeding.law.clone()).map_err(|e| unsolved(&e))
+        ground.build(self.seeding.law.clone()).map_err(|e| unsolved(&e))
     }
 
     fn take(&mut self, mut soil: Soil<L, D>) {
@@ -93,7 +93,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
                     let place = if smooth {
                         stands(&soil.axes, function)
                     } else {
-                        lay::middle(&soil.axes, &lay::position(&soil.axes, function))
+                        build::middle(&soil.axes, &build::position(&soil.axes, function))
                     };
                     soil.p[function] = first(&self.scene, in_two(&place));
                 }
@@ -101,7 +101,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             Some(pressures) => project(soil, &self.points, pressures, smooth).map_err(|e| unsolved(&e))?,
         }
         let y = soil.unknowns_of_fields();
-        soil.evaluate_fields().map_err(|e| inside_out(&self.points, e.point))?;
+        soil.evaluate_fields().map_err(|e| inverted(&self.points, e.point))?;
         self.content.clone_from(&soil.values.content);
         if self.seeding.law.soils.are_several() && smooth && carried.is_none() {
             self.first_content(soil);
@@ -181,7 +181,7 @@ pub(super) fn project<L: Law, const D: usize>(
     if !smooth {
         let mut volume = vec![0.0; size];
         for (point, pressure) in points.iter().zip(pressures) {
-            let cell = lay::number(&soil.axes, &lay::cell_of(&soil.axes, &point.x));
+            let cell = build::number(&soil.axes, &build::cell_of(&soil.axes, &point.x));
             rhs[cell] += point.volume * pressure;
             volume[cell] += point.volume;
         }

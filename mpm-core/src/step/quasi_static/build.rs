@@ -1,4 +1,4 @@
-//! Laying a mesh over the soil: axes, unknowns, integration points, faces, loads.
+//! Building a mesh for the soil: axes, unknowns, integration points, faces, loads.
 
 use super::soil::{Before, FacePart, Fluid, HELD, PorePart, Soil, SolidPart, Source, Values};
 use super::tangent::System;
@@ -18,7 +18,7 @@ const LOAD_PIECES: usize = 16;
 /// Levels of a reservoir from one of its corners to the next: forces between are a straight line.
 const LEVELS: usize = 16;
 
-/// What a mesh is laid over.
+/// What a mesh is built over.
 #[derive(Debug)]
 pub(super) struct Ground<'a, const D: usize> {
     pub scene: &'a Scene,
@@ -121,8 +121,8 @@ impl<const D: usize> Ground<'_, D> {
         volumes
     }
 
-    /// Lays the mesh.
-    pub fn lay<L: Law>(&self, law: Materials<L>) -> Result<Soil<L, D>, Unsolved> {
+    /// Builds the mesh.
+    pub fn build<L: Law>(&self, law: Materials<L>) -> Result<Soil<L, D>, Unsolved> {
         let scene = self.scene;
         let (axes, weights) = self.axes_and_weights();
         let smooth = smooth(scene.shape);
@@ -476,7 +476,7 @@ impl<const D: usize> Ground<'_, D> {
         self.scene.wells.iter().map(of).collect()
     }
 
-    /// The loads: force where the factor is 1 (N per displacement function and direction), and how it goes on.
+    /// The loads: force where the factor is 1 (N per displacement function and direction), and its course in time.
     fn loads(&self, axes: &[Axis; D], solid: &[SolidPart<D>]) -> Vec<(Vec<f64>, Course)> {
         let surcharge = self.scene.surcharge.map(|surcharge| {
             let ramp = surcharge.ramp_time;

@@ -1,7 +1,7 @@
-//! Water with a free surface in soil that may move: what soil and water are to each other in a step of the soil.
+//! Water with a free surface in soil that may move: the interaction of soil and water in a step of the soil.
 //!
 //! The soil feels the pressures of the cells (`free_surface`), on the soil of each cell: carried back to particles, a thin wet layer
-//! would push too hard. They are held while the soil comes to rest, or follow its motion, implicitly or explicitly.
+//! would push too hard. They are fixed while the soil comes to rest, or follow its motion, implicitly or explicitly.
 
 use serde::{Deserialize, Serialize};
 
@@ -35,7 +35,7 @@ const SMOOTHING: f64 = 128.0;
 /// What the pressures do while the soil moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Pressures {
-    /// They are held.
+    /// They are fixed.
     Held,
     /// They follow, with those of the end of the step.
     Implicit,
@@ -45,14 +45,14 @@ pub enum Pressures {
 
 /// The water of a scene with a free surface.
 #[derive(Debug)]
-pub struct Carried<const D: usize> {
+pub struct AdvectedWater<const D: usize> {
     /// Water in the cells.
     pub water: FreeSurface<D>,
     /// Its particles.
     pub layer: WaterLayer<D>,
     /// What surrounds the soil.
     pub around: Surroundings,
-    /// What feeds it, and the time (s) at which that was last looked at.
+    /// What feeds it, and the time (s) at which that was last sampled.
     fed: Option<FreeSurfaceWater>,
     fed_at: f64,
     /// What the pressures do while the soil moves.
@@ -80,7 +80,7 @@ pub struct Carried<const D: usize> {
     middle: Vec<f64>,
     /// Soil of the cells in this step.
     soil: Vec<Filling<D>>,
-    /// Boxes of the particles when the soil was last looked at.
+    /// Boxes of the particles when the soil was last sampled.
     boxes: Vec<Square<D>>,
     /// How the nodes have moved since, m, and how far any may have.
     swept: Vec<[f64; D]>,
@@ -89,7 +89,7 @@ pub struct Carried<const D: usize> {
     waits: f64,
 }
 
-impl<const D: usize> Carried<D> {
+impl<const D: usize> AdvectedWater<D> {
     /// The water of a scene at t = 0; `face_area` in m2.
     ///
     /// # Errors
@@ -136,7 +136,7 @@ impl<const D: usize> Carried<D> {
         let mut boxes = Vec::new();
         squares(solid, medium.cell_volume, &mut boxes);
         let mut squeeze = Squeeze::default();
-        squeeze.lay(grid, &water);
+        squeeze.build(grid, &water);
         let mut carried = Self {
             layer: WaterLayer::new(grid, &water, per_direction, properties.density),
             water,
@@ -238,7 +238,7 @@ impl<const D: usize> Carried<D> {
         let lost = water.carry(grid, solid, boxes, &mut squeeze.surplus, (around, self.per_direction));
         self.left_behind += lost.iter().map(|(_, lost)| lost).sum::<f64>();
         layer.book_lost(grid, water, &lost);
-        squeeze.lay(grid, water);
+        squeeze.build(grid, water);
         self.swept.fill([0.0; D]);
         self.way = 0.0;
         self.show();
@@ -255,7 +255,7 @@ impl<const D: usize> Carried<D> {
     }
 
     /// What is wrong where the particles are not those of the water in the cells: more than half a particle is missing, or too
-    /// many, for each cell where water has entered or left, or some of it was never booked.
+    /// many, for each cell where water has entered or left, or some of it was never recorded.
     pub fn unbalanced(&self) -> Option<String> {
         /// Roundings of a cell in a booking: of its content and of what is pending, one for each face and some more.
         const EACH: f64 = 16.0;
@@ -308,7 +308,7 @@ fn wet_area<const D: usize>(scene: &Scene, position: &[usize; D]) -> f64 {
     free.level.map_or(0.0, |level| ((level - low[D - 1]) / scene.cell).clamp(0.0, 1.0))
 }
 
-impl<const D: usize> Carried<D> {
+impl<const D: usize> AdvectedWater<D> {
     /// Notes the soil of a cell in this step: its volume (m3) and centroid (cell coordinates), where that is where its stress acts.
     pub fn note(&mut self, cell: usize, volume: f64, centroid: Option<[f64; D]>) {
         let at = centroid.unwrap_or([0.5; D]);
@@ -349,7 +349,7 @@ impl<const D: usize> Carried<D> {
             let Self { squeeze, water, soil, .. } = self;
             let pressed = squeeze.press(water, soil, pushed, motion, &step).map_err(|cell| {
                 let place = grid.cell_position(cell).map(|i| (i as f64 + 0.5) * grid.size);
-                (format!("the cell at {place:?} m"), "no pressure keeps its water in balance".to_owned())
+                (format!("the cell at {place:?} m"), "no pressure balances its water".to_owned())
             })?;
             self.work += pressed.work;
             self.waits += dt;
@@ -408,7 +408,7 @@ impl<const D: usize> Carried<D> {
         archive!(archive.slice: self.boxes, *self.swept.as_flattened_mut());
         archive!(archive.value: self.work, self.left_behind, self.way, self.waits, self.share);
         if archive.restores() {
-            self.squeeze.lay(grid, &self.water);
+            self.squeeze.build(grid, &self.water);
         }
         Ok(())
     }

@@ -4,7 +4,10 @@ use std::f64::consts::TAU;
 
 use proptest::prelude::*;
 
-use super::*;
+use mpm_core::seeding::*;
+
+/// Parts below this share of a square are merged into a neighbour.
+const SLIVER: f64 = 0.1;
 
 /// The half levee of the paper: crest 3 m wide at 3 m, slope 1:2.
 const LEVEE: [[f64; 2]; 4] = [[0.0, 0.0], [9.0, 0.0], [3.0, 3.0], [0.0, 3.0]];
@@ -172,7 +175,7 @@ fn meets(points: &[[f64; 2]]) -> bool {
     (0..count).any(|i| {
         (i + 1..count).any(|j| {
             let next = j == i + 1 || (i == 0 && j == count - 1);
-            if next { polygon::folds(&edge(i), &edge(j)) } else { polygon::touch(&edge(i), &edge(j)) }
+            if next { folds(&edge(i), &edge(j)) } else { touch(&edge(i), &edge(j)) }
         })
     })
 }

@@ -1,7 +1,7 @@
-//! Water goes where its soil goes: contents of the cells are carried with the boxes of the particles.
+//! Water is advected with its soil: contents of the cells move with the boxes of the particles.
 //!
 //! Every piece of a box inside a cell has its part of the water of the cell, and goes with its particle. A box that has not
-//! moved leaves everything as it is, so that fronts smear by motion alone and not by looking.
+//! moved leaves everything as it is, so that fronts smear by motion alone.
 
 use serde::{Deserialize, Serialize};
 use serde_big_array::BigArray;
@@ -14,7 +14,7 @@ use crate::particles::{Layer, SolidPoint};
 /// Share of its pores that a cell of full soil may lack and still count as full: gaps between boxes, not air.
 const HOLE: f64 = 0.1;
 
-/// The box of a particle when the soil was last looked at.
+/// The box of a particle when the soil was last sampled.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Square<const D: usize> {
     /// Its middle, m.
@@ -33,7 +33,7 @@ pub fn squares<const D: usize>(solid: &Layer<SolidPoint<D>, D>, cell_volume: f64
     }
 }
 
-/// What is carried into a cell.
+/// What is advected into a cell.
 #[derive(Debug, Clone, Copy, Default)]
 struct Load {
     water: f64,
@@ -109,7 +109,7 @@ impl<const D: usize> FreeSurface<D> {
             self.full[cell] = full;
             self.pressure[cell] = if full { load.pressure / load.full } else { 0.0 };
         }
-        self.lay(grid, around);
+        self.build(grid, around);
         self.classify();
         for cell in 0..self.kind.len() {
             if self.kind[cell] == Kind::Standing {

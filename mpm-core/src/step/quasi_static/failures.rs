@@ -1,4 +1,4 @@
-//! What is said when a run cannot go on.
+//! Messages of runs that cannot continue.
 
 use super::QuasiStatic;
 use super::tangent::Stuck;
@@ -24,7 +24,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let incompressible = self.scene.water.is_some_and(|w| w.bulk_modulus.is_infinite());
         match (incompressible, self.drained.contains(&true)) {
             (true, false) => "; the water is incompressible and no side is drained".to_owned(),
-            _ => "; are the sides held, and are there enough particles in every cell?".to_owned(),
+            _ => "; is the soil supported, and are there enough particles in every cell?".to_owned(),
         }
     }
 
@@ -40,7 +40,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
 
     /// What strength may have to do with it.
     fn limit_hint(&self) -> &'static str {
-        if self.seeding.law.are_linear() { "" } else { "; the load may be more than the soil can bear" }
+        if self.seeding.law.are_linear() { "" } else { "; the load may exceed the bearing capacity of the soil" }
     }
 }
 
@@ -52,15 +52,15 @@ pub(super) fn unsolved(e: &Unsolved) -> Fault {
     Fault { place: "the whole soil".to_owned(), what: e.to_string() }
 }
 
-pub(super) fn inside_out<const D: usize>(points: &[SolidPoint<D>], point: usize) -> Fault {
+pub(super) fn inverted<const D: usize>(points: &[SolidPoint<D>], point: usize) -> Fault {
     let x = points.get(point).map_or([f64::NAN; D], |p| p.x);
-    Fault { place: format!("point {point} near {x:?} m"), what: "the soil is turned inside out".to_owned() }
+    Fault { place: format!("point {point} near {x:?} m"), what: "an element is inverted, det F <= 0".to_owned() }
 }
 
 pub(super) fn describe<const D: usize>(stuck: &Stuck<D>, points: &[SolidPoint<D>]) -> String {
     match stuck {
         Stuck::InsideOut(e) => {
-            let fault = inside_out(points, e.point);
+            let fault = inverted(points, e.point);
             format!("{}: {}", fault.place, fault.what)
         }
         Stuck::Unsolved(e) => e.to_string(),

@@ -4,19 +4,19 @@ mod common;
 
 use common::{SURCHARGE, completed, figures, scene};
 use mpm_core::drive::Run;
-use mpm_core::observe::Ledger;
+use mpm_core::observe::BalanceTerms;
 use mpm_core::scene::Strength;
 
 /// Closing errors: dry mass (kg), water (share of the outflow), momentum (share of the impulse q A t), energy (share
 /// of the work of load and gravity).
-fn closing(ledger: &Ledger, time: f64) -> [f64; 4] {
+fn closing(ledger: &BalanceTerms, time: f64) -> [f64; 4] {
     let impulse = SURCHARGE * 0.1 * time;
     let work = ledger.external_work_j.abs() + ledger.gravity_work_j.abs();
     [
-        ledger.solid_closing_kg,
-        ledger.water_closing_kg / ledger.water_out_kg,
-        ledger.momentum_closing_n_s / impulse,
-        ledger.energy_closing_j / work,
+        ledger.solid_residual_kg,
+        ledger.water_residual_kg / ledger.water_out_kg,
+        ledger.momentum_residual_n_s / impulse,
+        ledger.energy_residual_j / work,
     ]
 }
 
@@ -28,7 +28,7 @@ fn allowed(darcy: &str) -> [f64; 4] {
     [0.0, water, 1e-6, 2e-3]
 }
 
-fn closes(ledger: &Ledger, time: f64, darcy: &str) -> bool {
+fn closes(ledger: &BalanceTerms, time: f64, darcy: &str) -> bool {
     closing(ledger, time).iter().zip(allowed(darcy)).all(|(error, most)| error.abs() <= most)
 }
 
@@ -38,9 +38,9 @@ fn consolidation(changes: &[&str]) -> Run {
     completed(&scene(&[&common, changes].concat()))
 }
 
-fn last(run: &Run) -> (&Ledger, f64) {
+fn last(run: &Run) -> (&BalanceTerms, f64) {
     let sample = &run.samples[run.samples.len() - 1];
-    (&sample.ledger, sample.state.time)
+    (&sample.balance, sample.state.time)
 }
 
 #[test]
@@ -152,7 +152,7 @@ fn incompressible_water_closes_to_round_off() {
             let (ledger, _) = last(&run);
             // What flows out of a cell is what its soil loses: the force of its pressure and its rate of volume are
             // adjoint. The 30 kg of water stored are known to 1e-16 of themselves, 7e-4 of them flow out.
-            let share = ledger.water_closing_kg / ledger.water_out_kg;
+            let share = ledger.water_residual_kg / ledger.water_out_kg;
             println!("{shape} {dimension}: {share:.1e} of {:.3e} kg", ledger.water_out_kg);
             assert!(share.abs() < 1e-9, "{shape} {dimension}: {share:.1e}");
         }
@@ -160,7 +160,7 @@ fn incompressible_water_closes_to_round_off() {
 }
 
 /// A column that yields while it consolidates: friction of 15 degrees holds less than K_0 asks for.
-fn yielding(integrator: &str, shape: &str, dimension: &str, safety: &str) -> Ledger {
+fn yielding(integrator: &str, shape: &str, dimension: &str, safety: &str) -> BalanceTerms {
     let scene = scene(&[
         &format!("integrator = \"{integrator}\""),
         &format!("shape = \"{shape}\""),
@@ -187,7 +187,7 @@ fn plastic_flow_is_booked() {
             for integrator in ["explicit", "semi-implicit"] {
                 let [whole, tenth] =
                     ["safety = 0.9", "safety = 0.09"].map(|safety| yielding(integrator, shape, dimension, safety));
-                let [share, less] = [&whole, &tenth].map(|ledger| ledger.energy_closing_j / ledger.external_work_j);
+                let [share, less] = [&whole, &tenth].map(|ledger| ledger.energy_residual_j / ledger.external_work_j);
                 let flowed = whole.plastic_dissipation_j / whole.external_work_j;
                 let outside = whole.yield_residual_max.expect("a law that yields");
                 println!(
@@ -217,10 +217,10 @@ fn ledger_check_can_fail() {
     let (ledger, time) = last(&run);
     assert!(closes(ledger, time, "face"));
     let perturbed = [
-        Ledger { solid_closing_kg: 1e-12, ..*ledger },
-        Ledger { water_closing_kg: 1e-4 * ledger.water_out_kg, ..*ledger },
-        Ledger { momentum_closing_n_s: 1e-4 * SURCHARGE * 0.1 * time, ..*ledger },
-        Ledger { energy_closing_j: -0.01 * ledger.external_work_j, ..*ledger },
+        BalanceTerms { solid_residual_kg: 1e-12, ..*ledger },
+        BalanceTerms { water_residual_kg: 1e-4 * ledger.water_out_kg, ..*ledger },
+        BalanceTerms { momentum_residual_n_s: 1e-4 * SURCHARGE * 0.1 * time, ..*ledger },
+        BalanceTerms { energy_residual_j: -0.01 * ledger.external_work_j, ..*ledger },
     ];
     for ledger in &perturbed {
         assert!(!closes(ledger, time, "face"), "{ledger:?}");
@@ -243,7 +243,7 @@ fn the_momentum_of_an_embankment_closes_with_less_than_all_of_flip() {
         let run = completed(&mpm_core::scene::Scene::parse(&text, "scene.toml").expect("a sound scene"));
         let (ledger, time) = last(&run);
         let weight = 9.81 * ledger.solid_mass_kg;
-        let missing = ledger.momentum_closing_n_s.abs() / (weight * time);
+        let missing = ledger.momentum_residual_n_s.abs() / (weight * time);
         println!("{shape} {flip}: {missing:.1e} of the impulse of its weight");
         assert!(missing < 1e-12, "{shape} {flip}: {missing:.1e}");
     }

@@ -1,20 +1,20 @@
-//! Bringing the soil to rest under pressures that are held: damped steps until the forces balance, or until it is clear that they
+//! Equilibrium of the soil under given pressures: damped steps until the forces balance, or until it is clear that they
 //! never will.
 //!
-//! Nothing is said from patience alone. Soil stands when it has come to rest. It slides when its rate no longer decays: over the
+//! No verdict depends on a time limit alone. Soil is stable when it has come to rest. It slides when its rate no longer decays: over the
 //! second half of the time it moved nearly as fast as over the quarter before, and in all by more than the elastic displacement.
 //! A rate that falls like 1/t halves from one to the other. What does neither within the patience is undecided.
 
+use super::events::{First, Moved, Which};
 use super::scales::Scales;
-use super::watch::{First, Moved, Which};
 use crate::step::{Failing, Fault, Pace};
 use crate::water::Pressures;
 
 /// Balanced: what is left of the forces on the nodes, as a share of them.
 const BALANCED: f64 = 3e-4;
-/// Steps between two looks.
+/// Steps between two samples.
 const STEPS: u64 = 50;
-/// A soil is at rest when so many looks in a row find it balanced.
+/// A soil is at rest when so many samples in a row find it balanced.
 const LOOKS: u32 = 2;
 /// Rates are first compared after so many periods, then whenever the time has doubled.
 const FIRST_PERIODS: f64 = 16.0;
@@ -31,7 +31,7 @@ pub struct Patience {
     pub dt: f64,
     /// Scales of the soil as it is now.
     pub scales: Scales,
-    /// The soil that is looked at, and how far it has to have moved before it slides, m.
+    /// The soil that is monitored, and how far it has to have moved before it slides, m.
     pub slides: (Which, f64),
     /// Soil of which a particle has moved further is not waited for, m.
     pub most: f64,
@@ -50,7 +50,7 @@ pub enum Outcome {
 
 /// How it went.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settled {
+pub struct Equilibrated {
     /// What became of it.
     pub outcome: Outcome,
     /// Steps it took.
@@ -59,7 +59,7 @@ pub struct Settled {
     pub moved: Moved,
 }
 
-impl Settled {
+impl Equilibrated {
     /// Whether the soil came to rest.
     pub fn at_rest(&self) -> bool {
         self.outcome == Outcome::Stands
@@ -83,7 +83,7 @@ impl Settled {
 ///
 /// # Errors
 /// Where and what went wrong in a step.
-pub fn settle(model: &mut dyn Failing, first: &First, patience: &Patience) -> Result<Settled, Fault> {
+pub fn equilibrate(model: &mut dyn Failing, first: &First, patience: &Patience) -> Result<Equilibrated, Fault> {
     let Patience { dt, scales, slides: (which, beyond), most } = *patience;
     let (mut steps, mut looks, mut doublings) = (0, 0, 0);
     let start = first.moved(model).most_m;
@@ -120,7 +120,7 @@ pub fn settle(model: &mut dyn Failing, first: &First, patience: &Patience) -> Re
             let rate = |from: &[[f64; 2]], to: &[[f64; 2]], span: f64| first.way(which, from, to) / span;
             let (before, after) = (rate(&quarter, &half, 0.25 * until), rate(&half, &now, 0.5 * until));
             if after < calm {
-                // The skin may ravel on: what is looked at has come to rest.
+                // The surface may keep raveling: the monitored soil has come to rest.
                 ended = Some(Outcome::Stands);
             } else if after > DECAYS * before && first.way(which, &origin, &now) > beyond {
                 ended = Some(Outcome::Slides);
@@ -131,7 +131,7 @@ pub fn settle(model: &mut dyn Failing, first: &First, patience: &Patience) -> Re
             (quarter, half) = (half, now);
         }
         if let Some(outcome) = ended {
-            return Ok(Settled { outcome, steps, moved: first.moved(model) });
+            return Ok(Equilibrated { outcome, steps, moved: first.moved(model) });
         }
     }
 }

@@ -1,6 +1,6 @@
-//! What is looked at while a slope may fail: how much of it has moved how far, and what of that is an event.
+//! Monitoring of a slope: how much of it has moved how far, and which of that is an event.
 //!
-//! Three events that every mesh agrees on, by displaced area: E1, raveling at the toe; E2, failure; E3, collapse. How far soil has
+//! Three events that do not depend on the mesh, by displaced area: E1, raveling at the toe; E2, failure; E3, collapse. How far soil has
 //! to move for them is a matter of the scene ([`Scales::events`]): what it may do elastically, and a share of its height beyond.
 
 use serde::Serialize;
@@ -64,7 +64,7 @@ impl Moved {
     }
 }
 
-/// Which soil is looked at.
+/// Which soil is monitored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Which {
     /// All of it: as much of it as for E1 has to move.

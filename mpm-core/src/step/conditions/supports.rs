@@ -8,7 +8,7 @@ use crate::step::store::Nodes;
 
 /// Rollers and fixed sides: velocity components of boundary nodes are zero.
 #[derive(Debug, Clone)]
-pub struct Held<const D: usize> {
+pub struct Supports<const D: usize> {
     nodes: [Vec<u32>; D],
     /// All nodes at a side, with the axis and the number of the side.
     edges: Vec<(u32, usize, usize)>,
@@ -16,7 +16,7 @@ pub struct Held<const D: usize> {
     usual: [SolidSide; 4],
 }
 
-impl<const D: usize> Held<D> {
+impl<const D: usize> Supports<D> {
     /// Holds nodes of a mesh with so many functions along each axis on its sides: left, right, bottom, top. `number` gives that of a
     /// function from its place.
     pub fn new(along: &[usize; D], sides: &[SolidSide; 4], number: impl Fn(&[usize; D]) -> usize) -> Self {
@@ -39,13 +39,13 @@ impl<const D: usize> Held<D> {
         held
     }
 
-    /// The nodes held along an axis.
+    /// The nodes fixed along an axis.
     pub fn along(&self, axis: usize) -> impl Iterator<Item = usize> {
         self.nodes[axis].iter().map(|node| *node as usize)
     }
 }
 
-impl<const D: usize> Condition<D> for Held<D> {
+impl<const D: usize> Condition<D> for Supports<D> {
     fn hold_sides(&mut self, own: Option<[SolidSide; 4]>) {
         self.nodes.iter_mut().for_each(Vec::clear);
         for &(node, axis, side) in &self.edges {

@@ -1,9 +1,9 @@
-//! What is read from a quasi-static state: settlement, profiles, balances.
+//! Results of a quasi-static state: settlement, profiles, balances.
 
-use super::lay::smooth;
+use super::build::smooth;
 use super::march::work_of;
 use super::soil::{InsideOut, PorePart, PoreState, Soil, Strained};
-use super::{Method, QuasiStatic, lay};
+use super::{Method, QuasiStatic, build};
 use crate::constitutive::Law;
 use crate::observe::{CellValues, FieldPoint, Observation, checkerboard, profile};
 use crate::particles::SolidPoint;
@@ -48,12 +48,12 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         points
     }
 
-    /// Pore pressure where a particle stood when the mesh was laid, Pa.
+    /// Pore pressure where a particle stood when the mesh was built, Pa.
     pub(super) fn pressure_at(&self, soil: &Soil<L, D>, x: &[f64; D]) -> f64 {
         match smooth(self.scene.shape) {
             _ if soil.p.is_empty() => 0.0,
             true => Stencil::at(&soil.axes, x).scalar(&soil.p),
-            false => soil.p[lay::number(&soil.axes, &lay::cell_of(&soil.axes, x))],
+            false => soil.p[build::number(&soil.axes, &build::cell_of(&soil.axes, x))],
         }
     }
 
@@ -73,7 +73,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// Pressures over the plane.
     fn field(&self, cells: &[CellValues<D>]) -> Vec<FieldPoint> {
         let Some(soil) = self.soil.as_ref().filter(|_| D == 2 && self.scene.profiles) else { return Vec::new() };
-        let across = |cell: usize| lay::middle(&soil.axes, &lay::position(&soil.axes, cell))[0];
+        let across = |cell: usize| build::middle(&soil.axes, &build::position(&soil.axes, cell))[0];
         let point = |(cell, values): (usize, &CellValues<D>)| FieldPoint {
             x_m: across(cell),
             y_m: values.material_height,
@@ -94,7 +94,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         moved.count() as u64
     }
 
-    /// Displacement of a particle since the mesh was laid, m; small strain moves none.
+    /// Displacement of a particle since the mesh was built, m; small strain moves none.
     fn moved(&self, point: usize) -> [f64; D] {
         match &self.soil {
             Some(soil) if !soil.small => soil.solid[point].stencil.vector(&soil.u),
@@ -110,7 +110,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let smooth = smooth(self.scene.shape);
         let mut shift = vec![0.0; count];
         for (i, (point, part)) in self.points.iter().zip(&soil.solid).enumerate() {
-            let cell = lay::number(&soil.axes, &lay::cell_of(&soil.axes, &point.x));
+            let cell = build::number(&soil.axes, &build::cell_of(&soil.axes, &point.x));
             let Some(Strained { push, stress, .. }) = soil.strained(part) else { continue };
             let stretch =
                 if soil.small { 1.0 } else { stretch(&part.stencil.gradient(&soil.u)).map_or(1.0, |s| s.volume) };
@@ -124,8 +124,8 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             shift[cell] += volume * self.carried[i][D - 1];
         }
         for (cell, values) in cells.iter_mut().enumerate() {
-            let position = lay::position(&soil.axes, cell);
-            let middle = lay::middle(&soil.axes, &position);
+            let position = build::position(&soil.axes, cell);
+            let middle = build::middle(&soil.axes, &position);
             let here = Stencil::at(&soil.axes, &middle);
             values.row = position[D - 1];
             values.effective_stress /= values.volume;
@@ -168,9 +168,9 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             return part.water.number[0] as usize;
         }
         // The first function of a B-spline stencil belongs to one cell along each axis.
-        let place = lay::place(&soil.axes, part.water.number[0] as usize);
+        let place = build::place(&soil.axes, part.water.number[0] as usize);
         let position = std::array::from_fn(|d| soil.axes[d].splines().cell_with(place[d]));
-        lay::number(&soil.axes, &position)
+        build::number(&soil.axes, &position)
     }
 
     /// Balances of a Krylov stage at its present time.

@@ -4,7 +4,7 @@ mod common;
 
 use common::scene;
 use mpm_core::hardware::{Hardware, Width};
-use mpm_core::observe::{Ledger, Observation};
+use mpm_core::observe::{BalanceTerms, Observation};
 use mpm_core::run::model_on;
 use mpm_core::scene::{DarcyChoice, Integrator, Scene, ShapeChoice, SolidSide, Strength};
 use mpm_core::stability::stable_limit;
@@ -22,7 +22,7 @@ fn advanced(hardware: &Hardware, scene: &Scene, steps: u64) -> Box<dyn Model> {
     model
 }
 
-fn seen(hardware: &Hardware, scene: &Scene, steps: u64) -> (Observation, Ledger) {
+fn seen(hardware: &Hardware, scene: &Scene, steps: u64) -> (Observation, BalanceTerms) {
     let model = advanced(hardware, scene, steps);
     let pressure = model.pore_pressure();
     let (state, ledger) = model.observe();

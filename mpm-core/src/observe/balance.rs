@@ -1,10 +1,10 @@
-//! Balances since the start of a run. A closing error is what is left when all booked parts are taken away.
+//! Balances since the start of a run. A balance residual is what is left when all recorded parts are subtracted.
 
 use serde::{Deserialize, Serialize};
 use serde_big_array::BigArray;
 
 use super::{CellValues, Flowed};
-use crate::real::MOST_LANES;
+use crate::real::MAX_LANES;
 use crate::step::store::Nodes;
 use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS};
 
@@ -113,13 +113,13 @@ impl<const D: usize> Default for Totals<D> {
     }
 }
 
-/// The ledgers at one time. Vertical components where a vector is meant; energies from the start of the run.
+/// The terms of the balances at one time. Vertical components where a vector is meant; energies from the start of the run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Ledger {
+pub struct BalanceTerms {
     /// Dry mass, kg.
     pub solid_mass_kg: f64,
     /// Change of the dry mass since the start, kg.
-    pub solid_closing_kg: f64,
+    pub solid_residual_kg: f64,
     /// Water in the pores, kg.
     pub water_stored_kg: f64,
     /// Water that has entered, kg.
@@ -127,7 +127,7 @@ pub struct Ledger {
     /// Water that has left, kg.
     pub water_out_kg: f64,
     /// Stored - first stored - in + out, kg.
-    pub water_closing_kg: f64,
+    pub water_residual_kg: f64,
     /// Vertical momentum of the mixture, N s.
     pub momentum_n_s: f64,
     /// Impulse of load, gravity, supports and damping, vertical, less what was cut off, N s.
@@ -135,7 +135,7 @@ pub struct Ledger {
     /// Impulse that nodes too light for the step did not get, vertical, N s.
     pub cut_off_n_s: f64,
     /// Momentum given to the nodes - impulse, N s.
-    pub momentum_closing_n_s: f64,
+    pub momentum_residual_n_s: f64,
     /// Kinetic energy of the mixture, J.
     pub kinetic_j: f64,
     /// Strain energy of the skeleton, J.
@@ -155,7 +155,7 @@ pub struct Ledger {
     /// Energy taken by damping, J.
     pub damping_loss_j: f64,
     /// Stored - first stored - work + losses, J; [`Self::transfer_loss_j`] is one of them.
-    pub energy_closing_j: f64,
+    pub energy_residual_j: f64,
     /// Mass of water particles taken out because they had left the soil, kg. The water balance above is that of the
     /// flow through the faces; this says how much of the layer has followed it.
     pub water_particles_removed_kg: f64,
@@ -166,24 +166,24 @@ pub struct Ledger {
     /// How far any stress was outside the yield surface at most, as a share of the strength under no stress; nothing under
     /// an elastic law.
     pub yield_residual_max: Option<f64>,
-    /// Work that pore pressures which are held have done on the soil, J.
+    /// Work that fixed pore pressures have done on the soil, J.
     pub pressure_work_j: f64,
-    /// Kinetic energy lost when velocities went from particles to nodes, J: what the mesh cannot hold, and what is held there.
+    /// Kinetic energy lost when velocities went from particles to nodes, J: what the mesh cannot represent, and what supports take.
     pub transfer_loss_j: f64,
     /// Vertical momentum that water took along when it left its soil, N s.
     pub momentum_carried_n_s: f64,
 }
 
-impl Ledger {
+impl BalanceTerms {
     /// The same where water leaves with its particles.
     pub fn with_removed_as_outflow(self) -> Self {
         let removed = self.water_particles_removed_kg;
-        Self { water_out_kg: removed, water_closing_kg: self.water_closing_kg + removed, ..self }
+        Self { water_out_kg: removed, water_residual_kg: self.water_residual_kg + removed, ..self }
     }
 
-    /// The same with the work (J) of pressures that are held.
+    /// The same with the work (J) of pressures that are fixed.
     pub fn with_held_pressure(self, work: f64) -> Self {
-        Self { pressure_work_j: work, energy_closing_j: self.energy_closing_j - work, ..self }
+        Self { pressure_work_j: work, energy_residual_j: self.energy_residual_j - work, ..self }
     }
 }
 
@@ -193,11 +193,11 @@ impl<const D: usize> Totals<D> {
         self.first = Stored::of(cells);
     }
 
-    /// Books what the nodes have gained in a step, in as many parts as a machine may have lanes. A particle gets `flip dt a + (1 - flip) v`, with
-    /// the velocity v of the end of the step: what held nodes do not give is booked too.
+    /// Records what the nodes have gained in a step, in as many parts as the widest SIMD vector has lanes. A particle gets `flip dt a + (1 - flip) v`, with
+    /// the velocity v of the end of the step: what supported nodes do not give is recorded too.
     pub fn book_motion(&mut self, nodes: &Nodes<D>, flip: f64, dt: f64) {
         for d in 0..D {
-            let (mut power, mut force) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
+            let (mut power, mut force) = ([0.0; MAX_LANES], [0.0; MAX_LANES]);
             each_part(nodes, d, |lane, mass, velocity, acceleration| {
                 let middle = velocity - 0.5 * dt * acceleration;
                 power[lane] += mass * acceleration * middle;
@@ -220,10 +220,10 @@ impl<const D: usize> Totals<D> {
         }
     }
 
-    /// Books a step under gravity (m/s2), in as many parts as a machine may have lanes.
+    /// Records a step under gravity (m/s2), in as many parts as the widest SIMD vector has lanes.
     pub fn book_weight(&mut self, nodes: &Nodes<D>, gravity: &[f64; D], dt: f64) {
         for d in (0..D).filter(|d| gravity[*d] != 0.0) {
-            let (mut impulse, mut work) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
+            let (mut impulse, mut work) = ([0.0; MAX_LANES], [0.0; MAX_LANES]);
             let before = (1.0 - nodes.work_at) * dt;
             each_part(nodes, d, |lane, mass, velocity, acceleration| {
                 let given = dt * mass * gravity[d];
@@ -236,24 +236,24 @@ impl<const D: usize> Totals<D> {
     }
 
     /// The balances now. `density` is that of the water, kg/m3; `removed` the mass of its lost particles, kg.
-    pub fn ledger(&self, cells: &[CellValues<D>], density: f64, removed: f64) -> Ledger {
+    pub fn balance_terms(&self, cells: &[CellValues<D>], density: f64, removed: f64) -> BalanceTerms {
         let (now, first, up) = (Stored::of(cells), &self.first, D - 1);
         let (water_in_kg, water_out_kg) = (density * self.water_in, density * self.water_out);
         let vectors = [self.support_impulse, self.gravity_impulse, self.damping_impulse, self.cut_off_impulse];
         let impulse_n_s = vectors.iter().fold(self.load_impulse, |sum, impulse| sum + impulse[up]);
         let stored = self.kinetic_gain + now.strain + now.pressure - first.strain - first.pressure;
         let work = self.external_work + self.gravity_work + self.flow_body_work;
-        Ledger {
+        BalanceTerms {
             solid_mass_kg: now.solid,
-            solid_closing_kg: now.solid - first.solid,
+            solid_residual_kg: now.solid - first.solid,
             water_stored_kg: now.water,
             water_in_kg,
             water_out_kg,
-            water_closing_kg: now.water - first.water - water_in_kg + water_out_kg,
+            water_residual_kg: now.water - first.water - water_in_kg + water_out_kg,
             momentum_n_s: now.momentum[up],
             impulse_n_s,
             cut_off_n_s: self.cut_off_impulse[up],
-            momentum_closing_n_s: self.momentum_gain[up] - impulse_n_s,
+            momentum_residual_n_s: self.momentum_gain[up] - impulse_n_s,
             kinetic_j: now.kinetic,
             strain_j: now.strain,
             water_j: now.pressure,
@@ -263,7 +263,7 @@ impl<const D: usize> Totals<D> {
             flow_body_work_j: self.flow_body_work,
             darcy_dissipation_j: self.darcy_dissipation,
             damping_loss_j: self.damping_loss,
-            energy_closing_j: stored - work
+            energy_residual_j: stored - work
                 + self.darcy_dissipation
                 + self.damping_loss
                 + self.base_friction
@@ -284,11 +284,11 @@ impl<const D: usize> Totals<D> {
 fn each_part<const D: usize>(nodes: &Nodes<D>, axis: usize, mut visit: impl FnMut(usize, f64, f64, f64)) {
     for (number, strip) in nodes.sums.iter().enumerate() {
         let own = number * nodes.frame.strip..(number + 1) * nodes.frame.strip;
-        let (masses, _) = strip.0[MIXTURE_MASS][..nodes.frame.strip].as_chunks::<MOST_LANES>();
-        let (velocities, _) = nodes.motion.velocity[axis][own.clone()].as_chunks::<MOST_LANES>();
-        let (accelerations, _) = nodes.motion.acceleration[axis][own].as_chunks::<MOST_LANES>();
+        let (masses, _) = strip.0[MIXTURE_MASS][..nodes.frame.strip].as_chunks::<MAX_LANES>();
+        let (velocities, _) = nodes.motion.velocity[axis][own.clone()].as_chunks::<MAX_LANES>();
+        let (accelerations, _) = nodes.motion.acceleration[axis][own].as_chunks::<MAX_LANES>();
         for ((mass, velocity), acceleration) in masses.iter().zip(velocities).zip(accelerations) {
-            for lane in 0..MOST_LANES {
+            for lane in 0..MAX_LANES {
                 visit(lane, mass[lane], velocity[lane], acceleration[lane]);
             }
         }
