@@ -219,17 +219,18 @@ pub fn refresh(root: &Path) -> Result<PathBuf, ReportError> {
 
 fn page(root: &Path, known: &[Known]) -> Page {
     let counts = || known.iter().flat_map(|k| k.report.counts.iter());
-    let states: Vec<State> = known.iter().filter_map(|k| Some(k.report.verdict.as_ref()?.state)).collect();
-    let failed = states.iter().filter(|state| **state == State::Failed).count();
-    let (passed, total) = counts().fold((0, 0), |(passed, total), tally| (passed + tally.passed, total + tally.total));
+    let failed = known.iter().filter(|k| k.report.verdict.as_ref().is_some_and(|v| v.state == State::Failed)).count();
+    let sum = |of: fn(&Tally) -> usize| counts().map(of).sum::<usize>();
+    let [passed, open, total] = [sum(|t| t.passed), sum(|t| t.not_established), sum(|t| t.total)];
     let reports = if known.len() == 1 { "1 report".to_owned() } else { format!("{} reports", known.len()) };
-    let verdict = match (states.is_empty(), failed) {
-        (true, _) => Verdict::new(State::NotEstablished, "No report with a verdict has been made yet."),
-        (_, 0) => Verdict::new(State::Passed, format!("{reports}; {passed} of {total} checks and claims passed.")),
-        (_, n) => Verdict::new(
-            State::Failed,
-            format!("{n} of {reports} failed; {passed} of {total} checks and claims passed."),
-        ),
+    let checks = format!(
+        "of {total} checks and claims {passed} passed, {} failed, {open} are not established",
+        total - passed - open
+    );
+    let verdict = match (total, failed) {
+        (0, 0) => Verdict::new(State::NotEstablished, format!("{reports}, none with a verdict.")),
+        (_, 0) => Verdict::new(State::Passed, format!("{reports}, none failed; {checks}.")),
+        (_, n) => Verdict::new(State::Failed, format!("{n} of {reports} failed; {checks}.")),
     };
     let hero = hero(root, known);
     let first = match hero {
@@ -281,7 +282,7 @@ fn verdicts(known: &[Known]) -> Table {
             ]);
         }
     }
-    Table::new("Verdicts of all reports", &["checked", "verdict", "of which", "total", "date"], rows, "")
+    Table::new("Verdicts", &["checked", "verdict", "of which", "total", "date"], rows, "").words()
 }
 
 /// Links to all reports with state and date.

@@ -111,7 +111,7 @@ pub fn table(items: &[Item]) -> Table {
             Cell::badge(word, mark),
             Cell::new(item.shows.clone()).small(format!("Numbers: {}", item.numbers)),
             Cell::prose(item.ours.clone()).small(found.join("\n")),
-            Cell::new(item.differs.clone()),
+            Cell::prose(item.differs.clone()),
         ]
     };
     let head = ["in the paper", "verdict", "what it shows", "here", "what differs, and why"];
