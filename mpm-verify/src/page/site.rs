@@ -218,19 +218,19 @@ pub fn refresh(root: &Path) -> Result<PathBuf, ReportError> {
 }
 
 fn page(root: &Path, known: &[Known]) -> Page {
-    let counts = || known.iter().flat_map(|k| k.report.counts.iter());
     let failed = known.iter().filter(|k| k.report.verdict.as_ref().is_some_and(|v| v.state == State::Failed)).count();
-    let sum = |of: fn(&Tally) -> usize| counts().map(of).sum::<usize>();
-    let [passed, open, total] = [sum(|t| t.passed), sum(|t| t.not_established), sum(|t| t.total)];
+    let of = |claims: bool| {
+        let own = known.iter().flat_map(|k| k.report.counts.iter()).filter(move |tally| tally.claims == claims);
+        own.fold((0, 0), |(passed, total), tally| (passed + tally.passed, total + tally.total))
+    };
+    let ((passed, checks), (reproduced, claims)) = (of(false), of(true));
     let reports = if known.len() == 1 { "1 report".to_owned() } else { format!("{} reports", known.len()) };
-    let checks = format!(
-        "of {total} checks and claims {passed} passed, {} failed, {open} are not established",
-        total - passed - open
-    );
-    let verdict = match (total, failed) {
+    let counted =
+        format!("{passed} of {checks} checks passed, {reproduced} of {claims} claims of the paper are reproduced");
+    let verdict = match (checks + claims, failed) {
         (0, 0) => Verdict::new(State::NotEstablished, format!("{reports}, none with a verdict.")),
-        (_, 0) => Verdict::new(State::Passed, format!("{reports}, none failed; {checks}.")),
-        (_, n) => Verdict::new(State::Failed, format!("{n} of {reports} failed; {checks}.")),
+        (_, 0) => Verdict::new(State::Passed, format!("{reports}, none failed: {counted}.")),
+        (_, n) => Verdict::new(State::Failed, format!("{n} of {reports} failed: {counted}.")),
     };
     let hero = hero(root, known);
     let first = match hero {
@@ -275,14 +275,13 @@ fn verdicts(known: &[Known]) -> Table {
             let state = tally.state();
             rows.push(vec![
                 Cell::new(tally.label.clone()).linked(&format!("{folder}/index.html")),
-                Cell::badge(state.word(), state.mark()),
+                Cell::badge(tally.word(), state.mark()),
                 Cell::new(tally.said.clone()),
-                Cell::new(tally.total.to_string()),
                 Cell::new(date.clone()),
             ]);
         }
     }
-    Table::new("Verdicts", &["checked", "verdict", "of which", "total", "date"], rows, "").words()
+    Table::new("Verdicts", &["checked", "verdict", "of which", "date"], rows, "").words()
 }
 
 /// Links to all reports with state and date.

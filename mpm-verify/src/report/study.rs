@@ -57,7 +57,7 @@ pub fn tally(label: &str, claims: &[Claim]) -> Tally {
     let reproduced = count(&["reproduced", "reproduced for another reason"]);
     let not = count(&["not reproduced"]);
     let rest = claims.len() - reproduced - not;
-    Tally::in_words(label, [(reproduced, "reproduced"), (not, "not reproduced"), (rest, "not comparable")])
+    Tally::of_claims(label, reproduced, not, rest)
 }
 
 /// A verdict on a claim as a badge.

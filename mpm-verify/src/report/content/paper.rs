@@ -88,7 +88,7 @@ pub fn tally(items: &[Item]) -> Tally {
     let (yes, no) =
         (count(&["reproduced", "reproduced for another reason", "holds"]), count(&["not reproduced", "differs"]));
     let rest = all().count() - yes - no;
-    Tally::in_words("", [(yes, "reproduced"), (no, "not reproduced"), (rest, "not comparable")])
+    Tally::of_claims("", yes, no, rest)
 }
 
 /// The table of all items.
