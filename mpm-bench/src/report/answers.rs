@@ -36,7 +36,7 @@ fn answer(findings: &Findings, error: f64) -> Answer {
         return Answer { wanted: wanted(error), answer, beside: Vec::new(), command: String::new() };
     };
     let answer = format!(
-        "{}: {} of CPU time, {} steps. Its error is {} ({} against Terzaghi).",
+        "{}: {} of CPU time, {} steps. Its error is {} ({} relative to Terzaghi).",
         setting(row),
         time(row.cpu_s),
         row.steps,
@@ -94,7 +94,7 @@ pub fn summary(findings: &Findings) -> String {
         "What a wanted error costs on the consolidation column of the paper's Table 1: {own} settings of this program \
          (integrator, shape functions, cell edge L, particles per cell, step or tolerance) and {volumes} of a plain \
          finite-volume program measured in the same run. An error is the largest |U/U_exact \u{2212} 1| over nine \
-         times from Tv = 0.01 to 1 against compressible water, the physics of the scene; Terzaghi's own solution, with \
+         times from Tv = 0.01 to 1 relative to the exact solution with finite K_w, the physics of the scene; Terzaghi's own solution, with \
          incompressible water, differs from it by 2.7 % at Tv = 0.01. "
     );
     let at = 3e-3;

@@ -80,8 +80,14 @@ fn panel(rows: &[Row], title: &str, x: Axis, of: impl Fn(&Row) -> f64, error: im
 
 fn against_cpu(findings: &Findings) -> Figure {
     let mut panels = vec![
-        panel(&findings.rows, "against compressible water", cpu_axis(), |r| r.cpu_s, |r| r.max_error_compressible),
-        panel(&findings.rows, "against Terzaghi", cpu_axis(), |r| r.cpu_s, |r| r.max_error_terzaghi),
+        panel(
+            &findings.rows,
+            "relative to the exact solution with finite K_w",
+            cpu_axis(),
+            |r| r.cpu_s,
+            |r| r.max_error_compressible,
+        ),
+        panel(&findings.rows, "relative to Terzaghi", cpu_axis(), |r| r.cpu_s, |r| r.max_error_terzaghi),
     ];
     for (panel, which) in panels.iter_mut().zip([0, 1]) {
         let known = findings.peers.iter().filter_map(|p| {
@@ -104,7 +110,7 @@ fn against_cpu(findings: &Findings) -> Figure {
         name: CPU,
         title: "Error against CPU time".to_owned(),
         caption: "Dots: every run. Lines: the settings of an integrator that no other of it beats in both error and \
-                  time (its Pareto front). Errors against Terzaghi end near 2.7 %, where the two exact solutions \
+                  time (its Pareto front). Errors relative to Terzaghi end near 2.7 %, where the two exact solutions \
                   differ; below it two errors of opposite sign cancel."
             .to_owned(),
         height: 470.0,
@@ -131,7 +137,7 @@ fn by_scheme(findings: &Findings) -> Figure {
     Figure {
         name: CPU_SCHEMES,
         title: "Error against CPU time by shape functions: the front of each".to_owned(),
-        caption: "Against compressible water. Explicit and semi-implicit runs carry inertia and large strain, which \
+        caption: "Relative to the exact solution with finite K_w. Explicit and semi-implicit runs carry inertia and large strain, which \
                   the exact solution leaves out: they level off."
             .to_owned(),
         height: 390.0,
@@ -145,7 +151,7 @@ fn against_steps(findings: &Findings) -> Figure {
     Figure {
         name: STEPS,
         title: "Error against steps".to_owned(),
-        caption: "Against compressible water. Dots and lines as above. A step is not worth the same everywhere: the \
+        caption: "Relative to the exact solution with finite K_w. Dots and lines as above. A step is not worth the same everywhere: the \
                   baseline and implicit runs solve a system in each, an explicit one touches every particle."
             .to_owned(),
         height: 400.0,
@@ -160,7 +166,8 @@ fn against_particles(findings: &Findings) -> Figure {
     Figure {
         name: PARTICLES,
         title: "Error against particles".to_owned(),
-        caption: "Against compressible water, runs in one dimension. Dots and lines as above.".to_owned(),
+        caption: "Relative to the exact solution with finite K_w, runs in one dimension. Dots and lines as above."
+            .to_owned(),
         height: 400.0,
         panels: vec![panel(&column, "", axis, |r| r.particles as f64, |r| r.max_error_compressible)],
         missing: Vec::new(),

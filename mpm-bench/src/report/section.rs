@@ -67,7 +67,7 @@ fn peers(findings: &Findings) -> Section {
     Section {
         text: vec![
             "Other codes on the same column, measured elsewhere and on another day, each as its users would set it up: \
-             compare orders of magnitude. Where no error against compressible water is known, the one against \
+             compare orders of magnitude. Where no error relative to the exact solution with finite K_w is known, the one against \
              Terzaghi is given."
                 .to_owned(),
         ],

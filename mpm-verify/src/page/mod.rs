@@ -301,6 +301,13 @@ impl Page {
         };
         let mut environment = Environment::new();
         environment.set_syntax(SyntaxConfig::builder().trim_blocks(true).build().map_err(lost)?);
+        // Texts of a page are escaped, but not the slashes of links.
+        let is_html = name.ends_with("html");
+        environment.set_formatter(move |out, _, value| {
+            let text = value.to_string();
+            let text = if is_html && !value.is_safe() { escaped(&text) } else { text };
+            out.write_str(&text).map_err(minijinja::Error::from)
+        });
         environment.add_filter("prose", prose);
         environment.add_filter("cell", |text: String| text.replace('|', "\\|").replace('\n', " "));
         environment.add_template(name, template).map_err(lost)?;

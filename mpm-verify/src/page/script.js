@@ -31,7 +31,7 @@ for (const table of all('.table table')) {
   });
 }
 for (const place of all('.table.filter')) {
-  const rows = [...place.querySelector('tbody').rows], find = make('div', { class: 'find', role: 'search' });
+  const rows = [...place.querySelector('tbody').rows], find = make('div', { class: 'find' });
   const input = make('input', { type: 'search', 'aria-label': 'Filter the rows of the table', placeholder: 'filter rows' });
   const count = make('span', { class: 'soft', role: 'status' });
   const words = [...new Set(rows.flatMap(row => all('.badge', row).map(b => b.textContent)))].slice(0, 6);

@@ -218,18 +218,19 @@ pub fn refresh(root: &Path) -> Result<PathBuf, ReportError> {
 }
 
 fn page(root: &Path, known: &[Known]) -> Page {
-    let counts = || known.iter().flat_map(|k| k.report.counts.iter());
-    let states: Vec<State> = known.iter().filter_map(|k| Some(k.report.verdict.as_ref()?.state)).collect();
-    let failed = states.iter().filter(|state| **state == State::Failed).count();
-    let (passed, total) = counts().fold((0, 0), |(passed, total), tally| (passed + tally.passed, total + tally.total));
+    let failed = known.iter().filter(|k| k.report.verdict.as_ref().is_some_and(|v| v.state == State::Failed)).count();
+    let of = |claims: bool| {
+        let own = known.iter().flat_map(|k| k.report.counts.iter()).filter(move |tally| tally.claims == claims);
+        own.fold((0, 0), |(passed, total), tally| (passed + tally.passed, total + tally.total))
+    };
+    let ((passed, checks), (reproduced, claims)) = (of(false), of(true));
     let reports = if known.len() == 1 { "1 report".to_owned() } else { format!("{} reports", known.len()) };
-    let verdict = match (states.is_empty(), failed) {
-        (true, _) => Verdict::new(State::NotEstablished, "No report with a verdict has been made yet."),
-        (_, 0) => Verdict::new(State::Passed, format!("{reports}; {passed} of {total} checks and claims passed.")),
-        (_, n) => Verdict::new(
-            State::Failed,
-            format!("{n} of {reports} failed; {passed} of {total} checks and claims passed."),
-        ),
+    let counted =
+        format!("{passed} of {checks} checks passed, {reproduced} of {claims} claims of the paper are reproduced");
+    let verdict = match (checks + claims, failed) {
+        (0, 0) => Verdict::new(State::NotEstablished, format!("{reports}, none with a verdict.")),
+        (_, 0) => Verdict::new(State::Passed, format!("{reports}, none failed: {counted}.")),
+        (_, n) => Verdict::new(State::Failed, format!("{n} of {reports} failed: {counted}.")),
     };
     let hero = hero(root, known);
     let first = match hero {
@@ -274,14 +275,13 @@ fn verdicts(known: &[Known]) -> Table {
             let state = tally.state();
             rows.push(vec![
                 Cell::new(tally.label.clone()).linked(&format!("{folder}/index.html")),
-                Cell::badge(state.word(), state.mark()),
+                Cell::badge(tally.word(), state.mark()),
                 Cell::new(tally.said.clone()),
-                Cell::new(tally.total.to_string()),
                 Cell::new(date.clone()),
             ]);
         }
     }
-    Table::new("Verdicts of all reports", &["checked", "verdict", "of which", "total", "date"], rows, "")
+    Table::new("Verdicts", &["checked", "verdict", "of which", "date"], rows, "").words()
 }
 
 /// Links to all reports with state and date.

@@ -82,6 +82,9 @@ pub struct Tally {
     pub total: usize,
     /// The counts in the words of their kind: `6 reproduced, 2 not reproduced`.
     pub said: String,
+    /// Whether they are claims of the paper, which are reproduced or not, rather than checks, which pass or fail.
+    #[serde(default)]
+    pub claims: bool,
 }
 
 impl Tally {
@@ -96,7 +99,15 @@ impl Tally {
         let [passed, failed, not_established] = counts.map(|(n, _)| n);
         let total = passed + failed + not_established;
         let said = if parts.is_empty() { "none".to_owned() } else { parts.join(", ") };
-        Self { label: label.to_owned(), passed, failed, not_established, total, said }
+        let claims = counts[0].1 == "reproduced";
+        Self { label: label.to_owned(), passed, failed, not_established, total, said, claims }
+    }
+
+    /// Claims, counted.
+    pub fn of_claims(label: &str, reproduced: usize, not_reproduced: usize, not_comparable: usize) -> Self {
+        let counts =
+            [(reproduced, "reproduced"), (not_reproduced, "not reproduced"), (not_comparable, "not comparable")];
+        Self::in_words(label, counts)
     }
 
     /// With other words for the counts.
@@ -104,9 +115,18 @@ impl Tally {
         Self { said: said.into(), ..self }
     }
 
-    /// The state that follows from the counts.
+    /// Text of its badge: the word of its state, or how many claims are reproduced.
+    pub fn word(&self) -> String {
+        match self.claims {
+            true => format!("{} of {} reproduced", self.passed, self.total),
+            false => self.state().word().to_owned(),
+        }
+    }
+
+    /// The state that follows from the counts. A claim that is not reproduced is no failure of this program.
     pub fn state(&self) -> State {
         match self {
+            Self { claims: true, passed, total, .. } if passed < total => State::NotEstablished,
             Self { failed: 1.., .. } => State::Failed,
             Self { passed: 0, .. } => State::NotEstablished,
             _ => State::Passed,

@@ -7,7 +7,8 @@ use crate::report::Study;
 use crate::study::{CaseResult, Degree, Variant, shown_family};
 
 /// The loads in the order of panels and tables: the word in the data and how it reads.
-pub const LOADS: [(&str, &str); 2] = [("particles", "load on the particles"), ("surface", "load on the surface")];
+pub const LOADS: [(&str, &str); 2] =
+    [("particles", "traction on boundary particles"), ("surface", "traction on the free surface")];
 
 /// The paper's own mesh (m) and number of particles per cell.
 pub const PAPER: (f64, usize) = (0.02, 4);
@@ -29,7 +30,7 @@ impl Reference {
     pub fn words(self) -> &'static str {
         match self {
             Self::Terzaghi => "Terzaghi",
-            Self::Compressible => "compressible water",
+            Self::Compressible => "the exact solution with finite K_w",
         }
     }
 
@@ -129,7 +130,7 @@ pub fn compared_particles(integrator: &str) -> usize {
     if integrator == INTEGRATORS[2] { 9 } else { PAPER.1 }
 }
 
-/// The cases by which integrators and schemes are compared: load on the surface, the number of particles per cell that
+/// The cases by which integrators and schemes are compared: traction on the free surface, the number of particles per cell that
 /// is there and nearest to [`compared_particles`].
 pub fn of_schemes(results: &[CaseResult]) -> Vec<&CaseResult> {
     let own = |r: &&CaseResult| r.variant == Variant::Base && r.failure.is_none() && r.load == "surface";

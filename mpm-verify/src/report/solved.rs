@@ -87,15 +87,16 @@ pub fn write(
     figures.extend(profiles(scene, run, exact.as_ref()));
     figures.extend(ledgers(scene, run));
     figures.iter().try_for_each(|figure| plots::write(figure, folder).map(drop))?;
-    for map in maps::all(scene, run) {
-        field::write(&map, folder)?;
-        figures.push(field::figure(&map));
+    // What is seen of the soil comes first.
+    for (place, map) in maps::all(scene, run).iter().enumerate() {
+        field::write(map, folder)?;
+        figures.insert(place, field::figure(map));
     }
     let pictures = Section::new("pictures", "Pictures");
     let pictures = figures.iter().fold(pictures, |s, figure| s.figure_in(figure, ".", &["csv", "png", "svg"]));
     let files = FILES.into_iter().filter(|file| folder.join(file).exists() || *file == "summary.json");
-    let main = figures.last().map_or("", |figure| figure.name);
-    let alt = figures.last().map_or("", |figure| &figure.title);
+    let main = figures.first().map_or("", |figure| figure.name);
+    let alt = figures.first().map_or("", |figure| &figure.title);
     Page::new(scene.name.clone())
         .verdict(verdict(run))
         .lead(summary(scene, run, cpu_s))

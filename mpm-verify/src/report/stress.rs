@@ -74,7 +74,7 @@ fn verdict(cases: &[Case], found: &[Found]) -> crate::page::verdict::Verdict {
     let passed = broken_defaults(cases, found).is_empty();
     let words = tally(found).said;
     let defaults = if passed { "No default scheme fails" } else { "A default scheme fails" };
-    let sentence = format!("{defaults}. Of {} runs of {} tests: {words}.", found.len(), cases.len());
+    let sentence = format!("{defaults}. Runs: {}, of {} stress tests; {words}.", found.len(), cases.len());
     crate::page::verdict::Verdict::new(State::of(passed), sentence)
 }
 

@@ -57,7 +57,7 @@ pub fn tally(label: &str, claims: &[Claim]) -> Tally {
     let reproduced = count(&["reproduced", "reproduced for another reason"]);
     let not = count(&["not reproduced"]);
     let rest = claims.len() - reproduced - not;
-    Tally::in_words(label, [(reproduced, "reproduced"), (not, "not reproduced"), (rest, "not comparable")])
+    Tally::of_claims(label, reproduced, not, rest)
 }
 
 /// A verdict on a claim as a badge.
@@ -102,7 +102,7 @@ impl Of<'_> {
         files.extend((!schemes::time(sweeps).is_empty()).then_some("time_error.csv"));
         files.push("study.json");
         let words = |id: &str, title: &str, items: Vec<String>| Section::new(id, title).list(items);
-        Page::new("Accuracy of the two-phase double-point material point method in one-dimensional consolidation")
+        Page::new("Accuracy study: one-dimensional consolidation")
             .verdict(self.verdict())
             .lead(self.lead())
             .warnings(warnings(study))
@@ -177,7 +177,7 @@ impl Of<'_> {
         let lead = "The figures of the paper are not reproduced here: where only a figure holds the numbers, it says \"not available\".";
         let tally = paper::tally(&items);
         let sentence = format!(
-            "{known} of {} figures, tables and statements carry a claim that is checked: {}.",
+            "{known} of {} figures, tables and passages carry a claim that is checked: {}.",
             items.len(),
             tally.said
         );
@@ -237,10 +237,7 @@ impl Of<'_> {
 
     fn cases(&self) -> Page {
         let results: &[CaseResult] = &self.study.results;
-        let mut cases = Section::new("cases", "All cases");
-        for table in table::cases(results) {
-            cases = cases.index(table);
-        }
+        let cases = Section::new("cases", "All cases").index(table::cases(results));
         let speed = table::speed(results).into_iter().chain(table::costs(&self.study.costs));
         let terms = TERMS.iter().map(|(term, meaning)| ((*term).to_owned(), (*meaning).to_owned())).collect();
         Page::new("")

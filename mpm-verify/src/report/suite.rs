@@ -162,7 +162,7 @@ fn orders(judged: &[Judged]) -> Table {
             (None, None) => ("passed", "good"),
         };
         vec![
-            Cell::new(judged.row.case.clone()).marked(format!("against {}", refinement.against), ""),
+            Cell::new(judged.row.case.clone()).marked(format!("error relative to {}", refinement.against), ""),
             Cell::badge(words_of, mark),
             Cell::new(refinement.by.0).marked(format!("{span}{unit}"), ""),
             Cell::new(refinement.errors.len().to_string()),

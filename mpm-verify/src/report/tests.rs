@@ -211,7 +211,7 @@ fn a_small_study_is_written_whole() {
         assert!(text(&place, &format!("plots/{name}.csv")).lines().count() > 1, "{name} has no numbers");
     }
     let parts = text(&place, "plots/error-budget.csv");
-    assert!(parts.starts_with("panel,series,mesh_m,share_percent\nload on the particles,load placement,0.1,"));
+    assert!(parts.starts_with("panel,series,mesh_m,share_percent\ntraction on boundary particles,load placement,0.1,"));
     for name in
         ["study.json", "manifest.json", "report.md", "consolidation.csv", "budget.csv", "claims.csv", "cost.csv"]
     {
@@ -247,8 +247,8 @@ fn the_columns_of_the_error_table_are_the_contract() {
 fn other_integrators_stand_beside_the_paper_and_not_in_its_place() {
     let (place, page) = written(with_other_integrators());
     assert!(page.contains("Pictures and tables of one scheme show explicit-centre."));
-    assert!(!page.contains("Largest error, load on the surface (quasi-static"));
-    assert!(page.contains("The same statements with other integrators") && page.contains("fell short"));
+    assert!(!page.contains("Largest error of U (quasi-static"));
+    assert!(page.contains("The same claims with other integrators") && page.contains("failed"));
     let largest = text(&place, "plots/max-error-against-mesh-compressible.csv");
     assert_eq!(largest.lines().count(), 1 + 8, "{largest}");
     let schemes = text(&place, "plots/error-of-all-schemes.csv");
@@ -304,7 +304,7 @@ fn failed_forced_and_missing_runs_are_said() {
         "1 failed runs are left out",
         "explicit-centre-particles-L0.05-ppc1: no largest error",
         "no run with L = 0.02 m",
-        "no exact solution for inertia, remainder with the load on the surface",
+        "no exact solution for inertia, remainder with the traction on the free surface",
     ] {
         assert!(page.contains(words), "the page does not say: {words}");
         assert!(text(&place, "report.md").contains(words), "report.md does not say: {words}");
@@ -329,7 +329,7 @@ fn a_stored_study_reads_back_with_what_is_not_a_number() {
 fn a_study_without_runs_is_no_panic() {
     let (place, page) = written(Vec::new());
     check_pictures(&place.path().join("accuracy/plots"));
-    assert!(page.contains("no run with the load on the surface"));
+    assert!(page.contains("no run with the traction on the free surface"));
     let one = vec![run(0.1, 9, "surface", Variant::Base)];
     let (place, page) = written(one);
     check_pictures(&place.path().join("accuracy/plots"));

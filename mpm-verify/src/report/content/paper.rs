@@ -88,7 +88,7 @@ pub fn tally(items: &[Item]) -> Tally {
     let (yes, no) =
         (count(&["reproduced", "reproduced for another reason", "holds"]), count(&["not reproduced", "differs"]));
     let rest = all().count() - yes - no;
-    Tally::in_words("", [(yes, "reproduced"), (no, "not reproduced"), (rest, "not comparable")])
+    Tally::of_claims("", yes, no, rest)
 }
 
 /// The table of all items.
@@ -111,7 +111,7 @@ pub fn table(items: &[Item]) -> Table {
             Cell::badge(word, mark),
             Cell::new(item.shows.clone()).small(format!("Numbers: {}", item.numbers)),
             Cell::prose(item.ours.clone()).small(found.join("\n")),
-            Cell::new(item.differs.clone()),
+            Cell::prose(item.differs.clone()),
         ]
     };
     let head = ["in the paper", "verdict", "what it shows", "here", "what differs, and why"];

@@ -1,7 +1,7 @@
 //! Tables that compare integrators and shape functions, and those of the sweeps.
 
 use super::table::{Cell, Table, order_cell, table};
-use crate::claims::{Judgement, Verdict};
+use crate::claims::Judgement;
 use crate::report::numbers::short;
 use crate::report::orders::Group;
 use crate::report::select::{meshes, of_schemes};
@@ -15,15 +15,18 @@ pub fn schemes(results: &[CaseResult], groups: &[Group]) -> Vec<Table> {
     if cases.is_empty() {
         return Vec::new();
     }
-    let setting = "load on the surface";
+    let setting = "traction on the free surface";
     let model = "Explicit and semi-implicit runs carry inertia and large strain, quasi-static ones neither: each is \
-                 compared with the solution of small strain without inertia, so the first two level off at what they \
-                 carry. A dash: not run. Particles per cell in brackets.";
-    let time = "Seconds of CPU time under whatever load the machine had; a quick run is the median of several.";
+                 compared with the solution of small strain without inertia, so that the errors of the first two tend to \
+                 these effects. A dash: not run. Particles per cell in brackets.";
+    let time = "CPU time on a machine that may have been loaded; a quick run is the median of several.";
     vec![
-        by_family(&cases, format!("Largest error against compressible water, {setting}"), model, |r| {
-            short(r.max_error_compressible, 3)
-        }),
+        by_family(
+            &cases,
+            format!("Largest error relative to the exact solution with finite K_w, {setting}"),
+            model,
+            |r| short(r.max_error_compressible, 3),
+        ),
         by_family(&cases, format!("Error of the pressure profile at Tv = 0.1, {setting}"), "", |r| {
             short(r.profile_error_compressible, 3)
         }),
@@ -56,7 +59,7 @@ fn by_family(cases: &[&CaseResult], title: String, note: &str, number: fn(&CaseR
     table(title, &heads, families.into_iter().map(row).collect(), note)
 }
 
-/// Orders of every scheme against compressible water.
+/// Orders of every scheme relative to the exact solution with finite K_w.
 fn orders(groups: &[Group], cases: &[&CaseResult]) -> Table {
     let name = |r: &CaseResult| format!("{}-surface-ppc{}", r.family(), r.ppc);
     let own = groups.iter().filter(|g| cases.iter().any(|r| name(r) == g.name));
@@ -69,22 +72,21 @@ fn orders(groups: &[Group], cases: &[&CaseResult]) -> Table {
     let head = ["group", "max error", "late error", "profile"];
     let note = "As in the tables of orders above. A line that ends at an error in time or at what the model carries is \
                 not asymptotic.";
-    table("Orders of every scheme against compressible water".to_owned(), &head, own.map(row).collect(), note)
+    table(
+        "Orders of every scheme relative to the exact solution with finite K_w".to_owned(),
+        &head,
+        own.map(row).collect(),
+        note,
+    )
 }
 
 /// Verdicts on the paper's statements with other integrators.
 pub fn other_claims(others: &[Judgement]) -> Vec<Table> {
     let Some(first) = others.first() else { return Vec::new() };
-    let mut head = vec!["statement"];
+    let mut head = vec!["claim"];
     head.extend(others.iter().map(|o| o.family.as_str()));
     let verdict = |o: &Judgement, place: usize| {
-        o.claims.get(place).map_or_else(
-            || Cell::new("–"),
-            |claim| {
-                Cell::new(claim.verdict.words())
-                    .marked("", if claim.verdict == Verdict::NotReproduced { "bad" } else { "" })
-            },
-        )
+        o.claims.get(place).map_or_else(|| Cell::new("–"), |claim| crate::report::study::badge(claim.verdict))
     };
     let row = |(place, claim): (usize, &crate::claims::Claim)| {
         let mut row = vec![Cell::new(claim.id.clone())];
@@ -92,9 +94,9 @@ pub fn other_claims(others: &[Judgement]) -> Vec<Table> {
         row
     };
     let rows = first.claims.iter().enumerate().map(row).collect();
-    let note = "The same rules on runs of other integrators, values at the cell centre, load on the particles. The \
+    let note = "The same rules on runs of other integrators, values at the cell centre, traction on boundary particles. The \
                 evidence is in claims_integrators.csv.";
-    vec![table("The same statements with other integrators".to_owned(), &head, rows, note)]
+    vec![table("The same claims with other integrators".to_owned(), &head, rows, note)]
 }
 
 /// Largest errors of the sweeps over places, with what they must reach.
@@ -128,7 +130,7 @@ pub fn places(sweeps: &Sweeps) -> Vec<Table> {
     }
     let mut tables = Vec::new();
     let head = ["scheme", "even", "smooth, to 0.5", "random, to 0.25", "both", "required"];
-    let note = "Largest error of U against compressible water over all amplitudes (in particle spacings) and seeds.";
+    let note = "Largest error of U relative to the exact solution with finite K_w over all amplitudes (in particle spacings) and seeds.";
     if !rows.is_empty() {
         tables.push(table("Displaced particles".to_owned(), &head, rows, note));
     }
@@ -143,7 +145,7 @@ pub fn places(sweeps: &Sweeps) -> Vec<Table> {
     };
     if !sweeps.shifted.is_empty() {
         let head = ["scheme", "aligned", "worst offset", "required"];
-        let note = "Largest error of U against compressible water over all starts of the mesh below the soil.";
+        let note = "Largest error of U relative to the exact solution with finite K_w over all starts of the mesh below the soil.";
         tables.push(table("Offset of the mesh".to_owned(), &head, MESHES.map(row).to_vec(), note));
     }
     tables
@@ -161,7 +163,7 @@ fn error_cell(errors: &[f64]) -> Cell {
 fn verdict(required: Option<f64>, held: impl Iterator<Item = Option<bool>>) -> Cell {
     let Some(limit) = required else { return Cell::new("–") };
     let all = held.flatten().all(|h| h);
-    let (words, mark) = if all { ("held", "good") } else { ("fell short", "bad") };
+    let (words, mark) = if all { ("passed", "good") } else { ("failed", "bad") };
     Cell::new(format!("at most {}", short(limit, 1))).marked(words, mark)
 }
 
@@ -184,7 +186,7 @@ pub fn time(sweeps: &Sweeps) -> Vec<Table> {
     };
     let head =
         ["run", "setting", "steps", "repeated", "factorisations", "solves", "CPU (s)", "error in time", "whole error"];
-    let note = "9 particles per cell, load on the surface; quasi-static runs with bspline2. Error in time: against \
+    let note = "9 particles per cell, traction on the free surface; quasi-static runs with bspline2. Error in time: relative to \
                 tolerance 1e-10 on the same mesh, or extrapolated from the two shortest steps. Whole error: against \
                 compressible water.";
     let rows: Vec<Vec<Cell>> = sweeps.time.iter().map(row).collect();

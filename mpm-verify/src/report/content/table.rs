@@ -70,24 +70,26 @@ fn shown(results: &[CaseResult]) -> Option<(String, Vec<&CaseResult>)> {
     families(results).into_iter().find(|(family, _)| *family == name)
 }
 
-/// Largest errors per mesh and particles against both exact solutions, a table per load.
-pub fn errors(results: &[CaseResult]) -> Vec<Table> {
-    let mut tables = Vec::new();
-    if let Some((family, cases)) = shown(results) {
-        for (load, words) in loads(&cases) {
-            let [terzaghi, compressible] = Reference::BOTH;
-            let numbers: [&dyn Fn(&CaseResult) -> String; 2] =
-                [&|r| percent(terzaghi.largest(r)), &|r| percent(compressible.largest(r))];
-            let (groups, head) = by_mesh_head(&cases, &["against Terzaghi (%)", "against compressible water (%)"]);
-            let rows = by_mesh(&cases, load, &numbers);
-            let note = "max |U/U_exact \u{2212} 1| over nine times from Tv = 0.01 to 1. In bold: the paper's mesh and \
-                        particles.";
-            let title = format!("Largest error, {words} ({family})");
-            let heads: Vec<&str> = head.iter().map(String::as_str).collect();
-            tables.push(Table { groups, ..table(title, &heads, rows, note) });
-        }
+/// Largest errors per mesh, traction and particles relative to both exact solutions.
+pub fn errors(results: &[CaseResult]) -> Option<Table> {
+    let (family, cases) = shown(results)?;
+    let [terzaghi, compressible] = Reference::BOTH;
+    let numbers: [&dyn Fn(&CaseResult) -> String; 2] =
+        [&|r| percent(terzaghi.largest(r)), &|r| percent(compressible.largest(r))];
+    let (groups, head) = by_mesh_head(&cases, &["relative to Terzaghi (%)", "relative to finite K_w (%)"]);
+    let mut rows = Vec::new();
+    for (load, words) in loads(&cases) {
+        rows.extend(by_mesh(&cases, load, &numbers).into_iter().map(|mut row| {
+            if let Some(first) = row.first_mut() {
+                *first = first.clone().small(words);
+            }
+            row
+        }));
     }
-    tables
+    let note = "max |U/U_exact \u{2212} 1| over nine times from Tv = 0.01 to 1. In bold: the paper's mesh and particles. \
+                Finite K_w: the exact solution with finite bulk modulus of the pore water.";
+    let heads: Vec<&str> = head.iter().map(String::as_str).collect();
+    Some(Table { groups, ..table(format!("Largest error of U ({family})"), &heads, rows, note) })
 }
 
 /// Fitted orders of one family with their confidence and whether the range is asymptotic, a table per exact solution.
@@ -112,12 +114,17 @@ pub fn orders(groups: &[Group], family: &str) -> Vec<Table> {
                      whether the range is asymptotic (every pairwise order within 0.3 of the slope and no change of \
                      sign), and the pairwise orders from coarse to fine. Last column: Richardson's extrapolation from \
                      the three finest meshes.";
-    let little = "Orders against Terzaghi mean little: the error tends to the constant that the water's \
+    let little = "Orders relative to Terzaghi mean little: the error tends to the constant that the water's \
                   compressibility makes.";
     let rows = |row: &dyn Fn(&Group) -> Vec<Cell>| groups.iter().copied().map(row).collect();
     vec![
-        table("Orders against compressible water".to_owned(), &head, rows(&compressible), explained),
-        table("Orders against Terzaghi".to_owned(), &head[..4], rows(&|g| fits(g, "terzaghi")), little),
+        table(
+            "Orders relative to the exact solution with finite K_w".to_owned(),
+            &head,
+            rows(&compressible),
+            explained,
+        ),
+        table("Orders relative to Terzaghi".to_owned(), &head[..4], rows(&|g| fits(g, "terzaghi")), little),
     ]
 }
 
@@ -155,7 +162,7 @@ fn short_order(order: f64) -> String {
     format!("{:.1}", (10.0 * order).round() / 10.0 + 0.0).replace('-', "\u{2212}")
 }
 
-/// Parts of the error against Terzaghi, at the first time and at Tv = 0.1, a table per load.
+/// Parts of the error relative to Terzaghi, at the first time and at Tv = 0.1, a table per load.
 pub fn budgets(study: &Study) -> Vec<Table> {
     let cases = Cases::of(&study.results);
     let ppc = cases.usual_particles().unwrap_or(0);
@@ -192,8 +199,8 @@ pub fn speed(results: &[CaseResult]) -> Vec<Table> {
         let (groups, head) = by_mesh_head(&cases, &["steps", "CPU time (s)", "per point-step (ns)"]);
         let rows = by_mesh(&cases, load, &numbers);
         let note = "One point-step is one solid particle with its water particle, one step. The time step is the \
-                    stability limit times a safety factor, so that steps grow faster than 1/L. Times of one machine \
-                    under whatever load it had: compare ratios.";
+                    stability limit times a safety factor, so that steps grow faster than 1/L. Times are of one machine: \
+                    compare ratios.";
         let title = format!("Speed, {words} ({family})");
         let heads: Vec<&str> = head.iter().map(String::as_str).collect();
         tables.push(Table { groups, ..table(title, &heads, rows, note) });
@@ -220,10 +227,14 @@ pub fn costs(costs: &[Cost]) -> Option<Table> {
 
 /// Names over several columns of the table of all cases, with the number of columns.
 const CASE_GROUPS: [(&str, usize); 4] =
-    [("", 5), ("against Terzaghi (%)", 3), ("against compressible water (%)", 3), ("", 2)];
+    [("", 9), ("relative to Terzaghi (%)", 3), ("relative to finite K_w (%)", 3), ("", 2)];
 /// Heads of the table of all cases.
-const CASE_HEAD: [&str; 13] = [
-    "case",
+const CASE_HEAD: [&str; 17] = [
+    "integrator and scheme",
+    "run",
+    "L (m)",
+    "per cell",
+    "traction on",
     "particles",
     "step (s)",
     "step/limit",
@@ -238,17 +249,21 @@ const CASE_HEAD: [&str; 13] = [
     "crossings",
 ];
 
-/// Every case with its numbers.
-pub fn cases(results: &[CaseResult]) -> Vec<Table> {
+/// Every case with its numbers, in one table.
+pub fn cases(results: &[CaseResult]) -> Table {
     let row = |r: &&CaseResult| {
-        let status = match (&r.failure, r.forced) {
-            (Some(why), _) => (format!("failed: {why}"), "bad"),
-            (None, true) => ("forced above the stability limit".to_owned(), "warn"),
-            (None, false) => (String::new(), ""),
+        let (word, mark, why) = match (&r.failure, r.forced) {
+            (Some(why), _) => ("failed", "bad", why.as_str()),
+            (None, true) => ("forced", "warn", "above the stability limit"),
+            (None, false) => ("complete", "good", ""),
         };
         let ratio = r.dt_s / r.limit_s;
         let mut row = vec![
-            Cell::new(r.case.clone()).marked(status.0, status.1),
+            Cell::new(r.family()).small(if r.dimension == "column" { "" } else { r.dimension.as_str() }),
+            Cell::badge(word, mark).small(why),
+            Cell::new(r.mesh_m.to_string()),
+            Cell::new(r.ppc.to_string()),
+            Cell::new(r.load.clone()),
             Cell::new(r.particles.to_string()),
             Cell::new(short(r.dt_s, 3)),
             Cell::new(short(ratio, 2)).marked("", if ratio > 1.0 { "warn" } else { "" }),
@@ -267,12 +282,9 @@ pub fn cases(results: &[CaseResult]) -> Vec<Table> {
         row.push(Cell::new(r.cell_crossings.to_string()));
         row
     };
-    let all = families(results).into_iter().map(|(family, cases)| {
-        let dimension = cases.first().map_or("", |r| r.dimension.as_str());
-        let title = format!("All cases ({family}, {dimension})");
-        let note = "Errors: max over nine times, late for Tv \u{2265} 0.1, profile at Tv = 0.1.";
-        let groups = CASE_GROUPS.map(|(name, columns)| (name.to_owned(), columns)).to_vec();
-        Table { groups, ..table(title, &CASE_HEAD, cases.iter().map(row).collect(), note) }
-    });
-    all.collect()
+    let families = families(results);
+    let rows = families.iter().flat_map(|(_, cases)| cases.iter().map(row)).collect();
+    let note = "Errors of U: max over nine times, late for Tv \u{2265} 0.1; profile: of the pore pressure at Tv = 0.1.";
+    let groups = CASE_GROUPS.map(|(name, columns)| (name.to_owned(), columns)).to_vec();
+    Table { groups, ..table("All cases".to_owned(), &CASE_HEAD, rows, note) }
 }

@@ -8,16 +8,19 @@ pub const TERMS: [(&str, &str); 25] = [
         "Degree of consolidation S/(q H/M): settlement of the loaded surface over its final value, counted from \
          the unloaded state.",
     ),
-    ("p₀", "Undrained pore pressure under the load q: q itself if water does not compress, a little less if it does."),
+    (
+        "p₀",
+        "Undrained pore pressure under the load q: q itself for incompressible water, a little less for finite K_w.",
+    ),
     (
         "Terzaghi",
         "Exact solution of one-dimensional consolidation at small strain, without inertia, with incompressible \
          water.",
     ),
     (
-        "compressible water",
-        "The same with the water's own stiffness: part of the settlement is there at once. The column that is \
-         computed has this water.",
+        "finite K_w",
+        "The exact solution with finite bulk modulus of the pore water: part of the settlement occurs at once. The program \
+         solves this problem.",
     ),
     (
         "error",
@@ -31,11 +34,10 @@ pub const TERMS: [(&str, &str); 25] = [
          has the root of that number).",
     ),
     (
-        "load on the particles",
-        "The load acts on the top row of particles, as in the paper: below the true surface by a part of a cell, \
-         and the soil above it is not loaded.",
+        "traction on boundary particles",
+        "The traction acts on the top row of particles, as in the paper: half a particle spacing below the surface.",
     ),
-    ("load on the surface", "The load acts on the true surface above the top row of particles."),
+    ("traction on the free surface", "The traction acts on the free surface above the top row of particles."),
     (
         "order",
         "p in error ~ L^p: slope of a fit through all meshes, with the half width of its 95 % confidence interval.",
@@ -52,11 +54,14 @@ pub const TERMS: [(&str, &str); 25] = [
     ),
     (
         "parts of the error",
-        "Each from switching one thing: load placement (particles or surface), space (cells of finite size), time \
+        "Each found by changing one thing: load placement (particles or surface), space (cells of finite size), time \
          (half the step), inertia (exact dynamic column), compressibility (the two exact solutions), large strain \
-         (a hundredth of the load). The remainder is what does not add up.",
+         (a hundredth of the load). The remainder is the total less the parts.",
     ),
-    ("closing error", "Work of the load less all energies and losses: what the scheme makes or loses on its own."),
+    (
+        "balance residual",
+        "Work of the load less all energies and dissipation: energy that the scheme creates or destroys.",
+    ),
     (
         "cell crossings",
         "How often a particle of either layer moved into another cell: the paper's explanation of noise.",

@@ -73,7 +73,7 @@ fn references(whole: &mut Panel, gap: &mut Panel, case: &CaseResult) {
         _ => case.degrees.iter().map(|d| [d.tv, d.u_terzaghi, d.u_compressible]).collect(),
     };
     let (solid, dashed) = (Look::new(BLACK, Marker::Dot), Look::new(GREEN, Marker::Dot).dash(Dash::Dashed).width(2.2));
-    let (terzaghi, compressible) = ("Terzaghi, incompressible water", "compressible water");
+    let (terzaghi, compressible) = ("Terzaghi, incompressible water", "exact, finite K_w");
     whole.add(Series::line(terzaghi, solid, rows.iter().map(|r| (r[0], r[1]))));
     whole.add(Series::line(compressible, dashed, rows.iter().map(|r| (r[0], r[2]))));
     gap.add(Series::line(terzaghi, solid, rows.iter().map(|r| (r[0], 0.0))));

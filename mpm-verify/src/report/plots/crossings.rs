@@ -30,7 +30,7 @@ pub fn figure(cases: &Cases) -> Figure {
                 Point::new(r.ppc as f64, error.abs()).open(error > 0.0).note(note(reference, r.cell_crossings))
             });
             panel.add(Series::new(
-                format!("against {}", reference.words()),
+                format!("relative to {}", reference.words()),
                 look.radius(5.0),
                 Mark::LinePoints,
                 points,
@@ -47,7 +47,7 @@ pub fn figure(cases: &Cases) -> Figure {
         name: "crossings",
         title: format!("Does crossing of cells explain the error? {title}"),
         caption:
-            "Written at the errors against Terzaghi: how often a particle of either layer changed its cell in that \
+            "Written at the errors relative to Terzaghi: how often a particle of either layer changed its cell in that \
                   run. Filled: settled too little at the worst time; open: too much."
                 .to_owned(),
         height: 350.0,
@@ -56,7 +56,7 @@ pub fn figure(cases: &Cases) -> Figure {
     }
 }
 
-/// The number of crossings, once per run: at the error against Terzaghi.
+/// The number of crossings, once per run: at the error relative to Terzaghi.
 fn note(reference: Reference, count: u64) -> String {
     match (reference, count) {
         (Reference::Compressible, _) => String::new(),

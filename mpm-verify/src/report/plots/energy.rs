@@ -13,14 +13,14 @@ type Part = (&'static str, Look, fn(&HistoryPoint) -> f64);
 const LARGE: [Part; 3] = [
     ("work of the load", Look::new(BLACK, Marker::Circle).width(2.0), |h| h.external_work_j),
     ("strain energy of the soil", Look::new(BLUE, Marker::Square).dash(Dash::Dashed), |h| h.strain_j),
-    ("lost to Darcy flow", Look::new(GREEN, Marker::Up).dash(Dash::DashDot), |h| h.darcy_dissipation_j),
+    ("dissipated by Darcy flow", Look::new(GREEN, Marker::Up).dash(Dash::DashDot), |h| h.darcy_dissipation_j),
 ];
 
 const SMALL: [Part; 4] = [
     ("energy of the compressed water", Look::new(PURPLE, Marker::Diamond).dash(Dash::Dashed), |h| h.water_j),
     ("kinetic energy", Look::new(ORANGE, Marker::Down).dash(Dash::DashDot), |h| h.kinetic_j),
     ("inertia's work on the flow", Look::new(BLUE, Marker::Square).dash(Dash::Dotted), |h| h.flow_body_work_j),
-    ("closing error", Look::new(RED, Marker::Circle).radius(2.8), |h| h.energy_residual_j),
+    ("balance residual", Look::new(RED, Marker::Circle).radius(2.8), |h| h.energy_residual_j),
 ];
 
 /// Energies over time; those too small to see beside the others in a panel of their own.
@@ -34,7 +34,7 @@ pub fn figure(cases: &Cases) -> Figure {
         large.add(Series::line(name, look, history.iter().map(|h| (h.tv, value(h)))));
     }
     for (name, look, value) in SMALL {
-        let mark = if name == "closing error" { Mark::LinePoints } else { Mark::Line };
+        let mark = if name == "balance residual" { Mark::LinePoints } else { Mark::Line };
         let points = history.iter().map(|h| Point::new(h.tv, value(h).abs()).open(value(h) < 0.0));
         small.add(Series::new(name, look, mark, points));
     }
@@ -43,13 +43,13 @@ pub fn figure(cases: &Cases) -> Figure {
     let closing = end.map_or(f64::NAN, |h| h.energy_residual_j.abs() / work);
     let largest = history.iter().map(|h| h.energy_residual_j.abs() / work).fold(0.0, f64::max);
     let name =
-        case.map_or(String::new(), |c| format!(", L = {} m, {} per cell, load on the {}", c.mesh_m, c.ppc, c.load));
+        case.map_or(String::new(), |c| format!(", L = {} m, {} per cell, traction on the {}", c.mesh_m, c.ppc, c.load));
     Figure {
         name: "energy",
         title: format!("Energy over time{name}"),
         caption: format!(
-            "For a column 1 m thick. What is left over when all parts are taken from the work of the load (closing \
-             error; filled if positive) is {} % of the final work at the end and {} % at most.{}",
+            "For a column 1 m thick. The balance residual, the work of the load less all other parts (filled if positive), \
+             is {} % of the final work at the end and {} % at most.{}",
             percent(closing),
             percent(largest),
             case.map_or(String::new(), stands_in)

@@ -11,22 +11,24 @@ pub fn largest(name: &'static str, cases: &Cases, reference: Reference) -> Figur
     let error = move |r: &CaseResult| reference.largest_signed(r, 0.0);
     let axis = Axis::log("max |U/U_exact \u{2212} 1| (%)", "max_error_percent");
     let mut figure = over_mesh(name, cases, axis, error);
-    figure.title = format!("Largest error of U against {}", reference.words());
-    figure.caption = "Filled: settled too little at the worst time; open: too much.".to_owned();
+    figure.title = format!("Largest error of U relative to {}", reference.words());
+    figure.caption =
+        "Filled markers: the settlement is too small at the time of the largest error; open: too large.".to_owned();
     if reference == Reference::Terzaghi {
         floor(&mut figure, cases);
     }
     figure
 }
 
-/// RMS error of the pore pressure at Tv = 0.1 against compressible water.
+/// RMS error of the pore pressure at Tv = 0.1 relative to the exact solution with finite K_w.
 pub fn profile(cases: &Cases) -> Figure {
     let axis = Axis::log("RMS(p \u{2212} p_exact)/p₀ (%)", "profile_error_percent");
     let mut figure = over_mesh("profile-error-against-mesh", cases, axis, |r| -r.profile_error_compressible);
-    figure.title = "Error of the pore pressure profile at Tv = 0.1 against compressible water".to_owned();
+    figure.title =
+        "Error of the pore pressure profile at Tv = 0.1 relative to the exact solution with finite K_w".to_owned();
     figure.caption =
         "Root mean square over the cells, as a share of the undrained pore pressure p₀. On fine meshes it \
-                      levels off: what is left is what the exact solution leaves out, large strain and inertia."
+                      tends to the effects that the exact solution neglects, large strain and inertia."
             .to_owned();
     figure
 }
@@ -85,10 +87,10 @@ fn floor(figure: &mut Figure, cases: &Cases) {
         };
         let look = Look::new(BLACK, Marker::Dot).dash(Dash::Dashed).width(1.2);
         let line = [coarse, fine].map(|h| (h, 100.0 * compressibility(case)));
-        panel.add(Series::line("compressible water alone, exact", look, line));
+        panel.add(Series::line("difference of the exact solutions", look, line));
     }
     figure.caption.push_str(
-        " Exact solutions with compressible and incompressible water differ by the dashed line: that is where errors \
-         against Terzaghi end up on a fine mesh, and a dip below it is the crossing of two errors of opposite sign.",
+        " The dashed line is the difference of the exact solutions with finite and with infinite K_w: errors relative to Terzaghi \
+         tend to it on fine meshes. Below it two errors of opposite sign cancel.",
     );
 }

@@ -6,7 +6,7 @@ use super::look;
 use crate::norms::LATE_TV;
 use crate::report::select::{Cases, LOADS, Reference};
 
-/// |U/U_exact - 1| against Terzaghi (left) and against compressible water (right).
+/// |U/U_exact - 1| relative to Terzaghi (left) and relative to the exact solution with finite K_w (right).
 pub fn figure(name: &'static str, cases: &Cases, load: &str) -> Figure {
     let words = LOADS.iter().find(|(l, _)| *l == load).map_or(load, |(_, w)| w);
     let ppc = cases.usual_particles().unwrap_or(0);
@@ -14,7 +14,7 @@ pub fn figure(name: &'static str, cases: &Cases, load: &str) -> Figure {
     for reference in Reference::BOTH {
         let time = Axis::log("time factor Tv", "tv").range(0.008, 1.25);
         let error = Axis::log("|U/U_exact \u{2212} 1| (%)", "error_percent");
-        let mut panel = Panel::new(&format!("against {}", reference.words()), time, error);
+        let mut panel = Panel::new(&format!("relative to {}", reference.words()), time, error);
         for (place, mesh) in cases.meshes().into_iter().enumerate() {
             let Some(case) = cases.get(load, mesh, ppc) else { continue };
             let points = case.degrees.iter().map(|d| {

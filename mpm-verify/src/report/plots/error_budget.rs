@@ -1,4 +1,4 @@
-//! The parts of the error against Terzaghi, stacked.
+//! The parts of the error relative to Terzaghi, stacked.
 
 use super::axis::Axis;
 use super::figure::{Figure, Mark, Panel, Point, Series};
@@ -38,7 +38,7 @@ pub fn figure(name: &'static str, study: &Study, cases: &Cases, tv: f64) -> Figu
     }
     Figure {
         name,
-        title: format!("Parts of the error against Terzaghi at Tv = {tv}, {ppc} particles per cell"),
+        title: format!("Parts of the error relative to Terzaghi at Tv = {tv}, {ppc} particles per cell"),
         caption: "Upwards: settles more than Terzaghi says; downwards: less. The marker is the sum of all parts, the \
                   error itself. The remainder says how far the parts are from adding up. The panels have axes of their \
                   own."

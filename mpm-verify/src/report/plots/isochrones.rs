@@ -19,8 +19,8 @@ pub fn figure(cases: &Cases) -> Figure {
         title: "Pore pressure over the height of the column (the paper's Fig. 4b)".to_owned(),
         caption:
             "Points: computed, at most 25 of the cells shown. Lines of the same colour: Terzaghi, incompressible water, \
-                  p₀ = q. Early pressures near the base swing about q: opening the drain at once sends a wave down \
-                  the column, and it has not died out; the exact solution with inertia has it too."
+                  p₀ = q. At early times the pressure near the base oscillates about q: the sudden opening of the drain sends a \
+                  wave down the column; the exact solution with inertia shows it too."
                 .to_owned(),
         height: 400.0,
         panels: Vec::new(),

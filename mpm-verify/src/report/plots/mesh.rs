@@ -78,10 +78,10 @@ fn detail(width: f64, height: f64, low: f64) -> Panel {
     panel.add(arrows(tips(0, height - 0.25 * PAPER.0 + 0.0015), 4.0));
     panel.add(arrows(tips(CELLS[0], height), 4.0));
     panel.add(words(&[
-        (0.0, height + 0.0245, "load on the"),
+        (0.0, height + 0.0245, "traction on boundary"),
         (0.0, height + 0.0195, "particles (paper)"),
-        (0.5 * width + 0.003, height + 0.0245, "load on the"),
-        (0.5 * width + 0.003, height + 0.0195, "surface"),
+        (0.5 * width + 0.003, height + 0.0245, "traction on the"),
+        (0.5 * width + 0.003, height + 0.0195, "free surface"),
     ]));
     let sides = (0..=DETAIL).map(|k| low + k as f64 * PAPER.0).flat_map(|y| [(-0.003, y), (width + 0.003, y)]);
     panel.add(rollers(sides, 4.0));

@@ -77,7 +77,7 @@ pub fn displaced(sweeps: &Sweeps) -> Figure {
     share_y(&mut panels);
     Figure {
         name: "displaced",
-        title: "Largest error against compressible water with displaced particles".to_owned(),
+        title: "Largest error relative to the exact solution with finite K_w with displaced particles".to_owned(),
         caption: "Quasi-static, 9 particles per cell. Both: the largest smooth and the largest random displacement \
                   together. Fitted weights integrate what the splines need whatever the places of the particles; \
                   particle volumes do not."
@@ -104,7 +104,7 @@ pub fn shifted(sweeps: &Sweeps) -> Figure {
     let missing = lost("grid-shift", sweeps.shifted.iter().filter(|r| r.failure.is_some()).count());
     Figure {
         name: "grid-shift",
-        title: "Largest error against compressible water with the mesh shifted".to_owned(),
+        title: "Largest error relative to the exact solution with finite K_w with the mesh shifted".to_owned(),
         caption:
             "Quasi-static, 9 particles per cell. Both ends of the column then lie inside cells; 0.01 and 0.99 leave \
                   slivers of soil in the first or the last cell."

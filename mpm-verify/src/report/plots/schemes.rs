@@ -20,17 +20,19 @@ pub fn look_of(scheme: &str) -> Look {
     LOOKS.iter().find(|(name, _)| *name == scheme).map_or_else(|| look::nth(4), |(_, look)| *look)
 }
 
-/// Largest error against compressible water.
+/// Largest error relative to the exact solution with finite K_w.
 pub fn largest(results: &[CaseResult]) -> Figure {
     let mut figure = figure("error-of-all-schemes", results, |r| r.max_error_compressible);
-    figure.title = "Largest error of U against compressible water, every scheme".to_owned();
+    figure.title = "Largest error of U relative to the exact solution with finite K_w, every scheme".to_owned();
     figure
 }
 
-/// Error of the pressure profile at Tv = 0.1 against compressible water.
+/// Error of the pressure profile at Tv = 0.1 relative to the exact solution with finite K_w.
 pub fn profile(results: &[CaseResult]) -> Figure {
     let mut figure = figure("profile-error-of-all-schemes", results, |r| r.profile_error_compressible);
-    figure.title = "Error of the pore pressure profile at Tv = 0.1 against compressible water, every scheme".to_owned();
+    figure.title =
+        "Error of the pore pressure profile at Tv = 0.1 relative to the exact solution with finite K_w, every scheme"
+            .to_owned();
     figure
 }
 
@@ -67,7 +69,7 @@ fn figure(name: &'static str, results: &[CaseResult], error: fn(&CaseResult) -> 
         name,
         title: String::new(),
         caption:
-            "Load on the surface. Explicit and semi-implicit runs carry inertia and large strain, which the exact \
+            "Traction on the free surface. Explicit and semi-implicit runs carry inertia and large strain, which the exact \
                   solution leaves out: they level off. Quasi-static runs are at small strain, as the exact solution is."
                 .to_owned(),
         height: 400.0,

@@ -26,7 +26,7 @@ pub fn figure(cases: &Cases) -> Figure {
     Figure {
         name,
         title: format!("Pore pressure from ten quadratic cells (quasi-static bspline2, L = {} m)", SHOWN.0),
-        caption: "Points: computed, one per cell. Lines of the same colour: exact, compressible water. Early on \
+        caption: "Points: computed, one per cell. Lines of the same colour: exact, finite bulk modulus of the pore water. Early on \
                   the drained layer is as thin as a cell: pressures are then off by more than U, \
                   which is an integral over them."
             .to_owned(),

@@ -101,15 +101,16 @@ pub fn ratios(rows: &[Row]) -> Figure {
         let ends = panel.x.range.map_or([1e-9, 1e-2], |(low, high)| [low, high]);
         for bound in [1.0 - AGREEMENT, 1.0 + AGREEMENT] {
             let line = ends.map(|x| (x, bound));
-            panel.add(Series::line("allowed: 2 %", Look::new(GREY, Marker::Dot).dash(Dash::Dashed), line).guide());
+            panel.add(Series::line("tolerance: 2 %", Look::new(GREY, Marker::Dot).dash(Dash::Dashed), line).guide());
         }
     }
     Figure {
         name: "stability-map-ratio",
         title: "Measured limit over theory, all rows".to_owned(),
-        caption: "Theory is that of a plane wave in columns of linear functions and uGIMP, and the spectral radius of the \
-                  assembled step elsewhere. Markers stand a little beside their conductivity so that none hides another."
-            .to_owned(),
+        caption:
+            "Theory is that of a plane wave in columns of linear functions and uGIMP, and the spectral radius of the \
+                  assembled step elsewhere. Markers are shifted a little in k so that none hides another."
+                .to_owned(),
         height: 190.0,
         panels,
         missing,
@@ -136,7 +137,7 @@ pub fn auto(rows: &[Row]) -> Figure {
     });
     Figure {
         name: "stability-map-auto",
-        title: "Measured limit over the limit of which auto takes its share".to_owned(),
+        title: "Measured limit over the limit from which the automatic step is computed".to_owned(),
         caption: format!(
             "Columns with {ppc} particles per cell, no inertia in Darcy's law. One: the limit is sharp, and auto takes 0.9 \
              of it. Below one: only that share would keep auto safe."

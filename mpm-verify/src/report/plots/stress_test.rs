@@ -54,8 +54,10 @@ pub fn figure(case: &Case, found: &[&Found]) -> Figure {
         if panel.series.is_empty() {
             continue;
         }
-        for (bound, what, dash) in [(case.holds, "holds", Dash::Dashed), (case.breaks, "breaks", Dash::Solid)] {
-            let line = Series::line(format!("{what}: {}", brief(bound, 2)), bound_look(dash), ends.map(|x| (x, bound)));
+        for (bound, what, dash) in
+            [(case.holds, "passed up to", Dash::Dashed), (case.breaks, "failed from", Dash::Solid)]
+        {
+            let line = Series::line(format!("{what} {}", brief(bound, 2)), bound_look(dash), ends.map(|x| (x, bound)));
             panel.add(line.guide());
         }
         panels.push(panel);
@@ -64,8 +66,8 @@ pub fn figure(case: &Case, found: &[&Found]) -> Figure {
         name: case.name,
         title: format!("{}: {}", case.name, case.measures),
         caption: format!(
-            "{}. {} Dashed: up to here a scheme holds; solid: beyond, it breaks. Stars: the program stopped with a reason, or \
-             the run is out of reach.",
+            "{}. {} Dashed: up to this value a scheme passes; solid: from this value on it fails. Stars: the program stopped with a \
+             reason, or the run would take too long.",
             case.about, case.why
         ),
         height: 190.0,
