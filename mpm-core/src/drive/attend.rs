@@ -19,6 +19,8 @@ pub trait Attend {
     fn look(&mut self, share: f64) -> Wish;
     /// Takes the state that was wished for: the bytes that [`super::Drive::restore`] goes on from.
     fn save(&mut self, checkpoint: Vec<u8>);
+    /// Takes note of the model of a run at its start and at each observed time (s since the start).
+    fn observed(&mut self, _: &dyn Model, _time: f64) {}
     /// Looks at the model of a run that has ended.
     fn ended(&mut self, _: &dyn Model) {}
 }

@@ -163,6 +163,9 @@ impl<'a> Drive<'a> {
 
     /// Goes on to the end, to a failure, or until it is to stop.
     pub fn go(mut self, attend: &mut dyn Attend) -> Run {
+        if self.run.samples.is_empty() {
+            attend.observed(&*self.model, 0.0);
+        }
         while let Some(stage) = self.scene.stages.get(self.at.stage as usize) {
             let last = self.at.stage as usize + 1 == self.scene.stages.len();
             let times = match stage.until {
@@ -332,6 +335,9 @@ impl<'a> Drive<'a> {
             self.at.now = time;
             self.at.next += 1;
             self.sample(time, observed)?;
+            if let (true, Some(sample)) = (observed, self.run.samples.last()) {
+                attend.observed(&*self.model, sample.state.time);
+            }
             self.attend(time / end, attend)?;
         }
         Ok(end)

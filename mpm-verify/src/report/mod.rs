@@ -13,7 +13,6 @@
 pub mod animation;
 pub mod content;
 pub mod gallery;
-pub mod html;
 pub mod maps;
 pub mod numbers;
 pub mod orders;
