@@ -18,8 +18,9 @@ pub enum Verdict {
     ReproducedForAnotherReason,
     /// They do not show it.
     NotReproduced,
-    /// The runs at hand cannot tell.
-    CannotBeTested,
+    /// The runs at hand have no numbers for it.
+    #[serde(alias = "cannot-be-tested")]
+    NotComparable,
 }
 
 impl Verdict {
@@ -29,7 +30,7 @@ impl Verdict {
             Self::Reproduced => "reproduced",
             Self::ReproducedForAnotherReason => "reproduced for another reason",
             Self::NotReproduced => "not reproduced",
-            Self::CannotBeTested => "cannot be tested",
+            Self::NotComparable => "not comparable",
         }
     }
 }
@@ -154,7 +155,7 @@ fn judge_family(results: &[CaseResult], family: &str) -> Vec<Claim> {
         .filter_map(|(id, picture, rule)| {
             let words = book.claim.iter().find(|words| words.id == *id)?;
             let (evidence, verdict) =
-                rule(&runs).unwrap_or(("the study at hand lacks the runs".to_owned(), Verdict::CannotBeTested));
+                rule(&runs).unwrap_or(("the study at hand lacks the runs".to_owned(), Verdict::NotComparable));
             let (said, rule) = (words.said.clone(), words.rule.clone());
             Some(Claim { id: (*id).to_owned(), said, rule, evidence, verdict, picture: (*picture).to_owned() })
         })
@@ -301,7 +302,7 @@ fn crossing_noise(runs: &Runs) -> Judged {
         }
     );
     let verdict = match (there, crossings, still_there) {
-        (Trend::Falls | Trend::Neither, _, _) => Verdict::CannotBeTested,
+        (Trend::Falls | Trend::Neither, _, _) => Verdict::NotComparable,
         (Trend::Rises, 0, Trend::Falls | Trend::Neither) => Verdict::ReproducedForAnotherReason,
         (Trend::Rises, 1.., Trend::Rises) => Verdict::Reproduced,
         _ => Verdict::NotReproduced,
@@ -332,7 +333,7 @@ mod tests {
         let book: Book = toml::from_str(BOOK).expect("the book of claims holds");
         assert_eq!(book.claim.len(), RULES.len());
         assert_eq!(judge(&[]).len(), RULES.len());
-        assert!(judge(&[]).iter().all(|claim| claim.verdict == Verdict::CannotBeTested));
+        assert!(judge(&[]).iter().all(|claim| claim.verdict == Verdict::NotComparable));
     }
 
     #[test]
@@ -344,7 +345,7 @@ mod tests {
         assert_eq!(verdict(&noise, "crossing-noise-explanation"), Verdict::Reproduced);
         let neither = [run(0.01, 4, 0.012, 0.022, 0), run(0.01, 9, 0.004, 0.015, 0)];
         assert_eq!(verdict(&neither, "opposite-trend-at-0.01"), Verdict::NotReproduced);
-        assert_eq!(verdict(&neither, "crossing-noise-explanation"), Verdict::CannotBeTested);
+        assert_eq!(verdict(&neither, "crossing-noise-explanation"), Verdict::NotComparable);
     }
 
     #[test]
@@ -352,7 +353,7 @@ mod tests {
         // The study's own errors with 1, 4 and 9 particles per cell at L = 0.01 m.
         let v = [run(0.01, 1, 0.0170, 0.02, 0), run(0.01, 4, 0.0045, 0.01, 0), run(0.01, 9, 0.0117, 0.015, 0)];
         assert_eq!(verdict(&v, "opposite-trend-at-0.01"), Verdict::NotReproduced);
-        assert_eq!(verdict(&v, "crossing-noise-explanation"), Verdict::CannotBeTested);
+        assert_eq!(verdict(&v, "crossing-noise-explanation"), Verdict::NotComparable);
         let claim = judge(&v).into_iter().find(|claim| claim.id == "opposite-trend-at-0.01").expect("a claim");
         assert!(claim.evidence.ends_with("falls and rises again, which is no trend"), "{}", claim.evidence);
     }

@@ -13,6 +13,7 @@ use mpm_core::step::Model;
 use serde::{Deserialize, Serialize};
 
 use crate::checkpoint::{CheckpointError, Kind};
+use crate::frames::Recorded;
 
 const KIND: Kind = Kind { magic: b"MPMSCENE", version: 1, of: "a scene" };
 
@@ -73,6 +74,8 @@ pub struct Keeping<'a> {
     pub trouble: Option<CheckpointError>,
     /// The particles of the end, where they are wanted.
     pub end: Option<Vec<SolidState>>,
+    /// Frames of the start and of the observed times, where they are wanted.
+    pub frames: Option<Recorded>,
 }
 
 impl Monitor for Keeping<'_> {
@@ -93,6 +96,12 @@ impl Monitor for Keeping<'_> {
         // A disk that is full now may have room later, and the run itself needs none.
         self.trouble = written.err();
         self.last = Instant::now();
+    }
+
+    fn observed(&mut self, model: &dyn Model, time: f64) {
+        if let Some(frames) = &mut self.frames {
+            frames.take(model, time);
+        }
     }
 
     fn ended(&mut self, model: &dyn Model) {

@@ -163,6 +163,9 @@ impl<'a> Drive<'a> {
 
     /// Goes on to the end, to a failure, or until it is to stop.
     pub fn go(mut self, monitor: &mut dyn Monitor) -> Run {
+        if self.run.samples.is_empty() {
+            monitor.observed(&*self.model, 0.0);
+        }
         while let Some(stage) = self.scene.stages.get(self.at.stage as usize) {
             let last = self.at.stage as usize + 1 == self.scene.stages.len();
             let times = match stage.until {
@@ -332,6 +335,9 @@ impl<'a> Drive<'a> {
             self.at.now = time;
             self.at.next += 1;
             self.sample(time, observed)?;
+            if let (true, Some(sample)) = (observed, self.run.samples.last()) {
+                monitor.observed(&*self.model, sample.state.time);
+            }
             self.monitor(time / end, monitor)?;
         }
         Ok(end)

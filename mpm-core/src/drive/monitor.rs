@@ -19,6 +19,8 @@ pub trait Monitor {
     fn look(&mut self, share: f64) -> Wish;
     /// Takes the state that was asked for: the bytes from which [`super::Drive::restore`] resumes.
     fn save(&mut self, checkpoint: Vec<u8>);
+    /// Receives the model of a run at its start and at each observed time (s since the start).
+    fn observed(&mut self, _: &dyn Model, _time: f64) {}
     /// Sees the model at the end of a run.
     fn ended(&mut self, _: &dyn Model) {}
 }

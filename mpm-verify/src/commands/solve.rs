@@ -14,10 +14,12 @@ use mpm_core::stability::{choose_step, stable_limit};
 use mpm_core::step::Work;
 use mpm_verify::checkpoint;
 use mpm_verify::files::Folder;
+use mpm_verify::frames::Recorded;
 use mpm_verify::keeping::{self, Keeping, Notes};
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 use mpm_verify::report::solved::{self, Exact};
+use mpm_verify::report::vtk;
 use serde::Serialize;
 
 use super::{Failure, again_with, interrupts, into_folder, print_json, say, warn_if_long, write_csv, write_json};
@@ -47,6 +49,9 @@ pub struct Options {
     /// Write state.csv, the particles of the end, which [initial] of another scene may start from
     #[arg(long)]
     state: bool,
+    /// Write the folder vtk for ParaView: the start and the times of observe.times
+    #[arg(long)]
+    vtk: bool,
     /// Seconds between checkpoints
     #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = super::seconds)]
     checkpoint_every: f64,
@@ -64,6 +69,7 @@ impl Options {
             threads: None,
             resume: false,
             state: false,
+            vtk: false,
             checkpoint_every: 60.0,
         }
     }
@@ -348,6 +354,7 @@ fn solve(
         last: Instant::now(),
         trouble: None,
         end: options.state.then(Vec::new),
+        frames: options.vtk.then(|| Recorded::of(scene)),
     };
     let state = kept.map(|kept| kept.state);
     let run = run_monitored(hardware, scene, state.as_deref(), &mut attend).map_err(|e| match e {
@@ -377,6 +384,9 @@ fn solve(
     write((scene, &run, &summary), folder.stage())?;
     if let Some(end) = &attend.end {
         write_state(scene, end, &folder.stage().join("state.csv"))?;
+    }
+    if let Some(frames) = &attend.frames {
+        vtk::write(&frames.shots, &folder.stage().join("vtk")).map_err(Failure::run_failed)?;
     }
     // Only once all is written is there nothing to go on from.
     folder.publish().map_err(Failure::run_failed)?;

@@ -19,7 +19,7 @@ const WATER: f64 = 9810.0;
 /// Frames while water seeps, evenly over 2.66 h, then frames while it slides, evenly over 40 s.
 pub fn shots(seeping: usize, sliding: usize) -> Vec<Shot> {
     let seepage = (0..seeping).map(|k| shot("seepage", START_S + share(k, seeping) * (FAILURE_S - START_S)));
-    let slide = (0..sliding).map(|k| shot("failure", FAILURE_S + share(k + 1, sliding + 1) * 40.0));
+    let slide = (0..sliding).map(|k| shot("failing", FAILURE_S + share(k + 1, sliding + 1) * 40.0));
     seepage.chain(slide).collect()
 }
 

@@ -13,6 +13,8 @@ use std::io::{self, BufRead, BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
 use mpm_core::observe::{CellState, Frame, SolidState, WaterParticle};
+use mpm_core::scene::Scene;
+use mpm_core::step::Model;
 use serde::{Deserialize, Serialize};
 
 use record::{Record, layer};
@@ -32,6 +34,35 @@ impl Shot {
     /// Time on the reader's clock, h.
     pub fn hours(&self) -> f64 {
         self.time_s / 3600.0
+    }
+}
+
+/// Frames of a scene that is solved stage by stage: the start, and each observed time.
+#[derive(Debug, Clone, Default)]
+pub struct Recorded {
+    /// The frames.
+    pub shots: Vec<Shot>,
+    cells: [usize; 2],
+    size: f64,
+}
+
+impl Recorded {
+    /// None yet.
+    pub fn of(scene: &Scene) -> Self {
+        Self { shots: Vec::new(), cells: scene.cells, size: scene.cell }
+    }
+
+    /// Takes a frame of the particles at a time, s since the start. Displacements count from the first frame.
+    pub fn take(&mut self, model: &dyn Model, time_s: f64) {
+        let (mut solid, water) = (model.particles(), model.water_particles());
+        solid.sort_by_key(|p| p.id);
+        if let Some(first) = self.shots.first().map(|shot| &shot.frame.solid).filter(|f| f.len() == solid.len()) {
+            for (now, then) in solid.iter_mut().zip(first) {
+                now.displacement = [0, 1].map(|axis| now.x[axis] - then.x[axis]);
+            }
+        }
+        let frame = Frame { time_s, step: 0, cells: self.cells, size: self.size, solid, water, cell: Vec::new() };
+        self.shots.push(Shot { phase: String::new(), time_s, frame });
     }
 }
 

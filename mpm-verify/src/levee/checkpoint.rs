@@ -9,7 +9,7 @@ use super::moments::{Album, Kept};
 use crate::checkpoint::{self, CheckpointError, Kind};
 use crate::frames;
 
-const KIND: Kind = Kind { magic: b"MPMLEVEE", version: 2, of: "a levee" };
+const KIND: Kind = Kind { magic: b"MPMLEVEE", version: 3, of: "a levee" };
 
 /// A state to go on from.
 #[derive(Debug, Clone, PartialEq)]

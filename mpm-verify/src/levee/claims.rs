@@ -1,4 +1,4 @@
-//! What the paper says of its levee (section 4) and of the experiment, judged by rules from the numbers of a run.
+//! The claims of the paper on its levee (section 4) and the observations of the experiment, judged by rules from the numbers of a run.
 
 use std::path::Path;
 
@@ -7,34 +7,12 @@ use serde::{Deserialize, Serialize};
 
 use super::run::Ended;
 use super::strength::Strength;
+pub use crate::claims::Verdict;
 use crate::frames::Shot;
-use crate::report::numbers::brief;
+use crate::report::numbers::short;
 use crate::report::{ReportError, tables};
 
 mod rules;
-
-/// What became of a claim.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// The numbers follow the rule.
-    Holds,
-    /// They do not.
-    Differs,
-    /// The run has no numbers for it.
-    NotComparable,
-}
-
-impl Verdict {
-    /// In words.
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Holds => "holds",
-            Self::Differs => "differs",
-            Self::NotComparable => "not comparable",
-        }
-    }
-}
 
 /// A claim with its verdict.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -80,8 +58,8 @@ type Rule = (&'static str, &'static str, &'static str, fn(&Evidence) -> Judged);
 pub fn judge(evidence: &Evidence) -> Vec<Claim> {
     let claim = |(name, paper, words, rule): &Rule| {
         let (value, verdict) = match rule(evidence) {
-            Some((value, true)) => (value, Verdict::Holds),
-            Some((value, false)) => (value, Verdict::Differs),
+            Some((value, true)) => (value, Verdict::Reproduced),
+            Some((value, false)) => (value, Verdict::NotReproduced),
             None => (why_not(evidence), Verdict::NotComparable),
         };
         Claim { claim: (*name).to_owned(), paper: (*paper).to_owned(), value, verdict, rule: (*words).to_owned() }
@@ -91,10 +69,10 @@ pub fn judge(evidence: &Evidence) -> Vec<Claim> {
 
 fn why_not(evidence: &Evidence) -> String {
     match (evidence.ended, evidence.events.failure_h) {
-        (Ended::DoesNotStand(_), _) => "the levee does not stand before water seeps".to_owned(),
+        (Ended::DoesNotStand(_), _) => "the levee does not stand before any water seeps".to_owned(),
         (_, None) => {
             let end =
-                evidence.rows.last().map_or_else(|| "the start".to_owned(), |r| format!("{} h", brief(r.time_h, 4)));
+                evidence.rows.last().map_or_else(|| "the start".to_owned(), |r| format!("{} h", short(r.time_h, 3)));
             format!("no failure up to {end}")
         }
         _ => "the run has no numbers for it".to_owned(),

@@ -152,7 +152,7 @@ struct Rule {
 }
 
 const RULES: [Rule; 5] = [
-    Rule { quantity: "level", words: "levels of water", unit: "m", allowed: 0.02, relative: false, finest: false },
+    Rule { quantity: "level", words: "water levels", unit: "m", allowed: 0.02, relative: false, finest: false },
     Rule { quantity: "factor", words: "factor of safety", unit: "–", allowed: 0.05, relative: false, finest: false },
     Rule { quantity: "factor", words: "factor of safety", unit: "–", allowed: 0.02, relative: false, finest: true },
     Rule { quantity: "run-out", words: "run-out", unit: "share", allowed: 0.1, relative: true, finest: true },
@@ -202,7 +202,7 @@ pub fn shown(lines: &[Line]) -> Vec<Table> {
         let mut cells = vec![Cell::new(named(thing))];
         cells.extend(meshes.iter().map(|mesh| {
             let mut own = lines.iter().filter(|l| is_same(l, thing) && (l.cell_m, l.particles_per_cell) == *mesh);
-            Cell::new(own.next().and_then(|l| l.value).map_or_else(|| "–".to_owned(), |v| short(v, 4)))
+            Cell::new(own.next().and_then(|l| l.value).map_or_else(|| "–".to_owned(), |v| short(v, 3)))
         }));
         cells
     };
@@ -212,17 +212,17 @@ pub fn shown(lines: &[Line]) -> Vec<Table> {
         .map(|l| format!(" Cells of {} m, {} per cell: {}.", l.cell_m, l.particles_per_cell, l.why))
         .collect();
     let note = format!(
-        "Edge of a cell and particles per cell. Levels and factors of safety: soil held until then. The time of the failure is \
-         shown but not judged: it moves by the error of the factor over its fall in time.{}",
+        "Columns: cell size and particles per cell. Levels and factors of safety are those of soil held at rest until then. The time of \
+         failure has no tolerance: it moves by the error of the factor of safety over its rate of change.{}",
         troubles.concat()
     );
     let coarsest = lines.iter().map(|l| l.cell_m).fold(0.0, f64::max);
     let verdicts = RULES.iter().map(|rule| {
-        let between = if rule.finest { "a half and a quarter of the scene's cells" } else { "all meshes" };
+        let between = if rule.finest { "half and quarter of the cell size of the scene" } else { "all meshes" };
         let found = rule.differ(lines, coarsest);
         let (verdict, mark) = match found {
-            Some(off) if off <= rule.allowed => ("holds", "good"),
-            Some(_) => ("not reached", "bad"),
+            Some(off) if off <= rule.allowed => ("passed", "good"),
+            Some(_) => ("failed", "bad"),
             None => ("not run", ""),
         };
         vec![
@@ -233,10 +233,10 @@ pub fn shown(lines: &[Line]) -> Vec<Table> {
             Cell::new(verdict).marked("", mark),
         ]
     });
-    let head_of_verdicts = ["between meshes", "largest difference", "allowed", "unit", "verdict"];
+    let head_of_verdicts = ["between meshes", "largest difference", "tolerance", "unit", "verdict"];
     vec![
         table("Meshes".to_owned(), &head, things.iter().map(row).collect(), &note),
-        table("What converges".to_owned(), &head_of_verdicts, verdicts.collect(), "Of the table above."),
+        table("Convergence".to_owned(), &head_of_verdicts, verdicts.collect(), "From the table above."),
     ]
 }
 
@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_are_too_far_apart_are_not_reached() {
+    fn numbers_that_are_too_far_apart_fail() {
         let agree = vec![
             line("factor", 0.4, 9, 1.035),
             line("factor", 0.2, 9, 1.0),
@@ -288,11 +288,11 @@ mod tests {
             line("crest", 0.1, 9, 0.109),
         ];
         // No levels, no run-out; the coarsest mesh has no say in the crest.
-        assert_eq!(verdicts(&agree), ["not run", "holds", "holds", "not run", "holds"]);
+        assert_eq!(verdicts(&agree), ["not run", "passed", "passed", "not run", "passed"]);
         let mut apart = agree.clone();
         apart[2].value = Some(0.975);
         apart[5].value = Some(0.111);
-        assert_eq!(verdicts(&apart), ["not run", "not reached", "not reached", "not run", "not reached"]);
+        assert_eq!(verdicts(&apart), ["not run", "failed", "failed", "not run", "failed"]);
         // Other particles are no other mesh.
         apart[2].particles_per_cell = 4;
         assert_eq!(verdicts(&apart)[2], "not run");

@@ -152,14 +152,14 @@ fn one(driver: &mut Driver, integrator: Integrator, until: f64, from_h: f64) -> 
 pub fn shown(lines: &[Line]) -> Table {
     let head =
         ["driver", "failure (h)", "rapid (h)", "toe (m)", "crest (m)", "per step (µs)", "whole run (s)", "times"];
-    let hours = |time: Option<f64>| time.map_or_else(|| "–".to_owned(), |h| short(h, 6));
+    let hours = |time: Option<f64>| time.map_or_else(|| "–".to_owned(), |h| format!("{h:.1}"));
     let row = |l: &Line| {
         vec![
             Cell::new(l.driver.clone()).marked(format!("steps of {} s", short(l.dt_s, 3)), ""),
             Cell::new(hours(l.failure_start_h)),
             Cell::new(hours(l.rapid_failure_h)),
-            Cell::new(short(l.toe_x_m, 4)),
-            Cell::new(short(l.crest_settlement_m, 3)),
+            Cell::new(short(l.toe_x_m, 3)),
+            Cell::new(short(l.crest_settlement_m, 2)),
             Cell::new(short(1e6 * l.cpu_per_step_s, 3)),
             Cell::new(short(l.whole_cpu_s, 3)),
             Cell::new(short(l.times_staggered, 3)),
@@ -169,7 +169,7 @@ pub fn shown(lines: &[Line]) -> Table {
     let note = format!(
         "From a common state at {} h, {} h before the soil moves with the staggered integrator. CPU time; that of a whole run is measured for \
          the staggered integrator, and for the others the cost of a step here times the steps of a whole run: extrapolated.",
-        short(from, 6),
+        short(from, 4),
         BEFORE
     );
     table("Drivers".to_owned(), &head, lines.iter().map(row).collect(), &note)

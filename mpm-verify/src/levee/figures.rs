@@ -21,13 +21,23 @@ use crate::report::plots::levee::paths::{self, StressPath};
 use crate::report::plots::levee::{Event, Site, clock, initial, points};
 use crate::report::quantity::{PRESSURE, STRAIN};
 
-/// A picture with the text of its SVG.
+/// A picture that was written.
 #[derive(Debug, Clone)]
 pub struct Picture {
     /// What it is made of.
     pub figure: Figure,
-    /// The text.
-    pub svg: String,
+    /// Whether a page can hold it as a drawing; of thousands of particles it shows the image instead.
+    pub is_light: bool,
+}
+
+/// The heaviest drawing that a page holds, bytes of SVG.
+const HEAVY: usize = 120_000;
+
+impl Picture {
+    /// One that was written as PNG and, with this text, as SVG.
+    pub fn new(figure: Figure, svg: &str) -> Self {
+        Self { is_light: svg.len() <= HEAVY, figure }
+    }
 }
 
 /// Seconds shown before the rapid failure, and the most after it.
@@ -65,7 +75,7 @@ pub fn write(plan: &Plan, run: &Followed, folder: &Path) -> Result<Vec<Picture>,
     if papers_levee {
         // It draws the tank and the wall of the experiment.
         let svg = initial::write(&site, &first.frame, folder)?;
-        all.push(Picture { figure: initial::figure(&site, &first.frame), svg });
+        all.push(Picture::new(initial::figure(&site, &first.frame), &svg));
     }
     let own = own(&run.shots);
     for (shots, papers) in [(own, false), (at_papers_times(&run.shots), true)] {
@@ -78,33 +88,33 @@ pub fn write(plan: &Plan, run: &Followed, folder: &Path) -> Result<Vec<Picture>,
                 figure.name = papers_name(shown);
                 figure.title.push_str(", at the paper's times");
             }
-            let svg = changes::write_figure(&figure, &shots, shown, folder)?;
-            all.push(Picture { figure, svg });
+            changes::write(&figure, &shots, shown, folder)?;
+            all.push(Picture { figure, is_light: false });
         }
     }
     let observed = points::numbered(plan.points());
     if !observed.is_empty() {
         let svg = points::write(&site, &first.frame, &observed, folder)?;
-        all.push(Picture { figure: points::figure(&site, &first.frame, &observed), svg });
+        all.push(Picture::new(points::figure(&site, &first.frame, &observed), &svg));
     }
     if let (Some(strength), false) = (Strength::of(&plan.scene), run.paths.is_empty()) {
         let paths = stress_paths(&run.paths);
         let failure_s = run.events.failure_h.map(|h| 3600.0 * h);
         let drawn = paths::write(&paths, strength, failure_s, folder)?;
         let figures = [paths::figure(&paths, strength, failure_s), paths::each(&paths, strength, failure_s)];
-        all.extend(figures.into_iter().zip(drawn).map(|(figure, svg)| Picture { figure, svg }));
+        all.extend(figures.into_iter().zip(drawn).map(|(figure, svg)| Picture::new(figure, &svg)));
     }
     if let Some(compared) = both::of(&plan.scene, run).filter(|_| papers_levee) {
         let shown = responses(&compared);
         let figure = operators::figure(&site, &shown);
         let svg = operators::write(&figure, &shown, folder)?;
-        all.push(Picture { figure, svg });
+        all.push(Picture::new(figure, &svg));
     }
     if run.rows.len() > 1 {
         let (events, zoom) = (events(&run.events), zoom(run));
         for (named, tracks) in [(HAPPENED, happened(&run.rows, plan.levels())), (SOUND, sound(&run.rows))] {
             let svg = histories::write(named, &tracks, &events, zoom, folder)?;
-            all.push(Picture { figure: histories::figure(named, &tracks, &events, zoom), svg });
+            all.push(Picture::new(histories::figure(named, &tracks, &events, zoom), &svg));
         }
     }
     Ok(all)
@@ -171,7 +181,7 @@ fn responses(compared: &Compared) -> Responses {
         .collect();
     let caption = format!(
         "The {} full cells at {}, the last frame before failure; the head is known in those beside the tank and beside cells \
-         that are not full, and the base is tight. Steady flow with a source that adds {} kPa to its own cell under the face \
+         that are not full, and the base is impermeable. Steady flow with a source that adds {} kPa to its own cell under the face \
          operator. Checkerboard index of what it adds: {} % under the face operator, {} % under the nodal one; of the whole \
          pore pressure: {} % and {} %. The nodal operator ties a cell to its diagonal \
          neighbours alone, and along the base to those beside it.{modes}{finer}",
@@ -192,9 +202,9 @@ fn responses(compared: &Compared) -> Responses {
     }
 }
 
-const HAPPENED: Named = ("levee-histories", "What happened over time");
-const SOUND: Named = ("levee-ledgers", "Energies, and how sound the run is, over time");
-/// What the gap of the energies, the checkerboard index and the share of motion in hourglass modes should stay below.
+const HAPPENED: Named = ("levee-histories", "Water, displacements and speed over time");
+const SOUND: Named = ("levee-balances", "Energies and checks over time");
+/// What the residual of the energy balance, the checkerboard index and the share of motion in hourglass modes should stay below.
 const LIMITS: [f64; 3] = [0.02, 0.01, 0.05];
 
 fn trace(rows: &[Row], name: &str, of: &dyn Fn(&Row) -> f64) -> Trace {
@@ -218,13 +228,16 @@ fn happened(rows: &[Row], levels: &[f64]) -> Vec<Track> {
         track(
             "front, toe (m)",
             false,
-            vec![trace("front of the water", &|r| r.front_x_m), trace("toe of the soil", &|r| r.toe_x_m)],
+            vec![trace("wetting front", &|r| r.front_x_m), trace("toe of the soil", &|r| r.toe_x_m)],
         ),
         track("level (m)", false, levels.iter().enumerate().map(level).collect()),
         track(
             "water (m³)",
             false,
-            vec![trace("water that came in", &|r| r.water_in_m3), trace("water that left", &|r| r.water_out_m3)],
+            vec![
+                trace("water that flowed in", &|r| r.water_in_m3),
+                trace("water that flowed out", &|r| r.water_out_m3),
+            ],
         ),
         track("moved (m)", true, vec![trace("largest displacement", &above(1e-5, |r| r.max_displacement_m))]),
         track("crest down (m)", false, vec![trace("settlement of the crest", &|r| r.crest_settlement_m)]),
@@ -235,7 +248,7 @@ fn happened(rows: &[Row], levels: &[f64]) -> Vec<Track> {
     all
 }
 
-/// Energies, ledgers and measures of the fields.
+/// Energies, balances and measures of the fields.
 fn sound(rows: &[Row]) -> Vec<Track> {
     let trace = |name: &str, of: &dyn Fn(&Row) -> f64| trace(rows, name, of);
     // In percent of what they are measured by.
@@ -265,13 +278,17 @@ fn sound(rows: &[Row]) -> Vec<Track> {
                 trace("kinetic energy", &above(1e-3, |r| r.kinetic_j)),
             ],
         ),
-        percents("energy gap (%)", "gap of the ledger of energies", |r| r.energy_error, LIMITS[0]),
+        percents("energy (%)", "residual of the energy balance", |r| r.energy_error, LIMITS[0]),
         track(
-            "water gap",
+            "water balance",
             true,
-            vec![trace("gap of the water", &|r| (r.water_residual_m3 / r.water_m3).abs().max(least))],
+            vec![trace("residual of the water balance", &|r| (r.water_residual_m3 / r.water_m3).abs().max(least))],
         ),
-        track("yield residual", true, vec![trace("stress beyond yield", &above(least, |r| r.yield_residual))]),
+        track(
+            "yield function",
+            true,
+            vec![trace("largest violation of the yield function", &above(least, |r| r.yield_residual))],
+        ),
         percents("checkerboard (%)", "checkerboard index", |r| r.checkerboard, LIMITS[1]),
         percents("hourglass (%)", "motion in hourglass modes", |r| r.hourglass, LIMITS[2]),
     ]

@@ -1,4 +1,4 @@
-//! What a run must keep to whatever happens in it: ledgers that close, stresses within the strength, fields without patterns.
+//! The checks of every run: balances, stresses within the yield surface, fields without patterns.
 
 use mpm_core::failure::Row;
 use serde::{Deserialize, Serialize};
@@ -65,8 +65,8 @@ impl Trust {
         let Self { ledger, gap, allowed, since_s, .. } = self;
         since_s.map(|since| {
             format!(
-                "the balance of {ledger} does not close: {gap:.1e} missing, {allowed:.0e} allowed, since {:.4} h; the results from \
-                 there on are not to be trusted",
+                "the balance residual of {ledger}, {gap:.1e}, exceeds its bound {allowed:.0e} from {:.1} h on; the results after that \
+                 are not to be trusted",
                 since / 3600.0
             )
         })
@@ -94,8 +94,8 @@ impl Limit {
 
     /// In one line.
     pub fn said(&self) -> String {
-        let found = self.found.map_or_else(|| "not found".to_owned(), |found| short(found, 3));
-        format!("{}: {found}, at most {} {} expected", self.name, short(self.allowed, 2), self.unit)
+        let found = self.found.map_or_else(|| "not measured".to_owned(), |found| short(found, 3));
+        format!("{}: {found}, tolerance {} {}", self.name, short(self.allowed, 2), self.unit)
     }
 }
 
@@ -103,14 +103,14 @@ impl Limit {
 pub fn of(s: &Summary) -> [Limit; 7] {
     let limit = |name, found, allowed, unit| Limit { name, found, allowed, unit };
     [
-        limit("dry mass: largest error", s.solid_mass_error, ROUND_OFF, "share"),
-        limit("ledger of the water: largest gap", s.water_ledger_error, ROUND_OFF, "share"),
-        limit("ledger of energies: largest gap", s.energy_error, ENERGY, "share"),
-        limit("stress outside the yield surface", s.yield_residual_max, 1e-9, "share"),
+        limit("balance residual of dry mass", s.solid_mass_error, ROUND_OFF, "share"),
+        limit("balance residual of water", s.water_ledger_error, ROUND_OFF, "share"),
+        limit("balance residual of energy", s.energy_error, ENERGY, "share"),
+        limit("largest violation of the yield function", s.yield_residual_max, 1e-9, "share"),
         limit("checkerboard index of the pore pressure", s.checkerboard_index_max, 0.01, "share"),
-        limit("motion in hourglass modes", s.hourglass_ratio_max, 0.05, "share"),
+        limit("share of motion in hourglass modes", s.hourglass_ratio_max, 0.05, "share"),
         limit(
-            "largest displacement before water is at the toe",
+            "displacement before water reaches the toe",
             s.max_displacement_before_failure_m,
             s.displacement_allowed_m,
             "m",
@@ -158,6 +158,6 @@ mod tests {
         for found in [None, Some(f64::NAN), Some(0.021), Some(f64::INFINITY)] {
             assert!(!limit(found).passed(), "{found:?}");
         }
-        assert_eq!(limit(Some(0.021)).said(), "gap: 0.0210, at most 0.020 share expected");
+        assert_eq!(limit(Some(0.021)).said(), "gap: 0.0210, tolerance 0.020 share");
     }
 }

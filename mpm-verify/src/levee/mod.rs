@@ -4,11 +4,13 @@
 //! 1. [`plan`]: which scene, by which driver, from when to when. [`variants`]: the scene with one input changed. [`strength`]: that of
 //!    its soil.
 //! 2. [`run`]: follows it. [`moments`]: when frames are taken. [`checkpoint`]: a state on disk, to go on from.
-//! 3. [`tables`], [`summary`], [`limits`]: what it came to, and what it must keep to. [`claims`]: the paper's statements, judged by rules.
+//! 3. [`tables`], [`summary`], [`limits`]: its results, and the bounds that they must keep. [`claims`]: what the paper claims, judged by
+//!    rules.
 //! 4. [`safety`]: the factor of safety over time, beside [`equilibrium`] with the same water. [`sensitivity`]: all variants.
-//! 5. [`convergence`]: what does not depend on the mesh, and what does. [`drivers`]: whoever drives, and what it costs.
-//!    [`operators`]: the paper's Darcy operator beside the default, on the levee's own full cells.
-//! 6. [`figures`], [`assumptions`], [`page`], [`written`]: what is left in a folder. [`ticker`]: what is said on the way.
+//! 5. [`convergence`]: which results depend on the mesh. [`drivers`]: the time integrators side by side, with their costs.
+//!    [`operators`]: the paper's Darcy operator beside the default, on the full cells of the levee. [`ranges`]: how far the headline
+//!    numbers move with the mesh and the assumptions.
+//! 6. [`figures`], [`story`], [`assumptions`], [`page`], [`written`]: the files of a run. [`ticker`]: its progress.
 
 pub mod assumptions;
 pub mod checkpoint;
@@ -22,9 +24,11 @@ pub mod moments;
 pub mod operators;
 pub mod page;
 pub mod plan;
+pub mod ranges;
 pub mod run;
 pub mod safety;
 pub mod sensitivity;
+pub mod story;
 pub mod strength;
 pub mod summary;
 pub mod tables;

@@ -1,6 +1,8 @@
-//! When frames are taken: at fixed times, at events, and often while soil moves.
+//! When frames are taken: at fixed times, at events, every few minutes while water seeps, and often while soil moves.
+//!
+//! Frames never add a stop of their own: where a run is stopped decides on how its soil comes to rest.
 
-use mpm_core::failure::{Driver, Events, Phase};
+use mpm_core::failure::{Driver, End, Events, Phase};
 use mpm_core::observe::Frame;
 use serde::{Deserialize, Serialize};
 
@@ -11,10 +13,10 @@ use crate::frames::{Shot, rounded};
 pub const PAPER: [f64; 4] = [6.0, 8.4, 8.66, 8.68];
 /// The experiment's: toe, progressive and rapid failure, h.
 pub const EXPERIMENT: [f64; 3] = [12.5, 13.0, 13.2];
-/// First distance of frames while soil moves, s.
-const FIRST_EVERY: f64 = 0.25;
-/// With so many of them every second goes, and the distance doubles.
-const MOST: usize = 200;
+/// First interval of frames while water seeps, and while soil moves, s.
+const FIRST_EVERY: [f64; 2] = [300.0, 0.1];
+/// With more frames than this of a kind, every second is dropped and the interval doubles.
+const MOST: [usize; 2] = [100, 200];
 /// Shorter than any step, s.
 const EPSILON: f64 = 1e-7;
 
@@ -22,7 +24,7 @@ const EPSILON: f64 = 1e-7;
 pub const EVENTS: [(&str, &str); 5] = [
     ("toe wet", "water reaches the toe"),
     ("outflow", "water leaves the slope"),
-    ("E1", "the toe ravels"),
+    ("E1", "the toe fails"),
     ("E2", "failure starts"),
     ("E3", "rapid failure"),
 ];
@@ -54,22 +56,33 @@ pub struct Album {
     pub kept: Kept,
 }
 
+/// Why a frame was taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+enum Why {
+    /// A fixed time or an event: it stays.
+    Fixed,
+    /// Water seeps.
+    Seeping,
+    /// Soil moves.
+    Moving,
+}
+
 /// What of an album is not in its frames.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Kept {
-    /// Whether a frame was taken only because soil moved: it may go again.
-    passing: Vec<bool>,
-    /// Distance of such frames, s; zero before the first.
-    every_s: f64,
+    why: Vec<Why>,
+    /// Intervals of frames while water seeps, and while soil moves, s; zero before the first.
+    every_s: [f64; 2],
 }
 
-fn words(phase: Phase) -> &'static str {
-    match phase {
-        Phase::Gravity => "gravity",
-        Phase::Seepage | Phase::Relaxing => "seepage",
-        Phase::Failing => "failing",
-        Phase::Together => "soil and water together",
-        Phase::Ended => "the end",
+fn words(driver: &Driver) -> &'static str {
+    match (driver.phase, driver.end) {
+        (_, Some(End::Collapsed)) => "at rest",
+        (_, Some(End::TimeOver)) | (Phase::Ended, None) => "end of the run",
+        (Phase::Gravity, None) => "gravity",
+        (Phase::Seepage | Phase::Relaxing, None) => "seepage",
+        (Phase::Failing, None) => "failing",
+        (Phase::Together, None) => "soil and water together",
     }
 }
 
@@ -86,50 +99,54 @@ impl Album {
         let first = self.shots.is_empty();
         let ended = driver.end.is_some();
         if first || ended || at_fixed || !happened.is_empty() {
-            self.take(driver, &happened, false);
-        } else if driver.phase == Phase::Failing || driver.phase == Phase::Together && Self::fails(driver) {
-            let every = self.kept.every_s.max(FIRST_EVERY);
-            if self.last_s().is_none_or(|last| driver.time - last >= every - EPSILON) {
-                self.kept.every_s = every;
-                self.take(driver, &[], true);
-                self.thin();
-            }
+            self.take(driver, &happened, Why::Fixed);
+            return;
         }
-    }
-
-    /// Soil and water that run together are only worth many frames once something moves.
-    fn fails(driver: &Driver) -> bool {
-        driver.events.failure_h.is_some()
+        let why = match driver.phase {
+            Phase::Seepage | Phase::Relaxing => Why::Seeping,
+            Phase::Failing => Why::Moving,
+            // Soil and water that run together are only worth many frames once something moves.
+            Phase::Together if driver.events.failure_h.is_some() => Why::Moving,
+            Phase::Together => Why::Seeping,
+            Phase::Gravity | Phase::Ended => return,
+        };
+        let kind = usize::from(why == Why::Moving);
+        let every = self.kept.every_s[kind].max(FIRST_EVERY[kind]);
+        if self.last_s().is_none_or(|last| driver.time - last >= every - EPSILON) {
+            self.kept.every_s[kind] = every;
+            self.take(driver, &[], why);
+            self.thin(why, kind);
+        }
     }
 
     fn last_s(&self) -> Option<f64> {
         self.shots.last().map(|shot| shot.frame.time_s)
     }
 
-    fn take(&mut self, driver: &Driver, happened: &[&str], passing: bool) {
+    fn take(&mut self, driver: &Driver, happened: &[&str], why: Why) {
         let clock_s = driver.hours() * 3600.0;
-        let phase = [&[words(driver.phase)], happened].concat().join(", ");
+        let phase = [&[words(driver)], happened].concat().join(", ");
         // Frames count from when water begins to seep.
         let frame = Frame { time_s: driver.time, ..rounded(&driver.frame()) };
         self.shots.push(Shot { phase, time_s: clock_s, frame });
-        self.kept.passing.push(passing);
+        self.kept.why.push(why);
     }
 
-    /// Of too many frames of moving soil, every second goes.
-    fn thin(&mut self) {
-        if self.kept.passing.iter().filter(|p| **p).count() <= MOST {
+    /// Of too many frames of a kind, every second is dropped.
+    fn thin(&mut self, why: Why, kind: usize) {
+        if self.kept.why.iter().filter(|w| **w == why).count() <= MOST[kind] {
             return;
         }
         let mut number = 0;
-        let keeps = |passing: &bool| {
-            number += usize::from(*passing);
-            !passing || number % 2 == 1
+        let keeps = |own: &Why| {
+            number += usize::from(*own == why);
+            *own != why || number % 2 == 1
         };
-        let keep: Vec<bool> = self.kept.passing.iter().map(keeps).collect();
+        let keep: Vec<bool> = self.kept.why.iter().map(keeps).collect();
         let mut kept = keep.iter();
         self.shots.retain(|_| *kept.next().unwrap_or(&true));
         let mut kept = keep.iter();
-        self.kept.passing.retain(|_| *kept.next().unwrap_or(&true));
-        self.kept.every_s *= 2.0;
+        self.kept.why.retain(|_| *kept.next().unwrap_or(&true));
+        self.kept.every_s[kind] *= 2.0;
     }
 }

@@ -1,45 +1,48 @@
-//! The page of a run: headline numbers, claims, pictures, assumptions, how to run it again.
+//! The page of a run: verdict, the run as a moving picture, claims, numbers, further pictures, assumptions, how to run it again.
 
 use std::path::Path;
 
 use mpm_core::failure::Scales;
-use serde::Serialize;
-use serde_json::json;
 
 use super::assumptions;
-use super::claims::{Claim, Verdict};
+use super::claims::{Claim, Verdict as Judged};
 use super::figures::Picture;
 use super::limits::{self, Limit};
 use super::plan::Plan;
+use super::ranges::{Range, Ranges, Spread};
 use super::run::Followed;
 use super::summary::Summary;
-use crate::report::content;
-use crate::report::content::table::{Cell, Table, table};
-use crate::report::html::render;
+use crate::page::picture::alternative;
+use crate::page::site::{Kind, Report};
+use crate::page::table::{Cell, Table};
+use crate::page::verdict::{State, Tally, Verdict};
+use crate::page::{Block, Image, Page, Section, escaped};
+use crate::report::ReportError;
+use crate::report::animation::Player;
 use crate::report::numbers::short;
-use crate::report::plots::figure::Figure;
-use crate::report::plots::levee::clock;
-use crate::report::{ReportError, save};
 
-const TEMPLATE: &str = include_str!("page.html");
+/// Looks of the headline numbers.
+const STYLE: &str = "<style>
+.facts { display: grid; grid-template-columns: repeat(auto-fit, minmax(11.5rem, 1fr)); gap: 0.6rem; margin: 0.8rem 0; }
+.facts > div { display: block; padding: 0.5rem 0.8rem; background: var(--band); border: 1px solid var(--line); border-radius: 6px; }
+.facts dt { font-weight: 400; font-size: 0.84rem; color: var(--soft); }
+.facts dd { font-size: 0.84rem; }
+.facts dd.value { font-size: 1.3rem; font-weight: 600; line-height: 1.3; }
+</style>";
 
-#[derive(Debug, Serialize)]
-struct Page {
-    title: String,
-    summary: String,
-    troubles: Vec<String>,
-    numbers: Vec<Table>,
-    claims: Vec<Table>,
-    papers: bool,
-    further: Vec<Table>,
-    assumptions: Vec<(&'static str, String)>,
-    manifest: Vec<(&'static str, String)>,
-    files: Vec<&'static str>,
-    animation: bool,
+/// A headline number.
+#[derive(Debug)]
+struct Fact {
+    name: &'static str,
+    value: String,
+    /// How far it moves with the mesh and the assumptions.
+    ranges: String,
+    /// What paper and experiment say; empty for other scenes.
+    compared: &'static str,
 }
 
 /// Files that the page links to where they are there.
-const FILES: [&str; 11] = [
+const FILES: [&str; 14] = [
     "summary.json",
     "history.csv",
     "events.csv",
@@ -50,7 +53,10 @@ const FILES: [&str; 11] = [
     "convergence.csv",
     "drivers.csv",
     "frames.bin",
+    "levee.png",
     "vtk/solid.pvd",
+    "vtk/water.pvd",
+    "vtk/view.py",
 ];
 
 /// What a page is made of.
@@ -62,6 +68,10 @@ pub struct Parts<'a> {
     pub run: &'a Followed,
     /// Its numbers.
     pub summary: &'a Summary,
+    /// How far these move with the mesh and the assumptions.
+    pub ranges: &'a Ranges,
+    /// The run as a moving picture, if it has frames.
+    pub player: Option<Player>,
     /// Judged claims of the paper, of its levee.
     pub claims: Option<&'a [Claim]>,
     /// Pictures in their order.
@@ -72,34 +82,77 @@ pub struct Parts<'a> {
     pub others: Vec<String>,
 }
 
-/// Writes `index.html`.
+/// Writes `index.html`, and `report.json` beside it.
 ///
 /// # Errors
 /// A file that cannot be written, or a template that does not fit.
 pub fn write(parts: Parts, (known, folder): (&Path, &Path)) -> Result<(), ReportError> {
-    let Parts { plan, run, summary, claims, pictures, further, others } = parts;
-    let page = Page {
-        title: title(plan, summary),
-        summary: words(summary, claims),
-        papers: claims.is_some(),
-        troubles: run.ended.trouble().map(str::to_owned).into_iter().chain(others).collect(),
-        numbers: numbers(summary, &plan.scales(), claims.is_some()),
-        claims: claims.map(judged).into_iter().collect(),
-        further,
-        assumptions: assumptions::of(&plan.scene, summary),
-        manifest: summary.manifest.entries().to_vec(),
-        files: FILES
-            .into_iter()
-            .filter(|file| folder.join(file).exists() || known.join(file).exists())
-            .filter(|file| claims.is_some() || *file != "claims.csv")
-            .collect(),
-        animation: folder.join("failure.html").exists(),
+    let Parts { plan, run, summary, ranges, player, claims, pictures, further, others } = parts;
+    let papers = claims.is_some();
+    let there = |file: &&str| folder.join(file).exists() || known.join(file).exists();
+    let files = FILES.into_iter().filter(there).filter(|file| papers || *file != "claims.csv");
+    let tally = claims.map(counts);
+    let facts = facts(summary, ranges, papers);
+    let assumed = if papers {
+        "Input of this run; the paper does not print all of it. How much each assumption matters: `mpm-verify levee --sensitivity`."
+    } else {
+        "Input of this run."
     };
-    let figures: Vec<Figure> = pictures.iter().map(|p| p.figure.clone()).collect();
-    let drawn: Vec<String> = pictures.iter().map(|p| p.svg.clone()).collect();
-    let path = folder.join("index.html");
-    let html = render(TEMPLATE, json!(page), &content::Picture::all(&figures), (&figures, &drawn), ".");
-    save(&path, html.map_err(|cause| ReportError::Page { path: path.clone(), cause })?)
+    let terms = assumptions::of(&plan.scene, summary).into_iter().map(|(name, value)| (name.to_owned(), value));
+    let command = summary.manifest.entries().into_iter().find(|(name, _)| *name == "command");
+    let again = command.map_or_else(Vec::new, |(_, command)| vec![Block::Command(command)]);
+    let moving = player.as_ref().map(|player| Block::Html(player.html()));
+    let summary_of_frames = player.map(|player| Block::Note(player.summary));
+    let headline = (!facts.is_empty()).then(|| Block::Html(cards(&facts)));
+    let first = Section { id: "run".to_owned(), ..Section::default() };
+    let first = [headline, moving, summary_of_frames].into_iter().flatten().fold(first, Section::with);
+    let report = Report::new(if papers { Kind::Levee } else { Kind::Scene })
+        .counts(tally.clone())
+        .picture("levee.png", "Water seeps through the soil until its slope fails, as an animation");
+    Page::new(title(plan, summary))
+        .verdict(verdict(summary, tally.as_ref()))
+        .lead(story(summary, ranges, papers))
+        .warnings(run.ended.trouble().map(str::to_owned).into_iter().chain(others))
+        .section(first)
+        .section(Section::new("claims", "Claims").tables(claims.map(judged)))
+        .section(Section::new("numbers", "Numbers").tables(numbers(summary, ranges, &plan.scales(), papers)))
+        .section(Section::new("further", "Factor of safety, meshes, assumptions").tables(further))
+        .section(drawn(pictures))
+        .section(Section::new("assumptions", "Assumptions").text(assumed).with(Block::Terms(terms.collect())))
+        .section(again.into_iter().fold(Section::new("again", "Run it again"), Section::with).files(files))
+        .conditions(&summary.manifest)
+        .report(report)
+        .write(&folder.join("index.html"))
+}
+
+/// Pictures: as drawings where they are light, as images of files beside the page where they are not.
+fn drawn(pictures: &[Picture]) -> Section {
+    pictures.iter().fold(Section::new("pictures", "Pictures"), |section, picture| {
+        let figure = &picture.figure;
+        if picture.is_light {
+            return section.figure(figure);
+        }
+        let [image, table] = ["png", "csv"].map(|ending| format!("plots/{}.{ending}", figure.name));
+        let caption = format!("{}. {} [numbers]({table})", figure.title, figure.caption);
+        section.with(Block::Images(vec![Image { src: image.clone(), alt: alternative(figure), caption, href: image }]))
+    })
+}
+
+/// The headline numbers side by side.
+fn cards(facts: &[Fact]) -> String {
+    let card = |fact: &Fact| {
+        let compared = match fact.compared {
+            "" => String::new(),
+            said => format!("<dd class=\"soft\">{}</dd>", escaped(said)),
+        };
+        format!(
+            "<div><dt>{}</dt><dd class=\"value\">{}</dd><dd>{}</dd>{compared}</div>\n",
+            escaped(fact.name),
+            escaped(&fact.value),
+            escaped(&fact.ranges)
+        )
+    };
+    format!("{STYLE}\n<dl class=\"facts\">\n{}</dl>", facts.iter().map(card).collect::<String>())
 }
 
 fn title(plan: &Plan, summary: &Summary) -> String {
@@ -108,125 +161,227 @@ fn title(plan: &Plan, summary: &Summary) -> String {
     format!("{subject}: {}{variant}", plan.scene.name)
 }
 
-fn words(s: &Summary, claims: Option<&[Claim]>) -> String {
-    let at = |time: Option<f64>| time.map(|h| clock(3600.0 * h));
-    let subject = if claims.is_some() { "levee" } else { "slope" };
-    let judged = claims.map_or_else(String::new, |claims| {
-        let count = |verdict: Verdict| claims.iter().filter(|c| c.verdict == verdict).count();
-        format!(
-            " Of {} statements of the paper and the experiment {} hold, {} differ, {} cannot be compared.",
-            claims.len(),
-            count(Verdict::Holds),
-            count(Verdict::Differs),
-            count(Verdict::NotComparable)
-        )
-    });
-    let story = match (at(s.failure_start_h), at(s.rapid_failure_h)) {
-        (Some(failure), Some(rapid)) => format!(
-            "Failure starts at {failure}, rapid failure at {rapid}; soil rests again {} s later with its toe at {} m.",
-            s.rapid_failure_lasts_s.map_or_else(|| "–".to_owned(), |t| short(t, 3)),
-            s.toe_x_m.map_or_else(|| "–".to_owned(), |x| short(x, 4))
-        ),
-        (Some(failure), None) => format!("Failure starts at {failure}; it does not become rapid."),
-        (None, _) => match at(s.end_h) {
-            Some(end) => format!("The {subject} has not failed when the run ends at {end}."),
-            None if s.ended == "run-failed" => "The run failed before any water seeped.".to_owned(),
-            None => format!("The {subject} does not stand before any water seeps."),
-        },
-    };
-    format!("{story}{judged}")
+/// How a verdict is marked.
+fn mark(verdict: Judged) -> &'static str {
+    match verdict {
+        Judged::Reproduced => "good",
+        Judged::ReproducedForAnotherReason => "warn",
+        Judged::NotReproduced => "bad",
+        Judged::NotComparable => "",
+    }
 }
 
-fn numbers(s: &Summary, scales: &Scales, papers: bool) -> Vec<Table> {
-    let time = |name: &str, value: Option<f64>| {
-        let small = value.map_or_else(String::new, |h| clock(3600.0 * h));
-        vec![
-            Cell::new(name),
-            Cell::new(value.map_or_else(|| "did not happen".to_owned(), |h| short(h, 6))).marked(small, ""),
-            Cell::new("h"),
-        ]
-    };
-    let other = |name: &str, value: Option<f64>, unit: &str| {
-        vec![Cell::new(name), Cell::new(value.map_or_else(|| "–".to_owned(), |v| short(v, 4))), Cell::new(unit)]
-    };
-    let count = |name: &str, value: u64| vec![Cell::new(name), Cell::new(value.to_string()), Cell::new("")];
-    let head = ["", "value", "unit"];
-    let happened = vec![
-        time("water reaches the toe", s.front_at_toe_h),
-        time("water leaves the slope", s.first_outflow_h),
-        time("E1: the toe ravels", s.raveling_h),
-        time("E2: failure starts", s.failure_start_h),
-        time("E3: rapid failure", s.rapid_failure_h),
-        time("the end", s.end_h),
-        other("from E3 to the end", s.rapid_failure_lasts_s, "s"),
-        other("where failure starts, x", s.failure_at_m, "m"),
-        other("toe at the end, x", s.toe_x_m, "m"),
-        other("settlement of the crest", s.crest_settlement_m, "m"),
-        other("largest displacement before failure starts", s.displacement_before_failure_m, "m"),
-        other("largest deviator strain", s.max_deviator_strain, "–"),
-    ];
-    let operators = [
-        other("checkerboard index, steady with a point source, faces (default)", s.checkerboard_face_operator, "–"),
-        other("the same, the paper's nodal operator", s.checkerboard_nodal_operator, "–"),
-    ];
-    let mut took = vec![
-        count("steps of the water", s.steps_seepage),
-        count("steps of soil that comes to rest", s.steps_relaxing),
-        count("steps of soil that moves", s.steps_moving),
-        other("CPU time", Some(s.cpu_s), "s"),
-    ];
-    let mut about = "";
-    if papers {
-        took.splice(0..0, operators);
-        about = "Both indices of a point source are those of the last frame before failure.";
+fn counts(claims: &[Claim]) -> Tally {
+    let count = |verdict: Judged| (claims.iter().filter(|c| c.verdict == verdict).count(), verdict.words());
+    let all = [Judged::Reproduced, Judged::NotReproduced, Judged::NotComparable];
+    Tally::in_words("Claims on the levee", all.map(count))
+}
+
+/// The verdict: of a levee that ended as it should, how many claims are reproduced; of another slope, whether its checks passed.
+fn verdict(s: &Summary, tally: Option<&Tally>) -> Verdict {
+    let failed: Vec<&str> = limits::of(s).iter().filter(|limit| !limit.passed()).map(|limit| limit.name).collect();
+    if matches!(s.ended.as_str(), "run-failed" | "stopped" | "does-not-stand") {
+        return Verdict::new(State::Failed, format!("The run ended early: {}.", s.ended.replace('-', " ")));
     }
-    let kept = |limit: Limit| {
-        let (verdict, mark) = if limit.passed() { ("held", "good") } else { ("not held", "bad") };
-        vec![
-            Cell::new(limit.name),
-            Cell::new(limit.found.map_or_else(|| "–".to_owned(), |v| short(v, 3))),
-            Cell::new(short(limit.allowed, 2)),
-            Cell::new(limit.unit),
-            Cell::new(verdict).marked("", mark),
-        ]
+    if let [first, ..] = failed[..] {
+        let more = if failed.len() > 1 { format!(" and {} more", failed.len() - 1) } else { String::new() };
+        return Verdict::new(State::Failed, format!("A check of the run failed: {first}{more}."));
+    }
+    let Some(tally) = tally else { return Verdict::new(State::Passed, "All checks of the run passed.") };
+    let sentence =
+        format!("Of the claims of the paper and the experiment {}; all checks of the run passed.", tally.said);
+    match tally.passed {
+        0 => Verdict::new(State::NotEstablished, sentence),
+        passed => {
+            Verdict::new(State::Passed, sentence).saying(format!("{passed} of {} claims reproduced", tally.total))
+        }
+    }
+}
+
+/// Whether and how it failed.
+fn story(s: &Summary, ranges: &Ranges, papers: bool) -> String {
+    let subject = if papers { "levee" } else { "slope" };
+    let seconds = |from: Option<f64>, to: Option<f64>| from.zip(to).map(|(from, to)| lasting(3600.0 * (to - from)));
+    let Some(failure) = s.failure_start_h else {
+        return match s.end_h {
+            Some(end) => format!("The {subject} has not failed when the run ends at {end:.1} h."),
+            None if s.ended == "run-failed" => "The run stopped with an error before any water seeped.".to_owned(),
+            None => format!("The {subject} does not stand before any water seeps."),
+        };
     };
-    let [e1, e2, e3] = scales.events().map(|way| short(way, 2));
+    let onset = s.raveling_h.filter(|first| 3600.0 * (failure - first) >= 0.05).map_or_else(String::new, |first| {
+        let after = lasting(3600.0 * (failure - first));
+        format!(" The toe fails first (E1); {after} later the deeper soil slides (E2).")
+    });
+    let rapid = match seconds(s.failure_start_h, s.rapid_failure_h) {
+        Some(after) => format!(" The slide becomes rapid {after} after that (E3)"),
+        None => " The slide does not become rapid".to_owned(),
+    };
+    let rest = match (s.ended.as_str(), s.failure_lasts_s) {
+        ("collapsed", Some(lasts)) => format!(", and the soil is at rest {} after E2.", lasting(lasts)),
+        _ => ".".to_owned(),
+    };
+    let when = ranges.beside(failure, ranges.failure_h, ("h", 1));
+    format!("The {subject} fails at {when}.{onset}{rapid}{rest}")
+}
+
+/// A time span for readers, with two digits.
+fn lasting(seconds: f64) -> String {
+    match seconds {
+        s if s < 120.0 => format!("{} s", short(s, 2)),
+        s if s < 7200.0 => format!("{} min", short(s / 60.0, 2)),
+        s => format!("{} h", short(s / 3600.0, 2)),
+    }
+}
+
+fn facts(s: &Summary, ranges: &Ranges, papers: bool) -> Vec<Fact> {
+    let fact = |name, value: Option<f64>, spread: Spread, (unit, decimals): (&'static str, usize), said| {
+        let text = ranges.beside(value?, spread, (unit, decimals));
+        let (value, beside) = text.split_once(" (").unwrap_or((&text, ""));
+        let compared = if papers { said } else { "" };
+        Some(Fact { name, value: value.to_owned(), ranges: beside.trim_end_matches(')').to_owned(), compared })
+    };
+    let paper = "paper 8.7 h; experiment 13 h";
+    let lasts = s.failure_lasts_s.filter(|_| s.ended == "collapsed").map(|seconds| Fact {
+        name: "From failure (E2) to rest",
+        value: lasting(seconds),
+        ranges: "one mesh".to_owned(),
+        compared: if papers { "paper 72 s; experiment 10 min, of which 30 s rapid" } else { "" },
+    });
+    let three = [
+        fact("Failure starts (E2)", s.failure_start_h, ranges.failure_h, ("h", 1), paper),
+        fact("Run-out of the toe", s.runout_m, ranges.runout_m, ("m", 1), "no number in the paper"),
+        fact("Settlement of the crest", s.crest_settlement_m, ranges.crest_m, ("m", 2), "no number in the paper"),
+    ];
+    three.into_iter().flatten().chain(lasts).collect()
+}
+
+fn numbers(s: &Summary, ranges: &Ranges, scales: &Scales, papers: bool) -> Vec<Table> {
+    let said = |range: Option<Range>, decimals| Cell::new(range.map_or_else(dash, |range| range.said(decimals)));
+    let row = |name: &str, value: Option<f64>, (unit, decimals): (&str, usize), spread: Spread| {
+        let value = value.map_or_else(dash, |v| format!("{v:.decimals$}").replace('-', "\u{2212}"));
+        let cells = [Cell::new(name), Cell::new(value), Cell::new(unit)];
+        cells.into_iter().chain([said(spread.meshes, decimals), said(spread.assumptions, decimals)]).collect::<Vec<_>>()
+    };
+    let none = Spread::default();
+    let time = |name: &str, value: Option<f64>, spread: Spread| {
+        let mut cells = row(name, value, ("h", 1), spread);
+        if value.is_none() {
+            cells[1] = Cell::new("did not happen");
+        }
+        cells
+    };
+    let span = |name: &str, from: Option<f64>, to: Option<f64>| {
+        let text = from.zip(to).map_or_else(dash, |(from, to)| short(3600.0 * (to - from), 2));
+        [name, &text, "s", "–", "–"].map(Cell::new).to_vec()
+    };
+    let strain = s.max_deviator_strain.map_or_else(dash, |v| short(v, 2));
+    let before = s.displacement_before_failure_m.map_or_else(dash, |v| short(v, 2));
+    let end = s.end_h.filter(|_| s.ended == "collapsed");
+    let happened = vec![
+        time("water reaches the toe", s.front_at_toe_h, none),
+        time("water flows out of the slope", s.first_outflow_h, none),
+        time("E1: the toe fails", s.raveling_h, none),
+        time("E2: failure starts", s.failure_start_h, ranges.failure_h),
+        time("E3: rapid failure", s.rapid_failure_h, none),
+        time(if end.is_some() { "the soil is at rest" } else { "end of the run" }, s.end_h, none),
+        span("from E1 to E2", s.raveling_h, s.failure_start_h),
+        span("from E2 to E3", s.failure_start_h, s.rapid_failure_h),
+        span("from E3 to rest", s.rapid_failure_h, end),
+        row("where failure starts, x", s.failure_at_m, ("m", 1), none),
+        row("toe at the end, x", s.toe_x_m, ("m", 1), none),
+        row("run-out, from the toe of the particles at the start", s.runout_m, ("m", 1), ranges.runout_m),
+        row("settlement of the crest", s.crest_settlement_m, ("m", 2), ranges.crest_m),
+        ["largest displacement before failure starts", &before, "m", "–", "–"].map(Cell::new).to_vec(),
+        ["largest deviator strain", &strain, "–", "–", "–"].map(Cell::new).to_vec(),
+    ];
+    let [e1, e2, e3] = scales.events().map(|moved| short(moved, 2));
+    let [all, collapse] = ranges.variants;
+    let counted = if all > 0 {
+        format!(
+            " The assumptions: {collapse} of {all} variants of an input collapse and make up the range; the others do not stand or do not \
+             collapse."
+        )
+    } else {
+        String::new()
+    };
     let events = format!(
-        "E1: 0.5 % of the section has moved more than {e1} m, or soil does not come to rest. E2: 1 % of the section, deeper than {} m, \
-         has moved more than {e2} m. E3: 5 % has moved more than {e3} m. All are shares of the height, beyond what the water can move \
-         the soil elastically.",
+        "E1: 0.5 % of the section has moved more than {e1} m, or the soil does not come to rest. E2: 1 % of the section, deeper than \
+         {} m, has moved more than {e2} m. E3: 5 % has moved more than {e3} m. These displacements are shares of the height, beyond the \
+         elastic displacement under all that water can add. Run-out and settlement of single runs scatter by a quarter.{counted}",
         short(scales.depth(), 2)
     );
+    let head = ["", "this run", "unit", "over meshes", "over the assumptions"];
     vec![
-        table("What happened".to_owned(), &head, happened, &events),
-        table(
-            "How sound it is".to_owned(),
-            &["largest over the run", "value", "at most", "unit", ""],
+        Table::new("Events and displacements", &head, happened, &events),
+        Table::new(
+            "Checks of this run",
+            &["largest value over the run", "measured", "tolerance", "unit", "verdict"],
             limits::of(s).into_iter().map(kept).collect(),
-            "Gaps as shares of the water in the soil and of the works and losses booked.",
+            "Balance residuals are shares of the mass, of the water in the soil and of the works and losses.",
         ),
-        table("What it took".to_owned(), &head, took, about),
+        took(s, papers),
     ]
+}
+
+fn kept(limit: Limit) -> Vec<Cell> {
+    let (verdict, mark) = if limit.passed() { ("passed", "good") } else { ("failed", "bad") };
+    vec![
+        Cell::new(limit.name),
+        Cell::new(limit.found.map_or_else(dash, |v| short(v, 2))),
+        Cell::new(short(limit.allowed, 2)),
+        Cell::new(limit.unit),
+        Cell::badge(verdict, mark),
+    ]
+}
+
+/// Steps and time.
+fn took(s: &Summary, papers: bool) -> Table {
+    let count = |name: &str, value: u64| vec![Cell::new(name), Cell::new(value.to_string()), Cell::new("")];
+    let other = |name: &str, value: Option<f64>, unit: &str| {
+        vec![Cell::new(name), Cell::new(value.map_or_else(dash, |v| short(v, 2))), Cell::new(unit)]
+    };
+    let mut rows = vec![
+        count("seepage steps", s.steps_seepage),
+        count("steps in which the soil comes to rest", s.steps_relaxing),
+        count("steps of moving soil", s.steps_moving),
+        other("CPU time", Some(s.cpu_s), "s"),
+    ];
+    let mut note = "";
+    if papers {
+        rows.extend([
+            other("checkerboard index, steady with a point source, faces (default)", s.checkerboard_face_operator, "–"),
+            other("the same, the paper's nodal operator", s.checkerboard_nodal_operator, "–"),
+        ]);
+        note = "Both indices of a point source are those of the last frame before failure.";
+    }
+    Table::new("Cost and operators", &["", "value", "unit"], rows, note)
+}
+
+fn dash() -> String {
+    "–".to_owned()
 }
 
 fn judged(claims: &[Claim]) -> Table {
     let row = |c: &Claim| {
-        let mark = match c.verdict {
-            Verdict::Holds => "good",
-            Verdict::Differs => "bad",
-            Verdict::NotComparable => "",
-        };
         vec![
             Cell::new(c.paper.clone()).marked(c.rule.clone(), ""),
+            Cell::badge(c.verdict.words(), mark(c.verdict)),
             Cell::new(c.value.clone()),
-            Cell::new(c.verdict.words()).marked("", mark),
         ]
     };
     let note = "In small letters: the rule that the verdict follows.";
-    table(
-        "Statements of the paper and the experiment".to_owned(),
-        &["said", "this run", "verdict"],
-        claims.iter().map(row).collect(),
-        note,
-    )
+    let head = ["claim", "verdict", "this run"];
+    Table::new("Claims of the paper and observations of the experiment", &head, claims.iter().map(row).collect(), note)
+        .words()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spans_of_time_read_well() {
+        assert_eq!([0.052, 5.381, 72.4, 600.0, 8000.0].map(lasting), ["0.052 s", "5.4 s", "72 s", "10 min", "2.2 h"]);
+    }
 }

@@ -153,7 +153,7 @@ fn falls_through(lines: &[Line], factor: f64) -> Option<f64> {
 /// The time of failure that the factors imply, in words.
 pub fn implied(lines: &[Line]) -> Option<String> {
     let fails = falls_through(lines, 1.0)?;
-    let text = |time: Option<f64>, none: &str| time.map_or_else(|| none.to_owned(), |h| format!("{} h", short(h, 4)));
+    let text = |time: Option<f64>, none: &str| time.map_or_else(|| none.to_owned(), |h| format!("{h:.1} h"));
     let (first, last) = (falls_through(lines, 1.0 + ERROR), falls_through(lines, 1.0 - ERROR));
     Some(format!(
         "The factor is 1 at {}; with an error of {ERROR} it implies failure from {} to {}",
@@ -183,19 +183,19 @@ pub fn picture(
     };
     let events = happened.map(events).unwrap_or_default();
     let svg = plot::write(&safety, &events, folder)?;
-    Ok(Picture { figure: plot::figure(&safety, &events), svg })
+    Ok(Picture::new(plot::figure(&safety, &events), &svg))
 }
 
 /// A table for the page.
 pub fn shown(lines: &[Line]) -> Table {
     let head = ["time (h)", "strength reduction", "infinite slope", "Bishop", "Spencer"];
     let pair = |full: Option<f64>, davis: Option<f64>| {
-        let text = |v: Option<f64>| v.map_or_else(|| "–".to_owned(), |v| short(v, 3));
+        let text = |v: Option<f64>| v.map_or_else(|| "–".to_owned(), |v| format!("{v:.2}"));
         Cell::new(text(full)).marked(format!("Davis {}", text(davis)), "")
     };
     let row = |l: &Line| {
         let found = match l.fs_low.is_finite() {
-            true => format!("{} to {}", short(l.fs_low, 4), short(l.fs_high, 4)),
+            true => format!("{:.2} to {:.2}", l.fs_low, l.fs_high),
             false => "none found".to_owned(),
         };
         vec![
@@ -235,12 +235,9 @@ mod tests {
         };
         let lines = [at(10.0, 1.10), at(14.0, 0.98), at(18.0, 0.90)];
         let text = implied(&lines).expect("a time");
-        assert_eq!(
-            text,
-            "The factor is 1 at 13.33 h; with an error of 0.05 it implies failure from 11.67 h to 15.50 h"
-        );
+        assert_eq!(text, "The factor is 1 at 13.3 h; with an error of 0.05 it implies failure from 11.7 h to 15.5 h");
         let late = implied(&lines[..2]).expect("a time");
-        assert!(late.ends_with("from 11.67 h to after the last time"), "{late}");
+        assert!(late.ends_with("from 11.7 h to after the last time"), "{late}");
         assert_eq!(implied(&lines[1..]), None);
     }
 }

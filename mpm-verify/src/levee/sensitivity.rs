@@ -66,7 +66,7 @@ impl OfScene for Line {
 }
 
 impl Line {
-    fn named(variant: &str, what: &str, label: &str) -> Self {
+    pub(super) fn named(variant: &str, what: &str, label: &str) -> Self {
         Self {
             variant: variant.to_owned(),
             what: what.to_owned(),
@@ -203,7 +203,7 @@ pub fn picture(lines: &[Line], folder: &Path) -> Result<Picture, ReportError> {
         figure.caption.push_str(&format!(" Not shown: {}.", left_out.join("; ")));
     }
     let svg = write_drawn(&figure, folder)?;
-    Ok(Picture { figure, svg })
+    Ok(Picture::new(figure, &svg))
 }
 
 fn rows(lines: &[Line]) -> Vec<Varied> {
@@ -232,7 +232,7 @@ fn rows(lines: &[Line]) -> Vec<Varied> {
 pub fn shown(lines: &[Line]) -> Table {
     let head =
         ["changed", "value", "front at toe (h)", "E1 (h)", "E2 (h)", "E3 (h)", "toe (m)", "crest (m)", "verdict"];
-    let number = |v: Option<f64>| Cell::new(v.map_or_else(|| "–".to_owned(), |v| short(v, 4)));
+    let number = |v: Option<f64>| Cell::new(v.map_or_else(|| "–".to_owned(), |v| short(v, 3)));
     let row = |l: &Line| {
         let what = if l.what.is_empty() { "nothing" } else { &l.what };
         let mark = if l.is_comparable() { "" } else { "bad" };
@@ -248,6 +248,6 @@ pub fn shown(lines: &[Line]) -> Table {
             Cell::new(l.verdict.replace('-', " ")).marked("", mark),
         ]
     };
-    let note = "One input changed at a time; in small letters the name for mpm-verify levee --variant.";
+    let note = "One input changed at a time; in small letters the name for `mpm-verify levee --variant`.";
     table("Sensitivity".to_owned(), &head, lines.iter().map(row).collect(), note)
 }

@@ -1,6 +1,6 @@
 //! What a run came to, in numbers: `summary.json`.
 
-use mpm_core::failure::Row;
+use mpm_core::failure::{Row, towards};
 use serde::{Deserialize, Serialize};
 
 use super::limits::Trust;
@@ -30,7 +30,7 @@ pub struct Summary {
     pub front_at_toe_h: Option<f64>,
     /// When water left the slope, h.
     pub first_outflow_h: Option<f64>,
-    /// E1: when the toe raveled, h.
+    /// E1: when the toe failed, h.
     pub raveling_h: Option<f64>,
     /// When soil first did not come to rest, h.
     pub unsettled_h: Option<f64>,
@@ -57,9 +57,9 @@ pub struct Summary {
     pub hourglass_ratio_max: Option<f64>,
     /// Largest change of the dry mass, as a share of it.
     pub solid_mass_error: Option<f64>,
-    /// Largest gap in the ledger of the water, as a share of what was there at the start.
+    /// Largest residual of the water balance, as a share of what was there at the start.
     pub water_ledger_error: Option<f64>,
-    /// Largest gap in the ledger of energies, as a share of the works and losses booked.
+    /// Largest residual of the energy balance, as a share of the works and losses booked.
     pub energy_error: Option<f64>,
     /// All steps.
     pub steps: u64,
@@ -95,10 +95,13 @@ pub struct Summary {
     pub frames: usize,
     /// What soil that water does not yet reach may move at most: the elastic displacement under all that water can add, m.
     pub displacement_allowed_m: f64,
-    /// Whether its balances close.
+    /// Whether its balances are met.
     pub trust: Option<Trust>,
     /// Under which conditions.
     pub manifest: Manifest,
+    /// How far the toe has moved at the end, m: from the place at which the toe of the particles was measured at the start.
+    #[serde(default)]
+    pub runout_m: Option<f64>,
 }
 
 impl Summary {
@@ -116,6 +119,7 @@ impl Summary {
         let lasts = |from: Option<f64>| from.zip(end_h).map(|(from, end)| 3600.0 * (end - from));
         let operators = operators::of(&plan.scene, run).map(|compared| compared.numbers);
         let there = |value: f64| last.map(|_| value);
+        let side = towards(&plan.scene.outline_or_box());
         Self {
             failure_start_h: events.failure_h,
             rapid_failure_h: events.collapse_h,
@@ -164,22 +168,25 @@ impl Summary {
             displacement_allowed_m: plan.scales().elastic,
             trust: Trust::of(rows, run.mass_kg, water.unwrap_or(0.0)),
             manifest,
+            runout_m: rows.first().zip(last).map(|(first, last)| side * (last.toe_x_m - first.toe_x_m)),
         }
     }
 
-    /// The main numbers, for a terminal.
+    /// The main numbers, for a terminal; neither the mesh nor the assumptions carry more digits.
     pub fn lines(&self) -> Vec<String> {
-        let hours = |time: Option<f64>| time.map_or_else(|| "did not happen".to_owned(), |h| format!("{h:.4} h"));
-        let metres = |x: Option<f64>| x.map_or_else(|| "none".to_owned(), |x| format!("{x:.3} m"));
+        let hours = |time: Option<f64>| time.map_or_else(|| "did not happen".to_owned(), |h| format!("{h:.1} h"));
+        let metres =
+            |x: Option<f64>, decimals| x.map_or_else(|| "none".to_owned(), |x: f64| format!("{x:.decimals$} m"));
         vec![
-            format!("water at the toe  {}", hours(self.front_at_toe_h)),
-            format!("first outflow     {}", hours(self.first_outflow_h)),
-            format!("toe ravels (E1)   {}", hours(self.raveling_h)),
-            format!("failure (E2)      {}", hours(self.failure_start_h)),
-            format!("rapid (E3)        {}", hours(self.rapid_failure_h)),
-            format!("end               {}, {}", hours(self.end_h), self.ended),
-            format!("toe               {}", metres(self.toe_x_m)),
-            format!("crest settlement  {}", metres(self.crest_settlement_m)),
+            format!("water reaches the toe    {}", hours(self.front_at_toe_h)),
+            format!("first outflow            {}", hours(self.first_outflow_h)),
+            format!("toe fails (E1)           {}", hours(self.raveling_h)),
+            format!("failure starts (E2)      {}", hours(self.failure_start_h)),
+            format!("rapid failure (E3)       {}", hours(self.rapid_failure_h)),
+            format!("end                      {}, {}", hours(self.end_h), self.ended.replace('-', " ")),
+            format!("run-out of the toe       {}", metres(self.runout_m, 1)),
+            format!("settlement of the crest  {}", metres(self.crest_settlement_m, 2)),
+            "one mesh; the page shows ranges over meshes and assumptions where they were computed".to_owned(),
         ]
     }
 }

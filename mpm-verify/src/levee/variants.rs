@@ -79,6 +79,11 @@ fn dilates(scene: &mut Fields, angle: f64) {
     }
 }
 
+/// Whether a variant changes what it is computed on, not what is assumed.
+pub fn is_of_mesh(what: &str) -> bool {
+    what == MESH || what == PPC
+}
+
 /// A variant by name.
 pub fn named(name: &str) -> Option<&'static Variant> {
     VARIANTS.iter().find(|v| v.name == name)

@@ -3,17 +3,21 @@
 use std::fs;
 use std::path::Path;
 
+use mpm_core::failure::towards;
+
 use super::claims::{self, Evidence};
 use super::page::{self, Parts};
 use super::plan::Plan;
+use super::ranges::Ranges;
 use super::run::Followed;
 use super::strength::Strength;
 use super::summary::Summary;
-use super::{convergence, drivers, figures, safety, sensitivity, tables};
+use super::{convergence, drivers, figures, safety, sensitivity, story, tables};
 use crate::frames;
-use crate::report::{ReportError, animation, save, unwritable, vtk};
+use crate::report::animation::{Player, looping};
+use crate::report::{ReportError, save, unwritable, vtk};
 
-/// Writes tables, summary, claims, frames, pictures, animation and page; files for ParaView if asked for. Factors of
+/// Writes tables, summary, claims, frames, pictures, moving image and page; files for ParaView if asked for. Factors of
 /// safety, variants, meshes and drivers of this scene whose tables are in the folder `known` are shown too.
 ///
 /// # Errors
@@ -65,8 +69,9 @@ pub fn write(
         further.push(sensitivity::shown(&variants));
     }
     let site = figures::site(scene);
-    let subject = if plan.papers() { "The levee fails" } else { "The slope" };
-    animation::write(&format!("{subject}: {}", scene.name), &site, &run.shots, &folder.join("failure.html"))?;
+    let subject = if plan.papers() { "Seepage failure of a levee" } else { "Seepage and stability of a slope" };
+    let happened = figures::events(&run.events);
+    looping::write(subject, &site, &run.shots, &happened, &folder.join("levee.png"))?;
     if with_vtk {
         vtk::write(&run.shots, &folder.join("vtk"))?;
     }
@@ -76,8 +81,18 @@ pub fn write(
     if !drivers.is_empty() {
         further.push(drivers::shown(&drivers));
     }
-    page::write(
-        Parts { plan, run, summary, claims: claims.as_deref(), pictures: &pictures, further, others },
-        (known, folder),
-    )
+    let side = towards(&scene.outline_or_box());
+    let first_toe = run.rows.first().map_or(0.0, |row| row.toe_x_m);
+    let ranges = Ranges::of(&meshes, &variants, [first_toe, side]);
+    let player = match run.shots.is_empty() || run.rows.is_empty() {
+        true => None,
+        false => {
+            let beside = story::of(plan, run, &factors, side);
+            Some(Player::new(&site, &run.shots, &beside).map_err(|e| unwritable(&folder.join("index.html"), e))?)
+        }
+    };
+    let claims = claims.as_deref();
+    let pictures = &pictures;
+    let ranges = &ranges;
+    page::write(Parts { plan, run, summary, ranges, player, claims, pictures, further, others }, (known, folder))
 }

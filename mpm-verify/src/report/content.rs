@@ -5,36 +5,11 @@ pub mod schemes;
 pub mod table;
 pub mod terms;
 
-use serde::Serialize;
 
 use super::Study;
 use super::plots::figure::Figure;
 use super::select::families;
 use crate::study::{CaseResult, Variant, shown_family, word};
-
-/// A picture's words.
-#[derive(Debug, Clone, Serialize)]
-pub struct Picture {
-    /// File name without ending.
-    pub name: &'static str,
-    /// Number on the page, from 1.
-    pub number: usize,
-    /// Title.
-    pub title: String,
-    /// What to see.
-    pub caption: String,
-}
-
-impl Picture {
-    /// The words of some pictures, numbered in their order.
-    pub fn all(figures: &[Figure]) -> Vec<Self> {
-        let words = |(k, f): (usize, &Figure)| {
-            let (title, caption) = (f.title.clone(), f.caption.clone());
-            Self { name: f.name, number: k + 1, title, caption }
-        };
-        figures.iter().enumerate().map(words).collect()
-    }
-}
 
 /// Failed runs named in warnings; the table of cases has all of them.
 const NAMED: usize = 12;

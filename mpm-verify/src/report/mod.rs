@@ -14,7 +14,6 @@ pub mod animation;
 pub mod case;
 pub mod content;
 pub mod gallery;
-pub mod html;
 pub mod maps;
 pub mod numbers;
 pub mod orders;

@@ -58,8 +58,10 @@ pub const MEAN_STRESS: Quantity = Quantity {
 /// All of them.
 pub const ALL: [Quantity; 4] = [STRAIN, PRESSURE, DISPLACEMENT, MEAN_STRESS];
 
-/// Share of the particles of a frame that a range holds: a few odd ones must not take the colours from all others.
-const HELD: f64 = 0.995;
+/// Percentile at which colour scales are clipped: one particle must not set the scale for all others.
+const PERCENTILE: f64 = 0.995;
+/// What is said of a scale that is.
+pub const CLIPPED: &str = "Colour scale clipped at the 99.5th percentile";
 
 /// Functions have no identity to compare: columns have.
 impl PartialEq for Quantity {
@@ -69,18 +71,25 @@ impl PartialEq for Quantity {
 }
 
 impl Quantity {
-    /// Values for the ends of a colour bar, one for all frames: from zero to what holds nearly all of every frame.
+    /// Values at the ends of its colour scale, one for all frames: zero, and the largest 99.5th percentile of a frame.
     pub fn range<'a>(&self, shots: impl IntoIterator<Item = &'a Shot>) -> (f64, f64) {
-        let top = shots.into_iter().map(|shot| {
-            let values = shot.frame.solid.iter().map(self.of).filter(|v| v.is_finite());
-            let mut values: Vec<f64> = values.collect();
-            values.sort_by(f64::total_cmp);
-            let last = values.len().saturating_sub(1);
-            values.get((HELD * last as f64).ceil() as usize).copied().unwrap_or(0.0)
-        });
-        let top = top.fold(0.0, f64::max);
-        (0.0, if top > 0.0 { top } else { 1.0 })
+        range(shots, self.of)
     }
+}
+
+/// The same of any value of a particle.
+pub fn range<'a>(shots: impl IntoIterator<Item = &'a Shot>, of: impl Fn(&SolidState) -> f64) -> (f64, f64) {
+    let tops = shots.into_iter().filter_map(|shot| robust(shot.frame.solid.iter().map(&of))).map(|(_, high)| high);
+    let top = tops.fold(0.0, f64::max);
+    (0.0, if top > 0.0 { top } else { 1.0 })
+}
+
+/// The 0.5th and the 99.5th percentile of the values that are numbers; nothing if there are none.
+pub fn robust(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    let mut values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
+    values.sort_by(f64::total_cmp);
+    let last = values.len().checked_sub(1)? as f64;
+    Some((values[((1.0 - PERCENTILE) * last).floor() as usize], values[(PERCENTILE * last).ceil() as usize]))
 }
 
 #[cfg(test)]
@@ -89,13 +98,15 @@ mod tests {
     use crate::frames::made_up;
 
     #[test]
-    fn a_range_is_that_of_all_frames_without_the_odd_ones() {
+    fn a_range_is_that_of_all_frames_without_outliers() {
         let mut shots = made_up::shots(1, 2);
         let (low, high) = DISPLACEMENT.range(&shots);
         assert!(low == 0.0 && (1.5..2.1).contains(&high), "{high}");
         shots[2].frame.solid[0].displacement = [1e3, 0.0];
         shots[2].frame.solid[1].displacement = [f64::NAN, 0.0];
         assert!(DISPLACEMENT.range(&shots).1 < 2.1);
+        assert_eq!(robust((0..=1000).map(f64::from)), Some((5.0, 995.0)));
+        assert_eq!(robust([f64::NAN].into_iter()), None);
         assert_eq!(STRAIN.range(&[]), (0.0, 1.0));
     }
 

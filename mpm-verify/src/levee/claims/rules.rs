@@ -5,7 +5,7 @@ use mpm_core::observe::SolidState;
 use super::super::run::Ended;
 use super::{Evidence, Judged, Rule};
 use crate::frames::Shot;
-use crate::report::numbers::{brief, short};
+use crate::report::numbers::short;
 
 /// Movement below which a shape is unchanged, m.
 const UNCHANGED: f64 = 0.01;
@@ -13,7 +13,7 @@ const UNCHANGED: f64 = 0.01;
 const MOVED: f64 = 0.05;
 /// A large deviator strain, and the share of the failing body that must have it.
 const LARGE: (f64, f64) = (0.05, 0.9);
-/// Share of the strength at which a stress path has come to the line of failure.
+/// Share of the strength at which a stress path has reached the failure line.
 const AT_LINE: f64 = 0.95;
 /// Times of the paper agree within this, h; those of the experiment within half an hour.
 const CLOSE: f64 = 0.1;
@@ -34,88 +34,82 @@ pub const RULES: [Rule; 13] = [
     (
         "stands",
         "the levee stands at the start",
-        "soil comes to rest under its weight and the first water, with nothing moved more than 1 cm before water seeps",
+        "the soil is in equilibrium under its own weight and the first water, with no displacement above 1 cm before water seeps",
         stands,
     ),
     (
         "unchanged-until-8.4-h",
         "shape kept as the initial one until 8.4 h",
-        "up to 8.4 h the largest displacement, the way of the toe and the settlement of the crest are below 1 cm",
+        "up to 8.4 h the largest displacement, the movement of the toe and the settlement of the crest are below 1 cm",
         unchanged,
     ),
     ("failure-time", "progressive failure at 8.66 h", "failure (E2) starts within 0.1 h of 8.66 h", failure_time),
     (
         "final-shape-time",
         "final shape at 8.68 h",
-        "soil rests again after the collapse within 0.1 h of 8.68 h",
+        "the soil is at rest after the collapse within 0.1 h of 8.68 h",
         final_time,
     ),
     (
         "failure-lasts",
         "0.02 h (72 s) from progressive failure to the final shape",
-        "from the start of failure to rest between half and twice 72 s",
+        "the time from the start of failure (E2) to rest is between half and twice 72 s",
         lasts,
     ),
     (
         "pressure-at-toe",
         "failure when the pore water pressure reaches the toe",
-        "failure starts within 0.5 h of when the front, or 0.1 kPa in a frame, comes within 0.5 m of the toe, where none was at the start, and there is pore pressure then",
+        "failure starts at most 0.5 h after the wetting front, or a pore pressure of 0.1 kPa, first comes within 0.5 m of the toe; there was none at the start, and there is pore pressure at failure",
         at_toe,
     ),
     (
         "starts-at-toe",
         "failure starts at the toe of the slope",
-        "mean place of the soil that has moved as far as E2 takes at the start of failure no further than 3 m from the toe",
+        "the mean x of the soil that defines E2 is at most 3 m from the toe",
         starts_at_toe,
     ),
     (
         "large-strain",
         "large deviator strains throughout the failing body",
-        "90 % of the soil that has moved more than 5 cm has a deviator strain above 0.05 at the end",
+        "at the end, 90 % of the soil that has moved more than 5 cm has a deviator strain above 0.05",
         large_strain,
     ),
     (
         "stress-paths",
         "all effective stress paths approach the failure line",
-        "every observed place that has moved more than 5 cm comes to 0.95 of its strength, t/(c cos phi + s' sin phi), from the start of failure on",
+        "every observed point that moves more than 5 cm reaches 0.95 of its strength, t/(c cos phi + s' sin phi), after the start of failure",
         stress_paths,
     ),
     (
         "experiment-toe",
         "experiment: small failure at the toe at 12.5 h",
-        "the toe ravels within 0.5 h of 12.5 h",
+        "the toe fails (E1) within 0.5 h of 12.5 h",
         experiment_toe,
     ),
     (
         "experiment-failure",
         "experiment: progressive failure from 13 h",
-        "failure starts within 0.5 h of 13 h",
+        "failure (E2) starts within 0.5 h of 13 h",
         experiment_failure,
     ),
     (
         "experiment-progressive",
         "experiment: progressive failure within 10 min",
-        "from the start of failure to rapid failure no more than 10 min",
+        "the time from failure (E2) to rapid failure (E3) is at most 10 min",
         experiment_progressive,
     ),
     (
         "experiment-rapid",
         "experiment: rapid failure for about 30 s",
-        "from the start of rapid failure to rest between 15 and 60 s",
+        "the time from rapid failure (E3) to rest is between 15 and 60 s",
         experiment_rapid,
     ),
 ];
 
-fn hours(time: f64) -> String {
-    format!("{} h", brief(time, 5))
-}
-
+/// A time and its distance from another; neither the mesh nor the assumptions carry more than a tenth of an hour.
 fn near(time: f64, expected: f64, within: f64) -> (String, bool) {
-    (format!("{} ({} h)", hours(time), signed(time - expected)), (time - expected).abs() <= within + SAME)
-}
-
-fn signed(value: f64) -> String {
-    format!("{}{}", if value >= 0.0 { "+" } else { "" }, short(value, 3))
+    let off = format!("{:+.1}", time - expected).replace('-', "\u{2212}");
+    (format!("{time:.1} h ({off} h)"), (time - expected).abs() <= within + SAME)
 }
 
 fn way(p: &SolidState) -> f64 {
@@ -135,7 +129,7 @@ fn stands(e: &Evidence) -> Judged {
     let first = e.rows.first()?;
     let failing = first.phase == mpm_core::failure::Phase::Failing;
     let most = first.max_displacement_m;
-    let text = format!("{} m moved{}", short(most, 3), if failing { ", not at rest" } else { "" });
+    let text = format!("largest displacement {} m{}", short(most, 2), if failing { ", not at rest" } else { "" });
     Some((text, !failing && most < UNCHANGED))
 }
 
@@ -161,7 +155,7 @@ fn final_time(e: &Evidence) -> Judged {
 
 fn lasts(e: &Evidence) -> Judged {
     let seconds = 3600.0 * (rest(e)? - e.events.failure_h?);
-    Some((format!("{} s", short(seconds, 3)), (36.0..=144.0).contains(&seconds)))
+    Some((format!("{} s", short(seconds, 2)), (36.0..=144.0).contains(&seconds)))
 }
 
 fn at_toe(e: &Evidence) -> Judged {
@@ -174,18 +168,18 @@ fn at_toe(e: &Evidence) -> Judged {
     let first = [felt, e.events.front_at_toe_h].into_iter().flatten().reduce(f64::min);
     let start = e.rows.first()?.time_h;
     let (delay, just) = match first {
-        Some(first) if first <= start + SAME => ("there from the start".to_owned(), false),
+        Some(first) if first <= start + SAME => ("pore pressure there from the start".to_owned(), false),
         Some(first) if first <= failure => {
-            (format!("failure {} h after it", short(failure - first, 3)), failure - first <= JUST)
+            (format!("failure {:.1} h after that", failure - first), failure - first <= JUST)
         }
-        _ => ("failure before it".to_owned(), false),
+        _ => ("failure before that".to_owned(), false),
     };
-    Some((format!("{delay}; pore pressure there then {} kPa", short(then / 1e3, 3)), just && then > 0.0))
+    Some((format!("{delay}; pore pressure there then {} kPa", short(then / 1e3, 2)), just && then > 0.0))
 }
 
 fn starts_at_toe(e: &Evidence) -> Judged {
     let place = e.events.failure_at_m?;
-    Some((format!("x = {} m", short(place, 3)), place >= e.toe_m - NEAR_TOE))
+    Some((format!("x = {place:.1} m"), place >= e.toe_m - NEAR_TOE))
 }
 
 fn large_strain(e: &Evidence) -> Judged {
@@ -214,7 +208,8 @@ fn stress_paths(e: &Evidence) -> Judged {
     });
     let used: Vec<(u32, f64)> = used.collect();
     let least = used.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let text = format!("{} places moved; least: {} of the strength, at S{}", used.len(), short(least.1, 3), least.0);
+    let text =
+        format!("{} observed points moved; lowest: {} of the strength, at S{}", used.len(), short(least.1, 2), least.0);
     Some((text, least.1 >= AT_LINE))
 }
 
@@ -228,10 +223,10 @@ fn experiment_failure(e: &Evidence) -> Judged {
 
 fn experiment_progressive(e: &Evidence) -> Judged {
     let minutes = 60.0 * (e.events.collapse_h? - e.events.failure_h?);
-    Some((format!("{} min", short(minutes, 3)), minutes <= 10.0))
+    Some((format!("{} min", short(minutes, 2)), minutes <= 10.0))
 }
 
 fn experiment_rapid(e: &Evidence) -> Judged {
     let seconds = 3600.0 * (rest(e)? - e.events.collapse_h?);
-    Some((format!("{} s", short(seconds, 3)), (15.0..=60.0).contains(&seconds)))
+    Some((format!("{} s", short(seconds, 2)), (15.0..=60.0).contains(&seconds)))
 }

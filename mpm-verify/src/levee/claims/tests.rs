@@ -108,12 +108,12 @@ const OF_PAPER: [&str; 9] = [
 const OF_EXPERIMENT: [&str; 4] = ["experiment-toe", "experiment-failure", "experiment-progressive", "experiment-rapid"];
 
 #[test]
-fn a_run_like_the_paper_s_or_the_experiment_s_holds() {
+fn a_run_like_the_paper_s_or_the_experiment_s_is_reproduced() {
     for name in OF_PAPER {
-        assert_eq!(Run::papers().verdict(name), Verdict::Holds, "{name}");
+        assert_eq!(Run::papers().verdict(name), Verdict::Reproduced, "{name}");
     }
     for name in OF_EXPERIMENT {
-        assert_eq!(Run::experiments().verdict(name), Verdict::Holds, "{name}");
+        assert_eq!(Run::experiments().verdict(name), Verdict::Reproduced, "{name}");
     }
     assert_eq!(rules::RULES.len(), OF_PAPER.len() + OF_EXPERIMENT.len());
 }
@@ -147,11 +147,11 @@ fn one_number_turns_every_verdict() {
     for (name, change) in changes {
         let mut run = if OF_PAPER.contains(&name) { Run::papers() } else { Run::experiments() };
         change(&mut run);
-        assert_eq!(run.verdict(name), Verdict::Differs, "{name}");
+        assert_eq!(run.verdict(name), Verdict::NotReproduced, "{name}");
     }
     let mut run = Run::experiments();
     run.rows.push(row(13.0 + 10.0 / 60.0 + 61.0 / 3600.0, 1.5));
-    assert_eq!(run.verdict("experiment-rapid"), Verdict::Differs);
+    assert_eq!(run.verdict("experiment-rapid"), Verdict::NotReproduced);
 }
 
 #[test]
@@ -160,7 +160,7 @@ fn a_run_that_does_not_fail_is_compared_where_it_can_be() {
     run.ended = Ended::TimeOver;
     run.events = Events::default();
     for name in OF_PAPER.into_iter().chain(OF_EXPERIMENT) {
-        let expected = if OF_PAPER[..2].contains(&name) { Verdict::Holds } else { Verdict::NotComparable };
+        let expected = if OF_PAPER[..2].contains(&name) { Verdict::Reproduced } else { Verdict::NotComparable };
         assert_eq!(run.verdict(name), expected, "{name}");
     }
     // A run that ends before 8.4 h says nothing about it.

@@ -1,82 +1,121 @@
-//! A page that plays the frames of a run: one file, nothing fetched, small enough to send.
+//! The frames of a run as moving pictures: a player inside the page of the run, and a small image that loops.
 //!
 //! # Reading order
-//! 1. [`write()`]: the page. `packed`: frames as few bytes.
-//! 2. `page.html`: its template; `player.js`: what draws the bytes and listens to keys.
+//! 1. [`chosen`]: which frames. [`packed`]: frames as few bytes.
+//! 2. [`Player`]: what the page holds; `player.html`, `player.js`: what draws it, with curves beside it whose cursor follows.
+//! 3. [`looping`]: the image, `levee.png`.
 
-mod packed;
+pub mod chosen;
+pub mod looping;
+pub mod packed;
 
-use std::path::Path;
+use serde_json::{Value, json};
 
-use serde_json::json;
-
+use self::chosen::{PAGE, chosen};
 use self::packed::Packed;
 use crate::frames::Shot;
 use crate::report::plots::colours;
-use crate::report::plots::levee::changes::{self, Shown};
+use crate::report::plots::levee::map::Window;
 use crate::report::plots::levee::{Site, clock, map};
-use crate::report::plots::svg_text;
-use crate::report::quantity::{self, STRAIN};
-use crate::report::{ReportError, html, save};
+use crate::report::quantity::{self, CLIPPED};
 
-const TEMPLATE: &str = include_str!("page.html");
-const PLAYER: &str = include_str!("player.js");
-/// Bytes of data that a page may hold; of more frames than fit, every second, third, ... is shown.
-const MOST: usize = 3_000_000;
+/// The part of a page that shows the player, with marks for what differs.
+const PLAYER: &str = include_str!("player.html");
+const SCRIPT: &str = include_str!("player.js");
+/// Bytes of text that the frames of a page may take; of more, fewer frames are shown.
+const MOST: usize = 1_000_000;
+/// Width of the tank that is shown beside the soil, m.
+pub(crate) const TANK: f64 = 0.7;
 
-/// Writes the page. Without scripts it shows the last frame.
-///
-/// # Errors
-/// A file that cannot be written, with its path.
-pub fn write(title: &str, site: &Site, shots: &[Shot], path: &Path) -> Result<(), ReportError> {
-    save(path, page(title, site, shots, MOST).map_err(|cause| ReportError::Page { path: path.to_owned(), cause })?)
+/// What the player of a page is made of.
+#[derive(Debug, Clone)]
+pub struct Player {
+    /// Frames, events, curves and scales as JSON.
+    pub model: String,
+    /// The frames, packed.
+    pub data: String,
+    /// How many frames there are, and from when to when.
+    pub summary: String,
 }
 
-/// The text of the page, with at most so many bytes of data.
-fn page(title: &str, site: &Site, shots: &[Shot], most: usize) -> Result<String, minijinja::Error> {
-    let packed = Packed::new(site, shots, most);
-    let last: Vec<&Shot> = shots.last().into_iter().collect();
-    // A picture that cannot be drawn is no reason to have no page: it is only for those without scripts.
-    let still = svg_text(&changes::figure(site, &last, Shown::Of(STRAIN))).unwrap_or_default();
-    let colour = |k: u32| {
-        let c = colours::at(f64::from(k) / 255.0);
-        format!("#{:02x}{:02x}{:02x}", c.0, c.1, c.2)
-    };
-    let quantities = quantity::ALL.iter().zip(&packed.ranges);
-    let quantities: Vec<_> = quantities.map(|(q, r)| json!({"name": q.name, "label": q.label, "range": r})).collect();
-    let frames = packed.shots.iter().map(|shot| {
-        let (solid, water) = (shot.frame.solid.len(), shot.frame.water.len());
-        json!({"time": clock(shot.time_s), "phase": shot.phase, "solid": solid, "water": water})
-    });
-    let model = json!({
-        "window": packed.window,
-        "edge": map::edge(shots.first().map(|shot| &shot.frame)),
-        "outline": site.outline,
-        "tank": site.tank_m,
-        "colours": (0..256).map(colour).collect::<Vec<_>>(),
-        "quantities": quantities,
-        "frames": frames.collect::<Vec<_>>(),
-    });
-    let content = json!({
-        "title": title,
-        "summary": summary(shots, packed.every),
-        "quantities": quantity::ALL.map(|q| (q.name, q.label)),
-        // No phase may end the script.
-        "model": model.to_string().replace('<', "\\u003c"),
-        "data": packed.text(),
-        "player": PLAYER,
-        "still": still,
-    });
-    html::render(TEMPLATE, content, &[], (&[], &[]), "")
+impl Player {
+    /// The frames of a run with its curves and events, as [`crate::levee::story`] lists them.
+    ///
+    /// # Errors
+    /// None in memory; what the encoder says.
+    pub fn new(site: &Site, shots: &[Shot], story: &Value) -> std::io::Result<Self> {
+        Self::within(site, shots, story, MOST)
+    }
+
+    fn within(site: &Site, shots: &[Shot], story: &Value, bytes: usize) -> std::io::Result<Self> {
+        let window = window(site, shots);
+        let ranges: Vec<(f64, f64)> = quantity::ALL.iter().map(|q| q.range(shots)).collect();
+        let mut most = PAGE;
+        let (kept, data) = loop {
+            let kept = chosen(shots, most);
+            let data = Packed::new(&window, &ranges, &kept)?.text();
+            if data.len() <= bytes || most[1] <= 4 {
+                break (kept, data);
+            }
+            most = most.map(|count| count * 3 / 4);
+        };
+        let quantities = quantity::ALL.iter().zip(&ranges);
+        let quantities: Vec<_> =
+            quantities.map(|(q, range)| json!({"name": q.name, "label": q.label, "range": range})).collect();
+        let colour = |k: u32| {
+            let c = colours::at(f64::from(k) / 255.0);
+            format!("#{:02x}{:02x}{:02x}", c.0, c.1, c.2)
+        };
+        let frames = kept.iter().map(|shot| {
+            let centi = |y: f64| (100.0 * y).round() / 100.0;
+            let level: Vec<_> = map::level(&shot.frame).into_iter().map(|(x, y)| [centi(x), centi(y)]).collect();
+            json!({"time": shot.time_s, "clock": clock(shot.time_s), "phase": shot.phase, "level": level,
+                "solid": shot.frame.solid.len(), "water": shot.frame.water.len()})
+        });
+        let model = json!({
+            "window": window,
+            "edge": map::edge(shots.first().map(|shot| &shot.frame)),
+            "outline": site.outline,
+            "tank": site.tank_m,
+            "colours": (0..256).map(colour).collect::<Vec<_>>(),
+            "quantities": quantities,
+            "clipped": CLIPPED,
+            "frames": frames.collect::<Vec<_>>(),
+            "story": story,
+        });
+        Ok(Self {
+            // No phase may end the script.
+            model: model.to_string().replace('<', "\\u003c"),
+            data,
+            summary: summary(&kept, shots.len()),
+        })
+    }
 }
 
-fn summary(shots: &[Shot], every: usize) -> String {
-    let (Some(first), Some(last)) = (shots.first(), shots.last()) else { return "There are no frames.".to_owned() };
-    let part = if every > 1 { format!(", one of {every} shown,") } else { String::new() };
+impl Player {
+    /// The part of the page.
+    pub fn html(&self) -> String {
+        let options = quantity::ALL.map(|q| format!("<option value=\"{}\">{}</option>", q.name, q.label)).concat();
+        let parts =
+            [("@OPTIONS@", options.as_str()), ("@MODEL@", &self.model), ("@DATA@", &self.data), ("@SCRIPT@", SCRIPT)];
+        parts.iter().fold(PLAYER.to_owned(), |text, (mark, part)| text.replacen(mark, part, 1))
+    }
+}
+
+/// Left, lower, right and upper end of what is shown, m: the soil at all times, and a part of the tank.
+fn window(site: &Site, shots: &[Shot]) -> [f64; 4] {
+    let [left, low, right, high] = Window::of(site, shots).ends();
+    [if site.tank_m > 0.0 { left.min(-TANK) } else { left }, low, right, high]
+}
+
+fn summary(kept: &[&Shot], of: usize) -> String {
+    let (Some(first), Some(last)) = (kept.first(), kept.last()) else { return "There are no frames.".to_owned() };
+    let moving = kept.iter().filter(|shot| shot.phase.starts_with("failing")).count();
+    let part = if of > kept.len() { format!(" of {of}") } else { String::new() };
     format!(
-        "{} frames{part} from {} to {}. They follow each other at a steady pace, whatever time lies between them: the \
-         clock tells. The brightest colour also stands for what is larger than 99.5 % of all.",
-        shots.len(),
+        "{} frames{part} from {} to {}, {moving} of them while the soil moves. Time does not run evenly: the frames are minutes \
+         apart while water seeps and fractions of a second during failure.",
+        kept.len(),
         clock(first.time_s),
         clock(last.time_s)
     )
@@ -92,35 +131,32 @@ mod tests {
     }
 
     #[test]
-    fn a_page_of_150_frames_is_one_small_file() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let folder = std::env::var_os("MPM_KEEP_PICTURES").map_or(folder.path().to_owned(), Into::into);
-        let path = folder.join("levee.html");
-        write("A levee that fails", &site(), &made_up::shots(60, 90), &path).expect("a page");
-        let text = std::fs::read_to_string(&path).expect("the page");
-        assert!(text.len() < 3_500_000, "{}", text.len());
+    fn the_frames_of_a_run_are_small() {
+        let player = Player::new(&site(), &made_up::shots(60, 90), &json!({})).expect("a player");
+        assert!(player.model.len() + player.data.len() < 1_200_000, "{}", player.data.len());
+        for part in ["from 6 h 00 min 0 s", "minutes apart"] {
+            assert!(player.summary.contains(part), "{}", player.summary);
+        }
+        assert!(player.model.contains("8 h 39 min 36 s"));
         // Nothing is fetched.
         for outside in ["http://", "https://", "src=", "<link", "@import", "fetch("] {
-            assert!(!text.replace("http://www.w3.org", "").contains(outside), "{outside}");
-        }
-        for part in ["150 frames from 6 h 00 min 0 s", "<noscript>", "deviator strain", "8 h 39 min 36 s"] {
-            assert!(text.contains(part), "{part}");
+            assert!(!format!("{PLAYER}{SCRIPT}").replace("src=\"levee.png\"", "").contains(outside), "{outside}");
         }
     }
 
     #[test]
     fn more_frames_than_fit_are_thinned_and_it_is_said() {
-        let shots = made_up::shots(4, 5);
-        let text = page("x", &site(), &shots, 40_000).expect("a page");
-        assert!(text.contains("9 frames, one of "));
-        assert!(page("x", &site(), &[], 1000).expect("a page").contains("There are no frames."));
+        let shots = made_up::shots(30, 60);
+        let few = Player::within(&site(), &shots, &json!({}), 100_000).expect("a player");
+        assert!(few.data.len() <= 100_000 && few.summary.contains(" of 90 from"), "{}", few.summary);
+        assert!(Player::new(&site(), &[], &json!({})).expect("a player").summary.contains("There are no frames."));
     }
 
     #[test]
     fn a_phase_cannot_end_the_script() {
         let mut shots = made_up::shots(1, 0);
         shots[0].phase = "</script><b>".to_owned();
-        let text = page("<i>", &site(), &shots, MOST).expect("a page");
-        assert!(!text.contains("</script><b>") && !text.contains("<i>"));
+        let player = Player::new(&site(), &shots, &json!({})).expect("a player");
+        assert!(!player.model.contains("</script><b>"));
     }
 }

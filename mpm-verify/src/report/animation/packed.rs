@@ -1,70 +1,96 @@
-//! Frames as few bytes: two for a coordinate, one for a value in the range of its colours.
+//! Frames as few bytes: differences from the frame before, deflated.
 //!
-//! A frame is, for its solid particles, x and y as numbers of two bytes (low byte first, 0 to 65535 over the window),
-//! then a byte per particle for each quantity; for its water particles x and y alike.
+//! A frame is, in this order: x and y of its solid particles (numbers of two bytes, 0 to 65535 over the window), a byte per particle
+//! for each quantity (0 to 255 over its range), x and y of its water particles. Of every number the difference from the same place
+//! of the frame before is kept (from zero where there is none), folded so that small differences of either sign are small numbers
+//! (0, -1, 1, -2, ... as 0, 1, 2, 3, ...). Of a list of numbers of two bytes, all low bytes come first.
+
+use std::io::Write;
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
+use flate2::Compression;
+use flate2::write::DeflateEncoder;
 
 use crate::frames::Shot;
-use crate::report::plots::levee::Site;
-use crate::report::plots::levee::map::Window;
 use crate::report::quantity;
 
-/// What the page holds of a run.
-pub struct Packed<'a> {
-    /// Left, lower, right and upper end of what is shown, m.
-    pub window: [f64; 4],
-    /// Values at the ends of the colours, for each of [`quantity::ALL`].
-    pub ranges: Vec<(f64, f64)>,
-    /// The frames that are held.
-    pub shots: Vec<&'a Shot>,
-    /// Of how many frames one is held.
-    pub every: usize,
-    bytes: Vec<u8>,
+/// Packed frames.
+pub struct Packed {
+    deflated: Vec<u8>,
 }
 
-impl<'a> Packed<'a> {
-    /// The frames in at most so many bytes of text; if they are more, every second, third, ... and the last.
-    pub fn new(site: &Site, shots: &'a [Shot], most: usize) -> Self {
-        let window = Window::of(site, shots).ends();
-        let ranges: Vec<(f64, f64)> = quantity::ALL.iter().map(|q| q.range(shots)).collect();
-        let all: usize = shots.iter().map(room).sum();
-        // Text has four letters for three bytes.
-        let every = (4 * all).div_ceil(3 * most).max(1);
-        let last = shots.len().saturating_sub(1);
-        let held = |(k, shot): (usize, &'a Shot)| ((last - k).is_multiple_of(every)).then_some(shot);
-        let shots: Vec<&Shot> = shots.iter().enumerate().filter_map(held).collect();
-        let mut bytes = Vec::with_capacity(all / every);
-        for shot in &shots {
-            put(shot, &window, &ranges, &mut bytes);
+/// A frame as lists of numbers.
+#[derive(Default)]
+struct Lists {
+    wide: [Vec<u16>; 4],
+    narrow: Vec<Vec<u8>>,
+}
+
+impl Packed {
+    /// Frames in a window (left, lower, right, upper end, m) with their quantities in these ranges.
+    ///
+    /// # Errors
+    /// None in memory; what the encoder says.
+    pub fn new(window: &[f64; 4], ranges: &[(f64, f64)], shots: &[&Shot]) -> std::io::Result<Self> {
+        let mut encoder = DeflateEncoder::new(Vec::new(), Compression::best());
+        let mut before = Lists::default();
+        for shot in shots {
+            let now = lists(shot, window, ranges);
+            encoder.write_all(&differences(&now, &before))?;
+            before = now;
         }
-        Self { window, ranges, shots, every, bytes }
+        Ok(Self { deflated: encoder.finish()? })
     }
 
     /// The bytes as text.
     pub fn text(&self) -> String {
-        BASE64_STANDARD.encode(&self.bytes)
+        BASE64_STANDARD.encode(&self.deflated)
     }
 }
 
-/// Bytes of a frame.
-fn room(shot: &Shot) -> usize {
-    shot.frame.solid.len() * (4 + quantity::ALL.len()) + shot.frame.water.len() * 4
+fn lists(shot: &Shot, [left, low, right, high]: &[f64; 4], ranges: &[(f64, f64)]) -> Lists {
+    let wide = |value: f64, ends: (f64, f64)| (share(value, ends) * 65_535.0).round() as u16;
+    let mut solid: Vec<_> = shot.frame.solid.iter().collect();
+    solid.sort_by_key(|p| p.id);
+    let water = &shot.frame.water;
+    let narrow = quantity::ALL.iter().zip(ranges).map(|(quantity, range)| {
+        solid.iter().map(|p| (share((quantity.of)(p), *range) * 255.0).round() as u8).collect()
+    });
+    Lists {
+        wide: [
+            solid.iter().map(|p| wide(p.x[0], (*left, *right))).collect(),
+            solid.iter().map(|p| wide(p.x[1], (*low, *high))).collect(),
+            water.iter().map(|p| wide(p.x[0], (*left, *right))).collect(),
+            water.iter().map(|p| wide(p.x[1], (*low, *high))).collect(),
+        ],
+        narrow: narrow.collect(),
+    }
 }
 
-fn put(shot: &Shot, window: &[f64; 4], ranges: &[(f64, f64)], bytes: &mut Vec<u8>) {
-    let [left, low, right, high] = *window;
-    let place = |x: [f64; 2], bytes: &mut Vec<u8>| {
-        for share in [share(x[0], (left, right)), share(x[1], (low, high))] {
-            bytes.extend(((share * 65_535.0).round() as u16).to_le_bytes());
-        }
+fn differences(now: &Lists, before: &Lists) -> Vec<u8> {
+    let wide = |list: usize| {
+        let from = before.wide[list].iter().copied().chain(std::iter::repeat(0));
+        let folded: Vec<u16> = now.wide[list].iter().zip(from).map(|(a, b)| fold(a.wrapping_sub(b))).collect();
+        let low = folded.iter().map(|v| v.to_le_bytes()[0]);
+        low.chain(folded.iter().map(|v| v.to_le_bytes()[1])).collect::<Vec<u8>>()
     };
-    shot.frame.solid.iter().for_each(|p| place(p.x, bytes));
-    for (quantity, range) in quantity::ALL.iter().zip(ranges) {
-        bytes.extend(shot.frame.solid.iter().map(|p| (share((quantity.of)(p), *range) * 255.0).round() as u8));
-    }
-    shot.frame.water.iter().for_each(|p| place(p.x, bytes));
+    let narrow = now.narrow.iter().enumerate().flat_map(|(list, values)| {
+        let from = before.narrow.get(list).into_iter().flatten().copied().chain(std::iter::repeat(0));
+        values.iter().zip(from).map(|(a, b)| fold_narrow(a.wrapping_sub(b))).collect::<Vec<u8>>()
+    });
+    [wide(0), wide(1), narrow.collect(), wide(2), wide(3)].concat()
+}
+
+/// A difference modulo 2^16, small for small ones of either sign.
+fn fold(difference: u16) -> u16 {
+    let signed = difference as i16;
+    ((signed << 1) ^ (signed >> 15)) as u16
+}
+
+fn fold_narrow(difference: u8) -> u8 {
+    let signed = difference as i8;
+    ((signed << 1) ^ (signed >> 7)) as u8
 }
 
 /// Where a value is in a range, 0 to 1; what is no number is at its start.
@@ -75,41 +101,76 @@ fn share(value: f64, (low, high): (f64, f64)) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Read;
+
     use super::*;
     use crate::frames::made_up;
+    use crate::report::plots::levee::Site;
+    use crate::report::plots::levee::map::Window;
+
+    /// As the page does it.
+    fn unfold(folded: u16) -> i32 {
+        i32::from(folded >> 1) ^ -i32::from(folded & 1)
+    }
 
     #[test]
     fn places_and_values_come_back_as_the_page_reads_them() {
         let site = Site { outline: made_up::OUTLINE.to_vec(), tank_m: 2.3 };
-        let shots = made_up::shots(1, 2);
-        let packed = Packed::new(&site, &shots, 1_000_000);
-        assert_eq!((packed.shots.len(), packed.every), (3, 1));
-        let bytes = BASE64_STANDARD.decode(packed.text()).expect("text of bytes");
-        assert_eq!(bytes.len(), shots.iter().map(room).sum::<usize>());
-        let [left, low, right, high] = packed.window;
-        let start = room(&shots[0]) + room(&shots[1]);
-        let solid = &shots[2].frame.solid;
-        let two = |at: usize| f64::from(u16::from_le_bytes([bytes[at], bytes[at + 1]])) / 65_535.0;
-        for (k, p) in solid.iter().enumerate() {
-            let x = [left + two(start + 4 * k) * (right - left), low + two(start + 4 * k + 2) * (high - low)];
-            assert!((x[0] - p.x[0]).abs() < 2e-4 && (x[1] - p.x[1]).abs() < 2e-4);
-            for (number, (quantity, range)) in quantity::ALL.iter().zip(&packed.ranges).enumerate() {
-                let byte = bytes[start + (4 + number) * solid.len() + k];
-                let value = (quantity.of)(p).clamp(range.0, range.1);
-                assert!((f64::from(byte) / 255.0 * range.1 - value).abs() <= 0.51 / 255.0 * range.1);
+        let shots = made_up::shots(2, 3);
+        let all: Vec<&Shot> = shots.iter().collect();
+        let window = Window::of(&site, &shots).ends();
+        let ranges: Vec<(f64, f64)> = quantity::ALL.iter().map(|q| q.range(&shots)).collect();
+        let packed = Packed::new(&window, &ranges, &all).expect("packed");
+        let deflated = BASE64_STANDARD.decode(packed.text()).expect("text of bytes");
+        let mut bytes = Vec::new();
+        flate2::read::DeflateDecoder::new(&deflated[..]).read_to_end(&mut bytes).expect("inflated");
+        let (mut at, mut wide, mut narrow) = (0, vec![vec![0_u16; 4000]; 4], vec![vec![0_u8; 4000]; 4]);
+        for shot in &shots {
+            let (solid, water) = (&shot.frame.solid, &shot.frame.water);
+            for (list, count) in [(0, solid.len()), (1, solid.len())] {
+                take_wide(&bytes, &mut at, &mut wide[list], count);
+            }
+            for values in &mut narrow {
+                for value in values.iter_mut().take(solid.len()) {
+                    *value = value.wrapping_add(unfold(u16::from(bytes[at])) as u8);
+                    at += 1;
+                }
+            }
+            for (list, count) in [(2, water.len()), (3, water.len())] {
+                take_wide(&bytes, &mut at, &mut wide[list], count);
+            }
+            let mut sorted: Vec<_> = solid.iter().collect();
+            sorted.sort_by_key(|p| p.id);
+            for (k, p) in sorted.iter().enumerate() {
+                let x = window[0] + f64::from(wide[0][k]) / 65_535.0 * (window[2] - window[0]);
+                assert!((x - p.x[0]).abs() < 2e-4);
+                for (number, (quantity, range)) in quantity::ALL.iter().zip(&ranges).enumerate() {
+                    let value = (quantity.of)(p).clamp(range.0, range.1);
+                    assert!((f64::from(narrow[number][k]) / 255.0 * range.1 - value).abs() <= 0.51 / 255.0 * range.1);
+                }
+            }
+            for (k, p) in water.iter().enumerate() {
+                let y = window[1] + f64::from(wide[3][k]) / 65_535.0 * (window[3] - window[1]);
+                assert!((y - p.x[1]).abs() < 2e-4);
             }
         }
-        let water = start + 8 * solid.len();
-        let x = left + two(water) * (right - left);
-        assert!((x - shots[2].frame.water[0].x[0]).abs() < 2e-4);
+        assert_eq!(at, bytes.len());
+    }
+
+    fn take_wide(bytes: &[u8], at: &mut usize, list: &mut [u16], count: usize) {
+        for k in 0..count {
+            let folded = u16::from_le_bytes([bytes[*at + k], bytes[*at + count + k]]);
+            list[k] = list[k].wrapping_add(unfold(folded) as u16);
+        }
+        *at += 2 * count;
     }
 
     #[test]
-    fn the_last_frame_is_always_held() {
-        let site = Site { outline: made_up::OUTLINE.to_vec(), tank_m: 2.3 };
-        let shots = made_up::shots(4, 4);
-        let packed = Packed::new(&site, &shots, 45_000);
-        assert!(packed.every > 1 && packed.text().len() < 60_000);
-        assert_eq!(packed.shots.last().map(|s| s.time_s), shots.last().map(|s| s.time_s));
+    fn a_shot_that_repeats_costs_next_to_nothing() {
+        let shots = made_up::shots(2, 0);
+        let (window, ranges) = ([0.0, 0.0, 12.0, 4.0], vec![(0.0, 1.0); quantity::ALL.len()]);
+        let once = Packed::new(&window, &ranges, &[&shots[0]]).expect("packed").deflated.len();
+        let often = Packed::new(&window, &ranges, &[&shots[0]; 20]).expect("packed").deflated.len();
+        assert!(often < once + 19 * 100, "{once} {often}");
     }
 }

@@ -7,6 +7,7 @@ use super::figure::{Figure, Mark, Panel, Point, Series};
 use super::look::{BLACK, BLUE, Dash, Look, Marker, RED};
 use super::{colours, draw, write_drawn};
 use crate::report::numbers::exact;
+use crate::report::quantity::{CLIPPED, robust};
 use crate::report::{ReportError, tables};
 
 /// Colours told apart.
@@ -38,7 +39,7 @@ pub struct Field {
     pub quantity: String,
     /// The same as a column of the CSV: `pore_pressure_kpa`.
     pub column: &'static str,
-    /// Values at the ends of the colour bar; found from the values if not given.
+    /// Values at the ends of the colour bar; if not given, the 0.5th and the 99.5th percentile of the values.
     pub range: Option<(f64, f64)>,
     /// Distance of neighbouring particles, m: how large they are drawn.
     pub spacing: f64,
@@ -62,7 +63,9 @@ pub struct Line {
 /// The picture.
 pub fn figure(field: &Field) -> Figure {
     super::ready();
-    let (low, high) = field.range.unwrap_or_else(|| range(field.points.iter().map(|p| p[2])));
+    let values = || field.points.iter().map(|p| p[2]);
+    let (low, high) = field.range.unwrap_or_else(|| range(robust(values()).into_iter().flat_map(|(a, b)| [a, b])));
+    let clipped = values().any(|value| value < low || value > high);
     let places = || field.lines.iter().flat_map(|line| line.points.iter().copied());
     let half = 0.5 * field.spacing;
     let along = |of: fn((f64, f64)) -> f64| {
@@ -86,7 +89,7 @@ pub fn figure(field: &Field) -> Figure {
     Figure {
         name: field.name,
         title: field.title.clone(),
-        caption: field.caption.clone(),
+        caption: if clipped { format!("{} {CLIPPED}.", field.caption) } else { field.caption.clone() },
         height,
         panels: vec![map, bar(field, (low, high), height)],
         missing: Vec::new(),
@@ -200,6 +203,15 @@ mod tests {
         assert!(read("dam.csv").starts_with("x_m,y_m,pore_pressure_kpa\n0.025,0.025,NaN\n"));
         assert_eq!((read("dam.csv").lines().count(), read("dam_lines.csv").lines().count()), (601, 1 + 5 + 31));
         assert!(folder.join("dam.png").exists());
+    }
+
+    #[test]
+    fn one_particle_does_not_set_the_scale() {
+        let mut odd = dam();
+        let bar = |field: &Field| figure(field).panels[1].y.range.expect("a range").1;
+        let usual = bar(&odd);
+        odd.points[7][2] = 1e6;
+        assert!(bar(&odd) < 1.02 * usual && figure(&odd).caption.contains("99.5th percentile"));
     }
 
     #[test]

@@ -108,7 +108,7 @@ pub fn figures(study: &Study) -> Vec<Figure> {
 }
 
 /// Registers the font, once.
-fn ready() -> bool {
+pub(crate) fn ready() -> bool {
     static DONE: OnceLock<bool> = OnceLock::new();
     *DONE.get_or_init(|| register_font("sans-serif", FontStyle::Normal, FONT).is_ok())
 }
@@ -129,9 +129,17 @@ pub fn write(figure: &Figure, folder: &Path) -> Result<String, ReportError> {
 /// A file that cannot be written or drawn.
 pub fn write_drawn(figure: &Figure, folder: &Path) -> Result<String, ReportError> {
     let text = write_svg(figure, folder)?;
-    let png = folder.join(format!("{}.png", figure.name));
-    write_png(figure, &png).map_err(|cause| ReportError::Draw { path: png, cause })?;
+    write_bitmap(figure, folder)?;
     Ok(text)
+}
+
+/// Writes a picture as PNG alone, as of thousands of particles: its numbers are the caller's.
+///
+/// # Errors
+/// A file that cannot be written or drawn.
+pub fn write_bitmap(figure: &Figure, folder: &Path) -> Result<(), ReportError> {
+    let path = folder.join(format!("{}.png", figure.name));
+    write_png(figure, &path).map_err(|cause| ReportError::Draw { path, cause })
 }
 
 /// Writes a picture as SVG alone: its numbers are the caller's. Returns its text.

@@ -8,7 +8,7 @@ use vtkio::model::{
 /// Numbers of all points or cells under one name.
 pub struct Array {
     name: &'static str,
-    /// Numbers of one point: 1, or 3 of a vector.
+    /// Numbers of one point: 1, 3 of a vector, 9 of a tensor.
     width: usize,
     values: Vec<f32>,
 }
@@ -17,6 +17,12 @@ impl Array {
     /// One number for each of `all`.
     pub fn scalar<T>(name: &'static str, all: &[T], of: impl Fn(&T) -> f64) -> Self {
         Self { name, width: 1, values: all.iter().map(|one| of(one) as f32).collect() }
+    }
+
+    /// A symmetric tensor from its components xx, yy, zz, xy: 3 x 3, row by row, which ParaView shows as XX to ZZ.
+    pub fn tensor<T>(name: &'static str, all: &[T], of: impl Fn(&T) -> [f64; 4]) -> Self {
+        let rows = |[xx, yy, zz, xy]: [f64; 4]| [xx, xy, 0.0, xy, yy, 0.0, 0.0, 0.0, zz].map(|v| v as f32);
+        Self { name, width: 9, values: all.iter().flat_map(|one| rows(of(one))).collect() }
     }
 
     /// A vector in the plane for each; the third component is zero.
@@ -29,13 +35,13 @@ fn in_space([x, y]: [f64; 2]) -> [f32; 3] {
     [x as f32, y as f32, 0.0]
 }
 
-/// Points, each of them a vertex so that it is shown.
+/// Points, each of them a vertex so that it is shown. The first scalar, vector and tensor are the active ones.
 pub fn cloud<T>(all: &[T], place: impl Fn(&T) -> [f64; 2], ids: Option<Vec<u32>>, arrays: Vec<Array>) -> Vtk {
     let points: Vec<f32> = all.iter().flat_map(|one| in_space(place(one))).collect();
     let count = all.len() as u64;
     let verts = VertexNumbers::XML { connectivity: (0..count).collect(), offsets: (1..=count).collect() };
     let ids = ids.map(|ids| Attribute::DataArray(DataArray::scalars("id", 1).with_data(ids)));
-    let point = ids.into_iter().chain(attributes(arrays)).collect();
+    let point = attributes(arrays).chain(ids).collect();
     let data = Attributes { point, cell: Vec::new() };
     file(DataSet::inline(PolyDataPiece { points: points.into(), verts: Some(verts), data, ..Default::default() }))
 }
@@ -59,6 +65,7 @@ fn attributes(arrays: Vec<Array>) -> impl Iterator<Item = Attribute> {
     arrays.into_iter().map(|array| {
         let empty = match array.width {
             3 => DataArray::vectors(array.name),
+            9 => DataArray::tensors(array.name),
             width => DataArray::scalars(array.name, width as u32),
         };
         Attribute::DataArray(empty.with_data(array.values))

@@ -1,4 +1,5 @@
-//! Which numbers of a particle or a cell are in the files. Every name carries its unit, as columns do.
+//! Which numbers of a particle or a cell are in the files. Every name carries its unit and, of a stress, its sign. The first
+//! scalar of a file is what ParaView colours it by.
 
 use mpm_core::observe::Frame;
 use vtkio::Vtk;
@@ -6,30 +7,35 @@ use vtkio::Vtk;
 use super::data::{Array, cloud, squares};
 use crate::frames::mean_stress;
 
-/// Particles of the solid layer. Stress is effective, tension positive; its mean is compression positive.
-pub fn solid(frame: &Frame) -> Vtk {
+/// Effective stress of the soil as a tensor.
+pub const STRESS: &str = "effective_stress_tension_positive_pa";
+/// Pore pressure of all files.
+pub const PRESSURE: &str = "pore_pressure_compression_positive_pa";
+/// Mean effective stress.
+pub const MEAN: &str = "mean_effective_stress_compression_positive_pa";
+
+/// Particles of the solid layer; with their deviator strain if it is `counted`.
+pub fn solid(frame: &Frame, counted: bool) -> Vtk {
     let all = &frame.solid;
-    let arrays = vec![
-        Array::scalar("deviator_strain", all, |p| p.deviator_strain),
-        Array::scalar("pore_pressure_pa", all, |p| p.pore_pressure),
-        Array::scalar("mean_effective_stress_pa", all, mean_stress),
-        Array::scalar("stress_xx_pa", all, |p| p.stress[0]),
-        Array::scalar("stress_yy_pa", all, |p| p.stress[1]),
-        Array::scalar("stress_zz_pa", all, |p| p.stress[2]),
-        Array::scalar("stress_xy_pa", all, |p| p.stress[3]),
-        Array::scalar("volume_m3", all, |p| p.volume),
-        Array::scalar("mass_kg", all, |p| p.mass),
+    let strain = counted.then(|| Array::scalar("deviator_strain", all, |p| p.deviator_strain));
+    let others = [
+        Array::scalar(PRESSURE, all, |p| p.pore_pressure),
+        Array::scalar(MEAN, all, mean_stress),
+        Array::tensor(STRESS, all, |p| p.stress),
         Array::vector("displacement_m", all, |p| p.displacement),
         Array::vector("velocity_m_per_s", all, |p| p.velocity),
+        Array::scalar("volume_m3", all, |p| p.volume),
+        Array::scalar("mass_kg", all, |p| p.mass),
     ];
+    let arrays = strain.into_iter().chain(others).collect();
     cloud(all, |p| p.x, Some(all.iter().map(|p| p.id).collect()), arrays)
 }
 
 /// Particles of the water layer.
-pub fn water(frame: &Frame) -> Vtk {
+pub fn water(frame: &Frame, _: bool) -> Vtk {
     let all = &frame.water;
     let arrays = vec![
-        Array::scalar("pore_pressure_pa", all, |p| p.pressure),
+        Array::scalar(PRESSURE, all, |p| p.pressure),
         Array::scalar("volume_m3", all, |p| p.volume),
         Array::vector("velocity_m_per_s", all, |p| p.velocity),
     ];
@@ -37,12 +43,12 @@ pub fn water(frame: &Frame) -> Vtk {
 }
 
 /// The cells of the mesh.
-pub fn cells(frame: &Frame) -> Vtk {
+pub fn cells(frame: &Frame, _: bool) -> Vtk {
     let all = &frame.cell;
     let arrays = vec![
-        Array::scalar("soil", all, |c| c.soil),
+        Array::scalar(PRESSURE, all, |c| c.pressure),
         Array::scalar("saturation", all, |c| c.saturation),
-        Array::scalar("pore_pressure_pa", all, |c| c.pressure),
+        Array::scalar("soil_share", all, |c| c.soil),
     ];
     squares(frame.cells, frame.size, arrays)
 }

@@ -2,7 +2,8 @@
 //! that knows the times.
 //!
 //! # Reading order
-//! 1. [`write()`]: the folder. `layers`: which numbers of a particle or a cell are in the files, with their units.
+//! 1. [`write()`]: the folder, with `view.py` that opens it. `layers`: which numbers of a particle or a cell are in the files, with
+//!    their units and signs.
 //! 2. `data`: points, squares and their numbers as the data sets of the crate `vtkio`.
 
 mod data;
@@ -11,40 +12,74 @@ mod layers;
 use std::fs;
 use std::path::Path;
 
-use mpm_core::observe::Frame;
+use mpm_core::observe::{Frame, SolidState};
 use vtkio::Vtk;
 
-use crate::frames::Shot;
+use crate::frames::{Shot, mean_stress};
 use crate::report::numbers::exact;
+use crate::report::plots::levee::map::edge;
+use crate::report::quantity;
 use crate::report::{ReportError, save, unwritable};
 
-/// Name of a collection and of its folder, ending of its files, the data set of a frame.
-type Part = (&'static str, &'static str, fn(&Frame) -> Vtk);
+/// Name of a collection and of its folder, ending of its files, the data set of a frame, whether a frame has some of it.
+type Part = (&'static str, &'static str, fn(&Frame, bool) -> Vtk, fn(&Frame) -> bool);
 
 /// What is written.
-const PARTS: [Part; 3] =
-    [("solid", "vtp", layers::solid), ("water", "vtp", layers::water), ("cells", "vtu", layers::cells)];
+const PARTS: [Part; 3] = [
+    ("solid", "vtp", layers::solid, |_| true),
+    ("water", "vtp", layers::water, |frame| !frame.water.is_empty()),
+    ("cells", "vtu", layers::cells, |frame| !frame.cell.is_empty()),
+];
+/// The state script.
+const VIEW: &str = include_str!("view.py");
 
-/// Writes `solid.pvd`, `water.pvd` and `cells.pvd`, and a file per frame in a folder beside each. Times are those of
-/// the reader's clock, s.
+/// Writes `solid.pvd`, `water.pvd` and `cells.pvd`, and a file per frame in a folder beside each; without water or cells at any
+/// time, not that part. `view.py` opens them in ParaView. Times are those of the reader's clock, s.
 ///
 /// # Errors
 /// A file or folder that cannot be written, with its path.
 pub fn write(shots: &[Shot], folder: &Path) -> Result<(), ReportError> {
-    for (part, ending, data) in PARTS {
+    let counted = is_strained(shots);
+    for (part, ending, data, has) in PARTS {
+        if !shots.iter().any(|shot| has(&shot.frame)) {
+            continue;
+        }
         let own = folder.join(part);
         fs::create_dir_all(&own).map_err(|e| unwritable(&own, e))?;
         let mut files = Vec::new();
         for (number, shot) in shots.iter().enumerate() {
             let file = format!("{part}/{part}-{number:04}.{ending}");
             let path = folder.join(&file);
-            let text = text(data(&shot.frame)).map_err(|e| unwritable(&path, std::io::Error::other(e.to_string())))?;
+            let text = text(data(&shot.frame, counted))
+                .map_err(|e| unwritable(&path, std::io::Error::other(e.to_string())))?;
             save(&path, text)?;
             files.push((shot.time_s, file));
         }
         save(&folder.join(format!("{part}.pvd")), collection(&files))?;
     }
-    Ok(())
+    if shots.is_empty() { Ok(()) } else { save(&folder.join("view.py"), view(shots)) }
+}
+
+/// Whether the strain was counted: not every run does.
+fn is_strained(shots: &[Shot]) -> bool {
+    shots.iter().any(|shot| shot.frame.solid.iter().any(|p| p.deviator_strain > 0.0))
+}
+
+/// The state script for these frames.
+fn view(shots: &[Shot]) -> String {
+    let range = |of: fn(&SolidState) -> f64| quantity::range(shots, of);
+    let ranges = [
+        ("deviator_strain", range(|p| p.deviator_strain)),
+        (layers::PRESSURE, range(|p| p.pore_pressure)),
+        (layers::MEAN, range(mean_stress)),
+    ];
+    let shown = if is_strained(shots) { "deviator_strain" } else { layers::PRESSURE };
+    let rows: Vec<String> =
+        ranges.iter().map(|(name, (low, high))| format!("    \"{name}\": ({low:?}, {high:?}),\n")).collect();
+    let edge = edge(shots.first().map(|shot| &shot.frame));
+    let filled =
+        [("@RANGES@", format!("{{\n{}}}", rows.concat())), ("@POINT@", exact(edge)), ("@SHOWN@", shown.into())];
+    filled.iter().fold(VIEW.to_owned(), |text, (mark, value)| text.replace(mark, value))
 }
 
 /// A data set as XML. The crate leaves out counts that are zero, without which ParaView refuses a file.

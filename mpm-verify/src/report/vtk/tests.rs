@@ -66,14 +66,18 @@ fn frames_are_read_back_with_their_numbers_and_times() {
         let (points, arrays) = cloud(&folder.join(format!("solid/solid-{number:04}.vtp")));
         same(&points, frame.solid.iter().flat_map(|p| [p.x[0], p.x[1], 0.0]));
         same(&numbers(&arrays, "id"), frame.solid.iter().map(|p| f64::from(p.id)));
-        same(&numbers(&arrays, "stress_xy_pa"), frame.solid.iter().map(|p| p.stress[3]));
-        same(&numbers(&arrays, "mean_effective_stress_pa"), frame.solid.iter().map(mean_stress));
+        let tensor = |p: &SolidState| {
+            let [xx, yy, zz, xy] = p.stress;
+            [xx, xy, 0.0, xy, yy, 0.0, 0.0, 0.0, zz]
+        };
+        same(&numbers(&arrays, layers::STRESS), frame.solid.iter().flat_map(tensor));
+        same(&numbers(&arrays, layers::MEAN), frame.solid.iter().map(mean_stress));
         same(&numbers(&arrays, "deviator_strain"), frame.solid.iter().map(|p| p.deviator_strain));
         let displaced = frame.solid.iter().flat_map(|p| [p.displacement[0], p.displacement[1], 0.0]);
         same(&numbers(&arrays, "displacement_m"), displaced);
         let (points, arrays) = cloud(&folder.join(format!("water/water-{number:04}.vtp")));
         same(&points, frame.water.iter().flat_map(|p| [p.x[0], p.x[1], 0.0]));
-        same(&numbers(&arrays, "pore_pressure_pa"), frame.water.iter().map(|p| p.pressure));
+        same(&numbers(&arrays, layers::PRESSURE), frame.water.iter().map(|p| p.pressure));
         let path = folder.join(format!("cells/cells-{number:04}.vtu"));
         let DataSet::UnstructuredGrid { pieces, .. } = Vtk::import(path).expect("a file").data else {
             panic!("no cells")
@@ -88,8 +92,8 @@ fn frames_are_read_back_with_their_numbers_and_times() {
 }
 
 #[test]
-fn a_dry_frame_has_a_water_file_without_points() {
-    let mut shots = made_up::shots(1, 0);
+fn a_dry_frame_has_a_water_file_without_points_and_a_dry_run_has_none() {
+    let mut shots = made_up::shots(2, 0);
     shots[0].frame.water.clear();
     let own = tempfile::tempdir().expect("a folder");
     let folder = std::env::var_os("MPM_KEEP_PICTURES").map_or(own.path().to_owned(), PathBuf::from).join("dry");
@@ -98,4 +102,20 @@ fn a_dry_frame_has_a_water_file_without_points() {
     assert!(cloud(&path).0.is_empty());
     // ParaView asks for the count, and the crate leaves out what is zero.
     assert!(fs::read_to_string(&path).expect("a file").contains("NumberOfPoints=\"0\""));
+    shots[1].frame.water.clear();
+    let own = tempfile::tempdir().expect("a folder");
+    write(&shots, own.path()).expect("files");
+    assert!(own.path().join("solid.pvd").exists() && !own.path().join("water.pvd").exists());
+}
+
+#[test]
+fn paraview_finds_what_to_colour_by_and_a_range() {
+    let shots = made_up::shots(1, 2);
+    let own = tempfile::tempdir().expect("a folder");
+    write(&shots, own.path()).expect("files");
+    let text = fs::read_to_string(own.path().join("solid/solid-0001.vtp")).expect("a file");
+    let active = format!("Scalars=\"deviator_strain\" Vectors=\"displacement_m\" Tensors=\"{}\"", layers::STRESS);
+    assert!(text.contains(&active), "{}", &text[..600.min(text.len())]);
+    let script = fs::read_to_string(own.path().join("view.py")).expect("a script");
+    assert!(script.contains("\"deviator_strain\": (0.0, ") && !script.contains('@'), "{script}");
 }

@@ -7,8 +7,8 @@ use super::{Site, clock};
 use crate::frames::Shot;
 use crate::report::numbers::exact;
 use crate::report::plots::figure::{Figure, Panel};
-use crate::report::plots::write_drawn;
-use crate::report::quantity::{PRESSURE, Quantity, STRAIN};
+use crate::report::plots::write_bitmap;
+use crate::report::quantity::{CLIPPED, Quantity};
 use crate::report::{ReportError, tables};
 
 /// What a picture shows of the soil.
@@ -78,68 +78,16 @@ pub fn figure(site: &Site, shots: &[&Shot], shown: Shown) -> Figure {
     }
 }
 
-/// Shape, deviator strain and pore pressure at one time, with the ranges of `all` frames.
-pub fn at_one_time(site: &Site, shot: &Shot, all: &[Shot]) -> Figure {
-    let window = Window::of(site, all);
-    let mut panels: Vec<Panel> = Vec::new();
-    for (letter, shown) in [("a", Shown::Shape), ("b", Shown::Of(STRAIN)), ("c", Shown::Of(PRESSURE))] {
-        let row = panels.last().map_or(0, |p| p.row + 1);
-        let mut panel = Panel { row, ..window.panel(&format!("({letter}) {}", shown.title().to_lowercase())) };
-        let range = range(&all.iter().collect::<Vec<_>>(), shown);
-        fill(&mut panel, site, shot, (shown, range), window.unit(1));
-        panels.push(panel);
-        if let Shown::Of(quantity) = shown {
-            panels.push(map::bar(quantity, range, row + 1));
-        }
-    }
-    Figure {
-        name: "levee-at-one-time",
-        title: format!("The levee at {}, {}", clock(shot.time_s), shot.phase),
-        caption: format!("{} {}", caption(Shown::Shape, 1), caption(Shown::Of(STRAIN), 1)),
-        height: window.height(1),
-        panels,
-        missing: Vec::new(),
-    }
-}
-
-/// Writes [`figure`] with the places and values of all particles. Returns the text of the SVG.
+/// Writes [`figure`], or what was made of it, as PNG, with the places and values of all particles as CSV.
 ///
 /// # Errors
 /// A file that cannot be written or drawn.
-pub fn write(site: &Site, shots: &[&Shot], shown: Shown, folder: &Path) -> Result<String, ReportError> {
-    write_figure(&figure(site, shots, shown), shots, shown, folder)
-}
-
-/// Writes [`figure`], or what was made of it, with the places and values of all particles. Returns the text of the SVG.
-///
-/// # Errors
-/// A file that cannot be written or drawn.
-pub fn write_figure(figure: &Figure, shots: &[&Shot], shown: Shown, folder: &Path) -> Result<String, ReportError> {
+pub fn write(figure: &Figure, shots: &[&Shot], shown: Shown, folder: &Path) -> Result<(), ReportError> {
     let path = folder.join(format!("{}.csv", figure.name));
     let rows = shots.iter().flat_map(|shot| rows(shot, shown));
     let last = if let Shown::Of(quantity) = shown { quantity.column } else { "layer" };
     tables::table(&path, &format!("time_s,x_m,y_m,{last}"), rows)?;
-    write_drawn(figure, folder)
-}
-
-/// Writes [`at_one_time`] with the places and values of all particles. Returns the text of the SVG.
-///
-/// # Errors
-/// A file that cannot be written or drawn.
-pub fn write_at_one_time(site: &Site, shot: &Shot, all: &[Shot], folder: &Path) -> Result<String, ReportError> {
-    let figure = at_one_time(site, shot, all);
-    let path = folder.join(format!("{}.csv", figure.name));
-    let soil = shot.frame.solid.iter().map(|p| {
-        let numbers = [p.x[0], p.x[1], (STRAIN.of)(p), (PRESSURE.of)(p)].map(exact);
-        [vec!["solid".to_owned()], numbers.to_vec()].concat()
-    });
-    let water = shot.frame.water.iter().map(|p| {
-        let pressure = exact(p.pressure / 1e3);
-        vec!["water".to_owned(), exact(p.x[0]), exact(p.x[1]), String::new(), pressure]
-    });
-    let header = format!("layer,x_m,y_m,{},{}", STRAIN.column, PRESSURE.column);
-    tables::table(&path, &header, soil.chain(water))?;
-    write_drawn(&figure, folder)
+    write_bitmap(figure, folder)
 }
 
 fn range(shots: &[&Shot], shown: Shown) -> (f64, f64) {
@@ -161,15 +109,12 @@ fn fill(panel: &mut Panel, site: &Site, shot: &Shot, (shown, range): (Shown, (f6
 }
 
 fn caption(shown: Shown, times: usize) -> String {
-    let each = if times > 1 { " Every map has the same part of the plane." } else { "" };
+    let each = if times > 1 { " All maps show the same part of the plane." } else { "" };
     match shown {
         Shown::Shape => format!(
             "Soil and water as particles; the level of the water is the top of the highest wet cell of each column.{each}"
         ),
-        Shown::Of(_) => format!(
-            "Every solid particle in the colour of its value. The brightest colour also stands for what is larger \
-             than 99.5 % of all.{each}"
-        ),
+        Shown::Of(_) => format!("Every solid particle in the colour of its value. {CLIPPED}.{each}"),
     }
 }
 
@@ -192,7 +137,8 @@ mod tests {
     use super::super::tests::{folder, site};
     use super::*;
     use crate::frames::made_up;
-    use crate::report::quantity::DISPLACEMENT;
+    use crate::report::plots::svg_text;
+    use crate::report::quantity::{DISPLACEMENT, PRESSURE, STRAIN};
 
     #[test]
     fn every_frame_has_its_map_and_all_share_colours() {
@@ -200,9 +146,12 @@ mod tests {
         let chosen: Vec<&Shot> = shots.iter().collect();
         let (folder, _own) = folder();
         for shown in [Shown::Shape, Shown::Of(STRAIN), Shown::Of(PRESSURE)] {
-            let svg = write(&site(), &chosen, shown, &folder).expect("a picture");
-            for part in ["8 h 39 min 36 s, seepage", "9 h 40", "x (m)"] {
-                assert!(svg.contains(part) || part == "9 h 40", "{part}");
+            let figure = figure(&site(), &chosen, shown);
+            write(&figure, &chosen, shown, &folder).expect("a picture");
+            assert!(folder.join(format!("{}.png", figure.name)).exists());
+            let svg = svg_text(&figure).expect("a picture");
+            for part in ["8 h 39 min 36 s, seepage", "x (m)"] {
+                assert!(svg.contains(part), "{part}");
             }
             assert!(svg.len() < 1_500_000, "{}", svg.len());
             assert_eq!(svg.contains("(kPa)"), shown == Shown::Of(PRESSURE));
@@ -211,7 +160,6 @@ mod tests {
         assert!(table.starts_with("time_s,x_m,y_m,pore_pressure_kpa\n21600.0,"));
         let count: usize = shots.iter().map(|s| s.frame.solid.len()).sum();
         assert_eq!(table.lines().count(), 1 + count);
-        write_at_one_time(&site(), &shots[4], &shots, &folder).expect("a picture");
     }
 
     #[test]

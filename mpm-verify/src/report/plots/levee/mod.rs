@@ -7,7 +7,8 @@
 //! 3. Of histories: [`paths`] (Fig. 9), [`histories`]; of other tables: [`safety`], [`tornado`]; of
 //!    two ways to solve the same problem: [`operators`].
 //!
-//! Every room has a `figure` and a `write`, which returns the text of the SVG and leaves SVG, PNG and CSV in a folder.
+//! Every room has a `figure` and a `write`, which returns the text of the SVG and leaves SVG, PNG and CSV in a folder; [`changes`],
+//! with thousands of particles in a picture, leaves PNG and CSV.
 
 pub mod changes;
 pub mod histories;
@@ -36,7 +37,7 @@ pub struct Site {
 
 impl Site {
     /// The outline as a closed line, m.
-    fn closed(&self) -> impl Iterator<Item = (f64, f64)> {
+    pub(crate) fn closed(&self) -> impl Iterator<Item = (f64, f64)> {
         self.outline.iter().chain(self.outline.first()).map(|x| (x[0], x[1]))
     }
 
@@ -62,7 +63,7 @@ impl Site {
 pub struct Event {
     /// Short name, for the line: `E1`.
     pub name: String,
-    /// What it is, for the caption: `the toe ravels`.
+    /// What it is, for the caption: `the toe fails`.
     pub words: String,
     /// When, s on the reader's clock.
     pub time_s: f64,
@@ -122,7 +123,7 @@ mod tests {
         let event = |name: &str, words: &str, time_s: f64| Event { name: name.into(), words: words.into(), time_s };
         vec![
             event("front at toe", "water reaches the toe", 29_000.0),
-            event("E1", "the toe ravels", FAILURE_S - 130.0),
+            event("E1", "the toe fails", FAILURE_S - 130.0),
             event("E2", "failure starts", FAILURE_S),
             event("E3", "rapid failure", FAILURE_S + 3.1),
         ]
