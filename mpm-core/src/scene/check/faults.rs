@@ -4,6 +4,9 @@ use super::super::Fields;
 use super::Checked;
 use crate::error::SceneError;
 
+/// No refusal lists more faults.
+pub(super) const MOST_FAULTS: usize = 20;
+
 /// Faults of a scene, in the order in which they were found.
 #[derive(Default)]
 pub(super) struct Faults(Vec<SceneError>);
@@ -44,7 +47,7 @@ impl Faults {
         let mut seen = vec![(first.line, first.key.clone())];
         for fault in list {
             let place = (fault.line, fault.key.clone());
-            if !seen.contains(&place) {
+            if seen.len() < MOST_FAULTS && !seen.contains(&place) {
                 seen.push(place);
                 first.notes_mut().more.push(fault);
             }

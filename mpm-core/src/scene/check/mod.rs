@@ -29,7 +29,7 @@ use super::{
     WaterProperties,
 };
 use crate::error::{SceneError, Warning};
-use faults::{Faults, nearest};
+use faults::{Faults, MOST_FAULTS, nearest};
 
 /// Longest name of a scene, characters.
 const LONGEST_NAME: usize = 64;
@@ -147,7 +147,8 @@ impl Reader<'_> {
             let fault = self.syntax(&error);
             let meant = fault.notes.as_ref().and_then(|notes| notes.suggestion.clone());
             faults.take::<()>(Err(fault));
-            let span = error.span().filter(|span| all && !is_missing && self.source.edit(span).is_none());
+            let goes_on = all && !is_missing && corrections.len() < MOST_FAULTS;
+            let span = error.span().filter(|span| goes_on && self.source.edit(span).is_none());
             match span.filter(|span| corrections.iter().all(|(known, _)| known != span)) {
                 Some(span) => corrections.push((span, meant)),
                 None => return Ok((None, renamed)),
