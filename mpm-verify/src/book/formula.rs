@@ -6,7 +6,7 @@ use pulldown_latex::config::{DisplayMode, RenderConfig};
 use pulldown_latex::mathml::push_mathml;
 use pulldown_latex::{Parser, Storage};
 
-use crate::error::Error;
+use super::Error;
 
 /// A formula as MathML, in a line of text or as a block of its own.
 ///
@@ -15,9 +15,10 @@ use crate::error::Error;
 pub fn mathml(tex: &str, display_mode: DisplayMode) -> Result<String, Error> {
     let storage = Storage::new();
     let events: Result<Vec<_>, _> = Parser::new(tex, &storage).collect();
-    let events = events.map_err(|why| Error::Found(format!("{tex}: {why}")))?;
+    let wrong = |why: &dyn std::fmt::Display| Error::Formula { tex: tex.to_owned(), why: why.to_string() };
+    let events = events.map_err(|why| wrong(&why))?;
     let mut html = String::new();
     let config = RenderConfig { display_mode, ..RenderConfig::default() };
-    push_mathml(&mut html, events.into_iter().map(Ok::<_, Infallible>), config).map_err(Error::at("a formula"))?;
+    push_mathml(&mut html, events.into_iter().map(Ok::<_, Infallible>), config).map_err(|why| wrong(&why))?;
     Ok(html)
 }

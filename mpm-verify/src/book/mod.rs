@@ -2,7 +2,7 @@
 //!
 //! # Reading order
 //! 1. [`CHAPTERS`]: the chapters in their order. [`write()`]: all of them as pages.
-//! 2. `render.rs`: Markdown to HTML. `formula.rs`: TeX to MathML. `links.rs`: where links of a chapter lead on the pages.
+//! 2. `render.rs`: Markdown to sections of a page. `formula.rs`: TeX to MathML. `links.rs`: where links of a chapter lead on the pages.
 //! 3. [`reference`]: the chapter of scene keys, made by asking the checker.
 
 pub use links::anchor;
@@ -12,11 +12,35 @@ mod links;
 pub mod reference;
 mod render;
 
-use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::error::Error;
-use crate::{files, report};
+use crate::page::site::{Kind, Report};
+use crate::page::{Link, Page, Section};
+use crate::report::ReportError;
+
+/// Why the guide cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A formula that is not TeX, or has a command that is not known.
+    #[error("{tex}: {why}")]
+    Formula {
+        /// The formula.
+        tex: String,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// A folder that cannot be made.
+    #[error("{}: {source}", path.display())]
+    Folder {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A page that cannot be made.
+    #[error(transparent)]
+    Page(#[from] ReportError),
+}
 
 /// A chapter of the guide.
 #[derive(Debug, Clone, Copy)]
@@ -61,37 +85,34 @@ impl Chapter {
 /// A formula that is not TeX, or a file that cannot be written.
 pub fn write(reports: &Path) -> Result<(), Error> {
     let folder = reports.join("guide");
-    fs::create_dir_all(&folder).map_err(Error::at(&folder))?;
-    let list = Chapter { name: "index", text: include_str!("../../docs/README.md") };
-    for chapter in CHAPTERS.iter().chain([&list]) {
-        let path = folder.join(format!("{}.html", chapter.name));
-        files::write(&path, page(chapter, reports)?.as_bytes()).map_err(Error::at(&path))?;
+    std::fs::create_dir_all(&folder).map_err(|source| Error::Folder { path: folder.clone(), source })?;
+    let all: Vec<Link> = CHAPTERS.iter().zip(1..).map(|(chapter, n)| link(n, chapter)).collect();
+    for (i, chapter) in CHAPTERS.iter().enumerate() {
+        let mut sections = render::sections(chapter.text, reports)?;
+        let turn = [i.checked_sub(1).map(|i| ("Previous", i)), Some(("Next", i + 1))];
+        let turn = turn.into_iter().flatten().filter_map(|(word, i)| Some(format!("{word}: {}", shown(all.get(i)?))));
+        sections.push(Section::new("turn", "").text(turn.collect::<Vec<_>>().join(" · ")));
+        let page =
+            Page::new(format!("{}. {}", i + 1, chapter.title())).below("Guide", "index.html").beside(all.clone());
+        page_of(page, sections).write(&folder.join(format!("{}.html", chapter.name)))?;
     }
+    let list = render::sections(include_str!("../../docs/README.md"), reports)?;
+    let page = Page::new("Guide").beside(all).report(Report::new(Kind::Guide));
+    page_of(page, list).write(&folder.join("index.html"))?;
     Ok(())
 }
 
-/// The page of a chapter.
-fn page(chapter: &Chapter, reports: &Path) -> Result<String, Error> {
-    let place = CHAPTERS.iter().position(|c| c.name == chapter.name);
-    let beside = |other: Option<usize>| other.and_then(|i| CHAPTERS.get(i)).map(entry);
-    let (body, sections) = render::html(chapter, reports)?;
-    let number = place.map(|i| i + 1);
-    let content = serde_json::json!({
-        "title": number.map_or_else(|| "Guide".to_owned(), |n| format!("{n}. {}", chapter.title())),
-        "name": chapter.name,
-        "chapters": CHAPTERS.iter().map(entry).collect::<Vec<_>>(),
-        "sections": sections,
-        "before": beside(place.and_then(|i| i.checked_sub(1))),
-        "after": beside(Some(place.map_or(0, |i| i + 1))),
-        "body": body,
-    });
-    let page = report::html::render(include_str!("page.html"), content, &[], (&[], &[]), "");
-    let page = page.map_err(|why| Error::Found(why.to_string()).of(chapter.name))?;
-    Ok(page.replacen("</style>", concat!(include_str!("style.css"), "</style>"), 1))
+fn page_of(page: Page, sections: Vec<Section>) -> Page {
+    sections.into_iter().fold(page, Page::section)
 }
 
-fn entry(chapter: &Chapter) -> serde_json::Value {
-    serde_json::json!({ "name": chapter.name, "title": chapter.title() })
+fn link(number: usize, chapter: &Chapter) -> Link {
+    Link::new(format!("{number}. {}", chapter.title()), format!("{}.html", chapter.name))
+}
+
+/// A link as the text of a page has it.
+fn shown(link: &Link) -> String {
+    format!("[{}]({})", link.text, link.href)
 }
 
 #[cfg(test)]

@@ -1,98 +1,127 @@
-//! A chapter from Markdown to HTML.
+//! A chapter from Markdown to the sections of a page.
 
 use std::path::Path;
 
-use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html};
+use pulldown_cmark::{Event, HeadingLevel, Options, Parser, Tag, TagEnd, html};
 use pulldown_latex::config::DisplayMode;
-use serde::Serialize;
 
-use super::{Chapter, formula, links};
-use crate::error::Error;
+use super::{Error, formula, links};
+use crate::page::{Block, Section, escaped};
 
-/// A heading of the second level, for the list of sections.
-#[derive(Debug, Serialize)]
-pub struct Section {
-    /// Its name for links.
-    anchor: String,
-    /// Its text.
-    title: String,
-}
+/// A cell with more characters than these is text, not a number.
+const LONG_CELL: usize = 24;
 
-/// The HTML of a chapter without its title, and its sections.
-pub fn html(chapter: &Chapter, reports: &Path) -> Result<(String, Vec<Section>), Error> {
-    let (mut events, mut sections) = (Vec::new(), Vec::new());
-    let options = Options::ENABLE_TABLES | Options::ENABLE_MATH;
-    let mut parser = Parser::new_ext(chapter.text, options);
-    // How many open links and pictures lead nowhere on the pages.
+/// The sections of a chapter; what stands before the first one is a section without a title.
+pub fn sections(markdown: &str, reports: &Path) -> Result<Vec<Section>, Error> {
+    let mut parser = Parser::new_ext(markdown, Options::ENABLE_TABLES | Options::ENABLE_MATH);
+    let mut sections = vec![(Section::new("introduction", ""), Vec::new())];
+    // Open links, and whether they lead nowhere on the pages.
     let mut dropped = Vec::new();
     while let Some(event) = parser.next() {
         let shown = match event {
             Event::Start(Tag::Heading { level, .. }) => {
-                let inside: Vec<Event<'_>> =
-                    parser.by_ref().take_while(|e| !matches!(e, Event::End(TagEnd::Heading(_)))).collect();
-                if level == HeadingLevel::H1 {
-                    continue;
+                let inside = until(&mut parser, TagEnd::Heading(level));
+                let title = text(&inside);
+                match level {
+                    HeadingLevel::H1 => continue,
+                    HeadingLevel::H2 => {
+                        sections.push((Section::new(&links::anchor(&title), &title), Vec::new()));
+                        continue;
+                    }
+                    _ => {}
                 }
-                let (title, anchor) = (text(&inside), links::anchor(&text(&inside)));
-                let open = format!("<{level} id=\"{anchor}\"><a class=\"anchor\" href=\"#{anchor}\">");
-                events.push(Event::Html(open.into()));
-                events.extend(inside);
-                if level == HeadingLevel::H2 {
-                    sections.push(Section { anchor, title });
-                }
-                Event::Html(format!("</a></{level}>").into())
+                let heading = pushed(inside);
+                Event::Html(format!("<{level} id=\"{}\">{heading}</{level}>\n", links::anchor(&title)).into())
             }
-            Event::InlineMath(tex) => Event::InlineHtml(formula::mathml(&tex, DisplayMode::Inline)?.into()),
             Event::DisplayMath(tex) => {
                 let math = formula::mathml(&tex, DisplayMode::Block)?;
-                Event::InlineHtml(format!("<span class=\"formula\">{math}</span>").into())
+                let open = "<span class=\"formula\" role=\"group\" tabindex=\"0\" aria-label=\"Formula, scrollable\">";
+                Event::InlineHtml(format!("{open}{math}</span>").into())
             }
-            // Wide tables scroll in a box of their own, which the keyboard reaches.
-            Event::Start(Tag::Table(_)) => {
-                events.push(Event::Html(
-                    "<div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"table\">".into(),
-                ));
-                event
+            Event::Start(Tag::CodeBlock(_)) => {
+                let code = text(&until(&mut parser, TagEnd::CodeBlock));
+                Event::Html(
+                    format!("<pre class=\"command\" tabindex=\"0\"><code>{}</code></pre>\n", escaped(&code)).into(),
+                )
             }
-            Event::End(TagEnd::Table) => {
-                events.push(event);
-                Event::Html("</div>".into())
-            }
-            Event::Start(Tag::Link { link_type, dest_url, title, id }) => {
-                let target = links::on_pages(&dest_url, reports);
-                dropped.push(target.is_none());
-                match target {
-                    Some(url) => Event::Start(Tag::Link { link_type, dest_url: url.into(), title, id }),
-                    None => Event::InlineHtml(format!("<span title=\"{}\">", in_repository(&dest_url)).into()),
+            // Tables look and scroll as those of the reports do.
+            Event::Start(Tag::Table(alignment)) => {
+                let inside = until(&mut parser, TagEnd::Table);
+                let title = sections.last().map_or("", |(section, _)| section.title.as_str());
+                let title = if title.is_empty() { "Introduction" } else { title };
+                let mut rows = vec![Event::Start(Tag::Table(alignment))];
+                for event in inside {
+                    rows.push(in_line(event, reports, &mut dropped)?);
                 }
+                let words = cells(&rows).any(|cell| cell.chars().count() > LONG_CELL);
+                rows.push(Event::End(TagEnd::Table));
+                let table =
+                    pushed(rows).replacen("<table>", if words { "<table class=\"words\">" } else { "<table>" }, 1);
+                let table = table.replace("<th>", "<th scope=\"col\">").replace("<th scope=\"col\"></th>", "<td></td>");
+                let label = format!("Table: {}, scrollable", escaped(title));
+                let open = format!(
+                    "<div class=\"table\"><div class=\"box\" role=\"group\" tabindex=\"0\" aria-label=\"{label}\">"
+                );
+                Event::Html(format!("{open}{table}</div></div>\n").into())
             }
-            Event::End(TagEnd::Link) if dropped.pop() == Some(true) => Event::InlineHtml("</span>".into()),
-            Event::Start(Tag::Image { link_type, dest_url, title, id }) => match links::on_pages(&dest_url, reports) {
-                Some(url) => Event::Start(Tag::Image { link_type, dest_url: url.into(), title, id }),
-                None => {
-                    let inside: Vec<Event<'_>> =
-                        parser.by_ref().take_while(|e| !matches!(e, Event::End(TagEnd::Image))).collect();
-                    Event::InlineHtml(format!("<em class=\"soft\">[{}]</em>", text(&inside)).into())
-                }
-            },
-            other => other,
+            Event::Start(Tag::Image { dest_url, .. }) => {
+                let alt = escaped(&text(&until(&mut parser, TagEnd::Image)));
+                let image = links::on_pages(&dest_url, reports).map_or_else(
+                    || format!("<em>[{alt}]</em>"),
+                    |url| format!("<img src=\"{}\" alt=\"{alt}\" loading=\"lazy\">", escaped(&url)),
+                );
+                Event::InlineHtml(image.into())
+            }
+            other => in_line(other, reports, &mut dropped)?,
         };
-        events.push(shown);
+        if let Some((_, events)) = sections.last_mut() {
+            events.push(shown);
+        }
     }
-    let mut page = String::new();
-    html::push_html(&mut page, events.into_iter());
-    Ok((page, sections))
+    Ok(sections.into_iter().map(|(section, events)| section.with(Block::Html(pushed(events)))).collect())
 }
 
-/// A path of the repository as it is written from its top.
-fn in_repository(link: &str) -> CowStr<'_> {
-    link.trim_start_matches("../").into()
+/// What may stand in a line of text: formulas, and links that lead to the pages.
+fn in_line<'a>(event: Event<'a>, reports: &Path, dropped: &mut Vec<bool>) -> Result<Event<'a>, Error> {
+    Ok(match event {
+        Event::InlineMath(tex) => Event::InlineHtml(formula::mathml(&tex, DisplayMode::Inline)?.into()),
+        Event::Start(Tag::Link { link_type, dest_url, title, id }) => {
+            let target = links::on_pages(&dest_url, reports);
+            dropped.push(target.is_none());
+            match target {
+                Some(url) => Event::Start(Tag::Link { link_type, dest_url: url.into(), title, id }),
+                // A file of the repository: its path from the top.
+                None => Event::InlineHtml(
+                    format!("<span title=\"{}\">", escaped(dest_url.trim_start_matches("../"))).into(),
+                ),
+            }
+        }
+        Event::End(TagEnd::Link) if dropped.pop() == Some(true) => Event::InlineHtml("</span>".into()),
+        other => other,
+    })
+}
+
+/// The events up to an end.
+fn until<'a>(parser: &mut Parser<'a>, end: TagEnd) -> Vec<Event<'a>> {
+    parser.take_while(|event| *event != Event::End(end)).collect()
+}
+
+fn pushed(events: Vec<Event<'_>>) -> String {
+    let mut html = String::new();
+    html::push_html(&mut html, events.into_iter());
+    html
+}
+
+/// The texts of the cells of a table.
+fn cells<'e>(events: &'e [Event<'_>]) -> impl Iterator<Item = String> + 'e {
+    events.split(|event| *event == Event::End(TagEnd::TableCell)).map(text)
 }
 
 /// The words of some events.
 fn text(events: &[Event<'_>]) -> String {
     let word = |event: &Event<'_>| match event {
         Event::Text(text) | Event::Code(text) | Event::InlineMath(text) => text.to_string(),
+        Event::SoftBreak => " ".to_owned(),
         _ => String::new(),
     };
     events.iter().map(word).collect()
