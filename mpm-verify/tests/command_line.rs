@@ -298,7 +298,7 @@ fn study_and_report_write_the_same_page() {
     assert_eq!(errors.lines().count(), 1 + 16 + 6 + 4);
     let notes = std::fs::read_to_string(folder.path().join("reports/accuracy/report.md")).expect("a report");
     assert!(notes.contains("quasi-static bspline2 is not run with 1 particle per cell"));
-    let page = folder.path().join("reports/index.html");
+    let page = folder.path().join("reports/accuracy/index.html");
     let first = std::fs::read(&page).expect("a page");
     let output = verify(folder.path(), &["report"]);
     assert!(output.status.success(), "{}", stderr(&output));

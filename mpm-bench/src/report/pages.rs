@@ -12,6 +12,9 @@ use super::Findings;
 use super::answers::{Answer, answers, summary};
 use super::section::{Section, sections};
 
+/// Sections that are folded up at first.
+const FOLDED: [&str; 5] = ["growth", "kernel", "peers", "left-out", "measured"];
+
 /// Writes both pages.
 ///
 /// # Errors
@@ -52,6 +55,7 @@ fn answer(section: page::Section, answer: &Answer) -> page::Section {
 /// A section with its figures, without the one that the page begins with.
 fn section(own: &Section, figures: &[Figure], first: Option<&Figure>) -> page::Section {
     let mut section = page::Section::new(own.id, own.title);
+    section.folded = FOLDED.contains(&own.id);
     for text in &own.text {
         section = section.text(text.clone());
     }

@@ -104,7 +104,7 @@ for (const figure of all('figure.plot')) {
       const [left, top, right, bottom] = p.f;
       if (x < left - 40 || x > right + 40 || y < top - 40 || y > bottom + 40) continue;
       for (const s of p.s) {
-        if (off.has(s.n)) continue;
+        if ([...off].some(name => s.n === name || s.n.endsWith(`, ${name}`))) continue;
         for (let k = 0; k < s.p.length; k += 2) {
           const px = left + along(p.x, s.p[k]) * (right - left), py = bottom - along(p.y, s.p[k + 1]) * (bottom - top);
           if (px < left - 9 || px > right + 9 || py < top - 9 || py > bottom + 9) continue;

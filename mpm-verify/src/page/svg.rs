@@ -33,7 +33,12 @@ pub type Frame = [f64; 4];
 /// The drawing for a page, and the frames of its panels by their numbers.
 pub fn inline(figure: &Figure, marked: &str) -> (String, Vec<(usize, Frame)>) {
     let labels: Vec<String> = legend::entries(figure).into_iter().map(|entry| entry.label().to_owned()).collect();
-    let number = |label: &str| labels.iter().position(|known| *known == unescaped(label));
+    // `Terzaghi, Tv = 1` goes with `Tv = 1`.
+    let number = |label: &str| {
+        let label = unescaped(label);
+        let same = labels.iter().position(|known| *known == label);
+        same.or_else(|| labels.iter().position(|known| label.ends_with(&format!(", {known}"))))
+    };
     let (mut svg, mut frames, mut in_legend) = (String::with_capacity(marked.len() / 2), Vec::new(), false);
     let mut lines = marked.lines();
     while let Some(line) = lines.next() {

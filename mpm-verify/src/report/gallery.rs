@@ -66,6 +66,7 @@ pub fn write(scenes: &[Shown], folder: &Path) -> Result<(), ReportError> {
     let failed = scenes.len() - solved.len();
     let tally = Tally::new("Gallery", solved.len(), failed, 0);
     let sentence = match failed {
+        0 if scenes.len() == 1 => "The scene ran to its end.".to_owned(),
         0 => format!("All {} scenes ran to their end.", scenes.len()),
         _ => format!("{failed} of {} scenes stopped before their end.", scenes.len()),
     };

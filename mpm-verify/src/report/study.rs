@@ -130,7 +130,7 @@ impl Of<'_> {
         let sentence = format!("Of the paper's claims on accuracy {}.", claims.said);
         match (failed, claims.passed) {
             (0, 0) => Verdict::new(State::NotEstablished, sentence),
-            (0, _) => Verdict::new(State::Passed, sentence).saying(word),
+            (0, _) => Verdict::new(claims.state(), sentence).saying(word),
             (n, _) => {
                 Verdict::new(State::Failed, format!("{n} of {} runs failed. {sentence}", self.study.results.len()))
             }
@@ -181,8 +181,7 @@ impl Of<'_> {
             items.len(),
             tally.said
         );
-        let state = if tally.passed > 0 { State::Passed } else { State::NotEstablished };
-        let verdict = Verdict::new(state, sentence);
+        let verdict = Verdict::new(tally.state(), sentence);
         let word = format!("{} of {} claims reproduced", tally.passed, tally.total);
         Page::new("The paper side by side")
             .verdict(if tally.total > 0 { verdict.saying(word) } else { verdict })
