@@ -15,7 +15,7 @@ use super::tables::OfScene;
 use super::variants::{Change, Variant};
 use crate::error::Error;
 use crate::report::content::table::{Cell, Table, table};
-use crate::report::numbers::short;
+use crate::report::numbers::{brief, short};
 
 /// Name of the table in the folder of a run.
 pub const NAME: &str = "convergence.csv";
@@ -245,8 +245,8 @@ fn is_same(a: &Line, b: &Line) -> bool {
 }
 
 fn named(line: &Line) -> String {
-    let at = line.time_h.map_or_else(String::new, |h| format!(" at {} h", short(h, 4)));
-    let place = line.x_m.map_or_else(String::new, |x| format!(", x = {} m", short(x, 3)));
+    let at = line.time_h.map_or_else(String::new, |h| format!(" at {} h", brief(h, 4)));
+    let place = line.x_m.map_or_else(String::new, |x| format!(", x = {} m", brief(x, 3)));
     match line.quantity.as_str() {
         "level" => format!("level (m){at}{place}"),
         "factor" => format!("factor of safety{at}"),

@@ -18,17 +18,16 @@ use crate::page::table::{Cell, Table};
 use crate::page::verdict::{State, Tally, Verdict};
 use crate::page::{Block, Image, Page, Section, escaped};
 use crate::report::ReportError;
-use crate::report::animation::Player;
+use crate::report::animation::{self, Player};
 use crate::report::numbers::short;
 
 /// Looks of the headline numbers.
-const STYLE: &str = "<style>
-.facts { display: grid; grid-template-columns: repeat(auto-fit, minmax(11.5rem, 1fr)); gap: 0.6rem; margin: 0.8rem 0; }
+const STYLE: &str = ".facts { display: grid; grid-template-columns: repeat(auto-fit, minmax(11.5rem, 1fr)); gap: 0.6rem; margin: 0.8rem 0; }
 .facts > div { display: block; padding: 0.5rem 0.8rem; background: var(--band); border: 1px solid var(--line); border-radius: 6px; }
 .facts dt { font-weight: 400; font-size: 0.84rem; color: var(--soft); }
 .facts dd { font-size: 0.84rem; }
 .facts dd.value { font-size: 1.3rem; font-weight: 600; line-height: 1.3; }
-</style>";
+";
 
 /// A headline number.
 #[derive(Debug)]
@@ -111,12 +110,13 @@ pub fn write(parts: Parts, (known, folder): (&Path, &Path)) -> Result<(), Report
         .picture("levee.png", "Water seeps through the soil until its slope fails, as an animation");
     Page::new(title(plan, summary))
         .verdict(verdict(summary, tally.as_ref()))
-        .lead(story(summary, ranges, papers))
+        .lead(story(summary, papers))
         .warnings(run.ended.trouble().map(str::to_owned).into_iter().chain(others))
+        .style(format!("{STYLE}{}", animation::STYLE))
         .section(first)
         .section(Section::new("claims", "Claims").tables(claims.map(judged)))
         .section(Section::new("numbers", "Numbers").tables(numbers(summary, ranges, &plan.scales(), papers)))
-        .section(Section::new("further", "Factor of safety, meshes, assumptions").tables(further))
+        .section(Section::new("further", "Factor of safety, meshes, assumptions").folded().tables(further))
         .section(drawn(pictures))
         .section(Section::new("assumptions", "Assumptions").text(assumed).with(Block::Terms(terms.collect())))
         .section(again.into_iter().fold(Section::new("again", "Run it again"), Section::with).files(files))
@@ -127,7 +127,7 @@ pub fn write(parts: Parts, (known, folder): (&Path, &Path)) -> Result<(), Report
 
 /// Pictures: as drawings where they are light, as images of files beside the page where they are not.
 fn drawn(pictures: &[Picture]) -> Section {
-    pictures.iter().fold(Section::new("pictures", "Pictures"), |section, picture| {
+    pictures.iter().fold(Section::new("pictures", "Further pictures").folded(), |section, picture| {
         let figure = &picture.figure;
         if picture.is_light {
             return section.figure(figure);
@@ -152,7 +152,7 @@ fn cards(facts: &[Fact]) -> String {
             escaped(&fact.ranges)
         )
     };
-    format!("{STYLE}\n<dl class=\"facts\">\n{}</dl>", facts.iter().map(card).collect::<String>())
+    format!("<dl class=\"facts\">\n{}</dl>", facts.iter().map(card).collect::<String>())
 }
 
 fn title(plan: &Plan, summary: &Summary) -> String {
@@ -188,20 +188,14 @@ fn verdict(s: &Summary, tally: Option<&Tally>) -> Verdict {
         return Verdict::new(State::Failed, format!("A check of the run failed: {first}{more}."));
     }
     let Some(tally) = tally else { return Verdict::new(State::Passed, "All checks of the run passed.") };
-    let sentence =
-        format!("Of the claims of the paper and the experiment {}; all checks of the run passed.", tally.said);
-    match tally.passed {
-        0 => Verdict::new(State::NotEstablished, sentence),
-        passed => {
-            Verdict::new(State::Passed, sentence).saying(format!("{passed} of {} claims reproduced", tally.total))
-        }
-    }
+    let sentence = format!("Claims of the paper and the experiment: {}; all checks of the run passed.", tally.said);
+    let state = if tally.passed == tally.total { State::Passed } else { State::NotEstablished };
+    Verdict::new(state, sentence).saying(format!("{} of {} claims reproduced", tally.passed, tally.total))
 }
 
 /// Whether and how it failed.
-fn story(s: &Summary, ranges: &Ranges, papers: bool) -> String {
+fn story(s: &Summary, papers: bool) -> String {
     let subject = if papers { "levee" } else { "slope" };
-    let seconds = |from: Option<f64>, to: Option<f64>| from.zip(to).map(|(from, to)| lasting(3600.0 * (to - from)));
     let Some(failure) = s.failure_start_h else {
         return match s.end_h {
             Some(end) => format!("The {subject} has not failed when the run ends at {end:.1} h."),
@@ -209,20 +203,20 @@ fn story(s: &Summary, ranges: &Ranges, papers: bool) -> String {
             None => format!("The {subject} does not stand before any water seeps."),
         };
     };
-    let onset = s.raveling_h.filter(|first| 3600.0 * (failure - first) >= 0.05).map_or_else(String::new, |first| {
-        let after = lasting(3600.0 * (failure - first));
-        format!(" The toe fails first (E1); {after} later the deeper soil slides (E2).")
-    });
-    let rapid = match seconds(s.failure_start_h, s.rapid_failure_h) {
-        Some(after) => format!(" The slide becomes rapid {after} after that (E3)"),
-        None => " The slide does not become rapid".to_owned(),
+    let after = |seconds: f64| lasting(3600.0 * seconds);
+    let onset = match s.raveling_h.map(|first| failure - first).filter(|span| 3600.0 * span >= 0.05) {
+        Some(span) => format!("first the toe (E1), {} later the deeper soil (E2)", after(span)),
+        None => "at the toe and deeper at the same time (E1, E2)".to_owned(),
+    };
+    let rapid = match s.rapid_failure_h {
+        Some(rapid) => format!(", rapidly {} after that (E3)", after(rapid - failure)),
+        None => "; the failure does not become rapid".to_owned(),
     };
     let rest = match (s.ended.as_str(), s.failure_lasts_s) {
-        ("collapsed", Some(lasts)) => format!(", and the soil is at rest {} after E2.", lasting(lasts)),
+        ("collapsed", Some(lasts)) => format!("; the soil is at rest {} after E2.", lasting(lasts)),
         _ => ".".to_owned(),
     };
-    let when = ranges.beside(failure, ranges.failure_h, ("h", 1));
-    format!("The {subject} fails at {when}.{onset}{rapid}{rest}")
+    format!("The {subject} fails: {onset}{rapid}{rest}")
 }
 
 /// A time span for readers, with two digits.

@@ -15,7 +15,7 @@ use super::tables::OfScene;
 use crate::error::Error::{self, Unfit};
 use crate::report::ReportError;
 use crate::report::content::table::{Cell, Table, table};
-use crate::report::numbers::short;
+use crate::report::numbers::brief;
 use crate::report::plots::levee::safety::{self as plot, Bracket, Safety};
 
 /// Name of the table in the folder of a run.
@@ -199,7 +199,7 @@ pub fn shown(lines: &[Line]) -> Table {
             false => "none found".to_owned(),
         };
         vec![
-            Cell::new(short(l.time_h, 4)),
+            Cell::new(brief(l.time_h, 4)),
             Cell::new(found).marked(format!("{} trials, {} steps", l.trials, l.steps), ""),
             pair(l.infinite_slope, l.infinite_slope_davis),
             pair(l.bishop, l.bishop_davis),

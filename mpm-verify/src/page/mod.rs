@@ -192,6 +192,8 @@ pub struct Page {
     pub beside: Vec<Link>,
     /// What the home page says about the report; written as `report.json` beside the page.
     pub report: Option<Report>,
+    /// Rules of style that it alone needs.
+    pub style: String,
     /// Whether it is the home page.
     pub home: bool,
 }
@@ -235,6 +237,11 @@ impl Page {
     pub fn below(mut self, text: &str, href: &str) -> Self {
         self.above.push(Link::new(text, href));
         self
+    }
+
+    /// With rules of style of its own.
+    pub fn style(self, rules: impl Into<String>) -> Self {
+        Self { style: rules.into(), ..self }
     }
 
     /// With other pages of the same report.
@@ -312,7 +319,7 @@ impl Page {
         environment.add_filter("cell", |text: String| text.replace('|', "\\|").replace('\n', " "));
         environment.add_template(name, template).map_err(lost)?;
         let template = environment.get_template(name).map_err(lost)?;
-        template.render(context! { page, style => STYLE, script => SCRIPT }).map_err(lost)
+        template.render(context! { page, style => format!("{STYLE}{}", self.style), script => SCRIPT }).map_err(lost)
     }
 }
 

@@ -5,7 +5,6 @@ pub mod schemes;
 pub mod table;
 pub mod terms;
 
-
 use super::Study;
 use super::plots::figure::Figure;
 use super::select::families;

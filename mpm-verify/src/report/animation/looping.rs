@@ -9,6 +9,7 @@ use plotters::prelude::{BitMapBackend, IntoDrawingArea, RGBColor};
 use super::TANK;
 use super::chosen::{IMAGE, chosen};
 use crate::frames::Shot;
+use crate::report::numbers::short;
 use crate::report::plots::canvas::{BITMAP_LETTERS, Canvas, DrawError, Drawn, LEFT, MIDDLE, RIGHT, Rect};
 use crate::report::plots::levee::map::Window;
 use crate::report::plots::levee::{Event, Site, clock, map};
@@ -148,7 +149,8 @@ impl<'a> Scene<'a> {
         for x in whole(left, right) {
             let spot = (self.across(f64::from(x)), self.down(low));
             canvas.line(&[spot, (spot.0, spot.1 + 4.0)], grey)?;
-            canvas.text(&x.to_string(), (spot.0, spot.1 + 12.0), 11.0, BLACK, MIDDLE, false)?;
+            let words = if x == 0 { "0 m".to_owned() } else { x.to_string() };
+            canvas.text(&words, (spot.0, spot.1 + 12.0), 11.0, BLACK, MIDDLE, false)?;
         }
         for y in whole(low, high) {
             let spot = (self.across(left), self.down(f64::from(y)));
@@ -156,8 +158,7 @@ impl<'a> Scene<'a> {
             canvas.text(&y.to_string(), (spot.0 - 8.0, spot.1), 11.0, BLACK, RIGHT, false)?;
         }
         let corners = [(left, low), (right, low), (right, high), (left, high), (left, low)];
-        canvas.line(&corners.map(|(x, y)| (self.across(x), self.down(y))), grey)?;
-        canvas.text("m", (WIDTH - EDGES[1] + 6.0, self.down(low) + 12.0), 11.0, BLACK, RIGHT, false)
+        canvas.line(&corners.map(|(x, y)| (self.across(x), self.down(y))), grey)
     }
 
     /// Title, time and what is going on.
@@ -169,6 +170,7 @@ impl<'a> Scene<'a> {
         let said = match failure.filter(|after| *after >= -0.05) {
             Some(after) => format!("{phase}, {after:.1} s after failure starts"),
             None if phase == "seepage" => "water seeps through the soil at rest".to_owned(),
+            None if phase == "failing" => "the toe fails".to_owned(),
             None => phase.to_owned(),
         };
         canvas.text(&said, (EDGES[0], 42.0), 13.0, GREY, LEFT, false)
@@ -192,9 +194,9 @@ impl<'a> Scene<'a> {
                 canvas.area(&[(a, top), (b, top), (b, bottom), (a, bottom)], strained(wet, shade))?;
             }
         }
-        for (place, words) in [(bar.left, "0".to_owned()), (bar.right, format!("{:.2} and more", self.most))] {
+        for (place, words) in [(bar.left, "0".to_owned()), (bar.right, format!("{} and more", short(self.most, 2)))] {
             let hold = if place == bar.left { MIDDLE } else { RIGHT };
-            canvas.text(&words, (place, bar.bottom + 9.0), 11.0, BLACK, hold, false)?;
+            canvas.text(&words, (place, bar.bottom + 10.0), 12.0, BLACK, hold, false)?;
         }
         Ok(())
     }
@@ -320,6 +322,8 @@ fn encode(
         let [left, top, wide, high] = part;
         writer.set_frame_delay(shown[k], 1000)?;
         if before.is_some() {
+            // Of the frame before, the place would bound the size.
+            writer.set_frame_position(0, 0)?;
             writer.set_frame_dimension(wide as u32, high as u32)?;
             writer.set_frame_position(left as u32, top as u32)?;
             writer.set_blend_op(png::BlendOp::Over)?;

@@ -2,7 +2,7 @@
 //!
 //! # Reading order
 //! 1. [`chosen`]: which frames. [`packed`]: frames as few bytes.
-//! 2. [`Player`]: what the page holds; `player.html`, `player.js`: what draws it, with curves beside it whose cursor follows.
+//! 2. [`Player`]: what the page holds; `player.html`, `player.css`, `player.js`: what draws it, with curves beside it whose cursor follows.
 //! 3. [`looping`]: the image, `levee.png`.
 
 pub mod chosen;
@@ -21,6 +21,8 @@ use crate::report::quantity::{self, CLIPPED};
 
 /// The part of a page that shows the player, with marks for what differs.
 const PLAYER: &str = include_str!("player.html");
+/// Its rules of style.
+pub const STYLE: &str = include_str!("player.css");
 const SCRIPT: &str = include_str!("player.js");
 /// Bytes of text that the frames of a page may take; of more, fewer frames are shown.
 const MOST: usize = 1_000_000;

@@ -724,12 +724,12 @@
     event.preventDefault();
   });
   const again = () => { placeMarks(); draw(); };
-  window.addEventListener("resize", again);
+  // The layout around it may still change its width after this script has run.
+  new ResizeObserver(again).observe($("map").parentElement);
   window.addEventListener("hashchange", address);
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
   window.addEventListener("beforeprint", () => { printing = true; draw(); });
   window.addEventListener("afterprint", () => { printing = false; draw(); });
   choose();
   address();
-  placeMarks();
 })();
