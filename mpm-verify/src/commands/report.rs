@@ -1,29 +1,28 @@
-//! `report`: rebuild the report from a stored study.
+//! `report`: the report of a stored study, written again.
 
 use std::path::Path;
 
 use mpm_core::scene::read_text;
 use mpm_verify::report::{self, Study};
 
-use super::{Failure, into_folder, say};
+use super::{Failure, study};
 use crate::Common;
 
-/// No stored study is larger, bytes.
+/// Largest stored study, bytes.
 const LARGEST: u64 = 1 << 30;
 
-/// Reads `study.json` in a folder and writes the report beside it, or into `--out`.
+/// Reads `study.json` in a folder, and writes the report beside it or into `--out`.
 pub fn run(folder: &Path, common: &Common) -> Result<(), Failure> {
     let path = folder.join("study.json");
     let refused = |e: String| Failure::BadInput(format!("{}: expected a stored study, found: {e}", path.display()));
     let text = read_text(&path, LARGEST).map_err(|e| refused(e.to_string()))?;
     let study: Study = serde_json::from_str(&text).map_err(|e| refused(e.to_string()))?;
     let out = common.out.as_deref().unwrap_or(folder);
-    report::page_path(out).map_err(|e| Failure::BadInput(format!("--out: {e}")))?;
-    into_folder(out, &super::study::NAMES, |folder| {
-        let page = report::write(&study, folder.stage(), out).map_err(Failure::run_failed)?;
-        folder.publish().map_err(Failure::run_failed)?;
-        page.save(out).map_err(Failure::run_failed)
-    })?;
-    say(common.quiet, &format!("report: {}", out.parent().unwrap_or(out).join("index.html").display()));
+    let common = Common { out: Some(out.to_owned()), ..common.clone() };
+    let page = report::page_path(out).map_err(|e| Failure::BadInput(format!("--out: {e}")))?;
+    common.publish("", &study::NAMES, |folder| study::write(&study, folder))?;
+    common.json(&study.claims);
+    common.say(&format!("{} runs and {} claims reported", study.results.len(), study.claims.len()));
+    common.page(&page);
     Ok(())
 }

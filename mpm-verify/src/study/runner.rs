@@ -4,7 +4,7 @@
 //! way, and says what is missing.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -149,8 +149,10 @@ impl<'a> Runner<'a> {
         let known: Vec<Option<CaseResult>> = tasks.iter().map(taken).collect();
         self.taken_over += known.iter().flatten().count();
         let wanted = |i: usize| known[i].is_none() && self.share.has(first + i);
-        let total: f64 = (0..tasks.len()).filter(|i| wanted(*i)).map(|i| work(&tasks[i].case.scene)).sum();
-        let done = AtomicU64::new(0);
+        let sum = |of: &dyn Fn(usize) -> bool| -> f64 {
+            (0..tasks.len()).filter(|i| of(*i)).map(|i| work(&tasks[i].case.scene)).sum()
+        };
+        self.progress.begin(sum(&|_| true), sum(&wanted));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.jobs).build()?;
         let (store, progress, stop, times) = (self.store.as_ref(), self.progress, &self.stop, self.times);
         let ran: Vec<(Option<CaseResult>, Option<String>)> = pool.install(|| {
@@ -164,13 +166,11 @@ impl<'a> Runner<'a> {
                     let task = &tasks[i];
                     let (own, mut before) = (work(&task.case.scene), 0.0);
                     let mut told = |share: f64| {
-                        let more = ((share - before) * own / total * 1e6) as u64;
-                        if more > 0 {
-                            before = share;
-                            progress.set(done.fetch_add(more, Ordering::Relaxed) + more);
-                        }
+                        progress.add((share - before).max(0.0) * own);
+                        before = before.max(share);
                     };
                     let Some(mut result) = task.result(&mut told, stop) else { return (None, None) };
+                    told(1.0);
                     if !times {
                         (result.cpu_s, result.ns_per_point_step) = (f64::NAN, f64::NAN);
                     }
