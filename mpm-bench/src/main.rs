@@ -19,7 +19,7 @@ use mpm_verify::progress::Progress;
 
 /// Error against CPU time of every integrator and scheme, and the cheapest setting for a given error.
 #[derive(Debug, Parser)]
-#[command(version, about, max_term_width = 100, after_help = EXAMPLES)]
+#[command(version, max_term_width = 100, after_help = EXAMPLES)]
 struct Cli {
     /// Fewer settings, each timed once: less than a minute
     #[arg(long)]

@@ -14,7 +14,7 @@ use commands::{
 
 /// Verifies a two-phase double-point material point method (soil and water) against exact solutions.
 #[derive(Debug, Parser)]
-#[command(version, about, args_conflicts_with_subcommands = true, max_term_width = 100)]
+#[command(version, args_conflicts_with_subcommands = true, max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -51,7 +51,7 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// Accuracy study of the paper's column: errors, orders, error budget, claims (the default)
+    /// Accuracy study of the paper's column: errors, orders, claims (the default)
     Study {
         #[command(flatten)]
         options: study::Options,

@@ -185,9 +185,7 @@ mod tests {
         }
         let said = load("terzagi.toml", &flags).expect_err("no such scene").to_string();
         assert!(
-            said.starts_with(
-                "expected a scene file or the name of a scene, found terzagi.toml; did you mean terzaghi, "
-            )
+            said.starts_with("expected a scene file or the name of a scene, found terzagi.toml; did you mean terzaghi")
         );
         assert!(said.ends_with("? All names: mpm-verify list scenes"), "{said}");
         let (all, mut once) = (names().count(), names().collect::<Vec<_>>());

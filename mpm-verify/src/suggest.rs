@@ -3,17 +3,23 @@
 /// Names that are offered.
 const OFFERED: usize = 3;
 
-/// The names nearest to a word: those that contain it first, then by edit distance, each in the order given.
+/// The names nearest to a word: those that contain it first, then by edit distance to the name or to its beginning, each in the order
+/// given. Names that have little in common with the word are left out if others have more.
 pub fn nearest<T: AsRef<str>>(word: &str, names: impl IntoIterator<Item = T>) -> Vec<T> {
     let word = word.to_lowercase();
-    let distance = |name: &str| match name.contains(&word) {
-        true if !word.is_empty() => 0,
-        _ => strsim::damerau_levenshtein(&word, name),
+    let length = word.chars().count();
+    let distance = |name: &str| {
+        if !word.is_empty() && name.contains(&word) {
+            return 0;
+        }
+        let begins: String = name.chars().take(length + 1).collect();
+        strsim::damerau_levenshtein(&word, name).min(1 + strsim::damerau_levenshtein(&word, &begins))
     };
-    let mut names: Vec<T> = names.into_iter().collect();
-    names.sort_by_key(|name| distance(name.as_ref()));
-    names.truncate(OFFERED);
-    names
+    let mut names: Vec<(usize, T)> = names.into_iter().map(|name| (distance(name.as_ref()), name)).collect();
+    names.sort_by_key(|(distance, _)| *distance);
+    let near = names.iter().filter(|(distance, _)| *distance <= length.div_ceil(3).max(2)).count();
+    names.truncate(if near > 0 { near.min(OFFERED) } else { OFFERED });
+    names.into_iter().map(|(_, name)| name).collect()
 }
 
 /// Names as a sentence lists them: `a, b or c`.
@@ -33,7 +39,7 @@ mod tests {
     #[test]
     fn the_nearest_names_come_first() {
         let names = ["dry-bar", "mandel", "mandel-profile", "terzaghi", "terzaghi-gimp", "undrained"];
-        assert_eq!(nearest("terzagi", names)[0], "terzaghi");
+        assert_eq!(nearest("terzagi", names), ["terzaghi", "terzaghi-gimp"]);
         assert_eq!(nearest("Mandle", names)[0], "mandel");
         assert_eq!(nearest("profile", names)[0], "mandel-profile");
         assert_eq!(nearest("", names).len(), 3);

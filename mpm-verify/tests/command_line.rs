@@ -41,11 +41,11 @@ fn page(folder: &Path, output: &Output) -> PathBuf {
 fn names_that_do_not_exist_are_answered_with_the_nearest_ones() {
     let folder = tempfile::tempdir().expect("a folder");
     for (line, words) in [
-        ("check terzagi", "found terzagi; did you mean terzaghi, "),
-        ("solve terzagi", "found terzagi; did you mean terzaghi, "),
-        ("solve embankmnt.toml", "found embankmnt.toml; did you mean embankment, "),
-        ("gallery fotting", "found fotting; did you mean footing, "),
-        ("stability hourglas", "found hourglas; did you mean hourglass, "),
+        ("check terzagi", "found terzagi; did you mean terzaghi"),
+        ("solve terzagi", "found terzagi; did you mean terzaghi"),
+        ("solve embankmnt.toml", "found embankmnt.toml; did you mean embankment? "),
+        ("gallery fotting", "found fotting; did you mean footing? "),
+        ("stability hourglas", "found hourglas; did you mean hourglass? "),
         ("levee --variant base-9", "--variant: expected the name of a variant, found base-9; did you mean base-"),
         ("mutants no-dracy", "did you mean "),
         ("sovle terzaghi", "a similar subcommand exists: 'solve'"),

@@ -45,7 +45,7 @@ pub struct Options {
     /// In place of the scene's scheme.shape
     #[arg(long, value_name = "WORD", requires = "scene", value_parser = words(&SHAPES), help_heading = "Own scene")]
     scheme: Option<String>,
-    /// Folder of the accepted errors [default: reference-data/baselines, or built in]
+    /// Folder of the accepted errors [default: reference-data/baselines]
     #[arg(long, value_name = "DIR", conflicts_with = "scene", hide = true)]
     baselines: Option<PathBuf>,
 }

@@ -12,7 +12,7 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 12] = [
         "levee",
         &[
             ("mpm-verify levee", "the levee of the paper's section 4"),
-            ("mpm-verify levee --variant base-8.5 --safety-factor 6,8,10", "another base, with factors of safety"),
+            ("mpm-verify levee --variant saturation-0.7 --safety-factor 7,9", "one input changed; factors of safety"),
         ],
     ),
     (
@@ -48,7 +48,7 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 12] = [
         "nightly",
         &[
             ("mpm-verify nightly", "run everything and compare"),
-            ("mpm-verify nightly --accept \"finer quadrature\" --from reports/nightly/DATE", "renew the baselines"),
+            ("mpm-verify nightly --accept WHY --from reports/nightly/DATE", "renew the baselines"),
         ],
     ),
     ("report", &[("mpm-verify report reports/accuracy", "the page and plots of a study that was run before")]),

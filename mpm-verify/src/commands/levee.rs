@@ -44,16 +44,16 @@ pub struct Options {
     /// Continue from the checkpoint of a run that was stopped
     #[arg(long)]
     resume: bool,
-    /// Factors of safety at these times, h: strength reduction and limit equilibrium
+    /// Factors of safety at these times, h, by two methods
     #[arg(long, value_name = "H,H", value_delimiter = ',', help_heading = "Further analyses")]
     safety_factor: Vec<f64>,
-    /// All variants of the paper's levee: sensitivity of the failure to each input
+    /// All variants of the paper's levee: what each input changes
     #[arg(long, help_heading = "Further analyses")]
     sensitivity: bool,
     /// Finer meshes, with 4 and 9 particles per cell: which results converge
     #[arg(long, help_heading = "Further analyses")]
     convergence: bool,
-    /// All couplings from a common state shortly before the failure: results and cost
+    /// All couplings from one state before the failure
     #[arg(long, help_heading = "Further analyses")]
     compare_drivers: bool,
     /// Coupling of soil and water in place of the scene's integrator

@@ -2,7 +2,7 @@
 
 use mpm_core::drive::Run;
 use mpm_core::observe::{Trust, WaterState};
-use mpm_core::scene::Scene;
+use mpm_core::scene::{Dimension, Scene};
 use mpm_core::step::Work;
 use mpm_verify::cases::own::applies::{self, Solution};
 use mpm_verify::exact::terzaghi::Terzaghi;
@@ -79,15 +79,20 @@ fn consolidation(scene: &Scene, run: &Run, add: &mut dyn FnMut(&str, String)) {
     let Some((exact, last)) = Exact::of(scene).zip(run.samples.last()) else { return };
     let column = Terzaghi::incompressible(scene);
     let samples = run.samples.iter().filter(|s| s.observed && s.stage == last.stage && s.stage_time > 0.0);
-    let errors: Vec<(f64, f64)> = samples
+    let pairs: Vec<[f64; 3]> = samples
         .map(|s| {
-            let truth = (exact.settlement)(s.stage_time);
-            (column.map_or(f64::NAN, |c| c.time_factor(s.stage_time)), (s.state.settlement - truth).abs() / truth.abs())
+            let factor = column.map_or(f64::NAN, |column| column.time_factor(s.stage_time));
+            [factor, s.state.settlement, (exact.settlement)(s.stage_time)]
         })
-        .filter(|(_, error)| error.is_finite())
         .collect();
+    // Under a load that changes in time the settlement passes through zero: its error is relative to the largest.
+    let largest = pairs.iter().map(|[.., truth]| truth.abs()).fold(0.0, f64::max);
+    let constant = scene.surcharge.is_some();
+    let error = |[_, own, truth]: [f64; 3]| (own - truth).abs() / if constant { truth.abs() } else { largest };
+    let errors: Vec<(f64, f64)> =
+        pairs.iter().map(|pair| (pair[0], error(*pair))).filter(|(_, error)| error.is_finite()).collect();
     let whole = (exact.settlement)(1e30);
-    if whole > 0.0 {
+    if constant && whole > 0.0 {
         let [own, truth] = [last.state.settlement, (exact.settlement)(last.stage_time)].map(|s| s / whole);
         add("consolidation", format!("U = {own:.4}, exact {truth:.4} ({})", exact.name));
     }
@@ -95,7 +100,8 @@ fn consolidation(scene: &Scene, run: &Run, add: &mut dyn FnMut(&str, String)) {
     let at = if tv.is_finite() { format!(" at Tv = {tv:.2}") } else { String::new() };
     let late = errors.iter().filter(|(tv, _)| *tv >= LATE_TV * (1.0 - 1e-9)).map(|(_, error)| *error);
     let late = late.reduce(f64::max).map_or_else(String::new, |e| format!(", {} from Tv = {LATE_TV} on", percent(e)));
-    add("error of U", format!("at most {}{at}{late}", percent(largest)));
+    let (what, of) = if constant { ("error of U", "") } else { ("error of settlement", " of the largest") };
+    add(what, format!("at most {}{of}{at}{late}", percent(largest)));
 }
 
 /// Discharge, and what else water with a free surface does.
@@ -107,10 +113,15 @@ fn seepage(scene: &Scene, water: &WaterState, time: f64, add: &mut dyn FnMut(&st
         Solution::Dam(dam) => Some(dam.discharge(conductivity)),
         _ => None,
     });
+    let per = match scene.dimension {
+        Dimension::Column => "m2",
+        Dimension::PlaneStrain => "m",
+        Dimension::Axisymmetric => "radian",
+    };
     for (what, value) in [("inflow", water.inflow_m3_s), ("discharge", water.outflow_m3_s)] {
         let truth = charny.map_or_else(String::new, |truth| against(value, truth, "Charny's exact discharge"));
         if value > 0.0 {
-            add(what, format!("{} per m{truth}", flow(value)));
+            add(what, format!("{} per {per}{truth}", flow(value)));
         }
     }
     if let Some(Solution::Front(front)) = &exact {
@@ -124,7 +135,7 @@ fn seepage(scene: &Scene, water: &WaterState, time: f64, add: &mut dyn FnMut(&st
             add("wetting front", format!("at {}{}", length(place), against(place, truth, "Green and Ampt")));
         }
     }
-    let stored = format!("{:.4} m3 per m, {:.1e} m3 not yet in particles", water.mobile_m3, water.pending_m3);
+    let stored = format!("{:.4} m3 per {per}, {:.1e} m3 not yet in particles", water.mobile_m3, water.pending_m3);
     add("water in the pores", stored);
     if water.ran_off_m3 > 0.0 {
         add("run-off", format!("{:.4} m3 of {:.4} m3 supplied", water.ran_off_m3, water.asked_m3));
