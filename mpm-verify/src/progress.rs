@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn work_that_needs_not_be_done_is_not_part_of_the_whole() {
+    fn work_that_is_already_done_does_not_count() {
         let progress = Progress::new("", true);
         progress.expect(10.0);
         progress.begin(6.0, 2.0);

@@ -254,7 +254,7 @@ fn a_run_goes_on_from_the_results_of_another() {
 }
 
 #[test]
-fn check_ends_with_zero_when_every_case_holds() {
+fn check_ends_with_zero_when_every_case_passes() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = verify(folder.path(), &["check", "hydrostatic", "undrained", "dry-bar"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));

@@ -79,7 +79,7 @@ fn results_of_a_run_are_those_of_that_run_alone() {
 }
 
 #[test]
-fn what_stands_in_the_way_is_left_and_nothing_is_said_to_be_written() {
+fn files_of_others_are_left_and_no_page_is_announced() {
     let folder = tempfile::tempdir().expect("a folder");
     let solve = |out: &str| verify(folder.path(), &["solve", &scene("dry-bar.toml"), "--out", out]);
     let refused = |out: &str, words: &str| {
@@ -118,7 +118,7 @@ fn what_stands_in_the_way_is_left_and_nothing_is_said_to_be_written() {
 
 #[cfg(unix)]
 #[test]
-fn what_is_no_file_is_refused_at_once() {
+fn special_files_are_refused_at_once() {
     let folder = tempfile::tempdir().expect("a folder");
     assert!(Command::new("mkfifo").arg(folder.path().join("pipe.toml")).status().expect("mkfifo").success());
     let arguments =
@@ -205,7 +205,7 @@ fn a_run_that_is_told_to_end_keeps_its_state() {
 }
 
 #[test]
-fn sizes_without_sense_are_refused_before_anything_is_made() {
+fn impossible_sizes_are_refused_before_anything_is_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let column = scene("terzaghi.toml");
     let implicit = scene("terzaghi-quasi-static.toml");
