@@ -73,8 +73,9 @@ fn every_command_ends_with_a_summary_and_the_page_that_it_wrote() {
     assert!(
         path.ends_with("reports/suite/index.html") && said.contains("\n2 passed, 0 failed, 0 not established of 2 (")
     );
-    let (path, said) = run("stability small-nodes --quick");
+    let (path, said) = run("stability edge-node patch --quick");
     assert!(path.ends_with("reports/stability/index.html") && !said.contains(".part"), "{said}");
+    assert!(said.contains("\n1 passed, 1 degraded, 0 stopped, 0 failed of 2 schemes in stress tests\n"), "{said}");
     // A scene by its name; quantities that matter, in units that people use, and none that is zero.
     let (path, said) = run("solve terzaghi-quasi-static");
     assert!(path.ends_with("reports/terzaghi-quasi-static/index.html"), "{said}");

@@ -61,10 +61,13 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let findings = common
         .publish("stability", &["index.html", "stability.json"], |folder| measure(options, common, folder.stage()))?;
     common.json(&findings);
-    let broken = findings.broken_defaults.len();
-    let counts = format!("{} stress tests of schemes, {broken} default schemes failed", findings.matrix.len());
-    let troubles = findings.map_troubles.len();
-    common.say(&format!("{counts}; {} groups of time-step limits, {troubles} rows failed", findings.map.len()));
+    let count = |verdict: &str| findings.matrix.iter().filter(|row| word(row.verdict) == verdict).count();
+    let counts = ["passed", "degraded", "stopped", "failed"].map(|verdict| format!("{} {verdict}", count(verdict)));
+    common.say(&format!("{} of {} schemes in stress tests", counts.join(", "), findings.matrix.len()));
+    if !findings.map.is_empty() {
+        let (groups, off) = (findings.map.len(), findings.map_troubles.len());
+        common.say(&format!("{groups} groups of time-step limits, {off} rows failed"));
+    }
     common.page(&common.folder("stability").join("index.html"));
     verdict(&findings)
 }
