@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::plan::work;
+use super::plan::{PAPERS, work};
 use super::store::Store;
 use super::{Case, CaseResult, REPETITIONS, Watched, word};
 use crate::error::Error;
@@ -155,31 +155,29 @@ impl<'a> Runner<'a> {
         self.progress.begin(sum(&|_| true), sum(&wanted));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.jobs).build()?;
         let (store, progress, stop, times) = (self.store.as_ref(), self.progress, &self.stop, self.times);
-        let ran: Vec<(Option<CaseResult>, Option<String>)> = pool.install(|| {
-            (0..tasks.len())
-                .into_par_iter()
-                .with_max_len(1)
-                .map(|i| {
-                    if !wanted(i) || stop.load(Ordering::Relaxed) {
-                        return (None, None);
-                    }
-                    let task = &tasks[i];
-                    let (own, mut before) = (work(&task.case.scene), 0.0);
-                    let mut told = |share: f64| {
-                        progress.add((share - before).max(0.0) * own);
-                        before = before.max(share);
-                    };
-                    let Some(mut result) = task.result(&mut told, stop) else { return (None, None) };
-                    told(1.0);
-                    if !times {
-                        (result.cpu_s, result.ns_per_point_step) = (f64::NAN, f64::NAN);
-                    }
-                    progress.line(&result.line());
-                    let kept = store.map_or(Ok(()), |store| store.keep(&task.key, &task.case.scene, &result));
-                    (Some(result), kept.err().map(|e| format!("{}: {e}", task.key)))
-                })
-                .collect()
-        });
+        let one = |i: usize| {
+            if !wanted(i) || stop.load(Ordering::Relaxed) {
+                return (None, None);
+            }
+            let task = &tasks[i];
+            let (own, mut before) = (work(&task.case.scene), 0.0);
+            let mut told = |share: f64| {
+                progress.add((share - before).max(0.0) * own);
+                before = before.max(share);
+            };
+            let Some(mut result) = task.result(&mut told, stop) else { return (None, None) };
+            told(1.0);
+            if !times {
+                (result.cpu_s, result.ns_per_point_step) = (f64::NAN, f64::NAN);
+            }
+            progress.line(&result.line());
+            let kept = store.map_or(Ok(()), |store| store.keep(&task.key, &task.case.scene, &result));
+            (Some(result), kept.err().map(|e| format!("{}: {e}", task.key)))
+        };
+        // The paper's own setting is run alone, so that the first result comes soon.
+        let alone = usize::from(tasks.first().is_some_and(|task| task.key == PAPERS));
+        let mut ran: Vec<(Option<CaseResult>, Option<String>)> = (0..alone).map(one).collect();
+        ran.extend(pool.install(|| (alone..tasks.len()).into_par_iter().with_max_len(1).map(one).collect::<Vec<_>>()));
         let mut results = Vec::with_capacity(tasks.len());
         for ((task, known), (ran, unkept)) in tasks.iter().zip(known).zip(ran) {
             self.unkept.extend(unkept);

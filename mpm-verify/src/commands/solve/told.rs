@@ -47,7 +47,8 @@ pub fn lines(scene: &Scene, run: &Run, summary: &Summary) -> Vec<String> {
     if let Some(trust) = &summary.trust {
         let within = if trust.since_s.is_none() { "within their bounds" } else { "failed" };
         let Trust { ledger, gap, allowed, unit, .. } = trust;
-        add("balances", format!("{within}; largest residual: {ledger}, {gap:.2e} {unit} of {allowed:.2e} {unit}"));
+        let residual = format!("{:.1e} {unit} of {allowed:.1e} {unit}", gap.abs());
+        add("balances", format!("{within}; largest residual: {ledger}, {residual}"));
     }
     if let (true, Some(limit)) = (summary.forced, summary.limit_s) {
         add("forced time step", format!("{:.3e} s, above the stability limit of {limit:.3e} s", run.dt));
@@ -57,7 +58,7 @@ pub fn lines(scene: &Scene, run: &Run, summary: &Summary) -> Vec<String> {
     let end = last.map_or(0.0, |s| s.state.time);
     let times = format!("{} simulated in {} of CPU time", quantities::time(end), quantities::time(summary.cpu_s));
     let verdict = if run.failure.is_some() { "failed" } else { "done" };
-    lines.insert(0, format!("{}: {verdict}, {times} ({of})", scene.name));
+    lines.insert(0, format!("{}: {verdict}, {times}; {of}", scene.name));
     lines
 }
 
@@ -74,9 +75,19 @@ fn work(run: &Run) -> String {
     }
 }
 
+/// The exact settlement of a scene that consolidates: Terzaghi's problem and its like, or Mandel's.
+fn exact(scene: &Scene) -> Option<Exact> {
+    Exact::of(scene).or_else(|| match applies::solution(scene).ok()? {
+        Solution::Block(mandel) => {
+            Some(Exact { name: "Mandel", settlement: Box::new(move |time| mandel.settlement(time)), pressure: None })
+        }
+        _ => None,
+    })
+}
+
 /// The degree of consolidation and its error, where an exact solution applies.
 fn consolidation(scene: &Scene, run: &Run, add: &mut dyn FnMut(&str, String)) {
-    let Some((exact, last)) = Exact::of(scene).zip(run.samples.last()) else { return };
+    let Some((exact, last)) = exact(scene).zip(run.samples.last()) else { return };
     let column = Terzaghi::incompressible(scene);
     let samples = run.samples.iter().filter(|s| s.observed && s.stage == last.stage && s.stage_time > 0.0);
     let pairs: Vec<[f64; 3]> = samples
@@ -94,14 +105,14 @@ fn consolidation(scene: &Scene, run: &Run, add: &mut dyn FnMut(&str, String)) {
     let whole = (exact.settlement)(1e30);
     if constant && whole > 0.0 {
         let [own, truth] = [last.state.settlement, (exact.settlement)(last.stage_time)].map(|s| s / whole);
-        add("consolidation", format!("U = {own:.4}, exact {truth:.4} ({})", exact.name));
+        add("consolidation", format!("U = {own:.4}, exact {truth:.4}"));
     }
     let Some((tv, largest)) = errors.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
     let at = if tv.is_finite() { format!(" at Tv = {tv:.2}") } else { String::new() };
     let late = errors.iter().filter(|(tv, _)| *tv >= LATE_TV * (1.0 - 1e-9)).map(|(_, error)| *error);
     let late = late.reduce(f64::max).map_or_else(String::new, |e| format!(", {} from Tv = {LATE_TV} on", percent(e)));
     let (what, of) = if constant { ("error of U", "") } else { ("error of settlement", " of the largest") };
-    add(what, format!("at most {}{of}{at}{late}", percent(largest)));
+    add(what, format!("at most {}{of}{at}{late} ({})", percent(largest), exact.name));
 }
 
 /// Discharge, and what else water with a free surface does.
@@ -135,8 +146,7 @@ fn seepage(scene: &Scene, water: &WaterState, time: f64, add: &mut dyn FnMut(&st
             add("wetting front", format!("at {}{}", length(place), against(place, truth, "Green and Ampt")));
         }
     }
-    let stored = format!("{:.4} m3 per {per}, {:.1e} m3 not yet in particles", water.mobile_m3, water.pending_m3);
-    add("water in the pores", stored);
+    add("water in the pores", format!("{:.4} m3 per {per}", water.mobile_m3));
     if water.ran_off_m3 > 0.0 {
         add("run-off", format!("{:.4} m3 of {:.4} m3 supplied", water.ran_off_m3, water.asked_m3));
     }
