@@ -18,39 +18,41 @@ use mpm_verify::manifest::Manifest;
 use mpm_verify::page::site;
 use mpm_verify::progress::Progress;
 
-/// What accuracy costs: error against CPU time of every integrator and scheme, and the cheapest setting for an error.
-///
-/// Writes the report, CSV files and plots. A sweep that was interrupted goes on where it ended.
+/// Error against CPU time of every integrator and scheme, and the cheapest setting for a given error.
 #[derive(Debug, Parser)]
-#[command(version, about)]
+#[command(version, max_term_width = 100, after_help = EXAMPLES)]
 struct Cli {
-    /// Folder for what is written
-    #[arg(long, value_name = "DIR", default_value = "reports/speed-against-error")]
-    out: PathBuf,
-    /// Fewer settings, each visited once: less than a minute
+    /// Fewer settings, each timed once: less than a minute
     #[arg(long)]
     quick: bool,
-    /// Only settings whose name contains this: `quasi-static-bspline2`, `L0.1-`
+    /// Only settings whose name contains this: quasi-static-bspline2, L0.1-
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
-    /// Measure everything again, whatever is stored
+    /// Measure everything again; otherwise an interrupted sweep is continued
     #[arg(long)]
     fresh: bool,
-    /// Say nothing but errors
-    #[arg(long)]
+    /// Folder for the results
+    #[arg(long, value_name = "DIR", default_value = "reports/speed-against-error", help_heading = "Output")]
+    out: PathBuf,
+    /// Print errors only
+    #[arg(long, help_heading = "Output")]
     quiet: bool,
     /// Print the rows of cheapest.csv as JSON on standard output
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     json: bool,
 }
 
-/// Why a sweep did not succeed. The exit codes are 2 and 3.
+const EXAMPLES: &str = "Examples:
+  mpm-bench --quick                       a first picture
+  mpm-bench --only quasi-static-bspline2  one integrator and scheme";
+
+/// Why a sweep did not succeed.
 #[derive(Debug, thiserror::Error)]
 enum Failure {
-    /// Bad input or usage; nothing was run.
+    /// Bad input or usage, nothing was run: exit code 2.
     #[error("{0}")]
     BadInput(String),
-    /// A run failed; what was computed is kept.
+    /// A run failed, and what was computed is kept: exit code 3.
     #[error("{0}")]
     RunFailed(String),
 }
@@ -92,9 +94,12 @@ fn run(cli: &Cli) -> Result<(), Failure> {
     progress.finish();
     let kernel = kernel.map_err(|e| Failure::RunFailed(e.to_string()))?;
     let (wall, count) = (start.elapsed().as_secs_f64(), rows.len());
-    notes.insert(0, format!("{count} settings, {} visits at most; {wall:.0} s on the clock.", plan.visits));
+    notes.insert(
+        0,
+        format!("{count} settings, each timed at most {} times; {wall:.0} s of wall-clock time.", plan.visits),
+    );
     if cfg!(debug_assertions) {
-        notes.push("A debug build: its times say nothing about a release build.".to_owned());
+        notes.push("Debug build: its times are not those of a release build.".to_owned());
     }
     let mut findings = Findings::new(manifest, rows, peers, plan.left_out, notes);
     findings.kernel = Some(kernel);
@@ -113,7 +118,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         answer.beside.iter().for_each(|line| say(quiet, &format!("        {line}")));
     }
     say(quiet, &findings.notes[0]);
-    say(quiet, &format!("report: {}", cli.out.join("index.html").display()));
+    say(quiet, &format!("page: {}", cli.out.join("index.html").display()));
     Ok(())
 }
 

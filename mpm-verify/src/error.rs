@@ -1,4 +1,4 @@
-//! What can go wrong between a scene and what is said of it, each with its cause.
+//! What can go wrong between reading a scene and judging its results, each with its cause.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -12,6 +12,7 @@ use mpm_core::step::Fault;
 
 use crate::checkpoint::CheckpointError;
 use crate::exact::slip_circle;
+use crate::suggest::{listed, nearest};
 
 /// Why something could not be run, read or judged.
 #[derive(Debug, thiserror::Error)]
@@ -28,7 +29,7 @@ pub enum Error {
     /// A step above the stability limit.
     #[error(transparent)]
     Step(#[from] StepTooLarge),
-    /// A load that the scheme does not bear.
+    /// A load that the scheme cannot carry.
     #[error(transparent)]
     Burden(#[from] UnfitLoad),
     /// A run that failed.
@@ -40,24 +41,24 @@ pub enum Error {
     /// A state that cannot be restored.
     #[error(transparent)]
     Restore(#[from] RestoreError),
-    /// A file of a state that cannot be read or written, or is not of this run.
+    /// A checkpoint that cannot be read or written, or belongs to another run.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
     /// A slip circle without a factor of safety.
     #[error(transparent)]
     Circle(#[from] slip_circle::Refused),
-    /// The system gives no threads.
+    /// The system starts no threads.
     #[error(transparent)]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// A file, or a program, that the system refuses, or whose content is not what it should be.
+    /// A file or a program that the system refuses, or a file with unexpected content.
     #[error("{}: {source}", path.display())]
     File {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: io::Error,
     },
-    /// A row that is none of its table.
+    /// A row that does not fit the columns of its table.
     #[error("{file}:{}: expected {columns}, found: {source}", source.position().map_or(0, csv::Position::line))]
     Row {
         /// The file.
@@ -67,7 +68,7 @@ pub enum Error {
         /// What is wrong.
         source: csv::Error,
     },
-    /// An input that is not what it has to be.
+    /// An input that is refused.
     #[error("{key}: expected {expected}, found {found}")]
     Refused {
         /// Key of a scene, flag, or place in a file.
@@ -77,41 +78,63 @@ pub enum Error {
         /// What is there.
         found: String,
     },
-    /// Something is missing that is needed.
+    /// A name that does not exist.
+    #[error("expected {what}, found {found}; did you mean {}? All names: mpm-verify list {kind}", listed(nearest))]
+    Unknown {
+        /// What was expected.
+        what: &'static str,
+        /// What `mpm-verify list` calls them.
+        kind: &'static str,
+        /// What was given.
+        found: String,
+        /// Existing names like it.
+        nearest: Vec<String>,
+    },
+    /// Something that is needed is missing.
     #[error("no {0}")]
     Lacks(&'static str),
-    /// A scene, or what its run came to, that is of no use here.
+    /// A scene or a result that cannot be used here.
     #[error("{0}")]
     Unfit(&'static str),
-    /// The same, with the numbers that were found.
+    /// The same, with numbers.
     #[error("{0}")]
     Found(String),
-    /// A fault of the program.
+    /// An error in the program itself.
     #[error("the program panicked: {0}")]
     Panicked(String),
-    /// One of these, and of what.
+    /// An error with the name of the case, scene or file that it belongs to.
     #[error("{name}: {source}")]
     Of {
-        /// Name of a case, a scene or a file.
+        /// Name of the case, scene or file.
         name: String,
-        /// What went wrong with it.
+        /// The error.
         source: Box<Error>,
     },
 }
 
 impl Error {
-    /// The error with the name of what it is of before it.
+    /// Puts the name of a case, scene or file before the error.
     pub fn of(self, name: impl ToString) -> Self {
         Self::Of { name: name.to_string(), source: Box::new(self) }
     }
 
-    /// What the system says of a file.
+    /// The error of the system for a file.
     pub fn at<E: Into<io::Error>>(path: impl AsRef<Path>) -> impl Fn(E) -> Self {
         move |source| Self::File { path: path.as_ref().to_owned(), source: source.into() }
     }
 
-    /// An input that is not what it has to be.
+    /// An input that is refused: what was expected, what was found.
     pub fn refused(key: impl ToString, expected: impl ToString, found: impl ToString) -> Self {
         Self::Refused { key: key.to_string(), expected: expected.to_string(), found: found.to_string() }
+    }
+
+    /// A name that does not exist, with the nearest of the existing names.
+    pub fn unknown<'a>(
+        (what, kind): (&'static str, &'static str),
+        found: &str,
+        names: impl IntoIterator<Item = &'a str>,
+    ) -> Self {
+        let nearest = nearest(found, names).into_iter().map(str::to_owned).collect();
+        Self::Unknown { what, kind, found: found.to_owned(), nearest }
     }
 }

@@ -14,7 +14,7 @@
 //!    [`nightly`]: everything measured every night, compared and remembered.
 //!    [`mutants`]: planted faults, and who finds them. [`metamorphic`]: random scenes, and relations that must hold between
 //!    their runs.
-//! 8. [`progress`], [`patience`]: how far a run has come, and how long it will take.
+//! 8. [`progress`], [`run_time`]: how far a run has come, and how long it will take. [`suggest`]: the nearest names.
 //! 9. [`files`]: files that are whole or not there. [`checkpoint`], [`keeping`]: states to
 //!    go on from. [`error`]: what can go wrong.
 
@@ -41,13 +41,14 @@ pub mod mutants;
 pub mod nightly;
 pub mod norms;
 pub mod page;
-pub mod patience;
 pub mod progress;
 pub mod rates;
 pub mod report;
+pub mod run_time;
 pub mod scenes;
 pub mod stability;
 pub mod stress;
 pub mod study;
+pub mod suggest;
 pub mod sweeps;
 pub mod unpanicked;

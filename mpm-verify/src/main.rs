@@ -1,4 +1,4 @@
-//! The command line. `mpm-verify` alone is the main job: the accuracy study with its report.
+//! The command line. `mpm-verify` alone runs the accuracy study and writes its report.
 
 mod commands;
 #[cfg(test)]
@@ -7,16 +7,14 @@ mod promised;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, FromArgMatches, Parser, Subcommand};
 use commands::{
-    Failure, check, gallery, gate, levee, list, merge, metamorphic, mutants, nightly, report, solve, stability, study,
+    check, gallery, gate, help, levee, list, merge, metamorphic, mutants, nightly, report, solve, stability, study,
 };
 
-/// Verification of the two-layer material point method against exact solutions.
-///
-/// Without a command: the accuracy study on the paper's Table 1, with its report in reports/index.html.
+/// Verifies a two-phase double-point material point method (soil and water) against exact solutions.
 #[derive(Debug, Parser)]
-#[command(version, about, args_conflicts_with_subcommands = true)]
+#[command(version, args_conflicts_with_subcommands = true, max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -26,33 +24,105 @@ struct Cli {
     common: Common,
 }
 
-/// Flags of every command.
+/// Options of every command.
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Output")]
 pub struct Common {
-    /// Folder for what is written
+    /// Folder for the results, in place of one below reports/
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Threads; 0 takes as many as there are cores
+    /// Number of threads; 0 uses all cores
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=256))]
     jobs: u16,
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(long)]
     quiet: bool,
-    /// Print the result as JSON on standard output
+    /// Print the results as JSON on standard output
     #[arg(long)]
     json: bool,
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// The accuracy study: mesh x particles per cell x load, errors, budget, claims, plots, report
+    /// Seepage through a levee until it fails: animation, events, factors of safety
+    Levee {
+        #[command(flatten)]
+        options: levee::Options,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Accuracy study of the paper's column: errors, orders, claims (the default)
     Study {
         #[command(flatten)]
         options: study::Options,
         #[command(flatten)]
         common: Common,
     },
-    /// The report of a study whose shares were run apart, by `study --shard`
+    /// Verification suite: test cases against exact solutions, or a scene of your own
+    Check {
+        #[command(flatten)]
+        options: check::Options,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Run one scene: history, profiles, maps and a page
+    Solve {
+        #[command(flatten)]
+        options: solve::Options,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Ten engineering scenes: embankment, footing, drawdown, rain and others
+    Gallery {
+        #[command(flatten)]
+        options: gallery::Options,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Time-step limits and stress tests of every scheme
+    Stability {
+        #[command(flatten)]
+        options: stability::Options,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Everything above, compared with the accepted baselines
+    Nightly {
+        #[command(flatten)]
+        options: nightly::Options,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Write the report of a stored study again
+    Report {
+        /// Folder that holds study.json
+        #[arg(value_name = "DIR", default_value = "reports/accuracy")]
+        folder: PathBuf,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// List test cases, scenes, stress tests, variants and schemes
+    List {
+        #[command(flatten)]
+        options: list::Options,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Plant known faults in a copy of the source; every one must be caught
+    Mutants {
+        #[command(flatten)]
+        options: mutants::Options,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Random scenes and relations between their runs: mirrored, rescaled, resumed, refined
+    Metamorphic {
+        #[command(flatten)]
+        options: metamorphic::Options,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Report of a study that was run in shares by `study --shard`
     Merge {
         /// Folders of the shares
         #[arg(required = true, value_name = "DIR")]
@@ -60,124 +130,42 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// Run one scene file
-    Solve {
-        #[command(flatten)]
-        options: solve::Options,
-        #[command(flatten)]
-        common: Common,
-    },
-    /// Ten real scenes: an embankment on clay, a footing, a levee with a core, drawdown and others, each with its page
-    Gallery {
-        #[command(flatten)]
-        options: gallery::Options,
-        #[command(flatten)]
-        common: Common,
-    },
-    /// The levee of the paper's section 4: seepage and failure, claims, pictures, sensitivity
-    Levee {
-        #[command(flatten)]
-        options: levee::Options,
-        #[command(flatten)]
-        common: Common,
-    },
-    /// The verification suite: every case, or those named, or a scene of your own; exit code 1 when one falls short
-    Check {
-        #[command(flatten)]
-        options: check::Options,
-        #[command(flatten)]
-        common: Common,
-    },
-    /// Time-step limits, predicted and measured, and the checkerboard index of both Darcy operators
-    Stability {
-        #[command(flatten)]
-        options: stability::Options,
-        #[command(flatten)]
-        common: Common,
-    },
-    /// Study, suite, stability, levee, random scenes and work, compared with the accepted baselines and remembered; exit code 1 when
-    /// something moved
-    Nightly {
-        #[command(flatten)]
-        options: nightly::Options,
-        #[command(flatten)]
-        common: Common,
-    },
-    /// Plant known faults in a copy of the source, and show which check catches each; exit code 1 if one is not caught
-    Mutants {
-        #[command(flatten)]
-        options: mutants::Options,
-        #[command(flatten)]
-        common: Common,
-    },
-    /// Random scenes, and relations that must hold between their runs: mirrored, in other units, resumed, refined; exit code 1
-    /// when one fails
-    Metamorphic {
-        #[command(flatten)]
-        options: metamorphic::Options,
-        #[command(flatten)]
-        common: Common,
-    },
-    /// Rebuild the report from a stored study
-    Report {
-        /// Folder that holds study.json
-        #[arg(default_value = "reports/accuracy")]
-        folder: PathBuf,
-        #[command(flatten)]
-        common: Common,
-    },
-    /// One run of a gate of the work, to be counted by others
+    /// Options that are rarely needed
+    #[command(hide = true)]
+    Advanced,
+    /// One run of a work gate, whose instructions another program counts
     #[command(hide = true)]
     Gate {
-        /// Its name
+        /// Name of the gate
         name: String,
-    },
-    /// What there is: cases, scenes, schemes
-    List {
-        /// What scenes can have beside what: the table that scenes are checked against
-        #[arg(long)]
-        capabilities: bool,
-        #[command(flatten)]
-        common: Common,
     },
 }
 
 fn main() -> ExitCode {
-    commands::hold_back_hang_up();
-    let cli = Cli::parse();
+    commands::ignore_hang_up_under_nohup();
+    let cli = Cli::from_arg_matches(&help::cli().get_matches()).unwrap_or_else(|e| e.exit());
     let outcome = match cli.command {
         None => study::run(&cli.study, &cli.common),
+        Some(Command::Levee { options, common }) => levee::run(&options, &common),
         Some(Command::Study { options, common }) => study::run(&options, &common),
-        Some(Command::Merge { folders, common }) => merge::run(&folders, &common),
+        Some(Command::Check { options, common }) => check::run(&options, &common),
         Some(Command::Solve { options, common }) => solve::run(&options, &common),
         Some(Command::Gallery { options, common }) => gallery::run(&options, &common),
-        Some(Command::Levee { options, common }) => levee::run(&options, &common),
-        Some(Command::Check { options, common }) => check::run(&options, &common),
         Some(Command::Stability { options, common }) => stability::run(&options, &common),
         Some(Command::Nightly { options, common }) => nightly::run(&options, &common),
-        Some(Command::Metamorphic { options, common }) => metamorphic::run(&options, &common),
-        Some(Command::Mutants { options, common }) => mutants::run(&options, &common),
-        Some(Command::Gate { name }) => gate::run(&name),
         Some(Command::Report { folder, common }) => report::run(&folder, &common),
-        Some(Command::List { capabilities: true, common }) => list::capabilities(&common),
-        Some(Command::List { common, .. }) => list::run(&common),
+        Some(Command::List { options, common }) => list::run(&options, &common),
+        Some(Command::Mutants { options, common }) => mutants::run(&options, &common),
+        Some(Command::Metamorphic { options, common }) => metamorphic::run(&options, &common),
+        Some(Command::Merge { folders, common }) => merge::run(&folders, &common),
+        Some(Command::Advanced) => help::run(),
+        Some(Command::Gate { name }) => gate::run(&name),
     };
-    match outcome.and_then(|()| commands::all_printed()) {
+    match outcome.and_then(|()| commands::terminal::all_printed()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("{failure}");
+            anstream::eprintln!("{}", commands::terminal::coloured(&failure.to_string()));
             ExitCode::from(failure.code())
-        }
-    }
-}
-
-/// How a command ends when it does not succeed.
-impl Failure {
-    fn code(&self) -> u8 {
-        match self {
-            Self::CheckFailed(_) => 1,
-            Self::BadInput(_) => 2,
-            Self::RunFailed(_) => 3,
         }
     }
 }

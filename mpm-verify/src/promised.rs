@@ -1,4 +1,4 @@
-//! What README, guides and workflows promise exists: every command in them parses, every file they name is there.
+//! Commands and files in the README, the guides and the workflows exist: every command parses, every file is there.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,8 +22,8 @@ fn files(folder: &str, ending: &str) -> Vec<String> {
     files
 }
 
-/// Words of a line of a shell, quotes taken off.
-fn words(line: &str) -> Vec<String> {
+/// Words of a shell line, without quotes.
+pub fn words(line: &str) -> Vec<String> {
     let (mut words, mut word, mut quote, mut open) = (Vec::new(), String::new(), None, false);
     for c in line.chars() {
         match (quote, c) {
@@ -50,7 +50,7 @@ fn words(line: &str) -> Vec<String> {
 
 /// Whether a command line is one of this program; why not, if it is not.
 fn parses(arguments: &[String]) -> Result<(), clap::Error> {
-    // What stands for something of the reader's own.
+    // Placeholders for what the reader chooses.
     let own = |word: &String| match word.as_str() {
         "SCENE" | "SCENE.toml" => "scene.toml".to_owned(),
         "DIR" => "folder".to_owned(),
@@ -87,7 +87,7 @@ fn check(place: &str, line: &str) -> bool {
     }
 }
 
-/// Commands in the text of a page: lines of its shell blocks, and what stands between backquotes.
+/// Commands in the text of a page: lines of its shell blocks, and text between backquotes.
 fn commands(page: &str) -> Vec<String> {
     let mut commands = Vec::new();
     let mut block = None;
@@ -193,7 +193,7 @@ fn workflows_parse_and_call_nothing_that_does_not_exist() {
     assert!(readme.contains("cargo test --workspace") && text(".ci/run").contains("cargo test --workspace"));
 }
 
-/// The accepted number of the levee, as `nightly` holds it.
+/// An accepted number of the levee.
 fn of_the_levee(quantity: &str) -> f64 {
     let start = format!("levee,{quantity},");
     let baselines = text("reference-data/baselines/nightly.csv");
@@ -201,7 +201,7 @@ fn of_the_levee(quantity: &str) -> f64 {
     row.split(',').nth(3).expect("a number").parse().expect("a number")
 }
 
-/// The number that stands between two parts of a page, as it is written.
+/// The number between two parts of a page, as it is written.
 fn written<'a>(page: &'a str, start: &str, end: &str) -> &'a str {
     let (_, rest) = page.split_once(start).unwrap_or_else(|| panic!("{start}"));
     rest.split_once(end).unwrap_or_else(|| panic!("{start} ... {end}")).0
@@ -231,16 +231,12 @@ fn help_names_every_word_of_a_scene() {
     for command in ["solve", "check"] {
         let mut cli = Cli::command();
         let command = cli.find_subcommand_mut(command).expect("a command");
-        let help = |flag: &str| {
-            let argument = command.get_arguments().find(|a| a.get_long() == Some(flag)).expect("a flag");
-            argument.get_help().expect("help").to_string()
+        let words = |flag: &str| -> Vec<String> {
+            let option = command.get_arguments().find(|a| a.get_long() == Some(flag)).expect("an option");
+            option.get_possible_values().iter().map(|word| word.get_name().to_owned()).collect()
         };
-        let listed = |text: &str| -> Vec<String> {
-            let words = text.split_once(": ").expect("words").1.replace(" or ", ", ");
-            words.split(", ").map(str::to_owned).collect()
-        };
-        assert_eq!(listed(&help("scheme")), SHAPES.map(|(word, _)| word));
-        assert_eq!(listed(&help("integrator")), INTEGRATORS.map(|(word, _)| word));
+        assert_eq!(words("scheme"), SHAPES.map(|(word, _)| word));
+        assert_eq!(words("integrator"), INTEGRATORS.map(|(word, _)| word));
     }
 }
 

@@ -1,8 +1,13 @@
-//! The scene files that the program carries with it, so that it runs from any folder.
+//! Scenes by name or path. The program carries the scene files of the repository, so that it runs from any folder.
 
-use mpm_core::scene::Scene;
+use std::fs;
+use std::path::Path;
+
+use mpm_core::error::LoadError;
+use mpm_core::scene::{Flags, LARGEST_FILE, Scene, read_text};
 
 use crate::error::Error::{self, Lacks};
+use crate::suggest::nearest;
 
 /// Names and texts of the scenes in `reference-data/scenes`.
 pub const BUILT_IN: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/scenes.rs"));
@@ -12,13 +17,13 @@ pub const BUILT_IN: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/scenes
 pub struct Exhibit {
     /// Its name.
     pub name: &'static str,
-    /// Its picture on the page of all.
+    /// Its picture on the overview page.
     pub picture: &'static str,
     /// Its file.
     pub text: &'static str,
 }
 
-/// One with its file, from the folder of the sources.
+/// A scene with the text of its file.
 macro_rules! exhibit {
     ($name:literal, $picture:literal, $file:literal) => {
         Exhibit { name: $name, picture: $picture, text: include_str!($file) }
@@ -39,18 +44,59 @@ pub const GALLERY: [Exhibit; 10] = [
     exhibit!("collapse-in-water", "map-soil", "../../reference-data/gallery/collapse-in-water.toml"),
 ];
 
+/// Names of all scenes that the program carries: the built-in ones, then those of the gallery.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    let built_in = BUILT_IN.iter().map(|(name, _)| *name);
+    built_in
+        .chain(GALLERY.iter().map(|scene| scene.name).filter(|name| BUILT_IN.iter().all(|(other, _)| other != name)))
+}
+
+/// Text of a scene: of a file, or of the built-in or gallery scene of that name where there is no such file.
+///
+/// # Errors
+/// Neither exists, or the file cannot be read.
+pub fn text(source: &str) -> Result<String, Error> {
+    let path = Path::new(source);
+    let built_in = BUILT_IN.iter().find(|(name, _)| *name == source).map(|(_, text)| *text);
+    let known = built_in.or_else(|| GALLERY.iter().find(|scene| scene.name == source).map(|scene| scene.text));
+    if let Some(text) = known.filter(|_| !path.is_file()) {
+        return Ok(text.to_owned());
+    }
+    if !path.exists() {
+        return Err(missing(path));
+    }
+    let unreadable = |source| LoadError::Unreadable { path: path.to_owned(), source };
+    Ok(read_text(path, LARGEST_FILE).map_err(unreadable)?)
+}
+
+/// Reads and checks a scene, a file or the name of one that the program carries, with flags in place of some of its keys.
+///
+/// # Errors
+/// There is no such scene, its file cannot be read, or is refused with its line.
+pub fn load(source: &str, flags: &Flags) -> Result<Scene, Error> {
+    Ok(Scene::parse_with(&text(source)?, source, flags)?)
+}
+
+/// Neither a file nor a name; the nearest names and scene files of the same folder.
+fn missing(path: &Path) -> Error {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let files = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let files = files.filter(|file| file.extension().is_some_and(|e| e == "toml"));
+    let files = files.map(|file| file.strip_prefix(".").unwrap_or(&file).display().to_string());
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mut found = nearest(&stem, names().map(str::to_owned).chain(files));
+    found.dedup();
+    let (what, kind) = ("a scene file or the name of a scene", "scenes");
+    Error::Unknown { what, kind, found: path.display().to_string(), nearest: found }
+}
+
 /// A built-in scene by name.
 ///
 /// # Errors
-/// No scene has this name, or its file does not hold, which its own test excludes.
+/// No scene has this name, or its file is refused, which a test excludes.
 pub fn built_in(name: &str) -> Result<Scene, Error> {
     let (name, text) = BUILT_IN.iter().find(|(n, _)| *n == name).ok_or(Lacks("such scene"))?;
     Ok(Scene::parse(text, name)?)
-}
-
-/// The text of a built-in scene.
-pub fn text(name: &str) -> Option<&'static str> {
-    BUILT_IN.iter().find(|(own, _)| *own == name).map(|(_, text)| *text)
 }
 
 /// The column of the paper's Table 1, started from undrained equilibrium.
@@ -58,15 +104,15 @@ pub fn text(name: &str) -> Option<&'static str> {
 /// # Panics
 /// Never: a test reads every built-in scene.
 pub fn terzaghi() -> Scene {
-    built_in("terzaghi").expect("the built-in scene holds")
+    built_in("terzaghi").expect("the built-in scene is valid")
 }
 
-/// Dry Mohr-Coulomb soil that is compressed beyond yield.
+/// Dry Mohr-Coulomb soil compressed beyond yield.
 ///
 /// # Panics
 /// Never: a test reads every built-in scene.
 pub fn oedometer() -> Scene {
-    built_in("oedometer-plastic").expect("the built-in scene holds")
+    built_in("oedometer-plastic").expect("the built-in scene is valid")
 }
 
 #[cfg(test)]
@@ -74,7 +120,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn scenes_of_the_gallery_are_short_and_hold() {
+    fn a_scene_is_found_by_name_or_by_path_or_the_nearest_are_named() {
+        let flags = Flags::default();
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../reference-data/scenes/dam.toml");
+        for (source, name) in [("terzaghi", "terzaghi"), ("embankment", "embankment"), (file, "dam")] {
+            assert_eq!(load(source, &flags).expect("a scene").name, name);
+        }
+        let said = load("terzagi.toml", &flags).expect_err("no such scene").to_string();
+        assert!(
+            said.starts_with("expected a scene file or the name of a scene, found terzagi.toml; did you mean terzaghi")
+        );
+        assert!(said.ends_with("? All names: mpm-verify list scenes"), "{said}");
+        let (all, mut once) = (names().count(), names().collect::<Vec<_>>());
+        once.sort_unstable();
+        once.dedup();
+        assert_eq!(once.len(), all);
+    }
+
+    #[test]
+    fn scenes_of_the_gallery_are_short_and_valid() {
         for Exhibit { name, text, .. } in GALLERY {
             assert!(text.lines().count() <= 40 && text.starts_with("# "), "{name}");
             assert!(Scene::parse(text, name).is_ok_and(|scene| scene.name == name), "{name}");

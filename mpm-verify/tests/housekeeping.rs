@@ -79,14 +79,14 @@ fn results_of_a_run_are_those_of_that_run_alone() {
 }
 
 #[test]
-fn what_stands_in_the_way_is_left_and_nothing_is_said_to_be_written() {
+fn files_of_others_are_left_and_no_page_is_announced() {
     let folder = tempfile::tempdir().expect("a folder");
     let solve = |out: &str| verify(folder.path(), &["solve", &scene("dry-bar.toml"), "--out", out]);
     let refused = |out: &str, words: &str| {
         let output = solve(out);
         let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), stderr(&output));
         assert_eq!(output.status.code(), Some(2), "{said}");
-        assert!(said.contains(words) && !said.contains("written to"), "{said}");
+        assert!(said.contains(words) && !said.contains("page: "), "{said}");
     };
     for (out, name) in [("1", "history.csv"), ("2", "checkpoint.bin"), ("3", "summary.json")] {
         let path = folder.path().join(out).join(name);
@@ -118,7 +118,7 @@ fn what_stands_in_the_way_is_left_and_nothing_is_said_to_be_written() {
 
 #[cfg(unix)]
 #[test]
-fn what_is_no_file_is_refused_at_once() {
+fn special_files_are_refused_at_once() {
     let folder = tempfile::tempdir().expect("a folder");
     assert!(Command::new("mkfifo").arg(folder.path().join("pipe.toml")).status().expect("mkfifo").success());
     let arguments =
@@ -185,7 +185,7 @@ fn a_run_that_is_told_to_end_keeps_its_state() {
         if prefix.is_empty() {
             let output = child.wait_with_output().expect("an end");
             assert_eq!(output.status.code(), Some(3), "{signal}: {}", stderr(&output));
-            assert!(stderr(&output).contains("to go on: ") && out.join("checkpoint.bin").exists(), "{signal}");
+            assert!(stderr(&output).contains("to continue: ") && out.join("checkpoint.bin").exists(), "{signal}");
         } else {
             std::thread::sleep(Duration::from_millis(200));
             assert!(child.try_wait().expect("a process").is_none(), "nohup: {signal} ends nothing");
@@ -205,7 +205,7 @@ fn a_run_that_is_told_to_end_keeps_its_state() {
 }
 
 #[test]
-fn sizes_without_sense_are_refused_before_anything_is_made() {
+fn impossible_sizes_are_refused_before_anything_is_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let column = scene("terzaghi.toml");
     let implicit = scene("terzaghi-quasi-static.toml");

@@ -1,5 +1,5 @@
-//! Runs that are killed at any moment and resumed end with the same bits: more than two hundred kills, at times without
-//! rhyme, while states are written as fast as the disk takes them.
+//! Runs that are killed at random moments and resumed end with the same bits: more than two hundred kills, while checkpoints are
+//! written as fast as the disk takes them.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -46,7 +46,7 @@ fn jobs(scenes: &Path) -> Vec<Job> {
     let collapse = [("until.time = 4.0", "until.time = 0.1"), ("times = [0.25, 0.5, 1.0, 2.0]", "times = [0.05, 0.1]")];
     vec![
         job("column", solved, &["solve", &scene("terzaghi", &[coarse])]),
-        job("lanes", solved, &["solve", &scene("terzaghi", &[coarse, plane, short, times]), "--threads", "2"]),
+        job("plane-strain", solved, &["solve", &scene("terzaghi", &[coarse, plane, short, times]), "--threads", "2"]),
         job("gimp", solved, &["solve", &scene("terzaghi", &[coarse, short, times]), "--scheme", "gimp"]),
         job("semi-implicit", solved, &["solve", &scene("terzaghi-semi-implicit", &[])]),
         job("sdirk", &["history.csv"], &["solve", &scene("terzaghi-large-strain", &[])]),
@@ -92,7 +92,7 @@ fn kill_and_resume(job: &Job, out: &Path, kills: usize, whole: Duration, dice: &
             assert!(status.success(), "{}", job.name);
             return met;
         }
-        child.kill().expect("killed"); // SIGKILL: nothing is tidied up
+        child.kill().expect("killed"); // SIGKILL: nothing is cleaned up
         child.wait().expect("an end");
         met += 1;
         more = vec!["--checkpoint-every", "0", "--resume"];

@@ -1,4 +1,4 @@
-//! The night from the command line: a part of it as a try, accepted baselines, what moved, and what cannot be.
+//! The nightly run from the command line: a part of it, accepted baselines, numbers that moved, and what is refused.
 
 use std::fs;
 use std::path::Path;
@@ -17,7 +17,7 @@ fn summary(night: &Path) -> serde_json::Value {
     serde_json::from_slice(&fs::read(night.join("summary.json")).expect("a summary")).expect("JSON")
 }
 
-/// The only night in a folder.
+/// The last nightly run in a folder.
 fn night(folder: &Path) -> std::path::PathBuf {
     let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
     let mut nights: Vec<_> = entries.filter(|path| path.join("summary.json").exists()).collect();
@@ -26,7 +26,7 @@ fn night(folder: &Path) -> std::path::PathBuf {
 }
 
 #[test]
-fn a_night_is_accepted_and_what_moves_then_is_told() {
+fn a_nightly_run_is_accepted_and_numbers_that_move_are_reported() {
     let root = tempfile::tempdir().expect("a folder");
     let baselines = root.path().join("reference-data/baselines");
     fs::create_dir_all(&baselines).expect("a folder");
@@ -37,21 +37,21 @@ fn a_night_is_accepted_and_what_moves_then_is_told() {
     let first = nightly(root.path(), &work);
     assert_eq!(first.status.code(), Some(1), "{}", error(&first));
     assert!(
-        error(&first).starts_with("RED: ") && error(&first).contains("work-krylov solves new"),
+        error(&first).starts_with("FAILED: ") && error(&first).contains("work-krylov solves new"),
         "{}",
         error(&first)
     );
     let one = night(&root.path().join("one"));
-    assert!(!root.path().join("one/history.csv").exists(), "a try is not remembered");
+    assert!(!root.path().join("one/history.csv").exists(), "a part is not recorded");
     let from = one.to_string_lossy().into_owned();
     let accepted = nightly(root.path(), &["--accept", "a test", "--from", &from]);
     assert!(accepted.status.success(), "{}", error(&accepted));
     let text = fs::read_to_string(&file).expect("a table");
     assert!(text.starts_with("# What `mpm-verify nightly`") && text.contains(",a test\n"), "{text}");
     let second = nightly(root.path(), &[&work[..5], &["two"]].concat());
-    assert!(second.status.success(), "an unchanged program is green: {}", error(&second));
-    assert_eq!(summary(&night(&root.path().join("two")))["verdict"], "green");
-    // A count that is off by one, and one that no one counts any more.
+    assert!(second.status.success(), "an unchanged program passes: {}", error(&second));
+    assert_eq!(summary(&night(&root.path().join("two")))["verdict"], "passed");
+    // A count that is off by one, and an obsolete one.
     let line = text.lines().find(|line| line.starts_with("work-explicit-column,steps,")).expect("a count");
     let value = line.split(',').nth(3).expect("a value");
     let more = format!("{:?}", value.parse::<f64>().expect("a number") + 1.0);
@@ -61,7 +61,7 @@ fn a_night_is_accepted_and_what_moves_then_is_told() {
     assert_eq!(third.status.code(), Some(1));
     let moved = summary(&night(&root.path().join("three")))["moved"].clone();
     let names: Vec<&str> = moved.as_array().expect("a list").iter().filter_map(|m| m["case"].as_str()).collect();
-    assert_eq!(names, ["work-explicit-column"], "what is not part of a try is not gone");
+    assert_eq!(names, ["work-explicit-column"], "numbers of other parts are not obsolete");
     assert_eq!(moved[0]["direction"], "better");
     assert!(error(&third).contains("work-explicit-column steps better: was"), "{}", error(&third));
     // Accepting a part of a night leaves what the other parts would have measured.
@@ -76,7 +76,7 @@ fn a_night_is_accepted_and_what_moves_then_is_told() {
 fn what_cannot_be_accepted_is_refused() {
     let root = tempfile::tempdir().expect("a folder");
     for (arguments, words) in [
-        (&["--accept", " "][..], "--accept: expected why"),
+        (&["--accept", " "][..], "--accept: expected a reason"),
         (&["--accept", "why", "--from", "nowhere"], "nowhere"),
         (&["--from", "nowhere"], "--accept <WHY>"),
         (&["--only", "nothing"], "possible values: study, suite, stability, levee, metamorphic, work"),

@@ -1,4 +1,4 @@
-//! Studies in pieces: shares that are run apart make the same report, a stop keeps what is done, a folder has one run at a time.
+//! Studies in shares: shares that are merged make the same report, a stop keeps the finished cases, a folder has one run at a time.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -75,7 +75,7 @@ fn shares_that_are_merged_make_the_report_of_the_whole() {
     let error = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(3), "{error}");
     assert!(error.contains("missing: ") && error.contains("--shard 3/3, and merge again"), "{error}");
-    // One that is killed and taken up again, as a batch system does.
+    // One that is killed and resumed, as a batch system does.
     let mut third = start(&at("3"), &[&STUDY[..], &["--shard", "3/3", "--jobs", "1"]].concat());
     std::thread::sleep(Duration::from_millis(300));
     third.kill().expect("killed");

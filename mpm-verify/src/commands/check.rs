@@ -1,6 +1,10 @@
 //! `check`: the verification suite, its mutants, and a scene of one's own.
 
+use std::collections::HashMap;
+use std::fmt::Display;
+use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use clap::Args;
 use mpm_core::hardware::Hardware;
@@ -12,158 +16,177 @@ use mpm_verify::error::Error;
 use mpm_verify::experiment::{CaseRow, Judged, accepted};
 use mpm_verify::files::Folder;
 use mpm_verify::manifest::Manifest;
+use mpm_verify::progress::{Progress, time};
 use mpm_verify::report;
 use mpm_verify::unpanicked::unpanicked;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use super::{Failure, inside, into_folder, jobs, print_json, say, warn_if_long, write_csv};
+use super::{Failure, chosen, make_folder, warn_if_long, words, write_csv, write_file};
 use crate::Common;
 
 /// What to check.
 #[derive(Debug, Clone, Args)]
 pub struct Options {
-    /// Cases to run; all without a name
+    /// Test cases to run; all without a name
+    #[arg(value_name = "CASE")]
     cases: Vec<String>,
-    /// Run the mutants instead: the same checks with a planted fault; exit code 1 when one is not caught
+    /// Run every check with a planted fault instead, which it must catch
     #[arg(long)]
     mutants: bool,
-    /// Check this scene instead, refined in space, against the exact solution that applies to it
-    #[arg(long, value_name = "SCENE.toml", conflicts_with_all = ["cases", "mutants"])]
-    scene: Option<PathBuf>,
-    /// Rows of cells over the height, three or more (four establish an order); without it the scene's own cells and three finer meshes
-    #[arg(long, value_delimiter = ',', value_name = "N,N,N", requires = "scene")]
+    /// Check a scene (name or file) on refined meshes against the exact solution that applies
+    #[arg(long, value_name = "SCENE", conflicts_with_all = ["cases", "mutants"], help_heading = "Own scene")]
+    scene: Option<String>,
+    /// Rows of cells over the height, three or more; four establish an order
+    #[arg(long, value_delimiter = ',', value_name = "N,N,N", requires = "scene", help_heading = "Own scene")]
     rows: Vec<usize>,
-    /// Folder of the accepted errors, if it is not reference-data/baselines; without either those that were built in
-    #[arg(long, value_name = "DIR", conflicts_with = "scene")]
-    baselines: Option<PathBuf>,
-    #[arg(long, value_name = "WORD", requires = "scene", help = super::words("time.integrator", &INTEGRATORS))]
+    /// In place of the scene's time.integrator
+    #[arg(long, value_name = "WORD", requires = "scene", value_parser = words(&INTEGRATORS), help_heading = "Own scene")]
     integrator: Option<String>,
-    #[arg(long, value_name = "WORD", requires = "scene", help = super::words("scheme.shape", &SHAPES))]
+    /// In place of the scene's scheme.shape
+    #[arg(long, value_name = "WORD", requires = "scene", value_parser = words(&SHAPES), help_heading = "Own scene")]
     scheme: Option<String>,
+    /// Folder of the accepted errors [default: reference-data/baselines]
+    #[arg(long, value_name = "DIR", conflicts_with = "scene", hide = true)]
+    baselines: Option<PathBuf>,
 }
 
-/// Results that others ask for by name.
+/// Results that other programs read by name.
 const NAMES: [&str; 3] = ["index.html", "cases.csv", "manifest.json"];
+/// Folder of the suite, below `reports`.
+const FOLDER: &str = "suite";
 
-/// Runs the named cases, or all; with `mutants` those with a fault planted; with a scene that one.
+/// Runs the chosen cases, or all; with `--mutants` those with a planted fault; with `--scene` that scene.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
-    if let Some(path) = &options.scene {
-        return own(path, options, common);
+    if let Some(scene) = &options.scene {
+        return own(scene, options, common);
     }
     let file = baseline::suite::hold_against(options.baselines.as_deref()).map_err(Failure::bad_input)?;
     let file = file.map_or_else(|| "built in".to_owned(), |file| file.display().to_string());
-    say(common.quiet || common.json, &format!("accepted errors: {file}"));
-    let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/suite"));
+    common.say(&format!("accepted errors: {file}"));
     if options.mutants {
-        let (rows, failed) =
-            into_folder(&folder, &["mutants.csv"], |folder| catch(&options.cases, common, folder.stage()))?;
-        unfinished(&failed)?;
-        let missed: Vec<&str> = rows.iter().filter(|row| !row.caught).map(|row| row.case).collect();
-        return if missed.is_empty() {
-            Ok(())
-        } else {
-            Err(Failure::CheckFailed(format!("not caught: {}", missed.join(", "))))
-        };
+        let rows = common.publish(FOLDER, &["mutants.csv"], |folder| catch(&options.cases, common, folder.stage()))?;
+        return rows.end("mutants not caught", |row| row.caught, |row| row.case);
     }
-    let SuiteRun { steps, failed } =
-        into_folder(&folder, &NAMES, |folder| judged(&options.cases, common, folder.stage()))?;
-    if common.json {
-        print_json(&steps);
+    let clock = Instant::now();
+    let folder = common.folder(FOLDER);
+    let ran = common
+        .publish(FOLDER, &NAMES, |folder| judged(&options.cases, common, (folder.stage(), folder.path())))?;
+    common.json(&ran.rows);
+    let open = ran.rows.iter().filter(|row| row.open()).count();
+    let passed = ran.rows.iter().filter(|row| row.passed()).count() - open;
+    let all = ran.rows.len() + ran.failed.len();
+    for row in ran.rows.iter().filter(|row| !row.passed()) {
+        common.say(&format!("failed: {}: {}", row.case, row.reason));
     }
-    unfinished(&failed)?;
-    let named = |which: fn(&CaseRow) -> bool| {
-        let names: Vec<&str> = steps.iter().filter(|s| which(s)).map(|s| s.case.as_str()).collect();
-        names.join(", ")
-    };
-    let (open, failed) = (named(CaseRow::open), named(|step| !step.passed()));
-    if !open.is_empty() {
-        say(common.quiet || common.json, &format!("order not established: {open}"));
-    }
-    if failed.is_empty() { Ok(()) } else { Err(Failure::CheckFailed(format!("failed: {failed}"))) }
+    let counts = format!("{passed} passed, {} failed, {open} not established of {all}", all - passed - open);
+    common.say(&format!("{counts} ({})", time(clock.elapsed().as_secs_f64())));
+    common.page(&folder.join("index.html"));
+    ran.end("failed", CaseRow::passed, |row| &row.case)
 }
 
-/// Checks a scene of the user's own and writes the files of the suite with its one row.
-fn own(path: &Path, options: &Options, common: &Common) -> Result<(), Failure> {
+/// Checks a scene of the user's own, and writes the files of the suite with its one row.
+fn own(source: &str, options: &Options, common: &Common) -> Result<(), Failure> {
     let flags = Flags { integrator: options.integrator.clone(), scheme: options.scheme.clone(), ..Flags::default() };
-    let scene = Scene::load_with(path, &flags).map_err(Failure::bad_input)?;
-    // What is wrong with a flag is said of the flag, all else of the file.
+    let scene = common.load(source, &flags)?;
+    // An error in a flag is reported with the flag, all others with the file.
     let refused = |e: Error| match e.to_string() {
         flag if flag.starts_with("--") => Failure::BadInput(flag),
-        _ => Failure::bad_input(e.of(path.display())),
+        _ => Failure::bad_input(e.of(source)),
     };
     let own = OwnScene::new(&scene, &options.rows).map_err(refused)?;
     let other = |word: &str| {
         let flags = Flags { integrator: Some(word.to_owned()), ..flags.clone() };
-        OwnScene::new(&Scene::load_with(path, &flags).ok()?, &options.rows).ok()?.runs().ok()
+        OwnScene::new(&mpm_verify::scenes::load(source, &flags).ok()?, &options.rows).ok()?.runs().ok()
     };
     let runs = own.runs().map_err(refused)?;
     warn_if_long(common, (&scene.name, "--integrator", 1), &runs, &Hardware::default(), &other);
-    let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/check-scene"));
-    let steps = into_folder(&folder, &NAMES, |folder| measured(&own, &scene, common, folder))?;
-    if common.json {
-        print_json(&steps);
-    }
-    match steps.iter().find(|step| !step.passed()) {
-        Some(step) => Err(Failure::CheckFailed(format!("{}: failed: {}", step.case, step.reason))),
+    let name = "check-scene";
+    let rows = common.publish(name, &NAMES, |folder| measured(&own, &scene, common, folder))?;
+    common.json(&rows);
+    common.page(&common.folder(name).join("index.html"));
+    match rows.iter().find(|row| !row.passed()) {
+        Some(row) => Err(Failure::CheckFailed(format!("{}: failed: {}", row.case, row.reason))),
         None => Ok(()),
     }
 }
 
-/// Checks it and writes what was found.
+/// Checks it and writes the results.
 fn measured(own: &OwnScene, scene: &Scene, common: &Common, folder: &Folder) -> Result<Vec<CaseRow>, Failure> {
-    let quiet = common.quiet || common.json;
-    say(quiet, &format!("{}: {}", scene.name, own.about()));
+    common.say(&format!("{}: {}", scene.name, own.about()));
     for what in own.beside() {
-        say(quiet, &format!("  {what}"));
+        common.say(&format!("  {what}"));
     }
     let judged = own.judged().map_err(Failure::run_failed)?;
-    say(quiet, &header());
-    say(quiet, &line(&judged.row));
-    say(quiet, &judged.reason);
+    common.say(&header());
+    common.say(&line(&judged.row));
+    common.say(&judged.reason);
     for (what, value, _) in &judged.notes {
-        say(quiet, &format!("{what}: {value:.1e}"));
+        common.say(&format!("{what}: {value:.1e}"));
     }
     write(&[judged], scene, common, folder.stage())
 }
 
-/// The cases that were run, and why others could not be finished.
-pub struct SuiteRun {
-    /// What was found.
-    pub steps: Vec<CaseRow>,
-    /// Messages of the cases that failed.
+/// Results of cases, and the errors of those that could not be finished.
+pub struct Ran<T> {
+    /// Results, in the order of the suite.
+    pub rows: Vec<T>,
+    /// Errors of the cases without a result.
     pub failed: Vec<String>,
 }
 
-/// Runs the suite and writes its tables, a picture of every case and `index.html`; `accepted.csv` holds the baselines
-/// as they would be with these errors.
-pub fn judged(names: &[String], common: &Common, folder: &Path) -> Result<SuiteRun, Failure> {
-    let cases = chosen(names)?;
-    inside(folder)?;
-    let quiet = common.quiet || common.json;
-    say(quiet, &header());
-    let (judged, failed) = each(&cases, common, |case| {
+impl<T> Ran<T> {
+    /// How the command ends: cases without a result come before failed ones.
+    fn end<'a, N: Display>(
+        &'a self,
+        verdict: &str,
+        good: impl Fn(&T) -> bool,
+        name: impl Fn(&'a T) -> N,
+    ) -> Result<(), Failure> {
+        if !self.failed.is_empty() {
+            return Err(Failure::RunFailed(self.failed.join("; ")));
+        }
+        let bad: Vec<String> = self.rows.iter().filter(|row| !good(row)).map(|row| name(row).to_string()).collect();
+        if bad.is_empty() { Ok(()) } else { Err(Failure::CheckFailed(format!("{verdict}: {}", bad.join(", ")))) }
+    }
+}
+
+/// Runs the suite and writes its tables, a picture of every case and `index.html`; `accepted.csv` holds the baselines that these
+/// errors would make. The CPU times of the run `before` predict those of this one.
+pub fn judged(
+    names: &[String],
+    common: &Common,
+    (folder, before): (&Path, &Path),
+) -> Result<Ran<CaseRow>, Failure> {
+    let cases = cases(names)?;
+    make_folder(folder)?;
+    common.say(&header());
+    let Ran { rows: judged, failed } = each(&cases, common, before, |case, print| {
         let judged = case.judged()?;
-        say(quiet, &line(&judged.row));
+        print(&line(&judged.row));
         Ok(judged)
     })?;
-    let steps = write(&judged, &mpm_verify::scenes::terzaghi(), common, folder)?;
-    let (path, rows) = (folder.join("accepted.csv"), accepted(&judged));
-    std::fs::write(&path, rows).map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))?;
-    let without: Vec<&str> = steps.iter().filter(|s| s.baseline.is_none()).map(|s| s.case.as_str()).collect();
+    let rows = write(&judged, &mpm_verify::scenes::terzaghi(), common, folder)?;
+    write_file(&folder.join("accepted.csv"), accepted(&judged))?;
+    let without: Vec<&str> = rows.iter().filter(|row| row.baseline.is_none()).map(|row| row.case.as_str()).collect();
     if !without.is_empty() {
-        say(quiet, &format!("without a baseline: {}", without.join(", ")));
+        common.say(&format!("without a baseline: {}", without.join(", ")));
     }
-    Ok(SuiteRun { steps, failed })
+    Ok(Ran { rows, failed })
 }
 
 /// Writes `cases.csv`, `samples.csv`, `refinements.csv` and the page with its pictures.
-fn write(judged: &[Judged], scene: &Scene, common: &Common, folder: &Path) -> Result<Vec<CaseRow>, Failure> {
-    let steps: Vec<CaseRow> = judged.iter().map(|judged| judged.row.clone()).collect();
-    write_csv(&folder.join("cases.csv"), &steps)?;
-    let manifest = Manifest::new(scene, jobs(common.jobs));
+fn write(
+    judged: &[Judged],
+    scene: &Scene,
+    common: &Common,
+    folder: &Path,
+) -> Result<Vec<CaseRow>, Failure> {
+    let rows: Vec<CaseRow> = judged.iter().map(|judged| judged.row.clone()).collect();
+    write_csv(&folder.join("cases.csv"), &rows)?;
+    let manifest = Manifest::new(scene, common.jobs());
     report::suite::write(judged, &manifest, folder).map_err(Failure::run_failed)?;
-    Ok(steps)
+    Ok(rows)
 }
 
 /// A row of `mutants.csv`.
@@ -176,91 +199,105 @@ struct Caught {
     caught: bool,
 }
 
-impl Caught {
-    fn new(judged: &Judged, mutant: &'static str) -> Self {
-        let CaseRow { error, required_error, .. } = judged.row;
-        Self { case: judged.case.name, mutant, error, required_error, caught: !judged.row.passed() }
-    }
-}
-
-/// Runs mutants and writes `mutants.csv`; each must fall short.
-fn catch(names: &[String], common: &Common, folder: &Path) -> Result<(Vec<Caught>, Vec<String>), Failure> {
-    let cases = chosen(names)?;
+/// Runs the cases with a planted fault, each of which must fail, and writes `mutants.csv`.
+fn catch(names: &[String], common: &Common, folder: &Path) -> Result<Ran<Caught>, Failure> {
+    let mut cases = cases(names)?;
     let without: Vec<&str> = cases.iter().filter(|case| case.mutant.is_none()).map(|case| case.name).collect();
     if !(names.is_empty() || without.is_empty()) {
-        return Err(Failure::BadInput(format!("check: expected cases with a mutant, found {}", without.join(", "))));
+        return Err(Failure::BadInput(format!(
+            "--mutants: expected cases with a mutant, found {}",
+            without.join(", ")
+        )));
     }
-    let quiet = common.quiet || common.json;
-    say(quiet, &format!("{:<29} {:>10} {:>10}  {:<44} caught", "case", "error", "required", "mutant"));
-    let cases: Vec<&Case> = cases.into_iter().filter(|case| case.mutant.is_some()).collect();
-    let (rows, failed) = each(&cases, common, |case| {
-        let what = case.mutant.unwrap_or_default();
+    cases.retain(|case| case.mutant.is_some());
+    common.say(&format!("{:<29} {:>10} {:>10}  {:<44} verdict", "case", "error", "required", "mutant"));
+    let ran = each(&cases, common, &common.folder(FOLDER), |case, print| {
+        let mutant = case.mutant.unwrap_or_default();
         let judged = case.mutant_judged().unwrap_or_else(|| Err(Error::Lacks("mutant").of(case.name)))?;
-        let row = Caught::new(&judged, what);
-        let caught = if row.caught { "yes" } else { "no" };
-        say(
-            quiet,
-            &format!("{:<29} {:>10.2e} {:>10.1e}  {what:<44} {caught}", row.case, row.error, row.required_error),
-        );
+        let CaseRow { error, required_error, .. } = judged.row;
+        let row = Caught { case: judged.case.name, mutant, error, required_error, caught: !judged.row.passed() };
+        let verdict = if row.caught { "caught" } else { "not caught" };
+        print(&format!("{:<29} {error:>10.2e} {required_error:>10.1e}  {mutant:<44} {verdict}", row.case));
         Ok(row)
     })?;
-    write_csv(&folder.join("mutants.csv"), &rows)?;
-    if common.json {
-        print_json(&rows);
-    }
-    Ok((rows, failed))
+    write_csv(&folder.join("mutants.csv"), &ran.rows)?;
+    common.json(&ran.rows);
+    let caught = ran.rows.iter().filter(|row| row.caught).count();
+    common.say(&format!("{caught} of {} mutants caught", ran.rows.len()));
+    Ok(ran)
 }
 
-/// The named cases, or all.
-fn chosen(names: &[String]) -> Result<Vec<&'static Case>, Failure> {
-    let known = || suite().iter().map(|case| case.name).collect::<Vec<_>>().join(", ");
-    if let Some(name) = names.iter().find(|name| suite().iter().all(|case| case.name != name.as_str())) {
-        return Err(Failure::BadInput(format!("check: expected one of {}, found {name}", known())));
-    }
-    let chosen = |case: &&Case| names.is_empty() || names.iter().any(|name| name == case.name);
-    Ok(suite().iter().filter(chosen).collect())
+/// The chosen cases, or all.
+fn cases(names: &[String]) -> Result<Vec<&'static Case>, Failure> {
+    chosen(("the name of a test case", "cases"), names, suite(), |case| case.name)
 }
 
-/// Does something with every case, several at a time; the results in the order of the suite, and the messages of the cases that
-/// could not be finished: one that fails takes no other down.
+/// CPU times of the cases, s, as measured once; those that take less than a tenth of a second are left out.
+const CPU: &str = include_str!("check-cpu.csv");
+/// CPU time of a case that no table has, s.
+const USUAL: f64 = 0.1;
+
+/// The two columns of `cases.csv` that predict how long a case takes.
+#[derive(Deserialize)]
+struct Cpu {
+    case: String,
+    cpu_s: f64,
+}
+
+/// CPU times of the cases: of the run that is in a folder, where that has them.
+fn cpu_times(folder: &Path) -> HashMap<String, f64> {
+    let last = fs::read_to_string(folder.join("cases.csv")).unwrap_or_default();
+    let rows = |text: String| csv::Reader::from_reader(text.as_bytes()).deserialize().flatten().collect::<Vec<Cpu>>();
+    let all = rows(CPU.to_owned()).into_iter().chain(rows(last));
+    all.map(|Cpu { case, cpu_s }| (case, cpu_s)).collect()
+}
+
+/// Runs every case, several at a time, the longest first. An error in one case stops no other.
 fn each<T: Send>(
     cases: &[&Case],
     common: &Common,
-    work: impl Fn(&Case) -> Result<T, Error> + Sync,
-) -> Result<(Vec<T>, Vec<String>), Failure> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs(common.jobs)).build().map_err(Failure::bad_input)?;
-    // The last cases take longest: started first, they leave no thread idle at the end.
-    let from_the_last = cases.iter().enumerate().rev().par_bridge();
-    let one = |case: &Case| unpanicked(|| work(case)).map_err(|e| e.of(case.name)).flatten();
+    before: &Path,
+    work: impl Fn(&Case, &dyn Fn(&str)) -> Result<T, Error> + Sync,
+) -> Result<Ran<T>, Failure> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(common.jobs()).build().map_err(Failure::bad_input)?;
+    let known = cpu_times(before);
+    let mut tasks: Vec<(usize, &Case, f64)> = cases
+        .iter()
+        .enumerate()
+        .map(|(number, case)| (number, *case, known.get(case.name).copied().unwrap_or(USUAL)))
+        .collect();
+    tasks.sort_by(|a, b| b.2.total_cmp(&a.2));
+    let progress = Progress::new("check", common.silent());
+    progress.expect(tasks.iter().map(|(.., cpu_s)| cpu_s).sum());
+    let one = |(number, case, cpu_s): (usize, &Case, f64)| {
+        let print = |line: &str| progress.print(|| common.say(line));
+        let result = unpanicked(|| work(case, &print)).map_err(|e| e.of(case.name)).flatten();
+        progress.add(cpu_s);
+        (number, result)
+    };
     let mut results: Vec<(usize, Result<T, Error>)> =
-        pool.install(|| from_the_last.map(|(i, case)| (i, one(case))).collect());
-    results.sort_by_key(|(i, _)| *i);
-    let (mut done, mut failed) = (Vec::new(), Vec::new());
+        pool.install(|| tasks.into_iter().par_bridge().map(one).collect());
+    progress.finish();
+    results.sort_by_key(|(number, _)| *number);
+    let mut ran = Ran { rows: Vec::new(), failed: Vec::new() };
     for (_, result) in results {
         match result {
-            Ok(value) => done.push(value),
-            Err(error) => failed.push(error.to_string()),
+            Ok(row) => ran.rows.push(row),
+            Err(error) => ran.failed.push(error.to_string()),
         }
     }
-    Ok((done, failed))
-}
-
-/// Runs that could not be finished, once all others are written.
-pub fn unfinished(failed: &[String]) -> Result<(), Failure> {
-    if failed.is_empty() { Ok(()) } else { Err(Failure::RunFailed(failed.join("; "))) }
+    Ok(ran)
 }
 
 fn header() -> String {
     format!("{:<29} {:>10} {:>10}  {:<26} verdict", "case", "error", "required", "order")
 }
 
-fn line(step: &CaseRow) -> String {
-    let order = match (step.order, step.order_high) {
-        (Some(order), Some(high)) => {
-            format!("{order:.2} +- {:.2} ({})", high - order, step.required_order)
-        }
-        (Some(order), None) => format!("{order:.2} ({})", step.required_order),
+fn line(row: &CaseRow) -> String {
+    let order = match (row.order, row.order_high) {
+        (Some(order), Some(high)) => format!("{order:.2} +- {:.2} ({})", high - order, row.required_order),
+        (Some(order), None) => format!("{order:.2} ({})", row.required_order),
         _ => String::new(),
     };
-    format!("{:<29} {:>10.2e} {:>10.1e}  {order:<26} {}", step.case, step.error, step.required_error, step.verdict)
+    format!("{:<29} {:>10.2e} {:>10.1e}  {order:<26} {}", row.case, row.error, row.required_error, row.verdict)
 }

@@ -1,4 +1,4 @@
-//! `gate`: one run of a gate of the work, whose instructions another program counts.
+//! `gate`: one run of a work gate, whose instructions another program counts.
 
 use mpm_verify::nightly::{instructions, work};
 

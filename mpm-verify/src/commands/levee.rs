@@ -1,6 +1,6 @@
-//! `levee`: a levee through which water seeps until it fails, with its page.
+//! `levee`: seepage through a levee until it fails, with its page.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
@@ -8,6 +8,7 @@ use clap::Args;
 use mpm_core::hardware::Hardware;
 use mpm_core::scene::Flags;
 use mpm_verify::checkpoint;
+use mpm_verify::error::Error;
 use mpm_verify::files::Folder;
 use mpm_verify::levee::checkpoint::Checkpoint;
 use mpm_verify::levee::limits::{self, Trust};
@@ -19,67 +20,70 @@ use mpm_verify::levee::{convergence, drivers, safety, sensitivity, tables, ticke
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 
-use super::{Failure, again_with, inside, interrupts, into_folder, print_json, say, warn_if_long};
+use super::{Failure, again_with, interrupts, make_folder, warn_if_long, words};
 use crate::Common;
 
-/// What to follow.
+/// Which levee, and which analyses.
 #[derive(Debug, Clone, Args)]
 pub struct Options {
-    /// A scene file, or the name of a built-in scene
-    #[arg(long, value_name = "FILE", default_value = "levee")]
+    /// Scene (name or file) whose soil may fail
+    #[arg(long, value_name = "SCENE", default_value = "levee")]
     scene: String,
-    /// How soil and water are driven, in place of the scene's integrator: staggered, coupled or explicit
-    #[arg(long, value_name = "WORD")]
-    driver: Option<String>,
-    /// In place of the scene's edge of a cell, m
-    #[arg(long, value_name = "L")]
-    mesh: Option<f64>,
-    /// In place of the scene's particles per cell: 1, 4, 9, ...
-    #[arg(long, value_name = "N")]
-    ppc: Option<i64>,
-    /// Go on with a levee that does not stand under its own weight and the first water
-    #[arg(long)]
-    go_on: bool,
-    /// The paper's levee with one input changed: a name of `mpm-verify list`
+    /// The paper's levee with one input changed: mpm-verify list variants
     #[arg(long, value_name = "NAME")]
     variant: Option<String>,
-    /// End here, h on the clock of the scene
+    /// Cell size in place of the scene's, m
+    #[arg(long, value_name = "L")]
+    mesh: Option<f64>,
+    /// Particles per cell in place of the scene's: 1, 4, 9, ...
+    #[arg(long, value_name = "N")]
+    ppc: Option<i64>,
+    /// End of the run, h on the clock of the scene
     #[arg(long, value_name = "H")]
     until: Option<f64>,
-    /// Staggered up to here, h on the clock of the scene; then coupled or explicit, as --driver says
-    #[arg(long, value_name = "H")]
-    from: Option<f64>,
-    /// Go on from the checkpoint of a run that was stopped or killed; from the start if there is none
+    /// Continue from the checkpoint of a run that was stopped
     #[arg(long)]
     resume: bool,
-    /// Seconds between checkpoints
-    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = super::seconds)]
-    checkpoint_every: f64,
-    /// Factor of safety at these times, h on the clock of the scene: strength reduction and limit equilibrium
-    #[arg(long, value_name = "T", value_delimiter = ',')]
+    /// Factors of safety at these times, h, by two methods
+    #[arg(long, value_name = "H,H", value_delimiter = ',', help_heading = "Further analyses")]
     safety_factor: Vec<f64>,
-    /// Run every variant of the paper's levee as well: sensitivity.csv, and bars on the page
-    #[arg(long)]
+    /// All variants of the paper's levee: what each input changes
+    #[arg(long, help_heading = "Further analyses")]
     sensitivity: bool,
-    /// Compare the drivers as well, from a common state shortly before the failure: what they predict, what they cost
-    #[arg(long)]
-    compare_drivers: bool,
-    /// Run the scene on meshes of whole and half cells as well, with 4 and 9 particles per cell: what converges
-    #[arg(long)]
+    /// Finer meshes, with 4 and 9 particles per cell: which results converge
+    #[arg(long, help_heading = "Further analyses")]
     convergence: bool,
-    /// With --sensitivity and --convergence: a quarter of a cell, too, which takes long
-    #[arg(long)]
+    /// All couplings from one state before the failure
+    #[arg(long, help_heading = "Further analyses")]
+    compare_drivers: bool,
+    /// Coupling of soil and water in place of the scene's integrator
+    #[arg(long, value_name = "WORD", value_parser = words(&DRIVERS), hide = true)]
+    driver: Option<String>,
+    /// Start of the coupled or explicit run, h; staggered before
+    #[arg(long, value_name = "H", hide = true)]
+    from: Option<f64>,
+    /// Continue although the levee does not stand under its own weight
+    #[arg(long, hide = true)]
+    go_on: bool,
+    /// Include a quarter of the cell size in --sensitivity and --convergence
+    #[arg(long, hide = true)]
     full: bool,
-    /// Only what --safety-factor, --sensitivity, --convergence and --compare-drivers ask for: no run, no page
-    #[arg(long)]
+    /// Only the further analyses: no run, no page
+    #[arg(long, hide = true)]
     no_run: bool,
     /// Write no files for ParaView
-    #[arg(long)]
+    #[arg(long, hide = true)]
     no_vtk: bool,
+    /// Time between checkpoints, s [default: 60]
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = super::seconds, hide = true)]
+    checkpoint_every: f64,
 }
 
+/// Words of `--driver`: how soil and water are coupled in time.
+pub const DRIVERS: [(&str, ()); 3] = [("staggered", ()), ("coupled", ()), ("explicit", ())];
+
 impl Options {
-    /// A scene as it is, with another driver if there is one; whether it goes on from a checkpoint, and the seconds between two.
+    /// A scene, with another driver if there is one; whether it continues from a checkpoint, and the time between two, s.
     pub fn of(scene: String, driver: Option<String>, (resume, checkpoint_every): (bool, f64)) -> Self {
         Self {
             scene,
@@ -112,7 +116,7 @@ impl Options {
         }
     }
 
-    /// Results that are written, by name.
+    /// Names of the results.
     fn names(&self) -> Vec<&'static str> {
         let asked = [!self.safety_factor.is_empty(), self.sensitivity, self.convergence, self.compare_drivers];
         let mut names: Vec<&str> =
@@ -125,20 +129,19 @@ impl Options {
 
     fn variant(&self) -> Result<Option<&'static Variant>, Failure> {
         let Some(name) = &self.variant else { return Ok(None) };
-        let known = || variants::VARIANTS.map(|v| v.name).join(", ");
-        variants::named(name)
-            .map(Some)
-            .ok_or_else(|| Failure::BadInput(format!("--variant: expected one of {}, found {name}", known())))
+        let names = || variants::VARIANTS.iter().map(|variant| variant.name);
+        let unknown = || Error::unknown(("the name of a variant", "variants"), name, names()).of("--variant");
+        variants::named(name).map(Some).ok_or_else(|| Failure::bad_input(unknown()))
     }
 }
 
-/// Follows a levee and writes everything about it.
+/// Runs a levee and writes everything about it.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let variant = options.variant()?;
     let scene = plan::scene(&options.scene, &options.flags(), variant).map_err(Failure::bad_input)?;
+    common.notices(&scene, &options.flags());
     let plan = Plan::new(scene, options.from, options.until, true).map_err(Failure::bad_input)?;
-    let path = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/levee"));
-    // The variants are other readings of that levee.
+    // The variants are defined for the paper's levee.
     for (asked, flag) in [(options.sensitivity, "--sensitivity"), (variant.is_some(), "--variant")] {
         if let (true, Some(why)) = (asked, plan.not_papers()) {
             return Err(Failure::BadInput(format!("{flag}: {why}")));
@@ -148,7 +151,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         return Err(Failure::BadInput("--full: expected --sensitivity or --convergence beside it".to_owned()));
     }
     let names = options.names();
-    into_folder(&path, &names, |folder| all(options, common, (&plan, variant), folder))
+    common.publish("levee", &names, |folder| all(options, common, (&plan, variant), folder))
 }
 
 /// All that was asked for.
@@ -160,7 +163,7 @@ fn all(
 ) -> Result<(), Failure> {
     let published = |result: Result<(), Failure>| {
         result?;
-        // A table more about the same levee.
+        // The tables of earlier runs of the same levee stay.
         folder.publish_beside(&kind(plan), &|_| true).map_err(Failure::run_failed)
     };
     if !options.safety_factor.is_empty() {
@@ -171,7 +174,7 @@ fn all(
     }
     if options.convergence {
         let progress = Progress::new("meshes", common.quiet);
-        let (flags, jobs) = (options.flags(), super::jobs(common.jobs));
+        let (flags, jobs) = (options.flags(), common.jobs());
         let found =
             convergence::compute((&options.scene, variant), &flags, options.full, jobs, &|text| progress.line(text));
         let found = found.map_err(Failure::bad_input)?;
@@ -182,13 +185,19 @@ fn all(
         let lines = drivers::compute(plan, &mut |text| progress.line(text)).map_err(Failure::run_failed)?;
         published(tables::lines(&lines, &folder.stage().join(drivers::NAME)).map_err(Failure::run_failed))?;
     }
-    if options.no_run { Ok(()) } else { one(options, common, plan, folder) }
+    if !options.no_run {
+        return one(options, common, plan, folder);
+    }
+    for table in options.names() {
+        common.say(&format!("table: {}", folder.path().join(table).display()));
+    }
+    Ok(())
 }
 
-/// Tables about a levee that its run shows on its page.
+/// Tables of further analyses, which the page shows.
 const TABLES: [&str; 4] = [safety::NAME, sensitivity::NAME, convergence::NAME, drivers::NAME];
 
-/// What results belong together: those of one scene.
+/// Results of one scene belong together.
 fn kind(plan: &Plan) -> String {
     format!("levee {}", plan.scene_word())
 }
@@ -207,10 +216,10 @@ fn factors(options: &Options, common: &Common, plan: &Plan, folder: &Path) -> Re
     let lines = told.map_err(Failure::run_failed)?;
     tables::lines(&lines, &folder.join(safety::NAME)).map_err(Failure::run_failed)?;
     for line in &lines {
-        say(common.quiet || common.json, &line.said());
+        common.say(&line.said());
     }
     if let Some(text) = safety::implied(&lines) {
-        say(common.quiet || common.json, &text);
+        common.say(&text);
     }
     if options.no_run {
         safety::picture(&lines, None, folder).map_err(Failure::run_failed)?;
@@ -223,7 +232,7 @@ fn vary(options: &Options, common: &Common, folder: &Path) -> Result<(), Failure
     let flags = options.flags();
     let base = sensitivity::Base { source: &options.scene, flags: &flags, until_h: options.until, full: options.full };
     let progress = Progress::new("variants", common.quiet);
-    let lines = sensitivity::compute(&base, super::jobs(common.jobs), &|text| progress.line(text));
+    let lines = sensitivity::compute(&base, common.jobs(), &|text| progress.line(text));
     tables::lines(&lines, &folder.join(sensitivity::NAME)).map_err(Failure::run_failed)?;
     if options.no_run {
         sensitivity::picture(&lines, folder).map_err(Failure::run_failed)?;
@@ -257,29 +266,26 @@ fn one(options: &Options, common: &Common, plan: &Plan, folder: &Folder) -> Resu
     ticker.finish();
     if run.ended == Ended::Stopped {
         let at = run.rows.last().map_or(0.0, |row| row.time_h);
-        return Err(Failure::RunFailed(format!("stopped at {at:.4} h; to go on: {}", again_with("--resume"))));
+        return Err(Failure::RunFailed(format!("stopped at {at:.4} h; to continue: {}", again_with("--resume"))));
     }
     let summary = Summary::of(plan, &run, options.variant.as_deref(), Manifest::new(&plan.scene, 1));
     let written = written::write(plan, &run, &summary, !options.no_vtk, (folder.path(), folder.stage()));
     written.map_err(Failure::run_failed)?;
-    // Only once all is written is there nothing to go on from.
+    // The checkpoint is needed until everything is written.
     let stays = |file: &Path| TABLES.iter().any(|table| file == Path::new(table));
     folder.publish_beside(&kind(plan), &stays).map_err(Failure::run_failed)?;
     checkpoint::remove(folder.path());
-    if common.json {
-        print_json(&summary);
-    } else {
-        for line in summary.lines() {
-            say(common.quiet, &line);
-        }
-        for limit in limits::of(&summary).iter().filter(|limit| !limit.passed()) {
-            say(common.quiet, &format!("not held: {}", limit.said()));
-        }
-        say(common.quiet, &format!("page: {}", folder.path().join("index.html").display()));
+    common.json(&summary);
+    for line in summary.lines() {
+        common.say(&line);
     }
+    for limit in limits::of(&summary).iter().filter(|limit| !limit.passed()) {
+        common.say(&format!("failed: {}", limit.said()));
+    }
+    common.page(&folder.path().join("index.html"));
     match &run.ended {
         Ended::DoesNotStand(what) => Err(Failure::RunFailed(format!(
-            "{}: {what}; no water has seeped yet. To follow what it does all the same: --go-on",
+            "{}: {what}, before any water has seeped; to run it nevertheless: --go-on",
             plan.scene.name
         ))),
         Ended::Failed(what) => {
@@ -294,11 +300,11 @@ fn one(options: &Options, common: &Common, plan: &Plan, folder: &Folder) -> Resu
     }
 }
 
-/// The built-in levee with its page, for the night.
+/// The built-in levee with its page, for the nightly run.
 pub fn night(folder: &Path) -> Result<Summary, Failure> {
     let scene = plan::scene("levee", &Flags::default(), None).map_err(Failure::run_failed)?;
     let plan = Plan::new(scene, None, None, true).map_err(Failure::run_failed)?;
-    inside(folder)?;
+    make_folder(folder)?;
     let mut hooks =
         Hooks { progress: &mut |_| (), stop: &mut |_| false, folder: None, every: Duration::MAX, trouble: &mut |_| () };
     let run = follow(&plan, &mut hooks, None).map_err(Failure::run_failed)?;

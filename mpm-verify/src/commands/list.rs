@@ -1,102 +1,172 @@
-//! `list`: what there is.
+//! `list`: names of everything that can be run.
 
-use std::collections::BTreeMap;
-
+use clap::{Args, ValueEnum};
 use mpm_core::scene::capabilities::{FEATURES, RULES, conflict};
 use mpm_core::scene::{INTEGRATORS, SHAPES};
 use mpm_verify::cases::suite;
 use mpm_verify::levee::variants::VARIANTS;
-use mpm_verify::scenes::BUILT_IN;
+use mpm_verify::mutants::table::MUTANTS;
+use mpm_verify::scenes::{BUILT_IN, GALLERY};
 use mpm_verify::stress::CASES;
 use mpm_verify::study::MESHES;
+use serde_json::{Value, json};
 
-use super::{Failure, print_json, say};
+use super::terminal::{print_json, say};
+use super::{Failure, levee};
 use crate::Common;
 
-/// Words of `levee --driver`.
-const DRIVERS: [&str; 3] = ["staggered", "coupled", "explicit"];
-
-/// Names of the cases that have a mutant, and its fault.
-fn mutants() -> impl Iterator<Item = (&'static str, &'static str)> {
-    suite().iter().filter_map(|case| Some((case.name, case.mutant?)))
+/// What to list.
+#[derive(Debug, Clone, Args)]
+pub struct Options {
+    /// Only this kind
+    kind: Option<Kind>,
+    /// What cannot be combined in a scene, and what is expected instead
+    #[arg(long, conflicts_with = "kind")]
+    capabilities: bool,
 }
 
-/// Prints which features of scenes do not go together, and what is expected in their place.
-pub fn capabilities(common: &Common) -> Result<(), Failure> {
+/// Kinds of names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    Cases,
+    Mutants,
+    StressTests,
+    Scenes,
+    Gallery,
+    Variants,
+    Faults,
+    Words,
+}
+
+/// A list: its kind, where its names go, names and descriptions.
+type Names = (Kind, &'static str, Vec<(&'static str, String)>);
+
+fn names() -> Vec<Names> {
+    let first = |text: &str| text.lines().next().unwrap_or("").trim_start_matches(['#', ' ']).to_owned();
+    let mutants = suite().iter().filter_map(|case| Some((case.name, case.mutant?.to_owned())));
+    let words = |words: &[&str]| words.join(", ");
+    vec![
+        (
+            Kind::Cases,
+            "test cases: mpm-verify check CASE",
+            suite().iter().map(|case| (case.name, case.about.to_owned())).collect(),
+        ),
+        (
+            Kind::Mutants,
+            "mutants, the same checks with a fault that they must catch: mpm-verify check --mutants CASE",
+            mutants.collect(),
+        ),
+        (
+            Kind::StressTests,
+            "stress tests: mpm-verify stability TEST",
+            CASES.iter().map(|case| (case.name, case.measures.to_owned())).collect(),
+        ),
+        (
+            Kind::Scenes,
+            "scenes (files in reference-data/scenes): mpm-verify solve SCENE",
+            BUILT_IN.iter().map(|(name, text)| (*name, first(text))).collect(),
+        ),
+        (
+            Kind::Gallery,
+            "gallery scenes: mpm-verify gallery SCENE, or solve SCENE",
+            GALLERY.iter().map(|scene| (scene.name, first(scene.text))).collect(),
+        ),
+        (
+            Kind::Variants,
+            "variants of the levee: mpm-verify levee --variant NAME",
+            VARIANTS.iter().map(|variant| (variant.name, format!("{}: {}", variant.what, variant.label))).collect(),
+        ),
+        (
+            Kind::Faults,
+            "faults planted in a copy of the source: mpm-verify mutants FAULT",
+            MUTANTS.iter().map(|mutant| (mutant.name, mutant.what.to_owned())).collect(),
+        ),
+        (
+            Kind::Words,
+            "words of options and scene files",
+            vec![
+                ("drivers", words(&levee::DRIVERS.map(|(word, ())| word))),
+                ("integrators", words(&INTEGRATORS.map(|(word, _)| word))),
+                ("schemes", words(&SHAPES.map(|(word, _)| word))),
+                ("darcy operators", words(&["face", "nodal"])),
+                ("meshes (m)", MESHES.map(|mesh| mesh.to_string()).join(", ")),
+            ],
+        ),
+    ]
+}
+
+/// Prints names of one kind or of all.
+pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
+    if options.capabilities {
+        return capabilities(common);
+    }
+    let wanted = names().into_iter().filter(|(kind, ..)| options.kind.is_none_or(|only| only == *kind));
+    if common.json {
+        print_json(&json(wanted));
+        return Ok(());
+    }
+    for (_, title, names) in wanted {
+        say(title);
+        for (name, about) in names {
+            say(&format!("  {name:<22} {about}"));
+        }
+    }
+    Ok(())
+}
+
+/// The same as one object of lists.
+fn json(names: impl Iterator<Item = Names>) -> Value {
+    let mut all = serde_json::Map::new();
+    for (kind, _, names) in names {
+        let list = || Value::from(names.iter().map(|(name, _)| *name).collect::<Vec<_>>());
+        let (key, value) = match kind {
+            Kind::Cases => ("cases", list()),
+            Kind::Mutants => ("mutants", names.iter().map(|(name, what)| (*name, what.as_str())).collect()),
+            Kind::StressTests => ("stress_tests", list()),
+            Kind::Scenes => ("scenes", list()),
+            Kind::Gallery => ("gallery", list()),
+            Kind::Variants => ("variants", list()),
+            Kind::Faults => ("faults", list()),
+            Kind::Words => {
+                let words = json!({
+                    "drivers": levee::DRIVERS.map(|(word, ())| word),
+                    "integrators": INTEGRATORS.map(|(word, _)| word),
+                    "schemes": SHAPES.map(|(word, _)| word),
+                    "darcy": ["face", "nodal"],
+                    "meshes_m": MESHES,
+                });
+                all.extend(words.as_object().cloned().unwrap_or_default());
+                continue;
+            }
+        };
+        all.insert(key.to_owned(), value);
+    }
+    Value::Object(all)
+}
+
+/// Prints which features of scenes cannot be combined, and what is expected instead.
+fn capabilities(common: &Common) -> Result<(), Failure> {
     if common.json {
         let rule = |rule: &mpm_core::scene::capabilities::Rule| {
             let beside: Vec<String> = rule.beside.iter().map(|other| other.name()).collect();
-            serde_json::json!({ "what": rule.of.name(), "not_beside": beside, "expected": rule.expected })
+            json!({ "what": rule.of.name(), "not_beside": beside, "expected": rule.expected })
         };
-        print_json(&serde_json::json!({
+        print_json(&json!({
             "features": FEATURES.iter().map(|(feature, ..)| feature.name()).collect::<Vec<_>>(),
             "rules": RULES.iter().map(rule).collect::<Vec<_>>(),
         }));
         return Ok(());
     }
-    let names: Vec<_> = FEATURES.iter().map(|(feature, ..)| *feature).collect();
-    let pairs = || names.iter().enumerate().flat_map(|(i, a)| names[..i].iter().map(move |b| (*a, *b)));
+    let features: Vec<_> = FEATURES.iter().map(|(feature, ..)| *feature).collect();
+    let pairs = || features.iter().enumerate().flat_map(|(i, a)| features[..i].iter().map(move |b| (*a, *b)));
     let refused = pairs().filter(|(a, b)| conflict(*a, *b).is_some()).count();
-    say(
-        false,
-        &format!(
-            "{} features, {} pairs of them, {refused} refused; all others go together.",
-            names.len(),
-            pairs().count()
-        ),
-    );
+    let counts = format!("{} features, {} pairs", features.len(), pairs().count());
+    say(&format!("{counts}: {refused} cannot be combined, all others can"));
     for rule in RULES {
         let beside: Vec<String> = rule.beside.iter().map(|other| other.name()).collect();
-        say(false, &format!("  {}", rule.of.name()));
-        say(false, &format!("      not beside {}", beside.join(", ")));
-        say(false, &format!("      expected   {}", rule.expected));
+        say(&format!("  {}", rule.of.name()));
+        say(&format!("      not with   {}", beside.join(", ")));
+        say(&format!("      expected   {}", rule.expected));
     }
-    Ok(())
-}
-
-/// Prints cases, mutants, scenes and schemes.
-pub fn run(common: &Common) -> Result<(), Failure> {
-    if common.json {
-        let names = |list: Vec<&str>| serde_json::Value::from(list);
-        print_json(&serde_json::json!({
-            "cases": names(suite().iter().map(|case| case.name).collect()),
-            "mutants": mutants().collect::<BTreeMap<_, _>>(),
-            "stress_tests": names(CASES.iter().map(|case| case.name).collect()),
-            "scenes": names(BUILT_IN.iter().map(|(name, _)| *name).collect()),
-            "integrators": names(INTEGRATORS.map(|(word, _)| word).to_vec()),
-            "variants": names(VARIANTS.iter().map(|v| v.name).collect()),
-            "drivers": names(DRIVERS.to_vec()),
-            "schemes": names(SHAPES.map(|(word, _)| word).to_vec()),
-            "darcy": names(vec!["face", "nodal"]),
-            "meshes_m": MESHES,
-        }));
-        return Ok(());
-    }
-    say(false, "cases (mpm-verify check [CASE..])");
-    for case in suite() {
-        say(false, &format!("  {:<22} {}", case.name, case.about));
-    }
-    say(false, "mutants (mpm-verify check --mutants [CASE..]): the same checks with a fault that they must find");
-    for (name, what) in mutants() {
-        say(false, &format!("  {name:<22} {what}"));
-    }
-    say(false, "stress tests (mpm-verify stability [CASE..])");
-    for case in &CASES {
-        say(false, &format!("  {:<22} {}", case.name, case.measures));
-    }
-    say(false, "scenes (reference-data/scenes, mpm-verify solve SCENE.toml)");
-    for (name, text) in BUILT_IN {
-        let about = text.lines().next().unwrap_or("").trim_start_matches(['#', ' ']);
-        say(false, &format!("  {name:<22} {about}"));
-    }
-    say(false, "variants of the levee (mpm-verify levee --variant NAME)");
-    for variant in &VARIANTS {
-        say(false, &format!("  {:<22} {}: {}", variant.name, variant.what, variant.label));
-    }
-    say(false, &format!("drivers           {}", DRIVERS.join(", ")));
-    say(false, &format!("integrators       {}", INTEGRATORS.map(|(word, _)| word).join(", ")));
-    say(false, &format!("schemes           {}", SHAPES.map(|(word, _)| word).join(", ")));
-    say(false, "darcy operators   face, nodal");
-    say(false, &format!("meshes (m)        {}", MESHES.map(|m| m.to_string()).join(", ")));
     Ok(())
 }

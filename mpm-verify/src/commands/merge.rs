@@ -1,18 +1,17 @@
-//! `merge`: the report of a study whose shares were run apart.
+//! `merge`: the report of a study that was run in shares.
 
 use std::path::{Path, PathBuf};
 
 use mpm_core::scene::read_text;
 use mpm_verify::checkpoint::BUILD;
 use mpm_verify::progress::Progress;
-use mpm_verify::report;
 use mpm_verify::study::{Runner, Share, Store};
 
-use super::study::{CASES, Options, SHARD, Shard, complete, told};
-use super::{Failure, into_folder, jobs};
+use super::Failure;
+use super::study::{CASES, FOLDER, NAMES, Options, SHARD, Shard, complete, told, write};
 use crate::Common;
 
-/// Puts the shares in some folders together and writes the report that the study would have made in one piece.
+/// Merges the shares in some folders, and writes the report that the study would have made in one piece.
 pub fn run(folders: &[PathBuf], common: &Common) -> Result<(), Failure> {
     let shards: Vec<Shard> = folders.iter().map(|folder| read(folder)).collect::<Result<_, _>>()?;
     let Some(first) = shards.first() else {
@@ -24,9 +23,8 @@ pub fn run(folders: &[PathBuf], common: &Common) -> Result<(), Failure> {
             return Err(Failure::BadInput(format!("{other}: expected a share of the study in {one}, found another")));
         }
     }
-    let out = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/accuracy"));
-    super::home_is_free(&out)?;
-    let study = into_folder(&out, &super::study::NAMES, |published| {
+    super::home_is_free(&common.folder(FOLDER))?;
+    let study = common.publish(FOLDER, &NAMES, |folder| {
         let options = Options::of(&first.recipe)?;
         let cases: Vec<PathBuf> = folders.iter().map(|folder| folder.join(CASES)).collect();
         let paths: Vec<&Path> = cases.iter().map(PathBuf::as_path).collect();
@@ -36,7 +34,7 @@ pub fn run(folders: &[PathBuf], common: &Common) -> Result<(), Failure> {
             share: Share::Stored,
             store: Some(store),
             times: !options.no_times,
-            ..Runner::whole(jobs(common.jobs), &progress)
+            ..Runner::whole(common.jobs(), &progress)
         };
         let absent: Vec<String> = (1..=first.of)
             .filter(|which| shards.iter().all(|shard| shard.shard != *which))
@@ -47,13 +45,13 @@ pub fn run(folders: &[PathBuf], common: &Common) -> Result<(), Failure> {
             absent => format!("run the study with {}, and merge again", absent.join(", ")),
         };
         let study = complete(&options, common, &mut runner, &on)?;
-        report::write(&study, published.stage()).map_err(Failure::run_failed)?;
+        write(&study, folder)?;
         Ok(study)
     })?;
-    told(&study, common, &out)
+    told(&study, common)
 }
 
-/// No file of a share is larger, bytes.
+/// Largest file of a share, bytes.
 const LARGEST: u64 = 64 << 20;
 
 fn read(folder: &Path) -> Result<Shard, Failure> {
@@ -67,7 +65,7 @@ fn read(folder: &Path) -> Result<Shard, Failure> {
     let text = read_text(&path, LARGEST).map_err(|e| refused(e.to_string()))?;
     let shard: Shard = serde_json::from_str(&text).map_err(|e| refused(e.to_string()))?;
     if shard.recipe.build != BUILD {
-        return Err(refused(format!("one of another build, {}; this is {BUILD}", shard.recipe.build)));
+        return Err(refused(format!("a share of another build, {}; this is {BUILD}", shard.recipe.build)));
     }
     Ok(shard)
 }

@@ -1,4 +1,4 @@
-//! `nightly`: everything, compared with the accepted baselines and remembered.
+//! `nightly`: everything is run, compared with the accepted baselines and recorded.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -21,39 +21,39 @@ use mpm_verify::progress::Progress;
 use mpm_verify::study::Runner;
 use mpm_verify::unpanicked::unpanicked;
 
-use super::{Failure, check, inside, into_folder, jobs, levee, metamorphic, print_json, say, stability, study};
+use super::{Failure, check, levee, make_folder, metamorphic, stability, study, write_file};
 use crate::Common;
 
-/// The parts of a night.
+/// The parts of a nightly run.
 const PARTS: [&str; 6] = ["study", "suite", "stability", "levee", "metamorphic", "work"];
-/// Random scenes of a night, and their seed.
+/// Number of random scenes, and their seed.
 const SCENES: u64 = 2000;
 const SEED: u64 = 1;
 
-/// What a night does.
+/// Options of a nightly run.
 #[derive(Debug, Clone, Args)]
 pub struct Options {
-    /// Make what was measured the baselines, for this reason
+    /// Accept the measured numbers as baselines, for this reason
     #[arg(long, value_name = "WHY")]
     accept: Option<String>,
-    /// With --accept: what this night measured, without running anything
+    /// With --accept: the numbers of this nightly run, without running anything
     #[arg(long, value_name = "DIR", requires = "accept")]
     from: Option<PathBuf>,
-    /// Folder of the baselines, if it is not reference-data/baselines
-    #[arg(long, value_name = "DIR")]
+    /// Folder of the baselines [default: reference-data/baselines]
+    #[arg(long, value_name = "DIR", hide = true)]
     baselines: Option<PathBuf>,
-    /// Count no instructions, even where callgrind is installed
-    #[arg(long)]
+    /// Do not count instructions, even where callgrind is installed
+    #[arg(long, hide = true)]
     no_instructions: bool,
-    /// Only these parts, as a try: study, suite, stability, levee, metamorphic, work. Nothing is remembered
+    /// Only these parts, without recording them
     #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', value_parser = PARTS)]
     only: Vec<String>,
 }
 
-/// Runs the night; or renews the baselines by one that was run.
+/// Runs everything; or renews the baselines from an earlier run.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     if options.accept.as_ref().is_some_and(|why| why.trim().is_empty()) {
-        return Err(Failure::BadInput("--accept: expected why, found nothing".to_owned()));
+        return Err(Failure::BadInput("--accept: expected a reason, found nothing".to_owned()));
     }
     let (known, file) = accepted::read(options.baselines.as_deref()).map_err(Failure::bad_input)?;
     // A folder of one's own need not hold the errors of the suite.
@@ -67,16 +67,12 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
             serde_json::from_slice(&text).map_err(|e| Failure::BadInput(format!("{}: {e}", from.display())))?;
         return accept((&known, file), &measures, &night, (why, from), common);
     }
-    let path = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/nightly"));
-    let (night, measures, folder) = into_folder(&path, &["index.html", history::NAME], |folder| {
+    let (night, measures, folder) = common.publish("nightly", &["index.html", history::NAME], |folder| {
         whole(options, common, (&known, file.as_deref()), folder)
     })?;
-    if common.json {
-        print_json(&night);
-    } else {
-        say(common.quiet, &night.markdown());
-        say(common.quiet, &format!("page: {}", folder.join("index.html").display()));
-    }
+    common.json(&night);
+    common.say(&night.markdown());
+    common.page(&folder.join("index.html"));
     if let Some(why) = &options.accept {
         return accept((&known, file), &measures, &night, (why, &folder), common);
     }
@@ -84,12 +80,12 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         return Ok(());
     }
     let mut lines = vec![night.headline()];
-    lines.extend(night.fell.iter().map(|what| format!("fell short: {what}")));
+    lines.extend(night.fell.iter().map(|what| format!("failed: {what}")));
     lines.extend(night.moved.iter().map(moved::Moved::line));
     Err(Failure::CheckFailed(lines.join("\n")))
 }
 
-/// What the parts of a night have found so far.
+/// Results of the parts so far.
 struct Findings<'a> {
     common: &'a Common,
     folder: &'a Path,
@@ -101,50 +97,55 @@ struct Findings<'a> {
 }
 
 impl Findings<'_> {
-    /// Does a part; what goes wrong in it is told, and takes no other down.
+    /// Runs a part; an error in it is recorded and stops no other part.
     fn part(&mut self, name: &str, work: impl FnOnce(&mut Self) -> Result<String, Failure>) {
         if !self.only.is_empty() && !self.only.iter().any(|only| only == name) {
             return;
         }
         let (cpu, wall) = (ProcessTime::now(), Instant::now());
-        say(self.common.quiet || self.common.json, &format!("{name} ..."));
+        self.common.say(&format!("{name} ..."));
         let done = unpanicked(|| work(self)).map_err(Failure::run_failed).flatten();
         let line = done.unwrap_or_else(|why| {
             self.fell.push(format!("{name}: {why}"));
             "could not be finished".to_owned()
         });
         let (cpu_s, wall_s) = (cpu.elapsed().as_secs_f64(), wall.elapsed().as_secs_f64());
-        say(self.common.quiet || self.common.json, &format!("{name}: {line}, {wall_s:.0} s"));
+        self.common.say(&format!("{name}: {line}, {wall_s:.0} s"));
         self.parts.push(Part { name: name.to_owned(), line, cpu_s, wall_s });
     }
 
     fn study(&mut self) -> Result<String, Failure> {
         let progress = Progress::new("accuracy study", true);
-        let mut runner = Runner::whole(jobs(self.common.jobs), &progress);
+        let mut runner = Runner::whole(self.common.jobs(), &progress);
         let study = study::complete(&study::Options::paper(), self.common, &mut runner, &String::new)?;
         let folder = self.folder.join("accuracy");
-        inside(&folder)?;
+        make_folder(&folder)?;
         mpm_verify::report::write(&study, &folder).map_err(Failure::run_failed)?;
         self.measures.extend(collect::study(&study.results, &study.sweeps));
         let (limits, fallen) = study.sweeps.limits();
         let failed: Vec<&str> = study.results.iter().filter(|r| r.failure.is_some()).map(|r| r.case.as_str()).collect();
         self.fell.extend(failed.iter().map(|case| format!("study: {case} failed")));
         if fallen > 0 {
-            self.fell.push(format!("study: {fallen} of {limits} sweeps fell short"));
+            self.fell.push(format!("study: {fallen} of {limits} limits of the sweeps failed"));
         }
-        Ok(format!("{} cases, {} failed; {fallen} of {limits} sweeps fell short", study.results.len(), failed.len()))
+        Ok(format!(
+            "{} cases, {} failed; {fallen} of {limits} limits of the sweeps failed",
+            study.results.len(),
+            failed.len()
+        ))
     }
 
     fn suite(&mut self) -> Result<String, Failure> {
         let common = Common { quiet: true, ..self.common.clone() };
-        let ran = check::judged(&[], &common, &self.folder.join("suite"))?;
+        let folder = self.folder.join("suite");
+        let ran = check::judged(&[], &common, (&folder, &folder))?;
         self.fell.extend(ran.failed.iter().map(|message| format!("suite: {message}")));
         let fallen: Vec<String> =
-            ran.steps.iter().filter(|s| !s.passed()).map(|s| format!("suite: {}: {}", s.case, s.reason)).collect();
-        let all = ran.steps.len() + ran.failed.len();
-        let line = format!("{} of {all} cases held", ran.steps.len() - fallen.len());
+            ran.rows.iter().filter(|s| !s.passed()).map(|s| format!("suite: {}: {}", s.case, s.reason)).collect();
+        let all = ran.rows.len() + ran.failed.len();
+        let line = format!("{} of {all} cases passed", ran.rows.len() - fallen.len());
         self.fell.extend(fallen);
-        self.measures.extend(collect::suite(&ran.steps));
+        self.measures.extend(collect::suite(&ran.rows));
         Ok(line)
     }
 
@@ -155,7 +156,11 @@ impl Findings<'_> {
             self.fell.push(failure.to_string());
         }
         self.measures.extend(collect::stability(found.matrix(), found.summaries()));
-        Ok(format!("{} schemes in stress tests, {} kinds of limits", found.matrix().len(), found.summaries().len()))
+        Ok(format!(
+            "{} schemes in stress tests, {} groups of time-step limits",
+            found.matrix().len(),
+            found.summaries().len()
+        ))
     }
 
     fn levee(&mut self) -> Result<String, Failure> {
@@ -163,7 +168,7 @@ impl Findings<'_> {
         let kept = limits::of(&summary);
         let fallen: Vec<String> = kept.iter().filter(|l| !l.passed()).map(|l| format!("levee: {}", l.said())).collect();
         let line = format!(
-            "{} of {} limits held, failure at {:.3} h",
+            "{} of {} limits passed, failure at {:.3} h",
             kept.len() - fallen.len(),
             kept.len(),
             summary.failure_start_h.unwrap_or(f64::NAN)
@@ -176,7 +181,7 @@ impl Findings<'_> {
         Ok(line)
     }
 
-    /// The same scenes every night, so that a night turns red by a change alone; others are for the command by itself.
+    /// The same scenes in every run, so that only a change of the program can make it fail.
     fn metamorphic(&mut self) -> Result<String, Failure> {
         let common = Common { quiet: true, json: false, ..self.common.clone() };
         let indices: Vec<u64> = (0..SCENES).collect();
@@ -199,7 +204,7 @@ impl Findings<'_> {
     }
 }
 
-/// Runs all parts, compares, remembers. Returns the folder of the night, too.
+/// Runs all parts, compares and records them. Returns the folder of this run, too.
 fn whole(
     options: &Options,
     common: &Common,
@@ -207,12 +212,12 @@ fn whole(
     folder: &Folder,
 ) -> Result<(Night, Vec<Measure>, PathBuf), Failure> {
     let (cpu, wall) = (ProcessTime::now(), Instant::now());
-    let manifest = Manifest::new(&mpm_verify::scenes::terzaghi(), jobs(common.jobs));
+    let manifest = Manifest::new(&mpm_verify::scenes::terzaghi(), common.jobs());
     let day = manifest.date.split('T').next().unwrap_or_default().to_owned();
     let name = (1..).map(|n| if n == 1 { day.clone() } else { format!("{day}-{n}") });
     let name = name.into_iter().find(|name| !folder.path().join(name).exists()).unwrap_or(day);
     let own = folder.stage().join(&name);
-    inside(&own)?;
+    make_folder(&own)?;
     let history_path = folder.path().join(history::NAME);
     let mut history = History::read(&history_path).map_err(Failure::bad_input)?;
     let mut found = Findings {
@@ -235,7 +240,7 @@ fn whole(
     let known = comparable(known, &measures, options, &mut notes);
     let moved = moved::moved(&known, &measures, &history, &entry);
     if file.is_none() {
-        notes.push("The accepted numbers are those that the program was built with.".to_owned());
+        notes.push("The accepted numbers are those built into the program.".to_owned());
     }
     let is_known = |m: &Measure| known.iter().any(|row| m.is_of(&row.case, &row.quantity));
     let judged = measures.iter().filter(|m| m.label != Label::Time && (counted(&m.quantity).is_none() || is_known(m)));
@@ -254,7 +259,7 @@ fn whole(
         notes,
         manifest,
     };
-    (if night.is_green() { "green" } else { "red" }).clone_into(&mut night.verdict);
+    (if night.is_green() { "passed" } else { "failed" }).clone_into(&mut night.verdict);
     report::write(&night, &measures, options.only.is_empty(), &own).map_err(Failure::run_failed)?;
     if options.only.is_empty() {
         let off = night.moved.len() as f64;
@@ -263,18 +268,18 @@ fn whole(
         measures.pop();
         let text = history.text(&history_path).map_err(Failure::run_failed)?;
         let path = folder.stage().join(history::NAME);
-        fs::write(&path, text).map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))?;
+        write_file(&path, text)?;
         let pages = folder.stage().join("trends");
-        inside(&pages)?;
+        make_folder(&pages)?;
         trends::write(&history, &pages).map_err(Failure::run_failed)?;
         nights::write(folder.path(), (&name, &night), folder.stage()).map_err(Failure::run_failed)?;
     }
-    // Nights stand beside each other.
+    // The folders of earlier runs stay.
     folder.publish_beside("nightly", &|_| true).map_err(Failure::run_failed)?;
     Ok((night, measures, folder.path().join(name)))
 }
 
-/// The accepted numbers that this night can be held to: those of parts that were run, counts of the same compiler.
+/// The accepted numbers that this run can be compared with: those of the parts that were run, counts of the same compiler.
 fn comparable(known: &[Accepted], measures: &[Measure], options: &Options, notes: &mut Vec<String>) -> Vec<Accepted> {
     let measured = |row: &&Accepted| measures.iter().any(|m| m.is_of(&row.case, &row.quantity));
     let mut left_out: BTreeMap<&str, usize> = BTreeMap::new();
@@ -288,16 +293,16 @@ fn comparable(known: &[Accepted], measures: &[Measure], options: &Options, notes
         *not_accepted.entry(&measure.quantity).or_default() += 1;
     }
     for (quantity, count) in not_accepted {
-        notes.push(format!("{count} {quantity} are not compared: none of this compiler was accepted."));
+        notes.push(format!("{count} {quantity} are not compared: none is accepted for this compiler."));
     }
     for (quantity, count) in left_out {
-        notes.push(format!("{count} accepted {quantity} are not compared: not counted in this night."));
+        notes.push(format!("{count} accepted {quantity} are not compared: they were not counted in this run."));
     }
     let wanted = |row: &&Accepted| measured(row) || (options.only.is_empty() && counted(&row.quantity).is_none());
     known.iter().filter(wanted).cloned().collect()
 }
 
-/// Renews the baselines. What fell short is no number, and stays so.
+/// Renews the baselines. Failed checks are not numbers, and stay failed.
 fn accept(
     (known, file): (&[Accepted], Option<PathBuf>),
     measures: &[Measure],
@@ -311,7 +316,7 @@ fn accept(
             "--accept: expected {expected} here, or --baselines DIR, found neither"
         )));
     };
-    // A number that is not there is gone only if all parts came to their end; and what this night could not count, another may.
+    // A missing number is obsolete only if all parts were finished and could have measured it.
     let whole = night.parts.len() == PARTS.len() && night.fell.is_empty();
     let goes = |row: &Accepted| whole && counted(&row.quantity).is_none();
     let Renewed { rows, new, gone } = accepted::renewed(known, measures, (&night.date, &night.commit), why, goes);
@@ -321,10 +326,11 @@ fn accept(
         let path = folder.join("cases.csv");
         files::write(&path, &text).map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))?;
     }
-    let line = format!("{new} new or moved numbers accepted, {gone} gone, {} in all: {}", rows.len(), file.display());
-    say(common.quiet, &line);
+    let line = format!("{new} new or changed numbers accepted, {gone} obsolete rows removed, {} in all", rows.len());
+    common.say(&line);
+    common.say(&format!("baselines: {}", file.display()));
     if night.fell.is_empty() {
         return Ok(());
     }
-    Err(Failure::CheckFailed(format!("the numbers are accepted; what fell short is not: {}", night.fell.join("; "))))
+    Err(Failure::CheckFailed(format!("the numbers are accepted, but checks failed: {}", night.fell.join("; "))))
 }

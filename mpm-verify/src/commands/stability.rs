@@ -1,6 +1,6 @@
 //! `stability`: time-step limits, the checkerboard index, and stress tests.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::Args;
 use mpm_verify::manifest::Manifest;
@@ -14,21 +14,21 @@ use mpm_verify::stress::{self, CASES, Case, Found, MatrixRow};
 use mpm_verify::study::word;
 use serde::Serialize;
 
-use super::{Failure, inside, into_folder, jobs, print_json, say, write_csv, write_json};
+use super::{Failure, make_folder, write_csv, write_json};
 use crate::Common;
 
 /// What is measured.
 #[derive(Debug, Clone, Default, Args)]
 pub struct Options {
-    /// Stress tests to run, and no map; without any all of them, and the map
-    #[arg(value_name = "CASE")]
+    /// Stress tests to run, without the map; all of them and the map without a name
+    #[arg(value_name = "TEST")]
     cases: Vec<String>,
-    /// Measure the ends and the middle of every range of the map only, and what a scene gets that names no scheme
+    /// Only the default schemes, and the ends and the middle of every range of the map
     #[arg(long)]
     quick: bool,
 }
 
-/// What the command found.
+/// Results of the command.
 #[derive(Debug, Serialize)]
 pub struct Findings {
     limits: Vec<Limit>,
@@ -46,32 +46,36 @@ impl Findings {
         &self.matrix
     }
 
-    /// The map, in short.
+    /// Summaries of the map.
     pub fn summaries(&self) -> &[Summary] {
         &self.map
     }
 }
 
-/// The measured limit may be this far from the predicted one.
+/// Allowed range of measured over predicted limits.
 const AGREEMENT: [f64; 2] = [0.95, 1.25];
 
 /// Measures and writes `stability.csv`, `stability_map.csv`, `matrix.csv`, `stress_tests.csv`, the page with its pictures, and
-/// `stability.json`; falls short if `auto` would not be safe, a measured limit is not that of the theory, or a default breaks.
+/// `stability.json`; fails if `auto` would not be safe, a measured limit differs from the theory, or a default scheme fails.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
-    let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/stability"));
-    let findings =
-        into_folder(&folder, &["index.html", "stability.json"], |folder| measure(options, common, folder.stage()))?;
-    if common.json {
-        print_json(&findings);
+    let findings = common
+        .publish("stability", &["index.html", "stability.json"], |folder| measure(options, common, folder.stage()))?;
+    common.json(&findings);
+    let count = |verdict: &str| findings.matrix.iter().filter(|row| word(row.verdict) == verdict).count();
+    let counts = ["passed", "degraded", "stopped", "failed"].map(|verdict| format!("{} {verdict}", count(verdict)));
+    common.say(&format!("{} of {} schemes in stress tests", counts.join(", "), findings.matrix.len()));
+    if !findings.map.is_empty() {
+        let (groups, off) = (findings.map.len(), findings.map_troubles.len());
+        common.say(&format!("{groups} groups of time-step limits, {off} rows failed"));
     }
+    common.page(&common.folder("stability").join("index.html"));
     verdict(&findings)
 }
 
 /// Measures, writes and prints.
 pub fn measure(options: &Options, common: &Common, folder: &Path) -> Result<Findings, Failure> {
     let cases = chosen(&options.cases)?;
-    inside(&folder.join("plots"))?;
-    let quiet = common.quiet || common.json;
+    make_folder(&folder.join("plots"))?;
     let mut findings = Findings {
         limits: Vec::new(),
         checkerboard_face: f64::NAN,
@@ -92,37 +96,27 @@ pub fn measure(options: &Options, common: &Common, folder: &Path) -> Result<Find
         let value = row.value.map_or_else(|| "-".to_owned(), |v| format!("{v:.1e}"));
         let verdict = word(row.verdict);
         let scheme = format!("{} {}", row.integrator, row.scheme);
-        say(
-            quiet,
-            &format!("{:<22} {scheme:<26} {verdict:<8} {value:<8} at {} {:.1e}", row.case, row.parameter, row.at),
-        );
+        common
+            .say(&format!("{:<22} {scheme:<26} {verdict:<8} {value:<8} at {} {:.1e}", row.case, row.parameter, row.at));
     }
-    let manifest = Manifest::new(&mpm_verify::scenes::terzaghi(), jobs(common.jobs));
+    let manifest = Manifest::new(&mpm_verify::scenes::terzaghi(), common.jobs());
     let page = report::stress::write((&cases, &found), (&pictures, &findings.map), &manifest, folder);
     page.map_err(Failure::run_failed)?;
     write_json(&folder.join("stability.json"), &findings)?;
-    say(quiet, &format!("{}", folder.join("index.html").display()));
     Ok(findings)
 }
 
-/// The cases that were named, or all.
+/// The chosen stress tests, or all.
 fn chosen(names: &[String]) -> Result<Vec<Case>, Failure> {
-    if names.is_empty() {
-        return Ok(CASES.to_vec());
-    }
-    let known = || CASES.iter().map(|case| case.name).collect::<Vec<_>>().join(", ");
-    let find = |name: &String| {
-        let case = CASES.iter().find(|case| case.name == *name).copied();
-        case.ok_or_else(|| Failure::BadInput(format!("CASE: expected one of {}, found {name}", known())))
-    };
-    names.iter().map(find).collect()
+    let chosen = super::chosen(("the name of a stress test", "stress-tests"), names, &CASES, |case| case.name)?;
+    Ok(chosen.into_iter().copied().collect())
 }
 
-/// Every scheme in every case, or the defaults alone.
+/// Every scheme in every stress test, or the default schemes alone.
 fn stress_tests(cases: &[Case], options: &Options, common: &Common, folder: &Path) -> Result<Vec<Found>, Failure> {
-    let progress = Progress::new("stress tests", common.quiet || common.json);
+    let progress = Progress::new("stress tests", common.silent());
     let asked = |case: &Case, scheme: &stress::Scheme| !options.quick || scheme.is_default(case.dimension);
-    let found = stress::matrix(cases, asked, jobs(common.jobs), &progress);
+    let found = stress::matrix(cases, asked, common.jobs(), &progress);
     progress.finish();
     write_csv(&folder.join("matrix.csv"), &found.iter().map(|f| f.row(cases)).collect::<Vec<_>>())?;
     let points: Vec<_> = found.iter().flat_map(|f| f.point_rows(cases)).collect();
@@ -130,26 +124,25 @@ fn stress_tests(cases: &[Case], options: &Options, common: &Common, folder: &Pat
     Ok(found)
 }
 
-/// Limits of the step and checkerboards.
+/// Time-step limits and checkerboard indices.
 fn steps(options: &Options, common: &Common, folder: &Path, findings: &mut Findings) -> Result<Vec<Figure>, Failure> {
-    let quiet = common.quiet || common.json;
     findings.limits = limits().map_err(Failure::run_failed)?;
     [findings.checkerboard_face, findings.checkerboard_nodal] = checkerboard();
-    say(quiet, "dimension     darcy  inertia  L (m)  ppc  predicted (s)  measured/predicted");
+    common.say("dimension     darcy  inertia  L (m)  ppc  predicted (s)  measured/predicted");
     for l in &findings.limits {
         let row = format!("{:<13} {:<6} {:<8} {:<6} {:<4}", l.dimension, l.darcy, l.darcy_inertia, l.mesh_m, l.ppc);
-        say(quiet, &format!("{row} {:<14.4e} {:.3}", l.predicted_s, l.ratio));
+        common.say(&format!("{row} {:<14.4e} {:.3}", l.predicted_s, l.ratio));
     }
     let [face, nodal] = [findings.checkerboard_face, findings.checkerboard_nodal];
-    say(quiet, &format!("checkerboard index: face {face:.4}, nodal {nodal:.4}"));
+    common.say(&format!("checkerboard index: face {face:.4}, nodal {nodal:.4}"));
     write_csv(&folder.join("stability.csv"), &findings.limits)?;
     let rows = map(options, common, folder)?;
     findings.map = map::summaries(&rows);
-    say(quiet, "scheme                   dimension     darcy  rows   measured/theory   auto/measured");
+    common.say("scheme                   dimension     darcy  rows   measured/theory   auto/measured");
     for s in &findings.map {
         let row = format!("{:<24} {:<13} {:<6} {:<6}", s.scheme, s.dimension, s.darcy, s.rows);
         let [low, high] = s.ratio;
-        say(quiet, &format!("{row} {low:.3} to {high:.3}    {:.3e} to {:.3}", s.auto[0], s.auto[1]));
+        common.say(&format!("{row} {low:.3} to {high:.3}    {:.3e} to {:.3}", s.auto[0], s.auto[1]));
     }
     findings.map_troubles = rows.iter().filter_map(Row::trouble).collect();
     Ok(figures(&rows))
@@ -158,8 +151,8 @@ fn steps(options: &Options, common: &Common, folder: &Path, findings: &mut Findi
 /// The map, its table and its pictures.
 fn map(options: &Options, common: &Common, folder: &Path) -> Result<Vec<Row>, Failure> {
     let extent = if options.quick { Extent::Thin } else { Extent::Whole };
-    let progress = Progress::new("stability map", common.quiet || common.json);
-    let rows = map::rows(&map::settings(extent), jobs(common.jobs), &progress).map_err(Failure::run_failed)?;
+    let progress = Progress::new("stability map", common.silent());
+    let rows = map::rows(&map::settings(extent), common.jobs(), &progress).map_err(Failure::run_failed)?;
     progress.finish();
     write_csv(&folder.join("stability_map.csv"), &rows)?;
     for figure in figures(&rows) {
@@ -168,7 +161,7 @@ fn map(options: &Options, common: &Common, folder: &Path) -> Result<Vec<Row>, Fa
     Ok(rows)
 }
 
-/// Whether every measured limit agrees with the predicted one, and no default breaks.
+/// Whether every measured limit agrees with the predicted one, and no default scheme fails.
 pub fn verdict(findings: &Findings) -> Result<(), Failure> {
     if let Some(first) = findings.map_troubles.first() {
         let count = findings.map_troubles.len();

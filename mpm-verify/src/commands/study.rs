@@ -1,12 +1,10 @@
-//! `study`, the main job.
+//! `study`: the accuracy study of the paper's column, which also runs without a command.
 
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use mpm_core::hardware::Hardware;
-use mpm_core::scene::{
-    DarcyChoice, Dimension, Fields, Integrator, LARGEST_FILE, LoadOn, Scene, ShapeChoice, StepChoice, read_text,
-};
+use mpm_core::scene::{DarcyChoice, Dimension, Fields, Flags, Integrator, LoadOn, Scene, ShapeChoice, StepChoice};
 use mpm_verify::budget::budgets;
 use mpm_verify::checkpoint::BUILD;
 use mpm_verify::claims::{judge, judge_others};
@@ -16,77 +14,78 @@ use mpm_verify::files::Folder;
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 use mpm_verify::report::{self, Study};
-use mpm_verify::study::{CaseResult, Family, INTEGRATORS, MESHES, Plan, Runner, Share, Store, TOLERANCE, Variant};
+use mpm_verify::study::{
+    CaseResult, Family, INTEGRATORS, Listed, MESHES, Plan, Runner, Share, Store, TOLERANCE, Variant,
+};
 use mpm_verify::sweeps::Sweeps;
-
 use serde::{Deserialize, Serialize};
 
-use super::{Failure, again_with, interrupts, into_folder, jobs, print_json, say, warn_if_long, write_json};
+use super::terminal::{print_json, say};
+use super::{Failure, again_with, interrupts, warn_if_long, write_json};
 use crate::Common;
 
 /// What the study varies.
 #[derive(Debug, Clone, PartialEq, Args, Serialize, Deserialize)]
 pub struct Options {
-    /// Scene file to start from; the paper's Table 1 without one
-    #[arg(long, value_name = "SCENE.toml")]
+    /// Scene (name or file) of the column [default: the paper's Table 1]
+    #[arg(long, value_name = "SCENE")]
     scene: Option<PathBuf>,
-    /// Cell edges L in m
+    /// Cell edges L, m
     #[arg(long, value_delimiter = ',', value_name = "L,L", default_values_t = MESHES)]
     mesh: Vec<f64>,
     /// Particles per cell
     #[arg(long, value_delimiter = ',', value_name = "N,N", default_values_t = [1, 4, 9])]
     ppc: Vec<usize>,
-    /// What carries the load
+    /// Traction on boundary particles or on the free surface
     #[arg(long, value_delimiter = ',', value_enum, default_values_t = [Load::Particles, Load::Surface])]
     load: Vec<Load>,
-    /// Integrators; all without it, the scene's own with --scene, explicit with --dt
-    #[arg(long, value_delimiter = ',', value_enum, value_name = "NAME,NAME")]
+    /// Integrators [default: all; with --scene its own, with --dt explicit]
+    #[arg(long, value_delimiter = ',', value_enum, value_name = "WORD,WORD")]
     integrator: Vec<Clock>,
-    /// Shape functions; all without it, but then only centre and quasi-static run every mesh, particle count and load
-    #[arg(long, value_delimiter = ',', value_enum, value_name = "NAME,NAME")]
+    /// Shape functions [default: all, the expensive ones on some settings only]
+    #[arg(long, value_delimiter = ',', value_enum, value_name = "WORD,WORD")]
     scheme: Vec<Scheme>,
-    /// Largest error in time of quasi-static runs, relative
-    #[arg(long, value_parser = tolerance, default_value_t = TOLERANCE, value_name = "T")]
-    tolerance: f64,
-    /// Darcy operator of explicit and semi-implicit runs
-    #[arg(long, value_enum)]
-    darcy: Option<Darcy>,
-    /// `column` solves one dimension; `full` the paper's column in plane strain
-    #[arg(long, value_enum, default_value_t = Width::Column)]
-    width: Width,
-    /// Time step of explicit and semi-implicit runs: `auto`, `paper` (1e-7 s) or seconds
-    #[arg(long, value_parser = step, value_name = "STEP")]
-    #[serde(skip)]
-    dt: Option<StepChoice>,
-    /// Run steps above the stability limit all the same
-    #[arg(long)]
-    force: bool,
-    /// Leave out the further runs of the error budget
-    #[arg(long)]
-    no_budget: bool,
-    /// Leave out the sweeps over displaced particles, mesh offsets and time steps
-    #[arg(long)]
-    no_sweeps: bool,
-    /// Leave out the timing of steps along several paths
-    #[arg(long)]
-    no_cost: bool,
-    /// Leave out all that differs from run to run: times, date, processor, threads. The report then depends on the program
-    /// and on what is varied alone
-    #[arg(long)]
-    pub no_times: bool,
-    /// Go on with a study that was stopped or killed: what is done is taken over
+    /// Continue a study that was stopped
     #[arg(long)]
     #[serde(skip)]
     resume: bool,
-    /// Only list the cases, as JSON with --json
-    #[arg(long)]
+    /// Largest relative error in time of quasi-static runs [default: 1e-5]
+    #[arg(long, value_parser = tolerance, default_value_t = TOLERANCE, value_name = "T", hide = true)]
+    tolerance: f64,
+    /// Darcy operator of explicit and semi-implicit runs: face or nodal
+    #[arg(long, value_enum, hide = true)]
+    darcy: Option<Darcy>,
+    /// column: one dimension; full: the paper's column in plane strain
+    #[arg(long, value_enum, default_value_t = Width::Column, hide = true)]
+    width: Width,
+    /// Time step of explicit and semi-implicit runs: auto, paper (1e-7 s) or s
+    #[arg(long, value_parser = step, value_name = "STEP", hide = true)]
+    #[serde(skip)]
+    dt: Option<StepChoice>,
+    /// Allow time steps above the stability limit
+    #[arg(long, hide = true)]
+    force: bool,
+    /// Leave out the additional runs of the error budget
+    #[arg(long, hide = true)]
+    no_budget: bool,
+    /// Leave out the sweeps over particle positions, mesh offsets and tolerances
+    #[arg(long, hide = true)]
+    no_sweeps: bool,
+    /// Leave out the timing of single steps
+    #[arg(long, hide = true)]
+    no_cost: bool,
+    /// Leave out times, date and machine: reports of the same build are equal
+    #[arg(long, hide = true)]
+    pub no_times: bool,
+    /// Only list the cases
+    #[arg(long, hide = true)]
     #[serde(skip)]
     list_cases: bool,
-    /// Only every N-th case from the I-th on, without a report: `mpm-verify merge` makes it of all shares
-    #[arg(long, value_name = "I/N", value_parser = share)]
+    /// Run every N-th case from the I-th on, for `mpm-verify merge`
+    #[arg(long, value_name = "I/N", value_parser = share, hide = true)]
     #[serde(skip)]
     shard: Option<Share>,
-    /// Text of the scene, where it is known without its file.
+    /// Text of the scene, where its file is not at hand.
     #[arg(skip)]
     #[serde(skip)]
     text: Option<String>,
@@ -177,12 +176,7 @@ fn tolerance(text: &str) -> Result<f64, Error> {
     }
 }
 
-/// Reads a scene file.
-fn load_scene(path: &Path) -> Result<Scene, Failure> {
-    Scene::load(path).map_err(Failure::bad_input)
-}
-
-/// The base of a study with what the command line says.
+/// The base of a study with one change from the command line.
 fn changed(base: &Scene, edit: impl FnOnce(&mut Fields)) -> Result<Scene, Failure> {
     base.edited(edit).map_err(Failure::bad_input)
 }
@@ -213,24 +207,22 @@ impl Options {
         }
     }
 
-    fn plan(&self, common: &Common) -> Result<Plan, Failure> {
-        self.plan_for(jobs(common.jobs))
-    }
-
     /// The options of a recipe.
     pub fn of(recipe: &Recipe) -> Result<Self, Failure> {
         let dt = recipe.step.as_deref().map(step).transpose().map_err(Failure::bad_input)?;
         Ok(Self { dt, text: recipe.scene.clone(), ..recipe.options.clone() })
     }
 
-    fn plan_for(&self, jobs: usize) -> Result<Plan, Failure> {
+    fn plan(&self, jobs: usize) -> Result<Plan, Failure> {
         let mut base = match (&self.text, &self.scene) {
             (Some(text), path) => {
                 // A scene of the user's own, wherever its file is now.
                 let name = path.as_ref().map_or("scene".into(), |path| path.to_string_lossy());
                 Scene::parse(text, &name).map_err(Failure::bad_input)?
             }
-            (None, Some(path)) => load_scene(path)?,
+            (None, Some(path)) => {
+                mpm_verify::scenes::load(&path.to_string_lossy(), &Flags::default()).map_err(Failure::bad_input)?
+            }
             (None, None) => mpm_verify::scenes::terzaghi(),
         };
         if let Width::Full = self.width {
@@ -265,7 +257,7 @@ impl Options {
 }
 
 impl Options {
-    /// Integrators and shape functions. A scene brings its own; a given step is about the paper's explicit scheme.
+    /// Integrators and shape functions. A scene has its own; a given step applies to the paper's explicit scheme.
     fn families(&self, base: &Scene) -> Vec<Family> {
         let (own, given) = (self.scene.is_some(), self.dt.is_some());
         let integrators: Vec<Integrator> = match self.integrator.as_slice() {
@@ -284,53 +276,62 @@ impl Options {
 
 /// Runs the study and writes its report; or lists its cases, or runs a share of them.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
-    let path = common.out.clone().unwrap_or_else(|| PathBuf::from("reports/accuracy"));
     if options.list_cases {
         return list(options, common);
     }
     let names: &[&str] = if options.shard.is_some() { &[SHARD] } else { &NAMES };
     if options.shard.is_none() {
-        super::home_is_free(&path)?;
+        super::home_is_free(&common.folder(FOLDER))?;
     }
+    if let Some(scene) = &options.scene {
+        common.load(&scene.to_string_lossy(), &Flags::default())?;
+    }
+    let jobs = common.jobs();
     let scenes = |options: &Options| {
-        Some(options.plan(common).ok()?.cases().ok()?.into_iter().map(|case| case.scene).collect::<Vec<_>>())
+        Some(options.plan(jobs).ok()?.cases().ok()?.into_iter().map(|case| case.scene).collect::<Vec<_>>())
     };
     let other = |word: &str| {
         let integrator = vec![Clock::from_str(word, false).ok()?];
         scenes(&Options { integrator, ..options.clone() })
     };
     let own = scenes(options).unwrap_or_default();
-    let at_once = jobs(common.jobs);
-    warn_if_long(common, ("accuracy study", "--integrator", at_once), &own, &Hardware::default(), &other);
-    let study = into_folder(&path, names, |folder| {
-        let store = open(options, folder.path())?;
+    warn_if_long(common, ("accuracy study", "--integrator", jobs), &own, &Hardware::default(), &other);
+    let study = common.publish(FOLDER, names, |folder| {
         let progress = Progress::new("accuracy study", common.quiet);
         let mut runner = Runner {
-            store: Some(store),
+            store: Some(open(options, folder.path())?),
             stop: interrupts(),
             share: options.shard.unwrap_or(Share::All),
             times: !options.no_times,
-            ..Runner::whole(jobs(common.jobs), &progress)
+            ..Runner::whole(jobs, &progress)
         };
+        progress.expect(listed(options)?.iter().map(|one| one.work).sum());
         if options.shard.is_some() {
             return shard(options, common, &mut runner, folder).map(|()| None);
         }
         let study = complete(options, common, &mut runner, &|| again_with("--resume"))?;
-        report::write(&study, folder.stage()).map_err(Failure::run_failed)?;
-        folder.publish().map_err(Failure::run_failed)?;
+        write(&study, folder)?;
         // The report holds all of it.
         runner.store.iter().for_each(Store::remove);
         Ok(Some(study))
     })?;
-    study.map_or(Ok(()), |study| told(&study, common, &path))
+    study.map_or(Ok(()), |study| told(&study, common))
 }
 
-/// Says what a study has come to.
-pub fn told(study: &Study, common: &Common, folder: &Path) -> Result<(), Failure> {
+/// Writes the report of a study, and publishes it before the page that shows it.
+pub fn write(study: &Study, folder: &Folder) -> Result<(), Failure> {
+    report::write(study, folder.stage()).map_err(Failure::run_failed)?;
+    folder.publish().map_err(Failure::run_failed)?;
+    Ok(())
+}
+
+/// Prints the results of a study.
+pub fn told(study: &Study, common: &Common) -> Result<(), Failure> {
     if common.json {
         print_json(&study.results.iter().filter(|r| r.variant == Variant::Base).collect::<Vec<_>>());
     } else {
-        summary(study, folder, common.quiet);
+        summary(study, common);
+        common.page(&common.folder(FOLDER).join("index.html"));
     }
     match study.results.iter().find_map(|r| r.failure.as_ref().map(|f| format!("{}: {f}", r.case))) {
         Some(failure) => Err(Failure::RunFailed(failure)),
@@ -338,35 +339,42 @@ pub fn told(study: &Study, common: &Common, folder: &Path) -> Result<(), Failure
     }
 }
 
-/// Results of a study that others ask for by name.
-pub const NAMES: [&str; 5] = ["errors.csv", "index.html", "manifest.json", "report.md", "study.json"];
+/// Folder of the study, below `reports`.
+pub const FOLDER: &str = "accuracy";
 
-/// Folder of the finished cases.
+/// Results of a study that other programs read by name.
+pub const NAMES: [&str; 4] = ["errors.csv", "manifest.json", "report.md", "study.json"];
+
+/// Folder of the finished cases, in that of the study.
 pub const CASES: &str = "cases";
 
-/// The finished cases of a folder; none of them is taken over unless a study is to be resumed.
+/// The finished cases of a folder, which are used only if the study is resumed.
 fn open(options: &Options, folder: &Path) -> Result<Store, Failure> {
     let cases = folder.join(CASES);
     let store = Store::open(&[&cases]).map_err(|e| Failure::BadInput(format!("{}: {e}", cases.display())))?;
     Ok(if options.resume { store } else { store.anew() })
 }
 
-/// Lists the cases.
-fn list(options: &Options, common: &Common) -> Result<(), Failure> {
-    let quiet = Progress::new("", true);
-    let mut runner = Runner { lists: true, ..Runner::whole(1, &quiet) };
+/// All cases with their predicted work; none is run.
+fn listed(options: &Options) -> Result<Vec<Listed>, Failure> {
+    let silent = Progress::new("", true);
+    let mut runner = Runner { lists: true, ..Runner::whole(1, &silent) };
     ran(options, &mut runner)?;
+    Ok(runner.listed)
+}
+
+/// Prints the cases.
+fn list(options: &Options, common: &Common) -> Result<(), Failure> {
+    let listed = listed(options)?;
     if common.json {
-        print_json(&runner.listed);
+        print_json(&listed);
     } else {
-        for one in &runner.listed {
-            say(false, &one.case);
-        }
+        listed.iter().for_each(|one| say(&one.case));
     }
     Ok(())
 }
 
-/// Runs a share of the cases, and says in `shard.json` that it is done.
+/// Runs a share of the cases, and writes `shard.json` when it is done.
 fn shard(options: &Options, common: &Common, runner: &mut Runner, folder: &Folder) -> Result<(), Failure> {
     let start = std::time::Instant::now();
     let (results, _) = ran(options, runner)?;
@@ -385,18 +393,16 @@ fn shard(options: &Options, common: &Common, runner: &mut Runner, folder: &Folde
         recipe: Recipe::new(options)?,
     };
     write_json(&folder.stage().join(SHARD), &done)?;
-    let text = format!("{} of {} cases, share {which} of {of}: {}", own.len(), listed.len(), folder.path().display());
-    say(common.quiet || common.json, &text);
-    if common.json {
-        print_json(&done);
-    }
+    common.json(&done);
+    common.say(&format!("share {which} of {of}: {} of {} cases done", own.len(), listed.len()));
+    common.say(&format!("share: {}", folder.path().display()));
     Ok(())
 }
 
-/// Name of the file that says that a share is done.
+/// File that marks a share as done.
 pub const SHARD: &str = "shard.json";
 
-/// A share that is done.
+/// A finished share.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Shard {
     /// Number of the share, from 1.
@@ -405,17 +411,17 @@ pub struct Shard {
     pub of: usize,
     /// Its cases.
     pub cases: usize,
-    /// Those that were done before.
+    /// Those that were taken from an earlier run.
     pub taken_over: usize,
     /// Its cases that failed.
     pub failed: Vec<String>,
-    /// Time on the clock, s.
+    /// Wall-clock time, s.
     pub wall_s: f64,
     /// What the study varies.
     pub recipe: Recipe,
 }
 
-/// All that a study depends on, for whoever puts its shares together.
+/// All that a study depends on; shares of equal recipes can be merged.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Recipe {
     /// The program.
@@ -430,9 +436,7 @@ pub struct Recipe {
 
 impl Recipe {
     fn new(options: &Options) -> Result<Self, Failure> {
-        let read = |path: &PathBuf| {
-            read_text(path, LARGEST_FILE).map_err(|e| Failure::BadInput(format!("{}: {e}", path.display())))
-        };
+        let read = |path: &PathBuf| mpm_verify::scenes::text(&path.to_string_lossy()).map_err(Failure::bad_input);
         Ok(Self {
             build: BUILD.to_owned(),
             // The name of its file alone: it may stand elsewhere on another machine.
@@ -450,10 +454,10 @@ impl Recipe {
     }
 }
 
-/// Runs or takes over every case, and puts the study together.
+/// Runs every case or takes it from an earlier run, and assembles the study.
 ///
 /// # Errors
-/// Cases that are missing, with the command that goes `on`.
+/// Cases that are missing, with the command `on` that continues.
 pub fn complete(
     options: &Options,
     common: &Common,
@@ -465,12 +469,12 @@ pub fn complete(
     runner.progress.finish();
     let missing: Vec<&str> = runner.missing.iter().map(String::as_str).collect();
     whole(&missing, runner.listed.len(), runner, on)?;
-    let plan = options.plan(common)?;
+    let plan = options.plan(common.jobs())?;
     let times = !options.no_times;
     let wall = start.elapsed().as_secs_f64();
     let mut notes = vec![told_of(&results, times, wall)];
     if runner.taken_over > 0 && times {
-        notes.push(format!("{} cases were done before and taken over.", runner.taken_over));
+        notes.push(format!("{} cases were taken from an earlier run.", runner.taken_over));
     }
     if times {
         for integrator in ["explicit", "semi-implicit", "quasi-static"] {
@@ -482,7 +486,7 @@ pub fn complete(
     }
     let forced = results.iter().filter(|r| r.forced).count();
     if forced > 0 {
-        notes.push(format!("{forced} runs were forced above their stability limit."));
+        notes.push(format!("{forced} runs used a time step above the stability limit (--force)."));
     }
     notes.extend(plan.left_out());
     if sweeps.count() > 0 {
@@ -501,12 +505,12 @@ fn told_of(results: &[CaseResult], times: bool, wall: f64) -> String {
         return format!("{} runs; times are left out.", results.len());
     }
     let cpu: f64 = results.iter().map(|r| r.cpu_s).sum();
-    format!("{} runs, {cpu:.1} s of CPU time, {wall:.1} s on the clock.", results.len())
+    format!("{} runs, {cpu:.1} s of CPU time, {wall:.1} s of wall-clock time.", results.len())
 }
 
-/// Runs the cases of the study and of its sweeps that a runner is to run.
+/// Runs the cases of the study and of its sweeps by a runner.
 fn ran(options: &Options, runner: &mut Runner) -> Result<(Vec<CaseResult>, Sweeps), Failure> {
-    let plan = options.plan_for(runner.jobs)?;
+    let plan = options.plan(runner.jobs)?;
     let results = plan.run_by(runner).map_err(Failure::bad_input)?;
     let quasi_static = plan.families.iter().any(|f| f.integrator == Integrator::QuasiStatic);
     let sweeps = if options.no_sweeps || !quasi_static {
@@ -517,14 +521,14 @@ fn ran(options: &Options, runner: &mut Runner) -> Result<(Vec<CaseResult>, Sweep
     Ok((results, sweeps))
 }
 
-/// Names that a message lists before it only counts.
+/// Largest number of names in a message.
 const LISTED: usize = 12;
 
-/// Whether nothing is missing, and all could be kept.
+/// Fails if cases are missing; warns of results that could not be stored.
 fn whole(missing: &[&str], all: usize, runner: &Runner, on: &dyn Fn() -> String) -> Result<(), Failure> {
     if missing.is_empty() {
         for unkept in &runner.unkept {
-            eprintln!("could not be kept, in case the study is stopped: {unkept}");
+            eprintln!("could not be stored for --resume: {unkept}");
         }
         return Ok(());
     }
@@ -534,28 +538,29 @@ fn whole(missing: &[&str], all: usize, runner: &Runner, on: &dyn Fn() -> String)
     let lost = if runner.unkept.is_empty() {
         String::new()
     } else {
-        format!("; {} could not be kept: {}", runner.unkept.len(), runner.unkept[0])
+        format!("; {} could not be stored: {}", runner.unkept.len(), runner.unkept[0])
     };
     Err(Failure::RunFailed(format!(
-        "{} of {all} cases are done{lost}; missing: {names}; to go on: {}",
+        "{} of {all} cases are done{lost}; missing: {names}; to continue: {}",
         all - missing.len(),
         on()
     )))
 }
 
-fn summary(study: &Study, folder: &Path, quiet: bool) {
-    say(quiet, &format!("{:<42} {:>9} {:>12} {:>12}", "case", "steps", "Terzaghi", "compressible"));
-    let base = |r: &&CaseResult| r.variant == Variant::Base;
-    for r in study.results.iter().filter(base) {
+fn summary(study: &Study, common: &Common) {
+    common.say(&format!("{:<42} {:>9} {:>12} {:>12}", "case", "steps", "Terzaghi", "compressible"));
+    for r in study.results.iter().filter(|r| r.variant == Variant::Base) {
         let errors = format!("{:>12.3e} {:>12.3e}", r.max_error_terzaghi, r.max_error_compressible);
-        say(quiet, &format!("{:<42} {:>9} {errors}", r.case, r.steps));
+        common.say(&format!("{:<42} {:>9} {errors}", r.case, r.steps));
     }
     for claim in &study.claims {
-        say(quiet, &format!("{:<28} {}: {}", claim.id, claim.verdict.words(), claim.evidence));
+        common.say(&format!("{:<28} {}: {}", claim.id, claim.verdict.words(), claim.evidence));
     }
     for note in &study.notes {
-        say(quiet, note);
+        common.say(note);
     }
-    let index = folder.join("index.html");
-    say(quiet, &format!("report: {}", index.display()));
+    let count = |words: &str| study.claims.iter().filter(|claim| claim.verdict.words() == words).count();
+    let failed = study.results.iter().filter(|r| r.failure.is_some()).count();
+    let (all, claims) = (study.results.len(), study.claims.len());
+    common.say(&format!("{all} runs, {failed} failed; {} of {claims} claims reproduced", count("reproduced")));
 }

@@ -302,7 +302,7 @@ impl Spec {
 
     /// The scene of the case as a file: that of its name, with what the case changes at its end as comments.
     pub fn written(&self) -> String {
-        let text = crate::scenes::text(&self.scene).unwrap_or_default();
+        let text = crate::scenes::BUILT_IN.iter().find(|(name, _)| *name == self.scene).map_or("", |(_, text)| *text);
         let changed = self.patch.iter().map(|(key, value)| format!("#   {key} = {value}\n"));
         let without = self.without.iter().map(|key| format!("#   without {key}\n"));
         let all: String = changed.chain(without).collect();

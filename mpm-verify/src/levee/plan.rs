@@ -1,7 +1,5 @@
 //! Which levee is followed, by which driver, from when to when.
 
-use std::path::Path;
-
 use mpm_core::failure::Scales;
 use mpm_core::hash::{Digest, sha256};
 use mpm_core::scene::{Failure, Fields, Flags, Integrator, Scene};
@@ -46,11 +44,7 @@ pub fn scene(source: &str, flags: &Flags, variant: Option<&Variant>) -> Result<S
         Some(Change::Particles(count)) => flags.particles_per_cell = Some(count),
         _ => {}
     }
-    let built_in = BUILT_IN.iter().find(|(name, _)| *name == source);
-    let mut scene = match built_in {
-        Some((name, text)) if !Path::new(source).is_file() => Scene::parse_with(text, name, &flags)?,
-        _ => Scene::load_with(Path::new(source), &flags)?,
-    };
+    let mut scene = crate::scenes::load(source, &flags)?;
     if let Some(Change::Edit(edit)) = variant.map(|v| v.change) {
         // The variants are other readings of that levee.
         let own = Plan { scene: scene.clone(), from_h: None, until_h: None, frames: false };

@@ -32,7 +32,7 @@ pub struct Part {
 /// `summary.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Night {
-    /// `green`: everything held and is where it was. `red`: something does not, or is not.
+    /// `passed`: all checks passed and no number moved. `failed`: a check failed or a number moved.
     pub verdict: String,
     /// Numbers that have moved.
     pub moved: Vec<Moved>,
@@ -81,7 +81,7 @@ impl Night {
     pub fn headline(&self) -> String {
         let Self { verdict, compared, moved, fell, date, commit, .. } = self;
         format!(
-            "{}: {} of {compared} numbers moved, {} {} fell short ({date}, {commit})",
+            "{}: {} of {compared} numbers moved, {} {} failed ({date}, {commit})",
             verdict.to_uppercase(),
             moved.len(),
             fell.len(),
@@ -93,7 +93,7 @@ impl Night {
     pub fn markdown(&self) -> String {
         let mut lines = vec![format!("# Nightly: {}", self.headline()), String::new()];
         for what in &self.fell {
-            lines.push(format!("- fell short: {what}"));
+            lines.push(format!("- failed: {what}"));
         }
         if !self.moved.is_empty() {
             lines.push(String::new());
@@ -273,7 +273,7 @@ pub(crate) mod tests {
 
     fn night(moved: Vec<Moved>) -> Night {
         Night {
-            verdict: if moved.is_empty() { "green" } else { "red" }.to_owned(),
+            verdict: if moved.is_empty() { "passed" } else { "failed" }.to_owned(),
             moved,
             fell: Vec::new(),
             cpu_s: 1.5,
@@ -331,7 +331,7 @@ pub(crate) mod tests {
         assert_eq!(format!("{back:?}"), format!("{measures:?}"));
         let json: serde_json::Value =
             serde_json::from_slice(&std::fs::read(folder.path().join("summary.json")).expect("a file")).expect("JSON");
-        assert_eq!(json["verdict"], "red");
+        assert_eq!(json["verdict"], "failed");
         for key in ["case", "quantity", "was", "is", "tolerance", "since"] {
             assert!(!json["moved"][0][key].is_null(), "{key}");
         }
@@ -350,9 +350,9 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn a_green_night_says_so() {
+    fn a_run_that_passed_says_so() {
         let night = night(Vec::new());
-        assert!(night.is_green() && night.headline().starts_with("GREEN: 0 of 3 numbers moved"));
+        assert!(night.is_green() && night.headline().starts_with("PASSED: 0 of 3 numbers moved"));
         assert!(!night.markdown().contains("--accept"));
     }
 }

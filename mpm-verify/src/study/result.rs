@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::plan::PAPERS;
 use super::{Case, word};
 use crate::manifest::scene_hash;
+use crate::report::numbers::percent;
 
 /// How a case differs from the study's own setting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -255,12 +257,24 @@ impl CaseResult {
 
     /// One line for the terminal.
     pub(super) fn line(&self) -> String {
-        let variant = if self.variant == Variant::Base { String::new() } else { format!(" ({})", word(self.variant)) };
-        let end = self.failure.as_ref().map_or(String::new(), |f| format!("  FAILED: {f}"));
-        format!(
-            "{}{variant}: {} steps, error {:.3e} (Terzaghi) {:.3e} (compressible), {:.2} s{end}",
-            self.case, self.steps, self.max_error_terzaghi, self.max_error_compressible, self.cpu_s
-        )
+        let errors = |terzaghi: &str, compressible: &str| {
+            format!(
+                "error {} % relative to {terzaghi}, {} % relative to {compressible}",
+                percent(self.max_error_terzaghi),
+                percent(self.max_error_compressible)
+            )
+        };
+        let base = self.variant == Variant::Base;
+        let end = self.failure.as_ref().map_or(String::new(), |why| format!("; failed: {why}"));
+        if base && self.case == PAPERS {
+            let exact = errors("Terzaghi", "the exact solution with finite bulk modulus of the pore water");
+            return format!(
+                "The paper's setting (L = 0.02 m, 4 particles per cell, explicit, traction on boundary particles): {exact}{end}"
+            );
+        }
+        let variant = if base { String::new() } else { format!(" ({})", word(self.variant)) };
+        let errors = errors("Terzaghi", "compressible");
+        format!("{}{variant}: {} steps, {errors}, {:.2} s{end}", self.case, self.steps, self.cpu_s)
     }
 }
 

@@ -4,11 +4,11 @@
 //! way, and says what is missing.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::Serialize;
 
-use super::plan::work;
+use super::plan::{PAPERS, work};
 use super::store::Store;
 use super::{Case, CaseResult, REPETITIONS, Watched, word};
 use crate::error::Error;
@@ -149,8 +149,10 @@ impl<'a> Runner<'a> {
         let known: Vec<Option<CaseResult>> = tasks.iter().map(taken).collect();
         self.taken_over += known.iter().flatten().count();
         let wanted = |i: usize| known[i].is_none() && self.share.has(first + i);
-        let total: f64 = (0..tasks.len()).filter(|i| wanted(*i)).map(|i| work(&tasks[i].case.scene)).sum();
-        let done = AtomicU64::new(0);
+        let sum = |of: &dyn Fn(usize) -> bool| -> f64 {
+            (0..tasks.len()).filter(|i| of(*i)).map(|i| work(&tasks[i].case.scene)).sum()
+        };
+        self.progress.begin(sum(&|_| true), sum(&wanted));
         let (store, progress, stop, times) = (self.store.as_ref(), self.progress, &self.stop, self.times);
         let one = |i: usize, task: &Task| {
             if !wanted(i) || stop.load(Ordering::Relaxed) {
@@ -158,13 +160,11 @@ impl<'a> Runner<'a> {
             }
             let (own, mut before) = (work(&task.case.scene), 0.0);
             let mut told = |share: f64| {
-                let more = ((share - before) * own / total * 1e6) as u64;
-                if more > 0 {
-                    before = share;
-                    progress.set(done.fetch_add(more, Ordering::Relaxed) + more);
-                }
+                progress.add((share - before).max(0.0) * own);
+                before = before.max(share);
             };
             let Some(mut result) = task.result(&mut told, stop) else { return (None, None) };
+            told(1.0);
             if !times {
                 (result.cpu_s, result.ns_per_point_step) = (f64::NAN, f64::NAN);
             }
@@ -172,8 +172,12 @@ impl<'a> Runner<'a> {
             let kept = store.map_or(Ok(()), |store| store.keep(&task.key, &task.case.scene, &result));
             (Some(result), kept.err().map(|e| format!("{}: {e}", task.key)))
         };
-        let ran: Vec<(Option<CaseResult>, Option<String>)> =
-            pool::each(self.jobs, tasks, one, |_, _| {}).into_iter().collect::<Result<_, _>>()?;
+        // The paper's own setting is run alone, so that the first result comes soon.
+        let alone = usize::from(tasks.first().is_some_and(|task| task.key == PAPERS));
+        let (first_task, others) = tasks.split_at(alone);
+        let mut ran: Vec<(Option<CaseResult>, Option<String>)> = first_task.iter().map(|task| one(0, task)).collect();
+        let rest = pool::each(self.jobs, others, |i, task| one(alone + i, task), |_, _| {});
+        ran.extend(rest.into_iter().collect::<Result<Vec<_>, _>>()?);
         let mut results = Vec::with_capacity(tasks.len());
         for ((task, known), (ran, unkept)) in tasks.iter().zip(known).zip(ran) {
             self.unkept.extend(unkept);

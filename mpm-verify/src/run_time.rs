@@ -1,52 +1,54 @@
-//! How long a run in steps will take, before it starts.
+//! Estimates how long a run will take before it starts.
 
 use std::time::{Duration, Instant};
 
 use mpm_core::hardware::Hardware;
 use mpm_core::run::model_on;
-use mpm_core::scene::{Integrator, Scene, Until};
+use mpm_core::scene::{Integrator, Scene, Stage, Until};
 use mpm_core::stability::choose_step;
 
-/// A run that takes longer says so before it starts, s.
+/// A run that takes longer than this announces it before it starts, s.
 pub const LONG: f64 = 3600.0;
-/// Steps are timed for so long.
+/// Time for which steps are measured.
 const TIMED: Duration = Duration::from_millis(100);
-/// No step costs more per particle and per cell, s: what takes less than [`LONG`] at this price is not timed.
-const DEAREST: f64 = 2e-6;
+/// Upper bound of the time of a step per particle and per cell, s: a run that takes less than [`LONG`] at this cost is not timed.
+const MOST_EXPENSIVE: f64 = 2e-6;
 
-/// What a run in steps will take.
+/// The estimate of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
-    /// Steps; as many as there may be, if a stage ends by itself.
+    /// Number of steps; the largest possible number if a stage ends by a criterion.
     pub steps: f64,
     /// Length of a step, s.
     pub step_s: f64,
-    /// Time on the clock of the machine, s.
+    /// Wall-clock time, s.
     pub wall_s: f64,
 }
 
-/// An estimate from steps that are timed here; `None` for a run that is short at any price, or whose integrator divides the time itself.
+/// Longest simulated time of a stage, s.
+pub fn longest(stage: &Stage) -> f64 {
+    match stage.until {
+        Until::Time(time) => time,
+        Until::PorePressure { at_most, .. } | Until::Rest { at_most, .. } => at_most,
+    }
+}
+
+/// Estimates a run from steps that are timed on this machine; `None` for a run that is certainly short, or whose integrator chooses
+/// its own steps.
 pub fn estimate(scene: &Scene, hardware: &Hardware) -> Option<Estimate> {
     let in_steps = matches!(scene.integrator, Integrator::Explicit | Integrator::SemiImplicit | Integrator::Coupled);
     let step_s = choose_step(scene).ok().filter(|step| in_steps && step.is_finite() && *step > 0.0)?;
-    let time: f64 = scene
-        .stages
-        .iter()
-        .map(|stage| match stage.until {
-            Until::Time(time) => time,
-            Until::PorePressure { at_most, .. } | Until::Rest { at_most, .. } => at_most,
-        })
-        .sum();
+    let time: f64 = scene.stages.iter().map(longest).sum();
     let steps = time / step_s;
     let cells = scene.cells.map(|count| count as f64);
-    let most = steps * DEAREST * (1.0 + scene.solid_particles() as f64 + cells[0] * cells[1]);
+    let most = steps * MOST_EXPENSIVE * (1.0 + scene.solid_particles() as f64 + cells[0] * cells[1]);
     if most <= LONG {
         return None;
     }
     Some(Estimate { steps, step_s, wall_s: steps * cost(scene, hardware, step_s)? })
 }
 
-/// Time of a step, s: of the run's own first steps, which are then forgotten.
+/// Time of a step, s, measured on the first steps of the run, which are then discarded.
 fn cost(scene: &Scene, hardware: &Hardware, step_s: f64) -> Option<f64> {
     let mut model = model_on(hardware, scene).ok()?;
     let stage = scene.stages.first()?;
