@@ -243,7 +243,7 @@ pub const RULES: &[Rule] = &[
     rule(
         FreeSurface,
         IMPLICIT,
-        "integrator = \"staggered\" with it, or \"coupled\" or \"explicit\" with coupling = \"full\": the others know \
+        "integrator = \"staggered\" with it, or \"coupled\" or \"explicit\" with coupling = \"full\": the others need \
          saturated soil",
     ),
     rule(Staggered, &[Dry, Saturated], "[water.free_surface] with it, or integrator = \"explicit\""),

@@ -147,8 +147,8 @@ impl Reader<'_> {
             let fault = self.syntax(&error);
             let meant = fault.notes.as_ref().and_then(|notes| notes.suggestion.clone());
             faults.take::<()>(Err(fault));
-            let goes_on = all && !is_missing && corrections.len() < MOST_FAULTS;
-            let span = error.span().filter(|span| goes_on && self.source.edit(span).is_none());
+            let can_continue = all && !is_missing && corrections.len() < MOST_FAULTS;
+            let span = error.span().filter(|span| can_continue && self.source.edit(span).is_none());
             match span.filter(|span| corrections.iter().all(|(known, _)| known != span)) {
                 Some(span) => corrections.push((span, meant)),
                 None => return Ok((None, renamed)),

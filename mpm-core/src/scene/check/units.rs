@@ -12,8 +12,10 @@ type Slips = &'static [(f64, f64, &'static str, f64)];
 
 /// Softer than any soil, Pa.
 const MODULUS: Slips = &[(0.0, 1e3, "MPa", 1e6), (1e3, 1e5, "kPa", 1e3)];
-/// Smaller than any strength or load that matters, Pa.
+/// Smaller than any load that matters, Pa.
 const PRESSURE: Slips = &[(0.0, 1.0, "MPa", 1e6), (1.0, 200.0, "kPa", 1e3)];
+/// Less than is given to soil so that it has an apex, Pa.
+const COHESION: Slips = &[(0.0, 1.0, "MPa", 1e6), (1.0, 100.0, "kPa", 1e3)];
 const DENSITY: Slips = &[(0.5, 6.0, "t/m3", 1e3), (6.0, 40.0, "kN/m3", 1e3 / 9.81)];
 const CONDUCTIVITY: Slips = &[(1.0, f64::INFINITY, "m/day", 1.0 / 86_400.0)];
 const ANGLE: Slips = &[(0.0, 1.6, "radians", 180.0 / std::f64::consts::PI)];
@@ -46,7 +48,7 @@ impl Reader<'_> {
             look(base.friction_angle.as_ref(), "base.friction_angle", "degrees", ANGLE);
             look(base.peak_angle.as_ref(), "base.peak_angle", "degrees", ANGLE);
             look(base.residual_angle.as_ref(), "base.residual_angle", "degrees", ANGLE);
-            look(base.adhesion.as_ref(), "base.adhesion", "Pa", PRESSURE);
+            look(base.adhesion.as_ref(), "base.adhesion", "Pa", COHESION);
         }
         look(raw.surcharge.as_ref().map(|load| &load.get_ref().pressure), "surcharge.pressure", "Pa", PRESSURE);
         for load in raw.loads.iter().flat_map(|list| list.get_ref()).map(Spanned::get_ref) {
@@ -98,7 +100,7 @@ fn of_law<'v>(law: &'v RawLaw, key: &str, look: Look<'_, 'v>) {
         RawLaw::MohrCoulomb(law) => {
             let key = |name: &str| format!("{key}.mohr_coulomb.{name}");
             look(Some(&law.youngs_modulus), &key("youngs_modulus"), "Pa", MODULUS);
-            look(Some(&law.cohesion), &key("cohesion"), "Pa", PRESSURE);
+            look(Some(&law.cohesion), &key("cohesion"), "Pa", COHESION);
             look(Some(&law.friction_angle), &key("friction_angle"), "degrees", ANGLE);
         }
         RawLaw::ModifiedCamClay(law) => {
