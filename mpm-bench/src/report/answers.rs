@@ -32,7 +32,7 @@ fn answer(findings: &Findings, error: f64) -> Answer {
     let rows = &findings.rows;
     let own = |r: &Row| !baseline::is(&r.integrator);
     let Some(row) = cheapest(rows, error, own) else {
-        let answer = format!("no setting of this sweep gets there{}.", nearest(rows, own));
+        let answer = format!("no setting of this sweep reaches it{}.", nearest(rows, own));
         return Answer { wanted: wanted(error), answer, beside: Vec::new(), command: String::new() };
     };
     let answer = format!(
@@ -62,7 +62,7 @@ fn answer(findings: &Findings, error: f64) -> Answer {
     beside.extend(peer("finite-elements", "Finite elements"));
     beside.push(
         peer("material-points", "Material points")
-            .unwrap_or_else(|| "Material points, measured elsewhere: no run of another code got there.".to_owned()),
+            .unwrap_or_else(|| "Material points, measured elsewhere: no run of another code reached it.".to_owned()),
     );
     Answer { wanted: wanted(error), answer, beside, command: command(row).unwrap_or_default() }
 }
@@ -76,7 +76,7 @@ fn nearest(rows: &[Row], which: impl Fn(&Row) -> bool) -> String {
 fn peer(peer: &Peer) -> String {
     let version = if peer.version == "not recorded" { String::new() } else { format!(" {}", peer.version) };
     format!(
-        "{}{version} {} ({} against {}, L = {} m, {} steps)",
+        "{}{version} {} ({} relative to {}, L = {} m, {} steps)",
         peer.peer,
         time(peer.cpu_s()),
         share(peer.error()),
@@ -135,7 +135,7 @@ mod tests {
             all.contains("2.0 times that") && all.contains("20\u{a0}000 times that") && all.contains("cb-geo/mpm"),
             "{all}"
         );
-        assert!(answers[4].answer.contains("gets there, best 0.200 %") && answers[4].command.is_empty());
+        assert!(answers[4].answer.contains("reaches it, best 0.200 %") && answers[4].command.is_empty());
         assert!(summary(&findings).contains("20\u{a0}000 times"));
     }
 }

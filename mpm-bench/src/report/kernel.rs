@@ -84,8 +84,8 @@ fn cost(kernel: &Kernel) -> String {
     let grown = growth(kernel).unwrap_or(f64::NAN);
     let mut text = format!(
         "An explicit step in plane strain (L = {} m, 4 particles per cell and layer) costs {} of CPU time per solid \
-         particle with its water particle at {} points on one thread, {} the {} ns asked for, and {} at {}: {} times as \
-         much, {} the {} asked for. It computes over the lanes of {}",
+         particle with its water particle at {} points on one thread, {} the {} ns required, and {} at {}: {} times as \
+         much, {} the {} required. It is vectorised with {}",
         kernel.cell_m,
         ns(quoted(small)),
         count(small.points),
@@ -99,11 +99,11 @@ fn cost(kernel: &Kernel) -> String {
         kernel.instructions
     );
     if let Some(four) = of(kernel, FOUR, 1).next() {
-        text += &format!("; over the four lanes of AVX2 it costs {}", ns(quoted(four)));
+        text += &format!("; with the four lanes of AVX2 it costs {}", ns(quoted(four)));
     }
     if let Some(plain) = of(kernel, PLAIN, 1).next() {
         let times = short(quoted(plain) / quoted(small), 2);
-        text += &format!("; written plainly it costs {}, {times} times as much", ns(quoted(plain)));
+        text += &format!("; not vectorised it costs {}, {times} times as much", ns(quoted(plain)));
     }
     text + "."
 }
@@ -112,7 +112,7 @@ fn threads(kernel: &Kernel) -> String {
     let two: Vec<&Timing> = of(kernel, LANES, 2).collect();
     let mut text = String::new();
     if two.is_empty() {
-        text += "This machine runs one thread at a time: no other number of threads was measured. ";
+        text += "This machine has one core: no other number of threads was measured. ";
     } else {
         let speed_ups: Vec<String> = two
             .iter()
@@ -123,10 +123,10 @@ fn threads(kernel: &Kernel) -> String {
     text += &format!("By default a run uses more than one thread from {} points on", count(THREADS_PAY_FROM));
     text += &pays_from(kernel).map_or_else(
         || ". ".to_owned(),
-        |points| format!("; measured here, the second one pays (a tenth or more) from {} on. ", count(points)),
+        |points| format!("; here the second thread saves a tenth or more from {} points on. ", count(points)),
     );
-    text + "After the same steps the settlement has the same bits whatever the threads and the lanes, and those of the \
-            plain step where the mesh is too small to be shared out; the program ends with an error otherwise."
+    text + "After the same steps the settlement is identical, bit for bit, for every number of threads and every width of the \
+            vectors; otherwise the program ends with an error."
 }
 
 /// The size from which on a second thread pays at every measured size.
@@ -200,7 +200,7 @@ fn by_stage(kernel: &Kernel) -> Table {
         [count(s.points), s.stage.clone(), short(s.ns, 3), share].map(Cell::new).to_vec()
     };
     content_table(
-        "Stages of a step over lanes, one thread".to_owned(),
+        "Stages of a vectorised step, one thread".to_owned(),
         &["points", "stage", "per point (ns)", "share"],
         kernel.shares.iter().map(line).collect(),
         "The stage without a share follows a change of cells alone.",
@@ -232,11 +232,11 @@ fn by_limit(kernel: &Kernel) -> Table {
         "times the nearer limit",
     ];
     content_table(
-        "A step over lanes beside what the machine allows, per point-step on one thread".to_owned(),
+        "A vectorised step beside the limits of the machine, per point-step on one thread".to_owned(),
         &head,
         kernel.limits.iter().map(line).collect(),
         "Operations are counted from the formulas, bytes from the records (`mpm-bench/src/kernel/operations.rs`, \
-         `traffic.rs`). Small: what the machine did at its best, multiplications and additions in registers alone \
+         `traffic.rs`). Small letters: the highest rate that was measured, multiplications and additions in registers alone \
          without fusing, bytes by changing in place an array as large as the data of the run.",
     )
 }
@@ -246,10 +246,10 @@ pub fn figure(kernel: &Kernel) -> Figure {
     let x = Axis::log("soil points", "points");
     let mut panel = Panel::new("", x, Axis::log("time per point-step (ns)", "ns_per_point_step"));
     let lines = [
-        (PLAIN, 1, "written plainly, one thread", Look::new(ORANGE, Marker::Down)),
-        (FOUR, 1, "over four lanes (AVX2), one thread", Look::new(GREEN, Marker::Diamond)),
-        (LANES, 1, "over lanes, one thread", Look::new(BLUE, Marker::Circle)),
-        (LANES, 2, "over lanes, two threads", Look::new(RED, Marker::Square).dash(Dash::Dashed)),
+        (PLAIN, 1, "not vectorised, one thread", Look::new(ORANGE, Marker::Down)),
+        (FOUR, 1, "vectorised, AVX2, one thread", Look::new(GREEN, Marker::Diamond)),
+        (LANES, 1, "vectorised, one thread", Look::new(BLUE, Marker::Circle)),
+        (LANES, 2, "vectorised, two threads", Look::new(RED, Marker::Square).dash(Dash::Dashed)),
     ];
     for (name, threads, label, look) in lines {
         let points = of(kernel, name, threads).map(|t| Point::new(t.points as f64, quoted(t)));
@@ -259,7 +259,7 @@ pub fn figure(kernel: &Kernel) -> Figure {
     if ends.0 < ends.1 {
         let asked = [ends.0, ends.1].map(|x| (x, ASKED_NS));
         let look = Look::new(BLACK, Marker::Dot).dash(Dash::Dotted);
-        panel.add(Series::line(format!("{ASKED_NS} ns, asked for on one thread"), look, asked));
+        panel.add(Series::line(format!("{ASKED_NS} ns, required on one thread"), look, asked));
         let pay = THREADS_PAY_FROM as f64;
         let times = panel.all_y().into_iter().fold((f64::INFINITY, 0.0_f64), |(a, b), y| (a.min(y), b.max(y)));
         if ends.0 < pay && pay < ends.1 {
@@ -339,7 +339,7 @@ pub mod tests {
             "6.0 ns of CPU time",
             "within the 10 ns",
             "9.0 ns at 1\u{a0}000\u{a0}000: 1.50 times as much, within the 1.8",
-            "AVX-512, 8 lanes; over the four lanes of AVX2 it costs 9.0 ns",
+            "AVX-512, 8 lanes; with the four lanes of AVX2 it costs 9.0 ns",
             "42 ns, 7.0 times",
             "0.500 at 1\u{a0}000 points, 1.75 at 100\u{a0}000 points",
             "pays (a tenth or more) from 100\u{a0}000 on",
@@ -364,8 +364,8 @@ pub mod tests {
             let series = panel.series.iter().find(|s| s.label.starts_with(label)).expect(label);
             series.points.iter().map(|p| (p.x, p.y)).collect()
         };
-        assert_eq!(points("over lanes, one"), [(1e3, 6.0), (1e5, 7.0), (1e6, 9.0)]);
-        assert_eq!(points("over lanes, two"), [(1e3, 12.0), (1e5, 4.0), (1e6, 5.0)]);
+        assert_eq!(points("vectorised, one"), [(1e3, 6.0), (1e5, 7.0), (1e6, 9.0)]);
+        assert_eq!(points("vectorised, two"), [(1e3, 12.0), (1e5, 4.0), (1e6, 5.0)]);
         assert_eq!(points("10 ns"), [(1e3, 10.0), (1e6, 10.0)]);
         assert_eq!((points("written").len(), points("over four").len(), points("threads").len()), (1, 1, 2));
     }

@@ -109,9 +109,9 @@ fn against_cpu(findings: &Findings) -> Figure {
     Figure {
         name: CPU,
         title: "Error against CPU time".to_owned(),
-        caption: "Dots: every run. Lines: the settings of an integrator that no other of it beats in both error and \
-                  time (its Pareto front). Errors relative to Terzaghi end near 2.7 %, where the two exact solutions \
-                  differ; below it two errors of opposite sign cancel."
+        caption: "Dots: every run. Lines: the Pareto front of an integrator, its settings that no other setting beats in both error and \
+                  time. Errors relative to Terzaghi tend to 2.7 %, the difference of the two exact solutions; below it \
+                  two errors of opposite sign cancel."
             .to_owned(),
         height: 470.0,
         panels,
@@ -138,7 +138,7 @@ fn by_scheme(findings: &Findings) -> Figure {
         name: CPU_SCHEMES,
         title: "Error against CPU time by shape functions: the front of each".to_owned(),
         caption: "Relative to the exact solution with finite K_w. Explicit and semi-implicit runs carry inertia and large strain, which \
-                  the exact solution leaves out: they level off."
+                  the exact solution neglects: their errors tend to these effects."
             .to_owned(),
         height: 390.0,
         panels,
@@ -151,8 +151,8 @@ fn against_steps(findings: &Findings) -> Figure {
     Figure {
         name: STEPS,
         title: "Error against steps".to_owned(),
-        caption: "Relative to the exact solution with finite K_w. Dots and lines as above. A step is not worth the same everywhere: the \
-                  baseline and implicit runs solve a system in each, an explicit one touches every particle."
+        caption: "Relative to the exact solution with finite K_w. Dots and lines as above. Steps differ in cost: the \
+                  baseline and implicit runs solve a system in each, an explicit step visits every particle."
             .to_owned(),
         height: 400.0,
         panels: vec![panel(&findings.rows, "", axis, |r| r.steps as f64, |r| r.max_error_compressible)],

@@ -37,9 +37,8 @@ fn section(id: &'static str, title: &'static str) -> Section {
 fn cheapest(findings: &Findings) -> Section {
     Section {
         text: vec![
-            "A setting only counts if every run that differs from it in nothing but a shorter step or a tighter \
-             tolerance reaches the wanted error too: errors of cells and of steps cancel at times, and that is no \
-             advice."
+            "A setting counts only if every run that differs from it by a shorter step or a tighter tolerance alone also reaches \
+             the wanted error: errors in space and in time may cancel by chance."
                 .to_owned(),
         ],
         tables: vec![tables::cheapest(findings), tables::schemes(findings)],
@@ -66,8 +65,8 @@ fn growth(findings: &Findings) -> Section {
 fn peers(findings: &Findings) -> Section {
     Section {
         text: vec![
-            "Other codes on the same column, measured elsewhere and on another day, each as its users would set it up: \
-             compare orders of magnitude. Where no error relative to the exact solution with finite K_w is known, the one against \
+            "Other codes on the same column, measured on another machine, each with a typical setting: compare orders of magnitude. \
+             Where no error relative to the exact solution with finite K_w is known, the one against \
              Terzaghi is given."
                 .to_owned(),
         ],
@@ -81,7 +80,7 @@ fn left_out(findings: &Findings) -> Section {
     let failed: Vec<&str> = findings.rows.iter().filter(|r| r.failure.is_some()).map(|r| r.case.as_str()).collect();
     if !failed.is_empty() {
         items.push(format!(
-            "{} runs that failed have no error and no place in pictures: {}. `speed_against_error.csv` says why.",
+            "{} runs failed and are left out of the figures: {}. `speed_against_error.csv` says why.",
             failed.len(),
             failed.join(", ")
         ));
@@ -91,16 +90,14 @@ fn left_out(findings: &Findings) -> Section {
 
 fn measured(findings: &Findings) -> Section {
     let text = "CPU time of one thread for a whole solve, from the checked scene to U at the nine times, set-up \
-                included; nothing else is observed. The median over all samples, with the smallest and the largest \
-                beside it in the CSV. A sample is one run, or the mean over as many as half a millisecond holds. The \
-                settings are visited in an order without rhyme, another one at each visit, so that other load on the \
-                machine falls on none more than on the rest; a setting that takes longer than 1.5 s is run once. \
-                Memory is the largest heap that a solve held at a time with its result, counted in a run of its own.";
-    let baseline = "The baseline is what one would write in an hour: finite volumes of the same equation with \
-                    compressible water, BDF2 after one step of implicit Euler, a tridiagonal matrix factored once. \
+                included; no other output is computed. The time is the median over all samples; the CSV has the smallest and \
+                the largest beside it. A sample is one run, or the mean of as many runs as fit into half a millisecond. \
+                Settings are timed in random order, a new one at each visit, so that other load on the machine affects all \
+                alike; a setting that takes longer than 1.5 s is run once. Memory is the largest heap of a solve with its \
+                result, counted in a separate run.";
+    let baseline = "The baseline is a simple program: finite volumes of the same equation with finite K_w, BDF2 after one step of implicit Euler, a tridiagonal matrix factored once. \
                     Plain: equal cells and a constant step. Graded: cells that grow with the depth and as many steps \
-                    from each sample time to the next. Cells and steps of both are swept as the settings of this \
-                    program are.";
+                    from each sample time to the next. Cells and steps of both are varied in the same way.";
     Section {
         text: vec![text.to_owned(), baseline.to_owned()],
         items: findings.notes.clone(),

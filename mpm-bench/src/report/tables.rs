@@ -87,7 +87,7 @@ pub fn cheapest(findings: &Findings) -> Table {
         "The cheapest setting of each integrator for a wanted error".to_owned(),
         &head,
         lines,
-        "The wanted error is that relative to the exact solution with finite K_w. Small: half the range of all timed samples. Steps of the \
+        "The wanted error is that relative to the exact solution with finite K_w. Small letters: half the range of all timed samples. Steps of the \
          Krylov method are basis vectors.",
     )
 }

@@ -35,11 +35,11 @@ pub const OTHER_CLAIMS: &str = "family,id,verdict,evidence";
 
 /// Columns of `displaced.csv`.
 pub const DISPLACED: &str = "kind,smooth_spacings,jitter_spacings,seed,scheme,quadrature,mesh_m,ppc,\
-max_error_compressible,late_error_compressible,profile_error_compressible,required,held,failure";
+max_error_compressible,late_error_compressible,profile_error_compressible,required,passed,failure";
 
 /// Columns of `grid_shift.csv`.
 pub const GRID_SHIFT: &str = "shift_cells,scheme,quadrature,mesh_m,ppc,max_error_compressible,\
-late_error_compressible,profile_error_compressible,required,held,failure";
+late_error_compressible,profile_error_compressible,required,passed,failure";
 
 /// Columns of `time_error.csv`.
 pub const TIME_ERROR: &str = "integrator,scheme,method,mesh_m,ppc,tolerance,step_share,accepted_steps,rejected_steps,\

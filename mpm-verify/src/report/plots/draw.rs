@@ -86,7 +86,6 @@ pub fn figure<DB: DrawingBackend>(figure: &Figure, canvas: &Canvas<DB>) -> Drawn
             None => widest.push(own),
         }
     }
-    let mut number = 0;
     for row in &rows {
         let shares: f64 = row.panels.iter().map(|p| p.share).sum();
         let gap = 14.0;
@@ -97,10 +96,9 @@ pub fn figure<DB: DrawingBackend>(figure: &Figure, canvas: &Canvas<DB>) -> Drawn
             let bottom = row.top + panel.height.unwrap_or(figure.height);
             let room = Rect { left, top: row.top, right: left + width, bottom };
             if !panel.blank {
-                let place = figure.panels.iter().position(|p| std::ptr::eq(p, *panel)).unwrap_or(number);
+                let place = figure.panels.iter().position(|p| std::ptr::eq(p, *panel)).unwrap_or_default();
                 draw_panel(canvas, &(*panel).clone().fitted(), (room, *ticks), place)?;
             }
-            number += 1;
             left += width + gap;
         }
     }
