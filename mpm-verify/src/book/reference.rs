@@ -7,7 +7,7 @@
 use std::fmt::Write as _;
 
 use mpm_core::error::SceneError;
-use mpm_core::scene::{Scene, capabilities};
+use mpm_core::scene::{Initial, Scene, capabilities};
 use toml::{Table, Value};
 
 use crate::scenes::BUILT_IN;
@@ -112,6 +112,10 @@ fn dotted(path: &[String]) -> String {
 
 /// Keys of the table at a path; none if no table is there.
 fn names(path: &[String]) -> Vec<String> {
+    // This one is read as a map, whose keys its reader knows.
+    if path == ["initial"] {
+        return ["table"].iter().chain(&Initial::KEYS).map(|name| (*name).to_owned()).collect();
+    }
     let below = [path, &[UNKNOWN.to_owned()]].concat();
     let refused = refusal(&Table::new(), &below, Value::Integer(1)).filter(|error| error.found.contains(UNKNOWN));
     refused.map_or_else(Vec::new, |error| error.expected.split('`').skip(1).step_by(2).map(str::to_owned).collect())
@@ -207,19 +211,22 @@ fn rows() -> Vec<Row> {
         }
         match line.starts_with("| ") {
             true if cells[0] == "key" => head = cells.iter().map(|cell| (*cell).to_owned()).collect(),
-            true if !head.is_empty() => {
+            true if !head.is_empty() && cells[0].contains('`') => {
                 let cell = |name: &str| head.iter().position(|h| h == name).and_then(|i| cells.get(i));
                 let of = ["unit", "default", "bounds", "meaning"]
                     .map(|name| cell(name).copied().unwrap_or_default().to_owned());
-                let mut before = "";
-                for key in cells[0].split('`').skip(1).step_by(2) {
+                let keys: Vec<&str> = cells[0].split('`').skip(1).step_by(2).collect();
+                let before = keys[0].rsplit_once('.').map_or("", |(before, _)| before);
+                for (i, key) in keys.iter().enumerate() {
                     // `feed.left`, `.right`: what stands before the dot is that of the first.
-                    let key = key.strip_prefix('.').map_or_else(|| key.to_owned(), |key| format!("{before}.{key}"));
-                    if before.is_empty() {
-                        before =
-                            cells[0].split('`').nth(1).and_then(|first| first.rsplit_once('.')).map_or("", |(b, _)| b);
-                    }
-                    rows.push((section.clone(), key, of.clone()));
+                    let key = key.strip_prefix('.').map_or_else(|| (*key).to_owned(), |key| format!("{before}.{key}"));
+                    // As many units or defaults as keys are one for each.
+                    let own = |cell: &String| {
+                        let parts: Vec<&str> = cell.split(", ").collect();
+                        if parts.len() == keys.len() { parts[i].to_owned() } else { cell.clone() }
+                    };
+                    let [unit, default, bounds, meaning] = &of;
+                    rows.push((section.clone(), key, [own(unit), own(default), bounds.clone(), meaning.clone()]));
                 }
             }
             true => {}
