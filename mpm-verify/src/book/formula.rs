@@ -20,5 +20,6 @@ pub fn mathml(tex: &str, display_mode: DisplayMode) -> Result<String, Error> {
     let mut html = String::new();
     let config = RenderConfig { display_mode, ..RenderConfig::default() };
     push_mathml(&mut html, events.into_iter().map(Ok::<_, Infallible>), config).map_err(|why| wrong(&why))?;
-    Ok(html)
+    // It leaves this one sign as it is.
+    Ok(html.replace("><<", ">&lt;<"))
 }

@@ -7,7 +7,7 @@
 use std::fmt::Write as _;
 
 use mpm_core::error::SceneError;
-use mpm_core::scene::{Scene, capabilities};
+use mpm_core::scene::{Initial, Scene, capabilities};
 use toml::{Table, Value};
 
 use crate::scenes::BUILT_IN;
@@ -28,6 +28,9 @@ const ALIKE: &[(&str, &str)] = &[
     ("geometry.outline", "geometry.column"),
 ];
 
+/// Keys that a section shares with another one, and does not take.
+const ELSEWHERE: [&str; 3] = ["layers[].polygon", "layers[].levels", "regions[].up_to"];
+
 /// A key of a scene file.
 #[derive(Debug)]
 pub struct Key {
@@ -35,6 +38,8 @@ pub struct Key {
     pub path: String,
     /// What kind of value it takes.
     pub kind: String,
+    /// Whether that is a table of keys, or a list of such.
+    pub holds: bool,
     /// The bounds that the checker names.
     pub bounds: Option<String>,
     /// Unit, default, bounds and meaning on the page of scene files.
@@ -52,7 +57,13 @@ pub fn chapter() -> String {
             let _ = write!(tables, "\n### {heading}\n\n{head}\n");
             section = Some(parent.to_owned());
         }
-        let [unit, default, said, meaning] = key.row.unwrap_or_default();
+        let [unit, default, said, meaning] = match key.row {
+            None if key.holds => {
+                [String::new(), String::new(), String::new(), "A table of keys, see below.".to_owned()]
+            }
+            row => row.unwrap_or_default(),
+        };
+        let unit = if unit == "integer" { "-".to_owned() } else { unit };
         let bounds = key.bounds.unwrap_or(said);
         let _ = writeln!(tables, "| `{name}` | {} | {unit} | {default} | {bounds} | {meaning} |", key.kind);
     }
@@ -80,7 +91,10 @@ fn walk(path: &[String], rows: &[Row], scenes: &[Table], all: &mut Vec<Key>) {
             Some((_, kind)) => ((*kind).to_owned(), None),
             None => (kind(&at), bounds(&at, scenes)),
         };
-        all.push(Key { row: meaning(&dotted, rows), path: dotted, kind, bounds });
+        if ELSEWHERE.contains(&dotted.as_str()) {
+            continue;
+        }
+        all.push(Key { row: meaning(&dotted, rows), path: dotted, kind, holds: holds.is_some(), bounds });
         // Laws of layers are those of the soil; the four feeds have the same keys.
         let repeated =
             at.len() == 2 && at[1] == "law" && at[0] != "soil" || at.len() == 4 && at[2] == "feed" && at[3] != "left";
@@ -98,6 +112,10 @@ fn dotted(path: &[String]) -> String {
 
 /// Keys of the table at a path; none if no table is there.
 fn names(path: &[String]) -> Vec<String> {
+    // This one is read as a map, whose keys its reader knows.
+    if path == ["initial"] {
+        return ["table"].iter().chain(&Initial::KEYS).map(|name| (*name).to_owned()).collect();
+    }
     let below = [path, &[UNKNOWN.to_owned()]].concat();
     let refused = refusal(&Table::new(), &below, Value::Integer(1)).filter(|error| error.found.contains(UNKNOWN));
     refused.map_or_else(Vec::new, |error| error.expected.split('`').skip(1).step_by(2).map(str::to_owned).collect())
@@ -114,27 +132,33 @@ fn kind(path: &[String]) -> String {
     match kind.trim_start_matches("a ") {
         "string" => "word".to_owned(),
         "boolean" => "`true` or `false`".to_owned(),
+        "map" => "a table".to_owned(),
+        "an array of length 2" => "two numbers".to_owned(),
         kind => kind.to_owned(),
     }
 }
 
-/// The bounds that the checker names when a scene that has the key, or could have it, is given a value beyond them.
+/// The bounds that the checker names when a scene is given a value beyond them: the same for every scene that has the key, or
+/// could have it.
 fn bounds(path: &[String], scenes: &[Table]) -> Option<String> {
     let parent = &path[..path.len() - 1];
+    let around = scenes.iter().filter(|scene| parent.is_empty() || find(scene, parent).is_some());
+    let (first, then): (Vec<_>, Vec<_>) = around.partition(|scene| find(scene, path).is_some());
+    let said = |scenes: &[&Table]| scenes.iter().filter_map(|scene| beyond(scene, path)).collect::<Vec<_>>();
+    let mut said = Some(said(&first)).filter(|said| !said.is_empty()).unwrap_or_else(|| said(&then));
+    said.dedup();
+    <[String; 1]>::try_from(said).ok().map(|[bounds]| bounds)
+}
+
+/// What the checker expects of a key in place of a value of the right type; what it says of another key beside it is no bound.
+fn beyond(scene: &Table, path: &[String]) -> Option<String> {
     let values =
         [Value::Float(-1e300), Value::Integer(-1_000_000_000), Value::String("?".to_owned()), Value::Float(1e300)];
-    let has = |scene: &&Table, path: &[String]| find(scene, path).is_some();
-    let first = scenes.iter().filter(|scene| has(scene, path));
-    let then = scenes.iter().filter(|scene| has(scene, parent) && !has(scene, path));
-    first.chain(then).find_map(|scene| {
-        let refused = values.iter().filter_map(|value| refusal(scene, path, value.clone()));
-        let of_key = |error: &SceneError| error.key.replace("[]", "") == path.join(".").replace("[]", "");
-        let word = |error: &SceneError| {
-            !error.found.starts_with("floating")
-                && !error.found.starts_with("string")
-                && !error.found.starts_with("integer")
-        };
-        refused.into_iter().find(|error| of_key(error) && word(error)).map(|error| error.expected)
+    values.into_iter().filter_map(|value| refusal(scene, path, value)).find_map(|error| {
+        let of_type = ["floating", "string", "integer"].iter().any(|start| error.found.starts_with(start));
+        let of_key = error.key.replace("[]", "") == path.join(".").replace("[]", "");
+        let of_others = error.expected.contains(" = ") || error.expected.contains("beside");
+        (of_key && !of_type && !of_others).then_some(error.expected)
     })
 }
 
@@ -179,22 +203,30 @@ fn rows() -> Vec<Row> {
             let name = heading.split('`').nth(1).unwrap_or_default();
             section = name.trim_matches(['[', ']']).to_owned();
         }
-        let cells: Vec<&str> = line.trim_matches('|').split(" | ").map(str::trim).collect();
+        let line = line.trim();
+        let inside = line.strip_prefix('|').and_then(|line| line.strip_suffix('|')).unwrap_or(line);
+        let cells: Vec<&str> = inside.split('|').map(str::trim).collect();
+        if line.starts_with("|--") {
+            continue;
+        }
         match line.starts_with("| ") {
             true if cells[0] == "key" => head = cells.iter().map(|cell| (*cell).to_owned()).collect(),
-            true if !head.is_empty() => {
+            true if !head.is_empty() && cells[0].contains('`') => {
                 let cell = |name: &str| head.iter().position(|h| h == name).and_then(|i| cells.get(i));
                 let of = ["unit", "default", "bounds", "meaning"]
                     .map(|name| cell(name).copied().unwrap_or_default().to_owned());
-                let mut before = "";
-                for key in cells[0].split('`').skip(1).step_by(2) {
+                let keys: Vec<&str> = cells[0].split('`').skip(1).step_by(2).collect();
+                let before = keys[0].rsplit_once('.').map_or("", |(before, _)| before);
+                for (i, key) in keys.iter().enumerate() {
                     // `feed.left`, `.right`: what stands before the dot is that of the first.
-                    let key = key.strip_prefix('.').map_or_else(|| key.to_owned(), |key| format!("{before}.{key}"));
-                    if before.is_empty() {
-                        before =
-                            cells[0].split('`').nth(1).and_then(|first| first.rsplit_once('.')).map_or("", |(b, _)| b);
-                    }
-                    rows.push((section.clone(), key, of.clone()));
+                    let key = key.strip_prefix('.').map_or_else(|| (*key).to_owned(), |key| format!("{before}.{key}"));
+                    // As many units or defaults as keys are one for each.
+                    let own = |cell: &String| {
+                        let parts: Vec<&str> = cell.split(", ").collect();
+                        if parts.len() == keys.len() { parts[i].to_owned() } else { cell.clone() }
+                    };
+                    let [unit, default, bounds, meaning] = &of;
+                    rows.push((section.clone(), key, [own(unit), own(default), bounds.clone(), meaning.clone()]));
                 }
             }
             true => {}
@@ -204,18 +236,22 @@ fn rows() -> Vec<Row> {
     rows
 }
 
-/// What the page says of a key: in its section or one around it, else where the same key stands.
+/// What the page says of a key: in its section or one around it, else where the same key stands, else of the table that it is in.
 fn meaning(path: &str, rows: &[Row]) -> Option<[String; 4]> {
     let plain = path.replace("[]", "");
-    let parts: Vec<&str> = plain.split('.').collect();
-    let own = (0..parts.len()).rev().find_map(|i| {
-        let (section, key) = (parts[..i].join("."), parts[i..].join("."));
-        rows.iter().find(|row| row.0 == section && row.1 == key).map(|row| row.2.clone())
-    });
-    own.or_else(|| {
+    let elsewhere = || {
         ALIKE.iter().find_map(|(section, other)| {
             let rest = plain.strip_prefix(section)?.strip_prefix('.')?;
             meaning(format!("{other}.{rest}").trim_start_matches('.'), rows)
         })
+    };
+    row_of(&plain, rows).or_else(elsewhere).or_else(|| row_of(plain.rsplit_once('.')?.0, rows))
+}
+
+fn row_of(path: &str, rows: &[Row]) -> Option<[String; 4]> {
+    let parts: Vec<&str> = path.split('.').collect();
+    (0..parts.len()).rev().find_map(|i| {
+        let (section, key) = (parts[..i].join("."), parts[i..].join("."));
+        rows.iter().find(|row| row.0 == section && row.1 == key).map(|row| row.2.clone())
     })
 }
