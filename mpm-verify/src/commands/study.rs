@@ -68,7 +68,7 @@ pub struct Options {
     /// Leave out the additional runs of the error budget
     #[arg(long, hide = true)]
     no_budget: bool,
-    /// Leave out the sweeps over particle positions, mesh offsets and tolerances
+    /// Leave out the sweeps over positions, mesh offsets and tolerances
     #[arg(long, hide = true)]
     no_sweeps: bool,
     /// Leave out the timing of single steps
