@@ -204,9 +204,9 @@ mod tests {
 
     #[test]
     fn every_scene_file_is_built_in_and_valid() {
-        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-data/scenes");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-data/scenes");
         let mut files = 0;
-        for entry in std::fs::read_dir(folder).expect("the scenes") {
+        for entry in fs::read_dir(folder).expect("the scenes") {
             let path = entry.expect("a file").path();
             if path.extension().is_some_and(|e| e == "toml") {
                 let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
