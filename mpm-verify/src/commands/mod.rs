@@ -240,7 +240,12 @@ fn warn_if_long(
 
 /// Words of an option, of which the nearest is offered in place of a misspelt one.
 fn words<T>(words: &[(&'static str, T)]) -> PossibleValuesParser {
-    PossibleValuesParser::new(words.iter().map(|(word, _)| PossibleValue::new(*word)))
+    let value = |word: &'static str| match word {
+        // The old word is read for one version; the scene reader prints a notice.
+        "staggered" => PossibleValue::new(word).alias("two-clocks"),
+        word => PossibleValue::new(word),
+    };
+    PossibleValuesParser::new(words.iter().map(|(word, _)| value(word)))
 }
 
 /// Names that a user has chosen, or all; a name that does not exist is refused with the nearest ones.

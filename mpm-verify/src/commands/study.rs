@@ -58,7 +58,7 @@ pub struct Options {
     /// column: one dimension; full: the paper's column in plane strain
     #[arg(long, value_enum, default_value_t = Width::Column, hide = true)]
     width: Width,
-    /// Time step of explicit and semi-implicit runs: auto, paper (1e-7 s) or s
+    /// Time step of explicit and semi-implicit runs, s; or auto or paper
     #[arg(long, value_parser = step, value_name = "STEP", hide = true)]
     #[serde(skip)]
     dt: Option<StepChoice>,
