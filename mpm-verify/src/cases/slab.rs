@@ -120,7 +120,11 @@ fn looks(run: &Run, scene: &Scene, exact: &Slab, end: f64) -> Comparison {
     let mass = exact.mass * scene.width;
     let whole = exact.speed(end);
     let look = |s: &Sample| {
-        Compared::one(s.stage_time, (2.0 * s.balance.kinetic_j / mass).sqrt() / whole, exact.speed(s.stage_time) / whole)
+        Compared::one(
+            s.stage_time,
+            (2.0 * s.balance.kinetic_j / mass).sqrt() / whole,
+            exact.speed(s.stage_time) / whole,
+        )
     };
     Comparison::worst("velocity over the last one", run.observed().map(look).collect())
 }

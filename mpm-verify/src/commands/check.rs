@@ -70,8 +70,8 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     }
     let clock = Instant::now();
     let folder = common.folder(FOLDER);
-    let ran = common
-        .publish(FOLDER, &NAMES, |folder| judged(&options.cases, common, (folder.stage(), folder.path())))?;
+    let ran =
+        common.publish(FOLDER, &NAMES, |folder| judged(&options.cases, common, (folder.stage(), folder.path())))?;
     common.json(&ran.rows);
     let open = ran.rows.iter().filter(|row| row.open()).count();
     let passed = ran.rows.iter().filter(|row| row.passed()).count() - open;
@@ -153,11 +153,7 @@ impl<T> Ran<T> {
 
 /// Runs the suite and writes its tables, a picture of every case and `index.html`; `accepted.csv` holds the baselines that these
 /// errors would make. The CPU times of the run `before` predict those of this one.
-pub fn judged(
-    names: &[String],
-    common: &Common,
-    (folder, before): (&Path, &Path),
-) -> Result<Ran<CaseRow>, Failure> {
+pub fn judged(names: &[String], common: &Common, (folder, before): (&Path, &Path)) -> Result<Ran<CaseRow>, Failure> {
     let cases = cases(names)?;
     make_folder(folder)?;
     common.say(&header());
@@ -176,12 +172,7 @@ pub fn judged(
 }
 
 /// Writes `cases.csv`, `samples.csv`, `refinements.csv` and the page with its pictures.
-fn write(
-    judged: &[Judged],
-    scene: &Scene,
-    common: &Common,
-    folder: &Path,
-) -> Result<Vec<CaseRow>, Failure> {
+fn write(judged: &[Judged], scene: &Scene, common: &Common, folder: &Path) -> Result<Vec<CaseRow>, Failure> {
     let rows: Vec<CaseRow> = judged.iter().map(|judged| judged.row.clone()).collect();
     write_csv(&folder.join("cases.csv"), &rows)?;
     let manifest = Manifest::new(scene, common.jobs());
