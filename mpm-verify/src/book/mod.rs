@@ -3,7 +3,7 @@
 //! # Reading order
 //! 1. [`CHAPTERS`]: the chapters in their order. [`write()`]: all of them as pages.
 //! 2. `render.rs`: Markdown to sections of a page. `formula.rs`: TeX to MathML. `links.rs`: where links of a chapter lead on the pages.
-//! 3. [`reference`]: the chapter of scene keys, made by asking the checker.
+//! 3. [`mod@reference`]: the chapter of scene keys, made by asking the checker.
 
 pub use links::anchor;
 

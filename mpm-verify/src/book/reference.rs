@@ -52,9 +52,10 @@ pub fn chapter() -> String {
     for key in keys() {
         let (parent, name) = key.path.rsplit_once('.').unwrap_or(("", &key.path));
         if section.as_deref() != Some(parent) {
-            let heading = if parent.is_empty() { "Top level".to_owned() } else { format!("`{parent}`") };
+            let heading =
+                if parent.is_empty() { "Top level".to_owned() } else { format!("`{}`", parent.replace('*', "SIDE")) };
             let head = "| key | type | unit | default | accepted | meaning |\n|---|---|---|---|---|---|";
-            let _ = write!(tables, "\n### {heading}\n\n{head}\n");
+            let _ = write!(tables, "\n## {heading}\n\n{head}\n");
             section = Some(parent.to_owned());
         }
         let [unit, default, said, meaning] = match key.row {

@@ -11,6 +11,11 @@ use crate::page::{Block, Section, escaped};
 /// A cell with more characters than these is text, not a number.
 const LONG_CELL: usize = 24;
 
+/// A table of more rows than these scrolls in its box.
+const LONG_TABLE: usize = 30;
+/// Sections of a chapter with more of them than these are folded up at first.
+const MANY_SECTIONS: usize = 20;
+
 /// The sections of a chapter; what stands before the first one is a section without a title.
 pub fn sections(markdown: &str, reports: &Path) -> Result<Vec<Section>, Error> {
     let mut parser = Parser::new_ext(markdown, Options::ENABLE_TABLES | Options::ENABLE_MATH);
@@ -58,9 +63,10 @@ pub fn sections(markdown: &str, reports: &Path) -> Result<Vec<Section>, Error> {
                 let table =
                     pushed(rows).replacen("<table>", if words { "<table class=\"words\">" } else { "<table>" }, 1);
                 let table = table.replace("<th>", "<th scope=\"col\">").replace("<th scope=\"col\"></th>", "<td></td>");
+                let class = if table.matches("<tr>").count() > LONG_TABLE { "box long" } else { "box" };
                 let label = format!("Table: {}, scrollable", escaped(title));
                 let open = format!(
-                    "<div class=\"table\"><div class=\"box\" role=\"group\" tabindex=\"0\" aria-label=\"{label}\">"
+                    "<div class=\"table\"><div class=\"{class}\" role=\"group\" tabindex=\"0\" aria-label=\"{label}\">"
                 );
                 Event::Html(format!("{open}{table}</div></div>\n").into())
             }
@@ -78,7 +84,12 @@ pub fn sections(markdown: &str, reports: &Path) -> Result<Vec<Section>, Error> {
             events.push(shown);
         }
     }
-    Ok(sections.into_iter().map(|(section, events)| section.with(Block::Html(pushed(events)))).collect())
+    let many = sections.len() > MANY_SECTIONS;
+    let made = |(section, events): (Section, Vec<Event<'_>>)| {
+        let folded = many && !section.title.is_empty();
+        Section { folded, ..section }.with(Block::Html(pushed(events)))
+    };
+    Ok(sections.into_iter().map(made).collect())
 }
 
 /// What may stand in a line of text: formulas, and links that lead to the pages.

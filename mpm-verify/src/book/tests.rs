@@ -36,7 +36,4 @@ fn the_checker_names_every_key_with_its_kind_and_bounds() {
     assert!(of("soil.law.linear_elastic.poisson_ratio").bounds.as_deref().is_some_and(|b| b.contains("0.5")));
     assert!(of("water.free_surface.feed.*.head").row.is_some());
     assert!(keys.len() > 150, "{}", keys.len());
-    for key in &keys {
-        println!("{} | {} | {:?} | {:?}", key.path, key.kind, key.bounds, key.row.as_ref().map(|r| r.join(" / ")));
-    }
 }
