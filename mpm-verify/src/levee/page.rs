@@ -22,7 +22,7 @@ use crate::report::animation::{self, Player};
 use crate::report::numbers::short;
 
 /// Looks of the headline numbers.
-const STYLE: &str = ".facts { display: grid; grid-template-columns: repeat(auto-fit, minmax(11.5rem, 1fr)); gap: 0.6rem; margin: 0.8rem 0; }
+const STYLE: &str = ".facts { display: grid; grid-template-columns: repeat(auto-fit, minmax(10.4rem, 1fr)); gap: 0.6rem; margin: 0.8rem 0; }
 .facts > div { display: block; padding: 0.5rem 0.8rem; background: var(--band); border: 1px solid var(--line); border-radius: 6px; }
 .facts dt { font-weight: 400; font-size: 0.84rem; color: var(--soft); }
 .facts dd { font-size: 0.84rem; }
