@@ -25,6 +25,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use mpm_core::hardware::Hardware;
 use mpm_core::scene::{Flags, Scene};
+use mpm_verify::book;
 use mpm_verify::error::Error::{self, Unfit};
 use mpm_verify::files::{Folder, FolderError};
 use mpm_verify::page::site;
@@ -150,11 +151,14 @@ fn home_is_free(report: &Path) -> Result<(), Failure> {
     site::is_free(&site::home(report)).map_err(|e| Failure::BadInput(format!("--out: {e}")))
 }
 
-/// Lists a report on the home page. A page in its place that this program did not write stays as it is.
+/// Lists a report on the home page, and writes the guide beside it. A page in its place that this program did not write stays as it is.
 fn refresh_home(report: &Path) -> Result<(), Failure> {
     let home = site::home(report);
     if !report.join(site::RECORD).is_file() || site::is_free(&home).is_err() {
         return Ok(());
+    }
+    if home.file_name().is_some_and(|name| name == "reports") {
+        book::write(&home).map_err(Failure::run_failed)?;
     }
     site::refresh(&home).map_err(Failure::run_failed).map(drop)
 }
