@@ -34,7 +34,7 @@ const MEASURES: &[(&str, Make)] = &[
     ("heads-in-series", heads::in_series),
     ("heads-along-layers", heads::along_layers),
     ("heads-refracted", heads::refraction),
-    ("discharge-of-layers", heads::discharge_of_layers),
+    ("flow-along-layers", heads::flow_along_layers),
     ("discharge-of-zones", heads::discharge_of_zones),
     ("way-along-slope", heads::way_along_slope),
     ("filled-by-rain", heads::filled_by_rain),
