@@ -133,7 +133,8 @@ fn a_page_of_someone_else_is_never_overwritten() {
 fn links(page: &Path) -> (Vec<String>, BTreeSet<String>) {
     let text = fs::read_to_string(page).expect("a page");
     let of = |name: &str| -> Vec<String> {
-        let parts = text.split(&format!(" {name}=\"")).skip(1);
+        let begin = format!(" {name}=\"");
+        let parts = text.split(&begin).skip(1);
         parts.filter_map(|part| Some(part.split_once('"')?.0.to_owned())).collect()
     };
     let targets = [of("href"), of("src")].concat();
