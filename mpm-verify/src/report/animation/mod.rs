@@ -149,8 +149,8 @@ mod tests {
     #[test]
     fn more_frames_than_fit_are_thinned_and_it_is_said() {
         let shots = made_up::shots(30, 60);
-        let few = Player::within(&site(), &shots, &json!({}), 100_000).expect("a player");
-        assert!(few.data.len() <= 100_000 && few.summary.contains(" of 90 from"), "{}", few.summary);
+        let few = Player::within(&site(), &shots, &json!({}), 40_000).expect("a player");
+        assert!(few.data.len() <= 40_000 && few.summary.contains(" of 90 from"), "{}", few.summary);
         assert!(Player::new(&site(), &[], &json!({})).expect("a player").summary.contains("There are no frames."));
     }
 

@@ -317,7 +317,7 @@ mod tests {
         let figure = figure(named, &tracks(), &events(), None);
         assert!(figure.panels.iter().all(|p| p.share == 1.0) && figure.panels.len() == 8);
         let table = std::fs::read_to_string(folder.join("levee-histories.csv")).expect("a table");
-        assert!(table.contains("event,E1: the toe ravels,31046.0,NaN"));
+        assert!(table.contains("event,E1: the toe fails,31046.0,NaN"));
         assert!(table.contains("outflow (m³),outflow,21600.0,0.0"));
     }
 
