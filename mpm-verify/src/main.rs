@@ -95,7 +95,7 @@ enum Command {
     },
     /// Write the report of a stored study again
     Report {
-        /// Folder that holds study.json
+        /// Folder with study.json
         #[arg(value_name = "DIR", default_value = "reports/accuracy")]
         folder: PathBuf,
         #[command(flatten)]

@@ -171,7 +171,7 @@ fn flags_of_solve_change_the_scene_and_are_checked_with_it() {
     for count in ["accepted_steps", "rejected_steps", "factorisations", "solves"] {
         assert!(plain[count].is_u64(), "{count}: {}", plain[count]);
     }
-    let beside = "expected integrator = \"quasi-static\" beside it, found time.tolerance beside";
+    let beside = "expected integrator = \"quasi-static\" with it, found time.tolerance with";
     for (flags, message) in [
         (vec!["--integrator", "implicit"], "error: invalid value 'implicit' for '--integrator <WORD>'".to_owned()),
         (vec!["--scheme", "cubic"], "error: invalid value 'cubic' for '--scheme <WORD>'".to_owned()),
@@ -267,10 +267,10 @@ fn check_ends_with_zero_when_every_case_passes() {
     for file in [
         "index.html",
         "manifest.json",
-        "hydrostatic.svg",
-        "hydrostatic.csv",
-        "undrained.svg",
-        "dry-bar.csv",
+        "hydrostatic/convergence.svg",
+        "hydrostatic/errors.csv",
+        "undrained/index.html",
+        "dry-bar/errors.csv",
         "accepted.csv",
     ] {
         assert!(folder.path().join("reports/suite").join(file).exists(), "{file}");
@@ -396,7 +396,7 @@ fn a_levee_is_followed_to_its_page_and_what_cannot_be_run_is_refused() {
         (output.status.code().unwrap_or(-1), said, stderr(&output))
     };
     let refusals: [(&[&str], &str); 6] = [
-        (&["--scene", "terzaghi"], "clock = \"both\""),
+        (&["--scene", "terzaghi"], "coupling = \"full\""),
         (&["--variant", "no-such"], "--variant: expected the name of a variant, found no-such; did you mean "),
         (&["--until", "5"], "--until: expected hours"),
         (&["--from", "8"], "--from: expected --driver coupled or explicit"),

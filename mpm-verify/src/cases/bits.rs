@@ -15,7 +15,7 @@ use crate::nightly::work::GATES;
 /// Threads, and vectors of any width.
 pub const THREADS: Program = Program {
     name: "same-bits-threads",
-    about: "a block in plane strain on 1, 2, 3 and 8 threads, with lanes of every width: numbers that differ",
+    about: "a block in plane strain on 1, 2, 3 and 8 threads, with SIMD vectors of every width: numbers that differ",
     run: || threads(0.0),
     mutant: Some(Mutant { what: "a load larger by 1e-14 on three threads", run: || threads(1e-14) }),
 };

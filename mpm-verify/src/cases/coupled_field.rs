@@ -17,7 +17,7 @@ use crate::experiment::refinement::STEP as BY_STEP;
 /// The paper's scheme.
 pub const EXPLICIT: Program = Program {
     name: "coupled-field",
-    about: "made-up u-p field in a closed square, the paper's scheme: pressure, order 2",
+    about: "manufactured u-p field in a closed square, the paper's scheme: pressure, order 2",
     run: || refined(Integrator::Explicit, ShapeChoice::Centre, 1.0),
     mutant: Some(Mutant { what: NO_FORCE, run: || refined(Integrator::Explicit, ShapeChoice::Centre, 0.0) }),
 };

@@ -21,7 +21,7 @@ use crate::experiment::refinement::{MESH, PARTICLES, Refinement, STEP};
 /// The paper's step.
 pub const EXPLICIT: Program = Program {
     name: "dynamic-energy",
-    about: "energy ledger of the column with inertia and damping: what no work explains, order 1 in the step",
+    about: "energy balance of the column with inertia and damping: what no work explains, order 1 in the step",
     run: || outcome(&PAPER, sound),
     mutant: Some(Mutant { what: LOSSY, run: || outcome(&PAPER, lossy) }),
 };

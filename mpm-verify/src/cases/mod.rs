@@ -39,7 +39,7 @@ pub mod suite;
 mod undrained;
 mod undrained_wave;
 mod vortex;
-mod water_ledger;
+mod water_balance;
 mod wetting;
 
 use mpm_core::scene::Fields;
@@ -85,7 +85,7 @@ const PROGRAMS: &[Program] = &[
     dynamic_energy::SEMI_IMPLICIT,
     damped_column::CASE,
     automatic_step::CASE,
-    water_ledger::CASE,
+    water_balance::CASE,
     elsewhere::CASES[0],
     elsewhere::CASES[1],
     elsewhere::CASES[2],

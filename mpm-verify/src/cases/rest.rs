@@ -21,7 +21,7 @@ pub const SPEED: Program = Program {
 /// No energy comes or goes.
 pub const ENERGY: Program = Program {
     name: "rest-energy",
-    about: "the same: change of the energy ledger's closing error, of the energy stored",
+    about: "the same: change of the residual of the energy balance, of the energy stored",
     run: || outcome(STEPS, ENERGIES, 1e-10, sound),
     mutant: Some(Mutant { what: STEEPER, run: || outcome(FEW, ENERGIES, 1e-10, steeper) }),
 };

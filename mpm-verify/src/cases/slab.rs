@@ -31,7 +31,7 @@ pub const SATURATED: Program = Program {
 /// The same whose water has a free surface.
 pub const FREE_SURFACE: Program = Program {
     name: "slab-on-free-water",
-    about: "the same with a free surface and pressures that are held",
+    about: "the same with a free surface and given pressures",
     run: || outcome(seeping, FAR, sound),
     mutant: Some(Mutant { what: STICKIER, run: || outcome(seeping, FAR, stickier) }),
 };

@@ -52,7 +52,7 @@ pub const MOIST: Program = Program {
 
 /// The water of all three, in cells and in particles.
 pub const LEDGER: Program = Program {
-    name: "front-ledger",
+    name: "front-water-balance",
     about: "no water is made or lost, in cells or in particles, at 4 and 9 per cell",
     run: || ledger(0.0),
     mutant: Some(Mutant { what: "one water particle lost", run: || ledger(1.0) }),

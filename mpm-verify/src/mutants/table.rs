@@ -162,7 +162,7 @@ pub const MUTANTS: &[Mutant] = &[
         "(over + self.over(s2, s3)) * self.of_face",
     ),
     fault(
-        "leaky-ledger",
+        "leaky-balance",
         "a thousandth of the water that leaves is not booked",
         "mpm-core/src/step/faces.rs",
         "totals.water_out += through.max(0.0);",
@@ -533,7 +533,7 @@ pub const MUTANTS: &[Mutant] = &[
         "point.x[D - 1] + strip.offset",
     ),
     fault(
-        "lanes-without-gravity",
+        "simd-without-gravity",
         "the vectorised step gives the soil its dry weight",
         "mpm-core/src/step/kernel/equation.rs",
         "force += mixture * gravity[d];",

@@ -32,7 +32,7 @@ pub fn write(judged: &Judged, folder: &Path) -> Result<(), ReportError> {
     let spec = known.and_then(|case| case.spec());
     let mut pictures = Section::new("pictures", "Computed and exact");
     for figure in comparison::curves(judged).into_iter().chain(curves::figure(judged)) {
-        plots::write_svg(&figure, &folder)?;
+        plots::write_svg_and_numbers(&figure, &folder)?;
         pictures = pictures.figure_in(&figure, ".", FILES);
     }
     for map in comparison::fields(judged) {
@@ -41,7 +41,7 @@ pub fn write(judged: &Judged, folder: &Path) -> Result<(), ReportError> {
     }
     let mut convergence = Section::new("convergence", "Convergence");
     let figure = plots::figure::Figure { name: "convergence", ..case::figure(judged) };
-    plots::write_svg(&figure, &folder)?;
+    plots::write_svg_and_numbers(&figure, &folder)?;
     let header = format!("{},error", case::column(judged.refined_by));
     let rows = judged.errors.iter().map(|(parameter, error)| vec![exact(*parameter), exact(*error)]);
     tables::table(&folder.join("errors.csv"), &header, rows)?;

@@ -153,6 +153,15 @@ pub fn write_svg(figure: &Figure, folder: &Path) -> Result<String, ReportError> 
     Ok(text)
 }
 
+/// Writes a picture as SVG and its numbers as CSV.
+///
+/// # Errors
+/// A file that cannot be written or drawn.
+pub fn write_svg_and_numbers(figure: &Figure, folder: &Path) -> Result<(), ReportError> {
+    write_svg(figure, folder)?;
+    numbers(figure, &folder.join(format!("{}.csv", figure.name)))
+}
+
 /// Draws a picture on any backend, `scale` of its pixels to one px.
 fn draw_on<DB: DrawingBackend>(figure: &Figure, backend: DB, scale: u32, letters: Lettering) -> Drawn {
     if !ready() {

@@ -11,7 +11,7 @@ use crate::experiment::refinement::RUNS;
 
 /// The case.
 pub const CASE: Program = Program {
-    name: "water-ledger",
+    name: "water-balance",
     about: "a block that consolidates, explicit and with implicit pressure: water that is not accounted for",
     run: || outcome(0.0),
     mutant: Some(Mutant { what: "a thousandth of the outflow not booked", run: || outcome(1e-3) }),
