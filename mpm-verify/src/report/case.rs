@@ -20,11 +20,12 @@ use crate::page::{Block, Link, Page, Section, sketch};
 /// Endings of the files of a picture of a case.
 const FILES: &[&str] = &["csv", "svg"];
 
-/// Writes the folder of a case: `index.html`, its pictures with their numbers, and `scene.toml` where a scene of a file is run.
+/// Writes the folder of a case: `index.html`, its pictures with their numbers, and `scene.toml` where a scene of a file is run. `all`
+/// are the cases whose pages are written with it.
 ///
 /// # Errors
 /// A file that cannot be written or drawn.
-pub fn write(judged: &Judged, folder: &Path) -> Result<(), ReportError> {
+pub fn write(judged: &Judged, all: &[Judged], folder: &Path) -> Result<(), ReportError> {
     let folder = folder.join(judged.case.name);
     fs::create_dir_all(&folder).map_err(|e| unwritable(&folder, e))?;
     let known = suite().iter().find(|case| case.name == judged.case.name);
@@ -47,7 +48,7 @@ pub fn write(judged: &Judged, folder: &Path) -> Result<(), ReportError> {
     tables::table(&folder.join("errors.csv"), &header, rows)?;
     convergence = convergence.figure_in(&figure, ".", FILES).tables([refinements(judged)]).files(["errors.csv"]);
     let scene = spec.map(|spec| super::save(&folder.join("scene.toml"), spec.written()).map(|()| spec)).transpose()?;
-    let beside = known.map(|case| neighbours(case.name, case.problem)).unwrap_or_default();
+    let beside = known.map(|case| neighbours((case.name, case.problem), all)).unwrap_or_default();
     let page = Page::new(format!("{}: {}", judged.case.name, judged.case.about))
         .verdict(verdict(judged))
         .section(pictures)
@@ -72,8 +73,9 @@ fn verdict(judged: &Judged) -> Verdict {
 }
 
 /// Other cases of the same problem.
-fn neighbours(name: &str, problem: usize) -> Vec<Link> {
-    let others = suite().iter().filter(|case| case.problem == problem && case.name != name);
+fn neighbours((name, problem): (&str, usize), all: &[Judged]) -> Vec<Link> {
+    let written = |name: &str| all.iter().any(|judged| judged.case.name == name);
+    let others = suite().iter().filter(|case| case.problem == problem && case.name != name && written(case.name));
     others.map(|case| Link::new(case.name, format!("../{}/index.html", case.name))).collect()
 }
 

@@ -28,7 +28,7 @@ pub const REFINEMENTS: &str =
 /// # Errors
 /// A file that cannot be written or drawn.
 pub fn write(judged: &[Judged], manifest: &Manifest, folder: &Path) -> Result<(), ReportError> {
-    judged.iter().try_for_each(|judged| super::case::write(judged, folder))?;
+    judged.iter().try_for_each(|one| super::case::write(one, judged, folder))?;
     let notes = || judged.iter().flat_map(|judged| judged.notes.iter().map(move |note| (judged, note)));
     if notes().next().is_some() {
         let row = |(judged, (quantity, value, unit)): (&Judged, &(String, f64, String))| {

@@ -18,7 +18,7 @@ pub fn curves(judged: &Judged) -> Option<Figure> {
     super::ready();
     let panels = match judged.comparisons.iter().find(|comparison| is_profile(comparison)) {
         Some(profile) => profiles(profile),
-        None => over_time(&samples(judged)),
+        None => over_time(&samples(judged), judged.comparisons.is_empty()),
     };
     (!panels.is_empty()).then(|| Figure {
         name: "curves",
@@ -82,7 +82,7 @@ fn samples(judged: &Judged) -> Vec<Sampled> {
     judged.samples.iter().filter(|s| s.counts == counting).cloned().collect()
 }
 
-fn over_time(samples: &[Sampled]) -> Vec<Panel> {
+fn over_time(samples: &[Sampled], values_too: bool) -> Vec<Panel> {
     let factor = samples.iter().all(|s| s.factor.is_some_and(|factor| factor > 0.0));
     let time = || match factor {
         true => Axis::log("time factor Tv", "time_factor"),
@@ -131,7 +131,13 @@ fn over_time(samples: &[Sampled]) -> Vec<Panel> {
             .unlisted(),
         );
     }
-    if values.is_empty() || samples.len() < 2 { Vec::new() } else { vec![values, errors] }
+    // Of a field only the place that is furthest off is known: values at places that change make no curve.
+    let moves = samples.iter().any(|s| s.quantity.ends_with("furthest off"));
+    match (values.is_empty() || samples.len() < 2, moves && !values_too) {
+        (true, _) => Vec::new(),
+        (_, true) => vec![errors],
+        (_, false) => vec![values, errors],
+    }
 }
 
 fn profiles(comparison: &Comparison) -> Vec<Panel> {
