@@ -102,7 +102,7 @@ fn limit(scene: &Scene) -> Result<Limit, Error> {
     let surcharge = scene.surcharge.ok_or(Lacks("load"))?;
     let run = run(scene, &mut |_| {})?;
     let time = match &run.failure {
-        Some(failure) if failure.what.contains("more than the soil can bear") => failure.time,
+        Some(failure) if failure.what.contains("the load may exceed the bearing capacity") => failure.time,
         Some(failure) => return Err(failure.clone().into()),
         None => surcharge.ramp_time,
     };
