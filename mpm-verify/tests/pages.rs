@@ -33,7 +33,7 @@ fn tools() -> Result<(PathBuf, PathBuf), &'static str> {
     let folders: Vec<PathBuf> =
         env::var_os("NODE_PATH").map_or_else(Vec::new, |path| env::split_paths(&path).collect());
     let known = |name: &&str| folders.iter().any(|folder| folder.join(name).is_dir());
-    if modules.iter().all(|name| known(name)) {
+    if modules.iter().all(known) {
         Ok((browser, node))
     } else {
         Err("NODE_PATH lacks puppeteer-core, axe-core or html-validate")
