@@ -2,10 +2,10 @@
 //! refined, and what that must show. The result is a record.
 //!
 //! # Reading order
-//! 1. [`spec`]: an experiment as data, from a file. [`measure`]: what can be measured. [`run`]: from both to an outcome.
-//! 2. [`comparison`]: numbers of a run beside exact ones, and the norm that makes one error of them.
-//! 3. [`refinement`]: errors over a refined parameter, and the order that they show.
-//! 4. [`verdict`]: the one rule that judges an outcome. [`accepted`]: its error beside the accepted one.
+//! 1. [`spec`]: an experiment as data, from a file. [`measure`]: what can be measured. `run`: from both to an outcome.
+//! 2. `comparison`: numbers of a run beside exact ones, and the norm that makes one error of them.
+//! 3. `refinement`: errors over a refined parameter, and the order that they show.
+//! 4. `verdict`: the one rule that judges an outcome. `accepted`: its error beside the accepted one.
 //! 5. [`pool`]: several experiments at a time.
 
 pub(crate) mod accepted;

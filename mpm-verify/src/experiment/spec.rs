@@ -98,7 +98,7 @@ fn verified() -> Kind {
     Kind::Verified
 }
 
-/// What is measured in a run: a word of [`super::measure::MEASURES`] and what that asks for.
+/// What is measured in a run: a word of `MEASURES` in [`super::measure`] and what that asks for.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measure {

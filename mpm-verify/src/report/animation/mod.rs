@@ -1,7 +1,7 @@
 //! The frames of a run as moving pictures: a player inside the page of the run, and a small image that loops.
 //!
 //! # Reading order
-//! 1. [`chosen`]: which frames. [`packed`]: frames as few bytes.
+//! 1. [`mod@chosen`]: which frames. [`packed`]: frames as few bytes.
 //! 2. [`Player`]: what the page holds; `player.html`, `player.css`, `player.js`: what draws it, with curves beside it whose cursor follows.
 //! 3. [`looping`]: the image, `levee.png`.
 
