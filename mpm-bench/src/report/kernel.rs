@@ -342,7 +342,7 @@ pub mod tests {
             "AVX-512, 8 lanes; with the four lanes of AVX2 it costs 9.0 ns",
             "42 ns, 7.0 times",
             "0.500 at 1\u{a0}000 points, 1.75 at 100\u{a0}000 points",
-            "pays (a tenth or more) from 100\u{a0}000 on",
+            "a tenth or more from 100\u{a0}000 points on",
             "90 % of a step is its pass over all particles (the pass)",
             "3.0 times what arithmetic allows (2.0 ns)",
         ] {
@@ -354,7 +354,7 @@ pub mod tests {
         kernel.timings.retain(|t| t.threads == 1);
         let text = section(&kernel).text.join("\n");
         assert!(text.contains("above the 10 ns") && text.contains("above the 1.8"), "{text}");
-        assert!(text.contains("one thread at a time") && pays_from(&kernel).is_none(), "{text}");
+        assert!(text.contains("This machine has one core") && pays_from(&kernel).is_none(), "{text}");
     }
 
     #[test]
@@ -367,7 +367,7 @@ pub mod tests {
         assert_eq!(points("vectorised, one"), [(1e3, 6.0), (1e5, 7.0), (1e6, 9.0)]);
         assert_eq!(points("vectorised, two"), [(1e3, 12.0), (1e5, 4.0), (1e6, 5.0)]);
         assert_eq!(points("10 ns"), [(1e3, 10.0), (1e6, 10.0)]);
-        assert_eq!((points("written").len(), points("over four").len(), points("threads").len()), (1, 1, 2));
+        assert_eq!((points("not vectorised").len(), points("vectorised, AVX2").len(), points("threads").len()), (1, 1, 2));
     }
 
     #[test]
