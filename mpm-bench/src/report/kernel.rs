@@ -367,7 +367,10 @@ pub mod tests {
         assert_eq!(points("vectorised, one"), [(1e3, 6.0), (1e5, 7.0), (1e6, 9.0)]);
         assert_eq!(points("vectorised, two"), [(1e3, 12.0), (1e5, 4.0), (1e6, 5.0)]);
         assert_eq!(points("10 ns"), [(1e3, 10.0), (1e6, 10.0)]);
-        assert_eq!((points("not vectorised").len(), points("vectorised, AVX2").len(), points("threads").len()), (1, 1, 2));
+        assert_eq!(
+            (points("not vectorised").len(), points("vectorised, AVX2").len(), points("threads").len()),
+            (1, 1, 2)
+        );
     }
 
     #[test]
