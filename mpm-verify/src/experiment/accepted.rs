@@ -27,7 +27,7 @@ fn compare_with(accepted: &[Accepted], judged: &mut Judged) {
 }
 
 /// The baselines as they would be with these cases, all others as they are: to be put in place of the old ones once a
-/// change is accepted. Cases that fell short of more than their baseline keep their old row.
+/// change is accepted. Cases that fail for more than their accepted error keep their old row.
 pub fn accepted(judged: &[Judged]) -> String {
     let known = baselines();
     let mut text = LABEL.to_owned();

@@ -36,7 +36,7 @@ pub struct Night {
     pub verdict: String,
     /// Numbers that have moved.
     pub moved: Vec<Moved>,
-    /// Checks that fell short, in words.
+    /// Failed checks, in words.
     pub fell: Vec<String>,
     /// CPU time, s.
     pub cpu_s: f64,

@@ -52,7 +52,7 @@ impl Sweeps {
         Ok(Self { displaced, shifted, time, cpu_s })
     }
 
-    /// Rows that must hold a limit, and those of them that fall short.
+    /// Rows that must hold a limit, and those of them that fail.
     pub fn limits(&self) -> (usize, usize) {
         let held = self.displaced.iter().map(|r| r.held).chain(self.shifted.iter().map(|r| r.held)).flatten();
         held.fold((0, 0), |(all, fallen), held| (all + 1, fallen + usize::from(!held)))

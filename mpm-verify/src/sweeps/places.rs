@@ -105,7 +105,7 @@ fn required(shape: ShapeChoice, quadrature: Quadrature, mesh: f64) -> Option<f64
     ((shape, quadrature, mesh) == (ShapeChoice::Bspline2, Quadrature::Fitted, MESHES[0])).then_some(REQUIRED)
 }
 
-/// Whether a row holds: one that could not be run falls short whatever is required of it.
+/// Whether a row holds: one that could not be run fails whatever is required of it.
 fn passed(required: Option<f64>, error: f64, failed: bool) -> Option<bool> {
     if failed { Some(false) } else { required.map(|limit| error <= limit) }
 }
