@@ -25,13 +25,9 @@ pub(crate) fn outcome(spec: &Spec, with_fault: bool) -> Result<Outcome, Error> {
     let base = bases.first().ok_or(Lacks("scene"))?;
     let measure = spec.measure.as_ref().ok_or(Lacks("measure"))?;
     let fault = if with_fault { Some(spec.mutant.as_ref().ok_or(Lacks("mutant"))?) } else { None };
-    let compared = |scene: &Scene| {
-        let compare = measure.of_scene(scene)?;
-        match fault {
-            Some(fault) => compare(&finished(&fault.planted(scene)?)?),
-            None => compare(&finished(scene)?),
-        }
-    };
+    let planted = |scene: &Scene| fault.map_or_else(|| Ok(scene.clone()), |fault| fault.planted(scene));
+    // The reference is that of the sound scene.
+    let compared = |scene: &Scene| measure.of_scene(scene)?(&finished(&planted(scene)?)?);
     let (mut errors, mut finest, mut shown) = (Vec::new(), Vec::new(), None);
     for cells in &spec.meshes {
         let scenes: Vec<Scene> = bases.iter().map(|base| spec.on(base, *cells)).collect::<Result<_, _>>()?;
@@ -39,7 +35,7 @@ pub(crate) fn outcome(spec: &Spec, with_fault: bool) -> Result<Outcome, Error> {
         errors.push((scenes[0].cell, worst(finest.iter().map(Comparison::error))));
         shown = scenes.into_iter().next();
     }
-    let mut refinements = refinements(spec, base, &compared)?;
+    let mut refinements = refinements(spec, base, &planted, &compared)?;
     if spec.finest_alone {
         let all = std::mem::take(&mut errors);
         errors.extend(all.last());
@@ -65,13 +61,14 @@ pub(crate) fn outcome(spec: &Spec, with_fault: bool) -> Result<Outcome, Error> {
 fn refinements(
     spec: &Spec,
     base: &Scene,
+    planted: &dyn Fn(&Scene) -> Result<Scene, Error>,
     compared: &dyn Fn(&Scene) -> Result<Comparison, Error>,
 ) -> Result<Vec<Refinement>, Error> {
     let mut refinements = Vec::new();
     if let Some(steps) = &spec.steps {
         let scene = spec.on(base, steps.cells)?;
         let run = |step| compared(&scene.edited(|scene| scene.step = StepChoice::Fixed(step))?);
-        let refinement = in_time(run, scene.cell, steps.first(&scene), steps.halvings, steps.order)?;
+        let refinement = in_time(run, scene.cell, steps.first(&planted(&scene)?), steps.halvings, steps.order)?;
         refinements.push(Refinement { required_error: steps.at_most, ..refinement });
     }
     if let Some(tolerances) = &spec.tolerances {
