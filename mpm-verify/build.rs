@@ -10,16 +10,17 @@ fn first_line(program: &str, arguments: &[&str]) -> Option<String> {
     output.status.success().then(|| text.lines().next().unwrap_or("").to_owned())
 }
 
-/// Folders whose TOML files the program carries, each as a list of names and texts in a file of its name.
-const EMBEDDED: [&str; 4] = ["cases", "gallery", "others", "scenes"];
+/// Folders whose files of an ending the program carries, each as a list of names and texts in a file of its name.
+const EMBEDDED: [(&str, &str); 5] =
+    [("cases", "toml"), ("gallery", "toml"), ("mutants", "patch"), ("others", "toml"), ("scenes", "toml")];
 
-/// Writes `NAME.rs` with the names and texts of all TOML files of a folder, in the order of their names.
-fn embed(name: &str, out: &Path) -> std::io::Result<()> {
+/// Writes `NAME.rs` with the names and texts of all such files of a folder, in the order of their names.
+fn embed(name: &str, ending: &str, out: &Path) -> std::io::Result<()> {
     let folder =
         Path::new(&std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../reference-data").join(name);
     println!("cargo::rerun-if-changed={}", folder.display());
     let mut files: Vec<_> = fs::read_dir(&folder)?.flatten().map(|entry| entry.path()).collect();
-    files.retain(|path| path.extension().is_some_and(|ending| ending == "toml"));
+    files.retain(|path| path.extension().is_some_and(|other| other == ending));
     files.sort();
     let entry = |path: &std::path::PathBuf| {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -42,8 +43,8 @@ fn main() {
         Path::new(&out).ancestors().nth(3).and_then(|folder| folder.file_name()?.to_str()).unwrap_or("unknown");
     println!("cargo::rustc-env=MPM_PROFILE={profile}");
     println!("cargo::rustc-env=MPM_TARGET={}", std::env::var("TARGET").unwrap_or_default());
-    for name in EMBEDDED {
-        embed(name, Path::new(&out)).unwrap_or_else(|error| panic!("reference-data/{name}: {error}"));
+    for (name, ending) in EMBEDDED {
+        embed(name, ending, Path::new(&out)).unwrap_or_else(|error| panic!("reference-data/{name}: {error}"));
     }
     println!("cargo::rerun-if-changed=../.git/HEAD");
     println!("cargo::rerun-if-changed=../.git/index");

@@ -162,15 +162,11 @@ pub(super) fn own(
     scene: &Scene,
     (depth, seepage): (f64, Seepage),
     rows: usize,
-    fault: fn(&mut Fields),
+    fault: super::own::Fault<'_>,
 ) -> Result<(f64, f64), Error> {
     let psi = scene.strength.map_or(0.0, |strength| strength.dilation_angle).to_radians();
     let exact = exact(scene, depth, seepage, psi)?;
-    let found = factor(exact, |factor| {
-        let mut scene = slope(scene, (1, rows), depth, seepage, psi, factor)?;
-        scene = scene.edited(fault)?;
-        stands(&scene)
-    })?;
+    let found = factor(exact, |factor| stands(&fault(&slope(scene, (1, rows), depth, seepage, psi, factor)?)?))?;
     Ok((found / exact, exact))
 }
 

@@ -11,12 +11,12 @@ use mpm_core::scene::{Fields, Integrator, Scene, ShapeChoice, StepChoice, Strain
 use mpm_core::stability::stable_limit;
 
 use super::{
-    Error, FASTER, Lacks, Mutant, Outcome, Program, Unfit, faster, finished_given, integrator, mandel, scheme, slower,
-    sound,
+    Error, FASTER, Lacks, Mutant, Outcome, Program, Unfit, faster, finished_given, integrator, scheme, slower, sound,
 };
 use super::{FIRST_ORDER, HALVINGS, PARTICLE_COUNTS};
 use crate::exact::mandel::Mandel;
 use crate::experiment::comparison::{Comparison, in_particles, in_time};
+use crate::experiment::measure::mandel;
 use crate::experiment::refinement::Refinement;
 
 /// Implicit pressure.
@@ -66,7 +66,7 @@ impl Way {
         let (slow, side) = self.stepped;
         let mut block = Block::new(&Self { slow, ..*self }, times)?;
         block.scene = block.scene.edited(fault)?;
-        let scene = mandel::on(&block.scene, side)?;
+        let scene = block.scene.with_rows(side)?;
         let step = |dt| looks(&block.run(&scene.edited(|s| s.step = StepChoice::Fixed(dt))?)?, &block);
         in_time(step, scene.cell, self.share * stable_limit(&scene), HALVINGS, FIRST_ORDER)
     }
@@ -140,12 +140,12 @@ fn outcome(way: &Way, required_error: f64, fault: fn(&mut Fields)) -> Result<Out
     let looks = |scene: &Scene| Ok::<_, Error>(mandel::looks(&block.run(scene)?, &block.exact, block.start));
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for side in way.sides {
-        let scene = mandel::on(&block.scene, side)?;
-        let run = block.run(&scene)?;
-        errors.push((scene.cell, mandel::looks(&run, &block.exact, block.start).error()));
-        samples = mandel::profile(&run, &block.exact, block.start);
+        let scene = block.scene.with_rows(side)?;
+        let found = looks(&scene)?;
+        errors.push((scene.cell, found.error()));
+        samples = found.samples();
     }
-    let coarse = mandel::on(&block.scene, way.sides[0])?;
+    let coarse = block.scene.with_rows(way.sides[0])?;
     let with = |count| looks(&coarse.edited(|s| s.particles_per_cell = count)?);
     let (integrator, scheme) = (integrator(&block.scene), scheme(&block.scene));
     Ok(Outcome {

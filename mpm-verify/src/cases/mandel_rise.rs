@@ -5,10 +5,10 @@
 //! alone shows it. Times between the sample times are those of the parabola through the three highest.
 
 use mpm_core::drive::{Run, Sample};
-use mpm_core::scene::{Fields, Scene, ShapeChoice, Until};
+use mpm_core::scene::{Fields, Scene, Until};
 
 use super::mandel_inertia::{Block, IMPLICIT_PRESSURE, PAPER, Way};
-use super::{Error, Mutant, Outcome, Program, asked, finished, integrator, mandel, scheme, sound};
+use super::{Error, Mutant, Outcome, Program, Unfit, asked, finished, integrator, scheme, sound};
 use crate::exact::mandel::Mandel;
 use crate::experiment::comparison::{Compared, Comparison};
 use crate::experiment::refinement::{MESH, Refinement, Sampled, TOLERANCE};
@@ -180,8 +180,15 @@ fn missing() -> Error {
     Error::Found(format!("the pressure in the middle has no peak from T = {} to {}", WINDOW[0], WINDOW[1]))
 }
 
+/// The scene, all but exact in time.
+fn without_inertia() -> Result<(Scene, Mandel), Error> {
+    let base = crate::scenes::built_in("mandel")?.edited(|base| (base.history, base.tolerance) = (0, 1e-7))?;
+    let exact = Mandel::new(&base).ok_or(Unfit("not Mandel's problem"))?;
+    Ok((base, exact))
+}
+
 fn quasi_static(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
-    let (mut base, exact) = mandel::block(ShapeChoice::Bspline2)?;
+    let (mut base, exact) = without_inertia()?;
     let one = 1.0 / exact.time_factor(1.0);
     base = base.edited(|base| {
         base.observe_times = times().iter().map(|t| t * one).collect();
@@ -189,9 +196,9 @@ fn quasi_static(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     })?;
     base = base.edited(fault)?;
     let rise = |scene: &Scene| Rise::of(&finished(scene)?, &exact, 0.0).ok_or_else(missing);
-    let scenes = [8, 12, 16, 20].into_iter().map(|side| mandel::on(&base, side)).collect::<Result<Vec<_>, _>>()?;
+    let scenes = [8, 12, 16, 20].into_iter().map(|side| base.with_rows(side)).collect::<Result<Vec<_>, _>>()?;
     let outcome = judged(&scenes, rise, [1e-4, 2e-4], [[3.0, 6.0]; 2])?;
-    let under = |tolerance: f64| rise(&mandel::on(&base, 8)?.edited(|s| s.tolerance = tolerance)?);
+    let under = |tolerance: f64| rise(&base.with_rows(8)?.edited(|s| s.tolerance = tolerance)?);
     let finest = under(1e-9)?;
     let error = |tolerance: f64| Ok((tolerance, under(tolerance)?.history.difference(&finest.history)));
     let errors = [1e-3, 1e-4, 1e-5, 1e-6].into_iter().map(error).collect::<Result<_, Error>>()?;
@@ -204,7 +211,7 @@ fn with_inertia(way: &Way, required_error: f64, fault: fn(&mut Fields)) -> Resul
     let mut block = Block::new(way, &times())?;
     block.scene = block.scene.edited(fault)?;
     let rise = |scene: &Scene| Rise::of(&block.run(scene)?, &block.exact, block.start).ok_or_else(missing);
-    let scenes = way.sides.into_iter().map(|side| mandel::on(&block.scene, side)).collect::<Result<Vec<_>, _>>()?;
+    let scenes = way.sides.into_iter().map(|side| block.scene.with_rows(side)).collect::<Result<Vec<_>, _>>()?;
     // Steps that fall with L add to the time of the peak what the mesh takes from it: its order is above 2.
     let outcome = judged(&scenes, rise, [required_error; 2], [[1.7, 2.3], [1.7, 2.8]])?;
     let curve = |run: &Run, block: &Block| Ok(Rise::of(run, &block.exact, block.start).ok_or_else(missing)?.history);
@@ -225,7 +232,7 @@ mod tests {
         let peak = vertex(&points).expect("a peak");
         assert!((peak.factor - 0.0643).abs() < 1e-12 && (peak.size - 1.07).abs() < 1e-12, "{peak:?}");
         assert_eq!(vertex(&points[..4]), None, "a curve that still rises has none");
-        let (_, exact) = mandel::block(ShapeChoice::Bspline2).expect("a block");
+        let (_, exact) = without_inertia().expect("a block");
         let peak = exact_peak(&exact, 0.0);
         // Of the table, whose rows are a tenth apart: 1.0759 at T = 0.0678.
         assert!((0.06..0.068).contains(&peak.factor) && (1.0759..1.077).contains(&peak.size), "{peak:?}");

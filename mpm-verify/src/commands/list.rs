@@ -5,7 +5,7 @@ use mpm_core::scene::capabilities::{FEATURES, RULES, conflict};
 use mpm_core::scene::{INTEGRATORS, SHAPES};
 use mpm_verify::cases::suite;
 use mpm_verify::levee::variants::VARIANTS;
-use mpm_verify::mutants::table::MUTANTS;
+use mpm_verify::mutants::patches;
 use mpm_verify::scenes::{BUILT_IN, GALLERY};
 use mpm_verify::stress::CASES;
 use mpm_verify::study::MESHES;
@@ -79,7 +79,7 @@ fn names() -> Vec<Names> {
         (
             Kind::Faults,
             "faults planted in a copy of the source: mpm-verify mutants FAULT",
-            MUTANTS.iter().map(|mutant| (mutant.name, mutant.what.to_owned())).collect(),
+            patches::mutants().unwrap_or_default().into_iter().map(|mutant| (mutant.name, mutant.what)).collect(),
         ),
         (
             Kind::Words,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use mpm_verify::mutants::copy::plant;
 use mpm_verify::mutants::hunt::{Row, Spoilt, build};
-use mpm_verify::mutants::table::{MUTANTS, Mutant};
+use mpm_verify::mutants::patches::{Mutant, mutants};
 
 use super::terminal::say;
 use super::{Failure, chosen, make_folder, write_csv};
@@ -30,7 +30,8 @@ pub struct Options {
 
 /// Plants the faults, runs the checks on each, and writes `mutants.csv`.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
-    let numbered: Vec<(u32, &Mutant)> = (1..).zip(MUTANTS).collect();
+    let all = mutants().map_err(Failure::bad_input)?;
+    let numbered: Vec<(u32, &Mutant)> = (1..).zip(&all).collect();
     let chosen = chosen(("the name of a fault", "faults"), &options.mutants, &numbered, |(_, mutant)| mutant.name)?;
     if options.list {
         chosen.iter().for_each(|(_, mutant)| say(&format!("{:<26} {}", mutant.name, mutant.what)));
@@ -43,8 +44,8 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let rows = common.publish("mutants", &["mutants.csv"], |folder| {
         make_folder(&options.scratch)?;
         let scratch = options.scratch.canonicalize().map_err(Failure::run_failed)?;
-        let written = plant(&options.source, &scratch, MUTANTS).map_err(Failure::bad_input)?;
-        common.say(&format!("{} faults in a copy ({written} files changed); building it ...", MUTANTS.len()));
+        let written = plant(&options.source, &scratch, &all).map_err(Failure::bad_input)?;
+        common.say(&format!("{} faults in a copy ({written} files changed); building it ...", all.len()));
         let program = build(&scratch).map_err(Failure::run_failed)?;
         let spoilt =
             Spoilt::new(program, scratch, common.jobs(), &|text| common.say(text)).map_err(Failure::run_failed)?;

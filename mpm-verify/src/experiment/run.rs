@@ -10,11 +10,13 @@ use mpm_core::scene::{Integrator, Scene, StepChoice};
 
 use super::comparison::{Comparison, in_particles, in_time, in_tolerance};
 use super::refinement::{MESH, Refinement};
-use super::spec::Spec;
+use super::spec::{Measure, Spec};
 use super::verdict::Outcome;
+use crate::cases::own::OwnScene;
 use crate::error::Error::{self, Lacks};
 use crate::norms::worst;
 use crate::study::word;
+use toml::Table;
 
 /// Runs a case, with its fault or without.
 ///
@@ -23,19 +25,45 @@ use crate::study::word;
 pub(crate) fn outcome(spec: &Spec, with_fault: bool) -> Result<Outcome, Error> {
     let bases = spec.bases()?;
     let base = bases.first().ok_or(Lacks("scene"))?;
-    let measure = spec.measure.as_ref().ok_or(Lacks("measure"))?;
     let fault = if with_fault { Some(spec.mutant.as_ref().ok_or(Lacks("mutant"))?) } else { None };
     let planted = |scene: &Scene| fault.map_or_else(|| Ok(scene.clone()), |fault| fault.planted(scene));
+    if spec.as_own_scene {
+        let rows: Vec<usize> = spec.meshes.iter().map(|rows| *rows as usize).collect();
+        return OwnScene::new(base, &rows)?.outcome(&planted);
+    }
+    let measure = spec.measure.as_ref().ok_or(Lacks("measure"))?;
     // The reference is that of the sound scene.
-    let compared = |scene: &Scene| measure.of_scene(scene)?(&finished(&planted(scene)?)?);
+    let measured = |measure: &Measure, scene: &Scene| {
+        let mut found = measure.of_scene(scene)?(&finished(&planted(scene)?)?)?;
+        if let Some(fault) = fault {
+            found.rows.iter_mut().flat_map(|row| &mut row.computed).for_each(|number| *number *= fault.reading);
+        }
+        Ok::<_, Error>(found)
+    };
+    let compared = |scene: &Scene| measured(measure, scene);
+    let on_mesh = |measure: &Measure, bases: &[Scene], cells: f64| {
+        let scenes: Vec<Scene> = bases.iter().map(|base| spec.on(base, cells)).collect::<Result<_, _>>()?;
+        let found = scenes.iter().map(|scene| measured(measure, scene)).collect::<Result<Vec<_>, Error>>()?;
+        Ok::<_, Error>((scenes[0].cell, worst(found.iter().map(Comparison::error)), found, scenes))
+    };
     let (mut errors, mut finest, mut shown) = (Vec::new(), Vec::new(), None);
     for cells in &spec.meshes {
-        let scenes: Vec<Scene> = bases.iter().map(|base| spec.on(base, *cells)).collect::<Result<_, _>>()?;
-        finest = scenes.iter().map(compared).collect::<Result<Vec<_>, Error>>()?;
-        errors.push((scenes[0].cell, worst(finest.iter().map(Comparison::error))));
-        shown = scenes.into_iter().next();
+        let (cell, error, found, scenes) = on_mesh(measure, &bases, *cells)?;
+        errors.push((cell, error));
+        (finest, shown) = (found, scenes.into_iter().next());
     }
-    let mut refinements = refinements(spec, base, &planted, &compared)?;
+    let mut refinements = refinements(spec, &planted, &compared)?;
+    for also in &spec.also {
+        let (bases, measure) = (spec.bases_with(&also.patch)?, also.measure.as_ref().unwrap_or(measure));
+        let on = |cells: &f64| on_mesh(measure, &bases, *cells).map(|(cell, error, ..)| (cell, error));
+        let errors = also.meshes.iter().map(on).collect::<Result<_, Error>>()?;
+        refinements.push(Refinement {
+            required_error: also.at_most,
+            required_finest: also.finest,
+            required_order: also.order,
+            ..Refinement::new(MESH, errors, also.against.clone())
+        });
+    }
     if spec.finest_alone {
         let all = std::mem::take(&mut errors);
         errors.extend(all.last());
@@ -60,24 +88,27 @@ pub(crate) fn outcome(spec: &Spec, with_fault: bool) -> Result<Outcome, Error> {
 
 fn refinements(
     spec: &Spec,
-    base: &Scene,
     planted: &dyn Fn(&Scene) -> Result<Scene, Error>,
     compared: &dyn Fn(&Scene) -> Result<Comparison, Error>,
 ) -> Result<Vec<Refinement>, Error> {
+    let on = |patch: &Table, cells: f64| {
+        let bases = spec.bases_with(patch)?;
+        spec.on(bases.first().ok_or(Lacks("scene"))?, cells)
+    };
     let mut refinements = Vec::new();
     if let Some(steps) = &spec.steps {
-        let scene = spec.on(base, steps.cells)?;
+        let scene = on(&steps.patch, steps.cells)?;
         let run = |step| compared(&scene.edited(|scene| scene.step = StepChoice::Fixed(step))?);
         let refinement = in_time(run, scene.cell, steps.first(&planted(&scene)?), steps.halvings, steps.order)?;
         refinements.push(Refinement { required_error: steps.at_most, ..refinement });
     }
     if let Some(tolerances) = &spec.tolerances {
-        let scene = spec.on(base, tolerances.cells)?;
+        let scene = on(&tolerances.patch, tolerances.cells)?;
         let run = |tolerance| compared(&scene.edited(|scene| scene.tolerance = tolerance)?);
         refinements.push(in_tolerance(run, scene.cell, &tolerances.values, tolerances.times)?);
     }
     if let Some(particles) = &spec.particles {
-        let scene = spec.on(base, particles.cells)?;
+        let scene = on(&Table::new(), particles.cells)?;
         let run = |count| compared(&scene.edited(|scene| scene.particles_per_cell = count)?);
         refinements.push(in_particles(run, scene.cell, &particles.counts, particles.at_most)?);
     }

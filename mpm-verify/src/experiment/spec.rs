@@ -3,13 +3,13 @@
 //! A case is a scene with a patch, what is measured and against which reference, the meshes, what else is refined, what that must
 //! show, and a fault that the case must find. What a case does not say its file's `[defaults]` say.
 
-use mpm_core::scene::{Change, Scene, StepChoice};
+use mpm_core::scene::{Change, Scene, StepChoice, Until};
 use mpm_core::stability::stable_limit;
 use serde::Deserialize;
 use toml::{Table, Value};
 
 use crate::baseline::suite::Kind;
-use crate::error::Error;
+use crate::error::Error::{self, Unfit};
 use crate::scenes::built_in;
 
 /// A problem with its cases.
@@ -63,6 +63,11 @@ pub struct Spec {
     /// Cells over the height, coarse to fine; not whole numbers where the mesh ends above the soil.
     #[serde(default)]
     pub meshes: Vec<f64>,
+    /// Evenly spaced times to the end at which a run is looked at, in place of those of the scene.
+    pub looks: Option<u32>,
+    /// Whether the scene is judged as `check --scene` judges one of the user: `meshes` apart, nothing is asked here.
+    #[serde(default)]
+    pub as_own_scene: bool,
     /// Width of the soil in cells, where it changes with the mesh: an outline is a rectangle then.
     pub width_in_cells: Option<usize>,
     /// Steps that fall with a power of the cell.
@@ -83,6 +88,9 @@ pub struct Spec {
     pub particles: Option<Particles>,
     /// Refinement in the tolerance of error-controlled time.
     pub tolerances: Option<Tolerances>,
+    /// What else the problem must show, each on meshes of its own.
+    #[serde(default)]
+    pub also: Vec<Also>,
     /// What the error is measured against.
     #[serde(default = "verified")]
     pub kind: Kind,
@@ -120,12 +128,36 @@ pub struct Measure {
     pub at_end: bool,
 }
 
+/// Another look at the same problem.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Also {
+    /// What it is compared with, in words.
+    pub against: String,
+    /// Keys of the scene that are another here.
+    #[serde(default)]
+    pub patch: Table,
+    /// What is measured, if not what the case measures.
+    pub measure: Option<Measure>,
+    /// Cells over the height, coarse to fine.
+    pub meshes: Vec<f64>,
+    /// Largest error on every mesh.
+    pub at_most: Option<f64>,
+    /// Largest error on the finest one.
+    pub finest: Option<f64>,
+    /// Interval of the order.
+    pub order: Option<[f64; 2]>,
+}
+
 /// Steps that fall with a power of the cell from a share of the limit on one mesh.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FallingSteps {
     /// Share of the stable step on the mesh of `cells`.
+    #[serde(default = "nothing")]
     share: f64,
+    /// The same in s, in place of a share.
+    first_s: Option<f64>,
     /// Cells over the height of that mesh.
     cells: f64,
     /// The power.
@@ -133,11 +165,14 @@ pub struct FallingSteps {
 }
 
 /// Halved steps on one mesh.
-#[derive(Debug, Clone, Copy, Deserialize)]
+#[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Steps {
     /// Cells over the height.
     pub cells: f64,
+    /// Keys of the scene that are another here.
+    #[serde(default)]
+    pub patch: Table,
     /// First step as a share of the stable one.
     #[serde(default = "Steps::usual")]
     share: f64,
@@ -192,6 +227,9 @@ impl Particles {
 pub struct Tolerances {
     /// Cells over the height.
     pub cells: f64,
+    /// Keys of the scene that are another here.
+    #[serde(default)]
+    pub patch: Table,
     /// The tolerances.
     #[serde(default = "Tolerances::usual")]
     pub values: Vec<f64>,
@@ -225,6 +263,13 @@ pub struct Fault {
     /// Keys that are taken out.
     #[serde(default)]
     without: Vec<String>,
+    /// A factor on what is measured, where the fault is in the reading.
+    #[serde(default = "one")]
+    pub reading: f64,
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 impl Fault {
@@ -295,9 +340,37 @@ impl Spec {
     /// # Errors
     /// No such scene, or one that is refused with the patch.
     pub fn bases(&self) -> Result<Vec<Scene>, Error> {
-        let scene = built_in(&self.scene)?.patched(&set(&self.patch, &self.without))?;
-        let one = |variant: &Table| Ok(scene.patched(&set(variant, &[]))?.edited(|scene| scene.history = 0)?);
+        self.bases_with(&Table::new())
+    }
+
+    /// The same with one more patch.
+    ///
+    /// # Errors
+    /// As [`Spec::bases`].
+    pub fn bases_with(&self, more: &Table) -> Result<Vec<Scene>, Error> {
+        let one = |variant: &Table| {
+            let (mut patch, mut own) = (self.patch.clone(), variant.clone());
+            let named = own.remove("scene");
+            let scene = built_in(named.as_ref().and_then(Value::as_str).unwrap_or(&self.scene))?;
+            patch.extend(own);
+            patch.extend(more.clone());
+            let mut without = self.without.clone();
+            if self.looks.is_some() {
+                without.extend(["observe.times", "observe.time_factors"].map(str::to_owned));
+            }
+            Ok(self.looked_at(&scene.patched(&set(&patch, &without))?)?.edited(|scene| scene.history = 0)?)
+        };
         if self.variants.is_empty() { Ok(vec![one(&Table::new())?]) } else { self.variants.iter().map(one).collect() }
+    }
+
+    /// The scene, observed at as many times as the case asks for.
+    fn looked_at(&self, scene: &Scene) -> Result<Scene, Error> {
+        let Some(looks) = self.looks else { return Ok(scene.clone()) };
+        let Some(Until::Time(end)) = scene.stages.last().map(|stage| stage.until) else {
+            return Err(Unfit("`looks` needs a stage that ends at a time"));
+        };
+        let times = (1..=looks).map(|i| end * f64::from(i) / f64::from(looks)).collect();
+        Ok(scene.edited(|scene| scene.observe_times = times)?)
     }
 
     /// The scene of the case as a file: that of its name, with what the case changes at its end as comments.
@@ -324,9 +397,9 @@ impl Spec {
             })?,
             None => base.with_cell(base.height / cells)?,
         };
-        let Some(FallingSteps { share, cells: first, power }) = self.falling_steps else { return Ok(scene) };
+        let Some(FallingSteps { share, first_s, cells: first, power }) = self.falling_steps else { return Ok(scene) };
         let coarse = base.with_cell(base.height / first)?;
-        let step = share * stable_limit(&coarse) * (scene.cell / coarse.cell).powi(power);
+        let step = first_s.unwrap_or_else(|| share * stable_limit(&coarse)) * (scene.cell / coarse.cell).powi(power);
         Ok(scene.edited(|scene| scene.step = StepChoice::Fixed(step))?)
     }
 }

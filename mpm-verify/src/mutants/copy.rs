@@ -5,8 +5,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::SWITCH;
-use super::table::Mutant;
-use crate::error::Error::{self, Unfit};
+use super::patches::Mutant;
+use crate::error::Error;
 
 /// What the workspace is made of.
 const PARTS: [&str; 7] =
@@ -39,15 +39,11 @@ pub fn plant(source: &Path, to: &Path, mutants: &[Mutant]) -> Result<usize, Erro
     let mut written = 0;
     for file in &files {
         let own: Vec<(u32, &Mutant)> =
-            (1..).zip(mutants).filter(|(_, mutant)| Path::new(mutant.file) == file.as_path()).collect();
+            (1..).zip(mutants).filter(|(_, mutant)| Path::new(&mutant.file) == file.as_path()).collect();
         let path = source.join(file);
         let mut bytes = fs::read(&path).map_err(Error::at(&path))?;
         if !own.is_empty() {
-            let mut text = String::from_utf8_lossy(&bytes).into_owned();
-            for (number, mutant) in own {
-                text = with_fault(&text, number, mutant)?;
-            }
-            bytes = text.into_bytes();
+            bytes = with_faults(&String::from_utf8_lossy(&bytes), &own)?.into_bytes();
         }
         if file == Path::new("mpm-core/src/lib.rs") {
             bytes.extend_from_slice(b"\n/// Planted faults.\npub mod planted;\n");
@@ -57,7 +53,7 @@ pub fn plant(source: &Path, to: &Path, mutants: &[Mutant]) -> Result<usize, Erro
     let planted = PLANTED.replace("SWITCH", SWITCH);
     written += usize::from(put(&to.join("mpm-core/src/planted.rs"), planted.as_bytes())?);
     for mutant in mutants {
-        if !files.iter().any(|file| Path::new(mutant.file) == file.as_path()) {
+        if !files.iter().any(|file| Path::new(&mutant.file) == file.as_path()) {
             return Err(Error::Found(format!("expected the file {} in the source", mutant.file)).of(mutant.name));
         }
     }
@@ -92,59 +88,20 @@ fn list(root: &Path, path: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
     Ok(())
 }
 
-/// A text with a fault in it.
-fn with_fault(text: &str, number: u32, mutant: &Mutant) -> Result<String, Error> {
-    let Mutant { name, file, find, replace, .. } = mutant;
-    let found = text.matches(find).count();
-    if found != 1 {
-        return Err(Error::refused(name, format!("`{find}` once in {file}"), format!("it {found} times")));
-    }
-    let krate = if file.starts_with("mpm-core/") { "crate" } else { "mpm_core" };
-    let on = format!("{krate}::planted::is({number})");
-    let planted = match (find.strip_prefix("let "), replace.strip_prefix("let ")) {
-        (Some(_), Some(_)) => {
-            // A name that is bound must outlive the choice.
-            let halves = |text: &str| {
-                let text = text.trim_end_matches(';');
-                text.split_once(" = ").map(|(name, value)| (name.to_owned(), value.to_owned()))
-            };
-            let (Some((bound, sound)), Some((other, spoilt))) = (halves(find), halves(replace)) else {
-                return Err(Unfit("expected `let NAME = VALUE;`").of(name));
-            };
-            if bound != other {
-                return Err(Error::refused(name, "the same name bound", format!("{bound} and {other}")));
-            }
-            format!("{bound} = if {on} {{ {spoilt} }} else {{ {sound} }};")
-        }
-        _ if find.ends_with([';', '}']) => format!("if {on} {{ {replace} }} else {{ {find} }}"),
-        _ => format!("(if {on} {{ {replace} }} else {{ {find} }})"),
+/// A text with faults in it, each behind its number.
+fn with_faults(text: &str, mutants: &[(u32, &Mutant)]) -> Result<String, Error> {
+    let switched = |(number, mutant): &(u32, &Mutant)| {
+        let krate = if mutant.file.starts_with("mpm-core/") { "crate" } else { "mpm_core" };
+        mutant.switched(text, &format!("{krate}::planted::is({number})"))
     };
-    Ok(text.replacen(find, &planted, 1))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn mutant(find: &'static str, replace: &'static str) -> Mutant {
-        Mutant { name: "a", what: "", file: "mpm-core/src/a.rs", find, replace }
+    let mut pieces = mutants.iter().map(switched).collect::<Result<Vec<_>, Error>>()?;
+    pieces.sort_by_key(|(place, _)| place.start);
+    if let Some(pair) = pieces.windows(2).find(|pair| pair[0].0.end > pair[1].0.start) {
+        return Err(Error::Found(format!("two faults in one place: {} and {}", pair[0].1, pair[1].1)));
     }
-
-    #[test]
-    fn expressions_statements_and_bindings_get_a_switch() {
-        let planted = |text: &str, find, replace| with_fault(text, 3, &mutant(find, replace)).expect("it fits");
-        assert_eq!(planted("x = a + b;", "a + b", "a - b"), "x = (if crate::planted::is(3) { a - b } else { a + b });");
-        assert_eq!(planted("{ go(); }", "go();", "stop();"), "{ if crate::planted::is(3) { stop(); } else { go(); } }");
-        let bound = planted("let mut x = 1.0;", "let mut x = 1.0;", "let mut x = 2.0;");
-        assert_eq!(bound, "let mut x = if crate::planted::is(3) { 2.0 } else { 1.0 };");
+    let mut planted = text.to_owned();
+    for (place, piece) in pieces.iter().rev() {
+        planted.replace_range(place.clone(), piece);
     }
-
-    #[test]
-    fn what_does_not_fit_is_refused() {
-        let refused =
-            |text: &str, find, replace| with_fault(text, 3, &mutant(find, replace)).expect_err("refused").to_string();
-        assert!(refused("a a", "a", "b").contains("found it 2 times"));
-        assert!(refused("c", "a", "b").contains("found it 0 times"));
-        assert!(refused("let x = 1;", "let x = 1;", "let y = 1;").contains("the same name"));
-    }
+    Ok(planted)
 }

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::SWITCH;
-use super::table::Mutant;
+use super::patches::Mutant;
 use crate::cases::suite;
 use crate::error::Error;
 use crate::experiment::CaseRow;
@@ -117,7 +117,7 @@ impl Spoilt {
         if more > 0 {
             by += &format!(" and {more} more");
         }
-        Ok(Row { mutant: mutant.name.to_owned(), caught: !found.is_empty(), by, what: mutant.what.to_owned() })
+        Ok(Row { mutant: mutant.name.to_owned(), caught: !found.is_empty(), by, what: mutant.what.clone() })
     }
 
     /// Runs cases with a fault. Returns those that were finished, and the names of those that did not hold.

@@ -1,10 +1,8 @@
-//! Modified Cam-Clay: element tests against closed forms, and the consolidation of a soft layer.
+//! Modified Cam-Clay: element tests against closed forms.
 
-mod consolidation;
 mod oedometer;
 mod triaxial;
 
-pub use consolidation::CASE as SOFT_LAYER;
 pub use oedometer::{BY_PARTICLES, CASE as OEDOMETER};
 pub use triaxial::{DRAINED, UNDRAINED};
 
@@ -32,7 +30,7 @@ fn own(soil: CamClay) -> CamClay {
 mod tests {
     use super::*;
 
-    const CASES: [crate::cases::Program; 5] = [DRAINED, UNDRAINED, OEDOMETER, BY_PARTICLES, SOFT_LAYER];
+    const CASES: [crate::cases::Program; 4] = [DRAINED, UNDRAINED, OEDOMETER, BY_PARTICLES];
 
     #[test]
     fn every_case_holds_and_every_mutant_falls_short() {

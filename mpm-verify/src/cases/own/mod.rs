@@ -16,8 +16,9 @@ use mpm_core::scene::{Dimension, Fields, Integrator, Scene, StepChoice, StrainCh
 use mpm_core::stability::choose_step;
 
 use self::applies::Solution;
-use super::{Error, Lacks, asked, block, boussinesq, finished, infinite_slope, integrator, mandel, scheme, wetting};
+use super::{Error, Lacks, asked, finished, infinite_slope, integrator, scheme};
 use crate::experiment::comparison::{Compared, Comparison};
+use crate::experiment::measure::{free_surface, mandel, sliding};
 use crate::experiment::refinement::{PARTICLES, Refinement, STEP, TOLERANCE};
 use crate::experiment::verdict::{Judged, Named, Outcome, judge};
 use crate::norms::worst;
@@ -36,6 +37,14 @@ const OVER_TOLERANCE: f64 = 10.0;
 const HALVINGS: i32 = 2;
 /// Fewer meshes say nothing of an order.
 const LEAST_MESHES: usize = 3;
+
+/// A scene with a fault in it.
+pub(crate) type Fault<'a> = &'a dyn Fn(&Scene) -> Result<Scene, Error>;
+
+/// Nothing planted.
+fn sound(scene: &Scene) -> Result<Scene, Error> {
+    Ok(scene.clone())
+}
 
 /// A scene, the exact solution that applies to it, and the meshes it is run on.
 #[derive(Debug, Clone)]
@@ -87,7 +96,7 @@ impl OwnScene {
     /// # Errors
     /// A step above the limit.
     pub fn runs(&self) -> Result<Vec<Scene>, Error> {
-        self.on_meshes(super::sound)
+        self.on_meshes(&sound)
     }
 
     /// What the scene carries beside the exact solution, one sentence each.
@@ -101,7 +110,7 @@ impl OwnScene {
     /// A run could not be finished.
     pub fn judged(&self) -> Result<Judged, Error> {
         let clock = ThreadTime::now();
-        let outcome = self.outcome(super::sound).map_err(|e| e.of(&self.scene.name))?;
+        let outcome = self.outcome(&sound).map_err(|e| e.of(&self.scene.name))?;
         let case = Named { name: "scene", about: "a scene of the user", mutant: None };
         let mut judged = judge(case, outcome, clock.elapsed().as_secs_f64());
         judged.row.case.clone_from(&self.scene.name);
@@ -109,7 +118,7 @@ impl OwnScene {
     }
 
     /// Runs the scene, with a fault planted behind the exact solution's back.
-    pub(super) fn outcome(&self, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
+    pub(crate) fn outcome(&self, fault: Fault<'_>) -> Result<Outcome, Error> {
         if let Solution::Slope(depth, seepage) = self.solution {
             return self.slope((depth, seepage), fault);
         }
@@ -137,11 +146,7 @@ impl OwnScene {
     }
 
     /// The factor of safety of a slope.
-    fn slope(
-        &self,
-        plane: (f64, crate::exact::infinite_slope::Seepage),
-        fault: fn(&mut Fields),
-    ) -> Result<Outcome, Error> {
+    fn slope(&self, plane: (f64, crate::exact::infinite_slope::Seepage), fault: Fault<'_>) -> Result<Outcome, Error> {
         let found = |rows: &usize| {
             let (share, _) = infinite_slope::own(&self.scene, plane, *rows, fault)?;
             Ok((self.scene.height / *rows as f64, share - 1.0))
@@ -170,19 +175,17 @@ impl OwnScene {
             Solution::Wet(column) => column.looks(&own, run),
             Solution::Dry(column) => column.looks(&own, run),
             Solution::Block(exact) => {
-                let mut looks = mandel::looks(run, exact, 0.0);
-                looks.rows.iter_mut().for_each(|look| look.counts = mandel::counts(exact, look.time));
-                vec![looks]
+                vec![mandel::from_factor(mandel::looks(run, exact, 0.0), mandel::TIME_FACTOR)]
             }
-            Solution::Front(front) => vec![relative(wetting::looks(&own, run, front.way, front))],
+            Solution::Front(front) => vec![relative(free_surface::front_of(&own, run, front))],
             Solution::Mound(exact) => {
-                let mut tips = relative(boussinesq::tips(&own, run, exact)?);
+                let mut tips = relative(free_surface::tip_of(&own, run, exact)?);
                 let far =
                     |time: f64| exact.front(time) >= 4.0 * exact.height(0.0, time) && exact.front(time) < own.width;
                 tips.rows.iter_mut().for_each(|look| look.counts = far(look.time));
                 vec![tips]
             }
-            Solution::Sliding(exact) => vec![block::looks(run, exact)?],
+            Solution::Sliding(exact) => vec![sliding::way_of(run, exact)?],
             Solution::Dam(dam) => {
                 let state = last()?.state.water.ok_or(Lacks("free surface"))?;
                 let time = last()?.stage_time;
@@ -263,7 +266,7 @@ impl OwnScene {
 
     /// The scene on its meshes. Steps fall with L^2 from what the coarsest takes, so that a scheme of first order in the step
     /// shows its order in space, and no step is above the limit of its mesh.
-    fn on_meshes(&self, fault: fn(&mut Fields)) -> Result<Vec<Scene>, Error> {
+    fn on_meshes(&self, fault: Fault<'_>) -> Result<Vec<Scene>, Error> {
         let scenes = self.rows.iter().map(|rows| self.scene.with_rows(*rows));
         let mut scenes: Vec<Scene> = scenes.collect::<Result<_, _>>()?;
         let coarse = scenes[0].cell;
@@ -276,7 +279,7 @@ impl OwnScene {
                 let step = (first * (scene.cell / coarse).powi(2)).min(own);
                 *scene = scene.edited(|scene| scene.step = StepChoice::Fixed(step))?;
             }
-            *scene = scene.edited(fault)?;
+            *scene = fault(scene)?;
         }
         Ok(scenes)
     }

@@ -105,7 +105,7 @@ fn a_sound_scene_passes_and_a_wrong_run_fails() {
         assert!(judged.row.passed(), "{name}: {}", judged.reason);
         assert_eq!((judged.row.case.as_str(), judged.samples.is_empty()), (name, false));
         let case = Named { name: "scene", about: "", mutant: None };
-        let spoilt = judge(case, own.outcome(faster).expect("runs that finish"), 0.0);
+        let spoilt = judge(case, own.outcome(&|scene| Ok(scene.edited(faster)?)).expect("runs that finish"), 0.0);
         assert!(!spoilt.row.passed(), "{name}: {}", spoilt.reason);
     }
     let linear = built_in("terzaghi-semi-implicit")
@@ -130,7 +130,7 @@ fn an_error_of_one_percent_cannot_pass() {
     ];
     for (what, fault) in faults {
         let case = Named { name: "scene", about: "", mutant: None };
-        let spoilt = judge(case, own.outcome(fault).expect("runs that finish"), 0.0);
+        let spoilt = judge(case, own.outcome(&|scene| Ok(scene.edited(fault)?)).expect("runs that finish"), 0.0);
         assert!(!spoilt.row.passed() && spoilt.reason.contains("above 0.003"), "{what}: {}", spoilt.reason);
     }
 }
@@ -160,7 +160,7 @@ fn dry_columns_and_blocks_are_judged() {
     let own = OwnScene::new(&dry, &[10, 14, 20]).expect("it applies");
     let case = Named { name: "scene", about: "", mutant: None };
     let stiff = |s: &mut Fields| s.elastic.youngs_modulus *= 1.02;
-    assert!(!judge(case, own.outcome(stiff).expect("runs"), 0.0).row.passed());
+    assert!(!judge(case, own.outcome(&|scene| Ok(scene.edited(stiff)?)).expect("runs"), 0.0).row.passed());
     let own = judged(&built_in("oedometer-plastic"), &[5, 8, 10]);
     assert!(own.row.passed(), "{}", own.reason);
     let own = judged(&built_in("rising-front"), &[10, 14, 20, 28]);

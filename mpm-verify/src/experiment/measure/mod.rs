@@ -1,10 +1,14 @@
 //! What can be measured in a run, each beside its exact value.
 
+pub(crate) mod free_surface;
 pub(crate) mod heads;
+pub(crate) mod mandel;
 mod pressures;
 mod settlement;
+pub(crate) mod sliding;
 mod solids;
 mod stages;
+mod waves;
 
 use mpm_core::drive::Run;
 use mpm_core::scene::Scene;
@@ -43,6 +47,25 @@ const MEASURES: &[(&str, Make)] = &[
     ("mean-settlement", solids::mean_settlement),
     ("plate-force", solids::plate_force),
     ("released", solids::released),
+    ("pressure-under-strip", solids::strip_pressure),
+    ("pressure-mandel", mandel::pressure),
+    ("pressure-undrained", waves::undrained),
+    ("pressure-at-mid-height", waves::at_mid_height),
+    ("arrival-at-mid-height", waves::arrival),
+    ("step", waves::step),
+    ("speed", waves::speed),
+    ("water-balance", waves::water_balance),
+    ("way-of-block", sliding::way),
+    ("friction-work", sliding::friction_work),
+    ("velocity-of-slab", sliding::slab),
+    ("front", free_surface::front),
+    ("tip", free_surface::tip),
+    ("discharge-of-dam", free_surface::discharge),
+    ("exit-of-dam", free_surface::exit),
+    ("surface-of-dam", free_surface::surface),
+    ("stored-in-dam", free_surface::stored),
+    ("column-drains", free_surface::drains),
+    ("rain", free_surface::rain),
 ];
 
 impl Measure {

@@ -5,9 +5,11 @@ use mpm_core::scene::{Course, LoadOn, Scene, Surcharge};
 
 use super::Compare;
 use crate::error::Error::{self, Unfit};
+use crate::exact::damped_column::DampedColumn;
 use crate::exact::dynamic::DynamicColumn;
 use crate::exact::large_strain::LargeStrain;
 use crate::exact::layered::Layered;
+use crate::exact::oracle::Table;
 use crate::exact::self_weight::SelfWeight;
 use crate::exact::terzaghi::Terzaghi;
 use crate::experiment::comparison::{Compared, Comparison};
@@ -48,13 +50,53 @@ fn exact(scene: &Scene, reference: &str) -> Result<(Exact, f64), Error> {
             let whole = exact.final_settlement();
             return Ok((Box::new(move |time| exact.settlement(time)), whole));
         }
+        "self-weight-drained" => {
+            let whole = drained(scene).ok_or(none)?;
+            return Ok((Box::new(move |_| whole), whole));
+        }
+        // The top of a bar moves at q/(rho c) until the wave comes back at 2 H/c.
+        "dry-wave" => {
+            let speed = (scene.oedometer_modulus() / scene.mixture_density()).sqrt();
+            let velocity = load / (scene.mixture_density() * speed);
+            return Ok((Box::new(move |time| velocity * time), whole));
+        }
+        "damped" => {
+            let exact = DampedColumn::new(scene).ok_or(none)?;
+            return Ok((Box::new(move |time| exact.settlement(time)), exact.whole));
+        }
+        "cam-clay" => return cam_clay(scene).ok_or(none),
         other => {
-            let expected =
-                "terzaghi, terzaghi-incompressible, dynamic, large-strain, layers, superposed, outline or self-weight";
+            let expected = "terzaghi, terzaghi-incompressible, dynamic, large-strain, layers, superposed, outline, self-weight, \
+                            self-weight-drained, dry-wave, damped or cam-clay";
             return Err(Error::refused("measure.reference", expected, other));
         }
     };
     Ok((exact.ok_or(none)?, whole))
+}
+
+/// The drained column under its own weight: each of its grains bears what lies above it, less its buoyancy, `sigma = -a Z` with
+/// a = (1 - n) (rho_s - rho_w) g at the first depth Z, and is compressed by `exp(-a Z/M)`: what is left of the height is
+/// `M/a (1 - exp(-a H/M))`.
+fn drained(scene: &Scene) -> Option<f64> {
+    let buoyant = (1.0 - scene.porosity) * (scene.grain_density - scene.water?.density) * scene.gravity?;
+    let modulus = scene.oedometer_modulus();
+    Some(scene.height + modulus / buoyant * (-buoyant * scene.height / modulus).exp_m1())
+}
+
+/// Final strain of the table of a layer of Cam-Clay.
+const CAM_CLAY_STRAIN: f64 = 0.138_633_760_970_038_43;
+
+/// A layer of Cam-Clay that consolidates, by its table: between the rows there is no number.
+fn cam_clay(scene: &Scene) -> Option<(Exact, f64)> {
+    let table = Table::parse(include_str!("../../../../reference-data/exact/13_cam_clay_consolidation.csv"));
+    let rows = table.rows(["tau", "S_over_H"]);
+    let height = scene.height;
+    let rate = scene.water?.mobility() * scene.cam_clay?.attraction / (height * height);
+    let at = move |time: f64| {
+        let row = rows.iter().find(|row| (row[0] / (rate * time) - 1.0).abs() < 1e-9);
+        row.map_or(f64::NAN, |row| row[1] * height)
+    };
+    Some((Box::new(at), CAM_CLAY_STRAIN * height))
 }
 
 /// The column that an outline is, under its load that grows.

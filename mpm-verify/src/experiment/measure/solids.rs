@@ -1,5 +1,6 @@
 //! Stresses, forces and displacements of soil at rest.
 
+use mpm_core::observe::FieldPoint;
 use mpm_core::scene::{Integrator, Scene};
 
 use super::Compare;
@@ -65,5 +66,15 @@ pub fn released(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
         let now = if moves { (reached / first - 1.0) / wider } else { last.state.settlement / thinner };
         rows.push(Compared::one(last.stage_time, now, 1.0));
         Ok(Comparison::worst("displacement over the exact one", rows))
+    }))
+}
+
+/// Pore pressures of an undrained block under a strip of load, over the load, beside the sum of cosines: root mean square.
+pub fn strip_pressure(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
+    let exact = StripLoad::new(scene).ok_or(Lacks("strip"))?;
+    let load = scene.surcharge.ok_or(Lacks("load"))?.pressure;
+    Ok(Box::new(move |run| {
+        let of = |at: &FieldPoint, _: f64| Some([at.pressure_pa, exact.pressure(at.x_m, at.y_m)].map(|p| p / load));
+        Ok(Comparison { over_places: Norm::Rms, ..Comparison::field("p over the load", run.samples.last(), of) })
     }))
 }

@@ -1,0 +1,94 @@
+//! Waves of the column, the step that they limit, and what is left of them.
+
+use mpm_core::drive::{Run, Sample};
+use mpm_core::scene::Scene;
+
+use super::Compare;
+use crate::error::Error::{self, Lacks, Unfit};
+use crate::exact::undrained_wave::UndrainedWave;
+use crate::experiment::comparison::{Compared, Comparison, Norm};
+use crate::experiment::spec::Measure;
+
+/// Pressures of all cells of a closed column at the end, over the undrained one `q Q/(M + Q)`.
+pub fn undrained(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
+    let expected = scene.undrained_pressure();
+    Ok(Box::new(move |run| {
+        Ok(Comparison::profile("p over the undrained pressure", run.observed().last(), |_, row, _| {
+            [row.pressure_pa / expected, 1.0]
+        }))
+    }))
+}
+
+/// Pressure at mid height, between the two rows of cells in the middle, Pa.
+fn middle(sample: &Sample) -> f64 {
+    let profile = &sample.state.profile;
+    0.5 * (profile[profile.len() / 2 - 1].pressure_pa + profile[profile.len() / 2].pressure_pa)
+}
+
+/// The undrained wave at mid height over the undrained pressure, beside d'Alembert's: root mean square over the times.
+pub fn at_mid_height(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
+    let (exact, undrained) = (wave(scene)?, scene.undrained_pressure());
+    Ok(Box::new(move |run| {
+        let look = |s: &Sample| {
+            let pressure = exact.pressure(0.5 * exact.height, s.stage_time);
+            Compared::one(s.stage_time, middle(s) / undrained, pressure / undrained)
+        };
+        let looks = Comparison::worst("p/p_0 at mid height", run.observed().map(look).collect());
+        Ok(Comparison { over_times: Norm::Rms, ..looks })
+    }))
+}
+
+/// When the same has half of its undrained value for the first time, of H/c_u.
+pub fn arrival(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
+    let (exact, undrained) = (wave(scene)?, scene.undrained_pressure());
+    // The first wave grows with the load: half of it passes mid height H/(2 c_u) after half of the ramp.
+    let expected = 0.5 * exact.height / exact.speed + 0.5 * exact.ramp;
+    Ok(Box::new(move |run| {
+        let samples: Vec<&Sample> = run.observed().collect();
+        let pair = samples.windows(2).find(|pair| middle(pair[1]) >= 0.5 * undrained);
+        let pair = pair.ok_or(Unfit("the wave has not arrived"))?;
+        let [low, high] = [pair[0], pair[1]].map(|s| (s.stage_time, middle(s)));
+        let reached = low.0 + (0.5 * undrained - low.1) / (high.1 - low.1) * (high.0 - low.0);
+        let passages = exact.speed / exact.height;
+        let look = Compared::one(expected, reached * passages, expected * passages);
+        Ok(Comparison::worst("arrival, H/c_u", vec![look]))
+    }))
+}
+
+fn wave(scene: &Scene) -> Result<UndrainedWave, Error> {
+    UndrainedWave::new(scene).ok_or(Unfit("not a saturated column under a load"))
+}
+
+/// The step that a scene takes, over its safety times the limit of the shortest wave where nothing flows,
+/// `dt = L sqrt(rho/((2 - S) K))` with K = M in dry soil and M + K_w/n in closed soil: FLIP gives that wave back by the share S of its
+/// accelerations, the mean of (1 - 2 xi)^2 over the places xi of the particles along an edge.
+pub fn step(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
+    let along = (scene.particles_per_cell as f64).sqrt().round() as u32;
+    let square = |i: u32| (1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(along)).powi(2);
+    let share = (0..along).map(square).sum::<f64>() / f64::from(along);
+    let stiffness = scene.oedometer_modulus() + scene.pore_stiffness();
+    let limit = scene.safety * scene.cell * (scene.mixture_density() / ((2.0 - share) * stiffness)).sqrt();
+    Ok(Box::new(move |run| Ok(Comparison::single("step over that of the shortest wave", run, run.dt / limit, 1.0))))
+}
+
+/// The largest speed of all particles over that of free fall for as long as the stage, where nothing should move.
+pub fn speed(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
+    let end = scene.observe_times.last().copied().ok_or(Lacks("time to look at"))?;
+    let fall = scene.gravity.ok_or(Lacks("gravity"))? * end;
+    Ok(Box::new(move |run: &Run| {
+        let look = |s: &Sample| Compared::one(s.stage_time, s.state.max_speed / fall, 0.0);
+        Ok(Comparison::worst("largest speed over that of free fall", run.observed().map(look).collect()))
+    }))
+}
+
+/// Water that is booked as gone, with what its balance lacks, over what has gone: what a cell holds follows from its porosity, its
+/// volume and its pressure; what has gone is added up over the drained faces and the steps. Neither knows of the other.
+pub fn water_balance(_: &Scene, _: &Measure) -> Result<Compare, Error> {
+    Ok(Box::new(move |run| {
+        let look = |s: &Sample| {
+            let (out, lacking) = (s.balance.water_out_kg, s.balance.water_residual_kg);
+            Compared::one(s.stage_time, 1.0 + lacking / out, 1.0)
+        };
+        Ok(Comparison::worst("water that is accounted for, of what has gone", run.observed().map(look).collect()))
+    }))
+}
