@@ -18,7 +18,6 @@
 //! 9. [`files`]: files that are whole or not there. [`checkpoint`], [`keeping`]: states to
 //!    go on from. [`error`]: what can go wrong.
 
-pub mod baseline;
 pub mod book;
 pub mod budget;
 pub mod cases;

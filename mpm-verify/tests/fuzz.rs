@@ -15,7 +15,7 @@ use mpm_core::run::{model, run_monitored};
 use mpm_core::scene::{Flags, Scene, Until};
 use mpm_core::stability::choose_step;
 use mpm_verify::checkpoint::Kind;
-use mpm_verify::nightly::accepted;
+use mpm_verify::experiment::accepted;
 use mpm_verify::nightly::history::History;
 use mpm_verify::{frames, scenes};
 
@@ -334,7 +334,7 @@ fn a_run_with_nonsense_in_its_state_ends_with_a_word() {
 
 #[test]
 fn tables_are_read_or_refused() {
-    let baselines = include_str!("../../reference-data/baselines/nightly.csv");
+    let baselines = include_str!("../../reference-data/baselines/accepted.csv");
     let some: String = baselines.lines().take(40).map(|line| format!("{line}\n")).collect();
     let history = "date,commit,case,quantity,value\n2026-01-01,c,a,error,1.0\n2026-01-01,c,nightly,moved,0.0\n2026-01-02,d,a,error,\n";
     let frames = {

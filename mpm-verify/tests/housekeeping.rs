@@ -261,24 +261,31 @@ fn check_reads_the_accepted_errors_that_lie_on_the_disk_and_says_which() {
     assert!(code == Some(0) && said.contains("accepted errors: built in"), "{said}");
     let own = folder.path().join("reference-data/baselines");
     fs::create_dir_all(&own).expect("a folder");
-    let text = include_str!("../../reference-data/baselines/cases.csv");
-    let spoilt = |line: &str| match line.strip_prefix("dry-bar,") {
-        Some(_) => "dry-bar,verified,1e-300,,1e-300\n".to_owned(),
+    let text = include_str!("../../reference-data/baselines/accepted.csv");
+    let spoilt = |line: &str| match line.strip_prefix("dry-bar,error,") {
+        Some(_) => "dry-bar,error,verified,1e-300,1e-6,1e-300,today,why\n".to_owned(),
         None => line.to_owned() + "\n",
     };
-    fs::write(own.join("cases.csv"), text.lines().map(spoilt).collect::<String>()).expect("written");
+    fs::write(own.join("accepted.csv"), text.lines().map(spoilt).collect::<String>()).expect("written");
     let (code, said) = check(&[]);
-    assert!(code == Some(1) && said.contains("reference-data/baselines/cases.csv"), "{said}");
+    assert!(code == Some(1) && said.contains("reference-data/baselines/accepted.csv"), "{said}");
     let suite = fs::read_to_string(folder.path().join("reports/suite/cases.csv")).expect("a suite");
     assert!(suite.contains("it was 1.000e-300 (baseline)"), "{suite}");
     fs::create_dir(folder.path().join("other")).expect("a folder");
-    fs::write(folder.path().join("other/cases.csv"), text).expect("written");
+    fs::write(folder.path().join("other/accepted.csv"), text).expect("written");
     let (code, said) = check(&["--baselines", "other"]);
     assert!(code == Some(0) && said.contains("accepted errors: other"), "{said}");
+    // What is known to be right is accepted, with its reason.
+    let (code, said) = check(&["--accept", " "]);
+    assert!(code == Some(2) && said.contains("--accept: expected a reason"), "{said}");
+    let (_, said) = check(&["--accept", "a test"]);
+    assert!(said.contains("numbers accepted: reference-data/baselines/accepted.csv"), "{said}");
+    let text = fs::read_to_string(own.join("accepted.csv")).expect("a table");
+    assert!(text.matches(",a test\n").count() == 1 && check(&[]).0 == Some(0), "{text}");
     for (name, text) in [("none", None), ("bad", Some("case,kind\nx"))] {
         fs::create_dir(folder.path().join(name)).expect("a folder");
-        text.iter().for_each(|text| fs::write(folder.path().join(name).join("cases.csv"), text).expect("written"));
+        text.iter().for_each(|text| fs::write(folder.path().join(name).join("accepted.csv"), text).expect("written"));
         let (code, said) = check(&["--baselines", name]);
-        assert!(code == Some(2) && said.contains(&format!("{name}/cases.csv: ")), "{said}");
+        assert!(code == Some(2) && said.contains(&format!("{name}/accepted.csv")), "{said}");
     }
 }

@@ -30,7 +30,7 @@ fn a_nightly_run_is_accepted_and_numbers_that_move_are_reported() {
     let root = tempfile::tempdir().expect("a folder");
     let baselines = root.path().join("reference-data/baselines");
     fs::create_dir_all(&baselines).expect("a folder");
-    let file = baselines.join("nightly.csv");
+    let file = baselines.join("accepted.csv");
     fs::write(&file, "case,quantity,label,value,relative,absolute,since,why\n").expect("written");
     let work = ["--only", "work", "--no-instructions", "--quiet", "--out", "one"];
     // Without baselines every number is new.
@@ -86,8 +86,8 @@ fn what_cannot_be_accepted_is_refused() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", error(&output));
         assert!(error(&output).contains(words), "{arguments:?}: {}", error(&output));
     }
-    fs::write(root.path().join("nightly.csv"), "case,quantity\na,b\n").expect("written");
+    fs::write(root.path().join("accepted.csv"), "case,quantity\na,b\n").expect("written");
     let output = nightly(root.path(), &["--baselines", "."]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(error(&output).contains("nightly.csv:2: expected case,quantity,label"), "{}", error(&output));
+    assert!(error(&output).contains("accepted.csv:2: expected case,quantity,label"), "{}", error(&output));
 }

@@ -6,7 +6,7 @@
 use mpm_core::scene::{Fields, Scene, Until};
 
 use super::{Error, Lacks, Mutant, Outcome, Program, finished, integrator, scheme, sound};
-use crate::baseline::suite::Kind as Baseline;
+use crate::experiment::number::Label;
 use crate::experiment::refinement::{MESH, PARTICLES, Refinement};
 use crate::literature::{Kind, run_out};
 use crate::norms::worst;
@@ -123,7 +123,7 @@ fn outcome(name: &str, meshes: &[f64], aspects: &[f64], kind: Kind, fault: fn(&m
         required_error: 1.0,
         notes,
         refinements: if meshes.len() > 1 { vec![on_meshes, on_counts] } else { vec![on_counts] },
-        kind: Baseline::Regression,
+        kind: Label::Regression,
         ..Outcome::default()
     })
 }

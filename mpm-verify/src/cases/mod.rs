@@ -4,9 +4,7 @@ mod bar;
 mod bits;
 mod cam_clay;
 mod collapse;
-mod contrast;
 mod coupled_field;
-mod dynamic_energy;
 mod footing;
 mod infinite_slope;
 mod limit_equilibrium;
@@ -19,7 +17,6 @@ pub mod own;
 mod reduced_strength;
 mod refraction;
 mod rest;
-mod slab;
 mod slopes;
 mod spin;
 mod strip;
@@ -60,18 +57,6 @@ pub(crate) struct Mutant {
 
 /// All cases that functions run.
 const PROGRAMS: &[Program] = &[
-    dynamic_energy::EXPLICIT,
-    dynamic_energy::SEMI_IMPLICIT,
-    contrast::CONDUCTIVITY,
-    contrast::CONDUCTIVITY_PROFILE,
-    contrast::CONDUCTIVITY_CENTRE,
-    contrast::CONDUCTIVITY_SEMI,
-    contrast::CONDUCTIVITY_EXPLICIT,
-    contrast::STIFFNESS,
-    contrast::STIFFNESS_PROFILE,
-    contrast::STIFFNESS_CENTRE,
-    contrast::STIFFNESS_SEMI,
-    contrast::STIFFNESS_EXPLICIT,
     mandel_rise::SPLINES,
     mandel_inertia::SEMI_IMPLICIT,
     mandel_inertia::EXPLICIT,
@@ -95,23 +80,18 @@ const PROGRAMS: &[Program] = &[
     mohr_coulomb::TRIAXIAL,
     mohr_coulomb::FROM_K0,
     mohr_coulomb::ISOTROPIC,
-    mohr_coulomb::OEDOMETER,
     footing::UNDRAINED,
     footing::PHI_20,
     footing::PHI_30,
     cam_clay::DRAINED,
     cam_clay::UNDRAINED,
     cam_clay::OEDOMETER,
-    cam_clay::BY_PARTICLES,
     outline::CASE,
     rest::SPEED,
     rest::ENERGY,
     refraction::CASE,
     slopes::ACADS_1C,
     slopes::FALLING_WATER,
-    slab::REMEMBERS,
-    slab::SATURATED,
-    slab::FREE_SURFACE,
     wetting::BALANCE,
     infinite_slope::ASSOCIATED,
     infinite_slope::WITHOUT_DILATION,

@@ -7,7 +7,7 @@ use mpm_core::failure::{Driver, Outcome as Settled};
 use mpm_core::scene::Scene;
 
 use super::{Error, Mutant, Outcome, Program, Unfit};
-use crate::baseline::suite::Kind;
+use crate::experiment::number::Label;
 use crate::experiment::refinement::RUNS;
 use crate::norms::worst;
 
@@ -166,7 +166,7 @@ fn outcome(slopes: &[Slope], friction: f64) -> Result<Outcome, Error> {
         required_error: 0.05,
         refined_by: RUNS,
         notes,
-        kind: Kind::Regression,
+        kind: Label::Regression,
         ..Outcome::default()
     })
 }

@@ -6,7 +6,7 @@ use mpm_core::observe::FieldPoint;
 use mpm_core::scene::Scene;
 
 use super::{Error, Lacks, Mutant, Outcome, Program, asked, finished, integrator, scheme};
-use crate::baseline::suite::Kind;
+use crate::experiment::number::Label;
 
 /// The case.
 pub const CASE: Program = Program {
@@ -37,7 +37,7 @@ fn outcome(penalty: Option<f64>) -> Result<Outcome, Error> {
         errors.push((base.width / side as f64, (sum / coarse.len() as f64).sqrt()));
     }
     let (integrator, scheme) = (integrator(&base), scheme(&base));
-    let kind = Kind::Regression;
+    let kind = Label::Regression;
     Ok(Outcome {
         integrator,
         scheme,

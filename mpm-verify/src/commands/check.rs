@@ -9,20 +9,19 @@ use std::time::Instant;
 use clap::Args;
 use mpm_core::hardware::Hardware;
 use mpm_core::scene::{Flags, INTEGRATORS, SHAPES, Scene};
-use mpm_verify::baseline;
 use mpm_verify::cases::own::OwnScene;
 use mpm_verify::cases::{Case, suite};
 use mpm_verify::error::Error;
-use mpm_verify::experiment::{CaseRow, Judged, accepted};
+use mpm_verify::experiment::accepted::{self, Renewed};
+use mpm_verify::experiment::number::Number;
+use mpm_verify::experiment::{CaseRow, Judged, pool};
 use mpm_verify::files::Folder;
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::{Progress, time};
 use mpm_verify::report;
-use mpm_verify::unpanicked::unpanicked;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{Failure, chosen, make_folder, warn_if_long, words, write_csv, write_file};
+use super::{Failure, chosen, make_folder, warn_if_long, words, write_csv};
 use crate::Common;
 
 /// What to check.
@@ -46,6 +45,9 @@ pub struct Options {
     /// In place of the scene's scheme.shape
     #[arg(long, value_name = "WORD", requires = "scene", value_parser = words(&SHAPES), help_heading = "Own scene")]
     scheme: Option<String>,
+    /// Accept the errors of the cases that hold, for this reason
+    #[arg(long, value_name = "WHY", conflicts_with_all = ["scene", "mutants"])]
+    accept: Option<String>,
     /// Folder of the accepted errors [default: reference-data/baselines]
     #[arg(long, value_name = "DIR", conflicts_with = "scene", hide = true)]
     baselines: Option<PathBuf>,
@@ -61,9 +63,12 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     if let Some(scene) = &options.scene {
         return own(scene, options, common);
     }
-    let file = baseline::suite::hold_against(options.baselines.as_deref()).map_err(Failure::bad_input)?;
-    let file = file.map_or_else(|| "built in".to_owned(), |file| file.display().to_string());
-    common.say(&format!("accepted errors: {file}"));
+    let (known, file) = accepted::read(options.baselines.as_deref()).map_err(Failure::bad_input)?;
+    accepted::hold_against(&known);
+    let named = file.as_ref().map_or_else(|| "built in".to_owned(), |file| file.display().to_string());
+    common.say(&format!("accepted errors: {named}"));
+    let accept = options.accept.as_deref().map(|why| accepted::target(why, file.as_deref()).map(|file| (why, file)));
+    let accept = accept.transpose().map_err(Failure::bad_input)?;
     if options.mutants {
         let rows = common.publish(FOLDER, &["mutants.csv"], |folder| catch(&options.cases, common, folder.stage()))?;
         return rows.end("mutants not caught", |row| row.caught, |row| row.case);
@@ -73,16 +78,26 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let ran =
         common.publish(FOLDER, &NAMES, |folder| judged(&options.cases, common, (folder.stage(), folder.path())))?;
     common.json(&ran.rows);
+    let accepts = accept.is_some();
+    if let Some((why, file)) = accept {
+        let manifest = Manifest::new(&mpm_verify::scenes::terzaghi(), common.jobs());
+        let since = (manifest.date.as_str(), manifest.commit.as_str());
+        let Renewed { rows, new, .. } = accepted::renewed(&known, &ran.holds, since, why, |_| false);
+        accepted::write(&rows, file).map_err(Failure::run_failed)?;
+        common.say(&format!("{new} new or changed numbers accepted: {}", file.display()));
+    }
+    // What has just been accepted is none that has moved.
+    let fine = |row: &CaseRow| row.passed() || (accepts && ran.holds.iter().any(|n| n.is_of(&row.case, "error")));
     let open = ran.rows.iter().filter(|row| row.open()).count();
-    let passed = ran.rows.iter().filter(|row| row.passed()).count() - open;
+    let passed = ran.rows.iter().filter(|row| fine(row)).count() - open;
     let all = ran.rows.len() + ran.failed.len();
-    for row in ran.rows.iter().filter(|row| !row.passed()) {
+    for row in ran.rows.iter().filter(|row| !fine(row)) {
         common.say(&format!("failed: {}: {}", row.case, row.reason));
     }
     let counts = format!("{passed} passed, {} failed, {open} not established of {all}", all - passed - open);
     common.say(&format!("{counts} ({})", time(clock.elapsed().as_secs_f64())));
     common.page(&folder.join("index.html"));
-    ran.end("failed", CaseRow::passed, |row| &row.case)
+    ran.end("failed", fine, |row| &row.case)
 }
 
 /// Checks a scene of the user's own, and writes the files of the suite with its one row.
@@ -133,6 +148,8 @@ pub struct Ran<T> {
     pub rows: Vec<T>,
     /// Errors of the cases without a result.
     pub failed: Vec<String>,
+    /// Numbers of the cases whose own rule holds, whatever was accepted.
+    holds: Vec<Number>,
 }
 
 impl<T> Ran<T> {
@@ -151,24 +168,23 @@ impl<T> Ran<T> {
     }
 }
 
-/// Runs the suite and writes its tables, a picture of every case and `index.html`; `accepted.csv` holds the baselines that these
-/// errors would make. The CPU times of the run `before` predict those of this one.
+/// Runs the suite and writes its tables, a picture of every case and `index.html`. The CPU times of the run `before` predict those of this one.
 pub fn judged(names: &[String], common: &Common, (folder, before): (&Path, &Path)) -> Result<Ran<CaseRow>, Failure> {
     let cases = cases(names)?;
     make_folder(folder)?;
     common.say(&header());
-    let Ran { rows: judged, failed } = each(&cases, common, before, |case, print| {
+    let Ran { rows: judged, failed, .. } = each(&cases, common, before, |case, print| {
         let judged = case.judged()?;
         print(&line(&judged.row));
         Ok(judged)
     })?;
     let rows = write(&judged, &mpm_verify::scenes::terzaghi(), common, folder)?;
-    write_file(&folder.join("accepted.csv"), accepted(&judged))?;
+    let holds: Vec<CaseRow> = judged.iter().filter(|judged| judged.sound).map(|judged| judged.row.clone()).collect();
     let without: Vec<&str> = rows.iter().filter(|row| row.baseline.is_none()).map(|row| row.case.as_str()).collect();
     if !without.is_empty() {
         common.say(&format!("without a baseline: {}", without.join(", ")));
     }
-    Ok(Ran { rows, failed })
+    Ok(Ran { rows, failed, holds: accepted::numbers(&holds) })
 }
 
 /// Writes `cases.csv`, `samples.csv`, `refinements.csv` and the page with its pictures.
@@ -250,31 +266,23 @@ fn each<T: Send>(
     before: &Path,
     work: impl Fn(&Case, &dyn Fn(&str)) -> Result<T, Error> + Sync,
 ) -> Result<Ran<T>, Failure> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(common.jobs()).build().map_err(Failure::bad_input)?;
     let known = cpu_times(before);
-    let mut tasks: Vec<(usize, &Case, f64)> = cases
-        .iter()
-        .enumerate()
-        .map(|(number, case)| (number, *case, known.get(case.name).copied().unwrap_or(USUAL)))
-        .collect();
-    tasks.sort_by(|a, b| b.2.total_cmp(&a.2));
+    let cost = |case: &Case| known.get(case.name).copied().unwrap_or(USUAL);
+    let mut longest: Vec<(usize, &Case)> = cases.iter().copied().enumerate().collect();
+    longest.sort_by(|a, b| cost(b.1).total_cmp(&cost(a.1)));
     let progress = Progress::new("check", common.silent());
-    progress.expect(tasks.iter().map(|(.., cpu_s)| cpu_s).sum());
-    let one = |(number, case, cpu_s): (usize, &Case, f64)| {
-        let print = |line: &str| progress.print(|| common.say(line));
-        let result = unpanicked(|| work(case, &print)).map_err(|e| e.of(case.name)).flatten();
-        progress.add(cpu_s);
-        (number, result)
-    };
-    let mut results: Vec<(usize, Result<T, Error>)> =
-        pool.install(|| tasks.into_iter().par_bridge().map(one).collect());
+    progress.expect(longest.iter().map(|(_, case)| cost(case)).sum());
+    let print = |line: &str| progress.print(|| common.say(line));
+    let done = |number: usize, _: &Result<_, Error>| progress.add(cost(longest[number].1));
+    let results = pool::each(common.jobs(), &longest, |_, (_, case)| work(case, &print), done);
     progress.finish();
-    results.sort_by_key(|(number, _)| *number);
-    let mut ran = Ran { rows: Vec::new(), failed: Vec::new() };
-    for (_, result) in results {
-        match result {
+    let mut results: Vec<_> = longest.iter().zip(results).collect();
+    results.sort_by_key(|((number, _), _)| *number);
+    let mut ran = Ran { rows: Vec::new(), failed: Vec::new(), holds: Vec::new() };
+    for ((_, case), result) in results {
+        match result.flatten() {
             Ok(row) => ran.rows.push(row),
-            Err(error) => ran.failed.push(error.to_string()),
+            Err(error) => ran.failed.push(error.of(case.name).to_string()),
         }
     }
     Ok(ran)

@@ -7,14 +7,13 @@ use std::time::Instant;
 
 use clap::Args;
 use cpu_time::ProcessTime;
-use mpm_verify::baseline;
-use mpm_verify::files::{self, Folder};
+use mpm_verify::experiment::accepted::{self, Accepted, Renewed};
+use mpm_verify::experiment::number::{Label, Number, Tolerance};
+use mpm_verify::files::Folder;
 use mpm_verify::levee::limits;
 use mpm_verify::manifest::Manifest;
-use mpm_verify::nightly::accepted::{self, Accepted, Renewed};
 use mpm_verify::nightly::compiled::counted;
 use mpm_verify::nightly::history::{self, ENTRY, History};
-use mpm_verify::nightly::measure::{Label, Measure, Tolerance};
 use mpm_verify::nightly::report::{Night, Part, VALUES, stored};
 use mpm_verify::nightly::{collect, moved, nights, report, trends, work};
 use mpm_verify::progress::Progress;
@@ -52,20 +51,17 @@ pub struct Options {
 
 /// Runs everything; or renews the baselines from an earlier run.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
-    if options.accept.as_ref().is_some_and(|why| why.trim().is_empty()) {
-        return Err(Failure::BadInput("--accept: expected a reason, found nothing".to_owned()));
-    }
     let (known, file) = accepted::read(options.baselines.as_deref()).map_err(Failure::bad_input)?;
-    // A folder of one's own need not hold the errors of the suite.
-    let suite = options.baselines.as_deref().filter(|folder| folder.join("cases.csv").exists());
-    baseline::suite::hold_against(suite).map_err(Failure::bad_input)?;
-    if let (Some(why), Some(from)) = (&options.accept, &options.from) {
+    accepted::hold_against(&known);
+    let target = options.accept.as_deref().map(|why| accepted::target(why, file.as_deref()).map(|file| (why, file)));
+    let target = target.transpose().map_err(Failure::bad_input)?;
+    if let (Some(target), Some(from)) = (target, &options.from) {
         let measures = stored(&from.join(VALUES)).map_err(Failure::bad_input)?;
         let text =
             fs::read(from.join("summary.json")).map_err(|e| Failure::BadInput(format!("{}: {e}", from.display())))?;
         let night: Night =
             serde_json::from_slice(&text).map_err(|e| Failure::BadInput(format!("{}: {e}", from.display())))?;
-        return accept((&known, file), &measures, &night, (why, from), common);
+        return accept(&known, &measures, &night, target, common);
     }
     let (night, measures, folder) = common.publish("nightly", &["index.html", history::NAME], |folder| {
         whole(options, common, (&known, file.as_deref()), folder)
@@ -73,8 +69,8 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     common.json(&night);
     common.say(&night.markdown());
     common.page(&folder.join("index.html"));
-    if let Some(why) = &options.accept {
-        return accept((&known, file), &measures, &night, (why, &folder), common);
+    if let Some(target) = target {
+        return accept(&known, &measures, &night, target, common);
     }
     if night.is_green() {
         return Ok(());
@@ -90,7 +86,7 @@ struct Findings<'a> {
     common: &'a Common,
     folder: &'a Path,
     only: &'a [String],
-    measures: Vec<Measure>,
+    measures: Vec<Number>,
     fell: Vec<String>,
     parts: Vec<Part>,
     notes: Vec<String>,
@@ -145,7 +141,7 @@ impl Findings<'_> {
         let all = ran.rows.len() + ran.failed.len();
         let line = format!("{} of {all} cases passed", ran.rows.len() - fallen.len());
         self.fell.extend(fallen);
-        self.measures.extend(collect::suite(&ran.rows));
+        self.measures.extend(accepted::numbers(&ran.rows));
         Ok(line)
     }
 
@@ -210,7 +206,7 @@ fn whole(
     common: &Common,
     (known, file): (&[Accepted], Option<&Path>),
     folder: &Folder,
-) -> Result<(Night, Vec<Measure>, PathBuf), Failure> {
+) -> Result<(Night, Vec<Number>, PathBuf), Failure> {
     let (cpu, wall) = (ProcessTime::now(), Instant::now());
     let manifest = Manifest::new(&mpm_verify::scenes::terzaghi(), common.jobs());
     let day = manifest.date.split('T').next().unwrap_or_default().to_owned();
@@ -242,7 +238,7 @@ fn whole(
     if file.is_none() {
         notes.push("The accepted numbers are those built into the program.".to_owned());
     }
-    let is_known = |m: &Measure| known.iter().any(|row| m.is_of(&row.case, &row.quantity));
+    let is_known = |m: &Number| known.iter().any(|row| m.is_of(&row.case, &row.quantity));
     let judged = measures.iter().filter(|m| m.label != Label::Time && (counted(&m.quantity).is_none() || is_known(m)));
     let mut night = Night {
         verdict: String::new(),
@@ -263,7 +259,7 @@ fn whole(
     report::write(&night, &measures, options.only.is_empty(), &own).map_err(Failure::run_failed)?;
     if options.only.is_empty() {
         let off = night.moved.len() as f64;
-        measures.push(Measure::new(ENTRY.0, ENTRY.1, Label::Count, off, Tolerance::relative(0.0)));
+        measures.push(Number::new(ENTRY.0, ENTRY.1, Label::Count, off, Tolerance::relative(0.0)));
         history.note(&entry, &measures);
         measures.pop();
         let text = history.text(&history_path).map_err(Failure::run_failed)?;
@@ -280,14 +276,14 @@ fn whole(
 }
 
 /// The accepted numbers that this run can be compared with: those of the parts that were run, counts of the same compiler.
-fn comparable(known: &[Accepted], measures: &[Measure], options: &Options, notes: &mut Vec<String>) -> Vec<Accepted> {
+fn comparable(known: &[Accepted], measures: &[Number], options: &Options, notes: &mut Vec<String>) -> Vec<Accepted> {
     let measured = |row: &&Accepted| measures.iter().any(|m| m.is_of(&row.case, &row.quantity));
     let mut left_out: BTreeMap<&str, usize> = BTreeMap::new();
     for row in known.iter().filter(|row| counted(&row.quantity).is_some() && !measured(row)) {
         *left_out.entry(&row.quantity).or_default() += 1;
     }
     let unknown =
-        |m: &&Measure| counted(&m.quantity).is_some() && !known.iter().any(|row| m.is_of(&row.case, &row.quantity));
+        |m: &&Number| counted(&m.quantity).is_some() && !known.iter().any(|row| m.is_of(&row.case, &row.quantity));
     let mut not_accepted: BTreeMap<&str, usize> = BTreeMap::new();
     for measure in measures.iter().filter(unknown) {
         *not_accepted.entry(&measure.quantity).or_default() += 1;
@@ -304,28 +300,17 @@ fn comparable(known: &[Accepted], measures: &[Measure], options: &Options, notes
 
 /// Renews the baselines. Failed checks are not numbers, and stay failed.
 fn accept(
-    (known, file): (&[Accepted], Option<PathBuf>),
-    measures: &[Measure],
+    known: &[Accepted],
+    measures: &[Number],
     night: &Night,
-    (why, folder): (&str, &Path),
+    (why, file): (&str, &Path),
     common: &Common,
 ) -> Result<(), Failure> {
-    let Some(file) = file else {
-        let expected = baseline::FOLDER;
-        return Err(Failure::BadInput(format!(
-            "--accept: expected {expected} here, or --baselines DIR, found neither"
-        )));
-    };
     // A missing number is obsolete only if all parts were finished and could have measured it.
     let whole = night.parts.len() == PARTS.len() && night.fell.is_empty();
     let goes = |row: &Accepted| whole && counted(&row.quantity).is_none();
     let Renewed { rows, new, gone } = accepted::renewed(known, measures, (&night.date, &night.commit), why, goes);
-    accepted::write(&rows, &file).map_err(Failure::run_failed)?;
-    let suite = folder.join("suite/accepted.csv");
-    if let (Ok(text), Some(folder)) = (fs::read(&suite), file.parent()) {
-        let path = folder.join("cases.csv");
-        files::write(&path, &text).map_err(|e| Failure::RunFailed(format!("{}: {e}", path.display())))?;
-    }
+    accepted::write(&rows, file).map_err(Failure::run_failed)?;
     let line = format!("{new} new or changed numbers accepted, {gone} obsolete rows removed, {} in all", rows.len());
     common.say(&line);
     common.say(&format!("baselines: {}", file.display()));

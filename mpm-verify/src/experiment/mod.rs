@@ -5,18 +5,19 @@
 //! 1. [`spec`]: an experiment as data, from a file. [`measure`]: what can be measured. `run`: from both to an outcome.
 //! 2. `comparison`: numbers of a run beside exact ones, and the norm that makes one error of them.
 //! 3. `refinement`: errors over a refined parameter, and the order that they show.
-//! 4. `verdict`: the one rule that judges an outcome. `accepted`: its error beside the accepted one.
+//! 4. `verdict`: the one rule that judges an outcome. [`accepted`]: its error beside the accepted one; [`number`]: what
+//!    is accepted, and how far it may move.
 //! 5. [`pool`]: several experiments at a time.
 
-pub(crate) mod accepted;
+pub mod accepted;
 pub(crate) mod comparison;
 pub mod measure;
+pub mod number;
 pub mod pool;
 pub(crate) mod refinement;
 pub(crate) mod run;
 pub mod spec;
 pub(crate) mod verdict;
 
-pub use accepted::accepted;
 pub use refinement::{Refinement, RefinementRow, SampleRow, Sampled, words};
 pub use verdict::{CaseRow, Judged, Named};

@@ -9,7 +9,7 @@ use mpm_core::run::{StartError, run, run_given};
 use mpm_core::scene::{Integrator, Scene, StepChoice};
 
 use super::comparison::{Comparison, in_particles, in_time, in_tolerance};
-use super::refinement::{MESH, Refinement};
+use super::refinement::{MESH, Refinement, STEP};
 use super::spec::{Measure, Spec};
 use super::verdict::Outcome;
 use crate::cases::own::OwnScene;
@@ -52,6 +52,17 @@ pub(crate) fn outcome(spec: &Spec, with_fault: bool) -> Result<Outcome, Error> {
         errors.push((cell, error));
         (finest, shown) = (found, scenes.into_iter().next());
     }
+    let mut refined_by = MESH;
+    if let (true, Some(steps)) = (spec.by_steps, &spec.steps) {
+        let scene = spec.on(base, steps.cells)?;
+        let first = steps.first(&planted(&scene)?);
+        for halvings in 0..=steps.halvings as i32 {
+            let step = first / 2.0_f64.powi(halvings);
+            finest = vec![compared(&scene.edited(|scene| scene.step = StepChoice::Fixed(step))?)?];
+            errors.push((step, finest[0].error()));
+        }
+        (refined_by, shown) = (STEP, Some(scene));
+    }
     let mut refinements = refinements(spec, &planted, &compared)?;
     for also in &spec.also {
         let (bases, measure) = (spec.bases_with(&also.patch)?, also.measure.as_ref().unwrap_or(measure));
@@ -77,6 +88,7 @@ pub(crate) fn outcome(spec: &Spec, with_fault: bool) -> Result<Outcome, Error> {
         required_error: spec.error,
         required_order: spec.order,
         required_everywhere: spec.everywhere,
+        refined_by,
         samples: finest.iter().flat_map(Comparison::samples).collect(),
         comparisons: finest,
         scene: shown,
@@ -96,7 +108,7 @@ fn refinements(
         spec.on(bases.first().ok_or(Lacks("scene"))?, cells)
     };
     let mut refinements = Vec::new();
-    if let Some(steps) = &spec.steps {
+    if let Some(steps) = spec.steps.as_ref().filter(|_| !spec.by_steps) {
         let scene = on(&steps.patch, steps.cells)?;
         let run = |step| compared(&scene.edited(|scene| scene.step = StepChoice::Fixed(step))?);
         let refinement = in_time(run, scene.cell, steps.first(&planted(&scene)?), steps.halvings, steps.order)?;
@@ -108,7 +120,12 @@ fn refinements(
         refinements.push(in_tolerance(run, scene.cell, &tolerances.values, tolerances.times)?);
     }
     if let Some(particles) = &spec.particles {
-        let scene = on(&Table::new(), particles.cells)?;
+        let mut scene = on(&Table::new(), particles.cells)?;
+        if let (true, Some(steps)) = (spec.by_steps, &spec.steps) {
+            // In the first step that is refined.
+            let first = steps.first(&planted(&scene)?);
+            scene = scene.edited(|scene| scene.step = StepChoice::Fixed(first))?;
+        }
         let run = |count| compared(&scene.edited(|scene| scene.particles_per_cell = count)?);
         refinements.push(in_particles(run, scene.cell, &particles.counts, particles.at_most)?);
     }

@@ -8,8 +8,9 @@ use mpm_core::stability::stable_limit;
 use serde::Deserialize;
 use toml::{Table, Value};
 
-use crate::baseline::suite::Kind;
+use super::number::Label;
 use crate::error::Error::{self, Unfit};
+use crate::exact::layered::Layered;
 use crate::scenes::built_in;
 
 /// A problem with its cases.
@@ -65,6 +66,12 @@ pub struct Spec {
     pub meshes: Vec<f64>,
     /// Evenly spaced times to the end at which a run is looked at, in place of those of the scene.
     pub looks: Option<u32>,
+    /// The same as shares of the time in which pressure passes all layers of a column.
+    #[serde(default)]
+    pub passages: Vec<f64>,
+    /// Whether the case's own errors are those of halved steps (`steps`) against the reference, in place of finer meshes.
+    #[serde(default)]
+    pub by_steps: bool,
     /// Whether the scene is judged as `check --scene` judges one of the user: `meshes` apart, nothing is asked here.
     #[serde(default)]
     pub as_own_scene: bool,
@@ -93,7 +100,7 @@ pub struct Spec {
     pub also: Vec<Also>,
     /// What the error is measured against.
     #[serde(default = "verified")]
-    pub kind: Kind,
+    pub kind: Label,
     /// The same case with a fault, which it must find.
     pub mutant: Option<Fault>,
 }
@@ -102,8 +109,8 @@ fn nothing() -> f64 {
     f64::NAN
 }
 
-fn verified() -> Kind {
-    Kind::Verified
+fn verified() -> Label {
+    Label::Verified
 }
 
 /// What is measured in a run: a word of `MEASURES` in [`super::measure`] and what that asks for.
@@ -355,7 +362,7 @@ impl Spec {
             patch.extend(own);
             patch.extend(more.clone());
             let mut without = self.without.clone();
-            if self.looks.is_some() {
+            if self.looks.is_some() || !self.passages.is_empty() {
                 without.extend(["observe.times", "observe.time_factors"].map(str::to_owned));
             }
             Ok(self.looked_at(&scene.patched(&set(&patch, &without))?)?.edited(|scene| scene.history = 0)?)
@@ -365,6 +372,14 @@ impl Spec {
 
     /// The scene, observed at as many times as the case asks for.
     fn looked_at(&self, scene: &Scene) -> Result<Scene, Error> {
+        if let Some(last) = self.passages.last() {
+            let passage = Layered::of(scene).ok_or(Unfit("not a column of layers"))?.passage_time();
+            let times = self.passages.iter().map(|share| share * passage).collect();
+            return Ok(scene.edited(|scene| {
+                scene.observe_times = times;
+                scene.stages.iter_mut().for_each(|stage| stage.until = Until::Time(last * passage));
+            })?);
+        }
         let Some(looks) = self.looks else { return Ok(scene.clone()) };
         let Some(Until::Time(end)) = scene.stages.last().map(|stage| stage.until) else {
             return Err(Unfit("`looks` needs a stage that ends at a time"));

@@ -4,10 +4,10 @@ use mpm_core::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 use super::comparison::Comparison;
+use super::number::Label;
 use super::refinement::{
     MESH, Parameter, RUNS, Refinement, RefinementRow, SampleRow, Sampled, not_established, order_words, spacings, words,
 };
-use crate::baseline::suite::Kind;
 use crate::rates::{Fit, Order, fit, largest_of_last_two};
 use crate::report::numbers::{brief, short};
 
@@ -52,7 +52,7 @@ pub(crate) struct Outcome {
     /// Refinements by anything else; judged as each of them says.
     pub refinements: Vec<Refinement>,
     /// What the errors are errors against, which is what their baseline is worth.
-    pub kind: Kind,
+    pub kind: Label,
     /// What is said of an error beside its number; part of the reason.
     pub remarks: Vec<String>,
 }
@@ -75,7 +75,7 @@ impl Default for Outcome {
             comparisons: Vec::new(),
             scene: None,
             refinements: Vec::new(),
-            kind: Kind::Verified,
+            kind: Label::Verified,
             remarks: Vec::new(),
         }
     }
@@ -118,7 +118,7 @@ pub struct CaseRow {
     /// Accepted error; nothing where none was accepted.
     pub baseline: Option<f64>,
     /// What the baseline is worth.
-    pub baseline_kind: Kind,
+    pub baseline_kind: Label,
     /// Error over the accepted one.
     pub change: Option<f64>,
     /// Tolerance of the runs in time, by which the error may move without a change of the program.

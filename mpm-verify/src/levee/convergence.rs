@@ -1,11 +1,9 @@
 //! What converges with the mesh and the particles: levels of water, factor of safety, run-out, settlement of the crest; and the
 //! time of the failure, which moves by the error of the factor over its fall in time.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use mpm_core::scene::Flags;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::plan::{self, Plan};
@@ -14,6 +12,7 @@ use super::safety;
 use super::tables::OfScene;
 use super::variants::{Change, Variant};
 use crate::error::Error;
+use crate::experiment::pool;
 use crate::report::content::table::{Cell, Table, table};
 use crate::report::numbers::{brief, short};
 
@@ -84,19 +83,14 @@ pub fn compute(
             plans.push(Plan::new(plan::scene(source, &flags, variant)?, None, None, false)?);
         }
     }
-    let (count, done) = (plans.len(), AtomicUsize::new(0));
-    let one = |plan: &Plan| {
-        let found = of(plan, &times, &word);
-        let number = done.fetch_add(1, Ordering::Relaxed) + 1;
-        tell(&format!("{number}/{count} cells of {} m, {} per cell", plan.scene.cell, plan.scene.particles_per_cell));
-        found
+    let (count, mut done) = (plans.len(), 0);
+    let told = |number: usize, _: &Result<_, Error>| {
+        done += 1;
+        let scene = &plans[number].scene;
+        tell(&format!("{done}/{count} cells of {} m, {} per cell", scene.cell, scene.particles_per_cell));
     };
-    let found: Vec<Vec<Line>> = match rayon::ThreadPoolBuilder::new().num_threads(jobs).build() {
-        Ok(pool) => pool.install(|| plans.par_iter().map(one).collect()),
-        // No threads to be had: one after the other.
-        Err(_) => plans.iter().map(one).collect(),
-    };
-    Ok(found.into_iter().rev().flatten().collect())
+    let found = pool::each(jobs, &plans, |_, plan| of(plan, &times, &word), told);
+    Ok(found.into_iter().collect::<Result<Vec<_>, Error>>()?.into_iter().rev().flatten().collect())
 }
 
 fn of(plan: &Plan, times: &[f64; 2], scene: &str) -> Vec<Line> {

@@ -1,11 +1,9 @@
 //! What changes the result: the scene and all its variants, one run each.
 
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use mpm_core::scene::{Flags, Scene};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::figures::Picture;
@@ -14,6 +12,7 @@ use super::run::{Ended, Followed, Hooks, follow};
 use super::tables::OfScene;
 use super::variants::{VARIANTS, Variant};
 use crate::error::Error;
+use crate::experiment::pool;
 use crate::report::ReportError;
 use crate::report::content::table::{Cell, Table, table};
 use crate::report::numbers::short;
@@ -155,22 +154,19 @@ pub fn compute(base: &Base, jobs: usize, tell: &(dyn Fn(&str) + Sync)) -> Vec<Li
     for (line, _) in &mut all {
         line.scene.clone_from(&word);
     }
-    let (count, done) = (all.len(), AtomicUsize::new(0));
-    let one = |(line, scene): &(Line, Result<Scene, Error>)| {
-        let line = match scene {
-            Ok(scene) => run(line.clone(), scene, base.until_h),
-            Err(why) => Line { why: why.to_string(), ..line.clone() },
-        };
-        let number = done.fetch_add(1, Ordering::Relaxed) + 1;
-        let failure = line.failure_start_h.map_or_else(|| line.verdict.clone(), |h| format!("failure at {h:.3} h"));
-        tell(&format!("{number}/{count} {}: {failure} ({:.0} s)", line.variant, line.cpu_s));
-        line
+    let (count, mut done) = (all.len(), 0);
+    let one = |_: usize, (line, scene): &(Line, Result<Scene, Error>)| match scene {
+        Ok(scene) => run(line.clone(), scene, base.until_h),
+        Err(why) => Line { why: why.to_string(), ..line.clone() },
     };
-    match rayon::ThreadPoolBuilder::new().num_threads(jobs).build() {
-        Ok(pool) => pool.install(|| all.par_iter().map(one).collect()),
-        // No threads to be had: one after the other.
-        Err(_) => all.iter().map(one).collect(),
-    }
+    let told = |_: usize, line: &Result<Line, Error>| {
+        done += 1;
+        let Ok(line) = line else { return };
+        let failure = line.failure_start_h.map_or_else(|| line.verdict.clone(), |h| format!("failure at {h:.3} h"));
+        tell(&format!("{done}/{count} {}: {failure} ({:.0} s)", line.variant, line.cpu_s));
+    };
+    let found = pool::each(jobs, &all, one, told).into_iter().zip(&all);
+    found.map(|(found, (line, _))| found.unwrap_or_else(|why| Line { why: why.to_string(), ..line.clone() })).collect()
 }
 
 fn run(line: Line, scene: &Scene, until_h: Option<f64>) -> Line {

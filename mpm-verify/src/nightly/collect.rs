@@ -3,8 +3,6 @@
 //! An explicit run follows from its scene to the last bit but for the elementary functions of the system's library; where
 //! systems are solved, or a path is chaotic (soil that slides), more may move without anyone having changed the program.
 
-use crate::baseline::suite::{self, Kind};
-use crate::experiment::CaseRow;
 use crate::levee::summary::Summary as LeveeSummary;
 use crate::report::orders;
 use crate::stability::map;
@@ -12,21 +10,16 @@ use crate::stress::{MatrixRow, Verdict};
 use crate::study::{CaseResult, Variant};
 use crate::sweeps::Sweeps;
 
-use super::measure::{Label, Measure, Tolerance};
+use crate::experiment::accepted::{LAST_DIGITS, ORDER, SOLVED};
+use crate::experiment::number::{Label, Number, Tolerance};
 
-/// Elementary functions of another library.
-const LAST_DIGITS: f64 = 1e-6;
-/// Differences of numbers that linear solves leave uncertain.
-const SOLVED: f64 = 1e-9;
-/// What an order may move by.
-const ORDER: Tolerance = Tolerance { relative: 0.0, absolute: 0.01 };
 /// Limits of steps by bisection.
 const BISECTED: Tolerance = Tolerance { relative: 1e-3, absolute: 1e-6 };
 /// Values of stress tests, some of them noise.
 const STRESS: Tolerance = Tolerance { relative: 0.05, absolute: 1e-9 };
 
 /// Errors, work and orders of the study, errors of its sweeps, and what accuracy costs in counts.
-pub fn study(results: &[CaseResult], sweeps: &Sweeps) -> Vec<Measure> {
+pub fn study(results: &[CaseResult], sweeps: &Sweeps) -> Vec<Number> {
     let mut measures = Vec::new();
     for r in results.iter().filter(|r| r.variant == Variant::Base) {
         let explicit = r.integrator == "explicit";
@@ -34,11 +27,11 @@ pub fn study(results: &[CaseResult], sweeps: &Sweeps) -> Vec<Measure> {
             relative: LAST_DIGITS,
             absolute: if explicit { 0.0 } else { SOLVED.max(r.tolerance.unwrap_or(0.0)) },
         };
-        let error = |quantity, value| Measure::new(&r.case, quantity, Label::Verified, value, tolerance);
+        let error = |quantity, value| Number::new(&r.case, quantity, Label::Verified, value, tolerance);
         measures.push(error("max_error_terzaghi", r.max_error_terzaghi));
         measures.push(error("max_error_compressible", r.max_error_compressible));
         let counted = Tolerance::relative(if explicit { 0.0 } else { 0.02 });
-        let count = |quantity, value: u64| Measure::new(&r.case, quantity, Label::Count, value as f64, counted);
+        let count = |quantity, value: u64| Number::new(&r.case, quantity, Label::Count, value as f64, counted);
         measures.push(count("steps", r.steps));
         if !explicit {
             measures.push(count("solves", r.solves));
@@ -49,7 +42,7 @@ pub fn study(results: &[CaseResult], sweeps: &Sweeps) -> Vec<Measure> {
         for (norm, fit) in group.fits {
             // Two meshes have an order, but nothing says how good it is.
             if let (Some(fit), true) = (fit, norm.ends_with("compressible") && group.meshes.len() > 2) {
-                measures.push(Measure::new(&group.name, &format!("{norm}_order"), Label::Verified, fit.order, ORDER));
+                measures.push(Number::new(&group.name, &format!("{norm}_order"), Label::Verified, fit.order, ORDER));
             }
         }
     }
@@ -59,8 +52,8 @@ pub fn study(results: &[CaseResult], sweeps: &Sweeps) -> Vec<Measure> {
 }
 
 /// Largest errors of the sweeps, per scheme and mesh.
-fn swept(sweeps: &Sweeps) -> Vec<Measure> {
-    let mut measures: Vec<Measure> = Vec::new();
+fn swept(sweeps: &Sweeps) -> Vec<Number> {
+    let mut measures: Vec<Number> = Vec::new();
     let mut add = |case: String, value: f64| {
         let known = measures.iter_mut().find(|m| m.case == case);
         match known {
@@ -69,7 +62,7 @@ fn swept(sweeps: &Sweeps) -> Vec<Measure> {
             Some(_) => {}
             None => {
                 let tolerance = Tolerance { relative: LAST_DIGITS, absolute: SOLVED };
-                measures.push(Measure::new(&case, "largest_error", Label::Verified, value, tolerance));
+                measures.push(Number::new(&case, "largest_error", Label::Verified, value, tolerance));
             }
         }
     };
@@ -99,7 +92,7 @@ pub fn cost_for(wanted: f64) -> String {
 }
 
 /// What the cheapest case of each family costs that is accurate enough, in point-steps, or solves times particles.
-fn costs(results: &[CaseResult]) -> Vec<Measure> {
+fn costs(results: &[CaseResult]) -> Vec<Number> {
     let mut families: Vec<String> = Vec::new();
     for r in results.iter().filter(|r| r.variant == Variant::Base && r.load == "surface") {
         let family = r.family();
@@ -126,36 +119,15 @@ fn costs(results: &[CaseResult]) -> Vec<Measure> {
             let value = cheapest(family, wanted);
             if value.is_finite() {
                 let (case, counted) = (format!("{SPEED}{family}"), Tolerance::relative(0.02));
-                measures.push(Measure::new(&case, &cost_for(wanted), Label::Count, value, counted));
+                measures.push(Number::new(&case, &cost_for(wanted), Label::Count, value, counted));
             }
         }
     }
     measures
 }
 
-/// Errors and orders of the suite.
-pub fn suite(steps: &[CaseRow]) -> Vec<Measure> {
-    let mut measures = Vec::new();
-    for step in steps {
-        let label = if step.baseline_kind == Kind::Verified { Label::Verified } else { Label::Regression };
-        // What runs out of a slope or a column hangs on the last digit; all else as in the case's own baseline.
-        let relative = if chaotic(&step.case) { 0.02 } else { LAST_DIGITS };
-        let absolute = suite::floor_of(&step.case).unwrap_or(SOLVED).max(step.tolerance);
-        measures.push(Measure::new(&step.case, "error", label, step.error, Tolerance { relative, absolute }));
-        if let Some(order) = step.order {
-            measures.push(Measure::new(&step.case, "order", label, order, ORDER));
-        }
-    }
-    measures
-}
-
-/// Whether a case follows soil that flows.
-fn chaotic(case: &str) -> bool {
-    ["collapse", "slope", "strip", "block"].iter().any(|start| case.starts_with(start))
-}
-
 /// Verdicts and values of the stress tests, limits of steps over theory and of `auto` over what was measured.
-pub fn stability(matrix: &[MatrixRow], summaries: &[map::Summary]) -> Vec<Measure> {
+pub fn stability(matrix: &[MatrixRow], summaries: &[map::Summary]) -> Vec<Number> {
     let mut measures = Vec::new();
     for row in matrix {
         let case = format!("stress-{}-{}-{}", row.case, row.integrator, row.scheme).replace(' ', "-");
@@ -165,9 +137,9 @@ pub fn stability(matrix: &[MatrixRow], summaries: &[map::Summary]) -> Vec<Measur
             Verdict::Stopped => 2.0,
             Verdict::Failed => 3.0,
         };
-        measures.push(Measure::new(&case, "verdict", Label::Regression, grade, Tolerance::relative(0.0)));
+        measures.push(Number::new(&case, "verdict", Label::Regression, grade, Tolerance::relative(0.0)));
         if let Some(value) = row.value.filter(|v| v.is_finite()) {
-            measures.push(Measure::new(&case, "value", Label::Regression, value, STRESS));
+            measures.push(Number::new(&case, "value", Label::Regression, value, STRESS));
         }
     }
     for s in summaries {
@@ -178,14 +150,14 @@ pub fn stability(matrix: &[MatrixRow], summaries: &[map::Summary]) -> Vec<Measur
             ("auto_low", s.auto[0]),
             ("auto_high", s.auto[1]),
         ];
-        measures.extend(four.map(|(name, value)| Measure::new(&case, name, Label::Regression, value, BISECTED)));
+        measures.extend(four.map(|(name, value)| Number::new(&case, name, Label::Regression, value, BISECTED)));
     }
     measures
 }
 
 /// Snapshot values of the levee. Its failure hangs on the last digit: what differs is by how much such runs differ from one
 /// another where they are stopped for a look at other times.
-pub fn levee(summary: &LeveeSummary) -> Vec<Measure> {
+pub fn levee(summary: &LeveeSummary) -> Vec<Number> {
     let rows: [(&str, Option<f64>, Tolerance); 11] = [
         ("front_at_toe_h", summary.front_at_toe_h, Tolerance::relative(1e-3)),
         ("first_outflow_h", summary.first_outflow_h, Tolerance::relative(1e-3)),
@@ -202,7 +174,7 @@ pub fn levee(summary: &LeveeSummary) -> Vec<Measure> {
     rows.into_iter()
         .map(|(name, value, tolerance)| {
             let label = if name == "steps" { Label::Count } else { Label::Regression };
-            Measure::new("levee", name, label, value.unwrap_or(f64::NAN), tolerance)
+            Number::new("levee", name, label, value.unwrap_or(f64::NAN), tolerance)
         })
         .collect()
 }

@@ -8,8 +8,8 @@ use std::path::Path;
 use mpm_core::scene::read_text;
 use serde::{Deserialize, Serialize};
 
-use super::measure::Measure;
 use crate::error::Error;
+use crate::experiment::number::Number;
 
 /// Name of the file.
 pub const NAME: &str = "history.csv";
@@ -84,7 +84,7 @@ impl History {
     }
 
     /// Adds an entry with its numbers; `entry` is its date and commit with a space between them.
-    pub fn note(&mut self, entry: &str, measures: &[Measure]) {
+    pub fn note(&mut self, entry: &str, measures: &[Number]) {
         self.entries.push(entry.to_owned());
         let number = self.entries.len() - 1;
         let (date, commit) = entry.split_once(' ').unwrap_or((entry, ""));
@@ -153,17 +153,17 @@ impl History {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::nightly::measure::{Label, Tolerance};
+    use crate::experiment::number::{Label, Tolerance};
 
-    fn measure(case: &str, value: f64) -> Measure {
-        Measure::new(case, "error", Label::Verified, value, Tolerance::relative(0.0))
+    fn measure(case: &str, value: f64) -> Number {
+        Number::new(case, "error", Label::Verified, value, Tolerance::relative(0.0))
     }
 
     #[test]
     fn only_changes_are_written_and_the_file_says_all() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join(NAME);
-        let mut count = Measure::new(ENTRY.0, ENTRY.1, Label::Count, 0.0, Tolerance::relative(0.0));
+        let mut count = Number::new(ENTRY.0, ENTRY.1, Label::Count, 0.0, Tolerance::relative(0.0));
         for (number, value) in [1.0, 1.0, 2.0, f64::NAN, 2.0].into_iter().enumerate() {
             let mut history = History::read(&path).expect("a history");
             assert_eq!(history.entries.len(), number);

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use super::compiled::{self, COMPILED, INSTRUCTIONS};
-use super::measure::{Label, Measure, Tolerance};
 use crate::error::Error::{self, Unfit};
+use crate::experiment::number::{Label, Number, Tolerance};
 
 /// Share by which a count may move: what another library makes of the same compiler's code.
 const TOLERANCE: Tolerance = Tolerance::relative(0.01);
@@ -52,10 +52,10 @@ impl Counter {
     ///
     /// # Errors
     /// The gate cannot be run.
-    pub fn measure(&self, gate: &str) -> Result<Option<Measure>, Error> {
+    pub fn measure(&self, gate: &str) -> Result<Option<Number>, Error> {
         let quantity = compiled::quantity(INSTRUCTIONS, &self.with);
         Ok(self.count(gate)?.map(|count| {
-            Measure::new(gate, &quantity, Label::Count, count.saturating_sub(self.nothing) as f64, TOLERANCE)
+            Number::new(gate, &quantity, Label::Count, count.saturating_sub(self.nothing) as f64, TOLERANCE)
         }))
     }
 

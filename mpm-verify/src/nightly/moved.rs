@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::accepted::Accepted;
 use super::compiled::counted;
 use super::history::History;
-use super::measure::{Better, Label, Measure, Tolerance};
+use crate::experiment::accepted::Accepted;
+use crate::experiment::number::{Better, Label, Number, Tolerance};
 
 /// A number that has moved further than it may, or is gone, or is new.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -50,7 +50,7 @@ impl Moved {
 }
 
 /// Numbers of a night that are not where they were. `now` is the entry of this night.
-pub fn moved(accepted: &[Accepted], measures: &[Measure], history: &History, now: &str) -> Vec<Moved> {
+pub fn moved(accepted: &[Accepted], measures: &[Number], history: &History, now: &str) -> Vec<Moved> {
     let number = |value: f64| Some(value).filter(|v| !v.is_nan());
     let judged = measures.iter().filter(|m| m.label != Label::Time);
     let off = judged.filter_map(|m| {
@@ -96,8 +96,8 @@ fn of(row: &Accepted, is: f64, history: &History, now: &str) -> Moved {
 mod tests {
     use super::*;
 
-    fn measure(case: &str, value: f64) -> Measure {
-        Measure::new(case, "error", Label::Verified, value, Tolerance::relative(0.01))
+    fn measure(case: &str, value: f64) -> Number {
+        Number::new(case, "error", Label::Verified, value, Tolerance::relative(0.01))
     }
 
     fn row(case: &str, value: f64) -> Accepted {
@@ -125,7 +125,7 @@ mod tests {
             measure("new", 5.0),
             measure("broken", f64::NAN),
             time,
-            Measure::new("not accepted", "allocations (another compiler)", Label::Count, 9.0, Tolerance::relative(0.0)),
+            Number::new("not accepted", "allocations (another compiler)", Label::Count, 9.0, Tolerance::relative(0.0)),
         ];
         let mut history = History::default();
         for (entry, value) in [("d1 c1", 1.0), ("d2 c2", 1.2), ("d3 c3", 1.15)] {

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::measure::{Label, Measure};
 use super::moved::Moved;
 use super::tables;
 use crate::error::Error;
+use crate::experiment::number::{Label, Number};
 use crate::manifest::Manifest;
 use crate::page::verdict::{State, Verdict};
 use crate::page::{Link, Page, Section};
@@ -144,7 +144,7 @@ const PAGES: [(&str, &str); 4] = [
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(night: &Night, measures: &[Measure], whole: bool, folder: &Path) -> Result<(), ReportError> {
+pub fn write(night: &Night, measures: &[Number], whole: bool, folder: &Path) -> Result<(), ReportError> {
     let path = folder.join("summary.json");
     let text = serde_json::to_string_pretty(night).map_err(|e| unwritable(&path, e))?;
     save(&path, text + "\n")?;
@@ -228,7 +228,7 @@ trait Row {
     fn flat(&self) -> impl Serialize;
 }
 
-impl Row for Measure {
+impl Row for Number {
     const HEADER: &str = "case,quantity,label,value,relative,absolute";
     fn flat(&self) -> impl Serialize {
         Value {
@@ -253,15 +253,15 @@ impl Row for Moved {
 ///
 /// # Errors
 /// A file that is not such a table: file, line, expected and found.
-pub fn stored(path: &Path) -> Result<Vec<Measure>, Error> {
+pub fn stored(path: &Path) -> Result<Vec<Number>, Error> {
     let mut reader = csv::Reader::from_path(path).map_err(Error::at(path))?;
     reader
         .deserialize()
         .map(|row: Result<Value, csv::Error>| {
             let file = || path.display().to_string();
-            let row = row.map_err(|source| Error::Row { file: file(), columns: Measure::HEADER, source })?;
-            let tolerance = super::measure::Tolerance { relative: row.relative, absolute: row.absolute };
-            Ok(Measure::new(&row.case, &row.quantity, row.label, row.value.unwrap_or(f64::NAN), tolerance))
+            let row = row.map_err(|source| Error::Row { file: file(), columns: Number::HEADER, source })?;
+            let tolerance = crate::experiment::number::Tolerance { relative: row.relative, absolute: row.absolute };
+            Ok(Number::new(&row.case, &row.quantity, row.label, row.value.unwrap_or(f64::NAN), tolerance))
         })
         .collect()
 }
@@ -269,7 +269,7 @@ pub fn stored(path: &Path) -> Result<Vec<Measure>, Error> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::nightly::measure::Tolerance;
+    use crate::experiment::number::Tolerance;
 
     fn night(moved: Vec<Moved>) -> Night {
         Night {
@@ -306,7 +306,7 @@ pub(crate) mod tests {
     pub fn write_small(folder: &Path) {
         let (night, own, trends) = (night(vec![one_moved()]), folder.join("2026-01-01"), folder.join("trends"));
         [&own, &trends].into_iter().for_each(|path| std::fs::create_dir_all(path).expect("a folder"));
-        let measure = Measure::new("terzaghi", "error", Label::Verified, 2e-3, Tolerance::relative(1e-6));
+        let measure = Number::new("terzaghi", "error", Label::Verified, 2e-3, Tolerance::relative(1e-6));
         write(&night, std::slice::from_ref(&measure), true, &own).expect("written");
         let mut history = crate::nightly::history::History::default();
         history.note("2026-01-01 abc", &[measure]);
@@ -319,8 +319,8 @@ pub(crate) mod tests {
     fn a_red_night_names_the_case_everywhere_and_links_what_there_is() {
         let folder = tempfile::tempdir().expect("a folder");
         let measures = [
-            Measure::new("terzaghi", "error", Label::Verified, 2e-3, Tolerance::relative(1e-6)),
-            Measure::new("gone", "error", Label::Verified, f64::NAN, Tolerance::relative(1e-6)),
+            Number::new("terzaghi", "error", Label::Verified, 2e-3, Tolerance::relative(1e-6)),
+            Number::new("gone", "error", Label::Verified, f64::NAN, Tolerance::relative(1e-6)),
         ];
         write(&night(vec![one_moved()]), &measures, false, folder.path()).expect("written");
         for name in ["summary.json", "summary.md", "index.html", "moved.csv", VALUES] {

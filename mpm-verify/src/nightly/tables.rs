@@ -2,10 +2,10 @@
 
 use super::collect::{SPEED, WANTED, cost_for};
 use super::compiled;
-use super::measure::Measure;
 use super::moved::Moved;
 use super::report::{LISTED, Night, Part};
 use super::work::GATES;
+use crate::experiment::number::Number;
 use crate::report::content::table::{Cell, Table, table};
 use crate::report::numbers::short;
 
@@ -52,7 +52,7 @@ pub fn parts(night: &Night) -> Table {
 }
 
 /// Counts of the gates, if they were counted.
-pub fn work(measures: &[Measure]) -> Option<Table> {
+pub fn work(measures: &[Number]) -> Option<Table> {
     let gates: Vec<&str> = GATES.iter().map(|gate| gate.name).collect();
     let of = |gate: &str, wanted: &dyn Fn(&str) -> bool| {
         measures.iter().find(|m| m.case == gate && wanted(&m.quantity)).map_or_else(
@@ -83,7 +83,7 @@ pub fn work(measures: &[Measure]) -> Option<Table> {
 }
 
 /// Speed against error, if the study was run: the least work by which each sweep reaches an error.
-pub fn speed(measures: &[Measure]) -> Option<Table> {
+pub fn speed(measures: &[Number]) -> Option<Table> {
     let mut families: Vec<&str> = measures.iter().filter_map(|m| m.case.strip_prefix(SPEED)).collect();
     families.dedup();
     if families.is_empty() {
@@ -104,13 +104,13 @@ pub fn speed(measures: &[Measure]) -> Option<Table> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::nightly::measure::{Label, Tolerance};
+    use crate::experiment::number::{Label, Tolerance};
 
     #[test]
     fn speed_is_shown_against_the_error_it_was_reached_with() {
         let cost = |family: &str, wanted: f64, value: f64| {
             let case = format!("{SPEED}{family}");
-            Measure::new(&case, &cost_for(wanted), Label::Count, value, Tolerance::relative(0.02))
+            Number::new(&case, &cost_for(wanted), Label::Count, value, Tolerance::relative(0.02))
         };
         let measures = [cost("quick", 1e-2, 880.0), cost("quick", 1e-3, 2160.0), cost("slow", 1e-2, 2.2e8)];
         let table = speed(&measures).expect("a table");

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::compiled;
 use super::history::{ENTRY, History};
-use super::measure::Better;
+use crate::experiment::number::Better;
 use crate::page::{Block, Link, Page, Section, escaped};
 use crate::report::numbers::short;
 use crate::report::{ReportError, unwritable};
@@ -217,14 +217,14 @@ fn line(steps: &[(usize, f64)], entries: usize) -> (String, Vec<[String; 2]>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::nightly::measure::{Label, Measure, Tolerance};
+    use crate::experiment::number::{Label, Number, Tolerance};
 
     #[test]
     fn the_commit_that_moved_a_number_is_named() {
         let mut history = History::default();
         for (number, value) in [1.0, 1.0, 3.0, 3.0].into_iter().enumerate() {
             let tolerance = Tolerance::relative(0.0);
-            let m = |case: &str, quantity: &str, value| Measure::new(case, quantity, Label::Verified, value, tolerance);
+            let m = |case: &str, quantity: &str, value| Number::new(case, quantity, Label::Verified, value, tolerance);
             let all = [m("a", "error", value), m("b", "error", 5.0), m("b", "order", 2.0), m("b", "solves", value)];
             history.note(&format!("2026-01-0{} commit{number}", number + 1), &all);
         }

@@ -8,9 +8,9 @@ use mpm_core::run::run;
 use mpm_core::scene::{Dimension, Fields, Flags, Integrator, Scene, ShapeChoice, TimeMethod, TransferChoice, Until};
 
 use super::compiled::{self, ALLOCATIONS, COMPILED};
-use super::measure::{Label, Measure, Tolerance};
 use super::{calibration, instructions};
 use crate::error::Error::{self, Lacks};
+use crate::experiment::number::{Label, Number, Tolerance};
 use crate::unpanicked::unpanicked;
 
 /// A run whose cost is counted.
@@ -121,7 +121,7 @@ pub fn named(name: &str) -> Option<&'static Gate> {
 #[derive(Debug, Default)]
 pub struct Counted {
     /// The counts, and the times over that of the kernel.
-    pub measures: Vec<Measure>,
+    pub measures: Vec<Number>,
     /// How instructions were counted, or why they were not.
     pub notes: Vec<String>,
     /// Gates that could not be run, and why.
@@ -162,7 +162,7 @@ pub fn counts(program: Option<&std::path::Path>) -> Counted {
 
 impl Gate {
     /// What it costs, and its time over that of the kernel (s).
-    fn counts(&self, kernel: f64) -> Result<Vec<Measure>, Error> {
+    fn counts(&self, kernel: f64) -> Result<Vec<Number>, Error> {
         let scene = self.scene()?;
         let mut outcome = Err(Lacks("run"));
         let info = measure(|| outcome = self.run());
@@ -176,15 +176,15 @@ impl Gate {
             *time = clock.elapsed().as_secs_f64();
         }
         times.sort_by(f64::total_cmp);
-        measures.push(Measure::new(self.name, "time_ratio", Label::Time, times[1] / kernel, Tolerance::relative(0.0)));
+        measures.push(Number::new(self.name, "time_ratio", Label::Time, times[1] / kernel, Tolerance::relative(0.0)));
         Ok(measures)
     }
 }
 
-fn counted(gate: &Gate, scene: &Scene, run: &Run, info: &AllocationInfo) -> Vec<Measure> {
+fn counted(gate: &Gate, scene: &Scene, run: &Run, info: &AllocationInfo) -> Vec<Number> {
     // Steps of an explicit run follow from its limit, to the last one; how others divide the time hangs on the last bits.
     let tolerance = Tolerance::relative(if scene.integrator == Integrator::Explicit { 0.0 } else { 0.02 });
-    let count = |quantity: &str, value: u64| Measure::new(gate.name, quantity, Label::Count, value as f64, tolerance);
+    let count = |quantity: &str, value: u64| Number::new(gate.name, quantity, Label::Count, value as f64, tolerance);
     let work = run.work;
     let steps = run.steps.max(work.accepted);
     let mut all = vec![
@@ -197,8 +197,8 @@ fn counted(gate: &Gate, scene: &Scene, run: &Run, info: &AllocationInfo) -> Vec<
     // What the standard library asks for differs a little from one version to the next.
     let calls = Tolerance { relative: 0.02, absolute: 8.0 };
     let allocations = compiled::quantity(ALLOCATIONS, COMPILED);
-    all.push(Measure::new(gate.name, &allocations, Label::Count, info.count_total as f64, calls));
-    all.push(Measure::new(gate.name, "peak_bytes", Label::Count, info.bytes_max as f64, Tolerance::relative(0.05)));
+    all.push(Number::new(gate.name, &allocations, Label::Count, info.count_total as f64, calls));
+    all.push(Number::new(gate.name, "peak_bytes", Label::Count, info.bytes_max as f64, Tolerance::relative(0.05)));
     all
 }
 

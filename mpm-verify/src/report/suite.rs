@@ -6,13 +6,13 @@ use super::content::table::{Cell, Table, table};
 use super::numbers::{brief, exact, short};
 use super::tables;
 use super::{ReportError, save};
-use crate::baseline::suite::Kind;
 use crate::experiment::{Judged, Refinement, RefinementRow, SampleRow, words};
 use crate::manifest::Manifest;
 use crate::page::site::{self, Report};
 use crate::page::verdict::{Tally, Verdict};
 use crate::page::{Page, Section};
 use crate::rates::Fit;
+use crate::study::word;
 
 /// Columns of `notes.csv`.
 pub const NOTES: &str = "case,quantity,value,unit";
@@ -135,15 +135,12 @@ fn cases(judged: &[Judged]) -> Table {
 
 /// Error over the accepted one, and what that is worth.
 fn baseline(judged: &Judged) -> Cell {
-    let kind = match judged.row.baseline_kind {
-        Kind::Verified => "verified",
-        Kind::Regression => "regression",
-    };
+    let kind = word(judged.row.baseline_kind);
     let grown = judged.sound && !judged.row.passed();
     match (judged.row.baseline, judged.row.change) {
         (None, _) => Cell::new("–").marked("none accepted", "warn"),
-        (Some(_), Some(change)) => Cell::new(short(change, 3)).marked(kind, if grown { "bad" } else { "" }),
-        (Some(_), None) => Cell::new("was 0").marked(kind, if grown { "bad" } else { "" }),
+        (Some(_), Some(change)) => Cell::new(short(change, 3)).marked(&kind, if grown { "bad" } else { "" }),
+        (Some(_), None) => Cell::new("was 0").marked(&kind, if grown { "bad" } else { "" }),
     }
 }
 

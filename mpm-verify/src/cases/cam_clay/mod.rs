@@ -3,7 +3,7 @@
 mod oedometer;
 mod triaxial;
 
-pub use oedometer::{BY_PARTICLES, CASE as OEDOMETER};
+pub use oedometer::CASE as OEDOMETER;
 pub use triaxial::{DRAINED, UNDRAINED};
 
 use mpm_core::scene::CamClay;
@@ -30,7 +30,7 @@ fn own(soil: CamClay) -> CamClay {
 mod tests {
     use super::*;
 
-    const CASES: [crate::cases::Program; 4] = [DRAINED, UNDRAINED, OEDOMETER, BY_PARTICLES];
+    const CASES: [crate::cases::Program; 3] = [DRAINED, UNDRAINED, OEDOMETER];
 
     #[test]
     fn every_case_holds_and_every_mutant_falls_short() {

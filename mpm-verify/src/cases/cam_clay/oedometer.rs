@@ -1,9 +1,9 @@
 //! One-dimensional compression from an isotropic stress: to K_0, along the curve that ordinary differential equations give.
 
 use mpm_core::constitutive::ModifiedCamClay;
-use mpm_core::scene::{CamClay, Dimension, ShapeChoice};
+use mpm_core::scene::CamClay;
 
-use super::super::{Error, Lacks, Mutant, Outcome, Program, finished, integrator};
+use super::super::{Error, Lacks, Mutant, Outcome, Program};
 use super::{FLATTER, REQUIRED, SOIL, flatter, own};
 use crate::element::Element;
 use crate::exact::cam_clay::at_rest;
@@ -17,14 +17,6 @@ pub const CASE: Program = Program {
     about: "Cam-Clay that does not strain sideways: stresses, and K_0 at the end",
     run: || outcome(own),
     mutant: Some(Mutant { what: FLATTER, run: || outcome(flatter) }),
-};
-
-/// The same soil as particles.
-pub const BY_PARTICLES: Program = Program {
-    name: "cc-oedometer-particles",
-    about: "stiff Cam-Clay compressed by particles, explicit: settlement at rest",
-    run: || by_particles(own),
-    mutant: Some(Mutant { what: FLATTER, run: || by_particles(flatter) }),
 };
 
 /// Stress at the start, Pa.
@@ -73,61 +65,6 @@ fn outcome(fault: fn(CamClay) -> CamClay) -> Result<Outcome, Error> {
         required_error: REQUIRED,
         required_order: Some([0.8, 2.2]),
         refined_by: PART,
-        samples,
-        ..Outcome::default()
-    })
-}
-
-/// Slopes of the particles' soil over those of the table: strains are so much smaller, stresses the same.
-const STIFF: f64 = 0.01;
-/// Strain of the table under a load of four times the attraction.
-const STRAIN: f64 = 0.149_235_500_269_318_5;
-
-/// The settlement at rest.
-fn by_particles(fault: fn(CamClay) -> CamClay) -> Result<Outcome, Error> {
-    let mut base = crate::scenes::oedometer();
-    let load = base.surcharge.ok_or(Lacks("load"))?.pressure;
-    let attraction = 0.25 * load;
-    let soil = CamClay { lambda: STIFF * SOIL.lambda, kappa: STIFF * SOIL.kappa, attraction, ..SOIL };
-    base = base.edited(|base| (base.strength, base.cam_clay) = (None, Some(fault(soil))))?;
-    let exact = base.height * -f64::exp_m1(-STIFF * STRAIN);
-    let (mut errors, mut samples) = (Vec::new(), Vec::new());
-    for rows in [5, 10, 20] {
-        let mut worst = 0.0_f64;
-        samples.clear();
-        for (dimension, shape) in [
-            (Dimension::Column, ShapeChoice::Centre),
-            (Dimension::Column, ShapeChoice::Bspline2),
-            (Dimension::PlaneStrain, ShapeChoice::BBar),
-        ] {
-            let scene = base.edited(|scene| {
-                (scene.dimension, scene.shape, scene.cell) = (dimension, shape, scene.height / rows as f64);
-                // One cell across at least.
-                scene.width = scene.width.max(scene.cell);
-            })?;
-            let run = finished(&scene)?;
-            let last = run.samples.last().ok_or(Lacks("sample"))?;
-            let error = last.state.settlement / exact - 1.0;
-            worst = worst.max(error.abs());
-            samples.push(Sampled {
-                quantity: format!("settlement at rest, {dimension:?} {shape:?}"),
-                unit: "m".to_owned(),
-                time: last.stage_time,
-                factor: None,
-                computed: last.state.settlement,
-                exact,
-                error,
-                counts: true,
-            });
-        }
-        errors.push((base.height / rows as f64, worst));
-    }
-    Ok(Outcome {
-        integrator: integrator(&base),
-        scheme: "centre, bspline2 and b-bar".to_owned(),
-        errors,
-        required_error: 1e-3,
-        required_order: None,
         samples,
         ..Outcome::default()
     })

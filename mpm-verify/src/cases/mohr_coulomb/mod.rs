@@ -1,13 +1,12 @@
-//! The Mohr-Coulomb law: its returns, element tests, and an oedometer made of particles.
+//! The Mohr-Coulomb law: its returns, element tests.
 
 mod compression;
-mod oedometer;
+
 mod plane_strain;
 mod returns;
 mod simple_shear;
 mod triaxial;
 
-pub use oedometer::CASE as OEDOMETER;
 pub use plane_strain::CASE as PLANE_STRAIN;
 pub use returns::{ASSOCIATED, NOT_ASSOCIATED};
 pub use simple_shear::{FROM_K0, ISOTROPIC};
@@ -81,8 +80,7 @@ fn outcome(what: &str, errors: Vec<(f64, f64)>, required_error: f64, required_or
 mod tests {
     use super::*;
 
-    const CASES: [crate::cases::Program; 7] =
-        [ASSOCIATED, NOT_ASSOCIATED, PLANE_STRAIN, TRIAXIAL, FROM_K0, ISOTROPIC, OEDOMETER];
+    const CASES: [crate::cases::Program; 6] = [ASSOCIATED, NOT_ASSOCIATED, PLANE_STRAIN, TRIAXIAL, FROM_K0, ISOTROPIC];
 
     #[test]
     fn every_mutant_falls_short() {

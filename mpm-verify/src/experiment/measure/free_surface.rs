@@ -51,11 +51,18 @@ pub(crate) fn tip_of(scene: &Scene, run: &Run, exact: &Wetting) -> Result<Compar
     Ok(Comparison { unit: "m", ..Comparison::worst("tip of the water", rows) })
 }
 
+/// The number of a column of cells, of a mesh that may be longer than that of the sound scene.
+fn column(levels: &mut Vec<f64>, place: f64) -> &mut f64 {
+    let place = place as usize;
+    levels.resize(levels.len().max(place + 1), 0.0);
+    &mut levels[place]
+}
+
 /// Height of the water in each column of cells, m.
 fn filled(scene: &Scene, field: &[FieldPoint]) -> Vec<f64> {
     let mut levels = vec![0.0; scene.cells[0]];
     for point in field {
-        levels[(point.x_m / scene.cell) as usize] += point.saturation * scene.cell;
+        *column(&mut levels, point.x_m / scene.cell) += point.saturation * scene.cell;
     }
     levels
 }
@@ -104,9 +111,8 @@ pub fn discharge(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
 fn standing(scene: &Scene, sample: &Sample) -> Vec<f64> {
     let mut levels = vec![0.0; scene.cells[0]];
     for point in sample.state.field.iter().filter(|point| point.pressure_pa > 0.0) {
-        let column = (point.x_m / scene.cell) as usize;
-        let level = point.y_m - 0.5 * scene.cell + point.saturation.min(1.0) * scene.cell;
-        levels[column] = f64::max(levels[column], level);
+        let level = column(&mut levels, point.x_m / scene.cell);
+        *level = level.max(point.y_m - 0.5 * scene.cell + point.saturation.min(1.0) * scene.cell);
     }
     levels
 }

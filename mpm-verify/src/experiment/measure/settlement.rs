@@ -5,14 +5,16 @@ use mpm_core::scene::{Course, LoadOn, Scene, Surcharge};
 
 use super::Compare;
 use crate::error::Error::{self, Unfit};
+use crate::exact::cam_clay::SOIL;
 use crate::exact::damped_column::DampedColumn;
 use crate::exact::dynamic::DynamicColumn;
 use crate::exact::large_strain::LargeStrain;
 use crate::exact::layered::Layered;
+use crate::exact::oedometer::Oedometer;
 use crate::exact::oracle::Table;
 use crate::exact::self_weight::SelfWeight;
 use crate::exact::terzaghi::Terzaghi;
-use crate::experiment::comparison::{Compared, Comparison};
+use crate::experiment::comparison::{Compared, Comparison, Norm};
 use crate::experiment::spec::Measure;
 use crate::norms::{largest, profile_error};
 
@@ -65,9 +67,22 @@ fn exact(scene: &Scene, reference: &str) -> Result<(Exact, f64), Error> {
             return Ok((Box::new(move |time| exact.settlement(time)), exact.whole));
         }
         "cam-clay" => return cam_clay(scene).ok_or(none),
+        // Slopes over those of the table: strains are as much smaller, stresses the same.
+        "cam-clay-oedometer" => {
+            let soil = scene.cam_clay.ok_or(none)?;
+            let whole = scene.height * -f64::exp_m1(-soil.lambda / SOIL.lambda * OEDOMETER_STRAIN);
+            return Ok((Box::new(move |_| whole), whole));
+        }
+        // Under the load of the time, over the last one.
+        "oedometer" => {
+            let (soil, load) = (Oedometer::new(scene).ok_or(none)?, scene.surcharge.ok_or(Unfit("no load"))?);
+            let height = scene.height;
+            let whole = height * soil.strain(load.pressure);
+            return Ok((Box::new(move |time| height * soil.strain(load.at(time))), whole));
+        }
         other => {
             let expected = "terzaghi, terzaghi-incompressible, dynamic, large-strain, layers, superposed, outline, self-weight, \
-                            self-weight-drained, dry-wave, damped or cam-clay";
+                            self-weight-drained, dry-wave, damped, cam-clay, cam-clay-oedometer or oedometer";
             return Err(Error::refused("measure.reference", expected, other));
         }
     };
@@ -85,6 +100,9 @@ fn drained(scene: &Scene) -> Option<f64> {
 
 /// Final strain of the table of a layer of Cam-Clay.
 const CAM_CLAY_STRAIN: f64 = 0.138_633_760_970_038_43;
+
+/// Strain of the table of the oedometer under a load of four times the attraction.
+const OEDOMETER_STRAIN: f64 = 0.149_235_500_269_318_5;
 
 /// A layer of Cam-Clay that consolidates, by its table: between the rows there is no number.
 fn cam_clay(scene: &Scene) -> Option<(Exact, f64)> {
@@ -126,6 +144,17 @@ pub fn settlement(scene: &Scene, measure: &Measure) -> Result<Compare, Error> {
             ..Compared::one(s.stage_time, s.state.settlement / whole, exact(s.stage_time) / whole)
         };
         Ok(Comparison { relative, ..Comparison::worst("U", run.observed().map(at).collect()) })
+    }))
+}
+
+/// Pressures in the rows of a column of layers over the largest p_0: root mean square over the height.
+pub fn in_layers(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
+    let exact = Layered::of(scene).ok_or(Unfit("not a column of layers"))?;
+    Ok(Box::new(move |run| {
+        let found = Comparison::profile("p over the largest p_0", run.observed(), |height, row, time| {
+            [row.pressure_pa, exact.pressure(height, time)].map(|p| p / exact.largest_undrained())
+        });
+        Ok(Comparison { over_places: Norm::Rms, ..found })
     }))
 }
 

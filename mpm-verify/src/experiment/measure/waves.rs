@@ -81,6 +81,17 @@ pub fn speed(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
     }))
 }
 
+/// Energy that is stored and booked as lost, over the work of the load and of the flow so far: all of it.
+pub fn energy(_: &Scene, _: &Measure) -> Result<Compare, Error> {
+    Ok(Box::new(move |run| {
+        let look = |s: &Sample| {
+            let work = s.balance.external_work_j + s.balance.flow_body_work_j;
+            Compared::one(s.stage_time, (work + s.balance.energy_residual_j) / work, 1.0)
+        };
+        Ok(Comparison::worst("energy stored and lost over the work", run.observed().map(look).collect()))
+    }))
+}
+
 /// Water that is booked as gone, with what its balance lacks, over what has gone: what a cell holds follows from its porosity, its
 /// volume and its pressure; what has gone is added up over the drained faces and the steps. Neither knows of the other.
 pub fn water_balance(_: &Scene, _: &Measure) -> Result<Compare, Error> {

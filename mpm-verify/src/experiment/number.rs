@@ -79,7 +79,7 @@ impl Tolerance {
 
 /// A number of the night.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Measure {
+pub struct Number {
     /// Of what: a case, a case, a scheme in a stress test, a gate of the work.
     pub case: String,
     /// Which number of it.
@@ -94,7 +94,7 @@ pub struct Measure {
     pub tolerance: Tolerance,
 }
 
-impl Measure {
+impl Number {
     /// A number.
     pub fn new(case: &str, quantity: &str, label: Label, value: f64, tolerance: Tolerance) -> Self {
         Self { case: case.to_owned(), quantity: quantity.to_owned(), label, value, tolerance }
