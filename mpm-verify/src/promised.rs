@@ -272,3 +272,25 @@ fn links_of_the_pages_lead_somewhere() {
         }
     }
 }
+
+#[test]
+fn scripts_read_files_and_run_cases_that_exist() {
+    for script in [".ci/widths", ".ci/second-opinion"] {
+        let text = text(script);
+        for (at, _) in text.match_indices("reference-data/") {
+            let path = text[at..].split([' ', ',', '"', '\n']).next().unwrap_or_default();
+            assert!(Path::new(&format!("{ROOT}/{path}")).exists(), "{script}: {path}");
+        }
+        // What `check` writes: a name of another file was read in vain once.
+        for (at, ending) in text.match_indices(".csv\"") {
+            let path = text[..at + ending.len() - 1].rsplit(['"', ' ']).next().unwrap_or_default();
+            assert!(["cases.csv", "second-opinion.csv"].iter().any(|name| path.ends_with(name)), "{script}: {path}");
+        }
+    }
+    let text = text(".ci/widths");
+    let cases = written(&text, "    cases=(", ")").split_whitespace();
+    let known = mpm_verify::cases::suite();
+    for case in cases {
+        assert!(known.iter().any(|one| one.name == case), ".ci/widths: {case}");
+    }
+}

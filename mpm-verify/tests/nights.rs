@@ -75,6 +75,10 @@ fn a_nightly_run_is_accepted_and_numbers_that_move_are_reported() {
 #[test]
 fn what_cannot_be_accepted_is_refused() {
     let root = tempfile::tempdir().expect("a folder");
+    let baselines = root.path().join("reference-data/baselines");
+    fs::create_dir_all(&baselines).expect("a folder");
+    fs::write(baselines.join("accepted.csv"), "case,quantity,label,value,relative,absolute,since,why\n")
+        .expect("written");
     for (arguments, words) in [
         (&["--accept", " "][..], "--accept: expected a reason"),
         (&["--accept", "why", "--from", "nowhere"], "nowhere"),

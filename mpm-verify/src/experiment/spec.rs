@@ -294,7 +294,8 @@ impl Fault {
         };
         let mut changes = self.scale.iter().map(scaled).collect::<Result<Vec<_>, Error>>()?;
         changes.extend(set(&self.set, &self.without));
-        Ok(scene.patched(&changes)?)
+        // What would be refused as a mistake is what a fault is.
+        Ok(scene.patched(&changes)?.forced())
     }
 }
 
