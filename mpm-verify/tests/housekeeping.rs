@@ -289,3 +289,20 @@ fn check_reads_the_accepted_errors_that_lie_on_the_disk_and_says_which() {
         assert!(code == Some(2) && said.contains(&format!("{name}/accepted.csv")), "{said}");
     }
 }
+
+/// A folder is published over only where all of its files are named in `.mpm-verify.results`: a committed report must not keep
+/// the first command of a new user from writing its own.
+#[test]
+fn committed_reports_can_be_published_over() {
+    let reports = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reports");
+    for name in ["accuracy", "dam", "levee"] {
+        let folder = reports.join(name);
+        let known = fs::read_to_string(folder.join(".mpm-verify.results")).expect("a list of results");
+        let plots = folder.join("plots");
+        let below = if plots.exists() { names(&plots) } else { Vec::new() };
+        let all = names(&folder).into_iter().chain(below.into_iter().map(|file| format!("plots/{file}")));
+        for file in all.filter(|file| !file.starts_with('.') && file != "plots" && file != "vtk") {
+            assert!(known.lines().any(|line| line == file), "reports/{name}/{file}");
+        }
+    }
+}

@@ -153,10 +153,34 @@ mod tests {
         assert!(PROGRAMS.iter().all(|program| names.contains(&program.name)), "a function that no case names");
     }
 
+    #[test]
+    fn the_scenes_of_all_cases_are_written_as_files_that_can_be_read() {
+        for spec in suite().iter().filter_map(Case::spec) {
+            let text = spec.written().expect(&spec.name);
+            let scene = mpm_core::scene::Scene::parse(&text, &spec.name);
+            assert!(
+                scene.is_ok(),
+                "{}: {}\n{text}",
+                spec.name,
+                scene.err().map_or_else(String::new, |e| e.to_string())
+            );
+        }
+    }
+
+    /// CPU time of a case that is run with the tests, s.
+    const QUICK: f64 = 2.5;
+
     /// Runs without inertia and of water in soil at rest take little time.
     #[test]
     fn quick_cases_of_the_files_pass_and_find_their_faults() {
+        let slow = |name: &str| {
+            let rows = include_str!("../commands/check-cpu.csv").lines().filter_map(|line| line.split_once(','));
+            rows.into_iter().any(|(case, cpu_s)| case == name && cpu_s.parse::<f64>().is_ok_and(|s| s > QUICK))
+        };
         let is_quick = |spec: &Spec| {
+            if slow(&spec.name) {
+                return false;
+            }
             let bases = spec.bases().expect("scenes");
             bases.iter().all(|base| matches!(base.integrator, Integrator::QuasiStatic | Integrator::Staggered))
         };

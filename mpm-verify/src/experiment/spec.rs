@@ -9,9 +9,9 @@ use serde::Deserialize;
 use toml::{Table, Value};
 
 use super::number::Label;
-use crate::error::Error::{self, Unfit};
+use crate::error::Error::{self, Lacks, Unfit};
 use crate::exact::layered::Layered;
-use crate::scenes::built_in;
+use crate::scenes::{BUILT_IN, built_in};
 
 /// A problem with its cases.
 #[derive(Debug, Deserialize)]
@@ -330,6 +330,28 @@ impl Problem {
     }
 }
 
+/// Puts a value at a dotted key, or takes the key out; nothing if the key leads through what is no table.
+fn put(value: &mut Value, key: &str, to: Option<Value>) -> Option<()> {
+    let (first, rest) = key.split_once('.').map_or((key, None), |(first, rest)| (first, Some(rest)));
+    match (value, rest) {
+        (Value::Array(items), Some(rest)) => put(items.get_mut(first.parse::<usize>().ok()?)?, rest, to),
+        (Value::Table(table), Some(rest)) => {
+            if to.is_none() && !table.contains_key(first) {
+                return Some(());
+            }
+            put(table.entry(first).or_insert_with(|| Value::Table(Table::new())), rest, to)
+        }
+        (Value::Table(table), None) => {
+            match to {
+                Some(to) => table.insert(first.to_owned(), to),
+                None => table.remove(first),
+            };
+            Some(())
+        }
+        _ => None,
+    }
+}
+
 /// Puts the entries of a table over those of another; patches are merged key by key.
 fn merge(under: &mut Table, over: &Table) {
     for (key, value) in over {
@@ -362,13 +384,17 @@ impl Spec {
             let scene = built_in(named.as_ref().and_then(Value::as_str).unwrap_or(&self.scene))?;
             patch.extend(own);
             patch.extend(more.clone());
-            let mut without = self.without.clone();
-            if self.looks.is_some() || !self.passages.is_empty() {
-                without.extend(["observe.times", "observe.time_factors"].map(str::to_owned));
-            }
+            let without = self.taken_out();
             Ok(self.looked_at(&scene.patched(&set(&patch, &without))?)?.edited(|scene| scene.history = 0)?)
         };
         if self.variants.is_empty() { Ok(vec![one(&Table::new())?]) } else { self.variants.iter().map(one).collect() }
+    }
+
+    /// Keys that are taken out of the scene: times to look at too, where the case has its own.
+    fn taken_out(&self) -> Vec<String> {
+        let own = self.looks.is_some() || !self.passages.is_empty();
+        let times = ["observe.times", "observe.time_factors"].into_iter().filter(|_| own).map(str::to_owned);
+        self.without.iter().cloned().chain(times).collect()
     }
 
     /// The scene, observed at as many times as the case asks for.
@@ -389,13 +415,30 @@ impl Spec {
         Ok(scene.edited(|scene| scene.observe_times = times)?)
     }
 
-    /// The scene of the case as a file: that of its name, with what the case changes at its end as comments.
-    pub fn written(&self) -> String {
-        let text = crate::scenes::BUILT_IN.iter().find(|(name, _)| *name == self.scene).map_or("", |(_, text)| *text);
-        let changed = self.patch.iter().map(|(key, value)| format!("#   {key} = {value}\n"));
-        let without = self.without.iter().map(|key| format!("#   without {key}\n"));
-        let all: String = changed.chain(without).collect();
-        if all.is_empty() { text.to_owned() } else { format!("{text}\n# The case {} changes:\n{all}", self.name) }
+    /// The scene of the case as a file: that of its name with what the case changes, its first variant where it has several.
+    ///
+    /// # Errors
+    /// No such scene, or a key that is of nothing.
+    pub fn written(&self) -> Result<String, Error> {
+        let mut patch = self.patch.clone();
+        patch.extend(self.variants.first().cloned().unwrap_or_default());
+        let named = patch.remove("scene");
+        let name = named.as_ref().and_then(Value::as_str).unwrap_or(&self.scene);
+        let text = BUILT_IN.iter().find(|(known, _)| *known == name).map(|(_, text)| *text).ok_or(Lacks("scene"))?;
+        let without = self.taken_out();
+        if patch.is_empty() && without.is_empty() {
+            return Ok(text.to_owned());
+        }
+        let unread = |why: &dyn std::fmt::Display| Error::Found(why.to_string()).of(&self.name);
+        let mut scene = Value::Table(text.parse::<Table>().map_err(|why| unread(&why))?);
+        for (key, value) in without.iter().map(|key| (key, None)).chain(patch.iter().map(|(k, v)| (k, Some(v)))) {
+            put(&mut scene, key, value.cloned()).ok_or_else(|| unread(key))?;
+        }
+        let written = toml::to_string(&scene).map_err(|why| unread(&why))?;
+        Ok(format!(
+            "# The scene {name} as the case {} runs it; the meshes are those of the case.\n{written}",
+            self.name
+        ))
     }
 
     /// The scene on a mesh of so many cells over its height, in steps that fall with the cells if the case has some.

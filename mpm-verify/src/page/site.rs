@@ -225,8 +225,11 @@ fn page(root: &Path, known: &[Known]) -> Page {
     };
     let ((passed, checks), (reproduced, claims)) = (of(false), of(true));
     let reports = if known.len() == 1 { "1 report".to_owned() } else { format!("{} reports", known.len()) };
-    let counted =
-        format!("{passed} of {checks} checks passed, {reproduced} of {claims} claims of the paper are reproduced");
+    let counted = [
+        (checks > 0).then(|| format!("{passed} of {checks} checks passed")),
+        (claims > 0).then(|| format!("{reproduced} of {claims} claims of the paper are reproduced")),
+    ];
+    let counted = counted.into_iter().flatten().collect::<Vec<_>>().join(", ");
     let verdict = match (checks + claims, failed) {
         (0, 0) => Verdict::new(State::NotEstablished, format!("{reports}, none with a verdict.")),
         (_, 0) => Verdict::new(State::Passed, format!("{reports}, none failed: {counted}.")),
@@ -294,14 +297,16 @@ fn list(known: &[Known]) -> String {
         let said = report.verdict.as_ref().map_or("", |v| &v.sentence);
         let when: Vec<&str> =
             [report.date.as_str(), report.commit.as_str()].into_iter().filter(|t| !t.is_empty()).collect();
-        let (title, said, when) = (escaped(&report.title), escaped(said), escaped(&when.join(", ")));
+        let link = |(text, href): &(String, String)| {
+            format!("<a href=\"{}/{}\">{}</a>", escaped(folder), escaped(href), escaped(text))
+        };
+        let when = Some(escaped(&when.join(", "))).filter(|when| !when.is_empty());
+        let below: Vec<String> = when.into_iter().chain(report.links.iter().map(link)).collect();
+        let (title, said, below) = (escaped(&report.title), escaped(said), below.join(" · "));
         html += &format!(
-            "<li><a href=\"{}/index.html\">{title}</a> {badge}<p>{said}</p><p class=\"note\">{when}",
+            "<li><a href=\"{}/index.html\">{title}</a> {badge}<p>{said}</p><p class=\"note\">{below}",
             escaped(folder)
         );
-        for (text, href) in &report.links {
-            html += &format!(" · <a href=\"{}/{}\">{}</a>", escaped(folder), escaped(href), escaped(text));
-        }
         html += "</p></li>";
     }
     html + "</ul>"

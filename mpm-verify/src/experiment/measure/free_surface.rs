@@ -84,15 +84,15 @@ fn dam(scene: &Scene) -> Result<Dam, Error> {
 fn of_dam(
     quantity: &'static str,
     unit: &'static str,
-    shown: impl Fn(&Sample, WaterState) -> (Vec<f64>, Vec<f64>) + 'static,
+    shown: impl Fn(&Sample, WaterState) -> (Vec<f64>, Vec<f64>, Vec<[f64; 2]>) + 'static,
 ) -> Compare {
     Box::new(move |run| {
         let last = run.samples.last().ok_or(Lacks("sample"))?;
         let mut rows = Vec::new();
         for sample in run.observed().chain([last]) {
-            let (computed, exact) = shown(sample, sample.state.water.ok_or(Lacks("free surface"))?);
+            let (computed, exact, places) = shown(sample, sample.state.water.ok_or(Lacks("free surface"))?);
             let counts = sample.stage_time == last.stage_time;
-            rows.push(Compared { computed, exact, counts, ..Compared::one(sample.stage_time, 0.0, 0.0) });
+            rows.push(Compared { computed, exact, places, counts, ..Compared::one(sample.stage_time, 0.0, 0.0) });
         }
         Ok(Comparison { unit, ..Comparison::worst(quantity, rows) })
     })
@@ -102,7 +102,7 @@ fn of_dam(
 pub fn discharge(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
     let exact = dam(scene)?.discharge(scene.water.ok_or(Unfit("the scene is dry"))?.hydraulic_conductivity);
     let shown = move |_: &Sample, water: WaterState| {
-        ([water.inflow_m3_s, water.outflow_m3_s].map(|flow| flow / exact).to_vec(), vec![1.0; 2])
+        ([water.inflow_m3_s, water.outflow_m3_s].map(|flow| flow / exact).to_vec(), vec![1.0; 2], Vec::new())
     };
     Ok(of_dam("inflow and outflow over the discharge of the steady flow", "-", shown))
 }
@@ -122,7 +122,7 @@ pub fn exit(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
     let (exact, scene) = (dam(scene)?, scene.clone());
     let shown = move |sample: &Sample, _| {
         let found = standing(&scene, sample).last().copied().unwrap_or(f64::NAN);
-        (vec![found], vec![exact.exit_height()])
+        (vec![found], vec![exact.exit_height()], Vec::new())
     };
     Ok(of_dam("height of the exit point", "m", shown))
 }
@@ -131,9 +131,11 @@ pub fn exit(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
 pub fn surface(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
     let (exact, scene) = (dam(scene)?, scene.clone());
     let shown = move |sample: &Sample, _| {
-        let places =
-            standing(&scene, sample).into_iter().enumerate().map(|(i, level)| ((i as f64 + 0.5) * scene.cell, level));
-        places.filter(|(x, _)| *x <= 0.9 * scene.width).map(|(x, level)| (level, exact.surface(x))).unzip()
+        let middle = |i: usize| (i as f64 + 0.5) * scene.cell;
+        let mut levels = standing(&scene, sample);
+        levels.truncate((0..levels.len()).take_while(|i| middle(*i) <= 0.9 * scene.width).count());
+        let places: Vec<[f64; 2]> = (0..levels.len()).map(|i| [middle(i), 0.0]).collect();
+        (levels, places.iter().map(|place| exact.surface(place[0])).collect(), places)
     };
     Ok(of_dam("height of the free surface", "m", shown))
 }
@@ -144,7 +146,7 @@ pub fn stored(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
     let shown = move |_: &Sample, water: WaterState| {
         // Faces that would draw water in leave steps unsettled.
         let lost = water.unsettled as f64;
-        (vec![water.mobile_m3 / exact + lost, water.particles_m3 / exact + lost], vec![1.0; 2])
+        (vec![water.mobile_m3 / exact + lost, water.particles_m3 / exact + lost], vec![1.0; 2], Vec::new())
     };
     Ok(of_dam("water in cells and in particles over n times the area under the steady surface", "-", shown))
 }

@@ -51,7 +51,7 @@ pub fn figure(judged: &Judged) -> Figure {
     panel.add(Series::line(name, look, allowed).guide());
     Figure {
         name: judged.case.name,
-        title: format!("{}: {}", judged.case.name, judged.case.about),
+        title: format!("{}: error beside what is allowed", judged.case.name),
         caption: caption(judged),
         height: 250.0,
         panels: vec![panel],

@@ -67,8 +67,13 @@ pub fn fields(judged: &Judged) -> Vec<Field> {
     ]
 }
 
+/// Whether all places of a row lie on an axis.
+fn is_along(row: &Compared, axis: usize) -> bool {
+    row.places.len() > 1 && row.places.iter().all(|place| place[axis] == 0.0)
+}
+
 fn is_profile(comparison: &Comparison) -> bool {
-    comparison.rows.iter().any(|row| row.places.len() > 1 && row.places.iter().all(|place| place[0] == 0.0))
+    comparison.rows.iter().any(|row| is_along(row, 0) || is_along(row, 1))
 }
 
 fn capital(text: &str) -> String {
@@ -140,32 +145,37 @@ fn over_time(samples: &[Sampled], values_too: bool) -> Vec<Panel> {
     }
 }
 
+/// Values over the height, or along a line on the base.
 fn profiles(comparison: &Comparison) -> Vec<Panel> {
     let rows: Vec<&Compared> = comparison.rows.iter().filter(|row| row.places.len() > 1).collect();
     let every = rows.len().div_ceil(PROFILES).max(1);
-    let height = || Axis::linear("height (m)", "height_m");
-    let mut values = Panel::new("", Axis::linear(&comparison.quantity, "value"), height());
-    let mut errors = Panel::new("", Axis::linear("computed less exact", "difference"), height());
+    let level = rows.iter().all(|row| is_along(row, 1));
+    let at = |value: f64, place: &[f64; 2]| if level { (place[0], value) } else { (value, place[1]) };
+    let panel = |label: &str, column: &'static str| {
+        let value = Axis::linear(label, column);
+        let [x, y] =
+            if level { [Axis::linear("x (m)", "x_m"), value] } else { [value, Axis::linear("height (m)", "height_m")] };
+        Panel::new("", x, y)
+    };
+    let unit = if comparison.unit == "-" { String::new() } else { format!(" ({})", comparison.unit) };
+    let mut values = panel(&format!("{}{unit}", comparison.quantity), "value");
+    let mut errors = panel(&format!("computed less exact{unit}"), "difference");
     for (nth, row) in rows.iter().rev().step_by(every).enumerate() {
         let label = match row.factor {
             Some(factor) => format!("Tv = {}", brief(factor, 3)),
             None => format!("t = {} s", brief(row.time, 3)),
         };
-        let exact = row.exact.iter().zip(&row.places).map(|(value, place)| (*value, place[1]));
+        let exact = row.exact.iter().zip(&row.places).map(|(value, place)| at(*value, place));
         let line = if rows.len() == 1 { Look::new(BLACK, Marker::Dot) } else { look::nth(nth) };
         values.add(Series::line(format!("exact, {label}"), line.dash(Dash::Solid).width(1.3), exact).unlisted());
-        let computed = row.computed.iter().zip(&row.places).map(|(value, place)| Point::new(*value, place[1]));
+        let point = |(value, place): (f64, &[f64; 2])| {
+            let (x, y) = at(value, place);
+            Point::new(x, y)
+        };
+        let computed = row.computed.iter().copied().zip(&row.places).map(point);
         values.add(Series::new(label.clone(), look::nth(nth).radius(2.8), Mark::Points, computed));
-        let off = row.computed.iter().zip(&row.exact).zip(&row.places);
-        errors.add(
-            Series::new(
-                label,
-                look::nth(nth).radius(2.4),
-                Mark::LinePoints,
-                off.map(|((a, b), place)| Point::new(a - b, place[1])),
-            )
-            .unlisted(),
-        );
+        let off = row.computed.iter().zip(&row.exact).map(|(a, b)| a - b).zip(&row.places).map(point);
+        errors.add(Series::new(label, look::nth(nth).radius(2.4), Mark::LinePoints, off).unlisted());
     }
     vec![values, errors]
 }
