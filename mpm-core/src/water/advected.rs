@@ -262,7 +262,9 @@ impl<const D: usize> AdvectedWater<D> {
         let (cells, particles, pending) = (self.stored(), self.layer.stored(), self.layer.pending());
         let Rounding { pending: most, bookings } = self.layer.rounding();
         let flowed = cells.abs() + particles + self.water.inflow + self.water.outflow;
-        let round_off = EACH * f64::EPSILON * (bookings + 1) as f64 * flowed;
+        // Both sums over the cells round once per cell as well.
+        let sums = 2.0 * self.felt.len() as f64;
+        let round_off = f64::EPSILON * (EACH * (bookings + 1) as f64 + sums) * flowed;
         let lost = cells - particles - pending;
         let wrong = lost.abs() > round_off || pending.abs() > most + round_off;
         (wrong || lost.is_nan()).then(|| {

@@ -135,7 +135,8 @@ fn piece(old: &str, new: &str) -> Option<(Range<usize>, Range<usize>, bool)> {
             }
             let after = a[a.len() - kept];
             let ends = [")", "]", "}", ",", ";"].contains(&after) || (condition && after == "{");
-            let expression = ends && mids.iter().all(|mid| mid[0] != "let" && !has(mid, &[";", ","]));
+            // What a reference borrows must outlive the choice.
+            let expression = ends && mids.iter().all(|mid| !["let", "&"].contains(&mid[0]) && !has(mid, &[";", ","]));
             let statements =
                 starts && mids[0][0] != "let" && mids.iter().all(|mid| [";", "}"].contains(&mid[mid.len() - 1]));
             if expression || statements {
@@ -164,6 +165,7 @@ mod tests {
         assert_eq!(planted("{ a.go()?; }", "{ let _ = a; }"), "{ if on { let _ = a; } else { a.go()?; } }");
         assert_eq!(planted("; a += b;\n}", "; a -= b;\n}"), "; (if on { a -= b } else { a += b });\n}");
         assert_eq!(planted("{ if a && b { c }", "{ if a { c }"), "{ if (if on { a } else { a && b }) { c }");
+        assert_eq!(planted("; f(&[0]).0\n}", "; f(all).0\n}"), "; (if on { f(all).0 } else { f(&[0]).0 })\n}");
         assert_eq!(planted("(|x| x + 1)", "(|x| x)"), "(|x| (if on { x } else { x + 1 }))");
     }
 
