@@ -4,13 +4,14 @@
 //! 1. [`scenes`]: the scene files that the program carries.
 //! 2. [`exact`]: exact solutions, one per file. [`literature`]: published laws where there are none.
 //! 3. [`norms`], [`rates`]: the one definition of error; orders of convergence.
-//! 4. [`element`]: one law on prescribed paths. [`cases`]: the verification suite, one case per file.
+//! 4. [`element`]: one law on prescribed paths. [`experiment`]: one way to run and judge anything, and what is accepted.
+//!    [`cases`]: the verification suite.
 //! 5. [`study`]: refine, run, compare. [`budget`]: which part of an error comes from what. [`claims`]: the paper's
 //!    statements and their verdicts. [`sweeps`]: displaced particles, offsets of the mesh, errors in time.
 //!    [`stability`]: time-step limits, predicted and measured. [`stress`]: where assumptions are pushed.
 //! 6. [`levee`]: the levee that seepage makes fail: its run, checkpoints, claims, sensitivity.
 //! 7. [`page`]: one layout, one style and one navigation for all pages; the home page. [`report`]: tables, plots, what the pages say. [`frames`]: stored frames of a run, to make its pictures again. [`manifest`]:
-//!    under which conditions. [`baseline`]: accepted values.
+//!    under which conditions.
 //!    [`nightly`]: everything measured every night, compared and remembered.
 //!    [`mutants`]: planted faults, and who finds them. [`metamorphic`]: random scenes, and relations that must hold between
 //!    their runs.

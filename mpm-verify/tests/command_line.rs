@@ -112,8 +112,22 @@ fn list_shows_what_there_is() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = verify(folder.path(), &["list"]);
     assert!(output.status.success());
+    // What stands in files needs no second list here: a new case, scene or fault edits no snapshot.
+    let (mut kept, mut of_files, mut count) = (String::new(), false, 0);
+    for line in String::from_utf8_lossy(&output.stdout).lines() {
+        if !line.starts_with(' ') {
+            let files = ["test cases", "mutants", "scenes", "gallery", "faults"];
+            of_files = files.iter().any(|kind| line.starts_with(kind));
+            kept += &format!("{line}\n");
+        } else if of_files {
+            count += 1;
+        } else {
+            kept += &format!("{line}\n");
+        }
+    }
+    assert!(count > 500, "{count}");
     insta::with_settings!({ description => "Guards what the program says it can do." }, {
-        insta::assert_snapshot!("list", String::from_utf8_lossy(&output.stdout));
+        insta::assert_snapshot!("list", kept);
     });
 }
 
