@@ -1,5 +1,6 @@
 //! What can be measured in a run, each beside its exact value.
 
+mod balances;
 pub(crate) mod free_surface;
 pub(crate) mod heads;
 pub(crate) mod mandel;
@@ -54,9 +55,9 @@ const MEASURES: &[(&str, Make)] = &[
     ("pressure-at-mid-height", waves::at_mid_height),
     ("arrival-at-mid-height", waves::arrival),
     ("step", waves::step),
-    ("speed", waves::speed),
-    ("water-balance", waves::water_balance),
-    ("energy", waves::energy),
+    ("speed", balances::speed),
+    ("water-balance", balances::water_balance),
+    ("energy", balances::energy),
     ("way-of-block", sliding::way),
     ("friction-work", sliding::friction_work),
     ("velocity-of-slab", sliding::slab),
