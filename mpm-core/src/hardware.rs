@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
-use crate::scene::{Integrator, Scene};
+use crate::scene::Scene;
 
 /// How many numbers are computed at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -53,13 +53,13 @@ impl Hardware {
 pub const THREADS_PAY_FROM: usize = 10_000;
 
 impl Hardware {
-    /// What suits a scene: so many threads, or all if they shorten the run. The quasi-static step
-    /// uses one alone.
+    /// What suits a scene: so many threads, or all if they shorten the run. Steps that solve for
+    /// displacements use one alone.
     ///
     /// # Errors
     /// As [`Hardware::threads`].
     pub fn suiting(scene: &Scene, threads: Option<usize>) -> Result<Self, ThreadPoolBuildError> {
-        if scene.integrator == Integrator::QuasiStatic {
+        if scene.integrator.solves_displacements() {
             return Ok(Self::default());
         }
         let pays = scene.solid_particles() >= THREADS_PAY_FROM;

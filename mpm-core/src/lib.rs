@@ -13,7 +13,7 @@
 //! 5. [`space`]: function spaces and particle weights of the quasi-static integrator.
 //! 6. [`step`]: one time step. `step/explicit.rs` is the paper's Figure 1: `step/kernel` what a cell does in it, many cells at once,
 //!    on several threads, `step/store` what that reads and writes, `step/conditions` what acts on the nodes, `step/faces.rs` and `step/nodal.rs`
-//!    Darcy's law, `step/pressure.rs` the pressures of the semi-implicit step; [`step::quasi_static`] leaves inertia out;
+//!    Darcy's law, `step/pressure.rs` the pressures of the semi-implicit step; [`step::quasi_static`] solves for displacements, without inertia or with;
 //!    `step/staggered.rs` lets water seep for hours and soil move for seconds.
 //! 7. [`stability`], [`drive`]: how long a step may be; stages and times. [`failure`]: soil that water makes fail, from gravity
 //!    to the final shape, with its events and factors of safety. [`checkpoint`]: state that is

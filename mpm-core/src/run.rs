@@ -131,8 +131,8 @@ pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<
     if scene.outline.is_some() && given.moved != [0.0; 2] {
         return Err(refused("soil with an outline cannot be moved"));
     }
-    if scene.integrator == Integrator::QuasiStatic {
-        return quasi_static(scene);
+    if scene.integrator.solves_displacements() {
+        return implicit(scene);
     }
     match scene.dimension {
         Dimension::Column => Seeded::new(scene, given, [scene.cells[1]], scene.width)?.vectorised(hardware, scene),
@@ -160,16 +160,16 @@ fn materials(scene: &Scene, places: impl Iterator<Item = [f64; 2]>) -> Materials
     Materials::of_soils(scene.soils().iter().map(law).collect(), Soils::of(scene, places))
 }
 
-/// The quasi-static model of a scene.
-fn quasi_static(scene: &Scene) -> Result<Box<dyn Model>, RunError> {
+/// The model of a scene that solves for displacements.
+fn implicit(scene: &Scene) -> Result<Box<dyn Model>, RunError> {
     Ok(match scene.dimension {
-        Dimension::Column => implicit(scene, [scene.cells[1]], scene.width),
-        _ => implicit(scene, scene.cells, 1.0),
+        Dimension::Column => implicit_in(scene, [scene.cells[1]], scene.width),
+        _ => implicit_in(scene, scene.cells, 1.0),
     })
 }
 
-/// The quasi-static model: one layer of particles and a mesh that is built over them.
-fn implicit<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness: f64) -> Box<dyn Model> {
+/// That model: one layer of particles and a mesh that is built over them.
+fn implicit_in<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness: f64) -> Box<dyn Model> {
     let spacing = scene.cell / scene.particles_per_direction() as f64;
     let volume = thickness * spacing.powi(D as i32);
     let lengths: [f64; D] = std::array::from_fn(|d| if d == D - 1 { scene.height } else { scene.width });

@@ -470,7 +470,7 @@ pub fn stable_limit(scene: &Fields) -> f64 {
     match scene.integrator {
         Integrator::Explicit => explicit_limit(scene),
         Integrator::SemiImplicit => semi_implicit_limit(scene),
-        Integrator::QuasiStatic => f64::INFINITY,
+        Integrator::QuasiStatic | Integrator::Implicit => f64::INFINITY,
         // The water keeps its pressures while the soil moves: the skeleton is alone, and lightest where it is dry.
         Integrator::Staggered | Integrator::Coupled => {
             worst_soil(&Fields { water: None, ..scene.clone() }, explicit_limit_of)
@@ -499,13 +499,13 @@ pub fn intended_step(scene: &Fields, limit: f64) -> f64 {
     }
 }
 
-/// The time step of a scene, s; infinite for the quasi-static integrator, which divides the time itself.
+/// The time step of a scene, s; infinite for integrators that divide the time themselves.
 ///
 /// # Errors
 /// A fixed step above the limit, unless the scene is forced.
 pub fn choose_step(scene: &Fields) -> Result<f64, StepTooLarge> {
     let limit = stable_limit(scene);
-    if scene.integrator == Integrator::QuasiStatic {
+    if scene.integrator.solves_displacements() {
         return Ok(limit);
     }
     let step = intended_step(scene, limit);

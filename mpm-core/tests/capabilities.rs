@@ -15,7 +15,7 @@ const GROUPS: [&[Option<Feature>]; 13] = {
     use Feature::*;
     [
         &[None, Some(Column), Some(Axisymmetric)],
-        &[Some(Explicit), Some(SemiImplicit), Some(QuasiStatic), Some(Staggered), Some(Coupled)],
+        &[Some(Explicit), Some(SemiImplicit), Some(QuasiStatic), Some(Implicit), Some(Staggered), Some(Coupled)],
         &[None, Some(Centroid), Some(BBar), Some(Gimp), Some(Bspline2), Some(Bspline3)],
         &[Some(Dry), Some(Saturated), Some(FreeSurface)],
         &[Some(LinearElastic), Some(MohrCoulomb), Some(CamClay)],
@@ -118,7 +118,11 @@ fn written(has: &Set) -> String {
     line(true, &format!("shape = {}", word(2, "\"centre\"")));
     line(is(Nodal), "darcy = \"nodal\"");
     line(is(DarcyOperator) && !is(Nodal), "darcy = \"face\"");
-    line(is(DarcyInertia), if is(InertiaKept) { "darcy_inertia = true" } else { "darcy_inertia = false" });
+    line(
+        is(DarcyInertia),
+        if is(InertiaKept) || is(RelativeAcceleration) { "darcy_inertia = true" } else { "darcy_inertia = false" },
+    );
+    line(is(RelativeAcceleration), "relative_acceleration = true");
     line(is(Flip), "flip = 1.0");
     line(is(Affine), "transfer = \"affine\"");
     line(is(Musl), "update = \"musl\"");
@@ -127,6 +131,7 @@ fn written(has: &Set) -> String {
     line(true, &format!("[time]\nintegrator = {}", word(1, "")));
     line(is(Krylov), "method = \"krylov\"");
     line(is(TimeMethod) && !is(Krylov), "method = \"sdirk\"");
+    line(is(Waves), "waves = \"resolved\"");
     line(is(Tolerance), "tolerance = 1e-3");
     line(is(Safety), "safety = 0.5");
     line(is(GivenStep), "step = 1e-5");

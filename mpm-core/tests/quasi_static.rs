@@ -159,7 +159,9 @@ fn a_column_under_its_weight_stays_at_rest() {
             // Beside the settlement that the weight would cause, rho g H^2/(2 M).
             let whole = 0.5 * scene.mixture_density() * 9.81 / MODULUS;
             assert!(last.state.settlement.abs() < 1e-9 * whole, "{shape} {strain} {}", last.state.settlement);
-            assert!((last.state.base_pressure / (9810.0 * 0.95) - 1.0).abs() < 1e-9, "{shape} {strain}");
+            // Smooth functions know the pressure at the base, cells that in the middle of their lowest row.
+            let depth = if shape == "bspline2" { 1.0 } else { 0.95 };
+            assert!((last.state.base_pressure / (9810.0 * depth) - 1.0).abs() < 1e-9, "{shape} {strain}");
         }
     }
 }

@@ -117,7 +117,7 @@ fn every_integrator_and_shape() {
     for name in
         ["terzaghi", "mandel", "self-weight", "dynamic-column", "layers", "terzaghi-large-strain", "kozeny-carman"]
     {
-        for integrator in ["explicit", "semi-implicit", "quasi-static"] {
+        for integrator in ["explicit", "semi-implicit", "quasi-static", "implicit"] {
             for scheme in ["centre", "linear", "b-bar", "gimp", "bspline2"] {
                 let (integrator, scheme) = (Some(integrator.to_owned()), Some(scheme.to_owned()));
                 let flags = Flags { integrator: integrator.clone(), scheme: scheme.clone(), ..Flags::default() };

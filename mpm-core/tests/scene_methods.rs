@@ -299,16 +299,17 @@ fn flags_pass_the_same_checks_and_are_named_in_their_refusal() {
     assert_eq!((scene.integrator, scene.shape), (Integrator::QuasiStatic, ShapeChoice::Bspline2));
     assert_eq!(scene.tolerance, 1e-6);
     let message = |flags: &Flags| Scene::parse_with(&text, "scene.toml", flags).expect_err("a bad flag").to_string();
-    let words = "expected one of \"explicit\", \"semi-implicit\", \"quasi-static\", \"staggered\", \"coupled\", found \"implicit\"";
+    let words = "expected one of \"explicit\", \"semi-implicit\", \"quasi-static\", \"implicit\", \"staggered\", \"coupled\", found \"implicitly\"";
     assert_eq!(
-        message(&flags("implicit", "linear", 1e-4)),
-        format!("--integrator: {words}\n    did you mean `semi-implicit`?")
+        message(&flags("implicitly", "linear", 1e-4)),
+        format!("--integrator: {words}\n    did you mean `implicit`?")
     );
     let words = "expected one of \"centre\", \"centroid\", \"linear\", \"b-bar\", \"gimp\", \"bspline2\", \"bspline3\", found \"cubic\"";
     assert_eq!(message(&flags("quasi-static", "cubic", 1e-4)), format!("--scheme: {words}"));
     let words = "expected 1e-10 <= tolerance <= 0.1 (-), found 0.5";
     assert_eq!(message(&flags("quasi-static", "linear", 0.5)), format!("--tolerance: {words}"));
-    let words = "expected integrator = \"quasi-static\" with it, found time.tolerance with \"explicit\"";
+    let words =
+        "expected integrator = \"quasi-static\" or \"implicit\" with it, found time.tolerance with \"explicit\"";
     assert_eq!(message(&flags("explicit", "linear", 1e-4)), format!("--tolerance: {words}"));
     // What stands in the file is still named with its line.
     let one = edited(&text, &[("particles_per_cell = 4", "particles_per_cell = 1")]);

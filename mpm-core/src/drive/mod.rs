@@ -253,7 +253,7 @@ impl<'a> Drive<'a> {
         entered.map_err(|fault| Halt::Fault(0.0, fault))?;
         self.at.reached = f64::INFINITY;
         let sample = self.seen(0.0, false);
-        // A quasi-static run begins before it is in equilibrium.
+        // A run that solves for displacements begins before it is in equilibrium.
         let closed = if self.at.stage > 0 { self.closed(&sample) } else { Ok(()) };
         self.run.samples.push(sample);
         closed?;

@@ -19,6 +19,7 @@ use crate::boundary::knows_volumes;
 use crate::scene::{
     Coupling, Course, FaceLoad, Integrator, LoadOn, Piece, Scene, Side, SolidSide, StrainChoice, UpdateChoice,
 };
+use crate::step::quasi_static::NEWTON;
 
 /// Settlement may differ from what the strains add up to by this share of its largest: the accuracy that is guaranteed for a settlement.
 const MOST_APART: f64 = 0.01;
@@ -82,7 +83,7 @@ impl Trust {
     ) -> Option<Self> {
         let (mut worst, mut since): (Option<Balance>, Option<f64>) = (None, None);
         for (steps, state, balance) in samples {
-            if scene.integrator == Integrator::QuasiStatic && state.time == 0.0 {
+            if scene.integrator.solves_displacements() && state.time == 0.0 {
                 continue; // the first state is there before it is in equilibrium
             }
             for balance in balances(scene, dt, steps, state, balance) {
@@ -236,7 +237,7 @@ impl<'a> Bounds<'a> {
                 // Particles' volumes leave gaps in cells that are full of soil, by the strain.
                 allowed += self.strain * (moved + strained);
             }
-            if self.scene.integrator == Integrator::QuasiStatic {
+            if self.scene.integrator.solves_displacements() {
                 allowed += self.scene.tolerance * (moved + strained);
                 // Of what drains before the first time that is asked for, the dissipation is not known.
                 allowed += self.compression * moved;
@@ -262,7 +263,9 @@ impl<'a> Bounds<'a> {
         // Water that is taken away goes with the speed of its soil, at most that of a fall.
         let fall = (2.0 * self.scene.gravity.unwrap_or(0.0) * self.scene.height).sqrt() + self.velocity();
         let removed = balance.water_particles_removed_kg * fall;
-        let allowed = self.round_off * given + removed;
+        // A system of equations is solved as far as its tolerance asks.
+        let solved = if self.scene.integrator.solves_displacements() { NEWTON * self.scene.tolerance } else { 0.0 };
+        let allowed = (self.round_off + solved) * given + removed;
         Some(Balance { name: "momentum", gap: balance.momentum_residual_n_s, allowed, unit: "N s" })
     }
 
@@ -326,7 +329,7 @@ impl<'a> Bounds<'a> {
         }
         match self.scene.integrator {
             Integrator::SemiImplicit => sudden += 0.5 * l.external_work_j.abs().min(2.0 * undrained),
-            Integrator::QuasiStatic => {
+            Integrator::QuasiStatic | Integrator::Implicit => {
                 share += 10.0 * self.scene.tolerance;
                 // What drains before the first time that is asked for, a permeable layer for one, is known only when it has.
                 // So is half the work of a weight, or of a geostatic start, that is not in balance at first.
@@ -353,7 +356,7 @@ impl<'a> Bounds<'a> {
             steady && load.on == Some(Side::Top) && !load.is_water()
         };
         let judged = scene.is_one_dimensional() && loaded && free && elastic && scene.loads.iter().all(steady);
-        if !judged || self.state.time < passages || scene.integrator == Integrator::QuasiStatic {
+        if !judged || self.state.time < passages || scene.integrator.solves_displacements() {
             return None;
         }
         let weight = scene.gravity.unwrap_or(0.0) * scene.mixture_density();
@@ -408,7 +411,7 @@ impl<'a> Bounds<'a> {
     fn settlement(&self, balance: &BalanceTerms) -> Option<Balance> {
         let scene = self.scene;
         let judged = scene.is_one_dimensional() && scene.strain == StrainChoice::Large && !scene.has_several_soils();
-        if !judged || !knows_volumes(scene) || scene.integrator == Integrator::QuasiStatic {
+        if !judged || !knows_volumes(scene) || scene.integrator.solves_displacements() {
             return None;
         }
         let soil = balance.solid_mass_kg / scene.dry_density();

@@ -26,6 +26,7 @@ features! {
     Explicit: "time.integrator" "\"explicit\"",
     SemiImplicit: "time.integrator" "\"semi-implicit\"",
     QuasiStatic: "time.integrator" "\"quasi-static\"",
+    Implicit: "time.integrator" "\"implicit\"",
     Staggered: "time.integrator" "\"staggered\"",
     Coupled: "time.integrator" "\"coupled\"",
     Centroid: "scheme.shape" "\"centroid\"",
@@ -75,12 +76,14 @@ features! {
     Nodal: "scheme.darcy" "\"nodal\"",
     DarcyInertia: "scheme.darcy_inertia" "scheme.darcy_inertia",
     InertiaKept: "scheme.darcy_inertia" "true",
+    RelativeAcceleration: "scheme.relative_acceleration" "true",
     Flip: "scheme.flip" "scheme.flip",
     Affine: "scheme.transfer" "\"affine\"",
     Musl: "scheme.update" "\"musl\"",
     LightNodes: "scheme.light_nodes" "scheme.light_nodes",
     JumpPenalty: "scheme.jump_penalty" "scheme.jump_penalty",
     TimeMethod: "time.method" "time.method",
+    Waves: "time.waves" "time.waves",
     Krylov: "time.method" "\"krylov\"",
     Tolerance: "time.tolerance" "time.tolerance",
     Safety: "time.safety" "time.safety",
@@ -135,23 +138,25 @@ const fn rule(of: Feature, beside: &'static [Feature], expected: &'static str) -
     Rule { of, beside, expected }
 }
 
-/// Integrators but the quasi-static one.
+/// Integrators with steps below a limit.
 const STEPPED: &[Feature] = &[Explicit, SemiImplicit, Staggered, Coupled];
 /// Integrators whose pressures or displacements are implicit: no accelerations of single nodes are at hand.
-const IMPLICIT: &[Feature] = &[SemiImplicit, QuasiStatic];
+const IMPLICIT: &[Feature] = &[SemiImplicit, QuasiStatic, Implicit];
+/// Those that solve for displacements.
+const SOLVED: &[Feature] = &[QuasiStatic, Implicit];
 /// Those, and functions that reach beyond a cell.
-const NOT_CORNERS: &[Feature] = &[SemiImplicit, QuasiStatic, Gimp, Bspline2, Bspline3];
+const NOT_CORNERS: &[Feature] = &[SemiImplicit, QuasiStatic, Implicit, Gimp, Bspline2, Bspline3];
 /// Soil that is not the same all over.
 const SEVERAL: &[Feature] = &[Layers, Regions];
-const NOT_PLAIN: &[Feature] = &[SemiImplicit, QuasiStatic, Staggered, Coupled, FreeSurface];
+const NOT_PLAIN: &[Feature] = &[SemiImplicit, QuasiStatic, Implicit, Staggered, Coupled, FreeSurface];
 
 const PLANE: &str = "dimension = \"plane-strain\" with it";
-const BY_QUASI_STATIC: &str = "integrator = \"quasi-static\" with it";
+const BY_SOLVED: &str = "integrator = \"quasi-static\" or \"implicit\" with it";
 const BY_EXPLICIT: &str = "integrator = \"explicit\" with it";
 const BY_CORNERS: &str =
     "integrator = \"explicit\" and shape = \"centre\", \"centroid\", \"linear\" or \"b-bar\" with it";
 const BY_PLAIN: &str = "integrator = \"explicit\" with it, in a scene without a free surface of water";
-const BY_TENSOR: &str = "integrator = \"quasi-static\" and shape = \"bspline2\" or \"bspline3\" with it: two-point fluxes act only \
+const BY_TENSOR: &str = "integrator = \"quasi-static\" or \"implicit\" and shape = \"bspline2\" or \"bspline3\" with it: two-point fluxes act only \
                          along face normals";
 const AUTO_STEP: &str = "step = \"auto\" with it";
 
@@ -239,6 +244,11 @@ pub const RULES: &[Rule] = &[
     ),
     rule(SemiImplicit, &[Dry], "a [water] table with it: a dry scene has no pressure to solve for"),
     rule(Incompressible, &[Explicit], "a finite bulk modulus (Pa): the explicit step resolves its pressure wave"),
+    rule(
+        Incompressible,
+        &[StartVelocity],
+        "a finite bulk modulus (Pa): water that does not compress is stopped by a pressure without bound",
+    ),
     rule(Incompressible, &[PressureEnd], "a finite bulk modulus (Pa): the pressure must stay for a period of its wave"),
     rule(
         FreeSurface,
@@ -283,18 +293,18 @@ pub const RULES: &[Rule] = &[
     rule(
         Bspline3,
         STEPPED,
-        "integrator = \"quasi-static\" with it, which fits weights: particles of equal volumes do not balance a uniform \
+        "integrator = \"quasi-static\" or \"implicit\" with it, which fit weights: particles of equal volumes do not balance a uniform \
          stress at the ends of cubic B-splines, and \"bspline2\" is more accurate",
     ),
     rule(Centroid, IMPLICIT, BY_EXPLICIT),
     rule(JumpPenalty, &[AnyShape], "shape = \"bspline2\" or \"bspline3\" with it: other shapes have no jump penalty"),
-    rule(JumpPenalty, STEPPED, BY_QUASI_STATIC),
+    rule(JumpPenalty, STEPPED, BY_SOLVED),
     rule(
         Nodal,
         &[SemiImplicit, Gimp, Bspline2, Bspline3],
         "\"face\", or integrator = \"explicit\" and shape = \"centre\" or \"linear\" with it",
     ),
-    rule(Nodal, &[QuasiStatic], "\"face\" with quasi-static: the nodal flow is a velocity of an explicit step"),
+    rule(Nodal, SOLVED, "\"face\" with it: the nodal flow is a velocity of an explicit step"),
     rule(
         Nodal,
         SEVERAL,
@@ -302,11 +312,11 @@ pub const RULES: &[Rule] = &[
     ),
     rule(LightNodes, NOT_CORNERS, BY_CORNERS),
     // Explicit steps alone.
-    rule(Outline, &[QuasiStatic], BY_EXPLICIT),
+    rule(Outline, SOLVED, BY_EXPLICIT),
     rule(Outline, &[Gimp, Bspline2, Bspline3], BY_CORNERS),
     rule(EmptyBeside, IMPLICIT, BY_EXPLICIT),
     rule(EmptyBeside, &[Gimp, Bspline2, Bspline3], BY_CORNERS),
-    rule(StartVelocity, IMPLICIT, BY_EXPLICIT),
+    rule(StartVelocity, &[SemiImplicit, QuasiStatic], "integrator = \"explicit\" or \"implicit\" with it"),
     rule(Periodic, NOT_CORNERS, BY_CORNERS),
     rule(
         Periodic,
@@ -320,16 +330,33 @@ pub const RULES: &[Rule] = &[
     rule(Affine, NOT_PLAIN, BY_PLAIN),
     rule(Musl, NOT_PLAIN, BY_PLAIN),
     rule(Musl, &[CoulombBase], "\"usl\" with [base]: friction acts at the nodes"),
-    // Quasi-static alone, and what it has no use for.
-    rule(Shift, STEPPED, BY_QUASI_STATIC),
-    rule(Displaced, STEPPED, BY_QUASI_STATIC),
+    // Solved displacements alone, and what they have no use for.
+    rule(
+        Implicit,
+        &[AnyShape],
+        "shape = \"bspline2\" or \"bspline3\" with it, whose pressures are as smooth as the motion of the soil",
+    ),
+    rule(
+        RelativeAcceleration,
+        &[Explicit, SemiImplicit, QuasiStatic, Staggered, Coupled],
+        "integrator = \"implicit\" with it: the others leave out the acceleration of the water relative to the soil",
+    ),
+    rule(RelativeAcceleration, &[Dry], "[water] with it: a dry scene has no flow"),
+    rule(Shift, STEPPED, BY_SOLVED),
+    rule(Displaced, STEPPED, BY_SOLVED),
     rule(
         SmallStrain,
         STEPPED,
-        "\"large\", or integrator = \"quasi-static\": the other integrators move their particles",
+        "\"large\", or integrator = \"quasi-static\" or \"implicit\": the other integrators move their particles",
     ),
-    rule(TimeMethod, STEPPED, BY_QUASI_STATIC),
-    rule(Tolerance, STEPPED, BY_QUASI_STATIC),
+    rule(TimeMethod, STEPPED, "integrator = \"quasi-static\" with it"),
+    rule(TimeMethod, &[Implicit], "no such key with it: soil with inertia is followed by steps of SDIRK4(3)"),
+    rule(
+        Waves,
+        &[Explicit, SemiImplicit, QuasiStatic, Staggered, Coupled],
+        "integrator = \"implicit\" with it: others resolve the waves that their steps can, or have none",
+    ),
+    rule(Tolerance, STEPPED, BY_SOLVED),
     rule(Krylov, &[LargeStrain], "soil.strain = \"small\" with it: the Krylov method needs a linear scene"),
     rule(Krylov, &[MohrCoulomb, CamClay], "linear_elastic soil with it: the Krylov method needs a linear scene"),
     rule(Krylov, &[Gravity], "no gravity with it: the Krylov method needs a linear scene"),
@@ -342,11 +369,12 @@ pub const RULES: &[Rule] = &[
     rule(Krylov, &[Wells], "method = \"sdirk\" with wells: the Krylov method needs constant loads"),
     rule(Krylov, &[GivenStep, PaperStep], "step = \"auto\": the Krylov method has no steps"),
     rule(InertiaKept, &[QuasiStatic], "false, or no such key: quasi-static runs have no inertia"),
-    rule(Flip, &[QuasiStatic], "no such key with quasi-static, which has no velocities"),
+    rule(Flip, SOLVED, "no such key with it: no velocities go from particles to nodes in every step"),
     rule(Damping, &[QuasiStatic], "no damping with quasi-static, which has no inertia"),
     rule(PressureEnd, &[QuasiStatic], "time or time_factor: quasi-static runs apply a load undrained at once"),
-    rule(Safety, &[QuasiStatic], "no safety factor with quasi-static, whose steps have no stability limit"),
-    rule(PaperStep, &[QuasiStatic], "\"auto\" or a step above 0 (s)"),
+    rule(PressureEnd, &[Implicit], "time or time_factor with implicit"),
+    rule(Safety, SOLVED, "no safety factor with it: its steps have no stability limit"),
+    rule(PaperStep, SOLVED, "\"auto\" or a step above 0 (s)"),
     rule(Safety, &[GivenStep, PaperStep], AUTO_STEP),
     rule(Tolerance, &[GivenStep, PaperStep], AUTO_STEP),
     // Layers.

@@ -24,9 +24,18 @@ pub struct Flags {
     pub continue_if_unstable: bool,
 }
 
-/// Keys that say how integrators with steps of their own compute, and how the quasi-static one does.
-const OF_STEPS: [&str; 5] = ["scheme.flip", "scheme.darcy_inertia", "scheme.transfer", "scheme.update", "time.safety"];
-const OF_QUASI_STATIC: [&str; 3] = ["scheme.jump_penalty", "time.tolerance", "time.method"];
+/// Keys of no use without steps of a given length or without inertia, and of none where displacements are not solved for.
+const OF_STEPS_OR_MOTION: [&str; 7] = [
+    "scheme.flip",
+    "scheme.darcy_inertia",
+    "scheme.relative_acceleration",
+    "scheme.transfer",
+    "scheme.update",
+    "time.safety",
+    "time.waves",
+];
+const OF_SOLVED: [&str; 5] =
+    ["scheme.jump_penalty", "time.tolerance", "time.method", "time.waves", "scheme.relative_acceleration"];
 
 impl Flags {
     /// The keys that the flags change, and those of the file that are left out, because the integrator of the flag has no
@@ -84,7 +93,11 @@ pub(super) fn finer(
 
 /// The keys of a file that say how another integrator computes; what is computed stays.
 fn useless(file: &DeTable<'_>, integrator: &str) -> Vec<String> {
-    let other: &[&str] = if integrator == "quasi-static" { &OF_STEPS } else { &OF_QUASI_STATIC };
+    let other: &[&str] = match integrator {
+        "quasi-static" => &OF_STEPS_OR_MOTION,
+        "implicit" => &["scheme.flip", "scheme.transfer", "scheme.update", "time.safety", "time.method"],
+        _ => &OF_SOLVED,
+    };
     let mut keys: Vec<String> =
         other.iter().filter(|key| value(file, key).is_some()).map(|key| key.to_string()).collect();
     // An automatic step is one of every integrator.

@@ -78,10 +78,19 @@ pub enum Integrator {
     SemiImplicit,
     /// Implicit displacement and pressure, no inertia; the step follows from a tolerance.
     QuasiStatic,
+    /// The same with the inertia of soil and water.
+    Implicit,
     /// Water with a free surface in soil at rest, in steps of its own, and explicit soil under the pressures it leaves.
     Staggered,
     /// The same water and soil in steps of the soil, with the pressures of their end.
     Coupled,
+}
+
+impl Integrator {
+    /// Whether displacements are unknowns, on a mesh that is built over the soil, in steps that follow from a tolerance.
+    pub fn solves_displacements(self) -> bool {
+        matches!(self, Self::QuasiStatic | Self::Implicit)
+    }
 }
 
 /// Shape functions, and where they are evaluated for stress, pore pressure and strain.
@@ -145,6 +154,18 @@ pub enum TimeMethod {
     Krylov,
     /// SDIRK4(3) with an embedded error estimate.
     Sdirk,
+}
+
+/// What the implicit integrator does with waves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Waves {
+    /// [`Waves::Resolved`] where a time is asked for before a wave of the drained soil has passed the height ten times.
+    Auto,
+    /// Steps are as short as the error of every wave asks.
+    Resolved,
+    /// The error of waves counts for nothing: those faster than the steps are damped.
+    Damped,
 }
 
 /// Volumes that particles stand for in integrals over a cell.
@@ -613,11 +634,13 @@ pub struct Fields {
     pub integrator: Integrator,
     /// How quasi-static time steps are made.
     pub method: TimeMethod,
-    /// Largest error in time of settlement and pressure, relative; quasi-static only.
+    /// What the implicit integrator does with waves.
+    pub waves: Waves,
+    /// Largest error in time of settlement and pressure, relative; of integrators that solve for displacements.
     pub tolerance: f64,
     /// Volumes that particles stand for in integrals over a cell.
     pub quadrature: Quadrature,
-    /// gamma of the jump penalty on dp/dt, B-splines with `quasi-static` only; `None` for [`Fields::usual_jump_penalty`].
+    /// gamma of the jump penalty on dp/dt, B-splines of integrators that solve for displacements; `None` for [`Fields::usual_jump_penalty`].
     pub jump_penalty: Option<f64>,
     /// Where shape functions are evaluated.
     pub shape: ShapeChoice,
@@ -625,6 +648,8 @@ pub struct Fields {
     pub darcy: DarcyChoice,
     /// Keep `rho_w a_s` in Darcy's law, as the paper's Eq. (1) does.
     pub darcy_inertia: bool,
+    /// Keep the acceleration of the water relative to the soil (the full u-w model); `implicit` only.
+    pub relative_acceleration: bool,
     /// FLIP share of the velocity update: 1 is FLIP, 0 is PIC.
     pub flip: f64,
     /// What a particle gives to a node.
@@ -793,7 +818,8 @@ impl Fields {
     /// Routh's criterion it decays if `(1 - rho_w/rho) (M + Q) > M`. It is the model that grows, on any mesh and with any step.
     pub fn inertia_feeds_waves(&self) -> bool {
         let share = self.water.map_or(0.0, |w| w.density / self.mixture_density());
-        self.water.is_some() && self.free_surface.is_none() && self.undrained_share() < share
+        let closed = self.water.is_some() && self.free_surface.is_none();
+        closed && !self.relative_acceleration && self.undrained_share() < share
     }
 
     /// Undrained pore pressure under the surcharge in the soil of the scene, p_0 = q Q/(M + Q)/alpha, Pa.
@@ -915,7 +941,7 @@ impl Fields {
         let (rows, direction) = (self.cells[1] as f64, self.particles_per_direction() as f64);
         let points = rows * direction * if self.dimension == Dimension::Column { 1.0 } else { across * direction };
         let cells = (rows + self.empty_cells_above as f64) * (across + self.empty_cells_beside as f64);
-        check::fits_in_memory(points, cells, self.integrator == Integrator::QuasiStatic, self.dimension)
+        check::fits_in_memory(points, cells, self.integrator.solves_displacements(), self.dimension)
     }
 }
 

@@ -170,7 +170,7 @@ impl Fields {
         }
         let (rows, settled) = (self.cells[1] as f64, self.estimate().settlement_m.abs());
         let off = (OFF_BEFORE * settled / self.height).min(OFF_PER_ROW / rows);
-        let dynamic = !matches!(self.integrator, Integrator::QuasiStatic | Integrator::Staggered);
+        let dynamic = !self.integrator.solves_displacements() && self.integrator != Integrator::Staggered;
         if dynamic && self.is_level_column() && self.is_elastic() && off > 0.01 {
             notes.push(format!(
                 "the surface moves by {:.2} cells, of {rows} rows: settlements have an error of up to {:.1} %; more rows or \
@@ -215,7 +215,7 @@ impl Fields {
         if self.water.is_some() && porosity < -CLOSED_PORES {
             return refuse("surcharge.pressure", "a load that leaves water in the pores of the soil");
         }
-        if self.integrator == Integrator::QuasiStatic {
+        if self.integrator.solves_displacements() {
             return Ok(());
         }
         let moved = settlement_m.abs() / self.cell;

@@ -317,6 +317,7 @@ pub(super) struct RawScheme {
     pub shape: Option<Word>,
     pub darcy: Option<Word>,
     pub darcy_inertia: Option<Spanned<bool>>,
+    pub relative_acceleration: Option<Spanned<bool>>,
     pub flip: Option<Number>,
     pub light_nodes: Option<Number>,
     pub transfer: Option<Word>,
@@ -332,6 +333,7 @@ pub(super) struct RawTime {
     pub step: Option<Spanned<Value>>,
     pub safety: Option<Number>,
     pub method: Option<Word>,
+    pub waves: Option<Word>,
     pub tolerance: Option<Number>,
 }
 

@@ -8,7 +8,7 @@ use super::patch::{Change, Source};
 use super::{
     Bearing, CamClay, Coupling, Course, DarcyChoice, Elastic, Feed, Fields, Initial, Integrator, Quadrature, Scene,
     SeedingChoice, Side, Soil, Stage, StepChoice, StrainChoice, Strength, TimeMethod, TransferChoice, Until,
-    UpdateChoice, check,
+    UpdateChoice, Waves, check,
 };
 use crate::error::SceneError;
 
@@ -32,11 +32,11 @@ impl Scene {
         if follows && fields.sole_light_nodes() == 0.0 {
             fields.light_nodes = 0.0;
         }
-        let (quasi_static, given) = (fields.integrator == Integrator::QuasiStatic, fields.step != StepChoice::Auto);
-        if quasi_static || given {
+        let (own_steps, given) = (fields.integrator.solves_displacements(), fields.step != StepChoice::Auto);
+        if own_steps || given {
             fields.safety = check::SAFETY;
         }
-        if !quasi_static || given {
+        if !own_steps || given {
             fields.tolerance = check::TOLERANCE;
         }
         let mut scene = Scene::checked(&fields.source()?)?;
@@ -162,6 +162,11 @@ impl Fields {
     /// Inertia in Darcy's law where a file does not say it.
     fn usual_darcy_inertia(&self) -> bool {
         self.integrator != Integrator::QuasiStatic && !self.inertia_feeds_waves()
+    }
+
+    /// Relative acceleration of the water where a file does not say it.
+    fn usual_relative_acceleration(&self) -> bool {
+        self.darcy_inertia && self.integrator == Integrator::Implicit && self.water.is_some()
     }
 
     /// Nodes that are too light where a file does not say it.
@@ -354,6 +359,8 @@ impl Fields {
         out.unless("scheme.darcy", self.darcy, DarcyChoice::Face)?;
         if self.water.is_some() {
             out.unless("scheme.darcy_inertia", self.darcy_inertia, self.usual_darcy_inertia())?;
+            let usual = self.usual_relative_acceleration();
+            out.unless("scheme.relative_acceleration", self.relative_acceleration, usual)?;
         }
         out.unless("scheme.flip", self.flip, 1.0)?;
         out.unless("scheme.light_nodes", self.light_nodes, self.sole_light_nodes())?;
@@ -368,6 +375,7 @@ impl Fields {
         }
         out.unless("time.safety", self.safety, check::SAFETY)?;
         out.unless("time.method", self.method, TimeMethod::Auto)?;
+        out.unless("time.waves", self.waves, Waves::Auto)?;
         out.unless("time.tolerance", self.tolerance, check::TOLERANCE)
     }
 

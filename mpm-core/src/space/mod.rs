@@ -6,6 +6,7 @@
 mod axis;
 mod deformation;
 mod gauss;
+mod shares;
 mod splines;
 mod stencil;
 mod weights;
@@ -13,6 +14,7 @@ mod weights;
 pub use axis::{Axis, Basis};
 pub use deformation::{Stretch, active, strain_mode, stretch, tensor, turned};
 pub use gauss::{gauss, gauss_points};
+pub use shares::{Group, groups};
 pub use splines::{Local, Splines};
 pub use stencil::{MOST, Stencil};
 pub use weights::{Fit, fit};

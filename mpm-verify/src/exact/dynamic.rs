@@ -1,13 +1,16 @@
-//! The consolidating column with inertia: the u-p model, exactly.
+//! The consolidating column with inertia: the full model (u-w) and the u-p model, exactly.
 //!
-//! Assumptions as Terzaghi's with compressible water, plus inertia of the mixture (the relative acceleration of the
-//! water is neglected) and, if asked for, `rho_w a_s` in Darcy's law. With y the height above the impermeable base,
+//! Assumptions as Terzaghi's with compressible water, plus inertia of the mixture and, if asked for, `rho_w a_s` in Darcy's law
+//! and the acceleration of the water relative to the soil. With y the height above the impermeable base,
 //! `u = sum U_j sin(k_j y)`, `p = sum P_j cos(k_j y)`, k_j = (j - 1/2) pi/H, each mode obeys
 //! `rho U'' = -M k^2 U + k P - 2 q s_j/H` and `P'/Q = -k U' - (k_h/gamma_w)(k^2 P - rho_w k U'')`, s_j = sin(k_j H).
 //!
+//! In the full model the flux `w = sum W_j sin(k_j y)` of the water is a state of its own:
+//! `rho U'' + rho_w W' = ...` as above, `rho_w U'' + (rho_w/n) W' = k P - (gamma_w/k_h) W` and `P'/Q = -k (U' + W)`.
+//!
 //! The characteristic polynomial of a mode is `s^3 + D k^2 (1 - rho_w/rho) s^2 + k^2 (M + Q)/rho s + M D k^4/rho` with
 //! D = k_h Q/gamma_w (rho_w = 0 there without inertia in Darcy's law). By Routh's criterion every wave grows if
-//! `Q/(M + Q) < rho_w/rho`: with `rho_w a_s` in Darcy's law the model itself is unstable in water so soft that it carries
+//! `Q/(M + Q) < rho_w/rho` in the u-p model: with `rho_w a_s` in Darcy's law the model itself is unstable in water so soft that it carries
 //! less than that share of a load (p_0/q). [`DynamicColumn::decay`] is negative then.
 //!
 //! Weight is one more load: in the excess over the hydrostatic pressure the same equations hold, with the buoyant weight
@@ -16,11 +19,14 @@
 //! Sources: Biot 1956; Zienkiewicz, Chang & Bettess 1980, Geotechnique 30(4); modal form derived here.
 
 use mpm_core::scene::{Fields, LoadOn, Start, Surcharge};
-use nalgebra::{Complex, Matrix3, Vector3};
+use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::PI;
 
 /// Modes kept: enough to meet the tables of the tests to 2e-9 of q H/M.
 const MODES: usize = 600;
+
+/// Modes of the full model, whose fast wave hardly damps the shortest of them: pressures to 1e-4 of the load.
+const MODES_OF_FULL: usize = 6000;
 
 /// A dynamic column drained at its top.
 #[derive(Debug, Clone)]
@@ -38,13 +44,8 @@ pub struct DynamicColumn {
 struct Mode {
     wave: f64,
     sign: f64,
-    /// Eigenvalues, 1/s.
-    rates: [Complex<f64>; 3],
-    /// Their shares in U - U_static, m.
-    shares: [Complex<f64>; 3],
-    /// Stiffness M k^2 and density, for the pressure from the equation of motion.
-    stiffness: f64,
-    density: f64,
+    /// Eigenvalues (1/s), and their shares in U - U_static (m) and P (Pa).
+    parts: Vec<[Complex<f64>; 3]>,
 }
 
 impl DynamicColumn {
@@ -75,24 +76,40 @@ impl DynamicColumn {
         let excess = if geostatic { 0.0 } else { held * rho * gravity - weights[1] };
         let missing =
             if geostatic { 0.0 } else { weights[0] - (1.0 - held) * f64::from(u8::from(held > 0.0)) * rho * gravity };
-        let modes = (1..=MODES)
+        let count = if scene.relative_acceleration { MODES_OF_FULL } else { MODES };
+        let modes = (1..=count)
             .map(|j| {
                 let k = (j as f64 - 0.5) * PI / h;
                 let sign = if j % 2 == 1 { 1.0 } else { -1.0 };
-                // State (U - U_static, U', P).
-                let motion = [-m * k * k / rho, 0.0, k / rho];
-                let flow = [inertia * k * motion[0], -q * k, -diffusivity * k * k + inertia * k * motion[2]];
-                let matrix = Matrix3::from_row_slice(&[
-                    0.0, 1.0, 0.0, motion[0], motion[1], motion[2], flow[0], flow[1], flow[2],
-                ]);
                 let shape = 2.0 * sign / (h * k * k);
                 let heavy = 2.0 / (h * k * k);
-                let first = Vector3::new(
+                // State (U - U_static, U', P, and W in the full model).
+                let first = [
                     shape * (load.pressure - carried) / m + heavy * missing / (k * m),
                     0.0,
                     shape * k * undrained + heavy * excess,
-                );
-                Mode::new(k, sign, &matrix, &first, m * k * k, rho)
+                    0.0,
+                ];
+                let pushed = [-m * k * k, 0.0, k, 0.0];
+                if scene.relative_acceleration {
+                    // rho U'' + rho_w W' = pushed, rho_w U'' + (rho_w/n) W' = drawn.
+                    let (rho_w, own) = (water.density, water.density / scene.porosity);
+                    let drawn = [0.0, 0.0, k, -1.0 / water.mobility()];
+                    let det = rho * own - rho_w * rho_w;
+                    let soil = |i: usize| (own * pushed[i] - rho_w * drawn[i]) / det;
+                    let flux = |i: usize| (rho * drawn[i] - rho_w * pushed[i]) / det;
+                    let rows = [
+                        [0.0, 1.0, 0.0, 0.0],
+                        std::array::from_fn(soil),
+                        [0.0, -q * k, 0.0, -q * k],
+                        std::array::from_fn(flux),
+                    ];
+                    return Mode::new(k, sign, &DMatrix::from_fn(4, 4, |i, j| rows[i][j]), &first);
+                }
+                let motion = [pushed[0] / rho, 0.0, pushed[2] / rho];
+                let flow = [inertia * k * motion[0], -q * k, -diffusivity * k * k + inertia * k * motion[2]];
+                let rows = [[0.0, 1.0, 0.0], motion, flow];
+                Mode::new(k, sign, &DMatrix::from_fn(3, 3, |i, j| rows[i][j]), &first[..3])
             })
             .collect();
         Some(Self { height: h, modulus: m, load: load.pressure, ramp: load.ramp_time, weights, modes })
@@ -100,7 +117,11 @@ impl DynamicColumn {
 
     /// How fast the slowest of its waves decays, 1/s; negative if one grows, infinite if none swings.
     pub fn decay(&self) -> f64 {
-        let waves = self.modes.iter().flat_map(|mode| mode.rates).filter(|rate| rate.im.abs() > rate.re.abs());
+        let waves = self
+            .modes
+            .iter()
+            .flat_map(|mode| mode.parts.iter().map(|[rate, ..]| *rate))
+            .filter(|rate| rate.im.abs() > rate.re.abs());
         waves.map(|rate| -rate.re).fold(f64::INFINITY, f64::min)
     }
 
@@ -137,39 +158,50 @@ impl DynamicColumn {
 }
 
 impl Mode {
-    fn new(wave: f64, sign: f64, matrix: &Matrix3<f64>, first: &Vector3<f64>, stiffness: f64, density: f64) -> Self {
+    fn new(wave: f64, sign: f64, matrix: &DMatrix<f64>, first: &[f64]) -> Self {
         // The entries span twenty decades; a diagonal similarity makes them comparable without moving eigenvalues.
         let frequency = matrix[(1, 0)].abs().max((matrix[(1, 2)] * matrix[(2, 1)]).abs()).sqrt();
-        let scale = Vector3::new(frequency, 1.0, matrix[(1, 2)] / frequency);
-        let scaled = Matrix3::from_diagonal(&scale) * matrix * Matrix3::from_diagonal(&scale.map(f64::recip));
-        let rates = scaled.complex_eigenvalues();
-        let rates = [rates[0], rates[1], rates[2]];
-        // U and its first two derivatives at t = 0 give the three shares (a Vandermonde system, by Lagrange).
-        let derivatives = [first, &(matrix * first), &(matrix * matrix * first)].map(|d| Complex::from(d[0]));
-        let shares = std::array::from_fn(|i| {
-            let (a, b, c) = (rates[i], rates[(i + 1) % 3], rates[(i + 2) % 3]);
-            (derivatives[2] - (b + c) * derivatives[1] + b * c * derivatives[0]) / ((a - b) * (a - c))
-        });
-        Self { wave, sign, rates, shares, stiffness, density }
+        let scale = DVector::from_fn(first.len(), |i, _| [frequency, 1.0, matrix[(1, 2)].abs() / frequency, 1.0][i]);
+        let scaled = DMatrix::from_diagonal(&scale) * matrix * DMatrix::from_diagonal(&scale.map(f64::recip));
+        let rates: Vec<Complex<f64>> = scaled.complex_eigenvalues().iter().copied().collect();
+        // A component and its first derivatives at t = 0 give its shares (a Vandermonde system, by Lagrange).
+        let mut derivatives = vec![DVector::from_column_slice(first)];
+        for _ in 1..rates.len() {
+            derivatives.push(matrix * &derivatives[derivatives.len() - 1]);
+        }
+        let share = |i: usize, component: usize| {
+            // Coefficients of the product of (x - rate) over the others, the highest first.
+            let (mut product, mut below) = (vec![Complex::from(1.0)], Complex::from(1.0));
+            for (_, other) in rates.iter().enumerate().filter(|(j, _)| *j != i) {
+                let shifted = product.iter().map(|c| -other * c).collect::<Vec<_>>();
+                product.push(Complex::from(0.0));
+                product.iter_mut().skip(1).zip(shifted).for_each(|(c, s)| *c += s);
+                below *= rates[i] - other;
+            }
+            let of = |(c, x): (&Complex<f64>, &DVector<f64>)| c * Complex::from(x[component]);
+            product.iter().zip(derivatives.iter().rev()).map(of).sum::<Complex<f64>>() / below
+        };
+        let parts = (0..rates.len()).map(|i| [rates[i], share(i, 0), share(i, 2)]).collect();
+        Self { wave, sign, parts }
     }
 
     /// U - U_static, m, or its time integral.
     fn displacement(&self, time: f64, integral: bool) -> f64 {
-        self.sum(time, integral, |_| Complex::from(1.0))
+        self.sum(time, integral, 1)
     }
 
-    /// P = (rho U'' + M k^2 (U - U_static))/k, Pa, or its time integral.
+    /// P, Pa, or its time integral.
     fn pressure(&self, time: f64, integral: bool) -> f64 {
-        self.sum(time, integral, |rate| (rate * rate * self.density + self.stiffness) / self.wave)
+        self.sum(time, integral, 2)
     }
 
-    fn sum(&self, time: f64, integral: bool, factor: impl Fn(Complex<f64>) -> Complex<f64>) -> f64 {
-        let part = |i: usize| {
-            let rate = self.rates[i];
+    fn sum(&self, time: f64, integral: bool, component: usize) -> f64 {
+        let part = |part: &[Complex<f64>; 3]| {
+            let rate = part[0];
             let shape = if integral { Complex::from(1.0) / rate } else { Complex::from(1.0) };
-            (self.shares[i] * factor(rate) * (rate * time).exp() * shape).re
+            (part[component] * (rate * time).exp() * shape).re
         };
-        part(0) + part(1) + part(2)
+        self.parts.iter().map(part).sum()
     }
 }
 
@@ -178,11 +210,20 @@ mod tests {
     use super::super::oracle::Table;
     use super::super::terzaghi::Terzaghi;
     use super::*;
-    use mpm_core::scene::Scene;
+    use mpm_core::scene::{Integrator, Scene, ShapeChoice};
 
     fn scene(grain: bool, inertia: bool, ramp: f64) -> Scene {
+        scene_of(grain, inertia, ramp, Integrator::Explicit)
+    }
+
+    /// With the implicit integrator the full model, where there is inertia.
+    fn scene_of(grain: bool, inertia: bool, ramp: f64, integrator: Integrator) -> Scene {
         crate::scenes::terzaghi()
             .edited(|scene| {
+                (scene.integrator, scene.relative_acceleration) = (integrator, integrator == Integrator::Implicit);
+                if integrator == Integrator::Implicit {
+                    scene.shape = ShapeChoice::Bspline2;
+                }
                 scene.grain_density = if grain { 1800.0 } else { 1500.0 / 0.7 };
                 scene.darcy_inertia = inertia;
                 scene.start = Start::Unloaded;
@@ -193,14 +234,18 @@ mod tests {
 
     #[test]
     fn long_columns_match_the_tables() {
-        for (name, inertia) in [("up", true), ("upq", false)] {
+        for (name, inertia) in [("up", true), ("upq", false), ("full", true)] {
             for (density, grain) in [("rhog", true), ("rhob", false)] {
                 let table = Table::read(&format!("04_dynamic_{name}_long_{density}.csv"));
-                let exact = DynamicColumn::new(&scene(grain, inertia, 5e-4)).expect("a wet, loaded column");
+                let integrator = if name == "full" { Integrator::Implicit } else { Integrator::Explicit };
+                let exact =
+                    DynamicColumn::new(&scene_of(grain, inertia, 5e-4, integrator)).expect("a wet, loaded column");
                 for [t, u, p] in table.rows(["t_s", "top_u_over_qH_M", "base_p_Pa"]) {
                     let s = exact.settlement(t) * exact.modulus / exact.load;
                     assert!((s - u).abs() < 2e-9, "{name} {density} t = {t}: {s} {u}");
-                    assert!((exact.base_pressure(t) - p).abs() < 1e-3, "{name} {density} t = {t}");
+                    let near = if name == "full" { 0.5 } else { 1e-3 };
+                    let off = exact.base_pressure(t) - p;
+                    assert!(off.abs() < near, "{name} {density} t = {t}: {off}");
                 }
             }
         }

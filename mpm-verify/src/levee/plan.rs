@@ -28,6 +28,7 @@ pub fn driver_word(integrator: Integrator) -> &'static str {
         Integrator::Explicit => "explicit",
         Integrator::SemiImplicit => "semi-implicit",
         Integrator::QuasiStatic => "quasi-static",
+        Integrator::Implicit => "implicit",
         Integrator::Staggered => "staggered",
         Integrator::Coupled => "coupled",
     }

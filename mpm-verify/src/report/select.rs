@@ -125,7 +125,7 @@ impl<'a> Cases<'a> {
 pub const INTEGRATORS: [&str; 3] = ["explicit", "semi-implicit", "quasi-static"];
 
 /// Particles per cell by which an integrator is compared with others: 4 as in the paper; 9 for quasi-static runs,
-/// because fitted weights of quadratic B-splines need three particles per direction and the rest does not care.
+/// because fitted weights of displaced particles need three per direction with quadratic B-splines and the rest does not care.
 pub fn compared_particles(integrator: &str) -> usize {
     if integrator == INTEGRATORS[2] { 9 } else { PAPER.1 }
 }

@@ -77,7 +77,7 @@ impl Family {
     pub fn of(integrators: Option<&[Integrator]>, shapes: Option<&[ShapeChoice]>) -> Vec<Self> {
         let extent = |integrator, shape| match (integrator, shape) {
             _ if shapes.is_some() => Extent::Whole,
-            (Integrator::QuasiStatic, _) | (_, ShapeChoice::Centre) => Extent::Whole,
+            (Integrator::QuasiStatic | Integrator::Implicit, _) | (_, ShapeChoice::Centre) => Extent::Whole,
             (Integrator::Explicit, _) => Extent::Line(0.02),
             (Integrator::SemiImplicit | Integrator::Staggered | Integrator::Coupled, _) => Extent::Line(0.0),
         };
@@ -198,7 +198,7 @@ impl Plan {
 /// their exact solutions assume; they choose their own steps and have one Darcy operator.
 pub fn set_family(scene: &mut Fields, family: &Family, tolerance: f64) {
     (scene.integrator, scene.shape) = (family.integrator, family.shape);
-    if family.integrator == Integrator::QuasiStatic {
+    if family.integrator.solves_displacements() {
         (scene.strain, scene.tolerance) = (StrainChoice::Small, tolerance);
         (scene.step, scene.darcy) = (StepChoice::Auto, DarcyChoice::Face);
     }
@@ -216,6 +216,7 @@ pub fn work(scene: &Scene) -> f64 {
         Integrator::Staggered | Integrator::Coupled => 100.0 * cells * (scene.cells[0] + scene.cells[1]) as f64,
         // A factorisation, a dozen solves, and a look at every particle at each time to observe.
         Integrator::QuasiStatic => 100.0 * (points + 20.0 * cells),
+        Integrator::Implicit => 1000.0 * (points + 20.0 * cells),
     }
 }
 

@@ -67,9 +67,12 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
         Feature::Column => dimension == Dimension::Column,
         Feature::Axisymmetric => is(raw.dimension.as_ref(), "axisymmetric"),
         Feature::Outline => matches!(raw.geometry.get_ref(), RawGeometry::Outline(_)),
-        Feature::Explicit | Feature::SemiImplicit | Feature::QuasiStatic | Feature::Staggered | Feature::Coupled => {
-            integrator(feature.word().trim_matches('"'))
-        }
+        Feature::Explicit
+        | Feature::SemiImplicit
+        | Feature::QuasiStatic
+        | Feature::Implicit
+        | Feature::Staggered
+        | Feature::Coupled => integrator(feature.word().trim_matches('"')),
         Feature::Centroid | Feature::BBar | Feature::Gimp | Feature::Bspline2 | Feature::Bspline3 => {
             shape(feature.word().trim_matches('"'))
         }
@@ -121,6 +124,9 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
         Feature::Wells => raw.wells.is_some(),
         Feature::DarcyOperator => scheme.is_some_and(|scheme| scheme.darcy.is_some()),
         Feature::Nodal => scheme.is_some_and(|scheme| is(scheme.darcy.as_ref(), "nodal")),
+        Feature::RelativeAcceleration => {
+            scheme.is_some_and(|scheme| scheme.relative_acceleration.as_ref().is_some_and(|kept| *kept.get_ref()))
+        }
         Feature::DarcyInertia => scheme.is_some_and(|scheme| scheme.darcy_inertia.is_some()),
         Feature::InertiaKept => {
             scheme.is_some_and(|scheme| scheme.darcy_inertia.as_ref().is_some_and(|kept| *kept.get_ref()))
@@ -130,6 +136,7 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
         Feature::Musl => scheme.is_some_and(|scheme| is(scheme.update.as_ref(), "musl")),
         Feature::LightNodes => scheme.is_some_and(|scheme| scheme.light_nodes.is_some()),
         Feature::JumpPenalty => scheme.is_some_and(|scheme| scheme.jump_penalty.is_some()),
+        Feature::Waves => time.is_some_and(|time| time.waves.is_some()),
         Feature::TimeMethod => time.is_some_and(|time| time.method.is_some()),
         Feature::Krylov => time.is_some_and(|time| is(time.method.as_ref(), "krylov")),
         Feature::Tolerance => time.is_some_and(|time| time.tolerance.is_some()),
@@ -168,12 +175,14 @@ fn place(raw: &RawScene, feature: Feature) -> Option<Range<usize>> {
         "geometry.outline" => Some(raw.geometry.span()),
         "time.integrator" => of(time?.integrator.as_ref()),
         "time.method" => of(time?.method.as_ref()),
+        "time.waves" => of(time?.waves.as_ref()),
         "time.tolerance" => of(time?.tolerance.as_ref()),
         "time.safety" => of(time?.safety.as_ref()),
         "time.step" => of(time?.step.as_ref()),
         "scheme.shape" => of(scheme?.shape.as_ref()),
         "scheme.darcy" => of(scheme?.darcy.as_ref()),
         "scheme.darcy_inertia" => of(scheme?.darcy_inertia.as_ref()),
+        "scheme.relative_acceleration" => of(scheme?.relative_acceleration.as_ref()),
         "scheme.flip" => of(scheme?.flip.as_ref()),
         "scheme.transfer" => of(scheme?.transfer.as_ref()),
         "scheme.update" => of(scheme?.update.as_ref()),

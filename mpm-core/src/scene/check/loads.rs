@@ -5,9 +5,7 @@ use std::ops::Range;
 use toml::{Spanned, Value};
 
 use super::super::raw::{Pairs, RawCourse, RawLoad, RawPlate, RawReservoir, RawScene, RawWell};
-use super::super::{
-    Bearing, Course, Dimension, FaceLoad, Fields, Integrator, MovedPlate, Side, SolidSide, TimeMethod, Well,
-};
+use super::super::{Bearing, Course, Dimension, FaceLoad, Fields, MovedPlate, Side, SolidSide, TimeMethod, Well};
 use super::{Checked, Reader};
 use crate::seeding;
 
@@ -92,8 +90,13 @@ impl Reader<'_> {
             _ => return self.refuse(&span, "reservoirs", "exactly one of level or levels", "both or neither"),
         };
         let on = raw.on.is_some().then(|| self.side(&raw.on, "reservoirs.on")).transpose()?;
-        if scene.integrator == Integrator::QuasiStatic && on.is_none() {
-            return self.refuse(&span, "reservoirs.on", "the side where it stands, with quasi-static", "none");
+        if scene.integrator.solves_displacements() && on.is_none() {
+            return self.refuse(
+                &span,
+                "reservoirs.on",
+                "the side where it stands, where displacements are solved for",
+                "none",
+            );
         }
         let (x, y) = (self.range(&raw.x, "reservoirs.x")?, self.range(&raw.y, "reservoirs.y")?);
         let load = FaceLoad { on, x, y, bearing: Bearing::Reservoir, course: levels };

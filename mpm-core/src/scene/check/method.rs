@@ -5,7 +5,7 @@ use toml::{Spanned, Value};
 use super::super::raw::{RawMesh, RawScene, RawScheme, RawSoil, RawTime};
 use super::super::{
     DarcyChoice, Dimension, Displaced, Fields, Integrator, Quadrature, ShapeChoice, StepChoice, StrainChoice,
-    TimeMethod, TransferChoice, UpdateChoice,
+    TimeMethod, TransferChoice, UpdateChoice, Waves,
 };
 use super::faults::Faults;
 use super::{Checked, Reader};
@@ -15,6 +15,7 @@ pub(super) struct Scheme {
     pub shape: Option<ShapeChoice>,
     pub darcy: DarcyChoice,
     pub darcy_inertia: bool,
+    pub relative_acceleration: Option<bool>,
     pub flip: f64,
     pub transfer: TransferChoice,
     pub update: UpdateChoice,
@@ -28,6 +29,7 @@ pub(super) struct Time {
     pub step: StepChoice,
     pub safety: f64,
     pub method: TimeMethod,
+    pub waves: Waves,
     pub tolerance: f64,
 }
 
@@ -42,10 +44,11 @@ pub const SHAPES: [(&str, ShapeChoice); 7] = [
     ("bspline3", ShapeChoice::Bspline3),
 ];
 /// Words of `time.integrator`.
-pub const INTEGRATORS: [(&str, Integrator); 5] = [
+pub const INTEGRATORS: [(&str, Integrator); 6] = [
     ("explicit", Integrator::Explicit),
     ("semi-implicit", Integrator::SemiImplicit),
     ("quasi-static", Integrator::QuasiStatic),
+    ("implicit", Integrator::Implicit),
     ("staggered", Integrator::Staggered),
     ("coupled", Integrator::Coupled),
 ];
@@ -58,10 +61,13 @@ const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-10..=0.1;
 
 /// Shape functions of a scene that does not name any: gradients at the centre of the cell, the paper's, where no hourglass can
 /// be; in plane strain B-bar, which is as soft to changes of volume and stiff to hourglasses. Water with a free surface and
-/// the quasi-static integrator know only the former.
+/// the quasi-static integrator know only the former; steps with inertia that solve for displacements take quadratic B-splines.
 pub(super) fn usual_shape(raw: &RawScene, dimension: Dimension, integrator: Integrator) -> ShapeChoice {
     let steps = matches!(integrator, Integrator::Explicit | Integrator::SemiImplicit);
     let free = raw.water.as_ref().is_some_and(|water| water.get_ref().free_surface.is_some());
+    if integrator == Integrator::Implicit {
+        return ShapeChoice::Bspline2;
+    }
     if dimension != Dimension::Column && steps && !free { ShapeChoice::BBar } else { ShapeChoice::Centre }
 }
 
@@ -73,6 +79,7 @@ impl Reader<'_> {
             shape: None,
             darcy: DarcyChoice::Face,
             darcy_inertia: true,
+            relative_acceleration: None,
             flip: 1.0,
             transfer: TransferChoice::Plain,
             update: UpdateChoice::Usl,
@@ -105,11 +112,17 @@ impl Reader<'_> {
         }
         faults.or_keep(&mut scheme.darcy, |usual| self.word(raw.darcy.as_ref(), "scheme.darcy", &operators, usual));
         scheme.darcy_inertia = raw.darcy_inertia.as_ref().is_none_or(|inertia| *inertia.get_ref());
+        scheme.relative_acceleration = raw.relative_acceleration.as_ref().map(|kept| *kept.get_ref());
         faults.or(Some(scheme))
     }
 
     /// Whether Darcy's law keeps `rho_w a_s`: not where the model would then be unstable, unless the scene insists.
     pub(super) fn soft_water(&self, raw: &RawScene, scene: &Fields) -> Checked<bool> {
+        let relative = raw.scheme.as_ref().and_then(|scheme| scheme.get_ref().relative_acceleration.as_ref());
+        if let (Some(value), true, false) = (relative, scene.relative_acceleration, scene.darcy_inertia) {
+            let expected = "false with darcy_inertia = false: water without inertia has no acceleration of its own";
+            return self.refuse(&value.span(), "scheme.relative_acceleration", expected, value.get_ref());
+        }
         if !(scene.darcy_inertia && scene.inertia_feeds_waves()) {
             return Ok(scene.darcy_inertia);
         }
@@ -130,13 +143,14 @@ impl Reader<'_> {
             step: StepChoice::Auto,
             safety: SAFETY,
             method: TimeMethod::Auto,
+            waves: Waves::Auto,
             tolerance: TOLERANCE,
         };
         let Some(time) = raw else { return Ok(checked) };
         let mut faults = Faults::default();
         let word = time.integrator.as_ref();
         faults.or_keep(&mut checked.integrator, |usual| self.word(word, "time.integrator", &INTEGRATORS, usual));
-        if checked.integrator == Integrator::QuasiStatic {
+        if checked.integrator.solves_displacements() {
             faults.take(self.own_steps(time, &mut checked));
         } else {
             faults.take(self.limited_steps(time, &mut checked));
@@ -148,6 +162,8 @@ impl Reader<'_> {
     /// Steps that follow from a tolerance.
     fn own_steps(&self, time: &RawTime, checked: &mut Time) -> Checked<()> {
         let methods = [("auto", TimeMethod::Auto), ("krylov", TimeMethod::Krylov), ("sdirk", TimeMethod::Sdirk)];
+        let waves = [("auto", Waves::Auto), ("resolved", Waves::Resolved), ("damped", Waves::Damped)];
+        checked.waves = self.word(time.waves.as_ref(), "time.waves", &waves, Waves::Auto)?;
         checked.method = self.word(time.method.as_ref(), "time.method", &methods, TimeMethod::Auto)?;
         if let Some(value) = &time.tolerance {
             let range = format!("{:e} <= tolerance <= {} (-)", TOLERANCES.start(), TOLERANCES.end());

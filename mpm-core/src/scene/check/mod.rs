@@ -397,6 +397,7 @@ impl Reader<'_> {
             wells: Vec::new(),
             integrator: time.integrator,
             method: time.method,
+            waves: time.waves,
             tolerance: time.tolerance,
             quadrature: scheme.quadrature,
             jump_penalty: scheme.jump_penalty,
@@ -404,6 +405,9 @@ impl Reader<'_> {
             darcy: scheme.darcy,
             // A quasi-static soil has no acceleration that could enter Darcy's law.
             darcy_inertia: scheme.darcy_inertia && time.integrator != Integrator::QuasiStatic,
+            relative_acceleration: scheme
+                .relative_acceleration
+                .unwrap_or(scheme.darcy_inertia && time.integrator == Integrator::Implicit && raw.water.is_some()),
             flip: scheme.flip,
             transfer: scheme.transfer,
             update: scheme.update,
@@ -453,7 +457,7 @@ impl Reader<'_> {
         let points = rows as f64 * across as f64 * per_cell;
         let cells = (rows as f64 + above as f64) * across as f64;
         let integrator = raw.time.as_ref().and_then(|time| time.get_ref().integrator.as_ref());
-        let implicit = integrator.is_some_and(|word| word.get_ref() == "quasi-static");
+        let implicit = integrator.is_some_and(|word| ["quasi-static", "implicit"].contains(&word.get_ref().as_str()));
         if let Err([expected, found]) = fits_in_memory(points, cells, implicit, dim) {
             return self.refuse(&value.span(), "mesh.particles_per_cell", &expected, found);
         }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use toml::Spanned;
 
 use super::super::raw::{RawScene, RawZone};
-use super::super::{Biot, Dimension, Elastic, Fabric, Fields, Integrator, Region, Soil, SoilLayer, StrainChoice};
+use super::super::{Biot, Dimension, Elastic, Fabric, Fields, Region, Soil, SoilLayer, StrainChoice};
 use super::{Checked, Reader};
 use crate::constitutive::MOST_MATERIALS;
 use crate::seeding;
@@ -215,9 +215,10 @@ impl Reader<'_> {
 
     /// A mesh that goes along with its soil.
     fn steps_with(&self, list: &str, raw: &RawScene, scene: &Fields, table: &Range<usize>) -> Checked<()> {
-        if scene.integrator == Integrator::QuasiStatic && scene.strain == StrainChoice::Large {
-            let expected =
-                format!("\"small\" with [[{list}]] and quasi-static: a new mesh over moved soil would cut its {list}");
+        if scene.integrator.solves_displacements() && scene.strain == StrainChoice::Large {
+            let expected = format!(
+                "\"small\" with [[{list}]] where displacements are solved for: a new mesh over moved soil would cut its {list}"
+            );
             let span = raw.soil.get_ref().strain.as_ref().map_or(table.clone(), Spanned::span);
             return self.refuse(&span, "soil.strain", &expected, "\"large\"");
         }

@@ -13,14 +13,14 @@ impl Reader<'_> {
         self.free_water(raw, scene)?;
         self.held_walls(raw, scene)?;
         self.about_an_axis(raw, scene)?;
-        if scene.integrator == Integrator::QuasiStatic {
+        if scene.integrator.solves_displacements() {
             let mut own = raw.stages.get_ref().iter().filter_map(|stage| stage.get_ref().boundaries.as_ref());
             if let (Some(own), StrainChoice::Large) = (own.next(), scene.strain) {
                 let expected =
-                    "soil.strain = \"small\" with it: a quasi-static mesh that has moved has no sides to support";
+                    "soil.strain = \"small\" with it: a mesh that has moved with its soil has no sides to support";
                 return self.refuse(&own.span(), "stages.boundaries", expected, "\"large\"");
             }
-            self.quasi_static_points(raw, scene)?;
+            self.solved_points(raw, scene)?;
             self.quasi_static_start(raw, scene)
         } else {
             self.plate_in_a_mesh_with_room(raw, scene)
@@ -54,10 +54,10 @@ impl Reader<'_> {
     fn about_an_axis(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let (Some(axis), Some(dimension)) = (scene.axis(), &raw.dimension) else { return Ok(()) };
         let open = scene.solid_sides[0] == SolidSide::Free || scene.stages.iter().any(|stage| stage.drained[0]);
-        let large = scene.integrator == Integrator::QuasiStatic && scene.strain == StrainChoice::Large;
+        let large = scene.integrator.solves_displacements() && scene.strain == StrainChoice::Large;
         let expected = match (axis == 0.0 && open, large) {
             (true, _) => "a left side on rollers that is not drained, where it is the axis, or geometry.*.inner_radius",
-            (_, true) => "soil.strain = \"small\" with it and quasi-static, or another integrator",
+            (_, true) => "soil.strain = \"small\" with it where displacements are solved for, or another integrator",
             _ => return Ok(()),
         };
         self.refuse(&dimension.span(), "dimension", expected, "\"axisymmetric\"")
@@ -101,7 +101,7 @@ impl Reader<'_> {
     }
 
     /// Points enough, and volumes that are used.
-    fn quasi_static_points(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
+    fn solved_points(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let quadrature = raw.scheme.as_ref().and_then(|scheme| scheme.get_ref().quadrature.as_ref());
         if let (Some(value), None) = (quadrature, scene.shape.spline_degree()) {
             let expected = "B-splines with it and quasi-static: other shapes use the particles' volumes there";
@@ -109,7 +109,7 @@ impl Reader<'_> {
         }
         let value = &raw.mesh.get_ref().particles_per_cell;
         if scene.shape.spline_degree().is_some() && scene.particles_per_cell < 4 {
-            let expected = "at least 4 with B-splines and quasi-static: one per cell gives fewer points than unknowns";
+            let expected = "at least 4 with B-splines where displacements are solved for: one per cell gives fewer points than unknowns";
             return self.refuse(&value.span(), "mesh.particles_per_cell", expected, value.get_ref());
         }
         Ok(())
@@ -120,7 +120,11 @@ impl Reader<'_> {
     fn quasi_static_start(&self, raw: &RawScene, scene: &Fields) -> Checked<()> {
         let sideways = scene.solid_sides[..2].contains(&SolidSide::Free);
         match &raw.start {
-            Some(start) if sideways && scene.start == Start::UndrainedEquilibrium => {
+            Some(start)
+                if scene.integrator == Integrator::QuasiStatic
+                    && sideways
+                    && scene.start == Start::UndrainedEquilibrium =>
+            {
                 let expected = "\"unloaded\" between free sides: undrained equilibrium has no lateral strain, \
                                 and quasi-static runs apply the load undrained at once";
                 self.refuse(&start.span(), "start", expected, quoted(start.get_ref()))

@@ -1,18 +1,24 @@
 //! Building a mesh for the soil: axes, unknowns, integration points, faces, loads.
 
-use super::soil::{Before, FacePart, Fluid, HELD, PorePart, Soil, SolidPart, Source, Values};
+use super::motion::{Motion, WaterInertia};
+use super::soil::{Before, FacePart, Fluid, HELD, PorePart, Push, Soil, SolidPart, Source, Values};
 use super::tangent::System;
 use crate::constitutive::{Law, Materials, State};
 use crate::dimension::in_two;
 use crate::particles::SolidPoint;
 use crate::scene::{
-    Bearing, Course, FaceLoad, LoadOn, Piece, Quadrature, Scene, ShapeChoice, Side, SolidSide, Surcharge, Well,
+    Bearing, Course, FaceLoad, Fields, Integrator, LoadOn, Piece, Quadrature, Scene, ShapeChoice, Side, SolidSide,
+    Surcharge, Well,
 };
-use crate::space::{Axis, Basis, Fit, Local, MOST, Stencil, fit, gauss, gauss_points};
+use crate::space::{Axis, Basis, Fit, Group, Local, MOST, Stencil, fit, gauss, gauss_points, groups};
 use crate::sparse::Unsolved;
 
 /// Least boundary cell, as a share of a whole one, tried one after the other until the weights can be fitted.
 const LEAST_CELLS: [f64; 3] = [0.5, 0.75, 1.0];
+/// beta of the viscosity of jumps.
+const VISCOSITY: f64 = 0.01;
+/// Stiffness of water over G beyond which waves are those of the penalty of jumps.
+const LEAST_PENALTY: f64 = 100.0;
 /// Pieces for the integral of a load along one cell.
 const LOAD_PIECES: usize = 16;
 /// Levels of a reservoir from one of its corners to the next: forces between are a straight line.
@@ -33,6 +39,8 @@ pub(super) struct Ground<'a, const D: usize> {
     /// Drained sides, and how the sides hold the soil.
     pub drained: [bool; 4],
     pub sides: [SolidSide; 4],
+    /// Whether waves that the steps do not resolve are damped.
+    pub damps: bool,
     /// Lengths that are not modelled, multiplied: the width of a column or 1 m, m.
     pub thickness: f64,
 }
@@ -79,16 +87,16 @@ impl<const D: usize> Ground<'_, D> {
         slope
     }
 
-    /// Axes and weights of the particles, these as in a mesh that is 1 m thick.
-    fn axes_and_weights(&self) -> ([Axis; D], Vec<f64>) {
+    /// Axes and weights of the particles, these as in a mesh that is 1 m thick; whether they are as good as they are meant to be.
+    fn axes_and_weights(&self) -> ([Axis; D], Vec<f64>, bool) {
         let volumes: Vec<f64> = self.points.iter().map(|p| p.volume / self.scene.thickness(p.x[0])).collect();
         if self.scene.quadrature == Quadrature::Volumes || self.scene.shape == ShapeChoice::Gimp {
-            return (self.axes(LEAST_CELLS[0]), volumes);
+            return (self.axes(LEAST_CELLS[0]), volumes, true);
         }
         let Some(degree) = self.scene.shape.spline_degree() else {
             let axes = self.axes(LEAST_CELLS[0]);
             let weights = self.filling(&axes, volumes);
-            return (axes, weights);
+            return (axes, weights, true);
         };
         let places: Vec<[f64; D]> = self.points.iter().map(|p| p.x).collect();
         let mut best: Option<([Axis; D], Fit)> = None;
@@ -102,7 +110,11 @@ impl<const D: usize> Ground<'_, D> {
                 break;
             }
         }
-        best.map_or_else(|| (self.axes(LEAST_CELLS[0]), volumes), |(axes, fitted)| (axes, fitted.weights))
+        let exact = best.as_ref().is_some_and(|(_, best)| best.degree == degree);
+        match best {
+            Some((axes, fitted)) => (axes, fitted.weights, exact),
+            None => (self.axes(LEAST_CELLS[0]), volumes, exact),
+        }
     }
 
     /// Volumes scaled so that the particles of every cell fill it: gradients of linear functions are constant there,
@@ -124,7 +136,7 @@ impl<const D: usize> Ground<'_, D> {
     /// Builds the mesh.
     pub fn build<L: Law>(&self, law: Materials<L>) -> Result<Soil<L, D>, Unsolved> {
         let scene = self.scene;
-        let (axes, weights) = self.axes_and_weights();
+        let (axes, weights, good) = self.axes_and_weights();
         let smooth = smooth(scene.shape);
         let functions: usize = axes.iter().map(Axis::functions).product();
         let cells: usize = axes.iter().map(Axis::cells).product();
@@ -137,16 +149,30 @@ impl<const D: usize> Ground<'_, D> {
             cells
         };
         let solid = self.solid(&law, &axes, &weights);
-        let pore = if wet || scene.gravity.is_some() { self.pore(&law, &axes, &solid) } else { Vec::new() };
+        let moves = scene.integrator == Integrator::Implicit;
+        let groups = if good { None } else { self.groups(&axes, &solid) };
+        let pore = if wet || moves || scene.gravity.is_some() { self.pore(&law, &axes, &solid) } else { Vec::new() };
         let faces = if wet && !smooth { self.faces(&law, &axes) } else { Vec::new() };
         let moved = self.moved(&axes);
         let (soil_map, water_map, size) = self.unknowns(&axes, pressures, &moved);
         let jumps = match scene.shape.spline_degree() {
-            Some(degree) if wet => self.jumps(&axes, degree),
+            Some(degree) if wet => self.penalty(&axes, degree),
+            _ => Vec::new(),
+        };
+        let viscosity = match scene.shape.spline_degree() {
+            Some(degree) if self.damps => self.viscosity(&axes, degree),
             _ => Vec::new(),
         };
         let maps = (soil_map.as_slice(), water_map.as_slice());
-        let system = System::new(size, (&solid, &pore, &faces), &jumps, maps, law.are_symmetric())?;
+        let inertia = match (scene.relative_acceleration, scene.darcy_inertia) {
+            _ if !wet => WaterInertia::None,
+            (true, _) => WaterInertia::Own,
+            (false, true) => WaterInertia::WithSoil,
+            (false, false) => WaterInertia::None,
+        };
+        let passage = scene.cell * (scene.mixture_density() / scene.oedometer_modulus()).sqrt();
+        let symmetric = law.are_symmetric() && !(moves && inertia == WaterInertia::WithSoil);
+        let system = System::new(size, (&solid, &pore, &faces), [&jumps, &viscosity], maps, symmetric)?;
         let water = scene.water.unwrap_or(crate::scene::WaterProperties {
             hydraulic_conductivity: 0.0,
             anisotropy: 1.0,
@@ -173,6 +199,7 @@ impl<const D: usize> Ground<'_, D> {
             moved,
             plates: scene.plates.iter().map(|plate| (plate.clone(), [0.0; 2])).collect(),
             wells: self.wells(&axes),
+            motion: moves.then(|| Box::new(Motion::new(inertia, passage, viscosity, (functions, pore.len())))),
             held_pressure: vec![0.0; if before.is_empty() { 0 } else { pressures }],
             before,
             outside: (scene.loads.clone(), water.density * scene.gravity.unwrap_or(0.0)),
@@ -184,6 +211,9 @@ impl<const D: usize> Ground<'_, D> {
             },
             scales: [scene.cell, scene.oedometer_modulus()],
             small: scene.strain == crate::scene::StrainChoice::Small,
+            pushes: vec![Push::default(); solid.len()],
+            grouped: Vec::new(),
+            groups: groups.unwrap_or_default(),
             cell_gradient: vec![([[0.0; D]; D], 0.0); if smooth { 0 } else { cells }],
             axes,
             law,
@@ -226,6 +256,14 @@ impl<const D: usize> Ground<'_, D> {
             }
         };
         self.points.iter().enumerate().map(part).collect()
+    }
+
+    /// The points of each cell, where they are too few for weights: not of soil whose changes of volume are taken elsewhere.
+    fn groups(&self, axes: &[Axis; D], solid: &[SolidPart<D>]) -> Option<Vec<Group>> {
+        let degree = self.scene.shape.spline_degree()?;
+        let places: Vec<[f64; D]> = self.points.iter().map(|p| p.x).collect();
+        let apart = solid.iter().any(|part| part.dilates.is_some());
+        if apart { None } else { groups(axes, degree, self.thickness, &places) }
     }
 
     /// Porosity of the cells.
@@ -565,17 +603,39 @@ impl<const D: usize> Ground<'_, D> {
         load
     }
 
-    /// `gamma L^(2p + 1)/(2G) sum over inner knots [d^p p/dn^p][d^p q/dn^p]` for B-splines of degree p, integrated along the knot.
-    fn jumps(&self, axes: &[Axis; D], degree: usize) -> Vec<(u32, u32, f64)> {
+    /// `gamma/(2G)` times the jumps of the pressure.
+    fn penalty(&self, axes: &[Axis; D], degree: usize) -> Vec<(u32, u32, f64)> {
         let gamma = self.scene.jump_penalty.unwrap_or_else(|| self.scene.usual_jump_penalty());
-        if gamma == 0.0 {
-            return Vec::new();
-        }
         let shear = self.scene.elastic.shear_modulus();
-        let factor = gamma * self.scene.cell.powi(2 * degree as i32 + 1) / (2.0 * shear) * self.thickness;
         // 1/G at a height over that of the scene's soil: 1 but for layers.
         let ground = self.scene.ground();
         let softer = |height: f64| shear / ground.at(&[0.5 * self.scene.width, height]).elastic.shear_modulus();
+        self.jumps(axes, degree, (gamma / (2.0 * shear), softer))
+    }
+
+    /// `beta rho c/L` times the jumps of the velocity: what damps waves that are no longer than some cells, and those of pressures that
+    /// no motion but the penalty of their jumps resists.
+    fn viscosity(&self, axes: &[Axis; D], degree: usize) -> Vec<(u32, u32, f64)> {
+        let scene = self.scene;
+        let modulus = |fields: &Fields| {
+            fields.oedometer_modulus() + fields.pore_stiffness().min(LEAST_PENALTY * fields.elastic.shear_modulus())
+        };
+        let impedance = (scene.mixture_density() * modulus(scene)).sqrt();
+        self.jumps(axes, degree, (VISCOSITY * impedance / scene.cell, |_| 1.0))
+    }
+
+    /// `factor L^(2p + 1) sum over inner knots [d^p p/dn^p][d^p q/dn^p]` for B-splines of degree p, integrated along the knot, times a
+    /// number that goes with the height.
+    fn jumps(
+        &self,
+        axes: &[Axis; D],
+        degree: usize,
+        (factor, softer): (f64, impl Fn(f64) -> f64),
+    ) -> Vec<(u32, u32, f64)> {
+        if factor == 0.0 {
+            return Vec::new();
+        }
+        let factor = factor * self.scene.cell.powi(2 * degree as i32 + 1) * self.thickness;
         let mut jumps = Vec::new();
         for axis in 0..D {
             let along = &axes[axis];

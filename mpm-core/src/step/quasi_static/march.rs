@@ -4,11 +4,11 @@ use super::failures::{describe, inverted, nothing};
 use super::krylov::{Goal, Krylov};
 use super::remesh::REMESH_STRAIN;
 use super::sdirk::{GAMMA, Sdirk, StepSums};
-use super::soil::{HELD, Soil};
+use super::soil::{HELD, Impulses, Soil};
 use super::tangent::Stuck;
 use super::{KrylovStage, Method, QuasiStatic};
 use crate::constitutive::{Flow, Law};
-use crate::scene::{Course, FaceLoad, Fields, Start, StepChoice, StrainChoice, TimeMethod};
+use crate::scene::{Course, FaceLoad, Fields, Integrator, Start, StepChoice, StrainChoice, TimeMethod, Waves};
 use crate::step::Fault;
 
 /// The first step of a stage as a share of L^2/c_v: shorter ones overshoot where the mesh cannot resolve the drained
@@ -17,6 +17,13 @@ const FIRST_STEP: f64 = 0.3;
 /// The estimate of a step beside the tolerance. It is of order 3 while the solution that is kept is of order 4: on
 /// the study's column the error in time was a 200th of the estimate, so that this leaves a tenth of the tolerance.
 const CAUTION: f64 = 10.0;
+/// The same with inertia: errors of waves add up, those of what drains die away with it.
+const CAUTION_IN_MOTION: f64 = 0.1;
+/// Passages of a wave of the drained soil over the height after which waves have died out, or are not what is asked for.
+const PASSAGES: f64 = 10.0;
+/// So many first steps of a stage damp the waves that a jump of its load excites where they are not resolved, whatever their error
+/// (Rannacher 1984, doi:10.1007/BF01390130).
+const STARTING: u32 = 3;
 /// Least step as a share of the stage.
 const LEAST_STEP: f64 = 1e-12;
 /// The same of soil without water, as a share of the ramp of its load: that soil knows time from its load alone, and what it does
@@ -29,7 +36,7 @@ const SUDDEN: f64 = 1e-3;
 /// Unknowns times steps between two requests to the monitor: some tenths of a second.
 const UNKNOWNS_AT_ONCE: usize = 1 << 18;
 /// Residual of a nonlinear stage beside the tolerance.
-pub(super) const NEWTON: f64 = 1e-3;
+pub(crate) const NEWTON: f64 = 1e-3;
 /// The pole of the Krylov method as a share of the last time.
 const POLE: f64 = 0.1;
 /// Changes of the step between these factors are not worth another factorisation of a linear scene.
@@ -39,6 +46,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// Whether the Krylov method can take a stage: linear, constant load, no weight, water that can flow.
     pub(super) fn krylov_holds(&self) -> bool {
         let linear = self.scene.strain == StrainChoice::Small && self.seeding.law.are_linear();
+        let linear = linear && self.scene.integrator == Integrator::QuasiStatic;
         let steady = |load: &FaceLoad| load.course == Course::Constant;
         let constant = self.time >= self.scene.surcharge.map_or(0.0, |s| s.ramp_time);
         let constant = constant && self.scene.loads.iter().all(steady) && !self.scene.has_water_outside();
@@ -102,7 +110,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let ramp = self.scene.surcharge.map_or(0.0, |s| s.ramp_time);
         let sudden = self.scene.loads.iter().any(|load| load.course == Course::Constant);
         let carried = (self.scene.surcharge.is_none() || self.scene.start == Start::UndrainedEquilibrium) && !sudden;
-        let given = matches!(self.scene.step, StepChoice::Fixed(_));
+        let given = matches!(self.scene.step, StepChoice::Fixed(_)) || self.scene.integrator == Integrator::Implicit;
         if ramp > 0.0 || carried || given || self.seeding.law.are_linear() {
             return ramp;
         }
@@ -110,9 +118,25 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         SUDDEN * self.first_step(times).min(first)
     }
 
+    /// Whether the error of waves counts.
+    pub(super) fn resolves_waves(&self) -> bool {
+        let scene = &self.scene;
+        let passage = scene.height * (scene.mixture_density() / scene.oedometer_modulus()).sqrt();
+        let end = scene.observe_times.first().copied().unwrap_or(self.stage_end);
+        scene.integrator == Integrator::Implicit
+            && match scene.waves {
+                Waves::Auto => end < PASSAGES * passage,
+                Waves::Resolved => true,
+                Waves::Damped => false,
+            }
+    }
+
     /// The first step of a stage, s.
     pub(super) fn first_step(&self, times: &[f64]) -> f64 {
         let end = times.last().copied().unwrap_or(f64::INFINITY);
+        // Inertia is of importance where times are asked for in which waves have not died out.
+        let asked = times.iter().copied().find(|time| *time > 0.0 && self.resolves_waves());
+        let end = asked.unwrap_or(end);
         // Of layers the fastest: its neighbours are drained as suddenly as the surface is.
         let of = |scene: &Fields| {
             scene
@@ -196,7 +220,9 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             Err(stuck) => return Err(self.fault(&stuck, Some(h))),
         };
         let (of_water, along_path) = (self.error(), self.follow_path());
-        let (allowed, tolerance) = (CAUTION * self.scene.tolerance, self.scene.tolerance);
+        let moves = self.scene.integrator == Integrator::Implicit;
+        let caution = if self.resolves_waves() { CAUTION_IN_MOTION } else { CAUTION };
+        let (allowed, tolerance) = (caution * self.scene.tolerance, self.scene.tolerance);
         // The error of a step goes with h^4: the estimate is of order 3. That of the law along its path goes with h^2.
         let by_water = (0.9 * (allowed / of_water.max(1e-300)).powf(0.25)).clamp(0.1, 5.0);
         // An error that goes with less than the root of h is that of a jump, of a weight or a pressure: the law has followed it in parts.
@@ -204,13 +230,14 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let along_path = if jumps { 0.0 } else { along_path };
         let by_path = (0.9 * (tolerance / along_path.max(1e-300)).sqrt()).clamp(0.1, 5.0);
         // Without water no estimate sees a limit load ahead: Newton's iteration does.
-        let ahead =
-            if self.scene.water.is_none() { (EASY / self.work.iterations() as f64).clamp(1.0, 5.0) } else { 5.0 };
+        let blind = self.scene.water.is_none() && !moves;
+        let ahead = if blind { (EASY / self.work.iterations() as f64).clamp(1.0, 5.0) } else { 5.0 };
         // What was too much just now is not tried again at once.
         let most = if std::mem::take(&mut self.rejected) && !self.seeding.law.are_linear() { 1.0 } else { 5.0 };
         let factor = by_water.min(by_path).min(ahead).min(most);
         // Written so that a NaN is rejected.
-        let accepted = fixed || (of_water <= allowed && along_path <= tolerance);
+        let starts = moves && !self.resolves_waves() && self.started < STARTING;
+        let accepted = fixed || starts || (of_water <= allowed && along_path <= tolerance);
         if !accepted {
             self.done.rejected += 1;
             self.rejected = true;
@@ -223,6 +250,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             return Ok(Grown { accepted: false, factor: if unknown { 0.1 } else { factor } });
         }
         self.done.accepted += 1;
+        self.started += 1;
         self.book(&sums, h);
         self.time += h;
         let (strained, linear) = (self.commit(), self.soil.as_ref().is_some_and(Soil::linear));
@@ -263,10 +291,10 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// Estimated error of the last step in what flows: of the settlement, relative to it, and of the pressure, RMS beside that of
     /// the load.
     fn error(&self) -> f64 {
-        if self.scene.water.is_none() {
+        let (Some(soil), Some(Method::Sdirk { stepper, .. })) = (&self.soil, &self.method) else { return f64::NAN };
+        if self.scene.water.is_none() && soil.motion.is_none() {
             return 0.0;
         }
-        let (Some(soil), Some(Method::Sdirk { stepper, .. })) = (&self.soil, &self.method) else { return f64::NAN };
         let size = self.pressure_size();
         let least = 1e-3 * size * self.scene.height / soil.scales[1];
         let already = self.seeding.first_settlement + self.settled;
@@ -279,7 +307,29 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let pressure = (sum / f64::from(count.max(1))).sqrt() / size;
         // Written so that a NaN of either stays.
         let settlement = self.settlement_of(&stepper.error).abs() / whole;
-        if settlement > pressure || settlement.is_nan() { settlement } else { pressure }
+        let worst = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
+        worst(worst(settlement, pressure), self.error_of_motion(soil, &stepper.error))
+    }
+
+    /// That of displacements with inertia, RMS beside what load and weight strain the soil by, or what it has been strained by.
+    fn error_of_motion(&self, soil: &Soil<L, D>, error: &[f64]) -> f64 {
+        if !self.resolves_waves() {
+            return 0.0;
+        }
+        let (mut sum, mut count, mut moved) = (0.0, 0.0, [[0.0; 2]; D]);
+        for (map, u) in soil.soil_map.iter().zip(&soil.u) {
+            for d in (0..D).filter(|d| map[*d] != HELD) {
+                sum += (soil.scales[0] * error[map[d] as usize]).powi(2);
+                count += 1.0;
+            }
+            (0..D).for_each(|d| moved[d] = [moved[d][0] + u[d], moved[d][1] + u[d] * u[d]]);
+        }
+        // Strain is what differs from the mean.
+        let functions = soil.u.len() as f64;
+        let strained: f64 =
+            moved.iter().map(|[sum, squares]| (squares - sum * sum / functions).max(0.0) / functions).sum();
+        let still = self.pressure_size() / self.scene.oedometer_modulus() * self.scene.height;
+        (sum / f64::max(count, 1.0)).sqrt() / still.max(strained.sqrt())
     }
 
     /// Records the work and the water of the last step of `h` (s), under the mean load, and moves the unknowns to its end.
@@ -303,7 +353,9 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             let mean = [0, 1].map(|d| 0.5 * (then[d] + now[d]));
             let (axis, inwards) =
                 (usize::from(plate.on as usize > 1), if plate.on as usize % 2 == 1 { -1.0 } else { 1.0 });
-            self.totals.external_work += inwards * moved * mean[axis];
+            if soil.motion.is_none() {
+                self.totals.external_work += inwards * moved * mean[axis];
+            }
             (0..2).for_each(|d| push.impulse[d] += h * mean[d]);
             push.force = Some(now);
         }
@@ -317,6 +369,20 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         self.totals.water_in += sums.put_in;
         self.totals.darcy_dissipation += sums.dissipation;
         self.totals.flow_body_work += sums.body_work;
+        let Impulses { kinetic, momentum, damping, damping_force, load, weight, support, plates } = sums.motion;
+        self.totals.external_work += plates;
+        (self.totals.kinetic_gain, self.totals.damping_loss) =
+            (self.totals.kinetic_gain + kinetic, self.totals.damping_loss + damping);
+        self.totals.load_impulse += load[1];
+        for d in 0..D {
+            self.totals.momentum_gain[d] += momentum[d + 2 - D];
+            self.totals.damping_impulse[d] += damping_force[d + 2 - D];
+            self.totals.gravity_impulse[d] += weight[d + 2 - D];
+            self.totals.support_impulse[d] += support[d + 2 - D];
+        }
+        if let Some(motion) = &mut soil.motion {
+            motion.accept();
+        }
         self.y.copy_from_slice(&stepper.end);
         self.content.copy_from_slice(&soil.values.content);
     }

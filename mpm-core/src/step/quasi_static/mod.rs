@@ -1,7 +1,9 @@
-//! The quasi-static integrator: implicit displacement and pressure without inertia, steps of its own choice.
+//! Implicit displacement and pressure, in steps of their own choice: the quasi-static integrator, and the implicit one, which has the
+//! inertia of soil and water too.
 //!
 //! # Reading order
 //! 1. `soil.rs`: the balance laws at given unknowns. `tangent.rs`: their matrix. `build.rs`: mesh, unknowns, points.
+//!    `motion.rs`: what inertia adds to them.
 //! 2. `newton.rs`: equilibrium. `sdirk.rs`: one step in time. `krylov.rs`: all times of a linear stage at once.
 //! 3. `march.rs`: time marching through a stage. `remesh.rs`: from one mesh to the next. `results.rs`: results of the state.
 //! 4. `failures.rs`: messages of runs that cannot continue. `checkpoint.rs`: what a resumed run needs.
@@ -14,6 +16,7 @@ mod checkpoint;
 mod failures;
 mod krylov;
 mod march;
+mod motion;
 mod newton;
 mod remesh;
 mod results;
@@ -22,6 +25,8 @@ mod soil;
 mod tangent;
 #[cfg(test)]
 mod tests;
+
+pub(crate) use march::NEWTON;
 
 use failures::{inverted, nothing};
 use krylov::Krylov;
@@ -56,7 +61,7 @@ pub struct Seeding<L, const D: usize> {
     pub first_settlement: f64,
 }
 
-/// A quasi-static run. K: dimension, L: law.
+/// A run that solves for displacements. D: dimension, L: law.
 #[derive(Debug)]
 pub struct QuasiStatic<L: Law, const D: usize> {
     scene: Scene,
@@ -103,6 +108,8 @@ pub struct QuasiStatic<L: Law, const D: usize> {
     /// What the plates that are moved do to the soil.
     pushes: Vec<Push>,
     counted: bool,
+    /// Steps of the stage so far.
+    started: u32,
     /// Why the last rejected step was rejected.
     trouble: Option<String>,
 }
@@ -175,6 +182,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             totals: Totals::default(),
             pushes: vec![Push { force: Some([0.0; 2]), ..Push::default() }; scene.plates.len()],
             counted: false,
+            started: 0,
             trouble: None,
         }
     }
@@ -206,9 +214,10 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let face = self.seeding.thickness * self.scene.cell.powi(D as i32 - 1);
         let weight = self.scene.gravity.unwrap_or(0.0) * self.scene.mixture_density() * face * self.scene.cell;
         let loads = soil.loads.iter().map(|(force, course)| course.most() * largest(force)).sum::<f64>();
+        let stress = stress + self.stress_of_start();
         let size = soil.scales[0] * (loads + face * (stress + pressure + self.scene.well_pressure()) + weight);
         let force = soil.scales[0] * face;
-        force * self.at_least(f64::EPSILON / (march::NEWTON * self.scene.tolerance), size / force)
+        force * self.at_least(f64::EPSILON / (NEWTON * self.scene.tolerance), size / force)
     }
 
     /// A pressure (Pa), or a share of the stiffness: stresses of a law of its own, or of a mesh that moves, are known to round-off of
@@ -223,7 +232,15 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     fn pressure_size(&self) -> f64 {
         let load = self.scene.largest_load();
         let weight = self.scene.gravity.unwrap_or(0.0) * self.scene.mixture_density() * self.scene.height;
-        self.at_least(16.0 * f64::EPSILON / self.scene.tolerance, load + weight) // after some operations
+        self.at_least(16.0 * f64::EPSILON / self.scene.tolerance, load + weight + self.stress_of_start()) // after some operations
+    }
+
+    /// Stress of the wave that stops the velocity of the start, rho c v, Pa; c of water no stiffer than hundred times the soil.
+    fn stress_of_start(&self) -> f64 {
+        let (scene, speed) = (&self.scene, self.scene.start_velocity.map_or(0.0, |[x, y]| x.hypot(y)));
+        let soil = scene.oedometer_modulus();
+        let water = if scene.water.is_some() { scene.pore_stiffness().min(100.0 * soil) } else { 0.0 };
+        (scene.mixture_density() * (soil + water)).sqrt() * speed
     }
 
     /// Work of the present system into the totals, before it is replaced.
@@ -255,6 +272,7 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
     fn enter_stage(&mut self, stage: &Stage, times: &[f64]) -> Result<(), Fault> {
         self.count_work();
         self.method = None;
+        self.stage_end = times.last().copied().unwrap_or(0.0);
         let sides = stage.solid_sides.unwrap_or(self.scene.solid_sides);
         let released = std::mem::replace(&mut self.sides, sides) != sides;
         // Soil that is only strained a little stands where it stood: its stresses go to a mesh with other unknowns.
@@ -263,13 +281,16 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
         } else {
             self.build(stage.drained)?;
         }
-        (self.stage_time, self.until) = (0.0, 0.0);
-        self.stage_end = times.last().copied().unwrap_or(0.0);
+        (self.stage_time, self.until, self.started) = (0.0, 0.0, 0);
         let first = !std::mem::replace(&mut self.counted, true);
         if first {
             self.ramp = self.ramp(times);
             let cells = self.cell_values();
             self.totals.start(&cells);
+        }
+        let resolves = self.resolves_waves();
+        if let Some(motion) = self.soil.as_mut().and_then(|soil| soil.motion.as_mut()) {
+            (motion.damping, motion.resolves) = (stage.damping, resolves);
         }
         if first || released {
             self.loose = self.soil.as_ref().map_or_else(Vec::new, Soil::forces);

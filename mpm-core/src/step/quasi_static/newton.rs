@@ -67,9 +67,12 @@ impl<L: Law, const D: usize> Soil<L, D> {
         forces
     }
 
-    /// Out-of-balance of a stage at the last evaluation, scaled as the matrix.
-    fn out_of_balance(&self, stage: &Stage, residual: &mut [f64]) {
+    /// Out-of-balance of a stage at the last evaluation, scaled as the matrix. Returns the largest, in which volumes of water count by
+    /// the pressures that they make: over a short step with inertia little water is much acceleration, by the square of the
+    /// step over that in which a wave passes a cell.
+    fn out_of_balance(&self, stage: &Stage, residual: &mut [f64]) -> f64 {
         let [length, pressure] = self.scales;
+        let lever = self.motion.as_ref().map_or(1.0, |motion| (motion.passage / stage.a).powi(2).max(1.0));
         residual.fill(0.0);
         for (function, map) in self.soil_map.iter().enumerate() {
             for d in 0..D {
@@ -79,13 +82,17 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 }
             }
         }
+        let forces = largest(residual);
+        let mut volumes: f64 = 0.0;
         for (function, map) in self.water_map.iter().enumerate() {
             if *map != HELD {
                 let v = &self.values;
-                residual[*map as usize] =
-                    pressure * (stage.target[function] - v.content[function] - stage.a * v.flow[function]);
+                let off = pressure * (stage.target[function] - v.content[function] - stage.a * v.flow[function]);
+                residual[*map as usize] = off;
+                volumes = if off.is_nan() || volumes.is_nan() { f64::NAN } else { volumes.max(lever * off.abs()) };
             }
         }
+        if volumes > forces || volumes.is_nan() { volumes } else { forces }
     }
 
     /// Whether a correction would move soil that is strained a little by more than its own extent: its matrix is all but singular,
@@ -100,8 +107,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
     /// Moves `y` to where the stage is fulfilled, and evaluates there. The factors must be those for `stage.a`.
     pub fn fulfil(&mut self, stage: &Stage, y: &mut [f64], work: &mut Workspace) -> Result<(), Stuck<D>> {
         self.evaluate(y).map_err(Stuck::InsideOut)?;
-        self.out_of_balance(stage, &mut work.residual);
-        let mut size = largest(&work.residual) / work.reference;
+        let mut size = self.out_of_balance(stage, &mut work.residual) / work.reference;
         work.history.clear();
         work.history.push(size);
         let (slow, rising) = match (self.law.are_linear(), self.small) {
@@ -133,8 +139,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 }
                 let evaluated = self.evaluate(&work.trial);
                 if evaluated.is_ok() {
-                    self.out_of_balance(stage, &mut work.residual);
-                    size = largest(&work.residual) / work.reference;
+                    size = self.out_of_balance(stage, &mut work.residual) / work.reference;
                 }
                 if evaluated.is_ok() && (size < before || size <= stage.tolerance || iteration < rising) {
                     break;

@@ -2,14 +2,15 @@
 
 use super::build::{Ground, smooth, stands, top_integrals};
 use super::failures::{inverted, nothing, unsolved};
+use super::motion::{WaterInertia, forward};
 use super::newton::Workspace;
-use super::soil::{HELD, Soil, Strained};
+use super::soil::{HELD, PorePart, Soil, Strained};
 use super::{QuasiStatic, build};
 use crate::constitutive::Law;
 use crate::dimension::in_two;
 use crate::particles::SolidPoint;
-use crate::scene::{SolidSide, StrainChoice};
-use crate::space::{stretch, turned};
+use crate::scene::{Integrator, SolidSide, StrainChoice};
+use crate::space::{Stencil, stretch, turned};
 use crate::sparse::{Factor, Ordering, Signs, Sparse, Unsolved};
 use crate::step::Fault;
 
@@ -20,9 +21,11 @@ pub(super) const REMESH_STRAIN: f64 = 0.5;
 impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// Builds a mesh over the soil as it is; its pressures go over.
     pub(super) fn build(&mut self, drained: [bool; 4]) -> Result<(), Fault> {
-        let pressures = self.soil.is_some().then(|| self.carry());
+        let carried = self.soil.is_some().then(|| self.carry());
+        let (pressures, rates) = carried.unzip();
         let mut soil = self.mesh(drained)?;
         self.start(&mut soil, pressures.as_deref())?;
+        self.set_in_motion(&mut soil, rates).map_err(|e| unsolved(&e))?;
         self.take(soil);
         Ok(())
     }
@@ -34,6 +37,10 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         old.expand(&self.y);
         soil.u.copy_from_slice(&old.u);
         soil.p.copy_from_slice(&old.p);
+        if let (Some(motion), Some(before)) = (&mut soil.motion, &old.motion) {
+            motion.velocity.copy_from_slice(&before.velocity);
+            motion.flux.copy_from_slice(&before.flux);
+        }
         for (part, before) in soil.solid.iter_mut().zip(&old.solid) {
             (part.strain, part.stress, part.state) = (before.strain, before.stress, before.state);
         }
@@ -54,6 +61,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             settled: if large { self.settled } else { 0.0 },
             drained,
             sides: self.sides,
+            damps: self.scene.integrator == Integrator::Implicit && !self.resolves_waves(),
             thickness: self.seeding.thickness,
         };
         ground.build(self.seeding.law.clone()).map_err(|e| unsolved(&e))
@@ -128,18 +136,23 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         }
     }
 
-    /// The state of the mesh goes to the particles: stress, place, volume. Returns their pressures.
-    pub(super) fn carry(&mut self) -> Vec<f64> {
-        let Some(soil) = &mut self.soil else { return Vec::new() };
+    /// The state of the mesh goes to the particles: stress, place, volume, velocity. Returns their pressures and the flux w of their
+    /// water (m/s), that where it has an inertia of its own.
+    pub(super) fn carry(&mut self) -> (Vec<f64>, Vec<[f64; D]>) {
+        let Some(soil) = &mut self.soil else { return Default::default() };
         soil.expand(&self.y);
         let large = self.scene.strain == StrainChoice::Large;
-        let Some(soil) = &self.soil else { return Vec::new() };
+        let Some(soil) = &self.soil else { return Default::default() };
+        let fluxes = self.fluxes(soil);
         let pressures = self.points.iter().map(|point| self.pressure_at(soil, &point.x)).collect();
         for (i, point) in self.points.iter_mut().enumerate() {
             let part = &soil.solid[i];
             let Some(Strained { push, stress, state, .. }) = soil.strained(part) else { continue };
             self.states[i] = state;
             point.stress = turned(&stress, &push.rotation);
+            if let Some(motion) = &soil.motion {
+                point.v = part.stencil.vector(&motion.velocity);
+            }
             if large {
                 let moved = part.stencil.vector(&soil.u);
                 let stretched = stretch(&part.stencil.gradient(&soil.u));
@@ -156,7 +169,50 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             }
         }
         self.settled += self.settlement_of(&self.y) + self.settled_with_plates();
-        pressures
+        (pressures, fluxes)
+    }
+
+    /// Flux w of the water at the particles (m/s), from that at the pore points.
+    fn fluxes(&self, soil: &Soil<L, D>) -> Vec<[f64; D]> {
+        let Some(motion) = soil.motion.as_ref().filter(|motion| motion.inertia == WaterInertia::Own) else {
+            return Vec::new();
+        };
+        let stencils: Vec<_> = soil.pore.iter().map(|part| (part.water, part.weight)).collect();
+        let spatial = |(part, flux): (&PorePart<D>, &[f64; D])| {
+            soil.pore_state(part).map_or([0.0; D], |state| {
+                forward(&state, soil.small, flux).map(|w| w / if soil.small { 1.0 } else { 1.0 + state.change })
+            })
+        };
+        let values: Vec<[f64; D]> = soil.pore.iter().zip(&motion.flux).map(spatial).collect();
+        let Ok(field) = projected(soil.p.len(), &stencils, &values) else { return Vec::new() };
+        soil.solid.iter().map(|part| part.stencil.vector(&field)).collect()
+    }
+
+    /// Velocities of a new mesh, from those of the particles or from the scene.
+    fn set_in_motion(&self, soil: &mut Soil<L, D>, fluxes: Option<Vec<[f64; D]>>) -> Result<(), Unsolved> {
+        let Some(mut motion) = soil.motion.take() else { return Ok(()) };
+        let points: Vec<_> = soil.solid.iter().map(|part| (part.stencil, part.weight)).collect();
+        match fluxes {
+            None => {
+                let start = self.scene.start_velocity.unwrap_or_default();
+                motion.velocity.fill(std::array::from_fn(|d| start[d + 2 - D]));
+            }
+            Some(fluxes) => {
+                let velocities: Vec<[f64; D]> = self.points.iter().map(|point| point.v).collect();
+                motion.velocity = projected(soil.u.len(), &points, &velocities)?;
+                if motion.inertia == WaterInertia::Own {
+                    let field = projected(soil.p.len(), &points, &fluxes)?;
+                    for (flux, part) in motion.flux.iter_mut().zip(&soil.pore) {
+                        *flux = part.water.vector(&field);
+                    }
+                }
+            }
+        }
+        for (velocity, map) in motion.velocity.iter_mut().zip(&soil.soil_map) {
+            (0..D).filter(|d| map[*d] == HELD).for_each(|d| velocity[d] = 0.0);
+        }
+        soil.motion = Some(motion);
+        Ok(())
     }
 
     /// Whether the surface stays flat, so that a new mesh finds its outline.
@@ -164,6 +220,36 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let held = |side: usize| self.sides[side] != SolidSide::Free;
         D == 1 || (held(0) && held(1) && self.scene.surcharge.is_none_or(|s| s.strip.is_none()))
     }
+}
+
+/// Fields of so many functions from values at points with weights: least squares.
+fn projected<const D: usize>(
+    size: usize,
+    points: &[(Stencil<D>, f64)],
+    values: &[[f64; D]],
+) -> Result<Vec<[f64; D]>, Unsolved> {
+    let pairs = points.iter().flat_map(|(stencil, _)| {
+        let numbers = &stencil.number[..stencil.count];
+        numbers.iter().flat_map(|a| numbers.iter().map(|b| (*a as usize, *b as usize)))
+    });
+    let mut mass = Sparse::symmetric(size, pairs);
+    let mut rhs = vec![vec![0.0; size]; D];
+    for ((s, weight), value) in points.iter().zip(values) {
+        for a in 0..s.count {
+            (0..D).for_each(|d| rhs[d][s.number[a] as usize] += weight * s.value[a] * value[d]);
+            for b in 0..=a {
+                mass.add(s.number[a] as usize, s.number[b] as usize, weight * s.value[a] * s.value[b]);
+            }
+        }
+    }
+    let mut factor = Factor::new(&mass, Signs::Definite, Ordering::MinimumDegree)?;
+    factor.refresh(&mass)?;
+    let (mut field, mut found) = (vec![[0.0; D]; size], vec![0.0; size]);
+    for d in 0..D {
+        factor.solve(&mass, &rhs[d], &mut found)?;
+        field.iter_mut().zip(&found).for_each(|(field, found)| field[d] = *found);
+    }
+    Ok(field)
 }
 
 /// Pressures of the functions from those of particles: weighted least squares, or the mean of a cell.
@@ -177,8 +263,8 @@ pub(super) fn project<L: Law, const D: usize>(
     if size == 0 {
         return Ok(());
     }
-    let mut rhs = vec![0.0; size];
     if !smooth {
+        let mut rhs = vec![0.0; size];
         let mut volume = vec![0.0; size];
         for (point, pressure) in points.iter().zip(pressures) {
             let cell = build::number(&soil.axes, &build::cell_of(&soil.axes, &point.x));
@@ -190,21 +276,9 @@ pub(super) fn project<L: Law, const D: usize>(
         }
         return Ok(());
     }
-    let pairs = soil.solid.iter().flat_map(|part| {
-        let numbers = &part.stencil.number[..part.stencil.count];
-        numbers.iter().flat_map(|a| numbers.iter().map(|b| (*a as usize, *b as usize)))
-    });
-    let mut mass = Sparse::symmetric(size, pairs);
-    for (part, pressure) in soil.solid.iter().zip(pressures) {
-        let s = &part.stencil;
-        for a in 0..s.count {
-            rhs[s.number[a] as usize] += part.weight * s.value[a] * pressure;
-            for b in 0..=a {
-                mass.add(s.number[a] as usize, s.number[b] as usize, part.weight * s.value[a] * s.value[b]);
-            }
-        }
-    }
-    let mut factor = Factor::new(&mass, Signs::Definite, Ordering::MinimumDegree)?;
-    factor.refresh(&mass)?;
-    factor.solve(&mass, &rhs, &mut soil.p)
+    let stencils: Vec<_> = soil.solid.iter().map(|part| (part.stencil, part.weight)).collect();
+    let values: Vec<[f64; D]> = pressures.iter().map(|pressure| [*pressure; D]).collect();
+    let field = projected(size, &stencils, &values)?;
+    soil.p.iter_mut().zip(&field).for_each(|(p, field)| *p = field[0]);
+    Ok(())
 }

@@ -1,12 +1,14 @@
 //! Results of a quasi-static state: settlement, profiles, balances.
 
-use super::build::smooth;
+use super::build::{smooth, top_integrals};
 use super::march::work_of;
+use super::motion::{WaterInertia, forward};
 use super::soil::{InsideOut, PorePart, PoreState, Soil, Strained};
 use super::{Method, QuasiStatic, build};
 use crate::constitutive::Law;
 use crate::observe::{CellValues, FieldPoint, Observation, checkerboard, profile};
 use crate::particles::SolidPoint;
+use crate::scene::Integrator;
 use crate::space::{Stencil, stretch, turned};
 use crate::water::stored_energy;
 
@@ -19,8 +21,8 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             time: self.time,
             settlement: self.settlement(),
             mean_pressure: cells.iter().map(|c| c.volume * c.pressure).sum::<f64>() / volume,
-            base_pressure: rows.first().map_or(0.0, |row| row.pressure_pa),
-            max_speed: 0.0,
+            base_pressure: self.base_pressure(rows.first().map_or(0.0, |row| row.pressure_pa)),
+            max_speed: self.max_speed(),
             centre: self.centre(),
             reach: crate::observe::reach(&self.points),
             least_volume: cells.iter().map(|c| c.volume).fold(f64::INFINITY, f64::min),
@@ -41,11 +43,36 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         for (i, point) in points.iter_mut().enumerate() {
             let moved = self.moved(i);
             (0..D).for_each(|d| point.x[d] += moved[d]);
+            point.v = self.velocity(i);
             if let Some(state) = self.soil.as_ref().and_then(|soil| soil.strained(&soil.solid[i])) {
                 point.stress = turned(&state.stress, &state.push.rotation);
             }
         }
         points
+    }
+
+    /// Pore pressure at the base (Pa), where smooth functions know it; else that of the lowest row of cells.
+    fn base_pressure(&self, of_row: f64) -> f64 {
+        let Some(soil) = self.soil.as_ref().filter(|soil| smooth(self.scene.shape) && !soil.p.is_empty()) else {
+            return of_row;
+        };
+        let weights = top_integrals(&soil.axes, |x| self.scene.thickness(x));
+        let sum: f64 = weights.iter().zip(&soil.p).map(|(weight, p)| weight * p).sum();
+        sum / weights.iter().sum::<f64>()
+    }
+
+    /// Velocity of a particle, m/s; none without inertia.
+    pub(super) fn velocity(&self, point: usize) -> [f64; D] {
+        let moving = |soil: &Soil<L, D>| Some(soil.solid[point].stencil.vector(&soil.motion.as_ref()?.velocity));
+        self.soil.as_ref().and_then(moving).unwrap_or([0.0; D])
+    }
+
+    fn max_speed(&self) -> f64 {
+        if self.scene.integrator == Integrator::QuasiStatic {
+            return 0.0;
+        }
+        let speed = |i: usize| self.velocity(i).iter().map(|v| v * v).sum::<f64>().sqrt();
+        (0..self.points.len()).map(speed).fold(0.0, f64::max)
     }
 
     /// Pore pressure where a particle stood when the mesh was built, Pa.
@@ -119,7 +146,19 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             values.solid_mass += point.mass;
             values.effective_stress += volume * turned(&stress, &push.rotation)[1];
             let law = soil.law.law(part.mark);
-            values.strain_energy += volume * if soil.small { law.energy(&stress) } else { law.finite_energy(&stress) };
+            let energy = |stress: &[f64; 4]| if soil.small { law.energy(stress) } else { law.finite_energy(stress) };
+            values.strain_energy += match soil.group_of(i) {
+                None => volume * energy(&stress),
+                // Energy is a square of stress: what two of them have in common.
+                Some((first, shares)) => {
+                    let common = |(j, share): (usize, &f64)| {
+                        let other = soil.strained(&soil.solid[first + j]).map_or(stress, |other| other.stress);
+                        let both = std::array::from_fn(|s| stress[s] + other[s]);
+                        0.5 * share * stretch * (energy(&both) - energy(&stress) - energy(&other))
+                    };
+                    shares.iter().enumerate().map(common).sum()
+                }
+            };
             values.volume += volume;
             shift[cell] += volume * self.carried[i][D - 1];
         }
@@ -137,6 +176,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
                 (false, false) => soil.p[cell],
             };
         }
+        self.moving(soil, &mut cells);
         for (part, spent) in soil.pore.iter().zip(&self.spent).filter(|(part, _)| part.water.count > 0) {
             let Some(PoreState { change, .. }) = soil.pore_state(part) else { continue };
             let cell = self.cell_of_pore(part);
@@ -155,11 +195,39 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             };
             cells[cell].water_energy += part.weight * (pores * energy + 0.5 * of_grains * pressure * pressure);
         }
+        for values in &mut cells {
+            let ratio = values.mixture_ratio();
+            values.kinetic /= ratio;
+            values.momentum = values.momentum.map(|momentum| momentum / ratio);
+        }
         for &(a, b, value) in &soil.jumps {
             let stored = 0.5 * value * soil.p[a as usize] * soil.p[b as usize];
             cells[0].water_energy += stored;
         }
         cells
+    }
+
+    /// Kinetic energy and momentum of soil and water, as a share of the soil (`mixture_ratio`).
+    fn moving(&self, soil: &Soil<L, D>, cells: &mut [CellValues<D>]) {
+        let Some(motion) = &soil.motion else { return };
+        for (point, part) in soil.pore.iter().enumerate() {
+            let Some(state) = soil.pore_state(part) else { continue };
+            let cell = self.cell_of_pore(part);
+            let pores = if soil.small { part.porosity } else { state.change + part.porosity };
+            let (mass, v) = (part.weight * soil.mass_of(part, pores), part.soil.vector(&motion.velocity));
+            let water = part.weight * soil.fluid.density;
+            let (mut along, mut own) = ([0.0; D], 0.0);
+            if motion.inertia == WaterInertia::Own {
+                along = forward(&state, soil.small, &motion.flux[point]);
+                own = 0.5 * along.iter().map(|w| w * w).sum::<f64>() / pores;
+            }
+            let values = &mut cells[cell];
+            for d in 0..D {
+                values.kinetic += 0.5 * mass * v[d] * v[d] + water * along[d] * v[d];
+                values.momentum[d] += mass * v[d] + water * along[d];
+            }
+            values.kinetic += water * own;
+        }
     }
 
     fn cell_of_pore(&self, part: &PorePart<D>) -> usize {

@@ -5,14 +5,14 @@
 //! `content_i + h gamma flow_i = content_n - h sum_j<i a_ij flow_j` with its forces in balance. An L-stable first
 //! stage carries the sudden load at t = 0. The estimate is filtered by a solve, as its stiff part would be overrated.
 
+use super::motion::STAGES;
 use super::newton::{Stage, Workspace};
-use super::soil::{HELD, Soil};
+use super::soil::{HELD, Impulses, Soil};
 use super::tangent::Stuck;
 use crate::constitutive::Law;
 
 /// gamma.
 pub(super) const GAMMA: f64 = 0.25;
-const STAGES: usize = 5;
 /// a_ij below the diagonal; the last row is b.
 const A: [[f64; STAGES]; STAGES] = [
     [GAMMA, 0.0, 0.0, 0.0, 0.0],
@@ -38,6 +38,8 @@ pub(super) struct StepSums {
     pub body_work: f64,
     /// Work of the water outside on what it presses in, J.
     pub pressed_in: f64,
+    /// What inertia has to do with.
+    pub motion: Impulses,
 }
 
 /// Vectors of a step.
@@ -76,7 +78,14 @@ impl Sdirk {
         let mut sums = StepSums::default();
         self.end.copy_from_slice(start);
         // Without water nothing flows: only the equilibrium at the end of the step is left, which the last stage is.
-        let dry = soil.p.is_empty();
+        let dry = soil.p.is_empty() && soil.motion.is_none();
+        if soil.motion.is_some() {
+            bear(soil, 0.0);
+            soil.expand(start);
+        }
+        if let Some(motion) = &mut soil.motion {
+            motion.start(&soil.u);
+        }
         for i in if dry { STAGES - 1..STAGES } else { 0..STAGES } {
             self.target.copy_from_slice(content);
             for j in 0..i {
@@ -85,10 +94,19 @@ impl Sdirk {
                 }
             }
             bear(soil, C[i]);
+            if let Some(motion) = &mut soil.motion {
+                motion.begin(&std::array::from_fn::<f64, STAGES, _>(|j| h * A[i][j])[..i], GAMMA * h);
+            }
             let stage = Stage { a: GAMMA * h, target: &self.target, tolerance };
             soil.fulfil(&stage, &mut self.end, work)?;
             self.flow[i].copy_from_slice(&soil.values.flow);
+            if let Some(motion) = &mut soil.motion {
+                motion.done(i);
+            }
             let weight = h * A[STAGES - 1][i];
+            if soil.motion.is_some() {
+                sums.motion.add(weight, &soil.impulses());
+            }
             sums.outflow += weight * (soil.values.outflow - soil.held(&soil.values.flow));
             sums.put_in += weight * soil.wells.iter().map(|(.., rate)| (-rate).max(0.0)).sum::<f64>();
             sums.dissipation += weight * soil.values.dissipation;
@@ -109,6 +127,10 @@ impl Sdirk {
                 let sum: f64 = (0..STAGES).map(|i| E[i] * self.flow[i][function]).sum();
                 self.rhs[*map as usize] = soil.scales[1] * h * sum;
             }
+        }
+        if let Some(motion) = soil.motion.as_ref().filter(|motion| motion.resolves) {
+            let (nodal, pore) = motion.errors(&E.map(|e| h * e));
+            soil.unbalanced_by((&nodal, &pore), &mut self.rhs);
         }
         soil.system.solve(&self.rhs, &mut self.error).map_err(Stuck::Unsolved)
     }

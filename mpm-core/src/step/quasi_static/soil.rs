@@ -3,20 +3,22 @@
 //! Unknowns are displacements u since the mesh was built and pore pressures p:
 //!
 //! ```text
-//! sum_p w P : grad N_i - int p J F^-T grad N_i - int rho g N_i - load = 0      momentum, no inertia
+//! sum_p w P : grad N_i - int p J F^-T grad N_i - int rho g N_i - load = 0      momentum
 //! d/dt [ int q ((J - 1 + n) r - n) + jumps ] + int grad q . r K (grad p - rho_w F^T g) = 0      water
 //! ```
 //!
 //! with F = I + grad u, J = det F, K = (k/gamma_w) J F^-1 F^-T and r = rho/rho_0 = exp(p/K_w). Small strain puts F = I, J - 1 =
-//! div u, and is linear in the pressure as well: n p/K_w in place of n (r - 1), r = 1 in the flow. Stress and
-//! stiffness are integrated with the particles' weights; the rest with Gauss points (`bspline2`) or with the particles
-//! (pressures that are constant in a cell).
+//! div u, and is linear in the pressure as well: n p/K_w in place of n (r - 1), r = 1 in the flow. With inertia g is less by
+//! the acceleration, and the flow has a history: `motion.rs`. Stress and stiffness are integrated with the particles' weights, or
+//! by cells where these are too few; the rest with Gauss points (`bspline2`) or with the particles (pressures that are constant
+//! in a cell).
 
+use super::motion::{Motion, WaterInertia, dragged, forward, metric};
 use super::tangent::System;
 use crate::constitutive::{Flow, Law, Materials, STATES, State};
 use crate::scene::{Course, FaceLoad, MovedPlate, Well};
 use crate::soils::at_porosity;
-use crate::space::{Axis, MOST, Stencil, strain_mode, stretch, tensor, turned};
+use crate::space::{Axis, Group, MOST, Stencil, strain_mode, stretch, tensor, turned};
 
 /// Most that a law's results in steps and in half steps may be apart for an extrapolation, as a share of the stress.
 const MOST_APART: f64 = 0.1;
@@ -109,6 +111,44 @@ pub(super) struct Values {
     pub body_work: f64,
     /// Work of the water outside and of wells on what they press in, W.
     pub pressed_in: f64,
+    /// Rates of inertia and of weight, but loads and supports.
+    pub rates: Impulses,
+}
+
+/// Impulses (N s, x and y) and energies (J) of a step with inertia; or their rates, N and W.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Impulses {
+    /// Energy and momentum that soil and water gain.
+    pub kinetic: f64,
+    pub momentum: [f64; 2],
+    /// What damping takes of the energy, and its impulse.
+    pub damping: f64,
+    pub damping_force: [f64; 2],
+    /// Impulses of loads, weight and supports.
+    pub load: [f64; 2],
+    pub weight: [f64; 2],
+    pub support: [f64; 2],
+    /// Work of plates that are moved.
+    pub plates: f64,
+}
+
+impl Impulses {
+    /// Adds some for a time, s.
+    pub fn add(&mut self, time: f64, other: &Self) {
+        self.kinetic += time * other.kinetic;
+        self.damping += time * other.damping;
+        self.plates += time * other.plates;
+        let pairs = [
+            (&mut self.momentum, other.momentum),
+            (&mut self.damping_force, other.damping_force),
+            (&mut self.load, other.load),
+            (&mut self.weight, other.weight),
+            (&mut self.support, other.support),
+        ];
+        for (sum, of) in pairs {
+            (0..2).for_each(|d| sum[d] += time * of[d]);
+        }
+    }
 }
 
 /// The pressure functions of a well with their shares of its rate, it, and a number of it.
@@ -169,6 +209,14 @@ pub(super) struct Soil<L: Law, const D: usize> {
     /// Length (m) and pressure (Pa) that make the unknowns numbers of the same size.
     pub scales: [f64; 2],
     pub system: System,
+    /// What the parts push with at the last evaluation.
+    pub pushes: Vec<Push<D>>,
+    /// Room for those of a cell.
+    pub grouped: Vec<Push<D>>,
+    /// The parts of each cell, where they are too few for weights of their own.
+    pub groups: Vec<Group>,
+    /// Velocities and accelerations, where inertia counts.
+    pub motion: Option<Box<Motion<D>>>,
     /// Mean gradient of displacement per cell, for the faces.
     pub cell_gradient: Vec<([[f64; D]; D], f64)>,
 }
@@ -219,6 +267,13 @@ impl<L: Law, const D: usize> Soil<L, D> {
         }
     }
 
+    /// The first part of the cell of a part that shares its work with the others there, and its shares, m3.
+    pub fn group_of(&self, point: usize) -> Option<(usize, &[f64])> {
+        let at = self.groups.partition_point(|group| group.first + group.count <= point);
+        let Group { first, count, shares } = self.groups.get(at)?;
+        Some((*first, &shares[(point - first) * count..][..*count]))
+    }
+
     /// Whether forces, content and flow are linear in the unknowns.
     pub fn linear(&self) -> bool {
         self.small && self.law.are_linear()
@@ -230,7 +285,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
     }
 
     /// Mass of soil and water per volume of a pore part whose pores are a share of its first volume, kg/m3.
-    fn mass_of(&self, part: &PorePart<D>, pores: f64) -> f64 {
+    pub fn mass_of(&self, part: &PorePart<D>, pores: f64) -> f64 {
         (1.0 - part.porosity) / self.law.soils.kind(part.mark).grain_inverse + pores * self.fluid.density
     }
 
@@ -272,6 +327,26 @@ impl<L: Law, const D: usize> Soil<L, D> {
         forces
     }
 
+    /// Rates of what inertia has to do with, at the last evaluation.
+    pub fn impulses(&self) -> Impulses {
+        let mut rates = self.values.rates;
+        for (function, map) in self.soil_map.iter().enumerate() {
+            for d in 0..D {
+                let load = self.load[function * D + d];
+                rates.load[d + 2 - D] += load;
+                if map[d] == HELD {
+                    rates.support[d + 2 - D] += self.values.force[function * D + d] - load;
+                }
+            }
+        }
+        for (function, axis, ..) in &self.moved {
+            let at = *function as usize * D + axis;
+            let along = self.motion.as_ref().map_or(0.0, |motion| motion.velocity_of(*function)[*axis]);
+            rates.plates += (self.values.force[at] - self.load[at]) * along;
+        }
+        rates
+    }
+
     /// Power of the water outside that acts on functions which are fixed, from what it gives each, W or J.
     pub fn pressed_in(&self, given: impl Iterator<Item = f64>) -> f64 {
         let held = given.zip(&self.held_pressure).zip(&self.water_map).filter(|(_, map)| **map == HELD);
@@ -306,6 +381,10 @@ impl<L: Law, const D: usize> Soil<L, D> {
         v.content.fill(0.0);
         v.flow.fill(0.0);
         (v.outflow, v.dissipation, v.body_work, v.pressed_in) = (0.0, 0.0, 0.0, 0.0);
+        v.rates = Impulses::default();
+        if let Some(motion) = &mut self.motion {
+            motion.evaluate(&self.u);
+        }
         self.skeleton()?;
         self.pores()?;
         self.through_faces()?;
@@ -440,8 +519,26 @@ impl<L: Law, const D: usize> Soil<L, D> {
 
     fn skeleton(&mut self) -> Result<(), InsideOut<D>> {
         for point in 0..self.solid.len() {
-            let part = &self.solid[point];
-            let Strained { push, .. } = self.strained(part).ok_or(InsideOut { point })?;
+            let Strained { mut push, .. } = self.strained(&self.solid[point]).ok_or(InsideOut { point })?;
+            push.times(self.solid[point].weight);
+            self.pushes[point] = push;
+        }
+        for Group { first, count, shares } in &self.groups {
+            let of = &mut self.grouped;
+            of.clear();
+            of.extend_from_slice(&self.pushes[*first..first + count]);
+            for i in 0..*count {
+                let mut sum = Push { piola: [[0.0; D]; D], ..of[i] };
+                for j in 0..*count {
+                    let share = shares[i * count + j] / self.solid[first + j].weight;
+                    for (sum, of) in sum.piola.as_flattened_mut().iter_mut().zip(of[j].piola.as_flattened()) {
+                        *sum += share * of;
+                    }
+                }
+                self.pushes[first + i] = sum;
+            }
+        }
+        for (part, push) in self.solid.iter().zip(&self.pushes) {
             for a in 0..part.stencil.count {
                 let at = part.stencil.number[a] as usize * D;
                 for i in 0..D {
@@ -452,7 +549,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
                     if let (0, Some(hoop)) = (i, &part.hoop) {
                         along += push.hoop * hoop[a];
                     }
-                    self.values.force[at + i] += part.weight * along;
+                    self.values.force[at + i] += along;
                 }
             }
         }
@@ -493,7 +590,33 @@ impl<L: Law, const D: usize> Soil<L, D> {
         std::array::from_fn(|i| std::array::from_fn(|j| if i == j { along(i) } else { across }))
     }
 
+    /// K of a pore part; water with an acceleration of its own flows in a stage of a = gamma dt (s) as through less of it.
+    pub fn conductivity_of(&self, part: &PorePart<D>, state: &PoreState<D>, own: Option<f64>) -> [[f64; D]; D] {
+        let mut through = self.mobility(part, state.change);
+        if let Some(a) = own {
+            through = dragged(&through, self.drag(part, state, a));
+        }
+        conductivity(&state.cofactor, if self.small { 0.0 } else { state.change }, &through)
+    }
+
+    /// Inertia of the water beside its friction, `rho_w/(n a)` in the pores as they are, kg/(m3 s).
+    fn drag(&self, part: &PorePart<D>, state: &PoreState<D>, a: f64) -> f64 {
+        let pores = if self.small { part.porosity } else { (part.porosity + state.change) / (1.0 + state.change) };
+        self.fluid.density / (pores * a)
+    }
+
     fn pores(&mut self) -> Result<(), InsideOut<D>> {
+        let mut motion = self.motion.take();
+        let moving = motion.as_deref_mut().filter(|motion| motion.a > 0.0);
+        if let Some(motion) = &moving {
+            self.values.rates.damping += motion.resist(&mut self.values.force);
+        }
+        let found = self.pores_that(moving);
+        self.motion = motion;
+        found
+    }
+
+    fn pores_that(&mut self, mut motion: Option<&mut Motion<D>>) -> Result<(), InsideOut<D>> {
         let by_cells = !self.faces.is_empty();
         if by_cells && !self.small {
             self.cell_gradient.fill(([[0.0; D]; D], 0.0));
@@ -503,15 +626,74 @@ impl<L: Law, const D: usize> Soil<L, D> {
             let PoreState { change, cofactor, gradient } = self.pore_state(part).ok_or(InsideOut { point })?;
             let pressure = part.water.scalar(&self.p);
             let Fluid { density, gravity, .. } = self.fluid;
-            let mobility = self.mobility(part, change);
             let pores = if self.small { part.porosity } else { change + part.porosity };
             let more = self.denser(pressure);
             let [alpha, of_grains] = self.law.soils.kind(part.mark).biot;
             let content = alpha * change + pores * more + of_grains * pressure;
-            let body = gravity.map_or([0.0; D], |g| {
+            let mut body = gravity.map_or([0.0; D], |g| {
                 let mass = self.mass_of(part, pores);
                 g.map(|g| mass * g)
             });
+            // What pushes the water, m/s2.
+            let mut pull = gravity;
+            if let Some(motion) = motion.as_deref() {
+                let (moving, mass) = (motion.at(&part.soil), self.mass_of(part, pores));
+                let values = &mut self.values.rates;
+                for d in 0..D {
+                    values.weight[d + 2 - D] += part.weight * body[d];
+                    let (v, rate) = (moving.velocity[d], mass * moving.acceleration[d]);
+                    let taken = mass * motion.damping * v;
+                    body[d] -= rate + taken;
+                    values.kinetic += part.weight * rate * v;
+                    values.momentum[d + 2 - D] += part.weight * rate;
+                    values.damping += part.weight * taken * v;
+                    values.damping_force[d + 2 - D] -= part.weight * taken;
+                }
+                if motion.inertia != WaterInertia::None {
+                    let g = gravity.unwrap_or([0.0; D]);
+                    pull = Some(std::array::from_fn(|d| g[d] - moving.acceleration[d]));
+                }
+            }
+            let (part, state) = (&self.pore[point], PoreState { change, cofactor, gradient });
+            let weight =
+                |g: Option<[f64; D]>| g.map_or([0.0; D], |g| turned_back(&state, self.small, &g).map(|g| density * g));
+            let mut flux = [0.0; D];
+            if !by_cells {
+                // Darcy: K (grad p - rho_w F^T g), with K = (k/gamma_w) (J F^-1) (J F^-1)^T / J.
+                let slope = part.water.slope_of(&self.p);
+                let heavy = weight(pull);
+                let mut push: [f64; D] = std::array::from_fn(|d| slope[d] - heavy[d]);
+                let from = motion.as_deref().and_then(|motion| Some((motion.flux_from(point)?, motion.a)));
+                if let Some((from, a)) = &from {
+                    let (drag, before) = (self.drag(part, &state, *a), metric(&state, self.small, from));
+                    (0..D).for_each(|d| push[d] -= drag * before[d]);
+                }
+                let conductivity = self.conductivity_of(part, &state, from.map(|(_, a)| a));
+                flux = std::array::from_fn(|i| (0..D).map(|j| conductivity[i][j] * push[j]).sum());
+                let mut friction: [f64; D] = std::array::from_fn(|d| slope[d] - heavy[d]);
+                let mut worked = heavy;
+                if let (Some((_, a)), Some(motion)) = (from, motion.as_deref_mut()) {
+                    // The flux of the water is against that of the balance of water.
+                    let moving = motion.at(&part.soil);
+                    let rate = motion.flows(point, &flux.map(|w| -w));
+                    let (along, own) = (forward(&state, self.small, &rate), metric(&state, self.small, &rate));
+                    let drag = self.drag(part, &state, a);
+                    worked = weight(gravity);
+                    for d in 0..D {
+                        let lost = density * along[d];
+                        body[d] -= lost;
+                        friction[d] += drag * a * own[d];
+                        let values = &mut self.values.rates;
+                        values.momentum[d + 2 - D] += part.weight * lost;
+                        let with_water = -flux[d] * (drag * a * own[d] + worked[d] - heavy[d]);
+                        values.kinetic += part.weight * (lost * moving.velocity[d] + with_water);
+                    }
+                }
+                for d in 0..D {
+                    self.values.dissipation += part.weight * flux[d] * friction[d];
+                    self.values.body_work -= part.weight * flux[d] * worked[d];
+                }
+            }
             let values = &mut self.values;
             for a in 0..part.soil.count {
                 let at = part.soil.number[a] as usize * D;
@@ -535,20 +717,6 @@ impl<L: Law, const D: usize> Soil<L, D> {
                     }
                 }
                 continue;
-            }
-            // Darcy: K (grad p - rho_w F^T g), with K = (k/gamma_w) (J F^-1) (J F^-1)^T / J.
-            let conductivity = conductivity(&cofactor, if self.small { 0.0 } else { change }, &mobility);
-            let slope = part.water.slope_of(&self.p);
-            let turn = if self.small { 0.0 } else { 1.0 };
-            let weight: [f64; D] = std::array::from_fn(|d| match gravity {
-                None => 0.0,
-                Some(g) => density * (g[d] + turn * (0..D).map(|i| gradient[i][d] * g[i]).sum::<f64>()),
-            });
-            let flux: [f64; D] =
-                std::array::from_fn(|i| (0..D).map(|j| conductivity[i][j] * (slope[j] - weight[j])).sum());
-            for d in 0..D {
-                values.dissipation += part.weight * flux[d] * (slope[d] - weight[d]);
-                values.body_work -= part.weight * flux[d] * weight[d];
             }
             let ratio = if self.small { 1.0 } else { 1.0 + more };
             for b in 0..part.water.count {
@@ -582,6 +750,48 @@ impl<L: Law, const D: usize> Soil<L, D> {
             weight += self.fluid.density * gravity * along * reach;
         }
         Some((self.fluid.mobility * face.area / resistance, weight))
+    }
+
+    /// What errors of the rates of a step leave out of balance in its last stage, into a right-hand side scaled as the matrix.
+    pub fn unbalanced_by(&self, errors: (&[[f64; D]], &[[f64; D]]), rhs: &mut [f64]) {
+        let Some(motion) = &self.motion else { return };
+        let ([length, pressure], (nodal, pore), density) = (self.scales, errors, self.fluid.density);
+        for (point, part) in self.pore.iter().enumerate() {
+            let Some(state) = self.pore_state(part) else { continue };
+            let pores = if self.small { part.porosity } else { state.change + part.porosity };
+            let rate = part.soil.vector(nodal);
+            let mut force = rate.map(|rate| self.mass_of(part, pores) * rate);
+            let mut flux = [0.0; D];
+            if motion.inertia != WaterInertia::None {
+                let mut push = turned_back(&state, self.small, &rate).map(|rate| density * rate);
+                let own = (motion.inertia == WaterInertia::Own).then_some(motion.a);
+                if let Some(a) = own {
+                    let (drag, own) = (self.drag(part, &state, a), metric(&state, self.small, &pore[point]));
+                    (0..D).for_each(|d| push[d] += drag * own[d]);
+                }
+                let conductivity = self.conductivity_of(part, &state, own);
+                flux = std::array::from_fn(|i| (0..D).map(|j| conductivity[i][j] * push[j]).sum());
+                if motion.inertia == WaterInertia::Own {
+                    let rate = std::array::from_fn(|d| (flux[d] - pore[point][d]) / motion.a);
+                    let along = forward(&state, self.small, &rate);
+                    (0..D).for_each(|d| force[d] -= density * along[d]);
+                }
+            }
+            for a in 0..part.soil.count {
+                for (d, unknown) in self.soil_map[part.soil.number[a] as usize].iter().enumerate() {
+                    if *unknown != HELD {
+                        rhs[*unknown as usize] += length * part.weight * part.soil.value[a] * force[d];
+                    }
+                }
+            }
+            for b in 0..part.water.count {
+                let unknown = self.water_map[part.water.number[b] as usize];
+                if unknown != HELD {
+                    let along: f64 = (0..D).map(|d| flux[d] * part.water.slope[b][d]).sum();
+                    rhs[unknown as usize] -= pressure * motion.a * part.weight * along;
+                }
+            }
+        }
     }
 
     fn through_faces(&mut self) -> Result<(), InsideOut<D>> {
@@ -648,6 +858,29 @@ pub(super) struct Push<const D: usize> {
     pub inverse: [[f64; D]; D],
     /// R.
     pub rotation: [[f64; D]; D],
+}
+
+/// F^T y, with F = I + grad u.
+pub(super) fn turned_back<const D: usize>(state: &PoreState<D>, small: bool, y: &[f64; D]) -> [f64; D] {
+    let turn = if small { 0.0 } else { 1.0 };
+    std::array::from_fn(|d| y[d] + turn * (0..D).map(|i| state.gradient[i][d] * y[i]).sum::<f64>())
+}
+
+impl<const D: usize> Default for Push<D> {
+    fn default() -> Self {
+        Self { piola: [[0.0; D]; D], hoop: 0.0, at_centre: None, inverse: identity(), rotation: identity() }
+    }
+}
+
+impl<const D: usize> Push<D> {
+    /// Makes forces (N m) of stresses that stand for a volume, m3.
+    fn times(&mut self, volume: f64) {
+        self.piola.as_flattened_mut().iter_mut().for_each(|stress| *stress *= volume);
+        self.hoop *= volume;
+        if let Some((mean, _)) = &mut self.at_centre {
+            *mean *= volume;
+        }
+    }
 }
 
 /// Mean stress (Pa) and the rest, where they are wanted apart; else the whole as the rest.

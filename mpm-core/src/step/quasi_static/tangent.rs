@@ -10,9 +10,10 @@
 //! part of the stiffness and the change of H with the strain are left out: both are of the order of stress/stiffness,
 //! and the iteration converges at that rate.
 
-use super::soil::{FacePart, HELD, InsideOut, PorePart, PoreState, Soil, SolidPart, Strained, conductivity};
+use super::motion::{WaterInertia, forward};
+use super::soil::{FacePart, HELD, InsideOut, PorePart, PoreState, Push, Soil, SolidPart, Strained};
 use crate::constitutive::Law;
-use crate::space::{MOST, Stencil, active, strain_mode};
+use crate::space::{Group, MOST, Stencil, active, strain_mode};
 use crate::sparse::{Factor, Ordering, Signs, Sparse, Unsolved};
 
 /// A matrix with its factors.
@@ -39,7 +40,7 @@ impl System {
     pub fn new<const D: usize>(
         size: usize,
         parts: Places<D>,
-        jumps: &[(u32, u32, f64)],
+        [jumps, viscosity]: [&[(u32, u32, f64)]; 2],
         maps: (&[[u32; D]], &[u32]),
         symmetric: bool,
     ) -> Result<Self, Unsolved> {
@@ -71,6 +72,11 @@ impl System {
         };
         cliques.extend(faces.iter().map(|f| pair(f.cells[0], f.cells[1]).to_vec()));
         cliques.extend(jumps.iter().map(|(a, b, _)| pair(*a, *b).to_vec()));
+        let along = |(a, b, _): &(u32, u32, f64)| {
+            let [a, b] = [a, b].map(|n| maps.0[*n as usize]);
+            std::array::from_fn::<_, D, _>(|d| vec![a[d], b[d]])
+        };
+        cliques.extend(viscosity.iter().flat_map(along));
         cliques.retain(|c| !c.contains(&HELD));
         let pairs = cliques.iter().flat_map(|c| {
             c.iter().enumerate().flat_map(move |(i, a)| c[..=i].iter().map(move |b| (*a as usize, *b as usize)))
@@ -107,23 +113,21 @@ impl<L: Law, const D: usize> Soil<L, D> {
         let symmetric = self.system.matrix.is_symmetric();
         let [length, pressure] = self.scales;
         let mut block = Block::new(symmetric);
+        let mut groups = self.groups.iter().peekable();
         for point in 0..self.solid.len() {
             let part = &self.solid[point];
+            let group = groups.next_if(|group| point + 1 == group.first + group.count).or(groups.peek().copied());
             let rows = self.rows(&part.stencil, None);
             block.turn_to(&rows, &mut self.system.matrix);
             let Strained { push, strain, .. } = self.strained(part).ok_or(InsideOut { point })?;
             let increment = std::array::from_fn(|s| strain[s] - part.strain[s]);
             let tangent = self.law.law(part.mark).tangent(&part.stress, &increment, &part.state);
             // Strain modes in the frame before rotation, with gradients of the deformed soil turned back.
-            let mut modes = [[0.0; 4]; 2 * MOST];
-            let mut volume = part.weight * length * length;
+            let mut modes = modes_of(&push, part);
+            let mut volume = length * length;
             for n in 0..part.stencil.count {
-                let slope = part.stencil.slope[n];
-                let spatial: [f64; D] = std::array::from_fn(|i| (0..D).map(|j| push.inverse[j][i] * slope[j]).sum());
-                let turned = std::array::from_fn(|i| (0..D).map(|j| push.rotation[j][i] * spatial[j]).sum());
                 for d in 0..D {
                     let mode = &mut modes[n * D + d];
-                    *mode = strain_mode(&turned, &push.rotation[d]);
                     if let (0, Some(hoop)) = (d, &part.hoop) {
                         mode[2] = hoop[n];
                     }
@@ -138,32 +142,51 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 volume *= 1.0 / determinant(&push.inverse);
             }
             let count = part.stencil.count * D;
-            for i in 0..count {
-                let mut stressed = [0.0; 4];
-                let active = if part.dilates.is_some() { 0..4 } else { active::<D>() };
-                for s in active.clone() {
-                    stressed[s] = active.clone().map(|t| tangent[(t, s)] * modes[i][t]).sum::<f64>() * volume;
+            let active = if part.dilates.is_some() { 0..4 } else { active::<D>() };
+            // Work of the stress of this point on strains of its own, or of all points of its cell.
+            let mut work_on = |strained: &[[f64; 4]; 2 * MOST], volume: f64| {
+                for i in 0..count {
+                    let mut stressed = [0.0; 4];
+                    for s in active.clone() {
+                        stressed[s] = active.clone().map(|t| tangent[(t, s)] * strained[i][t]).sum::<f64>() * volume;
+                    }
+                    for j in 0..if symmetric { i + 1 } else { count } {
+                        block.value[i][j] += active.clone().map(|s| stressed[s] * modes[j][s]).sum::<f64>();
+                    }
                 }
-                for j in 0..if symmetric { i + 1 } else { count } {
-                    block.value[i][j] += active.clone().map(|s| stressed[s] * modes[j][s]).sum::<f64>();
+            };
+            match group {
+                None => work_on(&modes, part.weight * volume),
+                Some(Group { first, count, shares }) => {
+                    for i in 0..*count {
+                        work_on(&modes_of(&push, &self.solid[first + i]), shares[i * count + point - first] * volume);
+                    }
                 }
             }
         }
         block.flush(&mut self.system.matrix);
-        block.lower = true;
+        let inertia = self.motion.as_ref().map(|motion| (motion.inertia, motion.damping));
+        // The acceleration of the soil pushes the water, which without one of its own does not push back.
+        let one_sided = matches!(inertia, Some((WaterInertia::WithSoil, _)));
+        block.lower = !one_sided;
         let by_cells = !self.faces.is_empty();
         for point in 0..self.pore.len() {
             let part = &self.pore[point];
             let rows = self.rows(&part.soil, Some(&part.water));
             block.turn_to(&rows, &mut self.system.matrix);
-            let PoreState { change, cofactor, .. } = self.pore_state(part).ok_or(InsideOut { point })?;
+            let PoreState { change, cofactor, gradient } = self.pore_state(part).ok_or(InsideOut { point })?;
             let first = part.soil.count * D;
             let pores = if self.small { part.porosity } else { change + part.porosity };
             let ratio = if self.small { 1.0 } else { 1.0 + self.denser(part.water.scalar(&self.p)) };
             let [alpha, of_grains] = self.law.soils.kind(part.mark).biot;
             let per_pressure = pores * ratio * self.fluid.compressibility + of_grains;
             let storage = part.weight * per_pressure * pressure * pressure;
-            let flow = conductivity(&cofactor, if self.small { 0.0 } else { change }, &self.mobility(part, change));
+            let state = PoreState { change, cofactor, gradient };
+            let own = matches!(inertia, Some((WaterInertia::Own, _))).then_some(a);
+            let flow = self.conductivity_of(part, &state, own);
+            if let Some((water, damping)) = inertia {
+                self.inertia_at(part, &state, (water, damping), (&flow, a), &mut block);
+            }
             let factor = a * part.weight * pressure * pressure;
             for b in 0..part.water.count {
                 let value = part.water.value[b];
@@ -171,7 +194,11 @@ impl<L: Law, const D: usize> Soil<L, D> {
                     for i in 0..D {
                         // C: int q J F^-T grad N
                         let spread: f64 = (0..D).map(|j| cofactor[j][i] * part.soil.slope[n][j]).sum();
-                        block.value[first + b][n * D + i] -= part.weight * alpha * value * spread * length * pressure;
+                        let coupling = part.weight * alpha * value * spread * length * pressure;
+                        block.value[first + b][n * D + i] -= coupling;
+                        if one_sided {
+                            block.value[n * D + i][first + b] -= coupling;
+                        }
                     }
                 }
                 for c in 0..=b {
@@ -183,6 +210,9 @@ impl<L: Law, const D: usize> Soil<L, D> {
                         }
                     }
                     block.value[first + b][first + c] -= sum;
+                    if one_sided && c < b {
+                        block.value[first + c][first + b] -= sum;
+                    }
                 }
             }
         }
@@ -202,6 +232,14 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 matrix.add_both(unknown[0] as usize, unknown[1] as usize, value);
             }
         }
+        for &(j, k, value) in self.motion.iter().flat_map(|motion| &motion.viscosity) {
+            for d in 0..D {
+                let (row, column) = (self.soil_map[j as usize][d], self.soil_map[k as usize][d]);
+                if row != HELD && column != HELD && (!symmetric || row <= column) {
+                    self.system.matrix.add(row as usize, column as usize, value / a * length * length);
+                }
+            }
+        }
         for &(j, k, value) in &self.jumps {
             let (row, column) = (self.water_map[j as usize], self.water_map[k as usize]);
             if row != HELD && column != HELD && (!symmetric || row <= column) {
@@ -209,6 +247,58 @@ impl<L: Law, const D: usize> Soil<L, D> {
             }
         }
         Ok(())
+    }
+
+    /// What a pore point adds for a = gamma dt (s): mass, and the push of accelerated soil on the water, and back.
+    fn inertia_at(
+        &self,
+        part: &PorePart<D>,
+        state: &PoreState<D>,
+        (water, damping): (WaterInertia, f64),
+        (flow, a): (&[[f64; D]; D], f64),
+        block: &mut Block,
+    ) {
+        let ([length, pressure], first) = (self.scales, part.soil.count * D);
+        let pores = if self.small { part.porosity } else { state.change + part.porosity };
+        let (density, mass) = (self.fluid.density, self.mass_of(part, pores) * (1.0 + damping * a) / (a * a));
+        // F K, and F K F^T: what the water does of an acceleration.
+        let pushed: [[f64; D]; D] = std::array::from_fn(|j| {
+            let column = std::array::from_fn(|i| flow[i][j]);
+            forward(state, self.small, &column)
+        });
+        let along = |i: usize, j: usize| pushed[j][i];
+        let mut own = [[0.0; D]; D];
+        for i in 0..D {
+            own[i][i] = mass;
+            if water == WaterInertia::Own {
+                let row = forward(state, self.small, &std::array::from_fn(|j| along(i, j)));
+                (0..D).for_each(|j| own[i][j] -= density * density / (a * a * a) * row[j]);
+            }
+        }
+        let scale = part.weight * length * length;
+        for n in 0..part.soil.count {
+            for m in 0..part.soil.count {
+                let both = scale * part.soil.value[n] * part.soil.value[m];
+                for (i, row) in own.iter().enumerate() {
+                    for (j, value) in row.iter().enumerate() {
+                        block.value[n * D + i][m * D + j] += both * value;
+                    }
+                }
+            }
+        }
+        if water == WaterInertia::None {
+            return;
+        }
+        let scale = part.weight * length * pressure * density / a;
+        for b in 0..part.water.count {
+            let slope = part.water.slope[b];
+            let push: [f64; D] = std::array::from_fn(|i| (0..D).map(|j| along(i, j) * slope[j]).sum());
+            for n in 0..part.soil.count {
+                for i in 0..D {
+                    block.value[first + b][n * D + i] -= scale * part.soil.value[n] * push[i];
+                }
+            }
+        }
     }
 
     fn rows(&self, soil: &Stencil<D>, water: Option<&Stencil<D>>) -> Rows {
@@ -227,6 +317,20 @@ impl<L: Law, const D: usize> Soil<L, D> {
         }
         rows
     }
+}
+
+/// Strain per displacement of the functions of a part, with the stretch of what pushes, in the frame before its rotation.
+fn modes_of<const D: usize>(push: &Push<D>, part: &SolidPart<D>) -> [[f64; 4]; 2 * MOST] {
+    let mut modes = [[0.0; 4]; 2 * MOST];
+    for n in 0..part.stencil.count {
+        let slope = part.stencil.slope[n];
+        let spatial: [f64; D] = std::array::from_fn(|i| (0..D).map(|j| push.inverse[j][i] * slope[j]).sum());
+        let turned = std::array::from_fn(|i| (0..D).map(|j| push.rotation[j][i] * spatial[j]).sum());
+        for d in 0..D {
+            modes[n * D + d] = strain_mode(&turned, &push.rotation[d]);
+        }
+    }
+    modes
 }
 
 /// Why a system was not solved.

@@ -31,8 +31,9 @@ fn scene(dimension: Dimension, shape: ShapeChoice, strain: StrainChoice) -> Scen
 
 fn entered<L: Law, const D: usize>(scene: &Scene, law: L) -> QuasiStatic<L, D> {
     let cells = std::array::from_fn(|d| if d == D - 1 { 4 } else { 3 });
+    let along = scene.particles_per_direction();
     let thickness = if D == 1 { scene.width } else { 1.0 };
-    let volume = thickness * (scene.cell / 3.0).powi(D as i32);
+    let volume = thickness * (scene.cell / along as f64).powi(D as i32);
     let mut stress = [0.0; 4];
     stress[1] = -3e3;
     let point = |x: [f64; D]| SolidPoint {
@@ -42,7 +43,7 @@ fn entered<L: Law, const D: usize>(scene: &Scene, law: L) -> QuasiStatic<L, D> {
         mass: scene.dry_density() * volume,
         volume,
     };
-    let points: Vec<_> = even_positions(cells, 3).map(point).collect();
+    let points: Vec<_> = even_positions(cells, along).map(point).collect();
     let mut model = QuasiStatic::new(
         scene,
         Seeding {
@@ -91,6 +92,11 @@ fn departure<L: Law, const D: usize>(model: &mut QuasiStatic<L, D>, size: f64) -
     let soil = model.soil.as_mut().expect("a mesh");
     let a = 2e-3;
     let y: Vec<f64> = (0..soil.unknowns()).map(|i| size * (1.7 * i as f64).sin()).collect();
+    if let Some(motion) = &mut soil.motion {
+        motion.flux.iter_mut().flatten().for_each(|flux| *flux = 1e-3);
+        motion.damping = 30.0;
+        motion.begin(&[], a);
+    }
     residual(soil, &y, a);
     soil.refresh(a).expect("factors");
     let (mut worst, mut product) = (0.0_f64, vec![0.0; y.len()]);
@@ -125,6 +131,33 @@ fn the_matrix_is_the_derivative_of_the_balances() {
             let two = scene(Dimension::PlaneStrain, shape, strain);
             let plane = departure(&mut entered::<_, 2>(&two, LinearElastic::new(&SOIL)), 1e-3);
             assert!(column < allowed && plane < allowed, "{shape:?} {strain:?} {column:.1e} {plane:.1e}");
+        }
+    }
+}
+
+#[test]
+fn the_matrix_is_the_derivative_with_few_particles_and_with_inertia() {
+    let water = [(true, true), (true, false), (false, false)];
+    for shape in [ShapeChoice::Bspline2, ShapeChoice::Bspline3] {
+        for (strain, allowed) in [(StrainChoice::Small, 1e-7), (StrainChoice::Large, 2e-2)] {
+            for (ppc, inertia) in water.into_iter().map(|water| (9, Some(water))).chain([(4, None)]) {
+                let of = |dimension| {
+                    scene(dimension, shape, strain).altered_unchecked(|scene| {
+                        scene.particles_per_cell = ppc;
+                        if let Some((inertia, relative)) = inertia {
+                            scene.integrator = Integrator::Implicit;
+                            (scene.darcy_inertia, scene.relative_acceleration) = (inertia, relative);
+                        }
+                    })
+                };
+                let column = departure(&mut entered::<_, 1>(&of(Dimension::Column), LinearElastic::new(&SOIL)), 1e-3);
+                let plane =
+                    departure(&mut entered::<_, 2>(&of(Dimension::PlaneStrain), LinearElastic::new(&SOIL)), 1e-3);
+                assert!(
+                    column < allowed && plane < allowed,
+                    "{shape:?} {strain:?} {ppc} {inertia:?} {column:.1e} {plane:.1e}"
+                );
+            }
         }
     }
 }

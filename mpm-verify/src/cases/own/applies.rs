@@ -153,9 +153,9 @@ fn even(scene: &Scene) -> Result<(), Error> {
 
 fn integrator(scene: &Scene) -> Result<(), Error> {
     match scene.integrator {
-        Integrator::Explicit | Integrator::SemiImplicit | Integrator::QuasiStatic => Ok(()),
+        Integrator::Explicit | Integrator::SemiImplicit | Integrator::QuasiStatic | Integrator::Implicit => Ok(()),
         Integrator::Staggered | Integrator::Coupled => {
-            let expected = "\"explicit\", \"semi-implicit\" or \"quasi-static\"";
+            let expected = "\"explicit\", \"semi-implicit\", \"quasi-static\" or \"implicit\"";
             Err(Error::refused("time.integrator", expected, format!("\"{}\"", crate::study::word(scene.integrator))))
         }
     }

@@ -53,6 +53,7 @@ const MEASURES: &[(&str, Make)] = &[
     ("pressure-mandel", mandel::pressure),
     ("pressure-undrained", waves::undrained),
     ("pressure-at-mid-height", waves::at_mid_height),
+    ("pressure-at-base", waves::at_base),
     ("arrival-at-mid-height", waves::arrival),
     ("step", waves::step),
     ("speed", balances::speed),

@@ -5,6 +5,7 @@ use mpm_core::scene::Scene;
 
 use super::Compare;
 use crate::error::Error::{self, Unfit};
+use crate::exact::dynamic::DynamicColumn;
 use crate::exact::undrained_wave::UndrainedWave;
 use crate::experiment::comparison::{Compared, Comparison, Norm};
 use crate::experiment::spec::Measure;
@@ -35,6 +36,27 @@ pub fn at_mid_height(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
         };
         let looks = Comparison::worst("p/p_0 at mid height", run.observed().map(look).collect());
         Ok(Comparison { over_times: Norm::Rms, ..looks })
+    }))
+}
+
+/// Pressure at the base of a column with inertia over its load; that in the middle of the lowest row, where cells have one pressure.
+pub fn at_base(scene: &Scene, measure: &Measure) -> Result<Compare, Error> {
+    let exact = DynamicColumn::new(scene).ok_or(Unfit("not a saturated column drained at its top"))?;
+    let load = scene.largest_load();
+    let over_times = match measure.reference.as_str() {
+        "" => Norm::Largest,
+        "rms" => Norm::Rms,
+        other => return Err(Error::refused("measure.reference", "rms, or none for the largest", other)),
+    };
+    let smooth = scene.integrator.solves_displacements() && scene.shape.spline_degree().is_some();
+    Ok(Box::new(move |run| {
+        let look = |s: &Sample| {
+            let row = s.state.profile.first().map_or(0.0, |row| row.material_height_m);
+            let pressure = exact.pressure(if smooth { 0.0 } else { row }, s.stage_time);
+            Compared::one(s.stage_time, s.state.base_pressure / load, pressure / load)
+        };
+        let looks = Comparison::worst("p/q at the base", run.observed().map(look).collect());
+        Ok(Comparison { over_times, ..looks })
     }))
 }
 
