@@ -263,8 +263,11 @@ impl<'a> Bounds<'a> {
         // Water that is taken away goes with the speed of its soil, at most that of a fall.
         let fall = (2.0 * self.scene.gravity.unwrap_or(0.0) * self.scene.height).sqrt() + self.velocity();
         let removed = balance.water_particles_removed_kg * fall;
-        // A system of equations is solved as far as its tolerance asks.
-        let solved = if self.scene.integrator.solves_displacements() { NEWTON * self.scene.tolerance } else { 0.0 };
+        // Equations are solved as far as their tolerance asks, beside load, stress and pressure together, for two functions more along
+        // an axis than cells.
+        let more: f64 = self.scene.cells.iter().map(|cells| 1.0 + 2.0 / *cells as f64).product();
+        let solved =
+            if self.scene.integrator.solves_displacements() { 3.0 * NEWTON * self.scene.tolerance * more } else { 0.0 };
         let allowed = (self.round_off + solved) * given + removed;
         Some(Balance { name: "momentum", gap: balance.momentum_residual_n_s, allowed, unit: "N s" })
     }

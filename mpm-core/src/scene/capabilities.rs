@@ -34,7 +34,7 @@ features! {
     Gimp: "scheme.shape" "\"gimp\"",
     Bspline2: "scheme.shape" "\"bspline2\"",
     Bspline3: "scheme.shape" "\"bspline3\"",
-    AnyShape: "scheme.shape" "a shape without penalty",
+    AnyShape: "scheme.shape" "a shape that is no B-spline",
     Dry: "water" "a dry scene",
     Saturated: "water" "soil full of water",
     FreeSurface: "water.free_surface" "[water.free_surface]",

@@ -376,9 +376,10 @@ impl<const D: usize> Ground<'_, D> {
             next - 1
         };
         let mut shared = None;
-        // Soil that slides on its base and leans on nothing has its place along x from nowhere: no force moves it.
+        // Soil without inertia that slides on its base and leans on nothing has its place along x from nowhere: no force moves it.
         let sides = &self.sides;
         let slides = D == 2
+            && self.scene.integrator == Integrator::QuasiStatic
             && self.scene.axis().is_none()
             && !sides.contains(&SolidSide::Fixed)
             && !sides[..2].contains(&SolidSide::Roller);

@@ -235,9 +235,17 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         self.at_least(16.0 * f64::EPSILON / self.scene.tolerance, load + weight + self.stress_of_start()) // after some operations
     }
 
-    /// Stress of the wave that stops the velocity of the start, rho c v, Pa; c of water no stiffer than hundred times the soil.
+    /// Stress of the wave by which supports stop the velocity of the start, rho c v, Pa; c of water no stiffer than hundred times the soil.
     fn stress_of_start(&self) -> f64 {
-        let (scene, speed) = (&self.scene, self.scene.start_velocity.map_or(0.0, |[x, y]| x.hypot(y)));
+        let (scene, [left, right, bottom, top]) = (&self.scene, self.scene.solid_sides);
+        let stops = |[along, across]: [[SolidSide; 2]; 2]| {
+            along.iter().any(|side| *side != SolidSide::Free) || across.contains(&SolidSide::Fixed)
+        };
+        let (walls, ends) = ([left, right], [bottom, top]);
+        let speed = scene.start_velocity.map_or(0.0, |[x, y]| {
+            let [x, y] = [(x, [walls, ends]), (y, [ends, walls])].map(|(v, sides)| if stops(sides) { v } else { 0.0 });
+            x.hypot(y)
+        });
         let soil = scene.oedometer_modulus();
         let water = if scene.water.is_some() { scene.pore_stiffness().min(100.0 * soil) } else { 0.0 };
         (scene.mixture_density() * (soil + water)).sqrt() * speed
