@@ -9,7 +9,7 @@ use mpm_core::checkpoint::{sealed, unsealed};
 use mpm_core::drive::{Monitor, Run, Wish};
 use mpm_core::hardware::{Hardware, Width};
 use mpm_core::run::{StartError, run_monitored, run_on};
-use mpm_core::scene::{Flags, Scene, Until};
+use mpm_core::scene::{Flags, Integrator, Scene, Until};
 
 /// Stops a run at every so many looks.
 struct Stops {
@@ -55,9 +55,13 @@ fn scenes() -> Vec<PathBuf> {
 /// The first part of a scene, so that a test can afford it.
 fn shortened(mut scene: Scene) -> Scene {
     // A step of so many particles costs some 50 ns each.
-    let dt = mpm_core::stability::choose_step(&scene).unwrap_or(f64::INFINITY);
+    let mut dt = mpm_core::stability::choose_step(&scene).unwrap_or(f64::INFINITY);
+    if scene.integrator == Integrator::Implicit {
+        dt = 0.02 * scene.cell * (scene.mixture_density() / scene.oedometer_modulus()).sqrt(); // so that waves are resolved
+    }
     if dt.is_finite() {
-        let most = 1e6 / scene.solid_particles() as f64 * dt;
+        let most =
+            if scene.integrator == Integrator::Implicit { 1e4 } else { 1e6 } / scene.solid_particles() as f64 * dt;
         let last = scene.stages.len() - 1;
         if let Until::Time(end) = scene.stages[last].until {
             let end = end.min(most.max(40.0 * dt));
