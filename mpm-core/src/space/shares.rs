@@ -66,7 +66,9 @@ fn shares<const D: usize>(
             product * x.powi(power as i32)
         })
     };
-    if points.len() < terms {
+    // A place that is no number, or far outside, is one of a state in pieces: no decomposition ends with it.
+    let inside = |x: &[f64; D]| local(x).iter().all(|x| x.abs() < 2.0);
+    if points.len() < terms || !points.iter().all(inside) {
         return None;
     }
     let decomposed = DMatrix::from_fn(points.len(), terms, |q, t| term(&local(&points[q]), t)).svd(true, true);
@@ -126,5 +128,6 @@ mod tests {
         let all = of(&left).expect("points in both");
         assert!(all.iter().all(|group| (group.shares.iter().sum::<f64>() - 0.01).abs() < 1e-15));
         assert_eq!([of(&left[..3]), of(&[]), of(&left.map(|[x, _]| [x, 0.05]))], [None, None, None]);
+        assert_eq!([of(&left.map(|[_, y]| [f64::NAN, y])), of(&left.map(|[_, y]| [-1e300, y]))], [None, None]);
     }
 }
