@@ -141,8 +141,8 @@ fn times(extent: &Extent, integrator: Integrator) -> Vec<Time> {
         Integrator::Explicit => steps(extent.parts[0]),
         Integrator::SemiImplicit => steps(extent.parts[1]),
         // The staggered integrator solves seepage with a free surface: a column that consolidates has none.
-        Integrator::Staggered | Integrator::Coupled => Vec::new(),
-        Integrator::Implicit => extent.tolerances.iter().map(|t| Time::Tolerance(*t, TimeMethod::Sdirk)).collect(),
+        // The implicit one has an inertia that the series of the sweep leaves out.
+        Integrator::Staggered | Integrator::Coupled | Integrator::Implicit => Vec::new(),
         Integrator::QuasiStatic => {
             let methods = [TimeMethod::Auto, TimeMethod::Sdirk];
             methods.iter().flat_map(|m| extent.tolerances.iter().map(|t| Time::Tolerance(*t, *m))).collect()

@@ -1,7 +1,7 @@
 //! Soil that moves through the cells of its mesh: when it does, what that asks of a scheme, and what no scheme bears.
 
 use super::{
-    Dimension, Fields, Integrator, LoadOn, ShapeChoice, Side, Soil, SolidSide, Start, StrainChoice, UpdateChoice,
+    Dimension, Fields, Integrator, LoadOn, ShapeChoice, Side, Soil, SolidSide, Start, StrainChoice, UpdateChoice, Waves,
 };
 
 /// The usual share of a full node's mass below which nodes move with a neighbour.
@@ -15,6 +15,8 @@ const CLOSED_PORES: f64 = 1e-9;
 const MOST_UNDER_PLATE: f64 = 0.5;
 /// Strain up to which the geometry may be kept as it was: small strain is off by half of it.
 const MOST_SMALL_STRAIN: f64 = 0.1;
+/// Passages of a wave of the drained soil over the height after which waves have died out, or are not what is asked for.
+const PASSAGES: f64 = 10.0;
 /// Share of a settlement that may be missing because the transfer of velocities makes the soil viscous.
 const MOST_LATE: f64 = 0.01;
 /// Above this a small strain is worth a word: it is off by more than 1 %.
@@ -191,6 +193,16 @@ impl Fields {
         let dt = crate::stability::choose_step(self).ok()?;
         let viscosity = self.mixture_density() * (1.0 - self.flip) * self.cell * self.cell / (8.0 * dt);
         Some(0.5 * viscosity / self.oedometer_modulus() / first)
+    }
+
+    /// Whether errors of waves count in implicit steps that are first asked for a time (s since the start of their stage).
+    pub fn resolves_waves(&self, asked: f64) -> bool {
+        let passage = self.height * (self.mixture_density() / self.oedometer_modulus()).sqrt();
+        match (self.integrator, self.waves) {
+            (Integrator::Implicit, Waves::Auto) => asked < PASSAGES * passage,
+            (Integrator::Implicit, Waves::Resolved) => true,
+            _ => false,
+        }
     }
 
     /// Refuses what no run of the scene's scheme gives a useful answer to: soil that moves through its cells where a scheme does

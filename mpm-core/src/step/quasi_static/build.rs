@@ -7,8 +7,8 @@ use crate::constitutive::{Law, Materials, State};
 use crate::dimension::in_two;
 use crate::particles::SolidPoint;
 use crate::scene::{
-    Bearing, Course, FaceLoad, Fields, Integrator, LoadOn, Piece, Quadrature, Scene, ShapeChoice, Side, SolidSide,
-    Surcharge, Well,
+    Bearing, Course, FaceLoad, Integrator, LoadOn, Piece, Quadrature, Scene, ShapeChoice, Side, SolidSide, Surcharge,
+    Well,
 };
 use crate::space::{Axis, Basis, Fit, Group, Local, MOST, Stencil, fit, gauss, gauss_points, groups};
 use crate::sparse::Unsolved;
@@ -41,6 +41,8 @@ pub(super) struct Ground<'a, const D: usize> {
     pub sides: [SolidSide; 4],
     /// Whether waves that the steps do not resolve are damped.
     pub damps: bool,
+    /// Damping force per mass and velocity, 1/s.
+    pub damping: f64,
     /// Lengths that are not modelled, multiplied: the width of a column or 1 m, m.
     pub thickness: f64,
 }
@@ -199,7 +201,14 @@ impl<const D: usize> Ground<'_, D> {
             moved,
             plates: scene.plates.iter().map(|plate| (plate.clone(), [0.0; 2])).collect(),
             wells: self.wells(&axes),
-            motion: moves.then(|| Box::new(Motion::new(inertia, passage, viscosity, (functions, pore.len())))),
+            motion: moves.then(|| {
+                Box::new(Motion::new(
+                    (inertia, self.damping),
+                    (passage, !self.damps),
+                    viscosity,
+                    (functions, pore.len()),
+                ))
+            }),
             held_pressure: vec![0.0; if before.is_empty() { 0 } else { pressures }],
             before,
             outside: (scene.loads.clone(), water.density * scene.gravity.unwrap_or(0.0)),
@@ -211,7 +220,7 @@ impl<const D: usize> Ground<'_, D> {
             },
             scales: [scene.cell, scene.oedometer_modulus()],
             small: scene.strain == crate::scene::StrainChoice::Small,
-            pushes: vec![Push::default(); solid.len()],
+            pushes: vec![Push::default(); if groups.is_some() { solid.len() } else { 0 }],
             grouped: Vec::new(),
             groups: groups.unwrap_or_default(),
             cell_gradient: vec![([[0.0; D]; D], 0.0); if smooth { 0 } else { cells }],
@@ -618,10 +627,8 @@ impl<const D: usize> Ground<'_, D> {
     /// no motion but the penalty of their jumps resists.
     fn viscosity(&self, axes: &[Axis; D], degree: usize) -> Vec<(u32, u32, f64)> {
         let scene = self.scene;
-        let modulus = |fields: &Fields| {
-            fields.oedometer_modulus() + fields.pore_stiffness().min(LEAST_PENALTY * fields.elastic.shear_modulus())
-        };
-        let impedance = (scene.mixture_density() * modulus(scene)).sqrt();
+        let water = scene.pore_stiffness().min(LEAST_PENALTY * scene.elastic.shear_modulus());
+        let impedance = (scene.mixture_density() * (scene.oedometer_modulus() + water)).sqrt();
         self.jumps(axes, degree, (VISCOSITY * impedance / scene.cell, |_| 1.0))
     }
 

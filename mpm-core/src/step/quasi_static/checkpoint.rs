@@ -14,6 +14,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         archive!(archive.value: self.drained, self.sides, self.settled, self.time, self.stage_time, self.stage_end, self.until);
         archive!(archive.value: self.counted, self.trouble, self.done, self.totals, self.spent, laid);
         archive!(archive.value: self.ramp, self.rejected, self.rejected_path, self.pushes, self.started);
+        archive!(archive.value: self.resolves, self.damping);
         if !laid {
             return Ok(());
         }
@@ -54,7 +55,6 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         }
         archive!(archive.slice: soil.p, *soil.u.as_flattened_mut());
         if let Some(motion) = &mut soil.motion {
-            archive!(archive.value: motion.damping, motion.resolves);
             archive!(archive.slice: *motion.velocity.as_flattened_mut(), *motion.flux.as_flattened_mut());
         }
         archive!(archive.value: soil.system.factorisations, soil.system.solves, self.method);

@@ -8,7 +8,7 @@ use super::soil::{HELD, Impulses, Soil};
 use super::tangent::Stuck;
 use super::{KrylovStage, Method, QuasiStatic};
 use crate::constitutive::{Flow, Law};
-use crate::scene::{Course, FaceLoad, Fields, Integrator, Start, StepChoice, StrainChoice, TimeMethod, Waves};
+use crate::scene::{Course, FaceLoad, Fields, Integrator, Start, StepChoice, StrainChoice, TimeMethod};
 use crate::step::Fault;
 
 /// The first step of a stage as a share of L^2/c_v: shorter ones overshoot where the mesh cannot resolve the drained
@@ -19,8 +19,6 @@ const FIRST_STEP: f64 = 0.3;
 const CAUTION: f64 = 10.0;
 /// The same with inertia: errors of waves add up, those of what drains die away with it.
 const CAUTION_IN_MOTION: f64 = 0.1;
-/// Passages of a wave of the drained soil over the height after which waves have died out, or are not what is asked for.
-const PASSAGES: f64 = 10.0;
 /// So many first steps of a stage damp the waves that a jump of its load excites where they are not resolved, whatever their error
 /// (Rannacher 1984, doi:10.1007/BF01390130).
 const STARTING: u32 = 3;
@@ -120,24 +118,11 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         SUDDEN * self.first_step(times).min(first)
     }
 
-    /// Whether the error of waves counts.
-    pub(super) fn resolves_waves(&self) -> bool {
-        let scene = &self.scene;
-        let passage = scene.height * (scene.mixture_density() / scene.oedometer_modulus()).sqrt();
-        let end = scene.observe_times.first().copied().unwrap_or(self.stage_end);
-        scene.integrator == Integrator::Implicit
-            && match scene.waves {
-                Waves::Auto => end < PASSAGES * passage,
-                Waves::Resolved => true,
-                Waves::Damped => false,
-            }
-    }
-
     /// The first step of a stage, s.
     pub(super) fn first_step(&self, times: &[f64]) -> f64 {
         let end = times.last().copied().unwrap_or(f64::INFINITY);
         // Inertia is of importance where times are asked for in which waves have not died out.
-        let asked = times.iter().copied().find(|time| *time > 0.0 && self.resolves_waves());
+        let asked = times.iter().copied().find(|time| *time > 0.0 && self.resolves);
         let end = asked.unwrap_or(end);
         // Of layers the fastest: its neighbours are drained as suddenly as the surface is.
         let of = |scene: &Fields| {
@@ -149,9 +134,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         match self.scene.step {
             StepChoice::Fixed(step) => step,
             // Steps whose error does not count are short where little error is wanted: it goes with their fourth power.
-            _ if self.scene.integrator == Integrator::Implicit && !self.resolves_waves() => {
-                drained.min(end) * (self.scene.tolerance / UNCHECKED).powf(0.25).min(1.0)
-            }
+            _ if self.damps() => drained.min(end) * (self.scene.tolerance / UNCHECKED).powf(0.25).min(1.0),
             _ => drained.min(end),
         }
     }
@@ -227,7 +210,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         };
         let (of_water, along_path) = (self.error(), self.follow_path());
         let moves = self.scene.integrator == Integrator::Implicit;
-        let caution = if self.resolves_waves() { CAUTION_IN_MOTION } else { CAUTION };
+        let caution = if self.resolves { CAUTION_IN_MOTION } else { CAUTION };
         let (allowed, tolerance) = (caution * self.scene.tolerance, self.scene.tolerance);
         // The error of a step goes with h^4: the estimate is of order 3. That of the law along its path goes with h^2.
         let by_water = (0.9 * (allowed / of_water.max(1e-300)).powf(0.25)).clamp(0.1, 5.0);
@@ -242,7 +225,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let most = if std::mem::take(&mut self.rejected) && !self.seeding.law.are_linear() { 1.0 } else { 5.0 };
         let factor = by_water.min(by_path).min(ahead).min(most);
         // Written so that a NaN is rejected.
-        let starts = moves && !self.resolves_waves() && self.started < STARTING;
+        let starts = self.damps() && self.started < STARTING;
         let accepted = fixed || starts || (of_water <= allowed && along_path <= tolerance);
         if !accepted {
             self.done.rejected += 1;
@@ -319,7 +302,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
 
     /// That of displacements with inertia, RMS beside what load and weight strain the soil by, or what it has been strained by.
     fn error_of_motion(&self, soil: &Soil<L, D>, error: &[f64]) -> f64 {
-        if !self.resolves_waves() {
+        if !self.resolves {
             return 0.0;
         }
         let (mut sum, mut count, mut moved) = (0.0, 0.0, [[0.0; 2]; D]);
@@ -377,8 +360,8 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         self.totals.flow_body_work += sums.body_work;
         let Impulses { kinetic, momentum, damping, damping_force, load, weight, support, plates } = sums.motion;
         self.totals.external_work += plates;
-        (self.totals.kinetic_gain, self.totals.damping_loss) =
-            (self.totals.kinetic_gain + kinetic, self.totals.damping_loss + damping);
+        self.totals.kinetic_gain += kinetic;
+        self.totals.damping_loss += damping;
         self.totals.load_impulse += load[1];
         for d in 0..D {
             self.totals.momentum_gain[d] += momentum[d + 2 - D];

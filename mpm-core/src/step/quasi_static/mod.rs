@@ -42,7 +42,7 @@ use crate::constitutive::{Flow, Law, Materials, State};
 use crate::dimension::in_two;
 use crate::observe::{BalanceTerms, Observation, Places, Push, SolidState, Totals};
 use crate::particles::SolidPoint;
-use crate::scene::{Scene, SolidSide, Stage, StepChoice, StrainChoice, TimeMethod};
+use crate::scene::{Integrator, Scene, SolidSide, Stage, StepChoice, StrainChoice, TimeMethod};
 
 /// What a quasi-static run is made of.
 #[derive(Debug)]
@@ -110,6 +110,9 @@ pub struct QuasiStatic<L: Law, const D: usize> {
     counted: bool,
     /// Steps of the stage so far.
     started: u32,
+    /// Whether errors of waves count in this stage, and the damping force per mass and velocity, 1/s.
+    resolves: bool,
+    damping: f64,
     /// Why the last rejected step was rejected.
     trouble: Option<String>,
 }
@@ -183,8 +186,15 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             pushes: vec![Push { force: Some([0.0; 2]), ..Push::default() }; scene.plates.len()],
             counted: false,
             started: 0,
+            resolves: false,
+            damping: 0.0,
             trouble: None,
         }
+    }
+
+    /// Whether waves that the steps do not follow are damped.
+    fn damps(&self) -> bool {
+        self.scene.integrator == Integrator::Implicit && !self.resolves
     }
 
     /// Settlement since the mesh was built, m.
@@ -281,6 +291,10 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
         self.count_work();
         self.method = None;
         self.stage_end = times.last().copied().unwrap_or(0.0);
+        // Times between those that are asked for are for the history.
+        let asked = |time: &&f64| **time == self.stage_end || self.scene.observe_times.contains(time);
+        let first_asked = times.iter().filter(|time| **time > 0.0).find(asked).copied().unwrap_or(self.stage_end);
+        (self.resolves, self.damping) = (self.scene.resolves_waves(first_asked), stage.damping);
         let sides = stage.solid_sides.unwrap_or(self.scene.solid_sides);
         let released = std::mem::replace(&mut self.sides, sides) != sides;
         // Soil that is only strained a little stands where it stood: its stresses go to a mesh with other unknowns.
@@ -295,10 +309,6 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
             self.ramp = self.ramp(times);
             let cells = self.cell_values();
             self.totals.start(&cells);
-        }
-        let resolves = self.resolves_waves();
-        if let Some(motion) = self.soil.as_mut().and_then(|soil| soil.motion.as_mut()) {
-            (motion.damping, motion.resolves) = (stage.damping, resolves);
         }
         if first || released {
             self.loose = self.soil.as_ref().map_or_else(Vec::new, Soil::forces);

@@ -72,6 +72,8 @@ pub(super) struct Motion<const D: usize> {
     now: Rates<D>,
     /// Of the stages that are done.
     stages: [Rates<D>; STAGES],
+    /// Errors of a step: accelerations of the functions (m/s2), fluxes of the pore points (m/s).
+    pub errors: (Vec<[f64; D]>, Vec<[f64; D]>),
 }
 
 /// What moves at a point of the pore space.
@@ -84,8 +86,8 @@ pub(super) struct Moving<const D: usize> {
 impl<const D: usize> Motion<D> {
     /// Soil at rest, of so many functions and pore points.
     pub fn new(
-        inertia: WaterInertia,
-        passage: f64,
+        (inertia, damping): (WaterInertia, f64),
+        (passage, resolves): (f64, bool),
         viscosity: Vec<(u32, u32, f64)>,
         (functions, points): (usize, usize),
     ) -> Self {
@@ -96,8 +98,8 @@ impl<const D: usize> Motion<D> {
             inertia,
             passage,
             viscosity,
-            resolves: true,
-            damping: 0.0,
+            resolves,
+            damping,
             a: 0.0,
             velocity: zeros(functions),
             flux: zeros(points),
@@ -107,6 +109,7 @@ impl<const D: usize> Motion<D> {
             flux_from: zeros(points),
             now: rates(),
             stages: std::array::from_fn(|_| rates()),
+            errors: (zeros(functions), zeros(points)),
         }
     }
 
@@ -200,18 +203,22 @@ impl<const D: usize> Motion<D> {
         }
     }
 
-    /// What an error of the rates, summed over the stages with `dt` times weights (s), accelerates at a point, as seen by the last
-    /// stage; and the error of W itself.
-    pub fn errors(&self, weights: &[f64; STAGES]) -> (Vec<[f64; D]>, Vec<[f64; D]>) {
-        let sum = |of: &dyn Fn(&Rates<D>) -> f64| self.stages.iter().zip(weights).map(|(s, w)| w * of(s)).sum::<f64>();
-        let a = self.a;
-        let nodal = |f: usize| {
-            std::array::from_fn(|d| {
-                sum(&|rates| rates.velocity[f][d]) / (a * a) + sum(&|rates| rates.acceleration[f][d]) / a
-            })
-        };
-        let pore = |p: usize| std::array::from_fn(|d| sum(&|rates| rates.flux[p][d]));
-        ((0..self.start.len()).map(nodal).collect(), (0..self.flux.len()).map(pore).collect())
+    /// Notes what an error of the rates, summed over the stages with `dt` times weights (s), accelerates as seen by the last stage, and the
+    /// error of W itself.
+    pub fn note_errors(&mut self, weights: &[f64; STAGES]) {
+        let Self { stages, errors: (nodal, pore), a, .. } = self;
+        nodal.fill([0.0; D]);
+        pore.fill([0.0; D]);
+        for (rates, weight) in stages.iter().zip(weights) {
+            for (f, sum) in nodal.iter_mut().enumerate() {
+                for d in 0..D {
+                    sum[d] += weight * (rates.velocity[f][d] / (*a * *a) + rates.acceleration[f][d] / *a);
+                }
+            }
+            for (sum, flux) in pore.iter_mut().zip(&rates.flux) {
+                (0..D).for_each(|d| sum[d] += weight * flux[d]);
+            }
+        }
     }
 }
 

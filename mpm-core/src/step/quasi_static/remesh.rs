@@ -9,7 +9,7 @@ use super::{QuasiStatic, build};
 use crate::constitutive::Law;
 use crate::dimension::in_two;
 use crate::particles::SolidPoint;
-use crate::scene::{Integrator, SolidSide, StrainChoice};
+use crate::scene::{SolidSide, StrainChoice};
 use crate::space::{Stencil, stretch, turned};
 use crate::sparse::{Factor, Ordering, Signs, Sparse, Unsolved};
 use crate::step::Fault;
@@ -21,7 +21,7 @@ pub(super) const REMESH_STRAIN: f64 = 0.5;
 impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// Builds a mesh over the soil as it is; its pressures go over.
     pub(super) fn build(&mut self, drained: [bool; 4]) -> Result<(), Fault> {
-        let carried = self.soil.is_some().then(|| self.carry());
+        let carried = if self.soil.is_some() { Some(self.carry().map_err(|e| unsolved(&e))?) } else { None };
         let (pressures, rates) = carried.unzip();
         let mut soil = self.mesh(drained)?;
         self.start(&mut soil, pressures.as_deref())?;
@@ -61,7 +61,8 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             settled: if large { self.settled } else { 0.0 },
             drained,
             sides: self.sides,
-            damps: self.scene.integrator == Integrator::Implicit && !self.resolves_waves(),
+            damps: self.damps(),
+            damping: self.damping,
             thickness: self.seeding.thickness,
         };
         ground.build(self.seeding.law.clone()).map_err(|e| unsolved(&e))
@@ -138,12 +139,12 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
 
     /// The state of the mesh goes to the particles: stress, place, volume, velocity. Returns their pressures and the flux w of their
     /// water (m/s), that where it has an inertia of its own.
-    pub(super) fn carry(&mut self) -> (Vec<f64>, Vec<[f64; D]>) {
-        let Some(soil) = &mut self.soil else { return Default::default() };
+    fn carry(&mut self) -> Result<(Vec<f64>, Vec<[f64; D]>), Unsolved> {
+        let Some(soil) = &mut self.soil else { return Ok(Default::default()) };
         soil.expand(&self.y);
         let large = self.scene.strain == StrainChoice::Large;
-        let Some(soil) = &self.soil else { return Default::default() };
-        let fluxes = self.fluxes(soil);
+        let Some(soil) = &self.soil else { return Ok(Default::default()) };
+        let fluxes = fluxes(soil)?;
         let pressures = self.points.iter().map(|point| self.pressure_at(soil, &point.x)).collect();
         for (i, point) in self.points.iter_mut().enumerate() {
             let part = &soil.solid[i];
@@ -169,23 +170,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             }
         }
         self.settled += self.settlement_of(&self.y) + self.settled_with_plates();
-        (pressures, fluxes)
-    }
-
-    /// Flux w of the water at the particles (m/s), from that at the pore points.
-    fn fluxes(&self, soil: &Soil<L, D>) -> Vec<[f64; D]> {
-        let Some(motion) = soil.motion.as_ref().filter(|motion| motion.inertia == WaterInertia::Own) else {
-            return Vec::new();
-        };
-        let stencils: Vec<_> = soil.pore.iter().map(|part| (part.water, part.weight)).collect();
-        let spatial = |(part, flux): (&PorePart<D>, &[f64; D])| {
-            soil.pore_state(part).map_or([0.0; D], |state| {
-                forward(&state, soil.small, flux).map(|w| w / if soil.small { 1.0 } else { 1.0 + state.change })
-            })
-        };
-        let values: Vec<[f64; D]> = soil.pore.iter().zip(&motion.flux).map(spatial).collect();
-        let Ok(field) = projected(soil.p.len(), &stencils, &values) else { return Vec::new() };
-        soil.solid.iter().map(|part| part.stencil.vector(&field)).collect()
+        Ok((pressures, fluxes))
     }
 
     /// Velocities of a new mesh, from those of the particles or from the scene.
@@ -220,6 +205,22 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let held = |side: usize| self.sides[side] != SolidSide::Free;
         D == 1 || (held(0) && held(1) && self.scene.surcharge.is_none_or(|s| s.strip.is_none()))
     }
+}
+
+/// Flux w of the water at the particles (m/s), from that at the pore points.
+fn fluxes<L: Law, const D: usize>(soil: &Soil<L, D>) -> Result<Vec<[f64; D]>, Unsolved> {
+    let Some(motion) = soil.motion.as_ref().filter(|motion| motion.inertia == WaterInertia::Own) else {
+        return Ok(Vec::new());
+    };
+    let stencils: Vec<_> = soil.pore.iter().map(|part| (part.water, part.weight)).collect();
+    let spatial = |(part, flux): (&PorePart<D>, &[f64; D])| {
+        soil.pore_state(part).map_or([0.0; D], |state| {
+            forward(&state, soil.small, flux).map(|w| w / if soil.small { 1.0 } else { 1.0 + state.change })
+        })
+    };
+    let values: Vec<[f64; D]> = soil.pore.iter().zip(&motion.flux).map(spatial).collect();
+    let field = projected(soil.p.len(), &stencils, &values)?;
+    Ok(soil.solid.iter().map(|part| part.stencil.vector(&field)).collect())
 }
 
 /// Fields of so many functions from values at points with weights: least squares.

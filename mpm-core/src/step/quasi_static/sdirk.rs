@@ -128,9 +128,9 @@ impl Sdirk {
                 self.rhs[*map as usize] = soil.scales[1] * h * sum;
             }
         }
-        if let Some(motion) = soil.motion.as_ref().filter(|motion| motion.resolves) {
-            let (nodal, pore) = motion.errors(&E.map(|e| h * e));
-            soil.unbalanced_by((&nodal, &pore), &mut self.rhs);
+        if let Some(motion) = soil.motion.as_mut().filter(|motion| motion.resolves) {
+            motion.note_errors(&E.map(|e| h * e));
+            soil.unbalanced(&mut self.rhs);
         }
         soil.system.solve(&self.rhs, &mut self.error).map_err(Stuck::Unsolved)
     }

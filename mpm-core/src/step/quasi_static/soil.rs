@@ -48,6 +48,25 @@ pub(super) struct SolidPart<const D: usize> {
     pub mark: u8,
 }
 
+impl<const D: usize> SolidPart<D> {
+    /// Adds the forces (N) of stresses that stand for a volume.
+    fn give(&self, push: &Push<D>, force: &mut [f64]) {
+        for a in 0..self.stencil.count {
+            let at = self.stencil.number[a] as usize * D;
+            for i in 0..D {
+                let mut along: f64 = (0..D).map(|j| push.piola[i][j] * self.stencil.slope[a][j]).sum();
+                if let (Some(slope), Some((mean, inverse))) = (&self.dilates, &push.at_centre) {
+                    along += mean * (0..D).map(|j| inverse[j][i] * slope[a][j]).sum::<f64>();
+                }
+                if let (0, Some(hoop)) = (i, &self.hoop) {
+                    along += push.hoop * hoop[a];
+                }
+                force[at + i] += along;
+            }
+        }
+    }
+}
+
 /// A point of the pore space in the integrals.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PorePart<const D: usize> {
@@ -209,7 +228,7 @@ pub(super) struct Soil<L: Law, const D: usize> {
     /// Length (m) and pressure (Pa) that make the unknowns numbers of the same size.
     pub scales: [f64; 2],
     pub system: System,
-    /// What the parts push with at the last evaluation.
+    /// What the parts push with at the last evaluation, where those of a cell share their work; else empty.
     pub pushes: Vec<Push<D>>,
     /// Room for those of a cell.
     pub grouped: Vec<Push<D>>,
@@ -519,9 +538,13 @@ impl<L: Law, const D: usize> Soil<L, D> {
 
     fn skeleton(&mut self) -> Result<(), InsideOut<D>> {
         for point in 0..self.solid.len() {
-            let Strained { mut push, .. } = self.strained(&self.solid[point]).ok_or(InsideOut { point })?;
-            push.times(self.solid[point].weight);
-            self.pushes[point] = push;
+            let part = &self.solid[point];
+            let Strained { mut push, .. } = self.strained(part).ok_or(InsideOut { point })?;
+            push.times(part.weight);
+            match self.pushes.get_mut(point) {
+                Some(kept) => *kept = push,
+                None => part.give(&push, &mut self.values.force),
+            }
         }
         for Group { first, count, shares } in &self.groups {
             let of = &mut self.grouped;
@@ -539,19 +562,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
             }
         }
         for (part, push) in self.solid.iter().zip(&self.pushes) {
-            for a in 0..part.stencil.count {
-                let at = part.stencil.number[a] as usize * D;
-                for i in 0..D {
-                    let mut along: f64 = (0..D).map(|j| push.piola[i][j] * part.stencil.slope[a][j]).sum();
-                    if let (Some(slope), Some((mean, inverse))) = (&part.dilates, &push.at_centre) {
-                        along += mean * (0..D).map(|j| inverse[j][i] * slope[a][j]).sum::<f64>();
-                    }
-                    if let (0, Some(hoop)) = (i, &part.hoop) {
-                        along += push.hoop * hoop[a];
-                    }
-                    self.values.force[at + i] += along;
-                }
-            }
+            part.give(push, &mut self.values.force);
         }
         Ok(())
     }
@@ -753,9 +764,9 @@ impl<L: Law, const D: usize> Soil<L, D> {
     }
 
     /// What errors of the rates of a step leave out of balance in its last stage, into a right-hand side scaled as the matrix.
-    pub fn unbalanced_by(&self, errors: (&[[f64; D]], &[[f64; D]]), rhs: &mut [f64]) {
+    pub fn unbalanced(&self, rhs: &mut [f64]) {
         let Some(motion) = &self.motion else { return };
-        let ([length, pressure], (nodal, pore), density) = (self.scales, errors, self.fluid.density);
+        let ([length, pressure], (nodal, pore), density) = (self.scales, &motion.errors, self.fluid.density);
         for (point, part) in self.pore.iter().enumerate() {
             let Some(state) = self.pore_state(part) else { continue };
             let pores = if self.small { part.porosity } else { state.change + part.porosity };

@@ -8,7 +8,7 @@ use crate::constitutive::{Law, LinearElastic, Materials, MohrCoulomb};
 use crate::particles::{SolidPoint, even_positions};
 use crate::scene::{
     Dimension, Elastic, Integrator, LoadedStrip, Scene, ShapeChoice, SolidSide, Stage, Start, StrainChoice, Strength,
-    Surcharge, Until,
+    Surcharge, Until, Waves,
 };
 use crate::step::Model;
 
@@ -160,6 +160,32 @@ fn the_matrix_is_the_derivative_with_few_particles_and_with_inertia() {
             }
         }
     }
+}
+
+#[test]
+fn a_new_mesh_moves_and_damps_as_the_one_before() {
+    let scene = scene(Dimension::PlaneStrain, ShapeChoice::Bspline2, StrainChoice::Large).altered_unchecked(|scene| {
+        (scene.integrator, scene.relative_acceleration) = (Integrator::Implicit, true);
+        scene.observe_times = vec![1.0];
+        scene.waves = Waves::Damped;
+    });
+    let mut model = entered::<_, 2>(&scene, LinearElastic::new(&SOIL));
+    model.damping = 30.0;
+    let (free, moving) = {
+        let soil = model.soil.as_mut().expect("a mesh");
+        let free: Vec<bool> = soil.soil_map.iter().map(|map| map[1] != HELD).collect();
+        let motion = soil.motion.as_mut().expect("inertia");
+        for (i, v) in motion.velocity.iter_mut().enumerate().filter(|(i, _)| free[*i]) {
+            *v = [0.0, (0.7 * i as f64).sin()];
+        }
+        (free, motion.velocity.clone())
+    };
+    model.build([false, false, false, true]).expect("a mesh");
+    let motion = model.soil.as_ref().and_then(|soil| soil.motion.as_ref()).expect("inertia");
+    assert!(motion.damping == 30.0 && !motion.resolves && !motion.viscosity.is_empty());
+    let apart = motion.velocity.iter().zip(&moving).zip(&free).filter(|(_, free)| **free);
+    let apart = apart.map(|((a, b), _)| (a[1] - b[1]).abs()).fold(0.0, f64::max);
+    assert!(apart < 1e-9, "{apart:e}");
 }
 
 /// Residuals of Newton's iteration for a strip load on soil that yields beneath it: down to round-off, as none meets a tolerance of

@@ -74,7 +74,7 @@ impl OwnScene {
         }
         let solution = applies::solution(&scene)?;
         let rows = meshes(&scene, rows)?;
-        if scene.integrator == Integrator::QuasiStatic && scene.tolerance > TIGHT {
+        if scene.integrator.solves_displacements() && scene.tolerance > TIGHT {
             scene = scene.edited(|scene| {
                 scene.tolerance = if scene.strain == StrainChoice::Small { TIGHT } else { 1e-2 * scene.tolerance }
             })?;
@@ -214,13 +214,13 @@ impl OwnScene {
 
     /// The order that these errors should show: none once they are at the floor that error-controlled time leaves.
     fn order(&self, errors: &[(f64, f64)]) -> Option<[f64; 2]> {
-        let quasi_static = self.scene.integrator == Integrator::QuasiStatic;
-        let floor = if quasi_static { 10.0 * self.scene.tolerance } else { 1e-12 };
-        let splines = quasi_static && self.scene.shape.spline_degree().is_some();
+        let solved = self.scene.integrator.solves_displacements();
+        let floor = if solved { 10.0 * self.scene.tolerance } else { 1e-12 };
+        let splines = solved && self.scene.shape.spline_degree().is_some();
         let order = match self.solution {
             Solution::Front(_) | Solution::Mound(_) | Solution::Dam(_) | Solution::Sliding(_) => [0.6, 4.0],
-            // Nine points in two dimensions integrate B-splines to their order, four do not; large strain limits it.
-            Solution::Wet(_) | Solution::Block(_) if splines && self.scene.particles_per_cell >= 9 => [1.9, 8.0],
+            // Large strain limits the order of B-splines.
+            Solution::Wet(_) | Solution::Block(_) if splines => [1.9, 8.0],
             Solution::Dry(_) => [0.6, 4.0],
             _ => [1.7, 2.6],
         };
@@ -241,7 +241,7 @@ impl OwnScene {
             let runs = (0..=HALVINGS).map(stepped).collect::<Result<Vec<_>, _>>()?;
             let errors = runs.windows(2).map(|pair| (pair[0].0, apart(&pair[0].1, &pair[1].1))).collect();
             refinements.push(Refinement::new(STEP, errors, format!("the same run at half the step, {same}")));
-        } else if self.scene.integrator == Integrator::QuasiStatic && self.scene.water.is_some() {
+        } else if self.scene.integrator.solves_displacements() && self.scene.water.is_some() {
             let at = |tolerance| self.seen(&coarse.edited(|s| s.tolerance = tolerance)?);
             let finest = at(0.01 * TOLERANCES[TOLERANCES.len() - 1])?;
             let off = |tolerance: &f64| Ok((*tolerance, apart(&at(*tolerance)?, &finest)));
@@ -304,11 +304,11 @@ fn relative(mut looks: Comparison) -> Comparison {
 /// Numbers of particles per cell that a scheme should not mind: one is too few for B-splines, and what errors of the fourth
 /// order in L are asked for needs as many as integrate them.
 fn counts(scene: &Scene) -> &'static [usize] {
-    match (scene.shape.spline_degree(), scene.integrator) {
+    match (scene.shape.spline_degree(), scene.integrator.solves_displacements()) {
         (None, _) => &[1, 4, 9],
         // Products of the slopes of cubic B-splines are splines of degree 4.
-        (Some(3), Integrator::QuasiStatic) if scene.particles_per_cell >= 16 => &[16, 25],
-        (Some(2), Integrator::QuasiStatic) if scene.particles_per_cell >= 9 => &[9, 16],
+        (Some(3), true) if scene.particles_per_cell >= 16 => &[16, 25],
+        (Some(2), true) if scene.particles_per_cell >= 9 => &[9, 16],
         _ => &[4, 9, 16],
     }
 }

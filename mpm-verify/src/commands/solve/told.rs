@@ -2,7 +2,7 @@
 
 use mpm_core::drive::Run;
 use mpm_core::observe::{Trust, WaterState};
-use mpm_core::scene::{Dimension, Scene};
+use mpm_core::scene::{Dimension, Integrator, Scene, Until};
 use mpm_core::step::Work;
 use mpm_verify::cases::own::applies::{self, Solution};
 use mpm_verify::exact::terzaghi::Terzaghi;
@@ -13,6 +13,12 @@ use mpm_verify::report::solved::Exact;
 use super::Summary;
 use super::tables::plates;
 use crate::commands::quantities::{self, flow, force, length, percent, stress};
+
+/// Whether the last stage of an implicit run follows its waves.
+fn last_stage_resolves(scene: &Scene) -> bool {
+    let end = scene.stages.last().and_then(|stage| if let Until::Time(end) = stage.until { Some(end) } else { None });
+    scene.resolves_waves(scene.observe_times.first().copied().or(end).unwrap_or(f64::INFINITY))
+}
 
 /// The quantities that matter, each on a line; those that are zero are left out.
 pub fn lines(scene: &Scene, run: &Run, summary: &Summary) -> Vec<String> {
@@ -43,6 +49,16 @@ pub fn lines(scene: &Scene, run: &Run, summary: &Summary) -> Vec<String> {
         if summary.plastic_dissipation_j > 0.0 {
             add("plastic dissipation", format!("{:.3e} J", summary.plastic_dissipation_j));
         }
+    }
+    if scene.integrator == Integrator::Implicit {
+        let water = match (scene.water, scene.relative_acceleration, scene.darcy_inertia) {
+            (None, ..) => "of the soil",
+            (_, true, _) => "full model, water with an acceleration of its own",
+            (_, false, true) => "u-p model, water accelerated with the soil",
+            (_, false, false) => "u-p model, none in Darcy's law",
+        };
+        let waves = if last_stage_resolves(scene) { "resolved" } else { "damped" };
+        add("inertia", format!("{water}; waves {waves}"));
     }
     if let Some(trust) = &summary.trust {
         let within = if trust.since_s.is_none() { "within their bounds" } else { "failed" };
