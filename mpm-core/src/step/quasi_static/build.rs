@@ -172,7 +172,9 @@ impl<const D: usize> Ground<'_, D> {
             (false, true) => WaterInertia::WithSoil,
             (false, false) => WaterInertia::None,
         };
-        let passage = scene.cell * (scene.mixture_density() / scene.oedometer_modulus()).sqrt();
+        let modulus = scene.oedometer_modulus();
+        let mass = scene.mixture_density() * self.thickness * scene.cell.powi(D as i32);
+        let passage = (scene.cell * (scene.mixture_density() / modulus).sqrt(), scene.pore_stiffness() / modulus);
         let symmetric = law.are_symmetric() && !(moves && inertia == WaterInertia::WithSoil);
         let system = System::new(size, (&solid, &pore, &faces), [&jumps, &viscosity], maps, symmetric)?;
         let water = scene.water.unwrap_or(crate::scene::WaterProperties {
@@ -204,7 +206,7 @@ impl<const D: usize> Ground<'_, D> {
             motion: moves.then(|| {
                 Box::new(Motion::new(
                     (inertia, self.damping),
-                    (passage, !self.damps),
+                    (passage, mass, !self.damps),
                     viscosity,
                     (functions, pore.len()),
                 ))

@@ -49,8 +49,10 @@ struct Rates<const D: usize> {
 #[derive(Debug, Clone)]
 pub(super) struct Motion<const D: usize> {
     pub inertia: WaterInertia,
-    /// Time in which a wave of the drained soil passes a cell, s.
-    pub passage: f64,
+    /// Time in which a wave of the drained soil passes a cell, s, and stiffness of the pore water over that of the soil.
+    pub passage: (f64, f64),
+    /// Mass of a cell full of soil, kg.
+    pub mass: f64,
     /// Whether errors of waves count.
     pub resolves: bool,
     /// Force of a jump of velocities: (function, function, N s/m), both triangles.
@@ -87,7 +89,7 @@ impl<const D: usize> Motion<D> {
     /// Soil at rest, of so many functions and pore points.
     pub fn new(
         (inertia, damping): (WaterInertia, f64),
-        (passage, resolves): (f64, bool),
+        (passage, mass, resolves): ((f64, f64), f64, bool),
         viscosity: Vec<(u32, u32, f64)>,
         (functions, points): (usize, usize),
     ) -> Self {
@@ -98,6 +100,7 @@ impl<const D: usize> Motion<D> {
             inertia,
             passage,
             viscosity,
+            mass,
             resolves,
             damping,
             a: 0.0,
@@ -152,6 +155,19 @@ impl<const D: usize> Motion<D> {
                 self.now.acceleration[f][d] = (u[f][d] - self.reach[f][d]) / (self.a * self.a);
             }
         }
+    }
+
+    /// How much more pressure a volume of water makes in a stage of a = gamma dt (s) than the soil alone would: it accelerates what is around it,
+    /// or compresses.
+    pub fn lever(&self, a: f64) -> f64 {
+        let (passage, stiffness) = self.passage;
+        (passage / a).powi(2).min(stiffness).max(1.0)
+    }
+
+    /// Force (N) that the last digits of displacements (m) make by acceleration in a stage of a = gamma dt (s): no iteration gets below.
+    pub fn round_off(&self, a: f64, u: &[[f64; D]]) -> f64 {
+        let largest = u.iter().flatten().fold(0.0, |most: f64, u| most.max(u.abs()));
+        8.0 * f64::EPSILON * largest * self.mass / (a * a)
     }
 
     /// Velocity of a function at the last evaluation, m/s.

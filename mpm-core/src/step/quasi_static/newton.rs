@@ -68,11 +68,10 @@ impl<L: Law, const D: usize> Soil<L, D> {
     }
 
     /// Out-of-balance of a stage at the last evaluation, scaled as the matrix. Returns the largest, in which volumes of water count by
-    /// the pressures that they make: over a short step with inertia little water is much acceleration, by the square of the
-    /// step over that in which a wave passes a cell.
+    /// the pressures that they make ([`Motion::lever`](super::motion::Motion::lever)).
     fn out_of_balance(&self, stage: &Stage, residual: &mut [f64]) -> f64 {
         let [length, pressure] = self.scales;
-        let lever = self.motion.as_ref().map_or(1.0, |motion| (motion.passage / stage.a).powi(2).max(1.0));
+        let lever = self.motion.as_ref().map_or(1.0, |motion| motion.lever(stage.a));
         residual.fill(0.0);
         for (function, map) in self.soil_map.iter().enumerate() {
             for d in 0..D {
@@ -108,6 +107,8 @@ impl<L: Law, const D: usize> Soil<L, D> {
     pub fn fulfil(&mut self, stage: &Stage, y: &mut [f64], work: &mut Workspace) -> Result<(), Stuck<D>> {
         self.evaluate(y).map_err(Stuck::InsideOut)?;
         let mut size = self.out_of_balance(stage, &mut work.residual) / work.reference;
+        let round_off = self.motion.as_ref().map_or(0.0, |motion| self.scales[0] * motion.round_off(stage.a, &self.u));
+        let tolerance = stage.tolerance.max(round_off / work.reference);
         work.history.clear();
         work.history.push(size);
         let (slow, rising) = match (self.law.are_linear(), self.small) {
@@ -116,7 +117,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
             (false, false) => (SLOW_LAW, RISING),
         };
         for iteration in 0..ITERATIONS {
-            if size <= stage.tolerance && !self.linear() {
+            if size <= tolerance && !self.linear() {
                 return Ok(());
             }
             let solved = self.system.solve(&work.residual, &mut work.correction);
@@ -141,7 +142,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 if evaluated.is_ok() {
                     size = self.out_of_balance(stage, &mut work.residual) / work.reference;
                 }
-                if evaluated.is_ok() && (size < before || size <= stage.tolerance || iteration < rising) {
+                if evaluated.is_ok() && (size < before || size <= tolerance || iteration < rising) {
                     break;
                 }
                 part *= 0.5;
@@ -152,7 +153,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
             }
             y.copy_from_slice(&work.trial);
             work.history.push(size);
-            if size > slow * before && size > stage.tolerance {
+            if size > slow * before && size > tolerance {
                 self.refresh(stage.a).map_err(|_| Stuck::NotConverged(work.history.clone()))?;
             }
         }
