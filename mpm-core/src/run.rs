@@ -446,6 +446,7 @@ impl<const D: usize> Seeded<D> {
             gravity,
             flip: scene.flip,
             apart: scene.separation.map_or(0.0, |strain| scene.dry_density() / (1.0 + strain)),
+            null_space: scene.null_space_strain,
             most_crossings: scene.most_crossings().saturating_mul(particles),
             period: scene.periodic.then(|| scene.cells[0] as f64 * scene.cell),
             seed: self.seed,

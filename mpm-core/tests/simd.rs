@@ -119,6 +119,11 @@ fn others() -> Vec<(String, Scene, u64)> {
             }
         }
     }
+    for shape in ["centre", "b-bar"] {
+        let filtered = scene(&["dimension = \"plane-strain\"", "width = 0.06", &format!("shape = \"{shape}\"")]);
+        let filtered = filtered.altered_unchecked(|scene| scene.null_space_strain = Some(1e-4));
+        all.push((format!("plastic, null space, {shape}"), weak(filtered, 5.0), 400));
+    }
     all.push(("plastic column".to_owned(), weak(scene(&[]), 5.0), 800));
     all
 }

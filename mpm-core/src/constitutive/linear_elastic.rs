@@ -53,6 +53,20 @@ impl LinearElastic {
 }
 
 impl LinearElastic {
+    /// Energy per volume (J/m3) at a stress less that at another: `(from - to) : C^-1 : (from + to)/2`.
+    #[inline(always)]
+    pub(super) fn released<R: Real>(&self, from: &[R; 4], to: &[R; 4]) -> R {
+        let mut sum = from[0].like(0.0);
+        for i in 0..4 {
+            let mut strain = sum.like(0.0);
+            for j in 0..4 {
+                strain += (from[j] + to[j]) * self.compliance[(i, j)];
+            }
+            sum += (from[i] - to[i]) * strain * 0.5;
+        }
+        sum
+    }
+
     /// The same law with so many times its stiffness.
     pub(super) fn stiffened(&self, times: f64) -> Self {
         Self { lame: times * self.lame, shear: times * self.shear, compliance: self.compliance / times }
@@ -89,6 +103,11 @@ impl Law for LinearElastic {
     fn energy(&self, stress: &[f64; 4]) -> f64 {
         let sigma = SVector::<f64, 4>::from(*stress);
         0.5 * (self.compliance * sigma).dot(&sigma)
+    }
+
+    #[inline(always)]
+    fn released_lanes<V: Simd>(&self, from: &[SimdReal<V>; 4], to: &[SimdReal<V>; 4]) -> SimdReal<V> {
+        self.released(from, to)
     }
 
     fn dilation(&self, stress: &[f64; 4]) -> f64 {

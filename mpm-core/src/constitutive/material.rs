@@ -90,6 +90,11 @@ impl Law for Material {
         whichever!(self, law => law.energy(stress))
     }
 
+    #[inline(always)]
+    fn released_lanes<V: Simd>(&self, from: &[SimdReal<V>; 4], to: &[SimdReal<V>; 4]) -> SimdReal<V> {
+        whichever!(self, law => law.released_lanes(from, to))
+    }
+
     fn dilation(&self, stress: &[f64; 4]) -> f64 {
         whichever!(self, law => law.dilation(stress))
     }
@@ -136,6 +141,12 @@ impl<L: Law> Materials<L> {
     #[inline(always)]
     pub fn of(&self, id: u32) -> u8 {
         self.soils.of_particle(id)
+    }
+
+    /// All of them.
+    #[inline(always)]
+    pub fn laws(&self) -> &[L] {
+        &self.laws
     }
 
     /// One of them.

@@ -99,6 +99,18 @@ pub trait Law: Copy + Send + Sync + 'static {
     fn tangent(&self, stress: &[f64; 4], strain: &[f64; 4], state: &State) -> SMatrix<f64, 4, 4>;
     /// Elastic energy stored per volume at a stress, J/m3, where the volume does not change.
     fn energy(&self, stress: &[f64; 4]) -> f64;
+    /// [`Self::energy`] at a stress less that at another, of so many particles at once, J/m3.
+    #[inline(always)]
+    fn released_lanes<V: Simd>(&self, from: &[SimdReal<V>; 4], to: &[SimdReal<V>; 4]) -> SimdReal<V> {
+        let mut released = from[0].like(0.0);
+        for lane in 0..SimdReal::<V>::COUNT {
+            let [old, new] = [from, to].map(|stress| stress.map(|s| s.lane(lane)));
+            if old != new {
+                released.set_lane(lane, self.energy(&old) - self.energy(&new));
+            }
+        }
+        released
+    }
     /// Elastic change of volume at a stress, logarithmic, -.
     fn dilation(&self, _stress: &[f64; 4]) -> f64 {
         0.0

@@ -155,7 +155,7 @@ pub struct WaterState {
 /// Where the particles of both layers are in the plane, for pictures.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Places {
-    /// Solid particles: x, y (m) and mean effective stress (Pa, tension positive).
+    /// Solid particles in the order of their numbers: x, y (m) and mean effective stress (Pa, tension positive).
     pub solid: Vec<[f64; 3]>,
     /// Water particles: x, y (m) and pore pressure (Pa).
     pub water: Vec<[f64; 3]>,
@@ -163,13 +163,16 @@ pub struct Places {
 
 impl Places {
     /// Those of some particles; nothing in a column.
-    pub(crate) fn of<const D: usize>(solid: &[SolidPoint<D>], water: &[WaterPoint<D>]) -> Self {
+    pub(crate) fn of<'a, const D: usize>(
+        solid: impl Iterator<Item = &'a SolidPoint<D>>,
+        water: &[WaterPoint<D>],
+    ) -> Self {
         if D == 1 {
             return Self::default();
         }
         let mean = |stress: &[f64; 4]| stress[..3].iter().sum::<f64>() / 3.0;
         Self {
-            solid: solid.iter().map(|p| [p.x[0], p.x[D - 1], mean(&p.stress)]).collect(),
+            solid: solid.map(|p| [p.x[0], p.x[D - 1], mean(&p.stress)]).collect(),
             water: water.iter().map(|p| [p.x[0], p.x[D - 1], p.pressure]).collect(),
         }
     }

@@ -30,6 +30,7 @@ features! {
     Staggered: "time.integrator" "\"staggered\"",
     Coupled: "time.integrator" "\"coupled\"",
     Centroid: "scheme.shape" "\"centroid\"",
+    Linear: "scheme.shape" "\"linear\"",
     BBar: "scheme.shape" "\"b-bar\"",
     Gimp: "scheme.shape" "\"gimp\"",
     Bspline2: "scheme.shape" "\"bspline2\"",
@@ -79,6 +80,7 @@ features! {
     RelativeAcceleration: "scheme.relative_acceleration" "true",
     Flip: "scheme.flip" "scheme.flip",
     Affine: "scheme.transfer" "\"affine\"",
+    NullSpace: "scheme.null_space_strain" "scheme.null_space_strain",
     Musl: "scheme.update" "\"musl\"",
     LightNodes: "scheme.light_nodes" "scheme.light_nodes",
     JumpPenalty: "scheme.jump_penalty" "scheme.jump_penalty",
@@ -146,6 +148,8 @@ const IMPLICIT: &[Feature] = &[SemiImplicit, QuasiStatic, Implicit];
 const SOLVED: &[Feature] = &[QuasiStatic, Implicit];
 /// Those, and functions that reach beyond a cell.
 const NOT_CORNERS: &[Feature] = &[SemiImplicit, QuasiStatic, Implicit, Gimp, Bspline2, Bspline3];
+/// Those, and functions whose forces see the stress of every particle by itself.
+const NOT_SAME_PLACE: &[Feature] = &[QuasiStatic, Implicit, Linear, Gimp, Bspline2, Bspline3];
 /// Soil that is not the same all over.
 const SEVERAL: &[Feature] = &[Layers, Regions];
 const NOT_PLAIN: &[Feature] = &[SemiImplicit, QuasiStatic, Implicit, Staggered, Coupled, FreeSurface];
@@ -155,6 +159,8 @@ const BY_SOLVED: &str = "integrator = \"quasi-static\" or \"implicit\" with it";
 const BY_EXPLICIT: &str = "integrator = \"explicit\" with it";
 const BY_CORNERS: &str =
     "integrator = \"explicit\" and shape = \"centre\", \"centroid\", \"linear\" or \"b-bar\" with it";
+const BY_SAME_PLACE: &str = "integrator = \"explicit\" or \"semi-implicit\" and shape = \"centre\", \"centroid\" or \"b-bar\" with it, \
+                             where the stress of a cell is taken at one place";
 const BY_PLAIN: &str = "integrator = \"explicit\" with it, in a scene without a free surface of water";
 const BY_TENSOR: &str = "integrator = \"quasi-static\" or \"implicit\" and shape = \"bspline2\" or \"bspline3\" with it: two-point fluxes act only \
                          along face normals";
@@ -328,6 +334,7 @@ pub const RULES: &[Rule] = &[
     rule(Separation, NOT_CORNERS, BY_CORNERS),
     rule(RestEnd, NOT_CORNERS, BY_CORNERS),
     rule(Affine, NOT_PLAIN, BY_PLAIN),
+    rule(NullSpace, NOT_SAME_PLACE, BY_SAME_PLACE),
     rule(Musl, NOT_PLAIN, BY_PLAIN),
     rule(Musl, &[CoulombBase], "\"usl\" with [base]: friction acts at the nodes"),
     // Solved displacements alone, and what they have no use for.

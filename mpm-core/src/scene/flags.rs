@@ -25,11 +25,12 @@ pub struct Flags {
 }
 
 /// Keys of no use without steps of a given length or without inertia, and of none where displacements are not solved for.
-const OF_STEPS_OR_MOTION: [&str; 7] = [
+const OF_STEPS_OR_MOTION: [&str; 8] = [
     "scheme.flip",
     "scheme.darcy_inertia",
     "scheme.relative_acceleration",
     "scheme.transfer",
+    "scheme.null_space_strain",
     "scheme.update",
     "time.safety",
     "time.waves",

@@ -655,6 +655,9 @@ pub struct Fields {
     /// What a particle gives to a node.
     #[serde(skip_serializing_if = "TransferChoice::is_default")]
     pub transfer: TransferChoice,
+    /// Strain over which the null-space filter takes differences between the stresses of the particles of a cell to 1/e, -.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub null_space_strain: Option<f64>,
     /// Which velocities strain the soil.
     #[serde(skip_serializing_if = "UpdateChoice::is_default")]
     pub update: UpdateChoice,

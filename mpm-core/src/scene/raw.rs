@@ -322,6 +322,7 @@ pub(super) struct RawScheme {
     pub light_nodes: Option<Number>,
     pub transfer: Option<Word>,
     pub update: Option<Word>,
+    pub null_space_strain: Option<Number>,
     pub quadrature: Option<Word>,
     pub jump_penalty: Option<Number>,
 }

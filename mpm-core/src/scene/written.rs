@@ -365,6 +365,7 @@ impl Fields {
         out.unless("scheme.flip", self.flip, 1.0)?;
         out.unless("scheme.light_nodes", self.light_nodes, self.sole_light_nodes())?;
         out.unless("scheme.transfer", self.transfer, TransferChoice::Plain)?;
+        out.put("scheme.null_space_strain", self.null_space_strain)?;
         out.unless("scheme.update", self.update, UpdateChoice::Usl)?;
         out.unless("scheme.quadrature", self.quadrature, Quadrature::Fitted)?;
         out.put("scheme.jump_penalty", self.jump_penalty)?;

@@ -35,6 +35,8 @@ pub struct Body<const D: usize> {
     pub flip: f64,
     /// Soil less dense than this (dry, kg/m3) is a tension gap and carries no stress; 0 if it always does.
     pub apart: f64,
+    /// Strain of the null-space filter, where it is on.
+    pub null_space: Option<f64>,
     /// Cells that all particles together may cross in a stage without damping; `u64::MAX` for any number.
     pub most_crossings: u64,
     /// Width of a mesh that is periodic, m.

@@ -65,6 +65,7 @@ pub fn in_order<const D: usize>(scene: &Scene, order: &[usize]) -> Body<D> {
         gravity: scene.gravity_vector().map(|g| std::array::from_fn(|d| g[d + 2 - D])),
         flip: scene.flip,
         apart: 0.0,
+        null_space: None,
         most_crossings: u64::MAX,
         period: None,
         seed: Seed { per_row: seeded.len() - top, spacing, heights: Vec::new() },

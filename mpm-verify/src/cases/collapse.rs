@@ -102,8 +102,9 @@ fn outcome(name: &str, meshes: &[f64], aspects: &[f64], kind: Kind, fault: fn(&m
         }
         errors.push((cell, worst(offs.into_iter())));
     }
+    let fine = meshes[meshes.len() - 1];
     let with = |count: &usize| {
-        let mut scene = column(&base, aspects[0], meshes[0])?.edited(|s| s.particles_per_cell = *count)?;
+        let mut scene = column(&base, aspects[0], fine)?.edited(|s| s.particles_per_cell = *count)?;
         scene = scene.edited(fault)?;
         let run = finished(&scene)?;
         let reach = run.samples.last().ok_or(Lacks("sample"))?.state.reach[0];
@@ -111,7 +112,7 @@ fn outcome(name: &str, meshes: &[f64], aspects: &[f64], kind: Kind, fault: fn(&m
         Ok((*count as f64, in_band((reach - scene.width) / scene.width, band)))
     };
     let counted = COUNTS.iter().map(with).collect::<Result<_, Error>>()?;
-    let against = format!("the band of published laws, H_0/L_0 = {}, L = {} m", aspects[0], meshes[0]);
+    let against = format!("the band of published laws, H_0/L_0 = {}, L = {fine} m", aspects[0]);
     // A place in a band has no order: the finest mesh is judged, the other one shown beside it.
     let finest = errors.last().copied().ok_or(Lacks("mesh"))?;
     let on_meshes = Refinement::new(MESH, errors, "the band of published laws, the ratio that is farthest out");

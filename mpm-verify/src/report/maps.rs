@@ -32,11 +32,13 @@ pub fn all(scene: &Scene, run: &Run) -> Vec<Field> {
         Field {
             name: "map-soil",
             title: format!("{}: soil at t = {} s", scene.name, brief(time, 4)),
-            caption: "Every solid particle, coloured by its mean effective stress, compression positive.".to_owned(),
+            caption: "Every solid particle as the soil that it stands for, by its mean effective stress, compression positive."
+                .to_owned(),
             quantity: "mean effective stress (kPa)".to_owned(),
             column: "mean_effective_stress_kpa",
             range: None,
             spacing: scene.spacing(),
+            per_row: scene.outline.is_none().then(|| scene.cells[0] * scene.particles_per_direction()),
             points: kilo(&places.solid, -1.0),
             lines: lines.clone(),
         },
@@ -48,6 +50,7 @@ pub fn all(scene: &Scene, run: &Run) -> Vec<Field> {
             column: "pore_pressure_kpa",
             range: None,
             spacing,
+            per_row: None,
             points: kilo(water, 1.0),
             lines,
         },

@@ -159,6 +159,11 @@ impl Law for MohrCoulomb {
         self.surface.energy(&Self::ordered(stress).values)
     }
 
+    #[inline(always)]
+    fn released_lanes<V: Simd>(&self, from: &[SimdReal<V>; 4], to: &[SimdReal<V>; 4]) -> SimdReal<V> {
+        self.elastic.released(from, to)
+    }
+
     fn yield_residual(&self, stress: &[f64; 4], _: &State) -> f64 {
         self.excess(stress)
     }

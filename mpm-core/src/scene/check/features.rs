@@ -73,7 +73,7 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
         | Feature::Implicit
         | Feature::Staggered
         | Feature::Coupled => integrator(feature.word().trim_matches('"')),
-        Feature::Centroid | Feature::BBar | Feature::Gimp | Feature::Bspline2 | Feature::Bspline3 => {
+        Feature::Centroid | Feature::Linear | Feature::BBar | Feature::Gimp | Feature::Bspline2 | Feature::Bspline3 => {
             shape(feature.word().trim_matches('"'))
         }
         Feature::AnyShape => !shape("bspline2") && !shape("bspline3"),
@@ -132,6 +132,7 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
             scheme.is_some_and(|scheme| scheme.darcy_inertia.as_ref().is_some_and(|kept| *kept.get_ref()))
         }
         Feature::Flip => scheme.is_some_and(|scheme| scheme.flip.is_some()),
+        Feature::NullSpace => scheme.is_some_and(|scheme| scheme.null_space_strain.is_some()),
         Feature::Affine => scheme.is_some_and(|scheme| is(scheme.transfer.as_ref(), "affine")),
         Feature::Musl => scheme.is_some_and(|scheme| is(scheme.update.as_ref(), "musl")),
         Feature::LightNodes => scheme.is_some_and(|scheme| scheme.light_nodes.is_some()),
@@ -184,6 +185,7 @@ fn place(raw: &RawScene, feature: Feature) -> Option<Range<usize>> {
         "scheme.darcy_inertia" => of(scheme?.darcy_inertia.as_ref()),
         "scheme.relative_acceleration" => of(scheme?.relative_acceleration.as_ref()),
         "scheme.flip" => of(scheme?.flip.as_ref()),
+        "scheme.null_space_strain" => of(scheme?.null_space_strain.as_ref()),
         "scheme.transfer" => of(scheme?.transfer.as_ref()),
         "scheme.update" => of(scheme?.update.as_ref()),
         "scheme.light_nodes" => of(scheme?.light_nodes.as_ref()),

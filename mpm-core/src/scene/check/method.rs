@@ -18,6 +18,7 @@ pub(super) struct Scheme {
     pub relative_acceleration: Option<bool>,
     pub flip: f64,
     pub transfer: TransferChoice,
+    pub null_space_strain: Option<f64>,
     pub update: UpdateChoice,
     pub quadrature: Quadrature,
     pub jump_penalty: Option<f64>,
@@ -82,6 +83,7 @@ impl Reader<'_> {
             relative_acceleration: None,
             flip: 1.0,
             transfer: TransferChoice::Plain,
+            null_space_strain: None,
             update: UpdateChoice::Usl,
             quadrature: Quadrature::Fitted,
             jump_penalty: None,
@@ -105,6 +107,10 @@ impl Reader<'_> {
         faults.or_keep(&mut scheme.quadrature, |usual| {
             self.word(raw.quadrature.as_ref(), "scheme.quadrature", words, usual)
         });
+        if let Some(value) = &raw.null_space_strain {
+            let strain = self.within(value, "scheme.null_space_strain", "a strain above 0 (-)", |e| e > 0.0);
+            scheme.null_space_strain = faults.take(strain);
+        }
         if let Some(value) = &raw.jump_penalty {
             let expected = "a factor from 0 to 1 (-)";
             let factor = self.within(value, "scheme.jump_penalty", expected, |g| (0.0..=1.0).contains(&g));

@@ -411,6 +411,7 @@ impl Reader<'_> {
             flip: scheme.flip,
             transfer: scheme.transfer,
             update: scheme.update,
+            null_space_strain: scheme.null_space_strain,
             step: time.step,
             safety: time.safety,
             force: false,

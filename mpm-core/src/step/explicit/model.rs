@@ -111,7 +111,9 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for Explicit<V, F, D> {
         let whole = self.whole();
         let of_pores = whole.water.as_ref().map(|water| &water.layer.points[..]);
         let of_free = self.advected().map(|free| &free.layer.points[..]);
-        Places::of(&whole.solid.points, of_pores.or(of_free).unwrap_or(&[]))
+        let mut numbered: Vec<_> = whole.solid.ids.iter().zip(&whole.solid.points).collect();
+        numbered.sort_by_key(|(id, _)| **id);
+        Places::of(numbered.into_iter().map(|(_, point)| point), of_pores.or(of_free).unwrap_or(&[]))
     }
 
     fn save_or_restore(&mut self, archive: &mut Archive) -> Result<(), RestoreError> {

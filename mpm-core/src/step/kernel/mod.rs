@@ -8,6 +8,7 @@
 mod bases;
 pub mod equation;
 mod map_back;
+mod null_space;
 mod on_cell;
 mod scatter;
 mod stencil;
@@ -399,6 +400,8 @@ pub struct Rare<'a> {
     pub axis: Option<f64>,
     /// As [`Frame::finds_centroids`].
     pub found: bool,
+    /// Strain over which the null-space filter takes differences between the particles of a cell to 1/e, where it is on.
+    pub null_space: Option<f64>,
 }
 
 /// Everything a pass reads and no strip changes.
@@ -463,7 +466,9 @@ impl<F: Copy, const D: usize> Common<'_, F, D> {
             _ => return None,
         };
         let Rare { mapped: None, ratio: None, grains: None, biot: None, .. } = self.rare else { return None };
-        let Rare { outflow: None, softness: None, axis: None, found: false, .. } = self.rare else { return None };
+        let Rare { outflow: None, softness: None, axis: None, found: false, null_space: None, .. } = self.rare else {
+            return None;
+        };
         let Kept { affine: None, state: None, strain: None } = self.kept else { return None };
         let kept = Kept { affine: None, state: None, strain: None };
         Some(Self { elastic, water, kept, plastic: false, coupled: false, rare: Rare::default(), ..*self })
@@ -655,6 +660,11 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
                 }
             }
             let gained = self.solid(group, &position, (motion, &edges, &cell), (sums, &mut soil), running);
+            if let (true, Some(strain)) = (F::OF_CELL || F::SPLIT, rare.null_space) {
+                let centre = array!([none; D], d => position[d].like(0.5));
+                let gradient = functions.moves(motion, &edges, &centre, frame.inverse_size).gradient;
+                self.filter(group, &gradient, strain, &mut running.flowed);
+            }
             if wet {
                 self.water(group, &position, Some((motion, &relative, &cell, gained)), (&edges, sums), running);
             }

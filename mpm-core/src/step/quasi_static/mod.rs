@@ -353,7 +353,7 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
     }
 
     fn places(&self) -> Places {
-        Places::of(&self.points_now(), &[])
+        Places::of(self.points_now().iter(), &[])
     }
 
     fn particles(&self) -> Vec<SolidState> {

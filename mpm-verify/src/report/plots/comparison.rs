@@ -56,6 +56,7 @@ pub fn fields(judged: &Judged) -> Vec<Field> {
         column: "value",
         range,
         spacing,
+        per_row: None,
         points: row.places.iter().zip(values).map(|(place, value)| [place[0], place[1], *value]).collect(),
         lines: Vec::new(),
     };

@@ -218,6 +218,13 @@ impl View<'_> {
             let corners: Vec<Spot> = series.points.iter().filter_map(|p| self.spot(p)).collect();
             canvas.area(&corners, look.colour)?;
         }
+        if series.mark == Mark::Tiles {
+            for tile in series.points.chunks(4) {
+                let corners: Vec<Spot> = tile.iter().filter_map(|p| self.spot(p)).collect();
+                canvas.area(&corners, look.colour)?;
+            }
+            return Ok(());
+        }
         if canvas.takes_marks() && is_cloud(series) {
             let spots: Vec<Spot> = series.points.iter().filter_map(|p| self.spot(p)).collect();
             return canvas.mark_cloud(&spots, look);
@@ -229,7 +236,7 @@ impl View<'_> {
                 Mark::Bars => self.bar(canvas, point, spot, look)?,
                 Mark::Arrows => arrow(canvas, (spot.0, self.down(point.from)), spot, look)?,
                 Mark::Range => range(canvas, spot, self.down(point.from), look)?,
-                Mark::Line | Mark::Area | Mark::Text | Mark::Middle => {}
+                Mark::Line | Mark::Area | Mark::Tiles | Mark::Text | Mark::Middle => {}
             }
         }
         Ok(())

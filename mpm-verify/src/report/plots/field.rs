@@ -2,9 +2,12 @@
 
 use std::path::Path;
 
+use plotters::style::RGBColor;
+
 use super::axis::Axis;
 use super::figure::{Figure, Mark, Panel, Point, Series};
 use super::look::{BLACK, BLUE, Dash, Look, Marker, RED};
+use super::tiles::tiles;
 use super::{colours, draw, write_drawn};
 use crate::report::numbers::exact;
 use crate::report::quantity::{CLIPPED, robust};
@@ -43,6 +46,8 @@ pub struct Field {
     pub range: Option<(f64, f64)>,
     /// Distance of neighbouring particles, m: how large they are drawn.
     pub spacing: f64,
+    /// How many particles stood in each row at t = 0, where they stood in rows, the lowest first.
+    pub per_row: Option<usize>,
     /// Particles: x (m), y (m), value. One whose value is not a number is left out of the picture.
     pub points: Vec<[f64; 3]>,
     /// Lines over them.
@@ -82,7 +87,16 @@ pub fn figure(field: &Field) -> Figure {
     let look = Look::new(BLACK, Marker::Square).radius((half * unit / 0.86).max(0.8));
     let (across, up) = (Axis::linear("x (m)", "x_m").range(x.0, x.1), Axis::linear("y (m)", "y_m").range(y.0, y.1));
     let mut map = Panel { share: SHARES[0], equal: true, ..Panel::new("", across, up) };
-    cloud(&mut map, &field.points, (low, high), look);
+    let tiles = field.per_row.map(|per_row| tiles(&field.points, per_row, field.spacing)).unwrap_or_default();
+    let is_tile = |k: usize| tiles.get(k).is_some_and(Option::is_some);
+    let numbered = || field.points.iter().enumerate();
+    let squares: Vec<_> = numbered().filter(|(k, _)| !is_tile(*k)).map(|(_, point)| *point).collect();
+    cloud(&mut map, &squares, (low, high), look);
+    for (number, colour) in shades() {
+        let own = |(k, p): &(usize, &[f64; 3])| is_tile(*k) && shade(p[2], (low, high)) == Some(number);
+        let corners = numbered().filter(own).flat_map(|(k, _)| tiles[k]).flatten().map(|(x, y)| Point::new(x, y));
+        map.add(Series::new("", Look::new(colour, Marker::Dot), Mark::Tiles, corners).unlisted());
+    }
     for line in &field.lines {
         map.add(Series::line(line.label.clone(), line.look, line.points.iter().copied()));
     }
@@ -116,14 +130,24 @@ pub fn write(field: &Field, folder: &Path) -> Result<String, ReportError> {
 
 /// Adds particles (x, y in m, value) in the colours of their values, a series per shade; those whose value is not a
 /// number are left out. The look's colour does not matter.
-pub fn cloud(map: &mut Panel, particles: &[[f64; 3]], (low, high): (f64, f64), look: Look) {
-    let shade = |value: f64| (((value - low) / (high - low)).clamp(0.0, 1.0) * SHADES as f64).min(SHADES as f64 - 1.0);
-    for number in 0..SHADES {
-        let own = |p: &&[f64; 3]| p[2].is_finite() && shade(p[2]) as usize == number;
+pub fn cloud(map: &mut Panel, particles: &[[f64; 3]], range: (f64, f64), look: Look) {
+    for (number, colour) in shades() {
+        let own = |p: &&[f64; 3]| shade(p[2], range) == Some(number);
         let points = particles.iter().filter(own).map(|p| Point::new(p[0], p[1]));
-        let look = Look { colour: colours::at(middle(number)), ..look };
+        let look = Look { colour, ..look };
         map.add(Series::new("", look, Mark::Points, points).unlisted());
     }
+}
+
+/// Number of the shade of a value; none if it is not a number.
+fn shade(value: f64, (low, high): (f64, f64)) -> Option<usize> {
+    let along = ((value - low) / (high - low)).clamp(0.0, 1.0) * SHADES as f64;
+    value.is_finite().then_some(along.min(SHADES as f64 - 1.0) as usize)
+}
+
+/// All shades with their numbers.
+fn shades() -> impl Iterator<Item = (usize, RGBColor)> {
+    (0..SHADES).map(|number| (number, colours::at(middle(number))))
 }
 
 /// Middle of a shade between 0 and 1.
@@ -180,6 +204,7 @@ mod tests {
             column: "pore_pressure_kpa",
             range: None,
             spacing: 0.05,
+            per_row: None,
             points,
             lines: vec![line("outline", OUTLINE, corners), line("free surface, exact", EXACT, surface)],
         }

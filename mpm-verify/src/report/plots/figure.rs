@@ -61,6 +61,8 @@ pub enum Mark {
     Range,
     /// The polygon between them, filled.
     Area,
+    /// The same for every four of them.
+    Tiles,
     /// The points' notes and nothing else, from the point on.
     Text,
     /// The same with their middle at the point.

@@ -36,6 +36,7 @@ pub mod spline_profiles;
 pub mod stability_map;
 pub mod steps;
 pub mod stress_test;
+mod tiles;
 
 use std::path::Path;
 use std::sync::OnceLock;
