@@ -6,8 +6,8 @@
 //! The sum of V sigma over a cell, and so every force, stays. A mean of admissible stresses is admissible, since yield surfaces are
 //! convex, and has less energy: what is lost is booked with the dissipation of the soil.
 //!
-//! Sources: Brackbill, *J. Comput. Phys.* 75 (1988) 469-492 (ringing), doi:10.1016/0021-9991(88)90123-5; Gritton & Berzins,
-//! *Comput. Part. Mech.* 4 (2017) 185-196 (null space of the mapping to the mesh), doi:10.1007/s40571-016-0141-1.
+//! Sources: Brackbill, *J. Comput. Phys.* 75 (1988) 469-492 (ringing); Gritton & Berzins, *Comput. Part. Mech.* 4 (2017) 131-142
+//! (null space of the mapping to the mesh), doi:10.1007/s40571-016-0134-3. Theirs knows no rate; this one has that of the strain.
 
 use pulp::{Simd, WithSimd};
 
