@@ -9,7 +9,7 @@
 
 use mpm_verify::rates::{Fit, fit};
 
-use crate::row::Row;
+use crate::row::{MOVING, Row};
 
 /// Coarsest mesh that is fitted, m: above, what does not grow weighs too much.
 const COARSEST: f64 = 0.1;
@@ -56,7 +56,7 @@ pub fn is_on_line(row: &Row) -> bool {
     let ppc = if row.integrator == "quasi-static" { 9 } else { 4 };
     let time = match row.integrator.as_str() {
         "quasi-static" => row.method == "krylov" && row.dt_or_tol == TOLERANCE,
-        _ => !row.case.contains("-step1/"),
+        name => !name.ends_with(MOVING) && !row.case.contains("-step1/"),
     };
     row.ppc == ppc && time && row.dimension == "column" && row.failure.is_none()
 }

@@ -9,14 +9,14 @@ use allocation_counter::{measure, opt_out};
 use cpu_time::ThreadTime;
 use mpm_core::drive::Run;
 use mpm_core::run::{StartError, run};
-use mpm_core::scene::{Integrator, Scene, TimeMethod};
+use mpm_core::scene::{Scene, StrainChoice, TimeMethod};
 use mpm_verify::error::Error;
 use mpm_verify::exact::terzaghi::Terzaghi;
 use mpm_verify::norms::{SAMPLE_TV, largest, relative};
 use mpm_verify::study::{Case, Variant, word};
 
 use crate::baseline::{self, FiniteVolumes, Soil};
-use crate::row::Found;
+use crate::row::{Found, MOVING};
 use crate::setting::{Setting, Solver};
 
 /// A sample of time is the mean over so many runs that it lasts this long, s: the clock itself needs a third of a microsecond.
@@ -117,15 +117,16 @@ impl Setting {
     fn compare(&self, scene: &Scene, run: &Run) -> Result<Found, Error> {
         let case = Case { name: self.case.clone(), variant: Variant::Base, scene: scene.clone() };
         let result = case.compare(run, f64::NAN)?;
-        let chosen = scene.integrator == Integrator::QuasiStatic;
+        let chosen = scene.integrator.solves_displacements();
+        let moves = chosen && scene.strain == StrainChoice::Large;
         let method = match scene.method {
-            _ if !chosen => String::new(),
+            _ if !chosen || moves => String::new(),
             // A linear scene.
             TimeMethod::Auto => word(TimeMethod::Krylov),
             given => word(given),
         };
         Ok(Found {
-            integrator: result.integrator,
+            integrator: if moves { format!("{}{MOVING}", result.integrator) } else { result.integrator },
             scheme: result.scheme,
             mesh_m: result.mesh_m,
             ppc: result.ppc,

@@ -4,6 +4,9 @@ use mpm_verify::report::numbers::exact;
 use mpm_verify::study::or_nan;
 use serde::{Deserialize, Serialize};
 
+/// What follows the name of an integrator whose mesh moves with the soil.
+pub const MOVING: &str = " (moving mesh)";
+
 /// What one run of a setting finds; the same at every repetition.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Found {

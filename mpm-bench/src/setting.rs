@@ -1,6 +1,8 @@
 //! One way to compute the column: which solver, how fine, with which step or tolerance.
 
-use mpm_core::scene::{Dimension, Fields, Integrator, LoadOn, Scene, ShapeChoice, StepChoice, Surcharge, TimeMethod};
+use mpm_core::scene::{
+    Dimension, Fields, Integrator, LoadOn, Scene, ShapeChoice, StepChoice, StrainChoice, Surcharge, TimeMethod,
+};
 use mpm_core::stability::choose_step;
 use mpm_verify::error::Error;
 use mpm_verify::study::plan::{remesh, set_family};
@@ -50,6 +52,8 @@ pub struct Choice {
     pub time: Time,
     /// One dimension or the full width.
     pub dimension: Dimension,
+    /// Whether the mesh moves with the soil: large strain of integrators that solve for displacements.
+    pub moves: bool,
 }
 
 impl Setting {
@@ -58,7 +62,7 @@ impl Setting {
     /// # Errors
     /// A mesh that does not divide the column, no square number of particles, a step that cannot be chosen.
     pub fn points(base: &Scene, choice: &Choice) -> Result<Self, Error> {
-        let Choice { integrator, shape, mesh, ppc, time, dimension } = *choice;
+        let Choice { integrator, shape, mesh, ppc, time, dimension, moves } = *choice;
         let base = base.edited(|s| s.dimension = dimension)?;
         let mut case = format!("{}-{}-L{mesh}-ppc{ppc}", word(integrator), word(shape));
         let family = |scene: &mut Fields, tolerance| set_family(scene, &Family::whole(integrator, shape), tolerance);
@@ -72,6 +76,9 @@ impl Setting {
                     family(scene, tolerance);
                     scene.method = method;
                 }
+            }
+            if moves {
+                scene.strain = StrainChoice::Large;
             }
         })?;
         match time {
@@ -88,6 +95,9 @@ impl Setting {
                     case += "-sdirk";
                 }
             }
+        }
+        if moves {
+            case += "-moving";
         }
         if dimension == Dimension::PlaneStrain {
             case += "-plane-strain";
@@ -109,7 +119,7 @@ impl Setting {
 ///
 /// `method` and `step` are those of its row; a step is only given where it is not the automatic one.
 pub fn command(row: &crate::row::Row) -> Option<String> {
-    if baseline::is(&row.integrator) || row.method == "sdirk" {
+    if baseline::is(&row.integrator) || row.method == "sdirk" || row.case.ends_with("-moving") {
         return None;
     }
     let mut text = format!(

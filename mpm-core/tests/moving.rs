@@ -234,6 +234,20 @@ fn loads_that_a_scheme_does_not_bear_are_refused_unless_forced() {
 }
 
 #[test]
+fn damped_waves_are_said() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../reference-data/scenes/dynamic-column.toml");
+    let text = std::fs::read_to_string(path).expect("the scene of the dynamic column");
+    let scene = Scene::parse(&text, "dynamic-column.toml").expect("a sound scene");
+    assert!(scene.notes().is_empty(), "{:?}", scene.notes());
+    let damped = scene.edited(|s| s.integrator = Integrator::SemiImplicit).expect("a sound scene");
+    assert!(damped.notes()[0].contains("0.48 passages of a wave"), "{:?}", damped.notes());
+    let slow = damped.edited(|s| s.surcharge = s.surcharge.map(|load| Surcharge { ramp_time: 0.01, ..load }));
+    assert!(slow.expect("a sound scene").notes().is_empty());
+    let late = damped.edited(|s| s.observe_times.retain(|time| *time > 0.04)).expect("a sound scene");
+    assert!(late.notes()[0].contains("5.27 passages") && damped.notes().len() == 1, "{:?}", late.notes());
+}
+
+#[test]
 fn an_outline_settles_by_its_crest() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../reference-data/scenes/slope-at-rest.toml");
     let text = std::fs::read_to_string(path).expect("the scene of a slope");

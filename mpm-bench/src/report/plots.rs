@@ -2,13 +2,13 @@
 
 use mpm_verify::report::plots::axis::Axis;
 use mpm_verify::report::plots::figure::{Figure, Mark, Panel, Point, Series, share_x, share_y};
-use mpm_verify::report::plots::look::{BLACK, BLUE, Dash, GREEN, GREY, Look, Marker, ORANGE, RED};
+use mpm_verify::report::plots::look::{BLACK, BLUE, Dash, GREEN, GREY, Look, Marker, ORANGE, PURPLE, RED};
 use mpm_verify::report::plots::schemes::LOOKS;
 
 use super::{Findings, kernel};
 use crate::baseline;
 use crate::pareto::front;
-use crate::row::Row;
+use crate::row::{MOVING, Row};
 
 /// Error against CPU time, both references.
 pub const CPU: &str = "error-against-cpu";
@@ -40,6 +40,10 @@ fn look_of(integrator: &str) -> Look {
         "explicit" => Look::new(ORANGE, Marker::Down),
         "semi-implicit" => Look::new(GREEN, Marker::Up),
         "quasi-static" => Look::new(BLUE, Marker::Circle),
+        moving if moving.ends_with(MOVING) => {
+            let marker = if moving.starts_with("implicit") { Marker::Diamond } else { Marker::Right };
+            Look::new(PURPLE, marker).dash(Dash::Dotted)
+        }
         _ => Look::new(RED, Marker::Square).dash(Dash::Dashed),
     }
 }

@@ -10,7 +10,7 @@ use crate::baseline::{self, Kind};
 use crate::cheapest::{self, WANTED, best};
 use crate::growth::Growth;
 use crate::peers::Peer;
-use crate::row::Row;
+use crate::row::{MOVING, Row};
 
 /// A row per wanted error and integrator, the cheapest first; integrators that do not get there last.
 pub fn cheapest(findings: &Findings) -> Table {
@@ -134,7 +134,8 @@ pub fn schemes(findings: &Findings) -> Table {
 
 /// How fine a setting is in time, in few words.
 fn briefly(row: &Row) -> String {
-    let own_steps = row.integrator == "quasi-static" || baseline::is(&row.integrator);
+    let own_steps =
+        row.integrator.starts_with("quasi-static") || row.integrator.ends_with(MOVING) || baseline::is(&row.integrator);
     if own_steps { in_time(row) } else { format!("step {} s", short(row.dt_or_tol, 2)) }
 }
 

@@ -3,7 +3,7 @@
 use mpm_verify::report::numbers::{percent, short};
 
 use crate::baseline;
-use crate::row::Row;
+use crate::row::{MOVING, Row};
 
 /// A time with two significant digits in the unit that suits it.
 pub fn time(seconds: f64) -> String {
@@ -51,6 +51,7 @@ pub fn in_time(row: &Row) -> String {
     let value = format!("{:e}", row.dt_or_tol);
     match (row.integrator.as_str(), row.method.as_str()) {
         ("quasi-static", "krylov") => format!("tolerance {value}"),
+        (name, _) if name.ends_with(MOVING) => format!("tolerance {value}"),
         ("quasi-static", method) => format!("tolerance {value}, {method}"),
         (name, _) if baseline::is(name) => format!("{} steps", row.steps),
         _ if row.case.contains("-step1/2") => format!("half the automatic step ({} s)", short(row.dt_or_tol, 2)),

@@ -32,6 +32,7 @@ pub use free_surface::{Coupling, Feed, FreeSurfaceWater};
 pub use ground::{Base, NormalStress, SeedingChoice};
 pub use initial::Initial;
 pub use loads::{AlongX, Bearing, Course, FaceLoad, MovedPlate, Piece, Well};
+pub(crate) use moving::PASSAGES;
 pub(crate) use moving::THROUGH_CELLS;
 pub use moving::{Estimate, UnfitLoad};
 pub use patch::Change;

@@ -16,7 +16,7 @@ const MOST_UNDER_PLATE: f64 = 0.5;
 /// Strain up to which the geometry may be kept as it was: small strain is off by half of it.
 const MOST_SMALL_STRAIN: f64 = 0.1;
 /// Passages of a wave of the drained soil over the height after which waves have died out, or are not what is asked for.
-const PASSAGES: f64 = 10.0;
+pub(crate) const PASSAGES: f64 = 10.0;
 /// Share of a settlement that may be missing because the transfer of velocities makes the soil viscous.
 const MOST_LATE: f64 = 0.01;
 /// Above this a small strain is worth a word: it is off by more than 1 %.
@@ -181,7 +181,22 @@ impl Fields {
                 1e2 * off
             ));
         }
+        let asked = self.observe_times.first().copied().unwrap_or(f64::INFINITY);
+        let is_excited =
+            self.start == Start::Unloaded && self.surcharge.is_some_and(|load| load.ramp_time < self.passage());
+        if self.integrator == Integrator::SemiImplicit && is_excited && asked < PASSAGES * self.passage() {
+            notes.push(format!(
+                "observed from {asked:.2e} s on, {:.2} passages of a wave through the soil after a quick load: an implicit pressure damps \
+                 the waves of the water; integrator = \"implicit\" resolves them",
+                asked / self.passage()
+            ));
+        }
         notes
+    }
+
+    /// Time in which a wave of the drained soil passes its height, s.
+    pub fn passage(&self) -> f64 {
+        self.height * (self.mixture_density() / self.oedometer_modulus()).sqrt()
     }
 
     /// Share of the settlement that soil which drains is behind by at the first observed time, because a part `1 - flip` of
@@ -197,9 +212,8 @@ impl Fields {
 
     /// Whether errors of waves count in implicit steps that are first asked for a time (s since the start of their stage).
     pub fn resolves_waves(&self, asked: f64) -> bool {
-        let passage = self.height * (self.mixture_density() / self.oedometer_modulus()).sqrt();
         match (self.integrator, self.waves) {
-            (Integrator::Implicit, Waves::Auto) => asked < PASSAGES * passage,
+            (Integrator::Implicit, Waves::Auto) => asked < PASSAGES * self.passage(),
             (Integrator::Implicit, Waves::Resolved) => true,
             _ => false,
         }

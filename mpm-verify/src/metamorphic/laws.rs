@@ -214,14 +214,14 @@ fn plane(base: &Base) -> Verdict {
     // A share of a full node's mass is another one at a side, where nodes have half of it: there soil is not one-dimensional. Nor
     // where splines at a side are so light that they are lent inertia.
     let lent = base.scene.shape.spline_degree().is_some()
-        && base.scene.integrator != Integrator::QuasiStatic
+        && !base.scene.integrator.solves_displacements()
         && base.scene.moves_through_cells();
     if base.written.plane || base.written.integrator == "staggered" || base.scene.light_nodes > 0.0 || lent {
         return Verdict::Apart;
     }
     // In two dimensions fewer than nine particles are not weighed as rows of them are, nor the loads that they carry; and
     // volumes as weights are off by as much along x as along y, the load on the surface is not.
-    let splines = base.scene.integrator == Integrator::QuasiStatic && base.scene.shape.spline_degree().is_some();
+    let splines = base.scene.integrator.solves_displacements() && base.scene.shape.spline_degree().is_some();
     let on_particles = base.written.load.as_ref().is_some_and(|load| load.on == "particles");
     let volumes = base.scene.quadrature == Quadrature::Volumes;
     if splines && (base.written.per_direction < 3 || on_particles || volumes) {
@@ -230,14 +230,14 @@ fn plane(base: &Base) -> Verdict {
     let compared = || {
         let mut column = base.written.clone();
         column.shape = Some(base.scene.shape.word());
-        if base.scene.integrator == Integrator::QuasiStatic
+        if base.scene.integrator.solves_displacements()
             && base.scene.shape.spline_degree().is_some()
             && column.water.is_some()
         {
             column.jump_penalty = Some(base.scene.usual_jump_penalty());
         }
         let mut block = Written { plane: true, cells: [3, column.cells[1]], ..column.clone() };
-        if base.written.integrator != "quasi-static" {
+        if !base.scene.integrator.solves_displacements() {
             let (one, other) = (read(&column)?, read(&block)?);
             let step = 0.9 * stable_limit(&one).min(stable_limit(&other));
             (column.step, block.step) = (Some(step), Some(step));
@@ -265,8 +265,12 @@ fn at(run: &Run, times: &[f64]) -> Vec<Sample> {
 
 fn stages(base: &Base) -> Verdict {
     let mut changed = base.written.clone();
-    if base.scene.integrator == Integrator::QuasiStatic && base.scene.shape.spline_degree().is_some() {
+    if base.scene.integrator.solves_displacements() && base.scene.shape.spline_degree().is_some() {
         changed.jump_penalty = changed.water.is_some().then(|| base.scene.usual_jump_penalty()); // that of the first time
+    }
+    // Whether waves are resolved follows from the first time that a stage is asked for.
+    if base.scene.integrator == Integrator::Implicit && base.written.waves.is_none() {
+        return Verdict::Apart;
     }
     let Some(last) = changed.stages.last_mut() else { return Verdict::Apart };
     let (first, end) = (changed.observed[0], last.time);
@@ -452,12 +456,12 @@ fn words(base: &Base) -> Verdict {
         && changed.darcy != Some("nodal")
         && changed.shape != Some("centroid")
         && changed.soil.strength.is_none()
-        && (base.scene.integrator != Integrator::QuasiStatic || changed.soil.small);
+        && (!base.scene.integrator.solves_displacements() || changed.soil.small);
     if known && changed.layers.is_empty() {
         let rows = changed.cells[1];
         let layer = |rows| Layer { rows, stiffness: 1.0, conductivity: 1.0 };
         // Quasi-static B-splines are free to bend where layers meet, and are then others.
-        let bends = base.scene.integrator == Integrator::QuasiStatic && changed.shape == Some("bspline2");
+        let bends = base.scene.integrator.solves_displacements() && changed.shape == Some("bspline2");
         changed.layers = if bends { vec![layer(rows)] } else { vec![layer(rows / 2), layer(rows - rows / 2)] };
     }
     if let Some(seconds) = base.scene.time_per_factor() {

@@ -68,7 +68,8 @@ pub fn scene(seed: u64, index: u64) -> Written {
     let mut w = match what {
         0..=49 => explicit(dice),
         50..=66 => semi_implicit(dice),
-        67..=88 => quasi_static(dice),
+        67..=81 => quasi_static(dice),
+        82..=88 => implicit(dice),
         89..=94 => outline(dice),
         _ => free_surface(dice),
     };
@@ -135,6 +136,7 @@ fn ground(dice: &mut Dice, wet: bool) -> Written {
         jump_penalty: None,
         integrator: "explicit",
         tolerance: None,
+        waves: None,
         method: None,
         step: None,
         stages: Vec::new(),
@@ -296,6 +298,22 @@ fn quasi_static(dice: &mut Dice) -> Written {
     w.soil.small = !w.layers.is_empty() || dice.chance(0.6);
     w.tolerance = dice.chance(0.7).then(|| dice.pick(&[1e-3, 1e-5, 1e-6, 1e-7]));
     incompressible(&mut w, dice);
+    w
+}
+
+fn implicit(dice: &mut Dice) -> Written {
+    let wet = dice.chance(0.85);
+    let mut w = ground(dice, wet);
+    w.integrator = "implicit";
+    w.shape = dice.chance(0.5).then_some("bspline2");
+    w.per_direction = w.per_direction.max(2);
+    w.darcy_inertia = (wet && dice.chance(0.2)).then_some(false);
+    w.quadrature = dice.chance(0.15).then_some("volumes");
+    w.soil.small = !w.layers.is_empty() || dice.chance(0.5);
+    w.tolerance = dice.chance(0.7).then(|| dice.pick(&[1e-3, 1e-4, 1e-5]));
+    w.waves = dice.pick(&[None, Some("resolved"), Some("damped")]);
+    incompressible(&mut w, dice);
+    damping(&mut w, dice);
     w
 }
 

@@ -226,10 +226,12 @@ pub fn least_modulus(scene: &Scene) -> f64 {
 /// take back what its velocities were too large by, but for the last place, `(M + Q) K dt^2/rho` with `K = 4/L^2`. And where
 /// water flows easily between cells, their mean pressure is known by what is left of that flow, `k rho/(gamma_w dt)` times it.
 /// Soil that may bulge changes its volume by what is left of strains that are `Q/E'` times as large, with the modulus E' of a block.
-/// Quasi-static steps follow from a tolerance, of which runs are sound to a tenfold.
+/// Quasi-static and implicit steps follow from a tolerance, of which runs are sound to a tenfold, with waves to three times that.
 pub fn round_off(scene: &Scene, steps: u64, dt: f64) -> f64 {
-    if scene.integrator == Integrator::QuasiStatic {
-        return 10.0 * scene.tolerance;
+    if scene.integrator.solves_displacements() {
+        // Errors of waves add up.
+        let waves = if scene.integrator == Integrator::Implicit { 3.0 } else { 1.0 };
+        return 10.0 * waves * scene.tolerance;
     }
     let cells = scene.cells[0] + scene.cells[1] + scene.empty_cells_above + scene.empty_cells_beside;
     let terms = (4 * scene.particles_per_cell + cells) as f64;
@@ -265,7 +267,7 @@ fn is_controlled(number: &Number) -> bool {
 pub fn apart(scene: &Scene, one: &[Sample], other: &[Sample], block: Option<f64>, relative: f64) -> Apart {
     let wider = block.unwrap_or(1.0);
     let sizes = Sizes::of(scene, &[one]);
-    let implicit = scene.integrator == Integrator::QuasiStatic;
+    let implicit = scene.integrator.solves_displacements();
     let mut worst = Apart::new("samples".to_owned(), [one.len() as f64, other.len() as f64], 0.0);
     for (a, b) in one.iter().zip(other) {
         let pairs = numbers(a, false).into_iter().zip(numbers(b, false));

@@ -12,7 +12,7 @@ const SHORTEST: f64 = 0.02;
 type Smaller = fn(&mut Written);
 
 /// In the order in which they are tried: first what leaves most out.
-const WAYS: [Smaller; 37] = [
+const WAYS: [Smaller; 38] = [
     |w| w.layers.clear(),
     |w| w.water = None,
     |w| w.gravity = None,
@@ -28,6 +28,7 @@ const WAYS: [Smaller; 37] = [
     |w| w.update = None,
     |w| w.quadrature = None,
     |w| w.tolerance = None,
+    |w| w.waves = None,
     |w| w.sides[0] = "roller",
     |w| w.sides[1] = "roller",
     |w| w.sides[2] = "fixed",

@@ -149,6 +149,8 @@ pub struct Written {
     pub integrator: &'static str,
     /// `time.tolerance`.
     pub tolerance: Option<f64>,
+    /// `time.waves`.
+    pub waves: Option<&'static str>,
     /// `time.method`.
     pub method: Option<&'static str>,
     /// `time.step`, s.
@@ -338,6 +340,7 @@ impl Written {
             word(out, "integrator", Some(self.integrator));
             word(out, "method", self.method);
             number(out, "tolerance", self.tolerance);
+            word(out, "waves", self.waves);
             number(out, "step", self.step);
         });
     }

@@ -8,7 +8,7 @@ use super::soil::{HELD, Impulses, Soil};
 use super::tangent::Stuck;
 use super::{KrylovStage, Method, QuasiStatic};
 use crate::constitutive::{Flow, Law};
-use crate::scene::{Course, FaceLoad, Fields, Integrator, Start, StepChoice, StrainChoice, TimeMethod};
+use crate::scene::{Course, FaceLoad, Fields, Integrator, PASSAGES, Start, StepChoice, StrainChoice, TimeMethod};
 use crate::step::Fault;
 
 /// The first step of a stage as a share of L^2/c_v: shorter ones overshoot where the mesh cannot resolve the drained
@@ -22,7 +22,9 @@ const CAUTION_IN_MOTION: f64 = 0.1;
 /// So many first steps of a stage damp the waves that a jump of its load excites where they are not resolved, whatever their error
 /// (Rannacher 1984, doi:10.1007/BF01390130).
 const STARTING: u32 = 3;
-/// Tolerance from which on these are as long as any first step.
+/// The least of these beside any other first step, where waves need no longer ones.
+const STARTING_STEP: f64 = 1e-2;
+/// Tolerance from which on they may be as long as any first step.
 const UNCHECKED: f64 = 1e-3;
 /// Least step as a share of the stage.
 const LEAST_STEP: f64 = 1e-12;
@@ -133,8 +135,12 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let drained = self.scene.by_soil().iter().map(of).fold(f64::INFINITY, f64::min);
         match self.scene.step {
             StepChoice::Fixed(step) => step,
-            // Steps whose error does not count are short where little error is wanted: it goes with their fourth power.
-            _ if self.damps() => drained.min(end) * (self.scene.tolerance / UNCHECKED).powf(0.25).min(1.0),
+            // Steps whose error does not count are as long as waves need to be damped, and no longer than what flows allows, the less the
+            // less error is wanted: it goes with their fourth power.
+            _ if self.damps() => {
+                let short = (PASSAGES * self.scene.passage()).max(STARTING_STEP * drained);
+                short.min(drained * (self.scene.tolerance / UNCHECKED).powf(0.25).min(1.0)).min(end)
+            }
             _ => drained.min(end),
         }
     }
