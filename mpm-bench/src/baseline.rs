@@ -9,9 +9,11 @@
 //! graded one has cells that grow with the depth and a constant number of steps from one sample time to the next, which
 //! is what one does after having seen that all the error of the plain one is made near the surface in the first steps.
 
-use mpm_core::scene::{Scene, Side};
+use mpm_core::scene::{Integrator, Scene, Side};
 use mpm_verify::norms::SAMPLE_TV;
 use mpm_verify::study::{INTEGRATORS, word};
+
+use crate::row::MOVING;
 
 /// A column of soil, reduced to what its consolidation needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,9 +109,10 @@ pub fn is(integrator: &str) -> bool {
     integrator == NAME
 }
 
-/// Names of all integrators with the baseline last.
+/// Names of all integrators, those whose mesh moves after the others, and the baseline last.
 pub fn with_integrators() -> Vec<String> {
-    INTEGRATORS.iter().map(word).chain([NAME.to_owned()]).collect()
+    let moving = [Integrator::QuasiStatic, Integrator::Implicit].map(|own| format!("{}{MOVING}", word(own)));
+    INTEGRATORS.iter().map(word).chain(moving).chain([NAME.to_owned()]).collect()
 }
 
 impl FiniteVolumes {

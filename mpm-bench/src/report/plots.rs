@@ -125,7 +125,7 @@ fn against_cpu(findings: &Findings) -> Figure {
 
 fn by_scheme(findings: &Findings) -> Figure {
     let mut panels = Vec::new();
-    for name in baseline::with_integrators().iter().filter(|n| !baseline::is(n)) {
+    for name in baseline::with_integrators().iter().filter(|n| !baseline::is(n) && !n.ends_with(MOVING)) {
         let mut panel = Panel::new(name, cpu_axis(), Axis::log(ERROR, "max_error"));
         for (place, (scheme, look)) in LOOKS.into_iter().enumerate() {
             let own = |r: &&Row| r.integrator == *name && r.scheme == scheme && r.failure.is_none();

@@ -107,6 +107,9 @@ pub fn schemes(findings: &Findings) -> Table {
         };
         for scheme in schemes {
             let own = |r: &Row| r.integrator == name && r.scheme == scheme;
+            if !findings.rows.iter().any(own) {
+                continue;
+            }
             let mut cells = vec![Cell::new(name.clone()), Cell::new(scheme)];
             for error in WANTED {
                 let found = cheapest::cheapest(&findings.rows, error, own);

@@ -671,7 +671,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         } else if wet {
             self.water(group, &position, None, (&edges, sums), running);
         }
-        if !(self.common.moves && F::FUSED) {
+        if !(self.common.moves && self.is_fused()) {
             let pressure = self.pressure_on_particles(sums, at);
             for index in self.strip.solid.range(group) {
                 let point = SolidLanes::<V, D>::read(self.simd, self.strip.solid.block(index));
@@ -680,6 +680,12 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             }
         }
         self.close((group, at), &soil, &edges, sums, given)
+    }
+
+    /// Whether a particle is gathered right after it has moved: not where its stress is still to be filtered.
+    #[inline(always)]
+    fn is_fused(&self) -> bool {
+        F::FUSED && self.common.rare.null_space.is_none()
     }
 
     /// Asks for cells, upper nodes and faces of a group to come.
@@ -771,7 +777,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
                 running.stays = simd.and_m64s(running.stays, xi[d].in_unit_interval());
             }
             point.write(self.strip.solid.block_mut(index));
-            if F::FUSED {
+            if self.is_fused() {
                 self.gather(&point, xi, pressure, index, edges, (sums, soil, from_axis));
             }
         }
