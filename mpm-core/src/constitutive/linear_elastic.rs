@@ -105,13 +105,13 @@ impl Law for LinearElastic {
         0.5 * (self.compliance * sigma).dot(&sigma)
     }
 
+    fn dilation(&self, stress: &[f64; 4]) -> f64 {
+        dilation(&self.compliance, stress)
+    }
+
     #[inline(always)]
     fn released_lanes<V: Simd>(&self, from: &[SimdReal<V>; 4], to: &[SimdReal<V>; 4]) -> SimdReal<V> {
         self.released(from, to)
-    }
-
-    fn dilation(&self, stress: &[f64; 4]) -> f64 {
-        dilation(&self.compliance, stress)
     }
 
     fn altered(&self, _factor: f64, stiffness: f64) -> Self {

@@ -219,11 +219,8 @@ impl View<'_> {
             canvas.area(&corners, look.colour)?;
         }
         if series.mark == Mark::Tiles {
-            for tile in series.points.chunks(4) {
-                let corners: Vec<Spot> = tile.iter().filter_map(|p| self.spot(p)).collect();
-                canvas.area(&corners, look.colour)?;
-            }
-            return Ok(());
+            let corners = |tile: &[Point]| tile.iter().filter_map(|p| self.spot(p)).collect();
+            return canvas.tiles(&series.points.chunks(4).map(corners).collect::<Vec<_>>(), look.colour);
         }
         if canvas.takes_marks() && is_cloud(series) {
             let spots: Vec<Spot> = series.points.iter().filter_map(|p| self.spot(p)).collect();
