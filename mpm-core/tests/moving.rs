@@ -244,7 +244,7 @@ fn damped_waves_are_said() {
     let slow = damped.edited(|s| s.surcharge = s.surcharge.map(|load| Surcharge { ramp_time: 0.01, ..load }));
     assert!(slow.expect("a sound scene").notes().is_empty());
     let late = damped.edited(|s| s.observe_times.retain(|time| *time > 0.04)).expect("a sound scene");
-    assert!(late.notes()[0].contains("5.27 passages") && damped.notes().len() == 1, "{:?}", late.notes());
+    assert!(late.notes()[0].contains("5.28 passages") && damped.notes().len() == 1, "{:?}", late.notes());
 }
 
 #[test]
