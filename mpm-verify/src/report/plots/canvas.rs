@@ -201,7 +201,11 @@ impl<'a, DB: DrawingBackend> Canvas<'a, DB> {
     /// Filled polygons side by side, for [`Canvas::mark`] as one path with a fine edge, without which seams would be seen.
     pub fn tiles(&self, tiles: &[Vec<Spot>], colour: RGBColor) -> Drawn {
         if !self.takes_marks() {
-            return tiles.iter().try_for_each(|corners| self.area(corners, colour));
+            let edge = Look::new(colour, Marker::Dot).width(1.0);
+            return tiles.iter().try_for_each(|corners| {
+                self.area(corners, colour)?;
+                self.line(&corners.iter().chain(corners.first()).copied().collect::<Vec<_>>(), edge)
+            });
         }
         if tiles.is_empty() {
             return Ok(());
