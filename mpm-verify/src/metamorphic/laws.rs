@@ -268,8 +268,9 @@ fn stages(base: &Base) -> Verdict {
     if base.scene.integrator.solves_displacements() && base.scene.shape.spline_degree().is_some() {
         changed.jump_penalty = changed.water.is_some().then(|| base.scene.usual_jump_penalty()); // that of the first time
     }
-    // Whether waves are resolved follows from the first time that a stage is asked for.
-    if base.scene.integrator == Integrator::Implicit && base.written.waves.is_none() {
+    // Whether waves are resolved follows from the first time that a stage is asked for; where they are damped the first steps of every
+    // stage are not checked.
+    if base.scene.integrator == Integrator::Implicit && base.written.waves != Some("resolved") {
         return Verdict::Apart;
     }
     let Some(last) = changed.stages.last_mut() else { return Verdict::Apart };

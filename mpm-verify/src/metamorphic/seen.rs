@@ -226,12 +226,12 @@ pub fn least_modulus(scene: &Scene) -> f64 {
 /// take back what its velocities were too large by, but for the last place, `(M + Q) K dt^2/rho` with `K = 4/L^2`. And where
 /// water flows easily between cells, their mean pressure is known by what is left of that flow, `k rho/(gamma_w dt)` times it.
 /// Soil that may bulge changes its volume by what is left of strains that are `Q/E'` times as large, with the modulus E' of a block.
-/// Quasi-static and implicit steps follow from a tolerance, of which runs are sound to a tenfold, with waves to three times that.
+/// Quasi-static and implicit steps follow from a tolerance, of which runs are sound to a tenfold, and to what waves add up.
 pub fn round_off(scene: &Scene, steps: u64, dt: f64) -> f64 {
     if scene.integrator.solves_displacements() {
-        // Errors of waves add up.
-        let waves = if scene.integrator == Integrator::Implicit { 3.0 } else { 1.0 };
-        return 10.0 * waves * scene.tolerance;
+        // A step may be off by a tenth of the tolerance, and waves keep it.
+        let waves = if scene.integrator == Integrator::Implicit { 0.1 * steps as f64 } else { 0.0 };
+        return (10.0 + waves) * scene.tolerance;
     }
     let cells = scene.cells[0] + scene.cells[1] + scene.empty_cells_above + scene.empty_cells_beside;
     let terms = (4 * scene.particles_per_cell + cells) as f64;
