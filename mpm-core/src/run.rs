@@ -11,8 +11,8 @@ use crate::hardware::{Hardware, Width};
 use crate::observe::Seed;
 use crate::particles::{Layer, SolidPoint, WaterPoint, displace, even_positions};
 use crate::scene::{
-    Bearing, DarcyChoice, Dimension, Ground, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, Soil, Start,
-    TransferChoice, UnfitLoad, UpdateChoice, WaterProperties,
+    Bearing, DarcyChoice, Dimension, DomainChoice, Ground, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, Soil,
+    Start, TransferChoice, UnfitLoad, UpdateChoice, WaterProperties,
 };
 use crate::seeding::{self, Part};
 use crate::soils::Soils;
@@ -447,6 +447,7 @@ impl<const D: usize> Seeded<D> {
             flip: scene.flip,
             apart: scene.separation.map_or(0.0, |strain| scene.dry_density() / (1.0 + strain)),
             null_space: scene.null_space_strain,
+            contiguous: scene.particle_domain == DomainChoice::Contiguous,
             most_crossings: scene.most_crossings().saturating_mul(particles),
             period: scene.periodic.then(|| scene.cells[0] as f64 * scene.cell),
             seed: self.seed,

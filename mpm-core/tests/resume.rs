@@ -149,7 +149,7 @@ fn every_way_to_carry_velocities() {
     let dry = dry.expect("a sound scene");
     let mut ran = 0;
     for shape in ["centre", "linear", "gimp", "bspline2"] {
-        for (key, word) in [("update", "musl"), ("transfer", "affine")] {
+        for (key, word) in [("update", "musl"), ("transfer", "affine"), ("particle_domain", "contiguous")] {
             for darcy in ["face", "none"] {
                 let base = if darcy == "face" { common::scene(&["cell = 0.1"]) } else { dry.clone() };
                 let changes = [("scheme.shape", shape.into()), (&*format!("scheme.{key}"), word.into())];
@@ -159,7 +159,7 @@ fn every_way_to_carry_velocities() {
             }
         }
     }
-    assert!(ran >= 12, "{ran}");
+    assert!(ran >= 14, "{ran}");
 }
 
 /// Models with steps of their own choice pause on a long way to the next time, and go on to that very time.

@@ -6,7 +6,7 @@ use common::scene;
 use mpm_core::hardware::{Hardware, Width};
 use mpm_core::observe::{BalanceTerms, Observation};
 use mpm_core::run::model_on;
-use mpm_core::scene::{DarcyChoice, Integrator, Scene, ShapeChoice, SolidSide, Strength};
+use mpm_core::scene::{DarcyChoice, DomainChoice, Integrator, Scene, ShapeChoice, SolidSide, Strength};
 use mpm_core::stability::stable_limit;
 use mpm_core::step::Model;
 
@@ -123,6 +123,14 @@ fn others() -> Vec<(String, Scene, u64)> {
         let filtered = scene(&["dimension = \"plane-strain\"", "width = 0.06", &format!("shape = \"{shape}\"")]);
         let filtered = filtered.altered_unchecked(|scene| scene.null_space_strain = Some(1e-4));
         all.push((format!("plastic, null space, {shape}"), weak(filtered, 5.0), 400));
+    }
+    for (name, cells) in [("column", [1, 8]), ("block", [2, 8])] {
+        for integrator in [Integrator::Explicit, Integrator::SemiImplicit] {
+            let boxes = heavy(cells).altered_unchecked(|scene| {
+                (scene.integrator, scene.particle_domain) = (integrator, DomainChoice::Contiguous);
+            });
+            all.push((format!("boxes, {name}, {integrator:?}"), boxes, 400));
+        }
     }
     all.push(("plastic column".to_owned(), weak(scene(&[]), 5.0), 800));
     all

@@ -81,6 +81,7 @@ features! {
     Flip: "scheme.flip" "scheme.flip",
     Affine: "scheme.transfer" "\"affine\"",
     NullSpace: "scheme.null_space_strain" "scheme.null_space_strain",
+    Contiguous: "scheme.particle_domain" "\"contiguous\"",
     Musl: "scheme.update" "\"musl\"",
     LightNodes: "scheme.light_nodes" "scheme.light_nodes",
     JumpPenalty: "scheme.jump_penalty" "scheme.jump_penalty",
@@ -150,6 +151,9 @@ const SOLVED: &[Feature] = &[QuasiStatic, Implicit];
 const NOT_CORNERS: &[Feature] = &[SemiImplicit, QuasiStatic, Implicit, Gimp, Bspline2, Bspline3];
 /// Those, and functions whose forces see the stress of every particle by itself.
 const NOT_SAME_PLACE: &[Feature] = &[QuasiStatic, Implicit, Linear, Gimp, Bspline2, Bspline3];
+/// Those, and functions that take strains elsewhere than at the centre of the cell.
+const NOT_AT_CENTRE: &[Feature] =
+    &[QuasiStatic, Implicit, Staggered, Coupled, FreeSurface, Centroid, Linear, Gimp, Bspline2, Bspline3];
 /// Soil that is not the same all over.
 const SEVERAL: &[Feature] = &[Layers, Regions];
 const NOT_PLAIN: &[Feature] = &[SemiImplicit, QuasiStatic, Implicit, Staggered, Coupled, FreeSurface];
@@ -161,6 +165,7 @@ const BY_CORNERS: &str =
     "integrator = \"explicit\" and shape = \"centre\", \"centroid\", \"linear\" or \"b-bar\" with it";
 const BY_SAME_PLACE: &str = "integrator = \"explicit\" or \"semi-implicit\" and shape = \"centre\", \"centroid\" or \"b-bar\" with it, \
                              where the stress of a cell is taken at one place";
+const BY_CENTRE: &str = "integrator = \"explicit\" or \"semi-implicit\" and shape = \"centre\" or \"b-bar\" with it, without a free surface of water";
 const BY_PLAIN: &str = "integrator = \"explicit\" with it, in a scene without a free surface of water";
 const BY_TENSOR: &str = "integrator = \"quasi-static\" or \"implicit\" and shape = \"bspline2\" or \"bspline3\" with it: two-point fluxes act only \
                          along face normals";
@@ -335,6 +340,7 @@ pub const RULES: &[Rule] = &[
     rule(RestEnd, NOT_CORNERS, BY_CORNERS),
     rule(Affine, NOT_PLAIN, BY_PLAIN),
     rule(NullSpace, NOT_SAME_PLACE, BY_SAME_PLACE),
+    rule(Contiguous, NOT_AT_CENTRE, BY_CENTRE),
     rule(Musl, NOT_PLAIN, BY_PLAIN),
     rule(Musl, &[CoulombBase], "\"usl\" with [base]: friction acts at the nodes"),
     // Solved displacements alone, and what they have no use for.

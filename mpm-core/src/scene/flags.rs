@@ -25,12 +25,13 @@ pub struct Flags {
 }
 
 /// Keys of no use without steps of a given length or without inertia, and of none where displacements are not solved for.
-const OF_STEPS_OR_MOTION: [&str; 8] = [
+const OF_STEPS_OR_MOTION: [&str; 9] = [
     "scheme.flip",
     "scheme.darcy_inertia",
     "scheme.relative_acceleration",
     "scheme.transfer",
     "scheme.null_space_strain",
+    "scheme.particle_domain",
     "scheme.update",
     "time.safety",
     "time.waves",

@@ -260,6 +260,24 @@ impl UpdateChoice {
     }
 }
 
+/// What of a particle is strained and stressed, where that is taken at one place of a cell.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DomainChoice {
+    /// A point: with the cell that it lies in.
+    #[default]
+    Point,
+    /// A box that stretches with the soil: with each cell as far as it lies in it.
+    Contiguous,
+}
+
+impl DomainChoice {
+    /// The usual choice stays out of the record of a scene.
+    pub fn is_default(&self) -> bool {
+        *self == Self::Point
+    }
+}
+
 /// Where the surcharge acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -659,6 +677,9 @@ pub struct Fields {
     /// Strain over which the null-space filter takes differences between the stresses of the particles of a cell to 1/e, -.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub null_space_strain: Option<f64>,
+    /// What of a particle is strained and stressed.
+    #[serde(skip_serializing_if = "DomainChoice::is_default")]
+    pub particle_domain: DomainChoice,
     /// Which velocities strain the soil.
     #[serde(skip_serializing_if = "UpdateChoice::is_default")]
     pub update: UpdateChoice,

@@ -323,6 +323,7 @@ pub(super) struct RawScheme {
     pub transfer: Option<Word>,
     pub update: Option<Word>,
     pub null_space_strain: Option<Number>,
+    pub particle_domain: Option<Word>,
     pub quadrature: Option<Word>,
     pub jump_penalty: Option<Number>,
 }

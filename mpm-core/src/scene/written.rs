@@ -6,9 +6,9 @@ use toml::{Table, Value};
 
 use super::patch::{Change, Source};
 use super::{
-    Bearing, CamClay, Coupling, Course, DarcyChoice, Elastic, Feed, Fields, Initial, Integrator, Quadrature, Scene,
-    SeedingChoice, Side, Soil, Stage, StepChoice, StrainChoice, Strength, TimeMethod, TransferChoice, Until,
-    UpdateChoice, Waves, check,
+    Bearing, CamClay, Coupling, Course, DarcyChoice, DomainChoice, Elastic, Feed, Fields, Initial, Integrator,
+    Quadrature, Scene, SeedingChoice, Side, Soil, Stage, StepChoice, StrainChoice, Strength, TimeMethod,
+    TransferChoice, Until, UpdateChoice, Waves, check,
 };
 use crate::error::SceneError;
 
@@ -366,6 +366,7 @@ impl Fields {
         out.unless("scheme.light_nodes", self.light_nodes, self.sole_light_nodes())?;
         out.unless("scheme.transfer", self.transfer, TransferChoice::Plain)?;
         out.put("scheme.null_space_strain", self.null_space_strain)?;
+        out.unless("scheme.particle_domain", self.particle_domain, DomainChoice::Point)?;
         out.unless("scheme.update", self.update, UpdateChoice::Usl)?;
         out.unless("scheme.quadrature", self.quadrature, Quadrature::Fitted)?;
         out.put("scheme.jump_penalty", self.jump_penalty)?;

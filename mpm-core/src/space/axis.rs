@@ -10,7 +10,7 @@ pub enum Basis {
         /// 1 to 3.
         degree: usize,
     },
-    /// Linear, averaged over `2 half` around the point (Bardenhagen & Kober 2004, CMES 5, 477-495), m.
+    /// Linear, averaged over `2 half` around the point (Bardenhagen & Kober 2004, CMES 5, 477-496), m.
     Gimp {
         /// Half the size of a particle, m.
         half: f64,

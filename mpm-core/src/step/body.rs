@@ -37,6 +37,8 @@ pub struct Body<const D: usize> {
     pub apart: f64,
     /// Strain of the null-space filter, where it is on.
     pub null_space: Option<f64>,
+    /// Whether particles are boxes that stretch.
+    pub contiguous: bool,
     /// Cells that all particles together may cross in a stage without damping; `u64::MAX` for any number.
     pub most_crossings: u64,
     /// Width of a mesh that is periodic, m.

@@ -20,6 +20,7 @@ use rayon::prelude::*;
 use self::grains::Grains;
 use super::body::Body;
 use super::conditions::{Condition, Friction, Soil, Visit};
+use super::domains::{Domains, shared};
 use super::faces::Faces;
 use super::free_water::FreeWater;
 use super::kernel::equation::EquationOfMotion;
@@ -63,6 +64,8 @@ pub struct Explicit<V: Simd, F: Functions<D>, const D: usize> {
     is_stale: bool,
     /// Where the particles were when displacement and strain began to be counted, m, by their numbers.
     origin: Option<Vec<[f64; D]>>,
+    /// What cells share of particles that are boxes, where they are.
+    domains: Option<Box<Domains<D>>>,
     /// Pressures of the end of the step, where they are solved for.
     solver: Option<Box<PressureSystem<D>>>,
     /// See [`Common::soil`].
@@ -106,9 +109,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         let cells = |wanted: bool| vec![0.0; if wanted { frame.length() + 2 * frame.pad() } else { 0 }];
         let both = |wanted: bool| [(); 2].map(|()| cells(wanted));
         let solid_count = body.solid.points.len();
-        let remembers = body.materials.have_state();
         let movers = [true, wet].map(|any| Movers::new(if any { solid_count / MOVERS } else { 0 }, 16));
-        let kept = order::first_kept(&body, affine);
+        let (more, kept, places) = order::first_kept(&body, affine);
         let mut run = Self {
             simd,
             functions,
@@ -121,17 +123,14 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             free: None,
             is_stale: false,
             origin: None,
+            domains: body.contiguous.then(|| Box::new(Domains::new(frame))),
             solver: None,
             soil: cells(true),
             tops: Tops::new(body.surface.strips().iter().map(|strip| strip.id).collect()),
             loaded: Tops::new(body.loads.pieces.iter().map(|piece| piece.id).collect()),
             conditions,
-            kept,
-            places: Kept {
-                affine: affine.then_some(SolidPoint::<D>::COUNT),
-                state: remembers.then_some(SolidPoint::<D>::COUNT + if affine { D * D } else { 0 }),
-                strain: None,
-            },
+            kept: (more, kept),
+            places,
             mapped: mapped.then(|| Box::new(Nodes::new(frame))),
             movers,
             solid_count,
@@ -142,6 +141,9 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             totals: Totals::default(),
             pool,
         };
+        for strip in run.strips.iter_mut().filter(|_| run.domains.is_some()) {
+            strip.shared = vec![0.0; shared(D) * frame.strip];
+        }
         run.settle_in();
         // What the cells hold is known once their soil has been sampled.
         run.begin_balances();
@@ -157,6 +159,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             self.faces.follow_porosity(&self.strips);
             self.faces.note_reach(&self.body.filled, &self.body.grid);
         }
+        self.share_boxes();
         self.load();
         self.look_outside(dt);
         self.solve_pressures(dt)?;
@@ -164,6 +167,9 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         self.darcy_flow(dt);
         if self.mapped.is_some() {
             self.map_back();
+        }
+        if let Some(domains) = &mut self.domains {
+            domains.find_rates(&self.strips, &self.mapped.as_deref().unwrap_or(&self.nodes).motion);
         }
         self.find_surface_ahead(dt);
         self.pass(true, dt);

@@ -314,6 +314,29 @@ impl<const D: usize> Faces<D> {
         }
     }
 
+    /// Whether an outline cuts cells and lets water through: distances to it are those of its pieces.
+    pub fn has_cuts(&self) -> bool {
+        !self.outlets.is_empty()
+    }
+
+    /// Distances at the outline of the soil, where `fill` says how much of a cell is soil.
+    pub fn note_fill(&mut self, fill: impl Fn(usize) -> f64) {
+        let Self { frame, conducts, ratio, drained, outline, .. } = self;
+        let mut note = |axis: usize, face: usize, reach: f64| {
+            if conducts[axis][face] > 0.0 {
+                conducts[axis][face] = ratio[axis].get(face).map_or(reach, |ratio| ratio * reach);
+            }
+        };
+        for &(_, axis, outwards, [face, _]) in &*outline {
+            let stride = frame.stride[axis];
+            let (cell, inner) = if outwards > 0.0 { (face - stride, face - stride) } else { (face, face + stride) };
+            note(axis, inner, 2.0 / (1.0 + fill(cell)));
+        }
+        for face in &*drained {
+            note(face.axis, face.face, DRAINED_SURFACE / fill(face.cell));
+        }
+    }
+
     /// Eq. (1) on a face that a pressure (Pa) drops across, between nodes that accelerate (m/s2): flux, m/s.
     pub fn flux(&self, flow: &FaceFlow, (axis, face): (usize, usize), drop: f64, drive: (f64, &[Vec<f64>; 2])) -> f64 {
         self.driven(flow, (axis, face), drop, drive)[0]

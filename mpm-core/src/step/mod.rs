@@ -2,6 +2,7 @@
 
 mod body;
 mod conditions;
+mod domains;
 mod explicit;
 mod faces;
 mod failing;

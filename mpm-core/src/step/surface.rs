@@ -2,10 +2,10 @@
 
 use pulp::{Scalar, Simd};
 
-use super::kernel::{Fields, Functions, Moves};
+use super::domains::Domains;
+use super::kernel::{Fields, Functions, Moves, rate_of_volume};
 use super::store::{Frame, Motion, Nodes, Strip};
 use crate::boundary::{FaceLoads, Filled, SurfaceLoad};
-use crate::dimension::trace;
 use crate::grid::Grid;
 use crate::particles::{Point, SolidPoint};
 use crate::real::{SimdReal, array};
@@ -36,6 +36,12 @@ impl<const D: usize> Tops<D> {
         (x, solid.number(cell, slot, SolidPoint::<D>::VOLUME))
     }
 
+    /// One of the numbers of one.
+    fn number<V: Simd>(&self, strips: &[Strip<V, D>], top: usize, which: usize) -> f64 {
+        let [strip, cell, slot] = self.places[top];
+        strips[strip as usize].solid.number(cell as usize, slot as usize, which)
+    }
+
     /// The same at the end of the step.
     pub fn ahead(&self, top: usize) -> ([f64; D], f64) {
         self.ahead[top]
@@ -59,7 +65,7 @@ impl<const D: usize> Tops<D> {
         &mut self,
         functions: &F,
         strips: &[Strip<V, D>],
-        (nodes, mapped): (&Nodes<D>, Option<&Nodes<D>>),
+        (nodes, mapped, boxes): (&Nodes<D>, Option<&Nodes<D>>, Option<(&Domains<D>, usize)>),
         dt: f64,
     ) {
         let Nodes { frame, motion: Motion { velocity, change, .. }, .. } = nodes;
@@ -79,15 +85,20 @@ impl<const D: usize> Tops<D> {
             let mut motion = functions.at_rest(Scalar);
             functions.find_motion(&mut motion, &fields, &edges, &centroid);
             let xi = array!([lone(0.0); D], d => lone(x[d] * frame.inverse_size) - position[d]);
-            let Moves { gradient, velocity, .. } = functions.moves(&motion, &edges, &xi, frame.inverse_size);
+            let Moves { mut gradient, mut velocity, .. } = functions.moves(&motion, &edges, &xi, frame.inverse_size);
             let from_axis = frame.axis.map(|axis| position[0] + lone(axis * frame.inverse_size));
-            let rate = if F::SPLIT {
-                functions.middle(&motion, from_axis, frame.inverse_size)
-            } else {
-                let plane = trace::<D, SimdReal<Scalar>>(&gradient);
-                let hoop = |from| functions.hoop(&motion, &edges, &xi, from, frame.inverse_size);
-                from_axis.map_or(plane, |from| plane + hoop(from))
-            };
+            let mut hoop = from_axis.map(|from| functions.hoop(&motion, &edges, &xi, from, frame.inverse_size));
+            let of_point = rate_of_volume(&gradient, hoop);
+            if let Some((domains, first)) = boxes {
+                let mut size = array!([lone(0.0); D], d => lone(self.number(strips, top, first + d)));
+                let moves = (&mut gradient, &mut hoop, &mut velocity);
+                domains.around(Scalar, at).stretch(&xi, &mut size, moves, dt);
+            }
+            let mut rate = rate_of_volume(&gradient, hoop);
+            if F::SPLIT {
+                let middle = functions.middle(&motion, from_axis, frame.inverse_size);
+                rate = if boxes.is_some() { middle + (rate - of_point) } else { middle };
+            }
             volume *= 1.0 + dt * rate.lane(0);
             for d in 0..D {
                 x[d] += dt * velocity[d].lane(0);

@@ -66,6 +66,7 @@ pub fn in_order<const D: usize>(scene: &Scene, order: &[usize]) -> Body<D> {
         flip: scene.flip,
         apart: 0.0,
         null_space: None,
+        contiguous: false,
         most_crossings: u64::MAX,
         period: None,
         seed: Seed { per_row: seeded.len() - top, spacing, heights: Vec::new() },

@@ -1,8 +1,8 @@
 //! What a user can choose: integrator, shape functions, Darcy operator, what carries velocities.
 
 use mpm_core::scene::{
-    DarcyChoice, Dimension, Fields, Integrator, Scene, ShapeChoice, Side, SolidSide, StrainChoice, TransferChoice,
-    UpdateChoice,
+    DarcyChoice, Dimension, DomainChoice, Fields, Integrator, Scene, ShapeChoice, Side, SolidSide, StrainChoice,
+    TransferChoice, UpdateChoice,
 };
 
 use crate::error::Error;
@@ -21,12 +21,21 @@ pub struct Scheme {
     pub transfer: TransferChoice,
     /// Which velocities strain the soil.
     pub update: UpdateChoice,
+    /// What of a particle is strained and stressed.
+    pub domain: DomainChoice,
 }
 
 impl Scheme {
     /// A scheme without options.
     pub const fn new(integrator: Integrator, shape: ShapeChoice) -> Self {
-        Self { integrator, shape, darcy: DarcyChoice::Face, transfer: TransferChoice::Plain, update: UpdateChoice::Usl }
+        Self {
+            integrator,
+            shape,
+            darcy: DarcyChoice::Face,
+            transfer: TransferChoice::Plain,
+            update: UpdateChoice::Usl,
+            domain: DomainChoice::Point,
+        }
     }
 
     /// With the paper's Darcy operator.
@@ -44,6 +53,11 @@ impl Scheme {
         Self { update: UpdateChoice::Musl, ..self }
     }
 
+    /// With particles that are boxes.
+    pub const fn contiguous(self) -> Self {
+        Self { domain: DomainChoice::Contiguous, ..self }
+    }
+
     /// Whether it is what an integrator takes where a scene says nothing else.
     pub fn is_default(&self, dimension: Dimension) -> bool {
         let splits = dimension == Dimension::PlaneStrain && self.integrator != Integrator::QuasiStatic;
@@ -52,7 +66,8 @@ impl Scheme {
 
     /// Whether it carries velocities in a way that is not the usual one.
     pub fn has_option(&self) -> bool {
-        self.transfer != TransferChoice::Plain || self.update != UpdateChoice::Usl
+        let carries = self.transfer != TransferChoice::Plain || self.update != UpdateChoice::Usl;
+        carries || self.domain != DomainChoice::Point
     }
 
     /// Its name: shape functions and options, `centre nodal`, `linear musl`.
@@ -66,6 +81,9 @@ impl Scheme {
         }
         if self.update == UpdateChoice::Musl {
             name += " musl";
+        }
+        if self.domain == DomainChoice::Contiguous {
+            name += " contiguous";
         }
         name
     }
@@ -82,7 +100,7 @@ impl Scheme {
     pub fn put_on(&self, scene: &mut Fields) {
         let quasi_static = self.integrator == Integrator::QuasiStatic;
         (scene.integrator, scene.shape, scene.darcy) = (self.integrator, self.shape, self.darcy);
-        (scene.transfer, scene.update) = (self.transfer, self.update);
+        (scene.transfer, scene.update, scene.particle_domain) = (self.transfer, self.update, self.domain);
         scene.strain = if quasi_static { StrainChoice::Small } else { StrainChoice::Large };
         if scene.water.is_some() {
             // Where nothing holds the base, nodes at both ends carry next to nothing and their acceleration would drive the water.
@@ -121,7 +139,7 @@ pub const DRY: [Scheme; 10] = [
 ];
 
 /// Schemes for saturated soil with inertia.
-pub const MOVING: [Scheme; 13] = [
+pub const MOVING: [Scheme; 16] = [
     explicit(ShapeChoice::Centre),
     explicit(ShapeChoice::Centre).nodal(),
     explicit(ShapeChoice::Linear),
@@ -130,11 +148,14 @@ pub const MOVING: [Scheme; 13] = [
     explicit(ShapeChoice::Bspline2),
     explicit(ShapeChoice::Centre).musl(),
     explicit(ShapeChoice::BBar).musl(),
+    explicit(ShapeChoice::Centre).contiguous(),
     semi_implicit(ShapeChoice::Centre),
     semi_implicit(ShapeChoice::Linear),
     semi_implicit(ShapeChoice::BBar),
     semi_implicit(ShapeChoice::Gimp),
     semi_implicit(ShapeChoice::Bspline2),
+    semi_implicit(ShapeChoice::Centre).contiguous(),
+    semi_implicit(ShapeChoice::BBar).contiguous(),
 ];
 
 /// Schemes for saturated soil that stays in place.

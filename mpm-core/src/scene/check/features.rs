@@ -132,6 +132,7 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
             scheme.is_some_and(|scheme| scheme.darcy_inertia.as_ref().is_some_and(|kept| *kept.get_ref()))
         }
         Feature::Flip => scheme.is_some_and(|scheme| scheme.flip.is_some()),
+        Feature::Contiguous => scheme.is_some_and(|scheme| is(scheme.particle_domain.as_ref(), "contiguous")),
         Feature::NullSpace => scheme.is_some_and(|scheme| scheme.null_space_strain.is_some()),
         Feature::Affine => scheme.is_some_and(|scheme| is(scheme.transfer.as_ref(), "affine")),
         Feature::Musl => scheme.is_some_and(|scheme| is(scheme.update.as_ref(), "musl")),
@@ -186,6 +187,7 @@ fn place(raw: &RawScene, feature: Feature) -> Option<Range<usize>> {
         "scheme.relative_acceleration" => of(scheme?.relative_acceleration.as_ref()),
         "scheme.flip" => of(scheme?.flip.as_ref()),
         "scheme.null_space_strain" => of(scheme?.null_space_strain.as_ref()),
+        "scheme.particle_domain" => of(scheme?.particle_domain.as_ref()),
         "scheme.transfer" => of(scheme?.transfer.as_ref()),
         "scheme.update" => of(scheme?.update.as_ref()),
         "scheme.light_nodes" => of(scheme?.light_nodes.as_ref()),

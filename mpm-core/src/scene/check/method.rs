@@ -4,8 +4,8 @@ use toml::{Spanned, Value};
 
 use super::super::raw::{RawMesh, RawScene, RawScheme, RawSoil, RawTime};
 use super::super::{
-    DarcyChoice, Dimension, Displaced, Fields, Integrator, Quadrature, ShapeChoice, StepChoice, StrainChoice,
-    TimeMethod, TransferChoice, UpdateChoice, Waves,
+    DarcyChoice, Dimension, Displaced, DomainChoice, Fields, Integrator, Quadrature, ShapeChoice, StepChoice,
+    StrainChoice, TimeMethod, TransferChoice, UpdateChoice, Waves,
 };
 use super::faults::Faults;
 use super::{Checked, Reader};
@@ -19,6 +19,7 @@ pub(super) struct Scheme {
     pub flip: f64,
     pub transfer: TransferChoice,
     pub null_space_strain: Option<f64>,
+    pub particle_domain: DomainChoice,
     pub update: UpdateChoice,
     pub quadrature: Quadrature,
     pub jump_penalty: Option<f64>,
@@ -84,6 +85,7 @@ impl Reader<'_> {
             flip: 1.0,
             transfer: TransferChoice::Plain,
             null_space_strain: None,
+            particle_domain: DomainChoice::Point,
             update: UpdateChoice::Usl,
             quadrature: Quadrature::Fitted,
             jump_penalty: None,
@@ -100,6 +102,10 @@ impl Reader<'_> {
             self.word(raw.transfer.as_ref(), "scheme.transfer", &transfers, usual)
         });
         faults.or_keep(&mut scheme.update, |usual| self.word(raw.update.as_ref(), "scheme.update", &updates, usual));
+        let words = [("point", DomainChoice::Point), ("contiguous", DomainChoice::Contiguous)];
+        faults.or_keep(&mut scheme.particle_domain, |usual| {
+            self.word(raw.particle_domain.as_ref(), "scheme.particle_domain", &words, usual)
+        });
         if raw.shape.is_some() {
             scheme.shape = faults.take(self.word(raw.shape.as_ref(), "scheme.shape", &SHAPES, ShapeChoice::Centre));
         }

@@ -412,6 +412,7 @@ impl Reader<'_> {
             transfer: scheme.transfer,
             update: scheme.update,
             null_space_strain: scheme.null_space_strain,
+            particle_domain: scheme.particle_domain,
             step: time.step,
             safety: time.safety,
             force: false,

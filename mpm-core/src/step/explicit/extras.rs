@@ -23,6 +23,25 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         self
     }
 
+    /// Gives the cells what they have of particles that are boxes.
+    pub(super) fn share_boxes(&mut self) {
+        let Self { body, strips, nodes, pressure, domains, soil, solver, faces, .. } = self;
+        let Some(domains) = domains else { return };
+        let frame = nodes.frame;
+        // A pressure that is solved for has not pushed yet.
+        let pushes = body.water.is_some() && solver.is_none();
+        let pressed = |cell: usize| {
+            let alpha = faces.biot[0].get(cell).copied().unwrap_or(1.0);
+            if pushes { alpha * pressure[0][frame.pad() + cell] } else { 0.0 }
+        };
+        domains.share_stresses(strips, nodes, soil, pressed);
+        if let (Some(water), false) = (&body.water, body.filled.is_known() || solver.is_none() || faces.has_cuts()) {
+            // Where no surface is followed boxes say how far the soil goes. An explicit step would have no limit under a thin rest.
+            let full = water.flow.area / frame.inverse_size;
+            faces.note_fill(|cell| domains.volume(cell) / (full * frame.thickness(1, cell)));
+        }
+    }
+
     /// The same with water that has a free surface.
     pub fn with_free_water(mut self, carried: AdvectedWater<D>) -> Self {
         self.free = Some(Box::new(FreeWater::new(carried, &self.body.grid, &self.nodes.frame)));

@@ -104,7 +104,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             return Ok(());
         }
         self.accelerate(dt); // v*
-        let Self { body, strips, nodes, of_mesh, pressure, faces, conditions, damping, solver, .. } = self;
+        let Self { body, strips, nodes, of_mesh, pressure, faces, conditions, damping, solver, domains, .. } = self;
         let (Some(solver), Some(water)) = (solver, &body.water) else { return Ok(()) };
         solver.held.clear();
         let mut plate = &[][..];
@@ -122,7 +122,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             acceleration: of_mesh,
             keeps: 1.0 / (1.0 + *damping * dt),
             dt,
-            has_surface: body.filled.is_known() || !faces.by_porosity.is_empty(),
+            has_surface: body.filled.is_known() || !faces.by_porosity.is_empty() || domains.is_some(),
         };
         solver.solve(strips, nodes, &mut pressure[0], plate, &by)?;
         solver.push(strips, nodes);

@@ -80,6 +80,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for Explicit<V, F, D> {
             + self.nodal.as_ref().map_or(0, |nodal| nodal.bytes())
             + self.free.as_ref().map_or(0, |free| free.bytes())
             + self.solver.as_ref().map_or(0, |solver| solver.bytes())
+            + self.domains.as_ref().map_or(0, |domains| domains.bytes())
             + self.body.solid.bytes()
             + water
             + self.tops.bytes()

@@ -65,9 +65,10 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
 
     /// Finds it where the particles will be at the end of a step, as the kernel moves them.
     pub(super) fn find_surface_ahead(&mut self, dt: f64) {
-        let Self { functions, body, strips, tops, nodes, mapped, soil, .. } = self;
+        let Self { functions, body, strips, tops, nodes, mapped, soil, domains, places, .. } = self;
         if body.filled.is_known() {
-            tops.look_ahead(functions, strips, (nodes, mapped.as_deref()), dt);
+            let boxes = domains.as_deref().zip(places.extent);
+            tops.look_ahead(functions, strips, (nodes, mapped.as_deref(), boxes), dt);
             let moved = body.filled.follow(&body.grid, &body.surface, |top| tops.ahead(top));
             Tops::note_soil(&body.filled, &nodes.frame, soil, moved);
         }
@@ -199,14 +200,30 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
     }
 }
 
-/// What particles keep beside their records at first, so many numbers by their number: no velocity gradient, the first state.
-pub(super) fn first_kept<const D: usize>(body: &Body<D>, affine: bool) -> (usize, Vec<f64>) {
-    let (before, states) = (if affine { D * D } else { 0 }, if body.materials.have_state() { STATES } else { 0 });
-    let more = before + states;
+/// What particles keep beside their records at first, so many numbers by their number, and where: no velocity gradient, the first
+/// state, the size that they are seeded with.
+pub(super) fn first_kept<const D: usize>(body: &Body<D>, affine: bool) -> (usize, Vec<f64>, Kept) {
+    let mut more = 0;
+    let mut place = |wanted: bool, numbers: usize| {
+        let first = SolidPoint::<D>::COUNT + more;
+        more += if wanted { numbers } else { 0 };
+        wanted.then_some(first)
+    };
+    let (affine, state) = (place(affine, D * D), place(body.materials.have_state(), STATES));
+    let places = Kept { affine, state, extent: place(body.contiguous, D), strain: None };
     let mut kept = vec![0.0; more * body.solid.points.len()];
-    for (point, id) in body.solid.points.iter().zip(&body.solid.ids).filter(|_| states > 0) {
-        let first = body.materials.law(body.materials.of(*id)).first_state(&point.stress);
-        kept[more * *id as usize + before..][..states].copy_from_slice(&first);
+    for (point, id) in body.solid.points.iter().zip(&body.solid.ids) {
+        let own = &mut kept[more * *id as usize..][..more];
+        if let Some(first) = places.state {
+            let state = body.materials.law(body.materials.of(*id)).first_state(&point.stress);
+            own[first - SolidPoint::<D>::COUNT..][..STATES].copy_from_slice(&state);
+        }
+        if let Some(first) = places.extent {
+            // Where an outline cuts it a particle is smaller.
+            let area = point.volume / body.grid.thickness(point.x[0]);
+            let size = if D == 1 { body.seed.spacing } else { area.sqrt().min(body.seed.spacing) };
+            own[first - SolidPoint::<D>::COUNT..][..D].fill(size);
+        }
     }
-    (more, kept)
+    (more, kept, places)
 }

@@ -13,7 +13,19 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
     /// One pass over all particles, on one thread or several.
     pub(super) fn pass(&mut self, moves: bool, dt: f64) {
         let Self {
-            simd, functions, body, strips, nodes, of_mesh, pressure: [old, new], faces, soil, solver, free, ..
+            simd,
+            functions,
+            body,
+            strips,
+            nodes,
+            of_mesh,
+            pressure: [old, new],
+            faces,
+            soil,
+            solver,
+            free,
+            domains,
+            ..
         } = self;
         self.is_stale = false;
         let Nodes { frame, sums, motion, .. } = nodes;
@@ -51,6 +63,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
                 axis: frame.axis.map(|axis| axis * frame.inverse_size),
                 found: frame.finds_centroids(F::SPLIT),
                 null_space: body.null_space,
+                domains: domains.as_deref(),
             },
             soil,
             moves,

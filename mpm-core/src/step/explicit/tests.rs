@@ -44,6 +44,7 @@ fn off_linear<F: Functions<2>>(functions: F, affine: bool, mapped: bool, stands:
         flip: 1.0,
         apart: 0.0,
         null_space: None,
+        contiguous: false,
         most_crossings: u64::MAX,
         period: None,
         seed: Seed { per_row: 6, spacing: 0.25, heights: Vec::new() },

@@ -151,7 +151,7 @@ impl<const DEGREE: usize> Basis for Bspline<DEGREE> {
 
 /// uGIMP: linear functions averaged over the particle's first size, `S_i = 1/(2 l) int N_i` from x - l to x + l.
 ///
-/// Source: Bardenhagen & Kober, *CMES* 5(6), 2004, 477-495. Where the particle sticks out of the mesh, the field is
+/// Source: Bardenhagen & Kober, *CMES* 5(6), 2004, 477-496. Where the particle sticks out of the mesh, the field is
 /// continued linearly: a node outside stands for `2 f_0 - f_1`, so constant and linear fields stay exact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gimp {

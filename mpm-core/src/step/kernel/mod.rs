@@ -23,6 +23,7 @@ use std::ops::{Deref, DerefMut};
 
 use pulp::{Simd, WithSimd};
 
+use super::domains::{Around, Domains, Shared};
 use super::store::nodes::{SUMS, StripSums};
 use super::store::{Frame, Motion, Nodes, SimdCells, SolidLanes, Strip, ask_for};
 use crate::boundary::ROUND_OFF;
@@ -350,6 +351,8 @@ pub struct Kept {
     pub affine: Option<usize>,
     /// State of the material.
     pub state: Option<usize>,
+    /// Size of the box that it is along each axis, m.
+    pub extent: Option<usize>,
     /// Strain that is followed, xx, yy, zz, xy (tensor components).
     pub strain: Option<usize>,
 }
@@ -383,7 +386,7 @@ pub enum InPores<'a> {
 
 /// What few scenes have of [`Common`].
 #[derive(Clone, Copy, Default)]
-pub struct Rare<'a> {
+pub struct Rare<'a, const D: usize> {
     /// Velocities that strain the soil, where they are others, m/s.
     pub mapped: Option<&'a [Vec<f64>; 2]>,
     /// Conductivity of the faces over that of the water, where it is not one.
@@ -402,6 +405,8 @@ pub struct Rare<'a> {
     pub found: bool,
     /// Strain over which the null-space filter takes differences between the particles of a cell to 1/e, where it is on.
     pub null_space: Option<f64>,
+    /// Strain rates of the cells, where particles are boxes.
+    pub domains: Option<&'a Domains<D>>,
 }
 
 /// Everything a pass reads and no strip changes.
@@ -423,7 +428,7 @@ pub struct Common<'a, F, const D: usize> {
     /// a cell away; else the edge of a cell over the distance.
     pub conducts: &'a [Vec<f64>; 2],
     /// What few scenes have.
-    pub rare: Rare<'a>,
+    pub rare: Rare<'a, D>,
     /// Volume of soil in the cells at the end of the pass, m3, where it is known; else zero.
     pub soil: &'a [f64],
     /// Whether the mesh moves the particles; else they are only gathered.
@@ -466,11 +471,10 @@ impl<F: Copy, const D: usize> Common<'_, F, D> {
             _ => return None,
         };
         let Rare { mapped: None, ratio: None, grains: None, biot: None, .. } = self.rare else { return None };
-        let Rare { outflow: None, softness: None, axis: None, found: false, null_space: None, .. } = self.rare else {
-            return None;
-        };
-        let Kept { affine: None, state: None, strain: None } = self.kept else { return None };
-        let kept = Kept { affine: None, state: None, strain: None };
+        let Rare { outflow: None, softness: None, axis: None, found: false, .. } = self.rare else { return None };
+        let Rare { null_space: None, domains: None, .. } = self.rare else { return None };
+        let Kept { affine: None, state: None, extent: None, strain: None } = self.kept else { return None };
+        let kept = Kept { affine: None, state: None, extent: None, strain: None };
         Some(Self { elastic, water, kept, plastic: false, coupled: false, rare: Rare::default(), ..*self })
     }
 }
@@ -550,6 +554,22 @@ fn align_stack() {
 
 /// A vector field in a cell that is linear along each axis, as coefficients.
 pub type Relative<V, const D: usize> = [[SimdReal<V>; D]; 4];
+
+/// Rate of volume (1/s) of a velocity gradient and a hoop strain rate.
+#[inline(always)]
+pub fn rate_of_volume<V: Simd, const D: usize>(
+    gradient: &[[SimdReal<V>; D]; D],
+    hoop: Option<SimdReal<V>>,
+) -> SimdReal<V> {
+    match hoop {
+        Some(hoop) => trace(gradient) + hoop,
+        None => trace(gradient),
+    }
+}
+
+/// What a group of cells has gathered: sums for its functions, mass (kg) and volume (m3) of its soil, what its boxes share.
+type Gathered<'a, V, F, const D: usize> =
+    (&'a mut <F as Functions<D>>::Sums<V>, &'a mut [SimdReal<V>; 2], &'a mut Option<Shared<V, D>>);
 
 /// What a group of cells works in.
 struct Room<V: Simd, F: Functions<D>, const D: usize> {
@@ -643,6 +663,10 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let wet = matches!(water, InPores::Particles { .. });
         functions.clear(self.simd, sums, (self.common.coupled, rare.found));
         let mut soil = [none; 2]; // mass, volume
+        let mut shared = None;
+        if rare.domains.is_some() {
+            shared = Some(Shared::nothing(self.simd));
+        }
         self.ask_for_cells(group, at);
         if self.common.moves {
             let Motion { velocity, change, .. } = motion;
@@ -659,7 +683,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
                     }
                 }
             }
-            let gained = self.solid(group, &position, (motion, &edges, &cell), (sums, &mut soil), running);
+            let gained = self.solid(group, &position, (motion, &edges, &cell), (sums, &mut soil, &mut shared), running);
             if let (true, Some(strain)) = (F::OF_CELL || F::SPLIT, rare.null_space) {
                 let centre = array!([none; D], d => position[d].like(0.5));
                 let gradient = functions.moves(motion, &edges, &centre, frame.inverse_size).gradient;
@@ -676,8 +700,19 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             for index in self.strip.solid.range(group) {
                 let point = SolidLanes::<V, D>::read(self.simd, self.strip.solid.block(index));
                 let xi = array!([none; D], d => point.x[d] * frame.inverse_size - position[d]);
-                self.gather(&point, xi, pressure, index, &edges, (sums, &mut soil, self.axis_of(position[0])));
+                self.gather(
+                    &point,
+                    xi,
+                    pressure,
+                    index,
+                    &edges,
+                    (sums, &mut soil, &mut shared),
+                    self.axis_of(position[0]),
+                );
             }
+        }
+        if let Some(shared) = &shared {
+            shared.store(&mut self.strip.shared, frame.strip, group * V::F64_LANES);
         }
         self.close((group, at), &soil, &edges, sums, given)
     }
@@ -712,7 +747,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         group: usize,
         position: &[SimdReal<V>; D],
         (motion, edges, cell): (&F::Motion<V>, &F::Edges<V>, &SimdCells<V, D>),
-        (sums, soil): (&mut F::Sums<V>, &mut [SimdReal<V>; 2]),
+        (sums, soil, shared): Gathered<V, F, D>,
         running: &mut Running<V>,
     ) -> [SimdReal<V>; 2] {
         let Common { frame, functions, elastic, materials, plastic, flip, apart, kept, dt, .. } = *self.common;
@@ -720,27 +755,39 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let none = SimdReal::splat(simd, 0.0);
         let from_axis = self.axis_of(position[0]);
         let middle = if F::SPLIT { functions.middle(motion, from_axis, inverse) } else { none };
+        let around = if F::OF_CELL || F::SPLIT { self.around(group) } else { None };
         let pressure = self.of(cell.volume).like(0.0);
         let mut gained = [none; 2];
         for index in self.strip.solid.range(group) {
             self.ask_for_block(index + BLOCKS_AHEAD);
             let mut point = SolidLanes::<V, D>::read(simd, self.strip.solid.block(index));
             let mut xi = array!([none; D], d => point.x[d] * inverse - position[d]);
-            let Moves { gradient, velocity, change } = functions.moves(motion, edges, &xi, inverse);
+            let Moves { mut gradient, mut velocity, change } = functions.moves(motion, edges, &xi, inverse);
+            let mut hoop = None;
+            if let Some(from) = from_axis {
+                hoop = Some(functions.hoop(motion, edges, &xi, from, inverse));
+            }
+            let of_point = rate_of_volume(&gradient, hoop);
+            if let Some((around, first)) = &around {
+                let block = self.strip.solid.block_mut(index);
+                let mut size = array!([none; D], d => SimdReal { simd, value: block[first + d] });
+                around.stretch(&xi, &mut size, (&mut gradient, &mut hoop, &mut velocity), dt);
+                for d in 0..D {
+                    block[first + d] = size[d].value;
+                }
+            }
             rotate(&mut point.stress, &gradient, dt);
             let mut strain = strain_increment(&gradient, dt);
-            let mut rate = trace(&gradient);
-            if let Some(from) = from_axis {
-                let hoop = functions.hoop(motion, edges, &xi, from, inverse);
+            let mut rate = rate_of_volume(&gradient, hoop);
+            if let Some(hoop) = hoop {
                 strain[2] = hoop * dt;
-                rate += hoop;
             }
             if F::SPLIT {
-                let more = (middle - rate) * (dt / 3.0);
+                let more = (middle - of_point) * (dt / 3.0);
                 for s in 0..3 {
                     strain[s] += more;
                 }
-                rate = middle;
+                rate = if around.is_some() { middle + (rate - of_point) } else { middle };
             }
             let there = none.below(point.volume);
             let ids = &self.strip.solid.ids[index * V::F64_LANES..][..V::F64_LANES];
@@ -760,7 +807,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             }
             if !F::OF_CELL && !F::PRESSURE_AT_PARTICLES && !F::SPLIT || self.common.coupled {
                 gained[0] += point.volume;
-                gained[1] += point.volume * rate; // C^T v
+                gained[1] += point.volume * if F::SPLIT { middle } else { of_point }; // C^T v
             }
             point.volume = point.volume * (none.like(1.0) + rate * dt);
             if plastic && apart > 0.0 {
@@ -778,10 +825,17 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             }
             point.write(self.strip.solid.block_mut(index));
             if self.is_fused() {
-                self.gather(&point, xi, pressure, index, edges, (sums, soil, from_axis));
+                self.gather(&point, xi, pressure, index, edges, (sums, soil, shared), from_axis);
             }
         }
         gained
+    }
+
+    /// Strain rates of the cells of a group and of those around them, and where particles keep their size, where they are boxes.
+    #[inline(always)]
+    fn around(&self, group: usize) -> Option<(Around<V, D>, usize)> {
+        let domains = self.common.rare.domains?;
+        Some((domains.around(self.simd, self.strip.first + group * V::F64_LANES), self.common.kept.extent?))
     }
 
     /// What the materials of a block of particles remember.
@@ -859,7 +913,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         pressure: SimdReal<V>,
         index: usize,
         edges: &F::Edges<V>,
-        (sums, soil, from_axis): (&mut F::Sums<V>, &mut [SimdReal<V>; 2], FromAxis<V>),
+        (sums, soil, shared): Gathered<V, F, D>,
+        from_axis: FromAxis<V>,
     ) {
         let Common { functions, frame, kept, coupled, rare, .. } = *self.common;
         let SolidLanes { mass, volume, v, mut stress, .. } = *point;
@@ -869,6 +924,11 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             for s in 0..3 {
                 stress[s] += pressure * PRESSURE[s];
             }
+        }
+        if let (Some(shared), Some(first)) = (shared, kept.extent) {
+            let block = self.strip.solid.block(index);
+            let size = array!([mass; D], d => self.of(block[first + d]) * frame.inverse_size);
+            shared.add(&xi, &size, volume, &point.stress);
         }
         let mut affine = None;
         if let Some(first) = kept.affine {

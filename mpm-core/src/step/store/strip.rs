@@ -51,6 +51,9 @@ pub struct Strip<V: Simd, const D: usize> {
     pub flowed: Flowed,
     /// Force of a unit pressure in its cells on the functions they reach, m2: `[cell][function][axis]`; empty if no one asks.
     pub coupling: Vec<f64>,
+    /// What the boxes of its cells give to these and to those around them, `[share][cell]` as `step/domains.rs` has them; empty if no
+    /// one asks.
+    pub shared: Vec<f64>,
     /// Whether all its particles stayed in their cells.
     pub stays: bool,
     /// Whether other cells have come to hold their water.
@@ -95,6 +98,7 @@ impl<V: Simd, const D: usize> Strip<V, D> {
             rates: [0.0; 2],
             flowed: Flowed::NOTHING,
             coupling: Vec::new(),
+            shared: Vec::new(),
             stays: true,
             changed: false,
         }
@@ -126,7 +130,7 @@ impl<V: Simd, const D: usize> Strip<V, D> {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        let coupling = self.coupling.capacity() * size_of::<f64>();
+        let coupling = (self.coupling.capacity() + self.shared.capacity()) * size_of::<f64>();
         coupling + self.solid.bytes() + self.water.bytes() + self.cells.capacity() * size_of::<SimdCells<V, D>>()
     }
 }

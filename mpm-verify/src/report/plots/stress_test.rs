@@ -1,6 +1,6 @@
 //! A stress test: what was measured over what makes it harder, a panel per integrator, a curve per scheme.
 
-use mpm_core::scene::{DarcyChoice, Integrator, ShapeChoice, TransferChoice, UpdateChoice};
+use mpm_core::scene::{DarcyChoice, DomainChoice, Integrator, ShapeChoice, TransferChoice, UpdateChoice};
 
 use super::axis::Axis;
 use super::figure::{Figure, Mark, Panel, Point, Series};
@@ -91,10 +91,10 @@ fn look(scheme: &Scheme) -> Look {
         ShapeChoice::Bspline2 => (PURPLE, Marker::Diamond),
         ShapeChoice::Bspline3 => (GREY, Marker::Diamond),
     };
-    let dash = match (scheme.darcy, scheme.transfer, scheme.update) {
+    let dash = match (scheme.darcy, scheme.transfer, scheme.update, scheme.domain) {
         (DarcyChoice::Nodal, ..) => Dash::Dotted,
-        (_, TransferChoice::Affine, _) => Dash::DashDot,
-        (.., UpdateChoice::Musl) => Dash::Dashed,
+        (_, TransferChoice::Affine, ..) | (.., DomainChoice::Contiguous) => Dash::DashDot,
+        (.., UpdateChoice::Musl, _) => Dash::Dashed,
         _ => Dash::Solid,
     };
     Look::new(colour, marker).dash(dash).radius(2.8)
