@@ -127,7 +127,7 @@ fn written(has: &Set) -> String {
     line(is(Flip), "flip = 1.0");
     line(is(Affine), "transfer = \"affine\"");
     line(is(NullSpace), "null_space_strain = 0.01");
-    line(is(Reconstruction), "reconstruction = \"linear\"");
+    line(is(Contiguous), "particle_domain = \"contiguous\"");
     line(is(Musl), "update = \"musl\"");
     line(is(LightNodes), "light_nodes = 0.1");
     line(is(JumpPenalty), "jump_penalty = 1e-3");
