@@ -22,6 +22,7 @@
 
 use pulp::Simd;
 
+use super::kernel::Moves;
 use super::store::{Frame, Motion, Nodes, Strip};
 use crate::real::{MAX_LANES, Real, SimdReal, array};
 
@@ -206,7 +207,8 @@ impl<V: Simd, const D: usize> Around<V, D> {
         &self,
         xi: &[SimdReal<V>; D],
         size: &mut [SimdReal<V>; D],
-        (gradient, hoop, velocity): (&mut [[SimdReal<V>; D]; D], &mut Option<SimdReal<V>>, &mut [SimdReal<V>; D]),
+        Moves { gradient, velocity, .. }: &mut Moves<V, D>,
+        hoop: &mut Option<SimdReal<V>>,
         dt: f64,
     ) {
         let one = xi[0].like(1.0);

@@ -3,7 +3,7 @@
 use pulp::{Scalar, Simd};
 
 use super::domains::Domains;
-use super::kernel::{Fields, Functions, Moves, rate_of_volume};
+use super::kernel::{Fields, Functions, rate_of_volume};
 use super::store::{Frame, Motion, Nodes, Strip};
 use crate::boundary::{FaceLoads, Filled, SurfaceLoad};
 use crate::grid::Grid;
@@ -85,23 +85,22 @@ impl<const D: usize> Tops<D> {
             let mut motion = functions.at_rest(Scalar);
             functions.find_motion(&mut motion, &fields, &edges, &centroid);
             let xi = array!([lone(0.0); D], d => lone(x[d] * frame.inverse_size) - position[d]);
-            let Moves { mut gradient, mut velocity, .. } = functions.moves(&motion, &edges, &xi, frame.inverse_size);
+            let mut moves = functions.moves(&motion, &edges, &xi, frame.inverse_size);
             let from_axis = frame.axis.map(|axis| position[0] + lone(axis * frame.inverse_size));
             let mut hoop = from_axis.map(|from| functions.hoop(&motion, &edges, &xi, from, frame.inverse_size));
-            let of_point = rate_of_volume(&gradient, hoop);
+            let of_point = rate_of_volume(&moves.gradient, hoop);
             if let Some((domains, first)) = boxes {
                 let mut size = array!([lone(0.0); D], d => lone(self.number(strips, top, first + d)));
-                let moves = (&mut gradient, &mut hoop, &mut velocity);
-                domains.around(Scalar, at).stretch(&xi, &mut size, moves, dt);
+                domains.around(Scalar, at).stretch(&xi, &mut size, &mut moves, &mut hoop, dt);
             }
-            let mut rate = rate_of_volume(&gradient, hoop);
+            let mut rate = rate_of_volume(&moves.gradient, hoop);
             if F::SPLIT {
                 let middle = functions.middle(&motion, from_axis, frame.inverse_size);
                 rate = if boxes.is_some() { middle + (rate - of_point) } else { middle };
             }
             volume *= 1.0 + dt * rate.lane(0);
             for d in 0..D {
-                x[d] += dt * velocity[d].lane(0);
+                x[d] += dt * moves.velocity[d].lane(0);
             }
             self.ahead[top] = (x, volume);
         }

@@ -700,15 +700,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             for index in self.strip.solid.range(group) {
                 let point = SolidLanes::<V, D>::read(self.simd, self.strip.solid.block(index));
                 let xi = array!([none; D], d => point.x[d] * frame.inverse_size - position[d]);
-                self.gather(
-                    &point,
-                    xi,
-                    pressure,
-                    index,
-                    &edges,
-                    (sums, &mut soil, &mut shared),
-                    self.axis_of(position[0]),
-                );
+                let shapes = (&edges, self.axis_of(position[0]));
+                self.gather(&point, xi, pressure, index, shapes, (sums, &mut soil, &mut shared));
             }
         }
         if let Some(shared) = &shared {
@@ -762,20 +755,21 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             self.ask_for_block(index + BLOCKS_AHEAD);
             let mut point = SolidLanes::<V, D>::read(simd, self.strip.solid.block(index));
             let mut xi = array!([none; D], d => point.x[d] * inverse - position[d]);
-            let Moves { mut gradient, mut velocity, change } = functions.moves(motion, edges, &xi, inverse);
+            let mut moves = functions.moves(motion, edges, &xi, inverse);
             let mut hoop = None;
             if let Some(from) = from_axis {
                 hoop = Some(functions.hoop(motion, edges, &xi, from, inverse));
             }
-            let of_point = rate_of_volume(&gradient, hoop);
+            let of_point = rate_of_volume(&moves.gradient, hoop);
             if let Some((around, first)) = &around {
                 let block = self.strip.solid.block_mut(index);
                 let mut size = array!([none; D], d => SimdReal { simd, value: block[first + d] });
-                around.stretch(&xi, &mut size, (&mut gradient, &mut hoop, &mut velocity), dt);
+                around.stretch(&xi, &mut size, &mut moves, &mut hoop, dt);
                 for d in 0..D {
                     block[first + d] = size[d].value;
                 }
             }
+            let Moves { gradient, velocity, change } = moves;
             rotate(&mut point.stress, &gradient, dt);
             let mut strain = strain_increment(&gradient, dt);
             let mut rate = rate_of_volume(&gradient, hoop);
@@ -825,7 +819,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             }
             point.write(self.strip.solid.block_mut(index));
             if self.is_fused() {
-                self.gather(&point, xi, pressure, index, edges, (sums, soil, shared), from_axis);
+                self.gather(&point, xi, pressure, index, (edges, from_axis), (sums, soil, shared));
             }
         }
         gained
@@ -912,9 +906,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         xi: [SimdReal<V>; D],
         pressure: SimdReal<V>,
         index: usize,
-        edges: &F::Edges<V>,
+        (edges, from_axis): (&F::Edges<V>, FromAxis<V>),
         (sums, soil, shared): Gathered<V, F, D>,
-        from_axis: FromAxis<V>,
     ) {
         let Common { functions, frame, kept, coupled, rare, .. } = *self.common;
         let SolidLanes { mass, volume, v, mut stress, .. } = *point;
