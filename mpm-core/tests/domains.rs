@@ -1,4 +1,4 @@
-//! Guards particles that are boxes: they fill the soil, energy is kept, and what they are does not depend on where the mesh lies.
+//! Guards particles that are boxes: they fill the soil as it settles, and are as points where it does not move.
 
 mod common;
 

@@ -147,19 +147,21 @@ fn every_integrator_and_shape() {
 fn every_way_to_carry_velocities() {
     let dry = Scene::load(format!("{}/../reference-data/scenes/dry-bar.toml", env!("CARGO_MANIFEST_DIR")).as_ref());
     let dry = dry.expect("a sound scene");
-    let mut ran = 0;
+    let mut ran = [0; 3];
     for shape in ["centre", "linear", "gimp", "bspline2"] {
-        for (key, word) in [("update", "musl"), ("transfer", "affine"), ("particle_domain", "contiguous")] {
+        let ways = [("update", "musl"), ("transfer", "affine"), ("particle_domain", "contiguous")];
+        for (way, (key, word)) in ways.into_iter().enumerate() {
             for darcy in ["face", "none"] {
                 let base = if darcy == "face" { common::scene(&["cell = 0.1"]) } else { dry.clone() };
                 let changes = [("scheme.shape", shape.into()), (&*format!("scheme.{key}"), word.into())];
                 let Ok(scene) = base.patched(&changes) else { continue };
                 same(&Hardware::default(), &shortened(scene), &format!("{shape} {word} {darcy}"));
-                ran += 1;
+                ran[way] += 1;
             }
         }
     }
-    assert!(ran >= 14, "{ran}");
+    // Boxes go with one of these shapes.
+    assert!(ran[0] + ran[1] >= 12 && ran[2] == 2, "{ran:?}");
 }
 
 /// Models with steps of their own choice pause on a long way to the next time, and go on to that very time.

@@ -175,7 +175,7 @@ impl Fields {
             ));
         }
         let (rows, settled) = (self.cells[1] as f64, self.estimate().settlement_m.abs());
-        // Boxes that stretch with the soil are of second order.
+        // Errors of boxes that stretch with the soil fall nearly as of second order.
         let contiguous = self.particle_domain == DomainChoice::Contiguous;
         let most = if contiguous { OFF_OF_BOXES / (rows * rows) } else { OFF_PER_ROW / rows };
         let off = (OFF_BEFORE * settled / self.height).min(most);

@@ -13,9 +13,9 @@
 //! ```
 //!
 //! Its middle moves as the mean of its two ends does. So boxes that once filled the soil without gaps go on to do so under any strain
-//! along the axes: their volumes are those of the cells, forces are the transpose of strains (energy is kept), and what leaves a
-//! column as water is what its soil has lost. Cells without a particle's middle take no part: their share is that of the particle's
-//! own. A box is at most as long as a cell.
+//! along the axes: their volumes are those of the cells, forces are the transpose of strains up to the factor that a known volume of
+//! soil puts on those of a cell, and what leaves a column as water is what its soil has lost. Cells without a particle's middle take
+//! no part: their share is that of the particle's own. A box is at most as long as a cell.
 //!
 //! Sources: contiguous particles of Bardenhagen & Kober, CMES 5(6), 2004, 477-496, doi:10.3970/cmes.2004.005.477, with gradients of the
 //! centres of cells in place of those inside them.
