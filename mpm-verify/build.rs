@@ -11,8 +11,14 @@ fn first_line(program: &str, arguments: &[&str]) -> Option<String> {
 }
 
 /// Folders whose files of an ending the program carries, each as a list of names and texts in a file of its name.
-const EMBEDDED: [(&str, &str); 5] =
-    [("cases", "toml"), ("gallery", "toml"), ("mutants", "patch"), ("others", "toml"), ("scenes", "toml")];
+const EMBEDDED: [(&str, &str); 6] = [
+    ("cases", "toml"),
+    ("gallery", "toml"),
+    ("mutants", "patch"),
+    ("others", "toml"),
+    ("scenes", "toml"),
+    ("slopes", "toml"),
+];
 
 /// Writes `NAME.rs` with the names and texts of all such files of a folder, in the order of their names.
 fn embed(name: &str, ending: &str, out: &Path) -> std::io::Result<()> {

@@ -353,7 +353,7 @@ impl<const D: usize> Seeded<D> {
         // An outline that cuts cells has nodes as light as a surface that has moved into one.
         if scene.lends_inertia() || (solves && (self.moves(scene) || scene.outline.is_some())) {
             let level = !solves || self.filled(scene).is_known() || scene.outline.is_some();
-            let gravity = scene.gravity_vector().map_or([0.0; D], |g| std::array::from_fn(|d| g[d + 2 - D]));
+            let gravity = scene.body_force().map_or([0.0; D], |g| std::array::from_fn(|d| g[d + 2 - D]));
             conditions.push(Box::new(Lifted::new(frame.count(), level, gravity, scene.flip)));
         }
         if let Some(base) = scene.base {
@@ -424,7 +424,7 @@ impl<const D: usize> Seeded<D> {
         let surface = SurfaceLoad::new(strips, scene.height, on);
         let loads = FaceLoads::of(scene, &self.solid, scene.width);
         // A column has the last component, which is the vertical one.
-        let gravity = scene.gravity_vector().map(|g| std::array::from_fn(|d| g[d + 2 - D]));
+        let gravity = scene.body_force().map(|g| std::array::from_fn(|d| g[d + 2 - D]));
         let particles = self.solid.points.len() as u64;
         let water = match scene.water.filter(|_| scene.free_surface.is_none()) {
             Some(properties) => {

@@ -69,6 +69,7 @@ fn written(has: &Set) -> String {
     line(true, &format!("start = {}", word(7, "")));
     line(!is(NoGravity), "gravity = 9.81");
     line(is(SlopeAngle), "slope_angle = 5.0");
+    line(is(Seismic), "seismic_coefficient = 0.1");
     line(is(StartK0), "start_k0 = 0.6");
     line(is(StartVelocity), "start_velocity = [0.0, 1e-4]");
     line(is(Outline), "geometry.outline = { points = [[0, 0], [2, 0], [2, 0.5], [1, 1], [0, 1]] }");

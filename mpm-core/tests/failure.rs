@@ -3,9 +3,9 @@
 mod common;
 
 use common::edited;
-use mpm_core::failure::{Bracket, Driver, End, Outcome, Phase, Row};
+use mpm_core::failure::{Bracket, Driver, End, Outcome, Phase, Row, Search};
 use mpm_core::run::failing;
-use mpm_core::scene::Scene;
+use mpm_core::scene::{Reduction, Scene, Strength};
 use mpm_core::stability::choose_step;
 use mpm_core::step::{Failing, Pace};
 use mpm_core::water::Pressures;
@@ -376,6 +376,10 @@ fn bytes_that_do_not_fit_are_refused_and_change_nothing() {
     assert_eq!((other.phase, other.time), (driver.phase, driver.time));
 }
 
+fn search(within: f64) -> Search {
+    Search { within, ..Search::default() }
+}
+
 /// The factor of safety of the coarse levee without water, with this strength; the run must be left as it was.
 fn safety(cohesion: f64, tangent: f64) -> Bracket {
     let angle = tangent.atan().to_degrees();
@@ -392,7 +396,7 @@ fn safety(cohesion: f64, tangent: f64) -> Bracket {
     assert_eq!(driver.phase, Phase::Seepage);
     let before = driver.checkpoint();
     let mut looks = 0;
-    let found = driver.safety(0.04, &mut |_| looks += 1).unwrap();
+    let found = driver.safety(&search(0.04), &mut |_, _| looks += 1).unwrap().bracket;
     assert!(driver.checkpoint() == before, "the run was not left as it was");
     println!("c {cohesion}, phi {angle:.1}: {found:?}");
     assert!(looks == found.trials && found.high - found.low <= 0.04 * 1.0001, "{found:?}");
@@ -415,12 +419,12 @@ fn twice_the_strength_is_twice_as_safe() {
 #[test]
 fn a_slope_that_stands_with_any_strength_has_no_upper_bound() {
     let scene =
-        coarse(&[("cohesion = 500.0", "cohesion = 50000.0"), ("residual_angle = 8.5", "residual_angle = 30.0")]);
+        coarse(&[("cohesion = 500.0", "cohesion = 500000.0"), ("residual_angle = 8.5", "residual_angle = 30.0")]);
     let mut driver = Driver::new(&scene).unwrap();
     driver.load().unwrap();
-    let found = driver.safety(0.04, &mut |_| ()).unwrap();
-    // 4 is the last factor that is looked at; that it slides there nobody has seen.
-    assert_eq!((found.low, found.high), (4.0, f64::INFINITY));
+    let found = driver.safety(&search(0.04), &mut |_, _| ()).unwrap().bracket;
+    // 10 is the last factor that is looked at; that it slides there nobody has seen.
+    assert_eq!((found.low, found.high), (10.0, f64::INFINITY));
 }
 
 /// Example 1 of Griffiths & Lane 1999 (doi:10.1680/geot.1999.49.3.387): a slope 2:1 on a rigid base, phi = 20 degrees,
@@ -485,7 +489,7 @@ until.time = 3600.0
 fn factor(scene: &Scene, within: f64) -> Bracket {
     let mut driver = Driver::new(scene).unwrap();
     assert_eq!(driver.load().unwrap().outcome, Outcome::Stands);
-    let found = driver.safety(within, &mut |_| ()).unwrap();
+    let found = driver.safety(&search(within), &mut |_, _| ()).unwrap().bracket;
     println!("E {:e} Pa, H {} m: {found:?}", scene.elastic.youngs_modulus, scene.height);
     found
 }
@@ -517,5 +521,38 @@ fn water_on_fine_meshes_is_booked() {
         let scene = scene.patched(&changes).unwrap();
         let pace = Pace { dt: choose_step(&scene).unwrap(), steps: 1, damping: 0.0, pressures: Pressures::Held };
         started(&scene).move_soil(&pace, &mut 0).unwrap();
+    }
+}
+
+#[test]
+fn slip_does_not_weaken_the_base_during_trials() {
+    let factor = |residual: &str| {
+        let scene = coarse(&[("residual_angle = 8.5", residual)]);
+        let mut driver = Driver::new(&scene).unwrap();
+        driver.load_for_safety().unwrap();
+        driver.safety(&search(0.02), &mut |_, _| ()).unwrap().bracket
+    };
+    let (weakens, stays) = (factor("residual_angle = 8.5"), factor("residual_angle = 30.0"));
+    assert_eq!((weakens.low, weakens.high), (stays.low, stays.high));
+}
+
+#[test]
+fn the_strength_of_davis_is_that_of_simple_shear() {
+    let strength =
+        |dilation_angle: f64| Strength { cohesion: 3e3, friction_angle: 30.0, dilation_angle, tension_cutoff: None };
+    for factor in [0.8, 1.0, 1.7] {
+        // c and tan(phi) keep their ratio.
+        let reduced = strength(0.0).reduced(factor, Reduction::Davis);
+        let tangent = reduced.friction_angle.to_radians().tan();
+        assert!((reduced.cohesion / tangent / strength(0.0).apex() - 1.0).abs() < 1e-12);
+        assert!((reduced.dilation_angle - reduced.friction_angle).abs() < 1e-12);
+        // Without dilation tan(phi*) is the sine of the reduced angle (Davis 1968).
+        let sine = (30_f64.to_radians().tan() / factor).atan().sin();
+        assert!((tangent / sine - 1.0).abs() < 1e-12, "{tangent} {sine}");
+        // With all of it nothing is lost.
+        let [whole, associated] =
+            [Reduction::Davis, Reduction::Associated].map(|by| strength(30.0).reduced(factor, by));
+        assert!((whole.cohesion / associated.cohesion - 1.0).abs() < 1e-12);
+        assert!((whole.friction_angle / associated.friction_angle - 1.0).abs() < 1e-12);
     }
 }

@@ -747,7 +747,7 @@ fn bad_flags_of_a_levee_are_named() {
 /// Edits of the scene of a slope (or of a block) and what each must name.
 #[test]
 fn bad_ground_is_refused() {
-    let cases: [(&str, &str, Edits, &str); 26] = [
+    let cases: [(&str, &str, Edits, &str); 27] = [
         ("crossing", "slope-at-rest", &[("[3.0, 3.0], [0.0, 3.0]", "[0.0, 3.0], [3.0, 3.0]")], "simple polygon"),
         ("two points", "slope-at-rest", &[(", [3.0, 3.0], [0.0, 3.0]", "")], "at least 3 points"),
         ("left of the wall", "slope-at-rest", &[("[0.0, 3.0]]", "[-0.1, 3.0]]")], "x >= 0"),
@@ -786,6 +786,12 @@ fn bad_ground_is_refused() {
             "gravity with it",
         ),
         ("vertical slope", "block-on-incline", &[("slope_angle = 25.0", "slope_angle = 90.0")], "-90 < angle < 90"),
+        (
+            "too strong an earthquake",
+            "block-on-incline",
+            &[("slope_angle = 25.0", "seismic_coefficient = 1.5")],
+            "-1 < coefficient < 1",
+        ),
         (
             "slope of a column",
             "block-on-incline",

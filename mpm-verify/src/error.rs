@@ -11,7 +11,7 @@ use mpm_core::stability::StepTooLarge;
 use mpm_core::step::Fault;
 
 use crate::checkpoint::CheckpointError;
-use crate::exact::slip_circle;
+use crate::exact::limit_equilibrium;
 use crate::suggest::{listed, nearest};
 
 /// Why something could not be run, read or judged.
@@ -46,7 +46,7 @@ pub enum Error {
     Checkpoint(#[from] CheckpointError),
     /// A slip circle without a factor of safety.
     #[error(transparent)]
-    Circle(#[from] slip_circle::Refused),
+    Circle(#[from] limit_equilibrium::Refused),
     /// The system starts no threads.
     #[error(transparent)]
     Threads(#[from] rayon::ThreadPoolBuildError),

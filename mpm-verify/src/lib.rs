@@ -46,6 +46,7 @@ pub mod rates;
 pub mod report;
 pub mod run_time;
 pub mod scenes;
+pub mod slope;
 pub mod stability;
 pub mod stress;
 pub mod study;

@@ -9,7 +9,8 @@ use std::process::ExitCode;
 
 use clap::{Args, FromArgMatches, Parser, Subcommand};
 use commands::{
-    check, gallery, gate, help, levee, list, merge, metamorphic, mutants, nightly, report, solve, stability, study,
+    check, gallery, gate, help, levee, list, merge, metamorphic, mutants, nightly, report, slope, solve, stability,
+    study,
 };
 
 /// Verifies a two-phase double-point material point method (soil and water) against exact solutions.
@@ -76,6 +77,13 @@ enum Command {
     Gallery {
         #[command(flatten)]
         options: gallery::Options,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Factor of safety of a slope by strength reduction and limit equilibrium
+    Slope {
+        #[command(flatten)]
+        options: slope::Options,
         #[command(flatten)]
         common: Common,
     },
@@ -151,6 +159,7 @@ fn main() -> ExitCode {
         Some(Command::Check { options, common }) => check::run(&options, &common),
         Some(Command::Solve { options, common }) => solve::run(&options, &common),
         Some(Command::Gallery { options, common }) => gallery::run(&options, &common),
+        Some(Command::Slope { options, common }) => slope::run(&options, &common),
         Some(Command::Stability { options, common }) => stability::run(&options, &common),
         Some(Command::Nightly { options, common }) => nightly::run(&options, &common),
         Some(Command::Report { folder, common }) => report::run(&folder, &common),

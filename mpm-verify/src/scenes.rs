@@ -12,6 +12,9 @@ use crate::suggest::nearest;
 /// Names and texts of the scenes in `reference-data/scenes`.
 pub const BUILT_IN: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/scenes.rs"));
 
+/// Names and texts of the published slopes in `reference-data/slopes`.
+pub const SLOPES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/slopes.rs"));
+
 /// A scene of the gallery.
 #[derive(Debug, Clone, Copy)]
 pub struct Exhibit {
@@ -44,11 +47,12 @@ pub const GALLERY: [Exhibit; 10] = [
     exhibit!("collapse-in-water", "map-soil", "../../reference-data/gallery/collapse-in-water.toml"),
 ];
 
-/// Names of all scenes that the program carries: the built-in ones, then those of the gallery.
+/// Names of all scenes that the program carries: the built-in ones, those of the gallery, the published slopes.
 pub fn names() -> impl Iterator<Item = &'static str> {
     let built_in = BUILT_IN.iter().map(|(name, _)| *name);
     built_in
         .chain(GALLERY.iter().map(|scene| scene.name).filter(|name| BUILT_IN.iter().all(|(other, _)| other != name)))
+        .chain(SLOPES.iter().map(|(name, _)| *name))
 }
 
 /// Text of a scene: of a file, or of the built-in or gallery scene of that name where there is no such file.
@@ -57,7 +61,7 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 /// Neither exists, or the file cannot be read.
 pub fn text(source: &str) -> Result<String, Error> {
     let path = Path::new(source);
-    let built_in = BUILT_IN.iter().find(|(name, _)| *name == source).map(|(_, text)| *text);
+    let built_in = BUILT_IN.iter().chain(SLOPES).find(|(name, _)| *name == source).map(|(_, text)| *text);
     let known = built_in.or_else(|| GALLERY.iter().find(|scene| scene.name == source).map(|scene| scene.text));
     if let Some(text) = known.filter(|_| !path.is_file()) {
         return Ok(text.to_owned());

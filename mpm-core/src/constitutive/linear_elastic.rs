@@ -5,7 +5,7 @@
 use nalgebra::{SMatrix, SVector};
 use pulp::Simd;
 
-use super::{Flow, Law, State};
+use super::{Altered, Flow, Law, State};
 use crate::real::{Real, SimdReal};
 use crate::scene::Elastic;
 
@@ -114,8 +114,8 @@ impl Law for LinearElastic {
         self.released(from, to)
     }
 
-    fn altered(&self, _factor: f64, stiffness: f64) -> Self {
-        self.stiffened(stiffness)
+    fn altered(&self, by: &Altered) -> Self {
+        self.stiffened(by.stiffness)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::{Flow, Law, LinearElastic, ModifiedCamClay, MohrCoulomb, STATES, State};
+use super::{Altered, Flow, Law, LinearElastic, ModifiedCamClay, MohrCoulomb, STATES, State};
 use crate::real::{Real, SimdReal};
 use crate::soils::Soils;
 
@@ -70,10 +70,10 @@ impl Law for Material {
         whichever!(self, law => law.update_lanes(stress, strain, state, there))
     }
 
-    fn altered(&self, factor: f64, stiffness: f64) -> Self {
+    fn altered(&self, by: &Altered) -> Self {
         match self {
-            Self::Elastic(law) => Self::Elastic(law.altered(factor, stiffness)),
-            Self::MohrCoulomb(law) => Self::MohrCoulomb(law.altered(factor, stiffness)),
+            Self::Elastic(law) => Self::Elastic(law.altered(by)),
+            Self::MohrCoulomb(law) => Self::MohrCoulomb(law.altered(by)),
             Self::CamClay(law) => Self::CamClay(*law),
         }
     }

@@ -16,6 +16,7 @@ use nalgebra::SMatrix;
 use pulp::Simd;
 
 use crate::real::{Real, SimdReal};
+use crate::scene::Reduction;
 
 /// What an update did to a particle, or to several.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,6 +33,22 @@ impl<R: Real> Flow<R> {
     pub fn none(like: R) -> Self {
         Self { dissipation: like.like(0.0), residual: like.like(f64::NEG_INFINITY) }
     }
+}
+
+/// What is changed of a soil to find its factor of safety.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Altered {
+    /// The strength is divided by this.
+    pub factor: f64,
+    /// With this flow rule.
+    pub by: Reduction,
+    /// The soil is so many times as stiff.
+    pub stiffness: f64,
+}
+
+impl Altered {
+    /// The soil of the scene.
+    pub const NOTHING: Self = Self { factor: 1.0, by: Reduction::AsGiven, stiffness: 1.0 };
 }
 
 /// State variables that a law may have.
@@ -85,9 +102,8 @@ pub trait Law: Copy + Send + Sync + 'static {
     fn is_symmetric(&self) -> bool {
         true
     }
-    /// The same law with its strength divided by a factor (c, tan phi and tan psi) and so many times its stiffness.
-    /// The laws of soil that may fail know it; any other stays as it is.
-    fn altered(&self, _factor: f64, _stiffness: f64) -> Self {
+    /// The same law with another strength and stiffness. The laws of soil that may fail know it; any other stays as it is.
+    fn altered(&self, _by: &Altered) -> Self {
         *self
     }
     /// How far a stress is outside the yield surface, as a share of the strength under no stress, which the law states;

@@ -16,11 +16,6 @@ const BALANCED: f64 = 3e-4;
 const STEPS: u64 = 50;
 /// A soil is at rest when so many samples in a row find it balanced.
 const LOOKS: u32 = 2;
-/// Rates are first compared after so many periods, then whenever the time has doubled.
-const FIRST_PERIODS: f64 = 16.0;
-/// Times that the time doubles before patience ends, and the periods that this makes.
-const DOUBLINGS: u32 = 5;
-const PERIODS: f64 = 512.0;
 /// A rate decays if it falls at least to this share from a quarter of the time to the half after it.
 const DECAYS: f64 = 0.75;
 
@@ -35,6 +30,16 @@ pub struct Patience {
     pub slides: (Which, f64),
     /// Soil of which a particle has moved further is not waited for, m.
     pub most: f64,
+    /// Periods after which rates are first compared, and how often in each doubling of the time from then on.
+    pub compared: (f64, usize),
+    /// Mass-proportional damping, 1/s.
+    pub damping: f64,
+    /// Soil that is slower is at rest, m/s.
+    pub slow: f64,
+    /// Elastic energy that a steady slide may store, as a share of the work of gravity.
+    pub steady: f64,
+    /// Periods after which patience ends.
+    pub periods: f64,
 }
 
 /// What became of the soil.
@@ -57,6 +62,22 @@ pub struct Equilibrated {
     pub steps: u64,
     /// What had moved at the end.
     pub moved: Moved,
+    /// Speed of the monitored soil over the second half of the time, m/s; zero where it came to rest before it was compared.
+    pub speed: f64,
+    /// Elastic energy stored or released over the same time, as a share of the work of gravity: nothing of it in a steady slide.
+    pub stored: f64,
+    /// Periods of the first swing that it took.
+    pub periods: f64,
+}
+
+impl std::fmt::Display for Outcome {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Stands => "stands",
+            Self::Slides => "slides",
+            Self::Undecided => "is undecided",
+        })
+    }
 }
 
 impl Equilibrated {
@@ -72,8 +93,9 @@ impl Equilibrated {
             Outcome::Stands => "comes to rest".to_owned(),
             Outcome::Slides => format!("slides without slowing down, most at ({x:.3}, {y:.3}) m"),
             Outcome::Undecided => format!(
-                "still moves after {PERIODS} periods of its first swing, though more and more slowly, most at ({x:.3}, {y:.3}) m: \
-                 whether it stands is undecided"
+                "still moves after {:.0} periods of its first swing, though more and more slowly, most at ({x:.3}, {y:.3}) m: \
+                 whether it stands is undecided",
+                self.periods
             ),
         }
     }
@@ -84,16 +106,17 @@ impl Equilibrated {
 /// # Errors
 /// Where and what went wrong in a step.
 pub fn equilibrate(model: &mut dyn Failing, first: &First, patience: &Patience) -> Result<Equilibrated, Fault> {
-    let Patience { dt, scales, slides: (which, beyond), most } = *patience;
-    let (mut steps, mut looks, mut doublings) = (0, 0, 0);
+    let Patience { dt, scales, slides: (which, beyond), most, compared, slow, .. } = *patience;
+    let (first_compared, each_doubling) = compared;
+    let (mut steps, mut looks, mut last, mut stored) = (0, 0, 0.0, 0.0);
     let start = first.moved(model).most_m;
-    let (damping, calm) = (scales.damping(), scales.calm());
+    let (damping, calm) = (patience.damping, scales.calm());
     let pace = Pace { dt, steps: STEPS, damping, pressures: Pressures::Held };
-    // Places at the start, and at the quarter and the half of the time of the next comparison.
-    let places = |model: &dyn Failing| first.places(model);
-    let origin = places(model);
-    let (mut quarter, mut half) = (Vec::new(), Vec::new());
-    let mut until = FIRST_PERIODS * scales.period;
+    // Places at times of a geometric sequence, of which the first is a quarter of that of the first comparison.
+    let origin = first.places(model);
+    let mut marks: Vec<Mark> = Vec::new();
+    let longer = 2_f64.powf(1.0 / each_doubling as f64);
+    let mut mark = 0.25 * first_compared * scales.period;
     loop {
         let mut done = 0;
         let outcome = model.move_soil(&pace, &mut done);
@@ -109,29 +132,49 @@ pub fn equilibrate(model: &mut dyn Failing, first: &First, patience: &Patience) 
         if (steps / STEPS).is_multiple_of(8) && first.moved(model).most_m - start > most {
             ended = ended.or(Some(Outcome::Slides));
         }
-        if quarter.is_empty() && time >= 0.25 * until {
-            quarter = places(model);
-        }
-        if half.is_empty() && time >= 0.5 * until {
-            half = places(model);
-        }
-        if time >= until && ended.is_none() {
-            let now = places(model);
-            let rate = |from: &[[f64; 2]], to: &[[f64; 2]], span: f64| first.way(which, from, to) / span;
-            let (before, after) = (rate(&quarter, &half, 0.25 * until), rate(&half, &now, 0.5 * until));
-            if after < calm {
-                // The surface may keep raveling: the monitored soil has come to rest.
-                ended = Some(Outcome::Stands);
-            } else if after > DECAYS * before && first.way(which, &origin, &now) > beyond {
-                ended = Some(Outcome::Slides);
-            } else if doublings == DOUBLINGS {
-                ended = Some(Outcome::Undecided);
+        if time >= mark * (1.0 - 1e-12) && ended.is_none() {
+            let now = Mark::of(model, first, time);
+            if let Some(quarter) = marks.len().checked_sub(2 * each_doubling) {
+                let (quarter, half) = (&marks[quarter], &marks[quarter + each_doubling]);
+                let rate = |from: &Mark, to: &Mark| first.way(which, &from.places, &to.places) / (to.time - from.time);
+                last = rate(half, &now);
+                stored = ((now.strain_j - half.strain_j) / (now.work_j - half.work_j)).abs();
+                if last < slow {
+                    // The surface may keep raveling: the monitored soil has come to rest.
+                    ended = Some(Outcome::Stands);
+                } else if last > DECAYS * rate(quarter, half)
+                    && stored < patience.steady
+                    && first.way(which, &origin, &now.places) > beyond
+                {
+                    ended = Some(Outcome::Slides);
+                } else if time >= patience.periods * scales.period {
+                    ended = Some(Outcome::Undecided);
+                }
             }
-            (doublings, until) = (doublings + 1, 2.0 * until);
-            (quarter, half) = (half, now);
+            marks.push(now);
+            mark *= longer;
         }
         if let Some(outcome) = ended {
-            return Ok(Equilibrated { outcome, steps, moved: first.moved(model) });
+            let periods = time / scales.period;
+            return Ok(Equilibrated { outcome, steps, moved: first.moved(model), speed: last, stored, periods });
         }
+    }
+}
+
+/// The soil at a time.
+struct Mark {
+    /// s since it was left to itself.
+    time: f64,
+    /// Where the particles are, by their numbers, m.
+    places: Vec<[f64; 2]>,
+    /// Elastic energy and the work of gravity so far, J.
+    strain_j: f64,
+    work_j: f64,
+}
+
+impl Mark {
+    fn of(model: &dyn Failing, first: &First, time: f64) -> Self {
+        let balance = model.observe().1;
+        Self { time, places: first.places(model), strain_j: balance.strain_j, work_j: balance.gravity_work_j }
     }
 }

@@ -14,17 +14,18 @@ pub use equilibrate::{Equilibrated, Outcome, Patience, equilibrate};
 pub use events::{First, Moved, Which, towards};
 pub use record::{Events, PathPoint, Row};
 pub use scales::Scales;
-use strength::go_back;
-pub use strength::{Bracket, Trials, bracket};
+pub use strength::{Bracket, Found, Search, Sliding, Trial, Trials, bracket};
+use strength::{RANGE, go_back};
 
 use serde::{Deserialize, Serialize};
 
 use crate::checkpoint::{Archive, RestoreError, archive, restore, save, sealed, unsealed};
+use crate::constitutive::Altered;
 use crate::error::RunError;
 use crate::hash::{Digest, sha256};
 use crate::observe::Frame;
 use crate::run::{StartError, failing};
-use crate::scene::{Failure, Fields, Integrator, Scene, StepChoice, Until};
+use crate::scene::{Failure, Fields, Integrator, Reduction, Scene, StepChoice, Until};
 use crate::stability::choose_step;
 use crate::step::{Failing, Fault, Pace};
 use crate::water::Pressures;
@@ -172,7 +173,10 @@ impl<'a> Driver<'a> {
     /// For soil as it is, of which no more may move than E1 allows.
     fn patience(&self) -> Patience {
         let scales = self.scales;
-        Patience { dt: self.dt, scales, slides: (Which::All, scales.elastic), most: scales.events()[0] }
+        let (slides, most) = ((Which::All, scales.elastic), scales.events()[0]);
+        let (compared, slow) = ((16.0, 1), scales.calm());
+        let (damping, steady) = (scales.damping(), f64::INFINITY);
+        Patience { dt: self.dt, scales, slides, most, compared, damping, slow, steady, periods: 512.0 }
     }
 
     /// Begins to count displacements and balances with the soil as it is.
@@ -199,14 +203,35 @@ impl<'a> Driver<'a> {
         }
     }
 
-    /// Gravity and the first water, on a base that holds; then the base is left to its friction. Whether the soil stands. The soil is
-    /// stiffened meanwhile: its shape under its weight is the one that was drawn.
+    /// Gravity and the first water, on a base that holds; then the base is left to its friction. Whether the soil stands.
     ///
     /// # Errors
     /// Where and what went wrong in a step, or soil that does not come to rest even on a base that holds it.
     pub fn load(&mut self) -> Result<Equilibrated, RunError> {
+        let settled = self.bring_to_rest(1.0)?;
+        if settled.at_rest() || self.failure.continue_if_unstable {
+            self.begin(settled.at_rest());
+        }
+        Ok(settled)
+    }
+
+    /// The same with soil and base as strong as the lowest factor of safety that is looked for needs: a slope that does not stand has
+    /// one, too. Whether even that stands.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn load_for_safety(&mut self) -> Result<Equilibrated, RunError> {
+        let settled = self.bring_to_rest(RANGE[0])?;
+        self.phase = Phase::Seepage;
+        self.look();
+        Ok(settled)
+    }
+
+    /// Brings the soil to rest with its strength divided by a factor. It is stiffened meanwhile: its shape under its weight is the
+    /// one that was drawn.
+    fn bring_to_rest(&mut self, factor: f64) -> Result<Equilibrated, RunError> {
         let patience = Patience::stiffened(&self.scales, self.dt);
-        self.model.alter(1.0, self.scales.stiffening());
+        self.model.alter(&Altered { factor, by: Reduction::AsGiven, stiffness: self.scales.stiffening() });
         self.model.glue(true);
         self.count_from_here();
         for part in 0..=RAMP {
@@ -225,15 +250,11 @@ impl<'a> Driver<'a> {
         // A toe may give way a little and hold: what does not stand slides.
         let settled = equilibrate(self.model.as_mut(), &self.first, &patience).map_err(|e| self.failed(e))?;
         self.steps.relaxing += settled.steps;
-        self.model.alter(1.0, 1.0);
+        self.model.alter(&Altered::NOTHING);
         self.model.forget_slip();
         self.count_from_here();
         let water = self.model.observe().0.water.map_or(0.0, |w| w.mobile_m3 - w.in_m3 + w.out_m3);
         self.began = water;
-        if !settled.at_rest() && !self.failure.continue_if_unstable {
-            return Ok(settled);
-        }
-        self.begin(settled.at_rest());
         Ok(settled)
     }
 
@@ -439,9 +460,9 @@ impl<'a> Driver<'a> {
     ///
     /// # Errors
     /// Where and what went wrong in a step.
-    pub fn safety(&mut self, within: f64, progress: &mut dyn FnMut(&Bracket)) -> Result<Bracket, RunError> {
+    pub fn safety(&mut self, search: &Search, progress: &mut dyn FnMut(&Bracket, &Trial)) -> Result<Found, RunError> {
         let trials = Trials { outline: &self.outline, scales: self.scales, dt: self.dt };
-        let found = bracket(self.model.as_mut(), &trials, within, progress);
+        let found = bracket(self.model.as_mut(), &trials, search, progress);
         found.map_err(|e| self.failed(e))
     }
 

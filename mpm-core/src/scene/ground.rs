@@ -49,6 +49,12 @@ pub struct Base {
 }
 
 impl Fields {
+    /// What the soil weighs per mass, m/s2: gravity, and the horizontal acceleration of an earthquake.
+    pub fn body_force(&self) -> Option<[f64; 2]> {
+        let shaken = self.seismic_coefficient.unwrap_or(0.0) * self.gravity.unwrap_or(0.0);
+        self.gravity_vector().map(|[x, y]| [x + shaken, y])
+    }
+
     /// Gravity as a vector, m/s2: x downslope, y normal to the base.
     pub fn gravity_vector(&self) -> Option<[f64; 2]> {
         let gravity = self.gravity?;
@@ -75,6 +81,7 @@ impl Fields {
         self.outline.is_none()
             && self.empty_cells_beside == 0
             && self.slope_angle.is_none()
+            && self.seismic_coefficient.is_none()
             && self.start_velocity.is_none()
             && !self.periodic
             && self.base.is_none()

@@ -369,6 +369,43 @@ impl Strength {
     pub fn apex(&self) -> f64 {
         self.cohesion / self.friction_angle.to_radians().tan()
     }
+
+    /// The strength divided by a factor F: c/F, tan(phi)/F, and a dilation by the rule of the reduction. The cut-off stays.
+    #[must_use]
+    pub fn reduced(&self, factor: f64, by: Reduction) -> Self {
+        let over = |angle: f64| (angle.to_radians().tan() / factor).atan();
+        let (friction, dilation) = (over(self.friction_angle), over(self.dilation_angle));
+        let of = |share: f64, friction: f64, dilation: f64| Self {
+            cohesion: share * self.cohesion / factor,
+            friction_angle: friction.to_degrees(),
+            dilation_angle: dilation.to_degrees(),
+            tension_cutoff: self.tension_cutoff,
+        };
+        match by {
+            Reduction::AsGiven => of(1.0, friction, dilation),
+            Reduction::Associated => of(1.0, friction, friction),
+            Reduction::Davis => {
+                let share = dilation.cos() * friction.cos() / (1.0 - dilation.sin() * friction.sin());
+                let friction = (share * friction.tan()).atan();
+                of(share, friction, friction)
+            }
+        }
+    }
+}
+
+/// Which flow rule goes with a strength that is divided by a factor of safety F.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reduction {
+    /// That of the scene, tan(psi)/F. Where it is not associated the mesh selects a strength between the other two.
+    #[default]
+    AsGiven,
+    /// psi = phi: what limit analysis and limit equilibrium assume; the upper end.
+    Associated,
+    /// Davis B: an associated flow with the strength that a soil with this dilation has in simple shear, c* = beta c/F and
+    /// tan(phi*) = beta tan(phi)/F with beta = cos(psi_F) cos(phi_F)/(1 - sin(psi_F) sin(phi_F)) of the reduced angles (Davis 1968;
+    /// Tschuchnigg, Schweiger & Sloan 2015, doi:10.1016/j.compgeo.2015.06.003); the lower end.
+    Davis,
 }
 
 /// A modified Cam-Clay soil ([`crate::constitutive::ModifiedCamClay`]).
@@ -569,6 +606,9 @@ pub struct Fields {
     /// Angle of the base to the horizontal, degrees: gravity then points towards (sin, -cos), x downslope.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slope_angle: Option<f64>,
+    /// Horizontal acceleration of an earthquake, as a share of gravity: a force on the soil towards +x; `None` for none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seismic_coefficient: Option<f64>,
     /// Height of the column, m; that of the outline's highest point.
     pub height: f64,
     /// Width of the column, m; x of the outline's last point.

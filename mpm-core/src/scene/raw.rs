@@ -23,6 +23,7 @@ pub(super) struct RawScene {
     pub initial: Option<Spanned<BTreeMap<String, Spanned<Value>>>>,
     pub gravity: Option<Number>,
     pub slope_angle: Option<Number>,
+    pub seismic_coefficient: Option<Number>,
     pub geometry: Spanned<RawGeometry>,
     pub mesh: Spanned<RawMesh>,
     pub soil: Spanned<RawSoil>,

@@ -197,6 +197,7 @@ impl Fields {
         }
         out.put("gravity", self.gravity)?;
         out.put("slope_angle", self.slope_angle)?;
+        out.put("seismic_coefficient", self.seismic_coefficient)?;
         let shape = if self.outline.is_some() { "outline" } else { "column" };
         match &self.outline {
             Some(points) => out.put("geometry.outline.points", points)?,

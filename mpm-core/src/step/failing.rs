@@ -1,6 +1,7 @@
 //! What one asks of soil that water may make fail, beside what any model does.
 
 use super::{Fault, Model};
+use crate::constitutive::Altered;
 use crate::observe::{Frame, SolidState};
 use crate::water::Pressures;
 
@@ -39,8 +40,11 @@ pub trait Failing: Model {
     fn count_from_here(&mut self);
     /// Forgets the slip on the base.
     fn forget_slip(&mut self);
-    /// The strength of soil and base is that of the scene divided by a factor: c, tan phi, tan psi; the soil is so many times as stiff.
-    fn alter(&mut self, factor: f64, stiffness: f64);
+    /// Lets slip no longer weaken the base.
+    fn freeze_slip(&mut self, frozen: bool);
+    /// The strength of the soil is that of the scene divided by a factor, with a flow rule, and so is that of the base, c and
+    /// tan(delta); the soil is so many times as stiff.
+    fn alter(&mut self, by: &Altered);
     /// What is left of the forces on the nodes, as a share of them.
     fn unbalanced(&self) -> f64;
     /// Visits every particle of soil.

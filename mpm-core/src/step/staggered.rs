@@ -11,7 +11,7 @@ use super::kernel::Functions;
 use super::store::nodes::force;
 use super::{Failing, Fault, Model, Pace, Work};
 use crate::checkpoint::{Archive, RestoreError, archive};
-use crate::constitutive::{Law, Material, Materials};
+use crate::constitutive::{Altered, Law, Material, Materials};
 use crate::dimension::in_two;
 use crate::grid::Grid;
 use crate::observe::{
@@ -331,13 +331,19 @@ impl<V: Simd, F: Functions<D>, const D: usize> Failing for Staggered<V, F, D> {
         }
     }
 
-    fn alter(&mut self, factor: f64, stiffness: f64) {
+    fn freeze_slip(&mut self, frozen: bool) {
+        if let Some(base) = self.soil.friction() {
+            base.freeze(frozen);
+        }
+    }
+
+    fn alter(&mut self, by: &Altered) {
         // The materials of the scene to their last bit: a run that is resumed has no others.
-        let unaltered = factor == 1.0 && stiffness == 1.0;
-        let altered = |material: &Material| material.altered(factor, stiffness);
+        let altered = |material: &Material| material.altered(by);
+        let unaltered = *by == Altered::NOTHING;
         self.soil.change_materials(if unaltered { self.materials.clone() } else { self.materials.map(altered) });
         if let Some(base) = self.soil.friction() {
-            base.weaken(factor);
+            base.weaken(by.factor);
         }
     }
 

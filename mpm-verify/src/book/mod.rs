@@ -63,6 +63,7 @@ pub const CHAPTERS: &[Chapter] = chapters![
     "theory",
     "integrators",
     "levee",
+    "slopes",
     "free-surface",
     "scene-reference",
     "commands",

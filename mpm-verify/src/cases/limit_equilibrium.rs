@@ -3,9 +3,9 @@
 
 use super::{Error, Lacks, Mutant, Outcome, Program};
 use crate::exact::infinite_slope::{InfiniteSlope, Seepage, Strength};
-use crate::exact::slip_circle::factor::Method;
-use crate::exact::slip_circle::water::Phreatic;
-use crate::exact::slip_circle::{Circle, Limits, Section};
+use crate::exact::limit_equilibrium::factor::Method;
+use crate::exact::limit_equilibrium::water::Phreatic;
+use crate::exact::limit_equilibrium::{Circle, Limits, Section, Uniform};
 use crate::experiment::refinement::RUNS;
 use crate::norms::largest;
 
@@ -32,7 +32,8 @@ fn outcome(stronger: f64) -> Result<Outcome, Error> {
     for (angle, number) in TAYLOR {
         let toe = 1.0 / angle.to_radians().tan();
         let ground = [[-3.0, 1.0], [0.0, 1.0], [toe, 0.0], [toe + 3.0, 0.0]];
-        let section = dry(&ground, Strength { cohesion: stronger, friction: 0.0 }, 1.0);
+        let soil = Uniform::dry(Strength { cohesion: stronger, friction: 0.0 }, 1.0);
+        let section = Section::dry(&ground, &soil);
         let limits = Limits {
             least_depth: 0.0,
             least_area: 0.0,
@@ -50,11 +51,12 @@ fn outcome(stronger: f64) -> Result<Outcome, Error> {
     for share in [0.0, 1.0] {
         let line: &[[f64; 2]] = if share > 0.0 { &ground } else { &[] };
         let water = Phreatic { line, ground: &ground, water_weight: WATER_WEIGHT };
+        let strength = Strength { cohesion: stronger * 2e3, friction };
+        let soil = Uniform { strength, dry_weight: DRY_WEIGHT, saturated_weight: SATURATED_WEIGHT };
         let section = Section {
-            saturated_weight: SATURATED_WEIGHT,
             level: &|x| water.level(x),
             pressure: &|x, y| water.parallel(x, y),
-            ..dry(&ground, Strength { cohesion: stronger * 2e3, friction }, DRY_WEIGHT)
+            ..Section::dry(&ground, &soil)
         };
         let at = |x: f64| [x, (1000.0 - x) * angle.tan()];
         let half_angle = 2.0 * (angle.cos() * angle.cos() / HALF).atan();
@@ -82,17 +84,4 @@ fn outcome(stronger: f64) -> Result<Outcome, Error> {
         refined_by: RUNS,
         ..Outcome::default()
     })
-}
-
-/// Dry soil without a base.
-fn dry(ground: &[[f64; 2]], strength: Strength, weight: f64) -> Section<'_> {
-    Section {
-        ground,
-        base: None,
-        strength,
-        dry_weight: weight,
-        saturated_weight: weight,
-        level: &|_| f64::NEG_INFINITY,
-        pressure: &|_, _| 0.0,
-    }
 }

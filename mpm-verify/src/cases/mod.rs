@@ -92,6 +92,7 @@ const PROGRAMS: &[Program] = &[
     refraction::CASE,
     slopes::ACADS_1C,
     slopes::FALLING_WATER,
+    slopes::DAVIS,
     wetting::BALANCE,
     infinite_slope::ASSOCIATED,
     infinite_slope::WITHOUT_DILATION,

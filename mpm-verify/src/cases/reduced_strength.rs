@@ -3,6 +3,7 @@
 //! The factor divides c, tan(phi) and tan(psi) of the soil, and adhesion, peak and residual friction of the base; nothing else
 //! changes. Two models that differ in how they came by their strength are driven by the same steps.
 
+use mpm_core::constitutive::Altered;
 use mpm_core::observe::SolidState;
 use mpm_core::run::failing;
 use mpm_core::scene::{Base, Scene, Strength};
@@ -73,7 +74,7 @@ fn slide(scene: &Scene, factor: f64, dt: f64) -> Result<Vec<SolidState>, Error> 
     model.enter_stage(&scene.stages[0], &[])?;
     model.feel(1.0);
     model.count_from_here();
-    model.alter(factor, 1.0);
+    model.alter(&Altered { factor, ..Altered::NOTHING });
     let pace = Pace { dt, steps: STEPS, damping: 0.0, pressures: Pressures::Held };
     model.move_soil(&pace, &mut 0)?;
     let mut states = Vec::new();

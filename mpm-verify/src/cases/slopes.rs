@@ -1,73 +1,20 @@
-//! Factors of safety of slopes of several soils by strength reduction, beside published ones.
-//!
-//! Without dilation, as here, a soil bears less than limit equilibrium says, and the less the finer the mesh: ACADS 1(c) has 1.37 on cells
-//! of 1 m and 1.345 on 0.5 m; with associated flow 1.40 to 1.42 on 1 m. Programs of limit equilibrium have 1.35 to 1.41.
+//! Factors of safety of published slopes by strength reduction with associated flow, on their coarser meshes. All of them on two meshes, and
+//! with Davis' strength: `mpm-verify slope`.
 
-use mpm_core::failure::{Driver, Outcome as Settled};
-use mpm_core::scene::Scene;
+use mpm_core::failure::Search;
+use mpm_core::scene::{Flags, Reduction, Scene};
 
-use super::{Error, Mutant, Outcome, Program, Unfit};
+use super::{Error, Lacks, Mutant, Outcome, Program};
 use crate::experiment::number::Label;
 use crate::experiment::refinement::RUNS;
 use crate::norms::worst;
+use crate::scenes::SLOPES;
+use crate::slope::State;
+use crate::slope::ladder::{Published, published};
 
-/// A slope with its published factor of safety.
-struct Slope {
-    what: &'static str,
-    /// Corners of the outline, m; the toe is on the right.
-    points: &'static [[f64; 2]],
-    /// Whether the ground ends at a wall on the right; else there is room for what slides.
-    walled: bool,
-    /// Weight, cohesion (kN/m3, kPa) and friction (degrees) where no region says otherwise.
-    soil: [f64; 3],
-    /// Corners (m) of the other soils with the same three numbers.
-    regions: &'static [(&'static [[f64; 2]], [f64; 3])],
-    published: f64,
-}
-
-/// Three layers, upside right: c = 0 and 38 degrees, 5.3 kPa and 23 degrees, 7.2 kPa and 20 degrees, 19.5 kN/m3 (Giam & Donald 1989).
-const ACADS: [Slope; 1] = [Slope {
-    what: "ACADS 1(c)",
-    points: &[[0.0, 0.0], [50.0, 0.0], [50.0, 5.0], [40.0, 5.0], [20.0, 15.0], [0.0, 15.0]],
-    walled: true,
-    soil: [19.5, 7.2, 20.0],
-    regions: &[
-        (
-            &[[40.0, 5.0], [20.0, 15.0], [0.0, 15.0], [0.0, 11.0], [16.0, 11.0], [20.0, 9.0], [30.0, 7.0]],
-            [19.5, 0.0, 38.0],
-        ),
-        (&[[30.0, 7.0], [20.0, 9.0], [16.0, 11.0], [0.0, 11.0], [0.0, 4.0], [18.0, 4.0]], [19.5, 5.3, 23.0]),
-    ],
-    published: 1.39,
-}];
-
-/// A slope 2:1 on a firm base, phi = 20 degrees and c = 0.05 gamma H, below and above the level of still water (Griffiths & Lane 1999,
-/// example 5): what the water bears of the soil below its level is left out of its weight.
-const DRAWDOWN: [Slope; 3] = [
-    Slope {
-        what: "water at the crest",
-        regions: &[(&[[0.0, -1.0], [40.0, -1.0], [40.0, 11.0], [0.0, 11.0]], UNDER_WATER)],
-        published: 1.85,
-        ..DRY
-    },
-    Slope {
-        what: "water down by 0.7 H",
-        regions: &[(&[[0.0, -1.0], [40.0, -1.0], [40.0, 3.0], [0.0, 3.0]], UNDER_WATER)],
-        published: 1.30,
-        ..DRY
-    },
-    Slope { what: "no water", ..DRY },
-];
-const DRY: Slope = Slope {
-    what: "",
-    points: &[[0.0, 0.0], [32.0, 0.0], [12.0, 10.0], [0.0, 10.0]],
-    walled: false,
-    soil: [20.0, 10.0, 20.0],
-    regions: &[],
-    published: 1.40,
-};
-const UNDER_WATER: [f64; 3] = [20.0 - 9.81, 10.0, 20.0];
-
+/// Slopes by their names in `reference-data/slopes`.
+const LAYERS: [&str; 1] = ["acads-1c"];
+const DRAWDOWN: [&str; 3] = ["griffiths-lane-5-full", "griffiths-lane-5-low", "griffiths-lane-1"];
 /// A friction that is lower.
 const WEAKER: &str = "friction 10 % lower";
 
@@ -75,89 +22,55 @@ const WEAKER: &str = "friction 10 % lower";
 pub const ACADS_1C: Program = Program {
     name: "slope-acads-1c",
     about: "factor of safety of ACADS 1(c), three layers: 1.39 published",
-    run: || outcome(&ACADS, 1.0),
-    mutant: Some(Mutant { what: WEAKER, run: || outcome(&ACADS, 0.9) }),
+    run: || outcome(&LAYERS, 1.0),
+    mutant: Some(Mutant { what: WEAKER, run: || outcome(&LAYERS, 0.9) }),
 };
 
 /// Water that falls.
 pub const FALLING_WATER: Program = Program {
     name: "slope-drawdown",
-    about: "factor of safety of a slope whose water falls (Griffiths & Lane, example 5): 1.85, 1.30, 1.40 published",
+    about: "factor of safety of a slope whose water falls (Griffiths & Lane, example 5): 1.85, 1.30, 1.38 published",
     run: || outcome(&DRAWDOWN, 1.0),
     mutant: Some(Mutant { what: WEAKER, run: || outcome(&DRAWDOWN, 0.9) }),
 };
 
-/// The scene of a slope.
-fn scene(slope: &Slope, friction: f64) -> Result<Scene, Error> {
-    let law = |[_, cohesion, angle]: [f64; 3]| {
-        format!(
-            "law.mohr_coulomb = {{ youngs_modulus = 1e8, poisson_ratio = 0.3, cohesion = {:?}, friction_angle = {:?} }}",
-            1e3 * cohesion,
-            friction * angle
-        )
-    };
-    // Porosity 0.3, no water in the pores.
-    let density = |weight: f64| 1e3 * weight / 9.81 / 0.7;
-    let regions: String = slope
-        .regions
-        .iter()
-        .map(|(polygon, soil)| {
-            format!("[[regions]]\npolygon = {polygon:?}\ngrain_density = {:?}\n{}\n", density(soil[0]), law(*soil))
-        })
-        .collect();
-    let (right, room) = if slope.walled { ("roller", 0) } else { ("free", 5) };
-    let text = format!(
-        "name = \"slope\"
-dimension = \"plane-strain\"
-start = \"geostatic\"
-gravity = 9.81
-geometry.outline = {{ points = {:?} }}
-mesh = {{ cell = 1.0, particles_per_cell = 4, empty_cells_above = 1, empty_cells_beside = {room} }}
-[soil]
-grain_density = {:?}
-porosity = 0.3
-{}
-{regions}
-[water]
-hydraulic_conductivity = 1e-5
-bulk_modulus = 2.2e9
-unit_weight = 9810.0
-free_surface.saturation = 0.0
-[boundaries]
-bottom = \"fixed\"
-right = \"{right}\"
-[scheme]
-shape = \"centroid\"
-flip = 0.99
-[time]
-integrator = \"staggered\"
-safety = 0.5
-[[stages]]
-coupling = \"full\"
-drained = \"none\"
-until.time = 3600.0
-",
-        slope.points,
-        density(slope.soil[0]),
-        law(slope.soil),
-    );
-    Ok(Scene::parse(&text, slope.what)?)
+/// Davis' strength against what it comes to for one soil without dilation.
+pub const DAVIS: Program = Program {
+    name: "slope-davis",
+    about: "factor of safety with Davis' strength against the closed form for one soil, sqrt(F^2 - tan^2 phi) of the associated factor F",
+    run: || davis(|factor, tangent| (factor * factor - tangent * tangent).sqrt()),
+    mutant: Some(Mutant {
+        what: "Davis A, F cos phi, in its place",
+        run: || davis(|factor, tangent| factor / tangent.hypot(1.0)),
+    }),
+};
+
+/// A published slope on its coarser mesh, the friction angles wrong by a factor.
+fn scene(slope: &Published, friction: f64) -> Result<Scene, Error> {
+    let text = SLOPES.iter().find(|(name, _)| *name == slope.name).ok_or(Lacks("scene of that name"))?.1;
+    let scene = Scene::parse_with(text, &slope.name, &Flags { cell: Some(slope.coarse_m), ..Flags::default() })?;
+    if friction == 1.0 {
+        return Ok(scene);
+    }
+    let soils = std::iter::once("soil".to_owned()).chain((0..scene.regions.len()).map(|k| format!("regions.{k}")));
+    let keys = soils.map(|soil| format!("{soil}.law.mohr_coulomb.friction_angle"));
+    let changes: Vec<_> = keys.filter_map(|key| Some((key.clone(), (friction * scene.number(&key)?).into()))).collect();
+    Ok(scene.patched(&changes)?)
 }
 
 /// Factors over the published ones, the friction angles wrong by a factor.
-fn outcome(slopes: &[Slope], friction: f64) -> Result<Outcome, Error> {
+fn outcome(names: &[&str], friction: f64) -> Result<Outcome, Error> {
     let (mut off, mut notes) = (Vec::new(), Vec::new());
-    for slope in slopes {
+    let all = published()?;
+    for name in names {
+        let slope = all.iter().find(|slope| slope.name == *name).ok_or(Lacks("slope of that name"))?;
         let scene = scene(slope, friction)?;
-        let mut driver = Driver::new(&scene)?;
-        if driver.load()?.outcome != Settled::Stands {
-            return Err(Unfit("the slope does not stand"));
-        }
-        let found = driver.safety(WITHIN, &mut |_| ())?;
+        let search = Search { by: Reduction::Associated, within: WITHIN, guess: slope.factor };
+        let found = State::after(&scene, 0.0)?.factor(&search, &mut |_, _| ())?.bracket;
         let middle = 0.5 * (found.low + found.high);
-        off.push(middle / slope.published - 1.0);
-        notes.push((format!("factor found, {}", slope.what), middle, "-".to_owned()));
-        notes.push((format!("factor published, {}", slope.what), slope.published, "-".to_owned()));
+        off.push(middle / slope.factor - 1.0);
+        notes.push((format!("factor found, {}", slope.title), middle, "-".to_owned()));
+        notes.push((format!("factor published, {}", slope.title), slope.factor, "-".to_owned()));
     }
     Ok(Outcome {
         integrator: "staggered".to_owned(),
@@ -167,6 +80,32 @@ fn outcome(slopes: &[Slope], friction: f64) -> Result<Outcome, Error> {
         refined_by: RUNS,
         notes,
         kind: Label::Regression,
+        ..Outcome::default()
+    })
+}
+
+/// The factor with Davis' strength over a function of the associated one and tan(phi).
+fn davis(exact: fn(f64, f64) -> f64) -> Result<Outcome, Error> {
+    let all = published()?;
+    let slope = all.iter().find(|slope| slope.name == "griffiths-lane-1").ok_or(Lacks("slope of that name"))?;
+    let scene = scene(slope, 1.0)?;
+    let state = State::after(&scene, 0.0)?;
+    let factor = |by: Reduction| {
+        let search = Search { by, within: 0.25 * WITHIN, guess: slope.factor };
+        let found = state.factor(&search, &mut |_, _| ())?.bracket;
+        Ok::<f64, Error>(0.5 * (found.low + found.high))
+    };
+    let [associated, davis] = [factor(Reduction::Associated)?, factor(Reduction::Davis)?];
+    let tangent = scene.strength.ok_or(Lacks("strength"))?.friction_angle.to_radians().tan();
+    let expected = exact(associated, tangent);
+    let notes = [("associated", associated), ("Davis", davis), ("expected of Davis", expected)];
+    Ok(Outcome {
+        integrator: "staggered".to_owned(),
+        scheme: "centroid".to_owned(),
+        errors: vec![(1.0, (davis / expected - 1.0).abs())],
+        required_error: 0.01,
+        refined_by: RUNS,
+        notes: notes.map(|(what, factor)| (what.to_owned(), factor, "-".to_owned())).to_vec(),
         ..Outcome::default()
     })
 }

@@ -212,7 +212,7 @@ fn factors(options: &Options, common: &Common, plan: &Plan, folder: &Path) -> Re
         }
     }
     let progress = Progress::new("factor of safety", common.quiet);
-    let told = safety::compute(plan, &options.safety_factor, &mut |text| progress.line(text));
+    let told = safety::compute(plan, &options.safety_factor, common.jobs(), &|text| progress.line(text));
     let lines = told.map_err(Failure::run_failed)?;
     tables::lines(&lines, &folder.join(safety::NAME)).map_err(Failure::run_failed)?;
     for line in &lines {

@@ -12,6 +12,7 @@ pub mod mutants;
 pub mod nightly;
 mod quantities;
 pub mod report;
+pub mod slope;
 pub mod solve;
 pub mod stability;
 pub mod study;

@@ -20,6 +20,11 @@ pub struct Strength {
 }
 
 impl Strength {
+    /// Cohesion and tan(phi) divided by a factor.
+    pub fn divided(self, factor: f64) -> Self {
+        Self { cohesion: self.cohesion / factor, friction: (self.friction.tan() / factor).atan() }
+    }
+
     /// What a soil of dilation angle `psi` (rad) can carry on a plane without extension along it, once it yields
     /// (simple shear): `tan phi* = sin phi cos psi/(1 - sin phi sin psi)`, `c* = c cos phi cos psi/(1 - sin phi sin psi)`.
     /// With psi = phi the strength itself. Source: Davis 1968.

@@ -1,7 +1,7 @@
 //! Exact solutions, one per file, each with its assumptions and its own tests against independent tables.
 //!
 //! Consolidation: [`mod@column`] (all of it in one dimension, to 1e-6), in closed form [`terzaghi`], [`layered`], [`large_strain`], [`mandel`], [`radial`], [`strip`], [`dynamic`], [`damped_column`]; on a mesh: [`semidiscrete`]. Seepage with
-//! a free surface: [`wetting_front`], [`dam`], [`boussinesq`]. Stability: [`infinite_slope`], [`slip_circle`]; sliding: [`sliding`], [`slab`].
+//! a free surface: [`wetting_front`], [`dam`], [`boussinesq`]. Stability: [`infinite_slope`], [`limit_equilibrium`]; sliding: [`sliding`], [`slab`].
 //! Plasticity: [`oedometer`]. What they are computed with: [`root`], [`simplex`], [`quadrature`], [`elliptic`], [`laplace`].
 
 pub mod bar;
@@ -17,6 +17,7 @@ pub mod infinite_slope;
 pub mod laplace;
 pub mod large_strain;
 pub mod layered;
+pub mod limit_equilibrium;
 pub mod mandel;
 pub mod oedometer;
 pub(crate) mod oracle;
@@ -31,7 +32,6 @@ pub mod settlement;
 pub mod simplex;
 pub mod slab;
 pub mod sliding;
-pub mod slip_circle;
 pub mod strip;
 pub mod terzaghi;
 pub mod undrained_wave;

@@ -106,14 +106,13 @@ fn of(plan: &Plan, times: &[f64; 2], scene: &str) -> Vec<Line> {
     };
     let trouble = |why: &dyn ToString| Line { why: why.to_string(), ..line("trouble", None, None, None) };
     let mut lines = Vec::new();
-    match safety::compute(plan, times, &mut |_| ()) {
+    match safety::compute(plan, times, 1, &|_| ()) {
         Ok(factors) => {
             for found in &factors {
                 for (x, level) in plan.levels().iter().zip(&found.levels_m) {
                     lines.push(line("level", Some(found.time_h), Some(*x), Some(*level)));
                 }
-                let middle = 0.5 * (found.fs_low + found.fs_high);
-                lines.push(line("factor", Some(found.time_h), None, Some(middle).filter(|f| f.is_finite())));
+                lines.push(line("factor", Some(found.time_h), None, Some(found.davis()).filter(|f| f.is_finite())));
             }
         }
         Err(why) => lines.push(trouble(&why)),

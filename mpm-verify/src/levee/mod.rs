@@ -6,7 +6,7 @@
 //! 2. [`run`]: follows it. [`moments`]: when frames are taken. [`checkpoint`]: a state on disk, to go on from.
 //! 3. [`tables`], [`summary`], [`limits`]: its results, and the bounds that they must keep. [`claims`]: what the paper claims, judged by
 //!    rules.
-//! 4. [`safety`]: the factor of safety over time, beside [`equilibrium`] with the same water. [`sensitivity`]: all variants.
+//! 4. [`safety`]: the factor of safety over time ([`crate::slope`]). [`sensitivity`]: all variants.
 //! 5. [`convergence`]: which results depend on the mesh. [`drivers`]: the time integrators side by side, with their costs.
 //!    [`operators`]: the paper's Darcy operator beside the default, on the full cells of the levee. [`ranges`]: how far the headline
 //!    numbers move with the mesh and the assumptions.
@@ -17,7 +17,6 @@ pub mod checkpoint;
 pub mod claims;
 pub mod convergence;
 pub mod drivers;
-pub mod equilibrium;
 pub mod figures;
 pub mod limits;
 pub mod moments;

@@ -1,14 +1,14 @@
 //! The factor of safety over time: strength reduction on the state of a run, beside limit equilibrium with its water.
 //!
 //! Water seeps to a time in soil that is held, whether or not it would stand; then the strength is divided by factors until the
-//! deep slide starts; the state is as before afterwards, and water goes on from it to the next time.
+//! deep slide starts ([`crate::slope`]); the state is as before afterwards, and water goes on from it to the next time.
 
 use std::path::Path;
 
-use mpm_core::failure::{Bracket as Found, Driver};
+use mpm_core::failure::{Bracket as Found, Driver, Scales, towards};
+use mpm_core::scene::Scene;
 use serde::{Deserialize, Serialize};
 
-use super::equilibrium::{self, Factors};
 use super::figures::{Picture, events};
 use super::plan::Plan;
 use super::tables::OfScene;
@@ -17,6 +17,8 @@ use crate::report::ReportError;
 use crate::report::content::table::{Cell, Table, table};
 use crate::report::numbers::brief;
 use crate::report::plots::levee::safety::{self as plot, Bracket, Safety};
+use crate::slope::equilibrium::{self, Profile};
+use crate::slope::{State, guesses};
 
 /// Name of the table in the folder of a run.
 pub const NAME: &str = "safety_factor.csv";
@@ -28,7 +30,7 @@ const WITHIN: f64 = 0.01;
 pub struct Line {
     /// Time on the clock of the run, h.
     pub time_h: f64,
-    /// It stands with its strength divided by this; not a number where none was found.
+    /// It stands with its strength divided by this, and the dilation of the scene; not a number where none was found.
     pub fs_low: f64,
     /// It slides with its strength divided by this.
     pub fs_high: f64,
@@ -59,6 +61,21 @@ pub struct Line {
     /// Why limit equilibrium has no factors, where it has none.
     #[serde(default)]
     pub no_limit_equilibrium: String,
+    /// The same as `fs_low` with Davis' strength (Davis B).
+    #[serde(default)]
+    pub davis_low: f64,
+    /// See `davis_low`.
+    #[serde(default)]
+    pub davis_high: f64,
+    /// The same with associated flow.
+    #[serde(default)]
+    pub associated_low: f64,
+    /// See `associated_low`.
+    #[serde(default)]
+    pub associated_high: f64,
+    /// By Spencer's method, on a surface of any shape.
+    #[serde(default)]
+    pub spencer_any_shape: Option<f64>,
     /// Levels of the water at the places of the scene, m; not in the table.
     #[serde(skip)]
     pub levels_m: Vec<f64>,
@@ -70,54 +87,88 @@ impl OfScene for Line {
     }
 }
 
-/// Factors at some times (h), in their order in time.
+/// Factors at some times (h), in their order in time, on so many threads.
 ///
 /// # Errors
 /// What was expected of a time and found, or what went wrong in a step.
-pub fn compute(plan: &Plan, times_h: &[f64], progress: &mut dyn FnMut(&str)) -> Result<Vec<Line>, Error> {
+pub fn compute(
+    plan: &Plan,
+    times_h: &[f64],
+    jobs: usize,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Vec<Line>, Error> {
     let mut times = times_h.to_vec();
     times.sort_by(f64::total_cmp);
     times.dedup();
     let mut driver = Driver::new(&plan.scene)?;
-    driver.load()?;
+    driver.load_for_safety()?;
     let mut lines = Vec::new();
     for time in times {
         driver.seep_only(plan.seconds(time))?;
         let Some(row) = driver.rows.last().cloned() else {
             return Err(Unfit("the slope does not stand before water seeps: it has no factor of safety"));
         };
-        let (factors, why) = match equilibrium::factors(&plan.scene, &row, &driver.surface()) {
-            Ok(factors) => (factors, String::new()),
-            Err(why) => ([Factors::default(); 2], why.to_string()),
-        };
-        let mut tell = |b: &Found| progress(&format!("{time} h: between {:.3} and {:.3}", b.low, b.high));
-        let found = driver.safety(WITHIN, &mut tell)?;
+        let state = State::of(&plan.scene, &mut driver);
+        let slices = equilibrium::factors(&plan.scene, &state.level, plan.seconds(time), state.depth);
+        let told = |text: &str| progress(&format!("{time} h, {text}"));
+        let [davis, associated, given] = state.factors((WITHIN, guesses(&slices)), jobs, &told)?.found;
+        // Water that leaves the slope does so from the toe up.
+        let (scales, side) = (Scales::of(&plan.scene), towards(&plan.scene.outline_or_box()));
+        let toe = plan.scene.outline_or_box().iter().map(|x| side * x[0]).fold(f64::NEG_INFINITY, f64::max);
+        let at_toe = side * row.front_x_m >= toe - scales.at_toe() || row.water_out_m3 > scales.drops();
+        let infinite = if at_toe { infinite_slope(&plan.scene, side, state.depth) } else { [None; 2] };
+        let none = String::new();
+        let why = slices.as_ref().err().map_or(none, ToString::to_string);
+        let [full, reduced] = slices.map_or([None, None], |[full, davis]| [Some(full), Some(davis)]);
+        let all = [&davis, &associated, &given].map(|found| found.bracket);
         lines.push(Line {
+            infinite_slope: infinite[0],
+            infinite_slope_davis: infinite[1],
+            bishop: full.as_ref().and_then(|f| f.bishop),
+            bishop_davis: reduced.as_ref().and_then(|f| f.bishop),
+            spencer: full.as_ref().and_then(|f| f.spencer),
+            spencer_davis: reduced.as_ref().and_then(|f| f.spencer),
+            spencer_any_shape: full.as_ref().and_then(|f| f.any_shape),
             scene: plan.scene_word(),
             levels_m: row.levels.clone(),
             no_limit_equilibrium: why,
-            ..line(time, &found, factors)
+            ..line(time, &all)
         });
     }
     Ok(lines)
 }
 
-fn line(time_h: f64, found: &Found, factors: [Factors; 2]) -> Line {
-    let [full, davis] = factors;
+/// Factors of the slope without end that the slope is like at its toe, with the strength and with Davis'.
+fn infinite_slope(scene: &Scene, side: f64, depth: f64) -> [Option<f64>; 2] {
+    let toe = |reduced: f64| {
+        Profile::of_scene(scene, side).ok()??.with_davis(reduced).toe()?.factor(depth).map(|f| f * reduced)
+    };
+    let full = Profile::of_scene(scene, side).ok().flatten().and_then(|profile| profile.toe()?.factor(depth));
+    // Davis' strength belongs to the factor that it leads to.
+    [full, full.and_then(toe).and_then(toe).and_then(toe)]
+}
+
+/// A line of what trials have found: Davis B, associated, as given.
+fn line(time_h: f64, [davis, associated, given]: &[Found; 3]) -> Line {
     Line {
         time_h,
-        fs_low: found.low,
-        fs_high: found.high,
-        infinite_slope: full.infinite_slope,
-        infinite_slope_davis: davis.infinite_slope,
-        bishop: full.bishop,
-        bishop_davis: davis.bishop,
-        spencer: full.spencer,
-        spencer_davis: davis.spencer,
-        trials: found.trials,
-        steps: found.steps,
-        undecided_low: found.undecided.map(|[low, _]| low),
-        undecided_high: found.undecided.map(|[_, high]| high),
+        fs_low: given.low,
+        fs_high: given.high,
+        infinite_slope: None,
+        infinite_slope_davis: None,
+        bishop: None,
+        bishop_davis: None,
+        spencer: None,
+        spencer_davis: None,
+        trials: davis.trials + associated.trials + given.trials,
+        steps: davis.steps + associated.steps + given.steps,
+        undecided_low: given.undecided.map(|[low, _]| low),
+        undecided_high: given.undecided.map(|[_, high]| high),
+        davis_low: davis.low,
+        davis_high: davis.high,
+        associated_low: associated.low,
+        associated_high: associated.high,
+        spencer_any_shape: None,
         no_limit_equilibrium: String::new(),
         scene: String::new(),
         levels_m: Vec::new(),
@@ -134,32 +185,52 @@ impl Line {
             "" => String::new(),
             why => format!("; no limit equilibrium beside it: {why}"),
         };
-        format!("factor of safety at {} h: {:.3} to {:.3}{undecided}{slices}", self.time_h, self.fs_low, self.fs_high)
+        format!(
+            "factor of safety at {} h: {:.3} with Davis' strength, {:.3} associated, {:.3} to {:.3} with the dilation of the scene{undecided}{slices}",
+            self.time_h,
+            self.davis(),
+            self.associated(),
+            self.fs_low,
+            self.fs_high
+        )
+    }
+
+    /// The factor with Davis' strength.
+    pub fn davis(&self) -> f64 {
+        0.5 * (self.davis_low + self.davis_high)
+    }
+
+    /// The factor with associated flow.
+    pub fn associated(&self) -> f64 {
+        0.5 * (self.associated_low + self.associated_high)
     }
 }
 
-/// What factors of different meshes may differ by.
-const ERROR: f64 = 0.05;
-
-/// When the factor falls through a value, h, between the times of two lines.
-fn falls_through(lines: &[Line], factor: f64) -> Option<f64> {
-    let points = lines.iter().map(|l| (l.time_h, 0.5 * (l.fs_low + l.fs_high))).filter(|p| p.1.is_finite());
+/// When a factor falls below one, h, between the times of two lines.
+fn falls(lines: &[Line], factor: impl Fn(&Line) -> f64) -> Option<f64> {
+    let points = lines.iter().map(|l| (l.time_h, factor(l))).filter(|p| p.1.is_finite());
     let points: Vec<(f64, f64)> = points.collect();
-    let pair = points.windows(2).find(|pair| pair[0].1 >= factor && pair[1].1 < factor)?;
+    let pair = points.windows(2).find(|pair| pair[0].1 >= 1.0 && pair[1].1 < 1.0)?;
     let ((t0, f0), (t1, f1)) = (pair[0], pair[1]);
-    Some(t0 + (f0 - factor) / (f0 - f1) * (t1 - t0))
+    Some(t0 + (f0 - 1.0) / (f0 - f1) * (t1 - t0))
+}
+
+/// When the slope fails by its factors, h: from Davis' strength to the full one; an end that lies beyond the times is missing.
+pub fn fails_between(lines: &[Line]) -> [Option<f64>; 2] {
+    [falls(lines, Line::davis), falls(lines, Line::associated)]
 }
 
 /// The time of failure that the factors imply, in words.
 pub fn implied(lines: &[Line]) -> Option<String> {
-    let fails = falls_through(lines, 1.0)?;
+    let [from, to] = fails_between(lines);
+    if from.is_none() && to.is_none() {
+        return None;
+    }
     let text = |time: Option<f64>, none: &str| time.map_or_else(|| none.to_owned(), |h| format!("{h:.1} h"));
-    let (first, last) = (falls_through(lines, 1.0 + ERROR), falls_through(lines, 1.0 - ERROR));
     Some(format!(
-        "The factor is 1 at {}; with an error of {ERROR} it implies failure from {} to {}",
-        text(Some(fails), ""),
-        text(first, "before the first time"),
-        text(last, "after the last time")
+        "The factor is 1 from {} (Davis' strength) to {} (the full strength)",
+        text(from, "before the first time"),
+        text(to, "after the last time")
     ))
 }
 
@@ -173,9 +244,14 @@ pub fn picture(
     folder: &Path,
 ) -> Result<Picture, ReportError> {
     let curve = |of: fn(&Line) -> Option<f64>| lines.iter().filter_map(|l| Some((l.time_h, of(l)?))).collect();
-    let found = lines.iter().filter(|l| l.fs_low.is_finite() || l.fs_high.is_finite());
+    let brackets = |of: fn(&Line) -> [f64; 2]| {
+        let found =
+            lines.iter().map(|l| (l.time_h, of(l))).filter(|(_, [low, high])| low.is_finite() || high.is_finite());
+        found.map(|(time_h, [low, high])| Bracket { time_h, low, high }).collect()
+    };
     let safety = Safety {
-        brackets: found.map(|l| Bracket { time_h: l.time_h, low: l.fs_low, high: l.fs_high }).collect(),
+        brackets: brackets(|l| [l.davis_low, l.davis_high]),
+        associated: brackets(|l| [l.associated_low, l.associated_high]),
         infinite_slope: curve(|l| l.infinite_slope),
         bishop: curve(|l| l.bishop),
         spencer: curve(|l| l.spencer),
@@ -188,28 +264,30 @@ pub fn picture(
 
 /// A table for the page.
 pub fn shown(lines: &[Line]) -> Table {
-    let head = ["time (h)", "strength reduction", "infinite slope", "Bishop", "Spencer"];
+    let head = ["time (h)", "Davis B", "associated", "as given", "infinite slope", "Bishop", "Spencer"];
     let pair = |full: Option<f64>, davis: Option<f64>| {
         let text = |v: Option<f64>| v.map_or_else(|| "–".to_owned(), |v| format!("{v:.2}"));
         Cell::new(text(full)).marked(format!("Davis {}", text(davis)), "")
     };
     let row = |l: &Line| {
-        let found = match l.fs_low.is_finite() {
-            true => format!("{:.2} to {:.2}", l.fs_low, l.fs_high),
-            false => "none found".to_owned(),
+        let found = |low: f64, high: f64| match low.is_finite() {
+            true => Cell::new(format!("{low:.2} to {high:.2}")),
+            false => Cell::new("none found"),
         };
         vec![
-            Cell::new(brief(l.time_h, 4)),
-            Cell::new(found).marked(format!("{} trials, {} steps", l.trials, l.steps), ""),
+            Cell::new(brief(l.time_h, 4)).marked(format!("{} trials, {} steps", l.trials, l.steps), ""),
+            found(l.davis_low, l.davis_high),
+            found(l.associated_low, l.associated_high),
+            found(l.fs_low, l.fs_high),
             pair(l.infinite_slope, l.infinite_slope_davis),
             pair(l.bishop, l.bishop_davis),
             pair(l.spencer, l.spencer_davis),
         ]
     };
     let implied = implied(lines).map_or_else(String::new, |text| format!(" {text}."));
-    let note = "Slides at least a tenth of the height deep; limit equilibrium with the run's level of water, hydrostatic below it, and the \
-                peak friction of the base. Davis: with his reduced strength for a soil without dilation. The infinite slope is \
-                that at the toe, from when water is there.";
+    let note = "Strength reduction with Davis' strength, associated flow and the dilation of the scene. Slides at least a tenth of the height \
+                deep; limit equilibrium with the run's level of water, hydrostatic below it; the peak friction of the base. Davis: with \
+                his reduced strength for a soil without dilation. The infinite slope is that at the toe, from when water is there.";
     let mut whys: Vec<&str> =
         lines.iter().map(|l| l.no_limit_equilibrium.as_str()).filter(|why| !why.is_empty()).collect();
     whys.dedup();
@@ -229,15 +307,15 @@ mod tests {
 
     #[test]
     fn the_factors_imply_a_time_and_how_uncertain_it_is() {
-        let at = |time_h: f64, fs: f64| {
-            let found = Found { low: fs - 0.005, high: fs + 0.005, trials: 0, steps: 0, undecided: None };
-            line(time_h, &found, Default::default())
+        let at = |time_h: f64, davis: f64| {
+            let found = |fs: f64| Found { low: fs - 0.005, high: fs + 0.005, trials: 0, steps: 0, undecided: None };
+            line(time_h, &[found(davis), found(davis + 0.1), found(davis + 0.05)])
         };
-        let lines = [at(10.0, 1.10), at(14.0, 0.98), at(18.0, 0.90)];
+        let lines = [at(10.0, 1.10), at(14.0, 0.98), at(18.0, 0.88)];
         let text = implied(&lines).expect("a time");
-        assert_eq!(text, "The factor is 1 at 13.3 h; with an error of 0.05 it implies failure from 11.7 h to 15.5 h");
+        assert_eq!(text, "The factor is 1 from 13.3 h (Davis' strength) to 17.2 h (the full strength)");
         let late = implied(&lines[..2]).expect("a time");
-        assert!(late.ends_with("from 11.7 h to after the last time"), "{late}");
-        assert_eq!(implied(&lines[1..]), None);
+        assert!(late.ends_with("to after the last time (the full strength)"), "{late}");
+        assert_eq!(implied(&lines[..1]), None);
     }
 }

@@ -35,8 +35,8 @@ pub fn of(plan: &Plan, run: &Followed, factors: &[safety::Line], runout_side: f6
         .map(|event| json!({"name": event.name, "words": event.words, "time": event.time_s}))
         .chain(rest)
         .collect();
-    let factors = factors.iter().filter(|line| line.fs_low.is_finite() && line.fs_high.is_finite()).map(|line| {
-        json!({"time": 3600.0 * line.time_h, "low": line.fs_low, "high": line.fs_high, "spencer": line.spencer.map(number),
+    let factors = factors.iter().filter(|line| line.davis_low.is_finite() && line.davis_high.is_finite()).map(|line| {
+        json!({"time": 3600.0 * line.time_h, "low": line.davis_low, "high": line.davis_high, "spencer": line.spencer.map(number),
             "davis": line.spencer_davis.map(number)})
     });
     json!({

@@ -45,6 +45,8 @@ pub enum Kind {
     Nightly,
     /// Speed against error.
     Speed,
+    /// Factors of safety of published slopes.
+    Slopes,
     /// The gallery.
     Gallery,
     /// One scene.

@@ -24,7 +24,7 @@ use nalgebra::SMatrix;
 use pulp::Simd;
 
 use super::linear_elastic::LinearElastic;
-use super::{Flow, Law, State};
+use super::{Altered, Flow, Law, State};
 use crate::real::{MAX_LANES, Real, SimdReal};
 use crate::scene::{Elastic, Strength};
 use principal::{Ordered, in_plane};
@@ -168,7 +168,7 @@ impl Law for MohrCoulomb {
         self.excess(stress)
     }
 
-    fn altered(&self, factor: f64, stiffness: f64) -> Self {
-        Self { elastic: self.elastic.stiffened(stiffness), surface: self.surface.altered(factor, stiffness) }
+    fn altered(&self, by: &Altered) -> Self {
+        Self { elastic: self.elastic.stiffened(by.stiffness), surface: self.surface.altered(by) }
     }
 }

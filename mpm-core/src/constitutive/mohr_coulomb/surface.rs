@@ -1,5 +1,6 @@
 //! The numbers of a surface and its elasticity, worked out once.
 
+use crate::constitutive::Altered;
 use crate::real::Real;
 use crate::scene::{Elastic, Strength};
 
@@ -76,19 +77,18 @@ impl Surface {
         }
     }
 
-    /// The surface of the same soil with c, tan(phi) and tan(psi) divided by a factor and so many times its stiffness; the cut-off
-    /// stays.
-    pub fn altered(&self, factor: f64, stiffness: f64) -> Self {
-        let elastic = Elastic { youngs_modulus: stiffness * self.youngs_modulus, poisson_ratio: self.poisson_ratio };
-        let reduced = |sine: f64| (sine.asin().tan() / factor).atan().to_degrees();
+    /// The surface of the same soil with another strength and stiffness.
+    pub fn altered(&self, by: &Altered) -> Self {
+        let youngs_modulus = by.stiffness * self.youngs_modulus;
+        let elastic = Elastic { youngs_modulus, poisson_ratio: self.poisson_ratio };
         let sine = self.normal[0] - 1.0;
         let strength = Strength {
-            cohesion: self.strength / (2.0 * (1.0 - sine * sine).sqrt()) / factor,
-            friction_angle: reduced(sine),
-            dilation_angle: reduced(self.along[0] - 1.0),
+            cohesion: self.strength / (2.0 * (1.0 - sine * sine).sqrt()),
+            friction_angle: sine.asin().to_degrees(),
+            dilation_angle: (self.along[0] - 1.0).asin().to_degrees(),
             tension_cutoff: Some(self.cutoff).filter(|stress| stress.is_finite()),
         };
-        Self::new(&elastic, &strength)
+        Self::new(&elastic, &strength.reduced(by.factor, by.by))
     }
 
     /// f of the planes through the stresses `high` and `low` (Pa), Pa.

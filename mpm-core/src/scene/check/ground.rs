@@ -29,6 +29,8 @@ pub(super) struct Ground {
     pub start_velocity: Option<[f64; 2]>,
     pub start_k0: Option<f64>,
     pub slope_angle: Option<f64>,
+    /// Its seismic coefficient.
+    pub seismic_coefficient: Option<f64>,
 }
 
 /// Words that only some sides know; where the side then is not held otherwise.
@@ -162,7 +164,14 @@ impl Reader<'_> {
             }
             None => None,
         };
-        Ok(Ground { start_velocity, start_k0, slope_angle })
+        let seismic_coefficient = match &raw.seismic_coefficient {
+            Some(value) => {
+                let expected = "-1 < coefficient < 1 (share of gravity, towards +x)";
+                Some(self.within(value, "seismic_coefficient", expected, |k| k.abs() < 1.0)?)
+            }
+            None => None,
+        };
+        Ok(Ground { start_velocity, start_k0, slope_angle, seismic_coefficient })
     }
 
     /// What the scene says; `None` for the usual.

@@ -362,6 +362,7 @@ impl Reader<'_> {
             initial: None,
             gravity: gravity?,
             slope_angle: ground.slope_angle,
+            seismic_coefficient: ground.seismic_coefficient,
             height,
             width,
             inner_radius,

@@ -46,6 +46,8 @@ pub struct Friction {
     wet: bool,
     /// Whether nothing slides, whatever its strength.
     glued: bool,
+    /// Whether slip no longer weakens it.
+    frozen: bool,
 }
 
 /// What a node of the base has of the soil above it.
@@ -98,6 +100,7 @@ impl Friction {
             stress: vec![0.0; count],
             wet,
             glued: false,
+            frozen: false,
         }
     }
 
@@ -199,13 +202,13 @@ impl Friction {
         }
         let learns = 1.0 - (-dt / self.base.memory).exp();
         let (cells, size) = soil.mesh();
-        let Self { stress, slip: slips, remembered, .. } = self;
+        let Self { stress, slip: slips, remembered, frozen, .. } = self;
         for cell in 0..cells[0] {
             let [left, right] = [cell, cell + 1].map(|node| [nodes.motion.velocity[0][node], stress[node]]);
             soil.each_in(cell, &mut |id, point| {
                 let xi = point.x[0] / size - cell as f64;
                 let [velocity, stress] = [0, 1].map(|i| left[i] + xi * (right[i] - left[i]));
-                if let Some(slip) = slips.get_mut(id as usize) {
+                if let Some(slip) = slips.get_mut(id as usize).filter(|_| !*frozen) {
                     *slip += dt * velocity;
                 }
                 if let Some(old) = remembered.get_mut(id as usize) {
@@ -218,6 +221,11 @@ impl Friction {
     /// Lets nothing slide, or friction decide.
     pub fn glue(&mut self, glued: bool) {
         self.glued = glued;
+    }
+
+    /// Leaves it as weak as its slip has made it, whatever slides from now on.
+    pub fn freeze(&mut self, frozen: bool) {
+        self.frozen = frozen;
     }
 
     /// Its strength is that of the scene divided by a factor.

@@ -185,7 +185,7 @@ impl<const D: usize> Ground<'_, D> {
             unit_weight: 1.0,
             density: 0.0,
         });
-        let gravity = scene.gravity_vector().map(|g| std::array::from_fn(|d| g[d + 2 - D]));
+        let gravity = scene.body_force().map(|g| std::array::from_fn(|d| g[d + 2 - D]));
         let loads = self.loads(&axes, &solid);
         let before = self.before(&axes, (&faces, &water_map));
         Ok(Soil {

@@ -350,6 +350,7 @@ impl<const D: usize> FreeSurface<D> {
         }
         self.classify();
         let rise = self.medium.rise() * self.medium.size;
+        let ponds = self.under_ponds();
         // From the top down: each full cell carries the water above it.
         for cell in (0..self.kind.len()).rev() {
             self.pressure[cell] = match (self.kind[cell], self.above[cell]) {
@@ -357,10 +358,24 @@ impl<const D: usize> FreeSurface<D> {
                 (Kind::Full, Neighbour::Cell(above)) if self.kind[above as usize].unknown() => {
                     self.pressure[above as usize] + rise
                 }
-                (Kind::Full, _) => self.medium.standing_pressure(1.0, self.soil.share[cell]),
+                (Kind::Full, _) => self.medium.standing_pressure(1.0, self.soil.share[cell]).max(ponds[cell]),
                 _ => 0.0,
             };
         }
+    }
+
+    /// Pressure in the middle of each cell of the water at rest outside it, Pa; minus infinity where there is none.
+    fn under_ponds(&self) -> Vec<f64> {
+        let mut ponds = vec![f64::NEG_INFINITY; self.kind.len()];
+        let half = 0.5 * self.medium.rise() * self.medium.size;
+        for edge in &self.edges {
+            if let Outside::Pond(pressure) = edge.outside {
+                let above_middle = if edge.axis as usize == D - 1 && edge.upper { -1.0 } else { 1.0 };
+                let in_middle = pressure - above_middle * half;
+                ponds[edge.cell as usize] = ponds[edge.cell as usize].max(in_middle);
+            }
+        }
+        ponds
     }
 
     /// Tries a step of `dt` (s): the largest change of a wet share, and the share of the step after which a front fills the

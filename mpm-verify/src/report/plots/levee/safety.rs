@@ -8,7 +8,7 @@ use crate::report::plots::axis::Axis;
 use crate::report::plots::canvas::text_width;
 use crate::report::plots::draw::TEXT;
 use crate::report::plots::figure::{Figure, Mark, Panel, Point, Series};
-use crate::report::plots::look::{BLUE, Dash, GREEN, GREY, Look, Marker, PURPLE, RED};
+use crate::report::plots::look::{BLUE, Dash, GREEN, GREY, Look, Marker, PALE, PURPLE, RED};
 use crate::report::plots::write_drawn;
 use crate::report::{ReportError, tables};
 
@@ -26,8 +26,10 @@ pub struct Bracket {
 /// The factor of safety over time.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Safety {
-    /// Computed, at some times.
+    /// Computed with Davis' strength, at some times.
     pub brackets: Vec<Bracket>,
+    /// The same with associated flow.
+    pub associated: Vec<Bracket>,
     /// Of the infinite slope: time in h and factor.
     pub infinite_slope: Vec<(f64, f64)>,
     /// By Bishop's method of slices: time in h and factor.
@@ -42,6 +44,8 @@ pub struct Safety {
 const WIDTH: f64 = 800.0;
 const HEIGHT: f64 = 380.0;
 const COMPUTED: Look = Look::new(BLUE, Marker::Circle).width(1.8).radius(4.5);
+const UPPER: Look = Look::new(BLUE, Marker::Square).width(1.2).radius(3.0);
+const BAND: Look = Look::new(PALE, Marker::Dot);
 const ONE: Look = Look::new(GREY, Marker::Dot).width(1.4);
 const ACROSS: Look = Look::new(GREY, Marker::Dot).width(1.1).dash(Dash::Dashed);
 
@@ -56,10 +60,23 @@ pub fn figure(safety: &Safety, events: &[Event]) -> Figure {
     panel.add(line("Spencer", PURPLE, Dash::Dotted, &safety.spencer));
     panel.add(line("Spencer, strength reduced after Davis", PURPLE, Dash::Dashed, &safety.spencer_davis));
     let both = |b: &&Bracket| b.low.is_finite() && b.high.is_finite();
+    // From Davis' strength to the full one: where the factor may be.
+    let middle = |b: &Bracket| Point::new(b.time_h, 0.5 * (b.low + b.high));
+    let upper: Vec<Point> = safety.associated.iter().filter(both).map(middle).collect();
+    if !upper.is_empty() {
+        let lower = safety.brackets.iter().filter(both).map(middle);
+        panel.add(Series::new(
+            "from Davis' to the full strength",
+            BAND,
+            Mark::Area,
+            lower.chain(upper.iter().rev().cloned()),
+        ));
+        panel.add(Series::new("computed, associated flow", UPPER, Mark::LinePoints, upper));
+    }
     let ranges = safety.brackets.iter().filter(both).map(|b| Point::new(b.time_h, b.high).from(b.low));
     panel.add(Series::new("stands below, fails above", COMPUTED, Mark::Range, ranges));
     let middles = safety.brackets.iter().filter(both).map(|b| Point::new(b.time_h, 0.5 * (b.low + b.high)));
-    panel.add(Series::new("computed", COMPUTED.radius(3.5), Mark::Points, middles));
+    panel.add(Series::new("computed, Davis' strength", COMPUTED.radius(3.5), Mark::LinePoints, middles));
     // One end only: the factor is above, or below.
     let above = safety.brackets.iter().filter(|b| b.high.is_nan()).map(|b| Point::new(b.time_h, b.low).open(true));
     let up = Look { marker: Marker::Up, ..COMPUTED };
@@ -110,7 +127,9 @@ pub fn write(safety: &Safety, events: &[Event], folder: &Path) -> Result<String,
     let row = |what: &str, time: f64, low: f64, high: f64| {
         [vec![what.to_owned()], [time, low, high].map(exact).to_vec()].concat()
     };
-    let brackets = safety.brackets.iter().map(|b| row("computed", b.time_h, b.low, b.high));
+    let computed = safety.brackets.iter().map(|b| row("computed", b.time_h, b.low, b.high));
+    let brackets =
+        computed.chain(safety.associated.iter().map(|b| row("computed, associated", b.time_h, b.low, b.high)));
     let infinite = safety.infinite_slope.iter().map(|(t, fs)| row("infinite slope", *t, *fs, *fs));
     let bishop = safety.bishop.iter().map(|(t, fs)| row("Bishop", *t, *fs, *fs));
     let spencer = safety.spencer.iter().map(|(t, fs)| row("Spencer", *t, *fs, *fs));
@@ -139,6 +158,7 @@ mod tests {
                 bracket(8.5, 1.00, 1.025),
                 bracket(9.0, f64::NAN, 0.95),
             ],
+            associated: vec![bracket(7.0, 1.30, 1.32), bracket(8.5, 1.08, 1.10)],
             infinite_slope: line(1.25, 0.13).collect(),
             bishop: line(1.45, 0.15).collect(),
             spencer: line(1.5, 0.15).collect(),

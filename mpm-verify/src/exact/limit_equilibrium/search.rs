@@ -1,7 +1,8 @@
 //! The circle of the least factor of safety.
 //!
 //! A circle is given by where its chord starts and ends on the ground and by half the angle of its arc. All starts,
-//! ends and angles of a coarse grid are tried; from the best places that lie apart the search goes on by simplices.
+//! ends and angles of a coarse grid are tried, by Bishop's method whatever is asked for; from the best places that lie apart the
+//! search goes on by simplices. Slides that come out at a corner of the ground, as at a toe, are looked for apart: the factor has an edge there.
 //! Nothing in it is random. The angle is counted from the flattest arc that is deep and large enough, so that the
 //! least depth is a face of the space of the search and not a wall inside it. A chord may end where the ground is no
 //! higher than the firm base: its circle is cut, and the slide comes out at the toe.
@@ -69,9 +70,9 @@ impl Section<'_> {
             };
             Chord::new(self, limits, at(limits.starts, start), at(limits.ends, end))
         };
-        let factor = |slide: &Slide| {
+        let factor = |slide: &Slide, method: Method| {
             let enough = slide.depth >= ENOUGH * limits.least_depth && slide.area >= ENOUGH * limits.least_area;
-            if enough { slide.factor(limits.method).ok() } else { None }
+            if enough { slide.factor(method).ok() } else { None }
         };
         let share = |place: usize, count: usize| place as f64 / (count - 1) as f64;
         let mut tried = Vec::new();
@@ -79,7 +80,8 @@ impl Section<'_> {
             for end in (0..GRID[1]).map(|place| share(place, GRID[1])) {
                 let Some(chord) = chord(start, end) else { continue };
                 for angle in (0..GRID[2]).map(|place| share(place, GRID[2])) {
-                    let found = chord.slide(self, angle, COARSE_SLICES).as_ref().and_then(factor);
+                    let found = chord.slide(self, angle, COARSE_SLICES);
+                    let found = found.as_ref().and_then(|slide| factor(slide, Method::Bishop));
                     tried.extend(found.map(|factor| ([start, end, angle], factor)));
                 }
             }
@@ -93,7 +95,9 @@ impl Section<'_> {
             }
         }
         let slide = |[start, end, angle]: [f64; 3]| chord(start, end)?.slide(self, angle, limits.slices);
-        let value = |place: [f64; 3]| slide(place).as_ref().and_then(factor).unwrap_or(f64::INFINITY);
+        let value = |place: [f64; 3]| {
+            slide(place).as_ref().and_then(|slide| factor(slide, limits.method)).unwrap_or(f64::INFINITY)
+        };
         let descend = |place: [f64; 3]| {
             let mut best = (place, value(place));
             // A simplex that has shrunk early starts again.
@@ -107,7 +111,27 @@ impl Section<'_> {
             }
             best
         };
-        let least = starts.into_iter().map(descend).min_by(|a, b| a.1.total_cmp(&b.1))?;
+        // Through the corners: the best of them by Bishop's method, then by the one that is asked for.
+        let [first, last] = limits.ends;
+        let corners = self.ground.iter().map(|corner| (corner[0] - first) / (last - first));
+        let coarse = |[start, end, angle]: [f64; 3]| {
+            let slide = chord(start, end).and_then(|chord| chord.slide(self, angle, COARSE_SLICES));
+            slide.and_then(|slide| factor(&slide, Method::Bishop)).unwrap_or(f64::INFINITY)
+        };
+        let through = |end: f64| {
+            let places = (0..GRID[0] * GRID[2]).map(|k| [share(k % GRID[0], GRID[0]), share(k / GRID[0], GRID[2])]);
+            let tried = places.map(|place| (place, coarse([place[0], end, place[1]])));
+            let (best, least) = tried.min_by(|a, b| a.1.total_cmp(&b.1))?;
+            let found = || minimum(|[start, angle]| coarse([start, end, angle]), best, 1.0 / GRID[0] as f64, NARROW);
+            least.is_finite().then(found).map(|([start, angle], least)| ([start, end, angle], least))
+        };
+        let corners = corners.filter(|end| (0.0..=1.0).contains(end)).filter_map(through);
+        let corner = corners.min_by(|a, b| a.1.total_cmp(&b.1)).and_then(|([start, end, angle], _)| {
+            let (of, from) = (|[start, angle]: [f64; 2]| value([start, end, angle]), [start, angle]);
+            let found = || minimum(of, from, 0.1 / GRID[0] as f64, NARROW);
+            of(from).is_finite().then(found).map(|([start, angle], least)| ([start, end, angle], least))
+        });
+        let least = starts.into_iter().map(descend).chain(corner).min_by(|a, b| a.1.total_cmp(&b.1))?;
         Some(Critical { factor: least.1, slide: slide(least.0)? }).filter(|critical| critical.factor.is_finite())
     }
 }

@@ -17,27 +17,10 @@ pub struct Phreatic<'a> {
     pub water_weight: f64,
 }
 
-/// Which way equipotentials run below the line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Equipotentials {
-    /// Vertical: hydrostatic pressure.
-    Vertical,
-    /// Normal to the line: seepage parallel to it.
-    Normal,
-}
-
 impl Phreatic<'_> {
     /// Height y (m) of the water surface at x (m); minus infinity without water.
     pub fn level(&self, x: f64) -> f64 {
         if self.line.is_empty() { f64::NEG_INFINITY } else { along(self.line, x).min(along(self.ground, x)) }
-    }
-
-    /// Pore pressure (Pa) at (x, y), m; zero above the water.
-    pub fn pressure(&self, equipotentials: Equipotentials, x: f64, y: f64) -> f64 {
-        match equipotentials {
-            Equipotentials::Vertical => self.hydrostatic(x, y),
-            Equipotentials::Normal => self.parallel(x, y),
-        }
     }
 
     /// Pore pressure (Pa) at (x, y), m: `gamma_w max(0, h(x) - y)`.
@@ -59,7 +42,7 @@ impl Phreatic<'_> {
 }
 
 /// Height of a line at x, m; beyond its ends as at them.
-pub(super) fn along(line: &[[f64; 2]], x: f64) -> f64 {
+pub fn along(line: &[[f64; 2]], x: f64) -> f64 {
     let (first, last) = (line[0], line[line.len() - 1]);
     if x <= first[0] {
         return first[1];
@@ -72,7 +55,7 @@ pub(super) fn along(line: &[[f64; 2]], x: f64) -> f64 {
 }
 
 /// Slope dy/dx of a line at x; zero beyond its ends.
-fn slope(line: &[[f64; 2]], x: f64) -> f64 {
+pub fn slope(line: &[[f64; 2]], x: f64) -> f64 {
     let next = line.partition_point(|point| point[0] <= x);
     if next == 0 || next == line.len() {
         return 0.0;
@@ -101,9 +84,8 @@ mod tests {
         let water = Phreatic { line: &[[0.0, 3.0], [6.0, 0.0]], ground: &GROUND, water_weight: 10.0 };
         let cos2 = 0.5_f64.atan().cos().powi(2);
         assert!((water.parallel(2.0, 1.0) - 10.0 * cos2).abs() < 1e-13);
-        assert_eq!(water.parallel(2.0, 1.0), water.pressure(Equipotentials::Normal, 2.0, 1.0));
         let level = Phreatic { line: &[[0.0, 3.0], [6.0, 3.0]], ..water };
-        assert_eq!(level.parallel(2.0, 1.0), level.pressure(Equipotentials::Vertical, 2.0, 1.0));
+        assert_eq!(level.parallel(2.0, 1.0), level.hydrostatic(2.0, 1.0));
         // On a seepage face the ground is the water surface.
         let high = Phreatic { line: &[[0.0, 9.0]], ..water };
         assert!((high.parallel(6.0, 1.0) - 10.0 * cos2).abs() < 1e-13);

@@ -3,7 +3,7 @@
 use mpm_core::scene::NormalStress;
 
 use super::published_test::{LINE, agree, published};
-use super::{Circle, FirmBase, Refused, Section, Slide};
+use super::{Circle, FirmBase, Refused, Section, Slide, Uniform};
 use crate::exact::infinite_slope::Strength;
 use crate::exact::quadrature::integral;
 
@@ -14,15 +14,8 @@ const PORE: f64 = 4e3;
 /// A slope of clay without friction on a base with adhesion and friction, under a uniform pore pressure.
 fn slide(circle: Circle, height: f64, normal_stress: NormalStress, slices: usize) -> Result<Slide, Refused> {
     let base = FirmBase { height, strength: Strength { cohesion: 2e3, friction: 0.2 }, normal_stress };
-    let section = Section {
-        ground: &LEVEE,
-        base: Some(base),
-        strength: Strength { cohesion: 5e3, friction: 0.0 },
-        dry_weight: WEIGHT,
-        saturated_weight: WEIGHT,
-        level: &|_| f64::NEG_INFINITY,
-        pressure: &|_, _| PORE,
-    };
+    let soil = Uniform::dry(Strength { cohesion: 5e3, friction: 0.0 }, WEIGHT);
+    let section = Section { base: Some(base), pressure: &|_, _| PORE, ..Section::dry(&LEVEE, &soil) };
     section.slide(circle, slices)
 }
 
@@ -81,15 +74,9 @@ fn only_spencers_factor_does_not_depend_on_the_centre_of_moments() {
         strength: Strength { cohesion: 0.0, friction: 0.3 },
         normal_stress: NormalStress::Effective,
     };
-    let section = Section {
-        ground: &LEVEE,
-        base: Some(base),
-        strength: Strength { cohesion: 500.0, friction: 0.5 },
-        dry_weight: WEIGHT,
-        saturated_weight: WEIGHT,
-        level: &|_| f64::NEG_INFINITY,
-        pressure: &|_, y| 1e3 * (2.0 - y),
-    };
+    let soil = Uniform::dry(Strength { cohesion: 500.0, friction: 0.5 }, WEIGHT);
+    let pressure = &|_: f64, y: f64| 1e3 * (2.0 - y);
+    let section = Section { base: Some(base), pressure, ..Section::dry(&LEVEE, &soil) };
     let slide = section.slide(Circle { centre: [10.4, 7.0], radius: 8.4 }, 400).expect("a slide");
     let mut moved = slide.clone();
     moved.circle.centre[1] += 4.0;

@@ -2,7 +2,7 @@
 
 use super::factor::Method;
 use super::water::Phreatic;
-use super::{Circle, FirmBase, Limits, Section, Slide};
+use super::{Circle, FirmBase, Limits, Section, Slide, Uniform};
 use crate::exact::infinite_slope::Strength;
 
 /// Feet and pounds of the paper's drawing: 40 ft at 2:1 above 20 ft.
@@ -19,14 +19,12 @@ const WEIGHTS: [f64; 2] = [120.0, 62.4];
 /// The slide of the paper on its circle, dry or under a piezometric line, and on a base.
 pub(super) fn published(line: &[[f64; 2]], base: Option<FirmBase>) -> Slide {
     let water = Phreatic { line, ground: &GROUND, water_weight: WEIGHTS[1] };
+    let soil = Uniform::dry(SOIL, WEIGHTS[0]);
     let section = Section {
-        ground: &GROUND,
         base,
-        strength: SOIL,
-        dry_weight: WEIGHTS[0],
-        saturated_weight: WEIGHTS[0],
         level: &|x| water.level(x),
         pressure: &|x, y| water.hydrostatic(x, y),
+        ..Section::dry(&GROUND, &soil)
     };
     section.slide(CIRCLE, 1000).expect("a slide")
 }
@@ -61,15 +59,8 @@ fn the_simple_slope_of_the_acads_study() {
     // kPa, phi = 19.6 degrees, 20 kN/m3, firm 5 m below the toe. The referees' factor is 1.00; 18 answers by Bishop's
     // method have a mean of 0.993, as vendors of such programs print it, and one of them finds 0.987 itself.
     let ground = [[0.0, 10.0], [20.0, 10.0], [40.0, 0.0], [60.0, 0.0]];
-    let section = Section {
-        ground: &ground,
-        base: None,
-        strength: Strength { cohesion: 3e3, friction: 19.6_f64.to_radians() },
-        dry_weight: 20e3,
-        saturated_weight: 20e3,
-        level: &|_| f64::NEG_INFINITY,
-        pressure: &|_, _| 0.0,
-    };
+    let soil = Uniform::dry(Strength { cohesion: 3e3, friction: 19.6_f64.to_radians() }, 20e3);
+    let section = Section::dry(&ground, &soil);
     let limits = Limits {
         least_depth: 0.5,
         least_area: 0.0,

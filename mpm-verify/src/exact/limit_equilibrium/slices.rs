@@ -1,8 +1,8 @@
-//! A circle cut into slices: where it enters and leaves the ground, weights, angles, lever arms.
+//! A circle or any other slip surface cut into slices: where it enters and leaves the ground, weights, angles, lever arms.
 
 use mpm_core::scene::NormalStress;
 
-use super::{Refused, Section};
+use super::{FirmBase, Outside, Refused, Section};
 use crate::exact::infinite_slope::Strength;
 
 /// Lengths below this share of the radius are round-off.
@@ -49,12 +49,16 @@ pub struct Slice {
     pub height: f64,
     /// Sine and cosine of the angle of the base, positive where it falls towards +x.
     pub slope: [f64; 2],
-    /// Weight of soil and water, N/m.
+    /// Weight of soil and water and what loads them, N/m.
     pub weight: f64,
+    /// Horizontal force from outside, towards +x, N/m, and its moment about the centre, N m/m, positive where it drives.
+    pub push: [f64; 2],
     /// Pore pressure that the friction does without, Pa.
     pub pore: f64,
-    /// Strength on the base.
+    /// Strength on the base, and tan(phi) of it.
     pub strength: Strength,
+    /// See `strength`.
+    pub tangent: f64,
     /// Distance of shear and normal force from the centre, m: R and f.
     pub arms: [f64; 2],
 }
@@ -69,7 +73,7 @@ impl Slice {
 /// What slides on a circle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Slide {
-    /// The circle.
+    /// The circle; for another surface its centre alone says something: moments are about it.
     pub circle: Circle,
     /// Where the slip surface starts (x, y), m.
     pub entry: [f64; 2],
@@ -175,25 +179,48 @@ impl Section<'_> {
         breaks
     }
 
-    /// The slice of a width (m) around x (m).
+    /// The slice of a width (m) around x (m) on a circle or the base that cuts it.
     fn slice(&self, circle: Circle, x: f64, width: f64) -> Slice {
-        let (arc, top) = (circle.bottom(x), self.surface(x));
+        let arc = circle.bottom(x);
         let on_base = self.base.filter(|base| arc < base.height);
-        let y = on_base.map_or(arc, |base| base.height);
         let beside = x - circle.centre[0];
-        let slope =
-            if on_base.is_some() { [0.0, 1.0] } else { [-beside, circle.centre[1] - arc].map(|r| r / circle.radius) };
-        let below = y - circle.centre[1];
-        let wet = ((self.level)(x).min(top) - y).max(0.0);
+        match on_base {
+            Some(base) => self.slice_on(circle.centre, ([x, base.height], width), [0.0, 1.0], Some(base)),
+            None => {
+                let slope = [-beside, circle.centre[1] - arc].map(|r| r / circle.radius);
+                self.slice_on(circle.centre, ([x, arc], width), slope, None)
+            }
+        }
+    }
+
+    /// The slice around the middle (x, y) of its base and of a width, m; its base has a slope [sin, cos].
+    pub(super) fn slice_on(
+        &self,
+        centre: [f64; 2],
+        ([x, y], width): ([f64; 2], f64),
+        slope: [f64; 2],
+        on_base: Option<FirmBase>,
+    ) -> Slice {
+        let top = self.surface(x);
+        let (beside, below) = (x - centre[0], y - centre[1]);
         let pressed = on_base.is_none_or(|base| base.normal_stress == NormalStress::Effective);
+        let own = width * self.soil.weight(x, [y, top], (self.level)(x).min(top));
+        let Outside { traction, seismic } = self.outside;
+        let [aside, standing] = traction(x).map(|stress| stress * width);
+        // An earthquake acts in the middle of the height.
+        let (shaken, middle) = (seismic * own, 0.5 * (y + top));
+        let moment = aside * (centre[1] - top) + shaken * (centre[1] - middle);
+        let strength = on_base.map_or_else(|| self.soil.strength(x, y), |base| base.strength);
         Slice {
             base: [x, y],
             width,
             height: top - y,
             slope,
-            weight: width * (self.dry_weight * (top - y - wet) + self.saturated_weight * wet),
+            weight: own + standing,
+            push: [aside + shaken, moment],
             pore: if pressed { (self.pressure)(x, y).max(0.0) } else { 0.0 },
-            strength: on_base.map_or(self.strength, |base| base.strength),
+            strength,
+            tangent: strength.friction.tan(),
             arms: [-(beside * slope[0] + below * slope[1]), below * slope[0] - beside * slope[1]],
         }
     }

@@ -2,26 +2,13 @@
 
 use super::factor::Method;
 use super::water::Phreatic;
-use super::{Circle, Limits, Refused, Section, Slide};
+use super::{Circle, Limits, Refused, Section, Slide, Uniform};
 use crate::exact::infinite_slope::{InfiniteSlope, Seepage, Strength};
 
 /// Level ground of height `height` at the left, a slope at `angle` (degrees) from x = 0 on, level ground at y = 0.
 fn ground(height: f64, angle: f64, beside: f64) -> [[f64; 2]; 4] {
     let toe = height / angle.to_radians().tan();
     [[-beside, height], [0.0, height], [toe, 0.0], [toe + beside, 0.0]]
-}
-
-/// Dry soil without a base.
-fn dry(ground: &[[f64; 2]], strength: Strength, weight: f64) -> Section<'_> {
-    Section {
-        ground,
-        base: None,
-        strength,
-        dry_weight: weight,
-        saturated_weight: weight,
-        level: &|_| f64::NEG_INFINITY,
-        pressure: &|_, _| 0.0,
-    }
 }
 
 /// Factor of safety without friction, without slices: `c R arc/moment of the weight`.
@@ -52,7 +39,8 @@ const CLAY: Strength = Strength { cohesion: 20e3, friction: 0.0 };
 #[test]
 fn circles_without_friction_balance_their_moments() {
     let ground = ground(6.0, 40.0, 20.0);
-    let section = dry(&ground, CLAY, 18e3);
+    let soil = Uniform::dry(CLAY, 18e3);
+    let section = Section::dry(&ground, &soil);
     let on = |x: f64| [x, 6.0 - x * 40.0_f64.to_radians().tan()];
     // A toe circle, one on the slope, one deep below the toe, one from the slope to the floor.
     for (left, right, half_angle) in [
@@ -81,7 +69,8 @@ fn critical_toe_circles_in_clay_have_the_stability_numbers_of_taylor() {
         [(53.0, 0.181, 0.180_314_78), (60.0, 0.191, 0.190_572_08), (75.0, 0.219, 0.219_080_28)]
     {
         let ground = ground(1.0, angle, 3.0);
-        let section = dry(&ground, Strength { cohesion: 1.0, friction: 0.0 }, 1.0);
+        let soil = Uniform::dry(Strength { cohesion: 1.0, friction: 0.0 }, 1.0);
+        let section = Section::dry(&ground, &soil);
         let toe = ground[2][0];
         let limits = Limits {
             least_depth: 0.0,
@@ -109,11 +98,12 @@ fn critical_toe_circles_in_clay_have_the_stability_numbers_of_taylor() {
 fn the_factor_converges_with_the_square_of_the_slices() {
     let ground = ground(12.0, 26.565_051_177, 20.0);
     let water = Phreatic { line: &[[-20.0, 9.0], [24.0, 0.0]], ground: &ground, water_weight: 9.81e3 };
+    let strength = Strength { cohesion: 10e3, friction: 0.4 };
+    let soil = Uniform { saturated_weight: 20e3, ..Uniform::dry(strength, 17e3) };
     let section = Section {
-        saturated_weight: 20e3,
         level: &|x| water.level(x),
         pressure: &|x, y| water.hydrostatic(x, y),
-        ..dry(&ground, Strength { cohesion: 10e3, friction: 0.4 }, 17e3)
+        ..Section::dry(&ground, &soil)
     };
     let circle = Circle::through([-4.0, 12.0], [28.0, 0.0], 0.8);
     let factor = |slices: usize| section.slide(circle, slices).expect("a slide").bishop().expect("a factor");
@@ -135,11 +125,11 @@ fn a_flat_circle_in_a_long_slope_is_an_infinite_slope() {
     for share in [0.0, 1.0] {
         let line: &[[f64; 2]] = if share > 0.0 { &ground } else { &[] };
         let water = Phreatic { line, ground: &ground, water_weight: 9.81e3 };
+        let soil = Uniform { saturated_weight: 20e3, ..Uniform::dry(strength, 17e3) };
         let section = Section {
-            saturated_weight: 20e3,
             level: &|x| water.level(x),
             pressure: &|x, y| water.parallel(x, y),
-            ..dry(&ground, strength, 17e3)
+            ..Section::dry(&ground, &soil)
         };
         let at = |x: f64| [x, (1000.0 - x) * angle.tan()];
         // One metre deep in the middle of ever longer chords.
@@ -173,7 +163,8 @@ fn a_flat_circle_in_a_long_slope_is_an_infinite_slope() {
 fn sand_slides_at_its_surface() {
     let ground = ground(5.0, 25.0, 10.0);
     let sand = Strength { cohesion: 0.0, friction: 35.0_f64.to_radians() };
-    let section = dry(&ground, sand, 17e3);
+    let soil = Uniform::dry(sand, 17e3);
+    let section = Section::dry(&ground, &soil);
     let surface = sand.friction.tan() / 25.0_f64.to_radians().tan();
     let toe = ground[2][0];
     let mut last = f64::INFINITY;
@@ -214,8 +205,9 @@ fn water_takes_strength_and_only_positive_pressure_counts() {
     let ground = ground(5.0, 30.0, 10.0);
     let strength = Strength { cohesion: 5e3, friction: 0.5 };
     let circle = Circle::through([-1.5, 5.0], [ground[2][0], 0.0], 0.6);
+    let soil = Uniform::dry(strength, 18e3);
     let factor = |pressure: &dyn Fn(f64, f64) -> f64| {
-        let section = Section { pressure, ..dry(&ground, strength, 18e3) };
+        let section = Section { pressure, ..Section::dry(&ground, &soil) };
         let slide = section.slide(circle, 200).expect("a slide");
         let (bishop, ordinary) = (slide.bishop().expect("a factor"), slide.ordinary().expect("a factor"));
         assert!(bishop > ordinary, "{bishop} {ordinary}");
@@ -229,12 +221,14 @@ fn water_takes_strength_and_only_positive_pressure_counts() {
 #[test]
 fn circles_without_a_factor_say_why() {
     let ground = ground(5.0, 30.0, 10.0);
-    let section = dry(&ground, Strength { cohesion: 5e3, friction: 0.5 }, 18e3);
+    let soil = Uniform::dry(Strength { cohesion: 5e3, friction: 0.5 }, 18e3);
+    let section = Section::dry(&ground, &soil);
     let slide = |centre, radius| section.slide(Circle { centre, radius }, 50);
     assert_eq!(slide([0.0, 30.0], 10.0), Err(Refused::Outside));
     assert_eq!(slide([-2.0, 4.0], 4.0), Err(Refused::Open), "overhangs");
     assert_eq!(slide([5.0, 30.0], 34.0), Err(Refused::Open), "goes through the ends");
-    let sand = dry(&ground, Strength { cohesion: 0.0, friction: 1.2 }, 18e3);
+    let soil = Uniform::dry(Strength { cohesion: 0.0, friction: 1.2 }, 18e3);
+    let sand = Section::dry(&ground, &soil);
     let mirror = [[-20.0, 0.0], [-10.0, 0.0], [0.0, 5.0], [10.0, 5.0]];
     let back = Section { ground: &mirror, ..sand };
     // The slope falls the other way.
