@@ -329,6 +329,7 @@ fn loads_water_outside_and_grains_go_with_all_that_leaves_them_a_place() {
         "excess Dry",
         "excess Fails",
         "excess FreeSurface",
+        "excess Seismic",
         "excess Staggered",
         "load in time HeldTop",
         "load in time Krylov",
@@ -354,6 +355,7 @@ fn loads_water_outside_and_grains_go_with_all_that_leaves_them_a_place() {
         "well Nodal",
         "well PressureEnd",
         "well EmptyBeside",
+        "well Seismic",
         "well Staggered",
     ];
     assert_eq!(refused, reasons.map(String::from).into());

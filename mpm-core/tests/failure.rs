@@ -501,7 +501,8 @@ fn the_factor_of_a_slope_does_not_depend_on_its_size_or_stiffness() {
     assert!(usual.low > 1.3 && usual.high < 1.5 && usual.high - usual.low < 0.021, "{usual:?}");
     for (height, youngs_modulus) in [(10.0, 1e6), (10.0, 1e9), (0.1, 1e8), (100.0, 1e8), (100.0, 1e6)] {
         let found = factor(&griffiths(height, youngs_modulus, 5, false), 0.02);
-        assert_eq!((found.low, found.high), (usual.low, usual.high), "E {youngs_modulus:e} Pa, H {height} m");
+        let same = (found.low - usual.low).abs().max((found.high - usual.high).abs()) < 1e-6;
+        assert!(same, "E {youngs_modulus:e} Pa, H {height} m: {found:?} {usual:?}");
     }
 }
 

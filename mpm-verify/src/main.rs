@@ -52,6 +52,13 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
+    /// Factor of safety of a slope by strength reduction and limit equilibrium
+    Slope {
+        #[command(flatten)]
+        options: slope::Options,
+        #[command(flatten)]
+        common: Common,
+    },
     /// Accuracy study of the paper's column: errors, orders, claims (the default)
     Study {
         #[command(flatten)]
@@ -77,13 +84,6 @@ enum Command {
     Gallery {
         #[command(flatten)]
         options: gallery::Options,
-        #[command(flatten)]
-        common: Common,
-    },
-    /// Factor of safety of a slope by strength reduction and limit equilibrium
-    Slope {
-        #[command(flatten)]
-        options: slope::Options,
         #[command(flatten)]
         common: Common,
     },

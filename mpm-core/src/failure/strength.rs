@@ -102,7 +102,7 @@ const LACKS: f64 = 2e-3;
 /// damped creeps to its place.
 const DAMPING: f64 = 0.35;
 /// Elastic energy that a steady slide stores at most, over the work of gravity.
-const STEADY: f64 = 0.02;
+const STEADY: f64 = 0.1;
 /// Periods of the first swing after which a trial that still slows down is left: its speed says how far it is from standing.
 const PERIODS: f64 = 32.0;
 /// How many times as far as its speed says.
@@ -250,8 +250,9 @@ impl Shown {
                 goal.clamp(low + 0.25 * within, lowest - 0.25 * within)
             }
         };
-        let known = |tried: &f64| (tried - next).abs() < 0.2 * within;
-        (!self.tried.iter().any(known)).then_some(next)
+        let known = |goal: f64| self.tried.iter().any(|tried| (tried - goal).abs() < 0.2 * within);
+        let middle = self.stands.map(|low| 0.5 * (low + lowest)).filter(|middle| middle.is_finite());
+        Some(next).filter(|next| !known(*next)).or(middle.filter(|middle| !known(*middle)))
     }
 }
 

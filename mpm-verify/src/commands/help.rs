@@ -7,12 +7,20 @@ use super::terminal::say;
 use crate::Cli;
 
 /// Commands with examples, each with what it does.
-const EXAMPLES: [(&str, &[(&str, &str)]); 12] = [
+const EXAMPLES: [(&str, &[(&str, &str)]); 13] = [
     (
         "levee",
         &[
             ("mpm-verify levee", "the levee of the paper's section 4"),
             ("mpm-verify levee --variant saturation-0.7 --safety-factor 7,9", "one input changed"),
+        ],
+    ),
+    (
+        "slope",
+        &[
+            ("mpm-verify slope griffiths-lane-1", "one slope; a file of your own will do as well"),
+            ("mpm-verify slope levee --after 14", "after water has seeped until 14 h on its clock"),
+            ("mpm-verify slope --only acads-1a,taylor-cut", "two published slopes; without names all of them"),
         ],
     ),
     (

@@ -5,7 +5,7 @@ use mpm_core::scene::{Flags, Scene};
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 use mpm_verify::slope::page::{Shown, said};
-use mpm_verify::slope::{RULES, State, equilibrium, guesses, ladder};
+use mpm_verify::slope::{RULES, State, guesses, ladder};
 
 use super::{Failure, chosen};
 use crate::Common;
@@ -19,7 +19,7 @@ pub struct Options {
     /// Some of the published slopes, by name, in place of all
     #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', conflicts_with = "scene")]
     only: Vec<String>,
-    /// Let water seep for so long first, h
+    /// Let water seep until then first, h on the clock of the scene
     #[arg(long, value_name = "H", default_value_t = 0.0)]
     after: f64,
     /// Cell size in place of the scene's, m
@@ -46,7 +46,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         return Err(Failure::BadInput(format!("{source}: expected {expected}, found none")));
     };
     let after = 3600.0 * options.after - if options.after > 0.0 { failure.starts_at } else { 0.0 };
-    if !(after >= 0.0) {
+    if after < 0.0 || after.is_nan() {
         let starts = failure.starts_at / 3600.0;
         return Err(Failure::BadInput(format!("--after: expected hours from {starts} on, found {}", options.after)));
     }
@@ -67,7 +67,7 @@ fn one(
 ) -> Result<(), Failure> {
     let progress = Progress::new("factor of safety", common.quiet);
     let state = State::after(scene, after).map_err(Failure::run_failed)?;
-    let slices = equilibrium::factors(scene, &state.level, after, state.depth);
+    let slices = state.slices();
     let found = state.factors((options.within, guesses(&slices)), common.jobs(), &|text| progress.line(text));
     let found = found.map_err(Failure::run_failed)?;
     let manifest = Manifest::new(scene, common.jobs());

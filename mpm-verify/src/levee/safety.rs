@@ -13,11 +13,12 @@ use super::figures::{Picture, events};
 use super::plan::Plan;
 use super::tables::OfScene;
 use crate::error::Error::{self, Unfit};
+use crate::exact::root::root;
 use crate::report::ReportError;
 use crate::report::content::table::{Cell, Table, table};
 use crate::report::numbers::brief;
 use crate::report::plots::levee::safety::{self as plot, Bracket, Safety};
-use crate::slope::equilibrium::{self, Profile};
+use crate::slope::equilibrium::Profile;
 use crate::slope::{State, guesses};
 
 /// Name of the table in the folder of a run.
@@ -109,7 +110,7 @@ pub fn compute(
             return Err(Unfit("the slope does not stand before water seeps: it has no factor of safety"));
         };
         let state = State::of(&plan.scene, &mut driver);
-        let slices = equilibrium::factors(&plan.scene, &state.level, plan.seconds(time), state.depth);
+        let slices = state.slices();
         let told = |text: &str| progress(&format!("{time} h, {text}"));
         let [davis, associated, given] = state.factors((WITHIN, guesses(&slices)), jobs, &told)?.found;
         // Water that leaves the slope does so from the toe up.
@@ -140,13 +141,15 @@ pub fn compute(
 
 /// Factors of the slope without end that the slope is like at its toe, with the strength and with Davis'.
 fn infinite_slope(scene: &Scene, side: f64, depth: f64) -> [Option<f64>; 2] {
-    let toe = |reduced: f64| {
-        Profile::of_scene(scene, side).ok()??.with_davis(reduced).toe()?.factor(depth).map(|f| f * reduced)
-    };
+    let profile = |reduced: f64| Some(Profile::of_scene(scene, side).ok()??.with_davis(reduced));
     let full = Profile::of_scene(scene, side).ok().flatten().and_then(|profile| profile.toe()?.factor(depth));
     // Davis' strength belongs to the factor that it leads to.
-    [full, full.and_then(toe).and_then(toe).and_then(toe)]
+    let excess = |reduced: f64| profile(reduced).and_then(|p| p.toe()?.factor(depth)).map_or(f64::NAN, |f| f - 1.0);
+    [full, full.and_then(|full| root(excess, LEAST * full, full))]
 }
+
+/// Davis' factor is looked for from this share of the full one on.
+const LEAST: f64 = 0.1;
 
 /// A line of what trials have found: Davis B, associated, as given.
 fn line(time_h: f64, [davis, associated, given]: &[Found; 3]) -> Line {

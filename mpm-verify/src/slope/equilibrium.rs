@@ -3,6 +3,7 @@
 //! Both ways that the ground falls are looked at, the left one mirrored; the lower factor counts. What the method of
 //! slices does not know is said in words in place of a number.
 
+use mpm_core::observe::Frame;
 use mpm_core::scene::{Ground, NormalStress, Piece, Reduction, Scene, Side, SolidSide};
 
 use crate::error::Error::{self, Unfit};
@@ -55,6 +56,41 @@ fn surface(outline: &[[f64; 2]], height: f64) -> Result<Vec<[f64; 2]>, Error> {
     }
     Ok(ground)
 }
+
+/// The water of a scene at some time.
+#[derive(Debug, Clone, Copy)]
+pub struct Water<'a> {
+    /// Free surface in the soil (x, y), m, x increasing.
+    pub level: &'a [[f64; 2]],
+    /// Time, s: for what is loaded then.
+    pub time: f64,
+    /// Cells with the pore pressures of a run; without, pressures are hydrostatic below the free surface.
+    pub cells: Option<&'a Frame>,
+}
+
+impl Water<'_> {
+    /// Pore pressure (Pa) of the run at (x, y), m, where the soil around is full of water of a unit weight (N/m3): hydrostatic inside a cell,
+    /// linear from column to column.
+    fn pressure(&self, [x, y]: [f64; 2], unit_weight: f64) -> Option<f64> {
+        let frame = self.cells?;
+        let [columns, rows] = frame.cells;
+        let row = ((y / frame.size).max(0.0) as usize).min(rows.checked_sub(1)?);
+        let above = unit_weight * ((row as f64 + 0.5) * frame.size - y);
+        let of = |column: usize| {
+            let cell = frame.cell.get(row * columns + column).filter(|_| column < columns)?;
+            (cell.soil > FULL && cell.saturation > FULL).then_some(cell.pressure + above)
+        };
+        let along = (x / frame.size - 0.5).max(0.0);
+        let (left, share) = (along as usize, along.fract());
+        match (of(left), of(left + 1)) {
+            (Some(a), Some(b)) => Some(a + share * (b - a)),
+            (a, b) => a.filter(|_| share < 0.5).or(b.filter(|_| share >= 0.5)),
+        }
+    }
+}
+
+/// Cells with less soil or water than this are cut by a surface.
+const FULL: f64 = 0.999;
 
 /// Factors of safety by the methods of slices, and where the slides are.
 #[derive(Debug, Clone, PartialEq)]
@@ -199,8 +235,9 @@ impl Profile {
         Limits { least_depth, least_area: 0.0, starts: [start, self.end], ends: [start, last], slices: SLICES, method }
     }
 
-    /// Looks at the slope with the water below a line (x, y), m, x increasing in the profile, and the loads of the scene at a time, s.
-    fn with<R>(&self, scene: &Scene, (line, time): (&[[f64; 2]], f64), look: impl FnOnce(&Section) -> R) -> R {
+    /// Looks at the slope with its water and loads; `line` is the free surface as the profile has it (x, y), m.
+    fn with<R>(&self, scene: &Scene, (water, line): (&Water, &[[f64; 2]]), look: impl FnOnce(&Section) -> R) -> R {
+        let time = water.time;
         let unit_weight = self.water * self.gravity;
         let phreatic = Phreatic { line, ground: &self.ground, water_weight: unit_weight };
         let rise = |x: f64| crate::exact::limit_equilibrium::water::slope(&self.ground, x);
@@ -226,7 +263,10 @@ impl Profile {
             loaded(x).filter_map(|load| load.of_water(&place, time, unit_weight)).fold(0.0, f64::max)
         };
         let level = |x: f64| if standing(x) > 0.0 { top(x) } else { phreatic.level(x) };
-        let pressure = |x: f64, y: f64| standing(x) + unit_weight * (level(x) - y).max(0.0);
+        let pressure = |x: f64, y: f64| {
+            let hydrostatic = || standing(x) + unit_weight * (level(x) - y).max(0.0);
+            water.pressure([self.place(x), y], unit_weight).unwrap_or_else(hydrostatic)
+        };
         let own = self.base.strength.cohesion.is_nan();
         let base =
             FirmBase { strength: if own { self.strength(self.end, 0.0) } else { self.base.strength }, ..self.base };
@@ -247,10 +287,7 @@ impl Profile {
             let (polygon, way, width) = (polygon.clone(), self.way, self.width);
             Box::new(move |x| {
                 let x = if way > 0.0 { x } else { width - x };
-                mpm_core::seeding::passes(&polygon, x)
-                    .into_iter()
-                    .reduce(f64::min)
-                    .map_or(f64::NEG_INFINITY, |y| y + inside)
+                mpm_core::seeding::passes(&polygon, x).reduce(f64::min).map_or(f64::NEG_INFINITY, |y| y + inside)
             })
         };
         scene.regions.iter().map(|region| floor(&region.polygon)).collect()
@@ -275,23 +312,36 @@ impl Profile {
     }
 }
 
-/// Factors of a scene's slopes below the water surface of a run (x, y in m, x increasing) at a time (s), of slides that are at least so
-/// deep (m): with the strength of the soils, and with Davis' reduced one.
+/// Factors of a scene's slopes with its water, of slides that are at least so deep (m): with the strength of the soils, and with Davis'
+/// reduced one.
 ///
 /// # Errors
 /// Why there are none.
-pub fn factors(scene: &Scene, line: &[[f64; 2]], time: f64, depth: f64) -> Result<[Factors; 2], Error> {
+pub fn factors(scene: &Scene, water: &Water, depth: f64) -> Result<[Factors; 2], Error> {
     let mut least: Option<[Factors; 2]> = None;
     for way in WAYS {
         let Some(profile) = Profile::of_scene(scene, way)? else { continue };
-        let line = seen(line, way, scene.width);
-        let full = profile.factors(scene, (&line, time), depth);
-        // Davis' strength belongs to the factor that it leads to.
-        let mut factor = full.spencer.or(full.bishop).unwrap_or(1.0);
-        let mut davis = full.clone();
+        let line = seen(water.level, way, scene.width);
+        let full = profile.factors(scene, (water, &line), depth);
+        // Davis' strength belongs to the factor that it leads to: a fixed point, by secants.
+        let ratio = |factor: f64| {
+            let davis = profile.clone().with_davis(factor).factors(scene, (water, &line), depth);
+            let found = davis.spencer.or(davis.bishop);
+            (davis.times(factor), found)
+        };
+        let first = full.spencer.or(full.bishop).unwrap_or(1.0);
+        let (mut davis, mut found) = ratio(first);
+        let mut before = [first, found.unwrap_or(1.0) - 1.0];
+        let mut factor = first * found.unwrap_or(1.0);
         for _ in 0..DAVIS {
-            davis = profile.clone().with_davis(factor).factors(scene, (&line, time), depth).times(factor);
-            factor = davis.spencer.or(davis.bishop).unwrap_or(factor);
+            (davis, found) = ratio(factor);
+            let Some(excess) = found.map(|found| found - 1.0) else { break };
+            if excess.abs() < 1e-3 {
+                break;
+            }
+            let next = factor - excess * (factor - before[0]) / (excess - before[1]);
+            before = [factor, excess];
+            factor = if next > 0.2 * factor && next < 2.0 * factor { next } else { factor * (1.0 + excess) };
         }
         let found = [full, davis].map(|factors| factors.seen(way, scene.width));
         least = Some(match least {
@@ -306,8 +356,8 @@ pub fn factors(scene: &Scene, line: &[[f64; 2]], time: f64, depth: f64) -> Resul
     Ok(found)
 }
 
-/// Rounds in which Davis' strength and the factor are found.
-const DAVIS: usize = 2;
+/// Most rounds in which Davis' strength and the factor are found.
+const DAVIS: usize = 6;
 
 impl Factors {
     fn least(&self) -> f64 {
@@ -331,7 +381,7 @@ impl Factors {
 }
 
 impl Profile {
-    fn factors(&self, scene: &Scene, water: (&[[f64; 2]], f64), depth: f64) -> Factors {
+    fn factors(&self, scene: &Scene, water: (&Water, &[[f64; 2]]), depth: f64) -> Factors {
         self.with(scene, water, |section| {
             let floors = self.floors(scene);
             let floors: Vec<&dyn Fn(f64) -> f64> = floors.iter().map(|floor| &**floor as &dyn Fn(f64) -> f64).collect();
@@ -360,6 +410,8 @@ mod tests {
     use crate::levee::variants;
 
     const LINE: [[f64; 2]; 6] = [[0.0, 2.3], [2.0, 1.94], [4.0, 1.52], [6.0, 1.05], [7.0, 0.79], [8.0, 0.48]];
+
+    const DRY: Water = Water { level: &[], time: 0.0, cells: None };
 
     fn levee() -> Scene {
         scene("levee", &Flags::default(), variants::named("saturation-0")).expect("a scene")
@@ -434,7 +486,8 @@ mod tests {
     #[test]
     fn a_slope_in_a_mirror_is_as_safe() {
         let of = |scene: &Scene, line: &[[f64; 2]]| {
-            let [found, _] = factors(scene, line, 0.0, 0.3).expect("factors");
+            let water = Water { level: line, time: 0.0, cells: None };
+            let [found, _] = factors(scene, &water, 0.3).expect("factors");
             [found.bishop, found.spencer, found.morgenstern_price, found.any_shape]
                 .map(|factor| factor.expect("a factor"))
         };
@@ -459,7 +512,7 @@ mod tests {
         let contact = |side: SolidSide| {
             let scene = shaped(&HALF, |scene| (scene.base, scene.solid_sides[2]) = (None, side));
             let profile = Profile::of_scene(&scene, 1.0)?.expect("a fall");
-            Ok::<Strength, Error>(profile.with(&scene, (&[], 0.0), |section| section.base.expect("a base").strength))
+            Ok::<Strength, Error>(profile.with(&scene, (&DRY, &[]), |section| section.base.expect("a base").strength))
         };
         let own = Strength { cohesion: 500.0, friction: 30.0_f64.to_radians() };
         assert_eq!(contact(SolidSide::Fixed).ok(), Some(own));
@@ -470,7 +523,7 @@ mod tests {
     #[test]
     fn what_the_slices_do_not_know_is_said() {
         let why = |outline: &[[f64; 2]], edit: fn(&mut Fields)| {
-            factors(&shaped(outline, edit), &[], 0.0, 0.3).expect_err("refused").to_string()
+            factors(&shaped(outline, edit), &DRY, 0.3).expect_err("refused").to_string()
         };
         let walls: fn(&mut Fields) = |scene| {
             walled(scene);

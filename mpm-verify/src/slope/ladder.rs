@@ -11,7 +11,7 @@ use mpm_core::scene::{Flags, Reduction, Scene};
 use serde::{Deserialize, Serialize};
 
 use super::page::Shown;
-use super::{State, equilibrium, guesses};
+use super::{State, guesses};
 use crate::error::Error::{self, Lacks};
 use crate::experiment::pool;
 use crate::manifest::Manifest;
@@ -130,7 +130,7 @@ fn one(slope: &Published, folder: &Path) -> Result<Line, Error> {
     let fine = Scene::parse(text, &slope.name)?;
     let coarse = Scene::parse_with(text, &slope.name, &Flags { cell: Some(slope.coarse_m), ..Flags::default() })?;
     let state = State::after(&fine, 0.0)?;
-    let slices = equilibrium::factors(&fine, &state.level, 0.0, state.depth);
+    let slices = state.slices();
     let factors = state.factors((WITHIN, guesses(&slices)), 1, &|_| ())?;
     let on_coarse = State::after(&coarse, 0.0)?;
     let coarse = |by: Reduction, guess: f64| {

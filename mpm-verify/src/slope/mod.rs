@@ -8,6 +8,7 @@ pub mod ladder;
 pub mod page;
 
 use mpm_core::failure::{Bracket, Driver, Found, Scales, Search, Trial};
+use mpm_core::observe::Frame;
 use mpm_core::scene::{Reduction, Scene};
 
 use crate::error::Error::{self, Lacks, Unfit};
@@ -33,6 +34,9 @@ pub struct State<'a> {
     pub level: Vec<[f64; 2]>,
     /// Slides are at least so deep, m.
     pub depth: f64,
+    /// Time, s, and the cells of the run then.
+    time: f64,
+    frame: Frame,
 }
 
 impl<'a> State<'a> {
@@ -51,7 +55,19 @@ impl<'a> State<'a> {
 
     /// As a run has it now.
     pub fn of(scene: &'a Scene, driver: &mut Driver) -> Self {
-        Self { scene, bytes: driver.checkpoint(), level: driver.surface(), depth: Scales::of(scene).depth() }
+        let (level, depth) = (driver.surface(), Scales::of(scene).depth());
+        Self { scene, bytes: driver.checkpoint(), level, depth, time: driver.time, frame: driver.frame() }
+    }
+
+    /// Limit equilibrium with its water: with the strength of the soils, and with Davis' reduced one.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn slices(&self) -> Result<[equilibrium::Factors; 2], Error> {
+        // Before water has seeped its pressures are hydrostatic.
+        let cells = Some(&self.frame).filter(|_| self.time > 0.0);
+        let water = equilibrium::Water { level: &self.level, time: self.time, cells };
+        equilibrium::factors(self.scene, &water, self.depth)
     }
 
     /// One factor.
