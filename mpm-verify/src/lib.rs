@@ -9,7 +9,7 @@
 //! 5. [`study`]: refine, run, compare. [`budget`]: which part of an error comes from what. [`claims`]: the paper's
 //!    statements and their verdicts. [`sweeps`]: displaced particles, offsets of the mesh, errors in time.
 //!    [`stability`]: time-step limits, predicted and measured. [`stress`]: where assumptions are pushed.
-//! 6. [`levee`]: the levee that seepage makes fail: its run, checkpoints, claims, sensitivity.
+//! 6. [`slope`]: factors of safety. [`levee`]: the levee that seepage makes fail: its run, checkpoints, claims, sensitivity.
 //! 7. [`page`]: one layout, one style and one navigation for all pages; the home page. [`report`]: tables, plots, what the pages say. [`frames`]: stored frames of a run, to make its pictures again. [`manifest`]:
 //!    under which conditions.
 //!    [`nightly`]: everything measured every night, compared and remembered.

@@ -1,7 +1,7 @@
 //! The factor of safety of any slope: strength reduction with three flow rules.
 //!
 //! The headline is Davis B; the associated value is the upper end of its bracket, the flow rule of the scene stands between
-//! ([`Reduction`]). [`compute`] finds all three from one state of soil and water, in parallel.
+//! ([`Reduction`]). [`State::factors`] finds all three from one state of soil and water, in parallel.
 
 pub mod equilibrium;
 pub mod ladder;
