@@ -37,6 +37,7 @@ fn outcome(stronger: f64) -> Result<Outcome, Error> {
         let limits = Limits {
             least_depth: 0.0,
             least_area: 0.0,
+            least_deep: 0.0,
             starts: [-3.0, 0.0],
             ends: [toe, toe],
             slices: 400,

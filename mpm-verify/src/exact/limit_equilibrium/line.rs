@@ -153,8 +153,7 @@ impl Section<'_> {
             return None;
         }
         let slide = self.along(&points, centre, slices).ok()?;
-        let enough = slide.depth >= 0.99 * limits.least_depth && slide.area >= 0.99 * limits.least_area;
-        let factor = enough.then(|| slide.factor(method).ok()).flatten()?;
+        let factor = self.is_enough(&slide, limits).then(|| slide.factor(method).ok()).flatten()?;
         Some(Critical { factor, slide })
     }
 

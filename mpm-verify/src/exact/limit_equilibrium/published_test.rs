@@ -64,6 +64,7 @@ fn the_simple_slope_of_the_acads_study() {
     let limits = Limits {
         least_depth: 0.5,
         least_area: 0.0,
+        least_deep: 0.0,
         starts: [0.0, 40.0],
         ends: [20.0, 60.0],
         slices: 200,

@@ -8,7 +8,7 @@
 //! higher than the firm base: its circle is cut, and the slide comes out at the toe.
 
 use super::factor::Method;
-use super::{Circle, Section, Slide};
+use super::{Circle, Section, Slice, Slide};
 use crate::exact::root::root;
 use crate::exact::simplex::minimum;
 
@@ -41,6 +41,8 @@ pub struct Limits {
     pub least_depth: f64,
     /// Least area, m2.
     pub least_area: f64,
+    /// Least area that lies deeper than the least depth, normal to the ground, m2.
+    pub least_deep: f64,
     /// Range of x (m) on the ground where the chord starts.
     pub starts: [f64; 2],
     /// Range of x (m) on the ground where it ends.
@@ -71,8 +73,7 @@ impl Section<'_> {
             Chord::new(self, limits, at(limits.starts, start), at(limits.ends, end))
         };
         let factor = |slide: &Slide, method: Method| {
-            let enough = slide.depth >= ENOUGH * limits.least_depth && slide.area >= ENOUGH * limits.least_area;
-            if enough { slide.factor(method).ok() } else { None }
+            if self.is_enough(slide, limits) { slide.factor(method).ok() } else { None }
         };
         let share = |place: usize, count: usize| place as f64 / (count - 1) as f64;
         let mut tried = Vec::new();
@@ -133,6 +134,19 @@ impl Section<'_> {
         });
         let least = starts.into_iter().map(descend).chain(corner).min_by(|a, b| a.1.total_cmp(&b.1))?;
         Some(Critical { factor: least.1, slide: slide(least.0)? }).filter(|critical| critical.factor.is_finite())
+    }
+}
+
+impl Section<'_> {
+    /// Whether a slide is as large as it must be.
+    pub(super) fn is_enough(&self, slide: &Slide, limits: &Limits) -> bool {
+        let deep = |slice: &Slice| {
+            let depth = limits.least_depth * super::water::slope(self.ground, slice.base[0]).hypot(1.0);
+            slice.width * (slice.height - depth).max(0.0)
+        };
+        slide.depth >= ENOUGH * limits.least_depth
+            && slide.area >= ENOUGH * limits.least_area
+            && (limits.least_deep == 0.0 || slide.slices.iter().map(deep).sum::<f64>() >= limits.least_deep)
     }
 }
 

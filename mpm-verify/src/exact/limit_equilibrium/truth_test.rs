@@ -75,6 +75,7 @@ fn critical_toe_circles_in_clay_have_the_stability_numbers_of_taylor() {
         let limits = Limits {
             least_depth: 0.0,
             least_area: 0.0,
+            least_deep: 0.0,
             starts: [-3.0, 0.0],
             ends: [toe, toe],
             slices: 400,
@@ -172,6 +173,7 @@ fn sand_slides_at_its_surface() {
         let limits = Limits {
             least_depth,
             least_area: 0.0,
+            least_deep: 0.0,
             starts: [-10.0, toe],
             ends: [0.0, toe + 10.0],
             slices: 100,
@@ -191,6 +193,7 @@ fn sand_slides_at_its_surface() {
     let limits = Limits {
         least_depth: 0.0,
         least_area: 2.0,
+        least_deep: 0.0,
         starts: [-10.0, toe],
         ends: [0.0, toe + 10.0],
         slices: 100,
