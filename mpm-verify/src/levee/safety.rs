@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use mpm_core::failure::{Bracket as Found, Driver, Scales, towards};
+use mpm_core::failure::{Bracket as Found, Scales, towards};
 use mpm_core::scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +19,7 @@ use crate::report::content::table::{Cell, Table, table};
 use crate::report::numbers::brief;
 use crate::report::plots::levee::safety::{self as plot, Bracket, Safety};
 use crate::slope::equilibrium::Profile;
-use crate::slope::{State, guesses};
+use crate::slope::{State, at_rest, guesses};
 
 /// Name of the table in the folder of a run.
 pub const NAME: &str = "safety_factor.csv";
@@ -101,8 +101,7 @@ pub fn compute(
     let mut times = times_h.to_vec();
     times.sort_by(f64::total_cmp);
     times.dedup();
-    let mut driver = Driver::new(&plan.scene)?;
-    driver.load_for_safety()?;
+    let mut driver = at_rest(&plan.scene)?;
     let mut lines = Vec::new();
     for time in times {
         driver.seep_only(plan.seconds(time))?;

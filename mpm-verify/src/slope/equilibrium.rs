@@ -118,6 +118,8 @@ pub struct Profile {
     pub end: f64,
     /// What it rests on.
     pub base: FirmBase,
+    /// Whether its contact is as strong as the soil above it.
+    on_soil: bool,
     /// Towards +x (1) or mirrored (-1), and the width of the scene, m.
     way: f64,
     width: f64,
@@ -191,8 +193,8 @@ impl Profile {
             (Some(base), _) => (unit(base.adhesion, base.peak_angle.to_radians()), base.normal_stress),
             // On rollers nothing holds it.
             (None, SolidSide::Roller) => (unit(0.0, 0.0), NormalStress::Effective),
-            // Soil that is held slides right above, by its own strength.
-            (None, SolidSide::Fixed) => (unit(f64::NAN, f64::NAN), NormalStress::Effective),
+            // Soil that is held slides right above, by its own strength: `on_soil`.
+            (None, SolidSide::Fixed) => (unit(0.0, 0.0), NormalStress::Effective),
             (None, SolidSide::Free) => return Err(Unfit("the soil has no base")),
         };
         let water = scene.water.map_or(0.0, |water| water.density);
@@ -200,6 +202,7 @@ impl Profile {
             ground,
             end,
             base: FirmBase { height: 0.0, strength: contact, normal_stress },
+            on_soil: scene.base.is_none() && scene.solid_sides[2] == SolidSide::Fixed,
             way,
             width: scene.width,
             soils: scene.ground(),
@@ -280,9 +283,10 @@ impl Profile {
             let hydrostatic = || standing(x) + unit_weight * (level(x) - y).max(0.0);
             water.pressure([self.place(x), y], unit_weight).unwrap_or_else(hydrostatic)
         };
-        let own = self.base.strength.cohesion.is_nan();
-        let base =
-            FirmBase { strength: if own { self.strength(self.end, 0.0) } else { self.base.strength }, ..self.base };
+        let base = FirmBase {
+            strength: if self.on_soil { self.strength(self.end, 0.0) } else { self.base.strength },
+            ..self.base
+        };
         look(&Section {
             ground: &self.ground,
             base: Some(base),

@@ -45,10 +45,7 @@ impl<'a> State<'a> {
     /// # Errors
     /// What was expected of the scene and found, or what went wrong in a step.
     pub fn after(scene: &'a Scene, time: f64) -> Result<Self, Error> {
-        let mut driver = Driver::new(scene)?;
-        if !driver.load_for_safety()?.at_rest() {
-            return Err(Unfit("the slope does not stand with five times its strength"));
-        }
+        let mut driver = at_rest(scene)?;
         driver.seep_only(time)?;
         Ok(Self::of(scene, &mut driver))
     }
@@ -104,6 +101,16 @@ impl<'a> State<'a> {
         let [davis, associated, given] = [next(), next(), next()];
         Ok(Factors { found: [davis?, associated?, given?] })
     }
+}
+
+/// A run whose soil has come to rest with the strength that the lowest factor needs.
+///
+/// # Errors
+/// What was expected of the scene and found, or what went wrong in a step.
+pub fn at_rest(scene: &Scene) -> Result<Driver<'_>, Error> {
+    let mut driver = Driver::new(scene)?;
+    let settled = driver.load_for_safety()?;
+    settled.at_rest().then_some(driver).ok_or(Unfit("the slope does not stand with five times its strength"))
 }
 
 /// Where to look for the factors first: a little above what limit equilibrium says, so that the first trial slides.
