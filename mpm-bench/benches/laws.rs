@@ -71,8 +71,13 @@ fn laws(c: &mut Criterion) {
     law(c, "linear elastic", LinearElastic::new(&SOIL), [-1e-5, 2e-6, 0.0, 5e-6]);
 }
 
-const STRENGTH: Strength =
-    Strength { cohesion: 500.0, friction_angle: 30.0, dilation_angle: 10.0, tension_cutoff: Some(400.0) };
+const STRENGTH: Strength = Strength {
+    cohesion: 500.0,
+    friction_angle: 30.0,
+    dilation_angle: 10.0,
+    tension_cutoff: Some(400.0),
+    dilation_fades_over: None,
+};
 
 /// Updates copies of the same stresses over lanes, and books the flow as a step does.
 struct Returns<'a, L> {

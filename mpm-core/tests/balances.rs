@@ -173,8 +173,13 @@ fn yielding(integrator: &str, shape: &str, dimension: &str, safety: &str) -> Bal
         "drained = [\"top\"]\ndamping = 1.0",
     ])
     .edited(|scene| {
-        scene.strength =
-            Some(Strength { cohesion: 100.0, friction_angle: 15.0, dilation_angle: 0.0, tension_cutoff: Some(0.0) });
+        scene.strength = Some(Strength {
+            cohesion: 100.0,
+            friction_angle: 15.0,
+            dilation_angle: 0.0,
+            tension_cutoff: Some(0.0),
+            dilation_fades_over: None,
+        });
     })
     .expect("a sound scene");
     last(&completed(&scene)).0.to_owned()

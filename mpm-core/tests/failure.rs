@@ -176,9 +176,8 @@ fn coarse(edits: &[(&str, &str)]) -> Scene {
     let text = edited(
         &levee_text(),
         &[
-            ("cell = 0.4 #", "cell = 0.75 #"),
-            ("particles_per_cell = 9 #", "particles_per_cell = 4 #"),
-            ("empty_cells_beside = 14", "empty_cells_beside = 8"),
+            ("cell = 0.2 #", "cell = 0.75 #"),
+            ("empty_cells_beside = 28", "empty_cells_beside = 8"),
             ("hydraulic_conductivity = 4.5e-5", "hydraulic_conductivity = 9.0e-4"),
             ("until.time = 64800.0", "until.time = 6480.0"),
         ],
@@ -539,8 +538,13 @@ fn slip_does_not_weaken_the_base_during_trials() {
 
 #[test]
 fn the_strength_of_davis_is_that_of_simple_shear() {
-    let strength =
-        |dilation_angle: f64| Strength { cohesion: 3e3, friction_angle: 30.0, dilation_angle, tension_cutoff: None };
+    let strength = |dilation_angle: f64| Strength {
+        cohesion: 3e3,
+        friction_angle: 30.0,
+        dilation_angle,
+        tension_cutoff: None,
+        dilation_fades_over: None,
+    };
     for factor in [0.8, 1.0, 1.7] {
         // c and tan(phi) keep their ratio.
         let reduced = strength(0.0).reduced(factor, Reduction::Davis);

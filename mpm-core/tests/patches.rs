@@ -135,6 +135,7 @@ fn a_key_that_is_taken_out_is_no_more_there() {
         ("stages.0.until", Until::Time(1.0).into()),
         ("observe", Change::NONE),
         ("failure.continue_if_unstable", Change::NONE),
+        ("failure.continue_after_collapse", Change::NONE),
     ]);
     assert_eq!(dry.expect("a dry scene").water, None);
 }

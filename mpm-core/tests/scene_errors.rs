@@ -596,7 +596,7 @@ fn bad_failure_is_refused() {
         (
             "feed on a side the soil meets in a point",
             "levee",
-            &[(HEAD, "feed.right = { head = 1.0 }"), ("empty_cells_beside = 14\n", "")],
+            &[(HEAD, "feed.right = { head = 1.0 }"), ("empty_cells_beside = 28\n", "")],
             "a wall with no soil",
         ),
         ("a tank and no wall", "levee", &[("left = \"roller\"", "left = \"free\"")], "boundaries.left = \"roller\""),
@@ -655,7 +655,7 @@ fn bad_failure_is_refused() {
             "times with a velocity",
         ),
         ("a base of 90", "levee", &[("peak_angle = 30.0", "peak_angle = 90.0")], "0 <= angle < 90"),
-        ("a coarse mesh", "levee", &[("cell = 0.4 ", "cell = 0.8 ")], "a cell of at most 0.75 m"),
+        ("a coarse mesh", "levee", &[("cell = 0.2 ", "cell = 0.8 ")], "a cell of at most 0.75 m"),
         (
             "a flat slope on a coarse mesh",
             "levee",

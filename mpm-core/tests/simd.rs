@@ -76,8 +76,23 @@ fn heavy(cells: [usize; 2]) -> Scene {
 
 /// The same scene with soil that yields under hardly any load.
 fn weak(scene: Scene, cohesion: f64) -> Scene {
-    let strength = Strength { cohesion, friction_angle: 15.0, dilation_angle: 5.0, tension_cutoff: Some(cohesion) };
+    let strength = Strength {
+        cohesion,
+        friction_angle: 15.0,
+        dilation_angle: 5.0,
+        tension_cutoff: Some(cohesion),
+        dilation_fades_over: None,
+    };
     scene.altered_unchecked(|scene| scene.strength = Some(strength))
+}
+
+/// The same with a dilation that fades while it yields.
+fn fading(scene: Scene, cohesion: f64) -> Scene {
+    weak(scene, cohesion).altered_unchecked(|scene| {
+        if let Some(strength) = &mut scene.strength {
+            strength.dilation_fades_over = Some(1e-4);
+        }
+    })
 }
 
 /// Scenes small enough for one strip of cells, with the steps to take.
@@ -100,6 +115,7 @@ fn scenes() -> Vec<(&'static str, Scene, u64)> {
         ("plastic", weak(wet(&[]), 5.0), 800),
         ("plastic, dry, linear, weight", weak(with(&DRY, &["shape = \"linear\"", "gravity = 9.81"]), 5.0), 400),
         ("plastic, heavy load", weak(with(&heavy, &[]), 50.0), 600),
+        ("plastic, dilation fades", fading(wet(&[]), 5.0), 800),
         ("flying", flying([3, 6], "centre"), 700),
         ("flying, linear", flying([3, 6], "linear"), 700),
     ]

@@ -87,6 +87,7 @@ fn soil_that_has_moved_takes_its_water_along_or_books_it() {
                 friction_angle: 30.0,
                 dilation_angle: 0.0,
                 tension_cutoff: None,
+                dilation_fades_over: None,
             });
         })
         .expect("a sound scene");

@@ -74,6 +74,7 @@ pub fn paths() -> Result<Vec<(&'static str, Scene)>, SceneError> {
                     friction_angle: 30.0,
                     dilation_angle: 0.0,
                     tension_cutoff: None,
+                    dilation_fades_over: None,
                 });
             })?,
         ),

@@ -433,7 +433,7 @@ fn a_levee_is_followed_to_its_page_and_what_cannot_be_run_is_refused() {
     let (code, _, error) = levee(&["--variant", "base-8.5", "--no-vtk"]);
     assert_eq!(code, 3, "{error}");
     assert!(error.contains("slides without slowing down") && error.contains("--go-on"), "{error}");
-    let (code, said, error) = levee(&["--ppc", "4", "--variant", "saturation-0.7", "--safety-factor", "7"]);
+    let (code, said, error) = levee(&["--mesh", "0.4", "--variant", "saturation-0.7", "--safety-factor", "7"]);
     assert_eq!(code, 0, "{error}");
     assert!(said.contains("factor of safety at 7 h: 1.") && error.contains("seepage"), "{said}{error}");
     let read = |name: &str| std::fs::read_to_string(folder.path().join("levee").join(name)).expect(name);
@@ -472,9 +472,8 @@ fn a_slope_of_one_s_own_is_not_judged_as_the_paper_s_levee() {
     for (from, to) in [
         ("name = \"levee\"", "name = \"own\""),
         ("[[0.0, 0.0], [9.0, 0.0], [3.0, 3.0], [0.0, 3.0]]", "[[40.0, 0.0], [40.0, 10.0], [30.0, 10.0], [10.0, 0.0]]"),
-        ("cell = 0.4 #", "cell = 2.5 #"),
-        ("particles_per_cell = 9 #", "particles_per_cell = 4 #"),
-        ("empty_cells_beside = 14", "empty_cells_beside = 0"),
+        ("cell = 0.2 #", "cell = 2.5 #"),
+        ("empty_cells_beside = 28", "empty_cells_beside = 0"),
         ("cohesion = 500.0", "cohesion = 20000.0"),
         ("wet = [[0.0, 0.0], [8.35, 0.0], [0.0, 2.3]]", "wet = [[40.0, 0.0], [40.0, 4.0], [30.0, 0.0]]"),
         ("feed.left = { head = 2.3 }", "feed.right = { head = 4.0 }"),

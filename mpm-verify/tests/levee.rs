@@ -14,7 +14,7 @@ use mpm_verify::levee::{tables, variants};
 /// Moist soil fails early.
 fn plan(frames: bool) -> Plan {
     let variant = variants::named("saturation-0.7");
-    let flags = Flags { particles_per_cell: Some(4), ..Flags::default() };
+    let flags = Flags { cell: Some(0.4), ..Flags::default() };
     let scene = plan::scene("levee", &flags, variant).expect("a scene");
     Plan::new(scene, None, None, frames).expect("a plan")
 }
@@ -90,7 +90,7 @@ fn frames_change_nothing_and_a_run_may_end_before_its_scene() {
 
 #[test]
 fn the_driver_of_the_scene_takes_over() {
-    let flags = Flags { driver: Some("coupled".to_owned()), ..Flags::default() };
+    let flags = Flags { driver: Some("coupled".to_owned()), cell: Some(0.4), ..Flags::default() };
     let scene = plan::scene("levee", &flags, None).expect("a scene");
     let plan = Plan::new(scene.clone(), Some(6.1), Some(6.1001), true).expect("a plan");
     let folder = tempfile::tempdir().expect("a folder");

@@ -8,6 +8,7 @@ use crate::soils::Soils;
 
 /// A material, one of those that are known.
 #[derive(Debug, Clone, Copy)]
+#[expect(clippy::large_enum_variant, reason = "a scene has at most a few, read where they lie")]
 pub enum Material {
     /// Isotropic linear elasticity.
     Elastic(LinearElastic),

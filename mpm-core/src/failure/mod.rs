@@ -172,11 +172,8 @@ impl<'a> Driver<'a> {
 
     /// For soil as it is, of which no more may move than E1 allows.
     fn patience(&self) -> Patience {
-        let scales = self.scales;
-        let (slides, most) = ((Which::All, scales.elastic), scales.events()[0]);
-        let (compared, slow) = ((16.0, 1), scales.calm());
-        let (damping, steady) = (scales.damping(), f64::INFINITY);
-        Patience { dt: self.dt, scales, slides, most, compared, damping, slow, steady, periods: 512.0 }
+        let (slides, most) = ((Which::All, self.scales.elastic), self.scales.events()[0]);
+        Patience { slides, most, ..Patience::of(&self.scales, self.dt).lightly_damped() }
     }
 
     /// Begins to count displacements and balances with the soil as it is.
@@ -406,8 +403,7 @@ impl<'a> Driver<'a> {
         }
         self.look();
         let rests = self.time - self.slow_since >= calm;
-        let collapsed = self.events.collapse_h.is_some();
-        if rests && collapsed {
+        if rests && self.events.collapse_h.is_some() && !self.failure.continue_after_collapse {
             self.finish(End::Collapsed);
         } else if self.phase == Phase::Failing && (rests || self.time - self.moves_since > self.scales.longest()) {
             self.phase = Phase::Seepage;
@@ -498,7 +494,7 @@ impl<'a> Driver<'a> {
             stage.until = Until::Time(0.0);
         }
         if let Some(failure) = &mut scene.failure {
-            failure.continue_if_unstable = false;
+            (failure.continue_if_unstable, failure.continue_after_collapse) = (false, false);
         }
         sha256(format!("{scene:?}").as_bytes())
     }

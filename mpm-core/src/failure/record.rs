@@ -53,7 +53,7 @@ impl Events {
         let near = scales.at_toe().max(AT_TOE * cell);
         first(&mut self.front_at_toe_h, side * row.front_x_m >= side * toe - near);
         first(&mut self.first_outflow_h, row.water_out_m3 > scales.drops());
-        first(&mut self.raveling_h, raveling || self.unsettled_h.is_some());
+        first(&mut self.raveling_h, raveling);
         first(&mut self.failure_h, failure);
         first(&mut self.collapse_h, collapse);
         if self.front_at_toe_h.is_none() {

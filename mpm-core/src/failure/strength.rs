@@ -345,26 +345,28 @@ impl Patience {
     /// For stiffened soil that stands as long as what is deep does.
     pub fn stiffened(scales: &Scales, dt: f64) -> Self {
         let times = scales.stiffening();
-        let scales = scales.stiffened(times);
-        Self {
-            dt: dt / times.sqrt(),
-            scales,
-            slides: (Which::Deep, scales.settlement),
-            most: f64::INFINITY,
-            compared: (16.0, 1),
-            damping: scales.damping(),
-            slow: scales.calm(),
-            steady: f64::INFINITY,
-            periods: 512.0,
-        }
+        Self::of(&scales.stiffened(times), dt / times.sqrt())
+    }
+
+    /// For soil of these scales that stands as long as what is deep does.
+    pub fn of(scales: &Scales, dt: f64) -> Self {
+        let slides = (Which::Deep, scales.settlement);
+        let (damping, slow) = (scales.damping(), scales.calm());
+        let (most, steady) = (f64::INFINITY, f64::INFINITY);
+        Self { dt, scales: *scales, slides, most, compared: COMPARED, damping, slow, steady, periods: 512.0 }
+    }
+
+    /// The same for soil that may yield: it is softer than its first swing says, and what is damped too strongly creeps to its place.
+    pub fn lightly_damped(self) -> Self {
+        Self { damping: DAMPING * self.damping, ..self }
     }
 
     /// For a trial with a reduced strength.
     fn trial(scales: &Scales, dt: f64) -> Self {
         let stiffened = Self::stiffened(scales, dt);
-        let damped = Self { damping: DAMPING * stiffened.damping, ..stiffened };
+        let damped = stiffened.lightly_damped();
         let slow = LACKS * GAIN * damped.slide();
-        Self { compared: COMPARED, slow, steady: STEADY, periods: PERIODS, ..damped }
+        Self { slow, steady: STEADY, periods: PERIODS, ..damped }
     }
 
     /// Speed at which soil without any strength would slide down a vertical face, g over damping, m/s.

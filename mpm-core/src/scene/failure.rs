@@ -11,6 +11,8 @@ pub struct Failure {
     pub starts_at: f64,
     /// Whether to continue with soil that is not stable under its own weight and the first water.
     pub continue_if_unstable: bool,
+    /// Whether to continue, to the end of the scene, after a collapse has come to rest.
+    pub continue_after_collapse: bool,
     /// Where the level of the water is recorded, x in m.
     pub levels: Vec<f64>,
     /// Places (m) whose stress is recorded: the particles nearest to them at the start.

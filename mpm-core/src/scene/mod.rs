@@ -362,6 +362,9 @@ pub struct Strength {
     pub dilation_angle: f64,
     /// Largest principal stress sigma_t, Pa; `None` leaves the apex.
     pub tension_cutoff: Option<f64>,
+    /// Plastic shear strain over which the flow goes from associated to that dilation, at a constant strength in simple shear:
+    /// that of Davis. `None` flows with the dilation from the start.
+    pub dilation_fades_over: Option<f64>,
 }
 
 impl Strength {
@@ -375,7 +378,9 @@ impl Strength {
     pub fn reduced(&self, factor: f64, by: Reduction) -> Self {
         let over = |angle: f64| (angle.to_radians().tan() / factor).atan();
         let (friction, dilation) = (over(self.friction_angle), over(self.dilation_angle));
+        let dilation_fades_over = self.dilation_fades_over.filter(|_| by == Reduction::AsGiven);
         let of = |share: f64, friction: f64, dilation: f64| Self {
+            dilation_fades_over,
             cohesion: share * self.cohesion / factor,
             friction_angle: friction.to_degrees(),
             dilation_angle: dilation.to_degrees(),

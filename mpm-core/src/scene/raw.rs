@@ -122,6 +122,7 @@ pub(super) struct RawMohrCoulomb {
     pub cohesion: Number,
     pub friction_angle: Number,
     pub dilation_angle: Option<Number>,
+    pub dilation_fades_over: Option<Number>,
     pub tension_cutoff: Option<Number>,
 }
 
@@ -374,6 +375,7 @@ pub(super) struct RawRest {
 pub(super) struct RawFailure {
     pub starts_at: Option<Number>,
     pub continue_if_unstable: Option<bool>,
+    pub continue_after_collapse: Option<bool>,
     pub levels: Option<Spanned<Vec<Number>>>,
     pub points: Option<Spanned<Vec<Spanned<[f64; 2]>>>>,
 }

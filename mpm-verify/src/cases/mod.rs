@@ -80,6 +80,7 @@ const PROGRAMS: &[Program] = &[
     mohr_coulomb::TRIAXIAL,
     mohr_coulomb::FROM_K0,
     mohr_coulomb::ISOTROPIC,
+    mohr_coulomb::FADING,
     footing::UNDRAINED,
     footing::PHI_20,
     footing::PHI_30,

@@ -31,11 +31,7 @@ const STEPS: u64 = 600;
 pub(super) fn levee(edits: &[(&str, &str)]) -> Result<Scene, Error> {
     let text = crate::scenes::BUILT_IN.iter().find(|(name, _)| *name == "levee").ok_or(Lacks("such scene"))?.1;
     let mut text = text.to_owned();
-    let coarse = [
-        ("cell = 0.4 #", "cell = 0.75 #"),
-        ("particles_per_cell = 9 #", "particles_per_cell = 4 #"),
-        ("empty_cells_beside = 14", "empty_cells_beside = 8"),
-    ];
+    let coarse = [("cell = 0.2 #", "cell = 0.75 #"), ("empty_cells_beside = 28", "empty_cells_beside = 8")];
     for (from, to) in coarse.iter().chain(edits) {
         if !text.contains(from) {
             return Err(Error::refused("the levee", format!("`{from}` in its scene"), "none"));

@@ -16,7 +16,7 @@ use mpm_verify::levee::plan::{self, Plan};
 use mpm_verify::levee::run::{Ended, Hooks, follow};
 use mpm_verify::levee::summary::Summary;
 use mpm_verify::levee::variants::{self, Variant};
-use mpm_verify::levee::{convergence, drivers, safety, sensitivity, tables, ticker, written};
+use mpm_verify::levee::{convergence, drivers, ensemble, probability, safety, sensitivity, tables, ticker, written};
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 
@@ -53,6 +53,12 @@ pub struct Options {
     /// Finer meshes, with 4 and 9 particles per cell: which results converge
     #[arg(long, help_heading = "Further analyses")]
     convergence: bool,
+    /// Runs that should be equal, so many [default: 5] on each of two meshes: medians and 80 % ranges
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "5", value_parser = clap::value_parser!(u16).range(2..=99), help_heading = "Further analyses")]
+    ensemble: Option<u16>,
+    /// Probability of failure over time, from so many samples [default: 1000] of strength, conductivity and moisture
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "1000", value_parser = clap::value_parser!(u32).range(20..=1_000_000), help_heading = "Further analyses")]
+    probability: Option<u32>,
     /// All couplings from one state before the failure
     #[arg(long, help_heading = "Further analyses")]
     compare_drivers: bool,
@@ -65,7 +71,7 @@ pub struct Options {
     /// Continue although the levee does not stand under its own weight
     #[arg(long, hide = true)]
     go_on: bool,
-    /// Include a quarter of the cell size in --sensitivity and --convergence
+    /// Include a quarter of the cell size in --sensitivity and --convergence, half in --ensemble
     #[arg(long, hide = true)]
     full: bool,
     /// Only the further analyses: no run, no page
@@ -100,6 +106,8 @@ impl Options {
             sensitivity: false,
             compare_drivers: false,
             convergence: false,
+            ensemble: None,
+            probability: None,
             full: false,
             no_run: false,
             no_vtk: false,
@@ -118,7 +126,14 @@ impl Options {
 
     /// Names of the results.
     fn names(&self) -> Vec<&'static str> {
-        let asked = [!self.safety_factor.is_empty(), self.sensitivity, self.convergence, self.compare_drivers];
+        let asked = [
+            !self.safety_factor.is_empty(),
+            self.sensitivity,
+            self.convergence,
+            self.compare_drivers,
+            self.ensemble.is_some(),
+            self.probability.is_some(),
+        ];
         let mut names: Vec<&str> =
             TABLES.into_iter().zip(asked).filter_map(|(name, asked)| asked.then_some(name)).collect();
         if !self.no_run {
@@ -147,8 +162,9 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
             return Err(Failure::BadInput(format!("{flag}: {why}")));
         }
     }
-    if options.full && !(options.sensitivity || options.convergence) {
-        return Err(Failure::BadInput("--full: expected --sensitivity or --convergence beside it".to_owned()));
+    if options.full && !(options.sensitivity || options.convergence || options.ensemble.is_some()) {
+        let expected = "--full: expected --sensitivity, --convergence or --ensemble beside it";
+        return Err(Failure::BadInput(expected.to_owned()));
     }
     let names = options.names();
     common.publish("levee", &names, |folder| all(options, common, (&plan, variant), folder))
@@ -180,6 +196,21 @@ fn all(
         let found = found.map_err(Failure::bad_input)?;
         published(tables::lines(&found, &folder.stage().join(convergence::NAME)).map_err(Failure::run_failed))?;
     }
+    let of = (options.scene.as_str(), variant);
+    if let Some(members) = options.ensemble {
+        let progress = Progress::new("runs that should be equal", common.quiet);
+        let asked = (usize::from(members), options.full);
+        let tell = |text: &str| progress.line(text);
+        let found = ensemble::compute(of, &options.flags(), asked, common.jobs(), &tell).map_err(Failure::bad_input)?;
+        published(tables::lines(&found, &folder.stage().join(ensemble::NAME)).map_err(Failure::run_failed))?;
+    }
+    if let Some(samples) = options.probability {
+        let progress = Progress::new("probability of failure", common.quiet);
+        let tell = |text: &str| progress.line(text);
+        let found = probability::compute(of, &options.flags(), samples as usize, common.jobs(), &tell);
+        let found = found.map_err(Failure::run_failed)?;
+        published(tables::lines(&found, &folder.stage().join(probability::NAME)).map_err(Failure::run_failed))?;
+    }
     if options.compare_drivers {
         let progress = Progress::new("drivers", common.quiet);
         let lines = drivers::compute(plan, &mut |text| progress.line(text)).map_err(Failure::run_failed)?;
@@ -195,7 +226,8 @@ fn all(
 }
 
 /// Tables of further analyses, which the page shows.
-const TABLES: [&str; 4] = [safety::NAME, sensitivity::NAME, convergence::NAME, drivers::NAME];
+const TABLES: [&str; 6] =
+    [safety::NAME, sensitivity::NAME, convergence::NAME, drivers::NAME, ensemble::NAME, probability::NAME];
 
 /// Results of one scene belong together.
 fn kind(plan: &Plan) -> String {

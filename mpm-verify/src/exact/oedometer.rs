@@ -66,7 +66,13 @@ mod tests {
     fn the_law_follows_it_in_one_step_or_many() {
         let elastic = Elastic { youngs_modulus: 2.0e7, poisson_ratio: 0.2 };
         for dilation_angle in [0.0, 10.0, 20.0] {
-            let strength = Strength { cohesion: 500.0, friction_angle: 20.0, dilation_angle, tension_cutoff: None };
+            let strength = Strength {
+                cohesion: 500.0,
+                friction_angle: 20.0,
+                dilation_angle,
+                tension_cutoff: None,
+                dilation_fades_over: None,
+            };
             let exact = Oedometer::of(&elastic, &strength);
             let law = MohrCoulomb::new(&elastic, &strength);
             for steps in [1, 7] {

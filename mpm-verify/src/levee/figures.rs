@@ -15,6 +15,7 @@ use crate::report::ReportError;
 use crate::report::numbers::{percent, short};
 use crate::report::plots::figure::Figure;
 use crate::report::plots::levee::changes::{self, Shown};
+use crate::report::plots::levee::failing;
 use crate::report::plots::levee::histories::{self, Named, Trace, Track, Zoom};
 use crate::report::plots::levee::operators::{self, FullCell, Responses};
 use crate::report::plots::levee::paths::{self, StressPath};
@@ -78,6 +79,12 @@ pub fn write(plan: &Plan, run: &Followed, folder: &Path) -> Result<Vec<Picture>,
         all.push(Picture::new(initial::figure(&site, &first.frame), &svg));
     }
     let own = own(&run.shots);
+    let failing: Vec<&Shot> = own.iter().copied().filter(|shot| is_of_failure(shot, run.shots.last())).collect();
+    if failing.len() > 1 {
+        let figure = failing::figure(&site, &failing, plan.scales().events()[1]);
+        failing::write(&figure, &failing, folder)?;
+        all.push(Picture { figure, is_light: false });
+    }
     for (shots, papers) in [(own, false), (at_papers_times(&run.shots), true)] {
         if shots.len() < 2 || papers && !papers_levee {
             continue;
@@ -125,6 +132,12 @@ fn own(shots: &[Shot]) -> Vec<&Shot> {
     let happened = |shot: &Shot| EVENTS.iter().any(|(name, _)| shot.phase.split(", ").any(|word| word == *name));
     let last = shots.len().saturating_sub(1);
     shots.iter().enumerate().filter(|(k, shot)| *k == 0 || *k == last || happened(shot)).map(|(_, shot)| shot).collect()
+}
+
+/// Whether a frame is of an event of the soil or the last.
+fn is_of_failure(shot: &Shot, last: Option<&Shot>) -> bool {
+    let is_last = last.is_some_and(|last| std::ptr::eq(last, shot));
+    is_last || ["E1", "E2", "E3"].iter().any(|event| shot.phase.split(", ").any(|word| word == *event))
 }
 
 fn at_papers_times(shots: &[Shot]) -> Vec<&Shot> {

@@ -7,6 +7,7 @@
 //! 3. [`tables`], [`summary`], [`limits`]: its results, and the bounds that they must keep. [`claims`]: what the paper claims, judged by
 //!    rules.
 //! 4. [`safety`]: the factor of safety over time ([`crate::slope`]). [`sensitivity`]: all variants.
+//!    [`ensemble`]: runs that should be equal, on several meshes. [`probability`]: of failure over time. [`validation`]: against paper and experiment.
 //! 5. [`convergence`]: which results depend on the mesh. [`drivers`]: the time integrators side by side, with their costs.
 //!    [`operators`]: the paper's Darcy operator beside the default, on the full cells of the levee. [`ranges`]: how far the headline
 //!    numbers move with the mesh and the assumptions.
@@ -17,12 +18,14 @@ pub mod checkpoint;
 pub mod claims;
 pub mod convergence;
 pub mod drivers;
+pub mod ensemble;
 pub mod figures;
 pub mod limits;
 pub mod moments;
 pub mod operators;
 pub mod page;
 pub mod plan;
+pub mod probability;
 pub mod ranges;
 pub mod run;
 pub mod safety;
@@ -32,5 +35,6 @@ pub mod strength;
 pub mod summary;
 pub mod tables;
 pub mod ticker;
+pub mod validation;
 pub mod variants;
 pub mod written;

@@ -11,6 +11,7 @@ use super::limits::{self, Limit};
 use super::plan::Plan;
 use super::ranges::{Range, Ranges, Spread};
 use super::run::Followed;
+use super::safety;
 use super::summary::Summary;
 use crate::page::picture::alternative;
 use crate::page::site::{Kind, Report};
@@ -41,7 +42,7 @@ struct Fact {
 }
 
 /// Files that the page links to where they are there.
-const FILES: [&str; 14] = [
+const FILES: [&str; 16] = [
     "summary.json",
     "history.csv",
     "events.csv",
@@ -49,6 +50,8 @@ const FILES: [&str; 14] = [
     "claims.csv",
     "safety_factor.csv",
     "sensitivity.csv",
+    "ensemble.csv",
+    "probability.csv",
     "convergence.csv",
     "drivers.csv",
     "frames.bin",
@@ -69,6 +72,8 @@ pub struct Parts<'a> {
     pub summary: &'a Summary,
     /// How far these move with the mesh and the assumptions.
     pub ranges: &'a Ranges,
+    /// Factors of safety over time, if they were computed.
+    pub factors: &'a [safety::Line],
     /// The run as a moving picture, if it has frames.
     pub player: Option<Player>,
     /// Judged claims of the paper, of its levee.
@@ -86,12 +91,12 @@ pub struct Parts<'a> {
 /// # Errors
 /// A file that cannot be written, or a template that does not fit.
 pub fn write(parts: Parts, (known, folder): (&Path, &Path)) -> Result<(), ReportError> {
-    let Parts { plan, run, summary, ranges, player, claims, pictures, further, others } = parts;
+    let Parts { plan, run, summary, ranges, factors, player, claims, pictures, further, others } = parts;
     let papers = claims.is_some();
     let there = |file: &&str| folder.join(file).exists() || known.join(file).exists();
     let files = FILES.into_iter().filter(there).filter(|file| papers || *file != "claims.csv");
     let tally = claims.map(counts);
-    let facts = facts(summary, ranges, papers);
+    let facts = facts(summary, ranges, papers).into_iter().chain(interval(factors)).collect::<Vec<_>>();
     let assumed = if papers {
         "Input of this run; the paper does not print all of it. How much each assumption matters: `mpm-verify levee --sensitivity`."
     } else {
@@ -248,6 +253,18 @@ fn facts(s: &Summary, ranges: &Ranges, papers: bool) -> Vec<Fact> {
         fact("Settlement of the crest", s.crest_settlement_m, ranges.crest_m, ("m", 2), "no number in the paper"),
     ];
     three.into_iter().flatten().chain(lasts).collect()
+}
+
+/// When the slope fails by its factors of safety: an interval, from Davis' strength to the full one.
+fn interval(factors: &[safety::Line]) -> Option<Fact> {
+    let value = match safety::fails_between(factors) {
+        [Some(from), Some(to)] => format!("{from:.1} to {to:.1} h"),
+        [Some(from), None] => format!("from {from:.1} h"),
+        [None, Some(to)] => format!("until {to:.1} h"),
+        [None, None] => return None,
+    };
+    let ranges = "from Davis' to the full strength".to_owned();
+    Some(Fact { name: "Factor of safety falls to 1", value, ranges, compared: "" })
 }
 
 fn numbers(s: &Summary, ranges: &Ranges, scales: &Scales, papers: bool) -> Vec<Table> {

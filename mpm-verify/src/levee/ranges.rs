@@ -1,9 +1,9 @@
 //! How far the headline numbers of a run move with the mesh and with the assumptions, from the tables in its folder.
 //!
-//! The mesh: cells and particles per cell of `convergence.csv`. The assumptions: the variants of `sensitivity.csv` that change an
+//! The mesh: all runs of `ensemble.csv`. The assumptions: the variants of `sensitivity.csv` that change an
 //! input and collapse; those that do not stand or do not collapse have no run-out to compare, and are counted.
 
-use super::convergence;
+use super::ensemble;
 use super::sensitivity;
 use super::variants::is_of_mesh;
 
@@ -57,28 +57,29 @@ pub struct Ranges {
 
 impl Ranges {
     /// Those of the tables about a scene; `first_toe_m` is the toe of the run at its start and its side (1 or -1).
-    pub fn of(meshes: &[convergence::Line], variants: &[sensitivity::Line], [first_toe_m, side]: [f64; 2]) -> Self {
-        let over_meshes = |quantity: &str| {
-            Range::of(meshes.iter().filter(|line| line.quantity == quantity).filter_map(|line| line.value))
-        };
+    pub fn of(runs: &[ensemble::Line], variants: &[sensitivity::Line], [first_toe_m, side]: [f64; 2]) -> Self {
+        let over_meshes = |of: fn(&ensemble::Line) -> Option<f64>| Range::of(runs.iter().filter_map(of));
         let inputs: Vec<&sensitivity::Line> = variants.iter().filter(|line| !is_of_mesh(&line.what)).collect();
         let collapsed: Vec<&sensitivity::Line> =
             inputs.iter().copied().filter(|line| line.rapid_failure_h.is_some()).collect();
         let over_inputs =
             |of: &dyn Fn(&sensitivity::Line) -> Option<f64>| Range::of(collapsed.iter().filter_map(|line| of(line)));
-        let cells = meshes.iter().map(|line| line.cell_m);
+        let cells = runs.iter().map(|line| line.cell_m);
         let (small, large) =
             cells.fold((f64::INFINITY, 0.0_f64), |(small, large), cell| (small.min(cell), large.max(cell)));
         Self {
             failure_h: Spread {
-                meshes: over_meshes("failure"),
+                meshes: over_meshes(|line| line.failure_h),
                 assumptions: over_inputs(&|line| line.failure_start_h),
             },
             runout_m: Spread {
-                meshes: over_meshes("run-out"),
+                meshes: over_meshes(|line| line.runout_m),
                 assumptions: over_inputs(&|line| Some(side * (line.toe_x_m? - first_toe_m))),
             },
-            crest_m: Spread { meshes: over_meshes("crest"), assumptions: over_inputs(&|line| line.crest_settlement_m) },
+            crest_m: Spread {
+                meshes: over_meshes(|line| line.crest_m),
+                assumptions: over_inputs(&|line| line.crest_settlement_m),
+            },
             cells_m: (large > 0.0).then_some([large, small]),
             variants: [inputs.len(), collapsed.len()],
         }

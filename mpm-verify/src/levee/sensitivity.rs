@@ -1,4 +1,4 @@
-//! What changes the result: the scene and all its variants, one run each.
+//! What changes the result: the scene and all its variants, one run each, on cells of twice the size.
 
 use std::path::Path;
 use std::time::Duration;
@@ -6,6 +6,7 @@ use std::time::Duration;
 use mpm_core::scene::{Flags, Scene};
 use serde::{Deserialize, Serialize};
 
+use super::ensemble;
 use super::figures::Picture;
 use super::plan::{self, Plan};
 use super::run::{Ended, Followed, Hooks, follow};
@@ -137,9 +138,15 @@ pub struct Base<'a> {
     pub full: bool,
 }
 
+/// Cells are so many times as large as those of the scene, but where they are what is varied.
+const COARSER: f64 = 2.0;
+
 /// Runs the scene and every variant that differs from it, `jobs` at a time; the scene first. None takes another down.
 pub fn compute(base: &Base, jobs: usize, tell: &(dyn Fn(&str) + Sync)) -> Vec<Line> {
-    let of = |variant| plan::scene(base.source, base.flags, variant);
+    let whole = plan::scene(base.source, base.flags, None);
+    let cell = whole.as_ref().ok().map(|scene| COARSER * scene.cell);
+    let flags = Flags { cell, ..base.flags.clone() };
+    let of = |variant| plan::scene(base.source, &flags, variant);
     let usual = of(None);
     let asked = |v: &&Variant| base.full || !v.long;
     let mut all: Vec<(Line, Result<Scene, Error>)> = vec![(Line::named("base", "", ""), of(None))];
@@ -150,7 +157,7 @@ pub fn compute(base: &Base, jobs: usize, tell: &(dyn Fn(&str) + Sync)) -> Vec<Li
         }
     }
     let word =
-        usual.and_then(|scene| Plan::new(scene, None, None, false)).map(|plan| plan.scene_word()).unwrap_or_default();
+        whole.and_then(|scene| Plan::new(scene, None, None, false)).map(|plan| plan.scene_word()).unwrap_or_default();
     for (line, _) in &mut all {
         line.scene.clone_from(&word);
     }
@@ -224,8 +231,8 @@ fn rows(lines: &[Line]) -> Vec<Varied> {
         .collect()
 }
 
-/// A table for the page.
-pub fn shown(lines: &[Line]) -> Table {
+/// A table for the page, with the scatter of `runs` that should be equal.
+pub fn shown(lines: &[Line], runs: &[ensemble::Line]) -> Table {
     let head =
         ["changed", "value", "front at toe (h)", "E1 (h)", "E2 (h)", "E3 (h)", "toe (m)", "crest (m)", "verdict"];
     let number = |v: Option<f64>| Cell::new(v.map_or_else(|| "–".to_owned(), |v| short(v, 3)));
@@ -244,6 +251,17 @@ pub fn shown(lines: &[Line]) -> Table {
             Cell::new(l.verdict.replace('-', " ")).marked("", mark),
         ]
     };
-    let note = "One input changed at a time; in small letters the name for `mpm-verify levee --variant`.";
-    table("Sensitivity".to_owned(), &head, lines.iter().map(row).collect(), note)
+    let scatter = ensemble::cells(runs).first().map_or_else(String::new, |cell| {
+        let said = |quantity: &ensemble::Quantity| {
+            let [low, high] = ensemble::spread(runs, *cell, quantity.of)?.range.map(|v| short(v, 3));
+            Some(format!("{}, {low} to {high} {}", quantity.words, quantity.unit))
+        };
+        let all: Vec<String> = ensemble::QUANTITIES.iter().filter_map(said).collect();
+        format!(" Four of five runs that should be equal, on cells of {} m: {}.", short(*cell, 2), all.join("; "))
+    });
+    let note = format!(
+        "One input changed at a time, on cells of twice the size of the scene's; in small letters the name for `mpm-verify levee \
+         --variant`.{scatter}"
+    );
+    table("Sensitivity".to_owned(), &head, lines.iter().map(row).collect(), &note)
 }

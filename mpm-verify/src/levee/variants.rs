@@ -39,12 +39,13 @@ const SLIP: &str = "slip distance of the base";
 const NORMAL: &str = "stress on the base";
 const K: &str = "conductivity";
 const MOISTURE: &str = "saturation at the start";
-const DILATION: &str = "angle of dilation";
+const DILATION: &str = "constant angle of dilation";
+const FADES: &str = "strain over which dilation fades";
 const MESH: &str = "edge of a cell";
 const PPC: &str = "particles per cell";
 
 /// All of them. Two and two with the same `what` are the bars of one input, the smaller value first.
-pub const VARIANTS: [Variant; 26] = [
+pub const VARIANTS: [Variant; 31] = [
     variant("profile-line", PROFILE, "line", Change::Edit(|s| wet(s, &line()))),
     variant("profile-parabola", PROFILE, "parabola", Change::Edit(|s| wet(s, &parabola()))),
     variant("feed-6e-6", FEED, "6e-6 m/s", Change::Edit(|s| velocity(s, 6.0e-6))),
@@ -56,6 +57,7 @@ pub const VARIANTS: [Variant; 26] = [
     variant("base-30", BASE, "30°", Change::Edit(|s| constant(s, 30.0))),
     variant("slip-0.01", SLIP, "0.01 m", Change::Edit(|s| weakens(s, 0.01))),
     variant("slip-0.05", SLIP, "0.05 m", Change::Edit(|s| weakens(s, 0.05))),
+    variant("slip-0.1", SLIP, "0.1 m", Change::Edit(|s| weakens(s, 0.1))),
     variant("normal-effective", NORMAL, "effective", Change::Edit(|s| pressed(s, NormalStress::Effective))),
     variant("normal-total", NORMAL, "total", Change::Edit(|s| pressed(s, NormalStress::Total))),
     variant("k-3.0e-5", K, "3e-5 m/s", Change::Edit(|s| conducts(s, 3.0e-5))),
@@ -65,17 +67,27 @@ pub const VARIANTS: [Variant; 26] = [
     variant("saturation-0.3", MOISTURE, "0.3", Change::Edit(|s| moist(s, 0.3))),
     variant("saturation-0.5", MOISTURE, "0.5", Change::Edit(|s| moist(s, 0.5))),
     variant("saturation-0.7", MOISTURE, "0.7", Change::Edit(|s| moist(s, 0.7))),
+    variant("dilation-0", DILATION, "0°", Change::Edit(|s| dilates(s, 0.0))),
     variant("dilation-15", DILATION, "15°", Change::Edit(|s| dilates(s, 15.0))),
     variant("dilation-30", DILATION, "30°", Change::Edit(|s| dilates(s, 30.0))),
+    variant("fades-0.025", FADES, "0.025", Change::Edit(|s| fades(s, 0.025))),
+    variant("fades-0.1", FADES, "0.1", Change::Edit(|s| fades(s, 0.1))),
     Variant { long: true, ..variant("mesh-0.1", MESH, "0.1 m", Change::Mesh(0.1)) },
     variant("mesh-0.2", MESH, "0.2 m", Change::Mesh(0.2)),
     variant("mesh-0.4", MESH, "0.4 m", Change::Mesh(0.4)),
     variant("ppc-4", PPC, "4", Change::Particles(4)),
+    variant("ppc-9", PPC, "9", Change::Particles(9)),
 ];
 
 fn dilates(scene: &mut Fields, angle: f64) {
     if let Some(strength) = &mut scene.strength {
-        strength.dilation_angle = angle;
+        (strength.dilation_angle, strength.dilation_fades_over) = (angle, None);
+    }
+}
+
+fn fades(scene: &mut Fields, over: f64) {
+    if let Some(strength) = &mut scene.strength {
+        strength.dilation_fades_over = Some(over);
     }
 }
 
@@ -164,7 +176,7 @@ mod tests {
     #[test]
     fn every_variant_has_its_own_name_and_changes_its_input_alone() {
         let base = scene("levee", &Flags::default(), None).expect("the levee");
-        let unchanged = ["profile-line", "feed-head", "normal-effective", "saturation-0.5", "mesh-0.4"];
+        let unchanged = ["profile-line", "feed-head", "normal-effective", "saturation-0.5", "mesh-0.2", "ppc-4"];
         for (place, variant) in VARIANTS.iter().enumerate() {
             assert!(named(variant.name).is_some() && VARIANTS[..place].iter().all(|v| v.name != variant.name));
             let changed = scene("levee", &Flags::default(), Some(variant)).expect(variant.name);

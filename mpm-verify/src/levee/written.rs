@@ -12,7 +12,7 @@ use super::ranges::Ranges;
 use super::run::Followed;
 use super::strength::Strength;
 use super::summary::Summary;
-use super::{convergence, drivers, figures, safety, sensitivity, story, tables};
+use super::{convergence, drivers, ensemble, figures, probability, safety, sensitivity, story, tables, validation};
 use crate::frames;
 use crate::report::animation::{Player, looping};
 use crate::report::{ReportError, save, unwritable, vtk};
@@ -59,14 +59,26 @@ pub fn write(
     let variants: Vec<sensitivity::Line> = tables::stored(&known.join(sensitivity::NAME), &word, &mut others)?;
     let drivers: Vec<drivers::Line> = tables::stored(&known.join(drivers::NAME), &word, &mut others)?;
     let meshes: Vec<convergence::Line> = tables::stored(&known.join(convergence::NAME), &word, &mut others)?;
+    let runs: Vec<ensemble::Line> = tables::stored(&known.join(ensemble::NAME), &word, &mut others)?;
+    let samples: Vec<probability::Line> = tables::stored(&known.join(probability::NAME), &word, &mut others)?;
     let mut further = Vec::new();
     if !factors.is_empty() {
         pictures.push(safety::picture(&factors, Some(&run.events), &plots)?);
         further.push(safety::shown(&factors));
     }
+    if !runs.is_empty() {
+        further.push(ensemble::shown(&runs));
+    }
+    if !samples.is_empty() {
+        pictures.push(probability::picture(&samples, &figures::events(&run.events), &plots)?);
+        further.push(probability::shown(&samples, &plan.scales()));
+    }
+    if plan.papers() {
+        further.extend(validation::shown(&runs, &samples));
+    }
     if !variants.is_empty() {
         pictures.push(sensitivity::picture(&variants, &plots)?);
-        further.push(sensitivity::shown(&variants));
+        further.push(sensitivity::shown(&variants, &runs));
     }
     let site = figures::site(scene);
     let subject = if plan.papers() { "Seepage failure of a levee" } else { "Seepage and stability of a slope" };
@@ -83,7 +95,7 @@ pub fn write(
     }
     let side = towards(&scene.outline_or_box());
     let first_toe = run.rows.first().map_or(0.0, |row| row.toe_x_m);
-    let ranges = Ranges::of(&meshes, &variants, [first_toe, side]);
+    let ranges = Ranges::of(&runs, &variants, [first_toe, side]);
     let player = match run.shots.is_empty() || run.rows.is_empty() {
         true => None,
         false => {
@@ -92,7 +104,9 @@ pub fn write(
         }
     };
     let claims = claims.as_deref();
-    let pictures = &pictures;
-    let ranges = &ranges;
-    page::write(Parts { plan, run, summary, ranges, player, claims, pictures, further, others }, (known, folder))
+    let (pictures, ranges, factors) = (&pictures, &ranges, &factors);
+    page::write(
+        Parts { plan, run, summary, ranges, factors, player, claims, pictures, further, others },
+        (known, folder),
+    )
 }

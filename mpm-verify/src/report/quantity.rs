@@ -55,7 +55,16 @@ pub const MEAN_STRESS: Quantity = Quantity {
     of: |p| mean_stress(p) / 1e3,
 };
 
-/// All of them.
+/// Logarithm (base 10) of the speed in m/s.
+pub const SPEED: Quantity = Quantity {
+    name: "speed",
+    picture: "levee-speed",
+    label: "speed (m/s, powers of 10)",
+    column: "log10_speed_m_s",
+    of: |p| p.velocity[0].hypot(p.velocity[1]).log10(),
+};
+
+/// All that have pictures of their own.
 pub const ALL: [Quantity; 4] = [STRAIN, PRESSURE, DISPLACEMENT, MEAN_STRESS];
 
 /// Percentile at which colour scales are clipped: one particle must not set the scale for all others.
@@ -119,6 +128,7 @@ mod tests {
             ..SolidState::default()
         };
         assert_eq!(ALL.map(|q| (q.of)(&soil)), [0.0, 4.0, 5.0, 2.0]);
+        assert_eq!((SPEED.of)(&SolidState { velocity: [0.06, 0.08], ..soil }), -1.0);
         assert!(ALL.iter().all(|q| q.label.contains("kPa") == q.column.ends_with("_kpa")));
     }
 }

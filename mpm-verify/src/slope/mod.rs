@@ -61,10 +61,18 @@ impl<'a> State<'a> {
     /// # Errors
     /// Why there is none.
     pub fn slices(&self) -> Result<[equilibrium::Factors; 2], Error> {
+        self.slices_of(self.scene)
+    }
+
+    /// The same of another scene with this water.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn slices_of(&self, scene: &Scene) -> Result<[equilibrium::Factors; 2], Error> {
         // Before water has seeped its pressures are hydrostatic.
         let cells = Some(&self.frame).filter(|_| self.time > 0.0);
         let water = equilibrium::Water { level: &self.level, time: self.time, cells };
-        equilibrium::factors(self.scene, &water, self.depth)
+        equilibrium::factors(scene, &water, self.depth)
     }
 
     /// One factor.

@@ -1,6 +1,6 @@
 //! The numbers of a surface and its elasticity, worked out once.
 
-use crate::constitutive::Altered;
+use super::fading::{Fading, Planes};
 use crate::real::Real;
 use crate::scene::{Elastic, Strength};
 
@@ -44,21 +44,39 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// The surface of a soil.
+    /// The surface of a soil that has not flowed yet.
     pub fn new(elastic: &Elastic, strength: &Strength) -> Self {
+        let planes = match Fading::of(strength) {
+            Some(fading) => fading.planes(0.0),
+            None => {
+                let (sin, cos) = strength.friction_angle.to_radians().sin_cos();
+                Planes {
+                    sin,
+                    strength: 2.0 * strength.cohesion * cos,
+                    dilation: strength.dilation_angle.to_radians().sin(),
+                }
+            }
+        };
+        let k = planes.strength;
+        let scale = if k > 0.0 { k } else { STRAIN_OF_SCALE * elastic.youngs_modulus };
+        let cutoff = strength.tension_cutoff.unwrap_or(f64::INFINITY);
+        Self::of(elastic, &planes, [strength.apex(), cutoff], 1.0 / scale)
+    }
+
+    /// The same soil with other planes.
+    pub fn with(&self, planes: &Planes) -> Self {
+        Self::of(&self.elastic(1.0), planes, [self.apex, self.cutoff], self.inverse_scale)
+    }
+
+    fn of(elastic: &Elastic, planes: &Planes, [apex, cutoff]: [f64; 2], inverse_scale: f64) -> Self {
         let (lame, shear) = (elastic.lame(), elastic.shear_modulus());
-        let (sin, cos) = strength.friction_angle.to_radians().sin_cos();
-        let dilation = strength.dilation_angle.to_radians().sin();
+        let Planes { sin, strength: k, dilation } = *planes;
         let (normal, along) = ([1.0 + sin, 1.0 - sin], [1.0 + dilation, dilation - 1.0]);
-        let k = 2.0 * strength.cohesion * cos;
         // D b = lambda tr(b) I + 2 G b
         let volumetric = lame * (along[0] + along[1]);
         let push = [volumetric + 2.0 * shear * along[0], volumetric, volumetric + 2.0 * shear * along[1]];
         let face = normal[0] * push[0] - normal[1] * push[2];
         let edge = [normal[0] * push[1] - normal[1] * push[2], normal[0] * push[0] - normal[1] * push[1]];
-        let apex = strength.apex();
-        let cutoff = strength.tension_cutoff.unwrap_or(f64::INFINITY);
-        let scale = if k > 0.0 { k } else { STRAIN_OF_SCALE * elastic.youngs_modulus };
         Self {
             normal,
             strength: k,
@@ -73,22 +91,13 @@ impl Surface {
             shear,
             youngs_modulus: elastic.youngs_modulus,
             poisson_ratio: elastic.poisson_ratio,
-            inverse_scale: 1.0 / scale,
+            inverse_scale,
         }
     }
 
-    /// The surface of the same soil with another strength and stiffness.
-    pub fn altered(&self, by: &Altered) -> Self {
-        let youngs_modulus = by.stiffness * self.youngs_modulus;
-        let elastic = Elastic { youngs_modulus, poisson_ratio: self.poisson_ratio };
-        let sine = self.normal[0] - 1.0;
-        let strength = Strength {
-            cohesion: self.strength / (2.0 * (1.0 - sine * sine).sqrt()),
-            friction_angle: sine.asin().to_degrees(),
-            dilation_angle: (self.along[0] - 1.0).asin().to_degrees(),
-            tension_cutoff: Some(self.cutoff).filter(|stress| stress.is_finite()),
-        };
-        Self::new(&elastic, &strength.reduced(by.factor, by.by))
+    /// The elasticity, so many times as stiff.
+    pub fn elastic(&self, stiffness: f64) -> Elastic {
+        Elastic { youngs_modulus: stiffness * self.youngs_modulus, poisson_ratio: self.poisson_ratio }
     }
 
     /// f of the planes through the stresses `high` and `low` (Pa), Pa.
@@ -101,7 +110,18 @@ impl Surface {
     #[inline(always)]
     pub fn excess<R: Real>(&self, [high, low]: [R; 2]) -> R {
         let sheared = high * self.normal[0] - low * self.normal[1] - high.like(self.strength);
+        self.exceeded([high, low], sheared)
+    }
+
+    /// The same of planes that are exceeded by `sheared`, Pa.
+    #[inline(always)]
+    pub fn exceeded<R: Real>(&self, [high, _]: [R; 2], sheared: R) -> R {
         sheared.larger(high - high.like(self.cutoff)) * self.inverse_scale
+    }
+
+    /// Plastic shear strain from a trial stress to the one it is brought back to (Pa): eps_1 - eps_3 of d eps_p = C (trial - sigma).
+    pub fn slipped(&self, trial: &[f64; 3], found: &[f64; 3]) -> f64 {
+        (trial[0] - found[0] - trial[2] + found[2]) / (2.0 * self.shear)
     }
 
     /// Energy stored per volume at principal stresses (Pa), J/m3: (sum s_i^2 - 2 nu sum s_i s_j)/(2 E).

@@ -8,7 +8,7 @@ use super::*;
 const SOIL: Elastic = Elastic { youngs_modulus: 2.0e7, poisson_ratio: 0.3 };
 
 fn strength(cohesion: f64, friction_angle: f64, dilation_angle: f64, tension_cutoff: Option<f64>) -> Strength {
-    Strength { cohesion, friction_angle, dilation_angle, tension_cutoff }
+    Strength { cohesion, friction_angle, dilation_angle, tension_cutoff, dilation_fades_over: None }
 }
 
 /// Planes a.s <= k with flow along b, of all orders of the principal stresses.
@@ -77,7 +77,13 @@ fn any_strength() -> impl Strategy<Value = Strength> {
     let dilation = prop_oneof![Just(0.0), Just(1.0), 0.0..1.0];
     let cutoff = prop_oneof![Just(None), Just(Some(0.0)), Just(Some(1.0)), (0.0..1.0_f64).prop_map(Some)];
     (cohesion, friction, dilation, cutoff).prop_map(|(c, phi, part, cutoff)| {
-        let whole = Strength { cohesion: c, friction_angle: phi, dilation_angle: part * phi, tension_cutoff: None };
+        let whole = Strength {
+            cohesion: c,
+            friction_angle: phi,
+            dilation_angle: part * phi,
+            tension_cutoff: None,
+            dilation_fades_over: None,
+        };
         Strength { tension_cutoff: cutoff.map(|part| (part * whole.apex()).min(whole.apex())), ..whole }
     })
 }
@@ -212,6 +218,30 @@ fn inside_it_is_the_elastic_law() {
     assert!(law.update(&mut ours, &strain, &mut [0.0]).residual < 0.0);
     LinearElastic::new(&SOIL).hooke(&mut theirs, &strain);
     assert_eq!(ours, theirs);
+}
+
+/// Between an associated flow with Davis' strength and the planes of the scene the strength in simple shear is always Davis'.
+#[test]
+fn strength_in_simple_shear_is_constant_while_dilation_fades() {
+    for (phi, psi) in [(30.0, 0.0), (40.0, 10.0), (20.0, 20.0), (0.0, 0.0)] {
+        let soil = Strength { dilation_fades_over: Some(0.1), ..strength(700.0, phi, psi, None) };
+        let (fading, davis) = (Fading::of(&soil).expect("it fades"), soil.reduced(1.0, crate::scene::Reduction::Davis));
+        let tangent = davis.friction_angle.to_radians().tan();
+        for slip in [0.0, 0.03, 0.1, 0.5] {
+            let planes = fading.planes(slip);
+            let (v, sin) = (planes.dilation, planes.sin);
+            let share = (1.0 - v * v).sqrt() / (1.0 - sin * v);
+            assert!((share * sin - tangent).abs() < 1e-14, "{planes:?}");
+            assert!((0.5 * planes.strength * share - davis.cohesion).abs() < 1e-11, "{planes:?}");
+            let one = MohrCoulomb::new(&SOIL, &soil).surface(&[slip]);
+            assert!(phi == 0.0 || (one.strength / (2.0 * sin) - soil.apex()).abs() < 1e-9 * soil.apex(), "{planes:?}");
+        }
+        let (first, last) = (fading.planes(0.0), fading.planes(0.1));
+        assert!((first.dilation - first.sin).abs() < 1e-15, "{first:?}");
+        assert!(
+            (last.dilation - psi.to_radians().sin()).abs() < 1e-15 && (last.sin - phi.to_radians().sin()).abs() < 1e-15
+        );
+    }
 }
 
 #[test]

@@ -63,6 +63,7 @@ impl Reader<'_> {
             levels,
             starts_at,
             continue_if_unstable: table.continue_if_unstable.unwrap_or(false),
+            continue_after_collapse: table.continue_after_collapse.unwrap_or(false),
             points,
         }))
     }

@@ -115,7 +115,11 @@ impl Reader<'_> {
             }
             None => 0.0,
         };
-        let strength = Strength { cohesion, friction_angle, dilation_angle, tension_cutoff: None };
+        let dilation_fades_over = law.dilation_fades_over.as_ref();
+        let dilation_fades_over = dilation_fades_over
+            .map(|value| self.positive(value, &key("dilation_fades_over"), "plastic shear strain"))
+            .transpose()?;
+        let strength = Strength { cohesion, friction_angle, dilation_angle, tension_cutoff: None, dilation_fades_over };
         let tension_cutoff = match &law.tension_cutoff {
             Some(value) => {
                 let apex = strength.apex();
@@ -132,9 +136,9 @@ impl Reader<'_> {
         let Some(value) = &soil.separation else { return Ok(None) };
         let key = "soil.separation";
         match strength {
-            Some(Strength { dilation_angle: 0.0, .. }) => {}
+            Some(Strength { dilation_angle: 0.0, dilation_fades_over: None, .. }) => {}
             found => {
-                let expected = "mohr_coulomb with dilation_angle = 0";
+                let expected = "mohr_coulomb with dilation_angle = 0 from the start";
                 let found =
                     found.map_or("linear_elastic".to_owned(), |s| format!("dilation_angle = {}", s.dilation_angle));
                 return self.refuse(&value.span(), key, expected, found);

@@ -202,8 +202,13 @@ fn residuals_of_yielding(dilation_angle: f64) -> Vec<f64> {
     });
     let scene = scene.expect("a sound scene");
     let load = scene.surcharge.expect("a load");
-    let strength =
-        Strength { cohesion: 0.2 * load.pressure, friction_angle: 20.0, dilation_angle, tension_cutoff: None };
+    let strength = Strength {
+        cohesion: 0.2 * load.pressure,
+        friction_angle: 20.0,
+        dilation_angle,
+        tension_cutoff: None,
+        dilation_fades_over: None,
+    };
     let mut model = entered::<_, 2>(&scene, MohrCoulomb::new(&SOIL, &strength));
     model.points.iter_mut().for_each(|point| point.stress = [0.0; 4]);
     model.build([false; 4]).expect("a mesh");

@@ -9,7 +9,7 @@ mod triaxial;
 
 pub use plane_strain::CASE as PLANE_STRAIN;
 pub use returns::{ASSOCIATED, NOT_ASSOCIATED};
-pub use simple_shear::{FROM_K0, ISOTROPIC};
+pub use simple_shear::{FADING, FROM_K0, ISOTROPIC};
 pub use triaxial::CASE as TRIAXIAL;
 
 use mpm_core::constitutive::MohrCoulomb;
@@ -22,8 +22,13 @@ use crate::norms::largest;
 
 /// The soil of all tables of family 10.
 const ELASTIC: Elastic = Elastic { youngs_modulus: 2.0e7, poisson_ratio: 0.3 };
-const STRENGTH: Strength =
-    Strength { cohesion: 500.0, friction_angle: 30.0, dilation_angle: 0.0, tension_cutoff: None };
+const STRENGTH: Strength = Strength {
+    cohesion: 500.0,
+    friction_angle: 30.0,
+    dilation_angle: 0.0,
+    tension_cutoff: None,
+    dilation_fades_over: None,
+};
 /// Round-off and the digits of the tables.
 const EXACT: f64 = 1e-9;
 /// Isotropic pressure that the element tests start from, Pa.

@@ -11,12 +11,14 @@
 //! with thousands of particles in a picture, leaves PNG and CSV.
 
 pub mod changes;
+pub mod failing;
 pub mod histories;
 pub mod initial;
 pub mod map;
 pub mod operators;
 pub mod paths;
 pub mod points;
+pub mod probability;
 pub mod safety;
 pub mod tornado;
 
