@@ -661,6 +661,7 @@ fn bad_failure_is_refused() {
             "levee",
             &[
                 ("[3.0, 3.0], [0.0, 3.0]", "[3.0, 1.5], [0.0, 1.5]"),
+                ("cell = 0.2 ", "cell = 0.4 "),
                 (WET, "level = 1.0"),
                 (HEAD, "feed.left = { head = 1.0 }"),
             ],

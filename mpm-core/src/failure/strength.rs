@@ -353,12 +353,12 @@ impl Patience {
         let slides = (Which::Deep, scales.settlement);
         let (damping, slow) = (scales.damping(), scales.calm());
         let (most, steady) = (f64::INFINITY, f64::INFINITY);
-        Self { dt, scales: *scales, slides, most, compared: COMPARED, damping, slow, steady, periods: 512.0 }
+        Self { dt, scales: *scales, slides, most, compared: (16.0, 1), damping, slow, steady, periods: 512.0 }
     }
 
     /// The same for soil that may yield: it is softer than its first swing says, and what is damped too strongly creeps to its place.
     pub fn lightly_damped(self) -> Self {
-        Self { damping: DAMPING * self.damping, ..self }
+        Self { damping: DAMPING * self.damping, compared: COMPARED, ..self }
     }
 
     /// For a trial with a reduced strength.

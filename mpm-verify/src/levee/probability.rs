@@ -117,8 +117,7 @@ impl Surrogate {
             let mut row = [0.0; RATIOS.len()];
             for (factor, ratio) in row.iter_mut().zip(RATIOS) {
                 let other = scene.edited(|fields| with(fields, ratio * strength.cohesion))?;
-                let [full, _] = state.slices_of(&other)?;
-                *factor = full.spencer.ok_or(Unfit("no circle is critical"))?;
+                *factor = state.spencer_of(&other)?;
             }
             Ok(row)
         };

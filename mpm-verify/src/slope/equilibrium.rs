@@ -341,18 +341,14 @@ pub fn factors(scene: &Scene, water: &Water, depth: f64) -> Result<[Factors; 2],
         let line = seen(water.level, way, scene.width);
         let full = profile.factors(scene, (water, &line), depth);
         // Davis' strength belongs to the factor that it leads to: a fixed point, by secants.
-        let ratio = |factor: f64| {
-            let davis = profile.clone().with_davis(factor).factors(scene, (water, &line), depth);
-            let found = davis.spencer.or(davis.bishop);
-            (davis.times(factor), found)
-        };
+        let method = if full.spencer.is_some() { Method::Spencer } else { Method::Bishop };
+        let reduced = |factor: f64| profile.clone().with_davis(factor);
+        let ratio = |factor: f64| Some(reduced(factor).critical(scene, (water, &line), depth, method)?.factor - 1.0);
         let first = full.spencer.or(full.bishop).unwrap_or(1.0);
-        let (mut davis, mut found) = ratio(first);
-        let mut before = [first, found.unwrap_or(1.0) - 1.0];
-        let mut factor = first * found.unwrap_or(1.0);
+        let mut before = [first, ratio(first).unwrap_or(0.0)];
+        let mut factor = first * (1.0 + before[1]);
         for _ in 0..DAVIS {
-            (davis, found) = ratio(factor);
-            let Some(excess) = found.map(|found| found - 1.0) else { break };
+            let Some(excess) = ratio(factor) else { break };
             if excess.abs() < 1e-3 {
                 break;
             }
@@ -360,6 +356,7 @@ pub fn factors(scene: &Scene, water: &Water, depth: f64) -> Result<[Factors; 2],
             before = [factor, excess];
             factor = if next > 0.2 * factor && next < 2.0 * factor { next } else { factor * (1.0 + excess) };
         }
+        let davis = reduced(factor).factors(scene, (water, &line), depth).times(factor);
         let found = [full, davis].map(|factors| factors.seen(way, scene.width));
         least = Some(match least {
             Some(least) if least[0].least() <= found[0].least() => least,
@@ -371,6 +368,21 @@ pub fn factors(scene: &Scene, water: &Water, depth: f64) -> Result<[Factors; 2],
         return Err(Error::Found(format!("no slip circle at least {depth} m deep has a factor of safety")));
     }
     Ok(found)
+}
+
+/// Spencer's factor alone, of the circle where it is least, with the strength of the soils.
+///
+/// # Errors
+/// Why there is none.
+pub fn spencer(scene: &Scene, water: &Water, depth: f64) -> Result<f64, Error> {
+    let mut least: Option<f64> = None;
+    for way in WAYS {
+        let Some(profile) = Profile::of_scene(scene, way)? else { continue };
+        let line = seen(water.level, way, scene.width);
+        let found = profile.critical(scene, (water, &line), depth, Method::Spencer).map(|critical| critical.factor);
+        least = least.into_iter().chain(found).min_by(f64::total_cmp);
+    }
+    least.ok_or_else(|| Error::Found(format!("no slip circle at least {depth} m deep has a factor of safety")))
 }
 
 /// Most rounds in which Davis' strength and the factor are found.
@@ -398,6 +410,11 @@ impl Factors {
 }
 
 impl Profile {
+    /// The circle where the factor is least.
+    fn critical(&self, scene: &Scene, water: (&Water, &[[f64; 2]]), depth: f64, method: Method) -> Option<Critical> {
+        self.with(scene, water, |section| section.critical(&self.limits(depth, method)))
+    }
+
     fn factors(&self, scene: &Scene, water: (&Water, &[[f64; 2]]), depth: f64) -> Factors {
         self.with(scene, water, |section| {
             let floors = self.floors(scene);

@@ -61,18 +61,21 @@ impl<'a> State<'a> {
     /// # Errors
     /// Why there is none.
     pub fn slices(&self) -> Result<[equilibrium::Factors; 2], Error> {
-        self.slices_of(self.scene)
+        equilibrium::factors(self.scene, &self.water(), self.depth)
     }
 
-    /// The same of another scene with this water.
+    /// Spencer's factor of another scene with this water.
     ///
     /// # Errors
     /// Why there is none.
-    pub fn slices_of(&self, scene: &Scene) -> Result<[equilibrium::Factors; 2], Error> {
+    pub fn spencer_of(&self, scene: &Scene) -> Result<f64, Error> {
+        equilibrium::spencer(scene, &self.water(), self.depth)
+    }
+
+    fn water(&self) -> equilibrium::Water<'_> {
         // Before water has seeped its pressures are hydrostatic.
         let cells = Some(&self.frame).filter(|_| self.time > 0.0);
-        let water = equilibrium::Water { level: &self.level, time: self.time, cells };
-        equilibrium::factors(scene, &water, self.depth)
+        equilibrium::Water { level: &self.level, time: self.time, cells }
     }
 
     /// One factor.
