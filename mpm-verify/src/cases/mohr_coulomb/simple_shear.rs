@@ -70,7 +70,7 @@ const FADES_OVER: f64 = 0.1;
 /// A soil whose dilation fades to an angle (degrees), sheared twice as far as that takes. It is stiff, so that elastic strains count
 /// for nothing: the shear stress is `c* + sigma tan(phi*)` wherever it yields, and `tan(psi)` of all shear strain is gained in height.
 fn fading(last: f64) -> Result<Outcome, Error> {
-    const STIFF: f64 = 1e4;
+    const STIFF: f64 = 100.0;
     let strength = Strength { dilation_fades_over: Some(FADES_OVER), ..STRENGTH };
     let (tangent, first) = (strength.friction_angle.to_radians().sin(), strength.reduced(1.0, Reduction::Davis));
     let tau = first.cohesion + CELL_PRESSURE * tangent;
