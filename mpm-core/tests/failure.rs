@@ -235,6 +235,25 @@ fn a_levee_ravels_fails_and_collapses_in_this_order() {
 }
 
 #[test]
+fn a_levee_continues_after_its_collapse_where_asked() {
+    let scene = coarse(&[
+        ("feed.left = { head = 2.3 }", "feed.left = { head = 3.0 }"),
+        ("empty_cells_beside = 8", "empty_cells_beside = 16"),
+        ("until.time = 6480.0", "until.time = 900.0"),
+        ("starts_at = 21600.0 # 6 h", "starts_at = 21600.0\ncontinue_after_collapse = true"),
+    ]);
+    let mut driver = Driver::new(&scene).unwrap();
+    finish(&mut driver);
+    println!("{:?} {:?}", driver.events, driver.steps);
+    assert_eq!(driver.end, Some(End::TimeOver));
+    let collapse = driver.events.collapse_h.expect("a collapse");
+    assert!(collapse < driver.hours());
+    // Water seeps on through soil that has come to rest again.
+    assert!(driver.rows.iter().any(|row| row.time_h > collapse && row.phase == Phase::Seepage));
+    driver.rows.iter().for_each(closes);
+}
+
+#[test]
 fn a_strong_levee_stands() {
     let scene = coarse(&[STRONG]);
     let mut driver = Driver::new(&scene).unwrap();

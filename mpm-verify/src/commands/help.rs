@@ -13,6 +13,7 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 13] = [
         &[
             ("mpm-verify levee", "the levee of the paper's section 4"),
             ("mpm-verify levee --variant saturation-0.7 --safety-factor 7,9", "one input changed"),
+            ("mpm-verify levee --ensemble 9 --probability", "medians of equal runs; probability of failure over time"),
         ],
     ),
     (
