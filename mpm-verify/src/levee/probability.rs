@@ -105,7 +105,11 @@ struct Surrogate {
 impl Surrogate {
     /// Of a scene, by Spencer's method, on so many threads.
     fn of(scene: &Scene, ends: f64, jobs: usize) -> Result<Self, Error> {
-        let strength = scene.strength.ok_or(Unfit("the probability of failure asks for one soil with a strength"))?;
+        // The table is one of ratios of cohesion to tan(phi).
+        let strength =
+            scene.strength.filter(|s| s.cohesion > 0.0 && s.friction_angle > 0.0 && scene.soils().len() == 1);
+        let strength =
+            strength.ok_or(Unfit("the probability of failure asks for one soil with cohesion and friction"))?;
         let mut driver = at_rest(scene)?;
         let times: Vec<f64> = (1..=TIMES).map(|k| LATER * ends * (k as f64 / TIMES as f64).powi(2)).collect();
         let mut states = Vec::new();

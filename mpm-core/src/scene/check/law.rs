@@ -139,8 +139,11 @@ impl Reader<'_> {
             Some(Strength { dilation_angle: 0.0, dilation_fades_over: None, .. }) => {}
             found => {
                 let expected = "mohr_coulomb with dilation_angle = 0 from the start";
-                let found =
-                    found.map_or("linear_elastic".to_owned(), |s| format!("dilation_angle = {}", s.dilation_angle));
+                let found = match found {
+                    Some(Strength { dilation_fades_over: Some(over), .. }) => format!("dilation_fades_over = {over}"),
+                    Some(strength) => format!("dilation_angle = {}", strength.dilation_angle),
+                    None => "linear_elastic".to_owned(),
+                };
                 return self.refuse(&value.span(), key, expected, found);
             }
         }
