@@ -13,7 +13,7 @@ use mpm_verify::files::Folder;
 use mpm_verify::levee::checkpoint::Checkpoint;
 use mpm_verify::levee::limits::{self, Trust};
 use mpm_verify::levee::plan::{self, Plan};
-use mpm_verify::levee::run::{Ended, Hooks, follow};
+use mpm_verify::levee::run::{Ended, Hooks, follow, follow_quietly};
 use mpm_verify::levee::summary::Summary;
 use mpm_verify::levee::variants::{self, Variant};
 use mpm_verify::levee::{convergence, drivers, ensemble, probability, safety, sensitivity, tables, ticker, written};
@@ -337,9 +337,7 @@ pub fn night(folder: &Path) -> Result<Summary, Failure> {
     let scene = plan::scene("levee", &Flags::default(), None).map_err(Failure::run_failed)?;
     let plan = Plan::new(scene, None, None, true).map_err(Failure::run_failed)?;
     make_folder(folder)?;
-    let mut hooks =
-        Hooks { progress: &mut |_| (), stop: &mut |_| false, folder: None, every: Duration::MAX, trouble: &mut |_| () };
-    let run = follow(&plan, &mut hooks, None).map_err(Failure::run_failed)?;
+    let run = follow_quietly(&plan, &mut |_| false).map_err(Failure::run_failed)?;
     let summary = Summary::of(&plan, &run, None, Manifest::new(&plan.scene, 1));
     written::write(&plan, &run, &summary, false, (folder, folder)).map_err(Failure::run_failed)?;
     Ok(summary)

@@ -2,14 +2,12 @@
 //! and particles against the slope, on several meshes. Failure multiplies such differences; what it leaves is told by medians and 80 %
 //! ranges.
 
-use std::time::Duration;
-
 use mpm_core::failure::towards;
 use mpm_core::scene::Flags;
 use serde::{Deserialize, Serialize};
 
 use super::plan::{self, Plan};
-use super::run::{Followed, Hooks, follow};
+use super::run::{Followed, follow_quietly};
 use super::tables::OfScene;
 use super::variants::{Change, Variant};
 use crate::error::Error;
@@ -118,18 +116,9 @@ pub fn compute(
         let failure = failure.map_or_else(|| "no failure".to_owned(), |h| format!("failure at {h:.3} h"));
         tell(&format!("{done}/{count} cells of {cell} m, run {}: {failure}", plans[number].0.member));
     };
-    let one = |_: usize, (line, plan): &(Line, Plan)| {
-        let mut hooks = Hooks {
-            progress: &mut |_| (),
-            stop: &mut |_| false,
-            folder: None,
-            every: Duration::MAX,
-            trouble: &mut |_| (),
-        };
-        match follow(plan, &mut hooks, None) {
-            Ok(run) => line.clone().with(&run, towards(&plan.scene.outline_or_box())),
-            Err(why) => Line { why: why.to_string(), ..line.clone() },
-        }
+    let one = |_: usize, (line, plan): &(Line, Plan)| match follow_quietly(plan, &mut |_| false) {
+        Ok(run) => line.clone().with(&run, towards(&plan.scene.outline_or_box())),
+        Err(why) => Line { why: why.to_string(), ..line.clone() },
     };
     let found = pool::each(jobs, &plans, one, told).into_iter().zip(&plans);
     let lines =

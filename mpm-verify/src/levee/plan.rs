@@ -9,6 +9,9 @@ use crate::error::Error;
 use crate::manifest::scene_hash;
 use crate::scenes::BUILT_IN;
 
+/// Where a scene is run many times, its cells are so many times as large.
+pub const COARSER: f64 = 2.0;
+
 /// What a run is made of; all of it decides on its numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {

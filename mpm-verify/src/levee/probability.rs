@@ -9,8 +9,6 @@
 //!
 //! Whole runs of some of the samples show at which factor soil fails, and how far that scatters.
 
-use std::time::Duration;
-
 use mpm_core::failure::Scales;
 use mpm_core::random::Random;
 use mpm_core::scene::{Fields, Flags, Reduction, Scene, Strength};
@@ -19,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use super::ensemble::Spread;
 use super::figures::Picture;
 use super::plan::{self, Plan};
-use super::run::{Hooks, follow};
+use super::run::follow_quietly;
 use super::tables::OfScene;
 use super::variants::Variant;
 use crate::error::Error::{self, Unfit};
@@ -36,7 +34,6 @@ use crate::slope::{State, at_rest};
 pub const NAME: &str = "probability.csv";
 /// Samples that are run whole, on cells of twice the scene's.
 const WHOLE: usize = 20;
-const COARSER: f64 = 2.0;
 /// Ratios of cohesion to tan(phi), over that of the scene, and times that are tabled, the last so many times as late as the scene ends.
 const RATIOS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 const TIMES: usize = 12;
@@ -246,7 +243,7 @@ pub fn compute(
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<Line>, Error> {
     let base = Plan::new(plan::scene(source, flags, variant)?, None, None, false)?;
-    let flags = Flags { cell: Some(COARSER * base.scene.cell), ..flags.clone() };
+    let flags = Flags { cell: Some(plan::COARSER * base.scene.cell), ..flags.clone() };
     let coarse = plan::scene(source, &flags, variant)?;
     let (until, word) = (base.seconds(base.ends_h()), base.scene_word());
     let surrogate = Surrogate::of(&coarse, until, jobs)?;
@@ -257,10 +254,7 @@ pub fn compute(
     let run = |_: usize, line: &Line| {
         let scene = coarse.edited(|fields| line.edit(fields))?;
         let plan = Plan::new(scene, None, None, false)?;
-        let mut stop = |driver: &mpm_core::failure::Driver| driver.events.raveling_h.is_some();
-        let mut hooks =
-            Hooks { progress: &mut |_| (), stop: &mut stop, folder: None, every: Duration::MAX, trouble: &mut |_| () };
-        follow(&plan, &mut hooks, None)
+        follow_quietly(&plan, &mut |driver| driver.events.raveling_h.is_some())
     };
     let told = |number: usize, _: &Result<_, Error>| {
         done += 1;

@@ -90,6 +90,15 @@ pub struct Followed {
     pub cpu_s: f64,
 }
 
+/// Follows a levee from its start, to its end or until `stop` says so, without a word and without checkpoints.
+///
+/// # Errors
+/// As [`follow`].
+pub fn follow_quietly(plan: &Plan, stop: &mut dyn FnMut(&Driver) -> bool) -> Result<Followed, Error> {
+    let mut hooks = Hooks { progress: &mut |_| (), stop, folder: None, every: Duration::MAX, trouble: &mut |_| () };
+    follow(plan, &mut hooks, None)
+}
+
 /// Follows a levee, from the start or from a checkpoint.
 ///
 /// # Errors

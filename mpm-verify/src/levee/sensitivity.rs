@@ -1,7 +1,6 @@
 //! What changes the result: the scene and all its variants, one run each, on cells of twice the size.
 
 use std::path::Path;
-use std::time::Duration;
 
 use mpm_core::scene::{Flags, Scene};
 use serde::{Deserialize, Serialize};
@@ -9,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::ensemble;
 use super::figures::Picture;
 use super::plan::{self, Plan};
-use super::run::{Ended, Followed, Hooks, follow};
+use super::run::{Ended, Followed, follow_quietly};
 use super::tables::OfScene;
 use super::variants::{VARIANTS, Variant};
 use crate::error::Error;
@@ -138,13 +137,10 @@ pub struct Base<'a> {
     pub full: bool,
 }
 
-/// Cells are so many times as large as those of the scene, but where they are what is varied.
-const COARSER: f64 = 2.0;
-
 /// Runs the scene and every variant that differs from it, `jobs` at a time; the scene first. None takes another down.
 pub fn compute(base: &Base, jobs: usize, tell: &(dyn Fn(&str) + Sync)) -> Vec<Line> {
     let whole = plan::scene(base.source, base.flags, None);
-    let cell = whole.as_ref().ok().map(|scene| COARSER * scene.cell);
+    let cell = whole.as_ref().ok().map(|scene| plan::COARSER * scene.cell);
     let flags = Flags { cell, ..base.flags.clone() };
     let of = |variant| plan::scene(base.source, &flags, variant);
     let usual = of(None);
@@ -177,10 +173,8 @@ pub fn compute(base: &Base, jobs: usize, tell: &(dyn Fn(&str) + Sync)) -> Vec<Li
 }
 
 fn run(line: Line, scene: &Scene, until_h: Option<f64>) -> Line {
-    let mut hooks =
-        Hooks { progress: &mut |_| (), stop: &mut |_| false, folder: None, every: Duration::MAX, trouble: &mut |_| () };
     let followed = Plan::new(scene.clone(), None, until_h, false)
-        .and_then(|plan| unpanicked(|| follow(&plan, &mut hooks, None)).flatten());
+        .and_then(|plan| unpanicked(|| follow_quietly(&plan, &mut |_| false)).flatten());
     match followed {
         Ok(followed) => line.with(&followed),
         Err(why) => Line { why: why.to_string(), ..line },
