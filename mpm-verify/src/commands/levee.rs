@@ -71,7 +71,7 @@ pub struct Options {
     /// Continue although the levee does not stand under its own weight
     #[arg(long, hide = true)]
     go_on: bool,
-    /// Include a quarter of the cell size in --sensitivity and --convergence, half in --ensemble
+    /// A quarter of the cell size as well; half of it in --ensemble
     #[arg(long, hide = true)]
     full: bool,
     /// Only the further analyses: no run, no page
