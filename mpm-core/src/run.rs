@@ -26,6 +26,7 @@ use crate::step::{
 };
 use crate::water::AdvectedWater;
 use crate::water::pores::Pores;
+use crate::water::retention::Retention;
 use pulp::{Arch, Scalar, Simd};
 
 /// Why a scene could not be run.
@@ -522,9 +523,36 @@ fn state_at_depth(scene: &Scene, ground: &Ground, place: &[f64; 2], depth: f64) 
         let (pores, wet) = (density * soil.porosity, (place[1] + wet - low).clamp(0.0, high - low));
         weight += (soil.dry_density() + moist * pores) * (high - low) + (1.0 - moist) * pores * wet;
     }
-    let pressure = density * g * wet;
+    let free = scene.free_surface.as_ref();
+    let (pressure, held) = match (free.and_then(|free| free.retention), scene.water) {
+        (Some(law), Some(water)) => unsaturated_above(scene, &law, place, depth, [density * g, water.unit_weight]),
+        _ => (density * g * wet, 0.0),
+    };
+    weight += held * (1.0 - moist) * density * ground.at(place).porosity;
     // The total stress has alpha of the pressure.
     (-(g * weight + standing - alpha * (pressure + standing)), pressure + standing)
+}
+
+/// What unsaturated soil feels at a place, `S_e p` (Pa), and how much of the unsaturated soil up to the surface a `depth` (m) above is
+/// wet, m. Water at rest weighs `rise` per volume along the vertical axis, Pa/m.
+fn unsaturated_above(
+    scene: &Scene,
+    law: &Retention,
+    place: &[f64; 2],
+    depth: f64,
+    [rise, unit_weight]: [f64; 2],
+) -> (f64, f64) {
+    /// Parts of the depth.
+    const PARTS: u32 = 64;
+    let suction = scene.free_surface.as_ref().and_then(|free| free.suction);
+    let pressure = |y: f64| match (water_above(scene, &[place[0], y]), suction) {
+        (above, Some(suction)) if above < 0.0 => -unit_weight * suction,
+        (above, _) => rise * above,
+    };
+    let part = depth / f64::from(PARTS);
+    let moist = |i: u32| law.at(pressure(place[1] + (f64::from(i) + 0.5) * part), unit_weight).wet;
+    let held = (0..PARTS).map(moist).filter(|wet| *wet < 1.0).sum::<f64>() * part;
+    (law.at(pressure(place[1]), unit_weight).wet * pressure(place[1]), held)
 }
 
 /// Shear stress (Pa) on planes along a tilted base beside a total normal stress on them, of an infinite slope:

@@ -32,7 +32,7 @@ const GROUPS: [&[Option<Feature>]; 13] = {
 };
 
 /// What a scene has as well when it has a feature.
-const IMPLIED: [(Feature, Feature); 11] = {
+const IMPLIED: [(Feature, Feature); 12] = {
     use Feature::*;
     [
         (Plate, Load),
@@ -45,6 +45,7 @@ const IMPLIED: [(Feature, Feature); 11] = {
         (Separation, MohrCoulomb),
         (Coupled, Fails),
         (Fails, FreeSurface),
+        (Unsaturated, FreeSurface),
         (Incompressible, Drained),
     ]
 };
@@ -101,7 +102,8 @@ fn written(has: &Set) -> String {
     line(!is(Dry), &format!("[water]\nhydraulic_conductivity = 1e-3\nbulk_modulus = {stiffness}\nunit_weight = 9810"));
     line(!is(Dry) && is(KozenyCarman), "kozeny_carman = true");
     line(!is(Dry) && is(Bedding), "bedding_angle = 30.0");
-    line(is(FreeSurface), "free_surface = { level = 0.5 }");
+    line(is(FreeSurface) && !is(Unsaturated), "free_surface = { level = 0.5 }");
+    line(is(Unsaturated), "free_surface = { level = 0.5, retention.gardner.alpha = 2.0 }");
     line(true, "[boundaries]");
     line(is(Periodic), "left = \"periodic\"\nright = \"periodic\"");
     line(is(FixedSide), "right = \"fixed\"");

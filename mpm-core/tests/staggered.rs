@@ -139,6 +139,9 @@ fn wet_slope(normal_stress: NormalStress) -> f64 {
                 saturation: 0.0,
                 level: Some(scene.height),
                 wet: None,
+                suction: None,
+                retention: None,
+                heads: Default::default(),
                 feeds: [None; 4],
                 courses: Default::default(),
             });

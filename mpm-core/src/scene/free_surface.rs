@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::{Course, Fields};
+use crate::water::retention::Retention;
 
 /// What a side of the soil is fed with.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -22,17 +23,31 @@ pub enum Feed {
 /// Water with a free surface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FreeSurfaceWater {
-    /// Share S_0 of the pores that holds water before any front comes; it stays where it is.
+    /// Share S_0 of the pores that holds water before any front comes; it stays where it is. Of soil with a retention, S_r.
     pub saturation: f64,
     /// Height up to which the soil is full of water at t = 0, m.
     pub level: Option<f64>,
     /// Corners of the soil that is full of water at t = 0, m, anticlockwise.
     pub wet: Option<Vec<[f64; 2]>>,
+    /// Suction head at t = 0 of soil that neither a level nor `wet` says anything of, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub suction: Option<f64>,
+    /// What unsaturated soil holds; without it fronts are sharp.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub retention: Option<Retention>,
+    /// Heads along sides whose head differs from place to place: pairs of a place along the side and a head, m.
+    #[serde(skip_serializing_if = "none_along")]
+    pub heads: [Vec<[f64; 2]>; 4],
     /// Sides that are fed: left, right, bottom, top.
     pub feeds: [Option<Feed>; 4],
     /// Courses in time of those with a velocity.
     #[serde(skip_serializing_if = "always")]
     pub courses: [Course; 4],
+}
+
+/// Whether no head differs along its side.
+fn none_along(heads: &[Vec<[f64; 2]>; 4]) -> bool {
+    heads.iter().all(Vec::is_empty)
 }
 
 /// Whether all feeds stay as they are.

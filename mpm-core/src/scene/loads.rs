@@ -61,6 +61,15 @@ impl Course {
         }
     }
 
+    /// The first time after another (s) at which it bends or jumps; infinite if there is none.
+    pub fn bends_after(&self, time: f64) -> f64 {
+        match self {
+            Self::Times(list) => list.iter().map(|[t, _]| *t).find(|t| *t > time).unwrap_or(f64::INFINITY),
+            Self::Ramp(end) if time < *end => *end,
+            _ => f64::INFINITY,
+        }
+    }
+
     /// The same as courses that do not depend on the place, each with its factor at a place along x (m).
     pub fn parts(&self) -> Vec<(Self, AlongX)> {
         let Self::Wave { length, period } = *self else { return vec![(self.clone(), Box::new(|_| 1.0))] };

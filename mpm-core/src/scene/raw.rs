@@ -181,7 +181,17 @@ pub(super) struct RawFreeSurface {
     pub saturation: Option<Number>,
     pub level: Option<Number>,
     pub wet: Option<Points>,
+    pub suction: Option<Number>,
+    pub retention: Option<Spanned<RawRetention>>,
     pub feed: Option<Spanned<RawFeeds>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub(super) enum RawRetention {
+    VanGenuchten { alpha: Number, n: Number },
+    Gardner { alpha: Number },
+    BrooksCorey { entry: Number, index: Number },
 }
 
 #[derive(Debug, Deserialize)]
@@ -197,6 +207,7 @@ pub(super) struct RawFeeds {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawFeed {
     pub head: Option<Number>,
+    pub heads: Option<Pairs>,
     pub velocity: Option<Number>,
     pub height: Option<Number>,
     pub times: Option<Pairs>,

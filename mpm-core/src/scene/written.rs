@@ -11,6 +11,7 @@ use super::{
     TransferChoice, Until, UpdateChoice, Waves, check,
 };
 use crate::error::SceneError;
+use crate::water::retention::Retention;
 
 impl Scene {
     /// The scene with some of its fields changed, written as a file and checked as one: a patch in types. Numbers keep all their
@@ -267,9 +268,25 @@ impl Fields {
         out.put("water.free_surface.saturation", free.saturation)?;
         out.put("water.free_surface.level", free.level)?;
         out.put("water.free_surface.wet", &free.wet)?;
+        out.put("water.free_surface.suction", free.suction)?;
+        match free.retention {
+            Some(Retention::VanGenuchten { alpha, n }) => {
+                out.put("water.free_surface.retention.van_genuchten.alpha", alpha)?;
+                out.put("water.free_surface.retention.van_genuchten.n", n)?;
+            }
+            Some(Retention::Gardner { alpha }) => out.put("water.free_surface.retention.gardner.alpha", alpha)?,
+            Some(Retention::BrooksCorey { entry, index }) => {
+                out.put("water.free_surface.retention.brooks_corey.entry", entry)?;
+                out.put("water.free_surface.retention.brooks_corey.index", index)?;
+            }
+            None => {}
+        }
         for (side, feed) in Side::ALL.into_iter().zip(free.feeds) {
             let key = |name| format!("water.free_surface.feed.{side}.{name}");
             match feed {
+                Some(Feed::Head(_)) if !free.heads[side as usize].is_empty() => {
+                    out.put(&key("heads"), &free.heads[side as usize])?;
+                }
                 Some(Feed::Head(head)) => out.put(&key("head"), head)?,
                 Some(Feed::Velocity { speed, height }) => {
                     out.put(&key("velocity"), speed)?;

@@ -97,7 +97,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Staggered<V, F, D> {
         while time < span && moves < most {
             let left = span - time;
             // No sliver of a step before the end.
-            let asked = if next > 0.75 * left { left } else { next };
+            let even = carried.even_for(start + time);
+            let asked = if next > 0.75 * left { left } else { next }.min(even);
             carried.look_outside(&grid, start + time + 0.5 * asked);
             let AdvectedWater { water, layer, around, .. } = &mut *carried;
             match water.step(asked) {

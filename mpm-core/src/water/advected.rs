@@ -11,6 +11,7 @@ use super::free_surface::{
     WaterLayer, squares,
 };
 use crate::checkpoint::{Archive, RestoreError, archive};
+use crate::dimension::in_two;
 use crate::grid::Grid;
 use crate::particles::{Layer, SolidPoint};
 use crate::scene::{Bearing, FaceLoad, Feed, FreeSurfaceWater, Scene, SolidSide, WaterProperties};
@@ -110,6 +111,7 @@ impl<const D: usize> AdvectedWater<D> {
             weight: std::array::from_fn(|d| weight[d + 2 - D]),
             unit_weight: properties.unit_weight,
             porosity: scene.mobile_porosity(),
+            retention: scene.free_surface.as_ref().and_then(|free| free.retention),
         };
         let per_direction = scene.particles_per_direction();
         let map = SoilMap::new(grid, solid, face_area, per_direction, soils);
@@ -119,7 +121,8 @@ impl<const D: usize> AdvectedWater<D> {
         let standing = |load: &FaceLoad| Standing { load: load.clone(), level: load.course.at(0.0, 0.0), held };
         let reservoirs = scene.loads.iter().filter(|load| load.bearing == Bearing::Reservoir);
         let standing = reservoirs.map(standing).collect();
-        let around = Surroundings { open: [false; 4], feeds, periodic: scene.periodic, standing };
+        let heads = fed.as_ref().map_or_else(Default::default, |free| free.heads.clone());
+        let around = Surroundings { open: [false; 4], feeds, heads, periodic: scene.periodic, standing };
         let mut water = FreeSurface::new(grid, medium, (map, soils.clone()), &around)?;
         let content: Vec<f64> = grid
             .walk()
@@ -131,7 +134,10 @@ impl<const D: usize> AdvectedWater<D> {
                 }
             })
             .collect();
-        water.fill(&content);
+        match medium.retention {
+            Some(law) => water.soak(&law, &first_pressures(scene, grid, &medium)),
+            None => water.fill(&content),
+        }
         let cells = grid.cell_count();
         let mut boxes = Vec::new();
         squares(solid, medium.cell_volume, &mut boxes);
@@ -219,6 +225,15 @@ impl<const D: usize> AdvectedWater<D> {
         }
     }
 
+    /// How long (s) from a time on what is outside changes evenly: no step of the water passes a jump.
+    pub fn even_for(&self, time: f64) -> f64 {
+        // A time that was reached but for round-off.
+        let from = time + 1e-12 * time.abs();
+        let feeds = self.fed.iter().flat_map(|free| &free.courses);
+        let levels = self.around.standing.iter().map(|water| &water.load.course);
+        feeds.chain(levels).map(|course| course.bends_after(from)).fold(f64::INFINITY, f64::min) - time
+    }
+
     /// Sets the feeds of a time, s; whether they have changed.
     fn feed(&mut self, time: f64) -> bool {
         self.fed_at = time;
@@ -296,6 +311,20 @@ fn fed_along<const D: usize>(scene: &Scene, mesh: [usize; D]) -> Along {
         }
         _ => Vec::new(),
     })
+}
+
+/// Pressures at the centres of cells of unsaturated soil at t = 0, Pa: those of water at rest below and above its level or inside what is
+/// wet, elsewhere the given suction.
+fn first_pressures<const D: usize>(scene: &Scene, grid: &Grid<D>, medium: &Medium<D>) -> Vec<f64> {
+    let Some(free) = &scene.free_surface else { return Vec::new() };
+    let of = |position: [usize; D]| {
+        let middle = in_two(&position.map(|i| (i as f64 + 0.5) * grid.size));
+        let wet = free.wet.as_ref().map(|wet| seeding::depth(wet, &middle)).filter(|depth| *depth > 0.0);
+        let suction = free.suction.map_or(0.0, |suction| -medium.unit_weight * suction);
+        let below = wet.or(free.level.map(|level| level - middle[1]));
+        below.map_or(suction, |below| medium.rise() * below)
+    };
+    grid.walk().map(|(_, position)| of(position)).collect()
 }
 
 /// Share of a cell that is wet at t = 0.

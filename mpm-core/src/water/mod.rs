@@ -8,6 +8,7 @@ mod exposed;
 pub mod free_surface;
 mod halves;
 pub mod pores;
+pub mod retention;
 
 pub use advected::{AdvectedWater, Pressures};
 pub use cuts::{Cuts, Opening};

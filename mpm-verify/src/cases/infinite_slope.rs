@@ -74,7 +74,7 @@ fn base() -> Scene {
 }
 
 /// A slope on a mesh, with the strength (at an angle of dilation psi, rad) divided by a factor.
-fn slope(
+pub(super) fn slope(
     base: &Scene,
     (columns, rows): (usize, usize),
     depth: f64,
@@ -88,7 +88,8 @@ fn slope(
         let height = depth * angle.cos();
         (scene.height, scene.cell) = (height, height / rows as f64);
         (scene.width, scene.cells) = (columns as f64 * scene.cell, [columns, rows]);
-        if let Some(free) = &mut scene.free_surface {
+        // Water of unsaturated soil is that of the scene.
+        if let Some(free) = scene.free_surface.as_mut().filter(|free| free.retention.is_none()) {
             match seepage {
                 Seepage::Parallel { share } => free.level = (share > 0.0).then_some(share * height),
                 Seepage::Leaving { angle: delta } => {
@@ -123,7 +124,7 @@ fn reduced(angle: f64, factor: f64) -> f64 {
 }
 
 /// Whether a slope comes to rest: it does, or its speed still falls by more than half in the last third of the time.
-fn stands(scene: &Scene) -> Result<bool, Error> {
+pub(super) fn stands(scene: &Scene) -> Result<bool, Error> {
     let run = run(scene, &mut |_| {})?;
     match &run.failure {
         Some(failure) if failure.what.contains("outside the mesh") => return Ok(false),
@@ -141,7 +142,7 @@ fn stands(scene: &Scene) -> Result<bool, Error> {
 }
 
 /// The factor by which the strength can be divided before a slope slides, bracketed about a guess.
-fn factor(guess: f64, stands: impl Fn(f64) -> Result<bool, Error>) -> Result<f64, Error> {
+pub(super) fn factor(guess: f64, stands: impl Fn(f64) -> Result<bool, Error>) -> Result<f64, Error> {
     let (mut low, mut high) = (0.9 * guess, 1.1 * guess);
     while !stands(low)? {
         low *= 0.8;

@@ -14,6 +14,7 @@ mod mohr_coulomb;
 mod others;
 mod outline;
 pub mod own;
+mod rain_on_slope;
 mod reduced_strength;
 mod refraction;
 mod rest;
@@ -91,6 +92,7 @@ const PROGRAMS: &[Program] = &[
     rest::SPEED,
     rest::ENERGY,
     refraction::CASE,
+    rain_on_slope::CASE,
     slopes::ACADS_1C,
     slopes::FALLING_WATER,
     slopes::DAVIS,

@@ -24,6 +24,7 @@ pub(crate) mod oracle;
 pub mod pressed_pores;
 pub mod quadrature;
 pub mod radial;
+pub mod richards;
 pub mod root;
 pub mod seabed;
 pub mod self_weight;

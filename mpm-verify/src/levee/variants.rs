@@ -1,6 +1,7 @@
 //! The scene with one input changed: what is assumed where the paper is silent, and how much it matters.
 
-use mpm_core::scene::{Base, Feed, Fields, FreeSurfaceWater, NormalStress};
+use mpm_core::scene::{Base, Bearing, Course, FaceLoad, Feed, Fields, FreeSurfaceWater, NormalStress, Side};
+use mpm_core::water::retention::Retention;
 
 /// How an input is changed.
 #[derive(Debug, Clone, Copy)]
@@ -41,11 +42,13 @@ const K: &str = "conductivity";
 const MOISTURE: &str = "saturation at the start";
 const DILATION: &str = "constant angle of dilation";
 const FADES: &str = "strain over which dilation fades";
+const SUCTION: &str = "water above the front";
+const TANK_LEVEL: &str = "water in the tank";
 const MESH: &str = "edge of a cell";
 const PPC: &str = "particles per cell";
 
 /// All of them. Two and two with the same `what` are the bars of one input, the smaller value first.
-pub const VARIANTS: [Variant; 31] = [
+pub const VARIANTS: [Variant; 34] = [
     variant("profile-line", PROFILE, "line", Change::Edit(|s| wet(s, &line()))),
     variant("profile-parabola", PROFILE, "parabola", Change::Edit(|s| wet(s, &parabola()))),
     variant("feed-6e-6", FEED, "6e-6 m/s", Change::Edit(|s| velocity(s, 6.0e-6))),
@@ -72,6 +75,9 @@ pub const VARIANTS: [Variant; 31] = [
     variant("dilation-30", DILATION, "30°", Change::Edit(|s| dilates(s, 30.0))),
     variant("fades-0.025", FADES, "0.025", Change::Edit(|s| fades(s, 0.025))),
     variant("fades-0.1", FADES, "0.1", Change::Edit(|s| fades(s, 0.1))),
+    variant("suction", SUCTION, "held by suction", Change::Edit(|s| holds(s, 0.5))),
+    variant("rain", SUCTION, "with rain, 20 mm/h", Change::Edit(rains)),
+    variant("drawdown", TANK_LEVEL, "falls from 8 to 9 h", Change::Edit(drawn_down)),
     Variant { long: true, ..variant("mesh-0.1", MESH, "0.1 m", Change::Mesh(0.1)) },
     variant("mesh-0.2", MESH, "0.2 m", Change::Mesh(0.2)),
     variant("mesh-0.4", MESH, "0.4 m", Change::Mesh(0.4)),
@@ -139,6 +145,37 @@ fn head(scene: &mut Fields) {
 
 fn moist(scene: &mut Fields, saturation: f64) {
     water(scene, |w| w.saturation = saturation);
+}
+
+/// Soil that holds a share of its pores by suction above the front, as a silty sand does (Carsel & Parrish 1988,
+/// doi:10.1029/WR024i005p00755, loamy sand): a tenth of them stays whatever the suction.
+fn holds(scene: &mut Fields, saturation: f64) {
+    /// alpha (1/m), n, residual saturation.
+    const LOAMY_SAND: (f64, f64, f64) = (12.4, 2.28, 0.14);
+    let (alpha, n, residual) = LOAMY_SAND;
+    let law = Retention::VanGenuchten { alpha, n };
+    water(scene, |w| {
+        w.saturation = residual;
+        w.retention = Some(law);
+        // A head: water of unit weight 1.
+        w.suction = Some(-law.pressure((saturation - residual) / (1.0 - residual), 1.0));
+    });
+}
+
+fn rains(scene: &mut Fields) {
+    holds(scene, 0.5);
+    let (speed, height) = (0.020 / 3600.0, scene.height);
+    water(scene, |w| w.feeds[3] = Some(Feed::Velocity { speed, height }));
+}
+
+/// The tank is emptied within an hour.
+fn drawn_down(scene: &mut Fields) {
+    let first = scene.failure.as_ref().map_or(0.0, |failure| failure.starts_at);
+    let hours = |h: f64| h * 3600.0 - first;
+    let levels = vec![[0.0, TANK], [hours(8.0), TANK], [hours(9.0), 0.0]];
+    let (on, bearing, course) = (Some(Side::Left), Bearing::Reservoir, Course::Times(levels));
+    water(scene, |w| w.feeds[0] = None);
+    scene.loads.push(FaceLoad { on, x: None, y: None, bearing, course });
 }
 
 fn base(scene: &mut Fields, edit: impl FnOnce(&mut Base)) {

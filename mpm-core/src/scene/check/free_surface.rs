@@ -2,11 +2,15 @@
 
 use toml::Spanned;
 
-use super::super::raw::{Pairs, RawFeed, RawFeeds, RawFreeSurface, RawScene, RawStage};
+use super::super::raw::{Pairs, RawFeed, RawFeeds, RawFreeSurface, RawRetention, RawScene, RawStage};
 use super::super::{Coupling, Course, Dimension, Feed, Fields, FreeSurfaceWater, Integrator, Side, Until};
 use super::{Checked, Reader, quoted, written};
 use crate::seeding;
 use crate::water::free_surface::LEAST_OPEN;
+use crate::water::retention::Retention;
+
+/// Heads along the sides of a scene.
+type Heads = [Vec<[f64; 2]>; 4];
 
 impl Reader<'_> {
     pub(super) fn coupling(&self, stage: &RawStage) -> Checked<Coupling> {
@@ -45,19 +49,60 @@ impl Reader<'_> {
             let expected = "either level or wet, not both";
             return self.refuse(&wet.span(), "water.free_surface.wet", expected, "both");
         }
+        let retention = raw.retention.as_ref().map(|law| self.retention(law.get_ref())).transpose()?;
+        let suction = match &raw.suction {
+            Some(value) if retention.is_none() => {
+                let expected = "[water.free_surface.retention] with it: without one soil is full or empty";
+                return self.refuse(&value.span(), "water.free_surface.suction", expected, "none");
+            }
+            Some(value) => Some(self.positive(value, "water.free_surface.suction", "m of suction head")?),
+            None => None,
+        };
         let level = match &raw.level {
+            Some(value) if retention.is_some() => {
+                let expected =
+                    format!("at most {} m, the top of the soil; below 0 is a level below the base", scene.height);
+                Some(self.within(value, "water.free_surface.level", &expected, |l| l <= scene.height)?)
+            }
             Some(value) => {
                 let expected = format!("0 < level <= {} m, the top of the soil", scene.height);
                 Some(self.within(value, "water.free_surface.level", &expected, |l| l > 0.0 && l <= scene.height)?)
             }
             None => None,
         };
+        if let (Some(law), None, None) = (&raw.retention, level, suction) {
+            let expected = "level or suction (m) in [water.free_surface] with it: what the soil holds at t = 0";
+            return self.refuse(&law.span(), "water.free_surface.retention", expected, "neither");
+        }
+        if let (Some(suction), Some(_)) = (&raw.suction, level) {
+            let expected = "either level, above which the suction is that of water at rest, or suction";
+            return self.refuse(&suction.span(), "water.free_surface.suction", expected, "both");
+        }
         let wet = self.wet(raw, scene)?;
-        let (feeds, courses) = match &raw.feed {
-            Some(feeds) => self.feeds(feeds.get_ref(), scene)?,
-            None => ([None; 4], Default::default()),
+        let unsaturated = retention.is_some();
+        let (feeds, courses, heads) = match &raw.feed {
+            Some(feeds) => self.feeds(feeds.get_ref(), scene, unsaturated)?,
+            None => ([None; 4], Default::default(), Default::default()),
         };
-        Ok(Some(FreeSurfaceWater { saturation, level, wet, feeds, courses }))
+        Ok(Some(FreeSurfaceWater { saturation, level, wet, suction, retention, heads, feeds, courses }))
+    }
+
+    fn retention(&self, raw: &RawRetention) -> Checked<Retention> {
+        let key = |name| format!("water.free_surface.retention.{name}");
+        Ok(match raw {
+            RawRetention::VanGenuchten { alpha, n } => Retention::VanGenuchten {
+                alpha: self.positive(alpha, &key("van_genuchten.alpha"), "1/m")?,
+                n: self.within(n, &key("van_genuchten.n"), "above 1 and at most 20", |n| n > 1.0 && n <= 20.0)?,
+            },
+            RawRetention::Gardner { alpha } => {
+                Retention::Gardner { alpha: self.positive(alpha, &key("gardner.alpha"), "1/m")? }
+            }
+            RawRetention::BrooksCorey { entry, index } => Retention::BrooksCorey {
+                entry: self.positive(entry, &key("brooks_corey.entry"), "m of suction head")?,
+                index: self
+                    .within(index, &key("brooks_corey.index"), "above 0 and at most 20", |x| x > 0.0 && x <= 20.0)?,
+            },
+        })
     }
 
     /// The corners of the soil that is full of water at t = 0; all of it must be soil.
@@ -87,18 +132,47 @@ impl Reader<'_> {
         Ok(Some(points))
     }
 
-    fn feeds(&self, feeds: &RawFeeds, scene: &Fields) -> Checked<([Option<Feed>; 4], [Course; 4])> {
-        let (mut checked, mut courses) = ([None; 4], <[Course; 4]>::default());
+    fn feeds(
+        &self,
+        feeds: &RawFeeds,
+        scene: &Fields,
+        unsaturated: bool,
+    ) -> Checked<([Option<Feed>; 4], [Course; 4], Heads)> {
+        let (mut checked, mut courses, mut heads) = ([None; 4], <[Course; 4]>::default(), Heads::default());
         let raw = [&feeds.left, &feeds.right, &feeds.bottom, &feeds.top];
         for (side, raw) in Side::ALL.into_iter().zip(raw) {
             if let Some(raw) = raw {
-                checked[side as usize] = Some(self.feed(raw, side, scene)?);
+                checked[side as usize] = Some(match &raw.get_ref().heads {
+                    Some(list) => {
+                        heads[side as usize] = self.heads(list, side, raw.get_ref(), unsaturated)?;
+                        Feed::Head(
+                            heads[side as usize].iter().fold(f64::NEG_INFINITY, |most, [_, head]| most.max(*head)),
+                        )
+                    }
+                    None => self.feed(raw, side, scene, unsaturated)?,
+                });
                 if let Some(list) = &raw.get_ref().times {
                     courses[side as usize] = self.feed_in_time(list, side, raw.get_ref().head.is_some())?;
                 }
             }
         }
-        Ok((checked, courses))
+        Ok((checked, courses, heads))
+    }
+
+    /// Heads along the bottom or the top.
+    fn heads(&self, list: &Pairs, side: Side, raw: &RawFeed, unsaturated: bool) -> Checked<Vec<[f64; 2]>> {
+        let key = format!("water.free_surface.feed.{side}.heads");
+        if raw.head.is_some() || raw.velocity.is_some() || raw.height.is_some() || raw.times.is_some() {
+            return self.refuse(&list.span(), &key, "heads alone, or head, or velocity", "several");
+        }
+        if !unsaturated || matches!(side, Side::Left | Side::Right) {
+            let expected = "heads along the bottom or the top of soil with a [water.free_surface.retention]";
+            return self.refuse(&list.span(), &key, expected, side);
+        }
+        match self.times(&key, "pairs [x (m), head (m)], places that ascend", list)? {
+            Course::Times(pairs) => Ok(pairs),
+            _ => Ok(Vec::new()),
+        }
     }
 
     /// Course of a velocity in time.
@@ -115,7 +189,7 @@ impl Reader<'_> {
         self.times(&key, expected, list)
     }
 
-    fn feed(&self, raw: &Spanned<RawFeed>, side: Side, scene: &Fields) -> Checked<Feed> {
+    fn feed(&self, raw: &Spanned<RawFeed>, side: Side, scene: &Fields, unsaturated: bool) -> Checked<Feed> {
         let (span, feed) = (raw.span(), raw.get_ref());
         let key = format!("water.free_surface.feed.{side}");
         if scene.dimension == Dimension::Column && matches!(side, Side::Left | Side::Right) {
@@ -152,12 +226,16 @@ impl Reader<'_> {
             let expected = "no height with a head, which is one";
             return self.refuse(&height.span(), &format!("{key}.height"), expected, height.get_ref());
         }
+        // Unsaturated soil takes water from a level below it, and gives it.
+        let hangs = unsaturated && scene.gravity.is_some() && matches!(side, Side::Bottom | Side::Top);
         let least = match (scene.gravity, side) {
+            _ if hangs => f64::NEG_INFINITY,
             (None, _) => 0.0,
             (Some(_), Side::Left | Side::Right | Side::Bottom) => low,
             (Some(_), Side::Top) => high,
         };
         let expected = match side {
+            _ if hangs => "a level above the base (m)".to_owned(),
             _ if scene.gravity.is_none() => "a pressure head above 0 (m)".to_owned(),
             Side::Top => format!("a level above {least} m, the top of the soil"),
             _ => format!("a head above {least} m, where the soil at the side begins"),

@@ -111,6 +111,9 @@ impl<const D: usize> FreeSurface<D> {
         }
         self.build(grid, around);
         self.classify();
+        if let Some(law) = self.medium.retention {
+            self.suctions(&law);
+        }
         for cell in 0..self.kind.len() {
             if self.kind[cell] == Kind::Standing {
                 self.pressure[cell] = self.medium.standing_pressure(self.wet_share(cell), self.soil.share[cell]);
@@ -146,14 +149,14 @@ fn lay_down<const D: usize>(grid: &Grid<D>, piece: &[[f64; 2]; D], mut visit: im
 
 #[cfg(test)]
 mod tests {
-    use super::super::Medium;
+    use super::super::{Medium, NO_HEADS};
     use super::*;
     use crate::particles::even_positions;
     use crate::soils::Soils;
 
     const N: f64 = 0.3;
     const CLOSED: Surroundings =
-        Surroundings { open: [false; 4], feeds: [None; 4], periodic: false, standing: Vec::new() };
+        Surroundings { open: [false; 4], feeds: [None; 4], heads: NO_HEADS, periodic: false, standing: Vec::new() };
 
     /// A block of soil of unit cells in a larger mesh, and its water.
     struct Block {
@@ -187,6 +190,7 @@ mod tests {
                 weight: [0.0, -9810.0],
                 unit_weight: 9810.0,
                 porosity: N,
+                retention: None,
             };
             let soil = SoilMap::new(&grid, &solid, 1.0, per_direction, &soils);
             let mut water = FreeSurface::new(&grid, medium, (soil, soils), &CLOSED).unwrap();

@@ -89,6 +89,16 @@ pub fn beyond(found: &[f64], exact: &[f64]) -> Vec<f64> {
     beyond
 }
 
+/// The value at a place of pairs of place and value, constant before and after.
+fn interpolate(pairs: &[[f64; 2]], at: f64) -> f64 {
+    let after = pairs.partition_point(|[x, _]| *x <= at);
+    match (after.checked_sub(1).map(|i| pairs[i]), pairs.get(after).copied()) {
+        (Some([x0, y0]), Some([x1, y1])) => y0 + (at - x0) / (x1 - x0) * (y1 - y0),
+        (Some([_, y]), None) | (None, Some([_, y])) => y,
+        (None, None) => f64::NAN,
+    }
+}
+
 /// Distance from the centre of a cell to the outline, in cells: half a cell from a full one to a void, less where the
 /// cells beside the outline are filled in part.
 fn to_outline(share: f64, beyond: f64) -> f64 {
@@ -109,7 +119,7 @@ pub fn edges<const D: usize>(
     face_area: f64,
     beyond: &Along,
 ) -> (Vec<Edge>, Vec<Rained>) {
-    let Surroundings { open: sides, mut feeds, periodic, ref standing } = *around;
+    let Surroundings { open: sides, mut feeds, ref heads, periodic, ref standing } = *around;
     // Rain falls on all faces that point upwards; so does no other feed.
     let rain = match feeds[3] {
         Some(Feed::Velocity { speed, .. }) => feeds[3].take().map(|_| speed),
@@ -159,7 +169,13 @@ pub fn edges<const D: usize>(
                     }
                     let along: usize = (0..D).filter(|d| *d != axis).map(|d| position[d]).sum();
                     let opens = here > 0.0 && (sides[side] || (side == 3 && rain.is_some()));
-                    let fed = feeds[side].or(level).filter(|_| here > 0.0).and_then(|feed| {
+                    let feed = match feeds[side] {
+                        Some(Feed::Head(_)) if !heads[side].is_empty() => {
+                            Some(Feed::Head(interpolate(&heads[side], in_two(&middle)[0])))
+                        }
+                        feed => feed,
+                    };
+                    let fed = feed.or(level).filter(|_| here > 0.0).and_then(|feed| {
                         fed(medium, &feed, (axis, upper), &position, (here, more(side, along)), face_area)
                     });
                     if let Some((outside, open)) = fed {
@@ -200,7 +216,9 @@ pub fn edges<const D: usize>(
     }
     let rained = rain.map_or(Vec::new(), |speed| {
         // Without gravity nothing draws it in: it is pressed in.
-        let most = if medium.rise() > 0.0 { medium.conductance * medium.rise() * medium.size } else { f64::INFINITY };
+        // What draws rain into unsaturated soil is found with its suction.
+        let falls = medium.rise() > 0.0 && medium.retention.is_none();
+        let most = if falls { medium.conductance * medium.rise() * medium.size } else { f64::INFINITY };
         rain_on(grid, &mut list, (speed * face_area, most), |x| more(3, x))
     });
     (list, rained)
@@ -266,7 +284,9 @@ fn fed<const D: usize>(
             let g = medium.rise();
             let pressure = if g > 0.0 { g * (head - height) } else { medium.unit_weight * head };
             let open = if g > 0.0 { below(head).min(here) } else { here };
-            (open > LEAST_FED).then_some((Outside::Pond(pressure), open)).filter(|_| pressure > 0.0)
+            // A level below the soil draws water out of soil that holds some by suction.
+            let wets = pressure > 0.0 || (vertical && medium.retention.is_some());
+            (open > LEAST_FED).then_some((Outside::Pond(pressure), open)).filter(|_| wets)
         }
         Feed::Velocity { speed, height } => {
             let open = (below(height).min(here) + more).max(0.0);
@@ -351,14 +371,22 @@ impl<const D: usize> Medium<D> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::NO_HEADS;
     use super::*;
     use crate::particles::{Layer, SolidPoint, even_positions};
     use crate::soils::Soils;
 
     const H: f64 = 0.5;
     const G: f64 = 10.0;
-    const MEDIUM: Medium<2> =
-        Medium { conductance: 2.0, size: H, cell_volume: H * H, weight: [0.0, -G], unit_weight: G, porosity: 0.3 };
+    const MEDIUM: Medium<2> = Medium {
+        conductance: 2.0,
+        size: H,
+        cell_volume: H * H,
+        weight: [0.0, -G],
+        unit_weight: G,
+        porosity: 0.3,
+        retention: None,
+    };
 
     /// A quarter of a cell of soil around a place in cells.
     fn at(x: [f64; 2]) -> SolidPoint<2> {
@@ -405,7 +433,8 @@ mod tests {
         let points = even_positions([2, 1], 2).filter(|x| x[0] < 1.0 || x[1] < 0.5).map(at).collect();
         let solid = Layer::new(points, &grid).unwrap();
         let soil = SoilMap::new(&grid, &solid, H, 2, &Soils::one(0.0));
-        let around = |feeds| Surroundings { open: [false; 4], feeds, periodic: false, standing: Vec::new() };
+        let around =
+            |feeds| Surroundings { open: [false; 4], feeds, heads: NO_HEADS, periodic: false, standing: Vec::new() };
         let (list, _) = edges(&grid, (&soil, 1.0), &MEDIUM, &around([None; 4]), H, &Along::default());
         let sideways: Vec<_> = list.iter().filter(|e| e.axis == 0).map(|e| (e.cell, e.upper, e.open, e.from)).collect();
         assert_eq!(sideways, [(0, true, 0.5, 0.5), (1, true, 0.5, 0.0)]);

@@ -20,6 +20,7 @@
 use super::edges::Edge;
 use super::soil::SoilMap;
 use crate::sparse::{Factor, Ordering, Signs, Sparse, Unsolved};
+use crate::water::retention::Retention;
 
 /// What a cell is in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,7 +33,7 @@ pub enum Kind {
     Standing,
     /// Filled from above.
     Hanging,
-    /// Neither: water that runs through.
+    /// Neither: water that runs through, or is held by suction where the soil has a retention.
     Loose,
 }
 
@@ -75,6 +76,8 @@ pub struct Medium<const D: usize> {
     pub unit_weight: f64,
     /// Porosity that the water can fill at t = 0, n (1 - S_0).
     pub porosity: f64,
+    /// Retention of unsaturated soil; without it soil is full or empty (a sharp front).
+    pub retention: Option<Retention>,
 }
 
 impl<const D: usize> Medium<D> {
@@ -352,6 +355,7 @@ mod tests {
         weight: [0.0, -10.0],
         unit_weight: 10.0,
         porosity: 0.3,
+        retention: None,
     };
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! The soil rests. Every cell has a content of water (m3), which changes by what flows through its faces and by nothing else, so that the
 //! balance residual is round-off; `flow` finds the flow of a step, `edges` what meets the outside, `layer` lets the water
-//! particles follow. A soil that is moist from the start has a part S_0 of its pores filled with water that stays: a front
+//! particles follow; `unsaturated` takes the place of the sharp front where a soil has a retention. A soil that is moist from the start has a part S_0 of its pores filled with water that stays: a front
 //! has only n (1 - S_0) to fill.
 
 mod advect;
@@ -11,6 +11,7 @@ mod flow;
 mod layer;
 mod moving;
 mod soil;
+mod unsaturated;
 
 pub use advect::{Square, squares};
 pub use edges::{Along, Edge, Outside, Rained};
@@ -24,7 +25,9 @@ use crate::grid::Grid;
 use crate::scene::{FaceLoad, Feed};
 use crate::soils::Soils;
 use crate::sparse::Unsolved;
+use crate::water::retention::Retention;
 use flow::{Linear, Now, System, Terms};
+use unsaturated::Unsaturated;
 
 /// Largest change of the wet share of a cell that a step aims at, and the largest it may have.
 const CHANGE: [f64; 2] = [0.1, 0.5];
@@ -84,7 +87,9 @@ pub struct FreeSurface<const D: usize> {
     /// Faces that rain falls on.
     rained: Vec<Rained>,
     system: System,
-    /// Whether the system is not that of the links.
+    /// Room for a step of unsaturated soil.
+    room: Option<Box<Unsaturated>>,
+    /// Whether the systems are not those of the links.
     stale: bool,
     above: Vec<Neighbour>,
     below: Vec<Neighbour>,
@@ -113,11 +118,17 @@ pub struct Surroundings {
     pub open: [bool; 4],
     /// Sides that are fed.
     pub feeds: [Option<Feed>; 4],
+    /// Heads along the bottom and the top where they differ from place to place: pairs of x and a head, m.
+    pub heads: [Vec<[f64; 2]>; 4],
     /// Whether left and right are the same place.
     pub periodic: bool,
     /// Water at rest before faces of the soil.
     pub standing: Vec<Standing>,
 }
+
+/// No heads that differ along their side.
+#[cfg(test)]
+const NO_HEADS: [Vec<[f64; 2]>; 4] = [const { Vec::new() }; 4];
 
 /// Water at rest before faces of the soil.
 #[derive(Debug, Clone, PartialEq)]
@@ -185,6 +196,7 @@ impl<const D: usize> FreeSurface<D> {
             beyond: Along::default(),
             rained: Vec::new(),
             system: System::new(cells, &[])?,
+            room: None,
             stale: true,
             above: Vec::new(),
             below: Vec::new(),
@@ -234,6 +246,9 @@ impl<const D: usize> FreeSurface<D> {
         self.leaks.resize(self.edges.len(), Linear::default());
         self.left.clear();
         self.left.resize(self.edges.len(), 0.0);
+        if let Some(room) = &mut self.room {
+            room.surround(&self.edges, &self.rained);
+        }
         let cells = grid.cell_count();
         let mut beyond = vec![[Neighbour::Tight; 2]; cells];
         for edge in self.edges.iter().filter(|edge| edge.axis as usize == D - 1) {
@@ -276,9 +291,12 @@ impl<const D: usize> FreeSurface<D> {
         if self.soil.is_soil(cell) { self.content[cell] / self.pores(cell) } else { 0.0 }
     }
 
-    /// Mean over the soil of a cell of the pressure where it is positive, Pa: what the soil feels.
+    /// Mean over the soil of a cell of the pressure where it is positive, Pa: what the soil feels. Of unsaturated soil S_e p.
     pub fn mean_pressure(&self, cell: usize) -> f64 {
         let (rise, share) = (self.medium.rise() * self.medium.size, self.soil.share[cell]);
+        if let Some(law) = &self.medium.retention {
+            return if share < LEAST_SHARE { 0.0 } else { self.medium.bishop(law, self.pressure[cell], share) };
+        }
         match self.kind[cell] {
             Kind::Full | Kind::Standing if rise > 0.0 => {
                 self.medium.wet_integral(self.pressure[cell] + 0.5 * rise, share) / share
@@ -292,7 +310,8 @@ impl<const D: usize> FreeSurface<D> {
     pub fn lower(&self, cell: usize) -> f64 {
         let (rise, share) = (self.medium.rise() * self.medium.size, self.soil.share[cell]);
         let bottom = self.pressure[cell] + 0.5 * rise;
-        if !self.kind[cell].unknown() || rise == 0.0 || bottom <= 0.0 || share <= 0.0 {
+        let plain = self.medium.retention.is_some() || rise == 0.0;
+        if !self.kind[cell].unknown() || plain || bottom <= 0.0 || share <= 0.0 {
             return 1.0;
         }
         // First moment of a triangle, or of a trapezium, by its area.
@@ -332,6 +351,8 @@ impl<const D: usize> FreeSurface<D> {
                 Kind::Void
             } else if self.full[cell] {
                 Kind::Full
+            } else if self.medium.retention.is_some() {
+                Kind::Loose
             } else if self.stands(cell, &self.full) {
                 Kind::Standing
             } else if self.medium.rise() > 0.0 && self.is_full(self.above[cell], &self.full) {
@@ -342,6 +363,15 @@ impl<const D: usize> FreeSurface<D> {
         }
     }
 
+    /// Gives cells the pressures (Pa) of unsaturated soil, and the water that goes with them.
+    pub fn soak(&mut self, law: &Retention, pressure: &[f64]) {
+        for cell in (0..pressure.len()).filter(|cell| self.soil.is_soil(*cell)) {
+            let moist = self.medium.moist(law, pressure[cell], self.soil.share[cell]);
+            (self.pressure[cell], self.content[cell]) = (pressure[cell], self.soil.pores[cell] * moist.wet);
+        }
+        self.note_full();
+    }
+
     /// Fills cells (m3 of mobile water, no more than their pores) and takes the state as that of water at rest.
     pub fn fill(&mut self, content: &[f64]) {
         for cell in 0..content.len() {
@@ -349,6 +379,10 @@ impl<const D: usize> FreeSurface<D> {
             self.full[cell] = self.soil.is_soil(cell) && content[cell] >= (1.0 - ROUND) * self.pores(cell);
         }
         self.classify();
+        if let Some(law) = self.medium.retention {
+            self.suctions(&law);
+            return;
+        }
         let rise = self.medium.rise() * self.medium.size;
         let ponds = self.under_ponds();
         // From the top down: each full cell carries the water above it.
@@ -441,6 +475,22 @@ impl<const D: usize> FreeSurface<D> {
     }
 
     fn assemble(&mut self, dt: f64) {
+        if let (Some(law), Some(room)) = (self.medium.retention, &mut self.room) {
+            let p = &self.system.pressure;
+            for cell in (0..p.len()).filter(|cell| self.soil.is_soil(*cell)) {
+                room.moist[cell] = self.medium.moist(&law, p[cell], self.soil.share[cell]);
+            }
+            for (flow, link) in self.flows.iter_mut().zip(&self.links) {
+                let (a, b) = (link.low as usize, link.high as usize);
+                let unknown = [self.kind[a].unknown(), self.kind[b].unknown()];
+                *flow = self.medium.linear(&law, link, [p[a], p[b]], [&room.moist[a], &room.moist[b]], unknown);
+            }
+            for (i, (leak, edge)) in self.leaks.iter_mut().zip(&self.edges).enumerate() {
+                let cell = edge.cell as usize;
+                *leak = room.leak(&self.medium, &law, (i, edge), p[cell], self.kind[cell].unknown());
+            }
+            return;
+        }
         let now = Now { kind: &self.kind, pressure: &self.system.pressure, wet: &self.wet };
         for (flow, link) in self.flows.iter_mut().zip(&self.links) {
             *flow = self.medium.through(link, now);
@@ -513,13 +563,32 @@ impl<const D: usize> FreeSurface<D> {
         if self.stands(cell, &self.full) && !covered { level } else { 0.0 }
     }
 
+    /// Makes the systems those of the links.
+    fn renew(&mut self) -> Result<(), Unsolved> {
+        if !std::mem::take(&mut self.stale) {
+            return Ok(());
+        }
+        let cells = self.content.len();
+        if self.medium.retention.is_some() {
+            let mut room = Unsaturated::new(cells, &self.links)?;
+            room.surround(&self.edges, &self.rained);
+            self.room = Some(Box::new(room));
+        } else {
+            self.system = System::new(cells, &self.links)?;
+        }
+        Ok(())
+    }
+
     /// Makes a step of at most `dt` (s). Returns its length and the length to try next, s.
     ///
     /// # Errors
     /// The flow could not be found.
     pub fn step(&mut self, dt: f64) -> Result<(f64, f64), NoFlow> {
-        if std::mem::take(&mut self.stale) {
-            self.system = System::new(self.content.len(), &self.links)?;
+        self.renew()?;
+        if let (Some(law), Some(mut room)) = (self.medium.retention, self.room.take()) {
+            let made = self.step_unsaturated(&mut room, &law, dt);
+            self.room = Some(room);
+            return made;
         }
         // Water that falls passes half a cell at most.
         let fall = self.medium.fall(self.medium.rise());
@@ -558,6 +627,13 @@ impl<const D: usize> FreeSurface<D> {
         }
         for ((edge, leak), left) in self.edges.iter().zip(&self.leaks).zip(&mut self.left) {
             *left = edge.lets_out(leak.at(p[edge.cell as usize], 0.0));
+        }
+        self.count(dt);
+    }
+
+    /// Counts what has flowed in and out in a step of `dt` (s).
+    fn count(&mut self, dt: f64) {
+        for edge in &self.edges {
             if let Outside::Inflow(flow) = edge.outside {
                 self.asked += dt * flow;
             }
@@ -645,6 +721,7 @@ impl<const D: usize> FreeSurface<D> {
             + self.links.capacity() * (size_of::<Link>() + size_of::<Linear>())
             + self.system.matrix.bytes()
             + self.system.factor.bytes()
+            + self.room.as_ref().map_or(0, |room| room.bytes())
     }
 }
 

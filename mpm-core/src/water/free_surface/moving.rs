@@ -459,7 +459,9 @@ impl<const D: usize> FreeSurface<D> {
     /// Flows from the state at the start of a step.
     fn before_motion(&mut self, dt: f64) {
         self.classify();
-        for cell in 0..self.kind.len() {
+        // Suction stays what it was while the soil moves: what it holds is found anew where the water is carried along.
+        let held = self.medium.retention.is_some();
+        for cell in (0..self.kind.len()).filter(|_| !held) {
             self.wet[cell] = self.wet_share(cell).clamp(0.0, 1.0);
             self.pressure[cell] = match self.kind[cell] {
                 Kind::Full => self.pressure[cell],
@@ -478,7 +480,10 @@ impl<const D: usize> FreeSurface<D> {
             if !self.soil.is_soil(cell) {
                 continue;
             }
-            let level = self.medium.standing_pressure(1.0, self.soil.share[cell]);
+            let level = match self.medium.retention {
+                Some(_) => -self.medium.above_middle(self.soil.share[cell]),
+                None => self.medium.standing_pressure(1.0, self.soil.share[cell]),
+            };
             match self.kind[cell] {
                 Kind::Full => {
                     if self.pressure[cell] < self.least_pressure(cell, level, &self.content) - slack {
@@ -499,7 +504,7 @@ impl<const D: usize> FreeSurface<D> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Medium, SoilMap, Surroundings};
+    use super::super::{Medium, NO_HEADS, SoilMap, Surroundings};
     use super::*;
     use crate::dimension::{PRESSURE, internal_force};
     use crate::particles::{Layer, SolidPoint, even_positions};
@@ -523,9 +528,18 @@ mod tests {
             |x: [f64; 2]| SolidPoint::<2> { x: x.map(|x| x * H), v: [0.0; 2], stress: [0.0; 4], mass: volume, volume };
         let solid = Layer::new(even_positions(CELLS, 2).map(at).collect(), &grid).unwrap();
         let weight = [0.0, -9810.0];
-        let medium = Medium { conductance, size: H, cell_volume: H * H, weight, unit_weight: 9810.0, porosity: N };
+        let medium = Medium {
+            conductance,
+            size: H,
+            cell_volume: H * H,
+            weight,
+            unit_weight: 9810.0,
+            porosity: N,
+            retention: None,
+        };
         let soil = SoilMap::new(&grid, &solid, H, 2, &Soils::one(1.0 - N));
-        let around = Surroundings { open: [false; 4], feeds: [None; 4], periodic: false, standing: Vec::new() };
+        let around =
+            Surroundings { open: [false; 4], feeds: [None; 4], heads: NO_HEADS, periodic: false, standing: Vec::new() };
         let mut water = FreeSurface::new(&grid, medium, (soil, Soils::one(1.0 - N)), &around).unwrap();
         let content: Vec<f64> = (0..12).map(|cell| water.pores(cell)).collect();
         water.fill(&content);
@@ -629,7 +643,13 @@ mod tests {
     fn soil_that_opens_draws_no_water_in_through_a_seepage_face() {
         for implicit in [true, false] {
             let (grid, mut water, mut squeeze, soil) = full(1e-9);
-            let around = Surroundings { open: [true; 4], feeds: [None; 4], periodic: false, standing: Vec::new() };
+            let around = Surroundings {
+                open: [true; 4],
+                feeds: [None; 4],
+                heads: NO_HEADS,
+                periodic: false,
+                standing: Vec::new(),
+            };
             water.surround(&grid, &around);
             let inverse = vec![[0.0; 2]; grid.node_count()];
             let leader: Vec<u32> = (0..grid.node_count() as u32).collect();

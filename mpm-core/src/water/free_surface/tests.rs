@@ -6,7 +6,8 @@ use crate::particles::{Layer, SolidPoint, even_positions};
 const N: f64 = 0.3;
 const K: f64 = 5e-4;
 const GAMMA: f64 = 9810.0;
-const CLOSED: Surroundings = Surroundings { open: [false; 4], feeds: [None; 4], periodic: false, standing: Vec::new() };
+const CLOSED: Surroundings =
+    Surroundings { open: [false; 4], feeds: [None; 4], heads: NO_HEADS, periodic: false, standing: Vec::new() };
 
 fn block(cells: [usize; 2], h: f64, weight: [f64; 2], around: &Surroundings) -> (Grid<2>, FreeSurface<2>) {
     let grid = Grid::new(cells, h);
@@ -21,7 +22,7 @@ fn block(cells: [usize; 2], h: f64, weight: [f64; 2], around: &Surroundings) -> 
     let soils = Soils::one((1.0 - N) * 0.25 * h * h);
     let soil = SoilMap::new(&grid, &solid, h, 2, &soils);
     let (conductance, cell_volume) = (K / GAMMA, h * h);
-    let medium = Medium { conductance, size: h, cell_volume, weight, unit_weight: GAMMA, porosity: N };
+    let medium = Medium { conductance, size: h, cell_volume, weight, unit_weight: GAMMA, porosity: N, retention: None };
     let water = FreeSurface::new(&grid, medium, (soil, soils), around).unwrap();
     (grid, water)
 }

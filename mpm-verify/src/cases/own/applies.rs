@@ -263,6 +263,10 @@ fn seepage(scene: &Scene) -> Result<Solution, Error> {
     let (Some(free), Some(water)) = (free, water) else {
         return Err(Error::refused("[water]", "water with a free surface", "none"));
     };
+    if free.retention.is_some() {
+        let expected = "sharp fronts: what unsaturated soil does is compared in its own cases";
+        return Err(Error::refused("water.free_surface.retention", expected, "a retention"));
+    }
     let moved = scene.stages[0].coupling != Coupling::Seepage || !scene.layers.is_empty();
     if moved || free.wet.is_some() || free.level.is_some_and(|level| level > 0.0) {
         let expected = "dry or moist soil of one kind at rest, fed from t = 0";

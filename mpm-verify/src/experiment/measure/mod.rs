@@ -9,6 +9,7 @@ mod settlement;
 pub(crate) mod sliding;
 mod solids;
 mod stages;
+mod unsaturated;
 mod waves;
 
 use mpm_core::drive::Run;
@@ -70,6 +71,11 @@ const MEASURES: &[(&str, Make)] = &[
     ("stored-in-dam", free_surface::stored),
     ("column-drains", free_surface::drains),
     ("rain", free_surface::rain),
+    ("infiltration", unsaturated::infiltration),
+    ("steady-suction", unsaturated::steady),
+    ("wetted-box", unsaturated::wetted_box),
+    ("discharge-of-capillary-dam", unsaturated::capillary_dam),
+    ("exit-of-capillary-dam", unsaturated::capillary_exit),
 ];
 
 impl Measure {
