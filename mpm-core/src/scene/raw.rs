@@ -189,7 +189,7 @@ pub(super) struct RawFreeSurface {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub(super) enum RawRetention {
-    VanGenuchten { alpha: Number, n: Number },
+    VanGenuchten { alpha: Number, n: Number, entry: Option<Number> },
     Gardner { alpha: Number },
     BrooksCorey { entry: Number, index: Number },
 }

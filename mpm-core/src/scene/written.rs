@@ -270,9 +270,10 @@ impl Fields {
         out.put("water.free_surface.wet", &free.wet)?;
         out.put("water.free_surface.suction", free.suction)?;
         match free.retention {
-            Some(Retention::VanGenuchten { alpha, n }) => {
+            Some(Retention::VanGenuchten { alpha, n, entry }) => {
                 out.put("water.free_surface.retention.van_genuchten.alpha", alpha)?;
                 out.put("water.free_surface.retention.van_genuchten.n", n)?;
+                out.put("water.free_surface.retention.van_genuchten.entry", (entry > 0.0).then_some(entry))?;
             }
             Some(Retention::Gardner { alpha }) => out.put("water.free_surface.retention.gardner.alpha", alpha)?,
             Some(Retention::BrooksCorey { entry, index }) => {

@@ -130,7 +130,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Staggered<V, F, D> {
         let rounding = layer.rounding();
         let mut front = [0.0; 2];
         for (cell, position) in grid.walk() {
-            let wet = water.wet_share(cell).clamp(0.0, 1.0);
+            let wet = water.behind_front(cell);
             if wet > 1e-6 {
                 for d in 0..D {
                     let share = if water.kind[cell] == Kind::Full { 1.0 } else { wet };
@@ -421,7 +421,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Failing for Staggered<V, F, D> {
         // Before any has come: the side opposite to the toe.
         let mut front: f64 = if right { 0.0 } else { last_soil as f64 * grid.size };
         for cell in 0..grid.cells[0] {
-            let wet = water.wet_share(cell).clamp(0.0, 1.0);
+            let wet = water.behind_front(cell);
             if wet > 1e-6 {
                 // The soil of a toe ends before its cell does.
                 let soil = water.soil.cover[1][cell][1].max(water.soil.share[cell]);

@@ -4,7 +4,7 @@
 //!
 //! | law | S_e | k_r | source |
 //! |---|---|---|---|
-//! | van Genuchten-Mualem | `(1 + (alpha s)^n)^-m`, m = 1 - 1/n | `S_e^(1/2) (1 - (1 - S_e^(1/m))^m)^2` | van Genuchten 1980, doi:10.2136/sssaj1980.03615995004400050002x |
+//! | van Genuchten-Mualem | `(1 + (alpha s)^n)^-m`, m = 1 - 1/n | `S_e^(1/2) (1 - (1 - S_e^(1/m))^m)^2` | van Genuchten 1980, doi:10.2136/sssaj1980.03615995004400050002x; both over what they are at the entry of air, if there is one: Ippisch et al. 2006, doi:10.1016/j.advwatres.2005.12.011 |
 //! | Gardner | `exp(-alpha s)` | `exp(-alpha s)` | Gardner 1958, doi:10.1097/00010694-195804000-00006 |
 //! | Brooks-Corey | `(s_e/s)^lambda` above the air entry s_e | `S_e^(3 + 2/lambda)` | Brooks & Corey 1964, Hydrology Paper 3, Colorado State University |
 
@@ -20,6 +20,9 @@ pub enum Retention {
         alpha: f64,
         /// n > 1.
         n: f64,
+        /// Suction head at which air enters, m; 0 in van Genuchten's own law, whose conductivity falls infinitely fast at first where
+        /// n < 2.
+        entry: f64,
     },
     /// Gardner's: exponential in the suction.
     Gardner {
@@ -67,15 +70,23 @@ impl Retention {
         }
         // Values, and their derivatives by the suction head.
         let ([wet, conducts], [less, conducts_less]) = match *self {
-            Self::VanGenuchten { alpha, n } => {
+            Self::VanGenuchten { alpha, n, entry } => {
+                if s <= entry {
+                    return Moist { pressure, ..Moist::FULL };
+                }
                 let m = 1.0 - 1.0 / n;
                 let x = (alpha * s).powf(n);
-                let wet = (1.0 + x).powf(-m);
                 // 1 - (x/(1 + x))^m without cancellation in dry soil.
-                let b = -(m * (-1.0 / (1.0 + x)).ln_1p()).exp_m1();
+                let part = |x: f64| -(m * (-1.0 / (1.0 + x)).ln_1p()).exp_m1();
+                let (full, whole) = match entry {
+                    0.0 => (1.0, 1.0),
+                    entry => ((1.0 + (alpha * entry).powf(n)).powf(m), part((alpha * entry).powf(n))),
+                };
+                let wet = full * (1.0 + x).powf(-m);
+                let b = part(x) / whole;
                 let a = wet.sqrt();
                 let by_s = n * x / s;
-                let b_by_x = -m * (x / (1.0 + x)).powf(m - 1.0) / (1.0 + x).powi(2);
+                let b_by_x = -m / whole * (x / (1.0 + x)).powf(m - 1.0) / (1.0 + x).powi(2);
                 let k_by_x = -0.5 * m * a / (1.0 + x) * b * b + 2.0 * a * b * b_by_x;
                 ([wet, a * b * b], [-m * wet / (1.0 + x) * by_s, k_by_x * by_s])
             }
@@ -111,9 +122,10 @@ impl Retention {
             return 0.0;
         }
         let s = match *self {
-            Self::VanGenuchten { alpha, n } => {
+            Self::VanGenuchten { alpha, n, entry } => {
                 let m = 1.0 - 1.0 / n;
-                ((-wet.ln() / m).exp_m1()).powf(1.0 / n) / alpha
+                let full = (1.0 + (alpha * entry).powf(n)).powf(m);
+                ((-(wet / full).ln() / m).exp_m1()).powf(1.0 / n) / alpha
             }
             Self::Gardner { alpha } => -wet.ln() / alpha,
             Self::BrooksCorey { entry, index } => entry * wet.powf(-1.0 / index),
@@ -127,8 +139,8 @@ mod tests {
     use super::*;
 
     const LAWS: [Retention; 4] = [
-        Retention::VanGenuchten { alpha: 0.64, n: 4.65 },
-        Retention::VanGenuchten { alpha: 3.0, n: 1.4 },
+        Retention::VanGenuchten { alpha: 0.64, n: 4.65, entry: 0.0 },
+        Retention::VanGenuchten { alpha: 3.0, n: 1.4, entry: 0.1 },
         Retention::Gardner { alpha: 1.5 },
         Retention::BrooksCorey { entry: 0.2, index: 2.5 },
     ];

@@ -27,7 +27,7 @@ const ROWS: usize = 20;
 
 fn without_suction(scene: &mut Fields) {
     if let Some(free) = &mut scene.free_surface {
-        free.retention = Some(Retention::VanGenuchten { alpha: 50.0, n: 4.0 });
+        free.retention = Some(Retention::VanGenuchten { alpha: 50.0, n: 4.0, entry: 0.0 });
     }
 }
 
@@ -71,7 +71,8 @@ fn exact(scene: &Scene, time: f64) -> Result<f64, Error> {
     // Gravity along the normal alone moves water across the layer; heads are along that axis as well.
     let fillable = scene.mobile_porosity();
     let conductivity = water.hydraulic_conductivity * cos;
-    let column = Infiltration::new(alpha * cos, scene.height, conductivity, fillable, [0.0, speed]).above_suction(-head);
+    let column =
+        Infiltration::new(alpha * cos, scene.height, conductivity, fillable, [0.0, speed]).above_suction(-head);
     let gravity = scene.gravity.ok_or(Lacks("gravity"))?;
     let part = scene.height / f64::from(PLANES);
     let (mut weight, mut least) = (0.0, f64::INFINITY);

@@ -153,7 +153,7 @@ fn holds(scene: &mut Fields, saturation: f64) {
     /// alpha (1/m), n, residual saturation.
     const LOAMY_SAND: (f64, f64, f64) = (12.4, 2.28, 0.14);
     let (alpha, n, residual) = LOAMY_SAND;
-    let law = Retention::VanGenuchten { alpha, n };
+    let law = Retention::VanGenuchten { alpha, n, entry: 0.0 };
     water(scene, |w| {
         w.saturation = residual;
         w.retention = Some(law);
@@ -168,13 +168,14 @@ fn rains(scene: &mut Fields) {
     water(scene, |w| w.feeds[3] = Some(Feed::Velocity { speed, height }));
 }
 
-/// The tank is emptied within an hour.
+/// The tank is emptied within an hour: its wall lets out what stands higher in the levee.
 fn drawn_down(scene: &mut Fields) {
     let first = scene.failure.as_ref().map_or(0.0, |failure| failure.starts_at);
     let hours = |h: f64| h * 3600.0 - first;
     let levels = vec![[0.0, TANK], [hours(8.0), TANK], [hours(9.0), 0.0]];
     let (on, bearing, course) = (Some(Side::Left), Bearing::Reservoir, Course::Times(levels));
     water(scene, |w| w.feeds[0] = None);
+    scene.stages.iter_mut().for_each(|stage| stage.drained[Side::Left as usize] = true);
     scene.loads.push(FaceLoad { on, x: None, y: None, bearing, course });
 }
 

@@ -21,9 +21,16 @@ pub fn all(scene: &Scene, run: &Run) -> Vec<Field> {
     }
     let kilo = |points: &[[f64; 3]], sign: f64| points.iter().map(|p| [p[0], p[1], sign * p[2] / 1e3]).collect();
     let places = &run.places;
-    let cells = run.samples.last().map_or(&[][..], |s| &s.state.field);
-    let cells: Vec<[f64; 3]> = cells.iter().map(|at| [at.x_m, at.y_m, at.pressure_pa]).collect();
-    let (water, of_water, spacing) = if places.water.is_empty() {
+    let field = run.samples.last().map_or(&[][..], |s| &s.state.field);
+    let cells: Vec<[f64; 3]> = field.iter().map(|at| [at.x_m, at.y_m, at.pressure_pa]).collect();
+    let unsaturated = is_unsaturated(scene);
+    let (water, of_water, spacing) = if unsaturated {
+        (
+            &cells,
+            "Every cell, coloured by the pressure of its pores that its soil feels: S_e p where it holds water by suction.",
+            scene.cell,
+        )
+    } else if places.water.is_empty() {
         (&cells, "Every cell, coloured by its pore pressure.", scene.cell)
     } else {
         (&places.water, "Every water particle, coloured by its pore pressure.", scene.spacing())
@@ -52,10 +59,27 @@ pub fn all(scene: &Scene, run: &Run) -> Vec<Field> {
             spacing,
             per_row: None,
             points: kilo(water, 1.0),
+            lines: lines.clone(),
+        },
+        Field {
+            name: "map-saturation",
+            title: format!("{}: effective saturation at t = {} s", scene.name, brief(time, 4)),
+            caption: "Every cell, coloured by the share of its mobile pores that holds water.".to_owned(),
+            quantity: "effective saturation".to_owned(),
+            column: "effective_saturation",
+            range: None,
+            spacing: scene.cell,
+            per_row: None,
+            points: field.iter().filter(|_| unsaturated).map(|at| [at.x_m, at.y_m, at.saturation]).collect(),
             lines,
         },
     ];
     maps.into_iter().filter(|map| !map.points.is_empty()).collect()
+}
+
+/// Whether soil holds water by suction.
+fn is_unsaturated(scene: &Scene) -> bool {
+    scene.free_surface.as_ref().is_some_and(|free| free.retention.is_some())
 }
 
 /// Level of the water that stands in each column of cells, m; nothing without a free surface or without gravity.
@@ -67,8 +91,12 @@ fn surface(scene: &Scene, run: &Run) -> Vec<(f64, f64)> {
     let mut levels = vec![0.0; columns];
     for point in last.state.field.iter().filter(|p| p.pressure_pa > 0.0) {
         let column = ((point.x_m / scene.cell) as usize).min(columns - 1);
-        let wet = (point.saturation * point.soil).clamp(0.0, 1.0);
-        levels[column] = f64::max(levels[column], point.y_m + (wet - 0.5) * scene.cell);
+        let above = match scene.water {
+            // Where its pressure ends.
+            Some(water) if is_unsaturated(scene) => point.pressure_pa / water.unit_weight,
+            _ => ((point.saturation * point.soil).clamp(0.0, 1.0) - 0.5) * scene.cell,
+        };
+        levels[column] = f64::max(levels[column], point.y_m + above);
     }
     let places = levels.iter().enumerate().filter(|(_, level)| **level > 0.0);
     places.map(|(i, level)| ((i as f64 + 0.5) * scene.cell, *level)).collect()

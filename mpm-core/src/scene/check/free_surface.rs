@@ -90,9 +90,13 @@ impl Reader<'_> {
     fn retention(&self, raw: &RawRetention) -> Checked<Retention> {
         let key = |name| format!("water.free_surface.retention.{name}");
         Ok(match raw {
-            RawRetention::VanGenuchten { alpha, n } => Retention::VanGenuchten {
+            RawRetention::VanGenuchten { alpha, n, entry } => Retention::VanGenuchten {
                 alpha: self.positive(alpha, &key("van_genuchten.alpha"), "1/m")?,
                 n: self.within(n, &key("van_genuchten.n"), "above 1 and at most 20", |n| n > 1.0 && n <= 20.0)?,
+                entry: match entry {
+                    Some(entry) => self.within(entry, &key("van_genuchten.entry"), "0 or more (m)", |e| e >= 0.0)?,
+                    None => 0.0,
+                },
             },
             RawRetention::Gardner { alpha } => {
                 Retention::Gardner { alpha: self.positive(alpha, &key("gardner.alpha"), "1/m")? }

@@ -291,6 +291,14 @@ impl<const D: usize> FreeSurface<D> {
         if self.soil.is_soil(cell) { self.content[cell] / self.pores(cell) } else { 0.0 }
     }
 
+    /// Share of a cell that lies behind the front of the water, 0 to 1: of soil that holds water by suction what is full.
+    pub fn behind_front(&self, cell: usize) -> f64 {
+        match self.medium.retention {
+            Some(_) => f64::from(u8::from(self.full[cell])),
+            None => self.wet_share(cell).clamp(0.0, 1.0),
+        }
+    }
+
     /// Mean over the soil of a cell of the pressure where it is positive, Pa: what the soil feels. Of unsaturated soil S_e p.
     pub fn mean_pressure(&self, cell: usize) -> f64 {
         let (rise, share) = (self.medium.rise() * self.medium.size, self.soil.share[cell]);

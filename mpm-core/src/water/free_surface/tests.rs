@@ -204,3 +204,76 @@ fn still_water_stays() {
         }
     }
 }
+
+/// A block of unsaturated soil in equilibrium with a level, m.
+fn unsaturated(cells: [usize; 2], around: &Surroundings, law: Retention, level: f64) -> FreeSurface<2> {
+    let h = 1.0 / cells[1] as f64;
+    let (grid, mut water) = block(cells, h, [0.0, -GAMMA], around);
+    water.medium.retention = Some(law);
+    water.surround(&grid, around);
+    let rest: Vec<f64> = grid.walk().map(|(_, at)| GAMMA * (level - (at[1] as f64 + 0.5) * h)).collect();
+    water.soak(&law, &rest);
+    water
+}
+
+const LAWS: [Retention; 3] = [
+    Retention::VanGenuchten { alpha: 3.5, n: 2.5, entry: 0.0 },
+    Retention::Gardner { alpha: 5.0 },
+    Retention::BrooksCorey { entry: 0.15, index: 2.0 },
+];
+
+#[test]
+fn suction_above_a_level_holds_its_water() {
+    for law in LAWS {
+        let mut water = unsaturated([3, 20], &CLOSED, law, 0.43);
+        let (first, pressure) = (water.content.clone(), water.pressure.clone());
+        run(&mut water, 1e5, |_, _, _| {});
+        for cell in 0..60 {
+            let moved = (water.content[cell] - first[cell]).abs() / water.pores(cell);
+            assert!(moved < 1e-9, "{law:?}: {moved:e}");
+            assert!((water.pressure[cell] - pressure[cell]).abs() < 1e-3, "{law:?}");
+        }
+        // What the soil feels: suction of what is wet, and the whole pressure below the level.
+        assert!(water.mean_pressure(0) > 0.0 && water.mean_pressure(59) < 0.0);
+        assert!(water.mean_pressure(59) >= water.pressure[59]);
+    }
+}
+
+#[test]
+fn rain_enters_unsaturated_soil_or_runs_off_and_none_is_lost() {
+    // Less than falls at k, and ten times as much on a column that drains at its base.
+    for law in LAWS {
+        for (share, runs_off) in [(0.5, false), (10.0, true)] {
+            let mut around = CLOSED;
+            around.open[2] = true;
+            around.feeds[3] = Some(Feed::Velocity { speed: share * K, height: 1.0 });
+            let mut water = unsaturated([2, 10], &around, law, -0.5);
+            let first = water.stored();
+            let mut closing: f64 = 0.0;
+            run(&mut water, 3000.0, |water, _, _| {
+                closing = closing.max((water.stored() - first - water.inflow + water.outflow).abs());
+            });
+            let width = 0.2;
+            assert!(closing < 1e-13 * water.inflow, "{law:?}: {closing:e}");
+            assert!((water.asked - share * K * width * 3000.0).abs() < 1e-12 * water.asked);
+            assert!((water.asked - water.ran_off - water.inflow).abs() < 1e-12 * water.asked);
+            assert_eq!(water.ran_off > 0.0, runs_off, "{law:?}: {}", water.ran_off);
+            // In the end all that enters leaves at the base, at most as fast as full soil lets it fall.
+            let flow = share.min(1.0) * K * width;
+            assert!((water.rates[1] / flow - 1.0).abs() < 1e-2, "{law:?} {share}: {:e}", water.rates[1] / flow);
+        }
+    }
+}
+
+#[test]
+fn a_stiff_retention_has_the_sharp_front_as_its_limit() {
+    // Water 0.25 m above a dry column: Green and Ampt's front, without a fringe to speak of.
+    let law = Retention::BrooksCorey { entry: 0.002, index: 8.0 };
+    let around = fed(3, 1.25);
+    let mut water = unsaturated([1, 20], &around, law, -1.0);
+    let first = water.stored();
+    let time_of = |x: f64| N / K * (x - 0.25 * (1.0 + x / 0.25).ln());
+    run(&mut water, time_of(0.8), |_, _, _| {});
+    let place = (water.stored() - first) / (N * 0.05);
+    assert!((place - 0.8).abs() < 0.02, "{place}");
+}
