@@ -39,7 +39,6 @@ features! {
     Dry: "water" "a dry scene",
     Saturated: "water" "soil full of water",
     FreeSurface: "water.free_surface" "[water.free_surface]",
-    Unsaturated: "water.free_surface.retention" "[water.free_surface.retention]",
     Incompressible: "water.bulk_modulus" "inf",
     KozenyCarman: "water.kozeny_carman" "true",
     Bedding: "water.bedding_angle" "an inclined bedding",

@@ -80,10 +80,6 @@ fn has(raw: &RawScene, feature: Feature) -> bool {
         Feature::Dry => raw.water.is_none(),
         Feature::Saturated => raw.water.is_some() && !free,
         Feature::FreeSurface => free,
-        Feature::Unsaturated => {
-            let free = raw.water.as_ref().and_then(|water| water.get_ref().free_surface.as_ref());
-            free.is_some_and(|free| free.get_ref().retention.is_some())
-        }
         Feature::Incompressible => {
             raw.water.as_ref().is_some_and(|water| *water.get_ref().bulk_modulus.get_ref() == f64::INFINITY)
         }
@@ -199,9 +195,6 @@ fn place(raw: &RawScene, feature: Feature) -> Option<Range<usize>> {
         "scheme.jump_penalty" => of(scheme?.jump_penalty.as_ref()),
         "water" => of(raw.water.as_ref()),
         "water.free_surface" => of(water?.free_surface.as_ref()),
-        "water.free_surface.retention" => {
-            of(water?.free_surface.as_ref().and_then(|free| free.get_ref().retention.as_ref()))
-        }
         "water.bulk_modulus" => Some(water?.bulk_modulus.span()),
         "water.kozeny_carman" => of(water?.kozeny_carman.as_ref()),
         "water.bedding_angle" => of(water?.bedding_angle.as_ref()),
