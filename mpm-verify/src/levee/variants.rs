@@ -75,7 +75,7 @@ pub const VARIANTS: [Variant; 34] = [
     variant("dilation-30", DILATION, "30°", Change::Edit(|s| dilates(s, 30.0))),
     variant("fades-0.025", FADES, "0.025", Change::Edit(|s| fades(s, 0.025))),
     variant("fades-0.1", FADES, "0.1", Change::Edit(|s| fades(s, 0.1))),
-    variant("suction", SUCTION, "held by suction", Change::Edit(|s| holds(s, 0.5))),
+    variant("suction", SUCTION, "with suction", Change::Edit(|s| holds(s, 0.5))),
     variant("rain", SUCTION, "with rain, 20 mm/h", Change::Edit(rains)),
     variant("drawdown", TANK_LEVEL, "falls from 8 to 9 h", Change::Edit(drawn_down)),
     Variant { long: true, ..variant("mesh-0.1", MESH, "0.1 m", Change::Mesh(0.1)) },

@@ -29,6 +29,8 @@ const KNOWN: f64 = 1e-7;
 const ITERATIONS: usize = 30;
 /// Saturation from which on a correction is one of the pressure.
 const NEARLY_FULL: f64 = 0.9;
+/// How much an iteration may dry a cell, in shares of its pores.
+const DRIES: f64 = 0.2;
 /// Share of the conductance that ties full cells to their last pressure, where nothing else holds it.
 const TIE: f64 = 1e-9;
 
@@ -282,9 +284,14 @@ impl<const D: usize> FreeSurface<D> {
                     continue;
                 }
                 let (moist, change) = (&room.moist[cell], room.correction[cell]);
-                let wetter = moist.wet + moist.capacity * change;
-                p[cell] = if change > 0.0 && moist.wet < NEARLY_FULL && p[cell] < 0.0 {
-                    self.medium.suction(law, wetter.min(1.0), self.soil.share[cell])
+                let (wet, soil) = (moist.wet, self.soil.share[cell]);
+                p[cell] = if change > 0.0 && wet < NEARLY_FULL && p[cell] < 0.0 {
+                    let wetter = wet + moist.capacity * change;
+                    self.medium.suction(law, wetter.min(0.5 * (1.0 + wet)), soil)
+                } else if change < 0.0 {
+                    // No further into dry soil than content says something: a full cell knows nothing of it.
+                    let drier = f64::max(wet - DRIES, 0.3 * wet);
+                    (p[cell] + change).max(self.medium.suction(law, drier, soil))
                 } else {
                     p[cell] + change
                 };
