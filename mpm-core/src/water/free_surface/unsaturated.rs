@@ -29,6 +29,8 @@ const KNOWN: f64 = 1e-7;
 const ITERATIONS: usize = 30;
 /// Saturation from which on a correction is one of the pressure.
 const NEARLY_FULL: f64 = 0.9;
+/// Steps that had to be cut to this share of what was asked are iterated with smaller corrections.
+const SLOW: f64 = 1e-2;
 /// How much an iteration may dry a cell, in shares of its pores.
 const DRIES: f64 = 0.2;
 /// Share of the conductance that ties full cells to their last pressure, where nothing else holds it.
@@ -218,7 +220,7 @@ impl<const D: usize> FreeSurface<D> {
     }
 
     /// One stage, from `room.base`, over a time of `tau` (s); pressures in `system.pressure`. False if it was not found.
-    fn stage(&mut self, room: &mut Unsaturated, law: &Retention, tau: f64, stage: usize) -> bool {
+    fn stage(&mut self, room: &mut Unsaturated, law: &Retention, tau: f64, (stage, slow): (usize, bool)) -> bool {
         let cells = self.kind.len();
         let scale = self.medium.conductance;
         let p = &mut self.system.pressure;
@@ -287,8 +289,9 @@ impl<const D: usize> FreeSurface<D> {
                 let (wet, soil) = (moist.wet, self.soil.share[cell]);
                 p[cell] = if change > 0.0 && wet < NEARLY_FULL && p[cell] < 0.0 {
                     let wetter = wet + moist.capacity * change;
-                    self.medium.suction(law, wetter.min(0.5 * (1.0 + wet)), soil)
-                } else if change < 0.0 {
+                    let most = if slow { 0.5 * (1.0 + wet) } else { 1.0 };
+                    self.medium.suction(law, wetter.min(most), soil)
+                } else if slow && change < 0.0 {
                     // No further into dry soil than content says something: a full cell knows nothing of it.
                     let drier = f64::max(wet - DRIES, 0.3 * wet);
                     (p[cell] + change).max(self.medium.suction(law, drier, soil))
@@ -301,14 +304,14 @@ impl<const D: usize> FreeSurface<D> {
     }
 
     /// Tries a step of `dt` (s): what it is off by, in shares of the pores; `None` if it was not found.
-    fn try_unsaturated(&mut self, room: &mut Unsaturated, law: &Retention, dt: f64) -> Option<f64> {
+    fn try_unsaturated(&mut self, room: &mut Unsaturated, law: &Retention, dt: f64, slow: bool) -> Option<f64> {
         self.system.pressure.copy_from_slice(&self.pressure);
         room.base.copy_from_slice(&self.content);
-        if !self.stage(room, law, A * dt, 0) {
+        if !self.stage(room, law, A * dt, (0, slow)) {
             return None;
         }
         self.gain(&mut room.base, (1.0 - A) * dt, &room.through[0], &room.out[0]);
-        if !self.stage(room, law, A * dt, 1) {
+        if !self.stage(room, law, A * dt, (1, slow)) {
             return None;
         }
         // Weights (1 - a, a) beside (1/2, 1/2).
@@ -340,7 +343,7 @@ impl<const D: usize> FreeSurface<D> {
         self.suctions(law);
         let mut step = dt;
         loop {
-            let off = self.try_unsaturated(room, law, step);
+            let off = self.try_unsaturated(room, law, step, step < SLOW * dt);
             let factor = off.map_or(0.25, |off| (0.8 * (TOLERANCE / off.max(1e-300)).sqrt()).clamp(0.2, 2.0));
             if off.is_some_and(|off| off <= 2.0 * TOLERANCE) {
                 self.accept_unsaturated(room, step);
