@@ -26,7 +26,6 @@ use crate::step::{
 };
 use crate::water::AdvectedWater;
 use crate::water::pores::Pores;
-use crate::water::retention::Retention;
 use pulp::{Arch, Scalar, Simd};
 
 /// Why a scene could not be run.
@@ -479,7 +478,7 @@ fn first_state(scene: &Scene, ground: &Ground, place: &[f64; 2]) -> ([f64; 4], f
                 state_at_depth(scene, ground, &[place[0], y], depth.max(0.0))
             };
             // The mean over a particle, in which stresses bend where the water table passes it.
-            let (table, half) = (water_above(scene, place), 0.5 * scene.spacing());
+            let (table, half) = (scene.water_above(place), 0.5 * scene.spacing());
             if table.abs() < half {
                 let share = 0.5 * (table + half) / half;
                 let [low, high] = [table - half, table + half].map(|up| at(place[1] + 0.5 * up));
@@ -499,18 +498,11 @@ fn first_state(scene: &Scene, ground: &Ground, place: &[f64; 2]) -> ([f64; 4], f
     (stress, pressure)
 }
 
-/// How far water stands above a place at t = 0, up to the level or to the upper edge of what is wet, m; infinitely where soil is full of it.
-fn water_above(scene: &Scene, place: &[f64; 2]) -> f64 {
-    let Some(free) = &scene.free_surface else { return f64::INFINITY };
-    let in_wet = free.wet.as_ref().map(|wet| seeding::depth(wet, place)).filter(|depth| *depth > 0.0);
-    in_wet.or(free.level.map(|level| level - place[1])).unwrap_or(f64::NEG_INFINITY)
-}
-
 /// Those of a geostatic start, the stress normal to a base that may be tilted, at a place and its depth (m) below the surface.
 fn state_at_depth(scene: &Scene, ground: &Ground, place: &[f64; 2], depth: f64) -> (f64, f64) {
     let g = scene.gravity_vector().map_or(0.0, |[_, y]| -y);
     let density = scene.water.map_or(0.0, |w| w.density);
-    let wet = water_above(scene, place).clamp(0.0, depth);
+    let wet = scene.water_above(place).clamp(0.0, depth);
     let moist = scene.free_surface.as_ref().map_or(0.0, |free| free.saturation);
     // What stands on the surface presses on soil and water alike.
     let surface = [place[0], place[1] + depth];
@@ -520,39 +512,13 @@ fn state_at_depth(scene: &Scene, ground: &Ground, place: &[f64; 2], depth: f64) 
     let mut weight = 0.0;
     let alpha = ground.at(place).alpha();
     for ([low, high], soil) in ground.between(place[0], place[1], place[1] + depth) {
-        let (pores, wet) = (density * soil.porosity, (place[1] + wet - low).clamp(0.0, high - low));
+        let full = (place[1] + wet - low).clamp(0.0, high - low);
+        let (pores, wet) = (density * soil.porosity, scene.soaked(place[0], [low, high]).unwrap_or(full));
         weight += (soil.dry_density() + moist * pores) * (high - low) + (1.0 - moist) * pores * wet;
     }
-    let free = scene.free_surface.as_ref();
-    let (pressure, held) = match (free.and_then(|free| free.retention), scene.water) {
-        (Some(law), Some(water)) => unsaturated_above(scene, &law, place, depth, [density * g, water.unit_weight]),
-        _ => (density * g * wet, 0.0),
-    };
-    weight += held * (1.0 - moist) * density * ground.at(place).porosity;
+    let pressure = scene.first_felt(place).unwrap_or(density * g * wet);
     // The total stress has alpha of the pressure.
     (-(g * weight + standing - alpha * (pressure + standing)), pressure + standing)
-}
-
-/// What unsaturated soil feels at a place, `S_e p` (Pa), and how much of the unsaturated soil up to the surface a `depth` (m) above is
-/// wet, m. Water at rest weighs `rise` per volume along the vertical axis, Pa/m.
-fn unsaturated_above(
-    scene: &Scene,
-    law: &Retention,
-    place: &[f64; 2],
-    depth: f64,
-    [rise, unit_weight]: [f64; 2],
-) -> (f64, f64) {
-    /// Parts of the depth.
-    const PARTS: u32 = 64;
-    let suction = scene.free_surface.as_ref().and_then(|free| free.suction);
-    let pressure = |y: f64| match (water_above(scene, &[place[0], y]), suction) {
-        (above, Some(suction)) if above < 0.0 => -unit_weight * suction,
-        (above, _) => rise * above,
-    };
-    let part = depth / f64::from(PARTS);
-    let moist = |i: u32| law.at(pressure(place[1] + (f64::from(i) + 0.5) * part), unit_weight).wet;
-    let held = (0..PARTS).map(moist).filter(|wet| *wet < 1.0).sum::<f64>() * part;
-    (law.at(pressure(place[1]), unit_weight).wet * pressure(place[1]), held)
 }
 
 /// Shear stress (Pa) on planes along a tilted base beside a total normal stress on them, of an infinite slope:

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::{Course, Fields};
+use crate::seeding;
 use crate::water::retention::Retention;
 
 /// What a side of the soil is fed with.
@@ -35,19 +36,14 @@ pub struct FreeSurfaceWater {
     /// What unsaturated soil holds; without it fronts are sharp.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub retention: Option<Retention>,
-    /// Heads along sides whose head differs from place to place: pairs of a place along the side and a head, m.
-    #[serde(skip_serializing_if = "none_along")]
-    pub heads: [Vec<[f64; 2]>; 4],
+    /// Heads (m) along sides where they differ from place to place, by the place in m.
+    #[serde(skip_serializing_if = "always")]
+    pub heads: [Course; 4],
     /// Sides that are fed: left, right, bottom, top.
     pub feeds: [Option<Feed>; 4],
     /// Courses in time of those with a velocity.
     #[serde(skip_serializing_if = "always")]
     pub courses: [Course; 4],
-}
-
-/// Whether no head differs along its side.
-fn none_along(heads: &[Vec<[f64; 2]>; 4]) -> bool {
-    heads.iter().all(Vec::is_empty)
 }
 
 /// Whether all feeds stay as they are.
@@ -90,6 +86,40 @@ impl Fields {
     /// Porosity that mobile water can fill, n (1 - S_0).
     pub fn mobile_porosity(&self) -> f64 {
         self.porosity * (1.0 - self.free_surface.as_ref().map_or(0.0, |f| f.saturation))
+    }
+
+    /// How far water stands above a place at t = 0, up to the level or to the upper edge of what is wet, m; infinitely where soil is full of
+    /// it, and below zero above a level.
+    pub fn water_above(&self, place: &[f64; 2]) -> f64 {
+        let Some(free) = &self.free_surface else { return f64::INFINITY };
+        let in_wet = free.wet.as_ref().map(|wet| seeding::depth(wet, place)).filter(|depth| *depth > 0.0);
+        in_wet.or(free.level.map(|level| level - place[1])).unwrap_or(f64::NEG_INFINITY)
+    }
+
+    /// Pressure of the water of unsaturated soil at a place at t = 0, Pa: that of water at rest, or of the suction that is given.
+    pub fn first_pressure(&self, place: &[f64; 2]) -> f64 {
+        let unit_weight = self.water.map_or(0.0, |water| water.unit_weight);
+        match (self.water_above(place), self.free_surface.as_ref().and_then(|free| free.suction)) {
+            (above, Some(suction)) if above < 0.0 => -unit_weight * suction,
+            (above, _) => -self.water_weight()[1] * above,
+        }
+    }
+
+    /// What unsaturated soil feels of it, `S_e p`, Pa; `None` without a retention.
+    pub fn first_felt(&self, place: &[f64; 2]) -> Option<f64> {
+        let (law, pressure) = (self.free_surface.as_ref()?.retention?, self.first_pressure(place));
+        Some(law.at(pressure, self.water?.unit_weight).wet * pressure)
+    }
+
+    /// How much of the height between two levels above the base (m) mobile water fills in unsaturated soil at a place along x at t = 0, m;
+    /// `None` without a retention.
+    pub fn soaked(&self, x: f64, [low, high]: [f64; 2]) -> Option<f64> {
+        /// Parts of the height.
+        const PARTS: u32 = 64;
+        let (law, unit_weight) = (self.free_surface.as_ref()?.retention?, self.water?.unit_weight);
+        let part = (high - low) / f64::from(PARTS);
+        let wet = |i: u32| law.at(self.first_pressure(&[x, low + (f64::from(i) + 0.5) * part]), unit_weight).wet;
+        Some((0..PARTS).map(wet).sum::<f64>() * part)
     }
 
     /// Weight of water per volume along each axis, rho_w g, Pa/m.

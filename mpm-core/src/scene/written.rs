@@ -285,10 +285,10 @@ impl Fields {
         for (side, feed) in Side::ALL.into_iter().zip(free.feeds) {
             let key = |name| format!("water.free_surface.feed.{side}.{name}");
             match feed {
-                Some(Feed::Head(_)) if !free.heads[side as usize].is_empty() => {
-                    out.put(&key("heads"), &free.heads[side as usize])?;
-                }
-                Some(Feed::Head(head)) => out.put(&key("head"), head)?,
+                Some(Feed::Head(head)) => match &free.heads[side as usize] {
+                    Course::Times(heads) => out.put(&key("heads"), heads)?,
+                    _ => out.put(&key("head"), head)?,
+                },
                 Some(Feed::Velocity { speed, height }) => {
                     out.put(&key("velocity"), speed)?;
                     // Rain falls on all soil under the sky.

@@ -135,7 +135,11 @@ impl<const D: usize> AdvectedWater<D> {
             })
             .collect();
         match medium.retention {
-            Some(law) => water.soak(&law, &first_pressures(scene, grid, &medium)),
+            Some(law) => {
+                let middle = |position: [usize; D]| in_two(&position.map(|i| (i as f64 + 0.5) * grid.size));
+                let first: Vec<f64> = grid.walk().map(|(_, at)| scene.first_pressure(&middle(at))).collect();
+                water.soak(&law, &first);
+            }
             None => water.fill(&content),
         }
         let cells = grid.cell_count();
@@ -311,20 +315,6 @@ fn fed_along<const D: usize>(scene: &Scene, mesh: [usize; D]) -> Along {
         }
         _ => Vec::new(),
     })
-}
-
-/// Pressures at the centres of cells of unsaturated soil at t = 0, Pa: those of water at rest below and above its level or inside what is
-/// wet, elsewhere the given suction.
-fn first_pressures<const D: usize>(scene: &Scene, grid: &Grid<D>, medium: &Medium<D>) -> Vec<f64> {
-    let Some(free) = &scene.free_surface else { return Vec::new() };
-    let of = |position: [usize; D]| {
-        let middle = in_two(&position.map(|i| (i as f64 + 0.5) * grid.size));
-        let wet = free.wet.as_ref().map(|wet| seeding::depth(wet, &middle)).filter(|depth| *depth > 0.0);
-        let suction = free.suction.map_or(0.0, |suction| -medium.unit_weight * suction);
-        let below = wet.or(free.level.map(|level| level - middle[1]));
-        below.map_or(suction, |below| medium.rise() * below)
-    };
-    grid.walk().map(|(_, position)| of(position)).collect()
 }
 
 /// Share of a cell that is wet at t = 0.

@@ -9,8 +9,8 @@ use crate::seeding;
 use crate::water::free_surface::LEAST_OPEN;
 use crate::water::retention::Retention;
 
-/// Heads along the sides of a scene.
-type Heads = [Vec<[f64; 2]>; 4];
+/// Courses along or for the sides of a scene.
+type Courses = [Course; 4];
 
 impl Reader<'_> {
     pub(super) fn coupling(&self, stage: &RawStage) -> Checked<Coupling> {
@@ -141,8 +141,8 @@ impl Reader<'_> {
         feeds: &RawFeeds,
         scene: &Fields,
         unsaturated: bool,
-    ) -> Checked<([Option<Feed>; 4], [Course; 4], Heads)> {
-        let (mut checked, mut courses, mut heads) = ([None; 4], <[Course; 4]>::default(), Heads::default());
+    ) -> Checked<([Option<Feed>; 4], Courses, Courses)> {
+        let (mut checked, mut courses, mut heads) = ([None; 4], Courses::default(), Courses::default());
         let raw = [&feeds.left, &feeds.right, &feeds.bottom, &feeds.top];
         for (side, raw) in Side::ALL.into_iter().zip(raw) {
             if let Some(raw) = raw {
@@ -150,7 +150,7 @@ impl Reader<'_> {
                     Some(list) => {
                         heads[side as usize] = self.heads(list, side, raw.get_ref(), unsaturated)?;
                         Feed::Head(
-                            heads[side as usize].iter().fold(f64::NEG_INFINITY, |most, [_, head]| most.max(*head)),
+                            list.get_ref().iter().map(|pair| pair.get_ref()[1]).fold(f64::NEG_INFINITY, f64::max),
                         )
                     }
                     None => self.feed(raw, side, scene, unsaturated)?,
@@ -164,7 +164,7 @@ impl Reader<'_> {
     }
 
     /// Heads along the bottom or the top.
-    fn heads(&self, list: &Pairs, side: Side, raw: &RawFeed, unsaturated: bool) -> Checked<Vec<[f64; 2]>> {
+    fn heads(&self, list: &Pairs, side: Side, raw: &RawFeed, unsaturated: bool) -> Checked<Course> {
         let key = format!("water.free_surface.feed.{side}.heads");
         if raw.head.is_some() || raw.velocity.is_some() || raw.height.is_some() || raw.times.is_some() {
             return self.refuse(&list.span(), &key, "heads alone, or head, or velocity", "several");
@@ -173,10 +173,7 @@ impl Reader<'_> {
             let expected = "heads along the bottom or the top of soil with a [water.free_surface.retention]";
             return self.refuse(&list.span(), &key, expected, side);
         }
-        match self.times(&key, "pairs [x (m), head (m)], places that ascend", list)? {
-            Course::Times(pairs) => Ok(pairs),
-            _ => Ok(Vec::new()),
-        }
+        self.times(&key, "pairs [x (m), head (m)], places that ascend", list)
     }
 
     /// Course of a velocity in time.

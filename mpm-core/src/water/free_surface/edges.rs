@@ -5,7 +5,7 @@ use super::soil::SoilMap;
 use super::{Standing, Surroundings};
 use crate::dimension::in_two;
 use crate::grid::Grid;
-use crate::scene::Feed;
+use crate::scene::{Course, Feed};
 
 /// What is outside a face.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,16 +89,6 @@ pub fn beyond(found: &[f64], exact: &[f64]) -> Vec<f64> {
     beyond
 }
 
-/// The value at a place of pairs of place and value, constant before and after.
-fn interpolate(pairs: &[[f64; 2]], at: f64) -> f64 {
-    let after = pairs.partition_point(|[x, _]| *x <= at);
-    match (after.checked_sub(1).map(|i| pairs[i]), pairs.get(after).copied()) {
-        (Some([x0, y0]), Some([x1, y1])) => y0 + (at - x0) / (x1 - x0) * (y1 - y0),
-        (Some([_, y]), None) | (None, Some([_, y])) => y,
-        (None, None) => f64::NAN,
-    }
-}
-
 /// Distance from the centre of a cell to the outline, in cells: half a cell from a full one to a void, less where the
 /// cells beside the outline are filled in part.
 fn to_outline(share: f64, beyond: f64) -> f64 {
@@ -169,11 +159,11 @@ pub fn edges<const D: usize>(
                     }
                     let along: usize = (0..D).filter(|d| *d != axis).map(|d| position[d]).sum();
                     let opens = here > 0.0 && (sides[side] || (side == 3 && rain.is_some()));
-                    let feed = match feeds[side] {
-                        Some(Feed::Head(_)) if !heads[side].is_empty() => {
-                            Some(Feed::Head(interpolate(&heads[side], in_two(&middle)[0])))
+                    let feed = match (feeds[side], &heads[side]) {
+                        (Some(Feed::Head(_)), Course::Times(_)) => {
+                            Some(Feed::Head(heads[side].at(in_two(&middle)[0], 0.0)))
                         }
-                        feed => feed,
+                        (feed, _) => feed,
                     };
                     let fed = feed.or(level).filter(|_| here > 0.0).and_then(|feed| {
                         fed(medium, &feed, (axis, upper), &position, (here, more(side, along)), face_area)

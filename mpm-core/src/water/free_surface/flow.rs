@@ -258,7 +258,7 @@ pub struct System {
 
 /// Share of the conductance that ties a full cell to its last pressure. Full cells that no path joins to the outside would have
 /// any pressure; what it costs in volume the next step makes good.
-const TIE: f64 = 1e-9;
+pub(super) const TIE: f64 = 1e-9;
 
 /// What a step is to be made of.
 pub struct Terms<'a, const D: usize> {

@@ -22,7 +22,7 @@ pub use soil::{LEAST_OPEN, LEAST_SHARE, SoilMap};
 
 use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::grid::Grid;
-use crate::scene::{FaceLoad, Feed};
+use crate::scene::{Course, FaceLoad, Feed};
 use crate::soils::Soils;
 use crate::sparse::Unsolved;
 use crate::water::retention::Retention;
@@ -118,8 +118,8 @@ pub struct Surroundings {
     pub open: [bool; 4],
     /// Sides that are fed.
     pub feeds: [Option<Feed>; 4],
-    /// Heads along the bottom and the top where they differ from place to place: pairs of x and a head, m.
-    pub heads: [Vec<[f64; 2]>; 4],
+    /// Heads (m) that differ along the bottom and the top: by their place in m.
+    pub heads: [Course; 4],
     /// Whether left and right are the same place.
     pub periodic: bool,
     /// Water at rest before faces of the soil.
@@ -128,7 +128,7 @@ pub struct Surroundings {
 
 /// No heads that differ along their side.
 #[cfg(test)]
-const NO_HEADS: [Vec<[f64; 2]>; 4] = [const { Vec::new() }; 4];
+const NO_HEADS: [Course; 4] = [const { Course::Constant }; 4];
 
 /// Water at rest before faces of the soil.
 #[derive(Debug, Clone, PartialEq)]
@@ -246,7 +246,9 @@ impl<const D: usize> FreeSurface<D> {
         self.leaks.resize(self.edges.len(), Linear::default());
         self.left.clear();
         self.left.resize(self.edges.len(), 0.0);
-        if let Some(room) = &mut self.room {
+        if self.medium.retention.is_some() {
+            // Moving soil needs it too, before any step of the water alone.
+            let room = self.room.get_or_insert_with(|| Box::new(Unsaturated::new(self.content.len())));
             room.surround(&self.edges, &self.rained);
         }
         let cells = grid.cell_count();
@@ -387,10 +389,6 @@ impl<const D: usize> FreeSurface<D> {
             self.full[cell] = self.soil.is_soil(cell) && content[cell] >= (1.0 - ROUND) * self.pores(cell);
         }
         self.classify();
-        if let Some(law) = self.medium.retention {
-            self.suctions(&law);
-            return;
-        }
         let rise = self.medium.rise() * self.medium.size;
         let ponds = self.under_ponds();
         // From the top down: each full cell carries the water above it.
@@ -576,13 +574,9 @@ impl<const D: usize> FreeSurface<D> {
         if !std::mem::take(&mut self.stale) {
             return Ok(());
         }
-        let cells = self.content.len();
-        if self.medium.retention.is_some() {
-            let mut room = Unsaturated::new(cells, &self.links)?;
-            room.surround(&self.edges, &self.rained);
-            self.room = Some(Box::new(room));
-        } else {
-            self.system = System::new(cells, &self.links)?;
+        match &mut self.room {
+            Some(room) => room.link(&self.links)?,
+            None => self.system = System::new(self.content.len(), &self.links)?,
         }
         Ok(())
     }

@@ -459,9 +459,9 @@ impl<const D: usize> FreeSurface<D> {
     /// Flows from the state at the start of a step.
     fn before_motion(&mut self, dt: f64) {
         self.classify();
-        // Suction stays what it was while the soil moves: what it holds is found anew where the water is carried along.
-        let held = self.medium.retention.is_some();
-        for cell in (0..self.kind.len()).filter(|_| !held) {
+        // Suction stays what it was while the soil moves: it is found anew where the water is carried along.
+        let cells = if self.medium.retention.is_some() { 0 } else { self.kind.len() };
+        for cell in 0..cells {
             self.wet[cell] = self.wet_share(cell).clamp(0.0, 1.0);
             self.pressure[cell] = match self.kind[cell] {
                 Kind::Full => self.pressure[cell],
@@ -480,13 +480,14 @@ impl<const D: usize> FreeSurface<D> {
             if !self.soil.is_soil(cell) {
                 continue;
             }
-            let level = match self.medium.retention {
-                Some(_) => -self.medium.above_middle(self.soil.share[cell]),
-                None => self.medium.standing_pressure(1.0, self.soil.share[cell]),
+            let share = self.soil.share[cell];
+            let least = match self.medium.retention {
+                Some(_) => -self.medium.above_middle(share),
+                None => self.least_pressure(cell, self.medium.standing_pressure(1.0, share), &self.content),
             };
             match self.kind[cell] {
                 Kind::Full => {
-                    if self.pressure[cell] < self.least_pressure(cell, level, &self.content) - slack {
+                    if self.pressure[cell] < least - slack {
                         self.full[cell] = false;
                     }
                 }
@@ -509,6 +510,7 @@ mod tests {
     use crate::dimension::{PRESSURE, internal_force};
     use crate::particles::{Layer, SolidPoint, even_positions};
     use crate::soils::Soils;
+    use crate::water::retention::Retention;
 
     const H: f64 = 0.5;
     const N: f64 = 0.3;
@@ -637,6 +639,33 @@ mod tests {
         }
         assert!(worst < 1e-8, "{worst:e}");
         assert!((water.stored() - pores.iter().sum::<f64>()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn suction_at_rest_keeps_its_water_in_a_step_of_soil_before_any_of_the_water() {
+        let (grid, mut water, mut squeeze, soil) = full(1e-9);
+        let law = Retention::Gardner { alpha: 2.0 };
+        water.medium.retention = Some(law);
+        let around =
+            Surroundings { open: [false; 4], feeds: [None; 4], heads: NO_HEADS, periodic: false, standing: Vec::new() };
+        water.surround(&grid, &around);
+        // A level in the middle of the block.
+        let rest: Vec<f64> = grid.walk().map(|(_, at)| 9810.0 * (0.75 - (at[1] as f64 + 0.5) * H)).collect();
+        water.soak(&law, &rest);
+        let first = water.content.clone();
+        let inverse = vec![[0.0; 2]; grid.node_count()];
+        let leader: Vec<u32> = (0..grid.node_count() as u32).collect();
+        let pushed = Pushed { grid: &grid, inverse: &inverse, leader: &leader };
+        for implicit in [true, false] {
+            let mut motion = Motion::at_rest(grid.node_count());
+            let step = MovingStep { dt: 1e3, implicit, bulk_modulus: KW, smoothing: 0.0 };
+            squeeze.press(&mut water, &soil, &pushed, &mut motion, &step).unwrap();
+        }
+        for (cell, first) in first.iter().enumerate() {
+            // What full cells take for the compression of their water comes by and by.
+            let moved = (water.content[cell] - first) / water.pores(cell);
+            assert!(moved.abs() < 1e-4, "cell {cell}: {moved:e}");
+        }
     }
 
     #[test]

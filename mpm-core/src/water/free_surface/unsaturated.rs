@@ -12,7 +12,7 @@
 //! What is left of a residual is in the content and so in the next step, and no water is made or lost.
 
 use super::edges::{Edge, Outside, Rained};
-use super::flow::{Linear, Medium};
+use super::flow::{Linear, Medium, TIE};
 use super::{FreeSurface, Link, NoFlow};
 use crate::sparse::{Factor, Ordering, Signs, Sparse, Unsolved};
 use crate::water::retention::{Moist, Retention};
@@ -33,14 +33,12 @@ const NEARLY_FULL: f64 = 0.9;
 const SLOW: f64 = 1e-2;
 /// How much an iteration may dry a cell, in shares of its pores.
 const DRIES: f64 = 0.2;
-/// Share of the conductance that ties full cells to their last pressure, where nothing else holds it.
-const TIE: f64 = 1e-9;
 
 /// Room for a step.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Unsaturated {
-    matrix: Sparse,
-    factor: Factor,
+    /// The system of a stage: none before the first, and where the links have changed.
+    system: Option<(Sparse, Factor)>,
     /// Residuals, m3/s, and corrections, Pa.
     residual: Vec<f64>,
     correction: Vec<f64>,
@@ -150,24 +148,24 @@ impl<const D: usize> Medium<D> {
 }
 
 impl Unsaturated {
-    /// Room for so many cells, joined by links.
+    /// Room for so many cells.
+    pub fn new(cells: usize) -> Self {
+        let zeros = || vec![0.0; cells];
+        let moist = vec![Moist::FULL; cells];
+        Self { residual: zeros(), correction: zeros(), base: zeros(), moist, ..Self::default() }
+    }
+
+    /// Makes the system that of other links.
     ///
     /// # Errors
     /// Out of memory.
-    pub fn new(cells: usize, links: &[Link]) -> Result<Self, Unsolved> {
-        let matrix = Sparse::general(cells, links.iter().map(|link| (link.low as usize, link.high as usize)));
+    pub(super) fn link(&mut self, links: &[Link]) -> Result<(), Unsolved> {
+        let pairs = links.iter().map(|link| (link.low as usize, link.high as usize));
+        let matrix = Sparse::general(self.moist.len(), pairs);
         let factor = Factor::new(&matrix, Signs::Unknown, Ordering::MinimumDegree)?;
-        Ok(Self {
-            matrix,
-            factor,
-            residual: vec![0.0; cells],
-            correction: vec![0.0; cells],
-            moist: vec![Moist::FULL; cells],
-            base: vec![0.0; cells],
-            through: [vec![0.0; links.len()], vec![0.0; links.len()]],
-            out: Default::default(),
-            rain: Vec::new(),
-        })
+        self.system = Some((matrix, factor));
+        self.through = [vec![0.0; links.len()], vec![0.0; links.len()]];
+        Ok(())
     }
 
     /// Takes note of where rain falls.
@@ -201,7 +199,7 @@ impl Unsaturated {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.matrix.bytes() + self.factor.bytes()
+        self.system.as_ref().map_or(0, |(matrix, factor)| matrix.bytes() + factor.bytes())
     }
 }
 
@@ -224,6 +222,7 @@ impl<const D: usize> FreeSurface<D> {
         let cells = self.kind.len();
         let scale = self.medium.conductance;
         let p = &mut self.system.pressure;
+        let Some((matrix, factor)) = &mut room.system else { return false };
         let mut last = f64::INFINITY;
         for _ in 0..ITERATIONS {
             for cell in 0..cells {
@@ -231,10 +230,10 @@ impl<const D: usize> FreeSurface<D> {
                     room.moist[cell] = self.medium.moist(law, p[cell], self.soil.share[cell]);
                 }
             }
-            room.matrix.values.fill(0.0);
+            matrix.values.fill(0.0);
             for cell in 0..cells {
                 if !self.soil.is_soil(cell) {
-                    room.matrix.add(cell, cell, scale);
+                    matrix.add(cell, cell, scale);
                     room.residual[cell] = 0.0;
                     continue;
                 }
@@ -242,7 +241,7 @@ impl<const D: usize> FreeSurface<D> {
                 let tie = if moist.capacity == 0.0 { TIE * scale } else { 0.0 };
                 room.residual[cell] =
                     (pores * moist.wet - room.base[cell]) / tau + tie * (p[cell] - self.pressure[cell]);
-                room.matrix.add(cell, cell, pores * moist.capacity / tau + tie);
+                matrix.add(cell, cell, pores * moist.capacity / tau + tie);
             }
             for (link, kept) in self.links.iter().zip(&mut room.through[stage]) {
                 let (a, b) = (link.low as usize, link.high as usize);
@@ -250,17 +249,17 @@ impl<const D: usize> FreeSurface<D> {
                 *kept = found.flow;
                 room.residual[a] += found.flow;
                 room.residual[b] -= found.flow;
-                room.matrix.add(a, a, found.low);
-                room.matrix.add(a, b, found.high);
-                room.matrix.add(b, b, -found.high);
-                room.matrix.add(b, a, -found.low);
+                matrix.add(a, a, found.low);
+                matrix.add(a, b, found.high);
+                matrix.add(b, b, -found.high);
+                matrix.add(b, a, -found.low);
             }
             for (i, edge) in self.edges.iter().enumerate() {
                 let cell = edge.cell as usize;
                 let found = self.medium.seeps(law, edge, p[cell], &room.moist[cell], room.rain[i]);
                 room.out[stage][i] = found.flow;
                 room.residual[cell] += found.flow;
-                room.matrix.add(cell, cell, found.low);
+                matrix.add(cell, cell, found.low);
             }
             let mut worst: f64 = 0.0;
             for cell in 0..cells {
@@ -277,8 +276,8 @@ impl<const D: usize> FreeSurface<D> {
             }
             last = last.min(worst);
             room.residual.iter_mut().for_each(|r| *r = -*r);
-            let solved = room.factor.refresh(&room.matrix);
-            if solved.and_then(|()| room.factor.solve(&room.matrix, &room.residual, &mut room.correction)).is_err() {
+            let solved = factor.refresh(matrix);
+            if solved.and_then(|()| factor.solve(matrix, &room.residual, &mut room.correction)).is_err() {
                 return false;
             }
             for cell in 0..cells {
