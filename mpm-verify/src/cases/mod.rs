@@ -96,6 +96,7 @@ const PROGRAMS: &[Program] = &[
     slopes::ACADS_1C,
     slopes::FALLING_WATER,
     slopes::DAVIS,
+    slopes::SIMILAR,
     wetting::BALANCE,
     infinite_slope::ASSOCIATED,
     infinite_slope::WITHOUT_DILATION,

@@ -45,6 +45,14 @@ pub const DAVIS: Program = Program {
     }),
 };
 
+/// Size and stiffness do not matter by themselves.
+pub const SIMILAR: Program = Program {
+    name: "slope-similar",
+    about: "factor of safety of a slope ten times as large, and of soil ten times as stiff: as it was, within 0.01",
+    run: || similar(TIMES),
+    mutant: Some(Mutant { what: "cohesion 20 % short of what the size asks for", run: || similar(0.8 * TIMES) }),
+};
+
 /// A published slope on its coarser mesh, the friction angles wrong by a factor.
 fn scene(slope: &Published, friction: f64) -> Result<Scene, Error> {
     let text = SLOPES.iter().find(|(name, _)| *name == slope.name).ok_or(Lacks("scene of that name"))?.1;
@@ -106,6 +114,43 @@ fn davis(exact: fn(f64, f64) -> f64) -> Result<Outcome, Error> {
         required_error: 0.01,
         refined_by: RUNS,
         notes: notes.map(|(what, factor)| (what.to_owned(), factor, "-".to_owned())).to_vec(),
+        ..Outcome::default()
+    })
+}
+
+/// How much larger and stiffer the slopes of [`SIMILAR`] are.
+const TIMES: f64 = 10.0;
+
+/// The associated factor of one soil against that of a slope of more size, its cohesion so many times what it was, and of stiffer soil.
+/// Weight over stiffness is ten times what it was in the first, a tenth in the second.
+fn similar(cohesion: f64) -> Result<Outcome, Error> {
+    let all = published()?;
+    let slope = all.iter().find(|slope| slope.name == "acads-1a").ok_or(Lacks("slope of that name"))?;
+    let small = scene(slope, 1.0)?;
+    let points: Vec<[f64; 2]> = small.outline_or_box().into_iter().map(|point| point.map(|x| TIMES * x)).collect();
+    let number = |key: &str| small.number(key).ok_or(Lacks("strength of one soil"));
+    let (c, modulus) = ("soil.law.mohr_coulomb.cohesion", "soil.law.mohr_coulomb.youngs_modulus");
+    let large = small.patched(&[
+        ("geometry.outline.points", points.into()),
+        ("mesh.cell", (TIMES * small.cell).into()),
+        (c, (cohesion * number(c)?).into()),
+    ])?;
+    let stiff = small.patched(&[(modulus, TIMES * number(modulus)?)].map(|(key, value)| (key, value.into())))?;
+    let search = Search { by: Reduction::Associated, within: 0.25 * WITHIN, guess: slope.factor };
+    let factor = |scene: &Scene| {
+        let found = State::after(scene, 0.0)?.factor(&search, &mut |_, _| ())?.bracket;
+        Ok::<f64, Error>(0.5 * (found.low + found.high))
+    };
+    let [small, large, stiff] = [factor(&small)?, factor(&large)?, factor(&stiff)?];
+    let notes = [("as published", small), ("ten times as large", large), ("ten times as stiff", stiff)];
+    Ok(Outcome {
+        integrator: "staggered".to_owned(),
+        scheme: "centroid".to_owned(),
+        errors: vec![(1.0, worst([large - small, stiff - small].into_iter()))],
+        required_error: 0.01,
+        refined_by: RUNS,
+        notes: notes.map(|(what, factor)| (what.to_owned(), factor, "-".to_owned())).to_vec(),
+        kind: Label::Regression,
         ..Outcome::default()
     })
 }

@@ -5,7 +5,7 @@ use mpm_core::scene::{Flags, Scene};
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
 use mpm_verify::slope::page::{Shown, said};
-use mpm_verify::slope::{RULES, State, guesses, ladder};
+use mpm_verify::slope::{RULES, State, guesses, ladder, warnings};
 
 use super::{Failure, chosen};
 use crate::Common;
@@ -79,6 +79,9 @@ fn one(
         common.say(&format!("strength reduction, {name:<12} {}  ({:.3} to {:.3}, {steps})", said(b), b.low, b.high));
     }
     common.say(&shown.lead());
+    for warning in warnings(scene) {
+        common.say(&format!("warning: {warning}"));
+    }
     if let Err(why) = &slices {
         common.say(&format!("no limit equilibrium: {why}"));
     }

@@ -140,7 +140,7 @@ pub fn compute(
 
 /// Factors of the slope without end that the slope is like at its toe, with the strength and with Davis'.
 fn infinite_slope(scene: &Scene, side: f64, depth: f64) -> [Option<f64>; 2] {
-    let profile = |reduced: f64| Some(Profile::of_scene(scene, side).ok()??.with_davis(reduced));
+    let profile = |reduced: f64| Some(Profile::of_scene(scene, side).ok()??.with_davis(scene, reduced));
     let full = Profile::of_scene(scene, side).ok().flatten().and_then(|profile| profile.toe()?.factor(depth));
     // Davis' strength belongs to the factor that it leads to.
     let excess = |reduced: f64| profile(reduced).and_then(|p| p.toe()?.factor(depth)).map_or(f64::NAN, |f| f - 1.0);

@@ -59,6 +59,15 @@ fn surface(outline: &[[f64; 2]], height: f64) -> Result<Vec<[f64; 2]>, Error> {
     Ok(ground)
 }
 
+/// Strengths of the soils of a scene by their numbers, divided by a factor with a flow rule.
+fn strengths(scene: &Scene, factor: f64, by: Reduction) -> Vec<Option<Strength>> {
+    let of = |strength: mpm_core::scene::Strength| {
+        let reduced = strength.reduced(factor, by);
+        Strength { cohesion: reduced.cohesion, friction: reduced.friction_angle.to_radians() }
+    };
+    scene.ground().soils.iter().map(|soil| soil.strength.map(of)).collect()
+}
+
 /// The water of a scene at some time.
 #[derive(Debug, Clone, Copy)]
 pub struct Water<'a> {
@@ -128,8 +137,8 @@ pub struct Profile {
     moist: f64,
     water: f64,
     gravity: f64,
-    /// By what the strength is divided, with which flow rule.
-    reduced: (f64, Reduction),
+    /// Strengths of the soils by their numbers, divided by what is asked for.
+    strengths: Vec<Option<Strength>>,
     /// Area that a slide must have deeper than the least depth, m2: as strength reduction asks.
     least_deep: f64,
 }
@@ -209,16 +218,16 @@ impl Profile {
             moist: scene.free_surface.as_ref().map_or(0.0, |free| free.saturation) * water,
             water,
             gravity,
-            reduced: (1.0, Reduction::AsGiven),
+            strengths: strengths(scene, 1.0, Reduction::AsGiven),
             least_deep: DEEP * mpm_core::seeding::area(&outline).abs(),
         };
         Ok(profile.lowest_face().is_some().then_some(profile))
     }
 
     /// The same with Davis' strength over a factor.
-    pub fn with_davis(self, factor: f64) -> Self {
+    pub fn with_davis(self, scene: &Scene, factor: f64) -> Self {
         let base = FirmBase { strength: self.base.strength.divided(factor), ..self.base };
-        Self { base, reduced: (factor, Reduction::Davis), ..self }
+        Self { base, strengths: strengths(scene, factor, Reduction::Davis), ..self }
     }
 
     /// x of the scene at x of the profile, m, and the other way round.
@@ -227,9 +236,7 @@ impl Profile {
     }
 
     fn of(&self, x: f64, y: f64) -> Option<Strength> {
-        let (factor, by) = self.reduced;
-        let strength = self.soils.at(&[self.place(x), y]).strength?.reduced(factor, by);
-        Some(Strength { cohesion: strength.cohesion, friction: strength.friction_angle.to_radians() })
+        self.strengths[usize::from(self.soils.zones.at(&[self.place(x), y]))]
     }
 
     /// The lowest part of the surface that falls, from its top to its foot (x, y), m.
@@ -342,7 +349,7 @@ pub fn factors(scene: &Scene, water: &Water, depth: f64) -> Result<[Factors; 2],
         let full = profile.factors(scene, (water, &line), depth);
         // Davis' strength belongs to the factor that it leads to: a fixed point, by secants.
         let method = if full.spencer.is_some() { Method::Spencer } else { Method::Bishop };
-        let reduced = |factor: f64| profile.clone().with_davis(factor);
+        let reduced = |factor: f64| profile.clone().with_davis(scene, factor);
         let ratio = |factor: f64| Some(reduced(factor).critical(scene, (water, &line), depth, method)?.factor - 1.0);
         let first = full.spencer.or(full.bishop).unwrap_or(1.0);
         let mut before = [first, ratio(first).unwrap_or(0.0)];

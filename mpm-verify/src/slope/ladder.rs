@@ -138,8 +138,11 @@ fn one(slope: &Published, folder: &Path) -> Result<Line, Error> {
         Ok::<f64, Error>(0.5 * (found.bracket.low + found.bracket.high))
     };
     let middle = |k: usize| 0.5 * (factors.found[k].bracket.low + factors.found[k].bracket.high);
-    let (associated_coarse, davis_coarse) =
-        (coarse(Reduction::Associated, 1.05 * middle(1))?, coarse(Reduction::Davis, 1.05 * middle(0))?);
+    let rules = [Reduction::Davis, Reduction::Associated];
+    let (first, of) = on_coarse.distinct(rules);
+    let found_coarse = first.iter().map(|place| coarse(rules[*place], 1.05 * middle(*place)));
+    let found_coarse = found_coarse.collect::<Result<Vec<_>, _>>()?;
+    let [davis_coarse, associated_coarse] = of.map(|place| found_coarse[place]);
     let (spencer, any_shape) = slices.as_ref().map_or((None, None), |s| (s[0].spencer, s[0].any_shape));
     let mut line = Line {
         name: slope.name.clone(),

@@ -9,10 +9,11 @@ pub mod page;
 
 use mpm_core::failure::{Bracket, Driver, Found, Scales, Search, Trial};
 use mpm_core::observe::Frame;
-use mpm_core::scene::{Reduction, Scene};
+use mpm_core::scene::{Reduction, Region, Scene};
 
-use crate::error::Error::{self, Lacks, Unfit};
+use crate::error::Error::{self, Unfit};
 use crate::experiment::pool;
+use crate::report::numbers::short;
 
 /// The flow rules, the headline first, with what they are called.
 pub const RULES: [(Reduction, &str); 3] =
@@ -98,20 +99,76 @@ impl<'a> State<'a> {
         jobs: usize,
         progress: &(dyn Fn(&str) + Sync),
     ) -> Result<Factors, Error> {
-        let one = |place: usize, (by, name): &(Reduction, &str)| {
+        let (first, of) = self.distinct(RULES.map(|(by, _)| by));
+        let one = |_: usize, place: &usize| {
+            let (by, name) = RULES[*place];
             let mut tell = |b: &Bracket, trial: &Trial| {
                 progress(&format!(
                     "{name}: with its strength over {} it {} after {} steps (speed {:.2e}, stored {:.2e}); between {:.3} and {:.3}",
                     trial.factor, trial.outcome, trial.steps, trial.speed, trial.stored, b.low, b.high
                 ));
             };
-            self.factor(&Search { by: *by, within, guess: guesses[place] }, &mut tell)
+            self.factor(&Search { by, within, guess: guesses[*place] }, &mut tell)
         };
-        let mut found = pool::each(jobs, &RULES, one, |_, _| ()).into_iter().map(|found| found.and_then(|found| found));
-        let mut next = || found.next().unwrap_or(Err(Lacks("result")));
-        let [davis, associated, given] = [next(), next(), next()];
-        Ok(Factors { found: [davis?, associated?, given?] })
+        let found = pool::each(jobs, &first, one, |_, _| ()).into_iter().map(|found| found.and_then(|found| found));
+        let found = found.collect::<Result<Vec<_>, _>>()?;
+        Ok(Factors { found: of.map(|place| found[place].clone()) })
     }
+
+    /// Places of the flow rules that differ from those before them in this scene, and for each rule which of these it is: without friction,
+    /// or where the soil dilates as much as it rubs, some are the same.
+    pub fn distinct<const N: usize>(&self, rules: [Reduction; N]) -> (Vec<usize>, [usize; N]) {
+        let soils = self.scene.soils();
+        let same = |a: Reduction, b: Reduction| {
+            soils.iter().filter_map(|soil| soil.strength).all(|strength| {
+                let [a, b] = [a, b].map(|by| strength.reduced(OTHER, by));
+                let near = |a: f64, b: f64| (a - b).abs() <= ROUND_OFF * a.abs();
+                near(a.cohesion, b.cohesion)
+                    && near(a.friction_angle, b.friction_angle)
+                    && near(a.dilation_angle, b.dilation_angle)
+                    && a.dilation_fades_over == b.dilation_fades_over
+            })
+        };
+        let mut first: Vec<usize> = Vec::new();
+        let of = std::array::from_fn(|place| {
+            let earlier = first.iter().position(|other| same(rules[*other], rules[place]));
+            earlier.unwrap_or_else(|| {
+                first.push(place);
+                first.len() - 1
+            })
+        });
+        (first, of)
+    }
+}
+
+/// What the mesh of a scene is too coarse for, in words: layers and regions of few cells across. All soils in a cell are strained alike, so that it
+/// bears what the stronger ones bear, and a weak seam slides only along cells that lie in it.
+pub fn warnings(scene: &Scene) -> Vec<String> {
+    let bases = std::iter::once(0.0).chain(scene.layers.iter().map(|layer| layer.up_to));
+    let layers = scene.layers.iter().zip(bases).map(|(layer, base)| ("layer", layer.up_to - base));
+    // Of a band as long as it is thick, half of that; of a long one, its thickness.
+    let regions = scene.regions.iter().map(|Region { polygon, .. }| {
+        let around: f64 = (0..polygon.len())
+            .map(|i| {
+                let (a, b) = (polygon[i], polygon[(i + 1) % polygon.len()]);
+                (b[0] - a[0]).hypot(b[1] - a[1])
+            })
+            .sum();
+        ("region", 2.0 * mpm_core::seeding::area(polygon).abs() / around)
+    });
+    let layers = layers.enumerate();
+    let all = layers.chain(regions.enumerate()).filter(|(_, (_, thickness))| *thickness < ACROSS * scene.cell);
+    all.map(|(place, (kind, thickness))| {
+        let (across, cell) = (thickness / scene.cell, short(thickness / ACROSS, 1));
+        format!(
+            "{kind} {} is some {} m thick, {} cells: if it is weak, what strength reduction finds is too high; on cells of {cell} m it has {ACROSS} \
+             across",
+            place + 1,
+            short(thickness, 2),
+            short(across, 2),
+        )
+    })
+    .collect()
 }
 
 /// A run whose soil has come to rest with the strength that the lowest factor needs.
@@ -133,6 +190,12 @@ pub fn guesses(slices: &Result<[equilibrium::Factors; 2], Error>) -> [f64; 3] {
     let above = |factor: Option<f64>| factor.map_or(1.0, |factor| ABOVE * factor);
     [above(davis), above(full), above(full)]
 }
+
+/// Cells across a layer from which on it bears hardly more than its own strength.
+const ACROSS: f64 = 4.0;
+/// A factor at which flow rules are compared, and how close strengths are that are the same.
+const OTHER: f64 = 1.5;
+const ROUND_OFF: f64 = 1e-12;
 
 /// See [`guesses`].
 const ABOVE: f64 = 1.06;

@@ -55,7 +55,13 @@ impl Shown<'_> {
         let slices = match self.slices {
             Ok([full, davis]) => {
                 let text = |f: Option<f64>| f.map_or_else(|| "none".to_owned(), |f| format!("{f:.2}"));
-                format!(" Spencer's method: {}, with Davis' strength {}.", text(full.spencer), text(davis.spencer))
+                format!(
+                    " Spencer's method: {} on a circle, {} on a surface of any shape; with Davis' strength {} and {}.",
+                    text(full.spencer),
+                    text(full.any_shape),
+                    text(davis.spencer),
+                    text(davis.any_shape)
+                )
             }
             Err(_) => String::new(),
         };
@@ -199,7 +205,9 @@ impl Shown<'_> {
         });
         tables::table(&folder.join("factors.csv"), "method,fs_low,fs_high", reduction.chain(slices))?;
         let map = self.map();
-        let mut page = Page::new(format!("Factor of safety: {}", self.scene.name)).lead(self.lead());
+        let mut page = Page::new(format!("Factor of safety: {}", self.scene.name))
+            .lead(self.lead())
+            .warnings(super::warnings(self.scene));
         if !map.points.is_empty() {
             draw(&map, &plots)?;
             page = page.section(Section::new("mechanism", "How it slides").figure(&figure(&map)));
