@@ -125,7 +125,7 @@ pub struct Row {
     /// What no entry explains, J.
     #[serde(alias = "energy_closing_j")]
     pub energy_residual_j: f64,
-    /// The same as a share of the works and losses recorded.
+    /// The same as a share of the largest work, loss or kinetic energy recorded so far. Works change their sign: soil rises and settles.
     pub energy_error: f64,
     /// How far any stress was outside the yield surface so far, as a share of the strength.
     pub yield_residual: f64,
@@ -149,17 +149,8 @@ impl Row {
         let water = state.water.unwrap_or_default();
         let [checkerboard, hourglass] = model.unevenness();
         let (mapping_j, energy_residual_j) = (balance.transfer_loss_j, balance.energy_residual_j);
-        let booked = [
-            balance.gravity_work_j,
-            balance.pressure_work_j,
-            balance.plastic_dissipation_j,
-            balance.base_friction_j,
-            balance.damping_loss_j,
-            balance.kinetic_j,
-        ];
-        let scale = booked.iter().fold(0.0, |most: f64, part| most.max(part.abs()));
         let first_water = driver.first_water();
-        Self {
+        let row = Self {
             time_h: driver.hours(),
             phase: driver.phase,
             front_x_m: model.front(super::towards(&driver.outline)),
@@ -186,14 +177,29 @@ impl Row {
             damping_j: balance.damping_loss_j,
             mapping_j,
             energy_residual_j,
-            energy_error: if scale > 0.0 { energy_residual_j.abs() / scale } else { 0.0 },
+            energy_error: 0.0,
             yield_residual: balance.yield_residual_max.unwrap_or(0.0),
             checkerboard,
             hourglass,
             water_particles: water.particles,
             steps: driver.steps.all(),
             levels: driver.failure.levels.iter().map(|x| model.level(*x)).collect(),
-        }
+        };
+        let largest = driver.rows.iter().map(Self::largest_energy).fold(row.largest_energy(), f64::max);
+        Self { energy_error: if largest > 0.0 { energy_residual_j.abs() / largest } else { 0.0 }, ..row }
+    }
+
+    /// The largest of the works and losses and the kinetic energy, J.
+    fn largest_energy(&self) -> f64 {
+        let all = [
+            self.gravity_work_j,
+            self.pressure_work_j,
+            self.plastic_j,
+            self.friction_j,
+            self.damping_j,
+            self.kinetic_j,
+        ];
+        all.iter().fold(0.0, |most: f64, part| most.max(part.abs()))
     }
 }
 

@@ -102,7 +102,8 @@ impl Slide {
         for _ in 0..steps {
             let here = left(factor, lambda);
             let (by_factor, by_lambda) = (left(factor * (1.0 + share), lambda), left(factor, lambda + share));
-            let [a, b] = [0, 1].map(|k| [(by_factor[k] - here[k]) / (share * factor), (by_lambda[k] - here[k]) / share]);
+            let [a, b] =
+                [0, 1].map(|k| [(by_factor[k] - here[k]) / (share * factor), (by_lambda[k] - here[k]) / share]);
             let determinant = a[0] * b[1] - a[1] * b[0];
             let step = [b[1] * here[0] - a[1] * here[1], a[0] * here[1] - b[0] * here[0]].map(|x| x / determinant);
             (factor, lambda) = (factor - step[0], lambda - step[1]);
