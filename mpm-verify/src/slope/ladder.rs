@@ -11,7 +11,7 @@ use mpm_core::scene::{Flags, Reduction, Scene};
 use serde::{Deserialize, Serialize};
 
 use super::page::Shown;
-use super::{State, guesses};
+use super::{State, distinct, guesses};
 use crate::error::Error::{self, Lacks};
 use crate::experiment::pool;
 use crate::manifest::Manifest;
@@ -139,7 +139,7 @@ fn one(slope: &Published, folder: &Path) -> Result<Line, Error> {
     };
     let middle = |k: usize| 0.5 * (factors.found[k].bracket.low + factors.found[k].bracket.high);
     let rules = [Reduction::Davis, Reduction::Associated];
-    let (first, of) = on_coarse.distinct(rules);
+    let (first, of) = distinct(&fine, rules);
     let found_coarse = first.iter().map(|place| coarse(rules[*place], 1.05 * middle(*place)));
     let found_coarse = found_coarse.collect::<Result<Vec<_>, _>>()?;
     let [davis_coarse, associated_coarse] = of.map(|place| found_coarse[place]);

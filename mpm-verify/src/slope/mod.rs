@@ -99,7 +99,7 @@ impl<'a> State<'a> {
         jobs: usize,
         progress: &(dyn Fn(&str) + Sync),
     ) -> Result<Factors, Error> {
-        let (first, of) = self.distinct(RULES.map(|(by, _)| by));
+        let (first, of) = distinct(self.scene, RULES.map(|(by, _)| by));
         let one = |_: usize, place: &usize| {
             let (by, name) = RULES[*place];
             let mut tell = |b: &Bracket, trial: &Trial| {
@@ -114,31 +114,31 @@ impl<'a> State<'a> {
         let found = found.collect::<Result<Vec<_>, _>>()?;
         Ok(Factors { found: of.map(|place| found[place].clone()) })
     }
+}
 
-    /// Places of the flow rules that differ from those before them in this scene, and for each rule which of these it is: without friction,
-    /// or where the soil dilates as much as it rubs, some are the same.
-    pub fn distinct<const N: usize>(&self, rules: [Reduction; N]) -> (Vec<usize>, [usize; N]) {
-        let soils = self.scene.soils();
-        let same = |a: Reduction, b: Reduction| {
-            soils.iter().filter_map(|soil| soil.strength).all(|strength| {
-                let [a, b] = [a, b].map(|by| strength.reduced(OTHER, by));
-                let near = |a: f64, b: f64| (a - b).abs() <= ROUND_OFF * a.abs();
-                near(a.cohesion, b.cohesion)
-                    && near(a.friction_angle, b.friction_angle)
-                    && near(a.dilation_angle, b.dilation_angle)
-                    && a.dilation_fades_over == b.dilation_fades_over
-            })
-        };
-        let mut first: Vec<usize> = Vec::new();
-        let of = std::array::from_fn(|place| {
-            let earlier = first.iter().position(|other| same(rules[*other], rules[place]));
-            earlier.unwrap_or_else(|| {
-                first.push(place);
-                first.len() - 1
-            })
-        });
-        (first, of)
-    }
+/// Places of the flow rules that differ from those before them in this scene, and for each rule which of these it is: without friction,
+/// or where the soil dilates as much as it rubs, some are the same.
+pub fn distinct<const N: usize>(scene: &Scene, rules: [Reduction; N]) -> (Vec<usize>, [usize; N]) {
+    let soils = scene.soils();
+    let same = |a: Reduction, b: Reduction| {
+        soils.iter().filter_map(|soil| soil.strength).all(|strength| {
+            let [a, b] = [a, b].map(|by| strength.reduced(OTHER, by));
+            let near = |a: f64, b: f64| (a - b).abs() <= ROUND_OFF * a.abs();
+            near(a.cohesion, b.cohesion)
+                && near(a.friction_angle, b.friction_angle)
+                && near(a.dilation_angle, b.dilation_angle)
+                && a.dilation_fades_over == b.dilation_fades_over
+        })
+    };
+    let mut first: Vec<usize> = Vec::new();
+    let of = std::array::from_fn(|place| {
+        let earlier = first.iter().position(|other| same(rules[*other], rules[place]));
+        earlier.unwrap_or_else(|| {
+            first.push(place);
+            first.len() - 1
+        })
+    });
+    (first, of)
 }
 
 /// What the mesh of a scene is too coarse for, in words: layers and regions of few cells across. All soils in a cell are strained alike, so that it
@@ -199,3 +199,34 @@ const ROUND_OFF: f64 = 1e-12;
 
 /// See [`guesses`].
 const ABOVE: f64 = 1.06;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenes::SLOPES;
+
+    fn slope(name: &str) -> Scene {
+        let text = SLOPES.iter().find(|(known, _)| *known == name).expect("a slope").1;
+        Scene::parse(text, name).expect("a scene")
+    }
+
+    #[test]
+    fn flow_rules_that_are_the_same_for_the_soils_are_searched_once() {
+        let rules = RULES.map(|(by, _)| by);
+        assert_eq!(distinct(&slope("acads-1a"), rules), (vec![0, 1, 2], [0, 1, 2]));
+        assert_eq!(distinct(&slope("taylor-60-0"), rules), (vec![0], [0, 0, 0]));
+        // As much dilation as friction is associated, with the strength of Davis.
+        let dilates = slope("acads-1a").patched(&[("soil.law.mohr_coulomb.dilation_angle", 19.6.into())]);
+        assert_eq!(distinct(&dilates.expect("a scene"), rules), (vec![0], [0, 0, 0]));
+    }
+
+    #[test]
+    fn layers_of_few_cells_are_named() {
+        let warnings = warnings(&slope("acads-4"));
+        assert!(
+            warnings.len() == 1 && warnings[0].starts_with("region 1 is some 0.6 m thick, 1.2 cells"),
+            "{warnings:?}"
+        );
+        assert_eq!(super::warnings(&slope("acads-1c")), Vec::<String>::new());
+    }
+}
