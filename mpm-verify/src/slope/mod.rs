@@ -159,7 +159,7 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
     let layers = layers.enumerate();
     let all = layers.chain(regions.enumerate()).filter(|(_, (_, thickness))| *thickness < ACROSS * scene.cell);
     all.map(|(place, (kind, thickness))| {
-        let (across, cell) = (thickness / scene.cell, short(thickness / ACROSS, 1));
+        let (across, cell) = (thickness / scene.cell, short(thickness / ACROSS, 2));
         format!(
             "{kind} {} is some {} m thick, {} cells: if it is weak, what strength reduction finds is too high; on cells of {cell} m it has {ACROSS} \
              across",
@@ -224,7 +224,7 @@ mod tests {
     fn layers_of_few_cells_are_named() {
         let warnings = warnings(&slope("acads-4"));
         assert!(
-            warnings.len() == 1 && warnings[0].starts_with("region 1 is some 0.6 m thick, 1.2 cells"),
+            warnings.len() == 1 && warnings[0].starts_with("region 1 is some 0.57 m thick, 1.1 cells"),
             "{warnings:?}"
         );
         assert_eq!(super::warnings(&slope("acads-1c")), Vec::<String>::new());
