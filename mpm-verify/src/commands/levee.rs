@@ -253,6 +253,9 @@ fn factors(options: &Options, common: &Common, plan: &Plan, folder: &Path) -> Re
     if let Some(text) = safety::implied(&lines) {
         common.say(&text);
     }
+    for warning in mpm_verify::slope::warnings(&plan.scene) {
+        common.say(&format!("warning: {warning}"));
+    }
     if options.no_run {
         safety::picture(&lines, None, folder).map_err(Failure::run_failed)?;
     }
