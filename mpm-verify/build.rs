@@ -11,11 +11,12 @@ fn first_line(program: &str, arguments: &[&str]) -> Option<String> {
 }
 
 /// Folders whose files of an ending the program carries, each as a list of names and texts in a file of its name.
-const EMBEDDED: [(&str, &str); 6] = [
+const EMBEDDED: [(&str, &str); 7] = [
     ("cases", "toml"),
     ("gallery", "toml"),
     ("mutants", "patch"),
     ("others", "toml"),
+    ("protocol", "toml"),
     ("scenes", "toml"),
     ("slopes", "toml"),
 ];

@@ -42,6 +42,7 @@ pub mod nightly;
 pub mod norms;
 pub mod page;
 pub mod progress;
+pub mod protocol;
 pub mod rates;
 pub mod report;
 pub mod run_time;

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use clap::{Args, FromArgMatches, Parser, Subcommand};
 use commands::{
-    check, gallery, gate, help, levee, list, merge, metamorphic, mutants, nightly, report, slope, solve, stability,
+    cases, check, gallery, gate, help, levee, list, merge, metamorphic, mutants, nightly, report, slope, solve, stability,
     study,
 };
 
@@ -70,6 +70,13 @@ enum Command {
     Check {
         #[command(flatten)]
         options: check::Options,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Neutral cases for other codes: write them, answer them
+    Cases {
+        #[command(flatten)]
+        options: cases::Options,
         #[command(flatten)]
         common: Common,
     },
@@ -157,6 +164,7 @@ fn main() -> ExitCode {
         Some(Command::Levee { options, common }) => levee::run(&options, &common),
         Some(Command::Study { options, common }) => study::run(&options, &common),
         Some(Command::Check { options, common }) => check::run(&options, &common),
+        Some(Command::Cases { options, common }) => cases::run(&options, &common),
         Some(Command::Solve { options, common }) => solve::run(&options, &common),
         Some(Command::Gallery { options, common }) => gallery::run(&options, &common),
         Some(Command::Slope { options, common }) => slope::run(&options, &common),

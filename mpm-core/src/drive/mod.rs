@@ -42,7 +42,7 @@ pub struct StageRecord {
 }
 
 /// A run, as far as it came.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Run {
     /// Samples in the order of time.
     pub samples: Vec<Sample>,

@@ -48,6 +48,14 @@ impl Scene {
         }
     }
 
+    /// The scene as a file that says all that it is made from, times in seconds. Numbers keep all their bits.
+    ///
+    /// # Errors
+    /// A value that TOML cannot hold.
+    pub fn text(&self) -> Result<String, SceneError> {
+        Ok(self.fields.written()?.to_string())
+    }
+
     /// The scene with fields that no checker has seen, to find out what a solver does about a scene that cannot be written.
     #[doc(hidden)]
     pub fn altered_unchecked(mut self, alter: impl FnOnce(&mut Fields)) -> Self {

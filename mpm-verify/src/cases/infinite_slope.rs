@@ -171,6 +171,13 @@ pub(super) fn own(
     Ok((found / exact, exact))
 }
 
+/// The factor of a slope of associated flow with water along it up to a share of its depth (m), bracketed about 1.
+pub(crate) fn parallel(scene: &Scene, depth: f64, share: f64, rows: usize) -> Result<f64, Error> {
+    let psi = scene.strength.map_or(0.0, |strength| strength.dilation_angle).to_radians();
+    let seepage = Seepage::Parallel { share };
+    factor(1.0, |factor| stands(&slope(scene, (1, rows), depth, seepage, psi, factor)?))
+}
+
 /// What limit equilibrium says of a slope.
 fn exact(scene: &Scene, depth: f64, seepage: Seepage, psi: f64) -> Result<f64, Error> {
     let gravity = scene.gravity.ok_or(Lacks("gravity"))?;

@@ -12,8 +12,9 @@ use mpm_core::boundary::{FirstState, Given};
 use mpm_core::hardware::Hardware;
 use mpm_core::observe::SolidState;
 use mpm_core::run::model_given;
-use mpm_core::scene::{Dimension, Scene, ShapeChoice, SolidSide, TransferChoice};
+use mpm_core::scene::{Dimension, Elastic, Scene, ShapeChoice, SolidSide, TransferChoice};
 use mpm_core::stability::stable_limit;
+use mpm_core::step::Model;
 
 use super::PARTICLE_COUNTS;
 use super::{Error, Lacks, Mutant, Outcome, Program, integrator, scheme};
@@ -121,16 +122,75 @@ fn outcome(shape: ShapeChoice, transfer: TransferChoice) -> Result<Outcome, Erro
     })
 }
 
+/// A square of one's own that turns.
+pub(crate) struct Body {
+    /// Its side, m.
+    pub side: f64,
+    /// Its density, kg/m3.
+    pub density: f64,
+    /// Its angular velocity, 1/s.
+    pub rate: f64,
+    /// What it is made of.
+    pub soil: Elastic,
+}
+
+impl Body {
+    /// Where material points, given by their first places from the middle (m), are at some times (s), time by time. Splines, affine velocities.
+    pub fn places(&self, cells: usize, times: &[f64], points: &[[f64; 2]]) -> Result<Vec<[f64; 2]>, Error> {
+        let (side, middle) = (self.side, MIDDLE * self.side);
+        let scene = square(cells, ShapeChoice::Bspline2, TransferChoice::Affine, 1.0)?.altered_unchecked(|scene| {
+            let grown = |corner: [f64; 2]| corner.map(|x| x * side);
+            scene.outline = scene.outline.take().map(|corners| corners.into_iter().map(grown).collect());
+            (scene.cell, scene.width, scene.height) = (side * scene.cell, side * scene.width, side * scene.height);
+            (scene.elastic, scene.grain_density) = (self.soil, self.density / (1.0 - scene.porosity));
+        });
+        let mut model = turning(&scene, middle, self.rate)?;
+        // Particles may be sorted on the way.
+        let by_number = |model: &dyn Model| {
+            let mut all: Vec<(u32, [f64; 2])> = model.particles().iter().map(|p| (p.id, p.x)).collect();
+            all.sort_by_key(|(id, _)| *id);
+            all.into_iter().map(|(_, x)| x).collect::<Vec<_>>()
+        };
+        let first = by_number(&*model);
+        let limit = SHARE * stable_limit(&scene);
+        model.enter_stage(&scene.stages[0], times)?;
+        let (mut now, mut found) = (0.0, Vec::new());
+        for time in times {
+            let steps = ((time - now) / limit).ceil();
+            model.advance((time - now) / steps, steps as u64, &mut 0)?;
+            now = *time;
+            let reached = by_number(&*model);
+            for point in points {
+                let off = |x: &[f64; 2]| (x[0] - middle - point[0]).hypot(x[1] - middle - point[1]);
+                let least = first.iter().map(off).fold(f64::INFINITY, f64::min);
+                // Those around it, as near as each other: it is in their middle.
+                let near = |i: &usize| off(&first[*i]) < least + 1e-6 * side;
+                let near: Vec<usize> = (0..first.len()).filter(near).collect();
+                found.push([0, 1].map(|axis| {
+                    let sum: f64 = near.iter().map(|i| reached[*i][axis]).sum();
+                    sum / near.len() as f64 - middle
+                }));
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// A square at t = 0 that turns about a middle (m) at a rate (1/s).
+fn turning(scene: &Scene, middle: f64, rate: f64) -> Result<Box<dyn Model>, Error> {
+    let first = move |[x, y]: [f64; 2]| FirstState {
+        velocity: [rate * (middle - y), rate * (x - middle)],
+        ..FirstState::default()
+    };
+    let given = Given { start: Some(Arc::new(first)), ..Given::default() };
+    Ok(model_given(&Hardware::default(), scene, &given)?)
+}
+
 /// Time (s), angular momentum and energy over their first values during a turn, in steps that are a share of the stable
 /// one.
 fn turn(scene: &Scene, share: f64) -> Result<Vec<[f64; 3]>, Error> {
     let rate = 2.0 * SLOW * (scene.elastic.shear_modulus() / scene.dry_density()).sqrt();
-    let first = move |[x, y]: [f64; 2]| FirstState {
-        velocity: [rate * (MIDDLE - y), rate * (x - MIDDLE)],
-        ..FirstState::default()
-    };
-    let given = Given { start: Some(Arc::new(first)), ..Given::default() };
-    let mut model = model_given(&Hardware::default(), scene, &given)?;
+    let mut model = turning(scene, MIDDLE, rate)?;
     let end = TAU / rate;
     let each = (end / f64::from(LOOKS) / (share * stable_limit(scene))).ceil();
     let dt = end / f64::from(LOOKS) / each;

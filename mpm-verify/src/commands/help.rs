@@ -7,7 +7,7 @@ use super::terminal::say;
 use crate::Cli;
 
 /// Commands with examples, each with what it does.
-const EXAMPLES: [(&str, &[(&str, &str)]); 13] = [
+const EXAMPLES: [(&str, &[(&str, &str)]); 14] = [
     (
         "levee",
         &[
@@ -36,6 +36,13 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 13] = [
         &[
             ("mpm-verify check terzaghi mandel", "two test cases; without a name all of them"),
             ("mpm-verify check --scene dam --rows 10,20,40", "a scene against its exact solution"),
+        ],
+    ),
+    (
+        "cases",
+        &[
+            ("mpm-verify cases export my-cases", "each case as case.json and a page"),
+            ("mpm-verify cases answer my-cases/mandel/case.json answers/mandel", "the answer of this program"),
         ],
     ),
     (

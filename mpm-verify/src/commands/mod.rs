@@ -1,5 +1,6 @@
 //! One command per file, and what commands have in common: failures, folders, scenes, JSON.
 
+pub mod cases;
 pub mod check;
 pub mod gallery;
 pub mod gate;

@@ -14,7 +14,7 @@ use crate::exact::layered::Layered;
 use crate::scenes::{BUILT_IN, built_in};
 
 /// A problem with its cases.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Problem {
     /// What it is called.
@@ -103,6 +103,25 @@ pub struct Spec {
     pub kind: Label,
     /// The same case with a fault, which it must find.
     pub mutant: Option<Fault>,
+    /// What it is as a neutral case, for other codes.
+    #[serde(default)]
+    pub neutral: Neutral,
+}
+
+/// A case as one for other codes: the first of a problem, scene and quantity is one without being told.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Neutral {
+    /// Its name there, if it is another; a case that is named is one whatever stands before it.
+    pub name: Option<String>,
+    /// Whether it is none.
+    #[serde(default)]
+    pub skip: bool,
+    /// Cells over the height there, if they are others.
+    #[serde(default)]
+    pub meshes: Vec<f64>,
+    /// Largest errors of schemes of first and of second order on the finest mesh.
+    pub expected: Option<[f64; 2]>,
 }
 
 fn nothing() -> f64 {

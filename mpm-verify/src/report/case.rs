@@ -83,26 +83,36 @@ fn neighbours((name, problem): (&str, usize), all: &[Judged]) -> Vec<Link> {
     others.map(|case| Link::new(case.name, format!("../{}/index.html", case.name))).collect()
 }
 
-/// The problem in words, its sketch, its equations and where they are from.
+/// The problem of a case, with how it was run.
 fn problem_section(judged: &Judged, problem: Option<&Problem>, scene: Option<&Scene>) -> Section {
+    let none = Problem::default();
+    let Problem { title, problem, equations, sources, .. } = problem.unwrap_or(&none);
+    section_of((title, problem), scene, equations, sources).note(format!(
+        "Integrator: {}; shape functions and Darcy operator: {}.",
+        judged.row.integrator, judged.row.scheme
+    ))
+}
+
+/// A problem (title and words), its sketch, its equations and where they are from.
+pub fn section_of(
+    (title, words): (&str, &str),
+    scene: Option<&Scene>,
+    equations: &[String],
+    sources: &[String],
+) -> Section {
     let mut section = Section::new("problem", "Problem");
-    if let Some(problem) = problem {
-        section = section.with(Block::Heading(problem.title.clone())).text(problem.problem.trim().replace('\n', " "));
+    if !title.is_empty() {
+        section = section.with(Block::Heading(title.to_owned())).text(words.trim().replace('\n', " "));
     }
     if let Some(scene) = scene {
         section = section.with(Block::Html(sketch::svg(scene))).note(sketch::words(scene));
     }
-    for equation in problem.iter().flat_map(|problem| &problem.equations) {
+    for equation in equations {
         // A test renders the equations of all problems.
         let shown = mathml(equation, DisplayMode::Block).unwrap_or_else(|_| crate::page::escaped(equation));
         section = section.with(Block::Html(shown));
     }
-    let sources =
-        problem.map_or_else(Vec::new, |problem| problem.sources.iter().map(|source| linked(source)).collect());
-    section.list(sources).note(format!(
-        "Integrator: {}; shape functions and Darcy operator: {}.",
-        judged.row.integrator, judged.row.scheme
-    ))
+    section.list(sources.iter().map(|source| linked(source)).collect())
 }
 
 /// A source whose DOI is a link.

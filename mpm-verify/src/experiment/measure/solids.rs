@@ -1,5 +1,6 @@
 //! Stresses, forces and displacements of soil at rest.
 
+use mpm_core::drive::Sample;
 use mpm_core::observe::FieldPoint;
 use mpm_core::scene::{Integrator, Scene};
 
@@ -43,7 +44,8 @@ pub fn plate_force(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
     let end = scene.observe_times.last().copied().unwrap_or(f64::NAN);
     let exact = -scene.oedometer_modulus() * plate.at(end) / scene.height * scene.width;
     Ok(Box::new(move |run| {
-        let all: Vec<_> = run.observed().map(|s| (s.state.time, s.state.plates[0].impulse[1])).collect();
+        let got = |s: &Sample| Some((s.state.time, s.state.plates.first()?.impulse[1]));
+        let all: Vec<_> = run.observed().filter_map(got).collect();
         let [.., (before, then), (time, now)] = all[..] else { return Err(Lacks("two times")) };
         let force = (now - then) / (time - before);
         Ok(Comparison::single("force of the plate over the exact one", run, force / exact, 1.0))

@@ -23,7 +23,11 @@ pub fn undrained(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
 /// Pressure at mid height, between the two rows of cells in the middle, Pa.
 fn middle(sample: &Sample) -> f64 {
     let profile = &sample.state.profile;
-    0.5 * (profile[profile.len() / 2 - 1].pressure_pa + profile[profile.len() / 2].pressure_pa)
+    let half = 0.5 * (profile[0].material_height_m + profile[profile.len() - 1].material_height_m);
+    let above = profile.iter().position(|row| row.material_height_m > half).unwrap_or(profile.len() - 1).max(1);
+    let [low, high] = [above - 1, above].map(|i| (profile[i].material_height_m, profile[i].pressure_pa));
+    let share = (half - low.0) / (high.0 - low.0);
+    if (share - 0.5).abs() < 1e-9 { 0.5 * (low.1 + high.1) } else { low.1 + share * (high.1 - low.1) }
 }
 
 /// The undrained wave at mid height over the undrained pressure, beside d'Alembert's: root mean square over the times.

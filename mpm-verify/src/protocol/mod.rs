@@ -1,0 +1,22 @@
+//! Bring your own solver: neutral cases that any code can run, and their scores.
+//!
+//! # Reading order
+//! 1. [`case`]: a neutral case, made of one of the suite or of a file of `reference-data/protocol`. [`given`]: a scene without its
+//!    method, and back. [`quantity`]: what is asked. [`units`]: units and scales.
+//! 2. [`results`]: the table of a solver, with all that is wrong with it. [`score`]: errors, orders, verdict. [`mistakes`]: what a wrong
+//!    result looks like.
+//! 3. [`export`]: cases as files and pages. [`answer`]: the answers of this code, by the same door.
+
+pub mod answer;
+pub mod case;
+pub mod command;
+pub mod export;
+pub mod given;
+pub mod mistakes;
+pub mod quantity;
+pub mod results;
+pub mod score;
+#[cfg(test)]
+mod tests;
+pub mod units;
+pub mod values;
