@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use clap::{Args, FromArgMatches, Parser, Subcommand};
 use commands::{
-    cases, check, gallery, gate, help, levee, list, merge, metamorphic, mutants, nightly, report, slope, solve, stability,
+    cases, check, gallery, gate, help, leaderboard, levee, list, merge, metamorphic, mutants, nightly, report, score, slope, solve, stability,
     study,
 };
 
@@ -77,6 +77,20 @@ enum Command {
     Cases {
         #[command(flatten)]
         options: cases::Options,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Score the answers of other codes: errors, orders, verdicts, mistakes
+    Score {
+        #[command(flatten)]
+        options: score::Options,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// One page of the scores of several codes
+    Leaderboard {
+        #[command(flatten)]
+        options: leaderboard::Options,
         #[command(flatten)]
         common: Common,
     },
@@ -165,6 +179,8 @@ fn main() -> ExitCode {
         Some(Command::Study { options, common }) => study::run(&options, &common),
         Some(Command::Check { options, common }) => check::run(&options, &common),
         Some(Command::Cases { options, common }) => cases::run(&options, &common),
+        Some(Command::Score { options, common }) => score::run(&options, &common),
+        Some(Command::Leaderboard { options, common }) => leaderboard::run(&options, &common),
         Some(Command::Solve { options, common }) => solve::run(&options, &common),
         Some(Command::Gallery { options, common }) => gallery::run(&options, &common),
         Some(Command::Slope { options, common }) => slope::run(&options, &common),

@@ -60,6 +60,7 @@ macro_rules! chapters {
 /// The chapters in their order.
 pub const CHAPTERS: &[Chapter] = chapters![
     "tutorial",
+    "own-code",
     "theory",
     "integrators",
     "levee",

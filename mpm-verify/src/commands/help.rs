@@ -7,7 +7,7 @@ use super::terminal::say;
 use crate::Cli;
 
 /// Commands with examples, each with what it does.
-const EXAMPLES: [(&str, &[(&str, &str)]); 14] = [
+const EXAMPLES: [(&str, &[(&str, &str)]); 16] = [
     (
         "levee",
         &[
@@ -45,6 +45,14 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 14] = [
             ("mpm-verify cases answer my-cases/mandel/case.json answers/mandel", "the answer of this program"),
         ],
     ),
+    (
+        "score",
+        &[
+            ("mpm-verify score results/my-code", "results that lie there, a folder for each case"),
+            ("mpm-verify score --run \"./my-code {case} {out} {refinement}\" --name my-code", "run it, measured"),
+        ],
+    ),
+    ("leaderboard", &[("mpm-verify leaderboard reports/scores/mpm-verify reports/scores/my-code", "all on one page")]),
     (
         "solve",
         &[

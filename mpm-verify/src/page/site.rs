@@ -47,6 +47,10 @@ pub enum Kind {
     Speed,
     /// Factors of safety of published slopes.
     Slopes,
+    /// Scores of several codes.
+    Leaderboard,
+    /// Scores of one code.
+    Score,
     /// The gallery.
     Gallery,
     /// One scene.

@@ -4,7 +4,7 @@
 
 use mpm_core::scene::{Fields, Side};
 
-use super::case::Case;
+use super::case::{Case, Place};
 use super::results::{Answer, Row};
 
 /// A known mistake.
@@ -42,6 +42,10 @@ const SAME: Reading = times(1.0);
 
 /// How much closer to the solution of a mistake than to the right one a result has to be.
 const CLOSER: f64 = 0.25;
+/// The same of a result that passes.
+const CLOSEST: f64 = 0.15;
+/// Share of the error of a scheme of second order below which no mistake is looked for.
+const NOTHING: f64 = 0.05;
 /// Mistakes whose solutions are as close are both named.
 const ALIKE: f64 = 1.3;
 
@@ -249,52 +253,66 @@ pub const MISTAKES: &[Mistake] = &[
 ];
 
 impl Mistake {
-    /// How far an answer is from the solution of this mistake, level by level; `None` where it makes no difference or has no solution.
-    fn errors(&self, case: &Case, answer: &Answer) -> Option<Vec<f64>> {
-        let one = |(refinement, rows): &(f64, Vec<Row>)| -> Option<f64> {
-            let found = match self.how {
-                How::Solves(alter) => case.compared_as(*refinement, rows, &mut |fields| alter(fields)).ok()?,
-                How::Reads(reading) => {
-                    let mut read = rows.clone();
-                    let mut changed = false;
-                    for row in &mut read {
-                        let unit = &case.wanted[row.quantity].unit;
-                        let how = match case.scene() {
-                            Some(scene) => reading(scene, *refinement, unit),
-                            // Without a problem to ask, a factor alone.
-                            None if matches!(self.name, "sign" | "kilo" | "milli" | "half" | "twice") => {
-                                reading(any(), *refinement, unit)
-                            }
-                            None => SAME,
-                        };
-                        changed |= how != SAME;
-                        row.value = how.factor * row.value + how.offset;
-                    }
-                    changed.then(|| case.compared(*refinement, &read).ok())??
-                }
-            };
-            Some(found.error().abs()).filter(|error| error.is_finite())
-        };
-        answer.levels.iter().map(one).collect()
+    /// The answer as this mistake reads it; `None` where that makes no difference. The solution of another problem reads as it is.
+    fn read(&self, case: &Case, answer: &Answer) -> Option<Answer> {
+        let How::Reads(reading) = self.how else { return Some(answer.clone()) };
+        let mut changed = false;
+        let mut read = answer.clone();
+        for (refinement, rows) in &mut read.levels {
+            for row in rows {
+                let unit = &case.wanted[row.quantity].unit;
+                let how = case.scene().map_or(SAME, |scene| reading(scene, *refinement, unit));
+                changed |= how != SAME;
+                row.value = how.factor * row.value + how.offset;
+            }
+        }
+        changed.then_some(read)
+    }
+
+    /// How far an answer is from the solution of this mistake; `None` where that is the right one, or there is none.
+    fn error(&self, case: &Case, answer: &Answer) -> Option<f64> {
+        let read = self.read(case, answer)?;
+        let How::Solves(alter) = self.how else { return error(case, &read, &mut |_| {}) };
+        error(case, &read, &mut |fields| alter(fields))
     }
 }
 
-/// Some scene, for readings that ask none.
-fn any() -> &'static Fields {
-    static SCENE: std::sync::LazyLock<mpm_core::scene::Scene> =
-        std::sync::LazyLock::new(|| crate::scenes::built_in("terzaghi").unwrap_or_else(|e| panic!("{e}")));
-    &SCENE
+/// How far an answer is from the exact solution of an altered problem on meshes without end, as far as its levels tell; else on the finest.
+fn error(case: &Case, answer: &Answer, alter: &mut dyn FnMut(&mut Fields)) -> Option<f64> {
+    let (refinement, rows) = answer.levels.last()?;
+    let far = extrapolated(case, answer);
+    let found = case.compared_as(*refinement, far.as_ref().unwrap_or(rows), alter).ok()?;
+    Some(found.error().abs()).filter(|error| error.is_finite())
 }
 
-/// The mistakes that an answer with these errors against the right solution looks like, the likeliest first; none where it is like
-/// none of them. Its finest level decides, and no level may contradict.
-pub fn seen(case: &Case, answer: &Answer, errors: &[f64]) -> Vec<&'static Mistake> {
-    let Some(right) = errors.last().filter(|error| error.is_finite()) else { return Vec::new() };
+/// Numbers on a mesh without end, from the two finest levels and an error of second order. A solver that chooses its places has other
+/// ones on each mesh.
+fn extrapolated(case: &Case, answer: &Answer) -> Option<Vec<Row>> {
+    let [.., (coarse, before), (fine, rows)] = &answer.levels[..] else { return None };
+    if case.wanted.iter().any(|wanted| matches!(wanted.place, Place::Heights | Place::Field)) {
+        return None;
+    }
+    let share = 1.0 / ((fine / coarse).powi(2) - 1.0);
+    let one = |row: &Row| {
+        let same = |other: &&Row| other.quantity == row.quantity && other.time == row.time && row.stands(other.place);
+        let other = before.iter().find(same)?;
+        Some(Row { value: row.value + share * (row.value - other.value), ..*row })
+    };
+    rows.iter().map(one).collect()
+}
+
+/// The mistakes that an answer looks like, the likeliest first; none where it is like none of them. `passed` is whether it would pass:
+/// then it has to be as much closer to a mistake.
+pub fn seen(case: &Case, answer: &Answer, passed: bool) -> Vec<&'static Mistake> {
+    let Some(right) = error(case, answer, &mut |_| {}) else { return Vec::new() };
+    let close = if passed { CLOSEST } else { CLOSER };
+    // An answer that is right is like none.
+    if right <= NOTHING * case.expected[1] {
+        return Vec::new();
+    }
     let alike = MISTAKES.iter().filter_map(|mistake| {
-        let own = mistake.errors(case, answer)?;
-        let agrees = own.iter().zip(errors).all(|(own, right)| *own <= right.abs() || right.is_nan());
-        let last = *own.last()?;
-        (agrees && last <= CLOSER * right.abs()).then_some((last, mistake))
+        let own = mistake.error(case, answer)?;
+        (own <= close * right).then_some((own, mistake))
     });
     let mut alike: Vec<(f64, &Mistake)> = alike.collect();
     alike.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -6,9 +6,12 @@
 //! 2. [`results`]: the table of a solver, with all that is wrong with it. [`score`]: errors, orders, verdict. [`mistakes`]: what a wrong
 //!    result looks like.
 //! 3. [`export`]: cases as files and pages. [`answer`]: the answers of this code, by the same door.
+//! 4. [`command`]: a foreign code under limits. [`code`]: its scores. [`board`]: the leaderboard.
 
 pub mod answer;
+pub mod board;
 pub mod case;
+pub mod code;
 pub mod command;
 pub mod export;
 pub mod given;

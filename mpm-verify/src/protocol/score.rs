@@ -140,15 +140,16 @@ pub fn score(case: &Case, answer: &Answer, said: &Said, measured: &[Cost]) -> Sc
     (score.order, score.order_half_width) =
         (fitted.as_ref().map(|f| f.order), fitted.as_ref().map(|f| f.half_width).filter(|half| half.is_finite()));
     (score.verdict, score.reason) = verdict(case, &known, fitted.as_ref());
-    if score.verdict != Verdict::Passes {
-        let errors: Vec<f64> = known.iter().map(|(_, error)| *error).collect();
-        let compared = answer.levels.iter().filter(|(own, _)| known.iter().any(|(h, _)| *h == 1.0 / own));
-        let answer = Answer { levels: compared.cloned().collect(), faults: Vec::new() };
-        let seen = mistakes::seen(case, &answer, &errors);
-        if !seen.is_empty() {
-            let words: Vec<&str> = seen.iter().map(|mistake| mistake.words).collect();
-            score.reason = format!("{}; looks like {}", score.reason, words.join(", or like "));
-            score.mistakes = seen.iter().map(|mistake| mistake.name.to_owned()).collect();
+    let compared = answer.levels.iter().filter(|(own, _)| known.iter().any(|(h, _)| *h == 1.0 / own));
+    let compared = Answer { levels: compared.cloned().collect(), faults: Vec::new() };
+    let seen = mistakes::seen(case, &compared, score.verdict == Verdict::Passes);
+    if !seen.is_empty() {
+        let words: Vec<&str> = seen.iter().map(|mistake| mistake.words).collect();
+        score.reason = format!("{}; looks like {}", score.reason, words.join(", or like "));
+        score.mistakes = seen.iter().map(|mistake| mistake.name.to_owned()).collect();
+        if score.verdict == Verdict::Passes {
+            score.verdict = Verdict::FirstOrder;
+            score.reason = format!("{}: on finer meshes it would not converge to the exact solution", score.reason);
         }
     }
     if known.len() < case.refinements.len() {
