@@ -30,6 +30,7 @@ pub struct Options {
 enum Kind {
     Cases,
     Mutants,
+    NeutralCases,
     StressTests,
     Scenes,
     Gallery,
@@ -55,6 +56,11 @@ fn names() -> Vec<Names> {
             Kind::Mutants,
             "mutants, the same checks with a fault that they must catch: mpm-verify check --mutants CASE",
             mutants.collect(),
+        ),
+        (
+            Kind::NeutralCases,
+            "neutral cases for other codes: mpm-verify cases export DIR",
+            mpm_verify::protocol::case::all().iter().map(|case| (case.name.as_str(), case.title.clone())).collect(),
         ),
         (
             Kind::StressTests,
@@ -122,6 +128,7 @@ fn json(names: impl Iterator<Item = Names>) -> Value {
         let (key, value) = match kind {
             Kind::Cases => ("cases", list()),
             Kind::Mutants => ("mutants", names.iter().map(|(name, what)| (*name, what.as_str())).collect()),
+            Kind::NeutralCases => ("neutral_cases", list()),
             Kind::StressTests => ("stress_tests", list()),
             Kind::Scenes => ("scenes", list()),
             Kind::Gallery => ("gallery", list()),

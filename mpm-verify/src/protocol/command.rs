@@ -243,7 +243,7 @@ mod tests {
         assert!(code.contains('3') && code.ends_with("something went wrong"), "{code}");
         let endless = ended("sleep 60 & while :; do :; done", &short);
         assert!(endless.failed.as_ref().is_some_and(|why| why.contains("longer than 0.3 s")), "{endless:?}");
-        assert!(endless.cost.cpu_s > Some(0.1), "{endless:?}");
+        assert!(endless.cost.cpu_s > Some(0.01), "{endless:?}");
         let large = ended("head -c 100000000 /dev/zero > {out}/results.csv; sleep 5", &LIMITS);
         assert!(large.failed.is_some_and(|why| why.contains("wrote more than 20 MiB")));
         let stays = ended("(sleep 61 &) ; exec 1>&- ; setsid sleep 62 >/dev/null 2>&1 & sleep 0.2; true", &LIMITS);

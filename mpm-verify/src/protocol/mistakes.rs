@@ -94,7 +94,8 @@ pub const MISTAKES: &[Mistake] = &[
         words: "the formula of incompressible water, where the water is compressible",
         how: How::Solves(|f| {
             if let Some(water) = &mut f.water {
-                water.bulk_modulus *= 1e9;
+                // Stiff enough, and no step is too short for the scene to be read.
+                water.bulk_modulus *= 1e4;
             }
         }),
     },
@@ -318,4 +319,72 @@ pub fn seen(case: &Case, answer: &Answer, passed: bool) -> Vec<&'static Mistake>
     alike.sort_by(|a, b| a.0.total_cmp(&b.0));
     let least = alike.first().map_or(0.0, |(error, _)| *error);
     alike.into_iter().take_while(|(error, _)| *error <= ALIKE * least).map(|(_, mistake)| mistake).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::case::chosen;
+    use super::super::score::{Verdict, score};
+    use super::*;
+
+    /// The right answer of a solver of second order to a case, one number at each time, with a mistake.
+    fn made(case: &Case, mistake: Option<&Mistake>, error: f64) -> Option<Answer> {
+        let level = |refinement: &f64| -> Option<(f64, Vec<Row>)> {
+            let wanted = &case.wanted[0];
+            let blank: Vec<Row> = wanted.times.iter().map(|time| Row::one(0, *time, 1.0)).collect();
+            let found = match mistake.map(|mistake| mistake.how) {
+                Some(How::Solves(alter)) => case.compared_as(*refinement, &blank, &mut |fields| alter(fields)),
+                _ => case.compared(*refinement, &blank),
+            };
+            // Some mistakes make no problem that has a solution.
+            let found = found.ok()?;
+            let value = |row: &Row| {
+                let look = found.rows.iter().find(|look| (look.time - row.time).abs() < 1e-9 * row.time).expect("a time");
+                // What is compared is the value over a size.
+                let exact = look.exact[0] / look.computed[0];
+                let numeric = exact * (1.0 + error * (look.time / wanted.times[0]).powf(-0.5) / refinement.powi(2));
+                let reading = match (mistake.map(|mistake| mistake.how), case.scene()) {
+                    (Some(How::Reads(reading)), Some(scene)) => reading(scene, *refinement, &wanted.unit),
+                    _ => SAME,
+                };
+                Row { value: (numeric - reading.offset) / reading.factor, ..*row }
+            };
+            Some((*refinement, blank.iter().map(value).collect()))
+        };
+        Some(Answer { levels: case.refinements.iter().map(level).collect::<Option<_>>()?, faults: Vec::new() })
+    }
+
+    #[test]
+    fn mistakes_are_named_and_right_answers_have_none() {
+        let cases = ["consolidation", "consolidation-ramp", "consolidation-double", "consolidation-with-inertia", "self-weight"];
+        for seed in [0, 4] {
+            let (mut planted, mut named) = (0, 0);
+            for case in chosen(&cases.map(str::to_owned), seed).expect("cases") {
+                // Errors in space of either sign and of several sizes.
+                for error in [8.0, -3.0, 0.5] {
+                    let right = score(&case, &made(&case, None, error).expect("numbers"), &Default::default(), &[]);
+                    assert_eq!((right.verdict, &right.mistakes[..]), (Verdict::Passes, &[][..]), "{}: {right:?}", case.name);
+                }
+                let right = made(&case, None, 0.0).expect("numbers");
+                for mistake in MISTAKES {
+                    let Some(answer) = made(&case, Some(mistake), 1.0) else { continue };
+                    let apart = |(a, b): (&Row, &Row)| (a.value / b.value - 1.0).abs();
+                    let last = |answer: &Answer| answer.levels.last().expect("a level").1.clone();
+                    let differs = last(&answer).iter().zip(&last(&right)).map(apart).fold(0.0, f64::max);
+                    // What hardly changes a number is no mistake that could be seen in it.
+                    if !(differs > 3e-3 && differs.is_finite()) {
+                        continue;
+                    }
+                    let found = score(&case, &answer, &Default::default(), &[]);
+                    planted += 1;
+                    named += usize::from(found.mistakes.iter().any(|name| name == mistake.name));
+                    if !found.mistakes.iter().any(|name| name == mistake.name) {
+                        println!("{} seed {seed}: {} taken for {:?}", case.name, mistake.name, found.mistakes);
+                    }
+                    assert_ne!(found.verdict, Verdict::Passes, "{}: {}", case.name, mistake.name);
+                }
+            }
+            assert!(planted >= 60 && 10 * named >= 9 * planted, "{named} of {planted}");
+        }
+    }
 }

@@ -211,3 +211,45 @@ fn fields_must_have_a_number_in_every_cell() {
     let lacks = read(folder.path(), &coarse);
     assert!(lacks.levels.is_empty() && lacks.faults[0].contains("in the cell at x = 0.3750 m"), "{:?}", lacks.faults);
 }
+
+/// A command that answers well, and others that do what they should not; each costs no other case its score.
+#[cfg(unix)]
+#[test]
+fn garbage_of_a_solver_is_named_and_costs_no_other_result() {
+    use super::code::running;
+    use super::command::Limits;
+    let folder = tempfile::tempdir().expect("a folder");
+    let cases = chosen(&["consolidation".to_owned(), "consolidation-ramp".to_owned(), "two-layers".to_owned()], 0);
+    let mut cases = cases.expect("cases");
+    cases.iter_mut().for_each(|case| case.refinements.truncate(2));
+    for case in &cases {
+        std::fs::create_dir_all(folder.path().join("good").join(&case.name)).expect("a folder");
+        let answer = answered(case, &folder.path().join("work"));
+        write(&folder.path().join("good").join(&case.name).join(RESULTS), case, &answer.levels).expect("a table");
+    }
+    let good = folder.path().join("good");
+    let limits = Limits { time: std::time::Duration::from_secs(3), memory_mib: 60.0, output_mib: 50.0 };
+    let copy = format!("name=$(basename $(dirname {{case}})); cp {}/$name/results.csv {{out}}/", good.display());
+    for (bad, said) in [
+        ("exit 3", "exit status: 3"),
+        ("kill -9 $$", "signal: 9"),
+        ("sleep 30", "longer than 3 s"),
+        ("head -c 80000000 /dev/zero > {out}/results.csv", "wrote more than 50 MiB"),
+        ("x=$(yes | head -c 300000000)", "MiB of memory"),
+        ("echo text > {out}/results.csv", "expected the columns"),
+        ("printf 'refinement,quantity,time_s,x_m,y_m,value\\n10,settlement,1,,,NaN\\n' > {out}/results.csv", "no rows"),
+        ("mkdir {out}/results.csv", "is no file"),
+        ("true", "no results.csv"),
+    ] {
+        let command = format!("{copy}; if [ $name = consolidation-ramp ]; then rm -f {{out}}/results.csv; {bad}; fi");
+        let out = tempfile::tempdir().expect("a folder");
+        let code = running((&command, &limits), "garbage", &cases, out.path(), &|| false, &|_| {}).expect("a shell");
+        let of = |name: &str| code.scores.iter().find(|score| score.case == name).expect("a score");
+        let spoilt = of("consolidation-ramp");
+        let told = format!("{} {}", spoilt.reason, spoilt.faults.join(" "));
+        assert!(spoilt.verdict == Verdict::NotRun && told.contains(said), "{bad}: {told}");
+        for name in ["consolidation", "two-layers"] {
+            assert_eq!(of(name).verdict, Verdict::Passes, "{bad}: {:?}", of(name));
+        }
+    }
+}
