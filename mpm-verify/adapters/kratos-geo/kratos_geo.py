@@ -75,6 +75,7 @@ def refuse_unknown(case):
             start == "undrained-equilibrium" and case.get("surcharge.ramp_time_s", 0.0) > 0.0,
         "of given starts only columns without total stress":
             start == "given" and not (given["dimension"] == "column" and balanced),
+        "plates on the top only": any(plate["on"] != "top" for plate in given.get("plates", [])),
         "no energy about an axis": given["dimension"] == "axisymmetric" and "strain_energy" in case.wanted,
         "unknown quantities": any(not hasattr(Analysis, "find_" + quantity) for quantity in case.wanted),
     }
@@ -228,7 +229,7 @@ class Analysis(GeoMechanicsAnalysis):
         for side, support in self.case.given["boundaries"].items():
             self.fix(side, {"free": "", "roller": ACROSS[side], "fixed": "xy"}[support])
         for plate in self.plates:
-            self.fix(plate["on"], "xy" if plate.get("rough") else ACROSS[plate["on"]])
+            self.fix("top", "xy" if plate.get("rough") else "y")
         if self.case.get("surcharge.on") == "plate":  # rigid, without friction: the top settles alike
             first, *others = (self.part.Nodes[number] for number in self.mesh.sides["top"])
             for number, other in enumerate(others, 1):
@@ -276,9 +277,8 @@ class Analysis(GeoMechanicsAnalysis):
                 self.part.Nodes[number].SetSolutionStepValue(Kratos.NORMAL_CONTACT_STRESS, value)
         for plate in self.plates:
             way = plate.get("displacement_m", 0.0) * course(plate, self.now) + plate.get("velocity_m_s", 0.0) * self.now
-            way *= 1.0 if plate["on"] in ("left", "bottom") else -1.0
-            for number in self.mesh.sides[plate["on"]]:
-                self.part.Nodes[number].SetSolutionStepValue(DISPLACEMENT[ACROSS[plate["on"]]], way)
+            for number in self.mesh.sides["top"]:
+                self.part.Nodes[number].SetSolutionStepValue(DISPLACEMENT["y"], -way)
 
     def OutputSolutionStep(self):
         if self.stage == "start":  # settlement counts from a given start
