@@ -9,8 +9,8 @@ use std::process::ExitCode;
 
 use clap::{Args, FromArgMatches, Parser, Subcommand};
 use commands::{
-    cases, check, gallery, gate, help, leaderboard, levee, list, merge, metamorphic, mutants, nightly, report, score, slope, solve, stability,
-    study,
+    cases, check, gallery, gate, help, leaderboard, levee, list, merge, metamorphic, mutants, nightly, report, score,
+    slope, solve, stability, study,
 };
 
 /// Verifies a two-phase double-point material point method (soil and water) against exact solutions.

@@ -63,12 +63,17 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         codes.push(scored(&name, options, common, &cases, None)?);
     }
     for folder in &options.folders {
-        let own = std::path::absolute(folder).ok().and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
+        let own =
+            std::path::absolute(folder).ok().and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
         let name = options.name.clone().or(own).unwrap_or_else(|| "code".to_owned());
         codes.push(scored(&name, options, common, &cases, Some(folder))?);
     }
     common.json(&codes);
-    let wrong: Vec<String> = codes.iter().filter(|code| code.count(Verdict::Wrong) > 0).map(|code| format!("{}: {}", code.name, code.sentence())).collect();
+    let wrong: Vec<String> = codes
+        .iter()
+        .filter(|code| code.count(Verdict::Wrong) > 0)
+        .map(|code| format!("{}: {}", code.name, code.sentence()))
+        .collect();
     let idle = codes.iter().find(|code| code.count(Verdict::NotRun) == code.scores.len());
     match (wrong.is_empty(), idle) {
         (true, None) => Ok(()),
@@ -78,11 +83,21 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
 }
 
 /// Scores one code into a folder of its own.
-fn scored(name: &str, options: &Options, common: &Common, cases: &[Case], lies: Option<&Path>) -> Result<Code, Failure> {
+fn scored(
+    name: &str,
+    options: &Options,
+    common: &Common,
+    cases: &[Case],
+    lies: Option<&Path>,
+) -> Result<Code, Failure> {
     let place = format!("scores/{}", file_name(name));
     let told = |score: &Score| {
         common.say(&format!("{:<28} {:<22} {}", score.case, score.verdict.word(), score.reason));
-        score.flags.iter().chain(score.faults.iter().filter(|fault| !score.reason.contains(*fault))).for_each(|more| common.say(&format!("{:<28} {more}", "")));
+        score
+            .flags
+            .iter()
+            .chain(score.faults.iter().filter(|fault| !score.reason.contains(*fault)))
+            .for_each(|more| common.say(&format!("{:<28} {more}", "")));
     };
     let code = common.publish(&place, &["index.html", SCORES], |folder| {
         let mut code = match (lies, &options.run) {

@@ -65,7 +65,11 @@ impl Question {
         let asked: Vec<f64> =
             self.case.refinements.iter().copied().filter(|own| only.is_none_or(|only| only == *own)).collect();
         if asked.is_empty() {
-            return Err(Error::refused("--refinement", format!("one of {:?}", self.case.refinements), only.unwrap_or_default()));
+            return Err(Error::refused(
+                "--refinement",
+                format!("one of {:?}", self.case.refinements),
+                only.unwrap_or_default(),
+            ));
         }
         let (mut levels, mut costs) = (Vec::new(), Vec::new());
         for refinement in asked {
@@ -163,10 +167,8 @@ impl Question {
     }
 
     fn mohr_coulomb(&self, increments: f64) -> Result<Vec<f64>, Error> {
-        let elastic = Elastic {
-            youngs_modulus: self.number("youngs_modulus_pa")?,
-            poisson_ratio: self.number("poisson_ratio")?,
-        };
+        let elastic =
+            Elastic { youngs_modulus: self.number("youngs_modulus_pa")?, poisson_ratio: self.number("poisson_ratio")? };
         let strength = Strength {
             cohesion: self.number("cohesion_pa")?,
             friction_angle: self.number("friction_angle_deg")?,
@@ -174,7 +176,12 @@ impl Question {
             tension_cutoff: None,
             dilation_fades_over: None,
         };
-        let first = [self.number("first_stress_xx_pa")?, self.number("first_stress_yy_pa")?, self.number("first_stress_zz_pa")?, 0.0];
+        let first = [
+            self.number("first_stress_xx_pa")?,
+            self.number("first_stress_yy_pa")?,
+            self.number("first_stress_zz_pa")?,
+            0.0,
+        ];
         let mut element = Element::new(MohrCoulomb::new(&elastic, &strength), first);
         let driven = [0.0, -self.number("axial_shortening")? / increments, 0.0, 0.0];
         let free = [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
@@ -207,10 +214,12 @@ impl Question {
     }
 
     fn rotation(&self, cells: f64) -> Result<Vec<f64>, Error> {
-        let [Place::Given(places), _] = self.case.wanted.iter().map(|wanted| &wanted.place).collect::<Vec<_>>()[..] else {
+        let [Place::Given(places), _] = self.case.wanted.iter().map(|wanted| &wanted.place).collect::<Vec<_>>()[..]
+        else {
             return Err(Lacks("places"));
         };
-        let soil = Elastic { youngs_modulus: self.number("youngs_modulus_pa")?, poisson_ratio: self.number("poisson_ratio")? };
+        let soil =
+            Elastic { youngs_modulus: self.number("youngs_modulus_pa")?, poisson_ratio: self.number("poisson_ratio")? };
         let body = spin::Body {
             side: self.number("side_m")?,
             density: self.number("density_kg_m3")?,
@@ -245,8 +254,14 @@ impl Question {
             // Water finds its level in some passages over the depth.
             ("stages.0.until.time", 10.0 * height / self.number("hydraulic_conductivity_m_s")? * 5e-4 / 0.894),
         ];
-        let changes: Vec<(&str, mpm_core::scene::Change)> = numbers.iter().map(|(key, value)| (*key, (*value).into())).collect();
-        infinite_slope::parallel(&base.patched(&changes)?, depth, self.number("share_of_depth_under_water")?, rows as usize)
+        let changes: Vec<(&str, mpm_core::scene::Change)> =
+            numbers.iter().map(|(key, value)| (*key, (*value).into())).collect();
+        infinite_slope::parallel(
+            &base.patched(&changes)?,
+            depth,
+            self.number("share_of_depth_under_water")?,
+            rows as usize,
+        )
     }
 
     /// The scene that is given, with the method of that of the case, on so many cells.

@@ -71,7 +71,10 @@ fn level(score: &Score, refinement: f64) -> Option<&Level> {
 pub fn write(codes: &[Code], cases: &[Case], folder: &Path) -> Result<(), ReportError> {
     plots::ready();
     let scored = |case: &&Case| {
-        codes.iter().flat_map(|code| &code.scores).any(|score| score.case == case.name && score.verdict != Verdict::NotRun)
+        codes
+            .iter()
+            .flat_map(|code| &code.scores)
+            .any(|score| score.case == case.name && score.verdict != Verdict::NotRun)
     };
     let cases: Vec<&Case> = cases.iter().filter(scored).collect();
     tables::table(&folder.join(BOARD), COLUMNS, rows(codes))?;
@@ -160,7 +163,8 @@ fn matrix(codes: &[Code], cases: &[&Case]) -> Section {
             None => Cell::new("–"),
             Some(score) if score.verdict == Verdict::NotRun => Cell::new("–").small("not run"),
             Some(score) => {
-                let error = at.and_then(|at| level(score, at)?.error).map_or_else(|| "–".to_owned(), |e| short(e.abs(), 2));
+                let error =
+                    at.and_then(|at| level(score, at)?.error).map_or_else(|| "–".to_owned(), |e| short(e.abs(), 2));
                 let order = score.order.map_or_else(String::new, |order| format!(", order {}", short(order, 2)));
                 badge(score.verdict).small(format!("{error}{order}"))
             }
@@ -278,7 +282,12 @@ fn case_page(codes: &[Code], case: &Case, folder: &Path) -> Result<(), ReportErr
         ])
     };
     let head = ["code", "verdict", "errors, coarse to fine", "order", "CPU (s)", "memory (MiB)", "why"];
-    let table = Table::new("Codes", &head, codes.iter().filter_map(row).collect(), "CPU time and peak memory on the finest refinement.");
+    let table = Table::new(
+        "Codes",
+        &head,
+        codes.iter().filter_map(row).collect(),
+        "CPU time and peak memory on the finest refinement.",
+    );
     Page::new(format!("Leaderboard: {}", case.name))
         .lead(case.title.clone())
         .section(Section::new("errors", "Errors").figure_in(&figure, ".", &["csv", "svg"]))
@@ -321,15 +330,22 @@ pub fn code_page(code: &Code, cases: Option<&str>) -> Page {
         .filter(|mistake| code.scores.iter().any(|score| score.mistakes.iter().any(|name| name == mistake.name)))
         .map(|mistake| (mistake.name.to_owned(), mistake.words.to_owned()))
         .collect();
-    let mut page = Page::new(format!("Score of {}", code.name))
-        .lead(format!("{}.", code.sentence()))
-        .section(Section::new("cases", "Cases").index(Table::new("Cases", &head, rows, "CPU time of all refinements.").words()));
+    let mut page = Page::new(format!("Score of {}", code.name)).lead(format!("{}.", code.sentence())).section(
+        Section::new("cases", "Cases").index(Table::new("Cases", &head, rows, "CPU time of all refinements.").words()),
+    );
     if !made.is_empty() {
         page = page.section(Section::new("mistakes", "What wrong results look like").with(Block::Terms(made)));
     }
     let settings = if code.settings.is_null() { String::new() } else { code.settings.to_string() };
-    let said = [("version", &code.version), ("settings", &settings), ("machine", &code.machine), ("command", &code.command), ("date", &code.date)];
-    page.conditions = said.into_iter().filter(|(_, text)| !text.is_empty()).map(|(n, t)| (n.to_owned(), t.clone())).collect();
+    let said = [
+        ("version", &code.version),
+        ("settings", &settings),
+        ("machine", &code.machine),
+        ("command", &code.command),
+        ("date", &code.date),
+    ];
+    page.conditions =
+        said.into_iter().filter(|(_, text)| !text.is_empty()).map(|(n, t)| (n.to_owned(), t.clone())).collect();
     page
 }
 

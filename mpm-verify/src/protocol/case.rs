@@ -243,7 +243,9 @@ impl Case {
     fn times(&self, scene: &Scene) -> Result<Vec<f64>, Error> {
         let mut times = scene.observe_times.clone();
         if let Some(Until::Time(end)) = scene.stages.last().map(|stage| stage.until) {
-            if times.is_empty() || matches!(&self.truth, Truth::Scene { quantities, .. } if quantities.iter().any(|q| matches!(q.at, At::Soil))) {
+            if times.is_empty()
+                || matches!(&self.truth, Truth::Scene { quantities, .. } if quantities.iter().any(|q| matches!(q.at, At::Soil)))
+            {
                 times = vec![end];
             }
         }
@@ -261,7 +263,8 @@ impl Case {
         };
         // Some look at pairs of times, which have no row of their own.
         let Ok(found) = self.compared_with(scene, &rows(&times), &times) else { return Ok(times) };
-        let dropped = |time: f64| found.rows.iter().any(|row| (row.time - time).abs() <= 1e-9 * time.abs() && !row.counts);
+        let dropped =
+            |time: f64| found.rows.iter().any(|row| (row.time - time).abs() <= 1e-9 * time.abs() && !row.counts);
         times.retain(|time| !dropped(*time));
         Ok(times)
     }
@@ -473,7 +476,8 @@ const ALTERED: [&str; 3] =
 /// The run of ours that would give an answer.
 fn run(scene: &Scene, quantities: &[&Quantity], rows: &[Row], observed: &[f64]) -> Run {
     let stage = scene.stages.len() - 1;
-    let before: f64 = scene.stages[..stage].iter().map(|s| if let Until::Time(time) = s.until { time } else { 0.0 }).sum();
+    let before: f64 =
+        scene.stages[..stage].iter().map(|s| if let Until::Time(time) = s.until { time } else { 0.0 }).sum();
     let mut times: Vec<f64> = rows.iter().map(|row| row.time).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
@@ -514,4 +518,3 @@ fn run(scene: &Scene, quantities: &[&Quantity], rows: &[Row], observed: &[f64]) 
     }
     Run { samples, places: Places { solid, water: Vec::new() }, ..Run::default() }
 }
-

@@ -143,7 +143,13 @@ pub fn running(
         for refinement in refinements {
             let own = if each { folder.join(refinement.to_string()) } else { folder.clone() };
             make(&own)?;
-            let ended = command::run(&command::filled(template, &question, &own, *refinement), &own, limits, *refinement, stop)?;
+            let ended = command::run(
+                &command::filled(template, &question, &own, *refinement),
+                &own,
+                limits,
+                *refinement,
+                stop,
+            )?;
             notes.extend(ended.note);
             match ended.failed {
                 // What a command has left that did not end well does not count.
@@ -163,7 +169,9 @@ pub fn running(
         let mut score = score(case, &results::read(&folder, case), &said, measured);
         if !each {
             // One command for all refinements: what it took is that of the finest, unless it says more.
-            if let (Some(level), Some(cost)) = (score.levels.last_mut().filter(|level| level.cpu_s.is_none()), costs.first()) {
+            if let (Some(level), Some(cost)) =
+                (score.levels.last_mut().filter(|level| level.cpu_s.is_none()), costs.first())
+            {
                 (level.cpu_s, level.wall_s, level.peak_mib) = (cost.cpu_s, cost.wall_s, cost.peak_mib);
             }
         }

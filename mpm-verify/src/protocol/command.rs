@@ -82,7 +82,11 @@ impl Watched {
 
     /// Looks at all processes; memory of those of the run, MiB.
     fn look(&mut self) -> f64 {
-        let what = ProcessRefreshKind::nothing().with_memory().with_cpu().with_environ(UpdateKind::OnlyIfNotSet).without_tasks();
+        let what = ProcessRefreshKind::nothing()
+            .with_memory()
+            .with_cpu()
+            .with_environ(UpdateKind::OnlyIfNotSet)
+            .without_tasks();
         self.system.refresh_processes_specifics(ProcessesToUpdate::All, true, what);
         let marked = format!("{MARK}={}", self.mark);
         self.known.retain(|pid| self.system.process(*pid).is_some());
@@ -168,7 +172,13 @@ fn printed(path: &Path) -> String {
 ///
 /// # Errors
 /// The shell cannot be started, or the file for what is printed not be made. What goes wrong in the command is told in the result.
-pub fn run(command: &str, out: &Path, limits: &Limits, refinement: f64, stop: &dyn Fn() -> bool) -> Result<Ended, Error> {
+pub fn run(
+    command: &str,
+    out: &Path,
+    limits: &Limits,
+    refinement: f64,
+    stop: &dyn Fn() -> bool,
+) -> Result<Ended, Error> {
     let log = File::create(out.join(LOG)).map_err(Error::at(out.join(LOG)))?;
     let again = log.try_clone().map_err(Error::at(out))?;
     let began = Instant::now();
@@ -216,9 +226,16 @@ pub fn run(command: &str, out: &Path, limits: &Limits, refinement: f64, stop: &d
     let counted = children_cpu() - before;
     let seen: f64 = watched.cpu.values().sum();
     let cpu = counted.max(seen);
-    let bad = status.filter(|status| !status.success()).map(|status| format!("ended with {status}: {}", printed(&out.join(LOG))));
+    let bad = status
+        .filter(|status| !status.success())
+        .map(|status| format!("ended with {status}: {}", printed(&out.join(LOG))));
     let note = (left > 0 && failed.is_none()).then(|| format!("left {left} processes running, which were ended"));
-    let cost = Cost { refinement, cpu_s: Some(cpu), wall_s: Some(wall), peak_mib: Some(watched.peak_mib).filter(|peak| *peak > 0.0) };
+    let cost = Cost {
+        refinement,
+        cpu_s: Some(cpu),
+        wall_s: Some(wall),
+        peak_mib: Some(watched.peak_mib).filter(|peak| *peak > 0.0),
+    };
     Ok(Ended { cost, failed: failed.or(bad), note })
 }
 

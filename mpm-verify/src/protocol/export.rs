@@ -81,12 +81,25 @@ fn given(case: &Case) -> Section {
     let mut rows = Vec::new();
     flat(&case.given, "", &mut rows);
     let physics = [
-        ("inertia", if case.physics[0] { "in the exact solution" } else { "none in the exact solution: leave it out, or let it die away" }),
+        (
+            "inertia",
+            if case.physics[0] {
+                "in the exact solution"
+            } else {
+                "none in the exact solution: leave it out, or let it die away"
+            },
+        ),
         ("strain", if case.physics[1] { "large" } else { "small: all on the first geometry" }),
     ];
     rows.extend(physics.map(|(key, word)| (key.to_owned(), word.to_owned())));
     let rows = rows.into_iter().map(|(key, value)| vec![Cell::new(key), Cell::new(value)]).collect();
-    Section::new("given", "Given").tables([Table::new("Given", &["key of case.json, with its unit", "value"], rows, "").words()])
+    Section::new("given", "Given").tables([Table::new(
+        "Given",
+        &["key of case.json, with its unit", "value"],
+        rows,
+        "",
+    )
+    .words()])
 }
 
 fn flat(value: &Json, path: &str, rows: &mut Vec<(String, String)>) {
@@ -119,9 +132,11 @@ fn asked(case: &Case) -> Section {
             Place::None => "one number at each time".to_owned(),
             Place::Heights => "heights of your own choice, one in each cell at least".to_owned(),
             Place::Field => "places of your own choice, one in each cell inside the soil at least".to_owned(),
-            Place::Given(places) => {
-                places.iter().map(|[x, y]| format!("({}, {})", short(*x, 4), short(*y, 4))).collect::<Vec<_>>().join(", ")
-            }
+            Place::Given(places) => places
+                .iter()
+                .map(|[x, y]| format!("({}, {})", short(*x, 4), short(*y, 4)))
+                .collect::<Vec<_>>()
+                .join(", "),
         };
         vec![
             Cell::new(wanted.quantity.clone()).small(wanted.unit.clone()),
@@ -132,7 +147,13 @@ fn asked(case: &Case) -> Section {
     };
     let rows = case.wanted.iter().map(row).collect();
     let head = ["quantity and unit", "meaning", "times (s)", "where (m)"];
-    Section::new("asked", "Asked").tables([Table::new("Asked", &head, rows, "All digits of the times are in case.json.").words()])
+    Section::new("asked", "Asked").tables([Table::new(
+        "Asked",
+        &head,
+        rows,
+        "All digits of the times are in case.json.",
+    )
+    .words()])
 }
 
 /// How accurate an answer should be.

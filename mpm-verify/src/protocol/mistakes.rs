@@ -119,11 +119,7 @@ pub const MISTAKES: &[Mistake] = &[
         words: "time or conductivity twice as large",
         how: How::Solves(|f| faster(f, 2.0)),
     },
-    Mistake {
-        name: "time-halved",
-        words: "time or conductivity half as large",
-        how: How::Solves(|f| faster(f, 0.5)),
-    },
+    Mistake { name: "time-halved", words: "time or conductivity half as large", how: How::Solves(|f| faster(f, 0.5)) },
     Mistake {
         name: "unit-weight-as-density",
         words: "the density of water in place of its unit weight: flow 9.81 times as fast",
@@ -172,16 +168,8 @@ pub const MISTAKES: &[Mistake] = &[
             }
         }),
     },
-    Mistake {
-        name: "load-doubled",
-        words: "the load twice as large",
-        how: How::Solves(|f| heavier(f, 2.0)),
-    },
-    Mistake {
-        name: "load-halved",
-        words: "the load half as large",
-        how: How::Solves(|f| heavier(f, 0.5)),
-    },
+    Mistake { name: "load-doubled", words: "the load twice as large", how: How::Solves(|f| heavier(f, 2.0)) },
+    Mistake { name: "load-halved", words: "the load half as large", how: How::Solves(|f| heavier(f, 0.5)) },
     Mistake {
         name: "weight-without-buoyancy",
         words: "the weight of the grains without the buoyancy of the water",
@@ -231,8 +219,16 @@ pub const MISTAKES: &[Mistake] = &[
             offset: if unit == "m" { at_once(fields) } else { 0.0 },
         }),
     },
-    Mistake { name: "kilo", words: "a unit a thousand times as large: kPa, or km", how: How::Reads(|_, _, _| times(1e3)) },
-    Mistake { name: "milli", words: "a unit a thousandth as large: mm, or mPa", how: How::Reads(|_, _, _| times(1e-3)) },
+    Mistake {
+        name: "kilo",
+        words: "a unit a thousand times as large: kPa, or km",
+        how: How::Reads(|_, _, _| times(1e3)),
+    },
+    Mistake {
+        name: "milli",
+        words: "a unit a thousandth as large: mm, or mPa",
+        how: How::Reads(|_, _, _| times(1e-3)),
+    },
     Mistake {
         name: "head-for-pressure",
         words: "pressure head in place of pressure",
@@ -249,8 +245,16 @@ pub const MISTAKES: &[Mistake] = &[
             _ => SAME,
         }),
     },
-    Mistake { name: "half", words: "half of what is asked: one side of a symmetric problem", how: How::Reads(|_, _, _| times(2.0)) },
-    Mistake { name: "twice", words: "twice what is asked: both sides of a symmetric problem", how: How::Reads(|_, _, _| times(0.5)) },
+    Mistake {
+        name: "half",
+        words: "half of what is asked: one side of a symmetric problem",
+        how: How::Reads(|_, _, _| times(2.0)),
+    },
+    Mistake {
+        name: "twice",
+        words: "twice what is asked: both sides of a symmetric problem",
+        how: How::Reads(|_, _, _| times(0.5)),
+    },
 ];
 
 impl Mistake {
@@ -339,7 +343,8 @@ mod tests {
             // Some mistakes make no problem that has a solution.
             let found = found.ok()?;
             let value = |row: &Row| {
-                let look = found.rows.iter().find(|look| (look.time - row.time).abs() < 1e-9 * row.time).expect("a time");
+                let look =
+                    found.rows.iter().find(|look| (look.time - row.time).abs() < 1e-9 * row.time).expect("a time");
                 // What is compared is the value over a size.
                 let exact = look.exact[0] / look.computed[0];
                 let numeric = exact * (1.0 + error * (look.time / wanted.times[0]).powf(-0.5) / refinement.powi(2));
@@ -356,14 +361,25 @@ mod tests {
 
     #[test]
     fn mistakes_are_named_and_right_answers_have_none() {
-        let cases = ["consolidation", "consolidation-ramp", "consolidation-double", "consolidation-with-inertia", "self-weight"];
+        let cases = [
+            "consolidation",
+            "consolidation-ramp",
+            "consolidation-double",
+            "consolidation-with-inertia",
+            "self-weight",
+        ];
         for seed in [0, 4] {
             let (mut planted, mut named) = (0, 0);
             for case in chosen(&cases.map(str::to_owned), seed).expect("cases") {
                 // Errors in space of either sign and of several sizes.
                 for error in [8.0, -3.0, 0.5] {
                     let right = score(&case, &made(&case, None, error).expect("numbers"), &Default::default(), &[]);
-                    assert_eq!((right.verdict, &right.mistakes[..]), (Verdict::Passes, &[][..]), "{}: {right:?}", case.name);
+                    assert_eq!(
+                        (right.verdict, &right.mistakes[..]),
+                        (Verdict::Passes, &[][..]),
+                        "{}: {right:?}",
+                        case.name
+                    );
                 }
                 let right = made(&case, None, 0.0).expect("numbers");
                 for mistake in MISTAKES {

@@ -146,21 +146,14 @@ pub static OUTFLOW: Quantity = Quantity {
     at: of_water!(outflow_m3_s),
 };
 /// Largest speed.
-pub static SPEED: Quantity = Quantity {
-    name: "largest_speed",
-    unit: "m/s",
-    meaning: "largest speed of the soil",
-    at: of_state!(max_speed),
-};
+pub static SPEED: Quantity =
+    Quantity { name: "largest_speed", unit: "m/s", meaning: "largest speed of the soil", at: of_state!(max_speed) };
 /// Way of the centre of mass.
 pub static WAY: Quantity = Quantity {
     name: "way",
     unit: "m",
     meaning: "how far the centre of mass has moved along the base since the start, towards +x",
-    at: At::Whole {
-        get: |first, s| s.state.centre[0] - first.state.centre[0],
-        set: |s, v| s.state.centre[0] = v,
-    },
+    at: At::Whole { get: |first, s| s.state.centre[0] - first.state.centre[0], set: |s, v| s.state.centre[0] = v },
 };
 /// Kinetic energy.
 pub static KINETIC_ENERGY: Quantity = Quantity {

@@ -192,14 +192,19 @@ type Levels = BTreeMap<u64, Vec<Row>>;
 
 /// Rows by their refinements. A number that is none makes its refinement incomplete.
 fn rows(bytes: &[u8], case: &Case, faults: &mut Vec<String>) -> Result<Levels, String> {
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).flexible(true).from_reader(bytes);
+    let mut reader =
+        csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).flexible(true).from_reader(bytes);
     let header = reader.headers().map_err(|why| format!("{RESULTS}: {why}"))?.clone();
     let place = |name: &str| header.iter().position(|own| own == name);
     let places = COLUMNS.map(place);
     if let Some(missing) = COLUMNS.iter().zip(places).find(|(_, place)| place.is_none()) {
         let found = header.iter().collect::<Vec<_>>().join(",");
         let found: String = found.chars().take(80).collect();
-        return Err(format!("{RESULTS}:1: expected the columns {}, found no {} in {found}", COLUMNS.join(","), missing.0));
+        return Err(format!(
+            "{RESULTS}:1: expected the columns {}, found no {} in {found}",
+            COLUMNS.join(","),
+            missing.0
+        ));
     }
     let unit = place("unit");
     let mut levels = Levels::new();
@@ -239,7 +244,8 @@ fn rows(bytes: &[u8], case: &Case, faults: &mut Vec<String>) -> Result<Levels, S
         };
         // Other times than those that are asked for do no harm.
         let Some(time) = wanted.times.iter().copied().find(|at| (at - time).abs() <= SAME * at.abs()) else { continue };
-        let [x, y] = [3, 4].map(|i| if field(i).is_empty() { Some(None) } else { field(i).parse::<f64>().ok().map(Some) });
+        let [x, y] =
+            [3, 4].map(|i| if field(i).is_empty() { Some(None) } else { field(i).parse::<f64>().ok().map(Some) });
         let (Some(x), Some(y)) = (x, y) else {
             wrong("places in m", &format!("{}, {}", field(3), field(4)));
             continue;
@@ -326,7 +332,14 @@ pub fn write(path: &Path, case: &Case, levels: &[(f64, Vec<Row>)]) -> Result<(),
         for row in rows {
             let wanted = &case.wanted[row.quantity];
             let [x, y] = row.place.map_or([String::new(), String::new()], |place| place.map(|x| x.to_string()));
-            let numbers = [refinement.to_string(), wanted.quantity.clone(), row.time.to_string(), x, y, format!("{:e}", row.value)];
+            let numbers = [
+                refinement.to_string(),
+                wanted.quantity.clone(),
+                row.time.to_string(),
+                x,
+                y,
+                format!("{:e}", row.value),
+            ];
             writer.write_record(numbers)?;
         }
     }

@@ -125,7 +125,8 @@ pub fn score(case: &Case, answer: &Answer, said: &Said, measured: &[Cost]) -> Sc
             None => None,
         };
         let cost = cost(measured, *refinement).or_else(|| cost(&said.runs, *refinement)).unwrap_or_default();
-        let level = Level { refinement: *refinement, error, cpu_s: cost.cpu_s, wall_s: cost.wall_s, peak_mib: cost.peak_mib };
+        let level =
+            Level { refinement: *refinement, error, cpu_s: cost.cpu_s, wall_s: cost.wall_s, peak_mib: cost.peak_mib };
         score.levels.push(level);
     }
     score.conservation = conservation(case, answer);
@@ -133,7 +134,8 @@ pub fn score(case: &Case, answer: &Answer, said: &Said, measured: &[Cost]) -> Sc
         score.levels.iter().filter_map(|level| Some((1.0 / level.refinement, level.error?))).collect();
     if known.len() < 2 {
         let why = score.faults.first().map_or_else(String::new, |fault| format!(": {fault}"));
-        score.reason = format!("{} of {} refinements complete, two at least are needed{why}", known.len(), case.refinements.len());
+        score.reason =
+            format!("{} of {} refinements complete, two at least are needed{why}", known.len(), case.refinements.len());
         return score;
     }
     let fitted = fit(&known);
@@ -175,7 +177,11 @@ fn verdict(case: &Case, errors: &[(f64, f64)], fit: Option<&Fit>) -> (Verdict, S
             return (verdict, said);
         }
     }
-    let why = if finest > first { format!("above {first:.0e}, which first order reaches") } else { "it does not converge to the exact solution".to_owned() };
+    let why = if finest > first {
+        format!("above {first:.0e}, which first order reaches")
+    } else {
+        "it does not converge to the exact solution".to_owned()
+    };
     (Verdict::Wrong, format!("{said}: {why}"))
 }
 

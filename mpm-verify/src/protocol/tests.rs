@@ -70,7 +70,10 @@ fn a_new_case_of_the_suite_is_a_neutral_case_without_further_code() {
     let (problem, specs) = crate::experiment::spec::Problem::parse(text, "made-up.toml").expect("a problem");
     let spec = Box::leak(Box::new(specs.into_iter().next().expect("a case")));
     let case = Case::of_spec(spec, &problem).expect("a scene").expect("a neutral case");
-    assert_eq!((case.name.as_str(), case.wanted[0].quantity.as_str(), case.wanted[0].times.len()), ("made-up", "settlement", 9));
+    assert_eq!(
+        (case.name.as_str(), case.wanted[0].quantity.as_str(), case.wanted[0].times.len()),
+        ("made-up", "settlement", 9)
+    );
     assert_eq!(case.given["soil"]["porosity"], 0.41);
 }
 
@@ -131,7 +134,8 @@ fn elements_and_bodies_are_answered_from_what_is_given() {
 #[test]
 fn parameters_of_a_seed_are_other_problems_with_exact_solutions() {
     let folder = tempfile::tempdir().expect("a folder");
-    for name in ["consolidation", "two-layers", "mandel", "consolidation-cam-clay", "seepage-along-slope", "patch-test"] {
+    for name in ["consolidation", "two-layers", "mandel", "consolidation-cam-clay", "seepage-along-slope", "patch-test"]
+    {
         let published = case(name);
         let mut hidden = published.drawn(11).expect(name);
         assert_ne!(hidden.given, published.given, "{name}");
@@ -167,22 +171,35 @@ fn tables_may_be_in_any_order_and_what_is_wrong_is_told_with_its_line() {
     let line = |level: f64, time: f64, value: &str| format!("{value},settlement,{time},,{level},\n");
     let header = "value,quantity,time_s,x_m,refinement,y_m\n";
     let rows = |except: f64| {
-        let each = case.refinements.iter().rev().flat_map(|level| case.wanted[0].times.iter().rev().map(move |t| (*level, *t)));
-        each.filter(|(level, t)| (*level, *t) != (except, time)).map(|(level, t)| line(level, t, "1e-3")).collect::<String>()
+        let each = case
+            .refinements
+            .iter()
+            .rev()
+            .flat_map(|level| case.wanted[0].times.iter().rev().map(move |t| (*level, *t)));
+        each.filter(|(level, t)| (*level, *t) != (except, time))
+            .map(|(level, t)| line(level, t, "1e-3"))
+            .collect::<String>()
     };
     let whole = parse(format!("{header}{}", rows(0.0)).as_bytes(), &case);
     assert_eq!((whole.levels.len(), whole.faults), (3, Vec::new()));
     let lacks = parse(format!("{header}{}", rows(20.0)).as_bytes(), &case);
     assert_eq!(lacks.levels.len(), 2);
     assert!(lacks.faults[0].contains("refinement 20: no settlement at"), "{:?}", lacks.faults);
-    for (value, said) in [("NaN", "expected a finite number"), ("text", "expected a finite number"), ("", "expected a finite number")] {
+    for (value, said) in
+        [("NaN", "expected a finite number"), ("text", "expected a finite number"), ("", "expected a finite number")]
+    {
         let spoilt = parse(format!("{header}{}{}", line(20.0, time, value), rows(20.0)).as_bytes(), &case);
         assert_eq!(spoilt.levels.len(), 2, "{value}");
-        assert!(spoilt.faults[0].starts_with("results.csv:2: ") && spoilt.faults[0].contains(said), "{:?}", spoilt.faults);
+        assert!(
+            spoilt.faults[0].starts_with("results.csv:2: ") && spoilt.faults[0].contains(said),
+            "{:?}",
+            spoilt.faults
+        );
     }
     let twice = parse(format!("{header}{}{}", rows(0.0), line(20.0, time, "1e-3")).as_bytes(), &case);
     assert!(twice.faults[0].contains("twice, lines"), "{:?}", twice.faults);
-    let units = parse(b"refinement,quantity,time_s,x_m,y_m,value,unit\n10,settlement,0.0072874285714285714,,,1,mm\n", &case);
+    let units =
+        parse(b"refinement,quantity,time_s,x_m,y_m,value,unit\n10,settlement,0.0072874285714285714,,,1,mm\n", &case);
     assert!(units.faults[0].contains(":2: expected settlement in m, found \"mm\""), "{:?}", units.faults);
     for (garbage, said) in [
         (&b"\xff\xfe\x00"[..], "refinement"),

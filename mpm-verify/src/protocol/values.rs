@@ -101,14 +101,16 @@ impl Asked {
     fn filled(mut self) -> Result<Self, Error> {
         let Some(name) = &self.table else { return Ok(self) };
         let text = TABLES.iter().find(|(own, _)| own == name).map(|(_, text)| *text).ok_or(Lacks("table"))?;
-        let (along, column) = (self.along.as_deref().ok_or(Lacks("along"))?, self.column.as_deref().ok_or(Lacks("column"))?);
+        let (along, column) =
+            (self.along.as_deref().ok_or(Lacks("along"))?, self.column.as_deref().ok_or(Lacks("column"))?);
         let rows = Table::parse(text).rows([along, column]);
         let last = rows.last().ok_or(Lacks("row"))?[0];
         // A dozen numbers along a path are enough, its end among them.
         let every = rows.len().div_ceil(12);
         let chosen = rows.iter().rev().step_by(every).filter(|row| row[0] != 0.0);
         let factor = self.factor.unwrap_or(1.0);
-        let point = |row: &[f64; 2]| Point { time: row[0] / last, x: None, y: None, exact: factor * row[1], band: None };
+        let point =
+            |row: &[f64; 2]| Point { time: row[0] / last, x: None, y: None, exact: factor * row[1], band: None };
         self.points = chosen.map(point).collect();
         self.points.reverse();
         Ok(self)
@@ -168,7 +170,15 @@ impl Values {
                 // Inside a band any number is as good as another.
                 let exact = match point.band {
                     Some([low, high]) if value >= low && value <= high => value,
-                    Some([low, high]) => if value < low { low } else if value > high { high } else { point.exact },
+                    Some([low, high]) => {
+                        if value < low {
+                            low
+                        } else if value > high {
+                            high
+                        } else {
+                            point.exact
+                        }
+                    }
                     None => point.exact,
                 };
                 rows.push(Compared::one(point.time, value / size, exact / size));
