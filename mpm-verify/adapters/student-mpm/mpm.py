@@ -35,7 +35,8 @@ def check(case):
         "its start": get("start") not in ("unloaded", "undrained-equilibrium", "given"),
         "its boundaries": get("boundaries.bottom") == "free" or get("boundaries.top") != "free" or any(
             set(ends) - {"top", "bottom"} for ends in drains if ends != "none"),
-        "its loads": any(q["on"] not in ("top", "surface") or {"strip", "sine", "wave", "water"} & {*q} for q in loads(case)),
+        "its loads": any(q["on"] not in ("top", "surface") or {*q} & {"strip", "sine", "wave", "water"}
+                         for q in loads(case)),
         "statics of dry soil": "water" not in given and not case.json["physics"]["inertia"],
     }
     if any(refused.values()):
@@ -56,19 +57,19 @@ class Column:
         at = np.searchsorted([soil["up_to_m"] for soil in soils], self.start)
         pick = lambda key, default=None: np.array([soil.get(key, default) for soil in soils], float)[at]  # noqa: E731
         young, poisson, porosity = pick("youngs_modulus_pa"), pick("poisson_ratio"), pick("porosity")
-        biot, conductivity = pick("biot_coefficient", 1.0), get("water.hydraulic_conductivity_m_s", 0.0)
+        biot, self.water_density = pick("biot_coefficient", 1.0), get("water.density_kg_m3", 0.0)
         self.modulus, self.biot = young * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson)), biot * wet
-        self.water_density = get("water.density_kg_m3", 0.0)
         self.density = (1 - porosity) * pick("grain_density_kg_m3") + porosity * self.water_density
         grains = (biot - porosity) / pick("grain_bulk_modulus_pa", np.inf)
         self.water = wet / (porosity / get("water.bulk_modulus_pa", 1.0) + grains)  # pressure per volume of water
-        self.mobility = pick("hydraulic_conductivity_m_s", conductivity) / get("water.unit_weight_n_m3", 1.0) + 1e-30
+        flow = "hydraulic_conductivity_m_s"
+        self.mobility = pick(flow, get("water." + flow, 0.0)) / get("water.unit_weight_n_m3", 1.0) + 1e-30
         self.undrained = self.modulus + self.biot**2 * self.water
         tables = [(q["pressure_pa"], *np.transpose(q.get("times") or [[0, 0], [q.get("ramp_time_s") or 1e-30, 1]]))
                   for q in loads(case)]
         self.load = lambda time: 0.0 * time + sum(q * np.interp(time, at, part) for q, at, part in tables)
-        given = [np.transpose(get("initial." + key, [[0.0, 0.0]])) for key in ("stress_yy_pa", "pressure_pa")]
-        self.stress, self.pressure = (np.interp(self.start, *table) for table in given)
+        self.stress, self.pressure = (np.interp(self.start, *np.transpose(get("initial." + key, [[0.0, 0.0]])))
+                                      for key in ("stress_yy_pa", "pressure_pa"))
         self.strain, self.speed = np.zeros((2, len(self.start)))  # from a given start they count from there
         if get("start") == "undrained-equilibrium":
             weight = self.density * self.gravity * self.length
@@ -130,8 +131,7 @@ class Column:
 
 
 def main(path, folder, refinement):
-    case = Case(path, refinement)
-    check(case)
+    check(case := Case(path, refinement))
     column, stages, rows, begun, steps = Column(case), case.given["stages"], [], 0.0, 0
     step, factor = column.step(case)
     if sum(stage["until"]["time_s"] for stage in stages) / step > MAX_STEPS / (3 if column.large else 1):

@@ -23,6 +23,9 @@ use crate::error::Error::{self, Found, Lacks};
 use crate::manifest::Manifest;
 use crate::slope;
 
+/// A number of an element of soil.
+type Read<'a, L> = &'a dyn Fn(&Element<L>) -> f64;
+
 /// A `case.json` that was read.
 #[derive(Debug)]
 pub struct Question {
@@ -144,7 +147,7 @@ impl Question {
         element: &mut Element<L>,
         increments: f64,
         mut step: impl FnMut(&mut Element<L>) -> Result<(), Error>,
-        read: &[&dyn Fn(&Element<L>) -> f64],
+        read: &[Read<'_, L>],
     ) -> Result<Vec<f64>, Error> {
         let times = &self.case.wanted[0].times;
         let mut found = vec![Vec::new(); read.len()];

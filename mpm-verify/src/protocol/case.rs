@@ -242,12 +242,13 @@ impl Case {
     /// Times at which an answer counts: those of the scene less those that its measure leaves out.
     fn times(&self, scene: &Scene) -> Result<Vec<f64>, Error> {
         let mut times = scene.observe_times.clone();
-        if let Some(Until::Time(end)) = scene.stages.last().map(|stage| stage.until) {
-            if times.is_empty()
-                || matches!(&self.truth, Truth::Scene { quantities, .. } if quantities.iter().any(|q| matches!(q.at, At::Soil)))
-            {
-                times = vec![end];
-            }
+        // Where particles are is known at the end.
+        let at_end = |quantity: &&Quantity| matches!(quantity.at, At::Soil);
+        let only_end = matches!(&self.truth, Truth::Scene { quantities, .. } if quantities.iter().any(at_end));
+        if let (Some(Until::Time(end)), true) =
+            (scene.stages.last().map(|stage| stage.until), times.is_empty() || only_end)
+        {
+            times = vec![end];
         }
         let rows = |times: &[f64]| -> Vec<Row> {
             let Truth::Scene { quantities, .. } = &self.truth else { return Vec::new() };
