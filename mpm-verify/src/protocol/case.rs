@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use mpm_core::drive::{Run, Sample};
 use mpm_core::observe::{FieldPoint, Places, ProfileRow};
 use mpm_core::random::Random;
-use mpm_core::scene::{Fields, Scene, Until};
+use mpm_core::scene::{Dimension, Fields, Scene, Until};
 use serde_json::{Value as Json, json};
 
 use super::given::{given, scaled};
@@ -210,6 +210,7 @@ impl Case {
                     place: match quantity.at {
                         At::Whole { .. } => Place::None,
                         At::Height { .. } => Place::Heights,
+                        At::Place { .. } | At::Soil if scene.dimension == Dimension::Column => Place::Heights,
                         At::Place { .. } | At::Soil => Place::Field,
                     },
                 };

@@ -91,7 +91,9 @@ pub fn lying(folder: &Path, name: &str, cases: &[Case], told: &dyn Fn(&Score)) -
         let score = if own.is_dir() {
             let (said, fault) = heard(case, &own);
             code.hear(&said);
-            let mut score = score(case, &results::read(&own, case), &said, &[]);
+            let below = case.refinements.iter().map(|refinement| own.join(refinement.to_string()));
+            let costs: Vec<Cost> = below.filter_map(|folder| kept(&folder)).collect();
+            let mut score = score(case, &results::read(&own, case), &said, &costs);
             score.faults.extend(fault);
             score
         } else {
@@ -157,7 +159,7 @@ pub fn running(
                     let _ = fs::remove_file(own.join(results::RESULTS));
                     troubles.push(if each { format!("refinement {refinement}: {why}") } else { why });
                 }
-                None => costs.push(ended.cost),
+                None => costs.push(keep(ended.cost, &own)?),
             }
             if stop() {
                 break;
@@ -176,7 +178,12 @@ pub fn running(
             }
         }
         if score.verdict == Verdict::NotRun && !troubles.is_empty() {
-            score.reason = troubles[0].clone();
+            score.reason = troubles.remove(0);
+            // What a command has not written is no further news where it has failed.
+            if costs.is_empty() {
+                score.faults.clear();
+                troubles.clear();
+            }
         }
         score.flags.extend(notes);
         score.faults.splice(0..0, troubles);
@@ -188,6 +195,21 @@ pub fn running(
         }
     }
     Ok(code)
+}
+
+/// Name of what was measured of a command, beside its results.
+const COST: &str = "cost.json";
+
+/// Keeps what was measured, so that results can be scored again.
+fn keep(cost: Cost, folder: &Path) -> Result<Cost, Error> {
+    let text = serde_json::to_string_pretty(&cost).map_err(|why| Found(why.to_string()))?;
+    fs::write(folder.join(COST), text + "\n").map_err(Error::at(folder))?;
+    Ok(cost)
+}
+
+/// What was measured of a command that has left a folder.
+fn kept(folder: &Path) -> Option<Cost> {
+    serde_json::from_str(&fs::read_to_string(folder.join(COST)).ok()?).ok()
 }
 
 fn make(folder: &Path) -> Result<(), Error> {
