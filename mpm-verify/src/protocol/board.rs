@@ -35,6 +35,9 @@ pub fn merged(codes: Vec<Code>) -> Vec<Code> {
     all.into_values().collect()
 }
 
+/// Smaller errors are round-off, and have no place in a picture.
+const FLOOR: f64 = 1e-13;
+
 /// Name under which our own code stands.
 pub const OWN: &str = "mpm-verify";
 
@@ -196,9 +199,16 @@ fn table_of_codes(codes: &[Code]) -> Table {
     Table::new("Codes", &head, codes.iter().map(row).collect(), "")
 }
 
-/// Looks of codes: ours is black.
-fn look(number: usize, code: &Code) -> Look {
-    if code.name == OWN { Look::new(BLACK, Marker::Star).radius(5.0) } else { nth(number.saturating_sub(1)) }
+/// Codes with their looks: ours is black, the others follow each other.
+fn looks(codes: &[Code]) -> impl Iterator<Item = (&Code, Look)> {
+    let mut place = 0;
+    codes.iter().map(move |code| {
+        if code.name == OWN {
+            return (code, Look::new(BLACK, Marker::Star).radius(5.0));
+        }
+        place += 1;
+        (code, nth(place - 1))
+    })
 }
 
 /// Errors of all codes on a case against cells and against CPU time.
@@ -206,11 +216,10 @@ fn curves(codes: &[Code], case: &Case, name: &'static str) -> Figure {
     let by = case.refined_by.as_str();
     let mut mesh = Panel::new("", Axis::log(by, "refinement"), Axis::log("|error|", "error"));
     let mut cost = Panel::new("", Axis::log("CPU time (s)", "cpu_s"), Axis::log("|error|", "error"));
-    for (number, code) in codes.iter().enumerate() {
+    for (code, look) in looks(codes) {
         let Some(score) = code.scores.iter().find(|score| score.case == case.name) else { continue };
         let known = || score.levels.iter().filter_map(|level| Some((level, level.error?)));
         let point = |x: f64, error: f64| Point::new(x, error.abs()).open(error < 0.0);
-        let look = look(number, code);
         mesh.add(Series::new(&code.name, look, Mark::LinePoints, known().map(|(level, e)| point(level.refinement, e))));
         let timed = known().filter_map(|(level, e)| Some(point(level.cpu_s?, e)));
         cost.add(Series::new(&code.name, look, Mark::LinePoints, timed).unlisted());
@@ -224,8 +233,12 @@ fn curves(codes: &[Code], case: &Case, name: &'static str) -> Figure {
         let word = format!("expected of order {order}");
         mesh.add(Series::line(word, Look::new(GREY, Marker::Dot).dash(dash).width(1.2), line).guide());
     }
+    // Room for what is expected on the finest mesh, and for round-off no more than that.
+    let known = [mesh.all_y(), cost.all_y(), case.expected.to_vec()].concat();
+    let placed = known.into_iter().filter(|error| *error > FLOOR);
+    let (low, high) = placed.fold((f64::INFINITY, 0.0_f64), |(low, high), y| (low.min(y), high.max(y)));
     let mut panels = vec![mesh, cost];
-    plots::figure::share_y(&mut panels);
+    panels.iter_mut().for_each(|panel| panel.y.range = Some((0.5 * low, 2.0 * high)));
     Figure {
         name,
         title: format!("{}: error against cells and against CPU time", case.name),
@@ -238,13 +251,14 @@ fn curves(codes: &[Code], case: &Case, name: &'static str) -> Figure {
     }
 }
 
-/// The picture of the leaderboard: the case that most codes answer.
+/// The picture of the leaderboard: of the cases that have an order the one that most codes answer.
 fn speed(codes: &[Code], cases: &[&Case]) -> Figure {
     let answered = |case: &&&Case| {
-        codes.iter().flat_map(|code| &code.scores).filter(|s| s.case == case.name && s.finest().is_some()).count()
+        let known = codes.iter().flat_map(|code| &code.scores).filter(|s| s.case == case.name && s.finest().is_some());
+        known.count()
     };
     // Of as many the first.
-    match cases.iter().rev().max_by_key(answered) {
+    match cases.iter().filter(|case| !case.exact_by_nature).rev().max_by_key(answered) {
         Some(case) => curves(codes, case, "cpu-against-error"),
         None => Figure { panels: vec![Panel::blank()], ..empty() },
     }

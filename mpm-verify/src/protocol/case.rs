@@ -9,6 +9,7 @@ use mpm_core::random::Random;
 use mpm_core::scene::{Dimension, Fields, Scene, Until};
 use serde_json::{Value as Json, json};
 
+use super::equations::governing;
 use super::given::{given, scaled};
 use super::quantity::{At, Quantity, is_large, moves, of_measure};
 use super::results::Row;
@@ -35,7 +36,7 @@ pub struct Case {
     pub title: String,
     /// The problem in words.
     pub problem: String,
-    /// Its equations, in LaTeX.
+    /// The equations that it solves, in LaTeX: none of them is a solution.
     pub equations: Vec<String>,
     /// Where its solution is from.
     pub sources: Vec<String>,
@@ -159,7 +160,7 @@ impl Case {
             name: spec.neutral.name.clone().unwrap_or_else(|| spec.name.clone()),
             title: problem.title.clone(),
             problem: problem.problem.replace('\n', " "),
-            equations: problem.equations.clone(),
+            equations: Vec::new(),
             sources: problem.sources.clone(),
             given: Json::Null,
             wanted: Vec::new(),
@@ -202,6 +203,7 @@ impl Case {
         (self.given, self.wanted) = match &self.truth {
             Truth::Scene { scene, quantities, .. } => {
                 let times = self.times(scene)?;
+                self.equations = governing(scene, self.physics[0], self.physics[1]);
                 let wanted = |quantity: &&Quantity| Wanted {
                     quantity: quantity.name.to_owned(),
                     unit: quantity.unit.to_owned(),

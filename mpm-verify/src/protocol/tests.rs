@@ -49,6 +49,10 @@ fn the_cases_that_were_asked_for_are_there_and_hold_no_answer() {
     for case in all() {
         let text = [&case.json()["given"], &case.json()["wanted"]].map(ToString::to_string).concat();
         assert!(!text.contains("exact") && !text.contains("band"), "{}: {text}", case.name);
+        for equation in &case.equations {
+            let shown = crate::book::formula::mathml(equation, pulldown_latex::config::DisplayMode::Block);
+            assert!(shown.is_ok_and(|html| !html.contains("merror")), "{}: {equation}", case.name);
+        }
         assert!(case.refinements.len() >= 2 && case.expected[0] >= case.expected[1], "{}", case.name);
         assert!(case.wanted.iter().all(|wanted| !wanted.times.is_empty()), "{}", case.name);
     }
