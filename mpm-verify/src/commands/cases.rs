@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand};
+use clap::{Args, ValueEnum};
 use mpm_verify::protocol::{answer, case, export};
 
 use super::{Failure, make_folder};
@@ -11,55 +11,55 @@ use crate::Common;
 /// What to do with neutral cases.
 #[derive(Debug, Clone, Args)]
 pub struct Options {
-    #[command(subcommand)]
+    /// What to do
+    #[arg(value_enum)]
     action: Action,
+    /// export: a folder for the cases. answer: the case.json of a case, and a folder for the answer
+    #[arg(value_name = "PATH", required = true, num_args = 1..=2)]
+    paths: Vec<PathBuf>,
+    /// export: some cases, by name, in place of all
+    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
+    only: Vec<String>,
+    /// export: draw hidden parameters from this number; 0 keeps the published ones
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// answer: one refinement, in place of all
+    #[arg(long, value_name = "N")]
+    refinement: Option<f64>,
 }
 
-#[derive(Debug, Clone, Subcommand)]
+#[derive(Debug, Clone, Copy, ValueEnum)]
 enum Action {
     /// Write each case as case.json and a page, without its answer
-    Export {
-        /// Folder for the cases
-        #[arg(value_name = "DIR")]
-        folder: PathBuf,
-        /// Some cases, by name, in place of all
-        #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
-        only: Vec<String>,
-        /// Draw hidden parameters from this number; 0 keeps the published ones
-        #[arg(long, value_name = "N", default_value_t = 0)]
-        seed: u64,
-    },
+    Export,
     /// Answer a case with this program, as any other code would
-    Answer {
-        /// The case.json of the case
-        #[arg(value_name = "CASE.json")]
-        case: PathBuf,
-        /// Folder for results.csv and run.json
-        #[arg(value_name = "DIR")]
-        folder: PathBuf,
-        /// One refinement, in place of all
-        #[arg(long, value_name = "N")]
-        refinement: Option<f64>,
-    },
+    Answer,
 }
 
 /// Writes cases or an answer.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
-    match &options.action {
-        Action::Export { folder, only, seed } => {
-            let cases = case::chosen(only, *seed).map_err(Failure::bad_input)?;
+    let refused = |expected: &str| {
+        let found: Vec<String> = options.paths.iter().map(|path| path.display().to_string()).collect();
+        Err(Failure::BadInput(format!("cases: expected {expected}, found {}", found.join(" "))))
+    };
+    match (options.action, &options.paths[..]) {
+        (Action::Export, [folder]) => {
+            let cases = case::chosen(&options.only, options.seed).map_err(Failure::bad_input)?;
             make_folder(folder)?;
             export::write(&cases, folder).map_err(Failure::run_failed)?;
             common.json(&cases.iter().map(|case| &case.name).collect::<Vec<_>>());
             common.say(&format!("{} cases", cases.len()));
             common.page(&folder.join("index.html"));
+            Ok(())
         }
-        Action::Answer { case, folder, refinement } => {
+        (Action::Answer, [case, folder]) => {
             let question = answer::Question::read(case).map_err(Failure::bad_input)?;
             make_folder(folder)?;
-            question.answer(folder, *refinement).map_err(Failure::run_failed)?;
+            question.answer(folder, options.refinement).map_err(Failure::run_failed)?;
             common.say(&format!("{}: {}", question.name(), folder.join("results.csv").display()));
+            Ok(())
         }
+        (Action::Export, _) => refused("one folder"),
+        (Action::Answer, _) => refused("a case.json and a folder"),
     }
-    Ok(())
 }

@@ -251,8 +251,7 @@ pub fn moves(measure: &str, reference: &str) -> bool {
 }
 
 /// References of large strain.
-const LARGE: &[&str] =
-    &["large-strain", "self-weight", "self-weight-drained", "oedometer", "cam-clay", "cam-clay-oedometer"];
+const LARGE: &[&str] = &["large-strain", "self-weight-drained", "oedometer", "cam-clay", "cam-clay-oedometer"];
 
 /// Whether the exact solution is one of large strain.
 pub fn is_large(measure: &str, reference: &str) -> bool {
