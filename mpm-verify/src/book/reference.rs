@@ -5,6 +5,7 @@
 //! `reference-data/scenes/README.md`, the one place where they are written.
 
 use std::fmt::Write as _;
+use std::sync::LazyLock;
 
 use mpm_core::error::SceneError;
 use mpm_core::scene::{Initial, Scene, capabilities};
@@ -69,6 +70,14 @@ pub fn chapter() -> String {
         let _ = writeln!(tables, "| `{name}` | {} | {unit} | {default} | {bounds} | {meaning} |", key.kind);
     }
     HEAD.replace("{{ capabilities }}\n", &capabilities::table()).replace("{{ keys }}", &tables)
+}
+
+/// The unit of a key by its path, `[]` after a list of tables; none for a key that the page does not know, or one without.
+pub fn unit(path: &str) -> Option<String> {
+    static ROWS: LazyLock<Vec<Row>> = LazyLock::new(rows);
+    let sides = ["left", "right", "bottom", "top"].map(|side| format!("feed.{side}."));
+    let path = sides.iter().fold(path.to_owned(), |path, side| path.replace(side, "feed.*."));
+    meaning(&path, &ROWS).map(|[unit, ..]| unit).filter(|unit| !unit.is_empty())
 }
 
 /// All keys of a scene, table by table.

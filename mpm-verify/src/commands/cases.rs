@@ -11,10 +11,10 @@ use crate::Common;
 /// What to do with neutral cases.
 #[derive(Debug, Clone, Args)]
 pub struct Options {
-    /// What to do
+    /// export: write each case as case.json and a page, without its answer. answer: answer one
     #[arg(value_enum)]
     action: Action,
-    /// export: a folder for the cases. answer: the case.json of a case, and a folder for the answer
+    /// export: folder for the cases. answer: case.json of a case, and folder for the answer
     #[arg(value_name = "PATH", required = true, num_args = 1..=2)]
     paths: Vec<PathBuf>,
     /// export: some cases, by name, in place of all
@@ -28,11 +28,10 @@ pub struct Options {
     refinement: Option<f64>,
 }
 
+// Without docs: help would be two screens long.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Action {
-    /// Write each case as case.json and a page, without its answer
     Export,
-    /// Answer a case with this program, as any other code would
     Answer,
 }
 

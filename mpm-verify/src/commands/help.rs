@@ -42,7 +42,7 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 16] = [
         "cases",
         &[
             ("mpm-verify cases export my-cases", "each case as case.json and a page"),
-            ("mpm-verify cases answer my-cases/mandel/case.json answers/mandel", "the answer of this program"),
+            ("mpm-verify cases answer my-cases/mandel/case.json answers", "the answer of this program"),
         ],
     ),
     (

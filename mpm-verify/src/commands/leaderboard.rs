@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use mpm_verify::protocol::board::{BOARD, merged, write};
-use mpm_verify::protocol::case::all;
+use mpm_verify::protocol::case::chosen;
 use mpm_verify::protocol::code::Code;
 use mpm_verify::protocol::score::Verdict;
 
@@ -23,8 +23,9 @@ pub struct Options {
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let read = options.scores.iter().map(|path| Code::read(path)).collect::<Result<_, _>>();
     let codes = merged(read.map_err(Failure::bad_input)?);
+    let cases = chosen(&[], 0).map_err(Failure::run_failed)?;
     common.publish("leaderboard", &["index.html", BOARD], |folder| {
-        write(&codes, all(), folder.stage()).map_err(Failure::run_failed)
+        write(&codes, &cases, folder.stage()).map_err(Failure::run_failed)
     })?;
     common.json(&codes);
     for code in &codes {

@@ -6,6 +6,7 @@ use mpm_core::scene::{INTEGRATORS, SHAPES};
 use mpm_verify::cases::suite;
 use mpm_verify::levee::variants::VARIANTS;
 use mpm_verify::mutants::patches;
+use mpm_verify::protocol::case::titles;
 use mpm_verify::scenes::{BUILT_IN, GALLERY};
 use mpm_verify::stress::CASES;
 use mpm_verify::study::MESHES;
@@ -60,7 +61,7 @@ fn names() -> Vec<Names> {
         (
             Kind::NeutralCases,
             "neutral cases for other codes: mpm-verify cases export DIR",
-            mpm_verify::protocol::case::all().iter().map(|case| (case.name.as_str(), case.title.clone())).collect(),
+            titles().iter().map(|(name, title)| (name.as_str(), title.clone())).collect(),
         ),
         (
             Kind::StressTests,

@@ -17,7 +17,7 @@ use crate::report::plots::axis::Axis;
 use crate::report::plots::figure::{Figure, Mark, Panel, Point, Series};
 use crate::report::plots::look::{BLACK, Dash, GREY, Look, Marker, nth};
 use crate::report::plots::{self};
-use crate::report::{ReportError, tables, unwritable};
+use crate::report::{ReportError, save, tables, unwritable};
 
 /// Name of the table of all scores.
 pub const BOARD: &str = "leaderboard.csv";
@@ -81,6 +81,12 @@ pub fn write(codes: &[Code], cases: &[Case], folder: &Path) -> Result<(), Report
     };
     let cases: Vec<&Case> = cases.iter().filter(scored).collect();
     tables::table(&folder.join(BOARD), COLUMNS, rows(codes))?;
+    let scores = folder.join("scores");
+    fs::create_dir_all(&scores).map_err(|e| unwritable(&scores, e))?;
+    for code in codes {
+        let text = serde_json::to_string_pretty(code).map_err(|e| unwritable(&scores, e))?;
+        save(&scores.join(format!("{}.json", file_name(&code.name))), text + "\n")?;
+    }
     for case in &cases {
         case_page(codes, case, &folder.join("cases").join(&case.name))?;
     }
@@ -207,7 +213,8 @@ fn looks(codes: &[Code]) -> impl Iterator<Item = (&Code, Look)> {
             return (code, Look::new(BLACK, Marker::Star).radius(5.0));
         }
         place += 1;
-        (code, nth(place - 1))
+        // The sixth look is black as well.
+        (code, nth(place - 1 + (place - 1) / 5))
     })
 }
 

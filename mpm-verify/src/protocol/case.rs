@@ -98,33 +98,15 @@ enum Truth {
     Values { values: Box<Values>, scene: Option<Box<Scene>> },
 }
 
-/// All of them with the published parameters, read once.
-static ALL: LazyLock<Vec<Case>> = LazyLock::new(|| match read() {
-    Ok(all) => all,
-    // A test reads them.
-    Err(error) => panic!("neutral cases: {error}"),
-});
-
-/// All neutral cases with the published parameters.
-pub fn all() -> &'static [Case] {
-    &ALL
+/// What a neutral case is made of.
+enum Source {
+    Spec(&'static Spec, &'static Problem),
+    Values(Box<Values>),
 }
 
-/// Those that names choose, all without names, with the parameters of a seed.
-///
-/// # Errors
-/// A name that is not known, or parameters that no case can have.
-pub fn chosen(names: &[String], seed: u64) -> Result<Vec<Case>, Error> {
-    if let Some(wrong) = names.iter().find(|name| all().iter().all(|case| case.name != **name)) {
-        let known = all().iter().map(|case| case.name.as_str());
-        return Err(Error::unknown(("the name of a neutral case", "neutral-cases"), wrong, known));
-    }
-    let asked = all().iter().filter(|case| names.is_empty() || names.contains(&case.name));
-    asked.map(|case| case.drawn(seed).map_err(|error| error.of(&case.name))).collect()
-}
-
-fn read() -> Result<Vec<Case>, Error> {
-    let mut all: Vec<Case> = Vec::new();
+/// Names of all neutral cases, each with what it is made of.
+fn listed() -> Result<Vec<(String, Source)>, Error> {
+    let mut all: Vec<(String, Source)> = Vec::new();
     let mut seen = BTreeSet::new();
     for case in suite() {
         let (Some(spec), problem) = (case.spec(), &problems()[case.problem]) else { continue };
@@ -132,15 +114,57 @@ fn read() -> Result<Vec<Case>, Error> {
         let named = spec.neutral.name.is_some();
         // Cases of one problem that differ in the method alone are one neutral case: the first of them.
         let first = seen.insert((case.problem, spec.scene.clone(), measure.of.clone()));
-        if spec.neutral.skip || !(first || named) || of_measure(&measure.of).is_none() {
-            continue;
+        let can = of_measure(&measure.of).is_some() && meshes(spec).is_some();
+        if can && !spec.neutral.skip && (first || named) {
+            all.push((spec.neutral.name.clone().unwrap_or_else(|| spec.name.clone()), Source::Spec(spec, problem)));
         }
-        all.extend(Case::of_spec(spec, problem)?);
     }
-    for (name, values) in values::all()? {
-        all.push(Case::of_values(name, values).map_err(|error| error.of(name))?);
-    }
+    all.extend(values::all()?.into_iter().map(|(name, values)| (name.to_owned(), Source::Values(Box::new(values)))));
     Ok(all)
+}
+
+/// Meshes that others can have: whole cells, two at least.
+fn meshes(spec: &Spec) -> Option<&Vec<f64>> {
+    let meshes = if spec.neutral.meshes.is_empty() { &spec.meshes } else { &spec.neutral.meshes };
+    (meshes.len() >= 2 && meshes.iter().all(|cells| cells.fract() == 0.0)).then_some(meshes)
+}
+
+/// Names and titles of all neutral cases, read once.
+static TITLES: LazyLock<Vec<(String, String)>> = LazyLock::new(|| match listed() {
+    Ok(all) => {
+        let title = |source: &Source| match source {
+            Source::Spec(_, problem) => problem.title.clone(),
+            Source::Values(values) => values.title.clone(),
+        };
+        all.into_iter().map(|(name, source)| (name, title(&source))).collect()
+    }
+    // A test reads them.
+    Err(error) => panic!("neutral cases: {error}"),
+});
+
+/// Names and titles of all neutral cases.
+pub fn titles() -> &'static [(String, String)] {
+    &TITLES
+}
+
+/// Those that names choose, all without names, with the parameters of a seed; only these are made.
+///
+/// # Errors
+/// A name that is not known, or parameters that no case can have.
+pub fn chosen(names: &[String], seed: u64) -> Result<Vec<Case>, Error> {
+    let all = listed()?;
+    if let Some(wrong) = names.iter().find(|name| all.iter().all(|(own, _)| own != *name)) {
+        let known = all.iter().map(|(name, _)| name.as_str());
+        return Err(Error::unknown(("the name of a neutral case", "neutral-cases"), wrong, known));
+    }
+    let made = |(name, source): (String, Source)| {
+        let case = match source {
+            Source::Spec(spec, problem) => Case::of_spec(spec, problem).and_then(|case| case.ok_or(Lacks("mesh"))),
+            Source::Values(values) => Case::of_values(&name, *values),
+        };
+        case.and_then(|case| case.drawn(seed)).map_err(|error| error.of(&name))
+    };
+    all.into_iter().filter(|(name, _)| names.is_empty() || names.contains(name)).map(made).collect()
 }
 
 impl Case {
@@ -151,10 +175,7 @@ impl Case {
     pub fn of_spec(spec: &'static Spec, problem: &Problem) -> Result<Option<Self>, Error> {
         let measure = spec.measure.as_ref().ok_or(Lacks("measure"))?;
         let Some(quantities) = of_measure(&measure.of) else { return Ok(None) };
-        let meshes = if spec.neutral.meshes.is_empty() { &spec.meshes } else { &spec.neutral.meshes };
-        if meshes.len() < 2 || meshes.iter().any(|cells| cells.fract() != 0.0) {
-            return Ok(None);
-        }
+        let Some(meshes) = meshes(spec) else { return Ok(None) };
         let scene = spec.bases()?.into_iter().next().ok_or(Lacks("scene"))?;
         let case = Self {
             name: spec.neutral.name.clone().unwrap_or_else(|| spec.name.clone()),

@@ -23,8 +23,10 @@ pub const LOG: &str = "log.txt";
 const LOOKS: [Duration; 2] = [Duration::from_millis(5), Duration::from_millis(100)];
 /// How long processes that are ended may take to go.
 const GOING: Duration = Duration::from_secs(5);
-/// Bytes at the end of what was printed that a message shows.
-const SHOWN: u64 = 400;
+/// Bytes at the end of what was printed that are looked at for a reason.
+const SHOWN: u64 = 4000;
+/// Words of a line that says why a code does not answer a case.
+const REFUSED: &str = "not answered";
 
 /// What a command may take.
 #[derive(Debug, Clone, Copy)]
@@ -153,7 +155,7 @@ fn size_mib(folder: &Path) -> f64 {
     sum
 }
 
-/// The end of what a command has printed.
+/// Why a command did not end well: the last line that it has printed, or the last that says what is not answered.
 fn printed(path: &Path) -> String {
     let read = || {
         let mut file = File::open(path)?;
@@ -164,7 +166,10 @@ fn printed(path: &Path) -> String {
         Ok::<_, std::io::Error>(String::from_utf8_lossy(&bytes).into_owned())
     };
     let text = read().unwrap_or_default();
-    let line = text.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("nothing printed");
+    let mut lines = text.lines().rev().filter(|line| !line.trim().is_empty());
+    // Libraries say good-bye after the reason.
+    let refused = text.lines().rev().find(|line| line.contains(REFUSED));
+    let line = refused.or_else(|| lines.next()).unwrap_or("nothing printed");
     line.trim().chars().filter(|c| !c.is_control()).collect()
 }
 
@@ -258,6 +263,8 @@ mod tests {
         assert_eq!((good.failed, good.note), (None, None));
         let code = ended("echo something went wrong; exit 3", &LIMITS).failed.expect("a failure");
         assert!(code.contains('3') && code.ends_with("something went wrong"), "{code}");
+        let refused = ended("echo not answered: no inertia; echo good-bye; exit 1", &LIMITS).failed.expect("a failure");
+        assert!(refused.ends_with("not answered: no inertia"), "{refused}");
         let endless = ended("sleep 60 & while :; do :; done", &short);
         assert!(endless.failed.as_ref().is_some_and(|why| why.contains("longer than 0.3 s")), "{endless:?}");
         assert!(endless.cost.cpu_s > Some(0.01), "{endless:?}");

@@ -15,7 +15,10 @@ use crate::report::{ReportError, save, unwritable};
 /// Name of the file of a case.
 pub const CASE: &str = "case.json";
 
-/// Writes cases, each into a folder of its name, and a page that lists them.
+/// The form of `case.json`, as a JSON schema.
+pub const FORM: &str = include_str!("case.schema.json");
+
+/// Writes cases, each into a folder of its name, the form of their files, and a page that lists them.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -23,6 +26,7 @@ pub fn write(cases: &[Case], folder: &Path) -> Result<(), ReportError> {
     for case in cases {
         one(case, &folder.join(&case.name))?;
     }
+    save(&folder.join("case.schema.json"), FORM)?;
     let row = |case: &Case| {
         let wanted: Vec<&str> = case.wanted.iter().map(|wanted| wanted.quantity.as_str()).collect();
         vec![
@@ -38,6 +42,7 @@ pub fn write(cases: &[Case], folder: &Path) -> Result<(), ReportError> {
         .lead(format!("{} problems for any code; `mpm-verify score` says how good its answers are.", cases.len()))
         .section(Section::new("cases", "Cases").index(table))
         .section(how())
+        .section(Section::new("form", "Form of case.json").files(["case.schema.json"]))
         .write(&folder.join("index.html"))
 }
 

@@ -1,13 +1,11 @@
 //! What a neutral case gives: the keys of a scene without those of any method, each with its unit in its name.
 
-use std::sync::LazyLock;
-
 use mpm_core::scene::Scene;
 use serde_json::{Map, Value as Json};
 use toml::{Table, Value};
 
 use super::units::{Scale, suffix};
-use crate::book::reference::{Key, keys};
+use crate::book::reference;
 use crate::error::Error::{self, Found};
 
 /// Keys that belong to a method, or that a case says elsewhere.
@@ -33,26 +31,10 @@ const IN_WORDS: &[(&str, &str)] = &[
     ("rest.at_most", "s"),
 ];
 
-/// All keys of scenes.
-static KEYS: LazyLock<Vec<Key>> = LazyLock::new(keys);
-
 /// The unit of a key by its path; a list of pairs has one for each part.
 fn unit(path: &str) -> String {
-    if let Some((_, unit)) = IN_WORDS.iter().find(|(end, _)| path.ends_with(end)) {
-        return (*unit).to_owned();
-    }
-    let found = KEYS.iter().find(|key| key.path == path || same_feed(&key.path, path));
-    let same_law = || {
-        let own = path.split_once("law.").map(|(_, rest)| format!("soil.law.{rest}"));
-        own.and_then(|own| KEYS.iter().find(|key| key.path == own))
-    };
-    let row = found.or_else(same_law).and_then(|key| key.row.as_ref());
-    row.map(|row| row[0].clone()).filter(|unit| !unit.is_empty()).unwrap_or_else(|| "-".to_owned())
-}
-
-/// Whether a path is that of a key of any side.
-fn same_feed(key: &str, path: &str) -> bool {
-    ["left", "right", "bottom", "top"].iter().any(|side| path.replace(&format!("feed.{side}"), "feed.*") == key)
+    let told = IN_WORDS.iter().find(|(end, _)| path.ends_with(end)).map(|(_, unit)| (*unit).to_owned());
+    told.or_else(|| reference::unit(path)).unwrap_or_else(|| "-".to_owned())
 }
 
 /// Whether a key belongs to a method.

@@ -306,7 +306,7 @@ fn extrapolated(case: &Case, answer: &Answer) -> Option<Vec<Row>> {
     rows.iter().map(one).collect()
 }
 
-/// The mistakes that an answer looks like, the likeliest first; none where it is like none of them. `passed` is whether it would pass:
+/// The mistakes that an answer resembles, the likeliest first; none where it is like none of them. `passed` is whether it would pass:
 /// then it has to be as much closer to a mistake.
 pub fn seen(case: &Case, answer: &Answer, passed: bool) -> Vec<&'static Mistake> {
     let Some(right) = error(case, answer, &mut |_| {}) else { return Vec::new() };

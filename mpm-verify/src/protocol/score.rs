@@ -1,4 +1,4 @@
-//! The score of a code on a case: errors in the norms of the suite, orders, a verdict, and the mistake that a wrong result looks like.
+//! The score of a code on a case: errors in the norms of the suite, orders, a verdict, and the mistake that a wrong result resembles.
 
 use serde::{Deserialize, Serialize};
 
@@ -76,7 +76,7 @@ pub struct Score {
     pub expected: [f64; 2],
     /// Difference of what flows in and out over what flows in, where both are asked for.
     pub conservation: Option<f64>,
-    /// Names of mistakes that it looks like.
+    /// Names of mistakes that it resembles.
     pub mistakes: Vec<String>,
     /// What is suspicious.
     pub flags: Vec<String>,
@@ -136,6 +136,9 @@ pub fn score(case: &Case, answer: &Answer, said: &Said, measured: &[Cost]) -> Sc
         let why = score.faults.first().map_or_else(String::new, |fault| format!(": {fault}"));
         score.reason =
             format!("{} of {} refinements complete, two at least are needed{why}", known.len(), case.refinements.len());
+        if known.is_empty() {
+            score.levels.clear();
+        }
         return score;
     }
     let fitted = fit(&known);
@@ -147,7 +150,7 @@ pub fn score(case: &Case, answer: &Answer, said: &Said, measured: &[Cost]) -> Sc
     let seen = mistakes::seen(case, &compared, score.verdict == Verdict::Passes);
     if !seen.is_empty() {
         let words: Vec<&str> = seen.iter().map(|mistake| mistake.words).collect();
-        score.reason = format!("{}; looks like {}", score.reason, words.join(", or like "));
+        score.reason = format!("{}; resembles {}", score.reason, words.join(", or "));
         score.mistakes = seen.iter().map(|mistake| mistake.name.to_owned()).collect();
         if score.verdict == Verdict::Passes {
             score.verdict = Verdict::FirstOrder;

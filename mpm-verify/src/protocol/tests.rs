@@ -1,10 +1,15 @@
 //! Neutral cases answered by this code and by made-up ones.
 
 use super::answer::Question;
-use super::case::{Case, all, chosen};
+use super::case::{Case, chosen};
 use super::results::{Answer, RESULTS, Row, Said, parse, read, write};
 use super::score::{Verdict, score};
 use super::{export, units};
+
+/// All neutral cases.
+fn all() -> Vec<Case> {
+    chosen(&[], 0).expect("cases")
+}
 
 /// A neutral case by its name.
 fn case(name: &str) -> Case {
@@ -13,7 +18,8 @@ fn case(name: &str) -> Case {
 
 #[test]
 fn the_cases_that_were_asked_for_are_there_and_hold_no_answer() {
-    let names: Vec<&str> = all().iter().map(|case| case.name.as_str()).collect();
+    let all = all();
+    let names: Vec<&str> = all.iter().map(|case| case.name.as_str()).collect();
     let mut unique = names.clone();
     unique.sort_unstable();
     unique.dedup();
@@ -46,7 +52,7 @@ fn the_cases_that_were_asked_for_are_there_and_hold_no_answer() {
     ] {
         assert!(names.contains(&name), "{name}: {names:?}");
     }
-    for case in all() {
+    for case in &all {
         let text = [&case.json()["given"], &case.json()["wanted"]].map(ToString::to_string).concat();
         assert!(!text.contains("exact") && !text.contains("band"), "{}: {text}", case.name);
         for equation in &case.equations {
@@ -56,6 +62,61 @@ fn the_cases_that_were_asked_for_are_there_and_hold_no_answer() {
         assert!(case.refinements.len() >= 2 && case.expected[0] >= case.expected[1], "{}", case.name);
         assert!(case.wanted.iter().all(|wanted| !wanted.times.is_empty()), "{}", case.name);
     }
+}
+
+/// What of a value is not as a schema says: keys, kinds and constants, all that ours uses.
+fn misfits(value: &serde_json::Value, schema: &serde_json::Value, path: &str, found: &mut Vec<String>) {
+    let kind = match value {
+        serde_json::Value::Object(_) => "object",
+        serde_json::Value::Array(_) => "array",
+        serde_json::Value::String(_) => "string",
+        serde_json::Value::Bool(_) => "boolean",
+        serde_json::Value::Null => "null",
+        serde_json::Value::Number(number) if number.is_f64() => "number",
+        serde_json::Value::Number(_) => "integer",
+    };
+    let kinds: Vec<&str> = match &schema["type"] {
+        serde_json::Value::Array(kinds) => kinds.iter().filter_map(|kind| kind.as_str()).collect(),
+        other => other.as_str().into_iter().collect(),
+    };
+    let fits = kinds.is_empty() || kinds.contains(&kind) || (kind == "integer" && kinds.contains(&"number"));
+    let is_one = schema.get("const").is_none_or(|own| own == value)
+        && schema["enum"].as_array().is_none_or(|all| all.contains(value));
+    if !(fits && is_one) {
+        found.push(format!("{path}: {value}"));
+    }
+    if let (Some(entries), Some(known)) = (value.as_object(), schema["properties"].as_object()) {
+        let required = schema["required"].as_array().into_iter().flatten().filter_map(|key| key.as_str());
+        found.extend(required.filter(|key| !entries.contains_key(*key)).map(|key| format!("{path}: no {key}")));
+        for (key, value) in entries {
+            match known.get(key) {
+                Some(schema) => misfits(value, schema, &format!("{path}.{key}"), found),
+                None => found.push(format!("{path}: {key} is not known")),
+            }
+        }
+    }
+    for (number, item) in value.as_array().into_iter().flatten().enumerate().filter(|_| schema["items"].is_object()) {
+        misfits(item, &schema["items"], &format!("{path}[{number}]"), found);
+    }
+}
+
+#[test]
+fn every_case_has_the_published_form_and_another_one_is_seen() {
+    let schema: serde_json::Value = serde_json::from_str(export::FORM).expect("a schema");
+    assert_eq!(schema["title"], super::case::SCHEMA);
+    let of = |value: &serde_json::Value| {
+        let mut found = Vec::new();
+        misfits(value, &schema, "case", &mut found);
+        found
+    };
+    for case in all() {
+        assert_eq!(of(&case.json()), Vec::<String>::new(), "{}", case.name);
+    }
+    let mut other = all()[0].json();
+    other["answer"] = 1.into();
+    other["physics"]["strain"] = "huge".into();
+    other["wanted"][0]["unit"] = serde_json::Value::Null;
+    assert_eq!(of(&other).len(), 3, "{:?}", of(&other));
 }
 
 /// Every case of the suite that a stranger can answer is one, without a word here.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use mpm_core::scene::{Scene, Side};
+use mpm_core::scene::{Scene, Side, Until};
 
 use super::Compare;
 use crate::error::Error::{self, Unfit};
@@ -45,13 +45,15 @@ pub fn stages(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
         let whole = mean(&p);
         let mut rows = Vec::new();
         for (number, stage) in stages.iter().enumerate() {
-            let mut now = Vec::new();
             for sample in run.samples.iter().filter(|s| s.stage == number && s.stage_time > 0.0) {
-                now = after(&p, stage.drained, sample.stage_time);
+                let now = after(&p, stage.drained, sample.stage_time);
                 let settled = sample.state.settlement * modulus / (whole * height);
                 rows.push(Compared::one(sample.stage_time, settled, 1.0 - mean(&now) / whole));
             }
-            p = now;
+            // A stage that nobody has looked at has its end all the same.
+            let last = run.samples.iter().rev().find(|s| s.stage == number).map(|s| s.stage_time);
+            let end = if let Until::Time(end) = stage.until { Some(end) } else { last };
+            p = after(&p, stage.drained, end.unwrap_or(0.0));
         }
         Ok(Comparison::worst("U", rows))
     }))
