@@ -518,3 +518,23 @@ fn a_slope_of_one_s_own_is_not_judged_as_the_paper_s_levee() {
     };
     assert!((value("spencer") / value("fs_low") - 1.0).abs() < 0.15, "{factors}");
 }
+
+/// Scores of several folders do not overwrite each other, and those of other parameters do not stand beside each other.
+#[test]
+fn scores_keep_apart_what_is_not_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["one", "two"] {
+        std::fs::create_dir(folder.path().join(name)).expect("a folder");
+    }
+    let run = |line: &str| verify(folder.path(), &line.split(' ').collect::<Vec<_>>());
+    // Nothing was answered.
+    assert_eq!(run("score one two --only consolidation --out scores").status.code(), Some(1));
+    for name in ["one", "two"] {
+        assert!(folder.path().join(format!("scores/{name}/scores.json")).is_file(), "{name}");
+    }
+    assert_eq!(run("score one two --name both").status.code(), Some(2));
+    assert_eq!(run("score two --only consolidation --seed 3 --out hidden").status.code(), Some(1));
+    assert!(run("leaderboard scores/one scores/two --out board").status.success());
+    let mixed = run("leaderboard scores/one hidden --out mixed");
+    assert!(mixed.status.code() == Some(2) && stderr(&mixed).contains("[0, 3]"), "{}", stderr(&mixed));
+}

@@ -23,7 +23,13 @@ pub struct Options {
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let read = options.scores.iter().map(|path| Code::read(path)).collect::<Result<_, _>>();
     let codes = merged(read.map_err(Failure::bad_input)?);
-    let cases = chosen(&[], 0).map_err(Failure::run_failed)?;
+    let mut seeds: Vec<u64> = codes.iter().flat_map(|code| &code.scores).map(|score| score.seed).collect();
+    seeds.sort_unstable();
+    seeds.dedup();
+    let &[seed] = &seeds[..] else {
+        return Err(Failure::BadInput(format!("expected scores of one seed, found those of {seeds:?}")));
+    };
+    let cases = chosen(&[], seed).map_err(Failure::run_failed)?;
     common.publish("leaderboard", &["index.html", BOARD], |folder| {
         write(&codes, &cases, folder.stage()).map_err(Failure::run_failed)
     })?;

@@ -1,7 +1,7 @@
 //! `score`: how good the answers of other codes to neutral cases are.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use clap::Args;
@@ -54,19 +54,30 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     if let Some(missing) = options.folders.iter().find(|folder| !folder.is_dir()) {
         return Err(Failure::BadInput(format!("{}: expected a folder of results, found none", missing.display())));
     }
+    // Each of several codes has a folder of its own.
+    let several = options.folders.len() > 1;
+    if several && options.name.is_some() {
+        return Err(Failure::BadInput("--name: expected one folder of results, found several".to_owned()));
+    }
+    let stopped = interrupts();
     let mut codes = Vec::new();
     if let Some(template) = &options.run {
         if !template.contains("{case}") || !template.contains("{out}") {
             return Err(Failure::BadInput(format!("--run: expected {{case}} and {{out}} in it, found `{template}`")));
         }
         let name = options.name.clone().unwrap_or_else(|| "code".to_owned());
-        codes.push(scored(&name, options, common, &cases, None)?);
+        codes.push(scored(&name, options, common, &cases, Answers::Of(template, &stopped))?);
     }
     for folder in &options.folders {
         let own =
             std::path::absolute(folder).ok().and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
         let name = options.name.clone().or(own).unwrap_or_else(|| "code".to_owned());
-        codes.push(scored(&name, options, common, &cases, Some(folder))?);
+        let own = common.out.as_ref().filter(|_| several).map(|out| out.join(file_name(&name)));
+        let common = Common { out: own.or_else(|| common.out.clone()), ..common.clone() };
+        codes.push(scored(&name, options, &common, &cases, Answers::In(folder))?);
+    }
+    if stopped.load(Ordering::Relaxed) {
+        return Err(Failure::RunFailed("stopped: what was scored until then is kept".to_owned()));
     }
     common.json(&codes);
     let wrong: Vec<String> = codes
@@ -82,13 +93,22 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     }
 }
 
+/// Where the answers of a code are.
+#[derive(Clone, Copy)]
+enum Answers<'a> {
+    /// In a folder.
+    In(&'a Path),
+    /// Those of a command, until it is to stop.
+    Of(&'a str, &'a AtomicBool),
+}
+
 /// Scores one code into a folder of its own.
 fn scored(
     name: &str,
     options: &Options,
     common: &Common,
     cases: &[Case],
-    lies: Option<&Path>,
+    answers: Answers<'_>,
 ) -> Result<Code, Failure> {
     let place = format!("scores/{}", file_name(name));
     let told = |score: &Score| {
@@ -100,20 +120,19 @@ fn scored(
             .for_each(|more| common.say(&format!("{:<28} {more}", "")));
     };
     let code = common.publish(&place, &["index.html", SCORES], |folder| {
-        let mut code = match (lies, &options.run) {
-            (None, Some(template)) => {
+        let mut code = match answers {
+            Answers::Of(template, stopped) => {
                 let limits = Limits {
                     time: Duration::from_secs_f64(options.time_limit),
                     memory_mib: options.memory_limit,
                     output_mib: options.output_limit,
                 };
-                let interrupted = interrupts();
-                let stop = || interrupted.load(Ordering::Relaxed);
+                let stop = || stopped.load(Ordering::Relaxed);
                 let work = std::path::absolute(folder.stage()).map_err(Failure::run_failed)?;
                 make_folder(&work)?;
                 running((template, &limits), name, cases, &work, &stop, &told).map_err(Failure::run_failed)?
             }
-            (folder, _) => lying(folder.unwrap_or(Path::new(".")), name, cases, &told),
+            Answers::In(folder) => lying(folder, name, cases, &told),
         };
         if let Some(scene) = cases.iter().find_map(Case::scene) {
             code.date = Manifest::new(scene, 1).date;

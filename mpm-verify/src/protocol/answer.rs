@@ -16,7 +16,7 @@ use serde_json::{Value as Json, json};
 use super::case::{Case, Place, SCHEMA, chosen};
 use super::export::CASE;
 use super::given;
-use super::results::{Cost, RESULTS, RUN, Row, Said, write};
+use super::results::{About, Cost, RESULTS, RUN, Row, Said, write};
 use crate::cases::{infinite_slope, spin};
 use crate::element::Element;
 use crate::error::Error::{self, Found, Lacks};
@@ -89,9 +89,12 @@ impl Question {
         let scene = self.case.scene();
         let said = Said {
             code: "mpm-verify".to_owned(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            settings: scene.map_or(Json::Null, |scene| json!({ "integrator": scene.integrator, "shape": scene.shape })),
-            machine: String::new(),
+            about: About {
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+                settings: scene
+                    .map_or(Json::Null, |scene| json!({ "integrator": scene.integrator, "shape": scene.shape })),
+                machine: String::new(),
+            },
             date: scene.map_or_else(String::new, |scene| Manifest::new(scene, 1).date),
             runs: costs,
         };

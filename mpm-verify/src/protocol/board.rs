@@ -137,7 +137,7 @@ fn rows(codes: &[Code]) -> Vec<Vec<String>> {
                 let refinement = if level.refinement.is_nan() { String::new() } else { level.refinement.to_string() };
                 rows.push(vec![
                     code.name.clone(),
-                    code.version.clone(),
+                    code.about.version.clone(),
                     code.date.clone(),
                     score.case.clone(),
                     score.seed.to_string(),
@@ -193,7 +193,7 @@ fn table_of_codes(codes: &[Code]) -> Table {
         let count = |verdict: Verdict| Cell::new(code.count(verdict).to_string());
         vec![
             Cell::new(code.name.clone()).linked(&format!("codes/{}/index.html", file_name(&code.name))),
-            Cell::new(code.version.clone()),
+            Cell::new(code.about.version.clone()),
             count(Verdict::Passes),
             count(Verdict::FirstOrder),
             count(Verdict::Wrong),
@@ -288,14 +288,12 @@ fn case_page(codes: &[Code], case: &Case, folder: &Path) -> Result<(), ReportErr
     plots::write_svg_and_numbers(&figure, folder)?;
     let row = |code: &Code| {
         let score = code.scores.iter().find(|score| score.case == case.name)?;
-        let errors: Vec<String> =
-            score.levels.iter().map(|level| level.error.map_or_else(|| "–".to_owned(), |e| short(e, 2))).collect();
         let finest = score.levels.iter().rev().find(|level| level.error.is_some());
         let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| short(value, 2));
         Some(vec![
             Cell::new(code.name.clone()).linked(&format!("../../codes/{}/index.html", file_name(&code.name))),
             badge(score.verdict),
-            Cell::new(errors.join(", ")),
+            Cell::new(errors(score)),
             order(score),
             Cell::new(number(finest.and_then(|level| level.cpu_s))),
             Cell::new(number(finest.and_then(|level| level.peak_mib))),
@@ -318,6 +316,12 @@ fn case_page(codes: &[Code], case: &Case, folder: &Path) -> Result<(), ReportErr
         .write(&folder.join("index.html"))
 }
 
+/// Errors from the coarsest refinement on.
+fn errors(score: &Score) -> String {
+    let one = |level: &Level| level.error.map_or_else(|| "–".to_owned(), |error| short(error, 2));
+    score.levels.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
 fn order(score: &Score) -> Cell {
     let text = score.order.map_or_else(|| "–".to_owned(), |order| short(order, 3));
     Cell::new(text).small(score.order_half_width.map_or_else(String::new, |half| format!("± {}", short(half, 2))))
@@ -328,8 +332,6 @@ pub fn code_page(code: &Code, cases: Option<&str>) -> Page {
     let row = |score: &Score| {
         let name = Cell::new(score.case.clone());
         let linked = cases.filter(|_| score.verdict != Verdict::NotRun);
-        let errors: Vec<String> =
-            score.levels.iter().map(|level| level.error.map_or_else(|| "–".to_owned(), |e| short(e, 2))).collect();
         let more: Vec<&str> = score.flags.iter().chain(&score.faults).map(String::as_str).collect();
         let cpu: f64 = score.levels.iter().filter_map(|level| level.cpu_s).sum();
         vec![
@@ -338,7 +340,7 @@ pub fn code_page(code: &Code, cases: Option<&str>) -> Page {
                 None => name,
             },
             badge(score.verdict),
-            Cell::new(errors.join(", ")),
+            Cell::new(errors(score)),
             order(score),
             Cell::new(if cpu > 0.0 { short(cpu, 2) } else { "–".to_owned() }),
             Cell::new(score.reason.clone()).small(more.join("; ")),
@@ -357,11 +359,11 @@ pub fn code_page(code: &Code, cases: Option<&str>) -> Page {
     if !made.is_empty() {
         page = page.section(Section::new("mistakes", "What wrong results look like").with(Block::Terms(made)));
     }
-    let settings = if code.settings.is_null() { String::new() } else { code.settings.to_string() };
+    let settings = if code.about.settings.is_null() { String::new() } else { code.about.settings.to_string() };
     let said = [
-        ("version", &code.version),
+        ("version", &code.about.version),
         ("settings", &settings),
-        ("machine", &code.machine),
+        ("machine", &code.about.machine),
         ("command", &code.command),
         ("date", &code.date),
     ];

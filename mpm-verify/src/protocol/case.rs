@@ -344,7 +344,12 @@ impl Case {
         };
         // Errors of places are in m.
         let expected = self.expected.map(|error| if self.error_unit == "m" { error * scale.length } else { error });
-        Self { seed, truth, expected, ..self.clone() }.asked()
+        // Words tell of the published case.
+        let problem = format!(
+            "{} Other numbers than these words have are given here: they are what counts.",
+            self.problem.trim()
+        );
+        Self { seed, truth, expected, problem, ..self.clone() }.asked()
     }
 
     /// The scene of a case with other parameters, as far as its times follow them and its exact solution is one for any.

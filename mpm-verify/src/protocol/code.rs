@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::case::Case;
 use super::command::{self, Limits};
 use super::export;
-use super::results::{self, Cost, Said};
+use super::results::{self, About, Cost, Said};
 use super::score::{Score, Verdict, score};
 use crate::error::Error::{self, Found};
 
@@ -20,15 +20,9 @@ pub const SCORES: &str = "scores.json";
 pub struct Code {
     /// Its name.
     pub name: String,
-    /// Its version, as it says.
-    #[serde(default)]
-    pub version: String,
-    /// Its settings, as it says.
-    #[serde(default)]
-    pub settings: serde_json::Value,
-    /// Where it ran, as it says.
-    #[serde(default)]
-    pub machine: String,
+    /// What it says of itself.
+    #[serde(flatten)]
+    pub about: About,
     /// When it was scored, UTC.
     #[serde(default)]
     pub date: String,
@@ -50,17 +44,10 @@ impl Code {
         serde_json::from_str(&text).map_err(|why| Found(why.to_string()).of(path.display()))
     }
 
-    /// Takes what a code says of itself.
+    /// Takes what a code says of itself, the first time that it says something.
     fn hear(&mut self, said: &Said) {
-        let take = |own: &mut String, other: &String| {
-            if own.is_empty() {
-                own.clone_from(other);
-            }
-        };
-        take(&mut self.version, &said.version);
-        take(&mut self.machine, &said.machine);
-        if self.settings.is_null() {
-            self.settings = said.settings.clone();
+        if self.about == About::default() {
+            self.about = said.about.clone();
         }
     }
 

@@ -70,12 +70,9 @@ pub struct Answer {
     pub faults: Vec<String>,
 }
 
-/// What a solver says of its runs: `run.json`. Costs are those that it says where nothing has measured them.
+/// What a code says of itself.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Said {
-    /// Name of the code.
-    #[serde(default)]
-    pub code: String,
+pub struct About {
     /// Its version.
     #[serde(default)]
     pub version: String,
@@ -85,6 +82,17 @@ pub struct Said {
     /// Processor and system.
     #[serde(default)]
     pub machine: String,
+}
+
+/// What a solver says of its runs: `run.json`. Costs are those that it says where nothing has measured them.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Said {
+    /// Name of the code.
+    #[serde(default)]
+    pub code: String,
+    /// What else it says of itself.
+    #[serde(flatten)]
+    pub about: About,
     /// When, UTC.
     #[serde(default)]
     pub date: String,
