@@ -3,6 +3,9 @@
 //! Row i of the factor reaches from its first entry to the diagonal (Jennings 1966, doi:10.1093/comjnl/9.3.281). The pattern may
 //! change from one step to the next at no cost, which a library's symbolic factorisation does not allow.
 
+/// Rows that are factorised side by side: the CPU works on one while it waits for another.
+const ROWS: usize = 4;
+
 /// A symmetric positive definite matrix by rows of its lower triangle, and its factor in the same place.
 #[derive(Debug, Clone, Default)]
 pub struct Envelope {
@@ -26,6 +29,11 @@ impl Envelope {
         self.values.resize(self.start[size], 0.0);
     }
 
+    /// Zeros in the rows that there are.
+    pub fn empty(&mut self) {
+        self.values.fill(0.0);
+    }
+
     /// Rows.
     pub fn size(&self) -> usize {
         self.first.len()
@@ -43,23 +51,50 @@ impl Envelope {
     /// # Errors
     /// The matrix is not positive definite.
     pub fn solve(&mut self, x: &mut [f64]) -> Result<(), usize> {
-        for row in 0..self.size() {
-            let (first, start) = (self.first[row], self.start[row]);
-            let (done, rest) = self.values.split_at_mut(start);
-            let here = &mut rest[..=row - first];
-            for column in first..row {
-                let other_first = self.first[column];
-                let from = first.max(other_first);
-                let other = &done[self.start[column]..=self.start[column] + column - other_first];
-                let sum = dot(&here[from - first..column - first], &other[from - other_first..column - other_first]);
-                here[column - first] = (here[column - first] - sum) / other[column - other_first];
+        // Sums of products as wide as the CPU has them: no product is fused with a sum, and the bits are the same.
+        pulp::Arch::new().dispatch(|| self.factor_and_solve(x))
+    }
+
+    /// The pivot of a row whose entries are those of the factor.
+    #[inline(always)]
+    fn take_root(&mut self, row: usize) -> Result<(), usize> {
+        let here = &mut self.values[self.start[row]..self.start[row + 1]];
+        let last = here.len() - 1;
+        let pivot = here[last] - dot(&here[..last], &here[..last]);
+        if pivot <= 0.0 || pivot.is_nan() {
+            return Err(row);
+        }
+        here[last] = pivot.sqrt();
+        Ok(())
+    }
+
+    /// The entry of a row of the factor in a column of its envelope, those before it known.
+    #[inline(always)]
+    fn eliminate(&mut self, row: usize, column: usize) {
+        let (first, other_first) = (self.first[row], self.first[column]);
+        if column < first {
+            return;
+        }
+        let (done, here) = self.values.split_at_mut(self.start[row]);
+        let other = &done[self.start[column]..self.start[column + 1]];
+        let from = first.max(other_first);
+        let sum = dot(&here[from - first..column - first], &other[from - other_first..column - other_first]);
+        here[column - first] = (here[column - first] - sum) / other[column - other_first];
+    }
+
+    #[inline(always)]
+    fn factor_and_solve(&mut self, x: &mut [f64]) -> Result<(), usize> {
+        for block in (0..self.size()).step_by(ROWS) {
+            let rows = block..(block + ROWS).min(self.size());
+            let lowest = rows.clone().map(|row| self.first[row]).min().unwrap_or(block);
+            for column in lowest..rows.end {
+                if column >= block {
+                    self.take_root(column)?;
+                }
+                for row in rows.start.max(column + 1)..rows.end {
+                    self.eliminate(row, column);
+                }
             }
-            let own = &here[..row - first];
-            let pivot = here[row - first] - dot(own, own);
-            if pivot <= 0.0 || pivot.is_nan() {
-                return Err(row);
-            }
-            here[row - first] = pivot.sqrt();
         }
         for row in 0..self.size() {
             let (first, values) = (self.first[row], &self.values[self.start[row]..self.start[row + 1]]);
@@ -78,7 +113,7 @@ impl Envelope {
 }
 
 /// Sum of products, in four strands that the CPU can add side by side.
-#[inline]
+#[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut strands = [0.0; 4];
     let (fours_a, fours_b) = (a.chunks_exact(4), b.chunks_exact(4));

@@ -8,6 +8,20 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use pulp::Simd;
 use pulp::bytemuck::{self, Pod};
 
+/// An array `[first; n]` whose entries are then computed one by one.
+///
+/// Unlike `std::array::from_fn` without a closure: what is in one is compiled for a CPU without SIMD, and called.
+macro_rules! array {
+    ([$first:expr; $count:expr], $i:ident => $entry:expr) => {{
+        let mut all = [$first; $count];
+        for $i in 0..$count {
+            all[$i] = $entry;
+        }
+        all
+    }};
+}
+pub(crate) use array;
+
 /// A number, or several.
 pub trait Real:
     Copy
@@ -28,6 +42,13 @@ pub trait Real:
     fn larger(self, other: Self) -> Self;
     /// The smaller of two; the other one if either is no number.
     fn smaller(self, other: Self) -> Self;
+    /// One of two numbers: the first where this is below `other`.
+    fn if_below(self, other: Self, first: Self, second: Self) -> Self;
+    /// The same of so many numbers.
+    #[inline(always)]
+    fn if_below_all<const N: usize>(self, other: Self, first: &[Self; N], second: &[Self; N]) -> [Self; N] {
+        array!([first[0]; N], i => self.if_below(other, first[i], second[i]))
+    }
 }
 
 impl Real for f64 {
@@ -50,6 +71,11 @@ impl Real for f64 {
     fn smaller(self, other: Self) -> Self {
         if self < other { self } else { other }
     }
+
+    #[inline(always)]
+    fn if_below(self, other: Self, first: Self, second: Self) -> Self {
+        if self < other { first } else { second }
+    }
 }
 
 /// Cells that a SIMD vector never straddles: the most lanes of any CPU. Sums over cells are kept in as many parts, so that
@@ -65,20 +91,6 @@ pub fn numbers<V: Pod>(vectors: &[V]) -> &[f64] {
 pub fn numbers_mut<V: Pod>(vectors: &mut [V]) -> &mut [f64] {
     bytemuck::cast_slice_mut(vectors)
 }
-
-/// An array `[first; n]` whose entries are then computed one by one.
-///
-/// Unlike `std::array::from_fn` without a closure: what is in one is compiled for a CPU without SIMD, and called.
-macro_rules! array {
-    ([$first:expr; $count:expr], $i:ident => $entry:expr) => {{
-        let mut all = [$first; $count];
-        for $i in 0..$count {
-            all[$i] = $entry;
-        }
-        all
-    }};
-}
-pub(crate) use array;
 
 /// Several numbers that are computed at once; S: the SIMD type of the CPU.
 #[derive(Debug, Clone, Copy)]
@@ -205,6 +217,11 @@ impl<S: Simd> Real for SimdReal<S> {
     #[inline(always)]
     fn smaller(self, other: Self) -> Self {
         self.or(self.below(other), other)
+    }
+
+    #[inline(always)]
+    fn if_below(self, other: Self, first: Self, second: Self) -> Self {
+        first.or(self.below(other), second)
     }
 }
 

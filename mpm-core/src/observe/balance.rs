@@ -196,6 +196,12 @@ impl<const D: usize> Totals<D> {
     /// Records what the nodes have gained in a step, in as many parts as the widest SIMD vector has lanes. A particle gets `flip dt a + (1 - flip) v`, with
     /// the velocity v of the end of the step: what supported nodes do not give is recorded too.
     pub fn book_motion(&mut self, nodes: &Nodes<D>, flip: f64, dt: f64) {
+        // Sums as wide as the CPU has them: their parts are the same.
+        pulp::Arch::new().dispatch(|| self.book_momentum(nodes, flip, dt));
+    }
+
+    #[inline(always)]
+    fn book_momentum(&mut self, nodes: &Nodes<D>, flip: f64, dt: f64) {
         for d in 0..D {
             let (mut power, mut force) = ([0.0; MAX_LANES], [0.0; MAX_LANES]);
             each_part(nodes, d, |lane, mass, velocity, acceleration| {
@@ -206,9 +212,10 @@ impl<const D: usize> Totals<D> {
             self.kinetic_gain += dt * power.iter().sum::<f64>();
             self.momentum_gain[d] += dt * force.iter().sum::<f64>();
             if flip < 1.0 {
-                for (number, strip) in nodes.sums.iter().enumerate() {
+                for (number, (strip, runs)) in nodes.sums.iter().zip(nodes.reached.runs()).enumerate() {
                     let sums = &strip.0;
-                    for i in (0..nodes.frame.strip).filter(|i| sums[SOLID_MASS][*i] > 0.0) {
+                    let all = runs.iter().flat_map(Clone::clone);
+                    for i in all.filter(|i| sums[SOLID_MASS][*i] > 0.0) {
                         let node = number * nodes.frame.strip + i;
                         let before = sums[MOMENTUM + d][i] / sums[SOLID_MASS][i];
                         let got = nodes.motion.change[d][node] - (1.0 - flip) * before;
@@ -282,14 +289,16 @@ impl<const D: usize> Totals<D> {
 /// Visits the nodes: part of the sum, mass of the mixture (kg), velocity (m/s) and acceleration (m/s2) along an axis.
 #[inline(always)]
 fn each_part<const D: usize>(nodes: &Nodes<D>, axis: usize, mut visit: impl FnMut(usize, f64, f64, f64)) {
-    for (number, strip) in nodes.sums.iter().enumerate() {
-        let own = number * nodes.frame.strip..(number + 1) * nodes.frame.strip;
-        let (masses, _) = strip.0[MIXTURE_MASS][..nodes.frame.strip].as_chunks::<MAX_LANES>();
-        let (velocities, _) = nodes.motion.velocity[axis][own.clone()].as_chunks::<MAX_LANES>();
-        let (accelerations, _) = nodes.motion.acceleration[axis][own].as_chunks::<MAX_LANES>();
-        for ((mass, velocity), acceleration) in masses.iter().zip(velocities).zip(accelerations) {
-            for lane in 0..MAX_LANES {
-                visit(lane, mass[lane], velocity[lane], acceleration[lane]);
+    for (number, (strip, runs)) in nodes.sums.iter().zip(nodes.reached.runs()).enumerate() {
+        for run in runs {
+            let own = number * nodes.frame.strip + run.start..number * nodes.frame.strip + run.end;
+            let (masses, _) = strip.0[MIXTURE_MASS][run.clone()].as_chunks::<MAX_LANES>();
+            let (velocities, _) = nodes.motion.velocity[axis][own.clone()].as_chunks::<MAX_LANES>();
+            let (accelerations, _) = nodes.motion.acceleration[axis][own].as_chunks::<MAX_LANES>();
+            for ((mass, velocity), acceleration) in masses.iter().zip(velocities).zip(accelerations) {
+                for lane in 0..MAX_LANES {
+                    visit(lane, mass[lane], velocity[lane], acceleration[lane]);
+                }
             }
         }
     }

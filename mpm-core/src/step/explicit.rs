@@ -248,6 +248,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         self.accelerate(dt);
         self.constrain(dt)?;
         self.book_motion(dt);
+        self.nodes.reached.settle();
         Ok(())
     }
 

@@ -5,9 +5,10 @@ use pulp::Simd;
 use super::Fault;
 use super::conditions::Condition;
 use super::kernel::InPores;
+use super::store::nodes::MIXTURE_MASS;
 use super::store::{Frame, Nodes, Strip};
 use crate::grid::Grid;
-use crate::water::{AdvectedWater, Pushed};
+use crate::water::{AdvectedWater, Pressures, Pushed};
 
 /// The water and what the soil feels of it. Nodes have the numbers of the mesh, which those of functions of one cell are.
 #[derive(Debug)]
@@ -16,6 +17,8 @@ pub struct FreeWater<const D: usize> {
     pub carried: AdvectedWater<D>,
     /// What the soil of each cell feels, by the numbers of the frame: see [`InPores::Given`].
     felt: [Vec<f64>; 4],
+    /// Where each cell is: strip, and number there.
+    place: Vec<[u32; 2]>,
     /// 1/kg of each node and direction; zero where something holds it.
     inverse: Vec<[f64; D]>,
     /// The node that each node moves with, itself if none.
@@ -25,22 +28,36 @@ pub struct FreeWater<const D: usize> {
 impl<const D: usize> FreeWater<D> {
     /// Beside a mesh.
     pub fn new(carried: AdvectedWater<D>, grid: &Grid<D>, frame: &Frame<D>) -> Self {
-        let nodes = grid.node_count();
+        let nodes = frame.count();
+        let place = |(_, position): (usize, [usize; D])| {
+            let number = frame.number(&position);
+            [number / frame.strip, number % frame.strip].map(|number| number as u32)
+        };
         let mut water = Self {
             carried,
+            place: grid.walk().map(place).collect(),
             felt: std::array::from_fn(|_| vec![0.0; frame.length()]),
             inverse: vec![[0.0; D]; nodes],
-            leader: vec![0; nodes],
+            leader: (0..nodes as u32).collect(),
         };
-        water.tell(grid, frame);
+        water.tell(frame);
         water
     }
 
     /// Takes over what the soil feels.
-    pub fn tell(&mut self, grid: &Grid<D>, frame: &Frame<D>) {
-        for (cell, position) in grid.walk() {
-            let number = frame.number(&position);
-            self.felt.iter_mut().zip(self.carried.given(cell)).for_each(|(felt, given)| felt[number] = given);
+    pub fn tell(&mut self, frame: &Frame<D>) {
+        let Self { carried, felt, place, .. } = self;
+        let has_changed = carried.has_changed();
+        let mut tell = |cell: usize| {
+            let [strip, number] = place[cell].map(|number| number as usize);
+            felt.iter_mut()
+                .zip(carried.given(cell))
+                .for_each(|(felt, given)| felt[strip * frame.strip + number] = given);
+        };
+        if has_changed {
+            (0..place.len()).for_each(tell);
+        } else if carried.pressures != Pressures::Held {
+            carried.water.cells.iter().for_each(|cell| tell(*cell as usize));
         }
     }
 
@@ -63,24 +80,25 @@ impl<const D: usize> FreeWater<D> {
         (keeps, at_centroid): (f64, bool),
         dt: f64,
     ) -> Result<(), Fault> {
-        let Self { carried, inverse, leader, .. } = self;
-        for (cell, position) in grid.walk() {
-            let number = nodes.frame.number(&position);
-            let (strip, cell_of_strip) = (&strips[number / nodes.frame.strip], number % nodes.frame.strip);
-            let [volume, _] = strip.volume_and_mass(cell_of_strip);
-            carried.note(cell, volume, at_centroid.then(|| strip.centroid(cell_of_strip)));
+        let Self { carried, place, inverse, leader, .. } = self;
+        for i in 0..carried.water.cells.len() {
+            let cell = carried.water.cells[i] as usize;
+            let [strip, number] = place[cell].map(|number| number as usize);
+            let [volume, _] = strips[strip].volume_and_mass(number);
+            carried.note(cell, volume, at_centroid.then(|| strips[strip].centroid(number)));
         }
-        for (node, (inverse, leader)) in inverse.iter_mut().zip(&mut *leader).enumerate() {
-            let mass = nodes.mixture_mass(node);
-            *inverse = [if mass > 0.0 { keeps / mass } else { 0.0 }; D];
-            *leader = node as u32;
-        }
+        nodes.each_reached(MIXTURE_MASS, |node, mass| {
+            inverse[node] = [if mass > 0.0 { keeps / mass } else { 0.0 }; D];
+            leader[node] = node as u32;
+        });
         conditions.iter().for_each(|condition| condition.each_held(&mut |node, axis| inverse[node][axis] = 0.0));
         for [follower, first] in &nodes.pairs {
             leader[*follower as usize] = *first;
         }
         let pushed = Pushed { grid, inverse, leader };
-        carried.press(grid, &pushed, &mut nodes.motion, dt).map_err(|(place, what)| Fault { place, what })
+        carried.press(grid, &pushed, &mut nodes.motion, dt).map_err(|(place, what)| Fault { place, what })?;
+        carried.sweep(nodes, dt);
+        Ok(())
     }
 
     /// Bytes held.

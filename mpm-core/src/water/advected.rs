@@ -18,7 +18,7 @@ use crate::scene::{Bearing, FaceLoad, Feed, FreeSurfaceWater, Scene, SolidSide, 
 use crate::seeding;
 use crate::soils::Soils;
 use crate::sparse::Unsolved;
-use crate::step::store::Motion;
+use crate::step::store::{Motion, Nodes};
 
 /// Soil that has moved this far takes its water along before it moves on, in cells.
 const FAR: f64 = 0.02;
@@ -71,6 +71,8 @@ pub struct AdvectedWater<const D: usize> {
     smoothing: f64,
     /// Share of the pressures that the soil feels.
     share: f64,
+    /// Whether cells have come to feel something else, but by a step of the soil.
+    changed: bool,
     /// Mean over the soil of a cell of the pressure where it is positive, Pa.
     felt: Vec<f64>,
     /// Height where the pressure acts, as a share of that of the soil's centroid: water presses more the deeper it stands.
@@ -161,6 +163,7 @@ impl<const D: usize> AdvectedWater<D> {
             properties,
             smoothing: SMOOTHING / (2.0 * softest),
             share: 1.0,
+            changed: true,
             felt: vec![0.0; cells],
             lower: vec![1.0; cells],
             per_volume: vec![0.0; cells],
@@ -202,10 +205,24 @@ impl<const D: usize> AdvectedWater<D> {
     /// Lets the soil feel a share of the pressures.
     pub fn feel(&mut self, share: f64) {
         self.share = share;
-        for (cell, felt) in self.felt.iter_mut().enumerate() {
-            *felt = share * self.water.mean_pressure(cell);
+        self.changed = true;
+        self.felt.fill(0.0);
+        self.lower.fill(1.0);
+        self.feel_now();
+    }
+
+    /// Lets the soil feel the pressures as they are now.
+    fn feel_now(&mut self) {
+        for &cell in &self.water.cells {
+            let cell = cell as usize;
+            self.felt[cell] = self.share * self.water.mean_pressure(cell);
             self.lower[cell] = self.water.lower(cell);
         }
+    }
+
+    /// Whether the soil has come to feel something else since this was last asked, as cells that are no soil may.
+    pub fn has_changed(&mut self) -> bool {
+        std::mem::take(&mut self.changed)
     }
 
     /// Changes which sides let water out.
@@ -359,7 +376,7 @@ impl<const D: usize> AdvectedWater<D> {
     ) -> Result<(), (String, String)> {
         let bulk_modulus = self.properties.bulk_modulus;
         if self.pressures == Pressures::Held {
-            self.work += self.squeeze.work_of(&self.felt, &self.soil, grid, pushed, motion, dt);
+            self.work += self.squeeze.work_of(&self.felt, &self.soil, pushed, motion, dt);
         } else {
             let step = MovingStep {
                 dt,
@@ -378,18 +395,27 @@ impl<const D: usize> AdvectedWater<D> {
                 self.layer.move_by(grid, &self.water, self.waits, self.around.periodic);
                 self.waits = 0.0;
             }
-            self.feel(1.0);
+            self.share = 1.0;
+            self.feel_now();
         }
+        Ok(())
+    }
+
+    /// Notes how nodes move in a step dt (s).
+    pub fn sweep(&mut self, nodes: &Nodes<D>, dt: f64) {
         let mut fastest: f64 = 0.0;
-        for (node, swept) in self.swept.iter_mut().enumerate() {
+        let count = self.swept.len();
+        for run in nodes.reached.each_run() {
+            let run = run.start.min(count)..run.end.min(count);
             for d in 0..D {
-                let velocity = motion.velocity[d][node];
-                swept[d] += dt * velocity;
-                fastest = fastest.max(velocity.abs());
+                let velocities = &nodes.motion.velocity[d][run.clone()];
+                for (swept, velocity) in self.swept[run.clone()].iter_mut().zip(velocities) {
+                    swept[d] += dt * velocity;
+                    fastest = if velocity.abs() > fastest { velocity.abs() } else { fastest };
+                }
             }
         }
         self.way += dt * fastest;
-        Ok(())
     }
 
     /// Whether soil that moves under pressures that follow has left its water too far behind.
@@ -430,6 +456,7 @@ impl<const D: usize> AdvectedWater<D> {
         archive!(archive.value: self.work, self.left_behind, self.way, self.waits, self.share);
         if archive.restores() {
             self.squeeze.build(grid, &self.water);
+            self.changed = true;
         }
         Ok(())
     }

@@ -43,13 +43,3 @@ pub struct Pushed<'a, const D: usize> {
     /// The node that each node moves with, itself if none.
     pub leader: &'a [u32],
 }
-
-impl<const D: usize> Pushed<'_, D> {
-    /// The node that moves a corner of a cell.
-    #[inline(always)]
-    pub fn node(&self, cell: usize, corner: usize) -> usize {
-        let row = if D == 2 { cell / self.grid.cells[0] } else { 0 };
-        let up = if corner & 2 == 2 { self.grid.cells[0] + 1 } else { 0 };
-        self.leader[cell + row + (corner & 1) + up] as usize
-    }
-}

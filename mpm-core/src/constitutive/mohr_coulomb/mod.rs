@@ -27,10 +27,10 @@ use pulp::Simd;
 
 use super::linear_elastic::LinearElastic;
 use super::{Altered, Flow, Law, State};
-use crate::real::{MAX_LANES, Real, SimdReal};
+use crate::real::{Real, SimdReal};
 use crate::scene::{Elastic, Strength};
 use fading::Fading;
-use principal::{Ordered, in_plane};
+use principal::Ordered;
 pub use returns::Region;
 use surface::Surface;
 
@@ -53,8 +53,11 @@ impl MohrCoulomb {
 
     /// The surface after some plastic shear strain.
     #[inline(always)]
-    fn surface(&self, state: &State) -> Surface {
-        self.fading.map_or(self.surface, |fading| self.surface.with(&fading.planes(state[0])))
+    fn surface<R: Real>(&self, state: &State<R>) -> Surface<R> {
+        match &self.fading {
+            Some(fading) => self.surface.soil.within(&fading.planes(state[0])),
+            None => self.surface.as_wide_as(state[0]),
+        }
     }
 
     /// Largest and smallest principal stress, Pa.
@@ -65,70 +68,36 @@ impl MohrCoulomb {
         [(centre + radius).larger(zz), (centre - radius).smaller(zz)]
     }
 
-    fn ordered(stress: &[f64; 4]) -> Ordered {
-        in_plane(stress)
-    }
-}
-
-/// Trial stresses of several particles, component by component, with dissipation and residual of each.
-struct Packed {
-    stress: [[f64; MAX_LANES]; 4],
-    slip: [f64; MAX_LANES],
-    flow: [[f64; MAX_LANES]; 2],
-}
-
-impl MohrCoulomb {
     /// The part of the surface that a strain increment from a stress (Pa) ends on, of soil that has not flowed yet.
     pub fn region(&self, stress: &[f64; 4], strain: &[f64; 4]) -> Region {
         let mut trial = *stress;
         self.elastic.hooke(&mut trial, strain);
-        self.surface.back(&Self::ordered(&trial).values).0
+        self.surface.back(&Ordered::of(&trial).values).0
     }
 
     /// How far a stress is outside, see [`Law::yield_residual`].
     #[inline(always)]
     fn excess<R: Real>(&self, stress: &[R; 4], state: &State<R>) -> R {
-        let extremes = Self::extremes(stress);
-        match &self.fading {
-            Some(fading) => self.surface.exceeded(extremes, fading.planes(state[0]).over(extremes)),
-            None => self.surface.excess(extremes),
-        }
-    }
-
-    /// Brings a trial stress back to the surface as it is before the step.
-    #[inline(never)]
-    fn flow_back(&self, stress: &mut [f64; 4], state: &mut State) -> Flow {
-        let trial = Self::ordered(stress);
-        let surface = self.surface(state);
-        let (_, found) = surface.back(&trial.values);
-        *stress = trial.with(&found);
-        let flow = Flow {
-            dissipation: surface.dissipation(&trial.values, &found),
-            residual: surface.excess(Self::extremes(stress)),
+        let [high, low] = Self::extremes(stress);
+        let sheared = match &self.fading {
+            Some(fading) => fading.planes(state[0]).over([high, low]),
+            None => self.surface.as_wide_as(high).over(high, low),
         };
-        if self.fading.is_some() {
-            state[0] += surface.slipped(&trial.values, &found);
-        }
-        flow
+        self.surface.soil.exceeded(high, sheared)
     }
-}
 
-impl MohrCoulomb {
-    /// The same for the lanes whose residual is above zero. Not for every width anew: that is long to compile.
-    #[inline(never)]
-    fn flow_back_lanes(&self, packed: &mut Packed, lanes: usize) {
-        for lane in 0..lanes.min(MAX_LANES) {
-            if packed.flow[1][lane] > 0.0 {
-                let mut of_one = std::array::from_fn(|s| packed.stress[s][lane]);
-                let mut state = [packed.slip[lane]];
-                let flow = self.flow_back(&mut of_one, &mut state);
-                packed.slip[lane] = state[0];
-                for s in 0..4 {
-                    packed.stress[s][lane] = of_one[s];
-                }
-                (packed.flow[0][lane], packed.flow[1][lane]) = (flow.dissipation, flow.residual);
-            }
+    /// Brings a trial stress back to the surface as it is before the step. Returns stress and state of the end.
+    #[inline(always)]
+    fn flow_back<R: Real>(&self, stress: &[R; 4], state: &State<R>) -> ([R; 4], State<R>, Flow<R>) {
+        let (trial, surface) = (Ordered::of(stress), self.surface(state));
+        let [s1, s2, s3, _] = surface.returned(&trial.values);
+        let (found, mut after, soil) = ([s1, s2, s3], *state, &self.surface.soil);
+        let stress = trial.with(&found);
+        let dissipation = soil.dissipation(&trial.values, &found);
+        if self.fading.is_some() {
+            after[0] += soil.slipped(&trial.values, &found);
         }
+        (stress, after, Flow { dissipation, residual: surface.excess(Self::extremes(&stress)) })
     }
 }
 
@@ -141,7 +110,12 @@ impl Law for MohrCoulomb {
     fn update(&self, stress: &mut [f64; 4], strain: &[f64; 4], state: &mut State) -> Flow {
         self.elastic.hooke(stress, strain);
         let residual = self.excess(stress, state);
-        if residual > 0.0 { self.flow_back(stress, state) } else { Flow { dissipation: 0.0, residual } }
+        if residual > 0.0 {
+            let flow;
+            (*stress, *state, flow) = self.flow_back(stress, state);
+            return flow;
+        }
+        Flow { dissipation: 0.0, residual }
     }
 
     #[inline(always)]
@@ -158,20 +132,12 @@ impl Law for MohrCoulomb {
         if SimdReal::nowhere(none.simd, none.below(residual)) {
             return Flow { dissipation: none, residual };
         }
-        let mut packed = Packed { stress: [[0.0; MAX_LANES]; 4], slip: [0.0; MAX_LANES], flow: [[0.0; MAX_LANES]; 2] };
+        let (outside, (found, after, flow)) = (none.below(residual), self.flow_back(stress, state));
         for s in 0..4 {
-            stress[s].store(&mut packed.stress[s]);
+            stress[s] = found[s].or(outside, stress[s]);
         }
-        state[0].store(&mut packed.slip);
-        residual.store(&mut packed.flow[1]);
-        self.flow_back_lanes(&mut packed, V::F64_LANES);
-        for s in 0..4 {
-            stress[s] = SimdReal::load(none.simd, &packed.stress[s]);
-        }
-        state[0] = SimdReal::load(none.simd, &packed.slip);
-        let [dissipation, residual] = &packed.flow;
-        let dissipation = SimdReal::load(none.simd, dissipation);
-        Flow { dissipation, residual: SimdReal::load(none.simd, residual) }
+        state[0] = after[0].or(outside, state[0]);
+        Flow { dissipation: flow.dissipation.or(outside, none), residual: flow.residual.or(outside, residual) }
     }
 
     fn is_symmetric(&self) -> bool {
@@ -181,17 +147,17 @@ impl Law for MohrCoulomb {
     fn tangent(&self, stress: &[f64; 4], strain: &[f64; 4], state: &State) -> SMatrix<f64, 4, 4> {
         let mut trial = *stress;
         self.elastic.hooke(&mut trial, strain);
-        let trial = Self::ordered(&trial);
+        let trial = Ordered::of(&trial);
         let surface = self.surface(state);
         let (region, found) = surface.back(&trial.values);
         match region {
             Region::Elastic => self.elastic.tangent(stress, strain, state),
-            _ => trial.tangent(&found, &surface.tangent(region), surface.shear),
+            _ => trial.tangent(&found, &surface.tangent(region), surface.soil.shear),
         }
     }
 
     fn energy(&self, stress: &[f64; 4]) -> f64 {
-        self.surface.energy(&Self::ordered(stress).values)
+        self.surface.energy(&Ordered::of(stress).values)
     }
 
     #[inline(always)]

@@ -14,7 +14,7 @@ use super::surface::Surface;
 impl Surface {
     /// d s_i / d eps_j of ordered principal values in a region, Pa.
     pub fn tangent(&self, region: Region) -> Matrix3<f64> {
-        let elastic = Matrix3::from_fn(|i, j| self.lame + if i == j { 2.0 * self.shear } else { 0.0 });
+        let elastic = Matrix3::from_fn(|i, j| self.soil.lame + if i == j { 2.0 * self.soil.shear } else { 0.0 });
         let [n1, n3] = self.normal;
         let [b1, b3] = self.along;
         let plane = |high: usize, low: usize| {
@@ -54,7 +54,7 @@ fn two_planes(d: &Matrix3<f64>, [first, second]: [Plane; 2]) -> Matrix3<f64> {
 impl Ordered {
     /// In components, from principal values that belong to the stress `found` (Pa) of the end.
     pub fn tangent(&self, found: &[f64; 3], principal: &Matrix3<f64>, shear: f64) -> SMatrix<f64, 4, 4> {
-        let [a, b, z] = self.place;
+        let ([a, b, z], [cos, sin]) = self.places();
         let apart = self.values[a] - self.values[b];
         let turning = if apart > 1e-9 * (self.values[a].abs() + self.values[b].abs()) {
             shear * (found[a] - found[b]) / apart
@@ -71,7 +71,6 @@ impl Ordered {
         }
         local[(3, 3)] = turning;
         // Strain along the principal axes from that along x and y, engineering shear; the stress goes the other way.
-        let [cos, sin] = self.turn;
         let (cc, ss, cs) = (0.5 * (1.0 + cos), 0.5 * (1.0 - cos), 0.5 * sin);
         let into = SMatrix::<f64, 4, 4>::from_row_slice(&[
             cc, ss, 0.0, cs, //

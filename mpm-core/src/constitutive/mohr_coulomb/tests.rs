@@ -21,10 +21,10 @@ fn planes(s: &Surface) -> Vec<([f64; 3], [f64; 3], f64)> {
             (b[high], b[low]) = (s.along[0], s.along[1]);
             planes.push((a, b, s.strength));
         }
-        if s.cutoff.is_finite() {
+        if s.soil.cutoff.is_finite() {
             let mut a = [0.0; 3];
             a[high] = 1.0;
-            planes.push((a, a, s.cutoff));
+            planes.push((a, a, s.soil.cutoff));
         }
     }
     planes
@@ -36,8 +36,8 @@ fn enumerated(surface: &Surface, trial: &[f64; 3]) -> Vec<[f64; 3]> {
     let planes = planes(surface);
     let tolerance = 1e-10 * (surface.strength + trial.iter().fold(0.0_f64, |most, s| most.max(s.abs())));
     let push = |b: &[f64; 3]| -> [f64; 3] {
-        let volumetric = surface.lame * b.iter().sum::<f64>();
-        b.map(|b| volumetric + 2.0 * surface.shear * b)
+        let volumetric = surface.soil.lame * b.iter().sum::<f64>();
+        b.map(|b| volumetric + 2.0 * surface.soil.shear * b)
     };
     let dot = |a: &[f64; 3], b: &[f64; 3]| -> f64 { (0..3).map(|i| a[i] * b[i]).sum() };
     let inside = |s: &[f64; 3]| planes.iter().all(|(a, _, k)| dot(a, s) - k <= tolerance);

@@ -29,10 +29,10 @@ impl<const D: usize> Condition<D> for Damping {
             return Ok(());
         }
         let keep = 1.0 / (1.0 + self.rate * dt);
-        let Nodes { frame, sums, motion, .. } = nodes;
-        for (number, strip) in sums.iter().enumerate() {
-            for (i, mass) in strip.0[MIXTURE_MASS][..frame.strip].iter().enumerate() {
-                let node = number * frame.strip + i;
+        let Nodes { frame, sums, reached, motion, .. } = nodes;
+        for (number, (strip, runs)) in sums.iter().zip(reached.runs()).enumerate() {
+            for i in runs.iter().flat_map(Clone::clone) {
+                let (mass, node) = (strip.0[MIXTURE_MASS][i], number * frame.strip + i);
                 for d in 0..D {
                     let undamped = motion.velocity[d][node];
                     let velocity = keep * undamped;

@@ -16,6 +16,7 @@
 use super::{Condition, Soil, Supports};
 use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::observe::Totals;
+use crate::particles::SolidPoint;
 use crate::scene::{Base, NormalStress};
 use crate::step::Fault;
 use crate::step::store::Nodes;
@@ -41,6 +42,8 @@ pub struct Friction {
     remembered: Vec<f64>,
     /// Sums of the lowest row at its nodes; empty if nothing needs them.
     shares: Vec<Shares>,
+    /// The particles of the lowest row in this step.
+    grains: Vec<Grain>,
     /// Normal stress on the nodes of the base in this step, Pa.
     stress: Vec<f64>,
     wet: bool,
@@ -65,6 +68,20 @@ struct Shares {
     known: f64,
     /// Force that is remembered on that part, N.
     remembered: f64,
+}
+
+/// A particle of the lowest row.
+#[derive(Debug, Clone, Copy)]
+struct Grain {
+    /// Its cell, and its place there along the base.
+    cell: usize,
+    xi: f64,
+    /// Its number.
+    id: usize,
+    /// Dry mass, kg.
+    mass: f64,
+    /// Volume, m3.
+    volume: f64,
 }
 
 impl Shares {
@@ -97,6 +114,7 @@ impl Friction {
             slip: vec![0.0; if weakens { particles } else { 0 }],
             remembered: vec![f64::NAN; if base.memory > 0.0 { particles } else { 0 }],
             shares: vec![Shares::default(); if shared { count } else { 0 }],
+            grains: Vec::with_capacity(if shared { particles } else { 0 }),
             stress: vec![0.0; count],
             wet,
             glued: false,
@@ -119,25 +137,31 @@ impl Friction {
         }
         self.shares.fill(Shares::default());
         let (cells, size) = soil.mesh();
+        let Self { shares, grains, slip: slips, remembered: all_remembered, .. } = self;
+        grains.clear();
         for cell in 0..cells[0] {
+            let xi = |point: &SolidPoint<D>| point.x[0] / size - cell as f64;
+            soil.each_in(cell, &mut |id, point| {
+                grains.push(Grain { cell, xi: xi(point), id: id as usize, mass: point.mass, volume: point.volume });
+            });
+        }
+        for grains in grains.chunk_by(|a, b| a.cell == b.cell) {
+            let cell = grains[0].cell;
             let (load, cover) = if self.wet { soil.on_base(cell) } else { (0.0, None) };
-            let mut volume = 0.0;
-            soil.each_in(cell, &mut |_, point| volume += point.volume);
+            let volume = grains.iter().fold(0.0, |volume, grain| volume + grain.volume);
             // A full cell has the area below it; where the bottom is known, soil of any height has its part of that.
             let per_volume = match cover {
                 Some(cover) => cover * size.powi(D as i32 - 1) / volume,
                 None => 1.0 / size,
             };
-            let Self { shares, slip: slips, remembered: all_remembered, .. } = self;
-            soil.each_in(cell, &mut |id, point| {
-                let (right, id) = (point.x[0] / size - cell as f64, id as usize);
+            for &Grain { xi: right, id, mass, volume, .. } in grains {
                 let slip = slips.get(id).copied().unwrap_or(0.0);
                 let remembered = all_remembered.get(id).copied().filter(|stress| !stress.is_nan());
-                let area = point.volume * per_volume;
+                let area = volume * per_volume;
                 for (node, share) in [(cell, 1.0 - right), (cell + 1, right)] {
                     let sums = &mut shares[node];
-                    sums.mass += share * point.mass;
-                    sums.slip += share * point.mass * slip;
+                    sums.mass += share * mass;
+                    sums.slip += share * mass * slip;
                     sums.area += share * area;
                     sums.water += share * area * load;
                     if let Some(stress) = remembered {
@@ -145,7 +169,7 @@ impl Friction {
                         sums.remembered += share * area * stress;
                     }
                 }
-            });
+            }
         }
         for [follower, leader] in base_pairs(nodes, self.stuck.len()) {
             let from = std::mem::take(&mut self.shares[follower]);
@@ -193,7 +217,7 @@ impl Friction {
     }
 
     /// Notes slip and stress at the particles of the lowest row.
-    fn slide<const D: usize>(&mut self, nodes: &Nodes<D>, soil: &dyn Soil<D>, dt: f64) {
+    fn slide<const D: usize>(&mut self, nodes: &Nodes<D>, dt: f64) {
         if self.slip.is_empty() && self.remembered.is_empty() {
             return;
         }
@@ -201,20 +225,16 @@ impl Friction {
             self.stress[follower] = self.stress[leader];
         }
         let learns = 1.0 - (-dt / self.base.memory).exp();
-        let (cells, size) = soil.mesh();
-        let Self { stress, slip: slips, remembered, frozen, .. } = self;
-        for cell in 0..cells[0] {
+        let Self { stress, slip: slips, remembered, frozen, grains, .. } = self;
+        for &Grain { cell, xi, id, .. } in &*grains {
             let [left, right] = [cell, cell + 1].map(|node| [nodes.motion.velocity[0][node], stress[node]]);
-            soil.each_in(cell, &mut |id, point| {
-                let xi = point.x[0] / size - cell as f64;
-                let [velocity, stress] = [0, 1].map(|i| left[i] + xi * (right[i] - left[i]));
-                if let Some(slip) = slips.get_mut(id as usize).filter(|_| !*frozen) {
-                    *slip += dt * velocity;
-                }
-                if let Some(old) = remembered.get_mut(id as usize) {
-                    *old = if old.is_nan() { stress } else { *old + learns * (stress - *old) };
-                }
-            });
+            let [velocity, stress] = [0, 1].map(|i| left[i] + xi * (right[i] - left[i]));
+            if let Some(slip) = slips.get_mut(id).filter(|_| !*frozen) {
+                *slip += dt * velocity;
+            }
+            if let Some(old) = remembered.get_mut(id) {
+                *old = if old.is_nan() { stress } else { *old + learns * (stress - *old) };
+            }
         }
     }
 
@@ -261,8 +281,8 @@ impl<const D: usize> Condition<D> for Friction {
         Ok(())
     }
 
-    fn followed(&mut self, nodes: &mut Nodes<D>, soil: &dyn Soil<D>, _: &mut Totals<D>, dt: f64) {
-        self.slide(nodes, soil, dt);
+    fn followed(&mut self, nodes: &mut Nodes<D>, _: &dyn Soil<D>, _: &mut Totals<D>, dt: f64) {
+        self.slide(nodes, dt);
     }
 
     fn each_held(&self, visit: &mut dyn FnMut(usize, usize)) {
@@ -283,5 +303,6 @@ impl<const D: usize> Condition<D> for Friction {
     fn bytes(&self) -> usize {
         (self.slip.capacity() + self.remembered.capacity() + self.stress.capacity()) * size_of::<f64>()
             + self.shares.capacity() * size_of::<Shares>()
+            + self.grains.capacity() * size_of::<Grain>()
     }
 }

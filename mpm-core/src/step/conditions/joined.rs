@@ -53,13 +53,14 @@ impl<const D: usize> Joined<D> {
     /// Finds who follows whom.
     fn find(&mut self, nodes: &Nodes<D>) {
         self.light.clear();
-        for node in 0..self.held.len() {
-            let mass = nodes.sum(SOLID_MASS, node);
+        let mut light = std::mem::take(&mut self.light);
+        nodes.each_reached(SOLID_MASS, |node, mass| {
             if mass > 0.0 && mass < self.least_mass * self.frame.thickness(0, node) {
                 let leader = self.leader(node, nodes);
-                self.light.extend(leader.map(|leader| [node as u32, leader as u32]));
+                light.extend(leader.map(|leader| [node as u32, leader as u32]));
             }
-        }
+        });
+        self.light = light;
         // A leader that is light itself may follow another: every one of its followers then does.
         for &[follower, leader] in &self.light {
             self.leader_of[follower as usize] = leader;

@@ -6,12 +6,12 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
     /// Velocities under the forces gathered so far.
     pub(super) fn accelerate(&mut self, dt: f64) {
         let Self { simd, body, nodes, pool, .. } = self;
-        let Nodes { frame, sums, motion, .. } = nodes;
+        let Nodes { frame, sums, reached, motion, .. } = nodes;
         let (simd, count, length) = (*simd, frame.count(), frame.strip);
         let Motion { velocity: [vx, vy], change: [cx, cy], acceleration: [ax, ay] } = motion;
         let (gravity, flip) = (body.gravity, body.flip);
-        let solve = |sums: &StripSums, velocity, change, acceleration| {
-            simd.vectorize(EquationOfMotion { simd, sums, velocity, change, acceleration, gravity, flip, dt });
+        let solve = |(sums, runs): (&StripSums, &Vec<_>), velocity, change, acceleration| {
+            simd.vectorize(EquationOfMotion { simd, runs, sums, velocity, change, acceleration, gravity, flip, dt });
         };
         if pool.is_some() {
             fn chunks(field: &mut [f64], length: usize) -> rayon::slice::ChunksMut<'_, f64> {
@@ -19,6 +19,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             }
             let [vx, vy, cx, cy, ax, ay] = [vx, vy, cx, cy, ax, ay].map(|field| chunks(&mut field[..count], length));
             sums.par_iter()
+                .zip(reached.runs())
                 .zip(vx)
                 .zip(vy)
                 .zip(cx)
@@ -28,7 +29,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
                 .for_each(|((((((sums, vx), vy), cx), cy), ax), ay)| solve(sums, [vx, vy], [cx, cy], [ax, ay]));
         } else {
             let mut fields = [vx, vy, cx, cy, ax, ay].map(|field| field[..count].chunks_mut(length));
-            for sums in sums.iter() {
+            for sums in sums.iter().zip(reached.runs()) {
                 let [vx, vy, cx, cy, ax, ay] = fields.each_mut().map(|f| f.next().unwrap_or_default());
                 solve(sums, [vx, vy], [cx, cy], [ax, ay]);
             }

@@ -27,6 +27,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             self.follow_faces(cell);
         }
         self.find_surface();
+        self.nodes.reached.follow(&self.nodes.frame, &self.strips);
         self.pass(false, 0.0);
         if self.body.water.as_ref().is_some_and(|water| water.partly_drained) {
             self.note_open_cells();
@@ -121,6 +122,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
                 }
             }
             self.find_surface();
+            self.nodes.reached.follow(&self.nodes.frame, &self.strips);
             self.pass(false, 0.0);
             return self.look_at_crossings();
         }

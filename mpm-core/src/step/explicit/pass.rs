@@ -32,7 +32,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         let coupled = solver.is_some();
         let mapped = self.mapped.as_deref_mut();
         if let Some(free) = free {
-            free.tell(&body.grid, frame);
+            free.tell(frame);
         }
         let water = if let Some(free) = free {
             free.given()

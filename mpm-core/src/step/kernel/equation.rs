@@ -1,5 +1,7 @@
 //! The equation of motion on the nodes of a strip, so many nodes at once.
 
+use std::ops::Range;
+
 use pulp::{Simd, WithSimd};
 
 use crate::real::{Real, SimdReal};
@@ -10,6 +12,8 @@ use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS, force};
 pub struct EquationOfMotion<'a, V: Simd, const D: usize> {
     /// Proof that the SIMD instructions of the CPU may be used.
     pub simd: V,
+    /// Runs of nodes that have soil, in whole vectors.
+    pub runs: &'a [Range<usize>],
     /// Sums of the nodes.
     pub sums: &'a StripSums,
     /// Their velocity at the end of the step, m/s.
@@ -31,10 +35,10 @@ impl<V: Simd, const D: usize> WithSimd for EquationOfMotion<'_, V, D> {
 
     #[inline(always)]
     fn with_simd<T: Simd>(self, _: T) {
-        let Self { simd, sums, velocity, change, acceleration, gravity, flip, dt } = self;
+        let Self { simd, runs, sums, velocity, change, acceleration, gravity, flip, dt } = self;
         let none = SimdReal::splat(simd, 0.0);
         let one = none.like(1.0);
-        for node in (0..velocity[0].len()).step_by(V::F64_LANES) {
+        for node in runs.iter().flat_map(|run| run.clone().step_by(V::F64_LANES)) {
             let solid = SimdReal::load(simd, &sums.0[SOLID_MASS][node..]);
             let mixture = SimdReal::load(simd, &sums.0[MIXTURE_MASS][node..]);
             let with_mass = none.below(solid);

@@ -262,9 +262,11 @@ impl<V: Simd> Blocks<V> {
 
     /// A particle.
     pub fn particle<P: Point<D>, const D: usize>(&self, cell: usize, slot: usize) -> P {
+        let (block, lane) = self.place(cell, slot);
+        let numbers = numbers(self.block(block));
         let mut record = [0.0; 16];
         for (i, number) in record[..P::COUNT].iter_mut().enumerate() {
-            *number = self.number(cell, slot, i);
+            *number = numbers[i * V::F64_LANES + lane];
         }
         P::unpack(&record)
     }

@@ -6,10 +6,12 @@ pub mod blocks;
 pub mod crossing;
 pub mod frame;
 pub mod nodes;
+pub mod reached;
 pub mod strip;
 
 pub use ahead::ask_for;
 pub use blocks::{Blocks, Movers, SolidLanes, WaterLanes};
 pub use frame::Frame;
 pub use nodes::{Motion, Nodes, StripSums};
+pub use reached::Reached;
 pub use strip::{SimdCells, Strip};

@@ -1,6 +1,7 @@
 //! Sums at the nodes (or functions) of the mesh, and how they move.
 
 use super::frame::Frame;
+use super::reached::Reached;
 
 /// Most sums of a node: solid mass, mixture mass, momentum and force along each axis.
 pub const SUMS: usize = 6;
@@ -51,6 +52,8 @@ pub struct Nodes<const D: usize> {
     pub frame: Frame<D>,
     /// Their sums, strip by strip.
     pub sums: Vec<StripSums>,
+    /// Which of them the soil reaches: the others weigh nothing and rest.
+    pub reached: Reached,
     /// Their motion.
     pub motion: Motion,
     /// Where in a step the work of loads is taken: 1/2 for the velocity of its middle, 1 for that of its end.
@@ -66,6 +69,7 @@ impl<const D: usize> Nodes<D> {
         let sum = |q: usize| vec![0.0; if q < sums(D) { of_strip } else { 0 }];
         Self {
             sums: (0..frame.strips).map(|_| StripSums(std::array::from_fn(sum))).collect(),
+            reached: Reached::all(&frame),
             motion: Motion::at_rest(all),
             work_at: 0.5,
             pairs: Vec::new(),
@@ -116,9 +120,22 @@ impl<const D: usize> Nodes<D> {
         self.motion.velocity[axis][node] - (1.0 - self.work_at) * dt * self.motion.acceleration[axis][node]
     }
 
+    /// Visits the nodes that the soil reaches, in order, with one of their sums.
+    #[inline(always)]
+    pub fn each_reached(&self, q: usize, mut visit: impl FnMut(usize, f64)) {
+        for (number, (strip, runs)) in self.sums.iter().zip(self.reached.runs()).enumerate() {
+            let first = number * self.frame.strip;
+            for run in runs {
+                for (i, sum) in run.clone().zip(&strip.0[q][run.clone()]) {
+                    visit(first + i, *sum);
+                }
+            }
+        }
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let sums: usize = self.sums.iter().flat_map(|strip| &strip.0).map(Vec::capacity).sum();
-        (sums + 6 * self.motion.velocity[0].capacity()) * size_of::<f64>()
+        (sums + 6 * self.motion.velocity[0].capacity()) * size_of::<f64>() + self.reached.bytes()
     }
 }

@@ -52,6 +52,8 @@ pub struct FreeSurface<const D: usize> {
     pub soil: SoilMap<D>,
     /// Which particle is of which soil.
     pub soils: Soils,
+    /// Cells of soil, in order.
+    pub cells: Vec<u32>,
     /// Mobile water in each cell, m3.
     pub content: Vec<f64>,
     /// Kind of each cell.
@@ -176,6 +178,7 @@ impl<const D: usize> FreeSurface<D> {
         let cells = grid.cell_count();
         let mut water = Self {
             medium,
+            cells: Vec::with_capacity(cells),
             content: vec![0.0; cells],
             kind: vec![Kind::Void; cells],
             pressure: vec![0.0; cells],
@@ -212,6 +215,15 @@ impl<const D: usize> FreeSurface<D> {
 
     /// Finds the faces of the soil as it is in the map now.
     pub fn build(&mut self, grid: &Grid<D>, around: &Surroundings) {
+        self.cells.clear();
+        for cell in 0..self.kind.len() {
+            if self.soil.is_soil(cell) {
+                self.cells.push(cell as u32);
+            } else {
+                (self.kind[cell], self.pressure[cell], self.wet[cell]) = (Kind::Void, 0.0, 0.0);
+                self.system.pressure[cell] = 0.0;
+            }
+        }
         self.links = links(grid, &self.soil, self.soils.largest_conductivity(), around.periodic);
         self.flows.clear();
         self.flows.resize(self.links.len(), Linear::default());
@@ -356,10 +368,9 @@ impl<const D: usize> FreeSurface<D> {
     }
 
     fn classify(&mut self) {
-        for cell in 0..self.kind.len() {
-            self.kind[cell] = if !self.soil.is_soil(cell) {
-                Kind::Void
-            } else if self.full[cell] {
+        for i in 0..self.cells.len() {
+            let cell = self.cells[i] as usize;
+            self.kind[cell] = if self.full[cell] {
                 Kind::Full
             } else if self.medium.retention.is_some() {
                 Kind::Loose
@@ -559,7 +570,8 @@ impl<const D: usize> FreeSurface<D> {
 
     /// Round-off of pressures (Pa) beside the weight of a cell of water, Pa.
     fn slack(&self, pressures: &[f64]) -> f64 {
-        ROUND * pressures.iter().fold(self.medium.rise() * self.medium.size, |m, p| f64::max(m, p.abs()))
+        let sizes = self.cells.iter().map(|cell| pressures[*cell as usize].abs());
+        ROUND * sizes.fold(self.medium.rise() * self.medium.size, f64::max)
     }
 
     /// Least pressure at which a full cell stays so, Pa; `level` is that of water up to the top of its own soil.

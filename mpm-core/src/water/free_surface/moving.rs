@@ -10,6 +10,8 @@
 //! `v = v* + dt m^-1 D^T (p - p_n)`: a symmetric positive definite system over the wet cells. The explicit one takes Q from the
 //! start. A cell that would need suction to stay full lets air in: coarse soil holds none.
 
+use std::ops::Range;
+
 use super::flow::Kind;
 use super::{FreeSurface, ROUND};
 use crate::envelope::Envelope;
@@ -44,17 +46,25 @@ pub struct Filling<const D: usize> {
 pub struct Squeeze<const D: usize> {
     /// Water that a cell holds beyond its pores, or lacks, m3: what was carried in does not fit to the last drop.
     pub surplus: Vec<f64>,
-    /// Cells of soil by columns, which keeps the band narrow.
+    /// Cells of soil by columns, which keeps the band narrow, and the nodes at their corners.
     order: Vec<u32>,
-    /// Cells with an unknown pressure.
+    nodes: Vec<[u32; 4]>,
+    /// The nodes that these move with in this step.
+    corners: Vec<[u32; 4]>,
+    /// Their kinds, and whether these or the corners are others than those that what follows was found for.
+    kinds: Vec<Kind>,
+    changed: bool,
+    /// Cells with an unknown pressure, and their places in `order`.
     unknown: Vec<u32>,
+    place: Vec<u32>,
     /// Their places, [`NONE`] for others.
     number: Vec<u32>,
     /// V G_i of each at its corners, m2.
     weights: Vec<[[f64; D]; 4]>,
-    /// First entry of each node in `around`.
+    /// Nodes at the corners of full cells, and where each has its part of `around`.
+    touched: Vec<(u32, Range<u32>)>,
     start: Vec<u32>,
-    /// Unknowns around each node with their corners.
+    /// Full cells around each of them, as unknowns, with their corners.
     around: Vec<(u32, u8)>,
     /// Blocks of two by two full cells.
     blocks: Vec<[u32; 4]>,
@@ -92,16 +102,11 @@ fn weights<const D: usize>(volume: f64, at: &[f64; D], inverse_size: f64) -> [[f
 }
 
 /// Rate at which the soil of a cell gains volume, m3/s, a time `before` the end of the step.
-fn opening<const D: usize>(
-    weights: &[[f64; D]; 4],
-    cell: usize,
-    pushed: &Pushed<D>,
-    motion: &Motion,
-    before: f64,
-) -> f64 {
+#[inline]
+fn opening<const D: usize>(weights: &[[f64; D]; 4], corners: &[u32; 4], motion: &Motion, before: f64) -> f64 {
     let mut rate = 0.0;
-    for (corner, weight) in weights.iter().enumerate().take(1 << D) {
-        let node = pushed.node(cell, corner);
+    for (weight, node) in weights.iter().zip(corners).take(1 << D) {
+        let node = *node as usize;
         for d in 0..D {
             rate += weight[d] * (motion.velocity[d][node] - before * motion.acceleration[d][node]);
         }
@@ -109,11 +114,35 @@ fn opening<const D: usize>(
     rate
 }
 
+/// That at the end of the step; and at its middle, `half` a step (s) before: that, and the same of other weights.
+#[inline]
+fn openings<const D: usize>(
+    weights: &[[f64; D]; 4],
+    pressed: &[[f64; D]; 4],
+    corners: &[u32; 4],
+    motion: &Motion,
+    half: f64,
+) -> [f64; 3] {
+    let mut rates = [0.0; 3];
+    for corner in 0..1 << D {
+        let node = corners[corner] as usize;
+        for d in 0..D {
+            let velocity = motion.velocity[d][node];
+            let middle = velocity - half * motion.acceleration[d][node];
+            rates[0] += weights[corner][d] * velocity;
+            rates[1] += weights[corner][d] * middle;
+            rates[2] += pressed[corner][d] * middle;
+        }
+    }
+    rates
+}
+
 impl<const D: usize> Squeeze<D> {
     /// Takes note of the cells of soil.
     pub fn build(&mut self, grid: &Grid<D>, water: &FreeSurface<D>) {
         let count = grid.cell_count();
         self.surplus.resize(count, 0.0);
+        self.changed = true;
         self.number.clear();
         self.number.resize(count, NONE);
         self.next.resize(count, 0.0);
@@ -122,6 +151,25 @@ impl<const D: usize> Squeeze<D> {
         let across = grid.cells[0] as u32;
         if D == 2 {
             self.order.sort_by_key(|cell| (cell % across, cell / across));
+        }
+        let node = |cell: u32, corner: u32| {
+            let (row, up) = if D == 2 { (cell / across, (across + 1) * (corner >> 1)) } else { (0, 0) };
+            cell + row + (corner & 1) + up
+        };
+        self.nodes.clear();
+        self.nodes.extend(self.order.iter().map(|cell| [0, 1, 2, 3].map(|corner| node(*cell, corner))));
+        self.corners.clone_from(&self.nodes);
+        self.kinds.clear();
+        self.kinds.resize(self.order.len(), Kind::Void);
+    }
+
+    /// Finds the nodes that move the corners of the cells in this step.
+    fn find_corners(&mut self, pushed: &Pushed<D>) {
+        for (corners, nodes) in self.corners.iter_mut().zip(&self.nodes) {
+            for (corner, node) in corners.iter_mut().zip(nodes).take(1 << D) {
+                let leader = pushed.leader[*node as usize];
+                self.changed |= std::mem::replace(corner, leader) != leader;
+            }
         }
     }
 
@@ -138,10 +186,19 @@ impl<const D: usize> Squeeze<D> {
         step: &MovingStep,
     ) -> Result<Pressed, usize> {
         water.before_motion(step.dt);
-        self.collect(water, soil, pushed);
-        if step.implicit {
-            self.assemble(water, pushed, motion, step);
+        self.find_corners(pushed);
+        for (kind, cell) in self.kinds.iter_mut().zip(&self.order) {
+            let now = water.kind[*cell as usize];
+            self.changed |= std::mem::replace(kind, now) != now;
+        }
+        if std::mem::take(&mut self.changed) {
+            self.collect();
             self.find_blocks(water, pushed.grid.cells[0]);
+            self.lay_out(water);
+        }
+        if step.implicit {
+            self.weigh(soil, 1.0 / water.medium.size);
+            self.assemble(water, pushed, motion, step);
             self.tie_blocks(water, step);
             let Self { matrix, solution, .. } = self;
             matrix.solve(solution)?;
@@ -149,8 +206,9 @@ impl<const D: usize> Squeeze<D> {
                 let cell = *cell as usize;
                 if water.kind[cell] == Kind::Full {
                     let rise = self.solution[i] - water.pressure[cell];
-                    for (corner, weight) in self.weights[i].iter().enumerate().take(1 << D) {
-                        let node = pushed.node(cell, corner);
+                    let corners = &self.corners[self.place[i] as usize];
+                    for (weight, node) in self.weights[i].iter().zip(corners).take(1 << D) {
+                        let node = *node as usize;
                         for d in 0..D {
                             let more = pushed.inverse[node][d] * weight[d] * rise;
                             motion.acceleration[d][node] += more;
@@ -163,7 +221,7 @@ impl<const D: usize> Squeeze<D> {
             }
         }
         let mut pressed = Pressed::default();
-        self.take_in(water, soil, pushed, motion, step, &mut pressed);
+        self.take_in(water, soil, motion, step, &mut pressed);
         water.accept(step.dt);
         if !step.implicit {
             for &cell in self.order.iter().filter(|cell| water.kind[**cell as usize] == Kind::Full) {
@@ -176,20 +234,20 @@ impl<const D: usize> Squeeze<D> {
 
     /// Work (J) that pressures which are fixed (Pa) do in a step.
     pub fn work_of(
-        &self,
+        &mut self,
         pressure: &[f64],
         soil: &[Filling<D>],
-        grid: &Grid<D>,
         pushed: &Pushed<D>,
         motion: &Motion,
         dt: f64,
     ) -> f64 {
+        self.find_corners(pushed);
         let mut power = 0.0;
-        for &cell in &self.order {
+        for (&cell, corners) in self.order.iter().zip(&self.corners) {
             let cell = cell as usize;
             if pressure[cell] != 0.0 && soil[cell].volume > 0.0 {
-                let weights = weights(soil[cell].volume, &soil[cell].pressed, grid.inverse_size);
-                power += pressure[cell] * opening(&weights, cell, pushed, motion, 0.5 * dt);
+                let weights = weights(soil[cell].volume, &soil[cell].pressed, pushed.grid.inverse_size);
+                power += pressure[cell] * opening(&weights, corners, motion, 0.5 * dt);
             }
         }
         dt * power
@@ -216,44 +274,71 @@ impl<const D: usize> Squeeze<D> {
     }
 
     /// Finds the unknowns and what surrounds the nodes.
-    fn collect(&mut self, water: &FreeSurface<D>, soil: &[Filling<D>], pushed: &Pushed<D>) {
-        for cell in &self.unknown {
-            self.number[*cell as usize] = NONE;
+    fn collect(&mut self) {
+        let Self { order, corners, kinds, unknown, place, number, touched, start, around, .. } = self;
+        for cell in unknown.iter() {
+            number[*cell as usize] = NONE;
         }
-        self.unknown.clear();
+        unknown.clear();
+        place.clear();
+        start.clear();
+        for (at, cell) in order.iter().enumerate().filter(|(at, _)| kinds[*at].unknown()) {
+            number[*cell as usize] = unknown.len() as u32;
+            unknown.push(*cell);
+            place.push(at as u32);
+        }
+        let (place, corners) = (&*place, &*corners);
+        let full = || place.iter().enumerate().filter(|(_, at)| kinds[**at as usize] == Kind::Full);
+        let nodes =
+            || full().flat_map(|(i, at)| (0..1 << D).map(move |corner| (i, corner, corners[*at as usize][corner])));
+        start.resize(nodes().map(|(.., node)| node as usize + 2).max().unwrap_or(1), 0);
+        nodes().for_each(|(.., node)| start[node as usize + 1] += 1);
+        touched.clear();
+        let mut count = 0;
+        for node in 0..start.len() - 1 {
+            let own = start[node + 1];
+            start[node] = count;
+            if own > 0 {
+                touched.push((node as u32, count..count + own));
+                count += own;
+            }
+        }
+        around.clear();
+        around.resize(count as usize, (0, 0));
+        for (i, corner, node) in nodes() {
+            let next = &mut start[node as usize];
+            around[*next as usize] = (i as u32, corner as u8);
+            *next += 1;
+        }
+    }
+
+    /// Finds where the rows of the matrix begin.
+    fn lay_out(&mut self, water: &FreeSurface<D>) {
+        let Self { unknown, number, touched, around, first, matrix, .. } = self;
+        first.clear();
+        first.extend(0..unknown.len());
+        for (_, own) in touched {
+            // By rising numbers: they come in the order of the unknowns.
+            let own = &around[own.start as usize..own.end as usize];
+            for (i, _) in own {
+                first[*i as usize] = first[*i as usize].min(own[0].0 as usize);
+            }
+        }
+        for link in &water.links {
+            let (a, b) = (number[link.low as usize], number[link.high as usize]);
+            if a != NONE && b != NONE {
+                let (low, high) = (a.min(b) as usize, a.max(b) as usize);
+                first[high] = first[high].min(low);
+            }
+        }
+        matrix.clear(unknown.len(), |row| first[row]);
+    }
+
+    /// V G_i of the unknowns as their soil is now.
+    fn weigh(&mut self, soil: &[Filling<D>], inverse_size: f64) {
         self.weights.clear();
-        self.start.clear();
-        self.start.resize(pushed.inverse.len() + 1, 0);
-        for &cell in &self.order {
-            if water.kind[cell as usize].unknown() {
-                self.number[cell as usize] = self.unknown.len() as u32;
-                self.unknown.push(cell);
-                let soil = &soil[cell as usize];
-                self.weights.push(weights(soil.volume, &soil.at, 1.0 / water.medium.size));
-            }
-        }
-        let corners = 1 << D;
-        for &cell in &self.unknown {
-            for corner in 0..corners {
-                self.start[pushed.node(cell as usize, corner) + 1] += 1;
-            }
-        }
-        for node in 0..pushed.inverse.len() {
-            self.start[node + 1] += self.start[node];
-        }
-        self.around.clear();
-        self.around.resize(corners * self.unknown.len(), (0, 0));
-        for (i, &cell) in self.unknown.iter().enumerate() {
-            for corner in 0..corners {
-                let place = &mut self.start[pushed.node(cell as usize, corner)];
-                self.around[*place as usize] = (i as u32, corner as u8);
-                *place += 1;
-            }
-        }
-        for node in (0..pushed.inverse.len()).rev() {
-            self.start[node + 1] = self.start[node];
-        }
-        self.start[0] = 0;
+        let of = |cell: &u32| weights(soil[*cell as usize].volume, &soil[*cell as usize].at, inverse_size);
+        self.weights.extend(self.unknown.iter().map(of));
     }
 
     /// Blocks of two by two full cells exchange water where their pressures alternate: one pressure per cell beside bilinear
@@ -310,44 +395,27 @@ impl<const D: usize> Squeeze<D> {
     }
 
     fn assemble(&mut self, water: &FreeSurface<D>, pushed: &Pushed<D>, motion: &Motion, step: &MovingStep) {
-        let Self { unknown, number, weights, start, around, first, matrix, solution, surplus, .. } = self;
-        let is_full = |i: u32| water.kind[unknown[i as usize] as usize] == Kind::Full;
-        let nodes = pushed.inverse.len();
-        let of = |node: usize| &around[start[node] as usize..start[node + 1] as usize];
-        first.clear();
-        first.extend(0..unknown.len());
-        for node in 0..nodes {
-            let least = of(node).iter().map(|(i, _)| *i).filter(|i| is_full(*i)).min().unwrap_or(NONE) as usize;
-            for (i, _) in of(node).iter().filter(|(i, _)| is_full(*i)) {
-                first[*i as usize] = first[*i as usize].min(least);
-            }
-        }
-        for link in &water.links {
-            let (a, b) = (number[link.low as usize], number[link.high as usize]);
-            if a != NONE && b != NONE {
-                let (low, high) = (a.min(b) as usize, a.max(b) as usize);
-                first[high] = first[high].min(low);
-            }
-        }
-        matrix.clear(unknown.len(), |row| first[row]);
+        let Self { unknown, number, weights, touched, around, matrix, solution, surplus, .. } = self;
+        matrix.empty();
         solution.clear();
         solution.resize(unknown.len(), 0.0);
-        for node in 0..nodes {
-            for (k, &(i, corner)) in of(node).iter().enumerate().filter(|(_, (i, _))| is_full(*i)) {
+        for (node, own) in touched {
+            let (node, of) = (*node as usize, &around[own.start as usize..own.end as usize]);
+            let inverse = pushed.inverse[node];
+            for (k, &(i, corner)) in of.iter().enumerate() {
                 let own = weights[i as usize][corner as usize];
-                let inverse = pushed.inverse[node];
+                let from_i = water.pressure[unknown[i as usize] as usize];
                 for d in 0..D {
                     // The velocity that the pressure of the start has made.
                     solution[i as usize] -= own[d] * motion.velocity[d][node];
                 }
-                for &(j, other) in of(node)[..=k].iter().filter(|(j, _)| is_full(*j)) {
+                for &(j, other) in &of[..=k] {
                     let beside = weights[j as usize][other as usize];
                     let coupling: f64 = (0..D).map(|d| inverse[d] * own[d] * beside[d]).sum();
                     // A cell may meet itself twice at a node that others follow.
                     let twice = if i == j && corner != other { 2.0 } else { 1.0 };
                     matrix.add(i as usize, j as usize, step.dt * coupling * twice);
-                    let (from_i, from_j) =
-                        (water.pressure[unknown[i as usize] as usize], water.pressure[unknown[j as usize] as usize]);
+                    let from_j = water.pressure[unknown[j as usize] as usize];
                     solution[i as usize] += step.dt * coupling * from_j;
                     if i != j || corner != other {
                         solution[j as usize] += step.dt * coupling * from_i;
@@ -399,7 +467,6 @@ impl<const D: usize> Squeeze<D> {
         &mut self,
         water: &mut FreeSurface<D>,
         soil: &[Filling<D>],
-        pushed: &Pushed<D>,
         motion: &Motion,
         step: &MovingStep,
         pressed: &mut Pressed,
@@ -409,7 +476,7 @@ impl<const D: usize> Squeeze<D> {
             self.exchange(water, step);
         }
         let returns = returns(water);
-        for &cell in &self.order {
+        for (&cell, corners) in self.order.iter().zip(&self.corners) {
             let cell = cell as usize;
             let full = water.kind[cell] == Kind::Full;
             if water.content[cell] <= 0.0 && water.trial[cell] <= 0.0 && self.surplus[cell] == 0.0 {
@@ -418,9 +485,7 @@ impl<const D: usize> Squeeze<D> {
             let (soil, inverse_size) = (&soil[cell], 1.0 / water.medium.size);
             let whole = weights(soil.volume, &soil.at, inverse_size);
             let pressed_at = weights(soil.volume, &soil.pressed, inverse_size);
-            let rate = opening(&whole, cell, pushed, motion, 0.0);
-            let middle = opening(&whole, cell, pushed, motion, 0.5 * step.dt);
-            let middle_pressed = opening(&pressed_at, cell, pushed, motion, 0.5 * step.dt);
+            let [rate, middle, middle_pressed] = openings(&whole, &pressed_at, corners, motion, 0.5 * step.dt);
             let outflow = (water.content[cell] - water.trial[cell]) / step.dt;
             let returned = self.surplus[cell] / returns;
             if full && !step.implicit {
@@ -460,8 +525,9 @@ impl<const D: usize> FreeSurface<D> {
     fn before_motion(&mut self, dt: f64) {
         self.classify();
         // Suction stays what it was while the soil moves: it is found anew where the water is carried along.
-        let cells = if self.medium.retention.is_some() { 0 } else { self.kind.len() };
-        for cell in 0..cells {
+        let cells = if self.medium.retention.is_some() { 0 } else { self.cells.len() };
+        for i in 0..cells {
+            let cell = self.cells[i] as usize;
             self.wet[cell] = self.wet_share(cell).clamp(0.0, 1.0);
             self.pressure[cell] = match self.kind[cell] {
                 Kind::Full => self.pressure[cell],
@@ -476,10 +542,8 @@ impl<const D: usize> FreeSurface<D> {
     /// Finds which cells are full from now on.
     fn after_motion(&mut self) {
         let slack = self.slack(&self.pressure);
-        for cell in 0..self.kind.len() {
-            if !self.soil.is_soil(cell) {
-                continue;
-            }
+        for i in 0..self.cells.len() {
+            let cell = self.cells[i] as usize;
             let share = self.soil.share[cell];
             let least = match self.medium.retention {
                 Some(_) => -self.medium.above_middle(share),
@@ -615,6 +679,8 @@ mod tests {
                 }
             }
         }
+        let place = |cell: usize| squeeze.order.iter().position(|of| *of as usize == cell).expect("a cell of soil");
+        let corners = |cell: usize| squeeze.corners[place(cell)];
         let mut work = 0.0;
         for cell in 0..12 {
             let rise = water.pressure[cell] - before.1[cell];
@@ -623,13 +689,13 @@ mod tests {
                 let both = motion.velocity[d].iter().zip(&before.0.velocity[d]);
                 *half = both.map(|(a, b)| 0.5 * (a + b)).collect();
             }
-            work += dt * rise * opening(&weights(H * H, &soil[cell].at, 1.0 / H), cell, &pushed, &halfway, 0.0);
+            work += dt * rise * opening(&weights(H * H, &soil[cell].at, 1.0 / H), &corners(cell), &halfway, 0.0);
         }
         assert!(gained.abs() > 1e-6 && (work / gained - 1.0).abs() < 1e-10, "{work:e} {gained:e}");
         // Pores follow the motion of the end of the step, and pressures what is left: the balance of every cell closes.
         let mut worst: f64 = 0.0;
         for cell in 0..12 {
-            let opened = dt * opening(&weights(H * H, &soil[cell].at, 1.0 / H), cell, &pushed, &motion, 0.0);
+            let opened = dt * opening(&weights(H * H, &soil[cell].at, 1.0 / H), &corners(cell), &motion, 0.0);
             assert!((water.pores(cell) - pores[cell] - opened).abs() < 1e-16);
             let stored = water.content[cell] - pores[cell];
             let pressed = pores[cell] / KW * (water.pressure[cell] - before.1[cell]);
