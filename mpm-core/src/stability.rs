@@ -462,7 +462,7 @@ fn semi_implicit_without_inertia(scene: &Fields, medium: &Medium) -> f64 {
 /// conductivity, the harmonic mean, is at most that between two of the better one.
 fn worst_soil(scene: &Fields, limit: impl Fn(&Fields) -> f64) -> f64 {
     // Radial waves about an axis: the largest eigenvalue of the lumped mesh is up to 1.0025 times that in plane strain.
-    scene.axis().map_or(1.0, |_| 0.998) * scene.by_soil().iter().map(limit).fold(f64::INFINITY, f64::min)
+    scene.axis().map_or(1.0, |_| 0.998) * scene.by_soil().iter().map(|scene| limit(scene)).fold(f64::INFINITY, f64::min)
 }
 
 /// Largest stable step of a scene with its own integrator, s; infinite where there is none.

@@ -1,5 +1,7 @@
 //! The soils of a scene and which is where: that of `[soil]`, horizontal layers in its place, and regions over both.
 
+use std::borrow::Cow;
+
 use std::ops::{Deref, DerefMut};
 
 use serde::Serialize;
@@ -245,11 +247,11 @@ impl Fields {
     }
 
     /// Every soil as a scene of it alone.
-    pub fn by_soil(&self) -> Vec<Self> {
+    pub fn by_soil(&self) -> Vec<Cow<'_, Self>> {
         if !self.has_several_soils() {
-            return vec![self.clone()];
+            return vec![Cow::Borrowed(self)];
         }
-        self.soils().iter().map(|soil| self.with_soil_of(soil)).collect()
+        self.soils().iter().map(|soil| Cow::Owned(self.with_soil_of(soil))).collect()
     }
 
     /// The scene with one soil all over.

@@ -2,7 +2,8 @@
 //! refined, and what that must show. The result is a record.
 //!
 //! # Reading order
-//! 1. [`spec`]: an experiment as data, from a file. [`measure`]: what can be measured. `run`: from both to an outcome.
+//! 1. [`spec`]: an experiment as data, from a file. [`measure`]: what can be measured. `run`: from both to an outcome; `shared`:
+//!    a scene that several look at is run once.
 //! 2. `comparison`: numbers of a run beside exact ones, and the norm that makes one error of them.
 //! 3. `refinement`: errors over a refined parameter, and the order that they show.
 //! 4. `verdict`: the one rule that judges an outcome. [`accepted`]: its error beside the accepted one; [`number`]: what
@@ -16,6 +17,7 @@ pub mod number;
 pub mod pool;
 pub(crate) mod refinement;
 pub(crate) mod run;
+pub(crate) mod shared;
 pub mod spec;
 pub(crate) mod verdict;
 

@@ -10,6 +10,7 @@ use mpm_core::scene::{Integrator, Scene, StepChoice};
 
 use super::comparison::{Comparison, in_particles, in_time, in_tolerance};
 use super::refinement::{MESH, Refinement, STEP};
+use super::shared::shared;
 use super::spec::{Measure, Spec};
 use super::verdict::Outcome;
 use crate::cases::own::OwnScene;
@@ -34,7 +35,7 @@ pub(crate) fn outcome(spec: &Spec, with_fault: bool) -> Result<Outcome, Error> {
     let measure = spec.measure.as_ref().ok_or(Lacks("measure"))?;
     // The reference is that of the sound scene.
     let measured = |measure: &Measure, scene: &Scene| {
-        let mut found = measure.of_scene(scene)?(&finished(&planted(scene)?)?)?;
+        let mut found = measure.of_scene(scene)?(&*shared(&planted(scene)?)?)?;
         if let Some(fault) = fault {
             found.rows.iter_mut().flat_map(|row| &mut row.computed).for_each(|number| *number *= fault.reading);
         }

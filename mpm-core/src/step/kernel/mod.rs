@@ -239,6 +239,8 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
     type Edges<V: Simd>: Copy;
     /// Motion in a group of cells.
     type Motion<V: Simd>;
+    /// Motion of the water in them.
+    type Water<V: Simd>: Copy;
     /// What its particles give.
     type Sums<V: Simd>;
 
@@ -281,13 +283,15 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
         xi: &[SimdReal<V>; D],
         inverse_size: f64,
     ) -> [[SimdReal<V>; D]; D];
+    /// Motion of water that flows through the soil with a relative velocity v*, m/s.
+    fn find_water<V: Simd>(&self, motion: &Self::Motion<V>, relative: &Relative<V, D>) -> Self::Water<V>;
     /// Velocity `v_w = v_s + v*` (m/s) of water particles and, if pressures follow it, the rate of volume (1/s) of the soil there.
     fn with_water<V: Simd>(
         &self,
         motion: &Self::Motion<V>,
+        water: &Self::Water<V>,
         edges: &Self::Edges<V>,
         xi: &[SimdReal<V>; D],
-        relative: &Relative<V, D>,
         inverse_size: f64,
     ) -> ([SimdReal<V>; D], SimdReal<V>);
 
@@ -751,11 +755,15 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let around = if F::OF_CELL || F::SPLIT { self.around(group) } else { None };
         let pressure = self.of(cell.volume).like(0.0);
         let mut gained = [none; 2];
+        // Particles that are strained alike have their gradient once: the compiler then takes what follows from it out of the loop.
+        let centre = array!([none; D], d => position[d].like(0.5));
+        let alike = F::OF_CELL.then(|| functions.moves(motion, edges, &centre, inverse).gradient);
         for index in self.strip.solid.range(group) {
             self.ask_for_block(index + BLOCKS_AHEAD);
             let mut point = SolidLanes::<V, D>::read(simd, self.strip.solid.block(index));
             let mut xi = array!([none; D], d => point.x[d] * inverse - position[d]);
             let mut moves = functions.moves(motion, edges, &xi, inverse);
+            moves.gradient = alike.unwrap_or(moves.gradient);
             let mut hoop = None;
             if let Some(from) = from_axis {
                 hoop = Some(functions.hoop(motion, edges, &xi, from, inverse));

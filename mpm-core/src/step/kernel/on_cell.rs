@@ -140,6 +140,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
     const NODAL: bool = true;
     type Edges<V: Simd> = ();
     type Motion<V: Simd> = CellMotion<V, D>;
+    type Water<V: Simd> = Field<V, D>;
     type Sums<V: Simd> = CellSums<V, D>;
 
     #[inline(always)]
@@ -218,12 +219,23 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
     }
 
     #[inline(always)]
+    fn find_water<V: Simd>(&self, motion: &CellMotion<V, D>, relative: &Field<V, D>) -> Field<V, D> {
+        let mut both = motion.strains;
+        for k in 0..1 << D {
+            for d in 0..D {
+                both[k][d] += relative[k][d];
+            }
+        }
+        both
+    }
+
+    #[inline(always)]
     fn with_water<V: Simd>(
         &self,
         motion: &CellMotion<V, D>,
+        water: &Field<V, D>,
         (): &(),
         xi: &[SimdReal<V>; D],
-        relative: &Field<V, D>,
         inverse_size: f64,
     ) -> ([SimdReal<V>; D], SimdReal<V>) {
         let rate = if <Self as Functions<D>>::PRESSURE_AT_PARTICLES {
@@ -231,13 +243,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
         } else {
             xi[0].like(0.0)
         };
-        let mut both = motion.strains;
-        for k in 0..1 << D {
-            for d in 0..D {
-                both[k][d] += relative[k][d];
-            }
-        }
-        (value::<D, D, _>(&both, &basis(xi)), rate)
+        (value::<D, D, _>(water, &basis(xi)), rate)
     }
 
     fn values(&self, position: &[usize; D], cells: &[usize; D], xi: &[f64; D]) -> [f64; MOST_REACHED] {

@@ -234,6 +234,7 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
     const FUSED: bool = false;
     type Edges<V: Simd> = [B::Edge<V>; D];
     type Motion<V: Simd> = StencilMotion<V, D>;
+    type Water<V: Simd> = Relative<V, D>;
     type Sums<V: Simd> = StencilSums<V, D>;
 
     #[inline(always)]
@@ -313,12 +314,17 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
     }
 
     #[inline(always)]
+    fn find_water<V: Simd>(&self, _: &StencilMotion<V, D>, relative: &Relative<V, D>) -> Relative<V, D> {
+        *relative
+    }
+
+    #[inline(always)]
     fn with_water<V: Simd>(
         &self,
         motion: &StencilMotion<V, D>,
+        relative: &Relative<V, D>,
         edges: &[B::Edge<V>; D],
         xi: &[SimdReal<V>; D],
-        relative: &Relative<V, D>,
         _: f64,
     ) -> ([SimdReal<V>; D], SimdReal<V>) {
         let soil = if motion.is_mapped { &motion.mapped } else { &motion.velocity };

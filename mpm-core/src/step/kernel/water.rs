@@ -100,8 +100,12 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let none = SimdReal::splat(simd, 0.0);
         let partly_drained = matches!(self.common.water, InPores::Particles { partly_drained: true, .. });
         let from_axis = self.axis_of(position[0]);
-        let mut cellwise = [none; 2];
+        let (mut cellwise, mut flows, mut rests) = ([none; 2], None, None);
         if let Some((motion, relative, cell, [volume, gain])) = motion {
+            flows = Some(functions.find_water(motion, relative));
+            if self.common.rare.outflow.is_some() {
+                rests = Some(functions.find_water(motion, &[[none; D]; 4]));
+            }
             let of_soil = if self.common.coupled || !(F::OF_CELL || F::SPLIT) {
                 gain / volume.or_one()
             } else {
@@ -113,8 +117,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             self.strip.water.ask_for(index + super::BLOCKS_AHEAD, 2 * D + 3);
             let mut point = WaterLanes::<V, D>::read(simd, self.strip.water.block(index));
             let mut xi = array!([none; D], d => point.x[d] * inverse - position[d]);
-            if let Some((motion, relative, cell, _)) = motion {
-                let (v, mut rate) = functions.with_water(motion, edges, &xi, relative, inverse);
+            if let (Some((motion, relative, cell, _)), Some(flows)) = (motion, &flows) {
+                let (v, mut rate) = functions.with_water(motion, flows, edges, &xi, inverse);
                 let [pressure_rate, volume_rate] = if F::PRESSURE_AT_PARTICLES && !self.common.coupled {
                     if let Some(from) = from_axis {
                         rate += functions.hoop(motion, edges, &xi, from, inverse);
@@ -135,10 +139,9 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
                 }
                 point.v = v;
                 // Water that passes an outline or wells for long would take the pressure of where it comes from along, and leave cells bare.
-                let way = if self.common.rare.outflow.is_some() {
-                    functions.with_water(motion, edges, &xi, &[[none; D]; 4], inverse).0
-                } else {
-                    v
+                let way = match &rests {
+                    Some(rests) => functions.with_water(motion, rests, edges, &xi, inverse).0,
+                    None => v,
                 };
                 for d in 0..D {
                     point.x[d] += way[d] * dt;

@@ -15,6 +15,7 @@
 use nalgebra::{DMatrix, SymmetricEigen};
 use serde::{Deserialize, Serialize};
 
+use super::march::work_of;
 use super::newton::{Stage, Workspace};
 use super::soil::{HELD, Soil};
 use super::tangent::Stuck;
@@ -36,11 +37,42 @@ pub(super) struct Krylov {
     /// The basis, |d| = `size`.
     basis: Vec<Vec<f64>>,
     size: f64,
+    /// What y_1 and the vectors of the basis mean for the balances.
+    of_first: Meaning,
+    meanings: Vec<Meaning>,
     gamma: f64,
     ritz: Ritz,
     /// Change of the state by each of the last two basis vectors, at the time where it is largest: relative to the settlement, and
     /// of the pressure in the norm of A.
     pub estimate: f64,
+}
+
+/// What unknowns mean for the balances: linear functions of them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Meaning {
+    /// What leaves through drained faces, less the flow to functions whose pressure is fixed, m3/s; of an integral m3.
+    pub passed: f64,
+    /// Water content of those functions, m3.
+    pub held: f64,
+    /// Work of the load, J.
+    pub work: f64,
+}
+
+impl Meaning {
+    /// That of the fields of a soil, whose flow has been found.
+    fn of<L: Law, const D: usize>(soil: &Soil<L, D>) -> Self {
+        Self {
+            passed: soil.values.outflow - soil.held(&soil.values.flow),
+            held: soil.held_content(),
+            work: work_of(&soil.load, &soil.u),
+        }
+    }
+
+    fn add(&mut self, factor: f64, other: &Self) {
+        self.passed += factor * other.passed;
+        self.held += factor * other.held;
+        self.work += factor * other.work;
+    }
 }
 
 /// T and what depends on it.
@@ -104,9 +136,11 @@ impl Krylov {
         let stage = |target| Stage { a: gamma, target, tolerance: 0.0 };
         let mut first = vec![0.0; unknowns];
         soil.fulfil(&stage(content), &mut first, work)?;
-        let after = soil.values.content.clone();
+        let (after, of_first) = (soil.values.content.clone(), Meaning::of(soil));
         let mut second = first.clone();
-        soil.fulfil(&stage(&after), &mut second, work)?;
+        soil.fulfil_from(&stage(&after), &mut second, work)?;
+        let mut of_direction = of_first;
+        of_direction.add(-1.0, &Meaning::of(soil));
         let direction: Vec<f64> = first.iter().zip(&second).map(|(a, b)| a - b).collect();
         // A d = content_1 - content_2, on the rows of the pressures.
         let mut product = vec![0.0; unknowns];
@@ -115,9 +149,9 @@ impl Krylov {
                 product[*map as usize] = soil.scales[1] * (after[function] - soil.values.content[function]);
             }
         }
-        let mut krylov =
-            Self { first, basis: Vec::new(), size: 0.0, gamma, ritz: Ritz::default(), estimate: f64::INFINITY };
-        krylov.build(soil, direction, product, times, goal)?;
+        let (basis, meanings, ritz) = (Vec::new(), Vec::new(), Ritz::default());
+        let mut krylov = Self { first, basis, size: 0.0, of_first, meanings, gamma, ritz, estimate: f64::INFINITY };
+        krylov.build(soil, (direction, product, of_direction), times, goal)?;
         Ok(krylov)
     }
 
@@ -128,7 +162,7 @@ impl Krylov {
         of(unknowns)(&self.first)
             && self.basis.iter().all(of(unknowns))
             && count <= MOST
-            && [values.len(), vectors.len()] == [count; 2]
+            && [values.len(), vectors.len(), self.meanings.len()] == [count; 3]
             && vectors.iter().all(of(count))
     }
 
@@ -136,8 +170,7 @@ impl Krylov {
     fn build<L: Law, const D: usize>(
         &mut self,
         soil: &mut Soil<L, D>,
-        mut direction: Vec<f64>,
-        mut product: Vec<f64>,
+        (mut direction, mut product, mut meaning): (Vec<f64>, Vec<f64>, Meaning),
         times: &[f64],
         goal: &Goal,
     ) -> Result<(), Stuck<D>> {
@@ -156,6 +189,8 @@ impl Krylov {
             for x in direction.iter_mut().chain(&mut product) {
                 *x /= length;
             }
+            self.meanings.push(Meaning::default());
+            self.meanings[self.basis.len()].add(1.0 / length, &meaning);
             settled.push(goal.settlement(&direction));
             self.basis.push(direction.clone());
             products.push(product.clone());
@@ -164,6 +199,7 @@ impl Krylov {
             soil.system.solve(&rhs, &mut direction).map_err(Stuck::Unsolved)?;
             soil.expand(&direction);
             soil.flow_of_fields().map_err(Stuck::InsideOut)?;
+            meaning = Meaning::of(soil);
             // A B v = A v - gamma H B v
             for (function, map) in soil.water_map.iter().enumerate() {
                 if *map != HELD {
@@ -180,10 +216,12 @@ impl Krylov {
                     }
                     add(&mut direction, -along, v);
                     add(&mut product, -along, &products[k]);
+                    meaning.add(-along, &self.meanings[k]);
                 }
             }
             if spoilt > SPOILT {
                 self.basis.pop();
+                self.meanings.pop();
                 break;
             }
             length = dot(&direction, &product).max(0.0).sqrt();
@@ -233,15 +271,16 @@ impl Krylov {
         }
     }
 
-    /// Integral of the unknowns from the start of the stage to a time, s.
-    pub fn integral(&self, time: f64, y: &mut [f64]) {
-        let tau = time / self.gamma;
-        for (y, first) in y.iter_mut().zip(&self.first) {
-            *y = time * first;
+    /// What the unknowns at a time (s) mean for the balances, and those integrated from the start of the stage to it.
+    pub fn meaning(&self, time: f64) -> [Meaning; 2] {
+        let (tau, mut now, mut so_far) = (time / self.gamma, self.of_first, Meaning::default());
+        so_far.add(time, &self.of_first);
+        let weights = [self.ritz.apply(|mu| gap(mu, tau)), self.ritz.apply(|mu| gap_integral(mu, tau))];
+        for (k, meaning) in self.meanings.iter().enumerate() {
+            now.add(-self.size * weights[0][k], meaning);
+            so_far.add(-self.gamma * self.size * weights[1][k], meaning);
         }
-        for (weight, v) in self.ritz.apply(|mu| gap_integral(mu, tau)).iter().zip(&self.basis) {
-            add(y, -self.gamma * self.size * weight, v);
-        }
+        [now, so_far]
     }
 
     /// Friction in the pores until a time (s), J: `int p^T H p`.

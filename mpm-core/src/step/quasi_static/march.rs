@@ -94,16 +94,8 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             );
             return Err(Fault { place: "the whole soil".to_owned(), what });
         }
-        let integral = vec![0.0; self.y.len()];
         self.done.accepted += evolution.vectors() as u64;
-        Ok(Some(Method::Krylov(Box::new(KrylovStage {
-            evolution,
-            integral,
-            held,
-            out_before,
-            work_before,
-            dissipation_before,
-        }))))
+        Ok(Some(Method::Krylov(Box::new(KrylovStage { evolution, held, out_before, work_before, dissipation_before }))))
     }
 
     /// The time (s) within which the load grows. A law with a path has to be led along that of the load: a sudden one grows within
@@ -132,7 +124,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
                 .water
                 .map_or(f64::INFINITY, |w| FIRST_STEP * scene.cell.powi(2) / (w.mobility() * scene.oedometer_modulus()))
         };
-        let drained = self.scene.by_soil().iter().map(of).fold(f64::INFINITY, f64::min);
+        let drained = self.scene.by_soil().iter().map(|scene| of(scene)).fold(f64::INFINITY, f64::min);
         match self.scene.step {
             StepChoice::Fixed(step) => step,
             // Steps whose error does not count are as long as waves need to be damped, and no longer than what flows allows, the less the

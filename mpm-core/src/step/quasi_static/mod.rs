@@ -132,8 +132,6 @@ enum Method {
 #[derive(Debug, Serialize, Deserialize)]
 struct KrylovStage {
     evolution: Krylov,
-    /// Unknowns integrated over time, for the water that has left.
-    integral: Vec<f64>,
     /// Content of the fixed functions when the stage began, m3.
     held: f64,
     /// Sums when the stage began: water that had left (m3), work of the load and friction in the pores (J).
@@ -145,7 +143,7 @@ struct KrylovStage {
 impl KrylovStage {
     /// Whether it is one of a mesh with so many unknowns.
     fn fits(&self, unknowns: usize) -> bool {
-        self.integral.len() == unknowns && self.evolution.fits(unknowns)
+        self.evolution.fits(unknowns)
     }
 }
 
@@ -277,7 +275,6 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
         match &mut self.method {
             Some(Method::Krylov(stage)) => {
                 stage.evolution.at(end, &mut self.y);
-                stage.evolution.integral(end, &mut stage.integral);
                 self.time += end - self.stage_time;
                 (self.stage_time, self.until) = (end, end);
                 self.book_krylov().map_err(|e| inverted(&self.points, e.point))

@@ -106,6 +106,11 @@ impl<L: Law, const D: usize> Soil<L, D> {
     /// Moves `y` to where the stage is fulfilled, and evaluates there. The factors must be those for `stage.a`.
     pub fn fulfil(&mut self, stage: &Stage, y: &mut [f64], work: &mut Workspace) -> Result<(), Stuck<D>> {
         self.evaluate(y).map_err(Stuck::InsideOut)?;
+        self.fulfil_from(stage, y, work)
+    }
+
+    /// The same from unknowns that have been evaluated.
+    pub fn fulfil_from(&mut self, stage: &Stage, y: &mut [f64], work: &mut Workspace) -> Result<(), Stuck<D>> {
         let mut size = self.out_of_balance(stage, &mut work.residual) / work.reference;
         let round_off = self.motion.as_ref().map_or(0.0, |motion| self.scales[0] * motion.round_off(stage.a, &self.u));
         let tolerance = stage.tolerance.max(round_off / work.reference);

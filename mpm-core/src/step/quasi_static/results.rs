@@ -1,7 +1,6 @@
 //! Results of a quasi-static state: settlement, profiles, balances.
 
 use super::build::{smooth, top_integrals};
-use super::march::work_of;
 use super::motion::{WaterInertia, forward};
 use super::soil::{InsideOut, PorePart, PoreState, Soil, Strained};
 use super::{Method, QuasiStatic, build};
@@ -244,14 +243,16 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// Balances of a Krylov stage at its present time.
     pub(super) fn book_krylov(&mut self) -> Result<(), InsideOut<D>> {
         let (Some(soil), Some(Method::Krylov(stage))) = (&mut self.soil, &mut self.method) else { return Ok(()) };
-        soil.expand(&stage.integral);
-        soil.flow_of_fields()?;
-        let passed = soil.values.outflow - soil.held(&soil.values.flow);
-        soil.evaluate(&self.y)?;
-        let content = soil.held(&soil.values.content);
-        self.totals.water_out = stage.out_before + passed - (content - stage.held);
-        self.totals.external_work = stage.work_before + work_of(&soil.load, &soil.u);
+        let [now, so_far] = stage.evolution.meaning(self.stage_time);
+        self.totals.water_out = stage.out_before + so_far.passed - (now.held - stage.held);
+        self.totals.external_work = stage.work_before + now.work;
         self.totals.darcy_dissipation = stage.dissipation_before + stage.evolution.dissipation(self.stage_time);
+        if self.stage_time < (1.0 - 1e-12) * self.stage_end {
+            soil.expand(&self.y);
+            return Ok(());
+        }
+        // A stage to come begins with the water that there is.
+        soil.evaluate(&self.y)?;
         self.content.copy_from_slice(&soil.values.content);
         Ok(())
     }

@@ -437,6 +437,31 @@ impl<L: Law, const D: usize> Soil<L, D> {
         self.through_faces()
     }
 
+    /// Water content of the functions whose pressure is fixed, at the fields in [`Self::u`] and [`Self::p`], m3; small strain, linear.
+    pub fn held_content(&self) -> f64 {
+        let is_held = |function: u32| self.water_map[function as usize] == HELD;
+        let mut held = 0.0;
+        for part in &self.pore {
+            let share = (0..part.water.count).filter(|b| is_held(part.water.number[*b])).map(|b| part.water.value[b]);
+            let share: f64 = share.sum();
+            if share != 0.0 {
+                let change = self.pore_state(part).map_or(0.0, |state| state.change);
+                held += share * part.weight * self.content_of(part, change);
+            }
+        }
+        let jumps = self.jumps.iter().filter(|(a, ..)| is_held(*a));
+        held + jumps.map(|(_, b, value)| value * self.p[*b as usize]).sum::<f64>()
+    }
+
+    /// Water content of a pore part per volume whose pores have opened by a share of it.
+    #[inline(always)]
+    fn content_of(&self, part: &PorePart<D>, change: f64) -> f64 {
+        let pressure = part.water.scalar(&self.p);
+        let pores = if self.small { part.porosity } else { change + part.porosity };
+        let [alpha, of_grains] = self.law.soils.kind(part.mark).biot;
+        alpha * change + pores * self.denser(pressure) + of_grains * pressure
+    }
+
     /// A solid part at the displacements in [`Self::u`].
     pub fn strained(&self, part: &SolidPart<D>) -> Option<Strained<D>> {
         let gradient = part.stencil.gradient(&self.u);
@@ -638,9 +663,8 @@ impl<L: Law, const D: usize> Soil<L, D> {
             let pressure = part.water.scalar(&self.p);
             let Fluid { density, gravity, .. } = self.fluid;
             let pores = if self.small { part.porosity } else { change + part.porosity };
-            let more = self.denser(pressure);
-            let [alpha, of_grains] = self.law.soils.kind(part.mark).biot;
-            let content = alpha * change + pores * more + of_grains * pressure;
+            let (more, alpha) = (self.denser(pressure), self.law.soils.kind(part.mark).biot[0]);
+            let content = self.content_of(part, change);
             let mut body = gravity.map_or([0.0; D], |g| {
                 let mass = self.mass_of(part, pores);
                 g.map(|g| mass * g)

@@ -16,10 +16,11 @@ use mpm_core::scene::{Dimension, Fields, Integrator, Scene, StepChoice, StrainCh
 use mpm_core::stability::choose_step;
 
 use self::applies::Solution;
-use super::{Error, Lacks, asked, finished, infinite_slope, integrator, scheme};
+use super::{Error, Lacks, asked, infinite_slope, integrator, scheme};
 use crate::experiment::comparison::{Compared, Comparison};
 use crate::experiment::measure::{free_surface, mandel, sliding};
 use crate::experiment::refinement::{PARTICLES, Refinement, STEP, TOLERANCE};
+use crate::experiment::shared::shared;
 use crate::experiment::verdict::{Judged, Named, Outcome, judge};
 use crate::norms::worst;
 
@@ -163,7 +164,7 @@ impl OwnScene {
 
     /// What a run of a scene shows beside the exact solution, in shares of it.
     fn seen(&self, scene: &Scene) -> Result<Vec<Comparison>, Error> {
-        self.looks(scene, &finished(scene)?)
+        self.looks(scene, &*shared(scene)?)
     }
 
     fn looks(&self, scene: &Scene, run: &Run) -> Result<Vec<Comparison>, Error> {
