@@ -185,6 +185,19 @@ impl<S: Simd> SimdReal<S> {
         simd.first_true_m64s(mask) == Self::COUNT
     }
 
+    /// This over another where a mask holds, itself elsewhere: there the other is one. A division takes as long as a dozen products,
+    /// and is left out where no lane needs it.
+    #[inline(always)]
+    pub fn over_where(self, mask: S::m64s, other: Self) -> Self {
+        if Self::nowhere(self.simd, mask) { self } else { (self / other).or(mask, self) }
+    }
+
+    /// Where this differs from `other`.
+    #[inline(always)]
+    pub fn differs(self, other: Self) -> S::m64s {
+        self.simd.not_m64s(self.equals(other))
+    }
+
     /// This where it is positive, one elsewhere.
     #[inline(always)]
     pub fn or_one(self) -> Self {

@@ -1,4 +1,4 @@
-//! Arithmetic of a step, counted by hand from the formulas of `step/lanes/sweep.rs` and `step/lanes/motion.rs`: the
+//! Arithmetic of a step, counted by hand from the formulas of `mpm_core::step::kernel`: the
 //! paper's shape functions at the centre of the cell, water, no gravity.
 //!
 //! What is the same for all particles of a cell (gradient, strain, spin, increments of stress and pressure) is counted
@@ -170,6 +170,9 @@ mod tests {
         }
         fn smaller(self, other: Self) -> Self {
             Self(self.0.smaller(other.0))
+        }
+        fn if_below(self, other: Self, first: Self, second: Self) -> Self {
+            if self.0 < other.0 { first } else { second }
         }
     }
 

@@ -354,7 +354,7 @@ impl<const D: usize> Faces<D> {
         let mean = if D == 1 { a[face] } else { 0.5 * (a[face] + a[face + self.frame.beside(axis)]) };
         let conducts = self.conducts[axis][face];
         let reach = self.ratio[axis].get(face).map_or(conducts, |ratio| conducts / ratio);
-        flow.through([conducts, reach], drop, gravity, mean)
+        flow.through(conducts, drop, flow.body(gravity, mean) / reach)
     }
 
     /// What flow over the seam of a periodic mesh dissipates, and the work of its weight there, N m/s over the face area.

@@ -41,13 +41,18 @@ pub struct FaceFlow {
 }
 
 impl FaceFlow {
-    /// Eq. (1) on a face that conducts, over the conductivity of the water, and over the distance it does so along (in cells,
-    /// inverse): flux (m/s), the pressure that drives it and its part of weight and inertia (Pa). `drop` is that of the pressures
-    /// of the cells (Pa), gravity and the acceleration of the soil are along the axis, m/s2.
+    /// Eq. (1) on a face that conducts, over the conductivity of the water: flux (m/s), the pressure that drives it and its part of
+    /// weight and inertia (Pa), `drop` that of the pressures of the cells, Pa. `body` is [`Self::body`] over the distance (in
+    /// cells, inverse) that the pressures drop along.
     #[inline(always)]
-    pub fn through<R: Real>(&self, [conducts, reach]: [R; 2], drop: R, gravity: f64, acceleration: R) -> [R; 3] {
-        let body = (drop.like(gravity) - acceleration * self.inertia) * self.weight / reach;
+    pub fn through<R: Real>(&self, conducts: R, drop: R, body: R) -> [R; 3] {
         let head = drop + body;
         [conducts * head * self.conductance, head, body]
+    }
+
+    /// What weight and inertia push along a cell (Pa), of gravity and an acceleration of the soil along the axis, m/s2.
+    #[inline(always)]
+    pub fn body<R: Real>(&self, gravity: f64, acceleration: R) -> R {
+        (acceleration.like(gravity) - acceleration * self.inertia) * self.weight
     }
 }

@@ -100,14 +100,20 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         // Where soils differ, so do the cells that they come to; and an outline cuts others.
         let differ = self.body.water.as_ref().is_some_and(Pores::is_uneven);
         let may_leave = self.body.water.as_ref().is_some_and(Pores::may_leave);
-        if !differ
-            && crossing::keeps_outline(strips, frame, |s| &mut s.solid, solid, false)
-            && crossing::keeps_outline(strips, frame, |s| &mut s.water, water, may_leave)
-        {
+        // Without water in its pores soil may go anywhere in the mesh: no face of a cell depends on it.
+        let bare = self.body.water.is_none();
+        let goes = if bare {
+            solid.list.iter().all(|mover| mover.to.is_some())
+        } else {
+            !differ
+                && crossing::keeps_outline(strips, frame, |s| &mut s.solid, solid, false)
+                && crossing::keeps_outline(strips, frame, |s| &mut s.water, water, may_leave)
+        };
+        if goes {
             let mut removed = 0.0;
             let mass = 2 * D;
-            crossing::carry(strips, frame, |s| &mut s.solid, solid, |_| {});
-            crossing::carry(strips, frame, |s| &mut s.water, water, |gone| removed += gone[mass]);
+            crossing::carry(strips, frame, |s| &mut s.solid, (solid, !bare), |_| {});
+            crossing::carry(strips, frame, |s| &mut s.water, (water, true), |gone| removed += gone[mass]);
             self.body.solid.crossings += solid.list.len() as u64;
             self.body.solid.order += 1;
             if let Some(own) = &mut self.body.water {

@@ -34,7 +34,9 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             let ratio = SimdReal::load(self.simd, &ratio[axis][at..]);
             reach = reach / ratio.or_one();
         }
-        flow.through([conducts, reach], low - high, gravity[axis], mean)
+        // Inside the soil that is one.
+        let body = flow.body(gravity[axis], mean).over_where(reach.differs(mean.like(1.0)), reach);
+        flow.through(conducts, low - high, body)
     }
 
     /// Eq. (1): relative velocity v* in the cells from `at` on, linear between their faces, as coefficients.
@@ -254,7 +256,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         };
         // A pressure that is solved for needs no limit.
         cell.filling = over_fill.or(is_known, if coupled { over_fill } else { limited }).value;
-        cell.fill = (one / over_fill).or(is_known, one.like(super::NOT_KNOWN)).value;
+        let is_partly = self.simd.and_m64s(is_known, over_fill.differs(one));
+        cell.fill = one.over_where(is_partly, over_fill).or(is_known, one.like(super::NOT_KNOWN)).value;
         cell.inverse_volume = inverse_volume.value;
         (cell.porosity, cell.inverse_porosity) = (porosity.value, (one / porosity).value);
         closing.full_of_water = of_water.or_one();

@@ -282,7 +282,15 @@ impl<V: Simd> Blocks<V> {
     /// bound, and no weight of zero makes anything of infinity.
     pub fn leaving<const D: usize>(&mut self, frame: &Frame<D>, first: usize, movers: &mut Movers) {
         movers.columns = self.columns;
+        let mut stay = true;
         for cell in 0..(self.start.len() - 1) * V::F64_LANES {
+            // Few groups have a particle that leaves.
+            if cell % V::F64_LANES == 0 {
+                stay = self.all_stay(frame, first, cell / V::F64_LANES);
+            }
+            if stay {
+                continue;
+            }
             let count = self.count(cell);
             for slot in 0..self.slots(cell) {
                 let x: [f64; D] = std::array::from_fn(|d| self.number(cell, slot, d));
@@ -300,6 +308,21 @@ impl<V: Simd> Blocks<V> {
                 }
             }
         }
+    }
+
+    /// Whether all lanes of a group are in their cells.
+    fn all_stay<const D: usize>(&self, frame: &Frame<D>, first: usize, group: usize) -> bool {
+        let at: [[usize; D]; MAX_LANES] =
+            array!([[0; D]; MAX_LANES], lane => frame.position(first + group * V::F64_LANES + lane));
+        self.range(group).all(|block| {
+            let x = numbers(&self.block(block)[..D]);
+            (0..V::F64_LANES).all(|lane| {
+                (0..D).all(|d| {
+                    let (place, x) = (at[lane][d] as f64, x[d * V::F64_LANES + lane] * frame.inverse_size);
+                    x >= place && x < place + 1.0
+                })
+            })
+        })
     }
 
     /// Sets numbers of all particles.

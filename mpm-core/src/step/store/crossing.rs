@@ -49,12 +49,12 @@ fn on_soil<V: Simd, const D: usize>(strips: &[Strip<V, D>], frame: &Frame<D>, mo
     mover.to.filter(|to| strips[to / frame.strip].solid.count(to % frame.strip) > 0)
 }
 
-/// Carries them over; those that leave the soil are taken out, and their numbers passed to `gone`.
+/// Carries them over. Those that leave the soil are taken out where they must stay `within` it, and their numbers passed to `gone`.
 pub fn carry<V: Simd, const D: usize>(
     strips: &mut [Strip<V, D>],
     frame: &Frame<D>,
     layer: LayerOf<V, D>,
-    movers: &mut Movers,
+    (movers, within): (&mut Movers, bool),
     mut gone: impl FnMut(&[f64]),
 ) {
     // The last of a cell first, so that the places of the others still hold.
@@ -64,7 +64,8 @@ pub fn carry<V: Simd, const D: usize>(
         layer(strip).remove(frame, first, mover.from - first, mover.slot);
     }
     for i in 0..movers.list.len() {
-        let to = on_soil(strips, frame, &movers.list[i]);
+        let mover = movers.list[i];
+        let to = if within { on_soil(strips, frame, &mover) } else { mover.to };
         movers.list[i].to = to;
         if to.is_none() {
             gone(movers.record(&movers.list[i]));
