@@ -4,9 +4,10 @@ use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex, OnceLock, PoisonError};
 
 use mpm_core::drive::Run;
+use mpm_core::run::run;
 use mpm_core::scene::{Fields, Scene};
 
-use super::run::{finished, note_momentum};
+use super::run::{finished, note_momentum, whole};
 use crate::error::Error;
 
 /// Numbers in all runs that are kept: some 200 MiB. Beyond that all are let go.
@@ -23,7 +24,7 @@ pub(crate) fn shared(scene: &Scene) -> Result<Arc<Run>, Error> {
     let key = format!("{:?}", Fields { name: String::new(), ..Fields::clone(scene) });
     let kept = Arc::clone(RUNS.lock().unwrap_or_else(PoisonError::into_inner).entry(key).or_default());
     let mut own = None;
-    let found = kept.get_or_init(|| match finished(scene) {
+    let found = kept.get_or_init(|| match whole(run(scene, &mut |_| {})) {
         Ok(run) => Some(Arc::new(run)),
         Err(why) => {
             own = Some(why);
@@ -42,7 +43,7 @@ pub(crate) fn shared(scene: &Scene) -> Result<Arc<Run>, Error> {
     }
 }
 
-/// Lets all runs go that nobody looks at any more, once they are many.
+/// Lets all runs go that have ended, once they are many; who has one keeps it.
 fn forget_if_many() {
     let mut runs = RUNS.lock().unwrap_or_else(PoisonError::into_inner);
     let numbers = |kept: &Kept| kept.get().and_then(Option::as_ref).map_or(0, |run| numbers(run));

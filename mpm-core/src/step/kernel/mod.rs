@@ -965,10 +965,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let off = (known - volume).larger(volume - known);
         let filled = known.or((known * ROUND_OFF).below(off), volume).or(is_known, volume);
         let half = none.like(0.5);
-        let mut closing =
-            Closing { share: none.like(1.0), of_cell: coupled, moving_with: is_known, ..Closing::of(filled) };
-        let is_other = filled.differs(volume);
-        if !SimdReal::nowhere(self.simd, is_other) {
+        let mut closing = Closing { of_cell: coupled, moving_with: is_known, ..Closing::of(filled) };
+        if !SimdReal::nowhere(self.simd, filled.differs(volume)) {
             closing.share = filled / full;
         }
         closing.from_axis = self.axis_of(self.of(self.strip.cells[group].position[0]));

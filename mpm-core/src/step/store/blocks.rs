@@ -282,29 +282,27 @@ impl<V: Simd> Blocks<V> {
     /// bound, and no weight of zero makes anything of infinity.
     pub fn leaving<const D: usize>(&mut self, frame: &Frame<D>, first: usize, movers: &mut Movers) {
         movers.columns = self.columns;
-        let mut stay = true;
-        for cell in 0..(self.start.len() - 1) * V::F64_LANES {
+        for group in 0..self.start.len() - 1 {
             // Few groups have a particle that leaves.
-            if cell % V::F64_LANES == 0 {
-                stay = self.all_stay(frame, first, cell / V::F64_LANES);
-            }
-            if stay {
+            if self.all_stay(frame, first, group) {
                 continue;
             }
-            let count = self.count(cell);
-            for slot in 0..self.slots(cell) {
-                let x: [f64; D] = std::array::from_fn(|d| self.number(cell, slot, d));
-                let to = frame.at(&x);
-                if to == Some(first + cell) {
-                    continue;
-                }
-                if slot >= count {
-                    let (block, lane) = self.place(cell, slot);
-                    self.clear(frame, first + cell, block, lane);
-                } else {
-                    let (record, id) = (movers.numbers.len(), self.id(cell, slot));
-                    movers.list.push(Mover { from: first + cell, slot, to, record, id });
-                    movers.numbers.extend((0..self.columns).map(|i| self.number(cell, slot, i)));
+            for cell in group * V::F64_LANES..(group + 1) * V::F64_LANES {
+                let count = self.count(cell);
+                for slot in 0..self.slots(cell) {
+                    let x: [f64; D] = std::array::from_fn(|d| self.number(cell, slot, d));
+                    let to = frame.at(&x);
+                    if to == Some(first + cell) {
+                        continue;
+                    }
+                    if slot >= count {
+                        let (block, lane) = self.place(cell, slot);
+                        self.clear(frame, first + cell, block, lane);
+                    } else {
+                        let (record, id) = (movers.numbers.len(), self.id(cell, slot));
+                        movers.list.push(Mover { from: first + cell, slot, to, record, id });
+                        movers.numbers.extend((0..self.columns).map(|i| self.number(cell, slot, i)));
+                    }
                 }
             }
         }

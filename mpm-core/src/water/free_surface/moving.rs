@@ -101,37 +101,21 @@ fn weights<const D: usize>(volume: f64, at: &[f64; D], inverse_size: f64) -> [[f
     weights
 }
 
-/// Rate at which the soil of a cell gains volume, m3/s, a time `before` the end of the step.
+/// Rates at which the soil of a cell gains volume, m3/s: by some weights, each a time (s) before the end of the step.
 #[inline]
-fn opening<const D: usize>(weights: &[[f64; D]; 4], corners: &[u32; 4], motion: &Motion, before: f64) -> f64 {
-    let mut rate = 0.0;
-    for (weight, node) in weights.iter().zip(corners).take(1 << D) {
-        let node = *node as usize;
-        for d in 0..D {
-            rate += weight[d] * (motion.velocity[d][node] - before * motion.acceleration[d][node]);
-        }
-    }
-    rate
-}
-
-/// That at the end of the step; and at its middle, `half` a step (s) before: that, and the same of other weights.
-#[inline]
-fn openings<const D: usize>(
-    weights: &[[f64; D]; 4],
-    pressed: &[[f64; D]; 4],
+fn openings<const D: usize, const N: usize>(
+    by: [(&[[f64; D]; 4], f64); N],
     corners: &[u32; 4],
     motion: &Motion,
-    half: f64,
-) -> [f64; 3] {
-    let mut rates = [0.0; 3];
+) -> [f64; N] {
+    let mut rates = [0.0; N];
     for corner in 0..1 << D {
         let node = corners[corner] as usize;
         for d in 0..D {
-            let velocity = motion.velocity[d][node];
-            let middle = velocity - half * motion.acceleration[d][node];
-            rates[0] += weights[corner][d] * velocity;
-            rates[1] += weights[corner][d] * middle;
-            rates[2] += pressed[corner][d] * middle;
+            let (velocity, acceleration) = (motion.velocity[d][node], motion.acceleration[d][node]);
+            for (rate, (weights, before)) in rates.iter_mut().zip(by) {
+                *rate += weights[corner][d] * (velocity - before * acceleration);
+            }
         }
     }
     rates
@@ -247,7 +231,7 @@ impl<const D: usize> Squeeze<D> {
             let cell = cell as usize;
             if pressure[cell] != 0.0 && soil[cell].volume > 0.0 {
                 let weights = weights(soil[cell].volume, &soil[cell].pressed, pushed.grid.inverse_size);
-                power += pressure[cell] * opening(&weights, corners, motion, 0.5 * dt);
+                power += pressure[cell] * openings([(&weights, 0.5 * dt)], corners, motion)[0];
             }
         }
         dt * power
@@ -485,7 +469,9 @@ impl<const D: usize> Squeeze<D> {
             let (soil, inverse_size) = (&soil[cell], 1.0 / water.medium.size);
             let whole = weights(soil.volume, &soil.at, inverse_size);
             let pressed_at = weights(soil.volume, &soil.pressed, inverse_size);
-            let [rate, middle, middle_pressed] = openings(&whole, &pressed_at, corners, motion, 0.5 * step.dt);
+            let half = 0.5 * step.dt;
+            let by = [(&whole, 0.0), (&whole, half), (&pressed_at, half)];
+            let [rate, middle, middle_pressed] = openings(by, corners, motion);
             let outflow = (water.content[cell] - water.trial[cell]) / step.dt;
             let returned = self.surplus[cell] / returns;
             if full && !step.implicit {
@@ -680,7 +666,10 @@ mod tests {
             }
         }
         let place = |cell: usize| squeeze.order.iter().position(|of| *of as usize == cell).expect("a cell of soil");
-        let corners = |cell: usize| squeeze.corners[place(cell)];
+        let opened = |cell: usize, motion: &Motion| {
+            let weights = weights(H * H, &soil[cell].at, 1.0 / H);
+            openings([(&weights, 0.0)], &squeeze.corners[place(cell)], motion)[0]
+        };
         let mut work = 0.0;
         for cell in 0..12 {
             let rise = water.pressure[cell] - before.1[cell];
@@ -689,13 +678,13 @@ mod tests {
                 let both = motion.velocity[d].iter().zip(&before.0.velocity[d]);
                 *half = both.map(|(a, b)| 0.5 * (a + b)).collect();
             }
-            work += dt * rise * opening(&weights(H * H, &soil[cell].at, 1.0 / H), &corners(cell), &halfway, 0.0);
+            work += dt * rise * opened(cell, &halfway);
         }
         assert!(gained.abs() > 1e-6 && (work / gained - 1.0).abs() < 1e-10, "{work:e} {gained:e}");
         // Pores follow the motion of the end of the step, and pressures what is left: the balance of every cell closes.
         let mut worst: f64 = 0.0;
         for cell in 0..12 {
-            let opened = dt * opening(&weights(H * H, &soil[cell].at, 1.0 / H), &corners(cell), &motion, 0.0);
+            let opened = dt * opened(cell, &motion);
             assert!((water.pores(cell) - pores[cell] - opened).abs() < 1e-16);
             let stored = water.content[cell] - pores[cell];
             let pressed = pores[cell] / KW * (water.pressure[cell] - before.1[cell]);
