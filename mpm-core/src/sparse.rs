@@ -5,12 +5,15 @@
 //! matrix also solve for a right-hand side that has a part in any null space: a run whose own right-hand sides have none
 //! there, as in a closed box at rest, would go on with whatever round-off makes of it.
 
+mod dissection;
+
 use faer::Conj;
 use faer::Par;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::mat::MatMut;
+use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
 };
@@ -63,28 +66,45 @@ pub struct Sparse {
 impl Sparse {
     /// A symmetric matrix of zeros with `size` rows; `pairs` names its entries in any order, either triangle, repeated or
     /// not. The diagonal is always there.
-    pub fn symmetric(size: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Self {
-        Self::with(true, size, pairs.map(|(a, b)| ((a.max(b) as u64) << 32) | a.min(b) as u64).collect())
+    pub fn symmetric(size: usize, pairs: impl Iterator<Item = (usize, usize)> + Clone) -> Self {
+        Self::with(true, size, pairs.map(|(a, b)| (a.min(b), a.max(b))))
     }
 
     /// A matrix that may not be symmetric, with entries on both sides of the diagonal for every pair.
-    pub fn general(size: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Self {
-        let both = |(a, b): (usize, usize)| [((a as u64) << 32) | b as u64, ((b as u64) << 32) | a as u64];
-        Self::with(false, size, pairs.flat_map(both).collect())
+    pub fn general(size: usize, pairs: impl Iterator<Item = (usize, usize)> + Clone) -> Self {
+        Self::with(false, size, pairs.flat_map(|(a, b)| [(a, b), (b, a)]))
     }
 
-    fn with(symmetric: bool, size: usize, mut keys: Vec<u64>) -> Self {
-        keys.extend((0..size as u64).map(|i| (i << 32) | i));
-        keys.sort_unstable();
-        keys.dedup();
-        let mut column = vec![0; size + 1];
-        for key in &keys {
-            column[(key >> 32) as usize + 1] += 1;
+    /// Of pairs of a row and a column.
+    fn with(symmetric: bool, size: usize, pairs: impl Iterator<Item = (usize, usize)> + Clone) -> Self {
+        // Rows by columns as they come, each column from `start` on, the diagonal first.
+        let mut start = vec![1_u32; size + 1];
+        pairs.clone().for_each(|(_, j)| start[j] += 1);
+        let mut sum = 0;
+        for at in &mut start {
+            sum += std::mem::replace(at, sum);
         }
+        let mut next = start.clone();
+        let mut named = vec![0_u32; start[size] as usize];
+        for (i, j) in (0..size).map(|j| (j, j)).chain(pairs) {
+            named[next[j] as usize] = i as u32;
+            next[j] += 1;
+        }
+        // Each row once, in order.
+        let (mut column, mut row) = (Vec::with_capacity(size + 1), Vec::new());
+        let mut seen = next; // the last column a row was seen in
+        seen.fill(u32::MAX);
+        column.push(0);
         for j in 0..size {
-            column[j + 1] += column[j];
+            let first = row.len();
+            for i in &named[start[j] as usize..start[j + 1] as usize] {
+                if std::mem::replace(&mut seen[*i as usize], j as u32) != j as u32 {
+                    row.push(*i as usize);
+                }
+            }
+            row[first..].sort_unstable();
+            column.push(row.len());
         }
-        let row: Vec<usize> = keys.iter().map(|key| (key & 0xffff_ffff) as usize).collect();
         Self { symmetric, column, values: vec![0.0; row.len()], row }
     }
 
@@ -159,6 +179,11 @@ impl Sparse {
         }
     }
 
+    /// Rows of the entries of a column: of a symmetric matrix those down to its diagonal.
+    fn rows(&self, column: usize) -> &[usize] {
+        &self.row[self.column[column]..self.column[column + 1]]
+    }
+
     fn pattern(&self) -> SymbolicSparseColMatRef<'_, usize> {
         SymbolicSparseColMatRef::new_checked(self.size(), self.size(), &self.column, None, &self.row)
     }
@@ -183,11 +208,13 @@ pub enum Signs {
 
 /// Order of elimination.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ordering {
+pub enum Ordering<'a> {
     /// As numbered: right for a narrow band. Not for `L U`, whose columns are always ordered by minimum degree.
     AsNumbered,
     /// Approximate minimum degree.
     MinimumDegree,
+    /// Nested dissection of a mesh in the plane, by the place of every unknown on any lattice. Not for `L U`.
+    Dissected(&'a [[u32; 2]]),
 }
 
 /// The factors.
@@ -217,13 +244,20 @@ impl Factor {
     ///
     /// # Errors
     /// Out of memory.
-    pub fn new(matrix: &Sparse, signs: Signs, ordering: Ordering) -> Result<Self, Unsolved> {
+    pub fn new(matrix: &Sparse, signs: Signs, ordering: Ordering<'_>) -> Result<Self, Unsolved> {
         if signs == Signs::Unknown {
             return Self::lu(matrix);
         }
         let order = match ordering {
+            Ordering::Dissected(places) => dissection::dissected(matrix, places),
+            _ => Vec::new(),
+        };
+        let mut place_of = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(place, unknown)| place_of[*unknown] = place);
+        let order = match ordering {
             Ordering::AsNumbered => SymmetricOrdering::Identity,
             Ordering::MinimumDegree => SymmetricOrdering::Amd,
+            Ordering::Dissected(_) => SymmetricOrdering::Custom(PermRef::new_checked(&order, &place_of, order.len())),
         };
         let symbolic =
             factorize_symbolic_cholesky(matrix.pattern(), Side::Upper, order, CholeskySymbolicParams::default())

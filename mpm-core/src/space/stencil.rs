@@ -88,13 +88,20 @@ impl<const D: usize> Stencil<D> {
     }
 
     /// Gradient of a vector field, `gradient[i][j]` = du_i/dx_j.
+    #[inline]
     pub fn gradient(&self, field: &[[f64; D]]) -> [[f64; D]; D] {
+        self.gradient_with(&self.slope, field)
+    }
+
+    /// The same with other gradients (1/m) of the functions.
+    #[inline]
+    pub fn gradient_with(&self, slope: &[[f64; D]; MOST], field: &[[f64; D]]) -> [[f64; D]; D] {
         let mut g = [[0.0; D]; D];
-        for a in 0..self.count {
-            let u = &field[self.number[a] as usize];
+        for (number, slope) in self.number.iter().zip(slope).take(self.count) {
+            let u = &field[*number as usize];
             for i in 0..D {
                 for j in 0..D {
-                    g[i][j] += u[i] * self.slope[a][j];
+                    g[i][j] += u[i] * slope[j];
                 }
             }
         }

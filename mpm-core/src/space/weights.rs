@@ -183,7 +183,7 @@ impl Moments {
 }
 
 /// Functions of the points one after the other, each set of functions once where points of a cell follow each other.
-fn cliques(number: &[u32], support: usize) -> impl Iterator<Item = &[u32]> {
+fn cliques(number: &[u32], support: usize) -> impl Iterator<Item = &[u32]> + Clone {
     let mut last: &[u32] = &[];
     number.chunks(support).filter(move |functions| {
         let new = last != *functions;

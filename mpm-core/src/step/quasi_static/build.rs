@@ -10,7 +10,7 @@ use crate::scene::{
     Bearing, Course, FaceLoad, Integrator, LoadOn, Piece, Quadrature, Scene, ShapeChoice, Side, SolidSide, Surcharge,
     Well,
 };
-use crate::space::{Axis, Basis, Fit, Group, Local, MOST, Stencil, fit, gauss, gauss_points, groups};
+use crate::space::{Axis, Basis, Fit, Group, MOST, Stencil, fit, gauss, gauss_points, groups};
 use crate::sparse::Unsolved;
 
 /// Least boundary cell, as a share of a whole one, tried one after the other until the weights can be fitted.
@@ -176,7 +176,7 @@ impl<const D: usize> Ground<'_, D> {
         let mass = scene.mixture_density() * self.thickness * scene.cell.powi(D as i32);
         let passage = (scene.cell * (scene.mixture_density() / modulus).sqrt(), scene.pore_stiffness() / modulus);
         let symmetric = law.are_symmetric() && !(moves && inertia == WaterInertia::WithSoil);
-        let system = System::new(size, (&solid, &pore, &faces), [&jumps, &viscosity], maps, symmetric)?;
+        let system = System::new(size, (&solid, &pore, &faces), [&jumps, &viscosity], maps, &axes, symmetric)?;
         let water = scene.water.unwrap_or(crate::scene::WaterProperties {
             hydraulic_conductivity: 0.0,
             anisotropy: 1.0,
@@ -253,12 +253,12 @@ impl<const D: usize> Ground<'_, D> {
             stencil.slope = Stencil::at(axes, &place).slope; // section 2.2
             let hoop = self.hoop(axes, &around);
             let of = if splits { [&centroid, &middle] } else { [&place, &around] };
-            let dilates = (splits || hoop.is_some()).then(|| self.dilation(axes, of));
+            let dilates = (splits || hoop.is_some()).then(|| Box::new(self.dilation(axes, of)));
             let mark = law.soils.at(&in_two(&point.x));
             SolidPart {
                 stencil,
                 dilates,
-                hoop,
+                hoop: hoop.map(Box::new),
                 weight: weights[i] * self.scene.thickness(point.x[0]),
                 stress: point.stress,
                 strain: [0.0; 4],
@@ -298,8 +298,8 @@ impl<const D: usize> Ground<'_, D> {
                 let cell = number(axes, &cell_of(axes, &point.x));
                 let mut water = Stencil::single(cell);
                 water.count = usize::from(wet);
-                let SolidPart { stencil: mut soil, dilates, weight, mark, .. } = solid[i];
-                soil.slope = dilates.unwrap_or(soil.slope);
+                let SolidPart { stencil: mut soil, ref dilates, weight, mark, .. } = solid[i];
+                soil.slope = dilates.as_deref().copied().unwrap_or(soil.slope);
                 PorePart { soil, water, weight, porosity: porosities[cell], mark }
             };
             return self.points.iter().enumerate().map(part).collect();
@@ -647,12 +647,15 @@ impl<const D: usize> Ground<'_, D> {
         }
         let factor = factor * self.scene.cell.powi(2 * degree as i32 + 1) * self.thickness;
         let mut jumps = Vec::new();
+        // Of the functions along an axis each with those from `degree + 1` before it to as many behind.
+        let band = 2 * degree + 3;
         for axis in 0..D {
             let along = &axes[axis];
             let (splines, vertical) = (along.splines(), axis == D - 1);
             let beside = |at: f64| if vertical { self.scene.thickness(at) } else { softer(at) };
             let across = across(axes, axis, degree, beside);
             let strides = if axis == 0 { [1, axes[0].functions()] } else { [axes[0].functions(), 1] };
+            let mut between = vec![0.0; along.functions() * band];
             for knot in (1..along.cells()).filter(|knot| !along.is_break(*knot)) {
                 // The cell below has all of these functions but the last, the cell above all but the first.
                 let first = splines.first(knot - 1);
@@ -662,12 +665,14 @@ impl<const D: usize> Ground<'_, D> {
                 let before = |a: usize| if a > 0 { above[a - 1] } else { 0.0 };
                 let jump = |a: usize| before(a) - if a <= degree { below[a] } else { 0.0 };
                 for (a, b) in (0..degree + 2).flat_map(|a| (0..degree + 2).map(move |b| (a, b))) {
-                    let number = |f: usize, other: usize| (f * strides[0] + other * strides[1]) as u32;
-                    let pair = |&(i, j, mass): &(usize, usize, f64)| {
-                        (number(first + a, i), number(first + b, j), here * factor * jump(a) * jump(b) * mass)
-                    };
-                    jumps.extend(across.iter().map(pair));
+                    between[(first + a) * band + b + degree + 1 - a] += here * factor * jump(a) * jump(b);
                 }
+            }
+            for (at, jump) in between.iter().enumerate().filter(|(_, jump)| **jump != 0.0) {
+                let (a, b) = (at / band, at / band + at % band - degree - 1);
+                let number = |f: usize, other: usize| (f * strides[0] + other * strides[1]) as u32;
+                let pair = |&(i, j, mass): &(usize, usize, f64)| (number(a, i), number(b, j), jump * mass);
+                jumps.extend(across.iter().map(pair));
             }
         }
         jumps
@@ -693,11 +698,9 @@ fn integrals(axis: &Axis, range: Option<[f64; 2]>, share: impl Fn(f64) -> f64) -
         if from >= to {
             continue;
         }
-        for (i, sum) in sums.iter_mut().enumerate() {
-            *sum += gauss(from, to, LOAD_PIECES, |x| {
-                let Local { first, value, .. } = axis.at_boundary(x);
-                i.checked_sub(first).and_then(|a| value.get(a)).map_or(0.0, |v| v * share(x))
-            });
+        let first = axis.splines().first(cell);
+        for (a, sum) in sums[first..].iter_mut().take(axis.splines().support()).enumerate() {
+            *sum += gauss(from, to, LOAD_PIECES, |x| axis.splines().at(cell, x).value[a] * share(x));
         }
     }
     sums

@@ -382,10 +382,10 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let (mut sum, mut whole) = (0.0, 0.0);
         for part in &soil.solid {
             let Some(end) = soil.strained(part) else { return f64::NAN };
-            let (part, flow, off) = soil.followed(part, &end, allowed);
+            let (end, off) = soil.followed(part, &end, allowed);
             sum += part.weight * off * off;
             whole += part.weight;
-            self.ends.push((part, flow));
+            self.ends.push(end);
         }
         (sum / whole).sqrt() / self.pressure_size()
     }
@@ -394,15 +394,19 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     fn commit(&mut self) -> f64 {
         let Some(soil) = &mut self.soil else { return 0.0 };
         let mut strained: f64 = 0.0;
-        for (i, (end, flow)) in self.ends.drain(..).enumerate() {
-            let part = std::mem::replace(&mut soil.solid[i], end);
-            if flow.residual > f64::NEG_INFINITY {
+        for (i, end) in self.ends.drain(..).enumerate() {
+            let part = &soil.solid[i];
+            if end.flow.residual > f64::NEG_INFINITY {
                 // Of the work done along the step what is not stored.
-                let ((before, from), (after, to)) = (soil.stored(&part), soil.stored(&end));
+                let stored = |stress, strain| soil.stored(part.mark, stress, strain);
+                let ((before, from), (after, to)) =
+                    (stored(&part.stress, &part.strain), stored(&end.stress, &end.strain));
                 let work: f64 = (0..4).map(|s| 0.5 * (from[s] + to[s]) * (end.strain[s] - part.strain[s])).sum();
                 let dissipation = work - (after - before);
-                self.totals.flowed.add(part.weight, &Flow { dissipation, ..flow });
+                self.totals.flowed.add(part.weight, &Flow { dissipation, ..end.flow });
             }
+            let part = &mut soil.solid[i];
+            (part.strain, part.stress, part.state) = (end.strain, end.stress, end.state);
             strained = end.strain.iter().fold(strained, |m, e| m.max(e.abs()));
         }
         strained

@@ -21,6 +21,7 @@ mod newton;
 mod remesh;
 mod results;
 mod sdirk;
+mod sites;
 mod soil;
 mod tangent;
 #[cfg(test)]
@@ -32,13 +33,14 @@ use failures::{inverted, nothing};
 use krylov::Krylov;
 use newton::{Workspace, largest};
 use sdirk::Sdirk;
-use soil::{Soil, SolidPart};
+use sites::Sites;
+use soil::{End, Soil};
 
 use serde::{Deserialize, Serialize};
 
 use super::{Fault, Model, Work};
 use crate::checkpoint::{Archive, RestoreError};
-use crate::constitutive::{Flow, Law, Materials, State};
+use crate::constitutive::{Law, Materials, State};
 use crate::dimension::in_two;
 use crate::observe::{BalanceTerms, Observation, Places, Push, SolidState, Totals};
 use crate::particles::SolidPoint;
@@ -77,13 +79,14 @@ pub struct QuasiStatic<L: Law, const D: usize> {
     /// Forces of stress and weight at t = 0 on the unknowns of the first mesh, scaled as they are; empty on later ones.
     loose: Vec<f64>,
     soil: Option<Soil<L, D>>,
+    sites: Sites<D>,
     /// Unknowns and water content now.
     y: Vec<f64>,
     content: Vec<f64>,
     method: Option<Method>,
     work: Workspace,
     /// The soil at the end of a step that may be accepted, and what its laws did.
-    ends: Vec<(SolidPart<D>, Flow)>,
+    ends: Vec<End>,
     /// Whether the last step was rejected; its length (s) and its estimated error along the path, if that was why.
     rejected: bool,
     rejected_path: Option<(f64, f64)>,
@@ -162,6 +165,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             scene: scene.clone(),
             seeding,
             soil: None,
+            sites: Sites::default(),
             y: Vec::new(),
             content: Vec::new(),
             method: None,
@@ -387,7 +391,7 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
                 + s.system.matrix.bytes()
                 + s.system.factor.bytes()
         });
-        self.points.capacity() * size_of::<SolidPoint<D>>() + soil
+        self.points.capacity() * size_of::<SolidPoint<D>>() + self.sites.bytes() + soil
     }
 
     fn save_or_restore(&mut self, archive: &mut Archive) -> Result<(), RestoreError> {

@@ -1,9 +1,10 @@
 //! New meshes: the state of the old one goes to the particles, theirs to the new one.
 
-use super::build::{Ground, smooth, stands, top_integrals};
+use super::build::{Ground, smooth, stands};
 use super::failures::{inverted, nothing, unsolved};
 use super::motion::{WaterInertia, forward};
 use super::newton::Workspace;
+use super::sites::Sites;
 use super::soil::{HELD, PorePart, Soil, Strained};
 use super::{QuasiStatic, build};
 use crate::constitutive::Law;
@@ -72,7 +73,8 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         soil.plates.iter_mut().for_each(|(plate, [_, before])| *before = plate.at(self.time));
         soil.bear(self.time, self.ramp);
         self.loose.clear();
-        let weights = top_integrals(&soil.axes, |x| self.scene.thickness(x));
+        self.sites = Sites::new(&self.scene, &soil, &self.points);
+        let weights = &self.sites.along;
         let whole: f64 = weights.iter().sum();
         let row = soil.u.len() - weights.len();
         self.settle = weights

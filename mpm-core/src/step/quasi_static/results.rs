@@ -1,14 +1,14 @@
 //! Results of a quasi-static state: settlement, profiles, balances.
 
-use super::build::{smooth, top_integrals};
+use super::build::smooth;
 use super::motion::{WaterInertia, forward};
-use super::soil::{InsideOut, PorePart, PoreState, Soil, Strained};
+use super::soil::{InsideOut, Soil};
 use super::{Method, QuasiStatic, build};
 use crate::constitutive::Law;
 use crate::observe::{CellValues, FieldPoint, Observation, checkerboard, profile};
 use crate::particles::SolidPoint;
 use crate::scene::Integrator;
-use crate::space::{Stencil, stretch, turned};
+use crate::space::{Stencil, turned};
 use crate::water::stored_energy;
 
 impl<L: Law, const D: usize> QuasiStatic<L, D> {
@@ -23,7 +23,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             base_pressure: self.base_pressure(rows.first().map_or(0.0, |row| row.pressure_pa)),
             max_speed: self.max_speed(),
             centre: self.centre(),
-            reach: crate::observe::reach(&self.points),
+            reach: self.sites.reach,
             least_volume: cells.iter().map(|c| c.volume).fold(f64::INFINITY, f64::min),
             soil_volume: volume,
             checkerboard: checkerboard(cells),
@@ -55,7 +55,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let Some(soil) = self.soil.as_ref().filter(|soil| smooth(self.scene.shape) && !soil.p.is_empty()) else {
             return of_row;
         };
-        let weights = top_integrals(&soil.axes, |x| self.scene.thickness(x));
+        let weights = &self.sites.along;
         let sum: f64 = weights.iter().zip(&soil.p).map(|(weight, p)| weight * p).sum();
         sum / weights.iter().sum::<f64>()
     }
@@ -112,6 +112,9 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
 
     /// Particles that are no longer in the mesh cell where they started.
     fn crossings(&self) -> u64 {
+        if self.soil.as_ref().is_none_or(|soil| soil.small) {
+            return 0;
+        }
         let cell = |x: f64| (x / self.scene.cell + self.scene.shift).floor();
         let moved = self.points.iter().zip(&self.carried).enumerate().filter(|(i, (point, carried))| {
             let u = self.moved(*i);
@@ -131,19 +134,15 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
     /// Every cell of the mesh: its soil and water.
     pub(super) fn cell_values(&self) -> Vec<CellValues<D>> {
         let Some(soil) = &self.soil else { return Vec::new() };
-        let count: usize = soil.axes.iter().map(crate::space::Axis::cells).product();
-        let mut cells = vec![CellValues::<D>::default(); count];
+        let mut cells = self.sites.cells.clone();
         let smooth = smooth(self.scene.shape);
-        let mut shift = vec![0.0; count];
-        for (i, (point, part)) in self.points.iter().zip(&soil.solid).enumerate() {
-            let cell = build::number(&soil.axes, &build::cell_of(&soil.axes, &point.x));
-            let Some(Strained { push, stress, .. }) = soil.strained(part) else { continue };
-            let stretch =
-                if soil.small { 1.0 } else { stretch(&part.stencil.gradient(&soil.u)).map_or(1.0, |s| s.volume) };
+        let mut shift = vec![0.0; cells.len()];
+        for (i, (part, cell)) in soil.solid.iter().zip(&self.sites.solid).enumerate() {
+            let cell = *cell as usize;
+            let Some((stress, vertical, stretch)) = soil.stressed(part) else { continue };
             let volume = part.weight * stretch;
             let values = &mut cells[cell];
-            values.solid_mass += point.mass;
-            values.effective_stress += volume * turned(&stress, &push.rotation)[1];
+            values.effective_stress += volume * vertical;
             let law = soil.law.law(part.mark);
             let energy = |stress: &[f64; 4]| if soil.small { law.energy(stress) } else { law.finite_energy(stress) };
             values.strain_energy += match soil.group_of(i) {
@@ -151,7 +150,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
                 // Energy is a square of stress: what two of them have in common.
                 Some((first, shares)) => {
                     let common = |(j, share): (usize, &f64)| {
-                        let other = soil.strained(&soil.solid[first + j]).map_or(stress, |other| other.stress);
+                        let other = soil.stressed(&soil.solid[first + j]).map_or(stress, |(other, ..)| other);
                         let both = std::array::from_fn(|s| stress[s] + other[s]);
                         0.5 * share * stretch * (energy(&both) - energy(&stress) - energy(&other))
                     };
@@ -161,14 +160,10 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             values.volume += volume;
             shift[cell] += volume * self.carried[i][D - 1];
         }
-        for (cell, values) in cells.iter_mut().enumerate() {
-            let position = build::position(&soil.axes, cell);
-            let middle = build::middle(&soil.axes, &position);
-            let here = Stencil::at(&soil.axes, &middle);
-            values.row = position[D - 1];
+        for (cell, (values, here)) in cells.iter_mut().zip(&self.sites.middles).enumerate() {
             values.effective_stress /= values.volume;
-            values.material_height = middle[D - 1] - shift[cell] / values.volume;
-            values.height = middle[D - 1] + if soil.small { 0.0 } else { here.vector(&soil.u)[D - 1] };
+            values.material_height = values.height - shift[cell] / values.volume;
+            values.height += if soil.small { 0.0 } else { here.vector(&soil.u)[D - 1] };
             values.pressure = match (soil.p.is_empty(), smooth) {
                 (true, _) => 0.0,
                 (false, true) => here.scalar(&soil.p),
@@ -176,9 +171,10 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             };
         }
         self.moving(soil, &mut cells);
-        for (part, spent) in soil.pore.iter().zip(&self.spent).filter(|(part, _)| part.water.count > 0) {
-            let Some(PoreState { change, .. }) = soil.pore_state(part) else { continue };
-            let cell = self.cell_of_pore(part);
+        let pores = soil.pore.iter().zip(&self.spent).zip(&self.sites.pore);
+        for ((part, spent), cell) in pores.filter(|((part, _), _)| part.water.count > 0) {
+            let Some(change) = soil.opened(part) else { continue };
+            let cell = *cell as usize;
             let pressure = part.water.scalar(&soil.p);
             let pores = if soil.small { part.porosity } else { change + part.porosity };
             let fluid = &soil.fluid;
@@ -199,10 +195,8 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             values.kinetic /= ratio;
             values.momentum = values.momentum.map(|momentum| momentum / ratio);
         }
-        for &(a, b, value) in &soil.jumps {
-            let stored = 0.5 * value * soil.p[a as usize] * soil.p[b as usize];
-            cells[0].water_energy += stored;
-        }
+        let of_jump = |(a, b, value): &(u32, u32, f64)| 0.5 * value * soil.p[*a as usize] * soil.p[*b as usize];
+        cells[0].water_energy += soil.jumps.iter().map(of_jump).sum::<f64>();
         cells
     }
 
@@ -211,7 +205,6 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         let Some(motion) = &soil.motion else { return };
         for (point, part) in soil.pore.iter().enumerate() {
             let Some(state) = soil.pore_state(part) else { continue };
-            let cell = self.cell_of_pore(part);
             let pores = if soil.small { part.porosity } else { state.change + part.porosity };
             let (mass, v) = (part.weight * soil.mass_of(part, pores), part.soil.vector(&motion.velocity));
             let water = part.weight * soil.fluid.density;
@@ -220,24 +213,13 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
                 along = forward(&state, soil.small, &motion.flux[point]);
                 own = 0.5 * along.iter().map(|w| w * w).sum::<f64>() / pores;
             }
-            let values = &mut cells[cell];
+            let values = &mut cells[self.sites.pore[point] as usize];
             for d in 0..D {
                 values.kinetic += 0.5 * mass * v[d] * v[d] + water * along[d] * v[d];
                 values.momentum[d] += mass * v[d] + water * along[d];
             }
             values.kinetic += water * own;
         }
-    }
-
-    fn cell_of_pore(&self, part: &PorePart<D>) -> usize {
-        let Some(soil) = &self.soil else { return 0 };
-        if !smooth(self.scene.shape) {
-            return part.water.number[0] as usize;
-        }
-        // The first function of a B-spline stencil belongs to one cell along each axis.
-        let place = build::place(&soil.axes, part.water.number[0] as usize);
-        let position = std::array::from_fn(|d| soil.axes[d].splines().cell_with(place[d]));
-        build::number(&soil.axes, &position)
     }
 
     /// Balances of a Krylov stage at its present time.

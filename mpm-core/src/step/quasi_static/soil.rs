@@ -28,14 +28,14 @@ const MOST_PARTS: u32 = 64;
 pub(super) const HELD: u32 = u32::MAX;
 
 /// A solid particle in the integrals.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct SolidPart<const D: usize> {
     /// Functions and gradients that strain it.
     pub stencil: Stencil<D>,
     /// Gradients at the centre of its cell, where changes of volume are taken there (B-bar), 1/m.
-    pub dilates: Option<[[f64; D]; MOST]>,
+    pub dilates: Option<Box<[[f64; D]; MOST]>>,
     /// Functions over the radius, about an axis, 1/m: what hoop strain they make.
-    pub hoop: Option<[f64; MOST]>,
+    pub hoop: Option<Box<[f64; MOST]>>,
     /// Volume it stands for, m3.
     pub weight: f64,
     /// Effective stress at the last step, Pa, before rotation.
@@ -246,14 +246,15 @@ impl<L: Law, const D: usize> Soil<L, D> {
         self.system.matrix.size()
     }
 
-    /// Energy stored per volume when the mesh was built (J/m3), and J times the stress that stores it (Pa), of a part.
-    pub fn stored(&self, part: &SolidPart<D>) -> (f64, [f64; 4]) {
-        let law = self.law.law(part.mark);
+    /// Energy stored per volume when the mesh was built (J/m3), and J times the stress that stores it (Pa), of soil of a layer
+    /// with a stress (Pa) and a strain.
+    pub fn stored(&self, mark: u8, stress: &[f64; 4], strain: &[f64; 4]) -> (f64, [f64; 4]) {
+        let law = self.law.law(mark);
         if self.small {
-            return (law.energy(&part.stress), part.stress);
+            return (law.energy(stress), *stress);
         }
-        let volume = (part.strain[0] + part.strain[1] + part.strain[2]).exp();
-        (volume * law.finite_energy(&part.stress), part.stress.map(|s| volume * s))
+        let volume = (strain[0] + strain[1] + strain[2]).exp();
+        (volume * law.finite_energy(stress), stress.map(|s| volume * s))
     }
 
     /// Puts on the loads of a time since the start of the run; sudden ones grow within a `ramp`, both s.
@@ -445,7 +446,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
             let share = (0..part.water.count).filter(|b| is_held(part.water.number[*b])).map(|b| part.water.value[b]);
             let share: f64 = share.sum();
             if share != 0.0 {
-                let change = self.pore_state(part).map_or(0.0, |state| state.change);
+                let change = self.opened(part).unwrap_or(0.0);
                 held += share * part.weight * self.content_of(part, change);
             }
         }
@@ -466,25 +467,9 @@ impl<L: Law, const D: usize> Soil<L, D> {
     pub fn strained(&self, part: &SolidPart<D>) -> Option<Strained<D>> {
         let gradient = part.stencil.gradient(&self.u);
         // B-bar (Hughes 1980, doi:10.1002/nme.1620150914): the change of volume at the centre in place of the particle's.
-        let at_centre = part.dilates.map(|slope| Stencil { slope, ..part.stencil }.gradient(&self.u));
+        let at_centre = part.dilates.as_ref().map(|slope| part.stencil.gradient_with(slope, &self.u));
         if self.small {
-            let mut strain = [0.0; 4];
-            for d in 0..D {
-                let mut direction = [0.0; D];
-                direction[d] = 1.0;
-                let mode = strain_mode(&gradient[d], &direction);
-                for s in 0..4 {
-                    strain[s] += mode[s];
-                }
-            }
-            if let Some(hoop) = &part.hoop {
-                let of = |a: usize| hoop[a] * self.u[part.stencil.number[a] as usize][0];
-                strain[2] = (0..part.stencil.count).map(of).sum();
-            }
-            if let Some(centre) = &at_centre {
-                let more = ((0..D).map(|d| centre[d][d] - gradient[d][d]).sum::<f64>() - strain[2]) / 3.0;
-                strain[..3].iter_mut().for_each(|strain| *strain += more);
-            }
+            let strain = self.small_strain(part, &gradient, at_centre.as_ref());
             let (stress, state, flow) = self.updated(part, &strain);
             let (mean, deviator) = split(&stress, at_centre.is_some());
             let at_centre = at_centre.map(|_| (mean, identity()));
@@ -524,6 +509,41 @@ impl<L: Law, const D: usize> Soil<L, D> {
         Some(Strained { push, strain: stretch.strain, stress, state, flow })
     }
 
+    /// The strain of a part with a gradient of displacement, and with one at the centre of its cell if that dilates it.
+    fn small_strain(&self, part: &SolidPart<D>, gradient: &[[f64; D]; D], centre: Option<&[[f64; D]; D]>) -> [f64; 4] {
+        let mut strain = [0.0; 4];
+        for d in 0..D {
+            let mut direction = [0.0; D];
+            direction[d] = 1.0;
+            let mode = strain_mode(&gradient[d], &direction);
+            for s in 0..4 {
+                strain[s] += mode[s];
+            }
+        }
+        if let Some(hoop) = &part.hoop {
+            let of = |a: usize| hoop[a] * self.u[part.stencil.number[a] as usize][0];
+            strain[2] = (0..part.stencil.count).map(of).sum();
+        }
+        if let Some(centre) = centre {
+            let more = ((0..D).map(|d| centre[d][d] - gradient[d][d]).sum::<f64>() - strain[2]) / 3.0;
+            strain[..3].iter_mut().for_each(|strain| *strain += more);
+        }
+        strain
+    }
+
+    /// Effective stress of a part before rotation, its vertical component as it stands (Pa), and det F.
+    pub fn stressed(&self, part: &SolidPart<D>) -> Option<([f64; 4], f64, f64)> {
+        let gradient = part.stencil.gradient(&self.u);
+        if self.small {
+            let centre = part.dilates.as_ref().map(|slope| part.stencil.gradient_with(slope, &self.u));
+            let strain = self.small_strain(part, &gradient, centre.as_ref());
+            let (stress, ..) = self.updated(part, &strain);
+            return Some((stress, stress[1], 1.0));
+        }
+        let Strained { push, stress, .. } = self.strained(part)?;
+        Some((stress, turned(&stress, &push.rotation)[1], stretch(&gradient)?.volume))
+    }
+
     fn updated(&self, part: &SolidPart<D>, strain: &[f64; 4]) -> ([f64; 4], State, Flow) {
         let (mut stress, mut state) = (part.stress, part.state);
         let more = std::array::from_fn(|s| strain[s] - part.strain[s]);
@@ -535,7 +555,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
     /// return is of first order along the path. Half steps, halved until they are within an error (Pa), and Richardson's
     /// extrapolation are of second order, and what the single step left to the balance of forces is made good in the next step, so
     /// that errors do not add up.
-    pub fn followed(&self, part: &SolidPart<D>, end: &Strained<D>, allowed: f64) -> (SolidPart<D>, Flow, f64) {
+    pub fn followed(&self, part: &SolidPart<D>, end: &Strained<D>, allowed: f64) -> (End, f64) {
         let law = self.law.law(part.mark);
         let norm = |x: &[f64; 4]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
         let (mut stress, mut state, mut flow) = (end.stress, end.state, end.flow);
@@ -558,7 +578,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
             }
         }
         let off = norm(&std::array::from_fn(|s| stress[s] - end.stress[s]));
-        (SolidPart { strain: end.strain, stress, state, ..*part }, flow, off)
+        (End { strain: end.strain, stress, state, flow }, off)
     }
 
     fn skeleton(&mut self) -> Result<(), InsideOut<D>> {
@@ -607,6 +627,19 @@ impl<L: Law, const D: usize> Soil<L, D> {
         }
         let cofactor = stretch.inverse.map(|row| row.map(|x| x * stretch.volume));
         Some(PoreState { change, cofactor, gradient })
+    }
+
+    /// J - 1 of a pore point; `None` if it is inverted.
+    pub fn opened(&self, part: &PorePart<D>) -> Option<f64> {
+        if !self.small {
+            return self.pore_state(part).map(|state| state.change);
+        }
+        let mut along = [0.0; D];
+        for (number, slope) in part.soil.number.iter().zip(&part.soil.slope).take(part.soil.count) {
+            let u = &self.u[*number as usize];
+            (0..D).for_each(|d| along[d] += u[d] * slope[d]);
+        }
+        Some(along.iter().sum())
     }
 
     /// rho/rho_0 - 1 of the water at a pressure (Pa).
@@ -874,6 +907,15 @@ pub(super) struct PoreState<const D: usize> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Strained<const D: usize> {
     pub push: Push<D>,
+    pub strain: [f64; 4],
+    pub stress: [f64; 4],
+    pub state: State,
+    pub flow: Flow,
+}
+
+/// A solid part at the end of a step: strain, stress (Pa) and state before rotation, and what its law did.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct End {
     pub strain: [f64; 4],
     pub stress: [f64; 4],
     pub state: State,

@@ -13,7 +13,7 @@
 use super::motion::{WaterInertia, forward};
 use super::soil::{FacePart, HELD, InsideOut, PorePart, PoreState, Push, Soil, SolidPart, Strained};
 use crate::constitutive::Law;
-use crate::space::{Group, MOST, Stencil, active, strain_mode};
+use crate::space::{Axis, Group, MOST, Stencil, active, strain_mode};
 use crate::sparse::{Factor, Ordering, Signs, Sparse, Unsolved};
 
 /// A matrix with its factors.
@@ -42,10 +42,12 @@ impl System {
         parts: Places<D>,
         [jumps, viscosity]: [&[(u32, u32, f64)]; 2],
         maps: (&[[u32; D]], &[u32]),
+        axes: &[Axis; D],
         symmetric: bool,
     ) -> Result<Self, Unsolved> {
         let (solid, pore, faces) = parts;
-        let mut cliques: Vec<Vec<u32>> = Vec::new();
+        // Unknowns that have an entry with each other: of the points of a cell, one after the other, and where they end.
+        let (mut coupled, mut ends): (Vec<u32>, Vec<usize>) = (Vec::new(), vec![0]);
         let mut last = [u32::MAX; 4];
         let mut note = |soil: &Stencil<D>, water: Option<&Stencil<D>>| {
             let key =
@@ -54,11 +56,10 @@ impl System {
                 return;
             }
             last = key;
-            let mut clique = Vec::with_capacity(3 * MOST);
-            clique.extend(soil.number[..soil.count].iter().flat_map(|n| maps.0[*n as usize]));
-            clique.extend(water.iter().flat_map(|w| w.number[..w.count].iter().map(|n| maps.1[*n as usize])));
-            clique.retain(|unknown| *unknown != HELD);
-            cliques.push(clique);
+            let of_soil = soil.number[..soil.count].iter().flat_map(|n| maps.0[*n as usize]);
+            let of_water = water.iter().flat_map(|w| w.number[..w.count].iter().map(|n| maps.1[*n as usize]));
+            coupled.extend(of_soil.chain(of_water).filter(|unknown| *unknown != HELD));
+            ends.push(coupled.len());
         };
         for part in solid {
             note(&part.stencil, None);
@@ -66,28 +67,29 @@ impl System {
         for part in pore {
             note(&part.soil, Some(&part.water));
         }
-        let pair = |a: u32, b: u32| {
-            let of = |n: u32| if n == HELD { HELD } else { maps.1[n as usize] };
-            [of(a), of(b)]
-        };
-        cliques.extend(faces.iter().map(|f| pair(f.cells[0], f.cells[1]).to_vec()));
-        cliques.extend(jumps.iter().map(|(a, b, _)| pair(*a, *b).to_vec()));
+        let of_cells = ends.windows(2).flat_map(|ends| {
+            let some = &coupled[ends[0]..ends[1]];
+            some.iter().enumerate().flat_map(move |(i, a)| some[..=i].iter().map(move |b| (*a, *b)))
+        });
+        let water = |n: u32| if n == HELD { HELD } else { maps.1[n as usize] };
+        let of_faces = faces.iter().map(|face| (face.cells[0], face.cells[1]));
+        let of_jumps = jumps.iter().filter(|(a, b, _)| a > b).map(|(a, b, _)| (*a, *b));
+        let of_water = of_faces.chain(of_jumps).map(|(a, b)| (water(a), water(b)));
         let along = |(a, b, _): &(u32, u32, f64)| {
             let [a, b] = [a, b].map(|n| maps.0[*n as usize]);
-            std::array::from_fn::<_, D, _>(|d| vec![a[d], b[d]])
+            std::array::from_fn::<_, D, _>(|d| (a[d], b[d]))
         };
-        cliques.extend(viscosity.iter().flat_map(along));
-        cliques.retain(|c| !c.contains(&HELD));
-        let pairs = cliques.iter().flat_map(|c| {
-            c.iter().enumerate().flat_map(move |(i, a)| c[..=i].iter().map(move |b| (*a as usize, *b as usize)))
-        });
+        let of_soil = viscosity.iter().filter(|(a, b, _)| a > b).flat_map(along);
+        let pairs = of_cells.chain(of_water).chain(of_soil).filter(|(a, b)| *a != HELD && *b != HELD);
+        let pairs = pairs.map(|(a, b)| (a as usize, b as usize));
         let (matrix, signs) = if symmetric {
             (Sparse::symmetric(size, pairs), Signs::QuasiDefinite)
         } else {
             (Sparse::general(size, pairs), Signs::Unknown)
         };
         // Numbered along the column, the band is narrow already.
-        let ordering = if D == 1 { Ordering::AsNumbered } else { Ordering::MinimumDegree };
+        let places = if D == 1 { Vec::new() } else { places_of(size, maps, axes) };
+        let ordering = if D == 1 { Ordering::AsNumbered } else { Ordering::Dissected(&places) };
         let factor = Factor::new(&matrix, signs, ordering)?;
         Ok(Self { matrix, factor, factorisations: 0, solves: 0 })
     }
@@ -97,6 +99,23 @@ impl System {
         self.solves += 1;
         self.factor.solve(&self.matrix, b, x)
     }
+}
+
+/// Where every unknown stands, in half cells.
+fn places_of<const D: usize>(size: usize, maps: (&[[u32; D]], &[u32]), axes: &[Axis; D]) -> Vec<[u32; 2]> {
+    let mut places = vec![[0; 2]; size];
+    let [functions, cells] = [Axis::functions, Axis::cells].map(|of| of(&axes[0]));
+    let mut stand = |unknown: u32, number: usize, across: usize, shift: usize| {
+        if unknown != HELD {
+            places[unknown as usize] = [number % across, number / across].map(|along| (2 * along + shift) as u32);
+        }
+    };
+    for (function, map) in maps.0.iter().enumerate() {
+        map.iter().for_each(|unknown| stand(*unknown, function, functions, 0));
+    }
+    let (across, shift) = if maps.1.len() == maps.0.len() { (functions, 0) } else { (cells, 1) };
+    maps.1.iter().enumerate().for_each(|(number, unknown)| stand(*unknown, number, across, shift));
+    places
 }
 
 impl<L: Law, const D: usize> Soil<L, D> {
