@@ -44,17 +44,24 @@ pub fn block(cells: [usize; 2]) -> Result<Scene, SceneError> {
     })
 }
 
+/// A block without water.
+///
+/// # Errors
+/// More cells than fit into memory.
+pub fn dry(cells: [usize; 2]) -> Result<Scene, SceneError> {
+    block(cells)?.edited(|scene| {
+        (scene.water, scene.start) = (None, Start::Unloaded);
+        scene.stages[0].drained = [false; 4];
+    })
+}
+
 /// The paths that are compared, by name. The first is the general one.
 ///
 /// # Errors
 /// A scene that the checker refuses.
 pub fn paths() -> Result<Vec<(&'static str, Scene)>, SceneError> {
     let change = |change: fn(&mut Fields)| block([5, 50])?.edited(change);
-    let dry = |scene: &mut Fields| {
-        (scene.water, scene.start) = (None, Start::Unloaded);
-        scene.stages[0].drained = [false; 4];
-    };
-    let dry_plane = block([5, 50])?.edited(dry)?;
+    let dry_plane = dry([5, 50])?;
     let dry_column = dry_plane.edited(|scene| scene.dimension = Dimension::Column)?;
     Ok(vec![
         (

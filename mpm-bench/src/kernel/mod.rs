@@ -1,5 +1,5 @@
 //! What a step costs: the explicit step in plane strain by size, threads and vectors, where its time goes, and how far
-//! it is from what the machine can do.
+//! it is from what the machine can do; and what a quasi-static solve costs by its unknowns.
 //!
 //! # Reading order
 //! 1. [`sizes`]: time per point-step from 1e3 to 1e6 points, by the plain kernel, over lanes, and on two threads; that
@@ -7,7 +7,8 @@
 //! 2. [`stages`]: which stage of a step takes how much of it.
 //! 3. [`operations`], [`traffic`]: arithmetic and bytes of a step, counted. [`machine`]: what the machine can do of
 //!    both, measured. [`limits`]: how far the step is from either.
-//! 4. [`kept`]: what was measured by the same build is not measured again.
+//! 4. [`plane`]: quasi-static solves in plane strain as the mesh gets finer.
+//! 5. [`kept`]: what was measured by the same build is not measured again.
 //!
 //! One point-step is one solid particle with its water particle, one step.
 
@@ -15,6 +16,7 @@ pub mod kept;
 pub mod limits;
 pub mod machine;
 pub mod operations;
+pub mod plane;
 pub mod sizes;
 pub mod stages;
 pub mod traffic;
@@ -22,7 +24,9 @@ pub mod traffic;
 use serde::{Deserialize, Serialize};
 
 use limits::Limit;
+use mpm_verify::cost;
 use mpm_verify::error::Error;
+use plane::Solve;
 use sizes::{Effort, Timing};
 use stages::Share;
 
@@ -41,6 +45,8 @@ pub struct Kernel {
     pub shares: Vec<Share>,
     /// How far the kernel over lanes is from what the machine can do.
     pub limits: Vec<Limit>,
+    /// Quasi-static solves, coarse to fine.
+    pub solves: Vec<Solve>,
 }
 
 /// Measures; `say` hears of every size.
@@ -64,7 +70,9 @@ pub fn measure(quick: bool, say: &dyn Fn(&str)) -> Result<Kernel, Error> {
             shares.extend(stages::profile(lanes.as_mut(), effort));
             let measured = found.iter().find(|t| t.is(sizes::LANES, 1)).and_then(|t| t.cpu_ns);
             let machine = machine::Machine::measure(lanes.bytes(), effort);
-            limits.extend(measured.map(|ns| Limit::new(points, ns, &machine)));
+            limits.extend(measured.map(|ns| Limit::new(true, points, ns, &machine)));
+            let (dry, bytes) = sizes::alone(&cost::dry(*cells)?, effort)?;
+            limits.push(Limit::new(false, points, dry, &machine::Machine::measure(bytes, effort)));
         }
         timings.extend(found);
     }
@@ -75,5 +83,6 @@ pub fn measure(quick: bool, say: &dyn Fn(&str)) -> Result<Kernel, Error> {
         timings,
         shares,
         limits,
+        solves: plane::measure(quick || cfg!(debug_assertions), effort, say)?,
     })
 }

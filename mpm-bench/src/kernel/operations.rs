@@ -1,5 +1,5 @@
 //! Arithmetic of a step, counted by hand from the formulas of `mpm_core::step::kernel`: the
-//! paper's shape functions at the centre of the cell, water, no gravity.
+//! paper's shape functions at the centre of the cell, with water or without, no gravity.
 //!
 //! What is the same for all particles of a cell (gradient, strain, spin, increments of stress and pressure) is counted
 //! once per cell, what is written twice once, and a face once though two cells share it. A change of sign, the lesser of
@@ -29,60 +29,66 @@ pub enum Of {
     Node,
 }
 
-/// Part, what it is done for, multiplications, additions, divisions.
-pub type Part = (&'static str, Of, u32, u32, u32);
+/// Part, what it is done for, multiplications, additions, divisions, and whether only soil with water has it.
+pub type Part = (&'static str, Of, u32, u32, u32, bool);
 
 /// All parts of a step.
-pub const PARTS: [Part; 35] = [
-    ("place in the cell, before and after", Of::Solid, 4, 4, 0),
-    ("basis", Of::Solid, 1, 0, 0),
-    ("stress turned by the spin", Of::Solid, 2, 4, 0),
-    ("increment of stress", Of::Solid, 0, 4, 0),
-    ("volume", Of::Solid, 1, 0, 0),
-    ("velocity and its change at the particle", Of::Solid, 12, 12, 0),
-    ("velocity (FLIP) and position", Of::Solid, 4, 4, 0),
-    ("shares of the corners", Of::Solid, 3, 3, 0),
-    ("mass and volume of the cell", Of::Solid, 0, 2, 0),
-    ("mass and momentum of the corners", Of::Solid, 8, 12, 0),
-    ("volume times stress", Of::Solid, 4, 4, 0),
-    ("place in the cell, before and after", Of::Water, 4, 4, 0),
-    ("basis", Of::Water, 1, 0, 0),
-    ("velocity at the particle", Of::Water, 6, 6, 0),
-    ("pressure and volume", Of::Water, 1, 1, 0),
-    ("position", Of::Water, 2, 2, 0),
-    ("shares of the corners", Of::Water, 3, 3, 0),
-    ("mass of the corners", Of::Water, 0, 4, 0),
-    ("volume and volume times pressure", Of::Water, 1, 2, 0),
-    ("coefficients of velocity and its change", Of::Cell, 0, 16, 0),
-    ("Darcy's law on two faces", Of::Cell, 12, 8, 0),
-    ("v* and its work", Of::Cell, 8, 6, 0),
-    ("gradient at the centre", Of::Cell, 6, 4, 0),
-    ("spin and strain", Of::Cell, 6, 2, 0),
-    ("elastic increment", Of::Cell, 4, 3, 0),
-    ("volume factor", Of::Cell, 1, 2, 0),
-    ("v_w = v_s + v*", Of::Cell, 0, 4, 0),
-    ("rates of pressure and of water volume", Of::Cell, 9, 4, 0),
-    ("pressure, porosity and their inverses", Of::Cell, 2, 1, 3),
-    ("pressure acting on the soil", Of::Cell, 7, 6, 0),
-    ("internal force", Of::Cell, 5, 2, 0),
-    ("force and mixture mass of the corners", Of::Cell, 0, 10, 0),
-    ("six sums to four nodes", Of::Cell, 0, 18, 0),
-    ("1/m of solid and mixture", Of::Node, 0, 0, 2),
-    ("acceleration, velocity and its change", Of::Node, 10, 4, 0),
+pub const PARTS: [Part; 38] = [
+    ("place in the cell, before and after", Of::Solid, 4, 4, 0, false),
+    ("basis", Of::Solid, 1, 0, 0, false),
+    ("stress turned by the spin", Of::Solid, 2, 4, 0, false),
+    ("increment of stress", Of::Solid, 0, 4, 0, false),
+    ("volume", Of::Solid, 1, 0, 0, false),
+    ("velocity and its change at the particle", Of::Solid, 12, 12, 0, false),
+    ("velocity (FLIP) and position", Of::Solid, 4, 4, 0, false),
+    ("shares of the corners", Of::Solid, 3, 3, 0, false),
+    ("mass and volume of the cell", Of::Solid, 0, 2, 0, false),
+    ("mass and momentum of the corners", Of::Solid, 8, 12, 0, false),
+    ("volume times stress", Of::Solid, 4, 4, 0, false),
+    ("place in the cell, before and after", Of::Water, 4, 4, 0, true),
+    ("basis", Of::Water, 1, 0, 0, true),
+    ("velocity at the particle", Of::Water, 6, 6, 0, true),
+    ("pressure and volume", Of::Water, 1, 1, 0, true),
+    ("position", Of::Water, 2, 2, 0, true),
+    ("shares of the corners", Of::Water, 3, 3, 0, true),
+    ("mass of the corners", Of::Water, 0, 4, 0, true),
+    ("volume and volume times pressure", Of::Water, 1, 2, 0, true),
+    ("coefficients of velocity and its change", Of::Cell, 0, 16, 0, false),
+    ("Darcy's law on two faces", Of::Cell, 12, 8, 0, true),
+    ("v* and its work", Of::Cell, 8, 6, 0, true),
+    ("gradient at the centre", Of::Cell, 6, 4, 0, false),
+    ("spin and strain", Of::Cell, 6, 2, 0, false),
+    ("elastic increment", Of::Cell, 4, 3, 0, false),
+    ("volume factor", Of::Cell, 1, 2, 0, false),
+    ("v_w = v_s + v*", Of::Cell, 0, 4, 0, true),
+    ("rates of pressure and of water volume", Of::Cell, 9, 4, 0, true),
+    ("pressure, porosity and their inverses", Of::Cell, 2, 1, 3, true),
+    ("pressure acting on the soil", Of::Cell, 7, 6, 0, true),
+    ("internal force", Of::Cell, 5, 2, 0, false),
+    ("force of the corners", Of::Cell, 0, 6, 0, false),
+    ("mixture mass of the corners", Of::Cell, 0, 4, 0, true),
+    ("five sums to four nodes", Of::Cell, 0, 15, 0, false),
+    ("mixture mass to four nodes", Of::Cell, 0, 3, 0, true),
+    ("1/m of the mixture", Of::Node, 0, 0, 1, false),
+    ("1/m of the solid", Of::Node, 0, 0, 1, true),
+    ("acceleration, velocity and its change", Of::Node, 10, 4, 0, false),
 ];
 
-/// All operations for one particle, cell or node.
-pub fn of(what: Of) -> Operations {
-    PARTS.iter().filter(|part| part.1 == what).fold(Operations::default(), |sum, (_, _, multiply, add, divide)| {
-        Operations { multiply: sum.multiply + multiply, add: sum.add + add, divide: sum.divide + divide }
+/// All operations for one particle, cell or node, with water or without.
+pub fn of(what: Of, water: bool) -> Operations {
+    let parts = PARTS.iter().filter(|part| part.1 == what && (water || !part.5));
+    parts.fold(Operations::default(), |sum, (_, _, multiply, add, divide, _)| Operations {
+        multiply: sum.multiply + multiply,
+        add: sum.add + add,
+        divide: sum.divide + divide,
     })
 }
 
-/// Multiplications with additions, and divisions, per point-step, `ppc` points in a cell.
-pub fn per_point(ppc: usize) -> [f64; 2] {
+/// Multiplications with additions, and divisions, per point-step, `ppc` points in a cell, with water or without.
+pub fn per_point(ppc: usize, water: bool) -> [f64; 2] {
     let simple = |o: Operations| f64::from(o.multiply + o.add);
-    let particles = [of(Of::Solid), of(Of::Water)];
-    let lattice = [of(Of::Cell), of(Of::Node)];
+    let particles = [of(Of::Solid, water), of(Of::Water, water)];
+    let lattice = [of(Of::Cell, water), of(Of::Node, water)];
     let sum = |count: fn(Operations) -> f64| {
         particles.map(count).iter().sum::<f64>() + lattice.map(count).iter().sum::<f64>() / ppc as f64
     };
@@ -214,18 +220,19 @@ mod tests {
         assert_eq!([multiply - 2 + strain[0], add + strain[1]], [turned[0] + spin[0], turned[1] + spin[1]]);
         let force = counted(|| internal_force::<2, _>(&[one; 4], &[[one; 4]; 2], 50.0));
         assert_eq!(force, table("internal force", Of::Cell));
-        // eta - both stands twice, and the constant moment is zero; the mixture's mass is four sums more.
+        // eta - both stands twice, and the constant moment is zero.
         let [none, add] = counted(|| to_corners::<2, 2, _>(&field));
-        assert_eq!([none, add - 4 + 4], table("force and mixture mass of the corners", Of::Cell));
+        assert_eq!([none, add - 4], table("force of the corners", Of::Cell));
         let [none, add] = counted(|| trace(&slope));
         assert_eq!([none + 1, add + 1], table("volume factor", Of::Cell));
     }
 
     #[test]
     fn counts_add_up() {
-        let sums = [Of::Solid, Of::Water, Of::Cell, Of::Node].map(of);
+        let sums = [Of::Solid, Of::Water, Of::Cell, Of::Node].map(|what| of(what, true));
         let counts = sums.map(|o| (o.multiply, o.add, o.divide));
         assert_eq!(counts, [(39, 49, 0), (18, 22, 0), (60, 86, 3), (10, 4, 2)]);
-        assert_eq!(per_point(4), [88.0 + 40.0 + (146.0 + 14.0) / 4.0, 5.0 / 4.0]);
+        assert_eq!(per_point(4, true), [88.0 + 40.0 + (146.0 + 14.0) / 4.0, 5.0 / 4.0]);
+        assert_eq!(per_point(4, false), [88.0 + (72.0 + 14.0) / 4.0, 1.0 / 4.0]);
     }
 }

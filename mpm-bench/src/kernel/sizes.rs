@@ -9,6 +9,7 @@ use std::time::Instant;
 use cpu_time::ThreadTime;
 use mpm_core::hardware::{Hardware, THREADS_PAY_FROM, Width, instructions};
 use mpm_core::run::model_on;
+use mpm_core::scene::Scene;
 use mpm_core::stability::choose_step;
 use mpm_core::step::Model;
 use serde::{Deserialize, Serialize};
@@ -175,6 +176,28 @@ pub fn measure(cells: [usize; 2], effort: Effort) -> Result<(Vec<Timing>, Box<dy
         settlement_bits: settlement.to_bits(),
     });
     Ok((timings.collect(), contenders.swap_remove(alone).model))
+}
+
+/// Median CPU time per point-step (ns) of a scene over lanes on one thread, and the bytes of its data.
+///
+/// # Errors
+/// A step that fails.
+pub fn alone(scene: &Scene, effort: Effort) -> Result<(f64, usize), Error> {
+    let dt = choose_step(scene)?;
+    let mut model = model_on(&Hardware::default(), scene)?;
+    model.enter_stage(&scene.stages[0], &[])?;
+    let points = model.solid_count();
+    let steps = (effort.point_steps / points).max(1) as u64;
+    let mut cpu = Vec::with_capacity(effort.samples);
+    for _ in 0..effort.samples {
+        for _ in 0..effort.warm_up {
+            model.advance(dt, steps, &mut 0)?;
+        }
+        let clock = ThreadTime::now();
+        model.advance(dt, steps, &mut 0)?;
+        cpu.push(clock.elapsed().as_secs_f64() * 1e9 / (steps as f64 * points as f64));
+    }
+    Ok((spread(&cpu)[0], model.bytes()))
 }
 
 /// What is compared at a size.

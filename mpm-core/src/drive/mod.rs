@@ -443,8 +443,7 @@ fn sane(scene: &Scene, first: &BalanceTerms, sample: &Sample) -> Result<(), Faul
     let booked = l.external_work_j.abs() + l.gravity_work_j.abs() + l.flow_body_work_j.abs() + at_first.abs();
     // What load and weight would store drained; round-off of a soil that nothing moves is far below.
     let stress = scene.largest_load() + scene.gravity.unwrap_or(0.0) * scene.mixture_density() * scene.height;
-    let soils = scene.soils();
-    let modulus = soils.iter().map(|soil| soil.elastic.oedometer_modulus()).fold(f64::INFINITY, f64::min);
+    let modulus = scene.each_soil().map(|soil| soil.elastic.oedometer_modulus()).fold(f64::INFINITY, f64::min);
     let whole = stress * stress / modulus * scene.height * scene.width;
     // What particles hold, less all work: the mapping, which takes energy, has no entry here.
     let gained = l.energy_residual_j - l.transfer_loss_j;

@@ -107,7 +107,8 @@ impl Trust {
 /// Balances of a run after so many steps of `dt` (s).
 pub fn balances(scene: &Scene, dt: f64, steps: u64, state: &Observation, balance: &BalanceTerms) -> Vec<Balance> {
     let bounds = Bounds::new(scene, dt, steps, state, balance);
-    let mut balances = vec![bounds.dry_mass(balance)];
+    let mut balances = Vec::with_capacity(6);
+    balances.push(bounds.dry_mass(balance));
     balances.extend(bounds.water(balance));
     balances.extend(bounds.momentum(balance));
     balances.extend(bounds.energy(balance));

@@ -837,7 +837,7 @@ impl Fields {
     /// Whether the soil is linear elastic: it neither yields nor remembers.
     pub fn is_elastic(&self) -> bool {
         let elastic = |soil: &Soil| soil.strength.is_none() && soil.cam_clay.is_none();
-        elastic(&self.soil()) && self.soils().iter().all(elastic)
+        elastic(&self.soil()) && self.each_soil().all(|soil| elastic(&soil))
     }
 
     /// Density of the mixture, kg/m3: (1 - n) rho_s + n rho_w, or the dry density without water.

@@ -224,12 +224,14 @@ impl Fields {
 
     /// All soils: of the layers, or else that of the scene, then of the regions.
     pub fn soils(&self) -> Vec<Soil> {
-        let mut soils: Vec<Soil> = self.layers.iter().map(|layer| layer.soil).collect();
-        if soils.is_empty() {
-            soils.push(self.soil());
-        }
-        soils.extend(self.regions.iter().map(|region| region.soil));
-        soils
+        self.each_soil().collect()
+    }
+
+    /// [`Self::soils`], one after the other.
+    pub fn each_soil(&self) -> impl Iterator<Item = Soil> {
+        let own = self.layers.is_empty().then(|| self.soil());
+        let (layers, regions) = (self.layers.iter(), self.regions.iter());
+        layers.map(|layer| layer.soil).chain(own).chain(regions.map(|region| region.soil))
     }
 
     /// Whether there is more than one soil.

@@ -228,6 +228,8 @@ struct Mesh {
     grains: f64,
     water_weight: f64,
     large: bool,
+    /// Whether z and the flow are linear in the stretches.
+    linear: bool,
     load: f64,
     ramp: f64,
 }
@@ -278,6 +280,8 @@ impl Mesh {
             base += thickness;
         }
         let gravity = scene.gravity.unwrap_or(0.0);
+        let large = scene.strain == StrainChoice::Large;
+        let linear = !large && cells.iter().all(|cell| matches!(cell.law, Law::Elastic { .. }));
         Some(Self {
             cells,
             drained: [drained[Side::Bottom as usize], drained[Side::Top as usize]],
@@ -285,7 +289,8 @@ impl Mesh {
             compressibility: 1.0 / water.bulk_modulus,
             grains: scene.dry_density() * gravity,
             water_weight: water.density * gravity,
-            large: scene.strain == StrainChoice::Large,
+            large,
+            linear,
             load: scene.surcharge.map_or(0.0, |s| s.pressure),
             ramp: scene.surcharge.map_or(0.0, |s| s.ramp_time),
         })
@@ -298,15 +303,23 @@ impl Mesh {
 
     /// Pore pressures of stretches at a time, Pa.
     fn pressures(&self, j: &[f64], time: f64) -> Vec<f64> {
+        let mut state = State::of(j.len());
+        self.find(j, time, &mut state);
+        state.pressure
+    }
+
+    /// Pore pressures of stretches at a time, and how their stresses follow them.
+    fn find(&self, j: &[f64], time: f64, state: &mut State) {
         let mut total = if time < self.ramp { self.load * time / self.ramp } else { self.load };
-        let mut pressures = vec![0.0; j.len()];
         for (i, cell) in self.cells.iter().enumerate().rev() {
             let pores = if self.large { j[i] - 1.0 + self.porosity } else { self.porosity };
             let half = 0.5 * cell.size * (self.grains + self.water_weight * pores);
-            pressures[i] = total + half - cell.law.stress(cell.first, self.strain(j[i]).0).0;
+            let (strain, by_stretch) = self.strain(j[i]);
+            let (stress, by_strain) = cell.law.stress(cell.first, strain);
+            state.pressure[i] = total + half - stress;
+            state.turn[i] = -by_strain * by_stretch;
             total += 2.0 * half;
         }
-        pressures
     }
 
     /// z, whose rate is the flow, at a stretch and a pressure; and its derivatives with respect to both.
@@ -319,79 +332,73 @@ impl Mesh {
         }
     }
 
-    /// Rates of z from stretches and pressures, and, with respect to the stretches of the cell below, of itself and of the one above,
-    /// their derivatives (pressures follow the stretch of their own cell).
-    fn rates(&self, j: &[f64], p: &[f64]) -> (Vec<f64>, Vec<[f64; 3]>) {
+    /// Rates of z from stretches and the pressures found there, and, with respect to the stretches of the cell below, of itself and of
+    /// the one above, their derivatives (pressures follow the stretch of their own cell).
+    fn rates(&self, j: &[f64], state: &mut State) {
         let count = j.len();
-        let length = |i: usize| self.cells[i].size * if self.large { j[i] } else { 1.0 };
-        let turn = |i: usize| {
-            let (strain, slope) = self.strain(j[i]);
-            -self.cells[i].law.stress(self.cells[i].first, strain).1 * slope
+        let State { pressure, turn, flows, rates, slopes, .. } = state;
+        // Pressure, way to the face, resistance of it; what the way and the resistance grow by with the stretch.
+        let side = |i: usize| {
+            let (cell, grows) = (&self.cells[i], f64::from(u8::from(self.large)));
+            let way = 0.5 * cell.size * if self.large { j[i] } else { 1.0 };
+            (pressure[i], way, way / cell.mobility, 0.5 * cell.size * grows, turn[i], cell.mobility)
         };
+        let none = (0.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+        let mut low = none;
         // Flow upwards through the faces with its derivatives by the cell below and the one above.
-        let mut flows = vec![[0.0; 3]; count + 1];
         for (face, flow) in flows.iter_mut().enumerate() {
-            let below = face.checked_sub(1);
-            let above = (face < count).then_some(face);
-            if (below.is_none() && !self.drained[0]) || (above.is_none() && !self.drained[1]) {
-                continue;
-            }
-            let of = |cell: Option<usize>| {
-                cell.map_or((0.0, 0.0, 0.0), |i| (p[i], 0.5 * length(i), 0.5 * length(i) / self.cells[i].mobility))
+            let high = if face < count { side(face) } else { none };
+            let closed = (face == 0 && !self.drained[0]) || (face == count && !self.drained[1]);
+            *flow = if closed {
+                [0.0; 3]
+            } else {
+                let (drive, resistance) = (low.0 - high.0 - self.water_weight * (low.1 + high.1), low.2 + high.2);
+                let (over, value) = (1.0 / resistance, drive / resistance);
+                let by = |(_, _, _, reach, turn, mobility): (f64, f64, f64, f64, f64, f64), sign: f64| {
+                    (sign * turn - self.water_weight * reach - value * reach / mobility) * over
+                };
+                [value, by(low, 1.0), by(high, -1.0)]
             };
-            let (low, high) = (of(below), of(above));
-            let (drive, resistance) = (low.0 - high.0 - self.water_weight * (low.1 + high.1), low.2 + high.2);
-            let value = drive / resistance;
-            let by = |cell: Option<usize>, sign: f64| {
-                cell.map_or(0.0, |i| {
-                    let (reach, grows) = (0.5 * self.cells[i].size, f64::from(u8::from(self.large)));
-                    let resists = value * grows * reach / self.cells[i].mobility;
-                    (sign * turn(i) - self.water_weight * grows * reach - resists) / resistance
-                })
-            };
-            *flow = [value, by(below, 1.0), by(above, -1.0)];
+            low = high;
         }
-        let (mut rates, mut slopes) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for i in 0..count {
             let pores = if self.large { j[i] - 1.0 + self.porosity } else { 1.0 };
             let over = 1.0 / (pores * self.cells[i].size);
-            let rate = (flows[i][0] - flows[i + 1][0]) * over;
-            let own = (flows[i][2] - flows[i + 1][1]) * over - if self.large { rate / pores } else { 0.0 };
-            rates.push(rate);
-            slopes.push([flows[i][1] * over, own, -flows[i + 1][2] * over]);
+            rates[i] = (flows[i][0] - flows[i + 1][0]) * over;
+            let own = (flows[i][2] - flows[i + 1][1]) * over - if self.large { rates[i] / pores } else { 0.0 };
+            slopes[i] = [flows[i][1] * over, own, -flows[i + 1][2] * over];
         }
-        (rates, slopes)
     }
 
-    /// Stretches whose z is `known + factor rate`, from a guess; `None` if they are not found.
-    fn stretches(&self, guess: &[f64], known: &[f64], factor: f64, time: f64) -> Option<Vec<f64>> {
-        let mut j = guess.to_vec();
+    /// Moves stretches to where their z is `known + factor rate`, and finds pressures and rates there; `None` if they are not found.
+    fn stretches(&self, j: &mut [f64], known: &[f64], factor: f64, time: f64, state: &mut State) -> Option<()> {
         let mut last = f64::INFINITY;
         for _ in 0..60 {
-            let p = self.pressures(&j, time);
-            let (rates, slopes) = self.rates(&j, &p);
-            let mut rows: Vec<[f64; 4]> = Vec::with_capacity(j.len());
+            self.find(j, time, state);
+            self.rates(j, state);
             for i in 0..j.len() {
-                let (z, by_j, by_p) = self.content(j[i], p[i]);
-                let (strain, slope) = self.strain(j[i]);
-                let turn = -self.cells[i].law.stress(self.cells[i].first, strain).1 * slope;
-                let [low, own, high] = slopes[i].map(|s| -factor * s);
-                rows.push([low, by_j + by_p * turn + own, high, known[i] + factor * rates[i] - z]);
+                let (z, by_j, by_p) = self.content(j[i], state.pressure[i]);
+                let [low, own, high] = state.slopes[i].map(|s| -factor * s);
+                let off = known[i] + factor * state.rates[i] - z;
+                state.rows[i] = [low, by_j + by_p * state.turn[i] + own, high, off];
             }
-            let change = tridiagonal(rows)?;
+            tridiagonal(&mut state.rows, &mut state.change)?;
+            let change = &state.change;
             let largest = change.iter().fold(0.0_f64, |a, c| if c.is_nan() { f64::NAN } else { a.max(c.abs()) });
             if largest.is_nan() {
                 return None;
             }
             // Pores never close in one iteration.
-            let shrink = j.iter().zip(&change).map(|(j, c)| {
+            let shrink = j.iter().zip(change).map(|(j, c)| {
                 let room = if self.large { j - 1.0 + self.porosity.min(1.0) } else { f64::INFINITY };
                 if *c < 0.0 { 0.8 * room / -c } else { f64::INFINITY }
             });
             let share = shrink.fold(1.0, f64::min);
-            j.iter_mut().zip(&change).for_each(|(j, c)| *j += share * c);
-            if largest < 1e-14 || (largest < 1e-11 && largest >= last) {
-                return Some(j);
+            j.iter_mut().zip(change).for_each(|(j, c)| *j += share * c);
+            if self.linear || largest < 1e-14 || (largest < 1e-11 && largest >= last) {
+                self.find(j, time, state);
+                self.rates(j, state);
+                return Some(());
             }
             last = largest;
         }
@@ -411,11 +418,16 @@ impl Mesh {
             self.content(1.0, pressure).0
         });
         let known: Vec<f64> = known.collect();
-        self.stretches(&start, &known, 0.0, time)
+        let (mut j, mut state) = (start, State::of(self.cells.len()));
+        self.stretches(&mut j, &known, 0.0, time, &mut state)?;
+        Some(j)
     }
 
     fn solve(&self, scene: &Fields) -> Option<Solved> {
         let mut j = self.first(scene, 0.0)?;
+        let zeros = || vec![0.0; j.len()];
+        let (state, rates) = (State::of(j.len()), std::array::from_fn(|_| zeros()));
+        let mut work = Work { state, end: zeros(), known: zeros(), z: zeros(), rates };
         let end = scene.observe_times.iter().copied().fold(0.0, f64::max);
         let strain = final_settlement(scene, self.load).abs() / scene.height;
         let allowed = TOLERANCE * strain.clamp(1e-12, 1.0);
@@ -428,12 +440,10 @@ impl Mesh {
         for stop in stops {
             while now < stop * (1.0 - 1e-13) {
                 let step = if now + dt >= stop { stop - now } else { dt.min(0.5 * (stop - now)) };
-                let (next, error) = match self.step(&j, now, step) {
-                    Some(found) => found,
-                    None => (Vec::new(), f64::INFINITY),
-                };
+                let error = self.step(&j, now, step, &mut work).unwrap_or(f64::INFINITY);
                 if error <= allowed {
-                    (j, now) = (next, if step == stop - now { stop } else { now + step });
+                    j.copy_from_slice(&work.end);
+                    now = if step == stop - now { stop } else { now + step };
                 }
                 let grow = if error.is_finite() {
                     (0.9 * (allowed / error.max(1e-300)).powf(0.25)).clamp(0.2, 4.0)
@@ -460,29 +470,61 @@ impl Mesh {
         })
     }
 
-    /// One step of SDIRK4(3): stretches at its end and the estimated error of z.
-    fn step(&self, j: &[f64], now: f64, dt: f64) -> Option<(Vec<f64>, f64)> {
-        let first = self.pressures(j, now);
-        let z: Vec<f64> = j.iter().zip(&first).map(|(j, p)| self.content(*j, *p).0).collect();
-        let mut rates: Vec<Vec<f64>> = Vec::with_capacity(5);
-        let mut stage = j.to_vec();
-        for (weights, at) in STAGES.iter().zip(AT) {
-            let mut known = z.clone();
-            for (weight, rate) in weights.iter().zip(&rates) {
+    /// One step of SDIRK4(3) from some stretches: those at its end into `work`, and the estimated error of z.
+    fn step(&self, j: &[f64], now: f64, dt: f64, work: &mut Work) -> Option<f64> {
+        let Work { state, end, known, z, rates } = work;
+        self.find(j, now, state);
+        for i in 0..j.len() {
+            z[i] = self.content(j[i], state.pressure[i]).0;
+        }
+        end.copy_from_slice(j);
+        for (stage, (weights, at)) in STAGES.iter().zip(AT).enumerate() {
+            known.copy_from_slice(z);
+            for (weight, rate) in weights.iter().zip(&*rates) {
                 known.iter_mut().zip(rate).for_each(|(known, rate)| *known += dt * weight * rate);
             }
-            stage = self.stretches(&stage, &known, dt * GAMMA, now + at * dt)?;
-            let p = self.pressures(&stage, now + at * dt);
-            rates.push(self.rates(&stage, &p).0);
+            self.stretches(end, known, dt * GAMMA, now + at * dt, state)?;
+            rates[stage].copy_from_slice(&state.rates);
         }
         let error = (0..j.len()).map(|i| {
             let scale = if self.large { j[i] - 1.0 + self.porosity } else { 1.0 };
-            (dt * scale * ERROR.iter().zip(&rates).map(|(weight, rate)| weight * rate[i]).sum::<f64>()).abs()
+            (dt * scale * ERROR.iter().zip(&*rates).map(|(weight, rate)| weight * rate[i]).sum::<f64>()).abs()
                 * self.cells[i].size
         });
         let height: f64 = self.cells.iter().map(|cell| cell.size).sum();
-        Some((stage, error.sum::<f64>() / height))
+        Some(error.sum::<f64>() / height)
     }
+}
+
+/// What stretches mean, cell by cell, and room for Newton's method.
+struct State {
+    /// Pa, and its change with the stretch that the stress brings, Pa.
+    pressure: Vec<f64>,
+    turn: Vec<f64>,
+    /// Through the faces, with the derivatives by the stretches below and above.
+    flows: Vec<[f64; 3]>,
+    /// Of z, 1/s, and the derivatives.
+    rates: Vec<f64>,
+    slopes: Vec<[f64; 3]>,
+    rows: Vec<[f64; 4]>,
+    change: Vec<f64>,
+}
+
+impl State {
+    fn of(count: usize) -> Self {
+        let zeros = || vec![0.0; count];
+        let (flows, slopes, rows) = (vec![[0.0; 3]; count + 1], vec![[0.0; 3]; count], vec![[0.0; 4]; count]);
+        Self { pressure: zeros(), turn: zeros(), flows, rates: zeros(), slopes, rows, change: zeros() }
+    }
+}
+
+/// Room for a step.
+struct Work {
+    state: State,
+    end: Vec<f64>,
+    known: Vec<f64>,
+    z: Vec<f64>,
+    rates: [Vec<f64>; 5],
 }
 
 /// Stretch of a mesh over a layer whose first cell is `size` even ones, by bisection.
@@ -501,19 +543,19 @@ fn stretch(size: f64) -> f64 {
 }
 
 /// Solves rows of (below, own, above, right side).
-fn tridiagonal(mut rows: Vec<[f64; 4]>) -> Option<Vec<f64>> {
+fn tridiagonal(rows: &mut [[f64; 4]], found: &mut [f64]) -> Option<()> {
     let count = rows.len();
     for i in 1..count {
         let share = rows[i][0] / rows[i - 1][1];
         rows[i][1] -= share * rows[i - 1][2];
         rows[i][3] -= share * rows[i - 1][3];
     }
-    let mut found = vec![0.0; count];
+    let mut above = 0.0;
     for i in (0..count).rev() {
-        let above = if i + 1 < count { rows[i][2] * found[i + 1] } else { 0.0 };
-        found[i] = (rows[i][3] - above) / rows[i][1];
+        above = (rows[i][3] - rows[i][2] * above) / rows[i][1];
+        found[i] = above;
     }
-    found.iter().all(|x| x.is_finite()).then_some(found)
+    found.iter().all(|x| x.is_finite()).then_some(())
 }
 
 #[cfg(test)]

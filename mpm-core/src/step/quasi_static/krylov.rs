@@ -42,6 +42,9 @@ pub(super) struct Krylov {
     meanings: Vec<Meaning>,
     gamma: f64,
     ritz: Ritz,
+    /// Weights of the basis at a time: of the state, and of its integral from the start of the stage.
+    #[serde(skip)]
+    weights: [Vec<f64>; 2],
     /// Change of the state by each of the last two basis vectors, at the time where it is largest: relative to the settlement, and
     /// of the pressure in the norm of A.
     pub estimate: f64,
@@ -79,8 +82,8 @@ impl Meaning {
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 struct Ritz {
     values: Vec<f64>,
-    /// `vectors[j][k]`: entry k of eigenvector j.
-    vectors: Vec<Vec<f64>>,
+    /// The eigenvectors, one after the other.
+    vectors: Vec<f64>,
 }
 
 impl Ritz {
@@ -96,15 +99,16 @@ impl Ritz {
         let eigen = SymmetricEigen::new(matrix);
         // B lies between 0 and 1; round-off may not.
         let values = eigen.eigenvalues.iter().map(|mu| mu.clamp(1e-15, 1.0)).collect();
-        let vectors = eigen.eigenvectors.column_iter().map(|vector| vector.iter().copied().collect()).collect();
-        Self { values, vectors }
+        Self { values, vectors: eigen.eigenvectors.as_slice().to_vec() }
     }
 
-    /// `f(T) e_1`.
-    fn apply(&self, f: impl Fn(f64) -> f64) -> Vec<f64> {
-        let size = self.values.len();
-        let scaled: Vec<f64> = (0..size).map(|j| f(self.values[j]) * self.vectors[j][0]).collect();
-        (0..size).map(|k| (0..size).map(|j| self.vectors[j][k] * scaled[j]).sum()).collect()
+    /// Adds `f(T) e_1` at the end.
+    fn apply(&self, f: impl Fn(f64) -> f64, to: &mut Vec<f64>) {
+        let first = to.len();
+        to.resize(first + self.values.len(), 0.0);
+        for (mu, vector) in self.values.iter().zip(self.vectors.chunks_exact(self.values.len())) {
+            add(&mut to[first..], f(*mu) * vector[0], vector);
+        }
     }
 }
 
@@ -149,8 +153,9 @@ impl Krylov {
                 product[*map as usize] = soil.scales[1] * (after[function] - soil.values.content[function]);
             }
         }
-        let (basis, meanings, ritz) = (Vec::new(), Vec::new(), Ritz::default());
-        let mut krylov = Self { first, basis, size: 0.0, of_first, meanings, gamma, ritz, estimate: f64::INFINITY };
+        let (basis, meanings, ritz, weights) = (Vec::new(), Vec::new(), Ritz::default(), Default::default());
+        let estimate = f64::INFINITY;
+        let mut krylov = Self { first, basis, size: 0.0, of_first, meanings, gamma, ritz, weights, estimate };
         krylov.build(soil, (direction, product, of_direction), times, goal)?;
         Ok(krylov)
     }
@@ -162,8 +167,8 @@ impl Krylov {
         of(unknowns)(&self.first)
             && self.basis.iter().all(of(unknowns))
             && count <= MOST
-            && [values.len(), vectors.len(), self.meanings.len()] == [count; 3]
-            && vectors.iter().all(of(count))
+            && [values.len(), self.meanings.len()] == [count; 2]
+            && vectors.len() == count * count
     }
 
     /// Lanczos with full orthogonalisation, until the state at every time stands still.
@@ -177,7 +182,9 @@ impl Krylov {
         let mut products: Vec<Vec<f64>> = Vec::new();
         let mut tridiagonal: Vec<[f64; 2]> = Vec::new();
         let mut settled: Vec<f64> = Vec::new();
-        let mut before: Vec<Vec<f64>> = Vec::new();
+        let mut rhs = vec![0.0; product.len()];
+        // At one time after the other; and those of the basis before, with one vector less.
+        let (mut now, mut before): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
         let mut changed = f64::INFINITY;
         let mut length = dot(&direction, &product).max(0.0).sqrt();
         self.size = length;
@@ -195,7 +202,7 @@ impl Krylov {
             self.basis.push(direction.clone());
             products.push(product.clone());
             // B v: rows of the pressures alone, so that the displacements follow.
-            let rhs: Vec<f64> = product.iter().map(|x| -x).collect();
+            rhs.iter_mut().zip(&product).for_each(|(rhs, x)| *rhs = -x);
             soil.system.solve(&rhs, &mut direction).map_err(Stuck::Unsolved)?;
             soil.expand(&direction);
             soil.flow_of_fields().map_err(Stuck::InsideOut)?;
@@ -231,11 +238,13 @@ impl Krylov {
                 continue;
             }
             self.ritz = Ritz::new(&tridiagonal);
-            let now: Vec<Vec<f64>> = times.iter().map(|t| self.ritz.apply(|mu| gap(mu, t / self.gamma))).collect();
+            let count = self.basis.len();
+            now.clear();
+            times.iter().for_each(|t| self.ritz.apply(|mu| gap(mu, t / self.gamma), &mut now));
             let change = if before.is_empty() {
                 f64::INFINITY
             } else {
-                let change = |(now, before): (&Vec<f64>, &Vec<f64>)| {
+                let change = |(now, before): (&[f64], &[f64])| {
                     let moved = |k: usize| self.size * (now[k] - before.get(k).copied().unwrap_or(0.0));
                     let settlement: f64 = (0..now.len()).map(|k| settled[k] * self.size * now[k]).sum();
                     let shift: f64 = (0..now.len()).map(|k| settled[k] * moved(k)).sum();
@@ -243,7 +252,7 @@ impl Krylov {
                     let whole = (goal.already + first_settled - settlement).abs();
                     (shift.abs() / whole).max(norm / goal.pressure_norm)
                 };
-                now.iter().zip(&before).map(change).fold(0.0, f64::max)
+                now.chunks_exact(count).zip(before.chunks_exact(count - 1)).map(change).fold(0.0, f64::max)
             };
             // One vector may happen to change little: two in a row must.
             self.estimate = change.max(changed);
@@ -251,7 +260,7 @@ impl Krylov {
             if self.estimate <= goal.tolerance {
                 break;
             }
-            before = now;
+            std::mem::swap(&mut now, &mut before);
         }
         if spent {
             self.estimate = 0.0; // the space holds the whole solution
@@ -262,23 +271,22 @@ impl Krylov {
         Ok(())
     }
 
-    /// Unknowns at a time since the start of the stage, s.
-    pub fn at(&self, time: f64, y: &mut [f64]) {
-        y.copy_from_slice(&self.first);
+    /// Unknowns at a time since the start of the stage (s), what they mean for the balances, and what those mean that are integrated
+    /// from the start of the stage to it.
+    pub fn at(&mut self, time: f64, y: &mut [f64]) -> [Meaning; 2] {
         let tau = time / self.gamma;
-        for (weight, v) in self.ritz.apply(|mu| gap(mu, tau)).iter().zip(&self.basis) {
-            add(y, -self.size * weight, v);
-        }
-    }
-
-    /// What the unknowns at a time (s) mean for the balances, and those integrated from the start of the stage to it.
-    pub fn meaning(&self, time: f64) -> [Meaning; 2] {
-        let (tau, mut now, mut so_far) = (time / self.gamma, self.of_first, Meaning::default());
+        let [of_state, of_integral] = &mut self.weights;
+        of_state.clear();
+        self.ritz.apply(|mu| gap(mu, tau), of_state);
+        of_integral.clear();
+        self.ritz.apply(|mu| gap_integral(mu, tau), of_integral);
+        y.copy_from_slice(&self.first);
+        let (mut now, mut so_far) = (self.of_first, Meaning::default());
         so_far.add(time, &self.of_first);
-        let weights = [self.ritz.apply(|mu| gap(mu, tau)), self.ritz.apply(|mu| gap_integral(mu, tau))];
-        for (k, meaning) in self.meanings.iter().enumerate() {
-            now.add(-self.size * weights[0][k], meaning);
-            so_far.add(-self.gamma * self.size * weights[1][k], meaning);
+        for (k, (v, meaning)) in self.basis.iter().zip(&self.meanings).enumerate() {
+            add(y, -self.size * of_state[k], v);
+            now.add(-self.size * of_state[k], meaning);
+            so_far.add(-self.gamma * self.size * of_integral[k], meaning);
         }
         [now, so_far]
     }
@@ -292,7 +300,7 @@ impl Krylov {
         let amount = |j: usize| {
             let (mu, s) = (values[j], 1.0 - values[j]);
             // d = (1 - B) y_1, and p(0) = y_1/mu
-            let zeta = self.size * self.ritz.vectors[j][0] / (mu * s);
+            let zeta = self.size * self.ritz.vectors[j * values.len()] / (mu * s);
             let part = -0.5 * zeta * zeta * f64::exp_m1(-2.0 * tau * s / mu);
             if s > 1e-9 { part } else { 0.0 }
         };

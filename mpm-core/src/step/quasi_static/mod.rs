@@ -278,10 +278,10 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
         let end = if self.left() > 0.0 { self.until } else { self.stage_time + dt * steps as f64 };
         match &mut self.method {
             Some(Method::Krylov(stage)) => {
-                stage.evolution.at(end, &mut self.y);
+                let meaning = stage.evolution.at(end, &mut self.y);
                 self.time += end - self.stage_time;
                 (self.stage_time, self.until) = (end, end);
-                self.book_krylov().map_err(|e| inverted(&self.points, e.point))
+                self.book_krylov(&meaning).map_err(|e| inverted(&self.points, e.point))
             }
             Some(Method::Sdirk { .. }) => self.steps_until(end, done),
             None => Err(nothing()),

@@ -1,6 +1,7 @@
 //! Results of a quasi-static state: settlement, profiles, balances.
 
 use super::build::smooth;
+use super::krylov::Meaning;
 use super::motion::{WaterInertia, forward};
 use super::soil::{InsideOut, Soil};
 use super::{Method, QuasiStatic, build};
@@ -222,10 +223,9 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         }
     }
 
-    /// Balances of a Krylov stage at its present time.
-    pub(super) fn book_krylov(&mut self) -> Result<(), InsideOut<D>> {
+    /// Balances of a Krylov stage at its present time: of the unknowns now, and integrated over the stage.
+    pub(super) fn book_krylov(&mut self, [now, so_far]: &[Meaning; 2]) -> Result<(), InsideOut<D>> {
         let (Some(soil), Some(Method::Krylov(stage))) = (&mut self.soil, &mut self.method) else { return Ok(()) };
-        let [now, so_far] = stage.evolution.meaning(self.stage_time);
         self.totals.water_out = stage.out_before + so_far.passed - (now.held - stage.held);
         self.totals.external_work = stage.work_before + now.work;
         self.totals.darcy_dissipation = stage.dissipation_before + stage.evolution.dissipation(self.stage_time);
