@@ -18,8 +18,8 @@ pub const WET: &str = "with water";
 pub const DRY: &str = "dry";
 
 /// Columns of `kernel_limits.csv`.
-pub const COLUMNS: &str = "kernel,points,operations,divisions,bytes,operations_per_ns,divisions_per_ns,bytes_per_ns,\
-arithmetic_ns,memory_ns,measured_ns,nearer_limit,times_the_limit";
+pub const COLUMNS: &str = "points,operations,divisions,bytes,operations_per_ns,divisions_per_ns,bytes_per_ns,\
+arithmetic_ns,memory_ns,measured_ns,nearer_limit,times_the_limit,kernel";
 
 /// A step beside what the machine allows. Times and counts are per point-step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -72,10 +72,10 @@ impl Limit {
 
     /// The fields of `kernel_limits.csv`.
     pub fn fields(&self) -> Vec<String> {
-        let mut fields = vec![self.kernel.clone(), self.points.to_string()];
+        let mut fields = vec![self.points.to_string()];
         let counts = [self.operations, self.divisions, self.bytes].into_iter().chain(self.per_ns);
         fields.extend(counts.chain([self.arithmetic_ns, self.memory_ns, self.measured_ns]).map(exact));
-        fields.extend([self.nearer().0.to_owned(), exact(self.times())]);
+        fields.extend([self.nearer().0.to_owned(), exact(self.times()), self.kernel.clone()]);
         fields
     }
 }
