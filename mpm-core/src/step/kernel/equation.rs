@@ -38,22 +38,26 @@ impl<V: Simd, const D: usize> WithSimd for EquationOfMotion<'_, V, D> {
         let Self { simd, runs, sums, velocity, change, acceleration, gravity, flip, dt } = self;
         let none = SimdReal::splat(simd, 0.0);
         let one = none.like(1.0);
-        for node in runs.iter().flat_map(|run| run.clone().step_by(V::F64_LANES)) {
-            let solid = SimdReal::load(simd, &sums.0[SOLID_MASS][node..]);
-            let mixture = SimdReal::load(simd, &sums.0[MIXTURE_MASS][node..]);
-            let with_mass = none.below(solid);
-            let of_solid = (one / solid.or(with_mass, one)).or(with_mass, none);
-            let of_mixture = (one / mixture.or(with_mass, one)).or(with_mass, none);
-            for d in 0..D {
-                let mut force = SimdReal::load(simd, &sums.0[force(D) + d][node..]);
-                if let Some(gravity) = gravity {
-                    force += mixture * gravity[d];
+        for run in runs {
+            let mut node = run.start;
+            while node < run.end {
+                let solid = SimdReal::load(simd, &sums.0[SOLID_MASS][node..]);
+                let mixture = SimdReal::load(simd, &sums.0[MIXTURE_MASS][node..]);
+                let with_mass = none.below(solid);
+                let of_solid = (one / solid.or(with_mass, one)).or(with_mass, none);
+                let of_mixture = (one / mixture.or(with_mass, one)).or(with_mass, none);
+                for d in 0..D {
+                    let mut force = SimdReal::load(simd, &sums.0[force(D) + d][node..]);
+                    if let Some(gravity) = gravity {
+                        force += mixture * gravity[d];
+                    }
+                    let a = force * of_mixture;
+                    let v = SimdReal::load(simd, &sums.0[MOMENTUM + d][node..]) * of_solid + a * dt;
+                    v.store(&mut velocity[d][node..]);
+                    (a * (flip * dt) + v * (1.0 - flip)).store(&mut change[d][node..]);
+                    a.store(&mut acceleration[d][node..]);
                 }
-                let a = force * of_mixture;
-                let v = SimdReal::load(simd, &sums.0[MOMENTUM + d][node..]) * of_solid + a * dt;
-                v.store(&mut velocity[d][node..]);
-                (a * (flip * dt) + v * (1.0 - flip)).store(&mut change[d][node..]);
-                a.store(&mut acceleration[d][node..]);
+                node += V::F64_LANES;
             }
         }
     }
