@@ -86,7 +86,7 @@ impl<const D: usize> Tops<D> {
             functions.find_motion(&mut motion, &fields, &edges, &centroid);
             let xi = array!([lone(0.0); D], d => lone(x[d] * frame.inverse_size) - position[d]);
             let mut moves = functions.moves(&motion, &edges, &xi, frame.inverse_size);
-            let from_axis = frame.axis.map(|axis| position[0] + lone(axis * frame.inverse_size));
+            let from_axis = frame.axis_in_cells.map(|axis| position[0] + lone(axis));
             let mut hoop = from_axis.map(|from| functions.hoop(&motion, &edges, &xi, from, frame.inverse_size));
             let of_point = rate_of_volume(&moves.gradient, hoop);
             if let Some((domains, first)) = boxes {

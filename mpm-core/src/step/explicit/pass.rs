@@ -60,7 +60,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
                 biot: (!faces.biot[0].is_empty()).then_some([&faces.biot[0], &faces.biot[1]]),
                 outflow: (!faces.outflow.is_empty()).then_some(&faces.outflow),
                 softness: (!faces.softness.is_empty()).then_some(&faces.softness),
-                axis: frame.axis.map(|axis| axis * frame.inverse_size),
+                axis: frame.axis_in_cells,
                 found: frame.finds_centroids(F::SPLIT),
                 null_space: body.null_space,
                 domains: domains.as_deref(),

@@ -33,6 +33,8 @@ pub struct Frame<const D: usize> {
     pub inverse_size: f64,
     /// As [`Grid::axis`].
     pub axis: Option<f64>,
+    /// The same in cells. Found once: a product with what stands in no `Some` may be one of denormal numbers, which take hundreds of cycles.
+    pub axis_in_cells: Option<f64>,
     cut: bool,
 }
 
@@ -59,6 +61,7 @@ impl<const D: usize> Frame<D> {
             strips,
             inverse_size: grid.inverse_size,
             axis: grid.axis,
+            axis_in_cells: grid.axis.map(|axis| axis * grid.inverse_size),
             cut: grid.cut,
         }
     }
