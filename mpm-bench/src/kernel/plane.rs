@@ -112,7 +112,10 @@ mod tests {
         let solve = solve(8, effort, &|_| {}).expect("a solve");
         assert!(solve.error < 2e-5 && solve.unknowns == 261 && solve.vectors > 3, "{solve:?}");
         assert_eq!(solve.fields().len(), COLUMNS.split(',').count());
-        let power = |side: usize| Solve { side, cpu_s: (unknowns(side) as f64).powf(1.5), ..solve.clone() };
+        let power = |side: usize| {
+            let unknowns = unknowns(side);
+            Solve { side, unknowns, cpu_s: (unknowns as f64).powf(1.5), ..solve.clone() }
+        };
         let solves = [8, 16, 32, 64].map(power);
         assert!(exponent(&solves).is_some_and(|n| (n - 1.5).abs() < 1e-9));
         assert_eq!(exponent(&solves[..1]), None);

@@ -106,7 +106,7 @@ impl Ritz {
     fn apply(&self, f: impl Fn(f64) -> f64, to: &mut Vec<f64>) {
         let first = to.len();
         to.resize(first + self.values.len(), 0.0);
-        for (mu, vector) in self.values.iter().zip(self.vectors.chunks_exact(self.values.len())) {
+        for (mu, vector) in self.values.iter().zip(self.vectors.chunks_exact(self.values.len().max(1))) {
             add(&mut to[first..], f(*mu) * vector[0], vector);
         }
     }
