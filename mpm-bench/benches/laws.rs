@@ -15,7 +15,7 @@ use pulp::{Arch, Simd, WithSimd};
 const PARTICLES: usize = 512;
 const SOIL: Elastic = Elastic { youngs_modulus: 1.0e7, poisson_ratio: 0.3 };
 
-/// Updates all stresses over lanes. Stresses stand component by component.
+/// Updates all stresses, vectorised. Stresses stand component by component.
 struct OverLanes<'a, L> {
     law: &'a L,
     stress: &'a mut [Vec<f64>; 4],
@@ -79,7 +79,7 @@ const STRENGTH: Strength = Strength {
     dilation_fades_over: None,
 };
 
-/// Updates copies of the same stresses over lanes, and books the flow as a step does.
+/// Updates copies of the same stresses, vectorised, and books the flow as a step does.
 struct Returns<'a, L> {
     law: &'a L,
     trial: [f64; 4],

@@ -1,4 +1,4 @@
-//! How far the step over lanes is from what arithmetic and memory of the machine allow, one thread.
+//! How far the vectorised step is from what arithmetic and memory of the machine allow, one thread.
 //!
 //! Neither limit can be reached: a step also loads what it calculates with, keeps more numbers than there are registers,
 //! and chooses. Divisions run beside the rest, so the longer of both counts as arithmetic.

@@ -2,7 +2,7 @@
 //! it is from what the machine can do; and what a quasi-static solve costs by its unknowns.
 //!
 //! # Reading order
-//! 1. [`sizes`]: time per point-step from 1e3 to 1e6 points, by the plain kernel, over lanes, and on two threads; that
+//! 1. [`sizes`]: time per point-step from 1e3 to 1e6 points, by the plain kernel, vectorised, and on two threads; that
 //!    all of them find the same bits.
 //! 2. [`stages`]: which stage of a step takes how much of it.
 //! 3. [`operations`], [`traffic`]: arithmetic and bytes of a step, counted. [`machine`]: what the machine can do of
@@ -33,7 +33,7 @@ use stages::Share;
 /// Everything that was measured.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Kernel {
-    /// Vector instructions of the kernel over lanes.
+    /// Vector instructions of the vectorised kernel.
     pub instructions: String,
     /// Threads that the machine runs at once.
     pub cores: usize,
@@ -41,9 +41,9 @@ pub struct Kernel {
     pub cell_m: f64,
     /// Time by kernel and size.
     pub timings: Vec<Timing>,
-    /// Time by stage, over lanes on one thread.
+    /// Time by stage, vectorised, on one thread.
     pub shares: Vec<Share>,
-    /// How far the kernel over lanes is from what the machine can do.
+    /// How far the vectorised kernel is from what the machine can do.
     pub limits: Vec<Limit>,
     /// Quasi-static solves, coarse to fine.
     pub solves: Vec<Solve>,

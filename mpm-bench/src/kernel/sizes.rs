@@ -1,4 +1,4 @@
-//! Time per point-step from 1e3 to 1e6 points: the plain kernel, the one over lanes, and that on two threads.
+//! Time per point-step from 1e3 to 1e6 points: the plain kernel, the vectorised one, and that on two threads.
 //!
 //! All kernels of a size take turns, sample by sample and each time another one first, so that other load on the machine
 //! falls on all alike. They take the same number of steps in all, and must end with the same bits.
@@ -124,7 +124,7 @@ pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, NonZero::get)
 }
 
-/// Measures a block of so many cells. Also gives back the model over lanes on one thread.
+/// Measures a block of so many cells. Also gives back the vectorised model on one thread.
 ///
 /// # Errors
 /// A step that fails, or kernels that do not find the same.
@@ -159,7 +159,7 @@ pub fn measure(cells: [usize; 2], effort: Effort) -> Result<(Vec<Timing>, Box<dy
     let settlements: Vec<(&str, f64)> = contenders.iter().map(|c| (c.kernel, c.model.observe().0.settlement)).collect();
     same(&settlements, points)?;
     let alone = contenders.iter().position(|c| c.kernel == LANES && c.threads == 1);
-    let alone = alone.ok_or(Error::Unfit("the kernel over lanes was not measured"))?;
+    let alone = alone.ok_or(Error::Unfit("the vectorised kernel was not measured"))?;
     let one_thread = contenders[alone].wall.clone();
     let by_default = if points >= THREADS_PAY_FROM { cores().min(2) } else { 1 };
     let timings = contenders.iter().zip(&settlements).map(|(c, (_, settlement))| Timing {
@@ -178,7 +178,7 @@ pub fn measure(cells: [usize; 2], effort: Effort) -> Result<(Vec<Timing>, Box<dy
     Ok((timings.collect(), contenders.swap_remove(alone).model))
 }
 
-/// Median CPU time per point-step (ns) of a scene over lanes on one thread, and the bytes of its data.
+/// Median CPU time per point-step (ns) of a scene, vectorised on one thread, and the bytes of its data.
 ///
 /// # Errors
 /// A step that fails.
@@ -214,7 +214,7 @@ fn hardware(points: usize) -> Result<Vec<(&'static str, String, Hardware)>, Erro
     Ok(all)
 }
 
-/// Checks the settlements (m) of several kernels after the same steps: those over lanes must be the same to the last
+/// Checks the settlements (m) of several kernels after the same steps: those that are vectorised must be the same to the last
 /// bit whatever their width and threads; the plain one too where there is one strip, and but for round-off elsewhere.
 ///
 /// # Errors
@@ -227,7 +227,7 @@ pub fn same(settlements: &[(&str, f64)], points: usize) -> Result<(), Error> {
         let apart = (settlement / over_lanes - 1.0).abs();
         if differs && (apart.is_nan() || apart > allowed || allowed == 0.0) {
             let found =
-                format!("the {kernel} kernel settles {settlement:e} m, expected {over_lanes:e} m as over lanes");
+                format!("the {kernel} kernel settles {settlement:e} m, expected {over_lanes:e} m as vectorised");
             return Err(Error::Found(found).of(format!("{points} points")));
         }
     }

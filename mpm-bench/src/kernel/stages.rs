@@ -1,4 +1,4 @@
-//! Which stage of a step over lanes takes how much of it.
+//! Which stage of a vectorised step takes how much of it.
 //!
 //! Stages are done in the order of a step, with a step of no time so that nothing moves: each finds the caches as the one
 //! before it left them.

@@ -1,4 +1,4 @@
-//! Bytes that a step over lanes moves between the processor and where its data lie, counted from its records.
+//! Bytes that a vectorised step moves between the processor and where its data lie, counted from its records.
 //!
 //! Every record is read once and written once per step; only the mass of a particle stays as it is. The sums and the
 //! motion of the nodes are passed from one half of the step to the other, so they are read and written once more than

@@ -62,7 +62,7 @@ fn quoted(timing: &Timing) -> f64 {
     timing.cpu_ns.unwrap_or(timing.wall_ns[0])
 }
 
-/// How much dearer a point-step over lanes is at the largest size than at the smallest.
+/// How much dearer a vectorised point-step is at the largest size than at the smallest.
 fn growth(kernel: &Kernel) -> Option<f64> {
     let (small, large) = (of(kernel, LANES, 1).next()?, of(kernel, LANES, 1).last()?);
     Some(quoted(large) / quoted(small))
