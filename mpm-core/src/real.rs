@@ -5,8 +5,8 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
+use bytemuck::Pod;
 use pulp::Simd;
-use pulp::bytemuck::{self, Pod};
 
 /// An array `[first; n]` whose entries are then computed one by one.
 ///
@@ -82,14 +82,13 @@ impl Real for f64 {
 /// their bits do not depend on the CPU.
 pub const MAX_LANES: usize = 8;
 
-/// The numbers in an array of vectors, lane by lane.
-pub fn numbers<V: Pod>(vectors: &[V]) -> &[f64] {
-    bytemuck::cast_slice(vectors)
-}
-
-/// The same, to be changed.
-pub fn numbers_mut<V: Pod>(vectors: &mut [V]) -> &mut [f64] {
-    bytemuck::cast_slice_mut(vectors)
+/// Numbers as vectors, or as arrays of these, of which there are so many without a rest.
+///
+/// # Panics
+/// There is a rest.
+#[inline(always)]
+pub fn vectors_mut<V: Pod>(numbers: &mut [f64]) -> &mut [V] {
+    bytemuck::cast_slice_mut(numbers)
 }
 
 /// Several numbers that are computed at once; S: the SIMD type of the CPU.
@@ -135,7 +134,7 @@ impl<S: Simd> SimdReal<S> {
     /// There is no such lane.
     #[inline(always)]
     pub fn lane(self, lane: usize) -> f64 {
-        numbers(std::slice::from_ref(&self.value))[lane]
+        bytemuck::cast_slice::<_, f64>(std::slice::from_ref(&self.value))[lane]
     }
 
     /// Replaces the number in a lane.
@@ -144,7 +143,7 @@ impl<S: Simd> SimdReal<S> {
     /// There is no such lane.
     #[inline(always)]
     pub fn set_lane(&mut self, lane: usize, number: f64) {
-        numbers_mut(std::slice::from_mut(&mut self.value))[lane] = number;
+        bytemuck::cast_slice_mut::<_, f64>(std::slice::from_mut(&mut self.value))[lane] = number;
     }
 
     /// Every number so many lanes up, those above the last lane to the first ones.

@@ -17,7 +17,7 @@ use crate::scene::{
 use crate::seeding::{self, Part};
 use crate::soils::Soils;
 use crate::stability::{StepTooLarge, choose_step};
-use crate::step::kernel::{self, Bspline, Over};
+use crate::step::kernel::{self, Bspline, Kernel, Over, Vectorised};
 use crate::step::quasi_static::{QuasiStatic, Seeding};
 use crate::step::store::Frame;
 use crate::step::{
@@ -135,8 +135,8 @@ pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<
         return implicit(scene);
     }
     match scene.dimension {
-        Dimension::Column => Seeded::new(scene, given, [scene.cells[1]], scene.width)?.vectorised(hardware, scene),
-        _ => Seeded::new(scene, given, scene.cells, scene.cell)?.vectorised(hardware, scene),
+        Dimension::Column => Seeded::new(scene, given, [scene.cells[1]], scene.width)?.model(hardware, scene),
+        _ => Seeded::new(scene, given, scene.cells, scene.cell)?.model(hardware, scene),
     }
 }
 
@@ -146,7 +146,7 @@ pub fn model_given(hardware: &Hardware, scene: &Scene, given: &Given) -> Result<
 /// Particles outside the mesh.
 pub fn failing(scene: &Scene) -> Result<Box<dyn Failing>, RunError> {
     let seed = Seeded::new(scene, &Given::default(), scene.cells, scene.cell)?;
-    let model = seed.vectorised(&Hardware::default(), scene)?;
+    let model = seed.model(&Hardware::default(), scene)?;
     model.failing().ok_or_else(|| refused("only soil under water with a free surface may fail"))
 }
 
@@ -199,6 +199,40 @@ fn implicit_in<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness:
             first_settlement: scene.first_settlement(),
         },
     ))
+}
+
+/// The kernel of a scene, vectorised as the CPU allows.
+fn kernel<const D: usize>(width: Width, scene: &Scene) -> Result<Box<dyn Kernel<D>>, RunError> {
+    match (width, Arch::new()) {
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        (Width::Widest | Width::Eight, Arch::V4(simd)) => kernel_over(simd, scene),
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        (Width::Widest | Width::Four, Arch::V3(simd)) => kernel_over(simd, scene),
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        (Width::Four, Arch::V4(simd)) => kernel_over(*simd, scene),
+        #[cfg(target_arch = "aarch64")]
+        (Width::Widest, Arch::Neon(simd)) => kernel_over(simd, scene),
+        _ => kernel_over(Scalar, scene),
+    }
+}
+
+/// The same of a SIMD width.
+fn kernel_over<V: Simd, const D: usize>(simd: V, scene: &Scene) -> Result<Box<dyn Kernel<D>>, RunError> {
+    Ok(match scene.shape {
+        ShapeChoice::Centre => Box::new(Vectorised { simd, functions: kernel::CENTRE }),
+        // A full column has its centroid at the centre; scenes with others are refused.
+        ShapeChoice::Centroid if scene.integrator == Integrator::SemiImplicit => {
+            Box::new(Vectorised { simd, functions: kernel::CENTRE })
+        }
+        ShapeChoice::Centroid => Box::new(Vectorised { simd, functions: kernel::CENTROID }),
+        ShapeChoice::Linear => Box::new(Vectorised { simd, functions: kernel::LINEAR }),
+        ShapeChoice::BBar => Box::new(Vectorised { simd, functions: kernel::B_BAR }),
+        ShapeChoice::Gimp => {
+            Box::new(Vectorised { simd, functions: Over(kernel::Gimp::new(scene.particles_per_direction())) })
+        }
+        ShapeChoice::Bspline2 => Box::new(Vectorised { simd, functions: Over(Bspline::<2>) }),
+        ShapeChoice::Bspline3 => return Err(refused("cubic B-splines are for quasi-static runs")),
+    })
 }
 
 /// Mesh and solid particles of a scene.
@@ -286,48 +320,12 @@ impl<const D: usize> Seeded<D> {
         Layer::new(points, &self.grid).map_err(|e| outside("water", e.index, &e.x))
     }
 
-    /// The step, vectorised as the CPU allows.
-    fn vectorised(self, hardware: &Hardware, scene: &Scene) -> Result<Box<dyn Model>, RunError> {
-        match (hardware.width, Arch::new()) {
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            (Width::Widest | Width::Eight, Arch::V4(simd)) => self.over(simd, hardware, scene),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            (Width::Widest | Width::Four, Arch::V3(simd)) => self.over(simd, hardware, scene),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            (Width::Four, Arch::V4(simd)) => self.over(*simd, hardware, scene),
-            #[cfg(target_arch = "aarch64")]
-            (Width::Widest, Arch::Neon(simd)) => self.over(simd, hardware, scene),
-            _ => self.over(Scalar, hardware, scene),
-        }
-    }
-
-    fn over<V: Simd>(self, simd: V, hardware: &Hardware, scene: &Scene) -> Result<Box<dyn Model>, RunError> {
-        let per_direction = scene.particles_per_direction();
-        let solves = scene.integrator == Integrator::SemiImplicit;
-        match scene.shape {
-            ShapeChoice::Centre => self.with(simd, kernel::CENTRE, 1, hardware, scene),
-            // A full column has its centroid at the centre; scenes with others are refused.
-            ShapeChoice::Centroid if solves => self.with(simd, kernel::CENTRE, 1, hardware, scene),
-            ShapeChoice::Centroid => self.with(simd, kernel::CENTROID, 1, hardware, scene),
-            ShapeChoice::Linear => self.with(simd, kernel::LINEAR, 1, hardware, scene),
-            ShapeChoice::BBar => self.with(simd, kernel::B_BAR, 1, hardware, scene),
-            ShapeChoice::Gimp => self.with(simd, Over(kernel::Gimp::new(per_direction)), 1, hardware, scene),
-            ShapeChoice::Bspline2 => self.with(simd, Over(Bspline::<2>), 2, hardware, scene),
-            ShapeChoice::Bspline3 => Err(refused("cubic B-splines are for quasi-static runs")),
-        }
-    }
-
-    /// With functions of which there are `extra` more along an axis than cells.
-    fn with<V: Simd, F: kernel::Functions<D>>(
-        self,
-        simd: V,
-        functions: F,
-        extra: usize,
-        hardware: &Hardware,
-        scene: &Scene,
-    ) -> Result<Box<dyn Model>, RunError> {
-        let frame = Frame::new(&self.grid, F::REACH, F::BEFORE, scene.has_periodic_pores());
-        let along = self.grid.cells.map(|cells| cells + extra);
+    /// The model of them.
+    fn model(self, hardware: &Hardware, scene: &Scene) -> Result<Box<dyn Model>, RunError> {
+        let kernel = kernel(hardware.width, scene)?;
+        let scheme = kernel.scheme();
+        let frame = Frame::new(&self.grid, scheme.reach, scheme.before, scene.has_periodic_pores());
+        let along = self.grid.cells.map(|cells| cells + scheme.extra);
         let mut conditions: Vec<Box<dyn Condition<D>>> = Vec::new();
         if let Some(field) = self.given.force.clone() {
             conditions.push(Box::new(GivenForce::new(field)));
@@ -375,7 +373,7 @@ impl<const D: usize> Seeded<D> {
         };
         let body = self.body(scene)?;
         let transfer = (scene.transfer == TransferChoice::Affine, scene.update == UpdateChoice::Musl);
-        let run = Explicit::new((simd, hardware.pool.clone()), functions, body, conditions, transfer);
+        let run = Explicit::new((kernel, hardware.pool.clone()), body, conditions, transfer);
         let nodal = scene.water.is_some() && scene.darcy == DarcyChoice::Nodal;
         Ok(match free {
             Some(water) => Box::new(Staggered::new(run, water)),

@@ -12,7 +12,7 @@ use mpm_core::observe::ProfileRow;
 use mpm_core::run::model_given;
 use mpm_core::scene::{DarcyChoice, Scene, ShapeChoice, SolidSide};
 use mpm_core::stability::explicit_limit;
-use mpm_core::step::kernel::CENTRE;
+use mpm_core::step::kernel::{CENTRE, Vectorised};
 use mpm_core::step::store::Frame;
 use mpm_core::step::{Condition, Damping, Explicit, Supports};
 use pulp::Scalar;
@@ -150,7 +150,8 @@ fn in_order<const D: usize>(scene: &Scene, order: Vec<usize>) -> Run {
     let frame = Frame::new(&body.grid, 2, 0, false);
     let held = Supports::new(&body.grid.cells.map(|cells| cells + 1), &scene.solid_sides, |place| frame.number(place));
     let conditions: Vec<Box<dyn Condition<D>>> = vec![Box::new(held), Box::new(Damping::default())];
-    let mut model = Explicit::new((Scalar, None), CENTRE, body, conditions, (false, false));
+    let kernel = Vectorised { simd: Scalar, functions: CENTRE };
+    let mut model = Explicit::new((Box::new(kernel), None), body, conditions, (false, false));
     if scene.darcy == DarcyChoice::Nodal {
         model = model.with_nodal_flow();
     }

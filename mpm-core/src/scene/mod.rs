@@ -3,6 +3,7 @@
 
 pub mod capabilities;
 mod check;
+mod decode;
 mod failure;
 mod flags;
 mod free_surface;

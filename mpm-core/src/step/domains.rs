@@ -88,7 +88,7 @@ impl<const D: usize> Domains<D> {
     }
 
     /// Finds the strain rates of the cells.
-    pub fn find_rates<V: Simd>(&mut self, strips: &[Strip<V, D>], motion: &Motion) {
+    pub fn find_rates(&mut self, strips: &[Strip<D>], motion: &Motion) {
         let (frame, front, corners) = (self.frame, Self::front(&self.frame), 1 << D);
         for cell in 0..frame.count() {
             let holds = strips[cell / frame.strip].solid.count(cell % frame.strip) > 0;
@@ -136,9 +136,9 @@ impl<const D: usize> Domains<D> {
 
     /// Adds to the forces on the nodes (N) what boxes give to other cells than that of their middle; `known` is the volume of soil
     /// in the cells where that is known (m3), and `pressed` the pressure (Pa) that pushes in a cell. Forces of unit pressures become those of the volume of boxes.
-    pub fn share_stresses<V: Simd>(
+    pub fn share_stresses(
         &mut self,
-        strips: &mut [Strip<V, D>],
+        strips: &mut [Strip<D>],
         nodes: &mut Nodes<D>,
         known: &[f64],
         pressed: impl Fn(usize) -> f64,

@@ -13,7 +13,6 @@ mod pass;
 
 use std::sync::Arc;
 
-use pulp::Simd;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
@@ -24,7 +23,7 @@ use super::domains::{Domains, shared};
 use super::faces::Faces;
 use super::free_water::FreeWater;
 use super::kernel::equation::EquationOfMotion;
-use super::kernel::{Common, Functions, InPores, Kept, MOST_REACHED, MapBack, Rare};
+use super::kernel::{Common, InPores, Kept, Kernel, MOST_REACHED, Rare, Scheme};
 use super::nodal::NodalFlow;
 use super::pressure::{Driving, PressureSystem};
 use super::store::nodes::{MOMENTUM, SOLID_MASS};
@@ -42,13 +41,14 @@ use crate::water::{AdvectedWater, FaceFlow};
 /// Room for one in so many particles to change its cell in a step, before more is asked for.
 const MOVERS: usize = 16;
 
-/// The explicit integrator. V: SIMD type of the CPU, F: shape functions.
-pub struct Explicit<V: Simd, F: Functions<D>, const D: usize> {
-    simd: V,
-    functions: F,
+/// The explicit integrator.
+pub struct Explicit<const D: usize> {
+    kernel: Box<dyn Kernel<D>>,
+    /// The functions of the kernel.
+    scheme: Scheme,
     /// Everything but the particles, which are in the strips.
     body: Body<D>,
-    strips: Vec<Strip<V, D>>,
+    strips: Vec<Strip<D>>,
     nodes: Nodes<D>,
     /// Accelerations at the nodes of the mesh, where those of the functions are others.
     of_mesh: [Vec<f64>; 2],
@@ -91,18 +91,18 @@ pub struct Explicit<V: Simd, F: Functions<D>, const D: usize> {
     pool: Option<Arc<ThreadPool>>,
 }
 
-impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
+impl<const D: usize> Explicit<D> {
     /// A run at t = 0, on the threads of a pool if there is one.
     pub fn new(
-        (simd, pool): (V, Option<Arc<ThreadPool>>),
-        functions: F,
+        (kernel, pool): (Box<dyn Kernel<D>>, Option<Arc<ThreadPool>>),
         mut body: Body<D>,
         conditions: Vec<Box<dyn Condition<D>>>,
         (affine, mapped): (bool, bool),
     ) -> Self {
         body.surface.follow(&body.solid);
         body.filled.follow_layer(&body.grid, &body.surface, &body.solid);
-        let frame = Frame::new(&body.grid, F::REACH, F::BEFORE, body.period.is_some() && body.water.is_some());
+        let scheme = kernel.scheme();
+        let frame = Frame::new(&body.grid, scheme.reach, scheme.before, body.period.is_some() && body.water.is_some());
         let wet = body.water.is_some();
         let several = wet
             && (body.materials.soils.conduct_differently() || body.water.as_ref().is_some_and(|w| w.cuts.are_known()));
@@ -112,11 +112,11 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         let movers = [true, wet].map(|any| Movers::new(if any { solid_count / MOVERS } else { 0 }, 16));
         let (more, kept, places) = order::first_kept(&body, affine);
         let mut run = Self {
-            simd,
-            functions,
-            strips: (0..frame.strips).map(|number| Strip::new(&frame, number)).collect(),
+            strips: (0..frame.strips).map(|number| Strip::new(&frame, number, kernel.lanes())).collect(),
+            kernel,
+            scheme,
             nodes: Nodes::new(frame),
-            of_mesh: both(wet && !F::NODAL),
+            of_mesh: both(wet && !scheme.nodal),
             pressure: both(true),
             faces: Faces::new(frame, several),
             nodal: None,
@@ -176,10 +176,10 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         self.note_accelerations();
         self.faces.note_reach(&self.body.filled, &self.body.grid);
         self.book(dt);
-        if !self.strips.iter().all(|strip| strip.stays) {
+        if !self.strips.iter().all(|strip| strip.sums.stays) {
             self.sort()?;
         }
-        if self.strips.iter().any(|strip| strip.changed) {
+        if self.strips.iter().any(|strip| strip.sums.changed) {
             self.note_open_cells();
         }
         if self.advected().is_some_and(|free| free.is_behind(&self.body.grid)) {
@@ -192,7 +192,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
     /// Records what the pass has added up.
     fn book(&mut self, dt: f64) {
         if self.nodal.is_some() {
-            self.strips.iter().for_each(|strip| self.totals.flowed.join(&strip.flowed));
+            self.strips.iter().for_each(|strip| self.totals.flowed.join(&strip.sums.flowed));
             return;
         }
         let Self { body: Body { water, gravity, .. }, strips, totals, faces, pressure, nodes, .. } = self;
@@ -205,27 +205,28 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             totals.flow_body_work -= dt * area * by_body;
         }
         for strip in strips.iter() {
-            totals.darcy_dissipation += dt * area * strip.rates[0];
-            totals.flow_body_work += dt * area * strip.rates[1];
-            totals.flowed.join(&strip.flowed);
+            totals.darcy_dissipation += dt * area * strip.sums.rates[0];
+            totals.flow_body_work += dt * area * strip.sums.rates[1];
+            totals.flowed.join(&strip.sums.flowed);
         }
     }
 
     /// The loads, where the scene has some, and what the conditions do before anything moves; gravity comes with the equation of motion.
     fn load(&mut self) {
-        let Self { body, strips, nodes, tops, functions, .. } = self;
+        let Self { body, strips, nodes, tops, kernel, .. } = self;
         if body.surcharge.is_some() {
             let pressure = body.pressure_at(self.time);
             let frame = nodes.frame;
             let push = |node: usize, newton: f64| nodes.push(node, D - 1, newton);
-            tops.each_push(functions, (&body.surface, &body.grid, -pressure), strips, &frame, push);
+            tops.each_push(kernel.as_ref(), (&body.surface, &body.grid, -pressure), strips, &frame, push);
         }
-        let Self { functions, body, strips, nodes, conditions, pressure, time, free, loaded, .. } = self;
+        let Self { kernel, scheme, body, strips, nodes, conditions, pressure, time, free, loaded, .. } = self;
         let (frame, pressure, time) = (nodes.frame, &pressure[0], *time);
         let loads = (&body.loads, &body.grid, time);
-        loaded.each_force(functions, loads, strips, &frame, |node, axis, newton| nodes.push(node, axis, newton));
+        let kernel = kernel.as_ref();
+        loaded.each_force(kernel, loads, strips, &frame, |node, axis, newton| nodes.push(node, axis, newton));
         let water = free.as_ref().map(|free| &free.carried);
-        let soil = Grains { functions, body, water, strips, frame, pressure, time };
+        let soil = Grains { kernel, scheme, body, water, strips, frame, pressure, time };
         for condition in conditions {
             condition.gathered(nodes, &soil);
         }
@@ -259,7 +260,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             let run = (&self.strips[..], &self.nodes, water, &self.faces.grains[..]);
             return nodal.flow(run, &gravity, self.faces.outline.iter().copied(), &mut self.totals, dt);
         }
-        let Self { functions, body, nodes, of_mesh, pressure, totals, faces, solver, strips, .. } = self;
+        let Self { kernel, scheme, body, nodes, of_mesh, pressure, totals, faces, solver, strips, .. } = self;
         let Some(water) = &body.water else { return };
         if solver.is_none() {
             let [x, y] = &mut nodes.motion.acceleration;
@@ -268,11 +269,11 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
                     a[upper] = a[lower] + share * (a[upper] - a[lower]);
                 }
             });
-            if !F::NODAL {
-                functions.accelerations_of_mesh(nodes, of_mesh);
+            if !scheme.nodal {
+                kernel.accelerations_of_mesh(nodes, of_mesh);
             }
         }
-        let acceleration = if solver.is_some() || !F::NODAL { of_mesh } else { &nodes.motion.acceleration };
+        let acceleration = if solver.is_some() || !scheme.nodal { of_mesh } else { &nodes.motion.acceleration };
         let drive = (&body.gravity.unwrap_or([0.0; D]), acceleration);
         faces.drain(water, &pressure[0], drive, totals, dt);
         if !faces.outflow.is_empty() {

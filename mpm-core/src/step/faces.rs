@@ -1,7 +1,5 @@
 //! Faces of cells that water passes: how each conducts, and what leaves through those that are drained.
 
-use pulp::Simd;
-
 use super::pressure::storage;
 use super::store::{Frame, Strip};
 use crate::boundary::Filled;
@@ -214,7 +212,7 @@ impl<const D: usize> Faces<D> {
     }
 
     /// Lets the faces conduct as the pores beside them are now.
-    pub fn follow_porosity<V: Simd>(&mut self, strips: &[Strip<V, D>]) {
+    pub fn follow_porosity(&mut self, strips: &[Strip<D>]) {
         let Self { frame, conducts, ratio, drained, outlets, by_porosity, varied, .. } = self;
         let share =
             |cell: usize| at_porosity(by_porosity[cell], strips[cell / frame.strip].pores(cell % frame.strip)[0]);
@@ -262,10 +260,10 @@ impl<const D: usize> Faces<D> {
 
     /// What leaves through outlets and wells in a step dt (s) under pressures of the cells (Pa, from [`Frame::pad`] on): those of its end, or of
     /// its start, from which the cells of the strips continue.
-    pub fn let_out<V: Simd>(
+    pub fn let_out(
         &mut self,
         flow: &FaceFlow,
-        (pressure, strips): (&[f64], Option<&[Strip<V, D>]>),
+        (pressure, strips): (&[f64], Option<&[Strip<D>]>),
         drive: (&[f64; D], &[Vec<f64>; 2]),
         totals: &mut Totals<D>,
         dt: f64,

@@ -1,7 +1,5 @@
 //! Water with a free surface beside the step of the soil: what this feels of it, and how the water follows its motion.
 
-use pulp::Simd;
-
 use super::Fault;
 use super::conditions::Condition;
 use super::kernel::InPores;
@@ -72,9 +70,9 @@ impl<const D: usize> FreeWater<D> {
     ///
     /// # Errors
     /// Where and what went wrong.
-    pub fn press<V: Simd>(
+    pub fn press(
         &mut self,
-        (grid, strips): (&Grid<D>, &[Strip<V, D>]),
+        (grid, strips): (&Grid<D>, &[Strip<D>]),
         nodes: &mut Nodes<D>,
         conditions: &[Box<dyn Condition<D>>],
         (keeps, at_centroid): (f64, bool),

@@ -4,8 +4,6 @@
 //! v* is the true relative velocity, the Darcy flux divided by n (errata, 5). In two dimensions it couples only diagonal neighbours,
 //! where flow through faces couples cells that share one (`mpm-verify stability` measures what that does).
 
-use pulp::Simd;
-
 use super::store::{Nodes, Strip};
 use crate::dimension::{basis, internal_force, to_corners};
 use crate::observe::Totals;
@@ -41,7 +39,7 @@ impl<const D: usize> NodalFlow<D> {
     }
 
     /// Gathers pressures and pores of the cells.
-    fn gather<V: Simd>(&mut self, strips: &[Strip<V, D>], nodes: &Nodes<D>, (pores, grains): (&Pores<D>, &[f64])) {
+    fn gather(&mut self, strips: &[Strip<D>], nodes: &Nodes<D>, (pores, grains): (&Pores<D>, &[f64])) {
         let frame = &nodes.frame;
         self.gradient.fill([0.0; D]);
         self.volume.fill(0.0);
@@ -99,9 +97,9 @@ impl<const D: usize> NodalFlow<D> {
 
     /// Finds v* and records the flow of a step dt (s). `drained` and `closed` visit the nodes of faces that let water out and that do not:
     /// node, axis, outwards.
-    pub fn flow<V: Simd>(
+    pub fn flow(
         &mut self,
-        (strips, nodes, pores, grains): (&[Strip<V, D>], &Nodes<D>, &Pores<D>, &[f64]),
+        (strips, nodes, pores, grains): (&[Strip<D>], &Nodes<D>, &Pores<D>, &[f64]),
         gravity: &[f64; D],
         faces: impl Iterator<Item = (bool, usize, f64, [usize; 2])> + Clone,
         totals: &mut Totals<D>,

@@ -16,8 +16,6 @@
 //! pressure that a strain builds up, where the lagged one adds it. Being late it feeds waves in permeable soil, above a step
 //! that `stability` knows.
 
-use pulp::Simd;
-
 use super::faces::Faces;
 use super::store::nodes::SOLID_MASS;
 use super::store::{Frame, Nodes, Strip};
@@ -141,9 +139,9 @@ impl<const D: usize> PressureSystem<D> {
     ///
     /// # Errors
     /// A singular system, with what shows it.
-    pub fn solve<V: Simd>(
+    pub fn solve(
         &mut self,
-        strips: &[Strip<V, D>],
+        strips: &[Strip<D>],
         nodes: &mut Nodes<D>,
         pressure: &mut [f64],
         plate: &[u32],
@@ -181,7 +179,7 @@ impl<const D: usize> PressureSystem<D> {
     }
 
     /// The pattern: cells whose particles reach a common function.
-    fn follow<V: Simd>(&mut self, strips: &[Strip<V, D>]) -> Result<(), Unsolved> {
+    fn follow(&mut self, strips: &[Strip<D>]) -> Result<(), Unsolved> {
         let frame = self.frame;
         let wet = |cell: &usize| {
             let (strip, inside) = (&strips[cell / frame.strip], cell % frame.strip);
@@ -248,7 +246,7 @@ impl<const D: usize> PressureSystem<D> {
     }
 
     /// `dt m^-1 C`: the velocities that a unit pressure in a cell makes, without the fixed functions.
-    fn respond<V: Simd>(&mut self, strips: &[Strip<V, D>], nodes: &Nodes<D>, plate: &[u32], by: &Driving<D>) {
+    fn respond(&mut self, strips: &[Strip<D>], nodes: &Nodes<D>, plate: &[u32], by: &Driving<D>) {
         let dt = by.keeps * by.dt;
         for node in 0..self.frame.count() {
             let free = nodes.sum(SOLID_MASS, node) > 0.0;
@@ -272,7 +270,7 @@ impl<const D: usize> PressureSystem<D> {
     }
 
     /// The plate's part of the matrix; without it its nodes are fixed.
-    fn lean_on_plate<V: Simd>(&mut self, strips: &[Strip<V, D>], nodes: &Nodes<D>, plate: &[u32], kept: f64) {
+    fn lean_on_plate(&mut self, strips: &[Strip<D>], nodes: &Nodes<D>, plate: &[u32], kept: f64) {
         if plate.is_empty() {
             return;
         }
@@ -297,7 +295,7 @@ impl<const D: usize> PressureSystem<D> {
     }
 
     /// `S + dt H + dt^2 C^T m^-1 C`.
-    fn fill<V: Simd>(&mut self, strips: &[Strip<V, D>], by: &Driving<D>) {
+    fn fill(&mut self, strips: &[Strip<D>], by: &Driving<D>) {
         let Some((matrix, _)) = &mut self.system else { return };
         let flow = by.dt * by.flow.area * by.flow.conductance;
         let (reach, of_cell) = (self.frame.reach, Self::of_cell(&self.frame));
@@ -312,9 +310,9 @@ impl<const D: usize> PressureSystem<D> {
     }
 
     /// `S p^n - dt C^T v* + dt b`.
-    fn right_side<V: Simd>(
+    fn right_side(
         &mut self,
-        strips: &[Strip<V, D>],
+        strips: &[Strip<D>],
         nodes: &Nodes<D>,
         pressure: &[f64],
         Driving { faces, flow, gravity, acceleration, keeps, dt, .. }: &Driving<D>,
@@ -355,7 +353,7 @@ impl<const D: usize> PressureSystem<D> {
     }
 
     /// Adds the force `C p^{n+1}` to the nodes.
-    pub fn push<V: Simd>(&self, strips: &[Strip<V, D>], nodes: &mut Nodes<D>) {
+    pub fn push(&self, strips: &[Strip<D>], nodes: &mut Nodes<D>) {
         let of_cell = Self::of_cell(&self.frame);
         for (row, &cell) in self.cells.iter().enumerate() {
             let cell = cell as usize;
@@ -381,14 +379,14 @@ impl<const D: usize> PressureSystem<D> {
 }
 
 /// C of a cell: force of a unit pressure on the functions that its particles reach, `sum_p V_p G_i`, m2: `[function][axis]`.
-fn coupling<'a, V: Simd, const D: usize>(strips: &'a [Strip<V, D>], frame: &Frame<D>, cell: usize) -> &'a [f64] {
+fn coupling<'a, const D: usize>(strips: &'a [Strip<D>], frame: &Frame<D>, cell: usize) -> &'a [f64] {
     let of_cell = PressureSystem::of_cell(frame);
     &strips[cell / frame.strip].coupling[cell % frame.strip * of_cell..][..of_cell]
 }
 
 /// Water that a cell stores per pressure, V n/K_w and what its grains give, m3/Pa; zero where neither compresses.
-pub(super) fn storage<V: Simd, const D: usize>(
-    strips: &[Strip<V, D>],
+pub(super) fn storage<const D: usize>(
+    strips: &[Strip<D>],
     frame: &Frame<D>,
     cell: usize,
     (flow, faces): (&FaceFlow, &Faces<D>),

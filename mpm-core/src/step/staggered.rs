@@ -4,10 +4,7 @@
 //! A stage moves one of them. In seepage the water takes implicit steps of its own length
 //! ([`FreeSurface`]); while the soil moves, the explicit step of Figure 1 runs under fixed pressures.
 
-use pulp::Simd;
-
 use super::explicit::Explicit;
-use super::kernel::Functions;
 use super::store::nodes::force;
 use super::{Failing, Fault, Model, Pace, Work};
 use crate::checkpoint::{Archive, RestoreError, archive};
@@ -34,9 +31,9 @@ const MOST_MOVES: u64 = 1 << 20;
 /// Soil that has moved less than this takes no water along, in cells.
 const NEAR: f64 = 1e-3;
 
-/// The staggered model. V: SIMD type of the machine, F: shape functions.
-pub struct Staggered<V: Simd, F: Functions<D>, const D: usize> {
-    soil: Explicit<V, F, D>,
+/// The staggered model.
+pub struct Staggered<const D: usize> {
+    soil: Explicit<D>,
     /// The materials of the scene.
     materials: Materials,
     coupling: Coupling,
@@ -49,9 +46,9 @@ pub struct Staggered<V: Simd, F: Functions<D>, const D: usize> {
     work: Work,
 }
 
-impl<V: Simd, F: Functions<D>, const D: usize> Staggered<V, F, D> {
+impl<const D: usize> Staggered<D> {
     /// A run at t = 0, of soil without water and that.
-    pub fn new(soil: Explicit<V, F, D>, water: AdvectedWater<D>) -> Self {
+    pub fn new(soil: Explicit<D>, water: AdvectedWater<D>) -> Self {
         let (materials, first) = (soil.body().materials.clone(), water.stored());
         let soil = soil.with_free_water(water);
         Self { materials, soil, coupling: Coupling::Seepage, next: 0.0, left: 0.0, first, work: Work::default() }
@@ -173,7 +170,7 @@ fn everywhere(what: &impl ToString) -> Fault {
     Fault { place: "the whole soil".to_owned(), what: what.to_string() }
 }
 
-impl<V: Simd, F: Functions<D>, const D: usize> Model for Staggered<V, F, D> {
+impl<const D: usize> Model for Staggered<D> {
     fn advance(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault> {
         match self.coupling {
             Coupling::Seepage => {
@@ -276,7 +273,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Model for Staggered<V, F, D> {
     }
 }
 
-impl<V: Simd, F: Functions<D>, const D: usize> Failing for Staggered<V, F, D> {
+impl<const D: usize> Failing for Staggered<D> {
     fn move_soil(&mut self, pace: &Pace, done: &mut u64) -> Result<(), Fault> {
         self.soil.damp_by(pace.damping);
         if self.water().pressures != pace.pressures {

@@ -1,14 +1,12 @@
 //! Where the particles below the surface are among the blocks, and where they will be at the end of a step.
 
-use pulp::{Scalar, Simd};
-
 use super::domains::Domains;
-use super::kernel::{Fields, Functions, rate_of_volume};
-use super::store::{Frame, Motion, Nodes, Strip};
+use super::kernel::{Kernel, Traveller};
+use super::store::{Frame, Nodes, Strip};
 use crate::boundary::{FaceLoads, Filled, SurfaceLoad};
 use crate::grid::Grid;
 use crate::particles::{Point, SolidPoint};
-use crate::real::{SimdReal, array};
+use crate::real::array;
 
 /// Particles behind the strips of a surface.
 #[derive(Debug, Clone)]
@@ -29,7 +27,7 @@ impl<const D: usize> Tops<D> {
 
     /// Position (m) and volume (m3) of one.
     #[inline]
-    pub fn carrier<V: Simd>(&self, strips: &[Strip<V, D>], top: usize) -> ([f64; D], f64) {
+    pub fn carrier(&self, strips: &[Strip<D>], top: usize) -> ([f64; D], f64) {
         let [strip, cell, slot] = self.places[top];
         let (solid, cell, slot) = (&strips[strip as usize].solid, cell as usize, slot as usize);
         let x = array!([0.0; D], d => solid.number(cell, slot, d));
@@ -37,7 +35,7 @@ impl<const D: usize> Tops<D> {
     }
 
     /// One of the numbers of one.
-    fn number<V: Simd>(&self, strips: &[Strip<V, D>], top: usize, which: usize) -> f64 {
+    fn number(&self, strips: &[Strip<D>], top: usize, which: usize) -> f64 {
         let [strip, cell, slot] = self.places[top];
         strips[strip as usize].solid.number(cell as usize, slot as usize, which)
     }
@@ -48,7 +46,7 @@ impl<const D: usize> Tops<D> {
     }
 
     /// Notes where the particles behind the surface are, of those in a cell.
-    pub fn follow<V: Simd>(&mut self, strips: &[Strip<V, D>], frame: &Frame<D>, cell: usize) {
+    pub fn follow(&mut self, strips: &[Strip<D>], frame: &Frame<D>, cell: usize) {
         let (strip, inside) = (cell / frame.strip, cell % frame.strip);
         let solid = &strips[strip].solid;
         for slot in 0..solid.count(inside) {
@@ -61,67 +59,39 @@ impl<const D: usize> Tops<D> {
     }
 
     /// Finds where they will be, as the kernel moves and strains them: by velocities that are `mapped` back, if there are.
-    pub fn look_ahead<V: Simd, F: Functions<D>>(
+    pub fn look_ahead(
         &mut self,
-        functions: &F,
-        strips: &[Strip<V, D>],
+        kernel: &dyn Kernel<D>,
+        strips: &[Strip<D>],
         (nodes, mapped, boxes): (&Nodes<D>, Option<&Nodes<D>>, Option<(&Domains<D>, usize)>),
         dt: f64,
     ) {
-        let Nodes { frame, motion: Motion { velocity, change, .. }, .. } = nodes;
-        let mapped = mapped.map(|mapped| &mapped.motion.velocity);
         for top in 0..self.places.len() {
-            let (strip, cell) = (self.places[top][0] as usize, self.places[top][1] as usize);
-            let (mut x, mut volume) = self.carrier(strips, top);
-            let at = strips[strip].first + cell;
-            let found = frame.finds_centroids(F::SPLIT);
-            let fields = Fields { simd: Scalar, velocity, change, mapped, frame, at, found };
-            let lone = |number: f64| SimdReal::splat(Scalar, number);
-            let position = frame.position(at);
-            let position = array!([lone(0.0); D], d => lone(position[d] as f64));
-            let edges = functions.edges(&position, &frame.cells);
-            let centroid = strips[strip].centroid(cell);
-            let centroid = array!([lone(0.0); D], d => lone(centroid[d]));
-            let mut motion = functions.at_rest(Scalar);
-            functions.find_motion(&mut motion, &fields, &edges, &centroid);
-            let xi = array!([lone(0.0); D], d => lone(x[d] * frame.inverse_size) - position[d]);
-            let mut moves = functions.moves(&motion, &edges, &xi, frame.inverse_size);
-            let from_axis = frame.axis_in_cells.map(|axis| position[0] + lone(axis));
-            let mut hoop = from_axis.map(|from| functions.hoop(&motion, &edges, &xi, from, frame.inverse_size));
-            let of_point = rate_of_volume(&moves.gradient, hoop);
-            if let Some((domains, first)) = boxes {
-                let mut size = array!([lone(0.0); D], d => lone(self.number(strips, top, first + d)));
-                domains.around(Scalar, at).stretch(&xi, &mut size, &mut moves, &mut hoop, dt);
-            }
-            let mut rate = rate_of_volume(&moves.gradient, hoop);
-            if F::SPLIT {
-                let middle = functions.middle(&motion, from_axis, frame.inverse_size);
-                rate = if boxes.is_some() { middle + (rate - of_point) } else { middle };
-            }
-            volume *= 1.0 + dt * rate.lane(0);
-            for d in 0..D {
-                x[d] += dt * moves.velocity[d].lane(0);
-            }
-            self.ahead[top] = (x, volume);
+            let [strip, inside, _] = self.places[top].map(|place| place as usize);
+            let (x, volume) = self.carrier(strips, top);
+            let size = |(domains, first)| (array!([0.0; D], d => self.number(strips, top, first + d)), domains);
+            let (cell, centroid) = (strips[strip].first + inside, strips[strip].centroid(inside));
+            let extent = boxes.map(size);
+            self.ahead[top] = kernel.ahead(&Traveller { x, volume, extent, cell, centroid, nodes, mapped }, dt);
         }
     }
 
     /// Visits the functions that a pressure (Pa, upwards) on the surface pushes, with the force, N.
-    pub fn each_push<V: Simd, F: Functions<D>>(
+    pub fn each_push(
         &self,
-        functions: &F,
+        kernel: &dyn Kernel<D>,
         (surface, grid, pressure): (&SurfaceLoad<D>, &Grid<D>, f64),
-        strips: &[Strip<V, D>],
+        strips: &[Strip<D>],
         frame: &Frame<D>,
         mut give: impl FnMut(usize, f64),
     ) {
         for top in 0..self.places.len() {
             let (position, xi) = surface.place(top, grid, self.carrier(strips, top));
-            let forces = functions.at_surface(&position, &frame.cells, &xi, pressure * surface.strips()[top].loaded);
+            let forces = kernel.at_surface(&position, &frame.cells, &xi, pressure * surface.strips()[top].loaded);
             let first = frame.number(&position);
-            for row in 0..if D == 1 { 1 } else { F::REACH } {
-                for i in 0..F::REACH {
-                    give(first + i + row * frame.stride[D - 1], forces[row * F::REACH + i]);
+            for row in 0..if D == 1 { 1 } else { frame.reach } {
+                for i in 0..frame.reach {
+                    give(first + i + row * frame.stride[D - 1], forces[row * frame.reach + i]);
                 }
             }
         }
@@ -143,11 +113,11 @@ impl<const D: usize> Tops<D> {
     }
 
     /// The same of loads on faces at a time, s: function, axis and force, N.
-    pub fn each_force<V: Simd, F: Functions<D>>(
+    pub fn each_force(
         &self,
-        functions: &F,
+        kernel: &dyn Kernel<D>,
         (loads, grid, time): (&FaceLoads<D>, &Grid<D>, f64),
-        strips: &[Strip<V, D>],
+        strips: &[Strip<D>],
         frame: &Frame<D>,
         mut give: impl FnMut(usize, usize, f64),
     ) {
@@ -155,12 +125,12 @@ impl<const D: usize> Tops<D> {
             let (place, volume) = self.carrier(strips, top);
             let (position, xi) = piece.place(grid, (place, volume));
             let factor = loads.factor(piece, &place, time);
-            let shares = functions.at_surface(&position, &frame.cells, &xi, factor);
+            let shares = kernel.at_surface(&position, &frame.cells, &xi, factor);
             let first = frame.number(&position);
-            for row in 0..if D == 1 { 1 } else { F::REACH } {
-                for i in 0..F::REACH {
+            for row in 0..if D == 1 { 1 } else { frame.reach } {
+                for i in 0..frame.reach {
                     for d in 0..D {
-                        give(first + i + row * frame.stride[D - 1], d, shares[row * F::REACH + i] * piece.force[d]);
+                        give(first + i + row * frame.stride[D - 1], d, shares[row * frame.reach + i] * piece.force[d]);
                     }
                 }
             }

@@ -2,7 +2,10 @@
 
 use toml::Spanned;
 
-use super::super::raw::{Pairs, RawFeed, RawFeeds, RawFreeSurface, RawRetention, RawScene, RawStage};
+use super::super::raw::{
+    Pairs, RawBrooksCorey, RawFeed, RawFeeds, RawFreeSurface, RawGardner, RawRetention, RawScene, RawStage,
+    RawVanGenuchten,
+};
 use super::super::{Coupling, Course, Dimension, Feed, Fields, FreeSurfaceWater, Integrator, Side, Until};
 use super::{Checked, Reader, quoted, written};
 use crate::seeding;
@@ -90,7 +93,7 @@ impl Reader<'_> {
     fn retention(&self, raw: &RawRetention) -> Checked<Retention> {
         let key = |name| format!("water.free_surface.retention.{name}");
         Ok(match raw {
-            RawRetention::VanGenuchten { alpha, n, entry } => Retention::VanGenuchten {
+            RawRetention::VanGenuchten(RawVanGenuchten { alpha, n, entry }) => Retention::VanGenuchten {
                 alpha: self.positive(alpha, &key("van_genuchten.alpha"), "1/m")?,
                 n: self.within(n, &key("van_genuchten.n"), "above 1 and at most 20", |n| n > 1.0 && n <= 20.0)?,
                 entry: match entry {
@@ -98,10 +101,10 @@ impl Reader<'_> {
                     None => 0.0,
                 },
             },
-            RawRetention::Gardner { alpha } => {
+            RawRetention::Gardner(RawGardner { alpha }) => {
                 Retention::Gardner { alpha: self.positive(alpha, &key("gardner.alpha"), "1/m")? }
             }
-            RawRetention::BrooksCorey { entry, index } => Retention::BrooksCorey {
+            RawRetention::BrooksCorey(RawBrooksCorey { entry, index }) => Retention::BrooksCorey {
                 entry: self.positive(entry, &key("brooks_corey.entry"), "m of suction head")?,
                 index: self
                     .within(index, &key("brooks_corey.index"), "above 0 and at most 20", |x| x > 0.0 && x <= 20.0)?,

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use serde::Deserialize;
+use toml::de::DeValue;
 use toml::{Spanned, Value};
 
 mod failure;
@@ -21,6 +21,7 @@ pub(super) use method::{SAFETY, TOLERANCE};
 mod together;
 mod units;
 
+use super::decode::{Decode, Misfit, What};
 use super::patch::{Source, Unreadable, correct};
 use super::raw::{RawBoundaries, RawMesh, RawObserve, RawScene, RawStage, RawStrip, RawUntil, RawWater};
 use super::renames::Renamed;
@@ -135,24 +136,25 @@ impl Reader<'_> {
         loop {
             let (mut table, renamed) = self.source.table().map_err(|why| unreadable(self.source, why))?;
             let all = corrections.iter().all(|(span, name)| correct(table.get_mut(), span, name.as_deref()));
-            let error = match RawScene::deserialize(toml::Deserializer::from(table)) {
+            let misfit = match RawScene::decode(&DeValue::Table(table.into_inner()), &(0..self.source.text.len())) {
                 Ok(raw) => return Ok((Some(raw), renamed)),
-                Err(error) => error,
+                Err(misfit) => misfit,
             };
-            let is_missing = error.message().starts_with("missing field");
+            let is_missing = matches!(misfit.what, What::Missing(_));
             // What is missing now may be what was left out.
             if is_missing && corrections.iter().any(|(_, name)| name.is_none()) {
                 return Ok((None, renamed));
             }
-            let fault = self.syntax(&error);
+            let fault = self.misfit(&misfit);
             let meant = fault.notes.as_ref().and_then(|notes| notes.suggestion.clone());
             faults.take::<()>(Err(fault));
             let can_continue = all && !is_missing && corrections.len() < MOST_FAULTS;
-            let span = error.span().filter(|span| can_continue && self.source.edit(span).is_none());
-            match span.filter(|span| corrections.iter().all(|(known, _)| known != span)) {
-                Some(span) => corrections.push((span, meant)),
-                None => return Ok((None, renamed)),
+            let Misfit { span, .. } = misfit;
+            if !can_continue || self.source.edit(&span).is_some() || corrections.iter().any(|(known, _)| *known == span)
+            {
+                return Ok((None, renamed));
             }
+            corrections.push((span, meant));
         }
     }
 
@@ -170,47 +172,42 @@ impl Reader<'_> {
         Warning { file, line, key, what }
     }
 
-    /// A file that is not TOML, or has a key or type that no scene has.
+    /// A file that is not TOML.
     fn syntax(&self, error: &toml::de::Error) -> SceneError {
-        let text = &self.source.text;
-        let span = error.span().unwrap_or(text.len()..text.len());
+        let span = error.span().unwrap_or(self.source.text.len()..self.source.text.len());
         let message = error.message().replace('\n', ", ");
-        if let Some(field) = message.strip_prefix("missing field ") {
-            return self.refusal(&span, &field.replace('`', ""), format!("the key {field}"), "none".to_owned());
-        }
         let (expected, found) = match message.split_once(", expected ") {
-            Some((found, expected)) => (expected, found.trim_start_matches("invalid type: ").replace(" as i128", "")),
-            None => ("a complete TOML scene, each key once", message.clone()),
+            Some((found, expected)) => (expected, found),
+            None => ("a complete TOML scene, each key once", &*message),
         };
-        // The parser's words for what a scene calls otherwise.
-        let expected = match expected {
-            "f64" => "a number",
-            "i64" => "a whole number",
-            "a sequence" => "a list",
-            "newtype variant" | "map" => "a table",
-            "literal string" => "a number, or a word in quotes",
-            shape if shape.starts_with("struct ") => "a table",
-            other => other,
-        };
-        let names = expected.split('`').skip(1).step_by(2);
-        let suggestion = found.split('`').nth(1).and_then(|name| nearest(name, names)).map(str::to_owned);
-        let (expected, found) =
-            (expected.to_owned(), found.replace("unit variant", "a word").replace("map", "a table"));
-        let with_suggestion = |mut fault: SceneError| {
-            if suggestion.is_some() {
-                fault.notes_mut().suggestion.clone_from(&suggestion);
+        self.refusal(&span, &self.key_at(&span), expected.to_owned(), found.to_owned())
+    }
+
+    /// A key or type that no scene has.
+    fn misfit(&self, Misfit { span, what }: &Misfit) -> SceneError {
+        let key = || self.source.edit(span).map_or_else(|| self.key_at(span), |edit| edit.key.clone());
+        match what {
+            What::Missing(field) => self.refusal(span, field, format!("the key `{field}`"), "none".to_owned()),
+            What::Other { expected, found } => self.refusal(span, &key(), (*expected).to_owned(), found.clone()),
+            What::Unknown { kind, name, known } => {
+                let names: Vec<String> = known.iter().map(|name| format!("`{name}`")).collect();
+                let expected = format!("one of {}", names.join(", "));
+                let mut fault = self.refusal(span, &key(), expected, format!("unknown {kind} `{name}`"));
+                if let Some(name) = nearest(name, known.iter().copied()) {
+                    fault.notes_mut().suggestion = Some(name.to_owned());
+                }
+                fault
             }
-            fault
-        };
-        if let Some(edit) = self.source.edit(&span) {
-            return with_suggestion(self.refusal(&span, &edit.key, expected, found));
         }
-        // The key is what stands before the equals sign of the line, or the whole line of a table.
+    }
+
+    /// The key is what stands before the equals sign of the line, or the whole line of a table.
+    fn key_at(&self, span: &Range<usize>) -> String {
+        let text = &self.source.text;
         let start = text[..span.start.min(text.len())].rfind('\n').map_or(0, |end| end + 1);
         let line = text[start..].lines().next().unwrap_or("");
-        let key = line.split('=').next().unwrap_or(line);
-        let key = if key.trim().is_empty() { "end of file" } else { key };
-        with_suggestion(self.refusal(&span, key.trim(), expected, found))
+        let key = line.split('=').next().unwrap_or(line).trim();
+        if key.is_empty() { "end of file" } else { key }.to_owned()
     }
 
     fn within(&self, value: &Spanned<f64>, key: &str, expected: &str, holds: impl Fn(f64) -> bool) -> Checked<f64> {

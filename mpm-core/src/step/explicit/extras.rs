@@ -2,10 +2,10 @@
 
 use super::*;
 
-impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
+impl<const D: usize> Explicit<D> {
     /// The same with velocities of the water at the nodes, in place of flow through faces.
     pub fn with_nodal_flow(mut self) -> Self {
-        self.nodal = Some(Box::new(NodalFlow::new(&self.nodes, F::PRESSURE_AT_PARTICLES)));
+        self.nodal = Some(Box::new(NodalFlow::new(&self.nodes, self.scheme.pressure_at_particles)));
         self
     }
 

@@ -3,18 +3,19 @@
 use super::*;
 
 /// The soil of a run, as conditions see it.
-pub(super) struct Grains<'a, V: Simd, F, const D: usize> {
-    pub(super) functions: &'a F,
+pub(super) struct Grains<'a, const D: usize> {
+    pub(super) kernel: &'a dyn Kernel<D>,
+    pub(super) scheme: &'a Scheme,
     pub(super) body: &'a Body<D>,
     pub(super) water: Option<&'a AdvectedWater<D>>,
-    pub(super) strips: &'a [Strip<V, D>],
+    pub(super) strips: &'a [Strip<D>],
     pub(super) frame: Frame<D>,
     /// Pore pressure of the cells, Pa, from [`Frame::pad`] on.
     pub(super) pressure: &'a [f64],
     pub(super) time: f64,
 }
 
-impl<V: Simd, F: Functions<D>, const D: usize> Soil<D> for Grains<'_, V, F, D> {
+impl<const D: usize> Soil<D> for Grains<'_, D> {
     fn time(&self) -> f64 {
         self.time
     }
@@ -32,14 +33,14 @@ impl<V: Simd, F: Functions<D>, const D: usize> Soil<D> for Grains<'_, V, F, D> {
     }
 
     fn each_cell(&self, visit: &mut dyn FnMut(f64, &mut dyn Iterator<Item = usize>)) {
-        if !F::FUSED {
+        if !self.scheme.on_cell {
             // A particle need not reach all functions of its cell.
             let touched = |(_, share): &&(usize, f64)| *share > 0.0;
             return self.each_share(&mut |point, shares| {
                 visit(point.mass, &mut shares.iter().filter(touched).map(|(function, _)| *function));
             });
         }
-        let reached = F::REACH.pow(D as u32);
+        let reached = self.scheme.reach.pow(D as u32);
         for strip in self.strips {
             for cell in 0..self.frame.strip {
                 let [_, mass] = strip.volume_and_mass(cell);
@@ -62,7 +63,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Soil<D> for Grains<'_, V, F, D> {
     }
 
     fn each_share(&self, visit: &mut Visit<D>) {
-        let reached = F::REACH.pow(D as u32);
+        let reached = self.scheme.reach.pow(D as u32);
         let mut shares = [(0, 0.0); MOST_REACHED];
         for strip in self.strips {
             for cell in 0..self.frame.strip {
@@ -70,7 +71,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Soil<D> for Grains<'_, V, F, D> {
                 for slot in 0..strip.solid.count(cell) {
                     let point: SolidPoint<D> = strip.solid.particle(cell, slot);
                     let xi = std::array::from_fn(|d| point.x[d] * self.frame.inverse_size - position[d] as f64);
-                    let values = self.functions.values(&position, &self.frame.cells, &xi);
+                    let values = self.kernel.values(&position, &self.frame.cells, &xi);
                     for (a, value) in values.into_iter().enumerate().take(reached) {
                         shares[a] = (strip.first + cell + self.frame.offset(a), value);
                     }

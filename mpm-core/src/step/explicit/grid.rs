@@ -2,16 +2,16 @@
 
 use super::*;
 
-impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
+impl<const D: usize> Explicit<D> {
     /// Velocities under the forces gathered so far.
     pub(super) fn accelerate(&mut self, dt: f64) {
-        let Self { simd, body, nodes, pool, .. } = self;
+        let Self { kernel, body, nodes, pool, .. } = self;
         let Nodes { frame, sums, reached, motion, .. } = nodes;
-        let (simd, count, length) = (*simd, frame.count(), frame.strip);
+        let (count, length) = (frame.count(), frame.strip);
         let Motion { velocity: [vx, vy], change: [cx, cy], acceleration: [ax, ay] } = motion;
         let (gravity, flip) = (body.gravity, body.flip);
         let solve = |(sums, runs): (&StripSums, &Vec<_>), velocity, change, acceleration| {
-            simd.vectorize(EquationOfMotion { simd, runs, sums, velocity, change, acceleration, gravity, flip, dt });
+            kernel.accelerate(EquationOfMotion { runs, sums, velocity, change, acceleration, gravity, flip, dt });
         };
         if pool.is_some() {
             fn chunks(field: &mut [f64], length: usize) -> rayon::slice::ChunksMut<'_, f64> {
@@ -38,19 +38,20 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
 
     /// Lets the conditions act on the motion.
     pub(super) fn constrain(&mut self, dt: f64) -> Result<(), Fault> {
-        let Self { functions, body, strips, nodes, conditions, totals, pressure, time, free, damping, .. } = self;
+        let Self { kernel, scheme, body, strips, nodes, conditions, totals, pressure, time, free, damping, .. } = self;
+        let kernel = kernel.as_ref();
         let (frame, pressure, time) = (nodes.frame, &pressure[0], *time);
         let water = free.as_ref().map(|free| &free.carried);
-        let soil = Grains { functions, body, water, strips, frame, pressure, time };
+        let soil = Grains { kernel, scheme, body, water, strips, frame, pressure, time };
         for condition in conditions.iter_mut() {
             condition.accelerated(nodes, &soil, totals, dt)?;
         }
         if let Some(free) = free {
             let keeps = 1.0 / (1.0 + *damping * dt);
-            free.press((&body.grid, strips), nodes, conditions, (keeps, F::AT_CENTROID), dt)?;
+            free.press((&body.grid, strips), nodes, conditions, (keeps, scheme.at_centroid), dt)?;
         }
         let water = free.as_ref().map(|free| &free.carried);
-        let soil = Grains { functions, body, water, strips, frame, pressure, time };
+        let soil = Grains { kernel, scheme, body, water, strips, frame, pressure, time };
         for condition in conditions {
             condition.followed(nodes, &soil, totals, dt);
         }
@@ -59,20 +60,21 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
 
     /// Records what the nodes have gained, and the work of load and weight.
     pub(super) fn book_motion(&mut self, dt: f64) {
-        let Self { body, strips, nodes, tops, loaded, functions, totals, time, .. } = self;
+        let Self { body, strips, nodes, tops, loaded, kernel, totals, time, .. } = self;
+        let kernel = kernel.as_ref();
         totals.book_motion(nodes, body.flip, dt);
         if body.surcharge.is_some() {
             let pressure = body.pressure_at(*time);
             let mut power = 0.0;
             let frame = nodes.frame;
-            tops.each_push(functions, (&body.surface, &body.grid, -pressure), strips, &frame, |node, newton| {
+            tops.each_push(kernel, (&body.surface, &body.grid, -pressure), strips, &frame, |node, newton| {
                 power += newton * nodes.working_velocity(node, D - 1, dt);
             });
             totals.external_work += dt * power;
             totals.load_impulse -= dt * pressure * body.surface.loaded_area();
         }
         let loads = (&body.loads, &body.grid, *time);
-        loaded.each_force(functions, loads, strips, &nodes.frame, |node, axis, newton| {
+        loaded.each_force(kernel, loads, strips, &nodes.frame, |node, axis, newton| {
             totals.external_work += dt * newton * nodes.working_velocity(node, axis, dt);
             totals.load_impulse += if axis + 1 == D { dt * newton } else { 0.0 };
         });
@@ -86,16 +88,16 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
 
     /// Notes the accelerations that drive the flow of the next step, where pressures are solved for.
     pub(super) fn note_accelerations(&mut self) {
-        let Self { functions, nodes, of_mesh, solver, .. } = self;
+        let Self { kernel, scheme, nodes, of_mesh, solver, .. } = self;
         if solver.is_none() {
             return;
         }
-        if F::NODAL {
+        if scheme.nodal {
             for (to, from) in of_mesh.iter_mut().zip(&nodes.motion.acceleration).take(D) {
                 to[..from.len()].copy_from_slice(from);
             }
         } else {
-            functions.accelerations_of_mesh(nodes, of_mesh);
+            kernel.accelerations_of_mesh(nodes, of_mesh);
         }
     }
 
@@ -133,13 +135,12 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
 
     /// Finds the velocities that strain the soil, where they are not those of the nodes.
     pub(super) fn map_back(&mut self) {
-        let Self { simd, functions, body, strips, nodes, mapped: Some(mapped), soil, places, .. } = self else {
+        let Self { kernel, body, strips, nodes, mapped: Some(mapped), soil, places, .. } = self else {
             return;
         };
         let Nodes { frame, motion, .. } = &*nodes;
         let common = &Common {
             frame,
-            functions: *functions,
             motion,
             acceleration: &motion.acceleration,
             water: InPores::None,
@@ -159,8 +160,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             coupled: false,
             dt: 0.0,
         };
-        for (strip, sums) in strips.iter().zip(&mut mapped.sums) {
-            simd.vectorize(MapBack { simd: *simd, strip, sums, common });
+        for (strip, sums) in strips.iter_mut().zip(&mut mapped.sums) {
+            kernel.map_back(strip, sums, common);
         }
         mapped.merge();
         for condition in &self.conditions {

@@ -2,7 +2,7 @@
 
 use super::*;
 
-impl<V: Simd, F: Functions<D>, const D: usize> Model for Explicit<V, F, D> {
+impl<const D: usize> Model for Explicit<D> {
     fn advance(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault> {
         match self.pool.clone() {
             Some(pool) => pool.install(|| self.steps(dt, steps, done)),

@@ -2,7 +2,7 @@
 
 use super::*;
 
-impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
+impl<const D: usize> Explicit<D> {
     /// Takes the particles of the body into the strips and gathers them.
     pub(super) fn settle_in(&mut self) {
         let Self { body, nodes: Nodes { frame, .. }, strips, kept: (more, kept), .. } = self;
@@ -50,7 +50,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             let number = frame.number(&grid.cell_position(*cell));
             !strips[number / frame.strip].holds(number % frame.strip)
         });
-        strips.iter_mut().for_each(|strip| strip.changed = false);
+        strips.iter_mut().for_each(|strip| strip.sums.changed = false);
         self.open_faces();
     }
 
@@ -66,10 +66,10 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
 
     /// Finds it where the particles will be at the end of a step, as the kernel moves them.
     pub(super) fn find_surface_ahead(&mut self, dt: f64) {
-        let Self { functions, body, strips, tops, nodes, mapped, soil, domains, places, .. } = self;
+        let Self { kernel, body, strips, tops, nodes, mapped, soil, domains, places, .. } = self;
         if body.filled.is_known() {
             let boxes = domains.as_deref().zip(places.extent);
-            tops.look_ahead(functions, strips, (nodes, mapped.as_deref(), boxes), dt);
+            tops.look_ahead(kernel.as_ref(), strips, (nodes, mapped.as_deref(), boxes), dt);
             let moved = body.filled.follow(&body.grid, &body.surface, |top| tops.ahead(top));
             Tops::note_soil(&body.filled, &nodes.frame, soil, moved);
         }

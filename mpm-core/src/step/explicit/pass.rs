@@ -1,20 +1,18 @@
 //! One pass of the kernel over the strips of cells.
 
-use pulp::Simd;
 use rayon::prelude::*;
 
 use super::Explicit;
-use crate::step::kernel::{Common, Functions, InPores, Pass, Rare};
+use crate::step::kernel::{Common, InPores, Rare};
 use crate::step::store::Nodes;
-use crate::step::store::{Strip, StripSums};
 use crate::water::FaceFlow;
 
-impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
+impl<const D: usize> Explicit<D> {
     /// One pass over all particles, on one thread or several.
     pub(super) fn pass(&mut self, moves: bool, dt: f64) {
         let Self {
-            simd,
-            functions,
+            kernel,
+            scheme,
             body,
             strips,
             nodes,
@@ -47,9 +45,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
         };
         let common = &Common {
             frame,
-            functions: *functions,
             motion,
-            acceleration: if coupled || !F::NODAL { of_mesh } else { &motion.acceleration },
+            acceleration: if coupled || !scheme.nodal { of_mesh } else { &motion.acceleration },
             water,
             pressure: old,
             conducts: &faces.conducts,
@@ -61,7 +58,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
                 outflow: (!faces.outflow.is_empty()).then_some(&faces.outflow),
                 softness: (!faces.softness.is_empty()).then_some(&faces.softness),
                 axis: frame.axis_in_cells,
-                found: frame.finds_centroids(F::SPLIT),
+                found: frame.finds_centroids(scheme.split),
                 null_space: body.null_space,
                 domains: domains.as_deref(),
             },
@@ -78,22 +75,21 @@ impl<V: Simd, F: Functions<D>, const D: usize> Explicit<V, F, D> {
             coupled,
             dt,
         };
-        let simd = *simd;
-        let is_lean = common.lean().is_some();
-        let sweep = |strip: &mut Strip<V, D>, sums: &mut StripSums, pressure: &mut [f64]| {
-            if is_lean {
-                simd.vectorize(Pass::<V, F, D, true> { simd, strip, sums, pressure, common });
-            } else {
-                simd.vectorize(Pass::<V, F, D, false> { simd, strip, sums, pressure, common });
-            }
-        };
         let cells = &mut new[frame.pad()..][..frame.count()];
         if self.pool.is_some() {
             let cells = cells.par_chunks_mut(frame.strip);
-            strips.par_iter_mut().zip(sums).zip(cells).for_each(|((strip, sums), cells)| sweep(strip, sums, cells));
+            strips
+                .par_iter_mut()
+                .zip(sums)
+                .zip(cells)
+                .for_each(|((strip, sums), cells)| kernel.sweep(strip, sums, cells, common));
         } else {
             let cells = cells.chunks_mut(frame.strip);
-            strips.iter_mut().zip(sums).zip(cells).for_each(|((strip, sums), cells)| sweep(strip, sums, cells));
+            strips
+                .iter_mut()
+                .zip(sums)
+                .zip(cells)
+                .for_each(|((strip, sums), cells)| kernel.sweep(strip, sums, cells, common));
         }
         if faces.periodic {
             for [last, first] in frame.seam() {

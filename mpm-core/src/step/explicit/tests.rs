@@ -9,7 +9,7 @@ use crate::grid::Grid;
 use crate::observe::Seed;
 use crate::particles::even_positions;
 use crate::scene::{Elastic, LoadOn};
-use crate::step::kernel::{Basis, Bspline, Gimp, LINEAR, Over};
+use crate::step::kernel::{Basis, Bspline, Functions, Gimp, LINEAR, Over, Vectorised};
 
 /// A number in [-1, 1] without system.
 fn noise(i: usize) -> f64 {
@@ -50,7 +50,8 @@ fn off_linear<F: Functions<2>>(functions: F, affine: bool, mapped: bool, stands:
         seed: Seed { per_row: 6, spacing: 0.25, heights: Vec::new() },
         first_settlement: 0.0,
     };
-    let mut run = Explicit::new((Scalar, None), functions, body, Vec::new(), (affine, mapped));
+    let mut run =
+        Explicit::new((Box::new(Vectorised { simd: Scalar, functions }), None), body, Vec::new(), (affine, mapped));
     run.body = run.whole();
     run.kept.1 = GRADIENT.repeat(run.kept.1.len() / 4);
     run.settle_in();

@@ -9,9 +9,7 @@ use crate::step::store::StripSums;
 use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS, force};
 
 /// Mixture momentum on the nodes of one strip: rho a_s = div(sigma') - grad p + rho g; new nodal velocities.
-pub struct EquationOfMotion<'a, V: Simd, const D: usize> {
-    /// Proof that the SIMD instructions of the CPU may be used.
-    pub simd: V,
+pub struct EquationOfMotion<'a, const D: usize> {
     /// Runs of nodes that have soil, in whole vectors.
     pub runs: &'a [Range<usize>],
     /// Sums of the nodes.
@@ -30,12 +28,12 @@ pub struct EquationOfMotion<'a, V: Simd, const D: usize> {
     pub dt: f64,
 }
 
-impl<V: Simd, const D: usize> WithSimd for EquationOfMotion<'_, V, D> {
+impl<const D: usize> WithSimd for EquationOfMotion<'_, D> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<T: Simd>(self, _: T) {
-        let Self { simd, runs, sums, velocity, change, acceleration, gravity, flip, dt } = self;
+    fn with_simd<V: Simd>(self, simd: V) {
+        let Self { runs, sums, velocity, change, acceleration, gravity, flip, dt } = self;
         let none = SimdReal::splat(simd, 0.0);
         let one = none.like(1.0);
         for run in runs {

@@ -16,40 +16,40 @@ use super::scatter::Scatter;
 use super::{Affine, Closing, Common, Contribution, Fields, Functions, Moves, Nodal};
 use crate::real::{SimdReal, array};
 use crate::step::store::nodes::{SUMS, StripSums};
-use crate::step::store::{Motion, SolidLanes, Strip};
+use crate::step::store::{Motion, SimdCells, SolidLanes, Strip};
 
 /// Masses and momenta of the end of the step from the particles of a strip to the nodes.
-pub struct MapBack<'a, V: Simd, F: Functions<D>, const D: usize> {
-    /// Proof that the SIMD instructions of the CPU may be used.
-    pub simd: V,
+pub struct MapBack<'a, F, const D: usize> {
+    /// The functions.
+    pub functions: F,
     /// The strip.
-    pub strip: &'a Strip<V, D>,
+    pub strip: &'a mut Strip<D>,
     /// What it gives to the nodes.
     pub sums: &'a mut StripSums,
     /// What all strips share.
-    pub common: &'a Common<'a, F, D>,
+    pub common: &'a Common<'a, D>,
 }
 
-impl<V: Simd, F: Functions<D>, const D: usize> WithSimd for MapBack<'_, V, F, D> {
+impl<F: Functions<D>, const D: usize> WithSimd for MapBack<'_, F, D> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<T: Simd>(self, _: T) {
-        let Self { simd, strip, sums, common } = self;
-        let Common { frame, functions, motion: moving, flip, kept, .. } = *common;
+    fn with_simd<V: Simd>(self, simd: V) {
+        let Self { functions, strip, sums, common } = self;
+        let strip = strip.vectors(simd);
+        let Common { frame, motion: moving, flip, kept, .. } = *common;
         let none = SimdReal::splat(simd, 0.0);
         let (mut motion, mut gathered) = (functions.at_rest(simd), functions.nothing(simd));
         let mut room = [Nodal::splat(simd, 0.0); SUMS];
         let mut scatter = Scatter::<V, D>::begin::<F>(simd, sums, frame);
-        for (group, cell) in strip.cells.iter().enumerate() {
-            let position = array!([none; D], d => SimdReal { simd, value: cell.position[d] });
+        for group in 0..strip.groups() {
+            let SimdCells { position, at: centroid, .. } = strip.cell(group);
             let edges = functions.edges(&position, &frame.cells);
             let at = strip.first + group * V::F64_LANES;
             let Motion { velocity, change, .. } = moving;
             let found = frame.finds_centroids(F::SPLIT);
             let fields = Fields { simd, velocity, change, mapped: None, frame, at, found };
-            let at = array!([none; D], d => SimdReal { simd, value: cell.at[d] });
-            functions.find_motion(&mut motion, &fields, &edges, &at);
+            functions.find_motion(&mut motion, &fields, &edges, &centroid);
             functions.clear(simd, &mut gathered, (false, false));
             for index in strip.solid.range(group) {
                 let point = SolidLanes::<V, D>::read(simd, strip.solid.block(index));
@@ -68,6 +68,6 @@ impl<V: Simd, F: Functions<D>, const D: usize> WithSimd for MapBack<'_, V, F, D>
             let given = functions.finish(&mut gathered, &edges, &closing, frame.inverse_size, &mut room);
             scatter.add::<F>(sums, group * V::F64_LANES, given);
         }
-        scatter.end::<F>(sums, strip.cells.len() * V::F64_LANES);
+        scatter.end::<F>(sums, strip.groups() * V::F64_LANES);
     }
 }

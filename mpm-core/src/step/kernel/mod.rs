@@ -6,6 +6,7 @@
 //! products are not fused with sums, so the bits are the same.
 
 mod bases;
+mod dispatch;
 pub mod equation;
 mod map_back;
 mod null_space;
@@ -15,7 +16,8 @@ mod stencil;
 mod water;
 
 pub use bases::{Basis, Bspline, Gimp, Line};
-pub use map_back::MapBack;
+pub use dispatch::{Kernel, Scheme, Traveller, Vectorised};
+use map_back::MapBack;
 pub use on_cell::{B_BAR, CENTRE, CENTROID, LINEAR};
 pub use stencil::Over;
 
@@ -25,7 +27,8 @@ use pulp::{Simd, WithSimd};
 
 use super::domains::{Around, Domains, Shared};
 use super::store::nodes::{SUMS, StripSums};
-use super::store::{Frame, Motion, Nodes, SimdCells, SolidLanes, Strip, ask_for};
+use super::store::strip::{MASS, VOLUME};
+use super::store::{Frame, Motion, Nodes, SimdCells, SolidLanes, Strip, StripVectors, ask_for};
 use crate::boundary::ROUND_OFF;
 use crate::constitutive::{Flow, LinearElastic, Materials, STATES, State};
 use crate::dimension::{PRESSURE, rotate, strain_increment, trace};
@@ -223,6 +226,8 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
     const REACH: usize;
     /// How many of those have a smaller number than the cell.
     const BEFORE: usize;
+    /// How many more functions than cells there are along an axis.
+    const EXTRA: usize;
     /// Whether a particle is gathered right after it has moved: the pressure of its cell is added at the end.
     const FUSED: bool;
     /// Whether what changes volumes is taken at the centre of the cell (B-bar).
@@ -415,11 +420,9 @@ pub struct Rare<'a, const D: usize> {
 
 /// Everything a pass reads and no strip changes.
 #[derive(Clone, Copy)]
-pub struct Common<'a, F, const D: usize> {
+pub struct Common<'a, const D: usize> {
     /// Numbering.
     pub frame: &'a Frame<D>,
-    /// The functions.
-    pub functions: F,
     /// Motion of the functions in this step.
     pub motion: &'a Motion,
     /// Accelerations of the nodes of the mesh, m/s2.
@@ -459,7 +462,7 @@ pub struct Common<'a, F, const D: usize> {
     pub dt: f64,
 }
 
-impl<F: Copy, const D: usize> Common<'_, F, D> {
+impl<const D: usize> Common<'_, D> {
     /// The same, if it has none of what few scenes have: plastic or several materials, layers that conduct differently, velocities
     /// that are mapped back, what particles keep, pressures that are solved for or carried, water that runs out. The kernel is
     /// compiled a second time without all that, for room in the registers.
@@ -483,18 +486,44 @@ impl<F: Copy, const D: usize> Common<'_, F, D> {
     }
 }
 
-/// The pass over one strip. LEAN: without what few scenes have ([`Common::lean`]).
-pub struct Pass<'a, V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> {
-    /// Proof that the SIMD instructions of the CPU may be used.
-    pub simd: V,
+/// The pass over one strip, as it is asked for. LEAN: without what few scenes have ([`Common::lean`]).
+pub struct Sweep<'a, F, const D: usize, const LEAN: bool> {
+    /// The functions.
+    pub functions: F,
     /// The strip.
-    pub strip: &'a mut Strip<V, D>,
+    pub strip: &'a mut Strip<D>,
     /// What it gives to the nodes.
     pub sums: &'a mut StripSums,
     /// Where the pore pressure of its cells goes, Pa.
     pub pressure: &'a mut [f64],
     /// What all strips share.
-    pub common: &'a Common<'a, F, D>,
+    pub common: &'a Common<'a, D>,
+}
+
+impl<F: Functions<D>, const D: usize, const LEAN: bool> WithSimd for Sweep<'_, F, D, LEAN> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<V: Simd>(self, simd: V) {
+        let Self { functions, strip, sums, pressure, common } = self;
+        let strip = strip.vectors(simd);
+        if LEAN {
+            let common = &common.lean().expect("a scene without rare parts");
+            Pass::<V, F, D, LEAN> { simd, functions, strip, sums, pressure, common }.run();
+        } else {
+            Pass::<V, F, D, LEAN> { simd, functions, strip, sums, pressure, common }.run();
+        }
+    }
+}
+
+/// The same as it is done, so many cells at once.
+struct Pass<'a, V: Simd, F, const D: usize, const LEAN: bool> {
+    simd: V,
+    functions: F,
+    strip: StripVectors<'a, V>,
+    sums: &'a mut StripSums,
+    pressure: &'a mut [f64],
+    common: &'a Common<'a, D>,
 }
 
 /// Plastic flow of the particles of a strip, in as many parts as the widest SIMD vector has lanes: the bits do not depend on how
@@ -528,21 +557,6 @@ impl<V: Simd> FlowedLanes<V> {
             flowed.residual = flowed.residual.max(self.residual.lane(lane));
         }
         flowed
-    }
-}
-
-impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> WithSimd for Pass<'_, V, F, D, LEAN> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<T: Simd>(self, _: T) {
-        let Self { simd, strip, sums, pressure, common } = self;
-        if LEAN {
-            let common = &common.lean().expect("a scene without rare parts");
-            Pass::<'_, V, F, D, LEAN> { simd, strip, sums, pressure, common }.run();
-        } else {
-            Self { simd, strip, sums, pressure, common }.run();
-        }
     }
 }
 
@@ -615,7 +629,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             flowed: FlowedLanes::nothing(self.simd),
             stays: none.in_unit_interval(),
         };
-        let functions = self.common.functions;
+        let functions = self.functions;
         let mut room = Room {
             motion: functions.at_rest(self.simd),
             sums: functions.nothing(self.simd),
@@ -624,7 +638,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         let mut scatter = Scatter::<V, D>::begin::<F>(self.simd, self.sums, self.common.frame);
         // Where water particles flow, the lower faces of an empty cell may be the drained surface of the one below.
         let skips = !matches!(self.common.water, InPores::Particles { .. });
-        for group in 0..self.strip.cells.len() {
+        for group in 0..self.strip.groups() {
             if skips && self.stays_empty(group) {
                 scatter.skip::<F>(self.sums, group * V::F64_LANES);
                 continue;
@@ -632,13 +646,13 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             let given = self.group(group, &mut running, &mut room);
             scatter.add::<F>(self.sums, group * V::F64_LANES, given);
         }
-        scatter.end::<F>(self.sums, self.strip.cells.len() * V::F64_LANES);
-        self.strip.stays = SimdReal::nowhere(self.simd, self.simd.not_m64s(running.stays));
+        scatter.end::<F>(self.sums, self.strip.groups() * V::F64_LANES);
+        self.strip.sums.stays = SimdReal::nowhere(self.simd, self.simd.not_m64s(running.stays));
         if self.common.moves && self.common.plastic {
-            self.strip.flowed = running.flowed.added_up();
+            self.strip.sums.flowed = running.flowed.added_up();
         }
         if self.common.moves && !matches!(self.common.water, InPores::None) {
-            for (rate, lanes) in self.strip.rates.iter_mut().zip(running.rates) {
+            for (rate, lanes) in self.strip.sums.rates.iter_mut().zip(running.rates) {
                 *rate = 0.0;
                 for part in 0..MAX_LANES {
                     *rate += lanes[part / V::F64_LANES].lane(part % V::F64_LANES);
@@ -650,7 +664,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     /// Whether no cell of a group has soil, or had any in the last pass, which noted so.
     #[inline(always)]
     fn stays_empty(&self, group: usize) -> bool {
-        let mass = self.of(self.strip.cells[group].mass);
+        let mass = self.strip.cell::<D>(group).mass;
         self.strip.solid.range(group).is_empty() && SimdReal::nowhere(self.simd, mass.like(0.0).below(mass))
     }
 
@@ -658,11 +672,12 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     #[inline(always)]
     fn group<'b>(&mut self, group: usize, running: &mut Running<V>, room: &'b mut Room<V, F, D>) -> &'b Given<V> {
         let Room { motion: moving, sums, given } = room;
-        let Common { frame, functions, motion, water, rare, .. } = *self.common;
+        let Common { frame, motion, water, rare, .. } = *self.common;
+        let functions = self.functions;
         let none = SimdReal::splat(self.simd, 0.0);
         let at = self.strip.first + group * V::F64_LANES;
-        let cell = self.strip.cells[group];
-        let position = array!([none; D], d => self.of(cell.position[d]));
+        let cell: SimdCells<V, D> = self.strip.cell(group);
+        let position = cell.position;
         let edges = functions.edges(&position, &frame.cells);
         let wet = matches!(water, InPores::Particles { .. });
         functions.clear(self.simd, sums, (self.common.coupled, rare.found));
@@ -676,11 +691,11 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             let Motion { velocity, change, .. } = motion;
             let Rare { mapped, found, .. } = rare;
             let fields = Fields { simd: self.simd, velocity, change, mapped, frame, at, found };
-            functions.find_motion(moving, &fields, &edges, &array!([none; D], d => self.of(cell.at[d])));
+            functions.find_motion(moving, &fields, &edges, &cell.at);
             let motion = &*moving;
             let mut relative = if wet { self.darcy_flow(at, &cell, running, group) } else { [[none; D]; 4] };
             if let InPores::Particles { partly_drained: true, .. } = water {
-                let holds = none.below(self.of(cell.holds));
+                let holds = none.below(cell.holds);
                 for k in 0..4 {
                     for d in 0..D {
                         relative[k][d] = relative[k][d].or(holds, none);
@@ -709,7 +724,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             }
         }
         if let Some(shared) = &shared {
-            shared.store(&mut self.strip.shared, frame.strip, group * V::F64_LANES);
+            shared.store(self.strip.shared, frame.strip, group * V::F64_LANES);
         }
         self.close((group, at), &soil, &edges, sums, given)
     }
@@ -723,7 +738,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     /// Asks for cells, upper nodes and faces of a group to come.
     #[inline(always)]
     fn ask_for_cells(&self, group: usize, at: usize) {
-        ask_for(&self.strip.cells, group + GROUPS_AHEAD);
+        self.strip.ask_for_cells(group + GROUPS_AHEAD);
         if self.common.moves {
             let Common { frame, motion, pressure, conducts, .. } = self.common;
             let here = at + GROUPS_AHEAD * V::F64_LANES;
@@ -747,13 +762,14 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         (sums, soil, shared): Gathered<V, F, D>,
         running: &mut Running<V>,
     ) -> [SimdReal<V>; 2] {
-        let Common { frame, functions, elastic, materials, plastic, flip, apart, kept, dt, .. } = *self.common;
+        let Common { frame, elastic, materials, plastic, flip, apart, kept, dt, .. } = *self.common;
+        let functions = self.functions;
         let (simd, inverse) = (self.simd, frame.inverse_size);
         let none = SimdReal::splat(simd, 0.0);
         let from_axis = self.axis_of(position[0]);
         let middle = if F::SPLIT { functions.middle(motion, from_axis, inverse) } else { none };
         let around = if F::OF_CELL || F::SPLIT { self.around(group) } else { None };
-        let pressure = self.of(cell.volume).like(0.0);
+        let pressure = cell.volume.like(0.0);
         let mut gained = [none; 2];
         // Particles that are strained alike have their gradient once: the compiler then takes what follows from it out of the loop.
         let centre = array!([none; D], d => position[d].like(0.5));
@@ -917,7 +933,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         (edges, from_axis): (&F::Edges<V>, FromAxis<V>),
         (sums, soil, shared): Gathered<V, F, D>,
     ) {
-        let Common { functions, frame, kept, coupled, rare, .. } = *self.common;
+        let Common { frame, kept, coupled, rare, .. } = *self.common;
+        let functions = self.functions;
         let SolidLanes { mass, volume, v, mut stress, .. } = *point;
         soil[0] += mass;
         soil[1] += volume;
@@ -956,7 +973,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         sums: &'b mut F::Sums<V>,
         room: &'b mut Given<V>,
     ) -> &'b Given<V> {
-        let Common { functions, frame, coupled, .. } = *self.common;
+        let Common { frame, coupled, .. } = *self.common;
+        let functions = self.functions;
         let none = mass.like(0.0);
         let full = volume.or_one();
         let known = SimdReal::load(self.simd, &self.common.soil[at..]);
@@ -969,13 +987,11 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         if !SimdReal::nowhere(self.simd, filled.differs(volume)) {
             closing.share = filled / full;
         }
-        closing.from_axis = self.axis_of(self.of(self.strip.cells[group].position[0]));
-        let cell = &mut self.strip.cells[group];
-        (cell.volume, cell.mass) = (volume.value, mass.value);
+        closing.from_axis = self.axis_of(self.strip.cell::<D>(group).position[0]);
+        self.strip.note(group, VOLUME, volume);
+        self.strip.note(group, MASS, mass);
         if let Some(centroid) = functions.centroid(sums, full, self.common.rare.found) {
-            for d in 0..D {
-                cell.at[d] = centroid[d].value;
-            }
+            self.strip.note_centroid(group, &centroid);
             (closing.at, closing.pressed_at) = (centroid, if F::AT_CENTROID { closing.pressed_at } else { centroid });
         }
         match self.common.water {

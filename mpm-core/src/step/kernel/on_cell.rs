@@ -132,6 +132,7 @@ impl<const PLACE: u8> OnCell<PLACE> {
 impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
     const REACH: usize = 2;
     const BEFORE: usize = 0;
+    const EXTRA: usize = 1;
     const FUSED: bool = true;
     const SPLIT: bool = PLACE == AT_BOTH;
     const OF_CELL: bool = PLACE == AT_CENTRE || PLACE == AT_CENTROID;

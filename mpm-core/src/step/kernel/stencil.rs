@@ -231,6 +231,7 @@ impl<B: Basis> Over<B> {
 impl<B: Basis, const D: usize> Functions<D> for Over<B> {
     const REACH: usize = B::REACH;
     const BEFORE: usize = B::BEFORE;
+    const EXTRA: usize = B::EXTRA;
     const FUSED: bool = false;
     type Edges<V: Simd> = [B::Edge<V>; D];
     type Motion<V: Simd> = StencilMotion<V, D>;

@@ -6,6 +6,7 @@ use pulp::Simd;
 use super::{Closing, Common, FromAxis, Functions, InPores, Pass, Rare, Relative, Running};
 use crate::dimension::{basis, coefficients, gradient, trace, value};
 use crate::real::{MAX_LANES, Real, SimdReal, array};
+use crate::step::store::strip::{FILL, FILLING, HOLDS, INVERSE_POROSITY, INVERSE_VOLUME, POROSITY};
 use crate::step::store::{SimdCells, WaterLanes};
 use crate::water::pores::LEAST_FULL;
 use crate::water::{FLOW, LEAST_FILLING};
@@ -60,7 +61,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             }
             return coefficients::<D, D, _>(&relative);
         }
-        let inverse_porosity = self.of(cell.inverse_porosity);
+        let inverse_porosity = cell.inverse_porosity;
         let part = group % (MAX_LANES / V::F64_LANES);
         // Pressures begin before the first cell, so that every face has a cell below.
         let here = self.load(pressure, at + frame.pad());
@@ -75,7 +76,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             let upper = at + stride;
             let [a, b] = [self.load(&acceleration[axis], upper), self.load(&acceleration[axis], upper + other)];
             let [high, ..] = self.face(axis, upper, [here, above], [a, b]);
-            if let Some(from) = self.axis_of(self.of(cell.position[0])) {
+            if let Some(from) = self.axis_of(cell.position[0]) {
                 let r = (if axis == 0 { from } else { from + none.like(0.5) }) * (1.0 / frame.inverse_size);
                 (head, body) = (head * r, body * r);
             }
@@ -97,7 +98,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         (edges, sums): (&F::Edges<V>, &mut F::Sums<V>),
         running: &mut Running<V>,
     ) {
-        let Common { frame, functions, dt, .. } = *self.common;
+        let Common { frame, dt, .. } = *self.common;
+        let functions = self.functions;
         let (simd, inverse) = (self.simd, frame.inverse_size);
         let none = SimdReal::splat(simd, 0.0);
         let partly_drained = matches!(self.common.water, InPores::Particles { partly_drained: true, .. });
@@ -132,7 +134,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
                 if partly_drained {
                     // Open to the air its water moves with the soil. Below zero a pressure counts on as a measure of the gap, -Q times the
                     // opening, and pushes again once that is closed.
-                    let holds = none.below(self.of(cell.holds));
+                    let holds = none.below(cell.holds);
                     point.pressure = (point.pressure + pressure_rate * dt).or(holds, point.pressure.lesser(none));
                     point.volume = (point.volume * (none.like(1.0) + volume_rate * dt)).or(holds, point.volume);
                 } else {
@@ -176,31 +178,31 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         cell: &SimdCells<V, D>,
     ) -> [SimdReal<V>; 2] {
         let Common { flow, dt, rare: Rare { outflow, softness, biot, .. }, .. } = self.common;
-        let mut through = self.of(cell.filling) * divergence; // Eq. (6a)
+        let mut through = cell.filling * divergence; // Eq. (6a)
         if let Some(outflow) = outflow {
             let out = SimdReal::load(self.simd, &outflow[self.strip.first + group * V::F64_LANES..]);
-            through += out * self.of(cell.inverse_volume) * self.of(cell.inverse_porosity);
+            through += out * cell.inverse_volume * cell.inverse_porosity;
         }
         if let InPores::Particles { rise: Some(rise), .. } = self.common.water {
             let rise = SimdReal::load(self.simd, &rise[self.strip.first + group * V::F64_LANES..]);
             return [rise * (1.0 / dt), of_soil + through];
         }
         let (mut stiffness, mut of_soil, moved) =
-            (self.of(cell.inverse_porosity) * flow.bulk_modulus, of_soil, of_soil + through);
+            (cell.inverse_porosity * flow.bulk_modulus, of_soil, of_soil + through);
         if let Some([alpha, grains]) = biot {
             let at = self.strip.first + group * V::F64_LANES;
             // 1/Q = n/K_w + (alpha - n)/K_s
             let one = of_soil.like(1.0);
-            stiffness = one / (self.of(cell.porosity) * (1.0 / flow.bulk_modulus) + self.load(grains, at)).or_one();
+            stiffness = one / (cell.porosity * (1.0 / flow.bulk_modulus) + self.load(grains, at)).or_one();
             of_soil = of_soil * self.load(alpha, at);
         }
         let softer = match softness {
             Some(softness) => SimdReal::load(self.simd, &softness[self.strip.first + group * V::F64_LANES..]),
-            None => softer(self.of(cell.fill), stiffness * *dt * flow.diffusion),
+            None => softer(cell.fill, stiffness * *dt * flow.diffusion),
         };
         let stiffness = softer * stiffness;
         // Eq. (5), sign corrected: dp = -(K_w/n) [ tr(d eps_s) + n tr(d eps*_w) ]
-        [-stiffness * (of_soil + self.of(cell.porosity) * through), moved]
+        [-stiffness * (of_soil + cell.porosity * through), moved]
     }
 
     /// The pressure that acts on each particle of the cells, where it is not added to their sums, Pa.
@@ -210,7 +212,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         if F::FUSED || self.common.coupled || !matches!(self.common.water, InPores::Particles { .. }) {
             return none;
         }
-        let [weighted, volume] = self.common.functions.water_of(sums);
+        let [weighted, volume] = self.functions.water_of(sums);
         let pressure = weighted / volume.or_one();
         match self.common.rare.biot {
             Some([alpha, _]) => pressure * self.load(alpha, at),
@@ -227,7 +229,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         sums: &F::Sums<V>,
         closing: &mut Closing<V, D>,
     ) {
-        let Common { functions, flow, rare: Rare { grains, softness, .. }, coupled, .. } = *self.common;
+        let Common { flow, rare: Rare { grains, softness, .. }, coupled, .. } = *self.common;
+        let functions = self.functions;
         let none = mass.like(0.0);
         let one = none.like(1.0);
         let [weighted, of_water] = functions.water_of(sums);
@@ -245,7 +248,6 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             over_fill = over_fill * (from + one.like(0.5)) * (1.0 / self.common.frame.inverse_size);
         }
         let is_known = closing.moving_with;
-        let cell = &mut self.strip.cells[group];
         // An outline that is known needs no limit either.
         let limited = if softness.is_some() {
             over_fill
@@ -255,11 +257,12 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             one
         };
         // A pressure that is solved for needs no limit.
-        cell.filling = over_fill.or(is_known, if coupled { over_fill } else { limited }).value;
+        self.strip.note(group, FILLING, over_fill.or(is_known, if coupled { over_fill } else { limited }));
         let is_partly = self.simd.and_m64s(is_known, over_fill.differs(one));
-        cell.fill = one.over_where(is_partly, over_fill).or(is_known, one.like(super::NOT_KNOWN)).value;
-        cell.inverse_volume = inverse_volume.value;
-        (cell.porosity, cell.inverse_porosity) = (porosity.value, (one / porosity).value);
+        self.strip.note(group, FILL, one.over_where(is_partly, over_fill).or(is_known, one.like(super::NOT_KNOWN)));
+        self.strip.note(group, INVERSE_VOLUME, inverse_volume);
+        self.strip.note(group, POROSITY, porosity);
+        self.strip.note(group, INVERSE_POROSITY, one / porosity);
         closing.full_of_water = of_water.or_one();
         if matches!(self.common.water, InPores::Particles { partly_drained: true, .. }) {
             // Cells whose water fills too little of their soil are open to the air, and coarse soil holds no suction.
@@ -268,10 +271,10 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             let holds = one.or(full, none);
             // Nor does it push where pressures are its particles' own.
             closing.full_of_water = closing.full_of_water.or(none.below(pressure), none.like(f64::INFINITY));
-            let held = self.of(self.strip.cells[group].holds);
+            let held = self.strip.cell::<D>(group).holds;
             let differs = self.simd.or_m64s(held.below(holds), holds.below(held));
-            self.strip.changed |= !SimdReal::nowhere(self.simd, differs);
-            self.strip.cells[group].holds = holds.value;
+            self.strip.sums.changed |= !SimdReal::nowhere(self.simd, differs);
+            self.strip.note(group, HOLDS, holds);
         }
         pressure.store(&mut self.pressure[group * V::F64_LANES..]);
         // Water in pores of known volume moves with its soil.

@@ -6,12 +6,12 @@
 use std::ops::Range;
 
 use pulp::Simd;
-use pulp::bytemuck::Zeroable;
 
+use super::aligned::Aligned;
 use super::ask_for;
 use super::frame::Frame;
 use crate::particles::{Layer, Point};
-use crate::real::{MAX_LANES, SimdReal, array, numbers, numbers_mut};
+use crate::real::{MAX_LANES, SimdReal, array, vectors_mut};
 
 /// One block in so many is kept in reserve.
 const SPARE: usize = 8;
@@ -103,17 +103,58 @@ impl<V: Simd, const D: usize> WaterLanes<V, D> {
     }
 }
 
-/// The particles of one layer in a strip.
+/// The particles of one layer in a strip. How many cells are side by side is known when a run starts, not when this is compiled.
 #[derive(Debug, Clone)]
-pub struct Blocks<V: Simd> {
+pub struct Blocks {
     /// Numbers of a particle.
     pub columns: usize,
+    /// Cells side by side, a power of two: the lanes of a SIMD vector.
+    lanes: usize,
     /// Block after block, `columns` vectors each; nothing weighs what an empty lane holds.
-    pub vectors: Vec<V::f64s>,
+    numbers: Aligned,
     /// First block of each group of cells, and the total at the end.
-    pub start: Vec<u32>,
+    start: Vec<u32>,
     /// Number that each particle was seeded with, lane by lane.
-    pub ids: Vec<u32>,
+    ids: Vec<u32>,
+}
+
+/// The particles of a layer as the kernel sees them: vectors of one number of so many cells.
+pub struct BlockVectors<'a, V: Simd> {
+    columns: usize,
+    vectors: &'a mut [V::f64s],
+    start: &'a [u32],
+    /// Number that each particle was seeded with, lane by lane.
+    pub ids: &'a [u32],
+}
+
+impl<V: Simd> BlockVectors<'_, V> {
+    /// Blocks of a group of cells.
+    #[inline(always)]
+    pub fn range(&self, group: usize) -> Range<usize> {
+        self.start[group] as usize..self.start[group + 1] as usize
+    }
+
+    /// One block.
+    #[inline(always)]
+    pub fn block(&self, index: usize) -> &[V::f64s] {
+        &self.vectors[index * self.columns..][..self.columns]
+    }
+
+    /// One block, to be changed.
+    #[inline(always)]
+    pub fn block_mut(&mut self, index: usize) -> &mut [V::f64s] {
+        &mut self.vectors[index * self.columns..][..self.columns]
+    }
+
+    /// Asks the memory for the first `count` numbers of a block.
+    #[inline(always)]
+    pub fn ask_for(&self, index: usize, count: usize) {
+        if let Some(block) = self.vectors.get(index * self.columns..).and_then(|rest| rest.get(..count)) {
+            for i in (0..count).step_by((MAX_LANES / V::F64_LANES).max(1)) {
+                ask_for(block, i);
+            }
+        }
+    }
 }
 
 /// A particle on its way to another cell.
@@ -162,38 +203,33 @@ impl Movers {
     }
 }
 
-impl<V: Simd> Blocks<V> {
-    /// No particles in so many groups.
-    pub fn new(groups: usize, columns: usize) -> Self {
-        Self { columns, vectors: Vec::new(), start: vec![0; groups + 1], ids: Vec::new() }
+impl Blocks {
+    /// No particles in so many groups of so many cells side by side.
+    pub fn new(groups: usize, lanes: usize) -> Self {
+        Self { columns: 0, lanes, numbers: Aligned::default(), start: vec![0; groups + 1], ids: Vec::new() }
+    }
+
+    /// As the kernel sees them; V has as many lanes as cells are side by side.
+    #[inline(always)]
+    pub fn vectors<V: Simd>(&mut self) -> BlockVectors<'_, V> {
+        let Self { columns, numbers, start, ids, .. } = self;
+        BlockVectors { columns: *columns, vectors: vectors_mut(numbers), start, ids }
     }
 
     /// Blocks of a group of cells.
-    #[inline(always)]
     pub fn range(&self, group: usize) -> Range<usize> {
         self.start[group] as usize..self.start[group + 1] as usize
     }
 
-    /// One block.
-    #[inline(always)]
-    pub fn block(&self, index: usize) -> &[V::f64s] {
-        &self.vectors[index * self.columns..][..self.columns]
+    /// The numbers of one block.
+    fn block(&self, index: usize) -> &[f64] {
+        let length = self.columns * self.lanes;
+        &self.numbers[index * length..][..length]
     }
 
-    /// Asks the memory for the first `count` numbers of a block.
-    #[inline(always)]
-    pub fn ask_for(&self, index: usize, count: usize) {
-        if let Some(block) = self.vectors.get(index * self.columns..).and_then(|rest| rest.get(..count)) {
-            for i in (0..count).step_by((MAX_LANES / V::F64_LANES).max(1)) {
-                ask_for(block, i);
-            }
-        }
-    }
-
-    /// One block, to be changed.
-    #[inline(always)]
-    pub fn block_mut(&mut self, index: usize) -> &mut [V::f64s] {
-        &mut self.vectors[index * self.columns..][..self.columns]
+    fn block_mut(&mut self, index: usize) -> &mut [f64] {
+        let length = self.columns * self.lanes;
+        &mut self.numbers[index * length..][..length]
     }
 
     /// Takes the particles of the strip from `first` on out of a layer, in its order, with what is kept beside them: `more`
@@ -205,17 +241,17 @@ impl<V: Simd> Blocks<V> {
         layer: &Layer<P, D>,
         (more, kept): (usize, &[f64]),
     ) {
-        let lanes = V::F64_LANES;
+        let lanes = self.lanes;
         let groups = self.start.len() - 1;
         let range = |group: usize, lane: usize| range(frame, first + group * lanes + lane, layer);
         let slots = |group: usize| (0..lanes).map(|lane| range(group, lane).len()).max().unwrap_or(0);
         let count = (0..groups).map(slots).sum::<usize>();
         self.columns = P::COUNT + more;
-        self.vectors.clear();
-        self.ids.clear();
         // Some more for particles that come from other cells.
-        self.vectors.reserve_exact((count + count / SPARE) * self.columns);
-        self.ids.reserve_exact((count + count / SPARE) * lanes);
+        let room = (count + count / SPARE) * lanes;
+        self.numbers.clear_for(room * self.columns);
+        self.ids.clear();
+        self.ids.reserve_exact(room);
         let mut record = vec![0.0; self.columns];
         for group in 0..groups {
             self.start[group] = self.count_blocks() as u32;
@@ -245,7 +281,7 @@ impl<V: Simd> Blocks<V> {
     }
 
     fn count_blocks(&self) -> usize {
-        self.ids.len() / V::F64_LANES
+        self.ids.len() / self.lanes
     }
 
     /// Particles of a cell: they fill its lane without gaps.
@@ -257,16 +293,16 @@ impl<V: Simd> Blocks<V> {
     #[inline]
     pub fn number(&self, cell: usize, slot: usize, number: usize) -> f64 {
         let (block, lane) = self.place(cell, slot);
-        numbers(self.block(block))[number * V::F64_LANES + lane]
+        self.block(block)[number * self.lanes + lane]
     }
 
     /// A particle.
     pub fn particle<P: Point<D>, const D: usize>(&self, cell: usize, slot: usize) -> P {
         let (block, lane) = self.place(cell, slot);
-        let numbers = numbers(self.block(block));
+        let numbers = self.block(block);
         let mut record = [0.0; 16];
         for (i, number) in record[..P::COUNT].iter_mut().enumerate() {
-            *number = numbers[i * V::F64_LANES + lane];
+            *number = numbers[i * self.lanes + lane];
         }
         P::unpack(&record)
     }
@@ -274,7 +310,7 @@ impl<V: Simd> Blocks<V> {
     /// Number that a particle was seeded with.
     pub fn id(&self, cell: usize, slot: usize) -> u32 {
         let (block, lane) = self.place(cell, slot);
-        self.ids[block * V::F64_LANES + lane]
+        self.ids[block * self.lanes + lane]
     }
 
     /// Particles of the strip that have left their cells, in the order of cells and places, after those in `movers`. Empty lanes,
@@ -287,7 +323,7 @@ impl<V: Simd> Blocks<V> {
             if self.all_stay(frame, first, group) {
                 continue;
             }
-            for cell in group * V::F64_LANES..(group + 1) * V::F64_LANES {
+            for cell in group * self.lanes..(group + 1) * self.lanes {
                 let count = self.count(cell);
                 for slot in 0..self.slots(cell) {
                     let x: [f64; D] = std::array::from_fn(|d| self.number(cell, slot, d));
@@ -310,13 +346,14 @@ impl<V: Simd> Blocks<V> {
 
     /// Whether all lanes of a group are in their cells.
     fn all_stay<const D: usize>(&self, frame: &Frame<D>, first: usize, group: usize) -> bool {
+        let lanes = self.lanes;
         let at: [[usize; D]; MAX_LANES] =
-            array!([[0; D]; MAX_LANES], lane => frame.position(first + group * V::F64_LANES + lane));
+            array!([[0; D]; MAX_LANES], lane => frame.position(first + group * lanes + lane));
         self.range(group).all(|block| {
-            let x = numbers(&self.block(block)[..D]);
-            (0..V::F64_LANES).all(|lane| {
+            let x = &self.block(block)[..D * lanes];
+            (0..lanes).all(|lane| {
                 (0..D).all(|d| {
-                    let (place, x) = (at[lane][d] as f64, x[d * V::F64_LANES + lane] * frame.inverse_size);
+                    let (place, x) = (at[lane][d] as f64, x[d * lanes + lane] * frame.inverse_size);
                     x >= place && x < place + 1.0
                 })
             })
@@ -325,15 +362,17 @@ impl<V: Simd> Blocks<V> {
 
     /// Sets numbers of all particles.
     pub fn fill_numbers(&mut self, which: Range<usize>, value: f64) {
+        let lanes = self.lanes;
         for block in 0..self.count_blocks() {
-            numbers_mut(&mut self.block_mut(block)[which.clone()]).fill(value);
+            self.block_mut(block)[which.start * lanes..which.end * lanes].fill(value);
         }
     }
 
     /// Takes particles beyond one side of a mesh that is periodic (m) to its other one.
     pub fn wrap(&mut self, period: f64) {
+        let lanes = self.lanes;
         for block in 0..self.count_blocks() {
-            for x in &mut numbers_mut(self.block_mut(block))[..V::F64_LANES] {
+            for x in &mut self.block_mut(block)[..lanes] {
                 if *x < 0.0 {
                     // A hair left of zero would round to the period itself, which is outside.
                     *x = (*x + period).min(period.next_down());
@@ -352,10 +391,10 @@ impl<V: Simd> Blocks<V> {
         }
         let (block, lane) = self.place(cell, count - 1);
         self.clear(frame, first + cell, block, lane);
-        let (group, lanes) = (cell / V::F64_LANES, V::F64_LANES);
+        let (group, lanes) = (self.group_and_lane(cell).0, self.lanes);
         let last = self.start[group + 1] as usize - 1;
         if self.ids[last * lanes..][..lanes].iter().all(|id| *id == EMPTY) {
-            self.vectors.drain(last * self.columns..(last + 1) * self.columns);
+            self.numbers.remove(last * self.columns * lanes..(last + 1) * self.columns * lanes);
             self.ids.drain(last * lanes..(last + 1) * lanes);
             self.start[group + 1..].iter_mut().for_each(|start| *start -= 1);
         }
@@ -371,7 +410,7 @@ impl<V: Simd> Blocks<V> {
     ) {
         let count = self.count(cell);
         if count == self.slots(cell) {
-            let (group, lanes) = (cell / V::F64_LANES, V::F64_LANES);
+            let (group, lanes) = (self.group_and_lane(cell).0, self.lanes);
             let end = self.start[group + 1] as usize;
             self.insert_block(frame, first + group * lanes, end);
             self.start[group + 1..].iter_mut().for_each(|start| *start += 1);
@@ -381,45 +420,52 @@ impl<V: Simd> Blocks<V> {
         }
         let (block, lane) = self.place(cell, slot);
         self.write(block, lane, record);
-        self.ids[block * V::F64_LANES + lane] = mover.id;
+        self.ids[block * self.lanes + lane] = mover.id;
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.vectors.capacity() * size_of::<V::f64s>()
-            + (self.start.capacity() + self.ids.capacity()) * size_of::<u32>()
+        self.numbers.bytes() + (self.start.capacity() + self.ids.capacity()) * size_of::<u32>()
     }
 
     fn slots(&self, cell: usize) -> usize {
-        self.range(cell / V::F64_LANES).len()
+        self.range(self.group_and_lane(cell).0).len()
     }
 
+    /// Where a cell is: its group, and its place in that.
+    #[inline]
+    fn group_and_lane(&self, cell: usize) -> (usize, usize) {
+        (cell >> self.lanes.trailing_zeros(), cell & (self.lanes - 1))
+    }
+
+    /// Block and lane of a particle.
     #[inline]
     fn place(&self, cell: usize, slot: usize) -> (usize, usize) {
-        (self.start[cell / V::F64_LANES] as usize + slot, cell % V::F64_LANES)
+        let (group, lane) = self.group_and_lane(cell);
+        (self.start[group] as usize + slot, lane)
     }
 
     fn copy(&mut self, cell: usize, from: usize, to: usize) {
         let ((from, lane), (to, _)) = (self.place(cell, from), self.place(cell, to));
         for i in 0..self.columns {
-            let number = numbers(self.block(from))[i * V::F64_LANES + lane];
-            numbers_mut(self.block_mut(to))[i * V::F64_LANES + lane] = number;
+            let number = i * self.lanes + lane;
+            self.block_mut(to)[number] = self.block(from)[number];
         }
-        self.ids[to * V::F64_LANES + lane] = self.ids[from * V::F64_LANES + lane];
+        self.ids[to * self.lanes + lane] = self.ids[from * self.lanes + lane];
     }
 
     fn write(&mut self, block: usize, lane: usize, record: &[f64]) {
-        let numbers = numbers_mut(self.block_mut(block));
+        let lanes = self.lanes;
+        let numbers = self.block_mut(block);
         for (i, number) in record.iter().enumerate() {
-            numbers[i * V::F64_LANES + lane] = *number;
+            numbers[i * lanes + lane] = *number;
         }
     }
 
     /// Makes room for a block without particles, of the cells from `number` on. Without an allocation as long as there is room.
     fn insert_block<const D: usize>(&mut self, frame: &Frame<D>, number: usize, at: usize) {
-        let (blocks, lanes, columns) = (self.count_blocks(), V::F64_LANES, self.columns);
-        self.vectors.resize((blocks + 1) * columns, V::f64s::zeroed());
-        self.vectors.copy_within(at * columns..blocks * columns, (at + 1) * columns);
+        let (blocks, lanes, length) = (self.count_blocks(), self.lanes, self.columns * self.lanes);
+        self.numbers.insert_zeros(at * length, length);
         self.ids.resize((blocks + 1) * lanes, EMPTY);
         self.ids.copy_within(at * lanes..blocks * lanes, (at + 1) * lanes);
         for lane in 0..lanes {
@@ -430,14 +476,15 @@ impl<V: Simd> Blocks<V> {
     /// Empties a lane: it holds nothing, in the middle of its cell.
     fn clear<const D: usize>(&mut self, frame: &Frame<D>, number: usize, block: usize, lane: usize) {
         let place = frame.position(number);
-        let numbers = numbers_mut(self.block_mut(block));
-        for i in 0..numbers.len() / V::F64_LANES {
-            numbers[i * V::F64_LANES + lane] = match place.get(i) {
+        let lanes = self.lanes;
+        let numbers = self.block_mut(block);
+        for i in 0..numbers.len() / lanes {
+            numbers[i * lanes + lane] = match place.get(i) {
                 Some(place) => (*place as f64 + 0.5) / frame.inverse_size,
                 None => 0.0,
             };
         }
-        self.ids[block * V::F64_LANES + lane] = EMPTY;
+        self.ids[block * self.lanes + lane] = EMPTY;
     }
 }
 

@@ -3,24 +3,17 @@
 //! The order of the particles in a cell is that of a stable sort, as in [`crate::particles::Layer::sort`]: who comes from
 //! a cell before stands before those who stayed, who comes from a cell after stands behind them.
 
-use pulp::Simd;
-
 use super::blocks::{Blocks, Mover, Movers};
 use super::frame::Frame;
 use super::strip::Strip;
 
 /// One layer of a strip.
-pub type LayerOf<V, const D: usize> = fn(&mut Strip<V, D>) -> &mut Blocks<V>;
+pub type LayerOf<const D: usize> = fn(&mut Strip<D>) -> &mut Blocks;
 
 /// Finds the particles of a layer that have left their cells.
-pub fn find<V: Simd, const D: usize>(
-    strips: &mut [Strip<V, D>],
-    frame: &Frame<D>,
-    layer: LayerOf<V, D>,
-    movers: &mut Movers,
-) {
+pub fn find<const D: usize>(strips: &mut [Strip<D>], frame: &Frame<D>, layer: LayerOf<D>, movers: &mut Movers) {
     movers.clear();
-    for strip in strips.iter_mut().filter(|strip| !strip.stays) {
+    for strip in strips.iter_mut().filter(|strip| !strip.sums.stays) {
         let first = strip.first;
         layer(strip).leaving(frame, first, movers);
     }
@@ -28,10 +21,10 @@ pub fn find<V: Simd, const D: usize>(
 
 /// Whether the cells with soil stay the same ones, and those with particles of this layer: none goes where no soil is
 /// (unless it `may_leave` the soil and is somewhere), none is the last of its cell.
-pub fn keeps_outline<V: Simd, const D: usize>(
-    strips: &mut [Strip<V, D>],
+pub fn keeps_outline<const D: usize>(
+    strips: &mut [Strip<D>],
     frame: &Frame<D>,
-    layer: LayerOf<V, D>,
+    layer: LayerOf<D>,
     movers: &Movers,
     may_leave: bool,
 ) -> bool {
@@ -45,15 +38,15 @@ pub fn keeps_outline<V: Simd, const D: usize>(
 }
 
 /// The cell that a particle enters, if there is soil.
-fn on_soil<V: Simd, const D: usize>(strips: &[Strip<V, D>], frame: &Frame<D>, mover: &Mover) -> Option<usize> {
+fn on_soil<const D: usize>(strips: &[Strip<D>], frame: &Frame<D>, mover: &Mover) -> Option<usize> {
     mover.to.filter(|to| strips[to / frame.strip].solid.count(to % frame.strip) > 0)
 }
 
 /// Carries them over. Those that leave the soil are taken out where they must stay `within` it, and their numbers passed to `gone`.
-pub fn carry<V: Simd, const D: usize>(
-    strips: &mut [Strip<V, D>],
+pub fn carry<const D: usize>(
+    strips: &mut [Strip<D>],
     frame: &Frame<D>,
-    layer: LayerOf<V, D>,
+    layer: LayerOf<D>,
     (movers, within): (&mut Movers, bool),
     mut gone: impl FnMut(&[f64]),
 ) {

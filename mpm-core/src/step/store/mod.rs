@@ -2,6 +2,7 @@
 //! each ([`blocks`]), both in [`strip`]s of cells, whose size does not depend on the threads: nor do the bits.
 
 mod ahead;
+mod aligned;
 pub mod blocks;
 pub mod crossing;
 pub mod frame;
@@ -14,4 +15,4 @@ pub use blocks::{Blocks, Movers, SolidLanes, WaterLanes};
 pub use frame::Frame;
 pub use nodes::{Motion, Nodes, StripSums};
 pub use reached::Reached;
-pub use strip::{SimdCells, Strip};
+pub use strip::{SimdCells, Strip, StripVectors};

@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use pulp::Simd;
-
 use super::frame::Frame;
 use super::strip::Strip;
 use crate::real::MAX_LANES;
@@ -31,16 +29,16 @@ impl Reached {
     }
 
     /// Follows the soil. Nodes that it has left stay until [`Self::settle`].
-    pub fn follow<V: Simd, const D: usize>(&mut self, frame: &Frame<D>, strips: &[Strip<V, D>]) {
+    pub fn follow<const D: usize>(&mut self, frame: &Frame<D>, strips: &[Strip<D>]) {
         for part in &mut self.parts {
             *part = [false, part[0] || part[1]];
         }
-        let (rows, across) = (if D == 1 { 1 } else { frame.reach }, V::F64_LANES + frame.reach - 1);
+        let (rows, across) = (if D == 1 { 1 } else { frame.reach }, strips[0].lanes() + frame.reach - 1);
         for strip in strips {
             let holds = |group: &usize| !strip.solid.range(*group).is_empty() || !strip.water.range(*group).is_empty();
-            for group in (0..strip.cells.len()).filter(holds) {
+            for group in (0..strip.groups()).filter(holds) {
                 for row in 0..rows {
-                    let first = strip.first + group * V::F64_LANES + row * frame.stride[D - 1];
+                    let first = strip.first + group * strip.lanes() + row * frame.stride[D - 1];
                     // Numbers that only pad lie beyond the last part.
                     let last = ((first + across - 1) / MAX_LANES).min(self.parts.len() - 1);
                     self.parts[first / MAX_LANES..=last].iter_mut().for_each(|part| part[0] = true);
@@ -95,8 +93,6 @@ impl Reached {
 
 #[cfg(test)]
 mod tests {
-    use pulp::Scalar;
-
     use super::*;
     use crate::grid::Grid;
     use crate::particles::{Layer, SolidPoint};
@@ -105,7 +101,7 @@ mod tests {
     fn nodes_that_the_soil_has_left_stay_for_one_step() {
         let grid = Grid::<2>::new([40, 9], 1.0);
         let frame = Frame::new(&grid, 2, 0, false);
-        let mut strips: Vec<_> = (0..frame.strips).map(|i| Strip::<Scalar, 2>::new(&frame, i)).collect();
+        let mut strips: Vec<_> = (0..frame.strips).map(|i| Strip::<2>::new(&frame, i, 1)).collect();
         let mut reached = Reached::all(&frame);
         assert_eq!(reached.each_run().map(|run| run.len()).sum::<usize>(), frame.count());
         let mut around = |x: [f64; 2], reached: &mut Reached| {
