@@ -99,7 +99,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Kernel<D> for Vectorised<V, F> {
 
     fn sweep(&self, strip: &mut Strip<D>, sums: &mut StripSums, pressure: &mut [f64], common: &Common<D>) {
         let functions = self.functions;
-        if common.lean().is_some() {
+        // Processors with vectors take the quicker of two loops, where they may.
+        if V::F64_LANES > 1 && common.lean().is_some() {
             self.simd.vectorize(Sweep::<F, D, true> { functions, strip, sums, pressure, common });
         } else {
             self.simd.vectorize(Sweep::<F, D, false> { functions, strip, sums, pressure, common });

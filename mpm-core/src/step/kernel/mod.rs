@@ -509,21 +509,41 @@ impl<F: Functions<D>, const D: usize, const LEAN: bool> WithSimd for Sweep<'_, F
         let strip = strip.vectors(simd);
         if LEAN {
             let common = &common.lean().expect("a scene without rare parts");
-            Pass::<V, F, D, LEAN> { simd, functions, strip, sums, pressure, common }.run();
+            Pass { functions, sums, cells: Cells { simd, strip, pressure, common } }.run();
         } else {
-            Pass::<V, F, D, LEAN> { simd, functions, strip, sums, pressure, common }.run();
+            Pass { functions, sums, cells: Cells { simd, strip, pressure, common } }.run();
         }
     }
 }
 
 /// The same as it is done, so many cells at once.
-struct Pass<'a, V: Simd, F, const D: usize, const LEAN: bool> {
-    simd: V,
+struct Pass<'a, V: Simd, F, const D: usize> {
+    cells: Cells<'a, V, D>,
     functions: F,
-    strip: StripVectors<'a, V>,
     sums: &'a mut StripSums,
+}
+
+/// The cells and particles of a strip, and what does not depend on the functions. It is compiled once for all of them.
+struct Cells<'a, V: Simd, const D: usize> {
+    simd: V,
+    strip: StripVectors<'a, V>,
     pressure: &'a mut [f64],
     common: &'a Common<'a, D>,
+}
+
+impl<'a, V: Simd, F, const D: usize> Deref for Pass<'a, V, F, D> {
+    type Target = Cells<'a, V, D>;
+    #[inline(always)]
+    fn deref(&self) -> &Self::Target {
+        &self.cells
+    }
+}
+
+impl<V: Simd, F, const D: usize> DerefMut for Pass<'_, V, F, D> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.cells
+    }
 }
 
 /// Plastic flow of the particles of a strip, in as many parts as the widest SIMD vector has lanes: the bits do not depend on how
@@ -603,23 +623,7 @@ struct Running<V: Simd> {
     stays: V::m64s,
 }
 
-impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, D, LEAN> {
-    #[inline(always)]
-    fn load(&self, field: &[f64], at: usize) -> SimdReal<V> {
-        SimdReal::load(self.simd, &field[at..])
-    }
-
-    #[inline(always)]
-    fn of(&self, value: V::f64s) -> SimdReal<V> {
-        SimdReal { simd: self.simd, value }
-    }
-
-    /// Where cells at a place on the lattice are about the axis.
-    #[inline(always)]
-    pub(super) fn axis_of(&self, x: SimdReal<V>) -> FromAxis<V> {
-        Some(x + SimdReal::splat(self.simd, self.common.rare.axis?))
-    }
-
+impl<V: Simd, F: Functions<D>, const D: usize> Pass<'_, V, F, D> {
     #[inline(always)]
     fn run(mut self) {
         align_stack();
@@ -661,13 +665,6 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         }
     }
 
-    /// Whether no cell of a group has soil, or had any in the last pass, which noted so.
-    #[inline(always)]
-    fn stays_empty(&self, group: usize) -> bool {
-        let mass = self.strip.cell::<D>(group).mass;
-        self.strip.solid.range(group).is_empty() && SimdReal::nowhere(self.simd, mass.like(0.0).below(mass))
-    }
-
     /// A group of cells: Figure 1 from the mesh to the particles and back.
     #[inline(always)]
     fn group<'b>(&mut self, group: usize, running: &mut Running<V>, room: &'b mut Room<V, F, D>) -> &'b Given<V> {
@@ -706,7 +703,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             if let (true, Some(strain)) = (F::OF_CELL || F::SPLIT, rare.null_space) {
                 let centre = array!([none; D], d => position[d].like(0.5));
                 let gradient = functions.moves(motion, &edges, &centre, frame.inverse_size).gradient;
-                self.filter(group, &gradient, strain, &mut running.flowed);
+                self.filter(group, (&gradient, strain, F::SPLIT), &mut running.flowed);
             }
             if wet {
                 self.water(group, &position, Some((motion, &relative, &cell, gained)), (&edges, sums), running);
@@ -733,23 +730,6 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
     #[inline(always)]
     fn is_fused(&self) -> bool {
         F::FUSED && self.common.rare.null_space.is_none()
-    }
-
-    /// Asks for cells, upper nodes and faces of a group to come.
-    #[inline(always)]
-    fn ask_for_cells(&self, group: usize, at: usize) {
-        self.strip.ask_for_cells(group + GROUPS_AHEAD);
-        if self.common.moves {
-            let Common { frame, motion, pressure, conducts, .. } = self.common;
-            let here = at + GROUPS_AHEAD * V::F64_LANES;
-            for d in 0..D {
-                for field in [&motion.velocity[d], &motion.change[d], &motion.acceleration[d]] {
-                    ask_for(field, here + (F::REACH - 1) * frame.stride[D - 1]);
-                }
-                ask_for(&conducts[d], here + frame.stride[d]);
-            }
-            ask_for(pressure, here + 2 * frame.pad());
-        }
     }
 
     /// Solid particles: strains, stresses, velocities and positions. Returns their volume and what it gains in time, m3 and m3/s.
@@ -849,79 +829,6 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         gained
     }
 
-    /// Strain rates of the cells of a group and of those around them, and where particles keep their size, where they are boxes.
-    #[inline(always)]
-    fn around(&self, group: usize) -> Option<(Around<V, D>, usize)> {
-        let domains = self.common.rare.domains?;
-        Some((domains.around(self.simd, self.strip.first + group * V::F64_LANES), self.common.kept.extent?))
-    }
-
-    /// What the materials of a block of particles remember.
-    #[inline(always)]
-    fn state(&self, index: usize) -> State<SimdReal<V>> {
-        let none = SimdReal::splat(self.simd, 0.0);
-        match self.common.kept.state {
-            Some(first) => array!([none; STATES], s => self.of(self.strip.solid.block(index)[first + s])),
-            None => [none; STATES],
-        }
-    }
-
-    /// Asks for a block of solid particles.
-    #[inline(always)]
-    fn ask_for_block(&self, index: usize) {
-        self.strip.solid.ask_for(index, 2 * D + 6);
-    }
-
-    /// Soil in a tension gap has no stress until that is closed, or every recompression would push too early.
-    #[inline(always)]
-    fn open_gap(&self, point: &mut SolidLanes<V, D>, index: usize, group: usize, running: &mut Running<V>) {
-        let none = point.volume.like(0.0);
-        let gone = point.mass.below(point.volume * self.common.apart);
-        if SimdReal::nowhere(self.simd, gone) {
-            return;
-        }
-        let mut lost = none;
-        for lane in 0..V::F64_LANES {
-            if point.volume.lane(lane) * self.common.apart > point.mass.lane(lane) {
-                let stress = array!([0.0; 4], s => point.stress[s].lane(lane));
-                let id = self.strip.solid.ids[index * V::F64_LANES + lane];
-                lost.set_lane(lane, self.common.materials.energy(id, &stress));
-            }
-        }
-        let flow = Flow { dissipation: lost, residual: none.like(f64::NEG_INFINITY) };
-        running.flowed.add(group, point.volume, &flow);
-        for s in 0..4 {
-            point.stress[s] = none.or(gone, point.stress[s]);
-        }
-    }
-
-    /// Notes what particles keep of the motion: their own velocity gradient, and the strain that is followed.
-    #[cold]
-    #[inline(always)]
-    fn note(&mut self, index: usize, own: &[[SimdReal<V>; D]; D], strains: &[[SimdReal<V>; D]; D]) {
-        let Common { kept, dt, .. } = *self.common;
-        let simd = self.simd;
-        let block = self.strip.solid.block_mut(index);
-        if let Some(first) = kept.affine {
-            for i in 0..D {
-                for j in 0..D {
-                    block[first + i * D + j] = own[i][j].value;
-                }
-            }
-        }
-        if let Some(first) = kept.strain {
-            let none = SimdReal::splat(simd, 0.0);
-            let mut strain = array!([none; 4], s => SimdReal { simd, value: block[first + s] });
-            rotate(&mut strain, strains, dt);
-            let more = strain_increment(strains, dt);
-            for s in 0..4 {
-                // Engineering shear is twice the component of the tensor.
-                let sum = strain[s] + if s == 3 { more[s] * 0.5 } else { more[s] };
-                block[first + s] = sum.value;
-            }
-        }
-    }
-
     /// One particle of each cell to the mesh: masses, momenta and stresses.
     #[inline(always)]
     fn gather(
@@ -996,7 +903,9 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         }
         match self.common.water {
             InPores::None => {}
-            InPores::Particles { .. } => self.close_water(group, [mass, volume], sums, &mut closing),
+            InPores::Particles { .. } => {
+                self.close_water(group, [mass, volume], functions.water_of(sums), &mut closing);
+            }
             InPores::Given { pressure, per_volume, lower, middle } => {
                 closing.pressed_at = closing.at;
                 if functions.centroid(sums, full, false).is_some() {
@@ -1026,5 +935,120 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             }
         }
         functions.finish(sums, edges, &closing, frame.inverse_size, room)
+    }
+}
+
+impl<V: Simd, const D: usize> Cells<'_, V, D> {
+    #[inline(always)]
+    fn load(&self, field: &[f64], at: usize) -> SimdReal<V> {
+        SimdReal::load(self.simd, &field[at..])
+    }
+
+    #[inline(always)]
+    fn of(&self, value: V::f64s) -> SimdReal<V> {
+        SimdReal { simd: self.simd, value }
+    }
+
+    /// Where cells at a place on the lattice are about the axis.
+    #[inline(always)]
+    pub(super) fn axis_of(&self, x: SimdReal<V>) -> FromAxis<V> {
+        Some(x + SimdReal::splat(self.simd, self.common.rare.axis?))
+    }
+
+    /// Whether no cell of a group has soil, or had any in the last pass, which noted so.
+    #[inline(always)]
+    fn stays_empty(&self, group: usize) -> bool {
+        let mass = self.strip.cell::<D>(group).mass;
+        self.strip.solid.range(group).is_empty() && SimdReal::nowhere(self.simd, mass.like(0.0).below(mass))
+    }
+
+    /// Asks for cells, upper nodes and faces of a group to come.
+    #[inline(always)]
+    fn ask_for_cells(&self, group: usize, at: usize) {
+        self.strip.ask_for_cells(group + GROUPS_AHEAD);
+        if self.common.moves {
+            let Common { frame, motion, pressure, conducts, .. } = self.common;
+            let here = at + GROUPS_AHEAD * V::F64_LANES;
+            for d in 0..D {
+                for field in [&motion.velocity[d], &motion.change[d], &motion.acceleration[d]] {
+                    ask_for(field, here + (frame.reach - 1) * frame.stride[D - 1]);
+                }
+                ask_for(&conducts[d], here + frame.stride[d]);
+            }
+            ask_for(pressure, here + 2 * frame.pad());
+        }
+    }
+
+    /// Strain rates of the cells of a group and of those around them, and where particles keep their size, where they are boxes.
+    #[inline(always)]
+    fn around(&self, group: usize) -> Option<(Around<V, D>, usize)> {
+        let domains = self.common.rare.domains?;
+        Some((domains.around(self.simd, self.strip.first + group * V::F64_LANES), self.common.kept.extent?))
+    }
+
+    /// What the materials of a block of particles remember.
+    #[inline(always)]
+    fn state(&self, index: usize) -> State<SimdReal<V>> {
+        let none = SimdReal::splat(self.simd, 0.0);
+        match self.common.kept.state {
+            Some(first) => array!([none; STATES], s => self.of(self.strip.solid.block(index)[first + s])),
+            None => [none; STATES],
+        }
+    }
+
+    /// Asks for a block of solid particles.
+    #[inline(always)]
+    fn ask_for_block(&self, index: usize) {
+        self.strip.solid.ask_for(index, 2 * D + 6);
+    }
+
+    /// Soil in a tension gap has no stress until that is closed, or every recompression would push too early.
+    #[inline(always)]
+    fn open_gap(&self, point: &mut SolidLanes<V, D>, index: usize, group: usize, running: &mut Running<V>) {
+        let none = point.volume.like(0.0);
+        let gone = point.mass.below(point.volume * self.common.apart);
+        if SimdReal::nowhere(self.simd, gone) {
+            return;
+        }
+        let mut lost = none;
+        for lane in 0..V::F64_LANES {
+            if point.volume.lane(lane) * self.common.apart > point.mass.lane(lane) {
+                let stress = array!([0.0; 4], s => point.stress[s].lane(lane));
+                let id = self.strip.solid.ids[index * V::F64_LANES + lane];
+                lost.set_lane(lane, self.common.materials.energy(id, &stress));
+            }
+        }
+        let flow = Flow { dissipation: lost, residual: none.like(f64::NEG_INFINITY) };
+        running.flowed.add(group, point.volume, &flow);
+        for s in 0..4 {
+            point.stress[s] = none.or(gone, point.stress[s]);
+        }
+    }
+
+    /// Notes what particles keep of the motion: their own velocity gradient, and the strain that is followed.
+    #[cold]
+    #[inline(always)]
+    fn note(&mut self, index: usize, own: &[[SimdReal<V>; D]; D], strains: &[[SimdReal<V>; D]; D]) {
+        let Common { kept, dt, .. } = *self.common;
+        let simd = self.simd;
+        let block = self.strip.solid.block_mut(index);
+        if let Some(first) = kept.affine {
+            for i in 0..D {
+                for j in 0..D {
+                    block[first + i * D + j] = own[i][j].value;
+                }
+            }
+        }
+        if let Some(first) = kept.strain {
+            let none = SimdReal::splat(simd, 0.0);
+            let mut strain = array!([none; 4], s => SimdReal { simd, value: block[first + s] });
+            rotate(&mut strain, strains, dt);
+            let more = strain_increment(strains, dt);
+            for s in 0..4 {
+                // Engineering shear is twice the component of the tensor.
+                let sum = strain[s] + if s == 3 { more[s] * 0.5 } else { more[s] };
+                block[first + s] = sum.value;
+            }
+        }
     }
 }

@@ -11,51 +11,42 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::{FlowedLanes, Functions, Pass};
+use super::{Cells, FlowedLanes};
 use crate::constitutive::{Flow, Law};
 use crate::dimension::{mean_stress, strain_increment};
 use crate::real::{Real, SimdReal, array};
 use crate::step::store::SolidLanes;
 
+/// Velocity gradient that has strained a group of cells (1/s), strain over which differences fall to 1/e, and whether only mean stresses
+/// are taken at one place (B-bar).
+type Strained<'a, V, const D: usize> = (&'a [[SimdReal<V>; D]; D], f64, bool);
+
 /// The filter at work on a group of cells: a function of its own, beside the kernel that few scenes need it in.
-struct Filter<'p, 'a, V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> {
-    pass: &'p mut Pass<'a, V, F, D, LEAN>,
+struct Filter<'p, 'a, V: Simd, const D: usize> {
+    cells: &'p mut Cells<'a, V, D>,
     group: usize,
-    gradient: &'p [[SimdReal<V>; D]; D],
-    strain: f64,
+    strained: Strained<'p, V, D>,
     flowed: &'p mut FlowedLanes<V>,
 }
 
-impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> WithSimd for Filter<'_, '_, V, F, D, LEAN> {
+impl<V: Simd, const D: usize> WithSimd for Filter<'_, '_, V, D> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<T: Simd>(self, _: T) {
-        self.pass.draw_together(self.group, self.gradient, self.strain, self.flowed);
+        self.cells.draw_together(self.group, self.strained, self.flowed);
     }
 }
 
-impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, D, LEAN> {
-    /// Filters the stresses of a group of cells that were strained by a velocity gradient (1/s).
+impl<V: Simd, const D: usize> Cells<'_, V, D> {
+    /// Filters the stresses of a group of cells.
     #[inline(always)]
-    pub(super) fn filter(
-        &mut self,
-        group: usize,
-        gradient: &[[SimdReal<V>; D]; D],
-        strain: f64,
-        flowed: &mut FlowedLanes<V>,
-    ) {
-        self.simd.vectorize(Filter { pass: self, group, gradient, strain, flowed });
+    pub(super) fn filter(&mut self, group: usize, strained: Strained<V, D>, flowed: &mut FlowedLanes<V>) {
+        self.simd.vectorize(Filter { cells: self, group, strained, flowed });
     }
 
     #[inline(always)]
-    fn draw_together(
-        &mut self,
-        group: usize,
-        gradient: &[[SimdReal<V>; D]; D],
-        strain: f64,
-        flowed: &mut FlowedLanes<V>,
-    ) {
+    fn draw_together(&mut self, group: usize, (gradient, strain, split): Strained<V, D>, flowed: &mut FlowedLanes<V>) {
         let none = SimdReal::splat(self.simd, 0.0);
         let size = self.size_of(gradient) * (1.0 / strain);
         let share = size / (size + none.like(1.0));
@@ -65,7 +56,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
                 let point = self.point(index);
                 let volume = none.or(self.is_apart(&point, index, material), point.volume);
                 full += volume;
-                let stress = unseen::<V, F, D>(&point.stress);
+                let stress = unseen(&point.stress, split);
                 for s in 0..4 {
                     sum[s] += volume * stress[s];
                 }
@@ -74,7 +65,7 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             for index in self.strip.solid.range(group) {
                 let mut point = self.point(index);
                 let others = self.is_apart(&point, index, material);
-                let (before, unseen) = (point.stress, unseen::<V, F, D>(&point.stress));
+                let (before, unseen) = (point.stress, unseen(&point.stress, split));
                 for s in 0..4 {
                     let change = none.or(others, (mean[s] - unseen[s]) * share);
                     point.stress[s] += change;
@@ -124,8 +115,8 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
 
 /// What of a stress is taken at one place of the cell: all of it, or its mean (B-bar).
 #[inline(always)]
-fn unseen<V: Simd, F: Functions<D>, const D: usize>(stress: &[SimdReal<V>; 4]) -> [SimdReal<V>; 4] {
-    if !F::SPLIT {
+fn unseen<V: Simd>(stress: &[SimdReal<V>; 4], split: bool) -> [SimdReal<V>; 4] {
+    if !split {
         return *stress;
     }
     let (mean, none) = (mean_stress(stress), stress[0].like(0.0));

@@ -3,7 +3,7 @@
 
 use pulp::Simd;
 
-use super::{Closing, Common, FromAxis, Functions, InPores, Pass, Rare, Relative, Running};
+use super::{Cells, Closing, Common, FromAxis, Functions, InPores, Pass, Rare, Relative, Running};
 use crate::dimension::{basis, coefficients, gradient, trace, value};
 use crate::real::{MAX_LANES, Real, SimdReal, array};
 use crate::step::store::strip::{FILL, FILLING, HOLDS, INVERSE_POROSITY, INVERSE_VOLUME, POROSITY};
@@ -15,7 +15,7 @@ use crate::water::{FLOW, LEAST_FILLING};
 type Driven<'a, V, F, const D: usize> =
     (&'a <F as Functions<D>>::Motion<V>, &'a Relative<V, D>, &'a SimdCells<V, D>, [SimdReal<V>; 2]);
 
-impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, D, LEAN> {
+impl<V: Simd, const D: usize> Cells<'_, V, D> {
     /// Eq. (1) on faces normal to an axis, from one on, between cells of two pressures (Pa) whose nodes accelerate (m/s2): flux
     /// (m/s), pressure drop and weight along it (Pa).
     #[inline(always)]
@@ -88,6 +88,120 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         relative
     }
 
+    /// Divergence of the flow in the cells, 1/s. About an axis v_r/r at the centre makes the areas of the faces right.
+    #[inline(always)]
+    fn divergence(&self, relative: &Relative<V, D>, xi: &[SimdReal<V>; D], from_axis: FromAxis<V>) -> SimdReal<V> {
+        let (inverse, half) = (self.common.frame.inverse_size, xi[0].like(0.5));
+        let plane = trace(&gradient(relative, xi, inverse));
+        let Some(from) = from_axis else { return plane };
+        plane + value::<D, D, _>(relative, &basis(&[half; D]))[0] * inverse / (from + half)
+    }
+
+    /// Rates of pressure (Pa/s) and of water volume (1/s) in cells whose soil gains volume at a rate (1/s), beside the divergence of
+    /// the flow (1/s).
+    #[inline(always)]
+    fn rates(
+        &self,
+        group: usize,
+        of_soil: SimdReal<V>,
+        divergence: SimdReal<V>,
+        cell: &SimdCells<V, D>,
+    ) -> [SimdReal<V>; 2] {
+        let Common { flow, dt, rare: Rare { outflow, softness, biot, .. }, .. } = self.common;
+        let mut through = cell.filling * divergence; // Eq. (6a)
+        if let Some(outflow) = outflow {
+            let out = SimdReal::load(self.simd, &outflow[self.strip.first + group * V::F64_LANES..]);
+            through += out * cell.inverse_volume * cell.inverse_porosity;
+        }
+        if let InPores::Particles { rise: Some(rise), .. } = self.common.water {
+            let rise = SimdReal::load(self.simd, &rise[self.strip.first + group * V::F64_LANES..]);
+            return [rise * (1.0 / dt), of_soil + through];
+        }
+        let (mut stiffness, mut of_soil, moved) =
+            (cell.inverse_porosity * flow.bulk_modulus, of_soil, of_soil + through);
+        if let Some([alpha, grains]) = biot {
+            let at = self.strip.first + group * V::F64_LANES;
+            // 1/Q = n/K_w + (alpha - n)/K_s
+            let one = of_soil.like(1.0);
+            stiffness = one / (cell.porosity * (1.0 / flow.bulk_modulus) + self.load(grains, at)).or_one();
+            of_soil = of_soil * self.load(alpha, at);
+        }
+        let softer = match softness {
+            Some(softness) => SimdReal::load(self.simd, &softness[self.strip.first + group * V::F64_LANES..]),
+            None => softer(cell.fill, stiffness * *dt * flow.diffusion),
+        };
+        let stiffness = softer * stiffness;
+        // Eq. (5), sign corrected: dp = -(K_w/n) [ tr(d eps_s) + n tr(d eps*_w) ]
+        [-stiffness * (of_soil + cell.porosity * through), moved]
+    }
+
+    /// Notes the water of the cells for the next step.
+    #[inline(always)]
+    pub(super) fn close_water(
+        &mut self,
+        group: usize,
+        [mass, volume]: [SimdReal<V>; 2],
+        [weighted, of_water]: [SimdReal<V>; 2],
+        closing: &mut Closing<V, D>,
+    ) {
+        let Common { flow, rare: Rare { grains, softness, .. }, coupled, .. } = *self.common;
+        let none = mass.like(0.0);
+        let one = none.like(1.0);
+        // Cells without soil have no pressure; they must not turn into NaN beside cells that have.
+        let by_faces = matches!(self.common.water, InPores::Particles { relative: None, .. });
+        let mut pressure = weighted / of_water.or_one();
+        let inverse_volume = one / closing.filled.or_one();
+        let grain_inverse = match grains {
+            Some(grains) => SimdReal::load(self.simd, &grains[self.strip.first + group * V::F64_LANES..]),
+            None => one.like(flow.grain_inverse),
+        };
+        let porosity = one - mass * grain_inverse / volume.or_one();
+        let mut over_fill = inverse_volume * flow.cell_volume;
+        if let Some(from) = closing.from_axis {
+            over_fill = over_fill * (from + one.like(0.5)) * (1.0 / self.common.frame.inverse_size);
+        }
+        let is_known = closing.moving_with;
+        // An outline that is known needs no limit either.
+        let limited = if softness.is_some() {
+            over_fill
+        } else if by_faces {
+            over_fill.lesser(one.like(1.0 / LEAST_FILLING))
+        } else {
+            one
+        };
+        // A pressure that is solved for needs no limit.
+        self.strip.note(group, FILLING, over_fill.or(is_known, if coupled { over_fill } else { limited }));
+        let is_partly = self.simd.and_m64s(is_known, over_fill.differs(one));
+        self.strip.note(group, FILL, one.over_where(is_partly, over_fill).or(is_known, one.like(super::NOT_KNOWN)));
+        self.strip.note(group, INVERSE_VOLUME, inverse_volume);
+        self.strip.note(group, POROSITY, porosity);
+        self.strip.note(group, INVERSE_POROSITY, one / porosity);
+        closing.full_of_water = of_water.or_one();
+        if matches!(self.common.water, InPores::Particles { partly_drained: true, .. }) {
+            // Cells whose water fills too little of their soil are open to the air, and coarse soil holds no suction.
+            let full = self.simd.not_m64s(of_water.below(volume * LEAST_FULL));
+            pressure = pressure.larger(none).or(full, none);
+            let holds = one.or(full, none);
+            // Nor does it push where pressures are its particles' own.
+            closing.full_of_water = closing.full_of_water.or(none.below(pressure), none.like(f64::INFINITY));
+            let held = self.strip.cell::<D>(group).holds;
+            let differs = self.simd.or_m64s(held.below(holds), holds.below(held));
+            self.strip.sums.changed |= !SimdReal::nowhere(self.simd, differs);
+            self.strip.note(group, HOLDS, holds);
+        }
+        pressure.store(&mut self.pressure[group * V::F64_LANES..]);
+        // Water in pores of known volume moves with its soil.
+        closing.water_ratio = Some(porosity * volume * flow.density / mass.or_one());
+        if let Some([alpha, _]) = self.common.rare.biot {
+            let alpha = self.load(alpha, self.strip.first + group * V::F64_LANES);
+            pressure = pressure * alpha;
+            closing.full_of_water = closing.full_of_water / alpha;
+        }
+        closing.pressure = if coupled { None } else { Some(pressure) };
+    }
+}
+
+impl<V: Simd, F: Functions<D>, const D: usize> Pass<'_, V, F, D> {
     /// Water particles: pressures, volumes and positions (Eqs. 5 to 7), then masses and pressures.
     #[inline(always)]
     pub(super) fn water(
@@ -158,53 +272,6 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
         }
     }
 
-    /// Divergence of the flow in the cells, 1/s. About an axis v_r/r at the centre makes the areas of the faces right.
-    #[inline(always)]
-    fn divergence(&self, relative: &Relative<V, D>, xi: &[SimdReal<V>; D], from_axis: FromAxis<V>) -> SimdReal<V> {
-        let (inverse, half) = (self.common.frame.inverse_size, xi[0].like(0.5));
-        let plane = trace(&gradient(relative, xi, inverse));
-        let Some(from) = from_axis else { return plane };
-        plane + value::<D, D, _>(relative, &basis(&[half; D]))[0] * inverse / (from + half)
-    }
-
-    /// Rates of pressure (Pa/s) and of water volume (1/s) in cells whose soil gains volume at a rate (1/s), beside the divergence of
-    /// the flow (1/s).
-    #[inline(always)]
-    fn rates(
-        &self,
-        group: usize,
-        of_soil: SimdReal<V>,
-        divergence: SimdReal<V>,
-        cell: &SimdCells<V, D>,
-    ) -> [SimdReal<V>; 2] {
-        let Common { flow, dt, rare: Rare { outflow, softness, biot, .. }, .. } = self.common;
-        let mut through = cell.filling * divergence; // Eq. (6a)
-        if let Some(outflow) = outflow {
-            let out = SimdReal::load(self.simd, &outflow[self.strip.first + group * V::F64_LANES..]);
-            through += out * cell.inverse_volume * cell.inverse_porosity;
-        }
-        if let InPores::Particles { rise: Some(rise), .. } = self.common.water {
-            let rise = SimdReal::load(self.simd, &rise[self.strip.first + group * V::F64_LANES..]);
-            return [rise * (1.0 / dt), of_soil + through];
-        }
-        let (mut stiffness, mut of_soil, moved) =
-            (cell.inverse_porosity * flow.bulk_modulus, of_soil, of_soil + through);
-        if let Some([alpha, grains]) = biot {
-            let at = self.strip.first + group * V::F64_LANES;
-            // 1/Q = n/K_w + (alpha - n)/K_s
-            let one = of_soil.like(1.0);
-            stiffness = one / (cell.porosity * (1.0 / flow.bulk_modulus) + self.load(grains, at)).or_one();
-            of_soil = of_soil * self.load(alpha, at);
-        }
-        let softer = match softness {
-            Some(softness) => SimdReal::load(self.simd, &softness[self.strip.first + group * V::F64_LANES..]),
-            None => softer(cell.fill, stiffness * *dt * flow.diffusion),
-        };
-        let stiffness = softer * stiffness;
-        // Eq. (5), sign corrected: dp = -(K_w/n) [ tr(d eps_s) + n tr(d eps*_w) ]
-        [-stiffness * (of_soil + cell.porosity * through), moved]
-    }
-
     /// The pressure that acts on each particle of the cells, where it is not added to their sums, Pa.
     #[inline(always)]
     pub(super) fn pressure_on_particles(&self, sums: &F::Sums<V>, at: usize) -> SimdReal<V> {
@@ -218,73 +285,6 @@ impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, 
             Some([alpha, _]) => pressure * self.load(alpha, at),
             None => pressure,
         }
-    }
-
-    /// Notes the water of the cells for the next step.
-    #[inline(always)]
-    pub(super) fn close_water(
-        &mut self,
-        group: usize,
-        [mass, volume]: [SimdReal<V>; 2],
-        sums: &F::Sums<V>,
-        closing: &mut Closing<V, D>,
-    ) {
-        let Common { flow, rare: Rare { grains, softness, .. }, coupled, .. } = *self.common;
-        let functions = self.functions;
-        let none = mass.like(0.0);
-        let one = none.like(1.0);
-        let [weighted, of_water] = functions.water_of(sums);
-        // Cells without soil have no pressure; they must not turn into NaN beside cells that have.
-        let by_faces = matches!(self.common.water, InPores::Particles { relative: None, .. });
-        let mut pressure = weighted / of_water.or_one();
-        let inverse_volume = one / closing.filled.or_one();
-        let grain_inverse = match grains {
-            Some(grains) => SimdReal::load(self.simd, &grains[self.strip.first + group * V::F64_LANES..]),
-            None => one.like(flow.grain_inverse),
-        };
-        let porosity = one - mass * grain_inverse / volume.or_one();
-        let mut over_fill = inverse_volume * flow.cell_volume;
-        if let Some(from) = closing.from_axis {
-            over_fill = over_fill * (from + one.like(0.5)) * (1.0 / self.common.frame.inverse_size);
-        }
-        let is_known = closing.moving_with;
-        // An outline that is known needs no limit either.
-        let limited = if softness.is_some() {
-            over_fill
-        } else if by_faces {
-            over_fill.lesser(one.like(1.0 / LEAST_FILLING))
-        } else {
-            one
-        };
-        // A pressure that is solved for needs no limit.
-        self.strip.note(group, FILLING, over_fill.or(is_known, if coupled { over_fill } else { limited }));
-        let is_partly = self.simd.and_m64s(is_known, over_fill.differs(one));
-        self.strip.note(group, FILL, one.over_where(is_partly, over_fill).or(is_known, one.like(super::NOT_KNOWN)));
-        self.strip.note(group, INVERSE_VOLUME, inverse_volume);
-        self.strip.note(group, POROSITY, porosity);
-        self.strip.note(group, INVERSE_POROSITY, one / porosity);
-        closing.full_of_water = of_water.or_one();
-        if matches!(self.common.water, InPores::Particles { partly_drained: true, .. }) {
-            // Cells whose water fills too little of their soil are open to the air, and coarse soil holds no suction.
-            let full = self.simd.not_m64s(of_water.below(volume * LEAST_FULL));
-            pressure = pressure.larger(none).or(full, none);
-            let holds = one.or(full, none);
-            // Nor does it push where pressures are its particles' own.
-            closing.full_of_water = closing.full_of_water.or(none.below(pressure), none.like(f64::INFINITY));
-            let held = self.strip.cell::<D>(group).holds;
-            let differs = self.simd.or_m64s(held.below(holds), holds.below(held));
-            self.strip.sums.changed |= !SimdReal::nowhere(self.simd, differs);
-            self.strip.note(group, HOLDS, holds);
-        }
-        pressure.store(&mut self.pressure[group * V::F64_LANES..]);
-        // Water in pores of known volume moves with its soil.
-        closing.water_ratio = Some(porosity * volume * flow.density / mass.or_one());
-        if let Some([alpha, _]) = self.common.rare.biot {
-            let alpha = self.load(alpha, self.strip.first + group * V::F64_LANES);
-            pressure = pressure * alpha;
-            closing.full_of_water = closing.full_of_water / alpha;
-        }
-        closing.pressure = if coupled { None } else { Some(pressure) };
     }
 }
 
