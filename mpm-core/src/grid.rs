@@ -3,6 +3,8 @@
 //! Cells and nodes are numbered row by row, x fastest. Faces normal to axis d lie on the node lattice along d and
 //! on the cell lattice across it. In one dimension the only axis is vertical and faces coincide with nodes.
 
+use crate::real::array_of;
+
 /// A mesh of square cells in D dimensions; the last axis is vertical.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid<const D: usize> {
@@ -52,7 +54,7 @@ impl<const D: usize> Grid<D> {
     #[inline]
     pub fn cell_position(&self, cell: usize) -> [usize; D] {
         let mut rest = cell;
-        std::array::from_fn(|d| {
+        array_of(|d| {
             let i = rest % self.cells[d];
             rest /= self.cells[d];
             i

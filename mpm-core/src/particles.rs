@@ -9,6 +9,7 @@ use serde_big_array::BigArray;
 use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::grid::Grid;
 use crate::random::Random;
+use crate::real::array_of;
 use crate::scene::Displaced;
 
 /// A particle of the solid layer. D: dimensions.
@@ -76,9 +77,9 @@ impl<const D: usize> Point<D> for SolidPoint<D> {
 
     fn unpack(numbers: &[f64]) -> Self {
         Self {
-            x: std::array::from_fn(|d| numbers[d]),
-            v: std::array::from_fn(|d| numbers[D + d]),
-            stress: std::array::from_fn(|s| numbers[2 * D + s]),
+            x: array_of(|d| numbers[d]),
+            v: array_of(|d| numbers[D + d]),
+            stress: array_of(|s| numbers[2 * D + s]),
             mass: numbers[2 * D + 4],
             volume: numbers[2 * D + 5],
         }
@@ -101,8 +102,8 @@ impl<const D: usize> Point<D> for WaterPoint<D> {
 
     fn unpack(numbers: &[f64]) -> Self {
         Self {
-            x: std::array::from_fn(|d| numbers[d]),
-            v: std::array::from_fn(|d| numbers[D + d]),
+            x: array_of(|d| numbers[d]),
+            v: array_of(|d| numbers[D + d]),
             mass: numbers[2 * D],
             volume: numbers[2 * D + 1],
             pressure: numbers[2 * D + 2],
@@ -288,11 +289,11 @@ impl<P, const D: usize> Default for Layer<P, D> {
 /// Positions of `per_direction`^D particles per cell, evenly spaced, in the cells below `rows` of the last axis,
 /// in units of the cell: particle i of a cell sits at (i + 1/2) / `per_direction`.
 pub fn even_positions<const D: usize>(cells: [usize; D], per_direction: usize) -> impl Iterator<Item = [f64; D]> {
-    let along: [usize; D] = std::array::from_fn(|d| cells[d] * per_direction);
+    let along: [usize; D] = array_of(|d| cells[d] * per_direction);
     let count: usize = along.iter().product();
     (0..count).map(move |number| {
         let mut rest = number;
-        std::array::from_fn(|d| {
+        array_of(|d| {
             let i = rest % along[d];
             rest /= along[d];
             (i as f64 + 0.5) / per_direction as f64

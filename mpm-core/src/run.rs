@@ -10,6 +10,7 @@ use crate::grid::Grid;
 use crate::hardware::{Hardware, Width};
 use crate::observe::Seed;
 use crate::particles::{Layer, SolidPoint, WaterPoint, displace, even_positions};
+use crate::real::array_of;
 use crate::scene::{
     Bearing, DarcyChoice, Dimension, DomainChoice, Ground, Integrator, LoadOn, Scene, SeedingChoice, ShapeChoice, Soil,
     Start, TransferChoice, UnfitLoad, UpdateChoice, WaterProperties,
@@ -172,7 +173,7 @@ fn implicit(scene: &Scene) -> Result<Box<dyn Model>, RunError> {
 fn implicit_in<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness: f64) -> Box<dyn Model> {
     let spacing = scene.cell / scene.particles_per_direction() as f64;
     let volume = thickness * spacing.powi(D as i32);
-    let lengths: [f64; D] = std::array::from_fn(|d| if d == D - 1 { scene.height } else { scene.width });
+    let lengths: [f64; D] = array_of(|d| if d == D - 1 { scene.height } else { scene.width });
     let mut places: Vec<([f64; D], bool)> =
         positions(scene, &Given::default(), soil_cells).map(|x| (x, x[D - 1] > scene.height - spacing)).collect();
     if let Some(displaced) = scene.displaced {
@@ -180,7 +181,7 @@ fn implicit_in<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness:
     }
     // Points of a cell follow each other, so that the matrix is gathered cell by cell.
     let cell = |x: &[f64; D]| x.map(|x| (x / scene.cell + scene.shift).floor() as i64);
-    places.sort_by_key(|(x, _)| std::array::from_fn::<i64, D, _>(|d| cell(x)[D - 1 - d]));
+    places.sort_by_key(|(x, _)| array_of::<i64, D, _>(|d| cell(x)[D - 1 - d]));
     let ground = scene.ground();
     let point = |(x, _): &([f64; D], bool)| {
         let volume = volume * scene.thickness(x[0]);
@@ -264,13 +265,13 @@ impl<const D: usize> Seeded<D> {
             if let Some(start) = &given.start {
                 let state = start(in_two(&x));
                 stress = state.stress;
-                v = std::array::from_fn(|d| state.velocity[d + 2 - D]);
+                v = array_of(|d| state.velocity[d + 2 - D]);
             }
             SolidPoint { x, v, stress, mass: ground.at(&in_two(&x)).dry_density() * volume, volume }
         };
         let (points, seed): (Vec<SolidPoint<D>>, _) = match outline_parts(scene) {
             Some(parts) => {
-                let x = |part: &Part| std::array::from_fn(|d| part.centroid[d]);
+                let x = |part: &Part| array_of(|d| part.centroid[d]);
                 let points = parts.iter().map(|part| point(x(part), part.area)).collect();
                 let heights = parts.iter().map(|part| part.centroid[1]).collect();
                 (points, Seed { per_row: 0, spacing: scene.spacing(), heights })
@@ -311,7 +312,7 @@ impl<const D: usize> Seeded<D> {
             let (mut v, mut pressure) = (first_velocity(scene), first_state(scene, &ground, &in_two(&x)).1);
             if let Some(start) = &self.given.start {
                 let state = start(in_two(&x));
-                (v, pressure) = (std::array::from_fn(|d| state.velocity[d + 2 - D]), state.pressure);
+                (v, pressure) = (array_of(|d| state.velocity[d + 2 - D]), state.pressure);
             }
             let mass = ground.at(&in_two(&x)).porosity * properties.density * volume;
             WaterPoint { x, v, mass, volume, pressure }
@@ -333,14 +334,14 @@ impl<const D: usize> Seeded<D> {
         if scene.surcharge.is_some_and(|load| load.on == LoadOn::Plate) {
             let count: usize = along.iter().product();
             let top = (count - count / along[D - 1]..count).map(|node| {
-                let place = std::array::from_fn(|d| if D == 1 { node } else { [node % along[0], node / along[0]][d] });
+                let place = array_of(|d| if D == 1 { node } else { [node % along[0], node / along[0]][d] });
                 frame.function(&place) as u32
             });
             conditions.push(Box::new(RigidPlate(top.collect())));
         }
         let held = |sides| Supports::new(&along, &sides, |place| frame.function(place));
         // Light nodes follow others that are fixed in all their directions.
-        let ever = held(scene.supports().fold(scene.solid_sides, |a, b| std::array::from_fn(|i| a[i].max(b[i]))));
+        let ever = held(scene.supports().fold(scene.solid_sides, |a, b| array_of(|i| a[i].max(b[i]))));
         let lightest = scene.soils().iter().map(Soil::dry_density).fold(f64::INFINITY, f64::min);
         let full_mass = lightest * self.face_area * scene.cell;
         if scene.periodic || scene.light_nodes > 0.0 {
@@ -351,7 +352,7 @@ impl<const D: usize> Seeded<D> {
         // An outline that cuts cells has nodes as light as a surface that has moved into one.
         if scene.lends_inertia() || (solves && (self.moves(scene) || scene.outline.is_some())) {
             let level = !solves || self.filled(scene).is_known() || scene.outline.is_some();
-            let gravity = scene.body_force().map_or([0.0; D], |g| std::array::from_fn(|d| g[d + 2 - D]));
+            let gravity = scene.body_force().map_or([0.0; D], |g| array_of(|d| g[d + 2 - D]));
             conditions.push(Box::new(Lifted::new(frame.count(), level, gravity, scene.flip)));
         }
         if let Some(base) = scene.base {
@@ -422,7 +423,7 @@ impl<const D: usize> Seeded<D> {
         let surface = SurfaceLoad::new(strips, scene.height, on);
         let loads = FaceLoads::of(scene, &self.solid, scene.width);
         // A column has the last component, which is the vertical one.
-        let gravity = scene.body_force().map(|g| std::array::from_fn(|d| g[d + 2 - D]));
+        let gravity = scene.body_force().map(|g| array_of(|d| g[d + 2 - D]));
         let particles = self.solid.points.len() as u64;
         let water = match scene.water.filter(|_| scene.free_surface.is_none()) {
             Some(properties) => {
@@ -458,7 +459,7 @@ impl<const D: usize> Seeded<D> {
 fn positions<const D: usize>(scene: &Scene, given: &Given, soil_cells: [usize; D]) -> impl Iterator<Item = [f64; D]> {
     let (cell, moved) = (scene.cell, given.moved);
     even_positions(soil_cells, scene.particles_per_direction())
-        .map(move |x| std::array::from_fn(|d| x[d] * cell + moved[d + 2 - D]))
+        .map(move |x| array_of(|d| x[d] * cell + moved[d + 2 - D]))
 }
 
 /// Effective stress xx, yy, zz, xy (tension positive) and pore pressure at a place at t = 0, Pa.
@@ -528,7 +529,7 @@ fn first_shear(scene: &Scene, normal: f64) -> f64 {
 /// Velocity at t = 0, m/s; none in a column, which the scene's check sees to.
 fn first_velocity<const D: usize>(scene: &Scene) -> [f64; D] {
     let velocity = scene.start_velocity.unwrap_or([0.0; 2]);
-    std::array::from_fn(|d| velocity[d + 2 - D])
+    array_of(|d| velocity[d + 2 - D])
 }
 
 /// What the particles of an outline stand for; `None` for a column.

@@ -3,6 +3,7 @@
 use crate::dimension::in_two;
 use crate::grid::Grid;
 use crate::particles::{Layer, SolidPoint};
+use crate::real::array_of;
 use crate::scene::{Bearing, Course, FaceLoad, Fields, Piece, Side, Surcharge};
 use crate::seeding::Beside;
 
@@ -93,9 +94,9 @@ impl<const D: usize> FaceLoads<D> {
         let from = in_two(x);
         self.pieces.push(LoadedPiece {
             id: number as u32,
-            offset: std::array::from_fn(|d| piece.middle[d + 2 - D] - from[d + 2 - D]),
+            offset: array_of(|d| piece.middle[d + 2 - D] - from[d + 2 - D]),
             volume: *volume,
-            force: std::array::from_fn(|d| force[d + 2 - D]),
+            force: array_of(|d| force[d + 2 - D]),
             load: load as u16,
         });
     }

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 pub use trust::{Balance, Trust, balances};
 
 use crate::particles::{Layer, SolidPoint, WaterPoint};
+use crate::real::array_of;
 
 /// Where particles were seeded: rows of equal height from the base up, in the order of their numbers.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -306,7 +307,7 @@ const AHEAD: f64 = 0.005;
 pub(crate) fn reach<const D: usize>(points: &[SolidPoint<D>]) -> [f64; 2] {
     let total: f64 = points.iter().map(|p| p.mass).sum();
     let mut list: Vec<(f64, f64)> = Vec::with_capacity(points.len());
-    std::array::from_fn(|axis| {
+    array_of(|axis| {
         if axis + D < 2 {
             return 0.0;
         }

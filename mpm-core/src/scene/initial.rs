@@ -1,5 +1,6 @@
 //! The state at t = 0 that a scene gives: along the height, or in a table.
 
+use crate::real::array_of;
 use std::sync::Arc;
 
 use nalgebra::{Matrix2, Vector2};
@@ -61,7 +62,7 @@ impl Initial {
         // Points in a line say nothing of what is across it.
         let inverse = spread.pseudo_inverse(IN_LINE * spread.trace()).unwrap_or_default();
         let slope = inverse * (Vector2::from(*place) - middle);
-        std::array::from_fn(|i| near.iter().map(|(w, x, v)| w * v[i] * (1.0 + slope.dot(&(x - middle)))).sum())
+        array_of(|i| near.iter().map(|(w, x, v)| w * v[i] * (1.0 + slope.dot(&(x - middle)))).sum())
     }
 
     /// Heights (m) with the values there (Pa), between which there are none larger.

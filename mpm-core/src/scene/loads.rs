@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Dimension, Fields, Side, SolidSide, Surcharge};
+use crate::real::array_of;
 use crate::seeding::pieces;
 
 /// A factor at a place along x, m.
@@ -248,7 +249,7 @@ impl FaceLoad {
         }
         let (length, middle) = (span[1] - span[0], 0.5 * (span[0] + span[1]));
         (length > 1e-9).then(|| Piece {
-            middle: std::array::from_fn(|d| piece.middle[d] + middle * along[d]),
+            middle: array_of(|d| piece.middle[d] + middle * along[d]),
             outward: piece.outward.map(|n| length * n),
         })
     }

@@ -5,6 +5,7 @@
 //! points, against that through the strains: the work of the cell is `s^T M e` with `M = sum_g w_g R_g^T R_g`. In one dimension
 //! that is exact for points at any places; in two it is where strains are of no higher degree than the points carry.
 
+use crate::real::array_of;
 use nalgebra::DMatrix;
 
 use super::{Axis, gauss_points};
@@ -31,13 +32,13 @@ pub fn groups<const D: usize>(
     thickness: f64,
     points: &[[f64; D]],
 ) -> Option<Vec<Group>> {
-    let cell = |x: &[f64; D]| std::array::from_fn::<usize, D, _>(|d| axes[d].cell(x[d]));
+    let cell = |x: &[f64; D]| array_of::<usize, D, _>(|d| axes[d].cell(x[d]));
     let mut groups = Vec::new();
     let mut first = 0;
     for of_cell in points.chunk_by(|a, b| cell(a) == cell(b)) {
         let cell = cell(&of_cell[0]);
-        let low = std::array::from_fn(|d| axes[d].knots[cell[d]]);
-        let length = std::array::from_fn(|d| axes[d].length(cell[d]));
+        let low = array_of(|d| axes[d].knots[cell[d]]);
+        let length = array_of(|d| axes[d].length(cell[d]));
         let shares = shares(&low, &length, degree, thickness, of_cell)?;
         groups.push(Group { first, count: of_cell.len(), shares });
         first += of_cell.len();
@@ -53,7 +54,7 @@ fn shares<const D: usize>(
     thickness: f64,
     points: &[[f64; D]],
 ) -> Option<Vec<f64>> {
-    let local = |x: &[f64; D]| std::array::from_fn::<f64, D, _>(|d| 2.0 * (x[d] - low[d]) / length[d] - 1.0);
+    let local = |x: &[f64; D]| array_of::<f64, D, _>(|d| 2.0 * (x[d] - low[d]) / length[d] - 1.0);
     let rule = gauss_points(degree);
     let volume: f64 = length.iter().product::<f64>() * thickness;
     // Powers below the degree, along every axis.
@@ -80,7 +81,7 @@ fn shares<const D: usize>(
     let mut shares = vec![0.0; points.len() * points.len()];
     for number in 0..rule.len().pow(D as u32) {
         let (mut rest, mut weight) = (number, volume);
-        let at: [f64; D] = std::array::from_fn(|_| {
+        let at: [f64; D] = array_of(|_| {
             let (xi, share) = rule[rest % rule.len()];
             rest /= rule.len();
             weight *= share;

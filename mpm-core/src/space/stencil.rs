@@ -1,6 +1,7 @@
 //! The functions of a tensor-product basis at one point.
 
 use super::{Axis, Local};
+use crate::real::array_of;
 
 /// Most functions that do not vanish at a point: four along each of two axes, those of cubic B-splines.
 pub const MOST: usize = 16;
@@ -21,7 +22,7 @@ pub struct Stencil<const D: usize> {
 impl<const D: usize> Stencil<D> {
     /// The functions at a point (m).
     pub fn at(axes: &[Axis; D], x: &[f64; D]) -> Self {
-        Self::of(axes, &std::array::from_fn(|d| axes[d].at(x[d])))
+        Self::of(axes, &array_of(|d| axes[d].at(x[d])))
     }
 
     /// Products of the functions along the axes.

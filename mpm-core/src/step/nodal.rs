@@ -8,6 +8,7 @@ use super::store::{Nodes, Strip};
 use crate::dimension::{basis, internal_force, to_corners};
 use crate::observe::Totals;
 use crate::particles::WaterPoint;
+use crate::real::array_of;
 use crate::water::pores::Pores;
 
 /// Relative velocities at the nodes and the sums they come from.
@@ -55,7 +56,7 @@ impl<const D: usize> NodalFlow<D> {
                 let (mut weighted, mut volumes) = ([[0.0]; 4], [[0.0]; 4]);
                 for slot in 0..count {
                     let point: WaterPoint<D> = strip.water.particle(cell, slot);
-                    let xi = std::array::from_fn(|d| point.x[d] * frame.inverse_size - position[d] as f64);
+                    let xi = array_of(|d| point.x[d] * frame.inverse_size - position[d] as f64);
                     let phi = basis::<D, f64>(&xi);
                     for k in 0..1 << D {
                         weighted[k][0] += point.volume * point.pressure * phi[k];
@@ -78,7 +79,7 @@ impl<const D: usize> NodalFlow<D> {
                 }
                 // sum_wp V G_i p: the force of the pressure alone.
                 let isotropic = |moment: f64| [moment, moment, moment, 0.0];
-                let first = std::array::from_fn(|d| isotropic(weighted[1 + d][0]));
+                let first = array_of(|d| isotropic(weighted[1 + d][0]));
                 let force = internal_force::<D, f64>(&isotropic(weighted[0][0]), &first, frame.inverse_size);
                 let (force, volume) = (to_corners::<D, D, _>(&force), to_corners::<D, 1, _>(&volumes));
                 let grains = grains.get(strip.first + cell).copied().unwrap_or(pores.flow.grain_inverse);

@@ -20,6 +20,7 @@ use super::faces::Faces;
 use super::store::nodes::SOLID_MASS;
 use super::store::{Frame, Nodes, Strip};
 use super::{Fault, Work};
+use crate::real::array_of;
 use crate::sparse::{Factor, Ordering, Signs, Sparse, Unsolved};
 use crate::water::FaceFlow;
 
@@ -198,7 +199,7 @@ impl<const D: usize> PressureSystem<D> {
         for (column, &cell) in self.cells.iter().enumerate() {
             let position = frame.position(cell as usize);
             for shift in window::<D>(frame.reach as i32 - 1) {
-                let other: [i32; D] = std::array::from_fn(|d| position[d] as i32 - shift[d]);
+                let other: [i32; D] = array_of(|d| position[d] as i32 - shift[d]);
                 if (0..D).any(|d| other[d] < 0 || other[d] >= frame.cells[d] as i32) {
                     continue;
                 }
@@ -414,7 +415,7 @@ fn window<const D: usize>(reach: i32) -> impl Iterator<Item = [i32; D]> {
     let along = 2 * reach + 1;
     (0..along.pow(D as u32)).map(move |number| {
         let mut rest = number;
-        std::array::from_fn(|_| {
+        array_of(|_| {
             let shift = reach - rest % along;
             rest /= along;
             shift

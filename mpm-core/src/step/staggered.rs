@@ -14,6 +14,7 @@ use crate::grid::Grid;
 use crate::observe::{
     BalanceTerms, CellState, FieldPoint, Frame, Observation, Places, SolidState, WaterParticle, WaterState,
 };
+use crate::real::array_of;
 use crate::scene::{Coupling, Stage};
 use crate::water::AdvectedWater;
 use crate::water::free_surface::Kind;
@@ -352,8 +353,8 @@ impl<const D: usize> Failing for Staggered<D> {
         for node in 0..nodes.frame.count() {
             let mass = nodes.mixture_mass(node);
             let size = |of: [f64; D]| of.iter().map(|x| x * x).sum::<f64>().sqrt();
-            left += mass * size(std::array::from_fn(|d| nodes.motion.acceleration[d][node]));
-            whole += size(std::array::from_fn(|d| nodes.sum(force(D) + d, node) + mass * gravity[d]));
+            left += mass * size(array_of(|d| nodes.motion.acceleration[d][node]));
+            whole += size(array_of(|d| nodes.sum(force(D) + d, node) + mass * gravity[d]));
         }
         if whole > 0.0 { left / whole } else { 0.0 }
     }
@@ -364,7 +365,7 @@ impl<const D: usize> Failing for Staggered<D> {
             visit(&SolidState {
                 id,
                 x: in_two(&point.x),
-                displacement: in_two(&std::array::from_fn::<f64, D, _>(|d| point.x[d] - from[d])),
+                displacement: in_two(&array_of::<f64, D, _>(|d| point.x[d] - from[d])),
                 velocity: in_two(&point.v),
                 stress: point.stress,
                 pore_pressure: grid.cell_at(&point.x).map_or(0.0, |cell| water.felt(cell)),

@@ -14,6 +14,7 @@ use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::dimension::in_two;
 use crate::grid::Grid;
 use crate::particles::{Layer, SolidPoint};
+use crate::real::array_of;
 use crate::scene::{Bearing, FaceLoad, Feed, FreeSurfaceWater, Scene, SolidSide, WaterProperties};
 use crate::seeding;
 use crate::soils::Soils;
@@ -110,7 +111,7 @@ impl<const D: usize> AdvectedWater<D> {
             conductance: soils.largest_conductivity() * properties.mobility() * face_area / size,
             size,
             cell_volume: face_area * size,
-            weight: std::array::from_fn(|d| weight[d + 2 - D]),
+            weight: array_of(|d| weight[d + 2 - D]),
             unit_weight: properties.unit_weight,
             porosity: scene.mobile_porosity(),
             retention: scene.free_surface.as_ref().and_then(|free| free.retention),

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::grid::Grid;
 use crate::particles::{Layer, SolidPoint};
+use crate::real::array_of;
 use crate::soils::Soils;
 
 /// Conductivities over that of the water, by cell, axis and half (lower, upper); empty where all are 1.
@@ -34,7 +35,7 @@ impl<const D: usize> Halves<D> {
                     }
                 }
             }
-            std::array::from_fn(|axis| {
+            array_of(|axis| {
                 let axis = axis.min(D - 1);
                 let mean = |half: usize| {
                     let of = |half: usize| (volumes[axis][half] > 0.0).then(|| sums[axis][half] / volumes[axis][half]);

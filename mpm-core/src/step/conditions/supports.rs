@@ -2,6 +2,7 @@
 
 use super::{Condition, Soil};
 use crate::observe::Totals;
+use crate::real::array_of;
 use crate::scene::SolidSide;
 use crate::step::Fault;
 use crate::step::store::Nodes;
@@ -22,8 +23,7 @@ impl<const D: usize> Supports<D> {
     pub fn new(along: &[usize; D], sides: &[SolidSide; 4], number: impl Fn(&[usize; D]) -> usize) -> Self {
         let mut edges = Vec::new();
         for place in 0..along.iter().product() {
-            let position: [usize; D] =
-                std::array::from_fn(|d| if d == 0 { place % along[0] } else { place / along[0] });
+            let position: [usize; D] = array_of(|d| if d == 0 { place % along[0] } else { place / along[0] });
             let node = number(&position) as u32;
             for axis in 0..D {
                 for upper in [false, true] {

@@ -1,6 +1,7 @@
 //! What few runs have: other water, pressures that are solved for, a track of displacement and strain.
 
 use super::*;
+use crate::real::array_of;
 
 impl<const D: usize> Explicit<D> {
     /// The same with velocities of the water at the nodes, in place of flow through faces.
@@ -72,7 +73,7 @@ impl<const D: usize> Explicit<D> {
     /// What the soil of a particle remembered when what is kept was last taken from the strips.
     pub(super) fn state_of(&self, id: u32) -> State {
         let first = |place: usize| self.kept.0 * id as usize + place - SolidPoint::<D>::COUNT;
-        std::array::from_fn(|s| self.places.state.map_or(0.0, |place| self.kept.1[first(place) + s]))
+        array_of(|s| self.places.state.map_or(0.0, |place| self.kept.1[first(place) + s]))
     }
 
     /// Restarts the balances with the state as it is.
@@ -118,7 +119,7 @@ impl<const D: usize> Explicit<D> {
             let (solid, cell) = (&self.strips[number / frame.strip].solid, number % frame.strip);
             for slot in 0..solid.count(cell) {
                 let (id, point) = (solid.id(cell, slot), solid.particle::<SolidPoint<D>, D>(cell, slot));
-                let strain = |first: usize| std::array::from_fn(|s| solid.number(cell, slot, first + s));
+                let strain = |first: usize| array_of(|s| solid.number(cell, slot, first + s));
                 let from = self.origin.as_ref().map_or(point.x, |origin| origin[id as usize]);
                 visit(id, &point, from, self.places.strain.map_or([0.0; 4], strain));
             }

@@ -1,6 +1,7 @@
 //! The soil of a run, as conditions see it.
 
 use super::*;
+use crate::real::array_of;
 
 /// The soil of a run, as conditions see it.
 pub(super) struct Grains<'a, const D: usize> {
@@ -70,7 +71,7 @@ impl<const D: usize> Soil<D> for Grains<'_, D> {
                 let position = self.frame.position(strip.first + cell);
                 for slot in 0..strip.solid.count(cell) {
                     let point: SolidPoint<D> = strip.solid.particle(cell, slot);
-                    let xi = std::array::from_fn(|d| point.x[d] * self.frame.inverse_size - position[d] as f64);
+                    let xi = array_of(|d| point.x[d] * self.frame.inverse_size - position[d] as f64);
                     let values = self.kernel.values(&position, &self.frame.cells, &xi);
                     for (a, value) in values.into_iter().enumerate().take(reached) {
                         shares[a] = (strip.first + cell + self.frame.offset(a), value);

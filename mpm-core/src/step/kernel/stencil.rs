@@ -11,7 +11,7 @@ use pulp::{Scalar, Simd};
 use super::bases::{Basis, Line};
 use super::{Closing, Contribution, Fields, Functions, Given, MOST_REACH, MOST_REACHED, Moves, Nodal, Relative};
 use crate::dimension::{basis, value};
-use crate::real::{Real, SimdReal, array};
+use crate::real::{Real, SimdReal, array, array_of};
 use crate::step::store::Nodes;
 use crate::step::store::nodes::{MIXTURE_MASS, MOMENTUM, SOLID_MASS, SUMS, force, sums as of_node};
 
@@ -391,7 +391,7 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
                         }
                     }
                 }
-                let node = frame.number(&std::array::from_fn(|d| if d == 0 { column } else { row }));
+                let node = frame.number(&array_of(|d| if d == 0 { column } else { row }));
                 for d in 0..D {
                     to[d][node] = if mass > 0.0 { sum[d] / mass } else { 0.0 };
                 }

@@ -6,6 +6,7 @@ use super::tangent::System;
 use crate::constitutive::{Law, Materials, State};
 use crate::dimension::in_two;
 use crate::particles::SolidPoint;
+use crate::real::array_of;
 use crate::scene::{
     Bearing, Course, FaceLoad, Integrator, LoadOn, Piece, Quadrature, Scene, ShapeChoice, Side, SolidSide, Surcharge,
     Well,
@@ -185,7 +186,7 @@ impl<const D: usize> Ground<'_, D> {
             unit_weight: 1.0,
             density: 0.0,
         });
-        let gravity = scene.body_force().map(|g| std::array::from_fn(|d| g[d + 2 - D]));
+        let gravity = scene.body_force().map(|g| array_of(|d| g[d + 2 - D]));
         let loads = self.loads(&axes, &solid);
         let before = self.before(&axes, (&faces, &water_map));
         Ok(Soil {
@@ -377,7 +378,7 @@ impl<const D: usize> Ground<'_, D> {
         pressures: usize,
         moved: &[(u32, usize, f64, u16)],
     ) -> (Vec<[u32; D]>, Vec<u32>, usize) {
-        let counts: [usize; D] = std::array::from_fn(|d| axes[d].functions());
+        let counts: [usize; D] = array_of(|d| axes[d].functions());
         let functions: usize = counts.iter().product();
         let smooth = smooth(self.scene.shape);
         let plate = self.scene.surcharge.is_some_and(|s| s.on == LoadOn::Plate);
@@ -508,7 +509,7 @@ impl<const D: usize> Ground<'_, D> {
     fn wells(&self, axes: &[Axis; D]) -> Vec<Source> {
         let of = |well: &Well| {
             let stands = 1.0 - self.settled / self.scene.height;
-            let place: [f64; D] = std::array::from_fn(|d| well.at[d + 2 - D] * if d + 1 == D { stands } else { 1.0 });
+            let place: [f64; D] = array_of(|d| well.at[d + 2 - D] * if d + 1 == D { stands } else { 1.0 });
             let shares = if smooth(self.scene.shape) {
                 let Stencil { count, number, value, .. } = Stencil::at(axes, &place);
                 (0..count).map(|a| (number[a], value[a])).collect()
@@ -516,7 +517,7 @@ impl<const D: usize> Ground<'_, D> {
                 // On a line of the mesh it stands in the cells on both sides.
                 let beside = |quadrant: usize| {
                     let shift = |d: usize| if quadrant >> d & 1 == 1 { 1e-6 } else { -1e-6 } * self.scene.cell;
-                    let cell = cell_of(axes, &std::array::from_fn(|d| place[d] + shift(d)));
+                    let cell = cell_of(axes, &array_of(|d| place[d] + shift(d)));
                     (number(axes, &cell) as u32, 0.5_f64.powi(D as i32))
                 };
                 (0..1 << D).map(beside).collect()
@@ -736,12 +737,12 @@ fn across<const D: usize>(
 
 /// Lattice position of the cell that holds a point.
 pub(super) fn cell_of<const D: usize>(axes: &[Axis; D], x: &[f64; D]) -> [usize; D] {
-    std::array::from_fn(|d| axes[d].cell(x[d]))
+    array_of(|d| axes[d].cell(x[d]))
 }
 
 /// Middle of a cell, m.
 pub(super) fn middle<const D: usize>(axes: &[Axis; D], position: &[usize; D]) -> [f64; D] {
-    std::array::from_fn(|d| axes[d].middle(position[d]))
+    array_of(|d| axes[d].middle(position[d]))
 }
 
 /// Number of a cell, the first axis fastest.
@@ -752,7 +753,7 @@ pub(super) fn number<const D: usize>(axes: &[Axis; D], position: &[usize; D]) ->
 /// Lattice position of a function.
 pub(super) fn place<const D: usize>(axes: &[Axis; D], function: usize) -> [usize; D] {
     let mut rest = function;
-    std::array::from_fn(|d| {
+    array_of(|d| {
         let i = rest % axes[d].functions();
         rest /= axes[d].functions();
         i
@@ -762,13 +763,13 @@ pub(super) fn place<const D: usize>(axes: &[Axis; D], function: usize) -> [usize
 /// Where a spline stands, m.
 pub(super) fn stands<const D: usize>(axes: &[Axis; D], function: usize) -> [f64; D] {
     let place = place(axes, function);
-    std::array::from_fn(|d| axes[d].splines().stands(place[d]))
+    array_of(|d| axes[d].splines().stands(place[d]))
 }
 
 /// Lattice position of a cell.
 pub(super) fn position<const D: usize>(axes: &[Axis; D], cell: usize) -> [usize; D] {
     let mut rest = cell;
-    std::array::from_fn(|d| {
+    array_of(|d| {
         let i = rest % axes[d].cells();
         rest /= axes[d].cells();
         i

@@ -19,6 +19,7 @@
 //! beside its weight. Products of the relative velocity with a rate of strain are left out.
 
 use super::soil::PoreState;
+use crate::real::array_of;
 use crate::space::Stencil;
 
 /// Stages of a step.
@@ -201,7 +202,7 @@ impl<const D: usize> Motion<D> {
 
     /// Notes the flux W (m/s) of a pore point. Returns W', m/s2.
     pub fn flows(&mut self, point: usize, flux: &[f64; D]) -> [f64; D] {
-        let rate = std::array::from_fn(|d| (flux[d] - self.flux_from[point][d]) / self.a);
+        let rate = array_of(|d| (flux[d] - self.flux_from[point][d]) / self.a);
         self.now.flux[point] = rate;
         rate
     }
@@ -215,7 +216,7 @@ impl<const D: usize> Motion<D> {
     pub fn accept(&mut self) {
         self.velocity.copy_from_slice(&self.now.velocity);
         for (p, flux) in self.flux.iter_mut().enumerate() {
-            *flux = std::array::from_fn(|d| self.flux_from[p][d] + self.a * self.now.flux[p][d]);
+            *flux = array_of(|d| self.flux_from[p][d] + self.a * self.now.flux[p][d]);
         }
     }
 
@@ -245,13 +246,13 @@ pub(super) fn metric<const D: usize>(state: &PoreState<D>, small: bool, y: &[f64
     }
     let pushed = forward(state, small, y);
     let f = &state.gradient;
-    std::array::from_fn(|i| (pushed[i] + (0..D).map(|k| f[k][i] * pushed[k]).sum::<f64>()) / (1.0 + state.change))
+    array_of(|i| (pushed[i] + (0..D).map(|k| f[k][i] * pushed[k]).sum::<f64>()) / (1.0 + state.change))
 }
 
 /// F y.
 pub(super) fn forward<const D: usize>(state: &PoreState<D>, small: bool, y: &[f64; D]) -> [f64; D] {
     let turn = if small { 0.0 } else { 1.0 };
-    std::array::from_fn(|i| y[i] + turn * (0..D).map(|k| state.gradient[i][k] * y[k]).sum::<f64>())
+    array_of(|i| y[i] + turn * (0..D).map(|k| state.gradient[i][k] * y[k]).sum::<f64>())
 }
 
 /// `(k^-1 + drag I)^-1` of a symmetric mobility k.
@@ -263,5 +264,5 @@ pub(super) fn dragged<const D: usize>(k: &[[f64; D]; D], drag: f64) -> [[f64; D]
     let [a, b, d] = [1.0 + drag * k[0][0], drag * k[0][1], 1.0 + drag * k[1][1]];
     let det = a * d - b * b;
     let inverse = [[d / det, -b / det], [-b / det, a / det]];
-    std::array::from_fn(|i| std::array::from_fn(|j| (0..2).map(|l| inverse[i][l] * k[l][j]).sum()))
+    array_of(|i| array_of(|j| (0..2).map(|l| inverse[i][l] * k[l][j]).sum()))
 }

@@ -10,6 +10,7 @@ use super::{QuasiStatic, build};
 use crate::constitutive::Law;
 use crate::dimension::in_two;
 use crate::particles::SolidPoint;
+use crate::real::array_of;
 use crate::scene::{SolidSide, StrainChoice};
 use crate::space::{Stencil, stretch, turned};
 use crate::sparse::{Factor, Ordering, Signs, Sparse, Unsolved};
@@ -182,7 +183,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         match fluxes {
             None => {
                 let start = self.scene.start_velocity.unwrap_or_default();
-                motion.velocity.fill(std::array::from_fn(|d| start[d + 2 - D]));
+                motion.velocity.fill(array_of(|d| start[d + 2 - D]));
             }
             Some(fluxes) => {
                 let velocities: Vec<[f64; D]> = self.points.iter().map(|point| point.v).collect();

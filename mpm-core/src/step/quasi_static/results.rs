@@ -8,6 +8,7 @@ use super::{Method, QuasiStatic, build};
 use crate::constitutive::Law;
 use crate::observe::{CellValues, FieldPoint, Observation, checkerboard, profile};
 use crate::particles::SolidPoint;
+use crate::real::array_of;
 use crate::scene::Integrator;
 use crate::space::{Stencil, turned};
 use crate::water::stored_energy;
@@ -152,7 +153,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
                 Some((first, shares)) => {
                     let common = |(j, share): (usize, &f64)| {
                         let other = soil.stressed(&soil.solid[first + j]).map_or(stress, |(other, ..)| other);
-                        let both = std::array::from_fn(|s| stress[s] + other[s]);
+                        let both = array_of(|s| stress[s] + other[s]);
                         0.5 * share * stretch * (energy(&both) - energy(&stress) - energy(&other))
                     };
                     shares.iter().enumerate().map(common).sum()

@@ -10,6 +10,7 @@ use super::newton::{Stage, Workspace};
 use super::soil::{HELD, Impulses, Soil};
 use super::tangent::Stuck;
 use crate::constitutive::Law;
+use crate::real::array_of;
 
 /// gamma.
 pub(super) const GAMMA: f64 = 0.25;
@@ -95,7 +96,7 @@ impl Sdirk {
             }
             bear(soil, C[i]);
             if let Some(motion) = &mut soil.motion {
-                motion.begin(&std::array::from_fn::<f64, STAGES, _>(|j| h * A[i][j])[..i], GAMMA * h);
+                motion.begin(&array_of::<f64, STAGES, _>(|j| h * A[i][j])[..i], GAMMA * h);
             }
             let stage = Stage { a: GAMMA * h, target: &self.target, tolerance };
             soil.fulfil(&stage, &mut self.end, work)?;

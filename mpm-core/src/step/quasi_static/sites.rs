@@ -5,6 +5,7 @@ use super::soil::{PorePart, Soil};
 use crate::constitutive::Law;
 use crate::observe::{CellValues, reach};
 use crate::particles::SolidPoint;
+use crate::real::array_of;
 use crate::scene::Scene;
 use crate::space::{Axis, Stencil};
 
@@ -65,5 +66,5 @@ fn cell_of_pore<const D: usize>(axes: &[Axis; D], part: &PorePart<D>, smooth: bo
     }
     // The first function of a B-spline stencil belongs to one cell along each axis.
     let place = place(axes, part.water.number[0] as usize);
-    number(axes, &std::array::from_fn(|d| axes[d].splines().cell_with(place[d]))) as u32
+    number(axes, &array_of(|d| axes[d].splines().cell_with(place[d]))) as u32
 }

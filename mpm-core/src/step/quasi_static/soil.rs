@@ -16,6 +16,7 @@
 use super::motion::{Motion, WaterInertia, dragged, forward, metric};
 use super::tangent::System;
 use crate::constitutive::{Flow, Law, Materials, STATES, State};
+use crate::real::array_of;
 use crate::scene::{Course, FaceLoad, MovedPlate, Well};
 use crate::soils::at_porosity;
 use crate::space::{Axis, Group, MOST, Stencil, strain_mode, stretch, tensor, turned};
@@ -428,7 +429,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
         if self.faces.is_empty() {
             for part in &self.pore {
                 let (slope, mobility) = (part.water.slope_of(&self.p), self.mobility(part, 0.0));
-                let flux: [f64; D] = std::array::from_fn(|i| (0..D).map(|j| mobility[i][j] * slope[j]).sum());
+                let flux: [f64; D] = array_of(|i| (0..D).map(|j| mobility[i][j] * slope[j]).sum());
                 for b in 0..part.water.count {
                     let along: f64 = (0..D).map(|d| flux[d] * part.water.slope[b][d]).sum();
                     self.values.flow[part.water.number[b] as usize] += part.weight * along;
@@ -546,7 +547,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
 
     fn updated(&self, part: &SolidPart<D>, strain: &[f64; 4]) -> ([f64; 4], State, Flow) {
         let (mut stress, mut state) = (part.stress, part.state);
-        let more = std::array::from_fn(|s| strain[s] - part.strain[s]);
+        let more = array_of(|s| strain[s] - part.strain[s]);
         let flow = self.law.law(part.mark).update(&mut stress, &more, &mut state);
         (stress, state, flow)
     }
@@ -562,13 +563,13 @@ impl<L: Law, const D: usize> Soil<L, D> {
         let mut count = if law.is_linear() { MOST_PARTS } else { 1 };
         while count < MOST_PARTS {
             count *= 2;
-            let strain = std::array::from_fn(|s| (end.strain[s] - part.strain[s]) / f64::from(count));
+            let strain = array_of(|s| (end.strain[s] - part.strain[s]) / f64::from(count));
             let before = (stress, state);
             (stress, state) = (part.stress, part.state);
             for _ in 0..count {
                 flow = law.update(&mut stress, &strain, &mut state);
             }
-            let apart: [f64; 4] = std::array::from_fn(|s| stress[s] - before.0[s]);
+            let apart: [f64; 4] = array_of(|s| stress[s] - before.0[s]);
             // Of parts that are further apart no limit can be told.
             if norm(&apart) <= MOST_APART * norm(&stress) && (norm(&apart) <= allowed || count == MOST_PARTS) {
                 (0..4).for_each(|s| stress[s] += apart[s]);
@@ -577,7 +578,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 break;
             }
         }
-        let off = norm(&std::array::from_fn(|s| stress[s] - end.stress[s]));
+        let off = norm(&array_of(|s| stress[s] - end.stress[s]));
         (End { strain: end.strain, stress, state, flow }, off)
     }
 
@@ -656,7 +657,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
         let mobility = self.fluid.mobility * at_porosity(kind.by_porosity, (part.porosity + change) / (1.0 + change));
         let [x, y, across] = kind.conductivity.map(|ratio| mobility * ratio);
         let along = |i: usize| if i + 2 - D == 0 { x } else { y };
-        std::array::from_fn(|i| std::array::from_fn(|j| if i == j { along(i) } else { across }))
+        array_of(|i| array_of(|j| if i == j { along(i) } else { across }))
     }
 
     /// K of a pore part; water with an acceleration of its own flows in a stage of a = gamma dt (s) as through less of it.
@@ -719,7 +720,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 }
                 if motion.inertia != WaterInertia::None {
                     let g = gravity.unwrap_or([0.0; D]);
-                    pull = Some(std::array::from_fn(|d| g[d] - moving.acceleration[d]));
+                    pull = Some(array_of(|d| g[d] - moving.acceleration[d]));
                 }
             }
             let (part, state) = (&self.pore[point], PoreState { change, cofactor, gradient });
@@ -730,15 +731,15 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 // Darcy: K (grad p - rho_w F^T g), with K = (k/gamma_w) (J F^-1) (J F^-1)^T / J.
                 let slope = part.water.slope_of(&self.p);
                 let heavy = weight(pull);
-                let mut push: [f64; D] = std::array::from_fn(|d| slope[d] - heavy[d]);
+                let mut push: [f64; D] = array_of(|d| slope[d] - heavy[d]);
                 let from = motion.as_deref().and_then(|motion| Some((motion.flux_from(point)?, motion.a)));
                 if let Some((from, a)) = &from {
                     let (drag, before) = (self.drag(part, &state, *a), metric(&state, self.small, from));
                     (0..D).for_each(|d| push[d] -= drag * before[d]);
                 }
                 let conductivity = self.conductivity_of(part, &state, from.map(|(_, a)| a));
-                flux = std::array::from_fn(|i| (0..D).map(|j| conductivity[i][j] * push[j]).sum());
-                let mut friction: [f64; D] = std::array::from_fn(|d| slope[d] - heavy[d]);
+                flux = array_of(|i| (0..D).map(|j| conductivity[i][j] * push[j]).sum());
+                let mut friction: [f64; D] = array_of(|d| slope[d] - heavy[d]);
                 let mut worked = heavy;
                 if let (Some((_, a)), Some(motion)) = (from, motion.as_deref_mut()) {
                     // The flux of the water is against that of the balance of water.
@@ -838,9 +839,9 @@ impl<L: Law, const D: usize> Soil<L, D> {
                     (0..D).for_each(|d| push[d] += drag * own[d]);
                 }
                 let conductivity = self.conductivity_of(part, &state, own);
-                flux = std::array::from_fn(|i| (0..D).map(|j| conductivity[i][j] * push[j]).sum());
+                flux = array_of(|i| (0..D).map(|j| conductivity[i][j] * push[j]).sum());
                 if motion.inertia == WaterInertia::Own {
-                    let rate = std::array::from_fn(|d| (flux[d] - pore[point][d]) / motion.a);
+                    let rate = array_of(|d| (flux[d] - pore[point][d]) / motion.a);
                     let along = forward(&state, self.small, &rate);
                     (0..D).for_each(|d| force[d] -= density * along[d]);
                 }
@@ -940,7 +941,7 @@ pub(super) struct Push<const D: usize> {
 /// F^T y, with F = I + grad u.
 pub(super) fn turned_back<const D: usize>(state: &PoreState<D>, small: bool, y: &[f64; D]) -> [f64; D] {
     let turn = if small { 0.0 } else { 1.0 };
-    std::array::from_fn(|d| y[d] + turn * (0..D).map(|i| state.gradient[i][d] * y[i]).sum::<f64>())
+    array_of(|d| y[d] + turn * (0..D).map(|i| state.gradient[i][d] * y[i]).sum::<f64>())
 }
 
 impl<const D: usize> Default for Push<D> {
@@ -975,9 +976,9 @@ pub(super) fn conductivity<const D: usize>(
 ) -> [[f64; D]; D] {
     let inverse = 1.0 / (1.0 + change);
     let half = |i: usize, k: usize| (0..D).map(|l| mobility[k][l] * cofactor[i][l]).sum::<f64>();
-    std::array::from_fn(|i| std::array::from_fn(|j| inverse * (0..D).map(|k| cofactor[j][k] * half(i, k)).sum::<f64>()))
+    array_of(|i| array_of(|j| inverse * (0..D).map(|k| cofactor[j][k] * half(i, k)).sum::<f64>()))
 }
 
 pub(super) fn identity<const D: usize>() -> [[f64; D]; D] {
-    std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }))
+    array_of(|i| array_of(|j| if i == j { 1.0 } else { 0.0 }))
 }

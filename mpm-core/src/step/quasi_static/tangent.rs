@@ -13,6 +13,7 @@
 use super::motion::{WaterInertia, forward};
 use super::soil::{FacePart, HELD, InsideOut, PorePart, PoreState, Push, Soil, SolidPart, Strained};
 use crate::constitutive::Law;
+use crate::real::array_of;
 use crate::space::{Axis, Group, MOST, Stencil, active, strain_mode};
 use crate::sparse::{Factor, Ordering, Signs, Sparse, Unsolved};
 
@@ -77,7 +78,7 @@ impl System {
         let of_water = of_faces.chain(of_jumps).map(|(a, b)| (water(a), water(b)));
         let along = |(a, b, _): &(u32, u32, f64)| {
             let [a, b] = [a, b].map(|n| maps.0[*n as usize]);
-            std::array::from_fn::<_, D, _>(|d| (a[d], b[d]))
+            array_of::<_, D, _>(|d| (a[d], b[d]))
         };
         let of_soil = viscosity.iter().filter(|(a, b, _)| a > b).flat_map(along);
         let pairs = of_cells.chain(of_water).chain(of_soil).filter(|(a, b)| *a != HELD && *b != HELD);
@@ -139,7 +140,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
             let rows = self.rows(&part.stencil, None);
             block.turn_to(&rows, &mut self.system.matrix);
             let Strained { push, strain, .. } = self.strained(part).ok_or(InsideOut { point })?;
-            let increment = std::array::from_fn(|s| strain[s] - part.strain[s]);
+            let increment = array_of(|s| strain[s] - part.strain[s]);
             let tangent = self.law.law(part.mark).tangent(&part.stress, &increment, &part.state);
             // Strain modes in the frame before rotation, with gradients of the deformed soil turned back.
             let mut modes = modes_of(&push, part);
@@ -281,8 +282,8 @@ impl<L: Law, const D: usize> Soil<L, D> {
         let pores = if self.small { part.porosity } else { state.change + part.porosity };
         let (density, mass) = (self.fluid.density, self.mass_of(part, pores) * (1.0 + damping * a) / (a * a));
         // F K, and F K F^T: what the water does of an acceleration.
-        let pushed: [[f64; D]; D] = std::array::from_fn(|j| {
-            let column = std::array::from_fn(|i| flow[i][j]);
+        let pushed: [[f64; D]; D] = array_of(|j| {
+            let column = array_of(|i| flow[i][j]);
             forward(state, self.small, &column)
         });
         let along = |i: usize, j: usize| pushed[j][i];
@@ -290,7 +291,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
         for i in 0..D {
             own[i][i] = mass;
             if water == WaterInertia::Own {
-                let row = forward(state, self.small, &std::array::from_fn(|j| along(i, j)));
+                let row = forward(state, self.small, &array_of(|j| along(i, j)));
                 (0..D).for_each(|j| own[i][j] -= density * density / (a * a * a) * row[j]);
             }
         }
@@ -311,7 +312,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
         let scale = part.weight * length * pressure * density / a;
         for b in 0..part.water.count {
             let slope = part.water.slope[b];
-            let push: [f64; D] = std::array::from_fn(|i| (0..D).map(|j| along(i, j) * slope[j]).sum());
+            let push: [f64; D] = array_of(|i| (0..D).map(|j| along(i, j) * slope[j]).sum());
             for n in 0..part.soil.count {
                 for i in 0..D {
                     block.value[first + b][n * D + i] -= scale * part.soil.value[n] * push[i];
@@ -343,8 +344,8 @@ fn modes_of<const D: usize>(push: &Push<D>, part: &SolidPart<D>) -> [[f64; 4]; 2
     let mut modes = [[0.0; 4]; 2 * MOST];
     for n in 0..part.stencil.count {
         let slope = part.stencil.slope[n];
-        let spatial: [f64; D] = std::array::from_fn(|i| (0..D).map(|j| push.inverse[j][i] * slope[j]).sum());
-        let turned = std::array::from_fn(|i| (0..D).map(|j| push.rotation[j][i] * spatial[j]).sum());
+        let spatial: [f64; D] = array_of(|i| (0..D).map(|j| push.inverse[j][i] * slope[j]).sum());
+        let turned = array_of(|i| (0..D).map(|j| push.rotation[j][i] * spatial[j]).sum());
         for d in 0..D {
             modes[n * D + d] = strain_mode(&turned, &push.rotation[d]);
         }

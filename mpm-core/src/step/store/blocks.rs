@@ -11,7 +11,7 @@ use super::aligned::Aligned;
 use super::ask_for;
 use super::frame::Frame;
 use crate::particles::{Layer, Point};
-use crate::real::{MAX_LANES, SimdReal, array, vectors_mut};
+use crate::real::{MAX_LANES, SimdReal, array, array_of, vectors_mut};
 
 /// One block in so many is kept in reserve.
 const SPARE: usize = 8;
@@ -326,7 +326,7 @@ impl Blocks {
             for cell in group * self.lanes..(group + 1) * self.lanes {
                 let count = self.count(cell);
                 for slot in 0..self.slots(cell) {
-                    let x: [f64; D] = std::array::from_fn(|d| self.number(cell, slot, d));
+                    let x: [f64; D] = array_of(|d| self.number(cell, slot, d));
                     let to = frame.at(&x);
                     if to == Some(first + cell) {
                         continue;

@@ -5,7 +5,7 @@
 //! vector of cells may run over the end of a row without knowing it.
 
 use crate::grid::Grid;
-use crate::real::{MAX_LANES, array};
+use crate::real::{MAX_LANES, array, array_of};
 
 /// A strip has at least so many cells and rows: its first rows are added up apart.
 const LEAST: [usize; 2] = [512, 4];
@@ -50,7 +50,7 @@ impl<const D: usize> Frame<D> {
             strips *= 2;
         }
         let strip = count.div_ceil(strips).next_multiple_of(MAX_LANES);
-        let stride = std::array::from_fn(|d| if d == 0 { 1 } else { row });
+        let stride = array_of(|d| if d == 0 { 1 } else { row });
         let strips = count.div_ceil(strip);
         Self {
             cells: grid.cells,

@@ -10,6 +10,7 @@ use super::soil::{LEAST_SHARE, along};
 use super::{FreeSurface, Kind, SoilMap, Surroundings};
 use crate::grid::Grid;
 use crate::particles::{Layer, SolidPoint};
+use crate::real::array_of;
 
 /// Share of its pores that a cell of full soil may lack and still count as full: gaps between boxes, not air.
 const HOLE: f64 = 0.1;
@@ -68,14 +69,14 @@ impl<const D: usize> FreeSurface<D> {
         let mut loads = vec![Load::default(); grid.cell_count()];
         for (point, id) in solid.points.iter().zip(&solid.ids) {
             let old = &boxes[*id as usize];
-            let shift: [f64; D] = std::array::from_fn(|d| (point.x[d] - old.x[d]) * grid.inverse_size);
+            let shift: [f64; D] = array_of(|d| (point.x[d] - old.x[d]) * grid.inverse_size);
             pieces(grid, old, |cell, piece, volume| {
                 if self.content[cell] == 0.0 && surplus[cell] == 0.0 {
                     return;
                 }
                 let share = volume / covered[cell];
                 let full = self.kind[cell] == Kind::Full;
-                let moved: [[f64; 2]; D] = std::array::from_fn(|d| piece[d].map(|x| x + shift[d]));
+                let moved: [[f64; 2]; D] = array_of(|d| piece[d].map(|x| x + shift[d]));
                 lay_down(grid, &moved, |to, part| {
                     let water = part * share * self.content[cell];
                     loads[to].water += water;
@@ -126,11 +127,11 @@ impl<const D: usize> FreeSurface<D> {
 
 /// Visits the pieces of a box in the cells: cell, from where to where along each axis (in cells), and volume.
 fn pieces<const D: usize>(grid: &Grid<D>, of: &Square<D>, mut visit: impl FnMut(usize, [[f64; 2]; D], f64)) {
-    let low: [f64; D] = std::array::from_fn(|d| of.x[d] * grid.inverse_size - of.half);
-    let high: [f64; D] = std::array::from_fn(|d| of.x[d] * grid.inverse_size + of.half);
+    let low: [f64; D] = array_of(|d| of.x[d] * grid.inverse_size - of.half);
+    let high: [f64; D] = array_of(|d| of.x[d] * grid.inverse_size + of.half);
     let spans: [_; D] = std::array::from_fn(|d| along(low[d], high[d], grid.cells[d]));
     super::soil::spread(grid, &spans, |cell, position, volume| {
-        let piece = std::array::from_fn(|d| {
+        let piece = array_of(|d| {
             let from = if position[d] == 0 { low[d] } else { low[d].max(position[d] as f64) };
             let last = position[d] + 1 == grid.cells[d];
             let to = if last { high[d] } else { high[d].min(position[d] as f64 + 1.0) };

@@ -11,6 +11,7 @@ use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::dimension::shares;
 use crate::grid::Grid;
 use crate::particles::WaterPoint;
+use crate::real::array_of;
 
 /// Share of a surplus that is shifted in a step; a quarter is the limit of stability in two dimensions.
 const SHIFT: f64 = 0.2;
@@ -156,7 +157,7 @@ impl<const D: usize> WaterLayer<D> {
         let per_volume = self.volume / self.edge.powi(D as i32);
         let end = grid.cells[0] as f64;
         for point in &self.points {
-            let ends: [[f64; 2]; D] = std::array::from_fn(|d| {
+            let ends: [[f64; 2]; D] = array_of(|d| {
                 let middle = point.x[d] * grid.inverse_size;
                 [middle - 0.5 * self.edge, middle + 0.5 * self.edge]
             });
@@ -205,7 +206,7 @@ impl<const D: usize> WaterLayer<D> {
             let Some(cell) = grid.cell_at(&point.x) else { continue };
             let position = grid.cell_position(cell);
             let corners = grid.corners_from(grid.first_corner(cell, &position));
-            let xi: [f64; D] = std::array::from_fn(|d| point.x[d] * grid.inverse_size - position[d] as f64);
+            let xi: [f64; D] = array_of(|d| point.x[d] * grid.inverse_size - position[d] as f64);
             let weight = shares(1.0, &xi);
             for d in 0..D {
                 let moved: f64 = (0..Grid::<D>::CORNERS).map(|a| weight[a] * swept[corners[a]][d]).sum();
@@ -275,7 +276,7 @@ impl<const D: usize> WaterLayer<D> {
         // The golden ratio spreads places evenly whatever their number.
         let spot = (self.turn as f64 * 0.618_033_988_749_894_9).fract();
         let wet = water.wet_share(cell).clamp(0.05, 1.0);
-        let x = std::array::from_fn(|d| {
+        let x = array_of(|d| {
             let inside = if d == axis {
                 if upper { 1.0 - from_edge } else { from_edge }
             } else if d == D - 1 && water.kind[cell] == Kind::Standing {
