@@ -34,6 +34,7 @@ use mpm_verify::error::Error::{self, Unfit};
 use mpm_verify::files::{Folder, FolderError};
 use mpm_verify::page::site;
 use mpm_verify::progress::time;
+use mpm_verify::provenance;
 use mpm_verify::run_time::{Estimate, LONG, estimate};
 use serde::Serialize;
 
@@ -143,6 +144,8 @@ impl Common {
         let refused = |e: FolderError| Failure::BadInput(format!("--out: {e}"));
         let folder = Folder::take(&self.folder(name)).map_err(refused)?;
         folder.has_room_for(names).map_err(refused)?;
+        // Which commit the program is: asked now, because the sources may change while it runs.
+        provenance::commit();
         let result = work(&folder)?;
         folder.publish().map_err(Failure::run_failed)?;
         refresh_home(folder.path())?;
