@@ -55,7 +55,7 @@ pub enum Failure {
 }
 
 impl Failure {
-    fn bad_input(error: impl ToString) -> Self {
+    fn bad_input<E: ToString>(error: E) -> Self {
         Self::BadInput(error.to_string())
     }
 
