@@ -297,30 +297,3 @@ fn check_reads_the_accepted_errors_that_lie_on_the_disk_and_says_which() {
         assert!(code == Some(2) && said.contains(&format!("{name}/accepted.csv")), "{said}");
     }
 }
-
-/// Files below a folder, by their paths from there.
-fn below(folder: &Path, path: &str) -> Vec<String> {
-    let mut files = Vec::new();
-    for name in names(&folder.join(path)) {
-        let own = if path.is_empty() { name } else { format!("{path}/{name}") };
-        match folder.join(&own).is_dir() {
-            true => files.extend(below(folder, &own)),
-            false => files.push(own),
-        }
-    }
-    files
-}
-
-/// A folder is published over only where all of its files are named in `.mpm-verify.results`: a committed report must not keep
-/// the first command of a new user from writing its own.
-#[test]
-fn committed_reports_can_be_published_over() {
-    let reports = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reports");
-    for name in ["accuracy", "dam", "leaderboard", "levee"] {
-        let folder = reports.join(name);
-        let known = fs::read_to_string(folder.join(".mpm-verify.results")).expect("a list of results");
-        for file in below(&folder, "").iter().filter(|file| !file.starts_with(['.']) && !file.starts_with("vtk/")) {
-            assert!(known.lines().any(|line| line == file), "reports/{name}/{file}");
-        }
-    }
-}
