@@ -1,8 +1,14 @@
-//! Records the commit and the compiler for the manifest of reports, and embeds the scenes and cases of `reference-data`.
+//! Records a hash of the sources and the compiler for the manifest of reports, and embeds the scenes and cases of `reference-data`.
+//! Git is not asked: which commit the sources are is found when a report is written.
+
+#[path = "src/sources.rs"]
+mod sources;
 
 use std::fs;
 use std::path::Path;
 use std::process::Command;
+
+use sha2::{Digest, Sha256};
 
 fn first_line(program: &str, arguments: &[&str]) -> Option<String> {
     let output = Command::new(program).args(arguments).output().ok()?;
@@ -22,10 +28,8 @@ const EMBEDDED: [(&str, &str); 7] = [
 ];
 
 /// Writes `NAME.rs` with the names and texts of all such files of a folder, in the order of their names.
-fn embed(name: &str, ending: &str, out: &Path) -> std::io::Result<()> {
-    let folder =
-        Path::new(&std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../reference-data").join(name);
-    println!("cargo::rerun-if-changed={}", folder.display());
+fn embed(workspace: &Path, name: &str, ending: &str, out: &Path) -> std::io::Result<()> {
+    let folder = workspace.join("reference-data").join(name);
     let mut files: Vec<_> = fs::read_dir(&folder)?.flatten().map(|entry| entry.path()).collect();
     files.retain(|path| path.extension().is_some_and(|other| other == ending));
     files.sort();
@@ -38,11 +42,13 @@ fn embed(name: &str, ending: &str, out: &Path) -> std::io::Result<()> {
 }
 
 fn main() {
-    let commit = first_line("git", &["rev-parse", "--short=12", "HEAD"]).unwrap_or_else(|| "unknown".to_owned());
-    let changed = first_line("git", &["status", "--porcelain", "--untracked-files=no"]).is_some_and(|s| !s.is_empty());
+    let manifest = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
+    let workspace = Path::new(&manifest).parent().unwrap_or(Path::new(".."));
+    let hash = sources::hash(workspace, |bytes| format!("{:x}", Sha256::digest(bytes)));
+    println!("cargo::rustc-env=MPM_SOURCES={}", hash.unwrap_or_else(|error| panic!("sources: {error}")));
+    sources::ROOTS.iter().for_each(|root| println!("cargo::rerun-if-changed={}", workspace.join(root).display()));
     let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".to_owned());
     let compiler = first_line(&rustc, &["--version"]).unwrap_or_else(|| "unknown".to_owned());
-    println!("cargo::rustc-env=MPM_COMMIT={commit}{}", if changed { "-dirty" } else { "" });
     println!("cargo::rustc-env=MPM_COMPILER={compiler}");
     // Where cargo builds for a profile: target/PROFILE/build/PACKAGE/out.
     let out = std::env::var("OUT_DIR").unwrap_or_default();
@@ -51,8 +57,7 @@ fn main() {
     println!("cargo::rustc-env=MPM_PROFILE={profile}");
     println!("cargo::rustc-env=MPM_TARGET={}", std::env::var("TARGET").unwrap_or_default());
     for (name, ending) in EMBEDDED {
-        embed(name, ending, Path::new(&out)).unwrap_or_else(|error| panic!("reference-data/{name}: {error}"));
+        embed(workspace, name, ending, Path::new(&out))
+            .unwrap_or_else(|error| panic!("reference-data/{name}: {error}"));
     }
-    println!("cargo::rerun-if-changed=../.git/HEAD");
-    println!("cargo::rerun-if-changed=../.git/index");
 }

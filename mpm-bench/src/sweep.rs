@@ -61,11 +61,10 @@ pub fn sweep(plan: &Plan, base: &Scene, store: &mut Store, progress: &Progress) 
     Ok(plan.settings.iter().filter_map(|s| store.row(&s.case)).collect())
 }
 
-/// Which program measures: version, commit, and the bytes of the program itself, because a commit does not tell what
-/// was changed since.
+/// Which program measures: version, hash of the sources of `mpm-verify`, processor, and hash of the program itself.
 pub fn build(manifest: &Manifest) -> String {
     let bytes = std::env::current_exe().and_then(std::fs::read).unwrap_or_default();
-    format!("{} {} {} {}", manifest.version, manifest.commit, manifest.cpu, short_hash(&bytes))
+    format!("{} {} {} {}", manifest.version, manifest.sources, manifest.cpu, short_hash(&bytes))
 }
 
 impl Setting {

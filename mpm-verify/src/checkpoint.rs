@@ -13,8 +13,8 @@ use crate::files;
 
 /// Name of the file in the folder of a run.
 pub const NAME: &str = "checkpoint.bin";
-/// States of other builds may differ in their layout, and their runs in the last bit.
-pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), " ", env!("MPM_COMMIT"));
+/// Version and hash of the sources: states of other sources may differ in their layout, and their runs in the last bit.
+pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), " ", env!("MPM_SOURCES"));
 /// First bytes of every kind.
 const MAKER: &[u8] = b"MPM";
 /// No state is larger: what claims to be is refused before it is read, bytes.

@@ -11,7 +11,7 @@
 //!    [`stability`]: time-step limits, predicted and measured. [`stress`]: where assumptions are pushed.
 //! 6. [`slope`]: factors of safety. [`levee`]: the levee that seepage makes fail: its run, checkpoints, claims, sensitivity.
 //! 7. [`page`]: one layout, one style and one navigation for all pages; the home page. [`report`]: tables, plots, what the pages say. [`frames`]: stored frames of a run, to make its pictures again. [`manifest`]:
-//!    under which conditions.
+//!    under which conditions; [`provenance`]: from which sources and commit.
 //!    [`nightly`]: everything measured every night, compared and remembered.
 //!    [`mutants`]: planted faults, and who finds them. [`metamorphic`]: random scenes, and relations that must hold between
 //!    their runs.
@@ -43,11 +43,13 @@ pub mod norms;
 pub mod page;
 pub mod progress;
 pub mod protocol;
+pub mod provenance;
 pub mod rates;
 pub mod report;
 pub mod run_time;
 pub mod scenes;
 pub mod slope;
+mod sources;
 pub mod stability;
 pub mod stress;
 pub mod study;

@@ -9,8 +9,8 @@ use std::process::ExitCode;
 
 use clap::{Args, FromArgMatches, Parser, Subcommand};
 use commands::{
-    cases, check, gallery, gate, help, leaderboard, levee, list, merge, metamorphic, mutants, nightly, report, score,
-    slope, solve, stability, study,
+    cases, check, gallery, gate, help, leaderboard, levee, list, merge, metamorphic, mutants, nightly, publish, report,
+    score, slope, solve, stability, study,
 };
 
 /// Verifies a two-phase double-point material point method (soil and water) against exact solutions.
@@ -130,6 +130,13 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
+    /// Copy what the README and the guide show from finished runs to reports/published
+    Publish {
+        #[command(flatten)]
+        options: publish::Options,
+        #[command(flatten)]
+        common: Common,
+    },
     /// List test cases, scenes, stress tests, variants and schemes
     List {
         #[command(flatten)]
@@ -187,6 +194,7 @@ fn main() -> ExitCode {
         Some(Command::Stability { options, common }) => stability::run(&options, &common),
         Some(Command::Nightly { options, common }) => nightly::run(&options, &common),
         Some(Command::Report { folder, common }) => report::run(&folder, &common),
+        Some(Command::Publish { options, common }) => publish::run(&options, &common),
         Some(Command::List { options, common }) => list::run(&options, &common),
         Some(Command::Mutants { options, common }) => mutants::run(&options, &common),
         Some(Command::Metamorphic { options, common }) => metamorphic::run(&options, &common),

@@ -6,12 +6,14 @@ use serde::{Deserialize, Serialize};
 use time::OffsetDateTime;
 use time::format_description::well_known::Rfc3339;
 
+use crate::provenance;
+
 /// The conditions of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// Version of the program.
     pub version: String,
-    /// Commit that it was built from, with `-dirty` if files differed from it.
+    /// Commit that it was built from, with `-dirty` if its sources differed from it, or `unknown` ([`crate::provenance`]).
     pub commit: String,
     /// Compiler.
     pub compiler: String,
@@ -34,6 +36,9 @@ pub struct Manifest {
     pub scene_hash: String,
     /// How the program was called.
     pub command: String,
+    /// Hash of the sources that the program was built from; empty in manifests of versions without it.
+    #[serde(default)]
+    pub sources: String,
 }
 
 impl Manifest {
@@ -43,7 +48,7 @@ impl Manifest {
         let date = date.replace_nanosecond(0).unwrap_or(date);
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            commit: env!("MPM_COMMIT").to_owned(),
+            commit: provenance::commit().to_owned(),
             compiler: env!("MPM_COMPILER").to_owned(),
             target: env!("MPM_TARGET").to_owned(),
             profile: if cfg!(debug_assertions) { "debug" } else { "release" }.to_owned(),
@@ -54,6 +59,7 @@ impl Manifest {
             date: date.format(&Rfc3339).unwrap_or_default(),
             scene_hash: scene_hash(scene),
             command: command(),
+            sources: provenance::SOURCES.to_owned(),
         }
     }
 
@@ -65,7 +71,7 @@ impl Manifest {
     }
 
     /// Names and values in a fixed order.
-    pub fn entries(&self) -> [(&'static str, String); 12] {
+    pub fn entries(&self) -> [(&'static str, String); 13] {
         [
             ("version", self.version.clone()),
             ("commit", self.commit.clone()),
@@ -79,6 +85,7 @@ impl Manifest {
             ("date", self.date.clone()),
             ("scene hash", self.scene_hash.clone()),
             ("command", self.command.clone()),
+            ("sources", self.sources.clone()),
         ]
     }
 }

@@ -134,7 +134,7 @@ impl Progress {
         }
     }
 
-    /// Sets the bar alone, of a job that prints its own lines and its own remaining time.
+    /// Sets the bar alone, of a job that prints its own lines and cannot tell its remaining time.
     pub fn set_bar(&self, millionths: u64) {
         if let Some(bar) = &self.bar {
             bar.set_position(millionths);

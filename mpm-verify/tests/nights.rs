@@ -25,6 +25,13 @@ fn night(folder: &Path) -> std::path::PathBuf {
     nights.pop().expect("a night")
 }
 
+/// Lets a nightly run be one of a commit, whatever the sources of this test are.
+fn of_commit(night: &Path, commit: &str) {
+    let mut summary = summary(night);
+    summary["commit"] = commit.into();
+    fs::write(night.join("summary.json"), summary.to_string()).expect("written");
+}
+
 #[test]
 fn a_nightly_run_is_accepted_and_numbers_that_move_are_reported() {
     let root = tempfile::tempdir().expect("a folder");
@@ -44,6 +51,11 @@ fn a_nightly_run_is_accepted_and_numbers_that_move_are_reported() {
     let one = night(&root.path().join("one"));
     assert!(!root.path().join("one/history.csv").exists(), "a part is not recorded");
     let from = one.to_string_lossy().into_owned();
+    of_commit(&one, "0123456789ab-dirty");
+    let refused = nightly(root.path(), &["--accept", "a test", "--from", &from]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(error(&refused).ends_with("found the commit 0123456789ab-dirty\n"), "{}", error(&refused));
+    of_commit(&one, "0123456789ab");
     let accepted = nightly(root.path(), &["--accept", "a test", "--from", &from]);
     assert!(accepted.status.success(), "{}", error(&accepted));
     let text = fs::read_to_string(&file).expect("a table");
@@ -65,7 +77,9 @@ fn a_nightly_run_is_accepted_and_numbers_that_move_are_reported() {
     assert_eq!(moved[0]["direction"], "better");
     assert!(error(&third).contains("work-explicit-column steps better: was"), "{}", error(&third));
     // Accepting a part of a night leaves what the other parts would have measured.
-    let from = night(&root.path().join("three")).to_string_lossy().into_owned();
+    let three = night(&root.path().join("three"));
+    of_commit(&three, "0123456789ab");
+    let from = three.to_string_lossy().into_owned();
     let part = nightly(root.path(), &["--accept", "a part", "--from", &from]);
     assert!(part.status.success(), "{}", error(&part));
     let text = fs::read_to_string(&file).expect("a table");

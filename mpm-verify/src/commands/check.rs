@@ -18,6 +18,7 @@ use mpm_verify::experiment::{CaseRow, Judged, pool};
 use mpm_verify::files::Folder;
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::{Progress, time};
+use mpm_verify::provenance;
 use mpm_verify::report;
 use serde::{Deserialize, Serialize};
 
@@ -67,8 +68,8 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     accepted::hold_against(&known);
     let named = file.as_ref().map_or_else(|| "built in".to_owned(), |file| file.display().to_string());
     common.say(&format!("accepted errors: {named}"));
-    let accept = options.accept.as_deref().map(|why| accepted::target(why, file.as_deref()).map(|file| (why, file)));
-    let accept = accept.transpose().map_err(Failure::bad_input)?;
+    let target = |why| Ok((why, accepted::target(why, provenance::commit(), file.as_deref())?));
+    let accept = options.accept.as_deref().map(target).transpose().map_err(Failure::bad_input::<Error>)?;
     if options.mutants {
         let rows = common.publish(FOLDER, &["mutants.csv"], |folder| catch(&options.cases, common, folder.stage()))?;
         return rows.end("mutants not caught", |row| row.caught, |row| row.case);

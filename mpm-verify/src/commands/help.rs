@@ -7,7 +7,7 @@ use super::terminal::say;
 use crate::Cli;
 
 /// Commands with examples, each with what it does.
-const EXAMPLES: [(&str, &[(&str, &str)]); 16] = [
+const EXAMPLES: [(&str, &[(&str, &str)]); 17] = [
     (
         "levee",
         &[
@@ -76,6 +76,7 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 16] = [
         ],
     ),
     ("report", &[("mpm-verify report reports/accuracy", "the page and plots of a study that was run before")]),
+    ("publish", &[("mpm-verify publish levee", "the last run of the levee; without a name all that have been run")]),
     (
         "list",
         &[

@@ -12,6 +12,7 @@ pub mod merge;
 pub mod metamorphic;
 pub mod mutants;
 pub mod nightly;
+pub mod publish;
 mod quantities;
 pub mod report;
 pub mod score;
@@ -34,6 +35,7 @@ use mpm_verify::error::Error::{self, Unfit};
 use mpm_verify::files::{Folder, FolderError};
 use mpm_verify::page::site;
 use mpm_verify::progress::time;
+use mpm_verify::provenance;
 use mpm_verify::run_time::{Estimate, LONG, estimate};
 use serde::Serialize;
 
@@ -54,7 +56,7 @@ pub enum Failure {
 }
 
 impl Failure {
-    fn bad_input(error: impl ToString) -> Self {
+    fn bad_input<E: ToString>(error: E) -> Self {
         Self::BadInput(error.to_string())
     }
 
@@ -143,6 +145,8 @@ impl Common {
         let refused = |e: FolderError| Failure::BadInput(format!("--out: {e}"));
         let folder = Folder::take(&self.folder(name)).map_err(refused)?;
         folder.has_room_for(names).map_err(refused)?;
+        // Which commit the program is: asked now, because the sources may change while it runs.
+        provenance::commit();
         let result = work(&folder)?;
         folder.publish().map_err(Failure::run_failed)?;
         refresh_home(folder.path())?;

@@ -1,12 +1,14 @@
 //! `nightly`: everything is run, compared with the accepted baselines and recorded.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
 use cpu_time::ProcessTime;
+use mpm_verify::error::Error;
 use mpm_verify::experiment::accepted::{self, Accepted, Renewed};
 use mpm_verify::experiment::number::{Label, Number, Tolerance};
 use mpm_verify::files::Folder;
@@ -17,6 +19,7 @@ use mpm_verify::nightly::history::{self, ENTRY, History};
 use mpm_verify::nightly::report::{Night, Part, VALUES, stored};
 use mpm_verify::nightly::{collect, moved, nights, report, trends, work};
 use mpm_verify::progress::Progress;
+use mpm_verify::provenance;
 use mpm_verify::study::Runner;
 use mpm_verify::unpanicked::unpanicked;
 
@@ -53,15 +56,15 @@ pub struct Options {
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let (known, file) = accepted::read(options.baselines.as_deref()).map_err(Failure::bad_input)?;
     accepted::hold_against(&known);
-    let target = options.accept.as_deref().map(|why| accepted::target(why, file.as_deref()).map(|file| (why, file)));
-    let target = target.transpose().map_err(Failure::bad_input)?;
-    if let (Some(target), Some(from)) = (target, &options.from) {
-        let measures = stored(&from.join(VALUES)).map_err(Failure::bad_input)?;
-        let text =
-            fs::read(from.join("summary.json")).map_err(|e| Failure::BadInput(format!("{}: {e}", from.display())))?;
-        let night: Night =
-            serde_json::from_slice(&text).map_err(|e| Failure::BadInput(format!("{}: {e}", from.display())))?;
-        return accept(&known, &measures, &night, target, common);
+    let earlier = options.from.as_deref().map(earlier).transpose()?;
+    let commit = || match &earlier {
+        Some((night, _)) => night.commit.as_str(),
+        None => provenance::commit(),
+    };
+    let target = options.accept.as_deref().map(|why| Ok((why, accepted::target(why, commit(), file.as_deref())?)));
+    let target = target.transpose().map_err(Failure::bad_input::<Error>)?;
+    if let (Some(target), Some((night, measures))) = (target, &earlier) {
+        return accept(&known, measures, night, target, common);
     }
     let (night, measures, folder) = common.publish("nightly", &["index.html", history::NAME], |folder| {
         whole(options, common, (&known, file.as_deref()), folder)
@@ -79,6 +82,14 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     lines.extend(night.fell.iter().map(|what| format!("failed: {what}")));
     lines.extend(night.moved.iter().map(moved::Moved::line));
     Err(Failure::CheckFailed(lines.join("\n")))
+}
+
+/// An earlier nightly run and its numbers.
+fn earlier(folder: &Path) -> Result<(Night, Vec<Number>), Failure> {
+    let refused = |e: &dyn Display| Failure::BadInput(format!("{}: {e}", folder.display()));
+    let measures = stored(&folder.join(VALUES)).map_err(Failure::bad_input)?;
+    let text = fs::read(folder.join("summary.json")).map_err(|e| refused(&e))?;
+    Ok((serde_json::from_slice(&text).map_err(|e| refused(&e))?, measures))
 }
 
 /// Results of the parts so far.

@@ -16,6 +16,7 @@ use super::number::{Label, Number, Tolerance};
 use super::verdict::{CaseRow, Judged};
 use crate::error::Error;
 use crate::files;
+use crate::provenance::require_clean;
 
 /// Where the file is kept, from the root of the source.
 pub const FOLDER: &str = "reference-data/baselines";
@@ -153,14 +154,15 @@ pub fn read(folder: Option<&Path>) -> Result<(Vec<Accepted>, Option<PathBuf>), E
     }
 }
 
-/// The file to which numbers are accepted for a reason.
+/// The file to which numbers of a commit are accepted for a reason.
 ///
 /// # Errors
-/// No reason, or no such file.
-pub fn target<'a>(why: &str, file: Option<&'a Path>) -> Result<&'a Path, Error> {
+/// No reason, no commit that the program was built from ([`require_clean`]), or no such file.
+pub fn target<'a>(why: &str, commit: &str, file: Option<&'a Path>) -> Result<&'a Path, Error> {
     if why.trim().is_empty() {
         return Err(Error::refused("--accept", "a reason", "nothing"));
     }
+    require_clean("--accept", commit)?;
     file.ok_or_else(|| Error::refused("--accept", format!("{FOLDER} here, or --baselines DIR"), "neither"))
 }
 
@@ -306,6 +308,21 @@ mod tests {
         assert!(!grown.row.passed() && grown.reason.contains("(baseline) and may grow by 2 %"), "{}", grown.reason);
         assert_eq!(grown.reason, grown.row.reason);
         assert!(grown.row.change.is_some_and(|change| (change - 1.03).abs() < 1e-9));
+    }
+
+    #[test]
+    fn numbers_are_accepted_for_a_reason_and_from_a_commit() {
+        let file = Path::new("accepted.csv");
+        assert_eq!(target("a reason", "0123456789ab", Some(file)).expect("accepted"), file);
+        for (why, commit, file, words) in [
+            (" ", "0123456789ab", Some(file), "--accept: expected a reason"),
+            ("a reason", "0123456789ab-dirty", Some(file), "found the commit 0123456789ab-dirty"),
+            ("a reason", "unknown", Some(file), "found the commit unknown"),
+            ("a reason", "0123456789ab", None, "reference-data/baselines here"),
+        ] {
+            let error = target(why, commit, file).expect_err("refused").to_string();
+            assert!(error.contains(words), "{error}");
+        }
     }
 
     #[test]

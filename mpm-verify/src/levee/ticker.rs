@@ -1,11 +1,10 @@
-//! How far a run has come: hours, phase and the time that is left.
-
-use std::time::Instant;
+//! How far a run has come: hours and phase. The time that is left is not known: a second of moving soil takes as long as minutes of
+//! seeping water, and when the soil fails is what the run is to find.
 
 use mpm_core::failure::{Driver, Phase};
 
 use super::plan::Plan;
-use crate::progress::{Pace, Progress, time};
+use crate::progress::{Pace, Progress};
 
 /// Shows a run as it goes on.
 #[derive(Debug)]
@@ -14,7 +13,6 @@ pub struct Ticker {
     title: String,
     ends_h: f64,
     starts_h: f64,
-    began: Option<(Instant, f64)>,
     said: Option<Phase>,
     pace: Pace,
 }
@@ -25,32 +23,18 @@ impl Ticker {
         let title = plan.scene.name.clone();
         let progress = Progress::new(&title, quiet);
         progress.note(&format!("{title}: {}", words(Phase::Gravity)));
-        Self {
-            progress,
-            title,
-            ends_h: plan.ends_h(),
-            starts_h: plan.starts_h(),
-            began: None,
-            said: None,
-            pace: Pace::new(),
-        }
+        Self { progress, title, ends_h: plan.ends_h(), starts_h: plan.starts_h(), said: None, pace: Pace::new() }
     }
 
     /// After a look at the soil.
     pub fn tick(&mut self, driver: &Driver) {
         let hours = driver.hours();
-        let (began, from) = *self.began.get_or_insert((Instant::now(), hours));
         let share = (hours - self.starts_h) / (self.ends_h - self.starts_h);
         self.progress.set_bar((1e6 * share.clamp(0.0, 1.0)) as u64);
         let phase = driver.phase;
         let changed = self.said.is_none_or(|last| last != phase && phase != Phase::Relaxing);
         let late = self.pace.due().is_some();
-        let left = (hours > from).then(|| began.elapsed().mul_f64(((self.ends_h - hours) / (hours - from)).max(0.0)));
-        // Only water seeps at a pace that tells when the end comes.
-        let left = left.filter(|_| matches!(phase, Phase::Seepage | Phase::Relaxing));
-        let left =
-            left.map_or_else(String::new, |left| format!(", about {} to {} h", time(left.as_secs_f64()), self.ends_h));
-        let text = format!("{}: {hours:.4} h, {}{left}", self.title, words(phase));
+        let text = format!("{}: {hours:.4} of at most {} h, {}", self.title, self.ends_h, words(phase));
         self.progress.note(&text);
         if changed || late {
             self.progress.piped_line(&text);

@@ -198,7 +198,9 @@ fn find(root: &Path, below: &str, depth: usize, known: &mut Vec<Known>) {
         }
         let folder = if below.is_empty() { name } else { format!("{below}/{name}") };
         let text = fs::read_to_string(root.join(&folder).join(RECORD)).ok();
-        match text.and_then(|text| serde_json::from_str(&text).ok()) {
+        // One that was published has no page.
+        let has_page = root.join(&folder).join("index.html").is_file();
+        match text.and_then(|text| serde_json::from_str(&text).ok()).filter(|_| has_page) {
             // What stands below a report is reached from there.
             Some(report) => known.push(Known { folder, report }),
             None if depth > 1 => find(root, &folder, depth - 1, known),

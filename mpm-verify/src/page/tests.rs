@@ -207,6 +207,9 @@ fn home_reaches_every_page_and_every_page_leads_home() {
     crate::report::tests::write_small(&root.join("accuracy"));
     crate::report::suite::tests::write_small(&root.join("suite"));
     crate::nightly::report::tests::write_small(&root.join("nightly"));
+    // What was published of a report has no page, and is not listed.
+    fs::create_dir_all(root.join("published/levee")).expect("a folder");
+    fs::copy(root.join("levee").join(RECORD), root.join("published/levee").join(RECORD)).expect("copied");
     let home = site::refresh(&root).expect("a home page");
     let mut all = BTreeSet::new();
     pages(&root, &mut all);
@@ -222,6 +225,7 @@ fn home_reaches_every_page_and_every_page_leads_home() {
         }
     }
     let text = fs::read_to_string(&home).expect("a page");
+    assert!(!text.contains("published/levee"), "{text}");
     for part in
         ["Claims of the paper on accuracy", "Verification suite", "Nightly runs", "badge good", "plots/errors.svg"]
     {

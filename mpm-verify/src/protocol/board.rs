@@ -11,6 +11,7 @@ use super::score::{Level, Score, Verdict};
 use crate::page::site::{Kind, Report};
 use crate::page::table::{Cell, Table};
 use crate::page::{Block, Image, Page, Section};
+use crate::provenance;
 use crate::report::case::section_of;
 use crate::report::numbers::{exact, short};
 use crate::report::plots::axis::Axis;
@@ -111,7 +112,7 @@ pub fn write(codes: &[Code], cases: &[Case], folder: &Path) -> Result<(), Report
         .section(matrix(codes, &cases))
         .section(Section::new("codes", "Codes").tables([table_of_codes(codes)]))
         .section(Section::new("data", "Data").files([BOARD]))
-        .report(Report { date: latest(codes), ..report });
+        .report(Report { date: latest(codes), commit: provenance::commit().to_owned(), ..report });
     page.sections.retain(|section| !section.blocks.is_empty());
     page.write(&folder.join("index.html"))
 }
