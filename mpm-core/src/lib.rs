@@ -19,8 +19,8 @@
 //!    to the final shape, with its events and factors of safety. [`checkpoint`]: state that is
 //!    restored to the last bit.
 //! 8. [`observe`]: the results of a run, and its balances.
-//! 9. [`hardware`], [`run`]: threads and SIMD width of a run; the one place that turns the words of a scene into types. [`hash`], [`random`]: the one hash, and the one
-//!    generator of random numbers.
+//! 9. [`hardware`], [`run`]: threads and SIMD width of a run; the one place that turns the words of a scene into types. [`hash`], [`random`], `order`: the one hash, the one
+//!    generator of random numbers, the one sort by a number.
 //!
 //! # Symbols
 //! | symbol | meaning | unit |
@@ -50,6 +50,7 @@ pub mod grid;
 pub mod hardware;
 pub mod hash;
 pub mod observe;
+mod order;
 pub mod particles;
 pub mod random;
 pub mod real;

@@ -9,6 +9,7 @@ use crate::error::RunError;
 use crate::grid::Grid;
 use crate::hardware::{Hardware, Width};
 use crate::observe::Seed;
+use crate::order::sort_by_number;
 use crate::particles::{Layer, SolidPoint, WaterPoint, displace, even_positions};
 use crate::real::array_of;
 use crate::scene::{
@@ -180,8 +181,9 @@ fn implicit_in<const D: usize>(scene: &Scene, soil_cells: [usize; D], thickness:
         displace(places.iter_mut().map(|(x, _)| x), &lengths, spacing, &displaced);
     }
     // Points of a cell follow each other, so that the matrix is gathered cell by cell.
-    let cell = |x: &[f64; D]| x.map(|x| (x / scene.cell + scene.shift).floor() as i64);
-    places.sort_by_key(|(x, _)| array_of::<i64, D, _>(|d| cell(x)[D - 1 - d]));
+    let cell = |x: &[f64; D]| x.map(|x| (x / scene.cell + scene.shift).floor());
+    let columns = soil_cells[0] as f64 + 3.0;
+    sort_by_number(&mut places, |(x, _)| cell(x)[D - 1] * columns + cell(x)[0]);
     let ground = scene.ground();
     let point = |(x, _): &([f64; D], bool)| {
         let volume = volume * scene.thickness(x[0]);

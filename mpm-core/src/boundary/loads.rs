@@ -2,6 +2,7 @@
 
 use crate::dimension::in_two;
 use crate::grid::Grid;
+use crate::order::sort_by_number;
 use crate::particles::{Layer, SolidPoint};
 use crate::real::array_of;
 use crate::scene::{Bearing, Course, FaceLoad, Fields, Piece, Side, Surcharge};
@@ -81,7 +82,7 @@ impl<const D: usize> FaceLoads<D> {
                 }
             }
         }
-        found.pieces.sort_by_key(|piece| piece.id);
+        sort_by_number(&mut found.pieces, |piece| piece.id.into());
         found
     }
 

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::RunError;
 use crate::observe::{Balance, BalanceTerms, Observation, Places, Trust, balances};
+use crate::order::sort_by_number;
 use crate::scene::{Coupling, Integrator, Scene, Stage, Until};
 use crate::stability::stable_limit;
 use crate::step::{Fault, Model, Work};
@@ -417,7 +418,7 @@ fn times(scene: &Scene, last: bool, end: f64) -> Vec<(f64, bool)> {
     let mut times: Vec<(f64, bool)> = scene.observe_times.iter().map(|t| (*t, true)).collect();
     let share = |i: usize| (i + 1) as f64 / scene.history as f64;
     times.extend((0..scene.history).map(|i| (end * FIRST_HISTORY.powf(1.0 - share(i)), false)));
-    times.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_number(&mut times, |(time, _)| *time);
     // Where both lists have the same time, the observed one stays.
     times.dedup_by(|later, kept| {
         let same = later.0 - kept.0 <= 1e-9 * end;

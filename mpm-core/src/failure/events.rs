@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::scales::Scales;
 use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::observe::SolidState;
+use crate::order::sort_by_number;
 use crate::seeding;
 use crate::step::Failing;
 
@@ -80,7 +81,7 @@ impl First {
         let depth = scales.depth();
         let mut states: Vec<SolidState> = Vec::new();
         model.each(&mut |state| states.push(*state));
-        states.sort_by_key(|state| state.id);
+        sort_by_number(&mut states, |state| state.id.into());
         let nearest = |at: &[f64; 2]| {
             let distance = |s: &SolidState| (s.x[0] - at[0]).powi(2) + (s.x[1] - at[1]).powi(2);
             states.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).map_or(0, |state| state.id)
@@ -112,7 +113,7 @@ impl First {
         let way = |id: usize| (to[id][0] - from[id][0]).hypot(to[id][1] - from[id][1]);
         let mut ways: Vec<(f64, f64)> =
             (0..self.area.len()).filter(|id| looked_at(*id)).map(|id| (way(id), self.area[id])).collect();
-        ways.sort_by(|a, b| b.0.total_cmp(&a.0));
+        sort_by_number(&mut ways, |(way, _)| -way);
         let mut moved = 0.0;
         let enough = |(_, area): &&(f64, f64)| {
             moved += area;
@@ -167,7 +168,7 @@ impl First {
         }
         moved.failed_at_m = failed_x / failed_area;
         moved.crest_settlement_m = if crest_area > 0.0 { crest / crest_area } else { 0.0 };
-        ahead.sort_by(|a, b| b.0.total_cmp(&a.0));
+        sort_by_number(&mut ahead, |(x, _)| -x);
         let mut beyond = 0.0;
         moved.toe_x_m = ahead
             .iter()

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::events::{First, Moved};
 use super::scales::Scales;
 use super::{Driver, Phase};
+use crate::order::sort_by_number;
 use crate::step::Failing;
 
 /// On a coarse mesh the soil of the last cell tapers off, and its water comes no nearer to the toe than this share of a cell, however
@@ -242,5 +243,5 @@ pub(super) fn paths(model: &dyn Failing, first: &First, hours: f64, into: &mut V
             });
         }
     });
-    into[start..].sort_by_key(|p| p.point);
+    sort_by_number(&mut into[start..], |p| p.point.into());
 }

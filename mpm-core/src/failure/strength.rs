@@ -12,6 +12,7 @@ use super::scales::Scales;
 use crate::checkpoint::{restore, save};
 use crate::constitutive::Altered;
 use crate::observe::SolidState;
+use crate::order::sort_by_number;
 use crate::scene::Reduction;
 use crate::step::{Failing, Fault, Pace};
 use crate::water::Pressures;
@@ -321,7 +322,7 @@ impl Trials<'_> {
         let strains = |model: &dyn Failing| {
             let mut strains = Vec::new();
             model.each(&mut |s| strains.push((s.id, s.deviator_strain)));
-            strains.sort_by_key(|s| s.0);
+            sort_by_number(&mut strains, |(id, _)| f64::from(*id));
             strains
         };
         let before = strains(model);
@@ -329,7 +330,7 @@ impl Trials<'_> {
         model.move_soil(&pace, &mut 0)?;
         let mut sliding = Vec::with_capacity(before.len());
         model.each(&mut |s| sliding.push((s.id, *s)));
-        sliding.sort_by_key(|s| s.0);
+        sort_by_number(&mut sliding, |(id, _)| f64::from(*id));
         let rate = |strain: f64| (strain / (steps * dt)).max(0.0);
         let of = |((_, s), (_, strain)): (&(u32, SolidState), &(u32, f64))| Sliding {
             x: s.x,

@@ -13,6 +13,7 @@ pub use polygon::{Fault, area, centroid, check, depth, folds, inside, length_alo
 
 use std::collections::BTreeMap;
 
+use crate::order::sort_by_number;
 use crate::scene::Piece;
 
 /// What a particle stands for.
@@ -111,7 +112,7 @@ pub fn below_crest(polygon: &[[f64; 2]], parts: &[Part], spacing: f64) -> Vec<(u
         let nearest = parts.iter().enumerate().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
         below.extend(nearest.map(|(i, _)| (i, spacing)));
     }
-    below.sort_by_key(|(i, _)| *i);
+    sort_by_number(&mut below, |(i, _)| *i as f64);
     below
 }
 

@@ -1,6 +1,7 @@
 //! Simple polygons: area, centre, what lies inside, and what is wrong with one.
 
 use super::crossing;
+use crate::order::sort_by_number;
 
 /// Why points are no outline.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,7 +82,7 @@ pub fn length_along(polygon: &[[f64; 2]], side: usize, [low, high]: [f64; 2], wi
     let ends =
         edges.filter(|edge| edge.iter().all(|x| on(x))).map(|[a, b]| [a[axis].min(b[axis]), a[axis].max(b[axis])]);
     let mut spans: Vec<[f64; 2]> = ends.map(|[a, b]| [a.max(low), b.min(high)]).filter(|[a, b]| a < b).collect();
-    spans.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    sort_by_number(&mut spans, |[low, _]| *low);
     let mut reached = low;
     let mut length = 0.0;
     for [a, b] in spans {

@@ -14,6 +14,7 @@ use crate::grid::Grid;
 use crate::observe::{
     BalanceTerms, CellState, FieldPoint, Frame, Observation, Places, SolidState, WaterParticle, WaterState,
 };
+use crate::order::sort_by_number;
 use crate::real::array_of;
 use crate::scene::{Coupling, Stage};
 use crate::water::AdvectedWater;
@@ -380,7 +381,7 @@ impl<const D: usize> Failing for Staggered<D> {
         let (grid, water) = (&self.soil.body().grid, self.water());
         let mut solid = Vec::with_capacity(self.soil.solid_count());
         self.each(&mut |state| solid.push(*state));
-        solid.sort_by_key(|state| state.id);
+        sort_by_number(&mut solid, |state| state.id.into());
         Frame {
             time_s,
             step,

@@ -11,6 +11,7 @@ use super::super::raw::RawScene;
 use super::super::{Dimension, Fields, Start, read_text};
 use super::{Checked, Reader, clipped};
 use crate::error::SceneError;
+use crate::order::sort_by_number;
 
 /// No table is larger, bytes.
 const LARGEST_TABLE: u64 = 256 << 20;
@@ -107,7 +108,7 @@ impl Reader<'_> {
         if rows.is_empty() {
             return refuse(1, "none".to_owned());
         }
-        rows.sort_by(|(a, _), (b, _)| a[1].total_cmp(&b[1]));
+        sort_by_number(&mut rows, |([_, y], _)| *y);
         let mut initial = Initial { table: Some(name), ..Initial::default() };
         if in_plane {
             initial.rows = Arc::new(rows);

@@ -30,6 +30,7 @@ use super::{
     WaterProperties,
 };
 use crate::error::{SceneError, Warning};
+use crate::order::sort_by_number;
 use faults::{Faults, MOST_FAULTS, nearest};
 
 /// Longest name of a scene, characters.
@@ -82,7 +83,7 @@ pub(super) fn check(source: &Arc<Source>) -> Checked<(Scene, Range<usize>)> {
     let (raw, renamed) = reader.raw(&mut faults)?;
     let mut warnings: Vec<Warning> = renamed.iter().map(|old| reader.renamed(old)).collect();
     warnings.extend(raw.iter().flat_map(|raw| reader.units(raw)));
-    warnings.sort_by_key(|warning| warning.line);
+    sort_by_number(&mut warnings, |warning| warning.line as f64);
     let fields = raw.as_ref().and_then(|raw| faults.take(reader.scene(raw)));
     let checked = faults.or(fields.zip(raw)).map_err(|mut refusal| {
         if !warnings.is_empty() {

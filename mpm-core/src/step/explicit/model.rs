@@ -1,6 +1,7 @@
 //! A run as any other model.
 
 use super::*;
+use crate::order::sort_by_number;
 
 impl<const D: usize> Model for Explicit<D> {
     fn advance(&mut self, dt: f64, steps: u64, done: &mut u64) -> Result<(), Fault> {
@@ -113,7 +114,7 @@ impl<const D: usize> Model for Explicit<D> {
         let of_pores = whole.water.as_ref().map(|water| &water.layer.points[..]);
         let of_free = self.advected().map(|free| &free.layer.points[..]);
         let mut numbered: Vec<_> = whole.solid.ids.iter().zip(&whole.solid.points).collect();
-        numbered.sort_by_key(|(id, _)| **id);
+        sort_by_number(&mut numbered, |(id, _)| f64::from(**id));
         Places::of(numbered.into_iter().map(|(_, point)| point), of_pores.or(of_free).unwrap_or(&[]))
     }
 

@@ -90,7 +90,7 @@ impl<V: Simd, F: Functions<D>, const D: usize> Kernel<D> for Vectorised<V, F> {
             before: F::BEFORE,
             extra: F::EXTRA,
             on_cell: F::FUSED,
-            at_centroid: F::AT_CENTROID,
+            at_centroid: self.functions.at_centroid(),
             pressure_at_particles: F::PRESSURE_AT_PARTICLES,
             split: F::SPLIT,
             nodal: F::NODAL,

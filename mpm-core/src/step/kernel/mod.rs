@@ -234,8 +234,6 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
     const SPLIT: bool = false;
     /// Whether all particles of a cell are strained alike.
     const OF_CELL: bool = false;
-    /// Whether that is as at the centroid of the soil.
-    const AT_CENTROID: bool = false;
     /// Whether pore pressures follow the strains of their own particles.
     const PRESSURE_AT_PARTICLES: bool = false;
     /// Whether the functions are numbered as the nodes of the mesh, and have their values there.
@@ -249,6 +247,11 @@ pub trait Functions<const D: usize>: Copy + Send + Sync + 'static {
     /// What its particles give.
     type Sums<V: Simd>;
 
+    /// Whether all particles of a cell are strained as at the centroid of the soil in it.
+    #[inline(always)]
+    fn at_centroid(&self) -> bool {
+        false
+    }
     /// For cells at a place on the lattice of so many.
     fn edges<V: Simd>(&self, position: &[SimdReal<V>; D], cells: &[usize; D]) -> Self::Edges<V>;
     /// No motion.
@@ -899,7 +902,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Pass<'_, V, F, D> {
         self.strip.note(group, MASS, mass);
         if let Some(centroid) = functions.centroid(sums, full, self.common.rare.found) {
             self.strip.note_centroid(group, &centroid);
-            (closing.at, closing.pressed_at) = (centroid, if F::AT_CENTROID { closing.pressed_at } else { centroid });
+            (closing.at, closing.pressed_at) =
+                (centroid, if functions.at_centroid() { closing.pressed_at } else { centroid });
         }
         match self.common.water {
             InPores::None => {}

@@ -47,28 +47,30 @@ pub struct CellSums<V: Simd, const D: usize> {
     spherical: SimdReal<V>,
 }
 
-/// Linear functions with gradients at one of four places.
+/// Linear functions with gradients at the particles, at one place of the cell, or selectively at both.
 #[derive(Debug, Clone, Copy)]
-pub struct OnCell<const PLACE: u8>;
+pub struct OnCell<const PLACE: u8> {
+    /// Whether the place of the cell is the centroid of its soil, not its centre.
+    at_centroid: bool,
+}
 
 /// Gradients at the centre of the cell (the paper, section 2.2): G_i(x_p) is replaced by G_i(x_c).
-pub const CENTRE: OnCell<AT_CENTRE> = OnCell;
+pub const CENTRE: OnCell<AT_CELL> = OnCell { at_centroid: false };
 /// Gradients at the centroid of the soil in the cell: the same where a cell is full. Along a slope, where cells are filled in
 /// part, they are then those of the soil that is there, and the force of a uniform stress on it is exact.
-pub const CENTROID: OnCell<AT_CENTROID> = OnCell;
+pub const CENTROID: OnCell<AT_CELL> = OnCell { at_centroid: true };
 /// The standard linear scheme: G_i at the particle.
-pub const LINEAR: OnCell<AT_PARTICLE> = OnCell;
+pub const LINEAR: OnCell<AT_PARTICLE> = OnCell { at_centroid: false };
 /// Selective integration, B-bar (Hughes 1980, doi:10.1002/nme.1620150914): the mean stress and the change of volume at the
 /// centre of the cell, the rest at the particle. `sigma : grad N_i` becomes `s : G_i(x_p) + sigma_m div N_i(x_c)`.
 ///
 /// Cells keep their volume without locking, as at the centre alone, and their hourglass modes, which the centre does not
 /// see, are held by the shear of the particles. Fields that are linear over the mesh are the same at all four.
-pub const B_BAR: OnCell<AT_BOTH> = OnCell;
+pub const B_BAR: OnCell<AT_BOTH> = OnCell { at_centroid: false };
 
-const AT_CENTRE: u8 = 0;
-const AT_CENTROID: u8 = 1;
-const AT_PARTICLE: u8 = 2;
-const AT_BOTH: u8 = 3;
+const AT_CELL: u8 = 0;
+const AT_PARTICLE: u8 = 1;
+const AT_BOTH: u8 = 2;
 
 /// A field at the nodes, as coefficients.
 #[inline(always)]
@@ -135,14 +137,18 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
     const EXTRA: usize = 1;
     const FUSED: bool = true;
     const SPLIT: bool = PLACE == AT_BOTH;
-    const OF_CELL: bool = PLACE == AT_CENTRE || PLACE == AT_CENTROID;
-    const AT_CENTROID: bool = PLACE == AT_CENTROID;
+    const OF_CELL: bool = PLACE == AT_CELL;
     const PRESSURE_AT_PARTICLES: bool = PLACE == AT_PARTICLE;
     const NODAL: bool = true;
     type Edges<V: Simd> = ();
     type Motion<V: Simd> = CellMotion<V, D>;
     type Water<V: Simd> = Field<V, D>;
     type Sums<V: Simd> = CellSums<V, D>;
+
+    #[inline(always)]
+    fn at_centroid(&self) -> bool {
+        PLACE == AT_CELL && self.at_centroid
+    }
 
     #[inline(always)]
     fn edges<V: Simd>(&self, _: &[SimdReal<V>; D], _: &[usize; D]) {}
@@ -166,7 +172,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
             Some(mapped) => in_cell(fields, mapped),
             None => velocity,
         };
-        let is_found = <Self as Functions<D>>::AT_CENTROID || fields.found;
+        let is_found = <Self as Functions<D>>::at_centroid(self) || fields.found;
         let at = if is_found { *centroid } else { centre(velocity[0]) };
         *motion = CellMotion { strains, velocity, change: in_cell(fields, fields.change), at };
     }
@@ -320,7 +326,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
                 }
             }
         }
-        let is_asked = <Self as Functions<D>>::AT_CENTROID || found;
+        let is_asked = <Self as Functions<D>>::at_centroid(self) || found;
         if is_asked || (coupled && <Self as Functions<D>>::PRESSURE_AT_PARTICLES) {
             for d in 0..D {
                 sums.moment[d] += *volume * xi[d];
@@ -392,7 +398,7 @@ impl<const PLACE: u8, const D: usize> Functions<D> for OnCell<PLACE> {
 
     #[inline(always)]
     fn centroid<V: Simd>(&self, sums: &CellSums<V, D>, full: SimdReal<V>, found: bool) -> Option<[SimdReal<V>; D]> {
-        let of = |d| <Self as Functions<D>>::AT_CENTROID || (found && (d == 0 || <Self as Functions<D>>::SPLIT));
+        let of = |d| <Self as Functions<D>>::at_centroid(self) || (found && (d == 0 || <Self as Functions<D>>::SPLIT));
         of(0).then(|| array!([full; D], d => if of(d) { sums.moment[d] / full } else { full.like(0.5) }))
     }
 

@@ -5,6 +5,7 @@ use super::soil::SoilMap;
 use super::{Standing, Surroundings};
 use crate::dimension::in_two;
 use crate::grid::Grid;
+use crate::order::sort_by_number;
 use crate::scene::{Course, Feed};
 
 /// What is outside a face.
@@ -226,7 +227,11 @@ fn rain_on<const D: usize>(
     let column = |edge: &Edge| edge.cell as usize % columns;
     let looks_up = |edge: &Edge| edge.axis as usize == D - 1 && edge.upper && edge.outside == Outside::Air;
     let mut faces: Vec<u32> = (0..list.len() as u32).filter(|i| looks_up(&list[*i as usize])).collect();
-    faces.sort_by_key(|i| (column(&list[*i as usize]), std::cmp::Reverse(list[*i as usize].cell)));
+    let from_above = |face: &u32| {
+        let edge = &list[*face as usize];
+        (column(edge) * grid.cell_count()) as f64 - f64::from(edge.cell)
+    };
+    sort_by_number(&mut faces, from_above);
     let mut rained = Vec::new();
     let mut feeds = Vec::new();
     for faces in faces.chunk_by(|a, b| column(&list[*a as usize]) == column(&list[*b as usize])) {

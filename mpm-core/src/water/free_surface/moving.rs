@@ -16,6 +16,7 @@ use super::flow::Kind;
 use super::{FreeSurface, ROUND};
 use crate::envelope::Envelope;
 use crate::grid::Grid;
+use crate::order::sort_by_number;
 use crate::step::store::Motion;
 use crate::water::Pushed;
 
@@ -134,7 +135,7 @@ impl<const D: usize> Squeeze<D> {
         self.order.extend((0..count as u32).filter(|cell| water.soil.is_soil(*cell as usize)));
         let across = grid.cells[0] as u32;
         if D == 2 {
-            self.order.sort_by_key(|cell| (cell % across, cell / across));
+            sort_by_number(&mut self.order, |cell| f64::from(cell % across) * count as f64 + f64::from(cell / across));
         }
         let node = |cell: u32, corner: u32| {
             let (row, up) = if D == 2 { (cell / across, (across + 1) * (corner >> 1)) } else { (0, 0) };
