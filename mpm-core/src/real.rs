@@ -33,6 +33,12 @@ pub fn array_of<T: Copy, const N: usize, F: FnMut(usize) -> T>(mut entry: F) -> 
     all
 }
 
+/// [`array_of`] what a function makes of each entry of another.
+#[inline(always)]
+pub fn map_of<T: Copy, U: Copy, const N: usize, F: FnMut(T) -> U>(from: &[T; N], mut entry: F) -> [U; N] {
+    array_of(|i| entry(from[i]))
+}
+
 /// A number, or several.
 pub trait Real:
     Copy

@@ -33,9 +33,14 @@ impl LinearElastic {
     /// The law of a soil.
     pub fn new(elastic: &Elastic) -> Self {
         let (lame, shear) = (elastic.lame(), elastic.shear_modulus());
-        let stiffness = plane_stiffness(lame, shear);
-        // lambda and G of a checked scene (E > 0, -1 < nu < 1/2) make the stiffness positive definite.
-        let compliance = stiffness.try_inverse().unwrap_or_else(SMatrix::zeros);
+        let Elastic { youngs_modulus, poisson_ratio } = *elastic;
+        let mut compliance = SMatrix::from_element(0.0);
+        for i in 0..3 {
+            for j in 0..3 {
+                compliance[(i, j)] = if i == j { 1.0 } else { -poisson_ratio } / youngs_modulus;
+            }
+        }
+        compliance[(3, 3)] = 1.0 / shear;
         Self { lame, shear, compliance }
     }
 }

@@ -15,7 +15,7 @@ pub use mohr_coulomb::{MohrCoulomb, Region};
 use nalgebra::SMatrix;
 use pulp::Simd;
 
-use crate::real::{Real, SimdReal};
+use crate::real::{Real, SimdReal, map_of};
 use crate::scene::Reduction;
 
 /// What an update did to a particle, or to several.
@@ -81,8 +81,8 @@ pub trait Law: Copy + Send + Sync + 'static {
         let here = none.like(1.0).or(there, none);
         let mut flow = Flow::none(none);
         for lane in (0..SimdReal::<V>::COUNT).filter(|lane| here.lane(*lane) > 0.0) {
-            let (mut of_one, mut memory) = (stress.map(|s| s.lane(lane)), state.map(|s| s.lane(lane)));
-            let own = self.update(&mut of_one, &strain.map(|e| e.lane(lane)), &mut memory);
+            let (mut of_one, mut memory) = (map_of(stress, |s| s.lane(lane)), map_of(state, |s| s.lane(lane)));
+            let own = self.update(&mut of_one, &map_of(strain, |e| e.lane(lane)), &mut memory);
             for s in 0..4 {
                 stress[s].set_lane(lane, of_one[s]);
             }
@@ -120,7 +120,7 @@ pub trait Law: Copy + Send + Sync + 'static {
     fn released_lanes<V: Simd>(&self, from: &[SimdReal<V>; 4], to: &[SimdReal<V>; 4]) -> SimdReal<V> {
         let mut released = from[0].like(0.0);
         for lane in 0..SimdReal::<V>::COUNT {
-            let [old, new] = [from, to].map(|stress| stress.map(|s| s.lane(lane)));
+            let (old, new) = (map_of(from, |s| s.lane(lane)), map_of(to, |s| s.lane(lane)));
             if old != new {
                 released.set_lane(lane, self.energy(&old) - self.energy(&new));
             }

@@ -17,6 +17,7 @@
 use nalgebra::{Matrix2, SMatrix, Vector2};
 
 use super::{Flow, Law, State};
+use crate::real::map_of;
 use crate::scene::CamClay;
 
 /// Most iterations of a return; each halves its bracket at least.
@@ -225,7 +226,7 @@ impl ModifiedCamClay {
     fn stress(&self, update: &Update) -> [f64; 4] {
         let [p, _] = self.after(update, update.lost);
         let (mean, shrunk) = (self.soil.attraction - p, self.shrunk(update));
-        let mut stress = update.trial.map(|s| shrunk * s);
+        let mut stress = map_of(&update.trial, |s| shrunk * s);
         stress[..3].iter_mut().for_each(|s| *s += mean);
         stress
     }

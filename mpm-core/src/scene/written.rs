@@ -93,7 +93,12 @@ struct Writer(Table);
 impl Writer {
     /// Writes a key; `None` leaves it out.
     fn put(&mut self, key: &str, value: impl Into<Change>) -> Result<(), SceneError> {
-        let value = value.into().value();
+        self.put_change(key, value.into())
+    }
+
+    /// The same for all types.
+    fn put_change(&mut self, key: &str, value: Change) -> Result<(), SceneError> {
+        let value = value.value();
         let value = value.map_err(|why| refused(key, "a value that TOML can hold".to_owned(), why.to_string()))?;
         let Some(value) = value else { return Ok(()) };
         let (tables, last) = key.rsplit_once('.').unwrap_or(("", key));

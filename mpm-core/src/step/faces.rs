@@ -6,6 +6,7 @@ use crate::boundary::Filled;
 use crate::grid::Grid;
 use crate::observe::Totals;
 use crate::particles::{Layer, SolidPoint};
+use crate::real::map_of;
 use crate::scene::Well;
 use crate::soils::at_porosity;
 use crate::water::pores::Pores;
@@ -144,7 +145,7 @@ impl<const D: usize> Faces<D> {
         water.faces(grid, solid, |axis, position, [conducted, reach], sides| {
             conducts[axis][frame.number(&position)] = conducted;
             if !by_porosity.is_empty() {
-                let sides = sides.map(|(cell, half)| (frame.number(&grid.cell_position(cell)), half));
+                let sides = map_of(&sides, |(cell, half)| (frame.number(&grid.cell_position(cell)), half));
                 varied.push((axis, frame.number(&position), sides, reach));
             }
             if let Some(ratio) = ratio[axis].get_mut(frame.number(&position)) {
@@ -217,7 +218,7 @@ impl<const D: usize> Faces<D> {
         let share =
             |cell: usize| at_porosity(by_porosity[cell], strips[cell / frame.strip].pores(cell % frame.strip)[0]);
         for (axis, face, sides, reach) in &*varied {
-            let [a, b] = sides.map(|(cell, half)| half * share(cell));
+            let [a, b] = map_of(sides, |(cell, half)| half * share(cell));
             let mean = if a == b { a } else { 2.0 * a * b / (a + b) };
             (ratio[*axis][*face], conducts[*axis][*face]) = (mean / reach, mean);
         }

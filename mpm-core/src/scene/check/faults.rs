@@ -66,16 +66,15 @@ impl Faults {
 }
 
 /// The word of a list that somebody probably meant by another: the only one that contains it, or the one that differs by the fewest letters.
-pub(super) fn nearest<'a>(word: &str, words: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+pub(super) fn nearest<'a>(word: &str, words: &[&'a str]) -> Option<&'a str> {
     let plain = |word: &str| word.to_lowercase().replace('-', "_");
     let word = plain(word);
-    let words: Vec<&str> = words.collect();
     let mut containing = words.iter().filter(|other| word.len() > 3 && plain(other).contains(&word));
     if let (Some(only), None) = (containing.next(), containing.next()) {
         return Some(only);
     }
     let distance = |other: &str| strsim::damerau_levenshtein(&word, &plain(other));
-    let near = words.into_iter().map(|other| (distance(other), other)).min_by_key(|(distance, _)| *distance);
+    let near = words.iter().map(|other| (distance(other), *other)).min_by_key(|(distance, _)| *distance);
     let few = (word.chars().count() / 3).max(1);
     near.filter(|(distance, other)| *distance <= few && *distance < other.len()).map(|(_, other)| other)
 }

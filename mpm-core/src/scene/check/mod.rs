@@ -194,7 +194,7 @@ impl Reader<'_> {
                 let names: Vec<String> = known.iter().map(|name| format!("`{name}`")).collect();
                 let expected = format!("one of {}", names.join(", "));
                 let mut fault = self.refusal(span, &key(), expected, format!("unknown {kind} `{name}`"));
-                if let Some(name) = nearest(name, known.iter().copied()) {
+                if let Some(name) = nearest(name, known) {
                     fault.notes_mut().suggestion = Some(name.to_owned());
                 }
                 fault
@@ -244,15 +244,17 @@ impl Reader<'_> {
         let Some(value) = value else { return Ok(default) };
         match words.iter().find(|(word, _)| word == value.get_ref()) {
             Some((_, choice)) => Ok(*choice),
-            None => {
-                let expected = one_of(words.iter().map(|(word, _)| *word));
-                let mut fault = self.refusal(&value.span(), key, expected, clipped(quoted(value.get_ref())));
-                if let Some(word) = nearest(value.get_ref(), words.iter().map(|(word, _)| *word)) {
-                    fault.notes_mut().suggestion = Some(word.to_owned());
-                }
-                Err(fault)
-            }
+            None => Err(self.no_such_word(value, key, &words.iter().map(|(word, _)| *word).collect::<Vec<_>>())),
         }
+    }
+
+    /// A word that is none of those that there are.
+    fn no_such_word(&self, value: &Spanned<String>, key: &str, words: &[&str]) -> SceneError {
+        let mut fault = self.refusal(&value.span(), key, one_of(words), clipped(quoted(value.get_ref())));
+        if let Some(word) = nearest(value.get_ref(), words) {
+            fault.notes_mut().suggestion = Some(word.to_owned());
+        }
+        fault
     }
 
     /// Exactly one of two keys.
@@ -691,7 +693,7 @@ impl Reader<'_> {
         };
         for entry in list {
             let Some(side) = Side::ALL.into_iter().find(|side| entry.as_str() == Some(side.word())) else {
-                return refuse(&one_of(Side::ALL.iter().map(|s| s.word())), entry.to_string());
+                return refuse(&one_of(&Side::ALL.map(Side::word)), entry.to_string());
             };
             if matches!(side, Side::Left | Side::Right) && scene.dimension == Dimension::Column {
                 let expected = "\"top\" and \"bottom\" only: a column drains vertically";
@@ -843,7 +845,7 @@ fn written(number: f64) -> String {
     }
 }
 
-fn one_of<'a>(words: impl Iterator<Item = &'a str>) -> String {
-    let list: Vec<String> = words.map(quoted).collect();
+fn one_of(words: &[&str]) -> String {
+    let list: Vec<String> = words.iter().map(|word| quoted(word)).collect();
     format!("one of {}", list.join(", "))
 }

@@ -41,7 +41,7 @@ impl<F: Functions<D>, const D: usize> WithSimd for MapBack<'_, F, D> {
         let none = SimdReal::splat(simd, 0.0);
         let (mut motion, mut gathered) = (functions.at_rest(simd), functions.nothing(simd));
         let mut room = [Nodal::splat(simd, 0.0); SUMS];
-        let mut scatter = Scatter::<V, D>::begin::<F>(simd, sums, frame);
+        let mut scatter = Scatter::<V, D>::begin(simd, F::REACH, sums, frame);
         for group in 0..strip.groups() {
             let SimdCells { position, at: centroid, .. } = strip.cell(group);
             let edges = functions.edges(&position, &frame.cells);
@@ -66,8 +66,8 @@ impl<F: Functions<D>, const D: usize> WithSimd for MapBack<'_, F, D> {
             }
             let closing = Closing::of(none);
             let given = functions.finish(&mut gathered, &edges, &closing, frame.inverse_size, &mut room);
-            scatter.add::<F>(sums, group * V::F64_LANES, given);
+            scatter.add(sums, group * V::F64_LANES, given);
         }
-        scatter.end::<F>(sums, strip.groups() * V::F64_LANES);
+        scatter.end(sums, strip.groups() * V::F64_LANES);
     }
 }

@@ -642,18 +642,18 @@ impl<V: Simd, F: Functions<D>, const D: usize> Pass<'_, V, F, D> {
             sums: functions.nothing(self.simd),
             given: [Nodal::splat(self.simd, 0.0); SUMS],
         };
-        let mut scatter = Scatter::<V, D>::begin::<F>(self.simd, self.sums, self.common.frame);
+        let mut scatter = Scatter::<V, D>::begin(self.simd, F::REACH, self.sums, self.common.frame);
         // Where water particles flow, the lower faces of an empty cell may be the drained surface of the one below.
         let skips = !matches!(self.common.water, InPores::Particles { .. });
         for group in 0..self.strip.groups() {
             if skips && self.stays_empty(group) {
-                scatter.skip::<F>(self.sums, group * V::F64_LANES);
+                scatter.skip(self.sums, group * V::F64_LANES);
                 continue;
             }
             let given = self.group(group, &mut running, &mut room);
-            scatter.add::<F>(self.sums, group * V::F64_LANES, given);
+            scatter.add(self.sums, group * V::F64_LANES, given);
         }
-        scatter.end::<F>(self.sums, self.strip.groups() * V::F64_LANES);
+        scatter.end(self.sums, self.strip.groups() * V::F64_LANES);
         self.strip.sums.stays = SimdReal::nowhere(self.simd, self.simd.not_m64s(running.stays));
         if self.common.moves && self.common.plastic {
             self.strip.sums.flowed = running.flowed.added_up();

@@ -3,7 +3,7 @@
 
 use pulp::Simd;
 
-use super::{Functions, Given, MOST_REACH};
+use super::{Given, MOST_REACH};
 use crate::real::{MAX_LANES, Real, SimdReal, array};
 use crate::step::store::Frame;
 use crate::step::store::nodes::{SUMS, StripSums, sums};
@@ -11,6 +11,8 @@ use crate::step::store::nodes::{SUMS, StripSums, sums};
 /// What cells give to nodes beyond their own lanes waits here for the next cells.
 #[repr(C, align(64))]
 pub struct Scatter<V: Simd, const D: usize> {
+    /// Functions that a cell reaches along an axis; a constant wherever this is inlined.
+    reach: usize,
     /// By row of functions, column, sum.
     carry: [[[SimdReal<V>; SUMS]; MOST_REACH]; MOST_REACH],
     /// Holds in the lanes below a number.
@@ -22,25 +24,28 @@ pub struct Scatter<V: Simd, const D: usize> {
 
 impl<V: Simd, const D: usize> Scatter<V, D> {
     /// Whether a vector has a lane for each function of a row.
-    const fn fits<F: Functions<D>>() -> bool {
-        V::F64_LANES + 1 >= F::REACH
+    #[inline(always)]
+    fn fits(reach: usize) -> bool {
+        V::F64_LANES + 1 >= reach
     }
 
-    const fn rows<F: Functions<D>>() -> usize {
-        if D == 1 { 1 } else { F::REACH }
+    #[inline(always)]
+    fn rows(&self) -> usize {
+        if D == 1 { 1 } else { self.reach }
     }
 
     /// Clears what the cells of the strip do not begin.
     #[inline(always)]
-    pub fn begin<F: Functions<D>>(simd: V, to: &mut StripSums, frame: &Frame<D>) -> Self {
+    pub fn begin(simd: V, reach: usize, to: &mut StripSums, frame: &Frame<D>) -> Self {
         for q in &mut to.0[..sums(D)] {
-            let first = if Self::fits::<F>() { frame.tail().min(q.len()) } else { q.len() };
+            let first = if Self::fits(reach) { frame.tail().min(q.len()) } else { q.len() };
             q[..first].fill(0.0); // the cells below are another strip's
         }
         let numbers = array!([0.0; MAX_LANES], i => i as f64);
         let lanes = SimdReal::load(simd, &numbers);
         let none = SimdReal::splat(simd, 0.0);
         Self {
+            reach,
             carry: [[[none; SUMS]; MOST_REACH]; MOST_REACH],
             below: array!([none.below(none); MOST_REACH], i => lanes.below(none.like(i as f64 - 0.5))),
             row: frame.stride[D - 1],
@@ -50,24 +55,24 @@ impl<V: Simd, const D: usize> Scatter<V, D> {
 
     /// Adds what the cells from `cell` of the strip on give to their functions.
     #[inline(always)]
-    pub fn add<F: Functions<D>>(&mut self, to: &mut StripSums, cell: usize, given: &Given<V>) {
-        if !Self::fits::<F>() {
-            return self.add_one_by_one::<F>(to, cell, given);
+    pub fn add(&mut self, to: &mut StripSums, cell: usize, given: &Given<V>) {
+        if !Self::fits(self.reach) {
+            return self.add_one_by_one(to, cell, given);
         }
         for q in 0..sums(D) {
             // The uppermost first: short rows lie within one vector.
-            for j in (0..Self::rows::<F>()).rev() {
+            for j in (0..self.rows()).rev() {
                 let to = &mut to.0[q][cell + j * self.row..][..V::F64_LANES];
-                let mut begun = j + 1 < Self::rows::<F>();
+                let mut begun = j + 1 < self.rows();
                 let mut sum = if begun { SimdReal::load(given[0][0].simd, to) } else { given[q][0] };
-                for i in (1..F::REACH).rev() {
-                    let turned = given[q][j * F::REACH + i].turned(i);
+                for i in (1..self.reach).rev() {
+                    let turned = given[q][j * self.reach + i].turned(i);
                     let here = self.carry[j][i][q].or(self.below[i], turned);
                     sum = if begun { sum + here } else { here };
                     begun = true;
                     self.carry[j][i][q] = turned;
                 }
-                let own = given[q][j * F::REACH];
+                let own = given[q][j * self.reach];
                 (if begun { sum + own } else { own }).store(to);
             }
         }
@@ -76,18 +81,18 @@ impl<V: Simd, const D: usize> Scatter<V, D> {
 
     /// The same for cells that give nothing.
     #[inline(always)]
-    pub fn skip<F: Functions<D>>(&mut self, to: &mut StripSums, cell: usize) {
-        if !Self::fits::<F>() {
+    pub fn skip(&mut self, to: &mut StripSums, cell: usize) {
+        if !Self::fits(self.reach) {
             return;
         }
         for q in 0..sums(D) {
-            for j in 0..Self::rows::<F>() {
-                let is_begun = j + 1 < Self::rows::<F>();
+            for j in 0..self.rows() {
+                let is_begun = j + 1 < self.rows();
                 let to = &mut to.0[q][cell + j * self.row..][..V::F64_LANES];
                 if self.carries {
                     let none = self.carry[j][0][q].like(0.0);
                     let mut sum = if is_begun { SimdReal::load(none.simd, to) } else { none };
-                    for i in (1..F::REACH).rev() {
+                    for i in (1..self.reach).rev() {
                         sum += self.carry[j][i][q].or(self.below[i], none);
                         self.carry[j][i][q] = none;
                     }
@@ -102,12 +107,12 @@ impl<V: Simd, const D: usize> Scatter<V, D> {
 
     /// The same with fewer lanes than functions.
     #[inline(always)]
-    fn add_one_by_one<F: Functions<D>>(&self, to: &mut StripSums, cell: usize, given: &Given<V>) {
+    fn add_one_by_one(&self, to: &mut StripSums, cell: usize, given: &Given<V>) {
         for lane in 0..V::F64_LANES {
             for q in 0..sums(D) {
-                for j in 0..Self::rows::<F>() {
-                    for i in 0..F::REACH {
-                        to.0[q][cell + lane + i + j * self.row] += given[q][j * F::REACH + i].lane(lane);
+                for j in 0..self.rows() {
+                    for i in 0..self.reach {
+                        to.0[q][cell + lane + i + j * self.row] += given[q][j * self.reach + i].lane(lane);
                     }
                 }
             }
@@ -116,17 +121,17 @@ impl<V: Simd, const D: usize> Scatter<V, D> {
 
     /// Gives what still waits to the nodes beyond the last cell.
     #[inline(always)]
-    pub fn end<F: Functions<D>>(&self, to: &mut StripSums, length: usize) {
-        if !Self::fits::<F>() {
+    pub fn end(&self, to: &mut StripSums, length: usize) {
+        if !Self::fits(self.reach) {
             return;
         }
         for q in 0..sums(D) {
-            for j in 0..Self::rows::<F>() {
-                let to = &mut to.0[q][length + j * self.row..][..F::REACH - 1];
-                if j + 1 == Self::rows::<F>() {
+            for j in 0..self.rows() {
+                let to = &mut to.0[q][length + j * self.row..][..self.reach - 1];
+                if j + 1 == self.rows() {
                     to.fill(0.0);
                 }
-                for i in (1..F::REACH).rev() {
+                for i in (1..self.reach).rev() {
                     for lane in 0..i {
                         to[lane] += self.carry[j][i][q].lane(lane);
                     }

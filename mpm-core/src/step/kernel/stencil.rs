@@ -45,23 +45,6 @@ struct Lines<V: Simd, const D: usize> {
     first: Option<[usize; D]>,
 }
 
-/// Runs with the number of functions along an axis that particles reach, and where they begin. The number is a constant where it is
-/// compiled, so that loops over it are unrolled.
-macro_rules! reached {
-    ($lines:expr, |$count:ident, $first:ident| $run:expr) => {
-        match $lines.first {
-            Some($first) => {
-                let $count = B::SPAN;
-                $run
-            }
-            None => {
-                let ($count, $first) = (B::REACH, [0; D]);
-                $run
-            }
-        }
-    };
-}
-
 impl<B: Basis> Over<B> {
     #[inline(always)]
     fn lines<V: Simd, const D: usize>(&self, edges: &[B::Edge<V>; D], xi: &[SimdReal<V>; D]) -> Lines<V, D> {
@@ -171,31 +154,45 @@ impl<B: Basis> Over<B> {
         nodal: &[Nodal<V>; D],
         inverse_size: f64,
     ) -> ([SimdReal<V>; D], [[SimdReal<V>; D]; D]) {
+        match lines.first {
+            Some(first) => Self::field_of(B::SPAN, first, lines, nodal, inverse_size),
+            None => Self::field_of(B::REACH, [0; D], lines, nodal, inverse_size),
+        }
+    }
+
+    /// The same of so many functions along an axis, from a first one on. The number is a constant where this is inlined, so that
+    /// loops over it are unrolled.
+    #[inline(always)]
+    fn field_of<V: Simd, const D: usize>(
+        count: usize,
+        first: [usize; D],
+        lines: &Lines<V, D>,
+        nodal: &[Nodal<V>; D],
+        inverse_size: f64,
+    ) -> ([SimdReal<V>; D], [[SimdReal<V>; D]; D]) {
         let (x, y) = (&lines.along[0], &lines.along[D - 1]);
         let none = x.value[0].like(0.0);
         let (mut at, mut gradient) = ([none; D], [[none; D]; D]);
-        reached!(lines, |count, first| {
-            let nodal = array!([&nodal[0][..]; D], d => &nodal[d][Self::part(count, first)]);
-            for j in 0..if D == 1 { 1 } else { count } {
-                let (mut row, mut slope) = ([none; D], [none; D]);
-                for i in 0..count {
-                    for d in 0..D {
-                        row[d] += nodal[d][j * B::REACH + i] * x.value[i];
-                        slope[d] += nodal[d][j * B::REACH + i] * x.slope[i];
-                    }
-                }
-                if D == 1 {
-                    at = row;
-                    gradient[0] = slope;
-                } else {
-                    for d in 0..D {
-                        at[d] += row[d] * y.value[j];
-                        gradient[d][0] += slope[d] * y.value[j];
-                        gradient[d][D - 1] += row[d] * y.slope[j];
-                    }
+        let nodal = array!([&nodal[0][..]; D], d => &nodal[d][Self::part(count, first)]);
+        for j in 0..if D == 1 { 1 } else { count } {
+            let (mut row, mut slope) = ([none; D], [none; D]);
+            for i in 0..count {
+                for d in 0..D {
+                    row[d] += nodal[d][j * B::REACH + i] * x.value[i];
+                    slope[d] += nodal[d][j * B::REACH + i] * x.slope[i];
                 }
             }
-        });
+            if D == 1 {
+                at = row;
+                gradient[0] = slope;
+            } else {
+                for d in 0..D {
+                    at[d] += row[d] * y.value[j];
+                    gradient[d][0] += slope[d] * y.value[j];
+                    gradient[d][D - 1] += row[d] * y.slope[j];
+                }
+            }
+        }
         for i in 0..D {
             for j in 0..D {
                 gradient[i][j] = gradient[i][j] * inverse_size;
@@ -207,24 +204,115 @@ impl<B: Basis> Over<B> {
     /// Value of a vector field at particles.
     #[inline(always)]
     fn value<V: Simd, const D: usize>(lines: &Lines<V, D>, nodal: &[Nodal<V>; D]) -> [SimdReal<V>; D] {
+        match lines.first {
+            Some(first) => Self::value_of(B::SPAN, first, lines, nodal),
+            None => Self::value_of(B::REACH, [0; D], lines, nodal),
+        }
+    }
+
+    /// The same, as [`Over::field_of`].
+    #[inline(always)]
+    fn value_of<V: Simd, const D: usize>(
+        count: usize,
+        first: [usize; D],
+        lines: &Lines<V, D>,
+        nodal: &[Nodal<V>; D],
+    ) -> [SimdReal<V>; D] {
         let (x, y) = (&lines.along[0], &lines.along[D - 1]);
         let none = x.value[0].like(0.0);
         let mut at = [none; D];
-        reached!(lines, |count, first| {
-            let nodal = array!([&nodal[0][..]; D], d => &nodal[d][Self::part(count, first)]);
-            for j in 0..if D == 1 { 1 } else { count } {
-                let mut row = [none; D];
-                for i in 0..count {
-                    for d in 0..D {
-                        row[d] += nodal[d][j * B::REACH + i] * x.value[i];
-                    }
-                }
+        let nodal = array!([&nodal[0][..]; D], d => &nodal[d][Self::part(count, first)]);
+        for j in 0..if D == 1 { 1 } else { count } {
+            let mut row = [none; D];
+            for i in 0..count {
                 for d in 0..D {
-                    at[d] = if D == 1 { row[d] } else { at[d] + row[d] * y.value[j] };
+                    row[d] += nodal[d][j * B::REACH + i] * x.value[i];
                 }
             }
-        });
+            for d in 0..D {
+                at[d] = if D == 1 { row[d] } else { at[d] + row[d] * y.value[j] };
+            }
+        }
         at
+    }
+
+    /// Adds particles to the sums of so many functions along an axis, as [`Over::field_of`].
+    #[inline(always)]
+    fn add_to<V: Simd, const D: usize>(
+        &self,
+        (count, first): (usize, [usize; D]),
+        lines: &Lines<V, D>,
+        sums: &mut StencilSums<V, D>,
+        edges: &[B::Edge<V>; D],
+        point: &Contribution<V, D>,
+        (coupled, inverse_size): (bool, f64),
+    ) {
+        let Contribution { xi, mass, volume, v, stress, affine, from_axis } = point;
+        let acting = *volume * inverse_size;
+        let (xx, yy, xy) = (stress[0] * acting, stress[1] * acting, stress[3] * acting);
+        let (x, y) = (&lines.along[0], &lines.along[D - 1]);
+        // Volume over the radius, about an axis.
+        let round = super::radius(*from_axis, xi).map(|r| acting / r);
+        for j in 0..if D == 1 { 1 } else { count } {
+            let part = Self::part(count, first);
+            let (value, slope) = if D == 1 { (mass.like(1.0), mass.like(0.0)) } else { (y.value[j], y.slope[j]) };
+            let mass = *mass * value;
+            let momentum = array!([mass; D], d => mass * v[d]);
+            // div(sigma') - grad p, weak: f_i = - sum_p V sigma G_i
+            let (mut along, mut across) = ([yy * value; D], [yy * slope; D]);
+            if D == 2 {
+                (along[0], along[D - 1]) = (xx * value, xy * value);
+                across[0] = xy * slope;
+                if let Some(round) = round {
+                    across[0] += round * stress[2] * value;
+                }
+            }
+            for i in 0..count {
+                let a = j * B::REACH + i;
+                sums.nodal[SOLID_MASS][part.clone()][a] += mass * x.value[i];
+                for d in 0..D {
+                    sums.nodal[MOMENTUM + d][part.clone()][a] += momentum[d] * x.value[i];
+                    sums.nodal[force(D) + d][part.clone()][a] -= along[d] * x.slope[i] + across[d] * x.value[i];
+                }
+                if let Some(affine) = affine {
+                    let away = array!([mass; D], d => {
+                        let stands = self.0.stands(&edges[d], first[d] + if d == 0 { i } else { j });
+                        (stands - xi[d]) * (1.0 / inverse_size)
+                    });
+                    let more = affine.seen_from(&[mass.like(0.0); D], &away);
+                    for d in 0..D {
+                        sums.nodal[MOMENTUM + d][part.clone()][a] += mass * x.value[i] * more[d];
+                    }
+                }
+                if coupled {
+                    let volume = *volume * inverse_size;
+                    sums.coupling[0][part.clone()][a] += volume * (x.slope[i] * value);
+                    if let Some(round) = round {
+                        sums.coupling[0][part.clone()][a] += round * (x.value[i] * value);
+                    }
+                    if D == 2 {
+                        sums.coupling[D - 1][part.clone()][a] += volume * (x.value[i] * slope);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds the mass of water particles, as [`Over::add_to`].
+    #[inline(always)]
+    fn add_water_to<V: Simd, const D: usize>(
+        (count, first): (usize, [usize; D]),
+        lines: &Lines<V, D>,
+        sums: &mut StencilSums<V, D>,
+        mass: SimdReal<V>,
+    ) {
+        let of = &mut sums.nodal[MIXTURE_MASS][Self::part(count, first)];
+        for j in 0..if D == 1 { 1 } else { count } {
+            let mass = if D == 1 { mass } else { mass * lines.along[D - 1].value[j] };
+            for i in 0..count {
+                of[j * B::REACH + i] += mass * lines.along[0].value[i];
+            }
+        }
     }
 }
 
@@ -427,57 +515,13 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         point: &Contribution<V, D>,
         (coupled, _, inverse_size): (bool, bool, f64),
     ) {
-        let Contribution { xi, mass, volume, v, stress, affine, from_axis } = point;
         // A velocity that differs from node to node cannot be folded once it is gathered.
-        let lines = if affine.is_some() { self.folded(edges, xi) } else { self.lines(edges, xi) };
-        let acting = *volume * inverse_size;
-        let (xx, yy, xy) = (stress[0] * acting, stress[1] * acting, stress[3] * acting);
-        let (x, y) = (&lines.along[0], &lines.along[D - 1]);
-        // Volume over the radius, about an axis.
-        let round = super::radius(*from_axis, xi).map(|r| acting / r);
-        reached!(lines, |count, first| for j in 0..if D == 1 { 1 } else { count } {
-            let part = Self::part(count, first);
-            let (value, slope) = if D == 1 { (mass.like(1.0), mass.like(0.0)) } else { (y.value[j], y.slope[j]) };
-            let mass = *mass * value;
-            let momentum = array!([mass; D], d => mass * v[d]);
-            // div(sigma') - grad p, weak: f_i = - sum_p V sigma G_i
-            let (mut along, mut across) = ([yy * value; D], [yy * slope; D]);
-            if D == 2 {
-                (along[0], along[D - 1]) = (xx * value, xy * value);
-                across[0] = xy * slope;
-                if let Some(round) = round {
-                    across[0] += round * stress[2] * value;
-                }
-            }
-            for i in 0..count {
-                let a = j * B::REACH + i;
-                sums.nodal[SOLID_MASS][part.clone()][a] += mass * x.value[i];
-                for d in 0..D {
-                    sums.nodal[MOMENTUM + d][part.clone()][a] += momentum[d] * x.value[i];
-                    sums.nodal[force(D) + d][part.clone()][a] -= along[d] * x.slope[i] + across[d] * x.value[i];
-                }
-                if let Some(affine) = affine {
-                    let away = array!([mass; D], d => {
-                        let stands = self.0.stands(&edges[d], first[d] + if d == 0 { i } else { j });
-                        (stands - xi[d]) * (1.0 / inverse_size)
-                    });
-                    let more = affine.seen_from(&[mass.like(0.0); D], &away);
-                    for d in 0..D {
-                        sums.nodal[MOMENTUM + d][part.clone()][a] += mass * x.value[i] * more[d];
-                    }
-                }
-                if coupled {
-                    let volume = *volume * inverse_size;
-                    sums.coupling[0][part.clone()][a] += volume * (x.slope[i] * value);
-                    if let Some(round) = round {
-                        sums.coupling[0][part.clone()][a] += round * (x.value[i] * value);
-                    }
-                    if D == 2 {
-                        sums.coupling[D - 1][part.clone()][a] += volume * (x.value[i] * slope);
-                    }
-                }
-            }
-        });
+        let lines = if point.affine.is_some() { self.folded(edges, &point.xi) } else { self.lines(edges, &point.xi) };
+        let how = (coupled, inverse_size);
+        match lines.first {
+            Some(first) => self.add_to((B::SPAN, first), &lines, sums, edges, point, how),
+            None => self.add_to((B::REACH, [0; D]), &lines, sums, edges, point, how),
+        }
     }
 
     #[inline(always)]
@@ -490,15 +534,10 @@ impl<B: Basis, const D: usize> Functions<D> for Over<B> {
         _: super::FromAxis<V>,
     ) {
         let lines = self.lines(edges, xi);
-        reached!(lines, |count, first| {
-            let of = &mut sums.nodal[MIXTURE_MASS][Self::part(count, first)];
-            for j in 0..if D == 1 { 1 } else { count } {
-                let mass = if D == 1 { mass } else { mass * lines.along[D - 1].value[j] };
-                for i in 0..count {
-                    of[j * B::REACH + i] += mass * lines.along[0].value[i];
-                }
-            }
-        });
+        match lines.first {
+            Some(first) => Self::add_water_to((B::SPAN, first), &lines, sums, mass),
+            None => Self::add_water_to((B::REACH, [0; D]), &lines, sums, mass),
+        }
         sums.weighted += volume * pressure;
         sums.of_water += volume;
     }

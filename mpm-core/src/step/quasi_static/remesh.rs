@@ -10,7 +10,7 @@ use super::{QuasiStatic, build};
 use crate::constitutive::Law;
 use crate::dimension::in_two;
 use crate::particles::SolidPoint;
-use crate::real::array_of;
+use crate::real::{array_of, map_of};
 use crate::scene::{SolidSide, StrainChoice};
 use crate::space::{Stencil, stretch, turned};
 use crate::sparse::{Factor, Ordering, Signs, Sparse, Unsolved};
@@ -218,7 +218,7 @@ fn fluxes<L: Law, const D: usize>(soil: &Soil<L, D>) -> Result<Vec<[f64; D]>, Un
     let stencils: Vec<_> = soil.pore.iter().map(|part| (part.water, part.weight)).collect();
     let spatial = |(part, flux): (&PorePart<D>, &[f64; D])| {
         soil.pore_state(part).map_or([0.0; D], |state| {
-            forward(&state, soil.small, flux).map(|w| w / if soil.small { 1.0 } else { 1.0 + state.change })
+            map_of(&forward(&state, soil.small, flux), |w| w / if soil.small { 1.0 } else { 1.0 + state.change })
         })
     };
     let values: Vec<[f64; D]> = soil.pore.iter().zip(&motion.flux).map(spatial).collect();

@@ -8,7 +8,7 @@ use super::{Method, QuasiStatic, build};
 use crate::constitutive::Law;
 use crate::observe::{CellValues, FieldPoint, Observation, checkerboard, profile};
 use crate::particles::SolidPoint;
-use crate::real::array_of;
+use crate::real::{array_of, map_of};
 use crate::scene::Integrator;
 use crate::space::{Stencil, turned};
 use crate::water::stored_energy;
@@ -95,7 +95,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
                 moment[d + 2 - D] += point.mass * (point.x[d] + u[d]);
             }
         }
-        moment.map(|m| m / mass)
+        map_of(&moment, |m| m / mass)
     }
 
     /// Pressures over the plane.
@@ -195,7 +195,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         for values in &mut cells {
             let ratio = values.mixture_ratio();
             values.kinetic /= ratio;
-            values.momentum = values.momentum.map(|momentum| momentum / ratio);
+            values.momentum = map_of(&values.momentum, |momentum| momentum / ratio);
         }
         let of_jump = |(a, b, value): &(u32, u32, f64)| 0.5 * value * soil.p[*a as usize] * soil.p[*b as usize];
         cells[0].water_energy += soil.jumps.iter().map(of_jump).sum::<f64>();

@@ -16,7 +16,7 @@
 use super::motion::{Motion, WaterInertia, dragged, forward, metric};
 use super::tangent::System;
 use crate::constitutive::{Flow, Law, Materials, STATES, State};
-use crate::real::array_of;
+use crate::real::{array_of, map_of};
 use crate::scene::{Course, FaceLoad, MovedPlate, Well};
 use crate::soils::at_porosity;
 use crate::space::{Axis, Group, MOST, Stencil, strain_mode, stretch, tensor, turned};
@@ -255,7 +255,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
             return (law.energy(stress), *stress);
         }
         let volume = (strain[0] + strain[1] + strain[2]).exp();
-        (volume * law.finite_energy(stress), stress.map(|s| volume * s))
+        (volume * law.finite_energy(stress), map_of(&stress, |s| volume * s))
     }
 
     /// Puts on the loads of a time since the start of the run; sudden ones grow within a `ramp`, both s.
@@ -626,7 +626,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
         if D == 2 {
             change += gradient[0][0] * gradient[1][1] - gradient[0][1] * gradient[1][0];
         }
-        let cofactor = stretch.inverse.map(|row| row.map(|x| x * stretch.volume));
+        let cofactor = scaled(&stretch.inverse, stretch.volume);
         Some(PoreState { change, cofactor, gradient })
     }
 
@@ -655,7 +655,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
     pub fn mobility(&self, part: &PorePart<D>, change: f64) -> [[f64; D]; D] {
         let kind = self.law.soils.kind(part.mark);
         let mobility = self.fluid.mobility * at_porosity(kind.by_porosity, (part.porosity + change) / (1.0 + change));
-        let [x, y, across] = kind.conductivity.map(|ratio| mobility * ratio);
+        let [x, y, across] = map_of(&kind.conductivity, |ratio| mobility * ratio);
         let along = |i: usize| if i + 2 - D == 0 { x } else { y };
         array_of(|i| array_of(|j| if i == j { along(i) } else { across }))
     }
@@ -701,7 +701,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
             let content = self.content_of(part, change);
             let mut body = gravity.map_or([0.0; D], |g| {
                 let mass = self.mass_of(part, pores);
-                g.map(|g| mass * g)
+                map_of(&g, |g| mass * g)
             });
             // What pushes the water, m/s2.
             let mut pull = gravity;
@@ -744,7 +744,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
                 if let (Some((_, a)), Some(motion)) = (from, motion.as_deref_mut()) {
                     // The flux of the water is against that of the balance of water.
                     let moving = motion.at(&part.soil);
-                    let rate = motion.flows(point, &flux.map(|w| -w));
+                    let rate = motion.flows(point, &map_of(&flux, |w| -w));
                     let (along, own) = (forward(&state, self.small, &rate), metric(&state, self.small, &rate));
                     let drag = self.drag(part, &state, a);
                     worked = weight(gravity);
@@ -808,9 +808,9 @@ impl<L: Law, const D: usize> Soil<L, D> {
             let (mut normal, mut along, mut pores) = (1.0, 1.0, face.porosity[i]);
             if !self.small {
                 let (sum, volume) = &self.cell_gradient[*cell as usize];
-                let gradient = sum.map(|row| row.map(|g| g / volume));
+                let gradient = map_of(sum, |row| map_of(&row, |g| g / volume));
                 let found = stretch(&gradient)?;
-                let cofactor = found.inverse.map(|row| row.map(|x| x * found.volume));
+                let cofactor = scaled(&found.inverse, found.volume);
                 normal = conductivity(&cofactor, found.volume - 1.0, &identity())[face.axis][face.axis];
                 along = 1.0 + gradient[face.axis][face.axis];
                 pores = 1.0 - (1.0 - pores) / found.volume;
@@ -829,10 +829,10 @@ impl<L: Law, const D: usize> Soil<L, D> {
             let Some(state) = self.pore_state(part) else { continue };
             let pores = if self.small { part.porosity } else { state.change + part.porosity };
             let rate = part.soil.vector(nodal);
-            let mut force = rate.map(|rate| self.mass_of(part, pores) * rate);
+            let mut force = map_of(&rate, |rate| self.mass_of(part, pores) * rate);
             let mut flux = [0.0; D];
             if motion.inertia != WaterInertia::None {
-                let mut push = turned_back(&state, self.small, &rate).map(|rate| density * rate);
+                let mut push = map_of(&turned_back(&state, self.small, &rate), |rate| density * rate);
                 let own = (motion.inertia == WaterInertia::Own).then_some(motion.a);
                 if let Some(a) = own {
                     let (drag, own) = (self.drag(part, &state, a), metric(&state, self.small, &pore[point]));
@@ -981,4 +981,9 @@ pub(super) fn conductivity<const D: usize>(
 
 pub(super) fn identity<const D: usize>() -> [[f64; D]; D] {
     array_of(|i| array_of(|j| if i == j { 1.0 } else { 0.0 }))
+}
+
+/// A matrix times a number.
+fn scaled<const D: usize>(matrix: &[[f64; D]; D], by: f64) -> [[f64; D]; D] {
+    map_of(matrix, |row| map_of(&row, |x| x * by))
 }

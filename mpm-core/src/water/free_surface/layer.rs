@@ -11,7 +11,7 @@ use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::dimension::shares;
 use crate::grid::Grid;
 use crate::particles::WaterPoint;
-use crate::real::array_of;
+use crate::real::{array_of, map_of};
 
 /// Share of a surplus that is shifted in a step; a quarter is the limit of stability in two dimensions.
 const SHIFT: f64 = 0.2;
@@ -88,7 +88,7 @@ impl<const D: usize> WaterLayer<D> {
                 let columns = if D == 2 { per_direction } else { 1 };
                 let (column, row) = (i % columns, i / columns);
                 let rows = count.div_ceil(columns);
-                let mut x = position.map(|p| p as f64 * grid.size);
+                let mut x = map_of(&position, |p| p as f64 * grid.size);
                 if D == 2 {
                     x[0] += (column as f64 + 0.5) / columns as f64 * grid.size;
                 }
@@ -201,7 +201,7 @@ impl<const D: usize> WaterLayer<D> {
 
     /// Moves with the soil, whose nodes have moved by `swept` (m).
     pub fn ride(&mut self, grid: &Grid<D>, swept: &[[f64; D]], periodic: bool) {
-        let top: [f64; D] = grid.cells.map(|n| n as f64 * grid.size);
+        let top: [f64; D] = map_of(&grid.cells, |n| n as f64 * grid.size);
         for point in &mut self.points {
             let Some(cell) = grid.cell_at(&point.x) else { continue };
             let position = grid.cell_position(cell);
@@ -252,13 +252,13 @@ impl<const D: usize> WaterLayer<D> {
                 self.spawn(grid, water, cell, (axis, edge.upper));
             }
             if out >= 0.0 {
-                let mut exit = grid.cell_position(cell).map(|i| (i as f64 + 0.5) * grid.size);
+                let mut exit = map_of(&grid.cell_position(cell), |i| (i as f64 + 0.5) * grid.size);
                 exit[axis] += 0.5 * outwards * grid.size;
                 self.take(cell, &exit);
             }
         }
         for cell in 0..self.pending.len() {
-            let middle = grid.cell_position(cell).map(|i| (i as f64 + 0.5) * grid.size);
+            let middle = map_of(&grid.cell_position(cell), |i| (i as f64 + 0.5) * grid.size);
             self.take(cell, &middle);
             while self.pending[cell] >= 0.5 * self.volume && self.stored() < crowded {
                 self.spawn(grid, water, cell, (D - 1, true));
@@ -346,7 +346,7 @@ impl<const D: usize> WaterLayer<D> {
             let speed = &mut through[edge.cell as usize][edge.axis as usize][usize::from(edge.upper)];
             *speed += outwards / (area * edge.open.clamp(0.2, 1.0));
         }
-        let top: [f64; D] = grid.cells.map(|n| n as f64 * grid.size);
+        let top: [f64; D] = map_of(&grid.cells, |n| n as f64 * grid.size);
         for point in &mut self.points {
             let Some(cell) = grid.cell_at(&point.x) else { continue };
             let position = grid.cell_position(cell);
