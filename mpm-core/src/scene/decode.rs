@@ -62,7 +62,7 @@ fn other<T>(value: &DeValue<'_>, span: &Range<usize>, expected: &'static str) ->
         DeValue::Float(number) => format!("floating point `{number}`"),
         DeValue::Boolean(flag) => format!("boolean `{flag}`"),
         DeValue::Datetime(time) => format!("date `{time}`"),
-        DeValue::Array(_) => "sequence".to_owned(),
+        DeValue::Array(_) => "a list".to_owned(),
         DeValue::Table(_) => "a table".to_owned(),
     };
     Err(Misfit { span: span.clone(), what: What::Other { expected, found } })

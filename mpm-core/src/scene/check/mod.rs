@@ -178,6 +178,7 @@ impl Reader<'_> {
         let span = error.span().unwrap_or(self.source.text.len()..self.source.text.len());
         let message = error.message().replace('\n', ", ");
         let (expected, found) = match message.split_once(", expected ") {
+            Some((found, "literal string")) => ("a number, or a word in quotes", found),
             Some((found, expected)) => (expected, found),
             None => ("a complete TOML scene, each key once", &*message),
         };
