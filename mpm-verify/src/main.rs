@@ -9,8 +9,8 @@ use std::process::ExitCode;
 
 use clap::{Args, FromArgMatches, Parser, Subcommand};
 use commands::{
-    cases, check, gallery, gate, help, leaderboard, levee, list, merge, metamorphic, mutants, nightly, publish, report,
-    score, slope, solve, stability, study,
+    cases, check, gallery, gate, help, leaderboard, levee, list, merge, metamorphic, mutants, nightly, prove, publish,
+    report, score, slope, solve, stability, study,
 };
 
 /// Verifies a two-phase double-point material point method (soil and water) against exact solutions.
@@ -122,6 +122,13 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
+    /// What has to hold before a change lands: lints, tests, the quick suite, study, levee
+    Prove {
+        #[command(flatten)]
+        options: prove::Options,
+        #[command(flatten)]
+        common: Common,
+    },
     /// Write the report of a stored study again
     Report {
         /// Folder with study.json
@@ -193,6 +200,7 @@ fn main() -> ExitCode {
         Some(Command::Slope { options, common }) => slope::run(&options, &common),
         Some(Command::Stability { options, common }) => stability::run(&options, &common),
         Some(Command::Nightly { options, common }) => nightly::run(&options, &common),
+        Some(Command::Prove { options, common }) => prove::run(&options, &common),
         Some(Command::Report { folder, common }) => report::run(&folder, &common),
         Some(Command::Publish { options, common }) => publish::run(&options, &common),
         Some(Command::List { options, common }) => list::run(&options, &common),

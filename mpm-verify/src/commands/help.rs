@@ -75,6 +75,13 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 17] = [
             ("mpm-verify nightly --accept WHY --from reports/nightly/DATE", "renew the baselines"),
         ],
     ),
+    (
+        "prove",
+        &[
+            ("mpm-verify prove", "all parts, from the root of the source"),
+            ("mpm-verify prove format lints", "two of them"),
+        ],
+    ),
     ("report", &[("mpm-verify report reports/accuracy", "the page and plots of a study that was run before")]),
     ("publish", &[("mpm-verify publish levee", "the last run of the levee; without a name all that have been run")]),
     (

@@ -12,6 +12,7 @@ pub mod merge;
 pub mod metamorphic;
 pub mod mutants;
 pub mod nightly;
+pub mod prove;
 pub mod publish;
 mod quantities;
 pub mod report;
