@@ -159,12 +159,13 @@ fn workflows_parse_and_call_nothing_that_does_not_exist() {
                 let of = |key: &str| step.as_mapping_get(key).and_then(Yaml::as_str);
                 match (of("uses"), of("run")) {
                     (Some(uses), None) => {
-                        assert!(uses.starts_with("actions/") && uses.contains("@v"), "{place}: {uses}")
+                        let known = ["actions/", "Swatinem/rust-cache@", "EmbarkStudios/cargo-deny-action@"];
+                        assert!(known.iter().any(|k| uses.starts_with(k)) && uses.contains("@v"), "{place}: {uses}");
                     }
                     (None, Some(run)) => {
                         for line in run.lines().filter(|line| line.starts_with("cargo ")) {
                             own += usize::from(check(&place, line));
-                            tests += usize::from(line == "cargo test --workspace");
+                            tests += usize::from(line.starts_with("cargo test --workspace"));
                         }
                         let other = run.lines().filter(|line| !line.starts_with("cargo "));
                         for line in other {

@@ -66,8 +66,8 @@ impl<F: Functions<D>, const D: usize> WithSimd for MapBack<'_, F, D> {
             }
             let closing = Closing::of(none);
             let given = functions.finish(&mut gathered, &edges, &closing, frame.inverse_size, &mut room);
-            scatter.add(sums, group * V::F64_LANES, given);
+            scatter.add(F::REACH, sums, group * V::F64_LANES, given);
         }
-        scatter.end(sums, strip.groups() * V::F64_LANES);
+        scatter.end(F::REACH, sums, strip.groups() * V::F64_LANES);
     }
 }

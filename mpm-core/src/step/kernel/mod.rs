@@ -647,13 +647,13 @@ impl<V: Simd, F: Functions<D>, const D: usize> Pass<'_, V, F, D> {
         let skips = !matches!(self.common.water, InPores::Particles { .. });
         for group in 0..self.strip.groups() {
             if skips && self.stays_empty(group) {
-                scatter.skip(self.sums, group * V::F64_LANES);
+                scatter.skip(F::REACH, self.sums, group * V::F64_LANES);
                 continue;
             }
             let given = self.group(group, &mut running, &mut room);
-            scatter.add(self.sums, group * V::F64_LANES, given);
+            scatter.add(F::REACH, self.sums, group * V::F64_LANES, given);
         }
-        scatter.end(self.sums, self.strip.groups() * V::F64_LANES);
+        scatter.end(F::REACH, self.sums, self.strip.groups() * V::F64_LANES);
         self.strip.sums.stays = SimdReal::nowhere(self.simd, self.simd.not_m64s(running.stays));
         if self.common.moves && self.common.plastic {
             self.strip.sums.flowed = running.flowed.added_up();

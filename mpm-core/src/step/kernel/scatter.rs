@@ -10,9 +10,9 @@ use crate::step::store::nodes::{SUMS, StripSums, sums};
 
 /// What cells give to nodes beyond their own lanes waits here for the next cells.
 #[repr(C, align(64))]
+///
+/// `reach` of its functions is how many of them a cell reaches along an axis: an argument, so that it is a constant where they are inlined.
 pub struct Scatter<V: Simd, const D: usize> {
-    /// Functions that a cell reaches along an axis; a constant wherever this is inlined.
-    reach: usize,
     /// By row of functions, column, sum.
     carry: [[[SimdReal<V>; SUMS]; MOST_REACH]; MOST_REACH],
     /// Holds in the lanes below a number.
@@ -30,8 +30,8 @@ impl<V: Simd, const D: usize> Scatter<V, D> {
     }
 
     #[inline(always)]
-    fn rows(&self) -> usize {
-        if D == 1 { 1 } else { self.reach }
+    fn rows(reach: usize) -> usize {
+        if D == 1 { 1 } else { reach }
     }
 
     /// Clears what the cells of the strip do not begin.
@@ -45,7 +45,6 @@ impl<V: Simd, const D: usize> Scatter<V, D> {
         let lanes = SimdReal::load(simd, &numbers);
         let none = SimdReal::splat(simd, 0.0);
         Self {
-            reach,
             carry: [[[none; SUMS]; MOST_REACH]; MOST_REACH],
             below: array!([none.below(none); MOST_REACH], i => lanes.below(none.like(i as f64 - 0.5))),
             row: frame.stride[D - 1],
@@ -55,24 +54,24 @@ impl<V: Simd, const D: usize> Scatter<V, D> {
 
     /// Adds what the cells from `cell` of the strip on give to their functions.
     #[inline(always)]
-    pub fn add(&mut self, to: &mut StripSums, cell: usize, given: &Given<V>) {
-        if !Self::fits(self.reach) {
-            return self.add_one_by_one(to, cell, given);
+    pub fn add(&mut self, reach: usize, to: &mut StripSums, cell: usize, given: &Given<V>) {
+        if !Self::fits(reach) {
+            return self.add_one_by_one(reach, to, cell, given);
         }
         for q in 0..sums(D) {
             // The uppermost first: short rows lie within one vector.
-            for j in (0..self.rows()).rev() {
+            for j in (0..Self::rows(reach)).rev() {
                 let to = &mut to.0[q][cell + j * self.row..][..V::F64_LANES];
-                let mut begun = j + 1 < self.rows();
+                let mut begun = j + 1 < Self::rows(reach);
                 let mut sum = if begun { SimdReal::load(given[0][0].simd, to) } else { given[q][0] };
-                for i in (1..self.reach).rev() {
-                    let turned = given[q][j * self.reach + i].turned(i);
+                for i in (1..reach).rev() {
+                    let turned = given[q][j * reach + i].turned(i);
                     let here = self.carry[j][i][q].or(self.below[i], turned);
                     sum = if begun { sum + here } else { here };
                     begun = true;
                     self.carry[j][i][q] = turned;
                 }
-                let own = given[q][j * self.reach];
+                let own = given[q][j * reach];
                 (if begun { sum + own } else { own }).store(to);
             }
         }
@@ -81,18 +80,18 @@ impl<V: Simd, const D: usize> Scatter<V, D> {
 
     /// The same for cells that give nothing.
     #[inline(always)]
-    pub fn skip(&mut self, to: &mut StripSums, cell: usize) {
-        if !Self::fits(self.reach) {
+    pub fn skip(&mut self, reach: usize, to: &mut StripSums, cell: usize) {
+        if !Self::fits(reach) {
             return;
         }
         for q in 0..sums(D) {
-            for j in 0..self.rows() {
-                let is_begun = j + 1 < self.rows();
+            for j in 0..Self::rows(reach) {
+                let is_begun = j + 1 < Self::rows(reach);
                 let to = &mut to.0[q][cell + j * self.row..][..V::F64_LANES];
                 if self.carries {
                     let none = self.carry[j][0][q].like(0.0);
                     let mut sum = if is_begun { SimdReal::load(none.simd, to) } else { none };
-                    for i in (1..self.reach).rev() {
+                    for i in (1..reach).rev() {
                         sum += self.carry[j][i][q].or(self.below[i], none);
                         self.carry[j][i][q] = none;
                     }
@@ -107,12 +106,12 @@ impl<V: Simd, const D: usize> Scatter<V, D> {
 
     /// The same with fewer lanes than functions.
     #[inline(always)]
-    fn add_one_by_one(&self, to: &mut StripSums, cell: usize, given: &Given<V>) {
+    fn add_one_by_one(&self, reach: usize, to: &mut StripSums, cell: usize, given: &Given<V>) {
         for lane in 0..V::F64_LANES {
             for q in 0..sums(D) {
-                for j in 0..self.rows() {
-                    for i in 0..self.reach {
-                        to.0[q][cell + lane + i + j * self.row] += given[q][j * self.reach + i].lane(lane);
+                for j in 0..Self::rows(reach) {
+                    for i in 0..reach {
+                        to.0[q][cell + lane + i + j * self.row] += given[q][j * reach + i].lane(lane);
                     }
                 }
             }
@@ -121,17 +120,17 @@ impl<V: Simd, const D: usize> Scatter<V, D> {
 
     /// Gives what still waits to the nodes beyond the last cell.
     #[inline(always)]
-    pub fn end(&self, to: &mut StripSums, length: usize) {
-        if !Self::fits(self.reach) {
+    pub fn end(&self, reach: usize, to: &mut StripSums, length: usize) {
+        if !Self::fits(reach) {
             return;
         }
         for q in 0..sums(D) {
-            for j in 0..self.rows() {
-                let to = &mut to.0[q][length + j * self.row..][..self.reach - 1];
-                if j + 1 == self.rows() {
+            for j in 0..Self::rows(reach) {
+                let to = &mut to.0[q][length + j * self.row..][..reach - 1];
+                if j + 1 == Self::rows(reach) {
                     to.fill(0.0);
                 }
-                for i in (1..self.reach).rev() {
+                for i in (1..reach).rev() {
                     for lane in 0..i {
                         to[lane] += self.carry[j][i][q].lane(lane);
                     }
