@@ -3,6 +3,8 @@
 //! A part of a model names its state once, in a function that both saves and restores it, so that the two cannot differ. What
 //! the model does not build anew is written by serde.
 
+use postcard::ser_flavors::{Flavor, StdVec};
+use postcard::{Deserializer, Serializer};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -14,10 +16,9 @@ use crate::hash::{Digest, sha256};
 pub struct RestoreError;
 
 /// What a state is saved to or restored from.
-#[derive(Debug)]
 pub enum Archive<'a> {
-    /// Values are written behind these bytes.
-    Saving(Vec<u8>),
+    /// Values are written behind those that were.
+    Saving(Serializer<StdVec>),
     /// Values are read from these bytes, of which the rest is left.
     Restoring(&'a [u8]),
 }
@@ -34,8 +35,12 @@ impl Archive<'_> {
     /// The bytes are not those of such a value.
     pub fn value<T: Serialize + DeserializeOwned>(&mut self, value: &mut T) -> Result<(), RestoreError> {
         match self {
-            Self::Saving(bytes) => _ = postcard::to_io(value, bytes).map_err(|_| RestoreError)?,
-            Self::Restoring(rest) => (*value, *rest) = postcard::take_from_bytes(rest).map_err(|_| RestoreError)?,
+            Self::Saving(to) => value.serialize(to).map_err(|_| RestoreError)?,
+            Self::Restoring(rest) => {
+                let mut from = Deserializer::from_bytes(rest);
+                *value = T::deserialize(&mut from).map_err(|_| RestoreError)?;
+                *rest = from.finalize().map_err(|_| RestoreError)?;
+            }
         }
         Ok(())
     }
@@ -73,9 +78,9 @@ pub(crate) use archive;
 
 /// The bytes of a state.
 pub fn save(state: impl FnOnce(&mut Archive) -> Result<(), RestoreError>) -> Vec<u8> {
-    let mut archive = Archive::Saving(Vec::new());
+    let mut archive = Archive::Saving(Serializer { output: StdVec::new() });
     match (state(&mut archive), archive) {
-        (Ok(()), Archive::Saving(bytes)) => bytes,
+        (Ok(()), Archive::Saving(to)) => to.output.finalize().unwrap_or_default(),
         // Nothing that a model holds has no bytes; no state would be restored from none.
         _ => Vec::new(),
     }

@@ -42,7 +42,7 @@ impl Initial {
         let (below, above) = self.rows.split_at(self.rows.partition_point(|(x, _)| x[1] < place[1]));
         for half in [&mut below.iter().rev() as &mut dyn Iterator<Item = &Row>, &mut above.iter()] {
             for row in half {
-                let [x, y] = [0, 1].map(|d| (row.0[d] - place[d]).powi(2));
+                let [x, y] = array_of::<_, 2, _>(|d| (row.0[d] - place[d]).powi(2));
                 if near.len() == NEAREST && y >= near[NEAREST - 1].0 {
                     break;
                 }

@@ -89,21 +89,19 @@ pub fn below_crest(polygon: &[[f64; 2]], parts: &[Part], spacing: f64) -> Vec<(u
         }
     }
     // In each column of squares the uppermost part.
-    let mut uppermost: BTreeMap<i64, usize> = BTreeMap::new();
-    for (i, part) in parts.iter().enumerate() {
-        let best = uppermost.entry((part.centroid[0] / spacing).floor() as i64).or_insert(i);
-        if part.centroid[1] > parts[*best].centroid[1] {
-            *best = i;
-        }
-    }
+    let column = |(i, part): (usize, &Part)| ((part.centroid[0] / spacing).floor(), i);
+    let mut columns: Vec<(f64, usize)> = parts.iter().enumerate().map(column).collect();
+    sort_by_number(&mut columns, |(column, _)| *column);
     let mut below: Vec<(usize, f64)> = Vec::new();
-    for (column, i) in &uppermost {
-        let from = *column as f64 * spacing;
+    for column in columns.chunk_by(|a, b| a.0 == b.0) {
+        let higher = |best: usize, i: usize| if parts[i].centroid[1] > parts[best].centroid[1] { i } else { best };
+        let uppermost = column.iter().fold(column[0].1, |best, (_, i)| higher(best, *i));
+        let from = column[0].0 * spacing;
         let width = |[a, b]: &[f64; 2]| (b.min(from + spacing) - a.max(from)).max(0.0);
         let width: f64 = level.iter().map(width).sum();
         // A sliver says little of its edge, and its part may lie below a slope.
         if width > SLIVER * (1.0 + TIE) * spacing {
-            below.push((*i, width));
+            below.push((uppermost, width));
         }
     }
     if below.is_empty() {

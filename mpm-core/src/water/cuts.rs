@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::dimension::in_two;
 use crate::grid::Grid;
 use crate::particles::{Layer, SolidPoint};
+use crate::real::array_of;
 use crate::scene::{FaceLoad, Fields, Piece, Side};
 use crate::seeding::{Beside, between, numbered_pieces, of_square, passes, pieces};
 use crate::soils::Soils;
@@ -134,7 +135,7 @@ impl Cuts {
             let now = moved[corner.id as usize];
             // Along a periodic mesh its soil may go round as often as it will, and leave the outline the same.
             let goes = |d: usize| d == 1 || self.seam.is_none();
-            [0, 1].map(|d| corner.place[d] + if goes(d) { now[d] - corner.start[d] } else { 0.0 })
+            array_of::<_, 2, _>(|d| corner.place[d] + if goes(d) { now[d] - corner.start[d] } else { 0.0 })
         };
         let polygon: Vec<[f64; 2]> = self.corners.iter().map(place).collect();
         let (size, cells) = (grid.size, [grid.cells[0], grid.cells[D - 1]]);
@@ -146,7 +147,7 @@ impl Cuts {
                     let cell = column + row * cells[0];
                     let volume: f64 = solid.points[solid.range(cell)].iter().map(|point| point.volume).sum();
                     self.share[cell] = part.area.min(volume / grid.thickness(part.centroid[0])) / (size * size);
-                    self.at[cell] = [0, 1].map(|d| part.centroid[d] / size - [column, row][d] as f64);
+                    self.at[cell] = array_of::<_, 2, _>(|d| part.centroid[d] / size - [column, row][d] as f64);
                 }
             }
         }
@@ -202,8 +203,9 @@ impl Cuts {
         let (size, across) = (grid.size, grid.cells[0]);
         // Cells with particles have a pressure; a piece of the outline in another one is that of the nearest.
         let owners: Vec<usize> = (0..grid.cell_count()).filter(|cell| !solid.range(*cell).is_empty()).collect();
-        let place =
-            |cell: usize, at: [f64; 2]| [0, 1].map(|d| ([cell % across, cell / across][d] as f64 + at[d]) * size);
+        let place = |cell: usize, at: [f64; 2]| {
+            array_of::<_, 2, _>(|d| ([cell % across, cell / across][d] as f64 + at[d]) * size)
+        };
         let beside = Beside::new(owners.iter().map(|cell| place(*cell, [0.5; 2])).collect(), size);
         self.openings.clear();
         let on_seam = |piece: &Piece| {
@@ -215,12 +217,12 @@ impl Cuts {
             let water = self.corners[edge].water;
             let length = piece.outward[0].hypot(piece.outward[1]);
             let normal = piece.outward.map(|n| n / length);
-            let inwards = [0, 1].map(|d| piece.middle[d] - 1e-6 * size * normal[d]);
+            let inwards = array_of::<_, 2, _>(|d| piece.middle[d] - 1e-6 * size * normal[d]);
             let own = inwards.map(|x| (x / size).floor().max(0.0) as usize);
             let own = own[0] + own[1] * across;
             let own = Some(own).filter(|own| owners.binary_search(own).is_ok());
             let Some(cell) = own.or_else(|| beside.find(&piece.middle).map(|i| owners[i])) else { continue };
-            let from = |at| [0, 1].map(|d| piece.middle[d] - place(cell, at)[d]);
+            let from = |at| array_of::<_, 2, _>(|d| piece.middle[d] - place(cell, at)[d]);
             let (away, middle) = (from(self.at[cell]), from([0.5; 2]));
             let held = self.passed[cell].is_some();
             let along = (middle[0] * normal[0] + middle[1] * normal[1]).max(0.5 * NEAREST * size);

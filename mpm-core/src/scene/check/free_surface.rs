@@ -8,6 +8,7 @@ use super::super::raw::{
 };
 use super::super::{Coupling, Course, Dimension, Feed, Fields, FreeSurfaceWater, Integrator, Side, Until};
 use super::{Checked, Reader, quoted, written};
+use crate::real::array_of;
 use crate::seeding;
 use crate::water::free_surface::LEAST_OPEN;
 use crate::water::retention::Retention;
@@ -128,7 +129,7 @@ impl Reader<'_> {
         for i in 0..count {
             let (a, b) = (points[i], points[(i + 1) % count]);
             for share in [0.0, 0.25, 0.5, 0.75] {
-                let x = [0, 1].map(|d| a[d] + share * (b[d] - a[d]));
+                let x = array_of::<_, 2, _>(|d| a[d] + share * (b[d] - a[d]));
                 if !seeding::near(&soil, &x, reach) {
                     let expected = "water inside the soil";
                     let found = format!("[{}, {}], outside its outline", x[0], x[1]);

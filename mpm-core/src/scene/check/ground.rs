@@ -7,6 +7,7 @@ use toml::Spanned;
 use super::super::raw::{Points, RawGeometry, RawMesh, RawRest, RawScene, RawUntil};
 use super::super::{Base, Dimension, NormalStress, SeedingChoice, Side, SolidSide, Until};
 use super::{Checked, Reader, quoted};
+use crate::real::array_of;
 use crate::seeding::{self, Fault};
 
 /// Columns of empty cells that can be asked for.
@@ -58,7 +59,7 @@ impl Reader<'_> {
             RawGeometry::Outline(outline) => {
                 let points = self.polygon(&outline.points, "geometry.outline.points", 0.0)?;
                 let cell = self.positive(&mesh.cell, "mesh.cell", "m")?;
-                let [width, height] = [0, 1].map(|d| points.iter().map(|x| x[d]).fold(0.0, f64::max));
+                let [width, height] = array_of::<_, 2, _>(|d| points.iter().map(|x| x[d]).fold(0.0, f64::max));
                 let cells = [self.covers(mesh, cell, width)?, self.covers(mesh, cell, height)?];
                 return Ok(Geometry {
                     outline: Some(points),

@@ -17,6 +17,7 @@ use super::{Condition, Soil, Supports};
 use crate::checkpoint::{Archive, RestoreError, archive};
 use crate::observe::Totals;
 use crate::particles::SolidPoint;
+use crate::real::array_of;
 use crate::scene::{Base, NormalStress};
 use crate::step::Fault;
 use crate::step::store::Nodes;
@@ -228,7 +229,7 @@ impl Friction {
         let Self { stress, slip: slips, remembered, frozen, grains, .. } = self;
         for &Grain { cell, xi, id, .. } in &*grains {
             let [left, right] = [cell, cell + 1].map(|node| [nodes.motion.velocity[0][node], stress[node]]);
-            let [velocity, stress] = [0, 1].map(|i| left[i] + xi * (right[i] - left[i]));
+            let [velocity, stress] = array_of::<_, 2, _>(|i| left[i] + xi * (right[i] - left[i]));
             if let Some(slip) = slips.get_mut(id).filter(|_| !*frozen) {
                 *slip += dt * velocity;
             }

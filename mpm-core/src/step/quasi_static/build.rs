@@ -549,7 +549,7 @@ impl<const D: usize> Ground<'_, D> {
     fn reservoir(&self, load: &FaceLoad, levels: &[[f64; 2]], axes: &[Axis; D]) -> Vec<(Vec<f64>, Course)> {
         let weight = self.scene.water.map_or(0.0, |water| water.density) * self.scene.gravity.unwrap_or(0.0);
         let between = |pair: &[[f64; 2]], i: usize| {
-            [0, 1].map(|d| pair[0][d] + (pair[1][d] - pair[0][d]) * i as f64 / LEVELS as f64)
+            array_of::<_, 2, _>(|d| pair[0][d] + (pair[1][d] - pair[0][d]) * i as f64 / LEVELS as f64)
         };
         let fine = levels.windows(2).flat_map(|pair| (1..=LEVELS).map(|i| between(pair, i)));
         let fine: Vec<[f64; 2]> = levels[..1].iter().copied().chain(fine).collect();

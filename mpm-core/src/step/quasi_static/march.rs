@@ -8,6 +8,7 @@ use super::soil::{HELD, Impulses, Soil};
 use super::tangent::Stuck;
 use super::{KrylovStage, Method, QuasiStatic};
 use crate::constitutive::{Flow, Law};
+use crate::real::array_of;
 use crate::scene::{Course, FaceLoad, Fields, Integrator, PASSAGES, Start, StepChoice, StrainChoice, TimeMethod};
 use crate::step::Fault;
 
@@ -337,7 +338,7 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         for ((push, now), (plate, _)) in self.pushes.iter_mut().zip(soil.pushed()).zip(&soil.plates) {
             // The mean of the forces at both ends; the plate moves along the normal of its side.
             let (then, moved) = (push.force.unwrap_or_default(), plate.at(time + h) - plate.at(time));
-            let mean = [0, 1].map(|d| 0.5 * (then[d] + now[d]));
+            let mean = array_of::<_, 2, _>(|d| 0.5 * (then[d] + now[d]));
             let (axis, inwards) =
                 (usize::from(plate.on as usize > 1), if plate.on as usize % 2 == 1 { -1.0 } else { 1.0 });
             if soil.motion.is_none() {
