@@ -63,7 +63,8 @@ fn parses(arguments: &[String]) -> Result<(), clap::Error> {
 
 /// Checks a command line of any kind. Returns whether it is one of this program.
 fn check(place: &str, line: &str) -> bool {
-    let words = words(line);
+    let mut words = words(line);
+    words.retain(|word| word != "--locked" && !word.starts_with('+'));
     let of: Vec<&str> = words.iter().map(String::as_str).collect();
     match of.as_slice() {
         ["cargo", "run", "--release"] => true,
@@ -72,17 +73,22 @@ fn check(place: &str, line: &str) -> bool {
             true
         }
         ["cargo", "run", "--release", "-p", "mpm-bench", ..] => false,
-        ["cargo", "test" | "bench" | "build" | "fmt" | "clippy" | "doc", ..] => {
+        ["cargo", "test" | "bench" | "build" | "check" | "fmt" | "clippy" | "doc", ..] => {
             for pair in of.windows(2).filter(|pair| pair[0] == "-p") {
                 assert!(Path::new(&format!("{ROOT}/{}", pair[1])).is_dir(), "{place}: {line}");
             }
-            for pair in of.windows(2).filter(|pair| pair[0] == "--test") {
-                let of = |of| Path::new(&format!("{ROOT}/{of}/tests/{}.rs", pair[1])).is_file();
-                assert!(["mpm-core", "mpm-verify", "mpm-bench"].into_iter().any(of), "{place}: {line}");
+            // A program of tests of that crate, and modules of it.
+            if let Some(at) = of.iter().position(|word| *word == "--test") {
+                let package = of.iter().position(|word| *word == "-p").map(|p| of[p + 1]).expect("a crate");
+                let is_file = |path: &str| Path::new(&format!("{ROOT}/{package}/tests/{path}.rs")).is_file();
+                let program = of[at + 1];
+                assert!(is_file(program) || is_file(&format!("{program}/main")), "{place}: {line}");
+                let module = |word: &&str| is_file(&format!("{program}/{}", word.trim_end_matches(':')));
+                assert!(of[at + 2..].iter().filter(|word| !word.starts_with('-')).all(module), "{place}: {line}");
             }
             false
         }
-        ["cargo", "install", "cargo-mutants", "--locked"] => false,
+        ["cargo", "install", "cargo-mutants"] => false,
         _ => panic!("{place}: expected a command that the README explains, found {line}"),
     }
 }

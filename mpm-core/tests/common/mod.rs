@@ -1,8 +1,5 @@
 //! Scene texts for the tests (the study's default scene with some of its lines changed), and how close two figures are.
-#![allow(dead_code)] // each test file uses its own part
-
-pub mod by_hand;
-pub mod refusal;
+#![allow(dead_code)] // each program uses its own part
 
 use mpm_core::drive::Run;
 use mpm_core::run::run;

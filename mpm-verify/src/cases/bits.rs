@@ -220,18 +220,3 @@ fn outcome(integrator: &str, different: &[f64]) -> Outcome {
         ..Outcome::default()
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bits_are_the_same_and_another_bit_is_found() {
-        for case in [THREADS, AGAIN, RESUMED, LEVEE] {
-            let judged = case.judged().expect("runs that finish");
-            assert!(judged.row.passed(), "{}: {}", case.name, judged.reason);
-            let spoilt = case.mutant_judged().expect("a mutant").expect("runs that finish");
-            assert!(!spoilt.row.passed(), "{}: {}", case.name, spoilt.reason);
-        }
-    }
-}

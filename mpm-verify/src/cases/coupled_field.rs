@@ -48,7 +48,7 @@ pub const STEPS: Program = Program {
 
 const NO_FORCE: &str = "no body force";
 /// Cells per side.
-const SIDES: [usize; 5] = [8, 12, 16, 24, 32];
+const SIDES: [usize; 4] = [8, 12, 16, 24];
 /// Amplitude of the displacement, m: strains of 3e-6.
 const AMPLITUDE: f64 = 1e-6;
 /// Swings per second, rad/s.

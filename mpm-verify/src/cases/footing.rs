@@ -62,7 +62,7 @@ strip = { from = 0.0, to = 0.5 }
 /// The load at the end of the ramp over the exact limit load.
 const BEYOND: f64 = 1.25;
 /// Rows of cells.
-const ROWS: [usize; 3] = [10, 20, 40];
+const ROWS: [usize; 2] = [10, 20];
 
 /// The limit load over the cohesion, at an angle of friction in degrees.
 fn n_c(friction_angle: f64) -> f64 {

@@ -23,7 +23,7 @@ pub const CASE: Program = Program {
 /// Times after the rain begins, s: none yet, an hour and three.
 const TIMES: [f64; 3] = [1.0, 3600.0, 10_800.0];
 /// Rows of cells over the height.
-const ROWS: usize = 20;
+const ROWS: usize = 10;
 
 fn without_suction(scene: &mut Fields) {
     if let Some(free) = &mut scene.free_surface {

@@ -5,9 +5,10 @@ use mpm_core::drive::Sample;
 use mpm_core::scene::{Base, Fields, Until};
 use mpm_core::stability::choose_step;
 
-use super::{Error, Lacks, Mutant, Outcome, Program, finished, sound};
+use super::{Error, Lacks, Mutant, Outcome, Program, sound};
 use crate::experiment::comparison::{Compared, Comparison};
 use crate::experiment::refinement::{PARTICLES, Refinement, Sampled};
+use crate::experiment::shared::shared;
 use crate::norms::largest;
 
 /// Nothing moves.
@@ -85,7 +86,7 @@ fn followed(
             scene.stages[stage].until = Until::Time(end);
             (scene.observe_times, scene.history) = ([0.25, 0.5, 0.75, 1.0].map(|share| share * end).to_vec(), 0);
         })?;
-        let run = finished(&scene)?;
+        let run = shared(&scene)?;
         let first = run.samples.iter().find(|s| s.stage == stage).ok_or(Lacks("sample"))?;
         let look = |s: &Sample| Compared::one(s.stage_time, figure(first, s), 0.0);
         let looks =

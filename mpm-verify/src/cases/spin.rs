@@ -104,8 +104,9 @@ fn outcome(shape: ShapeChoice, transfer: TransferChoice) -> Result<Outcome, Erro
         samples.extend(history.samples());
     }
     let base = square(10, shape, transfer, 1.0)?;
-    let limit = stable_limit(&base);
-    let step = |dt: f64| momentum(&base, dt / limit);
+    let coarse = square(5, shape, transfer, 1.0)?;
+    let limit = stable_limit(&coarse);
+    let step = |dt: f64| momentum(&coarse, dt / limit);
     let with = |count| momentum(&base.clone().altered_unchecked(|s| s.particles_per_cell = count), SHARE);
     Ok(Outcome {
         integrator: integrator(&base),
@@ -115,7 +116,7 @@ fn outcome(shape: ShapeChoice, transfer: TransferChoice) -> Result<Outcome, Erro
         notes,
         samples,
         refinements: vec![
-            in_time(step, base.cell, SHARE * limit, 2, None)?,
+            in_time(step, coarse.cell, SHARE * limit, 2, None)?,
             in_particles(with, base.cell, &PARTICLE_COUNTS[1..3], 1e-3)?,
         ],
         ..Outcome::default()

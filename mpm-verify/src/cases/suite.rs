@@ -1,18 +1,52 @@
 //! The verification suite: all cases of the files of `reference-data/cases`, in their order.
 
+use std::collections::HashMap;
+use std::path::Path;
 use std::sync::LazyLock;
 
 use cpu_time::ThreadTime;
 
 use super::{PROGRAMS, Program};
 use crate::error::Error::{self, Lacks};
-use crate::experiment::accepted;
 use crate::experiment::run::{self, MOMENTUM};
 use crate::experiment::spec::{Problem, Spec};
 use crate::experiment::verdict::{Judged, Named, Outcome, judge};
+use crate::experiment::{CaseRow, accepted};
+use crate::files;
 
 /// Names and texts of the files.
 const FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/cases.rs"));
+
+/// CPU times of the cases, s, as `check --record-cost` wrote them.
+const COST: &str = include_str!("../../../reference-data/baselines/cost.csv");
+/// Name of that file, beside the accepted values.
+pub const COST_NAME: &str = "cost.csv";
+/// CPU time of a case without a row, s; shorter times have none.
+const SHORT: f64 = 0.05;
+/// Largest CPU time of a quick case, s.
+const QUICK: f64 = 1.0;
+
+/// The CPU times by the names of the cases.
+static COSTS: LazyLock<HashMap<&str, f64>> = LazyLock::new(|| {
+    let rows = COST.lines().filter_map(|line| line.split_once(','));
+    rows.filter_map(|(case, cpu_s)| Some((case, cpu_s.parse().ok()?))).collect()
+});
+
+/// Writes the CPU times of the cases that were run, those of the others as they were, s with two digits.
+///
+/// # Errors
+/// What the system says.
+pub fn write_costs(rows: &[CaseRow], path: &Path) -> Result<(), Error> {
+    let mut text = "case,cpu_s\n".to_owned();
+    for case in suite() {
+        let cost = rows.iter().find(|row| row.case == case.name).map_or(case.cost(), |row| row.cpu_s);
+        if cost > SHORT {
+            let digits = (1.0 - cost.log10().floor()).max(0.0) as usize;
+            text += &format!("{},{cost:.digits$}\n", case.name);
+        }
+    }
+    files::write(path, text.as_bytes()).map_err(Error::at(path))
+}
 
 /// A case of the suite.
 #[derive(Debug)]
@@ -89,6 +123,16 @@ impl Case {
         if let Way::Data(spec) = self.way { Some(spec) } else { None }
     }
 
+    /// Its CPU time, s.
+    pub fn cost(&self) -> f64 {
+        COSTS.get(self.name).copied().unwrap_or(SHORT)
+    }
+
+    /// Whether `check --quick` runs it.
+    pub fn is_quick(&self) -> bool {
+        self.cost() <= QUICK
+    }
+
     fn named(&self) -> Named {
         Named { name: self.name, about: self.about, mutant: self.mutant }
     }
@@ -138,8 +182,6 @@ pub(super) fn judged(named: Named, run: impl FnOnce() -> Result<Outcome, Error>)
 
 #[cfg(test)]
 mod tests {
-    use mpm_core::scene::Integrator;
-
     use super::*;
     use crate::experiment::pool;
 
@@ -151,6 +193,15 @@ mod tests {
         names.dedup();
         assert_eq!((names.len(), problems.len()), (cases.len(), FILES.len()));
         assert!(PROGRAMS.iter().all(|program| names.contains(&program.name)), "a function that no case names");
+    }
+
+    #[test]
+    fn costs_are_those_of_cases_and_are_read_as_they_are_written() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join(COST_NAME);
+        write_costs(&[], &path).expect("written");
+        assert_eq!(std::fs::read_to_string(&path).expect("a table"), COST);
+        assert!(COSTS.len() > 50 && suite().iter().filter(|case| case.is_quick()).count() > 100);
     }
 
     #[test]
@@ -167,25 +218,16 @@ mod tests {
         }
     }
 
-    /// CPU time of a case that is run with the tests, s.
-    const QUICK: f64 = 2.5;
+    /// Cost of a case that is run with the tests, s. `check` runs all cases, `check --mutants` all their faults.
+    const LEAST: f64 = 0.4;
 
-    /// Runs without inertia and of water in soil at rest take little time.
     #[test]
-    fn quick_cases_of_the_files_pass_and_find_their_faults() {
-        let slow = |name: &str| {
-            let rows = include_str!("../commands/check-cpu.csv").lines().filter_map(|line| line.split_once(','));
-            rows.into_iter().any(|(case, cpu_s)| case == name && cpu_s.parse::<f64>().is_ok_and(|s| s > QUICK))
-        };
-        let is_quick = |spec: &Spec| {
-            if slow(&spec.name) {
-                return false;
-            }
-            let bases = spec.bases().expect("scenes");
-            bases.iter().all(|base| matches!(base.integrator, Integrator::QuasiStatic | Integrator::Staggered))
-        };
-        let quick: Vec<&Case> = suite().iter().filter(|case| case.spec().is_some_and(is_quick)).collect();
-        assert!(quick.len() >= 40, "{}", quick.len());
+    fn the_quickest_cases_of_the_files_pass_and_find_their_faults() {
+        let quick: Vec<&Case> = suite()
+            .iter()
+            .filter(|case| case.spec().is_some() && COSTS.get(case.name).is_some_and(|s| *s <= LEAST))
+            .collect();
+        assert!(quick.len() >= 10, "{}", quick.len());
         let run = |_: usize, case: &&Case| {
             let judged = case.judged().expect("runs that finish");
             assert!(judged.row.passed(), "{}: {}", case.name, judged.reason);
@@ -194,15 +236,6 @@ mod tests {
         };
         for (case, result) in quick.iter().zip(pool::each(0, &quick, run, |_, _| {})) {
             result.unwrap_or_else(|error| panic!("{}: {error}", case.name));
-        }
-    }
-
-    #[test]
-    fn quick_mutants_are_caught() {
-        for name in ["hydrostatic", "dry-bar", "dynamic-up", "ramp-load"] {
-            let case = suite().iter().find(|case| case.name == name).expect("a case");
-            let judged = case.mutant_judged().expect("a mutant").expect("runs that finish");
-            assert!(!judged.row.passed(), "{name}: {}", judged.reason);
         }
     }
 }

@@ -1,15 +1,15 @@
 //! `check`: the verification suite, its mutants, and a scene of one's own.
 
-use std::collections::HashMap;
 use std::fmt::Display;
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use clap::Args;
 use mpm_core::hardware::Hardware;
 use mpm_core::scene::{Flags, INTEGRATORS, SHAPES, Scene};
 use mpm_verify::cases::own::OwnScene;
+use mpm_verify::cases::suite::{COST_NAME, write_costs};
 use mpm_verify::cases::{Case, suite};
 use mpm_verify::error::Error;
 use mpm_verify::experiment::accepted::{self, Renewed};
@@ -17,10 +17,11 @@ use mpm_verify::experiment::number::Number;
 use mpm_verify::experiment::{CaseRow, Judged, pool};
 use mpm_verify::files::Folder;
 use mpm_verify::manifest::Manifest;
+use mpm_verify::mutants::hunt::Verdict;
 use mpm_verify::progress::{Progress, time};
 use mpm_verify::provenance;
 use mpm_verify::report;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::{Failure, chosen, make_folder, warn_if_long, words, write_csv};
 use crate::Common;
@@ -31,6 +32,9 @@ pub struct Options {
     /// Test cases to run; all without a name
     #[arg(value_name = "CASE")]
     cases: Vec<String>,
+    /// Run only the cases that take no more than a second
+    #[arg(long, conflicts_with_all = ["cases", "scene"])]
+    quick: bool,
     /// Run every check with a planted fault instead, which it must catch
     #[arg(long)]
     mutants: bool,
@@ -52,6 +56,15 @@ pub struct Options {
     /// Folder of the accepted errors [default: reference-data/baselines]
     #[arg(long, value_name = "DIR", conflicts_with = "scene", hide = true)]
     baselines: Option<PathBuf>,
+    /// Write the CPU times of the cases beside the accepted errors; they are the order of later runs
+    #[arg(long, conflicts_with_all = ["scene", "mutants"], hide = true)]
+    record_cost: bool,
+    /// Write only the verdicts, each as it is known, to FILE; cases run in the order in which they are named
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["scene", "mutants", "accept"], hide = true)]
+    verdicts: Option<PathBuf>,
+    /// End with the first case that fails
+    #[arg(long, requires = "verdicts", hide = true)]
+    until_failed: bool,
 }
 
 /// Results that other programs read by name.
@@ -70,15 +83,30 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     common.say(&format!("accepted errors: {named}"));
     let target = |why| Ok((why, accepted::target(why, provenance::commit(), file.as_deref())?));
     let accept = options.accept.as_deref().map(target).transpose().map_err(Failure::bad_input::<Error>)?;
+    if let Some(file) = &options.verdicts {
+        return verdicts(options, file, common);
+    }
+    let mut cases = cases(&options.cases)?;
+    cases.retain(|case| !options.quick || case.is_quick());
     if options.mutants {
-        let rows = common.publish(FOLDER, &["mutants.csv"], |folder| catch(&options.cases, common, folder.stage()))?;
+        if !options.cases.is_empty()
+            && let Some(case) = cases.iter().find(|case| case.mutant.is_none())
+        {
+            return Err(Failure::BadInput(format!("--mutants: expected cases with a mutant, found {}", case.name)));
+        }
+        cases.retain(|case| case.mutant.is_some());
+        let rows = common.publish(FOLDER, &["mutants.csv"], |folder| catch(&cases, common, folder.stage()))?;
         return rows.end("mutants not caught", |row| row.caught, |row| row.case);
     }
     let clock = Instant::now();
     let folder = common.folder(FOLDER);
-    let ran =
-        common.publish(FOLDER, &NAMES, |folder| judged(&options.cases, common, (folder.stage(), folder.path())))?;
+    let ran = common.publish(FOLDER, &NAMES, |folder| judged(&cases, common, folder.stage()))?;
     common.json(&ran.rows);
+    if options.record_cost {
+        let file =
+            file.as_ref().ok_or_else(|| Failure::BadInput("--record-cost: expected --baselines DIR".to_owned()))?;
+        write_costs(&ran.rows, &file.with_file_name(COST_NAME)).map_err(Failure::run_failed)?;
+    }
     let accepts = accept.is_some();
     if let Some((why, file)) = accept {
         let manifest = Manifest::new(&mpm_verify::scenes::terzaghi(), common.jobs());
@@ -169,12 +197,11 @@ impl<T> Ran<T> {
     }
 }
 
-/// Runs the suite and writes its tables, a picture of every case and `index.html`. The CPU times of the run `before` predict those of this one.
-pub fn judged(names: &[String], common: &Common, (folder, before): (&Path, &Path)) -> Result<Ran<CaseRow>, Failure> {
-    let cases = cases(names)?;
+/// Runs cases and writes their tables, a picture of each and `index.html`.
+pub fn judged(cases: &[&Case], common: &Common, folder: &Path) -> Result<Ran<CaseRow>, Failure> {
     make_folder(folder)?;
     common.say(&header());
-    let Ran { rows: judged, failed, .. } = each(&cases, common, before, |case, print| {
+    let Ran { rows: judged, failed, .. } = each(cases, common, |case, print| {
         let judged = case.judged()?;
         print(&line(&judged.row));
         Ok(judged)
@@ -208,18 +235,9 @@ struct Caught {
 }
 
 /// Runs the cases with a planted fault, each of which must fail, and writes `mutants.csv`.
-fn catch(names: &[String], common: &Common, folder: &Path) -> Result<Ran<Caught>, Failure> {
-    let mut cases = cases(names)?;
-    let without: Vec<&str> = cases.iter().filter(|case| case.mutant.is_none()).map(|case| case.name).collect();
-    if !(names.is_empty() || without.is_empty()) {
-        return Err(Failure::BadInput(format!(
-            "--mutants: expected cases with a mutant, found {}",
-            without.join(", ")
-        )));
-    }
-    cases.retain(|case| case.mutant.is_some());
+fn catch(cases: &[&Case], common: &Common, folder: &Path) -> Result<Ran<Caught>, Failure> {
     common.say(&format!("{:<29} {:>10} {:>10}  {:<44} verdict", "case", "error", "required", "mutant"));
-    let ran = each(&cases, common, &common.folder(FOLDER), |case, print| {
+    let ran = each(cases, common, |case, print| {
         let mutant = case.mutant.unwrap_or_default();
         let judged = case.mutant_judged().unwrap_or_else(|| Err(Error::Lacks("mutant").of(case.name)))?;
         let CaseRow { error, required_error, .. } = judged.row;
@@ -240,44 +258,47 @@ fn cases(names: &[String]) -> Result<Vec<&'static Case>, Failure> {
     chosen(("the name of a test case", "cases"), names, suite(), |case| case.name)
 }
 
-/// CPU times of the cases, s, as measured once; those that take less than a tenth of a second are left out.
-const CPU: &str = include_str!("check-cpu.csv");
-/// CPU time of a case that no table has, s.
-const USUAL: f64 = 0.1;
-
-/// The two columns of `cases.csv` that predict how long a case takes.
-#[derive(Deserialize)]
-struct Cpu {
-    case: String,
-    cpu_s: f64,
+/// Writes the verdicts of the cases, each as it is known.
+fn verdicts(options: &Options, file: &Path, common: &Common) -> Result<(), Failure> {
+    let mut cases = cases(&options.cases)?;
+    cases.sort_by_key(|case| options.cases.iter().position(|name| name == case.name));
+    let mut writer = csv::Writer::from_path(file).map_err(Failure::unwritable(file))?;
+    let (stop, mut failed) = (AtomicBool::new(false), Vec::new());
+    let work = |_: usize, case: &&Case| (!stop.load(Ordering::Relaxed)).then(|| case.judged());
+    let done = |number: usize, result: &Result<Option<Result<Judged, Error>>, Error>| {
+        let (passed, reason) = match result {
+            Ok(None) => return,
+            Ok(Some(Ok(judged))) => (judged.row.passed(), judged.reason.clone()),
+            Ok(Some(Err(error))) | Err(error) => (false, error.to_string()),
+        };
+        let case = cases[number].name.to_owned();
+        if !passed {
+            stop.store(options.until_failed, Ordering::Relaxed);
+            failed.push(case.clone());
+        }
+        // A table that cannot be written has no verdict, which its reader sees.
+        let _ = writer.serialize(Verdict { case, passed, reason }).and_then(|()| Ok(writer.flush()?));
+    };
+    pool::each(common.jobs(), &cases, work, done);
+    if failed.is_empty() { Ok(()) } else { Err(Failure::CheckFailed(format!("failed: {}", failed.join(", ")))) }
 }
 
-/// CPU times of the cases: of the run that is in a folder, where that has them.
-fn cpu_times(folder: &Path) -> HashMap<String, f64> {
-    let last = fs::read_to_string(folder.join("cases.csv")).unwrap_or_default();
-    let rows = |text: String| csv::Reader::from_reader(text.as_bytes()).deserialize().flatten().collect::<Vec<Cpu>>();
-    let all = rows(CPU.to_owned()).into_iter().chain(rows(last));
-    all.map(|Cpu { case, cpu_s }| (case, cpu_s)).collect()
-}
-
-/// Runs every case, several at a time, the longest first. An error in one case stops no other.
+/// Runs every case, several at a time: the quick ones first, which see most, then the longest. An error in one case stops no other.
 fn each<T: Send>(
     cases: &[&Case],
     common: &Common,
-    before: &Path,
     work: impl Fn(&Case, &dyn Fn(&str)) -> Result<T, Error> + Sync,
 ) -> Result<Ran<T>, Failure> {
-    let known = cpu_times(before);
-    let cost = |case: &Case| known.get(case.name).copied().unwrap_or(USUAL);
-    let mut longest: Vec<(usize, &Case)> = cases.iter().copied().enumerate().collect();
-    longest.sort_by(|a, b| cost(b.1).total_cmp(&cost(a.1)));
+    let mut ordered: Vec<(usize, &Case)> = cases.iter().copied().enumerate().collect();
+    let place = |case: &Case| if case.is_quick() { case.cost() } else { 1e9 - case.cost() };
+    ordered.sort_by(|a, b| place(a.1).total_cmp(&place(b.1)));
     let progress = Progress::new("check", common.silent());
-    progress.expect(longest.iter().map(|(_, case)| cost(case)).sum());
+    progress.expect(ordered.iter().map(|(_, case)| case.cost()).sum());
     let print = |line: &str| progress.print(|| common.say(line));
-    let done = |number: usize, _: &Result<_, Error>| progress.add(cost(longest[number].1));
-    let results = pool::each(common.jobs(), &longest, |_, (_, case)| work(case, &print), done);
+    let done = |number: usize, _: &Result<_, Error>| progress.add(ordered[number].1.cost());
+    let results = pool::each(common.jobs(), &ordered, |_, (_, case)| work(case, &print), done);
     progress.finish();
-    let mut results: Vec<_> = longest.iter().zip(results).collect();
+    let mut results: Vec<_> = ordered.iter().zip(results).collect();
     results.sort_by_key(|((number, _), _)| *number);
     let mut ran = Ran { rows: Vec::new(), failed: Vec::new(), holds: Vec::new() };
     for ((_, case), result) in results {

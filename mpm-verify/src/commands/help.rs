@@ -7,7 +7,7 @@ use super::terminal::say;
 use crate::Cli;
 
 /// Commands with examples, each with what it does.
-const EXAMPLES: [(&str, &[(&str, &str)]); 17] = [
+const EXAMPLES: [(&str, &[(&str, &str)]); 18] = [
     (
         "levee",
         &[
@@ -35,6 +35,7 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 17] = [
         "check",
         &[
             ("mpm-verify check terzaghi mandel", "two test cases; without a name all of them"),
+            ("mpm-verify check --quick", "what takes no more than a second a case"),
             ("mpm-verify check --scene dam --rows 10,20,40", "a scene against its exact solution"),
         ],
     ),
@@ -93,7 +94,11 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 17] = [
     ),
     (
         "mutants",
-        &[("mpm-verify mutants --list", "names of the faults"), ("mpm-verify mutants", "plant and find all of them")],
+        &[
+            ("mpm-verify mutants --list", "names of the faults"),
+            ("mpm-verify mutants", "plant and find all of them"),
+            ("mpm-verify mutants --share 1/10 --seed 7", "a random tenth of them"),
+        ],
     ),
     (
         "metamorphic",

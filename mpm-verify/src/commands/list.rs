@@ -3,8 +3,9 @@
 use clap::{Args, ValueEnum};
 use mpm_core::scene::capabilities::{FEATURES, RULES, conflict};
 use mpm_core::scene::{INTEGRATORS, SHAPES};
-use mpm_verify::cases::suite;
+use mpm_verify::cases::{Case, suite};
 use mpm_verify::levee::variants::VARIANTS;
+use mpm_verify::mutants::detected::{Detected, alone};
 use mpm_verify::mutants::patches;
 use mpm_verify::protocol::case::titles;
 use mpm_verify::scenes::{BUILT_IN, GALLERY};
@@ -47,12 +48,14 @@ fn names() -> Vec<Names> {
     let first = |text: &str| text.lines().next().unwrap_or("").trim_start_matches(['#', ' ']).to_owned();
     let mutants = suite().iter().filter_map(|case| Some((case.name, case.mutant?.to_owned())));
     let words = |words: &[&str]| words.join(", ");
+    let detected = Detected::built_in();
+    let case = |case: &'static Case| {
+        let only = alone(&detected, case.name);
+        let only = if only.is_empty() { String::new() } else { format!("; alone detects {}", only.join(", ")) };
+        (case.name, format!("{} ({:.2} s{only})", case.about, case.cost()))
+    };
     vec![
-        (
-            Kind::Cases,
-            "test cases: mpm-verify check CASE",
-            suite().iter().map(|case| (case.name, case.about.to_owned())).collect(),
-        ),
+        (Kind::Cases, "test cases: mpm-verify check CASE", suite().iter().map(case).collect()),
         (
             Kind::Mutants,
             "mutants, the same checks with a fault that they must catch: mpm-verify check --mutants CASE",

@@ -3,10 +3,14 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use mpm_core::random::Random;
 use mpm_verify::mutants::copy::plant;
+use mpm_verify::mutants::detected::{Detected, FILE};
 use mpm_verify::mutants::hunt::{Row, Spoilt, build};
 use mpm_verify::mutants::patches::{Mutant, mutants};
+use mpm_verify::study::Share;
 
+use super::study::share;
 use super::terminal::say;
 use super::{Failure, chosen, make_folder, write_csv};
 use crate::Common;
@@ -20,6 +24,15 @@ pub struct Options {
     /// Only list the faults
     #[arg(long)]
     list: bool,
+    /// Plant every N-th of them in a random order, from the I-th on
+    #[arg(long, value_name = "I/N", value_parser = share)]
+    share: Option<Share>,
+    /// Seed of the random order
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "share")]
+    seed: u64,
+    /// Run every check on each fault, in place of the first that detects it: hours
+    #[arg(long)]
+    all: bool,
     /// Root of the source [default: .]
     #[arg(long, value_name = "DIR", default_value = ".", hide = true)]
     source: PathBuf,
@@ -32,7 +45,14 @@ pub struct Options {
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let all = mutants().map_err(Failure::bad_input)?;
     let numbered: Vec<(u32, &Mutant)> = (1..).zip(&all).collect();
-    let chosen = chosen(("the name of a fault", "faults"), &options.mutants, &numbered, |(_, mutant)| mutant.name)?;
+    let mut chosen = chosen(("the name of a fault", "faults"), &options.mutants, &numbered, |(_, mutant)| mutant.name)?;
+    if let Some(share) = options.share {
+        let mut random = Random(options.seed);
+        chosen.sort_by_cached_key(|_| random.bits());
+        let mut number = 0..;
+        chosen.retain(|_| number.next().is_some_and(|number| share.has(number)));
+    }
+    let chosen: Vec<(u32, &Mutant)> = chosen.into_iter().copied().collect();
     if options.list {
         chosen.iter().for_each(|(_, mutant)| say(&format!("{:<26} {}", mutant.name, mutant.what)));
         return Ok(());
@@ -47,14 +67,15 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         let written = plant(&options.source, &scratch, &all).map_err(Failure::bad_input)?;
         common.say(&format!("{} faults in a copy ({written} files changed); building it ...", all.len()));
         let program = build(&scratch).map_err(Failure::run_failed)?;
-        let spoilt =
-            Spoilt::new(program, scratch, common.jobs(), &|text| common.say(text)).map_err(Failure::run_failed)?;
-        let mut rows: Vec<Row> = Vec::new();
-        for (number, mutant) in &chosen {
-            let row = spoilt.find(*number, mutant).map_err(Failure::run_failed)?;
+        let mut known = Detected::read(&options.source).map_err(Failure::bad_input)?;
+        let told = |row: &Row| {
             let verdict = if row.caught { "caught by" } else { "not caught" };
-            common.say(&format!("{:<26} {verdict} {}", row.mutant, row.by));
-            rows.push(row);
+            common.say(&format!("{:<26} {verdict} {} ({:.0} s)", row.mutant, row.by, row.wall_s));
+        };
+        let spoilt = Spoilt::new(program, scratch, options.all);
+        let rows = spoilt.find(&chosen, common.jobs(), &mut known, &told).map_err(Failure::run_failed)?;
+        if Detected::write(&known, &options.source).map_err(Failure::run_failed)? {
+            common.say(&format!("written: {}", options.source.join(FILE).display()));
         }
         write_csv(&folder.stage().join("mutants.csv"), &rows)?;
         Ok(rows)

@@ -8,6 +8,7 @@ use std::time::Instant;
 
 use clap::Args;
 use cpu_time::ProcessTime;
+use mpm_verify::cases::suite;
 use mpm_verify::error::Error;
 use mpm_verify::experiment::accepted::{self, Accepted, Renewed};
 use mpm_verify::experiment::number::{Label, Number, Tolerance};
@@ -145,7 +146,7 @@ impl Findings<'_> {
     fn suite(&mut self) -> Result<String, Failure> {
         let common = Common { quiet: true, ..self.common.clone() };
         let folder = self.folder.join("suite");
-        let ran = check::judged(&[], &common, (&folder, &folder))?;
+        let ran = check::judged(&suite().iter().collect::<Vec<_>>(), &common, &folder)?;
         self.fell.extend(ran.failed.iter().map(|message| format!("suite: {message}")));
         let fallen: Vec<String> =
             ran.rows.iter().filter(|s| !s.passed()).map(|s| format!("suite: {}: {}", s.case, s.reason)).collect();

@@ -161,7 +161,7 @@ fn step(text: &str) -> Result<StepChoice, Error> {
     }
 }
 
-fn share(text: &str) -> Result<Share, Error> {
+pub fn share(text: &str) -> Result<Share, Error> {
     let numbers = text.split_once('/').and_then(|(which, of)| Some((which.parse().ok()?, of.parse().ok()?)));
     match numbers {
         Some((which, of)) if (1..=of).contains(&which) && of <= 1_000_000 => Ok(Share::Part { which, of }),

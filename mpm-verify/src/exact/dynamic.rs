@@ -52,6 +52,16 @@ impl DynamicColumn {
     /// The column of a scene; `None` if it is dry, neither loaded nor heavy, in layers or not drained at the top alone, or if weight
     /// and a load that grows come together.
     pub fn new(scene: &Fields) -> Option<Self> {
+        Self::of(scene, true)
+    }
+
+    /// The same column without inertia of soil and water: a mode holds `k U + P/Q` when the load comes, and decays at the rate
+    /// `(k_h/gamma_w) k^2/(1/M + 1/Q)`.
+    pub fn without_inertia(scene: &Fields) -> Option<Self> {
+        Self::of(scene, false)
+    }
+
+    fn of(scene: &Fields, moves: bool) -> Option<Self> {
         let (water, gravity) = (scene.water?, scene.gravity.unwrap_or(0.0));
         let load =
             scene.surcharge.unwrap_or(Surcharge { pressure: 0.0, on: LoadOn::Surface, ramp_time: 0.0, strip: None });
@@ -90,6 +100,12 @@ impl DynamicColumn {
                     shape * k * undrained + heavy * excess,
                     0.0,
                 ];
+                if !moves {
+                    let storage = 1.0 / m + 1.0 / q;
+                    let pressure = (k * first[0] + first[2] / q) / storage;
+                    let part = [-water.mobility() * k * k / storage, pressure / (m * k), pressure];
+                    return Mode { wave: k, sign, parts: vec![part.map(Complex::from)] };
+                }
                 let pushed = [-m * k * k, 0.0, k, 0.0];
                 if scene.relative_acceleration {
                     // rho U'' + rho_w W' = pushed, rho_w U'' + (rho_w/n) W' = drawn.
@@ -240,7 +256,7 @@ mod tests {
                 let integrator = if name == "full" { Integrator::Implicit } else { Integrator::Explicit };
                 let exact =
                     DynamicColumn::new(&scene_of(grain, inertia, 5e-4, integrator)).expect("a wet, loaded column");
-                for [t, u, p] in table.rows(["t_s", "top_u_over_qH_M", "base_p_Pa"]) {
+                for [t, u, p] in table.rows(["t_s", "top_u_over_qH_M", "base_p_Pa"]).into_iter().step_by(3) {
                     let s = exact.settlement(t) * exact.modulus / exact.load;
                     assert!((s - u).abs() < 2e-9, "{name} {density} t = {t}: {s} {u}");
                     let near = if name == "full" { 0.5 } else { 1e-3 };
@@ -303,10 +319,13 @@ mod tests {
             })
             .expect("a sound scene");
         let (dynamic, quasi) = (DynamicColumn::new(&light).expect("wet"), Terzaghi::compressible(&light).expect("wet"));
+        let still = DynamicColumn::without_inertia(&light).expect("wet");
         for tv in [0.05, 0.1, 1.0] {
             let t = tv * light.time_per_factor().expect("wet");
-            let difference = dynamic.settlement(t) / quasi.settlement(t) - 1.0;
-            assert!(difference.abs() < 3e-6, "{tv}: {difference}");
+            let [with, without] = [&dynamic, &still].map(|column| column.settlement(t) / quasi.settlement(t) - 1.0);
+            assert!(with.abs() < 3e-6 && without.abs() < 1e-8, "{tv}: {with} {without}");
+            let apart = still.base_pressure(t) / quasi.pressure(0.0, t) - 1.0;
+            assert!(apart.abs() < 1e-8, "{tv}: {apart}");
         }
     }
 }

@@ -4,8 +4,8 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::SWITCH;
 use super::patches::Mutant;
+use super::{SWITCH, detected};
 use crate::error::Error;
 
 /// What the workspace is made of.
@@ -27,7 +27,7 @@ pub fn is(number: u32) -> bool {
 ";
 
 /// Copies the workspace in `source` to `to` and plants the faults. Files that are the same already keep their times, so that
-/// they are not built again. Returns how many files were written.
+/// they are not built again, and what faults were detected by before stays out of it. Returns how many files were written.
 ///
 /// # Errors
 /// A file that cannot be read or written; a fault that does not fit its file.
@@ -40,6 +40,9 @@ pub fn plant(source: &Path, to: &Path, mutants: &[Mutant]) -> Result<usize, Erro
     for file in &files {
         let own: Vec<(u32, &Mutant)> =
             (1..).zip(mutants).filter(|(_, mutant)| Path::new(&mutant.file) == file.as_path()).collect();
+        if file == Path::new(detected::FILE) && to.join(file).is_file() {
+            continue;
+        }
         let path = source.join(file);
         let mut bytes = fs::read(&path).map_err(Error::at(&path))?;
         if !own.is_empty() {

@@ -1,8 +1,8 @@
-//! Which check finds which fault: the suite, quick cases first, and the counts of work.
+//! Which check detects which fault: the cases that detected it before, then the suite with the quick cases first, and the counts of
+//! work.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
@@ -10,41 +10,58 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::SWITCH;
+use super::detected::Detected;
 use super::patches::Mutant;
-use crate::cases::suite;
+use crate::cases::{Case, suite};
 use crate::error::Error;
-use crate::experiment::CaseRow;
+use crate::experiment::pool;
 use crate::nightly::report::Night;
 
-/// Cases that take longer than this come second, s.
-const QUICK: f64 = 2.0;
-/// A run that takes so many times as long as the sound one, and this long at least, will not end.
-const PATIENCE: (u32, Duration) = (5, Duration::from_secs(60));
+/// A run of checks is stopped after this and so many times their CPU time.
+const PATIENCE: (Duration, f64) = (Duration::from_secs(60), 4.0);
+/// CPU time of the counts of work, s.
+const COUNTING: f64 = 20.0;
+/// First letters of the names of all counts of work.
+const WORK: &str = "work";
 /// Checks that a row names before it only counts.
 const NAMED: usize = 4;
 
 /// A row of `mutants.csv`.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
     /// Name of the fault.
     pub mutant: String,
-    /// Whether a check found it.
+    /// Whether a check detected it.
     pub caught: bool,
     /// Which.
     pub by: String,
     /// What is wrong, in words.
     pub what: String,
+    /// Time until then, s.
+    pub wall_s: f64,
 }
 
-/// The program with the faults in it, and what it says without one.
+/// A line of the table that `check --verdicts` writes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Verdict {
+    /// Name of the case.
+    pub case: String,
+    /// Whether it passed, or its order is not established.
+    pub passed: bool,
+    /// Why, with numbers.
+    pub reason: String,
+}
+
+/// A check that detected a fault: its name, and what it did if it did not fail.
+type Found = (String, &'static str);
+
+/// The program with the faults in it.
 #[derive(Debug)]
 pub struct Spoilt {
     program: PathBuf,
     folder: PathBuf,
-    jobs: usize,
-    quick: Vec<String>,
-    slow: Vec<String>,
-    patience: [Duration; 3],
+    /// Whether every check is asked, in place of the first that detects the fault.
+    all: bool,
 }
 
 /// Builds the copy.
@@ -68,139 +85,167 @@ pub fn build(copy: &Path) -> Result<PathBuf, Error> {
     Ok(target.join("mutants").join(format!("mpm-verify{}", std::env::consts::EXE_SUFFIX)))
 }
 
-/// How a run of the program ended.
-enum Ended {
-    With(ExitStatus, String),
-    Never,
-}
-
 impl Spoilt {
-    /// Runs every check without a fault: all must hold, or what they find is worth nothing.
+    /// The built program, which writes into a folder.
+    pub fn new(program: PathBuf, folder: PathBuf, all: bool) -> Self {
+        Self { program, folder, all }
+    }
+
+    /// Looks for faults, `jobs` at a time. `tell` gets each row as it comes. Checks that detected something must pass in
+    /// the unmutated program: those that are `known` are run in it first, the others in the end. What they detect is noted in `known`.
     ///
     /// # Errors
-    /// Checks that do not hold.
-    pub fn new(program: PathBuf, folder: PathBuf, jobs: usize, tell: &dyn Fn(&str)) -> Result<Self, Error> {
-        let all: Vec<String> = suite().iter().map(|case| case.name.to_owned()).collect();
-        let hour = Duration::from_secs(3600);
-        let mut spoilt = Self { program, folder, jobs, quick: all, slow: Vec::new(), patience: [hour; 3] };
-        let (steps, found) = spoilt.judged(0, &spoilt.quick, hour)?;
-        if !found.is_empty() {
-            return Err(Error::Found(found.join(", ")).of("without a fault"));
-        }
-        let (quick, slow): (Vec<&CaseRow>, Vec<&CaseRow>) = steps.iter().partition(|step| step.cpu_s <= QUICK);
-        let names = |steps: &[&CaseRow]| steps.iter().map(|step| step.case.clone()).collect::<Vec<_>>();
-        let time = |steps: &[&CaseRow]| Duration::from_secs_f64(steps.iter().map(|step| step.cpu_s).sum());
-        let patient = |time: Duration| (time * PATIENCE.0).max(PATIENCE.1);
-        tell(&format!("{} quick cases and {} others hold without a fault", quick.len(), slow.len()));
-        (spoilt.quick, spoilt.slow) = (names(&quick), names(&slow));
-        let clock = Instant::now();
-        let moved = spoilt.count(0, hour)?;
-        if !moved.is_empty() {
-            return Err(Error::Found(moved.join(", ")).of("without a fault"));
-        }
-        spoilt.patience = [patient(time(&quick)), patient(time(&slow)), patient(clock.elapsed())];
-        Ok(spoilt)
-    }
-
-    /// Comparison for a fault by its number.
-    ///
-    /// # Errors
-    /// The program could not be run.
-    pub fn find(&self, number: u32, mutant: &Mutant) -> Result<Row, Error> {
-        let mut found = self.judged(number, &self.quick, self.patience[0])?.1;
-        found.extend(self.count(number, self.patience[2])?);
-        if found.is_empty() {
-            found = self.judged(number, &self.slow, self.patience[1])?.1;
-        }
-        let more = found.len().saturating_sub(NAMED);
-        let mut by = found.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", ");
-        if more > 0 {
-            by += &format!(" and {more} more");
-        }
-        Ok(Row { mutant: mutant.name.to_owned(), caught: !found.is_empty(), by, what: mutant.what.clone() })
-    }
-
-    /// Runs cases with a fault. Returns those that were finished, and the names of those that did not hold.
-    fn judged(&self, number: u32, cases: &[String], patience: Duration) -> Result<(Vec<CaseRow>, Vec<String>), Error> {
-        let out = self.folder.join(format!("suite-{number}"));
-        let mut arguments = vec!["check".to_owned()];
-        arguments.extend(cases.iter().cloned());
-        let Ended::With(status, said) = self.run(number, &arguments, &out, patience)? else {
-            return Ok((Vec::new(), vec!["a check that does not end".to_owned()]));
+    /// The program could not be run; checks that fail in the unmutated program.
+    pub fn find(
+        &self,
+        mutants: &[(u32, &Mutant)],
+        jobs: usize,
+        known: &mut Vec<Detected>,
+        tell: &(dyn Fn(&Row) + Sync),
+    ) -> Result<Vec<Row>, Error> {
+        let before = |mutant: &Mutant| known.iter().find(|row| row.fault == mutant.name).map_or(&[][..], |row| &row.by);
+        let first: BTreeSet<String> =
+            mutants.iter().filter_map(|(_, mutant)| before(mutant).first().cloned()).collect();
+        self.require_sound(&first, jobs)?;
+        let work = |_: usize, (number, mutant): &(u32, &Mutant)| {
+            let clock = Instant::now();
+            let found = self.found(*number, before(mutant))?;
+            let row = row(mutant, &found, clock.elapsed().as_secs_f64());
+            tell(&row);
+            Ok::<_, Error>((row, found))
         };
-        let path = out.join("cases.csv");
-        let steps: Vec<CaseRow> = match csv::Reader::from_path(&path) {
-            Ok(mut reader) => reader.deserialize().filter_map(Result::ok).collect(),
-            Err(_) => return Ok((Vec::new(), vec![format!("a check that ends with {status}")])),
-        };
-        let _ = fs::remove_dir_all(&out);
-        let mut found: Vec<String> = steps.iter().filter(|s| !s.passed()).map(|s| s.case.clone()).collect();
-        let stopped = cases.iter().filter(|case| steps.iter().all(|step| step.case != **case));
-        found.extend(stopped.map(|case| format!("{case} (stopped)")));
-        if found.is_empty() && !status.success() {
-            found.push(format!("check: {}", said.lines().last().unwrap_or("no word")));
+        let all = pool::each(jobs, mutants, work, |_, _| ());
+        let all: Vec<(Row, Vec<Found>)> = all.into_iter().map(Result::flatten).collect::<Result<_, _>>()?;
+        let named: BTreeSet<String> = all.iter().flat_map(|(_, found)| found).map(|(name, _)| name.clone()).collect();
+        self.require_sound(&named.difference(&first).cloned().collect(), jobs)?;
+        for (row, found) in &all {
+            Detected::note(known, &row.mutant, self.all, found.iter().map(|(name, _)| name.clone()).collect());
         }
-        Ok((steps, found))
+        Ok(all.into_iter().map(|(row, _)| row).collect())
     }
 
-    /// Counts work with a fault. Returns the gates whose counts moved.
-    fn count(&self, number: u32, patience: Duration) -> Result<Vec<String>, Error> {
+    /// The checks that detect a fault: the first one, or all.
+    fn found(&self, number: u32, before: &[String]) -> Result<Vec<Found>, Error> {
+        let known = |case: &&Case| before.iter().any(|name| name == case.name);
+        let mut cases: Vec<&Case> = suite().iter().collect();
+        cases.sort_by(|a, b| {
+            (!known(a), a.cost()).partial_cmp(&(!known(b), b.cost())).unwrap_or(std::cmp::Ordering::Equal)
+        });
+        let quick = cases.iter().filter(|case| known(case) || case.is_quick()).count();
+        // Where only counts have moved before, they come first.
+        let counts_first = before.first().is_some_and(|name| name.starts_with(WORK));
+        let (first, last) = if counts_first { cases.split_at(0) } else { cases.split_at(quick) };
+        let mut found = self.cases(number, first)?;
+        if self.all || found.is_empty() {
+            found.extend(self.counts(number)?);
+        }
+        if self.all || found.is_empty() {
+            found.extend(self.cases(number, last)?);
+        }
+        Ok(found)
+    }
+
+    /// Checks that fail in the unmutated program are an error.
+    fn require_sound(&self, checks: &BTreeSet<String>, jobs: usize) -> Result<(), Error> {
+        let cases: Vec<&Case> = suite().iter().filter(|case| checks.contains(case.name)).collect();
+        let all = Self { program: self.program.clone(), folder: self.folder.clone(), all: true };
+        let one = |_: usize, case: &&Case| all.cases(0, &[case]);
+        let failed = pool::each(jobs, &cases, one, |_, _| ()).into_iter().map(Result::flatten);
+        let mut failed = failed.collect::<Result<Vec<_>, _>>()?.concat();
+        if checks.iter().any(|name| name.starts_with(WORK)) {
+            failed.extend(self.counts(0)?);
+        }
+        if failed.is_empty() {
+            return Ok(());
+        }
+        let names: Vec<String> = failed.into_iter().map(|(name, how)| name + how).collect();
+        Err(Error::Found(format!("the unmutated program fails {}", names.join(", "))))
+    }
+
+    /// Runs cases in their order, one at a time. Returns those that failed.
+    fn cases(&self, number: u32, cases: &[&Case]) -> Result<Vec<Found>, Error> {
+        let mut found = Vec::new();
+        let mut rest = cases;
+        // A run that stops the program or does not end is that of the first case without a verdict; the cases behind it are run anew.
+        while !rest.is_empty() && (self.all || found.is_empty()) {
+            let table = self.folder.join(format!("verdicts-{number}-{}.csv", rest[0].name));
+            let mut arguments = vec!["check".to_owned(), "--verdicts".to_owned(), table.display().to_string()];
+            arguments.extend((!self.all).then(|| "--until-failed".to_owned()));
+            arguments.extend(rest.iter().map(|case| case.name.to_owned()));
+            let cost: f64 = rest.iter().map(|case| case.cost()).sum();
+            let ended = self.run(number, &arguments, cost)?;
+            let verdicts: Vec<Verdict> = csv::Reader::from_path(&table)
+                .map(|mut rows| rows.deserialize().flatten().collect())
+                .unwrap_or_default();
+            let _ = fs::remove_file(&table);
+            found.extend(verdicts.iter().filter(|row| !row.passed).map(|row| (row.case.clone(), "")));
+            if ended.is_some_and(|status| status.code().is_some_and(|code| code < 2)) {
+                break;
+            }
+            rest = &rest[verdicts.len().min(rest.len())..];
+            if let Some((stopped, behind)) = rest.split_first() {
+                found.push((stopped.name.to_owned(), if ended.is_none() { " (timeout)" } else { " (stopped)" }));
+                rest = behind;
+            }
+        }
+        Ok(found)
+    }
+
+    /// Counts work. Returns the gates whose counts moved.
+    fn counts(&self, number: u32) -> Result<Vec<Found>, Error> {
         let out = self.folder.join(format!("work-{number}"));
-        let arguments = ["nightly", "--only", "work", "--no-instructions"].map(str::to_owned);
-        let Ended::With(status, _) = self.run(number, &arguments, &out, patience)? else {
-            return Ok(vec!["work that does not end".to_owned()]);
-        };
+        let _ = fs::remove_dir_all(&out);
+        let mut arguments = ["nightly", "--only", WORK, "--no-instructions", "--out"].map(str::to_owned).to_vec();
+        arguments.push(out.display().to_string());
+        let ended = self.run(number, &arguments, COUNTING)?;
         let night = fs::read_dir(&out).into_iter().flatten().flatten().find_map(|entry| {
             let text = fs::read(entry.path().join("summary.json")).ok()?;
             serde_json::from_slice::<Night>(&text).ok()
         });
         let _ = fs::remove_dir_all(&out);
-        let Some(night) = night else { return Ok(vec![format!("work that ends with {status}")]) };
-        let mut by_case: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
-        for moved in &night.moved {
-            by_case.entry(&moved.case).or_default().push(&moved.quantity);
+        let Some(night) = night else {
+            return Ok(vec![(WORK.to_owned(), if ended.is_none() { " (timeout)" } else { " (stopped)" })]);
+        };
+        let mut moved: BTreeMap<String, &str> = night.moved.into_iter().map(|moved| (moved.case, "")).collect();
+        if !night.fell.is_empty() {
+            moved.insert(WORK.to_owned(), "");
         }
-        let mut found: Vec<String> = by_case.iter().map(|(case, q)| format!("{case} ({})", q.join(" "))).collect();
-        found.extend(night.fell.clone());
-        Ok(found)
+        Ok(moved.into_iter().collect())
     }
 
-    fn run(&self, number: u32, arguments: &[String], out: &Path, patience: Duration) -> Result<Ended, Error> {
-        let _ = fs::remove_dir_all(out);
+    /// Runs the program with a fault. Returns how it ended; nothing if it had to be stopped.
+    fn run(&self, number: u32, arguments: &[String], cost: f64) -> Result<Option<ExitStatus>, Error> {
         let failed = Error::at::<std::io::Error>(&self.program);
-        let mut errors = tempfile()?;
         let mut child = Command::new(&self.program)
             .args(arguments)
-            .args(["--quiet", "--jobs", &self.jobs.to_string(), "--out"])
-            .arg(out)
+            .args(["--quiet", "--jobs", "1"])
             .env(SWITCH, number.to_string())
             // The accepted numbers are those that the copy was built with.
             .current_dir(&self.folder)
             .stdout(Stdio::null())
-            .stderr(errors.try_clone().map_err(&failed)?)
+            .stderr(Stdio::null())
             .spawn()
             .map_err(&failed)?;
-        let start = Instant::now();
+        let (start, patience) = (Instant::now(), PATIENCE.0 + Duration::from_secs_f64(PATIENCE.1 * cost));
         loop {
             if let Some(status) = child.try_wait().map_err(&failed)? {
-                let mut said = String::new();
-                errors.rewind().and_then(|()| errors.read_to_string(&mut said)).map_err(&failed)?;
-                return Ok(Ended::With(status, said));
+                return Ok(Some(status));
             }
             if start.elapsed() > patience {
                 child.kill().map_err(&failed)?;
                 child.wait().map_err(&failed)?;
-                let _ = fs::remove_dir_all(out);
-                return Ok(Ended::Never);
+                return Ok(None);
             }
             std::thread::sleep(Duration::from_millis(20));
         }
     }
 }
 
-/// A file without a name, for what a program says.
-fn tempfile() -> Result<fs::File, Error> {
-    let path = std::env::temp_dir().join(format!("mpm-verify-{}-said", std::process::id()));
-    let file = fs::OpenOptions::new().create(true).truncate(true).read(true).write(true).open(&path);
-    file.map_err(Error::at(path))
+/// What is reported of a fault.
+fn row(mutant: &Mutant, found: &[Found], wall_s: f64) -> Row {
+    let mut by = found.iter().take(NAMED).map(|(name, how)| format!("{name}{how}")).collect::<Vec<_>>().join(", ");
+    if found.len() > NAMED {
+        by += &format!(" and {} more", found.len() - NAMED);
+    }
+    Row { mutant: mutant.name.to_owned(), caught: !found.is_empty(), by, what: mutant.what.clone(), wall_s }
 }

@@ -44,7 +44,8 @@ pub enum Share {
 }
 
 impl Share {
-    fn has(self, number: usize) -> bool {
+    /// Whether it has the task of a number, from 0.
+    pub fn has(self, number: usize) -> bool {
         match self {
             Self::All => true,
             Self::Stored => false,

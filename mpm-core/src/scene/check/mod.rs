@@ -38,7 +38,7 @@ const LONGEST_NAME: usize = 64;
 /// Longest part of what was found that a message repeats, characters.
 const LONGEST_FOUND: usize = 200;
 /// Memory that one soil point and one cell take at most, bytes: rounded up from what
-/// `tests/allocation.rs` measures for both together.
+/// `tests/all/allocation.rs` measures for both together.
 const BYTES_PER_SOIL_POINT: f64 = 160.0;
 const BYTES_PER_CELL: f64 = 200.0;
 /// The same for quasi-static scenes, which keep stencils at their points, and a matrix with its factors: 36 kB per cell

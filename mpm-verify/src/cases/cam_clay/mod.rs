@@ -25,21 +25,3 @@ const FLATTER: &str = "M one percent too small";
 fn own(soil: CamClay) -> CamClay {
     soil
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const CASES: [crate::cases::Program; 3] = [DRAINED, UNDRAINED, OEDOMETER];
-
-    #[test]
-    fn every_case_holds_and_every_mutant_falls_short() {
-        for case in CASES {
-            let step = case.judged().expect(case.name).row;
-            println!("{}: {:.1e}, order {:?}", step.case, step.error, step.order);
-            assert!(step.passed(), "{step:?}");
-            let judged = case.mutant_judged().expect("a mutant").expect(case.name);
-            assert_eq!(judged.row.verdict, "failed", "{}: {}", case.name, judged.reason);
-        }
-    }
-}

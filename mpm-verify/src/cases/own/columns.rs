@@ -24,7 +24,7 @@ pub struct Consolidation {
     /// Without inertia.
     column: Column,
     /// The linear column with inertia and without: what inertia adds.
-    inertia: Option<(DynamicColumn, Column)>,
+    inertia: Option<(DynamicColumn, DynamicColumn)>,
     /// Speed of the undrained wave, m/s; zero without inertia.
     speed: f64,
     /// An implicit pressure damps the waves of sudden drainage: settlements with and without them are both right.
@@ -56,8 +56,8 @@ impl Consolidation {
         let moves = scene.integrator != Integrator::QuasiStatic;
         let linear = Fields { strain: StrainChoice::Small, ..Fields::clone(scene) };
         let inertia = match moves {
-            true => DynamicColumn::new(&linear).zip(Column::of(&linear)).filter(|_| scene.is_elastic()),
-            false => None,
+            true if scene.is_elastic() => DynamicColumn::new(&linear).zip(DynamicColumn::without_inertia(&linear)),
+            _ => None,
         };
         let (stiffness, density) = (scene.oedometer_modulus() + scene.pore_stiffness(), scene.mixture_density());
         let from = if moves && inertia.is_none() { from(scene)? } else { 0.0 };
@@ -187,7 +187,7 @@ fn from(scene: &Scene) -> Result<f64, Error> {
 }
 
 /// In words: the solution, and what is in it and what is not.
-fn facts(scene: &Scene, column: &Column, inertia: Option<&(DynamicColumn, Column)>, from: f64) -> Facts {
+fn facts(scene: &Scene, column: &Column, inertia: Option<&(DynamicColumn, DynamicColumn)>, from: f64) -> Facts {
     let large = scene.strain == StrainChoice::Large;
     let load = scene.surcharge.map_or(0.0, |s| s.pressure);
     let ramp = scene.surcharge.map_or(0.0, |s| s.ramp_time);

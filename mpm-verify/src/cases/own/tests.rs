@@ -13,7 +13,6 @@ fn built_in(name: &str) -> Scene {
 fn every_exact_solution_of_the_suite_is_found() {
     for (name, words) in [
         ("terzaghi", "finite strain"),
-        ("terzaghi-semi-implicit", "finite strain"),
         ("terzaghi-quasi-static", "Terzaghi's series with compressible water, drained at the top"),
         ("terzaghi-double", "both ends drained"),
         ("terzaghi-ramp", "finite strain"),
@@ -33,7 +32,9 @@ fn every_exact_solution_of_the_suite_is_found() {
         ("block-stops", "rigid block"),
         ("slope-seepage", "infinite slope"),
     ] {
-        let own = OwnScene::new(&built_in(name), &[]);
+        // Which solution applies is no matter of how long it is followed.
+        let scene = built_in(name).edited(|scene| scene.observe_times.truncate(2)).expect("a sound scene");
+        let own = OwnScene::new(&scene, &[]);
         let about = own.as_ref().map(OwnScene::about).unwrap_or_else(ToString::to_string);
         assert!(own.is_ok() && about.contains(words), "{name}: {about}");
         assert!(!own.expect("a solution").beside().is_empty(), "{name}");
