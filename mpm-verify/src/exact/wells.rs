@@ -158,7 +158,7 @@ mod tests {
     #[test]
     fn what_is_stored_is_what_was_taken() {
         let line = Confined::of(&built_in("well-line").expect("a scene")).expect("a well");
-        let cells: i32 = 2000;
+        let cells: i32 = 20_000;
         let h = 2.0 / f64::from(cells);
         let sum: f64 = (0..cells).map(|i| line.pressure([0.5, (f64::from(i) + 0.5) * h], 10.0)).sum();
         assert!((-sum * h * line.storage / (line.rate * 10.0) - 1.0).abs() < 1e-6);
