@@ -301,3 +301,23 @@ fn scripts_read_files_and_run_cases_that_exist() {
         assert!(known.iter().any(|one| one.name == case), ".ci/widths: {case}");
     }
 }
+
+/// The times of the README are those of the last published proof.
+#[test]
+fn times_are_those_that_prove_measured() {
+    let table = format!("{ROOT}/reports/published/prove/prove.csv");
+    let rows = csv::Reader::from_path(&table).unwrap_or_else(|e| panic!("{table}: {e}")).into_deserialize();
+    let rows: Vec<(String, String, f64, bool)> =
+        rows.map(|row| row.unwrap_or_else(|e| panic!("{table}: {e}"))).collect();
+    let readme = text("README.md");
+    let promises = readme.lines().filter_map(|line| line.strip_prefix("| `")?.split_once("` | "));
+    let mut found = 0;
+    for (command, rest) in promises.filter(|(command, _)| command.starts_with("cargo ")) {
+        let run = command.replace("cargo run --release -- ", "mpm-verify ");
+        let row = rows.iter().find(|row| row.1 == run).unwrap_or_else(|| panic!("{table}: no {run}"));
+        let time = mpm_verify::progress::time(row.2);
+        assert!(row.3 && rest.starts_with(&time), "README: {command}: expected {time}, found {rest}");
+        found += 1;
+    }
+    assert!(found >= 3, "{found} times");
+}

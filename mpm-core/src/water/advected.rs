@@ -297,8 +297,9 @@ impl<const D: usize> AdvectedWater<D> {
         /// Roundings of a cell in a booking: of its content and of what is pending, one for each face and some more.
         const EACH: f64 = 16.0;
         let (cells, particles, pending) = (self.stored(), self.layer.stored(), self.layer.pending());
-        let Rounding { pending: most, bookings } = self.layer.rounding();
-        let flowed = cells.abs() + particles + self.water.inflow + self.water.outflow;
+        let Rounding { pending: most, bookings, particle } = self.layer.rounding();
+        // What is less than the round-off of a particle's water is none.
+        let flowed = cells.abs() + particles + self.water.inflow + self.water.outflow + particle;
         // Both sums over the cells round once per cell as well.
         let sums = 2.0 * self.felt.len() as f64;
         let round_off = f64::EPSILON * (EACH * (bookings + 1) as f64 + sums) * flowed;

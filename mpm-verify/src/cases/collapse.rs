@@ -27,10 +27,10 @@ pub const DRY: Program = Program {
 pub const SATURATED: Program = Program {
     name: "collapse-saturated",
     about: "run-out of saturated columns in air of aspect ratio 1 and 2 within the scatter of laws for immersed ones",
-    run: || outcome("collapse-saturated", &[0.125], &[1.0, 2.0], Kind::Immersed, sound),
+    run: || outcome("collapse-saturated", &[0.1], &[1.0, 2.0], Kind::Immersed, sound),
     mutant: Some(Mutant {
         what: "friction of 60 degrees",
-        run: || outcome("collapse-saturated", &[0.125], &[1.0, 2.0], Kind::Immersed, rough),
+        run: || outcome("collapse-saturated", &[0.1], &[1.0, 2.0], Kind::Immersed, rough),
     }),
 };
 
@@ -43,22 +43,28 @@ fn rough(scene: &mut Fields) {
 /// Particles per cell: one per cell would leave holes in what has spread.
 const COUNTS: [usize; 2] = [4, 9];
 
-/// Dry and wet columns have collapsed after this, s: of the work of gravity less than 1e-4 is motion then.
-const COLLAPSED: [f64; 2] = [2.5, 1.6];
+/// Wet columns have collapsed after this, s: of the work of gravity less than 1e-4 is motion then.
+const WET: f64 = 1.6;
 
 /// A column of an aspect ratio on a mesh (m).
 fn column(base: &Scene, aspect: f64, cell: f64) -> Result<Scene, Error> {
-    // Water that goes on to trickle through cells which soil fills by less than `LEAST_FILLING` does work that no ledger knows:
-    // with 9 particles per cell the balance of energy ends the run at 2.0 s.
-    let end = COLLAPSED[usize::from(base.water.is_some())];
-    Ok(base.edited(|scene| {
+    let mut scene = base.edited(|scene| {
         scene.height = aspect * scene.width;
         scene.cell = cell;
         scene.cells = [scene.width, scene.height].map(|length| (length / cell).round() as usize);
         scene.empty_cells_beside = (8.0 / cell).round() as usize;
-        scene.stages.iter_mut().for_each(|stage| stage.until = Until::Time(end));
-        scene.observe_times = vec![end];
-    })?)
+    })?;
+    // Water that goes on to trickle through cells which soil fills by less than `LEAST_FILLING` does work that no ledger knows:
+    // with 9 particles per cell the balance of energy ends the run at 2.0 s.
+    let end = scene.stages.len() - 1;
+    if let (Until::Time(time), true) = (scene.stages[end].until, scene.water.is_some()) {
+        scene = scene.edited(|scene| {
+            scene.stages[end].until = Until::Time(time.min(WET));
+            scene.observe_times.retain(|at| *at < WET);
+            scene.observe_times.push(WET.min(time));
+        })?;
+    }
+    Ok(scene)
 }
 
 /// Distance from the middle of a band, in half widths of it.

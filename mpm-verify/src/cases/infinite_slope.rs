@@ -50,7 +50,7 @@ const WITHOUT_DILATION_SLOPES: [(f64, Seepage); 3] = [
 ];
 
 /// Cells over the depth.
-const ROWS: [usize; 2] = [14, 20];
+const ROWS: [usize; 2] = [10, 20];
 
 /// Where the bracket of a factor of safety is narrow enough, relative.
 const NARROW: f64 = 4e-3;
@@ -288,5 +288,12 @@ mod tests {
         let [usual, soft, large] = found;
         println!("{}: {found:?}, exact {guess}", words(seepage));
         assert!((soft / usual - 1.0).abs() < 0.05 && (large / usual - 1.0).abs() < 2.0 * NARROW, "{found:?}");
+    }
+
+    /// On 14 rows a cut leaves round-off of water in a cell, which has no particle for it: the balance of water has to bear that.
+    #[test]
+    fn water_that_is_less_than_round_off_is_not_missed() {
+        let (depth, seepage) = SLOPES[0];
+        assert!(stands(&slope(&base(), (1, 14), depth, seepage, FRAC_PI_6, 1.0).expect("a scene")).expect("a run"));
     }
 }

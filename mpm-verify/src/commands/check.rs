@@ -56,7 +56,7 @@ pub struct Options {
     /// Folder of the accepted errors [default: reference-data/baselines]
     #[arg(long, value_name = "DIR", conflicts_with = "scene", hide = true)]
     baselines: Option<PathBuf>,
-    /// Write the CPU times of the cases beside the accepted errors; they are the order of later runs
+    /// Write what each case costs, for the order of later runs
     #[arg(long, conflicts_with_all = ["scene", "mutants"], hide = true)]
     record_cost: bool,
     /// Write only the verdicts, each as it is known, to FILE; cases run in the order in which they are named

@@ -150,7 +150,7 @@ fn examples(lines: &[(&str, &str)]) -> String {
 
 /// The hidden options of all commands.
 fn advanced(cli: &Command) -> String {
-    let mut text = "Options that are rarely needed\n".to_owned();
+    let mut blocks = Vec::new();
     for command in cli.get_subcommands() {
         let hidden = command.get_arguments().filter(|option| option.is_hide_set());
         let line = |option: &clap::Arg| {
@@ -161,10 +161,10 @@ fn advanced(cli: &Command) -> String {
         };
         let lines: String = hidden.filter_map(line).collect();
         if !lines.is_empty() {
-            text += &format!("\nmpm-verify {}\n{lines}", command.get_name());
+            blocks.push(format!("mpm-verify {}\n{lines}", command.get_name()));
         }
     }
-    text
+    format!("Options that are rarely needed\n{}", blocks.join("\n"))
 }
 
 #[cfg(test)]

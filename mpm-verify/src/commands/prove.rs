@@ -8,25 +8,29 @@ use std::time::Instant;
 use clap::Args;
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::time;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Failure, write_csv, write_json};
 use crate::Common;
 
-/// One part of the proof: a command of cargo, or one of this program.
+/// One part of the proof.
 struct Part {
     name: &'static str,
-    arguments: &'static [&'static str],
     by: By,
+    arguments: &'static [&'static str],
 }
 
+/// What runs a part.
+#[derive(Clone, Copy, PartialEq)]
 enum By {
     Cargo,
     This,
+    /// Cargo in a new clone of the commit, where nothing is built.
+    Clone,
 }
 
 /// All parts, those that fail soonest first.
-const PARTS: [Part; 7] = [
+const PARTS: [Part; 11] = [
     Part { name: "format", by: By::Cargo, arguments: &["fmt", "--all", "--check"] },
     Part {
         name: "lints",
@@ -38,26 +42,29 @@ const PARTS: [Part; 7] = [
     Part { name: "levee", by: By::This, arguments: &["levee"] },
     Part { name: "tests", by: By::Cargo, arguments: &["test", "--locked", "--workspace"] },
     Part { name: "documentation", by: By::Cargo, arguments: &["doc", "--locked", "--workspace", "--no-deps"] },
+    Part { name: "nightly", by: By::This, arguments: &["nightly"] },
+    Part { name: "mutants", by: By::This, arguments: &["mutants"] },
+    Part { name: "clone-study", by: By::Clone, arguments: &["run", "--release"] },
+    Part { name: "clone-tests", by: By::Clone, arguments: &["test", "--workspace"] },
 ];
-
-/// What the parts leave out, and who runs it.
-const LEFT: [&str; 2] = [
-    "nightly: the whole verification suite, stability, random scenes, counts of work, all accepted numbers",
-    "weekly: planted faults, random inputs, other processors",
-];
+/// How many of them are run where none is named.
+const DAILY: usize = 7;
 
 /// Which parts.
 #[derive(Debug, Clone, Args)]
 pub struct Options {
-    /// Parts to run; all without a name
+    /// Parts to run; without a name all but those of --all
     #[arg(value_name = "PART", value_parser = clap::builder::PossibleValuesParser::new(PARTS.map(|part| part.name)))]
     parts: Vec<String>,
+    /// Also the nightly run, the planted faults, and the study and the tests in a new clone of the commit
+    #[arg(long, conflicts_with = "parts")]
+    all: bool,
 }
 
 /// A row of `prove.csv`.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 struct Row {
-    part: &'static str,
+    part: String,
     command: String,
     wall_s: f64,
     passed: bool,
@@ -70,11 +77,20 @@ impl Part {
         let file = File::create(&log).map_err(Failure::unwritable(&log))?;
         let errors = file.try_clone().map_err(Failure::unwritable(&log))?;
         let mut command = match self.by {
-            By::Cargo => Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into())),
             By::This => Command::new(std::env::current_exe().map_err(Failure::run_failed)?),
+            By::Cargo | By::Clone => Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into())),
         };
-        if let By::This = self.by {
-            command.arg("--quiet").arg("--out").arg(folder.join(self.name));
+        let clone = folder.join(format!("{}-source", self.name));
+        match self.by {
+            By::This => drop(command.arg("--quiet")),
+            By::Clone => {
+                let cloned = Command::new("git").args(["clone", "--quiet", "."]).arg(&clone).status();
+                if !cloned.is_ok_and(|status| status.success()) {
+                    return Err(Failure::run_failed(format!("git clone . {} failed", clone.display())));
+                }
+                command.current_dir(&clone).env_remove("CARGO_TARGET_DIR");
+            }
+            By::Cargo => {}
         }
         let clock = Instant::now();
         let status = command
@@ -85,11 +101,24 @@ impl Part {
             .stderr(errors)
             .status()
             .map_err(Failure::run_failed)?;
-        let program = if let By::Cargo = self.by { "cargo" } else { "mpm-verify" };
-        let command = format!("{program} {}", self.arguments.join(" "));
         let wall_s = (clock.elapsed().as_secs_f64() * 10.0).round() / 10.0;
-        Ok(Row { part: self.name, command, wall_s, passed: status.success() })
+        if self.by == By::Clone {
+            std::fs::remove_dir_all(&clone).map_err(Failure::unwritable(&clone))?;
+        }
+        let program = if self.by == By::This { "mpm-verify" } else { "cargo" };
+        let command = format!("{program} {}", self.arguments.join(" "));
+        Ok(Row { part: self.name.to_owned(), command, wall_s, passed: status.success() })
     }
+}
+
+/// What an earlier proof of the same sources found.
+fn earlier(folder: &Path, sources: &str) -> Vec<Row> {
+    let manifest = std::fs::read_to_string(folder.join("manifest.json")).ok();
+    let manifest: Option<Manifest> = manifest.and_then(|text| serde_json::from_str(&text).ok());
+    let rows = csv::Reader::from_path(folder.join("prove.csv"))
+        .ok()
+        .filter(|_| manifest.is_some_and(|m| m.sources == sources));
+    rows.into_iter().flat_map(csv::Reader::into_deserialize).filter_map(Result::ok).collect()
 }
 
 /// Runs all parts, whatever becomes of the others, and writes `prove.csv` and what each has said.
@@ -97,25 +126,29 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     if !Path::new("mpm-core/Cargo.toml").is_file() {
         return Err(Failure::BadInput("prove: expected to be run in the root of the source".to_owned()));
     }
+    let manifest = Manifest::new(&mpm_verify::scenes::terzaghi(), common.jobs());
     let rows = common.publish("prove", &["prove.csv", "manifest.json"], |folder| {
-        let mut rows = Vec::new();
-        for part in &PARTS {
-            if options.parts.is_empty() || options.parts.iter().any(|name| name == part.name) {
+        let mut rows = earlier(folder.path(), &manifest.sources);
+        for (number, part) in PARTS.iter().enumerate() {
+            let is_named = options.parts.iter().any(|name| name == part.name);
+            if is_named || options.all || (options.parts.is_empty() && number < DAILY) {
                 let row = part.run(folder.stage())?;
                 let verdict = if row.passed { "passed" } else { "failed" };
                 common.say(&format!("{:<14} {:>8}  {verdict}: {}", row.part, time(row.wall_s), row.command));
+                rows.retain(|earlier| earlier.part != row.part);
                 rows.push(row);
             }
         }
+        rows.sort_by_key(|row| PARTS.iter().position(|part| part.name == row.part));
         write_csv(&folder.stage().join("prove.csv"), &rows)?;
-        let manifest = Manifest::new(&mpm_verify::scenes::terzaghi(), common.jobs());
         write_json(&folder.stage().join("manifest.json"), &manifest)?;
         Ok(rows)
     })?;
     common.json(&rows);
-    common.say(&format!("in all {}", time(rows.iter().map(|row| row.wall_s).sum())));
-    LEFT.iter().for_each(|left| common.say(&format!("left to {left}")));
-    let failed: Vec<&str> = rows.iter().filter(|row| !row.passed).map(|row| row.part).collect();
+    for part in PARTS.iter().filter(|part| rows.iter().all(|row| row.part != part.name)) {
+        common.say(&format!("not run: {} (prove {0})", part.name));
+    }
+    let failed: Vec<&str> = rows.iter().filter(|row| !row.passed).map(|row| row.part.as_str()).collect();
     match failed[..] {
         [] => Ok(()),
         _ => Err(Failure::CheckFailed(format!(

@@ -8,15 +8,16 @@ use clap::builder::PossibleValuesParser;
 use mpm_core::scene::read_text;
 use mpm_verify::error::Error;
 use mpm_verify::files::{Folder, FolderError};
-use mpm_verify::page::site::{RECORD, Report};
+use mpm_verify::page::site::RECORD;
 use mpm_verify::provenance::require_clean;
+use serde::Deserialize;
 
 use super::{Failure, make_folder};
 use crate::Common;
 
 /// Reports that are published, and the files of each: pictures and tables that the README and the guide show, and what these are
 /// made of.
-const PUBLISHED: [(&str, &str); 6] = [
+const PUBLISHED: [(&str, &str); 7] = [
     (
         "accuracy",
         "budget.csv claims.csv claims_integrators.csv consolidation.csv cost.csv displaced.csv errors.csv grid_shift.csv \
@@ -44,6 +45,7 @@ const PUBLISHED: [(&str, &str); 6] = [
         "claims.csv ensemble.csv events.csv levee.png plots/levee-failure.png plots/levee-probability.png \
          plots/levee-safety.png probability.csv report.json safety_factor.csv sensitivity.csv summary.json",
     ),
+    ("prove", "manifest.json prove.csv"),
     ("slopes", "report.json slopes.csv"),
     (
         "speed-against-error",
@@ -73,10 +75,9 @@ pub struct Options {
 
 /// Publishes reports: all are checked before a file of one is copied.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
-    let was_run = |name: &str| Path::new(REPORTS).join(name).join(RECORD).is_file();
     let mut reports = PUBLISHED.to_vec();
-    reports.retain(|(name, _)| match &options.names[..] {
-        [] => was_run(name),
+    reports.retain(|(name, files)| match &options.names[..] {
+        [] => Path::new(REPORTS).join(name).join(record(files)).is_file(),
         names => names.iter().any(|asked| asked == name),
     });
     if reports.is_empty() {
@@ -108,10 +109,22 @@ fn check(report: &Path, files: &str) -> Result<(), Error> {
             "no such file",
         ));
     }
-    let path = report.join(RECORD);
+    let path = report.join(record(files));
     let text = read_text(&path, LARGEST).map_err(Error::at(&path))?;
-    let record: Report = serde_json::from_str(&text).map_err(Error::at(&path))?;
+    let record: Record = serde_json::from_str(&text).map_err(Error::at(&path))?;
     require_clean(&name, &record.commit)
+}
+
+/// Which of the files of a report says from which commit it is.
+fn record(files: &str) -> &'static str {
+    if files.split_whitespace().any(|file| file == RECORD) { RECORD } else { "manifest.json" }
+}
+
+/// What that file says of it.
+#[derive(Deserialize)]
+struct Record {
+    #[serde(default)]
+    commit: String,
 }
 
 /// Copies the files of a report in place of those that were published before.

@@ -24,7 +24,7 @@ fn names_that_do_not_exist_are_answered_with_the_nearest_ones() {
         ("stability hourglas", "found hourglas; did you mean hourglass? "),
         ("levee --variant base-9", "--variant: expected the name of a variant, found base-9; did you mean base-"),
         ("mutants no-dracy", "did you mean "),
-        ("sovle terzaghi", "similar subcommands exist: 'slope', 'score', 'solve'"),
+        ("sovle terzaghi", "similar subcommands exist: 'slope', 'score', 'prove', 'solve'"),
         ("solve terzaghi --scheme gimpp", "a similar value exists: 'gimp'"),
         ("levee --driver couple", "a similar value exists: 'coupled'"),
         ("study --integrator explict", "a similar value exists: 'explicit'"),

@@ -56,6 +56,8 @@ pub struct Rounding {
     pub pending: f64,
     /// Bookings so far.
     pub bookings: u64,
+    /// Water of a particle, m3.
+    pub particle: f64,
 }
 
 impl<const D: usize> WaterLayer<D> {
@@ -123,7 +125,7 @@ impl<const D: usize> WaterLayer<D> {
     /// What rounding to whole particles, and of sums, may come to.
     pub fn rounding(&self) -> Rounding {
         let cells = self.pending.iter().filter(|pending| **pending != 0.0).count();
-        Rounding { pending: 0.5 * self.volume * cells as f64, bookings: self.bookings }
+        Rounding { pending: 0.5 * self.volume * cells as f64, bookings: self.bookings, particle: self.volume }
     }
 
     /// Water in the particles, m3.
