@@ -50,7 +50,7 @@ const WITHOUT_DILATION_SLOPES: [(f64, Seepage); 3] = [
 ];
 
 /// Cells over the depth.
-const ROWS: [usize; 2] = [10, 20];
+const ROWS: [usize; 2] = [10, 28];
 
 /// Where the bracket of a factor of safety is narrow enough, relative.
 const NARROW: f64 = 4e-3;

@@ -42,6 +42,9 @@ pub struct Options {
     /// With --accept: the numbers of this nightly run, without running anything
     #[arg(long, value_name = "DIR", requires = "accept")]
     from: Option<PathBuf>,
+    /// With --from: only numbers whose case or quantity has this in its name
+    #[arg(long, value_name = "TEXT", requires = "from", hide = true)]
+    of: Option<String>,
     /// Folder of the baselines [default: reference-data/baselines]
     #[arg(long, value_name = "DIR", hide = true)]
     baselines: Option<PathBuf>,
@@ -65,7 +68,10 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let target = options.accept.as_deref().map(|why| Ok((why, accepted::target(why, commit(), file.as_deref())?)));
     let target = target.transpose().map_err(Failure::bad_input::<Error>)?;
     if let (Some(target), Some((night, measures))) = (target, &earlier) {
-        return accept(&known, measures, night, target, common);
+        let of = options.of.as_deref();
+        let is_meant = |m: &&Number| of.is_none_or(|of| format!("{} {}", m.case, m.quantity).contains(of));
+        let measures: Vec<Number> = measures.iter().filter(is_meant).cloned().collect();
+        return accept(&known, (&measures, of.is_none()), night, target, common);
     }
     let (night, measures, folder) = common.publish("nightly", &["index.html", history::NAME], |folder| {
         whole(options, common, (&known, file.as_deref()), folder)
@@ -74,7 +80,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     common.say(&night.markdown());
     common.page(&folder.join("index.html"));
     if let Some(target) = target {
-        return accept(&known, &measures, &night, target, common);
+        return accept(&known, (&measures, true), &night, target, common);
     }
     if night.is_green() {
         return Ok(());
@@ -313,13 +319,13 @@ fn comparable(known: &[Accepted], measures: &[Number], options: &Options, notes:
 /// Renews the baselines. Failed checks are not numbers, and stay failed.
 fn accept(
     known: &[Accepted],
-    measures: &[Number],
+    (measures, all): (&[Number], bool),
     night: &Night,
     (why, file): (&str, &Path),
     common: &Common,
 ) -> Result<(), Failure> {
     // A missing number is obsolete only if all parts were finished and could have measured it.
-    let whole = night.parts.len() == PARTS.len() && night.fell.is_empty();
+    let whole = all && night.parts.len() == PARTS.len() && night.fell.is_empty();
     let goes = |row: &Accepted| whole && counted(&row.quantity).is_none();
     let Renewed { rows, new, gone } = accepted::renewed(known, measures, (&night.date, &night.commit), why, goes);
     accepted::write(&rows, file).map_err(Failure::run_failed)?;

@@ -202,8 +202,8 @@ pub struct Renewed {
     pub gone: usize,
 }
 
-/// The accepted numbers with those of a night in their place. A number that has not moved keeps its row; a tolerance is that of the
-/// program; a row that was not measured stays unless it `goes`.
+/// The accepted numbers with those of a night in their place. A number that has not moved keeps its row, if that is of a commit; a
+/// tolerance is that of the program; a row that was not measured stays unless it `goes`.
 pub fn renewed(
     known: &[Accepted],
     measures: &[Number],
@@ -219,9 +219,11 @@ pub fn renewed(
     for m in measures() {
         let place = rows.iter().position(|row| m.is_of(&row.case, &row.quantity));
         let Number { case, quantity, label, value, tolerance: Tolerance { relative, absolute } } = m.clone();
-        if let Some(row) =
-            place.map(|i| &mut rows[i]).filter(|row| row.tolerance().holds(row.value, value) && row.label == label)
-        {
+        let stays = |row: &Accepted| {
+            let commit = row.since.split_whitespace().last().unwrap_or_default();
+            row.tolerance().holds(row.value, value) && row.label == label && require_clean("", commit).is_ok()
+        };
+        if let Some(row) = place.map(|i| &mut rows[i]).filter(|row| stays(row)) {
             (row.relative, row.absolute) = (relative, absolute);
         } else {
             new += 1;
@@ -340,6 +342,11 @@ mod tests {
         assert_eq!((second.new, second.gone), (2, 1));
         let three = ["a 1 d1 c1 the first", "c 3 d2 c2 better", "b 2.5 d2 c2 better"];
         assert_eq!(told(&second), three);
+        let dirty = renewed(&[], &night[..1], ("d1", "c1-dirty"), "the first", all).rows;
+        assert_eq!(
+            told(&renewed(&dirty, &night[..1], ("d2", "c2"), "of a commit", all))[0],
+            "a 1.000000001 d2 c2 of a commit"
+        );
         let part = renewed(&first, &night[3..], ("d2", "c2"), "better", |row| row.case != "e");
         assert_eq!(told(&part), ["e 4 d1 c1 the first"]);
         let part = renewed(&first, &night, ("d2", "c2"), "better", |_| false);

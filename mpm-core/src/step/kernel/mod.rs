@@ -512,15 +512,15 @@ impl<F: Functions<D>, const D: usize, const LEAN: bool> WithSimd for Sweep<'_, F
         let strip = strip.vectors(simd);
         if LEAN {
             let common = &common.lean().expect("a scene without rare parts");
-            Pass { functions, sums, cells: Cells { simd, strip, pressure, common } }.run();
+            Pass::<V, F, D, LEAN> { functions, sums, cells: Cells { simd, strip, pressure, common } }.run();
         } else {
-            Pass { functions, sums, cells: Cells { simd, strip, pressure, common } }.run();
+            Pass::<V, F, D, LEAN> { functions, sums, cells: Cells { simd, strip, pressure, common } }.run();
         }
     }
 }
 
 /// The same as it is done, so many cells at once.
-struct Pass<'a, V: Simd, F, const D: usize> {
+struct Pass<'a, V: Simd, F, const D: usize, const LEAN: bool> {
     cells: Cells<'a, V, D>,
     functions: F,
     sums: &'a mut StripSums,
@@ -534,7 +534,7 @@ struct Cells<'a, V: Simd, const D: usize> {
     common: &'a Common<'a, D>,
 }
 
-impl<'a, V: Simd, F, const D: usize> Deref for Pass<'a, V, F, D> {
+impl<'a, V: Simd, F, const D: usize, const LEAN: bool> Deref for Pass<'a, V, F, D, LEAN> {
     type Target = Cells<'a, V, D>;
     #[inline(always)]
     fn deref(&self) -> &Self::Target {
@@ -542,7 +542,7 @@ impl<'a, V: Simd, F, const D: usize> Deref for Pass<'a, V, F, D> {
     }
 }
 
-impl<V: Simd, F, const D: usize> DerefMut for Pass<'_, V, F, D> {
+impl<V: Simd, F, const D: usize, const LEAN: bool> DerefMut for Pass<'_, V, F, D, LEAN> {
     #[inline(always)]
     fn deref_mut(&mut self) -> &mut Self::Target {
         &mut self.cells
@@ -626,7 +626,7 @@ struct Running<V: Simd> {
     stays: V::m64s,
 }
 
-impl<V: Simd, F: Functions<D>, const D: usize> Pass<'_, V, F, D> {
+impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, D, LEAN> {
     #[inline(always)]
     fn run(mut self) {
         align_stack();
@@ -703,7 +703,8 @@ impl<V: Simd, F: Functions<D>, const D: usize> Pass<'_, V, F, D> {
                 }
             }
             let gained = self.solid(group, &position, (motion, &edges, &cell), (sums, &mut soil, &mut shared), running);
-            if let (true, Some(strain)) = (F::OF_CELL || F::SPLIT, rare.null_space) {
+            // What is passed on to a function that is not inlined is known to be constant no more.
+            if let (true, Some(strain)) = (!LEAN && (F::OF_CELL || F::SPLIT), rare.null_space) {
                 let centre = array!([none; D], d => position[d].like(0.5));
                 let gradient = functions.moves(motion, &edges, &centre, frame.inverse_size).gradient;
                 self.filter(group, (&gradient, strain, F::SPLIT), &mut running.flowed);

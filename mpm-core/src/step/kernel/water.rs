@@ -201,7 +201,7 @@ impl<V: Simd, const D: usize> Cells<'_, V, D> {
     }
 }
 
-impl<V: Simd, F: Functions<D>, const D: usize> Pass<'_, V, F, D> {
+impl<V: Simd, F: Functions<D>, const D: usize, const LEAN: bool> Pass<'_, V, F, D, LEAN> {
     /// Water particles: pressures, volumes and positions (Eqs. 5 to 7), then masses and pressures.
     #[inline(always)]
     pub(super) fn water(
