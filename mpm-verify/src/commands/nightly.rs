@@ -51,6 +51,9 @@ pub struct Options {
     /// Do not count instructions, even where callgrind is installed
     #[arg(long, hide = true)]
     no_instructions: bool,
+    /// Also the schemes that are no default in the stress tests
+    #[arg(long)]
+    all: bool,
     /// Only these parts, without recording them
     #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', value_parser = PARTS)]
     only: Vec<String>,
@@ -71,7 +74,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         let of = options.of.as_deref();
         let is_meant = |m: &&Number| of.is_none_or(|of| format!("{} {}", m.case, m.quantity).contains(of));
         let measures: Vec<Number> = measures.iter().filter(is_meant).cloned().collect();
-        return accept(&known, (&measures, of.is_none()), night, target, common);
+        return accept(&known, (&measures, of.is_none(), options.all), night, target, common);
     }
     let (night, measures, folder) = common.publish("nightly", &["index.html", history::NAME], |folder| {
         whole(options, common, (&known, file.as_deref()), folder)
@@ -80,7 +83,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     common.say(&night.markdown());
     common.page(&folder.join("index.html"));
     if let Some(target) = target {
-        return accept(&known, (&measures, true), &night, target, common);
+        return accept(&known, (&measures, true, options.all), &night, target, common);
     }
     if night.is_green() {
         return Ok(());
@@ -104,6 +107,7 @@ struct Findings<'a> {
     common: &'a Common,
     folder: &'a Path,
     only: &'a [String],
+    all: bool,
     measures: Vec<Number>,
     fell: Vec<String>,
     parts: Vec<Part>,
@@ -165,7 +169,8 @@ impl Findings<'_> {
 
     fn stability(&mut self) -> Result<String, Failure> {
         let common = Common { quiet: true, ..self.common.clone() };
-        let found = stability::measure(&stability::Options::default(), &common, &self.folder.join("stability"))?;
+        let options = stability::Options::of_a_night(self.all);
+        let found = stability::measure(&options, &common, &self.folder.join("stability"))?;
         if let Err(failure) = stability::verdict(&found) {
             self.fell.push(failure.to_string());
         }
@@ -238,6 +243,7 @@ fn whole(
         common,
         folder: &own,
         only: &options.only,
+        all: options.all,
         measures: Vec::new(),
         fell: Vec::new(),
         parts: Vec::new(),
@@ -312,21 +318,33 @@ fn comparable(known: &[Accepted], measures: &[Number], options: &Options, notes:
     for (quantity, count) in left_out {
         notes.push(format!("{count} accepted {quantity} are not compared: they were not counted in this run."));
     }
-    let wanted = |row: &&Accepted| measured(row) || (options.only.is_empty() && counted(&row.quantity).is_none());
+    let left = known.iter().filter(|row| !options.all && is_of_all(row) && !measured(row)).count();
+    if left > 0 {
+        notes.push(format!(
+            "{left} accepted values of stress tests are not compared: --all runs schemes that are no default."
+        ));
+    }
+    let of_part = |row: &&Accepted| counted(&row.quantity).is_none() && (options.all || !is_of_all(row));
+    let wanted = |row: &&Accepted| measured(row) || (options.only.is_empty() && of_part(row));
     known.iter().filter(wanted).cloned().collect()
+}
+
+/// Whether only `--all` measures the number, if it is not that of a default scheme.
+fn is_of_all(row: &Accepted) -> bool {
+    row.case.starts_with(collect::STRESS_TESTS)
 }
 
 /// Renews the baselines. Failed checks are not numbers, and stay failed.
 fn accept(
     known: &[Accepted],
-    (measures, all): (&[Number], bool),
+    (measures, whole, all): (&[Number], bool, bool),
     night: &Night,
     (why, file): (&str, &Path),
     common: &Common,
 ) -> Result<(), Failure> {
     // A missing number is obsolete only if all parts were finished and could have measured it.
-    let whole = all && night.parts.len() == PARTS.len() && night.fell.is_empty();
-    let goes = |row: &Accepted| whole && counted(&row.quantity).is_none();
+    let whole = whole && night.parts.len() == PARTS.len() && night.fell.is_empty();
+    let goes = |row: &Accepted| whole && counted(&row.quantity).is_none() && (all || !is_of_all(row));
     let Renewed { rows, new, gone } = accepted::renewed(known, measures, (&night.date, &night.commit), why, goes);
     accepted::write(&rows, file).map_err(Failure::run_failed)?;
     let line = format!("{new} new or changed numbers accepted, {gone} obsolete rows removed, {} in all", rows.len());

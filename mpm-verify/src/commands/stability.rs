@@ -26,6 +26,16 @@ pub struct Options {
     /// Only the default schemes, and the ends and the middle of every range of the map
     #[arg(long)]
     quick: bool,
+    /// Only the default schemes in the stress tests, and the whole map
+    #[arg(skip)]
+    defaults: bool,
+}
+
+impl Options {
+    /// What a night measures: the map, and of all schemes or of the default ones what they bear.
+    pub fn of_a_night(all: bool) -> Self {
+        Self { defaults: !all, ..Self::default() }
+    }
 }
 
 /// Results of the command.
@@ -115,7 +125,9 @@ fn chosen(names: &[String]) -> Result<Vec<Case>, Failure> {
 /// Every scheme in every stress test, or the default schemes alone.
 fn stress_tests(cases: &[Case], options: &Options, common: &Common, folder: &Path) -> Result<Vec<Found>, Failure> {
     let progress = Progress::new("stress tests", common.silent());
-    let asked = |case: &Case, scheme: &stress::Scheme| !options.quick || scheme.is_default(case.dimension);
+    let asked = |case: &Case, scheme: &stress::Scheme| {
+        !(options.quick || options.defaults) || scheme.is_default(case.dimension)
+    };
     let found = stress::matrix(cases, asked, common.jobs(), &progress);
     progress.finish();
     write_csv(&folder.join("matrix.csv"), &found.iter().map(|f| f.row(cases)).collect::<Vec<_>>())?;

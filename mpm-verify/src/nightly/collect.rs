@@ -126,11 +126,14 @@ fn costs(results: &[CaseResult]) -> Vec<Number> {
     measures
 }
 
+/// First letters of the names of all numbers of stress tests.
+pub const STRESS_TESTS: &str = "stress-";
+
 /// Verdicts and values of the stress tests, limits of steps over theory and of `auto` over what was measured.
 pub fn stability(matrix: &[MatrixRow], summaries: &[map::Summary]) -> Vec<Number> {
     let mut measures = Vec::new();
     for row in matrix {
-        let case = format!("stress-{}-{}-{}", row.case, row.integrator, row.scheme).replace(' ', "-");
+        let case = format!("{STRESS_TESTS}{}-{}-{}", row.case, row.integrator, row.scheme).replace(' ', "-");
         let grade = match row.verdict {
             Verdict::Passed => 0.0,
             Verdict::Degraded => 1.0,
