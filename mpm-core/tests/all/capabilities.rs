@@ -158,7 +158,7 @@ fn written(has: Set) -> String {
     let seeps = is(FreeSurface) && !is(Fails);
     line(seeps && (is(RestEnd) || is(PressureEnd)), "coupling = \"soil\"");
     line(is(RestEnd), "until.rest = { speed = 1e3, at_most = 10.0 }");
-    line(is(PressureEnd), "until = { pore_pressure_within = 0.9, at_most = 1e-3 }");
+    line(is(PressureEnd), "until = { pore_pressure_within = 0.9, at_most = 1.0 }");
     line(!is(RestEnd) && !is(PressureEnd), "until.time = 1e-4");
     text
 }
@@ -270,15 +270,21 @@ fn every_pair_that_the_table_allows_runs() {
         // What goes with a sharp front goes with unsaturated soil.
         for text in [Some(text.replace(SHARP, HELD)).filter(|held| *held != text), Some(text)].into_iter().flatten() {
             let trouble = match Scene::parse(&text, "pair.toml") {
-                Ok(scene) => trouble(&scene),
+                Ok(scene) if is_run(a, b) => trouble(&scene),
+                Ok(_) => None,
                 Err(e) => Some(e.to_string()),
             };
-            ran += 1;
+            ran += usize::from(is_run(a, b));
             wrong.extend(trouble.map(|trouble| format!("{a:?} {b:?}: {trouble}\n{text}")));
         }
     }
     assert!(wrong.is_empty(), "{} pairs:\n{}", wrong.len(), wrong.join("\n"));
-    assert!(ran > 1000, "{ran} pairs ran");
+    assert!(ran > 500, "{ran} pairs ran");
+}
+
+/// Whether the scene of a pair is run, not only read: every feature with half of the others.
+fn is_run(a: Feature, b: Feature) -> bool {
+    (a as usize + b as usize).is_multiple_of(2)
 }
 
 #[test]

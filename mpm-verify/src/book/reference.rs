@@ -105,9 +105,9 @@ fn walk(path: &[String], rows: &[Row], scenes: &[Table], all: &mut Vec<Key>) {
             continue;
         }
         all.push(Key { row: meaning(&dotted, rows), path: dotted, kind, holds: holds.is_some(), bounds });
-        // Laws of layers are those of the soil; the four feeds have the same keys.
-        let repeated =
-            at.len() == 2 && at[1] == "law" && at[0] != "soil" || at.len() == 4 && at[2] == "feed" && at[3] != "left";
+        // Laws of layers are those of the soil; the four feeds have the same keys; the row of a retention says its keys.
+        let repeated = at.len() == 2 && at[1] == "law" && at[0] != "soil"
+            || at.len() == 4 && (at[2] == "feed" && at[3] != "left" || at[2] == "retention");
         inner.extend(holds.filter(|_| !repeated).map(|(path, _)| path));
     }
     for path in inner {
@@ -142,8 +142,7 @@ fn kind(path: &[String]) -> String {
     match kind.trim_start_matches("a ") {
         "string" => "word".to_owned(),
         "boolean" => "`true` or `false`".to_owned(),
-        "map" => "a table".to_owned(),
-        "an array of length 2" => "two numbers".to_owned(),
+        "list of length 2" => "two numbers".to_owned(),
         kind => kind.to_owned(),
     }
 }

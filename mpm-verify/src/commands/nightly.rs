@@ -43,7 +43,7 @@ pub struct Options {
     #[arg(long, value_name = "DIR", requires = "accept")]
     from: Option<PathBuf>,
     /// With --from: only numbers whose case or quantity has this in its name
-    #[arg(long, value_name = "TEXT", requires = "from", hide = true)]
+    #[arg(long, value_name = "TEXT", requires = "from")]
     of: Option<String>,
     /// Folder of the baselines [default: reference-data/baselines]
     #[arg(long, value_name = "DIR", hide = true)]

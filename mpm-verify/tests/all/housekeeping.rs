@@ -261,7 +261,7 @@ fn check_reads_the_accepted_errors_that_lie_on_the_disk_and_says_which() {
     // Rows name the commit that measured them: there must be one.
     if provenance::require_clean("--accept", provenance::commit()).is_ok() {
         assert!(said.contains("numbers accepted: reference-data/baselines/accepted.csv"), "{said}");
-        assert!(text.matches(",a test\n").count() == 1 && check(&[]).0 == Some(0), "{text}");
+        assert!(text.contains(",a test\n") && check(&[]).0 == Some(0), "{text}");
     } else {
         assert!(code == Some(2) && said.contains("--accept: expected numbers of a program whose sources"), "{said}");
         assert!(!text.contains(",a test\n"), "{text}");
