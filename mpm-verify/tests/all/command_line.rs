@@ -111,7 +111,7 @@ fn list_shows_what_there_is() {
 fn bad_input_ends_with_two_before_the_first_step() {
     let folder = tempfile::tempdir().expect("a folder");
     let bad = changed(folder.path(), "terzaghi.toml", &[("poisson_ratio = 0.30", "poisson_ratio = 0.6")]);
-    let output = verify(folder.path(), &["solve", &bad]);
+    let output = verify(folder.path(), &["solve", bad]);
     assert_eq!(output.status.code(), Some(2));
     let message = stderr(&output);
     assert!(
@@ -148,7 +148,7 @@ fn flags_of_solve_change_the_scene_and_are_checked_with_it() {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = changed(folder.path(), "terzaghi.toml", &[("cell = 0.02", "cell = 0.1")]);
     let summary = |flags: &[&str]| {
-        let output = verify(folder.path(), &[&["solve", &scene, "--out", "out", "--json"], flags].concat());
+        let output = verify(folder.path(), &[&["solve", scene, "--out", "out", "--json"], flags].concat());
         assert!(output.status.success(), "{flags:?}: {}", stderr(&output));
         serde_json::from_slice::<serde_json::Value>(&output.stdout).expect("JSON on standard output")
     };
@@ -171,12 +171,12 @@ fn flags_of_solve_change_the_scene_and_are_checked_with_it() {
             format!("--tolerance: {beside} \"semi-implicit\""),
         ),
     ] {
-        let output = verify(folder.path(), &[&["solve", &scene][..], &flags].concat());
+        let output = verify(folder.path(), &[&["solve", scene][..], &flags].concat());
         assert_eq!(output.status.code(), Some(2), "{flags:?}: {}", stderr(&output));
         assert!(stderr(&output).starts_with(&message), "{flags:?}: {}", stderr(&output));
     }
     // Keys of the file that have no meaning with the flag are left out, and named.
-    let output = verify(folder.path(), &["solve", &scene, "--integrator", "quasi-static", "--out", "out"]);
+    let output = verify(folder.path(), &["solve", scene, "--integrator", "quasi-static", "--out", "out"]);
     let names = "left out scheme.flip, scheme.darcy_inertia, time.safety";
     assert!(output.status.success() && stderr(&output).contains(names), "{}", stderr(&output));
 }
@@ -194,10 +194,10 @@ fn a_folder_that_cannot_be_written_is_refused() {
 fn a_step_above_the_limit_is_refused_and_a_forced_one_fails_but_keeps_its_history() {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = changed(folder.path(), "terzaghi.toml", &[("step = \"auto\"\nsafety = 0.9", "step = 3.0e-6")]);
-    let refused = verify(folder.path(), &["solve", &scene]);
+    let refused = verify(folder.path(), &["solve", scene]);
     assert_eq!(refused.status.code(), Some(2));
     assert!(stderr(&refused).contains("expected at most 1.428"), "{}", stderr(&refused));
-    let forced = verify(folder.path(), &["solve", &scene, "--force", "--out", "forced"]);
+    let forced = verify(folder.path(), &["solve", scene, "--force", "--out", "forced"]);
     assert_eq!(forced.status.code(), Some(3));
     assert!(stderr(&forced).contains("run failed at step"), "{}", stderr(&forced));
     let summary = std::fs::read_to_string(folder.path().join("forced/summary.json")).expect("a summary");
@@ -210,7 +210,7 @@ fn a_step_above_the_limit_is_refused_and_a_forced_one_fails_but_keeps_its_histor
 fn solve_writes_its_stable_outputs() {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = changed(folder.path(), "terzaghi.toml", &[("cell = 0.02", "cell = 0.1")]);
-    let output = verify(folder.path(), &["solve", &scene, "--out", "out", "--json"]);
+    let output = verify(folder.path(), &["solve", scene, "--out", "out", "--json"]);
     assert!(output.status.success(), "{}", stderr(&output));
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON on standard output");
     assert!(json["steps"].as_u64() > Some(0));

@@ -255,7 +255,7 @@ impl<L: Law, const D: usize> Soil<L, D> {
             return (law.energy(stress), *stress);
         }
         let volume = (strain[0] + strain[1] + strain[2]).exp();
-        (volume * law.finite_energy(stress), map_of(&stress, |s| volume * s))
+        (volume * law.finite_energy(stress), map_of(stress, |s| volume * s))
     }
 
     /// Puts on the loads of a time since the start of the run; sudden ones grow within a `ramp`, both s.
