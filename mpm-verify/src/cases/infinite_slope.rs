@@ -49,9 +49,8 @@ const WITHOUT_DILATION_SLOPES: [(f64, Seepage); 3] = [
     (1.0, Seepage::Parallel { share: 0.5 }),
 ];
 
-/// Cells over the depth: more without dilation, where a factor comes nearer to the exact one more slowly.
-const ROWS: [usize; 2] = [10, 20];
-const WITHOUT_DILATION_ROWS: [usize; 2] = [10, 40];
+/// Cells over the depth; the worse of the two counts.
+const ROWS: [usize; 2] = [14, 20];
 
 /// Where the bracket of a factor of safety is narrow enough, relative.
 const NARROW: f64 = 4e-3;
@@ -213,8 +212,7 @@ fn exact(scene: &Scene, depth: f64, seepage: Seepage, psi: f64) -> Result<f64, E
 
 fn outcome(psi: f64, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     let (mut errors, mut notes) = (Vec::new(), Vec::new());
-    let (slopes, meshes) =
-        if psi > 0.0 { (&SLOPES[..], ROWS) } else { (&WITHOUT_DILATION_SLOPES[..], WITHOUT_DILATION_ROWS) };
+    let slopes = if psi > 0.0 { &SLOPES[..] } else { &WITHOUT_DILATION_SLOPES };
     let found_with = |particles_per_cell, mesh: (usize, usize), depth, seepage, guess| {
         factor(guess, |factor| {
             let mut scene = slope(&base(), mesh, depth, seepage, psi, factor)?
@@ -224,14 +222,14 @@ fn outcome(psi: f64, fault: fn(&mut Fields)) -> Result<Outcome, Error> {
         })
     };
     let found_on = |mesh, depth, seepage, guess| found_with(base().particles_per_cell, mesh, depth, seepage, guess);
-    for rows in meshes {
+    for rows in ROWS {
         let mut offs = Vec::new();
         for &(depth, seepage) in slopes {
             let exact = exact(&base(), depth, seepage, psi)?;
             let found = found_on((1, rows), depth, seepage, exact)?;
             let off = found / exact - 1.0;
             offs.push(off);
-            if rows == meshes[1] {
+            if rows == ROWS[1] {
                 notes.push((format!("factor found, d = {depth} m, {}", words(seepage)), found, "-".to_owned()));
                 notes.push((format!("factor exact, d = {depth} m, {}", words(seepage)), exact, "-".to_owned()));
             }
