@@ -81,20 +81,17 @@ impl Part {
             By::Cargo | By::Clone => Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into())),
         };
         let clone = folder.join(format!("{}-source", self.name));
-        match self.by {
-            By::This => drop(command.arg("--quiet")),
-            By::Clone => {
-                let cloned = Command::new("git").args(["clone", "--quiet", "."]).arg(&clone).status();
-                if !cloned.is_ok_and(|status| status.success()) {
-                    return Err(Failure::run_failed(format!("git clone . {} failed", clone.display())));
-                }
-                command.current_dir(&clone).env_remove("CARGO_TARGET_DIR");
+        if self.by == By::Clone {
+            let cloned = Command::new("git").args(["clone", "--quiet", "."]).arg(&clone).status();
+            if !cloned.is_ok_and(|status| status.success()) {
+                return Err(Failure::run_failed(format!("git clone . {} failed", clone.display())));
             }
-            By::Cargo => {}
+            command.current_dir(&clone).env_remove("CARGO_TARGET_DIR");
         }
         let clock = Instant::now();
         let status = command
             .args(self.arguments)
+            .args(if self.by == By::This { &["--quiet"][..] } else { &[] })
             .env("RUSTDOCFLAGS", "-D warnings")
             .stdin(Stdio::null())
             .stdout(file)
