@@ -148,9 +148,14 @@ mod tests {
 
     #[test]
     fn the_machine_can_do_something_and_divides_more_slowly() {
-        let machine = Machine::measure(1 << 16, Effort { point_steps: 0, warm_up: 0, samples: 2 });
-        assert!(machine.operations_per_ns > 0.1 && machine.bytes_per_ns > 0.1, "{machine:?}");
-        assert!(machine.divisions_per_ns < machine.operations_per_ns, "{machine:?}");
+        // Other work on the machine may take the time of some of these.
+        let machines: [Machine; 10] =
+            std::array::from_fn(|_| Machine::measure(1 << 16, Effort { point_steps: 0, warm_up: 0, samples: 2 }));
+        let holds = |machine: &Machine| {
+            let can = machine.operations_per_ns > 0.1 && machine.bytes_per_ns > 0.1;
+            can && machine.divisions_per_ns < machine.operations_per_ns
+        };
+        assert!(machines.iter().any(holds), "{machines:?}");
     }
 
     #[test]

@@ -59,7 +59,7 @@ pub struct Options {
     /// Write what each case costs, for the order of later runs
     #[arg(long, conflicts_with_all = ["scene", "mutants"], hide = true)]
     record_cost: bool,
-    /// Write only the verdicts to FILE, each as it is known, of the cases as named
+    /// Write only the verdicts to FILE, each as it is known
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scene", "mutants", "accept"], hide = true)]
     verdicts: Option<PathBuf>,
     /// End with the first case that fails
