@@ -115,6 +115,24 @@ fn check(report: &Path, files: &str) -> Result<(), Error> {
     require_clean(&name, &record.commit)
 }
 
+/// A Markdown text without links to what is not published: of a picture its vector form is shown, of another file only the name.
+fn linked(text: &str, files: &[&str]) -> String {
+    let mut out = String::new();
+    let mut rest = text;
+    while let Some((before, (target, after))) = rest.split_once("](").and_then(|(a, b)| Some((a, b.split_once(')')?))) {
+        let (ahead, name) = before.rsplit_once('[').unwrap_or((before, ""));
+        let vector = target.replace(".png", ".svg");
+        let is_there = |target: &str| target.contains(':') || target.starts_with('#') || files.contains(&target);
+        out += &match target {
+            _ if is_there(target) => format!("{before}]({target})"),
+            _ if ahead.ends_with('!') && is_there(&vector) => format!("{before}]({vector})"),
+            _ => format!("{}{name}", ahead.trim_end_matches('!')),
+        };
+        rest = after;
+    }
+    out + rest
+}
+
 /// Which of the files of a report says from which commit it is.
 fn record(files: &str) -> &'static str {
     if files.split_whitespace().any(|file| file == RECORD) { RECORD } else { "manifest.json" }
@@ -133,10 +151,15 @@ fn copy(report: &Path, to: &Path, files: &str) -> Result<(), Failure> {
     let folder = Folder::take(to).map_err(refused)?;
     let files: Vec<&str> = files.split_whitespace().collect();
     folder.has_room_for(&files).map_err(refused)?;
-    for file in files {
+    for file in &files {
         let staged = folder.stage().join(file);
         staged.parent().map_or(Ok(()), make_folder)?;
-        fs::copy(report.join(file), &staged).map_err(Failure::unwritable(&staged))?;
+        if file.ends_with(".md") {
+            let text = fs::read_to_string(report.join(file)).map_err(Failure::unwritable(&staged))?;
+            fs::write(&staged, linked(&text, &files)).map_err(Failure::unwritable(&staged))?;
+        } else {
+            fs::copy(report.join(file), &staged).map_err(Failure::unwritable(&staged))?;
+        }
     }
     folder.publish().map_err(Failure::run_failed)
 }
@@ -175,6 +198,23 @@ mod tests {
         fs::write(to.join("c.csv"), "theirs").expect("written");
         let error = copy(&from, &to, "a.csv c.csv").expect_err("refused");
         assert!(error.code() == 2 && error.to_string().contains("c.csv"), "{error}");
+    }
+
+    /// Markdown that is committed links to nothing that is not.
+    #[test]
+    fn links_lead_to_what_is_published() {
+        let text = "![A](a.png) [csv](a.csv) [png](a.png) [page](index.html) [far](https://b.c) [here](#d)";
+        let linked = |files: &[&str]| linked(text, files);
+        assert_eq!(linked(&["a.png", "a.csv", "index.html"]), text);
+        assert_eq!(linked(&["a.svg", "a.csv"]), "![A](a.svg) [csv](a.csv) png page [far](https://b.c) [here](#d)");
+        for (name, files) in PUBLISHED {
+            let files: Vec<&str> = files.split_whitespace().collect();
+            for file in files.iter().filter(|file| file.ends_with(".md")) {
+                let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(TARGET).join(name).join(file);
+                let text = fs::read_to_string(path).expect("a page");
+                assert!(super::linked(&text, &files) == text, "{name}/{file}: links to what is not published");
+            }
+        }
     }
 
     #[test]
