@@ -125,7 +125,7 @@ impl Case {
         if let Way::Data(spec) = self.way { Some(spec) } else { None }
     }
 
-    /// Its CPU time, s.
+    /// CPU time of the case, s.
     pub fn cost(&self) -> f64 {
         COSTS.get(self.name).copied().unwrap_or(SHORT)
     }

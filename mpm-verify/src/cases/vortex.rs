@@ -38,7 +38,7 @@ pub const GIMP: Program = Program {
 const NO_FORCE: &str = "no body force";
 /// Cells over the radius of the disc.
 const MESHES: [usize; 4] = [10, 14, 20, 28];
-/// The same where steps are refined: what they change does not need the ring to be resolved.
+/// Cells over the radius where steps are refined: what steps change does not need the ring to be resolved.
 const STEPPED: usize = 5;
 /// Comparison at the disc on the way.
 const LOOKS: u32 = 4;

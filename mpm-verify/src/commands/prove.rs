@@ -20,7 +20,7 @@ struct Part {
     arguments: &'static [&'static str],
 }
 
-/// What runs a part.
+/// What runs a part of the proof.
 #[derive(Clone, Copy, PartialEq)]
 enum By {
     Cargo,
@@ -71,7 +71,7 @@ struct Row {
 }
 
 impl Part {
-    /// Runs it from the root of the source, with all that it says in a file.
+    /// Runs the part from the root of the source, with all that it says in a file.
     fn run(&self, folder: &Path) -> Result<Row, Failure> {
         let log = folder.join(format!("{}.txt", self.name));
         let file = File::create(&log).map_err(Failure::unwritable(&log))?;

@@ -55,7 +55,7 @@ impl DynamicColumn {
         Self::of(scene, true)
     }
 
-    /// The same column without inertia of soil and water: a mode holds `k U + P/Q` when the load comes, and decays at the rate
+    /// Column of a scene without inertia of soil and water: a mode holds `k U + P/Q` when the load comes, and decays at the rate
     /// `(k_h/gamma_w) k^2/(1/M + 1/Q)`.
     pub fn without_inertia(scene: &Fields) -> Option<Self> {
         Self::of(scene, false)

@@ -12,7 +12,7 @@ use crate::files;
 
 /// The file, from the root of the source.
 pub const FILE: &str = "reference-data/baselines/detected.csv";
-/// As it was when the program was built.
+/// Text of the file when the program was built.
 const BUILT_IN: &str = include_str!("../../../reference-data/baselines/detected.csv");
 
 /// A row of the file.
