@@ -147,15 +147,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_machine_can_do_something_and_divides_more_slowly() {
-        // Other work on the machine may take the time of some of these.
-        let machines: [Machine; 10] =
-            std::array::from_fn(|_| Machine::measure(1 << 16, Effort { point_steps: 0, warm_up: 0, samples: 2 }));
-        let holds = |machine: &Machine| {
-            let can = machine.operations_per_ns > 0.1 && machine.bytes_per_ns > 0.1;
-            can && machine.divisions_per_ns < machine.operations_per_ns
-        };
-        assert!(machines.iter().any(holds), "{machines:?}");
+    fn no_chain_is_faster_than_its_links_one_after_the_other() {
+        // An addition takes a cycle and a division four at least, and no processor has 6 GHz yet. Work that the
+        // compiler takes out of the loop is faster than that; how fast the rest is depends on processor and profile.
+        let fastest = 6.0 * (CHAINS * Arch::new().dispatch(Count)) as f64;
+        let machine = Machine::measure(1 << 16, Effort { point_steps: 0, warm_up: 0, samples: 2 });
+        let possible = |measured: f64, limit: f64| measured > 1e-3 && measured < limit;
+        assert!(possible(machine.operations_per_ns, 2.0 * fastest), "{machine:?}");
+        assert!(possible(machine.divisions_per_ns, fastest / 4.0), "{machine:?}");
+        assert!(possible(machine.bytes_per_ns, 2.0 * 64.0 * 6.0), "{machine:?}");
     }
 
     #[test]
