@@ -25,6 +25,11 @@ impl Scene {
     pub fn edited(&self, edit: impl FnOnce(&mut Fields)) -> Result<Self, SceneError> {
         let mut fields = self.fields.clone();
         edit(&mut fields);
+        self.with_fields(fields)
+    }
+
+    /// Apart from [`Self::edited`] so that it is not compiled anew for every edit.
+    fn with_fields(&self, mut fields: Fields) -> Result<Self, SceneError> {
         let follows = fields.darcy_inertia == self.darcy_inertia && self.darcy_inertia == self.usual_darcy_inertia();
         if follows && !fields.usual_darcy_inertia() {
             fields.darcy_inertia = false;
