@@ -80,8 +80,10 @@ impl Part {
             By::This => Command::new(std::env::current_exe().map_err(Failure::run_failed)?),
             By::Cargo | By::Clone => Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into())),
         };
-        let clone = folder.join(format!("{}-source", self.name));
+        // Apart from the reports: pages find their home by the names of folders.
+        let clone = Path::new("target").join(self.name);
         if self.by == By::Clone {
+            let _ = std::fs::remove_dir_all(&clone);
             let cloned = Command::new("git").args(["clone", "--quiet", "."]).arg(&clone).status();
             if !cloned.is_ok_and(|status| status.success()) {
                 return Err(Failure::run_failed(format!("git clone . {} failed", clone.display())));
