@@ -526,23 +526,29 @@ mod tests {
 
     #[test]
     fn a_slope_in_a_mirror_is_as_safe() {
-        let of = |scene: &Scene, line: &[[f64; 2]]| {
-            let water = Water { level: line, time: 0.0, cells: None };
-            let [found, _] = factors(scene, &water, 0.3).expect("factors");
+        let values = |found: Factors| {
             [found.bishop, found.spencer, found.morgenstern_price, found.any_shape]
                 .map(|factor| factor.expect("a factor"))
         };
-        let usual = of(&shaped(&HALF, |_| ()), &LINE);
+        let of = |scene: &Scene| {
+            let water = Water { level: &LINE, time: 0.0, cells: None };
+            let profile = Profile::of_scene(scene, 1.0).expect("a surface").expect("a fall to the right");
+            values(profile.factors(scene, (&water, &LINE), 0.3))
+        };
+        let usual = of(&shaped(&HALF, |_| ()));
         // Regression: circles by Bishop and Spencer; surfaces of any shape are no safer.
         let smooth = |scene: &mut Fields| scene.base.as_mut().expect("a base").peak_angle = 8.5;
-        let smooth = of(&shaped(&HALF, smooth), &LINE);
+        let smooth = of(&shaped(&HALF, smooth));
         assert!((smooth[0] - 0.4837).abs() < 2e-3 && (smooth[1] - 0.5047).abs() < 2e-3, "{smooth:?}");
         assert!((usual[0] - 0.9539).abs() < 2e-3 && (usual[1] - 0.9934).abs() < 2e-3, "{usual:?}");
         assert!(
             usual[3] <= usual[1] && usual[3] > 0.9 * usual[1] && (usual[2] / usual[1] - 1.0).abs() < 0.02,
             "{usual:?}"
         );
-        let mirrored = of(&shaped(&mirror(&HALF), walled), &mirror(&LINE));
+        let line = mirror(&LINE);
+        let water = Water { level: &line, time: 0.0, cells: None };
+        let [mirrored, _] = factors(&shaped(&mirror(&HALF), walled), &water, 0.3).expect("factors");
+        let mirrored = values(mirrored);
         assert!(mirrored.iter().zip(usual).all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{mirrored:?} {usual:?}");
     }
 
