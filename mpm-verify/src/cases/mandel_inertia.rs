@@ -85,7 +85,7 @@ pub(super) const IMPLICIT_PRESSURE: Way = Way {
 pub(super) const PAPER: Way = Way {
     integrate: Integrator::Explicit,
     slow: 4.0,
-    sides: [4, 7, 10, 14],
+    sides: [4, 8, 12, 16],
     safety: 0.9,
     stepped: (1.0, 8),
     share: 0.9,

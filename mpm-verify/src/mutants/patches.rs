@@ -136,7 +136,8 @@ fn piece(old: &str, new: &str) -> Option<(Range<usize>, Range<usize>, bool)> {
             let after = a[a.len() - kept];
             let ends = [")", "]", "}", ",", ";"].contains(&after) || (condition && after == "{");
             // What a reference borrows must outlive the choice.
-            let expression = ends && mids.iter().all(|mid| !["let", "&"].contains(&mid[0]) && !has(mid, &[";", ","]));
+            let expression =
+                ends && mids.iter().all(|mid| !["let", "&"].contains(&mid[0]) && !has(mid, &[";", ",", "=>"]));
             let statements =
                 starts && mids[0][0] != "let" && mids.iter().all(|mid| [";", "}"].contains(&mid[mid.len() - 1]));
             if expression || statements {
@@ -175,6 +176,8 @@ mod tests {
         assert_eq!((mutant.what.as_str(), mutant.file.as_str(), mutant.old.as_str()), ("Why", "b.rs", "x\n"));
         assert!(mutant.switched("x\nx\n", "on").expect_err("twice").to_string().contains("found them 2 times"));
         assert!(mutant.switched("x\n", "on").expect_err("no statement").to_string().contains("no expression"));
+        let arm = Mutant { old: "{ Some(c) => c, }".into(), new: "{ Some(_) => d, }".into(), ..mutant };
+        assert!(arm.switched("{ Some(c) => c, }", "on").is_err(), "an arm of a match is no expression");
         assert!(Mutant::parse("a", "Why.").is_err());
     }
 
