@@ -28,7 +28,7 @@ impl Scene {
         self.with_fields(fields)
     }
 
-    /// Apart from [`Self::edited`] so that it is not compiled anew for every edit.
+    /// The scene with these fields, checked. [`Self::edited`] is generic and compiled for every edit; this is compiled once.
     fn with_fields(&self, mut fields: Fields) -> Result<Self, SceneError> {
         let follows = fields.darcy_inertia == self.darcy_inertia && self.darcy_inertia == self.usual_darcy_inertia();
         if follows && !fields.usual_darcy_inertia() {

@@ -25,7 +25,7 @@ fn job(name: &'static str, compared: &'static [&'static str], arguments: &[&str]
     Job { name, arguments: arguments.iter().map(|a| (*a).to_owned()).collect(), compared }
 }
 
-/// Each kind of result, long enough to be killed a few times. That every integrator goes on to the same bits is tested in the core.
+/// Jobs of each kind of result, long enough to be killed a few times. Resumes of every integrator are tested in the core.
 fn jobs(scenes: &Path) -> Vec<Job> {
     let scene = |name: &str, edits: &[(&str, &str)]| {
         let number = fs::read_dir(scenes).expect("a folder").count();
